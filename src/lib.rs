@@ -1,0 +1,12 @@
+//! A wildfire contest between planners: an arsonist on a grid sets bushes on fire, a truck with Ackermann steering
+//! puts them out.
+//!
+//! The layers, lowest first; each may use those above it in this list:
+//! [`time`], [`geometry`], [`rng`], [`event_queue`], [`whole_file`]; `grid`; `vehicle`; `trajectory`; `collision`;
+//! `planning`; `fire`; `scenario`; `timeline`; `audit`; `sim`; `batch`; `cli`.
+
+pub mod event_queue;
+pub mod geometry;
+pub mod rng;
+pub mod time;
+pub mod whole_file;

@@ -1,0 +1,85 @@
+//! Random streams with names.
+//!
+//! Every use of chance has a stream of its own (`terrain`, `wumpus/0`, `truck/0/prm`), derived from the run's
+//! seed and the stream's name. Another draw in one stream never shifts a draw in another.
+//!
+//! The rule is frozen, because runs are quoted by their seed: the FNV-1a hash (64 bit) of the name is
+//! combined by exclusive or with one SplitMix64 output of the seed (Steele, Lea, Flood, "Fast splittable pseudorandom
+//! number generators", OOPSLA 2014), and four outputs of SplitMix64 from there are the state of xoshiro256++
+//! (Blackman, Vigna, "Scrambled linear pseudorandom number generators", ACM TOMS 2021).
+
+use rand::SeedableRng;
+pub use rand::rngs::Xoshiro256PlusPlus;
+
+const FNV_OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
+const FNV_PRIME: u64 = 0x0000_0100_0000_01b3;
+
+/// The stream called `name` of the run with this seed.
+pub fn stream(seed: u64, name: &str) -> Xoshiro256PlusPlus {
+    let name_hash = name.bytes().fold(FNV_OFFSET, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(FNV_PRIME));
+    let mut mix = split_mix(&mut { seed }) ^ name_hash;
+    let mut state = [0u8; 32];
+    for word in state.chunks_exact_mut(8) {
+        word.copy_from_slice(&split_mix(&mut mix).to_le_bytes());
+    }
+    Xoshiro256PlusPlus::from_seed(state)
+}
+
+fn split_mix(state: &mut u64) -> u64 {
+    *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let mut z = *state;
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::Rng;
+
+    use super::*;
+
+    /// Reckoned by a separate program from the rule in the module's text.
+    #[test]
+    fn the_first_draws_of_two_streams_are_pinned() {
+        let draws = |seed, name| {
+            let mut stream = stream(seed, name);
+            [(); 8].map(|()| stream.next_u64())
+        };
+        assert_eq!(
+            draws(1, "terrain"),
+            [
+                0x5a2e_4cad_7def_a472,
+                0x0bbc_3ac3_f0bf_c132,
+                0xc028_8e47_b122_44b1,
+                0x3a12_065b_df1d_716d,
+                0x6d10_6384_7ccc_3095,
+                0xc2e5_ee10_4847_2fa8,
+                0x09cf_306a_ac0e_e4cb,
+                0xb178_8582_7fa2_7f03,
+            ]
+        );
+        assert_eq!(
+            draws(42, "truck/0/prm"),
+            [
+                0xc8d4_d59f_0082_e9c4,
+                0x8834_ebc1_bcbb_6d2f,
+                0x2a6a_6bd7_2345_8ad3,
+                0x6853_bfef_12f5_eab1,
+                0xf052_c71a_d2b5_4c28,
+                0x1a56_9ef7_7eac_c307,
+                0xd6cf_c94b_1658_5b2d,
+                0x481c_6b4f_bb53_7556,
+            ]
+        );
+    }
+
+    #[test]
+    fn names_and_seeds_give_streams_of_their_own() {
+        let first = |seed, name| stream(seed, name).next_u64();
+        let draws = [first(1, "a"), first(1, "b"), first(2, "a"), first(2, "b"), first(0, "")];
+        for (i, draw) in draws.iter().enumerate() {
+            assert!(!draws[..i].contains(draw));
+        }
+    }
+}

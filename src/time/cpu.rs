@@ -1,0 +1,27 @@
+//! CPU cost of planning, from the thread's own CPU clock.
+//!
+//! What is measured here is reported and never decides anything, so that outcomes stay equal bit for bit.
+
+use std::time::Duration;
+
+use cpu_time::ThreadTime;
+
+/// Measures the CPU time that this thread spends from its creation on.
+///
+/// The clock counts nanoseconds of this thread only; other threads and waiting do not show.
+#[derive(Clone, Copy, Debug)]
+pub struct CpuStopwatch(ThreadTime);
+
+impl CpuStopwatch {
+    pub fn start() -> Self {
+        Self(ThreadTime::now())
+    }
+
+    /// CPU time since the start, or since the last lap.
+    pub fn lap(&mut self) -> Duration {
+        let now = ThreadTime::now();
+        let span = now.duration_since(self.0);
+        self.0 = now;
+        span
+    }
+}

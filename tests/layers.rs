@@ -1,0 +1,269 @@
+//! Imports point downwards: this reads the sources and fails on a forbidden one, with the reason.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The layers, lowest first, with the external crates that are at home in each.
+///
+/// A layer may use itself and those before it, but for the exceptions below.
+const LAYERS: &[(&str, &[&str])] = &[
+    ("time", &["cpu_time"]),
+    ("geometry", &["glam", "libm"]),
+    ("rng", &["rand"]),
+    ("event_queue", &[]),
+    ("whole_file", &[]),
+    ("grid", &["glam"]),
+    ("map_files", &["image", "csv"]),
+    ("vehicle", &["glam"]),
+    ("trajectory", &["glam"]),
+    ("collision", &["glam"]),
+    ("planning", &["glam", "kiddo", "petgraph"]),
+    ("fire", &["glam"]),
+    // A scenario's errors know their place in the file, which is what a miette diagnostic is.
+    ("scenario", &["glam", "toml", "schemars", "serde_json", "serde_path_to_error", "strsim", "miette"]),
+    ("timeline", &["glam", "csv", "crc32fast", "miniz_oxide", "postcard"]),
+    ("picture", &["tiny_skia", "plotters", "resvg", "gif"]),
+    ("audit", &["glam", "rapier2d"]),
+    ("sim", &["glam", "bevy"]),
+    ("stats", &["statrs"]),
+    ("batch", &["csv", "rayon", "parquet", "serde_json", "sha2"]),
+    ("view", &["bevy", "glam"]),
+    ("cli", &["clap", "clap_complete", "indicatif", "miette"]),
+];
+
+/// Layers that stand lower and may not be used all the same.
+const EXCEPTIONS: &[(&str, &[&str], &str)] = &[
+    ("view", &["sim", "batch"], "a window reads timelines; nothing in it can change an outcome"),
+    ("audit", &["collision", "planning"], "a second opinion shares no code with what it judges"),
+];
+
+/// Crates that are at home anywhere: derives and traits of the vocabulary.
+const ANYWHERE: &[&str] = &["rand", "serde", "thiserror"];
+
+/// A path in the sources: where it stands and what it names.
+struct Import {
+    place: String,
+    layer: String,
+    target: String,
+    /// Whether it serves the tests at the end of the file only.
+    in_tests: bool,
+}
+
+fn rank(layer: &str) -> Option<usize> {
+    LAYERS.iter().position(|(name, _)| *name == layer)
+}
+
+/// Why `layer` may not use the layer `target`.
+fn objection_to_layer(layer: &str, target: &str) -> Option<String> {
+    let Some(target_rank) = rank(target) else {
+        return Some(format!("`{target}` is no layer; give it a place in the table of layers"));
+    };
+    let own_rank = rank(layer).expect("files of unknown layers are refused before");
+    if target_rank > own_rank {
+        return Some(format!("`{target}` stands above `{layer}`: imports point downwards only"));
+    }
+    let (_, _, reason) = EXCEPTIONS.iter().find(|(user, used, _)| *user == layer && used.contains(&target))?;
+    Some((*reason).to_owned())
+}
+
+/// Why `layer` may not use the external crate `target`.
+fn objection_to_crate(layer: &str, target: &str) -> Option<String> {
+    let (_, at_home) = LAYERS.iter().find(|(name, _)| *name == layer)?;
+    if at_home.contains(&target) || ANYWHERE.contains(&target) {
+        return None;
+    }
+    let homes: Vec<_> = LAYERS.iter().filter(|(_, crates)| crates.contains(&target)).map(|(name, _)| *name).collect();
+    Some(match homes.as_slice() {
+        [] => format!("the crate `{target}` has no home; give it one in the table of layers"),
+        homes => format!("the crate `{target}` is at home in {} only", homes.join(", ")),
+    })
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn source_files(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).expect("src is readable").map(|entry| entry.expect("src is readable").path());
+    let mut files = Vec::new();
+    for path in entries {
+        if path.is_dir() {
+            files.extend(source_files(&path));
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            files.push(path);
+        }
+    }
+    files.sort();
+    files
+}
+
+/// The layer that a file belongs to; `None` of the crate's own two roots, which only bind the layers together.
+fn layer_of(file: &Path) -> Option<String> {
+    let inside = file.strip_prefix(root().join("src")).expect("the file is under src");
+    let first = inside.components().next().expect("a file has a name").as_os_str().to_string_lossy();
+    let layer = first.trim_end_matches(".rs").to_owned();
+    (layer != "lib" && layer != "main").then_some(layer)
+}
+
+/// How often `super::` leads from the top of a file to the root of the crate.
+fn depth_of(file: &Path) -> usize {
+    let inside = file.strip_prefix(root().join("src")).expect("the file is under src");
+    let is_folder_root = inside.file_name().is_some_and(|name| name == "mod.rs");
+    inside.components().count() - usize::from(is_folder_root)
+}
+
+/// The code of a file without comments, so that links in documentation are no imports.
+fn code_lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    text.lines().enumerate().map(|(index, line)| (index + 1, line.split("//").next().unwrap_or_default()))
+}
+
+/// Names that follow `start` in `line`, braces of a group included: `crate::{a::B, c}` names `a` and `c`.
+fn names_after(line: &str, start: &str) -> Vec<String> {
+    let mut names = Vec::new();
+    let mut rest = line;
+    while let Some(at) = rest.find(start) {
+        let before = rest[..at].chars().next_back();
+        rest = &rest[at + start.len()..];
+        if before.is_some_and(|letter| letter.is_alphanumeric() || letter == '_' || letter == '$') {
+            continue;
+        }
+        match rest.strip_prefix('{') {
+            Some(group) => names.extend(group_members(group)),
+            None => names.push(leading_name(rest)),
+        }
+    }
+    names
+}
+
+fn group_members(group: &str) -> Vec<String> {
+    let mut depth = 0;
+    let mut members = vec![String::new()];
+    for letter in group.chars() {
+        match letter {
+            '{' => depth += 1,
+            '}' if depth == 0 => break,
+            '}' => depth -= 1,
+            ',' if depth == 0 => members.push(String::new()),
+            _ => {}
+        }
+        members.last_mut().expect("there is one always").push(letter);
+    }
+    let names = members.iter().map(|member| leading_name(member.trim_start_matches([',', ' '])));
+    names.filter(|name| !name.is_empty()).collect()
+}
+
+fn leading_name(text: &str) -> String {
+    text.chars().take_while(|letter| letter.is_alphanumeric() || *letter == '_').collect()
+}
+
+/// Every `use` spread over several lines, joined to the line it begins on.
+fn joined_lines(text: &str) -> Vec<(usize, String)> {
+    let mut joined: Vec<(usize, String)> = Vec::new();
+    for (number, line) in code_lines(text) {
+        match joined.last_mut() {
+            Some((_, open)) if is_open_use(open) => open.push_str(line.trim()),
+            _ => joined.push((number, line.to_owned())),
+        }
+    }
+    joined
+}
+
+fn is_open_use(line: &str) -> bool {
+    let start = line.trim_start();
+    let is_use = ["use ", "pub use ", "pub(crate) use ", "pub(super) use "].iter().any(|word| start.starts_with(word));
+    is_use && !line.contains(';')
+}
+
+fn imports_of(file: &Path, starts: &[String]) -> Vec<Import> {
+    let Some(layer) = layer_of(file) else { return Vec::new() };
+    let text = fs::read_to_string(file).expect("sources are readable text");
+    let shown = file.strip_prefix(root()).expect("the file is in the package").display().to_string();
+    let to_the_root = "super::".repeat(depth_of(file));
+    let mut imports = Vec::new();
+    let mut in_tests = false;
+    for (number, line) in joined_lines(&text) {
+        in_tests |= line.starts_with("#[cfg(test)]");
+        let line = match line.strip_prefix("use ").and_then(|path| path.strip_prefix(&to_the_root)) {
+            Some(rest) => format!("use crate::{rest}"),
+            None => line,
+        };
+        for start in starts {
+            let import = |target| Import { place: format!("{shown}:{number}"), layer: layer.clone(), target, in_tests };
+            match start.strip_suffix("::") {
+                Some("crate") => imports.extend(names_after(&line, start).into_iter().map(import)),
+                Some(name) if !names_after(&line, start).is_empty() => imports.push(import(name.to_owned())),
+                _ => {}
+            }
+        }
+    }
+    imports
+}
+
+fn dependencies() -> Vec<String> {
+    let manifest = fs::read_to_string(root().join("Cargo.toml")).expect("the package has a manifest");
+    let mut section = "";
+    let mut names = Vec::new();
+    for line in manifest.lines() {
+        if line.starts_with('[') {
+            section = line;
+        } else if section.ends_with("dependencies]") && line.contains('=') {
+            let name = line.split(['=', '.']).next().unwrap_or_default().trim();
+            names.push(name.replace('-', "_"));
+        }
+    }
+    names
+}
+
+fn assert_none(objections: &[String]) {
+    assert!(objections.is_empty(), "forbidden imports:\n{}", objections.join("\n"));
+}
+
+#[test]
+fn every_file_belongs_to_a_layer() {
+    let files = source_files(&root().join("src"));
+    assert!(files.len() > 10, "the sources were not found");
+    let homeless = files.iter().filter(|file| layer_of(file).is_some_and(|layer| rank(&layer).is_none()));
+    assert_none(&homeless.map(|file| format!("{}: no layer of this name", file.display())).collect::<Vec<_>>());
+}
+
+#[test]
+fn layers_use_only_what_stands_below_them() {
+    let imports = source_files(&root().join("src")).into_iter().flat_map(|file| imports_of(&file, &["crate::".into()]));
+    let objections = imports.filter_map(|import| {
+        let reason = objection_to_layer(&import.layer, &import.target)?;
+        Some(format!("{}: crate::{}: {reason}", import.place, import.target))
+    });
+    assert_none(&objections.collect::<Vec<_>>());
+}
+
+#[test]
+fn external_crates_stay_where_they_are_at_home() {
+    let starts: Vec<_> = dependencies().iter().map(|name| format!("{name}::")).collect();
+    assert!(starts.len() > 10, "the dependencies were not found");
+    let imports = source_files(&root().join("src")).into_iter().flat_map(|file| imports_of(&file, &starts));
+    // Tests may compare with whatever gives an independent answer.
+    let objections = imports.filter(|import| !import.in_tests).filter_map(|import| {
+        let reason = objection_to_crate(&import.layer, &import.target)?;
+        Some(format!("{}: {}", import.place, reason))
+    });
+    assert_none(&objections.collect::<Vec<_>>());
+}
+
+#[test]
+fn reader_of_imports_sees_every_form_of_them() {
+    let text = "use crate::time::SimTime;\nuse crate::{\n    grid::{Grid, flood},\n    sim,\n};\n\
+                // use crate::cli;\nlet x = crate::rng::stream(1, \"a\");\nlet y = mycrate::other::f();\n";
+    let names: Vec<_> = joined_lines(text).iter().flat_map(|(_, line)| names_after(line, "crate::")).collect();
+    assert_eq!(names, ["time", "grid", "sim", "rng"]);
+}
+
+#[test]
+fn forbidden_imports_are_refused_with_their_reason() {
+    assert_eq!(objection_to_layer("sim", "planning"), None);
+    assert!(objection_to_layer("planning", "scenario").is_some_and(|reason| reason.contains("downwards")));
+    assert!(objection_to_layer("audit", "collision").is_some_and(|reason| reason.contains("second opinion")));
+    assert!(objection_to_layer("view", "sim").is_some_and(|reason| reason.contains("timelines")));
+    assert_eq!(objection_to_crate("sim", "bevy"), None);
+    assert_eq!(objection_to_crate("grid", "serde"), None);
+    assert!(objection_to_crate("planning", "bevy").is_some_and(|reason| reason.contains("sim, view")));
+}
