@@ -2,11 +2,12 @@
 //! puts them out.
 //!
 //! The layers, lowest first; each may use those above it in this list:
-//! [`time`], [`geometry`], [`rng`], [`event_queue`], [`whole_file`]; `grid`; `vehicle`; `trajectory`; `collision`;
+//! [`time`], [`geometry`], [`rng`], [`event_queue`], [`whole_file`]; [`grid`]; `vehicle`; `trajectory`; `collision`;
 //! `planning`; `fire`; `scenario`; `timeline`; `audit`; `sim`; `batch`; `cli`.
 
 pub mod event_queue;
 pub mod geometry;
+pub mod grid;
 pub mod rng;
 pub mod time;
 pub mod whole_file;

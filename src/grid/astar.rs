@@ -1,0 +1,221 @@
+//! A* on an 8-connected lattice whose legal moves are given point by point.
+//!
+//! Hart, Nilsson, Raphael, "A formal basis for the heuristic determination of minimum cost paths" (1968). A point is
+//! expanded once; with a consistent estimate the path is a cheapest one. Ties are decided by the larger cost so far
+//! (deeper first), then by the smaller index, so that the same problem always has the same answer.
+
+use super::Grid;
+use super::open_list::{OpenList, Ranked};
+
+/// The eight moves as (row, column) steps; the first four are orthogonal. Bit `k` of a move mask stands for move `k`.
+pub const MOVES: [(isize, isize); 8] = [(0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (1, -1), (-1, -1), (-1, 1)];
+
+/// Whether move `k` of [`MOVES`] is diagonal.
+pub fn is_diagonal(k: usize) -> bool {
+    k >= 4
+}
+
+/// What a search found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// Indices (`row * cols + col`) from start to goal, both included; `None` if no goal can be reached.
+    pub path: Option<Vec<usize>>,
+    pub expansions: u32,
+}
+
+#[derive(Clone, Copy)]
+struct Open {
+    priority: f64,
+    cost: f64,
+    index: usize,
+}
+
+impl Ranked for Open {
+    type Tie = usize;
+
+    fn priority(&self) -> f64 {
+        self.priority
+    }
+
+    fn cost(&self) -> f64 {
+        self.cost
+    }
+
+    fn tie(&self) -> usize {
+        self.index
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Node {
+    /// Query in which the other fields were written.
+    query: u32,
+    closed: bool,
+    cost: f64,
+    parent: usize,
+}
+
+/// A search with its memory, kept from query to query.
+pub struct AStar {
+    nodes: Vec<Node>,
+    open: OpenList<Open>,
+    query: u32,
+}
+
+impl AStar {
+    /// For lattices of `points` points.
+    pub fn new(points: usize) -> Self {
+        let unseen = Node { query: 0, closed: false, cost: 0.0, parent: 0 };
+        Self { nodes: vec![unseen; points], open: OpenList::default(), query: 0 }
+    }
+
+    /// A cheapest path from `start` to any point that `is_goal`.
+    ///
+    /// `moves` holds a mask of [`MOVES`] for every point; an orthogonal move costs `step_costs.0`, a diagonal one
+    /// `step_costs.1`. `estimate(point, parent)` is added to the cost so far for the order of expansion.
+    pub fn search(
+        &mut self,
+        moves: &Grid<u8>,
+        start: usize,
+        step_costs: (f64, f64),
+        is_goal: impl Fn(usize) -> bool,
+        estimate: impl Fn(usize, usize) -> f64,
+    ) -> Found {
+        self.query += 1;
+        self.open.clear();
+        self.reach(start, start, 0.0, estimate(start, start));
+        let mut expansions = 0;
+        while let Some(Open { index, cost, .. }) = self.open.pop() {
+            let node = &mut self.nodes[index];
+            if node.closed {
+                continue;
+            }
+            node.closed = true;
+            if is_goal(index) {
+                return Found { path: Some(self.path(start, index)), expansions };
+            }
+            expansions += 1;
+            let mask = moves.values()[index];
+            for (k, &(row_step, col_step)) in MOVES.iter().enumerate() {
+                if mask & (1 << k) != 0 {
+                    let next = index.wrapping_add_signed(row_step * moves.cols() as isize + col_step);
+                    let step = if is_diagonal(k) { step_costs.1 } else { step_costs.0 };
+                    if self.is_worth(next, cost + step) {
+                        self.reach(next, index, cost + step, estimate(next, index));
+                    }
+                }
+            }
+        }
+        Found { path: None, expansions }
+    }
+
+    fn is_worth(&self, index: usize, cost: f64) -> bool {
+        let node = &self.nodes[index];
+        node.query != self.query || (!node.closed && cost < node.cost)
+    }
+
+    fn reach(&mut self, index: usize, parent: usize, cost: f64, estimate: f64) {
+        self.nodes[index] = Node { query: self.query, closed: false, cost, parent };
+        self.open.push(Open { priority: cost + estimate, cost, index });
+    }
+
+    fn path(&self, start: usize, goal: usize) -> Vec<usize> {
+        let mut path = vec![goal];
+        let mut index = goal;
+        while index != start {
+            index = self.nodes[index].parent;
+            path.push(index);
+        }
+        path.reverse();
+        path
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::SQRT_2;
+
+    use rand::RngExt;
+
+    use super::*;
+
+    /// Moves between free points, diagonals only where both sides are free too.
+    fn random_moves(rows: usize, cols: usize, seed: u64) -> Grid<u8> {
+        let mut rng = crate::rng::stream(seed, "astar test");
+        let free: Vec<bool> = (0..rows * cols).map(|_| rng.random_bool(0.7)).collect();
+        let is_free = |row: isize, col: isize| {
+            row >= 0
+                && col >= 0
+                && row < rows as isize
+                && col < cols as isize
+                && free[row as usize * cols + col as usize]
+        };
+        let mut moves = Grid::filled(rows, cols, 0u8);
+        for row in 0..rows as isize {
+            for col in 0..cols as isize {
+                for (k, &(dr, dc)) in MOVES.iter().enumerate() {
+                    let open = is_free(row, col)
+                        && is_free(row + dr, col + dc)
+                        && is_free(row + dr, col)
+                        && is_free(row, col + dc);
+                    moves[(row as usize, col as usize)] |= u8::from(open) << k;
+                }
+            }
+        }
+        moves
+    }
+
+    fn octile(cols: usize, a: usize, b: usize) -> f64 {
+        let rows = (a / cols).abs_diff(b / cols) as f64;
+        let columns = (a % cols).abs_diff(b % cols) as f64;
+        rows.max(columns) + (SQRT_2 - 1.0) * rows.min(columns)
+    }
+
+    fn cost(cols: usize, path: &[usize]) -> f64 {
+        path.windows(2).map(|pair| octile(cols, pair[0], pair[1])).sum()
+    }
+
+    #[test]
+    fn astar_costs_what_dijkstra_costs_with_fewer_expansions() {
+        let (rows, cols) = (23, 31);
+        let (mut solved, mut astar_effort, mut dijkstra_effort) = (0, 0, 0);
+        for seed in 0..60 {
+            let moves = random_moves(rows, cols, seed);
+            let (start, goal) = (seed as usize % 40, rows * cols - 1 - seed as usize % 60);
+            let mut search = AStar::new(rows * cols);
+            let at_goal = |index| index == goal;
+            let astar = search.search(&moves, start, (1.0, SQRT_2), at_goal, |index, _| octile(cols, index, goal));
+            let dijkstra = search.search(&moves, start, (1.0, SQRT_2), at_goal, |_, _| 0.0);
+            assert_eq!(astar.path.is_some(), dijkstra.path.is_some(), "seed {seed}");
+            astar_effort += astar.expansions;
+            dijkstra_effort += dijkstra.expansions;
+            if let (Some(a), Some(d)) = (astar.path, dijkstra.path) {
+                solved += 1;
+                assert!((cost(cols, &a) - cost(cols, &d)).abs() < 1e-9, "seed {seed}");
+                assert_eq!((a[0], a[a.len() - 1]), (start, goal));
+            }
+        }
+        assert!(solved > 20, "only {solved} of 60 problems have a path");
+        assert!(astar_effort < dijkstra_effort);
+    }
+
+    #[test]
+    fn a_memory_that_was_used_before_gives_the_same_answer() {
+        let moves = random_moves(20, 20, 5);
+        let mut used = AStar::new(400);
+        for goal in (0..400).step_by(7) {
+            let query =
+                |search: &mut AStar| search.search(&moves, 0, (1.0, SQRT_2), |i| i == goal, |i, _| octile(20, i, goal));
+            assert_eq!(query(&mut used), query(&mut AStar::new(400)));
+        }
+    }
+
+    #[test]
+    fn a_start_that_is_a_goal_needs_no_expansion() {
+        let moves = Grid::filled(3, 3, 0u8);
+        let found = AStar::new(9).search(&moves, 4, (1.0, SQRT_2), |i| i == 4, |_, _| 0.0);
+        assert_eq!(found, Found { path: Some(vec![4]), expansions: 0 });
+        let found = AStar::new(9).search(&moves, 4, (1.0, SQRT_2), |i| i == 5, |_, _| 0.0);
+        assert_eq!(found, Found { path: None, expansions: 1 });
+    }
+}
