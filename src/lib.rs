@@ -2,7 +2,7 @@
 //! puts them out.
 //!
 //! The layers, lowest first; each may use those above it in this list:
-//! [`time`], [`geometry`], [`rng`], [`event_queue`], [`whole_file`]; [`grid`]; `vehicle`; `trajectory`; `collision`;
+//! [`time`], [`geometry`], [`rng`], [`event_queue`], [`whole_file`]; [`grid`]; [`vehicle`]; [`trajectory`]; `collision`;
 //! `planning`; `fire`; `scenario`; `timeline`; `audit`; `sim`; `batch`; `cli`.
 
 pub mod event_queue;
@@ -10,4 +10,6 @@ pub mod geometry;
 pub mod grid;
 pub mod rng;
 pub mod time;
+pub mod trajectory;
+pub mod vehicle;
 pub mod whole_file;

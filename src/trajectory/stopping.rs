@@ -1,0 +1,207 @@
+//! Breaking a motion off on its way.
+
+use super::{Piece, Place, Trajectory, speed_after};
+use crate::time::SimTime;
+
+impl Trajectory {
+    /// The same motion, cut short: from `at` on the body brakes by `braking` m/s2 along its way, and stands then.
+    /// Without a braking limit it stands at `at`.
+    ///
+    /// Start and all states before `at` stay the same. The braking body is never faster than it would have been at the
+    /// same place, so it stops at the next cusp, turn or wait at the latest, where it would have stood anyway.
+    pub fn stopping(&self, at: SimTime, braking: Option<f64>) -> Self {
+        if at <= self.start_time {
+            return Self::new(self.start_time, self.start, Vec::new());
+        }
+        let Some(place) = self.place_at(at) else { return self.clone() };
+        let mut pieces = self.pieces[..place.index].to_vec();
+        let begun = self.pieces[place.index].until(place.elapsed_s);
+        pieces.extend(begun);
+        if let Some(braking) = braking {
+            self.brake(place, braking, &mut pieces);
+        }
+        Self::new(self.start_time, self.start, pieces)
+    }
+
+    /// Adds the pieces of braking from a place on.
+    fn brake(&self, place: Place, braking: f64, pieces: &mut Vec<Piece>) {
+        let (_, mut speed) = self.pieces[place.index].state_at(place.start, place.elapsed_s);
+        let rest = self.pieces[place.index].after(place.elapsed_s);
+        let mut reverse = None;
+        for piece in rest.into_iter().chain(self.pieces[place.index + 1..].iter().copied()) {
+            let Piece::Drive { segment, .. } = piece else { return };
+            if speed == 0.0 || *reverse.get_or_insert(segment.is_reverse()) != segment.is_reverse() {
+                return;
+            }
+            speed = brake_along(piece, speed, braking, pieces);
+        }
+    }
+}
+
+/// Brakes from `speed` along a piece and adds what that takes; returns the speed at its end, 0 after a stop.
+fn brake_along(piece: Piece, speed: f64, braking: f64, pieces: &mut Vec<Piece>) -> f64 {
+    let Piece::Drive { segment, speed_mps: planned, acceleration_mps2: change } = piece else { return 0.0 };
+    let length = segment.length_m.abs();
+    let speed = speed.min(planned);
+    let stop = 0.5 * speed * speed / braking;
+    // Where the plan brakes harder than asked, it is slower from this place on.
+    let overtaken =
+        if change < -braking { 0.5 * (planned * planned - speed * speed) / (-change - braking) } else { f64::INFINITY };
+    let braked = stop.min(overtaken).min(length);
+    if braked > 0.0 {
+        let segment = segment.with_length(braked);
+        pieces.push(Piece::Drive { segment, speed_mps: speed, acceleration_mps2: -braking });
+    }
+    if stop <= braked {
+        return 0.0;
+    }
+    let speed = speed_after(speed, -braking, braked);
+    if braked < length {
+        let segment = segment.with_length(length - braked);
+        pieces.push(Piece::Drive { segment, speed_mps: speed, acceleration_mps2: change });
+        return speed_after(speed, change, length - braked);
+    }
+    speed
+}
+
+impl Piece {
+    /// The part of this piece before `elapsed_s`; nothing if that is its start.
+    fn until(&self, elapsed_s: f64) -> Option<Self> {
+        match *self {
+            _ if elapsed_s <= 0.0 => None,
+            Self::Drive { segment, speed_mps, acceleration_mps2 } => {
+                let segment = segment.with_length(self.covered_m(elapsed_s));
+                Some(Self::Drive { segment, speed_mps, acceleration_mps2 })
+            }
+            Self::Turn { .. } => None,
+            Self::Wait { .. } => Some(Self::Wait { seconds: elapsed_s }),
+        }
+    }
+
+    /// The part of a drive after `elapsed_s`; nothing of other pieces.
+    fn after(&self, elapsed_s: f64) -> Option<Self> {
+        let Self::Drive { segment, speed_mps, acceleration_mps2 } = *self else { return None };
+        let left = segment.length_m.abs() - self.covered_m(elapsed_s);
+        let speed_mps = (speed_mps + acceleration_mps2 * elapsed_s).max(0.0);
+        (left > 0.0).then(|| Self::Drive { segment: segment.with_length(left), speed_mps, acceleration_mps2 })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::RngExt;
+
+    use super::super::SpeedLimits;
+    use super::super::profile::tests::{random_limits, random_path};
+    use super::*;
+    use crate::geometry::Pose;
+    use crate::rng;
+    use crate::vehicle::{Path, Segment};
+
+    /// The pose that a trajectory has after so many metres.
+    fn pose_after(trajectory: &Trajectory, metres: f64) -> Pose {
+        let mut left = metres;
+        for (start, piece) in trajectory.pieces_with_starts() {
+            let Piece::Drive { segment, .. } = piece else { continue };
+            if left <= segment.length_m.abs() {
+                return segment.pose_at(start, left.copysign(segment.length_m));
+            }
+            left -= segment.length_m.abs();
+        }
+        trajectory.end()
+    }
+
+    /// The greatest speed planned within a millimetre of a place, in m/s.
+    fn planned_speed(trajectory: &Trajectory, metres: f64) -> f64 {
+        let (mut began, mut greatest) = (0.0, 0.0f64);
+        for piece in trajectory.pieces() {
+            let Piece::Drive { segment, speed_mps, acceleration_mps2 } = *piece else { continue };
+            let length = segment.length_m.abs();
+            if metres > began - 1e-3 && metres < began + length + 1e-3 {
+                for place in [metres - 1e-3, metres + 1e-3] {
+                    let inside = (place - began).clamp(0.0, length);
+                    greatest = greatest.max(speed_after(speed_mps, acceleration_mps2, inside));
+                }
+            }
+            began += length;
+        }
+        greatest
+    }
+
+    #[test]
+    fn a_cut_motion_is_the_same_before_and_stays_on_its_way() {
+        let mut rng = rng::stream(1, "trajectory/stopping");
+        for _ in 0..300 {
+            let limits = random_limits(&mut rng);
+            let drive = Trajectory::along(&random_path(&mut rng), SimTime::from_seconds(3.0), limits);
+            let end = drive.end_time().as_nanos();
+            let at = SimTime::from_nanos(rng.random_range(0..end + end / 10));
+            let braking = rng.random_bool(0.8).then(|| rng.random_range(0.5..8.0));
+            let cut = drive.stopping(at, braking);
+            assert_eq!(cut.start_time(), drive.start_time());
+            for _ in 0..20 {
+                let before = SimTime::from_nanos(rng.random_range(0..at.as_nanos().max(1)));
+                assert_eq!(cut.state_at(before), drive.state_at(before));
+            }
+            assert!(cut.end_time() <= drive.end_time() || braking.is_some());
+            let (from, until) = (at.as_nanos(), cut.end_time().as_nanos().max(at.as_nanos()) + 1);
+            for _ in 0..20 {
+                let after = SimTime::from_nanos(rng.random_range(from..until));
+                let (pose, speed) = cut.state_at(after);
+                let metres = cut.distance_m(after);
+                let expected = pose_after(&drive, metres);
+                assert!((pose.position() - expected.position()).length() < 1e-9);
+                assert!(speed <= planned_speed(&drive, metres) + 1e-6, "{speed} m/s at {metres} m of {drive:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn without_a_limit_of_braking_it_stands_at_once() {
+        let mut rng = rng::stream(2, "trajectory/stopping");
+        for _ in 0..200 {
+            let limits = random_limits(&mut rng);
+            let drive = Trajectory::along(&random_path(&mut rng), SimTime::from_seconds(3.0), limits);
+            let (start, end) = (drive.start_time().as_nanos(), drive.end_time().as_nanos());
+            let at = SimTime::from_nanos(rng.random_range(start + 1..end));
+            let cut = drive.stopping(at, None);
+            assert_eq!(cut.end_time(), at);
+            assert!((cut.end().position() - drive.pose_at(at).position()).length() < 1e-9);
+            assert_eq!(cut.state_at(at).1, 0.0);
+        }
+    }
+
+    #[test]
+    fn braking_takes_the_way_that_physics_says() {
+        let path = Path {
+            start: Pose::default(),
+            segments: vec![Segment { curvature: 0.0, length_m: 30.0 }, Segment { curvature: 0.1, length_m: 30.0 }],
+        };
+        let drive = Trajectory::along(&path, SimTime::ZERO, SpeedLimits::of_speed(8.0, 8.0));
+        let cut = drive.stopping(SimTime::from_seconds(3.0), Some(4.0));
+        assert!((cut.distance_m(SimTime::MAX) - (24.0 + 8.0)).abs() < 1e-9);
+        assert!((cut.duration_s() - 5.0).abs() < 1e-6);
+        let late = drive.stopping(SimTime::from_seconds(7.0), Some(4.0));
+        assert!((late.distance_m(SimTime::MAX) - 60.0).abs() < 1e-9, "the way ends before the brake is done");
+    }
+
+    #[test]
+    fn a_brake_ends_at_the_cusp() {
+        let path = Path {
+            start: Pose::default(),
+            segments: vec![Segment { curvature: 0.0, length_m: 10.0 }, Segment { curvature: 0.1, length_m: -30.0 }],
+        };
+        let drive = Trajectory::along(&path, SimTime::ZERO, SpeedLimits::of_speed(8.0, 8.0));
+        let cut = drive.stopping(SimTime::from_seconds(1.0), Some(1.0));
+        assert!((cut.distance_m(SimTime::MAX) - 10.0).abs() < 1e-9);
+        assert_eq!(cut.cusps(), 0);
+    }
+
+    #[test]
+    fn a_motion_stopped_before_its_start_never_begins() {
+        let path = Path { start: Pose::default(), segments: vec![Segment { curvature: 0.0, length_m: 10.0 }] };
+        let drive = Trajectory::along(&path, SimTime::from_seconds(2.0), SpeedLimits::of_speed(8.0, 8.0));
+        let cut = drive.stopping(SimTime::from_seconds(1.0), Some(1.0));
+        assert_eq!((cut.end_time(), cut.end()), (drive.start_time(), drive.start()));
+    }
+}

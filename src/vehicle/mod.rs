@@ -1,0 +1,65 @@
+//! The truck's body and how it moves: dimensions, footprint, Ackermann steering, exact paths.
+//!
+//! Body frame: origin in the middle of the rear axle, x forward, y left.
+
+mod path;
+
+pub use path::{Path, Segment};
+
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+use crate::geometry::{OrientedRect, Pose, ops};
+
+/// Dimensions of a truck with Ackermann steering, in metres. The default is the contest's Unimog.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Dimensions {
+    /// Overall length, bumper to bumper.
+    pub length_m: f64,
+    pub width_m: f64,
+    /// Distance between the axles.
+    pub wheelbase_m: f64,
+    /// From the rear axle to the rear bumper.
+    pub rear_overhang_m: f64,
+    /// Smallest radius that the middle of the rear axle can drive.
+    pub turning_radius_m: f64,
+}
+
+impl Default for Dimensions {
+    fn default() -> Self {
+        Self { length_m: 4.9, width_m: 2.2, wheelbase_m: 3.0, rear_overhang_m: 0.95, turning_radius_m: 13.0 }
+    }
+}
+
+impl Dimensions {
+    /// From the rear axle forward to the body's centre.
+    pub fn centre_offset_m(&self) -> f64 {
+        0.5 * self.length_m - self.rear_overhang_m
+    }
+
+    /// World position of the body's centre for a pose of the rear axle.
+    pub fn body_centre(&self, pose: Pose) -> DVec2 {
+        pose.position() + pose.direction() * self.centre_offset_m()
+    }
+
+    /// The body's outline for a pose of the rear axle.
+    pub fn footprint(&self, pose: Pose) -> OrientedRect {
+        let centre = self.body_centre(pose);
+        OrientedRect {
+            centre: Pose { x: centre.x, y: centre.y, heading: pose.heading },
+            half_length: 0.5 * self.length_m,
+            half_width: 0.5 * self.width_m,
+        }
+    }
+
+    /// Steering angle of the bicycle model at the smallest radius, in radians.
+    pub fn max_steering_rad(&self) -> f64 {
+        ops::atan(self.wheelbase_m / self.turning_radius_m)
+    }
+
+    /// Largest curvature of the rear axle's path, 1/m.
+    pub fn max_curvature(&self) -> f64 {
+        1.0 / self.turning_radius_m
+    }
+}

@@ -1,0 +1,169 @@
+use serde::{Deserialize, Serialize};
+
+use crate::geometry::{Pose, ops};
+
+/// A stretch of constant curvature of the rear axle's path.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Segment {
+    /// 1/m, positive where the steering wheel points left, whichever way the truck drives; 0 is straight.
+    pub curvature: f64,
+    /// Metres, negative in reverse.
+    pub length_m: f64,
+}
+
+impl Segment {
+    /// Pose after `travelled_m` of this segment (signed like `length_m`), integrated in closed form.
+    pub fn pose_at(&self, start: Pose, travelled_m: f64) -> Pose {
+        let half_turn = 0.5 * self.curvature * travelled_m;
+        // The chord of the arc, along the mean heading: exact however small the curvature is.
+        let chord = if half_turn == 0.0 { travelled_m } else { 2.0 * ops::sin(half_turn) / self.curvature };
+        let (sin, cos) = ops::sin_cos(start.heading + half_turn);
+        Pose::new(start.x + cos * chord, start.y + sin * chord, start.heading + self.curvature * travelled_m)
+    }
+
+    pub fn end(&self, start: Pose) -> Pose {
+        self.pose_at(start, self.length_m)
+    }
+
+    pub fn is_reverse(&self) -> bool {
+        self.length_m < 0.0
+    }
+
+    /// The same curvature and direction for `metres` (not negative).
+    pub fn with_length(&self, metres: f64) -> Self {
+        Self { curvature: self.curvature, length_m: metres.copysign(self.length_m) }
+    }
+}
+
+/// A drivable path: a start pose of the rear axle and the segments from there on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Path {
+    pub start: Pose,
+    pub segments: Vec<Segment>,
+}
+
+impl Path {
+    /// The path of a truck that stays where it is.
+    pub fn standing(start: Pose) -> Self {
+        Self { start, segments: Vec::new() }
+    }
+
+    pub fn end(&self) -> Pose {
+        self.segments.iter().fold(self.start, |pose, segment| segment.end(pose))
+    }
+
+    /// Driven distance in metres, forward and reverse alike.
+    pub fn length_m(&self) -> f64 {
+        self.segments.iter().map(|segment| segment.length_m.abs()).sum()
+    }
+
+    /// Number of changes between forward and reverse.
+    pub fn cusps(&self) -> u32 {
+        self.segments.windows(2).filter(|pair| pair[0].is_reverse() != pair[1].is_reverse()).count() as u32
+    }
+
+    /// The same way driven back: from the end to the start.
+    pub fn reversed(&self) -> Self {
+        let segments = self.segments.iter().rev();
+        Self {
+            start: self.end(),
+            segments: segments.map(|s| Segment { curvature: s.curvature, length_m: -s.length_m }).collect(),
+        }
+    }
+
+    /// The first `metres` of the driven way, and the rest, which begins where the first part ends.
+    pub fn split_at(&self, metres: f64) -> (Self, Self) {
+        let mut parts = (Self::standing(self.start), Vec::new());
+        let mut left = metres;
+        for &segment in &self.segments {
+            let length_m = segment.length_m.abs();
+            if left >= length_m {
+                parts.0.segments.push(segment);
+            } else if left > 0.0 {
+                parts.0.segments.push(segment.with_length(left));
+                parts.1.push(segment.with_length(length_m - left));
+            } else {
+                parts.1.push(segment);
+            }
+            left -= length_m;
+        }
+        let rest = Self { start: parts.0.end(), segments: parts.1 };
+        (parts.0, rest)
+    }
+
+    /// Each segment with the pose at which it begins.
+    pub fn legs(&self) -> impl Iterator<Item = (Pose, Segment)> + '_ {
+        let mut pose = self.start;
+        self.segments.iter().map(move |&segment| {
+            let start = pose;
+            pose = segment.end(start);
+            (start, segment)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wiggle() -> Path {
+        let segment = |curvature, length_m| Segment { curvature, length_m };
+        Path {
+            start: Pose::new(10.0, 20.0, 0.7),
+            segments: vec![
+                segment(1.0 / 13.0, 9.0),
+                segment(0.0, 4.0),
+                segment(-1.0 / 13.0, -6.0),
+                segment(1.0 / 13.0, -3.0),
+                segment(0.0, 2.0),
+            ],
+        }
+    }
+
+    #[test]
+    fn a_path_driven_back_ends_at_its_start() {
+        let path = wiggle();
+        let back = path.reversed();
+        let end = back.end();
+        assert!((end.position() - path.start.position()).length() < 1e-12);
+        assert!((end.heading - path.start.heading).abs() < 1e-12);
+        assert_eq!(back.length_m(), path.length_m());
+        assert_eq!(back.cusps(), path.cusps());
+    }
+
+    #[test]
+    fn parts_of_a_path_make_up_the_whole() {
+        let path = wiggle();
+        for metres in [0.0, 3.0, 9.0, 15.5, 19.0, 24.0, 30.0] {
+            let (first, rest) = path.split_at(metres);
+            assert!((first.length_m() - metres.min(24.0)).abs() < 1e-12);
+            assert!((rest.length_m() - (24.0 - metres).max(0.0)).abs() < 1e-12);
+            assert_eq!((first.start, rest.start), (path.start, first.end()));
+            assert!((rest.end().position() - path.end().position()).length() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn cusps_are_changes_of_direction() {
+        assert_eq!(wiggle().cusps(), 2);
+        assert_eq!(wiggle().length_m(), 24.0);
+    }
+
+    #[test]
+    fn closed_form_agrees_with_small_steps() {
+        let segment = Segment { curvature: -1.0 / 13.0, length_m: -7.0 };
+        let start = Pose::new(3.0, -2.0, 2.9);
+        let (mut x, mut y, mut heading) = (start.x, start.y, start.heading);
+        let steps = 200_000;
+        let step = segment.length_m / f64::from(steps);
+        for _ in 0..steps {
+            let middle = heading + 0.5 * step * segment.curvature;
+            x += step * ops::cos(middle);
+            y += step * ops::sin(middle);
+            heading += step * segment.curvature;
+        }
+        let end = segment.end(start);
+        assert!((end.x - x).abs() < 1e-8 && (end.y - y).abs() < 1e-8);
+        assert!((end.heading - ops::wrap_angle(heading)).abs() < 1e-9);
+    }
+}
