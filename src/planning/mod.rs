@@ -1,0 +1,115 @@
+//! Planners for the truck behind one interface: a problem in; a path, the effort and a reason for failure out.
+//!
+//! Effort is counted in samples and expansions and budgeted in the same units; CPU time is reported only.
+
+pub mod primitives;
+pub mod prm;
+mod prm_primitives;
+pub mod reachability;
+mod settings;
+#[cfg(test)]
+mod test_fields;
+pub mod walk;
+
+pub use prm_primitives::PrmPrimitives;
+
+pub use settings::{ClearanceTo, MotionCost, PrimitiveSettings, PrmSettings, RoadmapGoal, RoadmapSearch};
+
+use std::fmt;
+use std::time::Duration;
+
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+use crate::geometry::Pose;
+use crate::vehicle::Path;
+
+/// Where a drive shall end: the body's centre within `radius_m` of `centre`, at any heading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GoalDisc {
+    pub centre: DVec2,
+    pub radius_m: f64,
+}
+
+/// Drives end this far inside the goal disc, at most half its radius, so that rounding leaves nobody outside.
+const RIM_M: f64 = 0.01;
+
+impl GoalDisc {
+    /// The disc that planners aim at, with a margin for rounding.
+    fn inner(self) -> Self {
+        Self { radius_m: (self.radius_m - RIM_M).max(0.5 * self.radius_m), ..self }
+    }
+}
+
+/// Why there is no path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PlanFailure {
+    /// The truck's own pose is not free.
+    StartBlocked,
+    /// No free place from which the goal could be reached.
+    GoalBlocked,
+    /// The roadmap, or the search space, does not connect start and goal.
+    Disconnected,
+    /// The budget of expansions ran out first.
+    BudgetSpent,
+}
+
+impl PlanFailure {
+    pub const ALL: [Self; 4] = [Self::StartBlocked, Self::GoalBlocked, Self::Disconnected, Self::BudgetSpent];
+}
+
+impl fmt::Display for PlanFailure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::StartBlocked => "start blocked",
+            Self::GoalBlocked => "goal blocked",
+            Self::Disconnected => "disconnected",
+            Self::BudgetSpent => "budget spent",
+        })
+    }
+}
+
+/// Nodes expanded by one query, by phase.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Effort {
+    pub roadmap_expansions: u32,
+    pub local_expansions: u32,
+}
+
+/// CPU time of one query, by phase.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct QueryTime {
+    pub roadmap: Duration,
+    pub local: Duration,
+}
+
+/// A query's answer.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// From the start pose to a pose in the goal disc, or why there is none. A start inside the disc gives a path
+    /// without segments.
+    pub path: Result<Path, PlanFailure>,
+    pub effort: Effort,
+    pub time: QueryTime,
+}
+
+/// What building a planner for one field took and gave.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BuildReport {
+    /// Milestones of the roadmap.
+    pub samples: u32,
+    /// Points drawn to get them.
+    pub draws: u32,
+    pub edges: u32,
+    /// Connected components of the roadmap.
+    pub components: u32,
+    pub sampling: Duration,
+    pub connecting: Duration,
+}
+
+/// A planner made for one body on one field.
+pub trait TruckPlanner: Send + Sync {
+    fn build_report(&self) -> BuildReport;
+    fn plan(&mut self, start: Pose, goal: GoalDisc) -> Plan;
+}

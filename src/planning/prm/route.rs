@@ -1,0 +1,60 @@
+use glam::DVec2;
+
+use super::space::FreeSpace;
+use super::{Roadmap, Route};
+
+/// Halvings of the way that a waypoint is pulled towards the straight line.
+const PULLS: u32 = 4;
+
+impl Roadmap {
+    /// Leaves out waypoints that need not be visited and pulls the others towards the straight line, all lines
+    /// staying free.
+    ///
+    /// The last waypoint stays. From each waypoint the farthest one that can be seen comes next.
+    pub fn tighten(&self, start: DVec2, route: &mut Route) {
+        thin(&self.space, start, &mut route.waypoints);
+        pull(&self.space, start, &mut route.waypoints);
+        let points = std::iter::once(start).chain(route.waypoints.iter().copied());
+        route.length_m = points.clone().zip(points.skip(1)).map(|(a, b)| a.distance(b)).sum();
+    }
+}
+
+fn line_is_free(space: &FreeSpace, departs: bool, from: DVec2, to: DVec2) -> bool {
+    if departs { space.departure_is_free(from, to) } else { space.line_is_free(from, to) }
+}
+
+fn thin(space: &FreeSpace, start: DVec2, waypoints: &mut Vec<DVec2>) {
+    let mut kept = 0;
+    let mut here = start;
+    let mut next = 0;
+    while next < waypoints.len() {
+        let seen = (next + 1..waypoints.len()).rev().find(|&far| line_is_free(space, kept == 0, here, waypoints[far]));
+        next = seen.unwrap_or(next);
+        here = waypoints[next];
+        waypoints[kept] = here;
+        kept += 1;
+        next += 1;
+    }
+    waypoints.truncate(kept);
+}
+
+/// Moves every inner waypoint towards the nearest point of the line between its neighbours, as far as bisection finds
+/// it free.
+fn pull(space: &FreeSpace, start: DVec2, waypoints: &mut [DVec2]) {
+    for index in 0..waypoints.len().saturating_sub(1) {
+        let before = if index == 0 { start } else { waypoints[index - 1] };
+        let (here, after) = (waypoints[index], waypoints[index + 1]);
+        let along = after - before;
+        let share = ((here - before).dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        let straight = before + along * share;
+        let (mut free, mut width) = (0.0, 1.0);
+        for _ in 0..PULLS {
+            width *= 0.5;
+            let tried = here.lerp(straight, free + width);
+            if line_is_free(space, index == 0, before, tried) && space.line_is_free(tried, after) {
+                free += width;
+            }
+        }
+        waypoints[index] = here.lerp(straight, free);
+    }
+}

@@ -1,0 +1,100 @@
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use glam::DVec2;
+
+use crate::collision::CollisionChecker;
+use crate::geometry::Pose;
+use crate::planning::GoalDisc;
+
+/// Side of a square.
+const SQUARE_M: f64 = 0.5;
+/// On larger fields nothing is excluded.
+const MAX_SQUARES: usize = 4_000_000;
+
+/// Where the body's centre could get to if only the largest disc in the body had to pass.
+///
+/// The field is cut into squares. A square is open if its middle is no nearer to a bush than that disc's radius less
+/// half the square's diagonal, so every square in which the body's centre can be is open, and every way of the body's
+/// centre leads through open squares that share sides. Squares that are not joined to the start's are out of reach: a
+/// proof of "no".
+#[derive(Debug)]
+pub struct Passages {
+    cols: usize,
+    rows: usize,
+    /// For every square, row by row from the south-west, whether it is joined to the start's; empty when there are too
+    /// many.
+    joined: Vec<bool>,
+}
+
+impl Passages {
+    pub fn new(checker: &CollisionChecker, start: Pose) -> Self {
+        let frame = checker.field().frame();
+        let count = |side: f64| (side / SQUARE_M).ceil() as usize;
+        let (cols, rows) = (count(frame.width_m()), count(frame.height_m()));
+        let mut passages = Self { cols, rows, joined: Vec::new() };
+        if cols * rows <= MAX_SQUARES {
+            passages.join(checker, checker.body().body_centre(start));
+        }
+        passages
+    }
+
+    /// Spreads over open squares from the start's, judging each when it is first met.
+    fn join(&mut self, checker: &CollisionChecker, start: DVec2) {
+        let body = checker.body();
+        let needed = 0.5 * body.width_m.min(body.length_m) - SQUARE_M * FRAC_1_SQRT_2;
+        let is_open =
+            |middle: DVec2| checker.field().at(middle) >= needed || checker.field().distance(middle) >= needed;
+        let mut met = vec![false; self.cols * self.rows];
+        self.joined = met.clone();
+        let first = self.square(start);
+        met[first] = true;
+        self.joined[first] = true;
+        let mut pending = vec![first];
+        while let Some(square) = pending.pop() {
+            for next in self.beside(square) {
+                if !met[next] {
+                    met[next] = true;
+                    if is_open(self.middle(next)) {
+                        self.joined[next] = true;
+                        pending.push(next);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Whether no place in a disc is joined to the start.
+    pub fn exclude(&self, disc: GoalDisc) -> bool {
+        if self.joined.is_empty() {
+            return false;
+        }
+        let reach = disc.radius_m + SQUARE_M * FRAC_1_SQRT_2;
+        let range = |middle: f64, count: usize| {
+            let (low, high) = ((middle - reach) / SQUARE_M, (middle + reach) / SQUARE_M);
+            low as usize..(high as usize + 1).min(count)
+        };
+        let cols = range(disc.centre.x, self.cols);
+        !range(disc.centre.y, self.rows)
+            .flat_map(|row| cols.clone().map(move |col| row * self.cols + col))
+            .any(|square| self.joined[square] && self.middle(square).distance(disc.centre) <= reach)
+    }
+
+    fn middle(&self, square: usize) -> DVec2 {
+        DVec2::new((square % self.cols) as f64 + 0.5, (square / self.cols) as f64 + 0.5) * SQUARE_M
+    }
+
+    fn square(&self, point: DVec2) -> usize {
+        let index = |metres: f64, count: usize| ((metres / SQUARE_M) as usize).min(count - 1);
+        index(point.y, self.rows) * self.cols + index(point.x, self.cols)
+    }
+
+    /// Squares that share a side with one.
+    fn beside(&self, square: usize) -> impl Iterator<Item = usize> + use<> {
+        let (col, row, cols, rows) = (square % self.cols, square / self.cols, self.cols, self.rows);
+        let west = (col > 0).then(|| square - 1);
+        let east = (col + 1 < cols).then_some(square + 1);
+        let south = (row > 0).then(|| square - cols);
+        let north = (row + 1 < rows).then_some(square + cols);
+        [west, east, south, north].into_iter().flatten()
+    }
+}

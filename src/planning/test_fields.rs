@@ -1,0 +1,92 @@
+//! Random fields and drives for the tests of the planners.
+
+use std::sync::Arc;
+
+use glam::DVec2;
+use rand::{Rng, RngExt};
+
+use crate::collision::{ClearanceField, CollisionChecker};
+use crate::geometry::{FieldFrame, Pose};
+use crate::grid::Grid;
+use crate::rng::{self, Xoshiro256PlusPlus};
+use crate::vehicle::{Dimensions, Path};
+
+use super::GoalDisc;
+
+/// A field of 30 x 30 cells with walks of four cells about it, the truck on it, and places to drive to.
+pub struct TestField {
+    pub checker: CollisionChecker,
+    pub start: Pose,
+    /// Centres of the bushes.
+    pub bushes: Vec<DVec2>,
+    pub rng: Xoshiro256PlusPlus,
+}
+
+impl TestField {
+    pub fn random(seed: u64, walks: u32) -> Self {
+        let mut rng = rng::stream(seed, "planning/test");
+        let frame = FieldFrame { cols: 30, rows: 30, cell_m: 5.0 };
+        let start = Pose::new(50.0, 50.0, 0.0);
+        let body = Dimensions::default();
+        let mut occupied = Grid::filled(30, 30, false);
+        for _ in 0..walks {
+            let (mut row, mut col) = (rng.random_range(0..30usize), rng.random_range(0..30usize));
+            for _ in 0..4 {
+                let centre = DVec2::new(col as f64 + 0.5, row as f64 + 0.5) * frame.cell_m;
+                occupied[(row, col)] |= centre.distance(body.body_centre(start)) > 14.0;
+                if rng.random_bool(0.5) {
+                    row = (row + 1).min(29);
+                } else {
+                    col = if rng.random_bool(0.5) { col.saturating_sub(1) } else { (col + 1).min(29) };
+                }
+            }
+        }
+        Self::of(frame, &occupied, start, rng)
+    }
+
+    /// A field of `#` and `.`, cells of 5 m, north edge first; the truck starts at `start`.
+    pub fn drawn(picture: &[&str], start: Pose) -> Self {
+        let (rows, cols) = (picture.len(), picture[0].len());
+        let frame = FieldFrame { cols: cols as u16, rows: rows as u16, cell_m: 5.0 };
+        let bushes = picture.iter().rev().flat_map(|line| line.bytes().map(|byte| byte == b'#')).collect();
+        Self::of(frame, &Grid::from_values(rows, cols, bushes), start, rng::stream(0, "planning/drawn"))
+    }
+
+    fn of(frame: FieldFrame, occupied: &Grid<bool>, start: Pose, rng: Xoshiro256PlusPlus) -> Self {
+        let bushes = (0..frame.cell_count()).filter(|&i| occupied.values()[i]).map(|i| frame.centre(frame.cell(i)));
+        let bushes = bushes.collect();
+        let field = Arc::new(ClearanceField::new(frame, occupied));
+        Self { checker: CollisionChecker::new(field, Dimensions::default()), start, bushes, rng }
+    }
+
+    /// The disc about a random bush from which a truck with a reach of 10 m puts it out.
+    pub fn random_goal(&mut self) -> GoalDisc {
+        let bush = self.rng.random_range(0..self.bushes.len());
+        GoalDisc { centre: self.bushes[bush], radius_m: 10.0 }
+    }
+}
+
+/// The least clearance along a path, sampled every 2 cm.
+pub fn least_clearance(checker: &CollisionChecker, path: &Path) -> f64 {
+    let samples = path.legs().flat_map(|(pose, segment)| {
+        let steps = (segment.length_m.abs() / 0.02).ceil();
+        (0..=steps as u32).map(move |k| segment.pose_at(pose, segment.length_m * f64::from(k) / steps.max(1.0)))
+    });
+    samples.map(|pose| checker.clearance(pose)).fold(checker.clearance(path.start), f64::min)
+}
+
+/// Panics unless a path leads from `start` into the disc, as sharp as the truck can turn, and touches nothing.
+pub fn assert_drivable(checker: &CollisionChecker, path: &Path, start: Pose, goal: GoalDisc) {
+    assert_eq!(path.start, start);
+    let gap = checker.body().body_centre(path.end()).distance(goal.centre);
+    assert!(gap < goal.radius_m, "ends {gap} m from the goal's centre");
+    let sharpest = checker.body().max_curvature() + 1e-12;
+    assert!(path.segments.iter().all(|segment| segment.curvature.abs() <= sharpest));
+    let clearance = least_clearance(checker, path);
+    assert!(clearance > 0.0, "clearance {clearance}");
+}
+
+/// A random pose, free or not.
+pub fn random_pose(rng: &mut impl Rng, side_m: f64) -> Pose {
+    Pose::new(rng.random_range(0.0..side_m), rng.random_range(0.0..side_m), rng.random_range(-3.1..3.1))
+}
