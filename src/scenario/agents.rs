@@ -1,0 +1,207 @@
+//! The agents: where they start, what they are made of, how they choose and plan.
+
+use serde::{Deserialize, Serialize};
+
+use super::or_none;
+use crate::geometry::{DVec2, Pose};
+use crate::planning::{PrimitiveSettings, PrmSettings};
+use crate::vehicle::Dimensions;
+
+/// An arsonist on a lattice.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Wumpus {
+    /// x, y of its centre.
+    pub start_m: [f64; 2],
+    /// Side of its square body.
+    pub size_m: f64,
+    pub speed_mps: f64,
+    /// From a lattice point to the centre of the cell that it lights, inclusive.
+    pub reach_m: f64,
+    pub goal: WumpusGoal,
+    /// Keep a goal that is no longer intact.
+    pub keep_goal: bool,
+    /// Spacing of its lattice, anchored at its start; `"none"`: the cell centres.
+    #[serde(with = "or_none")]
+    pub lattice_m: Option<f64>,
+    pub planner: WumpusPlanner,
+    pub step_cost: StepCost,
+    pub step_time: StepTime,
+    pub heuristic: WumpusHeuristic,
+    /// 1 finds shortest paths; more is greedier.
+    pub heuristic_weight: f64,
+    /// Planning time charged, during which it stands.
+    pub seconds_per_expansion: f64,
+}
+
+impl Default for Wumpus {
+    fn default() -> Self {
+        Self {
+            start_m: [202.5, 202.5],
+            size_m: 3.0,
+            speed_mps: 2.0,
+            reach_m: 6.25,
+            goal: WumpusGoal::RandomIntact,
+            keep_goal: false,
+            lattice_m: None,
+            planner: WumpusPlanner::Astar,
+            step_cost: StepCost::Metres,
+            step_time: StepTime::Distance,
+            heuristic: WumpusHeuristic::Octile,
+            heuristic_weight: 1.0,
+            seconds_per_expansion: 0.0,
+        }
+    }
+}
+
+impl Wumpus {
+    /// Centre of its body at the start.
+    pub fn start_centre(&self) -> DVec2 {
+        DVec2::from(self.start_m)
+    }
+}
+
+/// Which intact cell a Wumpus goes for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum WumpusGoal {
+    RandomIntact,
+    NearestIntact,
+    FarthestFromTruck,
+}
+
+/// How a Wumpus finds its way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum WumpusPlanner {
+    Astar,
+}
+
+/// What a lattice step costs in the search.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StepCost {
+    Metres,
+    /// Every step 1, diagonals too.
+    Moves,
+}
+
+/// What a lattice step takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StepTime {
+    /// Its length at the Wumpus's speed.
+    Distance,
+    /// Every step as long as an orthogonal one, diagonals too.
+    Uniform,
+}
+
+/// What the Wumpus's search expects to remain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum WumpusHeuristic {
+    /// Length of the shortest lattice path on an empty field; admissible.
+    Octile,
+    /// Straight line from the node's parent, in metres whatever a step costs: the original program's.
+    ParentEuclidean,
+}
+
+/// A fire truck.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Unimog {
+    pub start: StartPose,
+    pub vehicle: Dimensions,
+    pub speed_mps: f64,
+    pub reverse_speed_mps: f64,
+    pub limits: Limits,
+    pub goal: TruckGoal,
+    pub retarget: Retarget,
+    pub planner: TruckPlannerKind,
+    pub prm: PrmSettings,
+    pub primitives: PrimitiveSettings,
+}
+
+impl Default for Unimog {
+    fn default() -> Self {
+        Self {
+            start: StartPose::default(),
+            vehicle: Dimensions::default(),
+            speed_mps: 8.0,
+            reverse_speed_mps: 8.0,
+            limits: Limits::default(),
+            goal: TruckGoal::NearestBurning,
+            retarget: Retarget::Never,
+            planner: TruckPlannerKind::PrmPrimitives,
+            prm: PrmSettings::default(),
+            primitives: PrimitiveSettings::default(),
+        }
+    }
+}
+
+impl Unimog {
+    /// Centre of its body at the start.
+    pub fn start_centre(&self) -> DVec2 {
+        self.vehicle.body_centre(self.start.pose())
+    }
+}
+
+/// Pose of the rear axle at the start.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct StartPose {
+    pub x_m: f64,
+    pub y_m: f64,
+    pub heading_deg: f64,
+}
+
+impl Default for StartPose {
+    fn default() -> Self {
+        Self { x_m: 50.0, y_m: 50.0, heading_deg: 0.0 }
+    }
+}
+
+impl StartPose {
+    pub fn pose(&self) -> Pose {
+        Pose::new(self.x_m, self.y_m, self.heading_deg.to_radians())
+    }
+}
+
+/// Limits of acceleration in m/s2; `"none"`: speed changes at once.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Limits {
+    #[serde(with = "or_none")]
+    pub acceleration_mps2: Option<f64>,
+    #[serde(with = "or_none")]
+    pub braking_mps2: Option<f64>,
+    #[serde(with = "or_none")]
+    pub lateral_mps2: Option<f64>,
+}
+
+/// Which burning cell a truck goes for. Distances run from its body's centre to the cell's, ties go by cell index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TruckGoal {
+    NearestBurning,
+    /// The fire that has burned longest.
+    Oldest,
+    /// The nearest fire of the largest group of burning cells that touch, sides or corners.
+    LargestCluster,
+}
+
+/// When a truck on its way reconsiders.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Retarget {
+    Never,
+    /// Whenever something ignites.
+    OnEvent,
+}
+
+/// How a truck finds its way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum TruckPlannerKind {
+    #[serde(rename = "prm+primitives")]
+    PrmPrimitives,
+}

@@ -1,0 +1,107 @@
+//! Changes from the command line, `path=value`, made to a scenario's table before it is read.
+
+use toml::{Table, Value};
+
+use super::error::{Fault, Place, ScenarioError};
+use super::path::{FieldPath, Step};
+
+/// Most steps of a path, more than any field of a scenario has.
+const MAX_STEPS: usize = 8;
+
+/// A change as it was asked for, and the values that it set.
+pub(super) struct Change {
+    pub option: String,
+    /// Where the value begins in the option.
+    value_at: usize,
+    /// Every value set: one, or one an agent.
+    pub set: Vec<FieldPath>,
+}
+
+impl Change {
+    /// Makes a change.
+    ///
+    /// The value is read as TOML where it is that, and as a text where it is not. A path that names a list without a
+    /// number (`unimog.prm.samples`) changes all its entries; tables that are missing are made.
+    pub fn make(option: &str, table: &mut Table) -> Result<Self, Box<ScenarioError>> {
+        let whole = || Place::new("--set", option, 0..option.len());
+        let (dotted, written) = option.split_once('=').ok_or_else(|| Fault::NoChange.at(whole()))?;
+        let path = FieldPath::parse(dotted.trim());
+        let Some((Step::Key(_), _)) = path.0.split_first() else { return Err(Fault::NoChange.at(whole())) };
+        if path.0.len() > MAX_STEPS {
+            let message = format!("`{path}` has {} steps; expected at most {MAX_STEPS}", path.0.len());
+            return Err(Fault::CannotChange { message }.at(whole()));
+        }
+        let value = value_of(written.trim());
+        let mut change = Self { option: option.to_owned(), value_at: dotted.len() + 1, set: Vec::new() };
+        let mut root = Value::Table(std::mem::take(table));
+        let done = change.set_at(&mut root, &mut FieldPath::default(), &path.0, &value);
+        if let Value::Table(changed) = root {
+            *table = changed;
+        }
+        done.map_err(|message| Fault::CannotChange { message }.at(Place::new("--set", option, 0..dotted.len())))?;
+        Ok(change)
+    }
+
+    fn set_at(&mut self, at: &mut Value, here: &mut FieldPath, rest: &[Step], new: &Value) -> Result<(), String> {
+        let Some((step, rest)) = rest.split_first() else {
+            *at = new.clone();
+            self.set.push(here.clone());
+            return Ok(());
+        };
+        match (at, step) {
+            (Value::Table(table), Step::Key(key)) => {
+                here.0.push(step.clone());
+                let inner = table.entry(key.clone()).or_insert_with(|| Value::Table(Table::new()));
+                self.set_at(inner, here, rest, new)?;
+            }
+            (Value::Array(list), Step::Index(index)) => {
+                let length = list.len();
+                let inner = list.get_mut(*index);
+                let inner =
+                    inner.ok_or_else(|| format!("`{here}` has no entry {index}: it has {length}, counted from 0"))?;
+                here.0.push(step.clone());
+                self.set_at(inner, here, rest, new)?;
+            }
+            (Value::Array(list), Step::Key(_)) => {
+                if list.is_empty() {
+                    return Err(format!("`{here}` is an empty list, there is nothing to change"));
+                }
+                let all = [std::slice::from_ref(step), rest].concat();
+                for (index, inner) in list.iter_mut().enumerate() {
+                    here.0.push(Step::Index(index));
+                    self.set_at(inner, here, &all, new)?;
+                    here.0.pop();
+                }
+                return Ok(());
+            }
+            (Value::Table(_), Step::Index(_)) => {
+                return Err(format!("`{here}` is a table, it has no numbered entries"));
+            }
+            (_, _) => return Err(format!("`{here}` is a plain value, it has no fields")),
+        }
+        here.0.pop();
+        Ok(())
+    }
+
+    /// The part of the option that holds its path.
+    pub fn path_place(&self) -> Place {
+        Place::new("--set", &self.option, 0..self.value_at - 1)
+    }
+
+    /// The part of the option that holds its value.
+    pub fn value_place(&self) -> Place {
+        Place::new("--set", &self.option, self.value_at..self.option.len())
+    }
+}
+
+/// A value as TOML spells it, else a text. A number that TOML cannot hold is a number all the same.
+fn value_of(written: &str) -> Value {
+    let huge = || {
+        let digits = written.trim_start_matches(['+', '-']).starts_with(|first: char| first.is_ascii_digit());
+        written.parse().ok().filter(|number: &f64| digits && number.abs() >= i64::MAX as f64)
+    };
+    match written.parse() {
+        Ok(value) => value,
+        Err(_) => huge().map_or_else(|| Value::String(written.to_owned()), Value::Float),
+    }
+}

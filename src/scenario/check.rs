@@ -1,0 +1,308 @@
+//! What a scenario must keep to: ranges that bound time and memory, bodies that can be, starts inside the field.
+//!
+//! The limits stand in the scenario documentation, `scenarios/README.md`.
+
+use std::ops::RangeInclusive;
+
+use super::error::Fault;
+use super::field::{MAX_CELLS_A_SIDE, MAX_COVERAGE};
+use super::path::{FieldPath, Step};
+use super::wording::shortened;
+use super::{Field, Ignition, IgnitionCells, PrimitiveSettings, PrmSettings, Scenario, Unimog, Wumpus};
+use crate::geometry::{DVec2, FieldFrame};
+use crate::vehicle::Dimensions;
+
+/// Most agents of a kind.
+pub const MAX_AGENTS: usize = 100;
+/// Most `[[ignition]]` entries, and most cells that they name in all.
+const MAX_IGNITIONS: usize = 10_000;
+/// Most points of all Wumpuses' lattices; a point takes about 28 bytes.
+const MAX_WUMPUS_NODES: f64 = 4e6;
+/// Most bins of a truck's search: those of the field times headings.
+const MAX_TRUCK_BINS: f64 = 1e8;
+/// Most edges of all roadmaps: samples times neighbours, summed over the trucks.
+const MAX_ROADMAP_EDGES: f64 = 1e7;
+/// Most pairs of a burning cell and a neighbour in its radius.
+const MAX_SPREAD_PAIRS: f64 = 1e9;
+/// Most stops of all trucks in a run in which a cell can burn again and again; each adds to the timeline.
+const MAX_STOPS: f64 = 1e6;
+/// Most characters of a scenario's name, which goes into tables and file names.
+const MAX_NAME: usize = 100;
+
+/// How far a body may stick out of the field by rounding, metres.
+const ROUNDING_M: f64 = 1e-9;
+
+/// A value that is refused.
+pub struct Refusal {
+    pub path: FieldPath,
+    found: String,
+    expected: String,
+}
+
+impl Refusal {
+    pub fn fault(&self) -> Fault {
+        let (found, expected) = (self.found.clone(), self.expected.clone());
+        Fault::Value { field: self.path.to_string(), found, expected }
+    }
+}
+
+/// Nothing, or the first value that is refused.
+pub type Check = Result<(), Box<Refusal>>;
+
+/// Values from the first to the last.
+const fn from(least: f64, most: f64) -> RangeInclusive<f64> {
+    least..=most
+}
+
+/// Checks every value of a scenario that serde cannot.
+pub fn check(scenario: &Scenario) -> Check {
+    check_name(&scenario.name)?;
+    let top = Table::named("");
+    top.number("duration_s", scenario.duration_s, from(0.001, 1e6))?;
+    check_field(&scenario.field)?;
+    check_rules(scenario)?;
+    for (name, count) in [("wumpus", scenario.wumpus.len()), ("unimog", scenario.unimog.len())] {
+        top.count(name, count, MAX_AGENTS)?;
+    }
+    let frame = scenario.field.frame();
+    let mut points = 0.0;
+    for (number, wumpus) in scenario.wumpus.iter().enumerate() {
+        let table = Table::entry("wumpus", number);
+        check_wumpus(&table, wumpus, &frame)?;
+        let pitch_m = wumpus.lattice_m.unwrap_or(frame.cell_m);
+        points += (frame.width_m() / pitch_m).max(1.0) * (frame.height_m() / pitch_m).max(1.0);
+        if points > MAX_WUMPUS_NODES {
+            let expected = format!("lattices of at most {MAX_WUMPUS_NODES:e} points, over all Wumpuses");
+            return table.refuse("lattice_m", number_text(pitch_m), expected);
+        }
+    }
+    let mut edges = 0.0;
+    for (number, unimog) in scenario.unimog.iter().enumerate() {
+        let table = Table::entry("unimog", number);
+        check_unimog(&table, unimog, &frame)?;
+        edges += f64::from(unimog.prm.samples) * f64::from(unimog.prm.neighbours);
+        if edges > MAX_ROADMAP_EDGES {
+            let expected = format!("at most {MAX_ROADMAP_EDGES:e} samples times neighbours, over all trucks");
+            return table.inner("prm").refuse("samples", unimog.prm.samples.to_string(), expected);
+        }
+    }
+    check_ignitions(&scenario.ignition, &frame)
+}
+
+fn check_name(name: &str) -> Check {
+    let fits = (1..=MAX_NAME).contains(&name.chars().count()) && !name.chars().any(char::is_control);
+    let expected = || format!("a line of 1 to {MAX_NAME} characters");
+    if fits { Ok(()) } else { Table::named("").refuse("name", shortened(&format!("{name:?}")), expected()) }
+}
+
+fn check_field(field: &Field) -> Check {
+    let table = Table::named("field");
+    table.number("cell_m", field.cell_m, from(0.01, 1000.0))?;
+    table.number("start_clearance_m", field.start_clearance_m, from(0.0, 1e6))?;
+    if field.given.is_some() {
+        return Ok(());
+    }
+    let side = field.size_m / field.cell_m;
+    let expected = || format!("1 to {MAX_CELLS_A_SIDE} whole cells of {} m", field.cell_m);
+    let whole = (side - side.round()).abs() <= 1e-9 * side;
+    if !(whole && (1.0..=f64::from(MAX_CELLS_A_SIDE)).contains(&side.round())) {
+        return table.refuse("size_m", number_text(field.size_m), expected());
+    }
+    table.number("coverage", field.coverage, from(0.0, MAX_COVERAGE))?;
+    let most = (MAX_COVERAGE * field.frame().cell_count() as f64 / 4.0) as usize;
+    table.count("pieces", field.pieces.unwrap_or(0) as usize, most)?;
+    let repeated = (1..field.shapes.len()).any(|n| field.shapes[..n].contains(&field.shapes[n]));
+    if field.shapes.is_empty() || repeated {
+        return table.refuse(
+            "shapes",
+            format!("{:?}", field.shapes),
+            "a list of different shapes, at least one".into(),
+        );
+    }
+    Ok(())
+}
+
+fn check_rules(scenario: &Scenario) -> Check {
+    let (fire, suppression, score) = (&scenario.fire, &scenario.suppression, &scenario.score);
+    let table = Table::named("fire");
+    table.number("spread_delay_s", fire.spread_delay_s, from(0.0, 1e6))?;
+    table.number("spread_radius_m", fire.spread_radius_m, from(0.0, 1e6))?;
+    table.optional("burn_out_s", fire.burn_out_s, from(0.001, 1e6))?;
+    check_spread_work(&table, scenario)?;
+    let table = Table::named("suppression");
+    table.optional("reach_m", suppression.reach_m, from(0.0, 1e6))?;
+    table.number("dwell_s", suppression.dwell_s, from(0.1, 1e6))?;
+    let stops = scenario.unimog.len() as f64 * scenario.duration_s / suppression.dwell_s;
+    if fire.relight && stops > MAX_STOPS {
+        let expected = format!("with `fire.relight`, time for at most {MAX_STOPS:e} stops of all trucks in the run");
+        return table.refuse("dwell_s", number_text(suppression.dwell_s), expected);
+    }
+    let table = Table::named("score");
+    table.number("wumpus_ignited", score.wumpus_ignited, from(-1e6, 1e6))?;
+    table.number("wumpus_burned_out", score.wumpus_burned_out, from(-1e6, 1e6))?;
+    table.number("truck_extinguished", score.truck_extinguished, from(-1e6, 1e6))
+}
+
+/// Spreading looks at every bush in the radius of every burning one; on huge fields that must stay bounded.
+fn check_spread_work(table: &Table, scenario: &Scenario) -> Check {
+    let cells = scenario.field.frame().cell_count() as f64;
+    let across = 2.0 * scenario.fire.spread_radius_m / scenario.field.cell_m + 1.0;
+    if cells * (across * across).min(cells) <= MAX_SPREAD_PAIRS {
+        return Ok(());
+    }
+    let expected = format!("at most {MAX_SPREAD_PAIRS:e} pairs of a cell and a cell in its radius");
+    table.refuse("spread_radius_m", number_text(scenario.fire.spread_radius_m), expected)
+}
+
+fn check_wumpus(table: &Table, wumpus: &Wumpus, frame: &FieldFrame) -> Check {
+    table.number("size_m", wumpus.size_m, from(0.01, 100.0))?;
+    table.number("speed_mps", wumpus.speed_mps, from(0.001, 1000.0))?;
+    table.number("reach_m", wumpus.reach_m, from(0.0, 1e6))?;
+    table.optional("lattice_m", wumpus.lattice_m, from(0.01, 1000.0))?;
+    table.number("heuristic_weight", wumpus.heuristic_weight, from(0.0, 1000.0))?;
+    table.number("seconds_per_expansion", wumpus.seconds_per_expansion, from(0.0, 1e6))?;
+    let centre = wumpus.start_centre();
+    let corners = [(1.0, 1.0), (-1.0, -1.0)].map(|(x, y)| centre + 0.5 * wumpus.size_m * DVec2::new(x, y));
+    table.inside("start_m", &corners, frame)
+}
+
+fn check_unimog(table: &Table, unimog: &Unimog, frame: &FieldFrame) -> Check {
+    check_vehicle(&table.inner("vehicle"), &unimog.vehicle)?;
+    table.number("speed_mps", unimog.speed_mps, from(0.001, 1000.0))?;
+    table.number("reverse_speed_mps", unimog.reverse_speed_mps, from(0.001, 1000.0))?;
+    let limits = table.inner("limits");
+    limits.optional("acceleration_mps2", unimog.limits.acceleration_mps2, from(0.001, 1000.0))?;
+    limits.optional("braking_mps2", unimog.limits.braking_mps2, from(0.001, 1000.0))?;
+    limits.optional("lateral_mps2", unimog.limits.lateral_mps2, from(0.001, 1000.0))?;
+    check_prm(&table.inner("prm"), &unimog.prm)?;
+    check_primitives(&table.inner("primitives"), &unimog.primitives, frame)?;
+    table.inner("start").number("heading_deg", unimog.start.heading_deg, from(-360.0, 360.0))?;
+    table.inside("start", &unimog.vehicle.footprint(unimog.start.pose()).corners(), frame)
+}
+
+fn check_vehicle(table: &Table, body: &Dimensions) -> Check {
+    table.number("length_m", body.length_m, from(0.1, 100.0))?;
+    table.number("width_m", body.width_m, from(0.1, 100.0))?;
+    table.number("rear_overhang_m", body.rear_overhang_m, from(0.0, body.length_m))?;
+    table.number("wheelbase_m", body.wheelbase_m, from(0.1, body.length_m))?;
+    if body.rear_overhang_m + body.wheelbase_m > body.length_m + ROUNDING_M {
+        let room = body.length_m - body.rear_overhang_m;
+        let expected = format!("a front axle under the body, at most {room} m ahead of the rear axle");
+        return table.refuse("wheelbase_m", body.wheelbase_m.to_string(), expected);
+    }
+    table.number("turning_radius_m", body.turning_radius_m, from(0.1, 10_000.0))?;
+    if body.turning_radius_m < 0.5 * body.width_m {
+        let expected = "a centre of turning outside the body, at least half the width away".into();
+        return table.refuse("turning_radius_m", body.turning_radius_m.to_string(), expected);
+    }
+    Ok(())
+}
+
+fn check_prm(table: &Table, prm: &PrmSettings) -> Check {
+    table.number("samples", prm.samples.into(), from(0.0, 100_000.0))?;
+    table.number("neighbours", prm.neighbours.into(), from(1.0, 100.0))?;
+    table.number("max_edge_m", prm.max_edge_m, from(0.01, 1e6))?;
+    table.number("clearance_m", prm.clearance_m, from(0.0, 1000.0))?;
+    table.number("seconds_per_expansion", prm.seconds_per_expansion, from(0.0, 1e6))
+}
+
+fn check_primitives(table: &Table, primitives: &PrimitiveSettings, frame: &FieldFrame) -> Check {
+    table.number("step_m", primitives.step_m, from(0.1, 1000.0))?;
+    table.number("bin_m", primitives.bin_m, from(0.01, 1000.0))?;
+    table.number("headings", primitives.headings.into(), from(4.0, 360.0))?;
+    table.number("clearance_m", primitives.clearance_m, from(0.01, 100.0))?;
+    table.number("turn_cost", primitives.turn_cost, from(0.0, 1e6))?;
+    table.number("reverse_cost", primitives.reverse_cost, from(0.0, 1e6))?;
+    table.number("cusp_cost", primitives.cusp_cost, from(0.0, 1e6))?;
+    table.number("heuristic_weight", primitives.heuristic_weight, from(0.0, 1000.0))?;
+    table.number("waypoint_tolerance_m", primitives.waypoint_tolerance_m, from(0.01, 1000.0))?;
+    table.number("max_expansions", primitives.max_expansions.into(), from(1.0, 1e6))?;
+    table.number("seconds_per_expansion", primitives.seconds_per_expansion, from(0.0, 1e6))?;
+    let bins = frame.width_m() / primitives.bin_m * frame.height_m() / primitives.bin_m;
+    if bins * f64::from(primitives.headings) > MAX_TRUCK_BINS {
+        let expected = format!("a search of at most {MAX_TRUCK_BINS:e} bins, those of the field times headings");
+        return table.refuse("bin_m", number_text(primitives.bin_m), expected);
+    }
+    Ok(())
+}
+
+fn check_ignitions(ignitions: &[Ignition], frame: &FieldFrame) -> Check {
+    let top = Table::named("");
+    top.count("ignition", ignitions.len(), MAX_IGNITIONS)?;
+    let mut named = 0;
+    for (number, ignition) in ignitions.iter().enumerate() {
+        let table = Table::entry("ignition", number);
+        table.number("at_s", ignition.at_s, from(0.0, 1e6))?;
+        match &ignition.cells {
+            IgnitionCells::Random(count) => {
+                table.number("random", (*count).into(), from(1.0, frame.cell_count() as f64))?;
+            }
+            IgnitionCells::Cells(cells) => {
+                named += cells.len();
+                top.count("ignition", named, MAX_IGNITIONS)?;
+                let outside = cells.iter().position(|cell| cell.col >= frame.cols || cell.row >= frame.rows);
+                if let Some(index) = outside {
+                    let expected =
+                        format!("a cell of the field of {} x {} cells, counted from 0", frame.cols, frame.rows);
+                    return table.inner("cells").refuse_step(Step::Index(index), cells[index].to_string(), expected);
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A number in as many digits as a reader can take in.
+fn number_text(number: f64) -> String {
+    let is_long = number != 0.0 && !(1e-6..1e15).contains(&number.abs());
+    if is_long { format!("{number:e}") } else { number.to_string() }
+}
+
+/// A table of the scenario, to name values in faults.
+struct Table(FieldPath);
+
+impl Table {
+    fn named(dotted: &str) -> Self {
+        Self(FieldPath::parse(dotted))
+    }
+
+    fn entry(list: &str, number: usize) -> Self {
+        Self(FieldPath(vec![Step::key(list), Step::Index(number)]))
+    }
+
+    fn inner(&self, name: &str) -> Self {
+        Self(self.0.join(Step::key(name)))
+    }
+
+    fn number(&self, name: &str, value: f64, range: RangeInclusive<f64>) -> Check {
+        if range.contains(&value) {
+            return Ok(());
+        }
+        self.refuse(name, number_text(value), format!("a number from {} to {}", range.start(), range.end()))
+    }
+
+    fn optional(&self, name: &str, value: Option<f64>, range: RangeInclusive<f64>) -> Check {
+        value.map_or(Ok(()), |value| self.number(name, value, range))
+    }
+
+    fn count(&self, name: &str, count: usize, most: usize) -> Check {
+        if count <= most { Ok(()) } else { self.refuse(name, count.to_string(), format!("at most {most}")) }
+    }
+
+    fn inside(&self, name: &str, corners: &[DVec2], frame: &FieldFrame) -> Check {
+        if corners.iter().all(|&corner| frame.border_distance(corner) >= -ROUNDING_M) {
+            return Ok(());
+        }
+        let expected =
+            format!("a place with the whole body inside the field of {} x {} m", frame.width_m(), frame.height_m());
+        self.refuse(name, "partly or wholly outside".into(), expected)
+    }
+
+    fn refuse(&self, name: &str, found: String, expected: String) -> Check {
+        self.refuse_step(Step::key(name), found, expected)
+    }
+
+    fn refuse_step(&self, step: Step, found: String, expected: String) -> Check {
+        Err(Box::new(Refusal { path: self.0.join(step), found, expected }))
+    }
+}

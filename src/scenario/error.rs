@@ -1,0 +1,204 @@
+//! What is wrong with a scenario, and where.
+
+use std::fmt;
+use std::ops::Range;
+
+use miette::{
+    Diagnostic, LabeledSpan, MietteError, MietteSpanContents, NamedSource, SourceCode, SourceSpan, SpanContents,
+};
+use thiserror::Error;
+
+use super::given::MapFault;
+use super::source::BUILT_IN;
+
+/// Longest line that is shown whole, in bytes.
+const LONGEST_LINE: usize = 400;
+
+/// Bytes of a longer line that are shown on either side of a fault, and most of the fault itself.
+const SHOWN_OF_LONG_LINES: usize = 60;
+
+/// Why a scenario is refused, with the place that shows it.
+///
+/// Its text is one sentence without the place. [`ScenarioError::place`] gives file, line and column; as a
+/// [`miette::Diagnostic`] it shows the line itself.
+#[derive(Debug, Error)]
+#[error("{fault}")]
+pub struct ScenarioError {
+    pub fault: Fault,
+    pub place: Option<Place>,
+}
+
+/// The fault itself.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum Fault {
+    #[error("there is no file and no built-in scenario `{name}`")]
+    NotFound { name: String, nearest: Option<String> },
+    #[error("`{path}` is a folder, a file is expected")]
+    Folder { path: String },
+    #[error("`{path}` cannot be read: {reason}")]
+    Unreadable { path: String, reason: String },
+    #[error("`{path}` is too large; at most {megabytes} MB are expected")]
+    TooLarge { path: String, megabytes: u64 },
+    #[error("`{path}` is not text: byte {byte} is not UTF-8")]
+    NotText { path: String, byte: usize },
+    #[error("this is not TOML: {message}")]
+    Syntax { message: String },
+    #[error("unknown field `{name}`{}", in_table(.table))]
+    UnknownField { name: String, table: String, known: Vec<String>, nearest: Option<String> },
+    #[error("missing field `{name}`{}", in_table(.table))]
+    MissingField { name: String, table: String },
+    #[error("`{field}` cannot be `{found}`: one of {} is expected", listed(.known))]
+    UnknownWord { field: String, found: String, known: Vec<String>, nearest: Option<String> },
+    #[error("`{field}` is {found}; expected {expected}")]
+    Value { field: String, found: String, expected: String },
+    #[error("{message}")]
+    Rule { message: String },
+    #[error("`{one}` cannot go with `{other}`: {reason}")]
+    Conflict { one: String, other: String, reason: &'static str },
+    #[error("a change is written path=value, as in unimog.prm.samples=1000")]
+    NoChange,
+    #[error("{message}")]
+    CannotChange { message: String },
+    #[error(transparent)]
+    Map(#[from] MapFault),
+}
+
+/// A stretch of a file, or of an option of the command line.
+#[derive(Clone, Debug)]
+pub struct Place {
+    source: NamedSource<String>,
+    span: Range<usize>,
+}
+
+impl Fault {
+    pub(super) fn nowhere(self) -> Box<ScenarioError> {
+        Box::new(ScenarioError { fault: self, place: None })
+    }
+
+    pub(super) fn at(self, place: Place) -> Box<ScenarioError> {
+        Box::new(ScenarioError { fault: self, place: Some(place) })
+    }
+
+    fn advice(&self) -> Option<String> {
+        match self {
+            Self::NotFound { nearest, .. } => {
+                let names: Vec<_> = BUILT_IN.iter().map(|(name, _)| *name).collect();
+                Some(format!("{}built in are {}", did_you_mean(nearest.as_deref()), names.join(", ")))
+            }
+            Self::UnknownField { nearest, known, .. } if !known.is_empty() => {
+                Some(format!("{}known here are {}", did_you_mean(nearest.as_deref()), known.join(", ")))
+            }
+            Self::UnknownWord { nearest: Some(nearest), .. } => Some(format!("did you mean `{nearest}`?")),
+            _ => None,
+        }
+    }
+}
+
+impl Place {
+    /// A stretch of bytes of a named text; a span beyond the text is cut off.
+    pub(super) fn new(name: &str, text: &str, span: Range<usize>) -> Self {
+        let start = span.start.min(text.len());
+        Self { source: NamedSource::new(name, text.to_owned()), span: start..span.end.clamp(start, text.len()) }
+    }
+
+    /// Line and column of the first byte, both from 1; columns count characters.
+    pub fn line_and_column(&self) -> (usize, usize) {
+        let before = &self.source.inner().as_bytes()[..self.span.start];
+        let line_start = before.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
+        let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
+        (line, 1 + String::from_utf8_lossy(&before[line_start..]).chars().count())
+    }
+
+    /// What is shown of the stretch: no more than its first line, and of a long one the beginning.
+    fn shown(&self) -> Range<usize> {
+        let text = self.source.inner();
+        let stretch = &text[self.span.clone()];
+        let line = stretch.lines().next().unwrap_or_default();
+        let most = if stretch.len() > LONGEST_LINE { SHOWN_OF_LONG_LINES } else { LONGEST_LINE };
+        self.span.start..self.span.start + line.floor_char_boundary(most)
+    }
+
+    /// The bytes about what is shown that fit beside it, of its line only.
+    fn window(&self) -> Range<usize> {
+        let text = self.source.inner();
+        let shown = self.shown();
+        let line_start = text[..shown.start].rfind('\n').map_or(0, |at| at + 1);
+        let line_end = text[shown.end..].find('\n').map_or(text.len(), |at| shown.end + at);
+        let start = text.ceil_char_boundary(shown.start.saturating_sub(SHOWN_OF_LONG_LINES)).max(line_start);
+        let end = text.floor_char_boundary((shown.end + SHOWN_OF_LONG_LINES).min(line_end));
+        start..end
+    }
+
+    /// The text of the stretch.
+    pub fn excerpt(&self) -> &str {
+        self.source.inner().get(self.span.clone()).unwrap_or_default()
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (line, column) = self.line_and_column();
+        write!(f, "{}:{line}:{column}", self.source.name())
+    }
+}
+
+/// A scenario may be one line of megabytes, of which a message shows what is about the fault.
+impl SourceCode for Place {
+    fn read_span<'a>(
+        &'a self,
+        span: &SourceSpan,
+        lines_before: usize,
+        lines_after: usize,
+    ) -> Result<Box<dyn SpanContents<'a> + 'a>, MietteError> {
+        let whole = self.source.read_span(span, lines_before, lines_after)?;
+        if whole.data().split(|&byte| byte == b'\n').all(|line| line.len() <= LONGEST_LINE) {
+            return Ok(whole);
+        }
+        let window = self.window();
+        let (line, column) = self.line_and_column();
+        let before = self.source.inner()[window.start..self.span.start].chars().count();
+        Ok(Box::new(MietteSpanContents::new_named(
+            self.source.name().to_owned(),
+            &self.source.inner().as_bytes()[window.clone()],
+            (window.start, window.len()).into(),
+            line - 1,
+            column - 1 - before,
+            1,
+        )))
+    }
+}
+
+impl Diagnostic for ScenarioError {
+    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        self.fault.advice().map(|advice| Box::new(advice) as Box<dyn fmt::Display>)
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.place.as_ref().map(|place| place as &dyn SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let place = self.place.as_ref()?;
+        Some(Box::new(std::iter::once(LabeledSpan::new_with_span(Some("here".into()), place.shown()))))
+    }
+}
+
+/// The name in `known` that is most like `name`, if any is like it at all.
+pub(super) fn nearest_name<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    let likeness = |other: &str| strsim::jaro_winkler(&name.to_lowercase(), other);
+    let scored = known.into_iter().map(|other| (likeness(other), other));
+    let best = scored.max_by(|one, other| one.0.total_cmp(&other.0).then(other.1.cmp(one.1)))?;
+    (best.0 > 0.75).then(|| best.1.to_owned())
+}
+
+fn in_table(table: &str) -> String {
+    if table.is_empty() { String::new() } else { format!(" in `{table}`") }
+}
+
+fn listed(known: &[String]) -> String {
+    known.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+}
+
+fn did_you_mean(nearest: Option<&str>) -> String {
+    nearest.map_or(String::new(), |nearest| format!("did you mean `{nearest}`? "))
+}

@@ -1,0 +1,381 @@
+//! A scenario in plain sentences, for `wildfire check`.
+
+use super::load::LoadedScenario;
+use super::sketch::sketch;
+use super::warnings::warnings;
+use super::{
+    Extinguishes, Field, IgnitionCells, Overlaps, Retarget, RoadmapGoal, RoadmapSearch, Scenario, SpreadFrom, StepCost,
+    StepTime, Terrain, TruckGoal, Unimog, Wumpus, WumpusGoal, WumpusHeuristic,
+};
+
+/// Widest line, in characters.
+pub(super) const WIDTH: usize = 80;
+
+/// The seed whose field is shown.
+const SHOWN_SEED: u64 = 1;
+
+/// What a scenario means: its rules and agents in sentences with units, the values left to defaults, the field of
+/// seed 1 with a map, and warnings. No line is wider than 80 characters.
+pub fn explain(loaded: &LoadedScenario) -> String {
+    let scenario = &loaded.scenario;
+    let mut text = format!("{}: {} s of simulated time at most.\n", scenario.name, scenario.duration_s);
+    section(&mut text, "Field", [field(&scenario.field)]);
+    section(&mut text, "Fire", [fire(scenario)]);
+    section(&mut text, "Suppression", [suppression(scenario)]);
+    section(&mut text, "Score", [score(scenario)]);
+    section(&mut text, "Wumpuses", agents(&scenario.wumpus, wumpus));
+    section(&mut text, "Trucks", agents(&scenario.unimog, unimog));
+    if !scenario.ignition.is_empty() {
+        section(&mut text, "Ignitions", [ignitions(scenario)]);
+    }
+    section(&mut text, "Values", [defaults(loaded)]);
+    let terrain = Terrain::of(scenario, SHOWN_SEED);
+    match &terrain {
+        Ok(terrain) => text += &field_of_seed(scenario, terrain),
+        Err(error) => section(&mut text, "Field of seed 1", [format!("There is none: {error}.")]),
+    }
+    let warnings = warnings(scenario, terrain.as_ref().ok());
+    if !warnings.is_empty() {
+        section(&mut text, "Warnings", warnings);
+    }
+    text
+}
+
+fn section(text: &mut String, title: &str, paragraphs: impl IntoIterator<Item = String>) {
+    *text += &format!("\n{title}\n");
+    for paragraph in paragraphs {
+        *text += &wrapped(&paragraph);
+    }
+}
+
+/// A paragraph, indented by two spaces, its further lines by four.
+fn wrapped(paragraph: &str) -> String {
+    let (mut text, mut line) = (String::new(), String::from(" "));
+    for word in paragraph.split_whitespace() {
+        if line.chars().count() + 1 + word.chars().count() > WIDTH && line.trim() != "" {
+            text += &format!("{line}\n");
+            line = "   ".into();
+        }
+        line += " ";
+        line += word;
+    }
+    text + &line + "\n"
+}
+
+fn field(field: &Field) -> String {
+    let frame = field.frame();
+    let size = format!(
+        "{} x {} m, {} x {} cells of {} m.",
+        frame.width_m(),
+        frame.height_m(),
+        frame.cols,
+        frame.rows,
+        frame.cell_m
+    );
+    if let Some(map) = &field.map {
+        return format!("{size} The bushes are those of the map {}, the same for every seed.", map.display());
+    }
+    let shapes: Vec<String> = field.shapes.iter().map(|shape| format!("{shape:?}")).collect();
+    let overlaps = match field.overlaps {
+        Overlaps::Never => "that never overlap",
+        Overlaps::Dropped => "that fall anywhere, cells covered twice counting once",
+    };
+    let limit = match field.pieces {
+        Some(_) => String::new(),
+        None => format!(" (the most within {} % of the cells)", percent(field.coverage)),
+    };
+    format!(
+        "{size} {} tetrominoes{limit} of the shapes {}, {overlaps}. No bush within {} m of where an agent's body \
+         starts.",
+        field.wanted_pieces(),
+        shapes.join(", "),
+        field.start_clearance_m
+    )
+}
+
+fn fire(scenario: &Scenario) -> String {
+    let fire = &scenario.fire;
+    let spread = match fire.spread_from {
+        SpreadFrom::None => "Fire does not spread.".into(),
+        from => format!(
+            "A bush that has burned for {} s sets intact ones on fire whose centres are within {} m; {}.",
+            fire.spread_delay_s,
+            fire.spread_radius_m,
+            if from == SpreadFrom::All { "every burning bush does so" } else { "only bushes that were lit do so" }
+        ),
+    };
+    let end =
+        fire.burn_out_s.map_or("It burns until it is put out.".into(), |s| format!("A bush burns out after {s} s."));
+    let again =
+        if fire.relight { "An extinguished bush can burn again." } else { "An extinguished bush is safe for good." };
+    format!("{spread} {end} {again}")
+}
+
+fn suppression(scenario: &Scenario) -> String {
+    let rule = &scenario.suppression;
+    let reach = rule.reach_m.map_or("wherever its drive ends".into(), |m| {
+        format!("with its body's centre within {m} m of the bush's centre")
+    });
+    let effect = match rule.extinguishes {
+        Extinguishes::One => "one bush",
+        Extinguishes::AllInReach => "all that burns in reach",
+    };
+    format!("A truck that stands {} s {reach} puts out {effect}.", rule.dwell_s)
+}
+
+fn score(scenario: &Scenario) -> String {
+    let score = &scenario.score;
+    format!(
+        "Wumpuses: {} for a bush that catches fire, {} for one that burns out. Trucks: {} for one put out.",
+        score.wumpus_ignited, score.wumpus_burned_out, score.truck_extinguished
+    )
+}
+
+fn agents<A>(agents: &[A], describe: impl Fn(&A) -> String) -> Vec<String> {
+    if agents.is_empty() {
+        return vec!["None.".into()];
+    }
+    agents.iter().enumerate().map(|(number, agent)| format!("{number}: {}", describe(agent))).collect()
+}
+
+fn wumpus(wumpus: &Wumpus) -> String {
+    let goal = match wumpus.goal {
+        WumpusGoal::RandomIntact => "a random intact bush",
+        WumpusGoal::NearestIntact => "the nearest intact bush",
+        WumpusGoal::FarthestFromTruck => "the intact bush farthest from all trucks",
+    };
+    let keep = if wumpus.keep_goal { "which it never gives up" } else { "which it drops when it is no longer intact" };
+    let lattice = wumpus.lattice_m.map_or("cell centres".into(), |m| format!("a lattice of {m} m from its start on"));
+    let diagonals = match wumpus.step_time {
+        StepTime::Distance => "",
+        StepTime::Uniform => " (diagonal steps take no longer)",
+    };
+    let cost = match wumpus.step_cost {
+        StepCost::Metres => "metres",
+        StepCost::Moves => "moves",
+    };
+    let heuristic = match wumpus.heuristic {
+        WumpusHeuristic::Octile => "octile distance",
+        WumpusHeuristic::ParentEuclidean => "straight line from the parent",
+    };
+    format!(
+        "starts at ({}, {}) m, a square of {} m, {} m/s{diagonals}. It goes for {goal}, {keep}, and lights it from \
+         within {} m of its centre. A* over {lattice}, cost in {cost}, {} times the {heuristic} as estimate; {}.",
+        wumpus.start_m[0],
+        wumpus.start_m[1],
+        wumpus.size_m,
+        wumpus.speed_mps,
+        wumpus.reach_m,
+        wumpus.heuristic_weight,
+        thinking(wumpus.seconds_per_expansion)
+    )
+}
+
+fn unimog(truck: &Unimog) -> String {
+    let body = &truck.vehicle;
+    let goal = match truck.goal {
+        TruckGoal::NearestBurning => "the nearest fire",
+        TruckGoal::Oldest => "the oldest fire",
+        TruckGoal::LargestCluster => "the nearest fire of the largest burning group",
+    };
+    let retarget = match truck.retarget {
+        Retarget::Never => "keeps it until it is out",
+        Retarget::OnEvent => "thinks again whenever something ignites",
+    };
+    format!(
+        "starts with its rear axle at ({}, {}) m, heading {} degrees. {} x {} m, wheelbase {} m, turning radius {} m \
+         (steering to {:.1} degrees). {} m/s forward, {} m/s in reverse; {}. It goes for {goal} and {retarget}. {} {}",
+        truck.start.x_m,
+        truck.start.y_m,
+        truck.start.heading_deg,
+        body.length_m,
+        body.width_m,
+        body.wheelbase_m,
+        body.turning_radius_m,
+        body.max_steering_rad().to_degrees(),
+        truck.speed_mps,
+        truck.reverse_speed_mps,
+        limits(truck),
+        roadmap(truck),
+        local_search(truck)
+    )
+}
+
+fn limits(truck: &Unimog) -> String {
+    let limit = |name: &str, limit: Option<f64>| limit.map(|mps2| format!("{name} {mps2} m/s2"));
+    let set: Vec<String> = [
+        limit("acceleration", truck.limits.acceleration_mps2),
+        limit("braking", truck.limits.braking_mps2),
+        limit("to the side", truck.limits.lateral_mps2),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    if set.is_empty() { "speed changes at once".into() } else { set.join(", ") }
+}
+
+fn roadmap(truck: &Unimog) -> String {
+    let prm = &truck.prm;
+    let search = match prm.search {
+        RoadmapSearch::Astar => "A*",
+        RoadmapSearch::Dijkstra => "Dijkstra's search",
+        RoadmapSearch::Greedy => "greedy search",
+    };
+    let goal = match prm.goal {
+        RoadmapGoal::InReach => "milestones from which the fire is in reach",
+        RoadmapGoal::NearestMilestone => "the milestone nearest to the fire",
+    };
+    format!(
+        "Roadmap of {} samples, {} neighbours each, edges up to {} m, {} m clear; {search} to {goal}; {}.",
+        prm.samples,
+        prm.neighbours,
+        prm.max_edge_m,
+        prm.clearance_m,
+        thinking(prm.seconds_per_expansion)
+    )
+}
+
+fn local_search(truck: &Unimog) -> String {
+    let local = &truck.primitives;
+    format!(
+        "Local search with motions of {} m, bins of {} m and {} headings, {} m clear, at most {} expansions; {}.",
+        local.step_m,
+        local.bin_m,
+        local.headings,
+        local.clearance_m,
+        local.max_expansions,
+        thinking(local.seconds_per_expansion)
+    )
+}
+
+fn thinking(seconds_per_expansion: f64) -> String {
+    if seconds_per_expansion == 0.0 {
+        "planning takes no simulated time".into()
+    } else {
+        format!("it stands {seconds_per_expansion} s for every expansion")
+    }
+}
+
+fn ignitions(scenario: &Scenario) -> String {
+    let (mut random, mut named) = (0_u64, 0);
+    for ignition in &scenario.ignition {
+        match &ignition.cells {
+            IgnitionCells::Random(count) => random += u64::from(*count),
+            IgnitionCells::Cells(cells) => named += cells.len(),
+        }
+    }
+    let times = scenario.ignition.iter().map(|ignition| ignition.at_s);
+    let (first, last) = (times.clone().fold(f64::INFINITY, f64::min), times.fold(0.0, f64::max));
+    let count = scenario.ignition.len();
+    format!("{count} from {first} s to {last} s: {random} random bushes and {named} named cells.")
+}
+
+fn defaults(loaded: &LoadedScenario) -> String {
+    let values = loaded.values().into_iter().filter(|(_, value)| value != "[]");
+    let (given, left): (Vec<_>, Vec<_>) = values.partition(|(path, _)| loaded.is_given(path));
+    if left.is_empty() {
+        return format!("All {} values are given.", given.len());
+    }
+    let mut listed = Vec::new();
+    for (path, value) in &left {
+        let is_left = |other: &str| left.iter().any(|(path, _)| path == other);
+        let shown = of_all_agents(path, &loaded.scenario, is_left).unwrap_or_else(|| path.clone());
+        let entry = format!("{shown}={value}");
+        if !listed.contains(&entry) {
+            listed.push(entry);
+        }
+    }
+    format!("{} values are given, {} left to their defaults: {}.", given.len(), left.len(), listed.join(", "))
+}
+
+/// The path without the agent's number, if the same value of every agent of the kind is left to its default.
+fn of_all_agents(path: &str, scenario: &Scenario, is_left: impl Fn(&str) -> bool) -> Option<String> {
+    let (list, rest) = path.split_once('.')?;
+    let agents = match list {
+        "wumpus" => scenario.wumpus.len(),
+        "unimog" => scenario.unimog.len(),
+        _ => return None,
+    };
+    let (_, field) = rest.split_once('.')?;
+    (0..agents).all(|number| is_left(&format!("{list}.{number}.{field}"))).then(|| format!("{list}.{field}"))
+}
+
+fn field_of_seed(scenario: &Scenario, terrain: &Terrain) -> String {
+    let bushes = terrain.bushes.len();
+    let share = percent(bushes as f64 / terrain.frame.cell_count() as f64);
+    let pieces = match &scenario.field.given {
+        Some(_) => String::new(),
+        None => format!("{} pieces, ", scenario.field.wanted_pieces()),
+    };
+    let drawing = sketch(terrain, scenario);
+    format!("\nField of seed {SHOWN_SEED}\n  {pieces}{bushes} bushes, {share} % of the cells.\n{drawing}")
+}
+
+/// A share in percent, to a hundredth.
+fn percent(share: f64) -> f64 {
+    (share * 1e4).round() / 100.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::BUILT_IN;
+
+    fn of(source: &str, changes: &[&str]) -> String {
+        let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
+        explain(&LoadedScenario::open(source, &changes).expect("this scenario is right"))
+    }
+
+    fn in_one_line(text: &str) -> String {
+        text.split_whitespace().collect::<Vec<_>>().join(" ")
+    }
+
+    #[test]
+    fn no_line_is_wider_than_eighty_characters() {
+        for (name, _) in BUILT_IN {
+            for size in ["250", "1000", "2000"] {
+                let text = of(name, &[format!("field.size_m={size}").as_str()]);
+                let widest = text.lines().map(|line| line.chars().count()).max();
+                assert!(widest <= Some(WIDTH), "{name}: {widest:?}\n{text}");
+            }
+        }
+    }
+
+    #[test]
+    fn rules_are_told_with_their_units() {
+        let text = in_one_line(&of("original-2024", &[]));
+        for words in [
+            "62 tetrominoes of the shapes I, J, Z, T, that fall anywhere",
+            "burned for 9 s sets intact ones on fire whose centres are within 30 m; only bushes that were lit",
+            "stands 6 s wherever its drive ends puts out one bush",
+            "a square of 3 m, 2 m/s (diagonal steps take no longer)",
+            "turning radius 12.1 m",
+            "it stands 1 s for every expansion",
+        ] {
+            assert!(text.contains(words), "`{words}` is not in {text}");
+        }
+    }
+
+    #[test]
+    fn defaults_are_told_from_given_values() {
+        assert!(in_one_line(&of("contest", &[])).contains("values are given. Field of seed"));
+        let text = in_one_line(&of("smoke", &["unimog.prm.neighbours=7"]));
+        let left = text.split_once("left to their defaults: ").expect("some values are left").1;
+        assert!(left.contains("suppression.dwell_s=5"), "{left}");
+        assert!(left.contains("unimog.prm.max_edge_m=30"), "{left}");
+        assert!(!left.contains("prm.neighbours") && !left.contains("prm.samples"), "{left}");
+    }
+
+    #[test]
+    fn a_default_that_one_agent_overrules_is_told_by_agent() {
+        let text = in_one_line(&of("fleet", &["unimog.1.goal=oldest"]));
+        assert!(text.contains("unimog.0.goal=") && text.contains("unimog.2.goal="), "{text}");
+        assert!(!text.contains("unimog.1.goal=") && text.contains(" unimog.retarget="), "{text}");
+    }
+
+    #[test]
+    fn a_field_that_cannot_be_is_explained_too() {
+        let text = of("smoke", &["field.start_clearance_m=200"]);
+        assert!(text.contains("There is none: no placement left for piece 1 of 10"), "{text}");
+    }
+}

@@ -1,0 +1,108 @@
+//! The field as the user describes it.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use super::{GivenField, Shape};
+use crate::geometry::FieldFrame;
+
+/// Most cells along a side of a field, generated or given.
+pub const MAX_CELLS_A_SIDE: u16 = 1000;
+
+/// Largest share of a field's cells that pieces may be asked to cover.
+pub const MAX_COVERAGE: f64 = 0.40;
+
+/// Share of a piece that rounding in `coverage * cells / 4` may hide.
+const ROUNDING_PIECES: f64 = 1e-9;
+
+/// The field: generated tetrominoes, or a given map.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Field {
+    /// Side of the square field; a whole number of cells. With a map, the longer side of the map.
+    pub size_m: f64,
+    pub cell_m: f64,
+    /// Share of the cells under bushes, reached from below in whole pieces. With a map, the map's own share.
+    pub coverage: f64,
+    /// Exactly this many pieces instead of `coverage`.
+    pub pieces: Option<u32>,
+    /// The shapes that pieces are drawn from.
+    pub shapes: Vec<Shape>,
+    pub overlaps: Overlaps,
+    /// No bush within this distance of an agent's body centre at its start.
+    pub start_clearance_m: f64,
+    /// A given field instead of a generated one: text of `.`/`#` or 0/1, first line north; or JSON with `cells_cr`.
+    pub map: Option<PathBuf>,
+    /// What the file at `map` says. Loading fills it in, so that a resolved scenario is complete without the file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub given: Option<GivenField>,
+}
+
+impl Default for Field {
+    fn default() -> Self {
+        Self {
+            size_m: 250.0,
+            cell_m: 5.0,
+            coverage: 0.1,
+            pieces: None,
+            shapes: Shape::ALL.to_vec(),
+            overlaps: Overlaps::Never,
+            start_clearance_m: 10.0,
+            map: None,
+            given: None,
+        }
+    }
+}
+
+/// What happens where a new piece would cover an old one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Overlaps {
+    /// Pieces are drawn from the placements that touch no earlier piece's cells.
+    Never,
+    /// Pieces fall anywhere; cells that are covered already count once.
+    Dropped,
+}
+
+impl Field {
+    /// How the field's cells lie in the world: those of the map, or a square of whole cells.
+    pub fn frame(&self) -> FieldFrame {
+        if let Some(given) = &self.given {
+            return given.frame;
+        }
+        let side = (self.size_m / self.cell_m).round() as u16;
+        FieldFrame { cols: side, rows: side, cell_m: self.cell_m }
+    }
+
+    /// Pieces that a generated field gets: `pieces`, or the most whose cells do not exceed `coverage`.
+    pub fn wanted_pieces(&self) -> u32 {
+        self.pieces.unwrap_or_else(|| {
+            let cells = self.frame().cell_count() as f64;
+            (self.coverage * cells / 4.0 + ROUNDING_PIECES).floor() as u32
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pieces(size_m: f64, coverage: f64) -> u32 {
+        Field { size_m, coverage, ..Field::default() }.wanted_pieces()
+    }
+
+    #[test]
+    fn coverage_is_reached_from_below_in_whole_pieces() {
+        assert_eq!(pieces(250.0, 0.1), 62);
+        for percent in 0..=40_u32 {
+            let (covered, allowed) = (pieces(250.0, f64::from(percent) / 100.0) * 4, percent * 25);
+            assert!(covered <= allowed && covered + 4 > allowed, "{percent} % gives {covered} cells of {allowed}");
+        }
+    }
+
+    #[test]
+    fn a_count_of_pieces_overrules_the_coverage() {
+        assert_eq!(Field { pieces: Some(7), ..Field::default() }.wanted_pieces(), 7);
+    }
+}

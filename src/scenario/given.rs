@@ -1,0 +1,321 @@
+//! Fields that the user draws: maps as text or as JSON.
+//!
+//! A text map has a line per row, first line north, `.` or `0` for a free cell and `#` or `1` for a bush. A JSON map
+//! lists its bushes as `cells_cr`, pairs of column and row from the south-west corner, with `n` cells along a side (or
+//! `size_m`) and `cell_m`. Text rows are turned over here and nowhere else: row 0 of the simulation is the south edge.
+
+use std::fmt;
+use std::ops::Range;
+
+use serde::de::{DeserializeSeed, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+use thiserror::Error;
+
+use super::field::MAX_CELLS_A_SIDE;
+use crate::geometry::FieldFrame;
+use crate::grid::Grid;
+
+/// Where the bushes of a given field stand.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Drawing", into = "Drawing")]
+pub struct GivenField {
+    pub frame: FieldFrame,
+    /// A value per cell, row 0 at the south edge.
+    pub occupied: Grid<bool>,
+}
+
+/// A given field as a resolved scenario spells it: rows of `.` and `#`, first row north.
+#[derive(Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Drawing {
+    cell_m: f64,
+    rows: Vec<String>,
+}
+
+/// What is wrong with a map.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum MapFault {
+    #[error("the map is empty: a line of `.` and `#` for each row of cells is expected")]
+    Empty,
+    #[error("`{found}` is no cell: `.` or `0` for a free cell, `#` or `1` for a bush are expected")]
+    UnknownCharacter { found: char },
+    #[error("this row has {found} cells, {expected} like the first row are expected")]
+    Ragged { found: usize, expected: usize },
+    #[error("the map has more than {limit} cells along a side, at most {limit} are expected", limit = MAX_CELLS_A_SIDE)]
+    TooLarge,
+    #[error("{message}")]
+    Json { message: String },
+    #[error("the map must say how many cells it has: `n`, or `size_m` as a whole number of cells, is expected")]
+    NoSize,
+    #[error("a cell of {found} m is no cell: a size above 0 m is expected")]
+    CellSize { found: f64 },
+}
+
+/// A fault, and the bytes of the map that show it.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("{fault}")]
+pub struct MapError {
+    pub fault: MapFault,
+    pub span: Range<usize>,
+}
+
+impl MapFault {
+    fn at(self, span: Range<usize>) -> MapError {
+        MapError { fault: self, span }
+    }
+}
+
+impl GivenField {
+    /// Reads a map; a text map's cells have the side `cell_m`, a JSON map's may say their own.
+    ///
+    /// # Errors
+    /// If the map is empty, ragged, too large, or not in one of the two forms; with the place.
+    pub fn parse(text: &str, cell_m: f64) -> Result<Self, MapError> {
+        if text.trim_start().starts_with('{') { parse_json(text, cell_m) } else { parse_drawing(text, cell_m) }
+    }
+
+    /// Share of the cells that are bushes.
+    pub fn coverage(&self) -> f64 {
+        let bushes = self.occupied.values().iter().filter(|&&occupied| occupied).count();
+        bushes as f64 / self.frame.cell_count() as f64
+    }
+}
+
+impl TryFrom<Drawing> for GivenField {
+    type Error = MapError;
+
+    fn try_from(drawing: Drawing) -> Result<Self, MapError> {
+        parse_drawing(&drawing.rows.join("\n"), drawing.cell_m)
+    }
+}
+
+impl From<GivenField> for Drawing {
+    fn from(field: GivenField) -> Self {
+        let spell = |row: &[bool]| row.iter().map(|&occupied| if occupied { '#' } else { '.' }).collect();
+        let rows = (0..field.occupied.rows()).rev().map(|row| spell(field.occupied.row(row))).collect();
+        Self { cell_m: field.frame.cell_m, rows }
+    }
+}
+
+fn parse_drawing(text: &str, cell_m: f64) -> Result<GivenField, MapError> {
+    let body = text.trim_end();
+    let mut cells: Vec<Vec<bool>> = Vec::new();
+    let mut start = 0;
+    for line in body.split('\n') {
+        let row = parse_row(line, start)?;
+        let expected = cells.first().map_or(row.len(), Vec::len);
+        let span = start..start + line.trim_end().len();
+        if row.is_empty() && cells.is_empty() {
+            return Err(MapFault::Empty.at(span));
+        }
+        if row.len() > MAX_CELLS_A_SIDE.into() || cells.len() >= MAX_CELLS_A_SIDE.into() {
+            return Err(MapFault::TooLarge.at(span));
+        }
+        if row.len() != expected {
+            return Err(MapFault::Ragged { found: row.len(), expected }.at(span));
+        }
+        cells.push(row);
+        start += line.len() + 1;
+    }
+    let (rows, cols) = (cells.len(), cells[0].len());
+    let occupied = Grid::from_values(rows, cols, cells.into_iter().rev().flatten().collect());
+    let frame = frame_of(cols, rows, cell_m).map_err(|fault| fault.at(0..0))?;
+    Ok(GivenField { frame, occupied })
+}
+
+fn parse_row(line: &str, start: usize) -> Result<Vec<bool>, MapError> {
+    let cell = |(at, found): (usize, char)| match found {
+        '.' | '0' => Ok(false),
+        '#' | '1' => Ok(true),
+        _ => Err(MapFault::UnknownCharacter { found }.at(start + at..start + at + found.len_utf8())),
+    };
+    line.trim_end().char_indices().map(cell).collect()
+}
+
+fn frame_of(cols: usize, rows: usize, cell_m: f64) -> Result<FieldFrame, MapFault> {
+    let side = |cells| u16::try_from(cells).ok().filter(|&side| side <= MAX_CELLS_A_SIDE).ok_or(MapFault::TooLarge);
+    if !(cell_m > 0.0 && cell_m.is_finite()) {
+        return Err(MapFault::CellSize { found: cell_m });
+    }
+    Ok(FieldFrame { cols: side(cols)?, rows: side(rows)?, cell_m })
+}
+
+/// The members of a JSON map that say how large it is.
+#[derive(Deserialize)]
+struct Measures {
+    n: Option<u32>,
+    size_m: Option<f64>,
+    cell_m: Option<f64>,
+}
+
+impl Measures {
+    fn frame(&self, cell_m: f64) -> Result<FieldFrame, MapFault> {
+        let cell_m = self.cell_m.unwrap_or(cell_m);
+        let side = match (self.n, self.size_m) {
+            (Some(n), None) => f64::from(n),
+            (None, Some(size_m)) => size_m / cell_m,
+            (Some(n), Some(size_m)) if f64::from(n) * cell_m == size_m => f64::from(n),
+            _ => return Err(MapFault::NoSize),
+        };
+        if !(side >= 1.0 && side.fract() == 0.0) {
+            return Err(MapFault::NoSize);
+        }
+        frame_of(side as usize, side as usize, cell_m)
+    }
+}
+
+fn parse_json(text: &str, cell_m: f64) -> Result<GivenField, MapError> {
+    let located = |error: serde_json::Error| {
+        let at = offset(text, error.line(), error.column());
+        let message = error.to_string();
+        let message = message.rsplit_once(" at line ").map_or(message.clone(), |(sentence, _)| sentence.into());
+        MapFault::Json { message }.at(at..at + text[at..].chars().next().map_or(0, char::len_utf8))
+    };
+    let measures: Measures = serde_json::from_str(text).map_err(located)?;
+    let frame = measures.frame(cell_m).map_err(|fault| fault.at(0..0))?;
+    let mut json = serde_json::Deserializer::from_str(text);
+    let occupied = Bushes(frame).deserialize(&mut json).map_err(located)?;
+    Ok(GivenField { frame, occupied })
+}
+
+/// Byte offset of a line and column, both from 1, columns in bytes as `serde_json` counts them.
+fn offset(text: &str, line: usize, column: usize) -> usize {
+    let line_start: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
+    let mut at = (line_start + column.saturating_sub(1)).min(text.len());
+    while !text.is_char_boundary(at) {
+        at -= 1;
+    }
+    at
+}
+
+/// Reads the bushes of a JSON map whose size is known, so that a cell outside is reported where it stands.
+struct Bushes(FieldFrame);
+
+impl<'de> DeserializeSeed<'de> for Bushes {
+    type Value = Grid<bool>;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Grid<bool>, D::Error> {
+        deserializer.deserialize_map(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Bushes {
+    type Value = Grid<bool>;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a map with `cells_cr`")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Grid<bool>, A::Error> {
+        let mut occupied = None;
+        while let Some(key) = map.next_key::<String>()? {
+            if key == "cells_cr" {
+                occupied = Some(map.next_value_seed(CellList(self.0))?);
+            } else {
+                map.next_value::<IgnoredAny>()?;
+            }
+        }
+        occupied.ok_or_else(|| A::Error::missing_field("cells_cr"))
+    }
+}
+
+struct CellList(FieldFrame);
+
+impl<'de> DeserializeSeed<'de> for CellList {
+    type Value = Grid<bool>;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Grid<bool>, D::Error> {
+        deserializer.deserialize_seq(self)
+    }
+}
+
+impl<'de> Visitor<'de> for CellList {
+    type Value = Grid<bool>;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a list of cells, each a pair of column and row")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Grid<bool>, A::Error> {
+        let (cols, rows) = (self.0.cols, self.0.rows);
+        let mut occupied = Grid::filled(rows.into(), cols.into(), false);
+        while let Some((col, row)) = seq.next_element::<(u16, u16)>()? {
+            if col >= cols || row >= rows {
+                let message = format!("cell [{col}, {row}] lies outside a field of {cols} x {rows} cells");
+                return Err(A::Error::custom(message));
+            }
+            occupied[(row.into(), col.into())] = true;
+        }
+        Ok(occupied)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fault(text: &str) -> (MapFault, usize) {
+        let error = GivenField::parse(text, 5.0).expect_err("this map is wrong");
+        (error.fault, error.span.start)
+    }
+
+    #[test]
+    fn the_first_line_is_the_north_edge() {
+        let field = GivenField::parse("##.\n...\r\n#.1\n\n", 4.0).unwrap();
+        assert_eq!((field.frame.cols, field.frame.rows, field.frame.cell_m), (3, 3, 4.0));
+        assert_eq!(field.occupied.row(2), [true, true, false]);
+        assert_eq!(field.occupied.row(0), [true, false, true]);
+        assert_eq!(field.coverage(), 4.0 / 9.0);
+    }
+
+    #[test]
+    fn zeros_and_ones_say_the_same_as_dots_and_hashes() {
+        assert_eq!(GivenField::parse("010\n001", 5.0), GivenField::parse(".#.\n..#\n", 5.0));
+    }
+
+    #[test]
+    fn a_json_map_counts_rows_from_the_south() {
+        let text =
+            r#"{"n": 3, "cell_m": 2, "size_m": 6, "cells_cr": [[0, 0], [2, 1], [0, 0]], "goals": [1, {"a": []}]}"#;
+        let json = GivenField::parse(text, 5.0).unwrap();
+        assert_eq!(json, GivenField::parse("...\n..#\n#..", 2.0).unwrap());
+    }
+
+    #[test]
+    fn a_given_field_survives_being_written() {
+        let field = GivenField::parse("#..#\n....\n.##.", 2.5).unwrap();
+        let written = serde_json::to_string(&field).unwrap();
+        assert_eq!(serde_json::from_str::<GivenField>(&written).unwrap(), field);
+    }
+
+    #[test]
+    fn faults_in_drawings_are_placed() {
+        assert_eq!(fault(""), (MapFault::Empty, 0));
+        assert_eq!(fault("\n \n"), (MapFault::Empty, 0));
+        assert_eq!(fault("..#\n..\n..."), (MapFault::Ragged { found: 2, expected: 3 }, 4));
+        assert_eq!(fault("..#\n\n..."), (MapFault::Ragged { found: 0, expected: 3 }, 4));
+        assert_eq!(fault("..#\n.x."), (MapFault::UnknownCharacter { found: 'x' }, 5));
+        assert_eq!(fault("..é"), (MapFault::UnknownCharacter { found: 'é' }, 2));
+        assert_eq!(fault(&".".repeat(1001)), (MapFault::TooLarge, 0));
+        assert_eq!(fault(&".\n".repeat(1001)), (MapFault::TooLarge, 2000));
+        assert!(GivenField::parse(&".\n".repeat(1000), 5.0).is_ok());
+    }
+
+    #[test]
+    fn faults_in_json_are_placed() {
+        let (found, at) = fault("{\"n\": 3,\n \"cells_cr\": [[0, 0],\n [3, 1]]}");
+        assert!(matches!(&found, MapFault::Json { message } if message.contains("[3, 1] lies outside")), "{found}");
+        assert!((31..=38).contains(&at), "the third line is bytes 31 to 39, not {at}");
+        let (found, _) = fault("{\"n\": 3}");
+        assert!(found.to_string().contains("missing field `cells_cr`"), "{found}");
+        let (found, at) = fault("{\"n\": 3,\n \"cells_cr\": [[0, -1]]}");
+        assert!(found.to_string().contains("invalid value"), "{found}");
+        assert!(at > 9);
+        assert_eq!(fault("{\"cells_cr\": []}").0, MapFault::NoSize);
+        assert_eq!(fault("{\"n\": 0, \"cells_cr\": []}").0, MapFault::NoSize);
+        assert_eq!(fault("{\"n\": 3, \"size_m\": 11, \"cells_cr\": []}").0, MapFault::NoSize);
+        assert_eq!(fault("{\"n\": 3, \"cell_m\": -1, \"cells_cr\": []}").0, MapFault::CellSize { found: -1.0 });
+        assert_eq!(fault("{\"n\": 4000000000, \"cells_cr\": []}").0, MapFault::TooLarge);
+        assert!(matches!(fault("{\"n\": 3, \"cells_cr\": [").0, MapFault::Json { .. }));
+    }
+}

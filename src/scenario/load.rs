@@ -1,0 +1,215 @@
+//! From a name or a path to a scenario that is complete and checked.
+
+use toml::{Table, Value};
+
+use super::change::Change;
+use super::error::{Fault, Place, ScenarioError};
+use super::path::{FieldPath, Found, Step};
+use super::source::{MAX_MAP_BYTES, Source, read_text};
+use super::{GivenField, Scenario, check, wording};
+
+/// Options of `[field]` that say how to generate one, and so contradict a map.
+const GENERATED_ONLY: [&str; 6] = ["size_m", "coverage", "pieces", "shapes", "overlaps", "start_clearance_m"];
+
+/// A scenario, with what its author wrote and what are defaults.
+#[derive(Clone, Debug)]
+pub struct LoadedScenario {
+    pub scenario: Scenario,
+    written: Table,
+}
+
+impl LoadedScenario {
+    /// Reads a built-in scenario or a file, makes the changes (`path=value`, in their order), fills in the defaults,
+    /// loads the map if there is one, and checks everything.
+    ///
+    /// A map's path starts from the scenario's folder; one that a change names starts from the current folder. Where
+    /// a change contradicts the file (`field.pieces` against its `coverage`), the change holds.
+    ///
+    /// # Errors
+    /// The first fault found, with its place in the file, in the map, or in the change.
+    pub fn open(source: &str, changes: &[String]) -> Result<Self, Box<ScenarioError>> {
+        let source = Source::open(source)?;
+        let mut written = parse(&source)?;
+        let changes = changes.iter().map(|option| Change::make(option, &mut written)).collect::<Result<Vec<_>, _>>()?;
+        let text = Text { source, changes };
+        text.drop_overruled(&mut written);
+        let scenario = text.resolve(&written)?;
+        Ok(Self { scenario, written })
+    }
+
+    /// Every value of the scenario with its path, defaults included.
+    ///
+    /// With a map, what only a generated field has is left out.
+    pub fn values(&self) -> Vec<(String, String)> {
+        let mut table = Table::try_from(&self.scenario).expect("every part of a scenario can be written as TOML");
+        if let (true, Some(Value::Table(field))) = (self.scenario.field.given.is_some(), table.get_mut("field")) {
+            field.retain(|name, _| name != "given" && !GENERATED_ONLY.contains(&name));
+        }
+        leaves(Value::Table(table), &FieldPath::default())
+    }
+
+    /// Whether the file or a change gives this value, written as in `unimog.0.prm.samples`.
+    pub fn is_given(&self, dotted: &str) -> bool {
+        FieldPath::parse(dotted).leads_to(&self.written)
+    }
+}
+
+/// The values of a table with their paths, in the order of the paths; a list is one value unless it holds tables.
+fn leaves(value: Value, path: &FieldPath) -> Vec<(String, String)> {
+    match value {
+        Value::Table(table) => {
+            table.into_iter().flat_map(|(key, inner)| leaves(inner, &path.join(Step::Key(key)))).collect()
+        }
+        Value::Array(list) if list.iter().any(Value::is_table) => list
+            .into_iter()
+            .enumerate()
+            .flat_map(|(index, inner)| leaves(inner, &path.join(Step::Index(index))))
+            .collect(),
+        plain => vec![(path.to_string(), plain.to_string())],
+    }
+}
+
+/// The scenario of this name or path, with changes made to it; see [`LoadedScenario::open`].
+///
+/// # Errors
+/// As [`LoadedScenario::open`].
+pub fn load(source: &str, changes: &[String]) -> Result<Scenario, Box<ScenarioError>> {
+    LoadedScenario::open(source, changes).map(|loaded| loaded.scenario)
+}
+
+fn parse(source: &Source) -> Result<Table, Box<ScenarioError>> {
+    toml::from_str(&source.text).map_err(|error| {
+        let place = Place::new(&source.name, &source.text, error.span().unwrap_or(0..0));
+        Fault::Syntax { message: error.message().to_owned() }.at(place)
+    })
+}
+
+/// Which part of `key = value` is at fault.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Side {
+    Key,
+    Value,
+}
+
+/// Everything that a value can have been written in.
+struct Text {
+    source: Source,
+    changes: Vec<Change>,
+}
+
+impl Text {
+    fn resolve(&self, written: &Table) -> Result<Scenario, Box<ScenarioError>> {
+        self.refuse_hidden_and_infinite(written)?;
+        let mut scenario: Scenario =
+            serde_path_to_error::deserialize(Value::Table(written.clone())).map_err(|error| {
+                let path = FieldPath::of_serde(error.path());
+                let (fault, path, side) = wording::fault_of(error.inner().message(), path);
+                fault.at(self.place(&path, side))
+            })?;
+        if scenario.name.is_empty() {
+            scenario.name.clone_from(&self.source.stem);
+        }
+        self.refuse_conflicts(written)?;
+        self.load_map(&mut scenario)?;
+        check::check(&scenario).map_err(|refusal| refusal.fault().at(self.place(&refusal.path, Side::Value)))?;
+        Ok(scenario)
+    }
+
+    /// Takes out of the table what the file says and a change replaces by other means.
+    fn drop_overruled(&self, written: &mut Table) {
+        let Some(field) = written.get_mut("field").and_then(Value::as_table_mut) else { return };
+        let changed = |name: &str| {
+            let path = FieldPath::parse("field").join(Step::key(name));
+            self.changes.iter().any(|change| change.set.iter().any(|set| path.starts_with(set)))
+        };
+        let overruled = |name: &str| match name {
+            "coverage" => changed("pieces") || changed("map"),
+            "pieces" => changed("coverage") || changed("map"),
+            _ => changed("map") && GENERATED_ONLY.contains(&name),
+        };
+        field.retain(|name, _| changed(name) || !overruled(name));
+    }
+
+    /// The fields that loading fills in are none of the user's, and no number may be infinite or NaN.
+    fn refuse_hidden_and_infinite(&self, written: &Table) -> Result<(), Box<ScenarioError>> {
+        if let Some((path, found)) = first_infinite(written) {
+            let (field, expected) = (path.to_string(), "a finite number".to_owned());
+            return Err(Fault::Value { field, found, expected }.at(self.place(&path, Side::Value)));
+        }
+        let given = FieldPath::parse("field.given");
+        if given.leads_to(written) {
+            let fault = wording::unknown_field("given", &FieldPath::parse("field"), Vec::new());
+            return Err(fault.at(self.place(&given, Side::Key)));
+        }
+        Ok(())
+    }
+
+    fn refuse_conflicts(&self, written: &Table) -> Result<(), Box<ScenarioError>> {
+        let field = FieldPath::parse("field");
+        let given = |name: &str| field.join(Step::key(name)).leads_to(written);
+        let conflict = |one: &str, other: &str, reason| {
+            let fault = Fault::Conflict { one: format!("field.{one}"), other: format!("field.{other}"), reason };
+            Err(fault.at(self.place(&field.join(Step::key(one)), Side::Key)))
+        };
+        if given("pieces") && given("coverage") {
+            return conflict("pieces", "coverage", "each says how many bushes there are");
+        }
+        match GENERATED_ONLY.iter().find(|name| given("map") && given(name)) {
+            Some(name) => conflict(name, "map", "a map says itself where the bushes are"),
+            None => Ok(()),
+        }
+    }
+
+    fn load_map(&self, scenario: &mut Scenario) -> Result<(), Box<ScenarioError>> {
+        let Some(map) = &scenario.field.map else { return Ok(()) };
+        let path = FieldPath::parse("field.map");
+        let changed = self.changes.iter().any(|change| change.set.contains(&path));
+        let file = if changed { map.clone() } else { self.source.folder.join(map) };
+        let text = read_text(&file, MAX_MAP_BYTES).map_err(|fault| fault.at(self.place(&path, Side::Value)))?;
+        let field = &mut scenario.field;
+        let given = GivenField::parse(&text, field.cell_m).map_err(|error| {
+            let place = Place::new(&file.display().to_string(), &text, error.span.clone());
+            Fault::from(error.fault).at(place)
+        })?;
+        field.cell_m = given.frame.cell_m;
+        field.size_m = given.frame.width_m().max(given.frame.height_m());
+        field.coverage = given.coverage();
+        field.given = Some(given);
+        Ok(())
+    }
+
+    /// Where a value was written last: in a change, to it or to a part of it, or in the file.
+    fn place(&self, path: &FieldPath, side: Side) -> Place {
+        let related = |set: &&FieldPath| path.starts_with(set) || set.starts_with(path);
+        for change in self.changes.iter().rev() {
+            if let Some(set) = change.set.iter().find(related) {
+                // A fault in a key, or in what the change only adds to, is a fault of its path.
+                let in_value = side == Side::Value && path.starts_with(set) || path.0.len() > set.0.len();
+                return if in_value { change.value_place() } else { change.path_place() };
+            }
+        }
+        let span = match path.locate(&self.source.text) {
+            Found::Whole { key, .. } if side == Side::Key => key,
+            Found::Whole { value, .. } => value,
+            Found::Part(span) => span,
+        };
+        Place::new(&self.source.name, &self.source.text, span)
+    }
+}
+
+/// A number that is infinite or NaN, which TOML can write and no field can mean.
+fn first_infinite(table: &Table) -> Option<(FieldPath, String)> {
+    fn within(value: &Value, path: FieldPath) -> Option<(FieldPath, String)> {
+        match value {
+            Value::Float(number) if !number.is_finite() => Some((path, number.to_string())),
+            Value::Array(list) => {
+                list.iter().enumerate().find_map(|(index, inner)| within(inner, path.join(Step::Index(index))))
+            }
+            Value::Table(table) => {
+                table.iter().find_map(|(key, inner)| within(inner, path.join(Step::Key(key.clone()))))
+            }
+            _ => None,
+        }
+    }
+    table.iter().find_map(|(key, value)| within(value, FieldPath(vec![Step::Key(key.clone())])))
+}

@@ -1,0 +1,80 @@
+//! What the user writes: field, fire, agents, score; with defaults, checks and terrain generation.
+//!
+//! [`load`] turns a name or a path into a [`Scenario`] that is complete and checked: it reads the TOML text, makes the
+//! changes of the command line, fills in the defaults, reads the map if the field is given, and refuses what cannot be
+//! with the place that shows it. [`Terrain::of`] gives the field of a run, [`explain`] puts a scenario into sentences.
+//!
+//! Every default is the value of the built-in scenario `contest`. Lengths are metres, times seconds, in the world
+//! frame of [`crate::geometry`]. The format is described in `scenarios/README.md`.
+
+mod agents;
+mod change;
+mod check;
+mod error;
+mod explain;
+mod field;
+mod given;
+mod load;
+mod or_none;
+mod path;
+mod rules;
+mod sketch;
+mod source;
+mod terrain;
+mod tetromino;
+mod warnings;
+mod wording;
+
+pub use agents::{
+    Limits, Retarget, StartPose, StepCost, StepTime, TruckGoal, TruckPlannerKind, Unimog, Wumpus, WumpusGoal,
+    WumpusHeuristic, WumpusPlanner,
+};
+pub use error::{Fault, Place, ScenarioError};
+pub use explain::explain;
+pub use field::{Field, MAX_CELLS_A_SIDE, MAX_COVERAGE, Overlaps};
+pub use given::{GivenField, MapError, MapFault};
+pub use load::{LoadedScenario, load};
+pub use rules::{Extinguishes, Fire, Ignition, IgnitionCells, Score, SpreadFrom, Suppression};
+pub use source::{BUILT_IN, MAX_MAP_BYTES, MAX_SCENARIO_BYTES};
+pub use terrain::{Terrain, TerrainError};
+pub use tetromino::Shape;
+
+use serde::{Deserialize, Serialize};
+
+use crate::geometry::DVec2;
+pub use crate::planning::{ClearanceTo, MotionCost, PrimitiveSettings, PrmSettings, RoadmapGoal, RoadmapSearch};
+
+/// A contest: where, under which rules, between whom, for how long.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scenario {
+    #[serde(default)]
+    pub name: String,
+    #[serde(default = "defaults::duration_s")]
+    pub duration_s: f64,
+    #[serde(default)]
+    pub field: Field,
+    #[serde(default)]
+    pub fire: Fire,
+    #[serde(default)]
+    pub suppression: Suppression,
+    #[serde(default)]
+    pub score: Score,
+    pub wumpus: Vec<Wumpus>,
+    pub unimog: Vec<Unimog>,
+    #[serde(default)]
+    pub ignition: Vec<Ignition>,
+}
+
+impl Scenario {
+    /// Body centres of all agents at their starts, Wumpuses first.
+    pub fn start_centres(&self) -> impl Iterator<Item = DVec2> + '_ {
+        self.wumpus.iter().map(Wumpus::start_centre).chain(self.unimog.iter().map(Unimog::start_centre))
+    }
+}
+
+mod defaults {
+    pub fn duration_s() -> f64 {
+        3600.0
+    }
+}

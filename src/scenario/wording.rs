@@ -1,0 +1,96 @@
+//! What the readers of TOML report, in the words of a scenario's author.
+
+use super::error::{Fault, nearest_name};
+use super::load::Side;
+use super::path::{FieldPath, Step};
+
+/// Fields that loading fills in; no advice names them.
+const HIDDEN: [&str; 1] = ["given"];
+
+/// Characters of a text that a message quotes.
+const LONGEST_QUOTE: usize = 60;
+
+/// The fault behind a message of serde's, the path that it concerns, and which side of it is wrong.
+pub fn fault_of(message: &str, path: FieldPath) -> (Fault, FieldPath, Side) {
+    let mut quoted = message.split('`').skip(1).step_by(2);
+    let name = quoted.next().unwrap_or_default();
+    let known: Vec<String> = quoted.filter(|known| !HIDDEN.contains(known)).map(str::to_owned).collect();
+    if message.starts_with("unknown field") {
+        let table = table_of(&path, name);
+        (unknown_field(name, &table, known), table.join(Step::key(name)), Side::Key)
+    } else if message.starts_with("missing field") {
+        (Fault::MissingField { name: name.to_owned(), table: path.to_string() }, path, Side::Value)
+    } else if message.starts_with("unknown variant") {
+        let nearest = nearest_name(name, known.iter().map(String::as_str));
+        let fault = Fault::UnknownWord { field: path.to_string(), found: shortened(name), known, nearest };
+        (fault, path, Side::Value)
+    } else {
+        (value_fault(message, &path), path, Side::Value)
+    }
+}
+
+/// An unknown field, with its nearest known neighbour.
+pub fn unknown_field(name: &str, table: &FieldPath, known: Vec<String>) -> Fault {
+    let nearest = nearest_name(name, known.iter().map(String::as_str));
+    Fault::UnknownField { name: shortened(name), table: table.to_string(), known, nearest }
+}
+
+/// The table that holds an unknown field, whether or not the reported path goes on to the field itself.
+fn table_of(path: &FieldPath, name: &str) -> FieldPath {
+    match path.0.split_last() {
+        Some((Step::Key(last), table)) if last == name => FieldPath(table.to_vec()),
+        _ => path.clone(),
+    }
+}
+
+fn value_fault(message: &str, path: &FieldPath) -> Fault {
+    let field = path.to_string();
+    let Some((found, expected)) = message.strip_prefix("invalid ").and_then(|rest| rest.split_once(", expected "))
+    else {
+        return Fault::Rule { message: format!("`{field}`: {message}") };
+    };
+    let found = found.split_once(": ").map_or(found, |(_, value)| value);
+    if found == "map" && expected == "a sequence" {
+        let message = format!("`{field}` is a list: each entry begins with [[{field}]]");
+        return Fault::Rule { message };
+    }
+    Fault::Value { field, found: found_words(found), expected: expected_words(expected) }
+}
+
+fn found_words(found: &str) -> String {
+    let plain = ["integer ", "floating point ", "boolean "].iter().find_map(|kind| found.strip_prefix(kind));
+    match found {
+        "map" => "a table".into(),
+        "sequence" => "a list".into(),
+        // What the TOML reader says of a number where it expects a word.
+        "unit variant" => "no text".into(),
+        _ => match found.split_once(' ') {
+            Some(("string", text)) => format!("the text {}", shortened(text)),
+            Some(("length", count)) => format!("a list of {count}"),
+            _ => plain.unwrap_or(found).trim_matches('`').to_owned(),
+        },
+    }
+}
+
+/// The text, or its beginning if it is too long to quote.
+pub fn shortened(text: &str) -> String {
+    if text.chars().count() <= LONGEST_QUOTE {
+        return text.to_owned();
+    }
+    text.chars().take(LONGEST_QUOTE).chain("...".chars()).collect()
+}
+
+fn expected_words(expected: &str) -> String {
+    match expected {
+        "f64" => "a number".into(),
+        "u16" => format!("a whole number from 0 to {}", u16::MAX),
+        "u32" => format!("a whole number from 0 to {}", u32::MAX),
+        "a sequence" => "a list".into(),
+        "a string" | "path string" | "string only" => "a text in quotes".into(),
+        "a boolean" => "true or false".into(),
+        "an array of length 2" | "fewer elements in array" => "a list of two numbers".into(),
+        "a tuple of size 2" | "fewer elements in sequence" => "a pair [column, row]".into(),
+        _ if expected.starts_with("struct ") => "a table".into(),
+        _ => expected.into(),
+    }
+}

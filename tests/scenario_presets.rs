@@ -1,0 +1,215 @@
+//! The built-in scenarios, and scenarios as files: what loads is what was written.
+
+use std::fs;
+use std::path::Path;
+
+use wildfire::scenario::{
+    self, BUILT_IN, Field, Fire, LoadedScenario, Scenario, Score, SpreadFrom, Suppression, Terrain, Unimog, Wumpus,
+};
+
+fn built_in(name: &str) -> Scenario {
+    changed(name, &[])
+}
+
+fn changed(name: &str, changes: &[&str]) -> Scenario {
+    let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
+    scenario::load(name, &changes).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+#[test]
+fn every_built_in_scenario_loads_under_its_name_and_says_what_it_is_for() {
+    for (name, text) in BUILT_IN {
+        assert_eq!(&built_in(name).name, name);
+        assert!(text.starts_with("# "), "{name} opens with a comment");
+        assert!(text.lines().all(|line| line.chars().count() <= 120), "{name} has long lines");
+    }
+}
+
+#[test]
+fn every_scenario_file_is_built_in() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");
+    for entry in fs::read_dir(folder).expect("the scenarios folder is there") {
+        let path = entry.expect("the scenarios folder can be read").path();
+        if path.extension().is_some_and(|extension| extension == "toml") {
+            let stem = path.file_stem().expect("a file has a name").to_string_lossy().into_owned();
+            assert!(BUILT_IN.iter().any(|(name, _)| *name == stem), "{stem} is not built in");
+        }
+    }
+}
+
+#[test]
+fn the_documentation_of_the_format_names_every_field_with_its_default() {
+    let sections: Vec<&str> = include_str!("../scenarios/README.md").split("\n## ").collect();
+    for (path, default) in LoadedScenario::open("contest", &[]).expect("contest loads").values() {
+        let steps: Vec<&str> = path.split('.').filter(|step| step.parse::<u32>().is_err()).collect();
+        let (header, field) = match steps.split_first().expect("a path has steps") {
+            (top, []) => ("Top level", (*top).to_owned()),
+            (table, rest) => (*table, rest.join(".")),
+        };
+        let in_section = |section: &&&str| section.trim_start_matches('[').starts_with(header);
+        let section = sections.iter().find(in_section).unwrap_or_else(|| panic!("no section for {path}"));
+        let row = section.lines().find(|line| line.starts_with(&format!("| `{field}` |")));
+        let row = row.unwrap_or_else(|| panic!("no row for {path}"));
+        let shown = default.trim_matches('"').trim_end_matches(".0").to_owned();
+        assert!(path == "name" || row.contains(&format!("| {shown} |")), "{path} is {default} by default: {row}");
+    }
+}
+
+#[test]
+fn contest_spells_out_every_value_and_each_is_the_default() {
+    let contest = LoadedScenario::open("contest", &[]).expect("contest loads");
+    let unsaid: Vec<_> = contest.values().into_iter().filter(|(path, _)| !contest.is_given(path)).collect();
+    assert_eq!(unsaid, [("ignition".to_owned(), "[]".to_owned())]);
+    let defaults = Scenario {
+        name: "contest".into(),
+        duration_s: 3600.0,
+        field: Field::default(),
+        fire: Fire::default(),
+        suppression: Suppression::default(),
+        score: Score::default(),
+        wumpus: vec![Wumpus::default()],
+        unimog: vec![Unimog::default()],
+        ignition: Vec::new(),
+    };
+    assert_eq!(contest.scenario, defaults);
+}
+
+#[test]
+fn presets_differ_from_contest_only_in_what_they_are_for() {
+    let contest = built_in("contest");
+    let from_contest = |changes: &[&str], name: &str| {
+        let mut scenario = changed("contest", changes);
+        scenario.name = name.into();
+        scenario
+    };
+    assert_eq!(built_in("report-2024"), from_contest(&["fire.burn_out_s=none"], "report-2024"));
+    assert_eq!(built_in("dense"), from_contest(&["field.coverage=0.2"], "dense"));
+    assert_eq!(built_in("wumpus-alone"), from_contest(&["unimog=[]"], "wumpus-alone"));
+    let coursework = [
+        "fire.spread_from=all",
+        "fire.burn_out_s=30",
+        "suppression.extinguishes=all-in-reach",
+        "unimog.speed_mps=10",
+        "unimog.reverse_speed_mps=10",
+    ];
+    assert_eq!(built_in("coursework-2025"), from_contest(&coursework, "coursework-2025"));
+    let fleet = built_in("fleet");
+    assert_eq!((fleet.wumpus.len(), fleet.unimog.len()), (2, 3));
+    assert!(fleet.unimog.iter().all(|truck| truck.limits.acceleration_mps2.is_some()));
+    assert_eq!((&fleet.fire, &fleet.field), (&contest.fire, &contest.field));
+}
+
+#[test]
+fn the_original_keeps_its_own_rules() {
+    let original = built_in("original-2024");
+    assert_eq!(original.field.wanted_pieces(), 62);
+    assert_eq!((original.fire.spread_delay_s, original.fire.burn_out_s), (9.0, None));
+    assert_eq!(original.fire.spread_from, SpreadFrom::Lit);
+    assert_eq!((original.suppression.reach_m, original.suppression.dwell_s), (None, 6.0));
+    let truck = &original.unimog[0];
+    let charged = [truck.prm.seconds_per_expansion, truck.primitives.seconds_per_expansion];
+    assert_eq!((charged, original.wumpus[0].seconds_per_expansion), ([1.0, 1.0], 1.0));
+    assert_eq!(truck.vehicle.turning_radius_m, 12.1);
+}
+
+#[test]
+fn resolved_scenarios_survive_toml_and_json() {
+    for (name, _) in BUILT_IN {
+        let scenario = built_in(name);
+        let json = serde_json::to_string(&scenario).expect("a scenario can be written as JSON");
+        assert_eq!(serde_json::from_str::<Scenario>(&json).expect("and read"), scenario, "{name}");
+        let toml = toml::to_string(&scenario).expect("a scenario can be written as TOML");
+        assert_eq!(toml::from_str::<Scenario>(&toml).expect("and read"), scenario, "{name}\n{toml}");
+    }
+}
+
+#[test]
+fn numbers_survive_json_to_the_last_bit() {
+    let mut scenario = built_in("smoke");
+    for k in 1..1000 {
+        scenario.duration_s = 250.0 * f64::from(k) / 7919.0;
+        let json = serde_json::to_string(&scenario).expect("a scenario can be written as JSON");
+        assert_eq!(serde_json::from_str::<Scenario>(&json).expect("and read"), scenario);
+    }
+}
+
+#[test]
+fn a_resolved_scenario_with_a_map_needs_the_file_no_longer() {
+    let folder = std::env::temp_dir().join(format!("wildfire-resolved-{}", std::process::id()));
+    fs::create_dir_all(folder.join("maps")).expect("the temporary folder is writable");
+    let file = folder.join("mine.toml");
+    fs::write(&file, "wumpus = []\nunimog = []\n[field]\nmap = \"maps/field.txt\"\ncell_m = 4\n").unwrap();
+    fs::write(folder.join("maps/field.txt"), "#...\n....\n...#\n").unwrap();
+    let scenario = built_in(&file.display().to_string());
+    let json = serde_json::to_string(&scenario).expect("a scenario can be written as JSON");
+    fs::remove_dir_all(&folder).expect("the test's own folder can be removed");
+
+    let read: Scenario = serde_json::from_str(&json).expect("and read");
+    assert_eq!(read, scenario);
+    assert_eq!((read.name.as_str(), read.field.size_m, read.field.coverage), ("mine", 16.0, 2.0 / 12.0));
+    let terrain = Terrain::of(&read, 9).expect("a given field needs no drawing");
+    assert_eq!(terrain.bushes.iter().map(|b| (b.col, b.row)).collect::<Vec<_>>(), [(3, 0), (0, 2)]);
+}
+
+#[test]
+fn changes_reach_one_agent_or_all() {
+    let samples = |changes: &[&str]| -> Vec<u32> {
+        changed("fleet", changes).unimog.iter().map(|truck| truck.prm.samples).collect()
+    };
+    assert_eq!(samples(&["unimog.prm.samples=1000"]), [1000, 1000, 1000]);
+    assert_eq!(samples(&["unimog.1.prm.samples=1000"]), [500, 1000, 500]);
+    assert_eq!(samples(&["unimog.prm.samples=9", " unimog.2.prm.samples = 7 "]), [9, 9, 7]);
+    assert_eq!(samples(&["unimog=[{ prm = { samples = 3 } }]"]), [3]);
+}
+
+#[test]
+fn a_change_overrules_what_the_file_says_by_other_means() {
+    assert_eq!(changed("contest", &["field.pieces=30"]).field.wanted_pieces(), 30);
+    assert_eq!(changed("original-2024", &["field.coverage=0.04"]).field.wanted_pieces(), 25);
+    let file = std::env::temp_dir().join(format!("wildfire-change-{}.txt", std::process::id()));
+    fs::write(&file, "...................#\n".repeat(20)).expect("the temporary folder is writable");
+    let map = format!("field.map={}", file.display());
+    let smoke = LoadedScenario::open("smoke", &["wumpus.start_m=[50, 50]".into(), map]);
+    fs::remove_file(&file).expect("the test's own file can be removed");
+    let smoke = smoke.unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!((smoke.scenario.field.coverage, smoke.scenario.field.size_m), (0.05, 100.0));
+    assert!(!smoke.is_given("field.coverage"));
+    let text = scenario::explain(&smoke);
+    assert!(text.contains("20 bushes, 5 % of the cells") && !text.contains("field.given"), "{text}");
+}
+
+#[test]
+fn changes_read_numbers_words_and_lists() {
+    let scenario = changed(
+        "contest",
+        &[
+            "name=a name with blanks",
+            "fire.burn_out_s=none",
+            "fire.spread_from=\"all\"",
+            "fire.relight=true",
+            "wumpus.start_m=[100, 120.5]",
+            "duration_s=6e2",
+        ],
+    );
+    assert_eq!(scenario.name, "a name with blanks");
+    assert_eq!((scenario.fire.burn_out_s, scenario.fire.spread_from), (None, SpreadFrom::All));
+    assert!(scenario.fire.relight);
+    assert_eq!((scenario.wumpus[0].start_m, scenario.duration_s), ([100.0, 120.5], 600.0));
+}
+
+#[test]
+fn reference_fields_are_read_as_they_are_listed() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/reference/plan");
+    let files = (0..5).map(|number| folder.join(format!("field_{number:02}.json")));
+    for file in files.filter(|file| file.exists()) {
+        let scenario = changed("wumpus-alone", &[&format!("field.map={}", file.display())]);
+        let terrain = Terrain::of(&scenario, 1).expect("a given field needs no drawing");
+        let text = fs::read_to_string(&file).expect("the reference can be read");
+        let json: serde_json::Value = serde_json::from_str(&text).expect("the reference is JSON");
+        let listed: Vec<(u16, u16)> = serde_json::from_value(json["cells_cr"].clone()).expect("it lists cells");
+        let mut by_index: Vec<_> = listed.iter().map(|&(col, row)| (row, col)).collect();
+        by_index.sort_unstable();
+        by_index.dedup();
+        assert_eq!(terrain.bushes.iter().map(|bush| (bush.row, bush.col)).collect::<Vec<_>>(), by_index);
+    }
+}
