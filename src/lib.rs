@@ -3,7 +3,7 @@
 //!
 //! The layers, lowest first; each may use those above it in this list:
 //! [`time`], [`geometry`], [`rng`], [`event_queue`], [`whole_file`]; [`grid`]; [`vehicle`]; [`trajectory`]; [`collision`];
-//! [`planning`]; [`fire`]; [`scenario`]; `timeline`; `audit`; `sim`; `batch`; `cli`.
+//! [`planning`]; [`fire`]; [`scenario`]; [`timeline`]; `audit`; `sim`; `batch`; `cli`.
 
 pub mod collision;
 pub mod event_queue;
@@ -14,6 +14,7 @@ pub mod planning;
 pub mod rng;
 pub mod scenario;
 pub mod time;
+pub mod timeline;
 pub mod trajectory;
 pub mod vehicle;
 pub mod whole_file;

@@ -1,0 +1,226 @@
+//! A run as tables for other tools: CSV with a header line, `,` between fields, `\n` at line ends.
+//!
+//! Times are seconds with nine decimals, exact to the nanosecond. All other numbers are the shortest decimals that
+//! read back as the same `f64`, so that equal runs give equal files byte for byte.
+
+use std::io::{self, Write};
+
+use thiserror::Error;
+
+use super::{Cause, Fact, Replay, Timeline};
+use crate::geometry::Cell;
+use crate::planning::Effort;
+use crate::time::SimTime;
+use crate::trajectory::Trajectory;
+
+/// The finest step of a trace, in seconds.
+pub const FINEST_STEP_S: f64 = 1e-3;
+
+const NANOS_PER_SECOND: u64 = 1_000_000_000;
+
+/// Why a table was not written.
+#[derive(Debug, Error)]
+pub enum ExportError {
+    #[error("a trace needs a step of {FINEST_STEP_S} s or more, found {found}")]
+    Step { found: f64 },
+    #[error(transparent)]
+    Write(#[from] io::Error),
+}
+
+impl From<csv::Error> for ExportError {
+    fn from(error: csv::Error) -> Self {
+        Self::Write(error.into())
+    }
+}
+
+/// Writes one line a fact, in order: `t_s,event,agent,col,row,detail`.
+///
+/// `agent` and `col,row` are empty where the fact concerns no agent or no single cell; for plans the cell is the goal.
+/// `detail` holds `key=value` pairs separated by `; `, cells in it as `col:row`.
+pub fn write_events(timeline: &Timeline, to: impl Write) -> Result<(), ExportError> {
+    let mut table = csv::Writer::from_writer(to);
+    table.write_record(["t_s", "event", "agent", "col", "row", "detail"])?;
+    for event in &timeline.events {
+        let fact = &event.fact;
+        let agent = fact.agent().map_or_else(String::new, |agent| agent.to_string());
+        let (col, row) = fact.cell().map_or_else(Default::default, |c| (c.col.to_string(), c.row.to_string()));
+        table.write_record([&seconds(event.time), name(fact), &agent, &col, &row, &detail(fact)])?;
+    }
+    Ok(table.flush()?)
+}
+
+/// Writes where every agent is at 0, `step_s`, 2 `step_s` and so on, and at the end of the run:
+/// `t_s,agent,x_m,y_m,heading_rad,speed_mps,activity`.
+///
+/// Poses and activities are those after all facts of the time. The pose is the world frame's, for a truck that of its
+/// rear axle; the speed is never negative. Sample times are multiples of the step, each rounded to the nanosecond.
+pub fn write_trace(timeline: &Timeline, step_s: f64, to: impl Write) -> Result<(), ExportError> {
+    if !(step_s.is_finite() && step_s >= FINEST_STEP_S) {
+        return Err(ExportError::Step { found: step_s });
+    }
+    let mut table = csv::Writer::from_writer(to);
+    table.write_record(["t_s", "agent", "x_m", "y_m", "heading_rad", "speed_mps", "activity"])?;
+    let end = timeline.end_time();
+    let mut replay = Replay::new(timeline);
+    let multiples = (0_u64..).map(|k| SimTime::from_seconds(k as f64 * step_s)).take_while(|&time| time < end);
+    for time in multiples.chain([end]) {
+        replay.seek(time);
+        write_agents(&mut table, &replay, timeline.setting.agents.len())?;
+    }
+    Ok(table.flush()?)
+}
+
+fn write_agents(table: &mut csv::Writer<impl Write>, replay: &Replay<'_>, agents: usize) -> Result<(), csv::Error> {
+    let time = seconds(replay.time());
+    for state in (0..agents).map(|agent| replay.agent(agent)) {
+        let numbers = [state.pose.x, state.pose.y, state.pose.heading, state.speed_mps].map(|n| n.to_string());
+        let [x, y, heading, speed] = &numbers;
+        table.write_record([&time, &state.id.to_string(), x, y, heading, speed, state.activity.name()])?;
+    }
+    Ok(())
+}
+
+fn seconds(time: SimTime) -> String {
+    let nanos = time.as_nanos();
+    format!("{}.{:09}", nanos / NANOS_PER_SECOND, nanos % NANOS_PER_SECOND)
+}
+
+/// The word for a kind of fact in the `event` column.
+fn name(fact: &Fact) -> &'static str {
+    match fact {
+        Fact::StartMoved { .. } => "start-moved",
+        Fact::RoadmapBuilt { .. } => "roadmap-built",
+        Fact::OutOfReach { .. } => "out-of-reach",
+        Fact::Ignited { .. } => "ignited",
+        Fact::BurnedOut { .. } => "burned-out",
+        Fact::Extinguished { .. } => "extinguished",
+        Fact::Planned { .. } => "planned",
+        Fact::PlanFailed { .. } => "plan-failed",
+        Fact::Dropped { .. } => "dropped",
+        Fact::Suppressing { .. } => "suppressing",
+        Fact::SuppressionEnded { .. } => "suppression-ended",
+        Fact::Rested { .. } => "rested",
+        Fact::Ended { .. } => "ended",
+    }
+}
+
+fn detail(fact: &Fact) -> String {
+    match fact {
+        Fact::StartMoved { from, .. } => {
+            format!("from_x_m={}; from_y_m={}; from_heading_rad={}", from.x, from.y, from.heading)
+        }
+        Fact::RoadmapBuilt { samples, edges, components, .. } => {
+            format!("samples={samples}; edges={edges}; components={components}")
+        }
+        Fact::OutOfReach { cells, .. } => {
+            let cells: Vec<_> = cells.iter().map(|&cell| short(cell)).collect();
+            format!("cells={}", cells.join(" "))
+        }
+        Fact::Ignited { cause, .. } => match cause {
+            Cause::Lit(_) => "cause=lit".into(),
+            Cause::Spread(from) => format!("cause=spread; from={}", short(*from)),
+            Cause::Scheduled => "cause=schedule".into(),
+        },
+        Fact::Planned { trajectory, effort, by_lattice, .. } => {
+            format!("{}; {}; by_lattice={by_lattice}", leg(trajectory), expansions(*effort))
+        }
+        Fact::PlanFailed { reason, effort, until, .. } => {
+            format!("reason={reason}; {}; until_s={}", expansions(*effort), seconds(*until))
+        }
+        Fact::Dropped { trajectory, .. } => leg(trajectory),
+        Fact::Rested { reason, .. } => format!("reason={reason}"),
+        Fact::Ended { reason } => format!("reason={reason}"),
+        Fact::BurnedOut { .. }
+        | Fact::Extinguished { .. }
+        | Fact::Suppressing { .. }
+        | Fact::SuppressionEnded { .. } => String::new(),
+    }
+}
+
+fn short(cell: Cell) -> String {
+    format!("{}:{}", cell.col, cell.row)
+}
+
+fn leg(trajectory: &Trajectory) -> String {
+    let (starts, ends) = (seconds(trajectory.start_time()), seconds(trajectory.end_time()));
+    let (distance_m, cusps) = (trajectory.distance_m(SimTime::MAX), trajectory.cusps());
+    format!("starts_s={starts}; ends_s={ends}; distance_m={distance_m}; cusps={cusps}")
+}
+
+fn expansions(effort: Effort) -> String {
+    format!("roadmap_expansions={}; local_expansions={}", effort.roadmap_expansions, effort.local_expansions)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample;
+    use super::*;
+
+    fn events(timeline: &Timeline) -> String {
+        let mut bytes = Vec::new();
+        write_events(timeline, &mut bytes).expect("memory takes all");
+        String::from_utf8(bytes).expect("it is text")
+    }
+
+    fn trace(timeline: &Timeline, step_s: f64) -> String {
+        let mut bytes = Vec::new();
+        write_trace(timeline, step_s, &mut bytes).expect("memory takes all");
+        String::from_utf8(bytes).expect("it is text")
+    }
+
+    #[test]
+    fn every_fact_is_one_line() {
+        let timeline = sample::by_hand();
+        let text = events(&timeline);
+        let lines: Vec<_> = text.lines().collect();
+        assert_eq!(lines.len(), 1 + timeline.events.len());
+        assert_eq!(lines[0], "t_s,event,agent,col,row,detail");
+        assert_eq!(lines[1], "0.000000000,start-moved,unimog/0,,,from_x_m=9; from_y_m=30; from_heading_rad=0");
+        assert_eq!(lines[3], "0.000000000,out-of-reach,wumpus/0,,,cells=8:8");
+        assert_eq!(lines[6], "10.000000000,ignited,wumpus/0,1,1,cause=lit");
+        let plan = "starts_s=12.000000000; ends_s=15.000000000; distance_m=24; cusps=1";
+        let expansions = "roadmap_expansions=5; local_expansions=7";
+        assert_eq!(lines[8], format!("10.000000000,planned,unimog/0,1,1,{plan}; {expansions}; by_lattice=false"));
+        assert_eq!(lines[10], "16.000000000,ignited,,5,2,cause=spread; from=1:1");
+        let failure = "reason=disconnected; roadmap_expansions=0; local_expansions=30; until_s=19.000000000";
+        assert_eq!(lines[12], format!("17.000000000,plan-failed,wumpus/0,2,9,{failure}"));
+        assert_eq!(lines[13], "19.000000000,rested,wumpus/0,,,reason=nothing left to light");
+        assert_eq!(lines[27], "90.000000000,ended,,,,reason=nothing left");
+    }
+
+    #[test]
+    fn a_trace_reads_back_as_the_states_it_samples() {
+        let timeline = sample::random(3, SimTime::from_seconds(60.25));
+        let text = trace(&timeline, 0.1);
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let rows: Vec<_> = reader.records().map(|row| row.expect("rows are well formed")).collect();
+        let agents = timeline.setting.agents.len();
+        assert_eq!(rows.len(), (603 + 1) * agents);
+        for (sample, pair) in rows.chunks(agents).enumerate() {
+            let time = SimTime::from_nanos(sample as u64 * 100_000_000).min(timeline.end_time());
+            for (row, agent) in pair.iter().zip(timeline.state_at(time).agents) {
+                let number = |column: usize| row[column].parse::<f64>().expect("a number");
+                assert_eq!(number(0), time.as_seconds());
+                assert_eq!(row[1], agent.id.to_string());
+                assert_eq!([number(2), number(3), number(4)], [agent.pose.x, agent.pose.y, agent.pose.heading]);
+                assert_eq!((number(5), &row[6]), (agent.speed_mps, agent.activity.name()));
+            }
+        }
+        assert!(rows.last().expect("there are rows")[0].starts_with("60.25"));
+    }
+
+    #[test]
+    fn a_trace_whose_step_divides_the_run_samples_the_end_once() {
+        let timeline = sample::by_hand();
+        assert_eq!(trace(&timeline, 45.0).lines().count(), 1 + 3 * 2);
+        assert_eq!(trace(&timeline, 1e9).lines().count(), 1 + 2 * 2);
+    }
+
+    #[test]
+    fn steps_that_lead_nowhere_are_refused() {
+        for step_s in [0.0, -1.0, 1e-9, f64::NAN, f64::INFINITY] {
+            let refused = write_trace(&sample::by_hand(), step_s, Vec::new());
+            assert!(matches!(refused, Err(ExportError::Step { .. })), "{step_s}");
+        }
+    }
+}

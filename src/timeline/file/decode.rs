@@ -1,0 +1,205 @@
+//! From the payload of a recording to a timeline, whatever its bytes say.
+
+use super::FileError;
+use super::check::{MAX_CELLS_OUT_OF_REACH, MAX_FACTS, MAX_PIECES, MAX_SIDE, limit};
+use super::numbers::NumberReader;
+use super::records::{Leg, Origin, Payload, PieceKind, Record, take};
+use crate::geometry::{Cell, FieldFrame, Pose};
+use crate::time::SimTime;
+use crate::timeline::{AgentId, Cause, Event, Fact, Setting, Timeline};
+use crate::trajectory::{Piece, Trajectory};
+use crate::vehicle::Segment;
+
+const NO_SUCH_BUSH: FileError = FileError::Damaged("it refers to a bush that it does not hold");
+const NO_SUCH_AGENT: FileError = FileError::Damaged("it refers to an agent that it does not hold");
+const NO_SUCH_LEG: FileError = FileError::Damaged("it refers to a leg that it does not hold");
+const NO_SUCH_TIME: FileError = FileError::Damaged("it holds a time beyond all times");
+const LEFT_OVER: FileError = FileError::Damaged("it holds more than its facts need");
+
+/// The timeline of a payload; its values are still to be checked.
+pub fn decode(mut bytes: &[u8]) -> Result<Timeline, FileError> {
+    let payload: Payload<'_> = take(&mut bytes)?;
+    limit("facts", payload.facts as usize, MAX_FACTS)?;
+    let setting = setting(&payload)?;
+    let mut decoder = Decoder::new(&setting, &payload);
+    let mut events = Vec::new();
+    for _ in 0..payload.facts {
+        let event = decoder.event(&events)?;
+        events.push(event);
+    }
+    if !bytes.is_empty() || !decoder.is_finished() {
+        return Err(LEFT_OVER);
+    }
+    Ok(Timeline { setting, events })
+}
+
+fn setting(payload: &Payload<'_>) -> Result<Setting, FileError> {
+    let frame = payload.frame;
+    limit("cells along a side", frame.cols.max(frame.rows).into(), MAX_SIDE)?;
+    Ok(Setting {
+        scenario: payload.scenario.into(),
+        seed: payload.seed,
+        program_version: payload.program_version.into(),
+        frame,
+        bushes: bushes(frame, &payload.bush_steps)?,
+        agents: payload.agents.clone(),
+        rules: payload.rules,
+    })
+}
+
+fn bushes(frame: FieldFrame, steps: &[u32]) -> Result<Vec<Cell>, FileError> {
+    let mut index = 0_usize;
+    let bush = |&step: &u32| {
+        index = index.checked_add(step as usize).filter(|&index| index < frame.cell_count()).ok_or(NO_SUCH_BUSH)?;
+        Ok(frame.cell(index))
+    };
+    steps.iter().map(bush).collect()
+}
+
+struct Decoder<'a> {
+    setting: &'a Setting,
+    now: SimTime,
+    delays: &'a [u8],
+    records: &'a [u8],
+    numbers: NumberReader<'a>,
+    /// By place among the agents: the fact that holds the agent's last leg.
+    last_legs: Vec<Option<usize>>,
+    pieces: usize,
+    cells_out_of_reach: usize,
+}
+
+impl<'a> Decoder<'a> {
+    fn new(setting: &'a Setting, payload: &'a Payload<'_>) -> Self {
+        let numbers = NumberReader::new(&payload.recurring_numbers, &payload.single_numbers, payload.number_references);
+        Self {
+            setting,
+            now: SimTime::ZERO,
+            delays: payload.delays,
+            records: payload.records,
+            numbers,
+            last_legs: vec![None; setting.agents.len()],
+            pieces: 0,
+            cells_out_of_reach: 0,
+        }
+    }
+
+    fn is_finished(&self) -> bool {
+        self.delays.is_empty() && self.records.is_empty() && self.numbers.is_finished()
+    }
+
+    fn event(&mut self, past: &[Event]) -> Result<Event, FileError> {
+        let delay_ns = take(&mut self.delays)?;
+        self.now = self.later(delay_ns)?;
+        Ok(Event { time: self.now, fact: self.fact(past)? })
+    }
+
+    fn fact(&mut self, past: &[Event]) -> Result<Fact, FileError> {
+        Ok(match take(&mut self.records)? {
+            Record::StartMoved { agent } => Fact::StartMoved { agent: self.agent(agent)?, from: self.pose()? },
+            Record::RoadmapBuilt { agent, samples, edges, components } => {
+                Fact::RoadmapBuilt { agent: self.agent(agent)?, samples, edges, components }
+            }
+            Record::OutOfReach { agent, count } => {
+                Fact::OutOfReach { agent: self.agent(agent)?, cells: self.cells(count)? }
+            }
+            Record::Lit { bush, agent } => {
+                Fact::Ignited { cell: self.bush(bush)?, cause: Cause::Lit(self.agent(agent)?) }
+            }
+            Record::Spread { bush, from } => {
+                Fact::Ignited { cell: self.bush(bush)?, cause: Cause::Spread(self.bush(from)?) }
+            }
+            Record::Scheduled { bush } => Fact::Ignited { cell: self.bush(bush)?, cause: Cause::Scheduled },
+            Record::BurnedOut { bush } => Fact::BurnedOut { cell: self.bush(bush)? },
+            Record::Extinguished { bush, agent } => {
+                Fact::Extinguished { cell: self.bush(bush)?, by: self.agent(agent)? }
+            }
+            Record::Planned { agent, bush, effort, by_lattice } => {
+                let (trajectory, goal) = (self.leg(agent, past)?, self.bush(bush)?);
+                Fact::Planned { agent: self.agent(agent)?, goal, trajectory, effort, by_lattice }
+            }
+            Record::PlanFailed { agent, bush, reason, effort, charged_ns } => {
+                let (agent, goal, until) = (self.agent(agent)?, self.bush(bush)?, self.later(charged_ns)?);
+                Fact::PlanFailed { agent, goal, reason, effort, until }
+            }
+            Record::Dropped { agent, bush } => {
+                let (trajectory, goal) = (self.leg(agent, past)?, self.bush(bush)?);
+                Fact::Dropped { agent: self.agent(agent)?, goal, trajectory }
+            }
+            Record::Suppressing { agent, bush } => {
+                Fact::Suppressing { agent: self.agent(agent)?, cell: self.bush(bush)? }
+            }
+            Record::SuppressionEnded { agent, bush } => {
+                Fact::SuppressionEnded { agent: self.agent(agent)?, cell: self.bush(bush)? }
+            }
+            Record::Rested { agent, reason } => Fact::Rested { agent: self.agent(agent)?, reason },
+            Record::Ended { reason } => Fact::Ended { reason },
+        })
+    }
+
+    fn later(&self, delay_ns: u64) -> Result<SimTime, FileError> {
+        self.now.as_nanos().checked_add(delay_ns).map(SimTime::from_nanos).ok_or(NO_SUCH_TIME)
+    }
+
+    fn agent(&self, place: u32) -> Result<AgentId, FileError> {
+        self.setting.agents.get(place as usize).map(|agent| agent.id).ok_or(NO_SUCH_AGENT)
+    }
+
+    fn bush(&self, place: u32) -> Result<Cell, FileError> {
+        self.setting.bushes.get(place as usize).copied().ok_or(NO_SUCH_BUSH)
+    }
+
+    fn cells(&mut self, count: u32) -> Result<Vec<Cell>, FileError> {
+        self.cells_out_of_reach += count as usize;
+        limit("cells out of reach", self.cells_out_of_reach, MAX_CELLS_OUT_OF_REACH)?;
+        let mut place = 0_u32;
+        let mut cells = Vec::new();
+        for _ in 0..count {
+            place = place.checked_add_signed(take(&mut self.records)?).ok_or(NO_SUCH_BUSH)?;
+            cells.push(self.bush(place)?);
+        }
+        Ok(cells)
+    }
+
+    /// The leg of the fact that is being read, which will come after those in `past`.
+    fn leg(&mut self, agent: u32, past: &[Event]) -> Result<Trajectory, FileError> {
+        let agent = agent as usize;
+        let start = self.setting.agents.get(agent).ok_or(NO_SUCH_AGENT)?.pose;
+        let last = self.last_legs[agent].replace(past.len()).and_then(|fact| past[fact].fact.trajectory());
+        let Leg { origin, pieces } = take(&mut self.records)?;
+        let (start_time, start, shared) = match origin {
+            Origin::LastEnd { delay_ns } => (self.later(delay_ns)?, last.map_or(start, Trajectory::end), &[][..]),
+            Origin::LastStart { shared } => {
+                let last = last.ok_or(NO_SUCH_LEG)?;
+                let shared = last.pieces().get(..shared as usize).ok_or(NO_SUCH_LEG)?;
+                (last.start_time(), last.start(), shared)
+            }
+            Origin::Elsewhere { delay_ns } => {
+                let start_time = self.now.as_nanos().wrapping_add_signed(delay_ns);
+                (SimTime::from_nanos(start_time), self.pose()?, &[][..])
+            }
+        };
+        self.pieces += shared.len() + pieces as usize;
+        limit("pieces of legs", self.pieces, MAX_PIECES)?;
+        let mut all = shared.to_vec();
+        for _ in 0..pieces {
+            all.push(self.piece()?);
+        }
+        Ok(Trajectory::new(start_time, start, all))
+    }
+
+    fn piece(&mut self) -> Result<Piece, FileError> {
+        Ok(match take(&mut self.records)? {
+            PieceKind::Drive => {
+                let segment = Segment { curvature: self.numbers.next()?, length_m: self.numbers.next()? };
+                let (speed_mps, acceleration_mps2) = (self.numbers.next()?, self.numbers.next()?);
+                Piece::Drive { segment, speed_mps, acceleration_mps2 }
+            }
+            PieceKind::Turn => Piece::Turn { heading: self.numbers.next()? },
+            PieceKind::Wait => Piece::Wait { seconds: self.numbers.next()? },
+        })
+    }
+
+    fn pose(&mut self) -> Result<Pose, FileError> {
+        Ok(Pose { x: self.numbers.next()?, y: self.numbers.next()?, heading: self.numbers.next()? })
+    }
+}

@@ -1,0 +1,197 @@
+//! From a timeline to the payload of a recording.
+
+use super::numbers::NumberWriter;
+use super::records::{Leg, Origin, Payload, PieceKind, Record, append};
+use crate::geometry::{Cell, Pose};
+use crate::time::SimTime;
+use crate::timeline::{AgentId, Cause, Fact, Setting, Timeline};
+use crate::trajectory::{Piece, Trajectory};
+
+/// The payload of a timeline that has passed [`super::check::check`].
+pub fn encode(timeline: &Timeline) -> Vec<u8> {
+    let mut encoder = Encoder::new(&timeline.setting);
+    for event in &timeline.events {
+        encoder.fact(event.time, &event.fact);
+    }
+    encoder.payload(timeline)
+}
+
+struct Encoder<'a> {
+    setting: &'a Setting,
+    now: SimTime,
+    delays: Vec<u8>,
+    records: Vec<u8>,
+    numbers: NumberWriter,
+    /// By place among the agents.
+    last_legs: Vec<Option<&'a Trajectory>>,
+}
+
+impl<'a> Encoder<'a> {
+    fn new(setting: &'a Setting) -> Self {
+        Self {
+            setting,
+            now: SimTime::ZERO,
+            delays: Vec::new(),
+            records: Vec::new(),
+            numbers: NumberWriter::default(),
+            last_legs: vec![None; setting.agents.len()],
+        }
+    }
+
+    fn fact(&mut self, time: SimTime, fact: &'a Fact) {
+        append(&mut self.delays, &(time - self.now).as_nanos());
+        self.now = time;
+        let record = self.record(fact);
+        append(&mut self.records, &record);
+        match fact {
+            Fact::StartMoved { from, .. } => self.pose(*from),
+            Fact::OutOfReach { cells, .. } => self.cells(cells),
+            Fact::Planned { agent, trajectory, .. } | Fact::Dropped { agent, trajectory, .. } => {
+                self.leg(*agent, trajectory);
+            }
+            _ => {}
+        }
+    }
+
+    fn record(&self, fact: &Fact) -> Record {
+        let agent = |id: AgentId| self.setting.agent_index(id).expect("the timeline was checked") as u32;
+        let bush = |cell: Cell| self.bush(cell);
+        match *fact {
+            Fact::StartMoved { agent: id, .. } => Record::StartMoved { agent: agent(id) },
+            Fact::RoadmapBuilt { agent: id, samples, edges, components } => {
+                Record::RoadmapBuilt { agent: agent(id), samples, edges, components }
+            }
+            Fact::OutOfReach { agent: id, ref cells } => {
+                Record::OutOfReach { agent: agent(id), count: cells.len() as u32 }
+            }
+            Fact::Ignited { cell, cause: Cause::Lit(id) } => Record::Lit { bush: bush(cell), agent: agent(id) },
+            Fact::Ignited { cell, cause: Cause::Spread(from) } => Record::Spread { bush: bush(cell), from: bush(from) },
+            Fact::Ignited { cell, cause: Cause::Scheduled } => Record::Scheduled { bush: bush(cell) },
+            Fact::BurnedOut { cell } => Record::BurnedOut { bush: bush(cell) },
+            Fact::Extinguished { cell, by } => Record::Extinguished { bush: bush(cell), agent: agent(by) },
+            Fact::Planned { agent: id, goal, effort, by_lattice, .. } => {
+                Record::Planned { agent: agent(id), bush: bush(goal), effort, by_lattice }
+            }
+            Fact::PlanFailed { agent: id, goal, reason, effort, until } => {
+                let charged_ns = (until - self.now).as_nanos();
+                Record::PlanFailed { agent: agent(id), bush: bush(goal), reason, effort, charged_ns }
+            }
+            Fact::Dropped { agent: id, goal, .. } => Record::Dropped { agent: agent(id), bush: bush(goal) },
+            Fact::Suppressing { agent: id, cell } => Record::Suppressing { agent: agent(id), bush: bush(cell) },
+            Fact::SuppressionEnded { agent: id, cell } => {
+                Record::SuppressionEnded { agent: agent(id), bush: bush(cell) }
+            }
+            Fact::Rested { agent: id, reason } => Record::Rested { agent: agent(id), reason },
+            Fact::Ended { reason } => Record::Ended { reason },
+        }
+    }
+
+    fn bush(&self, cell: Cell) -> u32 {
+        self.setting.bush_index(cell).expect("the timeline was checked") as u32
+    }
+
+    fn cells(&mut self, cells: &[Cell]) {
+        let mut last = 0;
+        for &cell in cells {
+            let bush = self.bush(cell) as i32;
+            append(&mut self.records, &(bush - last));
+            last = bush;
+        }
+    }
+
+    fn leg(&mut self, agent: AgentId, leg: &'a Trajectory) {
+        let agent = self.setting.agent_index(agent).expect("the timeline was checked");
+        let last = self.last_legs[agent].replace(leg);
+        let origin = self.origin(self.setting.agents[agent].pose, last, leg);
+        let shared = if let Origin::LastStart { shared } = origin { shared as usize } else { 0 };
+        let pieces = &leg.pieces()[shared..];
+        let elsewhere = matches!(origin, Origin::Elsewhere { .. });
+        append(&mut self.records, &Leg { origin, pieces: pieces.len() as u32 });
+        if elsewhere {
+            self.pose(leg.start());
+        }
+        pieces.iter().for_each(|piece| self.piece(piece));
+    }
+
+    fn origin(&self, start: Pose, last: Option<&Trajectory>, leg: &Trajectory) -> Origin {
+        if let Some(last) = last.filter(|last| begin_alike(last, leg)) {
+            let pairs = last.pieces().iter().zip(leg.pieces());
+            return Origin::LastStart { shared: pairs.take_while(|(a, b)| pieces_equal(a, b)).count() as u32 };
+        }
+        let stands = last.map_or(start, Trajectory::end);
+        if bits(stands) == bits(leg.start()) && leg.start_time() >= self.now {
+            return Origin::LastEnd { delay_ns: (leg.start_time() - self.now).as_nanos() };
+        }
+        let delay_ns = leg.start_time().as_nanos().wrapping_sub(self.now.as_nanos()).cast_signed();
+        Origin::Elsewhere { delay_ns }
+    }
+
+    fn piece(&mut self, piece: &Piece) {
+        let kind = match *piece {
+            Piece::Drive { segment, speed_mps, acceleration_mps2 } => {
+                let numbers = [segment.curvature, segment.length_m, speed_mps, acceleration_mps2];
+                numbers.into_iter().for_each(|number| self.numbers.push(number));
+                PieceKind::Drive
+            }
+            Piece::Turn { heading } => {
+                self.numbers.push(heading);
+                PieceKind::Turn
+            }
+            Piece::Wait { seconds } => {
+                self.numbers.push(seconds);
+                PieceKind::Wait
+            }
+        };
+        append(&mut self.records, &kind);
+    }
+
+    fn pose(&mut self, pose: Pose) {
+        [pose.x, pose.y, pose.heading].into_iter().for_each(|number| self.numbers.push(number));
+    }
+
+    fn payload(&self, timeline: &Timeline) -> Vec<u8> {
+        let setting = self.setting;
+        let numbers = self.numbers.coded();
+        let indices = setting.bushes.iter().map(|&bush| setting.frame.index(bush) as u32);
+        let mut last = 0;
+        let bush_steps = indices.map(|index| index - std::mem::replace(&mut last, index)).collect();
+        let mut bytes = Vec::new();
+        let payload = Payload {
+            scenario: &setting.scenario,
+            seed: setting.seed,
+            program_version: &setting.program_version,
+            frame: setting.frame,
+            bush_steps,
+            agents: setting.agents.clone(),
+            rules: setting.rules,
+            facts: timeline.events.len() as u32,
+            delays: &self.delays,
+            records: &self.records,
+            recurring_numbers: numbers.recurring,
+            single_numbers: numbers.single,
+            number_references: &numbers.references,
+        };
+        append(&mut bytes, &payload);
+        bytes
+    }
+}
+
+fn begin_alike(last: &Trajectory, leg: &Trajectory) -> bool {
+    last.start_time() == leg.start_time() && bits(last.start()) == bits(leg.start())
+}
+
+fn bits(pose: Pose) -> [u64; 3] {
+    [pose.x, pose.y, pose.heading].map(f64::to_bits)
+}
+
+/// Equal bit for bit, so that a zero keeps its sign.
+fn pieces_equal(a: &Piece, b: &Piece) -> bool {
+    let bits = |piece: &Piece| match *piece {
+        Piece::Drive { segment, speed_mps, acceleration_mps2 } => {
+            [segment.curvature, segment.length_m, speed_mps, acceleration_mps2].map(f64::to_bits)
+        }
+        Piece::Turn { heading } => [heading.to_bits(), 0, 0, 0],
+        Piece::Wait { seconds } => [seconds.to_bits(), 0, 0, 0],
+    };
+    std::mem::discriminant(a) == std::mem::discriminant(b) && bits(a) == bits(b)
+}

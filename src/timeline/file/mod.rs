@@ -1,0 +1,326 @@
+//! Recordings: one finished run in one file, small enough to keep thousands.
+//!
+//! | bytes | what |
+//! |---|---|
+//! | 8 | `WILDFIRE` |
+//! | 2 | version of the format |
+//! | 4 | length of the payload in bytes |
+//! | 4 | CRC-32 (ISO-HDLC) of the payload |
+//! | .. | payload: a compact form of the timeline, deflated (RFC 1951) |
+//!
+//! Numbers in the header are unsigned and little-endian. What is read back equals what was written bit for bit. The
+//! compact form leaves out what the closed forms of [`crate::trajectory`] give again, the start of a leg that begins
+//! where the last one ended above all: a change of their arithmetic is a new version of the format.
+
+mod check;
+mod decode;
+mod encode;
+mod numbers;
+mod records;
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+use miniz_oxide::{deflate, inflate};
+use thiserror::Error;
+
+use super::Timeline;
+use crate::whole_file::write_whole;
+
+/// Version of the format that is written; older ones are read too.
+pub const FORMAT: u16 = 1;
+
+const MAGIC: &[u8; 8] = b"WILDFIRE";
+const HEADER_BYTES: usize = 18;
+/// Largest payload, deflated or not. With the limits on counts in [`check`] it keeps the memory of reading below a
+/// gigabyte, whatever the bytes say.
+const MAX_PAYLOAD_BYTES: usize = 32 << 20;
+/// The level of deflation up to which an hour's recording takes less than a millisecond; beyond it files shrink by 4 %.
+const DEFLATE_LEVEL: u8 = 3;
+
+/// Why a recording could not be written or read. Messages read well after a file name.
+#[derive(Debug, Error)]
+pub enum FileError {
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    #[error("not a wildfire recording")]
+    NotARecording,
+    #[error("written by a newer wildfire: format {found}, this program reads up to {FORMAT}")]
+    Newer { found: u16 },
+    #[error("cut short: {found} of {expected} bytes are there")]
+    Truncated { expected: u64, found: u64 },
+    #[error("damaged: {0}")]
+    Damaged(&'static str),
+    #[error("too large to record: {what} beyond the limit of {limit}")]
+    TooLarge { what: &'static str, limit: usize },
+    #[error("not a possible run: {0}")]
+    Impossible(String),
+}
+
+/// Writes a recording. The file appears whole or not at all: see [`WholeFile`](crate::whole_file::WholeFile).
+///
+/// # Errors
+/// Besides the disk's: a timeline that could not be read back, because of its size or of values that no run has.
+pub fn write(timeline: &Timeline, path: &Path) -> Result<(), FileError> {
+    Ok(write_whole(path, &encode(timeline)?)?)
+}
+
+/// Reads a recording.
+pub fn read(path: &Path) -> Result<Timeline, FileError> {
+    let longest = (HEADER_BYTES + MAX_PAYLOAD_BYTES) as u64;
+    let mut bytes = Vec::new();
+    // One byte more than the longest recording, so that a longer file is told from it without being read.
+    File::open(path)?.take(longest + 1).read_to_end(&mut bytes)?;
+    decode(&bytes)
+}
+
+/// The bytes of a recording.
+pub fn encode(timeline: &Timeline) -> Result<Vec<u8>, FileError> {
+    check::check(timeline)?;
+    let compact = encode::encode(timeline);
+    check::limit("bytes", compact.len(), MAX_PAYLOAD_BYTES)?;
+    let payload = deflate::compress_to_vec(&compact, DEFLATE_LEVEL);
+    check::limit("bytes", payload.len(), MAX_PAYLOAD_BYTES)?;
+    let mut bytes = Vec::with_capacity(HEADER_BYTES + payload.len());
+    bytes.extend_from_slice(MAGIC);
+    bytes.extend_from_slice(&FORMAT.to_le_bytes());
+    bytes.extend_from_slice(&(payload.len() as u32).to_le_bytes());
+    bytes.extend_from_slice(&crc32fast::hash(&payload).to_le_bytes());
+    bytes.extend_from_slice(&payload);
+    Ok(bytes)
+}
+
+/// The timeline of a recording's bytes.
+pub fn decode(bytes: &[u8]) -> Result<Timeline, FileError> {
+    let payload = checked_payload(bytes)?;
+    let compact = inflate::decompress_to_vec_with_limit(payload, MAX_PAYLOAD_BYTES)
+        .map_err(|_| FileError::Damaged("its payload does not inflate"))?;
+    let timeline = decode::decode(&compact)?;
+    check::check(&timeline)?;
+    Ok(timeline)
+}
+
+fn checked_payload(bytes: &[u8]) -> Result<&[u8], FileError> {
+    let known = bytes.len().min(MAGIC.len());
+    if bytes[..known] != MAGIC[..known] {
+        return Err(FileError::NotARecording);
+    }
+    let Some((header, payload)) = bytes.split_at_checked(HEADER_BYTES) else {
+        return Err(FileError::Truncated { expected: HEADER_BYTES as u64, found: bytes.len() as u64 });
+    };
+    match u16::from_le_bytes([header[8], header[9]]) {
+        0 => return Err(FileError::NotARecording),
+        found if found > FORMAT => return Err(FileError::Newer { found }),
+        _ => {}
+    }
+    let word = |at: usize| u32::from_le_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]]);
+    let expected = word(10) as usize;
+    if payload.len() < expected {
+        let [expected, found] = [expected + HEADER_BYTES, bytes.len()].map(|length| length as u64);
+        return Err(FileError::Truncated { expected, found });
+    }
+    if payload.len() > expected {
+        return Err(FileError::Damaged("more bytes follow than its header says"));
+    }
+    if crc32fast::hash(payload) != word(14) {
+        return Err(FileError::Damaged("its checksum does not fit its bytes"));
+    }
+    Ok(payload)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use rand::{Rng, RngExt};
+
+    use super::super::sample::{self, A, C, TRUCK, WUMPUS, at, leg, planned, seconds};
+    use super::*;
+    use crate::geometry::{Cell, Pose};
+    use crate::planning::PlanFailure;
+    use crate::rng;
+    use crate::time::SimTime;
+    use crate::timeline::{Event, Fact, Outcome};
+    use crate::trajectory::{Piece, Trajectory};
+    use crate::vehicle::Segment;
+
+    fn tiny(events: Vec<Event>) -> Timeline {
+        Timeline { setting: sample::small_setting(&[WUMPUS, TRUCK]), events }
+    }
+
+    fn assert_comes_back(timeline: &Timeline) {
+        let bytes = encode(timeline).expect("it is a possible run");
+        let back = decode(&bytes).expect("what was written can be read");
+        assert!(&back == timeline, "another timeline came back");
+        assert_eq!(postcard::to_stdvec(&back), postcard::to_stdvec(timeline), "equal, but not bit for bit");
+    }
+
+    #[test]
+    fn timelines_come_back_bit_for_bit() {
+        assert_comes_back(&sample::by_hand());
+        assert_comes_back(&tiny(vec![]));
+        for seed in 0..10 {
+            assert_comes_back(&sample::random(seed, seconds(200.0)));
+        }
+    }
+
+    #[test]
+    fn legs_that_begin_anywhere_at_any_time_come_back() {
+        let segment = Segment { curvature: -1.0 / 13.0, length_m: 3.0 };
+        let pieces = vec![
+            Piece::Drive { segment, speed_mps: 0.0, acceleration_mps2: 2.0 },
+            Piece::Wait { seconds: 1.25 },
+            Piece::Turn { heading: -0.0 },
+        ];
+        let elsewhere = Trajectory::new(seconds(7.0), Pose::new(1.0, -0.0, 3.0), pieces.clone());
+        let same_origin = Trajectory::new(seconds(7.0), Pose::new(1.0, -0.0, 3.0), pieces[..1].to_vec());
+        let earlier = Trajectory::new(seconds(2.0), Pose::new(1.0, 0.0, 3.0), pieces);
+        assert_comes_back(&tiny(vec![
+            at(6.0, planned(TRUCK, A, elsewhere)),
+            at(8.0, Fact::Dropped { agent: TRUCK, goal: A, trajectory: same_origin }),
+            at(9.0, planned(TRUCK, C, leg(9.0, Pose::new(50.0, 50.0, 0.0), 8.0, &[]))),
+            at(9.0, Fact::Dropped { agent: TRUCK, goal: A, trajectory: earlier }),
+        ]));
+    }
+
+    #[test]
+    fn a_contest_of_an_hour_fits_fifty_kilobytes() {
+        for seed in [0, 1] {
+            let timeline = sample::random(seed, seconds(3600.0));
+            let plans = |of| {
+                let facts = timeline.events.iter().map(|event| &event.fact);
+                facts.filter(|fact| fact.agent() == Some(of) && matches!(fact, Fact::Planned { .. })).count()
+            };
+            let (drives, walks) = (plans(TRUCK), plans(WUMPUS));
+            assert!(drives >= 150 && walks >= 60, "{drives} drives and {walks} walks are too few");
+            let bytes = encode(&timeline).expect("it is a possible run").len();
+            println!("{} facts, {drives} drives and {walks} walks take {bytes} bytes", timeline.events.len());
+            assert!(bytes <= 50_000, "{bytes} bytes");
+        }
+    }
+
+    #[test]
+    fn the_format_is_frozen() {
+        let payload = encode::encode(&sample::by_hand());
+        // Another checksum means another format: give it a version and keep reading this one.
+        assert_eq!((payload.len(), crc32fast::hash(&payload)), (546, 1_445_583_994));
+    }
+
+    #[test]
+    fn every_truncation_is_told_as_such() {
+        let bytes = encode(&sample::by_hand()).expect("it is a possible run");
+        for length in 0..bytes.len() {
+            assert!(matches!(decode(&bytes[..length]), Err(FileError::Truncated { .. })), "{length} bytes");
+        }
+    }
+
+    #[test]
+    fn every_damage_to_one_byte_is_an_error() {
+        let bytes = encode(&sample::by_hand()).expect("it is a possible run");
+        for at in 0..bytes.len() {
+            for change in [0x01, 0x80, 0xff] {
+                let mut damaged = bytes.clone();
+                damaged[at] ^= change;
+                assert!(decode(&damaged).is_err(), "byte {at} changed by {change:#x}");
+            }
+        }
+    }
+
+    #[test]
+    fn random_bytes_are_errors_and_no_panics() {
+        let mut rng = rng::stream(1, "timeline/file/tests");
+        for length in (0..400).chain([5000]) {
+            let mut noise = vec![0; length];
+            rng.fill_bytes(&mut noise);
+            assert!(matches!(decode(&noise), Err(FileError::NotARecording | FileError::Truncated { .. })));
+            assert!(decode(&sealed(&noise)).is_err());
+            assert!(decode(&sealed(&deflate::compress_to_vec(&noise, 1))).is_err());
+        }
+    }
+
+    #[test]
+    fn a_payload_damaged_under_a_fitting_checksum_is_no_panic() {
+        let timeline = sample::by_hand();
+        let payload = encode::encode(&timeline);
+        let mut rng = rng::stream(2, "timeline/file/tests");
+        let mut refused = 0;
+        for _ in 0..20_000 {
+            let mut damaged = payload.clone();
+            for _ in 0..rng.random_range(1..4) {
+                let at = rng.random_range(0..damaged.len());
+                damaged[at] = rng.random();
+            }
+            match decode(&sealed(&deflate::compress_to_vec(&damaged, 1))) {
+                Ok(other) => {
+                    Outcome::of(&other);
+                    other.state_at(seconds(50.0));
+                }
+                Err(_) => refused += 1,
+            }
+        }
+        assert!(refused > 5_000, "only {refused} were refused");
+    }
+
+    /// A file with a right header about any payload.
+    fn sealed(payload: &[u8]) -> Vec<u8> {
+        let length = (payload.len() as u32).to_le_bytes();
+        let checksum = crc32fast::hash(payload).to_le_bytes();
+        [&MAGIC[..], &FORMAT.to_le_bytes(), &length, &checksum, payload].concat()
+    }
+
+    #[test]
+    fn a_small_file_that_inflates_without_end_is_refused() {
+        let zeros = vec![0; MAX_PAYLOAD_BYTES + 1];
+        let bytes = sealed(&deflate::compress_to_vec(&zeros, 1));
+        assert!(bytes.len() < 1 << 20);
+        assert!(matches!(decode(&bytes), Err(FileError::Damaged(_))));
+    }
+
+    #[test]
+    fn foreign_and_newer_files_are_told_by_name() {
+        let mut bytes = encode(&sample::by_hand()).expect("it is a possible run");
+        bytes[8] = 2;
+        let newer = decode(&bytes).expect_err("the format is unknown");
+        assert_eq!(newer.to_string(), "written by a newer wildfire: format 2, this program reads up to 1");
+        let foreign = decode(b"\x89PNG\r\n\x1a\n and so on").expect_err("it is a picture");
+        assert_eq!(foreign.to_string(), "not a wildfire recording");
+    }
+
+    #[test]
+    fn runs_that_cannot_be_are_not_written() {
+        let mut stray_start = sample::by_hand();
+        stray_start.setting.agents[0].pose.x = f64::NAN;
+        let mut disorder = sample::by_hand();
+        disorder.events.swap(0, 20);
+        let mut stray_bush = sample::by_hand();
+        stray_bush.setting.bushes[3] = Cell { col: 10, row: 9 };
+        let unknown_cell = tiny(vec![at(1.0, sample::ignited(Cell { col: 0, row: 0 }))]);
+        let unknown_agent = tiny(vec![at(1.0, Fact::Suppressing { agent: sample::SECOND_TRUCK, cell: A })]);
+        let endless = tiny(vec![at(1.0, planned(TRUCK, A, leg(1.0, Pose::default(), 0.0, &[1.0])))]);
+        let back_in_time = tiny(vec![at(9.0, planned(TRUCK, A, leg(8.0, Pose::default(), 1.0, &[1.0])))]);
+        let (reason, until, effort) = (PlanFailure::GoalBlocked, SimTime::ZERO, sample::effort(1, 1));
+        let uncharged = tiny(vec![at(9.0, Fact::PlanFailed { agent: TRUCK, goal: A, reason, effort, until })]);
+        for run in [stray_start, disorder, stray_bush, unknown_cell, unknown_agent, endless, back_in_time, uncharged] {
+            assert!(matches!(encode(&run), Err(FileError::Impossible(_))));
+        }
+        let mut vast = tiny(vec![]);
+        vast.setting.frame.cols = 1001;
+        assert!(matches!(encode(&vast), Err(FileError::TooLarge { .. })));
+    }
+
+    #[test]
+    fn a_file_is_written_whole_beside_nothing_else() {
+        let folder = std::env::temp_dir().join(format!("wildfire-timeline-{}", std::process::id()));
+        fs::create_dir_all(&folder).expect("the temporary folder takes folders");
+        let path = folder.join("run.wildfire");
+        for timeline in [sample::by_hand(), sample::random(4, seconds(60.0))] {
+            write(&timeline, &path).expect("the folder is writable");
+            assert!(read(&path).expect("it was just written") == timeline);
+        }
+        assert_eq!(fs::read_dir(&folder).expect("it was created").count(), 1);
+        fs::remove_dir_all(&folder).expect("it was created here");
+        assert!(matches!(read(&path), Err(FileError::Io(_))));
+        assert!(matches!(write(&sample::by_hand(), &path), Err(FileError::Io(_))));
+    }
+}

@@ -1,0 +1,144 @@
+//! The payload of a recording before deflation: postcard records in which cells and agents are places in their lists,
+//! times are differences, and what can be computed again is left out.
+
+use serde::{Deserialize, Serialize};
+
+use super::FileError;
+use crate::geometry::FieldFrame;
+use crate::planning::{Effort, PlanFailure};
+use crate::timeline::{AgentStart, EndReason, RestReason, Rules};
+
+/// The whole payload.
+#[derive(Serialize, Deserialize)]
+pub struct Payload<'a> {
+    pub scenario: &'a str,
+    pub seed: u64,
+    pub program_version: &'a str,
+    pub frame: FieldFrame,
+    /// Index of each bush, less that of the one before it.
+    pub bush_steps: Vec<u32>,
+    pub agents: Vec<AgentStart>,
+    pub rules: Rules,
+    pub facts: u32,
+    /// Per fact, in order: nanoseconds since the fact before it.
+    pub delays: &'a [u8],
+    /// Per fact: a [`Record`], then what it announces.
+    pub records: &'a [u8],
+    pub recurring_numbers: Vec<f64>,
+    pub single_numbers: Vec<f64>,
+    pub number_references: &'a [u8],
+}
+
+/// A fact; `agent` and `bush` are places in the setting's lists.
+#[derive(Serialize, Deserialize)]
+pub enum Record {
+    /// Three numbers hold the pose.
+    StartMoved {
+        agent: u32,
+    },
+    RoadmapBuilt {
+        agent: u32,
+        samples: u32,
+        edges: u32,
+        components: u32,
+    },
+    /// So many steps from bush to bush follow, as `i32`.
+    OutOfReach {
+        agent: u32,
+        count: u32,
+    },
+    Lit {
+        bush: u32,
+        agent: u32,
+    },
+    Spread {
+        bush: u32,
+        from: u32,
+    },
+    Scheduled {
+        bush: u32,
+    },
+    BurnedOut {
+        bush: u32,
+    },
+    Extinguished {
+        bush: u32,
+        agent: u32,
+    },
+    /// A [`Leg`] follows.
+    Planned {
+        agent: u32,
+        bush: u32,
+        effort: Effort,
+        by_lattice: bool,
+    },
+    /// `charged_ns` from the fact's time on.
+    PlanFailed {
+        agent: u32,
+        bush: u32,
+        reason: PlanFailure,
+        effort: Effort,
+        charged_ns: u64,
+    },
+    /// A [`Leg`] follows.
+    Dropped {
+        agent: u32,
+        bush: u32,
+    },
+    Suppressing {
+        agent: u32,
+        bush: u32,
+    },
+    SuppressionEnded {
+        agent: u32,
+        bush: u32,
+    },
+    Rested {
+        agent: u32,
+        reason: RestReason,
+    },
+    Ended {
+        reason: EndReason,
+    },
+}
+
+/// A leg: where and when it begins, and how many [`PieceKind`]s follow.
+#[derive(Serialize, Deserialize)]
+pub struct Leg {
+    pub origin: Origin,
+    pub pieces: u32,
+}
+
+#[derive(Serialize, Deserialize)]
+pub enum Origin {
+    /// Where the agent's last leg ended, so many nanoseconds after the fact.
+    LastEnd { delay_ns: u64 },
+    /// Where and when the agent's last leg began, and along so many of its pieces.
+    LastStart { shared: u32 },
+    /// From a pose in three numbers; nanoseconds after the fact, or before it.
+    Elsewhere { delay_ns: i64 },
+}
+
+#[derive(Serialize, Deserialize)]
+pub enum PieceKind {
+    /// Four numbers: curvature, length, speed, acceleration.
+    Drive,
+    /// One number: the heading.
+    Turn,
+    /// One number: seconds.
+    Wait,
+}
+
+/// Adds a value's bytes to others.
+pub fn append(bytes: &mut Vec<u8>, value: &impl Serialize) {
+    let taken = std::mem::take(bytes);
+    *bytes = postcard::to_extend(value, taken).expect("plain values fit a vector that grows");
+}
+
+/// Reads a value from the front of some bytes.
+pub fn take<'a, T: Deserialize<'a>>(bytes: &mut &'a [u8]) -> Result<T, FileError> {
+    let (value, rest) =
+        postcard::take_from_bytes(bytes).map_err(|_| FileError::Damaged("a record in it cannot be read"))?;
+    *bytes = rest;
+    Ok(value)
+}

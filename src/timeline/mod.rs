@@ -1,0 +1,48 @@
+//! What happened in a run: facts in order of time, the state at any time, the outcome, the file.
+//!
+//! The simulation appends facts; windows, pictures, tables and audits read them and nothing else. The facts of one
+//! instant stand in the order in which they happened, and a state or a count at a time is that after all of its facts.
+
+pub mod export;
+mod fact;
+pub mod file;
+mod ledger;
+mod outcome;
+mod reader;
+mod replay;
+#[cfg(test)]
+mod sample;
+mod setting;
+
+pub use fact::{Cause, EndReason, Event, Fact, RestReason};
+pub use outcome::{AgentOutcome, Outcome, Winner};
+pub use replay::{Activity, AgentState, Replay, State, Vegetation};
+pub use setting::{AgentId, AgentStart, Body, Rules, Setting};
+
+use serde::{Deserialize, Serialize};
+
+use crate::time::SimTime;
+
+/// A finished run: the setting, and the facts in the order in which they happened.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Timeline {
+    pub setting: Setting,
+    pub events: Vec<Event>,
+}
+
+impl Timeline {
+    /// When the run ended: the time of its `Ended` fact, or its duration where there is none.
+    pub fn end_time(&self) -> SimTime {
+        let ended = self.events.iter().rev().find(|event| matches!(event.fact, Fact::Ended { .. }));
+        ended.map_or(self.setting.rules.duration, |event| event.time)
+    }
+
+    /// The state after all events at `time`; beyond the end, the state at the end.
+    ///
+    /// Costs a replay from the start, some tens of nanoseconds a fact. To go through a run in order keep a [`Replay`].
+    pub fn state_at(&self, time: SimTime) -> State {
+        let mut replay = Replay::new(self);
+        replay.seek(time);
+        replay.state()
+    }
+}

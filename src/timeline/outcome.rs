@@ -1,0 +1,352 @@
+//! A run's result in numbers, computed from its facts alone.
+
+use serde::Serialize;
+
+use super::reader::Reader;
+use super::{AgentId, Timeline};
+
+/// Counts, times and scores of a run.
+///
+/// Where something holds "during" a stretch of time, it is what holds after all facts at the stretch's first instant.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Outcome {
+    /// Bushes of the field; each is intact, burning, burned out or extinguished when the run ends.
+    pub obstacles: u32,
+    pub intact: u32,
+    pub burning: u32,
+    pub burned_out: u32,
+    pub extinguished: u32,
+    /// Ignitions by who did it; a cell that is lit again counts again.
+    pub lit_by_wumpus: u32,
+    pub caught_by_spread: u32,
+    pub lit_by_schedule: u32,
+    /// Sum of [`AgentOutcome::stuck_s`] over the trucks.
+    pub truck_stuck_s: f64,
+    /// Sum of [`AgentOutcome::stuck_s`] over the Wumpuses.
+    pub wumpus_stuck_s: f64,
+    pub ended_s: f64,
+    /// Integral of the number of burning cells over time.
+    pub burning_cell_s: f64,
+    /// Most cells that burned at once, after all facts of an instant.
+    pub peak_burning: u32,
+    /// From ignition to extinction, over the extinctions; `None` without any.
+    pub mean_response_s: Option<f64>,
+    pub first_fire_s: Option<f64>,
+    /// When the last fire ended; `None` if something burned at the end, or nothing ever did.
+    pub all_out_s: Option<f64>,
+    /// Points for every ignition, by spread and schedule too, and for every burn-out.
+    pub wumpus_score: f64,
+    /// Points for every extinction.
+    pub truck_score: f64,
+    /// In the order of the timeline's agents.
+    pub agents: Vec<AgentOutcome>,
+}
+
+/// What one agent did. Fields that do not concern its kind are zero.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AgentOutcome {
+    pub agent: AgentId,
+    /// Cells lit, or extinguished, by this agent.
+    pub cells: u32,
+    /// Queries for a plan, failed ones included.
+    pub plans: u32,
+    /// Failed queries by reason, in the order of [`crate::planning::PlanFailure::ALL`].
+    pub failures: [u32; 4],
+    /// Plans for goals on which the planner had failed, after the reachability flood said that they can be reached.
+    pub lattice_plans: u32,
+    pub roadmap_samples: u32,
+    pub roadmap_edges: u32,
+    pub roadmap_components: u32,
+    pub roadmap_expansions: u64,
+    pub local_expansions: u64,
+    /// Driven or walked until the end of the run, in metres.
+    pub distance_m: f64,
+    /// Time by what it was spent on; the four add up to `ended_s`. A leg is driving from its start time to its end
+    /// time, waits and the braking after a dropped goal included; planning is charged time only.
+    pub driving_s: f64,
+    pub planning_s: f64,
+    pub suppressing_s: f64,
+    pub standing_s: f64,
+    /// Part of the standing in which the agent had something to do.
+    ///
+    /// For a truck: some cell burned that is neither in an `OutOfReach` fact of this truck so far nor another truck's
+    /// goal. For a Wumpus: some cell could be lit (intact, or extinguished where the rules relight) that is not in an
+    /// `OutOfReach` fact of this Wumpus so far. Having given up, `Rested`, counts.
+    pub stuck_s: f64,
+    /// Longest unbroken stretch of standing during which something burned that was not another truck's goal (for a
+    /// Wumpus: could be lit), in the agent's reach or not.
+    pub longest_idle_s: f64,
+    /// Changes between forward and reverse that were driven.
+    pub cusps: u32,
+    /// A truck's drives that did not end in its extinguishing the goal: broken off, in vain, or unfinished when the
+    /// run ended. A drive that never set out is none.
+    pub wasted_drives: u32,
+}
+
+impl AgentOutcome {
+    /// Of an agent that has done nothing yet.
+    pub(super) fn idle(agent: AgentId) -> Self {
+        Self {
+            agent,
+            cells: 0,
+            plans: 0,
+            failures: [0; 4],
+            lattice_plans: 0,
+            roadmap_samples: 0,
+            roadmap_edges: 0,
+            roadmap_components: 0,
+            roadmap_expansions: 0,
+            local_expansions: 0,
+            distance_m: 0.0,
+            driving_s: 0.0,
+            planning_s: 0.0,
+            suppressing_s: 0.0,
+            standing_s: 0.0,
+            stuck_s: 0.0,
+            longest_idle_s: 0.0,
+            cusps: 0,
+            wasted_drives: 0,
+        }
+    }
+}
+
+/// Who has the higher score.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Winner {
+    Wumpus,
+    Unimog,
+    Tie,
+}
+
+impl Outcome {
+    /// Reads a run from its facts, until its end.
+    pub fn of(timeline: &Timeline) -> Self {
+        Reader::new(timeline).read()
+    }
+
+    /// Burning or burned out.
+    pub fn burned(&self) -> u32 {
+        self.burning + self.burned_out
+    }
+
+    /// Share of the bushes that never burned; like the other ratios 0 where nothing grows.
+    pub fn intact_ratio(&self) -> f64 {
+        self.ratio(self.intact)
+    }
+
+    pub fn burned_ratio(&self) -> f64 {
+        self.ratio(self.burned())
+    }
+
+    pub fn extinguished_ratio(&self) -> f64 {
+        self.ratio(self.extinguished)
+    }
+
+    /// By score; equal scores are a tie.
+    pub fn winner(&self) -> Winner {
+        if self.wumpus_score > self.truck_score {
+            Winner::Wumpus
+        } else if self.truck_score > self.wumpus_score {
+            Winner::Unimog
+        } else {
+            Winner::Tie
+        }
+    }
+
+    fn ratio(&self, cells: u32) -> f64 {
+        f64::from(cells) / f64::from(self.obstacles.max(1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample::{self, A, B, C, SECOND_TRUCK, TRUCK, WUMPUS, at, ignited, leg, planned};
+    use super::*;
+    use crate::timeline::{EndReason, Event, Fact, RestReason};
+
+    fn run(agents: &[AgentId], events: Vec<Event>) -> Timeline {
+        Timeline { setting: sample::small_setting(agents), events }
+    }
+
+    fn truck_rests(agent: AgentId) -> Fact {
+        Fact::Rested { agent, reason: RestReason::NothingBurns }
+    }
+
+    #[test]
+    fn a_run_told_by_hand_has_these_numbers() {
+        let outcome = Outcome::of(&sample::by_hand());
+        assert_eq!((outcome.obstacles, outcome.intact, outcome.burning), (4, 1, 0));
+        assert_eq!((outcome.burned_out, outcome.extinguished, outcome.burned()), (2, 1, 2));
+        assert_eq!((outcome.lit_by_wumpus, outcome.caught_by_spread, outcome.lit_by_schedule), (1, 1, 1));
+        assert_eq!((outcome.intact_ratio(), outcome.burned_ratio(), outcome.extinguished_ratio()), (0.25, 0.5, 0.25));
+        // A burned from 10 to 20 s, B from 16 to 76 s, C from 80 to 85 s.
+        assert_eq!(outcome.burning_cell_s, 10.0 + 60.0 + 5.0);
+        assert_eq!(outcome.peak_burning, 2);
+        assert_eq!(outcome.mean_response_s, Some(10.0));
+        assert_eq!((outcome.first_fire_s, outcome.all_out_s), (Some(10.0), Some(85.0)));
+        assert_eq!((outcome.wumpus_score, outcome.truck_score, outcome.winner()), (5.0, 2.0, Winner::Wumpus));
+        assert_eq!((outcome.truck_stuck_s, outcome.wumpus_stuck_s, outcome.ended_s), (4.0, 10.0, 90.0));
+    }
+
+    #[test]
+    fn a_wumpus_told_by_hand_has_these_numbers() {
+        let expected = AgentOutcome {
+            cells: 1,
+            plans: 3,
+            failures: [0, 0, 1, 0],
+            roadmap_expansions: 10,
+            local_expansions: 44,
+            distance_m: 20.0 + 14.0,
+            driving_s: 17.0,
+            planning_s: 2.0,
+            standing_s: 71.0,
+            // From giving up at 19 s until D, the last bush that could be lit, was ruled out at 29 s.
+            stuck_s: 10.0,
+            longest_idle_s: 71.0,
+            ..AgentOutcome::idle(WUMPUS)
+        };
+        assert_eq!(Outcome::of(&sample::by_hand()).agents[0], expected);
+    }
+
+    #[test]
+    fn a_truck_told_by_hand_has_these_numbers() {
+        let expected = AgentOutcome {
+            cells: 1,
+            plans: 4,
+            failures: [0, 0, 0, 1],
+            lattice_plans: 1,
+            roadmap_samples: 500,
+            roadmap_edges: 2100,
+            roadmap_components: 2,
+            roadmap_expansions: 5 + 5 + 3,
+            local_expansions: 7 + 7 + 20 + 900,
+            distance_m: 24.0 + 32.0 + 8.0,
+            driving_s: 3.0 + 4.0 + 1.0,
+            planning_s: 2.0 + 1.0,
+            suppressing_s: 5.0 + 2.0,
+            standing_s: 10.0 + 2.0 + 55.0 + 5.0,
+            // From 24 to 26 s B burned, from 80 to 82 s C did.
+            stuck_s: 2.0 + 2.0,
+            // From 27 s, when it gave B up, until B burned out at 76 s.
+            longest_idle_s: 49.0,
+            cusps: 1,
+            wasted_drives: 2,
+            ..AgentOutcome::idle(TRUCK)
+        };
+        assert_eq!(Outcome::of(&sample::by_hand()).agents[1], expected);
+    }
+
+    #[test]
+    fn a_run_without_facts_is_all_standing() {
+        let outcome = Outcome::of(&run(&[WUMPUS, TRUCK], vec![]));
+        assert_eq!((outcome.ended_s, outcome.intact, outcome.winner()), (100.0, 4, Winner::Tie));
+        assert_eq!((outcome.first_fire_s, outcome.all_out_s, outcome.mean_response_s), (None, None, None));
+        assert_eq!((outcome.agents[0].standing_s, outcome.wumpus_stuck_s), (100.0, 100.0));
+        assert_eq!((outcome.agents[1].standing_s, outcome.truck_stuck_s), (100.0, 0.0));
+    }
+
+    #[test]
+    fn a_field_without_bushes_and_agents_has_ratios() {
+        let mut timeline = run(&[], vec![]);
+        timeline.setting.bushes.clear();
+        let outcome = Outcome::of(&timeline);
+        assert_eq!(outcome.intact_ratio(), 0.0);
+        assert_eq!((outcome.truck_stuck_s.to_string(), outcome.wumpus_stuck_s.to_string()), ("0".into(), "0".into()));
+    }
+
+    #[test]
+    fn another_trucks_fire_makes_no_truck_stuck() {
+        let pose = sample::small_setting(&[TRUCK]).agents[0].pose;
+        let events = vec![
+            at(10.0, ignited(A)),
+            at(10.0, planned(TRUCK, A, leg(10.0, pose, 8.0, &[80.0]))),
+            at(10.0, truck_rests(SECOND_TRUCK)),
+            at(14.0, ignited(B)),
+            at(20.0, Fact::Suppressing { agent: TRUCK, cell: A }),
+            at(25.0, Fact::Extinguished { cell: A, by: TRUCK }),
+            at(25.0, planned(TRUCK, B, leg(25.0, pose, 8.0, &[8.0]))),
+            at(26.0, Fact::Suppressing { agent: TRUCK, cell: B }),
+            at(31.0, Fact::Extinguished { cell: B, by: TRUCK }),
+        ];
+        let outcome = Outcome::of(&run(&[TRUCK, SECOND_TRUCK], events));
+        // B was nobody's from 14 to 25 s.
+        assert_eq!((outcome.agents[1].stuck_s, outcome.agents[1].longest_idle_s), (11.0, 11.0));
+        assert_eq!((outcome.agents[0].stuck_s, outcome.agents[0].wasted_drives), (0.0, 0));
+        assert_eq!((outcome.mean_response_s, outcome.truck_score), (Some((15.0 + 17.0) / 2.0), 4.0));
+    }
+
+    #[test]
+    fn a_fire_ruled_out_before_it_burns_makes_no_truck_stuck() {
+        let events = vec![at(0.0, Fact::OutOfReach { agent: TRUCK, cells: vec![A, A] }), at(10.0, ignited(A))];
+        let outcome = Outcome::of(&run(&[TRUCK], events));
+        assert_eq!((outcome.truck_stuck_s, outcome.agents[0].longest_idle_s), (0.0, 90.0));
+        assert_eq!((outcome.burning, outcome.all_out_s), (1, None));
+    }
+
+    #[test]
+    fn extinguished_bushes_keep_a_wumpus_busy_only_where_they_can_be_lit_again() {
+        let mut events: Vec<_> = [A, B, C, sample::D].map(|cell| at(0.0, ignited(cell))).into();
+        events.push(at(40.0, Fact::Extinguished { cell: A, by: TRUCK }));
+        let mut timeline = run(&[WUMPUS, TRUCK], events);
+        assert_eq!(Outcome::of(&timeline).wumpus_stuck_s, 0.0);
+        timeline.setting.rules.relight = true;
+        assert_eq!(Outcome::of(&timeline).wumpus_stuck_s, 60.0);
+    }
+
+    #[test]
+    fn the_end_cuts_a_leg_short() {
+        let pose = sample::small_setting(&[TRUCK]).agents[0].pose;
+        let events = vec![
+            at(90.0, ignited(A)),
+            at(90.0, planned(TRUCK, A, leg(90.0, pose, 2.0, &[10.0, -6.0, 10.0, -6.0]))),
+            at(100.0, Fact::Ended { reason: EndReason::Duration }),
+        ];
+        let outcome = &Outcome::of(&run(&[TRUCK], events)).agents[0];
+        assert_eq!((outcome.distance_m, outcome.cusps, outcome.driving_s), (20.0, 2, 10.0));
+        assert_eq!(outcome.wasted_drives, 1);
+    }
+
+    #[test]
+    fn a_plan_dropped_before_it_sets_out_is_no_drive() {
+        let pose = sample::small_setting(&[TRUCK]).agents[0].pose;
+        let events = vec![
+            at(10.0, ignited(A)),
+            at(10.0, planned(TRUCK, A, leg(20.0, pose, 8.0, &[80.0]))),
+            at(15.0, Fact::BurnedOut { cell: A }),
+            at(15.0, Fact::Dropped { agent: TRUCK, goal: A, trajectory: leg(15.0, pose, 8.0, &[]) }),
+        ];
+        let outcome = &Outcome::of(&run(&[TRUCK], events)).agents[0];
+        assert_eq!((outcome.distance_m, outcome.wasted_drives), (0.0, 0));
+        assert_eq!((outcome.planning_s, outcome.driving_s, outcome.standing_s), (5.0, 0.0, 95.0));
+    }
+
+    #[test]
+    fn what_happens_at_the_end_counts_and_what_comes_later_does_not() {
+        let events = vec![
+            at(50.0, ignited(A)),
+            at(60.0, ignited(B)),
+            at(60.0, Fact::Ended { reason: EndReason::Duration }),
+            at(70.0, ignited(C)),
+        ];
+        let outcome = Outcome::of(&run(&[], events));
+        assert_eq!((outcome.burning, outcome.peak_burning, outcome.burning_cell_s), (2, 2, 10.0));
+    }
+
+    #[test]
+    fn a_stop_that_extinguishes_all_in_reach_is_one_drive_well_spent() {
+        let pose = sample::small_setting(&[TRUCK]).agents[0].pose;
+        let events = vec![
+            at(0.0, ignited(A)),
+            at(0.0, ignited(B)),
+            at(0.0, planned(TRUCK, B, leg(0.0, pose, 8.0, &[80.0]))),
+            at(10.0, Fact::Suppressing { agent: TRUCK, cell: B }),
+            at(15.0, Fact::Extinguished { cell: A, by: TRUCK }),
+            at(15.0, Fact::Extinguished { cell: B, by: TRUCK }),
+        ];
+        let outcome = Outcome::of(&run(&[TRUCK], events));
+        assert_eq!((outcome.agents[0].cells, outcome.agents[0].wasted_drives), (2, 0));
+        assert_eq!((outcome.agents[0].suppressing_s, outcome.agents[0].standing_s), (5.0, 85.0));
+        assert_eq!((outcome.winner(), outcome.truck_score), (Winner::Unimog, 4.0));
+    }
+}

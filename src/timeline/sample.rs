@@ -1,0 +1,332 @@
+//! Timelines for this layer's tests: one written by hand, and random ones of any length.
+
+use rand::RngExt;
+
+use super::{
+    AgentId, AgentStart, Body, Cause, EndReason, Event, Fact, RestReason, Rules, Setting, Timeline, Vegetation,
+};
+use crate::event_queue::EventQueue;
+use crate::geometry::{Cell, FieldFrame, Pose};
+use crate::planning::{Effort, PlanFailure};
+use crate::rng::{self, Xoshiro256PlusPlus};
+use crate::time::SimTime;
+use crate::trajectory::{Piece, SpeedLimits, Trajectory};
+use crate::vehicle::{Dimensions, Path, Segment};
+
+pub const WUMPUS: AgentId = AgentId::Wumpus(0);
+pub const TRUCK: AgentId = AgentId::Unimog(0);
+pub const SECOND_TRUCK: AgentId = AgentId::Unimog(1);
+
+/// The bushes of the small field, in their order.
+pub const A: Cell = Cell { col: 1, row: 1 };
+pub const B: Cell = Cell { col: 5, row: 2 };
+pub const C: Cell = Cell { col: 8, row: 8 };
+pub const D: Cell = Cell { col: 2, row: 9 };
+
+pub fn seconds(seconds: f64) -> SimTime {
+    SimTime::from_seconds(seconds)
+}
+
+pub fn at(time_s: f64, fact: Fact) -> Event {
+    Event { time: seconds(time_s), fact }
+}
+
+pub fn effort(roadmap_expansions: u32, local_expansions: u32) -> Effort {
+    Effort { roadmap_expansions, local_expansions }
+}
+
+/// Straight pieces, negative lengths in reverse, at one speed.
+pub fn leg(start_s: f64, start: Pose, speed_mps: f64, lengths_m: &[f64]) -> Trajectory {
+    let piece = |&length_m: &f64| {
+        let segment = Segment { curvature: 0.0, length_m };
+        Piece::Drive { segment, speed_mps, acceleration_mps2: 0.0 }
+    };
+    Trajectory::new(seconds(start_s), start, lengths_m.iter().map(piece).collect())
+}
+
+pub fn planned(agent: AgentId, goal: Cell, trajectory: Trajectory) -> Fact {
+    Fact::Planned { agent, goal, trajectory, effort: effort(5, 7), by_lattice: false }
+}
+
+pub fn ignited(cell: Cell) -> Fact {
+    Fact::Ignited { cell, cause: Cause::Scheduled }
+}
+
+pub fn small_setting(agents: &[AgentId]) -> Setting {
+    let start = |&id: &AgentId| match id {
+        AgentId::Wumpus(_) => AgentStart { id, pose: Pose::new(22.5, 22.5, 0.0), body: Body::Square { size_m: 3.0 } },
+        AgentId::Unimog(_) => {
+            AgentStart { id, pose: Pose::new(10.0, 30.0, 0.0), body: Body::Truck(Dimensions::default()) }
+        }
+    };
+    Setting {
+        scenario: "small".into(),
+        seed: 7,
+        program_version: "0.1.0".into(),
+        frame: FieldFrame { cols: 10, rows: 10, cell_m: 5.0 },
+        bushes: vec![A, B, C, D],
+        agents: agents.iter().map(start).collect(),
+        rules: Rules {
+            duration: seconds(100.0),
+            suppression_reach_m: Some(10.0),
+            suppression_dwell: seconds(5.0),
+            relight: false,
+            score_wumpus_ignited: 1.0,
+            score_wumpus_burned_out: 1.0,
+            score_truck_extinguished: 2.0,
+        },
+    }
+}
+
+/// A run of 90 s in which everything happens once; `outcome` tests tell its story in numbers.
+pub fn by_hand() -> Timeline {
+    let setting = small_setting(&[WUMPUS, TRUCK]);
+    let [wumpus, truck] = [setting.agents[0].pose, setting.agents[1].pose];
+    let first_walk = leg(0.0, wumpus, 2.0, &[20.0]);
+    let cut_walk = leg(10.0, first_walk.end(), 2.0, &[14.0]);
+    let first_drive = leg(12.0, truck, 8.0, &[16.0, -8.0]);
+    let cut_drive = leg(20.0, first_drive.end(), 8.0, &[32.0]);
+    let last_drive = leg(82.0, cut_drive.end(), 8.0, &[8.0]);
+    let by_lattice =
+        Fact::Planned { agent: TRUCK, goal: C, trajectory: last_drive, effort: effort(0, 900), by_lattice: true };
+    let failed = |agent, goal, reason, effort, until_s| {
+        let until = seconds(until_s);
+        Fact::PlanFailed { agent, goal, reason, effort, until }
+    };
+    let events = vec![
+        at(0.0, Fact::StartMoved { agent: TRUCK, from: Pose::new(9.0, 30.0, 0.0) }),
+        at(0.0, Fact::RoadmapBuilt { agent: TRUCK, samples: 500, edges: 2100, components: 2 }),
+        at(0.0, Fact::OutOfReach { agent: WUMPUS, cells: vec![C] }),
+        at(0.0, planned(WUMPUS, A, first_walk.clone())),
+        at(0.0, Fact::Rested { agent: TRUCK, reason: RestReason::NothingBurns }),
+        at(10.0, Fact::Ignited { cell: A, cause: Cause::Lit(WUMPUS) }),
+        at(10.0, planned(WUMPUS, B, leg(10.0, first_walk.end(), 2.0, &[20.0]))),
+        at(10.0, planned(TRUCK, A, first_drive.clone())),
+        at(15.0, Fact::Suppressing { agent: TRUCK, cell: A }),
+        at(16.0, Fact::Ignited { cell: B, cause: Cause::Spread(A) }),
+        at(16.0, Fact::Dropped { agent: WUMPUS, goal: B, trajectory: cut_walk }),
+        at(17.0, failed(WUMPUS, D, PlanFailure::Disconnected, effort(0, 30), 19.0)),
+        at(19.0, Fact::Rested { agent: WUMPUS, reason: RestReason::NothingLeftToLight }),
+        at(20.0, Fact::Extinguished { cell: A, by: TRUCK }),
+        at(20.0, planned(TRUCK, B, leg(20.0, first_drive.end(), 8.0, &[40.0]))),
+        at(23.0, Fact::Dropped { agent: TRUCK, goal: B, trajectory: cut_drive }),
+        at(26.0, failed(TRUCK, B, PlanFailure::BudgetSpent, effort(3, 20), 27.0)),
+        at(27.0, Fact::OutOfReach { agent: TRUCK, cells: vec![B] }),
+        at(27.0, Fact::Rested { agent: TRUCK, reason: RestReason::NothingReachable }),
+        at(29.0, Fact::OutOfReach { agent: WUMPUS, cells: vec![D] }),
+        at(76.0, Fact::BurnedOut { cell: B }),
+        at(80.0, ignited(C)),
+        at(82.0, by_lattice),
+        at(83.0, Fact::Suppressing { agent: TRUCK, cell: C }),
+        at(85.0, Fact::BurnedOut { cell: C }),
+        at(85.0, Fact::SuppressionEnded { agent: TRUCK, cell: C }),
+        at(90.0, Fact::Ended { reason: EndReason::NothingLeft }),
+    ];
+    Timeline { setting, events }
+}
+
+/// A contest of this length on a field of 50 x 50 cells between one Wumpus and one truck that drive at random and
+/// through everything; its facts are consistent, its legs as long as real ones. With an odd seed, the truck's
+/// acceleration is limited.
+pub fn random(seed: u64, duration: SimTime) -> Timeline {
+    let mut world = World::new(seed, duration);
+    world.run();
+    world.timeline
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Due {
+    BurnOut(Cell),
+    Spread(Cell),
+    WumpusArrives,
+    TruckArrives,
+    TruckDone,
+    TruckDecides,
+}
+
+struct World {
+    timeline: Timeline,
+    vegetation: Vec<Vegetation>,
+    queue: EventQueue<u8, (u32, Due)>,
+    rng: Xoshiro256PlusPlus,
+    limits: SpeedLimits,
+    now: SimTime,
+    /// Goal and last leg of the Wumpus, then of the truck.
+    goals: [Option<Cell>; 2],
+    legs: [Option<Trajectory>; 2],
+    /// Events of the truck that carry an older revision are void.
+    revision: u32,
+}
+
+impl World {
+    fn new(seed: u64, duration: SimTime) -> Self {
+        let mut rng = rng::stream(seed, "timeline/sample");
+        let frame = FieldFrame { cols: 50, rows: 50, cell_m: 5.0 };
+        let mut setting = small_setting(&[WUMPUS, TRUCK]);
+        setting.bushes =
+            (0..frame.cell_count()).filter(|_| rng.random_bool(0.2)).map(|index| frame.cell(index)).collect();
+        setting.frame = frame;
+        setting.rules.duration = duration;
+        let vegetation = vec![Vegetation::Intact; setting.bushes.len()];
+        let timeline = Timeline { setting, events: Vec::new() };
+        let (queue, now) = (EventQueue::default(), SimTime::ZERO);
+        let mut limits = SpeedLimits::of_speed(8.0, 8.0);
+        if seed % 2 == 1 {
+            limits.acceleration_mps2 = Some(2.0);
+            limits.braking_mps2 = Some(4.0);
+        }
+        Self { timeline, vegetation, queue, rng, limits, now, goals: [None; 2], legs: [None, None], revision: 0 }
+    }
+
+    fn run(&mut self) {
+        self.timeline
+            .events
+            .push(at(0.0, Fact::OutOfReach { agent: WUMPUS, cells: vec![self.timeline.setting.bushes[0]] }));
+        self.wumpus_decides();
+        self.truck_decides();
+        while let Some((time, rank)) =
+            self.queue.peek().filter(|&(time, _)| time <= self.timeline.setting.rules.duration)
+        {
+            self.now = time;
+            let (revision, due) = self.queue.pop_due(time, rank).expect("it was just seen");
+            self.handle(revision, due);
+        }
+        self.now = self.timeline.setting.rules.duration;
+        self.tell(Fact::Ended { reason: EndReason::Duration });
+    }
+
+    fn handle(&mut self, revision: u32, due: Due) {
+        let outdated = revision != self.revision;
+        match due {
+            Due::BurnOut(cell) if self.bush(cell).burns() => self.burn_out(cell),
+            Due::Spread(cell) if self.bush(cell).burns() => {
+                for _ in 0..self.rng.random_range(0..12) {
+                    if let Some(other) = self.pick(|bush| bush == Vegetation::Intact) {
+                        self.ignite(other, Cause::Spread(cell));
+                    }
+                }
+            }
+            Due::WumpusArrives => {
+                let goal = self.goals[0].take().expect("it walked to a goal");
+                if self.bush(goal) == Vegetation::Intact {
+                    self.ignite(goal, Cause::Lit(WUMPUS));
+                    self.queue.push(self.now + seconds(10.0), 2, (0, Due::Spread(goal)));
+                }
+                self.wumpus_decides();
+            }
+            Due::TruckArrives if !outdated => {
+                let cell = self.goals[1].expect("it drove to a goal");
+                self.tell(Fact::Suppressing { agent: TRUCK, cell });
+                self.queue.push(self.now + seconds(5.0), 0, (revision, Due::TruckDone));
+            }
+            Due::TruckDone if !outdated => {
+                let cell = self.goals[1].take().expect("it suppressed a goal");
+                self.change(cell, Vegetation::Extinguished);
+                self.tell(Fact::Extinguished { cell, by: TRUCK });
+                self.truck_decides();
+            }
+            Due::TruckDecides => self.truck_decides(),
+            _ => {}
+        }
+    }
+
+    fn burn_out(&mut self, cell: Cell) {
+        self.change(cell, Vegetation::BurnedOut);
+        self.tell(Fact::BurnedOut { cell });
+        if self.goals[1] != Some(cell) {
+            return;
+        }
+        self.goals[1] = None;
+        self.revision += 1;
+        let leg = self.legs[1].clone().expect("it has a goal, so it has a leg");
+        if leg.end_time() <= self.now {
+            self.tell(Fact::SuppressionEnded { agent: TRUCK, cell });
+            self.queue.push(self.now, 6, (0, Due::TruckDecides));
+        } else {
+            let trajectory = leg.stopping(self.now, self.limits.braking_mps2);
+            self.queue.push(trajectory.end_time(), 6, (0, Due::TruckDecides));
+            self.legs[1] = Some(trajectory.clone());
+            self.tell(Fact::Dropped { agent: TRUCK, goal: cell, trajectory });
+        }
+    }
+
+    fn truck_decides(&mut self) {
+        let Some(goal) = self.pick(Vegetation::burns) else {
+            self.tell(Fact::Rested { agent: TRUCK, reason: RestReason::NothingBurns });
+            self.queue.push(self.now + seconds(7.0), 6, (0, Due::TruckDecides));
+            return;
+        };
+        let effort = effort(self.rng.random_range(3..60), self.rng.random_range(5..400));
+        if self.rng.random_bool(0.05) {
+            let (reason, until) = (PlanFailure::Disconnected, self.now + seconds(0.3));
+            self.tell(Fact::PlanFailed { agent: TRUCK, goal, reason, effort, until });
+            self.queue.push(until, 6, (0, Due::TruckDecides));
+            return;
+        }
+        let segments = (0..self.rng.random_range(3..=12)).map(|_| self.segment()).collect();
+        let path = Path { start: self.stands(1), segments };
+        let trajectory = self.set_out(1, goal, Trajectory::along(&path, self.now, self.limits));
+        self.queue.push(trajectory.end_time(), 4, (self.revision, Due::TruckArrives));
+        self.tell(Fact::Planned { agent: TRUCK, goal, trajectory, effort, by_lattice: false });
+    }
+
+    fn wumpus_decides(&mut self) {
+        let Some(goal) = self.pick(|bush| bush == Vegetation::Intact) else {
+            return self.tell(Fact::Rested { agent: WUMPUS, reason: RestReason::NothingLeftToLight });
+        };
+        let mut pieces = Vec::new();
+        let mut eighth = 9;
+        for _ in 0..self.rng.random_range(30..=60) {
+            if eighth == 9 || self.rng.random_bool(0.3) {
+                eighth = self.rng.random_range(-3..=4);
+                pieces.push(Piece::Turn { heading: f64::from(eighth) * std::f64::consts::FRAC_PI_4 });
+            }
+            let length_m = if eighth % 2 == 0 { 5.0 } else { 50.0_f64.sqrt() };
+            let segment = Segment { curvature: 0.0, length_m };
+            pieces.push(Piece::Drive { segment, speed_mps: 5.0, acceleration_mps2: 0.0 });
+        }
+        let trajectory = self.set_out(0, goal, Trajectory::new(self.now, self.stands(0), pieces));
+        self.queue.push(trajectory.end_time(), 4, (0, Due::WumpusArrives));
+        self.tell(Fact::Planned { agent: WUMPUS, goal, trajectory, effort: effort(0, 300), by_lattice: false });
+    }
+
+    fn stands(&self, agent: usize) -> Pose {
+        self.legs[agent].as_ref().map_or(self.timeline.setting.agents[agent].pose, Trajectory::end)
+    }
+
+    fn set_out(&mut self, agent: usize, goal: Cell, trajectory: Trajectory) -> Trajectory {
+        self.goals[agent] = Some(goal);
+        self.legs[agent] = Some(trajectory.clone());
+        trajectory
+    }
+
+    fn segment(&mut self) -> Segment {
+        let curvature = f64::from(self.rng.random_range(-1..=1)) / 13.0;
+        let length = if self.rng.random_bool(0.3) { 4.0 } else { self.rng.random_range(0.5..12.0) };
+        Segment { curvature, length_m: if self.rng.random_bool(0.2) { -length } else { length } }
+    }
+
+    fn ignite(&mut self, cell: Cell, cause: Cause) {
+        self.change(cell, Vegetation::Burning { since: self.now });
+        self.tell(Fact::Ignited { cell, cause });
+        self.queue.push(self.now + seconds(60.0), 1, (0, Due::BurnOut(cell)));
+    }
+
+    fn bush(&self, cell: Cell) -> Vegetation {
+        self.vegetation[self.timeline.setting.bush_index(cell).expect("fires burn bushes")]
+    }
+
+    fn change(&mut self, cell: Cell, to: Vegetation) {
+        let index = self.timeline.setting.bush_index(cell).expect("fires burn bushes");
+        self.vegetation[index] = to;
+    }
+
+    fn pick(&mut self, is: impl Fn(Vegetation) -> bool) -> Option<Cell> {
+        let fit: Vec<_> = (0..self.vegetation.len()).filter(|&index| is(self.vegetation[index])).collect();
+        (!fit.is_empty()).then(|| self.timeline.setting.bushes[fit[self.rng.random_range(0..fit.len())]])
+    }
+
+    fn tell(&mut self, fact: Fact) {
+        self.timeline.events.push(Event { time: self.now, fact });
+    }
+}
