@@ -3,7 +3,7 @@
 //!
 //! The layers, lowest first; each may use those above it in this list:
 //! [`time`], [`geometry`], [`rng`], [`event_queue`], [`whole_file`]; [`grid`]; [`vehicle`]; [`trajectory`]; [`collision`];
-//! [`planning`]; [`fire`]; [`scenario`]; [`timeline`]; [`audit`]; `sim`; `batch`; `cli`.
+//! [`planning`]; [`fire`]; [`scenario`]; [`timeline`]; [`audit`]; [`sim`]; `batch`; `cli`.
 
 pub mod audit;
 pub mod collision;
@@ -14,6 +14,7 @@ pub mod grid;
 pub mod planning;
 pub mod rng;
 pub mod scenario;
+pub mod sim;
 pub mod time;
 pub mod timeline;
 pub mod trajectory;

@@ -1,0 +1,272 @@
+//! From a scenario and a seed to the world at time 0.
+
+use std::sync::Arc;
+
+use bevy::prelude::*;
+use glam::DVec2;
+use rand::seq::SliceRandom;
+
+use crate::collision::{ClearanceField, CollisionChecker};
+use crate::fire::{FireRules, Vegetation};
+use crate::geometry::{Cell, Pose};
+use crate::grid::astar::AStar;
+use crate::planning::reachability::Reachability;
+use crate::planning::walk::{Estimate, LatticeShape, WalkLattice, WalkSearch};
+use crate::planning::{PrmPrimitives, TruckPlanner};
+use crate::rng;
+use crate::scenario::{
+    Extinguishes, Retarget, Scenario, SpreadFrom, StepCost, StepTime, Terrain, WumpusGoal, WumpusHeuristic,
+};
+use crate::time::SimTime;
+use crate::time::cpu::CpuStopwatch;
+use crate::timeline::{AgentId, AgentStart, Body, Fact, Rules, Setting};
+use crate::trajectory::SpeedLimits;
+
+use super::agenda::{Agenda, Due, SimClock};
+use super::agent::{Agent, Log, Roster};
+use super::fires::Ignitions;
+use super::stage::{Fires, Frame};
+use super::tracks::Tracks;
+use super::truck::Truck;
+use super::wumpus::{Wumpus, step_times_by_distance};
+use super::{AgentCost, Ended, RunCost, RunError};
+use crate::scenario;
+
+/// Clearance that a truck's start has at least, in metres.
+const START_CLEARANCE_M: f64 = 0.05;
+
+/// The world with everybody at the start and the first decisions due, what the timeline says of it, and its cost.
+pub fn build(scenario: &Scenario, seed: u64) -> Result<(World, Setting, RunCost), RunError> {
+    let mut cost = RunCost::default();
+    let mut stopwatch = CpuStopwatch::start();
+    let terrain = Terrain::of(scenario, seed)?;
+    cost.terrain = stopwatch.lap();
+    let field = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
+    cost.clearance_field = stopwatch.lap();
+
+    let mut world = World::new();
+    let mut log = Log::default();
+    let mut roster = Roster::default();
+    let mut starts = Vec::new();
+    for (number, settings) in scenario.wumpus.iter().enumerate() {
+        let id = AgentId::Wumpus(number as u16);
+        let (agent, wumpus) = place_wumpus(id, settings, &terrain, seed, &mut log)?;
+        let body = Body::Square { size_m: settings.size_m };
+        starts.push(AgentStart { id, pose: agent.trajectory.start(), body });
+        roster.wumpuses.push(world.spawn((agent, wumpus)).id());
+    }
+    for (number, settings) in scenario.unimog.iter().enumerate() {
+        let id = AgentId::Unimog(number as u16);
+        let (agent, truck) = place_truck(id, (settings, scenario), &field, seed, &mut log)?;
+        starts.push(AgentStart { id, pose: agent.trajectory.start(), body: Body::Truck(settings.vehicle) });
+        roster.trucks.push(world.spawn((agent, truck)).id());
+    }
+    let setting = setting(scenario, seed, &terrain, starts);
+    world.insert_resource(SimClock::default());
+    world.insert_resource(first_entries(scenario, &setting.rules, &roster));
+    world.insert_resource(Fires(Vegetation::new(terrain.frame, &terrain.bushes, fire_rules(scenario))));
+    world.insert_resource(Frame(terrain.frame));
+    world.insert_resource(ignitions(scenario, &terrain, seed));
+    world.insert_resource(roster);
+    world.insert_resource(log);
+    world.insert_resource(Ended::default());
+    Ok((world, setting, cost))
+}
+
+fn setting(scenario: &Scenario, seed: u64, terrain: &Terrain, agents: Vec<AgentStart>) -> Setting {
+    Setting {
+        scenario: scenario.name.clone(),
+        seed,
+        program_version: env!("CARGO_PKG_VERSION").into(),
+        frame: terrain.frame,
+        bushes: terrain.bushes.clone(),
+        agents,
+        rules: Rules {
+            duration: SimTime::from_seconds(scenario.duration_s),
+            suppression_reach_m: scenario.suppression.reach_m,
+            suppression_dwell: SimTime::from_seconds(scenario.suppression.dwell_s),
+            relight: scenario.fire.relight,
+            score_wumpus_ignited: scenario.score.wumpus_ignited,
+            score_wumpus_burned_out: scenario.score.wumpus_burned_out,
+            score_truck_extinguished: scenario.score.truck_extinguished,
+        },
+    }
+}
+
+fn fire_rules(scenario: &Scenario) -> FireRules {
+    let fire = &scenario.fire;
+    FireRules {
+        spread_delay: SimTime::from_seconds(fire.spread_delay_s),
+        spread_radius_m: fire.spread_radius_m,
+        lit_spreads: fire.spread_from != SpreadFrom::None,
+        caught_spreads: fire.spread_from == SpreadFrom::All,
+        burn_out: fire.burn_out_s.map(SimTime::from_seconds),
+        relight: fire.relight,
+    }
+}
+
+/// Ignitions of the scenario, everybody's first decision, and the end.
+fn first_entries(scenario: &Scenario, rules: &Rules, roster: &Roster) -> Agenda {
+    let mut agenda = Agenda::default();
+    for (number, ignition) in scenario.ignition.iter().enumerate() {
+        agenda.add(SimTime::from_seconds(ignition.at_s), Due::Scheduled(number));
+    }
+    for agent in roster.all() {
+        agenda.add(SimTime::ZERO, Due::Decision(super::agenda::Call { agent, revision: 0 }));
+    }
+    agenda.add(rules.duration, Due::End);
+    agenda
+}
+
+fn ignitions(scenario: &Scenario, terrain: &Terrain, seed: u64) -> Ignitions {
+    let entries: Vec<_> =
+        scenario.ignition.iter().map(|entry| (SimTime::from_seconds(entry.at_s), entry.cells.clone())).collect();
+    let mut permutation = terrain.bushes.clone();
+    permutation.shuffle(&mut rng::stream(seed, "ignition"));
+    Ignitions { pending: entries.len(), entries, permutation }
+}
+
+fn place_wumpus(
+    id: AgentId,
+    settings: &scenario::Wumpus,
+    terrain: &Terrain,
+    seed: u64,
+    log: &mut Log,
+) -> Result<(Agent, Wumpus), RunError> {
+    let start = DVec2::from(settings.start_m);
+    let frame = terrain.frame;
+    let (anchor, step_m) = match settings.lattice_m {
+        Some(step_m) => (start, step_m),
+        None => (frame.centre(Cell::default()), frame.cell_m),
+    };
+    let shape = LatticeShape { anchor, step_m, size_m: settings.size_m };
+    let lattice = WalkLattice::new(frame, &terrain.occupied, shape);
+    let point = lattice.nearest_free(start).ok_or(RunError::NoFreeStart { agent: id })?;
+    let here = lattice.position(point);
+    // On cell centres a start anywhere in a cell means that cell; only a move to another one is worth a word.
+    if (here - start).abs().max_element() > 0.5 * step_m * (1.0 + 1e-9) {
+        log.add(SimTime::ZERO, Fact::StartMoved { agent: id, from: Pose::new(start.x, start.y, 0.0) });
+    }
+    let reached = lattice.reachable_from(point);
+    let (mut targets, walled_in): (Vec<Cell>, Vec<Cell>) =
+        terrain.bushes.iter().partition(|&&cell| lattice.points_of_reach(cell, settings.reach_m).any(|p| reached[p]));
+    if !walled_in.is_empty() {
+        log.add(SimTime::ZERO, Fact::OutOfReach { agent: id, cells: walled_in });
+    }
+    if settings.goal == WumpusGoal::RandomIntact {
+        let mut permutation = terrain.bushes.clone();
+        permutation.shuffle(&mut rng::stream(seed, &id.to_string()));
+        permutation.retain(|cell| targets.binary_search_by_key(&frame.index(*cell), |c| frame.index(*c)).is_ok());
+        targets = permutation;
+    }
+    let memory = AStar::new(lattice.points());
+    let wumpus = Wumpus {
+        reach_m: settings.reach_m,
+        policy: settings.goal,
+        keeps_goal: settings.keep_goal,
+        step_times: step_times(settings, step_m),
+        search: walk_search(settings, step_m),
+        seconds_per_expansion: settings.seconds_per_expansion,
+        lattice,
+        memory,
+        point,
+        walk: Vec::new(),
+        targets,
+        next_target: 0,
+        cost: AgentCost::nothing(id),
+    };
+    Ok((Agent::standing(id, Pose::new(here.x, here.y, 0.0)), wumpus))
+}
+
+fn step_times(settings: &scenario::Wumpus, step_m: f64) -> (f64, f64) {
+    let (orthogonal, diagonal) = step_times_by_distance(step_m, settings.speed_mps);
+    match settings.step_time {
+        StepTime::Distance => (orthogonal, diagonal),
+        StepTime::Uniform => (orthogonal, orthogonal),
+    }
+}
+
+fn walk_search(settings: &scenario::Wumpus, step_m: f64) -> WalkSearch {
+    WalkSearch {
+        step_costs: match settings.step_cost {
+            StepCost::Metres => (step_m, step_m * std::f64::consts::SQRT_2),
+            StepCost::Moves => (1.0, 1.0),
+        },
+        estimate: match settings.heuristic {
+            WumpusHeuristic::Octile => Estimate::Octile,
+            WumpusHeuristic::ParentEuclidean => Estimate::ParentEuclidean,
+        },
+        weight: settings.heuristic_weight,
+    }
+}
+
+fn place_truck(
+    id: AgentId,
+    (settings, scenario): (&scenario::Unimog, &Scenario),
+    field: &Arc<ClearanceField>,
+    seed: u64,
+    log: &mut Log,
+) -> Result<(Agent, Truck), RunError> {
+    let checker = CollisionChecker::new(Arc::clone(field), settings.vehicle);
+    let wanted = Pose::new(settings.start.x_m, settings.start.y_m, settings.start.heading_deg.to_radians());
+    let start = nearest_free_pose(&checker, wanted).ok_or(RunError::NoFreeStart { agent: id })?;
+    if start != wanted {
+        log.add(SimTime::ZERO, Fact::StartMoved { agent: id, from: wanted });
+    }
+    let AgentId::Unimog(number) = id else { unreachable!("trucks are Unimogs") };
+    let mut stream = rng::stream(seed, &format!("truck/{number}/prm"));
+    let planner = PrmPrimitives::build(&checker, &settings.prm, &settings.primitives, &mut stream);
+    let report = planner.build_report();
+    log.add(
+        SimTime::ZERO,
+        Fact::RoadmapBuilt { agent: id, samples: report.samples, edges: report.edges, components: report.components },
+    );
+    let truck = Truck {
+        body: settings.vehicle,
+        speed: SpeedLimits {
+            forward_mps: settings.speed_mps,
+            reverse_mps: settings.reverse_speed_mps,
+            acceleration_mps2: settings.limits.acceleration_mps2,
+            braking_mps2: settings.limits.braking_mps2,
+            lateral_mps2: settings.limits.lateral_mps2,
+        },
+        policy: settings.goal,
+        retargets: settings.retarget == Retarget::OnEvent,
+        reach_m: scenario.suppression.reach_m.unwrap_or(f64::INFINITY),
+        dwell: SimTime::from_seconds(scenario.suppression.dwell_s),
+        extinguishes_all: scenario.suppression.extinguishes == Extinguishes::AllInReach,
+        seconds_per_expansion: (settings.prm.seconds_per_expansion, settings.primitives.seconds_per_expansion),
+        planner: Box::new(planner),
+        reachability: Reachability::new(&checker, start),
+        set_aside: Vec::new(),
+        out_of_reach: Vec::new(),
+        tracks: Tracks::default(),
+        cost: AgentCost { sampling: report.sampling, connecting: report.connecting, ..AgentCost::nothing(id) },
+    };
+    Ok((Agent::standing(id, start), truck))
+}
+
+/// The free pose nearest to a wanted one: places on rings half a metre apart, headings from the wanted one outwards.
+fn nearest_free_pose(checker: &CollisionChecker, wanted: Pose) -> Option<Pose> {
+    const RING_M: f64 = 0.5;
+    const HEADINGS: i32 = 16;
+    let is_free = |pose: &Pose| checker.pose_is_free(*pose, START_CLEARANCE_M);
+    if is_free(&wanted) {
+        return Some(wanted);
+    }
+    let frame = checker.field().frame();
+    let rings = (2.0 * frame.width_m().max(frame.height_m()) / RING_M).ceil() as i32;
+    (0..rings).find_map(|ring| {
+        let radius = f64::from(ring) * RING_M;
+        let spokes = (8 * ring).clamp(1, 64);
+        (0..spokes).find_map(|spoke| {
+            let bearing = std::f64::consts::TAU * f64::from(spoke) / f64::from(spokes);
+            let place = wanted.position() + Pose::new(0.0, 0.0, bearing).direction() * radius;
+            let turned = |k: i32| {
+                let steps = if k % 2 == 0 { k / 2 } else { -(k + 1) / 2 };
+                wanted.heading + std::f64::consts::TAU * f64::from(steps) / f64::from(HEADINGS)
+            };
+            (0..HEADINGS).map(|k| Pose::new(place.x, place.y, turned(k))).find(is_free)
+        })
+    })
+}

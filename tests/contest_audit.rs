@@ -1,0 +1,56 @@
+//! Whole runs of every preset before the audit: no leg overlaps a bush or leaves the field, none bends more than the
+//! turning radius allows, none jumps, and every fire went out beside a truck that stood; and nobody was ever stuck.
+//!
+//! `WILDFIRE_AUDIT_SEEDS=1..1000` audits these seeds (both ends) of the contest instead of a few.
+
+use wildfire::audit::{Audited, Step, audit_timeline};
+use wildfire::scenario::{self, Scenario};
+use wildfire::sim;
+use wildfire::timeline::{AgentId, Outcome};
+use wildfire::trajectory::SpeedLimits;
+
+fn limits(scenario: &Scenario, agent: AgentId) -> SpeedLimits {
+    let AgentId::Unimog(number) = agent else { panic!("only trucks have limits of speed") };
+    let truck = &scenario.unimog[usize::from(number)];
+    SpeedLimits {
+        acceleration_mps2: truck.limits.acceleration_mps2,
+        braking_mps2: truck.limits.braking_mps2,
+        lateral_mps2: truck.limits.lateral_mps2,
+        ..SpeedLimits::of_speed(truck.speed_mps, truck.reverse_speed_mps)
+    }
+}
+
+#[expect(clippy::print_stdout, reason = "says how much was looked at, to those who ask for many seeds")]
+fn audit(name: &str, seeds: impl Iterator<Item = u64>) -> Audited {
+    let scenario = scenario::load(name, &[]).expect("built-in scenarios load");
+    let mut audited = Audited::default();
+    for seed in seeds {
+        let run = sim::run(&scenario, seed).unwrap_or_else(|error| panic!("{name}, seed {seed}: {error}"));
+        let seen = audit_timeline(&run.timeline, |agent| limits(&scenario, agent), Step::default());
+        audited += seen.unwrap_or_else(|offence| panic!("{name}, seed {seed}: {offence}"));
+        let outcome = Outcome::of(&run.timeline);
+        assert_eq!((outcome.truck_stuck_s, outcome.wumpus_stuck_s), (0.0, 0.0), "{name}, seed {seed}: stuck");
+    }
+    println!("{name}: {audited:?}");
+    audited
+}
+
+fn contest_seeds() -> std::ops::RangeInclusive<u64> {
+    let Ok(text) = std::env::var("WILDFIRE_AUDIT_SEEDS") else { return 1..=4 };
+    let (first, last) = text.split_once("..").expect("seeds are FIRST..LAST");
+    let number = |text: &str| text.parse().expect("seeds are whole numbers");
+    number(first)..=number(last)
+}
+
+#[test]
+fn the_contest_passes_the_audit() {
+    let audited = audit("contest", contest_seeds());
+    assert!(audited.legs > 100 && audited.extinctions > 100, "{audited:?}");
+}
+
+#[test]
+fn every_other_preset_passes_the_audit() {
+    for (name, _) in scenario::BUILT_IN.iter().filter(|(name, _)| *name != "contest") {
+        audit(name, 1..=2);
+    }
+}

@@ -1,0 +1,302 @@
+//! Laws of the simulation: the same seed gives the same facts however the time is cut, events of one instant have
+//! their order, bodies move without jumps, and no two trucks go for one fire.
+
+use rand::RngExt;
+use wildfire::geometry::Cell;
+use wildfire::rng;
+use wildfire::scenario::{
+    Extinguishes, Ignition, IgnitionCells, Limits, Retarget, Scenario, SpreadFrom, StartPose, TruckGoal, Unimog,
+    Wumpus, WumpusGoal,
+};
+use wildfire::sim::{self, Simulation};
+use wildfire::time::SimTime;
+use wildfire::timeline::{AgentId, Cause, Event, Fact, Timeline};
+
+/// The contest with nobody on the field.
+fn empty_contest() -> Scenario {
+    wildfire::scenario::load("contest", &["wumpus=[]".into(), "unimog=[]".into()]).expect("the built-in loads")
+}
+
+fn contest() -> Scenario {
+    Scenario { wumpus: vec![Wumpus::default()], unimog: vec![Unimog::default()], ..empty_contest() }
+}
+
+/// One truck, and so many random ignitions a minute apart.
+fn ignitions(count: usize) -> Scenario {
+    let ignition = |k| Ignition { at_s: 60.0 * k as f64, cells: IgnitionCells::Random(1) };
+    let mut scenario = Scenario { unimog: vec![Unimog::default()], ..empty_contest() };
+    scenario.ignition = (0..count).map(ignition).collect();
+    scenario.fire.spread_from = SpreadFrom::None;
+    scenario.fire.burn_out_s = None;
+    scenario
+}
+
+/// Scenarios that together use every option that changes the order or kind of events.
+fn variety() -> Vec<(&'static str, Scenario)> {
+    let mut crowd = contest();
+    crowd.wumpus.push(Wumpus { start_m: [202.5, 47.5], goal: WumpusGoal::FarthestFromTruck, ..Wumpus::default() });
+    crowd.unimog.push(Unimog {
+        goal: TruckGoal::LargestCluster,
+        retarget: Retarget::OnEvent,
+        start: StartPose { x_m: 60.0, y_m: 200.0, heading_deg: 90.0 },
+        limits: Limits { acceleration_mps2: Some(2.0), braking_mps2: Some(4.0), lateral_mps2: Some(3.0) },
+        ..Unimog::default()
+    });
+    crowd.ignition = vec![Ignition { at_s: 5.0, cells: IgnitionCells::Random(3) }];
+    crowd.suppression.extinguishes = Extinguishes::AllInReach;
+    crowd.fire.spread_from = SpreadFrom::All;
+
+    let mut thinkers = contest();
+    thinkers.wumpus[0].seconds_per_expansion = 0.1;
+    thinkers.unimog[0].prm.seconds_per_expansion = 0.2;
+    thinkers.unimog[0].primitives.seconds_per_expansion = 0.3;
+    thinkers.unimog[0].goal = TruckGoal::Oldest;
+    thinkers.fire.relight = true;
+    thinkers.duration_s = 900.0;
+
+    vec![("contest", contest()), ("crowd", crowd), ("thinkers", thinkers)]
+}
+
+fn run(scenario: &Scenario, seed: u64) -> Timeline {
+    sim::run(scenario, seed).expect("the scenario can be run").timeline
+}
+
+fn first(timeline: &Timeline, wanted: impl Fn(&Fact) -> bool) -> Option<SimTime> {
+    timeline.events.iter().find(|event| wanted(&event.fact)).map(|event| event.time)
+}
+
+/// Equal bit for bit; the message shows the first fact that differs.
+fn assert_same(a: &Timeline, b: &Timeline, name: &str) {
+    for (left, right) in a.events.iter().zip(&b.events) {
+        assert_eq!(left, right, "{name}");
+    }
+    assert_eq!(a.events.len(), b.events.len(), "{name}");
+    assert!(a.setting == b.setting, "{name}");
+}
+
+#[test]
+fn cutting_time_into_slices_changes_nothing() {
+    for (name, scenario) in variety() {
+        for seed in 1..=3 {
+            let whole = run(&scenario, seed);
+            let mut slices = rng::stream(seed, "slices");
+            let mut sliced = Simulation::new(&scenario, seed).expect("the scenario can be run");
+            let mut until = SimTime::ZERO;
+            while until <= SimTime::from_seconds(scenario.duration_s) {
+                sliced.advance_to(until);
+                // Mostly short slices, some of length zero, some long.
+                let longest = [0, 1_000, 3_000_000_000, 200_000_000_000][slices.random_range(0..4)];
+                until += SimTime::from_nanos(slices.random_range(0..=longest).max(u64::from(longest == 0)));
+                if slices.random_bool(0.9) {
+                    until += SimTime::from_seconds(1.0);
+                }
+            }
+            sliced.advance_to(SimTime::MAX);
+            assert_same(&sliced.finish().timeline, &whole, &format!("{name}, seed {seed}"));
+        }
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_facts_and_another_seed_others() {
+    for (name, scenario) in variety() {
+        assert_same(&run(&scenario, 7), &run(&scenario, 7), name);
+        assert!(run(&scenario, 7).events != run(&scenario, 8).events, "{name}");
+    }
+}
+
+#[test]
+fn facts_come_in_order_of_time_and_end_with_the_end() {
+    for (name, scenario) in variety() {
+        let timeline = run(&scenario, 2);
+        assert!(timeline.events.is_sorted_by_key(|event| event.time), "{name}");
+        let ends = timeline.events.iter().filter(|event| matches!(event.fact, Fact::Ended { .. })).count();
+        assert_eq!(ends, 1, "{name}");
+        assert!(matches!(timeline.events.last().map(|event| &event.fact), Some(Fact::Ended { .. })), "{name}");
+    }
+}
+
+#[test]
+fn every_leg_starts_where_and_when_the_last_one_allows() {
+    for (name, scenario) in variety() {
+        let timeline = run(&scenario, 4);
+        for start in &timeline.setting.agents {
+            let (mut pose, mut free_at) = (start.pose, SimTime::ZERO);
+            let mut legs = 0;
+            for Event { time, fact } in &timeline.events {
+                match fact {
+                    Fact::Planned { agent, trajectory, .. } if *agent == start.id => {
+                        assert_eq!(trajectory.start(), pose, "{name}: {agent} at {time}");
+                        assert!(*time >= free_at, "{name}: {agent} plans while it moves");
+                        assert!(trajectory.start_time() >= *time);
+                        (pose, free_at) = (trajectory.end(), trajectory.end_time());
+                        legs += 1;
+                    }
+                    Fact::Dropped { agent, trajectory, .. } if *agent == start.id => {
+                        assert!(trajectory.end_time() <= free_at, "{name}: a leg cut short is not longer");
+                        (pose, free_at) = (trajectory.end(), trajectory.end_time());
+                    }
+                    _ => {}
+                }
+            }
+            assert!(legs > 1, "{name}: {} made {legs} legs", start.id);
+        }
+    }
+}
+
+#[test]
+fn two_trucks_never_have_the_same_goal() {
+    let mut scenario = contest();
+    scenario.unimog = (0..3)
+        .map(|k| Unimog {
+            start: StartPose { x_m: 50.0, y_m: 50.0 + 30.0 * f64::from(k), heading_deg: 0.0 },
+            ..Unimog::default()
+        })
+        .collect();
+    for seed in 1..=5 {
+        let mut goals: Vec<(AgentId, Cell)> = Vec::new();
+        for Event { fact, time } in run(&scenario, seed).events {
+            match fact {
+                Fact::Planned { agent: agent @ AgentId::Unimog(_), goal, .. } => {
+                    assert!(goals.iter().all(|&(_, other)| other != goal), "seed {seed} at {time}: {goal} twice");
+                    goals.push((agent, goal));
+                }
+                Fact::Dropped { agent, .. }
+                | Fact::Extinguished { by: agent, .. }
+                | Fact::SuppressionEnded { agent, .. } => goals.retain(|&(other, _)| other != agent),
+                _ => {}
+            }
+        }
+    }
+}
+
+#[test]
+fn at_one_instant_extinction_comes_before_burn_out() {
+    let mut scenario = ignitions(1);
+    let free = run(&scenario, 3);
+    let out = first(&free, |fact| matches!(fact, Fact::Extinguished { .. })).expect("one fire, one truck");
+    scenario.fire.burn_out_s = Some(out.as_seconds());
+    let together = run(&scenario, 3);
+    assert_eq!(first(&together, |fact| matches!(fact, Fact::Extinguished { .. })), Some(out));
+    assert_eq!(first(&together, |fact| matches!(fact, Fact::BurnedOut { .. })), None);
+    scenario.fire.burn_out_s = Some(SimTime::from_nanos(out.as_nanos() - 1).as_seconds());
+    let earlier = run(&scenario, 3);
+    assert_eq!(first(&earlier, |fact| matches!(fact, Fact::Extinguished { .. })), None);
+    assert!(first(&earlier, |fact| matches!(fact, Fact::SuppressionEnded { .. })).is_some());
+}
+
+#[test]
+fn at_one_instant_burn_out_comes_before_spread() {
+    let mut scenario = ignitions(1);
+    scenario.unimog.clear();
+    scenario.fire.spread_from = SpreadFrom::Lit;
+    let caught = |timeline: &Timeline| {
+        let spread = |event: &&Event| matches!(event.fact, Fact::Ignited { cause: Cause::Spread(_), .. });
+        timeline.events.iter().filter(spread).count()
+    };
+    scenario.fire.burn_out_s = Some(10.0);
+    assert_eq!(caught(&run(&scenario, 3)), 0);
+    scenario.fire.burn_out_s = Some(10.000_000_001);
+    assert!(caught(&run(&scenario, 3)) > 0);
+}
+
+#[test]
+fn what_is_due_exactly_at_the_end_happens() {
+    let mut scenario = ignitions(1);
+    let out = first(&run(&scenario, 3), |fact| matches!(fact, Fact::Extinguished { .. })).expect("one fire");
+    let put_out =
+        |scenario: &Scenario| first(&run(scenario, 3), |fact| matches!(fact, Fact::Extinguished { .. })).is_some();
+    scenario.duration_s = out.as_seconds();
+    assert!(put_out(&scenario));
+    scenario.duration_s = SimTime::from_nanos(out.as_nanos() - 1).as_seconds();
+    assert!(!put_out(&scenario));
+}
+
+#[test]
+fn a_run_ends_early_when_nothing_is_left_to_happen() {
+    let scenario = ignitions(2);
+    let timeline = run(&scenario, 1);
+    let last = timeline.events.last().expect("a run has facts");
+    assert!(last.time >= SimTime::from_seconds(60.0) && last.time < SimTime::from_seconds(3600.0));
+    assert!(matches!(last.fact, Fact::Ended { reason: wildfire::timeline::EndReason::NothingLeft }));
+}
+
+#[test]
+fn a_truck_that_reconsiders_never_drops_a_goal_to_choose_it_again() {
+    let mut scenario = contest();
+    scenario.unimog[0].retarget = Retarget::OnEvent;
+    scenario.field.coverage = 0.2;
+    let mut drops = 0;
+    for seed in 1..=4 {
+        let mut dropped = None;
+        for Event { time, fact } in run(&scenario, seed).events {
+            match fact {
+                Fact::Dropped { agent: AgentId::Unimog(_), goal, .. } => dropped = Some(goal),
+                // Another goal seemed better until its plan failed.
+                Fact::PlanFailed { .. } => dropped = None,
+                Fact::Planned { agent: AgentId::Unimog(_), goal, .. } => {
+                    drops += u32::from(dropped.is_some());
+                    assert_ne!(dropped.take(), Some(goal), "seed {seed} at {time}");
+                }
+                _ => {}
+            }
+        }
+    }
+    assert!(drops > 20, "only {drops} goals were dropped");
+}
+
+#[test]
+fn a_run_without_anybody_ends_at_once() {
+    let timeline = run(&empty_contest(), 1);
+    assert_eq!(timeline.events.len(), 1);
+    assert_eq!(timeline.events[0].time, SimTime::ZERO);
+}
+
+#[test]
+fn nobody_acts_before_its_planning_time_is_over() {
+    let (_, scenario) = variety().remove(2);
+    let timeline = run(&scenario, 5);
+    let mut charged = 0;
+    for Event { time, fact } in &timeline.events {
+        if let Fact::Planned { agent: AgentId::Unimog(_), trajectory, effort, .. } = fact {
+            let seconds = 0.2 * f64::from(effort.roadmap_expansions) + 0.3 * f64::from(effort.local_expansions);
+            assert_eq!(trajectory.start_time(), *time + SimTime::from_seconds(seconds));
+            charged += u32::from(seconds > 0.0);
+        }
+    }
+    assert!(charged > 3, "{charged} plans were charged");
+}
+
+#[test]
+fn a_wumpus_that_drops_its_goal_stops_on_its_lattice() {
+    let timeline = run(&contest(), 6);
+    let mut drops = 0;
+    for Event { fact, .. } in &timeline.events {
+        if let Fact::Dropped { agent: AgentId::Wumpus(_), trajectory, .. } = fact {
+            let end = trajectory.end().position();
+            let centre = timeline.setting.frame.centre(timeline.setting.frame.cell_at(end).expect("on the field"));
+            assert!((end - centre).length() < 1e-9, "{end} is not a cell's centre");
+            drops += 1;
+        }
+    }
+    assert!(drops > 0, "spread took none of its goals");
+}
+
+#[test]
+fn planners_do_not_change_the_arsonists_order_of_goals() {
+    let alone = Scenario { unimog: Vec::new(), ..contest() };
+    let lit = |timeline: &Timeline| {
+        timeline.events.iter().find_map(|event| match event.fact {
+            Fact::Planned { agent: AgentId::Wumpus(0), goal, .. } => Some(goal),
+            _ => None,
+        })
+    };
+    for seed in 1..=5 {
+        let with_truck = run(&contest(), seed);
+        let mut other = contest();
+        other.unimog[0].prm.samples = 50;
+        assert_eq!(lit(&with_truck), lit(&run(&other, seed)));
+        // The field keeps clear of the truck's start, so a contest without a truck has another field.
+        assert!(lit(&run(&alone, seed)).is_some());
+    }
+}
