@@ -1,0 +1,149 @@
+//! Which seeds a batch runs, as people write them: `1..5`, `1,5,9`, `1..100,200,300..400`.
+
+use std::fmt;
+use std::ops::RangeInclusive;
+use std::str::FromStr;
+
+use thiserror::Error;
+
+/// The most runs of one batch.
+pub const MAX_RUNS: u64 = 10_000_000;
+
+/// Distinct seeds in the order in which they were written; ranges count upwards and include both ends.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Seeds {
+    ranges: Vec<RangeInclusive<u64>>,
+}
+
+/// Why a list of seeds cannot be taken.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum SeedsError {
+    #[error("`{found}` is not a seed: expected whole numbers from 0 to {}, such as `7`, `1..5` or `1,5,9`", u64::MAX)]
+    NotANumber { found: String },
+    #[error("the range `{found}` is empty: its first seed must not be greater than its last")]
+    Backwards { found: String },
+    #[error("seed {seed} is asked for twice")]
+    Twice { seed: u64 },
+    #[error("{count} runs are too many: a batch takes at most {MAX_RUNS}")]
+    TooMany { count: u128 },
+}
+
+impl Seeds {
+    /// Number of seeds, from 1 to [`MAX_RUNS`].
+    pub fn count(&self) -> u64 {
+        self.ranges.iter().map(|range| range.end() - range.start() + 1).sum()
+    }
+
+    pub fn iter(&self) -> impl Iterator<Item = u64> + '_ {
+        self.ranges.iter().cloned().flatten()
+    }
+}
+
+impl FromStr for Seeds {
+    type Err = SeedsError;
+
+    fn from_str(text: &str) -> Result<Self, SeedsError> {
+        let ranges = text.split(',').map(parse_range).collect::<Result<Vec<_>, _>>()?;
+        let count = ranges.iter().map(|range| u128::from(range.end() - range.start()) + 1).sum();
+        if count > u128::from(MAX_RUNS) {
+            return Err(SeedsError::TooMany { count });
+        }
+        match first_repeated(&ranges) {
+            Some(seed) => Err(SeedsError::Twice { seed }),
+            None => Ok(Self { ranges }),
+        }
+    }
+}
+
+fn parse_range(part: &str) -> Result<RangeInclusive<u64>, SeedsError> {
+    let not_a_number = || SeedsError::NotANumber { found: part.trim().to_owned() };
+    let seed = |digits: &str| digits.trim().parse::<u64>().map_err(|_| not_a_number());
+    let (first, last) = match part.split_once("..") {
+        Some((first, last)) => (seed(first)?, seed(last.strip_prefix('=').unwrap_or(last))?),
+        None => (seed(part)?, seed(part)?),
+    };
+    if first > last {
+        return Err(SeedsError::Backwards { found: part.trim().to_owned() });
+    }
+    Ok(first..=last)
+}
+
+fn first_repeated(ranges: &[RangeInclusive<u64>]) -> Option<u64> {
+    let mut sorted: Vec<_> = ranges.iter().map(|range| (*range.start(), *range.end())).collect();
+    sorted.sort_unstable();
+    sorted.windows(2).find(|pair| pair[1].0 <= pair[0].1).map(|pair| pair[1].0)
+}
+
+impl fmt::Display for Seeds {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, range) in self.ranges.iter().enumerate() {
+            let comma = if index == 0 { "" } else { "," };
+            if range.start() == range.end() {
+                write!(f, "{comma}{}", range.start())?;
+            } else {
+                write!(f, "{comma}{}..{}", range.start(), range.end())?;
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn seeds(text: &str) -> Vec<u64> {
+        text.parse::<Seeds>().expect("these seeds are fine").iter().collect()
+    }
+
+    fn refusal(text: &str) -> SeedsError {
+        text.parse::<Seeds>().expect_err("these seeds are not fine")
+    }
+
+    #[test]
+    fn ranges_include_both_ends_and_lists_keep_their_order() {
+        assert_eq!(seeds("1..5"), [1, 2, 3, 4, 5]);
+        assert_eq!(seeds("1..=3"), [1, 2, 3]);
+        assert_eq!(seeds("9,1,5"), [9, 1, 5]);
+        assert_eq!(seeds("7..8, 1 ,3..4"), [7, 8, 1, 3, 4]);
+        assert_eq!(seeds("0..0"), [0]);
+        assert_eq!(seeds("18446744073709551615"), [u64::MAX]);
+    }
+
+    #[test]
+    fn what_is_printed_is_read_back() {
+        for text in ["1..5", "9,1,5", "7..8,1,3..4"] {
+            assert_eq!(text.parse::<Seeds>().expect("fine").to_string(), text);
+        }
+    }
+
+    #[test]
+    fn count_is_the_number_of_seeds() {
+        for text in ["4", "1..5", "7..8,1,3..4"] {
+            let parsed: Seeds = text.parse().expect("fine");
+            assert_eq!(parsed.count(), parsed.iter().count() as u64);
+        }
+    }
+
+    #[test]
+    fn repeated_seeds_are_refused() {
+        assert_eq!(refusal("1,2,1"), SeedsError::Twice { seed: 1 });
+        assert_eq!(refusal("5..9,1..5"), SeedsError::Twice { seed: 5 });
+        assert_eq!(refusal("1..9,3..4"), SeedsError::Twice { seed: 3 });
+    }
+
+    #[test]
+    fn more_than_the_limit_is_refused_without_counting_up() {
+        assert_eq!(seeds("1..3").len(), 3);
+        assert_eq!(refusal("1..10000001"), SeedsError::TooMany { count: 10_000_001 });
+        assert_eq!(refusal("0..18446744073709551615"), SeedsError::TooMany { count: 1 << 64 });
+    }
+
+    #[test]
+    fn what_is_no_seed_is_named() {
+        for text in ["", "a", "1..", "..3", "1,,2", "-1", "1.5", "1e3", "18446744073709551616"] {
+            assert!(matches!(refusal(text), SeedsError::NotANumber { .. }), "{text}");
+        }
+        assert_eq!(refusal("5..1"), SeedsError::Backwards { found: "5..1".into() });
+    }
+}
