@@ -3,10 +3,11 @@
 //!
 //! The layers, lowest first; each may use those above it in this list:
 //! [`time`], [`geometry`], [`rng`], [`event_queue`], [`whole_file`]; [`grid`]; [`vehicle`]; [`trajectory`]; [`collision`];
-//! [`planning`]; [`fire`]; [`scenario`]; [`timeline`]; [`audit`]; [`sim`]; [`batch`]; `cli`.
+//! [`planning`]; [`fire`]; [`scenario`]; [`timeline`]; [`audit`]; [`sim`]; [`batch`]; [`cli`].
 
 pub mod audit;
 pub mod batch;
+pub mod cli;
 pub mod collision;
 pub mod event_queue;
 pub mod fire;

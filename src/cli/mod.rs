@@ -1,0 +1,46 @@
+//! The command line: arguments, dispatch, exit codes, errors for people.
+//!
+//! Results go to stdout, progress, notes and errors to stderr. Nothing is written before all arguments are checked.
+
+mod args;
+mod batch_command;
+mod failure;
+mod run_command;
+mod run_report;
+mod scenario_commands;
+mod terminal;
+
+use std::process::ExitCode;
+
+use clap::{CommandFactory, Parser};
+
+use args::{Arguments, Command};
+use failure::Failure;
+
+/// The program's exit codes; those of its arguments' own errors are clap's, which are the same.
+mod exit {
+    pub const RUN_FAILED: u8 = 1;
+    pub const BAD_INPUT: u8 = 2;
+    pub const ENVIRONMENT: u8 = 3;
+}
+
+/// Reads the arguments of the process and does what they say.
+pub fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    dispatch(&arguments).unwrap_or_else(Failure::conclude)
+}
+
+fn dispatch(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    match &arguments.command {
+        Command::Run(run) => run_command::run(run, arguments.quiet),
+        Command::Batch(batch) => batch_command::run(batch, arguments.quiet),
+        Command::Check(check) => scenario_commands::check(check),
+        Command::Scenarios(scenarios) => scenario_commands::list_or_show(scenarios),
+        Command::Completions { shell } => {
+            let mut script = Vec::new();
+            clap_complete::generate(*shell, &mut Arguments::command(), "wildfire", &mut script);
+            terminal::print(&script)?;
+            Ok(ExitCode::SUCCESS)
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! `wildfire run`.
+
+use std::fs;
+use std::io::{self, Write};
+use std::panic;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use crate::batch::{RunResult, RunRow, Status, file_name_of, run_json};
+use crate::cli::args::RunArguments;
+use crate::cli::failure::Failure;
+use crate::cli::{run_report, scenario_commands, terminal};
+use crate::scenario::Scenario;
+use crate::sim;
+use crate::time::wall::WallStopwatch;
+use crate::timeline::export::{ExportError, FINEST_STEP_S, write_events, write_trace};
+use crate::timeline::{Outcome, Timeline, file};
+use crate::whole_file::WholeFile;
+
+pub fn run(arguments: &RunArguments, quiet: bool) -> Result<ExitCode, Failure> {
+    let scenario = scenario_commands::load(&arguments.scenario.source, &arguments.scenario.overrides)?;
+    let outputs = Outputs::of(arguments, &scenario)?;
+    let (row, timeline) = run_once(&scenario, arguments.seed)?;
+    let printed = print(&row, arguments.json);
+    // Whatever cannot be written, all else of the run is kept.
+    let written = timeline.map_or(Ok(()), |timeline| outputs.write(&timeline, quiet));
+    printed.and(written)?;
+    match row.result {
+        Some(_) => Ok(ExitCode::SUCCESS),
+        None => Err(Failure::of_run(row.message)),
+    }
+}
+
+fn print(row: &RunRow, as_json: bool) -> Result<(), Failure> {
+    match &row.result {
+        _ if as_json => terminal::print(format!("{}\n", run_json(row)).as_bytes()),
+        Some(result) => terminal::print(run_report::of(row, result).as_bytes()),
+        None => Ok(()),
+    }
+}
+
+fn run_once(scenario: &Scenario, seed: u64) -> Result<(RunRow, Option<Timeline>), Failure> {
+    let stopwatch = WallStopwatch::start();
+    // The panic has been printed by then, with a backtrace if one was asked for.
+    let caught = panic::catch_unwind(|| sim::run(scenario, seed));
+    let wall = stopwatch.elapsed();
+    match caught.map_err(|_| Failure::of_run("the run panicked: this is a fault of the program"))? {
+        Ok(run) => {
+            let result = RunResult::new(Outcome::of(&run.timeline), run.cost);
+            Ok((RunRow::done(&scenario.name, seed, result, wall), Some(run.timeline)))
+        }
+        Err(error) => Ok((RunRow::not_done(&scenario.name, seed, Status::Failed, error.to_string(), wall), None)),
+    }
+}
+
+/// The files that one run was asked for.
+struct Outputs<'a> {
+    recording: Option<PathBuf>,
+    events: Option<&'a Path>,
+    trace: Option<&'a Path>,
+    step_s: f64,
+}
+
+impl<'a> Outputs<'a> {
+    /// Checks what can be checked before the run.
+    fn of(arguments: &'a RunArguments, scenario: &Scenario) -> Result<Self, Failure> {
+        let step_s = arguments.step;
+        if !(step_s.is_finite() && step_s >= FINEST_STEP_S) {
+            let sentence = format!("--step is {step_s}; expected seconds, at least {FINEST_STEP_S}");
+            return Err(Failure::bad_input(sentence, None));
+        }
+        let recording = arguments.out.as_deref().map(|path| recording_path(path, scenario, arguments.seed));
+        let outputs =
+            Self { recording, events: arguments.events.as_deref(), trace: arguments.trace.as_deref(), step_s };
+        outputs.check(Path::new(&arguments.scenario.source))?;
+        Ok(outputs)
+    }
+
+    fn check(&self, source: &Path) -> Result<(), Failure> {
+        let mut seen = vec![resolved(source)];
+        for path in [self.recording.as_deref(), self.events, self.trace].into_iter().flatten() {
+            if seen.contains(&resolved(path)) {
+                let sentence = format_args!("{} cannot be two files at once", path.display()).to_string();
+                return Err(Failure::bad_input(
+                    sentence,
+                    Some("the scenario and every output need names of their own"),
+                ));
+            }
+            check_parent(path)?;
+            seen.push(resolved(path));
+        }
+        Ok(())
+    }
+
+    /// Tries all files; the error is the first.
+    fn write(&self, timeline: &Timeline, quiet: bool) -> Result<(), Failure> {
+        let recording = self.recording.as_deref().map(|path| (path, write_recording(path, timeline)));
+        let events = self.events.map(|path| (path, write_csv(path, |to| write_events(timeline, to))));
+        let trace = self.trace.map(|path| (path, write_csv(path, |to| write_trace(timeline, self.step_s, to))));
+        let mut all = Ok(());
+        for (path, written) in [recording, events, trace].into_iter().flatten() {
+            if written.is_ok() && !quiet {
+                terminal::note(&format!("wrote {}", path.display()));
+            }
+            all = all.and(written);
+        }
+        all
+    }
+}
+
+/// The recording's own name in a folder; the path itself if it names a file.
+fn recording_path(path: &Path, scenario: &Scenario, seed: u64) -> PathBuf {
+    let names_a_folder = path.is_dir() || path.as_os_str().to_string_lossy().ends_with('/');
+    if names_a_folder {
+        path.join(format!("{}-seed-{seed}.wildfire", file_name_of(&scenario.name)))
+    } else {
+        path.to_owned()
+    }
+}
+
+/// The path without links and detours, as far as it exists: one name for one file.
+fn resolved(path: &Path) -> PathBuf {
+    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let in_parent = || Some(fs::canonicalize(parent).ok()?.join(path.file_name()?));
+    fs::canonicalize(path).ok().or_else(in_parent).unwrap_or_else(|| path.to_owned())
+}
+
+fn check_parent(path: &Path) -> Result<(), Failure> {
+    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+    match parent {
+        Some(parent) if !parent.is_dir() => {
+            Err(Failure::environment(format_args!("cannot write {}: there is no such folder", path.display())))
+        }
+        _ if path.is_dir() => {
+            Err(Failure::bad_input(format_args!("{} is a folder; expected a file", path.display()), None))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn write_recording(path: &Path, timeline: &Timeline) -> Result<(), Failure> {
+    let unwritable = |error| Failure::environment(format_args!("cannot write {}: {error}", path.display()));
+    file::write(timeline, path).map_err(unwritable)
+}
+
+fn write_csv(path: &Path, write: impl FnOnce(&mut dyn Write) -> Result<(), ExportError>) -> Result<(), Failure> {
+    let unwritable = |error: io::Error| Failure::unwritable(path, &error);
+    let mut file = WholeFile::create(path).map_err(unwritable)?;
+    write(&mut file).map_err(|error| Failure::environment(format_args!("cannot write {}: {error}", path.display())))?;
+    file.finish().map_err(unwritable)
+}

@@ -1,0 +1,73 @@
+//! What the commands print that need no simulation.
+
+use crate::story::{Story, widest};
+use wildfire::scenario::BUILT_IN;
+
+#[test]
+fn help_has_examples_and_exit_codes() {
+    let answer = Story::begin().tell(&["--help"]).expect_code(0);
+    for word in ["wildfire batch contest --seeds 1..1000", "Exit codes", "--quiet", "--version"] {
+        assert!(answer.stdout.contains(word), "`{word}` is missing:\n{}", answer.stdout);
+    }
+    for command in ["run", "batch"] {
+        let answer = Story::begin().tell(&[command, "--help"]).expect_code(0);
+        assert!(answer.stdout.contains("Examples:"), "{}", answer.stdout);
+    }
+}
+
+#[test]
+fn version_is_the_package_version() {
+    let answer = Story::begin().tell(&["--version"]).expect_code(0);
+    assert_eq!(answer.stdout, concat!("wildfire ", env!("CARGO_PKG_VERSION"), "\n"));
+}
+
+#[test]
+fn no_command_is_bad_input_that_shows_the_commands() {
+    Story::begin().tell(&[]).expect_code(2).expect_complaint(&["run", "batch", "check", "scenarios"]);
+}
+
+#[test]
+fn built_in_scenarios_are_listed_with_their_purpose() {
+    let answer = Story::begin().tell(&["scenarios"]).expect_code(0);
+    let named = |line: &&str| !line.starts_with(' ');
+    let purposes: Vec<_> = answer.stdout.lines().filter(named).map(|line| line.split_once("  ")).collect();
+    assert_eq!(purposes.len(), BUILT_IN.len());
+    for (purpose, (name, _)) in purposes.into_iter().zip(BUILT_IN) {
+        let (listed, purpose) = purpose.unwrap_or_else(|| panic!("{name} does not say what it is for"));
+        assert_eq!(listed, *name);
+        assert!(!purpose.trim().is_empty(), "{name} does not say what it is for");
+    }
+    assert!(widest(&answer.stdout) <= 80, "{}", answer.stdout);
+}
+
+#[test]
+fn shown_scenario_is_its_file_and_passes_the_check_as_one() {
+    let story = Story::begin();
+    for (name, text) in BUILT_IN {
+        let shown = story.tell(&["scenarios", "--show", name]).expect_code(0).stdout;
+        assert_eq!(shown, *text);
+        story.file("mine.toml", &shown);
+        let checked = story.tell(&["check", "mine.toml"]).expect_code(0);
+        assert!(!checked.stdout.is_empty());
+    }
+}
+
+#[test]
+fn check_takes_changes_and_fits_a_terminal() {
+    let story = Story::begin();
+    let answer = story.tell(&["check", "contest", "--set", "fire.burn_out_s=33"]).expect_code(0);
+    assert!(answer.stdout.contains("33"), "{}", answer.stdout);
+    assert!(widest(&answer.stdout) <= 100, "{}", answer.stdout);
+}
+
+#[test]
+fn completions_are_scripts_of_their_shells() {
+    let story = Story::begin();
+    for (shell, mark) in
+        [("bash", "complete -F _wildfire"), ("zsh", "#compdef wildfire"), ("fish", "complete -c wildfire")]
+    {
+        let script = story.tell(&["completions", shell]).expect_code(0).stdout;
+        assert!(script.contains(mark), "{shell}");
+    }
+    story.tell(&["completions", "cmd"]).expect_code(2).expect_complaint(&["bash"]);
+}

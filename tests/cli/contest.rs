@@ -1,0 +1,170 @@
+//! The program from end to end: scenarios in, tables, rows and files out.
+
+use std::path::Path;
+
+use crate::story::{Story, outcomes, widest};
+
+/// A field on which no piece finds a place, since nothing may grow near the starts.
+const NO_ROOM: [&str; 2] = ["--set", "field.start_clearance_m=300"];
+
+fn column(path: &Path, name: &str) -> Vec<String> {
+    let rows = outcomes(path);
+    let index = rows[0].iter().position(|column| column == name).expect("the column is there");
+    rows[1..].iter().map(|row| row[index].clone()).collect()
+}
+
+#[test]
+fn batch_without_arguments_plays_the_contest_and_prints_both_tables() {
+    let story = Story::begin();
+    let answer = story.tell(&["batch"]).expect_code(0);
+    for words in ["TABLE I.", "TABLE II.", "Champion: ", "5 done, none failed", "Files: runs/contest"] {
+        assert!(answer.stdout.contains(words), "`{words}` is missing:\n{}", answer.stdout);
+    }
+    assert!(widest(&answer.stdout) <= 80, "{}", answer.stdout);
+    assert!(answer.stderr.is_empty(), "no progress where there is no terminal: {}", answer.stderr);
+    let runs = story.path("runs/contest/runs.csv");
+    assert_eq!(column(&runs, "seed"), ["1", "2", "3", "4", "5"]);
+    assert!(column(&runs, "status").iter().all(|status| status == "done"));
+    assert!(column(&runs, "truck_stuck_s").iter().all(|stuck| stuck == "0"));
+    assert!(column(&runs, "wumpus_stuck_s").iter().all(|stuck| stuck == "0"));
+    assert_eq!(outcomes(&story.path("runs/contest/agents.csv")).len(), 1 + 2 * 5);
+    let (outcome_table, _) = answer.stdout.split_once("TABLE II.").expect("it was just seen");
+    let readme = include_str!("../../README.md");
+    assert!(readme.contains(outcome_table), "the README shows another Table I");
+    let legend = answer.stdout.find("PRM only:").expect("a legend follows the tables");
+    assert!(readme.contains(&answer.stdout[legend..]), "the README shows another end");
+}
+
+#[test]
+fn states_add_up_to_the_obstacles() {
+    let story = Story::begin();
+    story.tell(&["batch", "--seeds", "11..13", "--out", "out"]).expect_code(0);
+    let runs = story.path("out/runs.csv");
+    let counts =
+        |name| column(&runs, name).iter().map(|count| count.parse::<u32>().expect("a count")).collect::<Vec<_>>();
+    let states = ["intact", "burning", "burned_out", "extinguished"].map(counts);
+    for (run, obstacles) in counts("obstacles").into_iter().enumerate() {
+        assert_eq!(states.iter().map(|state| state[run]).sum::<u32>(), obstacles);
+    }
+}
+
+#[test]
+fn same_seeds_give_the_same_rows_whatever_the_number_of_workers() {
+    let story = Story::begin();
+    for (jobs, out) in [("1", "one"), ("2", "two")] {
+        story.tell(&["batch", "smoke", "--seeds", "1..20", "--jobs", jobs, "--out", out]).expect_code(0);
+    }
+    for file in ["runs.csv", "agents.csv"] {
+        assert_eq!(outcomes(&story.path("one").join(file)), outcomes(&story.path("two").join(file)), "{file}");
+    }
+}
+
+#[test]
+fn one_run_says_what_its_row_in_a_batch_says() {
+    let story = Story::begin();
+    story.tell(&["batch", "smoke", "--seeds", "3,7", "--out", "out"]).expect_code(0);
+    let rows = outcomes(&story.path("out/runs.csv"));
+    let answer = story.tell(&["run", "smoke", "--seed", "7", "--json"]).expect_code(0);
+    let json: serde_json::Value = serde_json::from_str(&answer.stdout).expect("stdout is one JSON object");
+    for (name, field) in rows[0].iter().zip(&rows[2]) {
+        let said = match &json["run"][name] {
+            serde_json::Value::Null => String::new(),
+            serde_json::Value::String(text) => text.clone(),
+            number => number.as_f64().expect("a number").to_string(),
+        };
+        assert_eq!(said, *field, "{name}");
+    }
+}
+
+#[test]
+fn run_names_the_winner_and_where_the_time_went() {
+    let answer = Story::begin().tell(&["run", "--seed", "2"]).expect_code(0);
+    for words in ["contest, seed 2", "extinguished", "wins,", "unimog/0", "wumpus/0", "local search", "CPU a plan"] {
+        assert!(answer.stdout.contains(words), "`{words}` is missing:\n{}", answer.stdout);
+    }
+    assert!(widest(&answer.stdout) <= 80, "{}", answer.stdout);
+}
+
+#[test]
+fn run_hands_its_facts_to_other_tools() {
+    let story = Story::begin();
+    let outputs = ["--out", "run.wildfire", "--events", "events.csv", "--trace", "trace.csv", "--step", "10"];
+    let answer = story.tell(&[&["run", "--seed", "4", "--quiet"], outputs.as_slice()].concat()).expect_code(0);
+    assert!(answer.stderr.is_empty(), "{}", answer.stderr);
+    assert_eq!(story.entries(), ["events.csv", "run.wildfire", "trace.csv"]);
+    assert!(story.read("events.csv").starts_with("t_s,event,agent,col,row,detail\n"));
+    assert!(story.read("trace.csv").starts_with("t_s,agent,x_m,y_m,heading_rad,speed_mps,activity\n"));
+    let bytes = std::fs::metadata(story.path("run.wildfire")).expect("it was written").len();
+    assert!(bytes <= 50_000, "a recording has {bytes} bytes");
+}
+
+#[test]
+fn recordings_of_a_batch_are_kept_when_asked_for() {
+    let story = Story::begin();
+    story.tell(&["batch", "smoke", "--seeds", "1..2", "--record", "all", "--out", "out"]).expect_code(0);
+    story.tell(&["run", "smoke", "--seed", "2", "--out", "alone.wildfire"]).expect_code(0);
+    let recorded = std::fs::read(story.path("out/recordings/seed-2.wildfire")).expect("it was kept");
+    let alone = std::fs::read(story.path("alone.wildfire")).expect("it was written");
+    assert!(recorded == alone, "the same run was recorded differently");
+}
+
+#[test]
+fn later_batches_take_the_next_free_folder() {
+    let story = Story::begin();
+    for folder in ["runs/smoke", "runs/smoke-2", "runs/smoke-3"] {
+        let answer = story.tell(&["batch", "smoke", "--seeds", "1"]).expect_code(0);
+        assert!(answer.stdout.ends_with(&format!("Files: {folder}\n")), "{}", answer.stdout);
+    }
+}
+
+#[test]
+fn force_replaces_the_files_of_a_batch_and_nothing_else() {
+    let story = Story::begin();
+    story.tell(&["batch", "smoke", "--seeds", "1..3", "--out", "out"]).expect_code(0);
+    story.file("out/notes.txt", "mine");
+    story.tell(&["batch", "smoke", "--seeds", "4", "--out", "out", "--force"]).expect_code(0);
+    assert_eq!(column(&story.path("out/runs.csv"), "seed"), ["4"]);
+    assert_eq!(story.read("out/notes.txt"), "mine");
+}
+
+#[test]
+fn runs_that_cannot_take_place_are_rows_and_the_batch_is_complete() {
+    let story = Story::begin();
+    let batch = ["batch", "smoke", "--seeds", "1..3", "--out", "out"];
+    let answer = story.tell(&[batch.as_slice(), &NO_ROOM].concat()).expect_code(1);
+    assert!(answer.stdout.contains("0 done, 3 failed"), "{}", answer.stdout);
+    let runs = story.path("out/runs.csv");
+    assert_eq!(column(&runs, "status"), ["failed"; 3]);
+    assert!(column(&runs, "message").iter().all(|message| message.contains("no placement left")));
+    assert!(column(&runs, "obstacles").iter().all(String::is_empty));
+}
+
+#[test]
+fn run_that_cannot_take_place_says_why() {
+    let story = Story::begin();
+    let run = ["run", "smoke", "--events", "events.csv"];
+    story.tell(&[run.as_slice(), &NO_ROOM].concat()).expect_code(1).expect_complaint(&["no placement left"]);
+    assert!(story.entries().is_empty());
+    let answer = story.tell(&[&["run", "smoke", "--json"], NO_ROOM.as_slice()].concat()).expect_code(1);
+    let json: serde_json::Value = serde_json::from_str(&answer.stdout).expect("stdout is one JSON object");
+    assert_eq!(json["run"]["status"], "failed");
+}
+
+#[test]
+fn agents_of_one_side_play_no_contest() {
+    let story = Story::begin();
+    for name in ["wumpus-alone", "unimog-alone"] {
+        let answer = story.tell(&["run", name]).expect_code(0);
+        assert!(answer.stdout.contains("No contest"), "{}", answer.stdout);
+        let answer = story.tell(&["batch", name, "--seeds", "1..2"]).expect_code(0);
+        assert!(!answer.stdout.contains("Champion"), "{}", answer.stdout);
+    }
+}
+
+#[test]
+fn every_built_in_scenario_runs() {
+    let story = Story::begin();
+    for (name, _) in wildfire::scenario::BUILT_IN {
+        story.tell(&["run", name, "--seed", "5", "--quiet"]).expect_code(0);
+    }
+}
