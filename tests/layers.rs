@@ -12,8 +12,8 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("rng", &["rand"]),
     ("event_queue", &[]),
     ("whole_file", &[]),
-    ("grid", &["glam"]),
-    ("map_files", &["image", "csv"]),
+    ("grid", &[]),
+    ("map_files", &["image"]),
     ("vehicle", &["glam"]),
     ("trajectory", &["glam"]),
     ("collision", &["glam"]),
@@ -22,13 +22,13 @@ const LAYERS: &[(&str, &[&str])] = &[
     // A scenario's errors know their place in the file, which is what a miette diagnostic is.
     ("scenario", &["glam", "toml", "schemars", "serde_json", "serde_path_to_error", "strsim", "miette"]),
     ("timeline", &["glam", "csv", "crc32fast", "miniz_oxide", "postcard"]),
-    ("picture", &["tiny_skia", "plotters", "resvg", "gif"]),
+    ("picture", &["colorous", "image", "tiny_skia"]),
     ("audit", &["glam", "rapier2d"]),
     ("sim", &["glam", "bevy"]),
     ("stats", &["statrs"]),
     ("batch", &["csv", "rayon", "parquet", "serde_json", "sha2"]),
     ("view", &["bevy", "glam"]),
-    ("cli", &["clap", "clap_complete", "indicatif", "miette"]),
+    ("cli", &["clap", "clap_complete", "indicatif", "miette", "serde_json"]),
 ];
 
 /// Layers that stand lower and may not be used all the same.

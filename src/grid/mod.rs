@@ -3,10 +3,19 @@
 //! This layer knows only (row, column); which edge row 0 is at, and how long a cell is, is the caller's business.
 
 pub mod astar;
+pub mod brushfire;
 pub mod distance;
+pub mod drawn;
+pub mod neighbours;
+pub mod occupancy;
 pub mod open_list;
+pub mod parameter;
+pub mod place;
 
 use std::ops::{Index, IndexMut};
+
+pub use neighbours::{Connectivity, CornerCutting, TieOrder};
+pub use place::{BadPlace, Place, Route};
 
 /// A rectangle of values, stored row by row.
 #[derive(Clone, Debug, PartialEq, Eq)]
