@@ -11,6 +11,7 @@ pub mod occupancy;
 pub mod open_list;
 pub mod parameter;
 pub mod place;
+pub mod wavefront;
 
 use std::ops::{Index, IndexMut};
 
