@@ -6,6 +6,7 @@
 
 use super::Grid;
 use super::open_list::{OpenList, Ranked};
+use super::step_costs::StepCosts;
 
 /// The eight moves as (row, column) steps; the first four are orthogonal. Bit `k` of a move mask stands for move `k`.
 pub const MOVES: [(isize, isize); 8] = [(0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (1, -1), (-1, -1), (-1, 1)];
@@ -71,13 +72,13 @@ impl AStar {
 
     /// A cheapest path from `start` to any point that `is_goal`.
     ///
-    /// `moves` holds a mask of [`MOVES`] for every point; an orthogonal move costs `step_costs.0`, a diagonal one
-    /// `step_costs.1`. `estimate(point, parent)` is added to the cost so far for the order of expansion.
+    /// `moves` holds a mask of [`MOVES`] for every point. `estimate(point, parent)` is added to the cost so far for the
+    /// order of expansion.
     pub fn search(
         &mut self,
         moves: &Grid<u8>,
         start: usize,
-        step_costs: (f64, f64),
+        step_costs: impl StepCosts,
         is_goal: impl Fn(usize) -> bool,
         estimate: impl Fn(usize, usize) -> f64,
     ) -> Found {
@@ -99,7 +100,7 @@ impl AStar {
             for (k, &(row_step, col_step)) in MOVES.iter().enumerate() {
                 if mask & (1 << k) != 0 {
                     let next = index.wrapping_add_signed(row_step * moves.cols() as isize + col_step);
-                    let step = if is_diagonal(k) { step_costs.1 } else { step_costs.0 };
+                    let step = step_costs.of(k, index, next);
                     if self.is_worth(next, cost + step) {
                         self.reach(next, index, cost + step, estimate(next, index));
                     }

@@ -4,13 +4,19 @@
 
 pub mod astar;
 pub mod brushfire;
+pub mod bucket_queue;
+pub mod cost_map;
+pub mod descent;
 pub mod distance;
 pub mod drawn;
 pub mod neighbours;
 pub mod occupancy;
+pub mod octile;
 pub mod open_list;
 pub mod parameter;
 pub mod place;
+pub mod potential;
+pub mod step_costs;
 pub mod wavefront;
 
 use std::ops::{Index, IndexMut};
