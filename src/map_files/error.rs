@@ -1,0 +1,91 @@
+//! What can be wrong with a map's file.
+
+use std::io;
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use super::{MAX_BYTES, MAX_CELLS, MAX_SIDE};
+
+/// Why a file could not be read as a map: a sentence that begins with its path.
+///
+/// Rows and columns are counted from 0, lines of a header from 1, as editors do.
+#[derive(Debug, Error)]
+#[error("{}: {fault}", path.display())]
+pub struct MapError {
+    pub path: PathBuf,
+    pub fault: Fault,
+}
+
+/// The fault itself, with its place in the map where it has one.
+#[derive(Debug, Error)]
+pub enum Fault {
+    #[error("cannot be read: {0}")]
+    Unreadable(#[from] io::Error),
+    #[error("this is a folder; a map file is expected")]
+    Folder,
+    #[error("this is a device or a pipe; a map file is expected")]
+    NotAFile,
+    #[error("the file has {bytes} bytes; at most {MAX_BYTES} are expected")]
+    TooLarge { bytes: u64 },
+    #[error("the file is empty; a map is expected")]
+    Empty,
+    #[error(
+        "this is {found}; expected a PNG, PBM, PGM or PPM image, rows of 0 and 1, CSV of 0 and 1, or a Moving AI map"
+    )]
+    Foreign { found: &'static str },
+    #[error(
+        "the height of the map is {rows} and its width {cols}; expected 1 to {MAX_SIDE} each, and at most {MAX_CELLS} cells"
+    )]
+    Size { rows: usize, cols: usize },
+    #[error(
+        "row {row}, column {col}: the map goes on; at most {MAX_SIDE} rows, {MAX_SIDE} columns and {MAX_CELLS} cells \
+         are expected"
+    )]
+    Beyond { row: usize, col: usize },
+    #[error("row {row}, column {col}: found {found}, expected {expected}")]
+    Cell { row: usize, col: usize, found: String, expected: String },
+    #[error("row {row}, column {}: the width of the row is {found}, expected {expected}", found.min(expected))]
+    Ragged { row: usize, found: usize, expected: usize },
+    #[error("row {row}, column 0: the line is blank; expected a row of cells")]
+    Blank { row: usize },
+    #[error("row {row}, column {col}: the file ends; its header declares a height of {rows} and a width of {cols}")]
+    Ends { row: usize, col: usize, rows: usize, cols: usize },
+    #[error("row {rows}, column 0: the file goes on; its header declares a height of {rows}")]
+    GoesOn { rows: usize },
+    #[error("line {line}: {message}")]
+    Line { line: usize, message: String },
+    #[error("the image is damaged: {message}")]
+    Image { message: String },
+    #[error("the pixels of the image take {bytes} bytes, expected at most {limit}; 8-bit grey takes the least")]
+    ImageTooLarge { bytes: u64, limit: u64 },
+    #[error("a map of {cells} cells does not fit into the memory")]
+    Memory { cells: usize },
+}
+
+/// Accepts the size that a header declares.
+pub(super) fn check_size(rows: usize, cols: usize) -> Result<(), Fault> {
+    let side_fits = |side| (1..=MAX_SIDE).contains(&side);
+    if side_fits(rows) && side_fits(cols) && rows * cols <= MAX_CELLS {
+        Ok(())
+    } else {
+        Err(Fault::Size { rows, cols })
+    }
+}
+
+/// An empty list with room for so many values, if the memory has it.
+pub(super) fn with_room<T>(values: usize) -> Result<Vec<T>, Fault> {
+    let mut list = Vec::new();
+    list.try_reserve_exact(values).map_err(|_| Fault::Memory { cells: values })?;
+    Ok(list)
+}
+
+/// The first letter of some bytes, in quotes, or what stands in its place.
+pub(super) fn shown_letter(bytes: &[u8]) -> String {
+    let start = &bytes[..bytes.len().min(4)];
+    match String::from_utf8_lossy(start).chars().next() {
+        None => "nothing".to_owned(),
+        Some(char::REPLACEMENT_CHARACTER) => format!("byte 0x{:02X}", start[0]),
+        Some(letter) => format!("{letter:?}"),
+    }
+}

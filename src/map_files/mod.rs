@@ -1,0 +1,27 @@
+//! Reading and writing maps: images, text, CSV, Moving AI maps, NumPy arrays.
+//!
+//! The first line of a file is row 0, its first cell column 0; errors count as everything here does, from 0.
+
+mod decimal;
+mod error;
+mod lines;
+mod moving_ai;
+mod pixel;
+mod png;
+mod pnm;
+mod read;
+mod rows;
+mod text;
+mod write;
+
+pub use error::{Fault, MapError};
+pub use read::{MapFile, read};
+pub use write::{MapValue, write_csv, write_npy, write_path, write_png, write_text};
+
+/// The most rows and the most columns of a map.
+pub use crate::grid::brushfire::MAX_SIDE;
+
+/// The most cells of a map: step counts within it fit 32 bits, and the maps about it fit the memory of a laptop.
+pub const MAX_CELLS: usize = 1 << 28;
+/// The most bytes of a map's file: 16 for every cell of the largest map.
+pub const MAX_BYTES: u64 = 1 << 32;

@@ -1,0 +1,90 @@
+//! Grey values of pixels that are not 8-bit grey already.
+
+/// How a pixel is stored: its channels, and the value that stands for white or opaque.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct PixelLayout {
+    pub colour: bool,
+    pub alpha: bool,
+    pub max: u16,
+}
+
+impl PixelLayout {
+    const EIGHT_BIT_GREY: Self = Self { colour: false, alpha: false, max: 255 };
+
+    pub fn channels(self) -> usize {
+        (if self.colour { 3 } else { 1 }) + usize::from(self.alpha)
+    }
+
+    /// Appends the grey values of whole pixels.
+    pub fn append_grey(self, samples: &[u16], values: &mut Vec<u8>) {
+        if self == Self::EIGHT_BIT_GREY {
+            values.extend(samples.iter().map(|&sample| sample as u8));
+        } else {
+            values.extend(samples.chunks_exact(self.channels()).map(|pixel| self.grey(pixel)));
+        }
+    }
+
+    /// The 8-bit grey value of a pixel, rounded once, to nearest.
+    ///
+    /// Luma is 0.299 R + 0.587 G + 0.114 B (ITU-R Recommendation BT.601, "Studio encoding parameters of digital
+    /// television", section 2.5.1). A pixel with alpha lies over white.
+    fn grey(self, samples: &[u16]) -> u8 {
+        let max = u64::from(self.max);
+        let luma_1000 = match *samples {
+            [red, green, blue, ..] => 299 * u64::from(red) + 587 * u64::from(green) + 114 * u64::from(blue),
+            _ => 1000 * u64::from(samples[0]),
+        };
+        let alpha = if self.alpha { u64::from(samples[self.channels() - 1]) } else { max };
+        let over_white = luma_1000 * alpha + 1000 * max * (max - alpha);
+        let whole = 1000 * max * max;
+        u8::try_from((over_white * 255 + whole / 2) / whole).expect("no sample exceeds the maximum")
+    }
+
+    /// What was done to an image of this kind, such as "2-bit grey"; `None` if nothing was.
+    pub fn note(self, kind: &str) -> Option<String> {
+        let alpha = self.alpha.then(|| "laid over white".to_owned());
+        let colour = self.colour.then(|| "grey = 0.299 R + 0.587 G + 0.114 B".to_owned());
+        let scale = (self.max != 255).then(|| format!("values 0 to {} scaled to 0 to 255", self.max));
+        let steps: Vec<String> = [alpha, colour, scale].into_iter().flatten().collect();
+        (!steps.is_empty()).then(|| format!("the image ({kind}) was converted to 8-bit grey: {}", steps.join(", ")))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GREY: PixelLayout = PixelLayout::EIGHT_BIT_GREY;
+
+    #[test]
+    fn grey_of_eight_bits_stays_as_it_is() {
+        for value in 0..=255 {
+            assert_eq!(u16::from(GREY.grey(&[value])), value);
+        }
+        assert_eq!(GREY.note("8-bit grey"), None);
+    }
+
+    #[test]
+    fn sixteen_bits_are_scaled_to_nearest() {
+        let wide = PixelLayout { max: u16::MAX, ..GREY };
+        let reckoned = |value: u16| (f64::from(value) / 257.0).round() as u8;
+        assert!((0..=u16::MAX).all(|value| wide.grey(&[value]) == reckoned(value)));
+    }
+
+    #[test]
+    fn colours_are_weighed_as_bt_601_says() {
+        let colour = PixelLayout { colour: true, ..GREY };
+        let primaries = [[255, 0, 0], [0, 255, 0], [0, 0, 255], [255, 255, 255], [7, 7, 7]];
+        assert_eq!(primaries.map(|rgb| colour.grey(&rgb)), [76, 150, 29, 255, 7]);
+    }
+
+    #[test]
+    fn transparent_black_is_white_and_half_of_it_is_grey() {
+        for max in [1, 255, u16::MAX] {
+            let layout = PixelLayout { alpha: true, max, ..GREY };
+            assert_eq!((layout.grey(&[0, 0]), layout.grey(&[0, max])), (255, 0));
+        }
+        let layout = PixelLayout { colour: true, alpha: true, max: 255 };
+        assert_eq!(layout.grey(&[0, 0, 0, 128]), 127);
+    }
+}

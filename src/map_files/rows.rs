@@ -1,0 +1,105 @@
+//! Gathers the rows of a map that is written as text.
+
+use std::io::BufRead;
+
+use super::error::{check_size, with_room};
+use super::lines::Lines;
+use super::{Fault, MAX_CELLS, MAX_SIDE};
+use crate::grid::Grid;
+
+/// A cell that is none: its column, what stands there, and what was expected.
+pub(super) struct BadCell {
+    pub col: usize,
+    pub found: String,
+    pub expected: &'static str,
+}
+
+/// Reads rows to the end of the text; `cells_of` appends the cells of a line.
+///
+/// All rows have the width of the first one, or are as many and as wide as `declared` (rows, columns). Blank lines may
+/// follow the last row. `bytes` is the size of the text, from which the room for the cells is guessed.
+pub(super) fn read_rows<R: BufRead>(
+    lines: &mut Lines<R>,
+    bytes: u64,
+    declared: Option<(usize, usize)>,
+    mut cells_of: impl FnMut(&[u8], &mut Vec<bool>) -> Result<(), BadCell>,
+) -> Result<Grid<bool>, Fault> {
+    let mut map = Rows { cells: Vec::new(), rows: 0, cols: declared.map(|(_, cols)| cols) };
+    let most_rows = declared.map(|(rows, _)| rows);
+    let mut blank = false;
+    while let Some(line) = lines.next()? {
+        if line.is_empty() {
+            blank = true;
+            continue;
+        }
+        if blank {
+            return Err(Fault::Blank { row: map.rows });
+        }
+        if most_rows == Some(map.rows) {
+            return Err(Fault::GoesOn { rows: map.rows });
+        }
+        if map.rows == 0 {
+            map.cells = with_room(guessed_cells(line, bytes))?;
+        }
+        map.push(line, &mut cells_of)?;
+    }
+    map.finish(declared)
+}
+
+/// About as many cells as the text holds if all its lines are like the first one.
+fn guessed_cells(line: &[u8], bytes: u64) -> usize {
+    let commas = line.iter().filter(|&&byte| byte == b',').count();
+    let cols = if commas > 0 { commas + 1 } else { line.len() };
+    let rows = usize::try_from(bytes).unwrap_or(usize::MAX) / line.len() + 1;
+    rows.saturating_mul(cols).min(MAX_CELLS)
+}
+
+struct Rows {
+    cells: Vec<bool>,
+    rows: usize,
+    cols: Option<usize>,
+}
+
+impl Rows {
+    fn push(
+        &mut self,
+        line: &[u8],
+        cells_of: &mut impl FnMut(&[u8], &mut Vec<bool>) -> Result<(), BadCell>,
+    ) -> Result<(), Fault> {
+        let row = self.rows;
+        if row == MAX_SIDE {
+            return Err(Fault::Beyond { row, col: 0 });
+        }
+        let before = self.cells.len();
+        self.cells.try_reserve(line.len()).map_err(|_| Fault::Memory { cells: before + line.len() })?;
+        cells_of(line, &mut self.cells).map_err(|BadCell { col, found, expected }| Fault::Cell {
+            row,
+            col,
+            found,
+            expected: expected.to_owned(),
+        })?;
+        let found = self.cells.len() - before;
+        let expected = *self.cols.get_or_insert(found);
+        if expected > MAX_SIDE {
+            return Err(Fault::Beyond { row, col: MAX_SIDE });
+        }
+        if found != expected {
+            return Err(Fault::Ragged { row, found, expected });
+        }
+        if self.cells.len() > MAX_CELLS {
+            return Err(Fault::Beyond { row, col: MAX_CELLS - before });
+        }
+        self.rows += 1;
+        Ok(())
+    }
+
+    fn finish(self, declared: Option<(usize, usize)>) -> Result<Grid<bool>, Fault> {
+        let Self { cells, rows: found, cols } = self;
+        if let Some((rows, cols)) = declared.filter(|&(rows, _)| found < rows) {
+            return Err(Fault::Ends { row: found, col: 0, rows, cols });
+        }
+        let cols = cols.ok_or(Fault::Empty)?;
+        check_size(found, cols)?;
+        Ok(Grid::from_values(found, cols, cells))
+    }
+}

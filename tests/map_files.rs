@@ -1,0 +1,467 @@
+//! Maps are read whatever their format, refused with their place where they are wrong, and written for other tools.
+
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+
+use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
+use rand::RngExt;
+use tempfile::TempDir;
+use wildfire::grid::{Grid, drawn};
+use wildfire::map_files::{self, MapFile};
+use wildfire::rng;
+
+const ROWS: usize = 3;
+const COLS: usize = 4;
+
+/// 3 rows of 4 cells that differ in every symmetry of the rectangle.
+fn small_map() -> Grid<bool> {
+    Grid::from_values(ROWS, COLS, b"100001100100".iter().map(|&byte| byte == b'1').collect())
+}
+
+fn small_grey() -> Grid<u8> {
+    let values = small_map().values().iter().map(|&occupied| if occupied { 0 } else { 255 }).collect();
+    Grid::from_values(ROWS, COLS, values)
+}
+
+struct Folder(TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Self(tempfile::tempdir().expect("a scratch folder"))
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn file(&self, name: &str, bytes: &[u8]) -> PathBuf {
+        let path = self.path(name);
+        fs::write(&path, bytes).expect("writable");
+        path
+    }
+
+    fn read(&self, bytes: &[u8]) -> MapFile {
+        map_files::read(&self.file("map", bytes), 50).expect("a map")
+    }
+
+    /// What is said about such a file, without its path, with which every error begins.
+    fn objection(&self, bytes: &[u8]) -> String {
+        objection_to(&self.file("map", bytes))
+    }
+}
+
+fn objection_to(path: &Path) -> String {
+    let sentence = map_files::read(path, 50).expect_err("no map").to_string();
+    let start = format!("{}: ", path.display());
+    sentence.strip_prefix(&start).expect("an error begins with the path").to_owned()
+}
+
+/// A PNG file of the given header fields whose image data are `raw`, filter bytes included.
+fn png(cols: u32, rows: u32, depth: u8, colour_type: u8, extra: &[(&[u8; 4], &[u8])], raw: &[u8]) -> Vec<u8> {
+    let mut file = b"\x89PNG\r\n\x1a\n".to_vec();
+    let mut chunk = |name: &[u8; 4], data: &[u8]| {
+        let body = [name, data].concat();
+        file.extend_from_slice(&(data.len() as u32).to_be_bytes());
+        file.extend_from_slice(&body);
+        file.extend_from_slice(&crc32fast::hash(&body).to_be_bytes());
+    };
+    let sides = [cols.to_be_bytes(), rows.to_be_bytes()].concat();
+    chunk(b"IHDR", &[&sides[..], &[depth, colour_type, 0, 0, 0]].concat());
+    extra.iter().for_each(|(name, data)| chunk(name, data));
+    chunk(b"IDAT", &miniz_oxide::deflate::compress_to_vec_zlib(raw, 6));
+    chunk(b"IEND", &[]);
+    file
+}
+
+fn encoded_png(cols: u32, rows: u32, colour_type: ExtendedColorType, pixels: &[u8]) -> Vec<u8> {
+    let mut file = Vec::new();
+    PngEncoder::new(&mut file).write_image(pixels, cols, rows, colour_type).expect("it can be encoded");
+    file
+}
+
+/// The small map in every format that is read.
+fn small_map_files() -> Vec<(&'static str, Vec<u8>)> {
+    let grey = small_grey();
+    let rgb: Vec<u8> = grey.values().iter().flat_map(|&value| [value; 3]).collect();
+    let wide: Vec<u8> = grey.values().iter().flat_map(|&value| [value; 2]).collect();
+    vec![
+        ("text", b"1000\n0110\n0100\n".to_vec()),
+        ("text without last line feed", b"1000\n0110\n0100".to_vec()),
+        ("text of Windows", b"\xEF\xBB\xBF1000\r\n0110\r\n0100\r\n\r\n".to_vec()),
+        ("text with blank lines and spaces behind it", b"1000 \n0110\t\n0100\n\n  \n\n".to_vec()),
+        ("CSV", b"1,0,0,0\n0,1,1,0\n0,1,0,0\n".to_vec()),
+        ("CSV with spaces", b"\xEF\xBB\xBF 1, 0 ,0,0\r\n0,1,1,0\r\n0,1, 0,\t0\r\n\n".to_vec()),
+        ("Moving AI", b"type octile\nheight 3\nwidth 4\nmap\n@..G\n.TO.\nG@..\n".to_vec()),
+        (
+            "Moving AI, width first",
+            b"type octile\r\nwidth 4\r\nheight 3\r\nmap\r\nT...\r\n.OT.\r\n.@..\r\n\r\n".to_vec(),
+        ),
+        ("P1", b"P1\n# made by hand\n4 3\n1000\n0 1 1 0\n0100".to_vec()),
+        ("P2", b"P2 4 3 255\n0 255 255 255 255 0 0 255\n# half\n255 0 255 255\n".to_vec()),
+        ("P2 with another largest value", b"P2 4 3 9 0 9 9 9 9 0 0 9 9 1 9 9".to_vec()),
+        (
+            "P3",
+            format!("P3\n4 3\n255\n{}", rgb.iter().map(|value| format!("{value} ")).collect::<String>()).into_bytes(),
+        ),
+        ("P4", b"P4\n4 3\n\x80\x60\x4f".to_vec()),
+        ("P5", [b"P5\n4 3\n255\n", grey.values()].concat()),
+        ("P5 of 16 bits", [b"P5 4 3 65535\n", &wide[..]].concat()),
+        ("P6", [b"P6 4 3 255\n", &rgb[..]].concat()),
+        ("PNG", encoded_png(4, 3, ExtendedColorType::L8, grey.values())),
+        ("PNG of colours", encoded_png(4, 3, ExtendedColorType::Rgb8, &rgb)),
+        ("PNG of 1 bit", png(4, 3, 1, 0, &[], &[0, 0x70, 0, 0x90, 0, 0xB0])),
+        ("PNG with palette", png(4, 3, 1, 3, &[(b"PLTE", &[255, 255, 255, 20, 0, 30])], &[0, 0x80, 0, 0x60, 0, 0x40])),
+    ]
+}
+
+#[test]
+fn every_format_gives_the_same_map() {
+    let folder = Folder::new();
+    for (name, bytes) in small_map_files() {
+        let path = folder.file("map", &bytes);
+        let map = map_files::read(&path, 50).unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert_eq!(map.occupied, small_map(), "{name}");
+        assert_eq!(map.grey.is_some(), name.starts_with('P'), "{name}: images have grey values");
+    }
+}
+
+#[test]
+fn eight_bit_grey_is_read_as_it_is() {
+    let folder = Folder::new();
+    let ramp: Vec<u8> = (0..=255).collect();
+    for bytes in [[b"P5 32 8 255\n", &ramp[..]].concat(), encoded_png(32, 8, ExtendedColorType::L8, &ramp)] {
+        let map = folder.read(&bytes);
+        assert_eq!(map.grey, Some(Grid::from_values(8, 32, ramp.clone())));
+        assert!(map.notes.is_empty());
+    }
+}
+
+#[test]
+fn pixel_as_dark_as_the_tolerance_is_occupied() {
+    let folder = Folder::new();
+    let path = folder.file("map", b"P2 5 1 255 0 49 50 51 255");
+    let occupied = |tolerance| map_files::read(&path, tolerance).expect("a map").occupied.values().to_vec();
+    assert_eq!(occupied(50), [true, true, true, false, false]);
+    assert_eq!(occupied(49), [true, true, false, false, false]);
+    assert_eq!(occupied(0), [true, false, false, false, false]);
+    assert_eq!(occupied(255), [true; 5]);
+}
+
+#[test]
+fn conversion_to_eight_bit_grey_is_noted() {
+    let folder = Folder::new();
+    let wide = |values: &[u16]| values.iter().flat_map(|value| value.to_ne_bytes()).collect::<Vec<u8>>();
+    let luma = "grey = 0.299 R + 0.587 G + 0.114 B";
+    let palette: &[(&[u8; 4], &[u8])] = &[(b"PLTE", &[255, 0, 0, 0, 0, 0]), (b"tRNS", &[255, 0])];
+    let cases: [(Vec<u8>, [u8; 2], String); 8] = [
+        (
+            encoded_png(2, 1, ExtendedColorType::L16, &wide(&[0x8000, 0xFFFF])),
+            [128, 255],
+            "(16-bit grey) was converted to 8-bit grey: values 0 to 65535 scaled to 0 to 255".into(),
+        ),
+        (
+            encoded_png(2, 1, ExtendedColorType::La8, &[0, 0, 100, 255]),
+            [255, 100],
+            "(8-bit grey with alpha) was converted to 8-bit grey: laid over white".into(),
+        ),
+        (
+            encoded_png(2, 1, ExtendedColorType::Rgb8, &[255, 0, 0, 0, 0, 255]),
+            [76, 29],
+            format!("(8-bit RGB) was converted to 8-bit grey: {luma}"),
+        ),
+        (
+            encoded_png(2, 1, ExtendedColorType::Rgba16, &wide(&[0, 0, 0, 0, 0, 0xFFFF, 0, 0xFFFF])),
+            [255, 150],
+            format!(
+                "(16-bit RGB with alpha) was converted to 8-bit grey: laid over white, {luma}, values 0 to 65535 scaled to 0 to 255"
+            ),
+        ),
+        (
+            png(2, 1, 2, 0, &[], &[0, 0b0110_0000]),
+            [85, 170],
+            "(2-bit grey) was converted to 8-bit grey: values 0 to 3 scaled to 0 to 255".into(),
+        ),
+        (
+            png(2, 1, 1, 3, palette, &[0, 0b0100_0000]),
+            [76, 255],
+            format!("(1-bit palette with alpha) was converted to 8-bit grey: laid over white, {luma}"),
+        ),
+        (
+            b"P2 2 1 100 50 100".to_vec(),
+            [128, 255],
+            "(grey) was converted to 8-bit grey: values 0 to 100 scaled to 0 to 255".into(),
+        ),
+        (
+            b"P4 2 1 \x40".to_vec(),
+            [255, 0],
+            "(black and white) was converted to 8-bit grey: values 0 to 1 scaled to 0 to 255".into(),
+        ),
+    ];
+    for (bytes, grey, note) in cases {
+        let map = folder.read(&bytes);
+        assert_eq!(map.notes, [format!("the image {note}")]);
+        assert_eq!(map.grey.expect("an image").values(), grey, "{note}");
+    }
+}
+
+#[test]
+fn swamp_and_water_are_occupied_and_noted() {
+    let map = Folder::new().read(b"type octile\nheight 1\nwidth 5\nmap\n.SGWW\n");
+    assert_eq!(map.occupied.values(), [false, true, false, true, true]);
+    assert_eq!(map.notes, ["swamp (S) and water (W) are taken as occupied (cells: 3)"]);
+}
+
+#[test]
+fn faults_of_text_are_named_with_row_and_column() {
+    let folder = Folder::new();
+    let cell = "expected 0 (free) or 1 (occupied)";
+    let cases: [(&[u8], String); 15] = [
+        (b"010\n0x0\n", format!("row 1, column 1: found 'x', {cell}")),
+        (b"010\n01\xC3\xA9\n", format!("row 1, column 2: found '\u{e9}', {cell}")),
+        (b"\xFF\x01\x02", format!("row 0, column 0: found byte 0xFF, {cell}")),
+        (b"0 1\n", format!("row 0, column 1: found ' ', {cell}")),
+        (b"01\r10\r", format!("row 0, column 2: found '\\r', {cell}")),
+        (b"010\n01\n", "row 1, column 2: the width of the row is 2, expected 3".into()),
+        (b"010\n0101\n", "row 1, column 3: the width of the row is 4, expected 3".into()),
+        (b"010\n\n010\n", "row 1, column 0: the line is blank; expected a row of cells".into()),
+        (b"\n010\n", "row 0, column 0: the line is blank; expected a row of cells".into()),
+        (b"\n \n", "the file is empty; a map is expected".into()),
+        (b"", "the file is empty; a map is expected".into()),
+        (b"0,1\n0,2\n", format!("row 1, column 1: found \"2\", {cell}")),
+        (b"0,0.5\n", format!("row 0, column 1: found \"0.5\", {cell}")),
+        (b"0,1,\n", format!("row 0, column 2: found \"\", {cell}")),
+        (b"0,1\n0\n", "row 1, column 1: the width of the row is 1, expected 2".into()),
+    ];
+    for (bytes, expected) in cases {
+        assert_eq!(folder.objection(bytes), expected);
+    }
+    let long = [b"1,", &b"23456"[..].repeat(100)[..]].concat();
+    assert_eq!(folder.objection(&long), format!("row 0, column 1: found \"23456234562345623456\" and more, {cell}"));
+}
+
+#[test]
+fn faults_of_moving_ai_maps_are_named_with_their_line_or_cell() {
+    let folder = Folder::new();
+    let header = |text: &str| folder.objection(format!("type octile\n{text}").as_bytes());
+    let unknown = "expected `type octile`, `height ROWS`, `width COLUMNS` or `map`";
+    assert_eq!(header("height x\nwidth 2\nmap\n"), "line 2: a size in whole cells is expected, found \"x\"");
+    assert_eq!(header("height -1\nwidth 2\nmap\n"), "line 2: a size in whole cells is expected, found \"-1\"");
+    assert_eq!(header("height 2\n\nwidth 2\n"), format!("line 3: {unknown}"));
+    assert_eq!(header("height 2\nmap\n..\n..\n"), "line 3: the header has no `width`");
+    assert_eq!(header("height 2\nwidth 2\n"), "line 3: the file ends before a line `map`");
+    assert_eq!(
+        header("height 2\nwidth 2\nmap\n..\n"),
+        "row 1, column 0: the file ends; its header declares a height of 2 and a width of 2"
+    );
+    assert_eq!(
+        header("height 1\nwidth 2\nmap\n..\n..\n"),
+        "row 1, column 0: the file goes on; its header declares a height of 1"
+    );
+    assert_eq!(header("height 2\nwidth 2\nmap\n..\n...\n"), "row 1, column 2: the width of the row is 3, expected 2");
+    assert_eq!(
+        header("height 2\nwidth 2\nmap\n..\n. .\n"),
+        "row 1, column 1: found ' ', expected a letter of a Moving AI map"
+    );
+}
+
+#[test]
+fn faults_of_netpbm_images_are_named_with_their_pixel() {
+    let folder = Folder::new();
+    let declares = "its header declares a height of 2 and a width of 3";
+    let damaged = "the image is damaged";
+    let cases: [(&[u8], String); 13] = [
+        (b"P5 3 2 255\nabcd", format!("row 1, column 1: the file ends; {declares}")),
+        (b"P5 3 2 256\n\0a\0b\0cd", format!("row 1, column 0: the file ends; {declares}")),
+        (b"P6 3 2 255\nabcdefghijklmno", format!("row 1, column 2: the file ends; {declares}")),
+        (b"P2 3 2 255 0 0 0 0", format!("row 1, column 1: the file ends; {declares}")),
+        (b"P1 3 2 0 0", format!("row 0, column 2: the file ends; {declares}")),
+        (b"P5 3 2 255\nabcdefg", "row 2, column 0: the file goes on; its header declares a height of 2".into()),
+        (b"P2 2 1 255 0 x", "row 0, column 1: found 'x', expected a whole number".into()),
+        (b"P1 2 1 0 2", "row 0, column 1: found '2', expected 0 or 1".into()),
+        (b"P2 2 1 15 0 16", "row 0, column 1: found 16, expected at most 15, as the header declares".into()),
+        (b"P5 2 1 0\n", format!("{damaged}: the largest value must be 1 to 65535")),
+        (b"P5 2 1 70000\n", format!("{damaged}: the largest value must be 1 to 65535")),
+        (b"P5 -2 1 255\n", format!("{damaged}: the width must be a whole number, found '-'")),
+        (b"P5 2", format!("{damaged}: the file ends before the height")),
+    ];
+    for (bytes, expected) in cases {
+        assert_eq!(folder.objection(bytes), expected);
+    }
+}
+
+#[test]
+fn damaged_png_images_are_refused() {
+    let folder = Folder::new();
+    let whole = encoded_png(4, 3, ExtendedColorType::L8, small_grey().values());
+    assert_eq!(folder.objection(&whole[..20]), "the image is damaged: the file ends within the header");
+    assert!(folder.objection(&whole[..40]).starts_with("the image is damaged: "));
+    assert!(folder.objection(&whole[..whole.len() - 20]).starts_with("the image is damaged: "));
+    let missing_row = png(4, 3, 8, 0, &[], &[0; 10]);
+    assert!(folder.objection(&missing_row).starts_with("the image is damaged: "));
+    let bomb = png(32_767, 8_192, 8, 0, &[], &[0; 100]);
+    assert_eq!(
+        folder.objection(&bomb),
+        format!("the image is damaged: {} bytes cannot hold a height of 8192 and a width of 32767", bomb.len())
+    );
+    let wide_colours = png(32_767, 8_192, 16, 6, &[], &[0; 100]);
+    let too_large =
+        "the pixels of the image take 2147418112 bytes, expected at most 536870912; 8-bit grey takes the least";
+    assert_eq!(folder.objection(&wide_colours), too_large);
+}
+
+#[test]
+fn sizes_beyond_the_limits_are_refused() {
+    let folder = Folder::new();
+    let limits = "expected 1 to 32767 each, and at most 268435456 cells";
+    for (rows, cols) in [(32_768, 1), (1, 32_768), (0, 5), (5, 0), (16_385, 16_384)] {
+        let expected = format!("the height of the map is {rows} and its width {cols}; {limits}");
+        let size_of = |bytes: &[u8]| folder.objection(bytes);
+        assert_eq!(size_of(format!("P5 {cols} {rows} 255\n").as_bytes()), expected);
+        assert_eq!(size_of(format!("type octile\nheight {rows}\nwidth {cols}\nmap\n").as_bytes()), expected);
+        assert_eq!(size_of(&png(cols, rows, 8, 0, &[], &[0])), expected);
+    }
+    let goes_on = "the map goes on; at most 32767 rows, 32767 columns and 268435456 cells are expected";
+    assert_eq!(folder.objection(&b"0".repeat(32_768)), format!("row 0, column 32767: {goes_on}"));
+    assert_eq!(folder.objection(&b"0,".repeat(32_768)[..65_535]), format!("row 0, column 32767: {goes_on}"));
+    assert_eq!(folder.objection(&b"0\n".repeat(32_768)), format!("row 32767, column 0: {goes_on}"));
+    assert_eq!(folder.read(&b"0\n".repeat(32_767)).occupied.rows(), 32_767);
+    assert_eq!(folder.read(&b"1".repeat(32_767)).occupied.cols(), 32_767);
+    assert!(folder.objection(&b"1".repeat(600_000)).starts_with("line 1: the line is longer than 524272 bytes"));
+}
+
+#[test]
+fn what_is_no_map_file_is_refused_in_words() {
+    let folder = Folder::new();
+    assert!(objection_to(&folder.path("missing")).starts_with("cannot be read: "));
+    assert_eq!(objection_to(folder.0.path()), "this is a folder; a map file is expected");
+    let formats = "expected a PNG, PBM, PGM or PPM image, rows of 0 and 1, CSV of 0 and 1, or a Moving AI map";
+    assert_eq!(folder.objection(b"\xFF\xD8\xFF\xE0"), format!("this is a JPEG image; {formats}"));
+    assert_eq!(folder.objection(b"\x1F\x8B\x08"), format!("this is a file packed by gzip; {formats}"));
+    assert_eq!(folder.objection(b"\xFF\xFE0\x001\x00"), format!("this is UTF-16 text; {formats}"));
+}
+
+#[test]
+#[cfg(unix)]
+fn endless_device_is_refused() {
+    assert_eq!(objection_to(Path::new("/dev/zero")), "this is a device or a pipe; a map file is expected");
+}
+
+/// Files with holes, so that they take no room on the disk.
+#[test]
+fn huge_files_are_refused_at_once() {
+    let folder = Folder::new();
+    let path = folder.path("huge");
+    let file = File::create(&path).expect("writable");
+    file.set_len(5_000_000_000).expect("files may have holes");
+    assert_eq!(objection_to(&path), "the file has 5000000000 bytes; at most 4294967296 are expected");
+    file.set_len(4_000_000_000).expect("files may have holes");
+    assert!(objection_to(&path).starts_with("line 1: the line is longer than"));
+}
+
+#[test]
+fn damaged_files_of_every_format_are_read_or_refused_but_never_panic() {
+    let folder = Folder::new();
+    let mut rng = rng::stream(1, "damaged maps");
+    let mut refused = 0;
+    for (name, bytes) in small_map_files() {
+        let mutations = (0..60).map(|_| mutated(&bytes, &mut rng)).collect::<Vec<_>>();
+        let truncations = (0..bytes.len()).map(|end| bytes[..end].to_vec());
+        for (number, damaged) in truncations.chain(mutations).enumerate() {
+            let path = folder.file(&format!("{name} {number}"), &damaged);
+            match map_files::read(&path, 50) {
+                Ok(map) => assert!(!map.occupied.values().is_empty(), "{name}"),
+                Err(error) => {
+                    assert!(error.to_string().starts_with(&path.display().to_string()), "{name}: {error}");
+                    refused += 1;
+                }
+            }
+        }
+    }
+    assert!(refused > 1000, "most of these are no maps");
+}
+
+/// The bytes with a few of them changed, inserted or left out.
+fn mutated(bytes: &[u8], rng: &mut rng::Xoshiro256PlusPlus) -> Vec<u8> {
+    let mut bytes = bytes.to_vec();
+    for _ in 0..rng.random_range(1..4) {
+        let at = rng.random_range(0..bytes.len());
+        let likely = [b'0', b'1', b'9', b' ', b'\n', b',', b'#', b'.', 0, 0xFF];
+        let byte = if rng.random_bool(0.5) { likely[rng.random_range(0..likely.len())] } else { rng.random() };
+        match rng.random_range(0..3) {
+            0 => bytes[at] = byte,
+            1 => bytes.insert(at, byte),
+            _ => {
+                // The last byte stays, so that there is something to mutate.
+                if bytes.len() > 1 {
+                    bytes.remove(at);
+                }
+            }
+        }
+    }
+    bytes
+}
+
+#[test]
+fn written_maps_are_read_again_as_they_were() {
+    let folder = Folder::new();
+    let path = folder.path("map");
+    let mut rng = rng::stream(2, "round trips");
+    for (rows, cols) in [(1, 1), (1, 70), (70, 1), (13, 21), (40, 33)] {
+        let map = drawn::random(rows, cols, 0.4, &mut rng);
+        map_files::write_text(&path, &map).expect("writable");
+        assert_eq!(map_files::read(&path, 50).expect("a map").occupied, map);
+        map_files::write_csv(&path, &map).expect("writable");
+        assert_eq!(map_files::read(&path, 50).expect("a map").occupied, map);
+
+        let grey = Grid::from_values(rows, cols, (0..rows * cols).map(|_| rng.random()).collect());
+        map_files::write_png(&path, &grey).expect("writable");
+        let read = map_files::read(&path, 50).expect("a map");
+        assert_eq!((read.grey, read.notes.len()), (Some(grey), 0));
+    }
+}
+
+#[test]
+fn csv_holds_integers_whole_and_floats_with_twelve_digits() {
+    let folder = Folder::new();
+    let path = folder.path("map.csv");
+    let text = || fs::read_to_string(&path).expect("readable");
+    map_files::write_csv(&path, &Grid::from_values(2, 3, vec![0u32, 1, 20, 300, 65_536, u32::MAX])).expect("writable");
+    assert_eq!(text(), "0,1,20\n300,65536,4294967295\n");
+    map_files::write_csv(&path, &Grid::from_values(1, 2, vec![0u16, u16::MAX])).expect("writable");
+    assert_eq!(text(), "0,65535\n");
+    map_files::write_csv(&path, &small_map()).expect("writable");
+    assert_eq!(text(), "1,0,0,0\n0,1,1,0\n0,1,0,0\n");
+    let floats = vec![1.0 / 3.0, 1e-5, 2.5, -0.0, f64::INFINITY, 1e15];
+    map_files::write_csv(&path, &Grid::from_values(2, 3, floats)).expect("writable");
+    assert_eq!(text(), "0.333333333333,1e-05,2.5\n-0,inf,1e+15\n");
+}
+
+#[test]
+fn path_is_written_from_start_to_goal() {
+    let folder = Folder::new();
+    let path = folder.path("path.csv");
+    map_files::write_path(&path, &[(0, 0), (1, 1), (1, 12)]).expect("writable");
+    assert_eq!(fs::read_to_string(&path).expect("readable"), "0,0\n1,1\n1,12\n");
+}
+
+/// Reckoned by hand: 10 bytes before the dictionary, which spaces and a line feed bring to 128 bytes in all.
+#[test]
+fn numpy_array_has_the_bytes_of_format_version_1() {
+    let folder = Folder::new();
+    let path = folder.path("map.npy");
+    let file = |dictionary: &str, values: &[u8]| {
+        [b"\x93NUMPY\x01\x00\x76\x00", format!("{dictionary:<117}\n").as_bytes(), values].concat()
+    };
+    map_files::write_npy(&path, &Grid::from_values(2, 1, vec![1u32, 0x0102_0304])).expect("writable");
+    let expected = file("{'descr': '<u4', 'fortran_order': False, 'shape': (2, 1), }", &[1, 0, 0, 0, 4, 3, 2, 1]);
+    assert_eq!(fs::read(&path).expect("readable"), expected);
+    map_files::write_npy(&path, &Grid::from_values(1, 2, vec![true, false])).expect("writable");
+    let expected = file("{'descr': '|b1', 'fortran_order': False, 'shape': (1, 2), }", &[1, 0]);
+    assert_eq!(fs::read(&path).expect("readable"), expected);
+    map_files::write_npy(&path, &Grid::from_values(1, 2, vec![7u16, 0xABCD])).expect("writable");
+    let expected = file("{'descr': '<u2', 'fortran_order': False, 'shape': (1, 2), }", &[7, 0, 0xCD, 0xAB]);
+    assert_eq!(fs::read(&path).expect("readable"), expected);
+    map_files::write_npy(&path, &Grid::from_values(1, 1, vec![-2.0f64])).expect("writable");
+    let expected = file("{'descr': '<f8', 'fortran_order': False, 'shape': (1, 1), }", &[0, 0, 0, 0, 0, 0, 0, 0xC0]);
+    assert_eq!(fs::read(&path).expect("readable"), expected);
+}
