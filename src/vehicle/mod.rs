@@ -1,10 +1,15 @@
-//! The truck's body and how it moves: dimensions, footprint, Ackermann steering, exact paths.
+//! The truck's body and how it moves: dimensions, footprint, Ackermann steering, exact paths, shortest curves.
 //!
 //! Body frame: origin in the middle of the rear axle, x forward, y left.
 
+pub mod curve;
+pub mod dubins;
 mod path;
+pub mod reeds_shepp;
 
+pub use dubins::Dubins;
 pub use path::{Path, Segment};
+pub use reeds_shepp::{CurvePrice, ReedsShepp};
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};

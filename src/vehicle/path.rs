@@ -91,6 +91,35 @@ impl Path {
         (parts.0, rest)
     }
 
+    /// Pose after `travelled_m` of the driven way, in closed form; before the start and beyond the end, these.
+    pub fn pose_at(&self, travelled_m: f64) -> Pose {
+        let mut left = travelled_m.max(0.0);
+        for (start, segment) in self.legs() {
+            if left <= segment.length_m.abs() {
+                return segment.pose_at(start, left.copysign(segment.length_m));
+            }
+            left -= segment.length_m.abs();
+        }
+        self.end()
+    }
+
+    /// Poses along the way with the metres driven so far: the start, every joint, the end, and equal steps of at most
+    /// `spacing_m` (positive) between them.
+    pub fn samples(&self, spacing_m: f64) -> impl Iterator<Item = (f64, Pose)> + '_ {
+        let mut driven_m = 0.0;
+        let legs = self.legs().flat_map(move |(start, segment)| {
+            let before_m = driven_m;
+            let length_m = segment.length_m.abs();
+            driven_m += length_m;
+            let steps = (length_m / spacing_m).ceil().max(1.0) as u32;
+            (1..=steps).map(move |step| {
+                let share = f64::from(step) / f64::from(steps);
+                (before_m + share * length_m, segment.pose_at(start, share * segment.length_m))
+            })
+        });
+        std::iter::once((0.0, self.start)).chain(legs)
+    }
+
     /// Each segment with the pose at which it begins.
     pub fn legs(&self) -> impl Iterator<Item = (Pose, Segment)> + '_ {
         let mut pose = self.start;
@@ -141,6 +170,34 @@ mod tests {
             assert_eq!((first.start, rest.start), (path.start, first.end()));
             assert!((rest.end().position() - path.end().position()).length() < 1e-12);
         }
+    }
+
+    #[test]
+    fn the_pose_at_a_distance_is_where_the_first_part_ends() {
+        let path = wiggle();
+        for metres in [-1.0, 0.0, 3.0, 9.0, 15.5, 19.0, 23.9, 24.0, 30.0] {
+            let (first, _) = path.split_at(metres);
+            assert!((path.pose_at(metres).position() - first.end().position()).length() < 1e-12);
+            assert!((path.pose_at(metres).heading - first.end().heading).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn samples_meet_every_joint_and_keep_the_spacing() {
+        let path = wiggle();
+        let samples: Vec<(f64, Pose)> = path.samples(0.7).collect();
+        assert_eq!(samples[0], (0.0, path.start));
+        assert_eq!(*samples.last().expect("the end"), (24.0, path.end()));
+        for joint_m in [9.0, 13.0, 19.0, 22.0] {
+            assert!(samples.iter().any(|&(driven_m, _)| driven_m == joint_m), "no sample at {joint_m} m");
+        }
+        for pair in samples.windows(2) {
+            assert!(pair[0].0 < pair[1].0 && pair[1].0 - pair[0].0 <= 0.7 + 1e-12);
+        }
+        for (driven_m, pose) in samples {
+            assert!((path.pose_at(driven_m).position() - pose.position()).length() < 1e-12);
+        }
+        assert_eq!(Path::standing(path.start).samples(0.7).count(), 1);
     }
 
     #[test]
