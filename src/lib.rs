@@ -3,7 +3,7 @@
 //!
 //! The layers, lowest first; each may use those above it in this list:
 //! [`time`], [`geometry`], [`rng`], [`event_queue`], [`whole_file`]; [`grid`]; [`map_files`]; [`vehicle`]; [`trajectory`]; [`collision`];
-//! [`planning`]; [`fire`]; [`scenario`]; [`timeline`]; [`audit`]; [`sim`]; [`batch`]; [`cli`].
+//! [`planning`]; [`fire`]; [`scenario`]; [`timeline`]; [`picture`]; [`audit`]; [`sim`]; [`batch`]; [`cli`].
 
 pub mod audit;
 pub mod batch;
@@ -14,6 +14,7 @@ pub mod fire;
 pub mod geometry;
 pub mod grid;
 pub mod map_files;
+pub mod picture;
 pub mod planning;
 pub mod rng;
 pub mod scenario;

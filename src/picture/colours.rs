@@ -1,0 +1,92 @@
+//! Colours: of values, of zones, and of everything that has no value.
+
+use colorous::VIRIDIS;
+
+/// Red, green and blue, 0 to 255.
+pub type Rgb = [u8; 3];
+
+/// How values become colours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ColourMap {
+    /// Perceptually uniform, readable in grey and by the colour-blind (van der Walt and Smith, matplotlib, 2015).
+    Viridis,
+    /// The rainbow of older MATLAB, as the reports used it.
+    Jet,
+}
+
+pub const PAPER: Rgb = [255, 255, 255];
+pub const INK: Rgb = [32, 32, 36];
+pub const FAINT_INK: Rgb = [196, 196, 200];
+// Neutral, so that neither colour map holds them.
+pub const OBSTACLE: Rgb = [56, 56, 60];
+pub const WITHOUT_VALUE: Rgb = [226, 226, 228];
+pub const PATH: Rgb = [214, 0, 110];
+pub const GOAL: Rgb = [255, 214, 10];
+/// Of zones in order, from the set of eight that Okabe and Ito ("Color Universal Design", 2008) chose for the
+/// colour-blind: vermilion, yellow, bluish green, sky blue.
+pub const ZONES: [Rgb; 4] = [[213, 94, 0], [240, 228, 66], [0, 158, 115], [86, 180, 233]];
+
+/// Of ways in order: the path's own, then blue and bluish green of the same set of eight.
+pub const WAYS: [Rgb; 3] = [PATH, [0, 114, 178], [0, 158, 115]];
+
+impl ColourMap {
+    /// The colour at a fraction of the range, 0 to 1.
+    pub fn colour(self, fraction: f64) -> Rgb {
+        match self {
+            Self::Viridis => VIRIDIS.eval_continuous(fraction).into_array(),
+            Self::Jet => jet(fraction),
+        }
+    }
+}
+
+/// MATLAB's `jet`: each channel is a trapezium 1 high, a quarter wide at the top and three quarters at the foot; blue,
+/// green and red follow a quarter apart ("colormap", MATLAB Reference).
+fn jet(fraction: f64) -> Rgb {
+    let trapezium = |centre: f64| (1.5 - (4.0 * fraction - centre).abs()).clamp(0.0, 1.0);
+    [3.0, 2.0, 1.0].map(|centre| channel(255.0 * trapezium(centre)))
+}
+
+/// `over` at an opacity of `share`, 0 to 1, on `under`.
+pub fn blend(under: Rgb, over: Rgb, share: f64) -> Rgb {
+    std::array::from_fn(|index| {
+        let (under, over) = (f64::from(under[index]), f64::from(over[index]));
+        channel(under + (over - under) * share)
+    })
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a channel lies within 0 to 255")]
+fn channel(value: f64) -> u8 {
+    value.round() as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn jet_runs_from_dark_blue_over_green_to_dark_red() {
+        assert_eq!(jet(0.0), [0, 0, 128]);
+        assert_eq!(jet(0.125), [0, 0, 255]);
+        assert_eq!(jet(0.5), [128, 255, 128]);
+        assert_eq!(jet(0.875), [255, 0, 0]);
+        assert_eq!(jet(1.0), [128, 0, 0]);
+    }
+
+    #[test]
+    fn no_value_has_the_colour_of_what_has_none() {
+        for map in [ColourMap::Viridis, ColourMap::Jet] {
+            for step in 0..=1000 {
+                let [red, green, blue] = map.colour(f64::from(step) / 1000.0);
+                let (least, most) = (red.min(green).min(blue), red.max(green).max(blue));
+                assert!(most - least > 30, "{map:?} is grey at {step}: {red}, {green}, {blue}");
+            }
+        }
+    }
+
+    #[test]
+    fn blending_keeps_the_ends() {
+        assert_eq!(blend(PAPER, INK, 0.0), PAPER);
+        assert_eq!(blend(PAPER, INK, 1.0), INK);
+        assert_eq!(blend([0, 100, 200], [100, 0, 0], 0.5), [50, 50, 100]);
+    }
+}

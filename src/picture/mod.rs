@@ -1,0 +1,30 @@
+//! Pictures drawn on the CPU: grid maps, their legends, surfaces; ways of a vehicle.
+//!
+//! The same scene gives the same picture on every machine, byte for byte: drawing uses only arithmetic that is exact to
+//! the standard, and trigonometry from [`crate::geometry::ops`].
+
+mod canvas;
+mod colours;
+mod curves;
+mod font;
+mod legend;
+mod map;
+mod marks;
+mod overlay;
+mod plate;
+mod png;
+mod scene;
+mod surface;
+mod text;
+mod ticks;
+mod values;
+mod way_marks;
+mod zoom;
+
+pub use colours::{ColourMap, Rgb};
+pub use curves::{CurveScene, draw_curves};
+pub use map::draw_map;
+pub use overlay::draw_overlay;
+pub use png::Picture;
+pub use scene::{MapScene, Zones};
+pub use surface::draw_surface;

@@ -1,0 +1,73 @@
+//! A finished picture.
+
+use std::io;
+use std::path::Path;
+
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder, ImageError};
+
+use crate::whole_file::WholeFile;
+
+use super::colours::Rgb;
+
+/// Pictures of at most this many bytes are packed small, larger ones fast.
+const PACKED_WELL: usize = 8 << 20;
+
+/// A finished picture.
+///
+/// The same scene gives the same pixels on every machine.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Picture {
+    width: u32,
+    height: u32,
+    /// Red, green and blue of every pixel, row by row.
+    channels: Vec<u8>,
+}
+
+impl Picture {
+    /// Takes opaque pixels of four channels; the fourth goes, in place, since pictures can be large.
+    pub(super) fn from_rgba(width: u32, height: u32, mut channels: Vec<u8>) -> Self {
+        let pixels = channels.len() / 4;
+        for pixel in 0..pixels {
+            channels.copy_within(4 * pixel..4 * pixel + 3, 3 * pixel);
+        }
+        channels.truncate(3 * pixels);
+        Self { width, height, channels }
+    }
+
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Red, green and blue of a pixel, `x` to the right and `y` down from the upper left corner.
+    ///
+    /// # Panics
+    /// If the pixel lies outside the picture.
+    pub fn pixel(&self, x: u32, y: u32) -> Rgb {
+        assert!(x < self.width && y < self.height, "pixel {x}, {y} of {} x {}", self.width, self.height);
+        let at = 3 * (y as usize * self.width as usize + x as usize);
+        [self.channels[at], self.channels[at + 1], self.channels[at + 2]]
+    }
+
+    /// Writes the picture as a PNG file, which appears whole.
+    pub fn write_png(&self, path: &Path) -> io::Result<()> {
+        let mut file = WholeFile::create(path)?;
+        // The fast way to pack looks only for runs of zeros, which differences from the row above have; the thorough
+        // one finds the repetitions of flat colours better in what is left as it is.
+        let (compression, filter) = match self.channels.len() {
+            0..=PACKED_WELL => (CompressionType::Best, FilterType::NoFilter),
+            _ => (CompressionType::Fast, FilterType::Up),
+        };
+        let encoder = PngEncoder::new_with_quality(&mut file, compression, filter);
+        let written = encoder.write_image(&self.channels, self.width, self.height, ExtendedColorType::Rgb8);
+        match written {
+            Ok(()) => file.finish(),
+            Err(ImageError::IoError(error)) => Err(error),
+            Err(error) => Err(io::Error::other(error)),
+        }
+    }
+}

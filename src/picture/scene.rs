@@ -1,0 +1,102 @@
+//! What a picture of a grid map shows.
+
+use crate::grid::{Grid, Place};
+
+use super::colours::ColourMap;
+use super::values::ValueScale;
+
+/// A grid map and what is marked on it; all places lie on the map.
+///
+/// [`MapScene::new`] marks nothing; set what else is to be shown:
+/// `MapScene { goal: Some(goal), ..MapScene::new("Wavefront, 8 neighbours", "steps", &occupied, &value) }`.
+#[derive(Clone, Copy)]
+pub struct MapScene<'a> {
+    /// Such as "Brushfire, 8 neighbours".
+    pub title: &'a str,
+    /// What the values are, in a word or two, such as "cost"; it stands at the colour bar and at the height axis.
+    pub value_name: &'a str,
+    pub occupied: &'a Grid<bool>,
+    /// The value of a cell; `None` where the map has none: unreached cells, obstacles of a wavefront. Obstacles may
+    /// have values: the view from above does not show them, a surface stands that high there. Infinite values are
+    /// drawn as the highest or lowest finite one, NaN as none.
+    pub value: &'a dyn Fn(Place) -> Option<f64>,
+    /// What free cells are called where the map says no more of them: they share a neutral colour then, and the key
+    /// takes the place of the bar of colours.
+    pub free_name: Option<&'a str>,
+    /// Zones that an overlay shows in place of values.
+    pub zones: Option<Zones<'a>>,
+    pub path: &'a [Place],
+    pub start: Option<Place>,
+    pub goal: Option<Place>,
+    /// The local minimum that a descent came to a halt in.
+    pub stuck: Option<Place>,
+    pub colours: ColourMap,
+}
+
+/// Named zones of a map, the one to keep away from first: free cells of one zone share a colour.
+#[derive(Clone, Copy)]
+pub struct Zones<'a> {
+    pub names: &'a [&'a str],
+    /// Which of `names` a free cell belongs to; beyond the last it counts as the last.
+    pub zone: &'a dyn Fn(Place) -> usize,
+}
+
+impl Zones<'_> {
+    pub(super) fn zone_at(&self, place: Place) -> usize {
+        (self.zone)(place).min(self.names.len().saturating_sub(1))
+    }
+}
+
+impl<'a> MapScene<'a> {
+    /// The values of a map in viridis, without zones, path or marks.
+    pub fn new(
+        title: &'a str,
+        value_name: &'a str,
+        occupied: &'a Grid<bool>,
+        value: &'a dyn Fn(Place) -> Option<f64>,
+    ) -> Self {
+        Self {
+            title,
+            value_name,
+            occupied,
+            value,
+            free_name: None,
+            zones: None,
+            path: &[],
+            start: None,
+            goal: None,
+            stuck: None,
+            colours: ColourMap::Viridis,
+        }
+    }
+
+    /// The value of a cell, unless it has none or no number.
+    pub(super) fn value_at(&self, place: Place) -> Option<f64> {
+        (self.value)(place).filter(|value| !value.is_nan())
+    }
+
+    pub(super) fn places(&self) -> impl Iterator<Item = Place> {
+        let cols = self.occupied.cols();
+        (0..self.occupied.rows()).flat_map(move |row| (0..cols).map(move |col| (row, col)))
+    }
+
+    /// Colours over the finite values of free cells, if they have colours.
+    pub(super) fn scale(&self) -> Option<ValueScale> {
+        if self.free_name.is_some() {
+            return None;
+        }
+        let free = self.places().filter(|&place| !self.occupied[place]);
+        ValueScale::of(free.filter_map(|place| self.value_at(place)), self.colours)
+    }
+
+    pub(super) fn has_obstacles(&self) -> bool {
+        self.occupied.values().contains(&true)
+    }
+
+    /// What free cells without the colour of a value are called; `None` if there are none.
+    pub(super) fn colourless_name(&self) -> Option<&'a str> {
+        let has_colour = |place| self.free_name.is_none() && self.value_at(place).is_some();
+        let is_present = self.places().any(|place| !self.occupied[place] && !has_colour(place));
+        is_present.then_some(self.free_name.unwrap_or("unreached"))
+    }
+}

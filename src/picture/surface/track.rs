@@ -1,0 +1,107 @@
+//! Path and marks on a surface.
+
+use crate::grid::Place;
+use crate::picture::canvas::{Canvas, Point};
+use crate::picture::colours::PATH;
+use crate::picture::marks::{draw_path, marks, to_f32};
+use crate::picture::scene::MapScene;
+use crate::picture::values::ValueScale;
+use crate::picture::zoom::Face;
+
+use super::camera::{Camera, Spot};
+use super::relief::Relief;
+
+const WIDTH: f32 = 2.4;
+const MARK: f32 = 7.0;
+/// The line is followed in steps of about this length, in pixels.
+const STEP: f32 = 2.0;
+const DOT: f32 = 1.2;
+const DOTS_APART: f32 = 6.0;
+/// How far the surface must rise above the line of sight to hide what is behind, as a share of the highest level; the
+/// path lies on the surface and must not hide itself.
+const TOLERANCE: f32 = 0.02;
+
+/// What a path is drawn on.
+pub struct Ground<'a> {
+    pub scene: &'a MapScene<'a>,
+    pub relief: &'a Relief,
+    pub heights: Option<&'a ValueScale>,
+    pub camera: Camera,
+}
+
+impl Ground<'_> {
+    /// Draws the path, dotted where the surface hides it, and the marks, which nothing hides.
+    pub fn draw_track(&self, canvas: &mut Canvas) {
+        let line: Vec<(Point, bool)> = self.line().into_iter().map(|(at, spot)| (at, self.is_hidden(spot))).collect();
+        for run in line.chunk_by(|(_, before), (_, after)| before == after) {
+            let points: Vec<Point> = run.iter().map(|&(at, _)| at).collect();
+            if run[0].1 { draw_dots(canvas, &points) } else { draw_path(canvas, &points, WIDTH) }
+        }
+        for (mark, place) in marks(self.scene).rev() {
+            mark.draw(canvas, self.camera.spot(self.cell(place)), MARK);
+        }
+    }
+
+    /// The centre of a cell, on the surface; at its own value where its tile is drawn as something else.
+    fn cell(&self, place: Place) -> Spot {
+        let (x, y) = self.relief.centre(place);
+        let own = self.scene.value_at(place).zip(self.heights).map(|(value, heights)| to_f32(heights.fraction(value)));
+        let level = match (self.relief.face_at(x, y), own) {
+            (Face::Obstacle | Face::WithoutValue, Some(own)) => own,
+            _ => self.relief.level_at(x, y),
+        };
+        Spot { x, y, level }
+    }
+
+    /// The path in small steps: long ones between cells are divided, short ones are left out.
+    fn line(&self) -> Vec<(Point, Spot)> {
+        let mut line: Vec<(Point, Spot)> = Vec::new();
+        for &place in self.scene.path {
+            let spot = self.cell(place);
+            let at = self.camera.spot(spot);
+            let Some(&(last_at, last)) = line.last() else {
+                line.push((at, spot));
+                continue;
+            };
+            let steps = (distance(last_at, at) / STEP).floor();
+            let mut step = 1.0;
+            while step <= steps {
+                let spot = self.between(last, spot, step / steps);
+                line.push((self.camera.spot(spot), spot));
+                step += 1.0;
+            }
+        }
+        line
+    }
+
+    /// A spot on the way between two cells, on the surface if both are.
+    fn between(&self, from: Spot, to: Spot, share: f32) -> Spot {
+        let along = |from: f32, to: f32| from + (to - from) * share;
+        let (x, y, level) = (along(from.x, to.x), along(from.y, to.y), along(from.level, to.level));
+        match self.relief.face_at(x, y) {
+            Face::Value(_) => Spot { x, y, level: self.relief.level_at(x, y) },
+            Face::Obstacle | Face::WithoutValue => Spot { x, y, level },
+        }
+    }
+
+    fn is_hidden(&self, spot: Spot) -> bool {
+        let step = 0.4 / self.relief.tiles.rows().max(self.relief.tiles.cols()) as f32;
+        let mut above = self.camera.towards_viewer(spot, step);
+        above.any(|above| self.relief.level_at(above.x, above.y) > above.level + TOLERANCE)
+    }
+}
+
+fn draw_dots(canvas: &mut Canvas, line: &[Point]) {
+    let mut last: Option<Point> = None;
+    for &at in line {
+        if last.is_none_or(|last| distance(last, at) >= DOTS_APART) {
+            canvas.fill_disc(at, DOT, PATH);
+            last = Some(at);
+        }
+    }
+}
+
+fn distance(from: Point, to: Point) -> f32 {
+    let (x, y) = (to.0 - from.0, to.1 - from.1);
+    (x * x + y * y).sqrt()
+}

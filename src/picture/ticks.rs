@@ -1,0 +1,139 @@
+//! Round numbers along an axis.
+
+/// How far a value may lie outside the range, in steps, and count as its end: steps such as 0.1 are not exact.
+const ROUNDING: f64 = 1e-9;
+/// The most digits of a number that are shown.
+const MOST_DIGITS: i32 = 6;
+
+/// A round value and how it is written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tick {
+    pub value: f64,
+    pub label: String,
+}
+
+/// Values from `low` to `high` in steps of 1, 2 or 5 times a power of ten, but at least `least`, so that there are
+/// about `most` or fewer; the only value if `low` and `high` are equal.
+pub fn ticks(low: f64, high: f64, most: usize, least: f64) -> Vec<Tick> {
+    let step = round_step((high / most as f64 - low / most as f64).max(least));
+    let (first, last) = ((low / step - ROUNDING).ceil(), (high / step + ROUNDING).floor());
+    let largest = low.abs().max(high.abs());
+    let is_readable = step > 0.0 && step.is_finite() && exponent(largest) - exponent(step) < MOST_DIGITS;
+    if !is_readable || last <= first {
+        return ends(low, high);
+    }
+    let mut ticks = Vec::new();
+    let mut index = first;
+    while index <= last && ticks.len() <= most {
+        let value = index * step;
+        ticks.push(Tick { value: value.clamp(low, high), label: label(value, step, largest) });
+        index += 1.0;
+    }
+    ticks
+}
+
+/// Where no round values fit between, the ends are shown.
+fn ends(low: f64, high: f64) -> Vec<Tick> {
+    let tick = |value: f64| Tick { value, label: shortest(value) };
+    if low == high { vec![tick(low)] } else { vec![tick(low), tick(high)] }
+}
+
+/// Rows or columns to be numbered, from 0 in steps of 1, 2 or 5 times a power of ten of at least `least`.
+pub fn indices(count: usize, least: f64) -> impl Iterator<Item = usize> {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "steps are a few thousand at most")]
+    let step = round_step(least.max(1.0)) as usize;
+    (0..count).step_by(step.max(1))
+}
+
+/// The least of 1, 2, 5 times a power of ten that is not less than `least`.
+fn round_step(least: f64) -> f64 {
+    let power = power_of_ten(exponent(least));
+    let steps = [1.0, 2.0, 5.0].map(|factor| factor * power);
+    steps.into_iter().find(|&step| step >= least).unwrap_or(10.0 * power)
+}
+
+/// The exponent of the first decimal digit; taken from the digits, since logarithms are rounded.
+fn exponent(value: f64) -> i32 {
+    let digits = format!("{value:e}");
+    digits.split_once('e').and_then(|(_, exponent)| exponent.parse().ok()).unwrap_or(0)
+}
+
+fn power_of_ten(exponent: i32) -> f64 {
+    format!("1e{exponent}").parse().expect("a power of ten is a number")
+}
+
+/// As many digits as the step needs; with an exponent if plain digits would be many.
+fn label(value: f64, step: f64, largest: f64) -> String {
+    let (finest, first) = (exponent(step), exponent(largest));
+    let count = |digits: i32| usize::try_from(digits).unwrap_or(0);
+    if value == 0.0 {
+        "0".to_owned()
+    } else if first >= 6 || finest < -4 {
+        format!("{:e}", rounded(value, count(exponent(value) - finest)))
+    } else {
+        format!("{value:.*}", count(-finest))
+    }
+}
+
+/// Four digits or fewer of a value that is not round.
+fn shortest(value: f64) -> String {
+    let short = rounded(value, 3);
+    if (-4..6).contains(&exponent(short)) { format!("{short}") } else { format!("{short:e}") }
+}
+
+/// A value with that many digits after its first one.
+fn rounded(value: f64, digits: usize) -> f64 {
+    format!("{value:.digits$e}").parse().expect("a formatted number is a number")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(low: f64, high: f64) -> Vec<String> {
+        ticks(low, high, 6, 0.0).into_iter().map(|tick| tick.label).collect()
+    }
+
+    #[test]
+    fn ticks_are_round_and_written_short() {
+        assert_eq!(labels(0.0, 1000.0), ["0", "200", "400", "600", "800", "1000"]);
+        assert_eq!(labels(1.0, 23.0), ["5", "10", "15", "20"]);
+        assert_eq!(labels(0.0, 1.0), ["0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+        assert_eq!(labels(-0.3, 0.2), ["-0.3", "-0.2", "-0.1", "0", "0.1", "0.2"]);
+        assert_eq!(labels(0.0, 4e6), ["0", "1e6", "2e6", "3e6", "4e6"]);
+        assert_eq!(labels(0.0, 4e-7), ["0", "1e-7", "2e-7", "3e-7", "4e-7"]);
+    }
+
+    #[test]
+    fn whole_numbers_are_not_divided() {
+        let labels: Vec<_> = ticks(2.0, 4.0, 6, 1.0).into_iter().map(|tick| tick.label).collect();
+        assert_eq!(labels, ["2", "3", "4"]);
+    }
+
+    #[test]
+    fn ranges_without_round_values_show_their_ends() {
+        assert_eq!(labels(7.0, 7.0), ["7"]);
+        assert_eq!(labels(0.1 + 0.2, 0.1 + 0.2), ["0.3"]);
+        assert_eq!(labels(1e17, 1e17 + 16.0), ["1e17", "1e17"]);
+        assert_eq!(labels(-f64::MAX, f64::MAX), ["-1e308", "0", "1e308"]);
+        assert!(labels(0.0, f64::MIN_POSITIVE).len() >= 2);
+    }
+
+    #[test]
+    fn ticks_are_few_and_within_the_range() {
+        for (low, high) in [(0.0, 1.0), (2.0, 581.0), (-3.7, 12.2), (999.0, 1001.0), (1e-9, 2e-9), (5e-324, 1e308)] {
+            let ticks = ticks(low, high, 6, 0.0);
+            assert!((2..=7).contains(&ticks.len()), "{low} to {high}: {ticks:?}");
+            assert!(ticks.iter().all(|tick| (low..=high).contains(&tick.value)), "{low} to {high}: {ticks:?}");
+            assert!(ticks.iter().all(|tick| tick.label.len() <= 8), "{low} to {high}: {ticks:?}");
+        }
+    }
+
+    #[test]
+    fn rows_are_numbered_from_zero_in_round_steps() {
+        assert_eq!(indices(14, 1.4).collect::<Vec<_>>(), [0, 2, 4, 6, 8, 10, 12]);
+        assert_eq!(indices(242, 31.0).collect::<Vec<_>>(), [0, 50, 100, 150, 200]);
+        assert_eq!(indices(1, 0.01).collect::<Vec<_>>(), [0]);
+        assert_eq!(indices(0, 1.0).count(), 0);
+    }
+}
