@@ -15,7 +15,8 @@ use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::{DVec2, Pose};
 use wildfire::planning::reachability::Reachability;
 use wildfire::planning::{
-    BuildReport, GoalDisc, Plan, PlanFailure, PrimitiveSettings, PrmPrimitives, PrmSettings, TruckPlanner,
+    BuildReport, GoalDisc, Plan, PlanFailure, PrimitiveSettings, PrmPrimitives, PrmSettings, SafetySettings,
+    TruckPlanner,
 };
 use wildfire::rng;
 use wildfire::scenario::{Scenario, Terrain};
@@ -58,7 +59,13 @@ fn run_field(coverage: f64, seed: u64, builds: &mut Builds, short: &mut Drives, 
     builds.field.push(micros(watch.lap()));
     let checker = CollisionChecker::new(field, Dimensions::default());
     let mut rng = rng::stream(seed, "bench");
-    let mut planner = PrmPrimitives::build(&checker, &PrmSettings::default(), &PrimitiveSettings::default(), &mut rng);
+    let mut planner = PrmPrimitives::build(
+        &checker,
+        &PrmSettings::default(),
+        &PrimitiveSettings::default(),
+        &SafetySettings::default(),
+        &mut rng,
+    );
     builds.take(planner.build_report());
     if seed <= FLOODED_FIELDS {
         builds.flood(&checker, &bushes);

@@ -1,5 +1,6 @@
 //! Whole runs of every preset before the audit: no leg overlaps a bush or leaves the field, none bends more than the
-//! turning radius allows, none jumps, and every fire went out beside a truck that stood; and nobody was ever stuck.
+//! turning radius allows, none jumps, and every fire went out beside a truck that stood; and nobody was ever stuck, but
+//! where that is the scenario's point.
 //!
 //! `WILDFIRE_AUDIT_SEEDS=1..1000` audits these seeds (both ends) of the contest instead of a few.
 
@@ -29,7 +30,8 @@ fn audit(name: &str, seeds: impl Iterator<Item = u64>) -> Audited {
         let seen = audit_timeline(&run.timeline, |agent| limits(&scenario, agent), Step::default());
         audited += seen.unwrap_or_else(|offence| panic!("{name}, seed {seed}: {offence}"));
         let outcome = Outcome::of(&run.timeline);
-        assert_eq!((outcome.truck_stuck_s, outcome.wumpus_stuck_s), (0.0, 0.0), "{name}, seed {seed}: stuck");
+        assert_eq!(outcome.truck_stuck_s, 0.0, "{name}, seed {seed}: stuck");
+        assert!(outcome.wumpus_stuck_s == 0.0 || name == "local-minima", "{name}, seed {seed}: stuck");
     }
     println!("{name}: {audited:?}");
     audited

@@ -44,6 +44,7 @@ fn the_documentation_of_the_format_names_every_field_with_its_default() {
         let steps: Vec<&str> = path.split('.').filter(|step| step.parse::<u32>().is_err()).collect();
         let (header, field) = match steps.split_first().expect("a path has steps") {
             (top, []) => ("Top level", (*top).to_owned()),
+            (_, rest @ ["safety", ..]) => ("Safety costs", rest.join(".")),
             (table, rest) => (*table, rest.join(".")),
         };
         let in_section = |section: &&&str| section.trim_start_matches('[').starts_with(header);
@@ -85,6 +86,10 @@ fn presets_differ_from_contest_only_in_what_they_are_for() {
     assert_eq!(built_in("report-2024"), from_contest(&["fire.burn_out_s=none"], "report-2024"));
     assert_eq!(built_in("dense"), from_contest(&["field.coverage=0.2"], "dense"));
     assert_eq!(built_in("wumpus-alone"), from_contest(&["unimog=[]"], "wumpus-alone"));
+    let cautious = ["unimog.safety.map=cost", "unimog.safety.weight=4"];
+    assert_eq!(built_in("cautious"), from_contest(&cautious, "cautious"));
+    let stuck = ["unimog=[]", "wumpus.planner=potential", "wumpus.potential.escape=none"];
+    assert_eq!(built_in("local-minima"), from_contest(&stuck, "local-minima"));
     let coursework = [
         "fire.spread_from=all",
         "fire.burn_out_s=30",

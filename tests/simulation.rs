@@ -3,14 +3,15 @@
 
 use rand::RngExt;
 use wildfire::geometry::Cell;
+use wildfire::planning::PlanFailure;
 use wildfire::rng;
 use wildfire::scenario::{
-    Extinguishes, Ignition, IgnitionCells, Limits, Retarget, Scenario, SpreadFrom, StartPose, TruckGoal, Unimog,
-    Wumpus, WumpusGoal,
+    Escape, Extinguishes, Ignition, IgnitionCells, Limits, Retarget, Scenario, SpreadFrom, StartPose, TruckGoal,
+    Unimog, Wumpus, WumpusGoal, WumpusPlanner,
 };
 use wildfire::sim::{self, Simulation};
 use wildfire::time::SimTime;
-use wildfire::timeline::{AgentId, Cause, Event, Fact, Timeline};
+use wildfire::timeline::{AgentId, Cause, EndReason, Event, Fact, Outcome, RestReason, Timeline};
 
 /// The contest with nobody on the field.
 fn empty_contest() -> Scenario {
@@ -54,7 +55,14 @@ fn variety() -> Vec<(&'static str, Scenario)> {
     thinkers.fire.relight = true;
     thinkers.duration_s = 900.0;
 
-    vec![("contest", contest()), ("crowd", crowd), ("thinkers", thinkers)]
+    let mut descents = contest();
+    descents.wumpus[0].planner = WumpusPlanner::Potential;
+    descents.wumpus.push(Wumpus { start_m: [202.5, 47.5], planner: WumpusPlanner::Potential, ..Wumpus::default() });
+    descents.wumpus[1].potential.escape = Escape::None;
+    descents.wumpus[1].seconds_per_expansion = 0.1;
+    descents.wumpus.push(Wumpus { planner: WumpusPlanner::Wavefront, ..Wumpus::default() });
+
+    vec![("contest", contest()), ("crowd", crowd), ("thinkers", thinkers), ("descents", descents)]
 }
 
 fn run(scenario: &Scenario, seed: u64) -> Timeline {
@@ -218,7 +226,7 @@ fn a_run_ends_early_when_nothing_is_left_to_happen() {
     let timeline = run(&scenario, 1);
     let last = timeline.events.last().expect("a run has facts");
     assert!(last.time >= SimTime::from_seconds(60.0) && last.time < SimTime::from_seconds(3600.0));
-    assert!(matches!(last.fact, Fact::Ended { reason: wildfire::timeline::EndReason::NothingLeft }));
+    assert!(matches!(last.fact, Fact::Ended { reason: EndReason::NothingLeft }));
 }
 
 #[test]
@@ -299,4 +307,116 @@ fn planners_do_not_change_the_arsonists_order_of_goals() {
         // The field keeps clear of the truck's start, so a contest without a truck has another field.
         assert!(lit(&run(&alone, seed)).is_some());
     }
+}
+
+/// A Wumpus with this planner and nobody else.
+fn arsonist(planner: WumpusPlanner, escape: Escape) -> Scenario {
+    let mut scenario = Scenario { unimog: Vec::new(), ..contest() };
+    scenario.wumpus[0].planner = planner;
+    scenario.wumpus[0].potential.escape = escape;
+    scenario
+}
+
+#[test]
+fn an_arsonist_on_a_wavefront_walks_as_far_as_one_with_astar_for_every_goal() {
+    for seed in 1..=3 {
+        let first_walk = |planner| {
+            let timeline = run(&arsonist(planner, Escape::None), seed);
+            timeline.events.into_iter().find_map(|event| match event.fact {
+                Fact::Planned { goal, trajectory, effort, .. } => {
+                    Some((goal, trajectory.distance_m(SimTime::MAX), effort))
+                }
+                _ => None,
+            })
+        };
+        let (goal, metres, effort) = first_walk(WumpusPlanner::Astar).expect("it sets out");
+        let (same_goal, same_metres, more_effort) = first_walk(WumpusPlanner::Wavefront).expect("it sets out");
+        assert_eq!(goal, same_goal);
+        assert!((metres - same_metres).abs() < 1e-9, "seed {seed}: {metres} and {same_metres} m");
+        assert!(more_effort.local_expansions > effort.local_expansions);
+    }
+}
+
+#[test]
+fn an_arsonist_that_escapes_from_local_minima_is_never_stuck_and_burns_all_that_it_could() {
+    for seed in 1..=3 {
+        let astar = Outcome::of(&run(&arsonist(WumpusPlanner::Astar, Escape::None), seed));
+        let descent = Outcome::of(&run(&arsonist(WumpusPlanner::Potential, Escape::Wavefront), seed));
+        assert_eq!((descent.intact, descent.wumpus_stuck_s), (astar.intact, 0.0));
+        assert!(descent.agents[0].local_minima > 0 && descent.agents[0].failures == [0; 5]);
+    }
+}
+
+#[test]
+fn without_an_escape_no_goal_is_tried_twice_from_one_place_and_giving_all_up_counts_as_stuck() {
+    let (mut failed, mut gave_up) = (0, 0);
+    for seed in 1..=12 {
+        let timeline = run(&arsonist(WumpusPlanner::Potential, Escape::None), seed);
+        let (mut fails, mut tries) = (0, Vec::new());
+        let mut rests_from = None;
+        for Event { time, fact } in &timeline.events {
+            match fact {
+                Fact::Planned { goal, trajectory, .. } => {
+                    let attempt = (*goal, trajectory.start().position());
+                    assert!(!tries.contains(&attempt), "seed {seed} at {time}: {goal} failed here before");
+                    tries.push(attempt);
+                }
+                Fact::LocalMinimum { .. } => fails += 1,
+                Fact::PlanFailed { reason, .. } => assert_eq!(*reason, PlanFailure::LocalMinimum),
+                Fact::Rested { reason: RestReason::LocalMinima, .. } => rests_from = Some(*time),
+                _ => {}
+            }
+        }
+        let outcome = Outcome::of(&timeline);
+        let arsonist = &outcome.agents[0];
+        assert_eq!((arsonist.local_minima, arsonist.failures[4]), (fails, fails));
+        let rested_s = rests_from.map_or(0.0, |from| (timeline.end_time() - from).as_seconds());
+        assert_eq!(outcome.wumpus_stuck_s, rested_s, "seed {seed}");
+        failed += fails;
+        gave_up += u32::from(rests_from.is_some());
+    }
+    assert!(failed > 100 && gave_up > 0, "{failed} failed plans, {gave_up} gave up");
+}
+
+/// An arsonist that nothing attracts: out of a bush's repulsion it stands in a local minimum, whatever it goes for.
+fn stuck_arsonist() -> Scenario {
+    let mut scenario = arsonist(WumpusPlanner::Potential, Escape::None);
+    scenario.wumpus[0].potential.scale = Some(0.0);
+    scenario
+}
+
+#[test]
+fn the_run_is_over_when_others_have_burned_what_a_stuck_arsonist_could_not_approach() {
+    let mut scenario = stuck_arsonist();
+    scenario.wumpus.push(Wumpus::default());
+    let timeline = run(&scenario, 1);
+    let rests = |fact: &Fact| matches!(fact, Fact::Rested { reason: RestReason::LocalMinima, .. });
+    assert!(timeline.events.iter().any(|event| rests(&event.fact)));
+    let last = timeline.events.last().expect("a run ends");
+    assert!(matches!(last.fact, Fact::Ended { reason: EndReason::NothingLeft }), "{last:?}");
+}
+
+#[test]
+fn an_arsonist_that_fails_on_all_goals_rests_after_the_planning_time_of_all() {
+    let mut scenario = stuck_arsonist();
+    scenario.wumpus[0].seconds_per_expansion = 2.0;
+    let timeline = run(&scenario, 1);
+    let (mut until, mut tries_in_a_row) = (SimTime::ZERO, 0);
+    for Event { time, fact } in &timeline.events {
+        match fact {
+            Fact::PlanFailed { until: ready, .. } => {
+                tries_in_a_row += 1;
+                until = until.max(*time) + SimTime::from_seconds(2.0);
+                assert_eq!(*ready, until);
+            }
+            Fact::Planned { .. } => tries_in_a_row = 0,
+            Fact::Rested { reason, .. } => {
+                assert_eq!((*reason, *time), (RestReason::LocalMinima, until));
+                assert!(tries_in_a_row > 100, "{tries_in_a_row} tries");
+                return;
+            }
+            _ => {}
+        }
+    }
+    panic!("it never rests");
 }

@@ -1,4 +1,5 @@
-//! Planners for the truck behind one interface: a problem in; a path, the effort and a reason for failure out.
+//! Planners for the truck behind one interface: a problem in; a path, the effort and a reason for failure out. The
+//! Wumpus's are in [`walk`].
 //!
 //! Effort is counted in samples and expansions and budgeted in the same units; CPU time is reported only.
 
@@ -6,6 +7,7 @@ pub mod primitives;
 pub mod prm;
 mod prm_primitives;
 pub mod reachability;
+mod safety;
 mod settings;
 #[cfg(test)]
 mod test_fields;
@@ -13,6 +15,7 @@ pub mod walk;
 
 pub use prm_primitives::PrmPrimitives;
 
+pub use safety::{Safety, SafetyForm, SafetyMap, SafetySettings};
 pub use settings::{ClearanceTo, MotionCost, PrimitiveSettings, PrmSettings, RoadmapGoal, RoadmapSearch};
 
 use std::fmt;
@@ -53,10 +56,13 @@ pub enum PlanFailure {
     Disconnected,
     /// The budget of expansions ran out first.
     BudgetSpent,
+    /// A Wumpus's descent: no step leads downhill from where it stands, and the goal is not in reach.
+    LocalMinimum,
 }
 
 impl PlanFailure {
-    pub const ALL: [Self; 4] = [Self::StartBlocked, Self::GoalBlocked, Self::Disconnected, Self::BudgetSpent];
+    pub const ALL: [Self; 5] =
+        [Self::StartBlocked, Self::GoalBlocked, Self::Disconnected, Self::BudgetSpent, Self::LocalMinimum];
 }
 
 impl fmt::Display for PlanFailure {
@@ -66,6 +72,7 @@ impl fmt::Display for PlanFailure {
             Self::GoalBlocked => "goal blocked",
             Self::Disconnected => "disconnected",
             Self::BudgetSpent => "budget spent",
+            Self::LocalMinimum => "local minimum",
         })
     }
 }

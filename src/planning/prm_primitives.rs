@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use glam::DVec2;
 use rand::Rng;
 
@@ -9,8 +11,8 @@ use crate::vehicle::Path;
 use super::primitives::LocalSearch;
 use super::prm::{Roadmap, RoadmapScratch, Route};
 use super::{
-    BuildReport, Effort, GoalDisc, Plan, PlanFailure, PrimitiveSettings, PrmSettings, QueryTime, RoadmapGoal,
-    TruckPlanner,
+    BuildReport, Effort, GoalDisc, Plan, PlanFailure, PrimitiveSettings, PrmSettings, QueryTime, RoadmapGoal, Safety,
+    SafetySettings, TruckPlanner,
 };
 
 /// The planner `prm+primitives`: a roadmap gives waypoints, motion primitives make a drivable path of them.
@@ -28,15 +30,19 @@ pub struct PrmPrimitives {
 }
 
 impl PrmPrimitives {
-    /// Builds the roadmap for a field and a body; `rng` decides where the milestones lie.
+    /// Builds the roadmap for a field and a body; `rng` decides where the milestones lie. `safety` prices its edges and
+    /// the motions along them.
     pub fn build(
         checker: &CollisionChecker,
         prm: &PrmSettings,
         primitives: &PrimitiveSettings,
+        safety: &SafetySettings,
         rng: &mut impl Rng,
     ) -> Self {
         let mut watch = CpuStopwatch::start();
-        let sampled = Roadmap::sampled(checker, prm, rng);
+        let field = checker.field();
+        let safety = Safety::new(*field.frame(), field.occupied(), safety).map(Arc::new);
+        let sampled = Roadmap::sampled(checker, prm, rng).priced_by(safety.clone());
         let sampling = watch.lap();
         let roadmap = sampled.connected();
         let report = BuildReport {
@@ -51,7 +57,7 @@ impl PrmPrimitives {
             checker: checker.clone(),
             roadmap,
             scratch: RoadmapScratch::default(),
-            local: LocalSearch::new(checker, primitives),
+            local: LocalSearch::new(checker, primitives, safety),
             goal: prm.goal,
             thin_waypoints: primitives.thin_waypoints,
             search_alone: primitives.search_alone,
@@ -155,13 +161,13 @@ mod tests {
     use crate::planning::MotionCost;
     use crate::planning::reachability::Reachability;
     use crate::planning::test_fields::{TestField, assert_drivable, least_clearance};
-    use crate::planning::{ClearanceTo, RoadmapSearch};
+    use crate::planning::{ClearanceTo, RoadmapSearch, SafetyMap};
     use crate::rng;
 
     fn planner(field: &TestField, seed: u64) -> PrmPrimitives {
         let prm = PrmSettings { samples: 200, ..PrmSettings::default() };
         let mut rng = rng::stream(seed, "prm");
-        PrmPrimitives::build(&field.checker, &prm, &PrimitiveSettings::default(), &mut rng)
+        PrmPrimitives::build(&field.checker, &prm, &PrimitiveSettings::default(), &SafetySettings::default(), &mut rng)
     }
 
     #[test]
@@ -205,6 +211,28 @@ mod tests {
                 pose = first.pose_at(pose, 0.5 * first.length_m);
             }
         }
+    }
+
+    #[test]
+    fn drives_that_pay_for_nearness_to_bushes_are_drivable_and_found_as_often() {
+        let (mut plain_found, mut safe_found) = (0, 0);
+        for seed in 0..4 {
+            let mut field = TestField::random(seed, 40);
+            let safety = SafetySettings { map: SafetyMap::Cost, weight: 4.0, ..SafetySettings::default() };
+            let prm = PrmSettings { samples: 200, ..PrmSettings::default() };
+            let mut rng = rng::stream(seed, "prm");
+            let mut safe = PrmPrimitives::build(&field.checker, &prm, &PrimitiveSettings::default(), &safety, &mut rng);
+            let mut plain = planner(&field, seed);
+            for _ in 0..15 {
+                let goal = field.random_goal();
+                plain_found += u32::from(plain.plan(field.start, goal).path.is_ok());
+                if let Ok(path) = safe.plan(field.start, goal).path {
+                    assert_drivable(&field.checker, &path, field.start, goal);
+                    safe_found += 1;
+                }
+            }
+        }
+        assert!(plain_found > 40 && safe_found + 2 >= plain_found, "{plain_found} and {safe_found} drives");
     }
 
     #[test]
@@ -265,7 +293,8 @@ mod tests {
         let mut field = TestField::random(9, 45);
         let primitives = PrimitiveSettings { max_expansions: 10, ..PrimitiveSettings::default() };
         let rng = &mut rng::stream(9, "prm");
-        let mut planner = PrmPrimitives::build(&field.checker, &PrmSettings::default(), &primitives, rng);
+        let mut planner =
+            PrmPrimitives::build(&field.checker, &PrmSettings::default(), &primitives, &SafetySettings::default(), rng);
         let mut spent = 0;
         for _ in 0..40 {
             let goal = field.random_goal();
@@ -303,7 +332,13 @@ mod tests {
         let mut solved = 0;
         for seed in 0..10 {
             let mut field = TestField::random(seed, 15);
-            let mut planner = PrmPrimitives::build(&field.checker, &prm, &primitives, &mut rng::stream(seed, "prm"));
+            let mut planner = PrmPrimitives::build(
+                &field.checker,
+                &prm,
+                &primitives,
+                &SafetySettings::default(),
+                &mut rng::stream(seed, "prm"),
+            );
             let mut pose = field.start;
             for _ in 0..10 {
                 let goal = field.random_goal();

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::or_none;
 use crate::geometry::{DVec2, Pose};
-use crate::planning::{PrimitiveSettings, PrmSettings};
+use crate::planning::{PrimitiveSettings, PrmSettings, SafetySettings};
 use crate::vehicle::Dimensions;
 
 /// An arsonist on a lattice.
@@ -32,6 +32,8 @@ pub struct Wumpus {
     pub heuristic_weight: f64,
     /// Planning time charged, during which it stands.
     pub seconds_per_expansion: f64,
+    pub potential: WumpusPotential,
+    pub safety: SafetySettings,
 }
 
 impl Default for Wumpus {
@@ -50,6 +52,8 @@ impl Default for Wumpus {
             heuristic: WumpusHeuristic::Octile,
             heuristic_weight: 1.0,
             seconds_per_expansion: 0.0,
+            potential: WumpusPotential::default(),
+            safety: SafetySettings::default(),
         }
     }
 }
@@ -75,6 +79,44 @@ pub enum WumpusGoal {
 #[serde(rename_all = "kebab-case")]
 pub enum WumpusPlanner {
     Astar,
+    /// Down the exact cost-to-go, from one sweep over all of the lattice for every goal.
+    Wavefront,
+    /// Down the gradient of a potential field, into local minima too.
+    Potential,
+}
+
+/// The potential field of a Wumpus whose planner is `potential`; distances are lattice steps.
+///
+/// Numbers have the defaults of `wildfire map total`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct WumpusPotential {
+    /// Factor of half the squared distance that attracts; it only matters without a scale.
+    pub zeta: f64,
+    /// The greatest attraction on the lattice; `"none"`: as `zeta` makes it.
+    #[serde(with = "or_none")]
+    pub scale: Option<f64>,
+    /// How far bushes repel, and how far about its goal none does.
+    pub q: f64,
+    /// Strength of repulsion.
+    pub eta: f64,
+    pub escape: Escape,
+}
+
+impl Default for WumpusPotential {
+    fn default() -> Self {
+        Self { zeta: 1.0, scale: Some(10.0), q: 5.0, eta: 15.0, escape: Escape::Wavefront }
+    }
+}
+
+/// What a Wumpus does in a local minimum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Escape {
+    /// It goes on down the exact cost-to-go.
+    Wavefront,
+    /// It gives the goal up there.
+    None,
 }
 
 /// What a lattice step costs in the search.
@@ -120,6 +162,7 @@ pub struct Unimog {
     pub planner: TruckPlannerKind,
     pub prm: PrmSettings,
     pub primitives: PrimitiveSettings,
+    pub safety: SafetySettings,
 }
 
 impl Default for Unimog {
@@ -135,6 +178,7 @@ impl Default for Unimog {
             planner: TruckPlannerKind::PrmPrimitives,
             prm: PrmSettings::default(),
             primitives: PrimitiveSettings::default(),
+            safety: SafetySettings::default(),
         }
     }
 }

@@ -8,7 +8,10 @@ use super::error::Fault;
 use super::field::{MAX_CELLS_A_SIDE, MAX_COVERAGE};
 use super::path::{FieldPath, Step};
 use super::wording::shortened;
-use super::{Field, Ignition, IgnitionCells, PrimitiveSettings, PrmSettings, Scenario, Unimog, Wumpus};
+use super::{
+    Escape, Field, Ignition, IgnitionCells, PrimitiveSettings, PrmSettings, SafetySettings, Scenario, Unimog, Wumpus,
+    WumpusPlanner, WumpusPotential,
+};
 use crate::geometry::{DVec2, FieldFrame};
 use crate::vehicle::Dimensions;
 
@@ -16,12 +19,16 @@ use crate::vehicle::Dimensions;
 pub const MAX_AGENTS: usize = 100;
 /// Most `[[ignition]]` entries, and most cells that they name in all.
 const MAX_IGNITIONS: usize = 10_000;
-/// Most points of all Wumpuses' lattices; a point takes about 28 bytes.
+/// Most points of all Wumpuses' lattices; a point takes about 28 bytes, up to 70 while a wavefront or a potential field
+/// is computed, and 8 more with safety costs.
 const MAX_WUMPUS_NODES: f64 = 4e6;
 /// Most bins of a truck's search: those of the field times headings.
 const MAX_TRUCK_BINS: f64 = 1e8;
 /// Most edges of all roadmaps: samples times neighbours, summed over the trucks.
 const MAX_ROADMAP_EDGES: f64 = 1e7;
+/// Most goals that Wumpuses may try in vain: all bushes from every point that they have time to come to. A try takes about
+/// 250 bytes of the timeline; runs stay far below the bound, because a Wumpus on which all goals fail stays where it is.
+const MAX_TRIES: f64 = 2.5e7;
 /// Most pairs of a burning cell and a neighbour in its radius.
 const MAX_SPREAD_PAIRS: f64 = 1e9;
 /// Most stops of all trucks in a run in which a cell can burn again and again; each adds to the timeline.
@@ -65,15 +72,26 @@ pub fn check(scenario: &Scenario) -> Check {
         top.count(name, count, MAX_AGENTS)?;
     }
     let frame = scenario.field.frame();
-    let mut points = 0.0;
+    let bushes = 4.0 * f64::from(scenario.field.wanted_pieces());
+    let (mut points, mut tries) = (0.0, 0.0);
     for (number, wumpus) in scenario.wumpus.iter().enumerate() {
         let table = Table::entry("wumpus", number);
         check_wumpus(&table, wumpus, &frame)?;
         let pitch_m = wumpus.lattice_m.unwrap_or(frame.cell_m);
-        points += (frame.width_m() / pitch_m).max(1.0) * (frame.height_m() / pitch_m).max(1.0);
+        let own_points = (frame.width_m() / pitch_m).max(1.0) * (frame.height_m() / pitch_m).max(1.0);
+        points += own_points;
         if points > MAX_WUMPUS_NODES {
             let expected = format!("lattices of at most {MAX_WUMPUS_NODES:e} points, over all Wumpuses");
             return table.refuse("lattice_m", number_text(pitch_m), expected);
+        }
+        if wumpus.planner == WumpusPlanner::Potential && wumpus.potential.escape == Escape::None {
+            tries += bushes * own_points.min(scenario.duration_s * wumpus.speed_mps / pitch_m);
+        }
+        if tries > MAX_TRIES {
+            let expected = format!(
+                "\"wavefront\", where bushes times the steps of a run are more than {MAX_TRIES:e}, over all Wumpuses"
+            );
+            return table.inner("potential").refuse("escape", "\"none\"".into(), expected);
         }
     }
     let mut edges = 0.0;
@@ -161,9 +179,27 @@ fn check_wumpus(table: &Table, wumpus: &Wumpus, frame: &FieldFrame) -> Check {
     table.optional("lattice_m", wumpus.lattice_m, from(0.01, 1000.0))?;
     table.number("heuristic_weight", wumpus.heuristic_weight, from(0.0, 1000.0))?;
     table.number("seconds_per_expansion", wumpus.seconds_per_expansion, from(0.0, 1e6))?;
+    check_potential(&table.inner("potential"), &wumpus.potential)?;
+    check_safety(&table.inner("safety"), &wumpus.safety)?;
     let centre = wumpus.start_centre();
     let corners = [(1.0, 1.0), (-1.0, -1.0)].map(|(x, y)| centre + 0.5 * wumpus.size_m * DVec2::new(x, y));
     table.inside("start_m", &corners, frame)
+}
+
+fn check_potential(table: &Table, potential: &WumpusPotential) -> Check {
+    table.number("zeta", potential.zeta, from(0.0, 1e6))?;
+    table.optional("scale", potential.scale, from(0.0, 1e6))?;
+    table.number("q", potential.q, from(0.1, 1000.0))?;
+    table.number("eta", potential.eta, from(0.0, 1e6))
+}
+
+fn check_safety(table: &Table, safety: &SafetySettings) -> Check {
+    table.number("weight", safety.weight, from(0.0, 1000.0))?;
+    table.number("max_cost", safety.max_cost, from(0.001, 1e6))?;
+    table.number("safety_max", safety.safety_max, from(0.0, safety.max_cost))?;
+    table.number("safety_min", safety.safety_min, from(0.0, safety.safety_max))?;
+    table.number("safety_distance", safety.safety_distance.into(), from(1.0, 1000.0))?;
+    table.number("cost_rate", safety.cost_rate, from(0.0, 1e6))
 }
 
 fn check_unimog(table: &Table, unimog: &Unimog, frame: &FieldFrame) -> Check {
@@ -176,6 +212,7 @@ fn check_unimog(table: &Table, unimog: &Unimog, frame: &FieldFrame) -> Check {
     limits.optional("lateral_mps2", unimog.limits.lateral_mps2, from(0.001, 1000.0))?;
     check_prm(&table.inner("prm"), &unimog.prm)?;
     check_primitives(&table.inner("primitives"), &unimog.primitives, frame)?;
+    check_safety(&table.inner("safety"), &unimog.safety)?;
     table.inner("start").number("heading_deg", unimog.start.heading_deg, from(-360.0, 360.0))?;
     table.inside("start", &unimog.vehicle.footprint(unimog.start.pose()).corners(), frame)
 }

@@ -1,12 +1,10 @@
 //! A scenario in plain sentences, for `wildfire check`.
 
+use super::explain_agents::{unimog, wumpus};
 use super::load::LoadedScenario;
 use super::sketch::sketch;
 use super::warnings::warnings;
-use super::{
-    Extinguishes, Field, IgnitionCells, Overlaps, Retarget, RoadmapGoal, RoadmapSearch, Scenario, SpreadFrom, StepCost,
-    StepTime, Terrain, TruckGoal, Unimog, Wumpus, WumpusGoal, WumpusHeuristic,
-};
+use super::{Extinguishes, Field, IgnitionCells, Overlaps, Scenario, SpreadFrom, Terrain};
 
 /// Widest line, in characters.
 pub(super) const WIDTH: usize = 80;
@@ -138,124 +136,6 @@ fn agents<A>(agents: &[A], describe: impl Fn(&A) -> String) -> Vec<String> {
     agents.iter().enumerate().map(|(number, agent)| format!("{number}: {}", describe(agent))).collect()
 }
 
-fn wumpus(wumpus: &Wumpus) -> String {
-    let goal = match wumpus.goal {
-        WumpusGoal::RandomIntact => "a random intact bush",
-        WumpusGoal::NearestIntact => "the nearest intact bush",
-        WumpusGoal::FarthestFromTruck => "the intact bush farthest from all trucks",
-    };
-    let keep = if wumpus.keep_goal { "which it never gives up" } else { "which it drops when it is no longer intact" };
-    let lattice = wumpus.lattice_m.map_or("cell centres".into(), |m| format!("a lattice of {m} m from its start on"));
-    let diagonals = match wumpus.step_time {
-        StepTime::Distance => "",
-        StepTime::Uniform => " (diagonal steps take no longer)",
-    };
-    let cost = match wumpus.step_cost {
-        StepCost::Metres => "metres",
-        StepCost::Moves => "moves",
-    };
-    let heuristic = match wumpus.heuristic {
-        WumpusHeuristic::Octile => "octile distance",
-        WumpusHeuristic::ParentEuclidean => "straight line from the parent",
-    };
-    format!(
-        "starts at ({}, {}) m, a square of {} m, {} m/s{diagonals}. It goes for {goal}, {keep}, and lights it from \
-         within {} m of its centre. A* over {lattice}, cost in {cost}, {} times the {heuristic} as estimate; {}.",
-        wumpus.start_m[0],
-        wumpus.start_m[1],
-        wumpus.size_m,
-        wumpus.speed_mps,
-        wumpus.reach_m,
-        wumpus.heuristic_weight,
-        thinking(wumpus.seconds_per_expansion)
-    )
-}
-
-fn unimog(truck: &Unimog) -> String {
-    let body = &truck.vehicle;
-    let goal = match truck.goal {
-        TruckGoal::NearestBurning => "the nearest fire",
-        TruckGoal::Oldest => "the oldest fire",
-        TruckGoal::LargestCluster => "the nearest fire of the largest burning group",
-    };
-    let retarget = match truck.retarget {
-        Retarget::Never => "keeps it until it is out",
-        Retarget::OnEvent => "thinks again whenever something ignites",
-    };
-    format!(
-        "starts with its rear axle at ({}, {}) m, heading {} degrees. {} x {} m, wheelbase {} m, turning radius {} m \
-         (steering to {:.1} degrees). {} m/s forward, {} m/s in reverse; {}. It goes for {goal} and {retarget}. {} {}",
-        truck.start.x_m,
-        truck.start.y_m,
-        truck.start.heading_deg,
-        body.length_m,
-        body.width_m,
-        body.wheelbase_m,
-        body.turning_radius_m,
-        body.max_steering_rad().to_degrees(),
-        truck.speed_mps,
-        truck.reverse_speed_mps,
-        limits(truck),
-        roadmap(truck),
-        local_search(truck)
-    )
-}
-
-fn limits(truck: &Unimog) -> String {
-    let limit = |name: &str, limit: Option<f64>| limit.map(|mps2| format!("{name} {mps2} m/s2"));
-    let set: Vec<String> = [
-        limit("acceleration", truck.limits.acceleration_mps2),
-        limit("braking", truck.limits.braking_mps2),
-        limit("to the side", truck.limits.lateral_mps2),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
-    if set.is_empty() { "speed changes at once".into() } else { set.join(", ") }
-}
-
-fn roadmap(truck: &Unimog) -> String {
-    let prm = &truck.prm;
-    let search = match prm.search {
-        RoadmapSearch::Astar => "A*",
-        RoadmapSearch::Dijkstra => "Dijkstra's search",
-        RoadmapSearch::Greedy => "greedy search",
-    };
-    let goal = match prm.goal {
-        RoadmapGoal::InReach => "milestones from which the fire is in reach",
-        RoadmapGoal::NearestMilestone => "the milestone nearest to the fire",
-    };
-    format!(
-        "Roadmap of {} samples, {} neighbours each, edges up to {} m, {} m clear; {search} to {goal}; {}.",
-        prm.samples,
-        prm.neighbours,
-        prm.max_edge_m,
-        prm.clearance_m,
-        thinking(prm.seconds_per_expansion)
-    )
-}
-
-fn local_search(truck: &Unimog) -> String {
-    let local = &truck.primitives;
-    format!(
-        "Local search with motions of {} m, bins of {} m and {} headings, {} m clear, at most {} expansions; {}.",
-        local.step_m,
-        local.bin_m,
-        local.headings,
-        local.clearance_m,
-        local.max_expansions,
-        thinking(local.seconds_per_expansion)
-    )
-}
-
-fn thinking(seconds_per_expansion: f64) -> String {
-    if seconds_per_expansion == 0.0 {
-        "planning takes no simulated time".into()
-    } else {
-        format!("it stands {seconds_per_expansion} s for every expansion")
-    }
-}
-
 fn ignitions(scenario: &Scenario) -> String {
     let (mut random, mut named) = (0_u64, 0);
     for ignition in &scenario.ignition {
@@ -354,6 +234,23 @@ mod tests {
         ] {
             assert!(text.contains(words), "`{words}` is not in {text}");
         }
+    }
+
+    #[test]
+    fn what_walks_and_places_cost_is_told() {
+        let changes = ["wumpus.planner=potential", "wumpus.potential.escape=none", "unimog.safety.map=cost"];
+        let text = in_one_line(&of("contest", &changes));
+        for words in [
+            "Gradient descent on a potential field over cell centres: attraction up to 10, repulsion of strength 15",
+            "in a local minimum it gives the goal up",
+            "a metre costs 1 + 1 times s, s being 0.65 beside a bush, 0.50 at 2 cells from one",
+        ] {
+            assert!(text.contains(words), "`{words}` is not in {text}");
+        }
+        let text = in_one_line(&of("contest", &["wumpus.planner=wavefront", "wumpus.safety.map=brushfire"]));
+        assert!(text.contains("exact cost-to-go over cell centres, cost in metres; planning takes"), "{text}");
+        assert!(text.contains("1 beside a bush, 1/D at D cells from one"), "{text}");
+        assert!(!in_one_line(&of("contest", &[])).contains("For safety"));
     }
 
     #[test]

@@ -12,6 +12,7 @@ mod change;
 mod check;
 mod error;
 mod explain;
+mod explain_agents;
 mod field;
 mod given;
 mod load;
@@ -26,8 +27,8 @@ mod warnings;
 mod wording;
 
 pub use agents::{
-    Limits, Retarget, StartPose, StepCost, StepTime, TruckGoal, TruckPlannerKind, Unimog, Wumpus, WumpusGoal,
-    WumpusHeuristic, WumpusPlanner,
+    Escape, Limits, Retarget, StartPose, StepCost, StepTime, TruckGoal, TruckPlannerKind, Unimog, Wumpus, WumpusGoal,
+    WumpusHeuristic, WumpusPlanner, WumpusPotential,
 };
 pub use error::{Fault, Place, ScenarioError};
 pub use explain::explain;
@@ -42,7 +43,10 @@ pub use tetromino::Shape;
 use serde::{Deserialize, Serialize};
 
 use crate::geometry::DVec2;
-pub use crate::planning::{ClearanceTo, MotionCost, PrimitiveSettings, PrmSettings, RoadmapGoal, RoadmapSearch};
+pub use crate::planning::{
+    ClearanceTo, MotionCost, PrimitiveSettings, PrmSettings, RoadmapGoal, RoadmapSearch, SafetyForm, SafetyMap,
+    SafetySettings,
+};
 
 /// A contest: where, under which rules, between whom, for how long.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

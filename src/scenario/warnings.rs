@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use super::{IgnitionCells, RoadmapGoal, Scenario, SpreadFrom, Terrain, Unimog};
+use super::{
+    Escape, IgnitionCells, RoadmapGoal, SafetyMap, Scenario, SpreadFrom, Terrain, Unimog, Wumpus, WumpusPlanner,
+    WumpusPotential,
+};
 use crate::collision::{ClearanceField, CollisionChecker};
 use crate::geometry::DVec2;
 
@@ -14,6 +17,9 @@ pub fn warnings(scenario: &Scenario, terrain: Option<&Terrain>) -> Vec<String> {
     let mut found = Vec::new();
     warn_of_rules(scenario, &mut found);
     warn_of_ignitions(scenario, terrain, &mut found);
+    for (number, wumpus) in scenario.wumpus.iter().enumerate() {
+        warn_of_wumpus(number, wumpus, &mut found);
+    }
     for (number, unimog) in scenario.unimog.iter().enumerate() {
         warn_of_truck(number, unimog, &mut found);
         if scenario.suppression.reach_m.is_none() && unimog.prm.goal == RoadmapGoal::InReach {
@@ -60,6 +66,26 @@ fn warn_of_ignitions(scenario: &Scenario, terrain: Option<&Terrain>, found: &mut
     let bare = named.flatten().filter(|cell| !terrain.occupied[(cell.row.into(), cell.col.into())]).count();
     if bare > 0 {
         found.push(format!("{bare} of the cells that an ignition names are no bushes of the map."));
+    }
+}
+
+/// Settings of a planner that the Wumpus does not use.
+fn warn_of_wumpus(number: usize, wumpus: &Wumpus, found: &mut Vec<String>) {
+    let usual = Wumpus::default();
+    let heuristic = (wumpus.heuristic, wumpus.heuristic_weight) != (usual.heuristic, usual.heuristic_weight);
+    if heuristic && wumpus.planner != WumpusPlanner::Astar {
+        found.push(format!(
+            "The `heuristic` and `heuristic_weight` of Wumpus {number} do nothing: only the planner \"astar\" uses them."
+        ));
+    }
+    let goes_by_cost = wumpus.planner != WumpusPlanner::Potential || wumpus.potential.escape == Escape::Wavefront;
+    if wumpus.safety.map != SafetyMap::None && !goes_by_cost {
+        found.push(format!(
+            "The `safety` of Wumpus {number} does nothing: descent on a potential field goes by no cost but in its escape."
+        ));
+    }
+    if wumpus.potential != WumpusPotential::default() && wumpus.planner != WumpusPlanner::Potential {
+        found.push(format!("The `potential` of Wumpus {number} does nothing: only the planner \"potential\" uses it."));
     }
 }
 
@@ -137,6 +163,13 @@ mod tests {
             ("unimog-alone", vec!["duration_s=3400"], "1 of the ignitions come after"),
             ("fleet", vec!["unimog.start.x_m=100", "unimog.start.y_m=100"], "Trucks 0 and 1 start on top"),
             ("contest", vec!["unimog.prm.clearance_m=1"], "keeps 1 m clear"),
+            (
+                "contest",
+                vec!["wumpus.planner=wavefront", "wumpus.heuristic_weight=2"],
+                "The `heuristic` and `heuristic_weight` of Wumpus 0 do nothing",
+            ),
+            ("local-minima", vec!["wumpus.safety.map=cost"], "The `safety` of Wumpus 0 does nothing"),
+            ("fleet", vec!["wumpus.1.potential.q=3"], "The `potential` of Wumpus 1 does nothing"),
             ("fleet", vec!["suppression.reach_m=none"], "Truck 2 extinguishes from where it stands and never drives"),
         ] {
             let found = of(source, &changes);

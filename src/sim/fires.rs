@@ -118,7 +118,12 @@ fn light(stage: &mut Stage, entity: Entity, revision: u32) {
     if agent.revision != revision {
         return;
     }
-    wumpus::arrive(&mut wumpus.expect("only wumpuses light cells"));
+    let mut wumpus = wumpus.expect("only wumpuses light cells");
+    wumpus::arrive(&mut wumpus);
+    if wumpus.is_stuck {
+        wumpus::give_up((entity, &mut agent, &mut wumpus), now, &mut stage.agenda, &mut stage.log);
+        return;
+    }
     let goal = agent.goal.take().expect("a Wumpus walks to a goal");
     let id = agent.id;
     agent.activity = Activity::Idle;

@@ -22,7 +22,7 @@ use thiserror::Error;
 use crate::scenario::{Scenario, TerrainError};
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
-use crate::timeline::{AgentId, EndReason, Fact, RestReason, Setting, Timeline};
+use crate::timeline::{AgentId, EndReason, Fact, Setting, Timeline};
 
 use agenda::{Agenda, Due, Rank, SimClock};
 use agent::{Log, Roster};
@@ -207,8 +207,11 @@ fn end(mut stage: Stage, ignitions: Res<Ignitions>, mut ended: ResMut<Ended>) {
     } else {
         let instant_is_over = stage.agenda.next_time() > Some(now);
         let arsonists_rest = || {
-            let rests = |entity: Entity| stage.agents.get(entity).expect("the roster lists living agents").0.rests;
-            stage.roster.wumpuses.iter().all(|&wumpus| rests(wumpus) == Some(RestReason::NothingLeftToLight))
+            stage.roster.wumpuses.iter().all(|&entity| {
+                let (agent, wumpus, _) = stage.agents.get(entity).expect("the roster lists living agents");
+                let wumpus = wumpus.expect("the roster knows its wumpuses");
+                agent.rests.is_some() && !wumpus.has_something_to_light(&stage.fires.0)
+            })
         };
         let is_over =
             instant_is_over && stage.fires.0.burning().len() == 0 && ignitions.pending == 0 && arsonists_rest();

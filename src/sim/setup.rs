@@ -1,5 +1,6 @@
 //! From a scenario and a seed to the world at time 0.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use bevy::prelude::*;
@@ -9,13 +10,16 @@ use rand::seq::SliceRandom;
 use crate::collision::{ClearanceField, CollisionChecker};
 use crate::fire::{FireRules, Vegetation};
 use crate::geometry::{Cell, Pose};
-use crate::grid::astar::AStar;
+use crate::grid::potential::{Attraction, Repulsion, RepulsionDistance};
 use crate::planning::reachability::Reachability;
-use crate::planning::walk::{Estimate, LatticeShape, WalkLattice, WalkSearch};
-use crate::planning::{PrmPrimitives, TruckPlanner};
+use crate::planning::walk::{
+    Estimate, LatticeShape, PotentialSettings, WalkCosts, WalkLattice, WalkMethod, WalkPlanner,
+};
+use crate::planning::{PrmPrimitives, Safety, TruckPlanner};
 use crate::rng;
 use crate::scenario::{
-    Extinguishes, Retarget, Scenario, SpreadFrom, StepCost, StepTime, Terrain, WumpusGoal, WumpusHeuristic,
+    Escape, Extinguishes, Retarget, Scenario, SpreadFrom, StepCost, StepTime, Terrain, WumpusGoal, WumpusHeuristic,
+    WumpusPlanner,
 };
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
@@ -159,18 +163,19 @@ fn place_wumpus(
         permutation.retain(|cell| targets.binary_search_by_key(&frame.index(*cell), |c| frame.index(*c)).is_ok());
         targets = permutation;
     }
-    let memory = AStar::new(lattice.points());
+    let planner = WalkPlanner::new(&lattice, walk_method(settings), walk_costs(settings, terrain, &lattice));
     let wumpus = Wumpus {
         reach_m: settings.reach_m,
         policy: settings.goal,
         keeps_goal: settings.keep_goal,
         step_times: step_times(settings, step_m),
-        search: walk_search(settings, step_m),
         seconds_per_expansion: settings.seconds_per_expansion,
         lattice,
-        memory,
+        planner,
         point,
         walk: Vec::new(),
+        is_stuck: false,
+        failed: BTreeSet::new(),
         targets,
         next_target: 0,
         cost: AgentCost::nothing(id),
@@ -186,17 +191,36 @@ fn step_times(settings: &scenario::Wumpus, step_m: f64) -> (f64, f64) {
     }
 }
 
-fn walk_search(settings: &scenario::Wumpus, step_m: f64) -> WalkSearch {
-    WalkSearch {
-        step_costs: match settings.step_cost {
-            StepCost::Metres => (step_m, step_m * std::f64::consts::SQRT_2),
-            StepCost::Moves => (1.0, 1.0),
+fn walk_costs(settings: &scenario::Wumpus, terrain: &Terrain, lattice: &WalkLattice) -> WalkCosts {
+    let step_m = lattice.step_m();
+    let steps = match settings.step_cost {
+        StepCost::Metres => (step_m, step_m * std::f64::consts::SQRT_2),
+        StepCost::Moves => (1.0, 1.0),
+    };
+    let factors = Safety::new(terrain.frame, &terrain.occupied, &settings.safety)
+        .map(|safety| (0..lattice.points()).map(|point| 1.0 + safety.surcharge_at(lattice.position(point))).collect());
+    WalkCosts { steps, factors }
+}
+
+fn walk_method(settings: &scenario::Wumpus) -> WalkMethod {
+    match settings.planner {
+        WumpusPlanner::Astar => WalkMethod::Astar {
+            estimate: match settings.heuristic {
+                WumpusHeuristic::Octile => Estimate::Octile,
+                WumpusHeuristic::ParentEuclidean => Estimate::ParentEuclidean,
+            },
+            weight: settings.heuristic_weight,
         },
-        estimate: match settings.heuristic {
-            WumpusHeuristic::Octile => Estimate::Octile,
-            WumpusHeuristic::ParentEuclidean => Estimate::ParentEuclidean,
-        },
-        weight: settings.heuristic_weight,
+        WumpusPlanner::Wavefront => WalkMethod::Wavefront,
+        WumpusPlanner::Potential => {
+            let potential = &settings.potential;
+            WalkMethod::Potential(PotentialSettings {
+                attraction: Attraction::Squared { zeta: potential.zeta },
+                scale: potential.scale,
+                repulsion: Repulsion { q: potential.q, eta: potential.eta, distance: RepulsionDistance::Brushfire },
+                escapes: potential.escape == Escape::Wavefront,
+            })
+        }
     }
 }
 
@@ -215,7 +239,7 @@ fn place_truck(
     }
     let AgentId::Unimog(number) = id else { unreachable!("trucks are Unimogs") };
     let mut stream = rng::stream(seed, &format!("truck/{number}/prm"));
-    let planner = PrmPrimitives::build(&checker, &settings.prm, &settings.primitives, &mut stream);
+    let planner = PrmPrimitives::build(&checker, &settings.prm, &settings.primitives, &settings.safety, &mut stream);
     let report = planner.build_report();
     log.add(
         SimTime::ZERO,

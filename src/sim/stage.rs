@@ -7,7 +7,7 @@ use glam::DVec2;
 use crate::fire::Vegetation;
 use crate::geometry::{Cell, FieldFrame};
 use crate::time::SimTime;
-use crate::timeline::{Cause, Fact};
+use crate::timeline::{Cause, Fact, RestReason};
 use crate::trajectory::Trajectory;
 
 use super::agenda::{Agenda, Due, Rank, SimClock};
@@ -140,15 +140,17 @@ impl Stage<'_, '_> {
             }
         }
         if self.fires.0.can_burn(cell) {
-            self.call_resting_wumpuses();
+            self.call_resting_wumpuses(cell);
         }
     }
 
-    fn call_resting_wumpuses(&mut self) {
+    /// A cell can be lit again: Wumpuses that rest look again, but for those that know that they fail to approach it.
+    fn call_resting_wumpuses(&mut self, cell: Cell) {
         let now = self.now();
         for &entity in &self.roster.wumpuses {
-            let (mut agent, ..) = self.agents.get_mut(entity).expect("the roster lists living agents");
-            if agent.rests.is_some() {
+            let (mut agent, wumpus, _) = self.agents.get_mut(entity).expect("the roster lists living agents");
+            let has_failed = wumpus.expect("the roster knows its wumpuses").has_failed(cell);
+            if agent.rests.is_some_and(|why| why != RestReason::LocalMinima || !has_failed) {
                 agent.reconsider(entity, now, &mut self.agenda);
             }
         }

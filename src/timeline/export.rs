@@ -100,6 +100,7 @@ fn name(fact: &Fact) -> &'static str {
         Fact::Suppressing { .. } => "suppressing",
         Fact::SuppressionEnded { .. } => "suppression-ended",
         Fact::Rested { .. } => "rested",
+        Fact::LocalMinimum { .. } => "local-minimum",
         Fact::Ended { .. } => "ended",
     }
 }
@@ -129,6 +130,7 @@ fn detail(fact: &Fact) -> String {
         }
         Fact::Dropped { trajectory, .. } => leg(trajectory),
         Fact::Rested { reason, .. } => format!("reason={reason}"),
+        Fact::LocalMinimum { x_m, y_m, .. } => format!("x_m={x_m}; y_m={y_m}"),
         Fact::Ended { reason } => format!("reason={reason}"),
         Fact::BurnedOut { .. }
         | Fact::Extinguished { .. }
@@ -183,9 +185,10 @@ mod tests {
         assert_eq!(lines[8], format!("10.000000000,planned,unimog/0,1,1,{plan}; {expansions}; by_lattice=false"));
         assert_eq!(lines[10], "16.000000000,ignited,,5,2,cause=spread; from=1:1");
         let failure = "reason=disconnected; roadmap_expansions=0; local_expansions=30; until_s=19.000000000";
-        assert_eq!(lines[12], format!("17.000000000,plan-failed,wumpus/0,2,9,{failure}"));
-        assert_eq!(lines[13], "19.000000000,rested,wumpus/0,,,reason=nothing left to light");
-        assert_eq!(lines[27], "90.000000000,ended,,,,reason=nothing left");
+        assert_eq!(lines[12], "17.000000000,local-minimum,wumpus/0,2,9,x_m=34.5; y_m=-0");
+        assert_eq!(lines[13], format!("17.000000000,plan-failed,wumpus/0,2,9,{failure}"));
+        assert_eq!(lines[14], "19.000000000,rested,wumpus/0,,,reason=nothing left to light");
+        assert_eq!(lines[28], "90.000000000,ended,,,,reason=nothing left");
     }
 
     #[test]

@@ -30,6 +30,8 @@ pub enum RestReason {
     NothingBurns,
     /// A truck while all that burns cannot be reached from where it can go.
     NothingReachable,
+    /// A Wumpus that descends into a local minimum from where it stands, whichever cell it goes for.
+    LocalMinima,
 }
 
 impl fmt::Display for RestReason {
@@ -38,6 +40,7 @@ impl fmt::Display for RestReason {
             Self::NothingLeftToLight => "nothing left to light",
             Self::NothingBurns => "nothing burns that is not another truck's",
             Self::NothingReachable => "nothing reachable",
+            Self::LocalMinima => "local minima wherever it goes",
         })
     }
 }
@@ -131,6 +134,14 @@ pub enum Fact {
         agent: AgentId,
         reason: RestReason,
     },
+    /// The descent of a Wumpus for a goal meets a local minimum at this place. A `Planned` follows if its walk leads
+    /// there and escapes; if the Wumpus stands there and gives the goal up, a `PlanFailed`.
+    LocalMinimum {
+        agent: AgentId,
+        goal: Cell,
+        x_m: f64,
+        y_m: f64,
+    },
     Ended {
         reason: EndReason,
     },
@@ -157,7 +168,8 @@ impl Fact {
             | Self::Dropped { agent, .. }
             | Self::Suppressing { agent, .. }
             | Self::SuppressionEnded { agent, .. }
-            | Self::Rested { agent, .. } => Some(agent),
+            | Self::Rested { agent, .. }
+            | Self::LocalMinimum { agent, .. } => Some(agent),
             Self::Ignited { .. } | Self::BurnedOut { .. } | Self::Ended { .. } => None,
         }
     }
@@ -178,7 +190,10 @@ impl Fact {
             | Self::Extinguished { cell, .. }
             | Self::Suppressing { cell, .. }
             | Self::SuppressionEnded { cell, .. } => Some(cell),
-            Self::Planned { goal, .. } | Self::PlanFailed { goal, .. } | Self::Dropped { goal, .. } => Some(goal),
+            Self::Planned { goal, .. }
+            | Self::PlanFailed { goal, .. }
+            | Self::Dropped { goal, .. }
+            | Self::LocalMinimum { goal, .. } => Some(goal),
             Self::StartMoved { .. }
             | Self::RoadmapBuilt { .. }
             | Self::OutOfReach { .. }

@@ -162,6 +162,7 @@ impl<'a> AgentLedger<'a> {
                 let place = PlanFailure::ALL.iter().position(|known| known == reason);
                 self.outcome.failures[place.expect("all reasons are listed")] += 1;
             }
+            Fact::LocalMinimum { .. } => self.outcome.local_minima += 1,
             Fact::Dropped { trajectory, .. } => {
                 self.end_leg(now);
                 self.end_drive(now);

@@ -51,9 +51,11 @@ pub struct AgentOutcome {
     /// Queries for a plan, failed ones included.
     pub plans: u32,
     /// Failed queries by reason, in the order of [`crate::planning::PlanFailure::ALL`].
-    pub failures: [u32; 4],
+    pub failures: [u32; 5],
     /// Plans for goals on which the planner had failed, after the reachability flood said that they can be reached.
     pub lattice_plans: u32,
+    /// Local minima that a Wumpus's descents met, whether it escaped from them or gave its goal up there.
+    pub local_minima: u32,
     pub roadmap_samples: u32,
     pub roadmap_edges: u32,
     pub roadmap_components: u32,
@@ -90,8 +92,9 @@ impl AgentOutcome {
             agent,
             cells: 0,
             plans: 0,
-            failures: [0; 4],
+            failures: [0; 5],
             lattice_plans: 0,
+            local_minima: 0,
             roadmap_samples: 0,
             roadmap_edges: 0,
             roadmap_components: 0,
@@ -194,7 +197,8 @@ mod tests {
         let expected = AgentOutcome {
             cells: 1,
             plans: 3,
-            failures: [0, 0, 1, 0],
+            failures: [0, 0, 1, 0, 0],
+            local_minima: 1,
             roadmap_expansions: 10,
             local_expansions: 44,
             distance_m: 20.0 + 14.0,
@@ -214,7 +218,7 @@ mod tests {
         let expected = AgentOutcome {
             cells: 1,
             plans: 4,
-            failures: [0, 0, 0, 1],
+            failures: [0, 0, 0, 1, 0],
             lattice_plans: 1,
             roadmap_samples: 500,
             roadmap_edges: 2100,

@@ -60,7 +60,7 @@ pub struct AgentState {
     pub speed_mps: f64,
     pub activity: Activity,
     /// The cell that it goes for: from the plan until the cell is lit or extinguished by it, its suppression ends,
-    /// the goal is dropped, or it rests.
+    /// the goal is dropped, given up at a local minimum, or it rests.
     pub goal: Option<Cell>,
 }
 
@@ -242,7 +242,11 @@ impl<'a> Replay<'a> {
             Fact::Dropped { trajectory, .. } => course.follow(trajectory, None, event.time),
             Fact::PlanFailed { until, .. } => course.planning_until = *until,
             Fact::Suppressing { .. } => course.suppresses = true,
-            Fact::Extinguished { .. } | Fact::SuppressionEnded { .. } | Fact::Ignited { .. } | Fact::Rested { .. } => {
+            Fact::Extinguished { .. }
+            | Fact::SuppressionEnded { .. }
+            | Fact::Ignited { .. }
+            | Fact::Rested { .. }
+            | Fact::LocalMinimum { .. } => {
                 course.give_up_goal();
             }
             Fact::StartMoved { .. }

@@ -105,6 +105,7 @@ pub fn by_hand() -> Timeline {
         at(15.0, Fact::Suppressing { agent: TRUCK, cell: A }),
         at(16.0, Fact::Ignited { cell: B, cause: Cause::Spread(A) }),
         at(16.0, Fact::Dropped { agent: WUMPUS, goal: B, trajectory: cut_walk }),
+        at(17.0, Fact::LocalMinimum { agent: WUMPUS, goal: D, x_m: 34.5, y_m: -0.0 }),
         at(17.0, failed(WUMPUS, D, PlanFailure::Disconnected, effort(0, 30), 19.0)),
         at(19.0, Fact::Rested { agent: WUMPUS, reason: RestReason::NothingLeftToLight }),
         at(20.0, Fact::Extinguished { cell: A, by: TRUCK }),

@@ -30,7 +30,8 @@ impl Aim {
     }
 }
 
-/// Finds turn-then-straight motions that bring the centre of one body to a place or into a disc, at one price list.
+/// Finds turn-then-straight motions that bring the centre of one body to a place or into a disc, at one price list,
+/// without what places cost.
 ///
 /// With T the target seen from the turning circle's centre, R the radius, u the heading after the turn and n the unit
 /// vector from that centre to the axle, T = (R - o) n + t u, where t is how far ahead the target is then and o how far
@@ -42,7 +43,7 @@ impl Aim {
 /// derivative of its length by the turning angle is o (1 - t / s) with s the half chord. Where the direction changes in
 /// between, the derivative 2 R + o (t / s - 1) vanishes on the disc's near side only; o is set to a share of the radius
 /// there.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Aiming {
     radius: f64,
     /// From the axle to the body's centre.
@@ -183,7 +184,7 @@ mod tests {
 
     fn aiming() -> (Dimensions, Aiming) {
         let body = Dimensions::default();
-        (body, Aiming::new(&body, Price::new(&PrimitiveSettings::default())))
+        (body, Aiming::new(&body, Price::new(&PrimitiveSettings::default(), &body, None)))
     }
 
     fn all(aiming: &Aiming, pose: Pose, disc: GoalDisc, after_reverse: Option<bool>) -> Vec<Aim> {
@@ -214,7 +215,7 @@ mod tests {
                 let path = Path { start: pose, segments: aim.pieces().collect() };
                 let end = body.body_centre(path.end()).distance(centre);
                 assert!((end - disc.radius_m).abs() < 1e-9, "ends at {end} of {}", disc.radius_m);
-                assert!((aim.cost - aiming.price.of_all(&path.segments)).abs() < 1e-9);
+                assert!((aim.cost - aiming.price.of_all(path.start, &path.segments)).abs() < 1e-9);
                 for (from, segment) in path.legs() {
                     for k in 0..50 {
                         let on_way = segment.pose_at(from, segment.length_m * f64::from(k) / 50.0);
@@ -259,7 +260,7 @@ mod tests {
                         let end = straight.end(turn.end(pose));
                         if body.body_centre(end).distance(disc.centre) <= disc.radius_m {
                             // A straight that misses the centre may be cheaper than one aimed at it, but not by much.
-                            let cost = aiming.price.of_all(&[turn, straight]);
+                            let cost = aiming.price.of_all(pose, &[turn, straight]);
                             assert!(cost > best - 2.5, "grid {cost}, aim {best}");
                         }
                     }

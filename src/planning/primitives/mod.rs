@@ -18,13 +18,15 @@ mod shorten;
 pub use floor::Floor;
 pub use search::{Ending, Search, Task};
 
+use std::sync::Arc;
+
 use glam::DVec2;
 
 use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M};
 use crate::geometry::Pose;
 use crate::vehicle::{Path, Segment};
 
-use super::{GoalDisc, PlanFailure, PrimitiveSettings};
+use super::{GoalDisc, PlanFailure, PrimitiveSettings, Safety};
 
 /// Clearances tried in turn, as shares of the wanted one, each with the percentage of the budget that it may spend.
 ///
@@ -43,11 +45,11 @@ pub struct LocalSearch {
 }
 
 impl LocalSearch {
-    pub fn new(checker: &CollisionChecker, settings: &PrimitiveSettings) -> Self {
+    pub fn new(checker: &CollisionChecker, settings: &PrimitiveSettings, safety: Option<Arc<Safety>>) -> Self {
         Self {
             checker: checker.clone(),
             settings: settings.clone(),
-            search: Search::new(settings, checker),
+            search: Search::new(settings, checker, safety),
             segments: Vec::new(),
             expansions: 0,
         }

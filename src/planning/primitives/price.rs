@@ -1,25 +1,40 @@
-use crate::planning::{MotionCost, PrimitiveSettings};
-use crate::vehicle::Segment;
+use std::sync::Arc;
+
+use glam::DVec2;
+
+use crate::geometry::Pose;
+use crate::planning::{MotionCost, PrimitiveSettings, Safety};
+use crate::vehicle::{Dimensions, Segment};
 
 /// What motions cost in the local search.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Price {
     per_metre: f64,
     turn: f64,
     reverse: f64,
     cusp: f64,
+    safety: Option<Arc<Safety>>,
+    /// From the axle forward to the body's centre, whose place counts for safety.
+    ahead_m: f64,
 }
 
 impl Price {
-    pub fn new(settings: &PrimitiveSettings) -> Self {
+    pub fn new(settings: &PrimitiveSettings, body: &Dimensions, safety: Option<Arc<Safety>>) -> Self {
         let per_metre = match settings.cost {
             MotionCost::Metres => 1.0,
             MotionCost::Moves => 1.0 / settings.step_m,
         };
-        Self { per_metre, turn: settings.turn_cost, reverse: settings.reverse_cost, cusp: settings.cusp_cost }
+        Self {
+            per_metre,
+            turn: settings.turn_cost,
+            reverse: settings.reverse_cost,
+            cusp: settings.cusp_cost,
+            safety,
+            ahead_m: body.centre_offset_m(),
+        }
     }
 
-    /// Cost of a segment driven after another one, or from standstill.
+    /// Cost of a segment driven after another one, or from standstill, wherever that is.
     pub fn of(&self, segment: Segment, after_reverse: Option<bool>) -> f64 {
         let reverse = segment.is_reverse();
         let turn = if segment.curvature == 0.0 { 0.0 } else { self.turn };
@@ -28,9 +43,39 @@ impl Price {
         segment.length_m.abs() * rate + cusp
     }
 
-    /// Cost of segments in a row, from standstill.
-    pub fn of_all(&self, segments: &[Segment]) -> f64 {
+    /// What a segment from a pose costs more because of the places that it leads through.
+    pub fn of_places(&self, pose: Pose, segment: Segment) -> f64 {
+        let Some(safety) = &self.safety else { return 0.0 };
+        let centre = |share: f64| {
+            let pose = segment.pose_at(pose, share * segment.length_m);
+            pose.position() + pose.direction() * self.ahead_m
+        };
+        self.per_metre * safety.surcharge_along(segment.length_m.abs(), centre)
+    }
+
+    /// The same for segments in a row.
+    pub fn of_all_places(&self, mut pose: Pose, segments: impl IntoIterator<Item = Segment>) -> f64 {
+        if self.safety.is_none() {
+            return 0.0;
+        }
+        let of_next = |segment: Segment| {
+            let from = pose;
+            pose = segment.end(from);
+            self.of_places(from, segment)
+        };
+        segments.into_iter().map(of_next).sum()
+    }
+
+    /// What a straight line for the body's centre costs more because of the places that it leads through.
+    pub fn of_line(&self, from: DVec2, to: DVec2) -> f64 {
+        let Some(safety) = &self.safety else { return 0.0 };
+        self.per_metre * safety.surcharge_along(from.distance(to), |share| from.lerp(to, share))
+    }
+
+    /// Cost of segments in a row from a pose, from standstill.
+    pub fn of_all(&self, pose: Pose, segments: &[Segment]) -> f64 {
         let mut before = None;
-        segments.iter().map(|&segment| self.of(segment, before.replace(segment.is_reverse()))).sum()
+        let motions: f64 = segments.iter().map(|&segment| self.of(segment, before.replace(segment.is_reverse()))).sum();
+        motions + self.of_all_places(pose, segments.iter().copied())
     }
 }

@@ -1,9 +1,11 @@
+use std::sync::Arc;
+
 use glam::DVec2;
 
 use crate::collision::CollisionChecker;
 use crate::geometry::{Pose, ops};
 use crate::grid::open_list::{OpenList, Ranked};
-use crate::planning::{GoalDisc, PrimitiveSettings};
+use crate::planning::{GoalDisc, PrimitiveSettings, Safety};
 use crate::vehicle::{Dimensions, Segment};
 
 use super::aim::{Aim, Aiming};
@@ -131,15 +133,15 @@ pub struct Search {
     open: OpenList<Candidate>,
     bins: Bins,
     sequence: u32,
-    /// Metres from each waypoint along the rest of the route.
+    /// Metres from each waypoint along the rest of the route, and what their places cost more.
     tails: Vec<f64>,
     /// Nodes expanded by the last search.
     pub expansions: u32,
 }
 
 impl Search {
-    pub fn new(settings: &PrimitiveSettings, checker: &CollisionChecker) -> Self {
-        let price = Price::new(settings);
+    pub fn new(settings: &PrimitiveSettings, checker: &CollisionChecker, safety: Option<Arc<Safety>>) -> Self {
+        let price = Price::new(settings, checker.body(), safety);
         let motion = |side: f64, sense: f64| {
             let segment =
                 Segment { curvature: side * checker.body().max_curvature(), length_m: sense * settings.step_m };
@@ -147,8 +149,8 @@ impl Search {
         };
         Self {
             settings: settings.clone(),
+            aiming: Aiming::new(checker.body(), price.clone()),
             price,
-            aiming: Aiming::new(checker.body(), price),
             lattice: [
                 motion(0.0, 1.0),
                 motion(1.0, 1.0),
@@ -217,7 +219,8 @@ impl Search {
         self.tails.clear();
         self.tails.resize(task.waypoints.len(), 0.0);
         for index in (0..task.waypoints.len().saturating_sub(1)).rev() {
-            self.tails[index] = self.tails[index + 1] + task.waypoints[index].distance(task.waypoints[index + 1]);
+            let (from, to) = (task.waypoints[index], task.waypoints[index + 1]);
+            self.tails[index] = self.tails[index + 1] + (from.distance(to) + self.price.of_line(from, to));
         }
     }
 
@@ -257,14 +260,18 @@ impl Search {
     fn estimate(&mut self, task: &Task<'_>, node: &Node) -> (f64, u32) {
         let centre = task.checker.body().body_centre(node.pose);
         let (disc, tail) = self.target(task, node.stage);
-        let straight = (centre.distance(disc.centre) - disc.radius_m).max(0.0);
+        let gap = centre.distance(disc.centre);
+        let straight = (gap - disc.radius_m).max(0.0);
+        let rim = centre.lerp(disc.centre, straight / gap.max(f64::MIN_POSITIVE));
+        let straight = straight + self.price.of_line(centre, rim);
         if !self.settings.aimed {
             return (straight + tail, NO_AIM);
         }
         match self.aiming.best_into(node.pose, disc, node.reverse()) {
             Some(aim) => {
                 self.aims.push(aim);
-                (aim.cost.min(straight + DETOUR_CAP_M) + tail, self.aims.len() as u32 - 1)
+                let cost = aim.cost + self.price.of_all_places(node.pose, aim.pieces());
+                (cost.min(straight + DETOUR_CAP_M) + tail, self.aims.len() as u32 - 1)
             }
             None => (straight + DETOUR_CAP_M + tail, NO_AIM),
         }
@@ -302,9 +309,10 @@ impl Search {
             if undoes {
                 continue;
             }
-            let cost = node.cost + self.price.of(motion.segment, node.reverse());
+            let of_places = self.price.of_places(node.pose, motion.segment);
+            let cost = node.cost + (self.price.of(motion.segment, node.reverse()) + of_places);
             let gained = gap - (centre + motion.centre_shift(sin, cos)).distance(disc.centre);
-            let key = cost + weight * (node.ahead - 0.5 * (self.settings.step_m + gained)).max(0.0);
+            let key = cost + weight * (node.ahead - 0.5 * (self.settings.step_m + gained) - of_places).max(0.0);
             self.push(key, cost, index, Step::Lattice { index: choice as u8 });
         }
     }
@@ -321,9 +329,11 @@ impl Search {
 
     /// Puts an aim on the list, to be swept when its turn comes.
     fn offer(&mut self, task: &Task<'_>, index: u32, target: u32, aim: u32) {
-        let cost = self.nodes[index as usize].cost;
+        let Node { cost, pose, .. } = self.nodes[index as usize];
         let (_, tail) = self.target(task, target);
-        let key = cost + self.settings.heuristic_weight * (self.aims[aim as usize].cost + tail);
+        let ahead = &self.aims[aim as usize];
+        let of_places = self.price.of_all_places(pose, ahead.pieces());
+        let key = cost + self.settings.heuristic_weight * ((ahead.cost + of_places) + tail);
         self.push(key, cost, index, Step::Aimed { target, aim });
     }
 
@@ -352,7 +362,8 @@ impl Search {
         let mut parent = from.node;
         for motion in [turn, straight] {
             if motion.length_m != 0.0 {
-                let cost = node.cost + self.price.of(motion, node.reverse());
+                let of_places = self.price.of_places(node.pose, motion);
+                let cost = node.cost + (self.price.of(motion, node.reverse()) + of_places);
                 node = Node { pose: motion.end(node.pose), parent, motion, cost, ..node };
                 parent = self.nodes.len() as u32;
                 self.nodes.push(node);

@@ -55,7 +55,7 @@ pub fn shorten(
 
 /// All exits that make the path cheaper, in the order of the path.
 fn exits(checker: &CollisionChecker, aiming: &Aiming, start: Pose, goal: GoalDisc, segments: &[Segment]) -> Vec<Exit> {
-    let limit = aiming.price.of_all(segments) - WORTH_M;
+    let limit = aiming.price.of_all(start, segments) - WORTH_M;
     let mut exits = Vec::new();
     let (mut pose, mut cost, mut before) = (start, 0.0, None);
     for (index, &segment) in segments.iter().enumerate() {
@@ -66,7 +66,8 @@ fn exits(checker: &CollisionChecker, aiming: &Aiming, start: Pose, goal: GoalDis
                 (pose, cost, before)
             } else {
                 let driven = Segment { length_m: travelled_m, ..segment };
-                (driven.end(pose), cost + aiming.price.of(driven, before), Some(segment.is_reverse()))
+                let spent = cost + aiming.price.of(driven, before) + aiming.price.of_places(pose, driven);
+                (driven.end(pose), spent, Some(segment.is_reverse()))
             };
             let centre = checker.body().body_centre(here);
             let gap = centre.distance(goal.centre) - goal.radius_m;
@@ -74,11 +75,11 @@ fn exits(checker: &CollisionChecker, aiming: &Aiming, start: Pose, goal: GoalDis
                 continue;
             }
             let aim = aiming.best_into(here, goal, came);
-            if let Some(aim) = aim.filter(|aim| spent + aim.cost < limit) {
-                exits.push(Exit { cost: spent + aim.cost, pose: here, index, travelled_m, aim });
-            }
+            let whole = |aim: &Aim| spent + (aim.cost + aiming.price.of_all_places(here, aim.pieces()));
+            let exit = aim.map(|aim| Exit { cost: whole(&aim), pose: here, index, travelled_m, aim });
+            exits.extend(exit.filter(|exit| exit.cost < limit));
         }
-        cost += aiming.price.of(segment, before);
+        cost += aiming.price.of(segment, before) + aiming.price.of_places(pose, segment);
         before = Some(segment.is_reverse());
         pose = segment.end(pose);
     }

@@ -13,7 +13,7 @@ use super::space::FreeSpace;
 /// For each neighbour wanted, so many of the nearest milestones are looked at, lest dense roadmaps try all pairs.
 const LOOKED_AT_PER_NEIGHBOUR: usize = 5;
 
-/// Two milestones, the lower index first, and the metres between them.
+/// Two milestones, the lower index first, and what the line between them costs.
 pub type Edge = (u32, u32, f64);
 
 /// The search tree over the milestones, if there are any.
@@ -41,14 +41,15 @@ pub fn find_edges(
     for (index, &here) in milestones.iter().enumerate() {
         neighbours_by_distance(tree, milestones, here, settings.max_edge_m, looked_at, &mut near);
         let mut joined = 0;
-        for &(distance, other) in near.iter().filter(|&&(_, other)| other as usize != index) {
+        for &(_, other) in near.iter().filter(|&&(_, other)| other as usize != index) {
             if joined == settings.neighbours {
                 break;
             }
             let index = index as u32;
             if tried.is_free(index, other, || space.line_is_free(here, milestones[other as usize])) {
                 joined += 1;
-                edges.push((index.min(other), index.max(other), distance));
+                let price = space.price(here, milestones[other as usize]);
+                edges.push((index.min(other), index.max(other), price));
             }
         }
     }
@@ -100,7 +101,7 @@ impl TriedLines {
     }
 }
 
-/// The undirected graph of the milestones, weighted by metres.
+/// The undirected graph of the milestones, weighted by cost.
 pub fn graph_of(milestones: usize, edges: &[Edge]) -> Csr<(), f64, Undirected> {
     let mut both_ways: Vec<Edge> = edges.iter().flat_map(|&(a, b, m)| [(a, b, m), (b, a, m)]).collect();
     both_ways.sort_unstable_by_key(|&(from, to, _)| (from, to));

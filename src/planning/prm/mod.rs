@@ -12,9 +12,13 @@ mod connect;
 mod query;
 mod route;
 mod sample;
+mod scratch;
 mod space;
 
-pub use query::{RoadmapScratch, Route};
+pub use query::Route;
+pub use scratch::RoadmapScratch;
+
+use std::sync::Arc;
 
 use glam::DVec2;
 use kiddo::ImmutableKdTree;
@@ -24,7 +28,7 @@ use rand::Rng;
 
 use crate::collision::CollisionChecker;
 
-use super::PrmSettings;
+use super::{PrmSettings, Safety};
 use space::FreeSpace;
 
 /// Milestones and the free straight lines between them.
@@ -36,7 +40,7 @@ pub struct Roadmap {
     draws: u32,
     /// For finding the milestones about a place; there is none without milestones.
     tree: Option<ImmutableKdTree<f64, 2>>,
-    /// Edge weights are metres.
+    /// Edge weights are what the lines cost: their metres, unless a safety map prices them.
     graph: Csr<(), f64, Undirected>,
     edges: u32,
     components: u32,
@@ -59,6 +63,13 @@ impl Roadmap {
             edges: 0,
             components: 0,
         }
+    }
+
+    /// The same milestones, the lines between them priced by a safety map.
+    #[must_use]
+    pub fn priced_by(mut self, safety: Option<Arc<Safety>>) -> Self {
+        self.space = self.space.priced_by(safety);
+        self
     }
 
     /// Joins the milestones to their neighbours.
@@ -91,7 +102,7 @@ impl Roadmap {
         self.components
     }
 
-    /// The graph; its nodes are indices of [`Self::milestones`], its weights metres.
+    /// The graph; its nodes are indices of [`Self::milestones`], its weights what the lines cost.
     pub fn graph(&self) -> &Csr<(), f64, Undirected> {
         &self.graph
     }

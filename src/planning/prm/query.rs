@@ -3,9 +3,9 @@ use std::num::NonZero;
 use glam::DVec2;
 
 use crate::geometry::ops;
-use crate::grid::open_list::{OpenList, Ranked};
 use crate::planning::{GoalDisc, PlanFailure, RoadmapGoal, RoadmapSearch};
 
+use super::scratch::{Candidate, RoadmapScratch, START, Visit};
 use super::{Roadmap, connect};
 
 /// Milestones nearest to the start to which a straight line is tried, in the order of the search.
@@ -15,7 +15,6 @@ const GOAL_PLACES: u32 = 8;
 /// The places lie at this share of the goal's radius.
 const GOAL_PLACE_RADIUS: f64 = 0.85;
 
-const START: u32 = u32::MAX;
 /// Goal places have the numbers from here on.
 const GOAL: u32 = u32::MAX - 1 - GOAL_PLACES;
 
@@ -25,72 +24,8 @@ pub struct Route {
     /// Places for the body's centre, in order, without the start; the last one lies in the goal disc, or is the goal
     /// milestone. Empty when the start is already there.
     pub waypoints: Vec<DVec2>,
-    pub length_m: f64,
-}
-
-/// A way to a milestone or a goal place that is still to be judged.
-#[derive(Clone, Copy, Debug)]
-struct Candidate {
-    /// Estimated cost of the whole route, by which the search is ordered.
-    key: f64,
-    cost: f64,
-    to: u32,
-    from: u32,
-}
-
-impl Ranked for Candidate {
-    type Tie = (u32, u32);
-
-    fn priority(&self) -> f64 {
-        self.key
-    }
-
-    fn cost(&self) -> f64 {
-        self.cost
-    }
-
-    fn tie(&self) -> (u32, u32) {
-        (self.to, self.from)
-    }
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Visit {
-    generation: u32,
-    closed: bool,
-    cost: f64,
-    parent: u32,
-}
-
-/// Memory that queries share, so that they need not allocate.
-#[derive(Debug, Default)]
-pub struct RoadmapScratch {
-    generation: u32,
-    visits: Vec<Visit>,
-    open: OpenList<Candidate>,
-    near: Vec<(f64, u32)>,
-    /// Milestones expanded by the last query.
-    pub expansions: u32,
-}
-
-impl RoadmapScratch {
-    fn begin(&mut self, milestones: usize) {
-        if self.visits.len() != milestones || self.generation == u32::MAX {
-            self.visits = vec![Visit { generation: 0, closed: false, cost: 0.0, parent: START }; milestones];
-            self.generation = 0;
-        }
-        self.generation += 1;
-        self.open.clear();
-        self.expansions = 0;
-    }
-
-    fn visit(&mut self, milestone: u32) -> &mut Visit {
-        let visit = &mut self.visits[milestone as usize];
-        if visit.generation != self.generation {
-            *visit = Visit { generation: self.generation, closed: false, cost: f64::INFINITY, parent: START };
-        }
-        visit
-    }
+    /// Metres, and what their places cost more by the safety map.
+    pub cost: f64,
 }
 
 /// What one query asks.
@@ -105,10 +40,10 @@ struct Query<'a> {
 impl Roadmap {
     /// The best route from a body centre to the goal, in the sense of the settings' search.
     ///
-    /// With [`RoadmapSearch::Astar`] and [`RoadmapSearch::Dijkstra`] it is the shortest one over the start's links to
+    /// With [`RoadmapSearch::Astar`] and [`RoadmapSearch::Dijkstra`] it is the cheapest one over the start's links to
     /// its nearest milestones, the roadmap's edges and the straight lines from milestones near the goal to some places
-    /// in the goal. Lines to start and goal are swept only when the search comes to them. Equal routes: the one that is
-    /// found nearer to the goal, then lower indices.
+    /// in the goal, of which the nearest alone counts if it can be seen. Lines to start and goal are swept only when the
+    /// search comes to them. Equal routes: the one that is found nearer to the goal, then lower indices.
     ///
     /// # Errors
     /// [`PlanFailure::Disconnected`] when nothing leads there.
@@ -159,9 +94,10 @@ impl Query<'_> {
         let mut near = std::mem::take(&mut scratch.near);
         let max_m = roadmap.settings.max_edge_m;
         connect::neighbours_by_distance(tree, &roadmap.milestones, self.start, max_m, START_LINKS, &mut near);
-        for &(distance, milestone) in &near {
-            let key = self.key(distance, milestone);
-            scratch.open.push(Candidate { key, cost: distance, to: milestone, from: START });
+        for &(_, milestone) in &near {
+            let cost = roadmap.space.price(self.start, self.position(milestone));
+            let key = self.key(cost, milestone);
+            scratch.open.push(Candidate { key, cost, to: milestone, from: START });
         }
         scratch.near = near;
     }
@@ -209,7 +145,7 @@ impl Query<'_> {
     }
 
     fn offer(&self, place: u32, from: u32, cost_so_far: f64, scratch: &mut RoadmapScratch) {
-        let cost = cost_so_far + self.position(from).distance(self.goal_place(place, from));
+        let cost = cost_so_far + self.roadmap.space.price(self.position(from), self.goal_place(place, from));
         let key = match self.roadmap.settings.search {
             RoadmapSearch::Greedy => 0.0,
             RoadmapSearch::Astar | RoadmapSearch::Dijkstra => cost,
@@ -279,18 +215,20 @@ impl Query<'_> {
             milestone = scratch.visit(milestone).parent;
         }
         waypoints.reverse();
-        Route { waypoints, length_m: last.cost }
+        Route { waypoints, cost: last.cost }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use petgraph::algo;
     use petgraph::graph::UnGraph;
 
     use super::*;
-    use crate::planning::PrmSettings;
     use crate::planning::test_fields::TestField;
+    use crate::planning::{PrmSettings, Safety, SafetyMap, SafetySettings};
     use crate::rng;
 
     fn roadmap(field: &TestField, search: RoadmapSearch, goal: RoadmapGoal) -> Roadmap {
@@ -354,9 +292,9 @@ mod tests {
             let mut scratch = RoadmapScratch::default();
             for _ in 0..15 {
                 let goal = field.random_goal();
-                let a = astar.route(start, goal, &mut scratch).ok().map(|route| route.length_m);
+                let a = astar.route(start, goal, &mut scratch).ok().map(|route| route.cost);
                 astar_expansions += scratch.expansions;
-                let d = dijkstra.route(start, goal, &mut scratch).ok().map(|route| route.length_m);
+                let d = dijkstra.route(start, goal, &mut scratch).ok().map(|route| route.cost);
                 dijkstra_expansions += scratch.expansions;
                 let p = length_by_petgraph(&astar, start, goal);
                 assert_eq!((a.is_some(), d.is_some()), (p.is_some(), p.is_some()));
@@ -379,11 +317,11 @@ mod tests {
                 let roadmap = roadmap(&field, search, RoadmapGoal::InReach);
                 let goal = field.random_goal();
                 let Ok(mut route) = roadmap.route(start, goal, &mut RoadmapScratch::default()) else { continue };
-                let length = route.length_m;
+                let length = route.cost;
                 for tightened in [false, true] {
                     if tightened {
                         roadmap.tighten(start, &mut route);
-                        assert!(route.length_m <= length + 1e-9);
+                        assert!(route.cost <= length + 1e-9);
                     }
                     let mut here = start;
                     for &next in &route.waypoints {
@@ -424,6 +362,44 @@ mod tests {
         let goal = GoalDisc { centre: DVec2::new(60.0, 15.0), radius_m: 10.0 };
         let route = roadmap.route(DVec2::new(11.5, 15.0), goal, &mut RoadmapScratch::default()).expect("a free field");
         assert_eq!(route.waypoints, [DVec2::new(50.0, 15.0)]);
-        assert_eq!(route.length_m, 38.5);
+        assert_eq!(route.cost, 38.5);
+    }
+
+    #[test]
+    fn with_safety_costs_astar_costs_what_dijkstra_costs_and_tightening_makes_no_way_dearer() {
+        let (mut found, mut cheaper) = (0, 0);
+        for seed in 0..6 {
+            let mut field = TestField::random(seed, 40);
+            let start = field.checker.body().body_centre(field.start);
+            let settings = SafetySettings { map: SafetyMap::Brushfire, weight: 4.0, ..SafetySettings::default() };
+            let obstacles = field.checker.field();
+            let safety = Safety::new(*obstacles.frame(), obstacles.occupied(), &settings).map(Arc::new);
+            let priced = |search| {
+                let settings = PrmSettings { samples: 150, search, ..PrmSettings::default() };
+                let sampled = Roadmap::sampled(&field.checker, &settings, &mut rng::stream(7, "prm"));
+                sampled.priced_by(safety.clone()).connected()
+            };
+            let (astar, dijkstra) = (priced(RoadmapSearch::Astar), priced(RoadmapSearch::Dijkstra));
+            let plain = roadmap(&field, RoadmapSearch::Astar, RoadmapGoal::InReach);
+            let mut scratch = RoadmapScratch::default();
+            let price = |route: &Route| -> f64 {
+                let places: Vec<DVec2> = [start].into_iter().chain(route.waypoints.iter().copied()).collect();
+                places.windows(2).map(|line| astar.space.price(line[0], line[1])).sum()
+            };
+            for _ in 0..10 {
+                let goal = field.random_goal();
+                let Ok(mut route) = astar.route(start, goal, &mut scratch) else { continue };
+                let blind = dijkstra.route(start, goal, &mut scratch).expect("it searches the same roadmap");
+                assert!((route.cost - blind.cost).abs() < 1e-9 && (route.cost - price(&route)).abs() < 1e-9);
+                let shortest = plain.route(start, goal, &mut scratch).expect("it has the same edges");
+                assert!(route.cost <= price(&shortest) + 1e-9 && route.cost >= shortest.cost - 1e-9);
+                cheaper += u32::from(route.cost < price(&shortest) - 1.0);
+                let before = route.cost;
+                astar.tighten(start, &mut route);
+                assert!(route.cost <= before + 1e-9 && (route.cost - price(&route)).abs() < 1e-9);
+                found += 1;
+            }
+        }
+        assert!(found > 40 && cheaper > 10, "{found} routes, {cheaper} of them cheaper than the shortest");
     }
 }

@@ -8,14 +8,15 @@ const PULLS: u32 = 4;
 
 impl Roadmap {
     /// Leaves out waypoints that need not be visited and pulls the others towards the straight line, all lines
-    /// staying free.
+    /// staying free and no way becoming dearer.
     ///
-    /// The last waypoint stays. From each waypoint the farthest one that can be seen comes next.
+    /// The last waypoint stays. From each waypoint the farthest one that can be seen and is worth
+    /// it comes next.
     pub fn tighten(&self, start: DVec2, route: &mut Route) {
         thin(&self.space, start, &mut route.waypoints);
         pull(&self.space, start, &mut route.waypoints);
         let points = std::iter::once(start).chain(route.waypoints.iter().copied());
-        route.length_m = points.clone().zip(points.skip(1)).map(|(a, b)| a.distance(b)).sum();
+        route.cost = points.clone().zip(points.skip(1)).map(|(a, b)| self.space.price(a, b)).sum();
     }
 }
 
@@ -28,7 +29,11 @@ fn thin(space: &FreeSpace, start: DVec2, waypoints: &mut Vec<DVec2>) {
     let mut here = start;
     let mut next = 0;
     while next < waypoints.len() {
-        let seen = (next + 1..waypoints.len()).rev().find(|&far| line_is_free(space, kept == 0, here, waypoints[far]));
+        let is_shortcut = |&far: &usize| {
+            line_is_free(space, kept == 0, here, waypoints[far])
+                && space.is_no_dearer(here, &[waypoints[far]], &waypoints[next..=far])
+        };
+        let seen = (next + 1..waypoints.len()).rev().find(is_shortcut);
         next = seen.unwrap_or(next);
         here = waypoints[next];
         waypoints[kept] = here;
@@ -39,7 +44,7 @@ fn thin(space: &FreeSpace, start: DVec2, waypoints: &mut Vec<DVec2>) {
 }
 
 /// Moves every inner waypoint towards the nearest point of the line between its neighbours, as far as bisection finds
-/// it free.
+/// it free and no dearer.
 fn pull(space: &FreeSpace, start: DVec2, waypoints: &mut [DVec2]) {
     for index in 0..waypoints.len().saturating_sub(1) {
         let before = if index == 0 { start } else { waypoints[index - 1] };
@@ -51,7 +56,11 @@ fn pull(space: &FreeSpace, start: DVec2, waypoints: &mut [DVec2]) {
         for _ in 0..PULLS {
             width *= 0.5;
             let tried = here.lerp(straight, free + width);
-            if line_is_free(space, index == 0, before, tried) && space.line_is_free(tried, after) {
+            let pulled = here.lerp(straight, free);
+            if line_is_free(space, index == 0, before, tried)
+                && space.line_is_free(tried, after)
+                && space.is_no_dearer(before, &[tried, after], &[pulled, after])
+            {
                 free += width;
             }
         }

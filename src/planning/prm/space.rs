@@ -1,7 +1,9 @@
+use std::sync::Arc;
+
 use glam::DVec2;
 
 use crate::collision::{ClearanceField, CollisionChecker};
-use crate::planning::{ClearanceTo, PrmSettings};
+use crate::planning::{ClearanceTo, PrmSettings, Safety};
 
 /// About a start that is tighter than the roadmap, so many metres may be as tight as the start.
 const TIGHT_START_M: f64 = 12.0;
@@ -14,11 +16,41 @@ pub struct FreeSpace {
     checker: CollisionChecker,
     clearance_m: f64,
     clearance_to: ClearanceTo,
+    safety: Option<Arc<Safety>>,
 }
 
 impl FreeSpace {
     pub fn new(checker: &CollisionChecker, settings: &PrmSettings) -> Self {
-        Self { checker: checker.clone(), clearance_m: settings.clearance_m, clearance_to: settings.clearance_to }
+        Self {
+            checker: checker.clone(),
+            clearance_m: settings.clearance_m,
+            clearance_to: settings.clearance_to,
+            safety: None,
+        }
+    }
+
+    /// The same space, its lines priced by a safety map.
+    #[must_use]
+    pub fn priced_by(self, safety: Option<Arc<Safety>>) -> Self {
+        Self { safety, ..self }
+    }
+
+    /// Cost of a straight line: its metres, and what their places cost more.
+    pub fn price(&self, from: DVec2, to: DVec2) -> f64 {
+        let metres = from.distance(to);
+        match &self.safety {
+            None => metres,
+            Some(safety) => metres + safety.surcharge_along(metres, |share| from.lerp(to, share)),
+        }
+    }
+
+    /// Whether a shortcut over some places is no dearer than the longer way over others, both from one place to another.
+    pub fn is_no_dearer(&self, from: DVec2, shortcut: &[DVec2], way: &[DVec2]) -> bool {
+        let price = |places: &[DVec2]| -> f64 {
+            let mut here = from;
+            places.iter().map(|&next| self.price(std::mem::replace(&mut here, next), next)).sum()
+        };
+        self.safety.is_none() || price(shortcut) <= price(way)
     }
 
     fn field(&self) -> &ClearanceField {

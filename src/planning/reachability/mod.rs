@@ -132,7 +132,7 @@ fn search_on(checker: &CollisionChecker, lattice: Lattice) -> Search {
         heuristic_weight: SEARCH_WEIGHT,
         ..PrimitiveSettings::default()
     };
-    Search::new(&settings, checker)
+    Search::new(&settings, checker, None)
 }
 
 #[cfg(test)]

@@ -104,6 +104,9 @@ fn check_event(event: &Event, setting: &Setting) -> Result<(), FileError> {
             check_leg(trajectory)
         }
         Fact::Dropped { trajectory, .. } => check_leg(trajectory),
+        Fact::LocalMinimum { x_m, y_m, .. } => {
+            require(x_m.is_finite() && y_m.is_finite(), || "a local minimum lies nowhere".into())
+        }
         _ => Ok(()),
     }
 }

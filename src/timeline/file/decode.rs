@@ -133,6 +133,10 @@ impl<'a> Decoder<'a> {
             }
             Record::Rested { agent, reason } => Fact::Rested { agent: self.agent(agent)?, reason },
             Record::Ended { reason } => Fact::Ended { reason },
+            Record::LocalMinimum { agent, bush } => {
+                let (x_m, y_m) = (self.numbers.next()?, self.numbers.next()?);
+                Fact::LocalMinimum { agent: self.agent(agent)?, goal: self.bush(bush)?, x_m, y_m }
+            }
         })
     }
 

@@ -46,6 +46,9 @@ impl<'a> Encoder<'a> {
         match fact {
             Fact::StartMoved { from, .. } => self.pose(*from),
             Fact::OutOfReach { cells, .. } => self.cells(cells),
+            Fact::LocalMinimum { x_m, y_m, .. } => {
+                [*x_m, *y_m].into_iter().for_each(|number| self.numbers.push(number));
+            }
             Fact::Planned { agent, trajectory, .. } | Fact::Dropped { agent, trajectory, .. } => {
                 self.leg(*agent, trajectory);
             }
@@ -82,6 +85,7 @@ impl<'a> Encoder<'a> {
                 Record::SuppressionEnded { agent: agent(id), bush: bush(cell) }
             }
             Fact::Rested { agent: id, reason } => Record::Rested { agent: agent(id), reason },
+            Fact::LocalMinimum { agent: id, goal, .. } => Record::LocalMinimum { agent: agent(id), bush: bush(goal) },
             Fact::Ended { reason } => Record::Ended { reason },
         }
     }

@@ -28,8 +28,8 @@ use thiserror::Error;
 use super::Timeline;
 use crate::whole_file::write_whole;
 
-/// Version of the format that is written; older ones are read too.
-pub const FORMAT: u16 = 1;
+/// Version of the format that is written; older ones are read too. Since version 2 there are local minima.
+pub const FORMAT: u16 = 2;
 
 const MAGIC: &[u8; 8] = b"WILDFIRE";
 const HEADER_BYTES: usize = 18;
@@ -202,9 +202,24 @@ mod tests {
 
     #[test]
     fn the_format_is_frozen() {
-        let payload = encode::encode(&sample::by_hand());
+        let digest = |timeline: &Timeline| {
+            let payload = encode::encode(timeline);
+            (payload.len(), crc32fast::hash(&payload))
+        };
         // Another checksum means another format: give it a version and keep reading this one.
-        assert_eq!((payload.len(), crc32fast::hash(&payload)), (546, 1_445_583_994));
+        let mut timeline = sample::by_hand();
+        assert_eq!(digest(&timeline), (568, 398_146_637));
+        timeline.events.retain(|event| !matches!(event.fact, Fact::LocalMinimum { .. }));
+        assert_eq!(digest(&timeline), (546, 1_445_583_994), "runs of format 1 look the same in format 2");
+    }
+
+    #[test]
+    fn a_recording_of_format_1_is_read() {
+        let mut timeline = sample::by_hand();
+        timeline.events.retain(|event| !matches!(event.fact, Fact::LocalMinimum { .. }));
+        let mut bytes = encode(&timeline).expect("it is a possible run");
+        bytes[8] = 1;
+        assert!(decode(&bytes).expect("older formats are read") == timeline);
     }
 
     #[test]
@@ -280,9 +295,9 @@ mod tests {
     #[test]
     fn foreign_and_newer_files_are_told_by_name() {
         let mut bytes = encode(&sample::by_hand()).expect("it is a possible run");
-        bytes[8] = 2;
+        bytes[8] = 3;
         let newer = decode(&bytes).expect_err("the format is unknown");
-        assert_eq!(newer.to_string(), "written by a newer wildfire: format 2, this program reads up to 1");
+        assert_eq!(newer.to_string(), "written by a newer wildfire: format 3, this program reads up to 2");
         let foreign = decode(b"\x89PNG\r\n\x1a\n and so on").expect_err("it is a picture");
         assert_eq!(foreign.to_string(), "not a wildfire recording");
     }

@@ -100,6 +100,11 @@ pub enum Record {
     Ended {
         reason: EndReason,
     },
+    /// Two numbers hold the place. Since format 2.
+    LocalMinimum {
+        agent: u32,
+        bush: u32,
+    },
 }
 
 /// A leg: where and when it begins, and how many [`PieceKind`]s follow.

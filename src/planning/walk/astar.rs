@@ -1,0 +1,29 @@
+use glam::DVec2;
+
+use crate::grid::astar::AStar;
+
+use super::{Errand, Estimate, Walk, WalkCosts, WalkLattice};
+
+/// A* to any of the points of reach.
+///
+/// With weight 1 and [`Estimate::Octile`] the walk is a cheapest one: factors of at least 1 keep the estimate below
+/// the true cost.
+pub fn walk(memory: &mut AStar, (estimate, weight): (Estimate, f64), costs: &WalkCosts, errand: &Errand<'_>) -> Walk {
+    let Errand { lattice, start, goals, centre } = *errand;
+    let octile = |from: DVec2, to: DVec2| octile(lattice, costs.steps, from, to);
+    // Octile distance obeys the triangle inequality: what the farthest point of reach is short of the centre,
+    // taken off the distance to the centre, bounds the distance to each point of reach from below.
+    let short = goals.iter().map(|&goal| octile(lattice.position(goal), centre)).fold(0.0, f64::max);
+    let estimate = |point: usize, parent: usize| match estimate {
+        Estimate::Octile => weight * (octile(lattice.position(point), centre) - short).max(0.0),
+        Estimate::ParentEuclidean => weight * (lattice.position(parent) - centre).length(),
+    };
+    let found = memory.search(lattice.moves(), start, costs, |point| errand.is_goal(point), estimate);
+    Walk { path: found.path, expansions: found.expansions, minimum: None }
+}
+
+fn octile(lattice: &WalkLattice, (orthogonal, diagonal): (f64, f64), a: DVec2, b: DVec2) -> f64 {
+    let steps = (a - b).abs() / lattice.step_m();
+    let diagonals = steps.min_element();
+    diagonals * diagonal.min(2.0 * orthogonal) + (steps.max_element() - diagonals) * orthogonal.min(diagonal)
+}

@@ -1,0 +1,168 @@
+//! Agents in plain sentences, for `wildfire check`.
+
+use super::{
+    Escape, Retarget, RoadmapGoal, RoadmapSearch, SafetyMap, SafetySettings, StepCost, StepTime, TruckGoal, Unimog,
+    Wumpus, WumpusGoal, WumpusHeuristic, WumpusPlanner,
+};
+
+/// What a Wumpus is and does.
+pub fn wumpus(wumpus: &Wumpus) -> String {
+    let goal = match wumpus.goal {
+        WumpusGoal::RandomIntact => "a random intact bush",
+        WumpusGoal::NearestIntact => "the nearest intact bush",
+        WumpusGoal::FarthestFromTruck => "the intact bush farthest from all trucks",
+    };
+    let keep = if wumpus.keep_goal { "which it never gives up" } else { "which it drops when it is no longer intact" };
+    let lattice = wumpus.lattice_m.map_or("cell centres".into(), |m| format!("a lattice of {m} m from its start on"));
+    let diagonals = match wumpus.step_time {
+        StepTime::Distance => "",
+        StepTime::Uniform => " (diagonal steps take no longer)",
+    };
+    let (method, details) = walking(wumpus);
+    format!(
+        "starts at ({}, {}) m, a square of {} m, {} m/s{diagonals}. It goes for {goal}, {keep}, and lights it from \
+         within {} m of its centre. {} over {lattice}{}; {}.{}",
+        wumpus.start_m[0],
+        wumpus.start_m[1],
+        wumpus.size_m,
+        wumpus.speed_mps,
+        wumpus.reach_m,
+        method,
+        details,
+        thinking(wumpus.seconds_per_expansion),
+        safety(&wumpus.safety)
+    )
+}
+
+/// How a Wumpus finds its way, in words that stand before and after the place where it does.
+fn walking(wumpus: &Wumpus) -> (&'static str, String) {
+    let cost = match wumpus.step_cost {
+        StepCost::Metres => "cost in metres",
+        StepCost::Moves => "cost in moves",
+    };
+    let heuristic = match wumpus.heuristic {
+        WumpusHeuristic::Octile => "octile distance",
+        WumpusHeuristic::ParentEuclidean => "straight line from the parent",
+    };
+    let potential = &wumpus.potential;
+    let escape = match potential.escape {
+        Escape::Wavefront => format!("goes on down the exact cost-to-go, {cost}"),
+        Escape::None => "gives the goal up".into(),
+    };
+    match wumpus.planner {
+        WumpusPlanner::Astar => {
+            ("A*", format!(", {cost}, {} times the {heuristic} as estimate", wumpus.heuristic_weight))
+        }
+        WumpusPlanner::Wavefront => ("A wavefront's exact cost-to-go", format!(", {cost}")),
+        WumpusPlanner::Potential => (
+            "Gradient descent on a potential field",
+            format!(
+                ": attraction {}, repulsion of strength {} within {} steps; in a local minimum it {escape}",
+                potential.scale.map_or(format!("by zeta {}", potential.zeta), |scale| format!("up to {scale}")),
+                potential.eta,
+                potential.q
+            ),
+        ),
+    }
+}
+
+/// What a truck is and does.
+pub fn unimog(truck: &Unimog) -> String {
+    let body = &truck.vehicle;
+    let goal = match truck.goal {
+        TruckGoal::NearestBurning => "the nearest fire",
+        TruckGoal::Oldest => "the oldest fire",
+        TruckGoal::LargestCluster => "the nearest fire of the largest burning group",
+    };
+    let retarget = match truck.retarget {
+        Retarget::Never => "keeps it until it is out",
+        Retarget::OnEvent => "thinks again whenever something ignites",
+    };
+    format!(
+        "starts with its rear axle at ({}, {}) m, heading {} degrees. {} x {} m, wheelbase {} m, turning radius {} m \
+         (steering to {:.1} degrees). {} m/s forward, {} m/s in reverse; {}. It goes for {goal} and {retarget}. {} {}{}",
+        truck.start.x_m,
+        truck.start.y_m,
+        truck.start.heading_deg,
+        body.length_m,
+        body.width_m,
+        body.wheelbase_m,
+        body.turning_radius_m,
+        body.max_steering_rad().to_degrees(),
+        truck.speed_mps,
+        truck.reverse_speed_mps,
+        limits(truck),
+        roadmap(truck),
+        local_search(truck),
+        safety(&truck.safety)
+    )
+}
+
+fn limits(truck: &Unimog) -> String {
+    let limit = |name: &str, limit: Option<f64>| limit.map(|mps2| format!("{name} {mps2} m/s2"));
+    let set: Vec<String> = [
+        limit("acceleration", truck.limits.acceleration_mps2),
+        limit("braking", truck.limits.braking_mps2),
+        limit("to the side", truck.limits.lateral_mps2),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    if set.is_empty() { "speed changes at once".into() } else { set.join(", ") }
+}
+
+fn roadmap(truck: &Unimog) -> String {
+    let prm = &truck.prm;
+    let search = match prm.search {
+        RoadmapSearch::Astar => "A*",
+        RoadmapSearch::Dijkstra => "Dijkstra's search",
+        RoadmapSearch::Greedy => "greedy search",
+    };
+    let goal = match prm.goal {
+        RoadmapGoal::InReach => "milestones from which the fire is in reach",
+        RoadmapGoal::NearestMilestone => "the milestone nearest to the fire",
+    };
+    format!(
+        "Roadmap of {} samples, {} neighbours each, edges up to {} m, {} m clear; {search} to {goal}; {}.",
+        prm.samples,
+        prm.neighbours,
+        prm.max_edge_m,
+        prm.clearance_m,
+        thinking(prm.seconds_per_expansion)
+    )
+}
+
+fn local_search(truck: &Unimog) -> String {
+    let local = &truck.primitives;
+    format!(
+        "Local search with motions of {} m, bins of {} m and {} headings, {} m clear, at most {} expansions; {}.",
+        local.step_m,
+        local.bin_m,
+        local.headings,
+        local.clearance_m,
+        local.max_expansions,
+        thinking(local.seconds_per_expansion)
+    )
+}
+
+/// What places cost, in words that follow a full stop.
+fn safety(safety: &SafetySettings) -> String {
+    let nearness = match safety.map {
+        SafetyMap::None => return String::new(),
+        SafetyMap::Brushfire => "1 beside a bush, 1/D at D cells from one".to_owned(),
+        SafetyMap::Cost => {
+            let cells = safety.safety_distance.max(2);
+            let (beside, far) = (safety.nearness(1), safety.nearness(cells));
+            format!("{beside:.2} beside a bush, {far:.2} at {cells} cells from one")
+        }
+    };
+    format!(" For safety a metre costs 1 + {} times s, s being {nearness}.", safety.weight)
+}
+
+fn thinking(seconds_per_expansion: f64) -> String {
+    if seconds_per_expansion == 0.0 {
+        "planning takes no simulated time".into()
+    } else {
+        format!("it stands {seconds_per_expansion} s for every expansion")
+    }
+}
