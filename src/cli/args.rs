@@ -7,6 +7,8 @@ use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 
 use crate::batch::{Record, Seeds};
+use crate::cli::curve::CurveArguments;
+use crate::cli::map::MapCommand;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -15,6 +17,7 @@ Examples:
   wildfire run contest --seed 7               one run: who won, what took time
   wildfire run --set unimog.prm.samples=1000  another roadmap
   wildfire scenarios --show contest > my.toml && wildfire check my.toml
+  wildfire map brushfire map.png --png fire.png   distances to obstacles
 
 Exit codes: 0 done, 1 some run failed, 2 bad input, 3 disk or other environment,
 130 stopped with Ctrl-C.";
@@ -40,6 +43,13 @@ pub enum Command {
     Check(CheckArguments),
     /// List the built-in scenarios, or print one.
     Scenarios(ScenariosArguments),
+    /// Compute a grid map: occupancy, brushfire, cost, wavefront, potential fields, gradient descent.
+    Map {
+        #[command(subcommand)]
+        command: MapCommand,
+    },
+    /// Compute the shortest curves of a turning radius between two poses: Reeds-Shepp and Dubins.
+    Curve(CurveArguments),
     /// Print the script that completes this program's arguments in a shell.
     Completions {
         /// The shell.

@@ -10,6 +10,7 @@ use thiserror::Error;
 
 use crate::batch::BatchError;
 use crate::cli::exit;
+use crate::map_files::MapError;
 use crate::scenario::ScenarioError;
 
 /// An error for people, and the exit code that goes with it.
@@ -64,6 +65,12 @@ impl Failure {
 impl From<Box<ScenarioError>> for Failure {
     fn from(error: Box<ScenarioError>) -> Self {
         Self { report: Report::new(*error), code: exit::BAD_INPUT }
+    }
+}
+
+impl From<MapError> for Failure {
+    fn from(error: MapError) -> Self {
+        Self::bad_input(error, None)
     }
 }
 

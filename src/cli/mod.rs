@@ -4,7 +4,10 @@
 
 mod args;
 mod batch_command;
+mod curve;
 mod failure;
+mod map;
+mod output_files;
 mod run_command;
 mod run_report;
 mod scenario_commands;
@@ -36,6 +39,8 @@ fn dispatch(arguments: &Arguments) -> Result<ExitCode, Failure> {
         Command::Batch(batch) => batch_command::run(batch, arguments.quiet),
         Command::Check(check) => scenario_commands::check(check),
         Command::Scenarios(scenarios) => scenario_commands::list_or_show(scenarios),
+        Command::Map { command } => map::run(command, arguments.quiet),
+        Command::Curve(curve) => curve::run(curve, arguments.quiet),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(*shell, &mut Arguments::command(), "wildfire", &mut script);

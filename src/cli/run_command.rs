@@ -1,6 +1,5 @@
 //! `wildfire run`.
 
-use std::fs;
 use std::io::{self, Write};
 use std::panic;
 use std::path::{Path, PathBuf};
@@ -9,7 +8,7 @@ use std::process::ExitCode;
 use crate::batch::{RunResult, RunRow, Status, file_name_of, run_json};
 use crate::cli::args::RunArguments;
 use crate::cli::failure::Failure;
-use crate::cli::{run_report, scenario_commands, terminal};
+use crate::cli::{output_files, run_report, scenario_commands, terminal};
 use crate::scenario::Scenario;
 use crate::sim;
 use crate::time::wall::WallStopwatch;
@@ -72,24 +71,9 @@ impl<'a> Outputs<'a> {
         let recording = arguments.out.as_deref().map(|path| recording_path(path, scenario, arguments.seed));
         let outputs =
             Self { recording, events: arguments.events.as_deref(), trace: arguments.trace.as_deref(), step_s };
-        outputs.check(Path::new(&arguments.scenario.source))?;
+        let paths = [outputs.recording.as_deref(), outputs.events, outputs.trace];
+        output_files::check(Path::new(&arguments.scenario.source), paths.into_iter().flatten())?;
         Ok(outputs)
-    }
-
-    fn check(&self, source: &Path) -> Result<(), Failure> {
-        let mut seen = vec![resolved(source)];
-        for path in [self.recording.as_deref(), self.events, self.trace].into_iter().flatten() {
-            if seen.contains(&resolved(path)) {
-                let sentence = format_args!("{} cannot be two files at once", path.display()).to_string();
-                return Err(Failure::bad_input(
-                    sentence,
-                    Some("the scenario and every output need names of their own"),
-                ));
-            }
-            check_parent(path)?;
-            seen.push(resolved(path));
-        }
-        Ok(())
     }
 
     /// Tries all files; the error is the first.
@@ -115,26 +99,6 @@ fn recording_path(path: &Path, scenario: &Scenario, seed: u64) -> PathBuf {
         path.join(format!("{}-seed-{seed}.wildfire", file_name_of(&scenario.name)))
     } else {
         path.to_owned()
-    }
-}
-
-/// The path without links and detours, as far as it exists: one name for one file.
-fn resolved(path: &Path) -> PathBuf {
-    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let in_parent = || Some(fs::canonicalize(parent).ok()?.join(path.file_name()?));
-    fs::canonicalize(path).ok().or_else(in_parent).unwrap_or_else(|| path.to_owned())
-}
-
-fn check_parent(path: &Path) -> Result<(), Failure> {
-    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
-    match parent {
-        Some(parent) if !parent.is_dir() => {
-            Err(Failure::environment(format_args!("cannot write {}: there is no such folder", path.display())))
-        }
-        _ if path.is_dir() => {
-            Err(Failure::bad_input(format_args!("{} is a folder; expected a file", path.display()), None))
-        }
-        _ => Ok(()),
     }
 }
 

@@ -1,6 +1,6 @@
 //! What the commands print that need no simulation.
 
-use crate::story::{Story, widest};
+use crate::story::{Answer, Story, widest};
 use wildfire::scenario::BUILT_IN;
 
 #[test]
@@ -12,6 +12,29 @@ fn help_has_examples_and_exit_codes() {
     for command in ["run", "batch"] {
         let answer = Story::begin().tell(&[command, "--help"]).expect_code(0);
         assert!(answer.stdout.contains("Examples:"), "{}", answer.stdout);
+    }
+}
+
+#[test]
+fn help_fills_eighty_columns_and_breaks_no_example() {
+    let story = Story::begin();
+    let help = |arguments: &[&str]| {
+        let output = story.command(&[arguments, &["--help"]].concat()).env("COLUMNS", "80").output();
+        Answer::of(&output.expect("the program can be started")).expect_code(0).stdout
+    };
+    let commands = ["occupancy", "brushfire", "cost", "wavefront", "attraction", "repulsion", "total", "descend"];
+    for command in commands.into_iter().chain(["timing"]) {
+        let text = help(&["map", command]);
+        let (_, explained) = text.split_once("\nArguments:").expect("a map is an argument");
+        assert!(widest(explained) <= 80, "{text}");
+        let (prose, examples) = text.split_once("\nExample").expect("there are examples");
+        let is_whole = |line: &str| line.starts_with("  wildfire map ") || line.starts_with("    --");
+        assert!(examples.lines().skip(1).all(is_whole), "{text}");
+        let explanation: Vec<_> = prose.lines().skip_while(|line| *line != "Output:").collect();
+        for pair in explanation.windows(2).filter(|pair| pair.iter().all(|line| line.starts_with(|c| c != ' '))) {
+            let next = pair[1].split(' ').next().expect("the line is not empty");
+            assert!(pair[0].len() + 1 + next.len() > 80, "`{}` is broken too early", pair[0]);
+        }
     }
 }
 

@@ -2,15 +2,7 @@
 
 use std::fs::File;
 
-use crate::story::{Answer, Story};
-
-/// Tells the program something that it must refuse as bad input without writing anything.
-fn refuse(story: &Story, arguments: &[&str], words: &[&str]) {
-    let before = story.entries();
-    let answer = story.tell(arguments).expect_code(2).expect_complaint(words);
-    assert!(answer.stdout.is_empty(), "{}", answer.stdout);
-    assert_eq!(story.entries(), before, "{arguments:?} wrote something");
-}
+use crate::story::{Answer, Story, refuse};
 
 #[test]
 fn unknown_scenario_is_answered_with_the_known_ones() {

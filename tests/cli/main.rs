@@ -2,5 +2,12 @@
 
 mod commands;
 mod contest;
+mod curve;
+mod curve_pairs;
 mod errors;
+mod map_answers;
+mod map_errors;
+mod map_files;
+mod map_readme;
+mod readme;
 mod story;

@@ -85,6 +85,14 @@ impl Answer {
     }
 }
 
+/// Tells the program something that it must refuse as bad input without writing anything.
+pub fn refuse(story: &Story, arguments: &[&str], words: &[&str]) {
+    let before = story.entries();
+    let answer = story.tell(arguments).expect_code(2).expect_complaint(words);
+    assert!(answer.stdout.is_empty(), "{}", answer.stdout);
+    assert_eq!(story.entries(), before, "{arguments:?} wrote something");
+}
+
 /// The longest line, in characters.
 pub fn widest(text: &str) -> usize {
     text.lines().map(|line| line.chars().count()).max().unwrap_or(0)

@@ -1,0 +1,12 @@
+//! Which numbers make sense: within these, a curve ends within 1e-8 m and 1e-11 turning radii of its goal.
+
+use std::ops::RangeInclusive;
+
+/// Of coordinates in metres, and of headings in degrees or radians.
+pub const NUMBERS: RangeInclusive<f64> = -1e6..=1e6;
+/// Of turning radii in metres.
+pub const RADII_M: RangeInclusive<f64> = 1e-3..=1e6;
+
+pub fn shown(range: &RangeInclusive<f64>) -> String {
+    format!("from {} to {}", range.start(), range.end())
+}

@@ -1,0 +1,304 @@
+//! The commands of `wildfire map` and their arguments, as clap reads them. Serialised they are the parameters in the JSON.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+use serde::Serialize;
+
+use crate::cli::map::options::{
+    AttractionOptions, Convention, CornerArguments, Escape, FieldArguments, FileArguments, Form, GoalArguments,
+    NeighbourArguments, Order, ReadingArguments, RepulsionOptions,
+};
+use crate::cli::map::parse;
+use crate::grid::parameter::BadParameter;
+use crate::grid::{Place, cost_map};
+
+#[expect(clippy::large_enum_variant, reason = "a process has one")]
+#[derive(Debug, Subcommand)]
+pub enum MapCommand {
+    #[command(flatten)]
+    Compute(Computation),
+    /// CPU time of brushfire and wavefront on maps, as a table.
+    Timing(TimingArguments),
+}
+
+/// What is computed from a map, and with which parameters.
+#[derive(Debug, Subcommand, Serialize)]
+#[serde(tag = "command", content = "parameters", rename_all = "kebab-case")]
+pub enum Computation {
+    /// Which cells are occupied: 1 occupied, 0 free.
+    Occupancy(OccupancyArguments),
+    /// How far every cell is from the nearest obstacle.
+    Brushfire(BrushfireArguments),
+    /// Cost that falls with the distance from obstacles, in two zones.
+    Cost(CostArguments),
+    /// How many steps every cell is from the goal; with --start, a path.
+    Wavefront(WavefrontArguments),
+    /// A potential that grows with the distance from the goal.
+    Attraction(AttractionArguments),
+    /// A potential that grows towards obstacles.
+    Repulsion(RepulsionArguments),
+    /// The sum of attraction and repulsion.
+    Total(TotalArguments),
+    /// Gradient descent on the total potential: reached, or stuck in a local minimum.
+    Descend(DescendArguments),
+}
+
+impl Computation {
+    pub fn files(&self) -> &FileArguments {
+        match self {
+            Self::Occupancy(arguments) => &arguments.files,
+            Self::Brushfire(arguments) => &arguments.files,
+            Self::Cost(arguments) => &arguments.files,
+            Self::Wavefront(arguments) => &arguments.files,
+            Self::Attraction(arguments) => &arguments.files,
+            Self::Repulsion(arguments) => &arguments.files,
+            Self::Total(arguments) => &arguments.files,
+            Self::Descend(arguments) => &arguments.files,
+        }
+    }
+
+    /// Accepts parameters in the ranges that their algorithms state.
+    pub fn check_parameters(&self) -> Result<(), BadParameter> {
+        match self {
+            Self::Occupancy(_) | Self::Brushfire(_) => Ok(()),
+            Self::Cost(arguments) => arguments.zones().check(),
+            Self::Wavefront(arguments) => {
+                arguments.scale.map_or(Ok(()), |scale| BadParameter::unless_positive("the scale", scale))
+            }
+            Self::Attraction(arguments) => arguments.attraction.check(),
+            Self::Repulsion(arguments) => arguments.repulsion.law().check(),
+            Self::Total(arguments) => arguments.field.check(),
+            Self::Descend(arguments) => arguments.field.check(),
+        }
+    }
+
+    /// Whether a path is asked for.
+    pub fn has_start(&self) -> bool {
+        match self {
+            Self::Wavefront(arguments) => arguments.start.is_some(),
+            Self::Descend(_) => true,
+            _ => false,
+        }
+    }
+}
+
+#[derive(Debug, Args, Serialize)]
+#[command(after_help = "\
+Example:
+  wildfire map occupancy assets/maps/drawing.png --tolerance 128 --csv cells.csv")]
+pub struct OccupancyArguments {
+    #[command(flatten)]
+    #[serde(skip)]
+    pub files: FileArguments,
+}
+
+#[derive(Debug, Args, Serialize)]
+#[command(after_help = "\
+A map without obstacles is 0 everywhere, which is said; a full one is 1 \
+everywhere.
+
+Example:
+  wildfire map brushfire assets/maps/maze.txt --connectivity 4 --png fire.png")]
+pub struct BrushfireArguments {
+    #[command(flatten)]
+    #[serde(skip)]
+    pub files: FileArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub neighbours: NeighbourArguments,
+    /// What obstacles hold: 1 (free cells 1 + distance), or 0 (free cells the distance).
+    #[arg(long, value_enum, value_name = "NAME", default_value = "obstacle-one")]
+    pub convention: Convention,
+}
+
+#[derive(Debug, Args, Serialize)]
+#[command(after_help = "\
+The distance d is the city-block one from the nearest obstacle (4 neighbours). \
+Obstacles cost --max-cost. Inside the safety zone, 0 < d < --safety-distance, \
+cost falls in a line from --safety-max at d = 0 to --safety-min at its edge. \
+Beyond, it is --safety-min - --cost-rate x d, at least 0, in the literal form, and \
+--safety-min - --cost-rate x (d - --safety-distance), at least 0, in the \
+continuous one. Without obstacles all cost is 0.
+
+Example:
+  wildfire map cost assets/maps/drawing.png --form continuous --overlay cost.png")]
+pub struct CostArguments {
+    #[command(flatten)]
+    #[serde(skip)]
+    pub files: FileArguments,
+    /// The outer zone as the formula of its source has it, with a jump, or as its text promises, without.
+    #[arg(long, value_enum, value_name = "NAME", default_value = "literal")]
+    pub form: Form,
+    /// Cost of obstacles.
+    #[arg(long, value_name = "COST", default_value_t = 1000.0, allow_hyphen_values = true, value_parser = parse::number)]
+    pub max_cost: f64,
+    /// Cost in the safety zone beside an obstacle, at distance 0.
+    #[arg(long, value_name = "COST", default_value_t = 800.0, allow_hyphen_values = true, value_parser = parse::number)]
+    pub safety_max: f64,
+    /// Cost at the outer edge of the safety zone.
+    #[arg(long, value_name = "COST", default_value_t = 500.0, allow_hyphen_values = true, value_parser = parse::number)]
+    pub safety_min: f64,
+    /// Width of the safety zone in cells, at least 1.
+    #[arg(long, value_name = "CELLS", default_value_t = 12, allow_hyphen_values = true, value_parser = parse::distance)]
+    pub safety_distance: u16,
+    /// What a cell loses to the one before it, beyond the safety zone.
+    #[arg(long, value_name = "COST", default_value_t = 15.0, allow_hyphen_values = true, value_parser = parse::number)]
+    pub cost_rate: f64,
+}
+
+#[derive(Debug, Args, Serialize)]
+#[command(after_help = "\
+Obstacles hold 1, the goal 2, a cell that n steps lead to 2 + n, free cells that \
+the wave never reaches 0. With --scale all values, those of obstacles too, are \
+divided by the largest and multiplied by S. With 4 neighbours no step cuts a \
+corner, so --no-corner-cutting changes nothing.
+
+Example:
+  wildfire map wavefront assets/maps/u-trap.txt --goal 10,27 --png wave.png")]
+pub struct WavefrontArguments {
+    #[command(flatten)]
+    #[serde(skip)]
+    pub files: FileArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub goal: GoalArguments,
+    /// Where a path begins.
+    #[arg(long, value_name = "ROW,COLUMN", allow_hyphen_values = true, value_parser = parse::place)]
+    pub start: Option<Place>,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub neighbours: NeighbourArguments,
+    /// Which of several equally good neighbours a path takes: S N E W SE SW NE NW, or W N E S NW NE SE SW.
+    #[arg(
+        long,
+        value_enum,
+        value_name = "NAME",
+        default_value = "cross-first",
+        requires = "start",
+        conflicts_with = "shortest"
+    )]
+    pub tie_order: Order,
+    /// The shortest path, a diagonal step counting the square root of 2, instead of one with the fewest steps.
+    #[arg(long, requires = "start")]
+    pub shortest: bool,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub corners: CornerArguments,
+    /// Divide the values by the largest and multiply them by S.
+    #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = parse::number)]
+    pub scale: Option<f64>,
+}
+
+#[derive(Debug, Args, Serialize)]
+#[command(after_help = "\
+The goal may lie in an obstacle: attraction does not see obstacles.
+
+Example:
+  wildfire map attraction assets/maps/u-trap.txt --goal 10,27 --surface pull.png")]
+pub struct AttractionArguments {
+    #[command(flatten)]
+    #[serde(skip)]
+    pub files: FileArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub goal: GoalArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub attraction: AttractionOptions,
+}
+
+#[derive(Debug, Args, Serialize)]
+#[command(after_help = "\
+With D the brushfire value, 1 on obstacles: 0 where D > Q, else \
+eta / 2 x (1 / D - 1 / Q)^2. Without obstacles it is 0 everywhere.
+
+Example:
+  wildfire map repulsion assets/maps/two-rooms.txt --q 4 --surface push.png")]
+pub struct RepulsionArguments {
+    #[command(flatten)]
+    #[serde(skip)]
+    pub files: FileArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub neighbours: NeighbourArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub repulsion: RepulsionOptions,
+}
+
+#[derive(Debug, Args, Serialize)]
+#[command(after_help = "\
+Example:
+  wildfire map total assets/maps/u-trap.txt --goal 10,27 --surface total.png")]
+pub struct TotalArguments {
+    #[command(flatten)]
+    #[serde(skip)]
+    pub files: FileArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub field: FieldArguments,
+}
+
+#[derive(Debug, Args, Serialize)]
+#[command(after_help = "\
+From the start to the lowest neighbour, ties to the first in W N E S NW NE SE SW, \
+as long as it is strictly lower; obstacles are not entered. It ends at the goal or \
+in a local minimum, which is named. The values are those of `wildfire map total`.
+
+Examples:
+  wildfire map descend assets/maps/u-trap.txt --goal 10,27 --start 10,2
+  wildfire map descend assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
+    --escape wavefront")]
+pub struct DescendArguments {
+    #[command(flatten)]
+    #[serde(skip)]
+    pub files: FileArguments,
+    /// Where the descent begins.
+    #[arg(long, value_name = "ROW,COLUMN", allow_hyphen_values = true, value_parser = parse::place)]
+    pub start: Place,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub field: FieldArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub corners: CornerArguments,
+    /// What leads on from a local minimum: the wavefront's path to the goal.
+    #[arg(long, value_enum, value_name = "NAME")]
+    pub escape: Option<Escape>,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Both with 8 neighbours. The goal of the wavefront is the free cell nearest the \
+map's centre. Each figure is the median of at least five repetitions and at least \
+0.2 s of CPU time of one thread, into memory that is warm; reading is not in it.
+
+Example:
+  wildfire map timing assets/maps/*.png")]
+pub struct TimingArguments {
+    /// Maps of any kind.
+    #[arg(value_name = "MAP", required = true)]
+    pub maps: Vec<PathBuf>,
+    #[command(flatten)]
+    pub reading: ReadingArguments,
+    /// Print the table as one JSON object.
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl CostArguments {
+    pub fn zones(&self) -> cost_map::TwoZones {
+        cost_map::TwoZones {
+            form: match self.form {
+                Form::Literal => cost_map::Form::Literal,
+                Form::Continuous => cost_map::Form::Continuous,
+            },
+            max_cost: self.max_cost,
+            safety_max: self.safety_max,
+            safety_min: self.safety_min,
+            safety_distance: self.safety_distance,
+            cost_rate: self.cost_rate,
+        }
+    }
+}

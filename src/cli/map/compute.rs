@@ -1,0 +1,228 @@
+//! From a map and what is asked of it to values, a way, and how long they took.
+
+use std::time::Duration;
+
+use crate::cli::map::args::{
+    AttractionArguments, BrushfireArguments, Computation, CostArguments, DescendArguments, RepulsionArguments,
+    WavefrontArguments,
+};
+use crate::cli::map::options::{AttractionOptions, Convention, Escape, FieldArguments, Neighbours};
+use crate::cli::map::values::Values;
+use crate::cli::map::walk::{Walk, Way};
+use crate::grid::brushfire::brushfire;
+use crate::grid::cost_map::cost_map;
+use crate::grid::descent::{descend, descend_or_escape};
+use crate::grid::octile::shortest_path;
+use crate::grid::wavefront::{UNREACHED, descend_wavefront, wavefront};
+use crate::grid::{BadPlace, Connectivity, Grid, Place, place, potential};
+use crate::time::cpu::CpuStopwatch;
+
+/// What was computed from a map.
+#[derive(Debug)]
+pub struct Computed {
+    /// Such as `Brushfire, 8 neighbours`.
+    pub title: String,
+    /// What the values are, in a word or two.
+    pub value_name: &'static str,
+    pub values: Values,
+    /// Free cells that the wave never reaches, of a wavefront.
+    pub unreached: Option<usize>,
+    pub goal: Option<Place>,
+    pub walk: Option<Walk>,
+    /// CPU time of the values.
+    pub cpu_map: Duration,
+    /// CPU time of the walk.
+    pub cpu_path: Option<Duration>,
+}
+
+/// A start or goal that the map does not allow.
+#[derive(Debug, thiserror::Error)]
+#[error("the {which} at {problem}")]
+pub struct BadEnd {
+    which: &'static str,
+    problem: BadPlace,
+}
+
+/// Does what a command asks, on a map.
+pub fn compute(computation: &Computation, occupied: &Grid<bool>) -> Result<Computed, BadEnd> {
+    match computation {
+        Computation::Occupancy(_) => Ok(occupancy(occupied)),
+        Computation::Brushfire(arguments) => Ok(distances(occupied, arguments)),
+        Computation::Cost(arguments) => Ok(costs(occupied, arguments)),
+        Computation::Wavefront(arguments) => steps(occupied, arguments),
+        Computation::Attraction(arguments) => attraction(occupied, arguments),
+        Computation::Repulsion(arguments) => Ok(repulsion(occupied, arguments)),
+        Computation::Total(arguments) => total(occupied, &arguments.field),
+        Computation::Descend(arguments) => descent(occupied, arguments),
+    }
+}
+
+fn occupancy(occupied: &Grid<bool>) -> Computed {
+    Computed::timed("Occupancy", "occupied", || Values::Flags(occupied.clone()))
+}
+
+fn distances(occupied: &Grid<bool>, arguments: &BrushfireArguments) -> Computed {
+    let neighbours = arguments.neighbours.connectivity;
+    let value_name = match arguments.convention {
+        Convention::ObstacleOne => "distance + 1",
+        Convention::ObstacleZero => "distance",
+    };
+    Computed::timed(&titled("Brushfire", neighbours), value_name, || {
+        let mut values = brushfire_or_zero(occupied, neighbours.into());
+        if arguments.convention == Convention::ObstacleZero {
+            values.values_mut().iter_mut().for_each(|value| *value = value.saturating_sub(1));
+        }
+        Values::Distances(values)
+    })
+}
+
+/// The brushfire map, 0 everywhere without obstacles.
+fn brushfire_or_zero(occupied: &Grid<bool>, connectivity: Connectivity) -> Grid<u16> {
+    brushfire(occupied, connectivity).unwrap_or_else(|| Grid::filled(occupied.rows(), occupied.cols(), 0))
+}
+
+fn costs(occupied: &Grid<bool>, arguments: &CostArguments) -> Computed {
+    Computed::timed("Cost map", "cost", || {
+        Values::Reals(cost_map(&brushfire_or_zero(occupied, Connectivity::Four), &arguments.zones()))
+    })
+}
+
+fn steps(occupied: &Grid<bool>, arguments: &WavefrontArguments) -> Result<Computed, BadEnd> {
+    let (goal, neighbours) = (arguments.goal.goal, arguments.neighbours.connectivity);
+    let (connectivity, corners) = (neighbours.into(), arguments.corners.rule());
+    check_free("goal", occupied, goal)?;
+    if let Some(start) = arguments.start {
+        check_inside("start", occupied, start)?;
+    }
+    let wave = || wavefront(occupied, goal, connectivity, corners).expect("the goal is free");
+    let (values, cpu_map) = timed(wave);
+    let walk = arguments.start.map(|start| {
+        timed(|| {
+            let route = if arguments.shortest {
+                shortest_path(occupied, start, goal, connectivity, corners).expect("both ends are on the map")
+            } else {
+                descend_wavefront(&values, start, connectivity, corners, arguments.tie_order.into())
+            };
+            Walk { start, goal, way: route.into() }
+        })
+    });
+    let (walk, cpu_path) = walk.unzip();
+    Ok(Computed {
+        title: titled("Wavefront", neighbours),
+        value_name: if arguments.scale.is_some() { "scaled value" } else { "steps + 2" },
+        unreached: Some(values.values().iter().filter(|&&value| value == UNREACHED).count()),
+        values: match arguments.scale {
+            Some(scale) => Values::Reals(scaled(&values, scale)),
+            None => Values::Steps(values),
+        },
+        goal: Some(goal),
+        walk,
+        cpu_map,
+        cpu_path,
+    })
+}
+
+/// All values divided by the largest, times `scale`.
+fn scaled(values: &Grid<u32>, scale: f64) -> Grid<f64> {
+    let max = f64::from(values.values().iter().copied().max().unwrap_or(1));
+    let reals = values.values().iter().map(|&value| f64::from(value) / max * scale).collect();
+    Grid::from_values(values.rows(), values.cols(), reals)
+}
+
+fn attraction(occupied: &Grid<bool>, arguments: &AttractionArguments) -> Result<Computed, BadEnd> {
+    let goal = arguments.goal.goal;
+    check_inside("goal", occupied, goal)?;
+    let field = || Values::Reals(attraction_field(occupied, goal, &arguments.attraction));
+    Ok(Computed { goal: Some(goal), ..Computed::timed("Attraction", "potential", field) })
+}
+
+fn attraction_field(occupied: &Grid<bool>, goal: Place, options: &AttractionOptions) -> Grid<f64> {
+    potential::attraction(occupied.rows(), occupied.cols(), goal, options.kind(), options.scale.0)
+}
+
+fn repulsion(occupied: &Grid<bool>, arguments: &RepulsionArguments) -> Computed {
+    let neighbours = arguments.neighbours.connectivity;
+    let brushfire = || brushfire_or_zero(occupied, neighbours.into());
+    let field = || Values::Reals(potential::repulsion(&brushfire(), &arguments.repulsion.law()));
+    Computed::timed(&titled("Repulsion", neighbours), "potential", field)
+}
+
+fn total(occupied: &Grid<bool>, arguments: &FieldArguments) -> Result<Computed, BadEnd> {
+    let goal = arguments.goal.goal;
+    check_inside("goal", occupied, goal)?;
+    let title = titled("Total potential", arguments.neighbours.connectivity);
+    let field = || Values::Reals(total_field(occupied, arguments));
+    Ok(Computed { goal: Some(goal), ..Computed::timed(&title, "potential", field) })
+}
+
+fn total_field(occupied: &Grid<bool>, arguments: &FieldArguments) -> Grid<f64> {
+    let brushfire = brushfire_or_zero(occupied, arguments.neighbours.connectivity.into());
+    let attraction = attraction_field(occupied, arguments.goal.goal, &arguments.attraction);
+    potential::total(attraction, &brushfire, &arguments.repulsion.law())
+}
+
+fn descent(occupied: &Grid<bool>, arguments: &DescendArguments) -> Result<Computed, BadEnd> {
+    let (start, goal, neighbours) =
+        (arguments.start, arguments.field.goal.goal, arguments.field.neighbours.connectivity);
+    let (connectivity, corners) = (neighbours.into(), arguments.corners.rule());
+    check_free("goal", occupied, goal)?;
+    check_inside("start", occupied, start)?;
+    let (field, cpu_map) = timed(|| total_field(occupied, &arguments.field));
+    let (walk, cpu_path) = timed(|| {
+        let walk = match arguments.escape {
+            None => descend(&field, occupied, start, goal, connectivity, corners).map(Way::from),
+            Some(Escape::Wavefront) => {
+                descend_or_escape(&field, occupied, start, goal, connectivity, corners).map(Way::from)
+            }
+        };
+        Walk { start, goal, way: walk.expect("both ends are on the map") }
+    });
+    Ok(Computed {
+        title: titled("Gradient descent", neighbours),
+        value_name: "potential",
+        values: Values::Reals(field),
+        unreached: None,
+        goal: Some(goal),
+        walk: Some(walk),
+        cpu_map,
+        cpu_path: Some(cpu_path),
+    })
+}
+
+impl Computed {
+    /// Values alone, and the time that they took.
+    fn timed(title: &str, value_name: &'static str, values: impl FnOnce() -> Values) -> Self {
+        let (values, cpu_map) = timed(values);
+        Self {
+            title: title.to_owned(),
+            value_name,
+            values,
+            unreached: None,
+            goal: None,
+            walk: None,
+            cpu_map,
+            cpu_path: None,
+        }
+    }
+}
+
+fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
+    let mut stopwatch = CpuStopwatch::start();
+    let result = work();
+    (result, stopwatch.lap())
+}
+
+fn titled(name: &str, neighbours: Neighbours) -> String {
+    format!("{name}, {} neighbours", u8::from(neighbours))
+}
+
+fn check_free(which: &'static str, occupied: &Grid<bool>, place: Place) -> Result<(), BadEnd> {
+    place::check_free(occupied, place).map_err(|problem| BadEnd { which, problem })
+}
+
+fn check_inside(which: &'static str, occupied: &Grid<bool>, place: Place) -> Result<(), BadEnd> {
+    match check_free(which, occupied, place) {
+        Err(BadEnd { problem: BadPlace::Occupied { .. }, .. }) => Ok(()),
+        checked => checked,
+    }
+}

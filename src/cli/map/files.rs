@@ -1,0 +1,49 @@
+//! The files that a command was asked for.
+
+use std::path::Path;
+
+use crate::cli::failure::Failure;
+use crate::cli::map::args::Computation;
+use crate::cli::map::options::OutputArguments;
+use crate::cli::map::report::Report;
+use crate::cli::map::scene::with_scene;
+use crate::cli::output_files;
+use crate::map_files::write_path;
+use crate::picture::{draw_map, draw_overlay, draw_surface};
+
+/// Checks what can be checked before anything is computed.
+pub fn check(computation: &Computation) -> Result<(), Failure> {
+    let files = computation.files();
+    if files.output.path.is_some() && !computation.has_start() {
+        let help = "`wildfire map wavefront` and `wildfire map descend` find paths, from --start";
+        return Err(Failure::bad_input("--path without a start: there is no path to write", Some(help)));
+    }
+    output_files::check(&files.input.map, paths(&files.output))
+}
+
+fn paths(output: &OutputArguments) -> impl Iterator<Item = &Path> {
+    let OutputArguments { csv, npy, png, overlay, surface, path, colormap: _, json: _ } = output;
+    [csv, npy, png, overlay, surface, path].into_iter().filter_map(Option::as_deref)
+}
+
+/// Whether some file was asked for.
+pub fn are_wanted(output: &OutputArguments) -> bool {
+    paths(output).next().is_some()
+}
+
+/// Writes all files; the error is the first.
+pub fn write(report: &Report, quiet: bool) -> Result<(), Failure> {
+    let (output, values) = (&report.computation.files().output, &report.computed.values);
+    let grey = report.map.grey.as_ref();
+    output_files::write_all(
+        &[
+            (output.csv.as_deref(), &|path| values.write_csv(path)),
+            (output.npy.as_deref(), &|path| values.write_npy(path)),
+            (output.path.as_deref(), &|path| write_path(path, report.way().unwrap_or_default())),
+            (output.png.as_deref(), &|path| with_scene(report, draw_map).write_png(path)),
+            (output.overlay.as_deref(), &|path| with_scene(report, |scene| draw_overlay(scene, grey)).write_png(path)),
+            (output.surface.as_deref(), &|path| with_scene(report, draw_surface).write_png(path)),
+        ],
+        quiet,
+    )
+}

@@ -1,0 +1,72 @@
+//! `wildfire map`: the grid maps of the reports, from files to numbers, pictures and paths.
+
+mod args;
+mod compute;
+mod files;
+mod json;
+mod options;
+mod parse;
+mod report;
+mod scene;
+mod summary;
+mod timing;
+mod values;
+mod walk;
+
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::Duration;
+
+pub use args::MapCommand;
+
+use args::Computation;
+use options::ReadingArguments;
+use report::Report;
+
+use crate::cli::failure::Failure;
+use crate::cli::terminal;
+use crate::grid::occupancy;
+use crate::map_files::{self, MapFile};
+use crate::time::cpu::CpuStopwatch;
+
+pub fn run(command: &MapCommand, quiet: bool) -> Result<ExitCode, Failure> {
+    match command {
+        MapCommand::Compute(computation) => compute_and_tell(computation, quiet)?,
+        MapCommand::Timing(arguments) => timing::run(arguments, quiet)?,
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn compute_and_tell(computation: &Computation, quiet: bool) -> Result<(), Failure> {
+    computation.check_parameters().map_err(|problem| Failure::bad_input(problem, None))?;
+    files::check(computation)?;
+    let (input, output) = (&computation.files().input, &computation.files().output);
+    let (map, cpu_read) = read(&input.map, &input.reading)?;
+    let computed = compute::compute(computation, &map.occupied)
+        .map_err(|problem| Failure::bad_input(format_args!("{}: {problem}", input.map.display()), None))?;
+    let report = Report::new(computation, &map, &computed, cpu_read);
+    if output.json && !quiet {
+        report.sentences().iter().for_each(|sentence| terminal::note(sentence));
+    }
+    let printed = terminal::print(told(&report).as_bytes());
+    // Whatever cannot be written, all else is kept.
+    let written = files::write(&report, quiet);
+    printed.and(written)
+}
+
+fn told(report: &Report) -> String {
+    let output = &report.computation.files().output;
+    if output.json {
+        return json::of(report) + "\n";
+    }
+    let values = summary::values(report).filter(|_| !files::are_wanted(output));
+    summary::of(report) + &values.map(|values| format!("\n{values}")).unwrap_or_default()
+}
+
+/// The map in a file without its edges, and the CPU time that it took.
+fn read(path: &Path, reading: &ReadingArguments) -> Result<(MapFile, Duration), Failure> {
+    let mut stopwatch = CpuStopwatch::start();
+    let mut map = map_files::read(path, reading.tolerance())?;
+    occupancy::remove_edges(&mut map.occupied, reading.remove_edges);
+    Ok((map, stopwatch.lap()))
+}

@@ -1,0 +1,278 @@
+//! Options that several commands of `wildfire map` share, and what they mean to the algorithms.
+
+use std::path::PathBuf;
+
+use clap::{ArgGroup, Args, ValueEnum};
+use serde::Serialize;
+
+use crate::cli::map::parse;
+use crate::grid::parameter::BadParameter;
+use crate::grid::{Connectivity, CornerCutting, Place, TieOrder, potential};
+use crate::picture::ColourMap;
+
+/// Which map is read, and how.
+#[derive(Debug, Args)]
+pub struct InputArguments {
+    /// A map: PNG or PGM grey image, text of 0 and 1, CSV of 0 and 1, or Moving AI `.map` (S, swamp, and W, water, are
+    /// blocked like all but `.` and G).
+    #[arg(value_name = "MAP")]
+    pub map: PathBuf,
+    #[command(flatten)]
+    pub reading: ReadingArguments,
+}
+
+/// How a map is read.
+#[derive(Debug, Args)]
+pub struct ReadingArguments {
+    /// Pixels of an image are occupied where their grey value, 0 black to 255 white, is at most this [default: 50].
+    #[arg(long, value_name = "GREY", allow_hyphen_values = true, value_parser = parse::grey)]
+    pub tolerance: Option<u8>,
+    /// Free the first and last K rows and columns.
+    #[arg(long, value_name = "K", default_value_t = 0, allow_hyphen_values = true, value_parser = parse::edge)]
+    pub remove_edges: usize,
+}
+
+impl ReadingArguments {
+    /// Between a black drawing and its soft edges.
+    const TOLERANCE: u8 = 50;
+
+    pub fn tolerance(&self) -> u8 {
+        self.tolerance.unwrap_or(Self::TOLERANCE)
+    }
+}
+
+/// Where results go.
+#[derive(Debug, Args)]
+#[command(group = ArgGroup::new("picture").args(["png", "overlay", "surface"]).multiple(true))]
+pub struct OutputArguments {
+    /// Write the values as CSV, without a header; floats with 12 significant digits.
+    #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
+    pub csv: Option<PathBuf>,
+    /// Write the values as a NumPy array.
+    #[arg(help_heading = "Output", long, value_name = "FILE.npy")]
+    pub npy: Option<PathBuf>,
+    /// Draw the values from above, with path, start and goal.
+    #[arg(help_heading = "Output", long, value_name = "FILE.png")]
+    pub png: Option<PathBuf>,
+    /// Draw the values over the input.
+    #[arg(help_heading = "Output", long, value_name = "FILE.png")]
+    pub overlay: Option<PathBuf>,
+    /// Draw the values as a surface in space.
+    #[arg(help_heading = "Output", long, value_name = "FILE.png")]
+    pub surface: Option<PathBuf>,
+    /// Write the path, ROW,COLUMN per line from the start on; an empty file if there is none.
+    #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
+    pub path: Option<PathBuf>,
+    /// Colours of the pictures.
+    #[arg(
+        help_heading = "Output",
+        long,
+        value_enum,
+        value_name = "NAME",
+        default_value = "viridis",
+        requires = "picture"
+    )]
+    pub colormap: Colours,
+    /// Print the answer as one JSON object.
+    #[arg(help_heading = "Output", long)]
+    pub json: bool,
+}
+
+/// Input and output of a command; no parameters of its algorithm.
+#[derive(Debug, Args)]
+pub struct FileArguments {
+    #[command(flatten)]
+    pub input: InputArguments,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
+
+#[derive(Debug, Args, Serialize)]
+pub struct NeighbourArguments {
+    /// Neighbours of a cell: the 4 that share a side, or the 8 that share a side or a corner.
+    #[arg(long, value_enum, value_name = "4|8", default_value = "8")]
+    pub connectivity: Neighbours,
+}
+
+#[derive(Debug, Args, Serialize)]
+pub struct GoalArguments {
+    /// The goal, counted from 0; row 0 is the first line of the file.
+    #[arg(long, value_name = "ROW,COLUMN", allow_hyphen_values = true, value_parser = parse::place)]
+    pub goal: Place,
+}
+
+#[derive(Debug, Args, Serialize)]
+pub struct CornerArguments {
+    /// Allow a diagonal step only where both cells beside it are free.
+    #[arg(long)]
+    pub no_corner_cutting: bool,
+}
+
+#[derive(Debug, Args, Serialize)]
+pub struct FieldArguments {
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub goal: GoalArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub attraction: AttractionOptions,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub neighbours: NeighbourArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub repulsion: RepulsionOptions,
+}
+
+#[derive(Debug, Args, Serialize)]
+pub struct AttractionOptions {
+    /// zeta / 2 x the square of the Euclidean distance from the goal, or the city-block distance.
+    #[arg(long, value_enum, value_name = "NAME", default_value = "d2")]
+    pub distance: Distance,
+    /// Strength of the attraction `d2`; it shows with `--scale none` only.
+    #[arg(long, default_value_t = 1.0, allow_hyphen_values = true, value_parser = parse::number)]
+    pub zeta: f64,
+    /// The largest attraction, to which all are scaled, or `none`.
+    #[arg(long, value_name = "S|none", default_value = "10", allow_hyphen_values = true, value_parser = parse::scale)]
+    pub scale: Scale,
+}
+
+#[derive(Debug, Args, Serialize)]
+pub struct RepulsionOptions {
+    /// The brushfire value beyond which there is no repulsion.
+    #[arg(long, default_value_t = 5.0, allow_hyphen_values = true, value_parser = parse::number)]
+    pub q: f64,
+    /// Strength of the repulsion.
+    #[arg(long, default_value_t = 15.0, allow_hyphen_values = true, value_parser = parse::number)]
+    pub eta: f64,
+    /// Take the distance itself, one less than the brushfire value, as textbooks do: obstacles become infinitely high.
+    #[arg(long)]
+    pub true_distance: bool,
+}
+
+/// The greatest attraction; `None` leaves it as it is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(transparent)]
+pub struct Scale(pub Option<f64>);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(into = "u8")]
+pub enum Neighbours {
+    #[value(name = "4")]
+    Four,
+    #[value(name = "8")]
+    Eight,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Convention {
+    ObstacleOne,
+    ObstacleZero,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Form {
+    Literal,
+    Continuous,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Order {
+    CrossFirst,
+    WestFirst,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Distance {
+    D2,
+    Manhattan,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Escape {
+    Wavefront,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Colours {
+    Viridis,
+    Jet,
+}
+
+impl From<Neighbours> for u8 {
+    fn from(neighbours: Neighbours) -> Self {
+        match neighbours {
+            Neighbours::Four => 4,
+            Neighbours::Eight => 8,
+        }
+    }
+}
+
+impl From<Neighbours> for Connectivity {
+    fn from(neighbours: Neighbours) -> Self {
+        match neighbours {
+            Neighbours::Four => Self::Four,
+            Neighbours::Eight => Self::Eight,
+        }
+    }
+}
+
+impl From<Order> for TieOrder {
+    fn from(order: Order) -> Self {
+        match order {
+            Order::CrossFirst => Self::CrossFirst,
+            Order::WestFirst => Self::WestFirst,
+        }
+    }
+}
+
+impl From<Colours> for ColourMap {
+    fn from(colours: Colours) -> Self {
+        match colours {
+            Colours::Viridis => Self::Viridis,
+            Colours::Jet => Self::Jet,
+        }
+    }
+}
+
+impl CornerArguments {
+    pub fn rule(&self) -> CornerCutting {
+        if self.no_corner_cutting { CornerCutting::Forbidden } else { CornerCutting::Allowed }
+    }
+}
+
+impl AttractionOptions {
+    pub fn check(&self) -> Result<(), BadParameter> {
+        self.kind().check(self.scale.0)
+    }
+
+    pub fn kind(&self) -> potential::Attraction {
+        match self.distance {
+            Distance::D2 => potential::Attraction::Squared { zeta: self.zeta },
+            Distance::Manhattan => potential::Attraction::Manhattan,
+        }
+    }
+}
+
+impl FieldArguments {
+    pub fn check(&self) -> Result<(), BadParameter> {
+        self.attraction.check()?;
+        self.repulsion.law().check()
+    }
+}
+
+impl RepulsionOptions {
+    pub fn law(&self) -> potential::Repulsion {
+        let distance = if self.true_distance {
+            potential::RepulsionDistance::True
+        } else {
+            potential::RepulsionDistance::Brushfire
+        };
+        potential::Repulsion { q: self.q, eta: self.eta, distance }
+    }
+}

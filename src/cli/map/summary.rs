@@ -1,0 +1,57 @@
+//! A report as a few lines for people, with the values themselves where they fit on a terminal.
+
+use std::time::Duration;
+
+use crate::cli::map::report::Report;
+use crate::cli::map::values::Value;
+
+/// The size of a terminal that shows all values.
+const MAX_WIDTH: usize = 80;
+const MAX_ROWS: usize = 40;
+
+/// Size, sentences, the largest value, CPU time.
+pub fn of(report: &Report) -> String {
+    let mut lines = vec![size(report), value(report)];
+    lines.extend(report.sentences());
+    lines.push(cpu(report));
+    lines.join("\n") + "\n"
+}
+
+fn size(report: &Report) -> String {
+    let (path, map) = (report.path.display(), &report.map.occupied);
+    let (cells, occupied) = (report.cells(), report.occupied_cells);
+    let share = 100.0 * occupied as f64 / cells as f64;
+    format!("{path}: {} rows x {} columns, {cells} cells, {occupied} occupied ({share:.1} %)", map.rows(), map.cols())
+}
+
+fn value(report: &Report) -> String {
+    let computed = report.computed;
+    let max = computed.values.max().map_or("none".to_owned(), Value::to_text);
+    let unreached = computed.unreached.map(|cells| format!(", free cells unreached {cells}"));
+    format!("{}: maximum {max}{}", computed.title, unreached.unwrap_or_default())
+}
+
+fn cpu(report: &Report) -> String {
+    let ms = |cpu: Duration| format!("{:.3} ms", cpu.as_secs_f64() * 1e3);
+    let path = report.computed.cpu_path.map(|cpu| format!(", path {}", ms(cpu)));
+    format!("CPU: reading {}, map {}{}", ms(report.cpu_read), ms(report.computed.cpu_map), path.unwrap_or_default())
+}
+
+/// All values in rows and columns, those on the way with a star before them; `None` if they would not fit.
+pub fn values(report: &Report) -> Option<String> {
+    let (rows, cols) = (report.map.occupied.rows(), report.map.occupied.cols());
+    if rows > MAX_ROWS || cols > MAX_WIDTH {
+        return None;
+    }
+    let places = (0..rows).flat_map(|row| (0..cols).map(move |col| (row, col)));
+    let mut texts: Vec<_> = places.map(|place| report.computed.values.at(place).to_short_text()).collect();
+    let width = 1 + texts.iter().map(String::len).max().unwrap_or(0);
+    for &(row, col) in report.way().unwrap_or_default() {
+        let text = &mut texts[row * cols + col];
+        if !text.starts_with('*') {
+            text.insert(0, '*');
+        }
+    }
+    let line = |row: &[String]| row.iter().map(|text| format!("{text:>width$}")).collect::<String>() + "\n";
+    (width * cols <= MAX_WIDTH).then(|| texts.chunks(cols).map(line).collect())
+}

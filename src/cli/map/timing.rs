@@ -1,0 +1,132 @@
+//! `wildfire map timing`: what brushfire and wavefront cost on maps.
+
+use std::path::Path;
+use std::time::Duration;
+
+use serde::Serialize;
+
+use crate::batch::{PROGRAM_VERSION, TextTable};
+use crate::cli::failure::Failure;
+use crate::cli::map::args::TimingArguments;
+use crate::cli::map::read;
+use crate::cli::terminal;
+use crate::grid::brushfire::brushfire_into;
+use crate::grid::wavefront::wavefront_into;
+use crate::grid::{Connectivity, CornerCutting, Grid, Place};
+use crate::time::cpu::CpuStopwatch;
+
+/// A figure is the median of at least so many repetitions, and of at least so much CPU time.
+const MIN_REPETITIONS: usize = 5;
+const MIN_CPU: Duration = Duration::from_millis(200);
+
+/// The members of the JSON in their order; without a free cell there is no goal and no wavefront.
+#[derive(Serialize)]
+struct Timing {
+    map: String,
+    rows: usize,
+    cols: usize,
+    cells: usize,
+    goal: Option<Place>,
+    brushfire_s: f64,
+    wavefront_s: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct Timings {
+    program_version: &'static str,
+    connectivity: u8,
+    maps: Vec<Timing>,
+}
+
+pub fn run(arguments: &TimingArguments, quiet: bool) -> Result<(), Failure> {
+    let mut timings = Vec::new();
+    for path in &arguments.maps {
+        let (map, _) = read(path, &arguments.reading)?;
+        if !quiet {
+            map.notes.iter().for_each(|note| terminal::note(&format!("{}: {note}", path.display())));
+        }
+        timings.push(measure(path, &map.occupied));
+    }
+    let text = if arguments.json {
+        let timings = Timings { program_version: PROGRAM_VERSION, connectivity: 8, maps: timings };
+        serde_json::to_string(&timings).expect("names, numbers and words are JSON") + "\n"
+    } else {
+        table(&timings)
+    };
+    terminal::print(text.as_bytes())
+}
+
+fn measure(path: &Path, occupied: &Grid<bool>) -> Timing {
+    let (rows, cols) = (occupied.rows(), occupied.cols());
+    let goal = free_cell_nearest_centre(occupied);
+    let mut distances = Grid::filled(rows, cols, 0);
+    let mut steps = Grid::filled(rows, cols, 0);
+    let mut wave = |goal| {
+        wavefront_into(occupied, goal, Connectivity::Eight, CornerCutting::Allowed, &mut steps).expect("it is free");
+    };
+    Timing {
+        map: path.display().to_string(),
+        rows,
+        cols,
+        cells: occupied.values().len(),
+        goal,
+        brushfire_s: median_s(|| {
+            brushfire_into(occupied, Connectivity::Eight, &mut distances);
+        }),
+        wavefront_s: goal.map(|goal| median_s(|| wave(goal))),
+    }
+}
+
+/// By the Euclidean distance, ties to the first in reading order.
+fn free_cell_nearest_centre(occupied: &Grid<bool>) -> Option<Place> {
+    let (rows, cols) = (occupied.rows(), occupied.cols());
+    let places = (0..rows).flat_map(|row| (0..cols).map(move |col| (row, col)));
+    // Twice the offset from the centre is a whole number.
+    let distance = |&(row, col): &Place| {
+        let (row, col) = ((2 * row).abs_diff(rows - 1), (2 * col).abs_diff(cols - 1));
+        row * row + col * col
+    };
+    places.filter(|&place| !occupied[place]).min_by_key(distance)
+}
+
+/// The median CPU time of some work in seconds, after it was done once.
+fn median_s(mut work: impl FnMut()) -> f64 {
+    work();
+    let (mut laps, mut sum) = (Vec::new(), Duration::ZERO);
+    while laps.len() < MIN_REPETITIONS || sum < MIN_CPU {
+        let mut stopwatch = CpuStopwatch::start();
+        work();
+        laps.push(stopwatch.lap());
+        sum += laps[laps.len() - 1];
+    }
+    laps.sort_unstable();
+    laps[laps.len() / 2].as_secs_f64()
+}
+
+fn table(timings: &[Timing]) -> String {
+    let heading = |words: &[&str]| words.iter().map(|&word| word.to_owned()).collect::<Vec<_>>();
+    let seconds = |seconds: f64| format!("{seconds:.7}");
+    let row = |timing: &Timing| {
+        vec![
+            timing.map.clone(),
+            timing.cells.to_string(),
+            seconds(timing.brushfire_s),
+            timing.wavefront_s.map_or("-".to_owned(), seconds),
+            timing.goal.map_or("-".to_owned(), |(row, col)| format!("{row},{col}")),
+        ]
+    };
+    let table = TextTable {
+        headings: vec![
+            heading(&["Map"]),
+            heading(&["Cells"]),
+            heading(&["Brushfire", "seconds"]),
+            heading(&["Wavefront", "seconds"]),
+            heading(&["Goal"]),
+        ],
+        rows: timings.iter().map(row).collect(),
+        rules_before: Vec::new(),
+    };
+    let explanation = "\nCPU time of one thread, 8 neighbours, median of repetitions, reading left out.\n\
+                       The wavefront's goal, row,column, is the free cell nearest the centre.\n";
+    table.to_text() + explanation
+}

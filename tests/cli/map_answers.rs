@@ -1,0 +1,339 @@
+//! `wildfire map`: values, ways and words, checked by hand on maps of a few cells.
+
+use std::f64::consts::SQRT_2;
+
+use serde_json::{Value, json};
+
+use crate::story::{Answer, Story, widest};
+
+/// A U that opens to the west; goals lie behind it.
+const TRAP: &str = "000000\n011100\n000100\n011100\n";
+
+fn story() -> Story {
+    let story = Story::begin();
+    story.file("trap.txt", TRAP);
+    story.file("line.txt", &format!("1{}\n", "0".repeat(49)));
+    story.file("open.txt", "000\n000\n");
+    story.file("full.txt", "11\n11\n");
+    story.file("cell.txt", "0\n");
+    story.file("enclosed.txt", "00000\n01110\n01010\n01110\n00000\n");
+    story
+}
+
+/// What `wildfire map` answers with success.
+fn tell(story: &Story, arguments: &str) -> Answer {
+    let arguments: Vec<_> = std::iter::once("map").chain(arguments.split_whitespace()).collect();
+    story.tell(&arguments).expect_code(0)
+}
+
+/// The lines of the values that a command writes.
+fn values(story: &Story, arguments: &str) -> Vec<String> {
+    tell(story, &format!("{arguments} --csv values.csv"));
+    story.read("values.csv").lines().map(str::to_owned).collect()
+}
+
+fn path(story: &Story, arguments: &str) -> Vec<String> {
+    tell(story, &format!("{arguments} --path path.csv"));
+    story.read("path.csv").lines().map(str::to_owned).collect()
+}
+
+fn object(story: &Story, arguments: &str) -> Value {
+    let stdout = tell(story, &format!("{arguments} --json")).stdout;
+    assert_eq!(stdout.lines().count(), 1, "{stdout}");
+    serde_json::from_str(&stdout).expect("the answer is JSON")
+}
+
+#[test]
+fn occupancy_is_told_by_the_tolerance_and_edges_can_be_removed() {
+    let story = story();
+    story.file("grey.pgm", "P2\n4 3\n255\n0 0 0 0\n49 50 51 255\n0 0 0 0\n");
+    assert_eq!(values(&story, "occupancy grey.pgm"), ["1,1,1,1", "1,1,0,0", "1,1,1,1"]);
+    assert_eq!(values(&story, "occupancy grey.pgm --tolerance 49"), ["1,1,1,1", "1,0,0,0", "1,1,1,1"]);
+    assert_eq!(values(&story, "occupancy grey.pgm --remove-edges 1"), ["0,0,0,0", "0,1,0,0", "0,0,0,0"]);
+    assert_eq!(values(&story, "occupancy grey.pgm --remove-edges 9"), ["0,0,0,0"; 3]);
+}
+
+#[test]
+fn brushfire_counts_from_obstacles() {
+    let story = story();
+    let eight = ["2,2,2,2,2,3", "2,1,1,1,2,3", "2,2,2,1,2,3", "2,1,1,1,2,3"];
+    assert_eq!(values(&story, "brushfire trap.txt"), eight);
+    assert_eq!(values(&story, "brushfire trap.txt --connectivity 8"), eight);
+    let four = ["3,2,2,2,3,4", "2,1,1,1,2,3", "3,2,2,1,2,3", "2,1,1,1,2,3"];
+    assert_eq!(values(&story, "brushfire trap.txt --connectivity 4"), four);
+    let from_zero = ["1,1,1,1,1,2", "1,0,0,0,1,2", "1,1,1,0,1,2", "1,0,0,0,1,2"];
+    assert_eq!(values(&story, "brushfire trap.txt --convention obstacle-zero"), from_zero);
+}
+
+#[test]
+fn cost_falls_in_two_zones() {
+    let story = story();
+    let at = |arguments: &str, distances: &[usize]| {
+        let line = values(&story, &format!("cost line.txt {arguments}")).remove(0);
+        let costs: Vec<_> = line.split(',').collect();
+        distances.iter().map(|&distance| costs[distance].to_owned()).collect::<Vec<_>>()
+    };
+    assert_eq!(at("", &[0, 1, 11, 12, 33, 34, 49]), ["1000", "775", "525", "320", "5", "0", "0"]);
+    assert_eq!(at("--form continuous", &[0, 1, 11, 12, 13, 45, 46]), ["1000", "775", "525", "500", "485", "5", "0"]);
+    let changed = "--max-cost 100 --safety-max 50 --safety-min 20 --safety-distance 3 --cost-rate 0.5";
+    assert_eq!(at(changed, &[0, 1, 2, 3, 4, 40, 41]), ["100", "40", "30", "18.5", "18", "0", "0"]);
+}
+
+#[test]
+fn wavefront_counts_steps_to_the_goal() {
+    let story = story();
+    let eight = ["7,6,5,4,4,4", "7,1,1,1,3,3", "8,8,9,1,3,2", "9,1,1,1,3,3"];
+    assert_eq!(values(&story, "wavefront trap.txt --goal 2,5"), eight);
+    let four = ["9,8,7,6,5,4", "10,1,1,1,4,3", "11,12,13,1,3,2", "12,1,1,1,4,3"];
+    assert_eq!(values(&story, "wavefront trap.txt --goal 2,5 --connectivity 4"), four);
+    assert_eq!(values(&story, "wavefront trap.txt --goal 2,5 --connectivity 4 --no-corner-cutting"), four);
+    let corners = ["8,7,6,5,4,4", "9,1,1,1,3,3", "10,11,12,1,3,2", "11,1,1,1,3,3"];
+    assert_eq!(values(&story, "wavefront trap.txt --goal 2,5 --no-corner-cutting"), corners);
+    let scaled = values(&story, "wavefront trap.txt --goal 2,5 --connectivity 4 --scale 26");
+    assert_eq!(scaled[2], "22,24,26,2,6,4", "obstacles are scaled like all values");
+}
+
+#[test]
+fn path_follows_the_order_that_was_asked_for() {
+    let story = story();
+    assert_eq!(path(&story, "wavefront open.txt --goal 1,2 --start 0,0"), ["0,0", "0,1", "1,2"]);
+    let west = "wavefront open.txt --goal 1,2 --start 0,0 --tie-order west-first";
+    assert_eq!(path(&story, west), ["0,0", "0,1", "1,2"]);
+    let four = "wavefront open.txt --goal 1,2 --start 0,0 --connectivity 4";
+    assert_eq!(path(&story, four), ["0,0", "1,0", "1,1", "1,2"]);
+    assert_eq!(path(&story, &format!("{four} --tie-order west-first")), ["0,0", "0,1", "0,2", "1,2"]);
+    assert_eq!(path(&story, "wavefront open.txt --goal 1,2 --start 1,2"), ["1,2"]);
+}
+
+#[test]
+fn shortest_path_beats_the_one_with_the_fewest_steps() {
+    let story = story();
+    // Two lanes of six steps: the upper begins straight on and then zigzags, the lower is straight for longer.
+    story.file("lanes.txt", "1101011\n0010101\n1011110\n1100001\n");
+    let answer = |more: &str| object(&story, &format!("wavefront lanes.txt --start 1,0 --goal 2,6 {more}"));
+    let (few, short) = (answer(""), answer("--shortest"));
+    assert_eq!((&few["steps"], &short["steps"]), (&json!(6), &json!(6)));
+    let close = |length: &Value, expected: f64| length.as_f64().is_some_and(|length| (length - expected).abs() < 1e-12);
+    assert!(close(&few["length"], 1.0 + 5.0 * SQRT_2) && close(&short["length"], 3.0 + 3.0 * SQRT_2), "{few} {short}");
+    let around = |more: &str| object(&story, &format!("wavefront trap.txt --goal 2,5 --start 2,1 --shortest {more}"));
+    assert!(close(&around("")["length"], 2.0 + 4.0 * SQRT_2));
+    assert!(close(&around("--no-corner-cutting")["length"], 8.0 + SQRT_2));
+    assert!(close(&around("--connectivity 4")["length"], 10.0));
+}
+
+#[test]
+fn attraction_grows_with_the_distance_from_the_goal() {
+    let story = story();
+    assert_eq!(values(&story, "attraction open.txt --goal 0,0 --scale none"), ["0,0.5,2", "0.5,1,2.5"]);
+    assert_eq!(values(&story, "attraction open.txt --goal 0,0"), ["0,2,8", "2,4,10"]);
+    assert_eq!(values(&story, "attraction open.txt --goal 0,0 --scale 5"), ["0,1,4", "1,2,5"]);
+    assert_eq!(values(&story, "attraction open.txt --goal 0,0 --scale none --zeta 2"), ["0,1,4", "1,2,5"]);
+    let manhattan = "attraction open.txt --goal 0,0 --distance manhattan --scale none";
+    assert_eq!(values(&story, manhattan), ["0,1,2", "1,2,3"]);
+}
+
+#[test]
+fn repulsion_falls_with_the_brushfire_value() {
+    let story = story();
+    let first = |arguments: &str| {
+        let line = values(&story, &format!("repulsion line.txt {arguments}")).remove(0);
+        line.split(',').take(6).collect::<Vec<_>>().join(" ")
+    };
+    assert_eq!(first(""), "4.8 0.675 0.133333333333 0.01875 0 0");
+    assert_eq!(first("--q 2 --eta 8"), "1 0 0 0 0 0");
+    assert_eq!(first("--true-distance"), "inf 4.8 0.675 0.133333333333 0.01875 0");
+}
+
+#[test]
+fn total_is_the_sum_of_both() {
+    let story = story();
+    let sum = values(&story, "total line.txt --goal 0,5 --scale none").remove(0);
+    let parts: Vec<_> = sum.split(',').take(7).collect();
+    assert_eq!(parts, ["17.3", "8.675", "4.63333333333", "2.01875", "0.5", "0", "0.5"]);
+}
+
+#[test]
+fn descent_is_stuck_in_the_trap_and_the_wavefront_leads_on() {
+    let story = story();
+    let descend = "descend trap.txt --goal 2,5 --start 2,1";
+    let stuck = object(&story, descend);
+    assert_eq!((&stuck["answer"], &stuck["minimum"]), (&json!("stuck"), &json!([2, 2])));
+    assert_eq!((&stuck["path"], &stuck["steps"]), (&json!([[2, 1], [2, 2]]), &json!(1)));
+    let words = tell(&story, descend).stdout;
+    assert!(words.contains("Stuck in a local minimum at row 2, column 2: 1 step, length 1.000."), "{words}");
+    let led = object(&story, &format!("{descend} --escape wavefront"));
+    assert_eq!((&led["answer"], &led["minimum"]), (&json!("reached"), &json!([2, 2])));
+    let cells = led["path"].as_array().expect("there is a path");
+    assert_eq!((cells.first(), cells.last()), (Some(&json!([2, 1])), Some(&json!([2, 5]))));
+    assert_eq!(led["path_cells"], json!(cells.len()));
+    assert!(cells.windows(2).all(|pair| pair[0] != pair[1]), "no cell twice in a row");
+}
+
+#[test]
+fn descent_that_arrives_is_told_with_its_length() {
+    let story = story();
+    let descend = "descend open.txt --goal 1,2 --start 0,0";
+    let answer = object(&story, descend);
+    assert_eq!((&answer["answer"], &answer["minimum"]), (&json!("reached"), &Value::Null));
+    assert_eq!(answer["steps"], json!(2));
+    assert!(tell(&story, descend).stdout.contains("Reached the goal: 2 steps, length 2.414."));
+    let corners = object(&story, "descend trap.txt --goal 0,2 --start 2,1 --no-corner-cutting");
+    assert_eq!(corners["parameters"]["no_corner_cutting"], json!(true));
+}
+
+#[test]
+fn map_without_obstacles_is_said_and_zero() {
+    let story = story();
+    for computation in ["brushfire", "brushfire --connectivity 4", "cost", "repulsion", "repulsion --true-distance"] {
+        assert_eq!(values(&story, &format!("{computation} open.txt")), ["0,0,0"; 2], "{computation}");
+        let said = tell(&story, &format!("{computation} open.txt")).stdout;
+        assert!(said.contains("No obstacle: no cell of the map is occupied."), "{said}");
+        let answer = object(&story, &format!("{computation} open.txt"));
+        assert_eq!((&answer["no_obstacle"], &answer["occupied"]), (&json!(true), &json!(0)));
+    }
+    let note = tell(&story, "brushfire open.txt --json").stderr;
+    assert_eq!(note, "No obstacle: no cell of the map is occupied.\n");
+    assert!(tell(&story, "brushfire open.txt --json --quiet").stderr.is_empty());
+    assert_eq!(object(&story, "brushfire trap.txt")["no_obstacle"], json!(false));
+}
+
+#[test]
+fn full_map_is_all_obstacle() {
+    let story = story();
+    assert_eq!(values(&story, "brushfire full.txt"), ["1,1"; 2]);
+    assert_eq!(values(&story, "cost full.txt"), ["1000,1000"; 2]);
+    assert_eq!(values(&story, "repulsion full.txt"), ["4.8,4.8"; 2]);
+    assert_eq!(values(&story, "total full.txt --goal 0,0"), ["4.8,9.8", "9.8,14.8"]);
+    assert_eq!(object(&story, "total full.txt --goal 0,0 --true-distance")["maximum"], Value::Null);
+    let said = tell(&story, "attraction full.txt --goal 1,1").stdout;
+    assert!(said.contains("The goal, row 1, column 1, lies in an obstacle."), "{said}");
+    assert!(said.contains("No free cell"), "{said}");
+}
+
+#[test]
+fn enclosed_goal_and_unreachable_start_are_answers() {
+    let story = story();
+    for search in ["wavefront", "wavefront --shortest", "wavefront --connectivity 4"] {
+        for (start, goal) in [("0,0", "2,2"), ("2,2", "0,0")] {
+            let arguments = format!("{search} enclosed.txt --goal {goal} --start {start}");
+            let answer = object(&story, &arguments);
+            assert_eq!(answer["answer"], json!("unreachable"), "{arguments}");
+            assert_eq!(
+                (&answer["path"], &answer["steps"], &answer["length"]),
+                (&Value::Null, &Value::Null, &Value::Null)
+            );
+            assert!(tell(&story, &arguments).stdout.contains("Unreachable: no way leads from the start"));
+            assert!(path(&story, &arguments).is_empty());
+        }
+    }
+    assert_eq!(object(&story, "wavefront enclosed.txt --goal 2,2")["unreached"], json!(16));
+    assert_eq!(values(&story, "wavefront enclosed.txt --goal 2,2")[2], "0,1,2,1,0");
+    let escape = object(&story, "descend enclosed.txt --goal 2,2 --start 0,0 --escape wavefront");
+    assert_eq!(escape["answer"], json!("unreachable"));
+    assert!(!escape["minimum"].is_null());
+    assert_eq!(object(&story, "descend enclosed.txt --goal 2,2 --start 0,0")["answer"], json!("stuck"));
+}
+
+#[test]
+fn start_in_an_obstacle_is_an_answer() {
+    let story = story();
+    for search in ["wavefront", "wavefront --shortest", "descend", "descend --escape wavefront"] {
+        let arguments = format!("{search} trap.txt --goal 2,5 --start 1,1");
+        let answer = object(&story, &arguments);
+        assert_eq!((&answer["answer"], &answer["path"]), (&json!("start-occupied"), &Value::Null), "{arguments}");
+        assert!(tell(&story, &arguments).stdout.contains("the start, row 1, column 1, lies in an obstacle"));
+    }
+}
+
+#[test]
+fn map_of_one_cell_has_every_answer() {
+    let story = story();
+    for (computation, value) in [
+        ("occupancy", "0"),
+        ("brushfire", "0"),
+        ("cost", "0"),
+        ("wavefront --goal 0,0 --start 0,0", "2"),
+        ("wavefront --goal 0,0 --start 0,0 --shortest", "2"),
+        ("attraction --goal 0,0", "0"),
+        ("total --goal 0,0", "0"),
+        ("descend --goal 0,0 --start 0,0", "0"),
+    ] {
+        assert_eq!(values(&story, &format!("{computation} cell.txt")), [value], "{computation}");
+    }
+}
+
+#[test]
+fn json_has_its_members_in_one_order() {
+    let story = story();
+    let members = "program_version map rows cols cells occupied no_obstacle tolerance remove_edges command parameters maximum \
+                   unreached answer minimum path_cells steps length path notes measured";
+    for arguments in
+        ["occupancy trap.txt", "wavefront trap.txt --goal 2,5 --start 0,0", "descend trap.txt --goal 2,5 --start 2,1"]
+    {
+        let stdout = tell(&story, &format!("{arguments} --json")).stdout;
+        let places: Vec<_> = members.split_whitespace().map(|name| stdout.find(&format!("\"{name}\":"))).collect();
+        assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{stdout}");
+        let count = object(&story, arguments).as_object().map(serde_json::Map::len);
+        assert_eq!(count, Some(members.split_whitespace().count()), "{stdout}");
+    }
+}
+
+#[test]
+fn json_tells_what_was_asked_and_what_came_of_it() {
+    let story = story();
+    let answer = object(&story, "wavefront trap.txt --goal 2,5 --start 2,1");
+    let parameters = json!({
+        "goal": [2, 5], "start": [2, 1], "connectivity": 8, "tie_order": "cross-first", "shortest": false,
+        "no_corner_cutting": false, "scale": null,
+    });
+    assert_eq!(answer["parameters"], parameters);
+    assert_eq!((&answer["map"], &answer["command"]), (&json!("trap.txt"), &json!("wavefront")));
+    assert_eq!((&answer["rows"], &answer["cols"], &answer["cells"]), (&json!(4), &json!(6), &json!(24)));
+    assert_eq!((&answer["occupied"], &answer["maximum"], &answer["unreached"]), (&json!(7), &json!(9), &json!(0)));
+    assert_eq!((&answer["steps"], &answer["path_cells"]), (&json!(6), &json!(7)));
+    assert_eq!(answer["tolerance"], Value::Null);
+    for name in ["cpu_read_s", "cpu_map_s", "cpu_path_s"] {
+        assert!(answer["measured"][name].as_f64().is_some_and(|seconds| seconds >= 0.0), "{name}");
+    }
+    let plain = object(&story, "occupancy trap.txt");
+    assert_eq!(plain["measured"]["cpu_path_s"], Value::Null);
+    for name in ["unreached", "answer", "minimum", "path_cells", "steps", "length", "path"] {
+        assert_eq!(plain[name], Value::Null, "{name}");
+    }
+}
+
+#[test]
+fn small_map_is_shown_with_the_path_marked() {
+    let story = story();
+    let shown = tell(&story, "wavefront trap.txt --goal 2,5 --start 2,0").stdout;
+    let table = " 7*6*5*4 4 4\n*7 1 1 1*3 3\n*8 8 9 1 3*2\n 9 1 1 1 3 3\n";
+    assert!(shown.ends_with(&format!("\n\n{table}")), "{shown}");
+    assert!(widest(&shown) <= 80, "{shown}");
+}
+
+#[test]
+fn large_map_is_summed_up_only() {
+    let story = story();
+    let row = "01".repeat(41) + "\n";
+    story.file("wide.txt", &row);
+    story.file("high.txt", &"01\n".repeat(41));
+    for map in ["wide.txt", "high.txt"] {
+        assert_eq!(tell(&story, &format!("occupancy {map}")).stdout.lines().count(), 3);
+    }
+    assert_eq!(tell(&story, "brushfire trap.txt --csv v.csv").stdout.lines().count(), 3, "values are in the file");
+}
+
+#[test]
+fn timing_prints_a_row_for_each_map() {
+    let story = story();
+    let table = tell(&story, "timing trap.txt full.txt").stdout;
+    let rows: Vec<Vec<&str>> = table.lines().skip(3).take(2).map(|line| line.split_whitespace().collect()).collect();
+    assert_eq!((rows[0][0], rows[0][1], rows[0][4]), ("trap.txt", "24", "2,2"));
+    assert_eq!((rows[1][0], rows[1][1], rows[1][3]), ("full.txt", "4", "-"));
+    assert!(table.contains("nearest the centre") && widest(&table) <= 80, "{table}");
+    let timings = object(&story, "timing trap.txt full.txt");
+    assert_eq!(timings["connectivity"], json!(8));
+    assert_eq!((&timings["maps"][0]["goal"], &timings["maps"][0]["cells"]), (&json!([2, 2]), &json!(24)));
+    assert!(timings["maps"][0]["wavefront_s"].as_f64().is_some_and(|seconds| seconds > 0.0));
+    assert_eq!((&timings["maps"][1]["goal"], &timings["maps"][1]["wavefront_s"]), (&Value::Null, &Value::Null));
+}

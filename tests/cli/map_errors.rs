@@ -1,0 +1,158 @@
+//! `wildfire map` told what it cannot do: a sentence that names the place, exit code 2 or 3, and nothing written.
+
+use crate::story::{Story, refuse};
+
+fn story() -> Story {
+    let story = Story::begin();
+    story.file("map.txt", "0100\n0000\n");
+    story
+}
+
+fn refuse_map(story: &Story, arguments: &str, words: &[&str]) {
+    let arguments: Vec<_> = std::iter::once("map").chain(arguments.split_whitespace()).collect();
+    refuse(story, &arguments, words);
+}
+
+#[test]
+fn goal_outside_or_in_an_obstacle_is_refused_with_file_row_and_column() {
+    let story = story();
+    for command in ["wavefront", "wavefront --start 1,0", "descend --start 1,0"] {
+        refuse_map(
+            &story,
+            &format!("{command} map.txt --goal 0,1"),
+            &["map.txt: the goal at row 0, column 1 is occupied"],
+        );
+    }
+    for command in ["wavefront", "attraction", "total", "descend --start 1,0"] {
+        let words = ["map.txt: the goal at row 2, column 0 lies outside the map of 2 rows and 4 columns"];
+        refuse_map(&story, &format!("{command} map.txt --goal 2,0 --json"), &words);
+    }
+}
+
+#[test]
+fn start_outside_the_map_is_refused() {
+    let story = story();
+    for command in ["wavefront", "wavefront --shortest", "descend", "descend --escape wavefront"] {
+        let words = ["map.txt: the start at row 0, column 4 lies outside the map of 2 rows and 4 columns"];
+        refuse_map(&story, &format!("{command} map.txt --goal 1,0 --start 0,4 --csv v.csv"), &words);
+    }
+}
+
+#[test]
+fn places_that_are_none_are_answered_with_what_was_expected() {
+    let story = story();
+    for goal in ["3", "3;4", "-1,0", "1.5,0", "a,b", "99999999999999999999,0"] {
+        refuse_map(
+            &story,
+            &format!("wavefront map.txt --goal {goal}"),
+            &[goal, "--goal", "ROW,COLUMN", "whole numbers"],
+        );
+    }
+    refuse_map(&story, "descend map.txt --goal 1,0 --start x", &["--start", "such as 3,17"]);
+}
+
+#[test]
+fn parameters_that_make_no_sense_are_refused() {
+    let story = story();
+    for (arguments, words) in [
+        ("cost map.txt --safety-distance 0", "the safety distance must be at least 1 cell, not 0"),
+        ("cost map.txt --safety-distance -3", "a whole number from 1"),
+        ("cost map.txt --cost-rate nan", "the cost rate must be a number"),
+        ("cost map.txt --safety-min 900", "at most that at its inner edge"),
+        ("cost map.txt --max-cost ten", "expected a number"),
+        ("repulsion map.txt --q 0", "q must be a number above 0"),
+        ("repulsion map.txt --eta -1", "eta must be a number from 0"),
+        ("total map.txt --goal 1,0 --eta inf", "eta must be a number from 0"),
+        ("descend map.txt --goal 1,0 --start 1,1 --q -1", "q must be a number above 0"),
+        ("attraction map.txt --goal 1,0 --zeta -1", "zeta must be a number"),
+        ("attraction map.txt --goal 1,0 --scale -1", "the scale must be a number"),
+        ("attraction map.txt --goal 1,0 --scale all", "a number or `none`"),
+        ("wavefront map.txt --goal 1,0 --scale -1", "the scale must be a number above 0"),
+        ("wavefront map.txt --goal 1,0 --scale 0", "the scale must be a number above 0"),
+        ("wavefront map.txt --goal 1,0 --scale none", "expected a number"),
+        ("brushfire map.txt --connectivity 6", "possible values: 4, 8"),
+        ("occupancy map.txt --tolerance 256", "from 0 to 255"),
+        ("occupancy map.txt --tolerance -1", "from 0 to 255"),
+        ("occupancy map.txt --remove-edges -1", "from 0 to 32767"),
+    ] {
+        refuse_map(&story, &format!("{arguments} --csv values.csv"), &[words]);
+    }
+}
+
+#[test]
+fn options_that_do_not_go_together_are_refused() {
+    let story = story();
+    for (arguments, words) in [
+        ("descend map.txt --goal 1,0", "--start"),
+        ("descend map.txt --start 1,0", "--goal"),
+        ("wavefront map.txt", "--goal"),
+        ("wavefront map.txt --goal 1,0 --shortest", "--start"),
+        ("wavefront map.txt --goal 1,0 --tie-order west-first", "--start"),
+        ("wavefront map.txt --goal 1,0 --start 1,1 --shortest --tie-order west-first", "cannot be used with"),
+        ("wavefront map.txt --goal 1,0 --path path.csv", "--path without a start"),
+        ("brushfire map.txt --path path.csv", "--path without a start"),
+        ("brushfire map.txt --colormap jet", "--png"),
+        ("brushfire map.txt --goal 1,0", "--goal"),
+        ("brushfire", "MAP"),
+        ("timing", "MAP"),
+        ("timing map.txt --csv values.csv", "--csv"),
+        ("", "brushfire"),
+    ] {
+        refuse_map(&story, arguments, &[words]);
+    }
+}
+
+#[test]
+fn files_that_are_no_maps_are_refused_with_the_place() {
+    let story = story();
+    story.file("ragged.txt", "000\n00\n");
+    story.file("letter.txt", "000\n0x0\n");
+    story.file("empty.txt", "");
+    std::fs::create_dir(story.path("folder")).expect("writable");
+    for (map, words) in [
+        ("ragged.txt", "ragged.txt: row 1, column 2"),
+        ("letter.txt", "letter.txt: row 1, column 1"),
+        ("empty.txt", "empty.txt: the file is empty"),
+        ("folder", "folder: this is a folder"),
+        ("nowhere.txt", "nowhere.txt: cannot be read"),
+    ] {
+        refuse_map(&story, &format!("brushfire {map} --csv values.csv"), &[words]);
+        refuse_map(&story, &format!("timing {map}"), &[words]);
+    }
+}
+
+#[test]
+fn one_file_for_two_purposes_is_refused() {
+    let story = story();
+    refuse_map(&story, "brushfire map.txt --csv a --npy ./a", &["a cannot be two files"]);
+    refuse_map(&story, "brushfire map.txt --png map.txt", &["map.txt cannot be two files"]);
+    assert_eq!(story.read("map.txt"), "0100\n0000\n");
+}
+
+#[test]
+fn places_that_cannot_be_written_are_the_environment_and_nothing_is_computed() {
+    let story = story();
+    for output in ["--csv", "--npy", "--png", "--overlay", "--surface", "--path"] {
+        let arguments = ["map", "wavefront", "map.txt", "--goal", "1,0", "--start", "1,1", output, "nowhere/file"];
+        let answer = story.tell(&arguments).expect_code(3).expect_complaint(&["nowhere/file", "no such folder"]);
+        assert!(answer.stdout.is_empty(), "{}", answer.stdout);
+    }
+    refuse_map(&story, "brushfire map.txt --csv .", &[". is a folder"]);
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn full_disk_costs_neither_the_answer_nor_the_other_files() {
+    let story = story();
+    let arguments = ["map", "brushfire", "map.txt", "--csv", "/dev/full", "--npy", "values.npy"];
+    let answer =
+        story.tell(&arguments).expect_code(3).expect_complaint(&["cannot write /dev/full", "wrote values.npy"]);
+    assert!(answer.stdout.contains("maximum 3"), "{}", answer.stdout);
+    assert_eq!(story.entries(), ["map.txt", "values.npy"]);
+}
+
+#[test]
+fn tolerance_on_a_map_without_greys_is_noted() {
+    let answer = story().tell(&["map", "occupancy", "map.txt", "--tolerance", "90", "--json"]).expect_code(0);
+    assert_eq!(answer.stderr, "--tolerance has no effect: the map is no image.\n");
+}
