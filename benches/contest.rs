@@ -1,6 +1,7 @@
 //! What a run of the contest costs: CPU time per run and per plan, and how it divides. One thread, no files.
 //!
-//! `cargo bench` runs 200 seeds after a warm-up; `cargo bench -- 1000` runs as many as it is told.
+//! `cargo bench` runs 200 seeds after a warm-up; `cargo bench -- 1000` runs as many as it is told. Arguments with an
+//! equals sign change the scenario: `cargo bench --bench contest -- unimog.planner=hybrid-astar`.
 
 use std::process::ExitCode;
 
@@ -28,7 +29,8 @@ const PARTS: &[Part] = &[
 #[expect(clippy::print_stdout, clippy::print_stderr, reason = "a benchmark prints its figures")]
 fn main() -> ExitCode {
     let runs = std::env::args().find_map(|argument| argument.parse().ok()).unwrap_or(MEASURED_RUNS);
-    match measure(runs) {
+    let changes: Vec<String> = std::env::args().filter(|argument| argument.contains('=')).collect();
+    match measure(runs, &changes) {
         Ok(report) => {
             println!("{report}");
             ExitCode::SUCCESS
@@ -40,8 +42,8 @@ fn main() -> ExitCode {
     }
 }
 
-fn measure(runs: u64) -> Result<String, String> {
-    let contest = scenario::load("contest", &[]).map_err(|error| error.to_string())?;
+fn measure(runs: u64, changes: &[String]) -> Result<String, String> {
+    let contest = scenario::load("contest", changes).map_err(|error| error.to_string())?;
     let run = |seed| {
         let run = sim::run(&contest, seed).map_err(|error| format!("seed {seed}: {error}"))?;
         Ok::<_, String>(RunResult::new(Outcome::of(&run.timeline), run.cost))

@@ -21,9 +21,13 @@ fn limits(scenario: &Scenario, agent: AgentId) -> SpeedLimits {
     }
 }
 
-#[expect(clippy::print_stdout, reason = "says how much was looked at, to those who ask for many seeds")]
 fn audit(name: &str, seeds: impl Iterator<Item = u64>) -> Audited {
-    let scenario = scenario::load(name, &[]).expect("built-in scenarios load");
+    audit_changed(name, &[], seeds)
+}
+
+#[expect(clippy::print_stdout, reason = "says how much was looked at, to those who ask for many seeds")]
+fn audit_changed(name: &str, changes: &[String], seeds: impl Iterator<Item = u64>) -> Audited {
+    let scenario = scenario::load(name, changes).expect("built-in scenarios load");
     let mut audited = Audited::default();
     for seed in seeds {
         let run = sim::run(&scenario, seed).unwrap_or_else(|error| panic!("{name}, seed {seed}: {error}"));
@@ -33,7 +37,7 @@ fn audit(name: &str, seeds: impl Iterator<Item = u64>) -> Audited {
         assert_eq!(outcome.truck_stuck_s, 0.0, "{name}, seed {seed}: stuck");
         assert!(outcome.wumpus_stuck_s == 0.0 || name == "local-minima", "{name}, seed {seed}: stuck");
     }
-    println!("{name}: {audited:?}");
+    println!("{name} {changes:?}: {audited:?}");
     audited
 }
 
@@ -47,6 +51,13 @@ fn contest_seeds() -> std::ops::RangeInclusive<u64> {
 #[test]
 fn the_contest_passes_the_audit() {
     let audited = audit("contest", contest_seeds());
+    assert!(audited.legs > 100 && audited.extinctions > 100, "{audited:?}");
+}
+
+#[test]
+fn the_contest_of_a_hybrid_search_passes_the_audit() {
+    let changes = ["unimog.planner=hybrid-astar".to_owned()];
+    let audited = audit_changed("contest", &changes, contest_seeds());
     assert!(audited.legs > 100 && audited.extinctions > 100, "{audited:?}");
 }
 

@@ -3,6 +3,9 @@
 //!
 //! Effort is counted in samples and expansions and budgeted in the same units; CPU time is reported only.
 
+mod clearance_floor;
+mod hybrid_astar;
+pub mod improve;
 pub mod primitives;
 pub mod prm;
 mod prm_primitives;
@@ -13,6 +16,8 @@ mod settings;
 mod test_fields;
 pub mod walk;
 
+pub use clearance_floor::ClearanceFloor;
+pub use hybrid_astar::{HybridAstar, HybridSettings};
 pub use prm_primitives::PrmPrimitives;
 
 pub use safety::{Safety, SafetyForm, SafetyMap, SafetySettings};
@@ -25,7 +30,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use crate::geometry::Pose;
-use crate::vehicle::Path;
+use crate::vehicle::{Dimensions, Path};
 
 /// Where a drive shall end: the body's centre within `radius_m` of `centre`, at any heading.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,6 +46,25 @@ impl GoalDisc {
     /// The disc that planners aim at, with a margin for rounding.
     fn inner(self) -> Self {
         Self { radius_m: (self.radius_m - RIM_M).max(0.5 * self.radius_m), ..self }
+    }
+}
+
+/// Where a drive to somewhere in particular ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Goal {
+    /// The rear axle in this pose.
+    Pose(Pose),
+    /// The body's centre in the disc; a disc of radius 0 is a place.
+    Disc(GoalDisc),
+}
+
+impl Goal {
+    /// The place of a truck that counts for this goal.
+    fn place_of(self, pose: Pose, body: &Dimensions) -> DVec2 {
+        match self {
+            Self::Pose(_) => pose.position(),
+            Self::Disc(_) => body.body_centre(pose),
+        }
     }
 }
 

@@ -159,8 +159,7 @@ pub fn has_free_pose(checker: &CollisionChecker, disc: GoalDisc) -> bool {
 mod tests {
     use super::*;
     use crate::planning::MotionCost;
-    use crate::planning::reachability::Reachability;
-    use crate::planning::test_fields::{TestField, assert_drivable, least_clearance};
+    use crate::planning::test_fields::{TestField, assert_drivable, drives_in_a_row, least_clearance};
     use crate::planning::{ClearanceTo, RoadmapSearch, SafetyMap};
     use crate::rng;
 
@@ -173,27 +172,8 @@ mod tests {
     #[test]
     fn drives_in_a_row_are_drivable_and_fail_only_where_the_flood_says_no() {
         for walks in [25, 45] {
-            let (mut solved, mut unreachable, mut missed) = (0, 0, 0);
-            for seed in 0..12 {
-                let mut field = TestField::random(seed, walks);
-                let mut planner = planner(&field, seed);
-                let mut reachability = Reachability::new(&field.checker, field.start);
-                let mut pose = field.start;
-                for _ in 0..18 {
-                    let goal = field.random_goal();
-                    match planner.plan(pose, goal).path {
-                        Ok(path) => {
-                            assert_drivable(&field.checker, &path, pose, goal);
-                            pose = path.end();
-                            solved += 1;
-                        }
-                        Err(_) if reachability.reaches(goal) => missed += 1,
-                        Err(_) => unreachable += 1,
-                    }
-                }
-            }
-            println!("{walks} walks: {solved} solved, {missed} missed, {unreachable} unreachable");
-            assert!(solved + unreachable >= 212 && missed <= 4, "{solved} solved, {missed} missed");
+            let drives = drives_in_a_row(12, walks, planner);
+            assert!(drives.solved + drives.unreachable >= 212 && drives.missed <= 4, "{walks} walks: {drives:?}");
         }
     }
 

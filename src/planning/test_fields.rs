@@ -11,7 +11,8 @@ use crate::grid::Grid;
 use crate::rng::{self, Xoshiro256PlusPlus};
 use crate::vehicle::{Dimensions, Path};
 
-use super::GoalDisc;
+use super::reachability::Reachability;
+use super::{GoalDisc, TruckPlanner};
 
 /// A field of 30 x 30 cells with walks of four cells about it, the truck on it, and places to drive to.
 pub struct TestField {
@@ -89,4 +90,41 @@ pub fn assert_drivable(checker: &CollisionChecker, path: &Path, start: Pose, goa
 /// A random pose, free or not.
 pub fn random_pose(rng: &mut impl Rng, side_m: f64) -> Pose {
     Pose::new(rng.random_range(0.0..side_m), rng.random_range(0.0..side_m), rng.random_range(-3.1..3.1))
+}
+
+/// How many of some drives had which end.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Drives {
+    pub solved: u32,
+    /// Refused by the planner and by the flood.
+    pub unreachable: u32,
+    /// Refused by the planner, though the flood reaches the goal.
+    pub missed: u32,
+}
+
+/// Eighteen drives on each of `fields` random fields, each from where the last one ended.
+///
+/// # Panics
+/// If a path is not drivable.
+pub fn drives_in_a_row<P: TruckPlanner>(fields: u64, walks: u32, planner: impl Fn(&TestField, u64) -> P) -> Drives {
+    let mut drives = Drives::default();
+    for seed in 0..fields {
+        let mut field = TestField::random(seed, walks);
+        let mut planner = planner(&field, seed);
+        let mut reachability = Reachability::new(&field.checker, field.start);
+        let mut pose = field.start;
+        for _ in 0..18 {
+            let goal = field.random_goal();
+            match planner.plan(pose, goal).path {
+                Ok(path) => {
+                    assert_drivable(&field.checker, &path, pose, goal);
+                    pose = path.end();
+                    drives.solved += 1;
+                }
+                Err(_) if reachability.reaches(goal) => drives.missed += 1,
+                Err(_) => drives.unreachable += 1,
+            }
+        }
+    }
+    drives
 }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::or_none;
 use crate::geometry::{DVec2, Pose};
-use crate::planning::{PrimitiveSettings, PrmSettings, SafetySettings};
+use crate::planning::{HybridSettings, PrimitiveSettings, PrmSettings, SafetySettings};
 use crate::vehicle::Dimensions;
 
 /// An arsonist on a lattice.
@@ -162,6 +162,7 @@ pub struct Unimog {
     pub planner: TruckPlannerKind,
     pub prm: PrmSettings,
     pub primitives: PrimitiveSettings,
+    pub hybrid: HybridSettings,
     pub safety: SafetySettings,
 }
 
@@ -178,6 +179,7 @@ impl Default for Unimog {
             planner: TruckPlannerKind::PrmPrimitives,
             prm: PrmSettings::default(),
             primitives: PrimitiveSettings::default(),
+            hybrid: HybridSettings::default(),
             safety: SafetySettings::default(),
         }
     }
@@ -246,6 +248,10 @@ pub enum Retarget {
 /// How a truck finds its way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TruckPlannerKind {
+    /// A roadmap, and motion primitives along its waypoints.
     #[serde(rename = "prm+primitives")]
     PrmPrimitives,
+    /// A lattice search that looks ahead with Reeds-Shepp curves.
+    #[serde(rename = "hybrid-astar")]
+    HybridAstar,
 }

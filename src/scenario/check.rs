@@ -9,8 +9,8 @@ use super::field::{MAX_CELLS_A_SIDE, MAX_COVERAGE};
 use super::path::{FieldPath, Step};
 use super::wording::shortened;
 use super::{
-    Escape, Field, Ignition, IgnitionCells, PrimitiveSettings, PrmSettings, SafetySettings, Scenario, Unimog, Wumpus,
-    WumpusPlanner, WumpusPotential,
+    Escape, Field, HybridSettings, Ignition, IgnitionCells, PrimitiveSettings, PrmSettings, SafetySettings, Scenario,
+    Unimog, Wumpus, WumpusPlanner, WumpusPotential,
 };
 use crate::geometry::{DVec2, FieldFrame};
 use crate::vehicle::Dimensions;
@@ -212,6 +212,7 @@ fn check_unimog(table: &Table, unimog: &Unimog, frame: &FieldFrame) -> Check {
     limits.optional("lateral_mps2", unimog.limits.lateral_mps2, from(0.001, 1000.0))?;
     check_prm(&table.inner("prm"), &unimog.prm)?;
     check_primitives(&table.inner("primitives"), &unimog.primitives, frame)?;
+    check_hybrid(&table.inner("hybrid"), &unimog.hybrid, frame)?;
     check_safety(&table.inner("safety"), &unimog.safety)?;
     table.inner("start").number("heading_deg", unimog.start.heading_deg, from(-360.0, 360.0))?;
     table.inside("start", &unimog.vehicle.footprint(unimog.start.pose()).corners(), frame)
@@ -255,12 +256,29 @@ fn check_primitives(table: &Table, primitives: &PrimitiveSettings, frame: &Field
     table.number("waypoint_tolerance_m", primitives.waypoint_tolerance_m, from(0.01, 1000.0))?;
     table.number("max_expansions", primitives.max_expansions.into(), from(1.0, 1e6))?;
     table.number("seconds_per_expansion", primitives.seconds_per_expansion, from(0.0, 1e6))?;
-    let bins = frame.width_m() / primitives.bin_m * frame.height_m() / primitives.bin_m;
-    if bins * f64::from(primitives.headings) > MAX_TRUCK_BINS {
-        let expected = format!("a search of at most {MAX_TRUCK_BINS:e} bins, those of the field times headings");
-        return table.refuse("bin_m", number_text(primitives.bin_m), expected);
+    check_bins(table, primitives.bin_m, primitives.headings, frame)
+}
+
+fn check_hybrid(table: &Table, hybrid: &HybridSettings, frame: &FieldFrame) -> Check {
+    table.number("clearance_m", hybrid.clearance_m, from(0.01, 100.0))?;
+    table.number("step_m", hybrid.step_m, from(0.1, 1000.0))?;
+    table.number("bin_m", hybrid.bin_m, from(0.01, 1000.0))?;
+    table.number("headings", hybrid.headings.into(), from(4.0, 360.0))?;
+    table.number("cusp_cost", hybrid.cusp_cost, from(0.0, 1e6))?;
+    table.number("heuristic_weight", hybrid.heuristic_weight, from(0.0, 1000.0))?;
+    table.number("shortcuts", hybrid.shortcuts.into(), from(0.0, 1e6))?;
+    table.number("max_expansions", hybrid.max_expansions.into(), from(1.0, 1e6))?;
+    table.number("seconds_per_expansion", hybrid.seconds_per_expansion, from(0.0, 1e6))?;
+    check_bins(table, hybrid.bin_m, hybrid.headings, frame)
+}
+
+fn check_bins(table: &Table, bin_m: f64, headings: u32, frame: &FieldFrame) -> Check {
+    let bins = frame.width_m() / bin_m * frame.height_m() / bin_m;
+    if bins * f64::from(headings) <= MAX_TRUCK_BINS {
+        return Ok(());
     }
-    Ok(())
+    let expected = format!("a search of at most {MAX_TRUCK_BINS:e} bins, those of the field times headings");
+    table.refuse("bin_m", number_text(bin_m), expected)
 }
 
 fn check_ignitions(ignitions: &[Ignition], frame: &FieldFrame) -> Check {

@@ -254,6 +254,15 @@ mod tests {
     }
 
     #[test]
+    fn a_truck_is_told_with_the_planner_that_it_uses() {
+        let roadmap = in_one_line(&of("contest", &[]));
+        assert!(roadmap.contains("Roadmap of 500 samples") && !roadmap.contains("Hybrid A*"), "{roadmap}");
+        let hybrid = in_one_line(&of("contest", &["unimog.planner=hybrid-astar", "unimog.hybrid.shortcuts=50"]));
+        assert!(hybrid.contains("Hybrid A* with motions of 4 m") && hybrid.contains("then 50 shortcuts"), "{hybrid}");
+        assert!(!hybrid.contains("Roadmap of"), "{hybrid}");
+    }
+
+    #[test]
     fn defaults_are_told_from_given_values() {
         assert!(in_one_line(&of("contest", &[])).contains("values are given. Field of seed"));
         let text = in_one_line(&of("smoke", &["unimog.prm.neighbours=7"]));

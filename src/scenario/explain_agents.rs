@@ -1,8 +1,8 @@
 //! Agents in plain sentences, for `wildfire check`.
 
 use super::{
-    Escape, Retarget, RoadmapGoal, RoadmapSearch, SafetyMap, SafetySettings, StepCost, StepTime, TruckGoal, Unimog,
-    Wumpus, WumpusGoal, WumpusHeuristic, WumpusPlanner,
+    Escape, Retarget, RoadmapGoal, RoadmapSearch, SafetyMap, SafetySettings, StepCost, StepTime, TruckGoal,
+    TruckPlannerKind, Unimog, Wumpus, WumpusGoal, WumpusHeuristic, WumpusPlanner,
 };
 
 /// What a Wumpus is and does.
@@ -80,7 +80,7 @@ pub fn unimog(truck: &Unimog) -> String {
     };
     format!(
         "starts with its rear axle at ({}, {}) m, heading {} degrees. {} x {} m, wheelbase {} m, turning radius {} m \
-         (steering to {:.1} degrees). {} m/s forward, {} m/s in reverse; {}. It goes for {goal} and {retarget}. {} {}{}",
+         (steering to {:.1} degrees). {} m/s forward, {} m/s in reverse; {}. It goes for {goal} and {retarget}. {}",
         truck.start.x_m,
         truck.start.y_m,
         truck.start.heading_deg,
@@ -92,10 +92,18 @@ pub fn unimog(truck: &Unimog) -> String {
         truck.speed_mps,
         truck.reverse_speed_mps,
         limits(truck),
-        roadmap(truck),
-        local_search(truck),
-        safety(&truck.safety)
+        driving(truck)
     )
+}
+
+/// How a truck finds its way.
+fn driving(truck: &Unimog) -> String {
+    match truck.planner {
+        TruckPlannerKind::PrmPrimitives => {
+            format!("{} {}{}", roadmap(truck), local_search(truck), safety(&truck.safety))
+        }
+        TruckPlannerKind::HybridAstar => hybrid_search(truck),
+    }
 }
 
 fn limits(truck: &Unimog) -> String {
@@ -142,6 +150,22 @@ fn local_search(truck: &Unimog) -> String {
         local.clearance_m,
         local.max_expansions,
         thinking(local.seconds_per_expansion)
+    )
+}
+
+fn hybrid_search(truck: &Unimog) -> String {
+    let hybrid = &truck.hybrid;
+    format!(
+        "Hybrid A* with motions of {} m, bins of {} m and {} headings, Reeds-Shepp curves into the goal, {} m clear, a \
+         change of direction at the price of {} m, at most {} expansions, then {} shortcuts; {}.",
+        hybrid.step_m,
+        hybrid.bin_m,
+        hybrid.headings,
+        hybrid.clearance_m,
+        hybrid.cusp_cost,
+        hybrid.max_expansions,
+        hybrid.shortcuts,
+        thinking(hybrid.seconds_per_expansion)
     )
 }
 

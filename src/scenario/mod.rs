@@ -44,8 +44,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::geometry::DVec2;
 pub use crate::planning::{
-    ClearanceTo, MotionCost, PrimitiveSettings, PrmSettings, RoadmapGoal, RoadmapSearch, SafetyForm, SafetyMap,
-    SafetySettings,
+    ClearanceTo, HybridSettings, MotionCost, PrimitiveSettings, PrmSettings, RoadmapGoal, RoadmapSearch, SafetyForm,
+    SafetyMap, SafetySettings,
 };
 
 /// A contest: where, under which rules, between whom, for how long.

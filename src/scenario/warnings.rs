@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::{
-    Escape, IgnitionCells, RoadmapGoal, SafetyMap, Scenario, SpreadFrom, Terrain, Unimog, Wumpus, WumpusPlanner,
-    WumpusPotential,
+    Escape, IgnitionCells, RoadmapGoal, SafetyMap, Scenario, SpreadFrom, Terrain, TruckPlannerKind, Unimog, Wumpus,
+    WumpusPlanner, WumpusPotential,
 };
 use crate::collision::{ClearanceField, CollisionChecker};
 use crate::geometry::DVec2;
@@ -98,12 +98,30 @@ fn warn_of_truck(number: usize, unimog: &Unimog, found: &mut Vec<String>) {
              the {LATERAL_GRIP_MPS2} m/s2 that loose ground holds; `limits.lateral_mps2` would slow it in curves."
         ));
     }
-    if unimog.prm.clearance_m < 0.5 * unimog.vehicle.width_m {
+    let uses_roadmap = unimog.planner == TruckPlannerKind::PrmPrimitives;
+    warn_of_unused_planners(number, unimog, found);
+    if uses_roadmap && unimog.prm.clearance_m < 0.5 * unimog.vehicle.width_m {
         found.push(format!(
             "The roadmap of truck {number} keeps {} m clear, less than half the truck's width: it may lead where the \
              truck cannot go.",
             unimog.prm.clearance_m
         ));
+    }
+}
+
+/// Settings of planners that the truck does not use.
+fn warn_of_unused_planners(number: usize, unimog: &Unimog, found: &mut Vec<String>) {
+    let usual = Unimog::default();
+    let by_planner = [
+        ("prm", TruckPlannerKind::PrmPrimitives, unimog.prm != usual.prm),
+        ("primitives", TruckPlannerKind::PrmPrimitives, unimog.primitives != usual.primitives),
+        ("safety", TruckPlannerKind::PrmPrimitives, unimog.safety != usual.safety),
+        ("hybrid", TruckPlannerKind::HybridAstar, unimog.hybrid != usual.hybrid),
+    ];
+    for (table, planner, is_set) in by_planner {
+        if is_set && planner != unimog.planner {
+            found.push(format!("The `{table}` of truck {number} does nothing: its planner does not use it."));
+        }
     }
 }
 
@@ -167,6 +185,12 @@ mod tests {
                 "contest",
                 vec!["wumpus.planner=wavefront", "wumpus.heuristic_weight=2"],
                 "The `heuristic` and `heuristic_weight` of Wumpus 0 do nothing",
+            ),
+            ("contest", vec!["unimog.hybrid.step_m=2"], "The `hybrid` of truck 0 does nothing"),
+            (
+                "contest",
+                vec!["unimog.planner=hybrid-astar", "unimog.safety.map=cost"],
+                "The `safety` of truck 0 does nothing",
             ),
             ("local-minima", vec!["wumpus.safety.map=cost"], "The `safety` of Wumpus 0 does nothing"),
             ("fleet", vec!["wumpus.1.potential.q=3"], "The `potential` of Wumpus 1 does nothing"),

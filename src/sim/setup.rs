@@ -15,11 +15,11 @@ use crate::planning::reachability::Reachability;
 use crate::planning::walk::{
     Estimate, LatticeShape, PotentialSettings, WalkCosts, WalkLattice, WalkMethod, WalkPlanner,
 };
-use crate::planning::{PrmPrimitives, Safety, TruckPlanner};
+use crate::planning::{BuildReport, HybridAstar, PrmPrimitives, Safety, TruckPlanner};
 use crate::rng;
 use crate::scenario::{
-    Escape, Extinguishes, Retarget, Scenario, SpreadFrom, StepCost, StepTime, Terrain, WumpusGoal, WumpusHeuristic,
-    WumpusPlanner,
+    Escape, Extinguishes, Retarget, Scenario, SpreadFrom, StepCost, StepTime, Terrain, TruckPlannerKind, WumpusGoal,
+    WumpusHeuristic, WumpusPlanner,
 };
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
@@ -238,13 +238,12 @@ fn place_truck(
         log.add(SimTime::ZERO, Fact::StartMoved { agent: id, from: wanted });
     }
     let AgentId::Unimog(number) = id else { unreachable!("trucks are Unimogs") };
-    let mut stream = rng::stream(seed, &format!("truck/{number}/prm"));
-    let planner = PrmPrimitives::build(&checker, &settings.prm, &settings.primitives, &settings.safety, &mut stream);
+    let planner = truck_planner(settings, &checker, seed, number);
     let report = planner.build_report();
-    log.add(
-        SimTime::ZERO,
-        Fact::RoadmapBuilt { agent: id, samples: report.samples, edges: report.edges, components: report.components },
-    );
+    if settings.planner == TruckPlannerKind::PrmPrimitives {
+        let BuildReport { samples, edges, components, .. } = report;
+        log.add(SimTime::ZERO, Fact::RoadmapBuilt { agent: id, samples, edges, components });
+    }
     let truck = Truck {
         body: settings.vehicle,
         speed: SpeedLimits {
@@ -259,8 +258,8 @@ fn place_truck(
         reach_m: scenario.suppression.reach_m.unwrap_or(f64::INFINITY),
         dwell: SimTime::from_seconds(scenario.suppression.dwell_s),
         extinguishes_all: scenario.suppression.extinguishes == Extinguishes::AllInReach,
-        seconds_per_expansion: (settings.prm.seconds_per_expansion, settings.primitives.seconds_per_expansion),
-        planner: Box::new(planner),
+        seconds_per_expansion: seconds_per_expansion(settings),
+        planner,
         reachability: Reachability::new(&checker, start),
         set_aside: Vec::new(),
         out_of_reach: Vec::new(),
@@ -268,6 +267,32 @@ fn place_truck(
         cost: AgentCost { sampling: report.sampling, connecting: report.connecting, ..AgentCost::nothing(id) },
     };
     Ok((Agent::standing(id, start), truck))
+}
+
+fn truck_planner(
+    settings: &scenario::Unimog,
+    checker: &CollisionChecker,
+    seed: u64,
+    number: u16,
+) -> Box<dyn TruckPlanner> {
+    let stream = |use_of_chance: &str| rng::stream(seed, &format!("truck/{number}/{use_of_chance}"));
+    match settings.planner {
+        TruckPlannerKind::PrmPrimitives => {
+            let (prm, primitives) = (&settings.prm, &settings.primitives);
+            Box::new(PrmPrimitives::build(checker, prm, primitives, &settings.safety, &mut stream("prm")))
+        }
+        TruckPlannerKind::HybridAstar => Box::new(HybridAstar::build(checker, &settings.hybrid, stream("shortcuts"))),
+    }
+}
+
+/// Of the roadmap and of the search for drivable paths.
+fn seconds_per_expansion(settings: &scenario::Unimog) -> (f64, f64) {
+    match settings.planner {
+        TruckPlannerKind::PrmPrimitives => {
+            (settings.prm.seconds_per_expansion, settings.primitives.seconds_per_expansion)
+        }
+        TruckPlannerKind::HybridAstar => (0.0, settings.hybrid.seconds_per_expansion),
+    }
 }
 
 /// The free pose nearest to a wanted one: places on rings half a metre apart, headings from the wanted one outwards.

@@ -15,8 +15,12 @@ mod price;
 mod search;
 mod shorten;
 
+pub(super) use aim::Aiming;
+pub(super) use bins::Bins;
 pub use floor::Floor;
+pub(super) use price::Price;
 pub use search::{Ending, Search, Task};
+pub(super) use shorten::shorten;
 
 use std::sync::Arc;
 
@@ -117,7 +121,9 @@ impl LocalSearch {
     /// The path found, made shorter where that is easy.
     fn finish(&mut self, start: Pose, goal: GoalDisc, floor: Floor) -> Path {
         if self.settings.aimed {
-            shorten::shorten(&self.checker, self.search.aiming(), floor, start, goal, &mut self.segments);
+            let is_free = |pose, segment| floor.motion_is_free(&self.checker, pose, segment);
+            let body = self.checker.body();
+            shorten(body, self.search.aiming(), is_free, start, goal, &mut self.segments);
         }
         Path { start, segments: join(&self.segments) }
     }

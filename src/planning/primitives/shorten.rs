@@ -1,10 +1,8 @@
-use crate::collision::CollisionChecker;
 use crate::geometry::Pose;
 use crate::planning::GoalDisc;
-use crate::vehicle::Segment;
+use crate::vehicle::{Dimensions, Segment};
 
 use super::aim::{Aim, Aiming};
-use super::floor::Floor;
 
 /// Places on the path from which the goal is aimed at lie so far apart.
 const KNOT_M: f64 = 4.0;
@@ -26,22 +24,24 @@ struct Exit {
 }
 
 /// Replaces the end of a path by an aim into the goal, where that makes it cheaper and is free, cheapest first.
+///
+/// `is_free` tells whether the truck may drive a segment from a pose.
 pub fn shorten(
-    checker: &CollisionChecker,
+    body: &Dimensions,
     aiming: &Aiming,
-    floor: Floor,
+    is_free: impl Fn(Pose, Segment) -> bool,
     start: Pose,
     goal: GoalDisc,
     segments: &mut Vec<Segment>,
 ) {
-    let mut exits = exits(checker, aiming, start, goal, segments);
+    let mut exits = exits(body, aiming, start, goal, segments);
     exits.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     let free = exits.iter().take(MAX_TRIES).find(|exit| {
         let mut pose = exit.pose;
         exit.aim.pieces().all(|piece| {
             let from = pose;
             pose = piece.end(from);
-            floor.motion_is_free(checker, from, piece)
+            is_free(from, piece)
         })
     });
     let Some(exit) = free else { return };
@@ -54,7 +54,7 @@ pub fn shorten(
 }
 
 /// All exits that make the path cheaper, in the order of the path.
-fn exits(checker: &CollisionChecker, aiming: &Aiming, start: Pose, goal: GoalDisc, segments: &[Segment]) -> Vec<Exit> {
+fn exits(body: &Dimensions, aiming: &Aiming, start: Pose, goal: GoalDisc, segments: &[Segment]) -> Vec<Exit> {
     let limit = aiming.price.of_all(start, segments) - WORTH_M;
     let mut exits = Vec::new();
     let (mut pose, mut cost, mut before) = (start, 0.0, None);
@@ -69,7 +69,7 @@ fn exits(checker: &CollisionChecker, aiming: &Aiming, start: Pose, goal: GoalDis
                 let spent = cost + aiming.price.of(driven, before) + aiming.price.of_places(pose, driven);
                 (driven.end(pose), spent, Some(segment.is_reverse()))
             };
-            let centre = checker.body().body_centre(here);
+            let centre = body.body_centre(here);
             let gap = centre.distance(goal.centre) - goal.radius_m;
             if gap <= 0.0 || spent + gap > limit {
                 continue;

@@ -1,0 +1,192 @@
+//! What the truck's planner `hybrid-astar` costs and gives: `cargo bench --bench hybrid`.
+//!
+//! Goal poses are those of the reference problems where they are present (`../shared/reference`, or
+//! `$WILDFIRE_REFERENCE`), and random free poses on random fields of the contest; disc goals are about the nearest cells
+//! of bushes. CPU time of this thread.
+
+#![expect(clippy::print_stdout, reason = "a benchmark prints its figures")]
+
+use std::f64::consts::TAU;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use rand::RngExt;
+use serde::Deserialize;
+
+use wildfire::collision::{ClearanceField, CollisionChecker};
+use wildfire::geometry::{DVec2, FieldFrame, Pose};
+use wildfire::grid::Grid;
+use wildfire::planning::{Goal, GoalDisc, HybridAstar, HybridSettings, Plan, PlanFailure};
+use wildfire::rng;
+use wildfire::scenario::{Scenario, Terrain};
+use wildfire::time::cpu::CpuStopwatch;
+use wildfire::vehicle::{Dimensions, Path, ReedsShepp};
+
+const START: Pose = Pose { x: 50.0, y: 50.0, heading: 0.0 };
+const OWN_FIELDS: u64 = 20;
+const OWN_GOALS: usize = 50;
+const REACH_M: f64 = 10.0;
+/// The bound is tight for so many goals of each field.
+const BOUNDED_GOALS: usize = 3;
+
+/// A field and poses to drive to.
+struct Problem {
+    checker: CollisionChecker,
+    start: Pose,
+    goals: Vec<Pose>,
+    /// Centres of the bushes.
+    bushes: Vec<DVec2>,
+}
+
+fn main() {
+    let reference = reference_problems();
+    if reference.is_empty() {
+        println!("the reference problems are not there");
+    } else {
+        measure("reference problems", &reference);
+    }
+    for coverage in [0.1, 0.15, 0.2] {
+        let own: Vec<_> = (1..=OWN_FIELDS).map(|seed| own_problem(coverage, seed)).collect();
+        measure(&format!("{:.0} % of the cells under bushes", 100.0 * coverage), &own);
+    }
+}
+
+fn measure(title: &str, problems: &[Problem]) {
+    println!("\n{title}, {} fields", problems.len());
+    let (mut poses, mut discs) = (Drives::default(), Drives::default());
+    let mut builds = Vec::new();
+    for problem in problems {
+        let mut watch = CpuStopwatch::start();
+        let field = Arc::new(ClearanceField::new(*problem.checker.field().frame(), problem.checker.field().occupied()));
+        let checker = CollisionChecker::new(field, *problem.checker.body());
+        let mut planner = HybridAstar::build(&checker, &HybridSettings::default(), rng::stream(1, "bench/hybrid"));
+        builds.push(watch.lap().as_secs_f64() * 1e3);
+        let curves = ReedsShepp { radius_m: checker.body().turning_radius_m };
+        for (number, &goal) in problem.goals.iter().enumerate() {
+            let bound_m = curves.length_m(problem.start, goal);
+            let plan = planner.plan_to(problem.start, Goal::Pose(goal));
+            poses.take(plan, (number < BOUNDED_GOALS).then_some(bound_m), &checker);
+        }
+        for &centre in problem.bushes.iter().take(OWN_GOALS) {
+            let gap_m = checker.body().body_centre(problem.start).distance(centre) - REACH_M;
+            let plan = planner.plan_to(problem.start, Goal::Disc(GoalDisc { centre, radius_m: REACH_M - 0.01 }));
+            discs.take(plan, (gap_m > REACH_M).then_some(gap_m), &checker);
+        }
+    }
+    println!("build, median ms: {:.2}", quantile(&mut builds, 0.5));
+    poses.print("goal poses");
+    discs.print("goal discs");
+}
+
+#[derive(Default)]
+struct Drives {
+    milliseconds: Vec<f64>,
+    expansions: Vec<f64>,
+    ratios: Vec<f64>,
+    clearances: Vec<f64>,
+    cusps: Vec<f64>,
+    failures: Vec<PlanFailure>,
+}
+
+impl Drives {
+    fn take(&mut self, plan: Plan, bound_m: Option<f64>, checker: &CollisionChecker) {
+        self.milliseconds.push(plan.time.local.as_secs_f64() * 1e3);
+        self.expansions.push(plan.effort.local_expansions.into());
+        match plan.path {
+            Ok(path) => {
+                self.ratios.extend(bound_m.map(|bound_m| path.length_m() / bound_m));
+                self.cusps.push(path.cusps().into());
+                self.clearances.push(least_clearance(&path, checker));
+            }
+            Err(failure) => self.failures.push(failure),
+        }
+    }
+
+    fn print(&mut self, title: &str) {
+        let queries = self.milliseconds.len();
+        println!("{title}: {} of {queries} solved", queries - self.failures.len());
+        for reason in PlanFailure::ALL {
+            let count = self.failures.iter().filter(|&&failure| failure == reason).count();
+            if count > 0 {
+                println!("  {count} x {reason}");
+            }
+        }
+        for (name, values) in [
+            ("milliseconds", &mut self.milliseconds),
+            ("expansions", &mut self.expansions),
+            ("length over bound", &mut self.ratios),
+            ("least clearance, metres", &mut self.clearances),
+            ("cusps", &mut self.cusps),
+        ] {
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            let [low, median, high, most] = [0.05, 0.5, 0.95, 1.0].map(|share| quantile(values, share));
+            println!("  {name:24} mean {mean:8.3}  p5 {low:8.3}  median {median:8.3}  p95 {high:8.3}  max {most:9.3}");
+        }
+    }
+}
+
+#[derive(Deserialize)]
+struct FieldFile {
+    cells_cr: Vec<[usize; 2]>,
+    n: u16,
+    cell_m: f64,
+    start: [f64; 3],
+    goals: Vec<GoalFile>,
+}
+
+#[derive(Deserialize)]
+struct GoalFile {
+    pose: [f64; 3],
+}
+
+fn reference_problems() -> Vec<Problem> {
+    let folder = std::env::var_os("WILDFIRE_REFERENCE")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/reference"), PathBuf::from);
+    (0..5)
+        .filter_map(|number| std::fs::read(folder.join(format!("plan/field_{number:02}.json"))).ok())
+        .map(|text| problem_of(&serde_json::from_slice(&text).expect("a field file")))
+        .collect()
+}
+
+fn problem_of(file: &FieldFile) -> Problem {
+    let frame = FieldFrame { cols: file.n, rows: file.n, cell_m: file.cell_m };
+    let mut occupied = Grid::filled(file.n.into(), file.n.into(), false);
+    for &[col, row] in &file.cells_cr {
+        occupied[(row, col)] = true;
+    }
+    let pose = |[x, y, heading]: [f64; 3]| Pose::new(x, y, heading);
+    problem(frame, &occupied, pose(file.start), file.goals.iter().map(|goal| pose(goal.pose)).collect())
+}
+
+fn own_problem(coverage: f64, seed: u64) -> Problem {
+    let mut scenario: Scenario = toml::from_str("wumpus = [{}]\nunimog = [{}]").expect("a scenario of defaults");
+    scenario.field.coverage = coverage;
+    let terrain = Terrain::of(&scenario, seed).expect("the coverage leaves room");
+    let mut problem = problem(terrain.frame, &terrain.occupied, START, Vec::new());
+    let mut rng = rng::stream(seed, "bench/hybrid/goals");
+    while problem.goals.len() < OWN_GOALS {
+        let side_m = terrain.frame.width_m();
+        let pose = Pose::new(rng.random_range(0.0..side_m), rng.random_range(0.0..side_m), rng.random_range(0.0..TAU));
+        if problem.checker.pose_is_free(pose, 0.5) {
+            problem.goals.push(pose);
+        }
+    }
+    problem
+}
+
+fn problem(frame: FieldFrame, occupied: &Grid<bool>, start: Pose, goals: Vec<Pose>) -> Problem {
+    let field = Arc::new(ClearanceField::new(frame, occupied));
+    let bushes = (0..frame.cell_count()).filter(|&i| occupied.values()[i]).map(|i| frame.centre(frame.cell(i)));
+    let bushes = bushes.collect();
+    Problem { checker: CollisionChecker::new(field, Dimensions::default()), start, goals, bushes }
+}
+
+/// Sampled every 10 cm.
+fn least_clearance(path: &Path, checker: &CollisionChecker) -> f64 {
+    path.samples(0.1).map(|(_, pose)| checker.clearance(pose)).fold(f64::INFINITY, f64::min)
+}
+
+fn quantile(values: &mut [f64], share: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[((values.len() - 1) as f64 * share).round() as usize]
+}

@@ -1,0 +1,143 @@
+use glam::DVec2;
+
+use crate::collision::CollisionChecker;
+use crate::geometry::Pose;
+use crate::vehicle::Segment;
+
+/// Clearance gained for every metre away from a tight end.
+const RAMP: f64 = 0.1;
+/// Near a tight end, motions are judged in pieces of this length.
+const PIECE_M: f64 = 1.0;
+/// A tight end is asked for this share of its own clearance, so that rounding does not decide.
+const END_SHARE: f64 = 0.9;
+
+/// The clearance that motions keep on a drive: one value, less near ends of the drive that do not have it.
+#[derive(Clone, Debug)]
+pub struct ClearanceFloor {
+    clearance_m: f64,
+    tight: Vec<TightEnd>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct TightEnd {
+    place: DVec2,
+    least_m: f64,
+}
+
+impl ClearanceFloor {
+    /// `ends` are the poses that are given, each with the body's clearance there, positive.
+    pub fn new(clearance_m: f64, ends: impl IntoIterator<Item = (Pose, f64)>) -> Self {
+        let ends = ends.into_iter();
+        let ends = ends.map(|(pose, own_m)| TightEnd { place: pose.position(), least_m: END_SHARE * own_m });
+        Self { clearance_m, tight: ends.filter(|end| end.least_m < clearance_m).collect() }
+    }
+
+    /// Whether the body keeps this floor along a segment from `pose`.
+    pub fn motion_is_free(&self, checker: &CollisionChecker, pose: Pose, segment: Segment) -> bool {
+        let mut pose = pose;
+        let mut rest_m = segment.length_m.abs();
+        while rest_m > 0.0 {
+            let piece_m = rest_m.min(self.distance_to_tight(pose).max(PIECE_M));
+            let piece = segment.with_length(piece_m);
+            let end = piece.end(pose);
+            if !checker.motion_is_free(pose, piece, self.at(pose).min(self.at(end))) {
+                return false;
+            }
+            pose = end;
+            rest_m -= piece_m;
+        }
+        true
+    }
+
+    /// Whether the body keeps this floor along segments in a row from `pose`.
+    pub fn way_is_free(
+        &self,
+        checker: &CollisionChecker,
+        pose: Pose,
+        segments: impl IntoIterator<Item = Segment>,
+    ) -> bool {
+        let mut pose = pose;
+        segments.into_iter().all(|segment| {
+            let from = pose;
+            pose = segment.end(from);
+            self.motion_is_free(checker, from, segment)
+        })
+    }
+
+    fn at(&self, pose: Pose) -> f64 {
+        let near = |end: &TightEnd| end.least_m + RAMP * pose.position().distance(end.place);
+        self.tight.iter().map(near).fold(self.clearance_m, f64::min)
+    }
+
+    /// Metres until the nearest place at which less than the full clearance is asked for; not positive there.
+    fn distance_to_tight(&self, pose: Pose) -> f64 {
+        let gap = |end: &TightEnd| pose.position().distance(end.place) - (self.clearance_m - end.least_m) / RAMP;
+        self.tight.iter().map(gap).fold(f64::INFINITY, f64::min)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::RngExt;
+
+    use super::*;
+    use crate::collision::MOTION_TOLERANCE_M;
+    use crate::planning::test_fields::{TestField, least_clearance, random_pose};
+    use crate::rng;
+    use crate::vehicle::Path;
+
+    #[test]
+    fn free_motions_keep_the_floor_except_near_tight_ends() {
+        let mut rng = rng::stream(1, "clearance floor");
+        let (mut full, mut less) = (0, 0);
+        for seed in 0..8 {
+            let field = TestField::random(seed, 45);
+            for _ in 0..400 {
+                let pose = random_pose(&mut rng, 150.0);
+                let own_m = field.checker.clearance(pose);
+                if own_m <= 0.05 {
+                    continue;
+                }
+                let floor = ClearanceFloor::new(1.5, [(pose, own_m)]);
+                let curvature = f64::from(rng.random_range(-1..=1)) * field.checker.body().max_curvature();
+                let segment = Segment { curvature, length_m: rng.random_range(-25.0..25.0) };
+                if !floor.motion_is_free(&field.checker, pose, segment) {
+                    continue;
+                }
+                for (_, there) in (Path { start: pose, segments: vec![segment] }).samples(0.05) {
+                    let kept = field.checker.clearance(there);
+                    let asked = floor.at(there) - RAMP * PIECE_M;
+                    assert!(kept > 0.0 && kept >= asked.min(1.0) - MOTION_TOLERANCE_M - 1e-9, "{kept}, not {asked}");
+                }
+                let least = least_clearance(&field.checker, &Path { start: pose, segments: vec![segment] });
+                if least >= 1.0 { full += 1 } else { less += 1 }
+            }
+        }
+        assert!(full > 100 && less > 50, "{full} with room, {less} without");
+    }
+
+    #[test]
+    fn what_is_free_into_a_tight_end_is_mostly_free_out_of_it() {
+        let mut rng = rng::stream(2, "clearance floor");
+        let (mut both, mut one) = (0, 0);
+        for seed in 0..8 {
+            let field = TestField::random(seed, 45);
+            for _ in 0..200 {
+                let pose = random_pose(&mut rng, 150.0);
+                let own_m = field.checker.clearance(pose);
+                let segment = Segment { curvature: 0.0, length_m: rng.random_range(2.0..25.0) };
+                if own_m > 0.1 {
+                    let floor = ClearanceFloor::new(0.75, [(pose, own_m)]);
+                    let out = floor.motion_is_free(&field.checker, pose, segment);
+                    let back = Segment { length_m: -segment.length_m, ..segment };
+                    match (out, floor.motion_is_free(&field.checker, segment.end(pose), back)) {
+                        (true, true) => both += 1,
+                        (false, false) => {}
+                        _ => one += 1,
+                    }
+                }
+            }
+        }
+        assert!(both > 100 && one * 20 < both, "{both} both ways, {one} one way only");
+    }
+}

@@ -1,0 +1,344 @@
+//! The planner `hybrid-astar`: a search over a lattice of poses that looks ahead with Reeds-Shepp curves.
+//!
+//! D. Dolgov, S. Thrun, M. Montemerlo, J. Diebel, "Path planning for autonomous vehicles in unknown semi-structured
+//! environments", IJRR 29(5), 2010, section 3: motions of constant curvature, an estimate that is the greater of the
+//! curve to the goal on an empty field and of a walk round the bushes, and curves into the goal that end the search.
+//! Here motions are swept only when their turn comes (R. Bohlin, L. E. Kavraki, "Path planning using lazy PRM", ICRA
+//! 2000), and the curves into the goal wait in the same queue, at what the whole path would cost.
+//!
+//! Searches come in a ladder: where the wanted clearance leads nowhere, less is asked for, from both ends in turn; the last
+//! search is on a fine lattice. What is found is improved by shortcuts under the same clearance.
+//!
+//! Poses are those of the rear axle, places in a goal disc those of the body's centre; world frame, metres.
+
+mod ladder;
+mod outlook;
+mod search;
+mod settings;
+mod wave;
+
+pub use settings::HybridSettings;
+
+use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M};
+use crate::geometry::Pose;
+use crate::rng::Xoshiro256PlusPlus;
+use crate::time::cpu::CpuStopwatch;
+use crate::vehicle::Path;
+
+use super::clearance_floor::ClearanceFloor;
+use super::improve::Improver;
+use super::primitives::{self, Ending};
+use super::prm_primitives::has_free_pose;
+use super::reachability::{LATTICES, Lattice};
+use super::{BuildReport, Effort, Goal, GoalDisc, Plan, PlanFailure, QueryTime, TruckPlanner};
+use ladder::{LADDER, LatticeKind, Rung};
+use outlook::Lookout;
+use search::{Search, Task};
+use wave::Cells;
+
+/// The planner for one body on one field.
+#[derive(Debug)]
+pub struct HybridAstar {
+    checker: CollisionChecker,
+    settings: HybridSettings,
+    cells: Cells,
+    lookout: Lookout,
+    coarse: Search,
+    fine: Option<Search>,
+    improver: Improver,
+    /// Where every query begins to draw its shortcuts.
+    rng: Xoshiro256PlusPlus,
+    expansions: u32,
+}
+
+impl HybridAstar {
+    /// `rng` decides which shortcuts are tried; every query draws the same numbers.
+    pub fn build(checker: &CollisionChecker, settings: &HybridSettings, rng: Xoshiro256PlusPlus) -> Self {
+        let lattice = Lattice { bin_m: settings.bin_m, headings: settings.headings, step_m: settings.step_m };
+        Self {
+            checker: checker.clone(),
+            settings: settings.clone(),
+            cells: Cells::new(checker),
+            lookout: Lookout::new(settings, checker.body()),
+            coarse: Search::new(settings, lattice, checker.body()),
+            fine: None,
+            improver: Improver::new(checker, settings.cusp_cost),
+            rng,
+            expansions: 0,
+        }
+    }
+
+    /// A path from a pose to a goal, or why there is none.
+    pub fn plan_to(&mut self, start: Pose, goal: Goal) -> Plan {
+        let mut watch = CpuStopwatch::start();
+        self.expansions = 0;
+        let path = self.find(start, goal);
+        let effort = Effort { roadmap_expansions: 0, local_expansions: self.expansions };
+        Plan { path, effort, time: QueryTime { local: watch.lap(), ..QueryTime::default() } }
+    }
+
+    fn find(&mut self, start: Pose, goal: Goal) -> Result<Path, PlanFailure> {
+        let start_clearance = free_clearance(&self.checker, start).ok_or(PlanFailure::StartBlocked)?;
+        let mut ends = vec![(start, start_clearance)];
+        if let Goal::Pose(end) = goal {
+            ends.push((end, free_clearance(&self.checker, end).ok_or(PlanFailure::GoalBlocked)?));
+        }
+        if let Some(path) = self.straight_away(start, goal, &ends) {
+            return Ok(path);
+        }
+        self.climb(start, goal, &ends).map_err(|failure| match goal {
+            Goal::Disc(disc) if !has_free_pose(&self.checker, disc) => PlanFailure::GoalBlocked,
+            _ => failure,
+        })
+    }
+
+    /// The way that an empty field would allow, if the wanted clearance is kept on it.
+    fn straight_away(&self, start: Pose, goal: Goal, ends: &[(Pose, f64)]) -> Option<Path> {
+        let floor = ClearanceFloor::new(self.settings.clearance_m, ends.iter().copied());
+        let approach = self.lookout.without_bushes(start, None, goal).approach?;
+        let is_free = floor.way_is_free(&self.checker, start, approach.segments());
+        is_free.then(|| Path { start, segments: approach.segments().collect() })
+    }
+
+    /// One search after the other, until one succeeds.
+    fn climb(&mut self, start: Pose, goal: Goal, ends: &[(Pose, f64)]) -> Result<Path, PlanFailure> {
+        let mut failure = PlanFailure::Disconnected;
+        for rung in LADDER {
+            let Some((from, to)) = rung.ends(start, goal) else { continue };
+            let clearance_m = (rung.share * self.settings.clearance_m).max(LEAST_CLEARANCE_M);
+            let floor = ClearanceFloor::new(clearance_m, ends.iter().copied());
+            match self.search(rung, from, to, &floor) {
+                Ok(path) => {
+                    // Driven back, it would begin at the start but for rounding.
+                    let path = if rung.backward { Path { start, ..path.reversed() } } else { path };
+                    return Ok(self.improve(path, goal, &floor));
+                }
+                Err(Ending::BudgetSpent) => failure = PlanFailure::BudgetSpent,
+                Err(_) => {}
+            }
+        }
+        Err(failure)
+    }
+
+    fn search(&mut self, rung: Rung, start: Pose, goal: Goal, floor: &ClearanceFloor) -> Result<Path, Ending> {
+        let budget = rung.budget.min(self.settings.max_expansions - self.expansions);
+        let wave = self.cells.wave_to(goal);
+        let body = self.checker.body();
+        let search = match rung.lattice {
+            LatticeKind::Coarse => &mut self.coarse,
+            LatticeKind::Fine => {
+                let finest = LATTICES[LATTICES.len() - 1];
+                self.fine.get_or_insert_with(|| Search::new(&self.settings, finest, body))
+            }
+        };
+        let task = Task { checker: &self.checker, lookout: &self.lookout, floor, start, goal, wave: &wave };
+        let path = search.run(&task, budget);
+        self.expansions += search.expansions;
+        path
+    }
+
+    fn improve(&mut self, path: Path, goal: Goal, floor: &ClearanceFloor) -> Path {
+        let mut rng = self.rng.clone();
+        let path = self.improver.improve(&path, floor, self.settings.shortcuts, &mut rng);
+        match goal {
+            Goal::Pose(_) => path,
+            Goal::Disc(disc) => self.end_sooner(path, disc, floor),
+        }
+    }
+
+    /// The path with another way into the disc, where that is cheaper.
+    fn end_sooner(&self, mut path: Path, disc: GoalDisc, floor: &ClearanceFloor) -> Path {
+        let is_free = |pose, segment| floor.motion_is_free(&self.checker, pose, segment);
+        let body = self.checker.body();
+        primitives::shorten(body, self.lookout.aiming(), is_free, path.start, disc, &mut path.segments);
+        path
+    }
+}
+
+impl TruckPlanner for HybridAstar {
+    fn build_report(&self) -> BuildReport {
+        BuildReport::default()
+    }
+
+    fn plan(&mut self, start: Pose, goal: GoalDisc) -> Plan {
+        self.plan_to(start, Goal::Disc(goal.inner()))
+    }
+}
+
+/// The clearance of a pose, if the body is free there.
+fn free_clearance(checker: &CollisionChecker, pose: Pose) -> Option<f64> {
+    let is_finite = pose.position().is_finite() && pose.heading.is_finite();
+    Some(checker.clearance(pose)).filter(|&clearance| is_finite && clearance > 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::collision::MOTION_TOLERANCE_M;
+    use crate::geometry::ops;
+    use crate::planning::test_fields::{TestField, drives_in_a_row, least_clearance, random_pose};
+    use crate::rng;
+    use crate::vehicle::{Dimensions, ReedsShepp};
+    use glam::DVec2;
+
+    fn planner(field: &TestField, seed: u64) -> HybridAstar {
+        HybridAstar::build(&field.checker, &HybridSettings::default(), rng::stream(seed, "hybrid"))
+    }
+
+    /// A goal pose with room about it.
+    fn random_goal_pose(field: &mut TestField) -> Pose {
+        loop {
+            let pose = random_pose(&mut field.rng, 150.0);
+            if field.checker.pose_is_free(pose, 0.3) {
+                return pose;
+            }
+        }
+    }
+
+    #[test]
+    fn drives_in_a_row_are_drivable_and_fail_hardly_where_the_flood_says_yes() {
+        for walks in [25, 45] {
+            let drives = drives_in_a_row(8, walks, planner);
+            assert!(drives.solved + drives.unreachable >= 143 && drives.missed <= 1, "{walks} walks: {drives:?}");
+        }
+    }
+
+    #[test]
+    fn drives_to_poses_end_there_and_are_no_shorter_than_on_an_empty_field() {
+        let curves = ReedsShepp { radius_m: Dimensions::default().turning_radius_m };
+        let mut solved = 0;
+        for seed in 0..8 {
+            let mut field = TestField::random(seed, 40);
+            let mut planner = planner(&field, seed);
+            for _ in 0..10 {
+                let (start, end) = (field.start, random_goal_pose(&mut field));
+                let Ok(path) = planner.plan_to(start, Goal::Pose(end)).path else { continue };
+                let last = path.end();
+                assert!(last.position().distance(end.position()) < 1e-9);
+                assert!(ops::wrap_angle(last.heading - end.heading).abs() < 1e-9);
+                assert!(path.segments.iter().all(|segment| segment.curvature.abs() <= 1.0 / curves.radius_m));
+                assert!(least_clearance(&field.checker, &path) > 0.0);
+                assert!(path.length_m() >= curves.length_m(start, end) - 1e-9);
+                solved += 1;
+            }
+        }
+        assert!(solved >= 76, "{solved} of 80");
+    }
+
+    #[test]
+    fn the_wanted_clearance_is_kept_where_start_and_goal_have_it() {
+        let field = TestField::random(4, 15);
+        let mut planner = planner(&field, 4);
+        let mut rng = rng::stream(4, "goals");
+        let mut kept = 0;
+        for _ in 0..40 {
+            let goal = random_pose(&mut rng, 150.0);
+            if field.checker.pose_is_free(goal, 1.0)
+                && let Ok(path) = planner.plan_to(field.start, Goal::Pose(goal)).path
+            {
+                kept += u32::from(least_clearance(&field.checker, &path) > 0.75 - MOTION_TOLERANCE_M);
+            }
+        }
+        assert!(kept > 15, "{kept} paths keep it");
+    }
+
+    #[test]
+    fn a_place_is_met_with_the_middle_of_the_body() {
+        let field = TestField::random(4, 15);
+        let mut planner = planner(&field, 4);
+        let centre = DVec2::new(60.0, 75.0);
+        let path = planner.plan_to(field.start, Goal::Disc(GoalDisc { centre, radius_m: 0.0 })).path;
+        let end = path.expect("an open field").end();
+        assert!(field.checker.body().body_centre(end).distance(centre) < 1e-6);
+    }
+
+    #[test]
+    fn answers_do_not_depend_on_what_was_asked_before() {
+        for seed in 0..3 {
+            let mut field = TestField::random(seed, 40);
+            let mut goals: Vec<Goal> = (0..6).map(|_| Goal::Disc(field.random_goal())).collect();
+            goals.extend((0..4).map(|_| Goal::Pose(random_goal_pose(&mut field))));
+            let (mut one, mut two) = (planner(&field, seed), planner(&field, seed));
+            for &goal in goals.iter().rev() {
+                let _ = two.plan_to(field.start, goal);
+            }
+            for &goal in &goals {
+                let (a, b) = (one.plan_to(field.start, goal), two.plan_to(field.start, goal));
+                assert_eq!((a.path, a.effort), (b.path, b.effort));
+            }
+        }
+    }
+
+    #[test]
+    fn a_start_in_the_goal_stays_there() {
+        let field = TestField::random(1, 25);
+        let centre = field.checker.body().body_centre(field.start);
+        for radius_m in [5.0, f64::INFINITY] {
+            let plan = planner(&field, 1).plan(field.start, GoalDisc { centre, radius_m });
+            assert_eq!(plan.path, Ok(Path::standing(field.start)));
+        }
+    }
+
+    #[test]
+    fn failures_have_their_reasons() {
+        let picture = [
+            "....................",
+            "....................",
+            "........########....",
+            "........#......#....",
+            "........#......#....",
+            "........#......#....",
+            "........#......#....",
+            "........########....",
+            "....................",
+            "....................",
+        ];
+        let field = TestField::drawn(&picture, Pose::new(12.0, 22.0, 0.0));
+        let mut planner = planner(&field, 1);
+        let (bush, court) = (Pose::new(42.0, 40.0, 0.0), Pose::new(60.0, 25.0, 0.0));
+        let disc = |pose: Pose, radius_m| Goal::Disc(GoalDisc { centre: pose.position(), radius_m });
+        let mut reason = |start, goal| planner.plan_to(start, goal).path.err();
+        assert_eq!(reason(bush, disc(court, 4.0)), Some(PlanFailure::StartBlocked));
+        assert_eq!(reason(Pose::new(f64::NAN, 20.0, 0.0), disc(court, 4.0)), Some(PlanFailure::StartBlocked));
+        assert_eq!(reason(field.start, Goal::Pose(bush)), Some(PlanFailure::GoalBlocked));
+        assert_eq!(reason(field.start, Goal::Pose(Pose::new(-5.0, 20.0, 0.0))), Some(PlanFailure::GoalBlocked));
+        assert_eq!(reason(field.start, disc(bush, 1.0)), Some(PlanFailure::GoalBlocked));
+        assert_eq!(reason(field.start, Goal::Pose(court)), Some(PlanFailure::Disconnected));
+        assert_eq!(reason(field.start, disc(court, 4.0)), Some(PlanFailure::Disconnected));
+        let short = HybridSettings { max_expansions: 1, ..HybridSettings::default() };
+        let mut hasty = HybridAstar::build(&field.checker, &short, rng::stream(1, "hybrid"));
+        let behind = Goal::Pose(Pose::new(88.0, 25.0, 1.0));
+        let plan = hasty.plan_to(field.start, behind);
+        assert_eq!((plan.path, plan.effort.local_expansions), (Err(PlanFailure::BudgetSpent), 1));
+    }
+
+    #[test]
+    fn no_path_is_shorter_than_a_walker_is_promised() {
+        for seed in 0..6 {
+            let mut field = TestField::random(seed, 45);
+            let mut planner = planner(&field, seed);
+            for _ in 0..8 {
+                let disc = field.random_goal();
+                let promised =
+                    planner.cells.wave_to(Goal::Disc(disc)).least_m(field.checker.body().body_centre(field.start));
+                if let Ok(path) = planner.plan(field.start, disc).path {
+                    assert!(promised <= path.length_m() + 1e-9, "{promised} m, but {} m", path.length_m());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn goals_that_cannot_be_are_answered() {
+        let field = TestField::random(2, 25);
+        let mut planner = planner(&field, 2);
+        for wild in [f64::NAN, f64::INFINITY, -1e300, 1e9, -5.0] {
+            let disc = GoalDisc { centre: DVec2::new(wild, 20.0), radius_m: 3.0 };
+            assert_eq!(planner.plan(field.start, disc).path, Err(PlanFailure::GoalBlocked), "{wild}");
+            let pose = Goal::Pose(Pose { x: wild, y: 5.0, heading: 0.0 });
+            assert_eq!(planner.plan_to(field.start, pose).path, Err(PlanFailure::GoalBlocked), "{wild}");
+            let turned = Goal::Pose(Pose { heading: if wild.is_finite() { f64::NAN } else { wild }, ..field.start });
+            assert_eq!(planner.plan_to(field.start, turned).path, Err(PlanFailure::GoalBlocked), "{wild}");
+        }
+    }
+}

@@ -1,0 +1,108 @@
+use crate::geometry::Pose;
+use crate::planning::primitives::{Aiming, Price};
+use crate::planning::{Goal, PrimitiveSettings};
+use crate::vehicle::{CurvePrice, Dimensions, ReedsShepp, Segment};
+
+use super::HybridSettings;
+use super::wave::Wave;
+
+/// An estimate by aims exceeds the straight line by at most this, because reversing may know better.
+const DETOUR_CAP_M: f64 = 15.0;
+/// Segments of the longest Reeds-Shepp word.
+const MAX_SEGMENTS: usize = 5;
+
+/// A way into the goal that nothing is known to be free of: a Reeds-Shepp curve, or an aim into a disc.
+#[derive(Clone, Copy, Debug)]
+pub struct Approach {
+    segments: [Segment; MAX_SEGMENTS],
+    count: usize,
+    /// Metres, and what changes of direction cost, the first after the drive so far included.
+    pub cost: f64,
+}
+
+impl Approach {
+    fn new(way: impl IntoIterator<Item = Segment>, cost: f64) -> Self {
+        let nothing = Segment { curvature: 0.0, length_m: 0.0 };
+        let mut approach = Self { segments: [nothing; MAX_SEGMENTS], count: 0, cost };
+        for (place, segment) in approach.segments.iter_mut().zip(way) {
+            *place = segment;
+            approach.count += 1;
+        }
+        approach
+    }
+
+    pub fn segments(&self) -> impl Iterator<Item = Segment> {
+        self.segments[..self.count].iter().copied()
+    }
+}
+
+/// What a pose promises.
+#[derive(Clone, Copy, Debug)]
+pub struct Outlook {
+    /// Estimated cost from here on.
+    pub to_go: f64,
+    /// `None` where no aim leads into the disc.
+    pub approach: Option<Approach>,
+}
+
+/// Estimates what is still to drive, as if on an empty field or as a walker, whichever is more.
+#[derive(Clone, Debug)]
+pub struct Lookout {
+    body: Dimensions,
+    curves: ReedsShepp,
+    price: CurvePrice,
+    aiming: Aiming,
+}
+
+impl Lookout {
+    pub fn new(settings: &HybridSettings, body: &Dimensions) -> Self {
+        let cusp_m = settings.cusp_cost;
+        let prices = PrimitiveSettings { turn_cost: 0.0, reverse_cost: 0.0, cusp_cost: cusp_m, ..Default::default() };
+        Self {
+            body: *body,
+            curves: ReedsShepp { radius_m: body.turning_radius_m },
+            price: CurvePrice { reverse_factor: 1.0, cusp_m },
+            aiming: Aiming::new(body, Price::new(&prices, body, None)),
+        }
+    }
+
+    pub fn aiming(&self) -> &Aiming {
+        &self.aiming
+    }
+
+    /// What is promised to a truck that came to `pose` forward or in reverse, or stands there.
+    pub fn outlook(&self, pose: Pose, after_reverse: Option<bool>, goal: Goal, wave: &Wave<'_>) -> Outlook {
+        let outlook = self.without_bushes(pose, after_reverse, goal);
+        let walked = wave.least_m(goal.place_of(pose, &self.body));
+        Outlook { to_go: outlook.to_go.max(walked), ..outlook }
+    }
+
+    /// The same on an empty field.
+    pub fn without_bushes(&self, pose: Pose, after_reverse: Option<bool>, goal: Goal) -> Outlook {
+        let (to_go, approach) = match goal {
+            Goal::Pose(end) => {
+                let approach = self.curve(pose, after_reverse, end);
+                (approach.cost, Some(approach))
+            }
+            Goal::Disc(disc) => {
+                let straight = self.body.body_centre(pose).distance(disc.centre) - disc.radius_m;
+                let aim = self.aiming.best_into(pose, disc, after_reverse);
+                let approach = aim.map(|aim| Approach::new(aim.pieces(), aim.cost));
+                if straight <= 0.0 {
+                    (0.0, Some(Approach::new([], 0.0)))
+                } else {
+                    let most = straight + DETOUR_CAP_M;
+                    (approach.map_or(most, |approach| approach.cost.min(most)), approach)
+                }
+            }
+        };
+        Outlook { to_go, approach }
+    }
+
+    fn curve(&self, pose: Pose, after_reverse: Option<bool>, end: Pose) -> Approach {
+        let best = self.curves.cheapest(pose, end, &self.price);
+        let first = best.curve.segments().next().map(|segment| segment.is_reverse());
+        let turns_back = after_reverse.is_some() && first.is_some() && first != after_reverse;
+        Approach::new(best.curve.segments(), best.price + if turns_back { self.price.cusp_m } else { 0.0 })
+    }
+}

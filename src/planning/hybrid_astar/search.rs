@@ -1,0 +1,220 @@
+use crate::collision::CollisionChecker;
+use crate::geometry::Pose;
+use crate::grid::open_list::{OpenList, Ranked};
+use crate::planning::clearance_floor::ClearanceFloor;
+use crate::planning::primitives::{Bins, Ending};
+use crate::planning::reachability::Lattice;
+use crate::planning::{Goal, HybridSettings};
+use crate::vehicle::{Dimensions, Path, Segment};
+
+use super::outlook::{Approach, Lookout};
+use super::wave::Wave;
+
+const ROOT: u32 = u32::MAX;
+
+/// A pose that was reached.
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    pose: Pose,
+    parent: u32,
+    /// How it was reached from its parent.
+    motion: Segment,
+    cost: f64,
+    /// Estimated cost from here on.
+    ahead: f64,
+    approach: Option<Approach>,
+}
+
+impl Node {
+    /// Whether it was reached in reverse; nothing is said about the start.
+    fn reverse(&self) -> Option<bool> {
+        (self.parent != ROOT).then(|| self.motion.is_reverse())
+    }
+}
+
+/// What is still to be judged.
+#[derive(Clone, Copy, Debug)]
+enum Step {
+    /// The approach from a reached node to the goal is to be swept.
+    Approach,
+    /// A reached node is to be expanded.
+    Expand,
+    /// A lattice motion from the node is to be swept.
+    Lattice { index: u8 },
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    key: f64,
+    cost: f64,
+    /// Order of insertion.
+    sequence: u32,
+    node: u32,
+    step: Step,
+}
+
+impl Ranked for Candidate {
+    type Tie = u32;
+
+    fn priority(&self) -> f64 {
+        self.key
+    }
+
+    fn cost(&self) -> f64 {
+        self.cost
+    }
+
+    fn tie(&self) -> u32 {
+        self.sequence
+    }
+}
+
+/// What one search is asked.
+#[derive(Clone, Copy, Debug)]
+pub struct Task<'a> {
+    pub checker: &'a CollisionChecker,
+    pub lookout: &'a Lookout,
+    pub floor: &'a ClearanceFloor,
+    pub start: Pose,
+    pub goal: Goal,
+    pub wave: &'a Wave<'a>,
+}
+
+/// A* over poses with lattice motions; its memory is kept between searches.
+#[derive(Debug)]
+pub struct Search {
+    step_m: f64,
+    cusp_cost: f64,
+    weight: f64,
+    motions: [Segment; 6],
+    nodes: Vec<Node>,
+    open: OpenList<Candidate>,
+    bins: Bins,
+    sequence: u32,
+    /// Nodes expanded by the last search.
+    pub expansions: u32,
+}
+
+impl Search {
+    pub fn new(settings: &HybridSettings, lattice: Lattice, body: &Dimensions) -> Self {
+        let motion = |side: f64, sense: f64| Segment {
+            curvature: side * body.max_curvature(),
+            length_m: sense * lattice.step_m,
+        };
+        Self {
+            step_m: lattice.step_m,
+            cusp_cost: settings.cusp_cost,
+            weight: settings.heuristic_weight,
+            motions: [
+                motion(0.0, 1.0),
+                motion(1.0, 1.0),
+                motion(-1.0, 1.0),
+                motion(0.0, -1.0),
+                motion(1.0, -1.0),
+                motion(-1.0, -1.0),
+            ],
+            nodes: Vec::new(),
+            open: OpenList::default(),
+            bins: Bins::new(lattice.bin_m, lattice.headings),
+            sequence: 0,
+            expansions: 0,
+        }
+    }
+
+    /// Searches for a way into the goal, expanding no more nodes than `budget`.
+    pub fn run(&mut self, task: &Task<'_>, budget: u32) -> Result<Path, Ending> {
+        self.begin();
+        let motion = Segment { curvature: 0.0, length_m: 0.0 };
+        self.reach(task, Node { pose: task.start, parent: ROOT, motion, cost: 0.0, ahead: 0.0, approach: None });
+        while let Some(best) = self.open.pop() {
+            match best.step {
+                Step::Approach => {
+                    if let Some(path) = self.arrive(task, best.node) {
+                        return Ok(path);
+                    }
+                }
+                Step::Expand if self.expansions == budget => return Err(Ending::BudgetSpent),
+                Step::Expand => self.expand(best.node),
+                Step::Lattice { index } => self.drive(task, best, index),
+            }
+        }
+        Err(Ending::Exhausted)
+    }
+
+    fn begin(&mut self) {
+        self.nodes.clear();
+        self.open.clear();
+        self.bins.clear();
+        self.sequence = 0;
+        self.expansions = 0;
+    }
+
+    fn push(&mut self, key: f64, cost: f64, node: u32, step: Step) {
+        self.open.push(Candidate { key, cost, sequence: self.sequence, node, step });
+        self.sequence += 1;
+    }
+
+    /// Keeps a node for its approach, and for expansion.
+    fn reach(&mut self, task: &Task<'_>, mut node: Node) {
+        self.bins.improve(node.pose, node.motion.is_reverse(), node.cost);
+        let outlook = task.lookout.outlook(node.pose, node.reverse(), task.goal, task.wave);
+        (node.ahead, node.approach) = (outlook.to_go, outlook.approach);
+        let index = self.nodes.len() as u32;
+        self.nodes.push(node);
+        if let Some(approach) = outlook.approach {
+            self.push(node.cost + self.weight * approach.cost, node.cost, index, Step::Approach);
+        }
+        // What no walker reaches, no truck does.
+        if outlook.to_go < f64::INFINITY {
+            self.push(node.cost + self.weight * outlook.to_go, node.cost, index, Step::Expand);
+        }
+    }
+
+    /// Offers the motions from a node with the node's own estimate, so that most are never swept.
+    fn expand(&mut self, index: u32) {
+        self.expansions += 1;
+        let node = self.nodes[index as usize];
+        for (choice, motion) in self.motions.into_iter().enumerate() {
+            let undoes = motion.curvature == node.motion.curvature && motion.length_m == -node.motion.length_m;
+            if !undoes {
+                let cost = self.cost_after(&node, motion);
+                let key = cost + self.weight * (node.ahead - self.step_m).max(0.0);
+                self.push(key, cost, index, Step::Lattice { index: choice as u8 });
+            }
+        }
+    }
+
+    fn cost_after(&self, node: &Node, motion: Segment) -> f64 {
+        let turns_back = node.reverse().is_some_and(|reverse| reverse != motion.is_reverse());
+        node.cost + motion.length_m.abs() + if turns_back { self.cusp_cost } else { 0.0 }
+    }
+
+    fn drive(&mut self, task: &Task<'_>, from: Candidate, choice: u8) {
+        let motion = self.motions[usize::from(choice)];
+        let start = self.nodes[from.node as usize].pose;
+        let pose = motion.end(start);
+        let is_known = self.bins.dominates(pose, motion.is_reverse(), from.cost);
+        if !is_known && task.floor.motion_is_free(task.checker, start, motion) {
+            self.reach(task, Node { pose, parent: from.node, motion, cost: from.cost, ahead: 0.0, approach: None });
+        }
+    }
+
+    /// The whole path by way of a node, if its approach is free.
+    fn arrive(&self, task: &Task<'_>, index: u32) -> Option<Path> {
+        let node = &self.nodes[index as usize];
+        let approach = node.approach.expect("only approaches that exist are offered");
+        if !task.floor.way_is_free(task.checker, node.pose, approach.segments()) {
+            return None;
+        }
+        let mut segments = Vec::new();
+        let mut index = index;
+        while self.nodes[index as usize].parent != ROOT {
+            let node = &self.nodes[index as usize];
+            segments.push(node.motion);
+            index = node.parent;
+        }
+        segments.reverse();
+        segments.extend(approach.segments());
+        Some(Path { start: task.start, segments })
+    }
+}
