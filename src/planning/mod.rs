@@ -6,6 +6,7 @@
 mod clearance_floor;
 mod hybrid_astar;
 pub mod improve;
+mod lattice_search;
 pub mod primitives;
 pub mod prm;
 mod prm_primitives;

@@ -1,10 +1,10 @@
 use crate::collision::CollisionChecker;
 use crate::geometry::Pose;
-use crate::grid::open_list::{OpenList, Ranked};
+use crate::grid::open_list::OpenList;
 use crate::planning::clearance_floor::ClearanceFloor;
 use crate::planning::primitives::{Bins, Ending};
 use crate::planning::reachability::Lattice;
-use crate::planning::{Goal, HybridSettings};
+use crate::planning::{Goal, HybridSettings, lattice_search};
 use crate::vehicle::{Dimensions, Path, Segment};
 
 use super::outlook::{Approach, Lookout};
@@ -43,31 +43,7 @@ enum Step {
     Lattice { index: u8 },
 }
 
-#[derive(Clone, Copy, Debug)]
-struct Candidate {
-    key: f64,
-    cost: f64,
-    /// Order of insertion.
-    sequence: u32,
-    node: u32,
-    step: Step,
-}
-
-impl Ranked for Candidate {
-    type Tie = u32;
-
-    fn priority(&self) -> f64 {
-        self.key
-    }
-
-    fn cost(&self) -> f64 {
-        self.cost
-    }
-
-    fn tie(&self) -> u32 {
-        self.sequence
-    }
-}
+type Candidate = lattice_search::Candidate<Step>;
 
 /// What one search is asked.
 #[derive(Clone, Copy, Debug)]
@@ -97,22 +73,11 @@ pub struct Search {
 
 impl Search {
     pub fn new(settings: &HybridSettings, lattice: Lattice, body: &Dimensions) -> Self {
-        let motion = |side: f64, sense: f64| Segment {
-            curvature: side * body.max_curvature(),
-            length_m: sense * lattice.step_m,
-        };
         Self {
             step_m: lattice.step_m,
             cusp_cost: settings.cusp_cost,
             weight: settings.heuristic_weight,
-            motions: [
-                motion(0.0, 1.0),
-                motion(1.0, 1.0),
-                motion(-1.0, 1.0),
-                motion(0.0, -1.0),
-                motion(1.0, -1.0),
-                motion(-1.0, -1.0),
-            ],
+            motions: lattice_search::motions(body, lattice.step_m),
             nodes: Vec::new(),
             open: OpenList::default(),
             bins: Bins::new(lattice.bin_m, lattice.headings),

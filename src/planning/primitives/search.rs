@@ -4,8 +4,8 @@ use glam::DVec2;
 
 use crate::collision::CollisionChecker;
 use crate::geometry::{Pose, ops};
-use crate::grid::open_list::{OpenList, Ranked};
-use crate::planning::{GoalDisc, PrimitiveSettings, Safety};
+use crate::grid::open_list::OpenList;
+use crate::planning::{GoalDisc, PrimitiveSettings, Safety, lattice_search};
 use crate::vehicle::{Dimensions, Segment};
 
 use super::aim::{Aim, Aiming};
@@ -55,15 +55,7 @@ enum Step {
     Aimed { target: u32, aim: u32 },
 }
 
-#[derive(Clone, Copy, Debug)]
-struct Candidate {
-    key: f64,
-    cost: f64,
-    /// Order of insertion.
-    sequence: u32,
-    node: u32,
-    step: Step,
-}
+type Candidate = lattice_search::Candidate<Step>;
 
 /// One of the six motions that may follow any pose.
 #[derive(Clone, Copy, Debug)]
@@ -82,22 +74,6 @@ impl LatticeMotion {
     /// The shift in the world, for a body of this sine and cosine of heading.
     fn centre_shift(&self, sin: f64, cos: f64) -> DVec2 {
         DVec2::new(cos, sin).rotate(self.shift)
-    }
-}
-
-impl Ranked for Candidate {
-    type Tie = u32;
-
-    fn priority(&self) -> f64 {
-        self.key
-    }
-
-    fn cost(&self) -> f64 {
-        self.cost
-    }
-
-    fn tie(&self) -> u32 {
-        self.sequence
     }
 }
 
@@ -142,23 +118,12 @@ pub struct Search {
 impl Search {
     pub fn new(settings: &PrimitiveSettings, checker: &CollisionChecker, safety: Option<Arc<Safety>>) -> Self {
         let price = Price::new(settings, checker.body(), safety);
-        let motion = |side: f64, sense: f64| {
-            let segment =
-                Segment { curvature: side * checker.body().max_curvature(), length_m: sense * settings.step_m };
-            LatticeMotion::new(segment, checker.body())
-        };
+        let body = checker.body();
         Self {
             settings: settings.clone(),
             aiming: Aiming::new(checker.body(), price.clone()),
             price,
-            lattice: [
-                motion(0.0, 1.0),
-                motion(1.0, 1.0),
-                motion(-1.0, 1.0),
-                motion(0.0, -1.0),
-                motion(1.0, -1.0),
-                motion(-1.0, -1.0),
-            ],
+            lattice: lattice_search::motions(body, settings.step_m).map(|motion| LatticeMotion::new(motion, body)),
             nodes: Vec::new(),
             aims: Vec::new(),
             open: OpenList::default(),
