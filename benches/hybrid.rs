@@ -16,7 +16,7 @@ use serde::Deserialize;
 use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::{DVec2, FieldFrame, Pose};
 use wildfire::grid::Grid;
-use wildfire::planning::{Goal, GoalDisc, HybridAstar, HybridSettings, Plan, PlanFailure};
+use wildfire::planning::{Goal, GoalDisc, HybridAstar, HybridSettings, Plan, PlanFailure, TruckPlanner};
 use wildfire::rng;
 use wildfire::scenario::{Scenario, Terrain};
 use wildfire::time::cpu::CpuStopwatch;
@@ -64,12 +64,12 @@ fn measure(title: &str, problems: &[Problem]) {
         let curves = ReedsShepp { radius_m: checker.body().turning_radius_m };
         for (number, &goal) in problem.goals.iter().enumerate() {
             let bound_m = curves.length_m(problem.start, goal);
-            let plan = planner.plan_to(problem.start, Goal::Pose(goal));
+            let plan = planner.plan(problem.start, Goal::Pose(goal));
             poses.take(plan, (number < BOUNDED_GOALS).then_some(bound_m), &checker);
         }
         for &centre in problem.bushes.iter().take(OWN_GOALS) {
             let gap_m = checker.body().body_centre(problem.start).distance(centre) - REACH_M;
-            let plan = planner.plan_to(problem.start, Goal::Disc(GoalDisc { centre, radius_m: REACH_M - 0.01 }));
+            let plan = planner.plan(problem.start, Goal::Disc(GoalDisc { centre, radius_m: REACH_M - 0.01 }));
             discs.take(plan, (gap_m > REACH_M).then_some(gap_m), &checker);
         }
     }

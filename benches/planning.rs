@@ -77,7 +77,7 @@ fn run_field(coverage: f64, seed: u64, builds: &mut Builds, short: &mut Drives, 
             let fits = |bush: &DVec2| (least..most).contains(&bush.distance(here));
             let fitting: Vec<DVec2> = bushes.iter().copied().filter(fits).collect();
             let bush = *fitting.choose(&mut rng).unwrap_or(&bushes[rng.random_range(0..bushes.len())]);
-            let plan = planner.plan(pose, GoalDisc { centre: bush, radius_m: REACH_M });
+            let plan = planner.plan(pose, GoalDisc { centre: bush, radius_m: REACH_M }.into());
             pose = plan.path.as_ref().map_or(START, Path::end);
             drives.take(plan, here.distance(bush) - REACH_M, &checker);
         }

@@ -112,8 +112,7 @@ fn all_problems_of_the_reference_are_solved_and_every_path_is_clean() {
         for (index, goal) in field.goals.iter().enumerate() {
             let what = format!("field {number}, goal {index}");
             let goal = pose(goal.pose);
-            let path =
-                planner.plan_to(field.start(), Goal::Pose(goal)).path.unwrap_or_else(|why| panic!("{what}: {why}"));
+            let path = planner.plan(field.start(), Goal::Pose(goal)).path.unwrap_or_else(|why| panic!("{what}: {why}"));
             assert_clean(field, &occupied, &path, &what);
             let end = path.end();
             assert!(end.position().distance(goal.position()) < 1e-3, "{what}: ends elsewhere");
@@ -130,7 +129,7 @@ fn every_bush_of_the_reference_is_reached_by_clean_paths() {
         for &[col, row] in field.cells_cr.iter().step_by(5) {
             let what = format!("field {number}, bush ({col}, {row})");
             let centre = DVec2::new(f64::from(col) + 0.5, f64::from(row) + 0.5) * field.cell_m;
-            let plan = planner.plan(field.start(), GoalDisc { centre, radius_m: REACH_M });
+            let plan = planner.plan(field.start(), Goal::Disc(GoalDisc { centre, radius_m: REACH_M }));
             let path = plan.path.unwrap_or_else(|why| panic!("{what}: {why}"));
             assert_clean(field, &occupied, &path, &what);
             assert!(Dimensions::default().body_centre(path.end()).distance(centre) <= REACH_M, "{what}: too far away");

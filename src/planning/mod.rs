@@ -6,23 +6,29 @@
 mod clearance_floor;
 mod hybrid_astar;
 pub mod improve;
+mod lattice_planner;
 mod lattice_search;
 pub mod primitives;
 pub mod prm;
 mod prm_primitives;
+mod prm_rs;
 pub mod reachability;
 mod safety;
 mod settings;
 #[cfg(test)]
 mod test_fields;
+mod truck_planners;
 pub mod walk;
 
 pub use clearance_floor::ClearanceFloor;
 pub use hybrid_astar::{HybridAstar, HybridSettings};
+pub use lattice_planner::{LatticePlanner, LatticeSettings};
 pub use prm_primitives::PrmPrimitives;
+pub use prm_rs::{PrmRs, PrmRsSettings};
 
 pub use safety::{Safety, SafetyForm, SafetyMap, SafetySettings};
 pub use settings::{ClearanceTo, MotionCost, PrimitiveSettings, PrmSettings, RoadmapGoal, RoadmapSearch};
+pub use truck_planners::{TruckPlannerKind, TruckPlannerSettings, truck_planner};
 
 use std::fmt;
 use std::time::Duration;
@@ -59,7 +65,21 @@ pub enum Goal {
     Disc(GoalDisc),
 }
 
+impl From<GoalDisc> for Goal {
+    fn from(disc: GoalDisc) -> Self {
+        Self::Disc(disc)
+    }
+}
+
 impl Goal {
+    /// The same with a margin for rounding.
+    fn inner(self) -> Self {
+        match self {
+            Self::Pose(_) => self,
+            Self::Disc(disc) => Self::Disc(disc.inner()),
+        }
+    }
+
     /// The place of a truck that counts for this goal.
     fn place_of(self, pose: Pose, body: &Dimensions) -> DVec2 {
         match self {
@@ -119,8 +139,7 @@ pub struct QueryTime {
 /// A query's answer.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// From the start pose to a pose in the goal disc, or why there is none. A start inside the disc gives a path
-    /// without segments.
+    /// From the start pose to the goal, or why there is none. A start inside a goal disc gives a path without segments.
     pub path: Result<Path, PlanFailure>,
     pub effort: Effort,
     pub time: QueryTime,
@@ -143,5 +162,6 @@ pub struct BuildReport {
 /// A planner made for one body on one field.
 pub trait TruckPlanner: Send + Sync {
     fn build_report(&self) -> BuildReport;
-    fn plan(&mut self, start: Pose, goal: GoalDisc) -> Plan;
+    /// A path from a pose of the rear axle to a goal, or why there is none. Answers do not depend on earlier ones.
+    fn plan(&mut self, start: Pose, goal: Goal) -> Plan;
 }

@@ -11,8 +11,8 @@ use crate::vehicle::Path;
 use super::primitives::LocalSearch;
 use super::prm::{Roadmap, RoadmapScratch, Route};
 use super::{
-    BuildReport, Effort, GoalDisc, Plan, PlanFailure, PrimitiveSettings, PrmSettings, QueryTime, RoadmapGoal, Safety,
-    SafetySettings, TruckPlanner,
+    BuildReport, Effort, Goal, GoalDisc, Plan, PlanFailure, PrimitiveSettings, PrmSettings, QueryTime, RoadmapGoal,
+    Safety, SafetySettings, TruckPlanner,
 };
 
 /// The planner `prm+primitives`: a roadmap gives waypoints, motion primitives make a drivable path of them.
@@ -119,11 +119,14 @@ impl TruckPlanner for PrmPrimitives {
         self.report
     }
 
-    fn plan(&mut self, start: Pose, goal: GoalDisc) -> Plan {
+    fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
         let mut time = QueryTime::default();
         self.scratch.expansions = 0;
         self.local.begin();
-        let path = self.find(start, goal, &mut time);
+        let path = match goal {
+            Goal::Disc(disc) => self.find(start, disc, &mut time),
+            Goal::Pose(_) => Err(PlanFailure::Disconnected),
+        };
         let effort = Effort { roadmap_expansions: self.scratch.expansions, local_expansions: self.local.expansions() };
         Plan { path, effort, time }
     }
@@ -184,7 +187,7 @@ mod tests {
         let mut pose = field.start;
         for _ in 0..60 {
             let goal = field.random_goal();
-            let path = planner.plan(pose, goal).path.expect("an open field");
+            let path = planner.plan(pose, goal.into()).path.expect("an open field");
             assert_drivable(&field.checker, &path, pose, goal);
             // Stop on the way, where the first segment is half driven.
             if let Some(first) = path.segments.first() {
@@ -205,8 +208,8 @@ mod tests {
             let mut plain = planner(&field, seed);
             for _ in 0..15 {
                 let goal = field.random_goal();
-                plain_found += u32::from(plain.plan(field.start, goal).path.is_ok());
-                if let Ok(path) = safe.plan(field.start, goal).path {
+                plain_found += u32::from(plain.plan(field.start, goal.into()).path.is_ok());
+                if let Ok(path) = safe.plan(field.start, goal.into()).path {
                     assert_drivable(&field.checker, &path, field.start, goal);
                     safe_found += 1;
                 }
@@ -223,10 +226,10 @@ mod tests {
             let (mut one, mut two) = (planner(&field, seed), planner(&field, seed));
             // The second planner has answered other queries before: nothing may be left of them.
             for &goal in goals.iter().rev() {
-                let _ = two.plan(field.start, goal);
+                let _ = two.plan(field.start, goal.into());
             }
             for &goal in &goals {
-                let (a, b) = (one.plan(field.start, goal), two.plan(field.start, goal));
+                let (a, b) = (one.plan(field.start, goal.into()), two.plan(field.start, goal.into()));
                 assert_eq!(a.path, b.path);
                 assert_eq!(a.effort, b.effort);
             }
@@ -237,7 +240,7 @@ mod tests {
     fn a_start_in_the_goal_stays_there() {
         let field = TestField::random(1, 25);
         let centre = field.checker.body().body_centre(field.start);
-        let plan = planner(&field, 1).plan(field.start, GoalDisc { centre, radius_m: 5.0 });
+        let plan = planner(&field, 1).plan(field.start, GoalDisc { centre, radius_m: 5.0 }.into());
         assert_eq!(plan.path, Ok(Path::standing(field.start)));
     }
 
@@ -258,7 +261,7 @@ mod tests {
         let field = TestField::drawn(&picture, Pose::new(20.0, 20.0, 0.0));
         let mut planner = planner(&field, 1);
         let mut reason = |start, x, y, radius_m| {
-            planner.plan(start, GoalDisc { centre: DVec2::new(x, y), radius_m }).path.expect_err("no path")
+            planner.plan(start, GoalDisc { centre: DVec2::new(x, y), radius_m }.into()).path.expect_err("no path")
         };
         let in_bush = Pose::new(96.0, 20.0, 0.0);
         assert_eq!(reason(in_bush, 20.0, 20.0, 5.0), PlanFailure::StartBlocked);
@@ -278,7 +281,7 @@ mod tests {
         let mut spent = 0;
         for _ in 0..40 {
             let goal = field.random_goal();
-            let plan = planner.plan(field.start, goal);
+            let plan = planner.plan(field.start, goal.into());
             assert!(plan.effort.local_expansions <= 10);
             spent += u32::from(plan.path == Err(PlanFailure::BudgetSpent));
         }
@@ -322,7 +325,7 @@ mod tests {
             let mut pose = field.start;
             for _ in 0..10 {
                 let goal = field.random_goal();
-                let Ok(path) = planner.plan(pose, goal).path else { continue };
+                let Ok(path) = planner.plan(pose, goal.into()).path else { continue };
                 let distance = |m: &&DVec2| m.distance(goal.centre);
                 let milestones = planner.roadmap().milestones();
                 let nearest = milestones.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));

@@ -115,7 +115,7 @@ pub fn drives_in_a_row<P: TruckPlanner>(fields: u64, walks: u32, planner: impl F
         let mut pose = field.start;
         for _ in 0..18 {
             let goal = field.random_goal();
-            match planner.plan(pose, goal).path {
+            match planner.plan(pose, goal.into()).path {
                 Ok(path) => {
                     assert_drivable(&field.checker, &path, pose, goal);
                     pose = path.end();

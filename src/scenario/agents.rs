@@ -4,7 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use super::or_none;
 use crate::geometry::{DVec2, Pose};
-use crate::planning::{HybridSettings, PrimitiveSettings, PrmSettings, SafetySettings};
+use crate::planning::{
+    HybridSettings, LatticeSettings, PrimitiveSettings, PrmRsSettings, PrmSettings, SafetySettings, TruckPlannerKind,
+    TruckPlannerSettings,
+};
 use crate::vehicle::Dimensions;
 
 /// An arsonist on a lattice.
@@ -162,7 +165,9 @@ pub struct Unimog {
     pub planner: TruckPlannerKind,
     pub prm: PrmSettings,
     pub primitives: PrimitiveSettings,
+    pub prm_rs: PrmRsSettings,
     pub hybrid: HybridSettings,
+    pub lattice: LatticeSettings,
     pub safety: SafetySettings,
 }
 
@@ -179,13 +184,27 @@ impl Default for Unimog {
             planner: TruckPlannerKind::PrmPrimitives,
             prm: PrmSettings::default(),
             primitives: PrimitiveSettings::default(),
+            prm_rs: PrmRsSettings::default(),
             hybrid: HybridSettings::default(),
+            lattice: LatticeSettings::default(),
             safety: SafetySettings::default(),
         }
     }
 }
 
 impl Unimog {
+    /// What its planner may want to know.
+    pub fn planner_settings(&self) -> TruckPlannerSettings<'_> {
+        TruckPlannerSettings {
+            prm: &self.prm,
+            primitives: &self.primitives,
+            prm_rs: &self.prm_rs,
+            hybrid: &self.hybrid,
+            lattice: &self.lattice,
+            safety: &self.safety,
+        }
+    }
+
     /// Centre of its body at the start.
     pub fn start_centre(&self) -> DVec2 {
         self.vehicle.body_centre(self.start.pose())
@@ -243,15 +262,4 @@ pub enum Retarget {
     Never,
     /// Whenever something ignites.
     OnEvent,
-}
-
-/// How a truck finds its way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum TruckPlannerKind {
-    /// A roadmap, and motion primitives along its waypoints.
-    #[serde(rename = "prm+primitives")]
-    PrmPrimitives,
-    /// A lattice search that looks ahead with Reeds-Shepp curves.
-    #[serde(rename = "hybrid-astar")]
-    HybridAstar,
 }

@@ -9,8 +9,8 @@ use super::field::{MAX_CELLS_A_SIDE, MAX_COVERAGE};
 use super::path::{FieldPath, Step};
 use super::wording::shortened;
 use super::{
-    Escape, Field, HybridSettings, Ignition, IgnitionCells, PrimitiveSettings, PrmSettings, SafetySettings, Scenario,
-    Unimog, Wumpus, WumpusPlanner, WumpusPotential,
+    Escape, Field, HybridSettings, Ignition, IgnitionCells, LatticeSettings, PrimitiveSettings, PrmRsSettings,
+    PrmSettings, SafetySettings, Scenario, Unimog, Wumpus, WumpusPlanner, WumpusPotential,
 };
 use crate::geometry::{DVec2, FieldFrame};
 use crate::vehicle::Dimensions;
@@ -212,7 +212,9 @@ fn check_unimog(table: &Table, unimog: &Unimog, frame: &FieldFrame) -> Check {
     limits.optional("lateral_mps2", unimog.limits.lateral_mps2, from(0.001, 1000.0))?;
     check_prm(&table.inner("prm"), &unimog.prm)?;
     check_primitives(&table.inner("primitives"), &unimog.primitives, frame)?;
+    check_prm_rs(&table.inner("prm_rs"), &unimog.prm_rs)?;
     check_hybrid(&table.inner("hybrid"), &unimog.hybrid, frame)?;
+    check_lattice(&table.inner("lattice"), &unimog.lattice)?;
     check_safety(&table.inner("safety"), &unimog.safety)?;
     table.inner("start").number("heading_deg", unimog.start.heading_deg, from(-360.0, 360.0))?;
     table.inside("start", &unimog.vehicle.footprint(unimog.start.pose()).corners(), frame)
@@ -257,6 +259,15 @@ fn check_primitives(table: &Table, primitives: &PrimitiveSettings, frame: &Field
     table.number("max_expansions", primitives.max_expansions.into(), from(1.0, 1e6))?;
     table.number("seconds_per_expansion", primitives.seconds_per_expansion, from(0.0, 1e6))?;
     check_bins(table, primitives.bin_m, primitives.headings, frame)
+}
+
+fn check_prm_rs(table: &Table, prm_rs: &PrmRsSettings) -> Check {
+    table.number("samples", prm_rs.samples.into(), from(0.0, 100_000.0))?;
+    table.number("seconds_per_expansion", prm_rs.seconds_per_expansion, from(0.0, 1e6))
+}
+
+fn check_lattice(table: &Table, lattice: &LatticeSettings) -> Check {
+    table.number("seconds_per_expansion", lattice.seconds_per_expansion, from(0.0, 1e6))
 }
 
 fn check_hybrid(table: &Table, hybrid: &HybridSettings, frame: &FieldFrame) -> Check {

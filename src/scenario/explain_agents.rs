@@ -102,7 +102,9 @@ fn driving(truck: &Unimog) -> String {
         TruckPlannerKind::PrmPrimitives => {
             format!("{} {}{}", roadmap(truck), local_search(truck), safety(&truck.safety))
         }
+        TruckPlannerKind::PrmRs => pose_roadmap(truck),
         TruckPlannerKind::HybridAstar => hybrid_search(truck),
+        TruckPlannerKind::Lattice => lattice_search(truck),
     }
 }
 
@@ -167,6 +169,19 @@ fn hybrid_search(truck: &Unimog) -> String {
         hybrid.shortcuts,
         thinking(hybrid.seconds_per_expansion)
     )
+}
+
+fn pose_roadmap(truck: &Unimog) -> String {
+    let prm_rs = &truck.prm_rs;
+    format!(
+        "Roadmap of {} poses joined by Reeds-Shepp curves; {}.",
+        prm_rs.samples,
+        thinking(prm_rs.seconds_per_expansion)
+    )
+}
+
+fn lattice_search(truck: &Unimog) -> String {
+    format!("Flood over a lattice of poses; {}.", thinking(truck.lattice.seconds_per_expansion))
 }
 
 /// What places cost, in words that follow a full stop.

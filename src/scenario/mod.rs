@@ -27,8 +27,8 @@ mod warnings;
 mod wording;
 
 pub use agents::{
-    Escape, Limits, Retarget, StartPose, StepCost, StepTime, TruckGoal, TruckPlannerKind, Unimog, Wumpus, WumpusGoal,
-    WumpusHeuristic, WumpusPlanner, WumpusPotential,
+    Escape, Limits, Retarget, StartPose, StepCost, StepTime, TruckGoal, Unimog, Wumpus, WumpusGoal, WumpusHeuristic,
+    WumpusPlanner, WumpusPotential,
 };
 pub use error::{Fault, Place, ScenarioError};
 pub use explain::explain;
@@ -44,8 +44,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::geometry::DVec2;
 pub use crate::planning::{
-    ClearanceTo, HybridSettings, MotionCost, PrimitiveSettings, PrmSettings, RoadmapGoal, RoadmapSearch, SafetyForm,
-    SafetyMap, SafetySettings,
+    ClearanceTo, HybridSettings, LatticeSettings, MotionCost, PrimitiveSettings, PrmRsSettings, PrmSettings,
+    RoadmapGoal, RoadmapSearch, SafetyForm, SafetyMap, SafetySettings, TruckPlannerKind,
 };
 
 /// A contest: where, under which rules, between whom, for how long.

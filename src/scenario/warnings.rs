@@ -116,6 +116,8 @@ fn warn_of_unused_planners(number: usize, unimog: &Unimog, found: &mut Vec<Strin
         ("prm", TruckPlannerKind::PrmPrimitives, unimog.prm != usual.prm),
         ("primitives", TruckPlannerKind::PrmPrimitives, unimog.primitives != usual.primitives),
         ("safety", TruckPlannerKind::PrmPrimitives, unimog.safety != usual.safety),
+        ("prm_rs", TruckPlannerKind::PrmRs, unimog.prm_rs != usual.prm_rs),
+        ("lattice", TruckPlannerKind::Lattice, unimog.lattice != usual.lattice),
         ("hybrid", TruckPlannerKind::HybridAstar, unimog.hybrid != usual.hybrid),
     ];
     for (table, planner, is_set) in by_planner {

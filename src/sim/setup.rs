@@ -15,7 +15,7 @@ use crate::planning::reachability::Reachability;
 use crate::planning::walk::{
     Estimate, LatticeShape, PotentialSettings, WalkCosts, WalkLattice, WalkMethod, WalkPlanner,
 };
-use crate::planning::{BuildReport, HybridAstar, PrmPrimitives, Safety, TruckPlanner};
+use crate::planning::{BuildReport, Safety, truck_planner};
 use crate::rng;
 use crate::scenario::{
     Escape, Extinguishes, Retarget, Scenario, SpreadFrom, StepCost, StepTime, Terrain, TruckPlannerKind, WumpusGoal,
@@ -238,9 +238,10 @@ fn place_truck(
         log.add(SimTime::ZERO, Fact::StartMoved { agent: id, from: wanted });
     }
     let AgentId::Unimog(number) = id else { unreachable!("trucks are Unimogs") };
-    let planner = truck_planner(settings, &checker, seed, number);
+    let stream = |use_of_chance: &str| rng::stream(seed, &format!("truck/{number}/{use_of_chance}"));
+    let planner = truck_planner(settings.planner, &checker, &settings.planner_settings(), stream);
     let report = planner.build_report();
-    if settings.planner == TruckPlannerKind::PrmPrimitives {
+    if report.samples > 0 {
         let BuildReport { samples, edges, components, .. } = report;
         log.add(SimTime::ZERO, Fact::RoadmapBuilt { agent: id, samples, edges, components });
     }
@@ -269,29 +270,15 @@ fn place_truck(
     Ok((Agent::standing(id, start), truck))
 }
 
-fn truck_planner(
-    settings: &scenario::Unimog,
-    checker: &CollisionChecker,
-    seed: u64,
-    number: u16,
-) -> Box<dyn TruckPlanner> {
-    let stream = |use_of_chance: &str| rng::stream(seed, &format!("truck/{number}/{use_of_chance}"));
-    match settings.planner {
-        TruckPlannerKind::PrmPrimitives => {
-            let (prm, primitives) = (&settings.prm, &settings.primitives);
-            Box::new(PrmPrimitives::build(checker, prm, primitives, &settings.safety, &mut stream("prm")))
-        }
-        TruckPlannerKind::HybridAstar => Box::new(HybridAstar::build(checker, &settings.hybrid, stream("shortcuts"))),
-    }
-}
-
 /// Of the roadmap and of the search for drivable paths.
 fn seconds_per_expansion(settings: &scenario::Unimog) -> (f64, f64) {
     match settings.planner {
         TruckPlannerKind::PrmPrimitives => {
             (settings.prm.seconds_per_expansion, settings.primitives.seconds_per_expansion)
         }
+        TruckPlannerKind::PrmRs => (settings.prm_rs.seconds_per_expansion, settings.hybrid.seconds_per_expansion),
         TruckPlannerKind::HybridAstar => (0.0, settings.hybrid.seconds_per_expansion),
+        TruckPlannerKind::Lattice => (0.0, settings.lattice.seconds_per_expansion),
     }
 }
 

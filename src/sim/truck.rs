@@ -76,7 +76,7 @@ impl Truck {
     /// turn it came in another way.
     fn by_backing_out(&mut self, pose: Pose, disc: GoalDisc, effort: &mut Effort) -> Option<Path> {
         for legs in 1..=self.tracks.legs().min(BACKED_OUT_LEGS) {
-            let plan = self.planner.plan(self.tracks.start_of_last(legs), disc);
+            let plan = self.planner.plan(self.tracks.start_of_last(legs), disc.into());
             effort.roadmap_expansions += plan.effort.roadmap_expansions;
             effort.local_expansions += plan.effort.local_expansions;
             if let Ok(path) = plan.path {
@@ -183,7 +183,7 @@ pub fn decide(
     truck.tracks.record(driven(&agent.trajectory));
     agent.trajectory = Trajectory::new(now, pose, Vec::new());
     while let Some(goal) = situation.best(truck.policy, centre, |cell| !truck.set_aside.contains(&cell)) {
-        let plan = truck.planner.plan(pose, truck.disc(situation.frame, goal));
+        let plan = truck.planner.plan(pose, truck.disc(situation.frame, goal).into());
         truck.cost.roadmap_search += plan.time.roadmap;
         truck.cost.local_search += plan.time.local;
         let ready = now + truck.charge(&plan.effort);

@@ -68,15 +68,6 @@ impl HybridAstar {
         }
     }
 
-    /// A path from a pose to a goal, or why there is none.
-    pub fn plan_to(&mut self, start: Pose, goal: Goal) -> Plan {
-        let mut watch = CpuStopwatch::start();
-        self.expansions = 0;
-        let path = self.find(start, goal);
-        let effort = Effort { roadmap_expansions: 0, local_expansions: self.expansions };
-        Plan { path, effort, time: QueryTime { local: watch.lap(), ..QueryTime::default() } }
-    }
-
     fn find(&mut self, start: Pose, goal: Goal) -> Result<Path, PlanFailure> {
         let start_clearance = free_clearance(&self.checker, start).ok_or(PlanFailure::StartBlocked)?;
         let mut ends = vec![(start, start_clearance)];
@@ -160,8 +151,12 @@ impl TruckPlanner for HybridAstar {
         BuildReport::default()
     }
 
-    fn plan(&mut self, start: Pose, goal: GoalDisc) -> Plan {
-        self.plan_to(start, Goal::Disc(goal.inner()))
+    fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
+        let mut watch = CpuStopwatch::start();
+        self.expansions = 0;
+        let path = self.find(start, goal.inner());
+        let effort = Effort { roadmap_expansions: 0, local_expansions: self.expansions };
+        Plan { path, effort, time: QueryTime { local: watch.lap(), ..QueryTime::default() } }
     }
 }
 
@@ -212,7 +207,7 @@ mod tests {
             let mut planner = planner(&field, seed);
             for _ in 0..10 {
                 let (start, end) = (field.start, random_goal_pose(&mut field));
-                let Ok(path) = planner.plan_to(start, Goal::Pose(end)).path else { continue };
+                let Ok(path) = planner.plan(start, Goal::Pose(end)).path else { continue };
                 let last = path.end();
                 assert!(last.position().distance(end.position()) < 1e-9);
                 assert!(ops::wrap_angle(last.heading - end.heading).abs() < 1e-9);
@@ -234,7 +229,7 @@ mod tests {
         for _ in 0..40 {
             let goal = random_pose(&mut rng, 150.0);
             if field.checker.pose_is_free(goal, 1.0)
-                && let Ok(path) = planner.plan_to(field.start, Goal::Pose(goal)).path
+                && let Ok(path) = planner.plan(field.start, Goal::Pose(goal)).path
             {
                 kept += u32::from(least_clearance(&field.checker, &path) > 0.75 - MOTION_TOLERANCE_M);
             }
@@ -247,7 +242,7 @@ mod tests {
         let field = TestField::random(4, 15);
         let mut planner = planner(&field, 4);
         let centre = DVec2::new(60.0, 75.0);
-        let path = planner.plan_to(field.start, Goal::Disc(GoalDisc { centre, radius_m: 0.0 })).path;
+        let path = planner.plan(field.start, Goal::Disc(GoalDisc { centre, radius_m: 0.0 })).path;
         let end = path.expect("an open field").end();
         assert!(field.checker.body().body_centre(end).distance(centre) < 1e-6);
     }
@@ -260,10 +255,10 @@ mod tests {
             goals.extend((0..4).map(|_| Goal::Pose(random_goal_pose(&mut field))));
             let (mut one, mut two) = (planner(&field, seed), planner(&field, seed));
             for &goal in goals.iter().rev() {
-                let _ = two.plan_to(field.start, goal);
+                let _ = two.plan(field.start, goal);
             }
             for &goal in &goals {
-                let (a, b) = (one.plan_to(field.start, goal), two.plan_to(field.start, goal));
+                let (a, b) = (one.plan(field.start, goal), two.plan(field.start, goal));
                 assert_eq!((a.path, a.effort), (b.path, b.effort));
             }
         }
@@ -274,7 +269,7 @@ mod tests {
         let field = TestField::random(1, 25);
         let centre = field.checker.body().body_centre(field.start);
         for radius_m in [5.0, f64::INFINITY] {
-            let plan = planner(&field, 1).plan(field.start, GoalDisc { centre, radius_m });
+            let plan = planner(&field, 1).plan(field.start, GoalDisc { centre, radius_m }.into());
             assert_eq!(plan.path, Ok(Path::standing(field.start)));
         }
     }
@@ -297,7 +292,7 @@ mod tests {
         let mut planner = planner(&field, 1);
         let (bush, court) = (Pose::new(42.0, 40.0, 0.0), Pose::new(60.0, 25.0, 0.0));
         let disc = |pose: Pose, radius_m| Goal::Disc(GoalDisc { centre: pose.position(), radius_m });
-        let mut reason = |start, goal| planner.plan_to(start, goal).path.err();
+        let mut reason = |start, goal| planner.plan(start, goal).path.err();
         assert_eq!(reason(bush, disc(court, 4.0)), Some(PlanFailure::StartBlocked));
         assert_eq!(reason(Pose::new(f64::NAN, 20.0, 0.0), disc(court, 4.0)), Some(PlanFailure::StartBlocked));
         assert_eq!(reason(field.start, Goal::Pose(bush)), Some(PlanFailure::GoalBlocked));
@@ -308,7 +303,7 @@ mod tests {
         let short = HybridSettings { max_expansions: 1, ..HybridSettings::default() };
         let mut hasty = HybridAstar::build(&field.checker, &short, rng::stream(1, "hybrid"));
         let behind = Goal::Pose(Pose::new(88.0, 25.0, 1.0));
-        let plan = hasty.plan_to(field.start, behind);
+        let plan = hasty.plan(field.start, behind);
         assert_eq!((plan.path, plan.effort.local_expansions), (Err(PlanFailure::BudgetSpent), 1));
     }
 
@@ -321,7 +316,7 @@ mod tests {
                 let disc = field.random_goal();
                 let promised =
                     planner.cells.wave_to(Goal::Disc(disc)).least_m(field.checker.body().body_centre(field.start));
-                if let Ok(path) = planner.plan(field.start, disc).path {
+                if let Ok(path) = planner.plan(field.start, disc.into()).path {
                     assert!(promised <= path.length_m() + 1e-9, "{promised} m, but {} m", path.length_m());
                 }
             }
@@ -334,11 +329,11 @@ mod tests {
         let mut planner = planner(&field, 2);
         for wild in [f64::NAN, f64::INFINITY, -1e300, 1e9, -5.0] {
             let disc = GoalDisc { centre: DVec2::new(wild, 20.0), radius_m: 3.0 };
-            assert_eq!(planner.plan(field.start, disc).path, Err(PlanFailure::GoalBlocked), "{wild}");
+            assert_eq!(planner.plan(field.start, disc.into()).path, Err(PlanFailure::GoalBlocked), "{wild}");
             let pose = Goal::Pose(Pose { x: wild, y: 5.0, heading: 0.0 });
-            assert_eq!(planner.plan_to(field.start, pose).path, Err(PlanFailure::GoalBlocked), "{wild}");
+            assert_eq!(planner.plan(field.start, pose).path, Err(PlanFailure::GoalBlocked), "{wild}");
             let turned = Goal::Pose(Pose { heading: if wild.is_finite() { f64::NAN } else { wild }, ..field.start });
-            assert_eq!(planner.plan_to(field.start, turned).path, Err(PlanFailure::GoalBlocked), "{wild}");
+            assert_eq!(planner.plan(field.start, turned).path, Err(PlanFailure::GoalBlocked), "{wild}");
         }
     }
 }
