@@ -43,7 +43,7 @@ fn plan(seeds: &str, record: Record) -> BatchPlan {
 fn made_up_timeline(seed: u64) -> Timeline {
     let bushes: Vec<Cell> = (0..10).map(|col| Cell { col, row: 3 }).collect();
     let (wumpus, truck) = (AgentId::Wumpus(0), AgentId::Unimog(0));
-    let start = |id, x, body| AgentStart { id, pose: Pose::new(x, 50.0, 0.0), body };
+    let start = |id, x, body| AgentStart { id, pose: Pose::new(x, 50.0, 0.0), body, limits: None };
     let lit = (seed % 7) as usize;
     let at = |second: usize, fact| Event { time: SimTime::from_seconds(second as f64), fact };
     let mut events = Vec::new();
@@ -69,6 +69,8 @@ fn made_up_timeline(seed: u64) -> Timeline {
                 duration: SimTime::from_seconds(100.0),
                 suppression_reach_m: Some(10.0),
                 suppression_dwell: SimTime::from_seconds(5.0),
+                extinguishes_all: None,
+                fire: None,
                 relight: false,
                 score_wumpus_ignited: 1.0,
                 score_wumpus_burned_out: 1.0,

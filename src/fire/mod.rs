@@ -4,6 +4,8 @@
 //! it burns still, it sets on fire what can burn within a radius. Nothing here knows the order of time: callers
 //! schedule what [`Vegetation::ignite`] says is to come and ask again when it is due.
 
+use serde::{Deserialize, Serialize};
+
 use crate::geometry::{Cell, FieldFrame};
 use crate::time::SimTime;
 
@@ -22,7 +24,7 @@ pub enum CellState {
 }
 
 /// How fire behaves.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FireRules {
     /// From ignition to spreading.
     pub spread_delay: SimTime,

@@ -56,13 +56,15 @@ pub fn build(scenario: &Scenario, seed: u64) -> Result<(World, Setting, RunCost)
         let id = AgentId::Wumpus(number as u16);
         let (agent, wumpus) = place_wumpus(id, settings, &terrain, seed, &mut log)?;
         let body = Body::Square { size_m: settings.size_m };
-        starts.push(AgentStart { id, pose: agent.trajectory.start(), body });
+        let limits = Some(wumpus_limits(settings));
+        starts.push(AgentStart { id, pose: agent.trajectory.start(), body, limits });
         roster.wumpuses.push(world.spawn((agent, wumpus)).id());
     }
     for (number, settings) in scenario.unimog.iter().enumerate() {
         let id = AgentId::Unimog(number as u16);
         let (agent, truck) = place_truck(id, (settings, scenario), &field, seed, &mut log)?;
-        starts.push(AgentStart { id, pose: agent.trajectory.start(), body: Body::Truck(settings.vehicle) });
+        let (body, limits) = (Body::Truck(settings.vehicle), Some(truck.speed));
+        starts.push(AgentStart { id, pose: agent.trajectory.start(), body, limits });
         roster.trucks.push(world.spawn((agent, truck)).id());
     }
     let setting = setting(scenario, seed, &terrain, starts);
@@ -89,6 +91,8 @@ fn setting(scenario: &Scenario, seed: u64, terrain: &Terrain, agents: Vec<AgentS
             duration: SimTime::from_seconds(scenario.duration_s),
             suppression_reach_m: scenario.suppression.reach_m,
             suppression_dwell: SimTime::from_seconds(scenario.suppression.dwell_s),
+            extinguishes_all: Some(scenario.suppression.extinguishes == Extinguishes::AllInReach),
+            fire: Some(fire_rules(scenario)),
             relight: scenario.fire.relight,
             score_wumpus_ignited: scenario.score.wumpus_ignited,
             score_wumpus_burned_out: scenario.score.wumpus_burned_out,
@@ -189,6 +193,15 @@ fn step_times(settings: &scenario::Wumpus, step_m: f64) -> (f64, f64) {
         StepTime::Distance => (orthogonal, diagonal),
         StepTime::Uniform => (orthogonal, orthogonal),
     }
+}
+
+/// Where diagonal steps take no longer than others, they are faster than its speed.
+fn wumpus_limits(settings: &scenario::Wumpus) -> SpeedLimits {
+    let fastest = match settings.step_time {
+        StepTime::Distance => settings.speed_mps,
+        StepTime::Uniform => settings.speed_mps * std::f64::consts::SQRT_2,
+    };
+    SpeedLimits::of_speed(fastest, 0.0)
 }
 
 fn walk_costs(settings: &scenario::Wumpus, terrain: &Terrain, lattice: &WalkLattice) -> WalkCosts {

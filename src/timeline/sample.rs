@@ -6,6 +6,7 @@ use super::{
     AgentId, AgentStart, Body, Cause, EndReason, Event, Fact, RestReason, Rules, Setting, Timeline, Vegetation,
 };
 use crate::event_queue::EventQueue;
+use crate::fire::FireRules;
 use crate::geometry::{Cell, FieldFrame, Pose};
 use crate::planning::{Effort, PlanFailure};
 use crate::rng::{self, Xoshiro256PlusPlus};
@@ -22,6 +23,23 @@ pub const A: Cell = Cell { col: 1, row: 1 };
 pub const B: Cell = Cell { col: 5, row: 2 };
 pub const C: Cell = Cell { col: 8, row: 8 };
 pub const D: Cell = Cell { col: 2, row: 9 };
+
+pub const LIMITS: SpeedLimits = SpeedLimits {
+    forward_mps: 8.0,
+    reverse_mps: 8.0,
+    acceleration_mps2: Some(2.0),
+    braking_mps2: None,
+    lateral_mps2: Some(3.0),
+};
+
+const FIRE: FireRules = FireRules {
+    spread_delay: SimTime::from_nanos(10_000_000_000),
+    spread_radius_m: 30.0,
+    lit_spreads: true,
+    caught_spreads: false,
+    burn_out: Some(SimTime::from_nanos(60_000_000_000)),
+    relight: false,
+};
 
 pub fn seconds(seconds: f64) -> SimTime {
     SimTime::from_seconds(seconds)
@@ -53,11 +71,12 @@ pub fn ignited(cell: Cell) -> Fact {
 }
 
 pub fn small_setting(agents: &[AgentId]) -> Setting {
-    let start = |&id: &AgentId| match id {
-        AgentId::Wumpus(_) => AgentStart { id, pose: Pose::new(22.5, 22.5, 0.0), body: Body::Square { size_m: 3.0 } },
-        AgentId::Unimog(_) => {
-            AgentStart { id, pose: Pose::new(10.0, 30.0, 0.0), body: Body::Truck(Dimensions::default()) }
-        }
+    let start = |&id: &AgentId| {
+        let (pose, body) = match id {
+            AgentId::Wumpus(_) => (Pose::new(22.5, 22.5, 0.0), Body::Square { size_m: 3.0 }),
+            AgentId::Unimog(_) => (Pose::new(10.0, 30.0, 0.0), Body::Truck(Dimensions::default())),
+        };
+        AgentStart { id, pose, body, limits: Some(LIMITS) }
     };
     Setting {
         scenario: "small".into(),
@@ -70,6 +89,8 @@ pub fn small_setting(agents: &[AgentId]) -> Setting {
             duration: seconds(100.0),
             suppression_reach_m: Some(10.0),
             suppression_dwell: seconds(5.0),
+            extinguishes_all: Some(false),
+            fire: Some(FIRE),
             relight: false,
             score_wumpus_ignited: 1.0,
             score_wumpus_burned_out: 1.0,

@@ -4,8 +4,10 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use crate::fire::FireRules;
 use crate::geometry::{Cell, FieldFrame, Pose};
 use crate::time::SimTime;
+use crate::trajectory::SpeedLimits;
 use crate::vehicle::Dimensions;
 
 /// One agent of a run: its kind and its number among those of its kind, from 0.
@@ -40,6 +42,8 @@ pub struct AgentStart {
     pub id: AgentId,
     pub pose: Pose,
     pub body: Body,
+    /// How fast it may move; `None` where the recording does not say.
+    pub limits: Option<SpeedLimits>,
 }
 
 /// The rules that readers of facts need.
@@ -49,6 +53,10 @@ pub struct Rules {
     /// Metres, from body centre to cell centre; `None` is no rule of distance.
     pub suppression_reach_m: Option<f64>,
     pub suppression_dwell: SimTime,
+    /// Whether a stop puts out all that burns in reach, not only its goal; `None` where the recording does not say.
+    pub extinguishes_all: Option<bool>,
+    /// How fire spreads and ends; `None` where the recording does not say.
+    pub fire: Option<FireRules>,
     pub relight: bool,
     pub score_wumpus_ignited: f64,
     pub score_wumpus_burned_out: f64,

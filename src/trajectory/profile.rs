@@ -5,12 +5,14 @@
 //! (Bobrow, Dubowsky and Gibson, "Time-Optimal Control of Robotic Manipulators Along Specified Paths", International
 //! Journal of Robotics Research 4(3), 1985, for constant bounds). Within a segment the speed rises, stays and falls.
 
+use serde::{Deserialize, Serialize};
+
 use super::{Piece, Trajectory, speed_after};
 use crate::time::SimTime;
 use crate::vehicle::{Path, Segment};
 
 /// How fast a body may go, and how fast its speed may change. Positive numbers; `None` is no limit.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SpeedLimits {
     pub forward_mps: f64,
     pub reverse_mps: f64,

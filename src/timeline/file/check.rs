@@ -5,7 +5,7 @@
 use super::FileError;
 use crate::geometry::{Cell, FieldFrame, Pose};
 use crate::timeline::{AgentStart, Body, Event, Fact, Rules, Setting, Timeline};
-use crate::trajectory::{Piece, Trajectory};
+use crate::trajectory::{Piece, SpeedLimits, Trajectory};
 
 /// Cells along a side of the field.
 pub const MAX_SIDE: usize = 1000;
@@ -74,14 +74,24 @@ fn check_agent(agent: &AgentStart) -> Result<(), FileError> {
         }
     };
     require(sizes_fit, || format!("the body of {} has no size", agent.id))?;
+    require(agent.limits.is_none_or(are_limits), || format!("the limits of {} allow no motion", agent.id))?;
     require(is_finite(agent.pose), || format!("{} starts nowhere", agent.id))
+}
+
+fn are_limits(limits: SpeedLimits) -> bool {
+    let speeds = [limits.forward_mps, limits.reverse_mps];
+    let accelerations = [limits.acceleration_mps2, limits.braking_mps2, limits.lateral_mps2];
+    speeds.into_iter().all(|speed| speed.is_finite() && speed >= 0.0)
+        && accelerations.into_iter().flatten().all(is_size)
 }
 
 fn check_rules(rules: &Rules) -> Result<(), FileError> {
     let scores = [rules.score_wumpus_ignited, rules.score_wumpus_burned_out, rules.score_truck_extinguished];
     require(scores.into_iter().all(f64::is_finite), || "its scores are not finite".into())?;
     let reach = rules.suppression_reach_m.unwrap_or(0.0);
-    require(reach.is_finite() && reach >= 0.0, || format!("suppression reaches {reach} m"))
+    require(reach.is_finite() && reach >= 0.0, || format!("suppression reaches {reach} m"))?;
+    let spread = rules.fire.map_or(0.0, |fire| fire.spread_radius_m);
+    require(spread.is_finite() && spread >= 0.0, || format!("fire spreads over {spread} m"))
 }
 
 fn check_event(event: &Event, setting: &Setting) -> Result<(), FileError> {

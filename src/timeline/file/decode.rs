@@ -3,7 +3,7 @@
 use super::FileError;
 use super::check::{MAX_CELLS_OUT_OF_REACH, MAX_FACTS, MAX_PIECES, MAX_SIDE, limit};
 use super::numbers::NumberReader;
-use super::records::{Leg, Origin, Payload, PieceKind, Record, take};
+use super::records::{Leg, Origin, Payload, PieceKind, Record, Supplement, take};
 use crate::geometry::{Cell, FieldFrame, Pose};
 use crate::time::SimTime;
 use crate::timeline::{AgentId, Cause, Event, Fact, Setting, Timeline};
@@ -16,11 +16,15 @@ const NO_SUCH_LEG: FileError = FileError::Damaged("it refers to a leg that it do
 const NO_SUCH_TIME: FileError = FileError::Damaged("it holds a time beyond all times");
 const LEFT_OVER: FileError = FileError::Damaged("it holds more than its facts need");
 
-/// The timeline of a payload; its values are still to be checked.
-pub fn decode(mut bytes: &[u8]) -> Result<Timeline, FileError> {
+/// The first format with a [`Supplement`].
+const SUPPLEMENTED: u16 = 3;
+
+/// The timeline of a payload of this format; its values are still to be checked.
+pub fn decode(format: u16, mut bytes: &[u8]) -> Result<Timeline, FileError> {
     let payload: Payload<'_> = take(&mut bytes)?;
     limit("facts", payload.facts as usize, MAX_FACTS)?;
-    let setting = setting(&payload)?;
+    let supplement = if format < SUPPLEMENTED { Supplement::default() } else { take(&mut bytes)? };
+    let setting = setting(&payload, &supplement)?;
     let mut decoder = Decoder::new(&setting, &payload);
     let mut events = Vec::new();
     for _ in 0..payload.facts {
@@ -33,7 +37,7 @@ pub fn decode(mut bytes: &[u8]) -> Result<Timeline, FileError> {
     Ok(Timeline { setting, events })
 }
 
-fn setting(payload: &Payload<'_>) -> Result<Setting, FileError> {
+fn setting(payload: &Payload<'_>, supplement: &Supplement) -> Result<Setting, FileError> {
     let frame = payload.frame;
     limit("cells along a side", frame.cols.max(frame.rows).into(), MAX_SIDE)?;
     Ok(Setting {
@@ -42,8 +46,8 @@ fn setting(payload: &Payload<'_>) -> Result<Setting, FileError> {
         program_version: payload.program_version.into(),
         frame,
         bushes: bushes(frame, &payload.bush_steps)?,
-        agents: payload.agents.clone(),
-        rules: payload.rules,
+        agents: supplement.agents(&payload.agents),
+        rules: supplement.rules(&payload.rules),
     })
 }
 

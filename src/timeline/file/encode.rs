@@ -1,7 +1,7 @@
 //! From a timeline to the payload of a recording.
 
 use super::numbers::NumberWriter;
-use super::records::{Leg, Origin, Payload, PieceKind, Record, append};
+use super::records::{Leg, Origin, Payload, PieceKind, Record, Supplement, append};
 use crate::geometry::{Cell, Pose};
 use crate::time::SimTime;
 use crate::timeline::{AgentId, Cause, Fact, Setting, Timeline};
@@ -166,8 +166,8 @@ impl<'a> Encoder<'a> {
             program_version: &setting.program_version,
             frame: setting.frame,
             bush_steps,
-            agents: setting.agents.clone(),
-            rules: setting.rules,
+            agents: setting.agents.iter().map(Into::into).collect(),
+            rules: setting.rules.into(),
             facts: timeline.events.len() as u32,
             delays: &self.delays,
             records: &self.records,
@@ -176,6 +176,7 @@ impl<'a> Encoder<'a> {
             number_references: &numbers.references,
         };
         append(&mut bytes, &payload);
+        append(&mut bytes, &Supplement::from(setting));
         bytes
     }
 }

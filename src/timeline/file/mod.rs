@@ -28,8 +28,11 @@ use thiserror::Error;
 use super::Timeline;
 use crate::whole_file::write_whole;
 
-/// Version of the format that is written; older ones are read too. Since version 2 there are local minima.
-pub const FORMAT: u16 = 2;
+/// Version of the format that is written; older ones are read too.
+///
+/// Since version 2 there are local minima, since version 3 the limits of every agent's speed, the rules of fire, and
+/// whether a stop puts out one fire or all in reach.
+pub const FORMAT: u16 = 3;
 
 const MAGIC: &[u8; 8] = b"WILDFIRE";
 const HEADER_BYTES: usize = 18;
@@ -93,15 +96,16 @@ pub fn encode(timeline: &Timeline) -> Result<Vec<u8>, FileError> {
 
 /// The timeline of a recording's bytes.
 pub fn decode(bytes: &[u8]) -> Result<Timeline, FileError> {
-    let payload = checked_payload(bytes)?;
+    let (format, payload) = checked_payload(bytes)?;
     let compact = inflate::decompress_to_vec_with_limit(payload, MAX_PAYLOAD_BYTES)
         .map_err(|_| FileError::Damaged("its payload does not inflate"))?;
-    let timeline = decode::decode(&compact)?;
+    let timeline = decode::decode(format, &compact)?;
     check::check(&timeline)?;
     Ok(timeline)
 }
 
-fn checked_payload(bytes: &[u8]) -> Result<&[u8], FileError> {
+/// The format of a recording and its payload, still deflated.
+fn checked_payload(bytes: &[u8]) -> Result<(u16, &[u8]), FileError> {
     let known = bytes.len().min(MAGIC.len());
     if bytes[..known] != MAGIC[..known] {
         return Err(FileError::NotARecording);
@@ -109,11 +113,11 @@ fn checked_payload(bytes: &[u8]) -> Result<&[u8], FileError> {
     let Some((header, payload)) = bytes.split_at_checked(HEADER_BYTES) else {
         return Err(FileError::Truncated { expected: HEADER_BYTES as u64, found: bytes.len() as u64 });
     };
-    match u16::from_le_bytes([header[8], header[9]]) {
+    let format = match u16::from_le_bytes([header[8], header[9]]) {
         0 => return Err(FileError::NotARecording),
         found if found > FORMAT => return Err(FileError::Newer { found }),
-        _ => {}
-    }
+        format => format,
+    };
     let word = |at: usize| u32::from_le_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]]);
     let expected = word(10) as usize;
     if payload.len() < expected {
@@ -126,7 +130,7 @@ fn checked_payload(bytes: &[u8]) -> Result<&[u8], FileError> {
     if crc32fast::hash(payload) != word(14) {
         return Err(FileError::Damaged("its checksum does not fit its bytes"));
     }
-    Ok(payload)
+    Ok((format, payload))
 }
 
 #[cfg(test)]
@@ -142,7 +146,7 @@ mod tests {
     use crate::rng;
     use crate::time::SimTime;
     use crate::timeline::{Event, Fact, Outcome};
-    use crate::trajectory::{Piece, Trajectory};
+    use crate::trajectory::{Piece, SpeedLimits, Trajectory};
     use crate::vehicle::Segment;
 
     fn tiny(events: Vec<Event>) -> Timeline {
@@ -200,26 +204,41 @@ mod tests {
         }
     }
 
-    #[test]
-    fn the_format_is_frozen() {
-        let digest = |timeline: &Timeline| {
-            let payload = encode::encode(timeline);
-            (payload.len(), crc32fast::hash(&payload))
-        };
-        // Another checksum means another format: give it a version and keep reading this one.
-        let mut timeline = sample::by_hand();
-        assert_eq!(digest(&timeline), (568, 398_146_637));
-        timeline.events.retain(|event| !matches!(event.fact, Fact::LocalMinimum { .. }));
-        assert_eq!(digest(&timeline), (546, 1_445_583_994), "runs of format 1 look the same in format 2");
+    /// Length and checksum of what one format holds of a run, and the part of it that is as old as format 2.
+    fn digests(timeline: &Timeline) -> [(usize, u32); 2] {
+        let payload = encode::encode(timeline);
+        let older = payload.len() - supplement(timeline).len();
+        [older, payload.len()].map(|length| (length, crc32fast::hash(&payload[..length])))
+    }
+
+    fn supplement(timeline: &Timeline) -> Vec<u8> {
+        postcard::to_stdvec(&records::Supplement::from(&timeline.setting)).expect("plain values become bytes")
     }
 
     #[test]
-    fn a_recording_of_format_1_is_read() {
+    fn the_format_is_frozen() {
+        // Another checksum means another format: give it a version and keep reading this one.
+        let mut timeline = sample::by_hand();
+        assert_eq!(digests(&timeline), [(568, 398_146_637), (667, 2_167_327_893)]);
+        timeline.events.retain(|event| !matches!(event.fact, Fact::LocalMinimum { .. }));
+        assert_eq!(digests(&timeline)[0], (546, 1_445_583_994), "runs of format 1 look the same in format 2");
+    }
+
+    #[test]
+    fn recordings_of_older_formats_are_read_and_leave_open_what_they_do_not_say() {
         let mut timeline = sample::by_hand();
         timeline.events.retain(|event| !matches!(event.fact, Fact::LocalMinimum { .. }));
-        let mut bytes = encode(&timeline).expect("it is a possible run");
-        bytes[8] = 1;
-        assert!(decode(&bytes).expect("older formats are read") == timeline);
+        let payload = encode::encode(&timeline);
+        let older = &payload[..payload.len() - supplement(&timeline).len()];
+        let mut bytes = sealed(&deflate::compress_to_vec(older, 1));
+        assert!(matches!(decode(&bytes), Err(FileError::Damaged(_))), "format 3 says more");
+        timeline.setting.agents.iter_mut().for_each(|agent| agent.limits = None);
+        timeline.setting.rules.fire = None;
+        timeline.setting.rules.extinguishes_all = None;
+        for format in [1, 2] {
+            bytes[8] = format;
+            assert!(decode(&bytes).expect("older formats are read") == timeline);
+        }
     }
 
     #[test]
@@ -295,9 +314,9 @@ mod tests {
     #[test]
     fn foreign_and_newer_files_are_told_by_name() {
         let mut bytes = encode(&sample::by_hand()).expect("it is a possible run");
-        bytes[8] = 3;
+        bytes[8] = 4;
         let newer = decode(&bytes).expect_err("the format is unknown");
-        assert_eq!(newer.to_string(), "written by a newer wildfire: format 3, this program reads up to 2");
+        assert_eq!(newer.to_string(), "written by a newer wildfire: format 4, this program reads up to 3");
         let foreign = decode(b"\x89PNG\r\n\x1a\n and so on").expect_err("it is a picture");
         assert_eq!(foreign.to_string(), "not a wildfire recording");
     }
@@ -316,7 +335,11 @@ mod tests {
         let back_in_time = tiny(vec![at(9.0, planned(TRUCK, A, leg(8.0, Pose::default(), 1.0, &[1.0])))]);
         let (reason, until, effort) = (PlanFailure::GoalBlocked, SimTime::ZERO, sample::effort(1, 1));
         let uncharged = tiny(vec![at(9.0, Fact::PlanFailed { agent: TRUCK, goal: A, reason, effort, until })]);
-        for run in [stray_start, disorder, stray_bush, unknown_cell, unknown_agent, endless, back_in_time, uncharged] {
+        let mut immobile = sample::by_hand();
+        immobile.setting.agents[1].limits = Some(SpeedLimits { braking_mps2: Some(0.0), ..sample::LIMITS });
+        for run in
+            [stray_start, disorder, stray_bush, unknown_cell, unknown_agent, endless, back_in_time, uncharged, immobile]
+        {
             assert!(matches!(encode(&run), Err(FileError::Impossible(_))));
         }
         let mut vast = tiny(vec![]);

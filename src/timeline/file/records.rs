@@ -4,11 +4,14 @@
 use serde::{Deserialize, Serialize};
 
 use super::FileError;
-use crate::geometry::FieldFrame;
+use crate::fire::FireRules;
+use crate::geometry::{FieldFrame, Pose};
 use crate::planning::{Effort, PlanFailure};
-use crate::timeline::{AgentStart, EndReason, RestReason, Rules};
+use crate::time::SimTime;
+use crate::timeline::{AgentId, AgentStart, Body, EndReason, RestReason, Rules, Setting};
+use crate::trajectory::SpeedLimits;
 
-/// The whole payload.
+/// The payload; since format 3 a [`Supplement`] follows.
 #[derive(Serialize, Deserialize)]
 pub struct Payload<'a> {
     pub scenario: &'a str,
@@ -17,8 +20,8 @@ pub struct Payload<'a> {
     pub frame: FieldFrame,
     /// Index of each bush, less that of the one before it.
     pub bush_steps: Vec<u32>,
-    pub agents: Vec<AgentStart>,
-    pub rules: Rules,
+    pub agents: Vec<AgentRecord>,
+    pub rules: RulesRecord,
     pub facts: u32,
     /// Per fact, in order: nanoseconds since the fact before it.
     pub delays: &'a [u8],
@@ -27,6 +30,87 @@ pub struct Payload<'a> {
     pub recurring_numbers: Vec<f64>,
     pub single_numbers: Vec<f64>,
     pub number_references: &'a [u8],
+}
+
+/// What all formats hold of an agent.
+#[derive(Serialize, Deserialize)]
+pub struct AgentRecord {
+    id: AgentId,
+    pose: Pose,
+    body: Body,
+}
+
+/// What all formats hold of the rules.
+#[derive(Serialize, Deserialize)]
+pub struct RulesRecord {
+    duration: SimTime,
+    suppression_reach_m: Option<f64>,
+    suppression_dwell: SimTime,
+    relight: bool,
+    score_wumpus_ignited: f64,
+    score_wumpus_burned_out: f64,
+    score_truck_extinguished: f64,
+}
+
+/// What format 3 adds to the setting.
+#[derive(Default, Serialize, Deserialize)]
+pub struct Supplement {
+    /// In the order of the agents; none are there where nothing is known of any.
+    limits: Vec<Option<SpeedLimits>>,
+    extinguishes_all: Option<bool>,
+    fire: Option<FireRules>,
+}
+
+impl From<&AgentStart> for AgentRecord {
+    fn from(&AgentStart { id, pose, body, limits: _ }: &AgentStart) -> Self {
+        Self { id, pose, body }
+    }
+}
+
+impl From<Rules> for RulesRecord {
+    fn from(rules: Rules) -> Self {
+        Self {
+            duration: rules.duration,
+            suppression_reach_m: rules.suppression_reach_m,
+            suppression_dwell: rules.suppression_dwell,
+            relight: rules.relight,
+            score_wumpus_ignited: rules.score_wumpus_ignited,
+            score_wumpus_burned_out: rules.score_wumpus_burned_out,
+            score_truck_extinguished: rules.score_truck_extinguished,
+        }
+    }
+}
+
+impl From<&Setting> for Supplement {
+    fn from(setting: &Setting) -> Self {
+        Self {
+            limits: setting.agents.iter().map(|agent| agent.limits).collect(),
+            extinguishes_all: setting.rules.extinguishes_all,
+            fire: setting.rules.fire,
+        }
+    }
+}
+
+impl Supplement {
+    pub fn agents(&self, records: &[AgentRecord]) -> Vec<AgentStart> {
+        let limits = self.limits.iter().copied().chain(std::iter::repeat(None));
+        let agent = |(&AgentRecord { id, pose, body }, limits)| AgentStart { id, pose, body, limits };
+        records.iter().zip(limits).map(agent).collect()
+    }
+
+    pub fn rules(&self, record: &RulesRecord) -> Rules {
+        Rules {
+            duration: record.duration,
+            suppression_reach_m: record.suppression_reach_m,
+            suppression_dwell: record.suppression_dwell,
+            extinguishes_all: self.extinguishes_all,
+            fire: self.fire,
+            relight: record.relight,
+            score_wumpus_ignited: record.score_wumpus_ignited,
+            score_wumpus_burned_out: record.score_wumpus_burned_out,
+            score_truck_extinguished: record.score_truck_extinguished,
+        }
+    }
 }
 
 /// A fact; `agent` and `bush` are places in the setting's lists.
