@@ -4,6 +4,7 @@
 //! Effort is counted in samples and expansions and budgeted in the same units; CPU time is reported only.
 
 mod clearance_floor;
+mod ends;
 mod hybrid_astar;
 pub mod improve;
 mod lattice_planner;

@@ -3,17 +3,21 @@ use std::sync::Arc;
 use glam::DVec2;
 use rand::Rng;
 
-use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M};
-use crate::geometry::{Pose, ops};
+use crate::collision::CollisionChecker;
+use crate::geometry::Pose;
 use crate::time::cpu::CpuStopwatch;
 use crate::vehicle::Path;
 
+use super::ends::{free_clearance, has_free_pose};
 use super::primitives::LocalSearch;
 use super::prm::{Roadmap, RoadmapScratch, Route};
 use super::{
     BuildReport, Effort, Goal, GoalDisc, Plan, PlanFailure, PrimitiveSettings, PrmSettings, QueryTime, RoadmapGoal,
     Safety, SafetySettings, TruckPlanner,
 };
+
+/// The roadmap leads this near to a goal pose, and motion primitives and a curve from there on.
+const NEAR_POSE_M: f64 = 10.0;
 
 /// The planner `prm+primitives`: a roadmap gives waypoints, motion primitives make a drivable path of them.
 #[derive(Debug)]
@@ -70,34 +74,45 @@ impl PrmPrimitives {
         &self.roadmap
     }
 
-    fn find(&mut self, start: Pose, goal: GoalDisc, time: &mut QueryTime) -> Result<Path, PlanFailure> {
-        if self.checker.clearance(start) <= 0.0 {
-            return Err(PlanFailure::StartBlocked);
+    fn find(&mut self, start: Pose, goal: Goal, time: &mut QueryTime) -> Result<Path, PlanFailure> {
+        free_clearance(&self.checker, start).ok_or(PlanFailure::StartBlocked)?;
+        if let Goal::Pose(end) = goal {
+            free_clearance(&self.checker, end).ok_or(PlanFailure::GoalBlocked)?;
         }
-        let goal = goal.inner();
+        let near = self.near(goal);
         let centre = self.checker.body().body_centre(start);
-        if self.goal == RoadmapGoal::InReach && centre.distance(goal.centre) <= goal.radius_m {
+        let is_near = self.goal == RoadmapGoal::InReach && centre.distance(near.centre) <= near.radius_m;
+        if is_near && matches!(goal, Goal::Disc(_)) {
             return Ok(Path::standing(start));
         }
         let mut watch = CpuStopwatch::start();
-        let route = self.route(centre, goal);
+        let route = if is_near { Ok(Route::default()) } else { self.route(centre, near) };
         time.roadmap = watch.lap();
         let path = route.and_then(|route| {
-            let last = *route.waypoints.last().expect("a route ends with a waypoint");
-            let end = match self.goal {
-                RoadmapGoal::InReach => goal,
-                RoadmapGoal::NearestMilestone => GoalDisc { centre: last, radius_m: self.waypoint_tolerance_m },
+            let end = match (self.goal, goal, route.waypoints.last()) {
+                (RoadmapGoal::NearestMilestone, Goal::Disc(_), Some(&last)) => {
+                    GoalDisc { centre: last, radius_m: self.waypoint_tolerance_m }.into()
+                }
+                _ => goal,
             };
             self.local.drive(start, &route.waypoints, end)
         });
         let path = match path {
-            Err(PlanFailure::Disconnected | PlanFailure::BudgetSpent) if self.search_alone => {
+            Err(PlanFailure::Disconnected | PlanFailure::BudgetSpent) if self.search_alone && !is_near => {
                 self.local.drive(start, &[], goal)
             }
             other => other,
         };
         time.local = watch.lap();
         path.map_err(|failure| self.explain(failure, goal))
+    }
+
+    /// Where the roadmap's route shall lead.
+    fn near(&self, goal: Goal) -> GoalDisc {
+        match goal {
+            Goal::Disc(disc) => disc,
+            Goal::Pose(end) => GoalDisc { centre: self.checker.body().body_centre(end), radius_m: NEAR_POSE_M },
+        }
     }
 
     fn route(&mut self, centre: DVec2, goal: GoalDisc) -> Result<Route, PlanFailure> {
@@ -109,8 +124,11 @@ impl PrmPrimitives {
     }
 
     /// The reason of a failure: where the truck fits nowhere in the goal, that is the reason.
-    fn explain(&self, failure: PlanFailure, goal: GoalDisc) -> PlanFailure {
-        if has_free_pose(&self.checker, goal) { failure } else { PlanFailure::GoalBlocked }
+    fn explain(&self, failure: PlanFailure, goal: Goal) -> PlanFailure {
+        match goal {
+            Goal::Disc(disc) if !has_free_pose(&self.checker, disc) => PlanFailure::GoalBlocked,
+            _ => failure,
+        }
     }
 }
 
@@ -123,47 +141,19 @@ impl TruckPlanner for PrmPrimitives {
         let mut time = QueryTime::default();
         self.scratch.expansions = 0;
         self.local.begin();
-        let path = match goal {
-            Goal::Disc(disc) => self.find(start, disc, &mut time),
-            Goal::Pose(_) => Err(PlanFailure::Disconnected),
-        };
+        let path = self.find(start, goal.inner(), &mut time);
         let effort = Effort { roadmap_expansions: self.scratch.expansions, local_expansions: self.local.expansions() };
         Plan { path, effort, time }
     }
 }
 
-/// Rings of places that are tried in a goal disc, and headings at each place.
-const RINGS: u32 = 20;
-const HEADINGS: u32 = 24;
-
-/// Whether the body fits somewhere in a disc, centre inside: on rings of places half a metre apart in a disc of 10 m.
-pub fn has_free_pose(checker: &CollisionChecker, disc: GoalDisc) -> bool {
-    let reach = disc.radius_m.min(checker.field().frame().width_m() + checker.field().frame().height_m());
-    let ahead = checker.body().centre_offset_m();
-    // From the rim inwards: a bush stands in the middle.
-    (0..=RINGS).rev().any(|ring| {
-        let places = (6 * ring).max(1);
-        (0..places).any(|place| {
-            let around = f64::from(place) / f64::from(places) * std::f64::consts::TAU;
-            let (sin, cos) = ops::sin_cos(around);
-            let centre = disc.centre + DVec2::new(cos, sin) * (reach * f64::from(ring) / f64::from(RINGS));
-            checker.field().at(centre) >= 0.5 * checker.body().width_m
-                && (0..HEADINGS).any(|k| {
-                    let heading = f64::from(k) / f64::from(HEADINGS) * std::f64::consts::TAU;
-                    let facing = Pose::new(centre.x, centre.y, heading);
-                    let axle = facing.transform(DVec2::new(-ahead, 0.0));
-                    checker.pose_is_free(Pose::new(axle.x, axle.y, heading), LEAST_CLEARANCE_M)
-                })
-        })
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::planning::MotionCost;
-    use crate::planning::test_fields::{TestField, assert_drivable, drives_in_a_row, least_clearance};
-    use crate::planning::{ClearanceTo, RoadmapSearch, SafetyMap};
+    use crate::planning::test_fields::{
+        TestField, assert_drivable, assert_ends_in, drives_in_a_row, least_clearance, random_free_pose, shut_court,
+    };
+    use crate::planning::{ClearanceTo, LatticePlanner, LatticeSettings, MotionCost, RoadmapSearch, SafetyMap};
     use crate::rng;
 
     fn planner(field: &TestField, seed: u64) -> PrmPrimitives {
@@ -234,6 +224,43 @@ mod tests {
                 assert_eq!(a.effort, b.effort);
             }
         }
+    }
+
+    #[test]
+    fn drives_to_poses_are_drivable_and_end_there() {
+        let (mut solved, mut missed) = (0, 0);
+        for seed in 0..8 {
+            let mut field = TestField::random(seed, 40);
+            let mut planner = planner(&field, seed);
+            let mut oracle = LatticePlanner::build(&field.checker, &LatticeSettings::default());
+            for _ in 0..10 {
+                let (start, goal) = (field.start, Goal::Pose(random_free_pose(&mut field, 0.1)));
+                match planner.plan(start, goal).path {
+                    Ok(path) => {
+                        assert_ends_in(&field.checker, &path, goal);
+                        assert!(least_clearance(&field.checker, &path) > 0.0);
+                        solved += 1;
+                    }
+                    Err(_) => missed += u32::from(oracle.plan(start, goal).path.is_ok()),
+                }
+            }
+        }
+        assert!(solved > 70 && missed <= 2, "{solved} solved, {missed} missed");
+    }
+
+    #[test]
+    fn poses_that_cannot_be_are_answered() {
+        let field = shut_court();
+        let mut planner = planner(&field, 1);
+        let bush = Goal::Pose(Pose::new(42.0, 40.0, 0.0));
+        assert_eq!(planner.plan(field.start, bush).path, Err(PlanFailure::GoalBlocked));
+        for wild in [f64::NAN, f64::INFINITY, -1e300] {
+            let pose = Pose { x: wild, y: 5.0, heading: 0.0 };
+            assert_eq!(planner.plan(field.start, Goal::Pose(pose)).path, Err(PlanFailure::GoalBlocked));
+            assert_eq!(planner.plan(pose, Goal::Pose(field.start)).path, Err(PlanFailure::StartBlocked));
+        }
+        let court = planner.plan(field.start, Goal::Pose(Pose::new(60.0, 25.0, 0.0))).path;
+        assert!(matches!(court, Err(PlanFailure::Disconnected | PlanFailure::BudgetSpent)), "{court:?}");
     }
 
     #[test]

@@ -6,13 +6,13 @@ use glam::DVec2;
 use rand::{Rng, RngExt};
 
 use crate::collision::{ClearanceField, CollisionChecker};
-use crate::geometry::{FieldFrame, Pose};
+use crate::geometry::{FieldFrame, Pose, ops};
 use crate::grid::Grid;
 use crate::rng::{self, Xoshiro256PlusPlus};
 use crate::vehicle::{Dimensions, Path};
 
 use super::reachability::Reachability;
-use super::{GoalDisc, TruckPlanner};
+use super::{Goal, GoalDisc, TruckPlanner};
 
 /// A field of 30 x 30 cells with walks of four cells about it, the truck on it, and places to drive to.
 pub struct TestField {
@@ -85,6 +85,48 @@ pub fn assert_drivable(checker: &CollisionChecker, path: &Path, start: Pose, goa
     assert!(path.segments.iter().all(|segment| segment.curvature.abs() <= sharpest));
     let clearance = least_clearance(checker, path);
     assert!(clearance > 0.0, "clearance {clearance}");
+}
+
+/// Panics unless a path ends in its goal.
+pub fn assert_ends_in(checker: &CollisionChecker, path: &Path, goal: Goal) {
+    let end = path.end();
+    match goal {
+        Goal::Pose(pose) => {
+            assert!(end.position().distance(pose.position()) < 1e-6, "{end:?}, not {pose:?}");
+            assert!(ops::wrap_angle(end.heading - pose.heading).abs() < 1e-6, "{end:?}, not {pose:?}");
+        }
+        Goal::Disc(disc) => {
+            let gap = checker.body().body_centre(end).distance(disc.centre);
+            assert!(gap <= disc.radius_m + 1e-6, "ends {gap} m from the goal's centre");
+        }
+    }
+}
+
+/// A random pose in a field that keeps a clearance.
+pub fn random_free_pose(field: &mut TestField, clearance_m: f64) -> Pose {
+    loop {
+        let pose = random_pose(&mut field.rng, 150.0);
+        if field.checker.pose_is_free(pose, clearance_m) {
+            return pose;
+        }
+    }
+}
+
+/// A field with a court that has no gate; the truck is outside.
+pub fn shut_court() -> TestField {
+    let picture = [
+        "....................",
+        "....................",
+        "........########....",
+        "........#......#....",
+        "........#......#....",
+        "........#......#....",
+        "........#......#....",
+        "........########....",
+        "....................",
+        "....................",
+    ];
+    TestField::drawn(&picture, Pose::new(12.0, 22.0, 0.0))
 }
 
 /// A random pose, free or not.

@@ -263,10 +263,17 @@ fn check_primitives(table: &Table, primitives: &PrimitiveSettings, frame: &Field
 
 fn check_prm_rs(table: &Table, prm_rs: &PrmRsSettings) -> Check {
     table.number("samples", prm_rs.samples.into(), from(0.0, 100_000.0))?;
+    table.number("corner_places", prm_rs.corner_places.into(), from(0.0, 10.0))?;
+    table.number("neighbours", prm_rs.neighbours.into(), from(1.0, 100.0))?;
+    table.number("max_edge_m", prm_rs.max_edge_m, from(0.01, 1e6))?;
+    table.number("clearance_m", prm_rs.clearance_m, from(0.01, 100.0))?;
+    table.number("cusp_cost", prm_rs.cusp_cost, from(0.0, 1e6))?;
+    table.number("shortcuts", prm_rs.shortcuts.into(), from(0.0, 1e6))?;
     table.number("seconds_per_expansion", prm_rs.seconds_per_expansion, from(0.0, 1e6))
 }
 
 fn check_lattice(table: &Table, lattice: &LatticeSettings) -> Check {
+    table.number("max_expansions", lattice.max_expansions.into(), from(1.0, 1e8))?;
     table.number("seconds_per_expansion", lattice.seconds_per_expansion, from(0.0, 1e6))
 }
 

@@ -260,6 +260,8 @@ mod tests {
         let hybrid = in_one_line(&of("contest", &["unimog.planner=hybrid-astar", "unimog.hybrid.shortcuts=50"]));
         assert!(hybrid.contains("Hybrid A* with motions of 4 m") && hybrid.contains("then 50 shortcuts"), "{hybrid}");
         assert!(!hybrid.contains("Roadmap of"), "{hybrid}");
+        let lattice = in_one_line(&of("contest", &["unimog.planner=lattice"]));
+        assert!(lattice.contains("10 m and 24 headings") && lattice.contains("of 1.25 m and 72 headings"), "{lattice}");
     }
 
     #[test]

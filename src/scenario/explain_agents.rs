@@ -1,5 +1,7 @@
 //! Agents in plain sentences, for `wildfire check`.
 
+use crate::planning::reachability::LATTICES;
+
 use super::{
     Escape, Retarget, RoadmapGoal, RoadmapSearch, SafetyMap, SafetySettings, StepCost, StepTime, TruckGoal,
     TruckPlannerKind, Unimog, Wumpus, WumpusGoal, WumpusHeuristic, WumpusPlanner,
@@ -181,7 +183,14 @@ fn pose_roadmap(truck: &Unimog) -> String {
 }
 
 fn lattice_search(truck: &Unimog) -> String {
-    format!("Flood over a lattice of poses; {}.", thinking(truck.lattice.seconds_per_expansion))
+    let [coarse, middle, fine] =
+        LATTICES.map(|lattice| format!("{} m and {} headings", lattice.bin_m, lattice.headings));
+    format!(
+        "Flood over a lattice of poses: one pose in bins of {coarse}, where that fails of {middle}, then of {fine}; a \
+         query spreads from at most {} poses; {}.",
+        truck.lattice.max_expansions,
+        thinking(truck.lattice.seconds_per_expansion)
+    )
 }
 
 /// What places cost, in words that follow a full stop.

@@ -12,11 +12,12 @@
 //! Poses are those of the rear axle, places in a goal disc those of the body's centre; world frame, metres.
 
 mod ladder;
-mod outlook;
+pub(super) mod outlook;
 mod search;
 mod settings;
 mod wave;
 
+pub(super) use outlook::{Approach, Lookout};
 pub use settings::HybridSettings;
 
 use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M};
@@ -26,13 +27,12 @@ use crate::time::cpu::CpuStopwatch;
 use crate::vehicle::Path;
 
 use super::clearance_floor::ClearanceFloor;
+use super::ends::{free_clearance, has_free_pose};
 use super::improve::Improver;
 use super::primitives::{self, Ending};
-use super::prm_primitives::has_free_pose;
 use super::reachability::{LATTICES, Lattice};
 use super::{BuildReport, Effort, Goal, GoalDisc, Plan, PlanFailure, QueryTime, TruckPlanner};
 use ladder::{LADDER, LatticeKind, Rung};
-use outlook::Lookout;
 use search::{Search, Task};
 use wave::Cells;
 
@@ -160,34 +160,19 @@ impl TruckPlanner for HybridAstar {
     }
 }
 
-/// The clearance of a pose, if the body is free there.
-fn free_clearance(checker: &CollisionChecker, pose: Pose) -> Option<f64> {
-    let is_finite = pose.position().is_finite() && pose.heading.is_finite();
-    Some(checker.clearance(pose)).filter(|&clearance| is_finite && clearance > 0.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::collision::MOTION_TOLERANCE_M;
-    use crate::geometry::ops;
-    use crate::planning::test_fields::{TestField, drives_in_a_row, least_clearance, random_pose};
+    use crate::planning::test_fields::{
+        TestField, assert_ends_in, drives_in_a_row, least_clearance, random_free_pose, random_pose, shut_court,
+    };
     use crate::rng;
     use crate::vehicle::{Dimensions, ReedsShepp};
     use glam::DVec2;
 
     fn planner(field: &TestField, seed: u64) -> HybridAstar {
         HybridAstar::build(&field.checker, &HybridSettings::default(), rng::stream(seed, "hybrid"))
-    }
-
-    /// A goal pose with room about it.
-    fn random_goal_pose(field: &mut TestField) -> Pose {
-        loop {
-            let pose = random_pose(&mut field.rng, 150.0);
-            if field.checker.pose_is_free(pose, 0.3) {
-                return pose;
-            }
-        }
     }
 
     #[test]
@@ -206,11 +191,9 @@ mod tests {
             let mut field = TestField::random(seed, 40);
             let mut planner = planner(&field, seed);
             for _ in 0..10 {
-                let (start, end) = (field.start, random_goal_pose(&mut field));
+                let (start, end) = (field.start, random_free_pose(&mut field, 0.3));
                 let Ok(path) = planner.plan(start, Goal::Pose(end)).path else { continue };
-                let last = path.end();
-                assert!(last.position().distance(end.position()) < 1e-9);
-                assert!(ops::wrap_angle(last.heading - end.heading).abs() < 1e-9);
+                assert_ends_in(&field.checker, &path, Goal::Pose(end));
                 assert!(path.segments.iter().all(|segment| segment.curvature.abs() <= 1.0 / curves.radius_m));
                 assert!(least_clearance(&field.checker, &path) > 0.0);
                 assert!(path.length_m() >= curves.length_m(start, end) - 1e-9);
@@ -252,7 +235,7 @@ mod tests {
         for seed in 0..3 {
             let mut field = TestField::random(seed, 40);
             let mut goals: Vec<Goal> = (0..6).map(|_| Goal::Disc(field.random_goal())).collect();
-            goals.extend((0..4).map(|_| Goal::Pose(random_goal_pose(&mut field))));
+            goals.extend((0..4).map(|_| Goal::Pose(random_free_pose(&mut field, 0.3))));
             let (mut one, mut two) = (planner(&field, seed), planner(&field, seed));
             for &goal in goals.iter().rev() {
                 let _ = two.plan(field.start, goal);
@@ -276,19 +259,7 @@ mod tests {
 
     #[test]
     fn failures_have_their_reasons() {
-        let picture = [
-            "....................",
-            "....................",
-            "........########....",
-            "........#......#....",
-            "........#......#....",
-            "........#......#....",
-            "........#......#....",
-            "........########....",
-            "....................",
-            "....................",
-        ];
-        let field = TestField::drawn(&picture, Pose::new(12.0, 22.0, 0.0));
+        let field = shut_court();
         let mut planner = planner(&field, 1);
         let (bush, court) = (Pose::new(42.0, 40.0, 0.0), Pose::new(60.0, 25.0, 0.0));
         let disc = |pose: Pose, radius_m| Goal::Disc(GoalDisc { centre: pose.position(), radius_m });

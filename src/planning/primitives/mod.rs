@@ -3,8 +3,8 @@
 //! Forward search over a lattice of (x, y, heading) with exact arcs and straights, as in Dolgov, Thrun, Montemerlo and
 //! Diebel, "Path planning for autonomous vehicles in unknown semi-structured environments", IJRR 29(5), 2010; sweeps
 //! are put off until a motion's turn comes, as in Bohlin and Kavraki, "Path planning using lazy PRM", ICRA 2000.
-//! Instead of Reeds-Shepp words, turn-then-straight motions are aimed at waypoints and into the goal, because any
-//! heading will do there.
+//! Instead of Reeds-Shepp words, turn-then-straight motions are aimed at waypoints and into goal discs, because any
+//! heading will do there; goal poses are met by Reeds-Shepp curves from the nodes expanded near them.
 //!
 //! Poses are those of the rear axle, places those of the body's centre, in the world frame, metres.
 
@@ -30,13 +30,16 @@ use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M};
 use crate::geometry::Pose;
 use crate::vehicle::{Path, Segment};
 
-use super::{GoalDisc, PlanFailure, PrimitiveSettings, Safety};
+use super::{Goal, GoalDisc, PlanFailure, PrimitiveSettings, Safety};
 
 /// Clearances tried in turn, as shares of the wanted one, each with the percentage of the budget that it may spend.
 ///
 /// They add up to 50, because a query may drive twice: along its route, then straight for the goal. What one clearance
 /// leaves of its percentage is not handed on.
 const LADDER: [(f64, u32); 3] = [(1.0, 8), (0.5, 15), (0.1, 27)];
+
+/// A tight goal pose is asked for this share of its own clearance.
+const GOAL_SHARE: f64 = 0.9;
 
 /// A planner of drivable paths for one body on one field.
 #[derive(Debug)]
@@ -69,21 +72,22 @@ impl LocalSearch {
         self.expansions
     }
 
-    /// A path from `start` along places for the body's centre into `goal`, which holds the last of them.
+    /// A path from `start` along places for the body's centre into `goal`, which holds the last of them or, if it is a
+    /// pose, is near it. A goal pose is free.
     ///
     /// Without places the search makes straight for the goal.
     ///
     /// # Errors
     /// [`PlanFailure::StartBlocked`] when the body touches something at the start; [`PlanFailure::Disconnected`] when
     /// the lattice holds no path; [`PlanFailure::BudgetSpent`] when its search was cut short.
-    pub fn drive(&mut self, start: Pose, waypoints: &[DVec2], goal: GoalDisc) -> Result<Path, PlanFailure> {
+    pub fn drive(&mut self, start: Pose, waypoints: &[DVec2], goal: Goal) -> Result<Path, PlanFailure> {
         let start_clearance = self.checker.clearance(start);
         if start_clearance <= 0.0 {
             return Err(PlanFailure::StartBlocked);
         }
         let mut ending = Ending::Exhausted;
         for (share, percent) in LADDER {
-            let clearance = (share * self.settings.clearance_m).max(LEAST_CLEARANCE_M);
+            let clearance = (share * self.settings.clearance_m).min(self.most_at(goal)).max(LEAST_CLEARANCE_M);
             let floor = Floor::new(clearance, start, start_clearance);
             let budget = self.settings.max_expansions;
             let limit = self.expansions.saturating_add(part_of(budget, percent)).min(budget);
@@ -96,14 +100,22 @@ impl LocalSearch {
         Err(if ending == Ending::Exhausted { PlanFailure::Disconnected } else { PlanFailure::BudgetSpent })
     }
 
+    /// More clearance than a goal pose has cannot be kept; a share of it, so that rounding does not decide.
+    fn most_at(&self, goal: Goal) -> f64 {
+        match goal {
+            Goal::Pose(end) => GOAL_SHARE * self.checker.clearance(end),
+            Goal::Disc(_) => f64::INFINITY,
+        }
+    }
+
     /// One search over all waypoints, or one from each to the next.
-    fn follow(&mut self, start: Pose, waypoints: &[DVec2], goal: GoalDisc, floor: Floor, limit: u32) -> Ending {
+    fn follow(&mut self, start: Pose, waypoints: &[DVec2], goal: Goal, floor: Floor, limit: u32) -> Ending {
         let stops = if self.settings.restart_at_waypoints { waypoints.len().saturating_sub(1) } else { 0 };
         let mut pose = start;
         for &waypoint in &waypoints[..stops] {
             let disc = GoalDisc { centre: waypoint, radius_m: self.settings.waypoint_tolerance_m };
             let first = self.segments.len();
-            match self.search(pose, &[waypoint], disc, floor, limit) {
+            match self.search(pose, &[waypoint], disc.into(), floor, limit) {
                 Ending::Found => pose = self.segments[first..].iter().fold(pose, |pose, segment| segment.end(pose)),
                 failed => return failed,
             }
@@ -111,7 +123,7 @@ impl LocalSearch {
         self.search(pose, &waypoints[stops..], goal, floor, limit)
     }
 
-    fn search(&mut self, start: Pose, waypoints: &[DVec2], goal: GoalDisc, floor: Floor, limit: u32) -> Ending {
+    fn search(&mut self, start: Pose, waypoints: &[DVec2], goal: Goal, floor: Floor, limit: u32) -> Ending {
         let task = Task { checker: &self.checker, floor, start, waypoints, goal };
         let ending = self.search.run(&task, limit.saturating_sub(self.expansions), &mut self.segments);
         self.expansions += self.search.expansions;
@@ -119,8 +131,10 @@ impl LocalSearch {
     }
 
     /// The path found, made shorter where that is easy.
-    fn finish(&mut self, start: Pose, goal: GoalDisc, floor: Floor) -> Path {
-        if self.settings.aimed {
+    fn finish(&mut self, start: Pose, goal: Goal, floor: Floor) -> Path {
+        if let Goal::Disc(goal) = goal
+            && self.settings.aimed
+        {
             let is_free = |pose, segment| floor.motion_is_free(&self.checker, pose, segment);
             let body = self.checker.body();
             shorten(body, self.search.aiming(), is_free, start, goal, &mut self.segments);

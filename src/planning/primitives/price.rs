@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use crate::geometry::Pose;
 use crate::planning::{MotionCost, PrimitiveSettings, Safety};
-use crate::vehicle::{Dimensions, Segment};
+use crate::vehicle::{CurvePrice, Dimensions, Segment};
 
 /// What motions cost in the local search.
 #[derive(Clone, Debug)]
@@ -74,8 +74,23 @@ impl Price {
 
     /// Cost of segments in a row from a pose, from standstill.
     pub fn of_all(&self, pose: Pose, segments: &[Segment]) -> f64 {
-        let mut before = None;
-        let motions: f64 = segments.iter().map(|&segment| self.of(segment, before.replace(segment.is_reverse()))).sum();
-        motions + self.of_all_places(pose, segments.iter().copied())
+        self.of_way(pose, None, segments.iter().copied())
+    }
+
+    /// The same for a truck that came to the pose forward or in reverse.
+    pub fn of_way(
+        &self,
+        pose: Pose,
+        after_reverse: Option<bool>,
+        segments: impl Iterator<Item = Segment> + Clone,
+    ) -> f64 {
+        let mut before = after_reverse;
+        let motions: f64 = segments.clone().map(|segment| self.of(segment, before.replace(segment.is_reverse()))).sum();
+        motions + self.of_all_places(pose, segments)
+    }
+
+    /// What decides between curves: this list without what turns and places cost.
+    pub fn of_curves(&self) -> CurvePrice {
+        CurvePrice { reverse_factor: 1.0 + self.reverse, cusp_m: self.cusp / self.per_metre }
     }
 }

@@ -5,8 +5,9 @@ use glam::DVec2;
 use crate::collision::CollisionChecker;
 use crate::geometry::{Pose, ops};
 use crate::grid::open_list::OpenList;
-use crate::planning::{GoalDisc, PrimitiveSettings, Safety, lattice_search};
-use crate::vehicle::{Dimensions, Segment};
+use crate::planning::{Goal, GoalDisc, PrimitiveSettings, Safety, lattice_search};
+use crate::vehicle::reeds_shepp::Curve;
+use crate::vehicle::{Dimensions, ReedsShepp, Segment};
 
 use super::aim::{Aim, Aiming};
 use super::bins::Bins;
@@ -53,6 +54,8 @@ enum Step {
     Lattice { index: u8 },
     /// An aim from the node at a waypoint, or at the goal, is to be swept; `aim` is its place in the list of aims.
     Aimed { target: u32, aim: u32 },
+    /// The curve from the node to the goal pose is to be swept.
+    Curve,
 }
 
 type Candidate = lattice_search::Candidate<Step>;
@@ -92,9 +95,30 @@ pub struct Task<'a> {
     pub checker: &'a CollisionChecker,
     pub floor: Floor,
     pub start: Pose,
-    /// Places for the body's centre; the last one lies in the goal.
+    /// Places for the body's centre; the last one lies in the goal, or near it if that is a pose.
     pub waypoints: &'a [DVec2],
-    pub goal: GoalDisc,
+    pub goal: Goal,
+}
+
+impl Task<'_> {
+    /// Whether the waypoint of a stage stands for the goal.
+    fn is_last(&self, stage: u32) -> bool {
+        stage as usize + 1 >= self.waypoints.len()
+    }
+
+    /// The goal as a place for the body's centre.
+    fn disc(&self) -> GoalDisc {
+        match self.goal {
+            Goal::Disc(disc) => disc,
+            Goal::Pose(end) => GoalDisc { centre: self.checker.body().body_centre(end), radius_m: 0.0 },
+        }
+    }
+
+    /// Whether the body's centre is in the goal disc. Goal poses are met at the end of curves only.
+    fn is_inside(&self, pose: Pose) -> bool {
+        let Goal::Disc(disc) = self.goal else { return false };
+        self.checker.body().body_centre(pose).distance(disc.centre) <= disc.radius_m + ROUNDING_M
+    }
 }
 
 /// A* over poses with motion primitives; its memory is kept between searches.
@@ -103,6 +127,7 @@ pub struct Search {
     settings: PrimitiveSettings,
     price: Price,
     aiming: Aiming,
+    curves: ReedsShepp,
     lattice: [LatticeMotion; 6],
     nodes: Vec<Node>,
     aims: Vec<Aim>,
@@ -123,6 +148,7 @@ impl Search {
             settings: settings.clone(),
             aiming: Aiming::new(checker.body(), price.clone()),
             price,
+            curves: ReedsShepp { radius_m: body.turning_radius_m },
             lattice: lattice_search::motions(body, settings.step_m).map(|motion| LatticeMotion::new(motion, body)),
             nodes: Vec::new(),
             aims: Vec::new(),
@@ -141,7 +167,7 @@ impl Search {
     /// Searches for a way into the goal; on success the segments are appended to `path`.
     pub fn run(&mut self, task: &Task<'_>, budget: u32, path: &mut Vec<Segment>) -> Ending {
         self.begin(task);
-        if inside(task, task.start) {
+        if task.is_inside(task.start) {
             return Ending::Found;
         }
         let root = Node {
@@ -165,8 +191,14 @@ impl Search {
                 }
                 Step::Lattice { index } => self.drive_lattice(task, best, index),
                 Step::Aimed { target, aim } => self.drive_aimed(task, best, target, aim),
+                Step::Curve => {
+                    if self.drive_curve(task, best.node, path) {
+                        return Ending::Found;
+                    }
+                    None
+                }
             };
-            if let Some(node) = reached.filter(|&node| inside(task, self.nodes[node as usize].pose)) {
+            if let Some(node) = reached.filter(|&node| task.is_inside(self.nodes[node as usize].pose)) {
                 self.trace(node, path);
                 return Ending::Found;
             }
@@ -196,7 +228,7 @@ impl Search {
 
     /// Keeps a node for expansion if its bin knows no way as cheap.
     fn reach(&mut self, task: &Task<'_>, mut node: Node) -> Option<u32> {
-        if !inside(task, node.pose) && !self.bins.improve(node.pose, node.motion.is_reverse(), node.cost) {
+        if !task.is_inside(node.pose) && !self.bins.improve(node.pose, node.motion.is_reverse(), node.cost) {
             return None;
         }
         node.stage = self.stage_of(task, &node);
@@ -223,6 +255,12 @@ impl Search {
 
     /// Estimated cost from a node to the goal, along the waypoints, and the aim at the next waypoint that it rests on.
     fn estimate(&mut self, task: &Task<'_>, node: &Node) -> (f64, u32) {
+        if let Goal::Pose(end) = task.goal
+            && task.is_last(node.stage)
+        {
+            let curve = self.curve(node.pose, end);
+            return (self.price.of_way(node.pose, node.reverse(), curve.segments()), NO_AIM);
+        }
         let centre = task.checker.body().body_centre(node.pose);
         let (disc, tail) = self.target(task, node.stage);
         let gap = centre.distance(disc.centre);
@@ -245,8 +283,8 @@ impl Search {
     /// A waypoint as a disc without extent, or the goal, and the metres from there on.
     fn target(&self, task: &Task<'_>, stage: u32) -> (GoalDisc, f64) {
         let index = stage as usize;
-        if index + 1 >= task.waypoints.len() {
-            return (task.goal, 0.0);
+        if task.is_last(stage) {
+            return (task.disc(), 0.0);
         }
         (GoalDisc { centre: task.waypoints[index], radius_m: 0.0 }, self.tails[index])
     }
@@ -255,12 +293,17 @@ impl Search {
         self.expansions += 1;
         let node = self.nodes[index as usize];
         let weight = self.settings.heuristic_weight;
+        let to_pose = matches!(task.goal, Goal::Pose(_));
+        if to_pose && task.is_last(node.stage) {
+            self.push(node.cost + weight * node.ahead, node.cost, index, Step::Curve);
+        }
         if self.settings.aimed {
             if node.aim != NO_AIM {
                 self.offer(task, index, node.stage, node.aim);
             }
             let last = task.waypoints.len().saturating_sub(1) as u32;
-            for target in node.stage + 1..=last.min(node.stage + AIM_AHEAD) {
+            let ahead = node.stage + 1..=last.min(node.stage + AIM_AHEAD);
+            for target in ahead.filter(|&target| !(to_pose && task.is_last(target))) {
                 self.offer_aim(task, index, target);
             }
         }
@@ -339,6 +382,29 @@ impl Search {
         self.reach(task, node)
     }
 
+    /// Appends the way by a node into the goal pose, if the curve there is free.
+    fn drive_curve(&self, task: &Task<'_>, index: u32, path: &mut Vec<Segment>) -> bool {
+        let Goal::Pose(end) = task.goal else { unreachable!("curves are offered to poses only") };
+        let start = self.nodes[index as usize].pose;
+        let curve = self.curve(start, end);
+        let mut pose = start;
+        let is_free = curve.segments().all(|segment| {
+            let from = pose;
+            pose = segment.end(from);
+            task.floor.motion_is_free(task.checker, from, segment)
+        });
+        if is_free {
+            self.trace(index, path);
+            path.extend(curve.segments());
+        }
+        is_free
+    }
+
+    /// The cheapest curve between two poses on a field where all places cost the same.
+    fn curve(&self, from: Pose, to: Pose) -> Curve {
+        self.curves.cheapest(from, to, &self.price.of_curves()).curve
+    }
+
     /// Appends the way to a node.
     fn trace(&self, last: u32, path: &mut Vec<Segment>) {
         let first = path.len();
@@ -350,11 +416,6 @@ impl Search {
         }
         path[first..].reverse();
     }
-}
-
-/// Whether the body's centre is in the goal.
-fn inside(task: &Task<'_>, pose: Pose) -> bool {
-    task.checker.body().body_centre(pose).distance(task.goal.centre) <= task.goal.radius_m + ROUNDING_M
 }
 
 /// Aims end on the goal's rim, give or take rounding; the caller's margin is larger.

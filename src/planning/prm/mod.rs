@@ -16,6 +16,7 @@ mod scratch;
 mod space;
 
 pub use query::Route;
+pub(super) use sample::radical_inverse;
 pub use scratch::RoadmapScratch;
 
 use std::sync::Arc;

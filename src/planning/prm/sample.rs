@@ -29,7 +29,7 @@ pub fn draw_milestones(space: &FreeSpace, wanted: u32, rng: &mut impl Rng) -> (V
 }
 
 /// The digits of `index` in a base, mirrored at the point: in [0, 1).
-fn radical_inverse(base: u32, index: u32) -> f64 {
+pub fn radical_inverse(base: u32, index: u32) -> f64 {
     let mut rest = index;
     let mut mirrored = 0u64;
     let mut scale = 1u64;

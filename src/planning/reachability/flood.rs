@@ -5,8 +5,8 @@ use glam::{DVec2, Vec2};
 
 use crate::collision::CollisionChecker;
 use crate::geometry::{FieldFrame, Pose};
-use crate::planning::GoalDisc;
 use crate::planning::primitives::{self, Floor};
+use crate::planning::{GoalDisc, lattice_search};
 use crate::vehicle::{Path, Segment};
 
 use super::Lattice;
@@ -45,21 +45,11 @@ type PackedCentre = Vec2;
 
 impl Flood {
     pub fn new(checker: &CollisionChecker, root: Pose, lattice: Lattice, clearance_m: f64) -> Self {
-        let curvature = checker.body().max_curvature();
-        let motion = |side: f64, length_m| Segment { curvature: side * curvature, length_m };
-        let step = lattice.step_m;
         let mut flood = Self {
             checker: checker.clone(),
             root,
             floor: Floor::new(clearance_m, root, checker.clearance(root)),
-            motions: [
-                motion(0.0, step),
-                motion(1.0, step),
-                motion(-1.0, step),
-                motion(0.0, -step),
-                motion(1.0, -step),
-                motion(-1.0, -step),
-            ],
+            motions: lattice_search::motions(checker.body(), lattice.step_m),
             bins: BinPages::new(checker.field().frame(), lattice),
             found: Vec::new(),
             frontier: VecDeque::new(),
@@ -71,28 +61,59 @@ impl Flood {
         flood
     }
 
-    /// The first pose found whose body centre lies in a disc; the flood grows until there is one.
-    pub fn pose_in(&mut self, disc: GoalDisc) -> Option<u32> {
+    /// The first pose found whose body centre lies in a disc; the flood grows until there is one, but spreads from no
+    /// more than `limit` poses.
+    pub fn pose_in(&mut self, disc: GoalDisc, limit: u32) -> Option<u32> {
+        self.known_in(disc, limit).min().or_else(|| self.grow_into(disc, limit))
+    }
+
+    /// All poses known in a disc that are found by spreading from no more than `limit` poses.
+    pub fn known_in(&self, disc: GoalDisc, limit: u32) -> impl Iterator<Item = u32> + '_ {
         let reach = disc.radius_m + self.checker.body().centre_offset_m().abs();
-        let known = self.bins.about(disc.centre, reach).filter(|&pose| self.is_in(pose, disc)).min();
-        known.or_else(|| self.grow_into(disc))
+        let known = self.bins.about(disc.centre, reach);
+        known.filter(move |&pose| self.spreads_to(pose) <= limit && self.is_in(pose, disc))
+    }
+
+    /// Spreads from up to `limit` poses, and tells from how many there are to spread.
+    pub fn grow(&mut self, limit: u32) -> u32 {
+        while (self.next as u32) < limit && self.spread_next() {}
+        limit.min(self.next as u32)
+    }
+
+    /// From how many poses the flood spreads until it finds a pose.
+    pub fn spreads_to(&self, pose: u32) -> u32 {
+        // The root has no parent: none.
+        self.found[pose as usize].parent.wrapping_add(1)
+    }
+
+    /// Whether it stopped because it holds as many poses as it may.
+    pub fn is_full(&self) -> bool {
+        self.found.len() == MAX_POSES
     }
 
     fn is_in(&self, pose: u32, disc: GoalDisc) -> bool {
         self.found[pose as usize].centre.as_dvec2().distance(disc.centre) <= disc.radius_m
     }
 
-    fn grow_into(&mut self, disc: GoalDisc) -> Option<u32> {
-        while let Some(pose) = self.frontier.pop_front() {
-            let parent = self.next as u32;
-            self.next += 1;
+    fn grow_into(&mut self, disc: GoalDisc, limit: u32) -> Option<u32> {
+        loop {
             let first = self.found.len() as u32;
-            self.spread(pose, parent);
+            if self.next as u32 >= limit || !self.spread_next() {
+                return None;
+            }
             if let Some(entered) = (first..self.found.len() as u32).find(|&new| self.is_in(new, disc)) {
                 return Some(entered);
             }
         }
-        None
+    }
+
+    /// Spreads from the next pose, if there is one.
+    fn spread_next(&mut self) -> bool {
+        let Some(pose) = self.frontier.pop_front() else { return false };
+        let parent = self.next as u32;
+        self.next += 1;
+        self.spread(pose, parent);
+        true
     }
 
     fn spread(&mut self, pose: Pose, parent: u32) {

@@ -9,6 +9,7 @@
 //! passages and then the finer lattices are asked, each some ten times as costly as the one before.
 
 mod flood;
+mod floods;
 mod passages;
 
 use crate::collision::CollisionChecker;
@@ -17,8 +18,8 @@ use crate::planning::primitives::{self, Ending, Floor, Search, Task};
 use crate::vehicle::Path;
 
 use super::{GoalDisc, PrimitiveSettings};
-use flood::Flood;
-use passages::Passages;
+pub(super) use flood::Flood;
+pub(super) use floods::Floods;
 
 /// A lattice of poses: one pose a bin, joined by motions of one length.
 #[derive(Clone, Copy, Debug)]
@@ -37,7 +38,7 @@ pub const LATTICES: [Lattice; 3] = [
 ];
 
 /// What the body keeps from bushes and border.
-const CLEARANCE_M: f64 = 0.03;
+pub(super) const CLEARANCE_M: f64 = 0.03;
 
 /// Lattices for a search from any pose, with the expansions that each may cost.
 const SEARCHES: [(Lattice, u32); 2] =
@@ -49,10 +50,7 @@ const SEARCH_WEIGHT: f64 = 2.0;
 #[derive(Debug)]
 pub struct Reachability {
     checker: CollisionChecker,
-    root: Pose,
-    /// One for each of the [`LATTICES`], `None` until asked for.
-    floods: [Option<Flood>; LATTICES.len()],
-    passages: Option<Passages>,
+    floods: Floods,
     /// One for each of the [`SEARCHES`], `None` until asked for.
     searches: [Option<Search>; SEARCHES.len()],
 }
@@ -60,17 +58,11 @@ pub struct Reachability {
 impl Reachability {
     /// Prepares to answer; `root` is a free pose of the truck, usually its start.
     pub fn new(checker: &CollisionChecker, root: Pose) -> Self {
-        Self {
-            checker: checker.clone(),
-            root,
-            floods: Default::default(),
-            passages: None,
-            searches: Default::default(),
-        }
+        Self { checker: checker.clone(), floods: Floods::new(checker, root), searches: Default::default() }
     }
 
     pub fn root(&self) -> Pose {
-        self.root
+        self.floods.root()
     }
 
     /// Whether the truck can drive from the root into a disc.
@@ -80,19 +72,17 @@ impl Reachability {
 
     /// A path from the root into a disc, not a short one.
     pub fn path_to(&mut self, disc: GoalDisc) -> Option<Path> {
-        self.pose_in(disc.inner()).map(|(flood, pose)| flood.path_to(pose))
+        self.pose_in(disc.inner()).map(|(rung, pose)| self.floods.on(rung).path_to(pose))
     }
 
-    /// A flood that has a pose in the disc, and that pose.
-    fn pose_in(&mut self, disc: GoalDisc) -> Option<(&Flood, u32)> {
-        let Self { checker, root, floods, passages, .. } = self;
-        for (rung, (flood, lattice)) in floods.iter_mut().zip(LATTICES).enumerate() {
-            if rung == 1 && passages.get_or_insert_with(|| Passages::new(checker, *root)).exclude(disc) {
+    /// The coarsest flood that has a pose in the disc, and that pose.
+    fn pose_in(&mut self, disc: GoalDisc) -> Option<(usize, u32)> {
+        for rung in 0..LATTICES.len() {
+            if rung == 1 && self.floods.exclude(disc) {
                 return None;
             }
-            let flood = flood.get_or_insert_with(|| Flood::new(checker, *root, lattice, CLEARANCE_M));
-            if let Some(pose) = flood.pose_in(disc) {
-                return Some((flood, pose));
+            if let Some(pose) = self.floods.on(rung).pose_in(disc, u32::MAX) {
+                return Some((rung, pose));
             }
         }
         None
@@ -109,7 +99,7 @@ impl Reachability {
             return (None, expansions);
         }
         let floor = Floor::new(CLEARANCE_M, from, clearance);
-        let task = Task { checker: &self.checker, floor, start: from, waypoints: &[], goal: disc };
+        let task = Task { checker: &self.checker, floor, start: from, waypoints: &[], goal: disc.into() };
         for (search, (lattice, budget)) in self.searches.iter_mut().zip(SEARCHES) {
             let search = search.get_or_insert_with(|| search_on(&self.checker, lattice));
             let mut segments = Vec::new();
@@ -139,6 +129,7 @@ fn search_on(checker: &CollisionChecker, lattice: Lattice) -> Search {
 mod tests {
     use glam::DVec2;
 
+    use super::passages::Passages;
     use super::*;
     use crate::planning::test_fields::{TestField, assert_drivable};
 
@@ -240,7 +231,7 @@ mod tests {
         let shut = court("........#......#....");
         let mut reachability = Reachability::new(&shut.checker, shut.start);
         assert!(!reachability.reaches(goal));
-        assert!(reachability.floods[1].is_none() && reachability.floods[2].is_none());
+        assert!(!reachability.floods.has(1) && !reachability.floods.has(2));
         let open = court("...............#....");
         assert!(Reachability::new(&open.checker, open.start).reaches(goal));
     }
@@ -253,7 +244,7 @@ mod tests {
             let passages = Passages::new(&field.checker, field.start);
             for &centre in &field.bushes {
                 let goal = GoalDisc { centre, radius_m: 6.0 };
-                assert!(!(passages.exclude(goal) && flood.pose_in(goal).is_some()));
+                assert!(!(passages.exclude(goal) && flood.pose_in(goal, u32::MAX).is_some()));
             }
         }
     }

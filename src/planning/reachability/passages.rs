@@ -71,7 +71,7 @@ impl Passages {
         let reach = disc.radius_m + SQUARE_M * FRAC_1_SQRT_2;
         let range = |middle: f64, count: usize| {
             let (low, high) = ((middle - reach) / SQUARE_M, (middle + reach) / SQUARE_M);
-            low as usize..(high as usize + 1).min(count)
+            low as usize..(high as usize).saturating_add(1).min(count)
         };
         let cols = range(disc.centre.x, self.cols);
         !range(disc.centre.y, self.rows)

@@ -1,13 +1,15 @@
-//! What the truck's planner `hybrid-astar` costs and gives: `cargo bench --bench hybrid`.
+//! What the truck's planners cost and give: `cargo bench --bench pose_planners`, or with `-- prm-rs hybrid-astar` those
+//! two alone.
 //!
 //! Goal poses are those of the reference problems where they are present (`../shared/reference`, or
 //! `$WILDFIRE_REFERENCE`), and random free poses on random fields of the contest; disc goals are about the nearest cells
-//! of bushes. CPU time of this thread.
+//! of bushes. Arguments with an equals sign change settings: `unimog.hybrid.shortcuts=50`. CPU time of this thread.
 
 #![expect(clippy::print_stdout, reason = "a benchmark prints its figures")]
 
 use std::f64::consts::TAU;
 use std::path::PathBuf;
+use std::process::ExitCode;
 use std::sync::Arc;
 
 use rand::RngExt;
@@ -16,9 +18,9 @@ use serde::Deserialize;
 use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::{DVec2, FieldFrame, Pose};
 use wildfire::grid::Grid;
-use wildfire::planning::{Goal, GoalDisc, HybridAstar, HybridSettings, Plan, PlanFailure, TruckPlanner};
+use wildfire::planning::{Goal, GoalDisc, Plan, PlanFailure, TruckPlannerKind, truck_planner};
 use wildfire::rng;
-use wildfire::scenario::{Scenario, Terrain};
+use wildfire::scenario::{self, Scenario, Terrain, Unimog};
 use wildfire::time::cpu::CpuStopwatch;
 use wildfire::vehicle::{Dimensions, Path, ReedsShepp};
 
@@ -38,28 +40,61 @@ struct Problem {
     bushes: Vec<DVec2>,
 }
 
-fn main() {
+#[expect(clippy::print_stderr, reason = "a benchmark prints what is wrong with its arguments")]
+fn main() -> ExitCode {
+    match truck_and_planners() {
+        Ok((truck, planners)) => {
+            measure_all(&truck, &planners);
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The settings, and the planners, that the command line asks for.
+fn truck_and_planners() -> Result<(Unimog, Vec<TruckPlannerKind>), String> {
+    let arguments = std::env::args().skip(1).filter(|argument| !argument.starts_with("--"));
+    let (changes, names): (Vec<String>, Vec<String>) = arguments.partition(|argument| argument.contains('='));
+    let scenario = scenario::load("contest", &changes).map_err(|error| error.to_string())?;
+    let mut planners = names.iter().map(|name| name.parse()).collect::<Result<Vec<_>, String>>()?;
+    if planners.is_empty() {
+        planners = vec![TruckPlannerKind::PrmRs, TruckPlannerKind::HybridAstar];
+    }
+    Ok((scenario.unimog[0].clone(), planners))
+}
+
+fn measure_all(truck: &Unimog, planners: &[TruckPlannerKind]) {
     let reference = reference_problems();
     if reference.is_empty() {
         println!("the reference problems are not there");
     } else {
-        measure("reference problems", &reference);
+        measure("reference problems", &reference, truck, planners);
     }
     for coverage in [0.1, 0.15, 0.2] {
         let own: Vec<_> = (1..=OWN_FIELDS).map(|seed| own_problem(coverage, seed)).collect();
-        measure(&format!("{:.0} % of the cells under bushes", 100.0 * coverage), &own);
+        measure(&format!("{:.0} % of the cells under bushes", 100.0 * coverage), &own, truck, planners);
     }
 }
 
-fn measure(title: &str, problems: &[Problem]) {
-    println!("\n{title}, {} fields", problems.len());
+fn measure(title: &str, problems: &[Problem], truck: &Unimog, planners: &[TruckPlannerKind]) {
+    for &kind in planners {
+        println!("\n{kind}, {title}, {} fields", problems.len());
+        measure_planner(kind, problems, truck);
+    }
+}
+
+fn measure_planner(kind: TruckPlannerKind, problems: &[Problem], truck: &Unimog) {
     let (mut poses, mut discs) = (Drives::default(), Drives::default());
     let mut builds = Vec::new();
     for problem in problems {
         let mut watch = CpuStopwatch::start();
         let field = Arc::new(ClearanceField::new(*problem.checker.field().frame(), problem.checker.field().occupied()));
         let checker = CollisionChecker::new(field, *problem.checker.body());
-        let mut planner = HybridAstar::build(&checker, &HybridSettings::default(), rng::stream(1, "bench/hybrid"));
+        let stream = |name: &str| rng::stream(1, &format!("bench/{name}"));
+        let mut planner = truck_planner(kind, &checker, &truck.planner_settings(), stream);
         builds.push(watch.lap().as_secs_f64() * 1e3);
         let curves = ReedsShepp { radius_m: checker.body().turning_radius_m };
         for (number, &goal) in problem.goals.iter().enumerate() {
@@ -81,7 +116,8 @@ fn measure(title: &str, problems: &[Problem]) {
 #[derive(Default)]
 struct Drives {
     milliseconds: Vec<f64>,
-    expansions: Vec<f64>,
+    roadmap_expansions: Vec<f64>,
+    local_expansions: Vec<f64>,
     ratios: Vec<f64>,
     clearances: Vec<f64>,
     cusps: Vec<f64>,
@@ -90,8 +126,9 @@ struct Drives {
 
 impl Drives {
     fn take(&mut self, plan: Plan, bound_m: Option<f64>, checker: &CollisionChecker) {
-        self.milliseconds.push(plan.time.local.as_secs_f64() * 1e3);
-        self.expansions.push(plan.effort.local_expansions.into());
+        self.milliseconds.push((plan.time.roadmap + plan.time.local).as_secs_f64() * 1e3);
+        self.roadmap_expansions.push(plan.effort.roadmap_expansions.into());
+        self.local_expansions.push(plan.effort.local_expansions.into());
         match plan.path {
             Ok(path) => {
                 self.ratios.extend(bound_m.map(|bound_m| path.length_m() / bound_m));
@@ -113,7 +150,8 @@ impl Drives {
         }
         for (name, values) in [
             ("milliseconds", &mut self.milliseconds),
-            ("expansions", &mut self.expansions),
+            ("expansions, roadmap", &mut self.roadmap_expansions),
+            ("expansions, local", &mut self.local_expansions),
             ("length over bound", &mut self.ratios),
             ("least clearance, metres", &mut self.clearances),
             ("cusps", &mut self.cusps),

@@ -1,0 +1,54 @@
+use glam::DVec2;
+
+use crate::geometry::FieldFrame;
+
+/// Side of a square, unless that makes too many.
+const SIDE_M: f64 = 10.0;
+/// Squares along a side of the field, at most.
+const MAX_SQUARES: f64 = 500.0;
+
+/// Places of a field, numbered as they come, in squares that tell which are near.
+#[derive(Debug)]
+pub struct Places {
+    side_m: f64,
+    cols: usize,
+    rows: usize,
+    squares: Vec<Vec<u32>>,
+    places: Vec<DVec2>,
+}
+
+impl Places {
+    pub fn new(frame: &FieldFrame) -> Self {
+        let side_m = SIDE_M.max(frame.width_m().max(frame.height_m()) / MAX_SQUARES);
+        let count = |metres: f64| (metres / side_m) as usize + 1;
+        let (cols, rows) = (count(frame.width_m()), count(frame.height_m()));
+        Self { side_m, cols, rows, squares: vec![Vec::new(); cols * rows], places: Vec::new() }
+    }
+
+    pub fn add(&mut self, place: DVec2) {
+        let (col, row) = ((place.x / self.side_m) as usize, (place.y / self.side_m) as usize);
+        let square = row.min(self.rows - 1) * self.cols + col.min(self.cols - 1);
+        self.squares[square].push(self.places.len() as u32);
+        self.places.push(place);
+    }
+
+    /// Replaces what `found` holds by the places within `reach_m` of one, with their distances, nearest first, ties by
+    /// number.
+    pub fn near(&self, place: DVec2, reach_m: f64, found: &mut Vec<(f64, u32)>) {
+        found.clear();
+        let range = |middle: f64, count: usize| {
+            // Casts clamp at 0.
+            let (low, high) = ((middle - reach_m) / self.side_m, (middle + reach_m) / self.side_m);
+            low as usize..(high as usize).saturating_add(1).min(count)
+        };
+        let cols = range(place.x, self.cols);
+        for row in range(place.y, self.rows) {
+            for square in cols.clone().map(|col| row * self.cols + col) {
+                let distances =
+                    self.squares[square].iter().map(|&number| (self.places[number as usize].distance(place), number));
+                found.extend(distances.filter(|&(distance, _)| distance <= reach_m));
+            }
+        }
+        found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    }
+}
