@@ -85,7 +85,9 @@ pub fn audit_timeline(
     }
     for event in &timeline.events {
         let (id, time) = match event.fact {
-            Fact::Planned { agent, .. } | Fact::Dropped { agent, .. } => (agent, event.time),
+            Fact::Planned { agent, .. } | Fact::Dropped { agent, .. } | Fact::GaveWay { agent, .. } => {
+                (agent, event.time)
+            }
             Fact::Extinguished { by, .. } => (by, event.time),
             _ => continue,
         };
@@ -95,7 +97,7 @@ pub fn audit_timeline(
         let offence = |rule| RunOffence { agent: id, time, rule };
         let truck = trucks.iter_mut().find(|truck| truck.id == id).ok_or(offence(RunRule::UnknownTruck))?;
         match &event.fact {
-            Fact::Planned { trajectory, .. } => {
+            Fact::Planned { trajectory, .. } | Fact::GaveWay { trajectory, .. } => {
                 audited += truck.audit(&ground, step)?;
                 truck.join(trajectory).map_err(offence)?;
                 truck.leg = trajectory.clone();

@@ -60,7 +60,8 @@ fn point_to_polygon(point: DVec2, polygon: &[DVec2; 4]) -> f64 {
     edges(polygon).map(|(a, b)| point_to_segment(point, a, b)).fold(f64::INFINITY, f64::min)
 }
 
-fn polygon_to_polygon(one: &[DVec2; 4], other: &[DVec2; 4]) -> f64 {
+/// Distance of two convex polygons with counter-clockwise corners; 0 on contact.
+pub fn polygon_to_polygon(one: &[DVec2; 4], other: &[DVec2; 4]) -> f64 {
     let crossing = edges(one).any(|(a, b)| edges(other).any(|(c, d)| segments_cross(a, b, c, d)));
     if crossing {
         return 0.0;

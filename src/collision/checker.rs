@@ -7,7 +7,7 @@ use glam::DVec2;
 
 use super::rectangle::Rectangle;
 use super::{ClearanceField, sweep};
-use crate::geometry::{Pose, ops};
+use crate::geometry::{OrientedRect, Pose, ops};
 use crate::vehicle::{Dimensions, Segment};
 
 /// What a body keeps at least, in metres, however small the floor that is asked for.
@@ -40,6 +40,8 @@ pub struct CollisionChecker {
     discs: Vec<Disc>,
     /// Of every disc.
     cover_radius: f64,
+    /// Other bodies that stand on the field.
+    standing: Vec<Rectangle>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -53,7 +55,15 @@ struct Disc {
 impl CollisionChecker {
     pub fn new(field: Arc<ClearanceField>, body: Dimensions) -> Self {
         let (discs, cover_radius) = cover(&body);
-        Self { field, body, discs, cover_radius }
+        Self { field, body, discs, cover_radius, standing: Vec::new() }
+    }
+
+    /// The same for a field on which these rectangles stand, besides those that it had before. What is said of bushes
+    /// holds for them too, but for the field's own answers to points and lines.
+    pub fn beside(&self, standing: impl IntoIterator<Item = OrientedRect>) -> Self {
+        let mut crowded = self.clone();
+        crowded.standing.extend(standing.into_iter().map(Rectangle::from));
+        crowded
     }
 
     pub fn field(&self) -> &ClearanceField {
@@ -70,7 +80,7 @@ impl CollisionChecker {
     pub fn clearance(&self, pose: Pose) -> f64 {
         const NEAR_M: f64 = 1.0;
         let rectangle = self.place(pose);
-        let border = rectangle.border_gap(self.field.frame());
+        let border = self.border_gap(&rectangle);
         if border <= 0.0 {
             return border;
         }
@@ -126,7 +136,7 @@ impl CollisionChecker {
     /// A lower bound, no less than `floor`, of the body's clearance; `None` if the true clearance is less.
     #[inline]
     fn clearance_from(&self, rectangle: &Rectangle, floor: f64) -> Option<f64> {
-        let border = rectangle.border_gap(self.field.frame());
+        let border = self.border_gap(rectangle);
         if border < floor {
             return None;
         }
@@ -144,6 +154,13 @@ impl CollisionChecker {
         }
         let exact = rectangle.bush_gap(&self.field, floor + EXACT_REACH_M);
         (exact >= floor).then_some(exact.min(border))
+    }
+
+    /// Metres to the field's border and to what stands on the field besides bushes; negative where a corner is outside.
+    #[inline]
+    fn border_gap(&self, rectangle: &Rectangle) -> f64 {
+        let border = rectangle.border_gap(self.field.frame());
+        self.standing.iter().map(|other| rectangle.gap_to(other)).fold(border, f64::min)
     }
 
     fn cover_clearance(&self, rectangle: &Rectangle) -> f64 {
@@ -187,16 +204,13 @@ struct Motion {
     /// 1 forward, -1 in reverse.
     sense: f64,
     centre_offset: f64,
-    /// How many metres the fastest point of the body moves for a metre of the rear axle: on an arc, the distance of the
-    /// farthest point from the turning centre, over the radius.
+    /// Metres that the fastest point of the body moves for a metre of the rear axle.
     rate: f64,
 }
 
 impl Motion {
     fn new(start: Pose, segment: Segment, body: &Dimensions) -> Self {
         let Segment { curvature, length_m } = segment;
-        let reach = body.rear_overhang_m.abs().max((body.length_m - body.rear_overhang_m).abs());
-        let rate = ops::hypot(reach * curvature, 1.0 + 0.5 * body.width_m * curvature.abs());
         Self {
             start,
             axis: start.direction(),
@@ -204,7 +218,7 @@ impl Motion {
             length_m: once_round(length_m.abs(), curvature),
             sense: 1f64.copysign(length_m),
             centre_offset: body.centre_offset_m(),
-            rate: if curvature == 0.0 { 1.0 } else { rate },
+            rate: body.farthest_point_rate(curvature),
         }
     }
 

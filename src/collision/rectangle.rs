@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::ClearanceField;
-use crate::geometry::FieldFrame;
+use crate::geometry::{FieldFrame, OrientedRect};
 
 /// A body's outline, with its direction as a unit vector.
 #[derive(Clone, Copy, Debug)]
@@ -13,6 +13,13 @@ pub(super) struct Rectangle {
     pub axis: DVec2,
     pub half_length: f64,
     pub half_width: f64,
+}
+
+impl From<OrientedRect> for Rectangle {
+    fn from(outline: OrientedRect) -> Self {
+        let OrientedRect { centre, half_length, half_width } = outline;
+        Self { centre: centre.position(), axis: centre.direction(), half_length, half_width }
+    }
 }
 
 impl Rectangle {

@@ -9,6 +9,7 @@ mod hybrid_astar;
 pub mod improve;
 mod lattice_planner;
 mod lattice_search;
+mod nearest_place;
 pub mod primitives;
 pub mod prm;
 mod prm_primitives;
@@ -24,6 +25,7 @@ pub mod walk;
 pub use clearance_floor::ClearanceFloor;
 pub use hybrid_astar::{HybridAstar, HybridSettings};
 pub use lattice_planner::{LatticePlanner, LatticeSettings};
+pub use nearest_place::nearest_place;
 pub use prm_primitives::PrmPrimitives;
 pub use prm_rs::{PrmRs, PrmRsSettings};
 
@@ -32,6 +34,7 @@ pub use settings::{ClearanceTo, MotionCost, PrimitiveSettings, PrmSettings, Road
 pub use truck_planners::{TruckPlannerKind, TruckPlannerSettings, truck_planner};
 
 use std::fmt;
+use std::ops::AddAssign;
 use std::time::Duration;
 
 use glam::DVec2;
@@ -128,6 +131,13 @@ impl fmt::Display for PlanFailure {
 pub struct Effort {
     pub roadmap_expansions: u32,
     pub local_expansions: u32,
+}
+
+impl AddAssign for Effort {
+    fn add_assign(&mut self, other: Self) {
+        self.roadmap_expansions += other.roadmap_expansions;
+        self.local_expansions += other.local_expansions;
+    }
 }
 
 /// CPU time of one query, by phase.

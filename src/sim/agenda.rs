@@ -16,6 +16,7 @@ pub enum Rank {
     Arrival,
     PlanningDone,
     Decision,
+    Standoff,
     End,
 }
 
@@ -48,6 +49,8 @@ pub enum Due {
     /// Charged planning time is over.
     PlanningDone(Call),
     Decision(Call),
+    /// A truck is blocked by others.
+    Standoff(Call),
     End,
 }
 
@@ -61,6 +64,7 @@ impl Due {
             Self::Arrival(_) => Rank::Arrival,
             Self::PlanningDone(_) => Rank::PlanningDone,
             Self::Decision(_) => Rank::Decision,
+            Self::Standoff(_) => Rank::Standoff,
             Self::End => Rank::End,
         }
     }

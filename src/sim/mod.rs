@@ -10,6 +10,7 @@ mod fires;
 mod setup;
 mod stage;
 mod tracks;
+mod traffic;
 mod truck;
 mod wumpus;
 
@@ -28,6 +29,7 @@ use agenda::{Agenda, Due, Rank, SimClock};
 use agent::{Log, Roster};
 use fires::Ignitions;
 use stage::Stage;
+use traffic::{Traffic, standoff};
 use truck::{Situation, Truck};
 use wumpus::Wumpus;
 
@@ -123,6 +125,7 @@ impl Simulation {
                 truck::arrive,
                 finish_planning,
                 decide,
+                standoff::break_deadlocks,
                 end,
             )
                 .chain(),
@@ -184,16 +187,23 @@ fn decide(mut stage: Stage) {
             continue;
         }
         let (claimed, centres) = stage.other_trucks(call.agent);
+        let reservations = stage.reservations();
+        let traffic = Traffic::new(&reservations, call.agent);
         let now = stage.now();
         let (mut agent, wumpus, truck) = stage.agents.get_mut(call.agent).expect("agents live for the whole run");
         if let Some(mut wumpus) = wumpus {
             let seen = (&stage.frame.0, &stage.fires.0, centres.as_slice());
             wumpus::decide((call.agent, &mut agent, &mut wumpus), now, seen, &mut stage.agenda, &mut stage.log);
         } else if let Some(mut truck) = truck {
-            let situation = Situation { now, frame: &stage.frame.0, fires: &stage.fires.0, claimed: &claimed };
+            let situation = Situation { now, frame: &stage.frame.0, fires: &stage.fires.0, claimed: &claimed, traffic };
+            let before = (agent.revision, agent.rests, truck.blocked.is_some());
             truck::decide((call.agent, &mut agent, &mut truck), &situation, &mut stage.agenda, &mut stage.log);
-            if had.is_some() && agent.goal != had {
+            let drops_goal = had.is_some() && agent.goal != had;
+            let is_changed = before != (agent.revision, agent.rests, truck.blocked.is_some());
+            if drops_goal {
                 stage.call_resting(call.agent);
+            } else if is_changed {
+                stage.call_blocked(call.agent);
             }
         }
     }

@@ -9,7 +9,7 @@ use rand::seq::SliceRandom;
 
 use crate::collision::{ClearanceField, CollisionChecker};
 use crate::fire::{FireRules, Vegetation};
-use crate::geometry::{Cell, Pose};
+use crate::geometry::{Cell, FieldFrame, Pose};
 use crate::grid::potential::{Attraction, Repulsion, RepulsionDistance};
 use crate::planning::reachability::Reachability;
 use crate::planning::walk::{
@@ -25,12 +25,15 @@ use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
 use crate::timeline::{AgentId, AgentStart, Body, Fact, Rules, Setting};
 use crate::trajectory::SpeedLimits;
+use crate::vehicle::Dimensions;
 
 use super::agenda::{Agenda, Due, SimClock};
 use super::agent::{Agent, Log, Roster};
 use super::fires::Ignitions;
 use super::stage::{Fires, Frame};
 use super::tracks::Tracks;
+use super::traffic::detour::Detours;
+use super::traffic::keep_apart;
 use super::truck::Truck;
 use super::wumpus::{Wumpus, step_times_by_distance};
 use super::{AgentCost, Ended, RunCost, RunError};
@@ -60,9 +63,11 @@ pub fn build(scenario: &Scenario, seed: u64) -> Result<(World, Setting, RunCost)
         starts.push(AgentStart { id, pose: agent.trajectory.start(), body, limits });
         roster.wumpuses.push(world.spawn((agent, wumpus)).id());
     }
+    let mut parked = Vec::new();
     for (number, settings) in scenario.unimog.iter().enumerate() {
         let id = AgentId::Unimog(number as u16);
-        let (agent, truck) = place_truck(id, (settings, scenario), &field, seed, &mut log)?;
+        let (agent, truck) = place_truck(id, (settings, scenario), &field, &parked, seed, &mut log)?;
+        parked.push((settings.vehicle, agent.trajectory.start()));
         let (body, limits) = (Body::Truck(settings.vehicle), Some(truck.speed));
         starts.push(AgentStart { id, pose: agent.trajectory.start(), body, limits });
         roster.trucks.push(world.spawn((agent, truck)).id());
@@ -241,12 +246,17 @@ fn place_truck(
     id: AgentId,
     (settings, scenario): (&scenario::Unimog, &Scenario),
     field: &Arc<ClearanceField>,
+    parked: &[(Dimensions, Pose)],
     seed: u64,
     log: &mut Log,
 ) -> Result<(Agent, Truck), RunError> {
     let checker = CollisionChecker::new(Arc::clone(field), settings.vehicle);
     let wanted = Pose::new(settings.start.x_m, settings.start.y_m, settings.start.heading_deg.to_radians());
-    let start = nearest_free_pose(&checker, wanted).ok_or(RunError::NoFreeStart { agent: id })?;
+    let is_free = |pose: &Pose| {
+        let apart = |other: &(Dimensions, Pose)| keep_apart((&settings.vehicle, *pose), (&other.0, other.1));
+        checker.pose_is_free(*pose, START_CLEARANCE_M) && parked.iter().all(apart)
+    };
+    let start = nearest_free_pose(field.frame(), wanted, is_free).ok_or(RunError::NoFreeStart { agent: id })?;
     if start != wanted {
         log.add(SimTime::ZERO, Fact::StartMoved { agent: id, from: wanted });
     }
@@ -278,6 +288,8 @@ fn place_truck(
         set_aside: Vec::new(),
         out_of_reach: Vec::new(),
         tracks: Tracks::default(),
+        detours: Detours::new(&checker, &settings.hybrid, stream("way-round")),
+        blocked: None,
         cost: AgentCost { sampling: report.sampling, connecting: report.connecting, ..AgentCost::nothing(id) },
     };
     Ok((Agent::standing(id, start), truck))
@@ -296,14 +308,12 @@ fn seconds_per_expansion(settings: &scenario::Unimog) -> (f64, f64) {
 }
 
 /// The free pose nearest to a wanted one: places on rings half a metre apart, headings from the wanted one outwards.
-fn nearest_free_pose(checker: &CollisionChecker, wanted: Pose) -> Option<Pose> {
+fn nearest_free_pose(frame: &FieldFrame, wanted: Pose, is_free: impl Fn(&Pose) -> bool) -> Option<Pose> {
     const RING_M: f64 = 0.5;
     const HEADINGS: i32 = 16;
-    let is_free = |pose: &Pose| checker.pose_is_free(*pose, START_CLEARANCE_M);
     if is_free(&wanted) {
         return Some(wanted);
     }
-    let frame = checker.field().frame();
     let rings = (2.0 * frame.width_m().max(frame.height_m()) / RING_M).ceil() as i32;
     (0..rings).find_map(|ring| {
         let radius = f64::from(ring) * RING_M;
@@ -315,7 +325,7 @@ fn nearest_free_pose(checker: &CollisionChecker, wanted: Pose) -> Option<Pose> {
                 let steps = if k % 2 == 0 { k / 2 } else { -(k + 1) / 2 };
                 wanted.heading + std::f64::consts::TAU * f64::from(steps) / f64::from(HEADINGS)
             };
-            (0..HEADINGS).map(|k| Pose::new(place.x, place.y, turned(k))).find(is_free)
+            (0..HEADINGS).map(|k| Pose::new(place.x, place.y, turned(k))).find(&is_free)
         })
     })
 }

@@ -7,11 +7,12 @@ use glam::DVec2;
 use crate::fire::Vegetation;
 use crate::geometry::{Cell, FieldFrame};
 use crate::time::SimTime;
-use crate::timeline::{Cause, Fact, RestReason};
+use crate::timeline::{AgentId, Cause, Fact, RestReason};
 use crate::trajectory::Trajectory;
 
 use super::agenda::{Agenda, Due, Rank, SimClock};
 use super::agent::{Activity, Agent, Log, Roster};
+use super::traffic::{Reservation, Traffic};
 use super::truck::Truck;
 use super::wumpus::{self, Wumpus};
 
@@ -62,15 +63,69 @@ impl Stage<'_, '_> {
         (goals, centres)
     }
 
-    /// A fire has become free: trucks that rest look again.
+    pub fn id_of(&self, entity: Entity) -> AgentId {
+        self.agents.get(entity).expect("agents live for the whole run").0.id
+    }
+
+    pub fn truck(&self, entity: Entity) -> &Truck {
+        self.agents.get(entity).expect("agents live for the whole run").2.expect("it is a truck's")
+    }
+
+    /// Where all trucks are and will be; of a truck alone nothing, for nobody is there whom it concerns.
+    pub fn reservations(&self) -> Vec<Reservation> {
+        let trucks = if self.roster.trucks.len() > 1 { &self.roster.trucks[..] } else { &[] };
+        let reservation = |&entity: &Entity| {
+            let (agent, _, truck) = self.agents.get(entity).expect("the roster lists living agents");
+            let truck = truck.expect("the roster knows its trucks");
+            let is_idle = agent.activity == Activity::Idle && (agent.rests.is_some() || truck.blocked.is_some());
+            Reservation { entity, id: agent.id, body: truck.body, leg: agent.trajectory.clone(), is_idle }
+        };
+        trucks.iter().map(reservation).collect()
+    }
+
+    /// A fire has become free: trucks that rest or are blocked look again.
     pub fn call_resting(&mut self, except: Entity) {
+        self.call_trucks_that(except, |agent, truck| agent.rests.is_some() || truck.blocked.is_some());
+    }
+
+    /// A truck has changed its way, or stands for longer: those that are blocked look again.
+    pub fn call_blocked(&mut self, except: Entity) {
+        self.call_trucks_that(except, |_, truck| truck.blocked.is_some());
+    }
+
+    fn call_trucks_that(&mut self, except: Entity, are_called: impl Fn(&Agent, &Truck) -> bool) {
         let now = self.now();
         for &entity in self.roster.trucks.iter().filter(|&&entity| entity != except) {
-            let (mut agent, ..) = self.agents.get_mut(entity).expect("the roster lists living agents");
-            if agent.rests.is_some() {
+            let (mut agent, _, truck) = self.agents.get_mut(entity).expect("the roster lists living agents");
+            if are_called(&agent, &truck.expect("the roster knows its trucks")) {
                 agent.reconsider(entity, now, &mut self.agenda);
             }
         }
+    }
+
+    /// A truck without a goal drives aside for another one.
+    pub fn give_way(&mut self, entity: Entity, to: AgentId, way: Trajectory) {
+        let now = self.now();
+        let (mut agent, _, truck) = self.agents.get_mut(entity).expect("agents live for the whole run");
+        let mut truck = truck.expect("only trucks are in the way");
+        truck.blocked = None;
+        self.log.add(now, Fact::GaveWay { agent: agent.id, to, trajectory: way.clone() });
+        agent.rests = None;
+        agent.activity = Activity::Moving;
+        agent.trajectory = way;
+        let arrives = agent.trajectory.end_time();
+        agent.reconsider(entity, arrives, &mut self.agenda);
+    }
+
+    /// A truck drops its goal and stops where it is in nobody's way.
+    fn break_off(&mut self, entity: Entity) {
+        let (now, reservations) = (self.now(), self.reservations());
+        let (mut agent, _, truck) = self.agents.get_mut(entity).expect("agents live for the whole run");
+        let truck = truck.expect("the roster knows its trucks");
+        let traffic = Traffic::new(&reservations, entity);
+        let cut = traffic.stopping(&truck.body, &agent.trajectory, now, truck.speed.braking_mps2);
+        agent.break_off(entity, now, cut, &mut self.agenda, &mut self.log);
+        self.call_blocked(entity);
     }
 
     /// Sets a cell on fire, if it can burn, and calls whom it concerns.
@@ -117,26 +172,19 @@ impl Stage<'_, '_> {
     /// A fire is over: trucks that were after it decide anew, and a Wumpus that rests may find it fit to burn again.
     pub fn release(&mut self, cell: Cell) {
         let now = self.now();
-        for &entity in &self.roster.trucks {
+        for place in 0..self.roster.trucks.len() {
+            let entity = self.roster.trucks[place];
             let (mut agent, _, truck) = self.agents.get_mut(entity).expect("the roster lists living agents");
-            if agent.goal == Some(cell) {
-                let truck = truck.expect("the roster knows its trucks");
-                match agent.activity {
-                    Activity::Suppressing => {
-                        self.log.add(now, Fact::SuppressionEnded { agent: agent.id, cell });
-                        agent.goal = None;
-                        agent.activity = Activity::Idle;
-                        agent.reconsider(entity, now, &mut self.agenda);
-                    }
-                    Activity::Moving => {
-                        let cut = agent.trajectory.stopping(now, truck.speed.braking_mps2);
-                        agent.break_off(entity, now, cut, &mut self.agenda, &mut self.log);
-                    }
-                    Activity::Planning | Activity::Idle => {
-                        let stand = Trajectory::new(now, agent.trajectory.start(), Vec::new());
-                        agent.break_off(entity, now, stand, &mut self.agenda, &mut self.log);
-                    }
-                }
+            let is_blocked = truck.is_some_and(|truck| truck.blocked.is_some());
+            if agent.goal == Some(cell) && agent.activity == Activity::Suppressing {
+                self.log.add(now, Fact::SuppressionEnded { agent: agent.id, cell });
+                agent.goal = None;
+                agent.activity = Activity::Idle;
+                agent.reconsider(entity, now, &mut self.agenda);
+            } else if agent.goal == Some(cell) {
+                self.break_off(entity);
+            } else if is_blocked {
+                agent.reconsider(entity, now, &mut self.agenda);
             }
         }
         if self.fires.0.can_burn(cell) {

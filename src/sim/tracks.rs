@@ -24,11 +24,17 @@ impl Tracks {
         self.legs[self.legs.len() - legs].start
     }
 
-    /// A path from `pose`, the present one, back over the last `legs` and then along `then`. The truck sets out on it.
-    pub fn lead_back(&mut self, pose: Pose, legs: usize, then: Path) -> Path {
+    /// A path from `pose`, the present one, back over the last `legs` and then along `then`, and how many of its metres
+    /// lead back.
+    pub fn lead_back(&self, pose: Pose, legs: usize, then: Path) -> (Path, f64) {
         let back: Vec<Segment> = self.legs.iter().rev().take(legs).flat_map(|leg| leg.reversed().segments).collect();
-        self.leading_back_m = back.iter().map(|segment| segment.length_m.abs()).sum();
-        Path { start: pose, segments: back.into_iter().chain(then.segments).collect() }
+        let back_m = back.iter().map(|segment| segment.length_m.abs()).sum();
+        (Path { start: pose, segments: back.into_iter().chain(then.segments).collect() }, back_m)
+    }
+
+    /// The truck sets out on a leg whose first metres lead back.
+    pub fn set_out(&mut self, back_m: f64) {
+        self.leading_back_m = back_m;
     }
 
     /// Takes in the leg as it was driven; `None` if the truck never moved.
@@ -76,9 +82,15 @@ mod tests {
         (tracks, pose)
     }
 
-    fn assert_leads_home(mut tracks: Tracks, pose: Pose) {
+    fn set_out_back(tracks: &mut Tracks, pose: Pose, legs: usize, then: Path) -> Path {
+        let (path, back_m) = tracks.lead_back(pose, legs, then);
+        tracks.set_out(back_m);
+        path
+    }
+
+    fn assert_leads_home(tracks: Tracks, pose: Pose) {
         let legs = tracks.legs();
-        let home = tracks.lead_back(pose, legs, Path::standing(pose)).end();
+        let home = tracks.lead_back(pose, legs, Path::standing(pose)).0.end();
         assert!((home.position() - Pose::new(50.0, 50.0, 0.4).position()).length() < 1e-9, "{home:?}");
         assert!((home.heading - 0.4).abs() < 1e-9);
     }
@@ -93,7 +105,7 @@ mod tests {
     fn what_was_driven_back_is_no_longer_part_of_the_way() {
         let (mut tracks, pose) = driven();
         let turning = tracks.start_of_last(2);
-        let path = tracks.lead_back(pose, 2, leg(turning, &[2.0, 3.0]));
+        let path = set_out_back(&mut tracks, pose, 2, leg(turning, &[2.0, 3.0]));
         let end = path.end();
         tracks.record(Some(path));
         assert_eq!(tracks.legs(), 2);
@@ -104,7 +116,7 @@ mod tests {
     #[test]
     fn a_way_back_that_was_never_begun_takes_nothing_off() {
         let (mut tracks, pose) = driven();
-        tracks.lead_back(pose, 3, Path::standing(pose));
+        set_out_back(&mut tracks, pose, 3, Path::standing(pose));
         tracks.record(None);
         let leg = leg(pose, &[2.0]);
         let end = leg.end();
@@ -119,7 +131,7 @@ mod tests {
         let mut length_m: f64 = tracks.legs.iter().map(Path::length_m).sum();
         for cut_m in [1.0, 4.5, 0.25, 9.0, 6.0] {
             let legs = tracks.legs();
-            let path = tracks.lead_back(pose, legs, Path::standing(pose));
+            let path = set_out_back(&mut tracks, pose, legs, Path::standing(pose));
             let (cut, _) = path.split_at(cut_m);
             pose = cut.end();
             tracks.record(Some(cut));

@@ -15,7 +15,7 @@ use crate::planning::{Effort, GoalDisc, TruckPlanner};
 use crate::scenario::TruckGoal;
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
-use crate::timeline::{Fact, RestReason};
+use crate::timeline::{AgentId, Fact, RestReason};
 use crate::trajectory::{Piece, SpeedLimits, Trajectory};
 use crate::vehicle::{Dimensions, Path};
 
@@ -24,9 +24,14 @@ use super::agenda::{Agenda, Due, Rank};
 use super::agent::{Activity, Agent, Log};
 use super::stage::Stage;
 use super::tracks::Tracks;
+use super::traffic::Traffic;
+use super::traffic::detour::Detours;
 
 /// Legs that a truck backs out of a pocket before it goes all the way back to its start.
 const BACKED_OUT_LEGS: usize = 8;
+
+/// Goals that a truck looks at in one decision though others are in the way to them.
+const MOST_BLOCKED: usize = 4;
 
 /// Where a scenario has no rule of distance, the flood still drives this near to the fire: the contest's reach.
 const REACH_WITHOUT_RULE_M: f64 = 10.0;
@@ -52,7 +57,28 @@ pub struct Truck {
     /// Goals that the flood does not reach.
     pub out_of_reach: Vec<Cell>,
     pub tracks: Tracks,
+    pub detours: Detours,
+    /// What it would do, if other trucks were not in the way.
+    pub blocked: Option<Blocked>,
     pub cost: AgentCost,
+}
+
+/// A drive that is planned, but for its time.
+#[derive(Clone, Debug)]
+pub struct Drive {
+    pub goal: Cell,
+    pub path: Path,
+    /// Metres of the path that lead back over the truck's tracks.
+    pub back_m: f64,
+    pub effort: Effort,
+    pub by_lattice: bool,
+}
+
+/// A drive that another truck is in the way of.
+#[derive(Clone, Debug)]
+pub struct Blocked {
+    pub drive: Drive,
+    pub by: AgentId,
 }
 
 impl Truck {
@@ -60,25 +86,23 @@ impl Truck {
         GoalDisc { centre: frame.centre(cell), radius_m: self.reach_m }
     }
 
-    /// A drive into a disc that the flood reaches, and the effort it took; `None` if the flood does not reach it.
-    fn drive_by_flood(&mut self, pose: Pose, disc: GoalDisc) -> (Option<Path>, Effort) {
-        let mut effort = Effort::default();
+    /// A path into a disc that the flood reaches, with the metres that lead back; `None` if the flood does not reach it.
+    fn path_by_flood(&mut self, pose: Pose, disc: GoalDisc, effort: &mut Effort) -> Option<(Path, f64)> {
         if !self.reachability.reaches(disc) {
-            return (None, effort);
+            return None;
         }
         let (path, expansions) = self.reachability.search(pose, disc);
         effort.local_expansions += expansions;
-        let path = path.or_else(|| self.by_backing_out(pose, disc, &mut effort));
-        (path.or_else(|| self.by_way_of_the_start(pose, disc)), effort)
+        let path = path.map(|path| (path, 0.0)).or_else(|| self.by_backing_out(pose, disc, effort));
+        path.or_else(|| self.by_way_of_the_start(pose, disc))
     }
 
     /// Back along the truck's own tracks to where one of the last legs began, and planned from there: where it cannot
     /// turn it came in another way.
-    fn by_backing_out(&mut self, pose: Pose, disc: GoalDisc, effort: &mut Effort) -> Option<Path> {
+    fn by_backing_out(&mut self, pose: Pose, disc: GoalDisc, effort: &mut Effort) -> Option<(Path, f64)> {
         for legs in 1..=self.tracks.legs().min(BACKED_OUT_LEGS) {
             let plan = self.planner.plan(self.tracks.start_of_last(legs), disc.into());
-            effort.roadmap_expansions += plan.effort.roadmap_expansions;
-            effort.local_expansions += plan.effort.local_expansions;
+            *effort += plan.effort;
             if let Ok(path) = plan.path {
                 return Some(self.tracks.lead_back(pose, legs, path));
             }
@@ -87,12 +111,36 @@ impl Truck {
     }
 
     /// Back along all tracks to the start, and from there into the disc by the flood's own path.
-    fn by_way_of_the_start(&mut self, pose: Pose, disc: GoalDisc) -> Option<Path> {
+    fn by_way_of_the_start(&mut self, pose: Pose, disc: GoalDisc) -> Option<(Path, f64)> {
         let path = self.reachability.path_to(disc)?;
         Some(self.tracks.lead_back(pose, self.tracks.legs(), path))
     }
 
-    fn charge(&self, effort: &Effort) -> SimTime {
+    /// The drive with its leg, as soon as the other trucks allow.
+    fn set_off(&self, drive: Drive, situation: &Situation) -> Result<(Drive, Trajectory), Blocked> {
+        let ready = situation.now + self.charge(&drive.effort);
+        let leg = Trajectory::along(&drive.path, ready, self.speed);
+        match situation.traffic.departure(&self.body, &leg) {
+            Ok(leg) => Ok((drive, leg)),
+            Err(by) => Err(Blocked { drive, by }),
+        }
+    }
+
+    /// A drive to the same goal round the trucks that are in the way.
+    fn go_round(&mut self, pose: Pose, blocked: &Blocked, situation: &Situation) -> Option<(Drive, Trajectory)> {
+        let disc = self.disc(situation.frame, blocked.drive.goal);
+        if disc.radius_m.is_infinite() {
+            return None;
+        }
+        let plan = self.detours.plan(situation.traffic, pose, disc);
+        self.cost.local_search += plan.time.local;
+        let mut effort = blocked.drive.effort;
+        effort += plan.effort;
+        let drive = Drive { path: plan.path.ok()?, effort, ..blocked.drive.clone() };
+        self.set_off(drive, situation).ok()
+    }
+
+    pub fn charge(&self, effort: &Effort) -> SimTime {
         let (roadmap, local) = self.seconds_per_expansion;
         let seconds = roadmap * f64::from(effort.roadmap_expansions) + local * f64::from(effort.local_expansions);
         SimTime::from_seconds(seconds)
@@ -106,6 +154,7 @@ pub struct Situation<'a> {
     pub fires: &'a Vegetation,
     /// Goals of the other trucks.
     pub claimed: &'a [Cell],
+    pub traffic: Traffic<'a>,
 }
 
 impl Situation<'_> {
@@ -155,7 +204,7 @@ fn cluster_sizes(frame: &FieldFrame, fires: &Vegetation) -> Vec<u32> {
     sizes
 }
 
-/// Chooses a fire and sets out for it, keeps the one it has, or rests.
+/// Chooses a fire and sets out for it, keeps the one it has, waits for other trucks, or rests.
 pub fn decide(
     (entity, agent, truck): (Entity, &mut Agent, &mut Truck),
     situation: &Situation,
@@ -170,11 +219,7 @@ pub fn decide(
         // The goal may itself be one that the planner had set aside and the flood reached.
         let best = situation.best(truck.policy, centre, |cell| cell == goal || !truck.set_aside.contains(&cell));
         if best != Some(goal) {
-            let cut = if agent.activity == Activity::Moving {
-                agent.trajectory.stopping(now, truck.speed.braking_mps2)
-            } else {
-                Trajectory::new(now, pose, Vec::new())
-            };
+            let cut = situation.traffic.stopping(&truck.body, &agent.trajectory, now, truck.speed.braking_mps2);
             agent.break_off(entity, now, cut, agenda, log);
         }
         return;
@@ -182,37 +227,79 @@ pub fn decide(
     agent.activity = Activity::Idle;
     truck.tracks.record(driven(&agent.trajectory));
     agent.trajectory = Trajectory::new(now, pose, Vec::new());
-    while let Some(goal) = situation.best(truck.policy, centre, |cell| !truck.set_aside.contains(&cell)) {
+    let was_blocked = truck.blocked.take();
+    match choose((agent.id, pose, truck), situation, log) {
+        Choice::Drive(drive, leg) => set_out((entity, agent, truck), now, drive, leg, agenda, log),
+        Choice::Think(until) => agent.think_until(entity, until, agenda),
+        Choice::Rest(reason) => agent.rest(now, reason, log),
+        Choice::Wait(blocked) => {
+            let (goal, by) = (blocked.drive.goal, blocked.by);
+            if was_blocked.is_none_or(|before| (before.drive.goal, before.by) != (goal, by)) {
+                log.add(now, Fact::Blocked { agent: agent.id, goal, by });
+            }
+            agent.rests = None;
+            truck.blocked = Some(blocked);
+            agenda.add(now, Due::Standoff(agent.call(entity)));
+        }
+    }
+}
+
+/// What a truck without a goal does next.
+enum Choice {
+    Drive(Drive, Trajectory),
+    /// A plan failed, and planning time is charged until then.
+    Think(SimTime),
+    Wait(Blocked),
+    Rest(RestReason),
+}
+
+fn choose((id, pose, truck): (AgentId, Pose, &mut Truck), situation: &Situation, log: &mut Log) -> Choice {
+    let now = situation.now;
+    let centre = truck.body.body_centre(pose);
+    let mut effort = Effort::default();
+    let mut blocked: Vec<Blocked> = Vec::new();
+    while blocked.len() < MOST_BLOCKED
+        && let Some(goal) = situation.best(truck.policy, centre, |cell| {
+            !truck.set_aside.contains(&cell) && blocked.iter().all(|blocked| blocked.drive.goal != cell)
+        })
+    {
         let plan = truck.planner.plan(pose, truck.disc(situation.frame, goal).into());
         truck.cost.roadmap_search += plan.time.roadmap;
         truck.cost.local_search += plan.time.local;
-        let ready = now + truck.charge(&plan.effort);
+        effort += plan.effort;
         match plan.path {
             Ok(path) => {
-                set_out((entity, agent, truck), now, ready, (goal, path, plan.effort, false), agenda, log);
-                return;
+                let drive = Drive { goal, path, back_m: 0.0, effort, by_lattice: false };
+                match truck.set_off(drive, situation) {
+                    Ok((drive, leg)) => return Choice::Drive(drive, leg),
+                    Err(behind) if blocked.is_empty() => {
+                        if let Some((drive, leg)) = truck.go_round(pose, &behind, situation) {
+                            return Choice::Drive(drive, leg);
+                        }
+                        blocked.push(behind);
+                    }
+                    Err(behind) => blocked.push(behind),
+                }
             }
             Err(reason) => {
+                let until = now + truck.charge(&effort);
                 truck.set_aside.push(goal);
-                log.add(now, Fact::PlanFailed { agent: agent.id, goal, reason, effort: plan.effort, until: ready });
-                if ready > now {
-                    agent.think_until(entity, ready, agenda);
-                    return;
+                log.add(now, Fact::PlanFailed { agent: id, goal, reason, effort: plan.effort, until });
+                if until > now {
+                    return Choice::Think(until);
                 }
+                effort = Effort::default();
             }
         }
     }
-    decide_by_flood((entity, agent, truck), pose, situation, agenda, log);
+    match blocked.into_iter().next() {
+        Some(first) => Choice::Wait(first),
+        None => choose_by_flood((id, pose, truck), situation, log),
+    }
 }
 
 /// Only goals that failed are left: those that the flood reaches can be driven to all the same.
-fn decide_by_flood(
-    (entity, agent, truck): (Entity, &mut Agent, &mut Truck),
-    pose: Pose,
-    situation: &Situation,
-    agenda: &mut Agenda,
-    log: &mut Log,
-) {
+fn choose_by_flood((id, pose, truck): (AgentId, Pose, &mut Truck), situation: &Situation, log: &mut Log) -> Choice {
     let now = situation.now;
     let centre = truck.body.body_centre(pose);
     while let Some(goal) = situation.best(truck.policy, centre, |cell| !truck.out_of_reach.contains(&cell)) {
@@ -221,36 +308,35 @@ fn decide_by_flood(
         if disc.radius_m.is_infinite() {
             disc.radius_m = REACH_WITHOUT_RULE_M;
         }
-        let (path, effort) = truck.drive_by_flood(pose, disc);
+        let mut effort = Effort::default();
+        let path = truck.path_by_flood(pose, disc, &mut effort);
         truck.cost.reachability += clock.lap();
-        match path {
-            Some(path) => {
-                let ready = now + truck.charge(&effort);
-                set_out((entity, agent, truck), now, ready, (goal, path, effort, true), agenda, log);
-                return;
-            }
-            None => {
-                truck.out_of_reach.push(goal);
-                log.add(now, Fact::OutOfReach { agent: agent.id, cells: vec![goal] });
-            }
+        if let Some((path, back_m)) = path {
+            let drive = Drive { goal, path, back_m, effort, by_lattice: true };
+            return match truck.set_off(drive, situation) {
+                Ok((drive, leg)) => Choice::Drive(drive, leg),
+                Err(blocked) => Choice::Wait(blocked),
+            };
         }
+        truck.out_of_reach.push(goal);
+        log.add(now, Fact::OutOfReach { agent: id, cells: vec![goal] });
     }
     let nothing_burns = situation.best(truck.policy, centre, |_| true).is_none();
-    let reason = if nothing_burns { RestReason::NothingBurns } else { RestReason::NothingReachable };
-    agent.rest(now, reason, log);
+    Choice::Rest(if nothing_burns { RestReason::NothingBurns } else { RestReason::NothingReachable })
 }
 
-fn set_out(
+pub fn set_out(
     (entity, agent, truck): (Entity, &mut Agent, &mut Truck),
     now: SimTime,
-    ready: SimTime,
-    (goal, path, effort, by_lattice): (Cell, Path, Effort, bool),
+    drive: Drive,
+    leg: Trajectory,
     agenda: &mut Agenda,
     log: &mut Log,
 ) {
-    let trajectory = Trajectory::along(&path, ready, truck.speed);
-    log.add(now, Fact::Planned { agent: agent.id, goal, trajectory: trajectory.clone(), effort, by_lattice });
-    agent.set_out(entity, now, goal, trajectory, agenda);
+    let Drive { goal, effort, by_lattice, back_m, .. } = drive;
+    truck.tracks.set_out(back_m);
+    log.add(now, Fact::Planned { agent: agent.id, goal, trajectory: leg.clone(), effort, by_lattice });
+    agent.set_out(entity, now, goal, leg, agenda);
     agenda.add(agent.trajectory.end_time(), Due::Arrival(agent.call(entity)));
 }
 

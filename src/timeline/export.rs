@@ -101,6 +101,8 @@ fn name(fact: &Fact) -> &'static str {
         Fact::SuppressionEnded { .. } => "suppression-ended",
         Fact::Rested { .. } => "rested",
         Fact::LocalMinimum { .. } => "local-minimum",
+        Fact::Blocked { .. } => "blocked",
+        Fact::GaveWay { .. } => "gave-way",
         Fact::Ended { .. } => "ended",
     }
 }
@@ -129,6 +131,8 @@ fn detail(fact: &Fact) -> String {
             format!("reason={reason}; {}; until_s={}", expansions(*effort), seconds(*until))
         }
         Fact::Dropped { trajectory, .. } => leg(trajectory),
+        Fact::Blocked { by, .. } => format!("by={by}"),
+        Fact::GaveWay { to, trajectory, .. } => format!("to={to}; {}", leg(trajectory)),
         Fact::Rested { reason, .. } => format!("reason={reason}"),
         Fact::LocalMinimum { x_m, y_m, .. } => format!("x_m={x_m}; y_m={y_m}"),
         Fact::Ended { reason } => format!("reason={reason}"),

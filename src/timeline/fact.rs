@@ -96,7 +96,7 @@ pub enum Fact {
     },
     /// The agent, standing where `trajectory` begins, chose a goal and knows how to get there; while planning time is
     /// charged it stands until `trajectory.start_time()`. A truck that already stands in reach has a trajectory without
-    /// pieces.
+    /// pieces; one that lets another truck pass first begins with a wait.
     Planned {
         agent: AgentId,
         goal: Cell,
@@ -114,7 +114,8 @@ pub enum Fact {
         until: SimTime,
     },
     /// The agent drops its goal. `trajectory` is the leg as it is really driven: the same start, cut short, standing
-    /// from its `end_time()` on; without pieces if the agent had not set out.
+    /// from its `end_time()` on; without pieces if the agent had not set out. A truck stops where it is in nobody's
+    /// way, which may be later than it could.
     Dropped {
         agent: AgentId,
         goal: Cell,
@@ -141,6 +142,19 @@ pub enum Fact {
         goal: Cell,
         x_m: f64,
         y_m: f64,
+    },
+    /// A truck stands because another one is in the way to all that it could go for: `by` is in the way to `goal`, its
+    /// first choice. It waits until something of the others changes.
+    Blocked {
+        agent: AgentId,
+        goal: Cell,
+        by: AgentId,
+    },
+    /// A truck that had no goal, or was blocked itself, drives aside so that `to` can set out: a deadlock is broken.
+    GaveWay {
+        agent: AgentId,
+        to: AgentId,
+        trajectory: Trajectory,
     },
     Ended {
         reason: EndReason,
@@ -169,7 +183,9 @@ impl Fact {
             | Self::Suppressing { agent, .. }
             | Self::SuppressionEnded { agent, .. }
             | Self::Rested { agent, .. }
-            | Self::LocalMinimum { agent, .. } => Some(agent),
+            | Self::LocalMinimum { agent, .. }
+            | Self::Blocked { agent, .. }
+            | Self::GaveWay { agent, .. } => Some(agent),
             Self::Ignited { .. } | Self::BurnedOut { .. } | Self::Ended { .. } => None,
         }
     }
@@ -177,7 +193,9 @@ impl Fact {
     /// The leg that begins, or is cut short, with this fact.
     pub fn trajectory(&self) -> Option<&Trajectory> {
         match self {
-            Self::Planned { trajectory, .. } | Self::Dropped { trajectory, .. } => Some(trajectory),
+            Self::Planned { trajectory, .. } | Self::Dropped { trajectory, .. } | Self::GaveWay { trajectory, .. } => {
+                Some(trajectory)
+            }
             _ => None,
         }
     }
@@ -193,11 +211,13 @@ impl Fact {
             Self::Planned { goal, .. }
             | Self::PlanFailed { goal, .. }
             | Self::Dropped { goal, .. }
-            | Self::LocalMinimum { goal, .. } => Some(goal),
+            | Self::LocalMinimum { goal, .. }
+            | Self::Blocked { goal, .. } => Some(goal),
             Self::StartMoved { .. }
             | Self::RoadmapBuilt { .. }
             | Self::OutOfReach { .. }
             | Self::Rested { .. }
+            | Self::GaveWay { .. }
             | Self::Ended { .. } => None,
         }
     }

@@ -100,7 +100,7 @@ pub struct AgentLedger<'a> {
     burning_out_of_reach: u32,
     lightable_out_of_reach: u32,
     /// By activity, in the order of its variants.
-    spent: [SimTime; 4],
+    spent: [SimTime; 5],
     stuck: SimTime,
     idle: SimTime,
     longest_idle: SimTime,
@@ -117,7 +117,7 @@ impl<'a> AgentLedger<'a> {
             out_of_reach: vec![false; setting.bushes.len()],
             burning_out_of_reach: 0,
             lightable_out_of_reach: 0,
-            spent: [SimTime::ZERO; 4],
+            spent: [SimTime::ZERO; 5],
             stuck: SimTime::ZERO,
             idle: SimTime::ZERO,
             longest_idle: SimTime::ZERO,
@@ -155,7 +155,7 @@ impl<'a> AgentLedger<'a> {
                 self.end_drive(now);
                 self.leg = Some((trajectory, now));
                 let drives = self.is_truck() && !trajectory.pieces().is_empty();
-                self.drive = drives.then_some(Drive { goal: *goal, sets_out: trajectory.start_time() });
+                self.drive = drives.then_some(Drive { goal: *goal, sets_out: trajectory.sets_out_at() });
             }
             Fact::PlanFailed { reason, effort, .. } => {
                 self.count_plan(*effort);
@@ -166,6 +166,11 @@ impl<'a> AgentLedger<'a> {
             Fact::Dropped { trajectory, .. } => {
                 self.end_leg(now);
                 self.end_drive(now);
+                self.leg = Some((trajectory, now));
+            }
+            Fact::GaveWay { trajectory, .. } => {
+                self.outcome.deadlocks += 1;
+                self.end_leg(now);
                 self.leg = Some((trajectory, now));
             }
             Fact::Ignited { .. } => self.outcome.cells += 1,
@@ -211,6 +216,7 @@ impl<'a> AgentLedger<'a> {
             planning_s: spent_s(Activity::Planning),
             suppressing_s: spent_s(Activity::Suppressing),
             standing_s: spent_s(Activity::Standing),
+            waiting_s: spent_s(Activity::Waiting),
             stuck_s: self.stuck.as_seconds(),
             longest_idle_s: self.longest_idle.as_seconds(),
             ..self.outcome

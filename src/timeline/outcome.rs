@@ -63,12 +63,14 @@ pub struct AgentOutcome {
     pub local_expansions: u64,
     /// Driven or walked until the end of the run, in metres.
     pub distance_m: f64,
-    /// Time by what it was spent on; the four add up to `ended_s`. A leg is driving from its start time to its end
-    /// time, waits and the braking after a dropped goal included; planning is charged time only.
+    /// Time by what it was spent on; the five add up to `ended_s`. A leg is driving from its start time to its end
+    /// time, the braking after a dropped goal included, a wait at its beginning not; planning is charged time only.
     pub driving_s: f64,
     pub planning_s: f64,
     pub suppressing_s: f64,
     pub standing_s: f64,
+    /// For another truck that is in the way.
+    pub waiting_s: f64,
     /// Part of the standing in which the agent had something to do.
     ///
     /// For a truck: some cell burned that is neither in an `OutOfReach` fact of this truck so far nor another truck's
@@ -83,6 +85,8 @@ pub struct AgentOutcome {
     /// A truck's drives that did not end in its extinguishing the goal: broken off, in vain, or unfinished when the
     /// run ended. A drive that never set out is none.
     pub wasted_drives: u32,
+    /// How often a truck drove aside for another one that could not set out otherwise.
+    pub deadlocks: u32,
 }
 
 impl AgentOutcome {
@@ -105,10 +109,12 @@ impl AgentOutcome {
             planning_s: 0.0,
             suppressing_s: 0.0,
             standing_s: 0.0,
+            waiting_s: 0.0,
             stuck_s: 0.0,
             longest_idle_s: 0.0,
             cusps: 0,
             wasted_drives: 0,
+            deadlocks: 0,
         }
     }
 }

@@ -218,7 +218,8 @@ mod tests {
         for seed in 0..20 {
             let outcome = Outcome::of(&sample::random(seed, seconds(600.0)));
             for agent in &outcome.agents {
-                let sum = agent.driving_s + agent.planning_s + agent.suppressing_s + agent.standing_s;
+                let sum = [agent.driving_s, agent.planning_s, agent.suppressing_s, agent.standing_s, agent.waiting_s];
+                let sum: f64 = sum.iter().sum();
                 assert!((sum - outcome.ended_s).abs() < 1e-6, "{sum} of {}", outcome.ended_s);
                 assert!(agent.stuck_s <= agent.standing_s && agent.longest_idle_s <= agent.standing_s);
             }

@@ -34,10 +34,13 @@ pub enum Activity {
     Standing,
     /// Planning time is charged: until the start of the planned leg, or until the time that a failed plan names.
     Planning,
-    /// From the start to the end of a leg with pieces, waits and the rest of a dropped leg included; a Wumpus walks.
+    /// From the start to the end of a leg with pieces, the rest of a dropped leg included; a Wumpus walks. A wait at its
+    /// beginning is none.
     Driving,
     /// From `Suppressing` until this truck extinguishes something, its suppression ends, or it drops its goal.
     Suppressing,
+    /// For another truck: after `Blocked` until the next plan or rest, and while a leg begins with a wait.
+    Waiting,
 }
 
 impl Activity {
@@ -47,6 +50,7 @@ impl Activity {
             Self::Planning => "planning",
             Self::Driving => "driving",
             Self::Suppressing => "suppressing",
+            Self::Waiting => "waiting",
         }
     }
 }
@@ -89,32 +93,37 @@ struct Course<'a> {
     leg: Option<&'a Trajectory>,
     planning_until: SimTime,
     suppresses: bool,
+    is_blocked: bool,
     goal: Option<Cell>,
 }
 
 impl<'a> Course<'a> {
     fn standing(start: Pose) -> Self {
-        Self { start, leg: None, planning_until: SimTime::ZERO, suppresses: false, goal: None }
+        let planning_until = SimTime::ZERO;
+        Self { start, leg: None, planning_until, suppresses: false, is_blocked: false, goal: None }
     }
 
-    /// Follows a leg from now on; planning time is charged until `planning_until`.
-    fn follow(&mut self, leg: &'a Trajectory, goal: Option<Cell>, planning_until: SimTime) {
-        *self = Self { start: self.start, leg: Some(leg), planning_until, suppresses: false, goal };
+    /// Follows a leg from now on; planning time is charged until it begins.
+    fn follow(&mut self, leg: &'a Trajectory, goal: Option<Cell>) {
+        *self = Self { leg: Some(leg), planning_until: leg.start_time(), goal, ..Self::standing(self.start) };
     }
 
     fn give_up_goal(&mut self) {
         self.goal = None;
         self.suppresses = false;
+        self.is_blocked = false;
     }
 
     fn activity(&self, time: SimTime) -> Activity {
-        let drives = |leg: &Trajectory| !leg.pieces().is_empty() && leg.start_time() <= time && time < leg.end_time();
+        let is_on = |leg: &&Trajectory| !leg.pieces().is_empty() && leg.start_time() <= time && time < leg.end_time();
         if self.suppresses {
             Activity::Suppressing
-        } else if self.leg.is_some_and(drives) {
-            Activity::Driving
+        } else if let Some(leg) = self.leg.filter(is_on) {
+            if time < leg.sets_out_at() { Activity::Waiting } else { Activity::Driving }
         } else if time < self.planning_until {
             Activity::Planning
+        } else if self.is_blocked {
+            Activity::Waiting
         } else {
             Activity::Standing
         }
@@ -122,7 +131,7 @@ impl<'a> Course<'a> {
 
     /// The first time after `time` at which the activity may change without a fact.
     fn next_change(&self, time: SimTime) -> Option<SimTime> {
-        let leg = self.leg.map(|leg| [leg.start_time(), leg.end_time()]);
+        let leg = self.leg.map(|leg| [leg.start_time(), leg.sets_out_at(), leg.end_time()]);
         leg.into_iter().flatten().chain([self.planning_until]).filter(|&change| change > time).min()
     }
 
@@ -238,8 +247,9 @@ impl<'a> Replay<'a> {
         let Some(index) = self.timeline.setting.agent_index(agent) else { return };
         let course = &mut self.courses[index];
         match &event.fact {
-            Fact::Planned { goal, trajectory, .. } => course.follow(trajectory, Some(*goal), trajectory.start_time()),
-            Fact::Dropped { trajectory, .. } => course.follow(trajectory, None, event.time),
+            Fact::Planned { goal, trajectory, .. } => course.follow(trajectory, Some(*goal)),
+            Fact::Dropped { trajectory, .. } | Fact::GaveWay { trajectory, .. } => course.follow(trajectory, None),
+            Fact::Blocked { .. } => course.is_blocked = true,
             Fact::PlanFailed { until, .. } => course.planning_until = *until,
             Fact::Suppressing { .. } => course.suppresses = true,
             Fact::Extinguished { .. }

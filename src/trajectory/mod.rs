@@ -3,7 +3,8 @@
 //! A trajectory is a list of pieces, each with constant curvature and constant acceleration, that begin where and
 //! when the last one ended. Nothing is stepped: [`Trajectory::pose_at`] computes.
 //!
-//! [`Trajectory::along`] gives a path its speeds, [`Trajectory::stopping`] cuts a motion short.
+//! [`Trajectory::along`] gives a path its speeds, [`Trajectory::stopping`] cuts a motion short,
+//! [`Trajectory::after_waiting`] lets it begin later.
 
 mod profile;
 mod stopping;
@@ -107,6 +108,16 @@ pub struct Trajectory {
     ends: Vec<(f64, Pose)>,
 }
 
+/// How a body goes for a while.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pace {
+    /// Never more, in m/s.
+    pub fastest_mps: f64,
+    pub curvature: f64,
+    /// The next instant at which this may be another one; [`SimTime::MAX`] when the body stands for ever.
+    pub until: SimTime,
+}
+
 /// What a file holds of a trajectory: all that is not derived.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(rename = "Trajectory")]
@@ -191,6 +202,38 @@ impl Trajectory {
         match self.place_at(time) {
             Some(place) => self.pieces[place.index].state_at(place.start, place.elapsed_s),
             None => (self.end(), 0.0),
+        }
+    }
+
+    /// How fast the body goes at most from a time on, until the piece that is under way ends.
+    pub fn pace_at(&self, time: SimTime) -> Pace {
+        let standing = |until| Pace { fastest_mps: 0.0, curvature: 0.0, until };
+        if time < self.start_time {
+            return standing(self.start_time);
+        }
+        let Some(place) = self.place_at(time) else { return standing(SimTime::MAX) };
+        let until = self.start_time + SimTime::from_seconds_up(self.ends[place.index].0);
+        match self.pieces[place.index] {
+            Piece::Drive { segment, speed_mps, acceleration_mps2 } => {
+                let at_end = speed_after(speed_mps, acceleration_mps2, segment.length_m.abs());
+                Pace { fastest_mps: speed_mps.max(at_end), curvature: segment.curvature, until }
+            }
+            Piece::Turn { .. } | Piece::Wait { .. } => standing(until),
+        }
+    }
+
+    /// The same motion after standing at its start for so many seconds, counted from its start time.
+    pub fn after_waiting(&self, seconds: f64) -> Self {
+        let pieces = std::iter::once(Piece::Wait { seconds }).chain(self.pieces.iter().copied());
+        Self::new(self.start_time, self.start, pieces.collect())
+    }
+
+    /// When it begins to move: its start time, and the waits at its beginning.
+    pub fn sets_out_at(&self) -> SimTime {
+        let waits = self.pieces.iter().take_while(|piece| matches!(piece, Piece::Wait { .. })).count();
+        match waits {
+            0 => self.start_time,
+            waits => self.start_time + SimTime::from_seconds(self.ends[waits - 1].0),
         }
     }
 

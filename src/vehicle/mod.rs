@@ -63,6 +63,16 @@ impl Dimensions {
         ops::atan(self.wheelbase_m / self.turning_radius_m)
     }
 
+    /// How many metres the fastest point of the body moves for a metre of the rear axle: on an arc, the distance of the
+    /// farthest point from the turning centre, over the radius.
+    pub fn farthest_point_rate(&self, curvature: f64) -> f64 {
+        if curvature == 0.0 {
+            return 1.0;
+        }
+        let reach = self.rear_overhang_m.abs().max((self.length_m - self.rear_overhang_m).abs());
+        ops::hypot(reach * curvature, 1.0 + 0.5 * self.width_m * curvature.abs())
+    }
+
     /// Largest curvature of the rear axle's path, 1/m.
     pub fn max_curvature(&self) -> f64 {
         1.0 / self.turning_radius_m

@@ -25,7 +25,9 @@ pub fn check(timeline: &Timeline) -> Result<(), FileError> {
     for event in &timeline.events {
         check_event(event, &timeline.setting).map_err(|error| at_fact(error, event))?;
         match &event.fact {
-            Fact::Planned { trajectory, .. } | Fact::Dropped { trajectory, .. } => pieces += trajectory.pieces().len(),
+            Fact::Planned { trajectory, .. } | Fact::Dropped { trajectory, .. } | Fact::GaveWay { trajectory, .. } => {
+                pieces += trajectory.pieces().len();
+            }
             Fact::OutOfReach { cells, .. } => cells_out_of_reach += cells.len(),
             _ => {}
         }
@@ -95,7 +97,11 @@ fn check_rules(rules: &Rules) -> Result<(), FileError> {
 }
 
 fn check_event(event: &Event, setting: &Setting) -> Result<(), FileError> {
-    if let Some(agent) = event.fact.agent() {
+    let other = match event.fact {
+        Fact::Blocked { by: other, .. } | Fact::GaveWay { to: other, .. } => Some(other),
+        _ => None,
+    };
+    for agent in event.fact.agent().into_iter().chain(other) {
         require(setting.agent_index(agent).is_some(), || format!("{agent} is unknown"))?;
     }
     if let Some(cell) = event.fact.cell() {
@@ -108,7 +114,7 @@ fn check_event(event: &Event, setting: &Setting) -> Result<(), FileError> {
         Fact::PlanFailed { until, .. } => {
             require(*until >= event.time, || "planning time ends before it begins".into())
         }
-        Fact::Planned { trajectory, .. } => {
+        Fact::Planned { trajectory, .. } | Fact::GaveWay { trajectory, .. } => {
             let sets_out_later = trajectory.start_time() >= event.time;
             require(sets_out_later, || "a leg sets out before it is planned".into())?;
             check_leg(trajectory)

@@ -137,6 +137,13 @@ impl<'a> Decoder<'a> {
             }
             Record::Rested { agent, reason } => Fact::Rested { agent: self.agent(agent)?, reason },
             Record::Ended { reason } => Fact::Ended { reason },
+            Record::Blocked { agent, bush, by } => {
+                Fact::Blocked { agent: self.agent(agent)?, goal: self.bush(bush)?, by: self.agent(by)? }
+            }
+            Record::GaveWay { agent, to } => {
+                let trajectory = self.leg(agent, past)?;
+                Fact::GaveWay { agent: self.agent(agent)?, to: self.agent(to)?, trajectory }
+            }
             Record::LocalMinimum { agent, bush } => {
                 let (x_m, y_m) = (self.numbers.next()?, self.numbers.next()?);
                 Fact::LocalMinimum { agent: self.agent(agent)?, goal: self.bush(bush)?, x_m, y_m }

@@ -49,9 +49,9 @@ impl<'a> Encoder<'a> {
             Fact::LocalMinimum { x_m, y_m, .. } => {
                 [*x_m, *y_m].into_iter().for_each(|number| self.numbers.push(number));
             }
-            Fact::Planned { agent, trajectory, .. } | Fact::Dropped { agent, trajectory, .. } => {
-                self.leg(*agent, trajectory);
-            }
+            Fact::Planned { agent, trajectory, .. }
+            | Fact::Dropped { agent, trajectory, .. }
+            | Fact::GaveWay { agent, trajectory, .. } => self.leg(*agent, trajectory),
             _ => {}
         }
     }
@@ -86,6 +86,10 @@ impl<'a> Encoder<'a> {
             }
             Fact::Rested { agent: id, reason } => Record::Rested { agent: agent(id), reason },
             Fact::LocalMinimum { agent: id, goal, .. } => Record::LocalMinimum { agent: agent(id), bush: bush(goal) },
+            Fact::Blocked { agent: id, goal, by } => {
+                Record::Blocked { agent: agent(id), bush: bush(goal), by: agent(by) }
+            }
+            Fact::GaveWay { agent: id, to, .. } => Record::GaveWay { agent: agent(id), to: agent(to) },
             Fact::Ended { reason } => Record::Ended { reason },
         }
     }

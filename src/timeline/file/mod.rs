@@ -30,8 +30,8 @@ use crate::whole_file::write_whole;
 
 /// Version of the format that is written; older ones are read too.
 ///
-/// Since version 2 there are local minima, since version 3 the limits of every agent's speed, the rules of fire, and
-/// whether a stop puts out one fire or all in reach.
+/// Since version 2 there are local minima, since version 3 the limits of every agent's speed, the rules of fire,
+/// whether a stop puts out one fire or all in reach, and trucks that wait for each other.
 pub const FORMAT: u16 = 3;
 
 const MAGIC: &[u8; 8] = b"WILDFIRE";

@@ -189,6 +189,17 @@ pub enum Record {
         agent: u32,
         bush: u32,
     },
+    /// Since format 3.
+    Blocked {
+        agent: u32,
+        bush: u32,
+        by: u32,
+    },
+    /// A [`Leg`] follows. Since format 3.
+    GaveWay {
+        agent: u32,
+        to: u32,
+    },
 }
 
 /// A leg: where and when it begins, and how many [`PieceKind`]s follow.

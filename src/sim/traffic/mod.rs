@@ -1,0 +1,140 @@
+//! Trucks that keep clear of each other.
+//!
+//! The leg of every truck is a reservation: along it, and where it ends for ever. No two reservations come nearer than
+//! [`MARGIN_M`], so whoever keeps to his own is safe whatever the others do. Only three things change a reservation, and
+//! each keeps the rule:
+//! - a truck that sets out does so when its way is free ([`Traffic::departure`]), or goes [round](detour) those that
+//!   stand in the way, or takes another goal, or waits until something of the others changes;
+//! - a truck that breaks off drives on to where it may stand for ever ([`Traffic::stopping`]);
+//! - a truck that has nothing to do, or is blocked itself, gives way to one that could not set out otherwise
+//!   ([`standoff`]).
+
+pub mod detour;
+pub mod standoff;
+
+use bevy::prelude::Entity;
+
+use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M, Moving, first_meeting, gap_between};
+use crate::geometry::{OrientedRect, Pose};
+use crate::time::SimTime;
+use crate::timeline::AgentId;
+use crate::trajectory::Trajectory;
+use crate::vehicle::Dimensions;
+
+/// What trucks keep between them, in metres.
+pub const MARGIN_M: f64 = 0.2;
+
+/// How long a truck puts its departure off for others that pass, before it looks for another way or goal.
+const PATIENCE: SimTime = SimTime::from_nanos(20_000_000_000);
+
+/// Departures are put off by steps of so many seconds.
+const WAIT_STEP_S: f64 = 0.5;
+
+/// A truck that may not stop at once tries again after so many seconds on its way.
+const STOP_STEP_S: f64 = 0.25;
+
+/// Where a truck is and will be.
+#[derive(Clone, Debug)]
+pub struct Reservation {
+    pub entity: Entity,
+    pub id: AgentId,
+    pub body: Dimensions,
+    pub leg: Trajectory,
+    /// Whether it stands and will not leave by itself.
+    pub is_idle: bool,
+}
+
+impl Reservation {
+    fn moving(&self) -> Moving<'_> {
+        Moving { body: &self.body, trajectory: &self.leg }
+    }
+
+    /// The outline at its end.
+    fn outline(&self) -> OrientedRect {
+        self.body.footprint(self.leg.end())
+    }
+}
+
+/// What the other trucks have reserved, as one truck sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Traffic<'a> {
+    all: &'a [Reservation],
+    except: Entity,
+}
+
+impl<'a> Traffic<'a> {
+    pub fn new(all: &'a [Reservation], except: Entity) -> Self {
+        Self { all, except }
+    }
+
+    fn others(self) -> impl Iterator<Item = &'a Reservation> {
+        self.all.iter().filter(move |other| other.entity != self.except)
+    }
+
+    /// The first of the others that a motion comes too near, looked at from `from` on.
+    fn met(self, motion: Moving<'_>, from: SimTime) -> Option<&'a Reservation> {
+        self.others().find(|other| first_meeting(motion, other.moving(), from, MARGIN_M).is_some())
+    }
+
+    /// The others whose last place lies on the way of a leg, whenever it is driven.
+    fn on_the_way(self, body: &Dimensions, leg: &Trajectory) -> impl Iterator<Item = &'a Reservation> {
+        self.others().filter(move |other| {
+            let stand = Trajectory::new(SimTime::ZERO, other.leg.end(), Vec::new());
+            let stand = Moving { body: &other.body, trajectory: &stand };
+            first_meeting(Moving { body, trajectory: leg }, stand, leg.start_time(), MARGIN_M).is_some()
+        })
+    }
+
+    /// The leg with the shortest wait at its beginning that lets the others pass, or who is in the way.
+    ///
+    /// The truck stands where nobody will pass, so that only the motion itself must be looked at.
+    pub fn departure(self, body: &Dimensions, leg: &Trajectory) -> Result<Trajectory, AgentId> {
+        self.departure_within(PATIENCE, body, leg)
+    }
+
+    fn departure_within(self, patience: SimTime, body: &Dimensions, leg: &Trajectory) -> Result<Trajectory, AgentId> {
+        let met = |leg: &Trajectory| self.met(Moving { body, trajectory: leg }, leg.sets_out_at());
+        let Some(first) = met(leg) else { return Ok(leg.clone()) };
+        if let Some(other) = self.on_the_way(body, leg).next() {
+            return Err(other.id);
+        }
+        let last = self.others().map(|other| other.leg.end_time()).max().unwrap_or_default();
+        let longest_s = last.since(leg.start_time()).min(patience).as_seconds();
+        let steps = (longest_s / WAIT_STEP_S).ceil() as u32;
+        let mut later = (1..=steps).map(|step| leg.after_waiting(f64::from(step) * WAIT_STEP_S));
+        later.find(|leg| met(leg).is_none()).ok_or(first.id)
+    }
+
+    /// A leg cut short at the first place where the truck may stand for ever, from `now` on.
+    pub fn stopping(self, body: &Dimensions, leg: &Trajectory, now: SimTime, braking: Option<f64>) -> Trajectory {
+        let may = |cut: &Trajectory| self.met(Moving { body, trajectory: cut }, now).is_none();
+        let at_once = if leg.start_time() >= now {
+            Trajectory::new(now, leg.start(), Vec::new())
+        } else {
+            leg.stopping(now, braking)
+        };
+        if may(&at_once) {
+            return at_once;
+        }
+        let begin = now.max(leg.start_time());
+        let left_s = leg.end_time().since(begin).as_seconds();
+        let times = (1..).map(|step| f64::from(step) * STOP_STEP_S).take_while(|&after_s| after_s < left_s);
+        let mut cuts = times.map(|after_s| leg.stopping(begin + SimTime::from_seconds(after_s), braking));
+        cuts.find(may).unwrap_or_else(|| leg.clone())
+    }
+
+    /// The field with the others standing at the ends of their legs, [`MARGIN_M`] larger than they are.
+    fn crowd(self, checker: &CollisionChecker) -> CollisionChecker {
+        let wider = MARGIN_M - LEAST_CLEARANCE_M;
+        let standing = self.others().map(|other| {
+            let OrientedRect { centre, half_length, half_width } = other.outline();
+            OrientedRect { centre, half_length: half_length + wider, half_width: half_width + wider }
+        });
+        checker.beside(standing)
+    }
+}
+
+/// Whether two standing trucks keep their margin.
+pub fn keep_apart(one: (&Dimensions, Pose), other: (&Dimensions, Pose)) -> bool {
+    gap_between(one, other) >= MARGIN_M
+}
