@@ -28,7 +28,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("stats", &["statrs"]),
     ("batch", &["csv", "rayon", "parquet", "serde_json", "sha2"]),
     ("view", &["bevy", "glam"]),
-    ("cli", &["clap", "clap_complete", "indicatif", "miette", "serde_json"]),
+    ("cli", &["clap", "clap_complete", "csv", "indicatif", "miette", "serde_json"]),
 ];
 
 /// Layers that stand lower and may not be used all the same.

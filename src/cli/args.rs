@@ -9,6 +9,7 @@ use clap_complete::Shell;
 use crate::batch::{Record, Seeds};
 use crate::cli::curve::CurveArguments;
 use crate::cli::map::MapCommand;
+use crate::cli::plan::PlanArguments;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -18,9 +19,10 @@ Examples:
   wildfire run --set unimog.prm.samples=1000  another roadmap
   wildfire scenarios --show contest > my.toml && wildfire check my.toml
   wildfire map brushfire map.png --png fire.png   distances to obstacles
+  wildfire plan field.json --planner prm-rs,hybrid-astar   compare planners
 
 Exit codes: 0 done, 1 some run failed, 2 bad input, 3 disk or other environment,
-130 stopped with Ctrl-C.";
+4 a check found an offence, 130 stopped with Ctrl-C.";
 
 /// A wildfire contest between planners: a Wumpus lights bushes, a fire truck puts them out.
 #[derive(Debug, Parser)]
@@ -50,6 +52,8 @@ pub enum Command {
     },
     /// Compute the shortest curves of a turning radius between two poses: Reeds-Shepp and Dubins.
     Curve(CurveArguments),
+    /// Plan drives of the truck: any planners, on fields of yours or of a scenario, with figures and paths to check.
+    Plan(PlanArguments),
     /// Print the script that completes this program's arguments in a shell.
     Completions {
         /// The shell.
@@ -151,7 +155,7 @@ fn parse_jobs(text: &str) -> Result<NonZeroUsize, String> {
     jobs.ok_or_else(|| format!("expected a whole number from 1 to {MAX_JOBS}"))
 }
 
-fn parse_seed(text: &str) -> Result<u64, String> {
+pub fn parse_seed(text: &str) -> Result<u64, String> {
     text.parse().map_err(|_| format!("expected a whole number from 0 to {}", u64::MAX))
 }
 

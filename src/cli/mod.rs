@@ -8,6 +8,7 @@ mod curve;
 mod failure;
 mod map;
 mod output_files;
+mod plan;
 mod run_command;
 mod run_report;
 mod scenario_commands;
@@ -25,6 +26,7 @@ mod exit {
     pub const RUN_FAILED: u8 = 1;
     pub const BAD_INPUT: u8 = 2;
     pub const ENVIRONMENT: u8 = 3;
+    pub const OFFENCE: u8 = 4;
 }
 
 /// Reads the arguments of the process and does what they say.
@@ -41,6 +43,7 @@ fn dispatch(arguments: &Arguments) -> Result<ExitCode, Failure> {
         Command::Scenarios(scenarios) => scenario_commands::list_or_show(scenarios),
         Command::Map { command } => map::run(command, arguments.quiet),
         Command::Curve(curve) => curve::run(curve, arguments.quiet),
+        Command::Plan(plan) => plan::run(plan, arguments.quiet),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(*shell, &mut Arguments::command(), "wildfire", &mut script);

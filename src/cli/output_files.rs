@@ -11,16 +11,21 @@ use crate::cli::terminal;
 pub type Output<'a> = (Option<&'a Path>, &'a dyn Fn(&Path) -> io::Result<()>);
 
 /// Refuses outputs that cannot be written, that are one file, or that are the input.
-pub fn check<'a>(input: &Path, outputs: impl IntoIterator<Item = &'a Path>) -> Result<(), Failure> {
-    check_beside(vec![resolved(input)], outputs)
+pub fn check<'a>(input: &'a Path, outputs: impl IntoIterator<Item = &'a Path>) -> Result<(), Failure> {
+    check_beside([input], outputs)
 }
 
 /// Refuses outputs that cannot be written or that are one file.
 pub fn check_outputs<'a>(outputs: impl IntoIterator<Item = &'a Path>) -> Result<(), Failure> {
-    check_beside(Vec::new(), outputs)
+    check_beside([], outputs)
 }
 
-fn check_beside<'a>(mut seen: Vec<PathBuf>, outputs: impl IntoIterator<Item = &'a Path>) -> Result<(), Failure> {
+/// Refuses outputs that cannot be written, that are one file, or that are one of the inputs.
+pub fn check_beside<'a>(
+    inputs: impl IntoIterator<Item = &'a Path>,
+    outputs: impl IntoIterator<Item = &'a Path>,
+) -> Result<(), Failure> {
+    let mut seen: Vec<PathBuf> = inputs.into_iter().map(resolved).collect();
     for path in outputs {
         if seen.contains(&resolved(path)) {
             let sentence = format_args!("{} cannot be two files at once", path.display()).to_string();

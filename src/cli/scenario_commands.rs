@@ -60,7 +60,7 @@ fn first_sentence(text: &str) -> String {
 }
 
 /// Lines of whole words, at most `width` characters each unless a word is longer; at least one line.
-fn wrapped(text: &str, width: usize) -> Vec<String> {
+pub fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {
         let line = lines.last_mut().expect("there is one always");

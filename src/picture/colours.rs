@@ -26,8 +26,8 @@ pub const GOAL: Rgb = [255, 214, 10];
 /// colour-blind: vermilion, yellow, bluish green, sky blue.
 pub const ZONES: [Rgb; 4] = [[213, 94, 0], [240, 228, 66], [0, 158, 115], [86, 180, 233]];
 
-/// Of ways in order: the path's own, then blue and bluish green of the same set of eight.
-pub const WAYS: [Rgb; 3] = [PATH, [0, 114, 178], [0, 158, 115]];
+/// Of ways in order: the path's own, then blue, bluish green and orange of the same set of eight.
+pub const WAYS: [Rgb; 4] = [PATH, [0, 114, 178], [0, 158, 115], [230, 159, 0]];
 
 impl ColourMap {
     /// The colour at a fraction of the range, 0 to 1.

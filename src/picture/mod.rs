@@ -1,4 +1,4 @@
-//! Pictures drawn on the CPU: grid maps, their legends, surfaces; ways of a vehicle.
+//! Pictures drawn on the CPU: grid maps, their legends, surfaces; ways of a vehicle, drives on a field.
 //!
 //! The same scene gives the same picture on every machine, byte for byte: drawing uses only arithmetic that is exact to
 //! the standard, and trigonometry from [`crate::geometry::ops`].
@@ -6,6 +6,7 @@
 mod canvas;
 mod colours;
 mod curves;
+mod drives;
 mod font;
 mod legend;
 mod map;
@@ -23,6 +24,7 @@ mod zoom;
 
 pub use colours::{ColourMap, Rgb};
 pub use curves::{CurveScene, draw_curves};
+pub use drives::{DriveScene, DrivenWays, draw_drives};
 pub use map::draw_map;
 pub use overlay::draw_overlay;
 pub use png::Picture;

@@ -8,6 +8,7 @@ use crate::planning::{
     HybridSettings, LatticeSettings, PrimitiveSettings, PrmRsSettings, PrmSettings, SafetySettings, TruckPlannerKind,
     TruckPlannerSettings,
 };
+use crate::trajectory::SpeedLimits;
 use crate::vehicle::Dimensions;
 
 /// An arsonist on a lattice.
@@ -202,6 +203,17 @@ impl Unimog {
             hybrid: &self.hybrid,
             lattice: &self.lattice,
             safety: &self.safety,
+        }
+    }
+
+    /// How fast it may go, and how fast its speed may change.
+    pub fn speed_limits(&self) -> SpeedLimits {
+        SpeedLimits {
+            forward_mps: self.speed_mps,
+            reverse_mps: self.reverse_speed_mps,
+            acceleration_mps2: self.limits.acceleration_mps2,
+            braking_mps2: self.limits.braking_mps2,
+            lateral_mps2: self.limits.lateral_mps2,
         }
     }
 

@@ -12,7 +12,7 @@ use super::{
     Escape, Field, HybridSettings, Ignition, IgnitionCells, LatticeSettings, PrimitiveSettings, PrmRsSettings,
     PrmSettings, SafetySettings, Scenario, Unimog, Wumpus, WumpusPlanner, WumpusPotential,
 };
-use crate::geometry::{DVec2, FieldFrame};
+use crate::geometry::{DVec2, FieldFrame, ops};
 use crate::vehicle::Dimensions;
 
 /// Most agents of a kind.
@@ -35,6 +35,9 @@ const MAX_SPREAD_PAIRS: f64 = 1e9;
 const MAX_STOPS: f64 = 1e6;
 /// Most characters of a scenario's name, which goes into tables and file names.
 const MAX_NAME: usize = 100;
+
+/// Front wheels of the bicycle model that steer farther would push the truck sideways rather than turn it.
+const MAX_STEERING_DEG: f64 = 60.0;
 
 /// How far a body may stick out of the field by rounding, metres.
 const ROUNDING_M: f64 = 1e-9;
@@ -63,7 +66,7 @@ const fn from(least: f64, most: f64) -> RangeInclusive<f64> {
 
 /// Checks every value of a scenario that serde cannot.
 pub fn check(scenario: &Scenario) -> Check {
-    check_name(&scenario.name)?;
+    check_name("name", &scenario.name)?;
     let top = Table::named("");
     top.number("duration_s", scenario.duration_s, from(0.001, 1e6))?;
     check_field(&scenario.field)?;
@@ -107,10 +110,11 @@ pub fn check(scenario: &Scenario) -> Check {
     check_ignitions(&scenario.ignition, &frame)
 }
 
-fn check_name(name: &str) -> Check {
+/// Checks a name that goes into tables and file names.
+pub fn check_name(field: &str, name: &str) -> Check {
     let fits = (1..=MAX_NAME).contains(&name.chars().count()) && !name.chars().any(char::is_control);
     let expected = || format!("a line of 1 to {MAX_NAME} characters");
-    if fits { Ok(()) } else { Table::named("").refuse("name", shortened(&format!("{name:?}")), expected()) }
+    if fits { Ok(()) } else { Table::named("").refuse(field, shortened(&format!("{name:?}")), expected()) }
 }
 
 fn check_field(field: &Field) -> Check {
@@ -210,17 +214,27 @@ fn check_unimog(table: &Table, unimog: &Unimog, frame: &FieldFrame) -> Check {
     limits.optional("acceleration_mps2", unimog.limits.acceleration_mps2, from(0.001, 1000.0))?;
     limits.optional("braking_mps2", unimog.limits.braking_mps2, from(0.001, 1000.0))?;
     limits.optional("lateral_mps2", unimog.limits.lateral_mps2, from(0.001, 1000.0))?;
+    check_planner_settings(table, unimog, frame)?;
+    table.inner("start").number("heading_deg", unimog.start.heading_deg, from(-360.0, 360.0))?;
+    table.inside("start", &unimog.vehicle.footprint(unimog.start.pose()).corners(), frame)
+}
+
+/// Checks whether the first truck's planners can work on a field, whatever scenario their settings are from.
+pub fn check_planners(unimog: &Unimog, frame: &FieldFrame) -> Check {
+    check_planner_settings(&Table::entry("unimog", 0), unimog, frame)
+}
+
+fn check_planner_settings(table: &Table, unimog: &Unimog, frame: &FieldFrame) -> Check {
     check_prm(&table.inner("prm"), &unimog.prm)?;
     check_primitives(&table.inner("primitives"), &unimog.primitives, frame)?;
     check_prm_rs(&table.inner("prm_rs"), &unimog.prm_rs)?;
     check_hybrid(&table.inner("hybrid"), &unimog.hybrid, frame)?;
     check_lattice(&table.inner("lattice"), &unimog.lattice)?;
-    check_safety(&table.inner("safety"), &unimog.safety)?;
-    table.inner("start").number("heading_deg", unimog.start.heading_deg, from(-360.0, 360.0))?;
-    table.inside("start", &unimog.vehicle.footprint(unimog.start.pose()).corners(), frame)
+    check_safety(&table.inner("safety"), &unimog.safety)
 }
 
-fn check_vehicle(table: &Table, body: &Dimensions) -> Check {
+/// Checks that a body can be, and that steering can turn it as sharply as it says.
+pub fn check_vehicle(table: &Table, body: &Dimensions) -> Check {
     table.number("length_m", body.length_m, from(0.1, 100.0))?;
     table.number("width_m", body.width_m, from(0.1, 100.0))?;
     table.number("rear_overhang_m", body.rear_overhang_m, from(0.0, body.length_m))?;
@@ -233,6 +247,11 @@ fn check_vehicle(table: &Table, body: &Dimensions) -> Check {
     table.number("turning_radius_m", body.turning_radius_m, from(0.1, 10_000.0))?;
     if body.turning_radius_m < 0.5 * body.width_m {
         let expected = "a centre of turning outside the body, at least half the width away".into();
+        return table.refuse("turning_radius_m", body.turning_radius_m.to_string(), expected);
+    }
+    if body.max_steering_rad().to_degrees() > MAX_STEERING_DEG {
+        let least_m = body.wheelbase_m / ops::tan(MAX_STEERING_DEG.to_radians());
+        let expected = format!("at least {least_m:.3}, which steering by {MAX_STEERING_DEG} degrees gives");
         return table.refuse("turning_radius_m", body.turning_radius_m.to_string(), expected);
     }
     Ok(())
@@ -331,11 +350,20 @@ fn number_text(number: f64) -> String {
     if is_long { format!("{number:e}") } else { number.to_string() }
 }
 
+/// Checks the number that a path leads to.
+pub fn check_number(path: FieldPath, number: f64, range: RangeInclusive<f64>) -> Check {
+    if range.contains(&number) {
+        return Ok(());
+    }
+    let expected = format!("a number from {} to {}", range.start(), range.end());
+    Err(Box::new(Refusal { path, found: number_text(number), expected }))
+}
+
 /// A table of the scenario, to name values in faults.
-struct Table(FieldPath);
+pub struct Table(FieldPath);
 
 impl Table {
-    fn named(dotted: &str) -> Self {
+    pub fn named(dotted: &str) -> Self {
         Self(FieldPath::parse(dotted))
     }
 
@@ -347,18 +375,15 @@ impl Table {
         Self(self.0.join(Step::key(name)))
     }
 
-    fn number(&self, name: &str, value: f64, range: RangeInclusive<f64>) -> Check {
-        if range.contains(&value) {
-            return Ok(());
-        }
-        self.refuse(name, number_text(value), format!("a number from {} to {}", range.start(), range.end()))
+    pub fn number(&self, name: &str, value: f64, range: RangeInclusive<f64>) -> Check {
+        check_number(self.0.join(Step::key(name)), value, range)
     }
 
-    fn optional(&self, name: &str, value: Option<f64>, range: RangeInclusive<f64>) -> Check {
+    pub fn optional(&self, name: &str, value: Option<f64>, range: RangeInclusive<f64>) -> Check {
         value.map_or(Ok(()), |value| self.number(name, value, range))
     }
 
-    fn count(&self, name: &str, count: usize, most: usize) -> Check {
+    pub fn count(&self, name: &str, count: usize, most: usize) -> Check {
         if count <= most { Ok(()) } else { self.refuse(name, count.to_string(), format!("at most {most}")) }
     }
 
@@ -371,7 +396,7 @@ impl Table {
         self.refuse(name, "partly or wholly outside".into(), expected)
     }
 
-    fn refuse(&self, name: &str, found: String, expected: String) -> Check {
+    pub fn refuse(&self, name: &str, found: String, expected: String) -> Check {
         self.refuse_step(Step::key(name), found, expected)
     }
 

@@ -43,6 +43,8 @@ pub enum Fault {
     NotText { path: String, byte: usize },
     #[error("this is not TOML: {message}")]
     Syntax { message: String },
+    #[error("this is not JSON: {message}")]
+    NotJson { message: String },
     #[error("unknown field `{name}`{}", in_table(.table))]
     UnknownField { name: String, table: String, known: Vec<String>, nearest: Option<String> },
     #[error("missing field `{name}`{}", in_table(.table))]

@@ -179,7 +179,7 @@ fn parse_json(text: &str, cell_m: f64) -> Result<GivenField, MapError> {
 }
 
 /// Byte offset of a line and column, both from 1, columns in bytes as `serde_json` counts them.
-fn offset(text: &str, line: usize, column: usize) -> usize {
+pub(super) fn offset(text: &str, line: usize, column: usize) -> usize {
     let line_start: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
     let mut at = (line_start + column.saturating_sub(1)).min(text.len());
     while !text.is_char_boundary(at) {

@@ -6,7 +6,7 @@ mod json;
 mod limits;
 mod pair_table;
 mod pairs;
-mod samples;
+pub mod samples;
 mod scene;
 mod summary;
 mod words;

@@ -23,23 +23,22 @@ pub fn check(curves: &[FoundCurve], step_m: f64) -> Result<(), Failure> {
     Err(Failure::bad_input(sentence, Some("give a longer --step")))
 }
 
-/// Writes `curve,s_m,x_m,y_m,heading_rad,direction`: metres driven so far, the pose there, and whether the truck came
-/// there `forward` or in `reverse`; of the start, how it leaves.
-///
-/// The start, every joint and the end have a row, and steps between them are equal and at most `step_m`. Numbers are the
-/// shortest decimals that read back as the same `f64`.
+/// Writes `curve,s_m,x_m,y_m,heading_rad,direction`, the samples of [`along`]. Numbers are the shortest decimals that read
+/// back as the same `f64`.
 pub fn write(path: &FilePath, curves: &[FoundCurve], step_m: f64) -> io::Result<()> {
     let mut table = WholeFile::create(path)?;
     writeln!(table, "curve,s_m,x_m,y_m,heading_rad,direction")?;
     for curve in curves {
-        for (driven_m, Pose { x, y, heading }, direction) in samples(&curve.path, step_m) {
+        for (driven_m, Pose { x, y, heading }, direction) in along(&curve.path, step_m) {
             writeln!(table, "{},{driven_m},{x},{y},{heading},{direction}", curve.kind)?;
         }
     }
     table.finish()
 }
 
-fn samples(path: &Path, step_m: f64) -> impl Iterator<Item = (f64, Pose, &'static str)> {
+/// Metres driven so far, the pose there, and whether the truck came there `forward` or in `reverse`; of the start, how it
+/// leaves. The start, every joint and the end are there, and equal steps of at most `step_m` between them.
+pub fn along(path: &Path, step_m: f64) -> impl Iterator<Item = (f64, Pose, &'static str)> {
     let directions = path.segments.iter().map(words::direction);
     let first = (0.0, path.start, directions.clone().next().unwrap_or("forward"));
     let mut driven_m = 0.0;

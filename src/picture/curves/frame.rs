@@ -57,6 +57,12 @@ impl Frame {
         }
     }
 
+    /// Shows the rectangle from the origin so many metres east and north, both positive, and no more.
+    pub fn of(east_m: f64, north_m: f64) -> Self {
+        let pixels_per_m = LONGER_SIDE / east_m.max(north_m);
+        Self { low: (0.0, 0.0), high: (east_m, north_m), pixels_per_m, corner: (0.0, 0.0) }
+    }
+
     /// The same with its north-west corner at a place of the sheet.
     pub fn moved(self, corner: Point) -> Self {
         Self { corner: (corner.0.round(), corner.1.round()), ..self }

@@ -2,21 +2,21 @@
 
 mod frame;
 mod line;
+mod sheet;
+
+pub use frame::Frame;
+pub use line::{Run, runs};
+pub use sheet::Sheet;
 
 use crate::geometry::Pose;
 use crate::vehicle::{Dimensions, Path};
 
 use super::canvas::{Canvas, Point};
 use super::colours::{INK, PAPER, Rgb, WAYS};
-use super::legend::{Legend, Symbol};
+use super::legend::Symbol;
 use super::png::Picture;
-use super::text::{self, Align};
 use super::way_marks::{PoseMark, draw_cusp, draw_run};
-use frame::Frame;
-use line::{Run, runs};
 
-const TITLE: f32 = 13.0;
-const MARGIN: f32 = 24.0;
 const MARK: f32 = 10.0;
 /// The first way is drawn as wide as this, and each further one wider by [`WIDER`], under those before it: ways that
 /// coincide are all seen.
@@ -29,7 +29,7 @@ pub struct CurveScene<'a> {
     pub title: &'a str,
     pub start: Pose,
     pub goal: Pose,
-    /// Each with its name for the key; beyond the third, colours repeat.
+    /// Each with its name for the key; beyond the fourth, colours repeat.
     pub ways: &'a [(&'a str, &'a Path)],
     /// The vehicle whose outline is drawn at both poses, if any.
     pub body: Option<&'a Dimensions>,
@@ -48,19 +48,7 @@ pub fn draw_curves(scene: &CurveScene) -> Picture {
     let places = driven.chain(outlines.iter().flatten()).chain(&ends).copied();
     let frame = Frame::fit(places, scene.least_m);
 
-    let legend = Legend { values: None, key: key(scene, &lines) };
-    let room = frame.room();
-    let corner = (MARGIN + room.left, MARGIN + TITLE + room.above);
-    let frame = frame.moved(corner);
-    let (width, height) = frame.size();
-    let legend_at = (corner.0 + width + MARGIN, corner.1);
-    let right = (corner.0 + text::measure(scene.title, TITLE)).max(legend_at.0 + legend.width(1.0)) + MARGIN;
-    let bottom = corner.1 + (height + room.below).max(legend.height(height, 1.0)) + MARGIN;
-
-    let mut canvas = Canvas::sized(right, bottom, PAPER);
-    text::draw(&mut canvas, scene.title, (corner.0, MARGIN + TITLE), Align::Left, TITLE, INK);
-    legend.draw(&mut canvas, legend_at, height, 1.0);
-    frame.draw(&mut canvas);
+    let Sheet { mut canvas, frame } = Sheet::new(scene.title, frame, key(scene, &lines));
     for outline in &outlines {
         let corners: Vec<Point> = outline.iter().chain(&outline[..1]).map(|&place| frame.at(place)).collect();
         canvas.polyline(&corners, 1.5, INK);

@@ -1,0 +1,180 @@
+//! What a path is worth, and whether it keeps to the rules.
+
+use crate::audit::{Ground, Step, audit_leg};
+use crate::collision::CollisionChecker;
+use crate::geometry::{Pose, ops};
+use crate::planning::Goal;
+use crate::scenario::Problem;
+use crate::time::SimTime;
+use crate::trajectory::{SpeedLimits, Trajectory};
+use crate::vehicle::{Dimensions, Path, ReedsShepp};
+
+/// Spacing of the poses whose clearance is looked at, metres.
+const SPACING_M: f64 = 0.02;
+
+/// Samples of the audit are no farther apart.
+const AUDIT: Step = Step { metres: 0.02, degrees: 0.2 };
+
+/// How far a path may end from where it should, metres and radians.
+const END_M: f64 = 1e-3;
+const END_RAD: f64 = 1e-3;
+
+/// A path, its figures, and what is wrong with it.
+#[derive(Debug)]
+pub struct Drive {
+    pub path: Path,
+    pub length_m: f64,
+    /// Over what no path can be shorter than; `None` where that is 0.
+    pub lower_bound_ratio: Option<f64>,
+    /// The least of the poses every 2 cm, border included; exact below a metre, no more than the truth above.
+    pub min_clearance_m: f64,
+    pub cusps: u32,
+    /// From standstill to standstill.
+    pub drive_s: f64,
+    /// The first offence, in words.
+    pub offence: Option<String>,
+}
+
+/// Measures paths from the start of one problem and checks them by shapes that planners do not use.
+pub struct Judge<'a> {
+    start: Pose,
+    checker: &'a CollisionChecker,
+    ground: Ground,
+    limits: SpeedLimits,
+}
+
+impl<'a> Judge<'a> {
+    pub fn new(problem: &Problem, checker: &'a CollisionChecker) -> Self {
+        let ground = Ground::new(problem.terrain.frame, &problem.terrain.bushes);
+        Self { start: problem.start, checker, ground, limits: problem.truck.speed_limits() }
+    }
+
+    pub fn drive(&self, goal: Goal, path: Path) -> Drive {
+        let trajectory = Trajectory::along(&path, SimTime::ZERO, self.limits);
+        let length_m = path.length_m();
+        let bound_m = lower_bound_m(self.start, goal, self.checker.body());
+        let clearances = path.samples(SPACING_M).map(|(_, pose)| self.checker.clearance(pose));
+        Drive {
+            length_m,
+            lower_bound_ratio: (bound_m > 0.0).then(|| length_m / bound_m),
+            min_clearance_m: clearances.fold(f64::INFINITY, f64::min),
+            cusps: path.cusps(),
+            drive_s: trajectory.duration_s(),
+            offence: self.offence(goal, &trajectory),
+            path,
+        }
+    }
+
+    fn offence(&self, goal: Goal, trajectory: &Trajectory) -> Option<String> {
+        let audited = audit_leg(&self.ground, self.checker.body(), &self.limits, trajectory, AUDIT);
+        let on_the_way = audited.err().map(|offence| offence.to_string());
+        let (start, end) = (trajectory.start(), trajectory.end());
+        let at_the_ends = || {
+            let start = missed(Goal::Pose(self.start), start, self.checker.body());
+            let end = missed(goal, end, self.checker.body());
+            start.map(|by| format!("it begins {by} away from the start")).or(end.map(|by| format!("it ends {by} away")))
+        };
+        on_the_way.or_else(at_the_ends)
+    }
+}
+
+/// By how much a pose is not the goal, if it is not.
+fn missed(goal: Goal, pose: Pose, body: &Dimensions) -> Option<String> {
+    let (gap_m, turn) = match goal {
+        Goal::Pose(goal) => (pose.position().distance(goal.position()), ops::wrap_angle(pose.heading - goal.heading)),
+        Goal::Disc(disc) => (body.body_centre(pose).distance(disc.centre) - disc.radius_m, 0.0),
+    };
+    let is_met = gap_m <= END_M && turn.abs() <= END_RAD;
+    (!is_met).then(|| format!("{gap_m:.4} m and {:.4} rad", turn.abs()))
+}
+
+/// What no path can be shorter than: the length of the Reeds-Shepp curve, or the way of the body's centre into the disc
+/// over how much farther it can move than the rear axle.
+pub fn lower_bound_m(start: Pose, goal: Goal, body: &Dimensions) -> f64 {
+    match goal {
+        Goal::Pose(goal) => ReedsShepp { radius_m: body.turning_radius_m }.length_m(start, goal),
+        Goal::Disc(disc) => {
+            let gap_m = body.body_centre(start).distance(disc.centre) - disc.radius_m;
+            gap_m.max(0.0) / ops::hypot(1.0, body.centre_offset_m() * body.max_curvature())
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::collision::ClearanceField;
+    use crate::geometry::{Cell, DVec2, FieldFrame};
+    use crate::grid::Grid;
+    use crate::planning::GoalDisc;
+    use crate::scenario::{Terrain, Unimog};
+    use crate::vehicle::Segment;
+
+    const START: Pose = Pose { x: 20.0, y: 22.5, heading: 0.0 };
+
+    fn straight(metres: f64) -> Path {
+        Path { start: START, segments: vec![Segment { curvature: 0.0, length_m: metres }] }
+    }
+
+    /// A field of 100 m with one bush from (50, 20) to (55, 25).
+    fn judged(goal: Goal, path: Path) -> Drive {
+        let frame = FieldFrame { cols: 20, rows: 20, cell_m: 5.0 };
+        let mut occupied = Grid::filled(20, 20, false);
+        let bush = Cell { col: 10, row: 4 };
+        occupied[(usize::from(bush.row), usize::from(bush.col))] = true;
+        let checker = CollisionChecker::new(Arc::new(ClearanceField::new(frame, &occupied)), Dimensions::default());
+        let terrain = Terrain::from_occupied(frame, occupied);
+        let truck = Unimog::default();
+        let problem = Problem { name: "test".into(), terrain, truck, start: START, goals: vec![goal] };
+        Judge::new(&problem, &checker).drive(goal, path)
+    }
+
+    fn pose(x: f64) -> Goal {
+        Goal::Pose(Pose { x, ..START })
+    }
+
+    #[test]
+    fn a_straight_drive_has_the_figures_that_one_can_reckon() {
+        let drive = judged(pose(45.0), straight(25.0));
+        assert_eq!((drive.offence, drive.cusps, drive.length_m), (None, 0, 25.0));
+        assert!((drive.lower_bound_ratio.expect("it is not there yet") - 1.0).abs() < 1e-12);
+        assert!((drive.drive_s - 25.0 / Unimog::default().speed_mps).abs() < 1e-9);
+        // The front bumper is 3.95 m ahead of the rear axle.
+        assert!((drive.min_clearance_m - (50.0 - 45.0 - 3.95)).abs() < 0.1, "{}", drive.min_clearance_m);
+    }
+
+    #[test]
+    fn offences_are_seen_by_shapes_and_ends() {
+        let offence = |goal, path| judged(goal, path).offence.expect("something is wrong with it");
+        assert!(offence(pose(48.0), straight(28.0)).contains("in the bush at cell (10, 4)"));
+        assert!(offence(pose(45.0), straight(24.99)).contains("ends 0.0100 m and 0.0000 rad away"));
+        let tight = Path { start: START, segments: vec![Segment { curvature: 1.0 / 12.9, length_m: 9.0 }] };
+        assert!(offence(Goal::Pose(tight.end()), tight).contains("turning radius"));
+        let elsewhere = Path { start: Pose { y: 22.51, ..START }, ..straight(5.0) };
+        assert!(offence(Goal::Pose(elsewhere.end()), elsewhere).contains("begins 0.0100 m"));
+        let disc = |radius_m| Goal::Disc(GoalDisc { centre: DVec2::new(46.5, 22.5), radius_m });
+        assert!(offence(disc(1.9), straight(23.0)).contains("ends 0.1000 m"));
+        assert_eq!(judged(disc(2.0), straight(23.0)).offence, None);
+    }
+
+    #[test]
+    fn nothing_bounds_a_drive_that_is_there_already() {
+        let disc = Goal::Disc(GoalDisc { centre: DVec2::new(25.0, 25.0), radius_m: 10.0 });
+        let drive = judged(disc, Path::standing(START));
+        assert_eq!((drive.offence, drive.lower_bound_ratio, drive.drive_s), (None, None, 0.0));
+    }
+
+    #[test]
+    fn no_drive_into_a_disc_is_shorter_than_its_bound() {
+        let body = Dimensions::default();
+        // Round in a circle, the body's centre moves farther than the rear axle.
+        for metres in [1.0, 5.0, 20.0] {
+            let path =
+                Path { start: START, segments: vec![Segment { curvature: body.max_curvature(), length_m: metres }] };
+            let disc = GoalDisc { centre: body.body_centre(path.end()), radius_m: 0.0 };
+            assert!(lower_bound_m(START, Goal::Disc(disc), &body) <= metres);
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! All that was found out as one JSON object.
+
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+use crate::batch::PROGRAM_VERSION;
+use crate::cli::plan::Answers;
+use crate::cli::plan::attempts::Attempt;
+use crate::cli::plan::rows::Row;
+use crate::cli::plan::settings;
+use crate::cli::plan::summary::Summary;
+use crate::planning::Goal;
+use crate::scenario::Problem;
+
+/// The members in their order.
+#[derive(Serialize)]
+struct Object<'a> {
+    program_version: &'static str,
+    scenario: &'a str,
+    seed: u64,
+    /// By planner.
+    settings: BTreeMap<&'static str, BTreeMap<String, String>>,
+    fields: Vec<Field<'a>>,
+    rows: Vec<Row<'a>>,
+    offences: Vec<Offence<'a>>,
+    summary: &'a [Summary],
+}
+
+#[derive(Serialize)]
+struct Field<'a> {
+    field: &'a str,
+    start: [f64; 3],
+    goals: Vec<GoalMember>,
+}
+
+/// As a field file has it.
+#[derive(Serialize)]
+#[serde(rename_all = "snake_case")]
+enum GoalMember {
+    Pose([f64; 3]),
+    Disc([f64; 3]),
+}
+
+#[derive(Serialize)]
+struct Offence<'a> {
+    field: &'a str,
+    goal: usize,
+    planner: &'static str,
+    offence: &'a str,
+}
+
+/// The object on one line.
+pub fn of(answers: &Answers) -> String {
+    let object = Object {
+        program_version: PROGRAM_VERSION,
+        scenario: &answers.loaded.scenario.name,
+        seed: answers.seed,
+        settings: answers
+            .planners
+            .iter()
+            .map(|&p| (p.name(), settings::of(p, answers.loaded).into_iter().collect()))
+            .collect(),
+        fields: answers.problems.iter().map(field).collect(),
+        rows: answers.attempts.iter().map(Row::of).collect(),
+        offences: answers.attempts.iter().filter_map(offence).collect(),
+        summary: &answers.summaries,
+    };
+    serde_json::to_string(&object).expect("names, numbers and words are JSON") + "\n"
+}
+
+fn field(problem: &Problem) -> Field<'_> {
+    let goal = |goal: &Goal| match *goal {
+        Goal::Pose(pose) => GoalMember::Pose([pose.x, pose.y, pose.heading]),
+        Goal::Disc(disc) => GoalMember::Disc([disc.centre.x, disc.centre.y, disc.radius_m]),
+    };
+    let start = [problem.start.x, problem.start.y, problem.start.heading];
+    Field { field: &problem.name, start, goals: problem.goals.iter().map(goal).collect() }
+}
+
+fn offence<'a>(attempt: &'a Attempt) -> Option<Offence<'a>> {
+    let offence = attempt.drive.as_ref().ok()?.offence.as_deref()?;
+    Some(Offence { field: &attempt.problem.name, goal: attempt.goal, planner: attempt.planner.name(), offence })
+}

@@ -1,0 +1,121 @@
+//! `wildfire plan`: drives of the truck by any planners, with their figures, and paths that others can check.
+
+mod args;
+mod attempts;
+mod drive;
+mod json;
+mod ompl;
+mod path_rows;
+mod problems;
+mod report;
+mod rows;
+mod scene;
+mod settings;
+mod summary;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+pub use args::PlanArguments;
+
+use attempts::{Attempt, attempts};
+use summary::Summary;
+
+use crate::batch::file_name_of;
+use crate::cli::failure::Failure;
+use crate::cli::{exit, output_files, terminal};
+use crate::planning::TruckPlannerKind;
+use crate::scenario::{LoadedScenario, Problem};
+
+/// What was asked and all that was answered.
+struct Answers<'a> {
+    loaded: &'a LoadedScenario,
+    seed: u64,
+    problems: &'a [Problem],
+    planners: &'a [TruckPlannerKind],
+    /// Problem by problem, goal by goal, planner by planner.
+    attempts: Vec<Attempt<'a>>,
+    /// In the order of the planners.
+    summaries: Vec<Summary>,
+}
+
+impl Answers<'_> {
+    /// The place of a problem of the list.
+    fn number_of(&self, problem: &Problem) -> usize {
+        self.problems.iter().position(|other| std::ptr::eq(other, problem)).expect("it is in the list")
+    }
+}
+
+pub fn run(arguments: &PlanArguments, quiet: bool) -> Result<ExitCode, Failure> {
+    let loaded = LoadedScenario::open(&arguments.scenario, &arguments.overrides)?;
+    let problems = problems::load(arguments, &loaded.scenario)?;
+    let planners = planners(arguments, &problems);
+    let pictures = pictures(arguments, &problems);
+    check_files(arguments, &pictures)?;
+    let attempts: Vec<_> = problems.iter().flat_map(|problem| attempts(problem, &planners, arguments.seed)).collect();
+    let summaries = planners.iter().map(|&planner| Summary::of(planner, &attempts)).collect();
+    let answers = Answers {
+        loaded: &loaded,
+        seed: arguments.seed,
+        problems: &problems,
+        planners: &planners,
+        attempts,
+        summaries,
+    };
+    let told = if arguments.json { json::of(&answers) } else { report::of(&answers) };
+    let printed = terminal::print(told.as_bytes());
+    // Whatever cannot be written, all else is kept.
+    let written = write_files(arguments, &answers, &pictures, quiet);
+    printed.and(written)?;
+    let is_clean = answers.summaries.iter().all(|summary| summary.offences == 0);
+    Ok(if is_clean { ExitCode::SUCCESS } else { ExitCode::from(exit::OFFENCE) })
+}
+
+/// Those that were named, each once, or else the truck's own.
+fn planners(arguments: &PlanArguments, problems: &[Problem]) -> Vec<TruckPlannerKind> {
+    let own = problems.iter().take(1).map(|problem| problem.truck.planner);
+    let named = arguments.planners.iter().copied();
+    let mut planners = Vec::new();
+    for planner in named.chain(own.filter(|_| arguments.planners.is_empty())) {
+        if !planners.contains(&planner) {
+            planners.push(planner);
+        }
+    }
+    planners
+}
+
+/// A picture for each field, if they were asked for: the file named, or one beside it for each of several fields.
+fn pictures(arguments: &PlanArguments, problems: &[Problem]) -> Vec<PathBuf> {
+    let Some(path) = &arguments.png else { return Vec::new() };
+    if problems.len() == 1 {
+        return vec![path.clone()];
+    }
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let extension = path.extension().map_or(String::new(), |extension| format!(".{}", extension.to_string_lossy()));
+    let name = |problem: &Problem| format!("{stem}-{}{extension}", file_name_of(&problem.name));
+    problems.iter().map(|problem| path.with_file_name(name(problem))).collect()
+}
+
+fn check_files(arguments: &PlanArguments, pictures: &[PathBuf]) -> Result<(), Failure> {
+    let inputs = arguments.fields.iter().map(PathBuf::as_path).chain([Path::new(&arguments.scenario)]);
+    let tables = [&arguments.csv, &arguments.paths, &arguments.ompl];
+    let outputs = tables.into_iter().flatten().chain(pictures).map(PathBuf::as_path);
+    output_files::check_beside(inputs, outputs)
+}
+
+fn write_files(arguments: &PlanArguments, answers: &Answers, pictures: &[PathBuf], quiet: bool) -> Result<(), Failure> {
+    let tables = output_files::write_all(
+        &[
+            (arguments.csv.as_deref(), &|path| rows::write(path, &answers.attempts)),
+            (arguments.paths.as_deref(), &|path| path_rows::write(path, &answers.attempts)),
+            (arguments.ompl.as_deref(), &|path| ompl::write(path, answers)),
+        ],
+        quiet,
+    );
+    let drawn = answers.problems.iter().zip(pictures).map(|(problem, picture)| {
+        let draw = |path: &Path| scene::draw(problem, answers).write_png(path);
+        output_files::write_all(&[(Some(picture), &draw)], quiet)
+    });
+    // All are tried; the error is the first.
+    drawn.fold(tables, Result::and)
+}

@@ -1,0 +1,48 @@
+//! Every path densely, so that others can check it.
+
+use std::io;
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::cli::curve::samples;
+use crate::cli::plan::attempts::Attempt;
+use crate::cli::plan::rows::write_csv;
+use crate::planning::TruckPlannerKind;
+
+/// A little less than 5 cm, so that rounding of `s_m` never makes a step longer than that.
+const STEP_M: f64 = 0.0499;
+
+/// A pose of the rear axle on a path.
+#[derive(Serialize)]
+struct PathRow<'a> {
+    field: &'a str,
+    goal: usize,
+    planner: TruckPlannerKind,
+    /// Metres driven so far, forward and reverse alike.
+    s_m: f64,
+    x_m: f64,
+    y_m: f64,
+    heading_rad: f64,
+    /// How the truck came there; of the start, how it leaves.
+    direction: &'static str,
+}
+
+/// Writes start, joints, end, and equal steps between them of at most 5 cm, of every path that was found.
+pub fn write(path: &Path, attempts: &[Attempt]) -> io::Result<()> {
+    write_csv(path, attempts.iter().flat_map(rows))
+}
+
+fn rows<'a>(attempt: &'a Attempt) -> impl Iterator<Item = PathRow<'a>> {
+    let samples = attempt.drive.iter().flat_map(|drive| samples::along(&drive.path, STEP_M));
+    samples.map(|(s_m, pose, direction)| PathRow {
+        field: &attempt.problem.name,
+        goal: attempt.goal,
+        planner: attempt.planner,
+        s_m,
+        x_m: pose.x,
+        y_m: pose.y,
+        heading_rad: pose.heading,
+        direction,
+    })
+}

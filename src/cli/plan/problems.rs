@@ -1,0 +1,105 @@
+//! What is to be planned: problems from files, or on the field of a scenario.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use rand::RngExt;
+use rand::seq::SliceRandom;
+
+use crate::cli::failure::Failure;
+use crate::cli::plan::args::PlanArguments;
+use crate::collision::{ClearanceField, CollisionChecker};
+use crate::geometry::Pose;
+use crate::planning::{Goal, GoalDisc};
+use crate::rng;
+use crate::scenario::{Problem, Scenario, Unimog};
+
+/// Goal poses on a scenario's field, unless a number is given.
+const GOALS: usize = 50;
+
+/// What a random goal pose keeps from bushes and border, metres.
+const GOAL_CLEARANCE_M: f64 = 0.5;
+
+/// Poses drawn for one that is free, until the field counts as full.
+const DRAWS_A_GOAL: usize = 10_000;
+
+/// The problems of the files, or the one of the scenario; each has a name of its own and at least one goal.
+pub fn load(arguments: &PlanArguments, scenario: &Scenario) -> Result<Vec<Problem>, Failure> {
+    let truck = scenario.unimog.first().ok_or_else(|| no_truck(scenario))?;
+    let mut problems = if arguments.fields.is_empty() {
+        vec![on_the_scenario(arguments, scenario)?]
+    } else {
+        from_files(arguments, truck)?
+    };
+    if let Some(count) = arguments.cells {
+        let reach_m = scenario.suppression.reach_m.ok_or_else(no_reach)?;
+        problems.iter_mut().for_each(|problem| problem.goals = bushes(problem, count, reach_m, arguments.seed));
+    }
+    match problems.iter().find(|problem| problem.goals.is_empty()) {
+        None => Ok(problems),
+        Some(problem) => {
+            let what = if arguments.cells.is_some() { "bushes" } else { "goals" };
+            let help = "list `goals`, or drive to bushes with --cells";
+            Err(Failure::bad_input(format_args!("the field `{}` has no {what}", problem.name), Some(help)))
+        }
+    }
+}
+
+fn no_truck(scenario: &Scenario) -> Failure {
+    Failure::bad_input(
+        format_args!("the scenario `{}` has no truck", scenario.name),
+        Some("planners take their settings from its first [[unimog]]"),
+    )
+}
+
+fn no_reach() -> Failure {
+    Failure::bad_input("--cells needs a reach, and `suppression.reach_m` is \"none\"", None)
+}
+
+fn from_files(arguments: &PlanArguments, truck: &Unimog) -> Result<Vec<Problem>, Failure> {
+    let mut problems: Vec<Problem> = Vec::new();
+    for path in &arguments.fields {
+        let problem = Problem::open(path, truck)?;
+        if problems.iter().any(|other| other.name == problem.name) {
+            let sentence = format!("{}: another field is called `{}` too", path.display(), problem.name);
+            return Err(Failure::bad_input(
+                sentence,
+                Some("tables tell fields apart by `field`, or by the file's name"),
+            ));
+        }
+        problems.push(problem);
+    }
+    Ok(problems)
+}
+
+fn on_the_scenario(arguments: &PlanArguments, scenario: &Scenario) -> Result<Problem, Failure> {
+    let problem = Problem::of_scenario(scenario, arguments.seed).map_err(|error| Failure::bad_input(error, None))?;
+    let mut problem = problem.ok_or_else(|| no_truck(scenario))?;
+    if arguments.cells.is_none() {
+        problem.goals = free_poses(&problem, arguments.goals.unwrap_or(GOALS), arguments.seed)?;
+    }
+    Ok(problem)
+}
+
+fn free_poses(problem: &Problem, count: usize, seed: u64) -> Result<Vec<Goal>, Failure> {
+    let frame = problem.terrain.frame;
+    let field = Arc::new(ClearanceField::new(frame, &problem.terrain.occupied));
+    let checker = CollisionChecker::new(field, problem.truck.vehicle);
+    let mut rng = rng::stream(seed, "plan/goals");
+    let mut draw = || {
+        let (x, y) = (rng.random_range(0.0..frame.width_m()), rng.random_range(0.0..frame.height_m()));
+        Pose::new(x, y, rng.random_range(0.0..TAU))
+    };
+    let mut free = || (0..DRAWS_A_GOAL).map(|_| draw()).find(|pose| checker.pose_is_free(*pose, GOAL_CLEARANCE_M));
+    let full = || Failure::bad_input(format_args!("the field `{}` has no room for goals", problem.name), None);
+    (0..count).map(|_| free().map(Goal::Pose).ok_or_else(full)).collect()
+}
+
+/// Discs about random bushes, no bush twice.
+fn bushes(problem: &Problem, count: usize, reach_m: f64, seed: u64) -> Vec<Goal> {
+    let mut bushes = problem.terrain.bushes.clone();
+    bushes.shuffle(&mut rng::stream(seed, "plan/cells"));
+    bushes.truncate(count);
+    let disc = |cell| Goal::Disc(GoalDisc { centre: problem.terrain.frame.centre(cell), radius_m: reach_m });
+    bushes.into_iter().map(disc).collect()
+}

@@ -1,0 +1,141 @@
+//! What was found out, as text for people.
+
+use crate::batch::TextTable;
+use crate::cli::plan::Answers;
+use crate::cli::plan::attempts::Attempt;
+use crate::cli::plan::drive::Drive;
+use crate::cli::plan::settings;
+use crate::cli::plan::summary::Summary;
+use crate::cli::scenario_commands::wrapped;
+
+/// The width of a terminal's line.
+const WIDTH: usize = 80;
+
+/// The most rows that are shown one by one, and the most goals that are named because something is wrong.
+const SHOWN_ROWS: usize = 60;
+const SHOWN_FAULTS: usize = 10;
+
+/// Characters of a field's name.
+const LONGEST_NAME: usize = 12;
+
+/// Settings, a row for each goal and planner if they are not too many, a line for each planner, and what went wrong.
+pub fn of(answers: &Answers) -> String {
+    let rows = if answers.attempts.len() <= SHOWN_ROWS { rows(answers).to_text() + "\n" } else { String::new() };
+    format!("{}\n{rows}{}\n{}", heading(answers), summary(&answers.summaries).to_text(), faults(answers))
+}
+
+fn heading(answers: &Answers) -> String {
+    let fields = match answers.problems {
+        [problem] => format!("Field `{}`", shortened(&problem.name)),
+        problems => format!("{} fields", problems.len()),
+    };
+    let goals: usize = answers.problems.iter().map(|problem| problem.goals.len()).sum();
+    let scenario = &answers.loaded.scenario.name;
+    let goals = if goals == 1 { "1 goal".to_owned() } else { format!("{goals} goals") };
+    let mut text = format!("{fields}, {goals}, seed {}; settings of the scenario `{scenario}`:\n", answers.seed);
+    for &planner in answers.planners {
+        let values = settings::of(planner, answers.loaded);
+        let values: Vec<_> = values.iter().map(|(name, value)| format!("{name}={value}")).collect();
+        let lines = wrapped(&format!("{}: {}", planner.name(), values.join(" ")), WIDTH - 4);
+        text += &lines.iter().enumerate().map(|(at, line)| indented(at, line)).collect::<String>();
+    }
+    text
+}
+
+fn indented(at: usize, line: &str) -> String {
+    if at == 0 { format!("  {line}\n") } else { format!("    {line}\n") }
+}
+
+/// A column of a table: its heading, and what stands in it.
+type TextColumn<T> = (&'static str, fn(&T) -> String);
+
+fn table<T>(columns: &[TextColumn<T>], rows: &[T]) -> TextTable {
+    let headings = columns.iter().map(|(heading, _)| heading.split(' ').map(str::to_owned).collect()).collect();
+    let cells = |row: &T| columns.iter().map(|(_, cell)| cell(row)).collect();
+    TextTable { headings, rows: rows.iter().map(cells).collect(), rules_before: Vec::new() }
+}
+
+/// A row for each goal and planner.
+fn rows(answers: &Answers) -> TextTable {
+    let mut columns: Vec<TextColumn<Attempt>> = Vec::new();
+    if answers.planners.len() > 1 {
+        columns.push(("Planner", |row| row.planner.to_string()));
+    }
+    if answers.problems.len() > 1 {
+        columns.push(("Field", |row| shortened(&row.problem.name)));
+    }
+    columns.extend::<[TextColumn<Attempt>; 8]>([
+        ("Goal", |row| row.goal.to_string()),
+        ("CPU, ms", |row| milliseconds(row.query.as_secs_f64())),
+        ("Expan- sions", |row| row.expansions.to_string()),
+        ("Length, m", |row| of_drive(row, |drive| Some(drive.length_m), 2)),
+        ("Length/ bound", |row| of_drive(row, |drive| drive.lower_bound_ratio, 3)),
+        ("Clear- ance,m", |row| of_drive(row, |drive| Some(drive.min_clearance_m), 2)),
+        ("Cusps", |row| of_drive(row, |drive| Some(drive.cusps.into()), 0)),
+        ("Drive, s", |row| of_drive(row, |drive| Some(drive.drive_s), 1)),
+    ]);
+    table(&columns, &answers.attempts)
+}
+
+fn of_drive(row: &Attempt, figure: fn(&Drive) -> Option<f64>, decimals: usize) -> String {
+    optional(row.drive.as_ref().ok().and_then(figure), decimals)
+}
+
+/// A line for each planner.
+fn summary(summaries: &[Summary]) -> TextTable {
+    let columns: [TextColumn<Summary>; 11] = [
+        ("Planner", |row| row.planner.to_string()),
+        ("Reached", |row| format!("{}/{}", row.reached, row.goals)),
+        ("CPU,ms median", |row| milliseconds(row.cpu_query_median_s)),
+        ("p95", |row| milliseconds(row.cpu_query_p95_s)),
+        ("max", |row| milliseconds(row.cpu_query_max_s)),
+        ("Build, ms", |row| milliseconds(row.cpu_build_median_s)),
+        ("Length/ bound", |row| optional(row.lower_bound_ratio_mean, 3)),
+        ("goals 0-2", |row| optional(row.first_lower_bound_ratio_mean, 3)),
+        ("Clear- ance,m", |row| optional(row.min_clearance_median_m, 2)),
+        ("Cusps", |row| optional(row.cusps_mean, 2)),
+        ("Offen- ces", |row| row.offences.to_string()),
+    ];
+    table(&columns, summaries)
+}
+
+/// Goals that were not reached, and offences, by name.
+fn faults(answers: &Answers) -> String {
+    let fault = |attempt: &Attempt| match &attempt.drive {
+        Err(failure) => Some(failure.to_string()),
+        Ok(drive) => drive.offence.clone(),
+    };
+    let sentence = |attempt: &Attempt| {
+        let (name, goal) = (shortened(&attempt.problem.name), attempt.goal);
+        Some(format!("{} on field {name}, goal {goal}: {}", attempt.planner.name(), fault(attempt)?))
+    };
+    let faults: Vec<String> = answers.attempts.iter().filter_map(sentence).collect();
+    let shown = faults.iter().take(SHOWN_FAULTS).flat_map(|fault| wrapped(fault, WIDTH)).map(|line| line + "\n");
+    let hidden = match faults.len().saturating_sub(SHOWN_FAULTS) {
+        0 => String::new(),
+        more => format!("and {more} more like these\n"),
+    };
+    shown.collect::<String>() + &hidden + LEGEND
+}
+
+const LEGEND: &str = "\
+CPU: of the query; build: clearance field and preparation, median of the fields.
+Length/bound: mean over the shortest that could be; clearance: median of minima.
+Paths are checked every 2 cm by other shapes than planners use: offences.
+";
+
+fn milliseconds(seconds: f64) -> String {
+    let milliseconds = 1e3 * seconds;
+    if milliseconds < 100.0 { format!("{milliseconds:.2}") } else { format!("{milliseconds:.0}") }
+}
+
+fn optional(figure: Option<f64>, decimals: usize) -> String {
+    figure.map_or("-".into(), |figure| format!("{figure:.decimals$}"))
+}
+
+fn shortened(name: &str) -> String {
+    if name.chars().count() <= LONGEST_NAME {
+        return name.to_owned();
+    }
+    name.chars().take(LONGEST_NAME - 1).chain(['~']).collect()
+}

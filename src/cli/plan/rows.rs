@@ -1,0 +1,64 @@
+//! Attempts as rows: what the CSV file and the JSON object say of each.
+
+use std::io;
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::cli::plan::attempts::Attempt;
+use crate::planning::TruckPlannerKind;
+use crate::whole_file::WholeFile;
+
+/// The columns in their order; of a goal that was not reached, those of the path are empty.
+#[derive(Serialize)]
+pub struct Row<'a> {
+    field: &'a str,
+    goal: usize,
+    planner: TruckPlannerKind,
+    success: bool,
+    /// Why there is no path.
+    reason: Option<String>,
+    cpu_build_s: f64,
+    cpu_query_s: f64,
+    length_m: Option<f64>,
+    lower_bound_ratio: Option<f64>,
+    min_clearance_m: Option<f64>,
+    cusps: Option<u32>,
+    drive_s: Option<f64>,
+    expansions: u64,
+}
+
+impl<'a> Row<'a> {
+    pub fn of(attempt: &Attempt<'a>) -> Self {
+        let drive = attempt.drive.as_ref();
+        Self {
+            field: &attempt.problem.name,
+            goal: attempt.goal,
+            planner: attempt.planner,
+            success: drive.is_ok(),
+            reason: drive.err().map(ToString::to_string),
+            cpu_build_s: attempt.build.as_secs_f64(),
+            cpu_query_s: attempt.query.as_secs_f64(),
+            length_m: drive.ok().map(|drive| drive.length_m),
+            lower_bound_ratio: drive.ok().and_then(|drive| drive.lower_bound_ratio),
+            min_clearance_m: drive.ok().map(|drive| drive.min_clearance_m),
+            cusps: drive.ok().map(|drive| drive.cusps),
+            drive_s: drive.ok().map(|drive| drive.drive_s),
+            expansions: attempt.expansions,
+        }
+    }
+}
+
+/// Writes a row for each attempt; numbers read back as the same `f64`.
+pub fn write(path: &Path, attempts: &[Attempt]) -> io::Result<()> {
+    write_csv(path, attempts.iter().map(Row::of))
+}
+
+/// Writes rows under the names of their members.
+pub fn write_csv(path: &Path, rows: impl Iterator<Item = impl Serialize>) -> io::Result<()> {
+    let mut table = csv::Writer::from_writer(WholeFile::create(path)?);
+    for row in rows {
+        table.serialize(row)?;
+    }
+    table.into_inner().map_err(csv::IntoInnerError::into_error)?.finish()
+}

@@ -1,0 +1,87 @@
+//! Where a value stands in a JSON text.
+
+use std::fmt;
+use std::ops::Range;
+
+use serde::Deserializer;
+use serde::de::{DeserializeSeed, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
+
+use super::given::offset;
+use super::path::{FieldPath, Step};
+
+/// The first byte of the value that a path leads to, or of the last value on the way to it that exists.
+pub fn locate(text: &str, path: &FieldPath) -> Range<usize> {
+    let mut json = serde_json::Deserializer::from_str(text);
+    let Err(halt) = Walk(&path.0).deserialize(&mut json) else { return 0..0 };
+    let before = offset(text, halt.line(), halt.column());
+    // The parser halts in front of the value, at the latest on the colon or comma before it.
+    let gap = text[before..].find(|letter: char| !(letter.is_whitespace() || letter == ':' || letter == ','));
+    let at = before + gap.unwrap_or(0);
+    at..at + 1
+}
+
+/// Steps still to be taken; the walk halts at its end by an error, which is what carries the place.
+struct Walk<'p>(&'p [Step]);
+
+impl<'de> DeserializeSeed<'de> for Walk<'_> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+        if self.0.is_empty() { Err(D::Error::custom("arrived")) } else { deserializer.deserialize_any(self) }
+    }
+}
+
+impl<'de> Visitor<'de> for Walk<'_> {
+    type Value = ();
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a map or a list")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
+        while let Some(key) = map.next_key::<String>()? {
+            match self.0.split_first() {
+                Some((Step::Key(name), rest)) if *name == key => return map.next_value_seed(Walk(rest)),
+                _ => map.next_value::<IgnoredAny>()?,
+            };
+        }
+        Err(A::Error::custom("no such member"))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<(), A::Error> {
+        let Some((Step::Index(index), rest)) = self.0.split_first() else {
+            return Err(A::Error::custom("no list was expected"));
+        };
+        for _ in 0..*index {
+            seq.next_element::<IgnoredAny>()?;
+        }
+        seq.next_element_seed(Walk(rest))?.ok_or_else(|| A::Error::custom("no such element"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "{\"a\": [1, {\"b\": [7,\n -8]}],\n\n \"c\" : {\"d\" :\n null, \"e\": \"x\"}}";
+
+    fn rest(dotted: &str) -> &str {
+        &TEXT[locate(TEXT, &FieldPath::parse(dotted)).start..]
+    }
+
+    #[test]
+    fn paths_lead_to_the_first_byte_of_a_value() {
+        assert!(rest("a.1.b.1").starts_with("-8]}]"), "{}", rest("a.1.b.1"));
+        assert!(rest("a.1.b").starts_with("[7"), "{}", rest("a.1.b"));
+        assert!(rest("c.d").starts_with("null"), "{}", rest("c.d"));
+        assert!(rest("c.e").starts_with("\"x\""), "{}", rest("c.e"));
+        assert!(rest("c").starts_with("{\"d\""), "{}", rest("c"));
+    }
+
+    #[test]
+    fn paths_that_lead_nowhere_give_a_place_on_the_way() {
+        for dotted in ["a.9", "a.1.b.5", "c.f", "c.e.3", "z", "a.x", ""] {
+            assert!(locate(TEXT, &FieldPath::parse(dotted)).end <= TEXT.len(), "{dotted}");
+        }
+    }
+}

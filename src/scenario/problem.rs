@@ -1,0 +1,275 @@
+//! Problems for a truck's planner as files: a field, a truck on it, and where it shall go.
+//!
+//! A problem is a JSON map (see [`GivenField`]) with more members: `start` and `goals` as `[x, y, heading]` of the rear
+//! axle, in metres and radians, and the `vehicle`, in metres. Members of other names are ignored, so that other
+//! programs may keep theirs. The format is described in `scenarios/README.md`.
+
+use std::ops::Range;
+use std::path::Path;
+
+use serde::Deserialize;
+use serde_json::error::Category;
+
+use super::check::{self, Check, Table};
+use super::error::{Fault, Place, ScenarioError};
+use super::given::offset;
+use super::json_place::locate;
+use super::path::{FieldPath, Step};
+use super::source::{MAX_MAP_BYTES, read_text};
+use super::wording;
+use super::{Field, GivenField, Scenario, Terrain, TerrainError, Unimog};
+use crate::geometry::{DVec2, Pose};
+use crate::planning::{Goal, GoalDisc};
+use crate::vehicle::Dimensions;
+
+/// Most goals of a problem.
+pub const MAX_GOALS: usize = 10_000;
+
+/// Coordinates, radii and angles that are read, up to this size.
+const LARGEST: f64 = 1e6;
+
+/// Smallest and largest side of a cell, metres.
+const CELLS_M: [f64; 2] = [0.01, 1000.0];
+
+/// Least and greatest speed, m/s.
+const SPEEDS_MPS: [f64; 2] = [0.001, 1000.0];
+
+/// What the two ways to say where the front bumper is may differ by, metres.
+const ROUNDING_M: f64 = 1e-6;
+
+/// A field, a truck on it, and where it shall go.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    pub name: String,
+    pub terrain: Terrain,
+    /// Body, speeds and planner settings.
+    pub truck: Unimog,
+    /// Like goals, it may be no free pose, nor a number: that is for planners to say.
+    pub start: Pose,
+    pub goals: Vec<Goal>,
+}
+
+impl Problem {
+    /// Reads a file; what it does not say of the truck is as `truck` has it, limits of acceleration and settings of
+    /// planners always.
+    ///
+    /// # Errors
+    /// The first fault with its place: what is no such file, a cell outside the field, a vehicle that cannot be, more
+    /// than [`MAX_GOALS`] goals, a field that is too large for the planners' settings.
+    pub fn open(path: &Path, truck: &Unimog) -> Result<Self, Box<ScenarioError>> {
+        let text = read_text(path, MAX_MAP_BYTES).map_err(Fault::nowhere)?;
+        let file = ProblemFile { name: path.display().to_string(), text: &text };
+        let stem = path.file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
+        file.problem(stem, truck)
+    }
+
+    /// The field of a scenario's run with this seed and its first truck at its start; no goals, and `None` if there is
+    /// no truck.
+    ///
+    /// # Errors
+    /// As [`Terrain::of`].
+    pub fn of_scenario(scenario: &Scenario, seed: u64) -> Result<Option<Self>, TerrainError> {
+        let Some(truck) = scenario.unimog.first() else { return Ok(None) };
+        let terrain = Terrain::of(scenario, seed)?;
+        let start = truck.start.pose();
+        Ok(Some(Self { name: scenario.name.clone(), terrain, truck: truck.clone(), start, goals: Vec::new() }))
+    }
+}
+
+/// The members that are read beside those of the map.
+#[derive(Deserialize)]
+struct Members {
+    field: Option<Name>,
+    vehicle: Option<Vehicle>,
+    start: Vec<Option<f64>>,
+    #[serde(default)]
+    goals: Vec<GoalMembers>,
+}
+
+/// What a problem is called.
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "expected a number or a text in quotes")]
+enum Name {
+    Number(u64),
+    Text(String),
+}
+
+#[derive(Deserialize)]
+struct Vehicle {
+    length: f64,
+    width: f64,
+    wheelbase: f64,
+    rear_overhang: f64,
+    front_from_rear_axle: Option<f64>,
+    min_turn_radius: f64,
+    v_max: Option<f64>,
+}
+
+/// A goal is one of the two.
+#[derive(Deserialize)]
+struct GoalMembers {
+    /// x, y, heading.
+    pose: Option<Vec<Option<f64>>>,
+    /// x, y, radius.
+    disc: Option<Vec<Option<f64>>>,
+}
+
+type Read<T> = Result<T, Box<ScenarioError>>;
+
+/// A file's name and text, to place what is wrong with it.
+struct ProblemFile<'a> {
+    name: String,
+    text: &'a str,
+}
+
+impl ProblemFile<'_> {
+    fn problem(&self, stem: String, truck: &Unimog) -> Read<Problem> {
+        let members = self.members()?;
+        let terrain = self.terrain()?;
+        let mut truck = truck.clone();
+        if let Some(vehicle) = &members.vehicle {
+            self.placed(check_vehicle(vehicle))?;
+            truck.vehicle = vehicle.body();
+            (truck.speed_mps, truck.reverse_speed_mps) = match vehicle.v_max {
+                Some(speed_mps) => (speed_mps, speed_mps),
+                None => (truck.speed_mps, truck.reverse_speed_mps),
+            };
+        }
+        self.placed(check::check_planners(&truck, &terrain.frame))?;
+        let [x, y, heading] = self.three(&FieldPath::parse("start"), &members.start)?;
+        Ok(Problem {
+            name: self.problem_name(members.field, stem)?,
+            terrain,
+            truck,
+            start: Pose::new(x, y, heading),
+            goals: self.goals(&members.goals)?,
+        })
+    }
+
+    fn members(&self) -> Read<Members> {
+        let mut json = serde_json::Deserializer::from_str(self.text);
+        let members = serde_path_to_error::deserialize(&mut json)
+            .map_err(|error| self.unreadable(error.inner(), FieldPath::of_serde(error.path())))?;
+        // What follows the object would be passed over.
+        json.end().map_err(|error| self.unreadable(&error, FieldPath::default()))?;
+        Ok(members)
+    }
+
+    fn unreadable(&self, error: &serde_json::Error, path: FieldPath) -> Box<ScenarioError> {
+        let at = offset(self.text, error.line(), error.column());
+        let message = error.to_string();
+        let message = message.rsplit_once(" at line ").map_or(message.as_str(), |(sentence, _)| sentence);
+        let fault = match error.classify() {
+            Category::Data => wording::fault_of(message, path).0,
+            Category::Io | Category::Syntax | Category::Eof => Fault::NotJson { message: message.to_owned() },
+        };
+        fault.at(self.at(at..at + 1))
+    }
+
+    fn terrain(&self) -> Read<Terrain> {
+        let field = GivenField::parse(self.text, Field::default().cell_m)
+            .map_err(|error| Fault::from(error.fault).at(self.at(error.span)))?;
+        self.placed(Table::named("").number("cell_m", field.frame.cell_m, CELLS_M[0]..=CELLS_M[1]))?;
+        Ok(Terrain::from_occupied(field.frame, field.occupied))
+    }
+
+    fn goals(&self, goals: &[GoalMembers]) -> Read<Vec<Goal>> {
+        self.placed(Table::named("").count("goals", goals.len(), MAX_GOALS))?;
+        let list = FieldPath::parse("goals");
+        goals.iter().enumerate().map(|(number, goal)| self.goal(&list.join(Step::Index(number)), goal)).collect()
+    }
+
+    fn goal(&self, path: &FieldPath, goal: &GoalMembers) -> Read<Goal> {
+        match (&goal.pose, &goal.disc) {
+            (Some(pose), None) => {
+                let [x, y, heading] = self.three(&path.join(Step::key("pose")), pose)?;
+                Ok(Goal::Pose(Pose::new(x, y, heading)))
+            }
+            (None, Some(disc)) => {
+                let path = path.join(Step::key("disc"));
+                let [x, y, radius_m] = self.three(&path, disc)?;
+                self.placed(check::check_number(path.join(Step::Index(2)), radius_m, 0.0..=LARGEST))?;
+                Ok(Goal::Disc(GoalDisc { centre: DVec2::new(x, y), radius_m }))
+            }
+            (pose, _) => {
+                let found = if pose.is_some() { "both" } else { "neither" };
+                self.refuse(path, found.into(), "either a `pose` or a `disc`")
+            }
+        }
+    }
+
+    /// Three numbers; what is null, which is how JSON writes what is not a number, becomes NaN.
+    fn three(&self, path: &FieldPath, numbers: &[Option<f64>]) -> Read<[f64; 3]> {
+        let Ok(three) = <[Option<f64>; 3]>::try_from(numbers) else {
+            return self.refuse(path, format!("a list of {}", numbers.len()), "a list of three numbers");
+        };
+        for (index, number) in three.iter().enumerate() {
+            let number = number.unwrap_or_default();
+            self.placed(check::check_number(path.join(Step::Index(index)), number, -LARGEST..=LARGEST))?;
+        }
+        Ok(three.map(|number| number.unwrap_or(f64::NAN)))
+    }
+
+    fn problem_name(&self, name: Option<Name>, stem: String) -> Read<String> {
+        let name = match name {
+            Some(Name::Number(number)) => number.to_string(),
+            Some(Name::Text(text)) => text,
+            None => stem,
+        };
+        self.placed(check::check_name("field", &name))?;
+        Ok(name)
+    }
+
+    fn refuse<T>(&self, path: &FieldPath, found: String, expected: &str) -> Read<T> {
+        let fault = Fault::Value { field: path.to_string(), found, expected: expected.to_owned() };
+        Err(fault.at(self.at(locate(self.text, path))))
+    }
+
+    /// The same with the place of what is refused.
+    fn placed(&self, check: Check) -> Read<()> {
+        check.map_err(|refusal| refusal.fault().at(self.at(locate(self.text, &refusal.path))))
+    }
+
+    fn at(&self, span: Range<usize>) -> Place {
+        Place::new(&self.name, self.text, span)
+    }
+}
+
+impl Vehicle {
+    fn body(&self) -> Dimensions {
+        Dimensions {
+            length_m: self.length,
+            width_m: self.width,
+            wheelbase_m: self.wheelbase,
+            rear_overhang_m: self.rear_overhang,
+            turning_radius_m: self.min_turn_radius,
+        }
+    }
+}
+
+fn check_vehicle(vehicle: &Vehicle) -> Check {
+    let table = Table::named("vehicle");
+    check::check_vehicle(&table, &vehicle.body()).map_err(|mut refusal| {
+        refusal.path = in_words_of_the_file(&refusal.path);
+        refusal
+    })?;
+    table.optional("v_max", vehicle.v_max, SPEEDS_MPS[0]..=SPEEDS_MPS[1])?;
+    let front_m = vehicle.length - vehicle.rear_overhang;
+    match vehicle.front_from_rear_axle {
+        Some(found) if !((found - front_m).abs() <= ROUNDING_M) => {
+            let expected = format!("what is left of the length ahead of the rear axle, {front_m}");
+            table.refuse("front_from_rear_axle", found.to_string(), expected)
+        }
+        _ => Ok(()),
+    }
+}
+
+/// A path to a value of the vehicle, by the name that it has in a problem instead of the one in a scenario.
+fn in_words_of_the_file(path: &FieldPath) -> FieldPath {
+    let name = |step: &Step| match step {
+        Step::Key(name) if name == "turning_radius_m" => Step::key("min_turn_radius"),
+        Step::Key(name) => Step::key(name.trim_end_matches("_m")),
+        Step::Index(_) => step.clone(),
+    };
+    FieldPath(path.0.iter().map(name).collect())
+}
