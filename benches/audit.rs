@@ -5,13 +5,14 @@
 use std::sync::Arc;
 
 use rand::RngExt;
-use wildfire::audit::{Audited, Ground, Step, audit_leg};
+use wildfire::audit::{Audited, Ground, Manners, Outline, Step, audit_leg};
 use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::{Cell, FieldFrame, Pose};
 use wildfire::grid::Grid;
 use wildfire::rng;
 use wildfire::time::SimTime;
 use wildfire::time::cpu::CpuStopwatch;
+use wildfire::timeline::Body;
 use wildfire::trajectory::{SpeedLimits, Trajectory};
 use wildfire::vehicle::{Dimensions, Path, Segment};
 
@@ -45,15 +46,16 @@ fn main() {
         }
     }
 
-    let ground = Ground::new(frame, &bushes);
+    let ground = Ground::new(frame, &bushes, Outline::of(&Body::Truck(*checker.body())));
+    let manners = Manners { turning_radius_m: Some(checker.body().turning_radius_m), limits: Some(limits) };
     let mut watch = CpuStopwatch::start();
     let mut audited = Audited::default();
     for leg in &legs {
-        audited += audit_leg(&ground, checker.body(), &limits, leg, Step::default()).expect("free legs pass");
+        audited += audit_leg(&ground, &manners, leg, Step::default()).expect("free legs pass");
     }
     let seconds = watch.lap().as_secs_f64();
-    println!("{} legs, {:.0} m, {} samples", audited.legs, audited.metres, audited.samples);
-    println!("{:8.1} ns a sample", 1e9 * seconds / audited.samples as f64);
+    println!("{} legs, {:.0} m, {} poses", audited.legs, audited.metres, audited.poses);
+    println!("{:8.1} ns a pose", 1e9 * seconds / audited.poses as f64);
     println!("{:8.1} us a metre", 1e6 * seconds / audited.metres);
     let thousand_runs_m = 1000.0 * 150.0 * 20.0;
     println!("{:8.1} min for 1000 runs of 150 legs of 20 m", seconds / audited.metres * thousand_runs_m / 60.0);

@@ -73,6 +73,7 @@ fn report(results: &[RunResult]) -> String {
         format!("CPU ms a run: median {:.3}, p95 {:.3}", quantile(&run_ms, 0.5), quantile(&run_ms, 0.95)),
         format!("plans a run: truck {truck_plans:.1}, Wumpus {wumpus_plans:.1}"),
         format!("CPU us a plan: truck {:.1}, Wumpus {:.1}", 1e6 * queries / truck_plans, 1e6 * wumpus / wumpus_plans),
+        what_came_of_it(results),
         String::new(),
         format!("{:16} {:>9} {:>6}", "mean of a run", "ms", "%"),
     ];
@@ -85,6 +86,15 @@ fn report(results: &[RunResult]) -> String {
     lines.push(format!("{:16} {:9.3} {:6.1}", "whole run", run * 1e3, 100.0));
     lines.extend(peak_memory().map(|peak| format!("\npeak memory: {peak}")));
     lines.join("\n")
+}
+
+/// What the trucks did for the time that they planned.
+fn what_came_of_it(results: &[RunResult]) -> String {
+    let sum = |of: &dyn Fn(&RunResult) -> f64| results.iter().map(of).sum::<f64>();
+    let share = sum(&|result| result.outcome.extinguished_ratio()) / results.len() as f64;
+    let metres = sum(&|result| result.trucks().map(|agent| agent.distance_m).sum());
+    let plans = sum(&|result| result.trucks().map(|agent| f64::from(agent.plans)).sum());
+    format!("trucks: {:.2} % of the bushes extinguished, {:.2} m a plan", 100.0 * share, metres / plans)
 }
 
 /// The smallest value that at least this share of a sorted list does not exceed.

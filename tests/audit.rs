@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use rand::RngExt;
-use wildfire::audit::{Ground, Step, audit_leg};
+use wildfire::audit::{Ground, Manners, Outline, Stance, Step, audit_leg};
 use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::{Cell, FieldFrame, Pose};
 use wildfire::grid::Grid;
 use wildfire::rng::{self, Xoshiro256PlusPlus};
 use wildfire::time::SimTime;
+use wildfire::timeline::Body;
 use wildfire::trajectory::{SpeedLimits, Trajectory};
 use wildfire::vehicle::{Dimensions, Path, Segment};
 
@@ -21,7 +22,8 @@ fn random_field(rng: &mut Xoshiro256PlusPlus) -> (Ground, CollisionChecker) {
         occupied.values_mut()[FRAME.index(cell)] = true;
     }
     let field = Arc::new(ClearanceField::new(FRAME, &occupied));
-    (Ground::new(FRAME, &bushes), CollisionChecker::new(field, Dimensions::default()))
+    let truck = Outline::of(&Body::Truck(Dimensions::default()));
+    (Ground::new(FRAME, &bushes, truck), CollisionChecker::new(field, Dimensions::default()))
 }
 
 fn random_pose(rng: &mut Xoshiro256PlusPlus) -> Pose {
@@ -36,7 +38,7 @@ fn poses_that_touch_for_one_touch_for_the_other() {
         let (ground, checker) = random_field(&mut rng);
         for _ in 0..2000 {
             let pose = random_pose(&mut rng);
-            let touch = ground.touch(checker.body(), pose);
+            let touch = ground.touch(Stance::of(pose));
             let clearance = checker.clearance(pose);
             assert!(touch.is_none() || clearance <= 0.0, "{pose:?}: {touch:?}, clearance {clearance}");
             // Less than a millimetre of overlap is forgiven by the audit; so little is rare.
@@ -71,8 +73,9 @@ fn motions_that_are_free_pass_the_audit() {
         }
         let leg = Trajectory::along(&path, SimTime::from_seconds(3.0), limits);
         let cut = leg.stopping(leg.start_time() + SimTime::from_seconds(0.4 * leg.duration_s()), Some(4.0));
+        let manners = Manners { turning_radius_m: Some(checker.body().turning_radius_m), limits: Some(limits) };
         for leg in [leg, cut] {
-            let audited = audit_leg(&ground, checker.body(), &limits, &leg, Step::default());
+            let audited = audit_leg(&ground, &manners, &leg, Step::default());
             legs += audited.unwrap_or_else(|offence| panic!("{offence}")).legs;
         }
     }

@@ -5,21 +5,9 @@
 //! `WILDFIRE_AUDIT_SEEDS=1..1000` audits these seeds (both ends) of the contest instead of a few.
 
 use wildfire::audit::{Audited, Step, audit_timeline};
-use wildfire::scenario::{self, Scenario};
+use wildfire::scenario;
 use wildfire::sim;
-use wildfire::timeline::{AgentId, Outcome};
-use wildfire::trajectory::SpeedLimits;
-
-fn limits(scenario: &Scenario, agent: AgentId) -> SpeedLimits {
-    let AgentId::Unimog(number) = agent else { panic!("only trucks have limits of speed") };
-    let truck = &scenario.unimog[usize::from(number)];
-    SpeedLimits {
-        acceleration_mps2: truck.limits.acceleration_mps2,
-        braking_mps2: truck.limits.braking_mps2,
-        lateral_mps2: truck.limits.lateral_mps2,
-        ..SpeedLimits::of_speed(truck.speed_mps, truck.reverse_speed_mps)
-    }
-}
+use wildfire::timeline::Outcome;
 
 fn audit(name: &str, seeds: impl Iterator<Item = u64>) -> Audited {
     audit_changed(name, &[], seeds)
@@ -31,8 +19,10 @@ fn audit_changed(name: &str, changes: &[String], seeds: impl Iterator<Item = u64
     let mut audited = Audited::default();
     for seed in seeds {
         let run = sim::run(&scenario, seed).unwrap_or_else(|error| panic!("{name}, seed {seed}: {error}"));
-        let seen = audit_timeline(&run.timeline, |agent| limits(&scenario, agent), Step::default());
-        audited += seen.unwrap_or_else(|offence| panic!("{name}, seed {seed}: {offence}"));
+        let verdict = audit_timeline(&run.timeline, Step::default());
+        assert_eq!(verdict.offence.map(|offence| offence.to_string()), None, "{name}, seed {seed}");
+        assert!(verdict.knows_limits);
+        audited += verdict.audited;
         let outcome = Outcome::of(&run.timeline);
         assert_eq!(outcome.truck_stuck_s, 0.0, "{name}, seed {seed}: stuck");
         assert!(outcome.wumpus_stuck_s == 0.0 || name == "local-minima", "{name}, seed {seed}: stuck");

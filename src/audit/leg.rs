@@ -1,18 +1,27 @@
-//! One leg of a truck, sample by sample.
+//! One leg of an agent, sample by sample.
+//!
+//! The audit drives every piece by itself, in small steps of equal length, and compares where it gets with what the
+//! timeline says in the middle and at the end of the piece.
 
-use std::fmt;
-
-use super::{Audited, Ground, Touch};
-use crate::geometry::{Pose, ops};
+use super::ground::{Ground, Stance};
+use super::pace::{Drive, audit_pace};
+use super::{Audited, Breach, Offence};
+use crate::geometry::{DVec2, Pose, ops};
 use crate::time::SimTime;
 use crate::trajectory::{Piece, SpeedLimits, Trajectory};
-use crate::vehicle::Dimensions;
+use crate::vehicle::Segment;
 
-/// Metres, and radians, that are noise: a nanosecond's way and the rounding of places.
-const NOISE: f64 = 1e-7;
+/// How far apart two poses may be that shall be one, in metres and radians: much more than a nanosecond's way.
+pub const SAME_POSE: f64 = 1e-6;
 
-/// Share of a limit that is noise.
-const RELATIVE_NOISE: f64 = 1e-5;
+/// Share of the largest curvature that is noise.
+const RELATIVE_NOISE: f64 = 1e-9;
+
+/// The work that one piece of a leg may take: poses, each with its share of the cells under the body.
+const MOST_WORK: f64 = 1e10;
+
+/// What a pose takes besides the cells under the body, in looks at a cell.
+const WORK_OF_POSE: f64 = 16.0;
 
 /// No two samples of a leg are farther apart than this.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,160 +32,211 @@ pub struct Step {
 
 impl Default for Step {
     fn default() -> Self {
-        Self { metres: 0.02, degrees: 0.1 }
+        Self { metres: 0.02, degrees: 0.2 }
     }
 }
 
-/// A rule that a leg broke, by how much.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Breach {
-    Touched(Touch),
-    /// The heading turned by `found` radians where the way allows `limit`.
-    Curvature {
-        found: f64,
-        limit: f64,
-    },
-    /// The rear axle moved `metres` sideways.
-    Slid {
-        metres: f64,
-    },
-    /// It moved `found` metres within a time that allows `limit`.
-    Speed {
-        found: f64,
-        limit: f64,
-    },
-    /// A time or a place that is not a number.
-    NotANumber,
+/// How an agent may move.
+#[derive(Clone, Copy, Debug)]
+pub struct Manners {
+    /// The smallest radius of its turns; without one it turns on the spot.
+    pub turning_radius_m: Option<f64>,
+    /// Without them no speed is checked.
+    pub limits: Option<SpeedLimits>,
 }
 
-/// The first breach of a leg: when, and at which pose.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Offence {
-    pub time: SimTime,
-    pub pose: Pose,
-    pub breach: Breach,
-}
-
-impl fmt::Display for Breach {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::Touched(Touch::Bush { cell, depth_m }) => {
-                write!(f, "the body is {:.1} mm deep in the bush at cell {cell}", 1e3 * depth_m)
-            }
-            Self::Touched(Touch::Border { depth_m }) => {
-                write!(f, "the body is {:.1} mm outside of the field", 1e3 * depth_m)
-            }
-            Self::Curvature { found, limit } => {
-                write!(f, "the heading turns by {found:.6} rad where the turning radius allows {limit:.6} rad")
-            }
-            Self::Slid { metres } => write!(f, "the rear axle moves {metres:.6} m sideways"),
-            Self::Speed { found, limit } => {
-                write!(f, "it moves {found:.6} m in a time that its speed limit gives {limit:.6} m")
-            }
-            Self::NotANumber => write!(f, "its time or place is not a number"),
-        }
-    }
-}
-
-impl fmt::Display for Offence {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Pose { x, y, heading } = self.pose;
-        write!(f, "at {}, ({x:.3}, {y:.3}) m, heading {heading:.4} rad: {}", self.time, self.breach)
-    }
-}
-
-/// Samples a truck's leg and holds every sample, and every pair of neighbours, against the rules.
+/// The first breach of a leg: a sample that is not free, a turn that is too tight, a speed beyond its limits, a state that
+/// its pieces do not lead to.
 ///
-/// Speeds are checked forward and reverse; infinite limits check nothing. Between two samples a body could dip into a
-/// bush by a fraction of the step.
-pub fn audit_leg(
-    ground: &Ground,
-    body: &Dimensions,
-    limits: &SpeedLimits,
-    leg: &Trajectory,
+/// Between two samples a body could dip into a bush by a fraction of the step.
+pub fn audit_leg(ground: &Ground, manners: &Manners, leg: &Trajectory, step: Step) -> Result<Audited, Offence> {
+    let pace = manners.limits.map_or(Ok(()), |limits| audit_pace(leg, &limits));
+    let way = LegAudit { ground, manners, step }.drive(leg).map_err(|broken| Offence {
+        time: leg.start_time() + SimTime::from_seconds(broken.elapsed_s),
+        agent: None,
+        place: broken.place,
+        breach: broken.breach,
+    });
+    match (pace, way) {
+        (Err(of_pace), Err(of_way)) if of_way.time < of_pace.time => Err(of_way),
+        (Err(of_pace), _) => Err(of_pace),
+        (Ok(()), way) => way,
+    }
+}
+
+/// What a leg is held against.
+#[derive(Clone, Copy)]
+struct LegAudit<'a> {
+    ground: &'a Ground,
+    manners: &'a Manners,
     step: Step,
-) -> Result<Audited, Offence> {
-    let mut audited = Audited { legs: 1, samples: 1, ..Audited::default() };
-    let mut last = (leg.start_time(), leg.start());
-    check_place(ground, body, last)?;
-    let mut began_s = 0.0;
-    for piece in leg.pieces() {
-        let seconds = piece.duration_s();
-        if !(seconds.is_finite() && seconds >= 0.0) {
-            return Err(Offence { time: last.0, pose: last.1, breach: Breach::NotANumber });
+}
+
+impl LegAudit<'_> {
+    fn drive(self, leg: &Trajectory) -> Result<Audited, Broken> {
+        let moves = !leg.pieces().is_empty();
+        let mut audited = Audited { legs: moves.into(), poses: 1, ..Audited::default() };
+        let mut now = Moment { elapsed_s: 0.0, pose: leg.start() };
+        if let Some(touch) = self.ground.touch(Stance::of(now.pose)) {
+            return Err(now.broken(Breach::Touched(touch)));
         }
-        let count = sample_count(piece, seconds, step);
-        for sample in 1..=count {
-            let elapsed = began_s + seconds * (sample as f64 / count as f64);
-            let time = leg.start_time() + SimTime::from_seconds(elapsed);
-            let here = (time, leg.pose_at(time));
-            check_place(ground, body, here)?;
-            check_motion(body, limits, last, here)?;
-            audited.metres += (here.1.position() - last.1.position()).length();
-            last = here;
+        for piece in leg.pieces() {
+            now = match *piece {
+                Piece::Drive { segment, speed_mps, acceleration_mps2 } => {
+                    let drive = Drive::new(segment.length_m.abs(), speed_mps, acceleration_mps2);
+                    self.drive_segment(leg, now, segment, drive, &mut audited)?
+                }
+                Piece::Turn { heading } => self.turn(now, heading)?,
+                Piece::Wait { seconds } => now.after(seconds, now.pose),
+            };
+            self.check_moment(leg, now)?;
         }
-        audited.samples += count;
-        began_s += seconds;
+        Ok(audited)
     }
-    let end = (leg.end_time(), leg.pose_at(leg.end_time()));
-    check_place(ground, body, end)?;
-    check_motion(body, limits, last, end)?;
-    Ok(audited)
+
+    /// A turn on the spot may be a nanosecond off, so whoever makes them has to be at the right place only.
+    fn check_moment(self, leg: &Trajectory, now: Moment) -> Result<(), Broken> {
+        if !(now.elapsed_s.is_finite() && now.elapsed_s >= 0.0) {
+            return Err(now.broken(Breach::NotANumber));
+        }
+        let turns_on_the_spot = self.manners.turning_radius_m.is_none();
+        let radians = if turns_on_the_spot { f64::INFINITY } else { SAME_POSE };
+        check_state(leg, now.elapsed_s, Stance::of(now.pose), radians)
+    }
+
+    fn turn(self, now: Moment, heading: f64) -> Result<Moment, Broken> {
+        let turned = ops::wrap_angle(heading - now.pose.heading).abs();
+        match self.manners.turning_radius_m {
+            Some(least_m) if turned > SAME_POSE => Err(now.broken(Breach::Curvature { radius_m: 0.0, least_m })),
+            _ => Ok(now.after(0.0, Pose::new(now.pose.x, now.pose.y, heading))),
+        }
+    }
+
+    fn drive_segment(
+        self,
+        leg: &Trajectory,
+        now: Moment,
+        segment: Segment,
+        drive: Drive,
+        audited: &mut Audited,
+    ) -> Result<Moment, Broken> {
+        let numbers = [segment.curvature, segment.length_m, drive.seconds];
+        if !numbers.into_iter().all(f64::is_finite) {
+            return Err(now.broken(Breach::NotANumber));
+        }
+        self.check_curvature(&segment).map_err(|breach| now.broken(breach))?;
+        let way = Way::new(segment, self.step);
+        if way.count * work_of_pose(self.ground) > MOST_WORK {
+            return Err(now.broken(Breach::Endless));
+        }
+        let mut at = Stance::of(now.pose);
+        let middle = (0.5 * way.count).floor();
+        let mut step = 0.0;
+        while step < way.count {
+            step += 1.0;
+            at = way.advance(at);
+            if let Some(touch) = self.ground.touch(at) {
+                let elapsed_s = now.elapsed_s + drive.seconds_to(way.metres(step));
+                return Err(Broken { elapsed_s, place: at.place, breach: Breach::Touched(touch) });
+            }
+            if step == middle {
+                check_state(leg, now.elapsed_s + drive.seconds_to(way.metres(step)), at, SAME_POSE)?;
+            }
+        }
+        audited.poses += way.count as u64;
+        audited.metres += segment.length_m.abs();
+        let heading = now.pose.heading + segment.curvature * segment.length_m;
+        Ok(now.after(drive.seconds, Pose::new(at.place.x, at.place.y, heading)))
+    }
+
+    fn check_curvature(self, segment: &Segment) -> Result<(), Breach> {
+        let radius_m = 1.0 / segment.curvature.abs();
+        match self.manners.turning_radius_m {
+            Some(least_m) if radius_m < least_m * (1.0 - RELATIVE_NOISE) && segment.length_m != 0.0 => {
+                Err(Breach::Curvature { radius_m, least_m })
+            }
+            _ => Ok(()),
+        }
+    }
 }
 
-/// How many steps of equal time a piece needs so that none is longer than asked.
-fn sample_count(piece: &Piece, seconds: f64, step: Step) -> u64 {
-    let Piece::Drive { segment, speed_mps, acceleration_mps2 } = *piece else { return 1 };
-    let fastest = speed_mps.max(speed_mps + acceleration_mps2 * seconds);
-    let way = fastest * seconds;
-    let turns = way * segment.curvature.abs() / step.degrees.to_radians();
-    (way / step.metres).max(turns).ceil().max(1.0) as u64
+/// How much a pose takes, in looks at a cell.
+pub fn work_of_pose(ground: &Ground) -> f64 {
+    WORK_OF_POSE + ground.cells_under_body()
 }
 
-fn check_place(ground: &Ground, body: &Dimensions, (time, pose): (SimTime, Pose)) -> Result<(), Offence> {
-    match ground.touch(body, pose) {
-        Some(touch) => Err(Offence { time, pose, breach: Breach::Touched(touch) }),
-        None => Ok(()),
+/// A breach of a leg, so many seconds after its start.
+struct Broken {
+    elapsed_s: f64,
+    place: DVec2,
+    breach: Breach,
+}
+
+/// Where the audit has come to, so many seconds after the start of the leg.
+#[derive(Clone, Copy)]
+struct Moment {
+    elapsed_s: f64,
+    pose: Pose,
+}
+
+impl Moment {
+    fn after(self, seconds: f64, pose: Pose) -> Self {
+        Self { elapsed_s: self.elapsed_s + seconds, pose }
+    }
+
+    fn broken(self, breach: Breach) -> Broken {
+        Broken { elapsed_s: self.elapsed_s, place: self.pose.position(), breach }
     }
 }
 
-/// What may happen between two samples that no cusp lies between.
-fn check_motion(
-    body: &Dimensions,
-    limits: &SpeedLimits,
-    (earlier, from): (SimTime, Pose),
-    (time, to): (SimTime, Pose),
-) -> Result<(), Offence> {
-    let offence = |breach| Err(Offence { time, pose: to, breach });
-    let chord = to.position() - from.position();
-    let turn = ops::wrap_angle(to.heading - from.heading);
-    // The chord of an arc lies along the heading at its middle.
-    let mean = from.heading + 0.5 * turn;
-    let (sin, cos) = ops::sin_cos(mean);
-    let (along, across) = (chord.x * cos + chord.y * sin, chord.y * cos - chord.x * sin);
-    let speed = if along < 0.0 { limits.reverse_mps } else { limits.forward_mps };
-    let allowed_way = speed * time.since(earlier).as_seconds() * (1.0 + RELATIVE_NOISE) + NOISE;
-    let allowed_turn = along.abs() / body.turning_radius_m * (1.0 + RELATIVE_NOISE) + NOISE;
-    if !(turn.is_finite() && chord.is_finite()) {
-        return offence(Breach::NotANumber);
+/// Whether the timeline says the same, to within a micrometre and so many radians.
+fn check_state(leg: &Trajectory, elapsed_s: f64, at: Stance, most_radians: f64) -> Result<(), Broken> {
+    let said = Stance::of(leg.pose_at(leg.start_time() + SimTime::from_seconds(elapsed_s)));
+    let (metres, radians) = ((said.place - at.place).length(), (said.facing - at.facing).length());
+    if metres <= SAME_POSE && radians <= most_radians {
+        return Ok(());
     }
-    if chord.length() > allowed_way {
-        return offence(Breach::Speed { found: chord.length(), limit: allowed_way });
+    Err(Broken { elapsed_s, place: at.place, breach: Breach::Astray { metres, radians } })
+}
+
+/// A segment in steps of equal length: each turns the body by the same angle along a chord of the same length.
+struct Way {
+    /// A whole number.
+    count: f64,
+    step_m: f64,
+    /// In the frame of a step's start.
+    chord: DVec2,
+    turn: DVec2,
+}
+
+impl Way {
+    fn new(segment: Segment, step: Step) -> Self {
+        let turned = (segment.curvature * segment.length_m).abs();
+        let count = (segment.length_m.abs() / step.metres).max(turned / step.degrees.to_radians()).ceil().max(1.0);
+        let step_m = segment.length_m / count;
+        let half_turn = 0.5 * segment.curvature * step_m;
+        let chord_m = if half_turn == 0.0 { step_m } else { 2.0 * ops::sin(half_turn) / segment.curvature };
+        let towards = |angle: f64| DVec2::new(ops::cos(angle), ops::sin(angle));
+        Self { count, step_m, chord: towards(half_turn) * chord_m, turn: towards(2.0 * half_turn) }
     }
-    if across.abs() > RELATIVE_NOISE * along.abs() + NOISE {
-        return offence(Breach::Slid { metres: across.abs() });
+
+    fn advance(&self, at: Stance) -> Stance {
+        Stance { place: at.place + at.facing.rotate(self.chord), facing: at.facing.rotate(self.turn) }
     }
-    if turn.abs() > allowed_turn {
-        return offence(Breach::Curvature { found: turn.abs(), limit: allowed_turn });
+
+    /// Along the way, after so many steps.
+    fn metres(&self, steps: f64) -> f64 {
+        steps * self.step_m.abs()
     }
-    Ok(())
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::ground::{Outline, Touch};
     use super::*;
     use crate::geometry::{Cell, FieldFrame};
-    use crate::vehicle::{Path, Segment};
+    use crate::timeline::Body;
+    use crate::vehicle::{Dimensions, Path};
 
     const LIMITS: SpeedLimits = SpeedLimits {
         forward_mps: 8.0,
@@ -185,10 +245,6 @@ mod tests {
         braking_mps2: None,
         lateral_mps2: None,
     };
-
-    fn ground() -> Ground {
-        Ground::new(FieldFrame { cols: 20, rows: 20, cell_m: 5.0 }, &[Cell { col: 10, row: 10 }])
-    }
 
     fn segment(curvature: f64, length_m: f64) -> Segment {
         Segment { curvature, length_m }
@@ -199,7 +255,11 @@ mod tests {
     }
 
     fn audit(leg: &Trajectory) -> Result<Audited, Offence> {
-        audit_leg(&ground(), &Dimensions::default(), &LIMITS, leg, Step::default())
+        let frame = FieldFrame { cols: 20, rows: 20, cell_m: 5.0 };
+        let truck = Outline::of(&Body::Truck(Dimensions::default()));
+        let ground = Ground::new(frame, &[Cell { col: 10, row: 10 }], truck);
+        let manners = Manners { turning_radius_m: Some(13.0), limits: Some(LIMITS) };
+        audit_leg(&ground, &manners, leg, Step::default())
     }
 
     fn winding() -> Vec<Segment> {
@@ -209,8 +269,8 @@ mod tests {
     #[test]
     fn a_proper_leg_passes_at_the_step_that_was_asked_for() {
         let audited = audit(&leg(Pose::new(20.0, 20.0, 0.5), winding())).expect("nothing is wrong with it");
-        assert!(audited.samples >= 23 * 50, "{} samples", audited.samples);
-        assert!((audited.metres - 23.0).abs() < 1e-3);
+        assert!(audited.poses >= 23 * 50, "{} poses", audited.poses);
+        assert!((audited.metres - 23.0).abs() < 1e-9);
         let slow = SpeedLimits { acceleration_mps2: Some(1.0), braking_mps2: Some(3.0), ..LIMITS };
         let path = Path { start: Pose::new(20.0, 20.0, 0.5), segments: winding() };
         let leg = Trajectory::along(&path, SimTime::ZERO, slow);
@@ -219,11 +279,27 @@ mod tests {
     }
 
     #[test]
+    fn steps_lead_where_the_closed_form_does() {
+        for (curvature, length_m) in [(1.0 / 13.0, 77.7), (-1.0 / 13.0, -40.0), (0.0, -9.99), (1e-9, 30.0), (0.2, 1e-7)]
+        {
+            let (start, segment) = (Pose::new(3.0, -2.0, 2.9), segment(curvature, length_m));
+            let way = Way::new(segment, Step::default());
+            let mut at = Stance::of(start);
+            for _ in 0..way.count as u32 {
+                at = way.advance(at);
+            }
+            let end = Stance::of(segment.end(start));
+            assert!((end.place - at.place).length() < 1e-11 && (end.facing - at.facing).length() < 1e-12);
+            assert!(way.step_m.abs() <= 0.02 && way.turn.y.abs() <= 0.2_f64.to_radians());
+        }
+    }
+
+    #[test]
     fn a_bush_in_the_way_is_found_with_time_and_place() {
         let offence = audit(&leg(Pose::new(40.0, 52.5, 0.0), vec![segment(0.0, 20.0)])).expect_err("there is a bush");
         let Breach::Touched(Touch::Bush { cell, .. }) = offence.breach else { panic!("{offence}") };
         assert_eq!(cell, Cell { col: 10, row: 10 });
-        assert!((offence.pose.x - 46.05).abs() < 0.025, "{offence}");
+        assert!((offence.place.x - 46.05).abs() < 0.025, "{offence}");
         assert!((offence.time.as_seconds() - (7.0 + 6.05 / 8.0)).abs() < 0.005, "{offence}");
         assert!(offence.to_string().contains("cell (10, 10)"));
     }
@@ -243,21 +319,34 @@ mod tests {
 
     #[test]
     fn a_turn_tighter_than_the_radius_is_found() {
-        let offence = audit(&leg(Pose::new(20.0, 20.0, 0.0), vec![segment(1.0 / 12.99, 5.0)])).expect_err("too tight");
-        assert!(matches!(offence.breach, Breach::Curvature { .. }), "{offence}");
+        for curvature in [1.0 / 12.999, -1.0 / 12.999] {
+            let tight = leg(Pose::new(20.0, 20.0, 0.0), vec![segment(0.0, 3.0), segment(curvature, 5.0)]);
+            let offence = audit(&tight).expect_err("too tight");
+            assert!(matches!(offence.breach, Breach::Curvature { least_m: 13.0, .. }), "{offence}");
+            assert!((offence.place - DVec2::new(23.0, 20.0)).length() < 1e-9, "{offence}");
+        }
         let spot = Trajectory::new(SimTime::ZERO, Pose::new(20.0, 20.0, 0.0), vec![Piece::Turn { heading: 0.01 }]);
         assert!(matches!(audit(&spot).expect_err("trucks do not spin").breach, Breach::Curvature { .. }));
     }
 
     #[test]
-    fn speeding_is_found_forward_and_reverse() {
+    fn speeding_is_an_offence_of_the_leg() {
+        let piece = Piece::Drive { segment: segment(0.0, 9.0), speed_mps: 8.1, acceleration_mps2: 0.0 };
+        let leg = Trajectory::new(SimTime::ZERO, Pose::new(30.0, 20.0, 0.0), vec![piece]);
+        assert!(matches!(audit(&leg).expect_err("too fast").breach, Breach::Speed { .. }));
+    }
+
+    #[test]
+    fn of_two_offences_the_first_in_time_is_told() {
         let drive = |length_m, speed_mps| {
-            let piece = Piece::Drive { segment: segment(0.0, length_m), speed_mps, acceleration_mps2: 0.0 };
-            audit(&Trajectory::new(SimTime::ZERO, Pose::new(30.0, 20.0, 0.0), vec![piece]))
+            let segment = segment(0.0, length_m);
+            Piece::Drive { segment, speed_mps, acceleration_mps2: 0.0 }
         };
-        assert!(drive(10.0, 8.0).is_ok() && drive(-10.0, 4.0).is_ok());
-        assert!(matches!(drive(10.0, 8.01).expect_err("too fast").breach, Breach::Speed { .. }));
-        assert!(matches!(drive(-10.0, 4.01).expect_err("too fast").breach, Breach::Speed { .. }));
+        let into_the_bush = |pieces| Trajectory::new(SimTime::ZERO, Pose::new(40.0, 52.5, 0.0), pieces);
+        let late = audit(&into_the_bush(vec![drive(7.0, 8.0), drive(7.0, 9.0)])).expect_err("it hits the bush");
+        assert!(matches!(late.breach, Breach::Touched(_)), "{late}");
+        let early = audit(&into_the_bush(vec![drive(4.0, 9.0), drive(7.0, 8.0)])).expect_err("it speeds");
+        assert!(matches!(early.breach, Breach::Speed { .. }), "{early}");
     }
 
     #[test]
@@ -266,17 +355,14 @@ mod tests {
             let piece = Piece::Drive { segment, speed_mps: 2.0, acceleration_mps2: 0.0 };
             assert!(audit(&Trajectory::new(SimTime::ZERO, Pose::new(30.0, 20.0, 0.0), vec![piece])).is_err());
         }
+        let never = Piece::Drive { segment: segment(0.0, 5.0), speed_mps: 0.0, acceleration_mps2: 0.0 };
+        assert!(audit(&Trajectory::new(SimTime::ZERO, Pose::new(30.0, 20.0, 0.0), vec![never])).is_err());
     }
 
     #[test]
-    fn sideways_motion_is_found() {
-        let samples = |from: Pose, to: Pose| {
-            check_motion(&Dimensions::default(), &LIMITS, (SimTime::ZERO, from), (SimTime::from_seconds(0.1), to))
-        };
-        let from = Pose::new(10.0, 10.0, 1.0);
-        let ahead = segment(1.0 / 13.0, 0.02).end(from);
-        assert!(samples(from, ahead).is_ok());
-        let beside = Pose { x: ahead.x + 1e-5, ..ahead };
-        assert!(matches!(samples(from, beside).expect_err("it slid").breach, Breach::Slid { .. }));
+    fn a_way_without_end_is_not_driven_to_its_end() {
+        let circling = Piece::Drive { segment: segment(1.0 / 13.0, 1e15), speed_mps: 8.0, acceleration_mps2: 0.0 };
+        let leg = Trajectory::new(SimTime::ZERO, Pose::new(30.0, 20.0, 0.0), vec![circling]);
+        assert_eq!(audit(&leg).expect_err("nobody can look at that").breach, Breach::Endless);
     }
 }

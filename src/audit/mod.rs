@@ -1,25 +1,42 @@
 //! The second opinion on finished timelines, with shapes and queries of rapier.
 //!
-//! Planners answer to `collision`; this module answers to nobody. It takes what really was driven, samples it finely,
-//! and holds every sample against the rules: the footprint overlaps no bush and stays in the field, the way bends no
-//! more than the turning radius allows, nothing slides, jumps or speeds, and fires go out only beside a truck that
-//! stands. World frame, metres, seconds. It shares no code with `collision` and `planning`.
+//! Planners answer to `collision`; this module answers to nobody. It takes what really was driven and holds it against
+//! the rules, each in a file of its own:
+//!
+//! - every leg, in small steps: the footprint overlaps no bush and stays in the field, no turn is tighter than the
+//!   turning radius, and the states of the timeline are those to which the pieces of the leg lead;
+//! - speeds, and how they change, keep the limits that the timeline holds; at cusps a truck stands;
+//! - legs join, and what was broken off was driven as planned until then;
+//! - no two trucks overlap, at any time;
+//! - fires go out beside a truck that stands within reach for the whole dwell, and Wumpuses light where they arrived;
+//! - only what can burn catches fire, only what burns goes out, and fire keeps to its own times and distances.
+//!
+//! World frame, metres, seconds. It shares no code with `collision` and `planning`. Wumpuses walk axis-parallel squares
+//! and block nobody.
 
+mod breach;
+mod course;
+mod fires;
 mod ground;
 mod leg;
+mod meeting;
+mod pace;
 mod run;
+mod suppression;
 
-pub use ground::{Ground, Touch};
-pub use leg::{Breach, Offence, Step, audit_leg};
-pub use run::{RunOffence, RunRule, audit_timeline};
+pub use breach::{Breach, Offence};
+pub use ground::{Ground, Outline, Stance, Touch};
+pub use leg::{Manners, Step, audit_leg};
+pub use run::{Verdict, audit_timeline};
 
 use std::ops::AddAssign;
 
 /// What an audit looked at.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Audited {
+    /// Of trucks and Wumpuses.
     pub legs: u64,
-    pub samples: u64,
+    pub poses: u64,
     pub metres: f64,
     pub extinctions: u64,
 }
@@ -27,7 +44,7 @@ pub struct Audited {
 impl AddAssign for Audited {
     fn add_assign(&mut self, other: Self) {
         self.legs += other.legs;
-        self.samples += other.samples;
+        self.poses += other.poses;
         self.metres += other.metres;
         self.extinctions += other.extinctions;
     }

@@ -1,200 +1,99 @@
-//! A whole run: legs that join, and fires that went out beside a truck that stood.
+//! A whole run before the audit.
 
-use std::fmt;
-
-use super::{Audited, Ground, Offence, Step, audit_leg};
-use crate::geometry::{Cell, Pose, ops};
+use super::course::Course;
+use super::fires::audit_fires;
+use super::ground::{Ground, Outline};
+use super::leg::{Manners, Step, audit_leg, work_of_pose};
+use super::meeting::{Driver, audit_meetings};
+use super::suppression::audit_acts;
+use super::{Audited, Breach, Offence};
 use crate::time::SimTime;
-use crate::timeline::{AgentId, Body, Fact, Rules, Timeline};
-use crate::trajectory::{SpeedLimits, Trajectory};
-use crate::vehicle::Dimensions;
+use crate::timeline::{AgentStart, Body, Timeline};
+use crate::trajectory::Trajectory;
 
-/// How far apart two poses may be that shall be one, in metres and radians.
-const SAME_POSE: f64 = 1e-6;
+/// The work that the legs of one agent may take, in looks at a cell.
+const MOST_WORK: f64 = 1e11;
 
-/// A rule that a run broke.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum RunRule {
-    /// Within a leg; the offence has its own time and place.
-    Leg(Offence),
-    /// A leg begins this far from where the last one ended, in metres and radians.
-    Discontinuous { metres: f64, radians: f64 },
-    /// A leg begins before the last one has ended.
-    StillUnderWay { until: SimTime },
-    /// The leg as driven, after its goal was dropped, is another one than planned.
-    CutDiffers,
-    /// A fire went out while its truck was moving, or had stood for less than the dwell.
-    NotStanding { cell: Cell, since: SimTime },
-    /// A fire went out beyond the reach of its truck.
-    OutOfReach { cell: Cell, metres: f64, reach_m: f64 },
-    /// A fact names a truck that the setting does not have.
-    UnknownTruck,
+/// What came out of an audit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verdict {
+    /// What was looked at; of an agent's legs, those before its first offence.
+    pub audited: Audited,
+    /// The first in time.
+    pub offence: Option<Offence>,
+    /// Whether the timeline says how fast everybody may go, and how fire behaves; those before format 3 do not.
+    pub knows_limits: bool,
 }
 
-/// The first offence of a run: who, when, which rule.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RunOffence {
-    pub agent: AgentId,
-    pub time: SimTime,
-    pub rule: RunRule,
-}
-
-impl fmt::Display for RunOffence {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}, ", self.agent)?;
-        match self.rule {
-            RunRule::Leg(offence) => return write!(f, "{offence}"),
-            _ => write!(f, "at {}: ", self.time)?,
-        }
-        match self.rule {
-            RunRule::Leg(_) => Ok(()),
-            RunRule::Discontinuous { metres, radians } => {
-                write!(f, "a leg begins {metres:.6} m and {radians:.6} rad from where the last one ended")
-            }
-            RunRule::StillUnderWay { until } => write!(f, "a leg begins while the last one lasts until {until}"),
-            RunRule::CutDiffers => write!(f, "the leg as driven is not the one that was planned"),
-            RunRule::NotStanding { cell, since } => {
-                write!(f, "the fire at cell {cell} goes out, but its truck stands only since {since}")
-            }
-            RunRule::OutOfReach { cell, metres, reach_m } => {
-                write!(f, "the fire at cell {cell} goes out {metres:.3} m away, beyond the reach of {reach_m} m")
-            }
-            RunRule::UnknownTruck => write!(f, "no such truck"),
-        }
-    }
-}
-
-/// Holds a finished run against the rules: every leg of every truck as it was driven, that legs join, and that every
-/// fire that went out had its truck standing within reach for the whole dwell.
-///
-/// `limits` says how fast each truck may go; a timeline does not. `SpeedLimits::of_speed` of infinity checks nothing.
-pub fn audit_timeline(
-    timeline: &Timeline,
-    limits: impl Fn(AgentId) -> SpeedLimits,
-    step: Step,
-) -> Result<Audited, RunOffence> {
+/// Holds a finished run against the rules.
+pub fn audit_timeline(timeline: &Timeline, step: Step) -> Verdict {
     let setting = &timeline.setting;
-    let ground = Ground::new(setting.frame, &setting.bushes);
+    let courses: Vec<Course<'_>> = setting.agents.iter().map(|agent| Course::of(agent, timeline)).collect();
     let mut audited = Audited::default();
-    let mut trucks: Vec<Truck> = Vec::new();
-    for start in &setting.agents {
-        if let Body::Truck(body) = start.body {
-            let leg = Trajectory::new(SimTime::ZERO, start.pose, Vec::new());
-            trucks.push(Truck { id: start.id, body, limits: limits(start.id), leg });
+    let mut offences: Vec<Option<Offence>> = Vec::new();
+    let mut drivers = Vec::new();
+    for (agent, course) in setting.agents.iter().zip(&courses) {
+        let outline = Outline::of(&agent.body);
+        let ground = Ground::new(setting.frame, &setting.bushes, outline);
+        offences.push(course.audit().err());
+        offences.push(audit_legs(course, &ground, &manners(agent), step, &mut audited).err());
+        if let Body::Truck(_) = agent.body {
+            drivers.push(Driver { course, outline });
         }
     }
-    for event in &timeline.events {
-        let (id, time) = match event.fact {
-            Fact::Planned { agent, .. } | Fact::Dropped { agent, .. } | Fact::GaveWay { agent, .. } => {
-                (agent, event.time)
-            }
-            Fact::Extinguished { by, .. } => (by, event.time),
-            _ => continue,
-        };
-        if !matches!(id, AgentId::Unimog(_)) {
-            continue;
-        }
-        let offence = |rule| RunOffence { agent: id, time, rule };
-        let truck = trucks.iter_mut().find(|truck| truck.id == id).ok_or(offence(RunRule::UnknownTruck))?;
-        match &event.fact {
-            Fact::Planned { trajectory, .. } | Fact::GaveWay { trajectory, .. } => {
-                audited += truck.audit(&ground, step)?;
-                truck.join(trajectory).map_err(offence)?;
-                truck.leg = trajectory.clone();
-            }
-            Fact::Dropped { trajectory, .. } => {
-                truck.check_cut(trajectory, time).map_err(offence)?;
-                truck.leg = trajectory.clone();
-            }
-            Fact::Extinguished { cell, .. } => {
-                truck.check_extinction(&ground, &setting.rules, *cell, time).map_err(offence)?;
-                audited.extinctions += 1;
-            }
-            _ => {}
-        }
+    offences.push(audit_meetings(&drivers, timeline.end_time(), step).err());
+    offences.push(audit_fires(timeline).err());
+    match audit_acts(timeline) {
+        Ok(extinctions) => audited.extinctions += extinctions,
+        Err(offence) => offences.push(Some(offence)),
     }
-    for truck in &trucks {
-        audited += truck.audit(&ground, step)?;
-    }
-    Ok(audited)
+    let knows_limits = setting.rules.fire.is_some() && setting.agents.iter().all(|agent| agent.limits.is_some());
+    Verdict { audited, offence: offences.into_iter().flatten().min_by_key(|offence| offence.time), knows_limits }
 }
 
-/// A truck with the leg that it is on, or came to rest with.
-struct Truck {
-    id: AgentId,
-    body: Dimensions,
-    limits: SpeedLimits,
-    leg: Trajectory,
+fn audit_legs(
+    course: &Course<'_>,
+    ground: &Ground,
+    manners: &Manners,
+    step: Step,
+    audited: &mut Audited,
+) -> Result<(), Offence> {
+    let start = Trajectory::new(SimTime::ZERO, course.start, Vec::new());
+    let mut work = 0.0;
+    for leg in std::iter::once(&start).chain(course.legs()) {
+        let offence = |offence| Offence { agent: Some(course.id), ..offence };
+        let looked_at = audit_leg(ground, manners, leg, step).map_err(offence)?;
+        work += looked_at.poses as f64 * work_of_pose(ground);
+        if work > MOST_WORK {
+            let (time, place) = (leg.end_time(), leg.end().position());
+            return Err(offence(Offence { time, agent: None, place, breach: Breach::Endless }));
+        }
+        *audited += looked_at;
+    }
+    Ok(())
 }
 
-impl Truck {
-    fn audit(&self, ground: &Ground, step: Step) -> Result<Audited, RunOffence> {
-        audit_leg(ground, &self.body, &self.limits, &self.leg, step).map_err(|offence| RunOffence {
-            agent: self.id,
-            time: offence.time,
-            rule: RunRule::Leg(offence),
-        })
-    }
-
-    fn join(&self, next: &Trajectory) -> Result<(), RunRule> {
-        let until = self.leg.end_time();
-        if next.start_time() < until {
-            return Err(RunRule::StillUnderWay { until });
-        }
-        let (metres, radians) = gap(self.leg.end(), next.start());
-        if is_small(metres) && is_small(radians) { Ok(()) } else { Err(RunRule::Discontinuous { metres, radians }) }
-    }
-
-    /// The cut leg begins where the planned one did, and has done the same until the goal was dropped.
-    fn check_cut(&self, driven: &Trajectory, dropped: SimTime) -> Result<(), RunRule> {
-        let same_at = |time| {
-            let (metres, radians) = gap(self.leg.pose_at(time), driven.pose_at(time));
-            is_small(metres) && is_small(radians)
-        };
-        let mut middles = self.leg.pieces().iter().scan(0.0, |began_s, piece| {
-            *began_s += piece.duration_s();
-            Some(self.leg.start_time() + SimTime::from_seconds(*began_s))
-        });
-        let same = same_at(self.leg.start_time().min(dropped))
-            && same_at(dropped)
-            && middles.all(|time| time > dropped || same_at(time));
-        if same { Ok(()) } else { Err(RunRule::CutDiffers) }
-    }
-
-    fn check_extinction(&self, ground: &Ground, rules: &Rules, cell: Cell, time: SimTime) -> Result<(), RunRule> {
-        let since = self.leg.end_time();
-        if since + rules.suppression_dwell > time {
-            return Err(RunRule::NotStanding { cell, since });
-        }
-        let pose = self.leg.end();
-        let ahead = pose.direction() * (0.5 * self.body.length_m - self.body.rear_overhang_m);
-        let metres = (pose.position() + ahead - ground.frame().centre(cell)).length();
-        match rules.suppression_reach_m {
-            Some(reach_m) if !is_small(metres - reach_m) => Err(RunRule::OutOfReach { cell, metres, reach_m }),
-            _ => Ok(()),
-        }
-    }
-}
-
-fn gap(one: Pose, other: Pose) -> (f64, f64) {
-    let turn = ops::wrap_angle(one.heading - other.heading);
-    ((one.position() - other.position()).length(), turn.abs())
-}
-
-/// Whether a gap is noise; what is not a number is not.
-fn is_small(gap: f64) -> bool {
-    gap <= SAME_POSE
+fn manners(agent: &AgentStart) -> Manners {
+    let turning_radius_m = match agent.body {
+        Body::Truck(body) => Some(body.turning_radius_m),
+        Body::Square { .. } => None,
+    };
+    Manners { turning_radius_m, limits: agent.limits }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::FieldFrame;
-    use crate::timeline::{AgentStart, Event, Setting};
-    use crate::vehicle::{Path, Segment};
+    use crate::fire::FireRules;
+    use crate::geometry::{Cell, FieldFrame, Pose};
+    use crate::timeline::{AgentId, Cause, Event, Fact, Rules, Setting};
+    use crate::trajectory::SpeedLimits;
+    use crate::vehicle::{Dimensions, Path, Segment};
 
     const TRUCK: AgentId = AgentId::Unimog(0);
+    const SECOND: AgentId = AgentId::Unimog(1);
     const NEAR: Cell = Cell { col: 10, row: 10 };
+    const FAR: Cell = Cell { col: 10, row: 18 };
     const LIMITS: SpeedLimits = SpeedLimits {
         forward_mps: 8.0,
         reverse_mps: 8.0,
@@ -207,6 +106,10 @@ mod tests {
         SimTime::from_seconds(seconds)
     }
 
+    fn at(time_s: f64, fact: Fact) -> Event {
+        Event { time: seconds(time_s), fact }
+    }
+
     fn drive(start_s: f64, start: Pose, lengths_m: &[f64]) -> Trajectory {
         let segments = lengths_m.iter().map(|&length_m| Segment { curvature: 0.0, length_m }).collect();
         Trajectory::along(&Path { start, segments }, seconds(start_s), LIMITS)
@@ -214,49 +117,63 @@ mod tests {
 
     fn planned(time_s: f64, trajectory: Trajectory) -> Event {
         let effort = Default::default();
-        let fact = Fact::Planned { agent: TRUCK, goal: NEAR, trajectory, effort, by_lattice: false };
-        Event { time: seconds(time_s), fact }
+        at(time_s, Fact::Planned { agent: TRUCK, goal: NEAR, trajectory, effort, by_lattice: false })
     }
 
     fn dropped(time_s: f64, trajectory: Trajectory) -> Event {
-        Event { time: seconds(time_s), fact: Fact::Dropped { agent: TRUCK, goal: NEAR, trajectory } }
+        at(time_s, Fact::Dropped { agent: TRUCK, goal: NEAR, trajectory })
+    }
+
+    fn ignited(time_s: f64, cell: Cell, cause: Cause) -> Event {
+        at(time_s, Fact::Ignited { cell, cause })
     }
 
     fn extinguished(time_s: f64) -> Event {
-        Event { time: seconds(time_s), fact: Fact::Extinguished { cell: NEAR, by: TRUCK } }
+        at(time_s, Fact::Extinguished { cell: NEAR, by: TRUCK })
     }
 
-    /// A truck that starts at (20, 46) m, facing east, on a field of 100 m with one bush from 50 m to 55 m.
+    fn burned_out(time_s: f64, cell: Cell) -> Event {
+        at(time_s, Fact::BurnedOut { cell })
+    }
+
+    /// A truck that starts at (20, 46) m, facing east, on a field of 100 m with bushes from (50, 50) to (55, 55) m and
+    /// from (50, 90) to (55, 95) m; another truck stands in the south-west.
     fn start() -> Pose {
         Pose::new(20.0, 46.0, 0.0)
     }
 
-    fn run(events: Vec<Event>) -> Result<Audited, RunOffence> {
-        let setting = Setting {
+    fn setting() -> Setting {
+        let truck = |id, pose| AgentStart { id, pose, body: Body::Truck(Dimensions::default()), limits: Some(LIMITS) };
+        Setting {
             scenario: "audit".into(),
             seed: 1,
             program_version: "0".into(),
             frame: FieldFrame { cols: 20, rows: 20, cell_m: 5.0 },
-            bushes: vec![NEAR],
-            agents: vec![AgentStart {
-                id: TRUCK,
-                pose: start(),
-                body: Body::Truck(Dimensions::default()),
-                limits: Some(LIMITS),
-            }],
+            bushes: vec![NEAR, FAR],
+            agents: vec![truck(TRUCK, start()), truck(SECOND, Pose::new(10.0, 10.0, 0.0))],
             rules: Rules {
                 duration: seconds(100.0),
                 suppression_reach_m: Some(10.0),
                 suppression_dwell: seconds(5.0),
-                extinguishes_all: None,
-                fire: None,
+                extinguishes_all: Some(false),
+                fire: Some(FireRules {
+                    spread_delay: seconds(10.0),
+                    spread_radius_m: 30.0,
+                    lit_spreads: true,
+                    caught_spreads: false,
+                    burn_out: Some(seconds(60.0)),
+                    relight: false,
+                }),
                 relight: false,
                 score_wumpus_ignited: 1.0,
                 score_wumpus_burned_out: 1.0,
                 score_truck_extinguished: 2.0,
             },
-        };
-        audit_timeline(&Timeline { setting, events }, |_| LIMITS, Step::default())
+        }
+    }
+
+    fn run(events: Vec<Event>) -> Verdict {
+        audit_timeline(&Timeline { setting: setting(), events }, Step::default())
     }
 
     /// To a place south of the bush in 3 s, 5 s beside it, a drive that is dropped under way, another one.
@@ -265,76 +182,195 @@ mod tests {
         let away = drive(9.0, there.end(), &[-16.0]);
         let cut = away.stopping(seconds(10.0), None);
         let on = drive(10.0, cut.end(), &[4.0, -6.0]);
-        vec![planned(0.5, there), extinguished(9.0), planned(9.0, away), dropped(10.0, cut), planned(10.0, on)]
+        vec![
+            ignited(0.5, NEAR, Cause::Scheduled),
+            planned(0.5, there),
+            extinguished(9.0),
+            planned(9.0, away),
+            dropped(10.0, cut),
+            planned(10.0, on),
+        ]
     }
 
-    fn rule(events: Vec<Event>) -> RunRule {
-        run(events).expect_err("the damage is planted").rule
+    fn offence(events: Vec<Event>) -> Offence {
+        run(events).offence.expect("the damage is planted")
+    }
+
+    fn breach(events: Vec<Event>) -> Breach {
+        offence(events).breach
     }
 
     #[test]
     fn a_proper_run_passes_and_all_of_it_is_looked_at() {
-        let audited = run(proper_run()).expect("nothing is wrong with it");
-        assert_eq!((audited.legs, audited.extinctions), (4, 1));
-        assert!((audited.metres - (24.0 + 8.0 + 10.0)).abs() < 1e-6);
+        let verdict = run(proper_run());
+        assert_eq!(verdict.offence, None);
+        assert_eq!((verdict.audited.legs, verdict.audited.extinctions), (3, 1));
+        assert!((verdict.audited.metres - (24.0 + 8.0 + 10.0)).abs() < 1e-6);
+        assert!(verdict.knows_limits);
     }
 
     #[test]
     fn a_leg_that_begins_elsewhere_is_found() {
         let mut events = proper_run();
         let moved = Pose { y: start().y - 0.001, ..start() };
-        events[0] = planned(0.5, drive(1.0, moved, &[24.0]));
-        assert!(matches!(rule(events), RunRule::Discontinuous { .. }));
+        events[1] = planned(0.5, drive(1.0, moved, &[24.0]));
+        assert!(matches!(breach(events), Breach::Discontinuous { .. }));
         let turned = Pose { heading: 0.001, ..start() };
-        assert!(matches!(rule(vec![planned(0.5, drive(1.0, turned, &[24.0]))]), RunRule::Discontinuous { .. }));
+        assert!(matches!(breach(vec![planned(0.5, drive(1.0, turned, &[24.0]))]), Breach::Discontinuous { .. }));
     }
 
     #[test]
     fn a_leg_that_begins_too_early_is_found() {
         let mut events = proper_run();
-        events.remove(3);
-        assert!(matches!(rule(events), RunRule::StillUnderWay { .. }));
+        events.remove(4);
+        assert!(matches!(breach(events), Breach::StillUnderWay { .. }));
+    }
+
+    #[test]
+    fn driving_on_past_a_cut_is_found() {
+        let there = drive(1.0, start(), &[24.0]);
+        let mut events = proper_run();
+        events[5] = planned(10.0, drive(10.0, drive(9.0, there.end(), &[-8.5]).end(), &[4.0, -6.0]));
+        assert!(matches!(breach(events), Breach::Discontinuous { metres, .. } if (metres - 0.5).abs() < 1e-6));
     }
 
     #[test]
     fn a_cut_leg_that_is_not_the_planned_one_is_found() {
-        let mut events = proper_run();
         let there = drive(1.0, start(), &[24.0]);
-        events[3] = dropped(10.0, drive(9.0, there.end(), &[-7.9]));
-        assert_eq!(rule(events), RunRule::CutDiffers);
+        let mut events = proper_run();
+        events[4] = dropped(10.0, drive(9.0, there.end(), &[-7.9]));
+        assert_eq!(breach(events), Breach::CutDiffers);
+        let bend = Segment { curvature: -1.0 / 13.0, length_m: -4.0 };
+        let path = Path { start: there.end(), segments: vec![Segment { curvature: 0.0, length_m: -8.0 }, bend] };
+        let mut events = proper_run();
+        events[4] = dropped(10.0, Trajectory::along(&path, seconds(9.0), LIMITS));
+        assert_eq!(breach(events), Breach::CutDiffers, "it leaves the planned way after it was dropped");
     }
 
     #[test]
     fn a_fire_that_goes_out_too_early_is_found() {
-        let mut events = proper_run();
-        events[1] = extinguished(8.999_999_999);
-        assert!(matches!(rule(events), RunRule::NotStanding { cell: NEAR, .. }));
-        let mut events = proper_run();
-        events[1] = extinguished(3.0);
-        assert!(matches!(rule(events), RunRule::NotStanding { cell: NEAR, .. }));
+        for time_s in [8.999_999_999, 3.0] {
+            let mut events = proper_run();
+            events[2] = extinguished(time_s);
+            assert!(matches!(breach(events), Breach::NotStanding { cell: NEAR, .. }));
+        }
     }
 
     #[test]
     fn a_fire_that_goes_out_too_far_away_is_found() {
-        let offence = run(vec![extinguished(50.0)]).expect_err("the truck never left its start");
-        assert!(matches!(offence.rule, RunRule::OutOfReach { cell: NEAR, .. }));
-        assert!(offence.to_string().starts_with("unimog/0, at 50.000 s: the fire at cell (10, 10)"), "{offence}");
+        let offence = offence(vec![ignited(1.0, NEAR, Cause::Scheduled), extinguished(50.0)]);
+        assert!(matches!(offence.breach, Breach::OutOfReach { cell: NEAR, .. }));
+        let words = offence.to_string();
+        assert!(words.starts_with("at 50.000 s, (20.000, 46.000) m: unimog/0: the fire at cell (10, 10)"), "{words}");
+    }
+
+    #[test]
+    fn one_dwell_puts_out_one_fire() {
+        let mut timeline = Timeline { setting: setting(), events: proper_run() };
+        let beside = Cell { col: 9, row: 10 };
+        timeline.setting.bushes.insert(0, beside);
+        timeline.events.insert(1, ignited(0.5, beside, Cause::Scheduled));
+        for (time_s, is_second) in [(9.0, true), (9.5, false)] {
+            let mut timeline = timeline.clone();
+            timeline.events.insert(4, at(time_s, Fact::Extinguished { cell: beside, by: TRUCK }));
+            timeline.events.truncate(5);
+            let breach = audit_timeline(&timeline, Step::default()).offence.expect("it stood five seconds only").breach;
+            assert_eq!(breach == Breach::SecondFire { cell: beside }, is_second, "{breach:?}");
+            assert_eq!(matches!(breach, Breach::NotStanding { since, .. } if since == seconds(9.0)), !is_second);
+            timeline.setting.rules.extinguishes_all = Some(true);
+            assert_eq!(audit_timeline(&timeline, Step::default()).offence.is_none(), is_second);
+        }
+    }
+
+    #[test]
+    fn only_what_burns_goes_out() {
+        let mut events = proper_run();
+        events.remove(0);
+        assert_eq!(breach(events), Breach::NotBurning { cell: NEAR });
+        let twice = vec![ignited(0.0, NEAR, Cause::Scheduled), ignited(1.0, NEAR, Cause::Scheduled)];
+        assert_eq!(breach(twice), Breach::CannotBurn { cell: NEAR });
+        let again = vec![ignited(0.0, NEAR, Cause::Scheduled), burned_out(60.0, NEAR), burned_out(61.0, NEAR)];
+        assert_eq!(breach(again), Breach::NotBurning { cell: NEAR });
+    }
+
+    #[test]
+    fn fires_burn_out_at_their_time() {
+        let lit = ignited(0.0, NEAR, Cause::Scheduled);
+        assert_eq!(run(vec![lit.clone(), burned_out(60.0, NEAR)]).offence, None);
+        let due = Some(seconds(60.0));
+        assert_eq!(breach(vec![lit.clone(), burned_out(59.0, NEAR)]), Breach::WrongBurnOut { cell: NEAR, due });
+        let forgotten = offence(vec![lit]);
+        assert_eq!((forgotten.breach, forgotten.time), (Breach::WrongBurnOut { cell: NEAR, due }, seconds(60.0)));
+        assert_eq!(run(vec![ignited(40.0, NEAR, Cause::Scheduled), burned_out(100.0, NEAR)]).offence, None);
+        assert!(run(vec![ignited(40.0, NEAR, Cause::Scheduled)]).offence.is_some(), "what is due at the end happens");
+    }
+
+    #[test]
+    fn fire_spreads_when_and_as_far_as_it_does() {
+        let spread = |time_s| ignited(time_s, FAR, Cause::Spread(NEAR));
+        let lit = || ignited(50.0, NEAR, Cause::Scheduled);
+        let too_far = breach(vec![lit(), spread(60.0)]);
+        assert!(matches!(too_far, Breach::TooFarToSpread { metres: 40.0, .. }), "{too_far:?}");
+        assert_eq!(breach(vec![lit(), spread(59.0)]), Breach::NoSource { cell: FAR, from: NEAR });
+        assert_eq!(breach(vec![spread(60.0)]), Breach::NoSource { cell: FAR, from: NEAR });
+        let mut wide = Timeline { setting: setting(), events: vec![lit()] };
+        wide.setting.rules.fire.as_mut().expect("it is set").spread_radius_m = 40.1;
+        let spared = audit_timeline(&wide, Step::default()).offence.expect("it should have caught fire");
+        assert_eq!((spared.breach, spared.time), (Breach::SparedBySpread { cell: FAR, from: NEAR }, seconds(60.0)));
+        wide.events.push(spread(60.0));
+        assert_eq!(audit_timeline(&wide, Step::default()).offence, None);
+    }
+
+    #[test]
+    fn without_rules_of_fire_its_times_are_its_own() {
+        let events = vec![ignited(1.0, NEAR, Cause::Scheduled), ignited(2.0, FAR, Cause::Spread(NEAR))];
+        let mut timeline = Timeline { setting: setting(), events };
+        timeline.setting.rules.fire = None;
+        let verdict = audit_timeline(&timeline, Step::default());
+        assert_eq!((verdict.offence, verdict.knows_limits), (None, false));
+    }
+
+    #[test]
+    fn trucks_light_nothing() {
+        assert_eq!(breach(vec![ignited(1.0, NEAR, Cause::Lit(TRUCK))]), Breach::WrongAgent);
     }
 
     #[test]
     fn the_last_leg_is_looked_at_too() {
         let mut events = proper_run();
-        let end = events.len() - 1;
-        let Fact::Planned { trajectory, .. } = &events[end].fact else { panic!("the run ends with a leg") };
-        events[end] = planned(10.0, drive(10.0, trajectory.start(), &[70.0]));
-        let RunRule::Leg(offence) = rule(events) else { panic!("the leg leaves the field") };
-        assert!(offence.to_string().contains("outside of the field"));
+        let Fact::Planned { trajectory, .. } = &events[5].fact else { panic!("the run ends with a leg") };
+        events[5] = planned(10.0, drive(10.0, trajectory.start(), &[70.0]));
+        assert!(offence(events).to_string().contains("outside of the field"));
     }
 
     #[test]
     fn an_unknown_truck_is_found() {
-        let cell = NEAR;
-        let events = vec![Event { time: seconds(1.0), fact: Fact::Extinguished { cell, by: AgentId::Unimog(7) } }];
-        assert_eq!(rule(events), RunRule::UnknownTruck);
+        let fire = ignited(0.0, NEAR, Cause::Scheduled);
+        let by = AgentId::Unimog(7);
+        assert_eq!(breach(vec![fire, at(1.0, Fact::Extinguished { cell: NEAR, by })]), Breach::WrongAgent);
+    }
+
+    #[test]
+    fn trucks_that_meet_are_found_when_they_do() {
+        let past = |offset_m: f64| {
+            let mut timeline =
+                Timeline { setting: setting(), events: vec![planned(0.0, drive(2.0, start(), &[24.0]))] };
+            timeline.setting.agents[1].pose = Pose::new(44.0, 46.0 + offset_m, 1.57);
+            audit_timeline(&timeline, Step::default()).offence
+        };
+        assert_eq!(past(-1.1 - 3.95 - 0.01), None, "it passes a centimetre away");
+        let met = past(-1.1 - 3.95 + 0.02).expect("two centimetres are an overlap");
+        assert!(matches!(met.breach, Breach::Overlap { other: SECOND, .. }), "{met}");
+        // The other truck's side is 1.1 m west of its axle; the bumper is 3.95 m ahead of this one's.
+        let expected_s = 2.0 + (24.0 - 1.1 - 3.95) / 8.0;
+        assert!((met.time.as_seconds() - expected_s).abs() < 0.005, "{met}");
+    }
+
+    #[test]
+    fn trucks_that_start_on_one_place_overlap() {
+        let mut setting = setting();
+        setting.agents[1].pose = Pose::new(21.0, 46.0, 3.0);
+        let offence = audit_timeline(&Timeline { setting, events: Vec::new() }, Step::default()).offence;
+        assert!(offence.is_some_and(|offence| offence.time == SimTime::ZERO));
     }
 }

@@ -4,8 +4,10 @@
 //! before it have gone. What a row says never depends on the number of workers, except for its `cpu_` and `wall_`
 //! columns. A run that fails, or panics, is a row like the others, with the reason.
 
+mod audits;
 mod columns;
 mod cpu_split;
+mod finished;
 mod json;
 mod output_folder;
 mod panics;
@@ -19,8 +21,10 @@ mod tally;
 mod text_table;
 mod workers;
 
+pub use audits::{AuditReport, AuditSource, AuditsError, TOLD_OFFENCES, audit_all};
 pub use columns::{AGENT_COLUMNS, AgentColumn, AgentRow, Column, RUN_COLUMNS, RunColumn, Value, is_measured};
 pub use cpu_split::CpuSplit;
+pub use finished::{FinishedBatch, FinishedError, FinishedRun, recordings_in};
 pub use json::run_json;
 pub use output_folder::{
     AGENTS_FILE, OutputFolder, PLAN_FILE, RECORDINGS_FOLDER, RUNS_FILE, TABLES_FILE, file_name_of,

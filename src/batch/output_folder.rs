@@ -96,7 +96,12 @@ impl OutputFolder {
 
     /// Where the recording of a run goes.
     pub fn recording(&self, seed: u64) -> PathBuf {
-        self.path.join(RECORDINGS_FOLDER).join(format!("seed-{seed}.wildfire"))
+        Self::recording_in(&self.path, seed)
+    }
+
+    /// Where it is in the folder of a batch.
+    pub fn recording_in(folder: &Path, seed: u64) -> PathBuf {
+        folder.join(RECORDINGS_FOLDER).join(format!("seed-{seed}.wildfire"))
     }
 }
 

@@ -1,6 +1,7 @@
 //! The arguments of every command, as clap reads them.
 
 use std::num::NonZeroUsize;
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
@@ -22,7 +23,7 @@ Examples:
   wildfire plan field.json --planner prm-rs,hybrid-astar   compare planners
 
 Exit codes: 0 done, 1 some run failed, 2 bad input, 3 disk or other environment,
-4 a check found an offence, 130 stopped with Ctrl-C.";
+4 an audit or a check found an offence, 130 stopped with Ctrl-C.";
 
 /// A wildfire contest between planners: a Wumpus lights bushes, a fire truck puts them out.
 #[derive(Debug, Parser)]
@@ -41,6 +42,8 @@ pub enum Command {
     Run(RunArguments),
     /// Run a scenario with many seeds and print the tables of the contest.
     Batch(BatchArguments),
+    /// Hold finished runs against the rules: recordings, and all runs of batches.
+    Audit(AuditArguments),
     /// Explain what a scenario means, its defaults, and its terrain.
     Check(CheckArguments),
     /// List the built-in scenarios, or print one.
@@ -131,6 +134,28 @@ pub struct BatchArguments {
 }
 
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  wildfire audit run.wildfire
+  wildfire audit runs/contest runs/dense --jobs 2
+
+It drives every leg once more in small steps, by other means than the planners', and
+exits with 4 if something is wrong: it prints the first offence of every run, with time,
+place and rule.")]
+pub struct AuditArguments {
+    /// Recordings, folders with recordings, or folders of batches; what a batch did not record is simulated again from
+    /// its plan.
+    #[arg(value_name = "RUN|DIR", required = true)]
+    pub paths: Vec<PathBuf>,
+    /// Threads [default: as many as the machine runs at once].
+    #[arg(long, allow_hyphen_values = true, value_parser = parse_jobs)]
+    pub jobs: Option<NonZeroUsize>,
+    /// Metres between two looks at a body on its way, at most.
+    #[arg(long, value_name = "METRES", default_value_t = 0.02, allow_hyphen_values = true, value_parser = parse_audit_step)]
+    pub step: f64,
+}
+
+#[derive(Debug, Args)]
 pub struct CheckArguments {
     /// A scenario file, or the name of a built-in scenario.
     #[arg(value_name = "SCENARIO")]
@@ -157,6 +182,14 @@ fn parse_jobs(text: &str) -> Result<NonZeroUsize, String> {
 
 pub fn parse_seed(text: &str) -> Result<u64, String> {
     text.parse().map_err(|_| format!("expected a whole number from 0 to {}", u64::MAX))
+}
+
+/// Looks of an audit are at least and at most so far apart, in metres.
+const AUDIT_STEPS_M: RangeInclusive<f64> = 0.001..=1.0;
+
+fn parse_audit_step(text: &str) -> Result<f64, String> {
+    let step = text.parse().ok().filter(|step| AUDIT_STEPS_M.contains(step));
+    step.ok_or_else(|| format!("expected metres from {} to {}", AUDIT_STEPS_M.start(), AUDIT_STEPS_M.end()))
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use miette::{Diagnostic, Report};
 use thiserror::Error;
 
-use crate::batch::BatchError;
+use crate::batch::{AuditsError, BatchError, FinishedError};
 use crate::cli::exit;
 use crate::map_files::MapError;
 use crate::scenario::ScenarioError;
@@ -71,6 +71,21 @@ impl From<Box<ScenarioError>> for Failure {
 impl From<MapError> for Failure {
     fn from(error: MapError) -> Self {
         Self::bad_input(error, None)
+    }
+}
+
+impl From<FinishedError> for Failure {
+    fn from(error: FinishedError) -> Self {
+        Self::bad_input(error, None)
+    }
+}
+
+impl From<AuditsError> for Failure {
+    fn from(error: AuditsError) -> Self {
+        match error {
+            AuditsError::Finished(error) => error.into(),
+            AuditsError::Batch(error) => error.into(),
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 //! Results go to stdout, progress, notes and errors to stderr. Nothing is written before all arguments are checked.
 
 mod args;
+mod audit_command;
 mod batch_command;
 mod curve;
 mod failure;
@@ -39,6 +40,7 @@ fn dispatch(arguments: &Arguments) -> Result<ExitCode, Failure> {
     match &arguments.command {
         Command::Run(run) => run_command::run(run, arguments.quiet),
         Command::Batch(batch) => batch_command::run(batch, arguments.quiet),
+        Command::Audit(audit) => audit_command::run(audit, arguments.quiet),
         Command::Check(check) => scenario_commands::check(check),
         Command::Scenarios(scenarios) => scenario_commands::list_or_show(scenarios),
         Command::Map { command } => map::run(command, arguments.quiet),

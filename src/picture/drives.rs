@@ -91,19 +91,23 @@ fn draw_goal(canvas: &mut Canvas, frame: &Frame, scene: &DriveScene, goal: Goal,
     }
     match goal {
         Goal::Pose(pose) => PoseMark::Goal.draw(canvas, frame.at(place), pose.heading, GOAL_MARK),
-        Goal::Disc(disc) => draw_disc(canvas, frame, disc),
+        Goal::Disc(disc) => draw_disc(canvas, frame, scene, disc),
     }
     if !is_reached {
         Mark::Stuck.draw(canvas, frame.at(place), GOAL_MARK);
     }
 }
 
-fn draw_disc(canvas: &mut Canvas, frame: &Frame, disc: GoalDisc) {
-    let corner = |corner: u32| {
+/// The circle as far as it lies on the field, and a star in its middle.
+fn draw_disc(canvas: &mut Canvas, frame: &Frame, scene: &DriveScene, disc: GoalDisc) {
+    let place = |corner: u32| {
         let (sin, cos) = ops::sin_cos(TAU * f64::from(corner) / f64::from(CORNERS));
-        frame.at((disc.centre.x + disc.radius_m * cos, disc.centre.y + disc.radius_m * sin))
+        (disc.centre.x + disc.radius_m * cos, disc.centre.y + disc.radius_m * sin)
     };
-    canvas.polyline(&(0..=CORNERS).map(corner).collect::<Vec<_>>(), 1.0, INK);
+    let sides = (0..CORNERS).map(|corner| [place(corner), place(corner + 1)]);
+    for side in sides.filter(|side| side.iter().all(|&place| is_shown(scene, place))) {
+        canvas.polyline(&side.map(|place| frame.at(place)), 1.0, INK);
+    }
     Mark::Goal.draw(canvas, frame.at((disc.centre.x, disc.centre.y)), GOAL_MARK);
 }
 

@@ -4,6 +4,7 @@
 //! Effort is counted in samples and expansions and budgeted in the same units; CPU time is reported only.
 
 mod clearance_floor;
+mod detour;
 mod ends;
 mod hybrid_astar;
 pub mod improve;
@@ -23,6 +24,7 @@ mod truck_planners;
 pub mod walk;
 
 pub use clearance_floor::ClearanceFloor;
+pub use detour::detour;
 pub use hybrid_astar::{HybridAstar, HybridSettings};
 pub use lattice_planner::{LatticePlanner, LatticeSettings};
 pub use nearest_place::nearest_place;

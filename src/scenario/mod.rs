@@ -74,6 +74,14 @@ pub struct Scenario {
 }
 
 impl Scenario {
+    /// Checks what [`load`] checks, of a scenario that comes from elsewhere.
+    ///
+    /// # Errors
+    /// The first value that is refused.
+    pub fn check(&self) -> Result<(), Fault> {
+        check::check(self).map_err(|refusal| refusal.fault())
+    }
+
     /// Body centres of all agents at their starts, Wumpuses first.
     pub fn start_centres(&self) -> impl Iterator<Item = DVec2> + '_ {
         self.wumpus.iter().map(Wumpus::start_centre).chain(self.unimog.iter().map(Unimog::start_centre))

@@ -135,7 +135,8 @@ impl ProblemFile<'_> {
                 None => (truck.speed_mps, truck.reverse_speed_mps),
             };
         }
-        self.placed(check::check_planners(&truck, &terrain.frame))?;
+        check::check_planners(&truck, &terrain.frame)
+            .map_err(|refusal| refusal.fault().at(self.at(locate(self.text, &FieldPath::parse("cell_m")))))?;
         let [x, y, heading] = self.three(&FieldPath::parse("start"), &members.start)?;
         Ok(Problem {
             name: self.problem_name(members.field, stem)?,

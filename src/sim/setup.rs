@@ -32,7 +32,6 @@ use super::agent::{Agent, Log, Roster};
 use super::fires::Ignitions;
 use super::stage::{Fires, Frame};
 use super::tracks::Tracks;
-use super::traffic::detour::Detours;
 use super::traffic::keep_apart;
 use super::truck::Truck;
 use super::wumpus::{Wumpus, step_times_by_distance};
@@ -288,7 +287,7 @@ fn place_truck(
         set_aside: Vec::new(),
         out_of_reach: Vec::new(),
         tracks: Tracks::default(),
-        detours: Detours::new(&checker, &settings.hybrid, stream("way-round")),
+        checker,
         blocked: None,
         cost: AgentCost { sampling: report.sampling, connecting: report.connecting, ..AgentCost::nothing(id) },
     };

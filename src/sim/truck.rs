@@ -8,10 +8,11 @@
 use bevy::prelude::*;
 use glam::DVec2;
 
+use crate::collision::CollisionChecker;
 use crate::fire::Vegetation;
 use crate::geometry::{Cell, FieldFrame, Pose};
 use crate::planning::reachability::Reachability;
-use crate::planning::{Effort, GoalDisc, TruckPlanner};
+use crate::planning::{Effort, GoalDisc, TruckPlanner, detour};
 use crate::scenario::TruckGoal;
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
@@ -25,7 +26,6 @@ use super::agent::{Activity, Agent, Log};
 use super::stage::Stage;
 use super::tracks::Tracks;
 use super::traffic::Traffic;
-use super::traffic::detour::Detours;
 
 /// Legs that a truck backs out of a pocket before it goes all the way back to its start.
 const BACKED_OUT_LEGS: usize = 8;
@@ -57,7 +57,7 @@ pub struct Truck {
     /// Goals that the flood does not reach.
     pub out_of_reach: Vec<Cell>,
     pub tracks: Tracks,
-    pub detours: Detours,
+    pub checker: CollisionChecker,
     /// What it would do, if other trucks were not in the way.
     pub blocked: Option<Blocked>,
     pub cost: AgentCost,
@@ -127,16 +127,20 @@ impl Truck {
     }
 
     /// A drive to the same goal round the trucks that are in the way.
-    fn go_round(&mut self, pose: Pose, blocked: &Blocked, situation: &Situation) -> Option<(Drive, Trajectory)> {
+    fn go_round(&mut self, blocked: &Blocked, situation: &Situation) -> Option<(Drive, Trajectory)> {
         let disc = self.disc(situation.frame, blocked.drive.goal);
         if disc.radius_m.is_infinite() {
             return None;
         }
-        let plan = self.detours.plan(situation.traffic, pose, disc);
-        self.cost.local_search += plan.time.local;
+        let mut clock = CpuStopwatch::start();
+        let path = &blocked.drive.path;
+        let leg = Trajectory::along(path, SimTime::ZERO, self.speed);
+        let free_m = situation.traffic.free_m(&self.body, &leg)?;
+        let (path, spent) = detour(&situation.traffic.crowd(&self.checker), path, free_m, disc);
+        self.cost.local_search += clock.lap();
         let mut effort = blocked.drive.effort;
-        effort += plan.effort;
-        let drive = Drive { path: plan.path.ok()?, effort, ..blocked.drive.clone() };
+        effort += spent;
+        let drive = Drive { path: path?, effort, ..blocked.drive.clone() };
         self.set_off(drive, situation).ok()
     }
 
@@ -273,7 +277,7 @@ fn choose((id, pose, truck): (AgentId, Pose, &mut Truck), situation: &Situation,
                 match truck.set_off(drive, situation) {
                     Ok((drive, leg)) => return Choice::Drive(drive, leg),
                     Err(behind) if blocked.is_empty() => {
-                        if let Some((drive, leg)) = truck.go_round(pose, &behind, situation) {
+                        if let Some((drive, leg)) = truck.go_round(&behind, situation) {
                             return Choice::Drive(drive, leg);
                         }
                         blocked.push(behind);

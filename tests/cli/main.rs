@@ -1,5 +1,6 @@
 //! The program told to do things from outside, as small stories.
 
+mod audit;
 mod commands;
 mod contest;
 mod curve;
@@ -9,5 +10,7 @@ mod map_answers;
 mod map_errors;
 mod map_files;
 mod map_readme;
+mod plan;
+mod plan_ompl;
 mod readme;
 mod story;

@@ -1,19 +1,17 @@
 //! What a path is worth, and whether it keeps to the rules.
 
-use crate::audit::{Ground, Step, audit_leg};
+use crate::audit::{Ground, Manners, Outline, Step, audit_leg};
 use crate::collision::CollisionChecker;
 use crate::geometry::{Pose, ops};
 use crate::planning::Goal;
 use crate::scenario::Problem;
 use crate::time::SimTime;
+use crate::timeline::Body;
 use crate::trajectory::{SpeedLimits, Trajectory};
 use crate::vehicle::{Dimensions, Path, ReedsShepp};
 
 /// Spacing of the poses whose clearance is looked at, metres.
 const SPACING_M: f64 = 0.02;
-
-/// Samples of the audit are no farther apart.
-const AUDIT: Step = Step { metres: 0.02, degrees: 0.2 };
 
 /// How far a path may end from where it should, metres and radians.
 const END_M: f64 = 1e-3;
@@ -45,7 +43,8 @@ pub struct Judge<'a> {
 
 impl<'a> Judge<'a> {
     pub fn new(problem: &Problem, checker: &'a CollisionChecker) -> Self {
-        let ground = Ground::new(problem.terrain.frame, &problem.terrain.bushes);
+        let outline = Outline::of(&Body::Truck(problem.truck.vehicle));
+        let ground = Ground::new(problem.terrain.frame, &problem.terrain.bushes, outline);
         Self { start: problem.start, checker, ground, limits: problem.truck.speed_limits() }
     }
 
@@ -66,7 +65,9 @@ impl<'a> Judge<'a> {
     }
 
     fn offence(&self, goal: Goal, trajectory: &Trajectory) -> Option<String> {
-        let audited = audit_leg(&self.ground, self.checker.body(), &self.limits, trajectory, AUDIT);
+        let turning_radius_m = Some(self.checker.body().turning_radius_m);
+        let manners = Manners { turning_radius_m, limits: Some(self.limits) };
+        let audited = audit_leg(&self.ground, &manners, trajectory, Step::default());
         let on_the_way = audited.err().map(|offence| offence.to_string());
         let (start, end) = (trajectory.start(), trajectory.end());
         let at_the_ends = || {
@@ -148,10 +149,10 @@ mod tests {
     #[test]
     fn offences_are_seen_by_shapes_and_ends() {
         let offence = |goal, path| judged(goal, path).offence.expect("something is wrong with it");
-        assert!(offence(pose(48.0), straight(28.0)).contains("in the bush at cell (10, 4)"));
+        assert!(offence(pose(48.0), straight(28.0)).contains("(10, 4)"));
         assert!(offence(pose(45.0), straight(24.99)).contains("ends 0.0100 m and 0.0000 rad away"));
         let tight = Path { start: START, segments: vec![Segment { curvature: 1.0 / 12.9, length_m: 9.0 }] };
-        assert!(offence(Goal::Pose(tight.end()), tight).contains("turning radius"));
+        assert!(offence(Goal::Pose(tight.end()), tight).contains("12.9"));
         let elsewhere = Path { start: Pose { y: 22.51, ..START }, ..straight(5.0) };
         assert!(offence(Goal::Pose(elsewhere.end()), elsewhere).contains("begins 0.0100 m"));
         let disc = |radius_m| Goal::Disc(GoalDisc { centre: DVec2::new(46.5, 22.5), radius_m });

@@ -30,6 +30,8 @@ use crate::scenario::{LoadedScenario, Problem};
 /// What was asked and all that was answered.
 struct Answers<'a> {
     loaded: &'a LoadedScenario,
+    /// Those of the command line.
+    changes: &'a [String],
     seed: u64,
     problems: &'a [Problem],
     planners: &'a [TruckPlannerKind],
@@ -56,6 +58,7 @@ pub fn run(arguments: &PlanArguments, quiet: bool) -> Result<ExitCode, Failure> 
     let summaries = planners.iter().map(|&planner| Summary::of(planner, &attempts)).collect();
     let answers = Answers {
         loaded: &loaded,
+        changes: &arguments.overrides,
         seed: arguments.seed,
         problems: &problems,
         planners: &planners,

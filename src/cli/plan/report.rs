@@ -7,6 +7,7 @@ use crate::cli::plan::drive::Drive;
 use crate::cli::plan::settings;
 use crate::cli::plan::summary::Summary;
 use crate::cli::scenario_commands::wrapped;
+use crate::planning::TruckPlannerKind;
 
 /// The width of a terminal's line.
 const WIDTH: usize = 80;
@@ -29,21 +30,17 @@ fn heading(answers: &Answers) -> String {
         [problem] => format!("Field `{}`", shortened(&problem.name)),
         problems => format!("{} fields", problems.len()),
     };
-    let goals: usize = answers.problems.iter().map(|problem| problem.goals.len()).sum();
-    let scenario = &answers.loaded.scenario.name;
-    let goals = if goals == 1 { "1 goal".to_owned() } else { format!("{goals} goals") };
-    let mut text = format!("{fields}, {goals}, seed {}; settings of the scenario `{scenario}`:\n", answers.seed);
-    for &planner in answers.planners {
-        let values = settings::of(planner, answers.loaded);
-        let values: Vec<_> = values.iter().map(|(name, value)| format!("{name}={value}")).collect();
-        let lines = wrapped(&format!("{}: {}", planner.name(), values.join(" ")), WIDTH - 4);
-        text += &lines.iter().enumerate().map(|(at, line)| indented(at, line)).collect::<String>();
-    }
-    text
-}
-
-fn indented(at: usize, line: &str) -> String {
-    if at == 0 { format!("  {line}\n") } else { format!("    {line}\n") }
+    let goals = match answers.problems.iter().map(|problem| problem.goals.len()).sum() {
+        1 => "1 goal".to_owned(),
+        goals => format!("{goals} goals"),
+    };
+    let (seed, scenario) = (answers.seed, &answers.loaded.scenario.name);
+    let changes: String = answers.changes.iter().map(|change| format!(", {change}")).collect();
+    let sentence = format!("{fields}, {goals}, seed {seed}; settings of the scenario `{scenario}`{changes}.");
+    let budget =
+        |planner: &TruckPlannerKind| format!("Budget of {planner}: {}.", settings::budget(*planner, answers.loaded));
+    let sentences = std::iter::once(sentence).chain(answers.planners.iter().map(budget));
+    sentences.flat_map(|sentence| wrapped(&sentence, WIDTH)).map(|line| line + "\n").collect()
 }
 
 /// A column of a table: its heading, and what stands in it.
@@ -86,15 +83,15 @@ fn summary(summaries: &[Summary]) -> TextTable {
     let columns: [TextColumn<Summary>; 11] = [
         ("Planner", |row| row.planner.to_string()),
         ("Reached", |row| format!("{}/{}", row.reached, row.goals)),
-        ("CPU,ms median", |row| milliseconds(row.cpu_query_median_s)),
+        ("Query median", |row| milliseconds(row.cpu_query_median_s)),
         ("p95", |row| milliseconds(row.cpu_query_p95_s)),
         ("max", |row| milliseconds(row.cpu_query_max_s)),
-        ("Build, ms", |row| milliseconds(row.cpu_build_median_s)),
-        ("Length/ bound", |row| optional(row.lower_bound_ratio_mean, 3)),
+        ("Build ms", |row| milliseconds(row.cpu_build_median_s)),
+        ("Len./ bound", |row| optional(row.lower_bound_ratio_mean, 3)),
         ("goals 0-2", |row| optional(row.first_lower_bound_ratio_mean, 3)),
-        ("Clear- ance,m", |row| optional(row.min_clearance_median_m, 2)),
+        ("Clear. m", |row| optional(row.min_clearance_median_m, 2)),
         ("Cusps", |row| optional(row.cusps_mean, 2)),
-        ("Offen- ces", |row| row.offences.to_string()),
+        ("Off- ences", |row| row.offences.to_string()),
     ];
     table(&columns, summaries)
 }
@@ -119,9 +116,9 @@ fn faults(answers: &Answers) -> String {
 }
 
 const LEGEND: &str = "\
-CPU: of the query; build: clearance field and preparation, median of the fields.
-Length/bound: mean over the shortest that could be; clearance: median of minima.
-Paths are checked every 2 cm by other shapes than planners use: offences.
+Query, build: CPU time in ms; building the clearance field counts as building.
+Len./bound: over the shortest that could be, mean; clearance: median of minima.
+Offences: paths that a check by other shapes every 2 cm found fault with.
 ";
 
 fn milliseconds(seconds: f64) -> String {

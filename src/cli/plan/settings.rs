@@ -22,3 +22,14 @@ pub fn of(planner: TruckPlannerKind, loaded: &LoadedScenario) -> Vec<(String, St
     };
     loaded.values().into_iter().filter_map(|(name, value)| Some((own(name)?, value))).collect()
 }
+
+/// What bounds a planner's effort: expansions, samples, tries.
+const BUDGETS: [&str; 3] = ["max_expansions", "samples", "shortcuts"];
+
+/// The settings that bound a planner's effort, as text.
+pub fn budget(planner: TruckPlannerKind, loaded: &LoadedScenario) -> String {
+    let is_budget = |name: &str| BUDGETS.iter().any(|budget| name.rsplit('.').next() == Some(budget));
+    let budgets = of(planner, loaded).into_iter().filter(|(name, _)| is_budget(name));
+    let budgets: Vec<_> = budgets.map(|(name, value)| format!("{name}={value}")).collect();
+    if budgets.is_empty() { "none".into() } else { budgets.join(", ") }
+}

@@ -25,6 +25,14 @@ use roadmap::{LEVELS, Roadmap};
 use sample::Sampler;
 use search::{Search, Task};
 
+#[expect(clippy::disallowed_types, reason = "x")]
+pub fn knob(number: usize, default: f64) -> f64 {
+    static K: std::sync::OnceLock<Vec<Option<f64>>> = std::sync::OnceLock::new();
+    K.get_or_init(|| (0..12).map(|k| std::env::var(format!("K{k}")).ok().and_then(|v| v.parse().ok())).collect())
+        [number]
+        .unwrap_or(default)
+}
+
 /// The planner for one body on one field.
 #[derive(Debug)]
 pub struct PrmRs {
@@ -38,7 +46,7 @@ pub struct PrmRs {
     shortcuts: Xoshiro256PlusPlus,
     fallback: HybridAstar,
     report: BuildReport,
-    expansions: u32,
+    effort: Effort,
 }
 
 impl PrmRs {
@@ -59,7 +67,7 @@ impl PrmRs {
         roadmap.add(poses);
         roadmap.finish();
         let report = BuildReport {
-            samples: roadmap.poses().len() as u32,
+            samples: roadmap.node_count() as u32,
             draws: sampler.draws,
             edges: roadmap.edge_count() as u32,
             components: roadmap.components,
@@ -70,13 +78,13 @@ impl PrmRs {
             checker: checker.clone(),
             settings: settings.clone(),
             lookout: Lookout::new(&HybridSettings { cusp_cost: settings.cusp_cost, ..hybrid.clone() }, checker.body()),
+            search: Search::new(checker.body(), &roadmap),
             roadmap,
-            search: Search::default(),
             improver: Improver::new(checker, settings.cusp_cost),
             shortcuts: shortcuts.clone(),
             fallback: HybridAstar::build(checker, hybrid, shortcuts),
             report,
-            expansions: 0,
+            effort: Effort::default(),
         }
     }
 
@@ -95,7 +103,8 @@ impl PrmRs {
             }
             let task = Task { checker: &self.checker, lookout: &self.lookout, floor: &floor, level, start, goal };
             let path = self.search.run(&task, &mut self.roadmap);
-            self.expansions += self.search.expansions;
+            self.effort.roadmap_expansions += self.search.roadmap_expansions;
+            self.effort.local_expansions += self.search.local_expansions;
             if let Some(path) = path {
                 return Some((path, Some(floor)));
             }
@@ -135,9 +144,9 @@ impl TruckPlanner for PrmRs {
 
     fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
         let mut watch = CpuStopwatch::start();
-        self.expansions = 0;
+        self.effort = Effort::default();
         let found = self.find(start, goal.inner());
-        let roadmap_expansions = self.expansions;
+        let mut effort = self.effort;
         let roadmap = watch.lap();
         match found {
             Some((path, floor)) => {
@@ -145,12 +154,11 @@ impl TruckPlanner for PrmRs {
                     Some(floor) => self.improve(&path, goal.inner(), &floor),
                     None => path,
                 };
-                let effort = Effort { roadmap_expansions, local_expansions: 0 };
                 Plan { path: Ok(path), effort, time: QueryTime { roadmap, local: watch.lap() } }
             }
             None => {
                 let plan = self.fallback.plan(start, goal);
-                let effort = Effort { roadmap_expansions, ..plan.effort };
+                effort.local_expansions += plan.effort.local_expansions;
                 Plan { effort, time: QueryTime { roadmap, local: watch.lap() }, ..plan }
             }
         }

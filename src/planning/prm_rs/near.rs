@@ -35,6 +35,12 @@ impl Places {
     /// Replaces what `found` holds by the places within `reach_m` of one, with their distances, nearest first, ties by
     /// number.
     pub fn near(&self, place: DVec2, reach_m: f64, found: &mut Vec<(f64, u32)>) {
+        self.within(place, reach_m, found);
+        found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    }
+
+    /// The same in no particular order.
+    pub fn within(&self, place: DVec2, reach_m: f64, found: &mut Vec<(f64, u32)>) {
         found.clear();
         let range = |middle: f64, count: usize| {
             // Casts clamp at 0.
@@ -49,6 +55,5 @@ impl Places {
                 found.extend(distances.filter(|&(distance, _)| distance <= reach_m));
             }
         }
-        found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     }
 }

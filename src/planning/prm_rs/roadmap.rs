@@ -1,8 +1,10 @@
+use std::f64::consts::FRAC_PI_2;
+
 use glam::DVec2;
 use petgraph::unionfind::UnionFind;
 
 use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M};
-use crate::geometry::Pose;
+use crate::geometry::{Pose, ops};
 use crate::planning::PrmRsSettings;
 use crate::vehicle::reeds_shepp::PricedCurve;
 use crate::vehicle::{CurvePrice, ReedsShepp, Segment};
@@ -16,6 +18,8 @@ pub type Level = usize;
 pub const LEVELS: usize = SHARES.len();
 
 /// Poses, and Reeds-Shepp curves between them that may be driven both ways.
+///
+/// Curves are worked out and swept when they are asked for, and remembered.
 #[derive(Debug)]
 pub struct Roadmap {
     checker: CollisionChecker,
@@ -24,20 +28,28 @@ pub struct Roadmap {
     clearances_m: [f64; LEVELS],
     neighbours: usize,
     max_edge_m: f64,
-    poses: Vec<Pose>,
+    nodes: Vec<Node>,
     places: Places,
     edges: Vec<Edge>,
+    ways: Vec<PricedCurve>,
     /// Links of node i are those from `first[i]` to `first[i + 1]`.
     first: Vec<u32>,
     links: Vec<Link>,
     pub components: u32,
 }
 
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    pose: Pose,
+    direction: DVec2,
+}
+
 /// A curve from one node to another.
 #[derive(Debug)]
 struct Edge {
     nodes: [u32; 2],
-    way: PricedCurve,
+    /// Index of the curve, once it is known.
+    way: Option<u32>,
     /// Whether it keeps each of the clearances, where that is known.
     is_free: [Option<bool>; LEVELS],
 }
@@ -47,6 +59,11 @@ struct Edge {
 pub struct Link {
     pub to: u32,
     pub edge: u32,
+}
+
+/// What driving along a link means.
+#[derive(Clone, Copy, Debug)]
+pub struct Passage {
     pub cost: f64,
     pub departs_reverse: bool,
     pub arrives_reverse: bool,
@@ -61,17 +78,22 @@ impl Roadmap {
             clearances_m: SHARES.map(|share| (share * settings.clearance_m).max(LEAST_CLEARANCE_M)),
             neighbours: settings.neighbours as usize,
             max_edge_m: settings.max_edge_m,
-            poses: Vec::new(),
+            nodes: Vec::new(),
             places: Places::new(checker.field().frame()),
             edges: Vec::new(),
+            ways: Vec::new(),
             first: Vec::new(),
             links: Vec::new(),
             components: 0,
         }
     }
 
-    pub fn poses(&self) -> &[Pose] {
-        &self.poses
+    pub fn node_count(&self) -> usize {
+        self.nodes.len()
+    }
+
+    pub fn pose(&self, node: u32) -> Pose {
+        self.nodes[node as usize].pose
     }
 
     pub fn edge_count(&self) -> usize {
@@ -91,83 +113,92 @@ impl Roadmap {
         self.places.near(place, reach_m, found);
     }
 
-    /// Adds poses, each with curves to the nearest ones before it, of which nothing is known yet.
+    /// Adds poses, each with edges to the nearest ones before it.
     pub fn add(&mut self, poses: impl IntoIterator<Item = Pose>) {
-        let (mut near, mut best) = (Vec::new(), Vec::new());
+        let mut near = Vec::new();
         for pose in poses {
-            let node = self.poses.len() as u32;
-            self.places.near(pose.position(), self.max_edge_m, &mut near);
-            self.nearest_by_curve(pose, &near, &mut best);
-            self.edges.extend(best.drain(..).map(|(way, other)| Edge {
-                nodes: [other, node],
-                way,
-                is_free: [None; LEVELS],
-            }));
+            let node = Node { pose, direction: pose.direction() };
+            let number = self.nodes.len() as u32;
+            self.places.within(pose.position(), self.max_edge_m, &mut near);
+            self.keep_nearest(&node, &mut near);
+            let edge = |&(_, other): &(f64, u32)| Edge { nodes: [other, number], way: None, is_free: [None; LEVELS] };
+            self.edges.extend(near.iter().map(edge));
             self.places.add(pose.position());
-            self.poses.push(pose);
+            self.nodes.push(node);
         }
     }
 
-    /// Of the nodes `near` to a pose, those from which the cheapest curves lead to it.
-    fn nearest_by_curve(&self, pose: Pose, near: &[(f64, u32)], best: &mut Vec<(PricedCurve, u32)>) {
-        for &(distance, other) in near {
-            let bound = if best.len() < self.neighbours { self.max_edge_m } else { best[best.len() - 1].0.price };
-            if distance >= bound {
-                break;
-            }
-            let way = self.curves.cheapest_below(self.poses[other as usize], pose, &self.price, bound);
-            if let Some(way) = way.filter(|way| way.price > 0.0) {
-                let rank = best.partition_point(|(better, _)| better.price <= way.price);
-                best.insert(rank, (way, other));
-                best.truncate(self.neighbours);
-            }
+    /// Keeps the nodes that a truck gets to soonest, as an estimate says.
+    fn keep_nearest(&self, node: &Node, near: &mut Vec<(f64, u32)>) {
+        let by_estimate = |a: &(f64, u32), b: &(f64, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+        for (metres, other) in near.iter_mut() {
+            let there = &self.nodes[*other as usize];
+            let middle = node.pose.position().lerp(there.pose.position(), 0.5);
+            *metres = if super::knob(6, 1.0) > 0.0 && self.checker.field().at(middle) < super::knob(7, 0.5) {
+                f64::INFINITY
+            } else {
+                self.estimate_m(node, there, *metres)
+            };
         }
+        near.retain(|&(metres, _)| metres < f64::INFINITY);
+        if near.len() > self.neighbours {
+            near.select_nth_unstable_by(self.neighbours, by_estimate);
+            near.truncate(self.neighbours);
+        }
+        near.sort_unstable_by(by_estimate);
+    }
+
+    /// About how long the curve between two nodes is: the straight line, what turning into it and out of it costs, and no
+    /// less than what turning from one heading to the other takes.
+    fn estimate_m(&self, a: &Node, b: &Node, distance: f64) -> f64 {
+        let radius = self.curves.radius_m;
+        let line = (b.pose.position() - a.pose.position()) / distance.max(1e-9);
+        let turn_m = |direction: DVec2| {
+            let (along, across) = (line.dot(direction).abs(), line.perp_dot(direction).abs());
+            let sideways = radius * (1.0 - along);
+            0.5 * radius * across * across * across + sideways * sideways / (2.0 * distance.max(0.5 * radius))
+        };
+        let there = distance + turn_m(a.direction) + turn_m(b.direction);
+        there.max(FRAC_PI_2 * radius * (1.0 - a.direction.dot(b.direction)))
     }
 
     /// Makes the edges ready for queries.
     pub fn finish(&mut self) {
         self.count_components();
-        let mut first = vec![0; self.poses.len() + 1];
+        self.first = vec![0; self.nodes.len() + 1];
         for node in self.edges.iter().flat_map(|edge| edge.nodes) {
-            first[node as usize + 1] += 1;
+            self.first[node as usize + 1] += 1;
         }
-        for node in 0..self.poses.len() {
-            first[node + 1] += first[node];
+        for node in 0..self.nodes.len() {
+            self.first[node + 1] += self.first[node];
         }
-        let nothing = Link { to: 0, edge: 0, cost: 0.0, departs_reverse: false, arrives_reverse: false };
-        let mut next = first.clone();
-        self.links = vec![nothing; 2 * self.edges.len()];
+        let mut next = self.first.clone();
+        self.links = vec![Link { to: 0, edge: 0 }; 2 * self.edges.len()];
         for (number, edge) in self.edges.iter().enumerate() {
-            let mut segments = edge.way.curve.segments();
-            let departs = segments.next().is_some_and(|segment| segment.is_reverse());
-            let arrives = segments.last().map_or(departs, |segment| segment.is_reverse());
-            let there = Link {
-                to: edge.nodes[1],
-                edge: number as u32,
-                cost: edge.way.price,
-                departs_reverse: departs,
-                arrives_reverse: arrives,
-            };
-            let back = Link { to: edge.nodes[0], departs_reverse: !arrives, arrives_reverse: !departs, ..there };
-            for (node, link) in edge.nodes.into_iter().zip([there, back]) {
-                self.links[next[node as usize] as usize] = link;
+            let [a, b] = edge.nodes;
+            for (node, to) in [(a, b), (b, a)] {
+                self.links[next[node as usize] as usize] = Link { to, edge: number as u32 };
                 next[node as usize] += 1;
             }
         }
-        self.first = first;
     }
 
-    /// Sweeps edges, cheapest first, that would join components (J. B. Kruskal, "On the shortest spanning subtree of a graph
+    /// Sweeps edges, shortest first, that would join components (J. B. Kruskal, "On the shortest spanning subtree of a graph
     /// and the traveling salesman problem", Proc. AMS 7, 1956). The others wait until a query needs them.
     fn count_components(&mut self) {
-        let mut order: Vec<u32> = (0..self.edges.len() as u32).collect();
-        order.sort_unstable_by(|&a, &b| {
-            let price = |edge: u32| self.edges[edge as usize].way.price;
-            price(a).total_cmp(&price(b)).then(a.cmp(&b))
-        });
-        let mut sets = UnionFind::<u32>::new(self.poses.len());
-        self.components = self.poses.len() as u32;
-        for edge in order {
+        if super::knob(5, 0.0) > 0.0 {
+            return;
+        }
+        let distance = |edge: &Edge| {
+            let [a, b] = edge.nodes.map(|node| self.nodes[node as usize]);
+            a.pose.position().distance_squared(b.pose.position())
+        };
+        let mut order: Vec<(f64, u32)> =
+            self.edges.iter().enumerate().map(|(number, edge)| (distance(edge), number as u32)).collect();
+        order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut sets = UnionFind::<u32>::new(self.nodes.len());
+        self.components = self.nodes.len() as u32;
+        for (_, edge) in order {
             let [a, b] = self.edges[edge as usize].nodes;
             if !sets.equiv(a, b) && self.is_free(edge, 0) {
                 sets.union(a, b);
@@ -185,27 +216,61 @@ impl Roadmap {
         self.links[link as usize]
     }
 
+    /// What no way between two nodes is shorter than.
+    pub fn least_m(&self, from: u32, to: u32) -> f64 {
+        least_length_m(self.curves.radius_m, self.pose(from), self.pose(to))
+    }
+
+    fn way(&mut self, edge: u32) -> &PricedCurve {
+        let edge = &mut self.edges[edge as usize];
+        let way = *edge.way.get_or_insert_with(|| {
+            let [a, b] = edge.nodes.map(|node| self.nodes[node as usize].pose);
+            self.ways.push(self.curves.cheapest(a, b, &self.price));
+            self.ways.len() as u32 - 1
+        });
+        &self.ways[way as usize]
+    }
+
+    pub fn passage(&mut self, link: Link) -> Passage {
+        let is_back = link.to == self.edges[link.edge as usize].nodes[0];
+        let way = self.way(link.edge);
+        let mut segments = way.curve.segments();
+        let first = segments.next().is_some_and(|segment| segment.is_reverse());
+        let last = segments.last().map_or(first, |segment| segment.is_reverse());
+        let (departs_reverse, arrives_reverse) = if is_back { (!last, !first) } else { (first, last) };
+        Passage { cost: way.price, departs_reverse, arrives_reverse }
+    }
+
     /// Whether an edge keeps one of the clearances; it is swept the first time that this is asked.
     pub fn is_free(&mut self, edge: u32, level: Level) -> bool {
-        let edge = &mut self.edges[edge as usize];
-        *edge.is_free[level].get_or_insert_with(|| {
-            let mut pose = self.poses[edge.nodes[0] as usize];
-            edge.way.curve.segments().all(|segment| {
-                let from = pose;
-                pose = segment.end(from);
-                self.checker.motion_is_free(from, segment, self.clearances_m[level])
-            })
-        })
+        if let Some(known) = self.edges[edge as usize].is_free[level] {
+            return known;
+        }
+        let way = *self.way(edge);
+        let mut pose = self.pose(self.edges[edge as usize].nodes[0]);
+        let is_free = way.curve.segments().all(|segment| {
+            let from = pose;
+            pose = segment.end(from);
+            self.checker.motion_is_free(from, segment, self.clearances_m[level])
+        });
+        self.edges[edge as usize].is_free[level] = Some(is_free);
+        is_free
     }
 
     /// Adds the segments of a link to a way.
-    pub fn append(&self, link: Link, way: &mut Vec<Segment>) {
-        let edge = &self.edges[link.edge as usize];
-        let joint = way.len();
-        way.extend(edge.way.curve.segments());
-        if link.to == edge.nodes[0] {
-            way[joint..].reverse();
-            way[joint..].iter_mut().for_each(|segment| segment.length_m = -segment.length_m);
+    pub fn append(&mut self, link: Link, segments: &mut Vec<Segment>) {
+        let is_back = link.to == self.edges[link.edge as usize].nodes[0];
+        let joint = segments.len();
+        segments.extend(self.way(link.edge).curve.segments());
+        if is_back {
+            segments[joint..].reverse();
+            segments[joint..].iter_mut().for_each(|segment| segment.length_m = -segment.length_m);
         }
     }
+}
+
+/// What no curve between two poses is shorter than: the straight line, and what turning takes.
+pub fn least_length_m(radius_m: f64, from: Pose, to: Pose) -> f64 {
+    let turn = ops::wrap_angle(to.heading - from.heading).abs();
+    from.position().distance(to.position()).max(radius_m * turn)
 }

@@ -3,13 +3,12 @@
 //! The leg of every truck is a reservation: along it, and where it ends for ever. No two reservations come nearer than
 //! [`MARGIN_M`], so whoever keeps to his own is safe whatever the others do. Only three things change a reservation, and
 //! each keeps the rule:
-//! - a truck that sets out does so when its way is free ([`Traffic::departure`]), or goes [round](detour) those that
+//! - a truck that sets out does so when its way is free ([`Traffic::departure`]), or goes [round](crate::planning::detour) those that
 //!   stand in the way, or takes another goal, or waits until something of the others changes;
 //! - a truck that breaks off drives on to where it may stand for ever ([`Traffic::stopping`]);
 //! - a truck that has nothing to do, or is blocked itself, gives way to one that could not set out otherwise
 //!   ([`standoff`]).
 
-pub mod detour;
 pub mod standoff;
 
 use bevy::prelude::Entity;
@@ -49,6 +48,13 @@ impl Reservation {
         Moving { body: &self.body, trajectory: &self.leg }
     }
 
+    /// When a motion first meets this truck in its last place, as if it stood there all the time.
+    fn last_met(&self, motion: Moving<'_>) -> Option<SimTime> {
+        let stand = Trajectory::new(SimTime::ZERO, self.leg.end(), Vec::new());
+        let stand = Moving { body: &self.body, trajectory: &stand };
+        first_meeting(motion, stand, motion.trajectory.start_time(), MARGIN_M)
+    }
+
     /// The outline at its end.
     fn outline(&self) -> OrientedRect {
         self.body.footprint(self.leg.end())
@@ -78,11 +84,13 @@ impl<'a> Traffic<'a> {
 
     /// The others whose last place lies on the way of a leg, whenever it is driven.
     fn on_the_way(self, body: &Dimensions, leg: &Trajectory) -> impl Iterator<Item = &'a Reservation> {
-        self.others().filter(move |other| {
-            let stand = Trajectory::new(SimTime::ZERO, other.leg.end(), Vec::new());
-            let stand = Moving { body: &other.body, trajectory: &stand };
-            first_meeting(Moving { body, trajectory: leg }, stand, leg.start_time(), MARGIN_M).is_some()
-        })
+        self.others().filter(move |other| other.last_met(Moving { body, trajectory: leg }).is_some())
+    }
+
+    /// Metres of a leg before it meets the first of the others in its last place, if it meets any.
+    pub fn free_m(self, body: &Dimensions, leg: &Trajectory) -> Option<f64> {
+        let times = self.others().filter_map(|other| other.last_met(Moving { body, trajectory: leg }));
+        times.map(|time| leg.distance_m(time)).min_by(f64::total_cmp)
     }
 
     /// The leg with the shortest wait at its beginning that lets the others pass, or who is in the way.
@@ -124,7 +132,7 @@ impl<'a> Traffic<'a> {
     }
 
     /// The field with the others standing at the ends of their legs, [`MARGIN_M`] larger than they are.
-    fn crowd(self, checker: &CollisionChecker) -> CollisionChecker {
+    pub fn crowd(self, checker: &CollisionChecker) -> CollisionChecker {
         let wider = MARGIN_M - LEAST_CLEARANCE_M;
         let standing = self.others().map(|other| {
             let OrientedRect { centre, half_length, half_width } = other.outline();

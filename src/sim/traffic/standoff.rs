@@ -96,7 +96,7 @@ fn way_aside(
 ) -> Option<Trajectory> {
     let own = &reservations[place];
     let traffic = Traffic::new(reservations, own.entity);
-    let crowd = traffic.crowd(truck.detours.checker());
+    let crowd = traffic.crowd(&truck.checker);
     let leaves_free = |pose| {
         let stand = Trajectory::new(now, pose, Vec::new());
         let stand = Moving { body: &own.body, trajectory: &stand };

@@ -1,0 +1,226 @@
+//! What breaks a rule: when, who, where, which rule.
+
+use std::fmt;
+
+use super::Touch;
+use crate::geometry::{Cell, DVec2};
+use crate::time::SimTime;
+use crate::timeline::AgentId;
+
+/// A rule that was broken, by how much.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Breach {
+    Touched(Touch),
+    /// Two trucks at one place.
+    Overlap {
+        other: AgentId,
+        depth_m: f64,
+    },
+    /// A turn of less than the smallest radius; 0 on the spot.
+    Curvature {
+        radius_m: f64,
+        least_m: f64,
+    },
+    /// The state at a time is not where the pieces of the leg lead.
+    Astray {
+        metres: f64,
+        radians: f64,
+    },
+    Speed {
+        found_mps: f64,
+        limit_mps: f64,
+    },
+    Acceleration {
+        found_mps2: f64,
+        limit_mps2: f64,
+    },
+    Braking {
+        found_mps2: f64,
+        limit_mps2: f64,
+    },
+    Lateral {
+        found_mps2: f64,
+        limit_mps2: f64,
+    },
+    /// Speed changes at once where acceleration has a limit; at cusps a truck stands.
+    SpeedJump {
+        from_mps: f64,
+        to_mps: f64,
+    },
+    /// A piece whose braking would end before it does.
+    StopsShort,
+    /// A time or a place that is not a number.
+    NotANumber,
+    /// A leg begins this far from where the last one ended.
+    Discontinuous {
+        metres: f64,
+        radians: f64,
+    },
+    /// A leg begins before the last one has ended.
+    StillUnderWay {
+        until: SimTime,
+    },
+    /// The leg as driven, after its goal was dropped, is another one than planned.
+    CutDiffers,
+    /// A fire went out while its truck was moving, or had stood for less than the dwell since its last one went out.
+    NotStanding {
+        cell: Cell,
+        since: SimTime,
+    },
+    /// A fire went out beyond the reach of its truck.
+    OutOfReach {
+        cell: Cell,
+        metres: f64,
+        reach_m: f64,
+    },
+    /// One stop put out a second fire where the rules say one.
+    SecondFire {
+        cell: Cell,
+    },
+    /// A Wumpus lit a bush on its way.
+    LitInPassing {
+        cell: Cell,
+    },
+    /// What is not burning went out or burned out.
+    NotBurning {
+        cell: Cell,
+    },
+    /// What cannot burn caught fire.
+    CannotBurn {
+        cell: Cell,
+    },
+    /// A bush caught fire from one that does not burn, spreads none, or not then.
+    NoSource {
+        cell: Cell,
+        from: Cell,
+    },
+    /// A bush caught fire from one that is too far away.
+    TooFarToSpread {
+        cell: Cell,
+        from: Cell,
+        metres: f64,
+        radius_m: f64,
+    },
+    /// A bush in the radius of one that spreads stayed as it was.
+    SparedBySpread {
+        cell: Cell,
+        from: Cell,
+    },
+    /// A fire ended, or went on, against its time of burning out.
+    WrongBurnOut {
+        cell: Cell,
+        due: Option<SimTime>,
+    },
+    /// Somebody did what only the other kind does, or who is not in the setting.
+    WrongAgent,
+    /// More to look at than any run has.
+    Endless,
+}
+
+/// The first breach of a run or a leg.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Offence {
+    pub time: SimTime,
+    /// Whose doing it is, if anybody's.
+    pub agent: Option<AgentId>,
+    /// Of the agent, or the centre of the cell, in metres.
+    pub place: DVec2,
+    pub breach: Breach,
+}
+
+impl fmt::Display for Offence {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let DVec2 { x, y } = self.place;
+        write!(f, "at {}, ({x:.3}, {y:.3}) m: ", self.time)?;
+        if let Some(agent) = self.agent {
+            write!(f, "{agent}: ")?;
+        }
+        write!(f, "{}", self.breach)
+    }
+}
+
+impl fmt::Display for Breach {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Touched(Touch::Bush { cell, depth_m }) => {
+                write!(f, "the body is {:.1} mm deep in the bush at cell {cell}", 1e3 * depth_m)
+            }
+            Self::Touched(Touch::Border { depth_m }) => {
+                write!(f, "the body is {:.1} mm outside of the field", 1e3 * depth_m)
+            }
+            Self::Overlap { other, depth_m } => {
+                write!(f, "its body overlaps that of {other} by {:.1} mm", 1e3 * depth_m)
+            }
+            Self::Curvature { radius_m, least_m } => {
+                write!(f, "it turns with a radius of {radius_m:.4} m, below its turning radius of {least_m} m")
+            }
+            Self::Astray { metres, radians } => {
+                write!(f, "it is {metres:.6} m and {radians:.6} rad from where the pieces of its leg lead")
+            }
+            Self::Speed { found_mps, limit_mps } => {
+                write!(f, "it moves at {found_mps:.4} m/s where {limit_mps} m/s is the limit")
+            }
+            Self::Acceleration { found_mps2, limit_mps2 } => {
+                write!(f, "it speeds up by {found_mps2:.4} m/s2 where {limit_mps2} m/s2 is the limit")
+            }
+            Self::Braking { found_mps2, limit_mps2 } => {
+                write!(f, "it brakes by {found_mps2:.4} m/s2 where {limit_mps2} m/s2 is the limit")
+            }
+            Self::Lateral { found_mps2, limit_mps2 } => {
+                write!(f, "it turns at {found_mps2:.4} m/s2 to the side where {limit_mps2} m/s2 is the limit")
+            }
+            Self::SpeedJump { from_mps, to_mps } => {
+                write!(f, "its speed jumps from {from_mps:.4} m/s to {to_mps:.4} m/s")
+            }
+            Self::StopsShort => write!(f, "its brakes would stop it before the end of the way"),
+            Self::NotANumber => write!(f, "its time or place is not a number"),
+            Self::Discontinuous { metres, radians } => {
+                write!(f, "a leg begins {metres:.6} m and {radians:.6} rad from where the last one ended")
+            }
+            Self::StillUnderWay { until } => write!(f, "a leg begins while the last one lasts until {until}"),
+            Self::CutDiffers => write!(f, "the leg as driven is not the one that was planned"),
+            Self::WrongAgent => write!(f, "this is not for this agent to do"),
+            Self::Endless => write!(f, "its way is longer than can be looked at"),
+            _ => self.write_of_fire(f),
+        }
+    }
+}
+
+impl Breach {
+    /// The rules of fire and suppression in words.
+    fn write_of_fire(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::NotStanding { cell, since } => {
+                write!(f, "the fire at cell {cell} goes out, but its truck stands for it only since {since}")
+            }
+            Self::OutOfReach { cell, metres, reach_m } => {
+                write!(f, "the fire at cell {cell} goes out {metres:.3} m away, beyond the reach of {reach_m} m")
+            }
+            Self::SecondFire { cell } => {
+                write!(f, "the fire at cell {cell} goes out at a stop that has put out another one already")
+            }
+            Self::LitInPassing { cell } => write!(f, "the bush at cell {cell} is lit before the walk there is over"),
+            Self::NotBurning { cell } => write!(f, "a fire ends at cell {cell}, where nothing burns"),
+            Self::CannotBurn { cell } => write!(f, "fire catches at cell {cell}, where nothing is left that may burn"),
+            Self::NoSource { cell, from } => {
+                write!(f, "cell {cell} catches fire from cell {from}, which does not spread it then")
+            }
+            Self::TooFarToSpread { cell, from, metres, radius_m } => {
+                write!(
+                    f,
+                    "cell {cell} catches fire from cell {from}, {metres:.3} m away where {radius_m} m is the limit"
+                )
+            }
+            Self::SparedBySpread { cell, from } => {
+                write!(f, "cell {cell} does not catch fire from cell {from}, which spreads it there")
+            }
+            Self::WrongBurnOut { cell, due: Some(due) } => {
+                write!(f, "the fire at cell {cell} does not burn out when it should, at {due}")
+            }
+            Self::WrongBurnOut { cell, due: None } => {
+                write!(f, "the fire at cell {cell} burns out, which the rules do not let it")
+            }
+            _ => Ok(()),
+        }
+    }
+}

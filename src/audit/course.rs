@@ -1,0 +1,154 @@
+//! What an agent did in a run: its legs as they were driven, one after the other.
+
+use super::leg::SAME_POSE;
+use super::{Breach, Offence};
+use crate::geometry::{Pose, ops};
+use crate::time::SimTime;
+use crate::timeline::{AgentId, AgentStart, Fact, Timeline};
+use crate::trajectory::{Piece, Trajectory};
+
+/// The way of one agent through a run.
+#[derive(Debug)]
+pub struct Course<'a> {
+    pub id: AgentId,
+    pub start: Pose,
+    legs: Vec<Leg<'a>>,
+}
+
+/// A leg as it was planned, and as it was driven if its goal was dropped, each with the time of its fact.
+#[derive(Debug)]
+struct Leg<'a> {
+    versions: Vec<(SimTime, &'a Trajectory)>,
+}
+
+impl<'a> Leg<'a> {
+    fn new(time: SimTime, trajectory: &'a Trajectory) -> Self {
+        Self { versions: vec![(time, trajectory)] }
+    }
+
+    fn driven(&self) -> &'a Trajectory {
+        self.versions.last().expect("there is one from the beginning").1
+    }
+}
+
+impl<'a> Course<'a> {
+    pub fn of(agent: &AgentStart, timeline: &'a Timeline) -> Self {
+        let mut legs: Vec<Leg<'a>> = Vec::new();
+        for event in timeline.events.iter().filter(|event| event.fact.agent() == Some(agent.id)) {
+            match (&event.fact, legs.last_mut()) {
+                (Fact::Dropped { trajectory, .. }, Some(leg)) => leg.versions.push((event.time, trajectory)),
+                (fact, _) => legs.extend(fact.trajectory().map(|leg| Leg::new(event.time, leg))),
+            }
+        }
+        Self { id: agent.id, start: agent.pose, legs }
+    }
+
+    /// The legs as they were driven, in the order of their plans.
+    pub fn legs(&self) -> impl Iterator<Item = &'a Trajectory> {
+        self.legs.iter().map(Leg::driven)
+    }
+
+    /// Every leg begins where and when the last one has ended, and what was dropped was driven as planned until then.
+    pub fn audit(&self) -> Result<(), Offence> {
+        let (mut until, mut stands) = (SimTime::ZERO, self.start);
+        for leg in &self.legs {
+            let (planned, first) = leg.versions[0];
+            self.check_join((until, stands), first).map_err(|breach| self.offence(planned, first.start(), breach))?;
+            for pair in leg.versions.windows(2) {
+                let (time, driven) = pair[1];
+                if !is_cut(pair[0].1, driven, time) {
+                    return Err(self.offence(time, driven.pose_at(time), Breach::CutDiffers));
+                }
+            }
+            (until, stands) = (leg.driven().end_time(), leg.driven().end());
+        }
+        Ok(())
+    }
+
+    fn check_join(&self, (until, stands): (SimTime, Pose), next: &Trajectory) -> Result<(), Breach> {
+        if next.start_time() < until {
+            return Err(Breach::StillUnderWay { until });
+        }
+        let (metres, radians) = gap(stands, next.start());
+        if is_small(metres) && is_small(radians) { Ok(()) } else { Err(Breach::Discontinuous { metres, radians }) }
+    }
+
+    fn offence(&self, time: SimTime, pose: Pose, breach: Breach) -> Offence {
+        Offence { time, agent: Some(self.id), place: pose.position(), breach }
+    }
+
+    /// Where the agent is at a time.
+    pub fn pose_at(&self, time: SimTime) -> Pose {
+        let begun = self.begun(time);
+        begun.checked_sub(1).map_or(self.start, |last| self.legs[last].driven().pose_at(time))
+    }
+
+    /// Until when the agent stands where it is at a time; that time itself if it is under way, `MAX` if for ever.
+    pub fn stands_until(&self, time: SimTime) -> SimTime {
+        let begun = self.begun(time);
+        let is_under_way = begun > 0 && self.legs[begun - 1].driven().end_time() > time;
+        if is_under_way {
+            return time;
+        }
+        self.legs.get(begun).map_or(SimTime::MAX, |next| next.driven().start_time())
+    }
+
+    /// How many legs have begun; legs that join begin in their order.
+    fn begun(&self, time: SimTime) -> usize {
+        self.legs.partition_point(|leg| leg.driven().start_time() <= time)
+    }
+
+    /// The greatest speed of its origin in m/s, and the greatest curvature of its way in 1/m.
+    pub fn extremes(&self) -> (f64, f64) {
+        let pieces = self.legs().flat_map(Trajectory::pieces);
+        pieces.fold((0.0, 0.0), |(speed, curvature), piece| match *piece {
+            Piece::Drive { segment, speed_mps, acceleration_mps2 } => {
+                let drive = super::pace::Drive::new(segment.length_m.abs(), speed_mps, acceleration_mps2);
+                (f64::max(speed, drive.fastest_mps()), f64::max(curvature, segment.curvature.abs()))
+            }
+            Piece::Turn { .. } | Piece::Wait { .. } => (speed, curvature),
+        })
+    }
+}
+
+/// Whether the leg as driven is the planned one until its goal was dropped, and stays on its way from then on.
+fn is_cut(planned: &Trajectory, driven: &Trajectory, dropped: SimTime) -> bool {
+    let is_same = |one, other| {
+        let (metres, radians) = gap(one, other);
+        is_small(metres) && is_small(radians)
+    };
+    let same_at = |time| is_same(planned.pose_at(time), driven.pose_at(time));
+    let mut ends = planned.pieces().iter().scan(0.0, |elapsed_s, piece| {
+        *elapsed_s += piece.duration_s();
+        Some(planned.start_time() + SimTime::from_seconds(*elapsed_s))
+    });
+    same_at(planned.start_time().min(dropped))
+        && same_at(dropped)
+        && ends.all(|time| time > dropped || same_at(time))
+        && is_same(pose_after(planned, driven.distance_m(SimTime::MAX)), driven.end())
+}
+
+/// Where a leg is after so many metres; turns on the spot at that place are not done yet.
+fn pose_after(leg: &Trajectory, metres: f64) -> Pose {
+    let mut left = metres;
+    for (start, piece) in leg.pieces_with_starts() {
+        let Some(segment) = piece.segment() else { continue };
+        let length_m = segment.length_m.abs();
+        if left <= length_m {
+            return segment.pose_at(start, left.copysign(segment.length_m));
+        }
+        left -= length_m;
+    }
+    leg.end()
+}
+
+/// Metres and radians between two poses.
+fn gap(one: Pose, other: Pose) -> (f64, f64) {
+    let turn = ops::wrap_angle(one.heading - other.heading);
+    ((one.position() - other.position()).length(), turn.abs())
+}
+
+/// Whether a gap is noise; what is not a number is not.
+fn is_small(gap: f64) -> bool {
+    gap <= SAME_POSE
+}

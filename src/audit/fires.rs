@@ -1,0 +1,169 @@
+//! The fires of a run: only what can burn catches fire, only what burns goes out, and fire keeps to its rules.
+
+use std::collections::BTreeSet;
+
+use super::leg::SAME_POSE;
+use super::{Breach, Offence};
+use crate::fire::FireRules;
+use crate::geometry::Cell;
+use crate::time::SimTime;
+use crate::timeline::{Cause, Event, Fact, Setting, Timeline};
+
+/// Looks at cells around fires that spread which one run may take.
+const MOST_LOOKS: u64 = 10_000_000_000;
+
+/// What has become of a bush.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Bush {
+    Intact,
+    Burning { since: SimTime, spreads: bool },
+    BurnedOut,
+    Extinguished { at: SimTime },
+}
+
+/// Follows the fires of a run, fact by fact, to the first that breaks a rule.
+///
+/// Where a recording does not hold the rules of fire, only what burns and what does not is checked.
+pub fn audit_fires(timeline: &Timeline) -> Result<(), Offence> {
+    let mut fires = Fires::new(&timeline.setting);
+    for event in &timeline.events {
+        fires.pass(event.time)?;
+        fires.record(event)?;
+    }
+    // What is due exactly at the end happens.
+    fires.pass(timeline.end_time() + SimTime::from_nanos(1))
+}
+
+struct Fires<'a> {
+    setting: &'a Setting,
+    rules: Option<FireRules>,
+    /// In the order of the setting's bushes.
+    bushes: Vec<Bush>,
+    /// When, which bushes spread or burn out by themselves if they burn still.
+    due: BTreeSet<(SimTime, usize)>,
+    looks: u64,
+}
+
+impl<'a> Fires<'a> {
+    fn new(setting: &'a Setting) -> Self {
+        let bushes = vec![Bush::Intact; setting.bushes.len()];
+        Self { setting, rules: setting.rules.fire, bushes, due: BTreeSet::new(), looks: 0 }
+    }
+
+    fn record(&mut self, event: &Event) -> Result<(), Offence> {
+        let (Fact::Ignited { cell, .. } | Fact::BurnedOut { cell } | Fact::Extinguished { cell, .. }) = event.fact
+        else {
+            return Ok(());
+        };
+        let place = self.setting.frame.centre(cell);
+        let offence = |breach| Offence { time: event.time, agent: event.fact.agent(), place, breach };
+        let index = self.setting.bush_index(cell).ok_or_else(|| offence(Breach::CannotBurn { cell }))?;
+        let change = match (&event.fact, self.bushes[index]) {
+            (Fact::Ignited { cause, .. }, bush) => self.caught((cell, index), bush, *cause, event.time),
+            (_, Bush::Intact | Bush::BurnedOut | Bush::Extinguished { .. }) => Err(Breach::NotBurning { cell }),
+            (Fact::Extinguished { .. }, _) => Ok(Bush::Extinguished { at: event.time }),
+            (_, Bush::Burning { since, .. }) => self.burned_out(cell, since, event.time),
+        };
+        self.bushes[index] = change.map_err(offence)?;
+        Ok(())
+    }
+
+    fn caught(
+        &mut self,
+        (cell, index): (Cell, usize),
+        bush: Bush,
+        cause: Cause,
+        time: SimTime,
+    ) -> Result<Bush, Breach> {
+        if !self.can_burn(bush) {
+            return Err(Breach::CannotBurn { cell });
+        }
+        if let Cause::Spread(from) = cause {
+            self.check_spread(cell, from, time)?;
+        }
+        let Some(rules) = self.rules else { return Ok(Bush::Burning { since: time, spreads: false }) };
+        let is_lit = !matches!(cause, Cause::Spread(_));
+        let spreads = if is_lit { rules.lit_spreads } else { rules.caught_spreads };
+        self.due.extend(spreads.then(|| (time + rules.spread_delay, index)));
+        self.due.extend(rules.burn_out.map(|burn_out| (time + burn_out, index)));
+        Ok(Bush::Burning { since: time, spreads })
+    }
+
+    fn can_burn(&self, bush: Bush) -> bool {
+        bush == Bush::Intact || self.setting.rules.relight && matches!(bush, Bush::Extinguished { .. })
+    }
+
+    fn check_spread(&self, cell: Cell, from: Cell, time: SimTime) -> Result<(), Breach> {
+        let source = self.setting.bush_index(from).map(|index| self.bushes[index]);
+        let Some(Bush::Burning { since, spreads }) = source else { return Err(Breach::NoSource { cell, from }) };
+        let Some(rules) = self.rules else { return Ok(()) };
+        if !spreads || since + rules.spread_delay != time {
+            return Err(Breach::NoSource { cell, from });
+        }
+        let (metres, radius_m) = (self.metres(cell, from), rules.spread_radius_m);
+        let is_near = metres <= radius_m + SAME_POSE;
+        if is_near { Ok(()) } else { Err(Breach::TooFarToSpread { cell, from, metres, radius_m }) }
+    }
+
+    fn burned_out(&self, cell: Cell, since: SimTime, time: SimTime) -> Result<Bush, Breach> {
+        let due = self.rules.map(|rules| rules.burn_out.map(|burn_out| since + burn_out));
+        match due {
+            Some(due) if due != Some(time) => Err(Breach::WrongBurnOut { cell, due }),
+            _ => Ok(Bush::BurnedOut),
+        }
+    }
+
+    /// All that was due before `until` has happened.
+    fn pass(&mut self, until: SimTime) -> Result<(), Offence> {
+        while let Some(&(due, index)) = self.due.first().filter(|(due, _)| *due < until) {
+            self.due.pop_first();
+            self.check_done(due, index)?;
+        }
+        Ok(())
+    }
+
+    fn check_done(&mut self, due: SimTime, index: usize) -> Result<(), Offence> {
+        let (Bush::Burning { since, spreads }, Some(rules)) = (self.bushes[index], self.rules) else { return Ok(()) };
+        let from = self.setting.bushes[index];
+        let frame = self.setting.frame;
+        let offence = |cell, breach| Err(Offence { time: due, agent: None, place: frame.centre(cell), breach });
+        if rules.burn_out.is_some_and(|burn_out| since + burn_out == due) {
+            return offence(from, Breach::WrongBurnOut { cell: from, due: Some(due) });
+        }
+        if !spreads || since + rules.spread_delay != due {
+            return Ok(());
+        }
+        let reach = self.cells_across(rules.spread_radius_m);
+        self.looks += u64::from(reach) * u64::from(reach);
+        if self.looks > MOST_LOOKS {
+            return offence(from, Breach::Endless);
+        }
+        let mut around = self.cells_around(from, reach.into());
+        let is_near = |cell| self.metres(cell, from) <= rules.spread_radius_m - SAME_POSE;
+        let spared = around.find(|&cell| is_near(cell) && self.is_spared(cell, due));
+        spared.map_or(Ok(()), |cell| offence(cell, Breach::SparedBySpread { cell, from }))
+    }
+
+    /// How many cells a radius spans, at most as many as the field has along a side.
+    fn cells_across(&self, radius_m: f64) -> u16 {
+        let longest = self.setting.frame.cols.max(self.setting.frame.rows);
+        (radius_m / self.setting.frame.cell_m).min(longest.into()) as u16
+    }
+
+    fn cells_around(&self, from: Cell, reach: i32) -> impl Iterator<Item = Cell> {
+        let offsets = (-reach..=reach).flat_map(move |rows| (-reach..=reach).map(move |cols| (cols, rows)));
+        offsets.filter_map(move |(cols, rows)| self.setting.frame.offset(from, cols, rows))
+    }
+
+    /// Whether a cell is a bush that fire could have caught at a time and did not.
+    fn is_spared(&self, cell: Cell, time: SimTime) -> bool {
+        self.setting.bush_index(cell).is_some_and(|index| match self.bushes[index] {
+            Bush::Extinguished { at } if at >= time => false,
+            bush => self.can_burn(bush),
+        })
+    }
+
+    fn metres(&self, one: Cell, other: Cell) -> f64 {
+        (self.setting.frame.centre(one) - self.setting.frame.centre(other)).length()
+    }
+}

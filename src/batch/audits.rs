@@ -1,0 +1,233 @@
+//! Audits of many runs on several threads: recordings, and runs of batches, which are simulated again where they were not
+//! recorded.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+
+use crate::audit::{Audited, Step, Verdict, audit_timeline};
+use crate::batch::finished::{FinishedRow, FinishedRows};
+use crate::batch::{BatchError, FinishedBatch, FinishedError, FinishedRun, RunResult, RunRow, Status, panics};
+use crate::sim::{self, RunCost};
+use crate::timeline::{Outcome, Timeline, file};
+
+/// Runs between two looks at the results, per worker.
+const RUNS_PER_ROUND: usize = 32;
+
+/// The most offences that are told in words.
+pub const TOLD_OFFENCES: usize = 10;
+
+/// Where runs are found.
+#[derive(Debug)]
+pub enum AuditSource {
+    Recordings(Vec<PathBuf>),
+    Batch(FinishedBatch),
+}
+
+impl AuditSource {
+    pub fn count(&self) -> u64 {
+        match self {
+            Self::Recordings(paths) => paths.len() as u64,
+            Self::Batch(batch) => batch.count(),
+        }
+    }
+}
+
+/// What many audits found.
+#[derive(Clone, Debug, Default)]
+pub struct AuditReport {
+    /// Audited runs, by where their timelines are from.
+    pub recorded: u64,
+    pub simulated: u64,
+    /// Runs that could not take place, as their rows say.
+    pub not_run: u64,
+    /// Recordings that do not say how fast agents may go and how fire behaves.
+    pub without_limits: u64,
+    pub audited: Audited,
+    /// Runs with an offence, and the first of them in words.
+    pub offences: u64,
+    pub told: Vec<String>,
+    /// Why the first file could not be read, and how many could not.
+    pub first_unreadable: Option<String>,
+    pub unreadable: u64,
+}
+
+/// What became of one run.
+enum Finding {
+    Recorded(Verdict, Option<String>),
+    Simulated(Verdict, Option<String>),
+    NotRun(Option<String>),
+    Unreadable(String),
+}
+
+/// Audits all runs of all sources on `jobs` threads; what is reported is in their order, whatever the number of threads.
+///
+/// `on_run` is called from the workers after each run, in any order.
+///
+/// # Errors
+/// Rows that do not go with their plan, or threads that cannot be started.
+pub fn audit_all(
+    sources: &[AuditSource],
+    jobs: usize,
+    step: Step,
+    on_run: impl Fn() + Sync,
+) -> Result<AuditReport, AuditsError> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
+    let pool = pool.map_err(|error| BatchError::NoWorkers { jobs, reason: error.to_string() })?;
+    let mut report = AuditReport::default();
+    let round = RUNS_PER_ROUND * jobs;
+    for source in sources {
+        match source {
+            AuditSource::Recordings(paths) => {
+                for paths in paths.chunks(round) {
+                    let look = |path: &PathBuf| (path.display().to_string(), look_at_file(path, step));
+                    let looks = pool.install(|| paths.par_iter().map(look).inspect(|_| on_run()).collect::<Vec<_>>());
+                    looks.into_iter().for_each(|(name, finding)| report.add(&name, finding));
+                }
+            }
+            AuditSource::Batch(batch) => {
+                let mut rows = batch.rows()?;
+                let mut runs = batch.runs();
+                loop {
+                    let runs = with_rows(runs.by_ref().take(round), rows.as_mut())?;
+                    if runs.is_empty() {
+                        break;
+                    }
+                    let look = |(run, row): &(FinishedRun<'_>, Option<FinishedRow>)| {
+                        let name = format!("{}, seed {}", batch.folder().display(), run.seed);
+                        (name, look_at_run(batch, run, row.as_ref(), step))
+                    };
+                    let looks = pool.install(|| runs.par_iter().map(look).inspect(|_| on_run()).collect::<Vec<_>>());
+                    looks.into_iter().for_each(|(name, finding)| report.add(&name, finding));
+                }
+            }
+        }
+    }
+    Ok(report)
+}
+
+type RunWithRow<'a> = (FinishedRun<'a>, Option<FinishedRow>);
+
+fn with_rows<'a>(
+    runs: impl Iterator<Item = FinishedRun<'a>>,
+    mut rows: Option<&mut FinishedRows>,
+) -> Result<Vec<RunWithRow<'a>>, FinishedError> {
+    runs.map(|run| Ok((run, rows.as_mut().map(|rows| rows.next(run.seed)).transpose()?))).collect()
+}
+
+fn look_at_file(path: &Path, step: Step) -> Finding {
+    match file::read(path) {
+        Ok(timeline) => Finding::Recorded(audit_timeline(&timeline, step), None),
+        Err(error) => Finding::Unreadable(format!("{}: {error}", path.display())),
+    }
+}
+
+/// The recording of a run, or the run itself once more, before the audit and beside its row.
+fn look_at_run(batch: &FinishedBatch, run: &FinishedRun<'_>, row: Option<&FinishedRow>, step: Step) -> Finding {
+    if let Some(path) = batch.recording(run) {
+        return match file::read(&path) {
+            Ok(timeline) => {
+                let difference =
+                    other_run(run, &timeline).or_else(|| difference(run, row, &timeline, RunCost::default()));
+                Finding::Recorded(audit_timeline(&timeline, step), difference)
+            }
+            Err(error) => Finding::Unreadable(format!("{}: {error}", path.display())),
+        };
+    }
+    match panics::catch(|| sim::run(run.scenario, run.seed)) {
+        Ok(Ok(again)) => {
+            let difference = difference(run, row, &again.timeline, again.cost);
+            Finding::Simulated(audit_timeline(&again.timeline, step), difference)
+        }
+        Ok(Err(error)) => Finding::NotRun(missing_result(run, row, Status::Failed, &error.to_string())),
+        Err(panic) => Finding::NotRun(missing_result(run, row, Status::Panicked, &panic)),
+    }
+}
+
+/// In words, that a recording is not of the run whose name it has.
+fn other_run(run: &FinishedRun<'_>, timeline: &Timeline) -> Option<String> {
+    let (name, seed) = (&timeline.setting.scenario, timeline.setting.seed);
+    let is_other = seed != run.seed || *name != run.scenario.name;
+    is_other.then(|| format!("its recording is of {name}, seed {seed}"))
+}
+
+/// In words, what a row says else than a run. That it cannot be recorded is no difference.
+fn difference(run: &FinishedRun<'_>, row: Option<&FinishedRow>, timeline: &Timeline, cost: RunCost) -> Option<String> {
+    let row = row.filter(|row| row.is_done() || file::encode(timeline).is_ok())?;
+    let result = RunResult::new(Outcome::of(timeline), cost);
+    row.difference(&RunRow::done(&run.scenario.name, run.seed, result, std::time::Duration::ZERO))
+}
+
+/// In words, that a row has a result which its run does not give.
+fn missing_result(run: &FinishedRun<'_>, row: Option<&FinishedRow>, status: Status, message: &str) -> Option<String> {
+    let row = row.filter(|row| row.is_done())?;
+    let again = RunRow::not_done(&run.scenario.name, run.seed, status, message.to_owned(), std::time::Duration::ZERO);
+    row.difference(&again)
+}
+
+impl AuditReport {
+    /// Runs that were audited.
+    pub fn runs(&self) -> u64 {
+        self.recorded + self.simulated
+    }
+
+    fn add(&mut self, name: &str, finding: Finding) {
+        let (verdict, difference) = match finding {
+            Finding::Recorded(verdict, difference) => {
+                self.recorded += 1;
+                (Some(verdict), difference)
+            }
+            Finding::Simulated(verdict, difference) => {
+                self.simulated += 1;
+                (Some(verdict), difference)
+            }
+            Finding::NotRun(difference) => {
+                self.not_run += 1;
+                (None, difference)
+            }
+            Finding::Unreadable(reason) => {
+                self.unreadable += 1;
+                self.first_unreadable.get_or_insert(reason);
+                return;
+            }
+        };
+        let offence = verdict.as_ref().and_then(|verdict| verdict.offence);
+        if let Some(verdict) = verdict {
+            self.audited += verdict.audited;
+            self.without_limits += u64::from(!verdict.knows_limits);
+        }
+        let words = offence.map(|offence| offence.to_string()).or(difference);
+        self.offences += u64::from(words.is_some());
+        self.told.extend(words.filter(|_| self.told.len() < TOLD_OFFENCES).map(|words| format!("{name}: {words}")));
+    }
+}
+
+impl fmt::Display for AuditReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Audited { legs, poses, metres, extinctions } = self.audited;
+        writeln!(f, "Runs: {} recorded, {} simulated again from their plan.", self.recorded, self.simulated)?;
+        if self.not_run > 0 {
+            writeln!(f, "{} more could not take place.", self.not_run)?;
+        }
+        writeln!(f, "Looked at: {legs} legs, {metres:.0} m, {poses} poses, {extinctions} extinctions.")?;
+        if self.without_limits > 0 {
+            let count = self.without_limits;
+            writeln!(f, "{count} of the recordings, older than format 3, do not say how fast agents may")?;
+            writeln!(f, "go and how fire spreads: that was not checked.")?;
+        }
+        match self.offences {
+            0 => writeln!(f, "Offences: none."),
+            count => writeln!(f, "Offences: {count} of {} runs have one.", self.runs() + self.not_run),
+        }
+    }
+}
+
+/// Why runs cannot be audited.
+#[derive(Debug, thiserror::Error)]
+pub enum AuditsError {
+    #[error(transparent)]
+    Finished(#[from] FinishedError),
+    #[error(transparent)]
+    Batch(#[from] BatchError),
+}

@@ -1,0 +1,84 @@
+//! `wildfire audit`.
+
+use std::num::NonZeroUsize;
+use std::path::Path;
+use std::process::ExitCode;
+use std::thread;
+
+use crate::audit::Step;
+use crate::batch::{
+    AuditReport, AuditSource, FinishedBatch, FinishedError, RECORDINGS_FOLDER, TOLD_OFFENCES, audit_all, recordings_in,
+};
+use crate::cli::args::AuditArguments;
+use crate::cli::failure::Failure;
+use crate::cli::{exit, terminal};
+
+pub fn run(arguments: &AuditArguments, quiet: bool) -> Result<ExitCode, Failure> {
+    let sources = arguments.paths.iter().map(|path| source(path, quiet)).collect::<Result<Vec<_>, _>>()?;
+    let jobs = arguments.jobs.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
+    let step = Step { metres: arguments.step, ..Step::default() };
+    let bar = terminal::progress_bar(sources.iter().map(AuditSource::count).sum(), quiet);
+    let report = audit_all(&sources, jobs, step, || bar.inc(1));
+    bar.finish_and_clear();
+    conclude(&report?)
+}
+
+/// What a path leads to.
+fn source(path: &Path, quiet: bool) -> Result<AuditSource, Failure> {
+    if !path.is_dir() {
+        return Ok(AuditSource::Recordings(vec![path.to_owned()]));
+    }
+    if !FinishedBatch::is_there(path) {
+        return recordings(path, "no recordings and no plan of a batch");
+    }
+    match FinishedBatch::open(path) {
+        Ok(batch) => Ok(AuditSource::Batch(batch)),
+        Err(error @ FinishedError::OtherVersion { .. }) => {
+            if !quiet {
+                terminal::note(&format!("{error}: only what was recorded is audited"));
+            }
+            recordings(&path.join(RECORDINGS_FOLDER), "no recordings, and nothing else can be audited")
+        }
+        Err(error) => Err(error.into()),
+    }
+}
+
+fn recordings(folder: &Path, what_is_there: &str) -> Result<AuditSource, Failure> {
+    let found = if folder.exists() { recordings_in(folder)? } else { Vec::new() };
+    if found.is_empty() {
+        return Err(Failure::bad_input(format_args!("{} holds {what_is_there}", folder.display()), None));
+    }
+    Ok(AuditSource::Recordings(found))
+}
+
+/// Prints what was found; an offence weighs more than a file that cannot be read.
+fn conclude(report: &AuditReport) -> Result<ExitCode, Failure> {
+    let unreadable = report.first_unreadable.as_ref().map(|reason| match report.unreadable {
+        1 => reason.clone(),
+        count => format!("{reason} (and {} more recordings cannot be read)", count - 1),
+    });
+    if report.runs() + report.not_run > 0 {
+        terminal::print(summary(report).as_bytes())?;
+    }
+    match unreadable {
+        Some(reason) if report.offences == 0 => Err(Failure::bad_input(reason, None)),
+        Some(reason) => {
+            terminal::note(&reason);
+            Ok(ExitCode::from(exit::OFFENCE))
+        }
+        None if report.offences > 0 => Ok(ExitCode::from(exit::OFFENCE)),
+        None => Ok(ExitCode::SUCCESS),
+    }
+}
+
+fn summary(report: &AuditReport) -> String {
+    let mut text: String = report.told.iter().map(|words| format!("{words}\n")).collect();
+    let untold = report.offences.saturating_sub(TOLD_OFFENCES as u64);
+    if untold > 0 {
+        text += &format!("... and {untold} more runs.\n");
+    }
+    if report.offences > 0 {
+        text.push('\n');
+    }
+    text + &report.to_string()
+}

@@ -1,0 +1,310 @@
+//! An audit that can fail: runs that were damaged on purpose, one rule each, and the rule that it names.
+
+use wildfire::audit::{Audited, Breach, Offence, Step, Touch, audit_timeline};
+use wildfire::geometry::{Cell, Pose};
+use wildfire::scenario;
+use wildfire::sim;
+use wildfire::time::SimTime;
+use wildfire::timeline::{AgentId, Cause, Event, Fact, Timeline, file};
+use wildfire::trajectory::{Piece, Trajectory};
+use wildfire::vehicle::Segment;
+
+const TRUCK: AgentId = AgentId::Unimog(0);
+
+fn run(name: &str, changes: &[&str]) -> Timeline {
+    let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
+    let scenario = scenario::load(name, &changes).expect("built-in scenarios load");
+    sim::run(&scenario, 1).expect("it takes place").timeline
+}
+
+fn contest() -> Timeline {
+    run("contest", &["duration_s=900"])
+}
+
+/// A truck that speeds up, brakes and leans within limits.
+fn with_limits() -> Timeline {
+    let limits = "unimog.limits={ acceleration_mps2 = 1.0, braking_mps2 = 2.0, lateral_mps2 = 3.0 }";
+    run("contest", &["duration_s=900", limits])
+}
+
+fn audit(timeline: &Timeline) -> Result<Audited, Offence> {
+    let verdict = audit_timeline(timeline, Step::default());
+    verdict.offence.map_or(Ok(verdict.audited), Err)
+}
+
+/// The offence of the run as a file gives it back: what is planted here can stand in a recording.
+fn offence(timeline: &Timeline) -> Offence {
+    let bytes = file::encode(timeline).expect("damage can be recorded");
+    audit(&file::decode(&bytes).expect("and read")).expect_err("the damage is planted")
+}
+
+/// Changes the first drive of the first truck that `change` changes.
+fn damage_drive(timeline: &mut Timeline, change: impl Fn(&Trajectory) -> Option<Trajectory>) -> SimTime {
+    let drives = timeline.events.iter_mut().filter_map(|event| match &mut event.fact {
+        Fact::Planned { agent: TRUCK, trajectory, .. } => Some((event.time, trajectory)),
+        _ => None,
+    });
+    for (time, trajectory) in drives {
+        if let Some(changed) = change(trajectory) {
+            *trajectory = changed;
+            return time;
+        }
+    }
+    panic!("no drive is fit to be damaged");
+}
+
+/// Changes the first piece of a drive that `change` changes.
+fn damage_piece(leg: &Trajectory, change: impl Fn(Segment, f64, f64) -> Option<Piece>) -> Option<Trajectory> {
+    let changed = |piece: &Piece| match *piece {
+        Piece::Drive { segment, speed_mps, acceleration_mps2 } => change(segment, speed_mps, acceleration_mps2),
+        _ => None,
+    };
+    let (place, piece) = leg.pieces().iter().enumerate().find_map(|(place, piece)| Some((place, changed(piece)?)))?;
+    let mut pieces = leg.pieces().to_vec();
+    pieces[place] = piece;
+    Some(Trajectory::new(leg.start_time(), leg.start(), pieces))
+}
+
+fn first(timeline: &Timeline, is_it: impl Fn(&Event) -> bool) -> usize {
+    timeline.events.iter().position(is_it).expect("the run has such a fact")
+}
+
+fn extinction(timeline: &Timeline) -> (usize, Cell) {
+    let place = first(timeline, |event| matches!(event.fact, Fact::Extinguished { .. }));
+    (place, timeline.events[place].fact.cell().expect("a fire goes out at a cell"))
+}
+
+#[test]
+fn undamaged_runs_pass() {
+    for timeline in [contest(), with_limits(), run("fleet", &["duration_s=600"])] {
+        let audited = audit(&timeline).expect("nothing is wrong with it");
+        assert!(audited.legs > 20 && audited.poses > 50_000 && audited.extinctions > 10, "{audited:?}");
+    }
+}
+
+#[test]
+fn a_pose_moved_into_a_bush_is_found() {
+    let mut timeline = contest();
+    let bush = timeline.setting.bushes[timeline.setting.bushes.len() / 2];
+    let centre = timeline.setting.frame.centre(bush);
+    damage_drive(&mut timeline, |leg| {
+        let start = Pose::new(centre.x, centre.y, leg.start().heading);
+        Some(Trajectory::new(leg.start_time(), start, leg.pieces().to_vec()))
+    });
+    let events = timeline.events.len();
+    assert!(matches!(offence(&timeline).breach, Breach::Discontinuous { .. }), "it jumps there");
+    timeline.setting.agents.iter_mut().filter(|agent| agent.id == TRUCK).for_each(|agent| {
+        agent.pose = Pose::new(centre.x, centre.y, 0.0);
+    });
+    timeline.events.retain(|event| event.fact.agent() != Some(TRUCK));
+    assert!(timeline.events.len() < events);
+    let found = offence(&timeline);
+    assert!(matches!(found.breach, Breach::Touched(Touch::Bush { .. })), "{found}");
+}
+
+#[test]
+fn a_drive_through_a_bush_is_found_where_it_touches_it() {
+    let mut timeline = contest();
+    let planned = damage_drive(&mut timeline, |leg| {
+        // Three times as far straight on: somewhere ahead is a bush or the border.
+        damage_piece(leg, |segment, speed_mps, acceleration_mps2| {
+            let segment = Segment { curvature: 0.0, length_m: segment.length_m + 250.0_f64.copysign(segment.length_m) };
+            Some(Piece::Drive { segment, speed_mps, acceleration_mps2 })
+        })
+    });
+    let found = offence(&timeline);
+    assert!(matches!(found.breach, Breach::Touched(_)), "{found}");
+    assert!(found.time > planned && found.agent == Some(TRUCK), "{found}");
+}
+
+#[test]
+fn a_sharper_turn_is_found() {
+    let mut timeline = contest();
+    damage_drive(&mut timeline, |leg| {
+        damage_piece(leg, |segment, speed_mps, acceleration_mps2| {
+            let segment = Segment { curvature: segment.curvature * 1.001, ..segment };
+            (segment.curvature != 0.0).then_some(Piece::Drive { segment, speed_mps, acceleration_mps2 })
+        })
+    });
+    let found = offence(&timeline);
+    assert!(matches!(found.breach, Breach::Curvature { radius_m, .. } if radius_m > 12.9), "{found}");
+}
+
+#[test]
+fn a_truck_too_fast_is_found() {
+    let mut timeline = contest();
+    damage_drive(&mut timeline, |leg| {
+        damage_piece(leg, |segment, speed_mps, acceleration_mps2| {
+            Some(Piece::Drive { segment, speed_mps: speed_mps + 0.01, acceleration_mps2 })
+        })
+    });
+    let found = offence(&timeline);
+    assert!(matches!(found.breach, Breach::Speed { .. }), "{found}");
+}
+
+#[test]
+fn speeding_up_and_braking_harder_than_the_limit_are_found() {
+    for (sign, is_found) in [
+        (1.0, (|breach| matches!(breach, Breach::Acceleration { .. })) as fn(Breach) -> bool),
+        (-1.0, |breach| matches!(breach, Breach::Braking { .. })),
+    ] {
+        let mut timeline = with_limits();
+        damage_drive(&mut timeline, |leg| {
+            damage_piece(leg, |segment, speed_mps, change| {
+                let acceleration_mps2 = change * 1.01;
+                (change * sign > 0.0).then_some(Piece::Drive { segment, speed_mps, acceleration_mps2 })
+            })
+        });
+        let found = offence(&timeline);
+        assert!(is_found(found.breach), "{found}");
+    }
+}
+
+#[test]
+fn leaning_harder_than_the_limit_is_found() {
+    let mut timeline = with_limits();
+    let truck = timeline.setting.agents.iter_mut().find(|agent| agent.id == TRUCK).expect("it has a truck");
+    truck.limits.as_mut().expect("limits are recorded").lateral_mps2 = Some(2.9);
+    let found = offence(&timeline);
+    assert!(matches!(found.breach, Breach::Lateral { found_mps2, .. } if found_mps2 > 2.9), "{found}");
+}
+
+#[test]
+fn a_start_without_speeding_up_is_found() {
+    let mut timeline = with_limits();
+    damage_drive(&mut timeline, |leg| {
+        damage_piece(leg, |segment, speed_mps, _| {
+            (speed_mps == 0.0).then_some(Piece::Drive { segment, speed_mps: 1.0, acceleration_mps2: 0.0 })
+        })
+    });
+    let found = offence(&timeline);
+    assert!(matches!(found.breach, Breach::SpeedJump { .. }), "{found}");
+}
+
+#[test]
+fn a_jump_is_found() {
+    let mut timeline = contest();
+    damage_drive(&mut timeline, |leg| {
+        let start = Pose { x: leg.start().x + 0.01, ..leg.start() };
+        Some(Trajectory::new(leg.start_time(), start, leg.pieces().to_vec()))
+    });
+    let found = offence(&timeline);
+    assert!(matches!(found.breach, Breach::Discontinuous { metres, .. } if (metres - 0.01).abs() < 1e-9), "{found}");
+}
+
+#[test]
+fn moving_on_past_its_cut_is_found() {
+    let mut timeline = contest();
+    let is_cut = |event: &Event| {
+        let Fact::Dropped { agent: TRUCK, trajectory, .. } = &event.fact else { return false };
+        !trajectory.pieces().is_empty()
+    };
+    let place = first(&timeline, is_cut);
+    let later: Vec<usize> = (place + 1..timeline.events.len()).collect();
+    let next = later.into_iter().find(|&place| match &timeline.events[place].fact {
+        Fact::Planned { agent, trajectory, .. } => *agent == TRUCK && !trajectory.pieces().is_empty(),
+        _ => false,
+    });
+    let next = next.expect("it drives on");
+    // As if the dropped leg had been driven for half a second more.
+    timeline.events.remove(place);
+    let Fact::Planned { agent, .. } = timeline.events[next - 1].fact else { panic!("that is the next drive") };
+    assert_eq!(agent, TRUCK);
+    let found = offence(&timeline);
+    assert!(matches!(found.breach, Breach::StillUnderWay { .. } | Breach::Discontinuous { .. }), "{found}");
+}
+
+#[test]
+fn a_fire_put_out_from_beyond_the_reach_is_found() {
+    let mut timeline = contest();
+    let (place, cell) = extinction(&timeline);
+    let truck = timeline.setting.agents.iter().find(|agent| agent.id == TRUCK).expect("it has a truck");
+    let body = match truck.body {
+        wildfire::timeline::Body::Truck(body) => body,
+        wildfire::timeline::Body::Square { .. } => panic!("trucks have a truck's body"),
+    };
+    let stand = timeline.state_at(timeline.events[place].time).agents.last().expect("it has agents").pose;
+    let metres = (body.body_centre(stand) - timeline.setting.frame.centre(cell)).length();
+    timeline.setting.rules.suppression_reach_m = Some(metres - 0.1);
+    let found = offence(&timeline);
+    let Breach::OutOfReach { metres, reach_m, .. } = found.breach else { panic!("{found}") };
+    assert!((metres - reach_m - 0.1).abs() < 1e-9, "{found}");
+}
+
+#[test]
+fn a_dwell_too_short_is_found() {
+    let mut timeline = contest();
+    let (place, cell) = extinction(&timeline);
+    let event = timeline.events.remove(place);
+    let time = SimTime::from_nanos(event.time.as_nanos() - 1);
+    let earlier = timeline.events.iter().position(|event| event.time > time).expect("it was not the last fact");
+    timeline.events.insert(earlier, Event { time, ..event });
+    let found = offence(&timeline);
+    assert!(matches!(found.breach, Breach::NotStanding { cell: of, .. } if of == cell), "{found}");
+}
+
+#[test]
+fn the_extinction_of_what_does_not_burn_is_found() {
+    let mut timeline = contest();
+    let (place, cell) = extinction(&timeline);
+    let lit = first(&timeline, |event| matches!(event.fact, Fact::Ignited { cell: of, .. } if of == cell));
+    assert!(lit < place);
+    timeline.events.remove(lit);
+    let found = offence(&timeline);
+    // What it set on fire may come first.
+    let is_told = match found.breach {
+        Breach::NotBurning { cell: of } => of == cell,
+        Breach::NoSource { from, .. } | Breach::SparedBySpread { cell: from, .. } => from == cell,
+        _ => false,
+    };
+    assert!(is_told, "{found}");
+}
+
+#[test]
+fn a_fire_that_goes_out_twice_is_found() {
+    let mut timeline = contest();
+    let (place, cell) = extinction(&timeline);
+    let event = timeline.events[place].clone();
+    timeline.events.insert(place + 1, event);
+    let found = offence(&timeline);
+    assert_eq!(found.breach, Breach::NotBurning { cell });
+}
+
+#[test]
+fn fire_that_leaps_farther_than_it_spreads_is_found() {
+    let mut timeline = contest();
+    timeline.setting.rules.fire.as_mut().expect("it is recorded").spread_radius_m = 29.9;
+    let found = offence(&timeline);
+    assert!(matches!(found.breach, Breach::TooFarToSpread { metres, .. } if metres > 29.9), "{found}");
+}
+
+#[test]
+fn a_wumpus_that_runs_or_lights_in_passing_is_found() {
+    let mut timeline = contest();
+    let wumpus = timeline.setting.agents.iter_mut().find(|agent| agent.id != TRUCK).expect("it has a Wumpus");
+    let id = wumpus.id;
+    wumpus.limits.as_mut().expect("limits are recorded").forward_mps = 1.99;
+    let found = offence(&timeline);
+    assert!(matches!(found.breach, Breach::Speed { .. }) && found.agent == Some(id), "{found}");
+    let mut timeline = contest();
+    let is_lit = |event: &Event| matches!(event.fact, Fact::Ignited { cause: Cause::Lit(_), .. });
+    let place = first(&timeline, is_lit);
+    let event = timeline.events.remove(place);
+    timeline.events.insert(place, Event { time: timeline.events[place - 1].time, ..event });
+    let found = offence(&timeline);
+    assert!(matches!(found.breach, Breach::LitInPassing { .. }), "{found}");
+}
+
+#[test]
+fn two_trucks_on_one_place_are_found() {
+    let mut timeline = run("fleet", &["duration_s=60"]);
+    let trucks: Vec<usize> = (0..timeline.setting.agents.len())
+        .filter(|&place| matches!(timeline.setting.agents[place].id, AgentId::Unimog(_)))
+        .collect();
+    let at = timeline.setting.agents[trucks[0]].pose;
+    let second = timeline.setting.agents[trucks[1]].id;
+    timeline.setting.agents[trucks[1]].pose = Pose { x: at.x + 1.0, ..at };
+    timeline.events.retain(|event| event.fact.agent() != Some(second));
+    let found = offence(&timeline);
+    assert!(matches!(found.breach, Breach::Overlap { .. }) && found.time == SimTime::ZERO, "{found}");
+}
