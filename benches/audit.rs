@@ -1,62 +1,41 @@
-//! What the audit costs on free legs of a field like the contest's, on the thread's CPU clock.
+//! What the audit of whole runs costs, on the thread's CPU clock, beside what the runs cost.
 //!
-//! `cargo bench --bench audit`
+//! `cargo bench --bench audit` takes `contest`, `dense` and `fleet`, twenty seeds each.
 
-use std::sync::Arc;
-
-use rand::RngExt;
-use wildfire::audit::{Audited, Ground, Manners, Outline, Step, audit_leg};
-use wildfire::collision::{ClearanceField, CollisionChecker};
-use wildfire::geometry::{Cell, FieldFrame, Pose};
-use wildfire::grid::Grid;
-use wildfire::rng;
-use wildfire::time::SimTime;
+use wildfire::audit::{Audited, Step, audit_timeline};
+use wildfire::scenario;
+use wildfire::sim;
 use wildfire::time::cpu::CpuStopwatch;
-use wildfire::timeline::Body;
-use wildfire::trajectory::{SpeedLimits, Trajectory};
-use wildfire::vehicle::{Dimensions, Path, Segment};
 
-const LEGS: usize = 500;
+const SEEDS: u64 = 20;
 
 #[expect(clippy::print_stdout, reason = "a benchmark prints its figures")]
 fn main() {
-    let mut rng = rng::stream(1, "bench/audit");
-    let frame = FieldFrame { cols: 50, rows: 50, cell_m: 5.0 };
-    let bushes: Vec<Cell> =
-        (0..frame.cell_count()).filter(|_| rng.random_bool(0.0936)).map(|index| frame.cell(index)).collect();
-    let mut occupied = Grid::filled(50, 50, false);
-    for &cell in &bushes {
-        occupied.values_mut()[frame.index(cell)] = true;
-    }
-    let checker = CollisionChecker::new(Arc::new(ClearanceField::new(frame, &occupied)), Dimensions::default());
-    let limits = SpeedLimits::of_speed(8.0, 8.0);
-    let mut legs = Vec::new();
-    while legs.len() < LEGS {
-        let start = Pose::new(rng.random_range(0.0..250.0), rng.random_range(0.0..250.0), rng.random_range(-3.0..3.0));
-        let mut path = Path::standing(start);
-        for _ in 0..5 {
-            let curvature = f64::from(rng.random_range(-1..=1)) / 13.0;
-            let segment = Segment { curvature, length_m: rng.random_range(-8.0..8.0) };
-            if checker.motion_is_free(path.end(), segment, 0.1) {
-                path.segments.push(segment);
-            }
+    println!(
+        "{:8} {:>12} {:>10} {:>12} {:>14} {:>16}",
+        "", "poses a run", "km a run", "ns a pose", "ms an audit", "ms a simulation"
+    );
+    for name in ["contest", "dense", "fleet"] {
+        let scenario = scenario::load(name, &[]).expect("it is built in");
+        let (mut simulated_s, mut audited_s) = (0.0, 0.0);
+        let mut audited = Audited::default();
+        for seed in 1..=SEEDS {
+            let mut watch = CpuStopwatch::start();
+            let run = sim::run(&scenario, seed).expect("it takes place");
+            simulated_s += watch.lap().as_secs_f64();
+            let verdict = audit_timeline(&run.timeline, Step::default());
+            audited_s += watch.lap().as_secs_f64();
+            assert!(verdict.offence.is_none(), "{name}, seed {seed}: {verdict:?}");
+            audited += verdict.audited;
         }
-        if path.length_m() > 10.0 {
-            legs.push(Trajectory::along(&path, SimTime::ZERO, limits));
-        }
+        let runs = SEEDS as f64;
+        println!(
+            "{name:8} {:12.0} {:10.2} {:12.1} {:14.2} {:16.2}",
+            audited.poses as f64 / runs,
+            audited.metres / 1e3 / runs,
+            1e9 * audited_s / audited.poses as f64,
+            1e3 * audited_s / runs,
+            1e3 * simulated_s / runs
+        );
     }
-
-    let ground = Ground::new(frame, &bushes, Outline::of(&Body::Truck(*checker.body())));
-    let manners = Manners { turning_radius_m: Some(checker.body().turning_radius_m), limits: Some(limits) };
-    let mut watch = CpuStopwatch::start();
-    let mut audited = Audited::default();
-    for leg in &legs {
-        audited += audit_leg(&ground, &manners, leg, Step::default()).expect("free legs pass");
-    }
-    let seconds = watch.lap().as_secs_f64();
-    println!("{} legs, {:.0} m, {} poses", audited.legs, audited.metres, audited.poses);
-    println!("{:8.1} ns a pose", 1e9 * seconds / audited.poses as f64);
-    println!("{:8.1} us a metre", 1e6 * seconds / audited.metres);
-    let thousand_runs_m = 1000.0 * 150.0 * 20.0;
-    println!("{:8.1} min for 1000 runs of 150 legs of 20 m", seconds / audited.metres * thousand_runs_m / 60.0);
 }

@@ -2,11 +2,13 @@
 
 use std::fs;
 
-use wildfire::geometry::Pose;
+use wildfire::geometry::{Cell, DVec2, FieldFrame, Pose};
 use wildfire::grid::{Grid, Place};
 use wildfire::picture::{
-    ColourMap, CurveScene, MapScene, Picture, Rgb, Zones, draw_curves, draw_map, draw_overlay, draw_surface,
+    ColourMap, CurveScene, DriveScene, DrivenWays, MapScene, Picture, Rgb, Zones, draw_curves, draw_drives, draw_map,
+    draw_overlay, draw_surface,
 };
+use wildfire::planning::{Goal, GoalDisc};
 use wildfire::vehicle::{Dimensions, Path, Segment};
 
 const PAPER: Rgb = [255, 255, 255];
@@ -281,4 +283,50 @@ fn ways_that_coincide_are_both_seen_and_the_truck_is_outlined() {
     let with_truck = draw_curves(&CurveScene { body: Some(&truck), ..bare });
     let dark = |picture: &Picture| pixels(picture).filter(|&(_, _, pixel)| is_dark_and_neutral(pixel)).count();
     assert!(dark(&with_truck) > dark(&picture) + 300);
+}
+
+fn drives<'a>(frame: FieldFrame, bushes: &'a [Cell], goals: &'a [(Goal, bool)], ways: &'a [DrivenWays]) -> Picture {
+    let start = Pose::new(5.0, 5.0, 0.0);
+    draw_drives(&DriveScene { title: "Drives", frame, bushes, start, goals, ways })
+}
+
+const OBSTACLE: Rgb = [56, 56, 60];
+
+#[test]
+fn bushes_cover_their_cells_without_seams() {
+    // Seven cells on 720 pixels: edges fall between pixels.
+    let frame = FieldFrame { cols: 7, rows: 7, cell_m: 5.0 };
+    let bushes: Vec<Cell> = (2..7).flat_map(|col| (1..7).map(move |row| Cell { col, row })).collect();
+    let picture = drives(frame, &bushes, &[], &[]);
+    // From 205.71 to 720 pixels one way and 102.86 to 720 the other, and a square in the key.
+    assert_eq!(count(&picture, OBSTACLE), (720 - 206) * (720 - 103) + 14 * 14);
+}
+
+#[test]
+fn drives_goals_and_failures_are_seen_and_explained() {
+    let frame = FieldFrame { cols: 20, rows: 10, cell_m: 5.0 };
+    let goal = Goal::Pose(Pose::new(60.0, 40.0, 0.0));
+    let disc = Goal::Disc(GoalDisc { centre: DVec2::new(80.0, 20.0), radius_m: 10.0 });
+    let path = Path { start: Pose::new(5.0, 5.0, 0.0), segments: vec![Segment { curvature: 0.0, length_m: 50.0 }] };
+    let ways = |paths| [DrivenWays { name: "one".into(), paths }];
+    let bare = drives(frame, &[], &[], &ways(Vec::new()));
+    let driven = drives(frame, &[], &[], &ways(vec![&path]));
+    let ink = |picture: &Picture| pixels(picture).filter(|(.., colour)| is_dark_and_neutral(*colour)).count();
+    // 50 m of 100 on 720 pixels, two wide.
+    assert!((600..800).contains(&(count(&driven, [214, 0, 110]) - count(&bare, [214, 0, 110]))));
+    for goal in [goal, disc] {
+        let (reached, missed) = (drives(frame, &[], &[(goal, true)], &[]), drives(frame, &[], &[(goal, false)], &[]));
+        assert!(ink(&reached) > ink(&drives(frame, &[], &[], &[])) && ink(&missed) > ink(&reached));
+    }
+}
+
+#[test]
+fn what_lies_outside_of_the_field_is_left_out() {
+    let frame = FieldFrame { cols: 1, rows: 200, cell_m: 0.5 };
+    let places = [(-50.0, 5.0), (f64::NAN, 5.0), (1e6, -1e6)];
+    let poses = places.map(|(x, y)| (Goal::Pose(Pose::new(x, y, 1.0)), true));
+    let key = drives(frame, &[], &[(Goal::Pose(Pose::new(f64::NAN, 0.0, 0.0)), true)], &[]);
+    assert_eq!(drives(frame, &[], &poses, &[]), key);
+    let discs = places.map(|(x, y)| (Goal::Disc(GoalDisc { centre: DVec2::new(x, y), radius_m: 1e6 }), true));
+    assert!(drives(frame, &[], &discs, &[]).width() < 600);
 }

@@ -3,9 +3,11 @@
 use std::fs;
 use std::path::PathBuf;
 
+use rand::RngExt;
 use tempfile::TempDir;
 use wildfire::geometry::Pose;
 use wildfire::planning::Goal;
+use wildfire::rng;
 use wildfire::scenario::{MAX_GOALS, Problem, ScenarioError, Unimog};
 
 const WHOLE: &str = r#"{
@@ -154,6 +156,25 @@ fn values_that_cannot_be_are_refused_where_they_stand() {
         let error = files.refused(&with(old, new));
         assert!(error.to_string().contains(words), "{new}: {error}");
         assert_eq!(line(&error), at, "{new}: {error}");
+    }
+}
+
+#[test]
+fn damaged_files_are_read_or_refused_with_a_place_in_them() {
+    let files = Files::new();
+    let mut rng = rng::stream(1, "tests/problem_files");
+    let pieces = ["é", "\u{1F525}", "[", "]", "{", "}", "\"", ",", ":", "-", "9e9", "null", "\n", "\\"];
+    for _ in 0..200 {
+        let mut text = WHOLE.to_owned();
+        for _ in 0..rng.random_range(1..4) {
+            let at = text.floor_char_boundary(rng.random_range(0..text.len()));
+            let end = text.ceil_char_boundary(at + rng.random_range(0..3usize)).min(text.len());
+            text.replace_range(at..end, pieces[rng.random_range(0..pieces.len())]);
+        }
+        if let Err(error) = Problem::open(&files.path(&text), &Unimog::default()) {
+            assert!(line(&error) <= text.lines().count(), "{error}");
+            assert!(format!("{:?}", miette::Report::new(*error)).contains("mine.json"), "{text}");
+        }
     }
 }
 

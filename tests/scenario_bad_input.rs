@@ -217,7 +217,7 @@ fn numbers_that_cannot_be_are_refused() {
         ("[unimog]", "hybrid = { bin_m = 0.02 }", 20, "a search of at most"),
         ("[unimog]", "hybrid = { cusp_cost = -1 }", 24, "`unimog.0.hybrid.cusp_cost` is -1"),
         ("[unimog]", "hybrid = { shortcuts = 1000001 }", 24, "a number from 0 to 1000000"),
-        ("[unimog]", "lattice = { max_expansions = 0 }", 29, "a number from 1 to 100000000"),
+        ("[unimog]", "lattice = { max_expansions = 0 }", 30, "a number from 1 to 100000000"),
         ("[ignition]", "at_s = -1\nrandom = 1", 8, "`ignition.0.at_s` is -1"),
         ("[ignition]", "random = 0\nat_s = 1", 10, "`ignition.0.random` is 0"),
         ("[ignition]", "cells = [[1, 2], [50, 3]]\nat_s = 1", 18, "`ignition.0.cells.1` is (50, 3)"),

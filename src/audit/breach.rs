@@ -181,15 +181,6 @@ impl fmt::Display for Breach {
             Self::CutDiffers => write!(f, "the leg as driven is not the one that was planned"),
             Self::WrongAgent => write!(f, "this is not for this agent to do"),
             Self::Endless => write!(f, "its way is longer than can be looked at"),
-            _ => self.write_of_fire(f),
-        }
-    }
-}
-
-impl Breach {
-    /// The rules of fire and suppression in words.
-    fn write_of_fire(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
             Self::NotStanding { cell, since } => {
                 write!(f, "the fire at cell {cell} goes out, but its truck stands for it only since {since}")
             }
@@ -220,7 +211,6 @@ impl Breach {
             Self::WrongBurnOut { cell, due: None } => {
                 write!(f, "the fire at cell {cell} burns out, which the rules do not let it")
             }
-            _ => Ok(()),
         }
     }
 }

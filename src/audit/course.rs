@@ -4,7 +4,7 @@ use super::leg::SAME_POSE;
 use super::{Breach, Offence};
 use crate::geometry::{Pose, ops};
 use crate::time::SimTime;
-use crate::timeline::{AgentId, AgentStart, Fact, Timeline};
+use crate::timeline::{AgentId, AgentStart, Body, Fact, Timeline};
 use crate::trajectory::{Piece, Trajectory};
 
 /// The way of one agent through a run.
@@ -12,6 +12,9 @@ use crate::trajectory::{Piece, Trajectory};
 pub struct Course<'a> {
     pub id: AgentId,
     pub start: Pose,
+    /// How far apart headings may be that shall be one. A turn on the spot may be a nanosecond off, so of whoever makes
+    /// them places are compared only.
+    same_rad: f64,
     legs: Vec<Leg<'a>>,
 }
 
@@ -40,7 +43,8 @@ impl<'a> Course<'a> {
                 (fact, _) => legs.extend(fact.trajectory().map(|leg| Leg::new(event.time, leg))),
             }
         }
-        Self { id: agent.id, start: agent.pose, legs }
+        let same_rad = if matches!(agent.body, Body::Truck(_)) { SAME_POSE } else { f64::INFINITY };
+        Self { id: agent.id, start: agent.pose, same_rad, legs }
     }
 
     /// The legs as they were driven, in the order of their plans.
@@ -56,7 +60,7 @@ impl<'a> Course<'a> {
             self.check_join((until, stands), first).map_err(|breach| self.offence(planned, first.start(), breach))?;
             for pair in leg.versions.windows(2) {
                 let (time, driven) = pair[1];
-                if !is_cut(pair[0].1, driven, time) {
+                if !self.is_cut(pair[0].1, driven, time) {
                     return Err(self.offence(time, driven.pose_at(time), Breach::CutDiffers));
                 }
             }
@@ -69,8 +73,30 @@ impl<'a> Course<'a> {
         if next.start_time() < until {
             return Err(Breach::StillUnderWay { until });
         }
+        if self.is_same(stands, next.start()) {
+            return Ok(());
+        }
         let (metres, radians) = gap(stands, next.start());
-        if is_small(metres) && is_small(radians) { Ok(()) } else { Err(Breach::Discontinuous { metres, radians }) }
+        Err(Breach::Discontinuous { metres, radians })
+    }
+
+    /// Whether the leg as driven is the planned one until its goal was dropped, and stays on its way from then on.
+    fn is_cut(&self, planned: &Trajectory, driven: &Trajectory, dropped: SimTime) -> bool {
+        let same_at = |time| self.is_same(planned.pose_at(time), driven.pose_at(time));
+        let mut ends = planned.pieces().iter().scan(0.0, |elapsed_s, piece| {
+            *elapsed_s += piece.duration_s();
+            Some(planned.start_time() + SimTime::from_seconds(*elapsed_s))
+        });
+        same_at(planned.start_time().min(dropped))
+            && same_at(dropped)
+            && ends.all(|time| time > dropped || same_at(time))
+            && self.is_same(pose_after(planned, driven.distance_m(SimTime::MAX)), driven.end())
+    }
+
+    /// Whether two poses are one; what is not a number is none.
+    fn is_same(&self, one: Pose, other: Pose) -> bool {
+        let (metres, radians) = gap(one, other);
+        metres <= SAME_POSE && radians <= self.same_rad
     }
 
     fn offence(&self, time: SimTime, pose: Pose, breach: Breach) -> Offence {
@@ -111,23 +137,6 @@ impl<'a> Course<'a> {
     }
 }
 
-/// Whether the leg as driven is the planned one until its goal was dropped, and stays on its way from then on.
-fn is_cut(planned: &Trajectory, driven: &Trajectory, dropped: SimTime) -> bool {
-    let is_same = |one, other| {
-        let (metres, radians) = gap(one, other);
-        is_small(metres) && is_small(radians)
-    };
-    let same_at = |time| is_same(planned.pose_at(time), driven.pose_at(time));
-    let mut ends = planned.pieces().iter().scan(0.0, |elapsed_s, piece| {
-        *elapsed_s += piece.duration_s();
-        Some(planned.start_time() + SimTime::from_seconds(*elapsed_s))
-    });
-    same_at(planned.start_time().min(dropped))
-        && same_at(dropped)
-        && ends.all(|time| time > dropped || same_at(time))
-        && is_same(pose_after(planned, driven.distance_m(SimTime::MAX)), driven.end())
-}
-
 /// Where a leg is after so many metres; turns on the spot at that place are not done yet.
 fn pose_after(leg: &Trajectory, metres: f64) -> Pose {
     let mut left = metres;
@@ -146,9 +155,4 @@ fn pose_after(leg: &Trajectory, metres: f64) -> Pose {
 fn gap(one: Pose, other: Pose) -> (f64, f64) {
     let turn = ops::wrap_angle(one.heading - other.heading);
     ((one.position() - other.position()).length(), turn.abs())
-}
-
-/// Whether a gap is noise; what is not a number is not.
-fn is_small(gap: f64) -> bool {
-    gap <= SAME_POSE
 }

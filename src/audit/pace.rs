@@ -8,8 +8,8 @@ use crate::trajectory::{Piece, SpeedLimits, Trajectory};
 /// Share of a limit that is noise.
 const RELATIVE_NOISE: f64 = 1e-6;
 
-/// A change of speed that is noise, in m/s: what the strongest brakes do within a nanometre.
-const JUMP_MPS: f64 = 1e-3;
+/// A change of speed that is noise, in m/s: what 1000 m/s2 does within two nanometres.
+const JUMP_MPS: f64 = 2e-3;
 
 /// One drive as its numbers say it: speeds in m/s, time in seconds.
 #[derive(Clone, Copy, Debug)]

@@ -265,6 +265,20 @@ mod tests {
     }
 
     #[test]
+    fn ten_metres_are_within_reach_and_ten_centimetres_more_are_not() {
+        for (metres, is_within) in [(10.0, true), (10.1, false)] {
+            let events = vec![ignited(1.0, NEAR, Cause::Scheduled), extinguished(50.0)];
+            let mut timeline = Timeline { setting: setting(), events };
+            // The body's centre is 1.5 m ahead of the rear axle, west of the bush's centre.
+            timeline.setting.agents[0].pose = Pose::new(52.5 - metres - 1.5, 52.5, 0.0);
+            let offence = audit_timeline(&timeline, Step::default()).offence;
+            assert_eq!(offence.is_none(), is_within, "{offence:?}");
+            let told = offence.map(|offence| offence.to_string()).unwrap_or_default();
+            assert_eq!(told.contains("goes out 10.100 m away, beyond the reach of 10 m"), !is_within, "{told}");
+        }
+    }
+
+    #[test]
     fn one_dwell_puts_out_one_fire() {
         let mut timeline = Timeline { setting: setting(), events: proper_run() };
         let beside = Cell { col: 9, row: 10 };

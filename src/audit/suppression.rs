@@ -77,8 +77,9 @@ impl Actor {
         }
         self.served = Some(time);
         let metres = (self.outline.centre(Stance::of(self.pose)) - setting.frame.centre(cell)).length();
+        let is_within = |reach_m: f64| metres <= reach_m + SAME_POSE;
         match rules.suppression_reach_m {
-            Some(reach_m) if !(metres <= reach_m + SAME_POSE) => Err(Breach::OutOfReach { cell, metres, reach_m }),
+            Some(reach_m) if !is_within(reach_m) => Err(Breach::OutOfReach { cell, metres, reach_m }),
             _ => Ok(()),
         }
     }

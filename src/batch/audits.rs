@@ -3,12 +3,15 @@
 
 use std::fmt;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use rayon::prelude::*;
 
 use crate::audit::{Audited, Step, Verdict, audit_timeline};
-use crate::batch::finished::{FinishedRow, FinishedRows};
-use crate::batch::{BatchError, FinishedBatch, FinishedError, FinishedRun, RunResult, RunRow, Status, panics};
+use crate::batch::finished::FinishedRow;
+use crate::batch::{
+    BatchError, FinishedBatch, FinishedError, FinishedRun, RUNS_FILE, RunResult, RunRow, Status, panics,
+};
 use crate::sim::{self, RunCost};
 use crate::timeline::{Outcome, Timeline, file};
 
@@ -22,7 +25,7 @@ pub const TOLD_OFFENCES: usize = 10;
 #[derive(Debug)]
 pub enum AuditSource {
     Recordings(Vec<PathBuf>),
-    Batch(FinishedBatch),
+    Batch(Box<FinishedBatch>),
 }
 
 impl AuditSource {
@@ -42,6 +45,8 @@ pub struct AuditReport {
     pub simulated: u64,
     /// Runs that could not take place, as their rows say.
     pub not_run: u64,
+    /// Runs of batches that never came to write rows.
+    pub without_row: u64,
     /// Recordings that do not say how fast agents may go and how fire behaves.
     pub without_limits: u64,
     pub audited: Audited,
@@ -53,12 +58,36 @@ pub struct AuditReport {
     pub unreadable: u64,
 }
 
-/// What became of one run.
+/// One run to be audited.
+enum Subject<'a> {
+    Recording(&'a Path),
+    Run { batch: &'a FinishedBatch, run: FinishedRun<'a>, row: Option<FinishedRow> },
+}
+
+/// What became of it.
 enum Finding {
     Recorded(Verdict, Option<String>),
     Simulated(Verdict, Option<String>),
     NotRun(Option<String>),
     Unreadable(String),
+}
+
+type Subjects<'a> = Box<dyn Iterator<Item = Result<Subject<'a>, FinishedError>> + 'a>;
+
+impl AuditSource {
+    /// The runs in their order, each with its row if there is one.
+    fn subjects(&self) -> Result<Subjects<'_>, FinishedError> {
+        match self {
+            Self::Recordings(paths) => Ok(Box::new(paths.iter().map(|path| Ok(Subject::Recording(path))))),
+            Self::Batch(batch) => {
+                let mut rows = batch.rows()?;
+                Ok(Box::new(batch.runs().map(move |run| {
+                    let row = rows.as_mut().map(|rows| rows.next(run.seed)).transpose()?;
+                    Ok(Subject::Run { batch, run, row })
+                })))
+            }
+        }
+    }
 }
 
 /// Audits all runs of all sources on `jobs` threads; what is reported is in their order, whatever the number of threads.
@@ -76,65 +105,58 @@ pub fn audit_all(
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
     let pool = pool.map_err(|error| BatchError::NoWorkers { jobs, reason: error.to_string() })?;
     let mut report = AuditReport::default();
-    let round = RUNS_PER_ROUND * jobs;
+    let look = |subject: &Subject<'_>| (subject.name(), subject.look(step));
     for source in sources {
-        match source {
-            AuditSource::Recordings(paths) => {
-                for paths in paths.chunks(round) {
-                    let look = |path: &PathBuf| (path.display().to_string(), look_at_file(path, step));
-                    let looks = pool.install(|| paths.par_iter().map(look).inspect(|_| on_run()).collect::<Vec<_>>());
-                    looks.into_iter().for_each(|(name, finding)| report.add(&name, finding));
-                }
+        let mut subjects = source.subjects()?;
+        loop {
+            let round = subjects.by_ref().take(RUNS_PER_ROUND * jobs).collect::<Result<Vec<_>, _>>()?;
+            if round.is_empty() {
+                break;
             }
-            AuditSource::Batch(batch) => {
-                let mut rows = batch.rows()?;
-                let mut runs = batch.runs();
-                loop {
-                    let runs = with_rows(runs.by_ref().take(round), rows.as_mut())?;
-                    if runs.is_empty() {
-                        break;
-                    }
-                    let look = |(run, row): &(FinishedRun<'_>, Option<FinishedRow>)| {
-                        let name = format!("{}, seed {}", batch.folder().display(), run.seed);
-                        (name, look_at_run(batch, run, row.as_ref(), step))
-                    };
-                    let looks = pool.install(|| runs.par_iter().map(look).inspect(|_| on_run()).collect::<Vec<_>>());
-                    looks.into_iter().for_each(|(name, finding)| report.add(&name, finding));
-                }
-            }
+            let findings: Vec<_> =
+                pool.install(|| round.par_iter().with_max_len(1).map(look).inspect(|_| on_run()).collect());
+            report.without_row += round.iter().filter(|subject| subject.lacks_its_row()).count() as u64;
+            findings.into_iter().for_each(|(name, finding)| report.add(&name, finding));
         }
     }
     Ok(report)
 }
 
-type RunWithRow<'a> = (FinishedRun<'a>, Option<FinishedRow>);
+impl Subject<'_> {
+    fn name(&self) -> String {
+        match self {
+            Self::Recording(path) => path.display().to_string(),
+            Self::Run { batch, run, .. } => format!("{}, seed {}", batch.folder().display(), run.seed),
+        }
+    }
 
-fn with_rows<'a>(
-    runs: impl Iterator<Item = FinishedRun<'a>>,
-    mut rows: Option<&mut FinishedRows>,
-) -> Result<Vec<RunWithRow<'a>>, FinishedError> {
-    runs.map(|run| Ok((run, rows.as_mut().map(|rows| rows.next(run.seed)).transpose()?))).collect()
+    fn lacks_its_row(&self) -> bool {
+        matches!(self, Self::Run { row: None, .. })
+    }
+
+    fn look(&self, step: Step) -> Finding {
+        match self {
+            Self::Recording(path) => look_at_file(path, step, |_| None),
+            Self::Run { batch, run, row } => match batch.recording(run) {
+                Some(path) => look_at_file(&path, step, |timeline| {
+                    let difference = || difference(run, row.as_ref(), timeline, RunCost::default());
+                    other_run(run, timeline).or_else(difference)
+                }),
+                None => look_again(run, row.as_ref(), step),
+            },
+        }
+    }
 }
 
-fn look_at_file(path: &Path, step: Step) -> Finding {
+fn look_at_file(path: &Path, step: Step, difference: impl Fn(&Timeline) -> Option<String>) -> Finding {
     match file::read(path) {
-        Ok(timeline) => Finding::Recorded(audit_timeline(&timeline, step), None),
+        Ok(timeline) => Finding::Recorded(audit_timeline(&timeline, step), difference(&timeline)),
         Err(error) => Finding::Unreadable(format!("{}: {error}", path.display())),
     }
 }
 
-/// The recording of a run, or the run itself once more, before the audit and beside its row.
-fn look_at_run(batch: &FinishedBatch, run: &FinishedRun<'_>, row: Option<&FinishedRow>, step: Step) -> Finding {
-    if let Some(path) = batch.recording(run) {
-        return match file::read(&path) {
-            Ok(timeline) => {
-                let difference =
-                    other_run(run, &timeline).or_else(|| difference(run, row, &timeline, RunCost::default()));
-                Finding::Recorded(audit_timeline(&timeline, step), difference)
-            }
-            Err(error) => Finding::Unreadable(format!("{}: {error}", path.display())),
-        };
-    }
+/// A run once more.
+fn look_again(run: &FinishedRun<'_>, row: Option<&FinishedRow>, step: Step) -> Finding {
     match panics::catch(|| sim::run(run.scenario, run.seed)) {
         Ok(Ok(again)) => {
             let difference = difference(run, row, &again.timeline, again.cost);
@@ -156,13 +178,13 @@ fn other_run(run: &FinishedRun<'_>, timeline: &Timeline) -> Option<String> {
 fn difference(run: &FinishedRun<'_>, row: Option<&FinishedRow>, timeline: &Timeline, cost: RunCost) -> Option<String> {
     let row = row.filter(|row| row.is_done() || file::encode(timeline).is_ok())?;
     let result = RunResult::new(Outcome::of(timeline), cost);
-    row.difference(&RunRow::done(&run.scenario.name, run.seed, result, std::time::Duration::ZERO))
+    row.difference(&RunRow::done(&run.scenario.name, run.seed, result, Duration::ZERO))
 }
 
 /// In words, that a row has a result which its run does not give.
 fn missing_result(run: &FinishedRun<'_>, row: Option<&FinishedRow>, status: Status, message: &str) -> Option<String> {
     let row = row.filter(|row| row.is_done())?;
-    let again = RunRow::not_done(&run.scenario.name, run.seed, status, message.to_owned(), std::time::Duration::ZERO);
+    let again = RunRow::not_done(&run.scenario.name, run.seed, status, message.to_owned(), Duration::ZERO);
     row.difference(&again)
 }
 
@@ -211,6 +233,9 @@ impl fmt::Display for AuditReport {
             writeln!(f, "{} more could not take place.", self.not_run)?;
         }
         writeln!(f, "Looked at: {legs} legs, {metres:.0} m, {poses} poses, {extinctions} extinctions.")?;
+        if self.without_row > 0 {
+            writeln!(f, "{} of the runs have no row in {RUNS_FILE} to be compared with.", self.without_row)?;
+        }
         if self.without_limits > 0 {
             let count = self.without_limits;
             writeln!(f, "{count} of the recordings, older than format 3, do not say how fast agents may")?;

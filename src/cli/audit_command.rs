@@ -25,6 +25,9 @@ pub fn run(arguments: &AuditArguments, quiet: bool) -> Result<ExitCode, Failure>
 
 /// What a path leads to.
 fn source(path: &Path, quiet: bool) -> Result<AuditSource, Failure> {
+    if !path.exists() {
+        return Err(Failure::bad_input(format_args!("there is no {}", path.display()), None));
+    }
     if !path.is_dir() {
         return Ok(AuditSource::Recordings(vec![path.to_owned()]));
     }
@@ -32,7 +35,7 @@ fn source(path: &Path, quiet: bool) -> Result<AuditSource, Failure> {
         return recordings(path, "no recordings and no plan of a batch");
     }
     match FinishedBatch::open(path) {
-        Ok(batch) => Ok(AuditSource::Batch(batch)),
+        Ok(batch) => Ok(AuditSource::Batch(Box::new(batch))),
         Err(error @ FinishedError::OtherVersion { .. }) => {
             if !quiet {
                 terminal::note(&format!("{error}: only what was recorded is audited"));

@@ -364,6 +364,37 @@ mod tests {
         assert!(free > 100 && refused > 100, "{free} free, {refused} refused");
     }
 
+    /// Clearance changes by less than 3 cm over 2 cm of way, so millimetres matter only where little is left.
+    #[test]
+    fn accepted_motions_touch_nothing_at_any_millimetre() {
+        let mut rng = rng::stream(4, "collision/checker");
+        let (mut free, mut close) = (0, 0);
+        for _ in 0..40 {
+            let (test, checker) = checker(&mut rng);
+            for _ in 0..60 {
+                let curvature = f64::from(rng.random_range(-1..=1)) * checker.body().max_curvature();
+                let segment = Segment { curvature, length_m: rng.random_range(-15.0..15.0) };
+                let start = test.random_pose(&mut rng);
+                if !checker.motion_is_free(start, segment, 0.0) {
+                    continue;
+                }
+                free += 1;
+                let gap = |metres: f64| {
+                    let pose = segment.pose_at(start, metres.min(segment.length_m.abs()).copysign(segment.length_m));
+                    test.rectangle_distance(&checker.body().footprint(pose))
+                };
+                for step in 0..=(segment.length_m.abs() / 0.02).ceil() as u32 {
+                    let metres = 0.02 * f64::from(step);
+                    if gap(metres) < 0.05 {
+                        close += 1;
+                        assert!((0..20).all(|mm| gap(metres + 1e-3 * f64::from(mm)) > 0.0), "{start:?} {segment:?}");
+                    }
+                }
+            }
+        }
+        assert!(free > 300 && close > 100, "{free} free, {close} places close to something");
+    }
+
     /// The Unimog on a field of 50 m without bushes.
     fn bare_ground() -> CollisionChecker {
         let frame = FieldFrame { cols: 10, rows: 10, cell_m: 5.0 };

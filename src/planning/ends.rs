@@ -1,5 +1,7 @@
 //! Whether there is room for the body where a drive begins and ends.
 
+use std::f64::consts::TAU;
+
 use glam::DVec2;
 
 use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M};
@@ -19,22 +21,33 @@ const HEADINGS: u32 = 24;
 
 /// Whether the body fits somewhere in a disc, centre inside: on rings of places half a metre apart in a disc of 10 m.
 pub fn has_free_pose(checker: &CollisionChecker, disc: GoalDisc) -> bool {
+    free_poses(checker, disc, RINGS, LEAST_CLEARANCE_M).next().is_some()
+}
+
+/// Poses that keep a clearance with the body's centre in a disc: at places on so many rings and in the middle.
+pub fn free_poses(
+    checker: &CollisionChecker,
+    disc: GoalDisc,
+    rings: u32,
+    clearance_m: f64,
+) -> impl Iterator<Item = Pose> + '_ {
     let reach = disc.radius_m.min(checker.field().frame().width_m() + checker.field().frame().height_m());
     let ahead = checker.body().centre_offset_m();
     // From the rim inwards: a bush stands in the middle.
-    (0..=RINGS).rev().any(|ring| {
-        let places = (6 * ring).max(1);
-        (0..places).any(|place| {
-            let around = f64::from(place) / f64::from(places) * std::f64::consts::TAU;
-            let (sin, cos) = ops::sin_cos(around);
-            let centre = disc.centre + DVec2::new(cos, sin) * (reach * f64::from(ring) / f64::from(RINGS));
-            checker.field().at(centre) >= 0.5 * checker.body().width_m
-                && (0..HEADINGS).any(|k| {
-                    let heading = f64::from(k) / f64::from(HEADINGS) * std::f64::consts::TAU;
-                    let facing = Pose::new(centre.x, centre.y, heading);
-                    let axle = facing.transform(DVec2::new(-ahead, 0.0));
-                    checker.pose_is_free(Pose::new(axle.x, axle.y, heading), LEAST_CLEARANCE_M)
-                })
+    let places = (0..=rings).rev().flat_map(move |ring| {
+        let count = (6 * ring).max(1);
+        (0..count).map(move |place| {
+            let (sin, cos) = ops::sin_cos(f64::from(place) / f64::from(count) * TAU);
+            disc.centre + DVec2::new(cos, sin) * (reach * f64::from(ring) / f64::from(rings.max(1)))
         })
-    })
+    });
+    let roomy = places.filter(|&centre| checker.field().at(centre) >= 0.5 * checker.body().width_m);
+    let poses = roomy.flat_map(move |centre| {
+        (0..HEADINGS).map(move |k| {
+            let heading = ops::wrap_angle(f64::from(k) / f64::from(HEADINGS) * TAU);
+            let axle = Pose::new(centre.x, centre.y, heading).transform(DVec2::new(-ahead, 0.0));
+            Pose::new(axle.x, axle.y, heading)
+        })
+    });
+    poses.filter(move |&pose| checker.pose_is_free(pose, clearance_m))
 }

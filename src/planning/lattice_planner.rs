@@ -50,7 +50,8 @@ pub struct LatticePlanner {
     /// Finds the shortest approaches.
     lookout: Lookout,
     floods: Option<Floods>,
-    expansions: u32,
+    /// Poses that may still be spread from.
+    left: u32,
 }
 
 impl LatticePlanner {
@@ -61,11 +62,24 @@ impl LatticePlanner {
             settings: settings.clone(),
             lookout: Lookout::new(&shortest, checker.body()),
             floods: None,
-            expansions: 0,
+            left: 0,
         }
     }
 
-    fn find(&mut self, start: Pose, goal: Goal) -> Result<Path, PlanFailure> {
+    /// A path by one of the first few lattices that spreads from no more than `budget` poses, and from how many it did.
+    pub fn find_within(
+        &mut self,
+        budget: u32,
+        lattices: usize,
+        start: Pose,
+        goal: Goal,
+    ) -> (Result<Path, PlanFailure>, u32) {
+        self.left = budget;
+        let path = self.find(start, goal, lattices);
+        (path, budget - self.left)
+    }
+
+    fn find(&mut self, start: Pose, goal: Goal, lattices: usize) -> Result<Path, PlanFailure> {
         let mut ends = vec![(start, free_clearance(&self.checker, start).ok_or(PlanFailure::StartBlocked)?)];
         if let Goal::Pose(end) = goal {
             ends.push((end, free_clearance(&self.checker, end).ok_or(PlanFailure::GoalBlocked)?));
@@ -73,7 +87,7 @@ impl LatticePlanner {
         let floor = ClearanceFloor::new(CLEARANCE_M, ends);
         let kept = self.floods.take().filter(|floods| floods.root() == start);
         let mut floods = kept.unwrap_or_else(|| Floods::new(&self.checker, start));
-        let path = self.climb(&mut floods, goal, &floor);
+        let path = self.climb(&mut floods, goal, &floor, lattices);
         self.floods = Some(floods);
         path.map_err(|failure| match goal {
             Goal::Disc(disc) if !has_free_pose(&self.checker, disc) => PlanFailure::GoalBlocked,
@@ -82,33 +96,39 @@ impl LatticePlanner {
     }
 
     /// One lattice after the other, until a flood meets the goal.
-    fn climb(&mut self, floods: &mut Floods, goal: Goal, floor: &ClearanceFloor) -> Result<Path, PlanFailure> {
+    fn climb(
+        &mut self,
+        floods: &mut Floods,
+        goal: Goal,
+        floor: &ClearanceFloor,
+        lattices: usize,
+    ) -> Result<Path, PlanFailure> {
         let mut failure = PlanFailure::Disconnected;
-        for rung in 0..LATTICES.len() {
+        for rung in 0..lattices {
             if rung > 0 && floods.exclude(self.disc(goal)) {
                 return Err(PlanFailure::Disconnected);
             }
-            let budget = self.settings.max_expansions - self.expansions;
             let flood = floods.on(rung);
-            if let Some(path) = self.meet(flood, goal, floor, budget) {
+            if let Some(path) = self.meet(flood, goal, floor) {
                 return Ok(path);
             }
-            if self.expansions == self.settings.max_expansions || flood.is_full() {
+            if self.left == 0 || flood.is_full() {
                 failure = PlanFailure::BudgetSpent;
             }
         }
         Err(failure)
     }
 
-    /// A path by one flood that spreads from no more than `budget` poses.
-    fn meet(&mut self, flood: &mut Flood, goal: Goal, floor: &ClearanceFloor, budget: u32) -> Option<Path> {
+    /// A path by one flood.
+    fn meet(&mut self, flood: &mut Flood, goal: Goal, floor: &ClearanceFloor) -> Option<Path> {
+        let budget = self.left;
         if let Goal::Disc(disc) = goal
             && let Some(pose) = flood.pose_in(disc, budget)
         {
-            self.expansions += flood.spreads_to(pose);
+            self.left -= flood.spreads_to(pose);
             return Some(flood.path_to(pose));
         }
-        self.expansions += flood.grow(budget);
+        self.left -= flood.grow(budget);
         self.approach(flood, goal, floor, budget)
     }
 
@@ -147,9 +167,9 @@ impl TruckPlanner for LatticePlanner {
 
     fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
         let mut watch = CpuStopwatch::start();
-        self.expansions = 0;
-        let path = self.find(start, goal.inner());
-        let effort = Effort { roadmap_expansions: 0, local_expansions: self.expansions };
+        let budget = self.settings.max_expansions;
+        let (path, local_expansions) = self.find_within(budget, LATTICES.len(), start, goal.inner());
+        let effort = Effort { roadmap_expansions: 0, local_expansions };
         Plan { path, effort, time: QueryTime { local: watch.lap(), ..QueryTime::default() } }
     }
 }

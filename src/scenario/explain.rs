@@ -265,6 +265,16 @@ mod tests {
     }
 
     #[test]
+    fn what_a_speed_means_in_a_turn_is_told() {
+        let fast = in_one_line(&of("contest", &["unimog.speed_mps=10"]));
+        assert!(fast.contains("On its circle of 13 m, 10 m/s is 7.7 m/s2 to the side. It goes"), "{fast}");
+        let limited = in_one_line(&of("contest", &["unimog.speed_mps=10", "unimog.limits.lateral_mps2=3"]));
+        assert!(limited.contains("7.7 m/s2 to the side; 3 m/s2 allows 6.2 m/s there."), "{limited}");
+        let slow = in_one_line(&of("contest", &["unimog.speed_mps=2", "unimog.reverse_speed_mps=1"]));
+        assert!(slow.contains("2 m/s is 0.3 m/s2 to the side."), "{slow}");
+    }
+
+    #[test]
     fn defaults_are_told_from_given_values() {
         assert!(in_one_line(&of("contest", &[])).contains("values are given. Field of seed"));
         let text = in_one_line(&of("smoke", &["unimog.prm.neighbours=7"]));

@@ -82,7 +82,7 @@ pub fn unimog(truck: &Unimog) -> String {
     };
     format!(
         "starts with its rear axle at ({}, {}) m, heading {} degrees. {} x {} m, wheelbase {} m, turning radius {} m \
-         (steering to {:.1} degrees). {} m/s forward, {} m/s in reverse; {}. It goes for {goal} and {retarget}. {}",
+         (steering to {:.1} degrees). {} m/s forward, {} m/s in reverse; {}. {} It goes for {goal} and {retarget}. {}",
         truck.start.x_m,
         truck.start.y_m,
         truck.start.heading_deg,
@@ -94,6 +94,7 @@ pub fn unimog(truck: &Unimog) -> String {
         truck.speed_mps,
         truck.reverse_speed_mps,
         limits(truck),
+        on_its_circle(truck),
         driving(truck)
     )
 }
@@ -121,6 +122,19 @@ fn limits(truck: &Unimog) -> String {
     .flatten()
     .collect();
     if set.is_empty() { "speed changes at once".into() } else { set.join(", ") }
+}
+
+/// What its speed means in its tightest turns: speed squared over radius.
+fn on_its_circle(truck: &Unimog) -> String {
+    let (speed, radius_m) = (truck.speed_mps.max(truck.reverse_speed_mps), truck.vehicle.turning_radius_m);
+    let lateral = speed * speed / radius_m;
+    let fact = format!("On its circle of {radius_m} m, {speed} m/s is {lateral:.1} m/s2 to the side");
+    match truck.limits.lateral_mps2 {
+        Some(limit) if limit < lateral => {
+            format!("{fact}; {limit} m/s2 allows {:.1} m/s there.", (limit * radius_m).sqrt())
+        }
+        _ => format!("{fact}."),
+    }
 }
 
 fn roadmap(truck: &Unimog) -> String {
@@ -176,8 +190,17 @@ fn hybrid_search(truck: &Unimog) -> String {
 fn pose_roadmap(truck: &Unimog) -> String {
     let prm_rs = &truck.prm_rs;
     format!(
-        "Roadmap of {} poses joined by Reeds-Shepp curves; {}.",
+        "Roadmap of {} poses, and {} places at every corner of a bush, each joined to {} others within {} m by \
+         Reeds-Shepp curves, {} m clear, a change of direction at the price of {} m, then {} shortcuts; where it does \
+         not serve, hybrid A* with at most {} expansions; {}.",
         prm_rs.samples,
+        prm_rs.corner_places,
+        prm_rs.neighbours,
+        prm_rs.max_edge_m,
+        prm_rs.clearance_m,
+        prm_rs.cusp_cost,
+        prm_rs.shortcuts,
+        truck.hybrid.max_expansions,
         thinking(prm_rs.seconds_per_expansion)
     )
 }

@@ -12,6 +12,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use thiserror::Error;
 
 use super::field::MAX_CELLS_A_SIDE;
+use super::json_place::{character_at, offset};
 use crate::geometry::FieldFrame;
 use crate::grid::Grid;
 
@@ -169,23 +170,13 @@ fn parse_json(text: &str, cell_m: f64) -> Result<GivenField, MapError> {
         let at = offset(text, error.line(), error.column());
         let message = error.to_string();
         let message = message.rsplit_once(" at line ").map_or(message.clone(), |(sentence, _)| sentence.into());
-        MapFault::Json { message }.at(at..at + text[at..].chars().next().map_or(0, char::len_utf8))
+        MapFault::Json { message }.at(character_at(text, at))
     };
     let measures: Measures = serde_json::from_str(text).map_err(located)?;
     let frame = measures.frame(cell_m).map_err(|fault| fault.at(0..0))?;
     let mut json = serde_json::Deserializer::from_str(text);
     let occupied = Bushes(frame).deserialize(&mut json).map_err(located)?;
     Ok(GivenField { frame, occupied })
-}
-
-/// Byte offset of a line and column, both from 1, columns in bytes as `serde_json` counts them.
-pub(super) fn offset(text: &str, line: usize, column: usize) -> usize {
-    let line_start: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
-    let mut at = (line_start + column.saturating_sub(1)).min(text.len());
-    while !text.is_char_boundary(at) {
-        at -= 1;
-    }
-    at
 }
 
 /// Reads the bushes of a JSON map whose size is known, so that a cell outside is reported where it stands.

@@ -1,4 +1,4 @@
-//! Where a value stands in a JSON text.
+//! Places in a JSON text: of values, and of what its reader complains about.
 
 use std::fmt;
 use std::ops::Range;
@@ -6,10 +6,9 @@ use std::ops::Range;
 use serde::Deserializer;
 use serde::de::{DeserializeSeed, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
-use super::given::offset;
 use super::path::{FieldPath, Step};
 
-/// The first byte of the value that a path leads to, or of the last value on the way to it that exists.
+/// The first character of the value that a path leads to, or of the last value on the way to it that exists.
 pub fn locate(text: &str, path: &FieldPath) -> Range<usize> {
     let mut json = serde_json::Deserializer::from_str(text);
     let Err(halt) = Walk(&path.0).deserialize(&mut json) else { return 0..0 };
@@ -17,7 +16,22 @@ pub fn locate(text: &str, path: &FieldPath) -> Range<usize> {
     // The parser halts in front of the value, at the latest on the colon or comma before it.
     let gap = text[before..].find(|letter: char| !(letter.is_whitespace() || letter == ':' || letter == ','));
     let at = before + gap.unwrap_or(0);
-    at..at + 1
+    character_at(text, at)
+}
+
+/// Byte offset of a line and column, both from 1, columns in bytes as `serde_json` counts them.
+pub fn offset(text: &str, line: usize, column: usize) -> usize {
+    let line_start: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
+    let mut at = (line_start + column.saturating_sub(1)).min(text.len());
+    while !text.is_char_boundary(at) {
+        at -= 1;
+    }
+    at
+}
+
+/// The character that begins at this byte; nothing at the end.
+pub fn character_at(text: &str, at: usize) -> Range<usize> {
+    at..at + text[at..].chars().next().map_or(0, char::len_utf8)
 }
 
 /// Steps still to be taken; the walk halts at its end by an error, which is what carries the place.

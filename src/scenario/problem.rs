@@ -12,8 +12,7 @@ use serde_json::error::Category;
 
 use super::check::{self, Check, Table};
 use super::error::{Fault, Place, ScenarioError};
-use super::given::offset;
-use super::json_place::locate;
+use super::json_place::{character_at, locate, offset};
 use super::path::{FieldPath, Step};
 use super::source::{MAX_MAP_BYTES, read_text};
 use super::wording;
@@ -164,7 +163,7 @@ impl ProblemFile<'_> {
             Category::Data => wording::fault_of(message, path).0,
             Category::Io | Category::Syntax | Category::Eof => Fault::NotJson { message: message.to_owned() },
         };
-        fault.at(self.at(at..at + 1))
+        fault.at(self.at(character_at(self.text, at)))
     }
 
     fn terrain(&self) -> Read<Terrain> {
@@ -257,7 +256,7 @@ fn check_vehicle(vehicle: &Vehicle) -> Check {
     table.optional("v_max", vehicle.v_max, SPEEDS_MPS[0]..=SPEEDS_MPS[1])?;
     let front_m = vehicle.length - vehicle.rear_overhang;
     match vehicle.front_from_rear_axle {
-        Some(found) if !((found - front_m).abs() <= ROUNDING_M) => {
+        Some(found) if (found - front_m).abs() > ROUNDING_M => {
             let expected = format!("what is left of the length ahead of the rear axle, {front_m}");
             table.refuse("front_from_rear_axle", found.to_string(), expected)
         }

@@ -113,15 +113,15 @@ fn warn_of_truck(number: usize, unimog: &Unimog, found: &mut Vec<String>) {
 fn warn_of_unused_planners(number: usize, unimog: &Unimog, found: &mut Vec<String>) {
     let usual = Unimog::default();
     let by_planner = [
-        ("prm", TruckPlannerKind::PrmPrimitives, unimog.prm != usual.prm),
-        ("primitives", TruckPlannerKind::PrmPrimitives, unimog.primitives != usual.primitives),
-        ("safety", TruckPlannerKind::PrmPrimitives, unimog.safety != usual.safety),
-        ("prm_rs", TruckPlannerKind::PrmRs, unimog.prm_rs != usual.prm_rs),
-        ("lattice", TruckPlannerKind::Lattice, unimog.lattice != usual.lattice),
-        ("hybrid", TruckPlannerKind::HybridAstar, unimog.hybrid != usual.hybrid),
+        ("prm", [TruckPlannerKind::PrmPrimitives].as_slice(), unimog.prm != usual.prm),
+        ("primitives", &[TruckPlannerKind::PrmPrimitives], unimog.primitives != usual.primitives),
+        ("safety", &[TruckPlannerKind::PrmPrimitives], unimog.safety != usual.safety),
+        ("prm_rs", &[TruckPlannerKind::PrmRs], unimog.prm_rs != usual.prm_rs),
+        ("lattice", &[TruckPlannerKind::Lattice], unimog.lattice != usual.lattice),
+        ("hybrid", &[TruckPlannerKind::HybridAstar, TruckPlannerKind::PrmRs], unimog.hybrid != usual.hybrid),
     ];
-    for (table, planner, is_set) in by_planner {
-        if is_set && planner != unimog.planner {
+    for (table, planners, is_set) in by_planner {
+        if is_set && !planners.contains(&unimog.planner) {
             found.push(format!("The `{table}` of truck {number} does nothing: its planner does not use it."));
         }
     }

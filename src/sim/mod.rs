@@ -196,10 +196,10 @@ fn decide(mut stage: Stage) {
             wumpus::decide((call.agent, &mut agent, &mut wumpus), now, seen, &mut stage.agenda, &mut stage.log);
         } else if let Some(mut truck) = truck {
             let situation = Situation { now, frame: &stage.frame.0, fires: &stage.fires.0, claimed: &claimed, traffic };
-            let before = (agent.revision, agent.rests, truck.blocked.is_some());
+            let before = (agent.revision, agent.rests, truck.is_blocked());
             truck::decide((call.agent, &mut agent, &mut truck), &situation, &mut stage.agenda, &mut stage.log);
             let drops_goal = had.is_some() && agent.goal != had;
-            let is_changed = before != (agent.revision, agent.rests, truck.blocked.is_some());
+            let is_changed = before != (agent.revision, agent.rests, truck.is_blocked());
             if drops_goal {
                 stage.call_resting(call.agent);
             } else if is_changed {

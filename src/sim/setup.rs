@@ -288,7 +288,7 @@ fn place_truck(
         out_of_reach: Vec::new(),
         tracks: Tracks::default(),
         checker,
-        blocked: None,
+        blocked: Vec::new(),
         cost: AgentCost { sampling: report.sampling, connecting: report.connecting, ..AgentCost::nothing(id) },
     };
     Ok((Agent::standing(id, start), truck))

@@ -77,7 +77,7 @@ impl Stage<'_, '_> {
         let reservation = |&entity: &Entity| {
             let (agent, _, truck) = self.agents.get(entity).expect("the roster lists living agents");
             let truck = truck.expect("the roster knows its trucks");
-            let is_idle = agent.activity == Activity::Idle && (agent.rests.is_some() || truck.blocked.is_some());
+            let is_idle = agent.activity == Activity::Idle && (agent.rests.is_some() || truck.is_blocked());
             Reservation { entity, id: agent.id, body: truck.body, leg: agent.trajectory.clone(), is_idle }
         };
         trucks.iter().map(reservation).collect()
@@ -85,12 +85,12 @@ impl Stage<'_, '_> {
 
     /// A fire has become free: trucks that rest or are blocked look again.
     pub fn call_resting(&mut self, except: Entity) {
-        self.call_trucks_that(except, |agent, truck| agent.rests.is_some() || truck.blocked.is_some());
+        self.call_trucks_that(except, |agent, truck| agent.rests.is_some() || truck.is_blocked());
     }
 
     /// A truck has changed its way, or stands for longer: those that are blocked look again.
     pub fn call_blocked(&mut self, except: Entity) {
-        self.call_trucks_that(except, |_, truck| truck.blocked.is_some());
+        self.call_trucks_that(except, |_, truck| truck.is_blocked());
     }
 
     fn call_trucks_that(&mut self, except: Entity, are_called: impl Fn(&Agent, &Truck) -> bool) {
@@ -108,7 +108,7 @@ impl Stage<'_, '_> {
         let now = self.now();
         let (mut agent, _, truck) = self.agents.get_mut(entity).expect("agents live for the whole run");
         let mut truck = truck.expect("only trucks are in the way");
-        truck.blocked = None;
+        truck.blocked.clear();
         self.log.add(now, Fact::GaveWay { agent: agent.id, to, trajectory: way.clone() });
         agent.rests = None;
         agent.activity = Activity::Moving;
@@ -175,7 +175,7 @@ impl Stage<'_, '_> {
         for place in 0..self.roster.trucks.len() {
             let entity = self.roster.trucks[place];
             let (mut agent, _, truck) = self.agents.get_mut(entity).expect("the roster lists living agents");
-            let is_blocked = truck.is_some_and(|truck| truck.blocked.is_some());
+            let is_blocked = truck.is_some_and(|truck| truck.is_blocked());
             if agent.goal == Some(cell) && agent.activity == Activity::Suppressing {
                 self.log.add(now, Fact::SuppressionEnded { agent: agent.id, cell });
                 agent.goal = None;

@@ -12,7 +12,7 @@ use crate::collision::CollisionChecker;
 use crate::fire::Vegetation;
 use crate::geometry::{Cell, FieldFrame, Pose};
 use crate::planning::reachability::Reachability;
-use crate::planning::{Effort, GoalDisc, TruckPlanner, detour};
+use crate::planning::{Effort, GoalDisc, PlanFailure, TruckPlanner, detour};
 use crate::scenario::TruckGoal;
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
@@ -31,7 +31,7 @@ use super::traffic::Traffic;
 const BACKED_OUT_LEGS: usize = 8;
 
 /// Goals that a truck looks at in one decision though others are in the way to them.
-const MOST_BLOCKED: usize = 4;
+const MOST_BLOCKED: usize = 3;
 
 /// Where a scenario has no rule of distance, the flood still drives this near to the fire: the contest's reach.
 const REACH_WITHOUT_RULE_M: f64 = 10.0;
@@ -58,8 +58,8 @@ pub struct Truck {
     pub out_of_reach: Vec<Cell>,
     pub tracks: Tracks,
     pub checker: CollisionChecker,
-    /// What it would do, if other trucks were not in the way.
-    pub blocked: Option<Blocked>,
+    /// What it would do if other trucks were not in the way, best first. Plans are kept, because it stands where it is.
+    pub blocked: Vec<Blocked>,
     pub cost: AgentCost,
 }
 
@@ -81,9 +81,55 @@ pub struct Blocked {
     pub by: AgentId,
 }
 
+impl Blocked {
+    fn reason(&self) -> (Cell, AgentId) {
+        (self.drive.goal, self.by)
+    }
+}
+
 impl Truck {
+    pub fn is_blocked(&self) -> bool {
+        !self.blocked.is_empty()
+    }
+
     fn disc(&self, frame: &FieldFrame, cell: Cell) -> GoalDisc {
         GoalDisc { centre: frame.centre(cell), radius_m: self.reach_m }
+    }
+
+    /// A drive to a goal as it was planned before, or by a new plan; or why there is none, and what that took.
+    ///
+    /// `spent` is the effort so far of this decision's plans that other trucks were in the way of; it is passed on.
+    fn plan_again(
+        &mut self,
+        pose: Pose,
+        goal: Cell,
+        before: &[Blocked],
+        situation: &Situation,
+        spent: &mut Effort,
+    ) -> Result<Drive, (PlanFailure, Effort)> {
+        if let Some(known) = before.iter().find(|blocked| blocked.drive.goal == goal && !blocked.drive.by_lattice) {
+            return Ok(known.drive.clone());
+        }
+        let plan = self.planner.plan(pose, self.disc(situation.frame, goal).into());
+        self.cost.roadmap_search += plan.time.roadmap;
+        self.cost.local_search += plan.time.local;
+        *spent += plan.effort;
+        match plan.path {
+            Ok(path) => Ok(Drive { goal, path, back_m: 0.0, effort: *spent, by_lattice: false }),
+            Err(reason) => Err((reason, std::mem::take(spent))),
+        }
+    }
+
+    fn plan_by_flood(&mut self, pose: Pose, goal: Cell, situation: &Situation) -> Option<Drive> {
+        let mut clock = CpuStopwatch::start();
+        let mut disc = self.disc(situation.frame, goal);
+        if disc.radius_m.is_infinite() {
+            disc.radius_m = REACH_WITHOUT_RULE_M;
+        }
+        let mut effort = Effort::default();
+        let path = self.path_by_flood(pose, disc, &mut effort);
+        self.cost.reachability += clock.lap();
+        path.map(|(path, back_m)| Drive { goal, path, back_m, effort, by_lattice: true })
     }
 
     /// A path into a disc that the flood reaches, with the metres that lead back; `None` if the flood does not reach it.
@@ -127,21 +173,25 @@ impl Truck {
     }
 
     /// A drive to the same goal round the trucks that are in the way.
-    fn go_round(&mut self, blocked: &Blocked, situation: &Situation) -> Option<(Drive, Trajectory)> {
-        let disc = self.disc(situation.frame, blocked.drive.goal);
+    fn go_round(&mut self, blocked: &Drive, situation: &Situation) -> Option<(Drive, Trajectory)> {
+        let (path, spent) = self.detour(blocked, situation)?;
+        let mut effort = blocked.effort;
+        effort += spent;
+        self.set_off(Drive { path, effort, ..blocked.clone() }, situation).ok()
+    }
+
+    fn detour(&mut self, drive: &Drive, situation: &Situation) -> Option<(Path, Effort)> {
+        let disc = self.disc(situation.frame, drive.goal);
         if disc.radius_m.is_infinite() {
             return None;
         }
         let mut clock = CpuStopwatch::start();
-        let path = &blocked.drive.path;
-        let leg = Trajectory::along(path, SimTime::ZERO, self.speed);
-        let free_m = situation.traffic.free_m(&self.body, &leg)?;
-        let (path, spent) = detour(&situation.traffic.crowd(&self.checker), path, free_m, disc);
+        let traffic = situation.traffic;
+        let leg = Trajectory::along(&drive.path, SimTime::ZERO, self.speed);
+        let free_m = traffic.free_m(&self.body, &leg)?;
+        let (path, spent) = detour(&traffic.crowd(&self.checker), &drive.path, free_m, disc);
         self.cost.local_search += clock.lap();
-        let mut effort = blocked.drive.effort;
-        effort += spent;
-        let drive = Drive { path: path?, effort, ..blocked.drive.clone() };
-        self.set_off(drive, situation).ok()
+        Some((path?, spent))
     }
 
     pub fn charge(&self, effort: &Effort) -> SimTime {
@@ -231,18 +281,18 @@ pub fn decide(
     agent.activity = Activity::Idle;
     truck.tracks.record(driven(&agent.trajectory));
     agent.trajectory = Trajectory::new(now, pose, Vec::new());
-    let was_blocked = truck.blocked.take();
-    match choose((agent.id, pose, truck), situation, log) {
+    let before = std::mem::take(&mut truck.blocked);
+    match choose((agent.id, pose, truck), &before, situation, log) {
         Choice::Drive(drive, leg) => set_out((entity, agent, truck), now, drive, leg, agenda, log),
         Choice::Think(until) => agent.think_until(entity, until, agenda),
         Choice::Rest(reason) => agent.rest(now, reason, log),
         Choice::Wait(blocked) => {
-            let (goal, by) = (blocked.drive.goal, blocked.by);
-            if was_blocked.is_none_or(|before| (before.drive.goal, before.by) != (goal, by)) {
+            let (goal, by) = blocked[0].reason();
+            if before.first().map(Blocked::reason) != Some((goal, by)) {
                 log.add(now, Fact::Blocked { agent: agent.id, goal, by });
             }
             agent.rests = None;
-            truck.blocked = Some(blocked);
+            truck.blocked = blocked;
             agenda.add(now, Due::Standoff(agent.call(entity)));
         }
     }
@@ -253,11 +303,18 @@ enum Choice {
     Drive(Drive, Trajectory),
     /// A plan failed, and planning time is charged until then.
     Think(SimTime),
-    Wait(Blocked),
+    /// Never empty.
+    Wait(Vec<Blocked>),
     Rest(RestReason),
 }
 
-fn choose((id, pose, truck): (AgentId, Pose, &mut Truck), situation: &Situation, log: &mut Log) -> Choice {
+/// `before` are the drives that were blocked when the truck chose last; it has not moved since.
+fn choose(
+    (id, pose, truck): (AgentId, Pose, &mut Truck),
+    before: &[Blocked],
+    situation: &Situation,
+    log: &mut Log,
+) -> Choice {
     let now = situation.now;
     let centre = truck.body.body_centre(pose);
     let mut effort = Effort::default();
@@ -267,59 +324,48 @@ fn choose((id, pose, truck): (AgentId, Pose, &mut Truck), situation: &Situation,
             !truck.set_aside.contains(&cell) && blocked.iter().all(|blocked| blocked.drive.goal != cell)
         })
     {
-        let plan = truck.planner.plan(pose, truck.disc(situation.frame, goal).into());
-        truck.cost.roadmap_search += plan.time.roadmap;
-        truck.cost.local_search += plan.time.local;
-        effort += plan.effort;
-        match plan.path {
-            Ok(path) => {
-                let drive = Drive { goal, path, back_m: 0.0, effort, by_lattice: false };
-                match truck.set_off(drive, situation) {
-                    Ok((drive, leg)) => return Choice::Drive(drive, leg),
-                    Err(behind) if blocked.is_empty() => {
-                        if let Some((drive, leg)) = truck.go_round(&behind, situation) {
-                            return Choice::Drive(drive, leg);
-                        }
-                        blocked.push(behind);
-                    }
-                    Err(behind) => blocked.push(behind),
-                }
-            }
-            Err(reason) => {
-                let until = now + truck.charge(&effort);
+        let drive = match truck.plan_again(pose, goal, before, situation, &mut effort) {
+            Ok(drive) => drive,
+            Err((reason, spent)) => {
+                let until = now + truck.charge(&spent);
                 truck.set_aside.push(goal);
-                log.add(now, Fact::PlanFailed { agent: id, goal, reason, effort: plan.effort, until });
+                log.add(now, Fact::PlanFailed { agent: id, goal, reason, effort: spent, until });
                 if until > now {
                     return Choice::Think(until);
                 }
-                effort = Effort::default();
+                continue;
             }
+        };
+        match truck.set_off(drive, situation) {
+            Ok((drive, leg)) => return Choice::Drive(drive, leg),
+            Err(behind) => blocked.push(behind),
         }
     }
-    match blocked.into_iter().next() {
-        Some(first) => Choice::Wait(first),
-        None => choose_by_flood((id, pose, truck), situation, log),
+    let Some(first) = blocked.first() else { return choose_by_flood((id, pose, truck), before, situation, log) };
+    // Looking for a way round is dear: once for every truck that is in the way.
+    let is_new = before.first().map(Blocked::reason) != Some(first.reason());
+    match is_new.then(|| truck.go_round(&first.drive, situation)).flatten() {
+        Some((drive, leg)) => Choice::Drive(drive, leg),
+        None => Choice::Wait(blocked),
     }
 }
 
 /// Only goals that failed are left: those that the flood reaches can be driven to all the same.
-fn choose_by_flood((id, pose, truck): (AgentId, Pose, &mut Truck), situation: &Situation, log: &mut Log) -> Choice {
+fn choose_by_flood(
+    (id, pose, truck): (AgentId, Pose, &mut Truck),
+    before: &[Blocked],
+    situation: &Situation,
+    log: &mut Log,
+) -> Choice {
     let now = situation.now;
     let centre = truck.body.body_centre(pose);
     while let Some(goal) = situation.best(truck.policy, centre, |cell| !truck.out_of_reach.contains(&cell)) {
-        let mut clock = CpuStopwatch::start();
-        let mut disc = truck.disc(situation.frame, goal);
-        if disc.radius_m.is_infinite() {
-            disc.radius_m = REACH_WITHOUT_RULE_M;
-        }
-        let mut effort = Effort::default();
-        let path = truck.path_by_flood(pose, disc, &mut effort);
-        truck.cost.reachability += clock.lap();
-        if let Some((path, back_m)) = path {
-            let drive = Drive { goal, path, back_m, effort, by_lattice: true };
+        let known = before.iter().find(|blocked| blocked.drive.goal == goal && blocked.drive.by_lattice);
+        let drive = known.map(|blocked| blocked.drive.clone()).or_else(|| truck.plan_by_flood(pose, goal, situation));
+        if let Some(drive) = drive {
             return match truck.set_off(drive, situation) {
                 Ok((drive, leg)) => Choice::Drive(drive, leg),
-                Err(blocked) => Choice::Wait(blocked),
+                Err(behind) => Choice::Wait(vec![behind]),
             };
         }
         truck.out_of_reach.push(goal);

@@ -196,6 +196,17 @@ mod tests {
     }
 
     #[test]
+    fn trucks_that_meet_are_told_of() {
+        let text = events(&sample::meeting());
+        let lines: Vec<_> = text.lines().collect();
+        assert_eq!(lines[3], "10.000000000,blocked,unimog/0,1,1,by=unimog/1");
+        let way = "starts_s=14.000000000; ends_s=16.000000000; distance_m=16; cusps=0";
+        assert_eq!(lines[4], format!("14.000000000,gave-way,unimog/1,,,to=unimog/0; {way}"));
+        let trace = trace(&sample::meeting(), 12.0);
+        assert!(trace.contains("12.000000000,unimog/0,10,30,0,0,waiting\n"), "{trace}");
+    }
+
+    #[test]
     fn a_trace_reads_back_as_the_states_it_samples() {
         let timeline = sample::random(3, SimTime::from_seconds(60.25));
         let text = trace(&timeline, 0.1);

@@ -248,6 +248,38 @@ mod tests {
     }
 
     #[test]
+    fn trucks_that_wait_for_each_other_have_these_numbers() {
+        let outcome = Outcome::of(&sample::meeting());
+        let waiter = AgentOutcome {
+            cells: 1,
+            plans: 1,
+            roadmap_expansions: 5,
+            local_expansions: 7,
+            distance_m: 8.0,
+            driving_s: 1.0,
+            suppressing_s: 5.0,
+            // From 10 s until the other gives way at 14 s, and 3 s until that one is gone.
+            waiting_s: 4.0 + 3.0,
+            standing_s: 10.0 + 7.0,
+            ..AgentOutcome::idle(TRUCK)
+        };
+        assert_eq!(outcome.agents[0], waiter);
+        let other = &outcome.agents[1];
+        assert_eq!((other.deadlocks, other.distance_m, other.driving_s, other.waiting_s), (1, 16.0, 2.0, 0.0));
+        assert_eq!(outcome.truck_stuck_s, 0.0);
+    }
+
+    #[test]
+    fn a_drive_dropped_while_it_waits_is_no_drive() {
+        let mut timeline = sample::meeting();
+        let stand = leg(16.0, timeline.setting.agents[0].pose, 8.0, &[]);
+        timeline.events.truncate(5);
+        timeline.events.push(at(16.0, Fact::Dropped { agent: TRUCK, goal: A, trajectory: stand }));
+        let outcome = &Outcome::of(&timeline).agents[0];
+        assert_eq!((outcome.wasted_drives, outcome.waiting_s, outcome.driving_s), (0, 6.0, 0.0));
+    }
+
+    #[test]
     fn a_run_without_facts_is_all_standing() {
         let outcome = Outcome::of(&run(&[WUMPUS, TRUCK], vec![]));
         assert_eq!((outcome.ended_s, outcome.intact, outcome.winner()), (100.0, 4, Winner::Tie));

@@ -147,6 +147,25 @@ pub fn by_hand() -> Timeline {
     Timeline { setting, events }
 }
 
+/// A run of 30 s in which one truck waits for another, which gives way; `outcome` tests tell it in numbers.
+pub fn meeting() -> Timeline {
+    let setting = small_setting(&[TRUCK, SECOND_TRUCK]);
+    let start = setting.agents[0].pose;
+    let drive = leg(14.0, start, 8.0, &[8.0]).after_waiting(3.0);
+    let aside = leg(14.0, start, 8.0, &[-16.0]);
+    let events = vec![
+        at(0.0, Fact::OutOfReach { agent: SECOND_TRUCK, cells: vec![A] }),
+        at(10.0, ignited(A)),
+        at(10.0, Fact::Blocked { agent: TRUCK, goal: A, by: SECOND_TRUCK }),
+        at(14.0, Fact::GaveWay { agent: SECOND_TRUCK, to: TRUCK, trajectory: aside }),
+        at(14.0, planned(TRUCK, A, drive)),
+        at(18.0, Fact::Suppressing { agent: TRUCK, cell: A }),
+        at(23.0, Fact::Extinguished { cell: A, by: TRUCK }),
+        at(30.0, Fact::Ended { reason: EndReason::Duration }),
+    ];
+    Timeline { setting, events }
+}
+
 /// A contest of this length on a field of 50 x 50 cells between one Wumpus and one truck that drive at random and
 /// through everything; its facts are consistent, its legs as long as real ones. With an odd seed, the truck's
 /// acceleration is limited.

@@ -90,6 +90,23 @@ fn row_that_says_something_else_is_an_offence() {
 }
 
 #[test]
+fn rows_that_are_not_those_of_the_plan_are_refused_and_missing_ones_said() {
+    let story = Story::begin();
+    story.tell(&["batch", "smoke", "--seeds", "1..3", "--out", "out"]).expect_code(0);
+    let rows = story.read("out/runs.csv");
+    let lines: Vec<&str> = rows.lines().collect();
+    story.file("out/runs.csv", &[lines[0], lines[2], lines[1], lines[3]].join("\n"));
+    refuse(&story, &["audit", "out"], &["runs.csv", "seed 2 where that of seed 1 is expected"]);
+    story.file("out/runs.csv", &lines[..3].join("\n"));
+    refuse(&story, &["audit", "out"], &["runs.csv", "ends before the row of seed 3"]);
+    story.file("out/runs.csv", "seed,status\n1,done\n");
+    refuse(&story, &["audit", "out"], &["runs.csv", "no column"]);
+    fs::remove_file(story.path("out/runs.csv")).expect("it is there");
+    let answer = story.tell(&["audit", "out"]).expect_code(0);
+    assert!(answer.stdout.contains("3 of the runs have no row in runs.csv"), "{}", answer.stdout);
+}
+
+#[test]
 fn recording_of_another_run_is_an_offence() {
     let story = Story::begin();
     recorded(&story, "out", "1..2");
@@ -140,7 +157,7 @@ fn what_is_no_recording_is_refused_by_name() {
     let story = Story::begin();
     story.file("notes.wildfire", "not at all");
     refuse(&story, &["audit", "notes.wildfire"], &["notes.wildfire", "not a wildfire recording"]);
-    refuse(&story, &["audit", "nothing.wildfire"], &["nothing.wildfire"]);
+    refuse(&story, &["audit", "nothing.wildfire"], &["there is no nothing.wildfire"]);
     fs::create_dir(story.path("empty")).expect("writable");
     refuse(&story, &["audit", "empty"], &["empty", "holds no recordings"]);
     fs::create_dir(story.path("other")).expect("writable");

@@ -12,5 +12,6 @@ mod map_files;
 mod map_readme;
 mod plan;
 mod plan_ompl;
+mod plan_readme;
 mod readme;
 mod story;

@@ -81,13 +81,16 @@ fn every_goal_and_planner_has_a_row() {
 fn goals_and_starts_that_cannot_be_are_rows_with_a_reason() {
     let story = Story::begin();
     story.file("hopeless.json", &field("hopeless", START, HOPELESS));
-    let all = "prm-rs,hybrid-astar";
+    let all = "prm+primitives,prm-rs,hybrid-astar,lattice";
     let answer = story.tell(&["plan", "hopeless.json", "--planner", all, "--csv", "a.csv", "--png", "a.png"]);
     let answer = answer.expect_code(0).stdout;
-    assert!(answer.contains(" 0/9 ") && answer.contains("goal 0: goal blocked"), "{answer}");
+    assert!(
+        answer.contains(" 0/9 ") && answer.contains("lattice: goal blocked 9 times, first on field hopeless, goal 0."),
+        "{answer}"
+    );
     for row in rows(&story, "a.csv") {
         assert_eq!(value(&row, "success"), "false", "{row:?}");
-        assert!(["goal blocked", "disconnected"].contains(&value(&row, "reason")), "{row:?}");
+        assert!(["goal blocked", "disconnected", "budget spent"].contains(&value(&row, "reason")), "{row:?}");
         assert!(["length_m", "lower_bound_ratio", "cusps", "drive_s"].iter().all(|name| value(&row, name).is_empty()));
     }
     for start in ["[52, 30, 0]", "[0, 0, 0]", "[null, 20, 0]", "[20, 20, null]", "[-1e6, 1e6, 0]"] {

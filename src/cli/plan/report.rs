@@ -7,17 +7,17 @@ use crate::cli::plan::drive::Drive;
 use crate::cli::plan::settings;
 use crate::cli::plan::summary::Summary;
 use crate::cli::scenario_commands::wrapped;
-use crate::planning::TruckPlannerKind;
+use crate::planning::{PlanFailure, TruckPlannerKind};
 
 /// The width of a terminal's line.
 const WIDTH: usize = 80;
 
-/// The most rows that are shown one by one, and the most goals that are named because something is wrong.
+/// The most rows, and offences, that are shown one by one.
 const SHOWN_ROWS: usize = 60;
-const SHOWN_FAULTS: usize = 10;
+const SHOWN_OFFENCES: usize = 10;
 
 /// Characters of a field's name.
-const LONGEST_NAME: usize = 12;
+const LONGEST_NAME: usize = 10;
 
 /// Settings, a row for each goal and planner if they are not too many, a line for each planner, and what went wrong.
 pub fn of(answers: &Answers) -> String {
@@ -63,13 +63,13 @@ fn rows(answers: &Answers) -> TextTable {
     }
     columns.extend::<[TextColumn<Attempt>; 8]>([
         ("Goal", |row| row.goal.to_string()),
-        ("CPU, ms", |row| milliseconds(row.query.as_secs_f64())),
+        ("Query ms", |row| milliseconds(row.query.as_secs_f64())),
         ("Expan- sions", |row| row.expansions.to_string()),
-        ("Length, m", |row| of_drive(row, |drive| Some(drive.length_m), 2)),
-        ("Length/ bound", |row| of_drive(row, |drive| drive.lower_bound_ratio, 3)),
-        ("Clear- ance,m", |row| of_drive(row, |drive| Some(drive.min_clearance_m), 2)),
+        ("Length m", |row| of_drive(row, |drive| Some(drive.length_m), 2)),
+        ("Len./ bound", |row| of_drive(row, |drive| drive.lower_bound_ratio, 3)),
+        ("Clear. m", |row| of_drive(row, |drive| Some(drive.min_clearance_m), 2)),
         ("Cusps", |row| of_drive(row, |drive| Some(drive.cusps.into()), 0)),
-        ("Drive, s", |row| of_drive(row, |drive| Some(drive.drive_s), 1)),
+        ("Drive s", |row| of_drive(row, |drive| Some(drive.drive_s), 1)),
     ]);
     table(&columns, &answers.attempts)
 }
@@ -96,23 +96,38 @@ fn summary(summaries: &[Summary]) -> TextTable {
     table(&columns, summaries)
 }
 
-/// Goals that were not reached, and offences, by name.
+/// How often planners failed and why, the first offences in words, and what the columns mean.
 fn faults(answers: &Answers) -> String {
-    let fault = |attempt: &Attempt| match &attempt.drive {
-        Err(failure) => Some(failure.to_string()),
-        Ok(drive) => drive.offence.clone(),
+    let sentences = failures(answers).chain(offences(answers));
+    let lines: String = sentences.flat_map(|fault| wrapped(&fault, WIDTH)).map(|line| line + "\n").collect();
+    let gap = if lines.is_empty() { "" } else { "\n" };
+    format!("{lines}{gap}{LEGEND}")
+}
+
+/// A sentence for each planner and reason.
+fn failures(answers: &Answers) -> impl Iterator<Item = String> {
+    let kinds = answers.planners.iter().flat_map(|&planner| PlanFailure::ALL.map(|reason| (planner, reason)));
+    kinds.filter_map(|(planner, reason)| {
+        let is_one = |attempt: &&Attempt| attempt.planner == planner && attempt.drive.as_ref().err() == Some(&reason);
+        let failed: Vec<&Attempt> = answers.attempts.iter().filter(is_one).collect();
+        let place = place(failed.first()?);
+        Some(match failed.len() {
+            1 => format!("{planner}: {reason} {place}."),
+            times => format!("{planner}: {reason} {times} times, first {place}."),
+        })
+    })
+}
+
+fn offences(answers: &Answers) -> impl Iterator<Item = String> {
+    let offence = |attempt: &Attempt| {
+        let offence = attempt.drive.as_ref().ok()?.offence.as_ref()?;
+        Some(format!("{}: offence {}: {offence}", attempt.planner, place(attempt)))
     };
-    let sentence = |attempt: &Attempt| {
-        let (name, goal) = (shortened(&attempt.problem.name), attempt.goal);
-        Some(format!("{} on field {name}, goal {goal}: {}", attempt.planner.name(), fault(attempt)?))
-    };
-    let faults: Vec<String> = answers.attempts.iter().filter_map(sentence).collect();
-    let shown = faults.iter().take(SHOWN_FAULTS).flat_map(|fault| wrapped(fault, WIDTH)).map(|line| line + "\n");
-    let hidden = match faults.len().saturating_sub(SHOWN_FAULTS) {
-        0 => String::new(),
-        more => format!("and {more} more like these\n"),
-    };
-    shown.collect::<String>() + &hidden + LEGEND
+    answers.attempts.iter().filter_map(offence).take(SHOWN_OFFENCES)
+}
+
+fn place(attempt: &Attempt) -> String {
+    format!("on field {}, goal {}", shortened(&attempt.problem.name), attempt.goal)
 }
 
 const LEGEND: &str = "\

@@ -1,19 +1,20 @@
-use crate::geometry::Pose;
-use crate::planning::Goal;
-
 /// Share of the wanted clearance that the last searches keep.
 const LEAST_SHARE: f64 = 0.04;
 
-/// A search of the ladder.
+/// An attempt to find a way that keeps a clearance.
 #[derive(Clone, Copy, Debug)]
 pub struct Rung {
     /// Share of the wanted clearance.
     pub share: f64,
-    /// From the goal to the start, which only a goal pose allows.
-    pub backward: bool,
-    pub lattice: LatticeKind,
-    /// Nodes that it may expand.
-    pub budget: u32,
+    pub method: Method,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Searches from the start and from the goal in turn, each of which may expand so many nodes.
+    Searches { lattice: LatticeKind, forward: u32, backward: u32 },
+    /// The coarsest flood from the start.
+    Flood,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,30 +26,23 @@ pub enum LatticeKind {
 }
 
 impl Rung {
-    const fn coarse(share: f64, backward: bool, budget: u32) -> Self {
-        Self { share, backward, lattice: LatticeKind::Coarse, budget }
-    }
-
-    /// From where it searches, and to where.
-    pub fn ends(&self, start: Pose, goal: Goal) -> Option<(Pose, Goal)> {
-        match goal {
-            Goal::Pose(end) if self.backward => Some((end, Goal::Pose(start))),
-            Goal::Disc(_) if self.backward => None,
-            _ => Some((start, goal)),
-        }
+    const fn searches(share: f64, lattice: LatticeKind, forward: u32, backward: u32) -> Self {
+        Self { share, method: Method::Searches { lattice, forward, backward } }
     }
 }
 
 /// The first that succeeds gives the path.
-pub const LADDER: [Rung; 10] = [
-    Rung::coarse(1.0, false, 300),
-    Rung::coarse(2.0 / 3.0, false, 400),
-    Rung::coarse(2.0 / 3.0, true, 400),
-    Rung::coarse(1.0 / 3.0, false, 800),
-    Rung::coarse(1.0 / 3.0, true, 800),
-    Rung::coarse(LEAST_SHARE, false, 1_500),
-    Rung::coarse(LEAST_SHARE, true, 1_500),
-    Rung::coarse(LEAST_SHARE, false, 10_000),
-    Rung::coarse(LEAST_SHARE, true, 10_000),
-    Rung { share: LEAST_SHARE, backward: false, lattice: LatticeKind::Fine, budget: 40_000 },
+///
+/// Long detours are cheaper for the flood than for a search, because it looks at every bin once; tight ends need the
+/// short motions of the fine lattice.
+pub const LADDER: [Rung; 6] = [
+    Rung::searches(1.0, LatticeKind::Coarse, 250, 0),
+    Rung::searches(2.0 / 3.0, LatticeKind::Coarse, 150, 150),
+    Rung::searches(1.0 / 3.0, LatticeKind::Coarse, 250, 250),
+    Rung::searches(LEAST_SHARE, LatticeKind::Coarse, 5_000, 5_000),
+    Rung { share: LEAST_SHARE, method: Method::Flood },
+    Rung::searches(LEAST_SHARE, LatticeKind::Fine, 20_000, 20_000),
 ];
+
+/// Searches from both ends take turns of so many expansions.
+pub const TURN: u32 = 100;

@@ -6,13 +6,13 @@
 //! Here motions are swept only when their turn comes (R. Bohlin, L. E. Kavraki, "Path planning using lazy PRM", ICRA
 //! 2000), and the curves into the goal wait in the same queue, at what the whole path would cost.
 //!
-//! Searches come in a ladder: where the wanted clearance leads nowhere, less is asked for, from both ends in turn; the last
-//! search is on a fine lattice. What is found is improved by shortcuts under the same clearance.
+//! Searches come in a ladder: where the wanted clearance leads nowhere, less is asked for, from both ends in turn. Then
+//! the flood of [`super::lattice_planner`] is asked; the last searches are on a fine lattice. What is found is improved by shortcuts under the same clearance.
 //!
 //! Poses are those of the rear axle, places in a goal disc those of the body's centre; world frame, metres.
 
 mod ladder;
-pub(super) mod outlook;
+mod outlook;
 mod search;
 mod settings;
 mod wave;
@@ -24,17 +24,25 @@ use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M};
 use crate::geometry::Pose;
 use crate::rng::Xoshiro256PlusPlus;
 use crate::time::cpu::CpuStopwatch;
-use crate::vehicle::Path;
+use crate::vehicle::{Dimensions, Path};
 
 use super::clearance_floor::ClearanceFloor;
-use super::ends::{free_clearance, has_free_pose};
+use super::ends::{free_clearance, free_poses, has_free_pose};
 use super::improve::Improver;
 use super::primitives::{self, Ending};
 use super::reachability::{LATTICES, Lattice};
-use super::{BuildReport, Effort, Goal, GoalDisc, Plan, PlanFailure, QueryTime, TruckPlanner};
-use ladder::{LADDER, LatticeKind, Rung};
+use super::{
+    BuildReport, Effort, Goal, GoalDisc, LatticePlanner, LatticeSettings, Plan, PlanFailure, QueryTime, TruckPlanner,
+};
+use ladder::{LADDER, LatticeKind, Method, Rung, TURN};
 use search::{Search, Task};
-use wave::Cells;
+use wave::{Cells, Wave};
+
+const FINEST: Lattice = LATTICES[LATTICES.len() - 1];
+/// Of the two sides of a search.
+const BACKWARD: usize = 1;
+/// A disc is searched from at poses on so many rings.
+const START_RINGS: u32 = 4;
 
 /// The planner for one body on one field.
 #[derive(Debug)]
@@ -43,9 +51,13 @@ pub struct HybridAstar {
     settings: HybridSettings,
     cells: Cells,
     lookout: Lookout,
-    coarse: Search,
-    fine: Option<Search>,
+    /// From the start and from the goal.
+    coarse: [Search; 2],
+    fine: Option<[Search; 2]>,
+    /// To the goal and to the start.
+    waves: [Wave; 2],
     improver: Improver,
+    lattice: LatticePlanner,
     /// Where every query begins to draw its shortcuts.
     rng: Xoshiro256PlusPlus,
     expansions: u32,
@@ -60,9 +72,11 @@ impl HybridAstar {
             settings: settings.clone(),
             cells: Cells::new(checker),
             lookout: Lookout::new(settings, checker.body()),
-            coarse: Search::new(settings, lattice, checker.body()),
+            coarse: searches(settings, lattice, checker.body()),
             fine: None,
+            waves: Default::default(),
             improver: Improver::new(checker, settings.cusp_cost),
+            lattice: LatticePlanner::build(checker, &LatticeSettings::default()),
             rng,
             expansions: 0,
         }
@@ -91,41 +105,85 @@ impl HybridAstar {
         is_free.then(|| Path { start, segments: approach.segments().collect() })
     }
 
-    /// One search after the other, until one succeeds.
+    /// One rung after the other, until one succeeds. The last one tells why not.
     fn climb(&mut self, start: Pose, goal: Goal, ends: &[(Pose, f64)]) -> Result<Path, PlanFailure> {
-        let mut failure = PlanFailure::Disconnected;
-        for rung in LADDER {
-            let Some((from, to)) = rung.ends(start, goal) else { continue };
-            let clearance_m = (rung.share * self.settings.clearance_m).max(LEAST_CLEARANCE_M);
+        self.waves[0].begin(&self.cells, goal);
+        self.waves[1].begin(&self.cells, Goal::Pose(start));
+        let mut ending = Ending::Exhausted;
+        for Rung { share, method } in LADDER {
+            let clearance_m = (share * self.settings.clearance_m).max(LEAST_CLEARANCE_M);
             let floor = ClearanceFloor::new(clearance_m, ends.iter().copied());
-            match self.search(rung, from, to, &floor) {
-                Ok(path) => {
-                    // Driven back, it would begin at the start but for rounding.
-                    let path = if rung.backward { Path { start, ..path.reversed() } } else { path };
-                    return Ok(self.improve(path, goal, &floor));
+            let path = match method {
+                Method::Searches { lattice, forward, backward } => {
+                    self.search(lattice, [forward, backward], start, goal, (&floor, clearance_m))
                 }
-                Err(Ending::BudgetSpent) => failure = PlanFailure::BudgetSpent,
-                Err(_) => {}
+                Method::Flood => self.flood(start, goal),
+            };
+            match path {
+                Ok(path) => return Ok(self.improve(path, goal, &floor)),
+                Err(failed) => ending = failed,
             }
         }
-        Err(failure)
+        Err(if ending == Ending::Exhausted { PlanFailure::Disconnected } else { PlanFailure::BudgetSpent })
     }
 
-    fn search(&mut self, rung: Rung, start: Pose, goal: Goal, floor: &ClearanceFloor) -> Result<Path, Ending> {
-        let budget = rung.budget.min(self.settings.max_expansions - self.expansions);
-        let wave = self.cells.wave_to(goal);
-        let body = self.checker.body();
-        let search = match rung.lattice {
-            LatticeKind::Coarse => &mut self.coarse,
-            LatticeKind::Fine => {
-                let finest = LATTICES[LATTICES.len() - 1];
-                self.fine.get_or_insert_with(|| Search::new(&self.settings, finest, body))
-            }
+    /// Searches from both ends in turn, until one finds a way or those that are left cannot.
+    fn search(
+        &mut self,
+        lattice: LatticeKind,
+        budgets: [u32; 2],
+        start: Pose,
+        goal: Goal,
+        (floor, clearance_m): (&ClearanceFloor, f64),
+    ) -> Result<Path, Ending> {
+        let Self { checker, settings, cells, lookout, coarse, fine, waves: [to_goal, to_start], .. } = self;
+        let [forward, backward] = match lattice {
+            LatticeKind::Coarse => coarse,
+            LatticeKind::Fine => fine.get_or_insert_with(|| searches(settings, FINEST, checker.body())),
         };
-        let task = Task { checker: &self.checker, lookout: &self.lookout, floor, start, goal, wave: &wave };
-        let path = search.run(&task, budget);
-        self.expansions += search.expansions;
-        path
+        let mut ahead = Task { checker, lookout, floor, goal, cells, wave: to_goal };
+        let mut back = Task { checker, lookout, floor, goal: Goal::Pose(start), cells, wave: to_start };
+        forward.begin(&mut ahead, [start]);
+        match goal {
+            _ if budgets[1] == 0 => {}
+            Goal::Pose(end) => backward.begin(&mut back, [end]),
+            Goal::Disc(disc) => backward.begin(&mut back, free_poses(checker, disc, START_RINGS, clearance_m)),
+        }
+        let is_disc = matches!(goal, Goal::Disc(_));
+        let mut sides = [(forward, ahead), (backward, back)];
+        let mut left = budgets;
+        let mut ending = Ending::Exhausted;
+        while left != [0, 0] {
+            for (side, (search, task)) in sides.iter_mut().enumerate() {
+                if left[side] == 0 {
+                    continue;
+                }
+                let turn = TURN.min(left[side]).min(settings.max_expansions - self.expansions);
+                let (path, spent) = search.carry_on(task, turn);
+                self.expansions += spent;
+                left[side] -= spent;
+                match path {
+                    // Driven back, it would begin at the start but for rounding.
+                    Ok(path) if side == BACKWARD => return Ok(Path { start, ..path.reversed() }),
+                    Ok(path) => return Ok(path),
+                    Err(Ending::BudgetSpent) if self.expansions < settings.max_expansions => {
+                        ending = Ending::BudgetSpent;
+                    }
+                    // From a disc only some poses were searched, and beyond the fine lattice there is nothing to try.
+                    Err(Ending::Exhausted) if lattice == LatticeKind::Fine || (side == BACKWARD && is_disc) => {
+                        left[side] = 0;
+                    }
+                    Err(failure) => return Err(failure),
+                }
+            }
+        }
+        Err(ending)
+    }
+
+    fn flood(&mut self, start: Pose, goal: Goal) -> Result<Path, Ending> {
+        let (path, spent) = self.lattice.find_within(self.settings.max_expansions - self.expansions, 1, start, goal);
+        self.expansions += spent;
+        path.map_err(|_| Ending::Exhausted)
     }
 
     fn improve(&mut self, path: Path, goal: Goal, floor: &ClearanceFloor) -> Path {
@@ -144,6 +202,10 @@ impl HybridAstar {
         primitives::shorten(body, self.lookout.aiming(), is_free, path.start, disc, &mut path.segments);
         path
     }
+}
+
+fn searches(settings: &HybridSettings, lattice: Lattice, body: &Dimensions) -> [Search; 2] {
+    [(); 2].map(|()| Search::new(settings, lattice, body))
 }
 
 impl TruckPlanner for HybridAstar {
@@ -285,8 +347,9 @@ mod tests {
             let mut planner = planner(&field, seed);
             for _ in 0..8 {
                 let disc = field.random_goal();
-                let promised =
-                    planner.cells.wave_to(Goal::Disc(disc)).least_m(field.checker.body().body_centre(field.start));
+                let mut wave = Wave::default();
+                wave.begin(&planner.cells, Goal::Disc(disc));
+                let promised = wave.least_m(&planner.cells, field.checker.body().body_centre(field.start));
                 if let Ok(path) = planner.plan(field.start, disc.into()).path {
                     assert!(promised <= path.length_m() + 1e-9, "{promised} m, but {} m", path.length_m());
                 }

@@ -4,7 +4,7 @@ use crate::planning::{Goal, PrimitiveSettings};
 use crate::vehicle::{CurvePrice, Dimensions, ReedsShepp, Segment};
 
 use super::HybridSettings;
-use super::wave::Wave;
+use super::wave::{Cells, Wave};
 
 /// An estimate by aims exceeds the straight line by at most this, because reversing may know better.
 const DETOUR_CAP_M: f64 = 15.0;
@@ -71,9 +71,15 @@ impl Lookout {
     }
 
     /// What is promised to a truck that came to `pose` forward or in reverse, or stands there.
-    pub fn outlook(&self, pose: Pose, after_reverse: Option<bool>, goal: Goal, wave: &Wave<'_>) -> Outlook {
+    pub fn outlook(
+        &self,
+        pose: Pose,
+        after_reverse: Option<bool>,
+        goal: Goal,
+        (cells, wave): (&Cells, &mut Wave),
+    ) -> Outlook {
         let outlook = self.without_bushes(pose, after_reverse, goal);
-        let walked = wave.least_m(goal.place_of(pose, &self.body));
+        let walked = wave.least_m(cells, goal.place_of(pose, &self.body));
         Outlook { to_go: outlook.to_go.max(walked), ..outlook }
     }
 

@@ -8,7 +8,7 @@ use crate::planning::{Goal, HybridSettings, lattice_search};
 use crate::vehicle::{Dimensions, Path, Segment};
 
 use super::outlook::{Approach, Lookout};
-use super::wave::Wave;
+use super::wave::{Cells, Wave};
 
 const ROOT: u32 = u32::MAX;
 
@@ -46,17 +46,20 @@ enum Step {
 type Candidate = lattice_search::Candidate<Step>;
 
 /// What one search is asked.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub struct Task<'a> {
     pub checker: &'a CollisionChecker,
     pub lookout: &'a Lookout,
     pub floor: &'a ClearanceFloor,
-    pub start: Pose,
     pub goal: Goal,
-    pub wave: &'a Wave<'a>,
+    pub cells: &'a Cells,
+    /// Towards the goal.
+    pub wave: &'a mut Wave,
 }
 
 /// A* over poses with lattice motions; its memory is kept between searches.
+///
+/// A search can be carried on where its budget let it end.
 #[derive(Debug)]
 pub struct Search {
     step_m: f64,
@@ -67,8 +70,6 @@ pub struct Search {
     open: OpenList<Candidate>,
     bins: Bins,
     sequence: u32,
-    /// Nodes expanded by the last search.
-    pub expansions: u32,
 }
 
 impl Search {
@@ -82,36 +83,45 @@ impl Search {
             open: OpenList::default(),
             bins: Bins::new(lattice.bin_m, lattice.headings),
             sequence: 0,
-            expansions: 0,
         }
     }
 
-    /// Searches for a way into the goal, expanding no more nodes than `budget`.
-    pub fn run(&mut self, task: &Task<'_>, budget: u32) -> Result<Path, Ending> {
-        self.begin();
-        let motion = Segment { curvature: 0.0, length_m: 0.0 };
-        self.reach(task, Node { pose: task.start, parent: ROOT, motion, cost: 0.0, ahead: 0.0, approach: None });
-        while let Some(best) = self.open.pop() {
-            match best.step {
-                Step::Approach => {
-                    if let Some(path) = self.arrive(task, best.node) {
-                        return Ok(path);
-                    }
-                }
-                Step::Expand if self.expansions == budget => return Err(Ending::BudgetSpent),
-                Step::Expand => self.expand(best.node),
-                Step::Lattice { index } => self.drive(task, best, index),
-            }
-        }
-        Err(Ending::Exhausted)
-    }
-
-    fn begin(&mut self) {
+    /// Begins a search from any of some poses; of several in a bin, the first counts.
+    pub fn begin(&mut self, task: &mut Task<'_>, starts: impl IntoIterator<Item = Pose>) {
         self.nodes.clear();
         self.open.clear();
         self.bins.clear();
         self.sequence = 0;
-        self.expansions = 0;
+        let motion = Segment { curvature: 0.0, length_m: 0.0 };
+        for pose in starts {
+            if !self.bins.dominates(pose, false, 0.0) {
+                self.reach(task, Node { pose, parent: ROOT, motion, cost: 0.0, ahead: 0.0, approach: None });
+            }
+        }
+    }
+
+    /// Carries the search for a way into the goal on by up to `budget` expansions, and tells how many it took.
+    pub fn carry_on(&mut self, task: &mut Task<'_>, budget: u32) -> (Result<Path, Ending>, u32) {
+        let mut spent = 0;
+        while let Some(best) = self.open.pop() {
+            match best.step {
+                Step::Approach => {
+                    if let Some(path) = self.arrive(task, best.node) {
+                        return (Ok(path), spent);
+                    }
+                }
+                Step::Expand if spent == budget => {
+                    self.open.push(best);
+                    return (Err(Ending::BudgetSpent), spent);
+                }
+                Step::Expand => {
+                    spent += 1;
+                    self.expand(best.node);
+                }
+                Step::Lattice { index } => self.drive(task, best, index),
+            }
+        }
+        (Err(Ending::Exhausted), spent)
     }
 
     fn push(&mut self, key: f64, cost: f64, node: u32, step: Step) {
@@ -120,9 +130,9 @@ impl Search {
     }
 
     /// Keeps a node for its approach, and for expansion.
-    fn reach(&mut self, task: &Task<'_>, mut node: Node) {
+    fn reach(&mut self, task: &mut Task<'_>, mut node: Node) {
         self.bins.improve(node.pose, node.motion.is_reverse(), node.cost);
-        let outlook = task.lookout.outlook(node.pose, node.reverse(), task.goal, task.wave);
+        let outlook = task.lookout.outlook(node.pose, node.reverse(), task.goal, (task.cells, task.wave));
         (node.ahead, node.approach) = (outlook.to_go, outlook.approach);
         let index = self.nodes.len() as u32;
         self.nodes.push(node);
@@ -137,7 +147,6 @@ impl Search {
 
     /// Offers the motions from a node with the node's own estimate, so that most are never swept.
     fn expand(&mut self, index: u32) {
-        self.expansions += 1;
         let node = self.nodes[index as usize];
         for (choice, motion) in self.motions.into_iter().enumerate() {
             let undoes = motion.curvature == node.motion.curvature && motion.length_m == -node.motion.length_m;
@@ -154,7 +163,7 @@ impl Search {
         node.cost + motion.length_m.abs() + if turns_back { self.cusp_cost } else { 0.0 }
     }
 
-    fn drive(&mut self, task: &Task<'_>, from: Candidate, choice: u8) {
+    fn drive(&mut self, task: &mut Task<'_>, from: Candidate, choice: u8) {
         let motion = self.motions[usize::from(choice)];
         let start = self.nodes[from.node as usize].pose;
         let pose = motion.end(start);
@@ -180,6 +189,6 @@ impl Search {
         }
         segments.reverse();
         segments.extend(approach.segments());
-        Some(Path { start: task.start, segments })
+        Some(Path { start: self.nodes[index as usize].pose, segments })
     }
 }

@@ -32,9 +32,9 @@ impl Default for HybridSettings {
             step_m: 4.0,
             bin_m: 2.5,
             headings: 24,
-            cusp_cost: 2.0,
+            cusp_cost: 4.0,
             heuristic_weight: 1.5,
-            shortcuts: 200,
+            shortcuts: 100,
             max_expansions: 30_000,
             seconds_per_expansion: 0.0,
         }

@@ -57,3 +57,34 @@ impl Places {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use rand::RngExt;
+
+    use super::*;
+    use crate::rng;
+
+    #[test]
+    fn near_places_are_those_of_a_look_at_all() {
+        let mut rng = rng::stream(1, "places");
+        let frame = FieldFrame { cols: 20, rows: 12, cell_m: 5.0 };
+        let mut places = Places::new(&frame);
+        let mut all = Vec::new();
+        for _ in 0..300 {
+            let place = DVec2::new(rng.random_range(0.0..100.0), rng.random_range(0.0..60.0));
+            places.add(place);
+            all.push(place);
+        }
+        let mut found = Vec::new();
+        for _ in 0..200 {
+            let here = DVec2::new(rng.random_range(-20.0..120.0), rng.random_range(-20.0..80.0));
+            let reach_m = rng.random_range(0.0..50.0);
+            let distances = all.iter().zip(0..).map(|(place, number)| (place.distance(here), number));
+            let mut wanted: Vec<(f64, u32)> = distances.filter(|&(distance, _)| distance <= reach_m).collect();
+            wanted.sort_by(|a, b| a.0.total_cmp(&b.0));
+            places.near(here, reach_m, &mut found);
+            assert_eq!(found, wanted);
+        }
+    }
+}

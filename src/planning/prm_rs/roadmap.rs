@@ -17,6 +17,11 @@ const SHARES: [f64; 3] = [1.0, 1.0 / 3.0, 0.04];
 pub type Level = usize;
 pub const LEVELS: usize = SHARES.len();
 
+/// So many nodes that are apart are looked at in a round.
+const MAX_APART: usize = 100;
+/// Nodes between which the field is tighter than this half way are not joined.
+const HOPELESS_M: f64 = 0.5;
+
 /// Poses, and Reeds-Shepp curves between them that may be driven both ways.
 ///
 /// Curves are worked out and swept when they are asked for, and remembered.
@@ -35,7 +40,9 @@ pub struct Roadmap {
     /// Links of node i are those from `first[i]` to `first[i + 1]`.
     first: Vec<u32>,
     links: Vec<Link>,
-    pub components: u32,
+    /// Which nodes are joined by edges that keep the wanted clearance.
+    joined: UnionFind<u32>,
+    components: u32,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -84,6 +91,7 @@ impl Roadmap {
             ways: Vec::new(),
             first: Vec::new(),
             links: Vec::new(),
+            joined: UnionFind::new_empty(),
             components: 0,
         }
     }
@@ -98,6 +106,21 @@ impl Roadmap {
 
     pub fn edge_count(&self) -> usize {
         self.edges.len()
+    }
+
+    /// How many sets of nodes no edges join that keep the wanted clearance.
+    pub fn components(&self) -> u32 {
+        self.components
+    }
+
+    /// Nodes that are not joined to the most, at most so many.
+    pub fn apart(&self) -> Vec<Pose> {
+        let sets: Vec<u32> = (0..self.nodes.len() as u32).map(|node| self.joined.find(node)).collect();
+        let mut sizes = vec![0u32; self.nodes.len()];
+        sets.iter().for_each(|&set| sizes[set as usize] += 1);
+        let Some(largest) = (0..sizes.len()).max_by_key(|&set| sizes[set]) else { return Vec::new() };
+        let apart = sets.iter().zip(&self.nodes).filter(|(set, _)| **set as usize != largest);
+        apart.map(|(_, node)| node.pose).take(MAX_APART).collect()
     }
 
     pub fn clearance_m(&self, level: Level) -> f64 {
@@ -121,10 +144,27 @@ impl Roadmap {
             let number = self.nodes.len() as u32;
             self.places.within(pose.position(), self.max_edge_m, &mut near);
             self.keep_nearest(&node, &mut near);
-            let edge = |&(_, other): &(f64, u32)| Edge { nodes: [other, number], way: None, is_free: [None; LEVELS] };
-            self.edges.extend(near.iter().map(edge));
+            self.edges.extend(near.iter().map(|&(_, other)| Edge {
+                nodes: [other, number],
+                way: None,
+                is_free: [None; LEVELS],
+            }));
             self.places.add(pose.position());
             self.nodes.push(node);
+            self.joined.new_set();
+            self.components += 1;
+            self.join(near.len());
+        }
+    }
+
+    /// Sweeps those of the last edges that would join components; the others wait until a query needs them.
+    fn join(&mut self, count: usize) {
+        for edge in self.edges.len() - count..self.edges.len() {
+            let [a, b] = self.edges[edge].nodes;
+            if !self.joined.equiv(a, b) && self.is_free(edge as u32, 0) {
+                self.joined.union(a, b);
+                self.components -= 1;
+            }
         }
     }
 
@@ -134,11 +174,8 @@ impl Roadmap {
         for (metres, other) in near.iter_mut() {
             let there = &self.nodes[*other as usize];
             let middle = node.pose.position().lerp(there.pose.position(), 0.5);
-            *metres = if super::knob(6, 1.0) > 0.0 && self.checker.field().at(middle) < super::knob(7, 0.5) {
-                f64::INFINITY
-            } else {
-                self.estimate_m(node, there, *metres)
-            };
+            let is_hopeless = self.checker.field().at(middle) < HOPELESS_M;
+            *metres = if is_hopeless { f64::INFINITY } else { self.estimate_m(node, there, *metres) };
         }
         near.retain(|&(metres, _)| metres < f64::INFINITY);
         if near.len() > self.neighbours {
@@ -164,7 +201,6 @@ impl Roadmap {
 
     /// Makes the edges ready for queries.
     pub fn finish(&mut self) {
-        self.count_components();
         self.first = vec![0; self.nodes.len() + 1];
         for node in self.edges.iter().flat_map(|edge| edge.nodes) {
             self.first[node as usize + 1] += 1;
@@ -179,30 +215,6 @@ impl Roadmap {
             for (node, to) in [(a, b), (b, a)] {
                 self.links[next[node as usize] as usize] = Link { to, edge: number as u32 };
                 next[node as usize] += 1;
-            }
-        }
-    }
-
-    /// Sweeps edges, shortest first, that would join components (J. B. Kruskal, "On the shortest spanning subtree of a graph
-    /// and the traveling salesman problem", Proc. AMS 7, 1956). The others wait until a query needs them.
-    fn count_components(&mut self) {
-        if super::knob(5, 0.0) > 0.0 {
-            return;
-        }
-        let distance = |edge: &Edge| {
-            let [a, b] = edge.nodes.map(|node| self.nodes[node as usize]);
-            a.pose.position().distance_squared(b.pose.position())
-        };
-        let mut order: Vec<(f64, u32)> =
-            self.edges.iter().enumerate().map(|(number, edge)| (distance(edge), number as u32)).collect();
-        order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let mut sets = UnionFind::<u32>::new(self.nodes.len());
-        self.components = self.nodes.len() as u32;
-        for (_, edge) in order {
-            let [a, b] = self.edges[edge as usize].nodes;
-            if !sets.equiv(a, b) && self.is_free(edge, 0) {
-                sets.union(a, b);
-                self.components -= 1;
             }
         }
     }
@@ -273,4 +285,85 @@ impl Roadmap {
 pub fn least_length_m(radius_m: f64, from: Pose, to: Pose) -> f64 {
     let turn = ops::wrap_angle(to.heading - from.heading).abs();
     from.position().distance(to.position()).max(radius_m * turn)
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::RngExt;
+
+    use super::*;
+    use crate::planning::prm_rs::sample::Sampler;
+    use crate::planning::test_fields::{TestField, least_clearance};
+    use crate::rng;
+    use crate::vehicle::Path;
+
+    fn roadmap(field: &TestField) -> Roadmap {
+        let settings = PrmRsSettings::default();
+        let mut sampler = Sampler::new(&field.checker, settings.clearance_m, &mut rng::stream(1, "roadmap"));
+        let mut roadmap = Roadmap::new(&field.checker, &settings);
+        roadmap.add(sampler.draw(100));
+        roadmap.add(sampler.at_corners(1));
+        roadmap.finish();
+        roadmap
+    }
+
+    #[test]
+    fn links_lead_from_pose_to_pose_both_ways_and_free_ones_keep_the_clearance() {
+        let mut free = 0;
+        for seed in 0..4 {
+            let field = TestField::random(seed, 30);
+            let mut roadmap = roadmap(&field);
+            for node in (0..roadmap.node_count() as u32).step_by(3) {
+                let links: Vec<Link> = roadmap.links(node).map(|(_, link)| link).collect();
+                for link in links.into_iter().step_by(2) {
+                    let mut path = Path::standing(roadmap.pose(node));
+                    roadmap.append(link, &mut path.segments);
+                    let (end, there) = (path.end(), roadmap.pose(link.to));
+                    assert!(end.position().distance(there.position()) < 1e-6);
+                    assert!(ops::wrap_angle(end.heading - there.heading).abs() < 1e-6);
+                    let passage = roadmap.passage(link);
+                    assert!((passage.cost - path.length_m() - 2.0 * f64::from(path.cusps())).abs() < 1e-6);
+                    assert_eq!(passage.departs_reverse, path.segments[0].is_reverse());
+                    assert_eq!(passage.arrives_reverse, path.segments[path.segments.len() - 1].is_reverse());
+                    assert!(roadmap.least_m(node, link.to) <= passage.cost + 1e-9);
+                    if roadmap.is_free(link.edge, 0) {
+                        free += 1;
+                        assert!(least_clearance(&field.checker, &path) > roadmap.clearance_m(0) - 0.03 - 1e-6);
+                    }
+                }
+            }
+        }
+        assert!(free > 300, "{free} are free");
+    }
+
+    #[test]
+    fn components_are_those_of_all_free_edges() {
+        for seed in 0..4 {
+            let field = TestField::random(seed, 60);
+            let mut roadmap = roadmap(&field);
+            let mut sets = UnionFind::<u32>::new(roadmap.node_count());
+            let mut components = roadmap.node_count() as u32;
+            for edge in 0..roadmap.edge_count() as u32 {
+                let [a, b] = roadmap.edges[edge as usize].nodes;
+                components -= u32::from(roadmap.is_free(edge, 0) && sets.union(a, b));
+            }
+            assert_eq!(roadmap.components(), components);
+            let apart = roadmap.apart();
+            assert!(apart.len() as u32 >= components - 1);
+        }
+    }
+
+    #[test]
+    fn what_is_known_of_an_edge_does_not_change_it() {
+        let field = TestField::random(2, 40);
+        let (mut asked, mut fresh) = (roadmap(&field), roadmap(&field));
+        let mut rng = rng::stream(2, "edges");
+        let edges: Vec<(u32, Level)> =
+            (0..300).map(|_| (rng.random_range(0..asked.edge_count() as u32), rng.random_range(0..LEVELS))).collect();
+        let answers: Vec<bool> = edges.iter().map(|&(edge, level)| asked.is_free(edge, level)).collect();
+        for (&(edge, level), &answer) in edges.iter().zip(&answers).rev() {
+            assert_eq!(fresh.is_free(edge, level), answer);
+            assert_eq!(asked.is_free(edge, level), answer);
+        }
+    }
 }

@@ -5,6 +5,7 @@ use rand::{Rng, RngExt};
 
 use crate::collision::{ClearanceField, CollisionChecker};
 use crate::geometry::{Pose, ops};
+use crate::planning::lattice_search;
 use crate::planning::prm::radical_inverse;
 
 /// Draws stop after so many a wanted pose, so that a full field cannot hold the planner up.
@@ -13,6 +14,8 @@ const MAX_DRAWS_PER_SAMPLE: u32 = 100;
 const ALONG_M: f64 = 6.0;
 /// Half the distance over which the direction to the nearest bush is measured.
 const PROBE_M: f64 = 0.5;
+/// How far from a pose that is apart others are tried.
+const ABOUT_M: f64 = 6.0;
 /// Poses at corners keep so much more than the clearance, so that curves through them do too.
 const CORNER_SPARE_M: f64 = 0.1;
 
@@ -65,6 +68,21 @@ impl<'a> Sampler<'a> {
         Pose::new(place.x, place.y, heading)
     }
 
+    /// Poses that the truck gets to by one motion from some others.
+    pub fn about(&mut self, poses: &[Pose]) -> Vec<Pose> {
+        let motions = lattice_search::motions(self.checker.body(), ABOUT_M);
+        let mut found = Vec::new();
+        for &pose in poses {
+            for motion in motions {
+                self.draws += 1;
+                if self.checker.motion_is_free(pose, motion, self.clearance_m) {
+                    found.push(motion.end(pose));
+                }
+            }
+        }
+        found
+    }
+
     /// Poses that pass the convex corners of bushes, or of groups of them, at the clearance, in both directions: `places`
     /// of them at each corner.
     pub fn at_corners(&mut self, places: u32) -> Vec<Pose> {
@@ -112,4 +130,84 @@ fn convex_corners(field: &ClearanceField) -> impl Iterator<Item = (DVec2, f64)> 
             Some((DVec2::new(col as f64, row as f64) * frame.cell_m, outwards))
         })
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::planning::test_fields::TestField;
+    use crate::rng;
+
+    const CLEARANCE_M: f64 = 0.6;
+
+    #[test]
+    fn samples_are_free_and_cover_the_field_evenly() {
+        let field = TestField::random(1, 25);
+        let mut sampler = Sampler::new(&field.checker, CLEARANCE_M, &mut rng::stream(1, "samples"));
+        let poses = sampler.draw(400);
+        assert_eq!(poses.len(), 400);
+        assert!(poses.iter().all(|&pose| field.checker.pose_is_free(pose, CLEARANCE_M)));
+        let mut counts = [0; 9];
+        for pose in poses {
+            counts[(pose.y / 50.0) as usize * 3 + (pose.x / 50.0) as usize] += 1;
+        }
+        assert!(counts.iter().all(|&count| count > 20), "{counts:?}");
+    }
+
+    #[test]
+    fn beside_a_wall_samples_head_along_it() {
+        let field =
+            TestField::drawn(&["..........", "..........", "##########", "..........", ".........."], Pose::default());
+        let mut sampler = Sampler::new(&field.checker, CLEARANCE_M, &mut rng::stream(1, "samples"));
+        let mut counts = [0; 2];
+        for pose in sampler.draw(300) {
+            let near_wall = (pose.y - 12.5).abs() < 6.0 && (6.0..44.0).contains(&pose.x);
+            if near_wall {
+                assert!(pose.direction().y.abs() < 0.3, "{pose:?}");
+                counts[usize::from(pose.direction().x > 0.0)] += 1;
+            }
+        }
+        assert!(counts[0] > 30 && counts[1] > 30, "{counts:?}");
+    }
+
+    #[test]
+    fn corner_poses_pass_convex_corners_in_both_directions() {
+        let picture = [
+            "..............",
+            "..............",
+            ".....##.......",
+            ".....#........",
+            "..............",
+            "..............",
+        ];
+        let field = TestField::drawn(&picture, Pose::default());
+        let mut sampler = Sampler::new(&field.checker, CLEARANCE_M, &mut rng::stream(1, "samples"));
+        let poses = sampler.at_corners(1);
+        // Five corners stick out; the sixth is a nook.
+        assert_eq!(poses.len(), 10);
+        for pair in poses.chunks(2) {
+            assert_eq!(pair[0].position(), pair[1].position());
+            assert!((pair[0].direction() + pair[1].direction()).length() < 1e-9);
+            let clearance = field.checker.clearance(pair[0]);
+            assert!((CLEARANCE_M..CLEARANCE_M + 0.2).contains(&clearance), "{clearance}");
+        }
+    }
+
+    #[test]
+    fn a_full_field_ends_the_draws() {
+        let field = TestField::drawn(&["####", "####", "####"], Pose::default());
+        let mut sampler = Sampler::new(&field.checker, CLEARANCE_M, &mut rng::stream(1, "samples"));
+        assert_eq!((sampler.draw(5).len(), sampler.draws), (0, 5 * MAX_DRAWS_PER_SAMPLE));
+    }
+
+    #[test]
+    fn poses_about_another_are_driven_to_from_it() {
+        let field = TestField::random(3, 25);
+        let mut sampler = Sampler::new(&field.checker, CLEARANCE_M, &mut rng::stream(1, "samples"));
+        let about = sampler.about(&[field.start]);
+        assert_eq!(about.len(), 6);
+        for pose in about {
+            assert!((ABOUT_M - pose.position().distance(field.start.position())).abs() < 0.1);
+        }
+    }
 }

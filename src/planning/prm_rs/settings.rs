@@ -26,9 +26,9 @@ pub struct PrmRsSettings {
 impl Default for PrmRsSettings {
     fn default() -> Self {
         Self {
-            samples: 500,
-            corner_places: 1,
-            neighbours: 6,
+            samples: 200,
+            corner_places: 2,
+            neighbours: 16,
             max_edge_m: 40.0,
             clearance_m: 0.6,
             cusp_cost: 2.0,

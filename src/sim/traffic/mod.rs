@@ -3,8 +3,8 @@
 //! The leg of every truck is a reservation: along it, and where it ends for ever. No two reservations come nearer than
 //! [`MARGIN_M`], so whoever keeps to his own is safe whatever the others do. Only three things change a reservation, and
 //! each keeps the rule:
-//! - a truck that sets out does so when its way is free ([`Traffic::departure`]), or goes [round](crate::planning::detour) those that
-//!   stand in the way, or takes another goal, or waits until something of the others changes;
+//! - a truck that sets out does so when its way is free ([`Traffic::departure`]), or takes another goal, or goes
+//!   [round](crate::planning::detour) those that stand in the way, or waits until something of the others changes;
 //! - a truck that breaks off drives on to where it may stand for ever ([`Traffic::stopping`]);
 //! - a truck that has nothing to do, or is blocked itself, gives way to one that could not set out otherwise
 //!   ([`standoff`]).
@@ -145,4 +145,65 @@ impl<'a> Traffic<'a> {
 /// Whether two standing trucks keep their margin.
 pub fn keep_apart(one: (&Dimensions, Pose), other: (&Dimensions, Pose)) -> bool {
     gap_between(one, other) >= MARGIN_M
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trajectory::SpeedLimits;
+    use crate::vehicle::{Path, Segment};
+    use bevy::prelude::World;
+
+    fn straight(start_s: f64, start: Pose, metres: f64) -> Trajectory {
+        let path = Path { start, segments: vec![Segment { curvature: 0.0, length_m: metres }] };
+        Trajectory::along(&path, SimTime::from_seconds(start_s), SpeedLimits::of_speed(8.0, 8.0))
+    }
+
+    /// A truck that drives east through x = 0 at 5 s, and the reservation of one that drives north through x = 0.
+    fn crossing(passes_s: f64) -> (Trajectory, Reservation, Entity) {
+        let mut world = World::new();
+        let (entity, other) = (world.spawn_empty().id(), world.spawn_empty().id());
+        let north = Pose::new(0.0, -24.0, std::f64::consts::FRAC_PI_2);
+        let leg = straight(passes_s - 3.0, north, 80.0);
+        let body = Dimensions::default();
+        let reservation = Reservation { entity: other, id: AgentId::Unimog(1), body, leg, is_idle: false };
+        (straight(0.0, Pose::new(-40.0, 0.0, 0.0), 100.0), reservation, entity)
+    }
+
+    #[test]
+    fn a_truck_that_breaks_off_stops_at_once_or_drives_on_over_the_crossing() {
+        let (leg, other, entity) = crossing(9.0);
+        let (body, others) = (Dimensions::default(), [other]);
+        let traffic = Traffic::new(&others, entity);
+        for (at_s, least_m, most_m) in [(3.0, -16.0, -16.0), (4.5, 2.0, 6.0), (5.0, 2.0, 6.0), (7.0, 16.0, 16.0)] {
+            let now = SimTime::from_seconds(at_s);
+            let cut = traffic.stopping(&body, &leg, now, None);
+            assert!(cut.end().x >= least_m && cut.end().x <= most_m, "told at {at_s} s, stands at {:?}", cut.end());
+            assert_eq!(cut.pose_at(now), leg.pose_at(now));
+        }
+    }
+
+    #[test]
+    fn a_truck_departs_as_soon_as_the_other_has_passed() {
+        for (passes_s, waits) in [(5.0, true), (9.0, false), (3.0, false)] {
+            let (leg, other, entity) = crossing(passes_s);
+            let (body, others) = (Dimensions::default(), [other]);
+            let departs = Traffic::new(&others, entity).departure(&body, &leg).expect("the other passes");
+            let wait_s = departs.duration_s() - leg.duration_s();
+            assert!(if waits { wait_s > 0.5 && wait_s < 2.0 } else { wait_s == 0.0 }, "{passes_s}: {wait_s} s");
+            let motion = Moving { body: &body, trajectory: &departs };
+            assert!(first_meeting(motion, others[0].moving(), SimTime::ZERO, 0.0).is_none());
+        }
+    }
+
+    #[test]
+    fn who_stands_in_the_way_for_ever_is_named() {
+        let (leg, mut other, entity) = crossing(5.0);
+        other.leg = straight(0.0, Pose::new(0.0, -30.0, std::f64::consts::FRAC_PI_2), 29.0);
+        let (body, others) = (Dimensions::default(), [other]);
+        let traffic = Traffic::new(&others, entity);
+        assert_eq!(traffic.departure(&body, &leg), Err(AgentId::Unimog(1)));
+        let free_m = traffic.free_m(&body, &leg).expect("it stands on the way");
+        assert!(free_m > 33.0 && free_m < 35.0, "{free_m}");
+    }
 }

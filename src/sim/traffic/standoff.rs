@@ -47,7 +47,7 @@ impl Plan {
     fn for_truck(stage: &Stage, first: Entity) -> Option<Self> {
         let now = stage.now();
         let truck = stage.truck(first);
-        let wanted = &truck.blocked.as_ref()?.drive;
+        let wanted = &truck.blocked.first()?.drive;
         let wish = Trajectory::along(&wanted.path, now + truck.charge(&wanted.effort), truck.speed);
         let mut reservations = stage.reservations();
         let in_the_way = blocking(&reservations, first, truck, &wish)?;
@@ -70,7 +70,7 @@ impl Plan {
         let now = stage.now();
         let (mut agent, _, truck) = stage.agents.get_mut(self.first).expect("agents live for the whole run");
         let mut truck = truck.expect("only trucks are blocked");
-        let drive = truck.blocked.take().expect("it was blocked a moment ago").drive;
+        let drive = std::mem::take(&mut truck.blocked).swap_remove(0).drive;
         truck::set_out((self.first, &mut agent, &mut truck), now, drive, self.leg, &mut stage.agenda, &mut stage.log);
         stage.call_blocked(self.first);
     }

@@ -163,6 +163,7 @@ mod tests {
     #[test]
     fn timelines_come_back_bit_for_bit() {
         assert_comes_back(&sample::by_hand());
+        assert_comes_back(&sample::meeting());
         assert_comes_back(&tiny(vec![]));
         for seed in 0..10 {
             assert_comes_back(&sample::random(seed, seconds(200.0)));
@@ -220,6 +221,7 @@ mod tests {
         // Another checksum means another format: give it a version and keep reading this one.
         let mut timeline = sample::by_hand();
         assert_eq!(digests(&timeline), [(568, 398_146_637), (667, 2_167_327_893)]);
+        assert_eq!(digests(&sample::meeting()), [(319, 2_191_205_504), (418, 2_752_321_460)]);
         timeline.events.retain(|event| !matches!(event.fact, Fact::LocalMinimum { .. }));
         assert_eq!(digests(&timeline)[0], (546, 1_445_583_994), "runs of format 1 look the same in format 2");
     }

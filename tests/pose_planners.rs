@@ -1,4 +1,4 @@
-//! The planner `hybrid-astar` on problems that others solved too, judged by a check of its own.
+//! The planners `prm-rs` and `hybrid-astar` on problems that others solved too, judged by a check of its own.
 //!
 //! The problems are no part of this package. They are looked for beside it, in `../shared/reference`, or where the
 //! variable `WILDFIRE_REFERENCE` says; where there are none the test says so and passes.
@@ -10,16 +10,18 @@ use serde::Deserialize;
 use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::{DVec2, FieldFrame, OrientedRect, Pose, ops};
 use wildfire::grid::Grid;
-use wildfire::planning::{Goal, GoalDisc, HybridAstar, HybridSettings, TruckPlanner};
+use wildfire::planning::{Goal, GoalDisc, TruckPlanner, TruckPlannerKind, truck_planner};
 use wildfire::rng;
+use wildfire::scenario::Unimog;
 use wildfire::vehicle::{Dimensions, Path};
 
 /// Spacing of the poses that are looked at.
 const SPACING_M: f64 = 0.02;
 const MAX_CURVATURE: f64 = 1.0 / 13.0;
 const REACH_M: f64 = 10.0;
+const PLANNERS: [TruckPlannerKind; 2] = [TruckPlannerKind::PrmRs, TruckPlannerKind::HybridAstar];
 
-#[derive(Deserialize)]
+#[derive(Clone, Deserialize)]
 struct FieldFile {
     cells_cr: Vec<[u16; 2]>,
     n: u16,
@@ -28,7 +30,7 @@ struct FieldFile {
     goals: Vec<GoalFile>,
 }
 
-#[derive(Deserialize)]
+#[derive(Clone, Deserialize)]
 struct GoalFile {
     pose: [f64; 3],
 }
@@ -50,10 +52,10 @@ impl FieldFile {
         occupied
     }
 
-    fn planner(&self) -> HybridAstar {
+    fn planner(&self, kind: TruckPlannerKind) -> Box<dyn TruckPlanner> {
         let field = Arc::new(ClearanceField::new(self.frame(), &self.occupied()));
         let checker = CollisionChecker::new(field, Dimensions::default());
-        HybridAstar::build(&checker, &HybridSettings::default(), rng::stream(1, "tests/hybrid"))
+        truck_planner(kind, &checker, &Unimog::default().planner_settings(), |name| rng::stream(1, name))
     }
 }
 
@@ -105,15 +107,21 @@ fn assert_clean(field: &FieldFile, occupied: &Grid<bool>, path: &Path, what: &st
     }
 }
 
+/// Every field with every planner, and words that say which.
+fn cases() -> impl Iterator<Item = (FieldFile, TruckPlannerKind, String)> {
+    let fields = reference_fields().into_iter().enumerate();
+    fields.flat_map(|(number, field)| PLANNERS.map(|kind| (field.clone(), kind, format!("{kind}, field {number}"))))
+}
+
 #[test]
 fn all_problems_of_the_reference_are_solved_and_every_path_is_clean() {
-    for (number, field) in reference_fields().iter().enumerate() {
-        let (mut planner, occupied) = (field.planner(), field.occupied());
+    for (field, kind, what) in cases() {
+        let (mut planner, occupied) = (field.planner(kind), field.occupied());
         for (index, goal) in field.goals.iter().enumerate() {
-            let what = format!("field {number}, goal {index}");
+            let what = format!("{what}, goal {index}");
             let goal = pose(goal.pose);
             let path = planner.plan(field.start(), Goal::Pose(goal)).path.unwrap_or_else(|why| panic!("{what}: {why}"));
-            assert_clean(field, &occupied, &path, &what);
+            assert_clean(&field, &occupied, &path, &what);
             let end = path.end();
             assert!(end.position().distance(goal.position()) < 1e-3, "{what}: ends elsewhere");
             assert!(ops::wrap_angle(end.heading - goal.heading).abs() < 1e-3, "{what}: ends turned");
@@ -123,15 +131,15 @@ fn all_problems_of_the_reference_are_solved_and_every_path_is_clean() {
 
 #[test]
 fn every_bush_of_the_reference_is_reached_by_clean_paths() {
-    for (number, field) in reference_fields().iter().enumerate() {
-        let (mut planner, occupied) = (field.planner(), field.occupied());
+    for (field, kind, what) in cases() {
+        let (mut planner, occupied) = (field.planner(kind), field.occupied());
         // Every fifth, to be quick.
         for &[col, row] in field.cells_cr.iter().step_by(5) {
-            let what = format!("field {number}, bush ({col}, {row})");
+            let what = format!("{what}, bush ({col}, {row})");
             let centre = DVec2::new(f64::from(col) + 0.5, f64::from(row) + 0.5) * field.cell_m;
             let plan = planner.plan(field.start(), Goal::Disc(GoalDisc { centre, radius_m: REACH_M }));
             let path = plan.path.unwrap_or_else(|why| panic!("{what}: {why}"));
-            assert_clean(field, &occupied, &path, &what);
+            assert_clean(&field, &occupied, &path, &what);
             assert!(Dimensions::default().body_centre(path.end()).distance(centre) <= REACH_M, "{what}: too far away");
         }
     }
