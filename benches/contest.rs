@@ -5,7 +5,8 @@
 
 use std::process::ExitCode;
 
-use wildfire::batch::{CpuSplit, RunResult, Series};
+use wildfire::batch::{CpuSplit, RunResult};
+use wildfire::stats::Series;
 use wildfire::timeline::Outcome;
 use wildfire::{scenario, sim};
 

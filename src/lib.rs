@@ -3,7 +3,7 @@
 //!
 //! The layers, lowest first; each may use those above it in this list:
 //! [`time`], [`geometry`], [`rng`], [`event_queue`], [`whole_file`]; [`grid`]; [`map_files`]; [`vehicle`]; [`trajectory`]; [`collision`];
-//! [`planning`]; [`fire`]; [`scenario`]; [`timeline`]; [`picture`]; [`audit`]; [`sim`]; [`batch`]; [`cli`].
+//! [`planning`]; [`fire`]; [`scenario`]; [`timeline`]; [`picture`]; [`audit`]; [`sim`]; [`stats`]; [`batch`]; [`cli`].
 
 pub mod audit;
 pub mod batch;
@@ -19,6 +19,7 @@ pub mod planning;
 pub mod rng;
 pub mod scenario;
 pub mod sim;
+pub mod stats;
 pub mod time;
 pub mod timeline;
 pub mod trajectory;

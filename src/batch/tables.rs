@@ -4,9 +4,9 @@
 //! confidence interval (Student's t). Rows of single runs are kept for the first of a batch only; the statistics are
 //! of all runs that are done.
 
-use crate::batch::statistics::Series;
 use crate::batch::text_table::TextTable;
 use crate::batch::{RunResult, RunRow};
+use crate::stats::Series;
 
 /// The most runs that a table shows one by one.
 pub const SHOWN_RUNS: usize = 20;
@@ -191,8 +191,8 @@ type Statistic = fn(&Series) -> Option<f64>;
 const STATISTICS: &[(&str, Statistic)] = &[
     ("Mean", Series::mean),
     ("Std dev", Series::standard_deviation),
-    ("95% low", |series| Some(series.mean()? - series.half_interval_95()?)),
-    ("95% high", |series| Some(series.mean()? + series.half_interval_95()?)),
+    ("95% low", |series| Some(series.mean_interval()?.low)),
+    ("95% high", |series| Some(series.mean_interval()?.high)),
     ("Sum", |series| (series.count() > 0).then(|| series.sum())),
 ];
 

@@ -8,6 +8,7 @@ use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 
 use crate::batch::{Record, Seeds};
+use crate::cli::compare::CompareArguments;
 use crate::cli::curve::CurveArguments;
 use crate::cli::map::MapCommand;
 use crate::cli::plan::PlanArguments;
@@ -42,6 +43,8 @@ pub enum Command {
     Run(RunArguments),
     /// Run a scenario with many seeds and print the tables of the contest.
     Batch(BatchArguments),
+    /// Compare batches, or scenarios and planners inside one, in pairs by seed.
+    Compare(CompareArguments),
     /// Hold finished runs against the rules: recordings, and all runs of batches.
     Audit(AuditArguments),
     /// Explain what a scenario means, its defaults, and its terrain.

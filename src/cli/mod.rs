@@ -5,6 +5,7 @@
 mod args;
 mod audit_command;
 mod batch_command;
+mod compare;
 mod curve;
 mod failure;
 mod map;
@@ -40,6 +41,7 @@ fn dispatch(arguments: &Arguments) -> Result<ExitCode, Failure> {
     match &arguments.command {
         Command::Run(run) => run_command::run(run, arguments.quiet),
         Command::Batch(batch) => batch_command::run(batch, arguments.quiet),
+        Command::Compare(compare) => compare::run(compare),
         Command::Audit(audit) => audit_command::run(audit, arguments.quiet),
         Command::Check(check) => scenario_commands::check(check),
         Command::Scenarios(scenarios) => scenario_commands::list_or_show(scenarios),

@@ -46,7 +46,7 @@ pub fn first_meeting(one: Moving<'_>, other: Moving<'_>, from: SimTime, margin_m
     loop {
         let room_m = one.rectangle_at(now).gap_to(&other.rectangle_at(now)) - margin_m;
         // Also where a place is not a number.
-        if !(room_m >= 0.0) {
+        if room_m < 0.0 || room_m.is_nan() {
             return Some(now);
         }
         if now >= end {

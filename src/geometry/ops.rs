@@ -1,4 +1,4 @@
-//! The one home of trigonometry.
+//! The one home of trigonometry, of the exponential function and of the logarithm.
 //!
 //! The standard library's functions differ between platforms and optimisation levels; these come from the
 //! `libm` crate and give the same bits everywhere. `clippy.toml` bans the others.
@@ -33,6 +33,15 @@ pub fn atan2(y: f64, x: f64) -> f64 {
 /// Arc cosine; arguments beyond -1 and 1 by rounding are clamped.
 pub fn acos(cosine: f64) -> f64 {
     libm::acos(cosine.clamp(-1.0, 1.0))
+}
+
+pub fn exp(exponent: f64) -> f64 {
+    libm::exp(exponent)
+}
+
+/// Natural logarithm.
+pub fn ln(number: f64) -> f64 {
+    libm::log(number)
 }
 
 pub fn hypot(x: f64, y: f64) -> f64 {

@@ -10,7 +10,7 @@ use super::{Effort, GoalDisc, PrimitiveSettings};
 const LEAVE_M: f64 = 20.0;
 
 /// Nodes that the search for one detour may expand.
-const MAX_EXPANSIONS: u32 = 400;
+const MAX_EXPANSIONS: u32 = 250;
 
 /// A path into a disc that begins like `path`, which is blocked after `free_m` metres, and the effort of finding it.
 ///

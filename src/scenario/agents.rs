@@ -182,7 +182,7 @@ impl Default for Unimog {
             limits: Limits::default(),
             goal: TruckGoal::NearestBurning,
             retarget: Retarget::Never,
-            planner: TruckPlannerKind::PrmPrimitives,
+            planner: TruckPlannerKind::PrmRs,
             prm: PrmSettings::default(),
             primitives: PrimitiveSettings::default(),
             prm_rs: PrmRsSettings::default(),

@@ -186,7 +186,7 @@ impl Diagnostic for ScenarioError {
 }
 
 /// The name in `known` that is most like `name`, if any is like it at all.
-pub(super) fn nearest_name<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
+pub fn nearest_name<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let likeness = |other: &str| strsim::jaro_winkler(&name.to_lowercase(), other);
     let scored = known.into_iter().map(|other| (likeness(other), other));
     let best = scored.max_by(|one, other| one.0.total_cmp(&other.0).then(other.1.cmp(one.1)))?;

@@ -32,7 +32,7 @@ pub use agents::{
     Escape, Limits, Retarget, StartPose, StepCost, StepTime, TruckGoal, Unimog, Wumpus, WumpusGoal, WumpusHeuristic,
     WumpusPlanner, WumpusPotential,
 };
-pub use error::{Fault, Place, ScenarioError};
+pub use error::{Fault, Place, ScenarioError, nearest_name};
 pub use explain::explain;
 pub use field::{Field, MAX_CELLS_A_SIDE, MAX_COVERAGE, Overlaps};
 pub use given::{GivenField, MapError, MapFault};

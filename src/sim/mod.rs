@@ -8,6 +8,7 @@ mod agenda;
 mod agent;
 mod fires;
 mod setup;
+mod situation;
 mod stage;
 mod tracks;
 mod traffic;
@@ -28,9 +29,10 @@ use crate::timeline::{AgentId, EndReason, Fact, Setting, Timeline};
 use agenda::{Agenda, Due, Rank, SimClock};
 use agent::{Log, Roster};
 use fires::Ignitions;
+use situation::Situation;
 use stage::Stage;
 use traffic::{Traffic, standoff};
-use truck::{Situation, Truck};
+use truck::Truck;
 use wumpus::Wumpus;
 
 /// CPU time of one agent's planning over a run. What does not concern its kind is zero.

@@ -2,6 +2,7 @@
 
 mod audit;
 mod commands;
+mod compare;
 mod contest;
 mod curve;
 mod curve_pairs;

@@ -1,0 +1,83 @@
+//! The arguments of `wildfire compare`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use crate::batch::comparison::Selection;
+
+const NOTES: &str = "\
+Examples:
+  wildfire compare runs/contest runs/contest-2
+  wildfire compare runs/planners --by planner
+  wildfire compare runs/sweep --by field.coverage=0.05,0.1,0.2 --where planner=prm-rs
+  wildfire compare runs/contest runs/other --metric saved,truck_won,truck_cusps
+  wildfire compare runs/original --with report
+  wildfire compare runs/planners --by planner --html > planners.html
+
+Metrics: any column of numbers in runs.csv, and
+  saved       obstacles intact or extinguished    truck_won   runs that the truck wins
+  burned      obstacles burning or burned out     wumpus_won  runs that the Wumpus wins
+  all_out_s   until nothing burns, cut off where a run ended before
+
+A pair is the same seed, and the same of all that varies within a batch, on both
+sides. Differences are those of means, the other side's less A's.";
+
+#[derive(Debug, Args)]
+#[command(after_help = NOTES)]
+pub struct CompareArguments {
+    /// Folders of batches, or their tables of runs: each is compared with the first; or a single one, whose parts are.
+    #[arg(value_name = "BATCH", required = true)]
+    pub batches: Vec<PathBuf>,
+    /// Compare runs by this column: scenario, planner or a swept key; all its values with the first, or those given
+    /// [default: what varies, if a single one does].
+    #[arg(long, value_name = "COLUMN[=VALUE,...]", value_parser = parse_by)]
+    pub by: Option<(String, Vec<String>)>,
+    /// Take only runs with this value in this column; may be repeated.
+    #[arg(long = "where", value_name = "COLUMN=VALUE", value_parser = parse_where)]
+    pub only: Vec<(String, String)>,
+    /// Set a batch beside published tables instead.
+    #[arg(long, value_name = "WHAT", conflicts_with_all = ["by", "metric"])]
+    pub with: Option<Published>,
+    /// What to compare; may be repeated.
+    #[arg(long, value_name = "NAME[,NAME...]", value_delimiter = ',')]
+    pub metric: Vec<String>,
+    /// Print Markdown.
+    #[arg(long, group = "form")]
+    pub md: bool,
+    /// Print JSON, with everything that was computed.
+    #[arg(long, group = "form")]
+    pub json: bool,
+    /// Print a web page that needs no other file.
+    #[arg(long, group = "form")]
+    pub html: bool,
+}
+
+/// Published tables that a batch can stand beside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Published {
+    /// Tables I and II of the five runs published in 2024, whose rules `original-2024` keeps.
+    Report,
+}
+
+impl CompareArguments {
+    pub fn selection(&self) -> Selection {
+        Selection { by: self.by.clone(), only: self.only.clone() }
+    }
+}
+
+fn parse_by(text: &str) -> Result<(String, Vec<String>), String> {
+    let Some((column, values)) = text.split_once('=') else { return Ok((text.to_owned(), Vec::new())) };
+    let values: Vec<String> = values.split(',').map(str::to_owned).collect();
+    let mut sorted = values.clone();
+    sorted.sort();
+    match sorted.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(pair) => Err(format!("`{}` stands there twice; expected values that differ", pair[0])),
+        None => Ok((column.to_owned(), values)),
+    }
+}
+
+fn parse_where(text: &str) -> Result<(String, String), String> {
+    let (column, value) = text.split_once('=').ok_or("expected COLUMN=VALUE, such as `planner=prm-rs`")?;
+    Ok((column.to_owned(), value.to_owned()))
+}

@@ -1,0 +1,105 @@
+//! A batch beside the published tables, as a page and as JSON.
+
+use serde_json::json;
+
+use crate::batch::PROGRAM_VERSION;
+use crate::batch::comparison::{BesideReport, PublishedState, PublishedTime, decimals_of, probability, rounded};
+use crate::cli::compare::document::{Block, Document};
+
+const SOURCE: &str = "Published: five runs, A. Shaikh, \"RBE 550: Wildfire Assignment\", 2024, Tables I and II.";
+
+pub fn document(beside: &BesideReport) -> Document {
+    let batch = &beside.batch;
+    let failed = if batch.failed == 0 { String::new() } else { format!(", {} of them failed", batch.failed) };
+    let blocks = vec![
+        Block::List(vec![SOURCE.into(), format!("Batch: {}: {} runs{failed}", batch.description, batch.runs)]),
+        Block::Heading("Ratios of obstacles at the end".into()),
+        means(&beside.states),
+        Block::Text("Differences are the batch's mean less the published one, with Welch's 95 % interval.".into()),
+        Block::Heading("What five runs can come to".into()),
+        five_runs(&beside.states),
+        Block::Text(
+            "95 % of the means of five runs drawn from the batch lie between low and high; as far: the share of them \
+             that are at least as far from the batch's mean as the published one."
+                .into(),
+        ),
+        Block::List(beside.states.iter().map(verdict).collect()),
+        Block::Heading("CPU seconds of a run, in the mean".into()),
+        times(beside),
+        Block::Text(
+            "The published times were taken on another machine by a clock of 1/64 s, in Python; they show the share of \
+             each part, not which program is better."
+                .into(),
+        ),
+    ];
+    Document { title: "A batch beside five published runs".into(), blocks }
+}
+
+fn means(states: &[PublishedState]) -> Block {
+    let headings = ["State", "Published", "sd", "Batch", "sd", "Difference", "95% low", "95% high"];
+    let number = |value: Option<f64>| value.map_or("-".into(), |value| rounded(value, 3));
+    let row = |state: &PublishedState| {
+        let numbers = [
+            state.published.mean(),
+            state.published.standard_deviation(),
+            state.batch.mean(),
+            state.batch.standard_deviation(),
+            state.batch.mean().zip(state.published.mean()).map(|(batch, published)| batch - published),
+            state.difference.map(|interval| interval.low),
+            state.difference.map(|interval| interval.high),
+        ];
+        [state.name.to_owned()].into_iter().chain(numbers.map(number)).collect()
+    };
+    Block::table(&headings, states.iter().map(row).collect())
+}
+
+fn five_runs(states: &[PublishedState]) -> Block {
+    let headings = ["State", "Published", "95% low", "95% high", "As far"];
+    let row = |state: &PublishedState| {
+        let published = state.published.mean().map_or("-".into(), |mean| rounded(mean, 3));
+        let [low, high] = [state.five_runs.low, state.five_runs.high].map(|end| rounded(end, 3));
+        vec![state.name.into(), published, low, high, probability(state.as_far)]
+    };
+    Block::table(&headings, states.iter().map(row).collect())
+}
+
+fn verdict(state: &PublishedState) -> String {
+    let is_usual = state.published.mean().is_some_and(|mean| state.five_runs.contains(mean));
+    let verdict =
+        if is_usual { "five runs of this batch can well come to it" } else { "unusual for five runs of this batch" };
+    format!("{}: {verdict}", state.name)
+}
+
+fn times(beside: &BesideReport) -> Block {
+    let row = |time: &PublishedTime| {
+        let ratio = time.published_s / time.batch_s;
+        let ratio = if ratio.is_finite() && ratio > 0.0 { rounded(ratio, decimals_of(ratio)) } else { "-".into() };
+        vec![time.name.into(), rounded(time.published_s, 3), rounded(time.batch_s, 6), ratio]
+    };
+    Block::table(&["Part", "Published", "Batch", "Ratio"], beside.times.iter().map(row).collect())
+}
+
+pub fn json(beside: &BesideReport) -> String {
+    let state = |state: &PublishedState| {
+        json!({
+            "state": state.name,
+            "published_mean": state.published.mean(),
+            "published_sd": state.published.standard_deviation(),
+            "batch_mean": state.batch.mean(),
+            "batch_sd": state.batch.standard_deviation(),
+            "difference_95": state.difference.map(|interval| [interval.low, interval.high]),
+            "five_runs_95": [state.five_runs.low, state.five_runs.high],
+            "five_runs_as_far": state.as_far,
+        })
+    };
+    let times = beside.times.iter();
+    let object = json!({
+        "program_version": PROGRAM_VERSION,
+        "batch": { "description": beside.batch.description, "runs": beside.batch.runs, "failed": beside.batch.failed },
+        "states": beside.states.iter().map(state).collect::<Vec<_>>(),
+        "cpu": times
+            .map(|time| json!({ "part": time.name, "published_s": time.published_s, "batch_s": time.batch_s }))
+            .collect::<Vec<_>>(),
+    });
+    format!("{object}\n")
+}

@@ -1,0 +1,145 @@
+//! A comparison as a page.
+
+use crate::batch::comparison::{
+    AgainstA, Comparison, Contrast, CutOff, Judged, Method, Pairs, SideSummary, decimals_of, probability, rounded,
+};
+use crate::cli::compare::document::{Block, Document};
+
+const LEGEND: &str = "\
+Differences are of means over pairs, with 95 % intervals; p is adjusted by Holm's method over all that is shown, and so \
+is that of Wilcoxon's test by ranks, beside it; dz is Cohen's, in standard deviations of the difference; r is the \
+rank-biserial correlation, from -1 to 1.";
+
+/// As `cargo bench --bench coverage` measured it, 4000 samples each.
+const FEW_PAIRS: &str = "\
+Fewer than 10 pairs: intervals are Student's t. Of samples of five of this program's own outcomes they held the truth \
+in 93 to 96 %, of strongly skewed (log-normal) numbers in 82 %.";
+
+/// What was found, the verdicts first.
+pub fn document(comparison: &Comparison) -> Document {
+    let mut blocks = vec![Block::List(comparison.sides.iter().map(side).collect())];
+    for against in &comparison.against_a {
+        blocks.push(Block::Heading(format!("{} against A", against.letter)));
+        blocks.push(Block::Text(pairing(&against.pairs, against.letter)));
+        blocks.push(Block::List(against.judged.iter().map(|judged| verdict(judged, against.letter)).collect()));
+        blocks.extend([differences(against), tests(against)]);
+        let notes = notes(against);
+        if !notes.is_empty() {
+            blocks.push(Block::List(notes));
+        }
+    }
+    let missing = comparison.missing.iter();
+    let missing: Vec<_> =
+        missing.map(|(letter, metric)| format!("{metric}: no pair of A and {letter} has it on both sides")).collect();
+    if !missing.is_empty() {
+        blocks.push(Block::List(missing));
+    }
+    blocks.push(Block::Text(LEGEND.into()));
+    if comparison.against_a.iter().any(|against| against.pairs.runs.len() < 10) {
+        blocks.push(Block::Text(FEW_PAIRS.into()));
+    }
+    Document { title: "Runs compared in pairs of the same seed".into(), blocks }
+}
+
+fn side(side: &SideSummary) -> String {
+    let SideSummary { letter, description, runs, failed } = side;
+    let failed = if *failed == 0 { String::new() } else { format!(", {failed} of them failed") };
+    format!("{letter}: {description}: {runs} runs{failed}")
+}
+
+/// How many pairs there are, and what was left out.
+fn pairing(pairs: &Pairs, letter: char) -> String {
+    let mut text = format!("{} pairs of runs.", pairs.runs.len());
+    let [ours, theirs] = pairs.without_partner;
+    if ours + theirs > 0 {
+        text += &format!(" Left out for want of a partner: {ours} of A, {theirs} of {letter}.");
+    }
+    let [only_a, only_other, both] = pairs.failed;
+    if only_a + only_other + both > 0 {
+        text += &format!(
+            " Left out because a run failed: {only_a} in A only, {only_other} in {letter} only, {both} in both; \
+             if runs fail where they would have gone badly, the other figures flatter."
+        );
+    }
+    text
+}
+
+fn verdict(judged: &Judged, letter: char) -> String {
+    format!("{}: {}", judged.contrast.metric.name, judged.sentence(letter))
+}
+
+fn differences(against: &AgainstA) -> Block {
+    let letter = against.letter;
+    let headings = ["Metric", "Pairs", "A", &letter.to_string(), &format!("{letter} less A"), "95% low", "95% high"];
+    let row = |judged: &Judged| {
+        let contrast = &judged.contrast;
+        let decimals = decimals(contrast);
+        let number = |value: f64| rounded(value, decimals);
+        let ends = contrast.interval.map_or(["-".into(), "-".into()], |it| [number(it.low), number(it.high)]);
+        let [ours, theirs] = contrast.means.map(number);
+        let cells = [contrast.metric.name.clone(), contrast.pairs.to_string(), ours, theirs];
+        cells.into_iter().chain([number(contrast.difference)]).chain(ends).collect()
+    };
+    Block::table(&headings, against.judged.iter().map(row).collect())
+}
+
+fn tests(against: &AgainstA) -> Block {
+    let row = |judged: &Judged| {
+        let contrast = &judged.contrast;
+        let or_dash = |value: Option<String>| value.unwrap_or_else(|| "-".into());
+        let two_decimals = |value: f64| rounded(value, 2);
+        vec![
+            contrast.metric.name.clone(),
+            or_dash(judged.p_adjusted.map(probability)),
+            method(contrast.method).into(),
+            or_dash(contrast.effect_dz.map(two_decimals)),
+            or_dash(judged.ranks_p_adjusted.map(probability)),
+            or_dash(contrast.ranks.map(|ranks| two_decimals(ranks.rank_biserial()))),
+        ]
+    };
+    let headings = ["Metric", "p", "by", "dz", "p by ranks", "r"];
+    Block::table(&headings, against.judged.iter().map(row).collect())
+}
+
+fn method(method: Method) -> &'static str {
+    match method {
+        Method::StudentisedBootstrap => "bootstrap",
+        Method::StudentsT => "Student's t",
+        Method::Ranks => "ranks",
+        Method::Answers => "McNemar",
+    }
+}
+
+/// Decimals that show the uncertainty with two digits.
+fn decimals(contrast: &Contrast) -> usize {
+    match contrast.interval {
+        Some(interval) => decimals_of(0.5 * (interval.high - interval.low)),
+        None => decimals_of(contrast.difference.abs().max(contrast.means[0].abs() * 1e-3)).min(3),
+    }
+}
+
+fn notes(against: &AgainstA) -> Vec<String> {
+    let note = |judged: &Judged| {
+        let cut_off = judged.contrast.cut_off.as_ref()?;
+        Some(format!("{}: {}", judged.contrast.metric.name, cut_off_note(cut_off, against.letter)))
+    };
+    let fewer = against.judged.iter().filter(|judged| judged.contrast.pairs < against.pairs.runs.len());
+    let fewer = fewer.map(|judged| {
+        let left_out = against.pairs.runs.len() - judged.contrast.pairs;
+        format!("{}: {left_out} pairs left out that do not have it on both sides", judged.contrast.metric.name)
+    });
+    against.judged.iter().filter_map(note).chain(fewer).collect()
+}
+
+fn cut_off_note(cut_off: &CutOff, letter: char) -> String {
+    let end = |end: Option<f64>| end.map_or("beyond the end".into(), |end| rounded(end, 0));
+    let median = |side: usize| {
+        let (low, high) = cut_off.median_intervals[side];
+        format!("{} ({} to {})", end(cut_off.medians[side]), end(low), end(high))
+    };
+    let [ours, theirs] = cut_off.counts;
+    let horizon = cut_off.horizon.map_or(String::new(), |horizon| {
+        format!("; cut off in {ours} and {theirs} runs, and longer times count as {}", rounded(horizon, 0))
+    });
+    format!("medians with 95 % intervals: A {}, {letter} {}{horizon}", median(0), median(1))
+}

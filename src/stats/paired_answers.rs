@@ -1,0 +1,122 @@
+//! Yes or no, asked twice of each pair.
+
+use crate::stats::Interval;
+use crate::stats::distributions::{binomial_at_most, normal_reach};
+
+/// How often the first and the second of a pair said yes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PairedAnswers {
+    pub both: u64,
+    pub only_first: u64,
+    pub only_second: u64,
+    pub neither: u64,
+}
+
+impl PairedAnswers {
+    pub fn add(&mut self, first: bool, second: bool) {
+        *match (first, second) {
+            (true, true) => &mut self.both,
+            (true, false) => &mut self.only_first,
+            (false, true) => &mut self.only_second,
+            (false, false) => &mut self.neither,
+        } += 1;
+    }
+
+    pub fn pairs(&self) -> u64 {
+        self.both + self.only_first + self.only_second + self.neither
+    }
+
+    /// Yes of the first, of all pairs.
+    pub fn first_yes(&self) -> u64 {
+        self.both + self.only_first
+    }
+
+    /// Yes of the second, of all pairs.
+    pub fn second_yes(&self) -> u64 {
+        self.both + self.only_second
+    }
+
+    /// Rate of the second less rate of the first; `None` without pairs.
+    pub fn rate_difference(&self) -> Option<f64> {
+        let difference = self.only_second as f64 - self.only_first as f64;
+        (self.pairs() > 0).then(|| difference / self.pairs() as f64)
+    }
+
+    /// Interval of the difference of the rates, within -1 to 1; `None` without pairs.
+    ///
+    /// Bonett, Price, "Adjusted Wald confidence interval for a difference of binomial proportions based on paired data",
+    /// Journal of Educational and Behavioral Statistics 37, 2012: one pair more in either cell that differs.
+    pub fn rate_difference_interval(&self) -> Option<Interval> {
+        if self.pairs() == 0 {
+            return None;
+        }
+        let pairs = (self.pairs() + 2) as f64;
+        let [first, second] = [self.only_first, self.only_second].map(|count| (count + 1) as f64 / pairs);
+        let difference = second - first;
+        let error = ((first + second - difference * difference) / pairs).sqrt();
+        let Interval { low, high } = Interval::about(difference, normal_reach() * error);
+        Some(Interval { low: low.max(-1.0), high: high.min(1.0) })
+    }
+
+    /// McNemar's test, exact: whether pairs that differ do so either way with equal probability; 1 if no pair differs.
+    ///
+    /// McNemar, "Note on the sampling error of the difference between correlated proportions or percentages",
+    /// Psychometrika 12, 1947, with the binomial distribution in place of its approximation.
+    pub fn mcnemar_p_value(&self) -> f64 {
+        let rarer = self.only_first.min(self.only_second);
+        (2.0 * binomial_at_most(rarer, self.only_first + self.only_second, 0.5)).min(1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stats::test_support::{assert_close, assert_interval};
+
+    const MCNEMAR: [(u64, u64, f64); 6] = [
+        (0, 5, 0.0625),
+        (3, 10, 0.09228515625),
+        (10, 3, 0.09228515625),
+        (7, 7, 1.0),
+        (120, 90, 0.045114087864840696),
+        (5200, 4800, 6.593515598672343e-05),
+    ];
+
+    fn answers(only_first: u64, only_second: u64, pairs: u64) -> PairedAnswers {
+        PairedAnswers { both: 0, only_first, only_second, neither: pairs - only_first - only_second }
+    }
+
+    #[test]
+    fn p_values_are_those_of_scipy() {
+        // `scipy.stats.binomtest(b, b + c).pvalue`
+        for (only_first, only_second, expected) in MCNEMAR {
+            assert_close(answers(only_first, only_second, 100_000).mcnemar_p_value(), expected);
+        }
+        assert_eq!(answers(0, 0, 10).mcnemar_p_value(), 1.0);
+    }
+
+    #[test]
+    fn interval_is_that_of_the_formula() {
+        // In Python: p, q = 4 / 42, 11 / 42; q - p -+ norm.ppf(0.975) * sqrt((p + q - (q - p) ** 2) / 42)
+        assert_interval(answers(3, 10, 40).rate_difference_interval(), -0.0068983608998942625, 0.34023169423322763);
+        assert_eq!(answers(3, 10, 40).rate_difference(), Some(0.175));
+    }
+
+    #[test]
+    fn answers_are_counted_in_their_cell() {
+        let mut answers = PairedAnswers::default();
+        [(true, true), (true, false), (true, false), (false, true), (false, false)]
+            .iter()
+            .for_each(|&(first, second)| answers.add(first, second));
+        assert_eq!(answers, PairedAnswers { both: 1, only_first: 2, only_second: 1, neither: 1 });
+        assert_eq!((answers.pairs(), answers.first_yes(), answers.second_yes()), (5, 3, 2));
+    }
+
+    #[test]
+    fn no_pairs_tell_nothing() {
+        let none = PairedAnswers::default();
+        assert_eq!((none.rate_difference(), none.rate_difference_interval()), (None, None));
+        let few = answers(0, 2, 2).rate_difference_interval().expect("there are pairs");
+        assert!(few.high <= 1.0 && few.low < 0.0, "{few:?}");
+    }
+}
