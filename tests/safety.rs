@@ -61,7 +61,7 @@ fn assert_pays(name: &str, map: SafetyMap, with: impl Fn(SafetySettings) -> Scen
 fn trucks_keep_farther_from_bushes_the_more_that_costs() {
     for map in [SafetyMap::Brushfire, SafetyMap::Cost] {
         assert_pays("truck", map, |safety| {
-            let mut scenario = loaded("unimog-alone", &[]);
+            let mut scenario = loaded("unimog-alone", &["unimog.planner=prm+primitives"]);
             scenario.unimog[0].safety = safety;
             scenario
         });

@@ -83,14 +83,16 @@ fn presets_differ_from_contest_only_in_what_they_are_for() {
         scenario.name = name.into();
         scenario
     };
-    assert_eq!(built_in("report-2024"), from_contest(&["fire.burn_out_s=none"], "report-2024"));
+    let places = "unimog.planner=prm+primitives";
+    assert_eq!(built_in("report-2024"), from_contest(&[places, "fire.burn_out_s=none"], "report-2024"));
     assert_eq!(built_in("dense"), from_contest(&["field.coverage=0.2"], "dense"));
     assert_eq!(built_in("wumpus-alone"), from_contest(&["unimog=[]"], "wumpus-alone"));
-    let cautious = ["unimog.safety.map=cost", "unimog.safety.weight=4"];
+    let cautious = [places, "unimog.safety.map=cost", "unimog.safety.weight=4"];
     assert_eq!(built_in("cautious"), from_contest(&cautious, "cautious"));
     let stuck = ["unimog=[]", "wumpus.planner=potential", "wumpus.potential.escape=none"];
     assert_eq!(built_in("local-minima"), from_contest(&stuck, "local-minima"));
     let coursework = [
+        places,
         "fire.spread_from=all",
         "fire.burn_out_s=30",
         "suppression.extinguishes=all-in-reach",

@@ -49,8 +49,8 @@ fn variety() -> Vec<(&'static str, Scenario)> {
 
     let mut thinkers = contest();
     thinkers.wumpus[0].seconds_per_expansion = 0.1;
-    thinkers.unimog[0].prm.seconds_per_expansion = 0.2;
-    thinkers.unimog[0].primitives.seconds_per_expansion = 0.3;
+    thinkers.unimog[0].prm_rs.seconds_per_expansion = 0.2;
+    thinkers.unimog[0].hybrid.seconds_per_expansion = 0.3;
     thinkers.unimog[0].goal = TruckGoal::Oldest;
     thinkers.fire.relight = true;
     thinkers.duration_s = 900.0;

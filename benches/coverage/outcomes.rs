@@ -34,9 +34,10 @@ pub enum Population {
 }
 
 pub fn contests() -> Result<Contests, String> {
+    let planner = |name: &str| [format!("unimog.planner={name}")];
     Ok(Contests {
-        contest: runs("contest", &[])?,
-        hybrid: runs("contest", &["unimog.planner=hybrid-astar".to_owned()])?,
+        contest: runs("contest", &planner("prm+primitives"))?,
+        hybrid: runs("contest", &planner("hybrid-astar"))?,
         original: runs("original-2024", &[])?,
     })
 }

@@ -18,7 +18,7 @@ Examples:
   wildfire batch                              the contest, five runs: two tables
   wildfire batch contest --seeds 1..1000      a thousand runs
   wildfire run contest --seed 7               one run: who won, what took time
-  wildfire run --set unimog.prm.samples=1000  another roadmap
+  wildfire run --set unimog.prm_rs.samples=1000  another roadmap
   wildfire scenarios --show contest > my.toml && wildfire check my.toml
   wildfire map brushfire map.png --png fire.png   distances to obstacles
   wildfire plan field.json --planner prm-rs,hybrid-astar   compare planners
@@ -73,7 +73,7 @@ pub struct ScenarioArguments {
     /// A scenario file, or the name of a built-in scenario.
     #[arg(value_name = "SCENARIO", default_value = "contest")]
     pub source: String,
-    /// Change a value of the scenario, such as `fire.burn_out_s=30`, `unimog.prm.samples=1000` (all trucks) or
+    /// Change a value of the scenario, such as `fire.burn_out_s=30`, `unimog.prm_rs.samples=1000` (all trucks) or
     /// `unimog.0.speed_mps=6` (the first); may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub overrides: Vec<String>,

@@ -7,10 +7,31 @@ use glam::DVec2;
 use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M};
 use crate::geometry::{Pose, ops};
 
-use super::GoalDisc;
+use super::{Goal, GoalDisc, PlanFailure};
+
+/// The poses that a drive must begin and end in, each with the clearance that the body has there: the start and, if it
+/// is a pose, the goal.
+///
+/// # Errors
+/// Which of the two has no room for the body, or is not on the field.
+pub fn free_ends(checker: &CollisionChecker, start: Pose, goal: Goal) -> Result<Vec<(Pose, f64)>, PlanFailure> {
+    let mut ends = vec![(start, free_clearance(checker, start).ok_or(PlanFailure::StartBlocked)?)];
+    match goal {
+        Goal::Pose(end) => ends.push((end, free_clearance(checker, end).ok_or(PlanFailure::GoalBlocked)?)),
+        Goal::Disc(disc) => {
+            let frame = checker.field().frame();
+            let nearest = disc.centre.clamp(DVec2::ZERO, DVec2::new(frame.width_m(), frame.height_m()));
+            let is_on_field = nearest.distance(disc.centre) <= disc.radius_m;
+            if !is_on_field {
+                return Err(PlanFailure::GoalBlocked);
+            }
+        }
+    }
+    Ok(ends)
+}
 
 /// The clearance of a pose, if the body is free there.
-pub fn free_clearance(checker: &CollisionChecker, pose: Pose) -> Option<f64> {
+fn free_clearance(checker: &CollisionChecker, pose: Pose) -> Option<f64> {
     let is_finite = pose.position().is_finite() && pose.heading.is_finite();
     Some(checker.clearance(pose)).filter(|&clearance| is_finite && clearance > 0.0)
 }

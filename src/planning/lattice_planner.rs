@@ -14,7 +14,7 @@ use crate::time::cpu::CpuStopwatch;
 use crate::vehicle::Path;
 
 use super::clearance_floor::ClearanceFloor;
-use super::ends::{free_clearance, has_free_pose};
+use super::ends::{free_ends, has_free_pose};
 use super::hybrid_astar::{Approach, Lookout};
 use super::primitives;
 use super::reachability::{CLEARANCE_M, Flood, Floods, LATTICES};
@@ -80,11 +80,7 @@ impl LatticePlanner {
     }
 
     fn find(&mut self, start: Pose, goal: Goal, lattices: usize) -> Result<Path, PlanFailure> {
-        let mut ends = vec![(start, free_clearance(&self.checker, start).ok_or(PlanFailure::StartBlocked)?)];
-        if let Goal::Pose(end) = goal {
-            ends.push((end, free_clearance(&self.checker, end).ok_or(PlanFailure::GoalBlocked)?));
-        }
-        let floor = ClearanceFloor::new(CLEARANCE_M, ends);
+        let floor = ClearanceFloor::new(CLEARANCE_M, free_ends(&self.checker, start, goal)?);
         let kept = self.floods.take().filter(|floods| floods.root() == start);
         let mut floods = kept.unwrap_or_else(|| Floods::new(&self.checker, start));
         let path = self.climb(&mut floods, goal, &floor, lattices);

@@ -8,7 +8,7 @@ use crate::geometry::Pose;
 use crate::time::cpu::CpuStopwatch;
 use crate::vehicle::Path;
 
-use super::ends::{free_clearance, has_free_pose};
+use super::ends::{free_ends, has_free_pose};
 use super::primitives::LocalSearch;
 use super::prm::{Roadmap, RoadmapScratch, Route};
 use super::{
@@ -75,10 +75,7 @@ impl PrmPrimitives {
     }
 
     fn find(&mut self, start: Pose, goal: Goal, time: &mut QueryTime) -> Result<Path, PlanFailure> {
-        free_clearance(&self.checker, start).ok_or(PlanFailure::StartBlocked)?;
-        if let Goal::Pose(end) = goal {
-            free_clearance(&self.checker, end).ok_or(PlanFailure::GoalBlocked)?;
-        }
+        free_ends(&self.checker, start, goal)?;
         let near = self.near(goal);
         let centre = self.checker.body().body_centre(start);
         let is_near = self.goal == RoadmapGoal::InReach && centre.distance(near.centre) <= near.radius_m;

@@ -239,7 +239,7 @@ mod tests {
     #[test]
     fn what_walks_and_places_cost_is_told() {
         let changes = ["wumpus.planner=potential", "wumpus.potential.escape=none", "unimog.safety.map=cost"];
-        let text = in_one_line(&of("contest", &changes));
+        let text = in_one_line(&of("report-2024", &changes));
         for words in [
             "Gradient descent on a potential field over cell centres: attraction up to 10, repulsion of strength 15",
             "in a local minimum it gives the goal up",
@@ -255,8 +255,10 @@ mod tests {
 
     #[test]
     fn a_truck_is_told_with_the_planner_that_it_uses() {
-        let roadmap = in_one_line(&of("contest", &[]));
-        assert!(roadmap.contains("Roadmap of 500 samples") && !roadmap.contains("Hybrid A*"), "{roadmap}");
+        let roadmap = in_one_line(&of("contest", &["unimog.planner=prm+primitives"]));
+        assert!(roadmap.contains("Roadmap of 500 samples") && !roadmap.contains("hybrid A*"), "{roadmap}");
+        let curves = in_one_line(&of("contest", &[]));
+        assert!(curves.contains("Roadmap of 200 poses") && curves.contains("by Reeds-Shepp curves"), "{curves}");
         let hybrid = in_one_line(&of("contest", &["unimog.planner=hybrid-astar", "unimog.hybrid.shortcuts=50"]));
         assert!(hybrid.contains("Hybrid A* with motions of 4 m") && hybrid.contains("then 50 shortcuts"), "{hybrid}");
         assert!(!hybrid.contains("Roadmap of"), "{hybrid}");

@@ -182,13 +182,13 @@ mod tests {
             ("contest", vec!["wumpus=[]"], "Nothing ever burns"),
             ("unimog-alone", vec!["duration_s=3400"], "1 of the ignitions come after"),
             ("fleet", vec!["unimog.start.x_m=100", "unimog.start.y_m=100"], "Trucks 0 and 1 start on top"),
-            ("contest", vec!["unimog.prm.clearance_m=1"], "keeps 1 m clear"),
+            ("report-2024", vec!["unimog.prm.clearance_m=1"], "keeps 1 m clear"),
             (
                 "contest",
                 vec!["wumpus.planner=wavefront", "wumpus.heuristic_weight=2"],
                 "The `heuristic` and `heuristic_weight` of Wumpus 0 do nothing",
             ),
-            ("contest", vec!["unimog.hybrid.step_m=2"], "The `hybrid` of truck 0 does nothing"),
+            ("report-2024", vec!["unimog.hybrid.step_m=2"], "The `hybrid` of truck 0 does nothing"),
             (
                 "contest",
                 vec!["unimog.planner=hybrid-astar", "unimog.safety.map=cost"],

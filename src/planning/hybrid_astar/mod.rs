@@ -27,7 +27,7 @@ use crate::time::cpu::CpuStopwatch;
 use crate::vehicle::{Dimensions, Path};
 
 use super::clearance_floor::ClearanceFloor;
-use super::ends::{free_clearance, free_poses, has_free_pose};
+use super::ends::{free_ends, free_poses, has_free_pose};
 use super::improve::Improver;
 use super::primitives::{self, Ending};
 use super::reachability::{LATTICES, Lattice};
@@ -83,11 +83,7 @@ impl HybridAstar {
     }
 
     fn find(&mut self, start: Pose, goal: Goal) -> Result<Path, PlanFailure> {
-        let start_clearance = free_clearance(&self.checker, start).ok_or(PlanFailure::StartBlocked)?;
-        let mut ends = vec![(start, start_clearance)];
-        if let Goal::Pose(end) = goal {
-            ends.push((end, free_clearance(&self.checker, end).ok_or(PlanFailure::GoalBlocked)?));
-        }
+        let ends = free_ends(&self.checker, start, goal)?;
         if let Some(path) = self.straight_away(start, goal, &ends) {
             return Ok(path);
         }
@@ -363,7 +359,8 @@ mod tests {
         let mut planner = planner(&field, 2);
         for wild in [f64::NAN, f64::INFINITY, -1e300, 1e9, -5.0] {
             let disc = GoalDisc { centre: DVec2::new(wild, 20.0), radius_m: 3.0 };
-            assert_eq!(planner.plan(field.start, disc.into()).path, Err(PlanFailure::GoalBlocked), "{wild}");
+            let plan = planner.plan(field.start, disc.into());
+            assert_eq!((plan.path, plan.effort), (Err(PlanFailure::GoalBlocked), Effort::default()), "{wild}");
             let pose = Goal::Pose(Pose { x: wild, y: 5.0, heading: 0.0 });
             assert_eq!(planner.plan(field.start, pose).path, Err(PlanFailure::GoalBlocked), "{wild}");
             let turned = Goal::Pose(Pose { heading: if wild.is_finite() { f64::NAN } else { wild }, ..field.start });

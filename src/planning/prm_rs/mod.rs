@@ -30,7 +30,7 @@ use crate::time::cpu::CpuStopwatch;
 use crate::vehicle::Path;
 
 use super::clearance_floor::ClearanceFloor;
-use super::ends::free_clearance;
+use super::ends::free_ends;
 use super::hybrid_astar::Lookout;
 use super::improve::Improver;
 use super::{
@@ -103,10 +103,7 @@ impl PrmRs {
 
     /// A path by way of the roadmap, or straight away, and the floor that it keeps.
     fn find(&mut self, start: Pose, goal: Goal) -> Option<(Path, Option<ClearanceFloor>)> {
-        let mut ends = vec![(start, free_clearance(&self.checker, start)?)];
-        if let Goal::Pose(end) = goal {
-            ends.push((end, free_clearance(&self.checker, end)?));
-        }
+        let ends = free_ends(&self.checker, start, goal).ok()?;
         for level in 0..LEVELS {
             let floor = ClearanceFloor::new(self.roadmap.clearance_m(level), ends.iter().copied());
             if level == 0
