@@ -235,3 +235,24 @@ fn a_truck_that_rests_in_a_gate_gives_way() {
     let rests_at = timeline.state_at(timeline.end_time()).agents[0].pose;
     assert!(rests_at.position().distance(gate.position()) > 3.0, "{rests_at:?}");
 }
+
+#[test]
+fn a_truck_that_has_arrived_keeps_its_fire_even_if_another_ignites_at_that_instant() {
+    let body = Dimensions::default();
+    let trucks = [(body, Pose::new(20.0, 62.5, 0.0))];
+    let (far, near) = (Cell { col: 23, row: 12 }, Cell { col: 20, row: 12 });
+    let with = |fires: &[(f64, Cell)]| {
+        let mut scenario = drill(&open_field(24, &[far, near]), 5.0, &trucks, fires);
+        scenario.unimog[0].retarget = wildfire::scenario::Retarget::OnEvent;
+        run(&scenario, 1)
+    };
+    let arrival = |timeline: &Timeline| {
+        let mut arrivals = timeline.events.iter().filter(|event| matches!(event.fact, Fact::Suppressing { .. }));
+        arrivals.next().expect("it arrives").time
+    };
+    let alone = arrival(&with(&[(0.0, far)]));
+    let timeline = with(&[(0.0, far), (alone.as_seconds(), near)]);
+    assert_eq!(arrival(&timeline), alone);
+    assert_eq!(count(&timeline, |fact| matches!(fact, Fact::Dropped { .. })), 0, "{:#?}", timeline.events);
+    assert_goes_well(&timeline);
+}

@@ -269,13 +269,7 @@ fn place_truck(
     }
     let truck = Truck {
         body: settings.vehicle,
-        speed: SpeedLimits {
-            forward_mps: settings.speed_mps,
-            reverse_mps: settings.reverse_speed_mps,
-            acceleration_mps2: settings.limits.acceleration_mps2,
-            braking_mps2: settings.limits.braking_mps2,
-            lateral_mps2: settings.limits.lateral_mps2,
-        },
+        speed: settings.speed_limits(),
         policy: settings.goal,
         retargets: settings.retarget == Retarget::OnEvent,
         reach_m: scenario.suppression.reach_m.unwrap_or(f64::INFINITY),

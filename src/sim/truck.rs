@@ -213,7 +213,9 @@ pub fn decide(
     if let Some(goal) = agent.goal {
         // The goal may itself be one that the planner had set aside and the flood reached.
         let best = situation.best(truck.policy, centre, |cell| cell == goal || !truck.set_aside.contains(&cell));
-        if best != Some(goal) {
+        // Something may have ignited just as it arrived.
+        let is_on_its_way = agent.activity != Activity::Suppressing;
+        if is_on_its_way && best != Some(goal) {
             let cut = situation.traffic.stopping(&truck.body, &agent.trajectory, now, truck.speed.braking_mps2);
             agent.break_off(entity, now, cut, agenda, log);
         }

@@ -7,7 +7,8 @@
 //! 2000), and the curves into the goal wait in the same queue, at what the whole path would cost.
 //!
 //! Searches come in a ladder: where the wanted clearance leads nowhere, less is asked for, from both ends in turn. Then
-//! the flood of [`super::lattice_planner`] is asked; the last searches are on a fine lattice. What is found is improved by shortcuts under the same clearance.
+//! the flood of [`super::lattice_planner`] is asked; the last searches are on a fine lattice. What is found is improved
+//! by shortcuts under the same clearance.
 //!
 //! Poses are those of the rear axle, places in a goal disc those of the body's centre; world frame, metres.
 

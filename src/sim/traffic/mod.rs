@@ -32,6 +32,9 @@ const WAIT_STEP_S: f64 = 0.5;
 /// A truck that may not stop at once tries again after so many seconds on its way.
 const STOP_STEP_S: f64 = 0.25;
 
+/// Where that many tries do not suffice, because a truck is very slow, steps are longer.
+const MOST_STEPS: f64 = 1000.0;
+
 /// Where a truck is and will be.
 #[derive(Clone, Debug)]
 pub struct Reservation {
@@ -108,8 +111,9 @@ impl<'a> Traffic<'a> {
         }
         let last = self.others().map(|other| other.leg.end_time()).max().unwrap_or_default();
         let longest_s = last.since(leg.start_time()).min(patience).as_seconds();
-        let steps = (longest_s / WAIT_STEP_S).ceil() as u32;
-        let mut later = (1..=steps).map(|step| leg.after_waiting(f64::from(step) * WAIT_STEP_S));
+        let step_s = WAIT_STEP_S.max(longest_s / MOST_STEPS);
+        let steps = (longest_s / step_s).ceil() as u32;
+        let mut later = (1..=steps).map(|step| leg.after_waiting(f64::from(step) * step_s));
         later.find(|leg| met(leg).is_none()).ok_or(first.id)
     }
 
@@ -126,7 +130,8 @@ impl<'a> Traffic<'a> {
         }
         let begin = now.max(leg.start_time());
         let left_s = leg.end_time().since(begin).as_seconds();
-        let times = (1..).map(|step| f64::from(step) * STOP_STEP_S).take_while(|&after_s| after_s < left_s);
+        let step_s = STOP_STEP_S.max(left_s / MOST_STEPS);
+        let times = (1..).map(|step| f64::from(step) * step_s).take_while(|&after_s| after_s < left_s);
         let mut cuts = times.map(|after_s| leg.stopping(begin + SimTime::from_seconds(after_s), braking));
         cuts.find(may).unwrap_or_else(|| leg.clone())
     }
