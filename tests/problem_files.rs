@@ -87,6 +87,16 @@ fn what_a_problem_leaves_out_is_as_the_truck_has_it() {
 }
 
 #[test]
+fn a_byte_order_mark_and_windows_line_ends_change_nothing() {
+    let files = Files::new();
+    let marked = files.open(&format!("\u{FEFF}{}", WHOLE.replace('\n', "\r\n")));
+    let plain = files.open(WHOLE);
+    assert_eq!((marked.start, marked.goals), (plain.start, plain.goals));
+    assert_eq!(marked.terrain.occupied, plain.terrain.occupied);
+    assert_eq!(line(&files.refused(&format!("\u{FEFF}{}", with("\"width\": 2.0", "\"width\": -2.0")))), 5);
+}
+
+#[test]
 fn null_is_not_a_number_and_planners_may_say_so() {
     let files = Files::new();
     assert!(files.open(&with("20, 30.5, 7", "20, null, 7")).start.y.is_nan());
@@ -112,6 +122,15 @@ fn broken_json_is_refused_where_it_breaks() {
     ] {
         let error = files.refused(&text);
         assert_eq!(line(&error), at, "{error}");
+    }
+}
+
+#[test]
+fn a_text_map_or_a_list_is_said_to_be_no_object() {
+    let files = Files::new();
+    for text in ["", "\n", "..#\n#..\n", "010\n", "[null, null, [50, 50, 0], []]", "\"text\""] {
+        let error = files.refused(text).to_string();
+        assert!(error.contains("a field file is one JSON object"), "{text}: {error}");
     }
 }
 
@@ -148,6 +167,7 @@ fn values_that_cannot_be_are_refused_where_they_stand() {
         ("20.0, 10]", "20.0, null]", 17, "`goals.1.disc.2` is NaN"),
         ("\"field\": 7", "\"field\": [7]", 2, "expected a number or a text in quotes"),
         ("\"field\": 7", "\"field\": \"\"", 2, "`field` is \"\"; expected a line of 1 to 100 characters"),
+        ("\"n\": 20", "\"n\": 1e9", 2, "`n` is 1000000000.0; expected a whole number from 0"),
         ("\"n\": 20", "\"n\": 21", 1, "how many cells it has"),
         ("\"size_m\": 100, \"cell_m\": 5, \"n\": 20", "\"cell_m\": 2000, \"n\": 20", 2, "`cell_m` is 2000"),
         ("\"size_m\": 100, \"cell_m\": 5, \"n\": 20", "\"cell_m\": 900, \"n\": 20", 2, "search of at most 1e8 bins"),

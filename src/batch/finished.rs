@@ -197,7 +197,14 @@ fn outcome_columns() -> impl Iterator<Item = (&'static str, fn(&RunRow) -> crate
 }
 
 fn unreadable(path: &Path, error: csv::Error) -> FinishedError {
-    FinishedError::Unreadable { path: path.to_owned(), source: error.into() }
+    let path = path.to_owned();
+    match error.kind() {
+        csv::ErrorKind::UnequalLengths { pos: Some(place), expected_len, len } => {
+            let reason = format!("line {}: {len} fields; expected {expected_len}", place.line());
+            FinishedError::OtherRows { path, reason }
+        }
+        _ => FinishedError::Unreadable { path, source: error.into() },
+    }
 }
 
 /// The recordings in a folder, shorter names first, so that numbered ones are in the order of their numbers.

@@ -13,6 +13,8 @@ use thiserror::Error;
 
 use super::field::MAX_CELLS_A_SIDE;
 use super::json_place::{character_at, offset};
+use super::path::FieldPath;
+use super::wording::fault_of;
 use crate::geometry::FieldFrame;
 use crate::grid::Grid;
 
@@ -166,17 +168,25 @@ impl Measures {
 }
 
 fn parse_json(text: &str, cell_m: f64) -> Result<GivenField, MapError> {
-    let located = |error: serde_json::Error| {
-        let at = offset(text, error.line(), error.column());
-        let message = error.to_string();
-        let message = message.rsplit_once(" at line ").map_or(message.clone(), |(sentence, _)| sentence.into());
-        MapFault::Json { message }.at(character_at(text, at))
-    };
-    let measures: Measures = serde_json::from_str(text).map_err(located)?;
+    let mut json = serde_json::Deserializer::from_str(text);
+    let measures: Measures = serde_path_to_error::deserialize(&mut json)
+        .map_err(|error| json_fault(text, error.inner(), FieldPath::of_serde(error.path())))?;
+    let located = |error: serde_json::Error| json_fault(text, &error, FieldPath::default());
+    json.end().map_err(located)?;
     let frame = measures.frame(cell_m).map_err(|fault| fault.at(0..0))?;
     let mut json = serde_json::Deserializer::from_str(text);
     let occupied = Bushes(frame).deserialize(&mut json).map_err(located)?;
     Ok(GivenField { frame, occupied })
+}
+
+/// What the reader of JSON reports; of a member with a name in the words of all other values.
+fn json_fault(text: &str, error: &serde_json::Error, path: FieldPath) -> MapError {
+    let at = offset(text, error.line(), error.column());
+    let message = error.to_string();
+    let sentence = message.rsplit_once(" at line ").map_or(message.as_str(), |(sentence, _)| sentence);
+    let is_of_a_member = error.is_data() && path != FieldPath::default();
+    let message = if is_of_a_member { fault_of(sentence, path).0.to_string() } else { sentence.to_owned() };
+    MapFault::Json { message }.at(character_at(text, at))
 }
 
 /// Reads the bushes of a JSON map whose size is known, so that a cell outside is reported where it stands.
@@ -302,6 +312,10 @@ mod tests {
         let (found, at) = fault("{\"n\": 3,\n \"cells_cr\": [[0, -1]]}");
         assert!(found.to_string().contains("invalid value"), "{found}");
         assert!(at > 9);
+        let (found, at) = fault("{\"n\": 2.5, \"cells_cr\": []}");
+        assert!(found.to_string().contains("`n` is 2.5; expected a whole number"), "{found}");
+        assert!((6..=8).contains(&at), "{at}");
+        assert!(matches!(fault("{\"n\": 3, \"cells_cr\": []} 4").0, MapFault::Json { .. }));
         assert_eq!(fault("{\"cells_cr\": []}").0, MapFault::NoSize);
         assert_eq!(fault("{\"n\": 0, \"cells_cr\": []}").0, MapFault::NoSize);
         assert_eq!(fault("{\"n\": 3, \"size_m\": 11, \"cells_cr\": []}").0, MapFault::NoSize);

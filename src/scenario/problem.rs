@@ -147,6 +147,12 @@ impl ProblemFile<'_> {
     }
 
     fn members(&self) -> Read<Members> {
+        // A list would be read as the members in their order.
+        let start = self.text.len() - self.text.trim_start().len();
+        if !self.text[start..].starts_with('{') {
+            let message = "a field file is one JSON object, with `cells_cr`, `start` and `goals`".to_owned();
+            return Err(Fault::Rule { message }.at(self.at(character_at(self.text, start))));
+        }
         let mut json = serde_json::Deserializer::from_str(self.text);
         let members = serde_path_to_error::deserialize(&mut json)
             .map_err(|error| self.unreadable(error.inner(), FieldPath::of_serde(error.path())))?;

@@ -27,6 +27,9 @@ pub const MAX_SCENARIO_BYTES: u64 = 2_000_000;
 /// Longest map that is read.
 pub const MAX_MAP_BYTES: u64 = 16_000_000;
 
+/// What some editors write before a text; nobody sees it, and it is no part of the text.
+const BYTE_ORDER_MARK: char = '\u{FEFF}';
+
 /// The text of a scenario and what to call it.
 pub(super) struct Source {
     /// As messages name it: the path, or the file's name in the program's `scenarios` folder.
@@ -57,7 +60,7 @@ impl Source {
     }
 }
 
-/// A file's text; one of more bytes than `most` is refused.
+/// A file's text without a byte order mark; one of more bytes than `most` is refused.
 pub(super) fn read_text(path: &Path, most: u64) -> Result<String, Fault> {
     let shown = path.display().to_string();
     let unreadable = |error: std::io::Error| Fault::Unreadable { path: shown.clone(), reason: error.to_string() };
@@ -70,5 +73,10 @@ pub(super) fn read_text(path: &Path, most: u64) -> Result<String, Fault> {
     if bytes.len() as u64 > most {
         return Err(Fault::TooLarge { path: shown, megabytes: most / 1_000_000 });
     }
-    String::from_utf8(bytes).map_err(|error| Fault::NotText { path: shown, byte: error.utf8_error().valid_up_to() })
+    let mut text = String::from_utf8(bytes)
+        .map_err(|error| Fault::NotText { path: shown, byte: error.utf8_error().valid_up_to() })?;
+    if text.starts_with(BYTE_ORDER_MARK) {
+        text.remove(0);
+    }
+    Ok(text)
 }

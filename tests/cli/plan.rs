@@ -243,7 +243,7 @@ fn questions_that_make_no_sense_are_refused() {
         ("plan broken.json --csv a.csv", &["broken.json:3", "this is not JSON"] as &[&str]),
         ("plan nothing.json", &["nothing.json", "cannot be read"]),
         ("plan empty.json", &["`empty` has no goals", "--cells"]),
-        ("plan empty.json --cells 3", &["`empty` has no bushes"]),
+        ("plan empty.json --cells 3", &["`empty` has no bushes", "leave out --cells"]),
         ("plan mine.json again.json", &["again.json", "another field is called `mine`"]),
         ("plan mine.json --planner rrt", &["--planner", "prm-rs", "hybrid-astar"]),
         ("plan mine.json --goals 3", &["--goals"]),

@@ -38,8 +38,10 @@ pub fn load(arguments: &PlanArguments, scenario: &Scenario) -> Result<Vec<Proble
     match problems.iter().find(|problem| problem.goals.is_empty()) {
         None => Ok(problems),
         Some(problem) => {
-            let what = if arguments.cells.is_some() { "bushes" } else { "goals" };
-            let help = "list `goals`, or drive to bushes with --cells";
+            let (what, help) = match arguments.cells {
+                Some(_) => ("bushes", "leave out --cells, to drive to poses"),
+                None => ("goals", "list `goals`, or drive to bushes with --cells"),
+            };
             Err(Failure::bad_input(format_args!("the field `{}` has no {what}", problem.name), Some(help)))
         }
     }
