@@ -1,6 +1,7 @@
 //! A sheet of pixels and the few ways to draw on it.
 //!
-//! Pixel (0, 0) is at the upper left; pixel (x, y) covers x to x + 1 and y to y + 1. All drawing is opaque.
+//! Pixel (0, 0) is at the upper left; pixel (x, y) covers x to x + 1 and y to y + 1. All drawing is opaque, but for
+//! [`Canvas::fill_through`].
 
 use tiny_skia::{
     Color, FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, Rect, Stroke, StrokeDash, Transform,
@@ -48,6 +49,15 @@ impl Canvas {
         }
     }
 
+    /// Fills the area inside a closed line with an opacity from 0 to 1.
+    pub fn fill_through(&mut self, corners: &[Point], colour: Rgb, opacity: f32) {
+        if let Some(area) = closed(corners) {
+            let mut paint = paint(colour);
+            paint.shader.apply_opacity(opacity);
+            self.pixels.fill_path(&area, &paint, FillRule::Winding, Transform::identity(), None);
+        }
+    }
+
     /// Fills the area inside a closed line with pixels that it covers by their centre, so that areas side by side show
     /// no seam.
     pub fn fill_hard(&mut self, corners: &[Point], colour: Rgb) {
@@ -79,7 +89,12 @@ impl Canvas {
 
     /// Draws a line of straight pieces in dashes that are as long as the gaps between them, three widths.
     pub fn dashed(&mut self, points: &[Point], width: f32, colour: Rgb) {
-        let dash = StrokeDash::new(vec![3.0 * width; 2], 0.0);
+        self.dashed_by(points, width, colour, vec![3.0 * width; 2]);
+    }
+
+    /// Draws a line of straight pieces in dashes; lengths of dashes and gaps in pixels, an even number of them.
+    pub fn dashed_by(&mut self, points: &[Point], width: f32, colour: Rgb, lengths: Vec<f32>) {
+        let dash = StrokeDash::new(lengths, 0.0);
         let stroke = Stroke { width, dash, line_join: LineJoin::Round, ..Stroke::default() };
         self.stroke_with(open(points), &stroke, colour);
     }

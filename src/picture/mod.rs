@@ -1,9 +1,11 @@
-//! Pictures drawn on the CPU: grid maps, their legends, surfaces; ways of a vehicle, drives on a field.
+//! Pictures drawn on the CPU: grid maps, their legends, surfaces; ways of a vehicle, drives on a field;
+//! [`charts`].
 //!
 //! The same scene gives the same picture on every machine, byte for byte: drawing uses only arithmetic that is exact to
 //! the standard, and trigonometry from [`crate::geometry::ops`].
 
 mod canvas;
+pub mod charts;
 mod colours;
 mod curves;
 mod drives;

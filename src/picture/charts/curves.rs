@@ -1,0 +1,145 @@
+//! Curves over a number, with bands or whiskers.
+
+use super::axes::Scale;
+use super::bars::draw_whisker;
+use super::drawing::Drawing;
+use super::sheet::{Layout, Plot, Swatch};
+use super::style::Style;
+use super::{Estimate, Titles};
+use crate::picture::canvas::Point;
+
+const HEIGHT: f32 = 280.0;
+const LEFT: f32 = 48.0;
+const BAND: f32 = 0.2;
+/// How far marks of curves at one place stand apart.
+const APART: f32 = 9.0;
+
+/// Curves in one pair of axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CurveChart {
+    pub titles: Titles,
+    pub spread: Spread,
+    pub curves: Vec<Curve>,
+}
+
+/// How intervals are shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Spread {
+    /// Of many points: a band.
+    Bands,
+    /// Of few points, which are marked.
+    Whiskers,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    pub name: String,
+    pub style: Style,
+    /// Ascending along the x axis.
+    pub points: Vec<(f64, Estimate)>,
+}
+
+impl CurveChart {
+    pub fn draw(&self) -> Drawing {
+        let swatch = if self.spread == Spread::Bands { Swatch::Line } else { Swatch::MarkedLine };
+        let key = self.curves.iter().map(|curve| (curve.style, curve.name.as_str())).collect();
+        let layout = Layout { titles: &self.titles, swatch, key, left: LEFT, height: HEIGHT };
+        let (mut drawing, plot) = layout.draw();
+        let points = || self.curves.iter().flat_map(|curve| &curve.points);
+        let y = Scale::around(points().map(|(_, estimate)| estimate.range())).with_near_zero();
+        let x = Scale::around(points().map(|&(x, _)| (x, x)));
+        let axes = Axes { plot, x: if self.spread == Spread::Bands { exact(x, points()) } else { x }, y };
+        plot.draw_y_axis(&mut drawing, axes.y);
+        plot.draw_x_axis(&mut drawing, axes.x);
+        plot.draw_base(&mut drawing);
+        match self.spread {
+            Spread::Bands => axes.draw_bands(&mut drawing, &self.curves),
+            Spread::Whiskers => axes.draw_marked(&mut drawing, &self.curves),
+        }
+        drawing
+    }
+}
+
+/// The scale without room at its ends.
+fn exact<'a>(scale: Scale, points: impl Iterator<Item = &'a (f64, Estimate)>) -> Scale {
+    let ends = points.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &(x, _)| (low.min(x), high.max(x)));
+    if ends.0 < ends.1 { Scale { low: ends.0, high: ends.1 } } else { scale }
+}
+
+struct Axes {
+    plot: Plot,
+    x: Scale,
+    y: Scale,
+}
+
+impl Axes {
+    fn line<'a>(
+        &'a self,
+        curve: &'a Curve,
+        value: fn(&Estimate) -> f64,
+    ) -> impl DoubleEndedIterator<Item = Point> + 'a {
+        let at = move |(x, estimate): &(f64, Estimate)| (self.plot.x(self.x, *x), self.plot.y(self.y, value(estimate)));
+        curve.points.iter().map(at)
+    }
+
+    fn draw_bands(&self, drawing: &mut Drawing, curves: &[Curve]) {
+        curves.iter().for_each(|curve| self.draw_band(drawing, curve));
+        for curve in curves {
+            curve.style.line(drawing, self.line(curve, |estimate| estimate.value).collect());
+        }
+    }
+
+    /// Curves a little beside each other, so that whiskers at one place are all seen.
+    fn draw_marked(&self, drawing: &mut Drawing, curves: &[Curve]) {
+        for (index, curve) in curves.iter().enumerate() {
+            let aside = APART * (index as f32 - 0.5 * (curves.len() - 1) as f32);
+            let places: Vec<Point> = self.line(curve, |estimate| estimate.value).map(|(x, y)| (x + aside, y)).collect();
+            curve.style.line(drawing, places.clone());
+            for ((_, estimate), &(x, y)) in curve.points.iter().zip(&places) {
+                if let Some((low, high)) = estimate.interval {
+                    let ends = [self.plot.y(self.y, low), self.plot.y(self.y, high)];
+                    draw_whisker(drawing, x, ends, 4.0, curve.style.colour);
+                }
+                curve.style.mark(drawing, (x, y), 4.0);
+            }
+        }
+    }
+
+    fn draw_band(&self, drawing: &mut Drawing, curve: &Curve) {
+        let low = self.line(curve, |estimate| estimate.interval.map_or(estimate.value, |(low, _)| low));
+        let high = self.line(curve, |estimate| estimate.interval.map_or(estimate.value, |(_, high)| high));
+        let outline: Vec<Point> = low.chain(high.rev()).collect();
+        drawing.area(outline, curve.style.colour, BAND);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::picture::charts::STYLES;
+    use crate::picture::charts::drawing::Mark;
+
+    #[test]
+    fn curve_lies_in_its_band() {
+        let point = |index: u32| {
+            let value = f64::from(index * index);
+            (f64::from(index), Estimate { value, interval: Some((value - 1.0, value + 2.0)) })
+        };
+        let curve = Curve { name: "one".into(), style: STYLES[0], points: (0..10).map(point).collect() };
+        let chart = CurveChart { titles: Titles::default(), spread: Spread::Bands, curves: vec![curve] };
+        let drawing = chart.draw();
+        let band = drawing.marks.iter().find_map(|mark| match mark {
+            Mark::Area { corners, .. } => Some(corners.clone()),
+            _ => None,
+        });
+        let line = drawing.marks.iter().rev().find_map(|mark| match mark {
+            Mark::Line { points, .. } => Some(points.clone()),
+            _ => None,
+        });
+        let (band, line) = (band.expect("a band"), line.expect("a line"));
+        for (index, (x, y)) in line.iter().enumerate() {
+            let (low, high) = (band[index], band[band.len() - 1 - index]);
+            assert!(low.0 == *x && high.0 == *x && low.1 >= *y && *y >= high.1, "{index}");
+        }
+    }
+}

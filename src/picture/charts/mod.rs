@@ -1,0 +1,48 @@
+//! Charts: bars, curves and distributions, each with its uncertainty.
+//!
+//! A chart becomes a [`Drawing`], a list of marks, which is written as SVG and painted as a picture: one geometry for
+//! both. Series differ in colour, and in hatching, dashes or the shape of their marks too, so that charts can be read in
+//! grey print; the colours are those of Okabe and Ito ("Color Universal Design", 2008), chosen for the colour-blind.
+
+mod axes;
+mod bars;
+mod curves;
+mod drawing;
+mod paint;
+mod sheet;
+mod strips;
+mod style;
+mod svg;
+
+pub use bars::{BarChart, BarSeries};
+pub use curves::{Curve, CurveChart, Spread};
+pub use drawing::Drawing;
+pub use strips::{Strip, StripChart};
+pub use style::{STYLES, Style};
+
+/// What is written around a chart.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Titles {
+    pub title: String,
+    /// How the chart is to be read, in one line.
+    pub note: String,
+    /// What the axes show, with units.
+    pub x: String,
+    pub y: String,
+}
+
+/// A value and the interval about it, in the units of its axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    pub value: f64,
+    /// `None` where it is not known.
+    pub interval: Option<(f64, f64)>,
+}
+
+impl Estimate {
+    /// The least and the greatest value that it shows.
+    fn range(&self) -> (f64, f64) {
+        let (low, high) = self.interval.unwrap_or((self.value, self.value));
+        (low.min(self.value), high.max(self.value))
+    }
+}

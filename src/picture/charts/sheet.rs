@@ -1,0 +1,152 @@
+//! The sheet of a chart: title, note, key, and the plot that they leave room for.
+
+use super::Titles;
+use super::drawing::Drawing;
+use super::style::Style;
+use crate::picture::colours::{FAINT_INK, INK, Rgb};
+use crate::picture::text::{Align, measure};
+
+/// Height of capitals in numbers and names, notes, titles.
+pub const LABEL: f32 = 8.5;
+const TITLE: f32 = 12.0;
+const NOTE_INK: Rgb = [92, 92, 98];
+
+const WIDTH: f32 = 720.0;
+const MARGIN: f32 = 18.0;
+const LINE: f32 = 19.0;
+const SWATCH: f32 = 26.0;
+/// What common fonts take, which SVG is shown in, to what the project's own takes.
+const FONTS: f32 = 1.12;
+
+/// Where values are drawn, in units from the upper left corner of the sheet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plot {
+    pub left: f32,
+    pub top: f32,
+    pub right: f32,
+    pub bottom: f32,
+}
+
+/// How a series is shown in the key.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Swatch {
+    Bar,
+    Line,
+    MarkedLine,
+}
+
+/// What a sheet has besides its plot.
+pub struct Layout<'a> {
+    pub titles: &'a Titles,
+    pub swatch: Swatch,
+    pub key: Vec<(Style, &'a str)>,
+    /// Units to the left of the plot, and its height.
+    pub left: f32,
+    pub height: f32,
+}
+
+impl Layout<'_> {
+    /// Draws everything around the plot.
+    pub fn draw(&self) -> (Drawing, Plot) {
+        let rows = self.key_rows();
+        let key_top = MARGIN + TITLE + 2.0 * LINE;
+        let top = key_top + rows.len() as f32 * LINE + if self.titles.y.is_empty() { 0.0 } else { LINE };
+        let plot = Plot { left: MARGIN + self.left, top, right: WIDTH - MARGIN, bottom: top + self.height };
+        let below = if self.titles.x.is_empty() { LINE + 6.0 } else { 2.0 * LINE + 6.0 };
+        let mut drawing = Drawing::new(WIDTH, plot.bottom + below + MARGIN, &self.titles.title);
+        drawing.text(
+            &fitted(&self.titles.title, WIDTH - 2.0 * MARGIN, TITLE),
+            (MARGIN, MARGIN + TITLE),
+            Align::Left,
+            TITLE,
+            INK,
+        );
+        let note_at = (MARGIN, MARGIN + TITLE + LINE);
+        drawing.text(&self.titles.note, note_at, Align::Left, LABEL, NOTE_INK);
+        for (index, row) in rows.iter().enumerate() {
+            self.draw_key_row(&mut drawing, row, key_top + index as f32 * LINE);
+        }
+        drawing.text(&self.titles.y, (MARGIN, top - 10.0), Align::Left, LABEL, INK);
+        let x_at = (0.5 * (plot.left + plot.right), plot.bottom + LINE + 8.0 + LABEL);
+        drawing.text(&self.titles.x, x_at, Align::Centre, LABEL, INK);
+        (drawing, plot)
+    }
+
+    /// Entries of the key, as many in a row as it holds; none where there is a single series.
+    fn key_rows(&self) -> Vec<Vec<&(Style, &str)>> {
+        let mut rows: Vec<Vec<&(Style, &str)>> = Vec::new();
+        let mut used = f32::INFINITY;
+        for entry in self.key.iter().filter(|_| self.key.len() > 1) {
+            let width = entry_width(entry.1);
+            if used + width > WIDTH - 2.0 * MARGIN {
+                rows.push(Vec::new());
+                used = 0.0;
+            }
+            used += width;
+            rows.last_mut().expect("there is a row by now").push(entry);
+        }
+        rows
+    }
+
+    fn draw_key_row(&self, drawing: &mut Drawing, row: &[&(Style, &str)], base: f32) {
+        let mut x = MARGIN;
+        for (style, name) in row {
+            let middle = base - LABEL / 2.0;
+            match self.swatch {
+                Swatch::Bar => style.fill_rect(drawing, (x, middle - 6.0), (x + SWATCH - 6.0, middle + 6.0)),
+                Swatch::Line | Swatch::MarkedLine => style.line(drawing, vec![(x, middle), (x + SWATCH, middle)]),
+            }
+            if self.swatch == Swatch::MarkedLine {
+                style.mark(drawing, (x + SWATCH / 2.0, middle), 4.0);
+            }
+            drawing.text(&key_name(name), (x + SWATCH + 6.0, base), Align::Left, LABEL, INK);
+            x += entry_width(name);
+        }
+    }
+}
+
+fn key_name(name: &str) -> String {
+    fitted(name, WIDTH - 2.0 * MARGIN - SWATCH - 6.0, LABEL)
+}
+
+fn entry_width(name: &str) -> f32 {
+    SWATCH + 6.0 + width_of(&key_name(name), LABEL) + 16.0
+}
+
+/// How far a text reaches at most, in whatever font.
+pub fn width_of(text: &str, height: f32) -> f32 {
+    FONTS * measure(text, height)
+}
+
+/// The text, cut where it is wider than `width`.
+pub fn fitted(text: &str, width: f32, height: f32) -> String {
+    if width_of(text, height) <= width {
+        return text.to_owned();
+    }
+    let mut short = String::new();
+    for letter in text.chars() {
+        short.push(letter);
+        if width_of(&format!("{short}..."), height) > width {
+            short.pop();
+            break;
+        }
+    }
+    format!("{}...", short.trim_end())
+}
+
+/// A line across the plot that separates.
+pub fn rule(drawing: &mut Drawing, plot: &Plot, y: f32) {
+    drawing.line(vec![(plot.left, y), (plot.right, y)], 1.0, FAINT_INK);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_names_are_cut_to_their_room() {
+        assert_eq!(fitted("short", 200.0, LABEL), "short");
+        let cut = fitted(&"long ".repeat(100), 200.0, LABEL);
+        assert!(cut.ends_with("...") && width_of(&cut, LABEL) <= 200.0, "{cut}");
+    }
+}

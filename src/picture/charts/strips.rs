@@ -1,0 +1,121 @@
+//! Distributions, one below the other: a histogram, and quantiles under it.
+
+use super::Titles;
+use super::axes::Scale;
+use super::drawing::Drawing;
+use super::sheet::{LABEL, Layout, Plot, Swatch, fitted, rule, width_of};
+use super::style::{STYLES, Style};
+use crate::picture::colours::{INK, PAPER};
+use crate::picture::text::Align;
+
+/// Heights in units: of a histogram with its quantiles, of its highest column.
+const ROW: f32 = 74.0;
+const ONE_ROW: f32 = 150.0;
+const QUANTILES: f32 = 16.0;
+/// What a row keeps free above its columns, for a number.
+const ABOVE: f32 = 16.0;
+const MOST_COLUMNS: usize = 48;
+const WIDEST_NAME: f32 = 210.0;
+
+/// Distributions over one axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StripChart {
+    pub titles: Titles,
+    pub strips: Vec<Strip>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Strip {
+    pub name: String,
+    /// Ascending.
+    pub values: Vec<f64>,
+    /// At 5, 25, 50, 75 and 95 %.
+    pub quantiles: [f64; 5],
+}
+
+impl StripChart {
+    pub fn draw(&self) -> Drawing {
+        let has_names = self.strips.len() > 1;
+        let widest = self.strips.iter().map(|strip| width_of(&strip.name, LABEL)).fold(0.0, f32::max);
+        let left = if has_names { widest.min(WIDEST_NAME) + 12.0 } else { 0.0 };
+        let row = if has_names { ROW } else { ONE_ROW };
+        let height = row * self.strips.len() as f32;
+        let layout = Layout { titles: &self.titles, swatch: Swatch::Bar, key: Vec::new(), left, height };
+        let (mut drawing, plot) = layout.draw();
+        let ends = self.strips.iter().filter_map(|strip| Some((*strip.values.first()?, *strip.values.last()?)));
+        let scale = Scale::around(ends);
+        plot.draw_x_axis(&mut drawing, scale);
+        let columns = columns(self.strips.iter().map(|strip| strip.values.len()).sum());
+        for (index, (strip, style)) in self.strips.iter().zip(STYLES.iter().cycle()).enumerate() {
+            let top = plot.top + index as f32 * row;
+            let part = Plot { top, bottom: top + row, ..plot };
+            if has_names {
+                let name_at = (part.left - 10.0, part.bottom - QUANTILES - 6.0);
+                drawing.text(&fitted(&strip.name, WIDEST_NAME, LABEL), name_at, Align::Right, LABEL, INK);
+                rule(&mut drawing, &part, part.bottom);
+            }
+            draw_strip(&mut drawing, &part, scale, columns, strip, style);
+        }
+        plot.draw_base(&mut drawing);
+        drawing
+    }
+}
+
+fn draw_strip(drawing: &mut Drawing, part: &Plot, scale: Scale, columns: usize, strip: &Strip, style: &Style) {
+    let counts = counts(scale, columns, &strip.values);
+    let most = counts.iter().copied().max().unwrap_or(0).max(1);
+    let base = part.bottom - QUANTILES;
+    let (width, height) = ((part.right - part.left) / columns as f32, base - part.top - ABOVE);
+    for (index, &count) in counts.iter().enumerate().filter(|(_, count)| **count > 0) {
+        let left = part.left + index as f32 * width;
+        // A single run among many is a line that can still be seen.
+        let top = base - (count as f32 / most as f32 * height).max(1.5);
+        drawing.rect((left + 0.5, top), (left + width - 0.5, base), style.colour);
+    }
+    if let Some(highest) = counts.iter().position(|&count| count == most) {
+        let x = part.left + (highest as f32 + 0.5) * width;
+        drawing.text(&most.to_string(), (x, part.top + ABOVE - 4.0), Align::Centre, LABEL, INK);
+    }
+    if !strip.values.is_empty() {
+        draw_quantiles(drawing, base + QUANTILES / 2.0, strip.quantiles.map(|value| part.x(scale, value)));
+    }
+}
+
+/// A line from 5 to 95 %, thick from 25 to 75 %, with a white stroke in a black frame at the median.
+fn draw_quantiles(drawing: &mut Drawing, y: f32, [p5, p25, p50, p75, p95]: [f32; 5]) {
+    drawing.line(vec![(p5, y), (p95, y)], 1.6, INK);
+    drawing.rect((p25, y - 3.0), (p75, y + 3.0), INK);
+    drawing.rect((p50 - 3.0, y - 5.5), (p50 + 3.0, y + 5.5), INK);
+    drawing.rect((p50 - 1.5, y - 4.0), (p50 + 1.5, y + 4.0), PAPER);
+}
+
+/// About twice as many as the square root of the number of values.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small number")]
+fn columns(values: usize) -> usize {
+    ((2.0 * (values as f64).sqrt()) as usize).clamp(8, MOST_COLUMNS)
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "columns are counted from 0 to 48")]
+fn counts(scale: Scale, columns: usize, values: &[f64]) -> Vec<u64> {
+    let mut counts = vec![0; columns];
+    for value in values {
+        let share = (value - scale.low) / (scale.high - scale.low);
+        counts[((share * columns as f64) as usize).min(columns - 1)] += 1;
+    }
+    counts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_value_is_counted_once() {
+        let values: Vec<f64> = (0..1000).map(|index| f64::from(index * index)).collect();
+        let scale = Scale { low: 0.0, high: 999.0 * 999.0 };
+        let counts = counts(scale, 12, &values);
+        assert_eq!(counts.iter().sum::<u64>(), 1000);
+        assert!(counts[0] > counts[11], "{counts:?}");
+        assert!(counts[11] > 0);
+    }
+}
