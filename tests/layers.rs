@@ -20,15 +20,15 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("planning", &["glam", "kiddo", "petgraph"]),
     ("fire", &["glam"]),
     // A scenario's errors know their place in the file, which is what a miette diagnostic is.
-    ("scenario", &["glam", "toml", "schemars", "serde_json", "serde_path_to_error", "strsim", "miette"]),
+    ("scenario", &["glam", "toml", "serde_json", "serde_path_to_error", "strsim", "miette"]),
     ("timeline", &["glam", "csv", "crc32fast", "miniz_oxide", "postcard"]),
     ("picture", &["colorous", "image", "tiny_skia"]),
     ("audit", &["glam", "rapier2d"]),
     ("sim", &["glam", "bevy"]),
     ("stats", &["statrs"]),
-    ("batch", &["csv", "rayon", "parquet", "serde_json", "sha2"]),
+    ("batch", &["crc32fast", "csv", "parquet", "rayon", "serde_json", "sha2", "toml"]),
     ("view", &["bevy", "glam"]),
-    ("cli", &["clap", "clap_complete", "csv", "indicatif", "miette", "serde_json"]),
+    ("cli", &["clap", "clap_complete", "csv", "ctrlc", "indicatif", "miette", "serde_json"]),
 ];
 
 /// Layers that stand lower and may not be used all the same.
@@ -38,7 +38,7 @@ const EXCEPTIONS: &[(&str, &[&str], &str)] = &[
 ];
 
 /// Crates that are at home anywhere: derives and traits of the vocabulary.
-const ANYWHERE: &[&str] = &["rand", "serde", "thiserror"];
+const ANYWHERE: &[&str] = &["rand", "schemars", "serde", "thiserror"];
 
 /// A path in the sources: where it stands and what it names.
 struct Import {

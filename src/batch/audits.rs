@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::audit::{Audited, Step, Verdict, audit_timeline};
 use crate::batch::finished::FinishedRow;
 use crate::batch::{
-    BatchError, FinishedBatch, FinishedError, FinishedRun, RUNS_FILE, RunResult, RunRow, Status, panics,
+    BatchError, FinishedBatch, FinishedError, PlannedRun, RUNS_FILE, RunResult, RunRow, Status, panics,
 };
 use crate::sim::{self, RunCost};
 use crate::timeline::{Outcome, Timeline, file};
@@ -61,7 +61,7 @@ pub struct AuditReport {
 /// One run to be audited.
 enum Subject<'a> {
     Recording(&'a Path),
-    Run { batch: &'a FinishedBatch, run: FinishedRun<'a>, row: Option<FinishedRow> },
+    Run { batch: &'a FinishedBatch, run: PlannedRun<'a>, row: Option<FinishedRow> },
 }
 
 /// What became of it.
@@ -82,7 +82,7 @@ impl AuditSource {
             Self::Batch(batch) => {
                 let mut rows = batch.rows()?;
                 Ok(Box::new(batch.runs().map(move |run| {
-                    let row = rows.as_mut().map(|rows| rows.next(run.seed)).transpose()?;
+                    let row = rows.as_mut().map(|rows| rows.next(&run)).transpose()?;
                     Ok(Subject::Run { batch, run, row })
                 })))
             }
@@ -126,7 +126,7 @@ impl Subject<'_> {
     fn name(&self) -> String {
         match self {
             Self::Recording(path) => path.display().to_string(),
-            Self::Run { batch, run, .. } => format!("{}, seed {}", batch.folder().display(), run.seed),
+            Self::Run { batch, run, .. } => batch.name_of(run),
         }
     }
 
@@ -156,8 +156,8 @@ fn look_at_file(path: &Path, step: Step, difference: impl Fn(&Timeline) -> Optio
 }
 
 /// A run once more.
-fn look_again(run: &FinishedRun<'_>, row: Option<&FinishedRow>, step: Step) -> Finding {
-    match panics::catch(|| sim::run(run.scenario, run.seed)) {
+fn look_again(run: &PlannedRun<'_>, row: Option<&FinishedRow>, step: Step) -> Finding {
+    match panics::catch(|| sim::run(&run.variant.scenario, run.seed)) {
         Ok(Ok(again)) => {
             let difference = difference(run, row, &again.timeline, again.cost);
             Finding::Simulated(audit_timeline(&again.timeline, step), difference)
@@ -168,23 +168,23 @@ fn look_again(run: &FinishedRun<'_>, row: Option<&FinishedRow>, step: Step) -> F
 }
 
 /// In words, that a recording is not of the run whose name it has.
-fn other_run(run: &FinishedRun<'_>, timeline: &Timeline) -> Option<String> {
+fn other_run(run: &PlannedRun<'_>, timeline: &Timeline) -> Option<String> {
     let (name, seed) = (&timeline.setting.scenario, timeline.setting.seed);
-    let is_other = seed != run.seed || *name != run.scenario.name;
+    let is_other = seed != run.seed || *name != run.variant.scenario.name;
     is_other.then(|| format!("its recording is of {name}, seed {seed}"))
 }
 
 /// In words, what a row says else than a run. That it cannot be recorded is no difference.
-fn difference(run: &FinishedRun<'_>, row: Option<&FinishedRow>, timeline: &Timeline, cost: RunCost) -> Option<String> {
+fn difference(run: &PlannedRun<'_>, row: Option<&FinishedRow>, timeline: &Timeline, cost: RunCost) -> Option<String> {
     let row = row.filter(|row| row.is_done() || file::encode(timeline).is_ok())?;
     let result = RunResult::new(Outcome::of(timeline), cost);
-    row.difference(&RunRow::done(&run.scenario.name, run.seed, result, Duration::ZERO))
+    row.difference(&RunRow::done(run.label(), result, Duration::ZERO))
 }
 
 /// In words, that a row has a result which its run does not give.
-fn missing_result(run: &FinishedRun<'_>, row: Option<&FinishedRow>, status: Status, message: &str) -> Option<String> {
+fn missing_result(run: &PlannedRun<'_>, row: Option<&FinishedRow>, status: Status, message: &str) -> Option<String> {
     let row = row.filter(|row| row.is_done())?;
-    let again = RunRow::not_done(&run.scenario.name, run.seed, status, message.to_owned(), Duration::ZERO);
+    let again = RunRow::not_done(run.label(), status, message.to_owned(), Duration::ZERO);
     row.difference(&again)
 }
 

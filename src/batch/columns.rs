@@ -6,14 +6,15 @@
 
 use std::fmt;
 
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 
-use crate::batch::{CpuSplit, RunRow};
+use crate::batch::{CpuSplit, RunLabel, RunRow};
 use crate::sim::AgentCost;
 use crate::timeline::{AgentOutcome, Outcome, Winner};
 
 /// What stands in a field.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(untagged)]
 pub enum Value {
     Missing,
     Count(u64),
@@ -89,8 +90,7 @@ pub type AgentColumn = Column<fn(&AgentRow<'_>) -> Value>;
 /// One agent of a run that is done.
 #[derive(Clone, Copy, Debug)]
 pub struct AgentRow<'a> {
-    pub scenario: &'a str,
-    pub seed: u64,
+    pub label: &'a RunLabel,
     pub outcome: &'a AgentOutcome,
     pub cost: Option<&'a AgentCost>,
 }
@@ -100,8 +100,7 @@ impl<'a> AgentRow<'a> {
     pub fn all_of(row: &'a RunRow) -> impl Iterator<Item = Self> {
         row.result.iter().flat_map(move |result| {
             result.outcome.agents.iter().map(move |outcome| Self {
-                scenario: &row.scenario,
-                seed: row.seed,
+                label: &row.label,
                 outcome,
                 cost: result.cost.agents.iter().find(|cost| cost.agent == outcome.agent),
             })
@@ -161,10 +160,15 @@ macro_rules! columns {
     };
 }
 
-/// The columns of `runs.csv`, in their order.
+/// How many columns of [`RUN_COLUMNS`] stand before those of what a batch sweeps.
+pub const COLUMNS_BEFORE_SWEPT: usize = 4;
+
+/// The columns of `runs.csv`, in their order, but for those of what a batch sweeps.
 pub const RUN_COLUMNS: &[RunColumn] = columns! { row;
-    scenario = row.scenario.clone(),
-    seed = row.seed,
+    scenario = row.label.scenario.clone(),
+    seed = row.label.seed,
+    run = row.label.run,
+    planner = row.label.planner.clone(),
     status = row.status.to_string(),
     message = row.message.clone(),
     obstacles = outcome(row, |o| o.obstacles),
@@ -235,8 +239,9 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { row;
 
 /// The columns of `agents.csv`, in their order.
 pub const AGENT_COLUMNS: &[AgentColumn] = columns! { row;
-    scenario = row.scenario.to_owned(),
-    seed = row.seed,
+    scenario = row.label.scenario.clone(),
+    seed = row.label.seed,
+    run = row.label.run,
     agent = row.outcome.agent.to_string(),
     cells = row.outcome.cells,
     plans = row.outcome.plans,

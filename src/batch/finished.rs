@@ -4,17 +4,11 @@ use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
 use thiserror::Error;
 
-use crate::batch::plan::PROGRAM;
 use crate::batch::{
-    OutputFolder, PLAN_FILE, PROGRAM_VERSION, RUN_COLUMNS, RUNS_FILE, RunRow, Seeds, Status, is_measured,
+    BatchPlan, OutputFolder, PLAN_FILE, PlanError, PlannedRun, RUN_COLUMNS, RUNS_FILE, RunRow, Status, is_measured,
 };
-use crate::scenario::Scenario;
-
-/// The largest plan that is read; what is large in one is a field drawn as a map.
-const MAX_PLAN_BYTES: u64 = 64 << 20;
 
 /// The longest row of a batch's runs, on average; what is longer was not written by this program.
 const MAX_ROW_BYTES: u64 = 64 << 10;
@@ -24,40 +18,17 @@ const MAX_ROW_BYTES: u64 = 64 << 10;
 pub enum FinishedError {
     #[error("cannot read {}: {source}", path.display())]
     Unreadable { path: PathBuf, source: io::Error },
-    #[error("{} is no plan of a batch: {reason}", path.display())]
-    NotAPlan { path: PathBuf, reason: String },
-    #[error("{} was written by wildfire {found}; this is {PROGRAM_VERSION}, whose runs may differ", path.display())]
-    OtherVersion { path: PathBuf, found: String },
+    #[error(transparent)]
+    Plan(#[from] PlanError),
     #[error("{} does not go with its plan: {reason}", path.display())]
     OtherRows { path: PathBuf, reason: String },
 }
 
-/// A batch's plan.
+/// A batch's folder and plan.
 #[derive(Debug)]
 pub struct FinishedBatch {
     folder: PathBuf,
-    scenario: Scenario,
-    seeds: Seeds,
-}
-
-/// One of its runs.
-#[derive(Clone, Copy, Debug)]
-pub struct FinishedRun<'a> {
-    pub seed: u64,
-    pub scenario: &'a Scenario,
-}
-
-/// What is read first of a plan.
-#[derive(Deserialize)]
-struct Head {
-    program: String,
-    program_version: String,
-}
-
-#[derive(Deserialize)]
-struct Body {
-    seeds: String,
-    scenario: Scenario,
+    plan: BatchPlan,
 }
 
 impl FinishedBatch {
@@ -71,39 +42,39 @@ impl FinishedBatch {
     /// # Errors
     /// If it cannot be read, or another version of the program wrote it.
     pub fn open(folder: &Path) -> Result<Self, FinishedError> {
-        let path = folder.join(PLAN_FILE);
-        let text = read_text(&path)?;
-        let not_a_plan = |reason: String| FinishedError::NotAPlan { path: path.clone(), reason };
-        let head: Head = serde_json::from_str(&text).map_err(|error| not_a_plan(error.to_string()))?;
-        if head.program != PROGRAM {
-            return Err(not_a_plan(format!("its program is `{}`, expected `{PROGRAM}`", head.program)));
-        }
-        if head.program_version != PROGRAM_VERSION {
-            return Err(FinishedError::OtherVersion { path, found: head.program_version });
-        }
-        let body: Body = serde_json::from_str(&text).map_err(|error| not_a_plan(error.to_string()))?;
-        let seeds = body.seeds.parse().map_err(|error| not_a_plan(format!("{error}")))?;
-        body.scenario.check().map_err(|fault| not_a_plan(fault.to_string()))?;
-        Ok(Self { folder: folder.to_owned(), scenario: body.scenario, seeds })
+        Ok(Self { folder: folder.to_owned(), plan: BatchPlan::read(folder)? })
     }
 
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
+    pub fn plan(&self) -> &BatchPlan {
+        &self.plan
+    }
+
     /// Number of runs.
     pub fn count(&self) -> u64 {
-        self.seeds.count()
+        self.plan.count()
     }
 
     /// The runs in the order of the plan.
-    pub fn runs(&self) -> impl Iterator<Item = FinishedRun<'_>> {
-        self.seeds.iter().map(|seed| FinishedRun { seed, scenario: &self.scenario })
+    pub fn runs(&self) -> impl Iterator<Item = PlannedRun<'_>> {
+        self.plan.runs()
+    }
+
+    /// What a run is called: its folder, its variant if there are several, its seed.
+    pub fn name_of(&self, run: &PlannedRun<'_>) -> String {
+        let folder = self.folder.display();
+        match self.plan.variants.as_slice() {
+            [_] => format!("{folder}, seed {}", run.seed),
+            _ => format!("{folder}, {}, seed {}", self.plan.title(run.variant), run.seed),
+        }
     }
 
     /// Where the recording of a run is, if there is one.
-    pub fn recording(&self, run: &FinishedRun<'_>) -> Option<PathBuf> {
-        let path = OutputFolder::recording_in(&self.folder, run.seed);
+    pub fn recording(&self, run: &PlannedRun<'_>) -> Option<PathBuf> {
+        let path = OutputFolder::recording_in(&self.folder, &self.plan.recording_name(run));
         path.exists().then_some(path)
     }
 
@@ -118,26 +89,15 @@ impl FinishedBatch {
     }
 }
 
-fn read_text(path: &Path) -> Result<String, FinishedError> {
-    let unreadable = |source| FinishedError::Unreadable { path: path.to_owned(), source };
-    let mut text = String::new();
-    File::open(path).map_err(unreadable)?.take(MAX_PLAN_BYTES + 1).read_to_string(&mut text).map_err(unreadable)?;
-    if text.len() as u64 > MAX_PLAN_BYTES {
-        let reason = format!("it has more than {MAX_PLAN_BYTES} bytes");
-        return Err(FinishedError::NotAPlan { path: path.to_owned(), reason });
-    }
-    Ok(text)
-}
-
 /// The rows of a batch, read in their order.
 pub struct FinishedRows {
     path: PathBuf,
     reader: csv::Reader<io::Take<File>>,
-    /// Where each outcome column of this program stands.
+    /// Where each of [`RUN_COLUMNS`] stands.
     places: Vec<usize>,
 }
 
-/// What a row says of a run, by outcome column.
+/// What a row says of a run, in the order of [`RUN_COLUMNS`].
 #[derive(Debug)]
 pub struct FinishedRow(Vec<String>);
 
@@ -150,12 +110,13 @@ impl FinishedRows {
             let place = header.iter().position(|column| column == name);
             place.ok_or_else(|| FinishedError::OtherRows { path: path.clone(), reason: reason() })
         };
-        let places = outcome_columns().map(|(name, _)| place(name)).collect::<Result<Vec<_>, _>>()?;
+        let places = RUN_COLUMNS.iter().map(|column| place(column.name)).collect::<Result<Vec<_>, _>>()?;
         Ok(Self { path, reader, places })
     }
 
     /// The row of the run whose turn it is.
-    pub fn next(&mut self, seed: u64) -> Result<FinishedRow, FinishedError> {
+    pub fn next(&mut self, run: &PlannedRun<'_>) -> Result<FinishedRow, FinishedError> {
+        let seed = run.seed;
         let other = |reason| FinishedError::OtherRows { path: self.path.clone(), reason };
         let mut record = csv::StringRecord::new();
         if !self.reader.read_record(&mut record).map_err(|error| unreadable(&self.path, error))? {
@@ -163,7 +124,7 @@ impl FinishedRows {
         }
         let row = FinishedRow(self.places.iter().map(|&place| record[place].to_owned()).collect());
         let found = row.value("seed");
-        if found != seed.to_string() {
+        if found != seed.to_string() || row.value("run") != run.number.to_string() {
             return Err(other(format!("it has the row of seed {found} where that of seed {seed} is expected")));
         }
         Ok(row)
@@ -172,8 +133,17 @@ impl FinishedRows {
 
 impl FinishedRow {
     pub fn value(&self, name: &str) -> &str {
-        let place = outcome_columns().position(|(column, _)| column == name);
+        let place = RUN_COLUMNS.iter().position(|column| column.name == name);
         &self.0[place.expect("only columns of this program are asked for")]
+    }
+
+    /// `None` where there is none, or it is not finite.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        self.value(name).parse().ok().filter(|number: &f64| number.is_finite())
+    }
+
+    pub fn number_or_zero(&self, name: &str) -> f64 {
+        self.number(name).unwrap_or(0.0)
     }
 
     pub fn is_done(&self) -> bool {
@@ -182,18 +152,14 @@ impl FinishedRow {
 
     /// The first column in which a run is another than this row says, in words.
     pub fn difference(&self, run: &RunRow) -> Option<String> {
-        let columns = outcome_columns().zip(&self.0);
-        let told = columns.map(|((name, value), said)| (name, said, value(run).to_string()));
+        let outcomes = RUN_COLUMNS.iter().zip(&self.0).filter(|(column, _)| !is_measured(column.name));
+        let told = outcomes.map(|(column, said)| (column.name, said, (column.value)(run).to_string()));
         let mut others = told.filter(|(_, said, found)| *said != found);
         others.next().map(|(name, said, found)| {
             let word = |value: &str| if value.is_empty() { "nothing".to_owned() } else { value.to_owned() };
             format!("its row says {name} {}, its run gives {}", word(said), word(&found))
         })
     }
-}
-
-fn outcome_columns() -> impl Iterator<Item = (&'static str, fn(&RunRow) -> crate::batch::Value)> {
-    RUN_COLUMNS.iter().filter(|column| !is_measured(column.name)).map(|column| (column.name, column.value))
 }
 
 fn unreadable(path: &Path, error: csv::Error) -> FinishedError {

@@ -10,7 +10,7 @@ pub fn run_json(row: &RunRow) -> String {
     let columns = || RUN_COLUMNS.iter().map(|column| (column.name, (column.value)(row)));
     let agent = |agent: AgentRow<'_>| {
         let values = AGENT_COLUMNS.iter().map(|column| (column.name, (column.value)(&agent)));
-        Object(values.filter(|(name, _)| *name != "scenario" && *name != "seed").collect())
+        Object(values.filter(|(name, _)| !["scenario", "seed", "run"].contains(name)).collect())
     };
     let object = RunObject {
         program_version: PROGRAM_VERSION,

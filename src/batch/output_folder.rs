@@ -7,8 +7,10 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use crate::batch::BatchError;
+use crate::batch::journal::{journal_name, journal_path, slice_of_journal};
+use crate::batch::parquet_files::{CALLS_PARQUET, RUNS_PARQUET, STATES_PARQUET};
 use crate::batch::plan::PROGRAM;
+use crate::batch::{BatchError, CHARTS_FOLDER, REPORT_FILE, Slice};
 
 pub const PLAN_FILE: &str = "plan.json";
 pub const RUNS_FILE: &str = "runs.csv";
@@ -16,8 +18,18 @@ pub const AGENTS_FILE: &str = "agents.csv";
 pub const TABLES_FILE: &str = "tables.md";
 pub const RECORDINGS_FOLDER: &str = "recordings";
 
-/// All that a batch may write into its folder.
-const ENTRIES: [&str; 5] = [PLAN_FILE, RUNS_FILE, AGENTS_FILE, TABLES_FILE, RECORDINGS_FOLDER];
+/// What a batch may write into its folder, besides journals.
+const ENTRIES: [&str; 9] = [
+    PLAN_FILE,
+    RUNS_FILE,
+    AGENTS_FILE,
+    TABLES_FILE,
+    RUNS_PARQUET,
+    CALLS_PARQUET,
+    STATES_PARQUET,
+    REPORT_FILE,
+    RECORDINGS_FOLDER,
+];
 
 /// The most folders of one name that are tried, the name itself and `-2`, `-3` ...
 const MAX_NUMBERED: u32 = 100_000;
@@ -57,10 +69,45 @@ impl OutputFolder {
         }
         let held = ENTRIES.into_iter().find(|entry| path.join(entry).exists());
         if let (Some(entry), false) = (held, overwrite) {
-            return Err(BatchError::HoldsResults { path: path.to_owned(), entry });
+            return Err(BatchError::HoldsResults { path: path.to_owned(), entry: entry.to_owned() });
+        }
+        let folder = Self::shared(path)?;
+        match folder.journals()?.first() {
+            Some(&slice) if !overwrite => {
+                Err(BatchError::HoldsResults { path: path.to_owned(), entry: journal_name(slice) })
+            }
+            _ => Ok(folder),
+        }
+    }
+
+    /// Takes a folder that holds a batch, or may, and creates it if need be.
+    pub fn shared(path: &Path) -> Result<Self, BatchError> {
+        if path.exists() && !path.is_dir() {
+            return Err(BatchError::NotAFolder { path: path.to_owned() });
         }
         create_folder(path)?;
         Ok(Self { path: path.to_owned() })
+    }
+
+    /// Takes a folder of a batch that is there.
+    pub fn existing(path: &Path) -> Result<Self, BatchError> {
+        match fs::metadata(path) {
+            Ok(found) if found.is_dir() => Ok(Self { path: path.to_owned() }),
+            Ok(_) => Err(BatchError::NotAFolder { path: path.to_owned() }),
+            Err(source) => Err(BatchError::Unreadable { path: path.to_owned(), source }),
+        }
+    }
+
+    /// The slices that have a journal here, in order.
+    pub fn journals(&self) -> Result<Vec<Slice>, BatchError> {
+        let unreadable = |source| BatchError::Unreadable { path: self.path.clone(), source };
+        let mut slices = Vec::new();
+        for entry in fs::read_dir(&self.path).map_err(unreadable)? {
+            let name = entry.map_err(unreadable)?.file_name();
+            slices.extend(name.to_str().and_then(slice_of_journal));
+        }
+        slices.sort_unstable();
+        Ok(slices)
     }
 
     /// Creates the folder for recordings.
@@ -69,15 +116,28 @@ impl OutputFolder {
     }
 
     /// Removes the results of an earlier batch, so that an end before the last run leaves nothing of it that would
-    /// pass for the new one's: the four files and, where a batch's plan shows whose they are, all recordings.
+    /// pass for the new one's: tables, plan, journals of slices and, where a batch's plan shows whose they are, all
+    /// recordings and charts. The journal of a whole batch stays, since whoever asks for this holds it.
     pub fn remove_earlier_results(&self) -> Result<(), BatchError> {
         if self.holds_a_plan() {
             let entries = fs::read_dir(self.path.join(RECORDINGS_FOLDER)).into_iter().flatten().flatten();
             entries
                 .filter(|entry| is_recording(&entry.file_name()))
                 .try_for_each(|entry| remove_file(&entry.path()))?;
+            let charts = fs::read_dir(self.path.join(CHARTS_FOLDER)).into_iter().flatten().flatten();
+            charts.filter(|entry| is_chart(&entry.path())).try_for_each(|entry| remove_file(&entry.path()))?;
         }
-        [PLAN_FILE, RUNS_FILE, AGENTS_FILE, TABLES_FILE].iter().try_for_each(|name| remove_file(&self.path.join(name)))
+        let slices = self.journals()?.into_iter().filter(|slice| !slice.is_whole());
+        let journals = slices.map(|slice| journal_path(self, slice));
+        let files = ENTRIES.iter().filter(|entry| **entry != RECORDINGS_FOLDER).map(|name| self.path.join(name));
+        journals.chain(files).try_for_each(|path| remove_file(&path))
+    }
+
+    /// Removes what a process that was killed had written aside. To be called by whoever alone works on the batch.
+    pub fn remove_leftovers(&self) -> Result<(), BatchError> {
+        let folders = [self.path.clone(), self.path.join(RECORDINGS_FOLDER)];
+        let entries = folders.iter().flat_map(fs::read_dir).flatten().flatten();
+        entries.filter(|entry| is_leftover(&entry.file_name())).try_for_each(|entry| remove_file(&entry.path()))
     }
 
     /// Whether the folder has the plan of a batch of this program.
@@ -94,14 +154,14 @@ impl OutputFolder {
         &self.path
     }
 
-    /// Where the recording of a run goes.
-    pub fn recording(&self, seed: u64) -> PathBuf {
-        Self::recording_in(&self.path, seed)
+    /// Where the recording of this name goes.
+    pub fn recording(&self, name: &str) -> PathBuf {
+        Self::recording_in(&self.path, name)
     }
 
     /// Where it is in the folder of a batch.
-    pub fn recording_in(folder: &Path, seed: u64) -> PathBuf {
-        folder.join(RECORDINGS_FOLDER).join(format!("seed-{seed}.wildfire"))
+    pub fn recording_in(folder: &Path, name: &str) -> PathBuf {
+        folder.join(RECORDINGS_FOLDER).join(name)
     }
 }
 
@@ -114,10 +174,27 @@ fn create_folder(path: &Path) -> Result<(), BatchError> {
     })
 }
 
-/// Whether this is a name that [`OutputFolder::recording`] gives.
+/// Whether this is a name that a plan gives a recording: `seed-7.wildfire` or `run-12-seed-7.wildfire`.
 fn is_recording(name: &OsStr) -> bool {
-    let seed = name.to_str().and_then(|name| name.strip_prefix("seed-")?.strip_suffix(".wildfire"));
-    seed.is_some_and(|seed| seed.parse::<u64>().is_ok())
+    let numbers = name.to_str().and_then(|name| {
+        let rest = name.strip_suffix(".wildfire")?;
+        let (run, seed) = rest.rsplit_once("seed-")?;
+        let run = if run.is_empty() { "0" } else { run.strip_prefix("run-")?.strip_suffix('-')? };
+        Some([run, seed])
+    });
+    numbers.is_some_and(|numbers| numbers.iter().all(|number| number.parse::<u64>().is_ok()))
+}
+
+fn is_chart(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending == "svg" || ending == "png")
+}
+
+/// Whether this is `NAME.PROCESS.part`, as files are called while they are written, of a file of a batch.
+fn is_leftover(name: &OsStr) -> bool {
+    let parts = name.to_str().and_then(|name| name.strip_suffix(".part")?.rsplit_once('.'));
+    parts.is_some_and(|(name, process)| {
+        process.parse::<u32>().is_ok() && (ENTRIES.contains(&name) || is_recording(OsStr::new(name)))
+    })
 }
 
 /// Removes a file if it is there.
@@ -171,7 +248,7 @@ mod tests {
         assert!(OutputFolder::named(&path, false).is_ok(), "other files are no results");
         fs::write(path.join(RUNS_FILE), "").expect("writable");
         let refusal = OutputFolder::named(&path, false).expect_err("results are there");
-        assert!(matches!(refusal, BatchError::HoldsResults { entry: RUNS_FILE, .. }));
+        assert!(matches!(refusal, BatchError::HoldsResults { entry, .. } if entry == RUNS_FILE));
         assert!(OutputFolder::named(&path, true).is_ok());
         assert!(path.join("notes.txt").exists());
     }
@@ -190,15 +267,27 @@ mod tests {
         let folder = OutputFolder::named(scratch.path(), false).expect("it is empty");
         folder.prepare_recordings().expect("writable");
         let mine = scratch.path().join(RECORDINGS_FOLDER).join("seed-notes.wildfire");
-        for path in [folder.recording(7), mine.clone(), scratch.path().join(RUNS_FILE)] {
+        let recording = folder.recording("run-12-seed-7.wildfire");
+        for path in [recording.clone(), mine.clone(), scratch.path().join(RUNS_FILE)] {
             fs::write(path, "").expect("writable");
         }
         fs::write(scratch.path().join(PLAN_FILE), r#"{"program": "other"}"#).expect("writable");
         folder.remove_earlier_results().expect("removable");
-        assert!(folder.recording(7).exists() && !scratch.path().join(RUNS_FILE).exists());
+        assert!(recording.exists() && !scratch.path().join(RUNS_FILE).exists());
         fs::write(scratch.path().join(PLAN_FILE), r#"{"format": 1, "program": "wildfire"}"#).expect("writable");
         folder.remove_earlier_results().expect("removable");
-        assert!(!folder.recording(7).exists() && mine.exists());
+        assert!(!recording.exists() && mine.exists());
+    }
+
+    #[test]
+    fn only_what_a_batch_wrote_aside_is_left_over() {
+        for name in ["runs.csv.12.part", "plan.json.1.part", "seed-7.wildfire.12.part", "run-3-seed-7.wildfire.1.part"]
+        {
+            assert!(is_leftover(OsStr::new(name)), "{name}");
+        }
+        for name in ["runs.csv", "runs.csv.part", "mine.csv.12.part", "runs.csv.x.part", "runs.journal", "12.part"] {
+            assert!(!is_leftover(OsStr::new(name)), "{name}");
+        }
     }
 
     #[test]

@@ -3,8 +3,11 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::batch::{AGENT_COLUMNS, AGENTS_FILE, AgentRow, BatchError, OutputFolder, RUN_COLUMNS, RUNS_FILE, RunRow};
-use crate::whole_file::WholeFile;
+use crate::batch::disk::{Disk, Whole};
+use crate::batch::{
+    AGENT_COLUMNS, AGENTS_FILE, AgentRow, BatchError, COLUMNS_BEFORE_SWEPT, OutputFolder, RUN_COLUMNS, RUNS_FILE,
+    RunRow,
+};
 
 /// Both files of rows; they appear when finished.
 pub struct RowFiles {
@@ -13,14 +16,18 @@ pub struct RowFiles {
 }
 
 impl RowFiles {
-    pub fn create(folder: &OutputFolder) -> Result<Self, BatchError> {
-        let runs = RowFile::create(folder.path().join(RUNS_FILE), RUN_COLUMNS.iter().map(|column| column.name))?;
-        let agents = RowFile::create(folder.path().join(AGENTS_FILE), AGENT_COLUMNS.iter().map(|column| column.name))?;
+    /// Columns of the swept keys stand behind those that say which run it is.
+    pub fn create(folder: &OutputFolder, disk: &dyn Disk, swept_keys: &[String]) -> Result<Self, BatchError> {
+        let names = RUN_COLUMNS.iter().map(|column| column.name.to_owned());
+        let runs = RowFile::create(folder.path().join(RUNS_FILE), disk, with_swept(names, swept_keys.iter().cloned()))?;
+        let names = AGENT_COLUMNS.iter().map(|column| column.name.to_owned());
+        let agents = RowFile::create(folder.path().join(AGENTS_FILE), disk, names)?;
         Ok(Self { runs, agents })
     }
 
     pub fn add(&mut self, row: &RunRow) -> Result<(), BatchError> {
-        self.runs.add(RUN_COLUMNS.iter().map(|column| (column.value)(row).to_string()))?;
+        let values = RUN_COLUMNS.iter().map(|column| (column.value)(row).to_string());
+        self.runs.add(with_swept(values, row.label.swept.iter().map(ToString::to_string)))?;
         for agent in AgentRow::all_of(row) {
             self.agents.add(AGENT_COLUMNS.iter().map(|column| (column.value)(&agent).to_string()))?;
         }
@@ -33,16 +40,25 @@ impl RowFiles {
     }
 }
 
+/// The fields with those of what is swept among them.
+fn with_swept(
+    mut fields: impl Iterator<Item = String>,
+    swept: impl Iterator<Item = String>,
+) -> impl Iterator<Item = String> {
+    let first: Vec<_> = fields.by_ref().take(COLUMNS_BEFORE_SWEPT).collect();
+    first.into_iter().chain(swept).chain(fields)
+}
+
 struct RowFile {
-    writer: csv::Writer<WholeFile>,
+    writer: csv::Writer<Box<dyn Whole>>,
     path: PathBuf,
 }
 
 impl RowFile {
-    fn create(path: PathBuf, header: impl Iterator<Item = &'static str>) -> Result<Self, BatchError> {
-        let file = WholeFile::create(&path).map_err(|source| BatchError::unwritable(&path, source))?;
+    fn create(path: PathBuf, disk: &dyn Disk, header: impl Iterator<Item = String>) -> Result<Self, BatchError> {
+        let file = disk.whole_file(&path).map_err(|source| BatchError::unwritable(&path, source))?;
         let mut file = Self { writer: csv::Writer::from_writer(file), path };
-        file.add(header.map(str::to_owned))?;
+        file.add(header)?;
         Ok(file)
     }
 

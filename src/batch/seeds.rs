@@ -13,6 +13,8 @@ pub const MAX_RUNS: u64 = 10_000_000;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Seeds {
     ranges: Vec<RangeInclusive<u64>>,
+    /// For each range, how many seeds stand before it.
+    before: Vec<u64>,
 }
 
 /// Why a list of seeds cannot be taken.
@@ -37,6 +39,25 @@ impl Seeds {
     pub fn iter(&self) -> impl Iterator<Item = u64> + '_ {
         self.ranges.iter().cloned().flatten()
     }
+
+    /// The seed with so many before it, from 0 to [`Self::count`] - 1.
+    pub fn nth(&self, index: u64) -> u64 {
+        let range = self.before.partition_point(|&before| before <= index) - 1;
+        self.ranges[range].start() + (index - self.before[range])
+    }
+
+    fn of_ranges(ranges: Vec<RangeInclusive<u64>>) -> Self {
+        let sizes = ranges.iter().map(|range| range.end() - range.start() + 1);
+        let before = sizes.scan(0, |before, size| Some(std::mem::replace(before, *before + size))).collect();
+        Self { ranges, before }
+    }
+}
+
+/// 1 to 5, as many as the reports of the contest show.
+impl Default for Seeds {
+    fn default() -> Self {
+        Self::of_ranges(vec![1..=5])
+    }
 }
 
 impl FromStr for Seeds {
@@ -50,7 +71,7 @@ impl FromStr for Seeds {
         }
         match first_repeated(&ranges) {
             Some(seed) => Err(SeedsError::Twice { seed }),
-            None => Ok(Self { ranges }),
+            None => Ok(Self::of_ranges(ranges)),
         }
     }
 }
@@ -122,6 +143,15 @@ mod tests {
         for text in ["4", "1..5", "7..8,1,3..4"] {
             let parsed: Seeds = text.parse().expect("fine");
             assert_eq!(parsed.count(), parsed.iter().count() as u64);
+        }
+    }
+
+    #[test]
+    fn nth_seed_is_that_of_the_list() {
+        for text in ["4", "1..5", "7..8,1,3..4"] {
+            let parsed: Seeds = text.parse().expect("fine");
+            let found: Vec<_> = (0..parsed.count()).map(|index| parsed.nth(index)).collect();
+            assert_eq!(found, parsed.iter().collect::<Vec<_>>());
         }
     }
 

@@ -85,6 +85,16 @@ impl Tables {
         self.0.iter_mut().for_each(|table| table.add(row));
     }
 
+    /// Both tables with their titles, with as many decimals as a terminal has room for.
+    pub fn titled(&self) -> [(&'static str, TextTable); 2] {
+        self.0.each_ref().map(|table| (table.layout.title, table.fitted()))
+    }
+
+    /// What else is to be said of them: runs that are not shown one by one, and what columns mean.
+    pub fn notes(&self) -> String {
+        format!("{}\n{LEGEND}", self.0[0].hidden_note())
+    }
+
     /// Both tables for a terminal, at most 80 columns wide.
     pub fn to_text(&self) -> String {
         self.written(|table| format!("{}\n\n{}", table.layout.title, table.fitted().to_text()))
@@ -123,7 +133,7 @@ impl Table {
             series.add(number);
         }
         if self.shown.len() < SHOWN_RUNS {
-            self.shown.push((row.seed, numbers));
+            self.shown.push((row.label.seed, numbers));
         }
     }
 

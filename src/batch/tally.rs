@@ -34,7 +34,7 @@ impl Tally {
             Status::Panicked => self.panicked += 1,
         }
         let Some(result) = &row.result else {
-            self.first_failure.get_or_insert_with(|| (row.seed, row.message.clone()));
+            self.first_failure.get_or_insert_with(|| (row.label.seed, row.message.clone()));
             return;
         };
         let outcome = &result.outcome;

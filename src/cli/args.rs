@@ -1,13 +1,15 @@
 //! The arguments of every command, as clap reads them.
 
+use std::fs::File;
+use std::io::Read;
 use std::num::NonZeroUsize;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
-use crate::batch::{Record, Seeds};
+use crate::batch::{Record, Seeds, SeedsError, Slice};
 use crate::cli::compare::CompareArguments;
 use crate::cli::curve::CurveArguments;
 use crate::cli::map::MapCommand;
@@ -24,7 +26,8 @@ Examples:
   wildfire plan field.json --planner prm-rs,hybrid-astar   compare planners
 
 Exit codes: 0 done, 1 some run failed, 2 bad input, 3 disk or other environment,
-4 an audit or a check found an offence, 130 stopped with Ctrl-C.";
+4 an audit or a check found an offence, 75 stopped and resumable, 130 stopped with
+a second Ctrl-C.";
 
 /// A wildfire contest between planners: a Wumpus lights bushes, a fire truck puts them out.
 #[derive(Debug, Parser)]
@@ -41,12 +44,22 @@ pub struct Arguments {
 pub enum Command {
     /// Run a scenario once and print who won.
     Run(RunArguments),
-    /// Run a scenario with many seeds and print the tables of the contest.
+    /// Run scenarios with many seeds and print the tables of the contest.
     Batch(BatchArguments),
+    /// Say how far a batch is.
+    Status(FolderArguments),
+    /// Put the slices of a batch together: check that all are there, and write its tables.
+    Merge(FolderArguments),
+    /// Write a report of a batch: a web page, and its charts as SVG and PNG.
+    Report(FolderArguments),
     /// Compare batches, or scenarios and planners inside one, in pairs by seed.
     Compare(CompareArguments),
     /// Hold finished runs against the rules: recordings, and all runs of batches.
     Audit(AuditArguments),
+    /// Write a template with comments: a scenario, or the plan of a batch.
+    New(NewArguments),
+    /// Print what a file may say, or what columns mean, as JSON Schema.
+    Schema(SchemaArguments),
     /// Explain what a scenario means, its defaults, and its terrain.
     Check(CheckArguments),
     /// List the built-in scenarios, or print one.
@@ -114,26 +127,92 @@ pub struct RunArguments {
 Examples:
   wildfire batch
   wildfire batch contest --seeds 1..1000 --jobs 2
-  wildfire batch my.toml --seeds 1..50,99 --out runs/tuned --force --record all")]
+  wildfire batch my.toml --seeds 1..50,99 --out runs/tuned --force --record all
+  wildfire batch --planner prm-rs,hybrid-astar --set field.coverage=0.05,0.10,0.20 --dry-run
+  wildfire batch --resume runs/contest
+  wildfire batch plan.toml --shard 2/5 --out runs/cluster")]
 pub struct BatchArguments {
-    #[command(flatten)]
-    pub scenario: ScenarioArguments,
-    /// Seeds: ranges with both ends, lists, or both, such as `1..5`, `1,5,9`, `1..100,200`.
-    #[arg(long, default_value = "1..5", allow_hyphen_values = true)]
-    pub seeds: Seeds,
+    /// Scenario files, or names of built-in scenarios [default: contest]; or one plan file.
+    #[arg(value_name = "SCENARIO|PLAN.toml")]
+    pub sources: Vec<String>,
+    /// Change a value of the scenarios; with several values between commas, run all of them with each. Sweeps of
+    /// several keys are multiplied; may be repeated.
+    #[arg(long = "set", value_name = "KEY=VALUE[,VALUE...]")]
+    pub set: Vec<String>,
+    /// Planners of the trucks: short for `--set unimog.planner=`.
+    #[arg(long, value_name = "NAME[,NAME...]", value_delimiter = ',')]
+    pub planner: Vec<String>,
+    /// Seeds: ranges with both ends, lists, or both, such as `1..5`, `1,5,9`, `1..100,200`; or `@FILE` that holds
+    /// them [default: 1..5].
+    #[arg(long, allow_hyphen_values = true, value_parser = parse_seeds)]
+    pub seeds: Option<Seeds>,
     /// Threads [default: as many as the machine runs at once].
     #[arg(long, allow_hyphen_values = true, value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
     /// The folder for the results [default: runs/NAME, or the next free runs/NAME-2, runs/NAME-3 ...].
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", group = "shared_folder")]
     pub out: Option<PathBuf>,
-    /// Overwrite the results in the folder given with --out.
-    #[arg(long, requires = "out")]
+    /// Overwrite the results in the folder given with --out, and run more than 100000 runs if asked to.
+    #[arg(long)]
     pub force: bool,
-    /// Keep recordings of `all` runs, of `failed` ones, or of `none`; failed means here that some agent was stuck: a run
-    /// whose status is failed has no timeline.
-    #[arg(long, value_name = "WHICH", default_value = "none")]
-    pub record: Record,
+    /// Keep recordings of `all` runs, of `failed` ones, or of `none` [default: none]; failed means here that some agent
+    /// was stuck: a run whose status is failed has no timeline.
+    #[arg(long, value_name = "WHICH")]
+    pub record: Option<Record>,
+    /// Say what would be run, and run nothing.
+    #[arg(long)]
+    pub dry_run: bool,
+    /// Also print where the CPU time went, by part.
+    #[arg(long)]
+    pub profile: bool,
+    /// Go on with the batch in this folder, which was stopped.
+    #[arg(
+        long,
+        value_name = "DIR",
+        group = "shared_folder",
+        conflicts_with_all = ["sources", "set", "planner", "seeds", "out", "force", "record", "dry_run"]
+    )]
+    pub resume: Option<PathBuf>,
+    /// Run slice K of N of the plan only, in a folder that the slices share; `wildfire merge` puts them together.
+    #[arg(long, value_name = "K/N", requires = "shared_folder")]
+    pub shard: Option<Slice>,
+}
+
+#[derive(Debug, Args)]
+pub struct NewArguments {
+    /// What the template is for.
+    pub what: NewFile,
+    /// The file to write, which must not be there yet [default: print it].
+    pub file: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum NewFile {
+    Scenario,
+    Plan,
+}
+
+#[derive(Debug, Args)]
+pub struct SchemaArguments {
+    /// Files, or tables that a batch writes.
+    pub of: SchemaOf,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum SchemaOf {
+    Scenario,
+    Plan,
+    Runs,
+    PlannerCalls,
+    States,
+}
+
+/// The folder of a batch.
+#[derive(Debug, Args)]
+pub struct FolderArguments {
+    /// The folder of a batch.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
 }
 
 #[derive(Debug, Args)]
@@ -183,6 +262,21 @@ fn parse_jobs(text: &str) -> Result<NonZeroUsize, String> {
     jobs.ok_or_else(|| format!("expected a whole number from 1 to {MAX_JOBS}"))
 }
 
+/// The most bytes of a file of seeds.
+const MAX_SEEDS_BYTES: u64 = 200_000_000;
+
+/// Seeds as they are, or `@FILE` with seeds between commas, blanks and lines; `#` begins a comment.
+fn parse_seeds(text: &str) -> Result<Seeds, String> {
+    let Some(path) = text.strip_prefix('@') else { return text.parse().map_err(|error: SeedsError| error.to_string()) };
+    let mut contents = String::new();
+    let read = File::open(path).and_then(|file| file.take(MAX_SEEDS_BYTES).read_to_string(&mut contents));
+    read.map_err(|error| format!("{path} cannot be read: {error}"))?;
+    let lines = contents.lines().map(|line| line.split('#').next().unwrap_or_default());
+    let seeds = lines.flat_map(|line| line.split([',', ' ', '\t'])).filter(|word| !word.is_empty());
+    let seeds = seeds.collect::<Vec<_>>().join(",");
+    seeds.parse().map_err(|error: SeedsError| format!("{path}: {error}"))
+}
+
 pub fn parse_seed(text: &str) -> Result<u64, String> {
     text.parse().map_err(|_| format!("expected a whole number from 0 to {}", u64::MAX))
 }
@@ -207,11 +301,14 @@ mod tests {
     }
 
     #[test]
-    fn batch_without_arguments_is_the_contest_with_five_seeds() {
-        let arguments = Arguments::try_parse_from(["wildfire", "batch"]).expect("nothing is required");
-        let Command::Batch(batch) = arguments.command else { panic!("batch was asked for") };
-        assert_eq!(batch.scenario.source, "contest");
-        assert_eq!(batch.seeds.iter().collect::<Vec<_>>(), [1, 2, 3, 4, 5]);
-        assert_eq!(batch.record, Record::None);
+    fn seeds_of_a_file_stand_between_commas_blanks_and_lines() {
+        let scratch = tempfile::tempdir().expect("a scratch folder");
+        let path = scratch.path().join("seeds");
+        std::fs::write(&path, "# mine\n1..3, 7\n9 8 # two\n\n").expect("writable");
+        let seeds = parse_seeds(&format!("@{}", path.display())).expect("these seeds are fine");
+        assert_eq!(seeds.to_string(), "1..3,7,9,8");
+        std::fs::write(&path, "# none\n").expect("writable");
+        assert!(parse_seeds(&format!("@{}", path.display())).expect_err("none").contains("not a seed"));
+        assert!(parse_seeds("@nowhere").expect_err("no file").contains("nowhere"));
     }
 }

@@ -7,7 +7,8 @@ use std::thread;
 
 use crate::audit::Step;
 use crate::batch::{
-    AuditReport, AuditSource, FinishedBatch, FinishedError, RECORDINGS_FOLDER, TOLD_OFFENCES, audit_all, recordings_in,
+    AuditReport, AuditSource, FinishedBatch, FinishedError, PlanError, RECORDINGS_FOLDER, TOLD_OFFENCES, audit_all,
+    recordings_in,
 };
 use crate::cli::args::AuditArguments;
 use crate::cli::failure::Failure;
@@ -36,7 +37,7 @@ fn source(path: &Path, quiet: bool) -> Result<AuditSource, Failure> {
     }
     match FinishedBatch::open(path) {
         Ok(batch) => Ok(AuditSource::Batch(Box::new(batch))),
-        Err(error @ FinishedError::OtherVersion { .. }) => {
+        Err(error @ FinishedError::Plan(PlanError::OtherVersion { .. })) => {
             if !quiet {
                 terminal::note(&format!("{error}: only what was recorded is audited"));
             }

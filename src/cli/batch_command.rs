@@ -3,62 +3,179 @@
 use std::num::NonZeroUsize;
 use std::path::Path;
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::thread;
 
-use crate::batch::{BatchPlan, BatchReport, OutputFolder, Status, run_batch};
+use crate::batch::{
+    Batch, BatchError, BatchPlan, BatchReport, BatchRequest, OutputFolder, RequestError, Slice, Status, shell_word,
+};
 use crate::cli::args::BatchArguments;
 use crate::cli::failure::Failure;
-use crate::cli::{exit, scenario_commands, terminal};
+use crate::cli::{exit, interrupt, terminal};
 
 /// The folder, in the current one, that holds a folder for each batch.
 const RUNS_FOLDER: &str = "runs";
 
-pub fn run(arguments: &BatchArguments, quiet: bool) -> Result<ExitCode, Failure> {
-    let plan = plan(arguments)?;
-    let jobs = arguments.jobs.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
-    let folder = match &arguments.out {
-        Some(path) => OutputFolder::named(path, arguments.force)?,
-        None => OutputFolder::next_free(Path::new(RUNS_FOLDER), &plan.scenario.name)?,
-    };
-    let report = run_with_progress(&plan, &folder, jobs, quiet)?;
-    terminal::print(summary(&plan, &folder, &report).as_bytes())?;
-    let code = if report.tally.not_done() == 0 { ExitCode::SUCCESS } else { ExitCode::from(exit::RUN_FAILED) };
-    Ok(code)
-}
+/// The most variants that a dry run lists.
+const LISTED_VARIANTS: usize = 50;
 
-fn plan(arguments: &BatchArguments) -> Result<BatchPlan, Failure> {
-    Ok(BatchPlan {
-        source: arguments.scenario.source.clone(),
-        overrides: arguments.scenario.overrides.clone(),
-        scenario: scenario_commands::load(&arguments.scenario.source, &arguments.scenario.overrides)?,
-        seeds: arguments.seeds.clone(),
-        record: arguments.record,
+pub fn run(arguments: &BatchArguments, quiet: bool) -> Result<ExitCode, Failure> {
+    let slice = arguments.shard.unwrap_or(Slice::WHOLE);
+    let stop = interrupt::watch()?;
+    let mut batch = match &arguments.resume {
+        Some(folder) => Batch::resume(OutputFolder::existing(folder)?, slice)?,
+        None => {
+            let plan = plan(arguments)?;
+            if arguments.dry_run {
+                terminal::print(described(&plan).as_bytes())?;
+                return Ok(ExitCode::SUCCESS);
+            }
+            begin(arguments, plan, slice)?
+        }
+    };
+    if batch.progress().end().1 && !quiet {
+        terminal::note("the journal's last line was torn; it was dropped, and its run is run again");
+    }
+    let resume = resume_command(batch.folder().path(), slice);
+    let finished = run_to_the_end(&mut batch, arguments, &stop, quiet);
+    finished.map_err(|error| match error {
+        BatchFailure::Batch(error) => Failure::of_batch(error, &resume),
+        BatchFailure::Printing(failure) => failure,
     })
 }
 
-fn run_with_progress(
-    plan: &BatchPlan,
-    folder: &OutputFolder,
-    jobs: usize,
-    quiet: bool,
-) -> Result<BatchReport, Failure> {
-    let bar = terminal::progress_bar(plan.seeds.count(), quiet);
-    let not_done = AtomicU64::new(0);
-    let count = |status: Status| {
-        if status != Status::Done {
-            let count = not_done.fetch_add(1, Ordering::Relaxed) + 1;
-            bar.set_message(format!("({count} failed)"));
-        }
-        bar.inc(1);
-    };
-    let report = run_batch(plan, folder, jobs, count);
-    bar.finish_and_clear();
-    Ok(report?)
+/// What is asked for: by options, or by a plan file and options that change it.
+fn plan(arguments: &BatchArguments) -> Result<BatchPlan, Failure> {
+    let mut request = request_of(&arguments.sources)?;
+    let options = arguments.set.iter().try_for_each(|option| request.add_option(option));
+    options.and_then(|()| request.add_planners(&arguments.planner)).map_err(RequestError::from)?;
+    request.seeds = arguments.seeds.clone().or(request.seeds);
+    request.record = arguments.record.or(request.record);
+    Ok(request.resolve(arguments.force)?)
 }
 
-fn summary(plan: &BatchPlan, folder: &OutputFolder, report: &BatchReport) -> String {
-    let (name, seeds) = (&plan.scenario.name, &plan.seeds);
-    let (tables, tally) = (report.tables.to_text(), &report.tally);
-    format!("{name}, seeds {seeds}\n\n{tables}\n{tally}\nFiles: {}\n", folder.path().display())
+fn request_of(sources: &[String]) -> Result<BatchRequest, Failure> {
+    for source in sources {
+        match BatchRequest::of_file(source)? {
+            Some(request) if sources.len() == 1 => return Ok(request),
+            Some(_) => {
+                let sentence = format!("{source} is a plan; expected it alone, as it names its scenarios itself");
+                return Err(Failure::bad_input(sentence, None));
+            }
+            None => {}
+        }
+    }
+    let scenarios = if sources.is_empty() { vec!["contest".to_owned()] } else { sources.to_vec() };
+    Ok(BatchRequest { scenarios, ..BatchRequest::default() })
+}
+
+fn begin(arguments: &BatchArguments, plan: BatchPlan, slice: Slice) -> Result<Batch, Failure> {
+    let name = &plan.variants[0].scenario.name;
+    Ok(match &arguments.out {
+        Some(path) if slice.is_whole() => Batch::begin(plan, OutputFolder::named(path, arguments.force)?)?,
+        Some(path) => Batch::join(plan, OutputFolder::shared(path)?, slice)?,
+        None => {
+            let folder = OutputFolder::next_free(Path::new(RUNS_FOLDER), name)?;
+            Batch::begin(plan, folder)?
+        }
+    })
+}
+
+fn run_to_the_end(
+    batch: &mut Batch,
+    arguments: &BatchArguments,
+    stop: &Arc<AtomicBool>,
+    quiet: bool,
+) -> Result<ExitCode, BatchFailure> {
+    let jobs = arguments.jobs.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
+    run_with_progress(batch, jobs, stop, quiet)?;
+    if !batch.progress().slice().is_whole() {
+        terminal::print(slice_summary(batch).as_bytes())?;
+        return Ok(exit_code(batch.progress().held().1));
+    }
+    let report = batch.finish(stop)?;
+    terminal::print(summary(batch.plan(), batch.folder(), &report).as_bytes())?;
+    if arguments.profile {
+        terminal::print(format!("\n{}", report.profile()).as_bytes())?;
+    }
+    Ok(exit_code(report.not_done()))
+}
+
+/// Why a batch that has begun ends early.
+enum BatchFailure {
+    Batch(BatchError),
+    Printing(Failure),
+}
+
+impl From<BatchError> for BatchFailure {
+    fn from(error: BatchError) -> Self {
+        Self::Batch(error)
+    }
+}
+
+impl From<Failure> for BatchFailure {
+    fn from(failure: Failure) -> Self {
+        Self::Printing(failure)
+    }
+}
+
+/// Whether some run failed.
+pub fn exit_code(not_done: u64) -> ExitCode {
+    if not_done == 0 { ExitCode::SUCCESS } else { ExitCode::from(exit::RUN_FAILED) }
+}
+
+fn run_with_progress(batch: &mut Batch, jobs: usize, stop: &Arc<AtomicBool>, quiet: bool) -> Result<(), BatchError> {
+    let (held, mut not_done) = batch.progress().held();
+    let bar = terminal::progress_bar(batch.progress().count(), quiet).with_position(held);
+    let done = batch.run(jobs, stop, |status| {
+        if status != Status::Done {
+            not_done += 1;
+            bar.set_message(format!("({not_done} failed)"));
+        }
+        bar.inc(1);
+    });
+    bar.finish_and_clear();
+    done
+}
+
+/// The command that goes on with a slice of the batch in a folder.
+pub fn resume_command(folder: &Path, slice: Slice) -> String {
+    let folder = shell_word(&folder.display().to_string());
+    let shard = if slice.is_whole() { String::new() } else { format!(" --shard {slice}") };
+    format!("wildfire batch --resume {folder}{shard}")
+}
+
+/// What a batch prints when it is done.
+pub fn summary(plan: &BatchPlan, folder: &OutputFolder, report: &BatchReport) -> String {
+    let files = format!("Files: {}\n", folder.path().display());
+    match report.variants.as_slice() {
+        [one] => {
+            let (tables, tally) = (one.tables.to_text(), &one.tally);
+            format!("{}, seeds {}\n\n{tables}\n{tally}\n{files}", one.title, plan.seeds)
+        }
+        _ => format!("Seeds {} of each variant\n\n{}\n{files}", plan.seeds, report.overview()),
+    }
+}
+
+fn slice_summary(batch: &Batch) -> String {
+    let (slice, (held, not_done)) = (batch.progress().slice(), batch.progress().held());
+    let folder = batch.folder().path().display().to_string();
+    let merge = format!("wildfire merge {}", shell_word(&folder));
+    format!("Slice {slice}: {held} runs, {not_done} not done. When all slices are through: {merge}\n")
+}
+
+/// What a plan would run.
+fn described(plan: &BatchPlan) -> String {
+    let (variants, seeds) = (plan.variants.len(), plan.seeds.count());
+    let mut text = format!("{variants} variants x {seeds} seeds ({}) = {} runs\n", plan.seeds, plan.count());
+    for (index, variant) in plan.variants.iter().take(LISTED_VARIANTS).enumerate() {
+        let first = index as u64 * seeds + 1;
+        text.push_str(&format!("runs {first} to {}: {}\n", first + seeds - 1, plan.title(variant)));
+    }
+    if variants > LISTED_VARIANTS {
+        text.push_str(&format!("and {} more\n", variants - LISTED_VARIANTS));
+    }
+    text.push_str(&format!("plan {}\n", plan.content_sha256()));
+    text
 }

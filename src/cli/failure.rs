@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use miette::{Diagnostic, Report};
 use thiserror::Error;
 
-use crate::batch::{AuditsError, BatchError, FinishedError};
+use crate::batch::{AuditsError, BatchError, FinishedError, JournalError, PlanError, RequestError};
 use crate::cli::exit;
 use crate::map_files::MapError;
 use crate::scenario::ScenarioError;
@@ -42,6 +42,18 @@ impl Failure {
 
     pub fn unwritable(path: &Path, error: &io::Error) -> Self {
         Self::environment(format_args!("cannot write {}: {error}", path.display()))
+    }
+
+    /// A batch that has begun ends early; `resume` is the command that goes on with it.
+    pub fn of_batch(error: BatchError, resume: &str) -> Self {
+        let help = format!("resume with: {resume}");
+        match error {
+            BatchError::Stopped => Self::new(error, Some(&help), exit::RESUMABLE),
+            BatchError::Unwritable { .. } | BatchError::Unrecordable { .. } | BatchError::NoWorkers { .. } => {
+                Self::new(error, Some(&help), exit::ENVIRONMENT)
+            }
+            _ => error.into(),
+        }
     }
 
     /// A run that could not take place.
@@ -89,16 +101,42 @@ impl From<AuditsError> for Failure {
     }
 }
 
+impl From<RequestError> for Failure {
+    fn from(error: RequestError) -> Self {
+        match error {
+            RequestError::Scenario(error) => error.into(),
+            error => Self::bad_input(error, None),
+        }
+    }
+}
+
 impl From<BatchError> for Failure {
     fn from(error: BatchError) -> Self {
-        match error {
+        let help = match &error {
             BatchError::HoldsResults { .. } => {
-                Self::bad_input(error, Some("name another folder with --out, or overwrite the results with --force"))
+                Some("name another folder with --out, resume it with --resume, or overwrite the results with --force")
             }
-            BatchError::NotAFolder { .. } => Self::bad_input(error, None),
-            BatchError::Unwritable { .. } | BatchError::Unrecordable { .. } | BatchError::NoWorkers { .. } => {
-                Self::environment(error)
+            BatchError::Plan(PlanError::OtherVersion { .. }) => Some("go on with that version, or begin a new batch"),
+            BatchError::Plan(PlanError::SourceChanged { .. }) => {
+                Some("undo the change to go on with this batch, or begin a new one")
             }
-        }
+            BatchError::Journal(JournalError::Damaged { .. }) => {
+                Some("delete that line and all behind it to run those runs again")
+            }
+            BatchError::OtherSlices { .. } => Some("all slices of a batch are K/N with one N"),
+            BatchError::NoJournal { .. } => Some("begin a new batch, with --force to replace what is there"),
+            _ => None,
+        };
+        let code = match &error {
+            BatchError::Unwritable { .. }
+            | BatchError::Unrecordable { .. }
+            | BatchError::Unreadable { .. }
+            | BatchError::NoWorkers { .. }
+            | BatchError::Plan(PlanError::Unreadable { .. })
+            | BatchError::Journal(JournalError::Unreadable { .. } | JournalError::Locked { .. }) => exit::ENVIRONMENT,
+            BatchError::Stopped => exit::RESUMABLE,
+            _ => exit::BAD_INPUT,
+        };
+        Self::new(error, help, code)
     }
 }

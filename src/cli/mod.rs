@@ -8,12 +8,18 @@ mod batch_command;
 mod compare;
 mod curve;
 mod failure;
+mod interrupt;
 mod map;
+mod merge_command;
+mod new_command;
 mod output_files;
 mod plan;
+mod report_command;
 mod run_command;
 mod run_report;
 mod scenario_commands;
+mod schema_command;
+mod status_command;
 mod terminal;
 
 use std::process::ExitCode;
@@ -29,6 +35,8 @@ mod exit {
     pub const BAD_INPUT: u8 = 2;
     pub const ENVIRONMENT: u8 = 3;
     pub const OFFENCE: u8 = 4;
+    pub const RESUMABLE: u8 = 75;
+    pub const INTERRUPTED_TWICE: i32 = 130;
 }
 
 /// Reads the arguments of the process and does what they say.
@@ -41,8 +49,13 @@ fn dispatch(arguments: &Arguments) -> Result<ExitCode, Failure> {
     match &arguments.command {
         Command::Run(run) => run_command::run(run, arguments.quiet),
         Command::Batch(batch) => batch_command::run(batch, arguments.quiet),
+        Command::Report(folder) => report_command::run(folder),
         Command::Compare(compare) => compare::run(compare),
         Command::Audit(audit) => audit_command::run(audit, arguments.quiet),
+        Command::Status(folder) => status_command::run(folder),
+        Command::Merge(folder) => merge_command::run(folder),
+        Command::New(new) => new_command::run(new),
+        Command::Schema(schema) => schema_command::run(schema),
         Command::Check(check) => scenario_commands::check(check),
         Command::Scenarios(scenarios) => scenario_commands::list_or_show(scenarios),
         Command::Map { command } => map::run(command, arguments.quiet),

@@ -5,7 +5,7 @@ use std::panic;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use crate::batch::{RunResult, RunRow, Status, file_name_of, run_json};
+use crate::batch::{RunLabel, RunResult, RunRow, Status, file_name_of, run_json};
 use crate::cli::args::RunArguments;
 use crate::cli::failure::Failure;
 use crate::cli::{output_files, run_report, scenario_commands, terminal};
@@ -42,13 +42,13 @@ fn run_once(scenario: &Scenario, seed: u64) -> Result<(RunRow, Option<Timeline>)
     let stopwatch = WallStopwatch::start();
     // The panic has been printed by then, with a backtrace if one was asked for.
     let caught = panic::catch_unwind(|| sim::run(scenario, seed));
-    let wall = stopwatch.elapsed();
+    let (wall, label) = (stopwatch.elapsed(), RunLabel::alone(scenario, seed));
     match caught.map_err(|_| Failure::of_run("the run panicked: this is a fault of the program"))? {
         Ok(run) => {
             let result = RunResult::new(Outcome::of(&run.timeline), run.cost);
-            Ok((RunRow::done(&scenario.name, seed, result, wall), Some(run.timeline)))
+            Ok((RunRow::done(label, result, wall), Some(run.timeline)))
         }
-        Err(error) => Ok((RunRow::not_done(&scenario.name, seed, Status::Failed, error.to_string(), wall), None)),
+        Err(error) => Ok((RunRow::not_done(label, Status::Failed, error.to_string(), wall), None)),
     }
 }
 

@@ -8,7 +8,7 @@ use crate::timeline::{AgentOutcome, Outcome, Winner};
 /// The report of a run that is done, at most 80 columns wide.
 pub fn of(row: &RunRow, result: &RunResult) -> String {
     let outcome = &result.outcome;
-    let mut text = format!("{}, seed {}: ended after {:.1} s\n\n", row.scenario, row.seed, outcome.ended_s);
+    let mut text = format!("{}, seed {}: ended after {:.1} s\n\n", row.label.scenario, row.label.seed, outcome.ended_s);
     text.push_str(&states(outcome).to_text());
     text.push('\n');
     text.push_str(&fires(outcome));

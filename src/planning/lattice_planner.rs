@@ -6,6 +6,7 @@
 //! turn and a straight, from a pose within 10 m of it, the cheapest first. A no means: not at the finest resolution, or
 //! not through any passage as wide as the body. Paths are drivable, and not short.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::collision::CollisionChecker;
@@ -24,7 +25,7 @@ use super::{BuildReport, Effort, Goal, GoalDisc, HybridSettings, Plan, PlanFailu
 const NEAR_M: f64 = 10.0;
 
 /// What a scenario may choose about the truck's planner `lattice`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LatticeSettings {
     /// Poses that the floods of one query may spread from. The finest flood alone can take 2.9 million on 250 m x 250 m.

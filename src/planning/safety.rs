@@ -4,6 +4,7 @@
 //! 0 far away. `s` belongs to cells of the field; what lies outside the field, and its border, is no bush.
 
 use glam::DVec2;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::geometry::FieldFrame;
@@ -21,7 +22,7 @@ const MOST_PIECES: f64 = 200.0;
 /// The zones of the map `cost` are those of [`TwoZones`]; only their ratios to `max_cost` matter. Their defaults are
 /// made for cells of 5 m: on a tenth of bushes hardly a cell is farther than six from one, so that the 12 cells of a
 /// pixel map would make all places nearly alike.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SafetySettings {
     pub map: SafetyMap,
@@ -52,7 +53,7 @@ impl Default for SafetySettings {
 }
 
 /// Where `s` comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SafetyMap {
     /// All places cost the same.
@@ -64,7 +65,7 @@ pub enum SafetyMap {
 }
 
 /// Where the outer zone of the map `cost` begins to fall.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SafetyForm {
     Literal,

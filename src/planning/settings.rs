@@ -2,10 +2,11 @@
 //!
 //! Defaults are those of the scenario `contest`. Lengths are metres.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The probabilistic roadmap over the truck's body centre.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PrmSettings {
     /// Milestones to draw.
@@ -39,7 +40,7 @@ impl Default for PrmSettings {
 }
 
 /// From what milestones and edges keep their clearance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ClearanceTo {
     /// From the nearest edge of a bush, and from the field's border.
@@ -49,7 +50,7 @@ pub enum ClearanceTo {
 }
 
 /// How the roadmap is searched.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RoadmapSearch {
     Astar,
@@ -59,7 +60,7 @@ pub enum RoadmapSearch {
 }
 
 /// Which milestones a query aims at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RoadmapGoal {
     /// Those from which the fire can be reached; the drive ends in the goal disc.
@@ -71,7 +72,7 @@ pub enum RoadmapGoal {
 /// The local search with motion primitives.
 ///
 /// Costs of turning and reversing are added per metre or per move, as [`MotionCost`] says.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PrimitiveSettings {
     /// Length of a lattice motion.
@@ -135,7 +136,7 @@ impl Default for PrimitiveSettings {
 }
 
 /// The unit of the local search's costs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum MotionCost {
     /// Every metre driven costs 1.

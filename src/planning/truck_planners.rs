@@ -1,6 +1,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::collision::CollisionChecker;
@@ -12,7 +13,7 @@ use super::{
 };
 
 /// How a truck finds its way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
 pub enum TruckPlannerKind {
     /// A roadmap, and motion primitives along its waypoints.
     #[serde(rename = "prm+primitives")]

@@ -1,5 +1,6 @@
 //! The agents: where they start, what they are made of, how they choose and plan.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::or_none;
@@ -12,7 +13,7 @@ use crate::trajectory::SpeedLimits;
 use crate::vehicle::Dimensions;
 
 /// An arsonist on a lattice.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Wumpus {
     /// x, y of its centre.
@@ -27,6 +28,7 @@ pub struct Wumpus {
     pub keep_goal: bool,
     /// Spacing of its lattice, anchored at its start; `"none"`: the cell centres.
     #[serde(with = "or_none")]
+    #[schemars(with = "or_none::NumberOrNone")]
     pub lattice_m: Option<f64>,
     pub planner: WumpusPlanner,
     pub step_cost: StepCost,
@@ -70,7 +72,7 @@ impl Wumpus {
 }
 
 /// Which intact cell a Wumpus goes for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum WumpusGoal {
     RandomIntact,
@@ -79,7 +81,7 @@ pub enum WumpusGoal {
 }
 
 /// How a Wumpus finds its way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum WumpusPlanner {
     Astar,
@@ -92,13 +94,14 @@ pub enum WumpusPlanner {
 /// The potential field of a Wumpus whose planner is `potential`; distances are lattice steps.
 ///
 /// Numbers have the defaults of `wildfire map total`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct WumpusPotential {
     /// Factor of half the squared distance that attracts; it only matters without a scale.
     pub zeta: f64,
     /// The greatest attraction on the lattice; `"none"`: as `zeta` makes it.
     #[serde(with = "or_none")]
+    #[schemars(with = "or_none::NumberOrNone")]
     pub scale: Option<f64>,
     /// How far bushes repel, and how far about its goal none does.
     pub q: f64,
@@ -114,7 +117,7 @@ impl Default for WumpusPotential {
 }
 
 /// What a Wumpus does in a local minimum.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Escape {
     /// It goes on down the exact cost-to-go.
@@ -124,7 +127,7 @@ pub enum Escape {
 }
 
 /// What a lattice step costs in the search.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum StepCost {
     Metres,
@@ -133,7 +136,7 @@ pub enum StepCost {
 }
 
 /// What a lattice step takes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum StepTime {
     /// Its length at the Wumpus's speed.
@@ -143,7 +146,7 @@ pub enum StepTime {
 }
 
 /// What the Wumpus's search expects to remain.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum WumpusHeuristic {
     /// Length of the shortest lattice path on an empty field; admissible.
@@ -153,7 +156,7 @@ pub enum WumpusHeuristic {
 }
 
 /// A fire truck.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Unimog {
     pub start: StartPose,
@@ -224,7 +227,7 @@ impl Unimog {
 }
 
 /// Pose of the rear axle at the start.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct StartPose {
     pub x_m: f64,
@@ -245,19 +248,22 @@ impl StartPose {
 }
 
 /// Limits of acceleration in m/s2; `"none"`: speed changes at once.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Limits {
     #[serde(with = "or_none")]
+    #[schemars(with = "or_none::NumberOrNone")]
     pub acceleration_mps2: Option<f64>,
     #[serde(with = "or_none")]
+    #[schemars(with = "or_none::NumberOrNone")]
     pub braking_mps2: Option<f64>,
     #[serde(with = "or_none")]
+    #[schemars(with = "or_none::NumberOrNone")]
     pub lateral_mps2: Option<f64>,
 }
 
 /// Which burning cell a truck goes for. Distances run from its body's centre to the cell's, ties go by cell index.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum TruckGoal {
     NearestBurning,
@@ -268,7 +274,7 @@ pub enum TruckGoal {
 }
 
 /// When a truck on its way reconsiders.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Retarget {
     Never,

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{GivenField, Shape};
@@ -17,7 +18,7 @@ pub const MAX_COVERAGE: f64 = 0.40;
 const ROUNDING_PIECES: f64 = 1e-9;
 
 /// The field: generated tetrominoes, or a given map.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Field {
     /// Side of the square field; a whole number of cells. With a map, the longer side of the map.
@@ -36,6 +37,7 @@ pub struct Field {
     pub map: Option<PathBuf>,
     /// What the file at `map` says. Loading fills it in, so that a resolved scenario is complete without the file.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(skip)]
     pub given: Option<GivenField>,
 }
 
@@ -56,7 +58,7 @@ impl Default for Field {
 }
 
 /// What happens where a new piece would cover an old one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Overlaps {
     /// Pieces are drawn from the placements that touch no earlier piece's cells.

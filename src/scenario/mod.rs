@@ -43,6 +43,7 @@ pub use source::{BUILT_IN, MAX_MAP_BYTES, MAX_SCENARIO_BYTES};
 pub use terrain::{Terrain, TerrainError};
 pub use tetromino::Shape;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::geometry::DVec2;
@@ -51,8 +52,13 @@ pub use crate::planning::{
     RoadmapGoal, RoadmapSearch, SafetyForm, SafetyMap, SafetySettings, TruckPlannerKind,
 };
 
+/// The JSON Schema of scenario files.
+pub fn schema() -> schemars::Schema {
+    schemars::schema_for!(Scenario)
+}
+
 /// A contest: where, under which rules, between whom, for how long.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scenario {
     #[serde(default)]

@@ -1,7 +1,9 @@
 //! A number that may be the word "none".
 
+use std::borrow::Cow;
 use std::fmt;
 
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, Visitor};
 use serde::{Deserializer, Serializer};
 
@@ -16,7 +18,22 @@ pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<
     deserializer.deserialize_any(NumberOrNone)
 }
 
-struct NumberOrNone;
+/// What such a field may hold.
+pub struct NumberOrNone;
+
+impl JsonSchema for NumberOrNone {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        "NumberOrNone".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "anyOf": [{ "type": "number" }, { "const": "none" }] })
+    }
+}
 
 impl Visitor<'_> for NumberOrNone {
     type Value = Option<f64>;

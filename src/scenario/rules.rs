@@ -1,12 +1,15 @@
 //! The rules: how fire spreads and ends, how it is put out, what counts, what burns by itself.
 
+use std::borrow::Cow;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
 
 use super::or_none;
 use crate::geometry::Cell;
 
 /// How fire spreads and ends.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Fire {
     pub spread_delay_s: f64,
@@ -15,6 +18,7 @@ pub struct Fire {
     pub spread_from: SpreadFrom,
     /// From ignition to burned out; `"none"`: it burns for ever.
     #[serde(with = "or_none")]
+    #[schemars(with = "or_none::NumberOrNone")]
     pub burn_out_s: Option<f64>,
     /// Whether an extinguished cell can burn again.
     pub relight: bool,
@@ -33,7 +37,7 @@ impl Default for Fire {
 }
 
 /// Which burning cells set others on fire.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SpreadFrom {
     All,
@@ -43,11 +47,12 @@ pub enum SpreadFrom {
 }
 
 /// How a truck puts fires out.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Suppression {
     /// From the truck's body centre to the cell's centre, inclusive; `"none"`: no rule of distance.
     #[serde(with = "or_none")]
+    #[schemars(with = "or_none::NumberOrNone")]
     pub reach_m: Option<f64>,
     /// How long the truck stands for it, uninterrupted.
     pub dwell_s: f64,
@@ -61,7 +66,7 @@ impl Default for Suppression {
 }
 
 /// What one stop puts out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Extinguishes {
     One,
@@ -70,7 +75,7 @@ pub enum Extinguishes {
 }
 
 /// Points a cell.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Score {
     /// To the Wumpuses, for every cell that catches fire, by spread too.
@@ -102,12 +107,23 @@ pub enum IgnitionCells {
     Random(u32),
 }
 
+impl JsonSchema for Ignition {
+    fn schema_name() -> Cow<'static, str> {
+        "Ignition".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        IgnitionEntry::json_schema(generator)
+    }
+}
+
 /// An `[[ignition]]` as it is written: flat, so that a wrong value keeps its place.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct IgnitionEntry {
     at_s: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<Vec<(u16, u16)>>")]
     cells: Option<Vec<Cell>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     random: Option<u32>,

@@ -1,9 +1,10 @@
 //! The seven one-sided tetrominoes and their rotations.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A one-sided tetromino: mirror images count as different, rotations do not.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 pub enum Shape {
     I,
     J,

@@ -19,6 +19,7 @@ use std::time::Duration;
 
 use bevy::ecs::schedule::{LogLevel, Schedule, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::scenario::{Scenario, TerrainError};
@@ -36,7 +37,7 @@ use truck::Truck;
 use wumpus::Wumpus;
 
 /// CPU time of one agent's planning over a run. What does not concern its kind is zero.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct AgentCost {
     pub agent: AgentId,
     /// The truck's roadmap: drawing samples, and connecting them.
@@ -57,7 +58,7 @@ impl AgentCost {
 }
 
 /// CPU time of a run; never part of its outcome.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct RunCost {
     pub terrain: Duration,
     pub clearance_field: Duration,

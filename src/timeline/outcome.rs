@@ -1,6 +1,6 @@
 //! A run's result in numbers, computed from its facts alone.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::reader::Reader;
 use super::{AgentId, Timeline};
@@ -8,7 +8,7 @@ use super::{AgentId, Timeline};
 /// Counts, times and scores of a run.
 ///
 /// Where something holds "during" a stretch of time, it is what holds after all facts at the stretch's first instant.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
     /// Bushes of the field; each is intact, burning, burned out or extinguished when the run ends.
     pub obstacles: u32,
@@ -43,7 +43,7 @@ pub struct Outcome {
 }
 
 /// What one agent did. Fields that do not concern its kind are zero.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AgentOutcome {
     pub agent: AgentId,
     /// Cells lit, or extinguished, by this agent.
@@ -91,7 +91,7 @@ pub struct AgentOutcome {
 
 impl AgentOutcome {
     /// Of an agent that has done nothing yet.
-    pub(super) fn idle(agent: AgentId) -> Self {
+    pub fn idle(agent: AgentId) -> Self {
         Self {
             agent,
             cells: 0,

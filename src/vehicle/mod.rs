@@ -12,12 +12,13 @@ pub use path::{Path, Segment};
 pub use reeds_shepp::{CurvePrice, ReedsShepp};
 
 use glam::DVec2;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::geometry::{OrientedRect, Pose, ops};
 
 /// Dimensions of a truck with Ackermann steering, in metres. The default is the contest's Unimog.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Dimensions {
     /// Overall length, bumper to bumper.

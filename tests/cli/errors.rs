@@ -52,7 +52,7 @@ fn numbers_of_threads_that_make_no_sense_are_refused() {
 #[test]
 fn options_that_mean_nothing_alone_are_refused() {
     let story = Story::begin();
-    refuse(&story, &["batch", "--force"], &["--out"]);
+    refuse(&story, &["batch", "--shard", "1/2"], &["--out"]);
     refuse(&story, &["run", "--step", "0.1"], &["--trace"]);
     refuse(&story, &["batch", "--record", "some"], &["`all`", "`failed`", "`none`"]);
 }

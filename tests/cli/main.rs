@@ -1,6 +1,8 @@
 //! The program told to do things from outside, as small stories.
 
 mod audit;
+mod batch_kill;
+mod batch_plans;
 mod commands;
 mod compare;
 mod contest;
@@ -15,4 +17,5 @@ mod plan;
 mod plan_ompl;
 mod plan_readme;
 mod readme;
+mod report;
 mod story;

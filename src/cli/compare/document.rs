@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::batch::TextTable;
+use crate::batch::{TextTable, html};
 
 /// What a page says, from top to bottom. Nothing in it is marked up yet.
 #[derive(Clone, Debug, Default)]
@@ -61,18 +61,17 @@ impl Document {
 
     /// A page that needs no other file and no network.
     pub fn to_html(&self) -> String {
-        let title = in_html(&self.title);
-        let mut text = format!("{HTML_HEAD}<title>{title}</title>\n<style>{STYLE}</style>\n<h1>{title}</h1>\n");
+        let mut text = html::head(&self.title);
         for block in &self.blocks {
             match block {
-                Block::Heading(line) => push(&mut text, format_args!("<h2>{}</h2>\n", in_html(line))),
-                Block::Text(line) => push(&mut text, format_args!("<p>{}</p>\n", in_html(line))),
+                Block::Heading(line) => push(&mut text, format_args!("<h2>{}</h2>\n", html::escaped(line))),
+                Block::Text(line) => push(&mut text, format_args!("<p>{}</p>\n", html::escaped(line))),
                 Block::List(lines) => {
                     text.push_str("<ul>\n");
-                    lines.iter().for_each(|line| push(&mut text, format_args!("<li>{}</li>\n", in_html(line))));
+                    lines.iter().for_each(|line| push(&mut text, format_args!("<li>{}</li>\n", html::escaped(line))));
                     text.push_str("</ul>\n");
                 }
-                Block::Table(table) => push_html_table(&mut text, &escaped(table, in_html)),
+                Block::Table(table) => text.push_str(&html::table(table)),
             }
         }
         text.push_str("</html>\n");
@@ -82,15 +81,6 @@ impl Document {
 
 /// The width that sentences are broken to on a terminal, in characters.
 const WIDTH: usize = 80;
-
-const HTML_HEAD: &str = "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n\
-                         <meta name=\"viewport\" content=\"width=device-width\">\n";
-
-const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;color:#111}\
-                     table{border-collapse:collapse;margin:1em 0;font-variant-numeric:tabular-nums}\
-                     th,td{padding:.2em .7em;text-align:right;border-bottom:1px solid #bbb}\
-                     th{vertical-align:bottom;border-bottom:2px solid #111}\
-                     th:first-child,td:first-child{text-align:left}";
 
 fn push(text: &mut String, arguments: std::fmt::Arguments<'_>) {
     text.write_fmt(arguments).expect("a string takes any text");
@@ -122,20 +112,6 @@ fn push_wrapped(text: &mut String, line: &str, indent: &str) {
     text.push('\n');
 }
 
-fn push_html_table(text: &mut String, table: &TextTable) {
-    text.push_str("<table>\n<tr>");
-    for lines in &table.headings {
-        push(text, format_args!("<th>{}</th>", lines.join("<br>")));
-    }
-    text.push_str("</tr>\n");
-    for row in &table.rows {
-        text.push_str("<tr>");
-        row.iter().for_each(|cell| push(text, format_args!("<td>{cell}</td>")));
-        text.push_str("</tr>\n");
-    }
-    text.push_str("</table>\n");
-}
-
 fn escaped(table: &TextTable, escape: fn(&str) -> String) -> TextTable {
     let all = |cells: &Vec<String>| cells.iter().map(|cell| escape(cell)).collect();
     TextTable {
@@ -143,21 +119,6 @@ fn escaped(table: &TextTable, escape: fn(&str) -> String) -> TextTable {
         rows: table.rows.iter().map(all).collect(),
         rules_before: table.rules_before.clone(),
     }
-}
-
-fn in_html(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            '\'' => escaped.push_str("&#39;"),
-            letter => escaped.push(letter),
-        }
-    }
-    escaped
 }
 
 fn in_markdown(text: &str) -> String {

@@ -1,7 +1,8 @@
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// What a scenario may choose about the truck's planner `hybrid-astar`. Lengths are metres.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct HybridSettings {
     /// What the body keeps from bushes and border; where that leads nowhere, two thirds of it, then a third, then a

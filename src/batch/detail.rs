@@ -1,0 +1,220 @@
+//! What a batch keeps of a run besides its numbers: every call of a planner, and the bushes over time.
+
+use serde::{Deserialize, Serialize};
+
+use crate::planning::{Effort, PlanFailure};
+use crate::time::SimTime;
+use crate::timeline::{AgentId, Event, Fact, Replay, Timeline, Vegetation};
+
+/// Steps between the times at which bushes are counted, which are the first and the last of the scenario too.
+pub const STATE_STEPS: u64 = 60;
+
+/// Details of a run; empty of one that is not done.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RunDetail {
+    /// Facts of the timeline.
+    pub facts: u64,
+    /// In the order in which they were made.
+    pub calls: Vec<PlannerCall>,
+    /// Every sixtieth of the scenario's duration.
+    pub states: Vec<StateCount>,
+}
+
+/// A query to an agent's planner, and its answer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "CallFields", into = "CallFields")]
+pub struct PlannerCall {
+    pub agent: AgentId,
+    pub time: SimTime,
+    /// Column and row of the cell that the agent goes for.
+    pub goal: (u16, u16),
+    pub answer: Result<Solution, PlanFailure>,
+    pub effort: Effort,
+}
+
+/// A plan.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solution {
+    pub length_m: f64,
+    pub segments: u32,
+    pub cusps: u32,
+    pub duration_s: f64,
+    /// Whether the reachability flood made it, after the planner had failed.
+    pub by_lattice: bool,
+}
+
+/// A call as a journal holds it, where there are hundreds in every line: agent (twice its number, one more for a truck),
+/// nanoseconds, column, row, failure (from 1; 0 of a plan), expansions in roadmap and local search, and of a plan
+/// metres, segments, cusps, seconds, and whether it is the flood's.
+type CallFields = (u32, u64, u16, u16, usize, u32, u32, Option<(f64, u32, u32, f64, bool)>);
+
+impl TryFrom<CallFields> for PlannerCall {
+    type Error = &'static str;
+
+    fn try_from(fields: CallFields) -> Result<Self, &'static str> {
+        let (agent, nanos, col, row, failure, roadmap_expansions, local_expansions, plan) = fields;
+        let number = u16::try_from(agent / 2).map_err(|_| "there are not so many agents")?;
+        let solution = |(length_m, segments, cusps, duration_s, by_lattice)| Solution {
+            length_m,
+            segments,
+            cusps,
+            duration_s,
+            by_lattice,
+        };
+        let answer = match (failure, plan) {
+            (0, Some(plan)) => Ok(solution(plan)),
+            (number, None) => {
+                let failure = number.checked_sub(1).and_then(|index| PlanFailure::ALL.get(index));
+                Err(*failure.ok_or("a call has a plan, or a reason why not")?)
+            }
+            (_, Some(_)) => return Err("a plan has no failure"),
+        };
+        Ok(Self {
+            agent: if agent % 2 == 0 { AgentId::Wumpus(number) } else { AgentId::Unimog(number) },
+            time: SimTime::from_nanos(nanos),
+            goal: (col, row),
+            answer,
+            effort: Effort { roadmap_expansions, local_expansions },
+        })
+    }
+}
+
+impl From<PlannerCall> for CallFields {
+    fn from(call: PlannerCall) -> Self {
+        let agent = match call.agent {
+            AgentId::Wumpus(number) => 2 * u32::from(number),
+            AgentId::Unimog(number) => 2 * u32::from(number) + 1,
+        };
+        let place_of = |failure| PlanFailure::ALL.iter().position(|known| *known == failure);
+        let failure = call.answer.err().map_or(0, |failure| 1 + place_of(failure).expect("all failures are listed"));
+        let plan = call.answer.ok();
+        let plan = plan.map(|plan| (plan.length_m, plan.segments, plan.cusps, plan.duration_s, plan.by_lattice));
+        let Effort { roadmap_expansions, local_expansions } = call.effort;
+        let (col, row) = call.goal;
+        (agent, call.time.as_nanos(), col, row, failure, roadmap_expansions, local_expansions, plan)
+    }
+}
+
+/// How many bushes are in which state; the others are intact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(from = "(SimTime, u32, u32, u32, u32)", into = "(SimTime, u32, u32, u32, u32)")]
+pub struct StateCount {
+    pub time: SimTime,
+    pub intact: u32,
+    pub burning: u32,
+    pub burned_out: u32,
+    pub extinguished: u32,
+}
+
+impl From<(SimTime, u32, u32, u32, u32)> for StateCount {
+    fn from((time, intact, burning, burned_out, extinguished): (SimTime, u32, u32, u32, u32)) -> Self {
+        Self { time, intact, burning, burned_out, extinguished }
+    }
+}
+
+impl From<StateCount> for (SimTime, u32, u32, u32, u32) {
+    fn from(count: StateCount) -> Self {
+        (count.time, count.intact, count.burning, count.burned_out, count.extinguished)
+    }
+}
+
+impl RunDetail {
+    pub fn of(timeline: &Timeline) -> Self {
+        Self {
+            facts: timeline.events.len() as u64,
+            calls: timeline.events.iter().filter_map(call_of).collect(),
+            states: states_of(timeline),
+        }
+    }
+}
+
+fn call_of(event: &Event) -> Option<PlannerCall> {
+    let time = event.time;
+    match &event.fact {
+        Fact::Planned { agent, goal, trajectory, effort, by_lattice } => {
+            let solution = Solution {
+                length_m: trajectory.distance_m(SimTime::MAX),
+                segments: trajectory.pieces().iter().filter(|piece| piece.segment().is_some()).count() as u32,
+                cusps: trajectory.cusps(),
+                duration_s: trajectory.duration_s(),
+                by_lattice: *by_lattice,
+            };
+            let goal = (goal.col, goal.row);
+            Some(PlannerCall { agent: *agent, time, goal, answer: Ok(solution), effort: *effort })
+        }
+        Fact::PlanFailed { agent, goal, reason, effort, .. } => {
+            let goal = (goal.col, goal.row);
+            Some(PlannerCall { agent: *agent, time, goal, answer: Err(*reason), effort: *effort })
+        }
+        _ => None,
+    }
+}
+
+/// Beyond the end of a run its bushes stay as they are.
+fn states_of(timeline: &Timeline) -> Vec<StateCount> {
+    let duration = timeline.setting.rules.duration.as_nanos();
+    let mut replay = Replay::new(timeline);
+    let count = |step: u64| {
+        // No run lasts so many years that this would overflow.
+        let time = SimTime::from_nanos(duration.saturating_mul(step) / STATE_STEPS);
+        replay.seek(time);
+        count_of(time, replay.bushes())
+    };
+    (0..=STATE_STEPS).map(count).collect()
+}
+
+fn count_of(time: SimTime, bushes: &[Vegetation]) -> StateCount {
+    let mut count = StateCount { time, intact: 0, burning: 0, burned_out: 0, extinguished: 0 };
+    for bush in bushes {
+        *match bush {
+            Vegetation::Intact => &mut count.intact,
+            Vegetation::Burning { .. } => &mut count.burning,
+            Vegetation::BurnedOut => &mut count.burned_out,
+            Vegetation::Extinguished => &mut count.extinguished,
+        } += 1;
+    }
+    count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::timeline::Outcome;
+    use crate::{scenario, sim};
+
+    fn smoke() -> Timeline {
+        let scenario = scenario::load("smoke", &[]).expect("it is built in");
+        sim::run(&scenario, 3).expect("it can take place").timeline
+    }
+
+    #[test]
+    fn calls_are_those_that_the_outcome_counts() {
+        let timeline = smoke();
+        let (outcome, detail) = (Outcome::of(&timeline), RunDetail::of(&timeline));
+        for agent in &outcome.agents {
+            let calls: Vec<_> = detail.calls.iter().filter(|call| call.agent == agent.agent).collect();
+            let failed = calls.iter().filter(|call| call.answer.is_err()).count() as u32;
+            assert_eq!((calls.len() as u32, failed), (agent.plans, agent.failures.iter().sum()), "{}", agent.agent);
+        }
+    }
+
+    #[test]
+    fn last_state_is_that_of_the_outcome_and_every_bush_is_in_one() {
+        let timeline = smoke();
+        let (outcome, states) = (Outcome::of(&timeline), RunDetail::of(&timeline).states);
+        let last = states.last().expect("there are states");
+        assert_eq!((states.len(), last.time), (61, SimTime::from_seconds(300.0)));
+        assert_eq!(last.intact, outcome.intact);
+        assert_eq!((last.burned_out, last.extinguished), (outcome.burned_out, outcome.extinguished));
+        let sum = |state: &StateCount| state.intact + state.burning + state.burned_out + state.extinguished;
+        assert!(states.iter().all(|state| sum(state) == outcome.obstacles));
+        assert!(states.iter().any(|state| state.burning > 0));
+    }
+
+    #[test]
+    fn details_survive_a_journal() {
+        let detail = RunDetail::of(&smoke());
+        let json = serde_json::to_string(&detail).expect("numbers and words are JSON");
+        assert_eq!(serde_json::from_str::<RunDetail>(&json).expect("it was just written"), detail);
+    }
+}

@@ -1,0 +1,88 @@
+//! From journals to tables.
+
+use std::io::Write;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::batch::disk::Disk;
+use crate::batch::journal::{JournalError, ReadJournal};
+use crate::batch::parquet_files::ParquetFiles;
+use crate::batch::row_files::RowFiles;
+use crate::batch::{BatchError, BatchPlan, BatchReport, OutputFolder, RunRow, Slice, TABLES_FILE, VariantReport};
+
+/// Writes all rows in the order of the plan, and the tables.
+pub fn write_tables(
+    plan: &BatchPlan,
+    folder: &OutputFolder,
+    disk: &dyn Disk,
+    stop: &AtomicBool,
+    mut row_of: impl FnMut(u64) -> Result<RunRow, JournalError>,
+) -> Result<BatchReport, BatchError> {
+    let mut files = RowFiles::create(folder, disk, &plan.swept_keys)?;
+    let mut parquet_files = ParquetFiles::create(folder, disk, plan)?;
+    let mut report = BatchReport::default();
+    let mut number = 0;
+    for variant in &plan.variants {
+        let mut variant_report = VariantReport::titled(plan.title(variant));
+        for _ in 0..plan.seeds.count() {
+            if stop.load(Ordering::Relaxed) {
+                return Err(BatchError::Stopped);
+            }
+            number += 1;
+            let row = row_of(number)?;
+            files.add(&row)?;
+            parquet_files.add(&row)?;
+            variant_report.add(&row);
+        }
+        report.variants.push(variant_report);
+    }
+    write_markdown(folder, disk, &report)?;
+    parquet_files.finish()?;
+    files.finish()?;
+    Ok(report)
+}
+
+fn write_markdown(folder: &OutputFolder, disk: &dyn Disk, report: &BatchReport) -> Result<(), BatchError> {
+    let path = folder.path().join(TABLES_FILE);
+    let write = || {
+        let mut file = disk.whole_file(&path)?;
+        file.write_all(report.to_markdown().as_bytes())?;
+        file.finish()
+    };
+    write().map_err(|source| BatchError::unwritable(&path, source))
+}
+
+/// Puts the slices of a batch together: all must be complete, and nobody at work on them.
+pub fn merge(folder: &OutputFolder, disk: &dyn Disk, stop: &AtomicBool) -> Result<BatchReport, BatchError> {
+    let plan = BatchPlan::read(folder.path())?;
+    let slices = slices_of(folder)?;
+    let journals: Result<Vec<_>, _> = slices.iter().map(|&slice| ReadJournal::open(folder, slice, &plan)).collect();
+    let journals = journals?;
+    for journal in &journals {
+        if !journal.index.is_complete() {
+            let (held, _) = journal.index.held();
+            let missing = journal.index.count() - held;
+            return Err(BatchError::Incomplete { slice: journal.index.slice(), missing, of: journal.index.count() });
+        }
+    }
+    folder.remove_leftovers()?;
+    let mut rows = journals.iter().map(ReadJournal::rows).collect::<Result<Vec<_>, _>>()?;
+    let of = rows.len() as u64;
+    write_tables(&plan, folder, disk, stop, |run| {
+        let slice = usize::try_from((run - 1) % of).expect("there are few slices");
+        rows[slice].row(run)
+    })
+}
+
+/// The slices that a folder has journals of: all of one number.
+fn slices_of(folder: &OutputFolder) -> Result<Vec<Slice>, BatchError> {
+    let found = folder.journals()?;
+    let path = || folder.path().to_owned();
+    let Some(&first) = found.first() else { return Err(BatchError::NoJournal { path: path() }) };
+    if let Some(&other) = found.iter().find(|other| other.of() != first.of()) {
+        return Err(BatchError::OtherSlices { path: path(), found: other, asked: first });
+    }
+    match first.all().find(|slice| !found.contains(slice)) {
+        Some(slice) => Err(BatchError::NotBegun { path: path(), slice }),
+        None => Ok(found),
+    }
+}

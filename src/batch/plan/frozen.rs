@@ -1,0 +1,288 @@
+//! `plan.json`: the plan as it was when the batch began.
+
+use std::fmt::Write;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use thiserror::Error;
+
+use super::difference::{differences, differences_of_scenarios};
+use super::request::MAX_PLAN_BYTES;
+use super::{BatchPlan, PROGRAM, PROGRAM_VERSION, Record, Variant};
+use crate::batch::{PLAN_FILE, Seeds, SeedsError};
+use crate::scenario::{self, Fault, Scenario};
+
+/// Version of the format of `plan.json`.
+const PLAN_FORMAT: u32 = 2;
+
+/// Why the plan of a folder cannot be followed.
+#[derive(Debug, Error)]
+pub enum PlanError {
+    #[error("{} holds no {PLAN_FILE}; expected the folder of a batch", folder.display())]
+    Missing { folder: PathBuf },
+    #[error("cannot read {}: {source}", path.display())]
+    Unreadable { path: PathBuf, source: io::Error },
+    #[error("{} is no plan of a batch: {reason}", path.display())]
+    NotAPlan { path: PathBuf, reason: String },
+    #[error(
+        "{} was written by wildfire {found}; this is {PROGRAM_VERSION}, whose runs may differ",
+        path.display()
+    )]
+    OtherVersion { path: PathBuf, found: String },
+    #[error("{} was changed after it was written: its contents have the hash {found}, it names {expected}", path.display())]
+    Tampered { path: PathBuf, found: String, expected: String },
+    #[error("{} holds a scenario that is refused: {fault}", path.display())]
+    Refused { path: PathBuf, fault: Box<Fault> },
+    #[error("{} is another plan than what is asked for: {}", path.display(), list(.differences))]
+    Differs { path: PathBuf, differences: Vec<String> },
+    #[error(
+        "`{scenario}` has changed since the batch began: {}; the rest of the batch would not go with what is done",
+        list(.differences)
+    )]
+    SourceChanged { scenario: String, differences: Vec<String> },
+}
+
+fn list(differences: &[String]) -> String {
+    differences.join("; ")
+}
+
+/// Contents of `plan.json`.
+#[derive(Serialize)]
+struct Frozen<'a> {
+    format: u32,
+    program: &'static str,
+    program_version: &'static str,
+    content_sha256: String,
+    seeds: String,
+    runs: u64,
+    record: Record,
+    swept_keys: &'a [String],
+    variants: &'a [Variant],
+}
+
+/// What every plan says, whatever its format.
+#[derive(Deserialize)]
+struct Head {
+    program: String,
+    program_version: String,
+    format: u32,
+}
+
+#[derive(Deserialize)]
+struct Body {
+    content_sha256: String,
+    seeds: String,
+    record: Record,
+    swept_keys: Vec<String>,
+    variants: Vec<Variant>,
+}
+
+/// What the outcome columns of a batch depend on.
+#[derive(Serialize)]
+struct Content<'a> {
+    program_version: &'static str,
+    seeds: String,
+    swept_keys: &'a [String],
+    scenarios: Vec<&'a Scenario>,
+}
+
+impl BatchPlan {
+    /// The plan as JSON, the scenarios with all their defaults filled in.
+    pub fn to_json(&self) -> String {
+        let frozen = Frozen {
+            format: PLAN_FORMAT,
+            program: PROGRAM,
+            program_version: PROGRAM_VERSION,
+            content_sha256: self.content_sha256(),
+            seeds: self.seeds.to_string(),
+            runs: self.count(),
+            record: self.record,
+            swept_keys: &self.swept_keys,
+            variants: &self.variants,
+        };
+        let mut json = serde_json::to_string_pretty(&frozen).expect("plans hold names, numbers and lists only");
+        json.push('\n');
+        json
+    }
+
+    /// SHA-256, in hexadecimal, of the compact JSON of program version, seeds, swept keys and resolved scenarios: two
+    /// batches with the same hash have the same outcome columns.
+    pub fn content_sha256(&self) -> String {
+        let content = Content {
+            program_version: PROGRAM_VERSION,
+            seeds: self.seeds.to_string(),
+            swept_keys: &self.swept_keys,
+            scenarios: self.variants.iter().map(|variant| &variant.scenario).collect(),
+        };
+        let json = serde_json::to_vec(&content).expect("scenarios hold names, numbers and lists only");
+        Sha256::digest(json).iter().fold(String::new(), |mut hex, byte| {
+            write!(hex, "{byte:02x}").expect("a string takes any text");
+            hex
+        })
+    }
+
+    /// Reads the plan of a batch's folder.
+    ///
+    /// # Errors
+    /// If there is none, if it cannot be read, if another version of the program wrote it, or if it was changed.
+    pub fn read(folder: &Path) -> Result<Self, PlanError> {
+        let path = folder.join(PLAN_FILE);
+        let text = read_text(folder, &path)?;
+        let not_a_plan = |reason: String| PlanError::NotAPlan { path: path.clone(), reason };
+        let head: Head = serde_json::from_str(&text).map_err(|error| not_a_plan(error.to_string()))?;
+        if head.program != PROGRAM {
+            return Err(not_a_plan(format!("its program is `{}`, expected `{PROGRAM}`", head.program)));
+        }
+        if head.format != PLAN_FORMAT || head.program_version != PROGRAM_VERSION {
+            return Err(PlanError::OtherVersion { path, found: head.program_version });
+        }
+        let body: Body = serde_json::from_str(&text).map_err(|error| not_a_plan(error.to_string()))?;
+        let expected = body.content_sha256.clone();
+        let plan = body.into_plan().map_err(|error| not_a_plan(error.to_string()))?;
+        let found = plan.content_sha256();
+        if found != expected {
+            return Err(PlanError::Tampered { path, found, expected });
+        }
+        plan.check_variants(&path)?;
+        Ok(plan)
+    }
+
+    /// A hash can be computed by anybody, so what stands under a right one is checked like any scenario.
+    fn check_variants(&self, path: &Path) -> Result<(), PlanError> {
+        let not_a_plan = |reason: &str| PlanError::NotAPlan { path: path.to_owned(), reason: reason.to_owned() };
+        if self.variants.is_empty() {
+            return Err(not_a_plan("it has no variants"));
+        }
+        for variant in &self.variants {
+            if variant.swept.len() != self.swept_keys.len() {
+                return Err(not_a_plan("a variant does not have a value for each swept key"));
+            }
+            let refused = |fault| PlanError::Refused { path: path.to_owned(), fault: Box::new(fault) };
+            variant.scenario.check().map_err(refused)?;
+        }
+        Ok(())
+    }
+
+    /// Refuses another plan than this one, which stands in a folder.
+    pub fn expect_same(&self, asked: &Self, folder: &Path) -> Result<(), PlanError> {
+        let differences = differences(self, asked);
+        if differences.is_empty() {
+            return Ok(());
+        }
+        Err(PlanError::Differs { path: folder.join(PLAN_FILE), differences })
+    }
+
+    /// Refuses to go on with scenarios that are not any more what they were when the plan was made. A scenario whose
+    /// file is not there, or not a scenario now, is taken as the plan has it.
+    pub fn expect_unchanged_sources(&self) -> Result<(), PlanError> {
+        for variant in &self.variants {
+            let Ok(now) = scenario::load(&variant.source, &variant.changes) else { continue };
+            let differences = differences_of_scenarios(&variant.scenario, &now);
+            if !differences.is_empty() {
+                return Err(PlanError::SourceChanged { scenario: variant.source.clone(), differences });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Body {
+    fn into_plan(self) -> Result<BatchPlan, SeedsError> {
+        let Self { seeds, record, swept_keys, variants, .. } = self;
+        let seeds: Seeds = seeds.parse()?;
+        Ok(BatchPlan { variants, swept_keys, seeds, record })
+    }
+}
+
+fn read_text(folder: &Path, path: &Path) -> Result<String, PlanError> {
+    let unreadable = |source: io::Error| match source.kind() {
+        io::ErrorKind::NotFound => PlanError::Missing { folder: folder.to_owned() },
+        _ => PlanError::Unreadable { path: path.to_owned(), source },
+    };
+    // Twice the size of the scenarios leaves room for the indentation, which is most of what else there is.
+    let most = 4 * MAX_PLAN_BYTES;
+    let mut text = String::new();
+    File::open(path).map_err(unreadable)?.take(most + 1).read_to_string(&mut text).map_err(unreadable)?;
+    if text.len() as u64 > most {
+        let reason = format!("it is longer than {} MB", most / 1_000_000);
+        return Err(PlanError::NotAPlan { path: path.to_owned(), reason });
+    }
+    Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+    use crate::batch::BatchRequest;
+    use crate::scenario::BUILT_IN;
+
+    fn plan(scenario: &str, options: &[&str]) -> BatchPlan {
+        let mut request = BatchRequest { scenarios: vec![scenario.into()], ..BatchRequest::default() };
+        for option in options {
+            request.add_option(option).expect("an option");
+        }
+        request.resolve(false).expect("a small batch")
+    }
+
+    fn read_back(json: &str) -> Result<BatchPlan, PlanError> {
+        let scratch = tempfile::tempdir().expect("a scratch folder");
+        fs::write(scratch.path().join(PLAN_FILE), json).expect("writable");
+        BatchPlan::read(scratch.path())
+    }
+
+    #[test]
+    fn plan_of_every_scenario_survives_being_frozen() {
+        for (name, _) in BUILT_IN {
+            let plan = plan(name, &["fire.burn_out_s=30,40.5", "field.cell_m=2.5,5"]);
+            assert_eq!(read_back(&plan.to_json()).expect("it was just written"), plan, "{name}");
+        }
+    }
+
+    #[test]
+    fn hash_covers_what_decides_and_nothing_else() {
+        let hash = |options: &[&str]| plan("smoke", options).content_sha256();
+        assert_eq!(hash(&[]).len(), 64);
+        assert_eq!(hash(&[]), BatchPlan { record: Record::All, ..plan("smoke", &[]) }.content_sha256());
+        assert_ne!(hash(&[]), hash(&["fire.relight=true"]));
+        assert_ne!(hash(&["fire.burn_out_s=30,40"]), hash(&["fire.burn_out_s=40,30"]));
+    }
+
+    #[test]
+    fn plan_that_was_changed_or_is_another_versions_is_refused() {
+        let json = plan("smoke", &[]).to_json();
+        let refusal = |from: &str, to: &str| {
+            assert!(json.contains(from), "{json}");
+            read_back(&json.replacen(from, to, 1)).expect_err("it was changed")
+        };
+        let version = format!("\"program_version\": \"{PROGRAM_VERSION}\"");
+        assert!(matches!(refusal(&version, "\"program_version\": \"0.0.1\""), PlanError::OtherVersion { .. }));
+        assert!(matches!(refusal("\"duration_s\": 300.0", "\"duration_s\": 301.0"), PlanError::Tampered { .. }));
+        assert!(matches!(refusal("\"seeds\": \"1..5\"", "\"seeds\": \"1..6\""), PlanError::Tampered { .. }));
+        assert!(matches!(refusal("\"seeds\": \"1..5\"", "\"seeds\": \"x\""), PlanError::NotAPlan { .. }));
+        assert!(matches!(refusal("\"program\": \"wildfire\"", "\"program\": \"other\""), PlanError::NotAPlan { .. }));
+        assert!(matches!(refusal("{", "["), PlanError::NotAPlan { .. }));
+    }
+
+    #[test]
+    fn impossible_scenario_under_a_right_hash_is_refused() {
+        let mut forged = plan("smoke", &[]);
+        forged.variants[0].scenario.field.size_m = 1e9;
+        let refusal = read_back(&forged.to_json()).expect_err("the field has 4e16 cells");
+        assert!(matches!(refusal, PlanError::Refused { .. }), "{refusal}");
+        forged.variants.clear();
+        assert!(matches!(read_back(&forged.to_json()), Err(PlanError::NotAPlan { .. })));
+    }
+
+    #[test]
+    fn another_plan_is_refused_with_the_difference() {
+        let (one, other) = (plan("smoke", &[]), plan("smoke", &["fire.burn_out_s=30"]));
+        assert!(one.expect_same(&one, Path::new("out")).is_ok());
+        let refusal = one.expect_same(&other, Path::new("out")).expect_err("they differ").to_string();
+        assert!(refusal.contains("fire.burn_out_s is 60.0 there, 30.0 is asked for"), "{refusal}");
+    }
+}

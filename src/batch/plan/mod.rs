@@ -1,0 +1,227 @@
+//! What a batch is asked to do: variants of scenarios, each with the same seeds.
+//!
+//! A variant is a scenario with all its changes and one value of everything that is swept. The runs of a plan are
+//! numbered from 1: all seeds of the first variant, then all of the second, and so on. So the number of a run follows
+//! from the plan alone, and runs of different variants with one seed are pairs: they have the same field as far as
+//! the variants let it be the same.
+
+mod difference;
+mod file;
+mod frozen;
+mod request;
+mod sweep;
+
+pub use file::{PLAN_TEMPLATE, schema as plan_schema};
+pub use frozen::PlanError;
+pub use request::{BatchRequest, MAX_VARIANTS, RUNS_WITHOUT_FORCE, RequestError};
+pub use sweep::{Setting, Sweep, SweepError};
+
+use std::fmt::Write;
+use std::str::FromStr;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::batch::{RunLabel, Seeds, Value};
+use crate::scenario::Scenario;
+
+/// The version of this program, as it stands in every file that it writes.
+pub const PROGRAM_VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// What `plan.json` names as its program.
+pub(super) const PROGRAM: &str = "wildfire";
+
+/// The key of a scenario's planners, whose values have a column of their own.
+pub const PLANNER_KEY: &str = "unimog.planner";
+
+/// Which runs leave a recording of their timeline.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Record {
+    All,
+    /// Those in which some agent was stuck. (A run that could not take place has no timeline.)
+    Failed,
+    #[default]
+    None,
+}
+
+/// Variants, and the seeds to run each of them with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BatchPlan {
+    pub variants: Vec<Variant>,
+    /// What is swept and has a column: all keys but that of the planner, which has one always.
+    pub swept_keys: Vec<String>,
+    pub seeds: Seeds,
+    pub record: Record,
+}
+
+/// A scenario as it is run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Variant {
+    /// The scenario as it was named.
+    pub source: String,
+    /// The changes made to it, `key=value`, swept ones last.
+    pub changes: Vec<String>,
+    /// A value for each of [`BatchPlan::swept_keys`].
+    pub swept: Vec<Value>,
+    pub scenario: Scenario,
+}
+
+/// A run of a plan.
+#[derive(Clone, Copy, Debug)]
+pub struct PlannedRun<'a> {
+    /// From 1 to [`BatchPlan::count`].
+    pub number: u64,
+    pub seed: u64,
+    pub variant: &'a Variant,
+}
+
+impl BatchPlan {
+    /// The plan of one scenario with nothing swept.
+    pub fn of_one(source: &str, changes: &[String], scenario: Scenario, seeds: Seeds, record: Record) -> Self {
+        let variant = Variant { source: source.into(), changes: changes.to_vec(), swept: Vec::new(), scenario };
+        Self { variants: vec![variant], swept_keys: Vec::new(), seeds, record }
+    }
+
+    /// Number of runs.
+    pub fn count(&self) -> u64 {
+        self.variants.len() as u64 * self.seeds.count()
+    }
+
+    /// The run of this number, from 1 to [`Self::count`].
+    pub fn run(&self, number: u64) -> PlannedRun<'_> {
+        let index = number.checked_sub(1).expect("runs are numbered from 1");
+        let seeds = self.seeds.count();
+        let variant = usize::try_from(index / seeds).expect("a plan's variants fit into memory");
+        PlannedRun { number, seed: self.seeds.nth(index % seeds), variant: &self.variants[variant] }
+    }
+
+    /// All runs in the order of their numbers.
+    pub fn runs(&self) -> impl Iterator<Item = PlannedRun<'_>> {
+        (1..=self.count()).map(|number| self.run(number))
+    }
+
+    /// The name of a run's recording, in the folder of recordings.
+    pub fn recording_name(&self, run: &PlannedRun<'_>) -> String {
+        match self.variants.as_slice() {
+            [_] => format!("seed-{}.wildfire", run.seed),
+            _ => format!("run-{}-seed-{}.wildfire", run.number, run.seed),
+        }
+    }
+
+    /// What tells a variant from the others: the scenario's name, its planner if that differs, what is swept.
+    pub fn title(&self, variant: &Variant) -> String {
+        let planner = planner_of(&variant.scenario);
+        let mut title = variant.scenario.name.clone();
+        if self.variants.iter().any(|other| planner_of(&other.scenario) != planner) {
+            write!(title, ", planner {planner}").expect("a string takes any text");
+        }
+        for (key, value) in self.swept_keys.iter().zip(&variant.swept) {
+            write!(title, ", {key} {value}").expect("a string takes any text");
+        }
+        title
+    }
+}
+
+impl PlannedRun<'_> {
+    /// What a row says of the run before it takes place.
+    pub fn label(&self) -> RunLabel {
+        let Variant { scenario, swept, .. } = self.variant;
+        let planner = planner_of(scenario);
+        RunLabel { run: self.number, scenario: scenario.name.clone(), seed: self.seed, planner, swept: swept.clone() }
+    }
+
+    /// The command that shows the run again.
+    pub fn repeating_command(&self) -> String {
+        let mut command = format!("wildfire run {} --seed {}", shell_word(&self.variant.source), self.seed);
+        for change in &self.variant.changes {
+            write!(command, " --set {}", shell_word(change)).expect("a string takes any text");
+        }
+        command
+    }
+}
+
+/// The planner of a scenario's trucks; `;` stands between those of trucks that differ.
+pub fn planner_of(scenario: &Scenario) -> String {
+    let mut names: Vec<&str> = scenario.unimog.iter().map(|truck| truck.planner.name()).collect();
+    names.dedup();
+    names.join(";")
+}
+
+impl FromStr for Record {
+    type Err = String;
+
+    fn from_str(word: &str) -> Result<Self, String> {
+        match word {
+            "all" => Ok(Self::All),
+            "failed" => Ok(Self::Failed),
+            "none" => Ok(Self::None),
+            _ => Err("expected `all`, `failed` or `none`".into()),
+        }
+    }
+}
+
+/// The word as a shell takes it for one word.
+pub fn shell_word(word: &str) -> String {
+    let plain = |letter: char| letter.is_ascii_alphanumeric() || "-_./=:,+@%".contains(letter);
+    if !word.is_empty() && word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', r"'\''")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario;
+
+    fn two_by_three() -> BatchPlan {
+        let sweep = Sweep::parse("field.coverage", "0.05, 0.1").expect("two values");
+        let request = BatchRequest {
+            scenarios: vec!["smoke".into()],
+            sweeps: vec![sweep],
+            seeds: "7,1..2".parse().ok(),
+            ..BatchRequest::default()
+        };
+        request.resolve(false).expect("a small batch")
+    }
+
+    #[test]
+    fn words_survive_the_shell() {
+        assert_eq!(shell_word("scenarios/a.toml"), "scenarios/a.toml");
+        assert_eq!(shell_word("unimog.prm.samples=1000"), "unimog.prm.samples=1000");
+        assert_eq!(shell_word("my file.toml"), "'my file.toml'");
+        assert_eq!(shell_word("it's"), r"'it'\''s'");
+        assert_eq!(shell_word(""), "''");
+    }
+
+    #[test]
+    fn every_variant_has_every_seed_one_variant_after_the_other() {
+        let plan = two_by_three();
+        let found: Vec<_> = plan.runs().map(|run| (run.number, run.seed, run.variant.swept[0].to_string())).collect();
+        let expected = [(1, 7, "0.05"), (2, 1, "0.05"), (3, 2, "0.05"), (4, 7, "0.1"), (5, 1, "0.1"), (6, 2, "0.1")];
+        assert_eq!(found, expected.map(|(number, seed, value)| (number, seed, value.to_owned())));
+        assert_eq!(plan.count(), 6);
+    }
+
+    #[test]
+    fn run_is_repeated_with_the_changes_of_its_variant() {
+        let plan = two_by_three();
+        assert_eq!(plan.run(4).repeating_command(), "wildfire run smoke --seed 7 --set field.coverage=0.1");
+        assert_eq!(plan.run(4).variant.scenario.field.coverage, 0.1);
+    }
+
+    #[test]
+    fn title_says_what_differs_and_nothing_else() {
+        let plan = two_by_three();
+        assert_eq!(plan.title(&plan.variants[1]), "smoke, field.coverage 0.1");
+        let scenario = scenario::load("smoke", &[]).expect("it is built in");
+        let one = BatchPlan::of_one("smoke", &[], scenario, "1".parse().expect("a seed"), Record::None);
+        assert_eq!(one.title(&one.variants[0]), "smoke");
+    }
+
+    #[test]
+    fn planners_of_unlike_trucks_are_all_named() {
+        let changes = ["unimog.0.planner=hybrid-astar".to_owned()];
+        let fleet = scenario::load("fleet", &changes).expect("it is built in");
+        assert!(planner_of(&fleet).starts_with("hybrid-astar;"), "{}", planner_of(&fleet));
+        assert_eq!(planner_of(&scenario::load("wumpus-alone", &[]).expect("it is built in")), "");
+    }
+}

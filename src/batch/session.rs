@@ -1,0 +1,186 @@
+//! A batch, or a slice of one, from its beginning or from where it was stopped, to its end.
+
+use std::fs;
+use std::io::{self, ErrorKind, Write};
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex};
+
+use crate::batch::disk::{Disk, RealDisk};
+use crate::batch::journal::{JournalIndex, LockedJournal, OpenJournal, journal_name};
+use crate::batch::workers::{RunScenario, Work, work_off};
+use crate::batch::{
+    BatchError, BatchPlan, BatchReport, OutputFolder, PLAN_FILE, PlanError, RUNS_FILE, Record, Slice, Status,
+    write_tables,
+};
+use crate::sim;
+
+/// A slice of a batch at which this process, and no other, works.
+pub struct Batch {
+    plan: Arc<BatchPlan>,
+    folder: OutputFolder,
+    journal: OpenJournal,
+    disk: Box<dyn Disk>,
+}
+
+impl Batch {
+    /// Begins a batch in a folder that holds no results, or whose results may go.
+    ///
+    /// # Errors
+    /// If another process is at work there, or the disk cannot be written: found before the first run.
+    pub fn begin(plan: BatchPlan, folder: OutputFolder) -> Result<Self, BatchError> {
+        Self::begin_on(plan, folder, Box::new(RealDisk))
+    }
+
+    /// The same on a disk of the caller's.
+    pub fn begin_on(plan: BatchPlan, folder: OutputFolder, disk: Box<dyn Disk>) -> Result<Self, BatchError> {
+        let journal = LockedJournal::take(&folder, Slice::WHOLE)?;
+        folder.remove_earlier_results()?;
+        journal.clear()?;
+        write_plan(&plan, &folder, PLAN_FILE, disk.as_ref())?;
+        Self::open(plan, folder, Slice::WHOLE, journal, disk)
+    }
+
+    /// Begins a slice of a batch, or goes on with it, in a folder that slices of the same plan share.
+    ///
+    /// # Errors
+    /// If the folder holds another plan, or slices of another size.
+    pub fn join(plan: BatchPlan, folder: OutputFolder, slice: Slice) -> Result<Self, BatchError> {
+        let disk = Box::new(RealDisk);
+        refuse_other_slices(&folder, slice)?;
+        match BatchPlan::read(folder.path()) {
+            Err(PlanError::Missing { .. }) => write_plan_once(&plan, &folder, slice, disk.as_ref())?,
+            found => found?.expect_same(&plan, folder.path())?,
+        }
+        let journal = LockedJournal::take(&folder, slice)?;
+        Self::open(plan, folder, slice, journal, disk)
+    }
+
+    /// Goes on with a slice of the batch in this folder.
+    ///
+    /// # Errors
+    /// If there is no plan, or another version's, if a scenario of it has changed, or the journal is damaged.
+    pub fn resume(folder: OutputFolder, slice: Slice) -> Result<Self, BatchError> {
+        Self::resume_on(folder, slice, Box::new(RealDisk))
+    }
+
+    /// The same on a disk of the caller's.
+    pub fn resume_on(folder: OutputFolder, slice: Slice, disk: Box<dyn Disk>) -> Result<Self, BatchError> {
+        let plan = BatchPlan::read(folder.path())?;
+        plan.expect_unchanged_sources()?;
+        refuse_other_slices(&folder, slice)?;
+        let is_finished = folder.path().join(RUNS_FILE).exists();
+        if is_finished && !folder.path().join(journal_name(slice)).exists() {
+            return Err(BatchError::NoJournal { path: folder.path().to_owned() });
+        }
+        let journal = LockedJournal::take(&folder, slice)?;
+        Self::open(plan, folder, slice, journal, disk)
+    }
+
+    fn open(
+        plan: BatchPlan,
+        folder: OutputFolder,
+        slice: Slice,
+        journal: LockedJournal,
+        disk: Box<dyn Disk>,
+    ) -> Result<Self, BatchError> {
+        if slice.is_whole() {
+            folder.remove_leftovers()?;
+        }
+        if plan.record != Record::None {
+            folder.prepare_recordings()?;
+        }
+        let journal = journal.open(&plan, slice, disk.as_ref())?;
+        Ok(Self { plan: Arc::new(plan), folder, journal, disk })
+    }
+
+    pub fn plan(&self) -> &BatchPlan {
+        &self.plan
+    }
+
+    pub fn folder(&self) -> &OutputFolder {
+        &self.folder
+    }
+
+    /// What the journal holds.
+    pub fn progress(&self) -> &JournalIndex {
+        self.journal.index()
+    }
+
+    /// Runs what the journal does not hold on `jobs` threads.
+    ///
+    /// `on_run` is called after each run, in any order. Runs that fail, or that cannot be recorded though they should
+    /// be, are rows like the others.
+    ///
+    /// # Errors
+    /// [`BatchError::Stopped`] if `stop` was set before the last run; all other errors are those of the disk, or of
+    /// starting the threads. After any of them the batch can be resumed.
+    pub fn run(&mut self, jobs: usize, stop: &Arc<AtomicBool>, on_run: impl FnMut(Status)) -> Result<(), BatchError> {
+        self.run_with(Box::new(sim::run), jobs, stop, on_run)
+    }
+
+    /// The same with another way to run a scenario with a seed.
+    pub fn run_with(
+        &mut self,
+        run: Box<RunScenario>,
+        jobs: usize,
+        stop: &Arc<AtomicBool>,
+        on_run: impl FnMut(Status),
+    ) -> Result<(), BatchError> {
+        let work = Work {
+            plan: Arc::clone(&self.plan),
+            folder: self.folder.clone(),
+            run,
+            stop: Arc::clone(stop),
+            runs: Mutex::new(Box::new(self.journal.index().missing())),
+        };
+        work_off(work, jobs, &mut self.journal, on_run)?;
+        if self.journal.index().is_complete() { Ok(()) } else { Err(BatchError::Stopped) }
+    }
+
+    /// Writes the tables of a whole batch whose runs are all in the journal.
+    ///
+    /// # Errors
+    /// [`BatchError::Stopped`] if `stop` was set before the end, or one of the disk.
+    pub fn finish(&self, stop: &AtomicBool) -> Result<BatchReport, BatchError> {
+        let mut rows = self.journal.rows()?;
+        write_tables(&self.plan, &self.folder, self.disk.as_ref(), stop, |run| rows.row(run))
+    }
+}
+
+fn write_plan(plan: &BatchPlan, folder: &OutputFolder, name: &str, disk: &dyn Disk) -> Result<(), BatchError> {
+    let path = folder.path().join(name);
+    let write = || {
+        let mut file = disk.whole_file(&path)?;
+        file.write_all(plan.to_json().as_bytes())?;
+        file.finish()
+    };
+    write().map_err(|source| BatchError::unwritable(&path, source))
+}
+
+/// Writes the plan unless another slice has written one meanwhile, which then must be the same.
+fn write_plan_once(plan: &BatchPlan, folder: &OutputFolder, slice: Slice, disk: &dyn Disk) -> Result<(), BatchError> {
+    let own_name = format!("{PLAN_FILE}.{}", journal_name(slice));
+    write_plan(plan, folder, &own_name, disk)?;
+    let (own, path) = (folder.path().join(own_name), folder.path().join(PLAN_FILE));
+    // A second name for a file is refused where the name is taken, which renaming is not.
+    let linked = fs::hard_link(&own, &path);
+    let removed = fs::remove_file(&own);
+    let unwritable = |source: io::Error| BatchError::unwritable(&path, source);
+    match linked {
+        Err(error) if error.kind() == ErrorKind::AlreadyExists => {
+            Ok(BatchPlan::read(folder.path())?.expect_same(plan, folder.path())?)
+        }
+        // Where files have one name only, slices that begin at the same instant are told apart by their journals.
+        Err(_) => write_plan(plan, folder, PLAN_FILE, disk),
+        Ok(()) => removed.map_err(unwritable),
+    }
+}
+
+/// Slices of a plan are of one size.
+fn refuse_other_slices(folder: &OutputFolder, slice: Slice) -> Result<(), BatchError> {
+    let found = folder.journals()?;
+    match found.into_iter().find(|other| other.of() != slice.of()) {
+        Some(other) => Err(BatchError::OtherSlices { path: folder.path().to_owned(), found: other, asked: slice }),
+        None => Ok(()),
+    }
+}

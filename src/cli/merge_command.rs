@@ -1,0 +1,32 @@
+//! `wildfire merge`: the tables of a batch whose slices were run one by one.
+
+use std::process::ExitCode;
+
+use crate::batch::{BatchError, BatchPlan, OutputFolder, RealDisk, merge};
+use crate::cli::args::FolderArguments;
+use crate::cli::batch_command::{exit_code, resume_command, summary};
+use crate::cli::failure::Failure;
+use crate::cli::{interrupt, terminal};
+
+pub fn run(arguments: &FolderArguments) -> Result<ExitCode, Failure> {
+    let folder = OutputFolder::existing(&arguments.folder)?;
+    let stop = interrupt::watch()?;
+    let report = merge(&folder, &RealDisk, &stop).map_err(|error| failure(error, &folder))?;
+    let plan = BatchPlan::read(folder.path()).map_err(BatchError::from)?;
+    terminal::print(summary(&plan, &folder, &report).as_bytes())?;
+    Ok(exit_code(report.not_done()))
+}
+
+fn failure(error: BatchError, folder: &OutputFolder) -> Failure {
+    let missing = match &error {
+        BatchError::Incomplete { slice, .. } | BatchError::NotBegun { slice, .. } => Some(*slice),
+        _ => None,
+    };
+    match missing {
+        Some(slice) => {
+            let command = resume_command(folder.path(), slice);
+            Failure::bad_input(error, Some(&format!("run it with: {command}")))
+        }
+        None => Failure::of_batch(error, &format!("wildfire merge {}", folder.path().display())),
+    }
+}

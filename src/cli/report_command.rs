@@ -1,0 +1,29 @@
+//! `wildfire report`: a page on a batch, and its charts.
+
+use std::process::ExitCode;
+
+use crate::batch::{FinishedBatch, ReportError, write_report};
+use crate::cli::args::FolderArguments;
+use crate::cli::failure::Failure;
+use crate::cli::terminal;
+
+pub fn run(arguments: &FolderArguments) -> Result<ExitCode, Failure> {
+    let batch = FinishedBatch::open(&arguments.folder)?;
+    let written = write_report(&batch).map_err(failure)?;
+    let (page, charts) = (written.page.display(), written.charts_folder.display());
+    let text = format!("{page}, and {} charts as SVG and PNG in {charts}\n", written.charts);
+    terminal::print(text.as_bytes())?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn failure(error: ReportError) -> Failure {
+    match error {
+        ReportError::Finished(error) => error.into(),
+        ReportError::Unfinished { folder } => {
+            let help = format!("finish it with: wildfire batch --resume {}", folder.display());
+            Failure::bad_input(ReportError::Unfinished { folder }, Some(&help))
+        }
+        ReportError::BadStates { .. } => Failure::bad_input(error, None),
+        ReportError::Unwritable { path, source } => Failure::unwritable(&path, &source),
+    }
+}

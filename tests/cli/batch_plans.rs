@@ -1,0 +1,198 @@
+//! Batches of several scenarios, planners and values; in slices; stopped and resumed.
+
+use crate::story::{Story, outcomes, refuse};
+
+#[cfg(unix)]
+use std::process::{Child, Stdio};
+#[cfg(unix)]
+use std::thread;
+
+fn column(story: &Story, name: &str) -> Vec<String> {
+    let rows = outcomes(&story.path("out/runs.csv"));
+    let index = rows[0].iter().position(|column| column == name).expect("the column is there");
+    rows[1..].iter().map(|row| row[index].clone()).collect()
+}
+
+#[test]
+fn everything_that_is_swept_has_a_column_and_seeds_are_paired() {
+    let story = Story::begin();
+    let arguments = ["batch", "smoke", "--planner", "prm+primitives,hybrid-astar", "--seeds", "3,1", "--out", "out"];
+    let swept = ["--set", "field.coverage=0.05,0.10", "--set", "duration_s=60"];
+    let answer = story.tell(&[arguments.as_slice(), &swept].concat()).expect_code(0);
+    for words in ["1: smoke, planner prm+primitives, field.coverage 0.05\n", "Files: out"] {
+        assert!(answer.stdout.contains(words), "`{words}` is missing:\n{}", answer.stdout);
+    }
+    let header = &outcomes(&story.path("out/runs.csv"))[0];
+    assert_eq!(header[..6], ["scenario", "seed", "run", "planner", "field.coverage", "status"]);
+    assert_eq!(column(&story, "run"), ["1", "2", "3", "4", "5", "6", "7", "8"]);
+    assert_eq!(column(&story, "seed"), ["3", "1"].repeat(4));
+    assert_eq!(column(&story, "planner"), [["prm+primitives"; 4], ["hybrid-astar"; 4]].concat());
+    assert_eq!(column(&story, "field.coverage"), ["0.05", "0.05", "0.1", "0.1"].repeat(2));
+    let obstacles = column(&story, "obstacles");
+    assert_eq!(obstacles[..4], obstacles[4..], "both planners have the same fields");
+    assert!(story.read("out/tables.md").contains("## smoke, planner hybrid-astar, field.coverage 0.1\n"));
+}
+
+#[test]
+fn dry_run_says_what_would_be_run_and_writes_nothing() {
+    let story = Story::begin();
+    story.file(
+        "plan.toml",
+        "scenarios = ['smoke', 'contest']\nseeds = '1..10'\n[[sweep]]\nfire.burn_out_s = [30, 60]\n",
+    );
+    let before = story.entries();
+    let answer = story.tell(&["batch", "plan.toml", "--dry-run"]).expect_code(0);
+    assert!(answer.stdout.starts_with("4 variants x 10 seeds (1..10) = 40 runs\n"), "{}", answer.stdout);
+    assert!(answer.stdout.contains("runs 31 to 40: contest, fire.burn_out_s 60\n"), "{}", answer.stdout);
+    assert_eq!(story.entries(), before);
+}
+
+#[test]
+fn plans_that_make_no_sense_are_refused() {
+    let story = Story::begin();
+    story.file("plan.toml", "seeds = '1..10'\n");
+    story.file("wrong.toml", "seeds = '1..10'\nplaners = ['lattice']\n");
+    story.file("none", "# no seeds\n");
+    let batch = |more: &[&'static str]| [&["batch", "smoke"], more].concat();
+    refuse(&story, &batch(&["--planner", "prm+primitives,hybrid"]), &["`hybrid`", "hybrid-astar"]);
+    refuse(&story, &batch(&["--set", "field.covrage=0.1,0.2"]), &["covrage", "coverage"]);
+    refuse(&story, &batch(&["--set", "field.coverage=0.1,"]), &["field.coverage", "expected a value"]);
+    refuse(&story, &batch(&["--set", "field.coverage=0.1,0.1"]), &["takes the value 0.1 twice"]);
+    let both = ["--planner", "prm+primitives,hybrid-astar", "--set", "unimog.0.planner=hybrid-astar"];
+    refuse(&story, &batch(&both), &["contradict"]);
+    refuse(&story, &batch(&["--seeds", "1..100001"]), &["100001 runs are many", "--force"]);
+    refuse(&story, &batch(&["--seeds", "@none"]), &["none", "not a seed"]);
+    refuse(&story, &batch(&["smoke"]), &["are the same scenario"]);
+    refuse(&story, &batch(&["plan.toml"]), &["plan.toml is a plan", "alone"]);
+    refuse(&story, &["batch", "wrong.toml"], &["wrong.toml:2", "planers", "planners"]);
+    refuse(&story, &batch(&["--shard", "3/2", "--out", "out"]), &["expected K/N"]);
+    refuse(&story, &["batch", "smoke", "--resume", "out"], &["--resume"]);
+    story.tell(&["batch", "--resume", "nowhere"]).expect_code(3).expect_complaint(&["nowhere"]);
+    story.tell(&["status", "nowhere"]).expect_code(3).expect_complaint(&["nowhere"]);
+}
+
+#[test]
+fn slices_in_one_folder_are_merged_into_the_rows_of_the_whole() {
+    let story = Story::begin();
+    let smoke = ["batch", "smoke", "--seeds", "1..7", "--set", "duration_s=30,60"];
+    story.tell(&[smoke.as_slice(), &["--out", "whole"]].concat()).expect_code(0);
+    let slice = |slice: &'static str| story.tell(&[smoke.as_slice(), &["--out", "out", "--shard", slice]].concat());
+    let answer = slice("2/2").expect_code(0);
+    assert!(answer.stdout.contains("wildfire merge out"), "{}", answer.stdout);
+    story.tell(&["merge", "out"]).expect_code(2).expect_complaint(&["slice 1/2", "has not begun", "--shard 1/2"]);
+    let status = story.tell(&["status", "out"]).expect_code(0).stdout;
+    assert!(status.contains("1/2      7    0        0 not begun"), "{status}");
+    assert!(status.contains("2/2      7    7        0  complete"), "{status}");
+    story.tell(&["batch", "--resume", "out"]).expect_code(2).expect_complaint(&["slice 2/2"]);
+    slice("1/2").expect_code(0);
+    story.tell(&["merge", "out"]).expect_code(0);
+    for file in ["runs.csv", "agents.csv"] {
+        assert_eq!(outcomes(&story.path("out").join(file)), outcomes(&story.path("whole").join(file)));
+    }
+    let again = story.tell(&["batch", "contest", "--seeds", "1..7", "--out", "out", "--shard", "1/2"]);
+    again.expect_code(2).expect_complaint(&["is another plan", "what is swept is duration_s there"]);
+}
+
+#[test]
+fn torn_journal_is_said_and_gone_on_with() {
+    let story = Story::begin();
+    story.tell(&["batch", "smoke", "--out", "out"]).expect_code(0);
+    let journal = story.read("out/runs.journal");
+    story.file("out/runs.journal", &journal[..journal.len() - 100]);
+    story.tell(&["batch", "--resume", "out"]).expect_code(0).expect_complaint(&["torn"]);
+    story.file("out/runs.journal", &journal.replacen("\"seed\":1", "\"seed\":2", 1));
+    story.tell(&["batch", "--resume", "out"]).expect_code(2).expect_complaint(&["runs.journal is damaged in line"]);
+}
+
+/// A batch whose first run lasts longer than anybody waits.
+#[cfg(unix)]
+fn long_batch(story: &Story) -> Child {
+    let endless = ["--set", "duration_s=1000000", "--set", "fire.relight=true", "--set", "fire.burn_out_s=none"];
+    let batch = [["batch", "contest", "--jobs", "1", "--out", "out"].as_slice(), &endless].concat();
+    let mut command = story.command(&batch);
+    let child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("the program can be started");
+    while !story.path("out/runs.journal").exists() {
+        thread::yield_now();
+    }
+    child
+}
+
+#[cfg(unix)]
+fn interrupt(child: &Child) {
+    let sent = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(sent.expect("there is a kill").success());
+}
+
+#[test]
+#[cfg(unix)]
+fn first_interrupt_stops_a_batch_and_names_the_command_that_resumes_it() {
+    let story = Story::begin();
+    let child = long_batch(&story);
+    interrupt(&child);
+    let output = child.wait_with_output().expect("it ends");
+    let answer = crate::story::Answer::of(&output).expect_code(75);
+    answer.expect_complaint(&["stopping", "the batch was stopped", "resume with: wildfire batch --resume out"]);
+    let status = story.tell(&["status", "out"]).expect_code(0).stdout;
+    assert!(status.contains("Go on with: wildfire batch --resume out"), "{status}");
+}
+
+#[test]
+#[cfg(unix)]
+fn second_interrupt_stops_a_batch_at_once() {
+    use std::io::{BufRead, BufReader};
+    // On a machine that has much else to do the first may be through before the second is sent.
+    let is_stopped_at_once = |_| {
+        let story = Story::begin();
+        let mut child = long_batch(&story);
+        interrupt(&child);
+        let mut line = String::new();
+        BufReader::new(child.stderr.as_mut().expect("it is piped")).read_line(&mut line).expect("readable");
+        assert!(line.starts_with("stopping"), "{line}");
+        interrupt(&child);
+        child.wait().expect("it ends").code() == Some(130)
+    };
+    assert!((0..5).any(is_stopped_at_once));
+}
+
+#[test]
+fn second_process_on_a_batch_is_refused() {
+    let story = Story::begin();
+    story.tell(&["batch", "smoke", "--out", "out"]).expect_code(0);
+    let journal = std::fs::File::open(story.path("out/runs.journal")).expect("it is there");
+    journal.try_lock().expect("nobody has it");
+    story.tell(&["batch", "--resume", "out"]).expect_code(3).expect_complaint(&["another process is working on"]);
+    let status = story.tell(&["status", "out"]).expect_code(0).stdout;
+    assert!(status.contains("running"), "{status}");
+}
+
+#[test]
+fn templates_can_be_run_as_they_are_and_replace_nothing() {
+    let story = Story::begin();
+    story.tell(&["new", "scenario", "mine.toml"]).expect_code(0);
+    story.tell(&["check", "mine.toml"]).expect_code(0);
+    story.tell(&["new", "plan", "plan.toml"]).expect_code(0);
+    story.tell(&["batch", "plan.toml", "--dry-run"]).expect_code(0);
+    let text = story.read("plan.toml");
+    refuse(&story, &["new", "plan", "plan.toml"], &["plan.toml", "is there already"]);
+    assert_eq!(story.tell(&["new", "plan"]).expect_code(0).stdout, text);
+}
+
+#[test]
+fn schemas_know_every_value_of_a_scenario_and_every_column() {
+    let story = Story::begin();
+    let schema = |of: &str| -> serde_json::Value {
+        serde_json::from_str(&story.tell(&["schema", of]).expect_code(0).stdout).expect("a schema is JSON")
+    };
+    let scenario = schema("scenario");
+    let fire = &scenario["$defs"]["Fire"]["properties"];
+    assert_eq!(fire["burn_out_s"]["anyOf"][1]["const"], "none");
+    assert_eq!(fire["spread_radius_m"]["default"], 30.0);
+    assert!(fire["spread_radius_m"]["description"].as_str().is_some_and(|words| words.contains("cell centres")));
+    assert!(scenario["$defs"]["Field"]["properties"]["given"].is_null(), "it is none of the user's");
+    assert!(schema("plan")["properties"]["sweep"].is_object());
+    story.tell(&["batch", "smoke", "--seeds", "1", "--out", "out"]).expect_code(0);
+    let columns = schema("runs")["properties"].as_object().expect("columns").clone();
+    let header = story.read("out/runs.csv").lines().next().expect("a header").to_owned();
+    let missing: Vec<_> = header.split(',').filter(|name| !columns.contains_key(*name)).collect();
+    assert!(missing.is_empty() && columns.len() == header.split(',').count(), "{missing:?}");
+}

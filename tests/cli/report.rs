@@ -1,0 +1,128 @@
+//! `wildfire report`: a page that stands alone, and its charts.
+
+use std::fs;
+
+use crate::story::{Story, outcomes, refuse};
+
+/// A batch `a` of two planners and two coverages.
+fn swept_batch() -> Story {
+    let story = Story::begin();
+    let planners = ["--planner", "prm+primitives,hybrid-astar", "--set", "field.coverage=0.05,0.10"];
+    story.tell(&[&["batch", "smoke", "--seeds", "1..5", "--out", "a"], planners.as_slice()].concat()).expect_code(0);
+    story
+}
+
+fn report(story: &Story) -> String {
+    story.tell(&["report", "a"]).expect_code(0);
+    story.read("a/report.html")
+}
+
+/// Names of charts in the folder, those of one ending without it.
+fn charts(story: &Story, ending: &str) -> Vec<String> {
+    let entries = fs::read_dir(story.path("a/charts")).expect("the folder is there");
+    let names = entries.map(|entry| entry.expect("readable").file_name().to_string_lossy().into_owned());
+    let mut names: Vec<String> = names.filter_map(|name| name.strip_suffix(ending).map(str::to_owned)).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn report_is_one_page_with_every_table_and_chart() {
+    let story = swept_batch();
+    let page = report(&story);
+    for words in ["TABLE I.", "TABLE II.", "field.coverage 0.1", "Plan and version", "plan.json", "1..5"] {
+        assert!(page.contains(words), "`{words}` is missing");
+    }
+    let names = charts(&story, ".svg");
+    for name in ["states", "cpu-time", "distribution-extinguished", "over-time-4", "sweep-field.coverage-burned_out"] {
+        assert!(names.contains(&name.to_owned()), "{name} is missing: {names:?}");
+    }
+    assert_eq!(names, charts(&story, ".png"));
+    for name in &names {
+        let svg = story.read(&format!("a/charts/{name}.svg"));
+        assert!(page.contains(&svg), "{name} is not in the page");
+        let png = fs::read(story.path(&format!("a/charts/{name}.png"))).expect("the picture is there");
+        assert!(png.starts_with(b"\x89PNG"), "{name}");
+    }
+    let without_names = page.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
+    for outside in ["http", "src=", "href=", "url(", "<script", "@import"] {
+        assert!(!without_names.contains(outside), "the page needs `{outside}`");
+    }
+}
+
+#[test]
+fn means_are_those_of_the_table_of_runs() {
+    let story = swept_batch();
+    let page = report(&story);
+    let rows = outcomes(&story.path("a/runs.csv"));
+    let column = rows[0].iter().position(|name| name == "extinguished_ratio").expect("the column is there");
+    for variant in rows[1..].chunks(5) {
+        let ratios = variant.iter().map(|row| row[column].parse::<f64>().expect("a number"));
+        let mean = ratios.sum::<f64>() / 5.0;
+        assert!(page.contains(&format!("<td>{mean:.3}</td>")), "{mean}");
+    }
+}
+
+#[test]
+fn report_needs_no_journal_and_does_not_change() {
+    let story = swept_batch();
+    let page = report(&story);
+    let chart = fs::read(story.path("a/charts/states.png")).expect("the picture is there");
+    fs::remove_file(story.path("a/runs.journal")).expect("the journal is there");
+    assert!(page == report(&story), "another page of the same batch");
+    assert!(chart == fs::read(story.path("a/charts/states.png")).expect("the picture is there"));
+}
+
+#[test]
+fn runs_without_result_are_told_with_their_commands_and_nothing_becomes_a_tag() {
+    let story = Story::begin();
+    story.tell(&["batch", "smoke", "--seeds", "1..4", "--out", "a"]).expect_code(0);
+    let runs = story.read("a/runs.csv");
+    let mut lines: Vec<String> = runs.lines().map(str::to_owned).collect();
+    lines[3] = lines[3].replacen(",done,,", ",failed,<script>alert(1)</script>,", 1);
+    story.file("a/runs.csv", &(lines.join("\n") + "\n"));
+    let page = report(&story);
+    assert!(page.contains("1 of 4 runs."), "{page}");
+    let told = "<td>failed: &lt;script&gt;alert(1)&lt;/script&gt;</td><td><code>wildfire run smoke --seed 3</code>";
+    assert!(page.contains(told) && !page.contains("<script"), "{page}");
+    assert!(page.contains("3 done, 1 failed"), "{page}");
+}
+
+#[test]
+fn batch_that_is_not_over_cannot_be_reported_on() {
+    let story = swept_batch();
+    refuse(&story, &["report", "nowhere"], &["plan.json"]);
+    fs::remove_file(story.path("a/runs.csv")).expect("the table is there");
+    refuse(&story, &["report", "a"], &["no table of runs yet", "wildfire batch --resume a"]);
+}
+
+#[test]
+fn damaged_states_are_refused_and_missing_ones_left_out() {
+    let story = Story::begin();
+    story.tell(&["batch", "smoke", "--seeds", "1..3", "--out", "a"]).expect_code(0);
+    let path = story.path("a/states.parquet");
+    let whole = fs::read(&path).expect("the file is there");
+    for cut in [0, whole.len() / 2, whole.len() - 1] {
+        fs::write(&path, &whole[..cut]).expect("the folder is writable");
+        refuse(&story, &["report", "a"], &["cannot read a/states.parquet"]);
+    }
+    // A changed byte may be one of a number, but never ends the program.
+    for at in (0..whole.len()).step_by(whole.len() / 12) {
+        let mut changed = whole.clone();
+        changed[at] ^= 0x55;
+        fs::write(&path, &changed).expect("the folder is writable");
+        let answer = story.tell(&["report", "a"]);
+        assert!(matches!(answer.code, Some(0 | 2)), "byte {at}: {}", answer.stderr);
+    }
+    fs::remove_file(&path).expect("the file is there");
+    assert!(!report(&story).contains("States over time"));
+}
+
+#[test]
+fn report_goes_with_its_batch() {
+    let story = Story::begin();
+    story.tell(&["batch", "smoke", "--seeds", "1..3", "--out", "a"]).expect_code(0);
+    report(&story);
+    story.tell(&["batch", "smoke", "--seeds", "4..6", "--out", "a", "--force"]).expect_code(0);
+    assert!(!story.path("a/report.html").exists() && charts(&story, ".svg").is_empty());
+}
