@@ -30,11 +30,9 @@ use crate::vehicle::{Dimensions, Path};
 use super::clearance_floor::ClearanceFloor;
 use super::ends::{free_ends, free_poses, has_free_pose};
 use super::improve::Improver;
-use super::primitives::{self, Ending};
+use super::primitives::Ending;
 use super::reachability::{LATTICES, Lattice};
-use super::{
-    BuildReport, Effort, Goal, GoalDisc, LatticePlanner, LatticeSettings, Plan, PlanFailure, QueryTime, TruckPlanner,
-};
+use super::{BuildReport, Effort, Goal, LatticePlanner, LatticeSettings, Plan, PlanFailure, QueryTime, TruckPlanner};
 use ladder::{LADDER, LatticeKind, Method, Rung, TURN};
 use search::{Search, Task};
 use wave::{Cells, Wave};
@@ -97,9 +95,7 @@ impl HybridAstar {
     /// The way that an empty field would allow, if the wanted clearance is kept on it.
     fn straight_away(&self, start: Pose, goal: Goal, ends: &[(Pose, f64)]) -> Option<Path> {
         let floor = ClearanceFloor::new(self.settings.clearance_m, ends.iter().copied());
-        let approach = self.lookout.without_bushes(start, None, goal).approach?;
-        let is_free = floor.way_is_free(&self.checker, start, approach.segments());
-        is_free.then(|| Path { start, segments: approach.segments().collect() })
+        self.lookout.straight_away(&self.checker, start, goal, &floor)
     }
 
     /// One rung after the other, until one succeeds. The last one tells why not.
@@ -186,18 +182,7 @@ impl HybridAstar {
     fn improve(&mut self, path: Path, goal: Goal, floor: &ClearanceFloor) -> Path {
         let mut rng = self.rng.clone();
         let path = self.improver.improve(&path, floor, self.settings.shortcuts, &mut rng);
-        match goal {
-            Goal::Pose(_) => path,
-            Goal::Disc(disc) => self.end_sooner(path, disc, floor),
-        }
-    }
-
-    /// The path with another way into the disc, where that is cheaper.
-    fn end_sooner(&self, mut path: Path, disc: GoalDisc, floor: &ClearanceFloor) -> Path {
-        let is_free = |pose, segment| floor.motion_is_free(&self.checker, pose, segment);
-        let body = self.checker.body();
-        primitives::shorten(body, self.lookout.aiming(), is_free, path.start, disc, &mut path.segments);
-        path
+        self.lookout.end_sooner(&self.checker, path, goal, floor)
     }
 }
 
@@ -223,6 +208,7 @@ impl TruckPlanner for HybridAstar {
 mod tests {
     use super::*;
     use crate::collision::MOTION_TOLERANCE_M;
+    use crate::planning::GoalDisc;
     use crate::planning::test_fields::{
         TestField, assert_ends_in, drives_in_a_row, least_clearance, random_free_pose, random_pose, shut_court,
     };

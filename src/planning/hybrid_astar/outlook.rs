@@ -1,7 +1,9 @@
+use crate::collision::CollisionChecker;
 use crate::geometry::Pose;
-use crate::planning::primitives::{Aiming, Price};
+use crate::planning::clearance_floor::ClearanceFloor;
+use crate::planning::primitives::{self, Aiming, Price};
 use crate::planning::{Goal, PrimitiveSettings};
-use crate::vehicle::{CurvePrice, Dimensions, ReedsShepp, Segment};
+use crate::vehicle::{CurvePrice, Dimensions, Path, ReedsShepp, Segment};
 
 use super::HybridSettings;
 use super::wave::{Cells, Wave};
@@ -66,10 +68,6 @@ impl Lookout {
         }
     }
 
-    pub fn aiming(&self) -> &Aiming {
-        &self.aiming
-    }
-
     /// What is promised to a truck that came to `pose` forward or in reverse, or stands there.
     pub fn outlook(
         &self,
@@ -103,6 +101,28 @@ impl Lookout {
             }
         };
         Outlook { to_go, approach }
+    }
+
+    /// The way that an empty field would allow, if it keeps the floor.
+    pub fn straight_away(
+        &self,
+        checker: &CollisionChecker,
+        start: Pose,
+        goal: Goal,
+        floor: &ClearanceFloor,
+    ) -> Option<Path> {
+        let approach = self.without_bushes(start, None, goal).approach?;
+        let is_free = floor.way_is_free(checker, start, approach.segments());
+        is_free.then(|| Path { start, segments: approach.segments().collect() })
+    }
+
+    /// A path to the goal with another way into it, if it is a disc and that is cheaper.
+    pub fn end_sooner(&self, checker: &CollisionChecker, mut path: Path, goal: Goal, floor: &ClearanceFloor) -> Path {
+        if let Goal::Disc(disc) = goal {
+            let is_free = |pose, segment| floor.motion_is_free(checker, pose, segment);
+            primitives::shorten(&self.body, &self.aiming, is_free, path.start, disc, &mut path.segments);
+        }
+        path
     }
 
     fn curve(&self, pose: Pose, after_reverse: Option<bool>, end: Pose) -> Approach {

@@ -33,9 +33,7 @@ use super::clearance_floor::ClearanceFloor;
 use super::ends::free_ends;
 use super::hybrid_astar::Lookout;
 use super::improve::Improver;
-use super::{
-    BuildReport, Effort, Goal, GoalDisc, HybridAstar, HybridSettings, Plan, QueryTime, TruckPlanner, primitives,
-};
+use super::{BuildReport, Effort, Goal, HybridAstar, HybridSettings, Plan, QueryTime, TruckPlanner};
 use roadmap::{LEVELS, Roadmap};
 use sample::Sampler;
 use search::{Search, Task};
@@ -107,7 +105,7 @@ impl PrmRs {
         for level in 0..LEVELS {
             let floor = ClearanceFloor::new(self.roadmap.clearance_m(level), ends.iter().copied());
             if level == 0
-                && let Some(path) = self.straight_away(start, goal, &floor)
+                && let Some(path) = self.lookout.straight_away(&self.checker, start, goal, &floor)
             {
                 return Some((path, None));
             }
@@ -122,28 +120,10 @@ impl PrmRs {
         None
     }
 
-    /// The way that an empty field would allow, if it is free.
-    fn straight_away(&self, start: Pose, goal: Goal, floor: &ClearanceFloor) -> Option<Path> {
-        let approach = self.lookout.without_bushes(start, None, goal).approach?;
-        let is_free = floor.way_is_free(&self.checker, start, approach.segments());
-        is_free.then(|| Path { start, segments: approach.segments().collect() })
-    }
-
     fn improve(&mut self, path: &Path, goal: Goal, floor: &ClearanceFloor) -> Path {
         let mut rng = self.shortcuts.clone();
         let path = self.improver.improve(path, floor, self.settings.shortcuts, &mut rng);
-        match goal {
-            Goal::Pose(_) => path,
-            Goal::Disc(disc) => self.end_sooner(path, disc, floor),
-        }
-    }
-
-    /// The path with another way into the disc, where that is cheaper.
-    fn end_sooner(&self, mut path: Path, disc: GoalDisc, floor: &ClearanceFloor) -> Path {
-        let is_free = |pose, segment| floor.motion_is_free(&self.checker, pose, segment);
-        let body = self.checker.body();
-        primitives::shorten(body, self.lookout.aiming(), is_free, path.start, disc, &mut path.segments);
-        path
+        self.lookout.end_sooner(&self.checker, path, goal, floor)
     }
 }
 
@@ -179,6 +159,7 @@ impl TruckPlanner for PrmRs {
 mod tests {
     use super::*;
     use crate::collision::MOTION_TOLERANCE_M;
+    use crate::planning::GoalDisc;
     use crate::planning::PlanFailure;
     use crate::planning::reachability::Reachability;
     use crate::planning::test_fields::{
