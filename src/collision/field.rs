@@ -121,7 +121,8 @@ impl ClearanceField {
         if border <= 0.0 {
             return border;
         }
-        let reach = self.interpolate(point).most().min(border);
+        // Beyond rounding, so that the box of a point on a bush's edge meets the bush from every side.
+        let reach = (self.interpolate(point).most() + LACKING * self.spacing_m).min(border);
         let half = DVec2::splat(0.5 * self.frame.cell_m);
         let squared_gap = |centre: DVec2| ((point - centre).abs() - half).max(DVec2::ZERO).length_squared();
         let nearest = self.bushes_near(point, DVec2::splat(reach)).map(squared_gap).fold(f64::INFINITY, f64::min);
@@ -227,6 +228,21 @@ mod tests {
         for bush in &test.bushes {
             let centre = 0.5 * (bush[0] + bush[2]);
             assert!(bush.iter().all(|&corner| test.field.at(corner.lerp(centre, 1e-3)) <= 0.0));
+        }
+    }
+
+    #[test]
+    fn on_the_edge_of_a_bush_nothing_is_free() {
+        let frame = FieldFrame { cols: 9, rows: 9, cell_m: 5.0 };
+        let mut occupied = Grid::filled(9, 9, false);
+        occupied[(4, 4)] = true;
+        let field = ClearanceField::new(frame, &occupied);
+        for step in 0..=20 {
+            let along = 20.0 + 0.25 * f64::from(step);
+            for point in [(20.0, along), (25.0, along), (along, 20.0), (along, 25.0)].map(DVec2::from) {
+                assert_eq!(field.distance(point), 0.0, "{point}");
+                assert!(!field.line_is_free(point, point, 1.0), "{point}");
+            }
         }
     }
 
