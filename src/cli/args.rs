@@ -111,6 +111,9 @@ pub struct RunArguments {
     /// Write a recording of the run, into this file or folder.
     #[arg(long, value_name = "FILE_OR_DIR")]
     pub out: Option<PathBuf>,
+    /// Let the recording also hold what the searches looked at, to be shown; that makes it some five times as large.
+    #[arg(long, requires = "out")]
+    pub record_searches: bool,
     /// Write what happened: t_s,event,agent,col,row,detail.
     #[arg(long, value_name = "FILE.csv")]
     pub events: Option<PathBuf>,

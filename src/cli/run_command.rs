@@ -19,7 +19,7 @@ use crate::whole_file::WholeFile;
 pub fn run(arguments: &RunArguments, quiet: bool) -> Result<ExitCode, Failure> {
     let scenario = scenario_commands::load(&arguments.scenario.source, &arguments.scenario.overrides)?;
     let outputs = Outputs::of(arguments, &scenario)?;
-    let (row, timeline) = run_once(&scenario, arguments.seed)?;
+    let (row, timeline) = run_once(&scenario, arguments)?;
     let printed = print(&row, arguments.json);
     // Whatever cannot be written, all else of the run is kept.
     let written = timeline.map_or(Ok(()), |timeline| outputs.write(&timeline, quiet));
@@ -38,10 +38,12 @@ fn print(row: &RunRow, as_json: bool) -> Result<(), Failure> {
     }
 }
 
-fn run_once(scenario: &Scenario, seed: u64) -> Result<(RunRow, Option<Timeline>), Failure> {
+fn run_once(scenario: &Scenario, arguments: &RunArguments) -> Result<(RunRow, Option<Timeline>), Failure> {
+    let seed = arguments.seed;
+    let run = if arguments.record_searches { sim::run_recording_searches } else { sim::run };
     let stopwatch = WallStopwatch::start();
     // The panic has been printed by then, with a backtrace if one was asked for.
-    let caught = panic::catch_unwind(|| sim::run(scenario, seed));
+    let caught = panic::catch_unwind(|| run(scenario, seed));
     let (wall, label) = (stopwatch.elapsed(), RunLabel::alone(scenario, seed));
     match caught.map_err(|_| Failure::of_run("the run panicked: this is a fault of the program"))? {
         Ok(run) => {

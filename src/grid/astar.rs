@@ -61,13 +61,15 @@ pub struct AStar {
     nodes: Vec<Node>,
     open: OpenList<Open>,
     query: u32,
+    /// Points that the last search settled, in order.
+    settled: Vec<usize>,
 }
 
 impl AStar {
     /// For lattices of `points` points.
     pub fn new(points: usize) -> Self {
         let unseen = Node { query: 0, closed: false, cost: 0.0, parent: 0 };
-        Self { nodes: vec![unseen; points], open: OpenList::default(), query: 0 }
+        Self { nodes: vec![unseen; points], open: OpenList::default(), query: 0, settled: Vec::new() }
     }
 
     /// A cheapest path from `start` to any point that `is_goal`.
@@ -84,6 +86,7 @@ impl AStar {
     ) -> Found {
         self.query += 1;
         self.open.clear();
+        self.settled.clear();
         self.reach(start, start, 0.0, estimate(start, start));
         let mut expansions = 0;
         while let Some(Open { index, cost, .. }) = self.open.pop() {
@@ -92,6 +95,7 @@ impl AStar {
                 continue;
             }
             node.closed = true;
+            self.settled.push(index);
             if is_goal(index) {
                 return Found { path: Some(self.path(start, index)), expansions };
             }
@@ -108,6 +112,12 @@ impl AStar {
             }
         }
         Found { path: None, expansions }
+    }
+
+    /// The points that the last search settled, in order, each after the one it was reached from; the start after
+    /// itself.
+    pub fn settled(&self) -> impl Iterator<Item = [usize; 2]> + '_ {
+        self.settled.iter().map(|&index| [self.nodes[index].parent, index])
     }
 
     fn is_worth(&self, index: usize, cost: f64) -> bool {

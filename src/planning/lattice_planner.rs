@@ -19,7 +19,10 @@ use super::ends::{free_ends, has_free_pose};
 use super::hybrid_astar::{Approach, Lookout};
 use super::primitives;
 use super::reachability::{CLEARANCE_M, Flood, Floods, LATTICES};
-use super::{BuildReport, Effort, Goal, GoalDisc, HybridSettings, Plan, PlanFailure, QueryTime, TruckPlanner};
+use super::{
+    BuildReport, Effort, Goal, GoalDisc, HybridSettings, Plan, PlanFailure, QueryTime, SearchPhase, SearchRecorder,
+    Searched, TruckPlanner,
+};
 
 /// From so far beyond the goal it is approached by curves.
 const NEAR_M: f64 = 10.0;
@@ -53,6 +56,7 @@ pub struct LatticePlanner {
     floods: Option<Floods>,
     /// Poses that may still be spread from.
     left: u32,
+    recorder: SearchRecorder,
 }
 
 impl LatticePlanner {
@@ -64,7 +68,13 @@ impl LatticePlanner {
             lookout: Lookout::new(&shortest, checker.body()),
             floods: None,
             left: 0,
+            recorder: SearchRecorder::default(),
         }
+    }
+
+    /// What the last query looked at, if that is recorded.
+    pub fn take_searched(&mut self) -> Option<Searched> {
+        self.recorder.take(SearchPhase::Local)
     }
 
     /// A path by one of the first few lattices that spreads from no more than `budget` poses, and from how many it did.
@@ -106,7 +116,10 @@ impl LatticePlanner {
                 return Err(PlanFailure::Disconnected);
             }
             let flood = floods.on(rung);
-            if let Some(path) = self.meet(flood, goal, floor) {
+            let left = self.left;
+            let path = self.meet(flood, goal, floor);
+            self.recorder.add(flood.reached(left - self.left));
+            if let Some(path) = path {
                 return Ok(path);
             }
             if self.left == 0 || flood.is_full() {
@@ -162,12 +175,17 @@ impl TruckPlanner for LatticePlanner {
         BuildReport::default()
     }
 
+    fn record_searches(&mut self) {
+        self.recorder.switch_on();
+    }
+
     fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
         let mut watch = CpuStopwatch::start();
         let budget = self.settings.max_expansions;
         let (path, local_expansions) = self.find_within(budget, LATTICES.len(), start, goal.inner());
         let effort = Effort { roadmap_expansions: 0, local_expansions };
-        Plan { path, effort, time: QueryTime { local: watch.lap(), ..QueryTime::default() } }
+        let time = QueryTime { local: watch.lap(), ..QueryTime::default() };
+        Plan { path, effort, time, searched: Vec::from_iter(self.take_searched()) }
     }
 }
 

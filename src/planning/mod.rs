@@ -17,6 +17,7 @@ mod prm_primitives;
 mod prm_rs;
 pub mod reachability;
 mod safety;
+mod search_graph;
 mod settings;
 #[cfg(test)]
 mod test_fields;
@@ -32,6 +33,7 @@ pub use prm_primitives::PrmPrimitives;
 pub use prm_rs::{PrmRs, PrmRsSettings};
 
 pub use safety::{Safety, SafetyForm, SafetyMap, SafetySettings};
+pub use search_graph::{MAX_SEARCH_EDGES, SearchGraph, SearchPhase, SearchRecorder, Searched};
 pub use settings::{ClearanceTo, MotionCost, PrimitiveSettings, PrmSettings, RoadmapGoal, RoadmapSearch};
 pub use truck_planners::{TruckPlannerKind, TruckPlannerSettings, truck_planner};
 
@@ -156,6 +158,8 @@ pub struct Plan {
     pub path: Result<Path, PlanFailure>,
     pub effort: Effort,
     pub time: QueryTime,
+    /// What the query's searches looked at, each of [`SearchPhase`] at most once; nothing unless it is recorded.
+    pub searched: Vec<Searched>,
 }
 
 /// What building a planner for one field took and gave.
@@ -175,6 +179,12 @@ pub struct BuildReport {
 /// A planner made for one body on one field.
 pub trait TruckPlanner: Send + Sync {
     fn build_report(&self) -> BuildReport;
+    /// From now on plans tell what their searches looked at. Answers stay the same.
+    fn record_searches(&mut self);
+    /// The roadmap, if the planner has one: its edges that can be driven, the first [`MAX_SEARCH_EDGES`] of them.
+    fn roadmap_graph(&mut self) -> Option<Searched> {
+        None
+    }
     /// A path from a pose of the rear axle to a goal, or why there is none. Answers do not depend on earlier ones.
     fn plan(&mut self, start: Pose, goal: Goal) -> Plan;
 }

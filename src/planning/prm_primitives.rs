@@ -13,7 +13,7 @@ use super::primitives::LocalSearch;
 use super::prm::{Roadmap, RoadmapScratch, Route};
 use super::{
     BuildReport, Effort, Goal, GoalDisc, Plan, PlanFailure, PrimitiveSettings, PrmSettings, QueryTime, RoadmapGoal,
-    Safety, SafetySettings, TruckPlanner,
+    Safety, SafetySettings, SearchPhase, SearchRecorder, Searched, TruckPlanner,
 };
 
 /// The roadmap leads this near to a goal pose, and motion primitives and a curve from there on.
@@ -31,6 +31,8 @@ pub struct PrmPrimitives {
     search_alone: bool,
     waypoint_tolerance_m: f64,
     report: BuildReport,
+    /// Of the roadmap and queries of it.
+    recorder: SearchRecorder,
 }
 
 impl PrmPrimitives {
@@ -67,6 +69,7 @@ impl PrmPrimitives {
             search_alone: primitives.search_alone,
             waypoint_tolerance_m: primitives.waypoint_tolerance_m,
             report,
+            recorder: SearchRecorder::default(),
         }
     }
 
@@ -113,7 +116,9 @@ impl PrmPrimitives {
     }
 
     fn route(&mut self, centre: DVec2, goal: GoalDisc) -> Result<Route, PlanFailure> {
-        let mut route = self.roadmap.route(centre, goal, &mut self.scratch)?;
+        let route = self.roadmap.route(centre, goal, &mut self.scratch);
+        self.recorder.add(self.roadmap.looked_at(centre, &self.scratch));
+        let mut route = route?;
         if self.thin_waypoints {
             self.roadmap.tighten(centre, &mut route);
         }
@@ -134,13 +139,24 @@ impl TruckPlanner for PrmPrimitives {
         self.report
     }
 
+    fn record_searches(&mut self) {
+        self.recorder.switch_on();
+        self.local.record_searches();
+    }
+
+    fn roadmap_graph(&mut self) -> Option<Searched> {
+        self.recorder.add(self.roadmap.lines());
+        self.recorder.take(SearchPhase::Roadmap)
+    }
+
     fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
         let mut time = QueryTime::default();
         self.scratch.expansions = 0;
         self.local.begin();
         let path = self.find(start, goal.inner(), &mut time);
         let effort = Effort { roadmap_expansions: self.scratch.expansions, local_expansions: self.local.expansions() };
-        Plan { path, effort, time }
+        let searched = [self.recorder.take(SearchPhase::Query), self.local.take_searched()];
+        Plan { path, effort, time, searched: searched.into_iter().flatten().collect() }
     }
 }
 

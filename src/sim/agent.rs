@@ -1,10 +1,13 @@
 //! What Wumpuses and trucks have in common: a body on a trajectory, a goal, a mind that can change.
 
+use std::time::Duration;
+
 use bevy::prelude::*;
 
 use crate::geometry::{Cell, Pose};
+use crate::planning::Searched;
 use crate::time::SimTime;
-use crate::timeline::{AgentId, Event, Fact, RestReason};
+use crate::timeline::{AgentId, Event, Fact, RestReason, Spending};
 use crate::trajectory::Trajectory;
 
 use super::agenda::{Agenda, Call, Due};
@@ -98,13 +101,44 @@ impl Agent {
     }
 }
 
+/// Places and edges of all searches of a run together; what searches look at after that is not kept, so that the run
+/// fits the memory and a recording.
+const MAX_RECORDED: usize = 4_000_000;
+
 /// The facts so far.
 #[derive(Resource, Debug, Default)]
-pub struct Log(pub Vec<Event>);
+pub struct Log {
+    pub events: Vec<Event>,
+    /// Places and edges of searches.
+    recorded: usize,
+}
 
 impl Log {
     pub fn add(&mut self, time: SimTime, fact: Fact) {
-        self.0.push(Event { time, fact });
+        self.events.push(Event { time, fact });
+    }
+
+    /// Adds what the searches of a plan looked at.
+    pub fn add_searches(&mut self, time: SimTime, agent: AgentId, searched: impl IntoIterator<Item = Searched>) {
+        for Searched { phase, graph } in searched {
+            self.recorded += graph.places.len() + graph.edges.len();
+            if self.recorded <= MAX_RECORDED {
+                self.add(time, Fact::Searched { agent, phase, graph });
+            }
+        }
+    }
+}
+
+/// CPU time spent on decisions so far.
+#[derive(Resource, Debug, Default)]
+pub struct Ledger(pub Vec<Spending>);
+
+impl Ledger {
+    /// Adds what a decision took, if anything.
+    pub fn add(&mut self, time: SimTime, agent: AgentId, cpu: Duration) {
+        if !cpu.is_zero() {
+            self.0.push(Spending { time, agent, cpu });
+        }
     }
 }
 

@@ -25,10 +25,10 @@ use thiserror::Error;
 use crate::scenario::{Scenario, TerrainError};
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
-use crate::timeline::{AgentId, EndReason, Fact, Setting, Timeline};
+use crate::timeline::{AgentId, EndReason, Fact, Setting, Spending, Timeline};
 
 use agenda::{Agenda, Due, Rank, SimClock};
-use agent::{Log, Roster};
+use agent::{Ledger, Log, Roster};
 use fires::Ignitions;
 use situation::Situation;
 use stage::Stage;
@@ -55,6 +55,10 @@ impl AgentCost {
         let zero = Duration::ZERO;
         Self { agent, sampling: zero, connecting: zero, roadmap_search: zero, local_search: zero, reachability: zero }
     }
+
+    pub fn total(&self) -> Duration {
+        self.sampling + self.connecting + self.roadmap_search + self.local_search + self.reachability
+    }
 }
 
 /// CPU time of a run; never part of its outcome.
@@ -72,6 +76,9 @@ pub struct RunCost {
 pub struct Run {
     pub timeline: Timeline,
     pub cost: RunCost,
+    /// The same by decision, in order of time: first one entry an agent for building its planner, then one for every
+    /// decision that took some.
+    pub spending: Vec<Spending>,
 }
 
 /// Why a run could not take place.
@@ -85,8 +92,19 @@ pub enum RunError {
 
 /// Runs a scenario with a seed to its end.
 pub fn run(scenario: &Scenario, seed: u64) -> Result<Run, RunError> {
+    run_to_its_end(|| Simulation::new(scenario, seed))
+}
+
+/// Like [`run`], and the timeline also holds what the searches looked at, as [`Fact::Searched`].
+///
+/// Nothing else about the timeline changes. CPU times include what recording takes.
+pub fn run_recording_searches(scenario: &Scenario, seed: u64) -> Result<Run, RunError> {
+    run_to_its_end(|| Simulation::recording_searches(scenario, seed))
+}
+
+fn run_to_its_end(simulation: impl FnOnce() -> Result<Simulation, RunError>) -> Result<Run, RunError> {
     let mut clock = CpuStopwatch::start();
-    let mut simulation = Simulation::new(scenario, seed)?;
+    let mut simulation = simulation()?;
     simulation.advance_to(SimTime::MAX);
     let mut run = simulation.finish();
     run.cost.total = clock.lap();
@@ -114,7 +132,15 @@ pub struct Simulation {
 impl Simulation {
     /// The world at time 0, before anything happened.
     pub fn new(scenario: &Scenario, seed: u64) -> Result<Self, RunError> {
-        let (world, setting, cost) = setup::build(scenario, seed)?;
+        Ok(Self::of(setup::build(scenario, seed, false)?))
+    }
+
+    /// The same world, which also tells what searches looked at.
+    pub fn recording_searches(scenario: &Scenario, seed: u64) -> Result<Self, RunError> {
+        Ok(Self::of(setup::build(scenario, seed, true)?))
+    }
+
+    fn of((world, setting, cost): (World, Setting, RunCost)) -> Self {
         let mut schedule = Schedule::new(Instant);
         schedule.set_executor(SingleThreadedExecutor::new());
         schedule
@@ -133,7 +159,7 @@ impl Simulation {
             )
                 .chain(),
         );
-        Ok(Self { world, schedule, setting, cost, has_begun: false })
+        Self { world, schedule, setting, cost, has_begun: false }
     }
 
     /// Lets everything happen that is due up to `target`, which is included.
@@ -157,8 +183,9 @@ impl Simulation {
             agents.extend(cost);
         }
         self.cost.agents = agents;
-        let events = std::mem::take(&mut self.world.resource_mut::<Log>().0);
-        Run { timeline: Timeline { setting: self.setting, events }, cost: self.cost }
+        let events = std::mem::take(&mut self.world.resource_mut::<Log>().events);
+        let spending = std::mem::take(&mut self.world.resource_mut::<Ledger>().0);
+        Run { timeline: Timeline { setting: self.setting, events }, cost: self.cost, spending }
     }
 }
 
@@ -195,12 +222,16 @@ fn decide(mut stage: Stage) {
         let now = stage.now();
         let (mut agent, wumpus, truck) = stage.agents.get_mut(call.agent).expect("agents live for the whole run");
         if let Some(mut wumpus) = wumpus {
+            let spent = wumpus.cost.total();
             let seen = (&stage.frame.0, &stage.fires.0, centres.as_slice());
             wumpus::decide((call.agent, &mut agent, &mut wumpus), now, seen, &mut stage.agenda, &mut stage.log);
+            stage.ledger.add(now, agent.id, wumpus.cost.total() - spent);
         } else if let Some(mut truck) = truck {
             let situation = Situation { now, frame: &stage.frame.0, fires: &stage.fires.0, claimed: &claimed, traffic };
             let before = (agent.revision, agent.rests, truck.is_blocked());
+            let spent = truck.cost.total();
             truck::decide((call.agent, &mut agent, &mut truck), &situation, &mut stage.agenda, &mut stage.log);
+            stage.ledger.add(now, agent.id, truck.cost.total() - spent);
             let drops_goal = had.is_some() && agent.goal != had;
             let is_changed = before != (agent.revision, agent.rests, truck.is_blocked());
             if drops_goal {

@@ -23,12 +23,12 @@ use crate::scenario::{
 };
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
-use crate::timeline::{AgentId, AgentStart, Body, Fact, Rules, Setting};
+use crate::timeline::{AgentId, AgentStart, Body, Fact, Rules, Setting, Spending};
 use crate::trajectory::SpeedLimits;
 use crate::vehicle::Dimensions;
 
 use super::agenda::{Agenda, Due, SimClock};
-use super::agent::{Agent, Log, Roster};
+use super::agent::{Agent, Ledger, Log, Roster};
 use super::fires::Ignitions;
 use super::stage::{Fires, Frame};
 use super::tracks::Tracks;
@@ -42,7 +42,7 @@ use crate::scenario;
 const START_CLEARANCE_M: f64 = 0.05;
 
 /// The world with everybody at the start and the first decisions due, what the timeline says of it, and its cost.
-pub fn build(scenario: &Scenario, seed: u64) -> Result<(World, Setting, RunCost), RunError> {
+pub fn build(scenario: &Scenario, seed: u64, records_searches: bool) -> Result<(World, Setting, RunCost), RunError> {
     let mut cost = RunCost::default();
     let mut stopwatch = CpuStopwatch::start();
     let terrain = Terrain::of(scenario, seed)?;
@@ -52,23 +52,33 @@ pub fn build(scenario: &Scenario, seed: u64) -> Result<(World, Setting, RunCost)
 
     let mut world = World::new();
     let mut log = Log::default();
+    let mut ledger = Ledger::default();
     let mut roster = Roster::default();
     let mut starts = Vec::new();
     for (number, settings) in scenario.wumpus.iter().enumerate() {
         let id = AgentId::Wumpus(number as u16);
-        let (agent, wumpus) = place_wumpus(id, settings, &terrain, seed, &mut log)?;
+        let (agent, mut wumpus) = place_wumpus(id, settings, &terrain, seed, &mut log)?;
+        if records_searches {
+            wumpus.planner.record_searches();
+        }
         let body = Body::Square { size_m: settings.size_m };
         let limits = Some(wumpus_limits(settings));
         starts.push(AgentStart { id, pose: agent.trajectory.start(), body, limits });
+        ledger.0.push(Spending { time: SimTime::ZERO, agent: id, cpu: wumpus.cost.total() });
         roster.wumpuses.push(world.spawn((agent, wumpus)).id());
     }
     let mut parked = Vec::new();
     for (number, settings) in scenario.unimog.iter().enumerate() {
         let id = AgentId::Unimog(number as u16);
-        let (agent, truck) = place_truck(id, (settings, scenario), &field, &parked, seed, &mut log)?;
+        let (agent, mut truck) = place_truck(id, (settings, scenario), &field, &parked, seed, &mut log)?;
+        if records_searches {
+            truck.planner.record_searches();
+            log.add_searches(SimTime::ZERO, id, truck.planner.roadmap_graph());
+        }
         parked.push((settings.vehicle, agent.trajectory.start()));
         let (body, limits) = (Body::Truck(settings.vehicle), Some(truck.speed));
         starts.push(AgentStart { id, pose: agent.trajectory.start(), body, limits });
+        ledger.0.push(Spending { time: SimTime::ZERO, agent: id, cpu: truck.cost.total() });
         roster.trucks.push(world.spawn((agent, truck)).id());
     }
     let setting = setting(scenario, seed, &terrain, starts);
@@ -79,6 +89,7 @@ pub fn build(scenario: &Scenario, seed: u64) -> Result<(World, Setting, RunCost)
     world.insert_resource(ignitions(scenario, &terrain, seed));
     world.insert_resource(roster);
     world.insert_resource(log);
+    world.insert_resource(ledger);
     world.insert_resource(Ended::default());
     Ok((world, setting, cost))
 }

@@ -11,7 +11,7 @@ use crate::timeline::{AgentId, Cause, Fact, RestReason};
 use crate::trajectory::Trajectory;
 
 use super::agenda::{Agenda, Due, Rank, SimClock};
-use super::agent::{Activity, Agent, Log, Roster};
+use super::agent::{Activity, Agent, Ledger, Log, Roster};
 use super::traffic::{Reservation, Traffic};
 use super::truck::Truck;
 use super::wumpus::{self, Wumpus};
@@ -32,6 +32,7 @@ pub struct Stage<'w, 's> {
     pub clock: Res<'w, SimClock>,
     pub agenda: ResMut<'w, Agenda>,
     pub log: ResMut<'w, Log>,
+    pub ledger: ResMut<'w, Ledger>,
     pub fires: ResMut<'w, Fires>,
     pub frame: Res<'w, Frame>,
     pub roster: Res<'w, Roster>,

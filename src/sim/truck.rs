@@ -104,6 +104,7 @@ impl Truck {
         before: &[Blocked],
         situation: &Situation,
         spent: &mut Effort,
+        log: &mut Log,
     ) -> Result<Drive, (PlanFailure, Effort)> {
         if let Some(known) = before.iter().find(|blocked| blocked.drive.goal == goal && !blocked.drive.by_lattice) {
             return Ok(known.drive.clone());
@@ -112,6 +113,7 @@ impl Truck {
         self.cost.roadmap_search += plan.time.roadmap;
         self.cost.local_search += plan.time.local;
         *spent += plan.effort;
+        log.add_searches(situation.now, self.cost.agent, plan.searched);
         match plan.path {
             Ok(path) => Ok(Drive { goal, path, back_m: 0.0, effort: *spent, by_lattice: false }),
             Err(reason) => Err((reason, std::mem::take(spent))),
@@ -267,7 +269,7 @@ fn choose(
             !truck.set_aside.contains(&cell) && blocked.iter().all(|blocked| blocked.drive.goal != cell)
         })
     {
-        let drive = match truck.plan_again(pose, goal, before, situation, &mut effort) {
+        let drive = match truck.plan_again(pose, goal, before, situation, &mut effort, log) {
             Ok(drive) => drive,
             Err((reason, spent)) => {
                 let until = now + truck.charge(&spent);

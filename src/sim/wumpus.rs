@@ -171,9 +171,10 @@ pub fn decide(
     while let Some(Candidate { target, .. }) = candidates.pop() {
         let goal = wumpus.targets[target];
         wumpus.next_target = target + 1;
-        let walk = wumpus.planner.plan(&wumpus.lattice, wumpus.point, (goal, wumpus.reach_m));
+        let mut walk = wumpus.planner.plan(&wumpus.lattice, wumpus.point, (goal, wumpus.reach_m));
         wumpus.cost.local_search += clock.lap();
         ready += wumpus.charge(walk.expansions);
+        log.add_searches(now, agent.id, walk.searched.take());
         if !walk.is_stuck() || walk.minimum != Some(wumpus.point) {
             set_out((entity, agent, wumpus), (now, ready), (goal, walk), agenda, log);
             return;

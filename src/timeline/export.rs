@@ -95,6 +95,7 @@ fn name(fact: &Fact) -> &'static str {
         Fact::BurnedOut { .. } => "burned-out",
         Fact::Extinguished { .. } => "extinguished",
         Fact::Planned { .. } => "planned",
+        Fact::Searched { .. } => "searched",
         Fact::PlanFailed { .. } => "plan-failed",
         Fact::Dropped { .. } => "dropped",
         Fact::Suppressing { .. } => "suppressing",
@@ -131,6 +132,9 @@ fn detail(fact: &Fact) -> String {
             format!("reason={reason}; {}; until_s={}", expansions(*effort), seconds(*until))
         }
         Fact::Dropped { trajectory, .. } => leg(trajectory),
+        Fact::Searched { phase, graph, .. } => {
+            format!("phase={phase}; places={}; edges={}", graph.places.len(), graph.edges.len())
+        }
         Fact::Blocked { by, .. } => format!("by={by}"),
         Fact::GaveWay { to, trajectory, .. } => format!("to={to}; {}", leg(trajectory)),
         Fact::Rested { reason, .. } => format!("reason={reason}"),
@@ -204,6 +208,14 @@ mod tests {
         assert_eq!(lines[4], format!("14.000000000,gave-way,unimog/1,,,to=unimog/0; {way}"));
         let trace = trace(&sample::meeting(), 12.0);
         assert!(trace.contains("12.000000000,unimog/0,10,30,0,0,waiting\n"), "{trace}");
+    }
+
+    #[test]
+    fn searches_are_told_by_their_sizes() {
+        let text = events(&sample::searched());
+        let lines: Vec<_> = text.lines().collect();
+        assert_eq!(lines[2], "10.000000000,searched,unimog/0,,,phase=roadmap; places=4; edges=3");
+        assert_eq!(lines[5], "10.000000000,searched,unimog/0,,,phase=local; places=3; edges=2");
     }
 
     #[test]

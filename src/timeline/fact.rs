@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::AgentId;
 use crate::geometry::{Cell, Pose};
-use crate::planning::{Effort, PlanFailure};
+use crate::planning::{Effort, PlanFailure, SearchGraph, SearchPhase};
 use crate::time::SimTime;
 use crate::trajectory::Trajectory;
 
@@ -104,6 +104,15 @@ pub enum Fact {
         effort: Effort,
         by_lattice: bool,
     },
+    /// What a search looked at, where that was to be recorded, with the roadmap itself right after its `RoadmapBuilt`:
+    /// the phases of a plan in turn, right before what it led to, which is a `Planned`, a `PlanFailed`, with the
+    /// `LocalMinimum` that goes before them, or, where another truck was in the way, the next plan or a `Blocked`.
+    /// Nothing is told of detours round other trucks, nor of plans that the reachability flood led to (`by_lattice`).
+    Searched {
+        agent: AgentId,
+        phase: SearchPhase,
+        graph: SearchGraph,
+    },
     /// A plan for a goal failed. Planning time is charged until `until`, which is the time of this fact where planning
     /// costs none; it does not stop an agent that is under way.
     PlanFailed {
@@ -178,6 +187,7 @@ impl Fact {
             | Self::Ignited { cause: Cause::Lit(agent), .. }
             | Self::Extinguished { by: agent, .. }
             | Self::Planned { agent, .. }
+            | Self::Searched { agent, .. }
             | Self::PlanFailed { agent, .. }
             | Self::Dropped { agent, .. }
             | Self::Suppressing { agent, .. }
@@ -216,6 +226,7 @@ impl Fact {
             Self::StartMoved { .. }
             | Self::RoadmapBuilt { .. }
             | Self::OutOfReach { .. }
+            | Self::Searched { .. }
             | Self::Rested { .. }
             | Self::GaveWay { .. }
             | Self::Ended { .. } => None,

@@ -2,10 +2,10 @@
 
 use serde::Serialize;
 
+use super::course::{Activity, Course};
 use super::{AgentId, Event, Fact, Timeline};
 use crate::geometry::{Cell, Pose};
 use crate::time::SimTime;
-use crate::trajectory::Trajectory;
 
 /// What has become of a bush.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -27,30 +27,14 @@ impl Vegetation {
     }
 }
 
-/// What an agent is doing: the last of these that its facts say.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-pub enum Activity {
-    /// None of the others.
-    Standing,
-    /// Planning time is charged: until the start of the planned leg, or until the time that a failed plan names.
-    Planning,
-    /// From the start to the end of a leg with pieces, the rest of a dropped leg included; a Wumpus walks. A wait at its
-    /// beginning is none.
-    Driving,
-    /// From `Suppressing` until this truck extinguishes something, its suppression ends, or it drops its goal.
-    Suppressing,
-    /// For another truck: after `Blocked` until the next plan or rest, and while a leg begins with a wait.
-    Waiting,
-}
-
-impl Activity {
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Standing => "standing",
-            Self::Planning => "planning",
-            Self::Driving => "driving",
-            Self::Suppressing => "suppressing",
-            Self::Waiting => "waiting",
+impl Event {
+    /// What it makes of which bush, if anything.
+    pub fn bush_change(&self) -> Option<(Cell, Vegetation)> {
+        match self.fact {
+            Fact::Ignited { cell, .. } => Some((cell, Vegetation::Burning { since: self.time })),
+            Fact::BurnedOut { cell } => Some((cell, Vegetation::BurnedOut)),
+            Fact::Extinguished { cell, .. } => Some((cell, Vegetation::Extinguished)),
+            _ => None,
         }
     }
 }
@@ -84,60 +68,6 @@ pub(super) struct BushChange {
     pub bush: usize,
     pub from: Vegetation,
     pub to: Vegetation,
-}
-
-/// What the facts so far say about an agent; all else follows from the time.
-#[derive(Clone, Copy, Debug)]
-struct Course<'a> {
-    start: Pose,
-    leg: Option<&'a Trajectory>,
-    planning_until: SimTime,
-    suppresses: bool,
-    is_blocked: bool,
-    goal: Option<Cell>,
-}
-
-impl<'a> Course<'a> {
-    fn standing(start: Pose) -> Self {
-        let planning_until = SimTime::ZERO;
-        Self { start, leg: None, planning_until, suppresses: false, is_blocked: false, goal: None }
-    }
-
-    /// Follows a leg from now on; planning time is charged until it begins.
-    fn follow(&mut self, leg: &'a Trajectory, goal: Option<Cell>) {
-        *self = Self { leg: Some(leg), planning_until: leg.start_time(), goal, ..Self::standing(self.start) };
-    }
-
-    fn give_up_goal(&mut self) {
-        self.goal = None;
-        self.suppresses = false;
-        self.is_blocked = false;
-    }
-
-    fn activity(&self, time: SimTime) -> Activity {
-        let is_on = |leg: &&Trajectory| !leg.pieces().is_empty() && leg.start_time() <= time && time < leg.end_time();
-        if self.suppresses {
-            Activity::Suppressing
-        } else if let Some(leg) = self.leg.filter(is_on) {
-            if time < leg.sets_out_at() { Activity::Waiting } else { Activity::Driving }
-        } else if time < self.planning_until {
-            Activity::Planning
-        } else if self.is_blocked {
-            Activity::Waiting
-        } else {
-            Activity::Standing
-        }
-    }
-
-    /// The first time after `time` at which the activity may change without a fact.
-    fn next_change(&self, time: SimTime) -> Option<SimTime> {
-        let leg = self.leg.map(|leg| [leg.start_time(), leg.sets_out_at(), leg.end_time()]);
-        leg.into_iter().flatten().chain([self.planning_until]).filter(|&change| change > time).min()
-    }
-
-    fn pose_and_speed(&self, time: SimTime) -> (Pose, f64) {
-        self.leg.map_or((self.start, 0.0), |leg| leg.state_at(time))
-    }
 }
 
 /// A cursor in a timeline: the state at one time, moved cheaply to later ones.
@@ -245,35 +175,11 @@ impl<'a> Replay<'a> {
     fn apply_to_agent(&mut self, event: &'a Event) {
         let Some(agent) = event.fact.agent() else { return };
         let Some(index) = self.timeline.setting.agent_index(agent) else { return };
-        let course = &mut self.courses[index];
-        match &event.fact {
-            Fact::Planned { goal, trajectory, .. } => course.follow(trajectory, Some(*goal)),
-            Fact::Dropped { trajectory, .. } | Fact::GaveWay { trajectory, .. } => course.follow(trajectory, None),
-            Fact::Blocked { .. } => course.is_blocked = true,
-            Fact::PlanFailed { until, .. } => course.planning_until = *until,
-            Fact::Suppressing { .. } => course.suppresses = true,
-            Fact::Extinguished { .. }
-            | Fact::SuppressionEnded { .. }
-            | Fact::Ignited { .. }
-            | Fact::Rested { .. }
-            | Fact::LocalMinimum { .. } => {
-                course.give_up_goal();
-            }
-            Fact::StartMoved { .. }
-            | Fact::RoadmapBuilt { .. }
-            | Fact::OutOfReach { .. }
-            | Fact::BurnedOut { .. }
-            | Fact::Ended { .. } => {}
-        }
+        self.courses[index].apply(&event.fact);
     }
 
     fn apply_to_bush(&mut self, event: &Event) -> Option<BushChange> {
-        let (cell, to) = match event.fact {
-            Fact::Ignited { cell, .. } => (cell, Vegetation::Burning { since: event.time }),
-            Fact::BurnedOut { cell } => (cell, Vegetation::BurnedOut),
-            Fact::Extinguished { cell, .. } => (cell, Vegetation::Extinguished),
-            _ => return None,
-        };
+        let (cell, to) = event.bush_change()?;
         let bush = self.timeline.setting.bush_index(cell)?;
         let from = std::mem::replace(&mut self.bushes[bush], to);
         Some(BushChange { bush, from, to })

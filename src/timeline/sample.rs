@@ -8,7 +8,7 @@ use super::{
 use crate::event_queue::EventQueue;
 use crate::fire::FireRules;
 use crate::geometry::{Cell, FieldFrame, Pose};
-use crate::planning::{Effort, PlanFailure};
+use crate::planning::{Effort, PlanFailure, SearchGraph, SearchPhase};
 use crate::rng::{self, Xoshiro256PlusPlus};
 use crate::time::SimTime;
 use crate::trajectory::{Piece, SpeedLimits, Trajectory};
@@ -161,6 +161,28 @@ pub fn meeting() -> Timeline {
         at(14.0, planned(TRUCK, A, drive)),
         at(18.0, Fact::Suppressing { agent: TRUCK, cell: A }),
         at(23.0, Fact::Extinguished { cell: A, by: TRUCK }),
+        at(30.0, Fact::Ended { reason: EndReason::Duration }),
+    ];
+    Timeline { setting, events }
+}
+
+/// A truck that builds a roadmap and plans once, and tells what it looked at.
+pub fn searched() -> Timeline {
+    let setting = small_setting(&[TRUCK]);
+    let start = setting.agents[0].pose;
+    let searched = |phase, places: &[(i32, i32)], edges: &[(u32, u32)]| {
+        let graph = SearchGraph { places: places.to_vec(), edges: edges.to_vec() };
+        at(10.0, Fact::Searched { agent: TRUCK, phase, graph })
+    };
+    let milestones = [(1200, 3000), (2400, 3100), (1250, 700), (2600, 900)];
+    let events = vec![
+        at(10.0, Fact::RoadmapBuilt { agent: TRUCK, samples: 4, edges: 3, components: 1 }),
+        searched(SearchPhase::Roadmap, &milestones, &[(0, 1), (1, 3), (0, 2)]),
+        at(10.0, ignited(A)),
+        searched(SearchPhase::Query, &[(1000, 3000), (1200, 3000), (1250, 700)], &[(0, 1), (1, 2)]),
+        searched(SearchPhase::Local, &[(1000, 3000), (600, 3000), (1391, 2938)], &[(0, 2), (0, 1)]),
+        searched(SearchPhase::Local, &[(-1, i32::MAX)], &[]),
+        at(10.0, planned(TRUCK, A, leg(10.0, start, 8.0, &[16.0]))),
         at(30.0, Fact::Ended { reason: EndReason::Duration }),
     ];
     Timeline { setting, events }

@@ -5,7 +5,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::fire::FireRules;
-use crate::geometry::{Cell, FieldFrame, Pose};
+use crate::geometry::{Cell, DVec2, FieldFrame, Pose};
 use crate::time::SimTime;
 use crate::trajectory::SpeedLimits;
 use crate::vehicle::Dimensions;
@@ -34,6 +34,16 @@ pub enum Body {
         size_m: f64,
     },
     Truck(Dimensions),
+}
+
+impl Body {
+    /// World position of the body's centre for a pose of its agent.
+    pub fn centre(&self, pose: Pose) -> DVec2 {
+        match self {
+            Self::Square { .. } => pose.position(),
+            Self::Truck(body) => body.body_centre(pose),
+        }
+    }
 }
 
 /// An agent as it stands at the start.

@@ -189,3 +189,16 @@ fn damaged_and_newer_recordings_do_not_stop_the_others() {
     let answer = story.tell(&["audit", "out"]).expect_code(4).expect_complaint(&["format 99"]);
     assert!(answer.stdout.contains("Offences: 1 of 2 runs"), "an offence weighs more: {}", answer.stdout);
 }
+
+#[test]
+fn recordings_with_searches_are_audited_like_others() {
+    let story = Story::begin();
+    let run = ["run", "smoke", "--record-searches"];
+    story.tell(&run).expect_code(2).expect_complaint(&["--out"]);
+    story.tell(&[&run[..], &["--out", "run.wildfire", "--events", "events.csv"]].concat()).expect_code(0);
+    story.tell(&["audit", "run.wildfire"]).expect_code(0);
+    let events = fs::read_to_string(story.path("events.csv")).expect("it was written");
+    for phase in ["roadmap", "local", "walk"] {
+        assert!(events.contains(&format!(",,,phase={phase}; places=")), "{phase} is missing:\n{events}");
+    }
+}

@@ -32,7 +32,10 @@ use super::ends::{free_ends, free_poses, has_free_pose};
 use super::improve::Improver;
 use super::primitives::Ending;
 use super::reachability::{LATTICES, Lattice};
-use super::{BuildReport, Effort, Goal, LatticePlanner, LatticeSettings, Plan, PlanFailure, QueryTime, TruckPlanner};
+use super::{
+    BuildReport, Effort, Goal, LatticePlanner, LatticeSettings, Plan, PlanFailure, QueryTime, SearchPhase,
+    SearchRecorder, TruckPlanner,
+};
 use ladder::{LADDER, LatticeKind, Method, Rung, TURN};
 use search::{Search, Task};
 use wave::{Cells, Wave};
@@ -60,6 +63,7 @@ pub struct HybridAstar {
     /// Where every query begins to draw its shortcuts.
     rng: Xoshiro256PlusPlus,
     expansions: u32,
+    recorder: SearchRecorder,
 }
 
 impl HybridAstar {
@@ -78,6 +82,7 @@ impl HybridAstar {
             lattice: LatticePlanner::build(checker, &LatticeSettings::default()),
             rng,
             expansions: 0,
+            recorder: SearchRecorder::default(),
         }
     }
 
@@ -108,7 +113,9 @@ impl HybridAstar {
             let floor = ClearanceFloor::new(clearance_m, ends.iter().copied());
             let path = match method {
                 Method::Searches { lattice, forward, backward } => {
-                    self.search(lattice, [forward, backward], start, goal, (&floor, clearance_m))
+                    let path = self.search(lattice, [forward, backward], start, goal, (&floor, clearance_m));
+                    self.record(lattice, backward > 0);
+                    path
                 }
                 Method::Flood => self.flood(start, goal),
             };
@@ -173,9 +180,23 @@ impl HybridAstar {
         Err(ending)
     }
 
+    /// Records what the searches of a rung looked at, first those from the start.
+    fn record(&mut self, lattice: LatticeKind, is_two_sided: bool) {
+        let [forward, backward] = match lattice {
+            LatticeKind::Coarse => &self.coarse,
+            LatticeKind::Fine => self.fine.as_ref().expect("it was searched"),
+        };
+        self.recorder.add(forward.reached());
+        if is_two_sided {
+            self.recorder.add(backward.reached());
+        }
+    }
+
     fn flood(&mut self, start: Pose, goal: Goal) -> Result<Path, Ending> {
         let (path, spent) = self.lattice.find_within(self.settings.max_expansions - self.expansions, 1, start, goal);
         self.expansions += spent;
+        let searched = self.lattice.take_searched();
+        self.recorder.add(searched.iter().flat_map(|searched| searched.graph.lines()));
         path.map_err(|_| Ending::Exhausted)
     }
 
@@ -195,12 +216,18 @@ impl TruckPlanner for HybridAstar {
         BuildReport::default()
     }
 
+    fn record_searches(&mut self) {
+        self.recorder.switch_on();
+        self.lattice.record_searches();
+    }
+
     fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
         let mut watch = CpuStopwatch::start();
         self.expansions = 0;
         let path = self.find(start, goal.inner());
         let effort = Effort { roadmap_expansions: 0, local_expansions: self.expansions };
-        Plan { path, effort, time: QueryTime { local: watch.lap(), ..QueryTime::default() } }
+        let time = QueryTime { local: watch.lap(), ..QueryTime::default() };
+        Plan { path, effort, time, searched: Vec::from_iter(self.recorder.take(SearchPhase::Local)) }
     }
 }
 

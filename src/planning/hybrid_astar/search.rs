@@ -1,3 +1,5 @@
+use glam::DVec2;
+
 use crate::collision::CollisionChecker;
 use crate::geometry::Pose;
 use crate::grid::open_list::OpenList;
@@ -122,6 +124,14 @@ impl Search {
             }
         }
         (Err(Ending::Exhausted), spent)
+    }
+
+    /// Where the poses are that the search reached, in order, each after the one that it came from.
+    pub fn reached(&self) -> impl Iterator<Item = [DVec2; 2]> {
+        self.nodes.iter().map(|node| {
+            let from = if node.parent == ROOT { node } else { &self.nodes[node.parent as usize] };
+            [from, node].map(|node| node.pose.position())
+        })
     }
 
     fn push(&mut self, key: f64, cost: f64, node: u32, step: Step) {

@@ -30,7 +30,7 @@ use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M};
 use crate::geometry::Pose;
 use crate::vehicle::{Path, Segment};
 
-use super::{Goal, GoalDisc, PlanFailure, PrimitiveSettings, Safety};
+use super::{Goal, GoalDisc, PlanFailure, PrimitiveSettings, Safety, SearchPhase, SearchRecorder, Searched};
 
 /// Clearances tried in turn, as shares of the wanted one, each with the percentage of the budget that it may spend.
 ///
@@ -49,6 +49,7 @@ pub struct LocalSearch {
     search: Search,
     segments: Vec<Segment>,
     expansions: u32,
+    recorder: SearchRecorder,
 }
 
 impl LocalSearch {
@@ -59,7 +60,17 @@ impl LocalSearch {
             search: Search::new(settings, checker, safety),
             segments: Vec::new(),
             expansions: 0,
+            recorder: SearchRecorder::default(),
         }
+    }
+
+    pub fn record_searches(&mut self) {
+        self.recorder.switch_on();
+    }
+
+    /// What all searches since the last time looked at, if that is recorded.
+    pub fn take_searched(&mut self) -> Option<Searched> {
+        self.recorder.take(SearchPhase::Local)
     }
 
     /// Begins a new query, which has the whole budget before it.
@@ -127,6 +138,7 @@ impl LocalSearch {
         let task = Task { checker: &self.checker, floor, start, waypoints, goal };
         let ending = self.search.run(&task, limit.saturating_sub(self.expansions), &mut self.segments);
         self.expansions += self.search.expansions;
+        self.recorder.add(self.search.reached());
         ending
     }
 

@@ -206,6 +206,14 @@ impl Search {
         Ending::Exhausted
     }
 
+    /// Where the poses are that the last search reached, in order, each after the one that it came from.
+    pub fn reached(&self) -> impl Iterator<Item = [DVec2; 2]> {
+        self.nodes.iter().map(|node| {
+            let from = if node.parent == ROOT { node } else { &self.nodes[node.parent as usize] };
+            [from, node].map(|node| node.pose.position())
+        })
+    }
+
     fn begin(&mut self, task: &Task<'_>) {
         self.nodes.clear();
         self.aims.clear();

@@ -107,6 +107,13 @@ impl Roadmap {
     pub fn graph(&self) -> &Csr<(), f64, Undirected> {
         &self.graph
     }
+
+    /// Both ends of every edge.
+    pub fn lines(&self) -> impl Iterator<Item = [DVec2; 2]> {
+        let from = |a: u32| self.graph.neighbors_slice(a).iter().filter(move |&&b| a < b).map(move |&b| [a, b]);
+        let edges = (0..self.milestones.len() as u32).flat_map(from);
+        edges.map(|edge| edge.map(|milestone| self.milestones[milestone as usize]))
+    }
 }
 
 #[cfg(test)]

@@ -58,6 +58,14 @@ impl Roadmap {
         Query { roadmap: self, start, goal, end_milestone }.search(scratch).ok_or(PlanFailure::Disconnected)
     }
 
+    /// What the last query looked at, which began at `start`: the milestones that it settled, each after the place that it
+    /// came from, and the start after itself.
+    pub fn looked_at(&self, start: DVec2, scratch: &RoadmapScratch) -> impl Iterator<Item = [DVec2; 2]> {
+        let position = move |place: u32| if place == START { start } else { self.milestones[place as usize] };
+        let settled = scratch.closed.iter().map(|&milestone| (scratch.visits[milestone as usize].parent, milestone));
+        std::iter::once((START, START)).chain(settled).map(move |(from, to)| [from, to].map(position))
+    }
+
     /// The milestone nearest to a place, the lowest index among equals.
     fn nearest_milestone(&self, place: DVec2) -> Option<u32> {
         let distance = |&index: &u32| self.milestones[index as usize].distance_squared(place);
@@ -110,6 +118,7 @@ impl Query<'_> {
             return false;
         }
         *visit = Visit { closed: true, cost: candidate.cost, parent: candidate.from, ..*visit };
+        scratch.closed.push(candidate.to);
         true
     }
 

@@ -43,9 +43,11 @@ pub struct Visit {
 #[derive(Debug, Default)]
 pub struct RoadmapScratch {
     generation: u32,
-    visits: Vec<Visit>,
+    pub visits: Vec<Visit>,
     pub open: OpenList<Candidate>,
     pub near: Vec<(f64, u32)>,
+    /// Milestones whose cost is final, in the order in which it became so.
+    pub closed: Vec<u32>,
     /// Milestones expanded by the last query.
     pub expansions: u32,
 }
@@ -58,6 +60,7 @@ impl RoadmapScratch {
         }
         self.generation += 1;
         self.open.clear();
+        self.closed.clear();
         self.expansions = 0;
     }
 

@@ -33,7 +33,10 @@ use super::clearance_floor::ClearanceFloor;
 use super::ends::free_ends;
 use super::hybrid_astar::Lookout;
 use super::improve::Improver;
-use super::{BuildReport, Effort, Goal, HybridAstar, HybridSettings, Plan, QueryTime, TruckPlanner};
+use super::{
+    BuildReport, Effort, Goal, HybridAstar, HybridSettings, Plan, QueryTime, SearchPhase, SearchRecorder, Searched,
+    TruckPlanner,
+};
 use roadmap::{LEVELS, Roadmap};
 use sample::Sampler;
 use search::{Search, Task};
@@ -55,6 +58,10 @@ pub struct PrmRs {
     fallback: HybridAstar,
     report: BuildReport,
     effort: Effort,
+    /// Of the roadmap and what is looked at along it.
+    along: SearchRecorder,
+    /// Of what is looked at off the roadmap.
+    off: SearchRecorder,
 }
 
 impl PrmRs {
@@ -96,6 +103,8 @@ impl PrmRs {
             fallback: HybridAstar::build(checker, hybrid, shortcuts),
             report,
             effort: Effort::default(),
+            along: SearchRecorder::default(),
+            off: SearchRecorder::default(),
         }
     }
 
@@ -111,6 +120,8 @@ impl PrmRs {
             }
             let task = Task { checker: &self.checker, lookout: &self.lookout, floor: &floor, level, start, goal };
             let path = self.search.run(&task, &mut self.roadmap);
+            self.along.add(self.search.tree().lines(false));
+            self.off.add(self.search.tree().lines(true));
             self.effort.roadmap_expansions += self.search.roadmap_expansions;
             self.effort.local_expansions += self.search.local_expansions;
             if let Some(path) = path {
@@ -118,6 +129,10 @@ impl PrmRs {
             }
         }
         None
+    }
+
+    fn take_searched(&mut self) -> Vec<Searched> {
+        [self.along.take(SearchPhase::Query), self.off.take(SearchPhase::Local)].into_iter().flatten().collect()
     }
 
     fn improve(&mut self, path: &Path, goal: Goal, floor: &ClearanceFloor) -> Path {
@@ -132,6 +147,17 @@ impl TruckPlanner for PrmRs {
         self.report
     }
 
+    fn record_searches(&mut self) {
+        self.along.switch_on();
+        self.off.switch_on();
+        self.fallback.record_searches();
+    }
+
+    fn roadmap_graph(&mut self) -> Option<Searched> {
+        self.along.add(self.roadmap.free_lines());
+        self.along.take(SearchPhase::Roadmap)
+    }
+
     fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
         let mut watch = CpuStopwatch::start();
         self.effort = Effort::default();
@@ -144,12 +170,15 @@ impl TruckPlanner for PrmRs {
                     Some(floor) => self.improve(&path, goal.inner(), &floor),
                     None => path,
                 };
-                Plan { path: Ok(path), effort, time: QueryTime { roadmap, local: watch.lap() } }
+                let time = QueryTime { roadmap, local: watch.lap() };
+                Plan { path: Ok(path), effort, time, searched: self.take_searched() }
             }
             None => {
                 let plan = self.fallback.plan(start, goal);
                 effort.local_expansions += plan.effort.local_expansions;
-                Plan { effort, time: QueryTime { roadmap, local: watch.lap() }, ..plan }
+                self.off.add(plan.searched.iter().flat_map(|searched| searched.graph.lines()));
+                let time = QueryTime { roadmap, local: watch.lap() };
+                Plan { path: plan.path, effort, time, searched: self.take_searched() }
             }
         }
     }

@@ -269,6 +269,14 @@ impl Roadmap {
         is_free
     }
 
+    /// Both ends of every edge that keeps the least of the clearances; all are swept for it.
+    pub fn free_lines(&mut self) -> impl Iterator<Item = [DVec2; 2]> {
+        (0..self.edges.len() as u32).filter_map(|edge| {
+            let ends = self.edges[edge as usize].nodes.map(|node| self.pose(node).position());
+            self.is_free(edge, LEVELS - 1).then_some(ends)
+        })
+    }
+
     /// Adds the segments of a link to a way.
     pub fn append(&mut self, link: Link, segments: &mut Vec<Segment>) {
         let is_back = link.to == self.edges[link.edge as usize].nodes[0];

@@ -100,6 +100,11 @@ impl Search {
         None
     }
 
+    /// What the last search reached, and how.
+    pub fn tree(&self) -> &Tree {
+        &self.tree
+    }
+
     fn begin(&mut self, task: &Task<'_>) {
         self.generation += 1;
         self.tree.clear();

@@ -1,3 +1,5 @@
+use glam::DVec2;
+
 use crate::geometry::Pose;
 use crate::grid::open_list::OpenList;
 use crate::planning::hybrid_astar::Approach;
@@ -124,6 +126,16 @@ impl Tree {
 
     pub fn approach(&self, index: u32) -> &Approach {
         &self.approaches[index as usize]
+    }
+
+    /// Where the poses are that were reached by motions, or by curves to milestones and links between them, in order,
+    /// each after the one that it came from.
+    pub fn lines(&self, by_motions: bool) -> impl Iterator<Item = [DVec2; 2]> {
+        let reached = self.reached.iter().filter(move |pose| matches!(pose.via, Via::Motion(_)) == by_motions);
+        reached.map(|pose| {
+            let from = if pose.is_start() { pose } else { self.reached(pose.parent) };
+            [from, pose].map(|reached| reached.pose.position())
+        })
     }
 
     /// The way from the start to a pose.

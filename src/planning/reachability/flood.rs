@@ -135,6 +135,20 @@ impl Flood {
         self.frontier.push_back(pose);
     }
 
+    /// Where the poses are that spreading from up to `limit` poses finds, in order, each after the one that it came from.
+    pub fn reached(&self, limit: u32) -> impl Iterator<Item = [DVec2; 2]> {
+        let mut poses: Vec<Pose> = Vec::new();
+        let found = self.found.iter().take_while(move |found| found.parent.wrapping_add(1) <= limit);
+        found.map(move |found| {
+            let (from, pose) = match poses.get(found.parent as usize) {
+                Some(&parent) => (parent, self.motions[usize::from(found.motion)].end(parent)),
+                None => (self.root, self.root),
+            };
+            poses.push(pose);
+            [from, pose].map(Pose::position)
+        })
+    }
+
     /// The way from the root to a pose of the flood.
     pub fn path_to(&self, pose: u32) -> Path {
         let mut segments = Vec::new();

@@ -1,6 +1,7 @@
 use glam::DVec2;
 
 use crate::grid::astar::AStar;
+use crate::planning::SearchRecorder;
 
 use super::{Errand, Estimate, Walk, WalkCosts, WalkLattice};
 
@@ -8,7 +9,13 @@ use super::{Errand, Estimate, Walk, WalkCosts, WalkLattice};
 ///
 /// With weight 1 and [`Estimate::Octile`] the walk is a cheapest one: factors of at least 1 keep the estimate below
 /// the true cost.
-pub fn walk(memory: &mut AStar, (estimate, weight): (Estimate, f64), costs: &WalkCosts, errand: &Errand<'_>) -> Walk {
+pub fn walk(
+    memory: &mut AStar,
+    (estimate, weight): (Estimate, f64),
+    costs: &WalkCosts,
+    errand: &Errand<'_>,
+    recorder: &mut SearchRecorder,
+) -> Walk {
     let Errand { lattice, start, goals, centre } = *errand;
     let octile = |from: DVec2, to: DVec2| octile(lattice, costs.steps, from, to);
     // Octile distance obeys the triangle inequality: what the farthest point of reach is short of the centre,
@@ -19,7 +26,8 @@ pub fn walk(memory: &mut AStar, (estimate, weight): (Estimate, f64), costs: &Wal
         Estimate::ParentEuclidean => weight * (lattice.position(parent) - centre).length(),
     };
     let found = memory.search(lattice.moves(), start, costs, |point| errand.is_goal(point), estimate);
-    Walk { path: found.path, expansions: found.expansions, minimum: None }
+    recorder.add(memory.settled().map(|ends| ends.map(|point| lattice.position(point))));
+    Walk::straight(found.path, found.expansions)
 }
 
 fn octile(lattice: &WalkLattice, (orthogonal, diagonal): (f64, f64), a: DVec2, b: DVec2) -> f64 {

@@ -23,6 +23,7 @@ use glam::DVec2;
 
 use crate::geometry::Cell;
 use crate::grid::astar::AStar;
+use crate::planning::{SearchPhase, SearchRecorder, Searched};
 use potential::PotentialField;
 
 /// How a walk is found.
@@ -51,9 +52,16 @@ pub struct Walk {
     pub expansions: u32,
     /// The local minimum on the way, or at its end.
     pub minimum: Option<usize>,
+    /// What the search looked at, if that is recorded.
+    pub searched: Option<Searched>,
 }
 
 impl Walk {
+    /// A walk that meets no local minimum, or none at all.
+    fn straight(path: Option<Vec<usize>>, expansions: u32) -> Self {
+        Self { path, expansions, minimum: None, searched: None }
+    }
+
     /// Whether the walk ends at a local minimum.
     pub fn is_stuck(&self) -> bool {
         self.minimum.is_some() && self.path.as_ref().and_then(|path| path.last()) == self.minimum.as_ref()
@@ -75,12 +83,19 @@ impl Errand<'_> {
     fn is_goal(&self, point: usize) -> bool {
         self.goals.binary_search(&point).is_ok()
     }
+
+    /// Where every point of a path is and where the one before it; the first comes after itself.
+    fn lines(&self, path: &[usize]) -> impl Iterator<Item = [DVec2; 2]> {
+        let before = path.iter().take(1).chain(path);
+        before.zip(path).map(|(&from, &to)| [from, to].map(|point| self.lattice.position(point)))
+    }
 }
 
 /// A planner for one lattice, with what it keeps from query to query.
 pub struct WalkPlanner {
     costs: WalkCosts,
     method: Prepared,
+    recorder: SearchRecorder,
 }
 
 enum Prepared {
@@ -98,20 +113,27 @@ impl WalkPlanner {
             WalkMethod::Wavefront => Prepared::Wavefront,
             WalkMethod::Potential(settings) => Prepared::Potential(PotentialField::new(lattice, settings)),
         };
-        Self { costs, method }
+        Self { costs, method, recorder: SearchRecorder::default() }
+    }
+
+    /// From now on walks tell what their searches looked at. They stay the same.
+    pub fn record_searches(&mut self) {
+        self.recorder.switch_on();
     }
 
     /// A walk from a point to one within `reach_m` of a cell's centre, on the lattice that the planner was made for.
     pub fn plan(&mut self, lattice: &WalkLattice, start: usize, (cell, reach_m): (Cell, f64)) -> Walk {
         let goals: Vec<usize> = lattice.points_of_reach(cell, reach_m).collect();
         let errand = Errand { lattice, start, goals: &goals, centre: lattice.centre(cell) };
-        match &mut self.method {
+        let Self { costs, method, recorder } = self;
+        let walk = match method {
             Prepared::Astar { memory, estimate, weight } => {
-                astar::walk(memory, (*estimate, *weight), &self.costs, &errand)
+                astar::walk(memory, (*estimate, *weight), costs, &errand, recorder)
             }
-            Prepared::Wavefront => wavefront::walk(&self.costs, &errand),
-            Prepared::Potential(field) => field.walk(&self.costs, &errand),
-        }
+            Prepared::Wavefront => wavefront::walk(costs, &errand, recorder),
+            Prepared::Potential(field) => field.walk(costs, &errand, recorder),
+        };
+        Walk { searched: recorder.take(SearchPhase::Walk), ..walk }
     }
 }
 

@@ -15,6 +15,10 @@ pub const MAX_FACTS: usize = 2_000_000;
 pub const MAX_PIECES: usize = 2_000_000;
 /// Cells of all `OutOfReach` facts together.
 pub const MAX_CELLS_OUT_OF_REACH: usize = 8_000_000;
+/// Places of all `Searched` facts together, twice of what a run records at most.
+pub const MAX_SEARCH_PLACES: usize = 8_000_000;
+/// Edges of all `Searched` facts together.
+pub const MAX_SEARCH_EDGES: usize = 8_000_000;
 pub const MAX_NAME_BYTES: usize = 4096;
 
 pub fn check(timeline: &Timeline) -> Result<(), FileError> {
@@ -22,6 +26,7 @@ pub fn check(timeline: &Timeline) -> Result<(), FileError> {
     limit("facts", timeline.events.len(), MAX_FACTS)?;
     require(timeline.events.is_sorted_by_key(|event| event.time), || "its facts are not in order of time".into())?;
     let (mut pieces, mut cells_out_of_reach) = (0, 0);
+    let (mut search_places, mut search_edges) = (0, 0);
     for event in &timeline.events {
         check_event(event, &timeline.setting).map_err(|error| at_fact(error, event))?;
         match &event.fact {
@@ -29,11 +34,17 @@ pub fn check(timeline: &Timeline) -> Result<(), FileError> {
                 pieces += trajectory.pieces().len();
             }
             Fact::OutOfReach { cells, .. } => cells_out_of_reach += cells.len(),
+            Fact::Searched { graph, .. } => {
+                search_places += graph.places.len();
+                search_edges += graph.edges.len();
+            }
             _ => {}
         }
     }
     limit("pieces of legs", pieces, MAX_PIECES)?;
-    limit("cells out of reach", cells_out_of_reach, MAX_CELLS_OUT_OF_REACH)
+    limit("cells out of reach", cells_out_of_reach, MAX_CELLS_OUT_OF_REACH)?;
+    limit("places of searches", search_places, MAX_SEARCH_PLACES)?;
+    limit("edges of searches", search_edges, MAX_SEARCH_EDGES)
 }
 
 /// Refuses counts beyond a limit.
@@ -120,6 +131,11 @@ fn check_event(event: &Event, setting: &Setting) -> Result<(), FileError> {
             check_leg(trajectory)
         }
         Fact::Dropped { trajectory, .. } => check_leg(trajectory),
+        Fact::Searched { graph, .. } => {
+            let holds = |place: u32| (place as usize) < graph.places.len();
+            let leads_somewhere = graph.edges.iter().all(|&(from, to)| holds(from) && holds(to));
+            require(leads_somewhere, || "a search leads to a place that it does not hold".into())
+        }
         Fact::LocalMinimum { x_m, y_m, .. } => {
             require(x_m.is_finite() && y_m.is_finite(), || "a local minimum lies nowhere".into())
         }

@@ -1,10 +1,14 @@
 //! From the payload of a recording to a timeline, whatever its bytes say.
 
 use super::FileError;
-use super::check::{MAX_CELLS_OUT_OF_REACH, MAX_FACTS, MAX_PIECES, MAX_SIDE, limit};
+use super::check::{
+    MAX_CELLS_OUT_OF_REACH, MAX_FACTS, MAX_PIECES, MAX_SEARCH_EDGES, MAX_SEARCH_PLACES, MAX_SIDE, limit,
+};
+use super::graphs::take_graph;
 use super::numbers::NumberReader;
 use super::records::{Leg, Origin, Payload, PieceKind, Record, Supplement, take};
 use crate::geometry::{Cell, FieldFrame, Pose};
+use crate::planning::SearchGraph;
 use crate::time::SimTime;
 use crate::timeline::{AgentId, Cause, Event, Fact, Setting, Timeline};
 use crate::trajectory::{Piece, Trajectory};
@@ -70,6 +74,8 @@ struct Decoder<'a> {
     last_legs: Vec<Option<usize>>,
     pieces: usize,
     cells_out_of_reach: usize,
+    search_places: usize,
+    search_edges: usize,
 }
 
 impl<'a> Decoder<'a> {
@@ -84,6 +90,8 @@ impl<'a> Decoder<'a> {
             last_legs: vec![None; setting.agents.len()],
             pieces: 0,
             cells_out_of_reach: 0,
+            search_places: 0,
+            search_edges: 0,
         }
     }
 
@@ -136,6 +144,9 @@ impl<'a> Decoder<'a> {
                 Fact::SuppressionEnded { agent: self.agent(agent)?, cell: self.bush(bush)? }
             }
             Record::Rested { agent, reason } => Fact::Rested { agent: self.agent(agent)?, reason },
+            Record::Searched { agent, phase, places, edges } => {
+                Fact::Searched { agent: self.agent(agent)?, phase, graph: self.graph(places, edges)? }
+            }
             Record::Ended { reason } => Fact::Ended { reason },
             Record::Blocked { agent, bush, by } => {
                 Fact::Blocked { agent: self.agent(agent)?, goal: self.bush(bush)?, by: self.agent(by)? }
@@ -173,6 +184,14 @@ impl<'a> Decoder<'a> {
             cells.push(self.bush(place)?);
         }
         Ok(cells)
+    }
+
+    fn graph(&mut self, places: u32, edges: u32) -> Result<SearchGraph, FileError> {
+        self.search_places += places as usize;
+        self.search_edges += edges as usize;
+        limit("places of searches", self.search_places, MAX_SEARCH_PLACES)?;
+        limit("edges of searches", self.search_edges, MAX_SEARCH_EDGES)?;
+        take_graph(&mut self.records, places, edges)
     }
 
     /// The leg of the fact that is being read, which will come after those in `past`.

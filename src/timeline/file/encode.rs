@@ -1,5 +1,6 @@
 //! From a timeline to the payload of a recording.
 
+use super::graphs::append_graph;
 use super::numbers::NumberWriter;
 use super::records::{Leg, Origin, Payload, PieceKind, Record, Supplement, append};
 use crate::geometry::{Cell, Pose};
@@ -52,6 +53,7 @@ impl<'a> Encoder<'a> {
             Fact::Planned { agent, trajectory, .. }
             | Fact::Dropped { agent, trajectory, .. }
             | Fact::GaveWay { agent, trajectory, .. } => self.leg(*agent, trajectory),
+            Fact::Searched { graph, .. } => append_graph(&mut self.records, graph),
             _ => {}
         }
     }
@@ -90,6 +92,10 @@ impl<'a> Encoder<'a> {
                 Record::Blocked { agent: agent(id), bush: bush(goal), by: agent(by) }
             }
             Fact::GaveWay { agent: id, to, .. } => Record::GaveWay { agent: agent(id), to: agent(to) },
+            Fact::Searched { agent: id, phase, ref graph } => {
+                let (places, edges) = (graph.places.len() as u32, graph.edges.len() as u32);
+                Record::Searched { agent: agent(id), phase, places, edges }
+            }
             Fact::Ended { reason } => Record::Ended { reason },
         }
     }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::FileError;
 use crate::fire::FireRules;
 use crate::geometry::{FieldFrame, Pose};
-use crate::planning::{Effort, PlanFailure};
+use crate::planning::{Effort, PlanFailure, SearchPhase};
 use crate::time::SimTime;
 use crate::timeline::{AgentId, AgentStart, Body, EndReason, RestReason, Rules, Setting};
 use crate::trajectory::SpeedLimits;
@@ -199,6 +199,13 @@ pub enum Record {
     GaveWay {
         agent: u32,
         to: u32,
+    },
+    /// A graph of so many places and edges follows. Since format 4.
+    Searched {
+        agent: u32,
+        phase: SearchPhase,
+        places: u32,
+        edges: u32,
     },
 }
 

@@ -1,0 +1,114 @@
+//! What an agent does, from the facts about it.
+
+use serde::Serialize;
+
+use super::Fact;
+use crate::geometry::{Cell, Pose};
+use crate::time::SimTime;
+use crate::trajectory::Trajectory;
+
+/// What an agent is doing: the last of these that its facts say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub enum Activity {
+    /// None of the others.
+    Standing,
+    /// Planning time is charged: until the start of the planned leg, or until the time that a failed plan names.
+    Planning,
+    /// From the start to the end of a leg with pieces, the rest of a dropped leg included; a Wumpus walks. A wait at its
+    /// beginning is none.
+    Driving,
+    /// From `Suppressing` until this truck extinguishes something, its suppression ends, or it drops its goal.
+    Suppressing,
+    /// For another truck: after `Blocked` until the next plan or rest, and while a leg begins with a wait.
+    Waiting,
+}
+
+impl Activity {
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Standing => "standing",
+            Self::Planning => "planning",
+            Self::Driving => "driving",
+            Self::Suppressing => "suppressing",
+            Self::Waiting => "waiting",
+        }
+    }
+}
+
+/// What the facts so far say about an agent; all else follows from the time.
+#[derive(Clone, Copy, Debug)]
+pub struct Course<'a> {
+    start: Pose,
+    leg: Option<&'a Trajectory>,
+    planning_until: SimTime,
+    suppresses: bool,
+    is_blocked: bool,
+    pub goal: Option<Cell>,
+}
+
+impl<'a> Course<'a> {
+    pub fn standing(start: Pose) -> Self {
+        let planning_until = SimTime::ZERO;
+        Self { start, leg: None, planning_until, suppresses: false, is_blocked: false, goal: None }
+    }
+
+    /// Lets a fact of this agent's happen.
+    pub fn apply(&mut self, fact: &'a Fact) {
+        match fact {
+            Fact::Planned { goal, trajectory, .. } => self.follow(trajectory, Some(*goal)),
+            Fact::Dropped { trajectory, .. } | Fact::GaveWay { trajectory, .. } => self.follow(trajectory, None),
+            Fact::Blocked { .. } => self.is_blocked = true,
+            Fact::PlanFailed { until, .. } => self.planning_until = *until,
+            Fact::Suppressing { .. } => self.suppresses = true,
+            Fact::Extinguished { .. }
+            | Fact::SuppressionEnded { .. }
+            | Fact::Ignited { .. }
+            | Fact::Rested { .. }
+            | Fact::LocalMinimum { .. } => {
+                self.give_up_goal();
+            }
+            Fact::StartMoved { .. }
+            | Fact::RoadmapBuilt { .. }
+            | Fact::OutOfReach { .. }
+            | Fact::BurnedOut { .. }
+            | Fact::Searched { .. }
+            | Fact::Ended { .. } => {}
+        }
+    }
+
+    /// Follows a leg from now on; planning time is charged until it begins.
+    fn follow(&mut self, leg: &'a Trajectory, goal: Option<Cell>) {
+        *self = Self { leg: Some(leg), planning_until: leg.start_time(), goal, ..Self::standing(self.start) };
+    }
+
+    fn give_up_goal(&mut self) {
+        self.goal = None;
+        self.suppresses = false;
+        self.is_blocked = false;
+    }
+
+    pub fn activity(&self, time: SimTime) -> Activity {
+        let is_on = |leg: &&Trajectory| !leg.pieces().is_empty() && leg.start_time() <= time && time < leg.end_time();
+        if self.suppresses {
+            Activity::Suppressing
+        } else if let Some(leg) = self.leg.filter(is_on) {
+            if time < leg.sets_out_at() { Activity::Waiting } else { Activity::Driving }
+        } else if time < self.planning_until {
+            Activity::Planning
+        } else if self.is_blocked {
+            Activity::Waiting
+        } else {
+            Activity::Standing
+        }
+    }
+
+    /// The first time after `time` at which the activity may change without a fact.
+    pub fn next_change(&self, time: SimTime) -> Option<SimTime> {
+        let leg = self.leg.map(|leg| [leg.start_time(), leg.sets_out_at(), leg.end_time()]);
+        leg.into_iter().flatten().chain([self.planning_until]).filter(|&change| change > time).min()
+    }
+
+    pub fn pose_and_speed(&self, time: SimTime) -> (Pose, f64) {
+        self.leg.map_or((self.start, 0.0), |leg| leg.state_at(time))
+    }
+}
