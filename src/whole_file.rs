@@ -33,6 +33,11 @@ impl WholeFile {
         Ok(Self { writer: Some(BufWriter::new(file)), places })
     }
 
+    /// Where it is written until it is finished, for another program that fills it.
+    pub fn place(&self, name: &Path) -> PathBuf {
+        self.places.as_ref().map_or_else(|| name.to_owned(), |places| places.aside.clone())
+    }
+
     /// Writes what is buffered to the disk and gives the file its name, in place of an older one.
     pub fn finish(mut self) -> io::Result<()> {
         let writer = self.writer.take().expect("only finishing takes the writer");

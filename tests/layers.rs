@@ -22,13 +22,13 @@ const LAYERS: &[(&str, &[&str])] = &[
     // A scenario's errors know their place in the file, which is what a miette diagnostic is.
     ("scenario", &["glam", "toml", "serde_json", "serde_path_to_error", "strsim", "miette"]),
     ("timeline", &["glam", "csv", "crc32fast", "miniz_oxide", "postcard"]),
-    ("picture", &["colorous", "image", "tiny_skia"]),
+    ("picture", &["colorous", "gif", "glam", "image", "tiny_skia"]),
     ("audit", &["glam", "rapier2d"]),
     ("sim", &["glam", "bevy"]),
     ("stats", &["statrs"]),
     ("batch", &["crc32fast", "csv", "parquet", "rayon", "serde_json", "sha2", "toml"]),
     ("view", &["bevy", "glam"]),
-    ("cli", &["clap", "clap_complete", "csv", "ctrlc", "indicatif", "miette", "serde_json"]),
+    ("cli", &["clap", "clap_complete", "csv", "ctrlc", "glam", "indicatif", "miette", "serde_json"]),
 ];
 
 /// Layers that stand lower and may not be used all the same.

@@ -1,7 +1,7 @@
 //! A sheet of pixels and the few ways to draw on it.
 //!
 //! Pixel (0, 0) is at the upper left; pixel (x, y) covers x to x + 1 and y to y + 1. All drawing is opaque, but for
-//! [`Canvas::fill_through`].
+//! [`Canvas::fill_through`], for what takes an [`Ink`] or a [`Pen`], and for sheets laid over others.
 
 use tiny_skia::{
     Color, FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, Rect, Stroke, StrokeDash, Transform,
@@ -16,8 +16,46 @@ pub type Point = (f32, f32);
 /// The most points that are stroked at once, which bounds the memory that a long line takes.
 const STROKED_AT_ONCE: usize = 4096;
 
+/// A colour with an opacity from 0 to 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ink {
+    pub colour: Rgb,
+    pub opacity: f32,
+}
+
+/// What lines are drawn with; their ends are cut off straight, so that lines that follow each other do not overlap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pen {
+    pub ink: Ink,
+    /// In pixels.
+    pub width: f32,
+}
+
+#[derive(Clone)]
 pub struct Canvas {
     pixels: Pixmap,
+}
+
+impl Ink {
+    pub fn opaque(colour: Rgb) -> Self {
+        Self { colour, opacity: 1.0 }
+    }
+
+    fn paint(self) -> Paint<'static> {
+        let mut paint = paint(self.colour);
+        paint.shader.apply_opacity(self.opacity);
+        paint
+    }
+}
+
+impl Pen {
+    pub fn opaque(colour: Rgb, width: f32) -> Self {
+        Self { ink: Ink::opaque(colour), width }
+    }
+
+    fn stroke(&self) -> Stroke {
+        Stroke { width: self.width, line_join: LineJoin::Round, ..Stroke::default() }
+    }
 }
 
 impl Canvas {
@@ -27,6 +65,22 @@ impl Canvas {
         let mut pixels = Pixmap::new(width, height).expect("a sheet has sides and fits into memory");
         pixels.fill(Color::from_rgba8(colour[0], colour[1], colour[2], 255));
         Self { pixels }
+    }
+
+    /// A sheet with nothing on it, to be laid over another one.
+    ///
+    /// # Panics
+    /// As [`Canvas::new`].
+    pub fn transparent(width: u32, height: u32) -> Self {
+        Self { pixels: Pixmap::new(width, height).expect("a sheet has sides and fits into memory") }
+    }
+
+    pub fn width(&self) -> u32 {
+        self.pixels.width()
+    }
+
+    pub fn height(&self) -> u32 {
+        self.pixels.height()
     }
 
     /// A sheet of at least that width and height in pixels.
@@ -39,6 +93,18 @@ impl Canvas {
     pub fn fill_rect(&mut self, left: f32, top: f32, width: f32, height: f32, colour: Rgb) {
         if let Some(rect) = Rect::from_xywh(left.round(), top.round(), width.round(), height.round()) {
             self.pixels.fill_rect(rect, &paint(colour), Transform::identity(), None);
+        }
+    }
+
+    /// Gives the pixels from (`left`, `top`) to before (`right`, `bottom`) one colour, as far as they are on the sheet.
+    pub fn fill_pixels(&mut self, (left, top): (i32, i32), (right, bottom): (i32, i32), [red, green, blue]: Rgb) {
+        let (width, height) = (self.width() as usize, self.height() as usize);
+        let place = |at: i32, most: usize| (at.max(0) as usize).min(most);
+        let (left, right) = (place(left, width), place(right, width));
+        for row in place(top, height)..place(bottom, height) {
+            if left < right {
+                self.row_from(left, row)[..right - left].fill([red, green, blue, 255]);
+            }
         }
     }
 
@@ -70,6 +136,39 @@ impl Canvas {
     pub fn fill_disc(&mut self, (x, y): Point, radius: f32, colour: Rgb) {
         if let Some(disc) = PathBuilder::from_circle(x, y, radius) {
             self.fill_path(&disc, colour);
+        }
+    }
+
+    pub fn fill_disc_with(&mut self, (x, y): Point, radius: f32, ink: Ink) {
+        if let Some(disc) = PathBuilder::from_circle(x, y, radius) {
+            self.fill_shape(&disc, Transform::identity(), ink);
+        }
+    }
+
+    /// Fills a path of any shape, placed on the sheet by `placed`.
+    pub fn fill_shape(&mut self, path: &Path, placed: Transform, ink: Ink) {
+        self.pixels.fill_path(path, &ink.paint(), FillRule::Winding, placed, None);
+    }
+
+    /// Draws along a path, placed on the sheet by `placed`, with a round pen that is placed and scaled with it.
+    pub fn stroke_shape(&mut self, path: &Path, placed: Transform, width: f32, ink: Ink) {
+        let stroke = Stroke { width, line_cap: LineCap::Round, line_join: LineJoin::Round, ..Stroke::default() };
+        self.pixels.stroke_path(path, &ink.paint(), &stroke, placed, None);
+    }
+
+    /// Draws a line of straight pieces.
+    pub fn trace(&mut self, points: &[Point], pen: &Pen) {
+        self.trace_path(open(points).finish(), pen);
+    }
+
+    /// Draws a circle.
+    pub fn ring(&mut self, (x, y): Point, radius: f32, pen: &Pen) {
+        self.trace_path(PathBuilder::from_circle(x, y, radius), pen);
+    }
+
+    fn trace_path(&mut self, path: Option<Path>, pen: &Pen) {
+        if let Some(path) = path {
+            self.pixels.stroke_path(&path, &pen.ink.paint(), &pen.stroke(), Transform::identity(), None);
         }
     }
 
@@ -120,11 +219,15 @@ impl Canvas {
         }
     }
 
+    /// All pixels row by row, as red, green, blue and opacity.
+    pub fn pixels_mut(&mut self) -> &mut [[u8; 4]] {
+        self.pixels.data_mut().as_chunks_mut().0
+    }
+
     /// The pixels of a row from `left` on, as red, green, blue and opacity.
     pub fn row_from(&mut self, left: usize, row: usize) -> &mut [[u8; 4]] {
         let width = self.pixels.width() as usize;
-        let (pixels, _) = self.pixels.data_mut().as_chunks_mut();
-        &mut pixels[row * width + left..(row + 1) * width]
+        &mut self.pixels_mut()[row * width + left..(row + 1) * width]
     }
 
     /// The same sheet at half the size: the mean of each square of four pixels.
@@ -144,10 +247,64 @@ impl Canvas {
         half
     }
 
+    /// Red, green, blue and opacity of every pixel, row by row.
+    pub fn bytes(&self) -> &[u8] {
+        self.pixels.data()
+    }
+
+    /// Copies another sheet to a place of this one, as far as it fits.
+    pub fn copy_from(&mut self, other: &Self, (left, top): (u32, u32)) {
+        self.copy_columns(other, other.width(), (left, top));
+    }
+
+    /// Copies the first `columns` pixels of each row of another sheet to a place of this one, as far as they fit.
+    pub fn copy_columns(&mut self, other: &Self, columns: u32, (left, top): (u32, u32)) {
+        let (width, height) = (self.pixels.width(), self.pixels.height());
+        let columns = columns.min(other.width()).min(width.saturating_sub(left)) as usize;
+        let rows = other.pixels.height().min(height.saturating_sub(top)) as usize;
+        let (source, _) = other.pixels.data().as_chunks::<4>();
+        let stride = other.pixels.width() as usize;
+        for row in 0..rows {
+            self.row_from(left as usize, top as usize + row)[..columns]
+                .copy_from_slice(&source[row * stride..][..columns]);
+        }
+    }
+
+    /// Lays another sheet over this one, its upper left corner at a place that may be outside.
+    pub fn lay_over(&mut self, other: &Self, (left, top): (i32, i32)) {
+        let within = |at: i32, length: u32, room: u32| {
+            let (first, last) = (i64::from(at), i64::from(at) + i64::from(length));
+            (first.clamp(0, room.into()) as usize, last.clamp(0, room.into()) as usize)
+        };
+        let columns = within(left, other.width(), self.width());
+        let rows = within(top, other.height(), self.height());
+        if columns.0 == columns.1 {
+            return;
+        }
+        let (source, _) = other.pixels.data().as_chunks::<4>();
+        let stride = other.width() as usize;
+        for row in rows.0..rows.1 {
+            let from = (row as i64 - i64::from(top)) as usize * stride + (columns.0 as i64 - i64::from(left)) as usize;
+            for (under, &over) in self.row_from(columns.0, row).iter_mut().zip(&source[from..][..columns.1 - columns.0])
+            {
+                *under = laid_over(*under, over);
+            }
+        }
+    }
+
     pub fn finish(self) -> Picture {
         let (width, height) = (self.pixels.width(), self.pixels.height());
         Picture::from_rgba(width, height, self.pixels.take())
     }
+}
+
+/// A pixel over another one, both premultiplied by their opacity.
+fn laid_over(under: [u8; 4], over: [u8; 4]) -> [u8; 4] {
+    let through = 255 - u16::from(over[3]);
+    std::array::from_fn(|channel| {
+        let seen = (u16::from(under[channel]) * through + 127) / 255;
+        (seen + u16::from(over[channel])).min(255) as u8
+    })
 }
 
 fn mean(pixels: [[u8; 4]; 4]) -> [u8; 4] {
@@ -163,7 +320,8 @@ fn paint(colour: Rgb) -> Paint<'static> {
     paint
 }
 
-fn open(points: &[Point]) -> PathBuilder {
+/// A line of straight pieces.
+pub fn open(points: &[Point]) -> PathBuilder {
     let mut path = PathBuilder::new();
     for (index, &(x, y)) in points.iter().enumerate() {
         if index == 0 { path.move_to(x, y) } else { path.line_to(x, y) }
@@ -171,7 +329,8 @@ fn open(points: &[Point]) -> PathBuilder {
     path
 }
 
-fn closed(corners: &[Point]) -> Option<Path> {
+/// A closed line of straight pieces; `None` without corners, or with one that is no place.
+pub fn closed(corners: &[Point]) -> Option<Path> {
     let mut path = open(corners);
     path.close();
     path.finish()

@@ -29,6 +29,19 @@ pub const ZONES: [Rgb; 4] = [[213, 94, 0], [240, 228, 66], [0, 158, 115], [86, 1
 /// Of ways in order: the path's own, then blue, bluish green and orange of the same set of eight.
 pub const WAYS: [Rgb; 4] = [PATH, [0, 114, 178], [0, 158, 115], [230, 159, 0]];
 
+// States of bushes, from the set of Okabe and Ito where it has them; they differ by shape too.
+pub const INTACT: Rgb = [0, 158, 115];
+pub const BURNING: Rgb = [213, 94, 0];
+pub const BURNED_OUT: Rgb = [64, 60, 58];
+pub const EXTINGUISHED: Rgb = [86, 180, 233];
+/// Of a field where nothing grows, of its border, and around it.
+pub const FIELD: Rgb = [240, 234, 216];
+pub const BORDER: Rgb = [104, 98, 86];
+pub const OUTSIDE: Rgb = [214, 212, 206];
+/// Of agents, their ways and their goals.
+pub const WUMPUS: Rgb = [126, 64, 152];
+pub const UNIMOG: Rgb = [176, 20, 48];
+
 impl ColourMap {
     /// The colour at a fraction of the range, 0 to 1.
     pub fn colour(self, fraction: f64) -> Rgb {

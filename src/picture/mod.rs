@@ -1,5 +1,5 @@
 //! Pictures drawn on the CPU: grid maps, their legends, surfaces; ways of a vehicle, drives on a field;
-//! [`charts`].
+//! [`charts`]; frames of runs, [`film`], and GIFs of them.
 //!
 //! The same scene gives the same picture on every machine, byte for byte: drawing uses only arithmetic that is exact to
 //! the standard, and trigonometry from [`crate::geometry::ops`].
@@ -9,7 +9,9 @@ pub mod charts;
 mod colours;
 mod curves;
 mod drives;
+pub mod film;
 mod font;
+mod gif_film;
 mod legend;
 mod map;
 mod marks;
@@ -19,6 +21,7 @@ mod png;
 mod scene;
 mod surface;
 mod text;
+mod thin_line;
 mod ticks;
 mod values;
 mod way_marks;
@@ -27,6 +30,7 @@ mod zoom;
 pub use colours::{ColourMap, Rgb};
 pub use curves::{CurveScene, draw_curves};
 pub use drives::{DriveScene, DrivenWays, draw_drives};
+pub use gif_film::{ColourCounts, GifFilm, Palette};
 pub use map::draw_map;
 pub use overlay::draw_overlay;
 pub use png::Picture;

@@ -7,7 +7,7 @@ use super::colours::Rgb;
 use super::font::{CAPITAL, Glyph, PenPoint, glyph};
 
 /// Width of the pen in units of the font.
-const PEN: f32 = 1.15;
+pub const PEN: f32 = 1.15;
 /// What an advance leaves between the pen's lines of two characters, in units of the font.
 const GAP: f32 = 2.5;
 
@@ -47,7 +47,8 @@ pub fn draw(canvas: &mut Canvas, text: &str, (x, base): (f32, f32), align: Align
     canvas.stroke(path, PEN * unit, colour);
 }
 
-fn push_glyph(path: &mut PathBuilder, glyph: &Glyph, (x, y): (f32, f32), unit: f32) {
+/// Adds the strokes of a character whose left end of the base line lies at a place; `unit` is pixels a unit of the font.
+pub fn push_glyph(path: &mut PathBuilder, glyph: &Glyph, (x, y): (f32, f32), unit: f32) {
     let place = |point: &PenPoint| (x + point.x * unit, y - point.y * unit);
     for stroke in glyph.strokes.iter().filter(|stroke| !stroke.is_empty()) {
         let start = place(&stroke[0]);

@@ -46,7 +46,7 @@ pub fn indices(count: usize, least: f64) -> impl Iterator<Item = usize> {
 }
 
 /// The least of 1, 2, 5 times a power of ten that is not less than `least`.
-fn round_step(least: f64) -> f64 {
+pub fn round_step(least: f64) -> f64 {
     let power = power_of_ten(exponent(least));
     let steps = [1.0, 2.0, 5.0].map(|factor| factor * power);
     steps.into_iter().find(|&step| step >= least).unwrap_or(10.0 * power)

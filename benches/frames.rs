@@ -1,0 +1,65 @@
+//! What it costs to draw frames of runs, on the thread's CPU clock: stills, and frames that follow one another as in a
+//! window that plays.
+//!
+//! `cargo bench --bench frames` draws sheets of 1000 x 1000 pixels with the usual layers, from 600 s on.
+
+use wildfire::picture::film::{Film, Look, Painter, Shot, still};
+use wildfire::time::SimTime;
+use wildfire::time::cpu::CpuStopwatch;
+use wildfire::{scenario, sim};
+
+const SIZE: (u32, u32) = (1000, 1000);
+const FROM_S: f64 = 600.0;
+const FRAMES: u32 = 300;
+/// Simulated seconds from frame to frame: at twenty frames a second, once and fifty times as fast as the clock.
+const STEPS_S: [f64; 2] = [0.05, 2.5];
+
+fn main() {
+    print(format_args!("{:28} {:>9} {:>14} {:>14}", "ms, medians (p95)", "a still", "1 x", "50 x"));
+    report("contest", &[film("contest", 1)]);
+    report("fleet", &[film("fleet", 1)]);
+    report("contest, two runs", &[film("contest", 1), film("contest", 2)]);
+    report("report-2024", &[film("report-2024", 1)]);
+}
+
+fn film(name: &str, seed: u64) -> Film {
+    let scenario = scenario::load(name, &[]).expect("it is built in");
+    Film::new(sim::run(&scenario, seed).expect("it takes place").timeline, None)
+}
+
+fn report(name: &str, films: &[Film]) {
+    let films: Vec<&Film> = films.iter().collect();
+    let look = Look::default();
+    let shot = |time_s: f64| Shot { films: &films, time: SimTime::from_seconds(time_s), look: &look };
+    let stills = timed(20, |_| drop(still(&shot(FROM_S), SIZE)));
+    let playing = STEPS_S.map(|step_s| {
+        let mut painter = Painter::new(SIZE, films.len());
+        timed(FRAMES, |frame| {
+            painter.paint(&shot(FROM_S + step_s * f64::from(frame)));
+        })
+    });
+    let [once, fast] = playing.map(|times| format!("{:.2} ({:.2})", quantile(&times, 0.5), quantile(&times, 0.95)));
+    print(format_args!("{name:28} {:>9.1} {once:>14} {fast:>14}", quantile(&stills, 0.5)));
+}
+
+/// Milliseconds of each turn, ascending.
+fn timed(turns: u32, mut turn: impl FnMut(u32)) -> Vec<f64> {
+    let mut watch = CpuStopwatch::start();
+    let mut times: Vec<f64> = (0..turns)
+        .map(|index| {
+            turn(index);
+            1e3 * watch.lap().as_secs_f64()
+        })
+        .collect();
+    times.sort_by(f64::total_cmp);
+    times
+}
+
+fn quantile(ascending: &[f64], share: f64) -> f64 {
+    ascending[(share * (ascending.len() - 1) as f64).round() as usize]
+}
+
+#[expect(clippy::print_stdout, reason = "a benchmark prints its figures")]
+fn print(line: std::fmt::Arguments) {
+    println!("{line}");
+}

@@ -1,0 +1,47 @@
+//! What the decisions of a run cost, summed up over time.
+
+use std::time::Duration;
+
+use crate::time::SimTime;
+use crate::timeline::{AgentId, Spending};
+
+/// Sums of CPU time, as steps: each holds from its time on.
+#[derive(Debug)]
+pub struct Expenses {
+    all: Vec<(SimTime, Duration)>,
+    /// In order of the agents.
+    by_agent: Vec<(AgentId, Vec<(SimTime, Duration)>)>,
+}
+
+impl Expenses {
+    /// `spending` in order of time.
+    pub fn of(spending: &[Spending]) -> Self {
+        let mut agents: Vec<AgentId> = spending.iter().map(|spent| spent.agent).collect();
+        agents.sort_unstable();
+        agents.dedup();
+        let of_agent = |agent| (agent, sums(spending.iter().filter(|spent| spent.agent == agent)));
+        Self { all: sums(spending.iter()), by_agent: agents.into_iter().map(of_agent).collect() }
+    }
+
+    pub fn until(&self, time: SimTime) -> Duration {
+        sum_at(&self.all, time)
+    }
+
+    pub fn of_agent_until(&self, agent: AgentId, time: SimTime) -> Duration {
+        let place = self.by_agent.binary_search_by_key(&agent, |(id, _)| *id);
+        place.map_or(Duration::ZERO, |place| sum_at(&self.by_agent[place].1, time))
+    }
+}
+
+fn sums<'a>(spending: impl Iterator<Item = &'a Spending>) -> Vec<(SimTime, Duration)> {
+    let add = |total: &mut Duration, spent: &Spending| {
+        *total = total.saturating_add(spent.cpu);
+        Some((spent.time, *total))
+    };
+    spending.scan(Duration::ZERO, add).collect()
+}
+
+fn sum_at(sums: &[(SimTime, Duration)], time: SimTime) -> Duration {
+    let until = sums.partition_point(|sum| sum.0 <= time);
+    until.checked_sub(1).map_or(Duration::ZERO, |last| sums[last].1)
+}

@@ -1,0 +1,128 @@
+//! Agents to scale, with heading and steered wheels.
+
+use super::sprite::Placement;
+use super::{Pane, sprites};
+use crate::geometry::{DVec2, Pose, ops};
+use crate::picture::canvas::{Canvas, Pen, Point};
+use crate::picture::colours::{PAPER, Rgb, UNIMOG, WUMPUS};
+use crate::picture::marks::to_f32;
+use crate::picture::text::{self, Align};
+use crate::time::SimTime;
+use crate::timeline::{AgentId, Body};
+use crate::trajectory::{Piece, Trajectory};
+use crate::vehicle::Dimensions;
+
+/// Bodies shorter than this, in thin lines, are drawn this long, and a ring says so.
+const LEAST_WUMPUS: f32 = 13.0;
+const LEAST_UNIMOG: f32 = 18.0;
+
+/// What the sprites are drawn for, in metres.
+const DRAWN_LENGTH_M: f64 = 4.9;
+const DRAWN_WIDTH_M: f64 = 2.2;
+/// Of a wheel's middle from the middle of its axle, as a share of the body's half width.
+const WHEEL_AT: f64 = 0.78;
+
+pub fn colour(agent: AgentId) -> Rgb {
+    match agent {
+        AgentId::Wumpus(_) => WUMPUS,
+        AgentId::Unimog(_) => UNIMOG,
+    }
+}
+
+/// Draws all agents, trucks over Wumpuses.
+pub fn draw(canvas: &mut Canvas, pane: &Pane) {
+    for index in 0..pane.setting().agents.len() {
+        draw_agent(canvas, pane, index);
+    }
+}
+
+fn draw_agent(canvas: &mut Canvas, pane: &Pane, index: usize) {
+    let (start, state) = (&pane.setting().agents[index], &pane.moment.state.agents[index]);
+    let (at, unit) = (pane.at(start.body.centre(state.pose)), pane.unit());
+    let length = drawn_length(pane, &start.body);
+    if !pane.is_near(at, length) {
+        return;
+    }
+    if length > true_length(pane, &start.body) {
+        draw_ring(canvas, at, 0.62 * length + 2.0 * unit, (unit, colour(start.id)));
+    }
+    match start.body {
+        Body::Square { .. } => {
+            sprites::WUMPUS.draw(canvas, Placement::turned(at, state.pose.heading, (length, length)));
+        }
+        Body::Truck(body) => {
+            let scale = f64::from(length) / body.length_m;
+            let leg = pane.moment.film.courses().leg_at(index, pane.moment.state.time);
+            let leg = leg.map(|leg| leg.trajectory(pane.moment.film.timeline()));
+            let curvature = leg.map_or(0.0, |leg| curvature_at(leg, pane.moment.state.time));
+            draw_truck(canvas, at, state.pose, &body, scale, curvature);
+        }
+    }
+    if is_one_of_many(pane, start.id) {
+        draw_number(canvas, at, (length, unit), start.id);
+    }
+}
+
+/// Pixels from end to end of a body as it is drawn.
+pub fn drawn_length(pane: &Pane, body: &Body) -> f32 {
+    let least = match body {
+        Body::Square { .. } => LEAST_WUMPUS,
+        Body::Truck(_) => LEAST_UNIMOG,
+    };
+    true_length(pane, body).max(least * pane.unit())
+}
+
+fn true_length(pane: &Pane, body: &Body) -> f32 {
+    pane.projection.length(match body {
+        Body::Square { size_m } => *size_m,
+        Body::Truck(body) => body.length_m,
+    })
+}
+
+fn draw_ring(canvas: &mut Canvas, at: Point, radius: f32, (unit, colour): (f32, Rgb)) {
+    canvas.ring(at, radius, &Pen::opaque(PAPER, 4.0 * unit));
+    canvas.ring(at, radius, &Pen::opaque(colour, 2.0 * unit));
+}
+
+/// `scale` in pixels a metre, `curvature` of the way of the rear axle.
+fn draw_truck(canvas: &mut Canvas, (x, y): Point, pose: Pose, body: &Dimensions, scale: f64, curvature: f64) {
+    let stretch = DVec2::new(body.length_m / DRAWN_LENGTH_M, body.width_m / DRAWN_WIDTH_M) * scale;
+    let drawn = (to_f32(stretch.x), to_f32(stretch.y));
+    let rear_axle = -body.centre_offset_m();
+    let steering = ops::atan(body.wheelbase_m * curvature);
+    for (along_m, angle) in [(rear_axle, 0.0), (rear_axle + body.wheelbase_m, steering)] {
+        for side in [-0.5, 0.5] {
+            let hub = DVec2::new(along_m, side * WHEEL_AT * body.width_m) * scale;
+            let turned = Pose { x: 0.0, y: 0.0, ..pose }.transform(hub);
+            let at = (x + to_f32(turned.x), y - to_f32(turned.y));
+            sprites::WHEEL.draw(canvas, Placement::turned(at, pose.heading + angle, drawn));
+        }
+    }
+    sprites::UNIMOG.draw(canvas, Placement::turned((x, y), pose.heading, drawn));
+}
+
+/// Curvature of the stretch that is driven; of the first one before it sets out, of the last one when it has arrived.
+pub fn curvature_at(leg: &Trajectory, time: SimTime) -> f64 {
+    let curvature = |piece: &Piece| piece.segment().map(|segment| segment.curvature);
+    if time < leg.sets_out_at() {
+        leg.pieces().iter().find_map(curvature).unwrap_or(0.0)
+    } else if time >= leg.end_time() {
+        leg.pieces().iter().rev().find_map(curvature).unwrap_or(0.0)
+    } else {
+        leg.pace_at(time).curvature
+    }
+}
+
+fn is_one_of_many(pane: &Pane, id: AgentId) -> bool {
+    let is_alike = |other: AgentId| std::mem::discriminant(&other) == std::mem::discriminant(&id);
+    pane.setting().agents.iter().filter(|agent| is_alike(agent.id)).count() > 1
+}
+
+fn draw_number(canvas: &mut Canvas, (x, y): Point, (length, unit): (f32, f32), id: AgentId) {
+    let (AgentId::Wumpus(number) | AgentId::Unimog(number)) = id;
+    let at = (x + 0.45 * length + 4.0 * unit, y - 0.45 * length);
+    let label = number.to_string();
+    let width = text::measure(&label, 8.0 * unit);
+    canvas.fill_rect(at.0 - 2.0 * unit, at.1 - 10.0 * unit, width + 4.0 * unit, 12.0 * unit, colour(id));
+    text::draw(canvas, &label, at, Align::Left, 8.0 * unit, PAPER);
+}

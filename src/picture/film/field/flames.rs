@@ -1,0 +1,87 @@
+//! Flames on burning cells, and how long these have burned.
+
+use super::bushes::{self, LEAST_SPRITE, scatter};
+use super::sprite::Placement;
+use super::stamps::Stamps;
+use super::{Layer, Pane, sprites};
+use crate::geometry::Cell;
+use crate::picture::canvas::{Canvas, Point};
+use crate::picture::colours::{INK, PAPER};
+use crate::picture::text::{self, Align};
+use crate::time::SimTime;
+use crate::timeline::Vegetation;
+
+/// Pictures of a flickering fire, shown in turn.
+const FRAMES: usize = 8;
+const FRAMES_PER_SECOND: f64 = 8.0;
+
+/// A young fire grows in so many steps, in so many seconds.
+const SIZES: usize = 6;
+const GROWS_FOR_S: f64 = 4.0;
+const SMALLEST: f32 = 0.45;
+
+/// Cells with shorter sides than this, in pixels, have no room for a number.
+const LEAST_AGE: f32 = 22.0;
+
+/// Tongues of a fire, the ones behind first: place of the foot in the cell, from its centre, and height; in cells.
+const TONGUES: [(Point, f32); 4] =
+    [((0.02, 0.02), 0.78), ((-0.27, -0.2), 0.66), ((0.27, -0.24), 0.6), ((0.02, -0.4), 0.74)];
+
+/// By how much a tongue is longer than it is at rest, and how far it leans to the right, in each picture.
+const STRETCH: [f32; FRAMES] = [0.0, 0.10, 0.16, 0.06, -0.06, -0.12, -0.04, 0.08];
+const LEAN: [f32; FRAMES] = [0.0, 0.08, 0.14, 0.16, 0.06, -0.06, -0.14, -0.08];
+
+/// Draws the flames of all that burns, from north to south, and the seconds since ignition on them.
+pub fn draw(canvas: &mut Canvas, pane: &Pane, stamps: &mut Stamps) {
+    let side = pane.cell_side();
+    if side < LEAST_SPRITE {
+        return;
+    }
+    let state = pane.moment.state;
+    let mut ages = Vec::new();
+    let shows_ages = pane.shows(Layer::Ages) && side >= LEAST_AGE;
+    for (&cell, bush) in pane.setting().bushes.iter().zip(&state.bushes).rev() {
+        let Vegetation::Burning { since } = *bush else { continue };
+        let at = pane.cell_centre(cell);
+        if !pane.is_near(at, side) {
+            continue;
+        }
+        let age_s = state.time.since(since).as_seconds();
+        draw_fire(canvas, stamps, cell, at, (state.time, age_s));
+        ages.extend(shows_ages.then_some((at, age_s)));
+    }
+    ages.into_iter().for_each(|(at, age_s)| draw_age(canvas, at, side, age_s));
+}
+
+fn draw_fire(canvas: &mut Canvas, stamps: &mut Stamps, cell: Cell, at: Point, (time, age_s): (SimTime, f64)) {
+    let offset = scatter(cell) as usize;
+    let frame = ((time.as_seconds() * FRAMES_PER_SECOND) as usize).wrapping_add(offset) % FRAMES;
+    let size = ((age_s / GROWS_FOR_S * (SIZES - 1) as f64) as usize).min(SIZES - 1);
+    let is_mirrored = (offset / FRAMES).is_multiple_of(2);
+    let number = bushes::STAMPS + (frame * SIZES + size) * 2 + usize::from(is_mirrored);
+    let grown = SMALLEST + (1.0 - SMALLEST) * size as f32 / (SIZES - 1) as f32;
+    stamps.lay(canvas, at, number, |canvas, at, side| {
+        let side_of_tongues = if is_mirrored { -side } else { side };
+        draw_tongues(canvas, at, (grown * side_of_tongues, grown * side), frame);
+    });
+}
+
+pub fn draw_tongues(canvas: &mut Canvas, (x, y): Point, (across, up): (f32, f32), frame: usize) {
+    for (index, &((right, above), height)) in TONGUES.iter().enumerate() {
+        let (stretch, lean) = (STRETCH[(frame + 3 * index) % FRAMES], LEAN[(frame + 5 * index) % FRAMES]);
+        let foot = (x + right * across, y - above * up);
+        let scale = (0.95 * height * across, height * (1.0 + stretch) * up);
+        sprites::FLAME.draw(canvas, Placement::leaning(foot, scale, lean));
+    }
+}
+
+fn draw_age(canvas: &mut Canvas, (x, y): Point, side: f32, age_s: f64) {
+    let height = (0.24 * side).clamp(7.0, 18.0);
+    let label = format!("{}", age_s as u64);
+    let base = y + 0.46 * side;
+    let half = 0.5 * text::measure(&label, height) + 0.35 * height;
+    let (top, bottom) = (base - 1.35 * height, base + 0.35 * height);
+    let plate = [(x - half, top), (x + half, top), (x + half, bottom), (x - half, bottom)];
+    canvas.fill_through(&plate, INK, 0.72);
+    text::draw(canvas, &label, (x, base), Align::Centre, height, PAPER);
+}

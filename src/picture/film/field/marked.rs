@@ -1,0 +1,99 @@
+//! What is marked: bushes whose fate differs from the other run's, and what the viewer asked about.
+
+use super::Pane;
+use crate::geometry::Cell;
+use crate::picture::canvas::{Canvas, Ink, Pen, Point};
+use crate::picture::colours::{INK, PAPER, Rgb};
+use crate::picture::film::{Fate, Selected};
+use crate::picture::thin_line::draw_line;
+
+/// Far from all colours of fire, bushes and agents.
+const DIFFERENT: Rgb = [255, 0, 220];
+
+/// Width of an outline in sides of a cell, and in pixels at least; it lies outside of what it is about.
+const LINE: f32 = 0.1;
+const LEAST_LINE: f32 = 1.5;
+/// Dark edges on both sides of an outline, in its widths, and in pixels at least.
+const CASING: f32 = 0.3;
+const LEAST_CASING: f32 = 0.75;
+
+/// Outlines areas of bushes whose fate differs from that in the other run; on fields with other bushes none.
+pub fn draw_differences(canvas: &mut Canvas, pane: &Pane) {
+    let differing = differing(pane);
+    if differing.is_empty() {
+        return;
+    }
+    let frame = pane.frame();
+    let mut differs = vec![false; frame.cell_count()];
+    differing.iter().for_each(|&cell| differs[frame.index(cell)] = true);
+    let is_outside = |cell: Cell, (cols, rows): (i32, i32)| {
+        !frame.offset(cell, cols, rows).is_some_and(|other| differs[frame.index(other)])
+    };
+    let width = (LINE * pane.cell_side()).max(LEAST_LINE * pane.unit());
+    let casing = (CASING * width).max(LEAST_CASING * pane.unit());
+    for (from, to, colour) in [(-casing, width + casing, INK), (0.0, width, DIFFERENT)] {
+        for &cell in &differing {
+            for side in [(1, 0), (-1, 0), (0, 1), (0, -1)].into_iter().filter(|&side| is_outside(cell, side)) {
+                draw_side(canvas, pane, (cell, side), (from, to), colour);
+            }
+        }
+    }
+}
+
+fn differing(pane: &Pane) -> Vec<Cell> {
+    let moment = pane.moment;
+    let Some((rival, rival_state)) = moment.rival else { return Vec::new() };
+    let (setting, other) = (pane.setting(), &rival.timeline().setting);
+    if (setting.frame, &setting.bushes) != (other.frame, &other.bushes) {
+        return Vec::new();
+    }
+    let fates = moment.state.bushes.iter().zip(&rival_state.bushes);
+    let cells = setting.bushes.iter().zip(fates);
+    cells.filter(|(_, (here, there))| Fate::of(**here) != Fate::of(**there)).map(|(&cell, _)| cell).collect()
+}
+
+/// A side of a cell, by the direction to the neighbour there, in a line from so many pixels outside the cell to so many.
+fn draw_side(canvas: &mut Canvas, pane: &Pane, (cell, side): (Cell, (i32, i32)), (from, to): (f32, f32), colour: Rgb) {
+    let ((left, top), (right, bottom)) = pane.projection.cell(pane.frame(), cell);
+    let [left, top, right, bottom] = [left, top, right, bottom].map(|at| at as f32);
+    let outside = 0.5 * (from + to);
+    let ends = match side {
+        (1, _) => [(right + outside, top - to), (right + outside, bottom + to)],
+        (-1, _) => [(left - outside, top - to), (left - outside, bottom + to)],
+        (_, 1) => [(left - to, top - outside), (right + to, top - outside)],
+        _ => [(left - to, bottom + outside), (right + to, bottom + outside)],
+    };
+    draw_line(canvas, ends[0], ends[1], to - from, Ink::opaque(colour));
+}
+
+/// Draws a frame about the bush, or a ring about the agent, that the viewer asked about.
+pub fn draw_selected(canvas: &mut Canvas, pane: &Pane) {
+    let selected = pane.moment.look.selected.filter(|(run, _)| *run == pane.moment.run);
+    match selected {
+        Some((_, Selected::Bush(cell))) => {
+            let half = 0.5 * pane.cell_side() + 4.0 * pane.unit();
+            draw_frame(canvas, pane.cell_centre(cell), (half, pane.unit()));
+        }
+        Some((_, Selected::Agent(agent))) => {
+            if let Some(index) = pane.setting().agent_index(agent) {
+                let (start, state) = (&pane.setting().agents[index], &pane.moment.state.agents[index]);
+                let at = pane.at(start.body.centre(state.pose));
+                let radius = 0.6 * super::agents::drawn_length(pane, &start.body) + 7.0 * pane.unit();
+                draw_halo(canvas, at, (radius, pane.unit()));
+            }
+        }
+        None => {}
+    }
+}
+
+fn draw_frame(canvas: &mut Canvas, (x, y): Point, (half, unit): (f32, f32)) {
+    let corners = [(x - half, y - half), (x + half, y - half), (x + half, y + half), (x - half, y + half)];
+    let line = [corners[0], corners[1], corners[2], corners[3], corners[0], corners[1]];
+    canvas.trace(&line, &Pen::opaque(PAPER, 6.0 * unit));
+    canvas.trace(&line, &Pen::opaque(INK, 3.0 * unit));
+}
+
+fn draw_halo(canvas: &mut Canvas, at: Point, (radius, unit): (f32, f32)) {
+    canvas.ring(at, radius, &Pen::opaque(PAPER, 6.0 * unit));
+    canvas.ring(at, radius, &Pen::opaque(INK, 3.0 * unit));
+}

@@ -1,0 +1,323 @@
+//! The pane of a field: bushes, fires, agents, and the layers that are switched on.
+//!
+//! What seldom changes is kept: the backdrop (ground and layers), and on it the bushes by state. Flames, ways, agents and
+//! what fire does are drawn on a copy of these for every frame. In both, later things lie over earlier ones.
+
+mod agents;
+mod bushes;
+mod flames;
+mod kept;
+mod lines;
+mod marked;
+mod pick;
+mod scales;
+mod searches;
+mod sign;
+mod spread;
+mod sprite;
+mod sprites;
+mod stamps;
+mod suppression;
+mod value_map;
+mod ways;
+
+pub use agents::colour as agent_colour;
+pub use pick::pick;
+pub use sign::draw_sign;
+
+use super::camera::Projection;
+use super::{Fate, Film, FilmId, Layer, Layers, Look};
+use crate::geometry::{Cell, DVec2, FieldFrame};
+use crate::picture::canvas::{Canvas, Point};
+use crate::picture::colours::{BORDER, FIELD, INK, OUTSIDE, blend};
+use crate::picture::ticks;
+use crate::timeline::{Setting, State};
+
+use kept::Kept;
+use stamps::Stamps;
+use value_map::{Quantity, ValueMap};
+
+/// Panes whose shorter side has more pixels than this get wider lines and larger letters.
+const ORDINARY_SIDE: f32 = 900.0;
+
+/// Lines of the grid are at least this many pixels apart; where cells are smaller, some are left out.
+const GRID_LINES: f64 = 6.0;
+
+/// A run at one time, and how it is looked at.
+#[derive(Clone, Copy)]
+pub struct Moment<'a> {
+    pub film: &'a Film,
+    pub state: &'a State,
+    /// The other run of a comparison at that time.
+    pub rival: Option<(&'a Film, &'a State)>,
+    /// Which of the runs it is.
+    pub run: usize,
+    pub look: &'a Look,
+}
+
+/// A moment, and where it is drawn.
+#[derive(Clone, Copy)]
+struct Pane<'a> {
+    moment: &'a Moment<'a>,
+    projection: Projection,
+    size: (u32, u32),
+}
+
+/// Draws one pane; keeps what seldom changes from frame to frame.
+#[derive(Default)]
+pub struct FieldPainter {
+    /// The film that all else is of.
+    film: Option<FilmId>,
+    values: Option<ValueMap>,
+    backdrop: Kept<Backdrop>,
+    ground: Kept<(Backdrop, Vec<Fate>)>,
+    sheet: Option<Canvas>,
+    stamps: Stamps,
+}
+
+/// All that the backdrop follows from, but for the film.
+#[derive(Clone, PartialEq)]
+struct Backdrop {
+    projection: Projection,
+    size: (u32, u32),
+    layers: Layers,
+    values: Option<Quantity>,
+    /// The facts of the searches that are shown.
+    searches: Vec<usize>,
+}
+
+impl FieldPainter {
+    /// The pane, `size` in pixels.
+    pub fn paint(&mut self, moment: &Moment, size: (u32, u32)) -> &Canvas {
+        self.begin(moment.film);
+        let projection = Projection::of(moment.film, moment.state, moment.look, size);
+        let pane = Pane { moment, projection, size };
+        self.find_values(&pane);
+        self.stamps.begin(pane.cell_side());
+        self.draw_ground(&pane);
+        self.draw_moment(&pane)
+    }
+
+    /// What is kept of the moment.
+    fn draw_ground(&mut self, pane: &Pane) {
+        let searches = searches::shown(pane);
+        let key = Backdrop {
+            projection: pane.projection,
+            size: pane.size,
+            layers: pane.moment.look.layers,
+            values: Quantity::shown(pane),
+            searches: searches.iter().map(|search| search.fact).collect(),
+        };
+        let values = self.values.as_ref();
+        let backdrop = self.backdrop.get(key.clone(), |_| draw_backdrop(pane, values, &searches));
+        let fates = pane.moment.state.bushes.iter().copied().map(Fate::of).collect();
+        self.ground.get((key, fates), |(_, fates)| {
+            let mut ground = backdrop.clone();
+            bushes::draw(&mut ground, pane, fates, &mut self.stamps);
+            ground
+        });
+    }
+
+    /// What changes from frame to frame, on what is kept.
+    fn draw_moment(&mut self, pane: &Pane) -> &Canvas {
+        let ground = self.ground.last().expect("it was drawn just now");
+        self.sheet.take_if(|sheet| (sheet.width(), sheet.height()) != pane.size);
+        let sheet = self.sheet.get_or_insert_with(|| ground.clone());
+        sheet.copy_from(ground, (0, 0));
+        if pane.shows(Layer::Paths) {
+            ways::draw(sheet, pane);
+        }
+        if pane.shows(Layer::Spread) {
+            spread::draw(sheet, pane);
+        }
+        flames::draw(sheet, pane, &mut self.stamps);
+        marked::draw_differences(sheet, pane);
+        if pane.shows(Layer::Suppression) {
+            suppression::draw(sheet, pane);
+        }
+        agents::draw(sheet, pane);
+        marked::draw_selected(sheet, pane);
+        scales::draw_metres(sheet, pane);
+        if let Some(values) = &self.values {
+            scales::draw_values(sheet, pane, values);
+        }
+        sheet
+    }
+
+    fn find_values(&mut self, pane: &Pane) {
+        let wanted = Quantity::shown(pane);
+        if self.values.as_ref().map(|values| values.quantity) != wanted {
+            self.values = wanted.and_then(|quantity| ValueMap::of(pane.moment.film, quantity));
+        }
+    }
+
+    /// Forgets what was drawn of another film.
+    fn begin(&mut self, film: &Film) {
+        if self.film != Some(film.id()) {
+            *self = Self { film: Some(film.id()), ..Self::default() };
+        }
+    }
+}
+
+fn draw_backdrop(pane: &Pane, values: Option<&ValueMap>, searches: &[searches::Shown]) -> Canvas {
+    let mut canvas = Canvas::new(pane.size.0, pane.size.1, OUTSIDE);
+    let (from, to) = pane.field_box();
+    canvas.fill_pixels((from.0 - 2, from.1 - 2), (to.0 + 2, to.1 + 2), BORDER);
+    canvas.fill_pixels(from, to, FIELD);
+    if let Some(values) = values {
+        values.draw(&mut canvas, pane);
+    }
+    if pane.shows(Layer::GridLines) {
+        draw_grid_lines(&mut canvas, pane);
+    }
+    searches::draw(&mut canvas, pane, searches);
+    canvas
+}
+
+fn draw_grid_lines(canvas: &mut Canvas, pane: &Pane) {
+    let (frame, colour) = (pane.frame(), blend(FIELD, INK, 0.25));
+    let ((left, top), (right, bottom)) = pane.field_box();
+    let least = GRID_LINES / f64::from(pane.cell_side());
+    for col in ticks::indices(frame.cols.into(), least).skip(1) {
+        let ((x, _), _) = pane.projection.cell(frame, Cell { col: col as u16, row: 0 });
+        canvas.fill_pixels((x, top), (x + 1, bottom), colour);
+    }
+    for row in ticks::indices(frame.rows.into(), least).skip(1) {
+        let (_, (_, y)) = pane.projection.cell(frame, Cell { col: 0, row: row as u16 });
+        canvas.fill_pixels((left, y - 1), (right, y), colour);
+    }
+}
+
+impl<'a> Pane<'a> {
+    fn setting(&self) -> &'a Setting {
+        &self.moment.film.timeline().setting
+    }
+
+    fn frame(&self) -> &'a FieldFrame {
+        &self.setting().frame
+    }
+
+    fn shows(&self, layer: Layer) -> bool {
+        self.moment.look.layers.contains(layer)
+    }
+
+    /// The width of a thin line in pixels; all lines, letters and signs grow with it.
+    fn unit(&self) -> f32 {
+        (self.size.0.min(self.size.1) as f32 / ORDINARY_SIDE).max(1.0)
+    }
+
+    /// Of a cell, in pixels.
+    fn cell_side(&self) -> f32 {
+        self.projection.length(self.frame().cell_m)
+    }
+
+    fn cell_centre(&self, cell: Cell) -> Point {
+        self.projection.at(self.frame().centre(cell))
+    }
+
+    /// The first pixels of the field, and those after its last.
+    fn field_box(&self) -> ((i32, i32), (i32, i32)) {
+        let frame = self.frame();
+        let (north_west, _) = self.projection.cell(frame, Cell { col: 0, row: frame.rows - 1 });
+        let (_, south_east) = self.projection.cell(frame, Cell { col: frame.cols - 1, row: 0 });
+        (north_west, south_east)
+    }
+
+    /// Whether anything within `reach` pixels about a place is in the pane.
+    fn is_near(&self, (x, y): Point, reach: f32) -> bool {
+        let within = |at: f32, side: u32| (-reach..=side as f32 + reach).contains(&at);
+        within(x, self.size.0) && within(y, self.size.1)
+    }
+
+    fn at(&self, point: DVec2) -> Point {
+        self.projection.at(point)
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::fire::FireRules;
+    use crate::geometry::Pose;
+    use crate::picture::film::{Camera, Painter, Shot};
+    use crate::planning::Effort;
+    use crate::time::SimTime;
+    use crate::timeline::{AgentId, AgentStart, Body, Event, Fact, Rules, Timeline};
+    use crate::trajectory::{Piece, Trajectory};
+    use crate::vehicle::{Dimensions, Segment};
+
+    pub fn setting() -> Setting {
+        let seconds = SimTime::from_seconds;
+        Setting {
+            scenario: "test".into(),
+            seed: 1,
+            program_version: "0".into(),
+            frame: FieldFrame { cols: 10, rows: 10, cell_m: 5.0 },
+            bushes: Vec::new(),
+            agents: Vec::new(),
+            rules: Rules {
+                duration: seconds(100.0),
+                suppression_reach_m: Some(10.0),
+                suppression_dwell: seconds(5.0),
+                extinguishes_all: Some(false),
+                fire: Some(FireRules {
+                    spread_delay: seconds(10.0),
+                    spread_radius_m: 30.0,
+                    lit_spreads: true,
+                    caught_spreads: false,
+                    burn_out: Some(seconds(60.0)),
+                    relight: false,
+                }),
+                relight: false,
+                score_wumpus_ignited: 1.0,
+                score_wumpus_burned_out: 1.0,
+                score_truck_extinguished: 2.0,
+            },
+        }
+    }
+
+    /// A truck that drives and suppresses, and fire that spreads, all lengths multiplied by `scale`.
+    fn scaled(scale: f64) -> Timeline {
+        let (truck, goal) = (AgentId::Unimog(0), Cell { col: 4, row: 4 });
+        let mut setting = setting();
+        setting.frame.cell_m *= scale;
+        setting.bushes = vec![goal];
+        setting.rules.suppression_reach_m = Some(10.0 * scale);
+        let pose = Pose::new(7.0 * scale, 9.0 * scale, 0.3);
+        let body = Body::Truck(Dimensions { length_m: 4.9 * scale, width_m: 2.2 * scale, ..Dimensions::default() });
+        setting.agents = vec![AgentStart { id: truck, pose, body, limits: None }];
+        let drive = |curvature: f64, length_m: f64| Piece::Drive {
+            segment: Segment { curvature, length_m },
+            speed_mps: 8.0 * scale,
+            acceleration_mps2: 0.0,
+        };
+        let pieces = vec![drive(0.07 / scale, 40.0 * scale), drive(0.0, -20.0 * scale)];
+        let trajectory = Trajectory::new(SimTime::ZERO, pose, pieces);
+        let effort = Effort { roadmap_expansions: 1, local_expansions: 1 };
+        let at = |seconds: f64, fact: Fact| Event { time: SimTime::from_seconds(seconds), fact };
+        let events = vec![
+            at(0.0, Fact::Ignited { cell: goal, cause: crate::timeline::Cause::Scheduled }),
+            at(0.0, Fact::Planned { agent: truck, goal, trajectory, effort, by_lattice: false }),
+            at(8.0, Fact::Suppressing { agent: truck, cell: goal }),
+        ];
+        Timeline { setting, events }
+    }
+
+    #[test]
+    fn any_recording_can_be_drawn() {
+        let layers = Layer::ALL.into_iter().collect();
+        for scale in [1.0, 1e-6, 1e6, 1e-290, 1e290] {
+            let film = Film::new(scaled(scale), None);
+            for zoom in [Camera::LEAST_ZOOM, 1.0, Camera::MOST_ZOOM] {
+                let camera = Camera { zoom, ..Camera::WHOLE };
+                for follows in [None, Some(AgentId::Unimog(0))] {
+                    let look = Look { camera, layers, follows, ..Look::default() };
+                    for time_s in [0.0, 3.0, 10.0] {
+                        let time = SimTime::from_seconds(time_s);
+                        Painter::new((400, 300), 1).paint(&Shot { films: &[&film], time, look: &look });
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! What lengths and colours mean: a bar in metres, and the bar of the values that are shown.
+
+use super::Pane;
+use super::value_map::ValueMap;
+use crate::picture::canvas::{Canvas, Point};
+use crate::picture::colours::{INK, PAPER};
+use crate::picture::marks::to_f32;
+use crate::picture::text::{Align, draw as draw_text, measure};
+
+/// All in thin lines.
+const MARGIN: f32 = 10.0;
+const TEXT: f32 = 8.0;
+const PADDING: f32 = 6.0;
+const LONGEST: f64 = 140.0;
+const BAR_WIDTH: f32 = 12.0;
+const BAR_HEIGHT: f32 = 110.0;
+const TICK: f32 = 4.0;
+
+/// A bar of a round length in metres, at the lower left.
+pub fn draw_metres(canvas: &mut Canvas, pane: &Pane) {
+    let unit = pane.unit();
+    let [margin, text, padding] = [MARGIN, TEXT, PADDING].map(|length| length * unit);
+    let longest = (LONGEST * f64::from(unit)).min(0.3 * f64::from(pane.size.0));
+    let metres = round_length(longest / pane.projection.pixels_per_metre);
+    let length = pane.projection.length(metres);
+    let label = if metres < 1000.0 { format!("{metres} m") } else { format!("{} km", metres / 1000.0) };
+    let width = length.max(measure(&label, text));
+    let bottom = pane.size.1 as f32 - margin;
+    let height = text + 3.0 * padding;
+    draw_plate(canvas, (margin, bottom - height), (width + 2.0 * padding, height));
+    let (left, line) = (margin + padding, bottom - padding);
+    draw_text(canvas, &label, (left, line - padding - unit), Align::Left, text, INK);
+    canvas.fill_rect(left, line - 2.0 * unit, length, 2.0 * unit, INK);
+    for end in [left, left + length - 2.0 * unit] {
+        canvas.fill_rect(end, line - 5.0 * unit, 2.0 * unit, 5.0 * unit, INK);
+    }
+}
+
+/// The longest of 1, 2 or 5 times a power of ten that is not longer than `most`, if that lies between a tenth of a
+/// millimetre and a million kilometres.
+fn round_length(most: f64) -> f64 {
+    let mut length = 1e-4;
+    for factor in [2.0, 2.5, 2.0].into_iter().cycle().take(39) {
+        if length * factor > most {
+            break;
+        }
+        length *= factor;
+    }
+    // Products of such factors are rounded; the digits say what is meant.
+    format!("{length:.0e}").parse().unwrap_or(length)
+}
+
+/// A bar of colours with round values, at the lower right.
+pub fn draw_values(canvas: &mut Canvas, pane: &Pane, map: &ValueMap) {
+    let unit = pane.unit();
+    let [margin, text, padding] = [MARGIN, TEXT, PADDING].map(|length| length * unit);
+    let [bar_width, bar_height, mark] = [BAR_WIDTH, BAR_HEIGHT, TICK].map(|length| (length * unit).round());
+    let ticks = map.scale.ticks(5);
+    let name = map.quantity.name();
+    let labels = ticks.iter().map(|tick| measure(&tick.label, text)).fold(0.0, f32::max);
+    let width = measure(name, text).max(bar_width + 2.0 * mark + labels) + 2.0 * padding;
+    let height = bar_height + 2.0 * text + 4.0 * padding;
+    let (right, bottom) = (pane.size.0 as f32 - margin, pane.size.1 as f32 - margin);
+    draw_plate(canvas, (right - width, bottom - height), (width, height));
+    let (left, top) = ((right - width + padding).round(), (bottom - padding - 0.5 * text - bar_height).round());
+    draw_text(canvas, name, (left, bottom - height + padding + text), Align::Left, text, INK);
+    draw_shades(canvas, map, (left, top), (bar_width, bar_height));
+    for tick in ticks {
+        let y = top + bar_height * (1.0 - to_f32(map.scale.fraction(tick.value)));
+        canvas.fill_rect(left + bar_width, y - 0.5 * unit, mark, unit, INK);
+        let at = (left + bar_width + 2.0 * mark, y + 0.5 * text);
+        draw_text(canvas, &tick.label, at, Align::Left, text, INK);
+    }
+}
+
+fn draw_shades(canvas: &mut Canvas, map: &ValueMap, (left, top): Point, (width, height): (f32, f32)) {
+    let rows = height as i32;
+    for row in 0..rows {
+        let share = 1.0 - (f64::from(row) + 0.5) / f64::from(rows);
+        let value = map.scale.low * (1.0 - share) + map.scale.high * share;
+        let (x, y) = (left as i32, top as i32 + row);
+        canvas.fill_pixels((x, y), (x + width as i32, y + 1), map.scale.colour(value));
+    }
+}
+
+fn draw_plate(canvas: &mut Canvas, (left, top): Point, (width, height): (f32, f32)) {
+    let (right, bottom) = (left + width, top + height);
+    canvas.fill_through(&[(left, top), (right, top), (right, bottom), (left, bottom)], PAPER, 0.85);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_are_round_and_as_long_as_may_be() {
+        for (most, expected) in [(49.9, 20.0), (50.0, 50.0), (0.3, 0.2), (7300.0, 5000.0), (1.0, 1.0), (0.01, 0.01)] {
+            assert_eq!(round_length(most), expected, "of {most}");
+        }
+    }
+
+    #[test]
+    fn any_length_has_an_answer() {
+        for most in [0.0, f64::NAN, f64::INFINITY, 1e-300, 1e300] {
+            assert!(round_length(most).is_finite());
+        }
+    }
+}

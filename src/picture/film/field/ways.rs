@@ -1,0 +1,146 @@
+//! Ways of agents: what they drove lately, and what they are about to drive.
+
+use super::lines::{self, Dashes};
+use super::{Pane, agents};
+use crate::geometry::{Cell, DVec2, Pose};
+use crate::picture::canvas::{Canvas, Ink, Pen};
+use crate::picture::colours::{PAPER, Rgb};
+use crate::time::SimTime;
+use crate::trajectory::Trajectory;
+use crate::vehicle::Segment;
+
+/// What was driven fades away in so many steps.
+const FADING_STEPS: u64 = 12;
+const FADING_STEP: SimTime = SimTime::from_nanos(10_000_000_000);
+const FRESH: f32 = 0.8;
+const STALE: f32 = 0.12;
+
+const WIDTH: f32 = 2.0;
+/// Dash and gap in pixels, forward and in reverse.
+const FORWARD: (f64, f64) = (8.0, 5.0);
+const REVERSE: (f64, f64) = (2.0, 3.0);
+
+/// The chord of a drawn arc is nowhere farther from it than this, in pixels.
+const TOLERANCE: f64 = 0.1;
+/// Pieces of an arc, as far as that bound goes.
+const MOST_PIECES: f64 = 2000.0;
+
+/// A part of a way between changes of direction.
+struct Stretch {
+    is_reverse: bool,
+    /// Metres from the beginning of the leg to the first point.
+    from_m: f64,
+    points: Vec<DVec2>,
+}
+
+/// Draws the ways of all agents.
+pub fn draw(canvas: &mut Canvas, pane: &Pane) {
+    for agent in 0..pane.setting().agents.len() {
+        draw_driven(canvas, pane, agent);
+        draw_planned(canvas, pane, agent);
+    }
+}
+
+/// The oldest part first, each step of age more faded.
+fn draw_driven(canvas: &mut Canvas, pane: &Pane, agent: usize) {
+    let (film, now) = (pane.moment.film, pane.moment.state.time);
+    let width = WIDTH * pane.unit();
+    let colour = agents::colour(pane.setting().agents[agent].id);
+    for step in (0..FADING_STEPS).rev() {
+        let ago = |steps: u64| now.since(SimTime::from_nanos(FADING_STEP.as_nanos() * steps));
+        let (from, to) = (ago(step + 1), ago(step));
+        let opacity = FRESH + (STALE - FRESH) * step as f32 / (FADING_STEPS - 1) as f32;
+        for leg in film.courses().legs_between(agent, from, to) {
+            let trajectory = leg.trajectory(film.timeline());
+            let window = [from.max(leg.from), to.min(leg.until)].map(|time| trajectory.distance_m(time));
+            for stretch in stretches(trajectory, window, pane.projection.pixels_per_metre) {
+                let dashes = stretch.is_reverse.then_some(REVERSE);
+                trace(canvas, pane, &stretch, (width, Ink { colour, opacity }), dashes);
+            }
+        }
+    }
+}
+
+/// Dashes stay where they are on the ground while the agent comes along.
+fn draw_planned(canvas: &mut Canvas, pane: &Pane, agent: usize) {
+    let (film, state) = (pane.moment.film, pane.moment.state);
+    let colour = agents::colour(pane.setting().agents[agent].id);
+    if let Some(goal) = state.agents[agent].goal {
+        draw_goal(canvas, pane, goal, colour);
+    }
+    if let Some(leg) = film.courses().leg_at(agent, state.time) {
+        let trajectory = leg.trajectory(film.timeline());
+        let window = [trajectory.distance_m(state.time), trajectory.distance_m(SimTime::MAX)];
+        for stretch in stretches(trajectory, window, pane.projection.pixels_per_metre) {
+            let dashes = if stretch.is_reverse { REVERSE } else { FORWARD };
+            let width = WIDTH * pane.unit();
+            trace(canvas, pane, &stretch, (2.0 * width, Ink { colour: PAPER, opacity: 0.75 }), None);
+            trace(canvas, pane, &stretch, (width, Ink::opaque(colour)), Some(dashes));
+        }
+    }
+}
+
+/// Marks the corners of the cell that an agent goes for.
+fn draw_goal(canvas: &mut Canvas, pane: &Pane, goal: Cell, colour: Rgb) {
+    let (x, y) = pane.cell_centre(goal);
+    let half = (0.62 * pane.cell_side()).max(6.0 * pane.unit());
+    let arm = 0.6 * half;
+    for (right, down) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
+        let corner = (x + right * half, y + down * half);
+        let bracket = [(corner.0 - right * arm, corner.1), corner, (corner.0, corner.1 - down * arm)];
+        canvas.trace(&bracket, &Pen::opaque(PAPER, 4.0 * pane.unit()));
+        canvas.trace(&bracket, &Pen::opaque(colour, 2.0 * pane.unit()));
+    }
+}
+
+/// What a leg drives between two marks, in metres from its beginning, sampled for so many pixels a metre.
+fn stretches(leg: &Trajectory, [from_m, to_m]: [f64; 2], pixels_per_metre: f64) -> Vec<Stretch> {
+    let mut stretches: Vec<Stretch> = Vec::new();
+    let mut begins_m = 0.0;
+    for (start, piece) in leg.pieces_with_starts() {
+        let Some(segment) = piece.segment() else { continue };
+        let length_m = segment.length_m.abs();
+        let (first, last) = ((from_m - begins_m).max(0.0), (to_m - begins_m).min(length_m));
+        if first < last {
+            let is_reverse = segment.is_reverse();
+            if stretches.last().is_none_or(|stretch| stretch.is_reverse != is_reverse) {
+                let at = segment.pose_at(start, first.copysign(segment.length_m)).position();
+                stretches.push(Stretch { is_reverse, from_m: begins_m + first, points: vec![at] });
+            }
+            let stretch = stretches.last_mut().expect("there is one by now");
+            stretch.points.extend(sample(start, segment, (first, last), pixels_per_metre));
+        }
+        begins_m += length_m;
+    }
+    stretches
+}
+
+/// Points of a segment after `first` up to `last`, metres from its beginning, near enough for the eye: the middle of a
+/// chord lies `r (1 - cos(a / 2))`, about `r a^2 / 8`, from an arc of radius `r` that turns by `a`.
+fn sample(
+    start: Pose,
+    segment: Segment,
+    (first, last): (f64, f64),
+    pixels_per_metre: f64,
+) -> impl Iterator<Item = DVec2> {
+    let turn = (segment.curvature * (last - first)).abs();
+    let radius = pixels_per_metre / segment.curvature.abs();
+    let pieces = if segment.curvature == 0.0 {
+        1.0
+    } else {
+        (turn * (radius / (8.0 * TOLERANCE)).sqrt()).ceil().clamp(1.0, MOST_PIECES)
+    };
+    (1..=pieces as u32).map(move |piece| {
+        let along = first + (last - first) * f64::from(piece) / pieces;
+        segment.pose_at(start, along.copysign(segment.length_m)).position()
+    })
+}
+
+/// Dashes are counted from the beginning of the leg.
+fn trace(canvas: &mut Canvas, pane: &Pane, stretch: &Stretch, pen: (f32, Ink), pattern: Option<(f64, f64)>) {
+    let projection = &pane.projection;
+    let line: Vec<DVec2> = stretch.points.iter().map(|&point| projection.place(point)).collect();
+    let (offset, unit) = (stretch.from_m * projection.pixels_per_metre, f64::from(pane.unit()));
+    let dashes = pattern.map(|(length, gap)| Dashes { length: unit * length, gap: unit * gap, offset });
+    lines::draw(canvas, pane, &line, pen, dashes);
+}

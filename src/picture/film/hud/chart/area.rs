@@ -1,0 +1,54 @@
+//! The four counts stacked over time.
+
+use super::plan::{Plan, Rows};
+use crate::picture::Rgb;
+use crate::picture::canvas::Canvas;
+use crate::picture::colours::blend;
+use crate::picture::film::{Fate, Film, Tally};
+use crate::time::SimTime;
+
+/// From the bottom up: what is lost, what burns, what was saved, what nothing happened to.
+const STACKED: [Fate; 4] = [Fate::BurnedOut, Fate::Burning, Fate::Extinguished, Fate::Intact];
+
+/// Every column shows the counts at its middle.
+pub fn draw(
+    canvas: &mut Canvas,
+    plan: &Plan,
+    (top, height): Rows,
+    (film, end): (&Film, SimTime),
+    shade: &dyn Fn(Rgb) -> Rgb,
+) {
+    let colours = STACKED.map(|fate| shade(fate.colour()));
+    let (left, width) = plan.columns;
+    for column in 0..width {
+        let edges = edges(&film.tally_at(time_of(column, width, end)), height);
+        for row in 0..height {
+            let [red, green, blue] = colour_of(row, &edges, &colours);
+            canvas.row_from((left + column) as usize, (top + row) as usize)[0] = [red, green, blue, 255];
+        }
+    }
+}
+
+/// The time in the middle of a column.
+pub fn time_of(column: u32, width: u32, end: SimTime) -> SimTime {
+    SimTime::from_seconds(end.as_seconds() * (f64::from(column) + 0.5) / f64::from(width))
+}
+
+/// How far down the upper edge of each part lies, in rows.
+fn edges(tally: &Tally, height: u32) -> [f64; 4] {
+    let (mut below, height) = (0, f64::from(height));
+    STACKED.map(|fate| {
+        below += tally.count(fate);
+        height * (1.0 - f64::from(below) / f64::from(tally.bushes().max(1)))
+    })
+}
+
+/// A row shows the parts that it cuts by how much it has of each.
+fn colour_of(row: u32, edges: &[f64; 4], colours: &[Rgb; 4]) -> Rgb {
+    let (above, below) = (f64::from(row), f64::from(row) + 1.0);
+    let mut colour = colours[3];
+    for (&edge, &part) in edges.iter().zip(colours).rev().skip(1) {
+        colour = blend(colour, part, (below - edge).clamp(0.0, below - above));
+    }
+    colour
+}

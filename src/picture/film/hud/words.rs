@@ -1,0 +1,61 @@
+//! How times, shares and names are written.
+
+use std::time::Duration;
+
+use crate::time::SimTime;
+use crate::timeline::{Activity, AgentId};
+
+const NANOS_PER_TENTH: u64 = 100_000_000;
+
+/// Hours, minutes, seconds and tenths that have passed, as `h:mm:ss.t`.
+pub fn clock(time: SimTime) -> String {
+    let tenths = time.as_nanos() / NANOS_PER_TENTH;
+    let seconds = tenths / 10;
+    format!("{}:{:02}:{:02}.{}", seconds / 3600, seconds / 60 % 60, seconds % 60, tenths % 10)
+}
+
+/// A share of a whole as per cent with one decimal; of nothing, 0.
+pub fn per_cent(part: u32, whole: u32) -> String {
+    format!("{:.1} %", 100.0 * f64::from(part) / f64::from(whole.max(1)))
+}
+
+/// Milliseconds below a second, seconds above.
+pub fn cpu(time: Duration) -> String {
+    if time < Duration::from_secs(1) {
+        format!("{} ms", time.as_millis())
+    } else {
+        format!("{:.2} s", time.as_secs_f64())
+    }
+}
+
+/// What an agent is doing; a Wumpus has no wheels.
+pub fn doing(agent: AgentId, activity: Activity) -> &'static str {
+    match (agent, activity) {
+        (AgentId::Wumpus(_), Activity::Driving) => "walking",
+        _ => activity.name(),
+    }
+}
+
+/// A run of a comparison.
+pub fn run_name(run: usize) -> &'static str {
+    if run == 0 { "A" } else { "B" }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn clocks_show_what_has_passed() {
+        assert_eq!(clock(SimTime::ZERO), "0:00:00.0");
+        assert_eq!(clock(SimTime::from_nanos(59_999_999_999)), "0:00:59.9");
+        assert_eq!(clock(SimTime::from_seconds(3600.0)), "1:00:00.0");
+        assert_eq!(clock(SimTime::from_seconds(45296.7)), "12:34:56.7");
+    }
+
+    #[test]
+    fn shares_of_nothing_are_nothing() {
+        assert_eq!(per_cent(0, 0), "0.0 %");
+        assert_eq!(per_cent(1, 3), "33.3 %");
+    }
+}

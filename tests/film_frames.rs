@@ -1,0 +1,184 @@
+//! Laws of frames: they follow from their shots alone, and any run can be shown on a sheet of any size.
+
+use rand::RngExt;
+use wildfire::geometry::{Cell, DVec2, FieldFrame};
+use wildfire::picture::film::{Camera, Film, Layer, Layers, Layout, Look, Painter, Selected, Shot, Status, still};
+use wildfire::rng::{self, Xoshiro256PlusPlus};
+use wildfire::time::SimTime;
+use wildfire::timeline::{AgentId, AgentStart, Timeline};
+use wildfire::{scenario, sim};
+
+/// Six minutes on a small field, with all that searches looked at.
+fn timeline(seed: u64, changes: &[&str]) -> Timeline {
+    let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
+    let smoke = scenario::load("smoke", &changes).expect("the built-in loads");
+    sim::run_recording_searches(&smoke, seed).expect("it runs").timeline
+}
+
+fn film(seed: u64, changes: &[&str]) -> Film {
+    Film::new(timeline(seed, changes), None)
+}
+
+/// What is shown, to be changed bit by bit.
+struct Viewer<'a> {
+    films: Vec<&'a Film>,
+    time: SimTime,
+    look: Look,
+    rng: Xoshiro256PlusPlus,
+}
+
+impl Viewer<'_> {
+    fn shot(&self, runs: usize) -> Shot<'_> {
+        Shot { films: &self.films[..runs], time: self.time, look: &self.look }
+    }
+
+    /// Changes one thing, and often the time by little, as a player does.
+    fn change(&mut self) {
+        let rng = &mut self.rng;
+        match rng.random_range(0..12) {
+            0 => self.time = SimTime::from_seconds(rng.random_range(0.0..320.0)),
+            1..3 => self.time += SimTime::from_seconds([1e-9, 0.125, 5.0][rng.random_range(0..3)]),
+            3..6 => self.look.layers.toggle(Layer::ALL[rng.random_range(0..Layer::ALL.len())]),
+            6 => {
+                let centre = DVec2::new(rng.random_range(0.0..=1.0), rng.random_range(0.0..=1.0));
+                self.look.camera = Camera { centre, zoom: [0.5, 1.0, 1.7, 3.0, 6.0, 200.0][rng.random_range(0..6)] };
+            }
+            7 => self.look.follows = [None, Some(AgentId::Unimog(0)), Some(AgentId::Unimog(9))][rng.random_range(0..3)],
+            8 => self.look.selected = self.selected(),
+            9 => self.look.shows_help = !self.look.shows_help,
+            10 => self.look.status = self.status(),
+            _ => {
+                let (one, other) = (rng.random_range(0..self.films.len()), rng.random_range(0..self.films.len()));
+                self.films.swap(one, other);
+            }
+        }
+    }
+
+    fn selected(&mut self) -> Option<(usize, Selected)> {
+        let setting = &self.films[0].timeline().setting;
+        let bush = setting.bushes[self.rng.random_range(0..setting.bushes.len())];
+        let agents = [AgentId::Wumpus(0), AgentId::Unimog(0), AgentId::Wumpus(7)];
+        let all =
+            agents.map(Selected::Agent).into_iter().chain([bush, Cell { col: 999, row: 999 }].map(Selected::Bush));
+        let selected = all.map(Some).chain([None]).nth(self.rng.random_range(0..6)).flatten();
+        selected.map(|selected| (self.rng.random_range(0..3), selected))
+    }
+
+    fn status(&mut self) -> Option<Status> {
+        let (is_paused, speed) = (self.rng.random(), [0.1, 50.0, 1000.0][self.rng.random_range(0..3)]);
+        let message = self.rng.random_bool(0.5).then(|| "saved as still-12.png".to_owned());
+        self.rng.random_bool(0.7).then_some(Status { is_paused, speed, message })
+    }
+}
+
+#[test]
+fn a_frame_follows_from_its_shot_alone() {
+    let films = [film(1, &[]), film(1, &["unimog.speed_mps=2"]), film(2, &[]), film(1, &[])];
+    for (size, runs, has_panel) in [((480, 360), 1, true), ((330, 250), 2, false), ((700, 420), 2, true)] {
+        let mut painter = Painter::new(size, runs);
+        assert_eq!(painter.layout().panel.is_some(), has_panel);
+        let mut viewer = Viewer {
+            films: films.iter().collect(),
+            time: SimTime::from_seconds(60.0),
+            look: Look { layers: Layers::default().with(Layer::Wavefront).with(Layer::LocalSearch), ..Look::default() },
+            rng: rng::stream(u64::from(size.0), "tests/film_frames"),
+        };
+        for step in 0..40 {
+            viewer.change();
+            let shot = viewer.shot(runs);
+            let was_shown = painter.shows(&shot);
+            let kept = painter.paint(&shot).to_vec();
+            assert!(painter.shows(&shot));
+            assert!(
+                kept == Painter::new(size, runs).paint(&shot),
+                "step {step}, {size:?}, {}, {was_shown}, {:?}",
+                shot.time,
+                shot.look
+            );
+        }
+    }
+}
+
+#[test]
+fn a_painter_knows_what_it_shows() {
+    let films = [film(1, &[]), film(1, &[])];
+    let (time, look) = (SimTime::from_seconds(40.0), Look::default());
+    let shot = Shot { films: &[&films[0]], time, look: &look };
+    let mut painter = Painter::new((330, 250), 1);
+    assert!(!painter.shows(&shot));
+    painter.paint(&shot);
+    assert!(painter.shows(&shot));
+    assert!(!painter.shows(&Shot { films: &[&films[1]], ..shot }), "another film, though of the same run");
+    assert!(!painter.shows(&Shot { time: time + SimTime::from_nanos(1), ..shot }));
+    assert!(!painter.shows(&Shot { look: &Look { shows_help: true, ..Look::default() }, ..shot }));
+}
+
+/// Looks that show as much as there is, from far away to very near.
+fn looks(timeline: &Timeline) -> impl Iterator<Item = Look> + Clone {
+    let agent = timeline.setting.agents.last().map(|agent| agent.id);
+    let bush = timeline.setting.bushes.last().map(|&bush| (0, Selected::Bush(bush)));
+    [Camera::LEAST_ZOOM, 1.0, 13.0, Camera::MOST_ZOOM].into_iter().enumerate().map(move |(index, zoom)| Look {
+        camera: Camera { zoom, ..Camera::WHOLE },
+        follows: agent.filter(|_| index % 2 == 0),
+        layers: Layer::ALL.into_iter().collect(),
+        selected: agent.filter(|_| index < 2).map(|agent| (0, Selected::Agent(agent))).or(bush),
+        shows_help: index == 3,
+        status: Some(Status { is_paused: false, speed: 1e-3, message: Some("a long message ".repeat(20)) }),
+    })
+}
+
+fn assert_can_be_shown(timeline: Timeline, size: (u32, u32)) {
+    let film = Film::new(timeline, None);
+    for time in [SimTime::ZERO, SimTime::from_seconds(70.0), SimTime::MAX] {
+        for look in looks(film.timeline()) {
+            for films in [&[&film][..], &[&film, &film]] {
+                let picture = still(&Shot { films, time, look: &look }, size);
+                assert_eq!((picture.width(), picture.height()), size);
+            }
+        }
+    }
+}
+
+#[test]
+fn sheets_of_any_size_are_painted() {
+    let (film, other) = (film(1, &[]), film(2, &[]));
+    let sizes = [(320, 240), (320, Layout::MOST_SIDE), (Layout::MOST_SIDE, 240), (641, 479), (700, 1500)];
+    for (look, size) in looks(film.timeline()).cycle().zip(sizes) {
+        for films in [&[&film][..], &[&film, &other]] {
+            let picture = still(&Shot { films, time: SimTime::from_seconds(70.0), look: &look }, size);
+            assert_eq!((picture.width(), picture.height()), size);
+        }
+    }
+}
+
+#[test]
+fn a_field_where_nothing_is_can_be_shown() {
+    assert_can_be_shown(timeline(1, &["wumpus=[]", "unimog=[]", "field.coverage=0"]), (640, 480));
+}
+
+#[test]
+fn agents_without_bushes_can_be_shown() {
+    assert_can_be_shown(timeline(1, &["field.coverage=0"]), (480, 640));
+}
+
+#[test]
+fn a_field_of_one_cell_without_time_can_be_shown() {
+    let mut timeline = timeline(1, &["wumpus=[]", "unimog=[]", "field.coverage=0"]);
+    timeline.events.clear();
+    timeline.setting.rules.duration = SimTime::ZERO;
+    timeline.setting.frame = FieldFrame { cols: 1, rows: 1, cell_m: 1e-3 };
+    timeline.setting.scenario = "\u{1f525} a scenario with a name that nobody would ever want to read".repeat(30);
+    let film = Film::new(timeline.clone(), None);
+    assert_eq!((film.next_event(SimTime::ZERO), film.previous_event(SimTime::MAX)), (None, None));
+    assert_can_be_shown(timeline.clone(), (640, 480));
+    timeline.setting.bushes = vec![Cell { col: 0, row: 0 }];
+    assert_can_be_shown(timeline, (400, 300));
+}
+
+#[test]
+fn a_crowd_can_be_shown() {
+    let mut timeline = timeline(1, &[]);
+    let truck = *timeline.setting.agents.last().expect("there is a truck");
+    timeline.setting.agents.extend((1..10).map(|number| AgentStart { id: AgentId::Unimog(number), ..truck }));
+    assert_can_be_shown(timeline, (900, 500));
+}
