@@ -3,7 +3,7 @@
 //!
 //! The layers, lowest first; each may use those above it in this list:
 //! [`time`], [`geometry`], [`rng`], [`event_queue`], [`whole_file`]; [`grid`]; [`map_files`]; [`vehicle`]; [`trajectory`]; [`collision`];
-//! [`planning`]; [`fire`]; [`scenario`]; [`timeline`]; [`picture`]; [`audit`]; [`sim`]; [`stats`]; [`batch`]; [`cli`].
+//! [`planning`]; [`fire`]; [`scenario`]; [`timeline`]; [`picture`]; [`audit`]; [`sim`]; [`stats`]; [`batch`]; `view`; [`cli`].
 
 pub mod audit;
 pub mod batch;
@@ -24,4 +24,6 @@ pub mod time;
 pub mod timeline;
 pub mod trajectory;
 pub mod vehicle;
+#[cfg(feature = "view")]
+pub mod view;
 pub mod whole_file;

@@ -1,0 +1,80 @@
+//! Shows the sheet: one texture on one sprite, which covers the window.
+
+use std::time::Duration;
+
+use bevy::app::{App, Plugin, Startup, Update};
+use bevy::asset::{Assets, RenderAssetUsages};
+use bevy::math::Vec2;
+use bevy::prelude::{
+    Camera2d, Changed, Commands, Component, Image, IntoScheduleConfigs, Msaa, Query, Real, Res, ResMut, Single, Sprite,
+    Time, Window, With,
+};
+use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
+use bevy::window::PrimaryWindow;
+use bevy::winit::{UpdateMode, WinitSettings};
+
+use super::title::set_title;
+use super::{Player, Reels, Sheet, ViewSystems};
+
+/// What stands is shown afresh so often even if nothing happens, in case the display has lost it.
+const IDLE: Duration = Duration::from_secs(1);
+
+/// Frames follow one another for so long at first, while the adapter gets ready.
+const WARM_UP: Duration = Duration::from_secs(2);
+
+/// The window's part of a frame; needs [`super::PlayerPlugin`] and bevy's plugins of a window.
+pub struct ScreenPlugin;
+
+impl Plugin for ScreenPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(Startup, hang_up).add_systems(
+            Update,
+            (fit_sheet.before(ViewSystems::Time), (show_sheet, set_title, set_pace).after(ViewSystems::Paint)),
+        );
+    }
+}
+
+/// Marks the sprite that carries the sheet.
+#[derive(Component)]
+struct Screen;
+
+fn hang_up(mut commands: Commands, mut images: ResMut<Assets<Image>>, sheet: Res<Sheet>) {
+    commands.spawn((Camera2d, Msaa::Off));
+    commands.spawn((Screen, Sprite::from_image(images.add(texture(sheet.size())))));
+}
+
+/// A texture that gets its pixels later.
+fn texture((width, height): (u32, u32)) -> Image {
+    let size = Extent3d { width, height, depth_or_array_layers: 1 };
+    let format = TextureFormat::Rgba8UnormSrgb;
+    Image::new_uninit(size, TextureDimension::D2, format, RenderAssetUsages::RENDER_WORLD)
+}
+
+/// The sheet has the pixels of the display, however many of them the window counts as one.
+fn fit_sheet(
+    windows: Query<&Window, (With<PrimaryWindow>, Changed<Window>)>,
+    mut sprite: Single<&mut Sprite, With<Screen>>,
+    mut sheet: ResMut<Sheet>,
+) {
+    let Ok(window) = windows.single() else { return };
+    sprite.custom_size = Some(Vec2::new(window.width(), window.height()));
+    let (size, scale) = (window.physical_size(), f64::from(window.scale_factor()));
+    sheet.fit((size.x, size.y), scale);
+}
+
+/// The texture keeps its place in the adapter's memory as long as the sheet keeps its size.
+fn show_sheet(sprite: Single<&Sprite, With<Screen>>, mut images: ResMut<Assets<Image>>, mut sheet: ResMut<Sheet>) {
+    let Some(pixels) = sheet.take_painted() else { return };
+    let Some(mut image) = images.get_mut(&sprite.image) else { return };
+    let (width, height) = sheet.size();
+    image.texture_descriptor.size = Extent3d { width, height, depth_or_array_layers: 1 };
+    image.data = Some(pixels);
+}
+
+/// What stands still costs no time.
+fn set_pace(mut settings: ResMut<WinitSettings>, player: Res<Player>, reels: Res<Reels>, time: Res<Time<Real>>) {
+    let rests = player.is_paused() && !reels.is_waiting() && time.elapsed() > WARM_UP;
+    let mode = if rests { UpdateMode::reactive_low_power(IDLE) } else { UpdateMode::Continuous };
+    // Windows that one looks at need not be those that one types in.
+    *settings = WinitSettings { focused_mode: mode, unfocused_mode: mode };
+}
