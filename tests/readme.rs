@@ -1,6 +1,7 @@
 //! What the README says is so.
 
 use wildfire::batch::{AGENT_COLUMNS, RUN_COLUMNS};
+use wildfire::picture::film::{BINDINGS, Layer};
 use wildfire::scenario::BUILT_IN;
 
 const README: &str = include_str!("../README.md");
@@ -23,4 +24,12 @@ fn every_built_in_scenario_is_named() {
 fn citation_names_this_version() {
     let citation = include_str!("../CITATION.cff");
     assert!(citation.contains(concat!("\nversion: ", env!("CARGO_PKG_VERSION"), "\n")));
+}
+
+#[test]
+fn every_key_and_layer_is_explained() {
+    let keys = BINDINGS.iter().map(|binding| format!("| `{}` | {} |", binding.keys, binding.does));
+    let layers = Layer::ALL.into_iter().map(|layer| format!("| `{}` | `{}` |", layer.name(), layer.key()));
+    let missing: Vec<_> = keys.chain(layers).filter(|row| !README.contains(row)).collect();
+    assert!(missing.is_empty(), "the README does not have the rows {missing:?}");
 }

@@ -14,6 +14,8 @@ use crate::cli::compare::CompareArguments;
 use crate::cli::curve::CurveArguments;
 use crate::cli::map::MapCommand;
 use crate::cli::plan::PlanArguments;
+use crate::cli::play_command::PlayArguments;
+use crate::cli::render::RenderArguments;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -21,13 +23,15 @@ Examples:
   wildfire batch contest --seeds 1..1000      a thousand runs
   wildfire run contest --seed 7               one run: who won, what took time
   wildfire run --set unimog.prm_rs.samples=1000  another roadmap
+  wildfire play contest --seed 7              watch it
+  wildfire render --seed 7 --gif film.gif     draw it
   wildfire scenarios --show contest > my.toml && wildfire check my.toml
   wildfire map brushfire map.png --png fire.png   distances to obstacles
   wildfire plan field.json --planner prm-rs,hybrid-astar   compare planners
 
 Exit codes: 0 done, 1 some run failed, 2 bad input, 3 disk or other environment,
 4 an audit or a check found an offence, 75 stopped and resumable, 130 stopped with
-a second Ctrl-C.";
+Ctrl-C: a film, or anything with a second one.";
 
 /// A wildfire contest between planners: a Wumpus lights bushes, a fire truck puts them out.
 #[derive(Debug, Parser)]
@@ -44,6 +48,10 @@ pub struct Arguments {
 pub enum Command {
     /// Run a scenario once and print who won.
     Run(RunArguments),
+    /// Watch a run in a window, or two runs side by side.
+    Play(PlayArguments),
+    /// Draw a run without a screen: a still, a GIF, an MP4.
+    Render(RenderArguments),
     /// Run scenarios with many seeds and print the tables of the contest.
     Batch(BatchArguments),
     /// Say how far a batch is.
@@ -242,12 +250,8 @@ pub struct AuditArguments {
 
 #[derive(Debug, Args)]
 pub struct CheckArguments {
-    /// A scenario file, or the name of a built-in scenario.
-    #[arg(value_name = "SCENARIO")]
-    pub source: String,
-    /// Change a value of the scenario before it is checked; may be repeated.
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub overrides: Vec<String>,
+    #[command(flatten)]
+    pub scenario: ScenarioArguments,
 }
 
 #[derive(Debug, Args)]

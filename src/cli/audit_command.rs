@@ -18,7 +18,7 @@ pub fn run(arguments: &AuditArguments, quiet: bool) -> Result<ExitCode, Failure>
     let sources = arguments.paths.iter().map(|path| source(path, quiet)).collect::<Result<Vec<_>, _>>()?;
     let jobs = arguments.jobs.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
     let step = Step { metres: arguments.step, ..Step::default() };
-    let bar = terminal::progress_bar(sources.iter().map(AuditSource::count).sum(), quiet);
+    let bar = terminal::progress_bar(sources.iter().map(AuditSource::count).sum(), "runs", quiet);
     let report = audit_all(&sources, jobs, step, || bar.inc(1));
     bar.finish_and_clear();
     conclude(&report?)

@@ -127,7 +127,7 @@ pub fn exit_code(not_done: u64) -> ExitCode {
 
 fn run_with_progress(batch: &mut Batch, jobs: usize, stop: &Arc<AtomicBool>, quiet: bool) -> Result<(), BatchError> {
     let (held, mut not_done) = batch.progress().held();
-    let bar = terminal::progress_bar(batch.progress().count(), quiet).with_position(held);
+    let bar = terminal::progress_bar(batch.progress().count(), "runs", quiet).with_position(held);
     let done = batch.run(jobs, stop, |status| {
         if status != Status::Done {
             not_done += 1;

@@ -61,9 +61,20 @@ impl Failure {
         Self::new(sentence, None, exit::RUN_FAILED)
     }
 
+    /// Ctrl-C stopped what cannot be resumed.
+    pub fn stopped() -> Self {
+        Self::new("stopped: no film was written", None, exit::INTERRUPTED)
+    }
+
     fn new(sentence: impl fmt::Display, help: Option<&str>, code: u8) -> Self {
         let complaint = Complaint { sentence: sentence.to_string(), help: help.map(str::to_owned) };
         Self { report: complaint.into(), code }
+    }
+
+    /// What went wrong, in one sentence.
+    #[cfg(feature = "view")]
+    pub fn sentence(&self) -> String {
+        self.report.to_string()
     }
 
     /// Prints the error to stderr and returns the exit code.

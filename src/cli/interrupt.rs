@@ -1,4 +1,4 @@
-//! Ctrl-C: the first stops what can be resumed, the second ends the program at once.
+//! Ctrl-C: the first lets the program tidy up, the second ends it at once.
 
 use std::process;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ pub fn watch() -> Result<Arc<AtomicBool>, Failure> {
     let seen = Arc::clone(&stop);
     let watched = ctrlc::set_handler(move || {
         if seen.swap(true, Ordering::Relaxed) {
-            process::exit(exit::INTERRUPTED_TWICE);
+            process::exit(exit::INTERRUPTED.into());
         }
         terminal::note("stopping; Ctrl-C once more to stop at once");
     });

@@ -14,11 +14,14 @@ mod merge_command;
 mod new_command;
 mod output_files;
 mod plan;
+mod play_command;
+mod render;
 mod report_command;
 mod run_command;
 mod run_report;
 mod scenario_commands;
 mod schema_command;
+mod show;
 mod status_command;
 mod terminal;
 
@@ -36,7 +39,7 @@ mod exit {
     pub const ENVIRONMENT: u8 = 3;
     pub const OFFENCE: u8 = 4;
     pub const RESUMABLE: u8 = 75;
-    pub const INTERRUPTED_TWICE: i32 = 130;
+    pub const INTERRUPTED: u8 = 130;
 }
 
 /// Reads the arguments of the process and does what they say.
@@ -48,6 +51,8 @@ pub fn main() -> ExitCode {
 fn dispatch(arguments: &Arguments) -> Result<ExitCode, Failure> {
     match &arguments.command {
         Command::Run(run) => run_command::run(run, arguments.quiet),
+        Command::Play(play) => play_command::run(play, arguments.quiet),
+        Command::Render(render) => render::run(render, arguments.quiet),
         Command::Batch(batch) => batch_command::run(batch, arguments.quiet),
         Command::Report(folder) => report_command::run(folder),
         Command::Compare(compare) => compare::run(compare),

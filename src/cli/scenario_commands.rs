@@ -13,7 +13,7 @@ pub fn load(source: &str, overrides: &[String]) -> Result<Scenario, Failure> {
 }
 
 pub fn check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
-    let loaded = LoadedScenario::open(&arguments.source, &arguments.overrides)?;
+    let loaded = LoadedScenario::open(&arguments.scenario.source, &arguments.scenario.overrides)?;
     terminal::print(scenario::explain(&loaded).as_bytes())?;
     Ok(ExitCode::SUCCESS)
 }

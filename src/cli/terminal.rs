@@ -24,12 +24,12 @@ pub fn note(text: &str) {
     let _ = writeln!(io::stderr(), "{text}");
 }
 
-/// A bar on stderr that counts runs; it shows on a terminal only.
-pub fn progress_bar(runs: u64, quiet: bool) -> ProgressBar {
+/// A bar on stderr that counts runs, or other things of this name; it shows on a terminal only.
+pub fn progress_bar(count: u64, things: &str, quiet: bool) -> ProgressBar {
     let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-    let bar = ProgressBar::with_draw_target(Some(runs), target);
-    let style = ProgressStyle::with_template("{bar:30} {human_pos}/{human_len} runs, {elapsed} gone, {eta} left {msg}");
-    bar.set_style(style.expect("the template is well formed"));
+    let bar = ProgressBar::with_draw_target(Some(count), target);
+    let template = format!("{{bar:30}} {{human_pos}}/{{human_len}} {things}, {{elapsed}} gone, {{eta}} left {{msg}}");
+    bar.set_style(ProgressStyle::with_template(&template).expect("the template is well formed"));
     bar.enable_steady_tick(Duration::from_millis(200));
     bar
 }

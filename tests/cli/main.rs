@@ -17,5 +17,7 @@ mod plan;
 mod plan_ompl;
 mod plan_readme;
 mod readme;
+mod render;
 mod report;
 mod story;
+mod watch_readme;

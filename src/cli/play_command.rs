@@ -1,0 +1,74 @@
+//! `wildfire play`.
+
+use std::process::ExitCode;
+
+use clap::Args;
+
+use crate::cli::failure::Failure;
+use crate::cli::show::{ShowArguments, parse_seconds, parse_speed};
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  wildfire play
+  wildfire play contest --seed 7 --speed 50
+  wildfire play run.wildfire --at 600 --paused
+  wildfire play --seed 7 --with-seed 8
+  wildfire play --with-set unimog.planner=hybrid-astar
+
+It shows recordings as they are and simulates scenarios first. In the window, ? shows
+all keys.")]
+pub struct PlayArguments {
+    #[command(flatten)]
+    show: ShowArguments,
+    /// Simulated seconds for a second, from 0.1 to 1000.
+    #[arg(long, value_name = "X", default_value_t = 10.0, allow_hyphen_values = true, value_parser = parse_speed)]
+    speed: f64,
+    /// Begin at this simulated time.
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, allow_hyphen_values = true, value_parser = parse_seconds)]
+    at: f64,
+    /// Begin with the clock stopped.
+    #[arg(long)]
+    paused: bool,
+}
+
+#[cfg(feature = "view")]
+pub fn run(arguments: &PlayArguments, quiet: bool) -> Result<ExitCode, Failure> {
+    use crate::cli::show::{Searches, look, shown, time_within};
+    use crate::picture::film::Film;
+    use crate::view::{FilmSource, Programme, play};
+
+    let shown = shown(&arguments.show, Searches::Recorded, quiet)?;
+    let films = shown.into_iter().map(|shown| {
+        let film = shown.run.film();
+        let source: Option<Box<dyn FilmSource>> = match shown.source {
+            source if source.has_one_run() => None,
+            source => Some(Box::new(source)),
+        };
+        (film, source)
+    });
+    let films: Vec<_> = films.collect();
+    let seen: Vec<&Film> = films.iter().map(|(film, _)| film).collect();
+    let programme = Programme {
+        look: look(&arguments.show, &seen)?,
+        start: time_within("--at", arguments.at, &seen)?,
+        speed: arguments.speed,
+        is_paused: arguments.paused,
+        size: arguments.show.size.into(),
+        films,
+    };
+    play(programme).map_err(Failure::environment)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Says how to build the program with its window.
+#[cfg(not(feature = "view"))]
+pub fn run(_: &PlayArguments, _: bool) -> Result<ExitCode, Failure> {
+    use crate::batch::shell_word;
+    use crate::cli::{exit, terminal};
+
+    let given = std::env::args_os().skip(1).map(|word| shell_word(&word.to_string_lossy())).collect::<Vec<_>>();
+    let given = given.join(" ");
+    terminal::note(&format!("built without its window; with it: cargo run --release --features view -- {given}"));
+    Ok(ExitCode::from(exit::ENVIRONMENT))
+}

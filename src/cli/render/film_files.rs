@@ -1,0 +1,78 @@
+//! Painting a film frame by frame into its files.
+
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use indicatif::ProgressBar;
+
+use super::moments::Moments;
+use super::mp4_file::Mp4File;
+use super::{RenderArguments, Scene};
+use crate::cli::failure::Failure;
+use crate::cli::{interrupt, terminal};
+use crate::picture::film::Painter;
+use crate::picture::{ColourCounts, GifFilm, Palette};
+
+/// Frames whose colours make the palette of a GIF.
+const SAMPLED_FRAMES: u64 = 32;
+
+/// Writes the films that were asked for; they appear whole, both or none.
+pub fn write_films(scene: &Scene, moments: Moments, arguments: &RenderArguments, quiet: bool) -> Result<(), Failure> {
+    let stop = interrupt::watch()?;
+    let mut mp4 = arguments.mp4.as_deref().map(|path| Mp4File::create(path, scene.size, moments.fps)).transpose()?;
+    let sampled = if arguments.gif.is_some() { moments.sample(SAMPLED_FRAMES).count() as u64 } else { 0 };
+    let bar = terminal::progress_bar(sampled + moments.count(), "frames", quiet);
+    let mut reel = Reel { scene, moments, painter: Painter::new(scene.size, scene.films.len()), bar, stop: &stop };
+    let mut gif = arguments.gif.as_deref().map(|path| reel.begin_gif(path)).transpose()?;
+    for frame in 0..moments.count() {
+        let pixels = reel.paint(frame)?;
+        if let Some((path, gif)) = &mut gif {
+            gif.add(pixels, moments.hundredths(frame)).map_err(|error| Failure::unwritable(path, &error))?;
+        }
+        if let Some(mp4) = &mut mp4 {
+            // A Ctrl-C reaches ffmpeg too, which then takes no more.
+            mp4.add(pixels).map_err(|failure| if is_set(&stop) { Failure::stopped() } else { failure })?;
+        }
+    }
+    mp4.map_or(Ok(()), Mp4File::finish)?;
+    gif.map_or(Ok(()), |(path, gif)| gif.finish().map_err(|error| Failure::unwritable(path, &error)))?;
+    reel.bar.finish_and_clear();
+    Ok(())
+}
+
+/// The frames of a film, painted one after the other.
+struct Reel<'a> {
+    scene: &'a Scene<'a>,
+    moments: Moments,
+    painter: Painter,
+    bar: ProgressBar,
+    stop: &'a AtomicBool,
+}
+
+impl Reel<'_> {
+    fn paint(&mut self, frame: u64) -> Result<&[u8], Failure> {
+        if is_set(self.stop) {
+            return Err(Failure::stopped());
+        }
+        self.bar.inc(1);
+        Ok(self.painter.paint(&self.scene.shot(self.moments.time(frame))))
+    }
+
+    fn begin_gif<'p>(&mut self, path: &'p Path) -> Result<(&'p Path, GifFilm), Failure> {
+        let palette = self.palette()?;
+        let gif = GifFilm::create(path, self.scene.size, palette).map_err(|error| Failure::unwritable(path, &error))?;
+        Ok((path, gif))
+    }
+
+    fn palette(&mut self) -> Result<Palette, Failure> {
+        let mut counts = ColourCounts::default();
+        for frame in self.moments.sample(SAMPLED_FRAMES) {
+            counts.add(self.paint(frame)?);
+        }
+        Ok(counts.palette())
+    }
+}
+
+fn is_set(stop: &AtomicBool) -> bool {
+    stop.load(Ordering::Relaxed)
+}

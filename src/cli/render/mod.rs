@@ -1,0 +1,112 @@
+//! `wildfire render`: stills and films of runs, without a screen.
+
+mod args;
+mod film_files;
+mod moments;
+mod mp4_file;
+
+pub use args::RenderArguments;
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use crate::cli::failure::Failure;
+use crate::cli::show::{Searches, ShownRun, look, shown, time_within};
+use crate::cli::{output_files, terminal};
+use crate::picture::film::{Film, Layer, Look, Shot, still};
+use crate::time::SimTime;
+use film_files::write_films;
+use moments::{MOST_FRAMES, Moments};
+
+pub fn run(arguments: &RenderArguments, quiet: bool) -> Result<ExitCode, Failure> {
+    check(arguments)?;
+    let films: Vec<Film> = films(arguments, quiet)?;
+    let films: Vec<&Film> = films.iter().collect();
+    let scene = Scene { films: &films, look: look(&arguments.show, &films)?, size: arguments.show.size.into() };
+    let (still_time, moments) = (still_time(arguments, &films)?, moments(arguments, &films)?);
+    if let Some(path) = &arguments.out {
+        scene.write_still(still_time, path)?;
+        note_written(path, quiet);
+    }
+    if arguments.gif.is_some() || arguments.mp4.is_some() {
+        write_films(&scene, moments, arguments, quiet)?;
+        [&arguments.gif, &arguments.mp4].into_iter().flatten().for_each(|path| note_written(path, quiet));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// What is drawn at every moment.
+struct Scene<'a> {
+    films: &'a [&'a Film],
+    look: Look,
+    size: (u32, u32),
+}
+
+impl Scene<'_> {
+    fn shot(&self, time: SimTime) -> Shot<'_> {
+        Shot { films: self.films, time, look: &self.look }
+    }
+
+    fn write_still(&self, time: SimTime, path: &Path) -> Result<(), Failure> {
+        let picture = still(&self.shot(time), self.size);
+        picture.write_png(path).map_err(|error| Failure::unwritable(path, &error))
+    }
+}
+
+/// Checks what can be checked before anything is simulated.
+fn check(arguments: &RenderArguments) -> Result<(), Failure> {
+    let show = &arguments.show;
+    let inputs = [Some(&show.source), show.with.as_ref()].into_iter().flatten().map(Path::new);
+    let outputs = [&arguments.out, &arguments.gif, &arguments.mp4];
+    output_files::check_beside(inputs, outputs.into_iter().flatten().map(AsRef::as_ref))?;
+    if let Some(path) = arguments.out.as_deref().filter(|path| is_named_a_film(path)) {
+        let sentence = format!("{} would be a still; expected the name of a PNG file", path.display());
+        return Err(Failure::bad_input(sentence, Some("films are written with --gif and --mp4")));
+    }
+    let (width, height) = (show.size.width, show.size.height);
+    if arguments.mp4.is_some() && (width % 2 == 1 || height % 2 == 1) {
+        let sentence = format!("--size is {width}x{height}; expected even numbers of pixels with --mp4");
+        return Err(Failure::bad_input(sentence, None));
+    }
+    Ok(())
+}
+
+fn is_named_a_film(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "gif" || extension == "mp4")
+}
+
+fn films(arguments: &RenderArguments, quiet: bool) -> Result<Vec<Film>, Failure> {
+    let needs_searches = |&layer: &Layer| layer.needs_searches() && arguments.show.layers().contains(layer);
+    let searches = if Layer::ALL.iter().any(needs_searches) { Searches::Recorded } else { Searches::LeftOut };
+    let shown = shown(&arguments.show, searches, quiet)?;
+    let run = |run: ShownRun| if arguments.cpu { run } else { ShownRun { spending: None, ..run } };
+    Ok(shown.into_iter().map(|shown| run(shown.run).film()).collect())
+}
+
+fn still_time(arguments: &RenderArguments, films: &[&Film]) -> Result<SimTime, Failure> {
+    arguments.at.map_or_else(|| Ok(Film::last_end(films)), |at| time_within("--at", at, films))
+}
+
+fn moments(arguments: &RenderArguments, films: &[&Film]) -> Result<Moments, Failure> {
+    let from = time_within("--from", arguments.from, films)?;
+    let to = arguments.to.map_or_else(|| Ok(Film::last_end(films)), |to| time_within("--to", to, films))?;
+    if from > to {
+        let sentence = format!("--from is {}; expected at most --to, {}", from.as_seconds(), to.as_seconds());
+        return Err(Failure::bad_input(sentence, None));
+    }
+    let moments = Moments { from, to, speed: arguments.speed, fps: arguments.fps };
+    if moments.count() > MOST_FRAMES {
+        let sentence = format!("the film would have {} frames; expected at most {MOST_FRAMES}", moments.count());
+        return Err(Failure::bad_input(
+            sentence,
+            Some("raise --speed, lower --fps, or shorten it with --from and --to"),
+        ));
+    }
+    Ok(moments)
+}
+
+fn note_written(path: &Path, quiet: bool) {
+    if !quiet {
+        terminal::note(&format!("wrote {}", path.display()));
+    }
+}

@@ -1,0 +1,197 @@
+//! Arguments that say which runs are shown, and how.
+
+use std::ops::RangeInclusive;
+use std::str::FromStr;
+
+use clap::Args;
+use glam::DVec2;
+
+use crate::cli::args::parse_seed;
+use crate::geometry::Cell;
+use crate::picture::film::{Camera, Layer, Layers, Layout, Selected};
+use crate::timeline::AgentId;
+
+/// Which runs are shown, and how.
+#[derive(Debug, Args)]
+pub struct ShowArguments {
+    /// A scenario file, the name of a built-in scenario, a recording, or the folder of a batch.
+    #[arg(value_name = "SCENARIO|RECORDING|DIR", default_value = "contest")]
+    pub source: String,
+    /// Change a value of the scenario, such as `unimog.planner=hybrid-astar`; may be repeated.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub overrides: Vec<String>,
+    /// The seed of the run [default: 1, or the first of the batch].
+    #[arg(long, allow_hyphen_values = true, value_parser = parse_seed)]
+    pub seed: Option<u64>,
+    /// Show a second run beside it [default: the same source, if its seed or a value is another].
+    #[arg(long, value_name = "SCENARIO|RECORDING|DIR")]
+    pub with: Option<String>,
+    /// The seed of the second run [default: that of the first].
+    #[arg(long, value_name = "SEED", allow_hyphen_values = true, value_parser = parse_seed)]
+    pub with_seed: Option<u64>,
+    /// Change a value of the second run's scenario; may be repeated.
+    #[arg(long = "with-set", value_name = "KEY=VALUE")]
+    pub with_overrides: Vec<String>,
+    /// Layers to show besides the usual ones; `-NAME` takes one away, `none` all.
+    #[arg(long, value_name = "NAME[,NAME...]", value_delimiter = ',', allow_hyphen_values = true)]
+    layers: Vec<LayerChange>,
+    /// Width and height of the picture in pixels.
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1000x1000")]
+    pub size: Size,
+    /// Keep an agent in the middle, such as `unimog/0`.
+    #[arg(long, value_name = "AGENT", value_parser = parse_agent, conflicts_with = "centre")]
+    pub follow: Option<AgentId>,
+    /// How many times larger than where the whole field fits.
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, allow_hyphen_values = true, value_parser = parse_zoom)]
+    pub zoom: f64,
+    /// The point of the field in the middle, in metres.
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = parse_point)]
+    pub centre: Option<DVec2>,
+    /// Tell the story of an agent, or of the bush in a cell.
+    #[arg(long, value_name = "AGENT|COL,ROW", value_parser = parse_selected)]
+    pub select: Option<Selected>,
+}
+
+impl ShowArguments {
+    pub fn layers(&self) -> Layers {
+        self.layers.iter().fold(Layers::default(), |layers, &change| match change {
+            LayerChange::None => Layers::NONE,
+            LayerChange::With(layer) => layers.with(layer),
+            LayerChange::Without(layer) => layers.without(layer),
+        })
+    }
+}
+
+/// Width and height in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size {
+    pub width: u32,
+    pub height: u32,
+}
+
+impl From<Size> for (u32, u32) {
+    fn from(size: Size) -> Self {
+        (size.width, size.height)
+    }
+}
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let sides = text.split_once(['x', 'X']).and_then(|(width, height)| {
+            let (width, height) = (width.trim().parse().ok()?, height.trim().parse().ok()?);
+            let most = Layout::MOST_SIDE;
+            let fits = (Layout::LEAST_WIDTH..=most).contains(&width) && (Layout::LEAST_HEIGHT..=most).contains(&height);
+            fits.then_some(Self { width, height })
+        });
+        sides.ok_or_else(|| {
+            let (width, height, most) = (Layout::LEAST_WIDTH, Layout::LEAST_HEIGHT, Layout::MOST_SIDE);
+            format!("expected width and height in pixels from {width}x{height} to {most}x{most}")
+        })
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum LayerChange {
+    None,
+    With(Layer),
+    Without(Layer),
+}
+
+impl FromStr for LayerChange {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let layer = |name: &str| Layer::ALL.into_iter().find(|layer| layer.name() == name);
+        let change = match text.strip_prefix('-') {
+            _ if text == "none" => Some(Self::None),
+            Some(name) => layer(name).map(Self::Without),
+            None => layer(text).map(Self::With),
+        };
+        change.ok_or_else(|| {
+            let names = Layer::ALL.map(Layer::name).join(", ");
+            format!("the layers are {names}; -NAME takes one away, none all")
+        })
+    }
+}
+
+fn parse_agent(text: &str) -> Result<AgentId, String> {
+    let (kind, number) = text.split_once('/').unwrap_or((text, "0"));
+    let agent = match (kind, number.parse()) {
+        ("wumpus", Ok(number)) => Some(AgentId::Wumpus(number)),
+        ("unimog" | "truck", Ok(number)) => Some(AgentId::Unimog(number)),
+        _ => None,
+    };
+    agent.ok_or_else(|| "expected an agent, such as unimog/0 or wumpus/0".into())
+}
+
+fn parse_selected(text: &str) -> Result<Selected, String> {
+    let cell = text.split_once(',').and_then(|(col, row)| {
+        let (col, row) = (col.trim().parse().ok()?, row.trim().parse().ok()?);
+        Some(Selected::Bush(Cell { col, row }))
+    });
+    let selected = cell.or_else(|| parse_agent(text).ok().map(Selected::Agent));
+    selected.ok_or_else(|| "expected an agent, such as unimog/0, or column and row of a bush, such as 7,31".into())
+}
+
+fn parse_point(text: &str) -> Result<DVec2, String> {
+    let metre = |word: &str| word.trim().parse().ok().filter(|metre: &f64| metre.is_finite());
+    let point = text.split_once(',').and_then(|(x, y)| Some(DVec2::new(metre(x)?, metre(y)?)));
+    point.ok_or_else(|| "expected metres east and north of the field's south-west corner, such as 120,80".into())
+}
+
+fn parse_zoom(text: &str) -> Result<f64, String> {
+    parse_within(text, Camera::LEAST_ZOOM..=Camera::MOST_ZOOM)
+}
+
+/// Simulated seconds since the beginning.
+pub fn parse_seconds(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|seconds: &f64| seconds.is_finite() && *seconds >= 0.0);
+    seconds.ok_or_else(|| "expected seconds, at least 0".into())
+}
+
+/// Simulated seconds for a second.
+pub fn parse_speed(text: &str) -> Result<f64, String> {
+    parse_within(text, 0.1..=1000.0)
+}
+
+pub fn parse_within(text: &str, range: RangeInclusive<f64>) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number| range.contains(number));
+    number.ok_or_else(|| format!("expected a number from {} to {}", range.start(), range.end()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_keep_to_the_limits_of_a_frame() {
+        assert_eq!("640x480".parse(), Ok(Size { width: 640, height: 480 }));
+        assert_eq!("8192X8192".parse(), Ok(Size { width: 8192, height: 8192 }));
+        for text in ["", "640", "640x", "x480", "-640x480", "0x0", "319x240", "320x239", "8193x8192", "99999999999x300"]
+        {
+            assert!(text.parse::<Size>().expect_err(text).contains("8192x8192"), "{text}");
+        }
+    }
+
+    #[test]
+    fn every_layer_can_be_named_and_taken_away() {
+        for layer in Layer::ALL {
+            assert_eq!(layer.name().parse(), Ok(LayerChange::With(layer)));
+            assert_eq!(format!("-{}", layer.name()).parse(), Ok(LayerChange::Without(layer)));
+        }
+        assert_eq!("none".parse(), Ok(LayerChange::None));
+        assert!("roads".parse::<LayerChange>().expect_err("no layer").contains("roadmap, prm-query"));
+    }
+
+    #[test]
+    fn agents_and_bushes_are_told_apart() {
+        assert_eq!(parse_selected("unimog/2"), Ok(Selected::Agent(AgentId::Unimog(2))));
+        assert_eq!(parse_selected("wumpus"), Ok(Selected::Agent(AgentId::Wumpus(0))));
+        assert_eq!(parse_selected("7, 31"), Ok(Selected::Bush(Cell { col: 7, row: 31 })));
+        for text in ["", "bush", "7", "7,-1", "unimog/x", "unimog/70000", "7,31,2"] {
+            assert!(parse_selected(text).is_err(), "{text}");
+        }
+    }
+}

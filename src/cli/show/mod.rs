@@ -1,0 +1,28 @@
+//! What `wildfire play` and `wildfire render` share: which runs are shown, and how.
+
+mod args;
+mod films;
+mod look;
+mod source;
+
+pub use args::{ShowArguments, parse_seconds, parse_speed, parse_within};
+pub use films::shown;
+pub use look::look;
+pub use source::{Searches, ShownRun};
+
+use crate::cli::failure::Failure;
+use crate::picture::film::Film;
+use crate::time::SimTime;
+
+/// A time of the option `name`, in seconds.
+///
+/// # Errors
+/// If it is beyond the end of the last run.
+pub fn time_within(name: &str, seconds: f64, films: &[&Film]) -> Result<SimTime, Failure> {
+    let (time, end) = (SimTime::from_seconds(seconds), Film::last_end(films));
+    if time > end {
+        let sentence = format!("{name} is {seconds}; the run ends at {} s", end.as_seconds());
+        return Err(Failure::bad_input(sentence, None));
+    }
+    Ok(time)
+}

@@ -1,0 +1,195 @@
+//! Where runs that are shown come from.
+
+use std::fs::{self, File};
+use std::io::Read;
+use std::iter;
+use std::panic;
+use std::path::{Path, PathBuf};
+
+use crate::batch::{FinishedBatch, PlannedRun};
+use crate::cli::failure::Failure;
+use crate::cli::scenario_commands;
+use crate::picture::film::Film;
+use crate::scenario::{BUILT_IN, Scenario};
+use crate::sim;
+use crate::timeline::{Spending, Timeline, file};
+#[cfg(feature = "view")]
+use crate::view::FilmSource;
+
+/// The seed of a scenario's first run.
+const FIRST_SEED: u64 = 1;
+
+/// Whether a run that is simulated also tells what its searches looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Searches {
+    Recorded,
+    LeftOut,
+}
+
+/// A run that is to be shown.
+pub struct ShownRun {
+    pub title: String,
+    pub timeline: Timeline,
+    /// `None` of a recording: what was measured is no part of it.
+    pub spending: Option<Vec<Spending>>,
+}
+
+impl ShownRun {
+    pub fn film(self) -> Film {
+        Film::new(self.timeline, self.spending).titled(self.title)
+    }
+}
+
+/// Where runs come from.
+pub enum Source {
+    /// One run.
+    Recording(PathBuf),
+    /// The runs of a batch's first variant, as they were recorded; what was not is simulated.
+    Batch { batch: Box<FinishedBatch>, seeds: Vec<u64>, title: String },
+    /// Any seed is simulated; the title names what was changed.
+    Scenario { scenario: Box<Scenario>, title: String },
+}
+
+impl Source {
+    /// What a name stands for: a built-in scenario, a batch's folder, a recording, or a scenario's file.
+    pub fn open(name: &str, overrides: &[String]) -> Result<Self, Failure> {
+        let path = Path::new(name);
+        let is_built_in = BUILT_IN.iter().any(|(known, _)| *known == name);
+        let source = if is_built_in {
+            None
+        } else if path.is_dir() {
+            Some(Self::of_batch(path)?)
+        } else if is_recording(path)? {
+            Some(Self::Recording(path.to_owned()))
+        } else {
+            None
+        };
+        match source {
+            Some(_) if !overrides.is_empty() => {
+                let sentence = format!("{name} is a run that took place; expected a scenario where values are changed");
+                Err(Failure::bad_input(sentence, None))
+            }
+            Some(source) => Ok(source),
+            None => {
+                let scenario = Box::new(scenario_commands::load(name, overrides)?);
+                let title = iter::once(&scenario.name).chain(overrides).map(String::as_str).collect::<Vec<_>>();
+                Ok(Self::Scenario { title: title.join(", "), scenario })
+            }
+        }
+    }
+
+    fn of_batch(folder: &Path) -> Result<Self, Failure> {
+        if !FinishedBatch::is_there(folder) {
+            let sentence = format!("{} holds no plan of a batch", folder.display());
+            return Err(Failure::bad_input(sentence, Some("name one of the recordings in it, if there are any")));
+        }
+        let batch = Box::new(FinishedBatch::open(folder)?);
+        let seeds = batch.plan().seeds.iter().collect();
+        let title = batch.plan().title(&batch.plan().variants[0]);
+        Ok(Self::Batch { batch, seeds, title })
+    }
+
+    /// Gives the runs that are still to come another title; a recording has none of these.
+    pub fn rename(&mut self, name: &str) {
+        match self {
+            Self::Recording(_) => {}
+            Self::Batch { title, .. } | Self::Scenario { title, .. } => name.clone_into(title),
+        }
+    }
+
+    pub fn has_one_run(&self) -> bool {
+        matches!(self, Self::Recording(_))
+    }
+
+    /// What is left out of a batch with more than one variant.
+    pub fn note(&self) -> Option<String> {
+        let Self::Batch { batch, title, .. } = self else { return None };
+        let (folder, variants) = (batch.folder().display(), batch.plan().variants.len());
+        (variants > 1).then(|| format!("{folder} has {variants} variants; shown is the first, {title}"))
+    }
+
+    /// The run of a seed, or the first one.
+    ///
+    /// # Errors
+    /// If the source has no run of this seed, or it cannot be read, or it could not take place.
+    pub fn run(&self, seed: Option<u64>, searches: Searches) -> Result<ShownRun, Failure> {
+        match (self, seed) {
+            (Self::Recording(path), None) => recorded(path),
+            (Self::Recording(path), Some(_)) => {
+                let sentence = format!("{} is one run, which has its seed; expected no seed", path.display());
+                Err(Failure::bad_input(sentence, None))
+            }
+            (Self::Batch { batch, seeds, title }, seed) => {
+                let run = run_of(batch, seeds, seed)?;
+                let recording = batch.recording(&run);
+                let simulated = || simulated(&run.variant.scenario, run.seed, searches);
+                let run = recording.map_or_else(simulated, |path| recorded(&path))?;
+                Ok(ShownRun { title: title.clone(), ..run })
+            }
+            (Self::Scenario { scenario, title }, seed) => {
+                let run = simulated(scenario, seed.unwrap_or(FIRST_SEED), searches)?;
+                Ok(ShownRun { title: title.clone(), ..run })
+            }
+        }
+    }
+}
+
+/// Whether a path is that of a recording, by its name or its first bytes.
+///
+/// # Errors
+/// If it is by its name and is not there.
+fn is_recording(path: &Path) -> Result<bool, Failure> {
+    if path.extension().is_some_and(|extension| extension == "wildfire") {
+        let missing = || Failure::bad_input(format_args!("there is no {}", path.display()), None);
+        return if path.exists() { Ok(true) } else { Err(missing()) };
+    }
+    // A pipe's bytes are gone once they are read.
+    let is_file = fs::metadata(path).is_ok_and(|found| found.is_file());
+    let mut start = Vec::new();
+    let mut read = || File::open(path)?.take(file::MAGIC.len() as u64).read_to_end(&mut start);
+    Ok(is_file && read().is_ok() && start == file::MAGIC)
+}
+
+/// The first run, or that of a seed.
+fn run_of<'a>(batch: &'a FinishedBatch, seeds: &[u64], seed: Option<u64>) -> Result<PlannedRun<'a>, Failure> {
+    let found = seed.map_or(Some(0), |seed| seeds.iter().position(|&known| known == seed));
+    let index = found.ok_or_else(|| {
+        let (folder, all) = (batch.folder().display(), &batch.plan().seeds);
+        let sentence = format!("{folder} has no seed {}; its seeds are {all}", seed.unwrap_or_default());
+        Failure::bad_input(sentence, None)
+    })?;
+    Ok(batch.plan().run(index as u64 + 1))
+}
+
+fn recorded(path: &Path) -> Result<ShownRun, Failure> {
+    let timeline = file::read(path);
+    let timeline = timeline.map_err(|error| Failure::bad_input(format_args!("{}: {error}", path.display()), None))?;
+    Ok(ShownRun { title: timeline.setting.scenario.clone(), timeline, spending: None })
+}
+
+fn simulated(scenario: &Scenario, seed: u64, searches: Searches) -> Result<ShownRun, Failure> {
+    let run = match searches {
+        Searches::Recorded => sim::run_recording_searches,
+        Searches::LeftOut => sim::run,
+    };
+    // The panic has been printed by then, with a backtrace if one was asked for.
+    let caught = panic::catch_unwind(|| run(scenario, seed));
+    let run = caught.map_err(|_| Failure::of_run("the run panicked: this is a fault of the program"))?;
+    let run = run.map_err(Failure::of_run)?;
+    Ok(ShownRun { title: scenario.name.clone(), timeline: run.timeline, spending: Some(run.spending) })
+}
+
+#[cfg(feature = "view")]
+impl FilmSource for Source {
+    fn film(&self, seed: u64) -> Result<Film, String> {
+        let run = self.run(Some(seed), Searches::Recorded);
+        run.map(ShownRun::film).map_err(|failure| failure.sentence())
+    }
+
+    fn seeds(&self) -> Option<&[u64]> {
+        match self {
+            Self::Batch { seeds, .. } => Some(seeds),
+            Self::Recording(_) | Self::Scenario { .. } => None,
+        }
+    }
+}
