@@ -90,8 +90,8 @@ impl PrmPrimitives {
         time.roadmap = watch.lap();
         let path = route.and_then(|route| {
             let end = match (self.goal, goal, route.waypoints.last()) {
-                (RoadmapGoal::NearestMilestone, Goal::Disc(_), Some(&last)) => {
-                    GoalDisc { centre: last, radius_m: self.waypoint_tolerance_m }.into()
+                (RoadmapGoal::NearestMilestone, Goal::Disc(disc), Some(&last)) => {
+                    disc_about(last, self.waypoint_tolerance_m, disc).into()
                 }
                 _ => goal,
             };
@@ -109,9 +109,14 @@ impl PrmPrimitives {
 
     /// Where the roadmap's route shall lead.
     fn near(&self, goal: Goal) -> GoalDisc {
+        let radius_m = match self.goal {
+            RoadmapGoal::InReach => NEAR_POSE_M,
+            // The drive goes on from that milestone to the pose, however far it is.
+            RoadmapGoal::NearestMilestone => f64::INFINITY,
+        };
         match goal {
             Goal::Disc(disc) => disc,
-            Goal::Pose(end) => GoalDisc { centre: self.checker.body().body_centre(end), radius_m: NEAR_POSE_M },
+            Goal::Pose(end) => GoalDisc { centre: self.checker.body().body_centre(end), radius_m },
         }
     }
 
@@ -132,6 +137,20 @@ impl PrmPrimitives {
             _ => failure,
         }
     }
+}
+
+/// The largest disc of places within `tolerance_m` of a milestone and in the goal, which holds the milestone.
+///
+/// Two discs have the largest disc in common whose diameter is what they share of the line through their centres.
+fn disc_about(milestone: DVec2, tolerance_m: f64, goal: GoalDisc) -> GoalDisc {
+    let metres = milestone.distance(goal.centre);
+    if metres + tolerance_m <= goal.radius_m {
+        return GoalDisc { centre: milestone, radius_m: tolerance_m };
+    }
+    // Along the ray from the goal's centre through the milestone.
+    let (first, last) = ((metres - tolerance_m).max(-goal.radius_m), goal.radius_m);
+    let outwards = (milestone - goal.centre).normalize_or_zero();
+    GoalDisc { centre: goal.centre + outwards * (0.5 * (first + last)), radius_m: 0.5 * (last - first) }
 }
 
 impl TruckPlanner for PrmPrimitives {
@@ -162,6 +181,8 @@ impl TruckPlanner for PrmPrimitives {
 
 #[cfg(test)]
 mod tests {
+    use rand::RngExt;
+
     use super::*;
     use crate::planning::test_fields::{
         TestField, assert_drivable, assert_ends_in, drives_in_a_row, least_clearance, random_free_pose, shut_court,
@@ -328,8 +349,8 @@ mod tests {
         assert!(spent > 0);
     }
 
-    #[test]
-    fn the_original_programs_way_drives_to_the_nearest_milestone() {
+    /// The settings of the original program.
+    fn original() -> (PrmSettings, PrimitiveSettings) {
         let prm = PrmSettings {
             clearance_m: 7.5,
             clearance_to: ClearanceTo::CellCentres,
@@ -352,19 +373,24 @@ mod tests {
             search_alone: false,
             ..PrimitiveSettings::default()
         };
+        (prm, primitives)
+    }
+
+    fn planner_of((prm, primitives): &(PrmSettings, PrimitiveSettings), field: &TestField, seed: u64) -> PrmPrimitives {
+        let mut rng = rng::stream(seed, "prm");
+        PrmPrimitives::build(&field.checker, prm, primitives, &SafetySettings::default(), &mut rng)
+    }
+
+    #[test]
+    fn the_original_programs_way_drives_to_the_nearest_milestone() {
         let mut solved = 0;
         for seed in 0..10 {
             let mut field = TestField::random(seed, 15);
-            let mut planner = PrmPrimitives::build(
-                &field.checker,
-                &prm,
-                &primitives,
-                &SafetySettings::default(),
-                &mut rng::stream(seed, "prm"),
-            );
+            let mut planner = planner_of(&original(), &field, seed);
             let mut pose = field.start;
             for _ in 0..10 {
-                let goal = field.random_goal();
+                // Its rules know no reach.
+                let goal = GoalDisc { radius_m: f64::INFINITY, ..field.random_goal() };
                 let Ok(path) = planner.plan(pose, goal.into()).path else { continue };
                 let distance = |m: &&DVec2| m.distance(goal.centre);
                 let milestones = planner.roadmap().milestones();
@@ -378,5 +404,103 @@ mod tests {
             }
         }
         assert!(solved >= 60, "only {solved}");
+    }
+
+    #[test]
+    fn drives_to_the_nearest_milestone_end_in_reach_whatever_the_tolerance() {
+        let (mut solved, mut refused) = (0, 0);
+        for (case, tolerance_m) in [0.01, 0.5, 4.0, 9.0, 30.0, 1000.0].into_iter().enumerate() {
+            for (search_alone, aimed) in [(false, false), (false, true), (true, true)] {
+                let mut settings = original();
+                settings.1 = PrimitiveSettings {
+                    waypoint_tolerance_m: tolerance_m,
+                    search_alone,
+                    aimed,
+                    step_m: 4.0,
+                    ..settings.1
+                };
+                let mut field = TestField::random(case as u64, 25);
+                let mut planner = planner_of(&settings, &field, case as u64);
+                let mut pose = field.start;
+                for radius_m in [6.0, 8.0, 10.0, 15.0, 60.0, 6.0, 8.0, 10.0, 15.0, 60.0] {
+                    let goal = GoalDisc { radius_m, ..field.random_goal() };
+                    let milestones = planner.roadmap().milestones();
+                    let nearest_m = milestones.iter().map(|m| m.distance(goal.centre)).fold(f64::INFINITY, f64::min);
+                    match planner.plan(pose, goal.into()).path {
+                        Ok(path) => {
+                            assert_drivable(&field.checker, &path, pose, goal);
+                            assert!(nearest_m <= radius_m);
+                            pose = path.end();
+                            solved += 1;
+                        }
+                        Err(reason) => {
+                            assert!(reason == PlanFailure::GoalBlocked || nearest_m <= radius_m, "{reason}");
+                            refused += u32::from(nearest_m > radius_m);
+                        }
+                    }
+                }
+            }
+        }
+        assert!(solved > 60 && refused > 20, "{solved} solved, {refused} refused");
+    }
+
+    #[test]
+    fn nearest_milestone_beyond_reach_is_no_goal() {
+        // The roadmap keeps 7.5 m from the bush's centre; the truck itself can come nearer.
+        let field = TestField::drawn(
+            &["..........", "..........", "..........", ".....#....", "..........", "..........", ".........."],
+            Pose::new(10.0, 10.0, 0.0),
+        );
+        let bush = field.bushes[0];
+        let (prm, primitives) = original();
+        for search_alone in [false, true] {
+            let settings = (prm.clone(), PrimitiveSettings { search_alone, ..primitives.clone() });
+            let mut planner = planner_of(&settings, &field, 1);
+            let goal = GoalDisc { centre: bush, radius_m: 7.0 };
+            assert!(has_free_pose(&field.checker, goal));
+            assert_eq!(planner.plan(field.start, goal.into()).path, Err(PlanFailure::GoalBlocked));
+            let goal = GoalDisc { radius_m: 9.0, ..goal };
+            let path = planner.plan(field.start, goal.into()).path.expect("milestones are in reach");
+            assert_drivable(&field.checker, &path, field.start, goal);
+        }
+    }
+
+    #[test]
+    fn goal_poses_may_be_far_from_every_milestone() {
+        let field = TestField::drawn(&["...................."; 8], Pose::new(10.0, 10.0, 0.0));
+        let (prm, primitives) = original();
+        let settings = (PrmSettings { samples: 3, ..prm }, PrimitiveSettings { search_alone: true, ..primitives });
+        let mut planner = planner_of(&settings, &field, 1);
+        for (x, y) in [(90.0, 30.0), (30.0, 35.0), (50.0, 8.0), (70.0, 20.0)] {
+            let goal = Goal::Pose(Pose::new(x, y, 1.0));
+            let path = planner.plan(field.start, goal).path.expect("an empty field");
+            assert_ends_in(&field.checker, &path, goal);
+        }
+    }
+
+    #[test]
+    fn the_disc_about_a_milestone_is_in_the_goal_and_holds_the_milestone() {
+        let mut rng = rng::stream(1, "disc_about");
+        let near = |place: DVec2, disc: GoalDisc| place.distance(disc.centre) <= disc.radius_m + 1e-9;
+        let mut cut = 0;
+        for _ in 0..10_000 {
+            let goal = GoalDisc { centre: DVec2::new(50.0, 50.0), radius_m: rng.random_range(0.0..30.0) };
+            let place = |rng: &mut rng::Xoshiro256PlusPlus, disc: GoalDisc, share: f64| {
+                let around = rng.random_range(0.0..std::f64::consts::TAU);
+                disc.centre + DVec2::from(crate::geometry::ops::sin_cos(around)) * (disc.radius_m * share)
+            };
+            let share = rng.random_range(0.0..1.0);
+            let milestone = place(&mut rng, goal, share);
+            let tolerance_m = 10.0_f64.powf(rng.random_range(-2.0..3.0));
+            let disc = disc_about(milestone, tolerance_m, goal);
+            assert!(near(milestone, disc) && disc.radius_m <= tolerance_m.min(goal.radius_m) + 1e-9);
+            assert!(disc.radius_m >= 0.5 * tolerance_m.min(goal.radius_m) - 1e-9, "{disc:?}");
+            for _ in 0..8 {
+                let rim = place(&mut rng, disc, 1.0);
+                assert!(near(rim, goal) && near(rim, GoalDisc { centre: milestone, radius_m: tolerance_m }));
+            }
+            cut += u32::from(disc.radius_m != tolerance_m);
+        }
+        assert!((2_000..9_000).contains(&cut), "{cut}");
     }
 }

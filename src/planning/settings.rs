@@ -65,7 +65,8 @@ pub enum RoadmapSearch {
 pub enum RoadmapGoal {
     /// Those from which the fire can be reached; the drive ends in the goal disc.
     InReach,
-    /// The one nearest to the fire, whatever its distance; the drive ends there.
+    /// The one nearest to the fire, of those from which it can be reached; the drive ends about that milestone, where
+    /// the fire is in reach.
     NearestMilestone,
 }
 

@@ -146,7 +146,7 @@ fn roadmap(truck: &Unimog) -> String {
     };
     let goal = match prm.goal {
         RoadmapGoal::InReach => "milestones from which the fire is in reach",
-        RoadmapGoal::NearestMilestone => "the milestone nearest to the fire",
+        RoadmapGoal::NearestMilestone => "the milestone nearest to the fire, of those from which it is in reach",
     };
     format!(
         "Roadmap of {} samples, {} neighbours each, edges up to {} m, {} m clear; {search} to {goal}; {}.",

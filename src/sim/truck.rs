@@ -122,10 +122,7 @@ impl Truck {
 
     fn plan_by_flood(&mut self, pose: Pose, goal: Cell, situation: &Situation) -> Option<Drive> {
         let mut clock = CpuStopwatch::start();
-        let mut disc = self.disc(situation.frame, goal);
-        if disc.radius_m.is_infinite() {
-            disc.radius_m = REACH_WITHOUT_RULE_M;
-        }
+        let disc = self.disc(situation.frame, goal);
         let mut effort = Effort::default();
         let path = self.path_by_flood(pose, disc, &mut effort);
         self.cost.reachability += clock.lap();
@@ -134,13 +131,16 @@ impl Truck {
 
     /// A path into a disc that the flood reaches, with the metres that lead back; `None` if the flood does not reach it.
     fn path_by_flood(&mut self, pose: Pose, disc: GoalDisc, effort: &mut Effort) -> Option<(Path, f64)> {
-        if !self.reachability.reaches(disc) {
+        let near = if disc.radius_m.is_finite() { disc } else { GoalDisc { radius_m: REACH_WITHOUT_RULE_M, ..disc } };
+        if !self.reachability.reaches(near) {
             return None;
         }
-        let (path, expansions) = self.reachability.search(pose, disc);
+        let (path, expansions) = self.reachability.search(pose, near);
         effort.local_expansions += expansions;
-        let path = path.map(|path| (path, 0.0)).or_else(|| self.by_backing_out(pose, disc, effort));
-        path.or_else(|| self.by_way_of_the_start(pose, disc))
+        let path = path.map(|path| (path, 0.0));
+        // The planner keeps to the scenario's rule, so that it may end farther away where there is none.
+        let path = path.or_else(|| self.by_backing_out(pose, disc, effort));
+        path.or_else(|| self.by_way_of_the_start(pose, near))
     }
 
     /// Back along the truck's own tracks to where one of the last legs began, and planned from there: where it cannot

@@ -45,14 +45,19 @@ impl Roadmap {
     /// in the goal, of which the nearest alone counts if it can be seen. Lines to start and goal are swept only when the
     /// search comes to them. Equal routes: the one that is found nearer to the goal, then lower indices.
     ///
+    /// With [`RoadmapGoal::NearestMilestone`] it ends at the milestone in the goal that is nearest to its centre.
+    ///
     /// # Errors
+    /// [`PlanFailure::GoalBlocked`] when the route shall end at a milestone and none lies in the goal;
     /// [`PlanFailure::Disconnected`] when nothing leads there.
     pub fn route(&self, start: DVec2, goal: GoalDisc, scratch: &mut RoadmapScratch) -> Result<Route, PlanFailure> {
         scratch.begin(self.milestones.len());
         let end_milestone = match self.settings.goal {
             RoadmapGoal::InReach => None,
             RoadmapGoal::NearestMilestone => {
-                Some(self.nearest_milestone(goal.centre).ok_or(PlanFailure::Disconnected)?)
+                // In a goal without bounds lies every milestone, unless the roadmap has none.
+                let none = if goal.radius_m.is_finite() { PlanFailure::GoalBlocked } else { PlanFailure::Disconnected };
+                Some(self.nearest_milestone(goal).ok_or(none)?)
             }
         };
         Query { roadmap: self, start, goal, end_milestone }.search(scratch).ok_or(PlanFailure::Disconnected)
@@ -66,10 +71,11 @@ impl Roadmap {
         std::iter::once((START, START)).chain(settled).map(move |(from, to)| [from, to].map(position))
     }
 
-    /// The milestone nearest to a place, the lowest index among equals.
-    fn nearest_milestone(&self, place: DVec2) -> Option<u32> {
-        let distance = |&index: &u32| self.milestones[index as usize].distance_squared(place);
-        (0..self.milestones.len() as u32).min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    /// The milestone in a disc that is nearest to its centre, the lowest index among equals.
+    fn nearest_milestone(&self, disc: GoalDisc) -> Option<u32> {
+        let distance = |&index: &u32| self.milestones[index as usize].distance_squared(disc.centre);
+        let nearest = (0..self.milestones.len() as u32).min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        (self.milestones[nearest as usize].distance(disc.centre) <= disc.radius_m).then_some(nearest)
     }
 }
 
@@ -350,17 +356,46 @@ mod tests {
     }
 
     #[test]
-    fn the_nearest_milestone_ends_the_route_when_that_is_the_goal() {
+    fn the_nearest_milestone_in_reach_ends_the_route_when_that_is_the_goal() {
         let mut field = TestField::random(2, 15);
         let start = field.checker.body().body_centre(field.start);
         let roadmap = roadmap(&field, RoadmapSearch::Greedy, RoadmapGoal::NearestMilestone);
-        for _ in 0..20 {
+        let (mut found, mut beyond_reach) = (0, 0);
+        for _ in 0..40 {
             let goal = field.random_goal();
             let nearest = roadmap.milestones.iter().map(|m| m.distance(goal.centre)).fold(f64::INFINITY, f64::min);
-            if let Ok(route) = roadmap.route(start, goal, &mut RoadmapScratch::default()) {
-                assert_eq!(route.waypoints.last().map(|last| last.distance(goal.centre)), Some(nearest));
+            for radius_m in [0.5 * nearest, nearest, 10.0, f64::INFINITY] {
+                let route = roadmap.route(start, GoalDisc { radius_m, ..goal }, &mut RoadmapScratch::default());
+                match route {
+                    Ok(route) => {
+                        assert_eq!(route.waypoints.last().map(|last| last.distance(goal.centre)), Some(nearest));
+                        assert!(nearest <= radius_m);
+                        found += 1;
+                    }
+                    Err(reason) => {
+                        assert_eq!(reason == PlanFailure::GoalBlocked, nearest > radius_m, "{nearest} {radius_m}");
+                        beyond_reach += u32::from(nearest > radius_m);
+                    }
+                }
             }
         }
+        assert!(found > 40 && beyond_reach >= 40, "{found} found, {beyond_reach} beyond reach");
+    }
+
+    #[test]
+    fn a_roadmap_without_milestones_has_none_in_reach_and_leads_nowhere() {
+        let field = TestField::random(2, 15);
+        let goal = RoadmapGoal::NearestMilestone;
+        let settings = PrmSettings { samples: 0, goal, ..PrmSettings::default() };
+        let roadmap = Roadmap::sampled(&field.checker, &settings, &mut rng::stream(7, "prm")).connected();
+        let reason = |radius_m| {
+            let goal = GoalDisc { centre: field.bushes[0], radius_m };
+            roadmap
+                .route(field.start.position(), goal, &mut RoadmapScratch::default())
+                .expect_err("nothing leads there")
+        };
+        assert_eq!(reason(10.0), PlanFailure::GoalBlocked);
+        assert_eq!(reason(f64::INFINITY), PlanFailure::Disconnected);
     }
 
     #[test]

@@ -1,0 +1,228 @@
+//! Nothing that a scenario may choose leads to a violation: scenarios are drawn over everything that can be chosen,
+//! run, and held before the audit.
+//!
+//! What can be chosen is read from the JSON Schema of scenarios, so that a new setting, or a new value of an old one, is
+//! drawn from the day it is there. `WILDFIRE_SETTINGS_CASES=1..3000` draws these cases (both ends) instead of a few.
+
+use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
+use std::panic;
+
+use rand::RngExt;
+use rand::seq::IndexedRandom;
+use serde_json::{Value, json};
+use wildfire::audit::{Audited, Step, audit_timeline};
+use wildfire::rng::{self, Xoshiro256PlusPlus};
+use wildfire::scenario::{self, Scenario};
+use wildfire::sim;
+
+/// Two of a kind in a small field, where much burns and everybody is in everybody's way.
+const BASE: &str = r##"{
+    "name": "settings",
+    "duration_s": 90.0,
+    "field": { "size_m": 75.0, "coverage": 0.15 },
+    "wumpus": [{ "start_m": [62.5, 62.5] }, { "start_m": [12.5, 62.5] }],
+    "unimog": [
+        { "start": { "x_m": 15.0, "y_m": 15.0 } },
+        { "start": { "x_m": 60.0, "y_m": 15.0, "heading_deg": 90.0 } }
+    ],
+    "ignition": [{ "at_s": 1.0, "random": 3 }]
+}"##;
+
+/// How often a setting has another value than the base scenario, where its values are listed and where it is a number.
+const CHOICE_SHARE: f64 = 0.75;
+const NUMBER_SHARE: f64 = 0.04;
+
+/// What a setting may be.
+#[derive(Clone, Debug)]
+enum Values {
+    /// One of these.
+    Listed(Vec<Value>),
+    /// One or several of these.
+    SomeOf(Vec<Value>),
+    Number,
+    WholeNumber,
+    NumberOrNone,
+    /// It is not drawn.
+    Fixed,
+}
+
+/// Every setting of a scenario, as a JSON pointer into it, and what it may be.
+fn settings(base: &Value) -> Vec<(String, Values)> {
+    let schema = serde_json::to_value(scenario::schema()).expect("a schema is JSON");
+    let mut found = Vec::new();
+    collect(&schema, &schema, base, "", &mut found);
+    found
+}
+
+/// Goes through a schema and a value that it describes.
+fn collect(root: &Value, schema: &Value, value: &Value, pointer: &str, found: &mut Vec<(String, Values)>) {
+    if let Some(reference) = schema["$ref"].as_str() {
+        let target =
+            reference.strip_prefix('#').and_then(|place| root.pointer(place)).expect("references lead somewhere");
+        return collect(root, target, value, pointer, found);
+    }
+    if let Some(properties) = schema["properties"].as_object() {
+        for (name, inner) in properties {
+            collect(root, inner, &value[name], &format!("{pointer}/{name}"), found);
+        }
+        return;
+    }
+    if let (Some(entries), Some("object")) = (value.as_array(), resolved(root, &schema["items"])["type"].as_str()) {
+        for (index, entry) in entries.iter().enumerate() {
+            collect(root, &schema["items"], entry, &format!("{pointer}/{index}"), found);
+        }
+        return;
+    }
+    let values = values(root, schema).unwrap_or_else(|| panic!("{pointer}: what may it be by {schema}?"));
+    found.push((pointer.to_owned(), values));
+}
+
+fn resolved<'a>(root: &'a Value, schema: &'a Value) -> &'a Value {
+    let target = schema["$ref"].as_str().and_then(|reference| root.pointer(reference.strip_prefix('#')?));
+    target.unwrap_or(schema)
+}
+
+/// What a setting of this schema may be; `None` if that is not understood.
+fn values(root: &Value, schema: &Value) -> Option<Values> {
+    if let Some(words) = words(schema) {
+        return Some(Values::Listed(words));
+    }
+    if schema["anyOf"] == json!([{ "type": "number" }, { "const": "none" }]) {
+        return Some(Values::NumberOrNone);
+    }
+    match schema["type"].as_str() {
+        Some("boolean") => Some(Values::Listed(vec![json!(true), json!(false)])),
+        Some("number") => Some(Values::Number),
+        Some("integer") => Some(Values::WholeNumber),
+        // Names and paths.
+        Some("string") => Some(Values::Fixed),
+        Some("array") => match words(resolved(root, &schema["items"])) {
+            Some(words) => Some(Values::SomeOf(words)),
+            // Places.
+            None => (schema["items"]["type"] == "number").then_some(Values::Fixed),
+        },
+        // What may be left out: a map, a count instead of a share.
+        None if schema["type"].as_array()?.contains(&json!("null")) => Some(Values::Fixed),
+        _ => None,
+    }
+}
+
+/// The words of an enumeration.
+fn words(schema: &Value) -> Option<Vec<Value>> {
+    if let Some(listed) = schema["enum"].as_array() {
+        return Some(listed.clone());
+    }
+    let variants = schema["oneOf"].as_array()?;
+    let of_variant = |variant: &Value| variant.get("const").map(|word| vec![word.clone()]).or_else(|| words(variant));
+    variants.iter().map(of_variant).collect::<Option<Vec<_>>>().map(|words| words.concat())
+}
+
+/// Draws another value for a setting.
+fn draw(values: &Values, base: &Value, rng: &mut Xoshiro256PlusPlus) -> Value {
+    let factor = *[0.25, 0.5, 2.0, 4.0].choose(rng).expect("there are some");
+    let scaled = |number: f64| if number == 0.0 { 0.1 * factor } else { number * factor };
+    match values {
+        Values::Listed(listed) => listed.choose(rng).expect("an enumeration has values").clone(),
+        Values::SomeOf(listed) => {
+            let first = rng.random_range(0..listed.len());
+            listed[first..=rng.random_range(first..listed.len())].iter().cloned().collect()
+        }
+        Values::Number => json!(scaled(base.as_f64().expect("the base scenario is complete"))),
+        Values::WholeNumber => json!(scaled(base.as_f64().expect("the base scenario is complete")).ceil() as u64),
+        Values::NumberOrNone if rng.random_bool(0.5) => json!("none"),
+        Values::NumberOrNone => json!(scaled(base.as_f64().unwrap_or(2.0))),
+        Values::Fixed => base.clone(),
+    }
+}
+
+/// What a case changes in the base scenario.
+type Changes = BTreeMap<String, Value>;
+
+fn draw_changes(settings: &[(String, Values)], base: &Value, rng: &mut Xoshiro256PlusPlus) -> Changes {
+    let mut changes = Changes::new();
+    for (pointer, values) in settings {
+        let share = if matches!(values, Values::Number | Values::WholeNumber) { NUMBER_SHARE } else { CHOICE_SHARE };
+        if rng.random_bool(share) {
+            changes.insert(pointer.clone(), draw(values, base.pointer(pointer).expect("it was found there"), rng));
+        }
+    }
+    changes
+}
+
+/// Changes, and the base scenario with them: the first drawn that the check accepts.
+fn draw_scenario(settings: &[(String, Values)], base: &Value, rng: &mut Xoshiro256PlusPlus) -> (Changes, Scenario) {
+    loop {
+        let changes = draw_changes(settings, base, rng);
+        if let Some(scenario) = changed(base, &changes) {
+            return (changes, scenario);
+        }
+    }
+}
+
+/// The base scenario with changes, if it is allowed.
+fn changed(base: &Value, changes: &Changes) -> Option<Scenario> {
+    let mut value = base.clone();
+    for (pointer, new) in changes {
+        *value.pointer_mut(pointer).expect("it was found there") = new.clone();
+    }
+    let scenario: Scenario = serde_json::from_value(value).expect("values are drawn from the schema");
+    scenario.check().is_ok().then_some(scenario)
+}
+
+/// The base scenario with all its defaults.
+fn base() -> Value {
+    let scenario: Scenario = serde_json::from_str(BASE).expect("the base scenario is right");
+    serde_json::to_value(scenario).expect("scenarios can be written")
+}
+
+fn cases() -> RangeInclusive<u64> {
+    let Ok(text) = std::env::var("WILDFIRE_SETTINGS_CASES") else { return 1..=200 };
+    let (first, last) = text.split_once("..").expect("cases are FIRST..LAST");
+    let number = |text: &str| text.parse().expect("cases are whole numbers");
+    number(first)..=number(last)
+}
+
+/// Draws a case, runs it, and says what is wrong with it; `None` if the field has no room for its bushes or agents.
+fn try_case(case: u64, settings: &[(String, Values)], base: &Value) -> Option<(Changes, Result<Audited, String>)> {
+    let (changes, scenario) = draw_scenario(settings, base, &mut rng::stream(case, "settings"));
+    let audited = panic::catch_unwind(|| {
+        let run = sim::run(&scenario, case).ok()?;
+        let verdict = audit_timeline(&run.timeline, Step::default());
+        Some(verdict.offence.map_or(Ok(verdict.audited), |offence| Err(offence.to_string())))
+    });
+    audited.unwrap_or_else(|_| Some(Err("it panicked".into()))).map(|result| (changes, result))
+}
+
+#[test]
+#[expect(clippy::print_stdout, reason = "says how much was looked at, to those who ask for many cases")]
+fn no_setting_leads_to_a_violation() {
+    let base = base();
+    let settings = settings(&base);
+    let mut unseen: BTreeMap<&str, Vec<Value>> = settings
+        .iter()
+        .filter_map(|(pointer, values)| match values {
+            Values::Listed(listed) | Values::SomeOf(listed) => Some((pointer.as_str(), listed.clone())),
+            _ => None,
+        })
+        .collect();
+    let (mut audited, mut ran, mut wrong) = (Audited::default(), 0, Vec::new());
+    for case in cases() {
+        let Some((changes, result)) = try_case(case, &settings, &base) else { continue };
+        ran += 1;
+        match result {
+            Ok(more) => audited += more,
+            Err(fault) => wrong.push(format!("case {case}: {fault}\n{}", json!(changes))),
+        }
+        for (pointer, left) in &mut unseen {
+            let value = changes.get(*pointer).unwrap_or_else(|| base.pointer(pointer).expect("it was found there"));
+            left.retain(|word| word != value && !value.as_array().is_some_and(|several| several.contains(word)));
+        }
+    }
+    println!("{ran} of {} cases ran: {audited:?}", cases().count());
+    assert!(wrong.is_empty(), "{} cases are wrong:\n{}", wrong.len(), wrong.join("\n"));
+    unseen.retain(|_, left| !left.is_empty());
+    assert!(unseen.is_empty() || cases().count() < 100, "never drawn: {unseen:?}");
+    assert!(4 * ran > 3 * cases().count(), "only {ran} cases could be run");
+    assert!(audited.legs > 10 * ran as u64 && audited.extinctions > 2 * ran as u64, "{ran} cases: {audited:?}");
+}
