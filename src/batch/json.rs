@@ -3,9 +3,10 @@
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
-use crate::batch::{AGENT_COLUMNS, AgentRow, PROGRAM_VERSION, RUN_COLUMNS, RunRow, Value, is_measured};
+use crate::batch::{AGENT_COLUMNS, AgentRow, PROGRAM_VERSION, RUN_COLUMNS, RunRow, Value, is_measured, notes};
 
-/// `{"program_version", "run": {outcome columns}, "agents": [{...}], "measured": {cpu and wall columns}}`, on one line.
+/// `{"program_version", "run": {outcome columns}, "agents": [{...}], "notes": [sentences], "measured": {cpu and wall
+/// columns}}`, on one line.
 pub fn run_json(row: &RunRow) -> String {
     let columns = || RUN_COLUMNS.iter().map(|column| (column.name, (column.value)(row)));
     let agent = |agent: AgentRow<'_>| {
@@ -16,6 +17,7 @@ pub fn run_json(row: &RunRow) -> String {
         program_version: PROGRAM_VERSION,
         run: Object(columns().filter(|(name, _)| !is_measured(name)).collect()),
         agents: AgentRow::all_of(row).map(agent).collect(),
+        notes: row.result.as_ref().map(notes).unwrap_or_default(),
         measured: Object(columns().filter(|(name, _)| is_measured(name)).collect()),
     };
     serde_json::to_string(&object).expect("names, numbers and words are JSON")
@@ -26,6 +28,7 @@ struct RunObject {
     program_version: &'static str,
     run: Object,
     agents: Vec<Object>,
+    notes: Vec<String>,
     measured: Object,
 }
 

@@ -20,6 +20,7 @@ pub mod html;
 mod html_report;
 mod journal;
 mod json;
+mod notes;
 mod output_folder;
 mod panics;
 mod parquet_files;
@@ -51,6 +52,7 @@ pub use finished::{FinishedBatch, FinishedError, recordings_in};
 pub use html_report::{CHARTS_FOLDER, REPORT_FILE, ReportError, WrittenReport, write_report};
 pub use journal::{JournalError, JournalIndex};
 pub use json::run_json;
+pub use notes::notes;
 pub use output_folder::{
     AGENTS_FILE, OutputFolder, PLAN_FILE, RECORDINGS_FOLDER, RUNS_FILE, TABLES_FILE, file_name_of,
 };

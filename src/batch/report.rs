@@ -73,12 +73,15 @@ impl BatchReport {
         self.variants.iter().map(part).collect::<Vec<_>>().join("\n")
     }
 
-    /// A line for each variant: how many runs are done, and means over them.
+    /// A line for each variant: how many runs are done, and means over them; and what there is to note of any.
     pub fn overview(&self) -> String {
         let titles = self.variants.iter().enumerate();
         let titles: String = titles.map(|(index, variant)| format!("{}: {}\n", index + 1, variant.title)).collect();
         let table = self.overview_table().to_text();
-        format!("{titles}\n{table}\nMeans of the runs that are done. tables.md has the tables of each variant.")
+        let noted = self.variants.iter().enumerate().map(|(index, variant)| (index + 1, variant.tally.notes()));
+        let noted = noted.filter(|(_, notes)| !notes.is_empty());
+        let notes: String = noted.map(|(number, notes)| format!("\n{number}: {}", notes.join("\n"))).collect();
+        format!("{titles}\n{table}\nMeans of the runs that are done. tables.md has the tables of each variant.{notes}")
     }
 
     /// The same as a table, in which variants are numbers from 1.

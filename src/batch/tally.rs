@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::fmt;
 
-use crate::batch::{RunRow, Status};
+use crate::batch::{RunRow, Status, notes};
 use crate::timeline::{Outcome, Winner};
 
 /// Counts and sums over the runs of a batch.
@@ -24,6 +24,10 @@ pub struct Tally {
     pub stuck_runs: u64,
     pub truck_stuck_s: f64,
     pub wumpus_stuck_s: f64,
+    /// Runs of which there is something to note.
+    pub noted_runs: u64,
+    /// Seed and notes of the first of them.
+    pub first_notes: Option<(u64, Vec<String>)>,
 }
 
 impl Tally {
@@ -44,6 +48,11 @@ impl Tally {
         self.stuck_runs += u64::from(outcome.truck_stuck_s > 0.0 || outcome.wumpus_stuck_s > 0.0);
         self.truck_stuck_s += outcome.truck_stuck_s;
         self.wumpus_stuck_s += outcome.wumpus_stuck_s;
+        let notes = notes(result);
+        if !notes.is_empty() {
+            self.noted_runs += 1;
+            self.first_notes.get_or_insert((row.label.seed, notes));
+        }
     }
 
     fn add_contest(&mut self, outcome: &Outcome) {
@@ -60,12 +69,12 @@ impl Tally {
     }
 }
 
-/// Who won, which runs went wrong, who was stuck: a few lines, without a newline at the end. None but a message that
-/// is quoted is wider than 80 columns.
+/// Who won, which runs went wrong, who was stuck, who could do next to nothing: a few lines, without a newline at the
+/// end. None but a message or a note is wider than 80 columns.
 impl fmt::Display for Tally {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let lines = [self.champion(), Some(self.runs()), self.reason(), self.stuck()];
-        f.write_str(&lines.into_iter().flatten().collect::<Vec<_>>().join("\n"))
+        let lines = [self.champion(), Some(self.runs()), self.reason(), self.stuck()].into_iter().flatten();
+        f.write_str(&lines.chain(self.notes()).collect::<Vec<_>>().join("\n"))
     }
 }
 
@@ -90,6 +99,14 @@ impl Tally {
             1 => Some(format!("Stuck: truck {truck:.1} s, Wumpus {wumpus:.1} s in all, in 1 run.")),
             runs => Some(format!("Stuck: truck {truck:.1} s, Wumpus {wumpus:.1} s in all, in {runs} runs.")),
         }
+    }
+
+    /// What there is to note of the first run of which there is something, and how many such runs there are.
+    pub fn notes(&self) -> Vec<String> {
+        let Some((seed, notes)) = &self.first_notes else { return Vec::new() };
+        let runs =
+            format!("In {} of {} runs an agent could do next to nothing; seed {seed}:", self.noted_runs, self.done);
+        std::iter::once(runs).chain(notes.iter().map(|note| format!("  {note}"))).collect()
     }
 
     /// Who has more points over the batch; `None` without runs that have agents on both sides.
@@ -149,6 +166,16 @@ mod tests {
         assert!(text.contains("2 done, 3 failed, 1 panicked"), "{text}");
         assert!(text.contains("truck 2.2 s, Wumpus 0.0 s in all, in 1 run."), "{text}");
         assert!(!text.contains("Champion"), "{text}");
+    }
+
+    #[test]
+    fn agents_that_could_do_nothing_are_told_by_the_first_such_run() {
+        let notes = vec!["wumpus/0 can light nothing.".to_owned()];
+        let tally = Tally { done: 9, noted_runs: 3, first_notes: Some((7, notes)), ..Tally::default() };
+        let expected = "Runs: 9 done, none failed.\n\
+                        Stuck: nobody, in no run.\n\
+                        In 3 of 9 runs an agent could do next to nothing; seed 7:\n  wumpus/0 can light nothing.";
+        assert_eq!(tally.to_string(), expected);
     }
 
     #[test]

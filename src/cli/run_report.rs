@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use crate::batch::{RunResult, RunRow, TextTable};
+use crate::batch::{RunResult, RunRow, TextTable, notes};
+use crate::cli::scenario_commands::{WIDTH, wrapped};
 use crate::timeline::{AgentOutcome, Outcome, Winner};
 
 /// The report of a run that is done, at most 80 columns wide.
@@ -13,6 +14,11 @@ pub fn of(row: &RunRow, result: &RunResult) -> String {
     text.push('\n');
     text.push_str(&fires(outcome));
     text.push_str(&verdict(result));
+    for note in notes(result) {
+        for line in wrapped(&format!("Note: {note}"), WIDTH) {
+            push(&mut text, format_args!("{line}\n"));
+        }
+    }
     text.push('\n');
     text.push_str(&agents(outcome).to_text());
     text.push('\n');

@@ -37,7 +37,7 @@ fn shown(name: &str) -> Result<&'static str, Failure> {
 }
 
 /// The width of a terminal's line.
-const WIDTH: usize = 80;
+pub const WIDTH: usize = 80;
 
 /// Names, and the first sentence of the comment that opens each file.
 fn list() -> String {

@@ -176,6 +176,14 @@ pub struct BuildReport {
     pub connecting: Duration,
 }
 
+/// Milestones that a component of a roadmap has on average, if it leads anywhere to speak of.
+const FEWEST_A_COMPONENT: u32 = 10;
+
+/// Whether a roadmap is in so many components that most routes across the field are not on it.
+pub fn is_hardly_connected(milestones: u32, components: u32) -> bool {
+    components > 1 && milestones < components.saturating_mul(FEWEST_A_COMPONENT)
+}
+
 /// A planner made for one body on one field.
 pub trait TruckPlanner: Send + Sync {
     fn build_report(&self) -> BuildReport;

@@ -4,11 +4,14 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::or_none;
-use crate::geometry::{DVec2, Pose};
+use crate::collision::CollisionChecker;
+use crate::geometry::{Cell, DVec2, FieldFrame, Pose};
+use crate::planning::walk::LatticeShape;
 use crate::planning::{
-    HybridSettings, LatticeSettings, PrimitiveSettings, PrmRsSettings, PrmSettings, SafetySettings, TruckPlannerKind,
-    TruckPlannerSettings,
+    HybridSettings, LatticeSettings, PrimitiveSettings, PrmRsSettings, PrmSettings, SafetySettings, TruckPlanner,
+    TruckPlannerKind, TruckPlannerSettings, truck_planner,
 };
+use crate::rng;
 use crate::trajectory::SpeedLimits;
 use crate::vehicle::Dimensions;
 
@@ -68,6 +71,15 @@ impl Wumpus {
     /// Centre of its body at the start.
     pub fn start_centre(&self) -> DVec2 {
         DVec2::from(self.start_m)
+    }
+
+    /// The lattice that it walks on.
+    pub fn lattice_shape(&self, frame: &FieldFrame) -> LatticeShape {
+        let (anchor, step_m) = match self.lattice_m {
+            Some(step_m) => (self.start_centre(), step_m),
+            None => (frame.centre(Cell::default()), frame.cell_m),
+        };
+        LatticeShape { anchor, step_m, size_m: self.size_m }
     }
 }
 
@@ -197,6 +209,12 @@ impl Default for Unimog {
 }
 
 impl Unimog {
+    /// Builds its planner for a field as the run of a seed does; `number` is its place among the trucks.
+    pub fn build_planner(&self, checker: &CollisionChecker, seed: u64, number: usize) -> Box<dyn TruckPlanner> {
+        let stream = |use_of_chance: &str| rng::stream(seed, &format!("truck/{number}/{use_of_chance}"));
+        truck_planner(self.planner, checker, &self.planner_settings(), stream)
+    }
+
     /// What its planner may want to know.
     pub fn planner_settings(&self) -> TruckPlannerSettings<'_> {
         TruckPlannerSettings {

@@ -10,7 +10,7 @@ use super::{Extinguishes, Field, IgnitionCells, Overlaps, Scenario, SpreadFrom, 
 pub(super) const WIDTH: usize = 80;
 
 /// The seed whose field is shown.
-const SHOWN_SEED: u64 = 1;
+pub(super) const SHOWN_SEED: u64 = 1;
 
 /// What a scenario means: its rules and agents in sentences with units, the values left to defaults, the field of
 /// seed 1 with a map, and warnings. No line is wider than 80 characters.

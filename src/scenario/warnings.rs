@@ -1,18 +1,31 @@
 //! What is allowed and yet probably not meant.
 
+use std::iter;
 use std::sync::Arc;
 
+use super::explain::SHOWN_SEED;
 use super::{
     Escape, IgnitionCells, RoadmapGoal, SafetyMap, Scenario, SpreadFrom, Terrain, TruckPlannerKind, Unimog, Wumpus,
     WumpusPlanner, WumpusPotential,
 };
 use crate::collision::{ClearanceField, CollisionChecker};
 use crate::geometry::DVec2;
+use crate::planning::walk::WalkLattice;
+use crate::planning::{BuildReport, is_hardly_connected};
 
 /// Sideways acceleration that a laden truck can take on loose ground, m/s2; about 0.4 g.
 const LATERAL_GRIP_MPS2: f64 = 4.0;
 
-/// Sentences about a scenario, and about one of its fields.
+/// Most points of all lattices on which [`warn_of_idle_wumpuses`] looks for what can be lit: a tenth of a second.
+const MAX_POINTS_LOOKED_AT: f64 = 1e6;
+
+/// Most pairs of a bush and a place near it that are looked at for the nearest.
+const MAX_LOOKS: f64 = 1e7;
+
+/// Most milestones times neighbours of all roadmaps that [`warn_of_roadmaps`] builds: a tenth of a second.
+const MAX_EDGES_TRIED: f64 = 2e5;
+
+/// Sentences about a scenario, and about its field of [`SHOWN_SEED`].
 pub fn warnings(scenario: &Scenario, terrain: Option<&Terrain>) -> Vec<String> {
     let mut found = Vec::new();
     warn_of_rules(scenario, &mut found);
@@ -31,7 +44,10 @@ pub fn warnings(scenario: &Scenario, terrain: Option<&Terrain>) -> Vec<String> {
     }
     warn_of_shared_starts(&scenario.unimog, &mut found);
     if let Some(terrain) = terrain {
-        warn_of_blocked_starts(scenario, terrain, &mut found);
+        let field = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
+        warn_of_blocked_starts(scenario, terrain, &field, &mut found);
+        warn_of_idle_wumpuses(scenario, terrain, &mut found);
+        warn_of_roadmaps(scenario, terrain, &field, &mut found);
     }
     found
 }
@@ -137,11 +153,15 @@ fn warn_of_shared_starts(trucks: &[Unimog], found: &mut Vec<String>) {
     }
 }
 
-fn warn_of_blocked_starts(scenario: &Scenario, terrain: &Terrain, found: &mut Vec<String>) {
-    let field = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
+fn warn_of_blocked_starts(
+    scenario: &Scenario,
+    terrain: &Terrain,
+    field: &Arc<ClearanceField>,
+    found: &mut Vec<String>,
+) {
     let mut blocked = Vec::new();
     for (number, unimog) in scenario.unimog.iter().enumerate() {
-        let checker = CollisionChecker::new(Arc::clone(&field), unimog.vehicle);
+        let checker = CollisionChecker::new(Arc::clone(field), unimog.vehicle);
         if !checker.pose_is_free(unimog.start.pose(), 0.0) {
             blocked.push(format!("truck {number}"));
         }
@@ -153,6 +173,77 @@ fn warn_of_blocked_starts(scenario: &Scenario, terrain: &Terrain, found: &mut Ve
     }
     if !blocked.is_empty() {
         found.push(format!("Starts in a bush, moved to the nearest free place: {}.", blocked.join(", ")));
+    }
+}
+
+/// Wumpuses that stand nowhere within reach of a bush's centre.
+fn warn_of_idle_wumpuses(scenario: &Scenario, terrain: &Terrain, found: &mut Vec<String>) {
+    let mut points = 0.0;
+    for (number, wumpus) in scenario.wumpus.iter().enumerate() {
+        let shape = wumpus.lattice_shape(&terrain.frame);
+        points += WalkLattice::point_count(&terrain.frame, &shape);
+        if points > MAX_POINTS_LOOKED_AT {
+            return;
+        }
+        let lattice = WalkLattice::new(terrain.frame, &terrain.occupied, shape);
+        let Some(start) = lattice.nearest_free(wumpus.start_centre()) else { continue };
+        let reached = lattice.reachable_from(start);
+        let bushes = &terrain.bushes;
+        let stands = |cell, reach_m| lattice.points_of_reach(cell, reach_m).filter(|&point| reached[point]);
+        if bushes.is_empty() || bushes.iter().any(|&cell| stands(cell, wumpus.reach_m).next().is_some()) {
+            continue;
+        }
+        let nearest = |within_m: f64| {
+            let metres = |cell| {
+                let centre = lattice.centre(cell);
+                stands(cell, within_m).map(|point| lattice.position(point).distance(centre)).reduce(f64::min)
+            };
+            bushes.iter().filter_map(|&cell| metres(cell)).reduce(f64::min)
+        };
+        // Farther and farther away, as long as that is quick: most often the nearest place is a cell or two away.
+        let looks = |within_m: f64| bushes.len() as f64 * (2.0 * within_m / lattice.step_m() + 1.0).powi(2);
+        let farther = iter::successors(Some(terrain.frame.cell_m), |metres| Some(2.0 * metres));
+        let least_m = farther.take_while(|&within_m| looks(within_m) <= MAX_LOOKS).find_map(nearest);
+        found.push(format!(
+            "On the field of seed {SHOWN_SEED} Wumpus {number} can light none of the {} bushes: no bush's centre is within \
+             `reach_m`, {} m, of a place to which its own can walk{}.",
+            bushes.len(),
+            wumpus.reach_m,
+            least_m.map_or(String::new(), |least_m| format!("; the nearest is {least_m:.3} m away"))
+        ));
+    }
+}
+
+/// Roadmaps that lead next to nowhere, of those that are built at once.
+fn warn_of_roadmaps(scenario: &Scenario, terrain: &Terrain, field: &Arc<ClearanceField>, found: &mut Vec<String>) {
+    let corners = 4.0 * terrain.bushes.len() as f64;
+    let mut edges = 0.0;
+    for (number, unimog) in scenario.unimog.iter().enumerate() {
+        let (prm, prm_rs) = (&unimog.prm, &unimog.prm_rs);
+        let (milestones, neighbours, max_edge_m) = match unimog.planner {
+            TruckPlannerKind::PrmPrimitives => (f64::from(prm.samples), prm.neighbours, prm.max_edge_m),
+            TruckPlannerKind::PrmRs => {
+                let at_corners = corners * f64::from(prm_rs.corner_places);
+                (f64::from(prm_rs.samples) + at_corners, prm_rs.neighbours, prm_rs.max_edge_m)
+            }
+            TruckPlannerKind::HybridAstar | TruckPlannerKind::Lattice => continue,
+        };
+        edges += milestones * f64::from(neighbours);
+        if edges > MAX_EDGES_TRIED {
+            return;
+        }
+        let checker = CollisionChecker::new(Arc::clone(field), unimog.vehicle);
+        let BuildReport { samples, components, .. } = unimog.build_planner(&checker, SHOWN_SEED, number).build_report();
+        if samples == 0 {
+            found.push(format!("On the field of seed {SHOWN_SEED} the roadmap of truck {number} has no milestones."));
+        } else if is_hardly_connected(samples, components) {
+            let apart_m = (terrain.frame.width_m() * terrain.frame.height_m() / f64::from(samples)).sqrt();
+            found.push(format!(
+                "On the field of seed {SHOWN_SEED} the roadmap of truck {number} is hardly connected: {samples} milestones \
+                 in {components} components. They are some {apart_m:.0} m apart, and no edge is longer than \
+                 `max_edge_m`, {max_edge_m} m."
+            ));
+        }
     }
 }
 
@@ -196,6 +287,23 @@ mod tests {
             ),
             ("local-minima", vec!["wumpus.safety.map=cost"], "The `safety` of Wumpus 0 does nothing"),
             ("fleet", vec!["wumpus.1.potential.q=3"], "The `potential` of Wumpus 1 does nothing"),
+            (
+                "report-2024",
+                vec!["field.size_m=2500", "unimog.prm.samples=500"],
+                "truck 0 is hardly connected: 500 milestones in 499 components. They are some 112 m apart",
+            ),
+            ("contest", vec!["unimog.prm_rs.samples=0", "unimog.prm_rs.corner_places=0"], "truck 0 has no milestones"),
+            (
+                "contest",
+                vec!["wumpus.reach_m=4.9"],
+                "Wumpus 0 can light none of the 248 bushes: no bush's centre is within `reach_m`, 4.9 m, of a place to \
+                 which its own can walk; the nearest is 5.000 m away.",
+            ),
+            (
+                "contest",
+                vec!["wumpus.lattice_m=1", "wumpus.reach_m=2.4"],
+                "`reach_m`, 2.4 m, of a place to which its own can walk; the nearest is 4.000 m away.",
+            ),
             ("fleet", vec!["suppression.reach_m=none"], "Truck 2 extinguishes from where it stands and never drives"),
         ] {
             let found = of(source, &changes);

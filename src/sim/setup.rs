@@ -12,10 +12,8 @@ use crate::fire::{FireRules, Vegetation};
 use crate::geometry::{Cell, FieldFrame, Pose};
 use crate::grid::potential::{Attraction, Repulsion, RepulsionDistance};
 use crate::planning::reachability::Reachability;
-use crate::planning::walk::{
-    Estimate, LatticeShape, PotentialSettings, WalkCosts, WalkLattice, WalkMethod, WalkPlanner,
-};
-use crate::planning::{BuildReport, Safety, truck_planner};
+use crate::planning::walk::{Estimate, PotentialSettings, WalkCosts, WalkLattice, WalkMethod, WalkPlanner};
+use crate::planning::{BuildReport, Safety};
 use crate::rng;
 use crate::scenario::{
     Escape, Extinguishes, Retarget, Scenario, SpreadFrom, StepCost, StepTime, Terrain, TruckPlannerKind, WumpusGoal,
@@ -158,12 +156,8 @@ fn place_wumpus(
 ) -> Result<(Agent, Wumpus), RunError> {
     let start = DVec2::from(settings.start_m);
     let frame = terrain.frame;
-    let (anchor, step_m) = match settings.lattice_m {
-        Some(step_m) => (start, step_m),
-        None => (frame.centre(Cell::default()), frame.cell_m),
-    };
-    let shape = LatticeShape { anchor, step_m, size_m: settings.size_m };
-    let lattice = WalkLattice::new(frame, &terrain.occupied, shape);
+    let lattice = WalkLattice::new(frame, &terrain.occupied, settings.lattice_shape(&frame));
+    let step_m = lattice.step_m();
     let point = lattice.nearest_free(start).ok_or(RunError::NoFreeStart { agent: id })?;
     let here = lattice.position(point);
     // On cell centres a start anywhere in a cell means that cell; only a move to another one is worth a word.
@@ -271,8 +265,7 @@ fn place_truck(
         log.add(SimTime::ZERO, Fact::StartMoved { agent: id, from: wanted });
     }
     let AgentId::Unimog(number) = id else { unreachable!("trucks are Unimogs") };
-    let stream = |use_of_chance: &str| rng::stream(seed, &format!("truck/{number}/{use_of_chance}"));
-    let planner = truck_planner(settings.planner, &checker, &settings.planner_settings(), stream);
+    let planner = settings.build_planner(&checker, seed, number.into());
     let report = planner.build_report();
     if report.samples > 0 {
         let BuildReport { samples, edges, components, .. } = report;

@@ -219,6 +219,7 @@ impl<'a> AgentLedger<'a> {
             waiting_s: spent_s(Activity::Waiting),
             stuck_s: self.stuck.as_seconds(),
             longest_idle_s: self.longest_idle.as_seconds(),
+            out_of_reach: self.out_of_reach.iter().filter(|&&ruled_out| ruled_out).count() as u32,
             ..self.outcome
         }
     }

@@ -87,6 +87,9 @@ pub struct AgentOutcome {
     pub wasted_drives: u32,
     /// How often a truck drove aside for another one that could not set out otherwise.
     pub deadlocks: u32,
+    /// Bushes in its `OutOfReach` facts: those that it cannot light, or found that it cannot put out.
+    #[serde(default)]
+    pub out_of_reach: u32,
 }
 
 impl AgentOutcome {
@@ -115,6 +118,7 @@ impl AgentOutcome {
             cusps: 0,
             wasted_drives: 0,
             deadlocks: 0,
+            out_of_reach: 0,
         }
     }
 }

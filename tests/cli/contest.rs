@@ -77,6 +77,51 @@ fn one_run_says_what_its_row_in_a_batch_says() {
 }
 
 #[test]
+fn agents_that_can_do_nothing_are_told_by_the_check_the_run_and_the_batch() {
+    let mute = ["smoke", "--set", "wumpus.reach_m=2.4"];
+    let scattered = [
+        "smoke",
+        "--set",
+        "unimog.planner=prm+primitives",
+        "--set",
+        "unimog.prm.samples=20",
+        "--set",
+        "unimog.prm.max_edge_m=1",
+    ];
+    let cases = [
+        (
+            &mute[..],
+            "light none of the 40 bushes",
+            "wumpus/0 can light nothing: none of the 40 bushes is in its reach.",
+        ),
+        (&scattered[..], "hardly connected: 20 milestones in 20", "unimog/0 is hardly connected: 20 milestones in 20"),
+    ];
+    let joined = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let story = Story::begin();
+    for (scenario, warning, note) in cases {
+        let tell = |command: &[&str]| {
+            let answer = story.tell(&[&command[..1], scenario, &command[1..]].concat()).expect_code(0);
+            assert!(widest(&answer.stdout) <= 80 || command.contains(&"--json"), "{}", answer.stdout);
+            answer.stdout
+        };
+        assert!(joined(&tell(&["check"])).contains(warning), "{warning}");
+        let run = joined(&tell(&["run"]));
+        assert!(run.contains("Note: ") && run.contains(note), "{run}");
+        let json: serde_json::Value = serde_json::from_str(&tell(&["run", "--json"])).expect("one JSON object");
+        assert!(json["notes"][0].as_str().is_some_and(|said| said.contains(note)), "{json}");
+        let batch = tell(&["batch", "--seeds", "1..3"]);
+        assert!(batch.contains("In 3 of 3 runs an agent could do next to nothing; seed 1:"), "{batch}");
+        assert!(batch.contains(note), "{batch}");
+    }
+    let json = story.tell(&["run", "smoke", "--json"]).expect_code(0).stdout;
+    assert!(json.contains("\"notes\":[]") && !story.tell(&["check", "smoke"]).stdout.contains("hardly connected"));
+    let sweep = ["batch", "smoke", "--seeds", "1..2", "--set", "wumpus.reach_m=2.4,6.25"];
+    let overview = story.tell(&sweep).expect_code(0).stdout;
+    assert!(overview.contains("\n1: In 2 of 2 runs an agent could do next to nothing; seed 1:"), "{overview}");
+    assert!(!overview.contains("\n2: In "), "{overview}");
+}
+
+#[test]
 fn run_names_the_winner_and_where_the_time_went() {
     let answer = Story::begin().tell(&["run", "--seed", "2"]).expect_code(0);
     for words in ["contest, seed 2", "extinguished", "wins,", "unimog/0", "wumpus/0", "local search", "CPU a plan"] {
