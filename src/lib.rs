@@ -2,7 +2,7 @@
 //! puts them out.
 //!
 //! The layers, lowest first; each may use those above it in this list:
-//! [`time`], [`geometry`], [`rng`], [`event_queue`], [`whole_file`]; [`grid`]; [`map_files`]; [`vehicle`]; [`trajectory`]; [`collision`];
+//! [`time`], [`geometry`], [`rng`], [`event_queue`], [`input_file`], [`whole_file`]; [`grid`]; [`map_files`]; [`vehicle`]; [`trajectory`]; [`collision`];
 //! [`planning`]; [`fire`]; [`scenario`]; [`timeline`]; [`picture`]; [`audit`]; [`sim`]; [`stats`]; [`batch`]; `view`; [`cli`].
 
 pub mod audit;
@@ -13,6 +13,7 @@ pub mod event_queue;
 pub mod fire;
 pub mod geometry;
 pub mod grid;
+pub mod input_file;
 pub mod map_files;
 pub mod picture;
 pub mod planning;

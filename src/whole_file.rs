@@ -1,20 +1,28 @@
 //! Files that appear whole or not at all.
 
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File, FileType};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process;
 
+use crate::input_file::is_standard_stream;
+
 /// A file that is written aside, as `NAME.PROCESS.part`, and takes its name only when it is complete and on disk.
 ///
 /// What is dropped without [`WholeFile::finish`] leaves nothing behind; a file of that name stays as it was. Where the
-/// name is a link, the file that it leads to is replaced. A device or a pipe cannot be replaced and is written to
-/// directly.
+/// name is a link, the file that it leads to is replaced. What is no file, such as a device or a pipe, is refused; only
+/// `-`, which is stdout, is written to as it comes.
 #[derive(Debug)]
 pub struct WholeFile {
-    writer: Option<BufWriter<File>>,
-    /// Where it is written and the name that it takes; `None` of a device or a pipe.
+    writer: Option<BufWriter<Target>>,
+    /// Where it is written and the name that it takes; `None` of stdout.
     places: Option<Places>,
+}
+
+#[derive(Debug)]
+enum Target {
+    File(File),
+    Stdout(io::Stdout),
 }
 
 #[derive(Debug)]
@@ -24,25 +32,27 @@ struct Places {
 }
 
 impl WholeFile {
+    /// # Errors
+    /// Besides the disk's: a name that is taken by something else than a file, as [`refuse_no_file`] says it.
     pub fn create(path: &Path) -> io::Result<Self> {
+        if is_standard_stream(path) {
+            return Ok(Self { writer: Some(BufWriter::new(Target::Stdout(io::stdout()))), places: None });
+        }
         let places = Places::of(path)?;
-        let file = match &places {
-            Some(places) => File::create(&places.aside)?,
-            None => OpenOptions::new().write(true).open(path)?,
-        };
-        Ok(Self { writer: Some(BufWriter::new(file)), places })
+        let file = File::create(&places.aside)?;
+        Ok(Self { writer: Some(BufWriter::new(Target::File(file))), places: Some(places) })
     }
 
-    /// Where it is written until it is finished, for another program that fills it.
-    pub fn place(&self, name: &Path) -> PathBuf {
-        self.places.as_ref().map_or_else(|| name.to_owned(), |places| places.aside.clone())
+    /// Where it is written until it is finished, for another program that fills it; `None` of stdout.
+    pub fn place(&self) -> Option<&Path> {
+        self.places.as_ref().map(|places| places.aside.as_path())
     }
 
     /// Writes what is buffered to the disk and gives the file its name, in place of an older one.
     pub fn finish(mut self) -> io::Result<()> {
         let writer = self.writer.take().expect("only finishing takes the writer");
         let file = writer.into_inner().map_err(io::IntoInnerError::into_error);
-        let Some(places) = &self.places else { return file.map(drop) };
+        let Some(places) = &self.places else { return file.and_then(|mut stdout| stdout.flush()) };
         let renamed = file.and_then(|file| file.sync_all()).and_then(|()| fs::rename(&places.aside, &places.path));
         if renamed.is_err() {
             self.discard();
@@ -57,25 +67,87 @@ impl WholeFile {
         }
     }
 
-    fn open_writer(&mut self) -> &mut BufWriter<File> {
+    fn open_writer(&mut self) -> &mut BufWriter<Target> {
         self.writer.as_mut().expect("only finishing takes the writer, and it takes the file too")
+    }
+}
+
+impl Target {
+    fn sync_all(&self) -> io::Result<()> {
+        match self {
+            Self::File(file) => file.sync_all(),
+            Self::Stdout(_) => Ok(()),
+        }
+    }
+}
+
+impl Write for Target {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self {
+            Self::File(file) => file.write(bytes),
+            Self::Stdout(stdout) => unless_closed(stdout.write(bytes), bytes.len()),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self {
+            Self::File(file) => file.flush(),
+            Self::Stdout(stdout) => unless_closed(stdout.flush(), ()),
+        }
+    }
+}
+
+/// A reader that has closed its end, such as `head`, has seen enough: that is no error.
+fn unless_closed<T>(written: io::Result<T>, all: T) -> io::Result<T> {
+    match written {
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(all),
+        written => written,
     }
 }
 
 impl Places {
     /// The place aside is in the same folder, so that renaming stays within one file system, and belongs to this
     /// process, so that two programs never write into one file.
-    fn of(path: &Path) -> io::Result<Option<Self>> {
-        let path = match fs::metadata(path) {
-            Ok(found) if found.is_file() => fs::canonicalize(path)?,
-            Ok(found) if found.is_dir() => return Err(ErrorKind::IsADirectory.into()),
-            Ok(_) => return Ok(None),
-            Err(_) => path.to_owned(),
-        };
+    fn of(path: &Path) -> io::Result<Self> {
+        refuse_no_file(path)?;
+        let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         let mut name = path.file_name().unwrap_or_default().to_owned();
         name.push(format!(".{}.part", process::id()));
-        Ok(Some(Self { aside: path.with_file_name(name), path }))
+        Ok(Self { aside: path.with_file_name(name), path })
     }
+}
+
+/// Refuses a name that is taken by something else than a file, or leads there by links.
+///
+/// Opening a pipe could wait for ever, a device is none of ours to write to, and neither can be replaced.
+///
+/// # Errors
+/// [`ErrorKind::IsADirectory`] of a folder, [`ErrorKind::InvalidInput`] of a device, pipe or socket.
+pub fn refuse_no_file(path: &Path) -> io::Result<()> {
+    match fs::metadata(path).map(|found| found.file_type()) {
+        Ok(found) if found.is_dir() => Err(io::Error::new(ErrorKind::IsADirectory, "it is a folder; expected a file")),
+        Ok(found) if !found.is_file() => {
+            let sentence = format!("it is {}; expected a file, or - for stdout", kind_of_special(found));
+            Err(io::Error::new(ErrorKind::InvalidInput, sentence))
+        }
+        // What is wrong with a name that is free, creating the file says.
+        _ => Ok(()),
+    }
+}
+
+#[cfg(unix)]
+fn kind_of_special(found: FileType) -> &'static str {
+    use std::os::unix::fs::FileTypeExt;
+    match () {
+        () if found.is_fifo() => "a pipe",
+        () if found.is_socket() => "a socket",
+        () => "a device",
+    }
+}
+
+#[cfg(not(unix))]
+fn kind_of_special(_: FileType) -> &'static str {
+    "no file"
 }
 
 impl Write for WholeFile {
@@ -157,15 +229,25 @@ mod tests {
 
     #[test]
     #[cfg(unix)]
-    fn device_is_written_to_and_not_replaced() {
+    fn device_is_neither_written_to_nor_replaced() {
         use std::os::unix::fs::FileTypeExt;
         // A link to the device in a folder of its own: were it replaced, then this link and not the machine's device.
         let folder = tempfile::tempdir().expect("a scratch folder");
-        let link = folder.path().join("null");
-        std::os::unix::fs::symlink("/dev/null", &link).expect("links can be made");
-        write_whole(&link, b"into nothing").expect("it takes everything");
-        assert_eq!(names(folder.path()), ["null"]);
+        let link = folder.path().join("full");
+        std::os::unix::fs::symlink("/dev/full", &link).expect("links can be made");
+        let refusal = write_whole(&link, b"text").expect_err("it is a device");
+        assert_eq!(refusal.to_string(), "it is a device; expected a file, or - for stdout");
+        assert_eq!(names(folder.path()), ["full"]);
         assert!(fs::metadata(&link).expect("it is there").file_type().is_char_device());
-        assert!(fs::symlink_metadata(&link).expect("it is there").is_symlink());
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn socket_is_refused_and_stays() {
+        let folder = tempfile::tempdir().expect("a scratch folder");
+        let path = folder.path().join("socket");
+        let _socket = std::os::unix::net::UnixListener::bind(&path).expect("sockets can be made");
+        let refusal = write_whole(&path, b"text").expect_err("it is a socket");
+        assert_eq!((refusal.kind(), names(folder.path())), (ErrorKind::InvalidInput, vec!["socket".to_owned()]));
     }
 }

@@ -11,6 +11,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("geometry", &["glam", "libm"]),
     ("rng", &["rand"]),
     ("event_queue", &[]),
+    ("input_file", &[]),
     ("whole_file", &[]),
     ("grid", &[]),
     ("map_files", &["image"]),

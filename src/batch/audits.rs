@@ -2,6 +2,7 @@
 //! recorded.
 
 use std::fmt;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -54,7 +55,7 @@ pub struct AuditReport {
     pub offences: u64,
     pub told: Vec<String>,
     /// Why the first file could not be read, and how many could not.
-    pub first_unreadable: Option<String>,
+    pub first_unreadable: Option<(String, ErrorKind)>,
     pub unreadable: u64,
 }
 
@@ -69,7 +70,7 @@ enum Finding {
     Recorded(Verdict, Option<String>),
     Simulated(Verdict, Option<String>),
     NotRun(Option<String>),
-    Unreadable(String),
+    Unreadable(String, ErrorKind),
 }
 
 type Subjects<'a> = Box<dyn Iterator<Item = Result<Subject<'a>, FinishedError>> + 'a>;
@@ -151,7 +152,7 @@ impl Subject<'_> {
 fn look_at_file(path: &Path, step: Step, difference: impl Fn(&Timeline) -> Option<String>) -> Finding {
     match file::read(path) {
         Ok(timeline) => Finding::Recorded(audit_timeline(&timeline, step), difference(&timeline)),
-        Err(error) => Finding::Unreadable(format!("{}: {error}", path.display())),
+        Err(error) => Finding::Unreadable(format!("{}: {error}", path.display()), error.kind()),
     }
 }
 
@@ -208,9 +209,9 @@ impl AuditReport {
                 self.not_run += 1;
                 (None, difference)
             }
-            Finding::Unreadable(reason) => {
+            Finding::Unreadable(reason, kind) => {
                 self.unreadable += 1;
-                self.first_unreadable.get_or_insert(reason);
+                self.first_unreadable.get_or_insert((reason, kind));
                 return;
             }
         };

@@ -11,7 +11,7 @@ use crate::batch::{JournalError, PlanError, Slice};
 pub enum BatchError {
     #[error("{} already holds {entry} of an earlier batch", path.display())]
     HoldsResults { path: PathBuf, entry: String },
-    #[error("{} is a file; expected a folder for the results", path.display())]
+    #[error("{} is a file, or lies below one; expected a folder for the results", path.display())]
     NotAFolder { path: PathBuf },
     #[error("cannot write {}: {source}", path.display())]
     Unwritable { path: PathBuf, source: io::Error },

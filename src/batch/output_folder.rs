@@ -167,9 +167,7 @@ impl OutputFolder {
 
 fn create_folder(path: &Path) -> Result<(), BatchError> {
     fs::create_dir_all(path).map_err(|source| match source.kind() {
-        ErrorKind::AlreadyExists => {
-            BatchError::unwritable(path, io::Error::other("a file stands there; expected a folder, or nothing"))
-        }
+        ErrorKind::AlreadyExists | ErrorKind::NotADirectory => BatchError::NotAFolder { path: path.to_owned() },
         _ => BatchError::unwritable(path, source),
     })
 }
@@ -296,6 +294,6 @@ mod tests {
         let parent = scratch.path().join("runs");
         fs::write(&parent, "").expect("writable");
         let refusal = OutputFolder::next_free(&parent, "contest").expect_err("it is in the way");
-        assert!(refusal.to_string().contains("a file stands there"), "{refusal}");
+        assert!(refusal.to_string().contains("is a file, or lies below one"), "{refusal}");
     }
 }

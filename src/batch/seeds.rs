@@ -9,6 +9,9 @@ use thiserror::Error;
 /// The most runs of one batch.
 pub const MAX_RUNS: u64 = 10_000_000;
 
+/// The most seeds and ranges that are listed one by one; consecutive seeds are one range.
+const MAX_PARTS: usize = 1_000_000;
+
 /// Distinct seeds in the order in which they were written; ranges count upwards and include both ends.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Seeds {
@@ -28,6 +31,8 @@ pub enum SeedsError {
     Twice { seed: u64 },
     #[error("{count} runs are too many: a batch takes at most {MAX_RUNS}")]
     TooMany { count: u128 },
+    #[error("more than {MAX_PARTS} seeds and ranges are listed; expected ranges, such as `1..5`, of consecutive seeds")]
+    TooManyParts,
 }
 
 impl Seeds {
@@ -64,7 +69,26 @@ impl FromStr for Seeds {
     type Err = SeedsError;
 
     fn from_str(text: &str) -> Result<Self, SeedsError> {
-        let ranges = text.split(',').map(parse_range).collect::<Result<Vec<_>, _>>()?;
+        Self::from_parts(text.split(','))
+    }
+}
+
+impl Seeds {
+    /// Takes seeds and ranges one after the other.
+    ///
+    /// # Errors
+    /// If there is none, or one that makes no sense, or a seed twice, or more than a batch takes.
+    pub fn from_parts<'a>(parts: impl Iterator<Item = &'a str>) -> Result<Self, SeedsError> {
+        let mut ranges = Vec::new();
+        for part in parts {
+            if ranges.len() == MAX_PARTS {
+                return Err(SeedsError::TooManyParts);
+            }
+            ranges.push(parse_range(part)?);
+        }
+        if ranges.is_empty() {
+            return Err(SeedsError::NotANumber { found: String::new() });
+        }
         let count = ranges.iter().map(|range| u128::from(range.end() - range.start()) + 1).sum();
         if count > u128::from(MAX_RUNS) {
             return Err(SeedsError::TooMany { count });

@@ -1,7 +1,5 @@
 //! The arguments of every command, as clap reads them.
 
-use std::fs::File;
-use std::io::Read;
 use std::num::NonZeroUsize;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -12,10 +10,12 @@ use clap_complete::Shell;
 use crate::batch::{Record, Seeds, SeedsError, Slice};
 use crate::cli::compare::CompareArguments;
 use crate::cli::curve::CurveArguments;
+use crate::cli::failure::Failure;
 use crate::cli::map::MapCommand;
 use crate::cli::plan::PlanArguments;
 use crate::cli::play_command::PlayArguments;
 use crate::cli::render::RenderArguments;
+use crate::input_file;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -156,7 +156,7 @@ pub struct BatchArguments {
     /// Seeds: ranges with both ends, lists, or both, such as `1..5`, `1,5,9`, `1..100,200`; or `@FILE` that holds
     /// them [default: 1..5].
     #[arg(long, allow_hyphen_values = true, value_parser = parse_seeds)]
-    pub seeds: Option<Seeds>,
+    pub seeds: Option<SeedsArgument>,
     /// Threads [default: as many as the machine runs at once].
     #[arg(long, allow_hyphen_values = true, value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
@@ -269,19 +269,36 @@ fn parse_jobs(text: &str) -> Result<NonZeroUsize, String> {
     jobs.ok_or_else(|| format!("expected a whole number from 1 to {MAX_JOBS}"))
 }
 
-/// The most bytes of a file of seeds.
-const MAX_SEEDS_BYTES: u64 = 200_000_000;
+/// The most bytes of a file of seeds; with the limit on their number it keeps the memory of reading them below 64 MiB.
+const MAX_SEEDS_BYTES: u64 = 8_000_000;
 
-/// Seeds as they are, or `@FILE` with seeds between commas, blanks and lines; `#` begins a comment.
-fn parse_seeds(text: &str) -> Result<Seeds, String> {
-    let Some(path) = text.strip_prefix('@') else { return text.parse().map_err(|error: SeedsError| error.to_string()) };
-    let mut contents = String::new();
-    let read = File::open(path).and_then(|file| file.take(MAX_SEEDS_BYTES).read_to_string(&mut contents));
-    read.map_err(|error| format!("{path} cannot be read: {error}"))?;
-    let lines = contents.lines().map(|line| line.split('#').next().unwrap_or_default());
-    let seeds = lines.flat_map(|line| line.split([',', ' ', '\t'])).filter(|word| !word.is_empty());
-    let seeds = seeds.collect::<Vec<_>>().join(",");
-    seeds.parse().map_err(|error: SeedsError| format!("{path}: {error}"))
+/// Seeds, or the file that holds them.
+#[derive(Clone, Debug)]
+pub enum SeedsArgument {
+    Given(Seeds),
+    File(PathBuf),
+}
+
+impl SeedsArgument {
+    /// The seeds; in a file they are between commas, blanks and lines, and `#` begins a comment.
+    pub fn seeds(&self) -> Result<Seeds, Failure> {
+        let path = match self {
+            Self::Given(seeds) => return Ok(seeds.clone()),
+            Self::File(path) => path,
+        };
+        let text = input_file::read_text(path, MAX_SEEDS_BYTES).map_err(|error| Failure::unreadable(path, &error))?;
+        let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default());
+        let words = lines.flat_map(|line| line.split([',', ' ', '\t'])).filter(|word| !word.is_empty());
+        Seeds::from_parts(words).map_err(|error| Failure::bad_input(format_args!("{}: {error}", path.display()), None))
+    }
+}
+
+/// Seeds as they are, or `@FILE`.
+fn parse_seeds(text: &str) -> Result<SeedsArgument, String> {
+    match text.strip_prefix('@') {
+        Some(path) => Ok(SeedsArgument::File(path.into())),
+        None => text.parse().map(SeedsArgument::Given).map_err(|error: SeedsError| error.to_string()),
+    }
 }
 
 pub fn parse_seed(text: &str) -> Result<u64, String> {
@@ -312,10 +329,9 @@ mod tests {
         let scratch = tempfile::tempdir().expect("a scratch folder");
         let path = scratch.path().join("seeds");
         std::fs::write(&path, "# mine\n1..3, 7\n9 8 # two\n\n").expect("writable");
-        let seeds = parse_seeds(&format!("@{}", path.display())).expect("these seeds are fine");
-        assert_eq!(seeds.to_string(), "1..3,7,9,8");
+        let argument = parse_seeds(&format!("@{}", path.display())).expect("any file will do");
+        assert_eq!(argument.seeds().expect("these seeds are fine").to_string(), "1..3,7,9,8");
         std::fs::write(&path, "# none\n").expect("writable");
-        assert!(parse_seeds(&format!("@{}", path.display())).expect_err("none").contains("not a seed"));
-        assert!(parse_seeds("@nowhere").expect_err("no file").contains("nowhere"));
+        assert!(argument.seeds().is_err());
     }
 }

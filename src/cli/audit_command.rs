@@ -1,5 +1,6 @@
 //! `wildfire audit`.
 
+use std::fs;
 use std::num::NonZeroUsize;
 use std::path::Path;
 use std::process::ExitCode;
@@ -13,6 +14,7 @@ use crate::batch::{
 use crate::cli::args::AuditArguments;
 use crate::cli::failure::Failure;
 use crate::cli::{exit, terminal};
+use crate::input_file::is_standard_stream;
 
 pub fn run(arguments: &AuditArguments, quiet: bool) -> Result<ExitCode, Failure> {
     let sources = arguments.paths.iter().map(|path| source(path, quiet)).collect::<Result<Vec<_>, _>>()?;
@@ -26,10 +28,12 @@ pub fn run(arguments: &AuditArguments, quiet: bool) -> Result<ExitCode, Failure>
 
 /// What a path leads to.
 fn source(path: &Path, quiet: bool) -> Result<AuditSource, Failure> {
-    if !path.exists() {
-        return Err(Failure::bad_input(format_args!("there is no {}", path.display()), None));
-    }
-    if !path.is_dir() {
+    let is_folder = match fs::metadata(path) {
+        _ if is_standard_stream(path) => false,
+        Ok(found) => found.is_dir(),
+        Err(error) => return Err(Failure::unreadable(path, &error)),
+    };
+    if !is_folder {
         return Ok(AuditSource::Recordings(vec![path.to_owned()]));
     }
     if !FinishedBatch::is_there(path) {
@@ -57,16 +61,16 @@ fn recordings(folder: &Path, what_is_there: &str) -> Result<AuditSource, Failure
 
 /// Prints what was found; an offence weighs more than a file that cannot be read.
 fn conclude(report: &AuditReport) -> Result<ExitCode, Failure> {
-    let unreadable = report.first_unreadable.as_ref().map(|reason| match report.unreadable {
-        1 => reason.clone(),
-        count => format!("{reason} (and {} more recordings cannot be read)", count - 1),
+    let unreadable = report.first_unreadable.as_ref().map(|(reason, kind)| match report.unreadable {
+        1 => (reason.clone(), *kind),
+        count => (format!("{reason} (and {} more recordings cannot be read)", count - 1), *kind),
     });
     if report.runs() + report.not_run > 0 {
         terminal::print(summary(report).as_bytes())?;
     }
     match unreadable {
-        Some(reason) if report.offences == 0 => Err(Failure::bad_input(reason, None)),
-        Some(reason) => {
+        Some((reason, kind)) if report.offences == 0 => Err(Failure::of_input(reason, kind)),
+        Some((reason, _)) => {
             terminal::note(&reason);
             Ok(ExitCode::from(exit::OFFENCE))
         }

@@ -13,6 +13,7 @@ use crate::batch::{
 use crate::cli::args::BatchArguments;
 use crate::cli::failure::Failure;
 use crate::cli::{exit, interrupt, terminal};
+use crate::scenario::ScenarioText;
 
 /// The folder, in the current one, that holds a folder for each batch.
 const RUNS_FOLDER: &str = "runs";
@@ -50,24 +51,28 @@ fn plan(arguments: &BatchArguments) -> Result<BatchPlan, Failure> {
     let mut request = request_of(&arguments.sources)?;
     let options = arguments.set.iter().try_for_each(|option| request.add_option(option));
     options.and_then(|()| request.add_planners(&arguments.planner)).map_err(RequestError::from)?;
-    request.seeds = arguments.seeds.clone().or(request.seeds);
+    if let Some(seeds) = &arguments.seeds {
+        request.seeds = Some(seeds.seeds()?);
+    }
     request.record = arguments.record.or(request.record);
     Ok(request.resolve(arguments.force)?)
 }
 
 fn request_of(sources: &[String]) -> Result<BatchRequest, Failure> {
+    let mut texts = Vec::new();
     for source in sources {
-        match BatchRequest::of_file(source)? {
+        let text = ScenarioText::open(source)?;
+        match BatchRequest::from_text(&text)? {
             Some(request) if sources.len() == 1 => return Ok(request),
             Some(_) => {
                 let sentence = format!("{source} is a plan; expected it alone, as it names its scenarios itself");
                 return Err(Failure::bad_input(sentence, None));
             }
-            None => {}
+            None => texts.push(text),
         }
     }
     let scenarios = if sources.is_empty() { vec!["contest".to_owned()] } else { sources.to_vec() };
-    Ok(BatchRequest { scenarios, ..BatchRequest::default() })
+    Ok(BatchRequest { scenarios, texts, ..BatchRequest::default() })
 }
 
 fn begin(arguments: &BatchArguments, plan: BatchPlan, slice: Slice) -> Result<Batch, Failure> {

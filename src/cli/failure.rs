@@ -1,7 +1,7 @@
 //! What a command says when it cannot do what was asked, and with which exit code it ends.
 
 use std::fmt;
-use std::io::{self, Write};
+use std::io::{self, ErrorKind, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -10,8 +10,8 @@ use thiserror::Error;
 
 use crate::batch::{AuditsError, BatchError, FinishedError, JournalError, PlanError, RequestError};
 use crate::cli::exit;
-use crate::map_files::MapError;
-use crate::scenario::ScenarioError;
+use crate::map_files::{self, MapError};
+use crate::scenario::{Fault, ScenarioError};
 
 /// An error for people, and the exit code that goes with it.
 #[derive(Debug)]
@@ -38,6 +38,16 @@ impl Failure {
     /// What was asked is fine, the machine is not.
     pub fn environment(sentence: impl fmt::Display) -> Self {
         Self::new(sentence, None, exit::ENVIRONMENT)
+    }
+
+    /// An input that was named cannot be read.
+    pub fn unreadable(path: &Path, error: &io::Error) -> Self {
+        Self::new(format_args!("cannot read {}: {error}", path.display()), None, code_of_input(error.kind()))
+    }
+
+    /// As [`Self::unreadable`], in other words.
+    pub fn of_input(sentence: impl fmt::Display, kind: ErrorKind) -> Self {
+        Self::new(sentence, None, code_of_input(kind))
     }
 
     pub fn unwritable(path: &Path, error: &io::Error) -> Self {
@@ -85,21 +95,59 @@ impl Failure {
     }
 }
 
+/// The exit code of an input that cannot be used, whatever command it was named to.
+///
+/// A name that leads to nothing or to another kind of thing, and contents that are wrong or too large, are bad input;
+/// what is there and cannot be read, for lack of permission or of a working disk, is the environment.
+fn code_of_input(kind: ErrorKind) -> u8 {
+    match kind {
+        ErrorKind::NotFound
+        | ErrorKind::NotADirectory
+        | ErrorKind::IsADirectory
+        | ErrorKind::InvalidFilename
+        | ErrorKind::InvalidInput
+        | ErrorKind::InvalidData
+        | ErrorKind::UnexpectedEof
+        | ErrorKind::FileTooLarge => exit::BAD_INPUT,
+        _ => exit::ENVIRONMENT,
+    }
+}
+
+fn code_of_plan(error: &PlanError) -> u8 {
+    match error {
+        PlanError::Unreadable { source, .. } => code_of_input(source.kind()),
+        _ => exit::BAD_INPUT,
+    }
+}
+
 impl From<Box<ScenarioError>> for Failure {
     fn from(error: Box<ScenarioError>) -> Self {
-        Self { report: Report::new(*error), code: exit::BAD_INPUT }
+        let code = match error.fault {
+            Fault::Unreadable { kind, .. } => code_of_input(kind),
+            _ => exit::BAD_INPUT,
+        };
+        Self { report: Report::new(*error), code }
     }
 }
 
 impl From<MapError> for Failure {
     fn from(error: MapError) -> Self {
-        Self::bad_input(error, None)
+        let kind = match &error.fault {
+            map_files::Fault::Unreadable(source) => source.kind(),
+            _ => ErrorKind::InvalidData,
+        };
+        Self::of_input(error, kind)
     }
 }
 
 impl From<FinishedError> for Failure {
     fn from(error: FinishedError) -> Self {
-        Self::bad_input(error, None)
+        let code = match &error {
+            FinishedError::Unreadable { source, .. } => code_of_input(source.kind()),
+            FinishedError::Plan(error) => code_of_plan(error),
+            FinishedError::OtherRows { .. } => exit::BAD_INPUT,
+        };
+        Self::new(error, None, code)
     }
 }
 
@@ -139,12 +187,14 @@ impl From<BatchError> for Failure {
             _ => None,
         };
         let code = match &error {
+            BatchError::Unreadable { source, .. } | BatchError::Journal(JournalError::Unreadable { source, .. }) => {
+                code_of_input(source.kind())
+            }
+            BatchError::Plan(error) => code_of_plan(error),
             BatchError::Unwritable { .. }
             | BatchError::Unrecordable { .. }
-            | BatchError::Unreadable { .. }
             | BatchError::NoWorkers { .. }
-            | BatchError::Plan(PlanError::Unreadable { .. })
-            | BatchError::Journal(JournalError::Unreadable { .. } | JournalError::Locked { .. }) => exit::ENVIRONMENT,
+            | BatchError::Journal(JournalError::Locked { .. }) => exit::ENVIRONMENT,
             BatchError::Stopped => exit::RESUMABLE,
             _ => exit::BAD_INPUT,
         };

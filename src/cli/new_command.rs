@@ -8,7 +8,9 @@ use std::process::ExitCode;
 use crate::batch::PLAN_TEMPLATE;
 use crate::cli::args::{NewArguments, NewFile};
 use crate::cli::failure::Failure;
+use crate::cli::output_files::{Files, Format};
 use crate::cli::terminal;
+use crate::input_file::is_standard_stream;
 use crate::scenario;
 
 const SCENARIO_HEAD: &str = "\
@@ -22,8 +24,8 @@ pub fn run(arguments: &NewArguments) -> Result<ExitCode, Failure> {
         NewFile::Plan => PLAN_TEMPLATE.to_owned(),
     };
     match &arguments.file {
-        Some(path) => write_new(path, &text)?,
-        None => terminal::print(text.as_bytes())?,
+        Some(path) if !is_standard_stream(path) => write_new(path, &text)?,
+        _ => terminal::print(text.as_bytes())?,
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -38,6 +40,7 @@ fn scenario_template() -> String {
 
 /// Writes a file that is not there yet.
 fn write_new(path: &Path, text: &str) -> Result<(), Failure> {
+    Files { outputs: vec![(Format::Toml, path)], ..Files::default() }.check()?;
     let written = File::create_new(path).and_then(|mut file| file.write_all(text.as_bytes()));
     written.map_err(|error| match error.kind() {
         ErrorKind::AlreadyExists => {

@@ -1,60 +1,163 @@
 //! Files that are to be written: what can be checked of them before anything is computed, and writing them.
 
 use std::fs;
-use std::io;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use crate::cli::failure::Failure;
 use crate::cli::terminal;
+use crate::input_file::is_standard_stream;
+use crate::whole_file::refuse_no_file;
 
 /// A file that may have been asked for, and how it is written.
 pub type Output<'a> = (Option<&'a Path>, &'a dyn Fn(&Path) -> io::Result<()>);
 
-/// Refuses outputs that cannot be written, that are one file, or that are the input.
-pub fn check<'a>(input: &'a Path, outputs: impl IntoIterator<Item = &'a Path>) -> Result<(), Failure> {
-    check_beside([input], outputs)
+/// What a file holds, which its name must say by its ending.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    Png,
+    Gif,
+    Mp4,
+    Csv,
+    Npy,
+    OmplLog,
+    Recording,
+    Toml,
 }
 
-/// Refuses outputs that cannot be written or that are one file.
-pub fn check_outputs<'a>(outputs: impl IntoIterator<Item = &'a Path>) -> Result<(), Failure> {
-    check_beside([], outputs)
-}
-
-/// Refuses outputs that cannot be written, that are one file, or that are one of the inputs.
-pub fn check_beside<'a>(
-    inputs: impl IntoIterator<Item = &'a Path>,
-    outputs: impl IntoIterator<Item = &'a Path>,
-) -> Result<(), Failure> {
-    let mut seen: Vec<PathBuf> = inputs.into_iter().map(resolved).collect();
-    for path in outputs {
-        if seen.contains(&resolved(path)) {
-            let sentence = format_args!("{} cannot be two files at once", path.display()).to_string();
-            return Err(Failure::bad_input(sentence, Some("the input and every output need names of their own")));
+impl Format {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Png => "a PNG image",
+            Self::Gif => "a GIF",
+            Self::Mp4 => "an MP4",
+            Self::Csv => "a table",
+            Self::Npy => "a NumPy array",
+            Self::OmplLog => "a log",
+            Self::Recording => "a recording",
+            Self::Toml => "TOML",
         }
-        check_parent(path)?;
-        seen.push(resolved(path));
     }
-    Ok(())
+
+    /// Tables and logs are plain text too.
+    const fn endings(self) -> &'static [&'static str] {
+        match self {
+            Self::Png => &["png"],
+            Self::Gif => &["gif"],
+            Self::Mp4 => &["mp4"],
+            Self::Csv => &["csv", "txt"],
+            Self::Npy => &["npy"],
+            Self::OmplLog => &["log", "txt"],
+            Self::Recording => &["wildfire"],
+            Self::Toml => &["toml"],
+        }
+    }
+
+    fn check(self, path: &Path) -> Result<(), Failure> {
+        let ending = path.extension().unwrap_or_default();
+        if self.endings().iter().any(|known| ending.eq_ignore_ascii_case(known)) {
+            return Ok(());
+        }
+        let endings = self.endings().iter().map(|ending| format!(".{ending}")).collect::<Vec<_>>().join(" or ");
+        let (path, name) = (path.display(), self.name());
+        let help = (self == Self::Png).then_some("films are written with `wildfire render --gif` and `--mp4`");
+        let help = help.filter(|_| ending.eq_ignore_ascii_case("gif") || ending.eq_ignore_ascii_case("mp4"));
+        Err(Failure::bad_input(
+            format_args!("{path} would be {name}; expected a name that ends in {endings}, or -"),
+            help,
+        ))
+    }
+}
+
+/// Where the words of a command go: to stdout, or to stderr if a file goes to stdout.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Words {
+    Stdout,
+    Stderr,
+}
+
+impl Words {
+    /// Prints a result for people.
+    pub fn print(self, result: &str) -> Result<(), Failure> {
+        match self {
+            Self::Stdout => terminal::print(result.as_bytes()),
+            Self::Stderr => {
+                terminal::note(result.trim_end_matches('\n'));
+                Ok(())
+            }
+        }
+    }
+}
+
+/// The files that a command was asked to read and to write.
+#[derive(Debug, Default)]
+pub struct Files<'a> {
+    pub inputs: Vec<&'a Path>,
+    pub outputs: Vec<(Format, &'a Path)>,
+    /// Whether the answer is asked for as JSON, which is no words but a result on stdout.
+    pub json: bool,
+}
+
+impl<'a> Files<'a> {
+    /// Outputs that may not have been asked for.
+    pub fn writing(mut self, outputs: impl IntoIterator<Item = (Format, &'a Option<PathBuf>)>) -> Self {
+        self.outputs.extend(outputs.into_iter().filter_map(|(format, path)| Some((format, path.as_deref()?))));
+        self
+    }
+
+    /// Refuses two inputs on stdin, two results on stdout, and outputs that are one file, an input, no file, in no
+    /// folder, or named as if they held something else than they will.
+    ///
+    /// # Errors
+    /// Bad input, but the environment where the system does not let the folder be looked at.
+    pub fn check(&self) -> Result<Words, Failure> {
+        if self.inputs.iter().filter(|path| is_standard_stream(path)).count() > 1 {
+            return Err(Failure::bad_input("- is stdin, which can be read once; expected it as one input", None));
+        }
+        let on_stdout = self.outputs.iter().filter(|(_, path)| is_standard_stream(path)).count();
+        if on_stdout + usize::from(self.json && on_stdout > 0) > 1 {
+            let help = if self.json { "--json prints to stdout too" } else { "give the other outputs names" };
+            return Err(Failure::bad_input("- is stdout; expected it as the place of one result", Some(help)));
+        }
+        let mut seen: Vec<PathBuf> =
+            self.inputs.iter().filter(|path| !is_standard_stream(path)).map(|path| resolved(path)).collect();
+        for &(format, path) in self.outputs.iter().filter(|(_, path)| !is_standard_stream(path)) {
+            if seen.contains(&resolved(path)) {
+                let sentence = format_args!("{} cannot be two files at once", path.display()).to_string();
+                return Err(Failure::bad_input(sentence, Some("the input and every output need names of their own")));
+            }
+            check_place(path)?;
+            format.check(path)?;
+            seen.push(resolved(path));
+        }
+        Ok(if on_stdout > 0 { Words::Stderr } else { Words::Stdout })
+    }
 }
 
 /// The path without links and detours, as far as it exists: one name for one file.
 fn resolved(path: &Path) -> PathBuf {
-    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let in_parent = || Some(fs::canonicalize(parent).ok()?.join(path.file_name()?));
+    let in_parent = || Some(fs::canonicalize(parent_of(path)).ok()?.join(path.file_name()?));
     fs::canonicalize(path).ok().or_else(in_parent).unwrap_or_else(|| path.to_owned())
 }
 
-fn check_parent(path: &Path) -> Result<(), Failure> {
-    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
-    match parent {
-        Some(parent) if !parent.is_dir() => {
-            Err(Failure::environment(format_args!("cannot write {}: there is no such folder", path.display())))
+fn parent_of(path: &Path) -> &Path {
+    path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Refuses a file in no folder, and a name that is taken by something else.
+fn check_place(path: &Path) -> Result<(), Failure> {
+    match fs::metadata(parent_of(path)).map(|found| found.is_dir()) {
+        Ok(true) => {}
+        Err(error) if !matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
+            return Err(Failure::unwritable(path, &error));
         }
-        _ if path.is_dir() => {
-            Err(Failure::bad_input(format_args!("{} is a folder; expected a file", path.display()), None))
+        _ => {
+            let sentence = format!("cannot write {}: there is no such folder", path.display());
+            return Err(Failure::bad_input(sentence, None));
         }
-        _ => Ok(()),
     }
+    refuse_no_file(path)
+        .map_err(|reason| Failure::bad_input(format_args!("cannot write {}: {reason}", path.display()), None))
 }
 
 /// Tries to write all files that were asked for; the error is the first.
@@ -63,10 +166,17 @@ pub fn write_all(outputs: &[Output], quiet: bool) -> Result<(), Failure> {
     for (path, write) in outputs {
         let Some(path) = path else { continue };
         let written = write(path).map_err(|error| Failure::unwritable(path, &error));
-        if written.is_ok() && !quiet {
-            terminal::note(&format!("wrote {}", path.display()));
+        if written.is_ok() {
+            note_written(path, quiet);
         }
         all = all.and(written);
     }
     all
+}
+
+/// Says that a file is there; of stdout that is seen.
+pub fn note_written(path: &Path, quiet: bool) {
+    if !quiet && !is_standard_stream(path) {
+        terminal::note(&format!("wrote {}", path.display()));
+    }
 }

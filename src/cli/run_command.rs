@@ -8,7 +8,8 @@ use std::process::ExitCode;
 use crate::batch::{RunLabel, RunResult, RunRow, Status, file_name_of, run_json};
 use crate::cli::args::RunArguments;
 use crate::cli::failure::Failure;
-use crate::cli::{output_files, run_report, scenario_commands, terminal};
+use crate::cli::output_files::{self, Files, Format, Words};
+use crate::cli::{run_report, scenario_commands, terminal};
 use crate::scenario::Scenario;
 use crate::sim;
 use crate::time::wall::WallStopwatch;
@@ -18,9 +19,9 @@ use crate::whole_file::WholeFile;
 
 pub fn run(arguments: &RunArguments, quiet: bool) -> Result<ExitCode, Failure> {
     let scenario = scenario_commands::load(&arguments.scenario.source, &arguments.scenario.overrides)?;
-    let outputs = Outputs::of(arguments, &scenario)?;
+    let (outputs, words) = Outputs::checked(arguments, &scenario)?;
     let (row, timeline) = run_once(&scenario, arguments)?;
-    let printed = print(&row, arguments.json);
+    let printed = print(&row, arguments.json, words);
     // Whatever cannot be written, all else of the run is kept.
     let written = timeline.map_or(Ok(()), |timeline| outputs.write(&timeline, quiet));
     printed.and(written)?;
@@ -30,10 +31,10 @@ pub fn run(arguments: &RunArguments, quiet: bool) -> Result<ExitCode, Failure> {
     }
 }
 
-fn print(row: &RunRow, as_json: bool) -> Result<(), Failure> {
+fn print(row: &RunRow, as_json: bool, words: Words) -> Result<(), Failure> {
     match &row.result {
         _ if as_json => terminal::print(format!("{}\n", run_json(row)).as_bytes()),
-        Some(result) => terminal::print(run_report::of(row, result).as_bytes()),
+        Some(result) => words.print(&run_report::of(row, result)),
         None => Ok(()),
     }
 }
@@ -63,19 +64,23 @@ struct Outputs<'a> {
 }
 
 impl<'a> Outputs<'a> {
-    /// Checks what can be checked before the run.
-    fn of(arguments: &'a RunArguments, scenario: &Scenario) -> Result<Self, Failure> {
+    /// Checks what can be checked before the run; and where its words go.
+    fn checked(arguments: &'a RunArguments, scenario: &Scenario) -> Result<(Self, Words), Failure> {
         let step_s = arguments.step;
         if !(step_s.is_finite() && step_s >= FINEST_STEP_S) {
             let sentence = format!("--step is {step_s}; expected seconds, at least {FINEST_STEP_S}");
             return Err(Failure::bad_input(sentence, None));
         }
         let recording = arguments.out.as_deref().map(|path| recording_path(path, scenario, arguments.seed));
-        let outputs =
-            Self { recording, events: arguments.events.as_deref(), trace: arguments.trace.as_deref(), step_s };
-        let paths = [outputs.recording.as_deref(), outputs.events, outputs.trace];
-        output_files::check(Path::new(&arguments.scenario.source), paths.into_iter().flatten())?;
-        Ok(outputs)
+        let inputs = vec![Path::new(&arguments.scenario.source)];
+        let files = Files { inputs, json: arguments.json, ..Files::default() }.writing([
+            (Format::Recording, &recording),
+            (Format::Csv, &arguments.events),
+            (Format::Csv, &arguments.trace),
+        ]);
+        let words = files.check()?;
+        let (events, trace) = (arguments.events.as_deref(), arguments.trace.as_deref());
+        Ok((Self { recording, events, trace, step_s }, words))
     }
 
     /// Tries all files; the error is the first.
@@ -85,8 +90,8 @@ impl<'a> Outputs<'a> {
         let trace = self.trace.map(|path| (path, write_csv(path, |to| write_trace(timeline, self.step_s, to))));
         let mut all = Ok(());
         for (path, written) in [recording, events, trace].into_iter().flatten() {
-            if written.is_ok() && !quiet {
-                terminal::note(&format!("wrote {}", path.display()));
+            if written.is_ok() {
+                output_files::note_written(path, quiet);
             }
             all = all.and(written);
         }

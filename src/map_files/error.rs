@@ -24,8 +24,6 @@ pub enum Fault {
     Unreadable(#[from] io::Error),
     #[error("this is a folder; a map file is expected")]
     Folder,
-    #[error("this is a device or a pipe; a map file is expected")]
-    NotAFile,
     #[error("the file has {bytes} bytes; at most {MAX_BYTES} are expected")]
     TooLarge { bytes: u64 },
     #[error("the file is empty; a map is expected")]

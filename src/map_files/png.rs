@@ -1,6 +1,6 @@
 //! PNG images as grey values.
 
-use std::io::{BufRead, Seek};
+use std::io::{BufRead, Read, Seek};
 
 use image::codecs::png::PngDecoder;
 use image::{ColorType, ImageDecoder, ImageError, Limits};
@@ -40,6 +40,19 @@ pub(super) fn read<R: BufRead + Seek>(mut source: R, bytes: u64) -> Result<(Grid
     decoder.read_image(&mut data).map_err(damaged)?;
     let values = grey_values(data, colour_type, &header)?;
     Ok((Grid::from_values(header.rows, header.cols, values), header.note(colour_type)))
+}
+
+/// All bytes of an image of which the first are known; no more than an image of the size in its header can have.
+pub(super) fn read_bytes(mut bytes: Vec<u8>, rest: impl Read) -> Result<Vec<u8>, Fault> {
+    let header = Header::parse(&bytes)?;
+    check_size(header.rows, header.cols)?;
+    let most = header.most_bytes();
+    rest.take((most + 1).saturating_sub(bytes.len() as u64)).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most {
+        let message = format!("it goes on after {most} bytes, more than an image of its size has");
+        return Err(Fault::Image { message });
+    }
+    Ok(bytes)
 }
 
 /// Accepts the bytes that the header promises, before memory is taken for them.
@@ -101,6 +114,20 @@ impl Header {
         };
         let side = |bytes| u32::from_be_bytes(bytes) as usize;
         Ok(Self { rows: side([h3, h2, h1, h0]), cols: side([w3, w2, w1, w0]), depth, colour_type })
+    }
+
+    /// More than the bytes of any image of this size, of which none is larger than its pixels by much.
+    fn most_bytes(&self) -> u64 {
+        let channels = match self.colour_type {
+            0 | 3 => 1,
+            4 => 2,
+            2 => 3,
+            _ => 4,
+        };
+        let bits = self.cols as u64 * channels * u64::from(self.depth.min(16));
+        // An interlaced row may come in two pieces, each with a byte for its filter.
+        let pixels = self.rows as u64 * (bits.div_ceil(8) + 2);
+        (pixels + pixels / 8).min(MAX_DECODED) + MAX_EXTRAS
     }
 
     fn note(&self, decoded: ColorType) -> Option<String> {

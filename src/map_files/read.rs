@@ -1,12 +1,12 @@
 //! Reads a map, whatever its format.
 
-use std::fs::{self, File};
-use std::io::{BufRead, BufReader, Seek};
+use std::io::{BufRead, BufReader, Cursor, ErrorKind, Read, Seek};
 use std::path::Path;
 
 use super::lines::without_mark;
 use super::{Fault, MAX_BYTES, MapError, moving_ai, png, pnm, text};
 use crate::grid::{Grid, occupancy};
+use crate::input_file::{self, InputFile};
 
 const BUFFER_BYTES: usize = 1 << 16;
 
@@ -31,32 +31,55 @@ pub struct MapFile {
 /// If the file is no such map, or breaks off, or is larger than [`MAX_SIDE`](super::MAX_SIDE) or
 /// [`MAX_CELLS`](super::MAX_CELLS) allow. What a header declares is checked before any memory is taken for it.
 pub fn read(path: &Path, tolerance: u8) -> Result<MapFile, MapError> {
-    let read = || {
-        let (file, bytes) = open(path)?;
-        read_from(BufReader::with_capacity(BUFFER_BYTES, file), bytes, tolerance)
+    let read = || match input_file::open(path).map_err(not_opened)? {
+        InputFile::Regular(_, 0) => Err(Fault::Empty),
+        InputFile::Regular(_, bytes) if bytes > MAX_BYTES => Err(Fault::TooLarge { bytes }),
+        InputFile::Regular(file, bytes) => read_file(BufReader::with_capacity(BUFFER_BYTES, file), bytes, tolerance),
+        stream => read_stream(stream, tolerance),
     };
     read().map_err(|fault| MapError { path: path.to_owned(), fault })
 }
 
-/// The file and its size; opening a pipe could wait for ever and a device has no end, so both are refused.
-fn open(path: &Path) -> Result<(File, u64), Fault> {
-    let found = fs::metadata(path)?;
-    match found.len() {
-        _ if found.is_dir() => Err(Fault::Folder),
-        _ if !found.is_file() => Err(Fault::NotAFile),
-        0 => Err(Fault::Empty),
-        bytes if bytes > MAX_BYTES => Err(Fault::TooLarge { bytes }),
-        bytes => Ok((File::open(path)?, bytes)),
+fn not_opened(error: std::io::Error) -> Fault {
+    if error.kind() == ErrorKind::IsADirectory { Fault::Folder } else { error.into() }
+}
+
+fn read_file<R: BufRead + Seek>(mut source: R, bytes: u64, tolerance: u8) -> Result<MapFile, Fault> {
+    match Format::of(source.fill_buf()?)? {
+        Format::Png => png::read(source, bytes).map(|(grey, note)| from_grey(grey, tolerance, note)),
+        Format::Sequential(format) => read_sequential(format, source, bytes, tolerance),
     }
 }
 
-fn read_from<R: BufRead + Seek>(mut source: R, bytes: u64, tolerance: u8) -> Result<MapFile, Fault> {
-    match Format::of(source.fill_buf()?)? {
-        Format::Png => png::read(source, bytes).map(|(grey, note)| from_grey(grey, tolerance, note)),
-        Format::Pnm => pnm::read(source, bytes).map(|(grey, note)| from_grey(grey, tolerance, note)),
-        Format::MovingAi => moving_ai::read(source, bytes).map(|(occupied, note)| from_cells(occupied, note)),
-        Format::Csv => text::read_csv(source, bytes).map(|occupied| from_cells(occupied, None)),
-        Format::Text => text::read_text(source, bytes).map(|occupied| from_cells(occupied, None)),
+/// Reads what cannot be gone back in, a pipe, a device or stdin: its first bytes are kept, as they tell the format, and
+/// those of a PNG image are all kept.
+fn read_stream(mut stream: impl Read, tolerance: u8) -> Result<MapFile, Fault> {
+    let mut start = Vec::new();
+    stream.by_ref().take(BUFFER_BYTES as u64).read_to_end(&mut start)?;
+    let bytes = start.len() as u64;
+    if start.is_empty() {
+        return Err(Fault::Empty);
+    }
+    match Format::of(&start)? {
+        Format::Png => {
+            let image = png::read_bytes(start, stream)?;
+            let bytes = image.len() as u64;
+            read_file(Cursor::new(image), bytes, tolerance)
+        }
+        Format::Sequential(format) => {
+            let rest = BufReader::with_capacity(BUFFER_BYTES, stream.take(MAX_BYTES - bytes));
+            read_sequential(format, Cursor::new(start).chain(rest), bytes, tolerance)
+        }
+    }
+}
+
+/// `bytes` is how many there are, or at least are, which says how much room to make at first.
+fn read_sequential(format: Sequential, source: impl BufRead, bytes: u64, tolerance: u8) -> Result<MapFile, Fault> {
+    match format {
+        Sequential::Pnm => pnm::read(source, bytes).map(|(grey, note)| from_grey(grey, tolerance, note)),
+        Sequential::MovingAi => moving_ai::read(source, bytes).map(|(occupied, note)| from_cells(occupied, note)),
+        Sequential::Csv => text::read_csv(source, bytes).map(|occupied| from_cells(occupied, None)),
+        Sequential::Text => text::read_text(source, bytes).map(|occupied| from_cells(occupied, None)),
     }
 }
 
@@ -72,6 +95,12 @@ fn from_cells(occupied: Grid<bool>, note: Option<String>) -> MapFile {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
     Png,
+    Sequential(Sequential),
+}
+
+/// What is read from its front to its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Sequential {
     Pnm,
     MovingAi,
     Csv,
@@ -106,13 +135,13 @@ impl Format {
         Ok(if start.starts_with(png::SIGNATURE) {
             Self::Png
         } else if pnm::is_start(start) {
-            Self::Pnm
+            Self::Sequential(Sequential::Pnm)
         } else if first_line.starts_with(b"type ") {
-            Self::MovingAi
+            Self::Sequential(Sequential::MovingAi)
         } else if first_line.contains(&b',') {
-            Self::Csv
+            Self::Sequential(Sequential::Csv)
         } else {
-            Self::Text
+            Self::Sequential(Sequential::Text)
         })
     }
 }

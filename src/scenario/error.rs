@@ -1,6 +1,7 @@
 //! What is wrong with a scenario, and where.
 
 use std::fmt;
+use std::io::ErrorKind;
 use std::ops::Range;
 
 use miette::{
@@ -33,14 +34,8 @@ pub struct ScenarioError {
 pub enum Fault {
     #[error("there is no file and no built-in scenario `{name}`")]
     NotFound { name: String, nearest: Option<String> },
-    #[error("`{path}` is a folder, a file is expected")]
-    Folder { path: String },
     #[error("`{path}` cannot be read: {reason}")]
-    Unreadable { path: String, reason: String },
-    #[error("`{path}` is too large; at most {megabytes} MB are expected")]
-    TooLarge { path: String, megabytes: u64 },
-    #[error("`{path}` is not text: byte {byte} is not UTF-8")]
-    NotText { path: String, byte: usize },
+    Unreadable { path: String, kind: ErrorKind, reason: String },
     #[error("this is not TOML: {message}")]
     Syntax { message: String },
     #[error("this is not JSON: {message}")]

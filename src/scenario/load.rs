@@ -5,7 +5,7 @@ use toml::{Table, Value};
 use super::change::Change;
 use super::error::{Fault, Place, ScenarioError};
 use super::path::{FieldPath, Found, Step};
-use super::source::{MAX_MAP_BYTES, Source, read_text};
+use super::source::{MAX_MAP_BYTES, ScenarioText, read_text};
 use super::{GivenField, Scenario, check, wording};
 
 /// Options of `[field]` that say how to generate one, and so contradict a map.
@@ -28,8 +28,15 @@ impl LoadedScenario {
     /// # Errors
     /// The first fault found, with its place in the file, in the map, or in the change.
     pub fn open(source: &str, changes: &[String]) -> Result<Self, Box<ScenarioError>> {
-        let source = Source::open(source)?;
-        let mut written = parse(&source)?;
+        Self::from_text(&ScenarioText::open(source)?, changes)
+    }
+
+    /// Does the same with a text that was read before.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn from_text(source: &ScenarioText, changes: &[String]) -> Result<Self, Box<ScenarioError>> {
+        let mut written = parse(source)?;
         let changes = changes.iter().map(|option| Change::make(option, &mut written)).collect::<Result<Vec<_>, _>>()?;
         let text = Text { source, changes };
         text.drop_overruled(&mut written);
@@ -77,7 +84,7 @@ pub fn load(source: &str, changes: &[String]) -> Result<Scenario, Box<ScenarioEr
     LoadedScenario::open(source, changes).map(|loaded| loaded.scenario)
 }
 
-fn parse(source: &Source) -> Result<Table, Box<ScenarioError>> {
+fn parse(source: &ScenarioText) -> Result<Table, Box<ScenarioError>> {
     toml::from_str(&source.text).map_err(|error| {
         let place = Place::new(&source.name, &source.text, error.span().unwrap_or(0..0));
         Fault::Syntax { message: error.message().to_owned() }.at(place)
@@ -92,12 +99,12 @@ pub(super) enum Side {
 }
 
 /// Everything that a value can have been written in.
-struct Text {
-    source: Source,
+struct Text<'a> {
+    source: &'a ScenarioText,
     changes: Vec<Change>,
 }
 
-impl Text {
+impl Text<'_> {
     fn resolve(&self, written: &Table) -> Result<Scenario, Box<ScenarioError>> {
         self.refuse_hidden_and_infinite(written)?;
         let mut scenario: Scenario =

@@ -39,7 +39,7 @@ pub use given::{GivenField, MapError, MapFault};
 pub use load::{LoadedScenario, load};
 pub use problem::{MAX_GOALS, Problem};
 pub use rules::{Extinguishes, Fire, Ignition, IgnitionCells, Score, SpreadFrom, Suppression};
-pub use source::{BUILT_IN, MAX_MAP_BYTES, MAX_SCENARIO_BYTES};
+pub use source::{BUILT_IN, MAX_MAP_BYTES, MAX_SCENARIO_BYTES, ScenarioText, can_be_read_again};
 pub use terrain::{Terrain, TerrainError};
 pub use tetromino::Shape;
 

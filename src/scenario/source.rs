@@ -1,10 +1,11 @@
 //! Where scenarios come from: files and the built-in ones.
 
-use std::fs::{self, File};
-use std::io::Read;
+use std::fs;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use super::error::{Fault, ScenarioError, nearest_name};
+use crate::input_file;
 
 /// The scenarios that are part of the program, by name, with their text.
 pub const BUILT_IN: &[(&str, &str)] = &[
@@ -27,56 +28,63 @@ pub const MAX_SCENARIO_BYTES: u64 = 2_000_000;
 /// Longest map that is read.
 pub const MAX_MAP_BYTES: u64 = 16_000_000;
 
-/// What some editors write before a text; nobody sees it, and it is no part of the text.
-const BYTE_ORDER_MARK: char = '\u{FEFF}';
-
 /// The text of a scenario and what to call it.
-pub(super) struct Source {
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScenarioText {
+    /// As it was asked for: a built-in name, or a path.
+    pub source: String,
     /// As messages name it: the path, or the file's name in the program's `scenarios` folder.
-    pub name: String,
+    pub(super) name: String,
     /// The scenario's name unless its text gives one.
-    pub stem: String,
+    pub(super) stem: String,
     pub text: String,
     /// The folder that paths in the text start from.
     pub folder: PathBuf,
 }
 
-impl Source {
-    /// A built-in scenario by its exact name, or else the file at this path.
+impl ScenarioText {
+    /// Reads a built-in scenario by its exact name, or else the input at this path.
+    ///
+    /// # Errors
+    /// If there is none, or it cannot be read, or it is no text, or has more than [`MAX_SCENARIO_BYTES`].
     pub fn open(source: &str) -> Result<Self, Box<ScenarioError>> {
         if let Some((name, text)) = BUILT_IN.iter().find(|(name, _)| *name == source) {
             let (name, stem) = (format!("scenarios/{name}.toml"), (*name).to_owned());
-            return Ok(Self { name, stem, text: (*text).to_owned(), folder: PathBuf::new() });
+            let (source, text) = (source.to_owned(), (*text).to_owned());
+            return Ok(Self { source, name, stem, text, folder: PathBuf::new() });
         }
+        Self::from_bytes(source, input_file::read(Path::new(source), MAX_SCENARIO_BYTES))
+    }
+
+    /// Takes what was read at this path.
+    ///
+    /// # Errors
+    /// If it could not be read, or is no text.
+    pub fn from_bytes(source: &str, bytes: io::Result<Vec<u8>>) -> Result<Self, Box<ScenarioError>> {
         let path = Path::new(source);
-        if !path.exists() {
-            let nearest = nearest_name(source, BUILT_IN.iter().map(|(name, _)| *name));
-            return Err(Fault::NotFound { name: source.to_owned(), nearest }.nowhere());
-        }
-        let text = read_text(path, MAX_SCENARIO_BYTES).map_err(Fault::nowhere)?;
+        let text = bytes.and_then(input_file::text).map_err(|error| match error.kind() {
+            ErrorKind::NotFound | ErrorKind::NotADirectory => {
+                let nearest = nearest_name(source, BUILT_IN.iter().map(|(name, _)| *name));
+                Fault::NotFound { name: source.to_owned(), nearest }.nowhere()
+            }
+            _ => unreadable(path, &error).nowhere(),
+        })?;
         let stem = path.file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-        Ok(Self { name: source.to_owned(), stem, text, folder })
+        Ok(Self { source: source.to_owned(), name: source.to_owned(), stem, text, folder })
     }
 }
 
-/// A file's text without a byte order mark; one of more bytes than `most` is refused.
+/// Whether the scenario of this name can be read once more: a built-in one, or a file. A pipe's text is gone.
+pub fn can_be_read_again(source: &str) -> bool {
+    BUILT_IN.iter().any(|(name, _)| *name == source) || fs::metadata(source).is_ok_and(|found| found.is_file())
+}
+
+/// The text of an input; one of more bytes than `most` is refused.
 pub(super) fn read_text(path: &Path, most: u64) -> Result<String, Fault> {
-    let shown = path.display().to_string();
-    let unreadable = |error: std::io::Error| Fault::Unreadable { path: shown.clone(), reason: error.to_string() };
-    if fs::metadata(path).map_err(unreadable)?.is_dir() {
-        return Err(Fault::Folder { path: shown });
-    }
-    let mut bytes = Vec::new();
-    // A device or pipe states no length, so the reading itself is bounded.
-    File::open(path).map_err(unreadable)?.take(most + 1).read_to_end(&mut bytes).map_err(unreadable)?;
-    if bytes.len() as u64 > most {
-        return Err(Fault::TooLarge { path: shown, megabytes: most / 1_000_000 });
-    }
-    let mut text = String::from_utf8(bytes)
-        .map_err(|error| Fault::NotText { path: shown, byte: error.utf8_error().valid_up_to() })?;
-    if text.starts_with(BYTE_ORDER_MARK) {
-        text.remove(0);
-    }
-    Ok(text)
+    input_file::read_text(path, most).map_err(|error| unreadable(path, &error))
+}
+
+fn unreadable(path: &Path, error: &io::Error) -> Fault {
+    Fault::Unreadable { path: path.display().to_string(), kind: error.kind(), reason: error.to_string() }
 }

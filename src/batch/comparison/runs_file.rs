@@ -1,8 +1,7 @@
 //! `runs.csv` as it is read: the columns that a comparison needs, by their names.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{self, Read};
+use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use csv::{ByteRecord, Reader, ReaderBuilder};
@@ -10,6 +9,7 @@ use csv::{ByteRecord, Reader, ReaderBuilder};
 use crate::batch::comparison::error::ComparisonError;
 use crate::batch::comparison::words::shown;
 use crate::batch::{MAX_RUNS, RUNS_FILE};
+use crate::input_file::{self, InputFile};
 
 /// The most bytes between the ends of two rows.
 const MAX_ROW_BYTES: u64 = 1 << 20;
@@ -71,11 +71,11 @@ impl RunsFile {
     /// Opens the table of a batch: its folder, or the file itself.
     pub fn open(path: &Path) -> Result<Self, ComparisonError> {
         let path = if path.is_dir() { path.join(RUNS_FILE) } else { path.to_owned() };
-        let unreadable = |source| ComparisonError::Unreadable { path: path.clone(), source };
-        if !path.is_file() {
-            return Err(ComparisonError::NoBatch { path });
-        }
-        let file = Rationed { file: File::open(&path).map_err(unreadable)?, left: MAX_ROW_BYTES };
+        let file = input_file::open(&path).map_err(|source| match source.kind() {
+            ErrorKind::NotFound | ErrorKind::NotADirectory => ComparisonError::NoBatch { path: path.clone() },
+            _ => ComparisonError::Unreadable { path: path.clone(), source },
+        })?;
+        let file = Rationed { file, left: MAX_ROW_BYTES };
         let mut reader = ReaderBuilder::new().buffer_capacity(1 << 16).from_reader(file);
         let header = reader.byte_headers().map_err(|error| damaged(&path, 1, &error))?;
         let header: Vec<String> = header.iter().map(|name| String::from_utf8_lossy(name).into_owned()).collect();
@@ -251,7 +251,7 @@ fn damaged(path: &Path, line: u64, error: &csv::Error) -> ComparisonError {
 
 /// A file of which only so many bytes are read at a time, so that a row without an end cannot fill the memory.
 struct Rationed {
-    file: File,
+    file: InputFile,
     left: u64,
 }
 

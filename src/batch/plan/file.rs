@@ -14,8 +14,6 @@
 //! wumpus.speed_mps = [1, 2]
 //! ```
 
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 use schemars::JsonSchema;
@@ -26,7 +24,7 @@ use toml::{Table, Value};
 use super::sweep::SweepError;
 use super::{BatchRequest, Record, Setting, Sweep};
 use crate::batch::{Seeds, SeedsError};
-use crate::scenario::{BUILT_IN, MAX_SCENARIO_BYTES};
+use crate::scenario::{BUILT_IN, ScenarioText};
 
 /// A plan file with comments, to begin with.
 pub const PLAN_TEMPLATE: &str = include_str!("template.toml");
@@ -82,26 +80,16 @@ pub fn schema() -> schemars::Schema {
     schemars::schema_for!(PlanFile)
 }
 
-/// The request of the plan file at this path; `None` if what is there is no plan.
+/// The request of a plan file; `None` if the text is no plan.
 ///
-/// A file is a plan if it has one of the keys of plans at its top, which no scenario has.
-pub fn read(path: &str) -> Result<Option<BatchRequest>, PlanFileError> {
-    let Some(text) = read_text(path) else { return Ok(None) };
+/// A text is a plan if it has one of the keys of plans at its top, which no scenario has.
+pub fn read(source: &ScenarioText) -> Result<Option<BatchRequest>, PlanFileError> {
     let is_plan = |table: &Table| KEYS.iter().any(|key| table.contains_key(*key));
-    if !toml::from_str(&text).is_ok_and(|table: Table| is_plan(&table)) {
+    if !toml::from_str(&source.text).is_ok_and(|table: Table| is_plan(&table)) {
         return Ok(None);
     }
-    let file: PlanFile = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
-    let request = file.into_request(Path::new(path).parent().unwrap_or(Path::new("")));
-    request.map(Some).map_err(|fault| fault.at(path))
-}
-
-/// `None` of what is no file of text, or too long for a scenario or a plan: loading it as a scenario says what it is.
-fn read_text(path: &str) -> Option<String> {
-    let mut text = String::new();
-    let file = File::open(path).ok()?;
-    file.take(MAX_SCENARIO_BYTES + 1).read_to_string(&mut text).ok()?;
-    (text.len() as u64 <= MAX_SCENARIO_BYTES).then_some(text)
+    let file: PlanFile = toml::from_str(&source.text).map_err(|error| syntax(&source.source, &source.text, &error))?;
+    file.into_request(&source.folder).map(Some).map_err(|fault| fault.at(&source.source))
 }
 
 fn syntax(path: &str, text: &str, error: &toml::de::Error) -> PlanFileError {
@@ -143,7 +131,8 @@ impl PlanFile {
         let changes = leaves(self.set).into_iter().map(|(key, value)| format!("{key}={value}")).collect();
         let sweeps = self.sweep.into_iter().map(sweep_of).collect::<Result<_, _>>()?;
         let scenarios = scenarios.iter().map(|name| located(name, folder)).collect();
-        let mut request = BatchRequest { scenarios, changes, sweeps, seeds, record: self.record };
+        let mut request =
+            BatchRequest { scenarios, changes, sweeps, seeds, record: self.record, ..BatchRequest::default() };
         request.add_planners(&self.planners)?;
         Ok(request)
     }
@@ -189,15 +178,10 @@ fn leaves(table: Table) -> Vec<(String, Value)> {
 
 #[cfg(test)]
 mod tests {
-    use std::fs;
-
     use super::*;
 
     fn read_plan(text: &str) -> Result<Option<BatchRequest>, PlanFileError> {
-        let scratch = tempfile::tempdir().expect("a scratch folder");
-        let path = scratch.path().join("plan.toml");
-        fs::write(&path, text).expect("writable");
-        read(path.to_str().expect("scratch folders have plain names"))
+        read(&ScenarioText::from_bytes("plan.toml", Ok(text.into())).expect("it is text"))
     }
 
     fn refusal(text: &str) -> String {
@@ -245,7 +229,6 @@ mod tests {
             assert_eq!(read_plan(text).expect("it is no plan"), None, "{name}");
         }
         assert_eq!(read_plan("this is not TOML").expect("it is no plan"), None);
-        assert_eq!(read("nowhere.toml").expect("it is no plan"), None);
     }
 
     #[test]

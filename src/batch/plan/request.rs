@@ -9,7 +9,7 @@ use super::file::{self, PlanFileError};
 use super::sweep::{SweepError, check_sweeps, split_at_commas};
 use super::{BatchPlan, PLANNER_KEY, Record, Setting, Sweep, Variant};
 use crate::batch::{MAX_RUNS, Seeds, Value};
-use crate::scenario::{self, Scenario, ScenarioError};
+use crate::scenario::{LoadedScenario, Scenario, ScenarioError, ScenarioText};
 
 /// The most runs of a batch that is not insisted on.
 pub const RUNS_WITHOUT_FORCE: u64 = 100_000;
@@ -25,6 +25,8 @@ pub(super) const MAX_PLAN_BYTES: u64 = 256_000_000;
 pub struct BatchRequest {
     /// Names of built-in scenarios, or paths.
     pub scenarios: Vec<String>,
+    /// Those whose text is known already; the others are read. A pipe can be read only once.
+    pub texts: Vec<ScenarioText>,
     /// Changes to all scenarios, `key=value`.
     pub changes: Vec<String>,
     pub sweeps: Vec<Sweep>,
@@ -59,9 +61,9 @@ pub enum RequestError {
 }
 
 impl BatchRequest {
-    /// The request of a plan file; `None` if the file is none, but a scenario, or cannot be read as TOML at all.
-    pub fn of_file(path: &str) -> Result<Option<Self>, RequestError> {
-        Ok(file::read(path)?)
+    /// The request of a plan file; `None` if the text is none, but a scenario, or cannot be read as TOML at all.
+    pub fn from_text(text: &ScenarioText) -> Result<Option<Self>, RequestError> {
+        Ok(file::read(text)?)
     }
 
     /// Takes an option of the command line: a change, or a sweep where several values stand between commas.
@@ -125,8 +127,12 @@ impl BatchRequest {
         let mut variants = Vec::new();
         let mut bytes = 0;
         for source in &self.scenarios {
+            let text = match self.texts.iter().find(|text| text.source == *source) {
+                Some(text) => text,
+                None => &ScenarioText::open(source)?,
+            };
             for combination in &combinations {
-                let variant = self.variant(source, combination)?;
+                let variant = self.variant(text, combination)?;
                 bytes += json_of(&variant.scenario).len() as u64;
                 if bytes > MAX_PLAN_BYTES {
                     return Err(RequestError::TooLarge);
@@ -137,13 +143,13 @@ impl BatchRequest {
         Ok(variants)
     }
 
-    fn variant(&self, source: &str, combination: &[(&str, &Setting)]) -> Result<Variant, RequestError> {
+    fn variant(&self, text: &ScenarioText, combination: &[(&str, &Setting)]) -> Result<Variant, RequestError> {
         let swept_changes = combination.iter().map(|(key, setting)| format!("{key}={}", setting.written));
         let changes: Vec<String> = self.changes.iter().cloned().chain(swept_changes).collect();
-        let scenario = scenario::load(source, &changes)?;
+        let scenario = LoadedScenario::from_text(text, &changes)?.scenario;
         let columns = combination.iter().filter(|(key, _)| *key != PLANNER_KEY);
         let swept: Vec<Value> = columns.map(|(_, setting)| setting.value.clone()).collect();
-        Ok(Variant { source: source.to_owned(), changes, swept, scenario })
+        Ok(Variant { source: text.source.clone(), changes, swept, scenario })
     }
 }
 

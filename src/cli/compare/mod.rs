@@ -46,7 +46,10 @@ fn formed(document: &Document, arguments: &CompareArguments) -> String {
 impl From<ComparisonError> for Failure {
     fn from(error: ComparisonError) -> Self {
         match error {
-            ComparisonError::Unreadable { .. } => Self::environment(error),
+            ComparisonError::Unreadable { ref source, .. } => {
+                let kind = source.kind();
+                Self::of_input(error, kind)
+            }
             error => Self::bad_input(error, None),
         }
     }

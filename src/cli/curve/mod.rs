@@ -20,7 +20,9 @@ use answer::Answer;
 use args::End;
 
 use crate::cli::failure::Failure;
-use crate::cli::{output_files, terminal};
+use crate::cli::output_files::{self, Files, Format};
+use crate::cli::terminal;
+use crate::input_file::is_standard_stream;
 
 pub fn run(arguments: &CurveArguments, quiet: bool) -> Result<ExitCode, Failure> {
     match (&arguments.pairs, &arguments.csv, arguments.from, arguments.to) {
@@ -32,23 +34,23 @@ pub fn run(arguments: &CurveArguments, quiet: bool) -> Result<ExitCode, Failure>
 }
 
 fn tell_lengths(pairs: &Path, csv: &Path, radius_m: f64, quiet: bool) -> Result<(), Failure> {
-    output_files::check(pairs, [csv])?;
+    Files { inputs: vec![pairs], outputs: vec![(Format::Csv, csv)], json: false }.check()?;
     let rows = pairs::write_lengths(pairs, csv, radius_m)?;
-    if !quiet {
+    if !quiet && !is_standard_stream(csv) {
         terminal::note(&format!("wrote {}: {rows} pairs, turning radius {radius_m} m", csv.display()));
     }
     Ok(())
 }
 
 fn tell_curves(from: End, to: End, arguments: &CurveArguments, quiet: bool) -> Result<(), Failure> {
-    let outputs = [arguments.csv.as_deref(), arguments.png.as_deref()];
-    output_files::check_outputs(outputs.into_iter().flatten())?;
+    let files = Files { json: arguments.json, ..Files::default() };
+    let words = files.writing([(Format::Csv, &arguments.csv), (Format::Png, &arguments.png)]).check()?;
     let answer = Answer::of(from, to, arguments);
     if arguments.csv.is_some() {
         samples::check(&answer.curves, arguments.step)?;
     }
     let told = if arguments.json { json::of(&answer) } else { summary::of(&answer) };
-    let printed = terminal::print(told.as_bytes());
+    let printed = words.print(&told);
     // Whatever cannot be written, all else is kept.
     let written = output_files::write_all(
         &[

@@ -1,13 +1,13 @@
 //! Reads a table of pairs of poses row by row.
 
-use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read};
+use std::io::{self, BufRead, BufReader, ErrorKind, Read};
 use std::path::Path;
 
 use thiserror::Error;
 
 use crate::cli::curve::limits::{self, NUMBERS};
 use crate::geometry::Pose;
+use crate::input_file::{self, InputFile};
 
 /// Columns that are read, by their names in the header: metres and radians.
 const COLUMNS: [&str; 6] = ["x0", "y0", "th0", "x1", "y1", "th1"];
@@ -38,11 +38,21 @@ pub enum Fault {
     Number { line: u64, column: &'static str, found: String },
 }
 
+impl Fault {
+    /// What kind of an input has this fault.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Unreadable(error) => error.kind(),
+            _ => ErrorKind::InvalidData,
+        }
+    }
+}
+
 /// A table of pairs, of which one row is kept at a time.
 ///
 /// Fields stand between commas; those in double quotes may hold commas, but no line ends. Blank lines are passed over.
 pub struct PairTable {
-    source: BufReader<File>,
+    source: BufReader<InputFile>,
     /// The last line that was read, without its end.
     row: Vec<u8>,
     line: u64,
@@ -55,7 +65,7 @@ pub struct PairTable {
 impl PairTable {
     /// Reads the header, which must have all of [`COLUMNS`] and none of `taken`.
     pub fn open(path: &Path, taken: &[&'static str]) -> Result<Self, Fault> {
-        let source = BufReader::new(File::open(path)?);
+        let source = BufReader::new(input_file::open(path)?);
         let mut table = Self { source, row: Vec::new(), line: 0, width: 0, places: [0; COLUMNS.len()] };
         if !table.read_row()? {
             return Err(Fault::Empty);

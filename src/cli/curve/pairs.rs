@@ -17,7 +17,7 @@ pub const ADDED: [&str; 4] = ["reeds_shepp_m", "reeds_shepp_word", "dubins_m", "
 /// Numbers are the shortest decimals that read back as the same `f64`. A row is read, written and forgotten before the
 /// next.
 pub fn write_lengths(input: &Path, output: &Path, radius_m: f64) -> Result<u64, Failure> {
-    let bad = |fault: Fault| Failure::bad_input(format_args!("{}: {fault}", input.display()), None);
+    let bad = |fault: Fault| Failure::of_input(format_args!("{}: {fault}", input.display()), fault.kind());
     let unwritable = |error: io::Error| Failure::unwritable(output, &error);
     let (reeds_shepp, dubins) = (ReedsShepp { radius_m }, Dubins { radius_m });
     let mut pairs = PairTable::open(input, &ADDED).map_err(bad)?;

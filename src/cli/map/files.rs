@@ -1,34 +1,37 @@
 //! The files that a command was asked for.
 
-use std::path::Path;
+use std::path::PathBuf;
 
 use crate::cli::failure::Failure;
 use crate::cli::map::args::Computation;
 use crate::cli::map::options::OutputArguments;
 use crate::cli::map::report::Report;
 use crate::cli::map::scene::with_scene;
-use crate::cli::output_files;
+use crate::cli::output_files::{self, Files, Format, Words};
 use crate::map_files::write_path;
 use crate::picture::{draw_map, draw_overlay, draw_surface};
 
-/// Checks what can be checked before anything is computed.
-pub fn check(computation: &Computation) -> Result<(), Failure> {
+/// Checks what can be checked before anything is computed; and where the words go.
+pub fn check(computation: &Computation) -> Result<Words, Failure> {
     let files = computation.files();
     if files.output.path.is_some() && !computation.has_start() {
         let help = "`wildfire map wavefront` and `wildfire map descend` find paths, from --start";
         return Err(Failure::bad_input("--path without a start: there is no path to write", Some(help)));
     }
-    output_files::check(&files.input.map, paths(&files.output))
+    let json = files.output.json;
+    Files { inputs: vec![&files.input.map], json, ..Files::default() }.writing(named(&files.output)).check()
 }
 
-fn paths(output: &OutputArguments) -> impl Iterator<Item = &Path> {
+fn named(output: &OutputArguments) -> [(Format, &Option<PathBuf>); 6] {
     let OutputArguments { csv, npy, png, overlay, surface, path, colormap: _, json: _ } = output;
-    [csv, npy, png, overlay, surface, path].into_iter().filter_map(Option::as_deref)
+    let pictures = [png, overlay, surface].map(|picture| (Format::Png, picture));
+    let [png, overlay, surface] = pictures;
+    [(Format::Csv, csv), (Format::Npy, npy), png, overlay, surface, (Format::Csv, path)]
 }
 
 /// Whether some file was asked for.
 pub fn are_wanted(output: &OutputArguments) -> bool {
-    paths(output).next().is_some()
+    named(output).iter().any(|(_, path)| path.is_some())
 }
 
 /// Writes all files; the error is the first.

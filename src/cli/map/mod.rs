@@ -39,7 +39,7 @@ pub fn run(command: &MapCommand, quiet: bool) -> Result<ExitCode, Failure> {
 
 fn compute_and_tell(computation: &Computation, quiet: bool) -> Result<(), Failure> {
     computation.check_parameters().map_err(|problem| Failure::bad_input(problem, None))?;
-    files::check(computation)?;
+    let words = files::check(computation)?;
     let (input, output) = (&computation.files().input, &computation.files().output);
     let (map, cpu_read) = read(&input.map, &input.reading)?;
     let computed = compute::compute(computation, &map.occupied)
@@ -48,7 +48,7 @@ fn compute_and_tell(computation: &Computation, quiet: bool) -> Result<(), Failur
     if output.json && !quiet {
         report.sentences().iter().for_each(|sentence| terminal::note(sentence));
     }
-    let printed = terminal::print(told(&report).as_bytes());
+    let printed = words.print(&told(&report));
     // Whatever cannot be written, all else is kept.
     let written = files::write(&report, quiet);
     printed.and(written)

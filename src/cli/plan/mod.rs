@@ -22,8 +22,10 @@ use attempts::{Attempt, attempts};
 use summary::Summary;
 
 use crate::batch::file_name_of;
+use crate::cli::exit;
 use crate::cli::failure::Failure;
-use crate::cli::{exit, output_files, terminal};
+use crate::cli::output_files::{self, Files, Format};
+use crate::input_file::is_standard_stream;
 use crate::planning::TruckPlannerKind;
 use crate::scenario::{LoadedScenario, Problem};
 
@@ -53,7 +55,7 @@ pub fn run(arguments: &PlanArguments, quiet: bool) -> Result<ExitCode, Failure> 
     let problems = problems::load(arguments, &loaded.scenario)?;
     let planners = planners(arguments, &problems);
     let pictures = pictures(arguments, &problems);
-    check_files(arguments, &pictures)?;
+    let words = files(arguments, &pictures).check()?;
     let attempts: Vec<_> = problems.iter().flat_map(|problem| attempts(problem, &planners, arguments.seed)).collect();
     let summaries = planners.iter().map(|&planner| Summary::of(planner, &attempts)).collect();
     let answers = Answers {
@@ -66,7 +68,7 @@ pub fn run(arguments: &PlanArguments, quiet: bool) -> Result<ExitCode, Failure> 
         summaries,
     };
     let told = if arguments.json { json::of(&answers) } else { report::of(&answers) };
-    let printed = terminal::print(told.as_bytes());
+    let printed = words.print(&told);
     // Whatever cannot be written, all else is kept.
     let written = write_files(arguments, &answers, &pictures, quiet);
     printed.and(written)?;
@@ -87,11 +89,12 @@ fn planners(arguments: &PlanArguments, problems: &[Problem]) -> Vec<TruckPlanner
     planners
 }
 
-/// A picture for each field, if they were asked for: the file named, or one beside it for each of several fields.
+/// A picture for each field, if they were asked for: the file named, or one beside it for each of several fields. On
+/// stdout several are one too many.
 fn pictures(arguments: &PlanArguments, problems: &[Problem]) -> Vec<PathBuf> {
     let Some(path) = &arguments.png else { return Vec::new() };
-    if problems.len() == 1 {
-        return vec![path.clone()];
+    if problems.len() == 1 || is_standard_stream(path) {
+        return vec![path.clone(); problems.len()];
     }
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let extension = path.extension().map_or(String::new(), |extension| format!(".{}", extension.to_string_lossy()));
@@ -99,11 +102,12 @@ fn pictures(arguments: &PlanArguments, problems: &[Problem]) -> Vec<PathBuf> {
     problems.iter().map(|problem| path.with_file_name(name(problem))).collect()
 }
 
-fn check_files(arguments: &PlanArguments, pictures: &[PathBuf]) -> Result<(), Failure> {
-    let inputs = arguments.fields.iter().map(PathBuf::as_path).chain([Path::new(&arguments.scenario)]);
-    let tables = [&arguments.csv, &arguments.paths, &arguments.ompl];
-    let outputs = tables.into_iter().flatten().chain(pictures).map(PathBuf::as_path);
-    output_files::check_beside(inputs, outputs)
+fn files<'a>(arguments: &'a PlanArguments, pictures: &'a [PathBuf]) -> Files<'a> {
+    let inputs = arguments.fields.iter().map(PathBuf::as_path).chain([Path::new(&arguments.scenario)]).collect();
+    let outputs = pictures.iter().map(|picture| (Format::Png, picture.as_path())).collect();
+    let (csv, paths, ompl) = (&arguments.csv, &arguments.paths, &arguments.ompl);
+    let tables = [(Format::Csv, csv), (Format::Csv, paths), (Format::OmplLog, ompl)];
+    Files { inputs, outputs, json: arguments.json }.writing(tables)
 }
 
 fn write_files(arguments: &PlanArguments, answers: &Answers, pictures: &[PathBuf], quiet: bool) -> Result<(), Failure> {

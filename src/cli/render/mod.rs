@@ -11,8 +11,8 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use crate::cli::failure::Failure;
+use crate::cli::output_files::{self, Files, Format};
 use crate::cli::show::{Searches, ShownRun, look, shown, time_within};
-use crate::cli::{output_files, terminal};
 use crate::picture::film::{Film, Layer, Look, Shot, still};
 use crate::time::SimTime;
 use film_files::write_films;
@@ -26,11 +26,12 @@ pub fn run(arguments: &RenderArguments, quiet: bool) -> Result<ExitCode, Failure
     let (still_time, moments) = (still_time(arguments, &films)?, moments(arguments, &films)?);
     if let Some(path) = &arguments.out {
         scene.write_still(still_time, path)?;
-        note_written(path, quiet);
+        output_files::note_written(path, quiet);
     }
     if arguments.gif.is_some() || arguments.mp4.is_some() {
         write_films(&scene, moments, arguments, quiet)?;
-        [&arguments.gif, &arguments.mp4].into_iter().flatten().for_each(|path| note_written(path, quiet));
+        let films = [&arguments.gif, &arguments.mp4].into_iter().flatten();
+        films.for_each(|path| output_files::note_written(path, quiet));
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -56,23 +57,16 @@ impl Scene<'_> {
 /// Checks what can be checked before anything is simulated.
 fn check(arguments: &RenderArguments) -> Result<(), Failure> {
     let show = &arguments.show;
-    let inputs = [Some(&show.source), show.with.as_ref()].into_iter().flatten().map(Path::new);
-    let outputs = [&arguments.out, &arguments.gif, &arguments.mp4];
-    output_files::check_beside(inputs, outputs.into_iter().flatten().map(AsRef::as_ref))?;
-    if let Some(path) = arguments.out.as_deref().filter(|path| is_named_a_film(path)) {
-        let sentence = format!("{} would be a still; expected the name of a PNG file", path.display());
-        return Err(Failure::bad_input(sentence, Some("films are written with --gif and --mp4")));
-    }
+    let inputs = [Some(&show.source), show.with.as_ref()].into_iter().flatten().map(Path::new).collect();
+    let (still, gif, mp4) = (&arguments.out, &arguments.gif, &arguments.mp4);
+    let files = Files { inputs, ..Files::default() };
+    files.writing([(Format::Png, still), (Format::Gif, gif), (Format::Mp4, mp4)]).check()?;
     let (width, height) = (show.size.width, show.size.height);
     if arguments.mp4.is_some() && (width % 2 == 1 || height % 2 == 1) {
         let sentence = format!("--size is {width}x{height}; expected even numbers of pixels with --mp4");
         return Err(Failure::bad_input(sentence, None));
     }
     Ok(())
-}
-
-fn is_named_a_film(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension == "gif" || extension == "mp4")
 }
 
 fn films(arguments: &RenderArguments, quiet: bool) -> Result<Vec<Film>, Failure> {
@@ -103,10 +97,4 @@ fn moments(arguments: &RenderArguments, films: &[&Film]) -> Result<Moments, Fail
         ));
     }
     Ok(moments)
-}
-
-fn note_written(path: &Path, quiet: bool) {
-    if !quiet {
-        terminal::note(&format!("wrote {}", path.display()));
-    }
 }

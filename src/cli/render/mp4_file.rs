@@ -11,7 +11,7 @@ use crate::whole_file::WholeFile;
 /// Reads frames of four bytes a pixel and writes H.264 as all players take it.
 const ENCODING: &str = "-an -c:v libx264 -preset medium -crf 18 -pix_fmt yuv420p \
     -vf scale=out_color_matrix=bt709:out_range=tv -colorspace bt709 -color_primaries bt709 -color_trc bt709 \
-    -movflags +faststart -f mp4";
+    -f mp4";
 
 /// How much of what `ffmpeg` says is kept, in bytes: its last words.
 const KEPT_WORDS: usize = 4096;
@@ -32,7 +32,14 @@ impl Mp4File {
         let mut command = Command::new("ffmpeg");
         command.args(["-hide_banner", "-nostdin", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgba"]);
         command.args(["-s", &format!("{width}x{height}"), "-r", &fps.to_string(), "-i", "pipe:0"]);
-        command.args(ENCODING.split_whitespace()).arg("--").arg(absolute(&file.place(path)));
+        command.args(ENCODING.split_whitespace());
+        match file.place() {
+            Some(place) => {
+                command.args(["-movflags", "+faststart"]).arg("--").arg(absolute(place)).stdout(Stdio::null())
+            }
+            // A pipe cannot be gone back in: the index comes in parts, with the frames.
+            None => command.args(["-movflags", "+frag_keyframe+empty_moov", "pipe:1"]),
+        };
         let encoder = Encoder::start(command)?;
         Ok(Self { path: path.to_owned(), file, encoder })
     }
@@ -67,7 +74,7 @@ struct Encoder {
 
 impl Encoder {
     fn start(mut command: Command) -> Result<Self, Failure> {
-        let started = command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn();
+        let started = command.stdin(Stdio::piped()).stderr(Stdio::piped()).spawn();
         let mut child = started.map_err(|error| match error.kind() {
             ErrorKind::NotFound => Failure::environment(
                 "ffmpeg is needed for --mp4 and was not found: install it (Debian: apt-get install ffmpeg) or use --gif",

@@ -2,7 +2,7 @@
 
 use crate::cli::failure::Failure;
 use crate::cli::show::ShowArguments;
-use crate::cli::show::source::{Searches, ShownRun, Source};
+use crate::cli::show::source::{Named, Searches, ShownRun, Source};
 use crate::cli::terminal;
 use crate::picture::film::{Layer, Layers};
 use crate::timeline::Fact;
@@ -15,8 +15,9 @@ pub struct Shown {
 
 /// The runs that are asked for, one or two.
 pub fn shown(arguments: &ShowArguments, searches: Searches, quiet: bool) -> Result<Vec<Shown>, Failure> {
-    let source = Source::open(&arguments.source, &arguments.overrides)?;
-    let second = second_source(arguments)?;
+    let named = Named::open(&arguments.source)?;
+    let source = Source::new(&named, &arguments.overrides)?;
+    let second = second_source(arguments, &named)?;
     let run = source.run(arguments.seed, searches)?;
     let seed = run.timeline.setting.seed;
     let mut shown = vec![Shown { source, run }];
@@ -43,14 +44,14 @@ fn tell_apart(shown: &mut [Shown], arguments: &ShowArguments) {
     }
 }
 
-fn second_source(arguments: &ShowArguments) -> Result<Option<Source>, Failure> {
+fn second_source(arguments: &ShowArguments, first: &Named) -> Result<Option<Source>, Failure> {
     let changes = &arguments.with_overrides;
     match &arguments.with {
-        Some(name) => Source::open(name, changes).map(Some),
+        Some(name) => Source::new(&Named::open(name)?, changes).map(Some),
         None if changes.is_empty() && arguments.with_seed.is_none() => Ok(None),
         None => {
             let all = arguments.overrides.iter().chain(changes).cloned().collect::<Vec<_>>();
-            Source::open(&arguments.source, &all).map(Some)
+            Source::new(first, &all).map(Some)
         }
     }
 }

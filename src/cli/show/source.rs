@@ -1,18 +1,17 @@
 //! Where runs that are shown come from.
 
-use std::fs::{self, File};
-use std::io::Read;
 use std::iter;
 use std::panic;
 use std::path::{Path, PathBuf};
 
 use crate::batch::{FinishedBatch, PlannedRun};
 use crate::cli::failure::Failure;
-use crate::cli::scenario_commands;
+use crate::input_file;
 use crate::picture::film::Film;
-use crate::scenario::{BUILT_IN, Scenario};
+use crate::scenario::{BUILT_IN, LoadedScenario, Scenario, ScenarioText};
 use crate::sim;
-use crate::timeline::{Spending, Timeline, file};
+use crate::timeline::file::{self, FileError};
+use crate::timeline::{Spending, Timeline};
 #[cfg(feature = "view")]
 use crate::view::FilmSource;
 
@@ -40,10 +39,54 @@ impl ShownRun {
     }
 }
 
+/// What a name stands for; what can be read only once has been.
+pub enum Named {
+    Scenario(ScenarioText),
+    Recording {
+        path: PathBuf,
+        bytes: Vec<u8>,
+    },
+    /// The folder of a batch.
+    Batch(PathBuf),
+}
+
+impl Named {
+    /// Finds a built-in scenario, a batch's folder, a recording, or a scenario's file. A recording is known by its name or
+    /// its first bytes.
+    ///
+    /// # Errors
+    /// If there is nothing of this name, or it cannot be read, or is too large for either.
+    pub fn open(name: &str) -> Result<Self, Failure> {
+        if BUILT_IN.iter().any(|(known, _)| *known == name) {
+            return Ok(Self::Scenario(ScenarioText::open(name)?));
+        }
+        let path = Path::new(name);
+        if path.is_dir() {
+            return Ok(Self::Batch(path.to_owned()));
+        }
+        let bytes = input_file::read(path, file::MAX_BYTES);
+        let has_its_name = path.extension().is_some_and(|extension| extension == "wildfire");
+        match bytes {
+            Ok(bytes) if has_its_name || bytes.starts_with(file::MAGIC) => {
+                Ok(Self::Recording { path: path.to_owned(), bytes })
+            }
+            Err(error) if has_its_name => Err(Failure::unreadable(path, &error)),
+            bytes => Ok(Self::Scenario(ScenarioText::from_bytes(name, bytes)?)),
+        }
+    }
+
+    fn path(&self) -> &Path {
+        match self {
+            Self::Scenario(text) => Path::new(&text.source),
+            Self::Recording { path, .. } | Self::Batch(path) => path,
+        }
+    }
+}
+
 /// Where runs come from.
 pub enum Source {
-    /// One run.
-    Recording(PathBuf),
+    /// One run, and the bytes of its file: a pipe gives them once.
+    Recording { path: PathBuf, bytes: Vec<u8> },
     /// The runs of a batch's first variant, as they were recorded; what was not is simulated.
     Batch { batch: Box<FinishedBatch>, seeds: Vec<u64>, title: String },
     /// Any seed is simulated; the title names what was changed.
@@ -51,31 +94,23 @@ pub enum Source {
 }
 
 impl Source {
-    /// What a name stands for: a built-in scenario, a batch's folder, a recording, or a scenario's file.
-    pub fn open(name: &str, overrides: &[String]) -> Result<Self, Failure> {
-        let path = Path::new(name);
-        let is_built_in = BUILT_IN.iter().any(|(known, _)| *known == name);
-        let source = if is_built_in {
-            None
-        } else if path.is_dir() {
-            Some(Self::of_batch(path)?)
-        } else if is_recording(path)? {
-            Some(Self::Recording(path.to_owned()))
-        } else {
-            None
-        };
-        match source {
-            Some(_) if !overrides.is_empty() => {
-                let sentence = format!("{name} is a run that took place; expected a scenario where values are changed");
-                Err(Failure::bad_input(sentence, None))
-            }
-            Some(source) => Ok(source),
-            None => {
-                let scenario = Box::new(scenario_commands::load(name, overrides)?);
+    /// What a name stands for, with changes to its values if it is a scenario.
+    pub fn new(named: &Named, overrides: &[String]) -> Result<Self, Failure> {
+        let source = match named {
+            Named::Scenario(text) => {
+                let scenario = Box::new(LoadedScenario::from_text(text, overrides)?.scenario);
                 let title = iter::once(&scenario.name).chain(overrides).map(String::as_str).collect::<Vec<_>>();
-                Ok(Self::Scenario { title: title.join(", "), scenario })
+                return Ok(Self::Scenario { title: title.join(", "), scenario });
             }
+            Named::Batch(folder) => Self::of_batch(folder)?,
+            Named::Recording { path, bytes } => Self::Recording { path: path.clone(), bytes: bytes.clone() },
+        };
+        if overrides.is_empty() {
+            return Ok(source);
         }
+        let name = named.path().display();
+        let sentence = format!("{name} is a run that took place; expected a scenario where values are changed");
+        Err(Failure::bad_input(sentence, None))
     }
 
     fn of_batch(folder: &Path) -> Result<Self, Failure> {
@@ -92,13 +127,13 @@ impl Source {
     /// Gives the runs that are still to come another title; a recording has none of these.
     pub fn rename(&mut self, name: &str) {
         match self {
-            Self::Recording(_) => {}
+            Self::Recording { .. } => {}
             Self::Batch { title, .. } | Self::Scenario { title, .. } => name.clone_into(title),
         }
     }
 
     pub fn has_one_run(&self) -> bool {
-        matches!(self, Self::Recording(_))
+        matches!(self, Self::Recording { .. })
     }
 
     /// What is left out of a batch with more than one variant.
@@ -114,8 +149,8 @@ impl Source {
     /// If the source has no run of this seed, or it cannot be read, or it could not take place.
     pub fn run(&self, seed: Option<u64>, searches: Searches) -> Result<ShownRun, Failure> {
         match (self, seed) {
-            (Self::Recording(path), None) => recorded(path),
-            (Self::Recording(path), Some(_)) => {
+            (Self::Recording { path, bytes }, None) => recorded(path, file::decode(bytes)),
+            (Self::Recording { path, .. }, Some(_)) => {
                 let sentence = format!("{} is one run, which has its seed; expected no seed", path.display());
                 Err(Failure::bad_input(sentence, None))
             }
@@ -123,7 +158,7 @@ impl Source {
                 let run = run_of(batch, seeds, seed)?;
                 let recording = batch.recording(&run);
                 let simulated = || simulated(&run.variant.scenario, run.seed, searches);
-                let run = recording.map_or_else(simulated, |path| recorded(&path))?;
+                let run = recording.map_or_else(simulated, |path| recorded(&path, file::read(&path)))?;
                 Ok(ShownRun { title: title.clone(), ..run })
             }
             (Self::Scenario { scenario, title }, seed) => {
@@ -132,22 +167,6 @@ impl Source {
             }
         }
     }
-}
-
-/// Whether a path is that of a recording, by its name or its first bytes.
-///
-/// # Errors
-/// If it is by its name and is not there.
-fn is_recording(path: &Path) -> Result<bool, Failure> {
-    if path.extension().is_some_and(|extension| extension == "wildfire") {
-        let missing = || Failure::bad_input(format_args!("there is no {}", path.display()), None);
-        return if path.exists() { Ok(true) } else { Err(missing()) };
-    }
-    // A pipe's bytes are gone once they are read.
-    let is_file = fs::metadata(path).is_ok_and(|found| found.is_file());
-    let mut start = Vec::new();
-    let mut read = || File::open(path)?.take(file::MAGIC.len() as u64).read_to_end(&mut start);
-    Ok(is_file && read().is_ok() && start == file::MAGIC)
 }
 
 /// The first run, or that of a seed.
@@ -161,9 +180,9 @@ fn run_of<'a>(batch: &'a FinishedBatch, seeds: &[u64], seed: Option<u64>) -> Res
     Ok(batch.plan().run(index as u64 + 1))
 }
 
-fn recorded(path: &Path) -> Result<ShownRun, Failure> {
-    let timeline = file::read(path);
-    let timeline = timeline.map_err(|error| Failure::bad_input(format_args!("{}: {error}", path.display()), None))?;
+fn recorded(path: &Path, timeline: Result<Timeline, FileError>) -> Result<ShownRun, Failure> {
+    let unreadable = |error: FileError| Failure::of_input(format_args!("{}: {error}", path.display()), error.kind());
+    let timeline = timeline.map_err(unreadable)?;
     Ok(ShownRun { title: timeline.setting.scenario.clone(), timeline, spending: None })
 }
 
@@ -189,7 +208,7 @@ impl FilmSource for Source {
     fn seeds(&self) -> Option<&[u64]> {
         match self {
             Self::Batch { seeds, .. } => Some(seeds),
-            Self::Recording(_) | Self::Scenario { .. } => None,
+            Self::Recording { .. } | Self::Scenario { .. } => None,
         }
     }
 }

@@ -22,14 +22,14 @@ mod graphs;
 mod numbers;
 mod records;
 
-use std::fs::File;
-use std::io::{self, Read};
+use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
 use miniz_oxide::{deflate, inflate};
 use thiserror::Error;
 
 use super::Timeline;
+use crate::input_file;
 use crate::whole_file::write_whole;
 
 /// Version of the format that is written; older ones are read too.
@@ -42,6 +42,8 @@ pub const FORMAT: u16 = 4;
 /// What every recording begins with.
 pub const MAGIC: &[u8; 8] = b"WILDFIRE";
 const HEADER_BYTES: usize = 18;
+/// The longest recording.
+pub const MAX_BYTES: u64 = (HEADER_BYTES + MAX_PAYLOAD_BYTES) as u64;
 /// Largest payload, deflated or not. With the limits on counts in [`check`] it keeps the memory of reading below a
 /// gigabyte, whatever the bytes say.
 const MAX_PAYLOAD_BYTES: usize = 32 << 20;
@@ -67,6 +69,16 @@ pub enum FileError {
     Impossible(String),
 }
 
+impl FileError {
+    /// What kind of an input cannot be read so.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Io(error) => error.kind(),
+            _ => ErrorKind::InvalidData,
+        }
+    }
+}
+
 /// Writes a recording. The file appears whole or not at all: see [`WholeFile`](crate::whole_file::WholeFile).
 ///
 /// # Errors
@@ -77,10 +89,9 @@ pub fn write(timeline: &Timeline, path: &Path) -> Result<(), FileError> {
 
 /// Reads a recording.
 pub fn read(path: &Path) -> Result<Timeline, FileError> {
-    let longest = (HEADER_BYTES + MAX_PAYLOAD_BYTES) as u64;
     let mut bytes = Vec::new();
     // One byte more than the longest recording, so that a longer file is told from it without being read.
-    File::open(path)?.take(longest + 1).read_to_end(&mut bytes)?;
+    input_file::open(path)?.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
     decode(&bytes)
 }
 
