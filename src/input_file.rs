@@ -3,9 +3,14 @@
 //! A pipe states no length, a device has no end, and what is parsed takes a multiple of its bytes. So whoever keeps an
 //! input in memory says how many bytes it may have, and no more than these are ever read.
 
+use std::fmt;
 use std::fs::File;
 use std::io::{self, ErrorKind, Read};
+use std::marker::PhantomData;
 use std::path::Path;
+
+use serde::de::{Error as _, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
 
 /// The name that is stdin where a file is read, and stdout where one is written. A file of that name is `./-`.
 pub const STANDARD_STREAM: &str = "-";
@@ -49,14 +54,13 @@ pub fn open(path: &Path) -> io::Result<InputFile> {
 pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     open(path)?.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > most {
-        let limit = most as f64 / 1e6;
-        return Err(io::Error::new(
-            ErrorKind::FileTooLarge,
-            format!("it is too large; at most {limit} MB are expected"),
-        ));
-    }
-    Ok(bytes)
+    if bytes.len() as u64 > most { Err(too_large(most)) } else { Ok(bytes) }
+}
+
+/// The error of an input with more than so many bytes.
+pub fn too_large(most: u64) -> io::Error {
+    let limit = most as f64 / 1e6;
+    io::Error::new(ErrorKind::FileTooLarge, format!("it is too large; at most {limit} MB are expected"))
 }
 
 /// Reads an input of at most so many bytes of UTF-8, without the byte order mark that some editors write.
@@ -81,6 +85,36 @@ pub fn text(bytes: Vec<u8>) -> io::Result<String> {
         text.drain(..BYTE_ORDER_MARK.len_utf8());
     }
     Ok(text)
+}
+
+/// Reads a list of at most `MOST` items: an item of two bytes, such as `{}` with defaults, may take a thousand in memory.
+///
+/// # Errors
+/// A longer one, as soon as it is longer.
+pub fn list_of_at_most<'de, const MOST: usize, T: Deserialize<'de>, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Vec<T>, D::Error> {
+    struct List<const MOST: usize, T>(PhantomData<T>);
+
+    impl<'de, const MOST: usize, T: Deserialize<'de>> Visitor<'de> for List<MOST, T> {
+        type Value = Vec<T>;
+
+        fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+            f.write_str("a sequence")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Vec<T>, A::Error> {
+            let mut items = Vec::new();
+            while let Some(item) = seq.next_element()? {
+                if items.len() == MOST {
+                    return Err(A::Error::custom(format_args!("more than {MOST} entries; expected fewer")));
+                }
+                items.push(item);
+            }
+            Ok(items)
+        }
+    }
+    deserializer.deserialize_seq(List::<MOST, T>(PhantomData))
 }
 
 impl Read for InputFile {

@@ -5,8 +5,9 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use crate::batch::plan::planner_of;
+use crate::batch::plan::{MAX_SWEPT_KEYS, planner_of};
 use crate::batch::{CpuSplit, RunDetail, Value};
+use crate::input_file::list_of_at_most;
 use crate::scenario::Scenario;
 use crate::sim::RunCost;
 use crate::timeline::{AgentId, AgentOutcome, Outcome};
@@ -42,6 +43,7 @@ pub struct RunLabel {
     /// Of the trucks; empty without any.
     pub planner: String,
     /// A value for each key that the batch sweeps.
+    #[serde(deserialize_with = "list_of_at_most::<MAX_SWEPT_KEYS, _, _>")]
     pub swept: Vec<Value>,
 }
 

@@ -17,6 +17,7 @@ use super::path::FieldPath;
 use super::wording::fault_of;
 use crate::geometry::FieldFrame;
 use crate::grid::Grid;
+use crate::input_file::list_of_at_most;
 
 /// Where the bushes of a given field stand.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,6 +33,7 @@ pub struct GivenField {
 #[serde(deny_unknown_fields)]
 struct Drawing {
     cell_m: f64,
+    #[serde(deserialize_with = "list_of_at_most::<2_000, _, _>")]
     rows: Vec<String>,
 }
 

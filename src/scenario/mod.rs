@@ -47,6 +47,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::geometry::DVec2;
+use crate::input_file::list_of_at_most;
 pub use crate::planning::{
     ClearanceTo, HybridSettings, LatticeSettings, MotionCost, PrimitiveSettings, PrmRsSettings, PrmSettings,
     RoadmapGoal, RoadmapSearch, SafetyForm, SafetyMap, SafetySettings, TruckPlannerKind,
@@ -58,6 +59,8 @@ pub fn schema() -> schemars::Schema {
 }
 
 /// A contest: where, under which rules, between whom, for how long.
+///
+/// Lists have lower limits than those that they are read with, which keep what is no scenario from filling the memory.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scenario {
@@ -73,9 +76,11 @@ pub struct Scenario {
     pub suppression: Suppression,
     #[serde(default)]
     pub score: Score,
+    #[serde(deserialize_with = "list_of_at_most::<1_000, _, _>")]
     pub wumpus: Vec<Wumpus>,
+    #[serde(deserialize_with = "list_of_at_most::<1_000, _, _>")]
     pub unimog: Vec<Unimog>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "list_of_at_most::<100_000, _, _>")]
     pub ignition: Vec<Ignition>,
 }
 

@@ -4,10 +4,12 @@
 //! axle, in metres and radians, and the `vehicle`, in metres. Members of other names are ignored, so that other
 //! programs may keep theirs. The format is described in `scenarios/README.md`.
 
+use std::fmt;
 use std::ops::Range;
 use std::path::Path;
 
-use serde::Deserialize;
+use serde::de::{Error, Visitor};
+use serde::{Deserialize, Deserializer};
 use serde_json::error::Category;
 
 use super::check::{self, Check, Table};
@@ -18,11 +20,16 @@ use super::source::{MAX_MAP_BYTES, read_text};
 use super::wording;
 use super::{Field, GivenField, Scenario, Terrain, TerrainError, Unimog};
 use crate::geometry::{DVec2, Pose};
+use crate::input_file::list_of_at_most;
 use crate::planning::{Goal, GoalDisc};
 use crate::vehicle::Dimensions;
 
 /// Most goals of a problem.
 pub const MAX_GOALS: usize = 10_000;
+
+/// How many goals, and numbers of one place, are kept of a file at all, before it is said that there are too many.
+const MOST_GOAL_MEMBERS: usize = 10 * MAX_GOALS;
+const MOST_NUMBERS: usize = 100;
 
 /// Coordinates, radii and angles that are read, up to this size.
 const LARGEST: f64 = 1e6;
@@ -80,17 +87,36 @@ impl Problem {
 struct Members {
     field: Option<Name>,
     vehicle: Option<Vehicle>,
+    #[serde(deserialize_with = "list_of_at_most::<MOST_NUMBERS, _, _>")]
     start: Vec<Option<f64>>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "list_of_at_most::<MOST_GOAL_MEMBERS, _, _>")]
     goals: Vec<GoalMembers>,
 }
 
-/// What a problem is called.
-#[derive(Deserialize)]
-#[serde(untagged, expecting = "expected a number or a text in quotes")]
-enum Name {
-    Number(u64),
-    Text(String),
+/// What a problem is called: a number or a text.
+struct Name(String);
+
+impl<'de> Deserialize<'de> for Name {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct NameVisitor;
+
+        impl Visitor<'_> for NameVisitor {
+            type Value = Name;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("a number or a text in quotes")
+            }
+
+            fn visit_u64<E: Error>(self, number: u64) -> Result<Name, E> {
+                Ok(Name(number.to_string()))
+            }
+
+            fn visit_str<E: Error>(self, text: &str) -> Result<Name, E> {
+                Ok(Name(text.to_owned()))
+            }
+        }
+        deserializer.deserialize_any(NameVisitor)
+    }
 }
 
 #[derive(Deserialize)]
@@ -108,10 +134,14 @@ struct Vehicle {
 #[derive(Deserialize)]
 struct GoalMembers {
     /// x, y, heading.
-    pose: Option<Vec<Option<f64>>>,
+    pose: Option<Numbers>,
     /// x, y, radius.
-    disc: Option<Vec<Option<f64>>>,
+    disc: Option<Numbers>,
 }
+
+#[derive(Deserialize)]
+#[serde(transparent)]
+struct Numbers(#[serde(deserialize_with = "list_of_at_most::<MOST_NUMBERS, _, _>")] Vec<Option<f64>>);
 
 type Read<T> = Result<T, Box<ScenarioError>>;
 
@@ -187,11 +217,11 @@ impl ProblemFile<'_> {
 
     fn goal(&self, path: &FieldPath, goal: &GoalMembers) -> Read<Goal> {
         match (&goal.pose, &goal.disc) {
-            (Some(pose), None) => {
+            (Some(Numbers(pose)), None) => {
                 let [x, y, heading] = self.three(&path.join(Step::key("pose")), pose)?;
                 Ok(Goal::Pose(Pose::new(x, y, heading)))
             }
-            (None, Some(disc)) => {
+            (None, Some(Numbers(disc))) => {
                 let path = path.join(Step::key("disc"));
                 let [x, y, radius_m] = self.three(&path, disc)?;
                 self.placed(check::check_number(path.join(Step::Index(2)), radius_m, 0.0..=LARGEST))?;
@@ -217,11 +247,7 @@ impl ProblemFile<'_> {
     }
 
     fn problem_name(&self, name: Option<Name>, stem: String) -> Read<String> {
-        let name = match name {
-            Some(Name::Number(number)) => number.to_string(),
-            Some(Name::Text(text)) => text,
-            None => stem,
-        };
+        let name = name.map_or(stem, |Name(text)| text);
         self.placed(check::check_name("field", &name))?;
         Ok(name)
     }

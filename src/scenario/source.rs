@@ -22,8 +22,8 @@ pub const BUILT_IN: &[(&str, &str)] = &[
     ("smoke", include_str!("../../scenarios/smoke.toml")),
 ];
 
-/// Longest scenario that is read; a hundred times its length is what reading TOML takes.
-pub const MAX_SCENARIO_BYTES: u64 = 2_000_000;
+/// Longest scenario or plan file that is read; a hundred times its length is what reading TOML takes.
+pub const MAX_SCENARIO_BYTES: u64 = 500_000;
 
 /// Longest map that is read.
 pub const MAX_MAP_BYTES: u64 = 16_000_000;
@@ -62,7 +62,7 @@ impl ScenarioText {
     /// If it could not be read, or is no text.
     pub fn from_bytes(source: &str, bytes: io::Result<Vec<u8>>) -> Result<Self, Box<ScenarioError>> {
         let path = Path::new(source);
-        let text = bytes.and_then(input_file::text).map_err(|error| match error.kind() {
+        let text = bytes.and_then(within_limit).and_then(input_file::text).map_err(|error| match error.kind() {
             ErrorKind::NotFound | ErrorKind::NotADirectory => {
                 let nearest = nearest_name(source, BUILT_IN.iter().map(|(name, _)| *name));
                 Fault::NotFound { name: source.to_owned(), nearest }.nowhere()
@@ -73,6 +73,11 @@ impl ScenarioText {
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
         Ok(Self { source: source.to_owned(), name: source.to_owned(), stem, text, folder })
     }
+}
+
+/// Refuses what was read as something else, which may be longer than a scenario.
+fn within_limit(bytes: Vec<u8>) -> io::Result<Vec<u8>> {
+    if bytes.len() as u64 > MAX_SCENARIO_BYTES { Err(input_file::too_large(MAX_SCENARIO_BYTES)) } else { Ok(bytes) }
 }
 
 /// Whether the scenario of this name can be read once more: a built-in one, or a file. A pipe's text is gone.

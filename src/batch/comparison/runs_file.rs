@@ -238,7 +238,7 @@ fn damaged(path: &Path, line: u64, error: &csv::Error) -> ComparisonError {
         csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
             ComparisonError::Damaged { path, line, complaint: format!("{len} fields; expected {expected_len}") }
         }
-        csv::ErrorKind::Io(source) if source.kind() == io::ErrorKind::QuotaExceeded => {
+        csv::ErrorKind::Io(source) if source.kind() == ErrorKind::QuotaExceeded => {
             let complaint = format!("more than {MAX_ROW_BYTES} bytes; expected a row to end before");
             ComparisonError::Damaged { path, line, complaint }
         }
@@ -258,7 +258,7 @@ struct Rationed {
 impl Read for Rationed {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         if self.left == 0 {
-            return Err(io::ErrorKind::QuotaExceeded.into());
+            return Err(ErrorKind::QuotaExceeded.into());
         }
         let read = self.file.read(buffer)?;
         self.left = self.left.saturating_sub(read as u64);

@@ -9,7 +9,7 @@ use super::line::{Entry, Head, decode};
 use crate::batch::{RunRow, Slice, Status};
 
 /// The longest line; that of a run with a hundred agents and thousands of plans has some megabytes.
-const MAX_LINE_BYTES: u64 = 1 << 28;
+const MAX_LINE_BYTES: u64 = 1 << 25;
 
 /// The runs that a journal holds, eight bytes each.
 #[derive(Clone, Debug)]

@@ -1,22 +1,28 @@
 //! `plan.json`: the plan as it was when the batch began.
 
-use std::fmt::Write;
+use std::fmt::{self, Write};
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::{self, BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
+use serde::de::{DeserializeOwned, Error as _, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 use sha2::{Digest, Sha256};
 use thiserror::Error;
 
 use super::difference::{differences, differences_of_scenarios};
-use super::request::MAX_PLAN_BYTES;
-use super::{BatchPlan, PROGRAM, PROGRAM_VERSION, Record, Variant};
-use crate::batch::{PLAN_FILE, Seeds, SeedsError};
+use super::request::{MAX_PLAN_BYTES, MAX_VARIANTS};
+use super::{BatchPlan, MAX_SWEPT_KEYS, PROGRAM, PROGRAM_VERSION, Record, Variant};
+use crate::batch::{PLAN_FILE, Seeds, SeedsError, Value};
+use crate::input_file::{self, InputFile, list_of_at_most};
 use crate::scenario::{self, Fault, Scenario};
 
 /// Version of the format of `plan.json`.
 const PLAN_FORMAT: u32 = 2;
+
+/// The longest file of a plan: twice the size of the variants leaves room for the indentation, which is most of what else
+/// there is.
+const MAX_FILE_BYTES: u64 = 2 * MAX_PLAN_BYTES + 100_000;
 
 /// Why the plan of a folder cannot be followed.
 #[derive(Debug, Error)]
@@ -76,8 +82,48 @@ struct Body {
     content_sha256: String,
     seeds: String,
     record: Record,
+    #[serde(deserialize_with = "list_of_at_most::<MAX_SWEPT_KEYS, _, _>")]
     swept_keys: Vec<String>,
+    #[serde(deserialize_with = "variants_within_limit")]
     variants: Vec<Variant>,
+}
+
+impl Variant {
+    /// About the bytes that it takes, in memory and as JSON without indentation.
+    pub(super) fn bytes(&self) -> u64 {
+        let json = serde_json::to_vec(self).expect("variants hold names, numbers and lists only");
+        // A short text takes more in memory than its letters.
+        let texts = (self.changes.len() + self.swept.len()) * size_of::<Value>();
+        (json.len() + texts) as u64
+    }
+}
+
+/// Reads variants that are no more than a batch can have. What they take in memory is held against the limit one by one,
+/// as some bytes of text may become a truck with all its settings.
+fn variants_within_limit<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Variant>, D::Error> {
+    struct Variants;
+
+    impl<'de> Visitor<'de> for Variants {
+        type Value = Vec<Variant>;
+
+        fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+            f.write_str("a list of variants")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Vec<Variant>, A::Error> {
+            let mut variants: Vec<Variant> = Vec::new();
+            let mut bytes = 0;
+            while let Some(variant) = seq.next_element::<Variant>()? {
+                bytes += variant.bytes();
+                if bytes > MAX_PLAN_BYTES || variants.len() as u64 == MAX_VARIANTS {
+                    return Err(A::Error::custom("it has more variants, or larger ones, than a batch takes"));
+                }
+                variants.push(variant);
+            }
+            Ok(variants)
+        }
+    }
+    deserializer.deserialize_seq(Variants)
 }
 
 /// What the outcome columns of a batch depend on.
@@ -130,16 +176,16 @@ impl BatchPlan {
     /// If there is none, if it cannot be read, if another version of the program wrote it, or if it was changed.
     pub fn read(folder: &Path) -> Result<Self, PlanError> {
         let path = folder.join(PLAN_FILE);
-        let text = read_text(folder, &path)?;
+        let file = open(folder, &path)?;
         let not_a_plan = |reason: String| PlanError::NotAPlan { path: path.clone(), reason };
-        let head: Head = serde_json::from_str(&text).map_err(|error| not_a_plan(error.to_string()))?;
+        let head: Head = read_json(&path, &file)?;
         if head.program != PROGRAM {
             return Err(not_a_plan(format!("its program is `{}`, expected `{PROGRAM}`", head.program)));
         }
         if head.format != PLAN_FORMAT || head.program_version != PROGRAM_VERSION {
             return Err(PlanError::OtherVersion { path, found: head.program_version });
         }
-        let body: Body = serde_json::from_str(&text).map_err(|error| not_a_plan(error.to_string()))?;
+        let body: Body = read_json(&path, &file)?;
         let expected = body.content_sha256.clone();
         let plan = body.into_plan().map_err(|error| not_a_plan(error.to_string()))?;
         let found = plan.content_sha256();
@@ -200,20 +246,31 @@ impl Body {
     }
 }
 
-fn read_text(folder: &Path, path: &Path) -> Result<String, PlanError> {
-    let unreadable = |source: io::Error| match source.kind() {
-        io::ErrorKind::NotFound => PlanError::Missing { folder: folder.to_owned() },
-        _ => PlanError::Unreadable { path: path.to_owned(), source },
-    };
-    // Twice the size of the scenarios leaves room for the indentation, which is most of what else there is.
-    let most = 4 * MAX_PLAN_BYTES;
-    let mut text = String::new();
-    File::open(path).map_err(unreadable)?.take(most + 1).read_to_string(&mut text).map_err(unreadable)?;
-    if text.len() as u64 > most {
-        let reason = format!("it is longer than {} MB", most / 1_000_000);
-        return Err(PlanError::NotAPlan { path: path.to_owned(), reason });
+/// Opens the file of a plan, which has at most [`MAX_FILE_BYTES`].
+fn open(folder: &Path, path: &Path) -> Result<File, PlanError> {
+    let not_a_plan = |reason: String| PlanError::NotAPlan { path: path.to_owned(), reason };
+    match input_file::open(path) {
+        Ok(InputFile::Regular(_, bytes)) if bytes > MAX_FILE_BYTES => {
+            Err(not_a_plan(format!("it is longer than {} MB", MAX_FILE_BYTES / 1_000_000)))
+        }
+        Ok(InputFile::Regular(file, _)) => Ok(file),
+        Ok(_) => Err(not_a_plan("it is a device or a pipe".into())),
+        Err(source) if source.kind() == io::ErrorKind::NotFound => {
+            Err(PlanError::Missing { folder: folder.to_owned() })
+        }
+        Err(source) => Err(PlanError::Unreadable { path: path.to_owned(), source }),
     }
-    Ok(text)
+}
+
+/// Reads the file from its beginning; the text, which may be long, is not kept.
+fn read_json<T: DeserializeOwned>(path: &Path, mut file: &File) -> Result<T, PlanError> {
+    let unreadable = |source| PlanError::Unreadable { path: path.to_owned(), source };
+    file.rewind().map_err(unreadable)?;
+    // It may have grown since it was opened.
+    serde_json::from_reader(BufReader::new(file.take(MAX_FILE_BYTES))).map_err(|error| match error.is_io() {
+        true => unreadable(error.into()),
+        false => PlanError::NotAPlan { path: path.to_owned(), reason: error.to_string() },
+    })
 }
 
 #[cfg(test)]

@@ -23,6 +23,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::batch::{RunLabel, Seeds, Value};
+use crate::input_file::list_of_at_most;
 use crate::scenario::Scenario;
 
 /// The version of this program, as it stands in every file that it writes.
@@ -30,6 +31,10 @@ pub const PROGRAM_VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// What `plan.json` names as its program.
 pub(super) const PROGRAM: &str = "wildfire";
+
+/// The most keys that a batch sweeps, and the most changes of a scenario.
+pub const MAX_SWEPT_KEYS: usize = 100;
+const MAX_CHANGES: usize = 1_000;
 
 /// The key of a scenario's planners, whose values have a column of their own.
 pub const PLANNER_KEY: &str = "unimog.planner";
@@ -61,8 +66,10 @@ pub struct Variant {
     /// The scenario as it was named.
     pub source: String,
     /// The changes made to it, `key=value`, swept ones last.
+    #[serde(deserialize_with = "list_of_at_most::<MAX_CHANGES, _, _>")]
     pub changes: Vec<String>,
     /// A value for each of [`BatchPlan::swept_keys`].
+    #[serde(deserialize_with = "list_of_at_most::<MAX_SWEPT_KEYS, _, _>")]
     pub swept: Vec<Value>,
     pub scenario: Scenario,
 }

@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use super::file::{self, PlanFileError};
 use super::sweep::{SweepError, check_sweeps, split_at_commas};
-use super::{BatchPlan, PLANNER_KEY, Record, Setting, Sweep, Variant};
+use super::{BatchPlan, MAX_CHANGES, MAX_SWEPT_KEYS, PLANNER_KEY, Record, Setting, Sweep, Variant};
 use crate::batch::{MAX_RUNS, Seeds, Value};
 use crate::scenario::{LoadedScenario, Scenario, ScenarioError, ScenarioText};
 
@@ -17,8 +17,9 @@ pub const RUNS_WITHOUT_FORCE: u64 = 100_000;
 /// The most variants of a batch.
 pub const MAX_VARIANTS: u64 = 10_000;
 
-/// The most bytes that all resolved scenarios of a plan may take; fields drawn as maps are what is large in them.
-pub(super) const MAX_PLAN_BYTES: u64 = 256_000_000;
+/// The most bytes of JSON, without indentation, of all variants and seeds of a plan; fields drawn as maps and many agents
+/// are what is large in them. In memory a variant takes about as much.
+pub(super) const MAX_PLAN_BYTES: u64 = 32_000_000;
 
 /// What a batch is asked to do, as the command line or a plan file says it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -50,8 +51,13 @@ pub enum RequestError {
     TooManyRuns { count: u128 },
     #[error("{count} combinations of what is swept are too many: a batch takes at most {MAX_VARIANTS}")]
     TooManyVariants { count: u128 },
-    #[error("the plan would take more than {} MB, because each combination holds a large map", MAX_PLAN_BYTES / 1_000_000)]
+    #[error(
+        "the plan would take more than {} MB; expected fewer combinations, smaller maps, or fewer agents",
+        MAX_PLAN_BYTES / 1_000_000
+    )]
     TooLarge,
+    #[error("{count} {what} are too many: a batch takes at most {limit}")]
+    TooManyChanges { count: usize, what: &'static str, limit: usize },
     #[error(
         "`{one}` and `{other}` are both named `{name}`; name one of them otherwise, as its tables could not be told apart"
     )]
@@ -98,9 +104,10 @@ impl BatchRequest {
         check_sweeps(&self.sweeps, &changed)?;
         let seeds = self.seeds.clone().unwrap_or_default();
         self.check_size(&seeds, force)?;
+        self.check_changes()?;
         let keys = || self.sweeps.iter().flat_map(Sweep::keys);
         let plan = BatchPlan {
-            variants: self.variants()?,
+            variants: self.variants(seeds.to_string().len() as u64)?,
             swept_keys: keys().filter(|key| *key != PLANNER_KEY).cloned().collect(),
             seeds,
             record: self.record.unwrap_or_default(),
@@ -121,11 +128,22 @@ impl BatchRequest {
         }
     }
 
-    /// Scenarios slowest, then the first sweep, the last sweep fastest.
-    fn variants(&self) -> Result<Vec<Variant>, RequestError> {
+    /// Refuses a variant that could not be read back.
+    fn check_changes(&self) -> Result<(), RequestError> {
+        let swept = self.sweeps.iter().flat_map(Sweep::keys).count();
+        let changes = self.changes.len() + swept;
+        for (count, what, limit) in [(swept, "swept keys", MAX_SWEPT_KEYS), (changes, "changes", MAX_CHANGES)] {
+            if count > limit {
+                return Err(RequestError::TooManyChanges { count, what, limit });
+            }
+        }
+        Ok(())
+    }
+
+    /// Scenarios slowest, then the first sweep, the last sweep fastest. All else of the plan takes so many bytes.
+    fn variants(&self, mut bytes: u64) -> Result<Vec<Variant>, RequestError> {
         let combinations = combinations(&self.sweeps);
         let mut variants = Vec::new();
-        let mut bytes = 0;
         for source in &self.scenarios {
             let text = match self.texts.iter().find(|text| text.source == *source) {
                 Some(text) => text,
@@ -133,7 +151,7 @@ impl BatchRequest {
             };
             for combination in &combinations {
                 let variant = self.variant(text, combination)?;
-                bytes += json_of(&variant.scenario).len() as u64;
+                bytes += variant.bytes();
                 if bytes > MAX_PLAN_BYTES {
                     return Err(RequestError::TooLarge);
                 }
