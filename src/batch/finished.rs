@@ -32,9 +32,9 @@ pub struct FinishedBatch {
 }
 
 impl FinishedBatch {
-    /// Whether a folder has the plan of a batch.
+    /// Whether a folder has the plan of a batch, or may have, as it cannot be looked into.
     pub fn is_there(folder: &Path) -> bool {
-        folder.join(PLAN_FILE).exists()
+        folder.join(PLAN_FILE).try_exists().unwrap_or(true)
     }
 
     /// Reads the plan of a batch's folder.

@@ -23,7 +23,6 @@ const LISTED_VARIANTS: usize = 50;
 
 pub fn run(arguments: &BatchArguments, quiet: bool) -> Result<ExitCode, Failure> {
     let slice = arguments.shard.unwrap_or(Slice::WHOLE);
-    let stop = interrupt::watch()?;
     let mut batch = match &arguments.resume {
         Some(folder) => Batch::resume(OutputFolder::existing(folder)?, slice)?,
         None => {
@@ -38,6 +37,7 @@ pub fn run(arguments: &BatchArguments, quiet: bool) -> Result<ExitCode, Failure>
     if batch.progress().end().1 && !quiet {
         terminal::note("the journal's last line was torn; it was dropped, and its run is run again");
     }
+    let stop = interrupt::watch()?;
     let resume = resume_command(batch.folder().path(), slice);
     let finished = run_to_the_end(&mut batch, arguments, &stop, quiet);
     finished.map_err(|error| match error {

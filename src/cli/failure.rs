@@ -42,7 +42,12 @@ impl Failure {
 
     /// An input that was named cannot be read.
     pub fn unreadable(path: &Path, error: &io::Error) -> Self {
-        Self::new(format_args!("cannot read {}: {error}", path.display()), None, code_of_input(error.kind()))
+        let path = path.display();
+        let sentence = match error.kind() {
+            ErrorKind::NotFound => format!("there is no {path}"),
+            _ => format!("cannot read {path}: {error}"),
+        };
+        Self::of_input(sentence, error.kind())
     }
 
     /// As [`Self::unreadable`], in other words.

@@ -121,14 +121,17 @@ impl<'a> Files<'a> {
         }
         let mut seen: Vec<PathBuf> =
             self.inputs.iter().filter(|path| !is_standard_stream(path)).map(|path| resolved(path)).collect();
-        for &(format, path) in self.outputs.iter().filter(|(_, path)| !is_standard_stream(path)) {
+        let files = || self.outputs.iter().filter(|(_, path)| !is_standard_stream(path));
+        for &(_, path) in files() {
             if seen.contains(&resolved(path)) {
                 let sentence = format_args!("{} cannot be two files at once", path.display()).to_string();
                 return Err(Failure::bad_input(sentence, Some("the input and every output need names of their own")));
             }
+            seen.push(resolved(path));
+        }
+        for &(format, path) in files() {
             check_place(path)?;
             format.check(path)?;
-            seen.push(resolved(path));
         }
         Ok(if on_stdout > 0 { Words::Stderr } else { Words::Stdout })
     }

@@ -67,8 +67,8 @@ fn plans_that_make_no_sense_are_refused() {
     refuse(&story, &["batch", "wrong.toml"], &["wrong.toml:2", "planers", "planners"]);
     refuse(&story, &batch(&["--shard", "3/2", "--out", "out"]), &["expected K/N"]);
     refuse(&story, &["batch", "smoke", "--resume", "out"], &["--resume"]);
-    story.tell(&["batch", "--resume", "nowhere"]).expect_code(3).expect_complaint(&["nowhere"]);
-    story.tell(&["status", "nowhere"]).expect_code(3).expect_complaint(&["nowhere"]);
+    refuse(&story, &["batch", "--resume", "nowhere"], &["nowhere"]);
+    refuse(&story, &["status", "nowhere"], &["nowhere"]);
 }
 
 #[test]

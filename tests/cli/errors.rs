@@ -98,13 +98,13 @@ fn file_in_place_of_the_folder_is_refused() {
 }
 
 #[test]
-fn places_that_cannot_be_written_are_the_environment() {
+fn places_in_no_folder_are_refused() {
     let story = Story::begin();
     story.file("file", "");
-    story.tell(&["batch", "smoke", "--out", "file/below"]).expect_code(3).expect_complaint(&["file/below"]);
-    story.tell(&["run", "smoke", "--events", "nowhere/e.csv"]).expect_code(3).expect_complaint(&["nowhere/e.csv"]);
+    refuse(&story, &["batch", "smoke", "--out", "file/below"], &["file/below", "expected a folder"]);
+    refuse(&story, &["run", "smoke", "--events", "nowhere/e.csv"], &["nowhere/e.csv", "no such folder"]);
     story.file("runs", "in the way");
-    story.tell(&["batch", "smoke"]).expect_code(3).expect_complaint(&["runs"]);
+    refuse(&story, &["batch", "smoke"], &["runs", "expected a folder"]);
 }
 
 #[test]
@@ -116,11 +116,13 @@ fn full_disk_under_stdout_is_the_environment() {
 }
 
 #[test]
+#[cfg(target_os = "linux")]
 fn output_that_cannot_be_written_costs_neither_the_result_nor_the_other_outputs() {
     let Ok(full) = File::options().write(true).open("/dev/full") else { return };
     let story = Story::begin();
-    let arguments = ["run", "smoke", "--events", "/dev/full", "--trace", "trace.csv"];
-    let answer = story.tell(&arguments).expect_code(3).expect_complaint(&["cannot write /dev/full", "wrote trace.csv"]);
+    let arguments = ["run", "smoke", "--events", "/sys/e.csv", "--trace", "trace.csv"];
+    let answer =
+        story.tell(&arguments).expect_code(3).expect_complaint(&["cannot write /sys/e.csv", "wrote trace.csv"]);
     assert!(answer.stdout.starts_with("smoke, seed 1: ended after"), "{}", answer.stdout);
     assert!(story.read("trace.csv").lines().count() > 1);
     let arguments = ["run", "smoke", "--events", "events.csv"];
@@ -159,10 +161,10 @@ fn negative_numbers_are_answered_with_what_was_expected() {
 #[test]
 fn line_of_megabytes_is_shown_in_part() {
     let story = Story::begin();
-    let name = "x".repeat(1_000_000);
+    let name = "x".repeat(300_000);
     story.file("name.toml", &format!("wumpus = []\nunimog = []\nname = \"{name}\"\n"));
     story.file("field.toml", &format!("wumpus = []\nunimog = []\n{name} = 1\n"));
-    story.file("list.toml", &format!("unimog = []\nignition = [{}]\n", "{ at_s = 1, random = 1 },".repeat(20_000)));
+    story.file("list.toml", &format!("unimog = []\nignition = [{}]\n", "{ at_s = 1, random = 1 },".repeat(10_000)));
     story.file("map.txt", &format!("..#\n{}é\n", ".".repeat(100_000)));
     story.file("map.toml", "wumpus = []\nunimog = []\nfield.map = \"map.txt\"\n");
     for (file, words) in [
@@ -192,13 +194,6 @@ fn recording_stays_in_its_folder_whatever_the_scenario_is_called() {
     }
     assert_eq!(story.entries(), ["in"]);
     assert_eq!(std::fs::read_dir(story.path("in/out")).expect("it is there").count(), 2);
-}
-
-#[test]
-fn output_to_a_pipe_goes_into_the_pipe() {
-    let story = Story::begin();
-    let answer = story.tell(&["--quiet", "run", "smoke", "--json", "--events", "/dev/stderr"]).expect_code(0);
-    assert!(answer.stderr.starts_with("t_s,event,agent,col,row,detail\n"), "{}", answer.stderr);
 }
 
 #[test]

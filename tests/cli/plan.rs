@@ -257,7 +257,7 @@ fn questions_that_make_no_sense_are_refused() {
     ] {
         refuse(&story, &arguments.split_whitespace().collect::<Vec<_>>(), words);
     }
-    story.tell(&["plan", "mine.json", "--csv", "none/a.csv"]).expect_code(3).expect_complaint(&["no such folder"]);
+    refuse(&story, &["plan", "mine.json", "--csv", "none/a.csv"], &["none/a.csv", "no such folder"]);
 }
 
 /// Fields of the reference data beside this package, if they are there.

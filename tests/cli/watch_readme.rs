@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::readme;
-use crate::story::Story;
+use crate::story::{Story, refuse};
 
 fn section() -> &'static str {
     readme::section("Watch")
@@ -60,6 +60,6 @@ fn examples_of_the_help_are_understood() {
             .map(|word| if outputs.contains(word) { format!("nowhere/{word}") } else { (*word).to_owned() })
             .collect();
         let nowhere: Vec<&str> = nowhere.iter().map(String::as_str).collect();
-        story.tell(&nowhere).expect_code(3).expect_complaint(&["nowhere/"]);
+        refuse(&story, &nowhere, &["nowhere/", "no such folder"]);
     }
 }

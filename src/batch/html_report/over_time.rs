@@ -1,6 +1,7 @@
 //! States of obstacles over time, read from `states.parquet`.
 
 use std::fs::File;
+use std::io::ErrorKind;
 use std::mem;
 use std::path::Path;
 
@@ -11,7 +12,7 @@ use parquet::file::reader::{FileReader, RowGroupReader, SerializedFileReader};
 
 use super::ReportError;
 use super::quantities::STATES;
-use crate::batch::{BatchPlan, STATE_STEPS, STATES_PARQUET, panics};
+use crate::batch::{BatchPlan, FinishedError, STATE_STEPS, STATES_PARQUET, panics};
 use crate::picture::charts::Estimate;
 use crate::stats::quantile;
 
@@ -29,18 +30,20 @@ impl StateCurves {
     /// One for each variant; `None` if the folder has no such file.
     pub fn read(folder: &Path, plan: &BatchPlan) -> Result<Option<Vec<Self>>, ReportError> {
         let path = folder.join(STATES_PARQUET);
-        if !path.exists() {
-            return Ok(None);
-        }
+        let file = match File::open(&path) {
+            Ok(file) => file,
+            Err(source) if source.kind() == ErrorKind::NotFound => return Ok(None),
+            Err(source) => return Err(FinishedError::Unreadable { path, source }.into()),
+        };
         // Damage can make the reader panic.
-        let read = panics::catch(|| read_all(&path, plan).map_err(|error| error.to_string()));
+        let read = panics::catch(|| read_all(file, plan).map_err(|error| error.to_string()));
         let curves = read.unwrap_or_else(|_| Err("it is damaged".into()));
         curves.map(Some).map_err(|reason| ReportError::BadStates { path, reason })
     }
 }
 
-fn read_all(path: &Path, plan: &BatchPlan) -> Result<Vec<StateCurves>, ParquetError> {
-    let reader = SerializedFileReader::new(File::open(path)?)?;
+fn read_all(file: File, plan: &BatchPlan) -> Result<Vec<StateCurves>, ParquetError> {
+    let reader = SerializedFileReader::new(file)?;
     let mut curves = Vec::new();
     let mut counts = Counts::default();
     for index in 0..reader.num_row_groups() {

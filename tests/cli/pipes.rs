@@ -1,0 +1,166 @@
+//! Inputs that are pipes or devices: they are read once, waited for until Ctrl-C, and bounded.
+#![cfg(unix)]
+
+use std::fs;
+use std::io::Write;
+use std::os::unix::process::ExitStatusExt;
+use std::process::{Child, Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use crate::story::{Answer, Story};
+
+/// Every way to name a file that is read, where `{}` stands, and what is read there.
+const INPUTS: [(&str, &str); 17] = [
+    ("check {}", "smoke.toml"),
+    ("run {}", "smoke.toml"),
+    ("batch {} --planner prm-rs,lattice --seeds 1 --out out --force", "smoke.toml"),
+    ("batch {} --seeds 1 --dry-run", "plan.toml"),
+    ("batch smoke --seeds @{} --dry-run", "seeds"),
+    ("render {} --with-set fire.burn_out_s=20 --size 320x240 -o out.png", "smoke.toml"),
+    ("render {} --size 320x240 -o out.png", "run.wildfire"),
+    ("render smoke --with {} --size 320x240 -o out.png", "run.wildfire"),
+    ("plan {}", "field.json"),
+    ("plan --goals 1 --scenario {}", "smoke.toml"),
+    ("check --set field.map={}", "field.json"),
+    ("map brushfire {}", "map.txt"),
+    ("map timing {}", "map.pgm"),
+    ("map brushfire {} --tolerance 90", "map.png"),
+    ("curve --pairs {} --csv out.csv", "pairs.csv"),
+    ("audit {}", "run.wildfire"),
+    ("compare {} --by planner", "runs.csv"),
+];
+
+fn story() -> Story {
+    let story = Story::begin();
+    let smoke = story.tell(&["scenarios", "--show", "smoke"]).expect_code(0).stdout;
+    story.file("smoke.toml", &smoke);
+    story.file("plan.toml", "scenarios = ['smoke']\nseeds = '1..3'\n");
+    story.file("seeds", "1..3 7\n");
+    let field = r#"{"n": 100, "cell_m": 2.5, "cells_cr": [], "start": [12, 25, 0], "goals": [{"pose": [38, 25, 0]}]}"#;
+    story.file("field.json", field);
+    story.file("map.txt", "0100\n0000\n");
+    story.file("map.pgm", "P2\n3 2\n255\n0 255 255\n255 255 255\n");
+    image::GrayImage::from_fn(40, 30, |x, _| image::Luma([x as u8 * 6])).save(story.path("map.png")).expect("writable");
+    story.file("pairs.csv", "x0,y0,th0,x1,y1,th1\n0,0,0,9,9,1\n");
+    story.tell(&["run", "smoke", "--out", "run.wildfire"]).expect_code(0);
+    let batch = ["batch", "smoke", "--planner", "prm-rs,lattice", "--seeds", "1..3", "--out", "batch"];
+    story.tell(&batch).expect_code(0);
+    fs::copy(story.path("batch/runs.csv"), story.path("runs.csv")).expect("writable");
+    let made = Command::new("mkfifo").arg(story.path("pipe")).status().expect("mkfifo is there");
+    assert!(made.success());
+    story
+}
+
+fn with_input(command: &str, input: &str) -> Vec<String> {
+    command.replace("{}", input).split_whitespace().map(str::to_owned).collect()
+}
+
+fn command(story: &Story, words: &[String]) -> Command {
+    story.command(&words.iter().map(String::as_str).collect::<Vec<_>>())
+}
+
+fn remove_outputs(story: &Story) {
+    for name in ["out.png", "out.csv"] {
+        // It may not be there.
+        let _ = fs::remove_file(story.path(name));
+    }
+}
+
+#[test]
+fn every_input_may_be_a_pipe() {
+    let story = story();
+    for (arguments, file) in INPUTS {
+        let mut writer = Command::new("sh");
+        let mut writer =
+            writer.args(["-c", "cat \"$0\" > pipe", file]).current_dir(story.path(".")).spawn().expect("sh");
+        let output = command(&story, &with_input(arguments, "pipe")).output().expect("it can be started");
+        // It would wait for ever if the pipe was never opened.
+        let _ = writer.kill();
+        writer.wait().expect("it ends");
+        let answer = Answer::of(&output);
+        assert_eq!(answer.code, Some(0), "{arguments}: {}", answer.stderr);
+        remove_outputs(&story);
+    }
+}
+
+#[test]
+fn every_input_may_be_stdin() {
+    let story = story();
+    for (arguments, file) in INPUTS {
+        let input = fs::File::open(story.path(file)).expect("it was just written");
+        let mut cat = Command::new("cat").stdin(input).stdout(Stdio::piped()).spawn().expect("cat is there");
+        let words = with_input(arguments, "-");
+        let stdin = cat.stdout.take().expect("it is piped");
+        let output = command(&story, &words).stdin(stdin).output().expect("it can be started");
+        cat.wait().expect("it ends");
+        let answer = Answer::of(&output);
+        assert_eq!(answer.code, Some(0), "{arguments}: {}", answer.stderr);
+        remove_outputs(&story);
+    }
+}
+
+#[test]
+fn batch_of_a_pipe_is_resumed_without_it() {
+    let story = story();
+    let mut child = story.command(&["batch", "-", "--seeds", "1..2", "--out", "piped"]);
+    let mut child = child.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts");
+    child.stdin.take().expect("piped").write_all(story.read("smoke.toml").as_bytes()).expect("it is read");
+    assert!(child.wait().expect("it ends").success());
+    story.tell(&["batch", "--resume", "piped"]).expect_code(0);
+}
+
+#[expect(clippy::disallowed_methods, reason = "that nothing happens can only be seen by waiting")]
+fn wait(moment: Duration) {
+    thread::sleep(moment);
+}
+
+/// How the program ended, which it must do soon.
+fn end_of(child: &mut Child, arguments: &str) -> std::process::ExitStatus {
+    let since = Instant::now();
+    while since.elapsed() < Duration::from_secs(20) {
+        if let Some(status) = child.try_wait().expect("it can be asked") {
+            return status;
+        }
+        wait(Duration::from_millis(10));
+    }
+    let _ = child.kill();
+    panic!("`{arguments}` outlived a signal by 20 seconds");
+}
+
+#[test]
+fn one_interrupt_ends_the_wait_for_a_pipe_that_says_nothing() {
+    let story = story();
+    for (arguments, _) in INPUTS {
+        let mut started = command(&story, &with_input(arguments, "pipe"));
+        let mut child = started.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it can be started");
+        wait(Duration::from_millis(300));
+        assert!(child.try_wait().expect("it can be asked").is_none(), "`{arguments}` did not wait");
+        let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill can be started");
+        assert!(sent.success());
+        let status = end_of(&mut child, arguments);
+        assert!(status.code() == Some(130) || status.signal() == Some(2), "{arguments}: {status}");
+    }
+}
+
+/// The memory in which the program must do with any input, in kibibytes of addresses: 64 MiB for what it reads, and what
+/// it takes without reading anything, most of it never touched.
+const ADDRESSES_KIB: u32 = 65_536 + 40_000;
+
+/// Tells the program something in bounded memory, which must end it with the code of bad input.
+fn refuse_in_bounded_memory(story: &Story, words: &[String], what: &str) {
+    let limited = format!("ulimit -v {ADDRESSES_KIB}; exec \"$0\" \"$@\"");
+    let mut shell = Command::new("sh");
+    shell.arg("-c").arg(limited).arg(env!("CARGO_BIN_EXE_wildfire")).args(words).current_dir(story.path("."));
+    let answer = Answer::of(&shell.output().expect("sh can be started"));
+    assert_eq!(answer.code, Some(2), "{what}: {:.500}\n{:.500}", answer.stdout, answer.stderr);
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn device_without_an_end_is_refused_at_the_limit() {
+    let story = story();
+    for (arguments, _) in INPUTS {
+        refuse_in_bounded_memory(&story, &with_input(arguments, "/dev/zero"), arguments);
+    }
+}
