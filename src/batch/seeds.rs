@@ -10,7 +10,7 @@ use thiserror::Error;
 pub const MAX_RUNS: u64 = 10_000_000;
 
 /// The most seeds and ranges that are listed one by one; consecutive seeds are one range.
-const MAX_PARTS: usize = 1_000_000;
+const MAX_PARTS: usize = 750_000;
 
 /// Distinct seeds in the order in which they were written; ranges count upwards and include both ends.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -161,7 +161,7 @@ fn negative_numbers_are_answered_with_what_was_expected() {
 #[test]
 fn line_of_megabytes_is_shown_in_part() {
     let story = Story::begin();
-    let name = "x".repeat(300_000);
+    let name = "x".repeat(250_000);
     story.file("name.toml", &format!("wumpus = []\nunimog = []\nname = \"{name}\"\n"));
     story.file("field.toml", &format!("wumpus = []\nunimog = []\n{name} = 1\n"));
     story.file("list.toml", &format!("unimog = []\nignition = [{}]\n", "{ at_s = 1, random = 1 },".repeat(10_000)));

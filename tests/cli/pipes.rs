@@ -164,3 +164,48 @@ fn device_without_an_end_is_refused_at_the_limit() {
         refuse_in_bounded_memory(&story, &with_input(arguments, "/dev/zero"), arguments);
     }
 }
+
+/// A text of about so many bytes: a beginning, what is repeated, and an end.
+fn text_of(bytes: usize, start: &str, repeated: &str, end: &str) -> String {
+    format!("{start}{}{end}", repeated.repeat((bytes - start.len() - end.len()) / repeated.len()))
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn worst_inputs_below_the_limits_are_refused_in_bounded_memory() {
+    let story = story();
+    let field = r#"{"n": 10, "cells_cr": [], "#;
+    for (name, arguments, text) in [
+        ("tables.toml", "check {}", text_of(167_000, "a = [", "{a=1},", "]")),
+        ("trucks.toml", "check {}", text_of(71_000, "wumpus = []\nunimog = [", "{},", "]")),
+        ("headers.toml", "check {}", text_of(120_000, "", "[[a]]\nb=1\n", "")),
+        ("numbers.toml", "check {}", text_of(299_000, "a = [", "1,", "]")),
+        ("seeds", "batch smoke --dry-run --seeds @{}", text_of(7_999_000, "", "1,", "1")),
+        (
+            "goals.json",
+            "plan {}",
+            text_of(15_900_000, &format!("{field} \"start\": [1, 1, 0], \"goals\": ["), "{},", "{}]}"),
+        ),
+        ("start.json", "plan {}", text_of(15_900_000, &format!("{field} \"start\": ["), "1,", "1]}")),
+        ("name.json", "plan {}", text_of(15_900_000, &format!("{field} \"field\": ["), "[],", "1]}")),
+    ] {
+        story.file(name, &text);
+        refuse_in_bounded_memory(&story, &with_input(arguments, name), name);
+    }
+    let plan = story.read("batch/plan.json");
+    let (head, _) = plan.split_once("\"variants\"").expect("a plan has variants");
+    let variants = format!("{head}\"variants\": [");
+    let trucks = format!("{}{{}}", "{},".repeat(999));
+    let truck_list = format!(
+        "{{\"source\":\"x\",\"changes\":[],\"swept\":[],\"scenario\":{{\"wumpus\":[],\"unimog\":[{trucks}]}}}},"
+    );
+    let swept = format!("{variants}{{\"source\": \"x\", \"changes\": [], \"swept\": [");
+    for (name, text) in [
+        ("trucks", text_of(10_000_000, &variants, &truck_list, "1]}")),
+        ("swept", text_of(10_000_000, &swept, "0,", "0]}]}")),
+        ("nested", text_of(10_000_000, &swept, "[],", "0]}]}")),
+    ] {
+        story.file("batch/plan.json", &text);
+        refuse_in_bounded_memory(&story, &with_input("status {}", "batch"), name);
+    }
+}

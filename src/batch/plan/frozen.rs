@@ -20,9 +20,8 @@ use crate::scenario::{self, Fault, Scenario};
 /// Version of the format of `plan.json`.
 const PLAN_FORMAT: u32 = 2;
 
-/// The longest file of a plan: twice the size of the variants leaves room for the indentation, which is most of what else
-/// there is.
-const MAX_FILE_BYTES: u64 = 2 * MAX_PLAN_BYTES + 100_000;
+/// The longest file of a plan: besides seeds and variants it holds some names and numbers.
+const MAX_FILE_BYTES: u64 = MAX_PLAN_BYTES + 1_000_000;
 
 /// Why the plan of a folder cannot be followed.
 #[derive(Debug, Error)]
@@ -89,12 +88,15 @@ struct Body {
 }
 
 impl Variant {
-    /// About the bytes that it takes, in memory and as JSON without indentation.
+    /// At least the bytes that it takes, in the file of a plan and in memory.
     pub(super) fn bytes(&self) -> u64 {
-        let json = serde_json::to_vec(self).expect("variants hold names, numbers and lists only");
+        /// Before a line of a variant: it is in a list in an object.
+        const INDENTATION: usize = 4;
+        let json = serde_json::to_vec_pretty(self).expect("variants hold names, numbers and lists only");
+        let lines = json.iter().filter(|&&byte| byte == b'\n').count() + 1;
         // A short text takes more in memory than its letters.
         let texts = (self.changes.len() + self.swept.len()) * size_of::<Value>();
-        (json.len() + texts) as u64
+        (json.len() + INDENTATION * lines + texts) as u64
     }
 }
 

@@ -17,9 +17,9 @@ pub const RUNS_WITHOUT_FORCE: u64 = 100_000;
 /// The most variants of a batch.
 pub const MAX_VARIANTS: u64 = 10_000;
 
-/// The most bytes of JSON, without indentation, of all variants and seeds of a plan; fields drawn as maps and many agents
-/// are what is large in them. In memory a variant takes about as much.
-pub(super) const MAX_PLAN_BYTES: u64 = 32_000_000;
+/// The most bytes of all variants and seeds of a plan in its file; fields drawn as maps and many agents are what is large
+/// in them. In memory a variant takes less.
+pub(super) const MAX_PLAN_BYTES: u64 = 60_000_000;
 
 /// What a batch is asked to do, as the command line or a plan file says it.
 #[derive(Clone, Debug, Default, PartialEq)]
