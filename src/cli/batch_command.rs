@@ -24,14 +24,19 @@ const LISTED_VARIANTS: usize = 50;
 pub fn run(arguments: &BatchArguments, quiet: bool) -> Result<ExitCode, Failure> {
     let slice = arguments.shard.unwrap_or(Slice::WHOLE);
     let mut batch = match &arguments.resume {
-        Some(folder) => Batch::resume(OutputFolder::existing(folder)?, slice)?,
+        Some(folder) => {
+            interrupt::set_resumable();
+            Batch::resume(OutputFolder::existing(folder)?, slice)?
+        }
         None => {
             let plan = plan(arguments)?;
             if arguments.dry_run {
                 terminal::print(described(&plan).as_bytes())?;
                 return Ok(ExitCode::SUCCESS);
             }
-            begin(arguments, plan, slice)?
+            let batch = begin(arguments, plan, slice)?;
+            interrupt::set_resumable();
+            batch
         }
     };
     if batch.progress().end().1 && !quiet {
@@ -39,7 +44,7 @@ pub fn run(arguments: &BatchArguments, quiet: bool) -> Result<ExitCode, Failure>
     }
     let stop = interrupt::watch()?;
     let resume = resume_command(batch.folder().path(), slice);
-    let finished = run_to_the_end(&mut batch, arguments, &stop, quiet);
+    let finished = run_to_the_end(&mut batch, arguments, quiet);
     finished.map_err(|error| match error {
         BatchFailure::Batch(error) => Failure::of_batch(error, &resume),
         BatchFailure::Printing(failure) => failure,
@@ -87,19 +92,17 @@ fn begin(arguments: &BatchArguments, plan: BatchPlan, slice: Slice) -> Result<Ba
     })
 }
 
-fn run_to_the_end(
-    batch: &mut Batch,
-    arguments: &BatchArguments,
-    stop: &Arc<AtomicBool>,
-    quiet: bool,
-) -> Result<ExitCode, BatchFailure> {
+fn run_to_the_end(batch: &mut Batch, arguments: &BatchArguments, quiet: bool) -> Result<ExitCode, BatchFailure> {
     let jobs = arguments.jobs.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
-    run_with_progress(batch, jobs, stop, quiet)?;
+    let watch = interrupt::watch();
+    run_with_progress(batch, jobs, watch.stop(), quiet)?;
     if !batch.progress().slice().is_whole() {
+        drop(watch);
         terminal::print(slice_summary(batch).as_bytes())?;
         return Ok(exit_code(batch.progress().held().1));
     }
-    let report = batch.finish(stop)?;
+    let report = batch.finish(watch.stop())?;
+    drop(watch);
     terminal::print(summary(batch.plan(), batch.folder(), &report).as_bytes())?;
     if arguments.profile {
         terminal::print(format!("\n{}", report.profile()).as_bytes())?;

@@ -1,22 +1,134 @@
-//! Ctrl-C: the first lets the program tidy up, the second ends it at once.
+//! Signals: an exit code for each that asks the program to end, at any moment from its first statement on.
+//!
+//! Such a signal ends the program at once, in the handler itself, so that no wait outlives it: neither one for a pipe,
+//! nor one for a reader of the results. While something is under way that has to be tidied up, [`watch`] turns the
+//! first signal into a flag instead; the second ends the program then.
 
-use std::process;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, LazyLock};
 
-use crate::cli::failure::Failure;
-use crate::cli::{exit, terminal};
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
 
-/// A flag that the first Ctrl-C, or request of the system to end, sets. To be called once.
-pub fn watch() -> Result<Arc<AtomicBool>, Failure> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let seen = Arc::clone(&stop);
-    let watched = ctrlc::set_handler(move || {
-        if seen.swap(true, Ordering::Relaxed) {
-            process::exit(exit::INTERRUPTED.into());
+use crate::cli::exit;
+
+/// Whether the next signal ends the program with the code 130.
+static ENDS_INTERRUPTED: AtomicBool = AtomicBool::new(true);
+
+/// Whether the next signal ends the program with the code 75.
+static ENDS_RESUMABLE: AtomicBool = AtomicBool::new(false);
+
+/// Set by the first signal that does not end the program.
+static STOP: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
+
+/// Gives all signals that ask for an end an exit code. To be called once, before anything else.
+pub fn install() {
+    let caught = "these signals may be caught";
+    for signal in ending_signals() {
+        // Handlers act in the order in which they are registered: a signal that does not end the program makes the
+        // next one end it.
+        flag::register_conditional_shutdown(signal, exit::INTERRUPTED.into(), &ENDS_INTERRUPTED).expect(caught);
+        flag::register_conditional_shutdown(signal, exit::RESUMABLE.into(), &ENDS_RESUMABLE).expect(caught);
+        flag::register(signal, Arc::clone(&STOP)).expect(caught);
+        flag::register(signal, &ENDS_INTERRUPTED).expect(caught);
+    }
+    #[cfg(unix)]
+    {
+        /// Nobody asks: a write beyond the limit fails then, which is told like any full disk.
+        static BEYOND_FILE_SIZE_LIMIT: AtomicBool = AtomicBool::new(false);
+        flag::register(signal_hook::consts::SIGXFSZ, &BEYOND_FILE_SIZE_LIMIT).expect(caught);
+    }
+}
+
+/// Ctrl-C, the system's request to end and, unless `nohup` keeps it off, the end of the terminal.
+fn ending_signals() -> impl Iterator<Item = i32> {
+    #[cfg(unix)]
+    let hangup = (!is_hangup_ignored()).then_some(signal_hook::consts::SIGHUP);
+    #[cfg(not(unix))]
+    let hangup = None;
+    [SIGINT, SIGTERM].into_iter().chain(hangup)
+}
+
+/// Whether the program was started by something like `nohup`, as far as the system tells.
+#[cfg(unix)]
+fn is_hangup_ignored() -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (signal_hook::consts::SIGHUP - 1) & 1 == 1)
+}
+
+/// From here on a signal ends the program with the code of what can be resumed.
+pub fn set_resumable() {
+    ENDS_RESUMABLE.store(true, Ordering::SeqCst);
+    ENDS_INTERRUPTED.store(false, Ordering::SeqCst);
+}
+
+/// While this lives, the first signal sets a flag and is announced, and only the second ends the program.
+///
+/// Whoever holds it looks at the flag often. Where that fails, because a write or a wait never returns, the program ends
+/// some seconds after the first signal.
+pub struct Watch {
+    stop: Arc<AtomicBool>,
+    is_resumable: bool,
+}
+
+/// Begins to watch for the first signal.
+pub fn watch() -> Watch {
+    let is_resumable = ENDS_RESUMABLE.load(Ordering::SeqCst);
+    #[cfg(unix)]
+    announcer::start(if is_resumable { exit::RESUMABLE } else { exit::INTERRUPTED });
+    ENDS_RESUMABLE.store(false, Ordering::SeqCst);
+    ENDS_INTERRUPTED.store(false, Ordering::SeqCst);
+    Watch { stop: Arc::clone(&STOP), is_resumable }
+}
+
+impl Watch {
+    /// The flag that the first signal sets.
+    pub fn stop(&self) -> &Arc<AtomicBool> {
+        &self.stop
+    }
+}
+
+impl Drop for Watch {
+    fn drop(&mut self) {
+        // After a first signal the second is on its way to end the program already.
+        if self.stop.load(Ordering::SeqCst) {
+            return;
         }
-        terminal::note("stopping; Ctrl-C once more to stop at once");
-    });
-    watched.map_err(|error| Failure::environment(format_args!("cannot watch for Ctrl-C: {error}")))?;
-    Ok(stop)
+        if self.is_resumable {
+            set_resumable();
+        } else {
+            ENDS_INTERRUPTED.store(true, Ordering::SeqCst);
+        }
+    }
+}
+
+/// A thread that waits for the first signal.
+#[cfg(unix)]
+mod announcer {
+    use std::thread;
+    use std::time::Duration;
+
+    use signal_hook::iterator::Signals;
+    use signal_hook::low_level;
+
+    use super::ending_signals;
+    use crate::cli::terminal;
+
+    /// How long the program may tidy up: a batch needs less than two seconds.
+    const LONGEST_TIDYING: Duration = Duration::from_secs(5);
+
+    /// Starts it; without it, when there are no threads to be had, only the words are missing.
+    pub fn start(code: u8) {
+        let Ok(mut signals) = Signals::new(ending_signals()) else { return };
+        let wait = move || {
+            if signals.forever().next().is_some() {
+                // On a thread of its own: stderr may be the very thing that is stuck.
+                let _ = thread::Builder::new().spawn(|| terminal::note("stopping; Ctrl-C once more to stop at once"));
+                thread::park_timeout(LONGEST_TIDYING);
+                low_level::exit(code.into());
+            }
+        };
+        let _ = thread::Builder::new().spawn(wait);
+    }
 }

@@ -9,9 +9,11 @@ use crate::cli::failure::Failure;
 use crate::cli::{interrupt, terminal};
 
 pub fn run(arguments: &FolderArguments) -> Result<ExitCode, Failure> {
+    interrupt::set_resumable();
     let folder = OutputFolder::existing(&arguments.folder)?;
-    let stop = interrupt::watch()?;
-    let report = merge(&folder, &RealDisk, &stop).map_err(|error| failure(error, &folder))?;
+    let watch = interrupt::watch();
+    let report = merge(&folder, &RealDisk, watch.stop()).map_err(|error| failure(error, &folder))?;
+    drop(watch);
     let plan = BatchPlan::read(folder.path()).map_err(BatchError::from)?;
     terminal::print(summary(&plan, &folder, &report).as_bytes())?;
     Ok(exit_code(report.not_done()))

@@ -44,6 +44,7 @@ mod exit {
 
 /// Reads the arguments of the process and does what they say.
 pub fn main() -> ExitCode {
+    interrupt::install();
     let arguments = Arguments::parse();
     dispatch(&arguments).unwrap_or_else(Failure::conclude)
 }

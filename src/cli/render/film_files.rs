@@ -18,11 +18,12 @@ const SAMPLED_FRAMES: u64 = 32;
 
 /// Writes the films that were asked for; they appear whole, both or none.
 pub fn write_films(scene: &Scene, moments: Moments, arguments: &RenderArguments, quiet: bool) -> Result<(), Failure> {
-    let stop = interrupt::watch()?;
+    let watch = interrupt::watch();
+    let stop = watch.stop();
     let mut mp4 = arguments.mp4.as_deref().map(|path| Mp4File::create(path, scene.size, moments.fps)).transpose()?;
     let sampled = if arguments.gif.is_some() { moments.sample(SAMPLED_FRAMES).count() as u64 } else { 0 };
     let bar = terminal::progress_bar(sampled + moments.count(), "frames", quiet);
-    let mut reel = Reel { scene, moments, painter: Painter::new(scene.size, scene.films.len()), bar, stop: &stop };
+    let mut reel = Reel { scene, moments, painter: Painter::new(scene.size, scene.films.len()), bar, stop };
     let mut gif = arguments.gif.as_deref().map(|path| reel.begin_gif(path)).transpose()?;
     for frame in 0..moments.count() {
         let pixels = reel.paint(frame)?;
@@ -31,7 +32,7 @@ pub fn write_films(scene: &Scene, moments: Moments, arguments: &RenderArguments,
         }
         if let Some(mp4) = &mut mp4 {
             // A Ctrl-C reaches ffmpeg too, which then takes no more.
-            mp4.add(pixels).map_err(|failure| if is_set(&stop) { Failure::stopped() } else { failure })?;
+            mp4.add(pixels).map_err(|failure| if is_set(stop) { Failure::stopped() } else { failure })?;
         }
     }
     mp4.map_or(Ok(()), Mp4File::finish)?;
