@@ -7,7 +7,8 @@ use std::process;
 
 use crate::input_file::is_standard_stream;
 
-/// A file that is written aside, as `NAME.PROCESS.part`, and takes its name only when it is complete and on disk.
+/// A file that is written aside, as `NAME.PROCESS.part`, and takes its name only when it is complete and on disk;
+/// the name is on disk then, too.
 ///
 /// What is dropped without [`WholeFile::finish`] leaves nothing behind; a file of that name stays as it was. Where the
 /// name is a link, the file that it leads to is replaced. What is no file, such as a device or a pipe, is refused; only
@@ -56,8 +57,9 @@ impl WholeFile {
         let renamed = file.and_then(|file| file.sync_all()).and_then(|()| fs::rename(&places.aside, &places.path));
         if renamed.is_err() {
             self.discard();
+            return renamed;
         }
-        renamed
+        sync_folder_of(&places.path)
     }
 
     fn discard(&self) {
@@ -166,6 +168,25 @@ impl Drop for WholeFile {
             self.discard();
         }
     }
+}
+
+/// Brings the name of a file or folder, new or changed, to the disk: only then does it survive the end of the machine.
+///
+/// Where folders cannot be brought to the disk by themselves, because of the system, the file system or the right to
+/// read them, this does nothing.
+pub fn sync_folder_of(path: &Path) -> io::Result<()> {
+    if cfg!(not(unix)) {
+        return Ok(());
+    }
+    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    match File::open(folder).and_then(|folder| folder.sync_all()) {
+        Err(error) if is_impossible(error.kind()) => Ok(()),
+        synced => synced,
+    }
+}
+
+fn is_impossible(kind: ErrorKind) -> bool {
+    matches!(kind, ErrorKind::PermissionDenied | ErrorKind::InvalidInput | ErrorKind::Unsupported)
 }
 
 /// Writes a file in one go, whole or not at all.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::batch::{JournalError, PlanError, Slice};
+use crate::batch::{JournalError, PLAN_FILE, PlanError, Slice, StrangeEntry};
 
 #[derive(Debug, Error)]
 pub enum BatchError {
@@ -25,6 +25,15 @@ pub enum BatchError {
     Plan(#[from] PlanError),
     #[error(transparent)]
     Journal(#[from] JournalError),
+    #[error(transparent)]
+    Strange(#[from] StrangeEntry),
+    #[error("{} holds no {PLAN_FILE}, but {leftover}, which a process that was killed left: the batch had not begun", path.display())]
+    NotYetBegun { path: PathBuf, leftover: String },
+    #[error(
+        "the recording {} cannot be made again: {difference}; another machine or program wrote the row",
+        path.display()
+    )]
+    OtherOutcome { path: PathBuf, difference: String },
     #[error("the batch was stopped before its end")]
     Stopped,
     #[error("{} holds slice {found} of its batch, which does not go with {asked}", path.display())]

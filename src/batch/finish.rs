@@ -1,6 +1,7 @@
 //! From journals to tables.
 
 use std::io::Write;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::batch::disk::Disk;
@@ -51,8 +52,17 @@ fn write_markdown(folder: &OutputFolder, disk: &dyn Disk, report: &BatchReport) 
     write().map_err(|source| BatchError::unwritable(&path, source))
 }
 
+/// A batch whose slices were put together.
+#[derive(Debug)]
+pub struct Merged {
+    pub plan: BatchPlan,
+    pub report: BatchReport,
+    /// Files that were being written when a process was killed; they were removed.
+    pub leftovers: Vec<PathBuf>,
+}
+
 /// Puts the slices of a batch together: all must be complete, and nobody at work on them.
-pub fn merge(folder: &OutputFolder, disk: &dyn Disk, stop: &AtomicBool) -> Result<BatchReport, BatchError> {
+pub fn merge(folder: &OutputFolder, disk: &dyn Disk, stop: &AtomicBool) -> Result<Merged, BatchError> {
     let plan = BatchPlan::read(folder.path())?;
     let slices = slices_of(folder)?;
     let journals: Result<Vec<_>, _> = slices.iter().map(|&slice| ReadJournal::open(folder, slice, &plan)).collect();
@@ -64,13 +74,15 @@ pub fn merge(folder: &OutputFolder, disk: &dyn Disk, stop: &AtomicBool) -> Resul
             return Err(BatchError::Incomplete { slice: journal.index.slice(), missing, of: journal.index.count() });
         }
     }
-    folder.remove_leftovers()?;
+    let leftovers = folder.remove_leftovers()?;
     let mut rows = journals.iter().map(ReadJournal::rows).collect::<Result<Vec<_>, _>>()?;
     let of = rows.len() as u64;
-    write_tables(&plan, folder, disk, stop, |run| {
+    let report = write_tables(&plan, folder, disk, stop, |run| {
         let slice = usize::try_from((run - 1) % of).expect("there are few slices");
         rows[slice].row(run)
-    })
+    })?;
+    drop(rows);
+    Ok(Merged { plan, report, leftovers })
 }
 
 /// The slices that a folder has journals of: all of one number.

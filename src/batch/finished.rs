@@ -6,8 +6,10 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use crate::batch::entries::{expect_file, expect_files};
 use crate::batch::{
-    BatchPlan, OutputFolder, PLAN_FILE, PlanError, PlannedRun, RUN_COLUMNS, RUNS_FILE, RunRow, Status, is_measured,
+    BatchPlan, OutputFolder, PLAN_FILE, PlanError, PlannedRun, RUN_COLUMNS, RUNS_FILE, RunRow, Status, StrangeEntry,
+    is_measured,
 };
 
 /// The longest row of a batch's runs, on average; what is longer was not written by this program.
@@ -20,6 +22,8 @@ pub enum FinishedError {
     Unreadable { path: PathBuf, source: io::Error },
     #[error(transparent)]
     Plan(#[from] PlanError),
+    #[error(transparent)]
+    Strange(#[from] StrangeEntry),
     #[error("{} does not go with its plan: {reason}", path.display())]
     OtherRows { path: PathBuf, reason: String },
 }
@@ -42,6 +46,7 @@ impl FinishedBatch {
     /// # Errors
     /// If it cannot be read, or another version of the program wrote it.
     pub fn open(folder: &Path) -> Result<Self, FinishedError> {
+        expect_files(folder)?;
         Ok(Self { folder: folder.to_owned(), plan: BatchPlan::read(folder)? })
     }
 
@@ -132,6 +137,11 @@ impl FinishedRows {
 }
 
 impl FinishedRow {
+    /// The row as it is written.
+    pub fn new(row: &RunRow) -> Self {
+        Self(RUN_COLUMNS.iter().map(|column| (column.value)(row).to_string()).collect())
+    }
+
     pub fn value(&self, name: &str) -> &str {
         let place = RUN_COLUMNS.iter().position(|column| column.name == name);
         &self.0[place.expect("only columns of this program are asked for")]
@@ -181,6 +191,7 @@ pub fn recordings_in(folder: &Path) -> Result<Vec<PathBuf>, FinishedError> {
         entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<Vec<_>, _>>().map_err(unreadable)?;
     let is_recording = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "wildfire");
     let mut recordings: Vec<PathBuf> = paths.into_iter().filter(is_recording).collect();
+    recordings.iter().try_for_each(|path| expect_file(path))?;
     recordings.sort_by_cached_key(|path| (path.as_os_str().len(), path.clone()));
     Ok(recordings)
 }

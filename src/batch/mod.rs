@@ -13,6 +13,7 @@ mod cpu_split;
 mod detail;
 mod dictionary;
 mod disk;
+mod entries;
 mod error;
 mod finish;
 mod finished;
@@ -46,16 +47,15 @@ pub use cpu_split::CpuSplit;
 pub use detail::{PlannerCall, RunDetail, STATE_STEPS, Solution, StateCount};
 pub use dictionary::{TableOfRows, row_schema};
 pub use disk::{Append, Disk, RealDisk, Whole};
+pub use entries::{AGENTS_FILE, PLAN_FILE, RECORDINGS_FOLDER, RUNS_FILE, StrangeEntry, TABLES_FILE};
 pub use error::BatchError;
-pub use finish::merge;
+pub use finish::{Merged, merge};
 pub use finished::{FinishedBatch, FinishedError, recordings_in};
 pub use html_report::{CHARTS_FOLDER, REPORT_FILE, ReportError, WrittenReport, write_report};
 pub use journal::{JournalError, JournalIndex};
 pub use json::run_json;
 pub use notes::notes;
-pub use output_folder::{
-    AGENTS_FILE, OutputFolder, PLAN_FILE, RECORDINGS_FOLDER, RUNS_FILE, TABLES_FILE, file_name_of,
-};
+pub use output_folder::{OutputFolder, file_name_of};
 pub use parquet_files::{CALLS_PARQUET, RUNS_PARQUET, STATES_PARQUET};
 pub use plan::{
     BatchPlan, BatchRequest, MAX_VARIANTS, PLAN_TEMPLATE, PROGRAM_VERSION, PlanError, PlannedRun, RUNS_WITHOUT_FORCE,
@@ -64,7 +64,7 @@ pub use plan::{
 pub use report::{BatchReport, VariantReport};
 pub use row::{RunLabel, RunResult, RunRow, Status};
 pub use seeds::{MAX_RUNS, Seeds, SeedsError};
-pub use session::Batch;
+pub use session::{Batch, Found, LostRecording};
 pub use slice::{Slice, SliceError};
 pub use status::{BatchStatus, SliceState, batch_status};
 pub use tables::{SHOWN_RUNS, Tables};

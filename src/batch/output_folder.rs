@@ -1,35 +1,18 @@
 //! Where a batch puts its files.
 
-use std::ffi::OsStr;
 use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
+use crate::batch::entries::{
+    FILES, PLAN_FILE, RECORDINGS_FOLDER, expect_files, is_chart, is_leftover, is_recording, named,
+};
 use crate::batch::journal::{journal_name, journal_path, slice_of_journal};
-use crate::batch::parquet_files::{CALLS_PARQUET, RUNS_PARQUET, STATES_PARQUET};
 use crate::batch::plan::PROGRAM;
-use crate::batch::{BatchError, CHARTS_FOLDER, REPORT_FILE, Slice};
-
-pub const PLAN_FILE: &str = "plan.json";
-pub const RUNS_FILE: &str = "runs.csv";
-pub const AGENTS_FILE: &str = "agents.csv";
-pub const TABLES_FILE: &str = "tables.md";
-pub const RECORDINGS_FOLDER: &str = "recordings";
-
-/// What a batch may write into its folder, besides journals.
-const ENTRIES: [&str; 9] = [
-    PLAN_FILE,
-    RUNS_FILE,
-    AGENTS_FILE,
-    TABLES_FILE,
-    RUNS_PARQUET,
-    CALLS_PARQUET,
-    STATES_PARQUET,
-    REPORT_FILE,
-    RECORDINGS_FOLDER,
-];
+use crate::batch::{BatchError, CHARTS_FOLDER, Slice};
+use crate::whole_file::sync_folder_of;
 
 /// The most folders of one name that are tried, the name itself and `-2`, `-3` ...
 const MAX_NUMBERED: u32 = 100_000;
@@ -49,7 +32,7 @@ impl OutputFolder {
         create_folder(parent)?;
         for number in 1..=MAX_NUMBERED {
             let path = parent.join(if number == 1 { name.clone() } else { format!("{name}-{number}") });
-            match fs::create_dir(&path) {
+            match fs::create_dir(&path).and_then(|()| sync_folder_of(&path)) {
                 Ok(()) => return Ok(Self { path }),
                 Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
                 Err(error) => return Err(BatchError::unwritable(&path, error)),
@@ -67,13 +50,16 @@ impl OutputFolder {
         if path.exists() && !path.is_dir() {
             return Err(BatchError::NotAFolder { path: path.to_owned() });
         }
-        let held = ENTRIES.into_iter().find(|entry| path.join(entry).exists());
+        expect_files(path)?;
+        let held = FILES.into_iter().chain([RECORDINGS_FOLDER]).find(|entry| path.join(entry).exists());
         if let (Some(entry), false) = (held, overwrite) {
             return Err(BatchError::HoldsResults { path: path.to_owned(), entry: entry.to_owned() });
         }
         let folder = Self::shared(path)?;
-        match folder.journals()?.first() {
-            Some(&slice) if !overwrite => {
+        // Without a plan, a journal without a line is what is left of a batch that was killed before it began.
+        let has_lines = |slice| fs::metadata(journal_path(&folder, slice)).is_ok_and(|found| found.len() > 0);
+        match folder.journals()?.into_iter().find(|&slice| has_lines(slice)) {
+            Some(slice) if !overwrite => {
                 Err(BatchError::HoldsResults { path: path.to_owned(), entry: journal_name(slice) })
             }
             _ => Ok(folder),
@@ -85,6 +71,7 @@ impl OutputFolder {
         if path.exists() && !path.is_dir() {
             return Err(BatchError::NotAFolder { path: path.to_owned() });
         }
+        expect_files(path)?;
         create_folder(path)?;
         Ok(Self { path: path.to_owned() })
     }
@@ -92,7 +79,10 @@ impl OutputFolder {
     /// Takes a folder of a batch that is there.
     pub fn existing(path: &Path) -> Result<Self, BatchError> {
         match fs::metadata(path) {
-            Ok(found) if found.is_dir() => Ok(Self { path: path.to_owned() }),
+            Ok(found) if found.is_dir() => {
+                expect_files(path)?;
+                Ok(Self { path: path.to_owned() })
+            }
             Ok(_) => Err(BatchError::NotAFolder { path: path.to_owned() }),
             Err(source) => Err(BatchError::Unreadable { path: path.to_owned(), source }),
         }
@@ -120,24 +110,28 @@ impl OutputFolder {
     /// recordings and charts. The journal of a whole batch stays, since whoever asks for this holds it.
     pub fn remove_earlier_results(&self) -> Result<(), BatchError> {
         if self.holds_a_plan() {
-            let entries = fs::read_dir(self.path.join(RECORDINGS_FOLDER)).into_iter().flatten().flatten();
-            entries
-                .filter(|entry| is_recording(&entry.file_name()))
-                .try_for_each(|entry| remove_file(&entry.path()))?;
-            let charts = fs::read_dir(self.path.join(CHARTS_FOLDER)).into_iter().flatten().flatten();
-            charts.filter(|entry| is_chart(&entry.path())).try_for_each(|entry| remove_file(&entry.path()))?;
+            named(&self.path.join(RECORDINGS_FOLDER), is_recording).try_for_each(|path| remove_file(&path))?;
+            named(&self.path.join(CHARTS_FOLDER), is_chart).try_for_each(|path| remove_file(&path))?;
         }
         let slices = self.journals()?.into_iter().filter(|slice| !slice.is_whole());
         let journals = slices.map(|slice| journal_path(self, slice));
-        let files = ENTRIES.iter().filter(|entry| **entry != RECORDINGS_FOLDER).map(|name| self.path.join(name));
+        let files = FILES.iter().map(|name| self.path.join(name));
         journals.chain(files).try_for_each(|path| remove_file(&path))
     }
 
+    /// What a process that was killed, or one that is at work, has written aside, in order.
+    pub fn leftovers(&self) -> Vec<PathBuf> {
+        let folders = ["", RECORDINGS_FOLDER, CHARTS_FOLDER].map(|name| self.path.join(name));
+        let mut paths: Vec<PathBuf> = folders.iter().flat_map(|folder| named(folder, is_leftover)).collect();
+        paths.sort_unstable();
+        paths
+    }
+
     /// Removes what a process that was killed had written aside. To be called by whoever alone works on the batch.
-    pub fn remove_leftovers(&self) -> Result<(), BatchError> {
-        let folders = [self.path.clone(), self.path.join(RECORDINGS_FOLDER)];
-        let entries = folders.iter().flat_map(fs::read_dir).flatten().flatten();
-        entries.filter(|entry| is_leftover(&entry.file_name())).try_for_each(|entry| remove_file(&entry.path()))
+    pub fn remove_leftovers(&self) -> Result<Vec<PathBuf>, BatchError> {
+        let paths = self.leftovers();
+        paths.iter().try_for_each(|path| remove_file(path))?;
+        Ok(paths)
     }
 
     /// Whether the folder has the plan of a batch of this program.
@@ -165,34 +159,15 @@ impl OutputFolder {
     }
 }
 
+/// Creates a folder, and those that it is in, so that they survive the end of the machine.
 fn create_folder(path: &Path) -> Result<(), BatchError> {
-    fs::create_dir_all(path).map_err(|source| match source.kind() {
+    let missing: Vec<&Path> = path.ancestors().take_while(|folder| !folder.exists()).collect();
+    let created = fs::create_dir_all(path).map_err(|source| match source.kind() {
         ErrorKind::AlreadyExists | ErrorKind::NotADirectory => BatchError::NotAFolder { path: path.to_owned() },
         _ => BatchError::unwritable(path, source),
-    })
-}
-
-/// Whether this is a name that a plan gives a recording: `seed-7.wildfire` or `run-12-seed-7.wildfire`.
-fn is_recording(name: &OsStr) -> bool {
-    let numbers = name.to_str().and_then(|name| {
-        let rest = name.strip_suffix(".wildfire")?;
-        let (run, seed) = rest.rsplit_once("seed-")?;
-        let run = if run.is_empty() { "0" } else { run.strip_prefix("run-")?.strip_suffix('-')? };
-        Some([run, seed])
     });
-    numbers.is_some_and(|numbers| numbers.iter().all(|number| number.parse::<u64>().is_ok()))
-}
-
-fn is_chart(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ending == "svg" || ending == "png")
-}
-
-/// Whether this is `NAME.PROCESS.part`, as files are called while they are written, of a file of a batch.
-fn is_leftover(name: &OsStr) -> bool {
-    let parts = name.to_str().and_then(|name| name.strip_suffix(".part")?.rsplit_once('.'));
-    parts.is_some_and(|(name, process)| {
-        process.parse::<u32>().is_ok() && (ENTRIES.contains(&name) || is_recording(OsStr::new(name)))
-    })
+    let sync = |folder: &&Path| sync_folder_of(folder).map_err(|source| BatchError::unwritable(folder, source));
+    created.and_then(|()| missing.iter().filter(|folder| folder.file_name().is_some()).try_for_each(sync))
 }
 
 /// Removes a file if it is there.
@@ -216,6 +191,7 @@ pub fn file_name_of(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::batch::RUNS_FILE;
 
     #[test]
     fn next_free_name_is_counted_up() {
@@ -275,17 +251,6 @@ mod tests {
         fs::write(scratch.path().join(PLAN_FILE), r#"{"format": 1, "program": "wildfire"}"#).expect("writable");
         folder.remove_earlier_results().expect("removable");
         assert!(!recording.exists() && mine.exists());
-    }
-
-    #[test]
-    fn only_what_a_batch_wrote_aside_is_left_over() {
-        for name in ["runs.csv.12.part", "plan.json.1.part", "seed-7.wildfire.12.part", "run-3-seed-7.wildfire.1.part"]
-        {
-            assert!(is_leftover(OsStr::new(name)), "{name}");
-        }
-        for name in ["runs.csv", "runs.csv.part", "mine.csv.12.part", "runs.csv.x.part", "runs.journal", "12.part"] {
-            assert!(!is_leftover(OsStr::new(name)), "{name}");
-        }
     }
 
     #[test]

@@ -2,17 +2,22 @@
 
 use std::fs;
 use std::io::{self, ErrorKind, Write};
+use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
 
+use rayon::prelude::*;
+
 use crate::batch::disk::{Disk, RealDisk};
 use crate::batch::journal::{JournalIndex, LockedJournal, OpenJournal, journal_name};
-use crate::batch::workers::{RunScenario, Work, work_off};
+use crate::batch::workers::{RunScenario, Task, Work, work_off};
 use crate::batch::{
     BatchError, BatchPlan, BatchReport, OutputFolder, PLAN_FILE, PlanError, RUNS_FILE, Record, Slice, Status,
     write_tables,
 };
 use crate::sim;
+use crate::timeline::file::{self, FileError};
+use crate::whole_file::sync_folder_of;
 
 /// A slice of a batch at which this process, and no other, works.
 pub struct Batch {
@@ -20,6 +25,27 @@ pub struct Batch {
     folder: OutputFolder,
     journal: OpenJournal,
     disk: Box<dyn Disk>,
+    found: Found,
+}
+
+/// What an earlier process left in the folder in disorder.
+#[derive(Debug)]
+pub struct Found {
+    /// Whether a line of the journal was torn; it was dropped.
+    pub has_torn_line: bool,
+    /// Files that were being written; they were removed.
+    pub leftovers: Vec<PathBuf>,
+    /// Recordings of runs in the journal that are not as they should be; their runs are made again.
+    pub lost_recordings: Vec<LostRecording>,
+}
+
+/// A recording that cannot be read any more.
+#[derive(Debug)]
+pub struct LostRecording {
+    pub run: u64,
+    pub path: PathBuf,
+    /// Reads well after the path.
+    pub reason: String,
 }
 
 impl Batch {
@@ -65,7 +91,7 @@ impl Batch {
 
     /// The same on a disk of the caller's.
     pub fn resume_on(folder: OutputFolder, slice: Slice, disk: Box<dyn Disk>) -> Result<Self, BatchError> {
-        let plan = BatchPlan::read(folder.path())?;
+        let plan = BatchPlan::read(folder.path()).map_err(|error| plan_error(error, &folder))?;
         plan.expect_unchanged_sources()?;
         refuse_other_slices(&folder, slice)?;
         let is_finished = folder.path().join(RUNS_FILE).exists();
@@ -83,14 +109,16 @@ impl Batch {
         journal: LockedJournal,
         disk: Box<dyn Disk>,
     ) -> Result<Self, BatchError> {
-        if slice.is_whole() {
-            folder.remove_leftovers()?;
-        }
+        // Other slices may be at work: what they left is removed when they are merged.
+        let leftovers = if slice.is_whole() { folder.remove_leftovers()? } else { Vec::new() };
         if plan.record != Record::None {
             folder.prepare_recordings()?;
         }
         let journal = journal.open(&plan, slice, disk.as_ref())?;
-        Ok(Self { plan: Arc::new(plan), folder, journal, disk })
+        let (_, has_torn_line) = journal.index().end();
+        let lost_recordings = lost_recordings(&plan, &folder, journal.index())?;
+        let found = Found { has_torn_line, leftovers, lost_recordings };
+        Ok(Self { plan: Arc::new(plan), folder, journal, disk, found })
     }
 
     pub fn plan(&self) -> &BatchPlan {
@@ -101,19 +129,25 @@ impl Batch {
         &self.folder
     }
 
+    /// What was in disorder when the batch was begun or gone on with.
+    pub fn found(&self) -> &Found {
+        &self.found
+    }
+
     /// What the journal holds.
     pub fn progress(&self) -> &JournalIndex {
         self.journal.index()
     }
 
-    /// Runs what the journal does not hold on `jobs` threads.
+    /// Runs what the journal does not hold on `jobs` threads, and first again what has lost its recording.
     ///
     /// `on_run` is called after each run, in any order. Runs that fail, or that cannot be recorded though they should
     /// be, are rows like the others.
     ///
     /// # Errors
     /// [`BatchError::Stopped`] if `stop` was set before the last run; all other errors are those of the disk, or of
-    /// starting the threads. After any of them the batch can be resumed.
+    /// starting the threads, and [`BatchError::OtherOutcome`] if a run that is made again is another than before. After
+    /// any of them the batch can be resumed.
     pub fn run(&mut self, jobs: usize, stop: &Arc<AtomicBool>, on_run: impl FnMut(Status)) -> Result<(), BatchError> {
         self.run_with(Box::new(sim::run), jobs, stop, on_run)
     }
@@ -126,15 +160,18 @@ impl Batch {
         stop: &Arc<AtomicBool>,
         on_run: impl FnMut(Status),
     ) -> Result<(), BatchError> {
+        let lost: Vec<u64> = self.found.lost_recordings.iter().map(|lost| lost.run).collect();
+        let missing = self.journal.index().missing();
         let work = Work {
             plan: Arc::clone(&self.plan),
             folder: self.folder.clone(),
             run,
             stop: Arc::clone(stop),
-            runs: Mutex::new(Box::new(self.journal.index().missing())),
+            tasks: Mutex::new(Box::new(lost.into_iter().map(Task::RecordAgain).chain(missing.map(Task::Run)))),
         };
-        work_off(work, jobs, &mut self.journal, on_run)?;
-        if self.journal.index().is_complete() { Ok(()) } else { Err(BatchError::Stopped) }
+        let recorded_again = work_off(work, jobs, &mut self.journal, on_run)?;
+        let is_over = self.journal.index().is_complete() && recorded_again == self.found.lost_recordings.len();
+        if is_over { Ok(()) } else { Err(BatchError::Stopped) }
     }
 
     /// Writes the tables of a whole batch whose runs are all in the journal.
@@ -145,6 +182,38 @@ impl Batch {
         let mut rows = self.journal.rows()?;
         write_tables(&self.plan, &self.folder, self.disk.as_ref(), stop, |run| rows.row(run))
     }
+}
+
+/// Says of a folder without a plan whether a batch was about to begin there.
+fn plan_error(error: PlanError, folder: &OutputFolder) -> BatchError {
+    let leftover = folder.leftovers().into_iter().find_map(|path| {
+        let name = path.file_name()?.to_string_lossy();
+        name.starts_with(PLAN_FILE).then(|| name.into_owned())
+    });
+    match (error, leftover) {
+        (PlanError::Missing { folder: path }, Some(leftover)) => BatchError::NotYetBegun { path, leftover },
+        (error, _) => error.into(),
+    }
+}
+
+/// The recordings that are missing or damaged of runs that the journal holds.
+fn lost_recordings(
+    plan: &BatchPlan,
+    folder: &OutputFolder,
+    journal: &JournalIndex,
+) -> Result<Vec<LostRecording>, BatchError> {
+    let lost = |&run: &u64| {
+        let path = folder.recording(&plan.recording_name(&plan.run(run)));
+        match file::verify(&path) {
+            Ok(()) => None,
+            Err(FileError::Io(source)) if source.kind() != ErrorKind::NotFound => {
+                Some(Err(BatchError::Unreadable { path, source }))
+            }
+            Err(FileError::Io(_)) => Some(Ok(LostRecording { run, path, reason: "missing".into() })),
+            Err(error) => Some(Ok(LostRecording { run, path, reason: error.to_string() })),
+        }
+    };
+    journal.recorded().par_iter().filter_map(lost).collect()
 }
 
 fn write_plan(plan: &BatchPlan, folder: &OutputFolder, name: &str, disk: &dyn Disk) -> Result<(), BatchError> {
@@ -172,7 +241,7 @@ fn write_plan_once(plan: &BatchPlan, folder: &OutputFolder, slice: Slice, disk: 
         }
         // Where files have one name only, slices that begin at the same instant are told apart by their journals.
         Err(_) => write_plan(plan, folder, PLAN_FILE, disk),
-        Ok(()) => removed.map_err(unwritable),
+        Ok(()) => removed.and_then(|()| sync_folder_of(&path)).map_err(unwritable),
     }
 }
 

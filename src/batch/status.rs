@@ -49,7 +49,7 @@ fn state_of(folder: &OutputFolder, slice: Slice, plan: &BatchPlan) -> Result<Sli
         Err(error) => return Err(unreadable(error)),
     };
     let is_running = is_locked(&path).map_err(unreadable)?;
-    let index = JournalIndex::read(&path, &file, &plan.content_sha256(), slice, plan.count())?;
+    let index = JournalIndex::read(&path, &file, plan, slice)?;
     let (held, not_done) = index.held();
     Ok(SliceState { runs: index.count(), held, not_done, is_running })
 }

@@ -3,16 +3,16 @@
 //! The thread that calls writes the journal and watches for a stop; the others take one run after the other. They hold
 //! all that they need themselves, so that a run that lasts long need not be waited for when the batch is stopped.
 
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
+use crate::batch::finished::FinishedRow;
 use crate::batch::journal::{OpenJournal, encode_row};
-use crate::batch::{
-    BatchError, BatchPlan, OutputFolder, PlannedRun, Record, RunDetail, RunResult, RunRow, Status, panics,
-};
+use crate::batch::{BatchError, BatchPlan, OutputFolder, PlannedRun, RunDetail, RunResult, RunRow, Status, panics};
 use crate::scenario::Scenario;
 use crate::sim::{Run, RunError};
 use crate::time::wall::WallStopwatch;
@@ -38,35 +38,52 @@ pub struct Work {
     pub run: Box<RunScenario>,
     /// Set from outside to begin no more runs.
     pub stop: Arc<AtomicBool>,
-    pub runs: Mutex<Box<dyn Iterator<Item = u64> + Send>>,
+    pub tasks: Mutex<Box<dyn Iterator<Item = Task> + Send>>,
 }
 
-/// A run that is over, with its line for the journal.
-struct Finished {
-    run: u64,
-    status: Status,
-    line: Vec<u8>,
+/// A run to be made.
+#[derive(Clone, Copy, Debug)]
+pub enum Task {
+    /// For the first time.
+    Run(u64),
+    /// For its recording: the journal holds it.
+    RecordAgain(u64),
+}
+
+/// A run that is over.
+enum Finished {
+    /// With its line for the journal.
+    Run { run: u64, status: Status, line: Vec<u8> },
+    /// Not recorded yet: it must be the run that the journal holds.
+    Again { run: u64, row: Box<RunRow>, timeline: Option<Timeline> },
 }
 
 type Message = Result<Finished, BatchError>;
 
-/// Runs until the work is done or stopped, and leaves the journal on the disk.
+/// Runs until the work is done or stopped, and leaves the journal on the disk. Returns how many runs were recorded again.
 pub fn work_off(
     work: Work,
     jobs: usize,
     journal: &mut OpenJournal,
     mut on_run: impl FnMut(Status),
-) -> Result<(), BatchError> {
+) -> Result<usize, BatchError> {
     let work = Arc::new(work);
     let finished = start_workers(&work, jobs)?;
+    let mut recorded_again = 0;
     let mut stopped: Option<WallStopwatch> = None;
     loop {
         match finished.recv_timeout(POLL) {
-            Ok(message) => {
-                let Finished { run, status, line } = message?;
-                journal.add(run, status, &line)?;
-                on_run(status);
-            }
+            Ok(message) => match message? {
+                Finished::Run { run, status, line } => {
+                    journal.add(run, status, &line)?;
+                    on_run(status);
+                }
+                Finished::Again { run, row, timeline } => {
+                    work.record_again(&journal.row(run)?, &row, timeline.as_ref())?;
+                    recorded_again += 1;
+                    on_run(row.status);
+                }
+            },
             Err(RecvTimeoutError::Timeout) => journal.sync_if_due()?,
             Err(RecvTimeoutError::Disconnected) => break,
         }
@@ -74,7 +91,8 @@ pub fn work_off(
             break;
         }
     }
-    journal.sync()
+    journal.sync()?;
+    Ok(recorded_again)
 }
 
 /// The workers end when there is no more work, or nobody who takes its results.
@@ -90,10 +108,8 @@ fn start_workers(work: &Arc<Work>, jobs: usize) -> Result<Receiver<Message>, Bat
 
 impl Work {
     fn work_off(&self, sender: &SyncSender<Message>) {
-        while let Some(number) = self.next_run() {
-            let run = self.plan.run(number);
-            let row = self.run_one(&run);
-            let message = row.map(|row| Finished { run: number, status: row.status, line: encode_row(&row) });
+        while let Some(task) = self.next_task() {
+            let message = self.perform(task);
             let is_last = message.is_err();
             if sender.send(message).is_err() || is_last {
                 break;
@@ -101,59 +117,91 @@ impl Work {
         }
     }
 
-    fn next_run(&self) -> Option<u64> {
+    fn next_task(&self) -> Option<Task> {
         if self.stop.load(Ordering::Relaxed) {
             return None;
         }
-        self.runs.lock().unwrap_or_else(PoisonError::into_inner).next()
+        self.tasks.lock().unwrap_or_else(PoisonError::into_inner).next()
     }
 
-    fn run_one(&self, run: &PlannedRun<'_>) -> Result<RunRow, BatchError> {
+    fn perform(&self, task: Task) -> Message {
+        match task {
+            Task::Run(number) => {
+                let run = self.plan.run(number);
+                let row = match self.run_one(&run) {
+                    (row, Some(timeline)) => self.recorded(&run, row, &timeline)?,
+                    (row, None) => row,
+                };
+                Ok(Finished::Run { run: number, status: row.status, line: encode_row(&row) })
+            }
+            Task::RecordAgain(number) => {
+                let (row, timeline) = self.run_one(&self.plan.run(number));
+                Ok(Finished::Again { run: number, row: Box::new(row), timeline })
+            }
+        }
+    }
+
+    /// The row of a run, and its timeline if it is done.
+    fn run_one(&self, run: &PlannedRun<'_>) -> (RunRow, Option<Timeline>) {
         let stopwatch = WallStopwatch::start();
         let scenario = &run.variant.scenario;
         let caught = panics::catch(|| (self.run)(scenario, run.seed).map(|run| (Outcome::of(&run.timeline), run)));
         let wall = stopwatch.elapsed();
-        let not_done = |status, message| RunRow::not_done(run.label(), status, message, wall);
-        Ok(match caught {
-            Ok(Ok((outcome, done))) => match self.record(run, &outcome, &done.timeline)? {
-                None => {
-                    let row = RunRow::done(run.label(), RunResult::new(outcome, done.cost), wall);
-                    RunRow { detail: RunDetail::of(&done.timeline), ..row }
-                }
-                Some(reason) => not_done(Status::Failed, format!("cannot be recorded: {reason}")),
-            },
+        let not_done = |status, message| (RunRow::not_done(run.label(), status, message, wall), None);
+        match caught {
+            Ok(Ok((outcome, done))) => {
+                let row = RunRow::done(run.label(), RunResult::new(outcome, done.cost), wall);
+                (RunRow { detail: RunDetail::of(&done.timeline), ..row }, Some(done.timeline))
+            }
             Ok(Err(error)) => not_done(Status::Failed, error.to_string()),
             Err(panic) => {
                 let message = format!("panicked: {panic}; see it again: {}", run.repeating_command());
                 not_done(Status::Panicked, message)
             }
+        }
+    }
+
+    /// Writes the recording of a run if the plan asks for it; the row says so if the run cannot be recorded. An error
+    /// is one of the disk.
+    fn recorded(&self, run: &PlannedRun<'_>, row: RunRow, timeline: &Timeline) -> Result<RunRow, BatchError> {
+        let outcome = row.result.as_ref().map(|result| &result.outcome);
+        let keeps = outcome.is_some_and(|it| self.plan.record.keeps(it.truck_stuck_s, it.wumpus_stuck_s));
+        Ok(match if keeps { self.record(run, timeline)? } else { None } {
+            None => row,
+            Some(reason) => {
+                let message = format!("cannot be recorded: {reason}");
+                RunRow::not_done(row.label, Status::Failed, message, row.wall)
+            }
         })
     }
 
-    /// Writes the recording of a run if the plan asks for it, or says what about the run cannot be recorded. An error
-    /// is one of the disk.
-    fn record(
-        &self,
-        run: &PlannedRun<'_>,
-        outcome: &Outcome,
-        timeline: &Timeline,
-    ) -> Result<Option<FileError>, BatchError> {
-        if !is_recorded(self.plan.record, outcome) {
-            return Ok(None);
-        }
-        let path = self.folder.recording(&self.plan.recording_name(run));
+    /// Writes a recording, or says what about the run cannot be recorded.
+    fn record(&self, run: &PlannedRun<'_>, timeline: &Timeline) -> Result<Option<FileError>, BatchError> {
+        let path = self.recording(run);
         match file::write(timeline, &path) {
             Ok(()) => Ok(None),
             Err(FileError::Io(source)) => Err(BatchError::Unrecordable { path, source }),
             Err(refusal) => Ok(Some(refusal)),
         }
     }
-}
 
-fn is_recorded(record: Record, outcome: &Outcome) -> bool {
-    match record {
-        Record::All => true,
-        Record::Failed => outcome.truck_stuck_s > 0.0 || outcome.wumpus_stuck_s > 0.0,
-        Record::None => false,
+    /// Writes the recording of a run that was made again.
+    ///
+    /// # Errors
+    /// If it is another run than the journal says, or one of the disk.
+    fn record_again(&self, held: &RunRow, again: &RunRow, timeline: Option<&Timeline>) -> Result<(), BatchError> {
+        let run = self.plan.run(held.label.run);
+        let other = |difference| BatchError::OtherOutcome { path: self.recording(&run), difference };
+        match (FinishedRow::new(held).difference(again), timeline) {
+            (None, Some(timeline)) => match self.record(&run, timeline)? {
+                None => Ok(()),
+                Some(refusal) => Err(other(refusal.to_string())),
+            },
+            (difference, _) => Err(other(difference.unwrap_or_else(|| "its run has no end".into()))),
+        }
+    }
+
+    fn recording(&self, run: &PlannedRun<'_>) -> PathBuf {
+        self.folder.recording(&self.plan.recording_name(run))
     }
 }

@@ -30,8 +30,7 @@ Examples:
   wildfire plan field.json --planner prm-rs,hybrid-astar   compare planners
 
 Exit codes: 0 done, 1 some run failed, 2 bad input, 3 disk or other environment,
-4 an audit or a check found an offence, 75 stopped and resumable, 130 stopped with
-Ctrl-C: a film, or anything with a second one.";
+4 an audit or a check found an offence, 75 stopped and resumable, 130 stopped.";
 
 /// A wildfire contest between planners: a Wumpus lights bushes, a fire truck puts them out.
 #[derive(Debug, Parser)]

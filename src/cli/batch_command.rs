@@ -1,14 +1,15 @@
 //! `wildfire batch`.
 
 use std::num::NonZeroUsize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::thread;
 
 use crate::batch::{
-    Batch, BatchError, BatchPlan, BatchReport, BatchRequest, OutputFolder, RequestError, Slice, Status, shell_word,
+    Batch, BatchError, BatchPlan, BatchReport, BatchRequest, Found, OutputFolder, RequestError, Slice, Status,
+    shell_word,
 };
 use crate::cli::args::BatchArguments;
 use crate::cli::failure::Failure;
@@ -20,6 +21,9 @@ const RUNS_FOLDER: &str = "runs";
 
 /// The most variants that a dry run lists.
 const LISTED_VARIANTS: usize = 50;
+
+/// The most files that a note lists.
+const LISTED_FILES: usize = 10;
 
 pub fn run(arguments: &BatchArguments, quiet: bool) -> Result<ExitCode, Failure> {
     let slice = arguments.shard.unwrap_or(Slice::WHOLE);
@@ -39,8 +43,8 @@ pub fn run(arguments: &BatchArguments, quiet: bool) -> Result<ExitCode, Failure>
             batch
         }
     };
-    if batch.progress().end().1 && !quiet {
-        terminal::note("the journal's last line was torn; it was dropped, and its run is run again");
+    if !quiet {
+        tell(batch.found());
     }
     let stop = interrupt::watch()?;
     let resume = resume_command(batch.folder().path(), slice);
@@ -133,9 +137,40 @@ pub fn exit_code(not_done: u64) -> ExitCode {
     if not_done == 0 { ExitCode::SUCCESS } else { ExitCode::from(exit::RUN_FAILED) }
 }
 
+/// Says what was in disorder and is mended.
+fn tell(found: &Found) {
+    if found.has_torn_line {
+        terminal::note("the journal's last line was torn; it was dropped, and its run is run again");
+    }
+    tell_leftovers(&found.leftovers);
+    let lost = found.lost_recordings.iter().map(|lost| format!("{} ({})", lost.path.display(), lost.reason));
+    if let Some(list) = list(lost) {
+        terminal::note(&format!("runs whose recordings are lost are run again: {list}"));
+    }
+}
+
+/// Says which files were removed that were only half written.
+pub fn tell_leftovers(leftovers: &[PathBuf]) {
+    if let Some(list) = list(leftovers.iter().map(|path| path.display().to_string())) {
+        terminal::note(&format!("removed what a process that was killed had left: {list}"));
+    }
+}
+
+/// The first things of many; `None` if there are none.
+fn list(things: impl ExactSizeIterator<Item = String>) -> Option<String> {
+    let more = things.len().saturating_sub(LISTED_FILES);
+    let listed = things.take(LISTED_FILES).collect::<Vec<_>>().join(", ");
+    match more {
+        _ if listed.is_empty() => None,
+        0 => Some(listed),
+        more => Some(format!("{listed} and {more} more")),
+    }
+}
+
 fn run_with_progress(batch: &mut Batch, jobs: usize, stop: &Arc<AtomicBool>, quiet: bool) -> Result<(), BatchError> {
     let (held, mut not_done) = batch.progress().held();
-    let bar = terminal::progress_bar(batch.progress().count(), "runs", quiet).with_position(held);
+    let lost = batch.found().lost_recordings.len() as u64;
+    let bar = terminal::progress_bar(batch.progress().count() + lost, "runs", quiet).with_position(held);
     let done = batch.run(jobs, stop, |status| {
         if status != Status::Done {
             not_done += 1;

@@ -67,6 +67,9 @@ impl Failure {
             BatchError::Unwritable { .. } | BatchError::Unrecordable { .. } | BatchError::NoWorkers { .. } => {
                 Self::new(error, Some(&help), exit::ENVIRONMENT)
             }
+            BatchError::Journal(JournalError::Changed { .. }) => {
+                Self::new(error, Some(&format!("put it back as it was and {help}")), exit::ENVIRONMENT)
+            }
             _ => error.into(),
         }
     }
@@ -188,6 +191,7 @@ impl From<BatchError> for Failure {
                 Some("delete that line and all behind it to run those runs again")
             }
             BatchError::OtherSlices { .. } => Some("all slices of a batch are K/N with one N"),
+            BatchError::NotYetBegun { .. } => Some("begin the batch once more, with --out and this folder"),
             BatchError::NoJournal { .. } => Some("begin a new batch, with --force to replace what is there"),
             _ => None,
         };
@@ -199,7 +203,8 @@ impl From<BatchError> for Failure {
             BatchError::Unwritable { .. }
             | BatchError::Unrecordable { .. }
             | BatchError::NoWorkers { .. }
-            | BatchError::Journal(JournalError::Locked { .. }) => exit::ENVIRONMENT,
+            | BatchError::OtherOutcome { .. }
+            | BatchError::Journal(JournalError::Locked { .. } | JournalError::Changed { .. }) => exit::ENVIRONMENT,
             BatchError::Stopped => exit::RESUMABLE,
             _ => exit::BAD_INPUT,
         };

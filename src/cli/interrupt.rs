@@ -125,7 +125,8 @@ mod announcer {
             if signals.forever().next().is_some() {
                 // On a thread of its own: stderr may be the very thing that is stuck.
                 let _ = thread::Builder::new().spawn(|| terminal::note("stopping; Ctrl-C once more to stop at once"));
-                thread::park_timeout(LONGEST_TIDYING);
+                #[expect(clippy::disallowed_methods, reason = "a program that is stuck is stuck in real time")]
+                thread::sleep(LONGEST_TIDYING);
                 low_level::exit(code.into());
             }
         };

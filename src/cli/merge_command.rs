@@ -2,21 +2,23 @@
 
 use std::process::ExitCode;
 
-use crate::batch::{BatchError, BatchPlan, OutputFolder, RealDisk, merge};
+use crate::batch::{BatchError, OutputFolder, RealDisk, merge};
 use crate::cli::args::FolderArguments;
-use crate::cli::batch_command::{exit_code, resume_command, summary};
+use crate::cli::batch_command::{exit_code, resume_command, summary, tell_leftovers};
 use crate::cli::failure::Failure;
 use crate::cli::{interrupt, terminal};
 
-pub fn run(arguments: &FolderArguments) -> Result<ExitCode, Failure> {
+pub fn run(arguments: &FolderArguments, quiet: bool) -> Result<ExitCode, Failure> {
     interrupt::set_resumable();
     let folder = OutputFolder::existing(&arguments.folder)?;
     let watch = interrupt::watch();
-    let report = merge(&folder, &RealDisk, watch.stop()).map_err(|error| failure(error, &folder))?;
+    let merged = merge(&folder, &RealDisk, watch.stop()).map_err(|error| failure(error, &folder))?;
     drop(watch);
-    let plan = BatchPlan::read(folder.path()).map_err(BatchError::from)?;
-    terminal::print(summary(&plan, &folder, &report).as_bytes())?;
-    Ok(exit_code(report.not_done()))
+    if !quiet {
+        tell_leftovers(&merged.leftovers);
+    }
+    terminal::print(summary(&merged.plan, &folder, &merged.report).as_bytes())?;
+    Ok(exit_code(merged.report.not_done()))
 }
 
 fn failure(error: BatchError, folder: &OutputFolder) -> Failure {

@@ -59,7 +59,7 @@ fn dispatch(arguments: &Arguments) -> Result<ExitCode, Failure> {
         Command::Compare(compare) => compare::run(compare),
         Command::Audit(audit) => audit_command::run(audit, arguments.quiet),
         Command::Status(folder) => status_command::run(folder),
-        Command::Merge(folder) => merge_command::run(folder),
+        Command::Merge(folder) => merge_command::run(folder, arguments.quiet),
         Command::New(new) => new_command::run(new),
         Command::Schema(schema) => schema_command::run(schema),
         Command::Check(check) => scenario_commands::check(check),

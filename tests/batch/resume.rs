@@ -160,3 +160,37 @@ fn folder_without_a_batch_is_named() {
     let refusal = Batch::resume(folder(scratch.path()), Slice::WHOLE).map(drop).expect_err("its journal is gone");
     assert!(matches!(refusal, BatchError::NoJournal { .. }), "{refusal}");
 }
+
+#[test]
+fn what_a_killed_process_left_aside_is_removed_and_named() {
+    let scratch = tempfile::tempdir().expect("a scratch folder");
+    begin_and_stop(scratch.path(), 20);
+    let left = ["plan.json.123.part", "runs.csv.7.part"].map(|name| scratch.path().join(name));
+    let mine = scratch.path().join("mine.csv.7.part");
+    for path in left.iter().chain([&mine]) {
+        fs::write(path, "half").expect("writable");
+    }
+    let batch = Batch::resume(folder(scratch.path()), Slice::WHOLE).expect("it can be resumed");
+    assert_eq!(batch.found().leftovers, left);
+    assert!(left.iter().all(|path| !path.exists()) && mine.exists());
+}
+
+#[test]
+fn batch_that_was_killed_before_its_plan_appeared_is_begun_again_without_force() {
+    for has_journal in [false, true] {
+        let scratch = tempfile::tempdir().expect("a scratch folder");
+        let left = scratch.path().join("plan.json.123.part");
+        fs::write(&left, "{").expect("writable");
+        if has_journal {
+            fs::write(scratch.path().join("runs.journal"), "").expect("writable");
+        }
+        match Batch::resume(folder(scratch.path()), Slice::WHOLE).map(drop) {
+            Err(BatchError::NotYetBegun { leftover, .. }) => assert_eq!(leftover, "plan.json.123.part"),
+            other => panic!("{other:?}"),
+        }
+        let empty = OutputFolder::named(scratch.path(), false).expect("nothing of worth is there");
+        let batch = Batch::begin(plan(SEEDS, Record::None), empty).expect("the disk is fine");
+        assert_eq!(batch.found().leftovers, std::slice::from_ref(&left));
+        assert!(!left.exists());
+    }
+}

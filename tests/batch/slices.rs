@@ -21,7 +21,8 @@ fn run_slice(path: &Path, number: u64, of: u64, jobs: usize) {
 }
 
 fn merged(path: &Path) -> Result<BatchReport, BatchError> {
-    merge(&OutputFolder::existing(path).expect("it is there"), &RealDisk, &AtomicBool::new(false))
+    let folder = OutputFolder::existing(path).expect("it is there");
+    merge(&folder, &RealDisk, &AtomicBool::new(false)).map(|merged| merged.report)
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! The program told to do things from outside, as small stories.
 
 mod audit;
+#[cfg(unix)]
+mod batch_folder;
 mod batch_kill;
 mod batch_plans;
 mod commands;
@@ -21,5 +23,7 @@ mod plan_readme;
 mod readme;
 mod render;
 mod report;
+#[cfg(target_os = "linux")]
+mod signals;
 mod story;
 mod watch_readme;

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use crate::batch::StrangeEntry;
+
 /// Why batches cannot be compared. Everything that comes from a file is shown as [`shown`](super::shown) makes it.
 #[derive(Debug, Error)]
 pub enum ComparisonError {
@@ -12,6 +14,8 @@ pub enum ComparisonError {
     Unreadable { path: PathBuf, source: io::Error },
     #[error("{}: expected a folder with a runs.csv, or such a file", path.display())]
     NoBatch { path: PathBuf },
+    #[error(transparent)]
+    Strange(#[from] StrangeEntry),
     #[error("{}: expected a table that `wildfire batch` wrote: there is no column `{column}`", path.display())]
     NotATableOfRuns { path: PathBuf, column: &'static str },
     #[error("{}: the column `{column}` stands there twice", path.display())]

@@ -8,6 +8,7 @@ use csv::{ByteRecord, Reader, ReaderBuilder};
 
 use crate::batch::comparison::error::ComparisonError;
 use crate::batch::comparison::words::shown;
+use crate::batch::entries::expect_files;
 use crate::batch::{MAX_RUNS, RUNS_FILE};
 use crate::input_file::{self, InputFile};
 
@@ -70,7 +71,12 @@ pub struct Condition {
 impl RunsFile {
     /// Opens the table of a batch: its folder, or the file itself.
     pub fn open(path: &Path) -> Result<Self, ComparisonError> {
-        let path = if path.is_dir() { path.join(RUNS_FILE) } else { path.to_owned() };
+        let path = if path.is_dir() {
+            expect_files(path)?;
+            path.join(RUNS_FILE)
+        } else {
+            path.to_owned()
+        };
         let file = input_file::open(&path).map_err(|source| match source.kind() {
             ErrorKind::NotFound | ErrorKind::NotADirectory => ComparisonError::NoBatch { path: path.clone() },
             _ => ComparisonError::Unreadable { path: path.clone(), source },

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::JournalError;
 use super::line::{Entry, Head, decode};
-use crate::batch::{RunRow, Slice, Status};
+use crate::batch::{BatchPlan, RunRow, Slice, Status};
 
 /// The longest line; that of a run with a hundred agents and thousands of plans has some megabytes.
 const MAX_LINE_BYTES: u64 = 1 << 25;
@@ -20,6 +20,8 @@ pub struct JournalIndex {
     held: u64,
     /// Runs held that are not done.
     not_done: u64,
+    /// Runs that were held when the journal was read and that leave recordings.
+    recorded: Vec<u64>,
     /// Bytes of all whole lines.
     end: u64,
     /// Whether something follows the last whole line.
@@ -28,25 +30,26 @@ pub struct JournalIndex {
 
 impl JournalIndex {
     /// Of a journal without a line.
-    pub fn empty(slice: Slice, runs: u64) -> Self {
+    fn empty(slice: Slice, runs: u64) -> Self {
         let places = usize::try_from(slice.count(runs)).expect("the runs of a batch are counted in memory");
-        Self { slice, offsets: vec![0; places], held: 0, not_done: 0, end: 0, torn: false }
+        Self { slice, offsets: vec![0; places], held: 0, not_done: 0, recorded: Vec::new(), end: 0, torn: false }
     }
 
-    /// Reads a journal of so many runs' plan; one without a whole first line is empty.
+    /// Reads the journal of a slice of a plan; one without a whole first line is empty.
     ///
     /// # Errors
     /// If a line is damaged, belongs to another plan or slice, or names a run that was named before.
-    pub fn read(path: &Path, file: &File, plan_sha256: &str, slice: Slice, runs: u64) -> Result<Self, JournalError> {
-        let mut index = Self::empty(slice, runs);
+    pub fn read(path: &Path, file: &File, plan: &BatchPlan, slice: Slice) -> Result<Self, JournalError> {
+        let mut index = Self::empty(slice, plan.count());
         let mut lines = Lines::new(path, file)?;
         let damaged = |line: u64, reason: String| JournalError::Damaged { path: path.to_owned(), line, reason };
         while let Some((number, offset)) = lines.next()? {
             if number == 1 {
-                check_head(path, &lines.line, &Head::of(plan_sha256, slice))?;
+                check_head(path, &lines.line, &Head::of(&plan.content_sha256(), slice))?;
             } else {
                 let entry: Entry = decode(&lines.line).map_err(|reason| damaged(number, reason))?;
                 index.add(entry.label.run, entry.status, offset).map_err(|reason| damaged(number, reason))?;
+                index.recorded.extend(entry.is_recorded(plan.record).then_some(entry.label.run));
             }
         }
         index.end = lines.end;
@@ -103,6 +106,11 @@ impl JournalIndex {
     pub fn missing(&self) -> impl Iterator<Item = u64> + Send + 'static {
         let (slice, held): (Slice, Vec<bool>) = (self.slice, self.offsets.iter().map(|&offset| offset != 0).collect());
         (0..).zip(held).filter(|(_, held)| !held).map(move |(place, _)| slice.run_at(place))
+    }
+
+    /// The runs that were held when the journal was read and that leave recordings, in the order of their lines.
+    pub fn recorded(&self) -> &[u64] {
+        &self.recorded
     }
 
     /// Bytes of all whole lines, and whether something follows them.

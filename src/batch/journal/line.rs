@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::batch::{RunRow, Slice};
+use crate::batch::{Record, RunRow, Slice, Status};
 
 /// Version of the format of journals.
 const FORMAT: u32 = 1;
@@ -25,12 +25,32 @@ impl Head {
 #[derive(Deserialize)]
 pub struct Entry {
     pub label: EntryLabel,
-    pub status: crate::batch::Status,
+    pub status: Status,
+    result: Option<EntryResult>,
+}
+
+#[derive(Deserialize)]
+struct EntryResult {
+    outcome: StuckTimes,
+}
+
+#[derive(Deserialize)]
+struct StuckTimes {
+    truck_stuck_s: f64,
+    wumpus_stuck_s: f64,
 }
 
 #[derive(Deserialize)]
 pub struct EntryLabel {
     pub run: u64,
+}
+
+impl Entry {
+    /// Whether the run leaves a recording.
+    pub fn is_recorded(&self, record: Record) -> bool {
+        let outcome = self.result.as_ref().map(|result| &result.outcome);
+        outcome.is_some_and(|outcome| record.keeps(outcome.truck_stuck_s, outcome.wumpus_stuck_s))
+    }
 }
 
 /// The line of a finished run.

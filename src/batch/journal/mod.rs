@@ -29,6 +29,8 @@ pub enum JournalError {
     Damaged { path: PathBuf, line: u64, reason: String },
     #[error("{} belongs to another plan: it names the plan {found}, expected {expected}", path.display())]
     OtherPlan { path: PathBuf, found: String, expected: String },
+    #[error("{} was changed by another program: {change}", path.display())]
+    Changed { path: PathBuf, change: String },
     #[error("another process is working on {}", path.display())]
     Locked { path: PathBuf },
 }

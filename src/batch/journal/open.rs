@@ -1,7 +1,7 @@
 //! A journal that this process, and no other, writes.
 
-use std::fs::{File, OpenOptions, TryLockError};
-use std::io;
+use std::fs::{self, File, Metadata, OpenOptions, TryLockError};
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -9,8 +9,9 @@ use super::index::RowReader;
 use super::line::{Head, encode};
 use super::{JournalError, JournalIndex, journal_path};
 use crate::batch::disk::{Append, Disk};
-use crate::batch::{BatchError, BatchPlan, OutputFolder, Slice, Status};
+use crate::batch::{BatchError, BatchPlan, OutputFolder, RunRow, Slice, Status};
 use crate::time::wall::WallStopwatch;
+use crate::whole_file::sync_folder_of;
 
 /// The longest time that a line waits to be brought to the disk.
 const SYNC_EVERY: Duration = Duration::from_secs(1);
@@ -36,6 +37,7 @@ impl LockedJournal {
     pub fn take(folder: &OutputFolder, slice: Slice) -> Result<Self, BatchError> {
         let path = journal_path(folder, slice);
         let file = OpenOptions::new().read(true).append(true).create(true).open(&path);
+        let file = file.and_then(|file| sync_folder_of(&path).map(|()| file));
         let file = file.map_err(|source| BatchError::unwritable(&path, source))?;
         match file.try_lock() {
             Ok(()) => Ok(Self { path, file }),
@@ -53,7 +55,7 @@ impl LockedJournal {
     pub fn open(self, plan: &BatchPlan, slice: Slice, disk: &dyn Disk) -> Result<OpenJournal, BatchError> {
         let Self { path, file } = self;
         let sha256 = plan.content_sha256();
-        let index = JournalIndex::read(&path, &file, &sha256, slice, plan.count())?;
+        let index = JournalIndex::read(&path, &file, plan, slice)?;
         let unwritable = |source| BatchError::unwritable(&path, source);
         let (end, torn) = index.end();
         if torn {
@@ -74,14 +76,21 @@ impl LockedJournal {
 impl OpenJournal {
     /// Writes the line of a run, and brings it to the disk with all before it if the oldest of them has waited long.
     pub fn add(&mut self, run: u64, status: Status, line: &[u8]) -> Result<(), BatchError> {
+        self.expect_unchanged()?;
         self.write(line)?;
         self.index.append(run, status, line.len());
-        self.unsynced.get_or_insert_with(WallStopwatch::start);
-        self.sync_if_due()
+        match self.unsynced.get_or_insert_with(WallStopwatch::start).elapsed() {
+            waited if waited >= SYNC_EVERY => self.sync(),
+            _ => Ok(()),
+        }
     }
 
     /// To be called at least every now and then while runs are going on.
+    ///
+    /// # Errors
+    /// If the disk cannot be written, or the journal is not any more as this process left it.
     pub fn sync_if_due(&mut self) -> Result<(), BatchError> {
+        self.expect_unchanged()?;
         match self.unsynced {
             Some(since) if since.elapsed() >= SYNC_EVERY => self.sync(),
             _ => Ok(()),
@@ -90,8 +99,29 @@ impl OpenJournal {
 
     /// Brings all lines to the disk.
     pub fn sync(&mut self) -> Result<(), BatchError> {
+        self.expect_unchanged()?;
         self.unsynced = None;
         self.writer.sync().map_err(|source| BatchError::unwritable(&self.path, source))
+    }
+
+    /// Lines that go into a file which nobody finds, or which others write, would be lost without a word.
+    fn expect_unchanged(&self) -> Result<(), JournalError> {
+        let unreadable = |source| JournalError::unreadable(&self.path, source);
+        let changed = |change: String| Err(JournalError::Changed { path: self.path.clone(), change });
+        let own = self.file.metadata().map_err(unreadable)?;
+        match fs::metadata(&self.path) {
+            Ok(found) if !is_same_file(&own, &found) => return changed("another file has its name".into()),
+            Ok(_) => {}
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                return changed("it, or its folder, was removed or renamed".into());
+            }
+            Err(error) => return Err(unreadable(error)),
+        }
+        let (expected, _) = self.index.end();
+        match own.len() {
+            found if found == expected => Ok(()),
+            found => changed(format!("it has {found} bytes, expected the {expected} that were written")),
+        }
     }
 
     fn write(&mut self, bytes: &[u8]) -> Result<(), BatchError> {
@@ -102,10 +132,27 @@ impl OpenJournal {
         &self.index
     }
 
+    /// Reads the row of a run that the journal holds.
+    pub fn row(&self, run: u64) -> Result<RunRow, JournalError> {
+        self.rows()?.row(run)
+    }
+
     /// Reads the rows.
     pub fn rows(&self) -> Result<RowReader<'_>, JournalError> {
         RowReader::new(self.path.clone(), &self.file, &self.index)
     }
+}
+
+#[cfg(unix)]
+fn is_same_file(one: &Metadata, other: &Metadata) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    (one.dev(), one.ino()) == (other.dev(), other.ino())
+}
+
+/// Elsewhere a file that is open keeps its name.
+#[cfg(not(unix))]
+fn is_same_file(_: &Metadata, _: &Metadata) -> bool {
+    true
 }
 
 /// A journal that is read, and that no other process may write meanwhile.
@@ -125,7 +172,7 @@ impl ReadJournal {
             Err(TryLockError::WouldBlock) => return Err(JournalError::Locked { path }),
             Err(TryLockError::Error(source)) => return Err(JournalError::unreadable(&path, source)),
         }
-        let index = JournalIndex::read(&path, &file, &plan.content_sha256(), slice, plan.count())?;
+        let index = JournalIndex::read(&path, &file, plan, slice)?;
         Ok(Self { path, file, index })
     }
 

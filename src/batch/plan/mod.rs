@@ -155,6 +155,17 @@ pub fn planner_of(scenario: &Scenario) -> String {
     names.join(";")
 }
 
+impl Record {
+    /// Whether a run in which agents were stuck for so long leaves a recording.
+    pub fn keeps(self, truck_stuck_s: f64, wumpus_stuck_s: f64) -> bool {
+        match self {
+            Self::All => true,
+            Self::Failed => truck_stuck_s > 0.0 || wumpus_stuck_s > 0.0,
+            Self::None => false,
+        }
+    }
+}
+
 impl FromStr for Record {
     type Err = String;
 
