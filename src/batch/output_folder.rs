@@ -50,7 +50,6 @@ impl OutputFolder {
         if path.exists() && !path.is_dir() {
             return Err(BatchError::NotAFolder { path: path.to_owned() });
         }
-        expect_files(path)?;
         let held = FILES.into_iter().chain([RECORDINGS_FOLDER]).find(|entry| path.join(entry).exists());
         if let (Some(entry), false) = (held, overwrite) {
             return Err(BatchError::HoldsResults { path: path.to_owned(), entry: entry.to_owned() });

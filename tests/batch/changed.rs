@@ -34,7 +34,6 @@ fn ended_by(change: fn(&Path)) -> (u64, String) {
 }
 
 #[test]
-#[cfg(unix)]
 fn journal_that_is_changed_under_a_batch_ends_it_before_the_next_line() {
     let changes: [(fn(&Path), &str); 6] = [
         (|folder| fs::remove_dir_all(folder).expect("it is there"), "was removed"),
@@ -72,7 +71,6 @@ fn journal_that_is_changed_under_a_batch_ends_it_before_the_next_line() {
 }
 
 #[test]
-#[cfg(unix)]
 fn folder_that_is_removed_while_no_run_ends_stops_the_batch() {
     let scratch = tempfile::tempdir().expect("a scratch folder");
     let path = scratch.path().join("out");

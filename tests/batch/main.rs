@@ -1,5 +1,6 @@
 //! Batches over runs that are made up: what is written, and what is left when something goes wrong.
 
+#[cfg(unix)]
 mod changed;
 mod disk;
 mod made_up;

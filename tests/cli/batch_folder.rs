@@ -123,7 +123,6 @@ fn elapsed() -> impl Fn() -> Duration {
 #[test]
 fn lost_recordings_are_made_again_and_named() {
     let story = Story::begin();
-    // In some of these runs the truck is stuck, in others not.
     let batch = ["batch", "contest", "--seeds", "1..4", "--set", "duration_s=300", "--record", "all", "--out", "out"];
     story.tell(&batch).expect_code(0);
     let recording = |seed: u64| story.path(&format!("out/recordings/seed-{seed}.wildfire"));
@@ -139,6 +138,11 @@ fn lost_recordings_are_made_again_and_named() {
     let after: Vec<_> = (1..=4).map(|seed| fs::read(recording(seed)).expect("it is there")).collect();
     assert!(after == before, "another recording");
     assert_eq!(story.tell(&["batch", "--resume", "out"]).expect_code(0).stderr, "");
+
+    // In none of these runs an agent is stuck.
+    story.tell(&["batch", "smoke", "--record", "failed", "--out", "failed"]).expect_code(0);
+    assert_eq!(fs::read_dir(story.path("failed/recordings")).expect("it is there").count(), 0);
+    assert_eq!(story.tell(&["batch", "--resume", "failed"]).expect_code(0).stderr, "");
 }
 
 #[test]

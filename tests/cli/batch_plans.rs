@@ -1,9 +1,9 @@
 //! Batches of several scenarios, planners and values; in slices; stopped and resumed.
 
+use std::fs;
+
 use crate::story::{Story, outcomes, refuse};
 
-#[cfg(target_os = "linux")]
-use std::fs;
 #[cfg(target_os = "linux")]
 use std::process::{Child, Stdio};
 #[cfg(target_os = "linux")]
@@ -156,7 +156,7 @@ fn second_interrupt_stops_a_batch_at_once() {
 fn second_process_on_a_batch_is_refused() {
     let story = Story::begin();
     story.tell(&["batch", "smoke", "--out", "out"]).expect_code(0);
-    let journal = std::fs::File::open(story.path("out/runs.journal")).expect("it is there");
+    let journal = fs::File::open(story.path("out/runs.journal")).expect("it is there");
     journal.try_lock().expect("nobody has it");
     story.tell(&["batch", "--resume", "out"]).expect_code(3).expect_complaint(&["another process is working on"]);
     let status = story.tell(&["status", "out"]).expect_code(0).stdout;

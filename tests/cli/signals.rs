@@ -57,7 +57,7 @@ fn signal_at_any_moment_gives_an_exit_code() {
     for (index, millis) in (0..40).flat_map(|step| [(0, step), (1, step), (2, step)]) {
         let (signal, number) = [("HUP", 1), ("INT", 2), ("TERM", 15)][index];
         let out = format!("out-{signal}-{millis}");
-        let child = spawn(&story, &["batch", "tiny.toml", "--seeds", "1..200000", "--out", &out]);
+        let child = spawn(&story, &["batch", "tiny.toml", "--seeds", "1..100000", "--out", &out]);
         wait_for_handler(&child, number);
         wait(Duration::from_millis(millis));
         send(signal, &child);
@@ -99,12 +99,11 @@ fn first_signal_ends_a_batch_whose_summary_nobody_reads() {
     // A line for each of many variants is more than a pipe holds.
     let values = (1..=1500).map(|value| format!("{}", f64::from(value) / 10.0)).collect::<Vec<_>>().join(",");
     let sweep = format!("fire.burn_out_s={values}");
-    let child = spawn(&story, &["batch", "tiny.toml", "--seeds", "1", "--set", &sweep, "--out", "out"]);
+    let mut child = spawn(&story, &["batch", "tiny.toml", "--seeds", "1", "--set", &sweep, "--out", "out"]);
     while !story.path("out/runs.csv").exists() {
         thread::yield_now();
     }
     send("INT", &child);
-    let mut child = child;
     assert_eq!(child.wait().expect("it ends").code(), Some(75), "nobody has read its output by then");
 }
 

@@ -52,6 +52,7 @@ impl JournalIndex {
                 index.recorded.extend(entry.is_recorded(plan.record).then_some(entry.label.run));
             }
         }
+        index.recorded.sort_unstable();
         index.end = lines.end;
         index.torn = lines.torn;
         Ok(index)
@@ -108,7 +109,7 @@ impl JournalIndex {
         (0..).zip(held).filter(|(_, held)| !held).map(move |(place, _)| slice.run_at(place))
     }
 
-    /// The runs that were held when the journal was read and that leave recordings, in the order of their lines.
+    /// The runs that were held when the journal was read and that leave recordings, in order.
     pub fn recorded(&self) -> &[u64] {
         &self.recorded
     }

@@ -109,4 +109,24 @@ mod tests {
             assert!(decode::<Head>(&line[..at]).is_err(), "cut at {at}");
         }
     }
+
+    #[test]
+    fn runs_are_recorded_by_what_their_lines_say() {
+        let entry = |truck_stuck_s: f64, wumpus_stuck_s: f64| {
+            let outcome = serde_json::json!({ "truck_stuck_s": truck_stuck_s, "wumpus_stuck_s": wumpus_stuck_s });
+            let label = serde_json::json!({ "run": 1, "seed": 7 });
+            let line = encode(
+                &serde_json::json!({ "label": label, "status": "done", "result": { "outcome": outcome, "cost": 3 } }),
+            );
+            decode::<Entry>(&line[..line.len() - 1]).expect("it is a line")
+        };
+        for (stuck, expected) in [((0.0, 0.0), false), ((0.5, 0.0), true), ((0.0, 9.0), true)] {
+            assert!(entry(stuck.0, stuck.1).is_recorded(Record::All));
+            assert_eq!(entry(stuck.0, stuck.1).is_recorded(Record::Failed), expected, "{stuck:?}");
+            assert!(!entry(stuck.0, stuck.1).is_recorded(Record::None));
+        }
+        let line = encode(&serde_json::json!({ "label": { "run": 1 }, "status": "failed", "result": null }));
+        let failed: Entry = decode(&line[..line.len() - 1]).expect("it is a line");
+        assert!(!failed.is_recorded(Record::All), "there is nothing to record");
+    }
 }
