@@ -13,8 +13,12 @@ const TRUCK: AgentId = AgentId::Unimog(0);
 
 fn run(name: &str, changes: &[&str]) -> Timeline {
     let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
-    let scenario = scenario::load(name, &changes).expect("built-in scenarios load");
-    sim::run(&scenario, 1).expect("it takes place").timeline
+    run_with_seed(name, &changes, 1)
+}
+
+fn run_with_seed(name: &str, changes: &[String], seed: u64) -> Timeline {
+    let scenario = scenario::load(name, changes).expect("built-in scenarios load");
+    sim::run(&scenario, seed).expect("it takes place").timeline
 }
 
 fn contest() -> Timeline {
@@ -79,6 +83,73 @@ fn undamaged_runs_pass() {
     for timeline in [contest(), with_limits(), run("fleet", &["duration_s=600"])] {
         let audited = audit(&timeline).expect("nothing is wrong with it");
         assert!(audited.legs > 20 && audited.poses > 50_000 && audited.extinctions > 10, "{audited:?}");
+    }
+}
+
+/// A model truck that turns by 4,000 rad/s.
+fn swift(seed: u64) -> Timeline {
+    let changes = "length_m=1 width_m=0.4 wheelbase_m=0.3 rear_overhang_m=0.3 turning_radius_m=0.25";
+    let body = changes.split(' ').map(|change| format!("unimog.vehicle.{change}"));
+    let speeds = ["unimog.speed_mps=1000", "unimog.reverse_speed_mps=1000"].map(str::to_owned);
+    run_with_seed("smoke", &body.chain(speeds).collect::<Vec<_>>(), seed)
+}
+
+/// A Wumpus that walks across a field of so many kilometres.
+fn far(kilometres: u32) -> Timeline {
+    let size = format!("field.size_m={kilometres}000");
+    let start = "wumpus.start_m=[250, 250]";
+    let others = ["field.cell_m=500", "fire.spread_radius_m=0", "wumpus.reach_m=800", "duration_s=60000"];
+    run("wumpus-alone", &[&[size.as_str(), start], &others[..]].concat())
+}
+
+/// Moves the start of an agent's first leg, and so all of it.
+fn move_leg(timeline: &mut Timeline, agent: AgentId, metres: f64, radians: f64) {
+    let legs = timeline.events.iter_mut().filter_map(|event| match &mut event.fact {
+        Fact::Planned { agent: planned, trajectory, .. } if *planned == agent => Some(trajectory),
+        _ => None,
+    });
+    let leg = legs.into_iter().next().expect("it has a leg");
+    let start = leg.start();
+    let moved = Pose::new(start.x + metres, start.y, start.heading + radians);
+    *leg = Trajectory::new(leg.start_time(), moved, leg.pieces().to_vec());
+}
+
+#[test]
+fn a_truck_that_turns_4000_radians_a_second_is_no_offence() {
+    for seed in 1..=3 {
+        let audited = audit(&swift(seed)).unwrap_or_else(|offence| panic!("seed {seed}: {offence}"));
+        assert!(audited.legs > 10 && audited.extinctions > 5, "{audited:?}");
+    }
+}
+
+#[test]
+fn walks_of_tens_of_kilometres_are_no_offence() {
+    for kilometres in [30, 50] {
+        let audited = audit(&far(kilometres)).unwrap_or_else(|offence| panic!("{kilometres} km: {offence}"));
+        assert!(audited.metres > 100_000.0 && audited.metres / audited.legs as f64 > 10_000.0, "{audited:?}");
+    }
+}
+
+#[test]
+fn a_leg_that_begins_micrometres_elsewhere_is_found_in_runs_at_the_limits_too() {
+    // The tolerance is 1.01e-6 m and 1.001e-6 rad in the contest; 2e-6 m and 5e-6 rad for the swift truck, and 1.1e-6 m on
+    // the far walk.
+    let runs =
+        [(contest(), TRUCK, 2e-6, 2e-6), (swift(1), TRUCK, 3e-6, 1e-5), (far(50), AgentId::Wumpus(0), 2e-6, 0.0)];
+    for (proper, agent, metres, radians) in runs {
+        let damaged = |metres: f64, radians: f64| {
+            let mut timeline = proper.clone();
+            move_leg(&mut timeline, agent, metres, radians);
+            audit(&timeline)
+        };
+        let is_found = |audited: &Result<Audited, Offence>| {
+            matches!(audited, Err(Offence { breach: Breach::Discontinuous { .. }, .. }))
+        };
+        assert!(audit(&proper).is_ok());
+        let moved = damaged(metres, 0.0);
+        assert!(is_found(&moved), "{metres} m: {moved:?}");
+        let turned = damaged(0.0, radians);
+        assert!(is_found(&turned) || radians == 0.0, "{radians} rad: {turned:?}");
     }
 }
 

@@ -1,6 +1,6 @@
 //! What an agent did in a run: its legs as they were driven, one after the other.
 
-use super::leg::SAME_POSE;
+use super::tolerance::Tolerance;
 use super::{Breach, Offence};
 use crate::geometry::{Pose, ops};
 use crate::time::SimTime;
@@ -12,9 +12,8 @@ use crate::trajectory::{Piece, Trajectory};
 pub struct Course<'a> {
     pub id: AgentId,
     pub start: Pose,
-    /// How far apart headings may be that shall be one. A turn on the spot may be a nanosecond off, so of whoever makes
-    /// them places are compared only.
-    same_rad: f64,
+    /// A turn on the spot may be a nanosecond off, so of whoever makes them places are compared only.
+    turns_on_the_spot: bool,
     legs: Vec<Leg<'a>>,
 }
 
@@ -43,8 +42,8 @@ impl<'a> Course<'a> {
                 (fact, _) => legs.extend(fact.trajectory().map(|leg| Leg::new(event.time, leg))),
             }
         }
-        let same_rad = if matches!(agent.body, Body::Truck(_)) { SAME_POSE } else { f64::INFINITY };
-        Self { id: agent.id, start: agent.pose, same_rad, legs }
+        let turns_on_the_spot = !matches!(agent.body, Body::Truck(_));
+        Self { id: agent.id, start: agent.pose, turns_on_the_spot, legs }
     }
 
     /// The legs as they were driven, in the order of their plans.
@@ -54,10 +53,11 @@ impl<'a> Course<'a> {
 
     /// Every leg begins where and when the last one has ended, and what was dropped was driven as planned until then.
     pub fn audit(&self) -> Result<(), Offence> {
-        let (mut until, mut stands) = (SimTime::ZERO, self.start);
+        let (mut until, mut stands, mut tolerance) = (SimTime::ZERO, self.start, Tolerance::STANDING);
         for leg in &self.legs {
             let (planned, first) = leg.versions[0];
-            self.check_join((until, stands), first).map_err(|breach| self.offence(planned, first.start(), breach))?;
+            let join = self.check_join((until, stands), first, tolerance);
+            join.map_err(|breach| self.offence(planned, first.start(), breach))?;
             for pair in leg.versions.windows(2) {
                 let (time, driven) = pair[1];
                 if !self.is_cut(pair[0].1, driven, time) {
@@ -65,15 +65,21 @@ impl<'a> Course<'a> {
                 }
             }
             (until, stands) = (leg.driven().end_time(), leg.driven().end());
+            tolerance = Tolerance::of_leg(leg.driven());
         }
         Ok(())
     }
 
-    fn check_join(&self, (until, stands): (SimTime, Pose), next: &Trajectory) -> Result<(), Breach> {
+    fn check_join(
+        &self,
+        (until, stands): (SimTime, Pose),
+        next: &Trajectory,
+        tolerance: Tolerance,
+    ) -> Result<(), Breach> {
         if next.start_time() < until {
             return Err(Breach::StillUnderWay { until });
         }
-        if self.is_same(stands, next.start()) {
+        if self.is_same(stands, next.start(), tolerance) {
             return Ok(());
         }
         let (metres, radians) = gap(stands, next.start());
@@ -82,7 +88,8 @@ impl<'a> Course<'a> {
 
     /// Whether the leg as driven is the planned one until its goal was dropped, and stays on its way from then on.
     fn is_cut(&self, planned: &Trajectory, driven: &Trajectory, dropped: SimTime) -> bool {
-        let same_at = |time| self.is_same(planned.pose_at(time), driven.pose_at(time));
+        let tolerance = Tolerance::of_leg(planned);
+        let same_at = |time| self.is_same(planned.pose_at(time), driven.pose_at(time), tolerance);
         let mut ends = planned.pieces().iter().scan(0.0, |elapsed_s, piece| {
             *elapsed_s += piece.duration_s();
             Some(planned.start_time() + SimTime::from_seconds(*elapsed_s))
@@ -90,13 +97,14 @@ impl<'a> Course<'a> {
         same_at(planned.start_time().min(dropped))
             && same_at(dropped)
             && ends.all(|time| time > dropped || same_at(time))
-            && self.is_same(pose_after(planned, driven.distance_m(SimTime::MAX)), driven.end())
+            && self.is_same(pose_after(planned, driven.distance_m(SimTime::MAX)), driven.end(), tolerance)
     }
 
     /// Whether two poses are one; what is not a number is none.
-    fn is_same(&self, one: Pose, other: Pose) -> bool {
+    fn is_same(&self, one: Pose, other: Pose, tolerance: Tolerance) -> bool {
         let (metres, radians) = gap(one, other);
-        metres <= SAME_POSE && radians <= self.same_rad
+        let most_radians = if self.turns_on_the_spot { f64::INFINITY } else { tolerance.radians };
+        metres <= tolerance.metres && radians <= most_radians
     }
 
     fn offence(&self, time: SimTime, pose: Pose, breach: Breach) -> Offence {

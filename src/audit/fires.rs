@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::leg::SAME_POSE;
+use super::tolerance::SAME_POSE;
 use super::{Breach, Offence};
 use crate::fire::FireRules;
 use crate::geometry::Cell;

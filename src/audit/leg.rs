@@ -5,14 +5,12 @@
 
 use super::ground::{Ground, Stance};
 use super::pace::{Drive, audit_pace};
+use super::tolerance::{SAME_POSE, Tolerance};
 use super::{Audited, Breach, Offence};
 use crate::geometry::{DVec2, Pose, ops};
 use crate::time::SimTime;
 use crate::trajectory::{Piece, SpeedLimits, Trajectory};
 use crate::vehicle::Segment;
-
-/// How far apart two poses may be that shall be one, in metres and radians: much more than a nanosecond's way.
-pub const SAME_POSE: f64 = 1e-6;
 
 /// Share of the largest curvature that is noise.
 const RELATIVE_NOISE: f64 = 1e-9;
@@ -22,6 +20,10 @@ const MOST_WORK: f64 = 1e10;
 
 /// What a pose takes besides the cells under the body, in looks at a cell.
 const WORK_OF_POSE: f64 = 16.0;
+
+/// Steps that are added up before the next one is taken by a single long step from the start of its piece, so that
+/// roundings do not add up along the way.
+pub const STRIDE: u64 = 256;
 
 /// No two samples of a leg are farther apart than this.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,7 +53,8 @@ pub struct Manners {
 /// Between two samples a body could dip into a bush by a fraction of the step.
 pub fn audit_leg(ground: &Ground, manners: &Manners, leg: &Trajectory, step: Step) -> Result<Audited, Offence> {
     let pace = manners.limits.map_or(Ok(()), |limits| audit_pace(leg, &limits));
-    let way = LegAudit { ground, manners, step }.drive(leg).map_err(|broken| Offence {
+    let tolerance = Tolerance::of_leg(leg);
+    let way = LegAudit { ground, manners, step, tolerance }.drive(leg).map_err(|broken| Offence {
         time: leg.start_time() + SimTime::from_seconds(broken.elapsed_s),
         agent: None,
         place: broken.place,
@@ -70,6 +73,7 @@ struct LegAudit<'a> {
     ground: &'a Ground,
     manners: &'a Manners,
     step: Step,
+    tolerance: Tolerance,
 }
 
 impl LegAudit<'_> {
@@ -100,8 +104,8 @@ impl LegAudit<'_> {
             return Err(now.broken(Breach::NotANumber));
         }
         let turns_on_the_spot = self.manners.turning_radius_m.is_none();
-        let radians = if turns_on_the_spot { f64::INFINITY } else { SAME_POSE };
-        check_state(leg, now.elapsed_s, Stance::of(now.pose), radians)
+        let radians = if turns_on_the_spot { f64::INFINITY } else { self.tolerance.radians };
+        check_state(leg, now.elapsed_s, Stance::of(now.pose), Tolerance { radians, ..self.tolerance })
     }
 
     fn turn(self, now: Moment, heading: f64) -> Result<Moment, Broken> {
@@ -120,7 +124,7 @@ impl LegAudit<'_> {
         drive: Drive,
         audited: &mut Audited,
     ) -> Result<Moment, Broken> {
-        let numbers = [segment.curvature, segment.length_m, drive.seconds];
+        let numbers = [segment.curvature, segment.length_m, drive.seconds, drive.fastest_mps()];
         if !numbers.into_iter().all(f64::is_finite) {
             return Err(now.broken(Breach::NotANumber));
         }
@@ -129,21 +133,20 @@ impl LegAudit<'_> {
         if way.count * work_of_pose(self.ground) > MOST_WORK {
             return Err(now.broken(Breach::Endless));
         }
-        let mut at = Stance::of(now.pose);
-        let middle = (0.5 * way.count).floor();
-        let mut step = 0.0;
-        while step < way.count {
-            step += 1.0;
-            at = way.advance(at);
+        let start = Stance::of(now.pose);
+        let count = way.count as u64;
+        let mut at = start;
+        for step in 1..=count {
+            at = way.advance(start, at, step);
             if let Some(touch) = self.ground.touch(at) {
                 let elapsed_s = now.elapsed_s + drive.seconds_to(way.metres(step));
                 return Err(Broken { elapsed_s, place: at.place, breach: Breach::Touched(touch) });
             }
-            if step == middle {
-                check_state(leg, now.elapsed_s + drive.seconds_to(way.metres(step)), at, SAME_POSE)?;
+            if step == count / 2 {
+                check_state(leg, now.elapsed_s + drive.seconds_to(way.metres(step)), at, self.tolerance)?;
             }
         }
-        audited.poses += way.count as u64;
+        audited.poses += count;
         audited.metres += segment.length_m.abs();
         let heading = now.pose.heading + segment.curvature * segment.length_m;
         Ok(now.after(drive.seconds, Pose::new(at.place.x, at.place.y, heading)))
@@ -189,11 +192,11 @@ impl Moment {
     }
 }
 
-/// Whether the timeline says the same, to within a micrometre and so many radians.
-fn check_state(leg: &Trajectory, elapsed_s: f64, at: Stance, most_radians: f64) -> Result<(), Broken> {
+/// Checks that the timeline says the same.
+fn check_state(leg: &Trajectory, elapsed_s: f64, at: Stance, tolerance: Tolerance) -> Result<(), Broken> {
     let said = Stance::of(leg.pose_at(leg.start_time() + SimTime::from_seconds(elapsed_s)));
     let (metres, radians) = ((said.place - at.place).length(), (said.facing - at.facing).length());
-    if metres <= SAME_POSE && radians <= most_radians {
+    if metres <= tolerance.metres && radians <= tolerance.radians {
         return Ok(());
     }
     Err(Broken { elapsed_s, place: at.place, breach: Breach::Astray { metres, radians } })
@@ -203,10 +206,9 @@ fn check_state(leg: &Trajectory, elapsed_s: f64, at: Stance, most_radians: f64) 
 struct Way {
     /// A whole number.
     count: f64,
+    curvature: f64,
     step_m: f64,
-    /// In the frame of a step's start.
-    chord: DVec2,
-    turn: DVec2,
+    step: Hop,
 }
 
 impl Way {
@@ -214,19 +216,39 @@ impl Way {
         let turned = (segment.curvature * segment.length_m).abs();
         let count = (segment.length_m.abs() / step.metres).max(turned / step.degrees.to_radians()).ceil().max(1.0);
         let step_m = segment.length_m / count;
-        let half_turn = 0.5 * segment.curvature * step_m;
-        let chord_m = if half_turn == 0.0 { step_m } else { 2.0 * ops::sin(half_turn) / segment.curvature };
-        let towards = |angle: f64| DVec2::new(ops::cos(angle), ops::sin(angle));
-        Self { count, step_m, chord: towards(half_turn) * chord_m, turn: towards(2.0 * half_turn) }
+        Self { count, curvature: segment.curvature, step_m, step: Hop::new(segment.curvature, step_m) }
     }
 
-    fn advance(&self, at: Stance) -> Stance {
-        Stance { place: at.place + at.facing.rotate(self.chord), facing: at.facing.rotate(self.turn) }
+    /// Where step number `step` leads, from the stance before it; now and then from the start of the way instead.
+    fn advance(&self, start: Stance, before: Stance, step: u64) -> Stance {
+        if step.is_multiple_of(STRIDE) {
+            return Hop::new(self.curvature, step as f64 * self.step_m).from(start);
+        }
+        self.step.from(before)
     }
 
     /// Along the way, after so many steps.
-    fn metres(&self, steps: f64) -> f64 {
-        steps * self.step_m.abs()
+    fn metres(&self, steps: u64) -> f64 {
+        steps as f64 * self.step_m.abs()
+    }
+}
+
+/// A stretch of an arc: its chord, and the unit vector of the angle that it turns by, in the frame of its start.
+struct Hop {
+    chord: DVec2,
+    turn: DVec2,
+}
+
+impl Hop {
+    fn new(curvature: f64, metres: f64) -> Self {
+        let half_turn = 0.5 * curvature * metres;
+        let chord_m = if half_turn == 0.0 { metres } else { 2.0 * ops::sin(half_turn) / curvature };
+        let towards = |angle: f64| DVec2::new(ops::cos(angle), ops::sin(angle));
+        Self { chord: towards(half_turn) * chord_m, turn: towards(2.0 * half_turn) }
+    }
+
+    fn from(&self, at: Stance) -> Stance {
+        Stance { place: at.place + at.facing.rotate(self.chord), facing: at.facing.rotate(self.turn) }
     }
 }
 
@@ -280,17 +302,33 @@ mod tests {
 
     #[test]
     fn steps_lead_where_the_closed_form_does() {
-        for (curvature, length_m) in [(1.0 / 13.0, 77.7), (-1.0 / 13.0, -40.0), (0.0, -9.99), (1e-9, 30.0), (0.2, 1e-7)]
-        {
+        let ways = [(1.0 / 13.0, 77.7), (-1.0 / 13.0, -40.0), (0.0, -9.99), (1e-9, 30.0), (0.2, 1e-7), (1e-3, 300.0)];
+        for (curvature, length_m) in ways {
             let (start, segment) = (Pose::new(3.0, -2.0, 2.9), segment(curvature, length_m));
             let way = Way::new(segment, Step::default());
             let mut at = Stance::of(start);
-            for _ in 0..way.count as u32 {
-                at = way.advance(at);
+            for step in 1..=way.count as u64 {
+                at = way.advance(Stance::of(start), at, step);
             }
             let end = Stance::of(segment.end(start));
             assert!((end.place - at.place).length() < 1e-11 && (end.facing - at.facing).length() < 1e-12);
-            assert!(way.step_m.abs() <= 0.02 && way.turn.y.abs() <= 0.2_f64.to_radians());
+            assert!(way.step_m.abs() <= 0.02 && way.step.turn.y.abs() <= 0.2_f64.to_radians());
+        }
+    }
+
+    #[test]
+    fn roundings_of_steps_do_not_add_up_over_a_long_way() {
+        for (curvature, length_m) in [(0.0, 60_000.0), (2e-5, -60_000.0), (1.0 / 13.0, 20_000.0)] {
+            let (start, segment) = (Pose::new(20_000.0, 30_000.0, 0.7), segment(curvature, length_m));
+            let leg = Trajectory::along(&Path { start, segments: vec![segment] }, SimTime::ZERO, LIMITS);
+            let way = Way::new(segment, Step::default());
+            let start = Stance::of(start);
+            let at = (1..=way.count as u64).fold(start, |at, step| way.advance(start, at, step));
+            let (end, granted) = (Stance::of(leg.end()), Tolerance::of_leg(&leg));
+            let metres = (end.place - at.place).length();
+            let rounding = granted.metres - SAME_POSE;
+            assert!(metres < rounding && rounding < 1e-6, "{curvature}: {metres} m of {rounding}");
+            assert!((end.facing - at.facing).length() < granted.radians - SAME_POSE, "{curvature}");
         }
     }
 

@@ -23,6 +23,7 @@ mod meeting;
 mod pace;
 mod run;
 mod suppression;
+mod tolerance;
 
 pub use breach::{Breach, Offence};
 pub use ground::{Ground, Outline, Stance, Touch};

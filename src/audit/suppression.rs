@@ -1,7 +1,7 @@
 //! Who acts on bushes, and from where: fires go out beside a truck that stands, and Wumpuses light where they arrived.
 
 use super::ground::{Outline, Stance};
-use super::leg::SAME_POSE;
+use super::tolerance::SAME_POSE;
 use super::{Breach, Offence};
 use crate::geometry::{Cell, Pose};
 use crate::time::SimTime;
