@@ -2,7 +2,7 @@
 //! puts them out.
 //!
 //! The layers, lowest first; each may use those above it in this list:
-//! [`time`], [`geometry`], [`rng`], [`event_queue`], [`input_file`], [`whole_file`]; [`grid`]; [`map_files`]; [`vehicle`]; [`trajectory`]; [`collision`];
+//! [`time`], [`geometry`], [`rng`], [`event_queue`], [`input_file`], [`untrusted`], [`whole_file`]; [`grid`]; [`map_files`]; [`vehicle`]; [`trajectory`]; [`collision`];
 //! [`planning`]; [`fire`]; [`scenario`]; [`timeline`]; [`picture`]; [`audit`]; [`sim`]; [`stats`]; [`batch`]; `view`; [`cli`].
 
 pub mod audit;
@@ -24,6 +24,7 @@ pub mod stats;
 pub mod time;
 pub mod timeline;
 pub mod trajectory;
+pub mod untrusted;
 pub mod vehicle;
 #[cfg(feature = "view")]
 pub mod view;

@@ -9,6 +9,7 @@ use crate::batch::journal::{JournalError, ReadJournal};
 use crate::batch::parquet_files::ParquetFiles;
 use crate::batch::row_files::RowFiles;
 use crate::batch::{BatchError, BatchPlan, BatchReport, OutputFolder, RunRow, Slice, TABLES_FILE, VariantReport};
+use crate::untrusted::visible_lines;
 
 /// Writes all rows in the order of the plan, and the tables.
 pub fn write_tables(
@@ -46,7 +47,7 @@ fn write_markdown(folder: &OutputFolder, disk: &dyn Disk, report: &BatchReport) 
     let path = folder.path().join(TABLES_FILE);
     let write = || {
         let mut file = disk.whole_file(&path)?;
-        file.write_all(report.to_markdown().as_bytes())?;
+        file.write_all(visible_lines(&report.to_markdown()).as_bytes())?;
         file.finish()
     };
     write().map_err(|source| BatchError::unwritable(&path, source))

@@ -11,6 +11,7 @@ use crate::batch::{
     BatchPlan, OutputFolder, PLAN_FILE, PlanError, PlannedRun, RUN_COLUMNS, RUNS_FILE, RunRow, Status, StrangeEntry,
     is_measured,
 };
+use crate::untrusted::text_of_cell;
 
 /// The longest row of a batch's runs, on average; what is longer was not written by this program.
 const MAX_ROW_BYTES: u64 = 64 << 10;
@@ -127,7 +128,7 @@ impl FinishedRows {
         if !self.reader.read_record(&mut record).map_err(|error| unreadable(&self.path, error))? {
             return Err(other(format!("it ends before the row of seed {seed}")));
         }
-        let row = FinishedRow(self.places.iter().map(|&place| record[place].to_owned()).collect());
+        let row = FinishedRow(self.places.iter().map(|&place| text_of_cell(&record[place]).to_owned()).collect());
         let found = row.value("seed");
         if found != seed.to_string() || row.value("run") != run.number.to_string() {
             return Err(other(format!("it has the row of seed {found} where that of seed {seed} is expected")));

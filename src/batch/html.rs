@@ -1,6 +1,7 @@
 //! Pages that need no other file and no network: their head, their tables, and text as it stands in them.
 
 use crate::batch::TextTable;
+use crate::untrusted::visible_lines;
 
 const HEAD: &str = "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n\
                          <meta name=\"viewport\" content=\"width=device-width\">\n";
@@ -30,10 +31,10 @@ pub fn table(table: &TextTable) -> String {
     format!("<table>\n<tr>{headings}</tr>\n{rows}</table>\n")
 }
 
-/// Text as it stands in a page: nothing in it is a tag.
+/// Text as it stands in a page: nothing in it is a tag, acts on what surrounds it, or turns the direction of writing.
 pub fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
-    for letter in text.chars() {
+    for letter in visible_lines(text).chars() {
         match letter {
             '&' => escaped.push_str("&amp;"),
             '<' => escaped.push_str("&lt;"),

@@ -1,4 +1,4 @@
-//! `runs.csv` and `agents.csv` as they grow, row by row.
+//! `runs.csv` and `agents.csv` as they grow, row by row, with cells that no spreadsheet computes.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -8,6 +8,7 @@ use crate::batch::{
     AGENT_COLUMNS, AGENTS_FILE, AgentRow, BatchError, COLUMNS_BEFORE_SWEPT, OutputFolder, RUN_COLUMNS, RUNS_FILE,
     RunRow,
 };
+use crate::untrusted::spreadsheet_cell;
 
 /// Both files of rows; they appear when finished.
 pub struct RowFiles {
@@ -63,7 +64,9 @@ impl RowFile {
     }
 
     fn add(&mut self, fields: impl Iterator<Item = String>) -> Result<(), BatchError> {
-        self.writer.write_record(fields).map_err(|error| unwritable(&self.path, error.into()))
+        self.writer
+            .write_record(fields.map(|field| spreadsheet_cell(&field).into_owned()))
+            .map_err(|error| unwritable(&self.path, error.into()))
     }
 
     fn finish(self) -> Result<(), BatchError> {

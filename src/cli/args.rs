@@ -12,6 +12,7 @@ use crate::cli::compare::CompareArguments;
 use crate::cli::curve::CurveArguments;
 use crate::cli::failure::Failure;
 use crate::cli::map::MapCommand;
+use crate::cli::numbers;
 use crate::cli::plan::PlanArguments;
 use crate::cli::play_command::PlayArguments;
 use crate::cli::render::RenderArguments;
@@ -128,7 +129,7 @@ pub struct RunArguments {
     #[arg(long, value_name = "FILE.csv")]
     pub trace: Option<PathBuf>,
     /// Simulated seconds between two rows of the trace.
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.1, requires = "trace", allow_hyphen_values = true)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.1, requires = "trace", allow_hyphen_values = true, value_parser = parse_trace_step)]
     pub step: f64,
 }
 
@@ -264,7 +265,7 @@ pub struct ScenariosArguments {
 const MAX_JOBS: usize = 1024;
 
 fn parse_jobs(text: &str) -> Result<NonZeroUsize, String> {
-    let jobs = text.parse::<usize>().ok().filter(|&jobs| jobs <= MAX_JOBS).and_then(NonZeroUsize::new);
+    let jobs = numbers::parse::<usize>(text).filter(|&jobs| jobs <= MAX_JOBS).and_then(NonZeroUsize::new);
     jobs.ok_or_else(|| format!("expected a whole number from 1 to {MAX_JOBS}"))
 }
 
@@ -301,14 +302,19 @@ fn parse_seeds(text: &str) -> Result<SeedsArgument, String> {
 }
 
 pub fn parse_seed(text: &str) -> Result<u64, String> {
-    text.parse().map_err(|_| format!("expected a whole number from 0 to {}", u64::MAX))
+    numbers::parse(text).ok_or_else(|| format!("expected a whole number from 0 to {}", u64::MAX))
+}
+
+/// How fine a trace may be is its writer's business.
+fn parse_trace_step(text: &str) -> Result<f64, String> {
+    numbers::parse(text).ok_or_else(|| "expected a number of seconds".to_owned())
 }
 
 /// Looks of an audit are at least and at most so far apart, in metres.
 const AUDIT_STEPS_M: RangeInclusive<f64> = 0.001..=1.0;
 
 fn parse_audit_step(text: &str) -> Result<f64, String> {
-    let step = text.parse().ok().filter(|step| AUDIT_STEPS_M.contains(step));
+    let step = numbers::parse(text).filter(|step| AUDIT_STEPS_M.contains(step));
     step.ok_or_else(|| format!("expected metres from {} to {}", AUDIT_STEPS_M.start(), AUDIT_STEPS_M.end()))
 }
 

@@ -66,7 +66,7 @@ fn conclude(report: &AuditReport) -> Result<ExitCode, Failure> {
         count => (format!("{reason} (and {} more recordings cannot be read)", count - 1), *kind),
     });
     if report.runs() + report.not_run > 0 {
-        terminal::print(summary(report).as_bytes())?;
+        terminal::print(&summary(report))?;
     }
     match unreadable {
         Some((reason, kind)) if report.offences == 0 => Err(Failure::of_input(reason, kind)),

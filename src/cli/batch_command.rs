@@ -35,7 +35,7 @@ pub fn run(arguments: &BatchArguments, quiet: bool) -> Result<ExitCode, Failure>
         None => {
             let plan = plan(arguments)?;
             if arguments.dry_run {
-                terminal::print(described(&plan).as_bytes())?;
+                terminal::print(&described(&plan))?;
                 return Ok(ExitCode::SUCCESS);
             }
             let batch = begin(arguments, plan, slice)?;
@@ -46,7 +46,6 @@ pub fn run(arguments: &BatchArguments, quiet: bool) -> Result<ExitCode, Failure>
     if !quiet {
         tell(batch.found());
     }
-    let stop = interrupt::watch()?;
     let resume = resume_command(batch.folder().path(), slice);
     let finished = run_to_the_end(&mut batch, arguments, quiet);
     finished.map_err(|error| match error {
@@ -102,14 +101,14 @@ fn run_to_the_end(batch: &mut Batch, arguments: &BatchArguments, quiet: bool) ->
     run_with_progress(batch, jobs, watch.stop(), quiet)?;
     if !batch.progress().slice().is_whole() {
         drop(watch);
-        terminal::print(slice_summary(batch).as_bytes())?;
+        terminal::print(&slice_summary(batch))?;
         return Ok(exit_code(batch.progress().held().1));
     }
     let report = batch.finish(watch.stop())?;
     drop(watch);
-    terminal::print(summary(batch.plan(), batch.folder(), &report).as_bytes())?;
+    terminal::print(&summary(batch.plan(), batch.folder(), &report))?;
     if arguments.profile {
-        terminal::print(format!("\n{}", report.profile()).as_bytes())?;
+        terminal::print(&format!("\n{}", report.profile()))?;
     }
     Ok(exit_code(report.not_done()))
 }

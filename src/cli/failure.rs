@@ -12,6 +12,7 @@ use crate::batch::{AuditsError, BatchError, FinishedError, JournalError, PlanErr
 use crate::cli::exit;
 use crate::map_files::{self, MapError};
 use crate::scenario::{Fault, ScenarioError};
+use crate::untrusted::visible;
 
 /// An error for people, and the exit code that goes with it.
 #[derive(Debug)]
@@ -20,7 +21,7 @@ pub struct Failure {
     code: u8,
 }
 
-/// A sentence, and what to do about it.
+/// A sentence, and what to do about it; nothing in them acts on a terminal.
 #[derive(Debug, Error, Diagnostic)]
 #[error("{sentence}")]
 struct Complaint {
@@ -85,7 +86,8 @@ impl Failure {
     }
 
     fn new(sentence: impl fmt::Display, help: Option<&str>, code: u8) -> Self {
-        let complaint = Complaint { sentence: sentence.to_string(), help: help.map(str::to_owned) };
+        let sentence = visible(&sentence.to_string()).into_owned();
+        let complaint = Complaint { sentence, help: help.map(|help| visible(help).into_owned()) };
         Self { report: complaint.into(), code }
     }
 

@@ -17,7 +17,7 @@ pub fn run(arguments: &FolderArguments, quiet: bool) -> Result<ExitCode, Failure
     if !quiet {
         tell_leftovers(&merged.leftovers);
     }
-    terminal::print(summary(&merged.plan, &folder, &merged.report).as_bytes())?;
+    terminal::print(&summary(&merged.plan, &folder, &merged.report))?;
     Ok(exit_code(merged.report.not_done()))
 }
 

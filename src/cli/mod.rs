@@ -12,6 +12,7 @@ mod interrupt;
 mod map;
 mod merge_command;
 mod new_command;
+mod numbers;
 mod output_files;
 mod plan;
 mod play_command;
@@ -25,12 +26,15 @@ mod show;
 mod status_command;
 mod terminal;
 
+use std::env;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser};
 
 use args::{Arguments, Command};
 use failure::Failure;
+
+use crate::untrusted::visible;
 
 /// The program's exit codes; those of its arguments' own errors are clap's, which are the same.
 mod exit {
@@ -45,8 +49,20 @@ mod exit {
 /// Reads the arguments of the process and does what they say.
 pub fn main() -> ExitCode {
     interrupt::install();
-    let arguments = Arguments::parse();
+    let arguments = Arguments::try_parse().unwrap_or_else(|error| refuse(&error));
     dispatch(&arguments).unwrap_or_else(Failure::conclude)
+}
+
+/// Says what is wrong with the arguments, or prints what they ask for instead of a command, and ends the process.
+///
+/// The message quotes arguments. So that nothing in them acts on the terminal, it is made once more from arguments in
+/// which that is escaped, and which are wrong for the same reason.
+fn refuse(error: &clap::Error) -> ! {
+    let words = env::args_os().map(|word| visible(&word.to_string_lossy()).into_owned());
+    match Arguments::try_parse_from(words) {
+        Err(same) if same.kind() == error.kind() => same.exit(),
+        _ => error.exit(),
+    }
 }
 
 fn dispatch(arguments: &Arguments) -> Result<ExitCode, Failure> {
@@ -55,7 +71,7 @@ fn dispatch(arguments: &Arguments) -> Result<ExitCode, Failure> {
         Command::Play(play) => play_command::run(play, arguments.quiet),
         Command::Render(render) => render::run(render, arguments.quiet),
         Command::Batch(batch) => batch_command::run(batch, arguments.quiet),
-        Command::Report(folder) => report_command::run(folder),
+        Command::Report(folder) => report_command::run(folder, arguments.quiet),
         Command::Compare(compare) => compare::run(compare),
         Command::Audit(audit) => audit_command::run(audit, arguments.quiet),
         Command::Status(folder) => status_command::run(folder),
@@ -70,7 +86,7 @@ fn dispatch(arguments: &Arguments) -> Result<ExitCode, Failure> {
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(*shell, &mut Arguments::command(), "wildfire", &mut script);
-            terminal::print(&script)?;
+            terminal::print(&String::from_utf8(script).expect("scripts are text"))?;
             Ok(ExitCode::SUCCESS)
         }
     }

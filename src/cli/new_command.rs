@@ -25,7 +25,7 @@ pub fn run(arguments: &NewArguments) -> Result<ExitCode, Failure> {
     };
     match &arguments.file {
         Some(path) if !is_standard_stream(path) => write_new(path, &text)?,
-        _ => terminal::print(text.as_bytes())?,
+        _ => terminal::print(&text)?,
     }
     Ok(ExitCode::SUCCESS)
 }

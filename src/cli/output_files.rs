@@ -80,9 +80,9 @@ impl Words {
     /// Prints a result for people.
     pub fn print(self, result: &str) -> Result<(), Failure> {
         match self {
-            Self::Stdout => terminal::print(result.as_bytes()),
+            Self::Stdout => terminal::print(result),
             Self::Stderr => {
-                terminal::note(result.trim_end_matches('\n'));
+                result.lines().for_each(terminal::note);
                 Ok(())
             }
         }

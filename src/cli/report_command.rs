@@ -7,12 +7,13 @@ use crate::cli::args::FolderArguments;
 use crate::cli::failure::Failure;
 use crate::cli::terminal;
 
-pub fn run(arguments: &FolderArguments) -> Result<ExitCode, Failure> {
+pub fn run(arguments: &FolderArguments, quiet: bool) -> Result<ExitCode, Failure> {
     let batch = FinishedBatch::open(&arguments.folder)?;
     let written = write_report(&batch).map_err(failure)?;
     let (page, charts) = (written.page.display(), written.charts_folder.display());
     let text = format!("{page}, and {} charts as SVG and PNG in {charts}\n", written.charts);
-    terminal::print(text.as_bytes())?;
+    terminal::print(&text)?;
+    terminal::note_unknown_letters(written.unknown_letters.as_deref(), quiet);
     Ok(ExitCode::SUCCESS)
 }
 

@@ -33,7 +33,7 @@ pub fn run(arguments: &RunArguments, quiet: bool) -> Result<ExitCode, Failure> {
 
 fn print(row: &RunRow, as_json: bool, words: Words) -> Result<(), Failure> {
     match &row.result {
-        _ if as_json => terminal::print(format!("{}\n", run_json(row)).as_bytes()),
+        _ if as_json => terminal::print(&format!("{}\n", run_json(row))),
         Some(result) => words.print(&run_report::of(row, result)),
         None => Ok(()),
     }

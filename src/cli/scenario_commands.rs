@@ -14,7 +14,7 @@ pub fn load(source: &str, overrides: &[String]) -> Result<Scenario, Failure> {
 
 pub fn check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
     let loaded = LoadedScenario::open(&arguments.scenario.source, &arguments.scenario.overrides)?;
-    terminal::print(scenario::explain(&loaded).as_bytes())?;
+    terminal::print(&scenario::explain(&loaded))?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -23,7 +23,7 @@ pub fn list_or_show(arguments: &ScenariosArguments) -> Result<ExitCode, Failure>
         Some(name) => shown(name)?.to_owned(),
         None => list(),
     };
-    terminal::print(text.as_bytes())?;
+    terminal::print(&text)?;
     Ok(ExitCode::SUCCESS)
 }
 

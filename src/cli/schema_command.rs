@@ -17,6 +17,6 @@ pub fn run(arguments: &SchemaArguments) -> Result<ExitCode, Failure> {
         SchemaOf::PlannerCalls => row_schema(TableOfRows::PlannerCalls),
         SchemaOf::States => row_schema(TableOfRows::States),
     };
-    terminal::print(format!("{schema}\n").as_bytes())?;
+    terminal::print(&format!("{schema}\n"))?;
     Ok(ExitCode::SUCCESS)
 }

@@ -17,7 +17,7 @@ pub fn run(arguments: &FolderArguments) -> Result<ExitCode, Failure> {
     let mut text = format!("{}: {variants} variants, seeds {seeds}, {runs} runs\n\n", folder.path().display());
     text.push_str(&table(&status.slices).to_text());
     text.push_str(&next_step(&folder, &status.slices));
-    terminal::print(text.as_bytes())?;
+    terminal::print(&text)?;
     Ok(ExitCode::SUCCESS)
 }
 

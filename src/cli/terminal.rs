@@ -1,4 +1,7 @@
 //! Writing to stdout and stderr.
+//!
+//! All text that commands print comes through here or through [`Failure`]. Parts of it are names that users or
+//! strangers chose, so whatever could act on a terminal or turn the direction of writing is printed as an escape.
 
 use std::io::{self, ErrorKind, Write};
 use std::time::Duration;
@@ -6,11 +9,14 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::cli::failure::Failure;
+use crate::picture::font_has_all_of;
+use crate::untrusted::{visible, visible_lines};
 
-/// Prints a result to stdout. A reader that has closed its end, such as `head`, has seen enough: that is no error.
-pub fn print(result: &[u8]) -> Result<(), Failure> {
+/// Prints lines of text to stdout, their control characters as escapes. A reader that has closed its end, such as
+/// `head`, has seen enough: that is no error.
+pub fn print(result: &str) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
-    match stdout.write_all(result).and_then(|()| stdout.flush()) {
+    match stdout.write_all(visible_lines(result).as_bytes()).and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(Failure::environment(format_args!("cannot write to stdout: {error}")))
         }
@@ -18,10 +24,18 @@ pub fn print(result: &[u8]) -> Result<(), Failure> {
     }
 }
 
-/// Prints a note to stderr.
+/// Prints a note of one line to stderr, its control characters as escapes.
 pub fn note(text: &str) {
     // A note that nobody can read is no reason to stop.
-    let _ = writeln!(io::stderr(), "{text}");
+    let _ = writeln!(io::stderr(), "{}", visible(text));
+}
+
+/// Notes, once for all texts that a command draws into pictures, that the font lacks letters of one.
+pub fn note_unknown_letters<'a>(drawn: impl IntoIterator<Item = &'a str>, quiet: bool) {
+    let lacking = drawn.into_iter().find(|text| !font_has_all_of(text));
+    if let (Some(text), false) = (lacking, quiet) {
+        note(&format!("pictures show ? for letters of `{text}`: their font has those of ASCII only"));
+    }
 }
 
 /// A bar on stderr that counts runs, or other things of this name; it shows on a terminal only.

@@ -15,7 +15,7 @@ mod text;
 mod write;
 
 pub use error::{Fault, MapError};
-pub use read::{MapFile, read};
+pub use read::{MapFile, NEAR_TOLERANCE, read};
 pub use write::{MapValue, write_csv, write_npy, write_path, write_png, write_text};
 
 /// The most rows and the most columns of a map.

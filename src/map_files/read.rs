@@ -10,6 +10,13 @@ use crate::input_file::{self, InputFile};
 
 const BUFFER_BYTES: usize = 1 << 16;
 
+/// Grey values this near to the tolerance could as well be on its other side.
+pub const NEAR_TOLERANCE: u8 = 20;
+
+/// More than this share of such pixels, or of occupied cells, is odd for a map.
+const MANY_NEAR: f64 = 0.05;
+const MANY_OCCUPIED: f64 = 0.60;
+
 /// A map and what its file said.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapFile {
@@ -18,6 +25,39 @@ pub struct MapFile {
     pub grey: Option<Grid<u8>>,
     /// What was changed on reading, in sentences.
     pub notes: Vec<String>,
+}
+
+impl MapFile {
+    /// Share of the pixels of an image whose grey value is within [`NEAR_TOLERANCE`] of the tolerance; `None` of a map
+    /// that is no image.
+    pub fn share_near(&self, tolerance: u8) -> Option<f64> {
+        let grey = self.grey.as_ref()?.values();
+        let near = grey.iter().filter(|&&value| value.abs_diff(tolerance) <= NEAR_TOLERANCE).count();
+        Some(near as f64 / grey.len() as f64)
+    }
+
+    /// Why an image may not have been read as it was meant, in sentences: obstacles that are not quite dark enough, or a
+    /// drawing that is white on black.
+    pub fn doubts(&self, tolerance: u8) -> Vec<String> {
+        let Some(near) = self.share_near(tolerance) else { return Vec::new() };
+        let cells = self.occupied.values();
+        let occupied = cells.iter().filter(|&&occupied| occupied).count() as f64 / cells.len() as f64;
+        let mut doubts = Vec::new();
+        if near > MANY_NEAR {
+            let percent = 100.0 * near;
+            doubts.push(format!(
+                "{percent:.1} % of the pixels are within {NEAR_TOLERANCE} grey levels of the tolerance, {tolerance}: \
+                 with another --tolerance they may be obstacles, or none."
+            ));
+        }
+        if occupied > MANY_OCCUPIED {
+            let percent = 100.0 * occupied;
+            doubts.push(format!(
+                "{percent:.1} % of the cells are occupied: the image may be inverted, obstacles are dark."
+            ));
+        }
+        doubts
+    }
 }
 
 /// Reads a map; pixels of images are occupied where their grey value is at most `tolerance`.

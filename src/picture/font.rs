@@ -42,6 +42,11 @@ pub fn glyph(letter: char) -> &'static Glyph {
     &GLYPHS[index]
 }
 
+/// Whether the font has every character of a text, so that none is shown as a question mark.
+pub fn has_all_of(text: &str) -> bool {
+    text.chars().all(|letter| index(letter).is_some())
+}
+
 fn index(letter: char) -> Option<usize> {
     (FIRST..=LAST).contains(&letter).then(|| letter as usize - FIRST as usize)
 }
@@ -98,6 +103,14 @@ mod tests {
     #[test]
     fn figures_are_equally_wide() {
         assert!(('0'..='9').all(|figure| glyph(figure).advance == glyph('0').advance));
+    }
+
+    #[test]
+    fn the_font_knows_what_it_lacks() {
+        assert!(has_all_of("") && has_all_of("contest, field.coverage=0.1 ~"));
+        for text in ["Größe", "f\u{2026}", "a\tb", "\u{6a21}\u{578b}"] {
+            assert!(!has_all_of(text), "{text}");
+        }
     }
 
     #[test]

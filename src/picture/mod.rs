@@ -30,6 +30,7 @@ mod zoom;
 pub use colours::{ColourMap, Rgb};
 pub use curves::{CurveScene, draw_curves};
 pub use drives::{DriveScene, DrivenWays, draw_drives};
+pub use font::has_all_of as font_has_all_of;
 pub use gif_film::{ColourCounts, GifFilm, Palette};
 pub use map::draw_map;
 pub use overlay::draw_overlay;

@@ -11,6 +11,7 @@ use thiserror::Error;
 
 use super::given::MapFault;
 use super::source::BUILT_IN;
+use crate::untrusted::{visible, visible_lines};
 
 /// Longest line that is shown whole, in bytes.
 const LONGEST_LINE: usize = 400;
@@ -20,10 +21,10 @@ const SHOWN_OF_LONG_LINES: usize = 60;
 
 /// Why a scenario is refused, with the place that shows it.
 ///
-/// Its text is one sentence without the place. [`ScenarioError::place`] gives file, line and column; as a
+/// Its text is one sentence without the place, in which control characters are escapes. [`ScenarioError::place`] gives file, line and column; as a
 /// [`miette::Diagnostic`] it shows the line itself.
 #[derive(Debug, Error)]
-#[error("{fault}")]
+#[error("{}", visible(&fault.to_string()))]
 pub struct ScenarioError {
     pub fault: Fault,
     pub place: Option<Place>,
@@ -63,8 +64,11 @@ pub enum Fault {
 /// A stretch of a file, or of an option of the command line.
 #[derive(Clone, Debug)]
 pub struct Place {
+    /// What is shown of it: the text with control characters as escapes, and a span of that.
     source: NamedSource<String>,
     span: Range<usize>,
+    /// Of the first byte in the text as it was written.
+    line_and_column: (usize, usize),
 }
 
 impl Fault {
@@ -94,16 +98,21 @@ impl Fault {
 impl Place {
     /// A stretch of bytes of a named text; a span beyond the text is cut off.
     pub(super) fn new(name: &str, text: &str, span: Range<usize>) -> Self {
-        let start = span.start.min(text.len());
-        Self { source: NamedSource::new(name, text.to_owned()), span: start..span.end.clamp(start, text.len()) }
+        let start = text.floor_char_boundary(span.start);
+        let end = text.floor_char_boundary(span.end).max(start);
+        let [before, stretch, after] = [&text[..start], &text[start..end], &text[end..]];
+        let shown = [before, stretch, after].map(visible_lines);
+        let shown_start = shown[0].len();
+        Self {
+            span: shown_start..shown_start + shown[1].len(),
+            source: NamedSource::new(visible(name), shown.concat()),
+            line_and_column: line_and_column_after(before),
+        }
     }
 
     /// Line and column of the first byte, both from 1; columns count characters.
     pub fn line_and_column(&self) -> (usize, usize) {
-        let before = &self.source.inner().as_bytes()[..self.span.start];
-        let line_start = before.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
-        let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
-        (line, 1 + String::from_utf8_lossy(&before[line_start..]).chars().count())
+        self.line_and_column
     }
 
     /// What is shown of the stretch: no more than its first line, and of a long one the beginning.
@@ -132,6 +141,12 @@ impl Place {
     }
 }
 
+fn line_and_column_after(text: &str) -> (usize, usize) {
+    let line_start = text.rfind('\n').map_or(0, |at| at + 1);
+    let line = 1 + text.bytes().filter(|&byte| byte == b'\n').count();
+    (line, 1 + text[line_start..].chars().count())
+}
+
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (line, column) = self.line_and_column();
@@ -153,7 +168,7 @@ impl SourceCode for Place {
         }
         let window = self.window();
         let (line, column) = self.line_and_column();
-        let before = self.source.inner()[window.start..self.span.start].chars().count();
+        let before = self.source.inner()[window.start..self.span.start].chars().count().min(column - 1);
         Ok(Box::new(MietteSpanContents::new_named(
             self.source.name().to_owned(),
             &self.source.inner().as_bytes()[window.clone()],
@@ -198,4 +213,25 @@ fn listed(known: &[String]) -> String {
 
 fn did_you_mean(nearest: Option<&str>) -> String {
     nearest.map_or(String::new(), |nearest| format!("did you mean `{nearest}`? "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_place_is_that_in_the_text_and_shows_no_control_characters() {
+        let text = "x = 1\n\u{1b}[2J\u{202e}y = \u{7}z\n";
+        let place = Place::new("a\u{1b}b", text, text.find('\u{7}').expect("it is there")..text.len() - 1);
+        assert_eq!((place.line_and_column(), place.excerpt()), ((2, 10), "\\u0007z"));
+        assert_eq!(place.to_string(), "a\\u001bb:2:10");
+        let shown = place.read_span(&place.shown().into(), 1, 0).expect("the stretch is in the text");
+        assert_eq!(shown.data(), b"x = 1\n\\u001b[2J\\u202ey = \\u0007z\n");
+    }
+
+    #[test]
+    fn what_a_fault_quotes_cannot_act_on_a_terminal() {
+        let error = Fault::NotFound { name: "\u{1b}[31m\u{2066}".into(), nearest: None }.nowhere();
+        assert_eq!(error.to_string(), "there is no file and no built-in scenario `\\u001b[31m\\u2066`");
+    }
 }

@@ -38,6 +38,7 @@ impl LoadedScenario {
     pub fn from_text(source: &ScenarioText, changes: &[String]) -> Result<Self, Box<ScenarioError>> {
         let mut written = parse(source)?;
         let changes = changes.iter().map(|option| Change::make(option, &mut written)).collect::<Result<Vec<_>, _>>()?;
+        written.iter_mut().for_each(|(_, value)| drop_sign_of_zero(value));
         let text = Text { source, changes };
         text.drop_overruled(&mut written);
         let scenario = text.resolve(&written)?;
@@ -201,6 +202,16 @@ impl Text<'_> {
             Found::Part(span) => span,
         };
         Place::new(&self.source.name, &self.source.text, span)
+    }
+}
+
+/// Makes every -0.0 within a value 0.0: ranges that begin at 0 hold it, and what is computed from it differs.
+fn drop_sign_of_zero(value: &mut Value) {
+    match value {
+        Value::Float(number) => *number += 0.0,
+        Value::Array(list) => list.iter_mut().for_each(drop_sign_of_zero),
+        Value::Table(table) => table.iter_mut().for_each(|(_, inner)| drop_sign_of_zero(inner)),
+        _ => {}
     }
 }
 

@@ -234,7 +234,7 @@ impl ProblemFile<'_> {
         }
     }
 
-    /// Three numbers; what is null, which is how JSON writes what is not a number, becomes NaN.
+    /// Three numbers; what is null, which is how JSON writes what is not a number, becomes NaN, and -0 becomes 0.
     fn three(&self, path: &FieldPath, numbers: &[Option<f64>]) -> Read<[f64; 3]> {
         let Ok(three) = <[Option<f64>; 3]>::try_from(numbers) else {
             return self.refuse(path, format!("a list of {}", numbers.len()), "a list of three numbers");
@@ -243,7 +243,7 @@ impl ProblemFile<'_> {
             let number = number.unwrap_or_default();
             self.placed(check::check_number(path.join(Step::Index(index)), number, -LARGEST..=LARGEST))?;
         }
-        Ok(three.map(|number| number.unwrap_or(f64::NAN)))
+        Ok(three.map(|number| number.unwrap_or(f64::NAN) + 0.0))
     }
 
     fn problem_name(&self, name: Option<Name>, stem: String) -> Read<String> {
@@ -273,7 +273,8 @@ impl Vehicle {
             length_m: self.length,
             width_m: self.width,
             wheelbase_m: self.wheelbase,
-            rear_overhang_m: self.rear_overhang,
+            // Its range holds -0, which is 0.
+            rear_overhang_m: self.rear_overhang + 0.0,
             turning_radius_m: self.min_turn_radius,
         }
     }

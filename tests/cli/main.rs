@@ -16,6 +16,7 @@ mod map_answers;
 mod map_errors;
 mod map_files;
 mod map_readme;
+mod minus_zero;
 mod pipes;
 mod plan;
 mod plan_ompl;
@@ -26,4 +27,5 @@ mod report;
 #[cfg(target_os = "linux")]
 mod signals;
 mod story;
+mod untrusted;
 mod watch_readme;

@@ -265,8 +265,8 @@ fn map_of_one_cell_has_every_answer() {
 #[test]
 fn json_has_its_members_in_one_order() {
     let story = story();
-    let members = "program_version map rows cols cells occupied no_obstacle tolerance remove_edges command parameters maximum \
-                   unreached answer minimum path_cells steps length path notes measured";
+    let members = "program_version map rows cols cells occupied no_obstacle tolerance near_tolerance remove_edges \
+                   command parameters maximum unreached answer minimum path_cells steps length path notes measured";
     for arguments in
         ["occupancy trap.txt", "wavefront trap.txt --goal 2,5 --start 0,0", "descend trap.txt --goal 2,5 --start 2,1"]
     {
@@ -336,4 +336,47 @@ fn timing_prints_a_row_for_each_map() {
     assert_eq!((&timings["maps"][0]["goal"], &timings["maps"][0]["cells"]), (&json!([2, 2]), &json!(24)));
     assert!(timings["maps"][0]["wavefront_s"].as_f64().is_some_and(|seconds| seconds > 0.0));
     assert_eq!((&timings["maps"][1]["goal"], &timings["maps"][1]["wavefront_s"]), (&Value::Null, &Value::Null));
+}
+
+/// A plain PGM of 20 pixels: so many of each grey value.
+fn greys(story: &Story, name: &str, counts: &[(usize, u8)]) {
+    let pixels: Vec<String> = counts.iter().flat_map(|&(count, grey)| vec![grey.to_string(); count]).collect();
+    story.file(name, &format!("P2 20 {} 255\n{}\n", pixels.len() / 20, pixels.join(" ")));
+}
+
+#[test]
+fn obstacles_that_are_not_quite_dark_enough_are_said() {
+    let story = story();
+    greys(&story, "soft.pgm", &[(94, 255), (4, 70), (2, 30)]);
+    let text = tell(&story, "occupancy soft.pgm").stdout;
+    assert!(text.contains("\nTolerance 50: 6.0 % of the pixels within 20 grey levels of it\n"), "{text}");
+    assert!(text.contains("\n6.0 % of the pixels are within 20 grey levels of the tolerance, 50: "), "{text}");
+    let answer = tell(&story, "occupancy soft.pgm --json");
+    assert!(answer.stderr.contains("6.0 % of the pixels"), "{}", answer.stderr);
+    let answer = object(&story, "occupancy soft.pgm");
+    assert_eq!((&answer["near_tolerance"], answer["notes"].as_array().map(Vec::len)), (&json!(0.06), Some(1)));
+
+    greys(&story, "sharp.pgm", &[(95, 255), (5, 70)]);
+    let answer = object(&story, "occupancy sharp.pgm");
+    assert_eq!(
+        (&answer["near_tolerance"], &answer["notes"]),
+        (&json!(0.05), &json!(["No obstacle: no cell of the map is occupied."]))
+    );
+    assert_eq!(object(&story, "occupancy sharp.pgm --tolerance 49")["near_tolerance"], json!(0.0));
+    assert_eq!(object(&story, "occupancy trap.txt")["near_tolerance"], Value::Null);
+}
+
+#[test]
+fn an_image_that_is_white_on_black_is_said() {
+    let story = story();
+    greys(&story, "inverted.pgm", &[(61, 0), (39, 255)]);
+    let text = tell(&story, "occupancy inverted.pgm").stdout;
+    assert!(text.contains("61.0 % of the cells are occupied: the image may be inverted"), "{text}");
+    let answer = tell(&story, "timing inverted.pgm --remove-edges 0");
+    assert!(answer.stderr.contains("inverted.pgm: 61.0 % of the cells are occupied"), "{}", answer.stderr);
+    greys(&story, "dense.pgm", &[(60, 0), (40, 255)]);
+    for map in ["dense.pgm", "full.txt"] {
+        let text = tell(&story, &format!("occupancy {map}")).stdout;
+        assert!(!text.contains("inverted"), "{text}");
+    }
 }

@@ -332,3 +332,35 @@ fn play_says_how_to_build_the_window() {
     assert_eq!(answer.stderr.lines().count(), 1);
     assert!(answer.stdout.is_empty());
 }
+
+#[test]
+fn a_name_with_letters_that_the_font_lacks_is_noted_once() {
+    let story = Story::begin();
+    let small = "duration_s = 20\n[[wumpus]]\n[[unimog]]\n";
+    for (file, name) in [("a.toml", "Gr\u{f6}\u{df}e"), ("b.toml", "\u{e9}t\u{e9}"), ("c.toml", "plain")] {
+        story.file(file, &format!("name = \"{name}\"\n{small}"));
+    }
+    let note = "pictures show ? for letters of `Gr\u{f6}\u{df}e`: their font has those of ASCII only\n";
+    let commands: [&[&str]; 5] = [
+        &["render", "a.toml", "--size", "320x240", "-o", "a.png", "--gif", "a.gif", "--to", "5"],
+        &["render", "a.toml", "--with", "b.toml", "--size", "480x240", "-o", "a.png"],
+        &["render", "c.toml", "--with", "a.toml", "--size", "480x240", "-o", "a.png"],
+        &["plan", "--scenario", "a.toml", "--goals", "1", "--png", "a.png"],
+        &["report", "batch"],
+    ];
+    story.tell(&["batch", "a.toml", "c.toml", "--seeds", "1..2", "--out", "batch"]).expect_code(0);
+    for arguments in commands {
+        let answer = story.tell(arguments).expect_code(0);
+        assert_eq!(answer.stderr.matches("pictures show ?").count(), 1, "{arguments:?}: {}", answer.stderr);
+        assert!(answer.stderr.contains(note) || arguments[0] == "report", "{arguments:?}: {}", answer.stderr);
+        let quiet = story.tell(&[&["--quiet"], arguments].concat()).expect_code(0);
+        assert!(!quiet.stderr.contains("pictures show"), "{arguments:?}: {}", quiet.stderr);
+    }
+    for arguments in [
+        &["render", "c.toml", "--size", "320x240", "-o", "c.png"][..],
+        &["plan", "--scenario", "a.toml", "--goals", "1"],
+    ] {
+        let answer = story.tell(arguments).expect_code(0);
+        assert!(!answer.stderr.contains("pictures show"), "{arguments:?}: {}", answer.stderr);
+    }
+}

@@ -11,6 +11,7 @@ use crate::batch::comparison::words::shown;
 use crate::batch::entries::expect_files;
 use crate::batch::{MAX_RUNS, RUNS_FILE};
 use crate::input_file::{self, InputFile};
+use crate::untrusted::bytes_of_cell;
 
 /// The most bytes between the ends of two rows.
 const MAX_ROW_BYTES: u64 = 1 << 20;
@@ -84,7 +85,8 @@ impl RunsFile {
         let file = Rationed { file, left: MAX_ROW_BYTES };
         let mut reader = ReaderBuilder::new().buffer_capacity(1 << 16).from_reader(file);
         let header = reader.byte_headers().map_err(|error| damaged(&path, 1, &error))?;
-        let header: Vec<String> = header.iter().map(|name| String::from_utf8_lossy(name).into_owned()).collect();
+        let header: Vec<String> =
+            header.iter().map(|name| String::from_utf8_lossy(bytes_of_cell(name)).into_owned()).collect();
         let file = Self { path, reader, header };
         file.check_header()?;
         Ok(file)
@@ -163,7 +165,7 @@ impl RunsFile {
             if row[column].len() > MAX_LEVEL_BYTES || levels.len() > MAX_LEVELS {
                 return Err(self.wrong_value(row, column, "at most 1000 bytes, and 10000 values in all"));
             }
-            condition.add(&row[column], levels);
+            condition.add(bytes_of_cell(&row[column]), levels);
         }
         for ((values, field), &column) in table.values.iter_mut().zip(fields).zip(&layout.fields) {
             let found = &row[column];

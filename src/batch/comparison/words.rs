@@ -1,6 +1,7 @@
 //! Differences as sentences, and numbers as they are printed.
 
 use crate::stats::Interval;
+use crate::untrusted::visible;
 
 /// How a difference of a metric is spoken of.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,12 +98,12 @@ pub fn probability(p: f64) -> String {
     if p < 0.0005 { "<.001".into() } else { rounded(p, 3) }
 }
 
-/// A word from a file as it may stand in a line: without control characters, of no more than 60 characters.
+/// A word from a file as it may stand in a line: with control characters as escapes, of no more than 60 characters.
 pub fn shown(word: &str) -> String {
     /// The most characters.
     const MOST: usize = 60;
-    let visible = |letter: char| if letter.is_control() { '\u{fffd}' } else { letter };
-    let mut text: String = word.chars().take(MOST).map(visible).collect();
+    let start: String = word.chars().take(MOST).collect();
+    let mut text = visible(&start).into_owned();
     if word.chars().nth(MOST).is_some() {
         text.push('…');
     }
@@ -148,7 +149,7 @@ mod tests {
 
     #[test]
     fn words_from_files_cannot_steer_a_terminal() {
-        assert_eq!(shown("a\u{1b}[2Jb\nc"), "a\u{fffd}[2Jb\u{fffd}c");
+        assert_eq!(shown("a\u{1b}[2Jb\nc"), "a\\u001b[2Jb\\u000ac");
         assert_eq!(shown(&"x".repeat(61)).chars().count(), 61);
         assert_eq!(shown(&"x".repeat(60)), "x".repeat(60));
     }

@@ -18,6 +18,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use crate::batch::{FinishedBatch, FinishedError};
+use crate::picture::font_has_all_of;
 use crate::whole_file::WholeFile;
 use collected::Collected;
 use figures::{Figure, figures};
@@ -32,6 +33,8 @@ pub struct WrittenReport {
     pub page: PathBuf,
     pub charts_folder: PathBuf,
     pub charts: usize,
+    /// The first text in a chart that has letters which the font of pictures lacks.
+    pub unknown_letters: Option<String>,
 }
 
 /// Why a batch cannot be reported on.
@@ -61,7 +64,9 @@ pub fn write_report(batch: &FinishedBatch) -> Result<WrittenReport, ReportError>
     }
     let page = folder.join(REPORT_FILE);
     write_whole(&page, page::page(batch, &collected, &figures).as_bytes())?;
-    Ok(WrittenReport { page, charts_folder, charts: figures.len() })
+    let mut texts = figures.iter().flat_map(|figure| figure.drawing.texts());
+    let unknown_letters = texts.find(|text| !font_has_all_of(text)).map(str::to_owned);
+    Ok(WrittenReport { page, charts_folder, charts: figures.len(), unknown_letters })
 }
 
 fn write_chart(folder: &Path, figure: &Figure) -> Result<(), ReportError> {

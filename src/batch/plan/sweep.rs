@@ -57,7 +57,8 @@ impl Setting {
 fn value_of(value: toml::Value) -> Value {
     match value {
         toml::Value::Integer(number) => u64::try_from(number).map_or(Value::Real(number as f64), Value::Count),
-        toml::Value::Float(number) => Value::Real(number),
+        // Zero has no sign in a scenario.
+        toml::Value::Float(number) => Value::Real(number + 0.0),
         toml::Value::String(text) => Value::Text(text),
         other => Value::Text(other.to_string()),
     }

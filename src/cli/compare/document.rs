@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use crate::batch::{TextTable, html};
+use crate::untrusted::visible;
 
 /// What a page says, from top to bottom. Nothing in it is marked up yet.
 #[derive(Clone, Debug, Default)]
@@ -123,7 +124,7 @@ fn escaped(table: &TextTable, escape: fn(&str) -> String) -> TextTable {
 
 fn in_markdown(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
-    for letter in text.chars() {
+    for letter in visible(text).chars() {
         if "\\`*[]<>|&".contains(letter) {
             escaped.push('\\');
         }

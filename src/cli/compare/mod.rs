@@ -31,7 +31,7 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
             return Err(Failure::bad_input(sentence, None));
         }
     };
-    terminal::print(text.as_bytes())?;
+    terminal::print(&text)?;
     Ok(ExitCode::SUCCESS)
 }
 

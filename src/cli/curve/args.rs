@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::{ArgGroup, Args};
 
 use crate::cli::curve::limits::{self, NUMBERS, RADII_M};
+use crate::cli::numbers;
 use crate::geometry::Pose;
 use crate::vehicle::CurvePrice;
 
@@ -119,7 +120,7 @@ fn step(text: &str) -> Result<f64, String> {
 }
 
 fn within(text: &str, range: &RangeInclusive<f64>) -> Option<f64> {
-    text.trim().parse().ok().filter(|number| range.contains(number))
+    numbers::parse(text.trim()).filter(|number| range.contains(number))
 }
 
 #[cfg(test)]

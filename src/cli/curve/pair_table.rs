@@ -6,6 +6,7 @@ use std::path::Path;
 use thiserror::Error;
 
 use crate::cli::curve::limits::{self, NUMBERS};
+use crate::cli::numbers;
 use crate::geometry::Pose;
 use crate::input_file::{self, InputFile};
 
@@ -118,7 +119,7 @@ impl PairTable {
     }
 
     fn number(&self, field: &[u8], column: &'static str) -> Result<f64, Fault> {
-        let number = std::str::from_utf8(field).ok().and_then(|text| text.parse().ok());
+        let number = std::str::from_utf8(field).ok().and_then(numbers::parse);
         number.filter(|number| NUMBERS.contains(number)).ok_or_else(|| Fault::Number {
             line: self.line,
             column,

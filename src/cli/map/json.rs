@@ -21,6 +21,7 @@ struct Object<'a> {
     occupied: usize,
     no_obstacle: bool,
     tolerance: Option<u8>,
+    near_tolerance: Option<f64>,
     remove_edges: usize,
     /// `command` and `parameters`.
     #[serde(flatten)]
@@ -57,6 +58,7 @@ pub fn of(report: &Report) -> String {
         occupied,
         no_obstacle: occupied == 0,
         tolerance: report.tolerance(),
+        near_tolerance: report.near_tolerance(),
         remove_edges: report.computation.files().input.reading.remove_edges,
         computation: report.computation,
         maximum: computed.values.max(),

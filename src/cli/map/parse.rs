@@ -1,36 +1,40 @@
 //! Values of options, from text; an error is what was expected. The ranges of parameters are their algorithms' business.
 
 use crate::cli::map::options::Scale;
+use crate::cli::numbers;
 use crate::grid::Place;
 use crate::map_files::MAX_SIDE;
 
 pub fn place(text: &str) -> Result<Place, String> {
-    let whole = |text: &str| text.trim().parse().ok();
+    let whole = |text: &str| numbers::parse(text.trim());
     let numbers = text.split_once(',').and_then(|(row, col)| Some((whole(row)?, whole(col)?)));
     numbers.ok_or_else(|| "expected ROW,COLUMN, two whole numbers counted from 0, such as 3,17".to_owned())
 }
 
 pub fn grey(text: &str) -> Result<u8, String> {
-    text.parse().map_err(|_| "expected a grey value, a whole number from 0 to 255".to_owned())
+    numbers::parse(text).ok_or_else(|| "expected a grey value, a whole number from 0 to 255".to_owned())
 }
 
 pub fn edge(text: &str) -> Result<usize, String> {
-    let width = text.parse().ok().filter(|&width| width <= MAX_SIDE);
+    let width = numbers::parse(text).filter(|&width| width <= MAX_SIDE);
     width.ok_or_else(|| format!("expected a number of rows and columns, from 0 to {MAX_SIDE}"))
 }
 
 pub fn distance(text: &str) -> Result<u16, String> {
-    text.parse().map_err(|_| format!("expected a distance in cells, a whole number from 1 to {}", u16::MAX))
+    numbers::parse(text).ok_or_else(|| format!("expected a distance in cells, a whole number from 1 to {}", u16::MAX))
 }
 
 pub fn number(text: &str) -> Result<f64, String> {
-    text.parse().map_err(|_| "expected a number".to_owned())
+    numbers::parse(text).ok_or_else(|| "expected a number".to_owned())
 }
 
 pub fn scale(text: &str) -> Result<Scale, String> {
     match text {
         "none" => Ok(Scale(None)),
-        _ => text.parse().map(|scale| Scale(Some(scale))).map_err(|_| "expected a number or `none`".to_owned()),
+        _ => {
+            let scale = numbers::parse(text).map(|scale| Scale(Some(scale)));
+            scale.ok_or_else(|| "expected a number or `none`".to_owned())
+        }
     }
 }
 

@@ -34,6 +34,11 @@ impl<'a> Report<'a> {
         self.map.grey.as_ref().map(|_| self.computation.files().input.reading.tolerance())
     }
 
+    /// Share of the pixels that are near the tolerance, of an image.
+    pub fn near_tolerance(&self) -> Option<f64> {
+        self.map.share_near(self.computation.files().input.reading.tolerance())
+    }
+
     /// The cells of the way; `None` if there is no way or no start.
     pub fn way(&self) -> Option<&[Place]> {
         self.computed.walk.as_ref().map(|walk| walk.way.cells.as_slice()).filter(|cells| !cells.is_empty())
@@ -48,7 +53,7 @@ impl<'a> Report<'a> {
 
     /// What is odd about the map or the question.
     fn oddities(&self) -> Vec<String> {
-        let mut oddities = Vec::new();
+        let mut oddities = self.map.doubts(self.computation.files().input.reading.tolerance());
         if self.occupied_cells == 0 {
             oddities.push("No obstacle: no cell of the map is occupied.".to_owned());
         }

@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use crate::cli::map::report::Report;
 use crate::cli::map::values::Value;
+use crate::map_files::NEAR_TOLERANCE;
 
 /// The size of a terminal that shows all values.
 const MAX_WIDTH: usize = 80;
@@ -11,7 +12,9 @@ const MAX_ROWS: usize = 40;
 
 /// Size, sentences, the largest value, CPU time.
 pub fn of(report: &Report) -> String {
-    let mut lines = vec![size(report), value(report)];
+    let mut lines = vec![size(report)];
+    lines.extend(near_tolerance(report));
+    lines.push(value(report));
     lines.extend(report.sentences());
     lines.push(cpu(report));
     lines.join("\n") + "\n"
@@ -22,6 +25,12 @@ fn size(report: &Report) -> String {
     let (cells, occupied) = (report.cells(), report.occupied_cells);
     let share = 100.0 * occupied as f64 / cells as f64;
     format!("{path}: {} rows x {} columns, {cells} cells, {occupied} occupied ({share:.1} %)", map.rows(), map.cols())
+}
+
+/// How much of an image is hardly told apart by the tolerance.
+fn near_tolerance(report: &Report) -> Option<String> {
+    let (percent, tolerance) = (100.0 * report.near_tolerance()?, report.tolerance()?);
+    Some(format!("Tolerance {tolerance}: {percent:.1} % of the pixels within {NEAR_TOLERANCE} grey levels of it"))
 }
 
 fn value(report: &Report) -> String {

@@ -43,7 +43,8 @@ pub fn run(arguments: &TimingArguments, quiet: bool) -> Result<(), Failure> {
     for path in &arguments.maps {
         let (map, _) = read(path, &arguments.reading)?;
         if !quiet {
-            map.notes.iter().for_each(|note| terminal::note(&format!("{}: {note}", path.display())));
+            let doubts = map.doubts(arguments.reading.tolerance());
+            map.notes.iter().chain(&doubts).for_each(|note| terminal::note(&format!("{}: {note}", path.display())));
         }
         timings.push(measure(path, &map.occupied));
     }
@@ -53,7 +54,7 @@ pub fn run(arguments: &TimingArguments, quiet: bool) -> Result<(), Failure> {
     } else {
         table(&timings)
     };
-    terminal::print(text.as_bytes())
+    terminal::print(&text)
 }
 
 fn measure(path: &Path, occupied: &Grid<bool>) -> Timing {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::cli::args::parse_seed;
+use crate::cli::numbers;
 use crate::planning::TruckPlannerKind;
 use crate::scenario::MAX_GOALS;
 
@@ -59,6 +60,6 @@ pub struct PlanArguments {
 }
 
 fn goal_count(text: &str) -> Result<usize, String> {
-    let count = text.parse().ok().filter(|count| (1..=MAX_GOALS).contains(count));
+    let count = numbers::parse(text).filter(|count| (1..=MAX_GOALS).contains(count));
     count.ok_or_else(|| format!("expected a whole number from 1 to {MAX_GOALS}"))
 }

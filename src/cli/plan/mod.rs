@@ -25,6 +25,7 @@ use crate::batch::file_name_of;
 use crate::cli::exit;
 use crate::cli::failure::Failure;
 use crate::cli::output_files::{self, Files, Format};
+use crate::cli::terminal;
 use crate::input_file::is_standard_stream;
 use crate::planning::TruckPlannerKind;
 use crate::scenario::{LoadedScenario, Problem};
@@ -124,5 +125,8 @@ fn write_files(arguments: &PlanArguments, answers: &Answers, pictures: &[PathBuf
         output_files::write_all(&[(Some(picture), &draw)], quiet)
     });
     // All are tried; the error is the first.
-    drawn.fold(tables, Result::and)
+    let written = drawn.fold(tables, Result::and);
+    let names = answers.problems.iter().zip(pictures).map(|(problem, _)| problem.name.as_str());
+    terminal::note_unknown_letters(names, quiet);
+    written
 }

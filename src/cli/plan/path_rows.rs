@@ -1,5 +1,6 @@
 //! Every path densely, so that others can check it.
 
+use std::borrow::Cow;
 use std::io;
 use std::path::Path;
 
@@ -9,6 +10,7 @@ use crate::cli::curve::samples;
 use crate::cli::plan::attempts::Attempt;
 use crate::cli::plan::rows::write_csv;
 use crate::planning::TruckPlannerKind;
+use crate::untrusted::spreadsheet_cell;
 
 /// A little less than 5 cm, so that rounding of `s_m` never makes a step longer than that.
 const STEP_M: f64 = 0.0499;
@@ -16,7 +18,7 @@ const STEP_M: f64 = 0.0499;
 /// A pose of the rear axle on a path.
 #[derive(Serialize)]
 struct PathRow<'a> {
-    field: &'a str,
+    field: Cow<'a, str>,
     goal: usize,
     planner: TruckPlannerKind,
     /// Metres driven so far, forward and reverse alike.
@@ -35,8 +37,9 @@ pub fn write(path: &Path, attempts: &[Attempt]) -> io::Result<()> {
 
 fn rows<'a>(attempt: &'a Attempt) -> impl Iterator<Item = PathRow<'a>> {
     let samples = attempt.drive.iter().flat_map(|drive| samples::along(&drive.path, STEP_M));
-    samples.map(|(s_m, pose, direction)| PathRow {
-        field: &attempt.problem.name,
+    let field = spreadsheet_cell(&attempt.problem.name);
+    samples.map(move |(s_m, pose, direction)| PathRow {
+        field: field.clone(),
         goal: attempt.goal,
         planner: attempt.planner,
         s_m,

@@ -1,5 +1,6 @@
 //! Attempts as rows: what the CSV file and the JSON object say of each.
 
+use std::borrow::Cow;
 use std::io;
 use std::path::Path;
 
@@ -7,12 +8,13 @@ use serde::Serialize;
 
 use crate::cli::plan::attempts::Attempt;
 use crate::planning::TruckPlannerKind;
+use crate::untrusted::spreadsheet_cell;
 use crate::whole_file::WholeFile;
 
 /// The columns in their order; of a goal that was not reached, those of the path are empty.
 #[derive(Serialize)]
 pub struct Row<'a> {
-    field: &'a str,
+    field: Cow<'a, str>,
     goal: usize,
     planner: TruckPlannerKind,
     success: bool,
@@ -32,7 +34,7 @@ impl<'a> Row<'a> {
     pub fn of(attempt: &Attempt<'a>) -> Self {
         let drive = attempt.drive.as_ref();
         Self {
-            field: &attempt.problem.name,
+            field: Cow::Borrowed(&attempt.problem.name),
             goal: attempt.goal,
             planner: attempt.planner,
             success: drive.is_ok(),
@@ -47,11 +49,16 @@ impl<'a> Row<'a> {
             expansions: attempt.expansions,
         }
     }
+
+    /// The same for a CSV file, where the name of the field is a cell.
+    fn in_table(attempt: &Attempt<'a>) -> Self {
+        Self { field: spreadsheet_cell(&attempt.problem.name), ..Self::of(attempt) }
+    }
 }
 
-/// Writes a row for each attempt; numbers read back as the same `f64`.
+/// Writes a row for each attempt; numbers read back as the same `f64`, and no spreadsheet computes a name.
 pub fn write(path: &Path, attempts: &[Attempt]) -> io::Result<()> {
-    write_csv(path, attempts.iter().map(Row::of))
+    write_csv(path, attempts.iter().map(Row::in_table))
 }
 
 /// Writes rows under the names of their members.

@@ -7,6 +7,7 @@ use clap::Args;
 use glam::DVec2;
 
 use crate::cli::args::parse_seed;
+use crate::cli::numbers;
 use crate::geometry::Cell;
 use crate::picture::film::{Camera, Layer, Layers, Layout, Selected};
 use crate::timeline::AgentId;
@@ -128,7 +129,7 @@ fn parse_agent(text: &str) -> Result<AgentId, String> {
 
 fn parse_selected(text: &str) -> Result<Selected, String> {
     let cell = text.split_once(',').and_then(|(col, row)| {
-        let (col, row) = (col.trim().parse().ok()?, row.trim().parse().ok()?);
+        let (col, row) = (numbers::parse(col.trim())?, numbers::parse(row.trim())?);
         Some(Selected::Bush(Cell { col, row }))
     });
     let selected = cell.or_else(|| parse_agent(text).ok().map(Selected::Agent));
@@ -136,7 +137,7 @@ fn parse_selected(text: &str) -> Result<Selected, String> {
 }
 
 fn parse_point(text: &str) -> Result<DVec2, String> {
-    let metre = |word: &str| word.trim().parse().ok().filter(|metre: &f64| metre.is_finite());
+    let metre = |word: &str| numbers::parse(word.trim()).filter(|metre: &f64| metre.is_finite());
     let point = text.split_once(',').and_then(|(x, y)| Some(DVec2::new(metre(x)?, metre(y)?)));
     point.ok_or_else(|| "expected metres east and north of the field's south-west corner, such as 120,80".into())
 }
@@ -147,7 +148,7 @@ fn parse_zoom(text: &str) -> Result<f64, String> {
 
 /// Simulated seconds since the beginning.
 pub fn parse_seconds(text: &str) -> Result<f64, String> {
-    let seconds = text.parse().ok().filter(|seconds: &f64| seconds.is_finite() && *seconds >= 0.0);
+    let seconds = numbers::parse(text).filter(|seconds: &f64| seconds.is_finite() && *seconds >= 0.0);
     seconds.ok_or_else(|| "expected seconds, at least 0".into())
 }
 
@@ -157,7 +158,7 @@ pub fn parse_speed(text: &str) -> Result<f64, String> {
 }
 
 pub fn parse_within(text: &str, range: RangeInclusive<f64>) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|number| range.contains(number));
+    let number = numbers::parse(text).filter(|number| range.contains(number));
     number.ok_or_else(|| format!("expected a number from {} to {}", range.start(), range.end()))
 }
 

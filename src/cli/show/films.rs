@@ -30,6 +30,7 @@ pub fn shown(arguments: &ShowArguments, searches: Searches, quiet: bool) -> Resu
     if !quiet {
         shown.iter().flat_map(|shown| shown.notes(arguments.layers())).for_each(|note| terminal::note(&note));
     }
+    terminal::note_unknown_letters(shown.iter().map(|shown| shown.run.title.as_str()), quiet);
     Ok(shown)
 }
 

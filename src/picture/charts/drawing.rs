@@ -29,6 +29,14 @@ impl Drawing {
         Self { width, height, title: title.into(), marks: Vec::new() }
     }
 
+    /// All lines of text on it.
+    pub fn texts(&self) -> impl Iterator<Item = &str> {
+        self.marks.iter().filter_map(|mark| match mark {
+            Mark::Text { text, .. } => Some(text.as_str()),
+            Mark::Area { .. } | Mark::Line { .. } => None,
+        })
+    }
+
     pub fn area(&mut self, corners: Vec<Point>, colour: Rgb, opacity: f32) {
         self.marks.push(Mark::Area { corners, colour, opacity });
     }

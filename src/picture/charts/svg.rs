@@ -6,6 +6,7 @@ use super::drawing::{Drawing, Mark};
 use crate::picture::canvas::Point;
 use crate::picture::colours::Rgb;
 use crate::picture::text::Align;
+use crate::untrusted::visible;
 
 /// Height of capitals of the usual fonts without serifs, in font sizes.
 const CAPITALS: f32 = 0.72;
@@ -81,17 +82,16 @@ fn hex([red, green, blue]: Rgb) -> String {
     format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
-/// Text as it stands in XML; characters that XML does not have become spaces.
+/// Text as it stands in XML: what XML does not have becomes a space, what would act on other text an escape.
 fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
-    for letter in text.chars() {
+    for letter in visible(text).chars() {
         match letter {
             '&' => escaped.push_str("&amp;"),
             '<' => escaped.push_str("&lt;"),
             '>' => escaped.push_str("&gt;"),
             '"' => escaped.push_str("&quot;"),
             '\u{fffe}' | '\u{ffff}' => escaped.push(' '),
-            letter if letter.is_control() => escaped.push(' '),
             letter => escaped.push(letter),
         }
     }
@@ -109,7 +109,7 @@ mod tests {
         drawing.text("</text><script>\u{0}", (1.0, 2.0), Align::Left, 10.0, INK);
         let svg = drawing.to_svg();
         assert!(svg.contains("<title>&lt;b&gt;&amp;&quot;</title>"), "{svg}");
-        assert!(svg.contains(">&lt;/text&gt;&lt;script&gt; </text>"), "{svg}");
+        assert!(svg.contains(">&lt;/text&gt;&lt;script&gt;\\u0000</text>"), "{svg}");
     }
 
     #[test]
