@@ -155,7 +155,7 @@ impl From<FinishedError> for Failure {
         let code = match &error {
             FinishedError::Unreadable { source, .. } => code_of_input(source.kind()),
             FinishedError::Plan(error) => code_of_plan(error),
-            FinishedError::OtherRows { .. } => exit::BAD_INPUT,
+            FinishedError::Strange(_) | FinishedError::OtherRows { .. } => exit::BAD_INPUT,
         };
         Self::new(error, None, code)
     }
