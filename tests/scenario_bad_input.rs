@@ -327,8 +327,8 @@ fn files_that_cannot_be_scenarios_are_refused() {
     assert!(error.to_string().contains("it is a folder; expected a file"), "{error}");
     let error = refused(&folder.write("latin.toml", b"# caf\xe9\n"), &[]);
     assert!(error.to_string().contains("byte 5 is not UTF-8"), "{error}");
-    let error = refused(&folder.write("huge.toml", vec![b'#'; 300_001]), &[]);
-    assert!(error.to_string().contains("too large; at most 0.3 MB"), "{error}");
+    let error = refused(&folder.write("huge.toml", vec![b'#'; 350_001]), &[]);
+    assert!(error.to_string().contains("too large; at most 0.35 MB"), "{error}");
     let map = folder.write("huge.txt", vec![b'#'; 16_000_001]);
     let error = refused("contest", &[&format!("field.map={map}")]);
     assert!(error.to_string().contains("too large; at most 16 MB"), "{error}");

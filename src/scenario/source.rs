@@ -24,7 +24,7 @@ pub const BUILT_IN: &[(&str, &str)] = &[
 
 /// Longest scenario or plan file that is read, and the most brackets and braces that open in it. Reading TOML was measured
 /// to take up to 80 bytes for a byte of text, and 2.4 KB for a table: together about 64 MiB.
-pub const MAX_SCENARIO_BYTES: u64 = 300_000;
+pub const MAX_SCENARIO_BYTES: u64 = 350_000;
 const MAX_BRACKETS: usize = 24_000;
 
 /// Longest map that is read.
