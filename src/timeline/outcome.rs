@@ -218,6 +218,7 @@ mod tests {
             // From giving up at 19 s until D, the last bush that could be lit, was ruled out at 29 s.
             stuck_s: 10.0,
             longest_idle_s: 71.0,
+            out_of_reach: 2,
             ..AgentOutcome::idle(WUMPUS)
         };
         assert_eq!(Outcome::of(&sample::by_hand()).agents[0], expected);
@@ -246,6 +247,7 @@ mod tests {
             longest_idle_s: 49.0,
             cusps: 1,
             wasted_drives: 2,
+            out_of_reach: 1,
             ..AgentOutcome::idle(TRUCK)
         };
         assert_eq!(Outcome::of(&sample::by_hand()).agents[1], expected);
