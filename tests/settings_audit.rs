@@ -142,7 +142,11 @@ type Changes = BTreeMap<String, Value>;
 fn draw_changes(settings: &[(String, Values)], base: &Value, rng: &mut Xoshiro256PlusPlus) -> Changes {
     let mut changes = Changes::new();
     for (pointer, values) in settings {
-        let share = if matches!(values, Values::Number | Values::WholeNumber) { NUMBER_SHARE } else { CHOICE_SHARE };
+        let share = match values {
+            Values::Number | Values::WholeNumber => NUMBER_SHARE,
+            Values::Listed(_) | Values::SomeOf(_) | Values::NumberOrNone => CHOICE_SHARE,
+            Values::Fixed => 0.0,
+        };
         if rng.random_bool(share) {
             changes.insert(pointer.clone(), draw(values, base.pointer(pointer).expect("it was found there"), rng));
         }
