@@ -149,6 +149,11 @@ pub fn is_measured(name: &str) -> bool {
     name.starts_with("cpu_") || name.starts_with("wall_")
 }
 
+/// Without trucks there is no planner, and a run that is done has no message.
+fn unless_empty(text: &str) -> Option<String> {
+    (!text.is_empty()).then(|| text.to_owned())
+}
+
 fn outcome<T: Into<Value>>(row: &RunRow, value: impl Fn(&Outcome) -> T) -> Value {
     row.result.as_ref().map(|result| value(&result.outcome)).into()
 }
@@ -204,9 +209,9 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { row;
     scenario = row.label.scenario.clone(),
     seed = row.label.seed,
     run = row.label.run,
-    planner = row.label.planner.clone(),
+    planner = unless_empty(&row.label.planner),
     status = row.status.to_string(),
-    message = row.message.clone(),
+    message = unless_empty(&row.message),
     obstacles = outcome(row, |o| o.obstacles),
     intact = outcome(row, |o| o.intact),
     burning = outcome(row, |o| o.burning),

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value as Json, json};
 
-use crate::batch::parquet_files::{CALL_COLUMNS, Kind, STATE_COLUMNS, run_columns};
+use crate::batch::parquet_files::{CALL_COLUMNS, FileColumn, Kind, STATE_COLUMNS, run_columns};
 
 /// A table of a batch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,14 +16,16 @@ pub enum TableOfRows {
 /// batch.
 pub fn row_schema(table: TableOfRows) -> String {
     let label = run_columns(&[]).into_iter().take(crate::batch::COLUMNS_BEFORE_SWEPT);
-    let (title, columns): (&str, Vec<(String, Kind)>) = match table {
+    let (title, columns): (&str, Vec<FileColumn>) = match table {
         TableOfRows::Runs => ("A run", run_columns(&[])),
-        TableOfRows::PlannerCalls => ("A query to a planner", label.chain(owned(&CALL_COLUMNS)).collect()),
-        TableOfRows::States => ("The bushes at a time", label.chain(owned(&STATE_COLUMNS)).collect()),
+        TableOfRows::PlannerCalls => ("A query to a planner", label.chain(CALL_COLUMNS).collect()),
+        TableOfRows::States => ("The bushes at a time", label.chain(STATE_COLUMNS).collect()),
     };
-    let property = |(name, kind): &(String, Kind)| {
-        let description = words_of(table, name).expect("a test sees to it that every column has its words");
-        (name.clone(), json!({ "type": [json_type(*kind), "null"], "description": description }))
+    let property = |column: &FileColumn| {
+        let description = words_of(table, &column.name).expect("a test sees to it that every column has its words");
+        let kind = json_type(column.kind);
+        let kind = if column.is_required { json!(kind) } else { json!([kind, "null"]) };
+        (column.name.clone().into_owned(), json!({ "type": kind, "description": description }))
     };
     let properties: Map<String, Json> = columns.iter().map(property).collect();
     let schema = json!({
@@ -35,13 +37,9 @@ pub fn row_schema(table: TableOfRows) -> String {
     serde_json::to_string_pretty(&schema).expect("words are JSON")
 }
 
-fn owned(columns: &[(&str, Kind)]) -> Vec<(String, Kind)> {
-    columns.iter().map(|&(name, kind)| (name.to_owned(), kind)).collect()
-}
-
 fn json_type(kind: Kind) -> &'static str {
     match kind {
-        Kind::Count => "integer",
+        Kind::Count | Kind::LargeCount => "integer",
         Kind::Real => "number",
         Kind::Text => "string",
         Kind::Flag => "boolean",
@@ -181,9 +179,14 @@ mod tests {
     #[test]
     fn kinds_of_columns_are_those_of_their_values() {
         let schema: Json = serde_json::from_str(&row_schema(TableOfRows::Runs)).expect("a schema is JSON");
-        let kind = |name: &str| schema["properties"][name]["type"][0].clone();
+        let kind = |name: &str| schema["properties"][name]["type"].clone();
         assert_eq!(kind("seed"), "integer");
-        assert_eq!(kind("mean_response_s"), "number");
-        assert_eq!(kind("winner"), "string");
+        assert_eq!(kind("status"), "string");
+        assert_eq!(kind("wall_run_s"), "number");
+        // What a run may not have.
+        assert_eq!(kind("intact"), json!(["integer", "null"]));
+        assert_eq!(kind("mean_response_s"), json!(["number", "null"]));
+        assert_eq!(kind("message"), json!(["string", "null"]));
+        assert_eq!(kind("planner"), json!(["string", "null"]));
     }
 }

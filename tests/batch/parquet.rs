@@ -3,20 +3,24 @@
 use std::fs::File;
 use std::path::Path;
 
+use parquet::basic::{LogicalType, Repetition, Type as Physical};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
-use wildfire::batch::{BatchPlan, BatchRequest, Record, Sweep};
+use parquet::schema::types::ColumnDescPtr;
+use wildfire::batch::{BatchPlan, BatchRequest, PROGRAM_VERSION, Record, Sweep};
 use wildfire::sim;
 
 use crate::made_up::{made_up_run, plan, rows, run_plan};
 
 /// Names of the columns, and the rows as a CSV file would write them.
 fn table(path: &Path) -> (Vec<String>, Vec<Vec<String>>) {
-    let reader = SerializedFileReader::new(File::open(path).expect("the file is there")).expect("it is Parquet");
+    let reader = opened(path);
     let columns = reader.metadata().file_metadata().schema_descr().columns().iter();
     let names = columns.map(|column| column.name().to_owned()).collect();
     let written = |field: &Field| match field {
         Field::Null => String::new(),
+        Field::Long(count) => count.to_string(),
+        // Only of seeds that are too large for the signed type.
         Field::ULong(count) => count.to_string(),
         Field::Double(number) => number.to_string(),
         Field::Str(text) => text.clone(),
@@ -26,6 +30,27 @@ fn table(path: &Path) -> (Vec<String>, Vec<Vec<String>>) {
     let rows = reader.get_row_iter(None).expect("readable");
     let rows = rows.map(|row| row.expect("readable").get_column_iter().map(|(_, field)| written(field)).collect());
     (names, rows.collect())
+}
+
+const FILES: [&str; 3] = ["runs.parquet", "planner_calls.parquet", "states.parquet"];
+
+fn opened(path: &Path) -> SerializedFileReader<File> {
+    SerializedFileReader::new(File::open(path).expect("the file is there")).expect("it is Parquet")
+}
+
+/// Names of the columns for which the predicate holds.
+fn columns(path: &Path, holds: impl Fn(&ColumnDescPtr) -> bool) -> Vec<String> {
+    let reader = opened(path);
+    let all = reader.metadata().file_metadata().schema_descr().columns();
+    all.iter().filter(|column| holds(column)).map(|column| column.name().to_owned()).collect()
+}
+
+fn is_unsigned(column: &ColumnDescPtr) -> bool {
+    matches!(column.logical_type_ref(), Some(LogicalType::Integer(it)) if !it.is_signed)
+}
+
+fn is_required(column: &ColumnDescPtr) -> bool {
+    column.self_type().get_basic_info().repetition() == Repetition::REQUIRED
 }
 
 fn swept() -> BatchPlan {
@@ -81,4 +106,95 @@ fn long_tables_add_up_to_the_runs() {
     assert_eq!(states.1.len(), 12 * 61);
     let bushes = ["intact", "burning", "burned_out", "extinguished"].map(|name| sum_of(&states, name));
     assert_eq!(bushes.iter().sum::<f64>(), 61.0 * sum_of(&runs, "obstacles"));
+}
+
+#[test]
+fn differences_of_counts_do_not_wrap() {
+    let scratch = tempfile::tempdir().expect("a scratch folder");
+    run_plan(scratch.path(), swept(), 2, Box::new(sim::run)).expect("the disk is fine");
+    for file in FILES {
+        let path = scratch.path().join(file);
+        assert!(columns(&path, |column| column.physical_type() == Physical::INT64).len() > 5, "{file}");
+        assert_eq!(columns(&path, is_unsigned), Vec::<String>::new(), "{file}");
+    }
+    let reader = opened(&scratch.path().join("runs.parquet"));
+    let count = |row: &parquet::record::Row, name: &str| {
+        let found = row.get_column_iter().find(|(column, _)| *column == name);
+        match found.expect("the column is there").1 {
+            Field::Long(count) => *count,
+            other => panic!("{name} is {other:?}"),
+        }
+    };
+    let rows = reader.get_row_iter(None).expect("readable").map(|row| row.expect("readable"));
+    let differences: Vec<i64> = rows.map(|row| count(&row, "intact") - count(&row, "extinguished")).collect();
+    assert!(differences.iter().any(|&difference| difference < 0), "{differences:?}");
+    assert!(differences.iter().all(|&difference| difference > -1000), "{differences:?}");
+}
+
+#[test]
+fn column_is_required_unless_some_run_has_no_value() {
+    let scratch = tempfile::tempdir().expect("a scratch folder");
+    // Some of the runs are done, some fail, some panic.
+    run_plan(scratch.path(), plan("1..20", Record::None), 2, Box::new(made_up_run)).expect("the disk is fine");
+    let path = scratch.path().join("runs.parquet");
+    let required = ["scenario", "seed", "run", "status", "wall_run_s"];
+    assert_eq!(columns(&path, is_required), required);
+    for row in opened(&path).get_row_iter(None).expect("readable") {
+        let row = row.expect("readable");
+        let value = |name: &str| row.get_column_iter().find(|(column, _)| *column == name).expect("it is there").1;
+        let is_done = *value("status") == Field::Str("done".into());
+        assert_eq!(*value("message") == Field::Null, is_done);
+        for column in ["obstacles", "winner", "truck_plans", "truck_distance_m", "cpu_run_s"] {
+            assert_eq!(*value(column) == Field::Null, !is_done, "{column}");
+        }
+        let texts = row.get_column_iter().map(|(_, value)| value);
+        assert!(texts.into_iter().all(|value| *value != Field::Str(String::new())), "nothing is null, not empty");
+    }
+    let states = scratch.path().join("states.parquet");
+    assert_eq!(columns(&states, |column| !is_required(column)), ["planner"]);
+    let calls = scratch.path().join("planner_calls.parquet");
+    let optional = ["planner", "solution_length_m", "solution_segments", "cusps", "drive_s", "by_lattice"];
+    assert_eq!(columns(&calls, |column| !is_required(column)), optional);
+}
+
+#[test]
+fn swept_keys_always_have_a_value() {
+    let scratch = tempfile::tempdir().expect("a scratch folder");
+    run_plan(scratch.path(), swept(), 2, Box::new(sim::run)).expect("the disk is fine");
+    for file in FILES {
+        let required = columns(&scratch.path().join(file), is_required);
+        assert!(
+            ["field.coverage", "fire.burn_out_s"].iter().all(|key| required.contains(&(*key).to_owned())),
+            "{file}"
+        );
+    }
+}
+
+#[test]
+fn seed_beyond_the_signed_range_stays_what_it_is() {
+    let scratch = tempfile::tempdir().expect("a scratch folder");
+    let seeds = "1,9223372036854775807,9223372036854775808,18446744073709551615";
+    run_plan(scratch.path(), plan(seeds, Record::None), 2, Box::new(made_up_run)).expect("the disk is fine");
+    let path = scratch.path().join("runs.parquet");
+    assert_eq!(table(&path), rows(&scratch.path().join("runs.csv")));
+    for file in FILES {
+        assert_eq!(columns(&scratch.path().join(file), is_unsigned), ["seed"], "{file}");
+    }
+    let written: Vec<String> = table(&path).1.into_iter().map(|row| row[1].clone()).collect();
+    assert_eq!(written.join(","), seeds);
+}
+
+#[test]
+fn every_file_names_its_plan_and_its_program() {
+    let scratch = tempfile::tempdir().expect("a scratch folder");
+    let plan = swept();
+    let hash = plan.content_sha256();
+    run_plan(scratch.path(), plan, 2, Box::new(sim::run)).expect("the disk is fine");
+    for file in FILES {
+        let reader = opened(&scratch.path().join(file));
+        let metadata = reader.metadata().file_metadata().key_value_metadata().expect("there is some");
+        let value = |key: &str| metadata.iter().find(|entry| entry.key == key).and_then(|entry| entry.value.clone());
+        assert_eq!(value("content_sha256"), Some(hash.clone()), "{file}");
+        assert_eq!(value("program_version").as_deref(), Some(PROGRAM_VERSION), "{file}");
+    }
 }

@@ -5,6 +5,11 @@
 //! those of OMPL's benchmarks (Moll, Sucan, Kavraki, "Benchmarking Motion Planning Algorithms", IEEE Robotics and
 //! Automation Magazine, 2015) where the meaning is the same: `solved`, `status`, `solution_length_m`,
 //! `solution_segments`.
+//!
+//! Whole numbers are signed, so that columns can be subtracted from one another. A seed is a label that may be any
+//! unsigned number: its column is unsigned in a batch with a seed beyond [`i64::MAX`], and signed in every other. A
+//! column in which a row may have no value says so, and has nulls there; no other column may have any. Every file names
+//! the plan and the program that it is of, under the keys that they have in `plan.json`.
 
 mod table;
 
@@ -12,14 +17,14 @@ use std::time::Duration;
 
 use crate::batch::disk::Disk;
 use crate::batch::{
-    BatchError, BatchPlan, COLUMNS_BEFORE_SWEPT, OutputFolder, PlannerCall, RUN_COLUMNS, RunLabel, RunResult, RunRow,
-    StateCount, Value,
+    BatchError, BatchPlan, COLUMNS_BEFORE_SWEPT, OutputFolder, PROGRAM_VERSION, PlannerCall, RUN_COLUMNS, RunColumn,
+    RunLabel, RunResult, RunRow, StateCount, Status, Value,
 };
 use crate::planning::PlanFailure;
 use crate::sim::RunCost;
 use crate::timeline::{AgentId, Outcome};
-pub use table::Kind;
 use table::{Field, ParquetTable};
+pub use table::{FileColumn, Kind};
 
 pub const RUNS_PARQUET: &str = "runs.parquet";
 pub const CALLS_PARQUET: &str = "planner_calls.parquet";
@@ -38,48 +43,52 @@ pub struct ParquetFiles {
 }
 
 /// Columns of `planner_calls.parquet` behind those of the run.
-pub const CALL_COLUMNS: [(&str, Kind); 13] = [
-    ("agent", Kind::Text),
-    ("t_s", Kind::Real),
-    ("goal_col", Kind::Count),
-    ("goal_row", Kind::Count),
-    ("solved", Kind::Flag),
-    ("status", Kind::Text),
-    ("solution_length_m", Kind::Real),
-    ("solution_segments", Kind::Count),
-    ("cusps", Kind::Count),
-    ("drive_s", Kind::Real),
-    ("roadmap_expansions", Kind::Count),
-    ("local_expansions", Kind::Count),
-    ("by_lattice", Kind::Flag),
+pub const CALL_COLUMNS: [FileColumn; 13] = [
+    FileColumn::required("agent", Kind::Text),
+    FileColumn::required("t_s", Kind::Real),
+    FileColumn::required("goal_col", Kind::Count),
+    FileColumn::required("goal_row", Kind::Count),
+    FileColumn::required("solved", Kind::Flag),
+    FileColumn::required("status", Kind::Text),
+    FileColumn::optional("solution_length_m", Kind::Real),
+    FileColumn::optional("solution_segments", Kind::Count),
+    FileColumn::optional("cusps", Kind::Count),
+    FileColumn::optional("drive_s", Kind::Real),
+    FileColumn::required("roadmap_expansions", Kind::Count),
+    FileColumn::required("local_expansions", Kind::Count),
+    FileColumn::optional("by_lattice", Kind::Flag),
 ];
 
 /// Columns of `states.parquet` behind those of the run.
-pub const STATE_COLUMNS: [(&str, Kind); 5] = [
-    ("t_s", Kind::Real),
-    ("intact", Kind::Count),
-    ("burning", Kind::Count),
-    ("burned_out", Kind::Count),
-    ("extinguished", Kind::Count),
+pub const STATE_COLUMNS: [FileColumn; 5] = [
+    FileColumn::required("t_s", Kind::Real),
+    FileColumn::required("intact", Kind::Count),
+    FileColumn::required("burning", Kind::Count),
+    FileColumn::required("burned_out", Kind::Count),
+    FileColumn::required("extinguished", Kind::Count),
 ];
 
 impl ParquetFiles {
     pub fn create(folder: &OutputFolder, disk: &dyn Disk, plan: &BatchPlan) -> Result<Self, BatchError> {
-        let create = |name, columns: &[(String, Kind)], rows| {
-            ParquetTable::create(folder.path().join(name), disk, columns, rows)
+        let metadata = [("program_version", PROGRAM_VERSION.to_owned()), ("content_sha256", plan.content_sha256())];
+        let create = |name, columns: Vec<FileColumn>, rows| {
+            ParquetTable::create(folder.path().join(name), disk, columns, &metadata, rows)
         };
-        let swept: Vec<_> =
-            plan.swept_keys.iter().enumerate().map(|(index, key)| (key.clone(), swept_kind(plan, index))).collect();
-        let run_columns = run_columns(&swept);
+        let swept = plan.swept_keys.iter().enumerate().map(|(index, key)| FileColumn {
+            name: key.clone().into(),
+            kind: swept_kind(plan, index),
+            is_required: true,
+        });
+        let mut run_columns = run_columns(&swept.collect::<Vec<_>>());
+        let seed = run_columns.iter_mut().find(|column| column.name == "seed").expect("every run has a seed");
+        seed.kind = Kind::holding_up_to(plan.seeds.iter().max().expect("a plan has seeds"));
         let label_columns = &run_columns[..COLUMNS_BEFORE_SWEPT + plan.swept_keys.len()];
-        let long = |own: &[(&str, Kind)]| {
-            let own = own.iter().map(|&(name, kind)| (name.to_owned(), kind));
-            label_columns.iter().cloned().chain(own).collect::<Vec<_>>()
-        };
+        let long = |own: &[FileColumn]| label_columns.iter().chain(own).cloned().collect::<Vec<_>>();
+        let (call_columns, state_columns) = (long(&CALL_COLUMNS), long(&STATE_COLUMNS));
         Ok(Self {
-            runs: create(RUNS_PARQUET, &run_columns, WIDE_ROWS)?,
-            calls: create(CALLS_PARQUET, &long(&CALL_COLUMNS), LONG_ROWS)?,
-            states: create(STATES_PARQUET, &long(&STATE_COLUMNS), LONG_ROWS)?,
+            runs: create(RUNS_PARQUET, run_columns, WIDE_ROWS)?,
+            calls: create(CALLS_PARQUET, call_columns, LONG_ROWS)?,
+            states: create(STATES_PARQUET, state_columns, LONG_ROWS)?,
             words: Words::default(),
         })
     }
@@ -163,21 +172,30 @@ fn state_fields(state: &StateCount) -> [Field; 5] {
     [Field::Real(state.time.as_seconds()), intact, burning, burned_out, extinguished]
 }
 
-/// Names and kinds of the columns of runs, with those of what is swept.
-pub fn run_columns(swept: &[(String, Kind)]) -> Vec<(String, Kind)> {
-    let empty = RunRow::done(
-        RunLabel { run: 1, scenario: String::new(), seed: 0, planner: String::new(), swept: Vec::new() },
-        RunResult::new(Outcome::default(), RunCost::default()),
-        Duration::ZERO,
-    );
-    let kind = |value: Value| match value {
-        Value::Count(_) => Kind::Count,
-        Value::Text(_) => Kind::Text,
-        // What does not exist in a run in which nothing happens is a time.
-        Value::Real(_) | Value::Missing => Kind::Real,
+/// The columns of runs, with those of what is swept.
+pub fn run_columns(swept: &[FileColumn]) -> Vec<FileColumn> {
+    let label = |planner: &str| RunLabel {
+        run: 1,
+        scenario: String::new(),
+        seed: 0,
+        planner: planner.into(),
+        swept: Vec::new(),
     };
-    let mut columns: Vec<_> =
-        RUN_COLUMNS.iter().map(|column| (column.name.to_owned(), kind((column.value)(&empty)))).collect();
+    // Together they have a value of each kind, except for times of what need not happen; what both have, every run has.
+    let result = RunResult::new(Outcome::default(), RunCost::default());
+    let done = RunRow::done(label(""), result, Duration::ZERO);
+    let failed = RunRow::not_done(label("a planner"), Status::Failed, "a reason".into(), Duration::ZERO);
+    let column = |column: &RunColumn| {
+        let values = [(column.value)(&done), (column.value)(&failed)];
+        let is_required = values.iter().all(|value| *value != Value::Missing);
+        let kind = match values.iter().find(|value| **value != Value::Missing) {
+            Some(Value::Count(_)) => Kind::Count,
+            Some(Value::Text(_)) => Kind::Text,
+            Some(Value::Real(_) | Value::Missing) | None => Kind::Real,
+        };
+        FileColumn { name: column.name.into(), kind, is_required }
+    };
+    let mut columns: Vec<_> = RUN_COLUMNS.iter().map(column).collect();
     columns.splice(COLUMNS_BEFORE_SWEPT..COLUMNS_BEFORE_SWEPT, swept.iter().cloned());
     columns
 }
@@ -185,9 +203,11 @@ pub fn run_columns(swept: &[(String, Kind)]) -> Vec<(String, Kind)> {
 /// The kind that holds all values of a swept key.
 fn swept_kind(plan: &BatchPlan, index: usize) -> Kind {
     let values = || plan.variants.iter().map(|variant| &variant.swept[index]);
-    match () {
-        () if values().all(|value| matches!(value, Value::Count(_))) => Kind::Count,
-        () if values().all(|value| matches!(value, Value::Count(_) | Value::Real(_))) => Kind::Real,
-        () => Kind::Text,
+    let counts: Option<Vec<u64>> =
+        values().map(|value| if let Value::Count(count) = value { Some(*count) } else { None }).collect();
+    match counts {
+        Some(counts) => Kind::holding_up_to(counts.into_iter().max().unwrap_or(0)),
+        None if values().all(|value| matches!(value, Value::Count(_) | Value::Real(_))) => Kind::Real,
+        None => Kind::Text,
     }
 }

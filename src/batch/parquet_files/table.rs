@@ -1,12 +1,14 @@
 //! A Parquet file of named columns, written some thousand rows at a time.
 
+use std::borrow::Cow;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
-use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DoubleType, Int64Type};
+use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{WriterProperties, WriterPropertiesBuilder};
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{ColumnPath, Type};
@@ -14,14 +16,42 @@ use parquet::schema::types::{ColumnPath, Type};
 use crate::batch::disk::{Disk, Whole};
 use crate::batch::{BatchError, Value};
 
-/// What a column holds; any value of it may be missing.
+/// What a column holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Unsigned, 64 bits.
+    /// Signed, 64 bits, so that a difference of two columns may be negative.
     Count,
+    /// Unsigned, 64 bits: numbers of which some are beyond [`i64::MAX`], such as a seed may be.
+    LargeCount,
     Real,
     Text,
     Flag,
+}
+
+impl Kind {
+    /// The kind of whole numbers of which this is the largest.
+    pub fn holding_up_to(largest: u64) -> Self {
+        if i64::try_from(largest).is_ok() { Self::Count } else { Self::LargeCount }
+    }
+}
+
+/// A column of a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FileColumn {
+    pub name: Cow<'static, str>,
+    pub kind: Kind,
+    /// Whether every row has a value; else a value may be missing, which is null.
+    pub is_required: bool,
+}
+
+impl FileColumn {
+    pub const fn required(name: &'static str, kind: Kind) -> Self {
+        Self { name: Cow::Borrowed(name), kind, is_required: true }
+    }
+
+    pub const fn optional(name: &'static str, kind: Kind) -> Self {
+        Self { name: Cow::Borrowed(name), kind, is_required: false }
+    }
 }
 
 /// A value to be written. A text is cheap to clone.
@@ -55,40 +85,59 @@ impl Field {
 pub struct ParquetTable {
     path: PathBuf,
     writer: SerializedFileWriter<Box<dyn Whole>>,
-    columns: Vec<Buffer>,
+    columns: Vec<FileColumn>,
+    /// Of each column.
+    buffers: Vec<Buffer>,
     rows: usize,
     rows_a_group: usize,
 }
 
-/// Rows of a column that are not written yet: levels say which are there.
-enum Buffer {
-    Count { levels: Vec<i16>, values: Vec<i64> },
-    Real { levels: Vec<i16>, values: Vec<f64> },
-    Text { levels: Vec<i16>, values: Vec<ByteArray> },
-    Flag { levels: Vec<i16>, values: Vec<bool> },
+/// Rows of a column that are not written yet.
+struct Buffer {
+    /// Whether the row has a value, 1 or 0; what the format calls definition levels.
+    levels: Vec<i16>,
+    values: ColumnValues,
+}
+
+/// The values that are there.
+enum ColumnValues {
+    Whole(Vec<i64>),
+    Real(Vec<f64>),
+    Text(Vec<ByteArray>),
+    Flag(Vec<bool>),
 }
 
 impl ParquetTable {
-    /// Begins a file; `rows_a_group` rows are held in memory at most.
+    /// Begins a file; `rows_a_group` rows are held in memory at most. `metadata` are keys and values of the whole file.
     pub fn create(
         path: PathBuf,
         disk: &dyn Disk,
-        columns: &[(String, Kind)],
+        columns: Vec<FileColumn>,
+        metadata: &[(&str, String)],
         rows_a_group: usize,
     ) -> Result<Self, BatchError> {
         let file = disk.whole_file(&path).map_err(|source| BatchError::unwritable(&path, source))?;
-        let properties = properties(columns);
+        let properties = properties(&columns, metadata);
         let writer =
-            schema(columns).and_then(|schema| SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties)));
+            schema(&columns).and_then(|schema| SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties)));
         let writer = writer.map_err(|error| unwritable(&path, error))?;
-        let columns = columns.iter().map(|(_, kind)| Buffer::of(*kind)).collect();
-        Ok(Self { path, writer, columns, rows: 0, rows_a_group })
+        let buffers = columns.iter().map(|column| Buffer::new(column.kind)).collect();
+        Ok(Self { path, writer, columns, buffers, rows: 0, rows_a_group })
     }
 
     /// Takes a row, a field for each column.
+    ///
+    /// # Errors
+    /// If a field does not go with its column: it is missing and required, of another kind, or a number that the
+    /// column's kind cannot hold. Nothing is ever written as another value.
     pub fn add(&mut self, fields: impl IntoIterator<Item = Field>) -> Result<(), BatchError> {
-        let mut columns = self.columns.iter_mut();
-        fields.into_iter().zip(columns.by_ref()).for_each(|(field, column)| column.push(field));
+        let mut columns = self.columns.iter().zip(&mut self.buffers);
+        for (field, (column, buffer)) in fields.into_iter().zip(columns.by_ref()) {
+            if !buffer.push(column, &field) {
+                let reason = format!("{field:?} is no value of the column `{}`, {:?}", column.name, column.kind);
+                return Err(BatchError::unwritable(&self.path, io::Error::other(reason)));
+            }
+        }
         assert!(columns.next().is_none(), "a row has a field for each column");
         self.rows += 1;
         if self.rows < self.rows_a_group { Ok(()) } else { self.write_group() }
@@ -104,30 +153,35 @@ impl ParquetTable {
 
     fn write_group(&mut self) -> Result<(), BatchError> {
         self.rows = 0;
-        let written = write_columns(&mut self.writer, &mut self.columns);
+        let written = write_columns(&mut self.writer, &mut self.buffers);
         written.map_err(|error| unwritable(&self.path, error))
     }
 }
 
 /// Looking numbers up in a dictionary costs more than it saves, beside the compression.
-fn properties(columns: &[(String, Kind)]) -> WriterProperties {
-    let numbers = columns.iter().filter(|(_, kind)| *kind != Kind::Text);
-    let builder = WriterProperties::builder().set_compression(Compression::SNAPPY);
-    let plain = |builder: WriterPropertiesBuilder, (name, _): &(String, Kind)| {
-        builder.set_column_dictionary_enabled(ColumnPath::new(vec![name.clone()]), false)
+fn properties(columns: &[FileColumn], metadata: &[(&str, String)]) -> WriterProperties {
+    let numbers = columns.iter().filter(|column| column.kind != Kind::Text);
+    let metadata = metadata.iter().map(|(key, value)| KeyValue::new((*key).to_owned(), value.clone()));
+    let builder = WriterProperties::builder()
+        .set_compression(Compression::SNAPPY)
+        .set_key_value_metadata(Some(metadata.collect()));
+    let plain = |builder: WriterPropertiesBuilder, column: &FileColumn| {
+        builder.set_column_dictionary_enabled(ColumnPath::new(vec![column.name.clone().into_owned()]), false)
     };
     numbers.fold(builder, plain).build()
 }
 
-fn schema(columns: &[(String, Kind)]) -> Result<Type, ParquetError> {
-    let field = |(name, kind): &(String, Kind)| {
-        let (physical, logical) = match kind {
-            Kind::Count => (Physical::INT64, Some(LogicalType::integer(64, false))),
+fn schema(columns: &[FileColumn]) -> Result<Type, ParquetError> {
+    let field = |column: &FileColumn| {
+        let (physical, logical) = match column.kind {
+            Kind::Count => (Physical::INT64, None),
+            Kind::LargeCount => (Physical::INT64, Some(LogicalType::integer(64, false))),
             Kind::Real => (Physical::DOUBLE, None),
             Kind::Text => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
             Kind::Flag => (Physical::BOOLEAN, None),
         };
-        let field = Type::primitive_type_builder(name, physical).with_repetition(Repetition::OPTIONAL);
+        let repetition = if column.is_required { Repetition::REQUIRED } else { Repetition::OPTIONAL };
+        let field = Type::primitive_type_builder(&column.name, physical).with_repetition(repetition);
         field.with_logical_type(logical).build().map(Arc::new)
     };
     let fields = columns.iter().map(field).collect::<Result<_, _>>()?;
@@ -136,80 +190,73 @@ fn schema(columns: &[(String, Kind)]) -> Result<Type, ParquetError> {
 
 fn write_columns(
     writer: &mut SerializedFileWriter<Box<dyn Whole>>,
-    columns: &mut [Buffer],
+    buffers: &mut [Buffer],
 ) -> Result<(), ParquetError> {
     let mut group = writer.next_row_group()?;
-    for column in columns {
+    for buffer in buffers {
         let mut writer = group.next_column()?.expect("the schema has all columns");
-        column.write(&mut writer)?;
+        buffer.write(&mut writer)?;
         writer.close()?;
     }
     group.close().map(drop)
 }
 
 impl Buffer {
-    fn of(kind: Kind) -> Self {
-        match kind {
-            Kind::Count => Self::Count { levels: Vec::new(), values: Vec::new() },
-            Kind::Real => Self::Real { levels: Vec::new(), values: Vec::new() },
-            Kind::Text => Self::Text { levels: Vec::new(), values: Vec::new() },
-            Kind::Flag => Self::Flag { levels: Vec::new(), values: Vec::new() },
-        }
+    fn new(kind: Kind) -> Self {
+        let values = match kind {
+            Kind::Count | Kind::LargeCount => ColumnValues::Whole(Vec::new()),
+            Kind::Real => ColumnValues::Real(Vec::new()),
+            Kind::Text => ColumnValues::Text(Vec::new()),
+            Kind::Flag => ColumnValues::Flag(Vec::new()),
+        };
+        Self { levels: Vec::new(), values }
     }
 
-    fn push(&mut self, field: Field) {
-        match (self, field) {
-            (Self::Count { levels, values }, Field::Count(count)) => push(levels, values, Some(count.cast_signed())),
-            (Self::Real { levels, values }, Field::Real(number)) => push(levels, values, Some(number)),
-            (Self::Text { levels, values }, Field::Text(text)) => push(levels, values, Some(text)),
-            (Self::Flag { levels, values }, Field::Flag(flag)) => push(levels, values, Some(flag)),
+    /// Takes a value, unless the column cannot hold it.
+    fn push(&mut self, column: &FileColumn, field: &Field) -> bool {
+        match (&mut self.values, field) {
+            (_, Field::Missing) if column.is_required => return false,
+            (_, Field::Missing) => {}
+            (ColumnValues::Whole(values), Field::Count(count)) => match (column.kind, i64::try_from(*count)) {
+                (_, Ok(count)) => values.push(count),
+                // The column says that these are the bits of an unsigned number.
+                (Kind::LargeCount, Err(_)) => values.push(count.cast_signed()),
+                (_, Err(_)) => return false,
+            },
+            (ColumnValues::Real(values), Field::Real(number)) => values.push(*number),
+            (ColumnValues::Text(values), Field::Text(text)) => values.push(text.clone()),
+            (ColumnValues::Flag(values), Field::Flag(flag)) => values.push(*flag),
             // A sweep may take 1 and 2.5, or 1 and "none".
-            (Self::Real { levels, values }, Field::Count(count)) => push(levels, values, Some(count as f64)),
-            (text @ Self::Text { .. }, Field::Count(count)) => text.push(Field::text(&count.to_string())),
-            (text @ Self::Text { .. }, Field::Real(number)) => text.push(Field::text(&number.to_string())),
-            (column, _) => column.push_missing(),
+            (ColumnValues::Real(values), Field::Count(count)) => values.push(*count as f64),
+            (ColumnValues::Text(values), Field::Count(count)) => values.push(count.to_string().as_str().into()),
+            (ColumnValues::Text(values), Field::Real(number)) => values.push(number.to_string().as_str().into()),
+            _ => return false,
         }
-    }
-
-    fn push_missing(&mut self) {
-        let (Self::Count { levels, .. }
-        | Self::Real { levels, .. }
-        | Self::Text { levels, .. }
-        | Self::Flag { levels, .. }) = self;
-        levels.push(0);
+        self.levels.push((!matches!(field, Field::Missing)).into());
+        true
     }
 
     /// Writes all rows and forgets them.
     fn write(&mut self, writer: &mut SerializedColumnWriter<'_>) -> Result<(), ParquetError> {
-        match self {
-            Self::Count { levels, values } => {
-                writer.typed::<Int64Type>().write_batch(values, Some(levels), None)?;
-                levels.clear();
-                values.clear();
-            }
-            Self::Real { levels, values } => {
-                writer.typed::<DoubleType>().write_batch(values, Some(levels), None)?;
-                levels.clear();
-                values.clear();
-            }
-            Self::Text { levels, values } => {
-                writer.typed::<ByteArrayType>().write_batch(values, Some(levels), None)?;
-                levels.clear();
-                values.clear();
-            }
-            Self::Flag { levels, values } => {
-                writer.typed::<BoolType>().write_batch(values, Some(levels), None)?;
-                levels.clear();
-                values.clear();
-            }
-        }
+        match &mut self.values {
+            ColumnValues::Whole(values) => write_values::<Int64Type>(writer, values, &self.levels),
+            ColumnValues::Real(values) => write_values::<DoubleType>(writer, values, &self.levels),
+            ColumnValues::Text(values) => write_values::<ByteArrayType>(writer, values, &self.levels),
+            ColumnValues::Flag(values) => write_values::<BoolType>(writer, values, &self.levels),
+        }?;
+        self.levels.clear();
         Ok(())
     }
 }
 
-fn push<T>(levels: &mut Vec<i16>, values: &mut Vec<T>, value: Option<T>) {
-    levels.push(value.is_some().into());
-    values.extend(value);
+fn write_values<T: DataType>(
+    writer: &mut SerializedColumnWriter<'_>,
+    values: &mut Vec<T::T>,
+    levels: &[i16],
+) -> Result<(), ParquetError> {
+    writer.typed::<T>().write_batch(values, Some(levels), None)?;
+    values.clear();
+    Ok(())
 }
 
 fn unwritable(path: &Path, error: ParquetError) -> BatchError {
@@ -218,4 +265,41 @@ fn unwritable(path: &Path, error: ParquetError) -> BatchError {
         other => io::Error::other(other),
     };
     BatchError::unwritable(path, source)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::batch::disk::RealDisk;
+
+    fn refusal(column: FileColumn, field: Field) -> Option<String> {
+        let scratch = tempfile::tempdir().expect("a scratch folder");
+        let path = scratch.path().join("a.parquet");
+        let mut table = ParquetTable::create(path, &RealDisk, vec![column], &[], 10).expect("the folder is writable");
+        table.add([field]).err().map(|error| error.to_string())
+    }
+
+    #[test]
+    fn number_that_a_column_cannot_hold_is_refused_and_never_wraps() {
+        let largest = i64::MAX.unsigned_abs();
+        for (kind, number, is_taken) in [
+            (Kind::Count, largest, true),
+            (Kind::Count, largest + 1, false),
+            (Kind::LargeCount, largest + 1, true),
+            (Kind::LargeCount, u64::MAX, true),
+        ] {
+            let refusal = refusal(FileColumn::required("seed", kind), Field::Count(number));
+            assert_eq!(refusal.is_none(), is_taken, "{kind:?} {number}: {refusal:?}");
+            let names_it = |words: String| words.contains("`seed`") && words.contains(&number.to_string());
+            assert!(refusal.is_none_or(names_it));
+            assert_eq!(Kind::holding_up_to(number) == Kind::Count, number <= largest);
+        }
+    }
+
+    #[test]
+    fn required_column_takes_no_row_without_a_value() {
+        assert!(refusal(FileColumn::required("a", Kind::Text), Field::Missing).is_some());
+        assert!(refusal(FileColumn::optional("a", Kind::Text), Field::Missing).is_none());
+        assert!(refusal(FileColumn::optional("a", Kind::Flag), Field::Real(1.0)).is_some());
+    }
 }
