@@ -1,6 +1,7 @@
 //! Quantiles and tails of the distributions that intervals and tests are made of.
 
 use statrs::distribution::{Binomial, Continuous, ContinuousCDF, DiscreteCDF, Normal, StudentsT};
+use statrs::function::beta::beta_reg;
 
 use crate::stats::CONFIDENCE;
 
@@ -30,6 +31,12 @@ pub fn t_two_sided(t: f64, degrees: f64) -> f64 {
 /// Probability of at most `hits` hits in `trials` trials, of which each hits with probability `rate`.
 pub fn binomial_at_most(hits: u64, trials: u64, rate: f64) -> f64 {
     Binomial::new(rate, trials).expect("a rate lies from 0 to 1").cdf(hits)
+}
+
+/// Probability that Fisher's F with these positive degrees of freedom, which need not be whole, is at least `f`.
+pub fn f_at_least(f: f64, [above, below]: [f64; 2]) -> f64 {
+    // By the incomplete beta function from the far end, where small probabilities keep their digits.
+    beta_reg(0.5 * below, 0.5 * above, below / (below + above * f))
 }
 
 fn students_t(degrees: f64) -> StudentsT {
@@ -67,6 +74,15 @@ mod tests {
         (4950, 10000, 0.5, 0.16108709989765543),
     ];
 
+    const F_TAILS: [(f64, [f64; 2], f64); 6] = [
+        (0.0, [2.0, 5.0], 1.0),
+        (1.0, [2.0, 10.0], 0.4018775720164609),
+        (3.7, [1.29, 6.46], 0.09469655814260129),
+        (25.0, [2.0, 998.0], 2.5460097425602167e-11),
+        (4.2, [11.0, 219.0], 1.1943361901811708e-05),
+        (60.0, [1.5, 1400.5], 3.6458253433815223e-20),
+    ];
+
     #[test]
     fn reaches_are_those_of_scipy() {
         assert_close(normal_reach(), NORMAL_975);
@@ -96,6 +112,10 @@ mod tests {
         // `2 * scipy.stats.t.sf(t, n)`
         for (t, degrees, expected) in T_TAILS {
             assert_close(t_two_sided(t, degrees), expected);
+        }
+        // `scipy.stats.f.sf(f, m, n)`
+        for (f, degrees, expected) in F_TAILS {
+            assert_close(f_at_least(f, degrees), expected);
         }
         // `scipy.stats.binom.cdf(k, n, p)`
         for (hits, trials, rate, expected) in BINOMIAL {

@@ -14,6 +14,7 @@
 //! | paired answers yes or no | [`PairedAnswers`] | adjusted Wald | McNemar, exact |
 //! | paired differences by rank | [`SignedRanks`] | - | Wilcoxon |
 //! | times, some of them cut off | [`SurvivalCurve`] | Greenwood, on the log-log scale | - |
+//! | means under several conditions | - | - | [`RepeatedMeasures`], that they are equal |
 //! | several tests at once | - | - | [`holm`] |
 
 mod bootstrap;
@@ -23,6 +24,7 @@ mod mean;
 mod paired_answers;
 mod quantiles;
 mod rates;
+mod repeated_measures;
 mod series;
 mod signed_ranks;
 mod survival;
@@ -34,6 +36,7 @@ pub use mean::{MeanEstimate, MeanMethod, cohens_dz, estimate_mean};
 pub use paired_answers::PairedAnswers;
 pub use quantiles::{quantile, quantile_interval};
 pub use rates::wilson_interval;
+pub use repeated_measures::RepeatedMeasures;
 pub use series::Series;
 pub use signed_ranks::SignedRanks;
 pub use survival::{Lifetime, SurvivalCurve, SurvivalStep};
