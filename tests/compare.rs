@@ -190,6 +190,110 @@ fn planners_in_one_batch_are_compared_at_equal_coverage() {
     );
 }
 
+/// Runs of two planners on three coverages: on the first the second planner saves much more, on the second a little, on
+/// the third some runs more and some fewer.
+fn planners_on_coverages() -> Vec<Run> {
+    let mut all = Vec::new();
+    for (coverage, gain) in [("0.05", 27), ("0.1", 1), ("0.2", 0)] {
+        let runs = runs(1..=40, |seed| noise(seed) + 10);
+        all.extend(runs.iter().map(|run| Run { coverage, ..run.clone() }));
+        let luck = |seed: u64| seed * 31 % 5;
+        let gained = runs.iter().map(|run| Run {
+            planner: "lattice",
+            coverage,
+            extinguished: run.extinguished + gain + luck(run.seed) - 2,
+            ..run.clone()
+        });
+        all.extend(gained);
+    }
+    all
+}
+
+#[test]
+fn mean_over_what_is_swept_is_taken_apart_where_it_hides_something() {
+    let scratch = Scratch::new();
+    let batch = scratch.batch("a", &planners_on_coverages());
+    let of = |selection: &Selection| compare(std::slice::from_ref(&batch), selection, &["saved".into()]);
+    let comparison = of(&by("planner")).expect("two planners");
+    let pairs = &comparison.against_a[0].pairs;
+    assert_eq!((pairs.stratified_by().as_str(), pairs.strata.len()), ("field.coverage", 3));
+    assert!(pairs.strata.iter().all(|stratum| stratum.pairs == 40));
+    let judged = only_judged(&comparison);
+    let strata = judged.by_stratum.as_ref().expect("three coverages");
+    assert!(strata.differ() && strata.seeds == 40 && strata.p_adjusted.is_some_and(|p| p < 1e-6), "{strata:?}");
+    assert!(judged.sentence('B').ends_with("; it depends on field.coverage, p <.001"), "{}", judged.sentence('B'));
+    let found: Vec<_> = strata.strata.iter().map(|(_, it)| (it.contrast.difference, it.verdict)).collect();
+    let expected = [(27.0, Verdict::Difference), (1.0, Verdict::Difference), (0.0, Verdict::NoEvidence)];
+    assert_eq!(found, expected);
+}
+
+#[test]
+fn strata_are_what_where_gives() {
+    let scratch = Scratch::new();
+    let batch = scratch.batch("a", &planners_on_coverages());
+    let of = |selection: &Selection| {
+        compare(std::slice::from_ref(&batch), selection, &["saved".into(), "truck_won".into()]).expect("two planners")
+    };
+    let all = of(&by("planner"));
+    for (index, coverage) in ["0.05", "0.1", "0.2"].into_iter().enumerate() {
+        let one = of(&Selection { only: vec![("field.coverage".into(), coverage.into())], ..by("planner") });
+        for (in_all, alone) in all.against_a[0].judged.iter().zip(&one.against_a[0].judged) {
+            let (_, stratum) = &in_all.by_stratum.as_ref().expect("three coverages").strata[index];
+            assert_eq!(stratum.contrast, alone.contrast, "{coverage}");
+            assert_eq!(alone.by_stratum, None, "nothing is left to average over");
+        }
+    }
+}
+
+#[test]
+fn strata_that_do_not_differ_are_not_said_to() {
+    let scratch = Scratch::new();
+    let same = planners_on_coverages().into_iter().map(|run| {
+        let is_gained = run.planner == "lattice" && run.coverage == "0.05";
+        Run { extinguished: run.extinguished - if is_gained { 26 } else { 0 }, ..run }
+    });
+    let same: Vec<_> = same.filter(|run| run.coverage != "0.2").collect();
+    let batch = scratch.batch("a", &same);
+    let comparison = compare(&[batch], &by("planner"), &["saved".into()]).expect("two planners");
+    let judged = only_judged(&comparison);
+    let strata = judged.by_stratum.as_ref().expect("two coverages");
+    assert!(!strata.differ() && !judged.sentence('B').contains("depends"), "{judged:?}");
+}
+
+#[test]
+fn tests_of_strata_are_adjusted_together() {
+    let scratch = Scratch::new();
+    let batch = scratch.batch("a", &planners_on_coverages());
+    let metrics = ["saved".into(), "truck_won".into(), "all_out_s".into()];
+    let comparison = compare(&[batch], &by("planner"), &metrics).expect("two planners");
+    let tests = comparison.against_a[0].judged.iter().filter_map(|judged| {
+        let strata = judged.by_stratum.as_ref()?;
+        Some((strata.test?.p_value, strata.p_adjusted.expect("it was tested")))
+    });
+    let tests: Vec<_> = tests.collect();
+    assert_eq!(tests.len(), 2, "all fires are out at the same times");
+    let least = tests.iter().map(|(alone, _)| *alone).fold(1.0, f64::min);
+    for (alone, adjusted) in tests {
+        let expected = if alone == least { 2.0 * alone } else { alone.max(2.0 * least) };
+        assert!((adjusted - expected.min(1.0)).abs() <= 1e-12, "{alone} {adjusted}");
+    }
+}
+
+#[test]
+fn seeds_that_are_not_in_all_strata_test_nothing() {
+    let scratch = Scratch::new();
+    let apart = planners_on_coverages().into_iter().map(|run| {
+        let first = if run.coverage == "0.05" { 1000 } else { 0 };
+        Run { seed: run.seed + first, ..run }
+    });
+    let apart: Vec<_> = apart.filter(|run| run.coverage != "0.2").collect();
+    let batch = scratch.batch("a", &apart);
+    let comparison = compare(&[batch], &by("planner"), &["saved".into()]).expect("two planners");
+    let strata = only_judged(&comparison).by_stratum.clone().expect("two coverages");
+    assert_eq!((strata.seeds, strata.test, strata.p_adjusted), (0, None, None));
+    assert_eq!(strata.strata.len(), 2);
+}
+
 #[test]
 fn batch_of_one_planner_meets_its_like_in_a_batch_of_two() {
     let scratch = Scratch::new();

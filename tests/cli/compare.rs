@@ -1,5 +1,7 @@
 //! `wildfire compare`, from the batches that it is told to run to the page that it prints.
 
+use std::fs;
+
 use serde_json::Value;
 
 use crate::story::{Story, refuse, widest};
@@ -45,6 +47,139 @@ fn batches_are_compared_in_every_form() {
         [Some("saved"), Some("truck_cusps")]
     );
     assert_eq!(metrics[0]["pairs"], 6);
+}
+
+/// A batch of `smoke` in `folder` with these changes.
+fn batch(story: &Story, folder: &str, changes: &[&str]) {
+    let mut arguments = vec!["batch", "smoke", "--seeds", "1..6", "--out", folder];
+    changes.iter().for_each(|change| arguments.extend(["--set", change]));
+    story.tell(&arguments).expect_code(0);
+}
+
+const FORMS: [&[&str]; 4] = [&[], &["--md"], &["--html"], &["--json"]];
+
+/// What is said of the planner where it is all that differs.
+const THE_PLANNERS: &str = "the difference is the planner";
+
+/// A comparison without the breaks of its lines.
+fn flat(story: &Story, arguments: &[&str]) -> String {
+    let text = story.tell(&[&["compare"], arguments].concat()).expect_code(0).stdout;
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn difference_of_the_settings_heads_the_answer_in_every_form() {
+    let story = Story::begin();
+    batch(&story, "a", &[]);
+    batch(&story, "b", &["unimog.speed_mps=20", "fire.relight=true"]);
+    for form in FORMS {
+        let text = flat(&story, &[&["a", "b"], form].concat());
+        let finding = text.find("saved").expect("it is compared");
+        let expected = match form {
+            ["--json"] => [
+                "{\"key\":\"fire.relight\",\"values\":[false,true]",
+                "{\"key\":\"unimog.speed_mps\",\"values\":[8.0,20.0]",
+            ],
+            ["--md"] => ["- fire.relight: false in A, true in B", "- unimog.speed_mps: 8.0 in A, 20.0 in B"],
+            _ => ["fire.relight: false in A, true in B", "unimog.speed_mps: 8.0 in A, 20.0 in B"],
+        };
+        for words in expected {
+            assert!(text.find(words).is_some_and(|place| place < finding), "{form:?}: `{words}` is missing:\n{text}");
+        }
+        assert!(!text.contains(THE_PLANNERS), "{form:?}: {text}");
+    }
+    let json: Value = serde_json::from_str(&flat(&story, &["a", "b", "--json"])).expect("it is JSON");
+    assert_eq!(json["comparisons"][0]["settings"]["difference_is_the_planners"], false);
+    let text = story.tell(&["compare", "a", "b"]).stdout;
+    assert!(widest(&text) <= 80, "{text}");
+}
+
+#[test]
+fn difference_is_the_planners_only_where_nothing_else_differs() {
+    let story = two_batches();
+    for form in FORMS {
+        let text = flat(&story, &[&["a", "b"], form].concat());
+        assert!(text.contains(THE_PLANNERS), "{form:?}: {text}");
+    }
+    assert!(flat(&story, &["a", "b"]).contains("unimog.planner: prm+primitives in A, hybrid-astar in B"));
+    // Another value besides.
+    batch(&story, "c", &["unimog.planner=hybrid-astar", "unimog.speed_mps=9"]);
+    let text = flat(&story, &["a", "c"]);
+    assert!(text.contains("unimog.speed_mps: 8.0 in A, 9.0 in B") && !text.contains(THE_PLANNERS), "{text}");
+    // Nothing at all.
+    assert!(flat(&story, &["a", "a"]).contains("All settings and the program are equal"));
+    // Another version of the program.
+    let plan = story.read("b/plan.json");
+    let version = format!("\"program_version\": \"{}\"", env!("CARGO_PKG_VERSION"));
+    story.file("b/plan.json", &plan.replacen(&version, "\"program_version\": \"0.0.1\"", 1));
+    let text = flat(&story, &["a", "b"]);
+    let expected = format!("program version: {} in A, 0.0.1 in B", env!("CARGO_PKG_VERSION"));
+    assert!(text.contains(&expected) && !text.contains(THE_PLANNERS), "{text}");
+    // Settings that were changed after the runs.
+    story.file("b/plan.json", &plan.replacen("\"speed_mps\": 8.0", "\"speed_mps\": 7.0", 1));
+    let text = flat(&story, &["a", "b"]);
+    assert!(text.contains("The settings of B are not known") && !text.contains(THE_PLANNERS), "{text}");
+}
+
+#[test]
+fn side_without_a_plan_has_settings_that_are_not_known() {
+    let story = two_batches();
+    story.file("alone.csv", &story.read("b/runs.csv"));
+    fs::create_dir(story.path("bare")).expect("writable");
+    story.file("bare/runs.csv", &story.read("b/runs.csv"));
+    for side in ["bare", "bare/runs.csv", "alone.csv"] {
+        let text = flat(&story, &["a", side]);
+        assert!(text.contains("The settings of B are not known: there is no plan.json beside"), "{side}: {text}");
+        assert!(!text.contains(THE_PLANNERS), "{side}: {text}");
+    }
+    // A plan that is another batch's.
+    fs::copy(story.path("a/plan.json"), story.path("bare/plan.json")).expect("writable");
+    let text = flat(&story, &["a", "bare"]);
+    assert!(text.contains("plan.json does not go with bare/runs.csv") && !text.contains(THE_PLANNERS), "{text}");
+    let json: Value = serde_json::from_str(&flat(&story, &["a", "bare", "--json"])).expect("it is JSON");
+    assert_eq!(json["comparisons"][0]["settings"]["not_known"][0]["side"], "B");
+}
+
+#[test]
+fn seeds_that_differ_are_said() {
+    let story = Story::begin();
+    story.tell(&["batch", "smoke", "--seeds", "1..6", "--out", "a"]).expect_code(0);
+    story.tell(&["batch", "smoke", "--seeds", "4..8,20", "--out", "b"]).expect_code(0);
+    let text = flat(&story, &["a", "b"]);
+    assert!(text.contains("seeds: 1..6 in A, 4..8,20 in B; only seeds of both are compared"), "{text}");
+}
+
+#[test]
+fn comparison_by_planner_says_what_it_is_a_mean_over() {
+    let story = Story::begin();
+    let planners = ["--planner", "prm-rs,lattice", "--set", "field.coverage=0.05,0.2", "--set", "duration_s=200,300"];
+    story.tell(&[&["batch", "smoke", "--seeds", "1..6", "--out", "a"], &planners[..]].concat()).expect_code(0);
+    let said = "Every difference is a mean over 4 combinations of duration_s (200, 300) and field.coverage (0.05, 0.2), \
+                6 pairs each.";
+    for form in &FORMS[..3] {
+        let text = flat(&story, &[&["a", "--by", "planner"], *form].concat());
+        assert!(text.contains(said) && text.contains("p strata"), "{form:?}: {text}");
+        assert!(text.contains("unimog.planner: prm-rs in A, lattice in B"), "{form:?}: {text}");
+        assert!(text.contains(THE_PLANNERS), "{form:?}: {text}");
+    }
+    let text = story.tell(&["compare", "a", "--by", "planner", "--metric", "truck_distance_m"]).expect_code(0).stdout;
+    assert!(widest(&text) <= 80, "{text}");
+    assert!(
+        text.contains("it depends on duration_s and field.coverage"),
+        "lattice drives more where more burns:\n{text}"
+    );
+    assert!(text.contains("duration_s 200, field.coverage 0.05: B has truck_distance_m"), "{text}");
+    let json: Value = serde_json::from_str(&flat(&story, &["a", "--by", "planner", "--json"])).expect("it is JSON");
+    let of_planner = &json["comparisons"][0];
+    assert_eq!(of_planner["mean_over"]["columns"], serde_json::json!(["duration_s", "field.coverage"]));
+    let strata = of_planner["metrics"][0]["by_stratum"]["strata"].as_array().expect("a list");
+    assert_eq!(strata.len(), 4);
+    assert_eq!(strata[3]["values"], serde_json::json!({ "duration_s": "300", "field.coverage": "0.2" }));
+    assert_eq!(strata[3]["pairs"], 6);
+    // What divides the sides is what differs, the planner is what is averaged over.
+    let text = flat(&story, &["a", "--by", "field.coverage", "--where", "duration_s=300"]);
+    assert!(text.contains("field.coverage: 0.05 in A, 0.2 in B") && text.contains("a mean over planner ("), "{text}");
+    assert!(!text.contains(THE_PLANNERS), "{text}");
 }
 
 #[test]

@@ -1,11 +1,14 @@
 //! One metric over the pairs of two sides.
 
+use std::collections::BTreeMap;
+
 use crate::batch::comparison::metric::{Metric, MetricKind};
 use crate::batch::comparison::pairs::Pairs;
 use crate::batch::comparison::sides::Side;
 use crate::rng;
 use crate::stats::{
-    Interval, Lifetime, MeanMethod, PairedAnswers, Series, SignedRanks, SurvivalCurve, cohens_dz, estimate_mean,
+    Interval, Lifetime, MeanMethod, PairedAnswers, RepeatedMeasures, Series, SignedRanks, SurvivalCurve, cohens_dz,
+    estimate_mean,
 };
 
 /// Every comparison draws from the streams of this seed: the same files give the same figures.
@@ -53,34 +56,85 @@ pub struct CutOff {
     pub median_intervals: [(Option<f64>, Option<f64>); 2],
 }
 
+/// A metric in each stratum of the pairs by itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ByStratum {
+    /// With the index of the stratum; without those in which no pair has the metric.
+    pub contrasts: Vec<(usize, Contrast)>,
+    /// Seeds that have the metric in all of these strata, on both sides.
+    pub seeds: usize,
+    /// That the difference is the same in all strata; `None` of too few seeds, or if no seed's differences differ.
+    pub test: Option<RepeatedMeasures>,
+}
+
 impl Contrast {
     /// `columns` are those of the tables' values that belong to the metric; `None` if no pair has it on both sides.
-    pub fn of(metric: &Metric, first: &Side<'_>, second: &Side<'_>, pairs: &Pairs, columns: &[usize]) -> Option<Self> {
-        let rows = pairs.runs.iter().map(|&(ours, theirs)| {
-            let row = |side: &Side<'_>, run: usize| -> Vec<f64> {
-                columns.iter().map(|&column| side.table.values[column][run]).collect()
-            };
-            [row(first, ours), row(second, theirs)]
-        });
-        match metric.kind {
-            MetricKind::Sum(_) => {
-                let sums = rows.map(|rows| rows.map(|row| row.iter().sum()));
-                of_numbers(metric, second.letter, &sums.filter(is_whole).collect::<Vec<_>>())
-            }
-            MetricKind::Answer { .. } => {
-                let answers = rows.map(|rows| rows.map(|row| row[0])).filter(is_whole);
-                of_answers(metric, answers.map(|[ours, theirs]| (ours > 0.0, theirs > 0.0)))
-            }
-            MetricKind::Time { .. } => {
-                let lifetimes = rows.filter_map(|[ours, theirs]| Some([lifetime(&ours)?, lifetime(&theirs)?]));
-                of_times(metric, second.letter, &lifetimes.collect::<Vec<_>>())
-            }
-        }
+    /// By stratum, if there are several.
+    pub fn of(
+        metric: &Metric,
+        first: &Side<'_>,
+        second: &Side<'_>,
+        pairs: &Pairs,
+        columns: &[usize],
+    ) -> Option<(Self, Option<ByStratum>)> {
+        let row = |side: &Side<'_>, run: usize| -> Vec<f64> {
+            columns.iter().map(|&column| side.table.values[column][run]).collect()
+        };
+        let rows: Vec<_> = pairs.runs.iter().map(|&(ours, theirs)| [row(first, ours), row(second, theirs)]).collect();
+        let cut_off = if matches!(metric.kind, MetricKind::Time { .. }) { Some(cut_off(&rows)) } else { None };
+        let horizon = cut_off.as_ref().and_then(|it| it.horizon).unwrap_or(f64::INFINITY);
+        let numbers: Vec<_> = rows.iter().map(|rows| numbers_of(metric, rows, horizon)).collect();
+        let all: Vec<_> = numbers.iter().flatten().copied().collect();
+        let contrast = Self { cut_off, ..of_pairs(metric, second.letter, &all)? };
+        let seeds: Vec<u64> = pairs.runs.iter().map(|&(ours, _)| first.table.seeds[ours]).collect();
+        let by_stratum = (pairs.strata.len() > 1).then(|| by_stratum(metric, second.letter, pairs, &seeds, &numbers));
+        Some((contrast, by_stratum))
     }
 }
 
-fn is_whole(pair: &[f64; 2]) -> bool {
-    pair.iter().all(|value| !value.is_nan())
+/// The metric of both runs of a pair; yes is 1, no is 0; times beyond the horizon count as the horizon. `None` if it is
+/// missing on either side.
+fn numbers_of(metric: &Metric, rows: &[Vec<f64>; 2], horizon: f64) -> Option<[f64; 2]> {
+    let numbers = rows.each_ref().map(|row| match metric.kind {
+        MetricKind::Sum(_) => row.iter().sum(),
+        MetricKind::Answer { .. } => row[0],
+        MetricKind::Time { .. } => lifetime(row).map_or(f64::NAN, |lifetime| lifetime.time.min(horizon)),
+    });
+    numbers.iter().all(|number| !number.is_nan()).then_some(numbers)
+}
+
+fn of_pairs(metric: &Metric, letter: char, pairs: &[[f64; 2]]) -> Option<Contrast> {
+    match metric.kind {
+        MetricKind::Answer { .. } => {
+            of_answers(metric, pairs.iter().map(|[ours, theirs]| (*ours > 0.0, *theirs > 0.0)))
+        }
+        MetricKind::Sum(_) | MetricKind::Time { .. } => of_numbers(metric, letter, pairs),
+    }
+}
+
+/// The strata one by one, and the test whether they differ: an analysis of variance of the paired differences, whose
+/// subjects are the seeds and whose conditions are the strata.
+fn by_stratum(metric: &Metric, letter: char, pairs: &Pairs, seeds: &[u64], numbers: &[Option<[f64; 2]>]) -> ByStratum {
+    let mut of_stratum = vec![Vec::new(); pairs.strata.len()];
+    let mut differences: BTreeMap<u64, Vec<(usize, f64)>> = BTreeMap::new();
+    for ((&stratum, seed), pair) in pairs.stratum_of.iter().zip(seeds).zip(numbers) {
+        if let Some(pair) = pair {
+            of_stratum[stratum].push(*pair);
+            differences.entry(*seed).or_default().push((stratum, pair[1] - pair[0]));
+        }
+    }
+    let contrasts = of_stratum.iter().enumerate();
+    let contrasts: Vec<_> =
+        contrasts.filter_map(|(stratum, pairs)| Some((stratum, of_pairs(metric, letter, pairs)?))).collect();
+    // Pairs are in the order of their seeds, but within a seed those of side A's runs; each stratum comes once.
+    let whole = differences.into_values().filter(|of_seed| of_seed.len() == contrasts.len());
+    let rows: Vec<Vec<f64>> = whole
+        .map(|mut of_seed| {
+            of_seed.sort_unstable_by_key(|&(stratum, _)| stratum);
+            of_seed.into_iter().map(|(_, difference)| difference).collect()
+        })
+        .collect();
+    ByStratum { contrasts, seeds: rows.len(), test: RepeatedMeasures::from_rows(&rows) }
 }
 
 /// From the time of the event, the end of the run, and when the event became possible.
@@ -134,23 +188,21 @@ fn of_answers(metric: &Metric, pairs: impl Iterator<Item = (bool, bool)>) -> Opt
     })
 }
 
-/// Differences are of times up to a horizon that both sides were watched until: of restricted means.
+/// How times end. Differences are of times up to a horizon that both sides were watched until: of restricted means.
 ///
 /// Royston, Parmar, "Restricted mean survival time", BMC Medical Research Methodology 13, 2013.
-fn of_times(metric: &Metric, letter: char, pairs: &[[Lifetime; 2]]) -> Option<Contrast> {
-    let cut_off = pairs.iter().flatten().filter(|lifetime| lifetime.is_cut_off);
-    let horizon = cut_off.map(|lifetime| lifetime.time).reduce(f64::min);
-    let restricted = |lifetime: Lifetime| lifetime.time.min(horizon.unwrap_or(f64::INFINITY));
-    let numbers: Vec<_> = pairs.iter().map(|pair| pair.map(restricted)).collect();
+fn cut_off(rows: &[[Vec<f64>; 2]]) -> CutOff {
+    let pairs: Vec<_> = rows.iter().filter_map(|[ours, theirs]| Some([lifetime(ours)?, lifetime(theirs)?])).collect();
+    let in_vain = pairs.iter().flatten().filter(|lifetime| lifetime.is_cut_off);
+    let horizon = in_vain.map(|lifetime| lifetime.time).reduce(f64::min);
     let curves = [0, 1].map(|side| {
         let lifetimes: Vec<_> = pairs.iter().map(|pair| pair[side]).collect();
         (lifetimes.iter().filter(|lifetime| lifetime.is_cut_off).count(), SurvivalCurve::of(&lifetimes))
     });
-    let cut_off = CutOff {
+    CutOff {
         horizon,
         counts: curves.each_ref().map(|(count, _)| *count),
         medians: curves.each_ref().map(|(_, curve)| curve.median()),
         median_intervals: curves.each_ref().map(|(_, curve)| curve.median_interval()),
-    };
-    Some(Contrast { cut_off: Some(cut_off), ..of_numbers(metric, letter, &numbers)? })
+    }
 }

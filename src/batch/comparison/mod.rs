@@ -7,6 +7,13 @@
 //! family, those of ranks as another; intervals are not. There is evidence of a difference where the adjusted p-value
 //! of the mean or the answers is at most 0.05.
 //!
+//! Where something else varies within the sides, such as the coverage in a comparison of planners, a difference is a mean
+//! over its values, the strata. Then every metric is also taken stratum by stratum, and tested for an interaction of side
+//! and stratum ([`RepeatedMeasures`](crate::stats::RepeatedMeasures) of the differences, seed by seed). The p-values of
+//! these tests are a family of their own for Holm's method, and so are those of the strata.
+//!
+//! What the settings of the sides differ in is read from their plans, see [`SettingsDifference`].
+//!
 //! Pairs in which a run failed are left out, and counted.
 
 mod contrast;
@@ -15,21 +22,24 @@ mod metric;
 mod pairs;
 mod published;
 mod runs_file;
+mod settings;
 mod sides;
 mod words;
 
 use std::path::PathBuf;
 
-pub use contrast::{Contrast, CutOff, Method};
+pub use contrast::{ByStratum, Contrast, CutOff, Method};
 pub use error::ComparisonError;
 pub use metric::{Metric, MetricKind, NAMED_METRICS};
-pub use pairs::Pairs;
+pub use pairs::{Pairs, Stratum};
 pub use published::{BesideReport, PublishedState, PublishedTime};
+pub use settings::{Difference, SettingsDifference};
 pub use sides::{MAX_SIDES, Selection};
 pub use words::{decimals_of, probability, rounded, shown};
 
-use crate::stats::holm;
+use crate::stats::{RepeatedMeasures, holm};
 use runs_file::{RunsFile, RunsTable};
+use settings::KnownSettings;
 use sides::Side;
 
 /// The level of the tests behind a verdict.
@@ -59,6 +69,7 @@ pub struct SideSummary {
 #[derive(Clone, Debug, PartialEq)]
 pub struct AgainstA {
     pub letter: char,
+    pub settings: SettingsDifference,
     pub pairs: Pairs,
     pub judged: Vec<Judged>,
 }
@@ -71,6 +82,29 @@ pub struct Judged {
     pub p_adjusted: Option<f64>,
     pub ranks_p_adjusted: Option<f64>,
     pub verdict: Verdict,
+    /// If it is a mean over several strata.
+    pub by_stratum: Option<JudgedStrata>,
+}
+
+/// A metric stratum by stratum, with what is made of it among all others.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JudgedStrata {
+    /// What the strata differ in, in words.
+    pub by: String,
+    /// With the index of the stratum in [`Pairs::strata`].
+    pub strata: Vec<(usize, Judged)>,
+    /// Seeds that the test is of.
+    pub seeds: usize,
+    pub test: Option<RepeatedMeasures>,
+    /// By Holm's method, over the tests of all metrics and sides.
+    pub p_adjusted: Option<f64>,
+}
+
+impl JudgedStrata {
+    /// Whether there is evidence that the strata differ.
+    pub fn differ(&self) -> bool {
+        self.p_adjusted.is_some_and(|p| p <= LEVEL)
+    }
 }
 
 /// What a contrast says, in short.
@@ -90,11 +124,17 @@ pub enum Verdict {
 pub fn compare(paths: &[PathBuf], selection: &Selection, metrics: &[String]) -> Result<Comparison, ComparisonError> {
     let (metrics, tables) = read(paths, metrics)?;
     let sides = Side::all_of(&tables, selection)?;
+    let known: Vec<_> = tables.iter().map(KnownSettings::read).collect();
+    let settings_of = |side: &Side<'_>| {
+        let table = tables.iter().position(|table| std::ptr::eq(table, side.table));
+        &known[table.expect("a side is of one of the tables")]
+    };
     let [a, others @ ..] = &sides[..] else { unreachable!("there is a table, and it has runs") };
     let mut missing = Vec::new();
     let mut against_a = Vec::new();
     for other in others {
         let pairs = Pairs::of(a, other)?;
+        let settings = SettingsDifference::between((a, settings_of(a)), (other, settings_of(other)), &pairs);
         let mut contrasts = Vec::new();
         let mut first_column = 0;
         for metric in &metrics {
@@ -105,9 +145,18 @@ pub fn compare(paths: &[PathBuf], selection: &Selection, metrics: &[String]) -> 
                 None => missing.push((other.letter, metric.name.clone())),
             }
         }
-        against_a.push((other.letter, pairs, contrasts));
+        against_a.push(Unjudged { letter: other.letter, settings, pairs, contrasts });
     }
     Ok(Comparison { sides: sides.iter().map(summary).collect(), against_a: judged(against_a), missing })
+}
+
+/// A side set against A, before p-values are adjusted.
+#[derive(Clone)]
+struct Unjudged {
+    letter: char,
+    settings: SettingsDifference,
+    pairs: Pairs,
+    contrasts: Vec<(Contrast, Option<ByStratum>)>,
 }
 
 fn read(paths: &[PathBuf], names: &[String]) -> Result<(Vec<Metric>, Vec<RunsTable>), ComparisonError> {
@@ -122,22 +171,54 @@ fn summary(side: &Side<'_>) -> SideSummary {
     SideSummary { letter: side.letter, description: side.description(), runs: side.runs.len(), failed: side.failed() }
 }
 
-/// Adjusts the p-values of all contrasts together.
-fn judged(against_a: Vec<(char, Pairs, Vec<Contrast>)>) -> Vec<AgainstA> {
-    let contrasts = || against_a.iter().flat_map(|(_, _, contrasts)| contrasts);
-    let mut means = adjusted(contrasts().map(|contrast| contrast.p_value)).into_iter();
-    let mut ranks = adjusted(contrasts().map(|contrast| Some(contrast.ranks?.p_value))).into_iter();
-    let mut judge = |contrast: Contrast| {
-        let (p_adjusted, ranks_p_adjusted) = (means.next().flatten(), ranks.next().flatten());
+/// Adjusts the p-values of all contrasts together, and those of all strata.
+fn judged(against_a: Vec<Unjudged>) -> Vec<AgainstA> {
+    let all = || against_a.iter().flat_map(|against| &against.contrasts);
+    let mut overall = TestFamily::of(all().map(|(contrast, _)| contrast));
+    let by_stratum = || all().filter_map(|(_, by_stratum)| by_stratum.as_ref());
+    let mut within = TestFamily::of(by_stratum().flat_map(|it| it.contrasts.iter().map(|(_, contrast)| contrast)));
+    let mut tests = adjusted(by_stratum().map(|it| Some(it.test?.p_value))).into_iter();
+    let mut judge_strata = |by: &str, ByStratum { contrasts, seeds, test }: ByStratum| JudgedStrata {
+        by: by.to_owned(),
+        strata: contrasts.into_iter().map(|(stratum, contrast)| (stratum, within.judge(contrast))).collect(),
+        seeds,
+        test,
+        p_adjusted: tests.next().flatten(),
+    };
+    let against_a = against_a.clone().into_iter();
+    let judge_all = |Unjudged { letter, settings, pairs, contrasts }: Unjudged| {
+        let by = pairs.stratified_by();
+        let judge = |(contrast, by_stratum): (Contrast, Option<ByStratum>)| {
+            let judged = overall.judge(contrast);
+            Judged { by_stratum: by_stratum.map(|it| judge_strata(&by, it)), ..judged }
+        };
+        let judged = contrasts.into_iter().map(judge).collect();
+        AgainstA { letter, settings, pairs, judged }
+    };
+    against_a.map(judge_all).collect()
+}
+
+/// Contrasts that are judged together, in their order: the adjusted p-values of means and answers, and of ranks.
+struct TestFamily {
+    means: std::vec::IntoIter<Option<f64>>,
+    ranks: std::vec::IntoIter<Option<f64>>,
+}
+
+impl TestFamily {
+    fn of<'a>(contrasts: impl Iterator<Item = &'a Contrast> + Clone) -> Self {
+        let ranks = contrasts.clone().map(|contrast| Some(contrast.ranks?.p_value));
+        Self {
+            means: adjusted(contrasts.map(|contrast| contrast.p_value)).into_iter(),
+            ranks: adjusted(ranks).into_iter(),
+        }
+    }
+
+    /// Judges the next one.
+    fn judge(&mut self, contrast: Contrast) -> Judged {
+        let (p_adjusted, ranks_p_adjusted) = (self.means.next().flatten(), self.ranks.next().flatten());
         let verdict = Verdict::of(contrast.p_value, p_adjusted);
-        Judged { contrast, p_adjusted, ranks_p_adjusted, verdict }
-    };
-    let judge_all = |(letter, pairs, contrasts): (char, Pairs, Vec<Contrast>)| AgainstA {
-        letter,
-        pairs,
-        judged: contrasts.into_iter().map(&mut judge).collect(),
-    };
-    against_a.clone().into_iter().map(judge_all).collect()
+        Judged { contrast, p_adjusted, ranks_p_adjusted, verdict, by_stratum: None }
+    }
 }
 
 fn adjusted(p_values: impl Iterator<Item = Option<f64>>) -> Vec<Option<f64>> {
@@ -166,13 +247,24 @@ impl Judged {
         let of_interval = |interval| format!("95 % interval of {letter} less A: {}", metric.phrase.interval(interval));
         let not_sure = interval.map_or_else(|| said.clone(), of_interval);
         let by_ranks = self.by_ranks(letter);
-        match self.verdict {
+        let said = match self.verdict {
             Verdict::Difference => said,
             Verdict::NoEvidence => format!("no evidence of a difference ({not_sure}){by_ranks}"),
             Verdict::NotAmongSoMany => {
                 format!("no evidence of a difference, as one of several tests ({not_sure}){by_ranks}")
             }
             Verdict::Equal => format!("equal in all {pairs} pairs"),
+        };
+        said + &self.dependence()
+    }
+
+    /// That the difference is not the same in all strata, where that is so.
+    fn dependence(&self) -> String {
+        match &self.by_stratum {
+            Some(strata) if strata.differ() => {
+                format!("; it depends on {}, {}", strata.by, p_words(strata.p_adjusted.unwrap_or(1.0)))
+            }
+            _ => String::new(),
         }
     }
 
@@ -182,8 +274,12 @@ impl Judged {
             return String::new();
         };
         let side = if ranks.above > ranks.below { "higher" } else { "lower" };
-        let p = probability(p);
-        let p = if p.starts_with('<') { p } else { format!("= {p}") };
-        format!("; by ranks {letter} is {side} more often than not, p {p}")
+        format!("; by ranks {letter} is {side} more often than not, {}", p_words(p))
     }
+}
+
+/// `p = 0.012`, or `p <.001`.
+pub fn p_words(p: f64) -> String {
+    let p = probability(p);
+    if p.starts_with('<') { format!("p {p}") } else { format!("p = {p}") }
 }

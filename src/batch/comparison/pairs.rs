@@ -4,17 +4,32 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::batch::comparison::error::ComparisonError;
 use crate::batch::comparison::sides::Side;
-use crate::batch::comparison::words::shown;
+use crate::batch::comparison::words::{listed, shown};
 
 /// Pairs of runs, and what had to be left out.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Pairs {
     /// Indices into the tables of both sides, of runs that both came to their end; by seed.
     pub runs: Vec<(usize, usize)>,
+    /// Columns that vary within a side and are equal within a pair, of which every difference is a mean.
+    pub columns: Vec<String>,
+    /// The combinations of their values that there are pairs of, in the order of side A's runs; at most one without
+    /// columns.
+    pub strata: Vec<Stratum>,
+    /// Of each pair, an index into the strata.
+    pub stratum_of: Vec<usize>,
     /// Runs without a partner, on either side.
     pub without_partner: [usize; 2],
     /// Pairs of which the first run, the second, or both did not come to an end.
     pub failed: [usize; 3],
+}
+
+/// Pairs of equal conditions.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Stratum {
+    /// A value for each of [`Pairs::columns`].
+    pub levels: Vec<String>,
+    pub pairs: usize,
 }
 
 /// A seed, and the number of the conditions that vary within a side.
@@ -32,7 +47,11 @@ impl Pairs {
                 pairs.without_partner[1] += 1;
             }
             match partners.next_if(|(other, _)| other == key) {
-                Some((_, partner)) => pairs.add((*run, first.is_done(*run)), (*partner, second.is_done(*partner))),
+                Some((_, partner)) => {
+                    if pairs.add((*run, first.is_done(*run)), (*partner, second.is_done(*partner))) {
+                        pairs.stratum_of.push(key.1);
+                    }
+                }
                 None => pairs.without_partner[0] += 1,
             }
         }
@@ -41,17 +60,47 @@ impl Pairs {
             let varying = columns.iter().map(|column| shown(column)).collect();
             return Err(ComparisonError::NoPairs { other: second.letter, varying });
         }
+        pairs.columns = columns.into_iter().collect();
+        pairs.number_strata(numbers);
         Ok(pairs)
     }
 
-    /// Either run with whether it came to its end.
-    fn add(&mut self, (first, first_done): (usize, bool), (second, second_done): (usize, bool)) {
+    /// Either run with whether it came to its end; whether it is a pair.
+    fn add(&mut self, (first, first_done): (usize, bool), (second, second_done): (usize, bool)) -> bool {
         match (first_done, second_done) {
             (true, true) => self.runs.push((first, second)),
             (false, true) => self.failed[0] += 1,
             (true, false) => self.failed[1] += 1,
             (false, false) => self.failed[2] += 1,
         }
+        first_done && second_done
+    }
+
+    /// `field.coverage and unimog.speed_mps`: what the strata differ in; empty if there is a single one.
+    pub fn stratified_by(&self) -> String {
+        listed(&self.columns.iter().map(|column| shown(column)).collect::<Vec<_>>())
+    }
+
+    /// `field.coverage 0.05, unimog.speed_mps 8`.
+    pub fn stratum_words(&self, index: usize) -> String {
+        let levels = self.columns.iter().zip(&self.strata[index].levels);
+        let words: Vec<String> = levels.map(|(column, level)| format!("{} {}", shown(column), shown(level))).collect();
+        words.join(", ")
+    }
+
+    /// Makes indices of the numbers of conditions, of which some have no pair.
+    fn number_strata(&mut self, numbers: BTreeMap<Vec<String>, usize>) {
+        let mut counts = vec![0; numbers.len()];
+        self.stratum_of.iter().for_each(|&number| counts[number] += 1);
+        let mut index_of = vec![0; numbers.len()];
+        let mut levels_of: Vec<(usize, Vec<String>)> =
+            numbers.into_iter().map(|(levels, number)| (number, levels)).collect();
+        levels_of.sort_unstable();
+        for (number, levels) in levels_of.into_iter().filter(|&(number, _)| counts[number] > 0) {
+            index_of[number] = self.strata.len();
+            self.strata.push(Stratum { levels, pairs: counts[number] });
+        }
+        self.stratum_of.iter_mut().for_each(|number| *number = index_of[*number]);
     }
 }
 

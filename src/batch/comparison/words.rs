@@ -98,6 +98,17 @@ pub fn probability(p: f64) -> String {
     if p < 0.0005 { "<.001".into() } else { rounded(p, 3) }
 }
 
+/// `a`, `a and b`, `a, b and c`.
+pub fn listed(words: &[String]) -> String {
+    match words {
+        [first @ .., before, last] => {
+            let first: String = first.iter().map(|word| format!("{word}, ")).collect();
+            format!("{first}{before} and {last}")
+        }
+        words => words.concat(),
+    }
+}
+
 /// A word from a file as it may stand in a line: with control characters as escapes, of no more than 60 characters.
 pub fn shown(word: &str) -> String {
     /// The most characters.
@@ -145,6 +156,12 @@ mod tests {
             assert_eq!(decimals_of(size), decimals, "{size}");
         }
         assert_eq!(rounded(-0.04, 1), "0.0");
+    }
+
+    #[test]
+    fn lists_end_with_and() {
+        let of = |words: &[&str]| listed(&words.iter().map(|&word| word.to_owned()).collect::<Vec<_>>());
+        assert_eq!([of(&[]), of(&["a"]), of(&["a", "b"]), of(&["a", "b", "c"])], ["", "a", "a and b", "a, b and c"]);
     }
 
     #[test]

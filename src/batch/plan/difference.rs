@@ -29,29 +29,47 @@ pub fn differences(there: &BatchPlan, asked: &BatchPlan) -> Vec<String> {
 /// In which values a scenario differs from the one that is asked for.
 pub fn differences_of_scenarios(there: &Scenario, asked: &Scenario) -> Vec<String> {
     let json = |scenario| serde_json::to_value(scenario).expect("scenarios hold names, numbers and lists only");
-    let mut found = Vec::new();
-    collect("", &json(there), &json(asked), &mut found);
-    shortened(found)
+    let words = |value: Option<Value>| value.map_or("nothing".into(), |value| cut(&value.to_string()));
+    let found = value_differences(&json(there), &json(asked)).into_iter();
+    shortened(found.map(|it| sentence(&it.key, &words(it.values[0].clone()), &words(it.values[1].clone()))).collect())
 }
 
-fn collect(path: &str, there: &Value, asked: &Value, found: &mut Vec<String>) {
+/// A value in which two resolved scenarios differ.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ValueDifference {
+    /// As `--set` takes it, such as `unimog.0.speed_mps`.
+    pub key: String,
+    /// In the one scenario and in the other; `None` where it has no such value.
+    pub values: [Option<Value>; 2],
+}
+
+/// All values in which two resolved scenarios differ. Lists of agents and the like are gone through one by one.
+pub fn value_differences(one: &Value, other: &Value) -> Vec<ValueDifference> {
+    let mut found = Vec::new();
+    collect("", [Some(one), Some(other)], &mut found);
+    found
+}
+
+fn collect(path: &str, values: [Option<&Value>; 2], found: &mut Vec<ValueDifference>) {
     let inside = |step: &str| if path.is_empty() { step.to_owned() } else { format!("{path}.{step}") };
-    match (there, asked) {
-        (Value::Object(there), Value::Object(asked)) => {
-            let keys = there.keys().chain(asked.keys().filter(|key| !there.contains_key(*key)));
-            for key in keys {
-                let value = |table: &serde_json::Map<String, Value>| table.get(key).cloned().unwrap_or_default();
-                collect(&inside(key), &value(there), &value(asked), found);
+    match values {
+        [Some(Value::Object(one)), Some(Value::Object(other))] => {
+            for key in one.keys().chain(other.keys().filter(|key| !one.contains_key(*key))) {
+                collect(&inside(key), [one.get(key), other.get(key)], found);
             }
         }
-        (Value::Array(there), Value::Array(asked)) if there.len() == asked.len() => {
-            for (index, (there, asked)) in there.iter().zip(asked).enumerate() {
-                collect(&inside(&index.to_string()), there, asked, found);
+        [Some(Value::Array(one)), Some(Value::Array(other))] if one.len() == other.len() || are_tables(one, other) => {
+            for index in 0..one.len().max(other.len()) {
+                collect(&inside(&index.to_string()), [one.get(index), other.get(index)], found);
             }
         }
-        _ if there == asked => {}
-        _ => found.push(sentence(path, &cut(&there.to_string()), &cut(&asked.to_string()))),
+        [one, other] if one == other => {}
+        _ => found.push(ValueDifference { key: path.to_owned(), values: values.map(Option::<&Value>::cloned) }),
     }
+}
+
+fn are_tables(one: &[Value], other: &[Value]) -> bool {
+    one.iter().chain(other).all(Value::is_object)
 }
 
 fn sentence(what: &str, there: &str, asked: &str) -> String {
@@ -94,6 +112,22 @@ mod tests {
         let expected =
             ["fire.relight is false there, true is asked for", "unimog.0.speed_mps is 8.0 there, 7.0 is asked for"];
         assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn agents_that_only_one_scenario_has_are_differences_of_their_own() {
+        let json = |trucks: &[f64]| {
+            let trucks: Vec<_> = trucks.iter().map(|speed| serde_json::json!({ "speed_mps": speed })).collect();
+            serde_json::json!({ "unimog": trucks, "start": [1, 2, 3] })
+        };
+        let found = value_differences(&json(&[8.0]), &json(&[7.0, 9.0]));
+        let keys: Vec<_> = found.iter().map(|it| it.key.as_str()).collect();
+        assert_eq!(keys, ["unimog.0.speed_mps", "unimog.1"]);
+        assert_eq!(found[0].values, [Some(8.0.into()), Some(7.0.into())]);
+        assert_eq!(found[1].values, [None, Some(serde_json::json!({ "speed_mps": 9.0 }))]);
+        let shorter = serde_json::json!({ "unimog": [{ "speed_mps": 8.0 }], "start": [1, 2] });
+        let found = value_differences(&json(&[8.0]), &shorter);
+        assert_eq!(found.len(), 1, "a list of numbers is one value: {found:?}");
     }
 
     #[test]

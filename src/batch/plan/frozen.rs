@@ -18,7 +18,7 @@ use crate::input_file::{self, InputFile, list_of_at_most};
 use crate::scenario::{self, Fault, Scenario};
 
 /// Version of the format of `plan.json`.
-const PLAN_FORMAT: u32 = 2;
+pub(super) const PLAN_FORMAT: u32 = 2;
 
 /// The longest file of a plan: besides seeds and variants it holds some names and numbers.
 const MAX_FILE_BYTES: u64 = MAX_PLAN_BYTES + 1_000_000;
@@ -70,10 +70,10 @@ struct Frozen<'a> {
 
 /// What every plan says, whatever its format.
 #[derive(Deserialize)]
-struct Head {
+pub(super) struct Head {
     program: String,
-    program_version: String,
-    format: u32,
+    pub program_version: String,
+    pub format: u32,
 }
 
 #[derive(Deserialize)]
@@ -180,10 +180,7 @@ impl BatchPlan {
         let path = folder.join(PLAN_FILE);
         let file = open(folder, &path)?;
         let not_a_plan = |reason: String| PlanError::NotAPlan { path: path.clone(), reason };
-        let head: Head = read_json(&path, &file)?;
-        if head.program != PROGRAM {
-            return Err(not_a_plan(format!("its program is `{}`, expected `{PROGRAM}`", head.program)));
-        }
+        let head = read_head(&path, &file)?;
         if head.format != PLAN_FORMAT || head.program_version != PROGRAM_VERSION {
             return Err(PlanError::OtherVersion { path, found: head.program_version });
         }
@@ -248,8 +245,18 @@ impl Body {
     }
 }
 
+/// What program wrote the plan, and in which format.
+pub(super) fn read_head(path: &Path, file: &File) -> Result<Head, PlanError> {
+    let head: Head = read_json(path, file)?;
+    if head.program == PROGRAM {
+        return Ok(head);
+    }
+    let reason = format!("its program is `{}`, expected `{PROGRAM}`", head.program);
+    Err(PlanError::NotAPlan { path: path.to_owned(), reason })
+}
+
 /// Opens the file of a plan, which has at most [`MAX_FILE_BYTES`].
-fn open(folder: &Path, path: &Path) -> Result<File, PlanError> {
+pub(super) fn open(folder: &Path, path: &Path) -> Result<File, PlanError> {
     let not_a_plan = |reason: String| PlanError::NotAPlan { path: path.to_owned(), reason };
     match input_file::open(path) {
         Ok(InputFile::Regular(_, bytes)) if bytes > MAX_FILE_BYTES => {
@@ -265,7 +272,7 @@ fn open(folder: &Path, path: &Path) -> Result<File, PlanError> {
 }
 
 /// Reads the file from its beginning; the text, which may be long, is not kept.
-fn read_json<T: DeserializeOwned>(path: &Path, mut file: &File) -> Result<T, PlanError> {
+pub(super) fn read_json<T: DeserializeOwned>(path: &Path, mut file: &File) -> Result<T, PlanError> {
     let unreadable = |source| PlanError::Unreadable { path: path.to_owned(), source };
     file.rewind().map_err(unreadable)?;
     // It may have grown since it was opened.

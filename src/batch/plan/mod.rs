@@ -8,11 +8,14 @@
 mod difference;
 mod file;
 mod frozen;
+mod recorded;
 mod request;
 mod sweep;
 
+pub use difference::value_differences;
 pub use file::{PLAN_TEMPLATE, schema as plan_schema};
 pub use frozen::PlanError;
+pub use recorded::{RecordedPlan, RecordedVariant};
 pub use request::{BatchRequest, MAX_VARIANTS, RUNS_WITHOUT_FORCE, RequestError};
 pub use sweep::{Setting, Sweep, SweepError};
 

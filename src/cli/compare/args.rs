@@ -21,7 +21,8 @@ Metrics: any column of numbers in runs.csv, and
   all_out_s   until nothing burns, cut off where a run ended before
 
 A pair is the same seed, and the same of all that varies within a batch, on both
-sides. Differences are those of means, the other side's less A's.";
+sides. Differences are those of means, the other side's less A's. First of all
+stands what the settings of the sides differ in, from their plan.json.";
 
 #[derive(Debug, Args)]
 #[command(after_help = NOTES)]

@@ -1,9 +1,13 @@
 //! A comparison as one JSON object.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use crate::batch::PROGRAM_VERSION;
-use crate::batch::comparison::{Comparison, Contrast, Judged, Method, Verdict};
+use crate::batch::comparison::{
+    AgainstA as Against, Comparison, Contrast, Judged, JudgedStrata, Method, Pairs, SettingsDifference, Verdict,
+};
 use crate::stats::CONFIDENCE;
 
 /// The members in their order.
@@ -27,11 +31,53 @@ struct Side<'a> {
 struct AgainstA<'a> {
     side: char,
     against: char,
+    settings: Settings<'a>,
     pairs: usize,
+    mean_over: Option<MeanOver<'a>>,
     without_partner: [usize; 2],
     failed_pairs: Failed,
     metrics: Vec<MetricObject<'a>>,
     metrics_without_pairs: Vec<&'a str>,
+}
+
+/// Values are in the order of A and the other side.
+#[derive(Serialize)]
+struct Settings<'a> {
+    sentence: String,
+    difference_is_the_planners: bool,
+    differences: Vec<SettingDifference<'a>>,
+    program_versions: &'a Option<[String; 2]>,
+    seeds: &'a Option<[String; 2]>,
+    not_known: Vec<NotKnown<'a>>,
+}
+
+#[derive(Serialize)]
+struct SettingDifference<'a> {
+    key: &'a str,
+    values: &'a [Option<serde_json::Value>; 2],
+    /// Null where they differ so in all strata.
+    only_where: Option<Vec<Levels<'a>>>,
+}
+
+#[derive(Serialize)]
+struct NotKnown<'a> {
+    side: char,
+    reason: &'a str,
+}
+
+/// A value for each column that the strata differ in.
+type Levels<'a> = BTreeMap<&'a str, &'a str>;
+
+#[derive(Serialize)]
+struct MeanOver<'a> {
+    columns: &'a [String],
+    strata: Vec<StratumObject<'a>>,
+}
+
+#[derive(Serialize)]
+struct StratumObject<'a> {
+    values: Levels<'a>,
+    pairs: usize,
 }
 
 #[derive(Serialize)]
@@ -57,6 +103,28 @@ struct MetricObject<'a> {
     cohens_dz: Option<f64>,
     wilcoxon: Option<Wilcoxon>,
     cut_off: Option<CutOff>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    by_stratum: Option<ByStratum<'a>>,
+}
+
+/// The test is the analysis of variance of repeated measures, with Greenhouse and Geisser's epsilon.
+#[derive(Serialize)]
+struct ByStratum<'a> {
+    differ: bool,
+    seeds: usize,
+    f: Option<f64>,
+    degrees: Option<[f64; 2]>,
+    epsilon: Option<f64>,
+    p_value: Option<f64>,
+    p_adjusted: Option<f64>,
+    strata: Vec<StratumMetric<'a>>,
+}
+
+#[derive(Serialize)]
+struct StratumMetric<'a> {
+    values: Levels<'a>,
+    #[serde(flatten)]
+    metric: MetricObject<'a>,
 }
 
 #[derive(Serialize)]
@@ -86,17 +154,8 @@ pub fn of(comparison: &Comparison) -> String {
         failed: side.failed,
     });
     let comparisons = comparison.against_a.iter().map(|against| {
-        let [in_first, in_second, in_both] = against.pairs.failed;
         let missing = comparison.missing.iter().filter(|(letter, _)| *letter == against.letter);
-        AgainstA {
-            side: against.letter,
-            against: 'A',
-            pairs: against.pairs.runs.len(),
-            without_partner: against.pairs.without_partner,
-            failed_pairs: Failed { in_first, in_second, in_both },
-            metrics: against.judged.iter().map(|judged| metric(judged, against.letter)).collect(),
-            metrics_without_pairs: missing.map(|(_, name)| name.as_str()).collect(),
-        }
+        against_a(against, missing.map(|(_, name)| name.as_str()).collect())
     });
     let object = Object {
         program_version: PROGRAM_VERSION,
@@ -107,13 +166,53 @@ pub fn of(comparison: &Comparison) -> String {
     serde_json::to_string(&object).expect("names, numbers and words are JSON") + "\n"
 }
 
-fn metric(judged: &Judged, letter: char) -> MetricObject<'_> {
-    let Contrast { metric, pairs, means, difference, interval, .. } = &judged.contrast;
+fn against_a<'a>(against: &'a Against, metrics_without_pairs: Vec<&'a str>) -> AgainstA<'a> {
+    let Against { letter, settings: differing, pairs, judged } = against;
+    let [in_first, in_second, in_both] = pairs.failed;
+    let strata = (0..pairs.strata.len())
+        .map(|index| StratumObject { values: levels(pairs, index), pairs: pairs.strata[index].pairs });
+    AgainstA {
+        side: *letter,
+        against: 'A',
+        settings: settings(differing, *letter, pairs),
+        pairs: pairs.runs.len(),
+        mean_over: (pairs.strata.len() > 1).then(|| MeanOver { columns: &pairs.columns, strata: strata.collect() }),
+        without_partner: pairs.without_partner,
+        failed_pairs: Failed { in_first, in_second, in_both },
+        metrics: judged.iter().map(|judged| metric(judged, *letter, pairs)).collect(),
+        metrics_without_pairs,
+    }
+}
+
+fn settings<'a>(settings: &'a SettingsDifference, letter: char, pairs: &'a Pairs) -> Settings<'a> {
+    let differences = settings.differences.iter().map(|difference| SettingDifference {
+        key: &difference.key,
+        values: &difference.values,
+        only_where: (!difference.strata.is_empty())
+            .then(|| difference.strata.iter().map(|&index| levels(pairs, index)).collect()),
+    });
+    Settings {
+        sentence: settings.conclusion(letter),
+        difference_is_the_planners: settings.is_the_planners(),
+        differences: differences.collect(),
+        program_versions: &settings.program_versions,
+        seeds: &settings.seeds,
+        not_known: settings.unknown.iter().map(|(side, reason)| NotKnown { side: *side, reason }).collect(),
+    }
+}
+
+fn levels(pairs: &Pairs, stratum: usize) -> Levels<'_> {
+    let columns = pairs.columns.iter().map(String::as_str);
+    columns.zip(pairs.strata[stratum].levels.iter().map(String::as_str)).collect()
+}
+
+fn metric<'a>(judged: &'a Judged, letter: char, pairs: &'a Pairs) -> MetricObject<'a> {
+    let Contrast { metric, pairs: count, means, difference, interval, .. } = &judged.contrast;
     MetricObject {
         metric: &metric.name,
         verdict: verdict(judged.verdict),
         sentence: judged.sentence(letter),
-        pairs: *pairs,
+        pairs: *count,
         means: *means,
         difference: *difference,
         interval: interval.map(|interval| [interval.low, interval.high]),
@@ -123,6 +222,25 @@ fn metric(judged: &Judged, letter: char) -> MetricObject<'_> {
         cohens_dz: judged.contrast.effect_dz,
         wilcoxon: wilcoxon(judged),
         cut_off: cut_off(&judged.contrast),
+        by_stratum: judged.by_stratum.as_ref().map(|strata| by_stratum(strata, letter, pairs)),
+    }
+}
+
+fn by_stratum<'a>(judged: &'a JudgedStrata, letter: char, pairs: &'a Pairs) -> ByStratum<'a> {
+    let of_stratum = |(index, judged): &'a (usize, Judged)| StratumMetric {
+        values: levels(pairs, *index),
+        metric: metric(judged, letter, pairs),
+    };
+    ByStratum {
+        differ: judged.differ(),
+        seeds: judged.seeds,
+        // JSON has no infinity.
+        f: judged.test.map(|test| test.f).filter(|f| f.is_finite()),
+        degrees: judged.test.map(|test| test.degrees),
+        epsilon: judged.test.map(|test| test.epsilon),
+        p_value: judged.test.map(|test| test.p_value),
+        p_adjusted: judged.p_adjusted,
+        strata: judged.strata.iter().map(of_stratum).collect(),
     }
 }
 

@@ -1,7 +1,8 @@
 //! A comparison as a page.
 
 use crate::batch::comparison::{
-    AgainstA, Comparison, Contrast, CutOff, Judged, Method, Pairs, SideSummary, decimals_of, probability, rounded,
+    AgainstA, Comparison, Contrast, CutOff, Judged, JudgedStrata, Method, Pairs, SideSummary, decimals_of, p_words,
+    probability, rounded, shown,
 };
 use crate::cli::compare::document::{Block, Document};
 
@@ -10,19 +11,26 @@ Differences are of means over pairs, with 95 % intervals; p is adjusted by Holm'
 is that of Wilcoxon's test by ranks, beside it; dz is Cohen's, in standard deviations of the difference; r is the \
 rank-biserial correlation, from -1 to 1.";
 
+const STRATA_LEGEND: &str = "\
+p strata: that the difference is the same in all strata, the values that it is a mean over; an analysis of variance of \
+the differences with a row for each seed, by Greenhouse and Geisser. Such p-values are adjusted among themselves, and so \
+are those of the strata.";
+
 /// As `cargo bench --bench coverage` measured it, 4000 samples each.
 const FEW_PAIRS: &str = "\
 Fewer than 10 pairs: intervals are Student's t. Of samples of five of this program's own outcomes they held the truth \
 in 93 to 96 %, of strongly skewed (log-normal) numbers in 82 %.";
 
-/// What was found, the verdicts first.
+/// What was found: first what the sides differ in, then the verdicts.
 pub fn document(comparison: &Comparison) -> Document {
     let mut blocks = vec![Block::List(comparison.sides.iter().map(side).collect())];
     for against in &comparison.against_a {
         blocks.push(Block::Heading(format!("{} against A", against.letter)));
+        blocks.extend(settings(against));
         blocks.push(Block::Text(pairing(&against.pairs, against.letter)));
         blocks.push(Block::List(against.judged.iter().map(|judged| verdict(judged, against.letter)).collect()));
         blocks.extend([differences(against), tests(against)]);
+        blocks.extend(strata(against));
         let notes = notes(against);
         if !notes.is_empty() {
             blocks.push(Block::List(notes));
@@ -35,6 +43,9 @@ pub fn document(comparison: &Comparison) -> Document {
         blocks.push(Block::List(missing));
     }
     blocks.push(Block::Text(LEGEND.into()));
+    if comparison.against_a.iter().any(has_strata) {
+        blocks.push(Block::Text(STRATA_LEGEND.into()));
+    }
     if comparison.against_a.iter().any(|against| against.pairs.runs.len() < 10) {
         blocks.push(Block::Text(FEW_PAIRS.into()));
     }
@@ -47,7 +58,15 @@ fn side(side: &SideSummary) -> String {
     format!("{letter}: {description}: {runs} runs{failed}")
 }
 
-/// How many pairs there are, and what was left out.
+/// What the settings of the side and of A differ in.
+fn settings(against: &AgainstA) -> Vec<Block> {
+    let AgainstA { letter, settings, pairs, .. } = against;
+    let lines = settings.lines(*letter, pairs);
+    let list = (!lines.is_empty()).then_some(Block::List(lines));
+    list.into_iter().chain([Block::Text(settings.conclusion(*letter))]).collect()
+}
+
+/// How many pairs there are, what was left out, and what the differences are means over.
 fn pairing(pairs: &Pairs, letter: char) -> String {
     let mut text = format!("{} pairs of runs.", pairs.runs.len());
     let [ours, theirs] = pairs.without_partner;
@@ -61,7 +80,39 @@ fn pairing(pairs: &Pairs, letter: char) -> String {
              if runs fail where they would have gone badly, the other figures flatter."
         );
     }
+    if let several @ [_, _, ..] = &pairs.strata[..] {
+        let counts = || several.iter().map(|stratum| stratum.pairs);
+        let (least, most) = (counts().min().unwrap_or(0), counts().max().unwrap_or(0));
+        let each = if least == most { format!("{least} pairs each") } else { format!("{least} to {most} pairs each") };
+        text += &format!(" Every difference is a mean over {}, {each}.", levels(pairs));
+    }
     text
+}
+
+/// `field.coverage (0.05, 0.1, 0.2)`, of several columns with the number of combinations.
+fn levels(pairs: &Pairs) -> String {
+    /// More values than this are counted.
+    const MOST: usize = 12;
+    let of_column = |(index, column): (usize, &String)| {
+        let mut values: Vec<String> = Vec::new();
+        for stratum in &pairs.strata {
+            let value = shown(&stratum.levels[index]);
+            if !values.contains(&value) {
+                values.push(value);
+            }
+        }
+        let words = if values.len() > MOST { format!("{} values", values.len()) } else { values.join(", ") };
+        format!("{} ({words})", shown(column))
+    };
+    let columns: Vec<String> = pairs.columns.iter().enumerate().map(of_column).collect();
+    match &columns[..] {
+        [column] => column.clone(),
+        several => format!("{} combinations of {}", pairs.strata.len(), several.join(" and ")),
+    }
+}
+
+fn has_strata(against: &AgainstA) -> bool {
+    against.judged.iter().any(|judged| judged.by_stratum.is_some())
 }
 
 fn verdict(judged: &Judged, letter: char) -> String {
@@ -84,21 +135,40 @@ fn differences(against: &AgainstA) -> Block {
 }
 
 fn tests(against: &AgainstA) -> Block {
+    let has_strata = has_strata(against);
     let row = |judged: &Judged| {
         let contrast = &judged.contrast;
         let or_dash = |value: Option<String>| value.unwrap_or_else(|| "-".into());
         let two_decimals = |value: f64| rounded(value, 2);
-        vec![
+        let of_strata = judged.by_stratum.as_ref().and_then(|strata| strata.p_adjusted);
+        let cells = [
             contrast.metric.name.clone(),
             or_dash(judged.p_adjusted.map(probability)),
             method(contrast.method).into(),
             or_dash(contrast.effect_dz.map(two_decimals)),
             or_dash(judged.ranks_p_adjusted.map(probability)),
             or_dash(contrast.ranks.map(|ranks| two_decimals(ranks.rank_biserial()))),
-        ]
+        ];
+        cells.into_iter().chain(has_strata.then(|| or_dash(of_strata.map(probability)))).collect()
     };
-    let headings = ["Metric", "p", "by", "dz", "p by ranks", "r"];
+    let mut headings = vec!["Metric", "p", "by", "dz", "p by ranks", "r"];
+    headings.extend(has_strata.then_some("p strata"));
     Block::table(&headings, against.judged.iter().map(row).collect())
+}
+
+/// The strata of every metric in which they differ, each with its own verdict.
+fn strata(against: &AgainstA) -> Vec<Block> {
+    let AgainstA { letter, pairs, judged, .. } = against;
+    let of_metric = |judged: &Judged| {
+        let JudgedStrata { by, strata, p_adjusted, .. } = judged.by_stratum.as_ref().filter(|it| it.differ())?;
+        let p = p_words((*p_adjusted)?);
+        let heading = format!("{} by {by}: {letter} less A is not the same in all, {p}", judged.contrast.metric.name);
+        let line = |(stratum, judged): &(usize, Judged)| {
+            format!("{}: {}", pairs.stratum_words(*stratum), judged.sentence(*letter))
+        };
+        Some([Block::Text(heading), Block::List(strata.iter().map(line).collect())])
+    };
+    judged.iter().filter_map(of_metric).flatten().collect()
 }
 
 fn method(method: Method) -> &'static str {
@@ -128,7 +198,12 @@ fn notes(against: &AgainstA) -> Vec<String> {
         let left_out = against.pairs.runs.len() - judged.contrast.pairs;
         format!("{}: {left_out} pairs left out that do not have it on both sides", judged.contrast.metric.name)
     });
-    against.judged.iter().filter_map(note).chain(fewer).collect()
+    let untested = against.judged.iter().filter(|judged| judged.by_stratum.as_ref().is_some_and(|it| it.seeds < 2));
+    let untested = untested.map(|judged| {
+        let name = &judged.contrast.metric.name;
+        format!("{name}: fewer than two seeds have it in all strata, so that it is not tested whether these differ")
+    });
+    against.judged.iter().filter_map(note).chain(fewer).chain(untested).collect()
 }
 
 fn cut_off_note(cut_off: &CutOff, letter: char) -> String {

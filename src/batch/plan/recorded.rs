@@ -1,0 +1,91 @@
+//! `plan.json` as a record of what was run, whatever version of the program wrote it.
+
+use std::path::Path;
+
+use serde::Deserialize;
+use serde_json::Value as Json;
+
+use super::frozen::{PLAN_FORMAT, open, read_head, read_json};
+use super::{BatchPlan, PROGRAM_VERSION, PlanError, Variant, planner_of};
+use crate::batch::{PLAN_FILE, Value};
+
+/// The longest plan of another version that is read: unlike this version's, its values are not known beforehand, and
+/// each may take some dozen times the memory of its text.
+const MAX_BYTES_OF_OTHERS: u64 = 4 << 20;
+
+/// The settings of a batch. A [`BatchPlan`] can be run and is therefore of this version only; this can be read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RecordedPlan {
+    pub program_version: String,
+    pub swept_keys: Vec<String>,
+    pub variants: Vec<RecordedVariant>,
+}
+
+/// A scenario as it was run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RecordedVariant {
+    /// A value for each swept key.
+    pub swept: Vec<Value>,
+    /// The scenario's name.
+    pub name: String,
+    /// Of the trucks, as the column says it: `;` stands between those of trucks that differ.
+    pub planner: String,
+    /// With all values filled in, as compact JSON: the tree takes ten times as much memory, and few are needed at once.
+    pub scenario: String,
+}
+
+#[derive(Deserialize)]
+struct Body {
+    swept_keys: Vec<String>,
+    variants: Vec<OtherVariant>,
+}
+
+/// A variant of another version.
+#[derive(Deserialize)]
+struct OtherVariant {
+    swept: Vec<Value>,
+    scenario: Json,
+}
+
+impl RecordedPlan {
+    /// Reads the plan of a batch's folder. The hash of one that another version wrote cannot be checked.
+    ///
+    /// # Errors
+    /// If there is none, if it cannot be read, or if it was changed.
+    pub fn read(folder: &Path) -> Result<Self, PlanError> {
+        let path = folder.join(PLAN_FILE);
+        let file = open(folder, &path)?;
+        let head = read_head(&path, &file)?;
+        let program_version = head.program_version;
+        if head.format == PLAN_FORMAT && program_version == PROGRAM_VERSION {
+            let BatchPlan { swept_keys, variants, .. } = BatchPlan::read(folder)?;
+            let variants = variants.into_iter().map(RecordedVariant::from).collect();
+            return Ok(Self { program_version, swept_keys, variants });
+        }
+        let bytes = file.metadata().map_err(|source| PlanError::Unreadable { path: path.clone(), source })?.len();
+        if bytes > MAX_BYTES_OF_OTHERS {
+            let reason =
+                format!("version {program_version} wrote it, of which at most {MAX_BYTES_OF_OTHERS} bytes are read");
+            return Err(PlanError::NotAPlan { path, reason });
+        }
+        let Body { swept_keys, variants } = read_json(&path, &file)?;
+        Ok(Self { program_version, swept_keys, variants: variants.into_iter().map(RecordedVariant::from).collect() })
+    }
+}
+
+impl From<Variant> for RecordedVariant {
+    fn from(Variant { swept, scenario, .. }: Variant) -> Self {
+        let json = serde_json::to_string(&scenario).expect("scenarios hold names, numbers and lists only");
+        Self { swept, planner: planner_of(&scenario), name: scenario.name, scenario: json }
+    }
+}
+
+impl From<OtherVariant> for RecordedVariant {
+    fn from(OtherVariant { swept, scenario }: OtherVariant) -> Self {
+        let trucks = scenario["unimog"].as_array().map_or(&[][..], Vec::as_slice);
+        let mut planners: Vec<&str> = trucks.iter().filter_map(|truck| truck["planner"].as_str()).collect();
+        planners.dedup();
+        let name = scenario["name"].as_str().unwrap_or_default().to_owned();
+        Self { swept, name, planner: planners.join(";"), scenario: scenario.to_string() }
+    }
+}
