@@ -11,7 +11,8 @@ pub fn run(arguments: &FolderArguments, quiet: bool) -> Result<ExitCode, Failure
     let batch = FinishedBatch::open(&arguments.folder)?;
     let written = write_report(&batch).map_err(failure)?;
     let (page, charts) = (written.page.display(), written.charts_folder.display());
-    let text = format!("{page}, and {} charts as SVG and PNG in {charts}\n", written.charts);
+    let refused: String = written.refused.iter().map(|sentence| format!("{sentence}\n")).collect();
+    let text = format!("{page}, and {} charts as SVG and PNG in {charts}\n{refused}", written.charts);
     terminal::print(&text)?;
     terminal::note_unknown_letters(written.unknown_letters.as_deref(), quiet);
     Ok(ExitCode::SUCCESS)

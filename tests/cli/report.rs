@@ -51,6 +51,53 @@ fn report_is_one_page_with_every_table_and_chart() {
 }
 
 #[test]
+fn every_variant_of_a_large_sweep_is_in_the_charts() {
+    let story = Story::begin();
+    let swept = ["--planner", "prm-rs,lattice", "--set", "fire.burn_out_s=30,35,40,45,50,55,60,65,70,75,80,85"];
+    story.tell(&[&["batch", "smoke", "--seeds", "1..2", "--out", "a"], swept.as_slice()].concat()).expect_code(0);
+    let page = report(&story);
+    assert!(!page.contains("first 7"), "no variant is left out");
+    let names = charts(&story, ".svg");
+    let of = |name: &str| -> String {
+        let is_sheet =
+            |file: &&String| *file == name || file.strip_prefix(name).is_some_and(|rest| rest.starts_with('-'));
+        let sheets = names.iter().filter(is_sheet).map(|file| story.read(&format!("a/charts/{file}.svg")));
+        sheets.collect()
+    };
+    for chart in ["states", "cpu-time", "distribution-extinguished"] {
+        let svg = of(chart);
+        for value in (30..=85).step_by(5) {
+            assert_eq!(svg.matches(&format!(">fire.burn_out_s {value}<")).count(), 1, "{chart}: {value}");
+        }
+        assert!(svg.contains(">prm-rs<") && svg.contains(">lattice<"), "{chart}");
+    }
+    let over_time = of("over-time");
+    for planner in ["prm-rs", "lattice"] {
+        for value in (30..=85).step_by(5) {
+            let name = format!(">{planner}, fire.burn_out_s {value}<");
+            assert_eq!(over_time.matches(&name).count(), 1, "{name}");
+        }
+    }
+    let sweep = of("sweep-fire.burn_out_s-burned_out");
+    assert!(sweep.contains(">prm-rs<") && sweep.contains(">lattice<"), "a curve for each planner");
+}
+
+#[test]
+fn chart_that_would_have_too_many_panels_is_refused_with_words() {
+    let story = Story::begin();
+    let values = (1..=130).map(|value| format!("{value}")).collect::<Vec<_>>().join(",");
+    let set = format!("fire.burn_out_s={values}");
+    let short = ["--set", "duration_s=5", "--set", &set];
+    story.tell(&[&["batch", "smoke", "--seeds", "1", "--out", "a"], short.as_slice()].concat()).expect_code(0);
+    let said = "No charts of states over time: they would have 130 panels, at most 120 are drawn.";
+    assert!(story.tell(&["report", "a"]).expect_code(0).stdout.contains(said));
+    assert!(story.read("a/report.html").contains(said));
+    let names = charts(&story, ".svg");
+    assert!(names.contains(&"states-19".to_owned()), "seven variants on each of 19 sheets: {names:?}");
+    assert!(!names.iter().any(|name| name.starts_with("over-time")), "{names:?}");
+}
+
+#[test]
 fn means_are_those_of_the_table_of_runs() {
     let story = swept_batch();
     let page = report(&story);

@@ -1,18 +1,17 @@
 //! The charts of a report.
 
 use super::collected::{Collected, Values};
+use super::facets::{Facet, FacetSeries, MOST_PANELS, variant_facets};
 use super::labels::Labels;
 use super::over_time::StateCurves;
 use super::quantities::{CPU_PARTS, MEASURES, Quantity, STATES, Unit};
-use super::sweeps::sweep_figures;
+use super::sweeps::sweep_charts;
 use crate::batch::BatchPlan;
 use crate::picture::charts::{
-    BarChart, BarSeries, Curve, CurveChart, Drawing, STYLES, Spread, Strip, StripChart, Style, Titles,
+    BarChart, BarPanel, BarSeries, Curve, CurveChart, CurvePanel, Drawing, STYLES, Spread, Strip, StripChart,
+    StripPanel, Style, Titles,
 };
 use crate::stats::quantile;
-
-/// The most variants that a chart shows, which is how many can be told apart.
-pub const SHOWN_VARIANTS: usize = STYLES.len();
 
 /// What a chart belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,7 +22,7 @@ pub enum Section {
     Sweeps,
 }
 
-/// A chart and the name of its files, without an ending.
+/// A sheet of a chart and the name of its files, without an ending.
 #[derive(Debug)]
 pub struct Figure {
     pub section: Section,
@@ -31,24 +30,92 @@ pub struct Figure {
     pub drawing: Drawing,
 }
 
-/// All charts, in the order of the report; of many variants the first are shown.
-pub fn figures(plan: &BatchPlan, collected: &Collected, states: Option<&[StateCurves]>) -> Vec<Figure> {
-    let labels = Labels::of(plan);
-    let labels: Vec<String> = plan.variants.iter().take(SHOWN_VARIANTS).map(|variant| labels.label(variant)).collect();
-    let shown: Vec<(&str, &Values)> = labels.iter().map(String::as_str).zip(&collected.variants).collect();
-    let mut figures = vec![
-        bars("states", "Obstacle states at the end", &STATES, &shown),
-        bars("cpu-time", "CPU time of a run by part", &CPU_PARTS, &shown),
-    ];
-    figures.extend(STATES.iter().chain(&MEASURES).filter_map(|quantity| distribution(quantity, &shown)));
-    let curves = states.into_iter().flatten().zip(&labels).enumerate();
-    figures.extend(curves.filter_map(|(index, (curves, label))| over_time(index, label, curves)));
-    figures.extend(sweep_figures(plan, &collected.variants));
-    figures
+/// The figures of a report.
+#[derive(Debug, Default)]
+pub struct Figures {
+    /// In the order of the report.
+    pub drawn: Vec<Figure>,
+    /// Charts that are not drawn, since they would have too many panels: a sentence for each.
+    pub refused: Vec<String>,
 }
 
-fn bars(file: &str, title: &str, quantities: &[Quantity], shown: &[(&str, &Values)]) -> Figure {
-    let chart = BarChart {
+impl Figures {
+    /// Of all variants.
+    pub fn new(plan: &BatchPlan, collected: &Collected, states: Option<&[StateCurves]>) -> Self {
+        let mut figures = Self::default();
+        let panels = variant_facets(plan);
+        if figures.admits("states, CPU time and distributions of the variants", panels.len()) {
+            let values = &collected.variants;
+            let bars = |title, quantities| bars(title, quantities, &panels, values);
+            figures.add(Section::Means, "states", bars("Obstacle states at the end", &STATES).draw());
+            figures.add(Section::Means, "cpu-time", bars("CPU time of a run by part", &CPU_PARTS).draw());
+            for quantity in STATES.iter().chain(&MEASURES) {
+                if let Some(chart) = distribution(quantity, &panels, values) {
+                    figures.add(Section::Distributions, &format!("distribution-{}", quantity.column), chart.draw());
+                }
+            }
+        }
+        figures.add_over_time(plan, states.unwrap_or(&[]));
+        for chart in sweep_charts(plan, &collected.variants) {
+            if figures.admits(&chart.what, chart.chart.panels.len()) {
+                figures.add(Section::Sweeps, &chart.file, chart.chart.draw());
+            }
+        }
+        figures
+    }
+
+    /// Whether a chart has few enough panels; else it is said that there is none.
+    fn admits(&mut self, what: &str, panels: usize) -> bool {
+        if panels > MOST_PANELS {
+            let sentence =
+                format!("No charts of {what}: they would have {panels} panels, at most {MOST_PANELS} are drawn.");
+            self.refused.extend((!self.refused.contains(&sentence)).then_some(sentence));
+        }
+        panels <= MOST_PANELS
+    }
+
+    /// Adds the sheets of a chart; those after the first have a number.
+    fn add(&mut self, section: Section, file: &str, sheets: Vec<Drawing>) {
+        for (index, drawing) in sheets.into_iter().enumerate() {
+            let file = if index == 0 { file.to_owned() } else { format!("{file}-{}", index + 1) };
+            self.drawn.push(Figure { section, file, drawing });
+        }
+    }
+
+    /// The states of each variant over time: a chart each of few, else a panel each.
+    fn add_over_time(&mut self, plan: &BatchPlan, states: &[StateCurves]) {
+        if !states.iter().any(StateCurves::is_there) {
+            return;
+        }
+        let labels = Labels::of(plan);
+        let all = labels.groups().concat();
+        let panels: Vec<CurvePanel> = states
+            .iter()
+            .enumerate()
+            .map(|(variant, curves)| {
+                let note = if curves.is_there() { "" } else { " (no run is done)" };
+                CurvePanel { name: labels.label(variant, &all) + note, curves: state_curves(curves) }
+            })
+            .collect();
+        if panels.len() <= STYLES.len() {
+            for (index, panel) in panels.into_iter().enumerate() {
+                let (title, file) = (format!(": {}", panel.name), format!("over-time-{}", index + 1));
+                let alone = CurvePanel { name: String::new(), ..panel };
+                self.add(Section::OverTime, &file, over_time(&title, vec![alone]).draw());
+            }
+        } else if self.admits("states over time", panels.len()) {
+            self.add(Section::OverTime, "over-time", over_time("", panels).draw());
+        }
+    }
+}
+
+fn bars(title: &str, quantities: &[Quantity], panels: &[Facet], values: &[Values]) -> BarChart {
+    let of_series = |series: &FacetSeries| {
+        let values = &values[series.variants[0]];
+        let bars = quantities.iter().map(|quantity| values.mean(quantity)).collect();
+        BarSeries { name: series.name.clone(), style: series.style, bars }
+    };
+    BarChart {
         titles: Titles {
             title: title.into(),
             note: "Bars are means, whiskers their 95 % intervals.".into(),
@@ -56,43 +123,41 @@ fn bars(file: &str, title: &str, quantities: &[Quantity], shown: &[(&str, &Value
             y: quantities.first().map_or("", |quantity| quantity.unit.of_axis()).into(),
         },
         groups: quantities.iter().map(|quantity| quantity.name.to_owned()).collect(),
-        series: shown
+        panels: panels
             .iter()
-            .map(|(name, values)| BarSeries {
-                name: (*name).to_owned(),
-                bars: quantities.iter().map(|quantity| values.mean(quantity)).collect(),
-            })
+            .map(|panel| BarPanel { name: panel.name.clone(), series: panel.series.iter().map(of_series).collect() })
             .collect(),
-    };
-    Figure { section: Section::Means, file: file.into(), drawing: chart.draw() }
+    }
 }
 
 /// `None` where all runs have the same.
-fn distribution(quantity: &Quantity, shown: &[(&str, &Values)]) -> Option<Figure> {
-    let strips: Vec<Strip> = shown.iter().filter_map(|(name, values)| strip(name, values.of(quantity))).collect();
-    let least = strips.iter().map(|strip| strip.values[0]).fold(f64::INFINITY, f64::min);
-    if !strips.iter().any(|strip| strip.values.last().is_some_and(|&most| most > least)) {
-        return None;
-    }
-    let chart = StripChart {
+fn distribution(quantity: &Quantity, panels: &[Facet], values: &[Values]) -> Option<StripChart> {
+    let strip = |series: &FacetSeries| strip(series, values[series.variants[0]].of(quantity));
+    let panels: Vec<StripPanel> = panels
+        .iter()
+        .map(|panel| StripPanel { name: panel.name.clone(), strips: panel.series.iter().map(strip).collect() })
+        .collect();
+    let ends = panels.iter().flat_map(|panel| &panel.strips);
+    let ends = ends.flat_map(|strip| strip.values.first().into_iter().chain(strip.values.last()));
+    let (least, most) =
+        ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), &end| (least.min(end), most.max(end)));
+    (most > least).then(|| StripChart {
         titles: Titles {
             title: quantity.title(),
             note: "Columns count runs; the highest has its number. Below: median, middle half, middle 90 %.".into(),
             x: quantity.unit.of_axis().into(),
             y: String::new(),
         },
-        strips,
-    };
-    let file = format!("distribution-{}", quantity.column);
-    Some(Figure { section: Section::Distributions, file, drawing: chart.draw() })
+        panels,
+    })
 }
 
-fn strip(name: &str, values: &[f64]) -> Option<Strip> {
+fn strip(series: &FacetSeries, values: &[f64]) -> Strip {
     let mut values = values.to_vec();
     values.sort_by(f64::total_cmp);
-    let [p5, p25, p50, p75, p95] = [0.05, 0.25, 0.5, 0.75, 0.95].map(|share| quantile(&values, share));
-    let quantiles = [p5?, p25?, p50?, p75?, p95?];
-    Some(Strip { name: name.into(), values, quantiles })
+    let quantiles = [0.05, 0.25, 0.5, 0.75, 0.95].map(|share| quantile(&values, share));
+    let quantiles = quantiles.iter().all(Option::is_some).then(|| quantiles.map(Option::unwrap_or_default));
+    Strip { name: series.name.clone(), style: series.style, values, quantiles }
 }
 
 /// Looks of the states: bluish green, vermilion, black, blue.
@@ -100,25 +165,24 @@ fn state_styles() -> [Style; STATES.len()] {
     [STYLES[2], STYLES[1], STYLES[6], STYLES[0]]
 }
 
-fn over_time(index: usize, label: &str, curves: &StateCurves) -> Option<Figure> {
-    if curves.0[0].len() < 2 {
-        return None;
-    }
+fn state_curves(curves: &StateCurves) -> Vec<Curve> {
     let curve = |((state, style), points): ((&Quantity, Style), &Vec<_>)| Curve {
         name: state.name.into(),
         style,
         points: points.clone(),
     };
-    let chart = CurveChart {
+    STATES.iter().zip(state_styles()).zip(&curves.0).map(curve).collect()
+}
+
+fn over_time(of: &str, panels: Vec<CurvePanel>) -> CurveChart {
+    CurveChart {
         titles: Titles {
-            title: format!("Obstacle states over time: {label}"),
+            title: format!("Obstacle states over time{of}"),
             note: "Lines are means, bands the middle 80 % of runs.".into(),
             x: "simulated seconds".into(),
             y: Unit::Share.of_axis().into(),
         },
         spread: Spread::Bands,
-        curves: STATES.iter().zip(state_styles()).zip(&curves.0).map(curve).collect(),
-    };
-    let file = format!("over-time-{}", index + 1);
-    Some(Figure { section: Section::OverTime, file, drawing: chart.draw() })
+        panels,
+    }
 }

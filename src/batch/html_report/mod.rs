@@ -4,6 +4,7 @@
 //! bytes. Means stand with Student's 95 % intervals, as in the batch's tables.
 
 mod collected;
+mod facets;
 mod figures;
 mod labels;
 mod over_time;
@@ -21,7 +22,7 @@ use crate::batch::{FinishedBatch, FinishedError};
 use crate::picture::font_has_all_of;
 use crate::whole_file::WholeFile;
 use collected::Collected;
-use figures::{Figure, figures};
+use figures::{Figure, Figures};
 use over_time::StateCurves;
 
 pub const REPORT_FILE: &str = "report.html";
@@ -33,6 +34,8 @@ pub struct WrittenReport {
     pub page: PathBuf,
     pub charts_folder: PathBuf,
     pub charts: usize,
+    /// Charts that are not drawn since they would have too many panels: a sentence for each.
+    pub refused: Vec<String>,
     /// The first text in a chart that has letters which the font of pictures lacks.
     pub unknown_letters: Option<String>,
 }
@@ -56,17 +59,18 @@ pub fn write_report(batch: &FinishedBatch) -> Result<WrittenReport, ReportError>
     let rows = batch.rows()?.ok_or_else(|| ReportError::Unfinished { folder: folder.to_owned() })?;
     let collected = Collected::read(batch.plan(), rows)?;
     let states = StateCurves::read(folder, batch.plan())?;
-    let figures = figures(batch.plan(), &collected, states.as_deref());
+    let figures = Figures::new(batch.plan(), &collected, states.as_deref());
     let charts_folder = folder.join(CHARTS_FOLDER);
     fs::create_dir_all(&charts_folder).map_err(|source| unwritable(&charts_folder, source))?;
-    for figure in &figures {
+    for figure in &figures.drawn {
         write_chart(&charts_folder, figure)?;
     }
     let page = folder.join(REPORT_FILE);
     write_whole(&page, page::page(batch, &collected, &figures).as_bytes())?;
-    let mut texts = figures.iter().flat_map(|figure| figure.drawing.texts());
+    let mut texts = figures.drawn.iter().flat_map(|figure| figure.drawing.texts());
     let unknown_letters = texts.find(|text| !font_has_all_of(text)).map(str::to_owned);
-    Ok(WrittenReport { page, charts_folder, charts: figures.len(), unknown_letters })
+    let Figures { drawn, refused } = figures;
+    Ok(WrittenReport { page, charts_folder, charts: drawn.len(), refused, unknown_letters })
 }
 
 fn write_chart(folder: &Path, figure: &Figure) -> Result<(), ReportError> {

@@ -27,6 +27,11 @@ pub const BAND: [f64; 2] = [0.1, 0.9];
 pub struct StateCurves(pub [Vec<(f64, Estimate)>; STATES.len()]);
 
 impl StateCurves {
+    /// Whether some run of the variant is done.
+    pub fn is_there(&self) -> bool {
+        self.0[0].len() > 1
+    }
+
     /// One for each variant; `None` if the folder has no such file.
     pub fn read(folder: &Path, plan: &BatchPlan) -> Result<Option<Vec<Self>>, ReportError> {
         let path = folder.join(STATES_PARQUET);

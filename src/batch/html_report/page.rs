@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::CHARTS_FOLDER;
 use super::collected::{Collected, ToldRun};
-use super::figures::{Figure, SHOWN_VARIANTS, Section};
+use super::figures::{Figure, Figures, Section};
 use crate::batch::html::{escaped, head, table};
 use crate::batch::{BatchPlan, FinishedBatch, PROGRAM_VERSION, TextTable, VariantReport};
 
@@ -19,7 +19,7 @@ const STYLE: &str = "<style>svg{max-width:100%;height:auto}figure{margin:1.5em 0
                      .wide{overflow-x:auto}summary{cursor:pointer;font-weight:bold}\
                      .told td{text-align:left;vertical-align:top}</style>\n";
 
-pub fn page(batch: &FinishedBatch, collected: &Collected, figures: &[Figure]) -> String {
+pub fn page(batch: &FinishedBatch, collected: &Collected, figures: &Figures) -> String {
     let plan = batch.plan();
     let name = batch.folder().canonicalize().ok();
     let name = name.as_deref().unwrap_or(batch.folder()).file_name();
@@ -27,12 +27,12 @@ pub fn page(batch: &FinishedBatch, collected: &Collected, figures: &[Figure]) ->
     let parts = [
         head(&title),
         STYLE.into(),
-        summary(plan, collected),
-        section("Means", &charts(figures, Section::Means)),
+        summary(plan, collected, figures),
+        section("Means", &charts(&figures.drawn, Section::Means)),
         section("Tables", &tables(collected)),
-        section("Distributions", &charts(figures, Section::Distributions)),
-        section("States over time", &charts(figures, Section::OverTime)),
-        section("Sweeps", &charts(figures, Section::Sweeps)),
+        section("Distributions", &charts(&figures.drawn, Section::Distributions)),
+        section("States over time", &charts(&figures.drawn, Section::OverTime)),
+        section("Sweeps", &charts(&figures.drawn, Section::Sweeps)),
         section("Runs without a result", &failures(plan, collected)),
         section("Runs in which an agent was stuck", &stuck(plan, collected)),
         section("Plan and version", &plan_part(plan)),
@@ -45,7 +45,7 @@ fn section(heading: &str, body: &str) -> String {
     if body.is_empty() { String::new() } else { format!("<h2>{heading}</h2>\n{body}") }
 }
 
-fn summary(plan: &BatchPlan, collected: &Collected) -> String {
+fn summary(plan: &BatchPlan, collected: &Collected, figures: &Figures) -> String {
     let (variants, seeds) = (plan.variants.len(), plan.seeds.count());
     let mut text = match variants {
         1 => format!("<p>{seeds} runs of {}.</p>\n", escaped(&plan.title(&plan.variants[0]))),
@@ -55,8 +55,8 @@ fn summary(plan: &BatchPlan, collected: &Collected) -> String {
         return text + &tally(only);
     }
     text += &overview(collected);
-    if variants > SHOWN_VARIANTS {
-        push(&mut text, format_args!("<p>Charts show the first {SHOWN_VARIANTS} variants, or curves.</p>\n"));
+    for sentence in &figures.refused {
+        push(&mut text, format_args!("<p>{}</p>\n", escaped(sentence)));
     }
     text
 }

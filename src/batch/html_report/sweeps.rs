@@ -1,17 +1,23 @@
 //! Means over what a batch sweeps.
 
 use super::collected::Values;
-use super::figures::{Figure, SHOWN_VARIANTS, Section};
-use super::labels::Labels;
+use super::facets::{FacetSeries, facets_over};
 use super::quantities::{MEASURES, Quantity, STATES};
 use crate::batch::{BatchPlan, Value, file_name_of};
-use crate::picture::charts::{Curve, CurveChart, STYLES, Spread, Titles};
+use crate::picture::charts::{Curve, CurveChart, CurvePanel, Spread, Titles};
 
-/// For each key that is swept over numbers, a chart for every quantity; what else differs makes the curves.
-pub fn sweep_figures(plan: &BatchPlan, values: &[Values]) -> Vec<Figure> {
+/// A chart over a swept key, with the name of its files, and what it shows.
+pub struct SweepChart {
+    pub file: String,
+    pub what: String,
+    pub chart: CurveChart,
+}
+
+/// For each key that is swept over numbers, a chart for every quantity; what else differs makes curves and panels.
+pub fn sweep_charts(plan: &BatchPlan, values: &[Values]) -> Vec<SweepChart> {
     let keys = plan.swept_keys.iter().enumerate().filter(|(index, _)| is_over_numbers(plan, *index));
     let quantities = || STATES.iter().chain(&MEASURES);
-    keys.flat_map(|(index, key)| quantities().filter_map(move |quantity| figure(plan, values, index, key, quantity)))
+    keys.flat_map(|(index, key)| quantities().filter_map(move |quantity| chart(plan, values, index, key, quantity)))
         .collect()
 }
 
@@ -28,9 +34,19 @@ fn is_over_numbers(plan: &BatchPlan, key: usize) -> bool {
     numbers.is_some_and(|numbers| numbers.iter().any(|number| *number != numbers[0]))
 }
 
-fn figure(plan: &BatchPlan, values: &[Values], key: usize, name: &str, quantity: &Quantity) -> Option<Figure> {
-    let curves = curves(plan, values, key, quantity);
-    if !curves.iter().any(|curve| curve.points.iter().any(|(_, estimate)| estimate.value != 0.0)) {
+fn chart(plan: &BatchPlan, values: &[Values], key: usize, name: &str, quantity: &Quantity) -> Option<SweepChart> {
+    let curve = |series: FacetSeries| {
+        let point = |&variant: &usize| number(&plan.variants[variant].swept[key]).zip(values[variant].mean(quantity));
+        let mut points: Vec<_> = series.variants.iter().filter_map(point).collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Curve { name: series.name, style: series.style, points }
+    };
+    let panels: Vec<CurvePanel> = facets_over(plan, key)
+        .into_iter()
+        .map(|panel| CurvePanel { name: panel.name, curves: panel.series.into_iter().map(curve).collect() })
+        .collect();
+    let mut points = panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points);
+    if !points.any(|(_, estimate)| estimate.value != 0.0) {
         return None;
     }
     let chart = CurveChart {
@@ -41,32 +57,8 @@ fn figure(plan: &BatchPlan, values: &[Values], key: usize, name: &str, quantity:
             y: quantity.unit.of_axis().into(),
         },
         spread: Spread::Whiskers,
-        curves,
+        panels,
     };
     let file = format!("sweep-{}-{}", file_name_of(name), quantity.column);
-    Some(Figure { section: Section::Sweeps, file, drawing: chart.draw() })
-}
-
-/// A curve for each combination of all that differs besides the key.
-fn curves(plan: &BatchPlan, values: &[Values], key: usize, quantity: &Quantity) -> Vec<Curve> {
-    let labels = Labels::of(plan).without(key);
-    let mut curves: Vec<Curve> = Vec::new();
-    for (variant, values) in plan.variants.iter().zip(values) {
-        let name = labels.label(variant);
-        let place = curves.iter().position(|curve| curve.name == name);
-        let place = place.unwrap_or(curves.len());
-        if place == SHOWN_VARIANTS {
-            continue;
-        }
-        if place == curves.len() {
-            curves.push(Curve { name, style: STYLES[place], points: Vec::new() });
-        }
-        if let (Some(x), Some(estimate)) = (number(&variant.swept[key]), values.mean(quantity)) {
-            curves[place].points.push((x, estimate));
-        }
-    }
-    for curve in &mut curves {
-        curve.points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    }
-    curves
+    Some(SweepChart { file, what: format!("means by {name}"), chart })
 }

@@ -2,8 +2,10 @@
 
 use super::axes::Scale;
 use super::drawing::Drawing;
-use super::sheet::{LABEL, Layout, Plot, Swatch, fitted, width_of};
-use super::style::{STYLES, Style};
+use super::sheet::{
+    LABEL, Layout, PanelGrid, Plot, Swatch, distinct, draw_panel_name, fitted, numbered, sheets, width_of,
+};
+use super::style::Style;
 use super::{Estimate, Titles};
 use crate::picture::canvas::Point;
 use crate::picture::colours::{INK, PAPER, Rgb};
@@ -11,57 +13,86 @@ use crate::picture::text::Align;
 
 const HEIGHT: f32 = 260.0;
 const LEFT: f32 = 48.0;
+/// Of several panels, which stand one below the other, with the names of the groups under each.
+const PANEL_HEIGHT: f32 = 120.0;
+const GRID: PanelGrid = PanelGrid { columns: 1, left: LEFT, below: 44.0 };
+/// The most panels on a sheet.
+const PANELS: usize = 8;
 /// What of a group's room its bars take.
 const BARS: f32 = 0.78;
 const WIDEST: f32 = 64.0;
 
-/// A bar of every series in every group; values from zero.
+/// A bar of every series in every group; values from zero. All panels have one scale.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BarChart {
     pub titles: Titles,
     /// Names of the groups, from left to right.
     pub groups: Vec<String>,
-    /// At most as many as there are [`STYLES`]; more are left out.
+    pub panels: Vec<BarPanel>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct BarPanel {
+    /// Empty of a panel that fills a sheet of its own.
+    pub name: String,
     pub series: Vec<BarSeries>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct BarSeries {
     pub name: String,
+    pub style: Style,
     /// One for each group; `None` where there is nothing to show.
     pub bars: Vec<Option<Estimate>>,
 }
 
 impl BarChart {
-    pub fn draw(&self) -> Drawing {
-        let series = || STYLES.into_iter().zip(&self.series);
-        let key = series().map(|(style, series)| (style, series.name.as_str())).collect();
-        let layout = Layout { titles: &self.titles, swatch: Swatch::Bar, key, left: LEFT, height: HEIGHT };
-        let (mut drawing, plot) = layout.draw();
-        let bars = series().flat_map(|(_, series)| series.bars.iter().flatten());
+    /// As many sheets as the panels take.
+    pub fn draw(&self) -> Vec<Drawing> {
+        let bars = self.panels.iter().flat_map(|panel| &panel.series).flat_map(|series| series.bars.iter().flatten());
         let scale = Scale::around(bars.map(Estimate::range)).with_zero();
-        plot.draw_y_axis(&mut drawing, scale);
+        let sheets = sheets(&self.panels, |panel| &panel.name, PANELS);
+        let sheet = |(index, panels): (usize, &&[BarPanel])| {
+            let series = panels.iter().flat_map(|panel| &panel.series);
+            let key = distinct(series.map(|series| (series.style, series.name.as_str())));
+            let titles = numbered(&self.titles, index, sheets.len());
+            let heights = vec![PANEL_HEIGHT; panels.len()];
+            let is_alone = panels[0].name.is_empty();
+            let height = if is_alone { HEIGHT } else { GRID.height(&heights) };
+            let (mut drawing, plot) = Layout { titles: &titles, swatch: Swatch::Bar, key, left: LEFT, height }.draw();
+            let parts = if is_alone { vec![plot] } else { GRID.parts(&plot, &heights) };
+            for (panel, part) in panels.iter().zip(&parts) {
+                self.draw_panel(&mut drawing, part, scale, panel);
+            }
+            drawing
+        };
+        sheets.iter().enumerate().map(sheet).collect()
+    }
+
+    fn draw_panel(&self, drawing: &mut Drawing, plot: &Plot, scale: Scale, panel: &BarPanel) {
+        draw_panel_name(drawing, plot, &panel.name);
+        plot.draw_y_axis(drawing, scale);
         let room = (plot.right - plot.left) / self.groups.len().max(1) as f32;
-        let count = series().count().max(1) as f32;
+        let count = panel.series.len().max(1) as f32;
         let width = (room * BARS / count).min(WIDEST);
-        let numbers = series().flat_map(|(_, series)| series.bars.iter().flatten()).map(|bar| short_number(bar.value));
+        let bars = panel.series.iter().flat_map(|series| series.bars.iter().flatten());
+        let numbers = bars.map(|bar| short_number(bar.value));
         let has_numbers = numbers.map(|number| width_of(&number, LABEL)).fold(0.0, f32::max) < width;
         for (group, name) in self.groups.iter().enumerate() {
             let centre = plot.left + (group as f32 + 0.5) * room;
-            for (index, (style, series)) in series().enumerate() {
+            for (index, series) in panel.series.iter().enumerate() {
                 let left = centre + (index as f32 - count / 2.0) * width;
                 if let Some(bar) = series.bars.get(group).copied().flatten() {
-                    let top = draw_bar(&mut drawing, &plot, scale, style, bar, (left, left + width));
+                    let top = draw_bar(drawing, plot, scale, series.style, bar, (left, left + width));
                     if has_numbers {
                         let at = (left + width / 2.0, top - 5.0);
                         drawing.text(&short_number(bar.value), at, Align::Centre, LABEL, INK);
                     }
                 }
             }
-            draw_name(&mut drawing, name, (centre, plot.bottom), room - 6.0);
+            draw_name(drawing, name, (centre, plot.bottom), room - 6.0);
         }
-        plot.draw_base(&mut drawing);
-        drawing
+        plot.draw_base(drawing);
     }
 }
 
@@ -121,6 +152,7 @@ fn short_number(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::picture::charts::STYLES;
     use crate::picture::charts::drawing::Mark;
 
     #[test]
@@ -129,10 +161,12 @@ mod tests {
         let chart = BarChart {
             titles: Titles::default(),
             groups: vec!["a".into(), "b".into()],
-            series: vec![BarSeries { name: "one".into(), bars: vec![bar(2.0), bar(1.0)] }],
+            panels: vec![BarPanel {
+                name: String::new(),
+                series: vec![BarSeries { name: "one".into(), style: STYLES[0], bars: vec![bar(2.0), bar(1.0)] }],
+            }],
         };
-        let drawing = chart.draw();
-        let heights: Vec<f32> = drawing
+        let heights: Vec<f32> = chart.draw()[0]
             .marks
             .iter()
             .filter_map(|mark| match mark {
@@ -142,5 +176,27 @@ mod tests {
             .collect();
         assert_eq!(heights.len(), 2);
         assert!((heights[0] - 2.0 * heights[1]).abs() < 0.01, "{heights:?}");
+    }
+
+    #[test]
+    fn panels_have_one_scale_whatever_sheet_they_are_on() {
+        let panel = |value: f64| {
+            let bars = vec![Some(Estimate { value, interval: None })];
+            let series = vec![BarSeries { name: "one".into(), style: STYLES[0], bars }];
+            BarPanel { name: format!("panel {value}"), series }
+        };
+        let panels: Vec<BarPanel> = (1..=10).map(|value| panel(f64::from(value))).collect();
+        let drawings = BarChart { titles: Titles::default(), groups: vec!["a".into()], panels }.draw();
+        assert_eq!(drawings.len(), 2);
+        let heights = drawings.iter().flat_map(|drawing| &drawing.marks).filter_map(|mark| match mark {
+            Mark::Area { corners, .. } => Some(corners[2].1 - corners[0].1),
+            _ => None,
+        });
+        let heights: Vec<f32> = heights.collect();
+        assert_eq!(heights.len(), 10, "a bar for each");
+        assert!(heights.iter().zip(1..).all(|(height, value)| (height / heights[0] - value as f32).abs() < 0.01));
+        let names = drawings.iter().flat_map(|drawing| &drawing.marks);
+        let names = names.filter(|mark| matches!(mark, Mark::Text { text, .. } if text.starts_with("panel ")));
+        assert_eq!(names.count(), 10, "each with its name");
     }
 }

@@ -3,22 +3,35 @@
 use super::axes::Scale;
 use super::bars::draw_whisker;
 use super::drawing::Drawing;
-use super::sheet::{Layout, Plot, Swatch};
+use super::sheet::{Layout, PanelGrid, Plot, Swatch, distinct, draw_panel_name, numbered, sheets};
 use super::style::Style;
 use super::{Estimate, Titles};
 use crate::picture::canvas::Point;
 
 const HEIGHT: f32 = 280.0;
 const LEFT: f32 = 48.0;
+/// Of several panels, two of which stand side by side.
+const PANEL_HEIGHT: f32 = 150.0;
+const GRID: PanelGrid = PanelGrid { columns: 2, left: LEFT, below: 30.0 };
+/// The most panels on a sheet.
+const PANELS: usize = 12;
 const BAND: f32 = 0.2;
-/// How far marks of curves at one place stand apart.
+/// How far marks of curves at one place stand apart, and what of the room between two places they take at most.
 const APART: f32 = 9.0;
+const MOST_OF_ROOM: f32 = 0.7;
 
-/// Curves in one pair of axes.
+/// Curves in pairs of axes, which are the same in all panels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CurveChart {
     pub titles: Titles,
     pub spread: Spread,
+    pub panels: Vec<CurvePanel>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct CurvePanel {
+    /// Empty of a panel that fills a sheet of its own.
+    pub name: String,
     pub curves: Vec<Curve>,
 }
 
@@ -40,23 +53,40 @@ pub struct Curve {
 }
 
 impl CurveChart {
-    pub fn draw(&self) -> Drawing {
+    /// As many sheets as the panels take.
+    pub fn draw(&self) -> Vec<Drawing> {
         let swatch = if self.spread == Spread::Bands { Swatch::Line } else { Swatch::MarkedLine };
-        let key = self.curves.iter().map(|curve| (curve.style, curve.name.as_str())).collect();
-        let layout = Layout { titles: &self.titles, swatch, key, left: LEFT, height: HEIGHT };
-        let (mut drawing, plot) = layout.draw();
-        let points = || self.curves.iter().flat_map(|curve| &curve.points);
+        let points = || self.panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points);
         let y = Scale::around(points().map(|(_, estimate)| estimate.range())).with_near_zero();
         let x = Scale::around(points().map(|&(x, _)| (x, x)));
-        let axes = Axes { plot, x: if self.spread == Spread::Bands { exact(x, points()) } else { x }, y };
-        plot.draw_y_axis(&mut drawing, axes.y);
-        plot.draw_x_axis(&mut drawing, axes.x);
-        plot.draw_base(&mut drawing);
+        let x = if self.spread == Spread::Bands { exact(x, points()) } else { x };
+        let sheets = sheets(&self.panels, |panel| &panel.name, PANELS);
+        let sheet = |(index, panels): (usize, &&[CurvePanel])| {
+            let curves = panels.iter().flat_map(|panel| &panel.curves);
+            let key = distinct(curves.map(|curve| (curve.style, curve.name.as_str())));
+            let titles = numbered(&self.titles, index, sheets.len());
+            let heights = vec![PANEL_HEIGHT; panels.len()];
+            let is_alone = panels[0].name.is_empty();
+            let height = if is_alone { HEIGHT } else { GRID.height(&heights) };
+            let (mut drawing, plot) = Layout { titles: &titles, swatch, key, left: LEFT, height }.draw();
+            let parts = if is_alone { vec![plot] } else { GRID.parts(&plot, &heights) };
+            for (panel, plot) in panels.iter().zip(parts) {
+                self.draw_panel(&mut drawing, &Axes { plot, x, y }, panel);
+            }
+            drawing
+        };
+        sheets.iter().enumerate().map(sheet).collect()
+    }
+
+    fn draw_panel(&self, drawing: &mut Drawing, axes: &Axes, panel: &CurvePanel) {
+        draw_panel_name(drawing, &axes.plot, &panel.name);
+        axes.plot.draw_y_axis(drawing, axes.y);
+        axes.plot.draw_x_axis(drawing, axes.x);
+        axes.plot.draw_base(drawing);
         match self.spread {
-            Spread::Bands => axes.draw_bands(&mut drawing, &self.curves),
-            Spread::Whiskers => axes.draw_marked(&mut drawing, &self.curves),
+            Spread::Bands => axes.draw_bands(drawing, &panel.curves),
+            Spread::Whiskers => axes.draw_marked(drawing, &panel.curves),
         }
-        drawing
     }
 }
 
@@ -91,8 +121,9 @@ impl Axes {
 
     /// Curves a little beside each other, so that whiskers at one place are all seen.
     fn draw_marked(&self, drawing: &mut Drawing, curves: &[Curve]) {
+        let apart = APART.min(MOST_OF_ROOM * self.least_room(curves) / curves.len().max(1) as f32);
         for (index, curve) in curves.iter().enumerate() {
-            let aside = APART * (index as f32 - 0.5 * (curves.len() - 1) as f32);
+            let aside = apart * (index as f32 - 0.5 * (curves.len() - 1) as f32);
             let places: Vec<Point> = self.line(curve, |estimate| estimate.value).map(|(x, y)| (x + aside, y)).collect();
             curve.style.line(drawing, places.clone());
             for ((_, estimate), &(x, y)) in curve.points.iter().zip(&places) {
@@ -103,6 +134,15 @@ impl Axes {
                 curve.style.mark(drawing, (x, y), 4.0);
             }
         }
+    }
+
+    /// Units between the two places that are nearest to each other.
+    fn least_room(&self, curves: &[Curve]) -> f32 {
+        let mut places: Vec<f32> =
+            curves.iter().flat_map(|curve| self.line(curve, |estimate| estimate.value).map(|(x, _)| x)).collect();
+        places.sort_by(f32::total_cmp);
+        places.dedup();
+        places.windows(2).map(|pair| pair[1] - pair[0]).fold(f32::INFINITY, f32::min)
     }
 
     fn draw_band(&self, drawing: &mut Drawing, curve: &Curve) {
@@ -126,8 +166,9 @@ mod tests {
             (f64::from(index), Estimate { value, interval: Some((value - 1.0, value + 2.0)) })
         };
         let curve = Curve { name: "one".into(), style: STYLES[0], points: (0..10).map(point).collect() };
-        let chart = CurveChart { titles: Titles::default(), spread: Spread::Bands, curves: vec![curve] };
-        let drawing = chart.draw();
+        let panels = vec![CurvePanel { name: String::new(), curves: vec![curve] }];
+        let chart = CurveChart { titles: Titles::default(), spread: Spread::Bands, panels };
+        let drawing = &chart.draw()[0];
         let band = drawing.marks.iter().find_map(|mark| match mark {
             Mark::Area { corners, .. } => Some(corners.clone()),
             _ => None,

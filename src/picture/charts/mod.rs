@@ -3,6 +3,8 @@
 //! A chart becomes a [`Drawing`], a list of marks, which is written as SVG and painted as a picture: one geometry for
 //! both. Series differ in colour, and in hatching, dashes or the shape of their marks too, so that charts can be read in
 //! grey print; the colours are those of Okabe and Ito ("Color Universal Design", 2008), chosen for the colour-blind.
+//! What does not fit into one pair of axes is shown in several, small multiples of one scale, on as many sheets as they
+//! take.
 
 mod axes;
 mod bars;
@@ -14,10 +16,10 @@ mod strips;
 mod style;
 mod svg;
 
-pub use bars::{BarChart, BarSeries};
-pub use curves::{Curve, CurveChart, Spread};
+pub use bars::{BarChart, BarPanel, BarSeries};
+pub use curves::{Curve, CurveChart, CurvePanel, Spread};
 pub use drawing::Drawing;
-pub use strips::{Strip, StripChart};
+pub use strips::{Strip, StripChart, StripPanel};
 pub use style::{STYLES, Style};
 
 /// What is written around a chart.

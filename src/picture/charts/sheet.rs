@@ -27,6 +27,79 @@ pub struct Plot {
     pub bottom: f32,
 }
 
+/// Panels of one sheet, row by row, as small multiples: each with its name above and its axis below.
+#[derive(Clone, Copy, Debug)]
+pub struct PanelGrid {
+    pub columns: usize,
+    /// Units to the left of every panel, as of the whole plot, and below every panel.
+    pub left: f32,
+    pub below: f32,
+}
+
+/// Units between the names of a panel and its neighbour to the left.
+const GAP: f32 = 16.0;
+
+impl PanelGrid {
+    /// What panels of these heights take, of which those in one row are as high as the highest.
+    pub fn height(&self, heights: &[f32]) -> f32 {
+        let rows = self.row_heights(heights);
+        rows.iter().map(|height| LINE + height).sum::<f32>() + self.below * rows.len().saturating_sub(1) as f32
+    }
+
+    /// Where the panels lie in the plot.
+    pub fn parts(&self, plot: &Plot, heights: &[f32]) -> Vec<Plot> {
+        let gap = GAP + self.left;
+        let width = (plot.right - plot.left - (self.columns - 1) as f32 * gap) / self.columns as f32;
+        let mut top = plot.top;
+        let mut parts = Vec::new();
+        for (row, height) in heights.chunks(self.columns).zip(self.row_heights(heights)) {
+            top += LINE;
+            for column in 0..row.len() {
+                let left = plot.left + column as f32 * (width + gap);
+                parts.push(Plot { left, top, right: left + width, bottom: top + height });
+            }
+            top += height + self.below;
+        }
+        parts
+    }
+
+    fn row_heights(&self, heights: &[f32]) -> Vec<f32> {
+        heights.chunks(self.columns).map(|row| row.iter().copied().fold(0.0, f32::max)).collect()
+    }
+}
+
+/// Divides panels among sheets, `most` on each; a panel without a name has a sheet of its own.
+pub fn sheets<'a, T>(panels: &'a [T], name: impl Fn(&T) -> &str + 'a, most: usize) -> Vec<&'a [T]> {
+    let with_names = panels.chunk_by(move |one, next| !name(one).is_empty() && !name(next).is_empty());
+    with_names.flat_map(|together| together.chunks(most)).collect()
+}
+
+/// The entries of a key for series of several panels, each once.
+pub fn distinct<'a>(series: impl Iterator<Item = (Style, &'a str)>) -> Vec<(Style, &'a str)> {
+    let mut found = Vec::new();
+    for entry in series {
+        if !found.contains(&entry) {
+            found.push(entry);
+        }
+    }
+    found
+}
+
+/// The titles of one of several sheets.
+pub fn numbered(titles: &Titles, index: usize, sheets: usize) -> Titles {
+    let title = if sheets > 1 { format!("{} ({} of {sheets})", titles.title, index + 1) } else { titles.title.clone() };
+    Titles { title, ..titles.clone() }
+}
+
+/// The name of a panel, above it; nothing where there is none.
+pub fn draw_panel_name(drawing: &mut Drawing, part: &Plot, name: &str) {
+    if name.is_empty() {
+        return;
+    }
+    let name = fitted(name, part.right - part.left, LABEL);
+    drawing.text(&name, (part.left, part.top - 6.0), Align::Left, LABEL, INK);
+}
+
 /// How a series is shown in the key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Swatch {
@@ -142,6 +215,32 @@ pub fn rule(drawing: &mut Drawing, plot: &Plot, y: f32) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn panels_of_a_sheet_do_not_overlap_and_stay_in_the_plot() {
+        let grid = PanelGrid { columns: 2, left: 48.0, below: 26.0 };
+        let heights = [100.0, 60.0, 80.0, 90.0, 100.0];
+        let plot = Plot { left: 66.0, top: 50.0, right: 702.0, bottom: 50.0 + grid.height(&heights) };
+        let parts = grid.parts(&plot, &heights);
+        assert_eq!(parts.len(), heights.len());
+        for (index, part) in parts.iter().enumerate() {
+            assert!(part.left >= plot.left && part.right <= plot.right + 0.01 && part.bottom <= plot.bottom + 0.01);
+            assert!(part.bottom - part.top >= heights[index] && part.top >= plot.top + LINE);
+            for other in &parts[..index] {
+                let is_beside = part.left >= other.right + grid.left || other.left >= part.right + grid.left;
+                assert!(is_beside || part.top >= other.bottom + grid.below, "{part:?} {other:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_panel_is_on_one_sheet() {
+        let panels = ["a", "b", "c", "", "", "d"];
+        let sheets = sheets(&panels, |name| name, 2);
+        assert_eq!(sheets, [&["a", "b"][..], &["c"], &[""], &[""], &["d"]]);
+        let titles = Titles { title: "T".into(), ..Titles::default() };
+        assert_eq!([numbered(&titles, 0, 1).title, numbered(&titles, 1, 3).title], ["T", "T (2 of 3)"]);
+    }
 
     #[test]
     fn long_names_are_cut_to_their_room() {

@@ -3,8 +3,8 @@
 use super::Titles;
 use super::axes::Scale;
 use super::drawing::Drawing;
-use super::sheet::{LABEL, Layout, Plot, Swatch, fitted, rule, width_of};
-use super::style::{STYLES, Style};
+use super::sheet::{LABEL, Layout, PanelGrid, Plot, Swatch, draw_panel_name, fitted, numbered, rule, sheets, width_of};
+use super::style::Style;
 use crate::picture::colours::{INK, PAPER};
 use crate::picture::text::Align;
 
@@ -16,52 +16,88 @@ const QUANTILES: f32 = 16.0;
 const ABOVE: f32 = 16.0;
 const MOST_COLUMNS: usize = 48;
 const WIDEST_NAME: f32 = 210.0;
+/// What a panel keeps free below, for numbers, and the most panels on a sheet.
+const BELOW: f32 = 34.0;
+const PANELS: usize = 4;
 
-/// Distributions over one axis.
+/// Distributions over one axis, which is the same in all panels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StripChart {
     pub titles: Titles,
+    pub panels: Vec<StripPanel>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct StripPanel {
+    /// Empty of a panel that fills a sheet of its own.
+    pub name: String,
     pub strips: Vec<Strip>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Strip {
     pub name: String,
+    pub style: Style,
     /// Ascending.
     pub values: Vec<f64>,
-    /// At 5, 25, 50, 75 and 95 %.
-    pub quantiles: [f64; 5],
+    /// At 5, 25, 50, 75 and 95 %; `None` without values.
+    pub quantiles: Option<[f64; 5]>,
 }
 
 impl StripChart {
-    pub fn draw(&self) -> Drawing {
-        let has_names = self.strips.len() > 1;
-        let widest = self.strips.iter().map(|strip| width_of(&strip.name, LABEL)).fold(0.0, f32::max);
+    /// As many sheets as the panels take.
+    pub fn draw(&self) -> Vec<Drawing> {
+        let strips = || self.panels.iter().flat_map(|panel| &panel.strips);
+        let has_names = strips().count() > 1;
+        let widest = strips().map(|strip| width_of(&strip.name, LABEL)).fold(0.0, f32::max);
         let left = if has_names { widest.min(WIDEST_NAME) + 12.0 } else { 0.0 };
         let row = if has_names { ROW } else { ONE_ROW };
-        let height = row * self.strips.len() as f32;
-        let layout = Layout { titles: &self.titles, swatch: Swatch::Bar, key: Vec::new(), left, height };
-        let (mut drawing, plot) = layout.draw();
-        let ends = self.strips.iter().filter_map(|strip| Some((*strip.values.first()?, *strip.values.last()?)));
-        let scale = Scale::around(ends);
-        plot.draw_x_axis(&mut drawing, scale);
-        let columns = columns(self.strips.iter().map(|strip| strip.values.len()).sum());
-        for (index, (strip, style)) in self.strips.iter().zip(STYLES.iter().cycle()).enumerate() {
-            let top = plot.top + index as f32 * row;
-            let part = Plot { top, bottom: top + row, ..plot };
-            if has_names {
-                let name_at = (part.left - 10.0, part.bottom - QUANTILES - 6.0);
-                drawing.text(&fitted(&strip.name, WIDEST_NAME, LABEL), name_at, Align::Right, LABEL, INK);
-                rule(&mut drawing, &part, part.bottom);
+        let scale = Scale::around(strips().filter_map(|strip| Some((*strip.values.first()?, *strip.values.last()?))));
+        let in_panel = |panel: &StripPanel| panel.strips.iter().map(|strip| strip.values.len()).sum();
+        let columns = columns(self.panels.iter().map(in_panel).max().unwrap_or(0));
+        let sheets = sheets(&self.panels, |panel| &panel.name, PANELS);
+        let sheet = |(index, panels): (usize, &&[StripPanel])| {
+            let titles = numbered(&self.titles, index, sheets.len());
+            let grid = PanelGrid { columns: 1, left, below: BELOW };
+            let heights: Vec<f32> = panels.iter().map(|panel| row * panel.strips.len() as f32).collect();
+            let is_alone = panels[0].name.is_empty();
+            let height = if is_alone { heights[0] } else { grid.height(&heights) };
+            let layout = Layout { titles: &titles, swatch: Swatch::Bar, key: Vec::new(), left, height };
+            let (mut drawing, plot) = layout.draw();
+            let parts = if is_alone { vec![plot] } else { grid.parts(&plot, &heights) };
+            for (panel, part) in panels.iter().zip(&parts) {
+                draw_panel(&mut drawing, part, (scale, columns), panel, has_names);
             }
-            draw_strip(&mut drawing, &part, scale, columns, strip, style);
-        }
-        plot.draw_base(&mut drawing);
-        drawing
+            drawing
+        };
+        sheets.iter().enumerate().map(sheet).collect()
     }
 }
 
-fn draw_strip(drawing: &mut Drawing, part: &Plot, scale: Scale, columns: usize, strip: &Strip, style: &Style) {
+fn draw_panel(
+    drawing: &mut Drawing,
+    plot: &Plot,
+    (scale, columns): (Scale, usize),
+    panel: &StripPanel,
+    has_names: bool,
+) {
+    draw_panel_name(drawing, plot, &panel.name);
+    plot.draw_x_axis(drawing, scale);
+    let row = (plot.bottom - plot.top) / panel.strips.len().max(1) as f32;
+    for (index, strip) in panel.strips.iter().enumerate() {
+        let top = plot.top + index as f32 * row;
+        let part = Plot { top, bottom: top + row, ..*plot };
+        if has_names {
+            let name_at = (part.left - 10.0, part.bottom - QUANTILES - 6.0);
+            drawing.text(&fitted(&strip.name, WIDEST_NAME, LABEL), name_at, Align::Right, LABEL, INK);
+            rule(drawing, &part, part.bottom);
+        }
+        draw_strip(drawing, &part, scale, columns, strip);
+    }
+    plot.draw_base(drawing);
+}
+
+fn draw_strip(drawing: &mut Drawing, part: &Plot, scale: Scale, columns: usize, strip: &Strip) {
     let counts = counts(scale, columns, &strip.values);
     let most = counts.iter().copied().max().unwrap_or(0).max(1);
     let base = part.bottom - QUANTILES;
@@ -70,14 +106,17 @@ fn draw_strip(drawing: &mut Drawing, part: &Plot, scale: Scale, columns: usize, 
         let left = part.left + index as f32 * width;
         // A single run among many is a line that can still be seen.
         let top = base - (count as f32 / most as f32 * height).max(1.5);
-        drawing.rect((left + 0.5, top), (left + width - 0.5, base), style.colour);
+        drawing.rect((left + 0.5, top), (left + width - 0.5, base), strip.style.colour);
     }
     if let Some(highest) = counts.iter().position(|&count| count == most) {
         let x = part.left + (highest as f32 + 0.5) * width;
         drawing.text(&most.to_string(), (x, part.top + ABOVE - 4.0), Align::Centre, LABEL, INK);
     }
-    if !strip.values.is_empty() {
-        draw_quantiles(drawing, base + QUANTILES / 2.0, strip.quantiles.map(|value| part.x(scale, value)));
+    match strip.quantiles {
+        Some(quantiles) => {
+            draw_quantiles(drawing, base + QUANTILES / 2.0, quantiles.map(|value| part.x(scale, value)));
+        }
+        None => drawing.text("no run has it", (part.left + 8.0, base - 6.0), Align::Left, LABEL, INK),
     }
 }
 
