@@ -5,6 +5,10 @@
 //! [`time`], [`geometry`], [`rng`], [`event_queue`], [`input_file`], [`untrusted`], [`whole_file`]; [`grid`]; [`map_files`]; [`vehicle`]; [`trajectory`]; [`collision`];
 //! [`planning`]; [`fire`]; [`scenario`]; [`timeline`]; [`picture`]; [`audit`]; [`sim`]; [`stats`]; [`batch`]; `view`; [`cli`].
 
+// What fuzzers share is also part of the tests in `tests/`, where this crate has its name.
+#[cfg(test)]
+extern crate self as wildfire;
+
 pub mod audit;
 pub mod batch;
 pub mod cli;

@@ -92,7 +92,7 @@ impl Failure {
     }
 
     /// What went wrong, in one sentence.
-    #[cfg(feature = "view")]
+    #[cfg(any(feature = "view", test))]
     pub fn sentence(&self) -> String {
         self.report.to_string()
     }

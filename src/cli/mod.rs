@@ -5,15 +5,23 @@
 mod args;
 mod audit_command;
 mod batch_command;
+#[cfg(test)]
+mod command_lines;
 mod compare;
 mod curve;
 mod failure;
+#[cfg(test)]
+#[path = "../../tests/fuzz/mod.rs"]
+mod fuzz;
 mod interrupt;
 mod map;
 mod merge_command;
 mod new_command;
 mod numbers;
 mod output_files;
+#[cfg(test)]
+#[path = "../../tests/fuzz/phrases.rs"]
+mod phrases;
 mod plan;
 mod play_command;
 mod render;

@@ -70,3 +70,46 @@ fn read(path: &Path, reading: &ReadingArguments) -> Result<(MapFile, Duration), 
     occupancy::remove_edges(&mut map.occupied, reading.remove_edges);
     Ok((map, stopwatch.lap()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::args::Command;
+    use crate::cli::command_lines::{drawn_words, parsed, said};
+    use crate::cli::fuzz::{Case, Fuzzer, Law, below, one_of};
+    use crate::grid::Grid;
+
+    #[test]
+    fn maps_take_any_parameters() {
+        Fuzzer { name: "maps_take", target: "--lib", law: map_takes_parameters }.run(3000);
+    }
+
+    /// What is asked of a small map is told or refused.
+    fn map_takes_parameters(case: &mut Case<'_>) -> Law {
+        let (rows, cols) = (1 + below(&mut case.dice, 12), 1 + below(&mut case.dice, 12));
+        let percent = *one_of(&mut case.dice, &[20, 0, 50, 100]);
+        let cells = (0..rows * cols).map(|_| case.chance(percent)).collect();
+        let occupied = Grid::from_values(rows, cols, cells);
+        let words = drawn_words(case, &["map"]);
+        let command = match parsed(case, "map", words)? {
+            Some(Command::Map { command: MapCommand::Compute(computation) }) => computation,
+            _ => return Ok(()),
+        };
+        if let Err(refusal) = command.check_parameters() {
+            return said(&refusal.to_string());
+        }
+        case.count("parameters accepted");
+        let map = MapFile { occupied, grey: None, notes: Vec::new() };
+        let computed = match compute::compute(&command, &map.occupied) {
+            Ok(computed) => computed,
+            Err(refusal) => return said(&refusal.to_string()),
+        };
+        case.count("maps computed");
+        let report = Report::new(&command, &map, &computed, Duration::ZERO);
+        let told = told(&report);
+        if command.files().output.json && serde_json::from_str::<serde_json::Value>(&told).is_err() {
+            return Err(format!("this is no JSON: {told}"));
+        }
+        said(&told)
+    }
+}

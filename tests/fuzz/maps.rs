@@ -1,0 +1,234 @@
+//! Map files of every format, and given fields.
+
+use std::path::Path;
+
+use arbitrary::Unstructured;
+use miniz_oxide::deflate;
+use wildfire::grid::Grid;
+use wildfire::map_files::{self, MapValue};
+use wildfire::scenario::{GivenField, Problem, Unimog};
+
+use super::fuzz::text::{NUMBERS, mutated};
+use super::fuzz::{Case, Law, below, chance, one_of};
+use super::grammar::refusal_names_its_place;
+
+const TEXTS: &[&str] = &[
+    "0101\n0000\n1111\n",
+    "0,1,0\n1,0,1\n",
+    "type octile\nheight 3\nwidth 4\nmap\n....\n.@T.\nGSW.\n",
+    "P1\n# bushes\n4 2\n0 1 1 0\n1001\n",
+    "P2 3 2 255\n0 128 255 7 200 3\n",
+    "P3\n2 1\n255\n255 0 0 0 0 255\n",
+    "P4 8 2\n\x55\x2A",
+    "P5 3 2 255\nabcdef",
+    "P5 2 1 65535\nabcd",
+    "P6 1 2 255\nabcdef",
+    "\u{FEFF}01\r\n10\r\n",
+];
+
+const WORDS: &[&str] =
+    &["type octile\n", "height ", "width ", "map\n", "P1 ", "P5 ", "P7\n", "GIF8", "BM", "#", "01", "\u{FEFF}"];
+
+/// A map file is read or refused, and a map that was read is the same once it was written.
+pub fn map_file(case: &mut Case<'_>) -> Law {
+    case.input = match below(&mut case.dice, 4) {
+        0 => png(&mut case.dice),
+        1 => pnm(&mut case.dice),
+        _ => mutated(&mut case.dice, TEXTS, WORDS),
+    };
+    let path = case.write("map", &case.input);
+    let tolerance = one_of(&mut case.dice, &[0, 127, 254, 255]);
+    let map = match map_files::read(&path, *tolerance) {
+        Ok(map) => map,
+        Err(refusal) => return said(&refusal.to_string()),
+    };
+    case.count("maps accepted");
+    if map.grey.as_ref().is_some_and(|grey| (grey.rows(), grey.cols()) != (map.occupied.rows(), map.occupied.cols())) {
+        return Err("the grey image has another size than the map".into());
+    }
+    let again = case.folder.join("again");
+    for write in [map_files::write_text, map_files::write_csv::<bool>] {
+        write(&again, &map.occupied).map_err(|error| error.to_string())?;
+        // A single column has no comma by which it could be told from text, and is the same as text.
+        let back = map_files::read(&again, 0).map_err(|error| format!("what was written is refused: {error}"))?;
+        if back.occupied != map.occupied {
+            return Err("another map comes back".into());
+        }
+    }
+    Ok(())
+}
+
+/// A refusal says something.
+pub fn said(refusal: &str) -> Law {
+    if refusal.trim().is_empty() { Err("a refusal without a word".into()) } else { Ok(()) }
+}
+
+/// An array of NumPy holds in its header and bytes what was written.
+pub fn numpy_array(case: &mut Case<'_>) -> Law {
+    let (rows, cols) = (1 + below(&mut case.dice, 9), 1 + below(&mut case.dice, 9));
+    let path = case.folder.join("map.npy");
+    let mut draw = || case.dice.arbitrary::<u64>().unwrap_or_default();
+    let numbers: Vec<u64> = (0..rows * cols).map(|_| draw()).collect();
+    let is = |path: &Path, kind: &str, bytes: Vec<u8>| {
+        let written = std::fs::read(path).map_err(|error| error.to_string())?;
+        let header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({rows}, {cols}), }}");
+        let length = written.get(8..10).map_or(0, |length| usize::from(u16::from_le_bytes([length[0], length[1]])));
+        let dictionary = written.get(10..10 + length).unwrap_or_default();
+        let is_right = written.starts_with(b"\x93NUMPY\x01\0")
+            && (10 + length) % 64 == 0
+            && dictionary.trim_ascii_end() == header.as_bytes()
+            && written[10 + length..] == bytes;
+        if is_right { Ok(()) } else { Err(format!("an array of {rows} x {cols} {kind} is {written:?}")) }
+    };
+    fn write<T: MapValue>(path: &Path, rows: usize, cols: usize, values: Vec<T>) -> Law {
+        map_files::write_npy(path, &Grid::from_values(rows, cols, values)).map_err(|error| error.to_string())
+    }
+    let floats: Vec<f64> = numbers.iter().map(|&bits| f64::from_bits(bits)).collect();
+    let bytes = floats.iter().flat_map(|number| number.to_le_bytes()).collect();
+    write(&path, rows, cols, floats)?;
+    is(&path, "<f8", bytes)?;
+    let words: Vec<u32> = numbers.iter().map(|&number| number as u32).collect();
+    let bytes = words.iter().flat_map(|number| number.to_le_bytes()).collect();
+    write(&path, rows, cols, words)?;
+    is(&path, "<u4", bytes)
+}
+
+/// A PNG image with right checksums, whatever its chunks say.
+fn png(dice: &mut Unstructured<'_>) -> Vec<u8> {
+    let side = |dice: &mut Unstructured<'_>| match below(dice, 16) {
+        15 => *one_of(dice, &[0, 32_767, 32_768, 100_000, u32::MAX, 1 << 31]),
+        14 => 1 + below(dice, 300) as u32,
+        _ => 1 + below(dice, 20) as u32,
+    };
+    let (width, height) = (side(dice), side(dice));
+    let [depth, colour] = *one_of(
+        dice,
+        &[[8, 0], [1, 0], [2, 0], [4, 0], [16, 0], [8, 2], [16, 2], [8, 3], [1, 3], [8, 4], [8, 6], [16, 6]],
+    );
+    let (depth, colour) =
+        if chance(dice, 5) { (dice.arbitrary().unwrap_or(8), dice.arbitrary().unwrap_or(0)) } else { (depth, colour) };
+    let interlaced = u8::from(chance(dice, 20));
+    let channels = [1, 1, 3, 1, 2, 1, 4].get(usize::from(colour)).copied().unwrap_or(1);
+    let row_bytes = 1 + (width as usize).saturating_mul(channels * usize::from(depth)).div_ceil(8);
+    let wanted = row_bytes.saturating_mul(height as usize).min(1 << 14);
+    let pixels: Vec<u8> = (0..wanted)
+        .map(|at| if at % row_bytes == 0 { below(dice, 6) as u8 } else { dice.arbitrary().unwrap_or(at as u8) })
+        .collect();
+    let mut data = deflate::compress_to_vec_zlib(&pixels, 1);
+    if chance(dice, 10) {
+        data = mutated(dice, &[data], &[]);
+    }
+    let header = [&width.to_be_bytes()[..], &height.to_be_bytes(), &[depth, colour, 0, 0, interlaced]].concat();
+    let mut chunks: Vec<(&[u8; 4], Vec<u8>)> = vec![(b"IHDR", header)];
+    if colour == 3 || chance(dice, 5) {
+        chunks.push((b"PLTE", (0..3 * (1 + below(dice, 256))).map(|byte| byte as u8).collect()));
+    }
+    if chance(dice, 20) {
+        chunks.push((b"tRNS", vec![0, 1, 2, 3, 4, 5][..below(dice, 7)].to_vec()));
+    }
+    if chance(dice, 10) {
+        chunks.push((
+            one_of::<&[u8; 4]>(dice, &[b"tEXt", b"gAMA", b"zTXt", b"iCCP", b"acTL", b"quux", b"QUUX"]),
+            vec![b'a'; below(dice, 64)],
+        ));
+    }
+    chunks.push((b"IDAT", data));
+    chunks.push((b"IEND", Vec::new()));
+    if chance(dice, 5) {
+        let [one, other] = [below(dice, chunks.len()), below(dice, chunks.len())];
+        chunks.swap(one, other);
+    }
+    let mut bytes = b"\x89PNG\r\n\x1a\n".to_vec();
+    for (name, contents) in chunks {
+        bytes.extend((contents.len() as u32).to_be_bytes());
+        let checked = [&name[..], &contents].concat();
+        bytes.extend(&checked);
+        bytes.extend(crc32fast::hash(&checked).to_be_bytes());
+    }
+    if chance(dice, 10) { mutated(dice, &[bytes], &[]) } else { bytes }
+}
+
+/// A Netpbm image whose header may say anything, and whose pixels mostly suffice.
+fn pnm(dice: &mut Unstructured<'_>) -> Vec<u8> {
+    let kind = 1 + below(dice, 6);
+    let side = |dice: &mut Unstructured<'_>| match below(dice, 16) {
+        15 => (*one_of(dice, NUMBERS)).to_owned(),
+        _ => (1 + below(dice, 12)).to_string(),
+    };
+    let gap = *one_of(dice, &[" ", "\n", "\t", " # words\n", "\r\n"]);
+    let (width, height, most) = (side(dice), side(dice), one_of(dice, &["255", "1", "65535", "0", "65536", "100"]));
+    let has_most = !matches!(kind, 1 | 4);
+    let header =
+        format!("P{kind}{gap}{width}{gap}{height}{}\n", if has_most { format!("{gap}{most}") } else { String::new() });
+    let count = if chance(dice, 90) { 6 * 144 } else { below(dice, 900) };
+    let pixels: Vec<u8> = match kind {
+        1 => (0..count).map(|_| if chance(dice, 50) { b'1' } else { b'0' }).collect(),
+        2 | 3 => (0..count).flat_map(|at| format!("{} ", (at * 7) % 256).into_bytes()).collect(),
+        _ => (0..count).map(|at| dice.arbitrary().unwrap_or(at as u8)).collect(),
+    };
+    [header.into_bytes(), pixels].concat()
+}
+
+const FIELDS: &[&str] = &[
+    "..#\n#..\n...\n",
+    "010\n001",
+    r#"{"n": 3, "cell_m": 2, "size_m": 6, "cells_cr": [[0, 0], [2, 1]], "goals": [1, {"a": []}]}"#,
+    r#"{"size_m": 250, "cell_m": 5, "cells_cr": []}"#,
+];
+
+const MEMBERS: &[&str] = &[
+    "\"n\":",
+    "\"size_m\":",
+    "\"cell_m\":",
+    "\"cells_cr\":",
+    "\"goals\":",
+    "\"start\":",
+    "\"vehicle\":",
+    "\"field\":",
+    "[[",
+    "]]",
+    "[1,2]",
+    "{\"pose\":[1,2,3]}",
+    "{\"disc\":[1,2,3]}",
+    "null",
+    "\u{1F525}",
+];
+
+/// A given field is read or refused with a stretch of its text, and comes back from JSON as it was.
+pub fn given_field(case: &mut Case<'_>) -> Law {
+    case.input = mutated(&mut case.dice, FIELDS, MEMBERS);
+    let text = String::from_utf8_lossy(&case.input);
+    let cell_m = *one_of(&mut case.dice, &[5.0, 0.01, 1000.0, 0.0, -1.0, f64::NAN, f64::INFINITY]);
+    let field = match GivenField::parse(&text, cell_m) {
+        Ok(field) => field,
+        Err(refusal) if text.get(refusal.span.clone()).is_none() => {
+            return Err(format!("{refusal} at {:?}, which is no stretch of the text", refusal.span));
+        }
+        Err(refusal) => return said(&refusal.to_string()),
+    };
+    case.count("given fields accepted");
+    let json = serde_json::to_string(&field).map_err(|error| format!("it cannot be written: {error}"))?;
+    let back: GivenField = serde_json::from_str(&json).map_err(|error| format!("it does not come back: {error}"))?;
+    if back == field { Ok(()) } else { Err("another field comes back".into()) }
+}
+
+const PROBLEMS: &[&str] = &[
+    r#"{"field": "two", "n": 20, "cell_m": 5, "cells_cr": [[8, 6], [8, 7]],
+ "vehicle": {"length": 4.9, "width": 2.2, "wheelbase": 3.0, "rear_overhang": 0.95, "min_turn_radius": 13.0, "v_max": 8.0},
+ "start": [20, 32, 0],
+ "goals": [{"pose": [70, 32, 1.57]}, {"disc": [42.5, 37.5, 10]}]}"#,
+    r#"{"field": 7, "size_m": 50, "cells_cr": [], "start": [null, 1, 2]}"#,
+];
+
+/// A problem file is read, or refused with a place.
+pub fn problem_file(case: &mut Case<'_>) -> Law {
+    case.input = mutated(&mut case.dice, PROBLEMS, MEMBERS);
+    let path = case.write("problem.json", &case.input);
+    match Problem::open(&path, &Unimog::default()) {
+        Ok(_) => {
+            case.count("problems accepted");
+            Ok(())
+        }
+        Err(refusal) => refusal_names_its_place(&refusal),
+    }
+}

@@ -1,0 +1,185 @@
+//! Everything that reads what people or other programs wrote, before what nobody would write.
+//!
+//! Nothing panics, no case runs without end, memory stays bounded. What is refused is refused with words, and with a place
+//! where it is a text. What is accepted is the same once it was written and read again. Checksums and hashes are right, so
+//! that what stands under them is reached.
+//!
+//! Arguments of the command line and the tables that its commands read have a fuzzer in `src/cli/fuzz.rs`. `fuzz/mod.rs` says which
+//! variables of the environment ask for more cases, or for one.
+
+#[path = "fuzz/batches.rs"]
+mod batches;
+mod fuzz;
+#[path = "fuzz/grammar.rs"]
+mod grammar;
+#[path = "fuzz/maps.rs"]
+mod maps;
+#[path = "fuzz/phrases.rs"]
+mod phrases;
+#[path = "fuzz/recordings.rs"]
+mod recordings;
+
+use std::fs;
+use std::str::FromStr;
+use std::sync::LazyLock;
+
+use wildfire::batch::{MAX_RUNS, Record, Seeds, Slice};
+use wildfire::scenario::{BUILT_IN, LoadedScenario, TruckPlannerKind, explain};
+
+use fuzz::text::mutated;
+use fuzz::{Case, Fuzzer, Law, below, one_of};
+use grammar::{Grammar, MAP, refusal_names_its_place};
+use maps::said;
+
+/// How many cases are run where nobody asks for more.
+const CASES: u64 = 10_000;
+
+/// The most memory that this program may have taken, in kilobytes: reading a recording may take most of it.
+const MOST_MEMORY_KB: u64 = 1 << 20;
+
+/// What is read, and how often among the sum of all.
+const PARSERS: &[(usize, &str, fn(&mut Case<'_>) -> Law)] = &[
+    (250, "words of the command line", words),
+    (150, "recordings", recordings::recording),
+    (150, "map files", maps::map_file),
+    (100, "given fields", maps::given_field),
+    (100, "problem files", maps::problem_file),
+    (80, "journals", batches::journal),
+    (50, "options of batches", batches::batch_options),
+    (40, "scenario files", scenario_file),
+    (40, "changes", change),
+    (30, "plan files", batches::plan_file),
+    (20, "plans of batches", batches::frozen_plan),
+    (20, "tables compared", batches::compared_tables),
+    (20, "finished batches", batches::finished_rows),
+    (20, "NumPy arrays", maps::numpy_array),
+    (1, "reports", batches::report),
+];
+
+static GRAMMAR: LazyLock<Grammar> = LazyLock::new(Grammar::new);
+
+#[test]
+fn parsers_take_anything() {
+    let tally = Fuzzer { name: "parsers", target: "--test fuzz_parsers", law: parser_takes_it }.run(CASES);
+    let cases: u64 = PARSERS.iter().filter_map(|(_, name, _)| tally.get(*name)).sum();
+    for (_, name, _) in PARSERS {
+        assert!(cases < CASES || tally.contains_key(*name), "no case was about {name}");
+    }
+    if let Some(memory_kb) = most_memory_kb() {
+        println!("at most {memory_kb} KB of memory");
+        assert!(memory_kb < MOST_MEMORY_KB, "{memory_kb} KB of memory were taken");
+    }
+}
+
+/// As the system counts it, where it does.
+fn most_memory_kb() -> Option<u64> {
+    let status = fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    line.trim().strip_suffix("kB")?.trim().parse().ok()
+}
+
+fn parser_takes_it(case: &mut Case<'_>) -> Law {
+    let all: usize = PARSERS.iter().map(|(share, _, _)| share).sum();
+    let mut draw = below(&mut case.dice, all);
+    for (share, name, law) in PARSERS {
+        if draw < *share {
+            case.kind = name;
+            case.count(*name);
+            return law(case);
+        }
+        draw -= share;
+    }
+    unreachable!("the shares make up all of it")
+}
+
+fn scenario_file(case: &mut Case<'_>) -> Law {
+    case.input = if case.chance(30) {
+        let drawn = GRAMMAR.draw(&mut case.dice);
+        case.write(MAP, drawn.map.as_deref().unwrap_or("..\n.#\n").as_bytes());
+        let text = toml::to_string(&drawn.scenario).expect("what was drawn can be written");
+        mutated(&mut case.dice, &[text], &[])
+    } else {
+        let samples: Vec<&str> = BUILT_IN.iter().map(|(_, text)| *text).collect();
+        mutated(&mut case.dice, &samples, &["[field]\n", "[[wumpus]]\n", "unimog = []\n", "field.map = 'map.txt'\n"])
+    };
+    let path = case.write("scenario.toml", &case.input);
+    read_scenario(case, path.to_str().expect("scratch folders have plain names"), &[])
+}
+
+/// A change to a built-in scenario.
+fn change(case: &mut Case<'_>) -> Law {
+    let keys: Vec<&String> = GRAMMAR.ranges().keys().collect();
+    let key =
+        if case.chance(80) { (*one_of(&mut case.dice, &keys)).clone() } else { phrases::phrase(&mut case.dice, KEYS) };
+    let value = phrases::phrase(&mut case.dice, VALUES);
+    let mut change = format!("{key}={value}");
+    if case.chance(20) {
+        change = String::from_utf8_lossy(&mutated(&mut case.dice, &[change], &[])).into_owned();
+    }
+    case.input = change.clone().into_bytes();
+    read_scenario(case, "smoke", &[change])
+}
+
+const KEYS: &[&str] =
+    &["unimog", "wumpus", ".", "0", "field", "given", "map", "prm", "start_m", "fire", "=", "name", "shapes"];
+const VALUES: &[&str] =
+    &["[", "]", "{", "}", "x_m = 1", "true", "\"", "prm-rs", "none", "potential", ", ", "1..2", "lattice"];
+
+fn read_scenario(case: &mut Case<'_>, source: &str, changes: &[String]) -> Law {
+    match LoadedScenario::open(source, changes) {
+        Ok(loaded) => {
+            case.count("scenarios accepted");
+            explain(&loaded);
+            for (path, _) in loaded.values() {
+                loaded.is_given(&path);
+            }
+            Ok(())
+        }
+        Err(refusal) => refusal_names_its_place(&refusal),
+    }
+}
+
+/// Seeds, slices and names.
+fn words(case: &mut Case<'_>) -> Law {
+    const WORDS: &[&str] =
+        &["..", ",", "/", "1", "5", "1..5", "2/5", "7", "all", "none", "prm-rs", "prm+primitives", "lattice"];
+    let text = phrases::phrase(&mut case.dice, WORDS);
+    case.input = text.clone().into_bytes();
+    if let Ok(seeds) = comes_back::<Seeds>(&text)? {
+        case.count("words accepted");
+        if !(1..=MAX_RUNS).contains(&seeds.count()) {
+            return Err(format!("{} seeds", seeds.count()));
+        }
+        let last = seeds.nth(seeds.count() - 1);
+        if seeds.count() < 1000 && seeds.iter().last() != Some(last) {
+            return Err(format!("its last seed is not {last}"));
+        }
+    }
+    if let Ok(slice) = comes_back::<Slice>(&text)? {
+        case.count("words accepted");
+        if (1..=20).any(|run| slice.place_of(run).is_some_and(|place| slice.run_at(place) != run)) {
+            return Err("a run of the slice is at another place".into());
+        }
+    }
+    if let Err(refusal) = text.parse::<Record>() {
+        said(&refusal)?;
+    }
+    if let Ok(planner) = text.parse::<TruckPlannerKind>()
+        && planner.name() != text
+    {
+        return Err(format!("it is taken for {}", planner.name()));
+    }
+    Ok(())
+}
+
+/// What a text is read as, if that is the same once it was written.
+fn comes_back<T: FromStr<Err: ToString> + ToString + PartialEq>(text: &str) -> Result<Result<T, T::Err>, String> {
+    let read = text.parse::<T>();
+    match &read {
+        Ok(value) if value.to_string().parse::<T>().ok().as_ref() != Some(value) => {
+            Err(format!("{} comes back as something else", value.to_string()))
+        }
+        Err(refusal) => said(&refusal.to_string()).map(|()| read),
+        Ok(_) => Ok(read),
+    }
+}

@@ -1,0 +1,231 @@
+//! Scenarios that nobody thought of, run and held against the rules.
+//!
+//! Scenarios are drawn by the grammar of the JSON Schema, or are built-in ones with changes to their text. What is refused is
+//! refused with a place. What is accepted is explained, comes back from TOML and JSON as it was, and is run, with less
+//! time and smaller searches where the whole would take too long: nothing panics, the audit finds no offence, the
+//! recording comes back bit for bit, there is an outcome, and time that is cut into slices changes nothing.
+//!
+//! `fuzz/mod.rs` says which variables of the environment ask for more cases, or for one.
+
+mod fuzz;
+#[path = "fuzz/grammar.rs"]
+mod grammar;
+
+use std::sync::LazyLock;
+
+use wildfire::audit::{Step, audit_timeline};
+use wildfire::scenario::{BUILT_IN, LoadedScenario, Scenario, explain};
+use wildfire::sim::{self, Run, RunError, Simulation};
+use wildfire::time::SimTime;
+use wildfire::timeline::{Outcome, Timeline, file};
+
+use fuzz::{Case, Fuzzer, Law, below, one_of, text};
+use grammar::{Grammar, MAP, refusal_names_its_place};
+
+/// How many cases are run where nobody asks for more.
+const CASES: u64 = 300;
+
+/// What a run may cost: simulated seconds, trucks, Wumpuses.
+const MOST_SECONDS: f64 = 300.0;
+const MOST_TRUCKS: usize = 3;
+const MOST_WUMPUSES: usize = 6;
+/// Of searches: samples, tries, expansions, bins, points.
+const MOST_SAMPLES: u32 = 300;
+const MOST_NEIGHBOURS: u32 = 20;
+const MOST_SHORTCUTS: u32 = 100;
+const MOST_EXPANSIONS: u32 = 3000;
+const MOST_BINS: f64 = 1e6;
+const MOST_POINTS: f64 = 1e4;
+/// Square metres of a field with trucks: what the flood of poses may have to fill.
+const MOST_FIELD_M2: f64 = 260.0 * 260.0;
+
+/// Longer ways are audited in coarser steps.
+const MOST_FINELY_AUDITED_M: f64 = 500.0;
+
+static GRAMMAR: LazyLock<Grammar> = LazyLock::new(Grammar::new);
+
+#[test]
+fn scenarios_by_grammar_and_mutation_keep_the_rules() {
+    let fuzzer = Fuzzer { name: "scenarios", target: "--test fuzz_scenarios", law: scenario_keeps_the_rules };
+    let tally = fuzzer.run(CASES);
+    let count = |sort: &str| tally.get(sort).copied().unwrap_or_default();
+    let all: u64 = ["refused", "ran", "did not begin", "too large to be run"].into_iter().map(count).sum();
+    // A fuzzer that is refused everything would find nothing.
+    assert!(all < 100 || 2 * count("ran") > all, "{} of {all} ran", count("ran"));
+}
+
+#[test]
+fn grammar_knows_the_ranges_of_numbers() {
+    let ranges = GRAMMAR.ranges();
+    assert!(ranges.len() > 80, "{} ranges were read from refusals", ranges.len());
+    assert_eq!(ranges["unimog.prm.samples"], [0.0, 100_000.0]);
+}
+
+fn scenario_keeps_the_rules(case: &mut Case<'_>) -> Law {
+    let (source, changes) = write_scenario(case);
+    let loaded = match LoadedScenario::open(&source, &changes) {
+        Ok(loaded) => loaded,
+        Err(refusal) => {
+            case.count("refused");
+            return refusal_names_its_place(&refusal);
+        }
+    };
+    explain(&loaded);
+    loaded.values();
+    scenario_comes_back(&loaded.scenario)?;
+    let Some(scenario) = affordable(&loaded.scenario) else {
+        case.count("too large to be run");
+        return Ok(());
+    };
+    scenario.check().map_err(|fault| format!("less of an accepted scenario is refused: {fault}"))?;
+    if scenario != loaded.scenario {
+        case.count("of these with less time or smaller searches");
+    }
+    let seed = below(&mut case.dice, 1000) as u64;
+    match sim::run(&scenario, seed) {
+        Ok(run) => {
+            case.count("ran");
+            run_keeps_the_rules(case, &scenario, seed, &run)
+        }
+        Err(RunError::Terrain(_) | RunError::NoFreeStart { .. }) => {
+            case.count("did not begin");
+            Ok(())
+        }
+    }
+}
+
+/// Writes a scenario, and returns its path and changes to it.
+fn write_scenario(case: &mut Case<'_>) -> (String, Vec<String>) {
+    let written = if case.chance(85) {
+        case.count("by grammar");
+        let written = GRAMMAR.draw(&mut case.dice);
+        if let Some(map) = &written.map {
+            case.write(MAP, map.as_bytes());
+        }
+        let text = toml::to_string(&written.scenario).expect("what was drawn can be written");
+        let text = text.into_bytes();
+        // Most of what is changed in the text is refused.
+        if case.chance(10) { text::mutated(&mut case.dice, &[text], &[]) } else { text }
+    } else {
+        case.count("by mutation");
+        let samples: Vec<&str> = BUILT_IN.iter().map(|(_, text)| *text).collect();
+        text::mutated(&mut case.dice, &samples, &[])
+    };
+    case.input = written;
+    let path = case.write("scenario.toml", &case.input);
+    let mut changes = Vec::new();
+    if case.chance(10) {
+        changes.push((*one_of(&mut case.dice, CHANGES)).to_owned());
+        case.input.extend(format!("\n# --set {}\n", changes[0]).bytes());
+    }
+    (path.to_str().expect("scratch folders have plain names").to_owned(), changes)
+}
+
+/// Changes that reach what is drawn seldom.
+const CHANGES: &[&str] = &[
+    "unimog.planner=prm+primitives",
+    "unimog.planner=hybrid-astar",
+    "unimog.planner=lattice",
+    "unimog.retarget=on-event",
+    "unimog.limits={ acceleration_mps2 = 1.0, braking_mps2 = 2.0, lateral_mps2 = 3.0 }",
+    "suppression.extinguishes=all-in-reach",
+    "suppression.reach_m=none",
+    "fire.relight=true",
+    "wumpus.planner=potential",
+    "field.overlaps=dropped",
+];
+
+/// A scenario that is accepted is the same once it was written and read.
+fn scenario_comes_back(scenario: &Scenario) -> Law {
+    let text = toml::to_string(scenario).map_err(|error| format!("it cannot be written as TOML: {error}"))?;
+    let back: Scenario = toml::from_str(&text).map_err(|error| format!("it does not come back from TOML: {error}"))?;
+    if back != *scenario {
+        return Err("another scenario comes back from TOML".into());
+    }
+    let json = serde_json::to_string(scenario).map_err(|error| format!("it cannot be written as JSON: {error}"))?;
+    let back: Scenario = serde_json::from_str(&json).map_err(|error| format!("no JSON that comes back: {error}"))?;
+    if back != *scenario {
+        return Err("another scenario comes back from JSON".into());
+    }
+    back.check().map_err(|fault| format!("it is refused once it was written: {fault}"))
+}
+
+/// The same scenario with no more of anything than a test can afford; `None` if its field is too large.
+fn affordable(scenario: &Scenario) -> Option<Scenario> {
+    let mut less = scenario.clone();
+    less.duration_s = less.duration_s.min(MOST_SECONDS);
+    less.unimog.truncate(MOST_TRUCKS);
+    less.wumpus.truncate(MOST_WUMPUSES);
+    let frame = less.field.frame();
+    let area_m2 = frame.width_m() * frame.height_m();
+    if !less.unimog.is_empty() && area_m2 > MOST_FIELD_M2 || frame.cell_count() > 10_000 {
+        return None;
+    }
+    for truck in &mut less.unimog {
+        let few = |number: &mut u32, most| *number = (*number).min(most);
+        few(&mut truck.prm.samples, MOST_SAMPLES);
+        few(&mut truck.prm.neighbours, MOST_NEIGHBOURS);
+        few(&mut truck.prm_rs.samples, MOST_SAMPLES);
+        few(&mut truck.prm_rs.neighbours, MOST_NEIGHBOURS);
+        few(&mut truck.prm_rs.shortcuts, MOST_SHORTCUTS);
+        few(&mut truck.hybrid.shortcuts, MOST_SHORTCUTS);
+        few(&mut truck.hybrid.max_expansions, MOST_EXPANSIONS);
+        few(&mut truck.primitives.max_expansions, MOST_EXPANSIONS);
+        few(&mut truck.lattice.max_expansions, 100 * MOST_EXPANSIONS);
+        for (bin_m, headings) in
+            [(&mut truck.hybrid.bin_m, truck.hybrid.headings), (&mut truck.primitives.bin_m, truck.primitives.headings)]
+        {
+            *bin_m = bin_m.max((area_m2 * f64::from(headings) / MOST_BINS).sqrt());
+        }
+    }
+    // AWAITED: nearest milestones beyond reach
+    for truck in &mut less.unimog {
+        truck.prm.goal = wildfire::scenario::RoadmapGoal::InReach;
+    }
+    for wumpus in &mut less.wumpus {
+        wumpus.lattice_m = wumpus.lattice_m.filter(|lattice_m| area_m2 / (lattice_m * lattice_m) <= MOST_POINTS);
+    }
+    Some(less)
+}
+
+fn run_keeps_the_rules(case: &mut Case<'_>, scenario: &Scenario, seed: u64, run: &Run) -> Law {
+    let timeline = &run.timeline;
+    let outcome = Outcome::of(timeline);
+    if outcome.agents.len() != scenario.wumpus.len() + scenario.unimog.len() {
+        return Err(format!("an outcome of {} agents", outcome.agents.len()));
+    }
+    let bytes = file::encode(timeline).map_err(|error| format!("it cannot be recorded: {error}"))?;
+    let back = file::decode(&bytes).map_err(|error| format!("its recording cannot be read: {error}"))?;
+    if back != *timeline {
+        return Err("its recording is another run".into());
+    }
+    let verdict = audit_timeline(&back, step_of(&outcome));
+    if let Some(offence) = verdict.offence {
+        return Err(format!("seed {seed}: {offence}"));
+    }
+    if !verdict.knows_limits {
+        return Err("the audit does not know its limits".into());
+    }
+    if case.chance(10) { slices_change_nothing(case, scenario, seed, timeline) } else { Ok(()) }
+}
+
+/// As fine as the audit is by default where that takes few looks, coarser on long ways.
+fn step_of(outcome: &Outcome) -> Step {
+    let metres: f64 = outcome.agents.iter().map(|agent| agent.distance_m).sum();
+    let coarser = (metres / MOST_FINELY_AUDITED_M).max(1.0);
+    let Step { metres, degrees } = Step::default();
+    Step { metres: metres * coarser, degrees: degrees * coarser }
+}
+
+fn slices_change_nothing(case: &mut Case<'_>, scenario: &Scenario, seed: u64, whole: &Timeline) -> Law {
+    case.count("of these again, in slices");
+    let mut sliced = Simulation::new(scenario, seed).map_err(|error| format!("it ran once, and now {error}"))?;
+    let mut until = SimTime::ZERO;
+    for _ in 0..16 {
+        sliced.advance_to(until);
+        let longest = *one_of(&mut case.dice, &[1, 1_000, 3_000_000_000, 90_000_000_000]);
+        until += SimTime::from_nanos(below(&mut case.dice, longest) as u64);
+    }
+    sliced.advance_to(SimTime::MAX);
+    if sliced.finish().timeline == *whole { Ok(()) } else { Err("run again, in slices, it is another run".into()) }
+}
