@@ -20,6 +20,7 @@ mod phrases;
 mod recordings;
 
 use std::fs;
+use std::panic;
 use std::str::FromStr;
 use std::sync::LazyLock;
 
@@ -69,6 +70,25 @@ fn parsers_take_anything() {
         println!("at most {memory_kb} KB of memory");
         assert!(memory_kb < MOST_MEMORY_KB, "{memory_kb} KB of memory were taken");
     }
+}
+
+/// A fuzzer that can fail: what is wrong with a case is told of the smallest one, with the command that repeats it.
+#[test]
+fn broken_law_is_told_of_a_small_case() {
+    let law = |case: &mut Case<'_>| {
+        let draws: Vec<usize> = (0..64).map(|_| below(&mut case.dice, 256)).collect();
+        case.input = draws.iter().map(|draw| format!("{draw};")).collect::<String>().into_bytes();
+        assert!(draws.iter().all(|&draw| draw < 200), "a number is large");
+        Ok(())
+    };
+    let told = panic::catch_unwind(|| Fuzzer { name: "broken_law", target: "--test fuzz_parsers", law }.run(1));
+    let told = told.expect_err("the law is broken");
+    let report = told.downcast_ref::<String>().expect("a report");
+    assert!(report.contains("it panics: a number is large (tests/fuzz_parsers.rs:"), "{report}");
+    assert!(report.contains("again: WILDFIRE_FUZZ_CASE="), "{report}");
+    let small = report.lines().skip_while(|line| !line.starts_with("made smaller")).nth(1).expect("an input");
+    let numbers: Vec<&str> = small.split(';').filter(|number| !matches!(*number, "0" | "")).collect();
+    assert!(numbers.len() <= 4, "{report}");
 }
 
 /// As the system counts it, where it does.

@@ -55,7 +55,8 @@ pub fn drawn_words(case: &mut Case<'_>, names: &[&str]) -> Vec<String> {
     let arguments: Vec<_> = command.get_arguments().collect();
     let needed = arguments.iter().filter(|argument| argument.is_required_set() || argument.is_positional());
     let mut drawn: Vec<_> = if case.chance(80) { needed.copied().collect() } else { Vec::new() };
-    for _ in 0..below(&mut case.dice, 5) {
+    let more = if arguments.is_empty() { 0 } else { below(&mut case.dice, 5) };
+    for _ in 0..more {
         drawn.push(*one_of(&mut case.dice, &arguments));
     }
     for argument in drawn {

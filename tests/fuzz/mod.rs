@@ -227,7 +227,10 @@ impl Fuzzer {
                     return News::Broken(found.unwrap_or_else(endless));
                 }
             }
-            println!("{}: at case {}", self.name, last.iter().map(|(case, _)| case).min().unwrap_or(&0));
+            match &found {
+                Some(_) => println!("{}: something is wrong, a small case is looked for", self.name),
+                None => println!("{}: at case {}", self.name, last.iter().map(|(case, _)| case).min().unwrap_or(&0)),
+            }
         }
     }
 
