@@ -26,7 +26,7 @@ use grammar::{Grammar, MAP, refusal_names_its_place};
 const CASES: u64 = 300;
 
 /// What a run may cost: simulated seconds, trucks, Wumpuses.
-const MOST_SECONDS: f64 = 300.0;
+const MOST_SECONDS: f64 = 200.0;
 const MOST_TRUCKS: usize = 3;
 const MOST_WUMPUSES: usize = 6;
 /// Of searches: samples, tries, expansions, bins, points.

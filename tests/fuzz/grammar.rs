@@ -63,23 +63,26 @@ impl Grammar {
     /// A scenario of a small field and a short time, with some other keys; most are accepted.
     pub fn draw(&self, dice: &mut Unstructured<'_>) -> Written {
         let cell_m = if chance(dice, 80) { 5.0 } else { *one_of(dice, &[2.5, 20.0, 3.3, 1.0, 0.5, 7.0]) };
-        let side = 8 + below(dice, if cell_m > 5.0 { 3 } else { 17 });
+        let side = 8 + below(dice, if cell_m > 5.0 { 3 } else { 13 });
         let size_m = side as f64 * cell_m;
         let mut scenario = Table::new();
         scenario.insert("name".into(), Value::String("fuzz".into()));
-        scenario.insert("duration_s".into(), Value::Float(1.0 + below(dice, 400) as f64));
+        scenario.insert("duration_s".into(), Value::Float(1.0 + below(dice, 240) as f64));
         let map = chance(dice, 20).then(|| drawn_map(dice, side));
         let mut field = Table::from_iter([("cell_m".into(), Value::Float(cell_m))]);
         if map.is_some() {
             field.insert("map".into(), Value::String(MAP.into()));
         } else {
             field.insert("size_m".into(), Value::Float(size_m));
-            field.insert("coverage".into(), Value::Float(*one_of(dice, &[0.1, 0.05, 0.2, 0.3, 0.4])));
+            field.insert(
+                "coverage".into(),
+                Value::Float(*one_of(dice, &[0.1, 0.05, 0.02, 0.08, 0.12, 0.1, 0.2, 0.1, 0.05, 0.4])),
+            );
             field.insert("start_clearance_m".into(), Value::Float(*one_of(dice, &[5.0, 0.0, 10.0]) * cell_m / 5.0));
         }
         scenario.insert("field".into(), Value::Table(field));
         for kind in ["wumpus", "unimog"] {
-            let count = *one_of(dice, &[1, 1, 1, 2, 1, 3, 0, 1]);
+            let count = *one_of(dice, &[1, 1, 1, 2, 1, 1, 0, 1, 3, 1]);
             let agent = |dice: &mut Unstructured<'_>| {
                 let mut agent = placed(dice, kind, size_m);
                 if chance(dice, 60) {

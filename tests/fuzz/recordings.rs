@@ -17,21 +17,29 @@ const HEADER_BYTES: usize = 18;
 
 /// Payloads of recorded runs, inflated.
 static PAYLOADS: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
-    let payload = |(name, changes): (&str, &[&str])| {
+    let payload = |(name, changes, searches): (&str, &[&str], bool)| {
         let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
         let scenario = scenario::load(name, &changes).expect("it is built in");
-        let run = sim::run_recording_searches(&scenario, 1).expect("it takes place");
-        let bytes = file::encode(&run.timeline).expect("it can be recorded");
+        let run = if searches { sim::run_recording_searches } else { sim::run };
+        let bytes = file::encode(&run(&scenario, 1).expect("it takes place").timeline).expect("it can be recorded");
         inflate::decompress_to_vec(&bytes[HEADER_BYTES..]).expect("it was deflated")
     };
-    let short: &[&str] = &["duration_s=30"];
-    [("smoke", short), ("fleet", short), ("local-minima", short), ("smoke", &["wumpus=[]"])].map(payload).to_vec()
+    let searched = &["duration_s=20", "unimog.prm_rs.samples=10", "unimog.prm_rs.corner_places=0"];
+    [
+        ("smoke", &["duration_s=60"][..], false),
+        ("fleet", &["duration_s=30", "field.coverage=0.02"], false),
+        ("local-minima", &["duration_s=30", "field.coverage=0.02"], false),
+        ("smoke", searched, true),
+    ]
+    .map(payload)
+    .to_vec()
 });
 
 /// A recording is read or refused. What is read can be written and is the same then, and has states and an outcome.
 pub fn recording(case: &mut Case<'_>) -> Law {
+    // Most are stored as they are: deflating takes longer than all the rest.
     let payload = if chance(&mut case.dice, 90) {
-        deflate::compress_to_vec(&damaged(case), 1)
+        deflate::compress_to_vec(&damaged(case), 0)
     } else {
         mutated(&mut case.dice, &[deflate::compress_to_vec(&PAYLOADS[0], 1)], &[])
     };
