@@ -13,6 +13,7 @@ use rand::seq::IndexedRandom;
 
 use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::{DVec2, Pose};
+use wildfire::planning::memory::MemoryMeter;
 use wildfire::planning::reachability::Reachability;
 use wildfire::planning::{
     BuildReport, GoalDisc, Plan, PlanFailure, PrimitiveSettings, PrmPrimitives, PrmSettings, SafetySettings,
@@ -61,6 +62,7 @@ fn run_field(coverage: f64, seed: u64, builds: &mut Builds, short: &mut Drives, 
     let mut rng = rng::stream(seed, "bench");
     let mut planner = PrmPrimitives::build(
         &checker,
+        &MemoryMeter::unlimited(),
         &PrmSettings::default(),
         &PrimitiveSettings::default(),
         &SafetySettings::default(),
@@ -106,7 +108,7 @@ impl Builds {
     }
 
     fn flood(&mut self, checker: &CollisionChecker, bushes: &[DVec2]) {
-        let mut reachability = Reachability::new(checker, START);
+        let mut reachability = Reachability::new(checker, &MemoryMeter::unlimited(), START);
         for &centre in bushes {
             let mut watch = CpuStopwatch::start();
             self.reached += u32::from(reachability.reaches(GoalDisc { centre, radius_m: REACH_M }));

@@ -10,6 +10,7 @@ use serde::Deserialize;
 use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::{DVec2, FieldFrame, OrientedRect, Pose, ops};
 use wildfire::grid::Grid;
+use wildfire::planning::memory::MemoryMeter;
 use wildfire::planning::{Goal, GoalDisc, TruckPlanner, TruckPlannerKind, truck_planner};
 use wildfire::rng;
 use wildfire::scenario::Unimog;
@@ -55,7 +56,9 @@ impl FieldFile {
     fn planner(&self, kind: TruckPlannerKind) -> Box<dyn TruckPlanner> {
         let field = Arc::new(ClearanceField::new(self.frame(), &self.occupied()));
         let checker = CollisionChecker::new(field, Dimensions::default());
-        truck_planner(kind, &checker, &Unimog::default().planner_settings(), |name| rng::stream(1, name))
+        truck_planner(kind, &checker, &MemoryMeter::unlimited(), &Unimog::default().planner_settings(), |name| {
+            rng::stream(1, name)
+        })
     }
 }
 

@@ -13,7 +13,8 @@ use crate::batch::finished::FinishedRow;
 use crate::batch::{
     BatchError, FinishedBatch, FinishedError, PlannedRun, RUNS_FILE, RunResult, RunRow, Status, panics,
 };
-use crate::sim::{self, RunCost};
+use crate::scenario::MemoryLimit;
+use crate::sim::{self, RunCost, RunOptions};
 use crate::timeline::{Outcome, Timeline, file};
 
 /// Runs between two looks at the results, per worker.
@@ -143,7 +144,7 @@ impl Subject<'_> {
                     let difference = || difference(run, row.as_ref(), timeline, RunCost::default());
                     other_run(run, timeline).or_else(difference)
                 }),
-                None => look_again(run, row.as_ref(), step),
+                None => look_again(run, batch.plan().memory, row.as_ref(), step),
             },
         }
     }
@@ -156,9 +157,10 @@ fn look_at_file(path: &Path, step: Step, difference: impl Fn(&Timeline) -> Optio
     }
 }
 
-/// A run once more.
-fn look_again(run: &PlannedRun<'_>, row: Option<&FinishedRow>, step: Step) -> Finding {
-    match panics::catch(|| sim::run(&run.variant.scenario, run.seed)) {
+/// A run once more, in the memory that it had.
+fn look_again(run: &PlannedRun<'_>, memory: MemoryLimit, row: Option<&FinishedRow>, step: Step) -> Finding {
+    let options = RunOptions { memory, ..RunOptions::default() };
+    match panics::catch(|| sim::run_with(&run.variant.scenario, run.seed, options)) {
         Ok(Ok(again)) => {
             let difference = difference(run, row, &again.timeline, again.cost);
             Finding::Simulated(audit_timeline(&again.timeline, step), difference)

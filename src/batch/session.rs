@@ -15,7 +15,8 @@ use crate::batch::{
     BatchError, BatchPlan, BatchReport, OutputFolder, PLAN_FILE, PlanError, RUNS_FILE, Record, Slice, Status,
     write_tables,
 };
-use crate::sim;
+use crate::scenario::Scenario;
+use crate::sim::{self, RunOptions};
 use crate::timeline::file::{self, FileError};
 use crate::whole_file::sync_folder_of;
 
@@ -149,7 +150,9 @@ impl Batch {
     /// starting the threads, and [`BatchError::OtherOutcome`] if a run that is made again is another than before. After
     /// any of them the batch can be resumed.
     pub fn run(&mut self, jobs: usize, stop: &Arc<AtomicBool>, on_run: impl FnMut(Status)) -> Result<(), BatchError> {
-        self.run_with(Box::new(sim::run), jobs, stop, on_run)
+        let options = RunOptions { memory: self.plan.memory, ..RunOptions::default() };
+        let run = move |scenario: &Scenario, seed| sim::run_with(scenario, seed, options);
+        self.run_with(Box::new(run), jobs, stop, on_run)
     }
 
     /// The same with another way to run a scenario with a seed.

@@ -17,6 +17,7 @@ use crate::cli::plan::PlanArguments;
 use crate::cli::play_command::PlayArguments;
 use crate::cli::render::RenderArguments;
 use crate::input_file;
+use crate::scenario::MemoryLimit;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -100,6 +101,21 @@ pub struct ScenarioArguments {
     pub overrides: Vec<String>,
 }
 
+/// What every command that simulates takes.
+#[derive(Debug, Args)]
+pub struct MemoryArguments {
+    /// How much memory a run may take, such as `4GB`, `512MiB` or `4G`, which is 4 GB: one that would take more is not run
+    /// [default: 2GB, or what the plan of a batch says].
+    #[arg(long, value_name = "SIZE")]
+    pub memory: Option<MemoryLimit>,
+}
+
+impl MemoryArguments {
+    pub fn limit(&self) -> MemoryLimit {
+        self.memory.unwrap_or_default()
+    }
+}
+
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -110,6 +126,8 @@ Examples:
 pub struct RunArguments {
     #[command(flatten)]
     pub scenario: ScenarioArguments,
+    #[command(flatten)]
+    pub memory: MemoryArguments,
     /// The seed from which all that is random in the run follows.
     #[arg(long, default_value_t = 1, allow_hyphen_values = true, value_parser = parse_seed)]
     pub seed: u64,
@@ -160,6 +178,10 @@ pub struct BatchArguments {
     /// Threads [default: as many as the machine runs at once].
     #[arg(long, allow_hyphen_values = true, value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
+    /// How much memory each run may take, such as `4GB`, `512MiB` or `4G`, which is 4 GB: one that would take more is a
+    /// failed row. As many runs as threads take place at once [default: 2GB].
+    #[arg(long, value_name = "SIZE")]
+    pub memory: Option<MemoryLimit>,
     /// The folder for the results [default: runs/NAME, or the next free runs/NAME-2, runs/NAME-3 ...].
     #[arg(long, value_name = "DIR", group = "shared_folder")]
     pub out: Option<PathBuf>,
@@ -181,7 +203,7 @@ pub struct BatchArguments {
         long,
         value_name = "DIR",
         group = "shared_folder",
-        conflicts_with_all = ["sources", "set", "planner", "seeds", "out", "force", "record", "dry_run"]
+        conflicts_with_all = ["sources", "set", "planner", "seeds", "memory", "out", "force", "record", "dry_run"]
     )]
     pub resume: Option<PathBuf>,
     /// Run slice K of N of the plan only, in a folder that the slices share; `wildfire merge` puts them together.
@@ -252,6 +274,9 @@ pub struct AuditArguments {
 pub struct CheckArguments {
     #[command(flatten)]
     pub scenario: ScenarioArguments,
+    /// The memory that a run may take, with which what it takes is compared [default: 2GB].
+    #[arg(long, value_name = "SIZE", default_value_t, hide_default_value = true)]
+    pub memory: MemoryLimit,
 }
 
 #[derive(Debug, Args)]

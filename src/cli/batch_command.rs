@@ -63,6 +63,7 @@ fn plan(arguments: &BatchArguments) -> Result<BatchPlan, Failure> {
         request.seeds = Some(seeds.seeds()?);
     }
     request.record = arguments.record.or(request.record);
+    request.memory = arguments.memory.or(request.memory);
     Ok(request.resolve(arguments.force)?)
 }
 

@@ -11,7 +11,7 @@ use crate::cli::failure::Failure;
 use crate::cli::output_files::{self, Files, Format, Words};
 use crate::cli::{run_report, scenario_commands, terminal};
 use crate::scenario::Scenario;
-use crate::sim;
+use crate::sim::{self, RunOptions};
 use crate::time::wall::WallStopwatch;
 use crate::timeline::export::{ExportError, FINEST_STEP_S, write_events, write_trace};
 use crate::timeline::{Outcome, Timeline, file};
@@ -41,10 +41,10 @@ fn print(row: &RunRow, as_json: bool, words: Words) -> Result<(), Failure> {
 
 fn run_once(scenario: &Scenario, arguments: &RunArguments) -> Result<(RunRow, Option<Timeline>), Failure> {
     let seed = arguments.seed;
-    let run = if arguments.record_searches { sim::run_recording_searches } else { sim::run };
+    let options = RunOptions { records_searches: arguments.record_searches, memory: arguments.memory.limit() };
     let stopwatch = WallStopwatch::start();
     // The panic has been printed by then, with a backtrace if one was asked for.
-    let caught = panic::catch_unwind(|| run(scenario, seed));
+    let caught = panic::catch_unwind(|| sim::run_with(scenario, seed, options));
     let (wall, label) = (stopwatch.elapsed(), RunLabel::alone(scenario, seed));
     match caught.map_err(|_| Failure::of_run("the run panicked: this is a fault of the program"))? {
         Ok(run) => {

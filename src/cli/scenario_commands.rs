@@ -14,7 +14,7 @@ pub fn load(source: &str, overrides: &[String]) -> Result<Scenario, Failure> {
 
 pub fn check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
     let loaded = LoadedScenario::open(&arguments.scenario.source, &arguments.scenario.overrides)?;
-    terminal::print(&scenario::explain(&loaded))?;
+    terminal::print(&scenario::explain(&loaded, arguments.memory))?;
     Ok(ExitCode::SUCCESS)
 }
 

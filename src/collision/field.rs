@@ -101,6 +101,14 @@ impl ClearanceField {
         Self { frame, occupied: occupied.clone(), lattice, spacing_m, steps_per_m: 1.0 / spacing_m }
     }
 
+    /// Bytes that it takes on a field, and on top of that while it is worked out.
+    pub fn bytes(frame: &FieldFrame) -> [u64; 2] {
+        let steps = steps_per_cell(frame) as u64;
+        let vertices = (u64::from(frame.cols) * steps + 1) * (u64::from(frame.rows) * steps + 1);
+        let cells = frame.cell_count() as u64;
+        [vertices * size_of::<f32>() as u64 + cells, cells * size_of::<i32>() as u64]
+    }
+
     pub fn frame(&self) -> &FieldFrame {
         &self.frame
     }

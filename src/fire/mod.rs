@@ -88,6 +88,18 @@ impl Vegetation {
         Self { frame, rules, bushes: cells, flammable, burning: Vec::new(), stencil }
     }
 
+    /// The most bytes that it takes on a field with so many bushes.
+    pub fn most_bytes(frame: &FieldFrame, bushes: u64, spread_radius_m: f64) -> u64 {
+        let reach = (spread_radius_m / frame.cell_m).min(f64::from(frame.cols.max(frame.rows)));
+        let across = 2 * reach as u64 + 3;
+        let cells = frame.cell_count() as u64;
+        // Both lists of bushes, and the stencil, in lists that double; what one fire spreads to.
+        let neighbours = (across * across).min(4 * cells);
+        cells * size_of::<Bush>() as u64
+            + bushes * 4 * size_of::<u32>() as u64
+            + 3 * neighbours * size_of::<(i32, i32)>() as u64
+    }
+
     pub fn state(&self, cell: Cell) -> CellState {
         self.bushes[self.frame.index(cell)].state
     }

@@ -36,6 +36,16 @@ impl<T: Ranked> OpenList<T> {
         self.0.pop().map(|BestFirst(entry)| entry)
     }
 
+    /// How many entries wait.
+    pub fn waiting(&self) -> usize {
+        self.0.len()
+    }
+
+    /// For how many entries there is memory.
+    pub fn capacity(&self) -> usize {
+        self.0.capacity()
+    }
+
     /// Forgets all entries and keeps their memory.
     pub fn clear(&mut self) {
         self.0.clear();

@@ -3,6 +3,7 @@
 use crate::collision::CollisionChecker;
 use crate::vehicle::Path;
 
+use super::memory::MemoryMeter;
 use super::primitives::LocalSearch;
 use super::{Effort, GoalDisc, PrimitiveSettings};
 
@@ -19,7 +20,7 @@ const MAX_EXPANSIONS: u32 = 250;
 /// the way is somewhere else each time.
 pub fn detour(checker: &CollisionChecker, path: &Path, free_m: f64, disc: GoalDisc) -> (Option<Path>, Effort) {
     let settings = PrimitiveSettings { max_expansions: MAX_EXPANSIONS, ..PrimitiveSettings::default() };
-    let mut search = LocalSearch::new(checker, &settings, None);
+    let mut search = LocalSearch::new(checker, &MemoryMeter::unlimited(), &settings, None);
     let mut from = |metres: f64| {
         let (kept, _) = path.split_at(metres);
         let rest = search.drive(kept.end(), &[], disc.inner().into()).ok()?;

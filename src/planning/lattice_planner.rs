@@ -10,13 +10,14 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::collision::CollisionChecker;
-use crate::geometry::Pose;
+use crate::geometry::{FieldFrame, Pose};
 use crate::time::cpu::CpuStopwatch;
 use crate::vehicle::Path;
 
 use super::clearance_floor::ClearanceFloor;
 use super::ends::{free_ends, has_free_pose};
 use super::hybrid_astar::{Approach, Lookout};
+use super::memory::{MemoryMeter, PlannerMemory};
 use super::primitives;
 use super::reachability::{CLEARANCE_M, Flood, Floods, LATTICES};
 use super::{
@@ -51,6 +52,7 @@ impl Default for LatticeSettings {
 pub struct LatticePlanner {
     checker: CollisionChecker,
     settings: LatticeSettings,
+    memory: MemoryMeter,
     /// Finds the shortest approaches.
     lookout: Lookout,
     floods: Option<Floods>,
@@ -60,16 +62,23 @@ pub struct LatticePlanner {
 }
 
 impl LatticePlanner {
-    pub fn build(checker: &CollisionChecker, settings: &LatticeSettings) -> Self {
+    pub fn build(checker: &CollisionChecker, memory: &MemoryMeter, settings: &LatticeSettings) -> Self {
         let shortest = HybridSettings { cusp_cost: 0.0, ..HybridSettings::default() };
         Self {
             checker: checker.clone(),
             settings: settings.clone(),
+            memory: memory.clone(),
             lookout: Lookout::new(&shortest, checker.body()),
             floods: None,
             left: 0,
             recorder: SearchRecorder::default(),
         }
+    }
+
+    /// The most bytes that it takes.
+    pub fn memory(frame: &FieldFrame, settings: &LatticeSettings) -> PlannerMemory {
+        let floods = Floods::most_bytes(frame, LATTICES.len(), settings.max_expansions);
+        PlannerMemory { floods, ..PlannerMemory::default() }
     }
 
     /// What the last query looked at, if that is recorded.
@@ -93,7 +102,7 @@ impl LatticePlanner {
     fn find(&mut self, start: Pose, goal: Goal, lattices: usize) -> Result<Path, PlanFailure> {
         let floor = ClearanceFloor::new(CLEARANCE_M, free_ends(&self.checker, start, goal)?);
         let kept = self.floods.take().filter(|floods| floods.root() == start);
-        let mut floods = kept.unwrap_or_else(|| Floods::new(&self.checker, start));
+        let mut floods = kept.unwrap_or_else(|| Floods::new(&self.checker, &self.memory, start));
         let path = self.climb(&mut floods, goal, &floor, lattices);
         self.floods = Some(floods);
         path.map_err(|failure| match goal {
@@ -201,7 +210,7 @@ mod tests {
     use crate::rng;
 
     fn planner(field: &TestField) -> LatticePlanner {
-        LatticePlanner::build(&field.checker, &LatticeSettings::default())
+        LatticePlanner::build(&field.checker, &MemoryMeter::unlimited(), &LatticeSettings::default())
     }
 
     #[test]
@@ -216,8 +225,12 @@ mod tests {
         for seed in 0..6 {
             let mut field = TestField::random(seed, 40);
             let mut lattice = planner(&field);
-            let mut hybrid =
-                HybridAstar::build(&field.checker, &HybridSettings::default(), rng::stream(seed, "lattice"));
+            let mut hybrid = HybridAstar::build(
+                &field.checker,
+                &MemoryMeter::unlimited(),
+                &HybridSettings::default(),
+                rng::stream(seed, "lattice"),
+            );
             for _ in 0..10 {
                 let pose = random_free_pose(&mut field, 0.1);
                 let place = GoalDisc { centre: field.checker.body().body_centre(pose), radius_m: 0.0 };
@@ -278,7 +291,7 @@ mod tests {
         }
         let behind = Goal::Pose(Pose::new(88.0, 25.0, 1.0));
         let short = LatticeSettings { max_expansions: 3, ..LatticeSettings::default() };
-        let plan = LatticePlanner::build(&field.checker, &short).plan(field.start, behind);
+        let plan = LatticePlanner::build(&field.checker, &MemoryMeter::unlimited(), &short).plan(field.start, behind);
         assert_eq!((plan.path, plan.effort.local_expansions), (Err(PlanFailure::BudgetSpent), 3));
     }
 
@@ -294,7 +307,7 @@ mod tests {
             }
             let with = |max_expansions| {
                 let settings = LatticeSettings { max_expansions, ..LatticeSettings::default() };
-                LatticePlanner::build(&field.checker, &settings).plan(field.start, goal)
+                LatticePlanner::build(&field.checker, &MemoryMeter::unlimited(), &settings).plan(field.start, goal)
             };
             assert_eq!(with(spent).path, ample.path);
             // A curve from near the goal may still lead into it.

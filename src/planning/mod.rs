@@ -10,6 +10,7 @@ mod hybrid_astar;
 pub mod improve;
 mod lattice_planner;
 mod lattice_search;
+pub mod memory;
 mod nearest_place;
 pub mod primitives;
 pub mod prm;
@@ -30,12 +31,12 @@ pub use hybrid_astar::{HybridAstar, HybridSettings};
 pub use lattice_planner::{LatticePlanner, LatticeSettings};
 pub use nearest_place::nearest_place;
 pub use prm_primitives::PrmPrimitives;
-pub use prm_rs::{PrmRs, PrmRsSettings};
+pub use prm_rs::{PrmRs, PrmRsSettings, count_convex_corners};
 
 pub use safety::{Safety, SafetyForm, SafetyMap, SafetySettings};
 pub use search_graph::{MAX_SEARCH_EDGES, SearchGraph, SearchPhase, SearchRecorder, Searched};
 pub use settings::{ClearanceTo, MotionCost, PrimitiveSettings, PrmSettings, RoadmapGoal, RoadmapSearch};
-pub use truck_planners::{TruckPlannerKind, TruckPlannerSettings, truck_planner};
+pub use truck_planners::{TruckPlannerKind, TruckPlannerSettings, truck_planner, truck_planner_memory};
 
 use std::fmt;
 use std::ops::AddAssign;

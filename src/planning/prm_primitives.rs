@@ -4,11 +4,12 @@ use glam::DVec2;
 use rand::Rng;
 
 use crate::collision::CollisionChecker;
-use crate::geometry::Pose;
+use crate::geometry::{FieldFrame, Pose};
 use crate::time::cpu::CpuStopwatch;
 use crate::vehicle::Path;
 
 use super::ends::{free_ends, has_free_pose};
+use super::memory::{MemoryMeter, PlannerMemory};
 use super::primitives::LocalSearch;
 use super::prm::{Roadmap, RoadmapScratch, Route};
 use super::{
@@ -40,6 +41,7 @@ impl PrmPrimitives {
     /// the motions along them.
     pub fn build(
         checker: &CollisionChecker,
+        memory: &MemoryMeter,
         prm: &PrmSettings,
         primitives: &PrimitiveSettings,
         safety: &SafetySettings,
@@ -63,7 +65,7 @@ impl PrmPrimitives {
             checker: checker.clone(),
             roadmap,
             scratch: RoadmapScratch::default(),
-            local: LocalSearch::new(checker, primitives, safety),
+            local: LocalSearch::new(checker, memory, primitives, safety),
             goal: prm.goal,
             thin_waypoints: primitives.thin_waypoints,
             search_alone: primitives.search_alone,
@@ -75,6 +77,24 @@ impl PrmPrimitives {
 
     pub fn roadmap(&self) -> &Roadmap {
         &self.roadmap
+    }
+
+    /// The most bytes that it takes.
+    pub fn memory(
+        frame: &FieldFrame,
+        prm: &PrmSettings,
+        primitives: &PrimitiveSettings,
+        safety: &SafetySettings,
+    ) -> PlannerMemory {
+        let [roadmap, joining] = Roadmap::most_bytes(prm);
+        let [surcharges, map] = Safety::bytes(frame, safety);
+        let edges = u64::from(prm.samples) * u64::from(prm.neighbours);
+        PlannerMemory {
+            held: roadmap + surcharges + RoadmapScratch::most_bytes(prm.samples.into(), edges),
+            making: joining.max(map),
+            floods: 0,
+            grows: LocalSearch::most_bytes(primitives),
+        }
     }
 
     fn find(&mut self, start: Pose, goal: Goal, time: &mut QueryTime) -> Result<Path, PlanFailure> {
@@ -193,7 +213,14 @@ mod tests {
     fn planner(field: &TestField, seed: u64) -> PrmPrimitives {
         let prm = PrmSettings { samples: 200, ..PrmSettings::default() };
         let mut rng = rng::stream(seed, "prm");
-        PrmPrimitives::build(&field.checker, &prm, &PrimitiveSettings::default(), &SafetySettings::default(), &mut rng)
+        PrmPrimitives::build(
+            &field.checker,
+            &MemoryMeter::unlimited(),
+            &prm,
+            &PrimitiveSettings::default(),
+            &SafetySettings::default(),
+            &mut rng,
+        )
     }
 
     #[test]
@@ -228,7 +255,14 @@ mod tests {
             let safety = SafetySettings { map: SafetyMap::Cost, weight: 4.0, ..SafetySettings::default() };
             let prm = PrmSettings { samples: 200, ..PrmSettings::default() };
             let mut rng = rng::stream(seed, "prm");
-            let mut safe = PrmPrimitives::build(&field.checker, &prm, &PrimitiveSettings::default(), &safety, &mut rng);
+            let mut safe = PrmPrimitives::build(
+                &field.checker,
+                &MemoryMeter::unlimited(),
+                &prm,
+                &PrimitiveSettings::default(),
+                &safety,
+                &mut rng,
+            );
             let mut plain = planner(&field, seed);
             for _ in 0..15 {
                 let goal = field.random_goal();
@@ -266,7 +300,8 @@ mod tests {
         for seed in 0..8 {
             let mut field = TestField::random(seed, 40);
             let mut planner = planner(&field, seed);
-            let mut oracle = LatticePlanner::build(&field.checker, &LatticeSettings::default());
+            let mut oracle =
+                LatticePlanner::build(&field.checker, &MemoryMeter::unlimited(), &LatticeSettings::default());
             for _ in 0..10 {
                 let (start, goal) = (field.start, Goal::Pose(random_free_pose(&mut field, 0.1)));
                 match planner.plan(start, goal).path {
@@ -337,8 +372,14 @@ mod tests {
         let mut field = TestField::random(9, 45);
         let primitives = PrimitiveSettings { max_expansions: 10, ..PrimitiveSettings::default() };
         let rng = &mut rng::stream(9, "prm");
-        let mut planner =
-            PrmPrimitives::build(&field.checker, &PrmSettings::default(), &primitives, &SafetySettings::default(), rng);
+        let mut planner = PrmPrimitives::build(
+            &field.checker,
+            &MemoryMeter::unlimited(),
+            &PrmSettings::default(),
+            &primitives,
+            &SafetySettings::default(),
+            rng,
+        );
         let mut spent = 0;
         for _ in 0..40 {
             let goal = field.random_goal();
@@ -378,7 +419,7 @@ mod tests {
 
     fn planner_of((prm, primitives): &(PrmSettings, PrimitiveSettings), field: &TestField, seed: u64) -> PrmPrimitives {
         let mut rng = rng::stream(seed, "prm");
-        PrmPrimitives::build(&field.checker, prm, primitives, &SafetySettings::default(), &mut rng)
+        PrmPrimitives::build(&field.checker, &MemoryMeter::unlimited(), prm, primitives, &SafetySettings::default(), &mut rng)
     }
 
     #[test]

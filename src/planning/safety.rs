@@ -123,6 +123,14 @@ impl Safety {
         Some(Self { frame, surcharge })
     }
 
+    /// Bytes that it takes on a field, and on top of that while it is worked out; none where all places cost the same.
+    pub fn bytes(frame: &FieldFrame, settings: &SafetySettings) -> [u64; 2] {
+        let cells = frame.cell_count() as u64;
+        let value = if settings.map == SafetyMap::None { 0 } else { size_of::<f64>() as u64 };
+        // The map that nearness is worked out from has values of its own.
+        [cells * value, cells * value]
+    }
+
     /// What a metre at this place costs more than 1; outside the field nothing.
     pub fn surcharge_at(&self, place: DVec2) -> f64 {
         let cell = self.frame.cell_at(place);

@@ -11,6 +11,7 @@ use crate::grid::Grid;
 use crate::rng::{self, Xoshiro256PlusPlus};
 use crate::vehicle::{Dimensions, Path};
 
+use super::memory::MemoryMeter;
 use super::reachability::Reachability;
 use super::{Goal, GoalDisc, TruckPlanner};
 
@@ -153,7 +154,7 @@ pub fn drives_in_a_row<P: TruckPlanner>(fields: u64, walks: u32, planner: impl F
     for seed in 0..fields {
         let mut field = TestField::random(seed, walks);
         let mut planner = planner(&field, seed);
-        let mut reachability = Reachability::new(&field.checker, field.start);
+        let mut reachability = Reachability::new(&field.checker, &MemoryMeter::unlimited(), field.start);
         let mut pose = field.start;
         for _ in 0..18 {
             let goal = field.random_goal();

@@ -5,8 +5,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::collision::CollisionChecker;
+use crate::geometry::FieldFrame;
 use crate::rng::Xoshiro256PlusPlus;
 
+use super::memory::{MemoryMeter, PlannerMemory};
 use super::{
     HybridAstar, HybridSettings, LatticePlanner, LatticeSettings, PrimitiveSettings, PrmPrimitives, PrmRs,
     PrmRsSettings, PrmSettings, SafetySettings, TruckPlanner,
@@ -69,22 +71,43 @@ pub struct TruckPlannerSettings<'a> {
     pub safety: &'a SafetySettings,
 }
 
-/// Makes a planner for one body on one field; `stream` gives the random stream of a name.
+/// The most bytes that a planner takes on a field whose bushes have up to so many convex corners.
+pub fn truck_planner_memory(
+    kind: TruckPlannerKind,
+    frame: &FieldFrame,
+    corners: u64,
+    settings: &TruckPlannerSettings<'_>,
+) -> PlannerMemory {
+    match kind {
+        TruckPlannerKind::PrmPrimitives => {
+            PrmPrimitives::memory(frame, settings.prm, settings.primitives, settings.safety)
+        }
+        TruckPlannerKind::PrmRs => PrmRs::memory(frame, corners, settings.prm_rs, settings.hybrid),
+        TruckPlannerKind::HybridAstar => HybridAstar::memory(frame, settings.hybrid),
+        TruckPlannerKind::Lattice => LatticePlanner::memory(frame, settings.lattice),
+    }
+}
+
+/// Makes a planner for one body on one field, which tells `memory` what it holds as it grows; `stream` gives the random stream of a name.
 pub fn truck_planner(
     kind: TruckPlannerKind,
     checker: &CollisionChecker,
+    memory: &MemoryMeter,
     settings: &TruckPlannerSettings<'_>,
     stream: impl Fn(&str) -> Xoshiro256PlusPlus,
 ) -> Box<dyn TruckPlanner> {
     match kind {
         TruckPlannerKind::PrmPrimitives => {
             let (prm, primitives) = (settings.prm, settings.primitives);
-            Box::new(PrmPrimitives::build(checker, prm, primitives, settings.safety, &mut stream("prm")))
+            Box::new(PrmPrimitives::build(checker, memory, prm, primitives, settings.safety, &mut stream("prm")))
         }
         TruckPlannerKind::PrmRs => {
-            Box::new(PrmRs::build(checker, settings.prm_rs, settings.hybrid, stream("prm-rs"), stream("shortcuts")))
+            let streams = (stream("prm-rs"), stream("shortcuts"));
+            Box::new(PrmRs::build(checker, memory, settings.prm_rs, settings.hybrid, streams.0, streams.1))
         }
-        TruckPlannerKind::HybridAstar => Box::new(HybridAstar::build(checker, settings.hybrid, stream("shortcuts"))),
-        TruckPlannerKind::Lattice => Box::new(LatticePlanner::build(checker, settings.lattice)),
+        TruckPlannerKind::HybridAstar => {
+            Box::new(HybridAstar::build(checker, memory, settings.hybrid, stream("shortcuts")))
+        }
+        TruckPlannerKind::Lattice => Box::new(LatticePlanner::build(checker, memory, settings.lattice)),
     }
 }

@@ -6,7 +6,9 @@ use serde::{Deserialize, Serialize};
 use super::or_none;
 use crate::collision::CollisionChecker;
 use crate::geometry::{Cell, DVec2, FieldFrame, Pose};
-use crate::planning::walk::LatticeShape;
+use crate::grid::potential::{Attraction, Repulsion, RepulsionDistance};
+use crate::planning::memory::MemoryMeter;
+use crate::planning::walk::{Estimate, LatticeShape, PotentialSettings, WalkMethod};
 use crate::planning::{
     HybridSettings, LatticeSettings, PrimitiveSettings, PrmRsSettings, PrmSettings, SafetySettings, TruckPlanner,
     TruckPlannerKind, TruckPlannerSettings, truck_planner,
@@ -80,6 +82,29 @@ impl Wumpus {
             None => (frame.centre(Cell::default()), frame.cell_m),
         };
         LatticeShape { anchor, step_m, size_m: self.size_m }
+    }
+
+    /// How its planner finds walks.
+    pub fn walk_method(&self) -> WalkMethod {
+        match self.planner {
+            WumpusPlanner::Astar => WalkMethod::Astar {
+                estimate: match self.heuristic {
+                    WumpusHeuristic::Octile => Estimate::Octile,
+                    WumpusHeuristic::ParentEuclidean => Estimate::ParentEuclidean,
+                },
+                weight: self.heuristic_weight,
+            },
+            WumpusPlanner::Wavefront => WalkMethod::Wavefront,
+            WumpusPlanner::Potential => {
+                let potential = &self.potential;
+                WalkMethod::Potential(PotentialSettings {
+                    attraction: Attraction::Squared { zeta: potential.zeta },
+                    scale: potential.scale,
+                    repulsion: Repulsion { q: potential.q, eta: potential.eta, distance: RepulsionDistance::Brushfire },
+                    escapes: potential.escape == Escape::Wavefront,
+                })
+            }
+        }
     }
 }
 
@@ -209,10 +234,17 @@ impl Default for Unimog {
 }
 
 impl Unimog {
-    /// Builds its planner for a field as the run of a seed does; `number` is its place among the trucks.
-    pub fn build_planner(&self, checker: &CollisionChecker, seed: u64, number: usize) -> Box<dyn TruckPlanner> {
+    /// Builds its planner for a field as the run of a seed does, which tells `memory` what it holds as it grows; `number`
+    /// is its place among the trucks.
+    pub fn build_planner(
+        &self,
+        checker: &CollisionChecker,
+        memory: &MemoryMeter,
+        seed: u64,
+        number: usize,
+    ) -> Box<dyn TruckPlanner> {
         let stream = |use_of_chance: &str| rng::stream(seed, &format!("truck/{number}/{use_of_chance}"));
-        truck_planner(self.planner, checker, &self.planner_settings(), stream)
+        truck_planner(self.planner, checker, memory, &self.planner_settings(), stream)
     }
 
     /// What its planner may want to know.

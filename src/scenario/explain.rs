@@ -4,7 +4,10 @@ use super::explain_agents::{unimog, wumpus};
 use super::load::LoadedScenario;
 use super::sketch::sketch;
 use super::warnings::warnings;
-use super::{Extinguishes, Field, IgnitionCells, Overlaps, Scenario, SpreadFrom, Terrain};
+use super::{
+    Extinguishes, Field, IgnitionCells, MemoryEstimate, MemoryLimit, MemoryPart, Overlaps, Scenario, SpreadFrom,
+    Terrain, bytes_text,
+};
 
 /// Widest line, in characters.
 pub(super) const WIDTH: usize = 80;
@@ -13,8 +16,8 @@ pub(super) const WIDTH: usize = 80;
 pub(super) const SHOWN_SEED: u64 = 1;
 
 /// What a scenario means: its rules and agents in sentences with units, the values left to defaults, the field of
-/// seed 1 with a map, and warnings. No line is wider than 80 characters.
-pub fn explain(loaded: &LoadedScenario) -> String {
+/// seed 1 with a map, the memory that a run takes beside the limit of it, and warnings. No line is wider than 80 characters.
+pub fn explain(loaded: &LoadedScenario, limit: MemoryLimit) -> String {
     let scenario = &loaded.scenario;
     let mut text = format!("{}: {} s of simulated time at most.\n", scenario.name, scenario.duration_s);
     section(&mut text, "Field", [field(&scenario.field)]);
@@ -32,6 +35,7 @@ pub fn explain(loaded: &LoadedScenario) -> String {
         Ok(terrain) => text += &field_of_seed(scenario, terrain),
         Err(error) => section(&mut text, "Field of seed 1", [format!("There is none: {error}.")]),
     }
+    text += &memory(scenario, limit);
     let warnings = warnings(scenario, terrain.as_ref().ok());
     if !warnings.is_empty() {
         section(&mut text, "Warnings", warnings);
@@ -191,6 +195,26 @@ fn field_of_seed(scenario: &Scenario, terrain: &Terrain) -> String {
     format!("\nField of seed {SHOWN_SEED}\n  {pieces}{bushes} bushes, {share} % of the cells.\n{drawing}")
 }
 
+/// What a run needs, part by part, what can be added as it goes on, and whether the limit allows it.
+fn memory(scenario: &Scenario, limit: MemoryLimit) -> String {
+    let estimate = MemoryEstimate::new(scenario);
+    let needed = MemoryPart { name: format!("in all, of {limit} that a run may take"), bytes: estimate.needed() };
+    // What is hardly to be seen beside the others is not worth a line.
+    let parts = estimate.parts.iter().filter(|part| part.bytes >= estimate.needed() / 100);
+    let line = |part: &MemoryPart| format!("  {:>8}  {}\n", bytes_text(part.bytes), part.name);
+    let lines: String = parts.chain([&needed]).map(line).collect();
+    let mut text = format!("\nMemory of a run, at most\n{lines}");
+    if estimate.meter(limit).is_err() {
+        return text + &wrapped("No run takes place: that is more than the limit, and --memory sets another.");
+    }
+    text += &wrapped(&format!(
+        "Searches, floods and curves can add {} where drives are hard, and the timeline what it holds; that is counted, and \
+         a run that comes to the limit fails.",
+        bytes_text(estimate.grows)
+    ));
+    text
+}
+
 /// A share in percent, to a hundredth.
 fn percent(share: f64) -> f64 {
     (share * 1e4).round() / 100.0
@@ -203,7 +227,7 @@ mod tests {
 
     fn of(source: &str, changes: &[&str]) -> String {
         let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
-        explain(&LoadedScenario::open(source, &changes).expect("this scenario is right"))
+        explain(&LoadedScenario::open(source, &changes).expect("this scenario is right"), MemoryLimit::default())
     }
 
     fn in_one_line(text: &str) -> String {

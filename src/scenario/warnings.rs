@@ -10,6 +10,7 @@ use super::{
 };
 use crate::collision::{ClearanceField, CollisionChecker};
 use crate::geometry::DVec2;
+use crate::planning::memory::MemoryMeter;
 use crate::planning::walk::WalkLattice;
 use crate::planning::{BuildReport, is_hardly_connected};
 
@@ -233,7 +234,8 @@ fn warn_of_roadmaps(scenario: &Scenario, terrain: &Terrain, field: &Arc<Clearanc
             return;
         }
         let checker = CollisionChecker::new(Arc::clone(field), unimog.vehicle);
-        let BuildReport { samples, components, .. } = unimog.build_planner(&checker, SHOWN_SEED, number).build_report();
+        let planner = unimog.build_planner(&checker, &MemoryMeter::unlimited(), SHOWN_SEED, number);
+        let BuildReport { samples, components, .. } = planner.build_report();
         if samples == 0 {
             found.push(format!("On the field of seed {SHOWN_SEED} the roadmap of truck {number} has no milestones."));
         } else if is_hardly_connected(samples, components) {

@@ -6,6 +6,7 @@ use bevy::prelude::*;
 
 use crate::geometry::{Cell, Pose};
 use crate::planning::Searched;
+use crate::planning::memory::{BytesAfter, Growing, Held, MemoryMeter};
 use crate::time::SimTime;
 use crate::timeline::{AgentId, Event, Fact, RestReason, Spending};
 use crate::trajectory::Trajectory;
@@ -106,16 +107,28 @@ impl Agent {
 const MAX_RECORDED: usize = 4_000_000;
 
 /// The facts so far.
-#[derive(Resource, Debug, Default)]
+#[derive(Resource, Debug)]
 pub struct Log {
     pub events: Vec<Event>,
     /// Places and edges of searches.
     recorded: usize,
+    /// Bytes of what facts hold beside themselves.
+    beside: usize,
+    memory: Held,
 }
 
 impl Log {
+    pub fn new(memory: &MemoryMeter) -> Self {
+        Self { events: Vec::new(), recorded: 0, beside: 0, memory: memory.holder(Growing::Timeline) }
+    }
+
+    /// Adds a fact. Where there is no memory for it the run is over, and it is left out.
     pub fn add(&mut self, time: SimTime, fact: Fact) {
-        self.events.push(Event { time, fact });
+        let beside = self.beside + bytes_beside(&fact);
+        if self.memory.cover(self.events.bytes_after(1) + beside) {
+            self.beside = beside;
+            self.events.push(Event { time, fact });
+        }
     }
 
     /// Adds what the searches of a plan looked at.
@@ -126,6 +139,18 @@ impl Log {
                 self.add(time, Fact::Searched { agent, phase, graph });
             }
         }
+    }
+}
+
+/// Bytes of what a fact holds beside itself; a leg twice, because whoever drives it has it too.
+fn bytes_beside(fact: &Fact) -> usize {
+    match fact {
+        Fact::Planned { trajectory, .. } | Fact::Dropped { trajectory, .. } | Fact::GaveWay { trajectory, .. } => {
+            2 * size_of_val(trajectory.pieces())
+        }
+        Fact::OutOfReach { cells, .. } => size_of_val(&cells[..]),
+        Fact::Searched { graph, .. } => size_of_val(&graph.places[..]) + size_of_val(&graph.edges[..]),
+        _ => 0,
     }
 }
 

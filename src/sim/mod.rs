@@ -22,7 +22,8 @@ use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::scenario::{Scenario, TerrainError};
+use crate::planning::memory::MemoryMeter;
+use crate::scenario::{MemoryEstimate, MemoryExceeded, MemoryLimit, Scenario, TerrainError};
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
 use crate::timeline::{AgentId, EndReason, Fact, Setting, Spending, Timeline};
@@ -81,9 +82,21 @@ pub struct Run {
     pub spending: Vec<Spending>,
 }
 
+/// How a run takes place. Nothing of it changes what happens in the run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RunOptions {
+    /// Whether the timeline also holds what the searches looked at, as [`Fact::Searched`]. CPU times include what recording
+    /// that takes.
+    pub records_searches: bool,
+    /// A run that would take more memory does not take place, or ends early, as [`RunError::Memory`].
+    pub memory: MemoryLimit,
+}
+
 /// Why a run could not take place.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum RunError {
+    #[error(transparent)]
+    Memory(#[from] MemoryExceeded),
     #[error(transparent)]
     Terrain(#[from] TerrainError),
     #[error("{agent} cannot start: no free place was found for it on this field")]
@@ -92,20 +105,20 @@ pub enum RunError {
 
 /// Runs a scenario with a seed to its end.
 pub fn run(scenario: &Scenario, seed: u64) -> Result<Run, RunError> {
-    run_to_its_end(|| Simulation::new(scenario, seed))
+    run_with(scenario, seed, RunOptions::default())
 }
 
-/// Like [`run`], and the timeline also holds what the searches looked at, as [`Fact::Searched`].
-///
-/// Nothing else about the timeline changes. CPU times include what recording takes.
+/// Like [`run`], and the timeline also holds what the searches looked at.
 pub fn run_recording_searches(scenario: &Scenario, seed: u64) -> Result<Run, RunError> {
-    run_to_its_end(|| Simulation::recording_searches(scenario, seed))
+    run_with(scenario, seed, RunOptions { records_searches: true, ..RunOptions::default() })
 }
 
-fn run_to_its_end(simulation: impl FnOnce() -> Result<Simulation, RunError>) -> Result<Run, RunError> {
+/// Like [`run`], with other options.
+pub fn run_with(scenario: &Scenario, seed: u64, options: RunOptions) -> Result<Run, RunError> {
     let mut clock = CpuStopwatch::start();
-    let mut simulation = simulation()?;
+    let mut simulation = Simulation::with(scenario, seed, options)?;
     simulation.advance_to(SimTime::MAX);
+    simulation.expect_within_memory()?;
     let mut run = simulation.finish();
     run.cost.total = clock.lap();
     Ok(run)
@@ -127,44 +140,51 @@ pub struct Simulation {
     cost: RunCost,
     /// Whether time 0 has happened. It does in every run, even if nobody is there to have something due.
     has_begun: bool,
+    memory: Memory,
+}
+
+/// What a run may take, what it was estimated to take, and what it holds of what grows.
+struct Memory {
+    limit: MemoryLimit,
+    estimate: MemoryEstimate,
+    meter: MemoryMeter,
 }
 
 impl Simulation {
     /// The world at time 0, before anything happened.
     pub fn new(scenario: &Scenario, seed: u64) -> Result<Self, RunError> {
-        Ok(Self::of(setup::build(scenario, seed, false)?))
+        Self::with(scenario, seed, RunOptions::default())
     }
 
     /// The same world, which also tells what searches looked at.
     pub fn recording_searches(scenario: &Scenario, seed: u64) -> Result<Self, RunError> {
-        Ok(Self::of(setup::build(scenario, seed, true)?))
+        Self::with(scenario, seed, RunOptions { records_searches: true, ..RunOptions::default() })
     }
 
-    fn of((world, setting, cost): (World, Setting, RunCost)) -> Self {
-        let mut schedule = Schedule::new(Instant);
-        schedule.set_executor(SingleThreadedExecutor::new());
-        schedule
-            .set_build_settings(ScheduleBuildSettings { ambiguity_detection: LogLevel::Error, ..Default::default() });
-        schedule.add_systems(
-            (
-                fires::extinguish,
-                fires::burn_out,
-                fires::spread,
-                fires::ignite,
-                truck::arrive,
-                finish_planning,
-                decide,
-                standoff::break_deadlocks,
-                end,
-            )
-                .chain(),
-        );
-        Self { world, schedule, setting, cost, has_begun: false }
+    /// The same world with other options.
+    ///
+    /// # Errors
+    /// If it cannot be, or would take more memory than it may: then nothing was allocated for it.
+    pub fn with(scenario: &Scenario, seed: u64, options: RunOptions) -> Result<Self, RunError> {
+        let estimate = MemoryEstimate::new(scenario);
+        let meter = estimate.meter(options.memory)?;
+        let (world, setting, cost) = setup::build(scenario, seed, &meter, options.records_searches)?;
+        let memory = Memory { limit: options.memory, estimate, meter };
+        let simulation = Self { world, schedule: schedule(), setting, cost, has_begun: false, memory };
+        simulation.expect_within_memory()?;
+        Ok(simulation)
     }
 
-    /// Lets everything happen that is due up to `target`, which is included.
+    /// Refuses a run that came to the limit of its memory: what its facts say after that is no answer.
+    pub fn expect_within_memory(&self) -> Result<(), RunError> {
+        let Memory { limit, estimate, meter } = &self.memory;
+        estimate.overrun(meter, *limit).map_or(Ok(()), |exceeded| Err(exceeded.into()))
+    }
+
+    /// Lets everything happen that is due up to `target`, which is included, unless the run comes to the limit of its
+    /// memory before.
     pub fn advance_to(&mut self, target: SimTime) {
-        while !self.world.resource::<Ended>().0 {
+        while !self.world.resource::<Ended>().0 && self.memory.meter.overrun().is_none() {
             let next = if self.has_begun { self.world.resource::<Agenda>().next_time() } else { Some(SimTime::ZERO) };
             let Some(next) = next.filter(|&next| next <= target) else { break };
             self.has_begun = true;
@@ -187,6 +207,28 @@ impl Simulation {
         let spending = std::mem::take(&mut self.world.resource_mut::<Ledger>().0);
         Run { timeline: Timeline { setting: self.setting, events }, cost: self.cost, spending }
     }
+}
+
+/// All systems, in the order of one instant.
+fn schedule() -> Schedule {
+    let mut schedule = Schedule::new(Instant);
+    schedule.set_executor(SingleThreadedExecutor::new());
+    schedule.set_build_settings(ScheduleBuildSettings { ambiguity_detection: LogLevel::Error, ..Default::default() });
+    schedule.add_systems(
+        (
+            fires::extinguish,
+            fires::burn_out,
+            fires::spread,
+            fires::ignite,
+            truck::arrive,
+            finish_planning,
+            decide,
+            standoff::break_deadlocks,
+            end,
+        )
+            .chain(),
+    );
+    schedule
 }
 
 /// Charged planning time is over: the agent moves, or decides again if its plan had failed.

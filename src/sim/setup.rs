@@ -10,14 +10,13 @@ use rand::seq::SliceRandom;
 use crate::collision::{ClearanceField, CollisionChecker};
 use crate::fire::{FireRules, Vegetation};
 use crate::geometry::{Cell, FieldFrame, Pose};
-use crate::grid::potential::{Attraction, Repulsion, RepulsionDistance};
+use crate::planning::memory::MemoryMeter;
 use crate::planning::reachability::Reachability;
-use crate::planning::walk::{Estimate, PotentialSettings, WalkCosts, WalkLattice, WalkMethod, WalkPlanner};
+use crate::planning::walk::{WalkCosts, WalkLattice, WalkPlanner};
 use crate::planning::{BuildReport, Safety};
 use crate::rng;
 use crate::scenario::{
-    Escape, Extinguishes, Retarget, Scenario, SpreadFrom, StepCost, StepTime, Terrain, TruckPlannerKind, WumpusGoal,
-    WumpusHeuristic, WumpusPlanner,
+    Extinguishes, Retarget, Scenario, SpreadFrom, StepCost, StepTime, Terrain, TruckPlannerKind, WumpusGoal,
 };
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
@@ -40,7 +39,12 @@ use crate::scenario;
 const START_CLEARANCE_M: f64 = 0.05;
 
 /// The world with everybody at the start and the first decisions due, what the timeline says of it, and its cost.
-pub fn build(scenario: &Scenario, seed: u64, records_searches: bool) -> Result<(World, Setting, RunCost), RunError> {
+pub fn build(
+    scenario: &Scenario,
+    seed: u64,
+    memory: &MemoryMeter,
+    records_searches: bool,
+) -> Result<(World, Setting, RunCost), RunError> {
     let mut cost = RunCost::default();
     let mut stopwatch = CpuStopwatch::start();
     let terrain = Terrain::of(scenario, seed)?;
@@ -49,7 +53,7 @@ pub fn build(scenario: &Scenario, seed: u64, records_searches: bool) -> Result<(
     cost.clearance_field = stopwatch.lap();
 
     let mut world = World::new();
-    let mut log = Log::default();
+    let mut log = Log::new(memory);
     let mut ledger = Ledger::default();
     let mut roster = Roster::default();
     let mut starts = Vec::new();
@@ -68,7 +72,7 @@ pub fn build(scenario: &Scenario, seed: u64, records_searches: bool) -> Result<(
     let mut parked = Vec::new();
     for (number, settings) in scenario.unimog.iter().enumerate() {
         let id = AgentId::Unimog(number as u16);
-        let (agent, mut truck) = place_truck(id, (settings, scenario), &field, &parked, seed, &mut log)?;
+        let (agent, mut truck) = place_truck(id, (settings, scenario), (&field, memory), &parked, seed, &mut log)?;
         if records_searches {
             truck.planner.record_searches();
             log.add_searches(SimTime::ZERO, id, truck.planner.roadmap_graph());
@@ -176,7 +180,7 @@ fn place_wumpus(
         permutation.retain(|cell| targets.binary_search_by_key(&frame.index(*cell), |c| frame.index(*c)).is_ok());
         targets = permutation;
     }
-    let planner = WalkPlanner::new(&lattice, walk_method(settings), walk_costs(settings, terrain, &lattice));
+    let planner = WalkPlanner::new(&lattice, settings.walk_method(), walk_costs(settings, terrain, &lattice));
     let wumpus = Wumpus {
         reach_m: settings.reach_m,
         policy: settings.goal,
@@ -224,32 +228,10 @@ fn walk_costs(settings: &scenario::Wumpus, terrain: &Terrain, lattice: &WalkLatt
     WalkCosts { steps, factors }
 }
 
-fn walk_method(settings: &scenario::Wumpus) -> WalkMethod {
-    match settings.planner {
-        WumpusPlanner::Astar => WalkMethod::Astar {
-            estimate: match settings.heuristic {
-                WumpusHeuristic::Octile => Estimate::Octile,
-                WumpusHeuristic::ParentEuclidean => Estimate::ParentEuclidean,
-            },
-            weight: settings.heuristic_weight,
-        },
-        WumpusPlanner::Wavefront => WalkMethod::Wavefront,
-        WumpusPlanner::Potential => {
-            let potential = &settings.potential;
-            WalkMethod::Potential(PotentialSettings {
-                attraction: Attraction::Squared { zeta: potential.zeta },
-                scale: potential.scale,
-                repulsion: Repulsion { q: potential.q, eta: potential.eta, distance: RepulsionDistance::Brushfire },
-                escapes: potential.escape == Escape::Wavefront,
-            })
-        }
-    }
-}
-
 fn place_truck(
     id: AgentId,
     (settings, scenario): (&scenario::Unimog, &Scenario),
-    field: &Arc<ClearanceField>,
+    (field, memory): (&Arc<ClearanceField>, &MemoryMeter),
     parked: &[(Dimensions, Pose)],
     seed: u64,
     log: &mut Log,
@@ -265,7 +247,7 @@ fn place_truck(
         log.add(SimTime::ZERO, Fact::StartMoved { agent: id, from: wanted });
     }
     let AgentId::Unimog(number) = id else { unreachable!("trucks are Unimogs") };
-    let planner = settings.build_planner(&checker, seed, number.into());
+    let planner = settings.build_planner(&checker, memory, seed, number.into());
     let report = planner.build_report();
     if report.samples > 0 {
         let BuildReport { samples, edges, components, .. } = report;
@@ -281,7 +263,7 @@ fn place_truck(
         extinguishes_all: scenario.suppression.extinguishes == Extinguishes::AllInReach,
         seconds_per_expansion: seconds_per_expansion(settings),
         planner,
-        reachability: Reachability::new(&checker, start),
+        reachability: Reachability::new(&checker, memory, start),
         set_aside: Vec::new(),
         out_of_reach: Vec::new(),
         tracks: Tracks::default(),

@@ -18,6 +18,7 @@ pub fn differences(there: &BatchPlan, asked: &BatchPlan) -> Vec<String> {
     };
     compare("seeds", there.seeds.to_string(), asked.seeds.to_string());
     compare("record", format!("{:?}", there.record).to_lowercase(), format!("{:?}", asked.record).to_lowercase());
+    compare("memory", there.memory.to_string(), asked.memory.to_string());
     compare("what is swept", listed(&there.swept_keys), listed(&asked.swept_keys));
     compare("the number of variants", there.variants.len().to_string(), asked.variants.len().to_string());
     for (one, other) in there.variants.iter().zip(&asked.variants) {

@@ -30,7 +30,7 @@ use crate::scenario::{BUILT_IN, ScenarioText};
 pub const PLAN_TEMPLATE: &str = include_str!("template.toml");
 
 /// What a plan file says, and a scenario never does.
-const KEYS: [&str; 6] = ["scenarios", "seeds", "planners", "set", "sweep", "record"];
+const KEYS: [&str; 7] = ["scenarios", "seeds", "planners", "set", "sweep", "record", "memory"];
 
 /// What is wrong with a plan file.
 #[derive(Debug, Error)]
@@ -65,6 +65,8 @@ struct PlanFile {
     #[schemars(with = "Vec<serde_json::Map<String, serde_json::Value>>")]
     sweep: Vec<Table>,
     record: Option<Record>,
+    /// How much memory each run may take, such as `4GB` or `512MiB`; 2 GB if it is not said.
+    memory: Option<String>,
 }
 
 /// A text such as `1..1000` or `1,5,9`, ranges with both ends; or a list of numbers.
@@ -131,8 +133,8 @@ impl PlanFile {
         let changes = leaves(self.set).into_iter().map(|(key, value)| format!("{key}={value}")).collect();
         let sweeps = self.sweep.into_iter().map(sweep_of).collect::<Result<_, _>>()?;
         let scenarios = scenarios.iter().map(|name| located(name, folder)).collect();
-        let mut request =
-            BatchRequest { scenarios, changes, sweeps, seeds, record: self.record, ..BatchRequest::default() };
+        let memory = self.memory.map(|size| size.parse().map_err(|reason| wrong_memory(&size, reason))).transpose()?;
+        let mut request = BatchRequest { scenarios, changes, sweeps, seeds, record: self.record, memory };
         request.add_planners(&self.planners)?;
         Ok(request)
     }
@@ -145,6 +147,10 @@ impl SeedList {
             Self::Numbers(numbers) => numbers.iter().map(u64::to_string).collect::<Vec<_>>().join(",").parse(),
         }
     }
+}
+
+fn wrong_memory(size: &str, reason: String) -> Fault {
+    Fault::Wrong(format!("`memory` is {size:?}; {reason}"))
 }
 
 /// A built-in scenario's name as it is, a path from the plan's folder.

@@ -15,7 +15,7 @@ use super::request::{MAX_PLAN_BYTES, MAX_VARIANTS};
 use super::{BatchPlan, MAX_SWEPT_KEYS, PROGRAM, PROGRAM_VERSION, Record, Variant};
 use crate::batch::{PLAN_FILE, Seeds, SeedsError, Value};
 use crate::input_file::{self, InputFile, list_of_at_most};
-use crate::scenario::{self, Fault, Scenario};
+use crate::scenario::{self, Fault, MemoryLimit, Scenario};
 
 /// Version of the format of `plan.json`.
 pub(super) const PLAN_FORMAT: u32 = 2;
@@ -64,6 +64,7 @@ struct Frozen<'a> {
     seeds: String,
     runs: u64,
     record: Record,
+    memory_bytes: MemoryLimit,
     swept_keys: &'a [String],
     variants: &'a [Variant],
 }
@@ -81,6 +82,9 @@ struct Body {
     content_sha256: String,
     seeds: String,
     record: Record,
+    /// Plans that were written before runs had a limit do not say it.
+    #[serde(default)]
+    memory_bytes: MemoryLimit,
     #[serde(deserialize_with = "list_of_at_most::<MAX_SWEPT_KEYS, _, _>")]
     swept_keys: Vec<String>,
     #[serde(deserialize_with = "variants_within_limit")]
@@ -133,6 +137,9 @@ fn variants_within_limit<'de, D: Deserializer<'de>>(deserializer: D) -> Result<V
 struct Content<'a> {
     program_version: &'static str,
     seeds: String,
+    /// Decides which runs fail; the usual one is not said.
+    #[serde(skip_serializing_if = "is_usual")]
+    memory_bytes: MemoryLimit,
     swept_keys: &'a [String],
     scenarios: Vec<&'a Scenario>,
 }
@@ -148,6 +155,7 @@ impl BatchPlan {
             seeds: self.seeds.to_string(),
             runs: self.count(),
             record: self.record,
+            memory_bytes: self.memory,
             swept_keys: &self.swept_keys,
             variants: &self.variants,
         };
@@ -156,12 +164,14 @@ impl BatchPlan {
         json
     }
 
-    /// SHA-256, in hexadecimal, of the compact JSON of program version, seeds, swept keys and resolved scenarios: two
+    /// SHA-256, in hexadecimal, of the compact JSON of program version, seeds, limit of memory if it is not the usual one,
+    /// swept keys and resolved scenarios: two
     /// batches with the same hash have the same outcome columns.
     pub fn content_sha256(&self) -> String {
         let content = Content {
             program_version: PROGRAM_VERSION,
             seeds: self.seeds.to_string(),
+            memory_bytes: self.memory,
             swept_keys: &self.swept_keys,
             scenarios: self.variants.iter().map(|variant| &variant.scenario).collect(),
         };
@@ -239,9 +249,9 @@ impl BatchPlan {
 
 impl Body {
     fn into_plan(self) -> Result<BatchPlan, SeedsError> {
-        let Self { seeds, record, swept_keys, variants, .. } = self;
+        let Self { seeds, record, memory_bytes: memory, swept_keys, variants, .. } = self;
         let seeds: Seeds = seeds.parse()?;
-        Ok(BatchPlan { variants, swept_keys, seeds, record })
+        Ok(BatchPlan { variants, swept_keys, seeds, record, memory })
     }
 }
 
@@ -253,6 +263,10 @@ pub(super) fn read_head(path: &Path, file: &File) -> Result<Head, PlanError> {
     }
     let reason = format!("its program is `{}`, expected `{PROGRAM}`", head.program);
     Err(PlanError::NotAPlan { path: path.to_owned(), reason })
+}
+
+fn is_usual(limit: &MemoryLimit) -> bool {
+    *limit == MemoryLimit::default()
 }
 
 /// Opens the file of a plan, which has at most [`MAX_FILE_BYTES`].

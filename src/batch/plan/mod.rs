@@ -27,7 +27,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::batch::{RunLabel, Seeds, Value};
 use crate::input_file::list_of_at_most;
-use crate::scenario::Scenario;
+use crate::scenario::{MemoryLimit, Scenario};
 
 /// The version of this program, as it stands in every file that it writes.
 pub const PROGRAM_VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -61,6 +61,8 @@ pub struct BatchPlan {
     pub swept_keys: Vec<String>,
     pub seeds: Seeds,
     pub record: Record,
+    /// What each run may take.
+    pub memory: MemoryLimit,
 }
 
 /// A scenario as it is run.
@@ -90,7 +92,7 @@ impl BatchPlan {
     /// The plan of one scenario with nothing swept.
     pub fn of_one(source: &str, changes: &[String], scenario: Scenario, seeds: Seeds, record: Record) -> Self {
         let variant = Variant { source: source.into(), changes: changes.to_vec(), swept: Vec::new(), scenario };
-        Self { variants: vec![variant], swept_keys: Vec::new(), seeds, record }
+        Self { variants: vec![variant], swept_keys: Vec::new(), seeds, record, memory: MemoryLimit::default() }
     }
 
     /// Number of runs.

@@ -9,7 +9,7 @@ use super::file::{self, PlanFileError};
 use super::sweep::{SweepError, check_sweeps, split_at_commas};
 use super::{BatchPlan, MAX_CHANGES, MAX_SWEPT_KEYS, PLANNER_KEY, Record, Setting, Sweep, Variant};
 use crate::batch::{MAX_RUNS, Seeds, Value};
-use crate::scenario::{LoadedScenario, Scenario, ScenarioError, ScenarioText};
+use crate::scenario::{LoadedScenario, MemoryLimit, Scenario, ScenarioError, ScenarioText};
 
 /// The most runs of a batch that is not insisted on.
 pub const RUNS_WITHOUT_FORCE: u64 = 100_000;
@@ -34,6 +34,8 @@ pub struct BatchRequest {
     /// 1 to 5 if there are none.
     pub seeds: Option<Seeds>,
     pub record: Option<Record>,
+    /// 2 GB if there is none.
+    pub memory: Option<MemoryLimit>,
 }
 
 /// Why a plan cannot be made of what is asked for.
@@ -111,6 +113,7 @@ impl BatchRequest {
             swept_keys: keys().filter(|key| *key != PLANNER_KEY).cloned().collect(),
             seeds,
             record: self.record.unwrap_or_default(),
+            memory: self.memory.unwrap_or_default(),
         };
         check_distinct(&plan)?;
         Ok(plan)

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::args::parse_seed;
+use crate::cli::args::{MemoryArguments, parse_seed};
 use crate::cli::numbers;
 use crate::planning::TruckPlannerKind;
 use crate::scenario::MAX_GOALS;
@@ -35,6 +35,8 @@ pub struct PlanArguments {
     /// Change a value of the scenario, such as `unimog.hybrid.clearance_m=1`; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub overrides: Vec<String>,
+    #[command(flatten)]
+    pub memory: MemoryArguments,
     /// On the scenario's field: so many random free poses to drive to [default: 50].
     #[arg(help_heading = "Goals", long, value_name = "N", conflicts_with = "fields", value_parser = goal_count)]
     pub goals: Option<usize>,

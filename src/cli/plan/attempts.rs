@@ -5,9 +5,10 @@ use std::time::Duration;
 
 use crate::cli::plan::drive::{Drive, Judge};
 use crate::collision::{ClearanceField, CollisionChecker};
+use crate::planning::memory::MemoryMeter;
 use crate::planning::{PlanFailure, TruckPlannerKind, truck_planner};
 use crate::rng;
-use crate::scenario::Problem;
+use crate::scenario::{MemoryEstimate, MemoryExceeded, MemoryLimit, Problem};
 use crate::time::cpu::CpuStopwatch;
 
 /// A planner's answer to one goal of a problem.
@@ -28,28 +29,44 @@ pub struct Attempt<'a> {
 /// All planners on all goals of a problem, goal by goal.
 ///
 /// Random streams have the names that a run's first truck has, so that both plan alike.
-pub fn attempts<'a>(problem: &'a Problem, planners: &[TruckPlannerKind], seed: u64) -> Vec<Attempt<'a>> {
+///
+/// # Errors
+/// If they would take more memory than they may.
+pub fn attempts<'a>(
+    problem: &'a Problem,
+    planners: &[TruckPlannerKind],
+    seed: u64,
+    limit: MemoryLimit,
+) -> Result<Vec<Attempt<'a>>, MemoryExceeded> {
+    let estimate = MemoryEstimate::for_problem(problem, planners);
+    estimate.meter(limit)?;
     let mut stopwatch = CpuStopwatch::start();
     let field = Arc::new(ClearanceField::new(problem.terrain.frame, &problem.terrain.occupied));
     let checker = CollisionChecker::new(field, problem.truck.vehicle);
     let field_time = stopwatch.lap();
     let judge = Judge::new(problem, &checker);
-    let all = planners.iter().map(|&planner| attempts_by(planner, problem, &checker, field_time, &judge, seed));
-    let mut all: Vec<_> = all.map(Vec::into_iter).collect();
-    (0..problem.goals.len()).flat_map(|_| all.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>()).collect()
+    let mut all = Vec::new();
+    for &planner in planners {
+        // Each planner is gone when the next is made.
+        let memory = estimate.meter(limit)?;
+        all.push(attempts_by(planner, problem, (&checker, &memory), field_time, &judge, seed).into_iter());
+        estimate.overrun(&memory, limit).map_or(Ok(()), Err)?;
+    }
+    let in_turn = |_| all.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>();
+    Ok((0..problem.goals.len()).flat_map(in_turn).collect())
 }
 
 fn attempts_by<'a>(
     planner: TruckPlannerKind,
     problem: &'a Problem,
-    checker: &CollisionChecker,
+    (checker, memory): (&CollisionChecker, &MemoryMeter),
     field_time: Duration,
     judge: &Judge,
     seed: u64,
 ) -> Vec<Attempt<'a>> {
     let stream = |use_of_chance: &str| rng::stream(seed, &format!("truck/0/{use_of_chance}"));
     let mut stopwatch = CpuStopwatch::start();
-    let mut prepared = truck_planner(planner, checker, &problem.truck.planner_settings(), stream);
+    let mut prepared = truck_planner(planner, checker, memory, &problem.truck.planner_settings(), stream);
     let build = field_time + stopwatch.lap();
     let attempt = |(goal, &target)| {
         stopwatch.lap();

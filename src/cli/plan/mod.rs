@@ -57,15 +57,20 @@ pub fn run(arguments: &PlanArguments, quiet: bool) -> Result<ExitCode, Failure> 
     let planners = planners(arguments, &problems);
     let pictures = pictures(arguments, &problems);
     let words = files(arguments, &pictures).check()?;
-    let attempts: Vec<_> = problems.iter().flat_map(|problem| attempts(problem, &planners, arguments.seed)).collect();
-    let summaries = planners.iter().map(|&planner| Summary::of(planner, &attempts)).collect();
+    let mut all = Vec::new();
+    for problem in &problems {
+        let attempts = attempts(problem, &planners, arguments.seed, arguments.memory.limit());
+        let exceeded = |exceeded| Failure::of_run(format_args!("planning on the field {}: {exceeded}", problem.name));
+        all.extend(attempts.map_err(exceeded)?);
+    }
+    let summaries = planners.iter().map(|&planner| Summary::of(planner, &all)).collect();
     let answers = Answers {
         loaded: &loaded,
         changes: &arguments.overrides,
         seed: arguments.seed,
         problems: &problems,
         planners: &planners,
-        attempts,
+        attempts: all,
         summaries,
     };
     let told = if arguments.json { json::of(&answers) } else { report::of(&answers) };

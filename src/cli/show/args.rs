@@ -6,7 +6,7 @@ use std::str::FromStr;
 use clap::Args;
 use glam::DVec2;
 
-use crate::cli::args::parse_seed;
+use crate::cli::args::{MemoryArguments, parse_seed};
 use crate::cli::numbers;
 use crate::geometry::Cell;
 use crate::picture::film::{Camera, Layer, Layers, Layout, Selected};
@@ -21,6 +21,8 @@ pub struct ShowArguments {
     /// Change a value of the scenario, such as `unimog.planner=hybrid-astar`; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub overrides: Vec<String>,
+    #[command(flatten)]
+    pub memory: MemoryArguments,
     /// The seed of the run [default: 1, or the first of the batch].
     #[arg(long, allow_hyphen_values = true, value_parser = parse_seed)]
     pub seed: Option<u64>,

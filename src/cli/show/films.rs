@@ -16,7 +16,7 @@ pub struct Shown {
 /// The runs that are asked for, one or two.
 pub fn shown(arguments: &ShowArguments, searches: Searches, quiet: bool) -> Result<Vec<Shown>, Failure> {
     let named = Named::open(&arguments.source)?;
-    let source = Source::new(&named, &arguments.overrides)?;
+    let source = Source::new(&named, &arguments.overrides, arguments.memory.memory)?;
     let second = second_source(arguments, &named)?;
     let run = source.run(arguments.seed, searches)?;
     let seed = run.timeline.setting.seed;
@@ -46,13 +46,13 @@ fn tell_apart(shown: &mut [Shown], arguments: &ShowArguments) {
 }
 
 fn second_source(arguments: &ShowArguments, first: &Named) -> Result<Option<Source>, Failure> {
-    let changes = &arguments.with_overrides;
+    let (changes, memory) = (&arguments.with_overrides, arguments.memory.memory);
     match &arguments.with {
-        Some(name) => Source::new(&Named::open(name)?, changes).map(Some),
+        Some(name) => Source::new(&Named::open(name)?, changes, memory).map(Some),
         None if changes.is_empty() && arguments.with_seed.is_none() => Ok(None),
         None => {
             let all = arguments.overrides.iter().chain(changes).cloned().collect::<Vec<_>>();
-            Source::new(first, &all).map(Some)
+            Source::new(first, &all, memory).map(Some)
         }
     }
 }

@@ -8,8 +8,8 @@ use crate::batch::{FinishedBatch, PlannedRun};
 use crate::cli::failure::Failure;
 use crate::input_file;
 use crate::picture::film::Film;
-use crate::scenario::{BUILT_IN, LoadedScenario, Scenario, ScenarioText};
-use crate::sim;
+use crate::scenario::{BUILT_IN, LoadedScenario, MemoryLimit, Scenario, ScenarioText};
+use crate::sim::{self, RunOptions};
 use crate::timeline::file::{self, FileError};
 use crate::timeline::{Spending, Timeline};
 #[cfg(feature = "view")]
@@ -88,21 +88,22 @@ pub enum Source {
     /// One run, and the bytes of its file: a pipe gives them once.
     Recording { path: PathBuf, bytes: Vec<u8> },
     /// The runs of a batch's first variant, as they were recorded; what was not is simulated.
-    Batch { batch: Box<FinishedBatch>, seeds: Vec<u64>, title: String },
+    Batch { batch: Box<FinishedBatch>, seeds: Vec<u64>, title: String, memory: MemoryLimit },
     /// Any seed is simulated; the title names what was changed.
-    Scenario { scenario: Box<Scenario>, title: String },
+    Scenario { scenario: Box<Scenario>, title: String, memory: MemoryLimit },
 }
 
 impl Source {
-    /// What a name stands for, with changes to its values if it is a scenario.
-    pub fn new(named: &Named, overrides: &[String]) -> Result<Self, Failure> {
+    /// What a name stands for, with changes to its values if it is a scenario. Runs that are simulated may take so much
+    /// memory, or what their batch allows them.
+    pub fn new(named: &Named, overrides: &[String], memory: Option<MemoryLimit>) -> Result<Self, Failure> {
         let source = match named {
             Named::Scenario(text) => {
                 let scenario = Box::new(LoadedScenario::from_text(text, overrides)?.scenario);
                 let title = iter::once(&scenario.name).chain(overrides).map(String::as_str).collect::<Vec<_>>();
-                return Ok(Self::Scenario { title: title.join(", "), scenario });
+                return Ok(Self::Scenario { title: title.join(", "), scenario, memory: memory.unwrap_or_default() });
             }
-            Named::Batch(folder) => Self::of_batch(folder)?,
+            Named::Batch(folder) => Self::of_batch(folder, memory)?,
             Named::Recording { path, bytes } => Self::Recording { path: path.clone(), bytes: bytes.clone() },
         };
         if overrides.is_empty() {
@@ -113,7 +114,7 @@ impl Source {
         Err(Failure::bad_input(sentence, None))
     }
 
-    fn of_batch(folder: &Path) -> Result<Self, Failure> {
+    fn of_batch(folder: &Path, memory: Option<MemoryLimit>) -> Result<Self, Failure> {
         if !FinishedBatch::is_there(folder) {
             let sentence = format!("{} holds no plan of a batch", folder.display());
             return Err(Failure::bad_input(sentence, Some("name one of the recordings in it, if there are any")));
@@ -121,7 +122,8 @@ impl Source {
         let batch = Box::new(FinishedBatch::open(folder)?);
         let seeds = batch.plan().seeds.iter().collect();
         let title = batch.plan().title(&batch.plan().variants[0]);
-        Ok(Self::Batch { batch, seeds, title })
+        let memory = memory.unwrap_or(batch.plan().memory);
+        Ok(Self::Batch { batch, seeds, title, memory })
     }
 
     /// Gives the runs that are still to come another title; a recording has none of these.
@@ -154,15 +156,15 @@ impl Source {
                 let sentence = format!("{} is one run, which has its seed; expected no seed", path.display());
                 Err(Failure::bad_input(sentence, None))
             }
-            (Self::Batch { batch, seeds, title }, seed) => {
+            (Self::Batch { batch, seeds, title, memory }, seed) => {
                 let run = run_of(batch, seeds, seed)?;
                 let recording = batch.recording(&run);
-                let simulated = || simulated(&run.variant.scenario, run.seed, searches);
+                let simulated = || simulated(&run.variant.scenario, run.seed, searches, *memory);
                 let run = recording.map_or_else(simulated, |path| recorded(&path, file::read(&path)))?;
                 Ok(ShownRun { title: title.clone(), ..run })
             }
-            (Self::Scenario { scenario, title }, seed) => {
-                let run = simulated(scenario, seed.unwrap_or(FIRST_SEED), searches)?;
+            (Self::Scenario { scenario, title, memory }, seed) => {
+                let run = simulated(scenario, seed.unwrap_or(FIRST_SEED), searches, *memory)?;
                 Ok(ShownRun { title: title.clone(), ..run })
             }
         }
@@ -186,13 +188,10 @@ fn recorded(path: &Path, timeline: Result<Timeline, FileError>) -> Result<ShownR
     Ok(ShownRun { title: timeline.setting.scenario.clone(), timeline, spending: None })
 }
 
-fn simulated(scenario: &Scenario, seed: u64, searches: Searches) -> Result<ShownRun, Failure> {
-    let run = match searches {
-        Searches::Recorded => sim::run_recording_searches,
-        Searches::LeftOut => sim::run,
-    };
+fn simulated(scenario: &Scenario, seed: u64, searches: Searches, memory: MemoryLimit) -> Result<ShownRun, Failure> {
+    let options = RunOptions { records_searches: searches == Searches::Recorded, memory };
     // The panic has been printed by then, with a backtrace if one was asked for.
-    let caught = panic::catch_unwind(|| run(scenario, seed));
+    let caught = panic::catch_unwind(|| sim::run_with(scenario, seed, options));
     let run = caught.map_err(|_| Failure::of_run("the run panicked: this is a fault of the program"))?;
     let run = run.map_err(Failure::of_run)?;
     Ok(ShownRun { title: scenario.name.clone(), timeline: run.timeline, spending: Some(run.spending) })

@@ -22,7 +22,7 @@ pub(super) use outlook::{Approach, Lookout};
 pub use settings::HybridSettings;
 
 use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M};
-use crate::geometry::Pose;
+use crate::geometry::{FieldFrame, Pose};
 use crate::rng::Xoshiro256PlusPlus;
 use crate::time::cpu::CpuStopwatch;
 use crate::vehicle::{Dimensions, Path};
@@ -30,8 +30,9 @@ use crate::vehicle::{Dimensions, Path};
 use super::clearance_floor::ClearanceFloor;
 use super::ends::{free_ends, free_poses, has_free_pose};
 use super::improve::Improver;
+use super::memory::{MemoryMeter, PlannerMemory};
 use super::primitives::Ending;
-use super::reachability::{LATTICES, Lattice};
+use super::reachability::{Floods, LATTICES, Lattice};
 use super::{
     BuildReport, Effort, Goal, LatticePlanner, LatticeSettings, Plan, PlanFailure, QueryTime, SearchPhase,
     SearchRecorder, TruckPlanner,
@@ -41,6 +42,8 @@ use search::{Search, Task};
 use wave::{Cells, Wave};
 
 const FINEST: Lattice = LATTICES[LATTICES.len() - 1];
+/// The coarsest of the floods is asked.
+const FLOODS: usize = 1;
 /// Of the two sides of a search.
 const BACKWARD: usize = 1;
 /// A disc is searched from at poses on so many rings.
@@ -51,6 +54,7 @@ const START_RINGS: u32 = 4;
 pub struct HybridAstar {
     checker: CollisionChecker,
     settings: HybridSettings,
+    memory: MemoryMeter,
     cells: Cells,
     lookout: Lookout,
     /// From the start and from the goal.
@@ -68,22 +72,44 @@ pub struct HybridAstar {
 
 impl HybridAstar {
     /// `rng` decides which shortcuts are tried; every query draws the same numbers.
-    pub fn build(checker: &CollisionChecker, settings: &HybridSettings, rng: Xoshiro256PlusPlus) -> Self {
+    pub fn build(
+        checker: &CollisionChecker,
+        memory: &MemoryMeter,
+        settings: &HybridSettings,
+        rng: Xoshiro256PlusPlus,
+    ) -> Self {
         let lattice = Lattice { bin_m: settings.bin_m, headings: settings.headings, step_m: settings.step_m };
         Self {
             checker: checker.clone(),
             settings: settings.clone(),
+            memory: memory.clone(),
             cells: Cells::new(checker),
             lookout: Lookout::new(settings, checker.body()),
-            coarse: searches(settings, lattice, checker.body()),
+            coarse: searches(settings, lattice, checker.body(), memory),
             fine: None,
             waves: Default::default(),
             improver: Improver::new(checker, settings.cusp_cost),
-            lattice: LatticePlanner::build(checker, &LatticeSettings::default()),
+            lattice: LatticePlanner::build(checker, memory, &LatticeSettings::default()),
             rng,
             expansions: 0,
             recorder: SearchRecorder::default(),
         }
+    }
+
+    /// The most bytes that it takes.
+    pub fn memory(frame: &FieldFrame, settings: &HybridSettings) -> PlannerMemory {
+        let most = |kind: LatticeKind, side: usize| {
+            let budgets = LADDER.iter().filter_map(|rung| match rung.method {
+                Method::Searches { lattice, forward, backward } if lattice == kind => Some([forward, backward][side]),
+                _ => None,
+            });
+            Search::most_bytes(budgets.max().unwrap_or(0).min(settings.max_expansions))
+        };
+        let kinds = [LatticeKind::Coarse, LatticeKind::Fine];
+        let searches: u64 = kinds.into_iter().map(|kind| most(kind, 0) + most(kind, BACKWARD)).sum();
+        let flood = Floods::most_bytes(frame, FLOODS, settings.max_expansions);
+        let cells = Cells::bytes(frame) + 2 * Wave::most_bytes(frame);
+        PlannerMemory { held: cells, grows: searches + flood, ..PlannerMemory::default() }
     }
 
     fn find(&mut self, start: Pose, goal: Goal) -> Result<Path, PlanFailure> {
@@ -136,10 +162,10 @@ impl HybridAstar {
         goal: Goal,
         (floor, clearance_m): (&ClearanceFloor, f64),
     ) -> Result<Path, Ending> {
-        let Self { checker, settings, cells, lookout, coarse, fine, waves: [to_goal, to_start], .. } = self;
+        let Self { checker, settings, memory, cells, lookout, coarse, fine, waves: [to_goal, to_start], .. } = self;
         let [forward, backward] = match lattice {
             LatticeKind::Coarse => coarse,
-            LatticeKind::Fine => fine.get_or_insert_with(|| searches(settings, FINEST, checker.body())),
+            LatticeKind::Fine => fine.get_or_insert_with(|| searches(settings, FINEST, checker.body(), memory)),
         };
         let mut ahead = Task { checker, lookout, floor, goal, cells, wave: to_goal };
         let mut back = Task { checker, lookout, floor, goal: Goal::Pose(start), cells, wave: to_start };
@@ -193,7 +219,8 @@ impl HybridAstar {
     }
 
     fn flood(&mut self, start: Pose, goal: Goal) -> Result<Path, Ending> {
-        let (path, spent) = self.lattice.find_within(self.settings.max_expansions - self.expansions, 1, start, goal);
+        let (path, spent) =
+            self.lattice.find_within(self.settings.max_expansions - self.expansions, FLOODS, start, goal);
         self.expansions += spent;
         let searched = self.lattice.take_searched();
         self.recorder.add(searched.iter().flat_map(|searched| searched.graph.lines()));
@@ -207,8 +234,8 @@ impl HybridAstar {
     }
 }
 
-fn searches(settings: &HybridSettings, lattice: Lattice, body: &Dimensions) -> [Search; 2] {
-    [(); 2].map(|()| Search::new(settings, lattice, body))
+fn searches(settings: &HybridSettings, lattice: Lattice, body: &Dimensions, memory: &MemoryMeter) -> [Search; 2] {
+    [(); 2].map(|()| Search::new(settings, lattice, body, memory))
 }
 
 impl TruckPlanner for HybridAstar {
@@ -244,7 +271,12 @@ mod tests {
     use glam::DVec2;
 
     fn planner(field: &TestField, seed: u64) -> HybridAstar {
-        HybridAstar::build(&field.checker, &HybridSettings::default(), rng::stream(seed, "hybrid"))
+        HybridAstar::build(
+            &field.checker,
+            &MemoryMeter::unlimited(),
+            &HybridSettings::default(),
+            rng::stream(seed, "hybrid"),
+        )
     }
 
     #[test]
@@ -344,7 +376,7 @@ mod tests {
         assert_eq!(reason(field.start, Goal::Pose(court)), Some(PlanFailure::Disconnected));
         assert_eq!(reason(field.start, disc(court, 4.0)), Some(PlanFailure::Disconnected));
         let short = HybridSettings { max_expansions: 1, ..HybridSettings::default() };
-        let mut hasty = HybridAstar::build(&field.checker, &short, rng::stream(1, "hybrid"));
+        let mut hasty = HybridAstar::build(&field.checker, &MemoryMeter::unlimited(), &short, rng::stream(1, "hybrid"));
         let behind = Goal::Pose(Pose::new(88.0, 25.0, 1.0));
         let plan = hasty.plan(field.start, behind);
         assert_eq!((plan.path, plan.effort.local_expansions), (Err(PlanFailure::BudgetSpent), 1));

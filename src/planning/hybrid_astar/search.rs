@@ -4,6 +4,7 @@ use crate::collision::CollisionChecker;
 use crate::geometry::Pose;
 use crate::grid::open_list::OpenList;
 use crate::planning::clearance_floor::ClearanceFloor;
+use crate::planning::memory::{BytesAfter, Growing, Held, MemoryMeter};
 use crate::planning::primitives::{Bins, Ending};
 use crate::planning::reachability::Lattice;
 use crate::planning::{Goal, HybridSettings, lattice_search};
@@ -72,10 +73,11 @@ pub struct Search {
     open: OpenList<Candidate>,
     bins: Bins,
     sequence: u32,
+    memory: Held,
 }
 
 impl Search {
-    pub fn new(settings: &HybridSettings, lattice: Lattice, body: &Dimensions) -> Self {
+    pub fn new(settings: &HybridSettings, lattice: Lattice, body: &Dimensions, memory: &MemoryMeter) -> Self {
         Self {
             step_m: lattice.step_m,
             cusp_cost: settings.cusp_cost,
@@ -85,6 +87,7 @@ impl Search {
             open: OpenList::default(),
             bins: Bins::new(lattice.bin_m, lattice.headings),
             sequence: 0,
+            memory: memory.holder(Growing::Searches),
         }
     }
 
@@ -106,6 +109,9 @@ impl Search {
     pub fn carry_on(&mut self, task: &mut Task<'_>, budget: u32) -> (Result<Path, Ending>, u32) {
         let mut spent = 0;
         while let Some(best) = self.open.pop() {
+            if !self.has_memory() {
+                return (Err(Ending::BudgetSpent), spent);
+            }
             match best.step {
                 Step::Approach => {
                     if let Some(path) = self.arrive(task, best.node) {
@@ -124,6 +130,21 @@ impl Search {
             }
         }
         (Err(Ending::Exhausted), spent)
+    }
+
+    /// Whether there is memory for what one step adds: a pose with its approach, or the motions that follow one.
+    fn has_memory(&mut self) -> bool {
+        let lists = self.nodes.bytes_after(1) + self.open.bytes_after(self.motions.len());
+        self.memory.cover(lists + self.bins.bytes_after(1))
+    }
+
+    /// The most bytes that a search takes which expands up to so many nodes.
+    pub fn most_bytes(expansions: u32) -> u64 {
+        // A node is left by all motions but the one back; each new one waits twice, for its approach and to be expanded.
+        let (nodes, entries) = (5, 5 + 2 * 5);
+        let lists = nodes * size_of::<Node>() as u64 + entries * size_of::<Candidate>() as u64;
+        // Lists that double may have room for twice as many.
+        2 * u64::from(expansions) * lists + Bins::most_bytes(nodes * u64::from(expansions))
     }
 
     /// Where the poses are that the search reached, in order, each after the one that it came from.

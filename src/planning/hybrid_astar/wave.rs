@@ -40,6 +40,11 @@ impl Cells {
         Self { frame: *field.frame(), moves, occupied: field.occupied().clone() }
     }
 
+    /// Bytes that it takes on a field.
+    pub fn bytes(frame: &FieldFrame) -> u64 {
+        frame.cell_count() as u64 * (size_of::<u8>() + size_of::<bool>()) as u64
+    }
+
     /// Free cells that a goal meets.
     fn of_goal(&self, goal: Goal) -> impl Iterator<Item = usize> + '_ {
         let (centre, radius_m) = match goal {
@@ -83,6 +88,11 @@ impl Default for Wave {
 }
 
 impl Wave {
+    /// The most bytes that it takes on a field: a cost and an entry for every cell, in lists that double.
+    pub fn most_bytes(frame: &FieldFrame) -> u64 {
+        frame.cell_count() as u64 * 3 * size_of::<u32>() as u64
+    }
+
     /// Forgets all, and begins at the goal.
     pub fn begin(&mut self, cells: &Cells, goal: Goal) {
         self.costs.clear();

@@ -35,6 +35,19 @@ impl Bins {
         Self { bin_m, headings: f64::from(headings), slots, generation: 1, used: 0 }
     }
 
+    /// Bytes that the table takes while it comes to hold `more` bins more.
+    pub fn bytes_after(&self, more: usize) -> usize {
+        let doubles = 2 * (self.used + more) >= self.slots.len();
+        // Both tables are there while the entries move.
+        size_of::<Slot>() * self.slots.len() * if doubles { 3 } else { 1 }
+    }
+
+    /// The most bytes that the table takes while it comes to hold up to so many bins.
+    pub fn most_bytes(bins: u64) -> u64 {
+        // At most half full, so up to four times as many slots as bins; twice those while it grows to more.
+        6 * bins.max(FIRST_CAPACITY as u64) * size_of::<Slot>() as u64
+    }
+
     pub fn clear(&mut self) {
         self.used = 0;
         self.generation = self.generation.wrapping_add(1);

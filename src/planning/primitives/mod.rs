@@ -30,6 +30,7 @@ use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M};
 use crate::geometry::Pose;
 use crate::vehicle::{Path, Segment};
 
+use super::memory::MemoryMeter;
 use super::{Goal, GoalDisc, PlanFailure, PrimitiveSettings, Safety, SearchPhase, SearchRecorder, Searched};
 
 /// Clearances tried in turn, as shares of the wanted one, each with the percentage of the budget that it may spend.
@@ -53,15 +54,26 @@ pub struct LocalSearch {
 }
 
 impl LocalSearch {
-    pub fn new(checker: &CollisionChecker, settings: &PrimitiveSettings, safety: Option<Arc<Safety>>) -> Self {
+    pub fn new(
+        checker: &CollisionChecker,
+        memory: &MemoryMeter,
+        settings: &PrimitiveSettings,
+        safety: Option<Arc<Safety>>,
+    ) -> Self {
         Self {
             checker: checker.clone(),
             settings: settings.clone(),
-            search: Search::new(settings, checker, safety),
+            search: Search::new(checker, memory, settings, safety),
             segments: Vec::new(),
             expansions: 0,
             recorder: SearchRecorder::default(),
         }
+    }
+
+    /// The most bytes that its searches take.
+    pub fn most_bytes(settings: &PrimitiveSettings) -> u64 {
+        let most = LADDER.iter().map(|&(_, percent)| part_of(settings.max_expansions, percent)).sum::<u32>();
+        Search::most_bytes(most.min(settings.max_expansions))
     }
 
     pub fn record_searches(&mut self) {

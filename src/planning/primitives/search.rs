@@ -5,6 +5,7 @@ use glam::DVec2;
 use crate::collision::CollisionChecker;
 use crate::geometry::{Pose, ops};
 use crate::grid::open_list::OpenList;
+use crate::planning::memory::{BytesAfter, Growing, Held, MemoryMeter};
 use crate::planning::{Goal, GoalDisc, PrimitiveSettings, Safety, lattice_search};
 use crate::vehicle::reeds_shepp::Curve;
 use crate::vehicle::{Dimensions, ReedsShepp, Segment};
@@ -134,6 +135,7 @@ pub struct Search {
     open: OpenList<Candidate>,
     bins: Bins,
     sequence: u32,
+    memory: Held,
     /// Metres from each waypoint along the rest of the route, and what their places cost more.
     tails: Vec<f64>,
     /// Nodes expanded by the last search.
@@ -141,7 +143,12 @@ pub struct Search {
 }
 
 impl Search {
-    pub fn new(settings: &PrimitiveSettings, checker: &CollisionChecker, safety: Option<Arc<Safety>>) -> Self {
+    pub fn new(
+        checker: &CollisionChecker,
+        memory: &MemoryMeter,
+        settings: &PrimitiveSettings,
+        safety: Option<Arc<Safety>>,
+    ) -> Self {
         let price = Price::new(settings, checker.body(), safety);
         let body = checker.body();
         Self {
@@ -155,6 +162,7 @@ impl Search {
             open: OpenList::default(),
             bins: Bins::new(settings.bin_m, settings.headings),
             sequence: 0,
+            memory: memory.holder(Growing::Searches),
             tails: Vec::new(),
             expansions: 0,
         }
@@ -181,6 +189,9 @@ impl Search {
         };
         self.reach(task, root);
         while let Some(best) = self.open.pop() {
+            if !self.has_memory() {
+                return Ending::BudgetSpent;
+            }
             let reached = match best.step {
                 Step::Expand => {
                     if self.expansions == budget {
@@ -204,6 +215,27 @@ impl Search {
             }
         }
         Ending::Exhausted
+    }
+
+    /// Whether there is memory for what one step adds: a turn and a straight, the motions that follow, and aims at the
+    /// waypoints ahead.
+    fn has_memory(&mut self) -> bool {
+        let (nodes, aims) = (self.nodes.bytes_after(2), self.aims.bytes_after(1 + AIM_AHEAD as usize));
+        let open = self.open.bytes_after(self.lattice.len() + 2 + AIM_AHEAD as usize);
+        self.memory.cover(nodes + aims + open + self.bins.bytes_after(1))
+    }
+
+    /// The most bytes that searches take of which each expands up to so many nodes.
+    pub fn most_bytes(expansions: u32) -> u64 {
+        // A node is left by its motions but the one back, and by aims, which are two motions each.
+        let motions = 5;
+        let aims = 1 + u64::from(AIM_AHEAD);
+        let nodes = motions + 2 * aims;
+        let entries = nodes + motions + aims + 1;
+        let lists = nodes * size_of::<Node>() as u64 + (nodes + aims) * size_of::<Aim>() as u64;
+        let open = entries * size_of::<Candidate>() as u64;
+        // Lists that double may have room for twice as many.
+        2 * u64::from(expansions) * (lists + open) + Bins::most_bytes(u64::from(expansions) * nodes)
     }
 
     /// Where the poses are that the last search reached, in order, each after the one that it came from.

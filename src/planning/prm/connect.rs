@@ -58,6 +58,16 @@ pub fn find_edges(
     edges
 }
 
+/// The most bytes that are taken while so many milestones are joined and none is held.
+pub fn most_bytes_at_work(milestones: u64, neighbours: u64) -> u64 {
+    let edges = milestones * neighbours * size_of::<Edge>() as u64;
+    // A line is tried once and kept at one of its ends, in a list that doubles from room for four.
+    let tried = milestones * (neighbours * LOOKED_AT_PER_NEIGHBOUR as u64 + 4);
+    let tried = 2 * tried * size_of::<(u32, bool)>() as u64 + milestones * size_of::<Vec<(u32, bool)>>() as u64;
+    // Then all edges are listed from both ends, in a list that doubles.
+    edges + tried.max(4 * edges)
+}
+
 /// The nearest milestones within a distance (inclusive), at most so many, nearest first, ties by index.
 pub fn neighbours_by_distance(
     tree: &ImmutableKdTree<f64, 2>,

@@ -5,6 +5,9 @@ use crate::grid::open_list::{OpenList, Ranked};
 /// Stands for the start where a milestone's number is asked for.
 pub const START: u32 = u32::MAX;
 
+/// Ways into the goal that one milestone may offer.
+const GOAL_OFFERS: u64 = 9;
+
 /// A way to a milestone or a goal place that is still to be judged.
 #[derive(Clone, Copy, Debug)]
 pub struct Candidate {
@@ -53,6 +56,14 @@ pub struct RoadmapScratch {
 }
 
 impl RoadmapScratch {
+    /// The most bytes that queries take on a roadmap of so many milestones and edges, in lists that double.
+    pub fn most_bytes(milestones: u64, edges: u64) -> u64 {
+        let of_each = size_of::<Visit>() + size_of::<u32>() + size_of::<(f64, u32)>();
+        // An edge is offered from both its ends; a milestone near the goal offers the ways into it.
+        let candidates = 2 * edges + GOAL_OFFERS * milestones;
+        2 * (milestones * of_each as u64 + candidates * size_of::<Candidate>() as u64)
+    }
+
     pub fn begin(&mut self, milestones: usize) {
         if self.visits.len() != milestones || self.generation == u32::MAX {
             self.visits = vec![Visit { generation: 0, closed: false, cost: 0.0, parent: START }; milestones];

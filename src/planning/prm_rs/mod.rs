@@ -24,7 +24,7 @@ mod tree;
 pub use settings::PrmRsSettings;
 
 use crate::collision::CollisionChecker;
-use crate::geometry::Pose;
+use crate::geometry::{FieldFrame, Pose};
 use crate::rng::Xoshiro256PlusPlus;
 use crate::time::cpu::CpuStopwatch;
 use crate::vehicle::Path;
@@ -33,12 +33,14 @@ use super::clearance_floor::ClearanceFloor;
 use super::ends::free_ends;
 use super::hybrid_astar::Lookout;
 use super::improve::Improver;
+use super::memory::{MemoryMeter, PlannerMemory};
 use super::{
     BuildReport, Effort, Goal, HybridAstar, HybridSettings, Plan, QueryTime, SearchPhase, SearchRecorder, Searched,
     TruckPlanner,
 };
-use roadmap::{LEVELS, Roadmap};
+use roadmap::{LEVELS, MAX_APART, Roadmap};
 use sample::Sampler;
+pub use sample::count_convex_corners;
 use search::{Search, Task};
 
 /// How often more poses are tried about milestones that are apart.
@@ -68,6 +70,7 @@ impl PrmRs {
     /// `rng` decides where the roadmap's poses lie, `shortcuts` which shortcuts are tried.
     pub fn build(
         checker: &CollisionChecker,
+        memory: &MemoryMeter,
         settings: &PrmRsSettings,
         hybrid: &HybridSettings,
         mut rng: Xoshiro256PlusPlus,
@@ -78,7 +81,7 @@ impl PrmRs {
         let mut poses = sampler.draw(settings.samples);
         poses.extend(sampler.at_corners(settings.corner_places));
         let sampling = watch.lap();
-        let mut roadmap = Roadmap::new(checker, settings);
+        let mut roadmap = Roadmap::new(checker, memory, settings);
         roadmap.add(poses);
         for _ in 0..BRIDGE_ROUNDS {
             roadmap.add(sampler.about(&roadmap.apart()));
@@ -96,15 +99,34 @@ impl PrmRs {
             checker: checker.clone(),
             settings: settings.clone(),
             lookout: Lookout::new(&HybridSettings { cusp_cost: settings.cusp_cost, ..hybrid.clone() }, checker.body()),
-            search: Search::new(checker.body(), &roadmap),
+            search: Search::new(checker.body(), memory, &roadmap),
             roadmap,
             improver: Improver::new(checker, settings.cusp_cost),
             shortcuts: shortcuts.clone(),
-            fallback: HybridAstar::build(checker, hybrid, shortcuts),
+            fallback: HybridAstar::build(checker, memory, hybrid, shortcuts),
             report,
             effort: Effort::default(),
             along: SearchRecorder::default(),
             off: SearchRecorder::default(),
+        }
+    }
+
+    /// The most bytes that it takes on a field whose bushes have up to so many corners.
+    pub fn memory(
+        frame: &FieldFrame,
+        corners: u64,
+        settings: &PrmRsSettings,
+        hybrid: &HybridSettings,
+    ) -> PlannerMemory {
+        let drawn = u64::from(settings.samples) + Sampler::most_at_corners(corners, settings.corner_places);
+        let nodes = drawn + u64::from(BRIDGE_ROUNDS) * Sampler::most_about(MAX_APART as u64);
+        let edges = nodes * u64::from(settings.neighbours);
+        let fallback = HybridAstar::memory(frame, hybrid);
+        PlannerMemory {
+            held: fallback.held + Roadmap::most_bytes(frame, nodes, edges) + Search::bytes(nodes),
+            making: Sampler::most_bytes(drawn),
+            grows: fallback.grows + Roadmap::most_bytes_of_curves(edges) + Search::most_bytes_at_work(nodes, edges),
+            ..fallback
         }
     }
 
@@ -201,7 +223,14 @@ mod tests {
     fn planner(field: &TestField, seed: u64) -> PrmRs {
         let settings = PrmRsSettings { samples: 100, ..PrmRsSettings::default() };
         let streams = (rng::stream(seed, "prm-rs"), rng::stream(seed, "shortcuts"));
-        PrmRs::build(&field.checker, &settings, &HybridSettings::default(), streams.0, streams.1)
+        PrmRs::build(
+            &field.checker,
+            &MemoryMeter::unlimited(),
+            &settings,
+            &HybridSettings::default(),
+            streams.0,
+            streams.1,
+        )
     }
 
     #[test]
@@ -218,7 +247,7 @@ mod tests {
         for seed in 0..4 {
             let mut field = TestField::random(seed, 60);
             let mut planner = planner(&field, seed);
-            let mut reachability = Reachability::new(&field.checker, field.start);
+            let mut reachability = Reachability::new(&field.checker, &MemoryMeter::unlimited(), field.start);
             for _ in 0..8 {
                 let goal = field.random_goal();
                 let is_solved = planner.plan(field.start, goal.into()).path.is_ok();
@@ -356,7 +385,14 @@ mod tests {
         let mut field = TestField::random(5, 25);
         let settings = PrmRsSettings { samples: 0, corner_places: 0, ..PrmRsSettings::default() };
         let streams = (rng::stream(5, "prm-rs"), rng::stream(5, "shortcuts"));
-        let mut bare = PrmRs::build(&field.checker, &settings, &HybridSettings::default(), streams.0, streams.1);
+        let mut bare = PrmRs::build(
+            &field.checker,
+            &MemoryMeter::unlimited(),
+            &settings,
+            &HybridSettings::default(),
+            streams.0,
+            streams.1,
+        );
         for _ in 0..10 {
             let goal = field.random_goal();
             let plan = bare.plan(field.start, goal.into());

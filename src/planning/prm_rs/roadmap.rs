@@ -4,8 +4,9 @@ use glam::DVec2;
 use petgraph::unionfind::UnionFind;
 
 use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M};
-use crate::geometry::{Pose, ops};
+use crate::geometry::{FieldFrame, Pose, ops};
 use crate::planning::PrmRsSettings;
+use crate::planning::memory::{BytesAfter, Growing, Held, MemoryMeter};
 use crate::vehicle::reeds_shepp::PricedCurve;
 use crate::vehicle::{CurvePrice, ReedsShepp, Segment};
 
@@ -18,7 +19,7 @@ pub type Level = usize;
 pub const LEVELS: usize = SHARES.len();
 
 /// So many nodes that are apart are looked at in a round.
-const MAX_APART: usize = 100;
+pub const MAX_APART: usize = 100;
 /// Nodes between which the field is tighter than this half way are not joined.
 const HOPELESS_M: f64 = 0.5;
 
@@ -43,6 +44,10 @@ pub struct Roadmap {
     /// Which nodes are joined by edges that keep the wanted clearance.
     joined: UnionFind<u32>,
     components: u32,
+    /// The most links of one node.
+    most_links: usize,
+    /// Of the ways.
+    memory: Held,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -77,7 +82,7 @@ pub struct Passage {
 }
 
 impl Roadmap {
-    pub fn new(checker: &CollisionChecker, settings: &PrmRsSettings) -> Self {
+    pub fn new(checker: &CollisionChecker, memory: &MemoryMeter, settings: &PrmRsSettings) -> Self {
         Self {
             checker: checker.clone(),
             curves: ReedsShepp { radius_m: checker.body().turning_radius_m },
@@ -93,7 +98,32 @@ impl Roadmap {
             links: Vec::new(),
             joined: UnionFind::new_empty(),
             components: 0,
+            most_links: 0,
+            memory: memory.holder(Growing::Curves),
         }
+    }
+
+    /// The most bytes that so many nodes and edges take, without the curves, in lists that double.
+    pub fn most_bytes(frame: &FieldFrame, nodes: u64, edges: u64) -> u64 {
+        // With its number in a set, where its links begin, and its place among those near another.
+        let node = size_of::<Node>() + 5 * size_of::<u32>() + size_of::<(f64, u32)>();
+        let edge = size_of::<Edge>() + size_of::<Link>();
+        2 * (nodes * node as u64 + edges * edge as u64) + Places::most_bytes(frame, nodes)
+    }
+
+    /// The most bytes that the curves of so many edges take, in a list that doubles.
+    pub fn most_bytes_of_curves(edges: u64) -> u64 {
+        2 * edges * size_of::<PricedCurve>() as u64
+    }
+
+    /// Whether there is memory for so many more curves that are worked out.
+    pub fn has_memory_for(&mut self, ways: usize) -> bool {
+        self.memory.cover(self.ways.bytes_after(ways))
+    }
+
+    /// The most links that any node has.
+    pub fn most_links(&self) -> usize {
+        self.most_links
     }
 
     pub fn node_count(&self) -> usize {
@@ -140,6 +170,9 @@ impl Roadmap {
     pub fn add(&mut self, poses: impl IntoIterator<Item = Pose>) {
         let mut near = Vec::new();
         for pose in poses {
+            if !self.has_memory_for(self.neighbours) {
+                return;
+            }
             let node = Node { pose, direction: pose.direction() };
             let number = self.nodes.len() as u32;
             self.places.within(pose.position(), self.max_edge_m, &mut near);
@@ -205,6 +238,7 @@ impl Roadmap {
         for node in self.edges.iter().flat_map(|edge| edge.nodes) {
             self.first[node as usize + 1] += 1;
         }
+        self.most_links = self.first.iter().copied().max().unwrap_or(0) as usize;
         for node in 0..self.nodes.len() {
             self.first[node + 1] += self.first[node];
         }
@@ -273,7 +307,7 @@ impl Roadmap {
     pub fn free_lines(&mut self) -> impl Iterator<Item = [DVec2; 2]> {
         (0..self.edges.len() as u32).filter_map(|edge| {
             let ends = self.edges[edge as usize].nodes.map(|node| self.pose(node).position());
-            self.is_free(edge, LEVELS - 1).then_some(ends)
+            (self.has_memory_for(1) && self.is_free(edge, LEVELS - 1)).then_some(ends)
         })
     }
 
@@ -308,7 +342,7 @@ mod tests {
     fn roadmap(field: &TestField) -> Roadmap {
         let settings = PrmRsSettings::default();
         let mut sampler = Sampler::new(&field.checker, settings.clearance_m, &mut rng::stream(1, "roadmap"));
-        let mut roadmap = Roadmap::new(&field.checker, &settings);
+        let mut roadmap = Roadmap::new(&field.checker, &MemoryMeter::unlimited(), &settings);
         roadmap.add(sampler.draw(100));
         roadmap.add(sampler.at_corners(1));
         roadmap.finish();

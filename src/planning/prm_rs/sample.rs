@@ -5,6 +5,7 @@ use rand::{Rng, RngExt};
 
 use crate::collision::{ClearanceField, CollisionChecker};
 use crate::geometry::{Pose, ops};
+use crate::grid::Grid;
 use crate::planning::lattice_search;
 use crate::planning::prm::radical_inverse;
 
@@ -52,6 +53,21 @@ impl<'a> Sampler<'a> {
             }
         }
         poses
+    }
+
+    /// How many poses [`Self::at_corners`] gives at most.
+    pub fn most_at_corners(corners: u64, places: u32) -> u64 {
+        2 * corners * u64::from(places)
+    }
+
+    /// How many poses [`Self::about`] gives at most.
+    pub fn most_about(poses: u64) -> u64 {
+        6 * poses
+    }
+
+    /// The most bytes that so many poses take while they are drawn, in a list that doubles.
+    pub fn most_bytes(poses: u64) -> u64 {
+        2 * poses * size_of::<Pose>() as u64
     }
 
     fn pose(&self, number: u32) -> Pose {
@@ -119,15 +135,25 @@ fn along_nearest_bush(field: &ClearanceField, place: DVec2) -> Option<f64> {
 
 /// Corners that stick out of the bushes, each with the bearing that halves the free angle about it.
 fn convex_corners(field: &ClearanceField) -> impl Iterator<Item = (DVec2, f64)> + '_ {
-    let (frame, occupied) = (field.frame(), field.occupied());
+    // The bush lies at 225 degrees from the corner, or at 315, 45 or 135.
+    let outwards = |only: usize| FRAC_PI_4 + 2.0 * FRAC_PI_4 * only as f64;
+    let place = |row: usize, col: usize| DVec2::new(col as f64, row as f64) * field.frame().cell_m;
+    corners_of_one(field.occupied()).map(move |(row, col, only)| (place(row, col), outwards(only)))
+}
+
+/// How many corners stick out of bushes, a value per cell.
+pub fn count_convex_corners(occupied: &Grid<bool>) -> u64 {
+    corners_of_one(occupied).count() as u64
+}
+
+/// Corners of cells inside the field at which one of four cells is a bush, and which of them.
+fn corners_of_one(occupied: &Grid<bool>) -> impl Iterator<Item = (usize, usize, usize)> + '_ {
     (1..occupied.rows()).flat_map(move |row| {
         (1..occupied.cols()).filter_map(move |col| {
             let around = [(row - 1, col - 1), (row - 1, col), (row, col), (row, col - 1)];
             let mut bushes = (0..4).filter(|&k| occupied[around[k]]);
             let (only, None) = (bushes.next()?, bushes.next()) else { return None };
-            // The bush lies at 225 degrees from the corner, or at 315, 45 or 135.
-            let outwards = FRAC_PI_4 + 2.0 * FRAC_PI_4 * only as f64;
-            Some((DVec2::new(col as f64, row as f64) * frame.cell_m, outwards))
+            Some((row, col, only))
         })
     })
 }

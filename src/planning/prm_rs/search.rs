@@ -4,6 +4,7 @@ use crate::planning::Goal;
 use crate::planning::clearance_floor::ClearanceFloor;
 use crate::planning::hybrid_astar::Lookout;
 use crate::planning::lattice_search;
+use crate::planning::memory::{BytesAfter, Growing, Held, MemoryMeter};
 use crate::planning::primitives::Bins;
 use crate::planning::reachability::Lattice;
 use crate::vehicle::{Dimensions, Path, Segment};
@@ -60,13 +61,14 @@ pub struct Search {
     /// Whether a way leads to the goal from a milestone, where that was asked.
     roadmap_serves: Option<bool>,
     near: Vec<(f64, u32)>,
+    memory: Held,
     /// Milestones, and poses off the roadmap, that the last search expanded.
     pub roadmap_expansions: u32,
     pub local_expansions: u32,
 }
 
 impl Search {
-    pub fn new(body: &Dimensions, roadmap: &Roadmap) -> Self {
+    pub fn new(body: &Dimensions, memory: &MemoryMeter, roadmap: &Roadmap) -> Self {
         Self {
             motions: lattice_search::motions(body, LATTICE.step_m),
             tree: Tree::default(),
@@ -75,6 +77,7 @@ impl Search {
             bins: Bins::new(LATTICE.bin_m, LATTICE.headings),
             roadmap_serves: None,
             near: Vec::new(),
+            memory: memory.holder(Growing::Searches),
             roadmap_expansions: 0,
             local_expansions: 0,
         }
@@ -84,6 +87,9 @@ impl Search {
     pub fn run(&mut self, task: &Task<'_>, roadmap: &mut Roadmap) -> Option<Path> {
         self.begin(task);
         while let Some(best) = self.tree.pop() {
+            if !self.has_memory(roadmap) {
+                return None;
+            }
             match best.step {
                 Step::Approach => {
                     if let Some(path) = self.arrive(task, roadmap, best.node) {
@@ -98,6 +104,26 @@ impl Search {
             }
         }
         None
+    }
+
+    /// Whether there is memory for what one step adds: a pose, and what is offered from there.
+    fn has_memory(&mut self, roadmap: &mut Roadmap) -> bool {
+        let offered = self.motions.len().max(roadmap.most_links());
+        let bytes = self.tree.bytes_after(offered) + self.near.bytes_after(0) + self.bins.bytes_after(1);
+        roadmap.has_memory_for(1) && self.memory.cover(bytes)
+    }
+
+    /// Bytes that it takes for a roadmap of so many nodes, before it searches.
+    pub fn bytes(nodes: u64) -> u64 {
+        2 * nodes * size_of::<State>() as u64
+    }
+
+    /// The most bytes that it takes on top of that while it searches a roadmap of so many nodes and edges.
+    pub fn most_bytes_at_work(nodes: u64, edges: u64) -> u64 {
+        let local = u64::from(MAX_LOCAL_EXPANSIONS);
+        // A node is reached in both directions of driving; each offers its links, each link the way by it.
+        let (reached, candidates) = (2 * nodes + 6 * local, 2 * 2 * 2 * edges + nodes + 12 * local);
+        Tree::most_bytes(reached, candidates) + Bins::most_bytes(6 * local)
     }
 
     /// What the last search reached, and how.

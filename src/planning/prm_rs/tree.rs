@@ -4,6 +4,7 @@ use crate::geometry::Pose;
 use crate::grid::open_list::OpenList;
 use crate::planning::hybrid_astar::Approach;
 use crate::planning::lattice_search;
+use crate::planning::memory::BytesAfter;
 use crate::vehicle::reeds_shepp::PricedCurve;
 use crate::vehicle::{Path, Segment};
 
@@ -90,6 +91,19 @@ impl Tree {
         self.approaches.clear();
         self.open.clear();
         self.sequence = 0;
+    }
+
+    /// Bytes that it takes once a step has added a pose, a curve, two approaches and so many candidates.
+    pub fn bytes_after(&self, candidates: usize) -> usize {
+        let lists = self.reached.bytes_after(1) + self.curves.bytes_after(1) + self.approaches.bytes_after(2);
+        lists + self.open.bytes_after(candidates)
+    }
+
+    /// The most bytes that so many poses that are reached take, with their approaches, and so many candidates, in lists
+    /// that double.
+    pub fn most_bytes(reached: u64, candidates: u64) -> u64 {
+        let of_each = size_of::<Reached>() + size_of::<PricedCurve>() + size_of::<Approach>();
+        2 * (reached * of_each as u64 + candidates * size_of::<Candidate>() as u64)
     }
 
     pub fn push(&mut self, key: f64, cost: f64, node: u32, step: Step) {

@@ -5,14 +5,17 @@ use glam::{DVec2, Vec2};
 
 use crate::collision::CollisionChecker;
 use crate::geometry::{FieldFrame, Pose};
+use crate::planning::memory::{BytesAfter, Growing, Held, MemoryMeter};
 use crate::planning::primitives::{self, Floor};
 use crate::planning::{GoalDisc, lattice_search};
 use crate::vehicle::{Path, Segment};
 
 use super::Lattice;
 
-/// A flood holds no more poses; at 12 bytes each, and a bin of 4, it stays below 64 MB on any field.
+/// A flood holds no more poses.
 pub const MAX_POSES: usize = 3_000_000;
+/// Nor does it hold more bins; those of 5 m and 24 headings of a field of 5 km x 5 km fit in.
+const MAX_BINS: usize = 25_000_000;
 
 const NONE: u32 = u32::MAX;
 
@@ -30,6 +33,9 @@ pub struct Flood {
     /// Poses found and not yet spread from; the first belongs to `found[next]`.
     frontier: VecDeque<Pose>,
     next: usize,
+    memory: Held,
+    /// Whether there was no memory for more poses.
+    is_short: bool,
 }
 
 /// A pose found: how, and where its body centre is, which is all that questions need.
@@ -44,7 +50,13 @@ struct Found {
 type PackedCentre = Vec2;
 
 impl Flood {
-    pub fn new(checker: &CollisionChecker, root: Pose, lattice: Lattice, clearance_m: f64) -> Self {
+    pub fn new(
+        checker: &CollisionChecker,
+        memory: &MemoryMeter,
+        root: Pose,
+        lattice: Lattice,
+        clearance_m: f64,
+    ) -> Self {
         let mut flood = Self {
             checker: checker.clone(),
             root,
@@ -54,8 +66,10 @@ impl Flood {
             found: Vec::new(),
             frontier: VecDeque::new(),
             next: 0,
+            memory: memory.holder(Growing::Floods),
+            is_short: false,
         };
-        if checker.clearance(root) > 0.0 {
+        if checker.clearance(root) > 0.0 && flood.has_memory_for(1) {
             flood.keep(root, NONE, 0);
         }
         flood
@@ -86,9 +100,27 @@ impl Flood {
         self.found[pose as usize].parent.wrapping_add(1)
     }
 
-    /// Whether it stopped because it holds as many poses as it may.
+    /// Whether it stopped because it holds as many poses, or bytes, as it may.
     pub fn is_full(&self) -> bool {
-        self.found.len() == MAX_POSES
+        self.found.len() == MAX_POSES || self.is_short
+    }
+
+    /// The most bytes that a flood over a lattice of this field takes which spreads from up to `limit` poses.
+    pub fn most_bytes(frame: &FieldFrame, lattice: Lattice, limit: u32) -> u64 {
+        let poses = BinPages::most_poses(frame, lattice).min(MAX_POSES as u64).min(6 * u64::from(limit) + 1);
+        // Lists that double may come to have room for twice as many as they hold. The frontier is a surface in the space
+        // of poses, which many floods on random fields held below an eighth of them.
+        let found = poses.next_power_of_two() * size_of::<Found>() as u64;
+        let frontier = (poses / 8).next_power_of_two() * size_of::<Pose>() as u64;
+        found + frontier + BinPages::most_bytes(frame, lattice, poses)
+    }
+
+    /// Whether there is memory for so many poses more; once there is none, there never is.
+    fn has_memory_for(&mut self, poses: usize) -> bool {
+        let lists = self.found.bytes_after(poses) + self.frontier.bytes_after(poses);
+        let bytes = self.bins.bytes_after(poses).map(|bins| bins + lists);
+        self.is_short |= !bytes.is_some_and(|bytes| self.memory.cover(bytes));
+        !self.is_short
     }
 
     fn is_in(&self, pose: u32, disc: GoalDisc) -> bool {
@@ -109,6 +141,9 @@ impl Flood {
 
     /// Spreads from the next pose, if there is one.
     fn spread_next(&mut self) -> bool {
+        if !self.has_memory_for(self.motions.len()) {
+            return false;
+        }
         let Some(pose) = self.frontier.pop_front() else { return false };
         let parent = self.next as u32;
         self.next += 1;
@@ -164,13 +199,19 @@ impl Flood {
 
 /// Bins along the sides of a page.
 const PAGE: usize = 8;
+/// Pages along the sides of a block.
+const BLOCK: usize = 64;
 
-/// Which pose stands for a bin, in pages that are made when first written to.
+/// Which pose stands for a bin, in pages, and those in blocks, that are made when first written to.
 #[derive(Debug)]
 struct BinPages {
     lattice: Lattice,
-    /// Pages along x and y.
-    size: [usize; 2],
+    /// Blocks along x, and bins along x and y.
+    block_cols: usize,
+    cols: usize,
+    rows: usize,
+    /// Where each block begins in `pages`.
+    blocks: Vec<u32>,
     /// Where each page begins in `poses`.
     pages: Vec<u32>,
     poses: Vec<u32>,
@@ -181,38 +222,88 @@ struct BinPages {
 
 impl BinPages {
     fn new(frame: &FieldFrame, lattice: Lattice) -> Self {
-        let size = [frame.width_m(), frame.height_m()].map(|side| (side / lattice.bin_m) as usize / PAGE + 1);
-        Self { lattice, size, pages: vec![NONE; size[0] * size[1]], poses: Vec::new(), taken: Vec::new() }
+        let [cols, rows] = bins_along(frame, lattice);
+        let [block_cols, block_rows] = [cols, rows].map(|bins| bins.div_ceil(PAGE * BLOCK));
+        let blocks = vec![NONE; block_cols * block_rows];
+        Self { lattice, block_cols, cols, rows, blocks, pages: Vec::new(), poses: Vec::new(), taken: Vec::new() }
+    }
+
+    fn most_poses(frame: &FieldFrame, lattice: Lattice) -> u64 {
+        let [cols, rows] = bins_along(frame, lattice);
+        cols as u64 * rows as u64 * u64::from(lattice.headings)
+    }
+
+    /// The most bytes that the bins of so many poses take.
+    fn most_bytes(frame: &FieldFrame, lattice: Lattice, poses: u64) -> u64 {
+        let empty = Self::new(frame, lattice);
+        let sides = [empty.cols, empty.rows].map(|bins| bins.div_ceil(PAGE) as u64);
+        let bins = (sides[0] * sides[1]).min(poses).next_power_of_two() * empty.page_len() as u64;
+        let blocks = (empty.blocks.len() as u64).min(poses).next_power_of_two();
+        let bins = bins.min(MAX_BINS as u64);
+        // A list of bits doubles.
+        4 * (bins + blocks * (BLOCK * BLOCK) as u64 + empty.blocks.len() as u64) + bins / 4
+    }
+
+    /// Bytes once so many poses more are held, each in a page and a block of its own; `None` where those are more bins
+    /// than there may be.
+    fn bytes_after(&self, more: usize) -> Option<usize> {
+        let lists = self.pages.bytes_after(more * BLOCK * BLOCK) + self.blocks.bytes_after(0);
+        let bins = self.bins_after(more * self.page_len())?;
+        Some(4 * bins + bins / 4 + lists)
+    }
+
+    /// For how many bins there is memory once there are so many more: it doubles, up to the most that there may be.
+    fn bins_after(&self, more: usize) -> Option<usize> {
+        let (known, room) = (self.poses.len() + more, self.poses.capacity());
+        let grown = if known <= room { room } else { known.max((2 * room).min(MAX_BINS)) };
+        (known <= MAX_BINS).then_some(grown)
     }
 
     fn page_len(&self) -> usize {
         PAGE * PAGE * self.lattice.headings as usize
     }
 
-    /// The page of a bin and the place in it, heading 0.
-    fn locate(&self, col: usize, row: usize) -> (usize, usize) {
-        let page = (row / PAGE) * self.size[0] + col / PAGE;
-        (page, ((row % PAGE) * PAGE + col % PAGE) * self.lattice.headings as usize)
+    /// Where a bin is, heading 0: its block, the place of its page there, and its own place in the page.
+    fn locate(&self, col: usize, row: usize) -> [usize; 3] {
+        let (page_col, page_row) = (col / PAGE, row / PAGE);
+        let block = (page_row / BLOCK) * self.block_cols + page_col / BLOCK;
+        let page = (page_row % BLOCK) * BLOCK + page_col % BLOCK;
+        [block, page, ((row % PAGE) * PAGE + col % PAGE) * self.lattice.headings as usize]
     }
 
-    fn locate_pose(&self, pose: Pose) -> (usize, usize) {
+    fn locate_pose(&self, pose: Pose) -> [usize; 3] {
         let axis = |metres: f64| (metres / self.lattice.bin_m) as usize;
-        let (page, place) = self.locate(axis(pose.x), axis(pose.y));
+        let [block, page, place] = self.locate(axis(pose.x), axis(pose.y));
         let turn = (pose.heading + PI) / TAU * f64::from(self.lattice.headings);
-        (page, place + (turn as usize).min(self.lattice.headings as usize - 1))
+        [block, page, place + (turn as usize).min(self.lattice.headings as usize - 1)]
+    }
+
+    /// Where a page begins in `poses`, if it was ever written to.
+    fn start_of(&self, block: usize, page: usize) -> Option<usize> {
+        let known = |start: &u32| *start != NONE;
+        let pages = Some(self.blocks[block]).filter(known)? as usize;
+        Some(self.pages[pages + page]).filter(known).map(|start| start as usize)
     }
 
     fn is_taken(&self, pose: Pose) -> bool {
-        let (page, place) = self.locate_pose(pose);
-        let first = self.pages[page];
-        let bin = first as usize + place;
-        first != NONE && self.taken[bin / 64] >> (bin % 64) & 1 == 1
+        let [block, page, place] = self.locate_pose(pose);
+        self.start_of(block, page).is_some_and(|start| {
+            let bin = start + place;
+            self.taken[bin / 64] >> (bin % 64) & 1 == 1
+        })
     }
 
     fn set(&mut self, pose: Pose, index: u32) {
-        let (page, place) = self.locate_pose(pose);
+        let [block, page, place] = self.locate_pose(pose);
+        if self.blocks[block] == NONE {
+            self.blocks[block] = self.pages.len() as u32;
+            self.pages.resize(self.pages.len() + BLOCK * BLOCK, NONE);
+        }
+        let page = self.blocks[block] as usize + page;
         if self.pages[page] == NONE {
             self.pages[page] = self.poses.len() as u32;
+            let room = self.bins_after(self.page_len()).expect("the flood asked before");
+            self.poses.reserve_exact(room - self.poses.len());
             self.poses.resize(self.poses.len() + self.page_len(), NONE);
             self.taken.resize(self.poses.len().div_ceil(64), 0);
         }
@@ -223,20 +314,25 @@ impl BinPages {
 
     /// All poses in bins within `reach` of a place along both axes, and some more.
     fn about(&self, centre: DVec2, reach: f64) -> impl Iterator<Item = u32> + '_ {
-        let range = |middle: f64, pages: usize| {
+        let range = |middle: f64, bins: usize| {
             let low = ((middle - reach) / self.lattice.bin_m) as usize;
             let high = ((middle + reach) / self.lattice.bin_m) as usize;
-            low..high.saturating_add(1).min(pages * PAGE)
+            low..high.saturating_add(1).min(bins)
         };
-        let cols = range(centre.x, self.size[0]);
-        range(centre.y, self.size[1]).flat_map(move |row| {
+        let cols = range(centre.x, self.cols);
+        range(centre.y, self.rows).flat_map(move |row| {
             cols.clone().flat_map(move |col| {
-                let (page, place) = self.locate(col, row);
-                let first = self.pages[page];
-                let bin = first as usize + place;
-                let bin = if first == NONE { 0..0 } else { bin..bin + self.lattice.headings as usize };
-                self.poses[bin].iter().copied().filter(|&pose| pose != NONE)
+                let [block, page, place] = self.locate(col, row);
+                let bins = self
+                    .start_of(block, page)
+                    .map_or(0..0, |start| start + place..start + place + self.lattice.headings as usize);
+                self.poses[bins].iter().copied().filter(|&pose| pose != NONE)
             })
         })
     }
+}
+
+/// Bins along x and y, one more than cover the field where they divide it evenly.
+fn bins_along(frame: &FieldFrame, lattice: Lattice) -> [usize; 2] {
+    [frame.width_m(), frame.height_m()].map(|side| (side / lattice.bin_m) as usize + 1)
 }

@@ -13,10 +13,11 @@ mod floods;
 mod passages;
 
 use crate::collision::CollisionChecker;
-use crate::geometry::Pose;
+use crate::geometry::{FieldFrame, Pose};
 use crate::planning::primitives::{self, Ending, Floor, Search, Task};
 use crate::vehicle::Path;
 
+use super::memory::MemoryMeter;
 use super::{GoalDisc, PrimitiveSettings};
 pub(super) use flood::Flood;
 pub(super) use floods::Floods;
@@ -50,6 +51,7 @@ const SEARCH_WEIGHT: f64 = 2.0;
 #[derive(Debug)]
 pub struct Reachability {
     checker: CollisionChecker,
+    memory: MemoryMeter,
     floods: Floods,
     /// One for each of the [`SEARCHES`], `None` until asked for.
     searches: [Option<Search>; SEARCHES.len()],
@@ -57,8 +59,9 @@ pub struct Reachability {
 
 impl Reachability {
     /// Prepares to answer; `root` is a free pose of the truck, usually its start.
-    pub fn new(checker: &CollisionChecker, root: Pose) -> Self {
-        Self { checker: checker.clone(), floods: Floods::new(checker, root), searches: Default::default() }
+    pub fn new(checker: &CollisionChecker, memory: &MemoryMeter, root: Pose) -> Self {
+        let floods = Floods::new(checker, memory, root);
+        Self { checker: checker.clone(), memory: memory.clone(), floods, searches: Default::default() }
     }
 
     pub fn root(&self) -> Pose {
@@ -88,6 +91,12 @@ impl Reachability {
         None
     }
 
+    /// The most bytes that floods and searches take on a field.
+    pub fn most_bytes(frame: &FieldFrame) -> u64 {
+        let searches: u64 = SEARCHES.iter().map(|&(_, budget)| Search::most_bytes(budget)).sum();
+        searches + Floods::most_bytes(frame, LATTICES.len(), u32::MAX)
+    }
+
     /// A path from any free pose into a disc by a large search, and the nodes that it expanded.
     ///
     /// It may fail where the flood says yes; then the truck can go back to the root and take [`Self::path_to`].
@@ -101,7 +110,7 @@ impl Reachability {
         let floor = Floor::new(CLEARANCE_M, from, clearance);
         let task = Task { checker: &self.checker, floor, start: from, waypoints: &[], goal: disc.into() };
         for (search, (lattice, budget)) in self.searches.iter_mut().zip(SEARCHES) {
-            let search = search.get_or_insert_with(|| search_on(&self.checker, lattice));
+            let search = search.get_or_insert_with(|| search_on(&self.checker, &self.memory, lattice));
             let mut segments = Vec::new();
             let ending = search.run(&task, budget, &mut segments);
             expansions += search.expansions;
@@ -114,7 +123,7 @@ impl Reachability {
 }
 
 /// A search without waypoints on a lattice of its own.
-fn search_on(checker: &CollisionChecker, lattice: Lattice) -> Search {
+fn search_on(checker: &CollisionChecker, memory: &MemoryMeter, lattice: Lattice) -> Search {
     let settings = PrimitiveSettings {
         step_m: lattice.step_m,
         bin_m: lattice.bin_m,
@@ -122,7 +131,7 @@ fn search_on(checker: &CollisionChecker, lattice: Lattice) -> Search {
         heuristic_weight: SEARCH_WEIGHT,
         ..PrimitiveSettings::default()
     };
-    Search::new(&settings, checker, None)
+    Search::new(checker, memory, &settings, None)
 }
 
 #[cfg(test)]
@@ -136,7 +145,7 @@ mod tests {
     #[test]
     fn a_disc_without_bounds_is_reached_where_the_truck_stands() {
         let field = TestField::random(1, 45);
-        let mut reachability = Reachability::new(&field.checker, field.start);
+        let mut reachability = Reachability::new(&field.checker, &MemoryMeter::unlimited(), field.start);
         let everywhere = GoalDisc { centre: DVec2::new(50.0, 50.0), radius_m: f64::INFINITY };
         for _ in 0..2 {
             assert_eq!(reachability.path_to(everywhere), Some(Path::standing(field.start)));
@@ -148,7 +157,7 @@ mod tests {
         let mut reached = 0;
         for seed in 0..10 {
             let mut field = TestField::random(seed, 45);
-            let mut reachability = Reachability::new(&field.checker, field.start);
+            let mut reachability = Reachability::new(&field.checker, &MemoryMeter::unlimited(), field.start);
             for _ in 0..20 {
                 let goal = field.random_goal();
                 let path = reachability.path_to(goal);
@@ -166,8 +175,8 @@ mod tests {
     fn answers_do_not_depend_on_what_was_asked_before() {
         let mut field = TestField::random(3, 45);
         let goals: Vec<GoalDisc> = (0..12).map(|_| field.random_goal()).collect();
-        let mut forth = Reachability::new(&field.checker, field.start);
-        let mut back = Reachability::new(&field.checker, field.start);
+        let mut forth = Reachability::new(&field.checker, &MemoryMeter::unlimited(), field.start);
+        let mut back = Reachability::new(&field.checker, &MemoryMeter::unlimited(), field.start);
         let mut paths: Vec<_> = goals.iter().map(|&goal| forth.path_to(goal)).collect();
         paths.reverse();
         assert_eq!(paths, goals.iter().rev().map(|&goal| back.path_to(goal)).collect::<Vec<_>>());
@@ -177,7 +186,7 @@ mod tests {
     fn searches_from_anywhere_find_what_the_flood_reaches() {
         for seed in 0..6 {
             let mut field = TestField::random(seed, 45);
-            let mut reachability = Reachability::new(&field.checker, field.start);
+            let mut reachability = Reachability::new(&field.checker, &MemoryMeter::unlimited(), field.start);
             let mut pose = field.start;
             for _ in 0..6 {
                 let goal = field.random_goal();
@@ -197,9 +206,9 @@ mod tests {
     fn searches_do_not_depend_on_what_was_searched_before() {
         let mut field = TestField::random(3, 45);
         let goals: Vec<GoalDisc> = (0..6).map(|_| field.random_goal()).collect();
-        let mut kept = Reachability::new(&field.checker, field.start);
+        let mut kept = Reachability::new(&field.checker, &MemoryMeter::unlimited(), field.start);
         for &goal in goals.iter().chain(goals.iter().rev()) {
-            let mut fresh = Reachability::new(&field.checker, field.start);
+            let mut fresh = Reachability::new(&field.checker, &MemoryMeter::unlimited(), field.start);
             assert_eq!(kept.search(field.start, goal), fresh.search(field.start, goal));
         }
     }
@@ -229,19 +238,20 @@ mod tests {
     fn a_walled_in_place_is_out_of_reach_without_a_fine_flood() {
         let goal = GoalDisc { centre: DVec2::new(60.0, 25.0), radius_m: 4.0 };
         let shut = court("........#......#....");
-        let mut reachability = Reachability::new(&shut.checker, shut.start);
+        let mut reachability = Reachability::new(&shut.checker, &MemoryMeter::unlimited(), shut.start);
         assert!(!reachability.reaches(goal));
         assert!(!reachability.floods.has(1) && !reachability.floods.has(2));
         let open = court("...............#....");
-        assert!(Reachability::new(&open.checker, open.start).reaches(goal));
+        assert!(Reachability::new(&open.checker, &MemoryMeter::unlimited(), open.start).reaches(goal));
     }
 
     #[test]
     fn passages_exclude_nothing_that_the_flood_reaches() {
         for seed in 0..10 {
             let field = TestField::random(seed, 60);
-            let mut flood = Flood::new(&field.checker, field.start, LATTICES[1], CLEARANCE_M);
-            let passages = Passages::new(&field.checker, field.start);
+            let mut flood =
+                Flood::new(&field.checker, &MemoryMeter::unlimited(), field.start, LATTICES[1], CLEARANCE_M);
+            let passages = Passages::new(&field.checker, &MemoryMeter::unlimited(), field.start);
             for &centre in &field.bushes {
                 let goal = GoalDisc { centre, radius_m: 6.0 };
                 assert!(!(passages.exclude(goal) && flood.pose_in(goal, u32::MAX).is_some()));
@@ -252,7 +262,7 @@ mod tests {
     #[test]
     fn a_blocked_root_reaches_nothing() {
         let field = court("........#......#....");
-        let mut reachability = Reachability::new(&field.checker, Pose::new(42.0, 40.0, 0.0));
+        let mut reachability = Reachability::new(&field.checker, &MemoryMeter::unlimited(), Pose::new(42.0, 40.0, 0.0));
         assert!(!reachability.reaches(GoalDisc { centre: DVec2::new(42.0, 40.0), radius_m: 30.0 }));
         assert_eq!(
             reachability.search(Pose::new(42.0, 40.0, 0.0), GoalDisc { centre: DVec2::ZERO, radius_m: 30.0 }).1,

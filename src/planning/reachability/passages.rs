@@ -3,13 +3,17 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use glam::DVec2;
 
 use crate::collision::CollisionChecker;
-use crate::geometry::Pose;
+use crate::geometry::{FieldFrame, Pose};
 use crate::planning::GoalDisc;
+use crate::planning::memory::{Growing, Held, MemoryMeter};
 
 /// Side of a square.
 const SQUARE_M: f64 = 0.5;
 /// On larger fields nothing is excluded.
 const MAX_SQUARES: usize = 4_000_000;
+
+/// For every square, whether it was met, and its place among those that wait.
+const BYTES_AT_WORK: usize = 1 + size_of::<usize>();
 
 /// Where the body's centre could get to if only the largest disc in the body had to pass.
 ///
@@ -24,18 +28,25 @@ pub struct Passages {
     /// For every square, row by row from the south-west, whether it is joined to the start's; empty when there are too
     /// many.
     joined: Vec<bool>,
+    /// Of the squares that are joined.
+    memory: Held,
 }
 
 impl Passages {
-    pub fn new(checker: &CollisionChecker, start: Pose) -> Self {
+    pub fn new(checker: &CollisionChecker, memory: &MemoryMeter, start: Pose) -> Self {
         let frame = checker.field().frame();
-        let count = |side: f64| (side / SQUARE_M).ceil() as usize;
-        let (cols, rows) = (count(frame.width_m()), count(frame.height_m()));
-        let mut passages = Self { cols, rows, joined: Vec::new() };
-        if cols * rows <= MAX_SQUARES {
+        let (cols, rows) = squares_along(frame);
+        let mut passages = Self { cols, rows, joined: Vec::new(), memory: memory.holder(Growing::Floods) };
+        if cols * rows <= MAX_SQUARES && passages.memory.cover(cols * rows) {
             passages.join(checker, checker.body().body_centre(start));
         }
         passages
+    }
+
+    /// The most bytes that it takes on a field, while it is worked out.
+    pub fn most_bytes(frame: &FieldFrame) -> u64 {
+        let (cols, rows) = squares_along(frame);
+        if cols * rows <= MAX_SQUARES { (cols * rows * (1 + BYTES_AT_WORK)) as u64 } else { 0 }
     }
 
     /// Spreads over open squares from the start's, judging each when it is first met.
@@ -44,7 +55,12 @@ impl Passages {
         let needed = 0.5 * body.width_m.min(body.length_m) - SQUARE_M * FRAC_1_SQRT_2;
         let is_open =
             |middle: DVec2| checker.field().at(middle) >= needed || checker.field().distance(middle) >= needed;
-        let mut met = vec![false; self.cols * self.rows];
+        let squares = self.cols * self.rows;
+        let mut at_work = self.memory.beside();
+        if !at_work.cover(squares * BYTES_AT_WORK) {
+            return;
+        }
+        let mut met = vec![false; squares];
         self.joined = met.clone();
         let first = self.square(start);
         met[first] = true;
@@ -97,4 +113,10 @@ impl Passages {
         let north = (row + 1 < rows).then_some(square + cols);
         [west, east, south, north].into_iter().flatten()
     }
+}
+
+/// Squares that cover a field along x and y.
+fn squares_along(frame: &FieldFrame) -> (usize, usize) {
+    let count = |side: f64| (side / SQUARE_M).ceil() as usize;
+    (count(frame.width_m()), count(frame.height_m()))
 }

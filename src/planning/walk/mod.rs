@@ -116,6 +116,24 @@ impl WalkPlanner {
         Self { costs, method, recorder: SearchRecorder::default() }
     }
 
+    /// The most bytes that it takes for a lattice of so many points, walks on their way included.
+    ///
+    /// `has_factors` says whether its costs have a factor for every point.
+    pub fn most_bytes(points: u64, method: &WalkMethod, has_factors: bool) -> u64 {
+        // The exact cost-to-go with the points that wait, in a list that doubles.
+        let sweep = size_of::<f64>() + 4 * size_of::<f64>();
+        let of_method = match method {
+            WalkMethod::Astar { .. } => AStar::BYTES_A_POINT,
+            WalkMethod::Wavefront => sweep,
+            // Repulsion, and the map of bushes that it is worked out from.
+            WalkMethod::Potential(_) => size_of::<f64>() + size_of::<u16>() + 1 + sweep,
+        };
+        // A walk, on its way and as it is worked out, and the points of reach.
+        let walks = 3 * size_of::<usize>();
+        let factor = if has_factors { size_of::<f64>() } else { 0 };
+        points * (of_method + walks + factor) as u64
+    }
+
     /// From now on walks tell what their searches looked at. They stay the same.
     pub fn record_searches(&mut self) {
         self.recorder.switch_on();

@@ -26,6 +26,11 @@ impl OccupiedCount {
         Self { frame, sums }
     }
 
+    /// Bytes that it takes on a field.
+    pub fn bytes(frame: &FieldFrame) -> u64 {
+        (u64::from(frame.rows) + 1) * (u64::from(frame.cols) + 1) * size_of::<u32>() as u64
+    }
+
     /// Whether a box lies in the field and overlaps no occupied cell.
     pub fn is_free(&self, low: DVec2, high: DVec2) -> bool {
         let low = low / self.frame.cell_m + TOUCH;

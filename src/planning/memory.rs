@@ -1,0 +1,206 @@
+//! Memory that grows while a run goes on, counted against a limit before it is taken.
+//!
+//! How much a search, a flood or a roadmap's curves come to hold is known only when they have been looked for, so that a
+//! bound from the scenario alone would be far above what nearly all runs take. Whoever holds such memory tells its
+//! [`MemoryMeter`] before it grows, and stops where that says no. What it then answers must not be used: whoever gave out
+//! the meter asks [`MemoryMeter::overrun`] and lets the run fail. So a limit decides whether a run takes place, and never
+//! how it goes.
+
+use std::collections::VecDeque;
+use std::fmt;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use crate::grid::open_list::{OpenList, Ranked};
+
+/// What grows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Growing {
+    /// Nodes, open lists and closed sets of searches over poses.
+    Searches,
+    /// Floods over lattices of poses.
+    Floods,
+    /// Curves between milestones, which are worked out when they are first asked for.
+    Curves,
+    /// What happened in the run.
+    Timeline,
+}
+
+impl Growing {
+    pub const ALL: [Self; 4] = [Self::Searches, Self::Floods, Self::Curves, Self::Timeline];
+}
+
+impl fmt::Display for Growing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Searches => "searches",
+            Self::Floods => "floods",
+            Self::Curves => "curves of the roadmaps",
+            Self::Timeline => "the timeline",
+        })
+    }
+}
+
+/// Counts what all that grows in one run holds together, and says where it would be too much.
+#[derive(Clone, Debug)]
+pub struct MemoryMeter(Arc<Counters>);
+
+#[derive(Debug)]
+struct Counters {
+    limit: u64,
+    /// Bytes by kind, in the order of [`Growing::ALL`].
+    held: [AtomicU64; Growing::ALL.len()],
+    is_overrun: AtomicBool,
+}
+
+impl MemoryMeter {
+    /// `limit` is in bytes, for everything together.
+    pub fn new(limit: u64) -> Self {
+        Self(Arc::new(Counters { limit, held: Default::default(), is_overrun: AtomicBool::new(false) }))
+    }
+
+    /// Counts and never says no.
+    pub fn unlimited() -> Self {
+        Self::new(u64::MAX)
+    }
+
+    /// A holder of something that grows, which holds nothing yet.
+    pub fn holder(&self, kind: Growing) -> Held {
+        Held { meter: self.clone(), kind, bytes: 0 }
+    }
+
+    /// Bytes that are held in all.
+    pub fn held(&self) -> u64 {
+        Growing::ALL.into_iter().map(|kind| self.held_by(kind)).sum()
+    }
+
+    fn held_by(&self, kind: Growing) -> u64 {
+        self.0.held[kind as usize].load(Ordering::Relaxed)
+    }
+
+    /// Where somebody was refused memory: the kind that holds the most, and how many bytes.
+    pub fn overrun(&self) -> Option<(Growing, u64)> {
+        let by_size = Growing::ALL.into_iter().map(|kind| (kind, self.held_by(kind)));
+        self.0.is_overrun.load(Ordering::Relaxed).then(|| by_size.max_by_key(|&(_, bytes)| bytes)).flatten()
+    }
+}
+
+/// The share of one holder in what a [`MemoryMeter`] counts. It is given back when the holder goes.
+#[derive(Debug)]
+pub struct Held {
+    meter: MemoryMeter,
+    kind: Growing,
+    bytes: u64,
+}
+
+impl Held {
+    /// Whether the holder may hold this many bytes from now on, in place of what it held; if so, they are counted.
+    ///
+    /// Once somebody of the run was refused, nobody gets more.
+    pub fn cover(&mut self, bytes: usize) -> bool {
+        let bytes = bytes as u64;
+        if bytes <= self.bytes {
+            return !self.meter.0.is_overrun.load(Ordering::Relaxed);
+        }
+        let counters = &self.meter.0;
+        let others = self.meter.held() - self.bytes;
+        if others.saturating_add(bytes) > counters.limit {
+            counters.is_overrun.store(true, Ordering::Relaxed);
+        }
+        if counters.is_overrun.load(Ordering::Relaxed) {
+            return false;
+        }
+        // One run is one thread's: nobody counts in between.
+        counters.held[self.kind as usize].fetch_add(bytes - self.bytes, Ordering::Relaxed);
+        self.bytes = bytes;
+        true
+    }
+
+    /// Another holder of the same kind, for what is needed for a while.
+    pub fn beside(&self) -> Self {
+        self.meter.holder(self.kind)
+    }
+}
+
+impl Drop for Held {
+    fn drop(&mut self) {
+        self.meter.0.held[self.kind as usize].fetch_sub(self.bytes, Ordering::Relaxed);
+    }
+}
+
+/// The most bytes that a planner of one truck takes on a field, as its settings say.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PlannerMemory {
+    /// From its making on.
+    pub held: u64,
+    /// On top of that while it is made.
+    pub making: u64,
+    /// Its floods, if it plans by nothing else.
+    pub floods: u64,
+    /// What may be added to all of this as it is asked: a query that is easy adds next to nothing.
+    pub grows: u64,
+}
+
+/// Bytes that a list takes once it holds `more` elements more than now: its capacity, which doubles where it does not
+/// suffice.
+pub trait BytesAfter {
+    fn bytes_after(&self, more: usize) -> usize;
+}
+
+impl<T> BytesAfter for Vec<T> {
+    fn bytes_after(&self, more: usize) -> usize {
+        size_of::<T>() * capacity_after(self.len(), self.capacity(), more)
+    }
+}
+
+impl<T> BytesAfter for VecDeque<T> {
+    fn bytes_after(&self, more: usize) -> usize {
+        size_of::<T>() * capacity_after(self.len(), self.capacity(), more)
+    }
+}
+
+impl<T: Ranked> BytesAfter for OpenList<T> {
+    fn bytes_after(&self, more: usize) -> usize {
+        size_of::<T>() * capacity_after(self.waiting(), self.capacity(), more)
+    }
+}
+
+fn capacity_after(len: usize, capacity: usize, more: usize) -> usize {
+    if len + more <= capacity { capacity } else { (2 * capacity).max(len + more) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_held_is_counted_until_its_holder_goes() {
+        let meter = MemoryMeter::new(100);
+        let (mut flood, mut search) = (meter.holder(Growing::Floods), meter.holder(Growing::Searches));
+        assert!(flood.cover(60) && search.cover(40) && flood.cover(50));
+        assert_eq!((meter.held(), meter.overrun()), (100, None), "what shrinks keeps its memory");
+        drop(flood);
+        assert!(search.cover(100));
+        assert_eq!((meter.held(), meter.overrun()), (100, None));
+    }
+
+    #[test]
+    fn one_byte_too_many_is_refused_and_so_is_all_that_follows() {
+        let meter = MemoryMeter::new(100);
+        let (mut flood, mut search) = (meter.holder(Growing::Floods), meter.holder(Growing::Searches));
+        assert!(flood.cover(70) && search.cover(20));
+        assert!(!search.cover(31));
+        assert_eq!((meter.held(), meter.overrun()), (90, Some((Growing::Floods, 70))));
+        assert!(!search.cover(1) && !flood.cover(71));
+    }
+
+    #[test]
+    fn a_list_is_known_to_grow_before_it_does() {
+        let mut list: Vec<u64> = Vec::new();
+        for _ in 0..10_000 {
+            let foretold = list.bytes_after(3);
+            list.extend([1, 2, 3]);
+            assert!(8 * list.capacity() <= foretold.max(32), "a first allocation takes four elements");
+        }
+    }
+}

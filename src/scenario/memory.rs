@@ -1,0 +1,346 @@
+//! How much memory a run takes, from its scenario alone, and how much it may.
+//!
+//! What a run needs in any case is added up before anything is allocated: [`MemoryEstimate`]. Each part is bounded beside
+//! what it is a bound of. Searches, floods, curves and the timeline grow as the run goes on, in most runs far less than
+//! they could; they are counted as they do, by a [`MemoryMeter`] that allows what the limit leaves.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::{Escape, Problem, SafetyMap, Scenario, TruckPlannerKind, Unimog, Wumpus};
+use crate::collision::ClearanceField;
+use crate::fire::Vegetation;
+use crate::geometry::{Cell, DVec2, FieldFrame};
+use crate::planning::memory::{Growing, MemoryMeter, PlannerMemory};
+use crate::planning::reachability::Reachability;
+use crate::planning::walk::{LatticeShape, WalkLattice, WalkPlanner};
+use crate::planning::{count_convex_corners, truck_planner_memory};
+
+/// What the program takes before it runs anything, and what is small in every run.
+const PROGRAM_BYTES: u64 = 24_000_000;
+
+/// Corners of a tetromino that stick out, at most.
+const CORNERS_OF_A_PIECE: u64 = 6;
+
+/// How much memory a run may take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct MemoryLimit {
+    pub bytes: u64,
+}
+
+impl Default for MemoryLimit {
+    fn default() -> Self {
+        Self { bytes: 2_000_000_000 }
+    }
+}
+
+impl fmt::Display for MemoryLimit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&bytes_text(self.bytes))
+    }
+}
+
+/// Units of sizes and their bytes, without the `B` at their end.
+const UNITS: [(&str, u64); 8] = [
+    ("k", 1000),
+    ("m", 1_000_000),
+    ("g", 1_000_000_000),
+    ("t", 1_000_000_000_000),
+    ("ki", 1 << 10),
+    ("mi", 1 << 20),
+    ("gi", 1 << 30),
+    ("ti", 1 << 40),
+];
+
+impl FromStr for MemoryLimit {
+    type Err = String;
+
+    /// Reads a number and its unit, such as `2GB`, `1.5 GiB` or `4G`, which is 4 GB.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let expected = || "expected a size with its unit, from 1MB to 1000TB, such as 2GB, 512MiB or 4G".to_owned();
+        let end = text.find(|letter: char| !letter.is_ascii_digit() && letter != '.').unwrap_or(text.len());
+        let (number, unit) = text.split_at(end);
+        let unit = unit.trim_start().to_ascii_lowercase();
+        let unit = unit.strip_suffix('b').unwrap_or(&unit);
+        let bytes_of_one =
+            UNITS.iter().find(|(name, _)| *name == unit).map(|&(_, bytes)| bytes).ok_or_else(expected)?;
+        let number = number.parse::<f64>().map_err(|_| expected())?;
+        let bytes = number * bytes_of_one as f64;
+        if (1e6..=1e15).contains(&bytes) { Ok(Self { bytes: bytes as u64 }) } else { Err(expected()) }
+    }
+}
+
+/// Bytes as people read them: three digits and a unit.
+pub fn bytes_text(bytes: u64) -> String {
+    let (divisor, unit) = match bytes {
+        0..1_000 => return format!("{bytes} B"),
+        1_000..999_500 => (1e3, "kB"),
+        999_500..999_500_000 => (1e6, "MB"),
+        999_500_000..999_500_000_000 => (1e9, "GB"),
+        _ => (1e12, "TB"),
+    };
+    let number = bytes as f64 / divisor;
+    let digits = if number < 9.995 { 2 } else { usize::from(number < 99.95) };
+    let text = format!("{number:.digits$}");
+    let short = if digits > 0 { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    format!("{short} {unit}")
+}
+
+/// A part of what a run needs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MemoryPart {
+    /// As it stands after "for": "the field".
+    pub name: String,
+    pub bytes: u64,
+}
+
+/// What a run takes, at most.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MemoryEstimate {
+    /// What it needs in any case.
+    pub parts: Vec<MemoryPart>,
+    /// How much of the parts grows and is counted as it does: floods of trucks that plan by nothing else.
+    counted: u64,
+    /// What searches, floods and curves can add in the worst case; the timeline comes on top of it.
+    pub grows: u64,
+}
+
+/// Why a run does not take place, or ends early.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum MemoryExceeded {
+    #[error(
+        "it would take up to {} of memory, {} of that for {}; the limit is {limit}, and --memory sets another",
+        bytes_text(*.needed), bytes_text(.largest.bytes), .largest.name
+    )]
+    Needed { needed: u64, largest: MemoryPart, limit: MemoryLimit },
+    #[error(
+        "it came to the limit of memory, {limit}: beside {} that it needs in any case, {} are held for {kind}; --memory sets \
+         another limit",
+        bytes_text(*.needed), bytes_text(*.bytes)
+    )]
+    Grown { needed: u64, kind: Growing, bytes: u64, limit: MemoryLimit },
+}
+
+impl MemoryEstimate {
+    /// Adds up what a run of a scenario that was checked takes.
+    pub fn new(scenario: &Scenario) -> Self {
+        let frame = scenario.field.frame();
+        let (bushes, corners) = match &scenario.field.given {
+            Some(given) => {
+                let bushes = given.occupied.values().iter().filter(|&&occupied| occupied).count();
+                (bushes as u64, count_convex_corners(&given.occupied))
+            }
+            None => {
+                let pieces = u64::from(scenario.field.wanted_pieces());
+                (4 * pieces, CORNERS_OF_A_PIECE * pieces)
+            }
+        };
+        let field = Ground { frame, bushes, corners };
+        let [terrain, laying] = field.terrain();
+        let fires = Vegetation::most_bytes(&frame, bushes, scenario.fire.spread_radius_m);
+        let wumpuses = scenario.wumpus.iter().map(|wumpus| field.wumpus(wumpus, scenario.duration_s)).sum();
+        let trucks: Vec<_> = scenario.unimog.iter().map(|truck| (truck.planner, field.planner(truck))).collect();
+        let reachability = trucks.len() as u64 * Reachability::most_bytes(&frame);
+        let mut estimate = Self::of_trucks(&trucks, laying);
+        estimate.grows += reachability;
+        let Self { parts, .. } = &mut estimate;
+        let own = [part("the program", PROGRAM_BYTES), part("the field and its fires", terrain + fires)];
+        parts.splice(0..0, own.into_iter().chain((wumpuses > 0).then(|| part("the Wumpuses", wumpuses))));
+        estimate
+    }
+
+    /// Adds up what planning the drives of a problem takes, by these planners one after the other.
+    pub fn for_problem(problem: &Problem, planners: &[TruckPlannerKind]) -> Self {
+        let terrain = &problem.terrain;
+        let (bushes, corners) = (terrain.bushes.len() as u64, count_convex_corners(&terrain.occupied));
+        let field = Ground { frame: terrain.frame, bushes, corners };
+        let [held, laying] = field.terrain();
+        let of_planner = |&planner: &TruckPlannerKind| {
+            let truck = Unimog { planner, ..problem.truck.clone() };
+            Self::of_trucks(&[(planner, field.planner(&truck))], laying)
+        };
+        let nobody = || Self::of_trucks(&[], laying);
+        let mut estimate = planners.iter().map(of_planner).max_by_key(Self::needed).unwrap_or_else(nobody);
+        estimate.parts.splice(0..0, [part("the program", PROGRAM_BYTES), part("the field", held)]);
+        estimate
+    }
+
+    /// What trucks take, those of one planner together. `laying` is what is taken for a while before they are made.
+    fn of_trucks(trucks: &[(TruckPlannerKind, PlannerMemory)], laying: u64) -> Self {
+        let mut parts = Vec::new();
+        for kind in TruckPlannerKind::ALL {
+            let own = || trucks.iter().filter(|(planner, _)| *planner == kind).map(|(_, memory)| memory);
+            let name = |what: &str| match own().count() {
+                1 => format!("{what} of a truck ({kind})"),
+                count => format!("{what} of {count} trucks ({kind})"),
+            };
+            parts.push(part(name("the planner"), own().map(|memory| memory.held).sum()));
+            parts.push(part(name("the floods"), own().map(|memory| memory.floods).sum()));
+        }
+        let of_all = |of: fn(&PlannerMemory) -> u64| trucks.iter().map(move |(_, memory)| of(memory));
+        // One after the other is made.
+        let making = of_all(|memory| memory.making).fold(laying, u64::max);
+        parts.push(part("what is only needed while field and planners are made", making));
+        parts.retain(|part| part.bytes > 0);
+        Self { parts, counted: of_all(|memory| memory.floods).sum(), grows: of_all(|memory| memory.grows).sum() }
+    }
+
+    /// Bytes that the run needs in any case, at most.
+    pub fn needed(&self) -> u64 {
+        self.parts.iter().map(|part| part.bytes).sum()
+    }
+
+    /// A meter for what grows, which allows what is left of the limit.
+    ///
+    /// # Errors
+    /// If not even what the run needs in any case is within the limit.
+    pub fn meter(&self, limit: MemoryLimit) -> Result<MemoryMeter, MemoryExceeded> {
+        let needed = self.needed();
+        if needed <= limit.bytes {
+            return Ok(MemoryMeter::new(limit.bytes - (needed - self.counted)));
+        }
+        let largest = self.parts.iter().max_by_key(|part| part.bytes).expect("the program is a part");
+        Err(MemoryExceeded::Needed { needed, largest: largest.clone(), limit })
+    }
+
+    /// What is to be said where a meter of this estimate has refused somebody.
+    pub fn overrun(&self, meter: &MemoryMeter, limit: MemoryLimit) -> Option<MemoryExceeded> {
+        let needed = self.needed() - self.counted;
+        meter.overrun().map(|(kind, bytes)| MemoryExceeded::Grown { needed, kind, bytes, limit })
+    }
+}
+
+fn part(name: impl Into<String>, bytes: u64) -> MemoryPart {
+    MemoryPart { name: name.into(), bytes }
+}
+
+/// What memory depends on of a field.
+struct Ground {
+    frame: FieldFrame,
+    bushes: u64,
+    /// Corners of bushes that stick out.
+    corners: u64,
+}
+
+impl Ground {
+    /// Bytes of bushes and clearance, and what is taken while they are laid and worked out.
+    fn terrain(&self) -> [u64; 2] {
+        let [clearance, working_out] = ClearanceField::bytes(&self.frame);
+        let cells = self.frame.cell_count() as u64;
+        // Bushes stand in the terrain, in the timeline, and in the order in which ignitions light them.
+        let held = cells * size_of::<bool>() as u64 + 3 * self.bushes * size_of::<Cell>() as u64;
+        // Where hardly a place is left all are listed, in a list that doubles, for up to four rotations of a piece.
+        let placements = 2 * 4 * cells * size_of::<(usize, Cell)>() as u64;
+        [held + clearance, working_out.max(placements + 2 * cells)]
+    }
+
+    fn wumpus(&self, wumpus: &Wumpus, duration_s: f64) -> u64 {
+        let (anchor, step_m) = match wumpus.lattice_m {
+            Some(step_m) => (DVec2::from(wumpus.start_m), step_m),
+            None => (self.frame.centre(Cell::default()), self.frame.cell_m),
+        };
+        let shape = LatticeShape { anchor, step_m, size_m: wumpus.size_m };
+        let points = WalkLattice::point_count(&self.frame, &shape);
+        let has_factors = wumpus.safety.map != SafetyMap::None;
+        let planner = WalkPlanner::most_bytes(points as u64, &wumpus.walk_method(), has_factors);
+        // Its targets as they are drawn and kept, and those among which it chooses, in a list that doubles.
+        let targets = self.bushes * (4 * size_of::<Cell>() + 2 * size_of::<(f64, usize, usize)>()) as u64;
+        // Goals that it failed on, by the point from which: entries of a tree whose nodes may be half empty.
+        let places = points.min(duration_s * wumpus.speed_mps / step_m + 1.0);
+        let gives_up =
+            matches!(wumpus.planner, super::WumpusPlanner::Potential) && wumpus.potential.escape == Escape::None;
+        let failed = if gives_up { self.bushes as f64 * places * 3.0 * size_of::<(usize, Cell)>() as f64 } else { 0.0 };
+        WalkLattice::most_bytes(&self.frame, points as u64) + planner + targets + failed as u64
+    }
+
+    fn planner(&self, truck: &Unimog) -> PlannerMemory {
+        truck_planner_memory(truck.planner, &self.frame, self.corners, &truck.planner_settings())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::{BUILT_IN, load};
+
+    fn estimate(source: &str, changes: &[&str]) -> MemoryEstimate {
+        let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
+        MemoryEstimate::new(&load(source, &changes).expect("this scenario is right"))
+    }
+
+    #[test]
+    fn sizes_have_units_of_thousands_or_of_1024() {
+        let bytes = |text: &str| text.parse::<MemoryLimit>().map(|limit| limit.bytes);
+        for (text, expected) in [
+            ("2GB", 2_000_000_000),
+            ("4G", 4_000_000_000),
+            ("1.5 gb", 1_500_000_000),
+            ("512MiB", 512 << 20),
+            ("4Gi", 4 << 30),
+            ("1000kB", 1_000_000),
+            ("2TiB", 2 << 40),
+        ] {
+            assert_eq!(bytes(text), Ok(expected), "{text}");
+        }
+        for text in [
+            "", "2", "GB", "2XB", "-2GB", "+2GB", "2,5GB", "1..5GB", "0GB", "999kB", "2000TB", "1e3MB", "2GBB", "nanGB",
+        ] {
+            assert!(bytes(text).expect_err(text).contains("such as 2GB, 512MiB or 4G"), "{text}");
+        }
+    }
+
+    #[test]
+    fn bytes_are_said_in_three_digits() {
+        for (bytes, text) in [
+            (0, "0 B"),
+            (999, "999 B"),
+            (1_000, "1 kB"),
+            (999_499, "999 kB"),
+            (999_500, "1 MB"),
+            (12_345_678, "12.3 MB"),
+            (2_000_000_000, "2 GB"),
+            (1 << 30, "1.07 GB"),
+            (3_200_000_000_000, "3.2 TB"),
+        ] {
+            assert_eq!(bytes_text(bytes), text);
+        }
+    }
+
+    #[test]
+    fn built_in_scenarios_stay_far_below_the_limit() {
+        for (name, _) in BUILT_IN {
+            let estimate = estimate(name, &[]);
+            assert!(estimate.needed() < 60_000_000, "{name}: {estimate:?}");
+            let limit = MemoryLimit::default();
+            assert!(estimate.meter(limit).is_ok() && estimate.needed() + estimate.grows < limit.bytes, "{name}");
+        }
+    }
+
+    #[test]
+    fn every_planners_own_settings_count_and_no_others() {
+        let of =
+            |planner: &str, change: &str| estimate("contest", &[&format!("unimog.planner={planner}"), change]).needed();
+        let plain = |planner: &str| of(planner, "seed_free=1".replace("seed_free=1", "unimog.speed_mps=8").as_str());
+        for (change, planner) in
+            [("unimog.prm_rs.samples=100000", "prm-rs"), ("unimog.prm.samples=100000", "prm+primitives")]
+        {
+            for kind in TruckPlannerKind::ALL {
+                let grows = of(kind.name(), change) > plain(kind.name()) + 10_000_000;
+                assert_eq!(grows, kind.name() == planner, "{change} for {kind}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_exceeds_the_limit_is_refused_with_its_largest_part() {
+        let estimate = estimate("contest", &["unimog.prm_rs.samples=100000", "unimog.prm_rs.neighbours=100"]);
+        let tight = MemoryLimit { bytes: estimate.needed() - 1 };
+        let refusal = estimate.meter(tight).expect_err("a byte is missing").to_string();
+        assert!(refusal.contains("for the planner of a truck (prm-rs)"), "{refusal}");
+        assert!(estimate.meter(MemoryLimit { bytes: estimate.needed() }).is_ok());
+    }
+}
