@@ -241,12 +241,6 @@ fn numbers_that_cannot_be_are_refused() {
 fn work_without_bounds_is_refused() {
     let text = "wumpus = []\nunimog = []\n[field]\nsize_m = 5000\n[fire]\nspread_radius_m = 5000\n";
     assert_refused(text, "6:19", &["`fire.spread_radius_m` is 5000", "pairs"]);
-    let planners = "[[unimog]]\nprm = { samples = 100000, neighbours = 51 }\n".repeat(2);
-    assert_refused(
-        &format!("wumpus = []\n{planners}"),
-        "5:19",
-        &["`unimog.1.prm.samples` is 100000", "over all trucks"],
-    );
     let lattices = "[[wumpus]]\nlattice_m = 0.2\n".repeat(3);
     assert_refused(&format!("unimog = []\n{lattices}"), "7:13", &["`wumpus.2.lattice_m` is 0.2", "over all Wumpuses"]);
     let endless = "duration_s = 1e6\nwumpus = []\n[fire]\nrelight = true\n[suppression]\ndwell_s = 0.1\n[[unimog]]\n";

@@ -207,11 +207,16 @@ fn memory(scenario: &Scenario, limit: MemoryLimit) -> String {
     if estimate.meter(limit).is_err() {
         return text + &wrapped("No run takes place: that is more than the limit, and --memory sets another.");
     }
-    text += &wrapped(&format!(
-        "Searches, floods and curves can add {} where drives are hard, and the timeline what it holds; that is counted, and \
-         a run that comes to the limit fails.",
-        bytes_text(estimate.grows)
-    ));
+    let grown = match estimate.grows {
+        0 => "What the timeline holds comes on top of it".into(),
+        grows => {
+            let most = bytes_text(grows);
+            format!(
+                "Searches, floods and curves can add up to {most} where drives are hard, and the timeline what it holds"
+            )
+        }
+    };
+    text += &wrapped(&format!("{grown}; that is counted as it grows, and a run that comes to the limit fails."));
     text
 }
 

@@ -13,10 +13,10 @@ use thiserror::Error;
 use super::{Escape, Problem, SafetyMap, Scenario, TruckPlannerKind, Unimog, Wumpus};
 use crate::collision::ClearanceField;
 use crate::fire::Vegetation;
-use crate::geometry::{Cell, DVec2, FieldFrame};
+use crate::geometry::{Cell, FieldFrame};
 use crate::planning::memory::{Growing, MemoryMeter, PlannerMemory};
 use crate::planning::reachability::Reachability;
-use crate::planning::walk::{LatticeShape, WalkLattice, WalkPlanner};
+use crate::planning::walk::{WalkLattice, WalkPlanner};
 use crate::planning::{count_convex_corners, truck_planner_memory};
 
 /// What the program takes before it runs anything, and what is small in every run.
@@ -176,10 +176,10 @@ impl MemoryEstimate {
             let own = || trucks.iter().filter(|(planner, _)| *planner == kind).map(|(_, memory)| memory);
             let name = |what: &str| match own().count() {
                 1 => format!("{what} of a truck ({kind})"),
-                count => format!("{what} of {count} trucks ({kind})"),
+                count => format!("{what}s of {count} trucks ({kind})"),
             };
             parts.push(part(name("the planner"), own().map(|memory| memory.held).sum()));
-            parts.push(part(name("the floods"), own().map(|memory| memory.floods).sum()));
+            parts.push(part(name("the flood"), own().map(|memory| memory.floods).sum()));
         }
         let of_all = |of: fn(&PlannerMemory) -> u64| trucks.iter().map(move |(_, memory)| of(memory));
         // One after the other is made.
@@ -239,18 +239,14 @@ impl Ground {
     }
 
     fn wumpus(&self, wumpus: &Wumpus, duration_s: f64) -> u64 {
-        let (anchor, step_m) = match wumpus.lattice_m {
-            Some(step_m) => (DVec2::from(wumpus.start_m), step_m),
-            None => (self.frame.centre(Cell::default()), self.frame.cell_m),
-        };
-        let shape = LatticeShape { anchor, step_m, size_m: wumpus.size_m };
+        let shape = wumpus.lattice_shape(&self.frame);
         let points = WalkLattice::point_count(&self.frame, &shape);
         let has_factors = wumpus.safety.map != SafetyMap::None;
         let planner = WalkPlanner::most_bytes(points as u64, &wumpus.walk_method(), has_factors);
         // Its targets as they are drawn and kept, and those among which it chooses, in a list that doubles.
         let targets = self.bushes * (4 * size_of::<Cell>() + 2 * size_of::<(f64, usize, usize)>()) as u64;
         // Goals that it failed on, by the point from which: entries of a tree whose nodes may be half empty.
-        let places = points.min(duration_s * wumpus.speed_mps / step_m + 1.0);
+        let places = points.min(duration_s * wumpus.speed_mps / shape.step_m + 1.0);
         let gives_up =
             matches!(wumpus.planner, super::WumpusPlanner::Potential) && wumpus.potential.escape == Escape::None;
         let failed = if gives_up { self.bushes as f64 * places * 3.0 * size_of::<(usize, Cell)>() as f64 } else { 0.0 };
@@ -315,8 +311,7 @@ mod tests {
         for (name, _) in BUILT_IN {
             let estimate = estimate(name, &[]);
             assert!(estimate.needed() < 60_000_000, "{name}: {estimate:?}");
-            let limit = MemoryLimit::default();
-            assert!(estimate.meter(limit).is_ok() && estimate.needed() + estimate.grows < limit.bytes, "{name}");
+            assert!(estimate.meter(MemoryLimit::default()).is_ok(), "{name}");
         }
     }
 
@@ -324,7 +319,7 @@ mod tests {
     fn every_planners_own_settings_count_and_no_others() {
         let of =
             |planner: &str, change: &str| estimate("contest", &[&format!("unimog.planner={planner}"), change]).needed();
-        let plain = |planner: &str| of(planner, "seed_free=1".replace("seed_free=1", "unimog.speed_mps=8").as_str());
+        let plain = |planner: &str| of(planner, "unimog.speed_mps=8");
         for (change, planner) in
             [("unimog.prm_rs.samples=100000", "prm-rs"), ("unimog.prm.samples=100000", "prm+primitives")]
         {

@@ -16,6 +16,7 @@ mod map_answers;
 mod map_errors;
 mod map_files;
 mod map_readme;
+mod memory;
 mod minus_zero;
 mod pipes;
 mod plan;

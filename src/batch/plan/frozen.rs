@@ -336,6 +336,22 @@ mod tests {
     }
 
     #[test]
+    fn plans_from_before_the_limit_of_memory_are_read_with_the_usual_one() {
+        let usual = plan("smoke", &[]);
+        let json = usual.to_json();
+        let line = "  \"memory_bytes\": 2000000000,\n";
+        assert!(json.contains(line), "{json}");
+        assert_eq!(read_back(&json.replacen(line, "", 1)).expect("it has the hash that it had"), usual);
+        let tight = BatchPlan { memory: MemoryLimit { bytes: 1_000_000 }, ..usual.clone() };
+        assert_ne!(tight.content_sha256(), usual.content_sha256());
+        assert_eq!(read_back(&tight.to_json()).expect("it was just written"), tight);
+        let changed = tight.to_json().replacen("\"memory_bytes\": 1000000", "\"memory_bytes\": 2000000", 1);
+        assert!(matches!(read_back(&changed), Err(PlanError::Tampered { .. })));
+        let refusal = usual.expect_same(&tight, Path::new("out")).expect_err("they differ").to_string();
+        assert!(refusal.contains("memory is 2 GB there, 1 MB is asked for"), "{refusal}");
+    }
+
+    #[test]
     fn plan_that_was_changed_or_is_another_versions_is_refused() {
         let json = plan("smoke", &[]).to_json();
         let refusal = |from: &str, to: &str| {

@@ -109,9 +109,9 @@ impl Flood {
     pub fn most_bytes(frame: &FieldFrame, lattice: Lattice, limit: u32) -> u64 {
         let poses = BinPages::most_poses(frame, lattice).min(MAX_POSES as u64).min(6 * u64::from(limit) + 1);
         // Lists that double may come to have room for twice as many as they hold. The frontier is a surface in the space
-        // of poses, which many floods on random fields held below an eighth of them.
+        // of poses: of a small flood it may be most of it, of a large one it stays below an eighth.
         let found = poses.next_power_of_two() * size_of::<Found>() as u64;
-        let frontier = (poses / 8).next_power_of_two() * size_of::<Pose>() as u64;
+        let frontier = poses.min(20_000).max(poses / 8).next_power_of_two() * size_of::<Pose>() as u64;
         found + frontier + BinPages::most_bytes(frame, lattice, poses)
     }
 
@@ -335,4 +335,55 @@ impl BinPages {
 /// Bins along x and y, one more than cover the field where they divide it evenly.
 fn bins_along(frame: &FieldFrame, lattice: Lattice) -> [usize; 2] {
     [frame.width_m(), frame.height_m()].map(|side| (side / lattice.bin_m) as usize + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::planning::reachability::{CLEARANCE_M, LATTICES};
+    use crate::planning::test_fields::TestField;
+
+    fn flood(field: &TestField, memory: &MemoryMeter, lattice: Lattice) -> Flood {
+        Flood::new(&field.checker, memory, field.start, lattice, CLEARANCE_M)
+    }
+
+    #[test]
+    fn a_flood_counts_what_it_holds_and_holds_no_more_than_was_estimated() {
+        let field = TestField::random(1, 40);
+        for lattice in LATTICES {
+            let memory = MemoryMeter::unlimited();
+            let mut flood = flood(&field, &memory, lattice);
+            let spread = flood.grow(200_000);
+            let BinPages { blocks, pages, poses, .. } = &flood.bins;
+            let bins = size_of::<u32>() * (blocks.capacity() + pages.capacity() + poses.capacity());
+            let lists = size_of::<Found>() * flood.found.capacity() + size_of::<Pose>() * flood.frontier.capacity();
+            let held = (bins + lists) as u64;
+            assert!(held <= memory.held(), "{held} of {}", memory.held());
+            let most = Flood::most_bytes(field.checker.field().frame(), lattice, spread);
+            assert!(held < most, "{held} of {most}");
+            drop(flood);
+            assert_eq!(memory.held(), 0);
+        }
+    }
+
+    #[test]
+    fn a_flood_without_memory_stops_and_keeps_what_it_found() {
+        let field = TestField::random(1, 40);
+        let ample = flood(&field, &MemoryMeter::unlimited(), LATTICES[2]).grow(u32::MAX);
+        let memory = MemoryMeter::new(2_000_000);
+        let mut flood = flood(&field, &memory, LATTICES[2]);
+        let spread = flood.grow(u32::MAX);
+        assert!(spread > 100 && spread < ample && flood.is_full(), "{spread} of {ample}");
+        assert!(memory.overrun().is_some() && memory.held() <= 2_000_000);
+        assert_eq!(flood.path_to(0), Path::standing(field.start));
+    }
+
+    #[test]
+    fn a_flood_on_a_field_of_a_thousand_kilometres_takes_what_its_poses_take() {
+        let frame = FieldFrame { cols: 1000, rows: 1000, cell_m: 1000.0 };
+        for lattice in LATTICES {
+            let empty = BinPages::new(&frame, lattice);
+            assert!(empty.bytes_after(1).is_some_and(|bytes| bytes < 20_000_000), "{lattice:?}");
+        }
+    }
 }
