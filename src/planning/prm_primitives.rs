@@ -419,7 +419,14 @@ mod tests {
 
     fn planner_of((prm, primitives): &(PrmSettings, PrimitiveSettings), field: &TestField, seed: u64) -> PrmPrimitives {
         let mut rng = rng::stream(seed, "prm");
-        PrmPrimitives::build(&field.checker, &MemoryMeter::unlimited(), prm, primitives, &SafetySettings::default(), &mut rng)
+        PrmPrimitives::build(
+            &field.checker,
+            &MemoryMeter::unlimited(),
+            prm,
+            primitives,
+            &SafetySettings::default(),
+            &mut rng,
+        )
     }
 
     #[test]

@@ -134,7 +134,8 @@ impl PlanFile {
         let sweeps = self.sweep.into_iter().map(sweep_of).collect::<Result<_, _>>()?;
         let scenarios = scenarios.iter().map(|name| located(name, folder)).collect();
         let memory = self.memory.map(|size| size.parse().map_err(|reason| wrong_memory(&size, reason))).transpose()?;
-        let mut request = BatchRequest { scenarios, changes, sweeps, seeds, record: self.record, memory };
+        let mut request =
+            BatchRequest { scenarios, changes, sweeps, seeds, record: self.record, memory, ..BatchRequest::default() };
         request.add_planners(&self.planners)?;
         Ok(request)
     }
