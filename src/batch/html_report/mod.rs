@@ -67,9 +67,11 @@ pub fn write_report(batch: &FinishedBatch) -> Result<WrittenReport, ReportError>
     }
     let page = folder.join(REPORT_FILE);
     write_whole(&page, page::page(batch, &collected, &figures).as_bytes())?;
-    let mut texts = figures.drawn.iter().flat_map(|figure| figure.drawing.texts());
-    let unknown_letters = texts.find(|text| !font_has_all_of(text)).map(str::to_owned);
     let Figures { drawn, refused } = figures;
+    let unknown_letters = {
+        let mut texts = drawn.iter().flat_map(|figure| figure.drawing.texts());
+        texts.find(|text| !font_has_all_of(text)).map(str::to_owned)
+    };
     Ok(WrittenReport { page, charts_folder, charts: drawn.len(), refused, unknown_letters })
 }
 
