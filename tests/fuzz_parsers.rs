@@ -26,6 +26,7 @@ use std::sync::LazyLock;
 
 use wildfire::batch::{MAX_RUNS, Record, Seeds, Slice};
 use wildfire::scenario::{BUILT_IN, LoadedScenario, TruckPlannerKind, explain};
+use wildfire::untrusted::{spreadsheet_cell, text_of_cell, visible};
 
 use fuzz::text::mutated;
 use fuzz::{Case, Fuzzer, Law, below, one_of};
@@ -180,6 +181,13 @@ fn words(case: &mut Case<'_>) -> Law {
         if (1..=20).any(|run| slice.place_of(run).is_some_and(|place| slice.run_at(place) != run)) {
             return Err("a run of the slice is at another place".into());
         }
+    }
+    if text_of_cell(&spreadsheet_cell(&text)) != text {
+        return Err("a cell of a table holds another text".into());
+    }
+    let shown = visible(&text);
+    if shown.chars().any(char::is_control) || visible(&shown) != shown {
+        return Err(format!("shown as {shown:?} it acts on a terminal"));
     }
     if let Err(refusal) = text.parse::<Record>() {
         said(&refusal)?;

@@ -11,9 +11,11 @@ use wildfire::batch::{
     Append, Batch, BatchPlan, BatchRequest, Disk, FinishedBatch, JournalIndex, OutputFolder, PLAN_FILE, PLAN_TEMPLATE,
     PlanError, RUNS_FILE, STATES_PARQUET, Slice, Sweep, Whole, batch_status, merge, write_report,
 };
+use wildfire::scenario::ScenarioText;
 
 use super::fuzz::text::mutated;
 use super::fuzz::{Case, Law, below, chance, one_of};
+use super::grammar::refusal_names_its_place;
 use super::maps::said;
 
 const JOURNAL: &str = "runs.journal";
@@ -150,7 +152,11 @@ const PLAN_WORDS: &[&str] = &[
 pub fn plan_file(case: &mut Case<'_>) -> Law {
     case.input = mutated(&mut case.dice, PLANS, PLAN_WORDS);
     let path = case.write("plan.toml", &case.input);
-    let request = match BatchRequest::of_file(path.to_str().expect("scratch folders have plain names")) {
+    let source = match ScenarioText::open(path.to_str().expect("scratch folders have plain names")) {
+        Ok(source) => source,
+        Err(refusal) => return refusal_names_its_place(&refusal),
+    };
+    let request = match BatchRequest::from_text(&source) {
         Ok(Some(request)) => request,
         Ok(None) => return Ok(()),
         Err(refusal) => return said(&refusal.to_string()),
@@ -221,7 +227,7 @@ pub fn journal(case: &mut Case<'_>) -> Law {
     }
     let path = case.write(JOURNAL, &case.input);
     let file = File::open(&path).map_err(|error| error.to_string())?;
-    let read = JournalIndex::read(&path, &file, &sample.plan.content_sha256(), Slice::WHOLE, sample.plan.count());
+    let read = JournalIndex::read(&path, &file, &sample.plan, Slice::WHOLE);
     match read {
         Err(refusal) => return said(&refusal.to_string()),
         Ok(index) if index.held().0 > index.count() => return Err("it holds more runs than there are".into()),

@@ -9,6 +9,7 @@ use miette::{GraphicalReportHandler, GraphicalTheme};
 use serde_json::Value as Json;
 use toml::{Table, Value};
 use wildfire::scenario::{self, Fault, ScenarioError};
+use wildfire::untrusted::visible_lines;
 
 use super::fuzz::{Law, below, chance, one_of};
 
@@ -291,14 +292,17 @@ pub fn refusal_names_its_place(refusal: &ScenarioError) -> Law {
     match (&refusal.place, &refusal.fault) {
         (Some(place), _) => drop((place.to_string(), place.excerpt())),
         // These are about a whole file, which they name.
-        (None, Fault::NotFound { .. } | Fault::Folder { .. } | Fault::Unreadable { .. }) => {}
-        (None, Fault::TooLarge { .. } | Fault::NotText { .. }) => {}
+        (None, Fault::NotFound { .. } | Fault::Unreadable { .. }) => {}
         (None, fault) => return Err(format!("a refusal without a place: {fault}")),
     }
     let handler = GraphicalReportHandler::new_themed(GraphicalTheme::none());
     let mut shown = String::new();
     handler.render_report(&mut shown, refusal).map_err(|_| format!("{} cannot be shown", refusal.fault))?;
-    if shown.trim().is_empty() { Err(format!("nothing is shown of {}", refusal.fault)) } else { Ok(()) }
+    match shown.trim() {
+        "" => Err(format!("nothing is shown of {}", refusal.fault)),
+        _ if visible_lines(&shown) != shown => Err(format!("what is shown acts on a terminal: {shown:?}")),
+        _ => Ok(()),
+    }
 }
 
 /// An agent with its start in the field, as far from the border as a truck is long where the field has room.
