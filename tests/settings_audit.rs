@@ -199,7 +199,6 @@ fn try_case(case: u64, settings: &[(String, Values)], base: &Value) -> Option<(C
 }
 
 #[test]
-#[expect(clippy::print_stdout, reason = "says how much was looked at, to those who ask for many cases")]
 fn no_setting_leads_to_a_violation() {
     let base = base();
     let settings = settings(&base);

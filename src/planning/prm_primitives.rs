@@ -539,7 +539,7 @@ mod tests {
             };
             let share = rng.random_range(0.0..1.0);
             let milestone = place(&mut rng, goal, share);
-            let tolerance_m = 10.0_f64.powf(rng.random_range(-2.0..3.0));
+            let tolerance_m = [0.01, 1.0, 10.0, 100.0][rng.random_range(0..4)] * rng.random_range(0.1..1.0);
             let disc = disc_about(milestone, tolerance_m, goal);
             assert!(near(milestone, disc) && disc.radius_m <= tolerance_m.min(goal.radius_m) + 1e-9);
             assert!(disc.radius_m >= 0.5 * tolerance_m.min(goal.radius_m) - 1e-9, "{disc:?}");

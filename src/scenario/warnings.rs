@@ -202,9 +202,12 @@ fn warn_of_idle_wumpuses(scenario: &Scenario, terrain: &Terrain, found: &mut Vec
             bushes.iter().filter_map(|&cell| metres(cell)).reduce(f64::min)
         };
         // Farther and farther away, as long as that is quick: most often the nearest place is a cell or two away.
-        let looks = |within_m: f64| bushes.len() as f64 * (2.0 * within_m / lattice.step_m() + 1.0).powi(2);
+        let is_quick = |within_m: &f64| {
+            let across = 2.0 * within_m / lattice.step_m() + 1.0;
+            bushes.len() as f64 * across * across <= MAX_LOOKS
+        };
         let farther = iter::successors(Some(terrain.frame.cell_m), |metres| Some(2.0 * metres));
-        let least_m = farther.take_while(|&within_m| looks(within_m) <= MAX_LOOKS).find_map(nearest);
+        let least_m = farther.take_while(is_quick).find_map(nearest);
         found.push(format!(
             "On the field of seed {SHOWN_SEED} Wumpus {number} can light none of the {} bushes: no bush's centre is within \
              `reach_m`, {} m, of a place to which its own can walk{}.",
