@@ -25,7 +25,7 @@ use std::str::FromStr;
 use std::sync::LazyLock;
 
 use wildfire::batch::{MAX_RUNS, Record, Seeds, Slice};
-use wildfire::scenario::{BUILT_IN, LoadedScenario, TruckPlannerKind, explain};
+use wildfire::scenario::{BUILT_IN, LoadedScenario, MemoryLimit, TruckPlannerKind, explain};
 use wildfire::untrusted::{spreadsheet_cell, text_of_cell, visible};
 
 use fuzz::text::mutated;
@@ -150,7 +150,7 @@ fn read_scenario(case: &mut Case<'_>, source: &str, changes: &[String]) -> Law {
     match LoadedScenario::open(source, changes) {
         Ok(loaded) => {
             case.count("scenarios accepted");
-            explain(&loaded);
+            explain(&loaded, MemoryLimit::default());
             for (path, _) in loaded.values() {
                 loaded.is_given(&path);
             }

@@ -14,7 +14,7 @@ mod grammar;
 use std::sync::LazyLock;
 
 use wildfire::audit::{Step, audit_timeline};
-use wildfire::scenario::{BUILT_IN, LoadedScenario, Scenario, explain};
+use wildfire::scenario::{BUILT_IN, LoadedScenario, MemoryLimit, Scenario, explain};
 use wildfire::sim::{self, Run, RunError, Simulation};
 use wildfire::time::SimTime;
 use wildfire::timeline::{Outcome, Timeline, file};
@@ -70,7 +70,7 @@ fn scenario_keeps_the_rules(case: &mut Case<'_>) -> Law {
             return refusal_names_its_place(&refusal);
         }
     };
-    explain(&loaded);
+    explain(&loaded, MemoryLimit::default());
     loaded.values();
     scenario_comes_back(&loaded.scenario)?;
     let Some(scenario) = affordable(&loaded.scenario) else {
@@ -89,6 +89,10 @@ fn scenario_keeps_the_rules(case: &mut Case<'_>) -> Law {
         }
         Err(RunError::Terrain(_) | RunError::NoFreeStart { .. }) => {
             case.count("did not begin");
+            Ok(())
+        }
+        Err(RunError::Memory(_)) => {
+            case.count("would take more memory than it may");
             Ok(())
         }
     }
