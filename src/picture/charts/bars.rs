@@ -17,7 +17,7 @@ const LEFT: f32 = 48.0;
 const PANEL_HEIGHT: f32 = 120.0;
 const GRID: PanelGrid = PanelGrid { columns: 1, left: LEFT, below: 44.0 };
 /// The most panels on a sheet.
-const PANELS: usize = 8;
+const PANELS: usize = 4;
 /// What of a group's room its bars take.
 const BARS: f32 = 0.78;
 const WIDEST: f32 = 64.0;
@@ -187,7 +187,7 @@ mod tests {
         };
         let panels: Vec<BarPanel> = (1..=10).map(|value| panel(f64::from(value))).collect();
         let drawings = BarChart { titles: Titles::default(), groups: vec!["a".into()], panels }.draw();
-        assert_eq!(drawings.len(), 2);
+        assert_eq!(drawings.len(), 3);
         let heights = drawings.iter().flat_map(|drawing| &drawing.marks).filter_map(|mark| match mark {
             Mark::Area { corners, .. } => Some(corners[2].1 - corners[0].1),
             _ => None,

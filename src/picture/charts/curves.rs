@@ -14,11 +14,13 @@ const LEFT: f32 = 48.0;
 const PANEL_HEIGHT: f32 = 150.0;
 const GRID: PanelGrid = PanelGrid { columns: 2, left: LEFT, below: 30.0 };
 /// The most panels on a sheet.
-const PANELS: usize = 12;
+const PANELS: usize = 8;
 const BAND: f32 = 0.2;
 /// How far marks of curves at one place stand apart, and what of the room between two places they take at most.
 const APART: f32 = 9.0;
 const MOST_OF_ROOM: f32 = 0.7;
+/// How far marks and whiskers reach to either side.
+const MARK: f32 = 5.0;
 
 /// Curves in pairs of axes, which are the same in all panels.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,11 +73,28 @@ impl CurveChart {
             let (mut drawing, plot) = Layout { titles: &titles, swatch, key, left: LEFT, height }.draw();
             let parts = if is_alone { vec![plot] } else { GRID.parts(&plot, &heights) };
             for (panel, plot) in panels.iter().zip(parts) {
+                let x = if self.spread == Spread::Bands { x } else { self.roomy(x, &plot) };
                 self.draw_panel(&mut drawing, &Axes { plot, x, y }, panel);
             }
             drawing
         };
         sheets.iter().enumerate().map(sheet).collect()
+    }
+
+    /// The scale with room at both ends for the marks of all curves, which stand beside each other.
+    fn roomy(&self, x: Scale, plot: &Plot) -> Scale {
+        let most = self.panels.iter().map(|panel| panel.curves.len()).max().unwrap_or(0);
+        let aside = f64::from(0.5 * APART * most as f32 + MARK);
+        let places =
+            self.panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points).map(|(x, _)| *x);
+        let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+        let width = f64::from(plot.right - plot.left);
+        let room = (high - low) * aside / (width - 2.0 * aside);
+        if room.is_finite() && room > 0.0 {
+            Scale { low: x.low.min(low - room), high: x.high.max(high + room) }
+        } else {
+            x
+        }
     }
 
     fn draw_panel(&self, drawing: &mut Drawing, axes: &Axes, panel: &CurvePanel) {
@@ -182,5 +201,36 @@ mod tests {
             let (low, high) = (band[index], band[band.len() - 1 - index]);
             assert!(low.0 == *x && high.0 == *x && low.1 >= *y && *y >= high.1, "{index}");
         }
+    }
+
+    #[test]
+    fn marks_of_many_curves_stay_in_their_panel() {
+        let estimate = Estimate { value: 1.0, interval: Some((0.5, 1.5)) };
+        let curve = |index: usize| Curve {
+            name: format!("curve {index}"),
+            style: STYLES[index],
+            points: vec![(6.0, estimate), (12.0, estimate)],
+        };
+        let panel = |name: &str| CurvePanel { name: name.into(), curves: (0..STYLES.len()).map(curve).collect() };
+        let panels = vec![panel("one"), panel("two")];
+        let drawing = &CurveChart { titles: Titles::default(), spread: Spread::Whiskers, panels }.draw()[0];
+        let bases = drawing.marks.iter().filter_map(|mark| match mark {
+            Mark::Line { points, width, .. } if *width == 1.2 => Some((points[0].0, points[1].0)),
+            _ => None,
+        });
+        let bases: Vec<(f32, f32)> = bases.collect();
+        assert_eq!(bases.len(), 2, "a base line for each panel");
+        let mut marks = 0;
+        for corners in drawing.marks.iter().filter_map(|mark| match mark {
+            // Below the key.
+            Mark::Area { corners, .. } if corners[0].1 > 100.0 => Some(corners),
+            _ => None,
+        }) {
+            let is_inside =
+                |&(left, right): &(f32, f32)| corners.iter().all(|&(x, _)| x >= left - 2.0 && x <= right + 2.0);
+            assert!(bases.iter().any(is_inside), "{corners:?} {bases:?}");
+            marks += 1;
+        }
+        assert!(marks >= 2 * 7 * 2, "{marks} marks");
     }
 }

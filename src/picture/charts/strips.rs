@@ -16,9 +16,10 @@ const QUANTILES: f32 = 16.0;
 const ABOVE: f32 = 16.0;
 const MOST_COLUMNS: usize = 48;
 const WIDEST_NAME: f32 = 210.0;
-/// What a panel keeps free below, for numbers, and the most panels on a sheet.
+/// What a panel keeps free below, for numbers.
 const BELOW: f32 = 34.0;
-const PANELS: usize = 4;
+/// The most distributions on a sheet of several panels.
+const ROWS: usize = 8;
 
 /// Distributions over one axis, which is the same in all panels.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,7 +56,8 @@ impl StripChart {
         let scale = Scale::around(strips().filter_map(|strip| Some((*strip.values.first()?, *strip.values.last()?))));
         let in_panel = |panel: &StripPanel| panel.strips.iter().map(|strip| strip.values.len()).sum();
         let columns = columns(self.panels.iter().map(in_panel).max().unwrap_or(0));
-        let sheets = sheets(&self.panels, |panel| &panel.name, PANELS);
+        let most_rows = self.panels.iter().map(|panel| panel.strips.len()).max().unwrap_or(0).max(1);
+        let sheets = sheets(&self.panels, |panel| &panel.name, (ROWS / most_rows).max(1));
         let sheet = |(index, panels): (usize, &&[StripPanel])| {
             let titles = numbered(&self.titles, index, sheets.len());
             let grid = PanelGrid { columns: 1, left, below: BELOW };
