@@ -117,7 +117,9 @@ fn keyed(
     columns: &BTreeSet<String>,
     numbers: &mut BTreeMap<Vec<String>, usize>,
 ) -> Result<Vec<(Key, usize)>, ComparisonError> {
-    let conditions: Vec<_> = side.table.conditions.iter().filter(|it| columns.contains(&it.name)).collect();
+    // In the order of the names: keys may be swept in another order on the other side.
+    let condition = |column: &String| side.table.conditions.iter().find(|it| it.name == *column);
+    let conditions: Vec<_> = columns.iter().filter_map(condition).collect();
     let mut known: BTreeMap<Vec<u32>, usize> = BTreeMap::new();
     let mut number = |run: usize| {
         let indices: Vec<u32> = conditions.iter().map(|condition| condition.of_run[run]).collect();
