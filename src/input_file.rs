@@ -15,12 +15,12 @@ use serde::{Deserialize, Deserializer};
 /// The name that is stdin where a file is read, and stdout where one is written. A file of that name is `./-`.
 pub const STANDARD_STREAM: &str = "-";
 
-/// Whether a name is that of stdin or stdout.
+/// Says whether a name is that of stdin or stdout.
 pub fn is_standard_stream(path: &Path) -> bool {
     path.as_os_str() == STANDARD_STREAM
 }
 
-/// An input that is open, for readers that bound by themselves what they keep.
+/// An input that is open, for readers that limit by themselves how much they keep.
 #[derive(Debug)]
 pub enum InputFile {
     /// A file on a disk, and its bytes.
@@ -30,10 +30,10 @@ pub enum InputFile {
     Stdin(io::Stdin),
 }
 
-/// Opens what a user named; of a pipe that nobody writes to yet, this waits.
+/// Opens what a user named; for a pipe that nobody writes to yet, this waits.
 ///
 /// # Errors
-/// A folder is [`ErrorKind::IsADirectory`].
+/// [`ErrorKind::IsADirectory`] for a folder.
 pub fn open(path: &Path) -> io::Result<InputFile> {
     if is_standard_stream(path) {
         return Ok(InputFile::Stdin(io::stdin()));
@@ -47,34 +47,34 @@ pub fn open(path: &Path) -> io::Result<InputFile> {
     }
 }
 
-/// Reads an input of at most so many bytes.
+/// Reads an input of at most `most` bytes.
 ///
 /// # Errors
-/// One that goes on is [`ErrorKind::FileTooLarge`]; a byte more than the limit is read of it.
+/// [`ErrorKind::FileTooLarge`] for an input that has more; one byte more than the limit is read of it.
 pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     open(path)?.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most { Err(too_large(most)) } else { Ok(bytes) }
 }
 
-/// The error of an input with more than so many bytes.
+/// Returns the error of an input with more than `most` bytes.
 pub fn too_large(most: u64) -> io::Error {
     let limit = most as f64 / 1e6;
     io::Error::new(ErrorKind::FileTooLarge, format!("it is too large; at most {limit} MB are expected"))
 }
 
-/// Reads an input of at most so many bytes of UTF-8, without the byte order mark that some editors write.
+/// Reads an input of at most `most` bytes of UTF-8, without the byte order mark that some editors write.
 ///
 /// # Errors
-/// As [`read`]; what is no text is [`ErrorKind::InvalidData`].
+/// Those of [`read`], and [`ErrorKind::InvalidData`] for what is no text.
 pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
     text(read(path, most)?)
 }
 
-/// The text of bytes, without a byte order mark.
+/// Returns the text of bytes, without a byte order mark.
 ///
 /// # Errors
-/// What is no text is [`ErrorKind::InvalidData`].
+/// [`ErrorKind::InvalidData`] for what is no text.
 pub fn text(bytes: Vec<u8>) -> io::Result<String> {
     const BYTE_ORDER_MARK: char = '\u{FEFF}';
     let mut text = String::from_utf8(bytes).map_err(|error| {
@@ -87,7 +87,8 @@ pub fn text(bytes: Vec<u8>) -> io::Result<String> {
     Ok(text)
 }
 
-/// Reads a list of at most `MOST` items: an item of two bytes, such as `{}` with defaults, may take a thousand in memory.
+/// Reads a list of at most `MOST` items: an item of two bytes, such as `{}` with defaults, may take a thousand in
+/// memory.
 ///
 /// # Errors
 /// A longer one, as soon as it is longer.

@@ -2,8 +2,9 @@
 //! puts them out.
 //!
 //! The layers, lowest first; each may use those above it in this list:
-//! [`time`], [`geometry`], [`rng`], [`event_queue`], [`input_file`], [`untrusted`], [`whole_file`]; [`grid`]; [`map_files`]; [`vehicle`]; [`trajectory`]; [`collision`];
-//! [`planning`]; [`fire`]; [`scenario`]; [`timeline`]; [`picture`]; [`audit`]; [`sim`]; [`stats`]; [`batch`]; `view`; [`cli`].
+//! [`time`], [`geometry`], [`rng`], [`event_queue`], [`input_file`], [`untrusted`], [`whole_file`]; [`grid`];
+//! [`map_files`]; [`vehicle`]; [`trajectory`]; [`collision`]; [`planning`]; [`fire`]; [`scenario`]; [`timeline`];
+//! [`picture`]; [`audit`]; [`sim`]; [`stats`]; [`batch`]; `view`; [`cli`].
 
 // What fuzzers share is also part of the tests in `tests/`, where this crate has its name.
 #[cfg(test)]

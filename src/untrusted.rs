@@ -1,6 +1,6 @@
 //! Text that users or strangers wrote, where it could be taken for more than text.
 //!
-//! Names of scenarios, files and values go into terminals, pages and tables. A terminal obeys control characters, a
+//! Names of scenarios, files and values go into terminals, pages and tables. A terminal acts on control characters, a
 //! reader is misled by characters that turn the direction of writing, and a spreadsheet computes cells that look like
 //! formulas. [`visible`] and [`visible_lines`] write such characters as escapes, `\u001b` for instance, which are
 //! those of JSON and TOML, so that a document in either form stays one. [`spreadsheet_cell`] marks cells as text, and
@@ -33,17 +33,18 @@ fn escape(text: &str, is_escaped: impl Fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// Whether a character acts on what surrounds it instead of being seen: C0 and C1 controls and DEL, line and paragraph
-/// separators, and the marks, embeddings, overrides and isolates of the Unicode bidirectional algorithm.
+/// Says whether a character acts on what surrounds it instead of being seen: C0 and C1 controls and DEL, line and
+/// paragraph separators, and the marks, embeddings, overrides and isolates of the Unicode bidirectional algorithm.
 fn is_hidden(letter: char) -> bool {
     letter.is_control()
         || matches!(letter, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
-/// What a spreadsheet takes as the sign that the rest of a cell is text.
+/// The sign by which a spreadsheet takes the rest of a cell as text.
 const TEXT_SIGN: char = '\'';
 
-/// A cell of a CSV file, with [`TEXT_SIGN`] before text that a spreadsheet would take for a formula; numbers stay.
+/// Writes a cell of a CSV file, with [`TEXT_SIGN`] before text that a spreadsheet would take for a formula; numbers
+/// stay.
 pub fn spreadsheet_cell(text: &str) -> Cow<'_, str> {
     if is_formula(text) && text.parse::<f64>().is_err() {
         Cow::Owned(format!("{TEXT_SIGN}{text}"))
@@ -52,18 +53,18 @@ pub fn spreadsheet_cell(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// The text that [`spreadsheet_cell`] wrote into a cell.
+/// Reads the text that [`spreadsheet_cell`] wrote into a cell.
 pub fn text_of_cell(cell: &str) -> &str {
     cell.strip_prefix(TEXT_SIGN).filter(|text| is_formula(text)).unwrap_or(cell)
 }
 
-/// As [`text_of_cell`], for bytes that may be no text.
+/// Does the same as [`text_of_cell`], for bytes that may be no text.
 pub fn bytes_of_cell(cell: &[u8]) -> &[u8] {
     std::str::from_utf8(cell).map_or(cell, |text| text_of_cell(text).as_bytes())
 }
 
-/// Whether a cell begins as formulas do. One that begins with text signs before that counts too, so that every text has
-/// a cell of its own and can be read back.
+/// Says whether a cell begins as formulas do. One that begins with text signs before that counts too, so that every
+/// text has a cell of its own and can be read back.
 fn is_formula(text: &str) -> bool {
     text.trim_start_matches(TEXT_SIGN).starts_with(['=', '+', '-', '@', '\t', '\r', '\n'])
 }

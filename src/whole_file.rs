@@ -16,7 +16,7 @@ use crate::input_file::is_standard_stream;
 #[derive(Debug)]
 pub struct WholeFile {
     writer: Option<BufWriter<Target>>,
-    /// Where it is written and the name that it takes; `None` of stdout.
+    /// The path that it is written at and the one that it takes; `None` for stdout.
     places: Option<Places>,
 }
 
@@ -34,7 +34,7 @@ struct Places {
 
 impl WholeFile {
     /// # Errors
-    /// Besides the disk's: a name that is taken by something else than a file, as [`refuse_no_file`] says it.
+    /// Those of the disk, and those of [`refuse_no_file`] if the name is taken by something else than a file.
     pub fn create(path: &Path) -> io::Result<Self> {
         if is_standard_stream(path) {
             return Ok(Self { writer: Some(BufWriter::new(Target::Stdout(io::stdout()))), places: None });
@@ -44,7 +44,7 @@ impl WholeFile {
         Ok(Self { writer: Some(BufWriter::new(Target::File(file))), places: Some(places) })
     }
 
-    /// Where it is written until it is finished, for another program that fills it; `None` of stdout.
+    /// The path that it is written at until it is finished, for another program that fills it; `None` for stdout.
     pub fn place(&self) -> Option<&Path> {
         self.places.as_ref().map(|places| places.aside.as_path())
     }
@@ -99,7 +99,7 @@ impl Write for Target {
     }
 }
 
-/// A reader that has closed its end, such as `head`, has seen enough: that is no error.
+/// Forgives a reader that has closed its end, such as `head`: it has seen enough.
 fn unless_closed<T>(written: io::Result<T>, all: T) -> io::Result<T> {
     match written {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(all),
@@ -121,10 +121,10 @@ impl Places {
 
 /// Refuses a name that is taken by something else than a file, or leads there by links.
 ///
-/// Opening a pipe could wait for ever, a device is none of ours to write to, and neither can be replaced.
+/// Opening a pipe could wait for ever, a device is not ours to write to, and neither can be replaced.
 ///
 /// # Errors
-/// [`ErrorKind::IsADirectory`] of a folder, [`ErrorKind::InvalidInput`] of a device, pipe or socket.
+/// [`ErrorKind::IsADirectory`] for a folder, [`ErrorKind::InvalidInput`] for a device, pipe or socket.
 pub fn refuse_no_file(path: &Path) -> io::Result<()> {
     match fs::metadata(path).map(|found| found.file_type()) {
         Ok(found) if found.is_dir() => Err(io::Error::new(ErrorKind::IsADirectory, "it is a folder; expected a file")),
@@ -132,7 +132,7 @@ pub fn refuse_no_file(path: &Path) -> io::Result<()> {
             let sentence = format!("it is {}; expected a file, or - for stdout", kind_of_special(found));
             Err(io::Error::new(ErrorKind::InvalidInput, sentence))
         }
-        // What is wrong with a name that is free, creating the file says.
+        // If something is wrong with a free name, creating the file says it.
         _ => Ok(()),
     }
 }
@@ -170,7 +170,7 @@ impl Drop for WholeFile {
     }
 }
 
-/// Brings the name of a file or folder, new or changed, to the disk: only then does it survive the end of the machine.
+/// Brings the name of a file or folder, new or changed, to the disk: only then does it survive a crash of the machine.
 ///
 /// Where folders cannot be brought to the disk by themselves, because of the system, the file system or the right to
 /// read them, this does nothing.

@@ -94,7 +94,7 @@ fn swift(seed: u64) -> Timeline {
     run_with_seed("smoke", &body.chain(speeds).collect::<Vec<_>>(), seed)
 }
 
-/// A Wumpus that walks across a field of so many kilometres.
+/// A Wumpus that walks across a field of this many kilometres.
 fn far(kilometres: u32) -> Timeline {
     let size = format!("field.size_m={kilometres}000");
     let start = "wumpus.start_m=[250, 250]";
@@ -132,8 +132,8 @@ fn walks_of_tens_of_kilometres_are_no_offence() {
 
 #[test]
 fn a_leg_that_begins_micrometres_elsewhere_is_found_in_runs_at_the_limits_too() {
-    // The tolerance is 1.01e-6 m and 1.001e-6 rad in the contest; 2e-6 m and 5e-6 rad for the swift truck, and 1.1e-6 m on
-    // the far walk.
+    // The tolerance is 1.01e-6 m and 1.001e-6 rad in the contest; 2e-6 m and 5e-6 rad for the swift truck, and 1.1e-6 m
+    // on the far walk.
     let runs =
         [(contest(), TRUCK, 2e-6, 2e-6), (swift(1), TRUCK, 3e-6, 1e-5), (far(50), AgentId::Wumpus(0), 2e-6, 0.0)];
     for (proper, agent, metres, radians) in runs {

@@ -1,11 +1,11 @@
-//! Everything that reads what people or other programs wrote, before what nobody would write.
+//! Fuzzers of everything that reads what people or other programs wrote, with input that nobody would write.
 //!
-//! Nothing panics, no case runs without end, memory stays bounded. What is refused is refused with words, and with a place
-//! where it is a text. What is accepted is the same once it was written and read again. Checksums and hashes are right, so
-//! that what stands under them is reached.
+//! Nothing panics, no case runs without end, memory stays bounded. Every refusal has words, and a place if the input is
+//! a text. Whatever is accepted is the same when it is written and read again. Checksums and hashes are right, so that
+//! what they cover is reached.
 //!
-//! Arguments of the command line and the tables that its commands read have a fuzzer in `src/cli/fuzz.rs`. `fuzz/mod.rs` says which
-//! variables of the environment ask for more cases, or for one.
+//! Arguments of the command line and the tables that its commands read have a fuzzer in `src/cli/fuzz.rs`.
+//! `fuzz/mod.rs` says which variables of the environment ask for more cases, or for one.
 
 #[path = "fuzz/batches.rs"]
 mod batches;
@@ -33,13 +33,13 @@ use fuzz::{Case, Fuzzer, Law, below, one_of};
 use grammar::{Grammar, MAP, refusal_names_its_place};
 use maps::said;
 
-/// How many cases are run where nobody asks for more.
+/// The number of cases that are run where nobody asks for more.
 const CASES: u64 = 10_000;
 
 /// The most memory that this program may have taken, in kilobytes: reading a recording may take most of it.
 const MOST_MEMORY_KB: u64 = 1 << 20;
 
-/// What is read, and how often among the sum of all.
+/// The parsers with their weights: how often each is drawn among the sum of all.
 const PARSERS: &[(usize, &str, fn(&mut Case<'_>) -> Law)] = &[
     (250, "words of the command line", words),
     (150, "recordings", recordings::recording),
@@ -73,7 +73,7 @@ fn parsers_take_anything() {
     }
 }
 
-/// A fuzzer that can fail: what is wrong with a case is told of the smallest one, with the command that repeats it.
+/// A fuzzer that can fail: it reports the fault of the smallest case, with the command that repeats it.
 #[test]
 fn broken_law_is_told_of_a_small_case() {
     let law = |case: &mut Case<'_>| {
@@ -92,7 +92,7 @@ fn broken_law_is_told_of_a_small_case() {
     assert!(numbers.len() <= 4, "{report}");
 }
 
-/// As the system counts it, where it does.
+/// Reads the peak of memory as the system counts it, where it does.
 fn most_memory_kb() -> Option<u64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
@@ -127,7 +127,7 @@ fn scenario_file(case: &mut Case<'_>) -> Law {
     read_scenario(case, path.to_str().expect("scratch folders have plain names"), &[])
 }
 
-/// A change to a built-in scenario.
+/// Checks a change to a built-in scenario.
 fn change(case: &mut Case<'_>) -> Law {
     let keys: Vec<&String> = GRAMMAR.ranges().keys().collect();
     let key =
@@ -160,7 +160,7 @@ fn read_scenario(case: &mut Case<'_>, source: &str, changes: &[String]) -> Law {
     }
 }
 
-/// Seeds, slices and names.
+/// Checks seeds, slices and names.
 fn words(case: &mut Case<'_>) -> Law {
     const WORDS: &[&str] =
         &["..", ",", "/", "1", "5", "1..5", "2/5", "7", "all", "none", "prm-rs", "prm+primitives", "lattice"];
@@ -200,7 +200,7 @@ fn words(case: &mut Case<'_>) -> Law {
     Ok(())
 }
 
-/// What a text is read as, if that is the same once it was written.
+/// Reads a text, and checks that the value is the same when it is written and read again.
 fn comes_back<T: FromStr<Err: ToString> + ToString + PartialEq>(text: &str) -> Result<Result<T, T::Err>, String> {
     let read = text.parse::<T>();
     match &read {

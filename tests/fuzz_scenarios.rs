@@ -1,9 +1,9 @@
-//! Scenarios that nobody thought of, run and held against the rules.
+//! Scenarios that nobody thought of, run and checked against the rules.
 //!
-//! Scenarios are drawn by the grammar of the JSON Schema, or are built-in ones with changes to their text. What is refused is
-//! refused with a place. What is accepted is explained, comes back from TOML and JSON as it was, and is run, with less
-//! time and smaller searches where the whole would take too long: nothing panics, the audit finds no offence, the
-//! recording comes back bit for bit, there is an outcome, and time that is cut into slices changes nothing.
+//! Scenarios are drawn by the grammar of the JSON Schema, or are built-in ones with changes to their text. Every
+//! refusal has a place. A scenario that is accepted is explained, comes back from TOML and JSON as it was, and is run,
+//! with less time and smaller searches where the whole would take too long: nothing panics, the audit finds no offence,
+//! the recording comes back bit for bit, there is an outcome, and time that is cut into slices changes nothing.
 //!
 //! `fuzz/mod.rs` says which variables of the environment ask for more cases, or for one.
 
@@ -22,24 +22,24 @@ use wildfire::timeline::{Outcome, Timeline, file};
 use fuzz::{Case, Fuzzer, Law, below, one_of, text};
 use grammar::{Grammar, MAP, refusal_names_its_place};
 
-/// How many cases are run where nobody asks for more.
+/// The number of cases that are run where nobody asks for more.
 const CASES: u64 = 300;
 
-/// What a run may cost: simulated seconds, trucks, Wumpuses.
+/// The most that a run may cost: simulated seconds, trucks, Wumpuses.
 const MOST_SECONDS: f64 = 200.0;
 const MOST_TRUCKS: usize = 3;
 const MOST_WUMPUSES: usize = 6;
-/// Of searches: samples, tries, expansions, bins, points.
+/// The most of searches: samples, tries, expansions, bins, points.
 const MOST_SAMPLES: u32 = 300;
 const MOST_NEIGHBOURS: u32 = 20;
 const MOST_SHORTCUTS: u32 = 100;
 const MOST_EXPANSIONS: u32 = 3000;
 const MOST_BINS: f64 = 1e6;
 const MOST_POINTS: f64 = 1e4;
-/// Square metres of a field with trucks: what the flood of poses may have to fill.
+/// Square metres of a field with trucks, which the flood of poses may have to fill.
 const MOST_FIELD_M2: f64 = 260.0 * 260.0;
 
-/// Longer ways are audited in coarser steps.
+/// The longest ways that are audited in the finest steps.
 const MOST_FINELY_AUDITED_M: f64 = 500.0;
 
 static GRAMMAR: LazyLock<Grammar> = LazyLock::new(Grammar::new);
@@ -50,7 +50,7 @@ fn scenarios_by_grammar_and_mutation_keep_the_rules() {
     let tally = fuzzer.run(CASES);
     let count = |sort: &str| tally.get(sort).copied().unwrap_or_default();
     let all: u64 = ["refused", "ran", "did not begin", "too large to be run"].into_iter().map(count).sum();
-    // A fuzzer that is refused everything would find nothing.
+    // A fuzzer whose scenarios are all refused would find nothing.
     assert!(all < 100 || 2 * count("ran") > all, "{} of {all} ran", count("ran"));
 }
 
@@ -125,7 +125,7 @@ fn write_scenario(case: &mut Case<'_>) -> (String, Vec<String>) {
     (path.to_str().expect("scratch folders have plain names").to_owned(), changes)
 }
 
-/// Changes that reach what is drawn seldom.
+/// Changes that reach settings that are seldom drawn.
 const CHANGES: &[&str] = &[
     "unimog.planner=prm+primitives",
     "unimog.planner=hybrid-astar",
@@ -139,7 +139,7 @@ const CHANGES: &[&str] = &[
     "field.overlaps=dropped",
 ];
 
-/// A scenario that is accepted is the same once it was written and read.
+/// Checks that a scenario that is accepted is the same when it is written and read.
 fn scenario_comes_back(scenario: &Scenario) -> Law {
     let text = toml::to_string(scenario).map_err(|error| format!("it cannot be written as TOML: {error}"))?;
     let back: Scenario = toml::from_str(&text).map_err(|error| format!("it does not come back from TOML: {error}"))?;
@@ -154,7 +154,7 @@ fn scenario_comes_back(scenario: &Scenario) -> Law {
     back.check().map_err(|fault| format!("it is refused once it was written: {fault}"))
 }
 
-/// The same scenario with no more of anything than a test can afford; `None` if its field is too large.
+/// Returns the scenario with no more of anything than a test can afford; `None` if its field is too large.
 fn affordable(scenario: &Scenario) -> Option<Scenario> {
     let mut less = scenario.clone();
     less.duration_s = less.duration_s.min(MOST_SECONDS);
@@ -213,7 +213,7 @@ fn run_keeps_the_rules(case: &mut Case<'_>, scenario: &Scenario, seed: u64, run:
     if case.chance(10) { slices_change_nothing(case, scenario, seed, timeline) } else { Ok(()) }
 }
 
-/// As fine as the audit is by default where that takes few looks, coarser on long ways.
+/// Chooses the step of the audit: the default one where that takes few looks, a coarser one on long ways.
 fn step_of(outcome: &Outcome) -> Step {
     let metres: f64 = outcome.agents.iter().map(|agent| agent.distance_m).sum();
     let coarser = (metres / MOST_FINELY_AUDITED_M).max(1.0);

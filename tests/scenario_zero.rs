@@ -2,7 +2,7 @@
 
 use wildfire::scenario::{self, LoadedScenario, Problem};
 
-/// The scenario with a value changed, as one text that tells -0 from 0; or why it is refused.
+/// Returns the scenario with a value changed, as a text in which -0 differs from 0; or why it is refused.
 fn resolved(name: &str, key: &str, value: &str) -> Result<String, String> {
     let scenario = scenario::load(name, &[format!("{key}={value}")]);
     scenario.map(|scenario| format!("{scenario:?}")).map_err(|error| error.to_string().replace("-0", "0"))

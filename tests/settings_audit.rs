@@ -1,7 +1,7 @@
 //! Nothing that a scenario may choose leads to a violation: scenarios are drawn over everything that can be chosen,
-//! run, and held before the audit.
+//! run, and audited.
 //!
-//! What can be chosen is read from the JSON Schema of scenarios, so that a new setting, or a new value of an old one, is
+//! The choices are read from the JSON Schema of scenarios, so that a new setting, or a new value of an old one, is
 //! drawn from the day it is there. `WILDFIRE_SETTINGS_CASES=1..3000` draws these cases (both ends) instead of a few.
 
 use std::collections::BTreeMap;
@@ -16,7 +16,7 @@ use wildfire::rng::{self, Xoshiro256PlusPlus};
 use wildfire::scenario::{self, Scenario};
 use wildfire::sim;
 
-/// Two of a kind in a small field, where much burns and everybody is in everybody's way.
+/// A scenario with two agents of each kind in a small field, where much burns and all are in each other's way.
 const BASE: &str = r##"{
     "name": "settings",
     "duration_s": 90.0,
@@ -29,11 +29,12 @@ const BASE: &str = r##"{
     "ignition": [{ "at_s": 1.0, "random": 3 }]
 }"##;
 
-/// How often a setting has another value than the base scenario, where its values are listed and where it is a number.
+/// The share of cases in which a setting has another value than the base scenario, if its values are listed or if it is
+/// a number.
 const CHOICE_SHARE: f64 = 0.75;
 const NUMBER_SHARE: f64 = 0.04;
 
-/// What a setting may be.
+/// The values that a setting may have.
 #[derive(Clone, Debug)]
 enum Values {
     /// One of these.
@@ -47,7 +48,7 @@ enum Values {
     Fixed,
 }
 
-/// Every setting of a scenario, as a JSON pointer into it, and what it may be.
+/// Lists every setting of a scenario, as a JSON pointer into it, with the values that it may have.
 fn settings(base: &Value) -> Vec<(String, Values)> {
     let schema = serde_json::to_value(scenario::schema()).expect("a schema is JSON");
     let mut found = Vec::new();
@@ -83,7 +84,7 @@ fn resolved<'a>(root: &'a Value, schema: &'a Value) -> &'a Value {
     target.unwrap_or(schema)
 }
 
-/// What a setting of this schema may be; `None` if that is not understood.
+/// Returns the values of a setting of this schema; `None` if the schema is not understood.
 fn values(root: &Value, schema: &Value) -> Option<Values> {
     if let Some(words) = words(schema) {
         return Some(Values::Listed(words));
@@ -102,7 +103,7 @@ fn values(root: &Value, schema: &Value) -> Option<Values> {
             // Places.
             None => (schema["items"]["type"] == "number").then_some(Values::Fixed),
         },
-        // What may be left out: a map, a count instead of a share.
+        // Settings that may be left out: a map, a count instead of a share.
         None if schema["type"].as_array()?.contains(&json!("null")) => Some(Values::Fixed),
         _ => None,
     }
@@ -136,7 +137,7 @@ fn draw(values: &Values, base: &Value, rng: &mut Xoshiro256PlusPlus) -> Value {
     }
 }
 
-/// What a case changes in the base scenario.
+/// The changes that a case makes to the base scenario.
 type Changes = BTreeMap<String, Value>;
 
 fn draw_changes(settings: &[(String, Values)], base: &Value, rng: &mut Xoshiro256PlusPlus) -> Changes {
@@ -154,7 +155,7 @@ fn draw_changes(settings: &[(String, Values)], base: &Value, rng: &mut Xoshiro25
     changes
 }
 
-/// Changes, and the base scenario with them: the first drawn that the check accepts.
+/// Draws changes until the check accepts the base scenario with them; returns both.
 fn draw_scenario(settings: &[(String, Values)], base: &Value, rng: &mut Xoshiro256PlusPlus) -> (Changes, Scenario) {
     loop {
         let changes = draw_changes(settings, base, rng);

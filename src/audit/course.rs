@@ -12,7 +12,7 @@ use crate::trajectory::{Piece, Trajectory};
 pub struct Course<'a> {
     pub id: AgentId,
     pub start: Pose,
-    /// A turn on the spot may be a nanosecond off, so of whoever makes them places are compared only.
+    /// A turn on the spot may be a nanosecond off, so for a body that makes them only places are compared.
     turns_on_the_spot: bool,
     legs: Vec<Leg<'a>>,
 }

@@ -219,7 +219,8 @@ impl Way {
         Self { count, curvature: segment.curvature, step_m, step: Hop::new(segment.curvature, step_m) }
     }
 
-    /// Where step number `step` leads, from the stance before it; now and then from the start of the way instead.
+    /// Returns the stance after step number `step`, from the one before it; now and then from the start of the way
+    /// instead.
     fn advance(&self, start: Stance, before: Stance, step: u64) -> Stance {
         if step.is_multiple_of(STRIDE) {
             return Hop::new(self.curvature, step as f64 * self.step_m).from(start);

@@ -1,38 +1,38 @@
-//! How far apart two poses may be that shall be one.
+//! The distance that two poses may have and still count as the same.
 //!
-//! The audit and the timeline compute one pose in two ways. What may lie between the two answers of a proper run follows
-//! from the leg; anything above is an offence. With v the greatest speed of the leg and k its greatest curvature, L its
-//! length, T its duration, n the number of its pieces, A the radians that it turns in all, and X the largest coordinate
-//! that it comes to:
+//! The audit and the timeline compute one pose in two ways. What may lie between the two answers of a proper run
+//! follows from the leg; anything above is an offence. With v the greatest speed of the leg and k its greatest
+//! curvature, L its length, T its duration, n the number of its pieces, A the radians that it turns in all, and X the
+//! largest coordinate that it comes to:
 //!
-//! - **Rounding of numbers.** A sum of coordinates is off by at most e X, e being [`f64::EPSILON`], and a product of the
-//!   unit vector of a heading by 2 e of its length. The audit adds up at most [`STRIDE`] steps before it begins anew from
-//!   the start of a piece, and both answers add up pieces; an angle is off by e times what it has turned. So headings
-//!   are apart by at most r = 4 e ([`STRIDE`] + n + A). Places are, by the roundings of their own sums and by a heading
-//!   that is off by r on a way of L, at most r (X + L).
+//! - **Rounding of numbers.** A sum of coordinates is off by at most e X, e being [`f64::EPSILON`], and a product of
+//!   the unit vector of a heading by 2 e of its length. The audit adds up at most [`STRIDE`] steps before it begins
+//!   anew from the start of a piece, and both answers add up pieces; an angle is off by e times what it has turned. So
+//!   headings are apart by at most r = 4 e ([`STRIDE`] + n + A). Places are, by the roundings of their own sums and by
+//!   a heading that is off by r on a way of L, at most r (X + L).
 //! - **Rounding of time.** The timeline counts nanoseconds. The audit asks for the nearest one to its own sum of
-//!   durations, the timeline lets a leg end at the next one, so they are apart by at most d = 1 ns + r T, the second part
-//!   from sums in seconds. In that time a body moves by at most v d and turns by v k d. It may be on a neighbouring piece
-//!   then, which is why v and k are those of the leg.
-//! - **What is of no consequence**, [`SAME_POSE`], is granted on top, so that no rounding that was overlooked here makes an
+//!   durations, the timeline lets a leg end at the next one, so they are apart by at most d = 1 ns + r T, the second
+//!   part from sums in seconds. In that time a body moves by at most v d and turns by v k d. It may be on a
+//!   neighbouring piece then, which is why v and k are those of the leg.
+//! - **A negligible amount**, [`SAME_POSE`], is granted on top, so that no rounding that was overlooked here makes an
 //!   offence of a proper run.
 //!
 //! In `contest` that makes 1.01e-6 m and 1.001e-6 rad. At the limits of what scenarios may ask for, 1000 m/s with a
-//! turning radius of 0.1 m, it makes 2e-6 m and 1.1e-5 rad; a walk of 1000 km by a thousand cells adds some 5e-6 m. All of it is far below
-//! the millimetre that bodies may overlap by. That one is for rapier's single precision: offsets and
-//! extents of at most 1 km are off by 2^-24 of it, 6e-5 m, a few times over.
+//! turning radius of 0.1 m, it makes 2e-6 m and 1.1e-5 rad; a walk of 1000 km by a thousand cells adds some 5e-6 m.
+//! All of it is far below the millimetre that bodies may overlap by. That one is for rapier's single precision: offsets
+//! and extents of at most 1 km are off by 2^-24 of it, 6e-5 m, a few times over.
 
 use super::leg::STRIDE;
 use super::pace::Drive;
 use crate::trajectory::{Piece, Trajectory};
 
-/// What is of no consequence, in metres and radians.
+/// A negligible difference, in metres and radians.
 pub const SAME_POSE: f64 = 1e-6;
 
-/// What the timeline rounds times to, in seconds.
+/// The unit that the timeline rounds times to, in seconds.
 const TICK_S: f64 = 1e-9;
 
-/// How far apart two poses may be that shall be one.
+/// The distance that two poses may have and still count as the same.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
     pub metres: f64,
@@ -40,7 +40,7 @@ pub struct Tolerance {
 }
 
 impl Tolerance {
-    /// Of a body that has not moved.
+    /// The tolerance for a body that has not moved.
     pub const STANDING: Self = Self { metres: SAME_POSE, radians: SAME_POSE };
 
     /// Computes the tolerance for poses on a leg, as the module derives it.

@@ -157,7 +157,7 @@ fn look_at_file(path: &Path, step: Step, difference: impl Fn(&Timeline) -> Optio
     }
 }
 
-/// A run once more, in the memory that it had.
+/// Makes a run once more, within the memory that it had.
 fn look_again(run: &PlannedRun<'_>, memory: MemoryLimit, row: Option<&FinishedRow>, step: Step) -> Finding {
     let options = RunOptions { memory, ..RunOptions::default() };
     match panics::catch(|| sim::run_with(&run.variant.scenario, run.seed, options)) {

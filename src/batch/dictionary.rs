@@ -183,7 +183,7 @@ mod tests {
         assert_eq!(kind("seed"), "integer");
         assert_eq!(kind("status"), "string");
         assert_eq!(kind("wall_run_s"), "number");
-        // What a run may not have.
+        // Values that a run may not have.
         assert_eq!(kind("intact"), json!(["integer", "null"]));
         assert_eq!(kind("mean_response_s"), json!(["number", "null"]));
         assert_eq!(kind("message"), json!(["string", "null"]));

@@ -1,4 +1,4 @@
-//! What lies in a batch's folder: the names that are the batch's own, and that they are files.
+//! Entries of a batch's folder: which names are the batch's own, and that these are files.
 
 use std::ffi::OsStr;
 use std::fs::{self, FileType};
@@ -44,7 +44,7 @@ pub fn expect_files(folder: &Path) -> Result<(), StrangeEntry> {
     Ok(())
 }
 
-/// Refuses what is there and is no file; what cannot be looked at is left to whoever opens it.
+/// Refuses an entry that is there and is no file; one that cannot be looked at is left to whoever opens it.
 pub fn expect_file(path: &Path) -> Result<(), StrangeEntry> {
     expect(path, FileType::is_file, "file")
 }
@@ -80,13 +80,13 @@ fn word_for(found: FileType) -> &'static str {
     if found.is_dir() { "a folder" } else { "a file" }
 }
 
-/// The paths of a folder's entries whose names are so; none of a folder that is not there.
+/// Returns the paths of a folder's entries whose names meet the condition; none if the folder is not there.
 pub fn named(folder: &Path, is_so: impl Fn(&OsStr) -> bool) -> impl Iterator<Item = PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     entries.filter(move |entry| is_so(&entry.file_name())).map(|entry| entry.path())
 }
 
-/// Whether this is a name that a plan gives a recording: `seed-7.wildfire` or `run-12-seed-7.wildfire`.
+/// Says whether this is a name that a plan gives a recording: `seed-7.wildfire` or `run-12-seed-7.wildfire`.
 pub fn is_recording(name: &OsStr) -> bool {
     let numbers = name.to_str().and_then(|name| {
         let rest = name.strip_suffix(".wildfire")?;
@@ -101,14 +101,14 @@ pub fn is_chart(name: &OsStr) -> bool {
     Path::new(name).extension().is_some_and(|ending| ending == "svg" || ending == "png")
 }
 
-/// Whether this is the name of a plan as a slice writes it, before it gives the plan its own: `plan.json.JOURNAL`.
+/// Says whether this is the name under which a slice writes the plan before it renames it: `plan.json.JOURNAL`.
 fn is_plan_of_slice(name: &str) -> bool {
     let journal = name.strip_prefix(PLAN_FILE).and_then(|rest| rest.strip_prefix('.'));
     journal.is_some_and(|journal| slice_of_journal(journal).is_some())
 }
 
-/// Whether a file of this name is one that a batch's process writes aside, as `NAME.PROCESS.part`, and that is left
-/// when the process is killed.
+/// Says whether a file of this name is one that a batch's process writes aside, as `NAME.PROCESS.part`, and that is
+/// left when the process is killed.
 pub fn is_leftover(name: &OsStr) -> bool {
     let Some(name) = name.to_str() else { return false };
     let parts = name.strip_suffix(".part").and_then(|name| name.rsplit_once('.'));

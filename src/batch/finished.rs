@@ -37,7 +37,7 @@ pub struct FinishedBatch {
 }
 
 impl FinishedBatch {
-    /// Whether a folder has the plan of a batch, or may have, as it cannot be looked into.
+    /// Says whether a folder has the plan of a batch, or may have one because it cannot be looked into.
     pub fn is_there(folder: &Path) -> bool {
         folder.join(PLAN_FILE).try_exists().unwrap_or(true)
     }

@@ -31,7 +31,7 @@ pub fn table(table: &TextTable) -> String {
     format!("<table>\n<tr>{headings}</tr>\n{rows}</table>\n")
 }
 
-/// Text as it stands in a page: nothing in it is a tag, acts on what surrounds it, or turns the direction of writing.
+/// Escapes text for a page: nothing in it is a tag, acts on what surrounds it, or turns the direction of writing.
 pub fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in visible_lines(text).chars() {

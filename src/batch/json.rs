@@ -5,8 +5,8 @@ use serde::{Serialize, Serializer};
 
 use crate::batch::{AGENT_COLUMNS, AgentRow, PROGRAM_VERSION, RUN_COLUMNS, RunRow, Value, is_measured, notes};
 
-/// `{"program_version", "run": {outcome columns}, "agents": [{...}], "notes": [sentences], "measured": {cpu and wall
-/// columns}}`, on one line.
+/// Writes `{"program_version", "run": {outcome columns}, "agents": [{...}], "notes": [sentences], "measured": {cpu and
+/// wall columns}}`, on one line.
 pub fn run_json(row: &RunRow) -> String {
     let columns = || RUN_COLUMNS.iter().map(|column| (column.name, (column.value)(row)));
     let agent = |agent: AgentRow<'_>| {

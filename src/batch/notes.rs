@@ -1,10 +1,10 @@
-//! What the numbers of a run that is done do not show by themselves: agents that could do next to nothing in it.
+//! Notes on a run that is done, about what its numbers do not show: agents that could do next to nothing in it.
 
 use crate::batch::RunResult;
 use crate::planning::is_hardly_connected;
 use crate::timeline::AgentId;
 
-/// Sentences about the agents of a run whose plans could hardly succeed, in the order of the agents.
+/// Returns sentences about the agents of a run whose plans could hardly succeed, in the order of the agents.
 pub fn notes(result: &RunResult) -> Vec<String> {
     let outcome = &result.outcome;
     let notes = outcome.agents.iter().filter_map(|agent| {

@@ -118,7 +118,7 @@ impl OutputFolder {
         journals.chain(files).try_for_each(|path| remove_file(&path))
     }
 
-    /// What a process that was killed, or one that is at work, has written aside, in order.
+    /// Returns the files that a process that was killed, or one that is at work, has written aside, in order.
     pub fn leftovers(&self) -> Vec<PathBuf> {
         let folders = ["", RECORDINGS_FOLDER, CHARTS_FOLDER].map(|name| self.path.join(name));
         let mut paths: Vec<PathBuf> = folders.iter().flat_map(|folder| named(folder, is_leftover)).collect();
@@ -158,7 +158,7 @@ impl OutputFolder {
     }
 }
 
-/// Creates a folder, and those that it is in, so that they survive the end of the machine.
+/// Creates a folder, and those that it is in, so that they survive a crash of the machine.
 fn create_folder(path: &Path) -> Result<(), BatchError> {
     let missing: Vec<&Path> = path.ancestors().take_while(|folder| !folder.exists()).collect();
     let created = fs::create_dir_all(path).map_err(|source| match source.kind() {

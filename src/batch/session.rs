@@ -29,23 +29,23 @@ pub struct Batch {
     found: Found,
 }
 
-/// What an earlier process left in the folder in disorder.
+/// Disorder that an earlier process left in the folder.
 #[derive(Debug)]
 pub struct Found {
-    /// Whether a line of the journal was torn; it was dropped.
+    /// True if a line of the journal was torn; it was dropped.
     pub has_torn_line: bool,
     /// Files that were being written; they were removed.
     pub leftovers: Vec<PathBuf>,
-    /// Recordings of runs in the journal that are not as they should be; their runs are made again.
+    /// Recordings of runs in the journal that are missing or damaged; their runs are made again.
     pub lost_recordings: Vec<LostRecording>,
 }
 
-/// A recording that cannot be read any more.
+/// A recording that can no longer be read.
 #[derive(Debug)]
 pub struct LostRecording {
     pub run: u64,
     pub path: PathBuf,
-    /// Reads well after the path.
+    /// The reason, in words that read well after the path.
     pub reason: String,
 }
 
@@ -130,7 +130,7 @@ impl Batch {
         &self.folder
     }
 
-    /// What was in disorder when the batch was begun or gone on with.
+    /// Returns what was in disorder when the batch was begun or resumed.
     pub fn found(&self) -> &Found {
         &self.found
     }
@@ -140,15 +140,16 @@ impl Batch {
         self.journal.index()
     }
 
-    /// Runs what the journal does not hold on `jobs` threads, and first again what has lost its recording.
+    /// Runs what the journal does not hold on `jobs` threads; runs that have lost their recordings are made again
+    /// first.
     ///
     /// `on_run` is called after each run, in any order. Runs that fail, or that cannot be recorded though they should
     /// be, are rows like the others.
     ///
     /// # Errors
     /// [`BatchError::Stopped`] if `stop` was set before the last run; all other errors are those of the disk, or of
-    /// starting the threads, and [`BatchError::OtherOutcome`] if a run that is made again is another than before. After
-    /// any of them the batch can be resumed.
+    /// starting the threads, and [`BatchError::OtherOutcome`] if a run that is made again ends differently. After any
+    /// of them the batch can be resumed.
     pub fn run(&mut self, jobs: usize, stop: &Arc<AtomicBool>, on_run: impl FnMut(Status)) -> Result<(), BatchError> {
         let options = RunOptions { memory: self.plan.memory, ..RunOptions::default() };
         let run = move |scenario: &Scenario, seed| sim::run_with(scenario, seed, options);
@@ -199,7 +200,7 @@ fn plan_error(error: PlanError, folder: &OutputFolder) -> BatchError {
     }
 }
 
-/// The recordings that are missing or damaged of runs that the journal holds.
+/// Finds the recordings of runs in the journal that are missing or damaged.
 fn lost_recordings(
     plan: &BatchPlan,
     folder: &OutputFolder,

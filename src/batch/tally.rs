@@ -24,7 +24,7 @@ pub struct Tally {
     pub stuck_runs: u64,
     pub truck_stuck_s: f64,
     pub wumpus_stuck_s: f64,
-    /// Runs of which there is something to note.
+    /// The number of runs that have notes.
     pub noted_runs: u64,
     /// Seed and notes of the first of them.
     pub first_notes: Option<(u64, Vec<String>)>,
@@ -69,8 +69,8 @@ impl Tally {
     }
 }
 
-/// Who won, which runs went wrong, who was stuck, who could do next to nothing: a few lines, without a newline at the
-/// end. None but a message or a note is wider than 80 columns.
+/// Says who won, which runs went wrong, who was stuck, who could do next to nothing: a few lines, no newline at the
+/// end. Only a message or a note may be wider than 80 columns.
 impl fmt::Display for Tally {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let lines = [self.champion(), Some(self.runs()), self.reason(), self.stuck()].into_iter().flatten();
@@ -101,7 +101,7 @@ impl Tally {
         }
     }
 
-    /// What there is to note of the first run of which there is something, and how many such runs there are.
+    /// Returns the notes of the first run that has any, and says how many such runs there are.
     pub fn notes(&self) -> Vec<String> {
         let Some((seed, notes)) = &self.first_notes else { return Vec::new() };
         let runs =

@@ -44,23 +44,24 @@ pub struct Work {
 /// A run to be made.
 #[derive(Clone, Copy, Debug)]
 pub enum Task {
-    /// For the first time.
+    /// A run that is made for the first time.
     Run(u64),
-    /// For its recording: the journal holds it.
+    /// A run that the journal holds, made once more for its recording.
     RecordAgain(u64),
 }
 
 /// A run that is over.
 enum Finished {
-    /// With its line for the journal.
+    /// A new run, with its line for the journal.
     Run { run: u64, status: Status, line: Vec<u8> },
-    /// Not recorded yet: it must be the run that the journal holds.
+    /// A run that was made again and is not recorded yet: it must be the run that the journal holds.
     Again { run: u64, row: Box<RunRow>, timeline: Option<Timeline> },
 }
 
 type Message = Result<Finished, BatchError>;
 
-/// Runs until the work is done or stopped, and leaves the journal on the disk. Returns how many runs were recorded again.
+/// Makes runs until the work is done or stopped, and leaves the journal on the disk. Returns how many runs were
+/// recorded again.
 pub fn work_off(
     work: Work,
     jobs: usize,
@@ -141,7 +142,7 @@ impl Work {
         }
     }
 
-    /// The row of a run, and its timeline if it is done.
+    /// Makes a run; returns its row, and its timeline if it is done.
     fn run_one(&self, run: &PlannedRun<'_>) -> (RunRow, Option<Timeline>) {
         let stopwatch = WallStopwatch::start();
         let scenario = &run.variant.scenario;

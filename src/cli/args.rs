@@ -101,11 +101,11 @@ pub struct ScenarioArguments {
     pub overrides: Vec<String>,
 }
 
-/// What every command that simulates takes.
+/// Arguments of every command that simulates.
 #[derive(Debug, Args)]
 pub struct MemoryArguments {
-    /// How much memory a run may take, such as `4GB`, `512MiB` or `4G`, which is 4 GB: one that would take more is not run
-    /// [default: 2GB, or what the plan of a batch says].
+    /// The memory that a run may take, such as `4GB`, `512MiB` or `4G`, which is 4 GB: one that would take more is not
+    /// run [default: 2GB, or what the plan of a batch says].
     #[arg(long, value_name = "SIZE")]
     pub memory: Option<MemoryLimit>,
 }
@@ -178,7 +178,7 @@ pub struct BatchArguments {
     /// Threads [default: as many as the machine runs at once].
     #[arg(long, allow_hyphen_values = true, value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
-    /// How much memory each run may take, such as `4GB`, `512MiB` or `4G`, which is 4 GB: one that would take more is a
+    /// The memory that each run may take, such as `4GB`, `512MiB` or `4G`, which is 4 GB: one that would take more is a
     /// failed row. As many runs as threads take place at once [default: 2GB].
     #[arg(long, value_name = "SIZE")]
     pub memory: Option<MemoryLimit>,
@@ -330,7 +330,7 @@ pub fn parse_seed(text: &str) -> Result<u64, String> {
     numbers::parse(text).ok_or_else(|| format!("expected a whole number from 0 to {}", u64::MAX))
 }
 
-/// How fine a trace may be is its writer's business.
+/// Reads the step of a trace; its writer decides how fine it may be.
 fn parse_trace_step(text: &str) -> Result<f64, String> {
     numbers::parse(text).ok_or_else(|| "expected a number of seconds".to_owned())
 }

@@ -19,7 +19,7 @@ fn command_line(case: &mut Case<'_>) -> Law {
     Ok(())
 }
 
-/// What clap makes of `wildfire COMMAND WORDS...`; `None` of what it refuses, which it does with words.
+/// Parses `wildfire COMMAND WORDS...` with clap; `None` if clap refuses it, which it does with a message.
 pub fn parsed(case: &mut Case<'_>, command: &str, words: Vec<String>) -> Result<Option<Command>, String> {
     let line = [vec!["wildfire".to_owned(), command.to_owned()], words].concat();
     case.input = line.join("\n").into_bytes();
@@ -33,12 +33,12 @@ pub fn parsed(case: &mut Case<'_>, command: &str, words: Vec<String>) -> Result<
     }
 }
 
-/// Something is said.
+/// Checks that something is said.
 pub fn said(text: &str) -> Law {
     if text.trim().is_empty() { Err("nothing is said".into()) } else { Ok(()) }
 }
 
-/// Arguments of some command below these, whose own names are left out.
+/// Draws arguments of some command below these, whose own names are left out.
 pub fn drawn_words(case: &mut Case<'_>, names: &[&str]) -> Vec<String> {
     let mut root = Arguments::command();
     root.build();

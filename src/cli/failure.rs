@@ -41,7 +41,7 @@ impl Failure {
         Self::new(sentence, None, exit::ENVIRONMENT)
     }
 
-    /// An input that was named cannot be read.
+    /// The failure of an input that was named and cannot be read.
     pub fn unreadable(path: &Path, error: &io::Error) -> Self {
         let path = path.display();
         let sentence = match error.kind() {
@@ -51,7 +51,7 @@ impl Failure {
         Self::of_input(sentence, error.kind())
     }
 
-    /// As [`Self::unreadable`], in other words.
+    /// The same as [`Self::unreadable`], with a sentence of the caller's.
     pub fn of_input(sentence: impl fmt::Display, kind: ErrorKind) -> Self {
         Self::new(sentence, None, code_of_input(kind))
     }
@@ -105,10 +105,11 @@ impl Failure {
     }
 }
 
-/// The exit code of an input that cannot be used, whatever command it was named to.
+/// The exit code of an input that cannot be used, whatever command was to read it.
 ///
 /// A name that leads to nothing or to another kind of thing, and contents that are wrong or too large, are bad input;
-/// what is there and cannot be read, for lack of permission or of a working disk, is the environment.
+/// an input that is there and cannot be read, for lack of permission or of a working disk, is a fault of the
+/// environment.
 fn code_of_input(kind: ErrorKind) -> u8 {
     match kind {
         ErrorKind::NotFound

@@ -12,16 +12,16 @@ use signal_hook::flag;
 
 use crate::cli::exit;
 
-/// Whether the next signal ends the program with the code 130.
+/// True if the next signal ends the program with the code 130.
 static ENDS_INTERRUPTED: AtomicBool = AtomicBool::new(true);
 
-/// Whether the next signal ends the program with the code 75.
+/// True if the next signal ends the program with the code 75.
 static ENDS_RESUMABLE: AtomicBool = AtomicBool::new(false);
 
-/// Set by the first signal that does not end the program.
+/// The flag that is set by the first signal that does not end the program.
 static STOP: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 
-/// Gives all signals that ask for an end an exit code. To be called once, before anything else.
+/// Gives all signals that ask for an end an exit code. It is called once, before anything else.
 pub fn install() {
     let caught = "these signals may be caught";
     for signal in ending_signals() {
@@ -34,13 +34,13 @@ pub fn install() {
     }
     #[cfg(unix)]
     {
-        /// Nobody asks: a write beyond the limit fails then, which is told like any full disk.
+        /// A flag that nobody reads: a write beyond the limit fails then, which is reported like a full disk.
         static BEYOND_FILE_SIZE_LIMIT: AtomicBool = AtomicBool::new(false);
         flag::register(signal_hook::consts::SIGXFSZ, &BEYOND_FILE_SIZE_LIMIT).expect(caught);
     }
 }
 
-/// Ctrl-C, the system's request to end and, unless `nohup` keeps it off, the end of the terminal.
+/// Lists Ctrl-C, the system's request to end and, unless `nohup` keeps it off, the end of the terminal.
 fn ending_signals() -> impl Iterator<Item = i32> {
     #[cfg(unix)]
     let hangup = (!is_hangup_ignored()).then_some(signal_hook::consts::SIGHUP);
@@ -49,7 +49,7 @@ fn ending_signals() -> impl Iterator<Item = i32> {
     [SIGINT, SIGTERM].into_iter().chain(hangup)
 }
 
-/// Whether the program was started by something like `nohup`, as far as the system tells.
+/// Says whether the program was started by something like `nohup`, as far as the system shows it.
 #[cfg(unix)]
 fn is_hangup_ignored() -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -57,16 +57,16 @@ fn is_hangup_ignored() -> bool {
     mask.is_some_and(|mask| mask >> (signal_hook::consts::SIGHUP - 1) & 1 == 1)
 }
 
-/// From here on a signal ends the program with the code of what can be resumed.
+/// Makes signals end the program with the code of what can be resumed from now on.
 pub fn set_resumable() {
     ENDS_RESUMABLE.store(true, Ordering::SeqCst);
     ENDS_INTERRUPTED.store(false, Ordering::SeqCst);
 }
 
-/// While this lives, the first signal sets a flag and is announced, and only the second ends the program.
+/// A guard: while it lives, the first signal sets a flag and is announced, and only the second ends the program.
 ///
-/// Whoever holds it looks at the flag often. Where that fails, because a write or a wait never returns, the program ends
-/// some seconds after the first signal.
+/// Whoever holds it looks at the flag often. Where that fails, because a write or a wait never returns, the program
+/// ends some seconds after the first signal.
 pub struct Watch {
     stop: Arc<AtomicBool>,
     is_resumable: bool,
@@ -115,10 +115,10 @@ mod announcer {
     use super::ending_signals;
     use crate::cli::terminal;
 
-    /// How long the program may tidy up: a batch needs less than two seconds.
+    /// The longest time that the program may tidy up: a batch needs less than two seconds.
     const LONGEST_TIDYING: Duration = Duration::from_secs(5);
 
-    /// Starts it; without it, when there are no threads to be had, only the words are missing.
+    /// Starts the thread; if the system gives none, only the announcement is missing.
     pub fn start(code: u8) {
         let Ok(mut signals) = Signals::new(ending_signals()) else { return };
         let wait = move || {

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-/// Reads a number; zero with a minus is zero, of whole numbers and of others.
+/// Reads a number; zero with a minus is zero, whether the number is whole or not.
 ///
 /// Ranges that begin at 0 hold -0.0 too, and what is computed from it is not what is computed from 0: its inverse, its
 /// sign, its place in a total order.

@@ -12,7 +12,7 @@ use crate::whole_file::refuse_no_file;
 /// A file that may have been asked for, and how it is written.
 pub type Output<'a> = (Option<&'a Path>, &'a dyn Fn(&Path) -> io::Result<()>);
 
-/// What a file holds, which its name must say by its ending.
+/// The format of a file, which its name must show by its ending.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     Png,
@@ -39,7 +39,7 @@ impl Format {
         }
     }
 
-    /// Tables and logs are plain text too.
+    /// Returns the endings that go with the format; tables and logs are plain text too.
     const fn endings(self) -> &'static [&'static str] {
         match self {
             Self::Png => &["png"],
@@ -69,7 +69,7 @@ impl Format {
     }
 }
 
-/// Where the words of a command go: to stdout, or to stderr if a file goes to stdout.
+/// The stream that the words of a command go to: stdout, or stderr if a file goes to stdout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Words {
     Stdout,
@@ -94,22 +94,22 @@ impl Words {
 pub struct Files<'a> {
     pub inputs: Vec<&'a Path>,
     pub outputs: Vec<(Format, &'a Path)>,
-    /// Whether the answer is asked for as JSON, which is no words but a result on stdout.
+    /// True if the answer is asked for as JSON, which is not words but a result on stdout.
     pub json: bool,
 }
 
 impl<'a> Files<'a> {
-    /// Outputs that may not have been asked for.
+    /// Adds outputs, any of which may not have been asked for.
     pub fn writing(mut self, outputs: impl IntoIterator<Item = (Format, &'a Option<PathBuf>)>) -> Self {
         self.outputs.extend(outputs.into_iter().filter_map(|(format, path)| Some((format, path.as_deref()?))));
         self
     }
 
-    /// Refuses two inputs on stdin, two results on stdout, and outputs that are one file, an input, no file, in no
-    /// folder, or named as if they held something else than they will.
+    /// Refuses two inputs on stdin, two results on stdout, and outputs that are one and the same file, an input, no
+    /// file, in no folder, or named as if they held something else than they will.
     ///
     /// # Errors
-    /// Bad input, but the environment where the system does not let the folder be looked at.
+    /// Bad input; a fault of the environment where the system does not let the folder be looked at.
     pub fn check(&self) -> Result<Words, Failure> {
         if self.inputs.iter().filter(|path| is_standard_stream(path)).count() > 1 {
             return Err(Failure::bad_input("- is stdin, which can be read once; expected it as one input", None));
@@ -177,7 +177,7 @@ pub fn write_all(outputs: &[Output], quiet: bool) -> Result<(), Failure> {
     all
 }
 
-/// Says that a file is there; of stdout that is seen.
+/// Says that a file was written; for stdout there is no need to.
 pub fn note_written(path: &Path, quiet: bool) {
     if !quiet && !is_standard_stream(path) {
         terminal::note(&format!("wrote {}", path.display()));

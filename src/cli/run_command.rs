@@ -64,7 +64,7 @@ struct Outputs<'a> {
 }
 
 impl<'a> Outputs<'a> {
-    /// Checks what can be checked before the run; and where its words go.
+    /// Checks what can be checked before the run, and returns where its words go.
     fn checked(arguments: &'a RunArguments, scenario: &Scenario) -> Result<(Self, Words), Failure> {
         let step_s = arguments.step;
         if !(step_s.is_finite() && step_s >= FINEST_STEP_S) {

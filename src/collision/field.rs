@@ -101,7 +101,7 @@ impl ClearanceField {
         Self { frame, occupied: occupied.clone(), lattice, spacing_m, steps_per_m: 1.0 / spacing_m }
     }
 
-    /// Bytes that it takes on a field, and on top of that while it is worked out.
+    /// Bytes that it takes on a field, and bytes on top of that while it is worked out.
     pub fn bytes(frame: &FieldFrame) -> [u64; 2] {
         let steps = steps_per_cell(frame) as u64;
         let vertices = (u64::from(frame.cols) * steps + 1) * (u64::from(frame.rows) * steps + 1);

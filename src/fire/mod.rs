@@ -88,7 +88,7 @@ impl Vegetation {
         Self { frame, rules, bushes: cells, flammable, burning: Vec::new(), stencil }
     }
 
-    /// The most bytes that it takes on a field with so many bushes.
+    /// The most bytes that it takes on a field with this number of bushes.
     pub fn most_bytes(frame: &FieldFrame, bushes: u64, spread_radius_m: f64) -> u64 {
         let reach = (spread_radius_m / frame.cell_m).min(f64::from(frame.cols.max(frame.rows)));
         let across = 2 * reach as u64 + 3;

@@ -72,8 +72,8 @@ impl AStar {
         Self { nodes: vec![unseen; points], open: OpenList::default(), query: 0, settled: Vec::new() }
     }
 
-    /// Bytes for each point of a lattice: the point, its place among the settled, and two entries that wait, which is more
-    /// than searches with an estimate came to; lists double.
+    /// Bytes for each point of a lattice: the point, its place among the settled, and two entries that wait, which is
+    /// more than searches with an estimate came to; lists double.
     pub const BYTES_A_POINT: usize = size_of::<Node>() + 2 * size_of::<usize>() + 2 * size_of::<Open>();
 
     /// A cheapest path from `start` to any point that `is_goal`.

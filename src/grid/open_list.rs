@@ -36,12 +36,12 @@ impl<T: Ranked> OpenList<T> {
         self.0.pop().map(|BestFirst(entry)| entry)
     }
 
-    /// How many entries wait.
+    /// The number of entries that wait.
     pub fn waiting(&self) -> usize {
         self.0.len()
     }
 
-    /// For how many entries there is memory.
+    /// The number of entries that there is memory for.
     pub fn capacity(&self) -> usize {
         self.0.capacity()
     }

@@ -42,7 +42,7 @@ pub(super) fn read<R: BufRead + Seek>(mut source: R, bytes: u64) -> Result<(Grid
     Ok((Grid::from_values(header.rows, header.cols, values), header.note(colour_type)))
 }
 
-/// All bytes of an image of which the first are known; no more than an image of the size in its header can have.
+/// Reads all bytes of an image of which the first are known; no more than an image of the size in its header can have.
 pub(super) fn read_bytes(mut bytes: Vec<u8>, rest: impl Read) -> Result<Vec<u8>, Fault> {
     let header = Header::parse(&bytes)?;
     check_size(header.rows, header.cols)?;
@@ -116,7 +116,7 @@ impl Header {
         Ok(Self { rows: side([h3, h2, h1, h0]), cols: side([w3, w2, w1, w0]), depth, colour_type })
     }
 
-    /// More than the bytes of any image of this size, of which none is larger than its pixels by much.
+    /// An upper bound of the bytes of an image of this size: no image is much larger than its pixels.
     fn most_bytes(&self) -> u64 {
         let channels = match self.colour_type {
             0 | 3 => 1,

@@ -28,7 +28,7 @@ pub struct MapFile {
 }
 
 impl MapFile {
-    /// Share of the pixels of an image whose grey value is within [`NEAR_TOLERANCE`] of the tolerance; `None` of a map
+    /// Share of the pixels of an image whose grey value is within [`NEAR_TOLERANCE`] of the tolerance; `None` for a map
     /// that is no image.
     pub fn share_near(&self, tolerance: u8) -> Option<f64> {
         let grey = self.grey.as_ref()?.values();
@@ -36,7 +36,7 @@ impl MapFile {
         Some(near as f64 / grey.len() as f64)
     }
 
-    /// Why an image may not have been read as it was meant, in sentences: obstacles that are not quite dark enough, or a
+    /// Returns sentences that say why an image may have been misread: obstacles that are not quite dark enough, or a
     /// drawing that is white on black.
     pub fn doubts(&self, tolerance: u8) -> Vec<String> {
         let Some(near) = self.share_near(tolerance) else { return Vec::new() };
@@ -91,8 +91,8 @@ fn read_file<R: BufRead + Seek>(mut source: R, bytes: u64, tolerance: u8) -> Res
     }
 }
 
-/// Reads what cannot be gone back in, a pipe, a device or stdin: its first bytes are kept, as they tell the format, and
-/// those of a PNG image are all kept.
+/// Reads an input that has no way back, a pipe, a device or stdin: its first bytes are kept, as they show the format,
+/// and those of a PNG image are all kept.
 fn read_stream(mut stream: impl Read, tolerance: u8) -> Result<MapFile, Fault> {
     let mut start = Vec::new();
     stream.by_ref().take(BUFFER_BYTES as u64).read_to_end(&mut start)?;
@@ -113,7 +113,7 @@ fn read_stream(mut stream: impl Read, tolerance: u8) -> Result<MapFile, Fault> {
     }
 }
 
-/// `bytes` is how many there are, or at least are, which says how much room to make at first.
+/// Reads from front to end. `bytes` is how many bytes there are at least, which says how much room to make at first.
 fn read_sequential(format: Sequential, source: impl BufRead, bytes: u64, tolerance: u8) -> Result<MapFile, Fault> {
     match format {
         Sequential::Pnm => pnm::read(source, bytes).map(|(grey, note)| from_grey(grey, tolerance, note)),
@@ -138,7 +138,7 @@ enum Format {
     Sequential(Sequential),
 }
 
-/// What is read from its front to its end.
+/// The formats that are read from front to end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Sequential {
     Pnm,

@@ -42,7 +42,7 @@ pub fn glyph(letter: char) -> &'static Glyph {
     &GLYPHS[index]
 }
 
-/// Whether the font has every character of a text, so that none is shown as a question mark.
+/// Says whether the font has every character of a text, so that none is shown as a question mark.
 pub fn has_all_of(text: &str) -> bool {
     text.chars().all(|letter| index(letter).is_some())
 }

@@ -1,9 +1,9 @@
 //! Memory that grows while a run goes on, counted against a limit before it is taken.
 //!
-//! How much a search, a flood or a roadmap's curves come to hold is known only when they have been looked for, so that a
-//! bound from the scenario alone would be far above what nearly all runs take. Whoever holds such memory tells its
-//! [`MemoryMeter`] before it grows, and stops where that says no. What it then answers must not be used: whoever gave out
-//! the meter asks [`MemoryMeter::overrun`] and lets the run fail. So a limit decides whether a run takes place, and never
+//! How much a search, a flood or a roadmap's curves come to hold is known only when they have been looked for, so that
+//! a bound from the scenario alone would be far above what nearly all runs take. Whoever holds such memory asks its
+//! [`MemoryMeter`] before it grows, and stops if that says no. Its answer must not be used then: whoever gave out the
+//! meter asks [`MemoryMeter::overrun`] and lets the run fail. So a limit decides whether a run takes place, and never
 //! how it goes.
 
 use std::collections::VecDeque;
@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use crate::grid::open_list::{OpenList, Ranked};
 
-/// What grows.
+/// The kinds of memory that grow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Growing {
     /// Nodes, open lists and closed sets of searches over poses.
@@ -22,7 +22,7 @@ pub enum Growing {
     Floods,
     /// Curves between milestones, which are worked out when they are first asked for.
     Curves,
-    /// What happened in the run.
+    /// The record of what happened in the run.
     Timeline,
 }
 
@@ -41,7 +41,7 @@ impl fmt::Display for Growing {
     }
 }
 
-/// Counts what all that grows in one run holds together, and says where it would be too much.
+/// Counts the memory that everything that grows in one run holds together, and says where it would be too much.
 #[derive(Clone, Debug)]
 pub struct MemoryMeter(Arc<Counters>);
 
@@ -54,17 +54,17 @@ struct Counters {
 }
 
 impl MemoryMeter {
-    /// `limit` is in bytes, for everything together.
+    /// Creates a meter; `limit` is in bytes, for everything together.
     pub fn new(limit: u64) -> Self {
         Self(Arc::new(Counters { limit, held: Default::default(), is_overrun: AtomicBool::new(false) }))
     }
 
-    /// Counts and never says no.
+    /// Creates a meter that counts and never says no.
     pub fn unlimited() -> Self {
         Self::new(u64::MAX)
     }
 
-    /// A holder of something that grows, which holds nothing yet.
+    /// Creates a holder of something that grows, which holds nothing yet.
     pub fn holder(&self, kind: Growing) -> Held {
         Held { meter: self.clone(), kind, bytes: 0 }
     }
@@ -78,7 +78,7 @@ impl MemoryMeter {
         self.0.held[kind as usize].load(Ordering::Relaxed)
     }
 
-    /// Where somebody was refused memory: the kind that holds the most, and how many bytes.
+    /// Returns the kind that holds the most, and its bytes, if a holder was refused memory.
     pub fn overrun(&self) -> Option<(Growing, u64)> {
         let by_size = Growing::ALL.into_iter().map(|kind| (kind, self.held_by(kind)));
         self.0.is_overrun.load(Ordering::Relaxed).then(|| by_size.max_by_key(|&(_, bytes)| bytes)).flatten()
@@ -94,9 +94,9 @@ pub struct Held {
 }
 
 impl Held {
-    /// Whether the holder may hold this many bytes from now on, in place of what it held; if so, they are counted.
+    /// Asks whether the holder may hold this many bytes from now on, in place of what it held; if so, they are counted.
     ///
-    /// Once somebody of the run was refused, nobody gets more.
+    /// Once a holder of the run was refused, none gets more.
     pub fn cover(&mut self, bytes: usize) -> bool {
         let bytes = bytes as u64;
         if bytes <= self.bytes {
@@ -116,7 +116,7 @@ impl Held {
         true
     }
 
-    /// Another holder of the same kind, for what is needed for a while.
+    /// Creates another holder of the same kind, for memory that is needed for a while.
     pub fn beside(&self) -> Self {
         self.meter.holder(self.kind)
     }
@@ -131,13 +131,13 @@ impl Drop for Held {
 /// The most bytes that a planner of one truck takes on a field, as its settings say.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PlannerMemory {
-    /// From its making on.
+    /// Bytes that it holds for good.
     pub held: u64,
-    /// On top of that while it is made.
+    /// Bytes on top of that while it is made.
     pub making: u64,
-    /// Its floods, if it plans by nothing else.
+    /// Bytes of its floods, if it plans by nothing else.
     pub floods: u64,
-    /// What may be added to all of this as it is asked: a query that is easy adds next to nothing.
+    /// Bytes that queries may add to all of this; an easy query adds next to nothing.
     pub grows: u64,
 }
 

@@ -177,10 +177,10 @@ pub struct BuildReport {
     pub connecting: Duration,
 }
 
-/// Milestones that a component of a roadmap has on average, if it leads anywhere to speak of.
+/// The fewest milestones that the components of a useful roadmap have on average.
 const FEWEST_A_COMPONENT: u32 = 10;
 
-/// Whether a roadmap is in so many components that most routes across the field are not on it.
+/// Says whether a roadmap has too many components to hold most routes across the field.
 pub fn is_hardly_connected(milestones: u32, components: u32) -> bool {
     components > 1 && milestones < components.saturating_mul(FEWEST_A_COMPONENT)
 }

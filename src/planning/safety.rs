@@ -123,7 +123,8 @@ impl Safety {
         Some(Self { frame, surcharge })
     }
 
-    /// Bytes that it takes on a field, and on top of that while it is worked out; none where all places cost the same.
+    /// Bytes that it takes on a field, and bytes on top of that while it is worked out; none if all places cost the
+    /// same.
     pub fn bytes(frame: &FieldFrame, settings: &SafetySettings) -> [u64; 2] {
         let cells = frame.cell_count() as u64;
         let value = if settings.map == SafetyMap::None { 0 } else { size_of::<f64>() as u64 };

@@ -71,7 +71,7 @@ pub struct TruckPlannerSettings<'a> {
     pub safety: &'a SafetySettings,
 }
 
-/// The most bytes that a planner takes on a field whose bushes have up to so many convex corners.
+/// The most bytes that a planner takes on a field whose bushes have up to this number of convex corners.
 pub fn truck_planner_memory(
     kind: TruckPlannerKind,
     frame: &FieldFrame,
@@ -88,7 +88,8 @@ pub fn truck_planner_memory(
     }
 }
 
-/// Makes a planner for one body on one field, which tells `memory` what it holds as it grows; `stream` gives the random stream of a name.
+/// Makes a planner for one body on one field, which reports to `memory` what it holds as it grows; `stream` gives the
+/// random stream of a name.
 pub fn truck_planner(
     kind: TruckPlannerKind,
     checker: &CollisionChecker,

@@ -84,7 +84,7 @@ impl Wumpus {
         LatticeShape { anchor, step_m, size_m: self.size_m }
     }
 
-    /// How its planner finds walks.
+    /// The method by which its planner finds walks.
     pub fn walk_method(&self) -> WalkMethod {
         match self.planner {
             WumpusPlanner::Astar => WalkMethod::Astar {
@@ -234,8 +234,8 @@ impl Default for Unimog {
 }
 
 impl Unimog {
-    /// Builds its planner for a field as the run of a seed does, which tells `memory` what it holds as it grows; `number`
-    /// is its place among the trucks.
+    /// Builds its planner for a field as the run of a seed does; it reports to `memory` what it holds as it grows.
+    /// `number` is its place among the trucks.
     pub fn build_planner(
         &self,
         checker: &CollisionChecker,

@@ -1,5 +1,5 @@
-//! What a scenario must keep to: ranges that bound time, bodies that can be, starts inside the field. What bounds memory is
-//! in [`super::memory`].
+//! The rules that a scenario must keep: ranges that bound time, bodies that can be, starts inside the field. Memory is
+//! bounded in [`super::memory`].
 //!
 //! The limits stand in the scenario documentation, `scenarios/README.md`.
 

@@ -21,8 +21,8 @@ const SHOWN_OF_LONG_LINES: usize = 60;
 
 /// Why a scenario is refused, with the place that shows it.
 ///
-/// Its text is one sentence without the place, in which control characters are escapes. [`ScenarioError::place`] gives file, line and column; as a
-/// [`miette::Diagnostic`] it shows the line itself.
+/// Its text is one sentence without the place, in which control characters are escapes. [`ScenarioError::place`] gives
+/// file, line and column; as a [`miette::Diagnostic`] it shows the line itself.
 #[derive(Debug, Error)]
 #[error("{}", visible(&fault.to_string()))]
 pub struct ScenarioError {
@@ -64,10 +64,10 @@ pub enum Fault {
 /// A stretch of a file, or of an option of the command line.
 #[derive(Clone, Debug)]
 pub struct Place {
-    /// What is shown of it: the text with control characters as escapes, and a span of that.
+    /// The source as it is shown: the text with control characters as escapes, and a span of that.
     source: NamedSource<String>,
     span: Range<usize>,
-    /// Of the first byte in the text as it was written.
+    /// The place of the first byte in the text as it was written.
     line_and_column: (usize, usize),
 }
 

@@ -15,8 +15,8 @@ pub(super) const WIDTH: usize = 80;
 /// The seed whose field is shown.
 pub(super) const SHOWN_SEED: u64 = 1;
 
-/// What a scenario means: its rules and agents in sentences with units, the values left to defaults, the field of
-/// seed 1 with a map, the memory that a run takes beside the limit of it, and warnings. No line is wider than 80 characters.
+/// Explains a scenario: its rules and agents in sentences with units, the values left to defaults, the field of seed 1
+/// with a map, the memory that a run takes beside its limit, and warnings. No line is wider than 80 characters.
 pub fn explain(loaded: &LoadedScenario, limit: MemoryLimit) -> String {
     let scenario = &loaded.scenario;
     let mut text = format!("{}: {} s of simulated time at most.\n", scenario.name, scenario.duration_s);
@@ -195,11 +195,11 @@ fn field_of_seed(scenario: &Scenario, terrain: &Terrain) -> String {
     format!("\nField of seed {SHOWN_SEED}\n  {pieces}{bushes} bushes, {share} % of the cells.\n{drawing}")
 }
 
-/// What a run needs, part by part, what can be added as it goes on, and whether the limit allows it.
+/// Lists the memory that a run needs, part by part, what can be added as it goes on, and whether the limit allows it.
 fn memory(scenario: &Scenario, limit: MemoryLimit) -> String {
     let estimate = MemoryEstimate::new(scenario);
     let needed = MemoryPart { name: format!("in all, of {limit} that a run may take"), bytes: estimate.needed() };
-    // What is hardly to be seen beside the others is not worth a line.
+    // A part that is tiny beside the others is not worth a line.
     let parts = estimate.parts.iter().filter(|part| part.bytes >= estimate.needed() / 100);
     let line = |part: &MemoryPart| format!("  {:>8}  {}\n", bytes_text(part.bytes), part.name);
     let lines: String = parts.chain([&needed]).map(line).collect();

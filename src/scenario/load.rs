@@ -34,7 +34,7 @@ impl LoadedScenario {
     /// Does the same with a text that was read before.
     ///
     /// # Errors
-    /// As [`Self::open`].
+    /// Those of [`Self::open`].
     pub fn from_text(source: &ScenarioText, changes: &[String]) -> Result<Self, Box<ScenarioError>> {
         let mut written = parse(source)?;
         let changes = changes.iter().map(|option| Change::make(option, &mut written)).collect::<Result<Vec<_>, _>>()?;

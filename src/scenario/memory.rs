@@ -1,8 +1,8 @@
-//! How much memory a run takes, from its scenario alone, and how much it may.
+//! The memory that a run takes, from its scenario alone, and the memory that it may take.
 //!
-//! What a run needs in any case is added up before anything is allocated: [`MemoryEstimate`]. Each part is bounded beside
-//! what it is a bound of. Searches, floods, curves and the timeline grow as the run goes on, in most runs far less than
-//! they could; they are counted as they do, by a [`MemoryMeter`] that allows what the limit leaves.
+//! What a run needs in any case is added up before anything is allocated: [`MemoryEstimate`]. The bound of each part is
+//! beside the code that takes the memory. Searches, floods, curves and the timeline grow as the run goes on, in most
+//! runs far less than they could; they are counted as they do, by a [`MemoryMeter`] that allows what the limit leaves.
 
 use std::fmt;
 use std::str::FromStr;
@@ -19,13 +19,13 @@ use crate::planning::reachability::Reachability;
 use crate::planning::walk::{WalkLattice, WalkPlanner};
 use crate::planning::{count_convex_corners, truck_planner_memory};
 
-/// What the program takes before it runs anything, and what is small in every run.
+/// Bytes that the program takes before it runs anything, and bytes of what is small in every run.
 const PROGRAM_BYTES: u64 = 24_000_000;
 
 /// Corners of a tetromino that stick out, at most.
 const CORNERS_OF_A_PIECE: u64 = 6;
 
-/// How much memory a run may take.
+/// The limit of the memory that a run may take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct MemoryLimit {
@@ -74,7 +74,7 @@ impl FromStr for MemoryLimit {
     }
 }
 
-/// Bytes as people read them: three digits and a unit.
+/// Writes bytes as people read them: three digits and a unit.
 pub fn bytes_text(bytes: u64) -> String {
     let (divisor, unit) = match bytes {
         0..1_000 => return format!("{bytes} B"),
@@ -93,23 +93,23 @@ pub fn bytes_text(bytes: u64) -> String {
 /// A part of what a run needs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MemoryPart {
-    /// As it stands after "for": "the field".
+    /// The name as it reads after "for": "the field".
     pub name: String,
     pub bytes: u64,
 }
 
-/// What a run takes, at most.
+/// The most memory that a run takes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MemoryEstimate {
-    /// What it needs in any case.
+    /// The memory that it needs in any case.
     pub parts: Vec<MemoryPart>,
-    /// How much of the parts grows and is counted as it does: floods of trucks that plan by nothing else.
+    /// Bytes of the parts that grow and are counted as they do: floods of trucks that plan by nothing else.
     counted: u64,
-    /// What searches, floods and curves can add in the worst case; the timeline comes on top of it.
+    /// Bytes that searches, floods and curves can add in the worst case; the timeline comes on top of it.
     pub grows: u64,
 }
 
-/// Why a run does not take place, or ends early.
+/// The reason why a run does not take place, or ends early.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum MemoryExceeded {
     #[error(
@@ -169,7 +169,8 @@ impl MemoryEstimate {
         estimate
     }
 
-    /// What trucks take, those of one planner together. `laying` is what is taken for a while before they are made.
+    /// Adds up what trucks take, those of one planner together. `laying` is what is taken for a while before they are
+    /// made.
     fn of_trucks(trucks: &[(TruckPlannerKind, PlannerMemory)], laying: u64) -> Self {
         let mut parts = Vec::new();
         for kind in TruckPlannerKind::ALL {
@@ -182,7 +183,7 @@ impl MemoryEstimate {
             parts.push(part(name("the flood"), own().map(|memory| memory.floods).sum()));
         }
         let of_all = |of: fn(&PlannerMemory) -> u64| trucks.iter().map(move |(_, memory)| of(memory));
-        // One after the other is made.
+        // They are made one after the other.
         let making = of_all(|memory| memory.making).fold(laying, u64::max);
         parts.push(part("what is only needed while field and planners are made", making));
         parts.retain(|part| part.bytes > 0);
@@ -207,7 +208,7 @@ impl MemoryEstimate {
         Err(MemoryExceeded::Needed { needed, largest: largest.clone(), limit })
     }
 
-    /// What is to be said where a meter of this estimate has refused somebody.
+    /// Returns the error of a run in which a meter of this estimate has refused memory.
     pub fn overrun(&self, meter: &MemoryMeter, limit: MemoryLimit) -> Option<MemoryExceeded> {
         let needed = self.needed() - self.counted;
         meter.overrun().map(|(kind, bytes)| MemoryExceeded::Grown { needed, kind, bytes, limit })
@@ -218,7 +219,7 @@ fn part(name: impl Into<String>, bytes: u64) -> MemoryPart {
     MemoryPart { name: name.into(), bytes }
 }
 
-/// What memory depends on of a field.
+/// The measures of a field that memory depends on.
 struct Ground {
     frame: FieldFrame,
     bushes: u64,
@@ -227,13 +228,13 @@ struct Ground {
 }
 
 impl Ground {
-    /// Bytes of bushes and clearance, and what is taken while they are laid and worked out.
+    /// Bytes of bushes and clearance, and bytes on top of that while they are laid and worked out.
     fn terrain(&self) -> [u64; 2] {
         let [clearance, working_out] = ClearanceField::bytes(&self.frame);
         let cells = self.frame.cell_count() as u64;
-        // Bushes stand in the terrain, in the timeline, and in the order in which ignitions light them.
+        // Bushes are in the terrain, in the timeline, and in the order in which ignitions light them.
         let held = cells * size_of::<bool>() as u64 + 3 * self.bushes * size_of::<Cell>() as u64;
-        // Where hardly a place is left all are listed, in a list that doubles, for up to four rotations of a piece.
+        // When hardly any places are left, all are listed, in a list that doubles, for up to four rotations of a piece.
         let placements = 2 * 4 * cells * size_of::<(usize, Cell)>() as u64;
         [held + clearance, working_out.max(placements + 2 * cells)]
     }
@@ -245,7 +246,7 @@ impl Ground {
         let planner = WalkPlanner::most_bytes(points as u64, &wumpus.walk_method(), has_factors);
         // Its targets as they are drawn and kept, and those among which it chooses, in a list that doubles.
         let targets = self.bushes * (4 * size_of::<Cell>() + 2 * size_of::<(f64, usize, usize)>()) as u64;
-        // Goals that it failed on, by the point from which: entries of a tree whose nodes may be half empty.
+        // Goals that it failed on, by the point it tried from: entries of a tree whose nodes may be half empty.
         let places = points.min(duration_s * wumpus.speed_mps / shape.step_m + 1.0);
         let gives_up =
             matches!(wumpus.planner, super::WumpusPlanner::Potential) && wumpus.potential.escape == Escape::None;

@@ -27,7 +27,7 @@ use crate::vehicle::Dimensions;
 /// Most goals of a problem.
 pub const MAX_GOALS: usize = 10_000;
 
-/// How many goals, and numbers of one place, are kept of a file at all, before it is said that there are too many.
+/// The most goals, and numbers of one place, that are kept of a file before it is refused for having too many.
 const MOST_GOAL_MEMBERS: usize = 10 * MAX_GOALS;
 const MOST_NUMBERS: usize = 100;
 
@@ -93,7 +93,7 @@ struct Members {
     goals: Vec<GoalMembers>,
 }
 
-/// What a problem is called: a number or a text.
+/// The name of a problem: a number or a text.
 struct Name(String);
 
 impl<'de> Deserialize<'de> for Name {
@@ -234,7 +234,7 @@ impl ProblemFile<'_> {
         }
     }
 
-    /// Three numbers; what is null, which is how JSON writes what is not a number, becomes NaN, and -0 becomes 0.
+    /// Takes three numbers; null, which JSON writes for what is not a number, becomes NaN, and -0 becomes 0.
     fn three(&self, path: &FieldPath, numbers: &[Option<f64>]) -> Read<[f64; 3]> {
         let Ok(three) = <[Option<f64>; 3]>::try_from(numbers) else {
             return self.refuse(path, format!("a list of {}", numbers.len()), "a list of three numbers");

@@ -22,8 +22,8 @@ pub const BUILT_IN: &[(&str, &str)] = &[
     ("smoke", include_str!("../../scenarios/smoke.toml")),
 ];
 
-/// Longest scenario or plan file that is read, and the most brackets and braces that open in it. Reading TOML was measured
-/// to take up to 80 bytes for a byte of text, and 2.4 KB for a table: together about 64 MiB.
+/// Longest scenario or plan file that is read, and the most brackets and braces that open in it. Reading TOML was
+/// measured to take up to 80 bytes for a byte of text, and 2.4 KB for a table: together about 64 MiB.
 pub const MAX_SCENARIO_BYTES: u64 = 350_000;
 const MAX_BRACKETS: usize = 24_000;
 
@@ -33,7 +33,7 @@ pub const MAX_MAP_BYTES: u64 = 16_000_000;
 /// The text of a scenario and what to call it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScenarioText {
-    /// As it was asked for: a built-in name, or a path.
+    /// The source as it was asked for: a built-in name, or a path.
     pub source: String,
     /// As messages name it: the path, or the file's name in the program's `scenarios` folder.
     pub(super) name: String,
@@ -58,7 +58,7 @@ impl ScenarioText {
         Self::from_bytes(source, input_file::read(Path::new(source), MAX_SCENARIO_BYTES))
     }
 
-    /// Takes what was read at this path.
+    /// Takes the bytes that were read at this path.
     ///
     /// # Errors
     /// If it could not be read, or is no text.
@@ -90,7 +90,7 @@ fn within_limits(bytes: Vec<u8>) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Whether the scenario of this name can be read once more: a built-in one, or a file. A pipe's text is gone.
+/// Says whether the scenario of this name can be read once more: a built-in one, or a file. A pipe's text is gone.
 pub fn can_be_read_again(source: &str) -> bool {
     BUILT_IN.iter().any(|(name, _)| *name == source) || fs::metadata(source).is_ok_and(|found| found.is_file())
 }

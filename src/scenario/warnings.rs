@@ -20,7 +20,7 @@ const LATERAL_GRIP_MPS2: f64 = 4.0;
 /// Most points of all lattices on which [`warn_of_idle_wumpuses`] looks for what can be lit: a tenth of a second.
 const MAX_POINTS_LOOKED_AT: f64 = 1e6;
 
-/// Most pairs of a bush and a place near it that are looked at for the nearest.
+/// Most pairs of a bush and a place near it that the search for the nearest looks at.
 const MAX_LOOKS: f64 = 1e7;
 
 /// Most milestones times neighbours of all roadmaps that [`warn_of_roadmaps`] builds: a tenth of a second.
@@ -177,7 +177,7 @@ fn warn_of_blocked_starts(
     }
 }
 
-/// Wumpuses that stand nowhere within reach of a bush's centre.
+/// Warns of Wumpuses that can come nowhere within reach of a bush's centre.
 fn warn_of_idle_wumpuses(scenario: &Scenario, terrain: &Terrain, found: &mut Vec<String>) {
     let mut points = 0.0;
     for (number, wumpus) in scenario.wumpus.iter().enumerate() {
@@ -218,7 +218,7 @@ fn warn_of_idle_wumpuses(scenario: &Scenario, terrain: &Terrain, found: &mut Vec
     }
 }
 
-/// Roadmaps that lead next to nowhere, of those that are built at once.
+/// Warns of roadmaps that lead next to nowhere, among those that are quickly built.
 fn warn_of_roadmaps(scenario: &Scenario, terrain: &Terrain, field: &Arc<ClearanceField>, found: &mut Vec<String>) {
     let corners = 4.0 * terrain.bushes.len() as f64;
     let mut edges = 0.0;

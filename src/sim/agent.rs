@@ -122,7 +122,7 @@ impl Log {
         Self { events: Vec::new(), recorded: 0, beside: 0, memory: memory.holder(Growing::Timeline) }
     }
 
-    /// Adds a fact. Where there is no memory for it the run is over, and it is left out.
+    /// Adds a fact. If there is no memory for it, it is left out and the run is over.
     pub fn add(&mut self, time: SimTime, fact: Fact) {
         let beside = self.beside + bytes_beside(&fact);
         if self.memory.cover(self.events.bytes_after(1) + beside) {

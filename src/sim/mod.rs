@@ -82,13 +82,13 @@ pub struct Run {
     pub spending: Vec<Spending>,
 }
 
-/// How a run takes place. Nothing of it changes what happens in the run.
+/// The options of a run. They change nothing that happens in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RunOptions {
-    /// Whether the timeline also holds what the searches looked at, as [`Fact::Searched`]. CPU times include what recording
-    /// that takes.
+    /// True if the timeline also holds what the searches looked at, as [`Fact::Searched`]. CPU times include recording
+    /// it.
     pub records_searches: bool,
-    /// A run that would take more memory does not take place, or ends early, as [`RunError::Memory`].
+    /// The limit of memory. A run that would take more does not take place, or ends early, as [`RunError::Memory`].
     pub memory: MemoryLimit,
 }
 
@@ -108,12 +108,12 @@ pub fn run(scenario: &Scenario, seed: u64) -> Result<Run, RunError> {
     run_with(scenario, seed, RunOptions::default())
 }
 
-/// Like [`run`], and the timeline also holds what the searches looked at.
+/// Does the same as [`run`], and the timeline also holds what the searches looked at.
 pub fn run_recording_searches(scenario: &Scenario, seed: u64) -> Result<Run, RunError> {
     run_with(scenario, seed, RunOptions { records_searches: true, ..RunOptions::default() })
 }
 
-/// Like [`run`], with other options.
+/// Does the same as [`run`], with other options.
 pub fn run_with(scenario: &Scenario, seed: u64, options: RunOptions) -> Result<Run, RunError> {
     let mut clock = CpuStopwatch::start();
     let mut simulation = Simulation::with(scenario, seed, options)?;
@@ -143,7 +143,7 @@ pub struct Simulation {
     memory: Memory,
 }
 
-/// What a run may take, what it was estimated to take, and what it holds of what grows.
+/// The memory that a run may take, was estimated to take, and holds in what grows.
 struct Memory {
     limit: MemoryLimit,
     estimate: MemoryEstimate,
@@ -161,10 +161,10 @@ impl Simulation {
         Self::with(scenario, seed, RunOptions { records_searches: true, ..RunOptions::default() })
     }
 
-    /// The same world with other options.
+    /// Makes the same world with other options.
     ///
     /// # Errors
-    /// If it cannot be, or would take more memory than it may: then nothing was allocated for it.
+    /// If it cannot be, or would take more memory than the limit; then nothing was allocated for it.
     pub fn with(scenario: &Scenario, seed: u64, options: RunOptions) -> Result<Self, RunError> {
         let estimate = MemoryEstimate::new(scenario);
         let meter = estimate.meter(options.memory)?;
@@ -175,7 +175,7 @@ impl Simulation {
         Ok(simulation)
     }
 
-    /// Refuses a run that came to the limit of its memory: what its facts say after that is no answer.
+    /// Refuses a run that came to the limit of its memory: its facts after that are not to be used.
     pub fn expect_within_memory(&self) -> Result<(), RunError> {
         let Memory { limit, estimate, meter } = &self.memory;
         estimate.overrun(meter, *limit).map_or(Ok(()), |exceeded| Err(exceeded.into()))

@@ -35,7 +35,7 @@ pub fn binomial_at_most(hits: u64, trials: u64, rate: f64) -> f64 {
 
 /// Probability that Fisher's F with these positive degrees of freedom, which need not be whole, is at least `f`.
 pub fn f_at_least(f: f64, [above, below]: [f64; 2]) -> f64 {
-    // By the incomplete beta function from the far end, where small probabilities keep their digits.
+    // The incomplete beta function from the far end, where small probabilities keep their digits.
     beta_reg(0.5 * below, 0.5 * above, below / (below + above * f))
 }
 

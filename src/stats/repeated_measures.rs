@@ -12,7 +12,7 @@
 
 use crate::stats::distributions::f_at_least;
 
-/// What is rounding, as a share of the squares of all numbers.
+/// Residuals that are mere rounding, as a share of the squares of all numbers.
 const ROUNDING: f64 = 1e-28;
 
 /// The test that the means of all conditions are equal.
@@ -20,7 +20,7 @@ const ROUNDING: f64 = 1e-28;
 pub struct RepeatedMeasures {
     /// Infinite where all subjects agree on what the conditions do.
     pub f: f64,
-    /// Of the conditions and of what is left, both with epsilon in them.
+    /// The degrees of freedom of the conditions and of the residuals, both multiplied by epsilon.
     pub degrees: [f64; 2],
     /// Greenhouse and Geisser's, from 1 / (conditions - 1) to 1.
     pub epsilon: f64,
@@ -28,10 +28,10 @@ pub struct RepeatedMeasures {
 }
 
 impl RepeatedMeasures {
-    /// A row for each subject, with its number under each condition, all rows of one length.
+    /// Tests rows, one for each subject with its number under each condition, all of one length.
     ///
-    /// `None` of fewer than two subjects or conditions, or where neither conditions nor anything else make a difference
-    /// within subjects. Takes time in proportion to the numbers times the lesser of subjects and conditions.
+    /// `None` for fewer than two subjects or conditions, or where neither conditions nor anything else make a
+    /// difference within subjects. Takes time in proportion to the numbers times the lesser of subjects and conditions.
     pub fn from_rows(rows: &[Vec<f64>]) -> Option<Self> {
         let (subjects, conditions) = (rows.len(), rows.first()?.len());
         if subjects < 2 || conditions < 2 {
@@ -91,7 +91,7 @@ mod tests {
         numbers.iter().map(|row| row.to_vec()).collect()
     }
 
-    fn of(numbers: &[Vec<f64>]) -> RepeatedMeasures {
+    fn from_numbers(numbers: &[Vec<f64>]) -> RepeatedMeasures {
         RepeatedMeasures::from_rows(numbers).expect("the numbers differ")
     }
 
@@ -102,13 +102,13 @@ mod tests {
 
     #[test]
     fn statistic_and_p_are_those_of_pingouin() {
-        // `pingouin.rm_anova(..., correction=True)`: F, eps and p_GG_corr; the digits are those of the same sums in NumPy
-        // and of `scipy.stats.f.sf`, which agree with it.
-        let found = of(&uneven());
+        // `pingouin.rm_anova(..., correction=True)`: F, eps and p_GG_corr; the digits are those of the same sums in
+        // NumPy and of `scipy.stats.f.sf`, which agree with it.
+        let found = from_numbers(&uneven());
         assert_close(found.f, 22.827225130890056);
         assert_close(found.epsilon, 0.6457157017186754);
         assert_close(found.p_value, 0.0018904480477908057);
-        let found = of(&rows(&[
+        let found = from_numbers(&rows(&[
             [1.0, 0.0, 2.0, 3.0],
             [2.0, 1.0, 0.0, 2.0],
             [4.0, 3.0, 5.0, 1.0],
@@ -124,7 +124,7 @@ mod tests {
     fn two_conditions_are_students_paired_test() {
         // `scipy.stats.ttest_rel(x[:, 0], x[:, 1])`
         let two: Vec<Vec<f64>> = uneven().into_iter().map(|row| row[..2].to_vec()).collect();
-        let found = of(&two);
+        let found = from_numbers(&two);
         assert_close(found.p_value, 0.002575161259595094);
         assert_close(found.f.sqrt(), 5.566607985435952);
         assert_close(found.epsilon, 1.0);
@@ -133,7 +133,7 @@ mod tests {
     #[test]
     fn what_all_conditions_or_all_numbers_of_a_subject_share_does_not_matter() {
         let shifted: Vec<Vec<f64>> = uneven().into_iter().zip([100.0, -7.0, 0.0, 1e3, 5.0, 31.0]).map(add).collect();
-        let (found, expected) = (of(&shifted), of(&uneven()));
+        let (found, expected) = (from_numbers(&shifted), from_numbers(&uneven()));
         assert!((found.p_value - expected.p_value).abs() < 1e-9, "{found:?} {expected:?}");
     }
 
@@ -144,9 +144,9 @@ mod tests {
     #[test]
     fn conditions_without_any_spread_are_no_obstacle() {
         let rare = rows(&[[0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.0]]);
-        assert!((0.1..1.0).contains(&of(&rare).p_value));
+        assert!((0.1..1.0).contains(&from_numbers(&rare).p_value));
         let always = rows(&[[3.0, 53.0]; 4]);
-        assert_eq!((of(&always).f, of(&always).p_value), (f64::INFINITY, 0.0));
+        assert_eq!((from_numbers(&always).f, from_numbers(&always).p_value), (f64::INFINITY, 0.0));
     }
 
     #[test]
@@ -166,7 +166,7 @@ mod tests {
             let mut uniform = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64 - 0.5;
             let numbers: Vec<Vec<f64>> =
                 (0..12).map(|_| [1.0, 3.0, 10.0].map(|spread| spread * uniform()).to_vec()).collect();
-            of(&numbers).p_value <= 0.05
+            from_numbers(&numbers).p_value <= 0.05
         };
         let alarms = (0..1000).filter(is_alarm).count();
         assert!((20..=75).contains(&alarms), "{alarms} of 1000");

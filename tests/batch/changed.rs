@@ -10,8 +10,8 @@ use wildfire::batch::{Batch, BatchError, JournalError, OutputFolder, Record};
 
 use crate::made_up::{made_up_run, plan};
 
-/// Runs a batch whose folder something is done to after its fifth run; returns how many runs were over at its end, and
-/// what is said of it.
+/// Runs a batch whose folder is changed after its fifth run; returns how many runs were over at its end, and its error
+/// in words.
 fn ended_by(change: fn(&Path)) -> (u64, String) {
     let scratch = tempfile::tempdir().expect("a scratch folder");
     let path = scratch.path().join("out");

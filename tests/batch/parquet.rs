@@ -20,7 +20,7 @@ fn table(path: &Path) -> (Vec<String>, Vec<Vec<String>>) {
     let written = |field: &Field| match field {
         Field::Null => String::new(),
         Field::Long(count) => count.to_string(),
-        // Only of seeds that are too large for the signed type.
+        // Only for seeds that are too large for the signed type.
         Field::ULong(count) => count.to_string(),
         Field::Double(number) => number.to_string(),
         Field::Str(text) => text.clone(),

@@ -11,7 +11,7 @@ use wildfire::sim::{Run, RunError};
 
 use crate::made_up::{made_up_run, plan, run_plan};
 
-/// Of these the runs 8 and 18 fail, and run 13 panics.
+/// Seeds of which runs 8 and 18 fail, and run 13 panics.
 const SEEDS: &str = "1..20";
 
 fn recording(folder: &Path, seed: u64) -> PathBuf {
@@ -36,7 +36,7 @@ fn go_on(batch: &mut Batch, run: Box<RunScenario>, stop: bool) -> Result<(), Bat
     batch.finish(&stop).map(drop)
 }
 
-/// Every file of a folder, but the tables in which something is measured.
+/// Reads every file of a folder, except for the tables in which something is measured.
 fn contents(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let recordings = (1..=20).map(|seed| recording(folder, seed)).filter(|path| path.exists());
     let paths = recordings.chain([folder.join("runs.journal"), folder.join("runs.csv")]);
@@ -119,7 +119,7 @@ fn batch_that_is_stopped_before_its_recordings_are_back_is_not_over() {
     assert!(recording(scratch.path(), 1).exists());
 }
 
-/// What another machine might compute.
+/// Computes a run as another machine might.
 fn other_run(scenario: &Scenario, seed: u64) -> Result<Run, RunError> {
     made_up_run(scenario, seed + 1)
 }

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use crate::story::{Answer, Story};
 
-/// Much longer than any of these commands takes, and bounded: what it bounds once waited without end.
+/// A time that is much longer than any of these commands takes; some of them once waited without end.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 #[expect(clippy::disallowed_methods, reason = "only waiting can show that something does not wait without end")]
@@ -139,7 +139,7 @@ fn lost_recordings_are_made_again_and_named() {
     assert!(after == before, "another recording");
     assert_eq!(story.tell(&["batch", "--resume", "out"]).expect_code(0).stderr, "");
 
-    // In none of these runs an agent is stuck.
+    // No agent is stuck in any of these runs.
     story.tell(&["batch", "smoke", "--record", "failed", "--out", "failed"]).expect_code(0);
     assert_eq!(fs::read_dir(story.path("failed/recordings")).expect("it is there").count(), 0);
     assert_eq!(story.tell(&["batch", "--resume", "failed"]).expect_code(0).stderr, "");

@@ -49,8 +49,8 @@ fn batch_that_is_killed_at_any_moment_loses_nothing_and_runs_nothing_twice() {
         if story.path("killed/plan.json").exists() {
             arguments = vec!["batch", "--resume", "killed", "--jobs", "2"];
         } else {
-            // It had not even begun; what is left of the attempt is a folder, perhaps with an empty journal and part of
-            // a plan, which are not in the way.
+            // It had not even begun; it left a folder, perhaps with an empty journal and part of a plan, which are
+            // not in the way.
         }
         unfinished += usize::from(!story.path("killed/runs.csv").exists());
     }

@@ -58,7 +58,7 @@ fn batch(story: &Story, folder: &str, changes: &[&str]) {
 
 const FORMS: [&[&str]; 4] = [&[], &["--md"], &["--html"], &["--json"]];
 
-/// What is said of the planner where it is all that differs.
+/// The words about the planner where it is all that differs.
 const THE_PLANNERS: &str = "the difference is the planner";
 
 /// A comparison without the breaks of its lines.

@@ -1,4 +1,4 @@
-//! Files that are named to the program: one cause, one exit code, whatever command it is that reads or writes them.
+//! Files that the program's user names: one cause, one exit code, whichever command reads or writes them.
 
 use std::fs;
 
@@ -30,7 +30,7 @@ const OUTPUTS: [(&str, &str, &[u8]); 22] = [
     ("new plan", "toml", b"#"),
 ];
 
-/// Every way to name a file to be read, where `{}` stands, and whether it is a folder that is expected.
+/// Every way to name a file to be read, with `{}` for its name, and whether a folder is expected.
 const INPUTS: [(&str, bool); 20] = [
     ("check {}", false),
     ("run {}", false),
@@ -178,7 +178,7 @@ fn one_cause_of_an_output_has_one_exit_code_in_all_commands() {
     }
 }
 
-/// What only permissions keep from being read or written, told to the program as somebody who does not have them.
+/// Runs the program as a user without permissions on files that only permissions keep from being read or written.
 #[test]
 #[cfg(unix)]
 fn what_may_not_be_read_or_written_is_the_environment_in_all_commands() {
@@ -187,13 +187,13 @@ fn what_may_not_be_read_or_written_is_the_environment_in_all_commands() {
     use std::path::Path;
     use std::process::Command;
 
-    /// Who owns nothing.
+    /// The user who owns nothing.
     const NOBODY: u32 = 65534;
 
     let story = story();
     let allow = |name: &str, mode| fs::set_permissions(story.path(name), fs::Permissions::from_mode(mode));
     let is_root = fs::metadata("/proc/self").is_ok_and(|found| found.uid() == 0);
-    // Where the tests are built nobody else may be allowed to look.
+    // Other users may not be allowed to look where the tests are built.
     let programs = tempfile::tempdir().expect("a scratch folder");
     let program = programs.path().join("wildfire");
     fs::copy(env!("CARGO_BIN_EXE_wildfire"), &program).expect("there is room");

@@ -338,7 +338,7 @@ fn timing_prints_a_row_for_each_map() {
     assert_eq!((&timings["maps"][1]["goal"], &timings["maps"][1]["wavefront_s"]), (&Value::Null, &Value::Null));
 }
 
-/// A plain PGM of 20 pixels: so many of each grey value.
+/// Writes a plain PGM of 20 pixels, with a count for each grey value.
 fn greys(story: &Story, name: &str, counts: &[(usize, u8)]) {
     let pixels: Vec<String> = counts.iter().flat_map(|&(count, grey)| vec![grey.to_string(); count]).collect();
     story.file(name, &format!("P2 20 {} 255\n{}\n", pixels.len() / 20, pixels.join(" ")));

@@ -1,4 +1,4 @@
-//! Runs that would take more memory than they may, and what is said of memory before.
+//! Runs that would take more memory than their limit, and what the program says of memory beforehand.
 
 use std::fs;
 use std::process::{Child, Command, Stdio};
@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use super::story::{Answer, Story};
 
-/// A scenario with so many trucks in a grid, and five fires.
+/// Writes a scenario with `count` trucks in a grid, and five fires.
 fn trucks(count: usize, size_m: f64, rest_of_truck: &str) -> String {
     let mut text = format!("duration_s = 60\nwumpus = []\n[field]\nsize_m = {size_m}\nstart_clearance_m = 1\n");
     text += "coverage = 0.02\n[[ignition]]\nat_s = 1\nrandom = 5\n";
@@ -38,7 +38,7 @@ fn peak_bytes(mut command: Command) -> (u64, Answer) {
     (peak, Answer::of(&wait.join().expect("it was waited for")))
 }
 
-/// What `check` says that a run needs in any case.
+/// Reads the bytes that a run needs in any case from what `check` says.
 fn estimated_bytes(story: &Story, scenario: &[&str]) -> u64 {
     let check = story.tell(&[&["check"], scenario].concat());
     let line =

@@ -2,7 +2,7 @@
 
 use crate::story::{Answer, Story};
 
-/// Commands with an option that takes a number, `@` standing for it; the rest is right.
+/// Commands with an option that takes a number, with `@` in its place; the rest is right.
 const COMMANDS: &[&str] = &[
     "run smoke --seed @ --events events.csv",
     "run smoke --trace trace.csv --step @",
@@ -59,7 +59,7 @@ fn tell(story: &Story, command: &str, number: &str) -> Answer {
     story.tell(&words.split(' ').collect::<Vec<_>>())
 }
 
-/// What is said, but for what is measured, and without the sign of the number that was asked for.
+/// Returns the lines of an answer except measured ones, without the sign of the number that was asked for.
 fn said(text: &str) -> Vec<String> {
     let lines = text.lines().take_while(|line| !line.contains("CPU") && !line.contains(" ms"));
     lines.map(|line| line.replace("-0", "0").replace("0.0", "0")).collect()

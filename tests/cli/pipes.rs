@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use crate::story::{Answer, Story};
 
-/// Every way to name a file that is read, where `{}` stands, and what is read there.
+/// Every way to name a file that is read, with `{}` for its name, and what is read there.
 const INPUTS: [(&str, &str); 17] = [
     ("check {}", "smoke.toml"),
     ("run {}", "smoke.toml"),
@@ -115,7 +115,7 @@ fn wait(moment: Duration) {
     thread::sleep(moment);
 }
 
-/// How the program ended, which it must do soon.
+/// Waits for the end of the program, which must come soon, and returns its status.
 fn end_of(child: &mut Child, arguments: &str) -> std::process::ExitStatus {
     let since = Instant::now();
     while since.elapsed() < Duration::from_secs(20) {
@@ -143,11 +143,11 @@ fn one_interrupt_ends_the_wait_for_a_pipe_that_says_nothing() {
     }
 }
 
-/// The memory in which the program must do with any input, in kibibytes of addresses: 64 MiB for what it reads, and what
+/// The memory that must be enough for any input, in kibibytes of addresses: 64 MiB for what the program reads, and what
 /// it takes without reading anything, most of it never touched.
 const ADDRESSES_KIB: u32 = 65_536 + 40_000;
 
-/// Tells the program something in bounded memory, which must end it with the code of bad input.
+/// Runs a command in bounded memory, which must end with the code of bad input.
 fn refuse_in_bounded_memory(story: &Story, words: &[String], what: &str) {
     let limited = format!("ulimit -v {ADDRESSES_KIB}; exec \"$0\" \"$@\"");
     let mut shell = Command::new("sh");
@@ -165,7 +165,7 @@ fn device_without_an_end_is_refused_at_the_limit() {
     }
 }
 
-/// A text of about so many bytes: a beginning, what is repeated, and an end.
+/// Makes a text of about `bytes` bytes: a beginning, what is repeated, and an end.
 fn text_of(bytes: usize, start: &str, repeated: &str, end: &str) -> String {
     format!("{start}{}{end}", repeated.repeat((bytes - start.len() - end.len()) / repeated.len()))
 }

@@ -122,7 +122,7 @@ fn hangup_that_nohup_keeps_off_ends_nothing() {
     answer(child).expect_code(0);
 }
 
-/// What the program says when no file may have more bytes than so many blocks.
+/// Runs the program where no file may have more than this number of blocks, and returns its answer.
 fn limited(story: &Story, blocks: u32, arguments: &str) -> Answer {
     let command = format!("ulimit -f {blocks}; exec {} {arguments}", env!("CARGO_BIN_EXE_wildfire"));
     let output = Command::new("sh").args(["-c", &command]).current_dir(story.path("")).output();

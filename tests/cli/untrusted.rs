@@ -9,12 +9,12 @@ use crate::story::{Answer, Story, refuse};
 /// Clears the screen, rings, and turns the direction of what follows.
 const HOSTILE: &str = "a\u{1b}[2Jb\u{7}c\u{9b}1md\u{202e}e\u{2066}f\u{200f}g\u{2028}h";
 
-/// What a scenario may be called: controls are refused there, marks of direction are not.
+/// A name that a scenario may have: controls are refused there, marks of direction are not.
 const TURNED: &str = "a\u{202e}b\u{2069}c";
 
 const SMALL: &str = "duration_s = 20\n[[wumpus]]\n[[unimog]]\n";
 
-/// Whether nothing in what a terminal shows acts on it; the program itself uses line ends only.
+/// Says whether nothing in a text acts on a terminal; the program itself uses line ends only.
 fn is_harmless(text: &str) -> bool {
     let acts = |letter: char| {
         let code = u32::from(letter);

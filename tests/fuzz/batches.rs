@@ -1,4 +1,4 @@
-//! What lies in the folder of a batch: plan, journal, tables. And plan files.
+//! Files in the folder of a batch: plan, journal, tables. And plan files.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -86,13 +86,13 @@ impl Whole for Sunk {
     }
 }
 
-/// A plan of a batch is read or refused, and what is read is the same once it was written.
+/// Checks that a plan of a batch is read or refused, and is the same when it is written and read again.
 pub fn frozen_plan(case: &mut Case<'_>) -> Law {
     let samples: Vec<&[u8]> = SAMPLES.iter().map(|sample| &sample.plan_json[..]).collect();
     case.input = mutated(&mut case.dice, &samples, &["\"swept\"", "\"variants\": []", "{\"Real\": 1}", "null,"]);
     let refusal = match read_plan(case) {
         Err(PlanError::Tampered { found, expected, .. }) => {
-            // The hash is put right, so that what stands under it is looked at.
+            // The hash is put right, so that what it covers is looked at.
             let text = String::from_utf8_lossy(&case.input).replace(&expected, &found);
             case.input = text.into_bytes();
             read_plan(case)
@@ -148,7 +148,7 @@ const PLAN_WORDS: &[&str] = &[
     "name = ['a', 'b']\n",
 ];
 
-/// A plan file is read or refused; the plan that it leads to is the same once it was written.
+/// Checks that a plan file is read or refused, and that its plan is the same when it is written and read again.
 pub fn plan_file(case: &mut Case<'_>) -> Law {
     case.input = mutated(&mut case.dice, PLANS, PLAN_WORDS);
     let path = case.write("plan.toml", &case.input);
@@ -172,7 +172,7 @@ pub fn plan_file(case: &mut Case<'_>) -> Law {
     }
 }
 
-/// Options of the command line: changes, sweeps and planners.
+/// Checks options of the command line: changes, sweeps and planners.
 pub fn batch_options(case: &mut Case<'_>) -> Law {
     const OPTIONS: &[&str] = &[
         "field.coverage=0.05,0.1",
@@ -202,7 +202,7 @@ pub fn batch_options(case: &mut Case<'_>) -> Law {
     }
 }
 
-/// A journal with right checksums about anything is read or refused, and so are the tables that it leads to.
+/// Checks that a journal with right checksums about anything is read or refused, and so are the tables made from it.
 pub fn journal(case: &mut Case<'_>) -> Law {
     let sample = one_of(&mut case.dice, &SAMPLES);
     let mut lines: Vec<Vec<u8>> = sample.journal.split(|&byte| byte == b'\n').map(<[u8]>::to_vec).collect();
@@ -248,7 +248,7 @@ pub fn journal(case: &mut Case<'_>) -> Law {
     }
 }
 
-/// Tables of runs are compared, or refused.
+/// Checks that tables of runs are compared, or refused.
 pub fn compared_tables(case: &mut Case<'_>) -> Law {
     let samples: Vec<&[u8]> = SAMPLES.iter().map(|sample| &sample.runs_csv[..]).collect();
     let words = ["done,", "panicked,", "smoke,", "\"\"", "prm-rs", "intact", "seed,", "status,"];
@@ -265,7 +265,7 @@ pub fn compared_tables(case: &mut Case<'_>) -> Law {
     }
 }
 
-/// The rows of a finished batch are read in their order, or refused.
+/// Checks that the rows of a finished batch are read in their order, or refused.
 pub fn finished_rows(case: &mut Case<'_>) -> Law {
     let sample = one_of(&mut case.dice, &SAMPLES);
     case.input = mutated(&mut case.dice, &[&sample.runs_csv], &["done,", "inf,", "nan,", "\"", "1e308,"]);
@@ -294,7 +294,7 @@ fn write_batch(case: &Case<'_>, sample: &Sample, states: &[u8]) {
     case.write(STATES_PARQUET, states);
 }
 
-/// A report is written of anything that can be read, or it is refused.
+/// Checks that a report is written of anything that can be read, or is refused.
 pub fn report(case: &mut Case<'_>) -> Law {
     let sample = one_of(&mut case.dice, &SAMPLES);
     let is_of_states = case.chance(70);

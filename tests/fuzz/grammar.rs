@@ -1,4 +1,4 @@
-//! Scenarios by the grammar of the program's own JSON Schema, so that a key that is new is drawn without a word here.
+//! Scenarios by the grammar of the program's own JSON Schema, so that a new key is drawn without a change here.
 //!
 //! Ranges of numbers are not part of the schema. They are taken from the refusal of a number that is in no range.
 
@@ -17,9 +17,9 @@ use super::fuzz::{Law, below, chance, one_of};
 pub struct Grammar {
     schema: Json,
     keys: Vec<Key>,
-    /// Of the keys, those that take words or yes and no: they decide what the others are good for.
+    /// The keys that take words or yes and no: they decide what the others are good for.
     choices: Vec<usize>,
-    /// By path without places in lists: `unimog.prm.samples`.
+    /// Ranges by path without places in lists: `unimog.prm.samples`.
     ranges: BTreeMap<String, [f64; 2]>,
 }
 
@@ -61,7 +61,7 @@ impl Grammar {
         &self.ranges
     }
 
-    /// A scenario of a small field and a short time, with some other keys; most are accepted.
+    /// Draws a scenario of a small field and a short time, with some other keys; most are accepted.
     pub fn draw(&self, dice: &mut Unstructured<'_>) -> Written {
         let cell_m = if chance(dice, 80) { 5.0 } else { *one_of(dice, &[2.5, 20.0, 3.3, 1.0, 0.5, 7.0]) };
         let side = 8 + below(dice, if cell_m > 5.0 { 3 } else { 13 });
@@ -109,12 +109,12 @@ impl Grammar {
         Written { scenario, map }
     }
 
-    /// Sets one key, of an agent in any of them.
+    /// Sets one key; one of agents, in any of them.
     fn change(&self, dice: &mut Unstructured<'_>, scenario: &mut Table) {
         let key = if chance(dice, 40) { *one_of(dice, &self.choices) } else { below(dice, self.keys.len()) };
         let Key { path, schema } = &self.keys[key];
         let dotted = path.join(".");
-        // What decides whether anything can be run is drawn by other means, and only now and then by these.
+        // Keys that decide whether anything can be run are drawn by other means, and only now and then by these.
         if FRAME.contains(&dotted.as_str()) && !chance(dice, 5) {
             return;
         }
@@ -153,7 +153,7 @@ impl Grammar {
         Value::Table(entry)
     }
 
-    /// A value of this schema; `None` of null, which TOML has not.
+    /// Draws a value of this schema; `None` for null, which TOML does not have.
     fn value(&self, dice: &mut Unstructured<'_>, schema: &Json, path: &str) -> Option<Value> {
         let default = &schema["default"];
         let schema = self.resolved(schema);
@@ -186,12 +186,12 @@ impl Grammar {
                 };
                 Value::Array((0..count).filter_map(|index| self.value(dice, &item(index), path)).collect())
             }
-            // What is not known here yet stays as it is by default.
+            // A value of an unknown kind stays as it is by default.
             _ => return None,
         })
     }
 
-    /// Mostly near the default, else anywhere in the range, at its ends, or beyond.
+    /// Draws a number, mostly near the default, else anywhere in the range, at its ends, or beyond.
     fn number(&self, dice: &mut Unstructured<'_>, default: f64, path: &str) -> f64 {
         let [least, most] = self.ranges.get(path).copied().unwrap_or([0.0, 1e6]);
         let factor = *one_of(dice, &[1.0, 0.5, 2.0, 0.25, 4.0, 1.5, 0.1, 10.0, 0.999_999, 3.7]);
@@ -251,7 +251,7 @@ impl Grammar {
         }
     }
 
-    /// Whether a value of this schema is one of a few.
+    /// Says whether a value of this schema is one of a few.
     fn is_choice(&self, schema: &Json) -> bool {
         let resolved = self.resolved(schema);
         resolved["type"] == "boolean" || resolved["enum"].is_array() || resolved["oneOf"].is_array()
@@ -270,7 +270,7 @@ const FRAME: [&str; 8] = [
     "wumpus.start_m",
 ];
 
-/// What a number that is too large is told to be.
+/// Reads a number's range from the refusal of one that is too large.
 fn range_of(path: &str) -> Option<[f64; 2]> {
     let ask = |number: &str| {
         let changes = ["ignition=[{ at_s = 0, random = 1 }]".to_owned(), format!("{path}={number}")];
@@ -287,7 +287,7 @@ fn range_of(path: &str) -> Option<[f64; 2]> {
     })
 }
 
-/// Whoever wrote the scenario is told where to look, and the message can be shown.
+/// Checks that a refusal says where to look, and that its message can be shown.
 pub fn refusal_names_its_place(refusal: &ScenarioError) -> Law {
     match (&refusal.place, &refusal.fault) {
         (Some(place), _) => drop((place.to_string(), place.excerpt())),
@@ -305,7 +305,7 @@ pub fn refusal_names_its_place(refusal: &ScenarioError) -> Law {
     }
 }
 
-/// An agent with its start in the field, as far from the border as a truck is long where the field has room.
+/// Draws an agent with its start in the field, as far from the border as a truck is long where the field has room.
 fn placed(dice: &mut Unstructured<'_>, kind: &str, size_m: f64) -> Table {
     let mut at = || Value::Float(size_m * (0.2 + 0.05 * below(dice, 13) as f64));
     match kind {
@@ -317,7 +317,7 @@ fn placed(dice: &mut Unstructured<'_>, kind: &str, size_m: f64) -> Table {
     }
 }
 
-/// A map as text, or as JSON.
+/// Draws a map as text, or as JSON.
 fn drawn_map(dice: &mut Unstructured<'_>, side: usize) -> String {
     let percent = *one_of(dice, &[10, 5, 20, 40, 0, 60]);
     if chance(dice, 30) {

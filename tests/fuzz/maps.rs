@@ -29,7 +29,7 @@ const TEXTS: &[&str] = &[
 const WORDS: &[&str] =
     &["type octile\n", "height ", "width ", "map\n", "P1 ", "P5 ", "P7\n", "GIF8", "BM", "#", "01", "\u{FEFF}"];
 
-/// A map file is read or refused, and a map that was read is the same once it was written.
+/// Checks that a map file is read or refused, and that its map is the same when it is written and read again.
 pub fn map_file(case: &mut Case<'_>) -> Law {
     case.input = match below(&mut case.dice, 4) {
         0 => png(&mut case.dice),
@@ -58,12 +58,12 @@ pub fn map_file(case: &mut Case<'_>) -> Law {
     Ok(())
 }
 
-/// A refusal says something.
+/// Checks that a refusal says something.
 pub fn said(refusal: &str) -> Law {
     if refusal.trim().is_empty() { Err("a refusal without a word".into()) } else { Ok(()) }
 }
 
-/// An array of NumPy holds in its header and bytes what was written.
+/// Checks that an array of NumPy holds in its header and bytes what was written.
 pub fn numpy_array(case: &mut Case<'_>) -> Law {
     let (rows, cols) = (1 + below(&mut case.dice, 9), 1 + below(&mut case.dice, 9));
     let path = case.folder.join("map.npy");
@@ -93,7 +93,7 @@ pub fn numpy_array(case: &mut Case<'_>) -> Law {
     is(&path, "<u4", bytes)
 }
 
-/// A PNG image with right checksums, whatever its chunks say.
+/// Draws a PNG image with right checksums, whatever its chunks say.
 fn png(dice: &mut Unstructured<'_>) -> Vec<u8> {
     let side = |dice: &mut Unstructured<'_>| match below(dice, 16) {
         15 => *one_of(dice, &[0, 32_767, 32_768, 100_000, u32::MAX, 1 << 31]),
@@ -148,7 +148,7 @@ fn png(dice: &mut Unstructured<'_>) -> Vec<u8> {
     if chance(dice, 10) { mutated(dice, &[bytes], &[]) } else { bytes }
 }
 
-/// A Netpbm image whose header may say anything, and whose pixels mostly suffice.
+/// Draws a Netpbm image whose header may say anything, and whose pixels mostly suffice.
 fn pnm(dice: &mut Unstructured<'_>) -> Vec<u8> {
     let kind = 1 + below(dice, 6);
     let side = |dice: &mut Unstructured<'_>| match below(dice, 16) {
@@ -194,7 +194,7 @@ const MEMBERS: &[&str] = &[
     "\u{1F525}",
 ];
 
-/// A given field is read or refused with a stretch of its text, and comes back from JSON as it was.
+/// Checks that a given field is read or refused with a stretch of its text, and comes back from JSON as it was.
 pub fn given_field(case: &mut Case<'_>) -> Law {
     case.input = mutated(&mut case.dice, FIELDS, MEMBERS);
     let text = String::from_utf8_lossy(&case.input);
@@ -220,7 +220,7 @@ const PROBLEMS: &[&str] = &[
     r#"{"field": 7, "size_m": 50, "cells_cr": [], "start": [null, 1, 2]}"#,
 ];
 
-/// A problem file is read, or refused with a place.
+/// Checks that a problem file is read, or refused with a place.
 pub fn problem_file(case: &mut Case<'_>) -> Law {
     case.input = mutated(&mut case.dice, PROBLEMS, MEMBERS);
     let path = case.write("problem.json", &case.input);

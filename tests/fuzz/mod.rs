@@ -1,9 +1,9 @@
-//! What fuzzers share: cases that follow from their number, and the search for a small case that shows a fault.
+//! The common part of fuzzers: cases that follow from their number, and the search for a small case that shows a fault.
 //!
 //! A case is a string of random bytes from which its input is made, see [`Unstructured`]: fewer bytes, and zeros, make
-//! simpler inputs. The bytes follow from the fuzzer's name and the case's number alone, so that any case can be repeated
-//! by itself. Of a case that breaks a law or panics the bytes are cut as long as something goes wrong; what is left is told
-//! with the command that repeats it.
+//! simpler inputs. The bytes follow from the fuzzer's name and the case's number alone, so that any case can be
+//! repeated by itself. If a case breaks a law or panics, its bytes are cut as long as something still goes wrong; what
+//! is left is reported with the command that repeats it.
 //!
 //! | variable | meaning |
 //! |---|---|
@@ -37,16 +37,16 @@ const SEED: u64 = 20_241_211;
 /// The most bytes that a case is made of.
 const MAX_BYTES: usize = 1 << 12;
 
-/// After so long on one case a fuzzer gives up: every case is meant to take milliseconds.
+/// The time on one case after which a fuzzer gives up: every case is meant to take milliseconds.
 const HANG: Duration = Duration::from_mins(3);
 
-/// How often cases that run without end say how far they are.
+/// The time between two reports of progress where cases run without end.
 const NEWS: Duration = Duration::from_mins(1);
 
-/// How many smaller cases are tried to find a small one.
+/// The number of smaller cases that are tried to find a small one.
 const SHRINKING_TRIALS: usize = 400;
 
-/// How much of an input is told with a fault; a file holds all of it.
+/// The bytes of an input that are shown with a fault; a file holds all of it.
 const SHOWN_BYTES: usize = 4000;
 
 /// Nothing, or the law that a case breaks.
@@ -57,14 +57,14 @@ pub struct Case<'a> {
     pub dice: Unstructured<'a>,
     /// A folder for files, the same for many cases.
     pub folder: &'a Path,
-    /// What the case is about; a smaller case is about the same.
+    /// The subject of the case; a smaller case has the same.
     pub kind: &'static str,
-    /// The input, which is told where something is wrong with it.
+    /// The input, which is shown if something is wrong with it.
     pub input: Vec<u8>,
     tally: &'a mut Tally,
 }
 
-/// How often what happened.
+/// Counts of cases by what happened in them.
 type Tally = BTreeMap<String, u64>;
 
 impl Case<'_> {
@@ -73,7 +73,7 @@ impl Case<'_> {
         *self.tally.entry(sort.into()).or_default() += 1;
     }
 
-    /// Whether a draw of so many in a hundred hits; never where bytes have run out.
+    /// Draws yes with this chance in percent; no if the bytes have run out.
     pub fn chance(&mut self, percent: u8) -> bool {
         chance(&mut self.dice, percent)
     }
@@ -86,35 +86,35 @@ impl Case<'_> {
     }
 }
 
-/// Whether a draw of so many in a hundred hits; never where bytes have run out.
+/// Draws yes with this chance in percent; no if the bytes have run out.
 pub fn chance(dice: &mut Unstructured<'_>, percent: u8) -> bool {
     !dice.is_empty() && dice.int_in_range(1..=100).is_ok_and(|draw: u8| draw <= percent)
 }
 
-/// A number from 0 to one less than `count`, which is more than 0; 0 where bytes have run out.
+/// Draws a number from 0 to one less than `count`, which is more than 0; 0 if the bytes have run out.
 pub fn below(dice: &mut Unstructured<'_>, count: usize) -> usize {
     dice.int_in_range(0..=count - 1).unwrap_or_default()
 }
 
-/// One of several, the first where bytes have run out.
+/// Draws one of several; the first if the bytes have run out.
 pub fn one_of<'b, T>(dice: &mut Unstructured<'_>, choices: &'b [T]) -> &'b T {
     &choices[below(dice, choices.len())]
 }
 
-/// What came of a case.
+/// The result of a case.
 struct Examined {
     kind: &'static str,
     input: Vec<u8>,
     outcome: Law,
 }
 
-/// Which cases are run, and by how many threads.
+/// The cases that are run, and the number of threads.
 struct Order {
     first: u64,
     /// One more than the last.
     end: u64,
     jobs: u64,
-    /// Whether a single case was asked for, to be seen.
+    /// True if a single case was asked for, to be seen.
     is_one: bool,
 }
 
@@ -136,7 +136,7 @@ impl Order {
     }
 }
 
-/// What a thread has to say.
+/// A message of a thread.
 enum News {
     Done(Summary),
     /// Something is wrong with a case, and a smaller one is being looked for.
@@ -167,13 +167,13 @@ impl Summary {
 #[derive(Clone, Copy)]
 pub struct Fuzzer {
     pub name: &'static str,
-    /// As cargo is asked for it: `--test fuzz_parsers`.
+    /// The test as cargo is asked for it: `--test fuzz_parsers`.
     pub target: &'static str,
     pub law: fn(&mut Case<'_>) -> Law,
 }
 
 impl Fuzzer {
-    /// Runs so many cases, or those that the environment asks for, and returns how often what happened.
+    /// Runs this number of cases, or those that the environment asks for, and counts what happened.
     ///
     /// # Panics
     /// If a case breaks a law, panics, or takes longer than any should.
@@ -207,7 +207,7 @@ impl Fuzzer {
         summary.tally
     }
 
-    /// Waits for news of a thread; that one has not come further for long is news too.
+    /// Waits for news of a thread; a thread that makes no progress for long is news too.
     fn wait(self, told: &mpsc::Receiver<News>, places: &[Arc<AtomicU64>]) -> News {
         let look = || places.iter().map(|place| place.load(Ordering::Relaxed)).collect::<Vec<_>>();
         let mut last: Vec<(u64, Duration)> = look().into_iter().map(|case| (case, Duration::ZERO)).collect();
@@ -234,7 +234,7 @@ impl Fuzzer {
         }
     }
 
-    /// Every case of one thread.
+    /// Runs every case of one thread.
     fn work(self, job: u64, order: &Order, place: &AtomicU64, stop: &AtomicBool, tell: &mpsc::Sender<News>) -> News {
         let scratch = scratch_folder();
         let mut summary = Summary::default();
@@ -249,7 +249,7 @@ impl Fuzzer {
             }
             if let Err(fault) = &examined.outcome {
                 let found = format!("{}, case {case}, {}: {fault}", self.name, examined.kind);
-                // Where nobody listens any more, another thread was first.
+                // If nobody listens any more, another thread was first.
                 let _ = tell.send(News::Found(format!("{found}\n{}\n{}", shown(&examined.input), self.again(case))));
                 let small = self.small(&bytes, examined, scratch.path(), place);
                 return News::Broken(format!("{found}\n{small}\n{}", self.again(case)));
@@ -264,14 +264,15 @@ impl Fuzzer {
         News::Done(summary)
     }
 
-    /// Makes a case of its bytes and holds it against the law.
+    /// Makes a case of its bytes and checks the law on it.
     fn examine(self, bytes: &[u8], folder: &Path, tally: &mut Tally) -> Examined {
         let mut case = Case { dice: Unstructured::new(bytes), folder, kind: "", input: Vec::new(), tally };
         let outcome = quietly(|| (self.law)(&mut case)).unwrap_or_else(Err);
         Examined { kind: case.kind, input: case.input, outcome }
     }
 
-    /// The smallest case like this one in which something goes wrong: what, and its input, which a file keeps.
+    /// Finds the smallest case like this one in which something goes wrong; says what, and shows its input, which a
+    /// file keeps.
     fn small(self, bytes: &[u8], examined: Examined, folder: &Path, place: &AtomicU64) -> String {
         let weight = |bytes: &[u8]| bytes.len() + bytes.iter().filter(|&&byte| byte != 0).count();
         let mut small = (bytes.to_vec(), examined);
@@ -314,7 +315,8 @@ fn bytes_of(fuzzer: &str, case: u64) -> Vec<u8> {
     bytes
 }
 
-/// Ways to make a string of so many bytes simpler: ends cut off, stretches cut out, stretches zeroed; large ones first.
+/// Ways to make a string of `length` bytes simpler: ends cut off, stretches cut out, stretches zeroed; large ones
+/// first.
 fn smaller(length: usize) -> impl Iterator<Item = Box<dyn Fn(&[u8]) -> Vec<u8>>> {
     type Trial = Box<dyn Fn(&[u8]) -> Vec<u8>>;
     let sizes = std::iter::successors(Some(length / 2), |size| (*size > 1).then_some(size / 2));
@@ -370,7 +372,7 @@ fn quiet_panics() {
     });
 }
 
-/// What `work` returns, or what it panics with.
+/// Returns what `work` returns, or what it panics with.
 fn quietly<T>(work: impl FnOnce() -> T) -> Result<T, String> {
     IS_QUIET.set(true);
     // A case's input stays as it was made; nothing else that is borrowed outlives the panic.

@@ -5,7 +5,7 @@ use arbitrary::Unstructured;
 use super::fuzz::text::{NUMBERS, SCRAPS};
 use super::fuzz::{below, one_of};
 
-/// Some such words one after another.
+/// Draws some of these words one after another.
 pub fn phrase(dice: &mut Unstructured<'_>, words: &[&str]) -> String {
     let count = below(dice, 6);
     let word = |dice: &mut Unstructured<'_>| match below(dice, 8) {

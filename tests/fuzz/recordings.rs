@@ -35,7 +35,8 @@ static PAYLOADS: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     .to_vec()
 });
 
-/// A recording is read or refused. What is read can be written and is the same then, and has states and an outcome.
+/// Checks that a recording is read or refused. One that is read is the same when it is written, and has states and an
+/// outcome.
 pub fn recording(case: &mut Case<'_>) -> Law {
     // Most are stored as they are: deflating takes longer than all the rest.
     let payload = if chance(&mut case.dice, 90) {
@@ -62,7 +63,7 @@ pub fn recording(case: &mut Case<'_>) -> Law {
     export::write_events(&timeline, io::sink()).map_err(|error| error.to_string())
 }
 
-/// A payload in which some bytes were changed, mostly without moving the others.
+/// Draws a payload in which some bytes were changed, mostly without moving the others.
 fn damaged(case: &mut Case<'_>) -> Vec<u8> {
     let dice = &mut case.dice;
     if chance(dice, 20) {
@@ -70,7 +71,7 @@ fn damaged(case: &mut Case<'_>) -> Vec<u8> {
     }
     let mut payload = PAYLOADS[below(dice, PAYLOADS.len())].clone();
     for _ in 0..below(dice, 6) {
-        // What says how much there is of everything stands at the beginning.
+        // The counts of everything are at the beginning.
         let longest = if chance(dice, 30) { 300 } else { payload.len() };
         let at = below(dice, longest.min(payload.len()));
         payload[at] = match below(dice, 4) {
@@ -83,7 +84,7 @@ fn damaged(case: &mut Case<'_>) -> Vec<u8> {
     payload
 }
 
-/// A recording about this payload; a few say another length, format or checksum.
+/// Makes a recording of this payload; a few say another length, format or checksum.
 fn sealed(case: &mut Case<'_>, payload: &[u8]) -> Vec<u8> {
     let format = if case.chance(90) { file::FORMAT } else { below(&mut case.dice, 6) as u16 };
     let length = payload.len() as u32;

@@ -77,7 +77,7 @@ pub const NUMBERS: &[&str] = &[
     "",
 ];
 
-/// What else may stand anywhere: ends, marks, quotes, letters of several bytes, controls.
+/// Scraps that may be anywhere: ends, marks, quotes, letters of several bytes, controls.
 pub const SCRAPS: &[&[u8]] = &[
     b"\n",
     b"\r\n",
@@ -122,7 +122,7 @@ pub const SCRAPS: &[&[u8]] = &[
     b"none",
 ];
 
-/// One of the samples with some changes, and now and then none; `words` may be put in anywhere.
+/// Draws one of the samples with some changes, and now and then none; `words` may be put in anywhere.
 pub fn mutated<S: AsRef<[u8]>>(dice: &mut Unstructured<'_>, samples: &[S], words: &[&str]) -> Vec<u8> {
     let mut bytes = one_of(dice, samples).as_ref().to_vec();
     for _ in 0..below(dice, 5) {
@@ -180,7 +180,7 @@ fn insert(dice: &mut Unstructured<'_>, bytes: &mut Vec<u8>, new: &[u8]) {
     bytes.splice(at..at, new.iter().copied());
 }
 
-/// Mostly a short one.
+/// Draws a stretch, mostly a short one.
 fn stretch(dice: &mut Unstructured<'_>, length: usize) -> std::ops::Range<usize> {
     let start = below(dice, length + 1);
     let longest = if chance(dice, 80) { 16 } else { length };

@@ -59,17 +59,18 @@ pub struct CutOff {
 /// A metric in each stratum of the pairs by itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ByStratum {
-    /// With the index of the stratum; without those in which no pair has the metric.
+    /// The contrasts, each with the index of its stratum; strata in which no pair has the metric are left out.
     pub contrasts: Vec<(usize, Contrast)>,
     /// Seeds that have the metric in all of these strata, on both sides.
     pub seeds: usize,
-    /// That the difference is the same in all strata; `None` of too few seeds, or if no seed's differences differ.
+    /// The test that the difference is the same in all strata; `None` for too few seeds, or if no seed's differences
+    /// differ.
     pub test: Option<RepeatedMeasures>,
 }
 
 impl Contrast {
     /// `columns` are those of the tables' values that belong to the metric; `None` if no pair has it on both sides.
-    /// By stratum, if there are several.
+    /// The second value has the strata by themselves, if there are several.
     pub fn of(
         metric: &Metric,
         first: &Side<'_>,
@@ -92,8 +93,8 @@ impl Contrast {
     }
 }
 
-/// The metric of both runs of a pair; yes is 1, no is 0; times beyond the horizon count as the horizon. `None` if it is
-/// missing on either side.
+/// Returns the metric of both runs of a pair; yes is 1, no is 0; times beyond the horizon count as the horizon. `None`
+/// if it is missing on either side.
 fn numbers_of(metric: &Metric, rows: &[Vec<f64>; 2], horizon: f64) -> Option<[f64; 2]> {
     let numbers = rows.each_ref().map(|row| match metric.kind {
         MetricKind::Sum(_) => row.iter().sum(),
@@ -112,8 +113,8 @@ fn of_pairs(metric: &Metric, letter: char, pairs: &[[f64; 2]]) -> Option<Contras
     }
 }
 
-/// The strata one by one, and the test whether they differ: an analysis of variance of the paired differences, whose
-/// subjects are the seeds and whose conditions are the strata.
+/// Computes the contrasts of the strata, and the test whether they differ: an analysis of variance of the paired
+/// differences, whose subjects are the seeds and whose conditions are the strata.
 fn by_stratum(metric: &Metric, letter: char, pairs: &Pairs, seeds: &[u64], numbers: &[Option<[f64; 2]>]) -> ByStratum {
     let mut of_stratum = vec![Vec::new(); pairs.strata.len()];
     let mut differences: BTreeMap<u64, Vec<(usize, f64)>> = BTreeMap::new();
@@ -188,7 +189,8 @@ fn of_answers(metric: &Metric, pairs: impl Iterator<Item = (bool, bool)>) -> Opt
     })
 }
 
-/// How times end. Differences are of times up to a horizon that both sides were watched until: of restricted means.
+/// Says how times end. Differences are of restricted means: of times up to a horizon that both sides were watched
+/// until.
 ///
 /// Royston, Parmar, "Restricted mean survival time", BMC Medical Research Methodology 13, 2013.
 fn cut_off(rows: &[[Vec<f64>; 2]]) -> CutOff {

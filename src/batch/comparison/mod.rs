@@ -7,12 +7,12 @@
 //! family, those of ranks as another; intervals are not. There is evidence of a difference where the adjusted p-value
 //! of the mean or the answers is at most 0.05.
 //!
-//! Where something else varies within the sides, such as the coverage in a comparison of planners, a difference is a mean
-//! over its values, the strata. Then every metric is also taken stratum by stratum, and tested for an interaction of side
-//! and stratum ([`RepeatedMeasures`](crate::stats::RepeatedMeasures) of the differences, seed by seed). The p-values of
-//! these tests are a family of their own for Holm's method, and so are those of the strata.
+//! Where something else varies within the sides, such as the coverage in a comparison of planners, a difference is a
+//! mean over its values, the strata. Then every metric is also taken stratum by stratum, and tested for an interaction
+//! of side and stratum ([`RepeatedMeasures`](crate::stats::RepeatedMeasures) of the differences, seed by seed). The
+//! p-values of these tests are a family of their own for Holm's method, and so are those of the strata.
 //!
-//! What the settings of the sides differ in is read from their plans, see [`SettingsDifference`].
+//! The difference of the sides' settings is read from their plans, see [`SettingsDifference`].
 //!
 //! Pairs in which a run failed are left out, and counted.
 
@@ -82,26 +82,26 @@ pub struct Judged {
     pub p_adjusted: Option<f64>,
     pub ranks_p_adjusted: Option<f64>,
     pub verdict: Verdict,
-    /// If it is a mean over several strata.
+    /// The strata by themselves, if the difference is a mean over several.
     pub by_stratum: Option<JudgedStrata>,
 }
 
-/// A metric stratum by stratum, with what is made of it among all others.
+/// A metric stratum by stratum, judged together with all others.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JudgedStrata {
-    /// What the strata differ in, in words.
+    /// The columns that the strata differ in, in words.
     pub by: String,
-    /// With the index of the stratum in [`Pairs::strata`].
+    /// The contrasts, each with the index of its stratum in [`Pairs::strata`].
     pub strata: Vec<(usize, Judged)>,
-    /// Seeds that the test is of.
+    /// The number of seeds that the test uses.
     pub seeds: usize,
     pub test: Option<RepeatedMeasures>,
-    /// By Holm's method, over the tests of all metrics and sides.
+    /// The p-value adjusted by Holm's method, over the tests of all metrics and sides.
     pub p_adjusted: Option<f64>,
 }
 
 impl JudgedStrata {
-    /// Whether there is evidence that the strata differ.
+    /// Says whether there is evidence that the strata differ.
     pub fn differ(&self) -> bool {
         self.p_adjusted.is_some_and(|p| p <= LEVEL)
     }
@@ -150,7 +150,7 @@ pub fn compare(paths: &[PathBuf], selection: &Selection, metrics: &[String]) -> 
     Ok(Comparison { sides: sides.iter().map(summary).collect(), against_a: judged(against_a), missing })
 }
 
-/// A side set against A, before p-values are adjusted.
+/// A side compared with A, before p-values are adjusted.
 #[derive(Clone)]
 struct Unjudged {
     letter: char,
@@ -174,9 +174,10 @@ fn summary(side: &Side<'_>) -> SideSummary {
 /// Adjusts the p-values of all contrasts together, and those of all strata.
 fn judged(against_a: Vec<Unjudged>) -> Vec<AgainstA> {
     let all = || against_a.iter().flat_map(|against| &against.contrasts);
-    let mut overall = TestFamily::of(all().map(|(contrast, _)| contrast));
+    let mut overall = TestFamily::from_contrasts(all().map(|(contrast, _)| contrast));
     let by_stratum = || all().filter_map(|(_, by_stratum)| by_stratum.as_ref());
-    let mut within = TestFamily::of(by_stratum().flat_map(|it| it.contrasts.iter().map(|(_, contrast)| contrast)));
+    let mut within =
+        TestFamily::from_contrasts(by_stratum().flat_map(|it| it.contrasts.iter().map(|(_, contrast)| contrast)));
     let mut tests = adjusted(by_stratum().map(|it| Some(it.test?.p_value))).into_iter();
     let mut judge_strata = |by: &str, ByStratum { contrasts, seeds, test }: ByStratum| JudgedStrata {
         by: by.to_owned(),
@@ -205,7 +206,7 @@ struct TestFamily {
 }
 
 impl TestFamily {
-    fn of<'a>(contrasts: impl Iterator<Item = &'a Contrast> + Clone) -> Self {
+    fn from_contrasts<'a>(contrasts: impl Iterator<Item = &'a Contrast> + Clone) -> Self {
         let ranks = contrasts.clone().map(|contrast| Some(contrast.ranks?.p_value));
         Self {
             means: adjusted(contrasts.map(|contrast| contrast.p_value)).into_iter(),
@@ -213,7 +214,7 @@ impl TestFamily {
         }
     }
 
-    /// Judges the next one.
+    /// Judges the next contrast.
     fn judge(&mut self, contrast: Contrast) -> Judged {
         let (p_adjusted, ranks_p_adjusted) = (self.means.next().flatten(), self.ranks.next().flatten());
         let verdict = Verdict::of(contrast.p_value, p_adjusted);
@@ -258,7 +259,7 @@ impl Judged {
         said + &self.dependence()
     }
 
-    /// That the difference is not the same in all strata, where that is so.
+    /// Says that the difference is not the same in all strata, where that is so.
     fn dependence(&self) -> String {
         match &self.by_stratum {
             Some(strata) if strata.differ() => {

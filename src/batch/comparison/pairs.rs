@@ -13,10 +13,10 @@ pub struct Pairs {
     pub runs: Vec<(usize, usize)>,
     /// Columns that vary within a side and are equal within a pair, of which every difference is a mean.
     pub columns: Vec<String>,
-    /// The combinations of their values that there are pairs of, in the order of side A's runs; at most one without
+    /// The combinations of their values that occur in pairs, in the order of side A's runs; at most one without
     /// columns.
     pub strata: Vec<Stratum>,
-    /// Of each pair, an index into the strata.
+    /// The index of each pair's stratum.
     pub stratum_of: Vec<usize>,
     /// Runs without a partner, on either side.
     pub without_partner: [usize; 2],
@@ -65,7 +65,7 @@ impl Pairs {
         Ok(pairs)
     }
 
-    /// Either run with whether it came to its end; whether it is a pair.
+    /// Adds two runs, each with whether it came to its end, and says whether they are a pair.
     fn add(&mut self, (first, first_done): (usize, bool), (second, second_done): (usize, bool)) -> bool {
         match (first_done, second_done) {
             (true, true) => self.runs.push((first, second)),
@@ -76,19 +76,19 @@ impl Pairs {
         first_done && second_done
     }
 
-    /// `field.coverage and unimog.speed_mps`: what the strata differ in; empty if there is a single one.
+    /// Names what the strata differ in, `field.coverage and unimog.speed_mps`; empty if there is a single stratum.
     pub fn stratified_by(&self) -> String {
         listed(&self.columns.iter().map(|column| shown(column)).collect::<Vec<_>>())
     }
 
-    /// `field.coverage 0.05, unimog.speed_mps 8`.
+    /// Describes a stratum: `field.coverage 0.05, unimog.speed_mps 8`.
     pub fn stratum_words(&self, index: usize) -> String {
         let levels = self.columns.iter().zip(&self.strata[index].levels);
         let words: Vec<String> = levels.map(|(column, level)| format!("{} {}", shown(column), shown(level))).collect();
         words.join(", ")
     }
 
-    /// Makes indices of the numbers of conditions, of which some have no pair.
+    /// Replaces the numbers of conditions, some of which have no pair, by indices of strata.
     fn number_strata(&mut self, numbers: BTreeMap<Vec<String>, usize>) {
         let mut counts = vec![0; numbers.len()];
         self.stratum_of.iter().for_each(|&number| counts[number] += 1);

@@ -1,8 +1,8 @@
-//! In what the settings of two sides differ: what a difference of their runs can come from.
+//! Differences between the settings of two sides, which a difference of their runs can come from.
 //!
-//! Settings are those that `plan.json` holds beside the table of runs, with every value filled in. Compared are the
-//! scenarios of runs that make pairs; a side whose plan is not there, or does not go with its runs, has settings that
-//! are not known.
+//! Settings are those that `plan.json` holds beside the table of runs, with every value filled in. The scenarios of
+//! runs that make pairs are compared. The settings of a side are unknown if its plan is not there, or does not go with
+//! its runs.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -19,13 +19,13 @@ use crate::batch::{PLAN_FILE, PlanError};
 /// The name of a scenario, which says nothing of its runs.
 const NAME_KEY: &str = "name";
 
-/// How the settings of a side differ from those of side A.
+/// The differences of a side's settings from those of side A.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SettingsDifference {
     /// Sides, by their letters, whose settings are not known, and why. Then there are no differences here.
     pub unknown: Vec<(char, String)>,
     pub differences: Vec<Difference>,
-    /// Of A and of the other side, where they differ.
+    /// The versions of A and of the other side, where they differ.
     pub program_versions: Option<[String; 2]>,
     /// Seeds of all runs of A and of the other side, such as `1..5,9`, where they differ.
     pub seeds: Option<[String; 2]>,
@@ -34,11 +34,11 @@ pub struct SettingsDifference {
 /// A value in which the resolved scenarios of two sides differ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
-    /// As `--set` takes it: `unimog.planner` where all trucks have the same difference.
+    /// The key as `--set` takes it: `unimog.planner` where all trucks have the same difference.
     pub key: String,
-    /// On side A and on the other; `None` where the scenario has no such value.
+    /// The values on side A and on the other; `None` where the scenario has no such value.
     pub values: [Option<Json>; 2],
-    /// Indices of the strata in which they differ so; empty if that is in all.
+    /// Indices of the strata in which they differ like this; empty if they do in all.
     pub strata: Vec<usize>,
 }
 
@@ -71,7 +71,7 @@ impl KnownSettings {
     }
 }
 
-/// The variant that has the conditions of a run.
+/// Finds the variant that has the conditions of a run.
 fn variant_of_run(plan: &RecordedPlan, table: &RunsTable, run: usize) -> Result<usize, String> {
     let value_of = |variant: &RecordedVariant, column: &str| match column {
         "scenario" => Some(variant.name.clone()),
@@ -98,7 +98,7 @@ fn shown_path(table: &RunsTable) -> String {
 }
 
 impl SettingsDifference {
-    /// Of the runs of both sides that make pairs, each side with the settings of its table.
+    /// Compares the settings of the runs of both sides that make pairs, each side with the settings of its table.
     pub fn between(
         (first, ours): (&Side<'_>, &Result<KnownSettings, String>),
         (second, theirs): (&Side<'_>, &Result<KnownSettings, String>),
@@ -125,7 +125,7 @@ impl SettingsDifference {
         }
     }
 
-    /// Whether the planner of the trucks is all that differs.
+    /// Says whether the planner of the trucks is all that differs.
     pub fn is_the_planners(&self) -> bool {
         let (_, planner) = PLANNER_KEY.split_once('.').expect("it is a key of the trucks");
         let is_planner = |key: &str| {
@@ -141,12 +141,12 @@ impl SettingsDifference {
         self.unknown.is_empty() && self.program_versions.is_none()
     }
 
-    /// Differences that runs can come to differ by.
+    /// Returns the differences that can make runs differ.
     fn effective(&self) -> impl Iterator<Item = &Difference> {
         self.differences.iter().filter(|difference| difference.key != NAME_KEY)
     }
 
-    /// A line for each difference, `unimog.speed_mps: 8.0 in A, 20.0 in B`.
+    /// Returns a line for each difference, `unimog.speed_mps: 8.0 in A, 20.0 in B`.
     pub fn lines(&self, letter: char, pairs: &Pairs) -> Vec<String> {
         let both = |what: &str, [ours, theirs]: [&str; 2]| {
             format!("{}: {} in A, {} in {letter}", shown(what), shown(ours), shown(theirs))
@@ -162,7 +162,7 @@ impl SettingsDifference {
         versions.chain(settings).chain(seeds).collect()
     }
 
-    /// What these differences mean for what is found.
+    /// Says what these differences mean for the result of the comparison.
     pub fn conclusion(&self, letter: char) -> String {
         if !self.unknown.is_empty() {
             let sides: Vec<String> = self.unknown.iter().map(|(side, _)| side.to_string()).collect();
@@ -196,7 +196,7 @@ fn value_words(value: &Option<Json>) -> String {
     }
 }
 
-/// The seeds of a side, each once, runs of them as ranges.
+/// Lists the seeds of a side, each once, consecutive ones as ranges.
 fn seeds_of(side: &Side<'_>) -> String {
     let seeds: BTreeSet<u64> = side.runs.iter().map(|&run| side.table.seeds[run]).collect();
     let seeds: Vec<u64> = seeds.into_iter().collect();
@@ -207,7 +207,7 @@ fn seeds_of(side: &Side<'_>) -> String {
     ranges.collect::<Vec<_>>().join(",")
 }
 
-/// All values in which the scenarios of some pair differ.
+/// Returns all values in which the scenarios of some pair differ.
 fn differences(ours: &KnownSettings, theirs: &KnownSettings, pairs: &Pairs) -> Vec<Difference> {
     // Each pair of scenarios with the strata that it is in: by plan, these are few.
     let mut compared: BTreeMap<(usize, usize), BTreeSet<usize>> = BTreeMap::new();
@@ -238,7 +238,7 @@ fn differences(ours: &KnownSettings, theirs: &KnownSettings, pairs: &Pairs) -> V
     found
 }
 
-/// Differences of two scenarios; one that all agents of a list share is one of the list.
+/// Returns the differences of two scenarios; one that all agents of a list share is given once, for the list.
 fn merged(scenarios: [&Json; 2]) -> Vec<(String, [Option<Json>; 2])> {
     let all = value_differences(scenarios[0], scenarios[1]);
     let mut merged: Vec<(String, [Option<Json>; 2])> = Vec::new();
@@ -261,7 +261,7 @@ fn merged(scenarios: [&Json; 2]) -> Vec<(String, [Option<Json>; 2])> {
     merged
 }
 
-/// `unimog` and `planner` of `unimog.2.planner`.
+/// Takes the key of an agent's value apart: `unimog` and `planner` of `unimog.2.planner`.
 fn parts_of_agent(key: &str) -> Option<(&str, &str)> {
     let (list, rest) = key.split_once('.')?;
     let (index, step) = rest.split_once('.')?;

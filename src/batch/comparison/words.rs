@@ -98,7 +98,7 @@ pub fn probability(p: f64) -> String {
     if p < 0.0005 { "<.001".into() } else { rounded(p, 3) }
 }
 
-/// `a`, `a and b`, `a, b and c`.
+/// Joins words to a list: `a`, `a and b`, `a, b and c`.
 pub fn listed(words: &[String]) -> String {
     match words {
         [first @ .., before, last] => {
@@ -109,7 +109,7 @@ pub fn listed(words: &[String]) -> String {
     }
 }
 
-/// A word from a file as it may stand in a line: with control characters as escapes, of no more than 60 characters.
+/// Makes a word from a file fit for a line: control characters become escapes, and no more than 60 characters are kept.
 pub fn shown(word: &str) -> String {
     /// The most characters.
     const MOST: usize = 60;

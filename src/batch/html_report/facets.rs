@@ -1,4 +1,4 @@
-//! Which variants a chart shows in which panel, so that none is missing.
+//! The division of variants among the panels of a chart, so that none is missing.
 //!
 //! A panel holds as many series as can be told apart. Where there are more, some of what differs, planners first, makes
 //! the series of every panel, and each combination of the rest makes a panel. If nothing that differs takes so few
@@ -19,7 +19,7 @@ pub struct Facet {
     pub series: Vec<FacetSeries>,
 }
 
-/// What has one look in a chart.
+/// A series of a chart: variants that share one look.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FacetSeries {
     pub name: String,
@@ -76,7 +76,7 @@ fn facets(plan: &BatchPlan, labels: &Labels) -> Vec<Facet> {
     panels
 }
 
-/// As much of what differs, planners first, as makes no more series than there are styles.
+/// Chooses dimensions, planners first, as long as they make no more series than there are styles.
 fn series_dimensions(labels: &Labels, groups: &[Vec<usize>]) -> Vec<usize> {
     let mut chosen: Vec<usize> = Vec::new();
     for group in groups {
@@ -112,7 +112,7 @@ mod tests {
         (key, (1..=count).map(|value| (100 + value).to_string()).collect::<Vec<_>>().join(","))
     }
 
-    /// Panels with their numbers of series, after the laws that hold for all: each variant is in one series, series of
+    /// Counts the series of each panel and checks the laws that hold for all: each variant is in one series, series of
     /// a panel differ in name and look, and one look has one name in all panels that share a sheet.
     fn checked(plan: &BatchPlan, panels: &[Facet]) -> Vec<usize> {
         let series = || panels.iter().flat_map(|panel| &panel.series);

@@ -33,14 +33,14 @@ pub struct Figure {
 /// The figures of a report.
 #[derive(Debug, Default)]
 pub struct Figures {
-    /// In the order of the report.
+    /// The sheets, in the order of the report.
     pub drawn: Vec<Figure>,
     /// Charts that are not drawn, since they would have too many panels: a sentence for each.
     pub refused: Vec<String>,
 }
 
 impl Figures {
-    /// Of all variants.
+    /// Draws the figures of all variants.
     pub fn new(plan: &BatchPlan, collected: &Collected, states: Option<&[StateCurves]>) -> Self {
         let mut figures = Self::default();
         let panels = variant_facets(plan);
@@ -64,7 +64,7 @@ impl Figures {
         figures
     }
 
-    /// Whether a chart has few enough panels; else it is said that there is none.
+    /// Says whether a chart has few enough panels; if not, notes in a sentence that it is not drawn.
     fn admits(&mut self, what: &str, panels: usize) -> bool {
         if panels > MOST_PANELS {
             let sentence =
@@ -82,7 +82,7 @@ impl Figures {
         }
     }
 
-    /// The states of each variant over time: a chart each of few, else a panel each.
+    /// Adds the states of each variant over time: a chart for each of a few variants, a panel for each of many.
     fn add_over_time(&mut self, plan: &BatchPlan, states: &[StateCurves]) {
         if !states.iter().any(StateCurves::is_there) {
             return;

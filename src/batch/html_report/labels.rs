@@ -19,9 +19,9 @@ pub struct Labels {
 pub struct Dimension {
     /// The index of the swept key, if it is one.
     key: Option<usize>,
-    /// Of each variant, as a chart has it: `prm-rs`, `field.coverage 0.1`.
+    /// The word of each variant, as a chart shows it: `prm-rs`, `field.coverage 0.1`.
     words: Vec<String>,
-    /// Where it stands in a label.
+    /// Its place in a label.
     place: usize,
 }
 
@@ -45,7 +45,7 @@ impl Labels {
         labels
     }
 
-    /// The same variant may be asked for twice.
+    /// Numbers the variants if the same one is asked for twice.
     fn tell_all_apart(&mut self, variants: usize) {
         let all: Vec<usize> = (0..self.dimensions.len()).collect();
         if self.distinct(&all).len() < variants {
@@ -78,7 +78,7 @@ impl Labels {
         groups
     }
 
-    /// What a variant is called by these dimensions; its scenario's name if there are none.
+    /// Names a variant by these dimensions; by its scenario's name if there are none.
     pub fn label(&self, variant: usize, dimensions: &[usize]) -> String {
         let mut parts: Vec<&Dimension> = dimensions.iter().map(|&index| &self.dimensions[index]).collect();
         parts.sort_by_key(|dimension| dimension.place);
@@ -105,7 +105,7 @@ impl Dimension {
     }
 }
 
-/// Whether the word of a variant in `one` says what that in `other` is.
+/// Says whether the word of a variant in `one` determines that in `other`.
 fn follows(one: &[String], other: &[String]) -> bool {
     let mut known = BTreeMap::new();
     one.iter().zip(other).all(|(word, other)| *known.entry(word).or_insert(other) == other)

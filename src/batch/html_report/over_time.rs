@@ -27,7 +27,7 @@ pub const BAND: [f64; 2] = [0.1, 0.9];
 pub struct StateCurves(pub [Vec<(f64, Estimate)>; STATES.len()]);
 
 impl StateCurves {
-    /// Whether some run of the variant is done.
+    /// Says whether some run of the variant is done.
     pub fn is_there(&self) -> bool {
         self.0[0].len() > 1
     }

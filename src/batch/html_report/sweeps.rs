@@ -13,7 +13,8 @@ pub struct SweepChart {
     pub chart: CurveChart,
 }
 
-/// For each key that is swept over numbers, a chart for every quantity; what else differs makes curves and panels.
+/// Returns a chart for every quantity over each key that is swept over numbers; other differences make curves and
+/// panels.
 pub fn sweep_charts(plan: &BatchPlan, values: &[Values]) -> Vec<SweepChart> {
     let keys = plan.swept_keys.iter().enumerate().filter(|(index, _)| is_over_numbers(plan, *index));
     let quantities = || STATES.iter().chain(&MEASURES);

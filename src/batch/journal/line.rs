@@ -46,7 +46,7 @@ pub struct EntryLabel {
 }
 
 impl Entry {
-    /// Whether the run leaves a recording.
+    /// Says whether the run leaves a recording.
     pub fn is_recorded(&self, record: Record) -> bool {
         let outcome = self.result.as_ref().map(|result| &result.outcome);
         outcome.is_some_and(|outcome| record.keeps(outcome.truck_stuck_s, outcome.wumpus_stuck_s))

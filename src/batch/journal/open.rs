@@ -88,7 +88,7 @@ impl OpenJournal {
     /// To be called at least every now and then while runs are going on.
     ///
     /// # Errors
-    /// If the disk cannot be written, or the journal is not any more as this process left it.
+    /// If the disk cannot be written, or the journal is no longer as this process left it.
     pub fn sync_if_due(&mut self) -> Result<(), BatchError> {
         self.expect_unchanged()?;
         match self.unsynced {
@@ -104,7 +104,7 @@ impl OpenJournal {
         self.writer.sync().map_err(|source| BatchError::unwritable(&self.path, source))
     }
 
-    /// Lines that go into a file which nobody finds, or which others write, would be lost without a word.
+    /// Refuses a journal that was removed, replaced or changed: lines written to it would be lost without a word.
     fn expect_unchanged(&self) -> Result<(), JournalError> {
         let unreadable = |source| JournalError::unreadable(&self.path, source);
         let changed = |change: String| Err(JournalError::Changed { path: self.path.clone(), change });
@@ -149,7 +149,7 @@ fn is_same_file(one: &Metadata, other: &Metadata) -> bool {
     (one.dev(), one.ino()) == (other.dev(), other.ino())
 }
 
-/// Elsewhere a file that is open keeps its name.
+/// Says yes: elsewhere a file that is open keeps its name.
 #[cfg(not(unix))]
 fn is_same_file(_: &Metadata, _: &Metadata) -> bool {
     true

@@ -16,7 +16,7 @@ use parquet::schema::types::{ColumnPath, Type};
 use crate::batch::disk::{Disk, Whole};
 use crate::batch::{BatchError, Value};
 
-/// What a column holds.
+/// The kind of values that a column holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Signed, 64 bits, so that a difference of two columns may be negative.
@@ -29,7 +29,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// The kind of whole numbers of which this is the largest.
+    /// Returns the kind of a column of whole numbers that are no larger than this.
     pub fn holding_up_to(largest: u64) -> Self {
         if i64::try_from(largest).is_ok() { Self::Count } else { Self::LargeCount }
     }
@@ -40,7 +40,7 @@ impl Kind {
 pub struct FileColumn {
     pub name: Cow<'static, str>,
     pub kind: Kind,
-    /// Whether every row has a value; else a value may be missing, which is null.
+    /// True if every row has a value; else a value may be missing, which is null.
     pub is_required: bool,
 }
 
@@ -86,7 +86,7 @@ pub struct ParquetTable {
     path: PathBuf,
     writer: SerializedFileWriter<Box<dyn Whole>>,
     columns: Vec<FileColumn>,
-    /// Of each column.
+    /// A buffer for each column.
     buffers: Vec<Buffer>,
     rows: usize,
     rows_a_group: usize,
@@ -94,7 +94,7 @@ pub struct ParquetTable {
 
 /// Rows of a column that are not written yet.
 struct Buffer {
-    /// Whether the row has a value, 1 or 0; what the format calls definition levels.
+    /// 1 for each row that has a value, 0 for each that has none; the format calls them definition levels.
     levels: Vec<i16>,
     values: ColumnValues,
 }

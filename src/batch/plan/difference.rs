@@ -38,13 +38,13 @@ pub fn differences_of_scenarios(there: &Scenario, asked: &Scenario) -> Vec<Strin
 /// A value in which two resolved scenarios differ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ValueDifference {
-    /// As `--set` takes it, such as `unimog.0.speed_mps`.
+    /// The key as `--set` takes it, such as `unimog.0.speed_mps`.
     pub key: String,
-    /// In the one scenario and in the other; `None` where it has no such value.
+    /// The values in the one scenario and in the other; `None` where it has no such value.
     pub values: [Option<Value>; 2],
 }
 
-/// All values in which two resolved scenarios differ. Lists of agents and the like are gone through one by one.
+/// Returns all values in which two resolved scenarios differ. Lists of agents and the like are gone through one by one.
 pub fn value_differences(one: &Value, other: &Value) -> Vec<ValueDifference> {
     let mut found = Vec::new();
     collect("", [Some(one), Some(other)], &mut found);

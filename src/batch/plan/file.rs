@@ -65,7 +65,7 @@ struct PlanFile {
     #[schemars(with = "Vec<serde_json::Map<String, serde_json::Value>>")]
     sweep: Vec<Table>,
     record: Option<Record>,
-    /// How much memory each run may take, such as `4GB` or `512MiB`; 2 GB if it is not said.
+    /// The memory that each run may take, such as `4GB` or `512MiB`; 2 GB if it is not given.
     memory: Option<String>,
 }
 

@@ -92,9 +92,9 @@ struct Body {
 }
 
 impl Variant {
-    /// At least the bytes that it takes, in the file of a plan and in memory.
+    /// Bounds from above the bytes that it takes, in the file of a plan and in memory.
     pub(super) fn bytes(&self) -> u64 {
-        /// Before a line of a variant: it is in a list in an object.
+        /// Spaces before a line of a variant, which is in a list in an object.
         const INDENTATION: usize = 4;
         let json = serde_json::to_vec_pretty(self).expect("variants hold names, numbers and lists only");
         let lines = json.iter().filter(|&&byte| byte == b'\n').count() + 1;
@@ -104,8 +104,8 @@ impl Variant {
     }
 }
 
-/// Reads variants that are no more than a batch can have. What they take in memory is held against the limit one by one,
-/// as some bytes of text may become a truck with all its settings.
+/// Reads variants that are no more than a batch can have. What they take in memory is held against the limit one by
+/// one, as some bytes of text may become a truck with all its settings.
 fn variants_within_limit<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Variant>, D::Error> {
     struct Variants;
 
@@ -137,7 +137,7 @@ fn variants_within_limit<'de, D: Deserializer<'de>>(deserializer: D) -> Result<V
 struct Content<'a> {
     program_version: &'static str,
     seeds: String,
-    /// Decides which runs fail; the usual one is not said.
+    /// The limit, which decides which runs fail; the usual one is left out.
     #[serde(skip_serializing_if = "is_usual")]
     memory_bytes: MemoryLimit,
     swept_keys: &'a [String],
@@ -164,9 +164,8 @@ impl BatchPlan {
         json
     }
 
-    /// SHA-256, in hexadecimal, of the compact JSON of program version, seeds, limit of memory if it is not the usual one,
-    /// swept keys and resolved scenarios: two
-    /// batches with the same hash have the same outcome columns.
+    /// SHA-256, in hexadecimal, of the compact JSON of program version, seeds, limit of memory if it is not the usual
+    /// one, swept keys and resolved scenarios: two batches with the same hash have the same outcome columns.
     pub fn content_sha256(&self) -> String {
         let content = Content {
             program_version: PROGRAM_VERSION,
@@ -230,7 +229,7 @@ impl BatchPlan {
         Err(PlanError::Differs { path: folder.join(PLAN_FILE), differences })
     }
 
-    /// Refuses to go on with scenarios that are not any more what they were when the plan was made. A scenario whose
+    /// Refuses to go on with scenarios that are no longer what they were when the plan was made. A scenario whose
     /// file is not there, or was a pipe, or is not a scenario now, is taken as the plan has it.
     pub fn expect_unchanged_sources(&self) -> Result<(), PlanError> {
         for variant in &self.variants {
@@ -255,7 +254,7 @@ impl Body {
     }
 }
 
-/// What program wrote the plan, and in which format.
+/// Reads which program wrote the plan, and in which format.
 pub(super) fn read_head(path: &Path, file: &File) -> Result<Head, PlanError> {
     let head: Head = read_json(path, file)?;
     if head.program == PROGRAM {

@@ -61,7 +61,7 @@ pub struct BatchPlan {
     pub swept_keys: Vec<String>,
     pub seeds: Seeds,
     pub record: Record,
-    /// What each run may take.
+    /// The memory that each run may take.
     pub memory: MemoryLimit,
 }
 
@@ -161,7 +161,7 @@ pub fn planner_of(scenario: &Scenario) -> String {
 }
 
 impl Record {
-    /// Whether a run in which agents were stuck for so long leaves a recording.
+    /// Says whether a run in which agents were stuck for these times leaves a recording.
     pub fn keeps(self, truck_stuck_s: f64, wumpus_stuck_s: f64) -> bool {
         match self {
             Self::All => true,

@@ -28,9 +28,10 @@ pub struct RecordedVariant {
     pub swept: Vec<Value>,
     /// The scenario's name.
     pub name: String,
-    /// Of the trucks, as the column says it: `;` stands between those of trucks that differ.
+    /// The planners of the trucks, as the column has them: a `;` is between those of trucks that differ.
     pub planner: String,
-    /// With all values filled in, as compact JSON: the tree takes ten times as much memory, and few are needed at once.
+    /// The scenario with all values filled in, as compact JSON: the tree takes ten times as much memory, and few are
+    /// needed at once.
     pub scenario: String,
 }
 

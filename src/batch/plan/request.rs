@@ -17,8 +17,8 @@ pub const RUNS_WITHOUT_FORCE: u64 = 100_000;
 /// The most variants of a batch.
 pub const MAX_VARIANTS: u64 = 10_000;
 
-/// The most bytes of all variants and seeds of a plan in its file; fields drawn as maps and many agents are what is large
-/// in them. In memory a variant takes less.
+/// The most bytes of all variants and seeds of a plan in its file; fields drawn as maps and many agents make
+/// them large. In memory a variant takes less.
 pub(super) const MAX_PLAN_BYTES: u64 = 60_000_000;
 
 /// What a batch is asked to do, as the command line or a plan file says it.
@@ -26,7 +26,7 @@ pub(super) const MAX_PLAN_BYTES: u64 = 60_000_000;
 pub struct BatchRequest {
     /// Names of built-in scenarios, or paths.
     pub scenarios: Vec<String>,
-    /// Those whose text is known already; the others are read. A pipe can be read only once.
+    /// The sources whose text is known already; the others are read. A pipe can be read only once.
     pub texts: Vec<ScenarioText>,
     /// Changes to all scenarios, `key=value`.
     pub changes: Vec<String>,
@@ -34,7 +34,7 @@ pub struct BatchRequest {
     /// 1 to 5 if there are none.
     pub seeds: Option<Seeds>,
     pub record: Option<Record>,
-    /// 2 GB if there is none.
+    /// The memory that each run may take; 2 GB if there is none.
     pub memory: Option<MemoryLimit>,
 }
 
@@ -69,7 +69,7 @@ pub enum RequestError {
 }
 
 impl BatchRequest {
-    /// The request of a plan file; `None` if the text is none, but a scenario, or cannot be read as TOML at all.
+    /// Reads the request of a plan file; `None` if the text is a scenario, or cannot be read as TOML at all.
     pub fn from_text(text: &ScenarioText) -> Result<Option<Self>, RequestError> {
         Ok(file::read(text)?)
     }
@@ -143,7 +143,8 @@ impl BatchRequest {
         Ok(())
     }
 
-    /// Scenarios slowest, then the first sweep, the last sweep fastest. All else of the plan takes so many bytes.
+    /// Lists the variants: scenarios vary slowest, then the first sweep, the last sweep fastest. `bytes` is what all
+    /// else of the plan takes.
     fn variants(&self, mut bytes: u64) -> Result<Vec<Variant>, RequestError> {
         let combinations = combinations(&self.sweeps);
         let mut variants = Vec::new();

@@ -55,7 +55,7 @@ struct Settings<'a> {
 struct SettingDifference<'a> {
     key: &'a str,
     values: &'a [Option<serde_json::Value>; 2],
-    /// Null where they differ so in all strata.
+    /// The strata in which they differ like this; null if they do in all.
     only_where: Option<Vec<Levels<'a>>>,
 }
 

@@ -21,7 +21,7 @@ const FEW_PAIRS: &str = "\
 Fewer than 10 pairs: intervals are Student's t. Of samples of five of this program's own outcomes they held the truth \
 in 93 to 96 %, of strongly skewed (log-normal) numbers in 82 %.";
 
-/// What was found: first what the sides differ in, then the verdicts.
+/// Writes the result: first what the sides differ in, then the verdicts.
 pub fn document(comparison: &Comparison) -> Document {
     let mut blocks = vec![Block::List(comparison.sides.iter().map(side).collect())];
     for against in &comparison.against_a {
@@ -58,7 +58,7 @@ fn side(side: &SideSummary) -> String {
     format!("{letter}: {description}: {runs} runs{failed}")
 }
 
-/// What the settings of the side and of A differ in.
+/// Lists what the settings of the side and of A differ in.
 fn settings(against: &AgainstA) -> Vec<Block> {
     let AgainstA { letter, settings, pairs, .. } = against;
     let lines = settings.lines(*letter, pairs);
@@ -66,7 +66,7 @@ fn settings(against: &AgainstA) -> Vec<Block> {
     list.into_iter().chain([Block::Text(settings.conclusion(*letter))]).collect()
 }
 
-/// How many pairs there are, what was left out, and what the differences are means over.
+/// Says how many pairs there are, what was left out, and what the differences are means over.
 fn pairing(pairs: &Pairs, letter: char) -> String {
     let mut text = format!("{} pairs of runs.", pairs.runs.len());
     let [ours, theirs] = pairs.without_partner;
@@ -89,9 +89,9 @@ fn pairing(pairs: &Pairs, letter: char) -> String {
     text
 }
 
-/// `field.coverage (0.05, 0.1, 0.2)`, of several columns with the number of combinations.
+/// Lists the values of the columns, `field.coverage (0.05, 0.1, 0.2)`; for several with the number of combinations.
 fn levels(pairs: &Pairs) -> String {
-    /// More values than this are counted.
+    /// The most values that are listed; more are counted.
     const MOST: usize = 12;
     let of_column = |(index, column): (usize, &String)| {
         let mut values: Vec<String> = Vec::new();

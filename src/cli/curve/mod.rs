@@ -81,7 +81,7 @@ mod tests {
         Fuzzer { name: "curves_and_pairs", target: "--lib", law }.run(3000);
     }
 
-    /// Two poses have curves that lead from one to the other, whatever the numbers are.
+    /// Checks that two poses have curves that lead from one to the other, whatever the numbers are.
     fn two_poses(case: &mut Case<'_>) -> Law {
         let number = |case: &mut Case<'_>| match below(&mut case.dice, 4) {
             0 => (*one_of(&mut case.dice, NUMBERS)).to_owned(),
@@ -125,7 +125,7 @@ mod tests {
         }
     }
 
-    /// A table of pairs is read or refused, and its own columns stay as they are.
+    /// Checks that a table of pairs is read or refused, and that its own columns stay as they are.
     fn table_of_pairs(case: &mut Case<'_>) -> Law {
         case.kind = "pairs";
         const TABLES: &[&str] = &[

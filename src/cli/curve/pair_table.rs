@@ -40,7 +40,7 @@ pub enum Fault {
 }
 
 impl Fault {
-    /// What kind of an input has this fault.
+    /// Returns the kind of error of an input that has this fault.
     pub fn kind(&self) -> ErrorKind {
         match self {
             Self::Unreadable(error) => error.kind(),

@@ -11,7 +11,7 @@ use crate::cli::output_files::{self, Files, Format, Words};
 use crate::map_files::write_path;
 use crate::picture::{draw_map, draw_overlay, draw_surface};
 
-/// Checks what can be checked before anything is computed; and where the words go.
+/// Checks what can be checked before anything is computed, and returns where the words go.
 pub fn check(computation: &Computation) -> Result<Words, Failure> {
     let files = computation.files();
     if files.output.path.is_some() && !computation.has_start() {

@@ -84,7 +84,7 @@ mod tests {
         Fuzzer { name: "maps_take", target: "--lib", law: map_takes_parameters }.run(3000);
     }
 
-    /// What is asked of a small map is told or refused.
+    /// Checks that a question about a small map is answered or refused.
     fn map_takes_parameters(case: &mut Case<'_>) -> Law {
         let (rows, cols) = (1 + below(&mut case.dice, 12), 1 + below(&mut case.dice, 12));
         let percent = *one_of(&mut case.dice, &[20, 0, 50, 100]);

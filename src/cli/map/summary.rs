@@ -27,7 +27,7 @@ fn size(report: &Report) -> String {
     format!("{path}: {} rows x {} columns, {cells} cells, {occupied} occupied ({share:.1} %)", map.rows(), map.cols())
 }
 
-/// How much of an image is hardly told apart by the tolerance.
+/// Says how much of an image the tolerance hardly separates.
 fn near_tolerance(report: &Report) -> Option<String> {
     let (percent, tolerance) = (100.0 * report.near_tolerance()?, report.tolerance()?);
     Some(format!("Tolerance {tolerance}: {percent:.1} % of the pixels within {NEAR_TOLERANCE} grey levels of it"))

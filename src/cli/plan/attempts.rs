@@ -31,7 +31,7 @@ pub struct Attempt<'a> {
 /// Random streams have the names that a run's first truck has, so that both plan alike.
 ///
 /// # Errors
-/// If they would take more memory than they may.
+/// If they would take more memory than the limit.
 pub fn attempts<'a>(
     problem: &'a Problem,
     planners: &[TruckPlannerKind],

@@ -95,8 +95,8 @@ fn planners(arguments: &PlanArguments, problems: &[Problem]) -> Vec<TruckPlanner
     planners
 }
 
-/// A picture for each field, if they were asked for: the file named, or one beside it for each of several fields. On
-/// stdout several are one too many.
+/// Returns the file of each field's picture, if they were asked for: the file named, or one beside it for each of
+/// several fields. Only one picture can go to stdout.
 fn pictures(arguments: &PlanArguments, problems: &[Problem]) -> Vec<PathBuf> {
     let Some(path) = &arguments.png else { return Vec::new() };
     if problems.len() == 1 || is_standard_stream(path) {

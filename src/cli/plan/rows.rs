@@ -50,7 +50,7 @@ impl<'a> Row<'a> {
         }
     }
 
-    /// The same for a CSV file, where the name of the field is a cell.
+    /// Makes the same row for a CSV file, where the name of the field is a cell.
     fn in_table(attempt: &Attempt<'a>) -> Self {
         Self { field: spreadsheet_cell(&attempt.problem.name), ..Self::of(attempt) }
     }

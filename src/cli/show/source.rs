@@ -39,7 +39,7 @@ impl ShownRun {
     }
 }
 
-/// What a name stands for; what can be read only once has been.
+/// The thing that a name leads to; an input that can be read only once has been read.
 pub enum Named {
     Scenario(ScenarioText),
     Recording {
@@ -51,11 +51,11 @@ pub enum Named {
 }
 
 impl Named {
-    /// Finds a built-in scenario, a batch's folder, a recording, or a scenario's file. A recording is known by its name or
-    /// its first bytes.
+    /// Finds a built-in scenario, a batch's folder, a recording, or a scenario's file. A recording is known by its name
+    /// or its first bytes.
     ///
     /// # Errors
-    /// If there is nothing of this name, or it cannot be read, or is too large for either.
+    /// If nothing has this name, or it cannot be read, or it is too large for a recording or a scenario.
     pub fn open(name: &str) -> Result<Self, Failure> {
         if BUILT_IN.iter().any(|(known, _)| *known == name) {
             return Ok(Self::Scenario(ScenarioText::open(name)?));
@@ -94,8 +94,8 @@ pub enum Source {
 }
 
 impl Source {
-    /// What a name stands for, with changes to its values if it is a scenario. Runs that are simulated may take so much
-    /// memory, or what their batch allows them.
+    /// Opens the thing that a name leads to, with changes to its values if it is a scenario. Runs that are simulated
+    /// may take `memory`, or what their batch allows them.
     pub fn new(named: &Named, overrides: &[String], memory: Option<MemoryLimit>) -> Result<Self, Failure> {
         let source = match named {
             Named::Scenario(text) => {

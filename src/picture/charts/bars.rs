@@ -13,7 +13,7 @@ use crate::picture::text::Align;
 
 const HEIGHT: f32 = 260.0;
 const LEFT: f32 = 48.0;
-/// Of several panels, which stand one below the other, with the names of the groups under each.
+/// The height of each of several panels, one below the other, with the names of the groups under each.
 const PANEL_HEIGHT: f32 = 120.0;
 const GRID: PanelGrid = PanelGrid { columns: 1, left: LEFT, below: 44.0 };
 /// The most panels on a sheet.
@@ -33,7 +33,7 @@ pub struct BarChart {
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct BarPanel {
-    /// Empty of a panel that fills a sheet of its own.
+    /// The panel's name; empty for a panel that fills a sheet of its own.
     pub name: String,
     pub series: Vec<BarSeries>,
 }
@@ -47,7 +47,7 @@ pub struct BarSeries {
 }
 
 impl BarChart {
-    /// As many sheets as the panels take.
+    /// Draws the panels on as many sheets as they take.
     pub fn draw(&self) -> Vec<Drawing> {
         let bars = self.panels.iter().flat_map(|panel| &panel.series).flat_map(|series| series.bars.iter().flatten());
         let scale = Scale::around(bars.map(Estimate::range)).with_zero();

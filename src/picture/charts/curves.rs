@@ -10,16 +10,16 @@ use crate::picture::canvas::Point;
 
 const HEIGHT: f32 = 280.0;
 const LEFT: f32 = 48.0;
-/// Of several panels, two of which stand side by side.
+/// The height of each of several panels, two of which are side by side.
 const PANEL_HEIGHT: f32 = 150.0;
 const GRID: PanelGrid = PanelGrid { columns: 2, left: LEFT, below: 30.0 };
 /// The most panels on a sheet.
 const PANELS: usize = 8;
 const BAND: f32 = 0.2;
-/// How far marks of curves at one place stand apart, and what of the room between two places they take at most.
+/// The distance between marks of curves at one place, and the share of the room between two places that they may take.
 const APART: f32 = 9.0;
 const MOST_OF_ROOM: f32 = 0.7;
-/// How far marks and whiskers reach to either side.
+/// The reach of marks and whiskers to either side.
 const MARK: f32 = 5.0;
 
 /// Curves in pairs of axes, which are the same in all panels.
@@ -32,7 +32,7 @@ pub struct CurveChart {
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct CurvePanel {
-    /// Empty of a panel that fills a sheet of its own.
+    /// The panel's name; empty for a panel that fills a sheet of its own.
     pub name: String,
     pub curves: Vec<Curve>,
 }
@@ -55,7 +55,7 @@ pub struct Curve {
 }
 
 impl CurveChart {
-    /// As many sheets as the panels take.
+    /// Draws the panels on as many sheets as they take.
     pub fn draw(&self) -> Vec<Drawing> {
         let swatch = if self.spread == Spread::Bands { Swatch::Line } else { Swatch::MarkedLine };
         let points = || self.panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points);
@@ -81,7 +81,7 @@ impl CurveChart {
         sheets.iter().enumerate().map(sheet).collect()
     }
 
-    /// The scale with room at both ends for the marks of all curves, which stand beside each other.
+    /// The scale with room at both ends for the marks of all curves, which are side by side.
     fn roomy(&self, x: Scale, plot: &Plot) -> Scale {
         let most = self.panels.iter().map(|panel| panel.curves.len()).max().unwrap_or(0);
         let aside = f64::from(0.5 * APART * most as f32 + MARK);

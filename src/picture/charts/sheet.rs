@@ -40,13 +40,13 @@ pub struct PanelGrid {
 const GAP: f32 = 16.0;
 
 impl PanelGrid {
-    /// What panels of these heights take, of which those in one row are as high as the highest.
+    /// The height that panels of these heights take together; those in one row are as high as the highest of them.
     pub fn height(&self, heights: &[f32]) -> f32 {
         let rows = self.row_heights(heights);
         rows.iter().map(|height| LINE + height).sum::<f32>() + self.below * rows.len().saturating_sub(1) as f32
     }
 
-    /// Where the panels lie in the plot.
+    /// Returns the parts of the plot that the panels take.
     pub fn parts(&self, plot: &Plot, heights: &[f32]) -> Vec<Plot> {
         let gap = GAP + self.left;
         let width = (plot.right - plot.left - (self.columns - 1) as f32 * gap) / self.columns as f32;
@@ -91,7 +91,7 @@ pub fn numbered(titles: &Titles, index: usize, sheets: usize) -> Titles {
     Titles { title, ..titles.clone() }
 }
 
-/// The name of a panel, above it; nothing where there is none.
+/// Draws the name of a panel above it, if it has one.
 pub fn draw_panel_name(drawing: &mut Drawing, part: &Plot, name: &str) {
     if name.is_empty() {
         return;

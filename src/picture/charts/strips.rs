@@ -16,7 +16,7 @@ const QUANTILES: f32 = 16.0;
 const ABOVE: f32 = 16.0;
 const MOST_COLUMNS: usize = 48;
 const WIDEST_NAME: f32 = 210.0;
-/// What a panel keeps free below, for numbers.
+/// The height that a panel keeps free below, for numbers.
 const BELOW: f32 = 34.0;
 /// The most distributions on a sheet of several panels.
 const ROWS: usize = 8;
@@ -30,7 +30,7 @@ pub struct StripChart {
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct StripPanel {
-    /// Empty of a panel that fills a sheet of its own.
+    /// The panel's name; empty for a panel that fills a sheet of its own.
     pub name: String,
     pub strips: Vec<Strip>,
 }
@@ -41,12 +41,12 @@ pub struct Strip {
     pub style: Style,
     /// Ascending.
     pub values: Vec<f64>,
-    /// At 5, 25, 50, 75 and 95 %; `None` without values.
+    /// The quantiles at 5, 25, 50, 75 and 95 %; `None` without values.
     pub quantiles: Option<[f64; 5]>,
 }
 
 impl StripChart {
-    /// As many sheets as the panels take.
+    /// Draws the panels on as many sheets as they take.
     pub fn draw(&self) -> Vec<Drawing> {
         let strips = || self.panels.iter().flat_map(|panel| &panel.strips);
         let has_names = strips().count() > 1;

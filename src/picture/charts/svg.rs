@@ -82,7 +82,7 @@ fn hex([red, green, blue]: Rgb) -> String {
     format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
-/// Text as it stands in XML: what XML does not have becomes a space, what would act on other text an escape.
+/// Escapes text for XML: what XML does not have becomes a space, what would act on other text an escape.
 fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in visible(text).chars() {

@@ -42,7 +42,7 @@ use search::{Search, Task};
 use wave::{Cells, Wave};
 
 const FINEST: Lattice = LATTICES[LATTICES.len() - 1];
-/// The coarsest of the floods is asked.
+/// The number of floods that are asked: the coarsest alone.
 const FLOODS: usize = 1;
 /// Of the two sides of a search.
 const BACKWARD: usize = 1;

@@ -132,15 +132,16 @@ impl Search {
         (Err(Ending::Exhausted), spent)
     }
 
-    /// Whether there is memory for what one step adds: a pose with its approach, or the motions that follow one.
+    /// Says whether there is memory for what one step adds: a pose with its approach, or the motions that follow one.
     fn has_memory(&mut self) -> bool {
         let lists = self.nodes.bytes_after(1) + self.open.bytes_after(self.motions.len());
         self.memory.cover(lists + self.bins.bytes_after(1))
     }
 
-    /// The most bytes that a search takes which expands up to so many nodes.
+    /// The most bytes that a search takes if it expands up to this number of nodes.
     pub fn most_bytes(expansions: u32) -> u64 {
-        // A node is left by all motions but the one back; each new one waits twice, for its approach and to be expanded.
+        // A node is left by all motions but the one back; each new one waits twice, for its approach and to be
+        // expanded.
         let (nodes, entries) = (5, 5 + 2 * 5);
         let lists = nodes * size_of::<Node>() as u64 + entries * size_of::<Candidate>() as u64;
         // Lists that double may have room for twice as many.

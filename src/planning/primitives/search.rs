@@ -217,15 +217,15 @@ impl Search {
         Ending::Exhausted
     }
 
-    /// Whether there is memory for what one step adds: a turn and a straight, the motions that follow, and aims at the
-    /// waypoints ahead.
+    /// Says whether there is memory for what one step adds: a turn and a straight, the motions that follow, and aims at
+    /// the waypoints ahead.
     fn has_memory(&mut self) -> bool {
         let (nodes, aims) = (self.nodes.bytes_after(2), self.aims.bytes_after(1 + AIM_AHEAD as usize));
         let open = self.open.bytes_after(self.lattice.len() + 2 + AIM_AHEAD as usize);
         self.memory.cover(nodes + aims + open + self.bins.bytes_after(1))
     }
 
-    /// The most bytes that searches take of which each expands up to so many nodes.
+    /// The most bytes that searches take, each of which expands up to this number of nodes.
     pub fn most_bytes(expansions: u32) -> u64 {
         // A node is left by its motions but the one back, and by aims, which are two motions each.
         let motions = 5;

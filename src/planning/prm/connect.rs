@@ -58,7 +58,7 @@ pub fn find_edges(
     edges
 }
 
-/// The most bytes that are taken while so many milestones are joined and none is held.
+/// The most bytes that joining this number of milestones takes, besides what is kept.
 pub fn most_bytes_at_work(milestones: u64, neighbours: u64) -> u64 {
     let edges = milestones * neighbours * size_of::<Edge>() as u64;
     // A line is tried once and kept at one of its ends, in a list that doubles from room for four.

@@ -84,13 +84,13 @@ impl Roadmap {
         self
     }
 
-    /// Bytes that it takes for good, and on top of that while it is made, at most.
+    /// The most bytes that it takes for good, and on top of that while it is made.
     pub fn most_bytes(settings: &PrmSettings) -> [u64; 2] {
         let (milestones, neighbours) = (u64::from(settings.samples), u64::from(settings.neighbours));
         let edges = milestones * neighbours;
-        // In the tree a milestone's place and number stand once more, in leaves that need not be full.
+        // The tree has a milestone's place and number once more, in leaves that need not be full.
         let milestone = 3 * size_of::<DVec2>() + 2 * size_of::<u64>();
-        // Each edge stands with both its ends, in lists that double.
+        // Each edge is listed at both its ends, in lists that double.
         let edge = 4 * (size_of::<u32>() + size_of::<f64>());
         let held = milestones * milestone as u64 + edges * edge as u64;
         [held, connect::most_bytes_at_work(milestones, neighbours)]

@@ -56,7 +56,7 @@ pub struct RoadmapScratch {
 }
 
 impl RoadmapScratch {
-    /// The most bytes that queries take on a roadmap of so many milestones and edges, in lists that double.
+    /// The most bytes that queries take on a roadmap of these numbers of milestones and edges, in lists that double.
     pub fn most_bytes(milestones: u64, edges: u64) -> u64 {
         let of_each = size_of::<Visit>() + size_of::<u32>() + size_of::<(f64, u32)>();
         // An edge is offered from both its ends; a milestone near the goal offers the ways into it.

@@ -111,7 +111,7 @@ impl PrmRs {
         }
     }
 
-    /// The most bytes that it takes on a field whose bushes have up to so many corners.
+    /// The most bytes that it takes on a field whose bushes have up to this number of corners.
     pub fn memory(
         frame: &FieldFrame,
         corners: u64,

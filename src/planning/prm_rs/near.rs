@@ -25,7 +25,7 @@ impl Places {
         Self { side_m, cols, rows, squares: vec![Vec::new(); cols * rows], places: Vec::new() }
     }
 
-    /// The most bytes that so many places take, in lists that double.
+    /// The most bytes that this number of places takes, in lists that double.
     pub fn most_bytes(frame: &FieldFrame, places: u64) -> u64 {
         let empty = Self::new(frame).squares.len() as u64;
         // A list begins with room for four.

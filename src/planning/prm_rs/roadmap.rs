@@ -46,7 +46,7 @@ pub struct Roadmap {
     components: u32,
     /// The most links of one node.
     most_links: usize,
-    /// Of the ways.
+    /// The memory of the ways.
     memory: Held,
 }
 
@@ -103,20 +103,20 @@ impl Roadmap {
         }
     }
 
-    /// The most bytes that so many nodes and edges take, without the curves, in lists that double.
+    /// The most bytes that these numbers of nodes and edges take, without the curves, in lists that double.
     pub fn most_bytes(frame: &FieldFrame, nodes: u64, edges: u64) -> u64 {
-        // With its number in a set, where its links begin, and its place among those near another.
+        // A node has a number in a set, a place where its links begin, and a place among those near another.
         let node = size_of::<Node>() + 5 * size_of::<u32>() + size_of::<(f64, u32)>();
         let edge = size_of::<Edge>() + size_of::<Link>();
         2 * (nodes * node as u64 + edges * edge as u64) + Places::most_bytes(frame, nodes)
     }
 
-    /// The most bytes that the curves of so many edges take, in a list that doubles.
+    /// The most bytes that the curves of this number of edges take, in a list that doubles.
     pub fn most_bytes_of_curves(edges: u64) -> u64 {
         2 * edges * size_of::<PricedCurve>() as u64
     }
 
-    /// Whether there is memory for so many more curves that are worked out.
+    /// Says whether there is memory for this number of further curves that are worked out.
     pub fn has_memory_for(&mut self, ways: usize) -> bool {
         self.memory.cover(self.ways.bytes_after(ways))
     }

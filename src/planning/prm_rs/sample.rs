@@ -55,17 +55,17 @@ impl<'a> Sampler<'a> {
         poses
     }
 
-    /// How many poses [`Self::at_corners`] gives at most.
+    /// The most poses that [`Self::at_corners`] gives.
     pub fn most_at_corners(corners: u64, places: u32) -> u64 {
         2 * corners * u64::from(places)
     }
 
-    /// How many poses [`Self::about`] gives at most.
+    /// The most poses that [`Self::about`] gives.
     pub fn most_about(poses: u64) -> u64 {
         6 * poses
     }
 
-    /// The most bytes that so many poses take while they are drawn, in a list that doubles.
+    /// The most bytes that this number of poses takes while they are drawn, in a list that doubles.
     pub fn most_bytes(poses: u64) -> u64 {
         2 * poses * size_of::<Pose>() as u64
     }
@@ -141,12 +141,12 @@ fn convex_corners(field: &ClearanceField) -> impl Iterator<Item = (DVec2, f64)> 
     corners_of_one(field.occupied()).map(move |(row, col, only)| (place(row, col), outwards(only)))
 }
 
-/// How many corners stick out of bushes, a value per cell.
+/// Counts the corners that stick out of bushes; `occupied` has a value per cell.
 pub fn count_convex_corners(occupied: &Grid<bool>) -> u64 {
     corners_of_one(occupied).count() as u64
 }
 
-/// Corners of cells inside the field at which one of four cells is a bush, and which of them.
+/// Lists the corners of cells inside the field at which one of four cells is a bush, and says which of them.
 fn corners_of_one(occupied: &Grid<bool>) -> impl Iterator<Item = (usize, usize, usize)> + '_ {
     (1..occupied.rows()).flat_map(move |row| {
         (1..occupied.cols()).filter_map(move |col| {

@@ -106,19 +106,19 @@ impl Search {
         None
     }
 
-    /// Whether there is memory for what one step adds: a pose, and what is offered from there.
+    /// Says whether there is memory for what one step adds: a pose, and what is offered from there.
     fn has_memory(&mut self, roadmap: &mut Roadmap) -> bool {
         let offered = self.motions.len().max(roadmap.most_links());
         let bytes = self.tree.bytes_after(offered) + self.near.bytes_after(0) + self.bins.bytes_after(1);
         roadmap.has_memory_for(1) && self.memory.cover(bytes)
     }
 
-    /// Bytes that it takes for a roadmap of so many nodes, before it searches.
+    /// Bytes that it takes for a roadmap of this number of nodes, before it searches.
     pub fn bytes(nodes: u64) -> u64 {
         2 * nodes * size_of::<State>() as u64
     }
 
-    /// The most bytes that it takes on top of that while it searches a roadmap of so many nodes and edges.
+    /// The most bytes that it takes on top of that while it searches a roadmap of these numbers of nodes and edges.
     pub fn most_bytes_at_work(nodes: u64, edges: u64) -> u64 {
         let local = u64::from(MAX_LOCAL_EXPANSIONS);
         // A node is reached in both directions of driving; each offers its links, each link the way by it.

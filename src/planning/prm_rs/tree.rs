@@ -93,14 +93,14 @@ impl Tree {
         self.sequence = 0;
     }
 
-    /// Bytes that it takes once a step has added a pose, a curve, two approaches and so many candidates.
+    /// Bytes that it takes once a step has added a pose, a curve, two approaches and this number of candidates.
     pub fn bytes_after(&self, candidates: usize) -> usize {
         let lists = self.reached.bytes_after(1) + self.curves.bytes_after(1) + self.approaches.bytes_after(2);
         lists + self.open.bytes_after(candidates)
     }
 
-    /// The most bytes that so many poses that are reached take, with their approaches, and so many candidates, in lists
-    /// that double.
+    /// The most bytes that reached poses with their approaches, and candidates, take in these numbers, in lists that
+    /// double.
     pub fn most_bytes(reached: u64, candidates: u64) -> u64 {
         let of_each = size_of::<Reached>() + size_of::<PricedCurve>() + size_of::<Approach>();
         2 * (reached * of_each as u64 + candidates * size_of::<Candidate>() as u64)

@@ -12,9 +12,9 @@ use crate::vehicle::{Path, Segment};
 
 use super::Lattice;
 
-/// A flood holds no more poses.
+/// The most poses that a flood holds.
 pub const MAX_POSES: usize = 3_000_000;
-/// Nor does it hold more bins; those of 5 m and 24 headings of a field of 5 km x 5 km fit in.
+/// The most bins that a flood holds; those of 5 m and 24 headings of a field of 5 km x 5 km fit in.
 const MAX_BINS: usize = 25_000_000;
 
 const NONE: u32 = u32::MAX;
@@ -34,7 +34,7 @@ pub struct Flood {
     frontier: VecDeque<Pose>,
     next: usize,
     memory: Held,
-    /// Whether there was no memory for more poses.
+    /// True if there was no memory for more poses.
     is_short: bool,
 }
 
@@ -100,22 +100,22 @@ impl Flood {
         self.found[pose as usize].parent.wrapping_add(1)
     }
 
-    /// Whether it stopped because it holds as many poses, or bytes, as it may.
+    /// Says whether it stopped because it holds as many poses, or bytes, as it may.
     pub fn is_full(&self) -> bool {
         self.found.len() == MAX_POSES || self.is_short
     }
 
-    /// The most bytes that a flood over a lattice of this field takes which spreads from up to `limit` poses.
+    /// The most bytes that a flood over a lattice of this field takes if it spreads from up to `limit` poses.
     pub fn most_bytes(frame: &FieldFrame, lattice: Lattice, limit: u32) -> u64 {
         let poses = BinPages::most_poses(frame, lattice).min(MAX_POSES as u64).min(6 * u64::from(limit) + 1);
-        // Lists that double may come to have room for twice as many as they hold. The frontier is a surface in the space
-        // of poses: of a small flood it may be most of it, of a large one it stays below an eighth.
+        // Lists that double may come to have room for twice as many as they hold. The frontier is a surface in the
+        // space of poses: of a small flood it may be most of it, of a large one it stays below an eighth.
         let found = poses.next_power_of_two() * size_of::<Found>() as u64;
         let frontier = poses.min(20_000).max(poses / 8).next_power_of_two() * size_of::<Pose>() as u64;
         found + frontier + BinPages::most_bytes(frame, lattice, poses)
     }
 
-    /// Whether there is memory for so many poses more; once there is none, there never is.
+    /// Says whether there is memory for this number of further poses; once there is none, there never is.
     fn has_memory_for(&mut self, poses: usize) -> bool {
         let lists = self.found.bytes_after(poses) + self.frontier.bytes_after(poses);
         let bytes = self.bins.bytes_after(poses).map(|bins| bins + lists);
@@ -202,7 +202,7 @@ const PAGE: usize = 8;
 /// Pages along the sides of a block.
 const BLOCK: usize = 64;
 
-/// Which pose stands for a bin, in pages, and those in blocks, that are made when first written to.
+/// The pose that represents each bin, in pages, and these in blocks, which are made when they are first written to.
 #[derive(Debug)]
 struct BinPages {
     lattice: Lattice,
@@ -210,7 +210,7 @@ struct BinPages {
     block_cols: usize,
     cols: usize,
     rows: usize,
-    /// Where each block begins in `pages`.
+    /// The index in `pages` at which each block begins.
     blocks: Vec<u32>,
     /// Where each page begins in `poses`.
     pages: Vec<u32>,
@@ -233,7 +233,7 @@ impl BinPages {
         cols as u64 * rows as u64 * u64::from(lattice.headings)
     }
 
-    /// The most bytes that the bins of so many poses take.
+    /// The most bytes that the bins of this number of poses take.
     fn most_bytes(frame: &FieldFrame, lattice: Lattice, poses: u64) -> u64 {
         let empty = Self::new(frame, lattice);
         let sides = [empty.cols, empty.rows].map(|bins| bins.div_ceil(PAGE) as u64);
@@ -244,15 +244,16 @@ impl BinPages {
         4 * (bins + blocks * (BLOCK * BLOCK) as u64 + empty.blocks.len() as u64) + bins / 4
     }
 
-    /// Bytes once so many poses more are held, each in a page and a block of its own; `None` where those are more bins
-    /// than there may be.
+    /// Bytes that it takes with `more` further poses, each in a page and a block of its own; `None` if those are more
+    /// bins than there may be.
     fn bytes_after(&self, more: usize) -> Option<usize> {
         let lists = self.pages.bytes_after(more * BLOCK * BLOCK) + self.blocks.bytes_after(0);
         let bins = self.bins_after(more * self.page_len())?;
         Some(4 * bins + bins / 4 + lists)
     }
 
-    /// For how many bins there is memory once there are so many more: it doubles, up to the most that there may be.
+    /// The number of bins that there is memory for once there are `more` further ones: it doubles, up to the most that
+    /// may be.
     fn bins_after(&self, more: usize) -> Option<usize> {
         let (known, room) = (self.poses.len() + more, self.poses.capacity());
         let grown = if known <= room { room } else { known.max((2 * room).min(MAX_BINS)) };
@@ -263,7 +264,7 @@ impl BinPages {
         PAGE * PAGE * self.lattice.headings as usize
     }
 
-    /// Where a bin is, heading 0: its block, the place of its page there, and its own place in the page.
+    /// Locates a bin, heading 0: its block, the place of its page there, and its own place in the page.
     fn locate(&self, col: usize, row: usize) -> [usize; 3] {
         let (page_col, page_row) = (col / PAGE, row / PAGE);
         let block = (page_row / BLOCK) * self.block_cols + page_col / BLOCK;
@@ -278,7 +279,7 @@ impl BinPages {
         [block, page, place + (turn as usize).min(self.lattice.headings as usize - 1)]
     }
 
-    /// Where a page begins in `poses`, if it was ever written to.
+    /// The index in `poses` at which a page begins, if it was ever written to.
     fn start_of(&self, block: usize, page: usize) -> Option<usize> {
         let known = |start: &u32| *start != NONE;
         let pages = Some(self.blocks[block]).filter(known)? as usize;

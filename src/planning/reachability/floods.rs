@@ -23,7 +23,7 @@ impl Floods {
         Self { checker: checker.clone(), memory: memory.clone(), root, floods: Default::default(), passages: None }
     }
 
-    /// The most bytes that the first few floods of a field take, of which each spreads from up to `limit` poses.
+    /// The most bytes that the first few floods of a field take, each of which spreads from up to `limit` poses.
     pub fn most_bytes(frame: &FieldFrame, lattices: usize, limit: u32) -> u64 {
         let floods = LATTICES[..lattices].iter().map(|&lattice| Flood::most_bytes(frame, lattice, limit)).sum::<u64>();
         floods + if lattices > 1 { Passages::most_bytes(frame) } else { 0 }

@@ -12,7 +12,7 @@ const SQUARE_M: f64 = 0.5;
 /// On larger fields nothing is excluded.
 const MAX_SQUARES: usize = 4_000_000;
 
-/// For every square, whether it was met, and its place among those that wait.
+/// Bytes of every square for whether it was met, and for its place among those that wait.
 const BYTES_AT_WORK: usize = 1 + size_of::<usize>();
 
 /// Where the body's centre could get to if only the largest disc in the body had to pass.
@@ -28,7 +28,7 @@ pub struct Passages {
     /// For every square, row by row from the south-west, whether it is joined to the start's; empty when there are too
     /// many.
     joined: Vec<bool>,
-    /// Of the squares that are joined.
+    /// The memory of the squares that are joined.
     memory: Held,
 }
 

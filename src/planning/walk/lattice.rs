@@ -42,9 +42,11 @@ impl WalkLattice {
         (east - west + 1.0) * (north - south + 1.0)
     }
 
-    /// The most bytes that it takes on a field with so many points, while it is made and asked what can be reached.
+    /// The most bytes that it takes on a field with this number of points, while it is made and asked what can be
+    /// reached.
     pub fn most_bytes(frame: &FieldFrame, points: u64) -> u64 {
-        // Moves and whether it is free; free points, or those that wait, in a list that doubles; those that were reached.
+        // A point's moves and whether it is free; free points, or those that wait, in a list that doubles; reached
+        // points.
         let point = 2 * size_of::<u8>() + 2 * size_of::<usize>() + size_of::<bool>();
         points * point as u64 + OccupiedCount::bytes(frame)
     }

@@ -116,7 +116,7 @@ impl WalkPlanner {
         Self { costs, method, recorder: SearchRecorder::default() }
     }
 
-    /// The most bytes that it takes for a lattice of so many points, walks on their way included.
+    /// The most bytes that it takes for a lattice of this number of points, walks on their way included.
     ///
     /// `has_factors` says whether its costs have a factor for every point.
     pub fn most_bytes(points: u64, method: &WalkMethod, has_factors: bool) -> u64 {

@@ -70,7 +70,7 @@ pub enum FileError {
 }
 
 impl FileError {
-    /// What kind of an input cannot be read so.
+    /// Returns the kind of error of an input that cannot be read for this reason.
     pub fn kind(&self) -> ErrorKind {
         match self {
             Self::Io(error) => error.kind(),
