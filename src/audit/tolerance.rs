@@ -7,11 +7,12 @@
 //!
 //! - **Rounding of numbers.** A sum of coordinates is off by at most e X, e being [`f64::EPSILON`], and a product of
 //!   the unit vector of a heading by 2 e of its length. The audit adds up at most [`STRIDE`] steps before it begins
-//!   anew from the start of a piece, and both answers add up pieces; an angle is off by e times what it has turned. So
-//!   headings are apart by at most r = 4 e ([`STRIDE`] + n + A). Places are, by the roundings of their own sums and by
-//!   a heading that is off by r on a way of L, at most r (X + L).
+//!   anew from the start of a piece, and both answers add up pieces, so that a sum is off by at most
+//!   s = 4 e ([`STRIDE`] + n) of what it comes to; an angle is off by e times what it has turned, besides. So headings
+//!   are apart by at most r = s + 4 e A. Places are, by the roundings of their own sums and by a heading that is off by
+//!   r on a way of L, at most r (X + L).
 //! - **Rounding of time.** The timeline counts nanoseconds. The audit asks for the nearest one to its own sum of
-//!   durations, the timeline lets a leg end at the next one, so they are apart by at most d = 1 ns + r T, the second
+//!   durations, the timeline lets a leg end at the next one, so they are apart by at most d = 1 ns + s T, the second
 //!   part from sums in seconds. In that time a body moves by at most v d and turns by v k d. It may be on a
 //!   neighbouring piece then, which is why v and k are those of the leg.
 //! - **A negligible amount**, [`SAME_POSE`], is granted on top, so that no rounding that was overlooked here makes an
@@ -56,8 +57,9 @@ impl Tolerance {
             }
         }
         let farthest_m = leg.start().position().abs().max_element() + length_m;
-        let rounding = 4.0 * f64::EPSILON * (STRIDE as f64 + leg.pieces().len() as f64 + turned_rad);
-        let seconds = TICK_S + rounding * leg.duration_s();
+        let of_sums = 4.0 * f64::EPSILON * (STRIDE as f64 + leg.pieces().len() as f64);
+        let rounding = of_sums + 4.0 * f64::EPSILON * turned_rad;
+        let seconds = TICK_S + of_sums * leg.duration_s();
         Self {
             metres: SAME_POSE + fastest_mps * seconds + rounding * (farthest_m + length_m),
             radians: SAME_POSE + fastest_mps * sharpest * seconds + rounding,

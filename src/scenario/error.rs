@@ -226,7 +226,7 @@ mod tests {
         assert_eq!((place.line_and_column(), place.excerpt()), ((2, 10), "\\u0007z"));
         assert_eq!(place.to_string(), "a\\u001bb:2:10");
         let shown = place.read_span(&place.shown().into(), 1, 0).expect("the stretch is in the text");
-        assert_eq!(shown.data(), b"x = 1\n\\u001b[2J\\u202ey = \\u0007z\n");
+        assert_eq!(shown.data(), b"x = 1\n\\u001b[2J\\u202ey = \\u0007z");
     }
 
     #[test]
