@@ -48,7 +48,8 @@ impl RepeatedMeasures {
         let residuals: Vec<Vec<f64>> = rows.iter().map(residuals_of).collect();
         let rounding = ROUNDING * squares(rows.iter().flatten());
         let left = squares(residuals.iter().flatten());
-        let between = subjects as f64 * of_conditions.iter().map(|mean| (mean - of_all).powi(2)).sum::<f64>();
+        let effects: Vec<f64> = of_conditions.iter().map(|mean| mean - of_all).collect();
+        let between = subjects as f64 * squares(effects.iter());
         let degrees = [(conditions - 1) as f64, ((conditions - 1) * (subjects - 1)) as f64];
         if left <= rounding {
             // The limit of ever smaller residuals.
@@ -76,8 +77,8 @@ fn squares_of_products(rows: &[Vec<f64>]) -> f64 {
         return squares_of_products(&transposed);
     }
     let product = |one: &[f64], other: &[f64]| one.iter().zip(other).map(|(a, b)| a * b).sum::<f64>();
-    let with_all = |one: &Vec<f64>| rows.iter().map(|other| product(one, other).powi(2)).sum::<f64>();
-    rows.iter().map(with_all).sum()
+    let with_all = |one: &Vec<f64>| -> Vec<f64> { rows.iter().map(|other| product(one, other)).collect() };
+    rows.iter().map(|one| squares(with_all(one).iter())).sum()
 }
 
 #[cfg(test)]
