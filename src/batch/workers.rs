@@ -55,7 +55,7 @@ enum Finished {
     /// A new run, with its line for the journal.
     Run { run: u64, status: Status, line: Vec<u8> },
     /// A run that was made again and is not recorded yet: it must be the run that the journal holds.
-    Again { run: u64, row: Box<RunRow>, timeline: Option<Timeline> },
+    Again { run: u64, made: Box<(RunRow, Option<Timeline>)> },
 }
 
 type Message = Result<Finished, BatchError>;
@@ -79,7 +79,8 @@ pub fn work_off(
                     journal.add(run, status, &line)?;
                     on_run(status);
                 }
-                Finished::Again { run, row, timeline } => {
+                Finished::Again { run, made } => {
+                    let (row, timeline) = *made;
                     work.record_again(&journal.row(run)?, &row, timeline.as_ref())?;
                     recorded_again += 1;
                     on_run(row.status);
@@ -136,8 +137,8 @@ impl Work {
                 Ok(Finished::Run { run: number, status: row.status, line: encode_row(&row) })
             }
             Task::RecordAgain(number) => {
-                let (row, timeline) = self.run_one(&self.plan.run(number));
-                Ok(Finished::Again { run: number, row: Box::new(row), timeline })
+                let made = Box::new(self.run_one(&self.plan.run(number)));
+                Ok(Finished::Again { run: number, made })
             }
         }
     }

@@ -315,10 +315,12 @@ fn bytes_of(fuzzer: &str, case: u64) -> Vec<u8> {
     bytes
 }
 
+/// Makes a simpler string of bytes.
+type Trial = Box<dyn Fn(&[u8]) -> Vec<u8>>;
+
 /// Ways to make a string of `length` bytes simpler: ends cut off, stretches cut out, stretches zeroed; large ones
 /// first.
-fn smaller(length: usize) -> impl Iterator<Item = Box<dyn Fn(&[u8]) -> Vec<u8>>> {
-    type Trial = Box<dyn Fn(&[u8]) -> Vec<u8>>;
+fn smaller(length: usize) -> impl Iterator<Item = Trial> {
     let sizes = std::iter::successors(Some(length / 2), |size| (*size > 1).then_some(size / 2));
     let trials = sizes.flat_map(move |size| {
         let size = size.max(1);

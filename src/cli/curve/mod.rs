@@ -98,10 +98,7 @@ mod tests {
         if case.chance(50) {
             words.push("--json".into());
         }
-        let arguments = match parsed(case, "curve", words)? {
-            Some(Command::Curve(arguments)) => arguments,
-            _ => return Ok(()),
-        };
+        let Some(Command::Curve(arguments)) = parsed(case, "curve", words)? else { return Ok(()) };
         let (Some(from), Some(to)) = (arguments.from, arguments.to) else { return Err("a pose is missing".into()) };
         case.count("poses accepted");
         let answer = Answer::of(from, to, &arguments);

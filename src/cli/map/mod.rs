@@ -91,9 +91,8 @@ mod tests {
         let cells = (0..rows * cols).map(|_| case.chance(percent)).collect();
         let occupied = Grid::from_values(rows, cols, cells);
         let words = drawn_words(case, &["map"]);
-        let command = match parsed(case, "map", words)? {
-            Some(Command::Map { command: MapCommand::Compute(computation) }) => computation,
-            _ => return Ok(()),
+        let Some(Command::Map { command: MapCommand::Compute(command) }) = parsed(case, "map", words)? else {
+            return Ok(());
         };
         if let Err(refusal) = command.check_parameters() {
             return said(&refusal.to_string());
