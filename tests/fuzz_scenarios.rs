@@ -7,6 +7,7 @@
 //!
 //! `fuzz/mod.rs` says which variables of the environment ask for more cases, or for one.
 
+#[expect(clippy::print_stdout, reason = "says how much was tried, and which case broke a law")]
 mod fuzz;
 #[path = "fuzz/grammar.rs"]
 mod grammar;
