@@ -40,8 +40,11 @@ const CASES: u64 = 10_000;
 /// The most memory that this program may have taken, in kilobytes: reading a recording may take most of it.
 const MOST_MEMORY_KB: u64 = 1 << 20;
 
+/// Feeds a case to a parser, and looks whether a law is broken.
+type Feed = fn(&mut Case<'_>) -> Law;
+
 /// The parsers with their weights: how often each is drawn among the sum of all.
-const PARSERS: &[(usize, &str, fn(&mut Case<'_>) -> Law)] = &[
+const PARSERS: &[(usize, &str, Feed)] = &[
     (250, "words of the command line", words),
     (150, "recordings", recordings::recording),
     (150, "map files", maps::map_file),

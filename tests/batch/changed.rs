@@ -33,9 +33,12 @@ fn ended_by(change: fn(&Path)) -> (u64, String) {
     }
 }
 
+/// Changes the folder of a batch.
+type Change = fn(&Path);
+
 #[test]
 fn journal_that_is_changed_under_a_batch_ends_it_before_the_next_line() {
-    let changes: [(fn(&Path), &str); 6] = [
+    let changes: [(Change, &str); 6] = [
         (|folder| fs::remove_dir_all(folder).expect("it is there"), "was removed"),
         (|folder| fs::rename(folder, folder.with_file_name("elsewhere")).expect("it is there"), "or renamed"),
         (|folder| fs::remove_file(folder.join("runs.journal")).expect("it is there"), "was removed"),

@@ -23,6 +23,7 @@ fn trucks(count: usize, size_m: f64, rest_of_truck: &str) -> String {
 /// The most memory that a process held, as the kernel counts it, and its answer. It is looked at every millisecond, so
 /// that what is taken in the last one may be missed.
 #[cfg(target_os = "linux")]
+#[expect(clippy::disallowed_methods, reason = "another process is at work meanwhile")]
 fn peak_bytes(mut command: Command) -> (u64, Answer) {
     let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program can be started");
     let status = format!("/proc/{}/status", child.id());

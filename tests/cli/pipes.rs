@@ -116,6 +116,7 @@ fn wait(moment: Duration) {
 }
 
 /// Waits for the end of the program, which must come soon, and returns its status.
+#[expect(clippy::disallowed_methods, reason = "only real time can show that it ends")]
 fn end_of(child: &mut Child, arguments: &str) -> std::process::ExitStatus {
     let since = Instant::now();
     while since.elapsed() < Duration::from_secs(20) {
