@@ -9,7 +9,7 @@
 //!
 //! Where something else varies within the sides, such as the coverage in a comparison of planners, a difference is a
 //! mean over its values, the strata. Then every metric is also taken stratum by stratum, and tested for an interaction
-//! of side and stratum ([`RepeatedMeasures`](crate::stats::RepeatedMeasures) of the differences, seed by seed). The
+//! of side and stratum ([`RepeatedMeasures`] of the differences, seed by seed). The
 //! p-values of these tests are a family of their own for Holm's method, and so are those of the strata.
 //!
 //! The difference of the sides' settings is read from their plans, see [`SettingsDifference`].
