@@ -183,10 +183,6 @@ fn affordable(scenario: &Scenario) -> Option<Scenario> {
             *bin_m = bin_m.max((area_m2 * f64::from(headings) / MOST_BINS).sqrt());
         }
     }
-    // AWAITED: nearest milestones beyond reach
-    for truck in &mut less.unimog {
-        truck.prm.goal = wildfire::scenario::RoadmapGoal::InReach;
-    }
     for wumpus in &mut less.wumpus {
         wumpus.lattice_m = wumpus.lattice_m.filter(|lattice_m| area_m2 / (lattice_m * lattice_m) <= MOST_POINTS);
     }
