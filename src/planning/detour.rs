@@ -3,9 +3,9 @@
 use crate::collision::CollisionChecker;
 use crate::vehicle::Path;
 
+use super::kit::local_search::{LocalSearch, PrimitiveSettings};
 use super::memory::MemoryMeter;
-use super::primitives::LocalSearch;
-use super::{Effort, GoalDisc, PrimitiveSettings};
+use super::{Effort, GoalDisc};
 
 /// A detour leaves the path so many metres before the place where it is blocked.
 const LEAVE_M: f64 = 20.0;

@@ -3,40 +3,29 @@
 //!
 //! Effort is counted in samples and expansions and budgeted in the same units; CPU time is reported only.
 
-mod clearance_floor;
 mod detour;
-mod ends;
-mod hybrid_astar;
-pub mod improve;
-mod lattice_planner;
-mod lattice_search;
+pub mod kit;
 pub mod memory;
 mod nearest_place;
-pub mod primitives;
-pub mod prm;
-mod prm_primitives;
-mod prm_rs;
+pub mod planners;
 pub mod reachability;
-mod safety;
-mod search_graph;
-mod settings;
+pub mod registry;
+pub mod search_graph;
 #[cfg(test)]
 mod test_fields;
-mod truck_planners;
 pub mod walk;
 
-pub use clearance_floor::ClearanceFloor;
 pub use detour::detour;
-pub use hybrid_astar::{HybridAstar, HybridSettings};
-pub use lattice_planner::{LatticePlanner, LatticeSettings};
+pub use kit::clearance_profile::ClearanceFloor;
+pub use kit::local_search::{MotionCost, PrimitiveSettings};
+pub use kit::safety::{Safety, SafetyForm, SafetyMap, SafetySettings};
 pub use nearest_place::nearest_place;
-pub use prm_primitives::PrmPrimitives;
-pub use prm_rs::{PrmRs, PrmRsSettings, count_convex_corners};
-
-pub use safety::{Safety, SafetyForm, SafetyMap, SafetySettings};
+pub use planners::hybrid_astar::{HybridAstar, HybridSettings};
+pub use planners::lattice::{LatticePlanner, LatticeSettings};
+pub use planners::prm_primitives::{ClearanceTo, PrmPrimitives, PrmSettings, RoadmapGoal, RoadmapSearch};
+pub use planners::prm_rs::{PrmRs, PrmRsSettings, count_convex_corners};
+pub use registry::{TruckPlannerKind, TruckPlannerSettings, truck_planner, truck_planner_memory};
 pub use search_graph::{MAX_SEARCH_EDGES, SearchGraph, SearchPhase, SearchRecorder, Searched};
-pub use settings::{ClearanceTo, MotionCost, PrimitiveSettings, PrmSettings, RoadmapGoal, RoadmapSearch};
-pub use truck_planners::{TruckPlannerKind, TruckPlannerSettings, truck_planner, truck_planner_memory};
 
 use std::fmt;
 use std::ops::AddAssign;

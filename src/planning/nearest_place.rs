@@ -8,9 +8,10 @@ use crate::geometry::Pose;
 use crate::grid::open_list::OpenList;
 use crate::vehicle::{Path, Segment};
 
-use super::clearance_floor::ClearanceFloor;
-use super::lattice_search::{self, Candidate};
-use super::primitives::Bins;
+use super::kit::best_first::Candidate;
+use super::kit::clearance_profile::ClearanceFloor;
+use super::kit::closed_set::Bins;
+use super::kit::{best_first, local_search};
 
 const STEP_M: f64 = 2.5;
 const BIN_M: f64 = 1.25;
@@ -47,7 +48,7 @@ fn search(
     start: Pose,
     may_stand: &mut impl FnMut(Pose) -> bool,
 ) -> Option<Path> {
-    let motions = lattice_search::motions(checker.body(), STEP_M);
+    let motions = best_first::motions(checker.body(), STEP_M);
     let mut bins = Bins::new(BIN_M, HEADINGS);
     let mut open = OpenList::default();
     let mut nodes = vec![Node { pose: start, parent: ROOT, motion: Segment { curvature: 0.0, length_m: 0.0 } }];
@@ -91,7 +92,7 @@ fn path_to(nodes: &[Node], mut index: u32) -> Path {
         index = node.parent;
     }
     segments.reverse();
-    Path { start: nodes[0].pose, segments: super::primitives::join(&segments) }
+    Path { start: nodes[0].pose, segments: local_search::join(&segments) }
 }
 
 #[cfg(test)]

@@ -5,9 +5,10 @@ use glam::{DVec2, Vec2};
 
 use crate::collision::CollisionChecker;
 use crate::geometry::{FieldFrame, Pose};
+use crate::planning::GoalDisc;
+use crate::planning::kit::local_search::Floor;
+use crate::planning::kit::{best_first, local_search};
 use crate::planning::memory::{BytesAfter, Growing, Held, MemoryMeter};
-use crate::planning::primitives::{self, Floor};
-use crate::planning::{GoalDisc, lattice_search};
 use crate::vehicle::{Path, Segment};
 
 use super::Lattice;
@@ -61,7 +62,7 @@ impl Flood {
             checker: checker.clone(),
             root,
             floor: Floor::new(clearance_m, root, checker.clearance(root)),
-            motions: lattice_search::motions(checker.body(), lattice.step_m),
+            motions: best_first::motions(checker.body(), lattice.step_m),
             bins: BinPages::new(checker.field().frame(), lattice),
             found: Vec::new(),
             frontier: VecDeque::new(),
@@ -193,7 +194,7 @@ impl Flood {
             index = self.found[index].parent as usize;
         }
         segments.reverse();
-        Path { start: self.root, segments: primitives::join(&segments) }
+        Path { start: self.root, segments: local_search::join(&segments) }
     }
 }
 

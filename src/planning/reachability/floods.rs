@@ -1,11 +1,10 @@
+use super::flood::Flood;
+use super::passages::Passages;
+use super::{CLEARANCE_M, LATTICES};
 use crate::collision::CollisionChecker;
 use crate::geometry::{FieldFrame, Pose};
 use crate::planning::GoalDisc;
 use crate::planning::memory::MemoryMeter;
-
-use super::flood::Flood;
-use super::passages::Passages;
-use super::{CLEARANCE_M, LATTICES};
 
 /// The floods from one root, each made when it is first asked for.
 #[derive(Debug)]

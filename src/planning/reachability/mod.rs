@@ -14,11 +14,13 @@ mod passages;
 
 use crate::collision::CollisionChecker;
 use crate::geometry::{FieldFrame, Pose};
-use crate::planning::primitives::{self, Ending, Floor, Search, Task};
+use crate::planning::kit::local_search;
+use crate::planning::kit::local_search::{Ending, Floor, Search, Task};
 use crate::vehicle::Path;
 
-use super::memory::MemoryMeter;
-use super::{GoalDisc, PrimitiveSettings};
+use crate::planning::GoalDisc;
+use crate::planning::kit::local_search::PrimitiveSettings;
+use crate::planning::memory::MemoryMeter;
 pub(super) use flood::Flood;
 pub(super) use floods::Floods;
 
@@ -115,7 +117,7 @@ impl Reachability {
             let ending = search.run(&task, budget, &mut segments);
             expansions += search.expansions;
             if ending == Ending::Found {
-                return (Some(Path { start: from, segments: primitives::join(&segments) }), expansions);
+                return (Some(Path { start: from, segments: local_search::join(&segments) }), expansions);
             }
         }
         (None, expansions)
@@ -138,8 +140,8 @@ fn search_on(checker: &CollisionChecker, memory: &MemoryMeter, lattice: Lattice)
 mod tests {
     use glam::DVec2;
 
-    use super::passages::Passages;
     use super::*;
+    use crate::planning::reachability::passages::Passages;
     use crate::planning::test_fields::{TestField, assert_drivable};
 
     #[test]

@@ -1,0 +1,74 @@
+//! Whether there is room for the body where a drive begins and ends.
+
+use std::f64::consts::TAU;
+
+use glam::DVec2;
+
+use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M};
+use crate::geometry::{Pose, ops};
+
+use crate::planning::{Goal, GoalDisc, PlanFailure};
+
+/// The poses that a drive must begin and end in, each with the clearance that the body has there: the start and, if it
+/// is a pose, the goal.
+///
+/// # Errors
+/// Which of the two has no room for the body, or is not on the field.
+pub fn free_ends(checker: &CollisionChecker, start: Pose, goal: Goal) -> Result<Vec<(Pose, f64)>, PlanFailure> {
+    let mut ends = vec![(start, free_clearance(checker, start).ok_or(PlanFailure::StartBlocked)?)];
+    match goal {
+        Goal::Pose(end) => ends.push((end, free_clearance(checker, end).ok_or(PlanFailure::GoalBlocked)?)),
+        Goal::Disc(disc) => {
+            let frame = checker.field().frame();
+            let nearest = disc.centre.clamp(DVec2::ZERO, DVec2::new(frame.width_m(), frame.height_m()));
+            let is_on_field = nearest.distance(disc.centre) <= disc.radius_m;
+            if !is_on_field {
+                return Err(PlanFailure::GoalBlocked);
+            }
+        }
+    }
+    Ok(ends)
+}
+
+/// The clearance of a pose, if the body is free there.
+fn free_clearance(checker: &CollisionChecker, pose: Pose) -> Option<f64> {
+    let is_finite = pose.position().is_finite() && pose.heading.is_finite();
+    Some(checker.clearance(pose)).filter(|&clearance| is_finite && clearance > 0.0)
+}
+
+/// Rings of places that are tried in a goal disc, and headings at each place.
+const RINGS: u32 = 20;
+const HEADINGS: u32 = 24;
+
+/// Whether the body fits somewhere in a disc, centre inside: on rings of places half a metre apart in a disc of 10 m.
+pub fn has_free_pose(checker: &CollisionChecker, disc: GoalDisc) -> bool {
+    free_poses(checker, disc, RINGS, LEAST_CLEARANCE_M).next().is_some()
+}
+
+/// Poses that keep a clearance with the body's centre in a disc: at places on so many rings and in the middle.
+pub fn free_poses(
+    checker: &CollisionChecker,
+    disc: GoalDisc,
+    rings: u32,
+    clearance_m: f64,
+) -> impl Iterator<Item = Pose> + '_ {
+    let reach = disc.radius_m.min(checker.field().frame().width_m() + checker.field().frame().height_m());
+    let ahead = checker.body().centre_offset_m();
+    // From the rim inwards: a bush stands in the middle.
+    let places = (0..=rings).rev().flat_map(move |ring| {
+        let count = (6 * ring).max(1);
+        (0..count).map(move |place| {
+            let (sin, cos) = ops::sin_cos(f64::from(place) / f64::from(count) * TAU);
+            disc.centre + DVec2::new(cos, sin) * (reach * f64::from(ring) / f64::from(rings.max(1)))
+        })
+    });
+    let roomy = places.filter(|&centre| checker.field().at(centre) >= 0.5 * checker.body().width_m);
+    let poses = roomy.flat_map(move |centre| {
+        (0..HEADINGS).map(move |k| {
+            let heading = ops::wrap_angle(f64::from(k) / f64::from(HEADINGS) * TAU);
+            let axle = Pose::new(centre.x, centre.y, heading).transform(DVec2::new(-ahead, 0.0));
+            Pose::new(axle.x, axle.y, heading)
+        })
+    });
+    poses.filter(move |&pose| checker.pose_is_free(pose, clearance_m))
+}

@@ -1,0 +1,97 @@
+use std::sync::Arc;
+
+use glam::DVec2;
+
+use super::local_search::{MotionCost, PrimitiveSettings};
+use super::safety::Safety;
+use crate::geometry::Pose;
+use crate::vehicle::{CurvePrice, Dimensions, Segment};
+
+/// What motions cost in the local search.
+#[derive(Clone, Debug)]
+pub struct Price {
+    per_metre: f64,
+    turn: f64,
+    reverse: f64,
+    cusp: f64,
+    safety: Option<Arc<Safety>>,
+    /// From the axle forward to the body's centre, whose place counts for safety.
+    ahead_m: f64,
+}
+
+impl Price {
+    pub fn new(settings: &PrimitiveSettings, body: &Dimensions, safety: Option<Arc<Safety>>) -> Self {
+        let per_metre = match settings.cost {
+            MotionCost::Metres => 1.0,
+            MotionCost::Moves => 1.0 / settings.step_m,
+        };
+        Self {
+            per_metre,
+            turn: settings.turn_cost,
+            reverse: settings.reverse_cost,
+            cusp: settings.cusp_cost,
+            safety,
+            ahead_m: body.centre_offset_m(),
+        }
+    }
+
+    /// Cost of a segment driven after another one, or from standstill, wherever that is.
+    pub fn of(&self, segment: Segment, after_reverse: Option<bool>) -> f64 {
+        let reverse = segment.is_reverse();
+        let turn = if segment.curvature == 0.0 { 0.0 } else { self.turn };
+        let rate = self.per_metre * (1.0 + turn + if reverse { self.reverse } else { 0.0 });
+        let cusp = if after_reverse.is_some_and(|before| before != reverse) { self.cusp } else { 0.0 };
+        segment.length_m.abs() * rate + cusp
+    }
+
+    /// What a segment from a pose costs more because of the places that it leads through.
+    pub fn of_places(&self, pose: Pose, segment: Segment) -> f64 {
+        let Some(safety) = &self.safety else { return 0.0 };
+        let centre = |share: f64| {
+            let pose = segment.pose_at(pose, share * segment.length_m);
+            pose.position() + pose.direction() * self.ahead_m
+        };
+        self.per_metre * safety.surcharge_along(segment.length_m.abs(), centre)
+    }
+
+    /// The same for segments in a row.
+    pub fn of_all_places(&self, mut pose: Pose, segments: impl IntoIterator<Item = Segment>) -> f64 {
+        if self.safety.is_none() {
+            return 0.0;
+        }
+        let of_next = |segment: Segment| {
+            let from = pose;
+            pose = segment.end(from);
+            self.of_places(from, segment)
+        };
+        segments.into_iter().map(of_next).sum()
+    }
+
+    /// What a straight line for the body's centre costs more because of the places that it leads through.
+    pub fn of_line(&self, from: DVec2, to: DVec2) -> f64 {
+        let Some(safety) = &self.safety else { return 0.0 };
+        self.per_metre * safety.surcharge_along(from.distance(to), |share| from.lerp(to, share))
+    }
+
+    /// Cost of segments in a row from a pose, from standstill.
+    pub fn of_all(&self, pose: Pose, segments: &[Segment]) -> f64 {
+        self.of_way(pose, None, segments.iter().copied())
+    }
+
+    /// The same for a truck that came to the pose forward or in reverse.
+    pub fn of_way(
+        &self,
+        pose: Pose,
+        after_reverse: Option<bool>,
+        segments: impl Iterator<Item = Segment> + Clone,
+    ) -> f64 {
+        let mut before = after_reverse;
+        let motions: f64 = segments.clone().map(|segment| self.of(segment, before.replace(segment.is_reverse()))).sum();
+        motions + self.of_all_places(pose, segments)
+    }
+
+    /// What decides between curves: this list without what turns and places cost.
+    pub fn of_curves(&self) -> CurvePrice {
+        CurvePrice { reverse_factor: 1.0 + self.reverse, cusp_m: self.cusp / self.per_metre }
+    }
+}

@@ -1,0 +1,193 @@
+//! Makes a drivable path cheaper: Reeds-Shepp shortcuts that keep the turning radius and the clearance floor.
+//!
+//! What a path costs is its length and a price for every cusp, cusps between an old part and a new one included. A
+//! shortcut counts only if it makes the whole path cheaper; whether it is free is asked last. First the path is
+//! shortened from knot to knot, then between random places. After R. Geraerts, M. H. Overmars, "Creating high-quality
+//! paths for motion planning", IJRR 26(8), 2007, section 4, with Reeds-Shepp curves in place of straight lines.
+
+mod way;
+
+use rand::{Rng, RngExt};
+
+use crate::collision::CollisionChecker;
+use crate::vehicle::{CurvePrice, Path, ReedsShepp, Segment};
+
+use super::clearance_profile::ClearanceFloor;
+use way::{Way, cost};
+
+/// Distance of the knots.
+const KNOT_M: f64 = 8.0;
+/// A shortcut must save so much.
+const WORTH_M: f64 = 1e-6;
+/// Shares of the tries that may fail in a row.
+const PATIENCE: f64 = 0.5;
+/// A shortcut between joints begins so far before or behind the joint, half of the time.
+const JITTER_M: f64 = 5.0;
+
+/// Improves paths of one body on one field.
+#[derive(Clone, Debug)]
+pub struct Improver {
+    checker: CollisionChecker,
+    curves: ReedsShepp,
+    price: CurvePrice,
+    spliced: Vec<Segment>,
+}
+
+impl Improver {
+    /// A cusp costs as much as `cusp_m` metres.
+    pub fn new(checker: &CollisionChecker, cusp_m: f64) -> Self {
+        Self {
+            checker: checker.clone(),
+            curves: ReedsShepp { radius_m: checker.body().turning_radius_m },
+            price: CurvePrice { reverse_factor: 1.0, cusp_m },
+            spliced: Vec::new(),
+        }
+    }
+
+    /// A path between the same poses that costs no more; where it is new, it keeps the floor. `tries` bounds the random
+    /// shortcuts that are tried.
+    pub fn improve(&mut self, path: &Path, floor: &ClearanceFloor, tries: u32, rng: &mut impl Rng) -> Path {
+        let mut way = Way::new(path.start, path.segments.iter().copied());
+        if tries > 0 {
+            self.cut_between_knots(&mut way, floor);
+            self.cut_at_random(&mut way, floor, tries, rng);
+        }
+        way.into_path()
+    }
+
+    /// From every knot straight to the farthest that can be reached more cheaply.
+    fn cut_between_knots(&mut self, way: &mut Way, floor: &ClearanceFloor) {
+        let mut from_m = 0.0;
+        while from_m + KNOT_M < way.length_m() {
+            let before_m = way.length_m();
+            let knots = ((before_m - from_m) / KNOT_M).ceil() as u32;
+            let ends = (2..=knots).rev().map(|knot| (from_m + f64::from(knot) * KNOT_M).min(before_m));
+            from_m = match ends.into_iter().find(|&to_m| self.cut(way, floor, from_m, to_m)) {
+                // The rest of the path is as long as before.
+                Some(to_m) => way.length_m() - (before_m - to_m),
+                None => from_m + KNOT_M,
+            };
+        }
+    }
+
+    fn cut_at_random(&mut self, way: &mut Way, floor: &ClearanceFloor, tries: u32, rng: &mut impl Rng) {
+        let patience = (PATIENCE * f64::from(tries)) as u32;
+        let mut failures = 0;
+        for kind in (0..tries).map(|number| number % 4) {
+            let (from_m, to_m) = random_places(way, kind, rng);
+            failures = if self.cut(way, floor, from_m, to_m) { 0 } else { failures + 1 };
+            if failures > patience {
+                return;
+            }
+        }
+    }
+
+    /// Replaces what lies between two places of a way by a curve, if that makes the way cheaper and is free.
+    fn cut(&mut self, way: &mut Way, floor: &ClearanceFloor, from_m: f64, to_m: f64) -> bool {
+        if from_m >= to_m {
+            return false;
+        }
+        let limit = cost(way.segments(), self.price.cusp_m) - WORTH_M;
+        let bound = limit - from_m - (way.length_m() - to_m);
+        let (from, to) = (way.pose_at(from_m), way.pose_at(to_m));
+        let Some(best) = self.curves.cheapest_below(from, to, &self.price, bound) else { return false };
+        way.splice((from_m, to_m), best.curve.segments(), &mut self.spliced);
+        let is_better = cost(&self.spliced, self.price.cusp_m) < limit
+            && floor.way_is_free(&self.checker, from, best.curve.segments());
+        if is_better {
+            *way = Way::new(way.start(), self.spliced.iter().copied());
+        }
+        is_better
+    }
+}
+
+/// Two places of a way, the first before the second: a kind has one at the start, at the end, both near joints, or both
+/// anywhere.
+fn random_places(way: &Way, kind: u32, rng: &mut impl Rng) -> (f64, f64) {
+    let length_m = way.length_m();
+    let mut anywhere = || length_m * rng.random::<f64>();
+    let (one, other) = match kind {
+        0 => (0.0, anywhere()),
+        1 => (anywhere(), length_m),
+        2 => near_joints(way, rng),
+        _ => (anywhere(), anywhere()),
+    };
+    (one.min(other), one.max(other))
+}
+
+fn near_joints(way: &Way, rng: &mut impl Rng) -> (f64, f64) {
+    let mut joint_m = || way.joints_m().nth(rng.random_range(0..way.joints_m().len())).expect("in range");
+    let (one, other) = (joint_m(), joint_m());
+    let shift = if rng.random_bool(0.5) { JITTER_M * (2.0 * rng.random::<f64>() - 1.0) } else { 0.0 };
+    ((one + shift).clamp(0.0, way.length_m()), other)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::collision::MOTION_TOLERANCE_M;
+    use crate::geometry::ops;
+    use crate::planning::test_fields::{TestField, least_clearance};
+    use crate::rng;
+
+    const FLOOR_M: f64 = 0.3;
+
+    /// A free path of many short arcs and straights, forward and reverse, from the field's start.
+    fn random_path(field: &mut TestField, floor: &ClearanceFloor) -> Path {
+        let mut path = Path::standing(field.start);
+        for _ in 0..60 {
+            let side = f64::from(field.rng.random_range(-1..=1));
+            let sense = if field.rng.random_bool(0.85) { 1.0 } else { -1.0 };
+            let length_m = sense * field.rng.random_range(1.0..6.0);
+            let segment = Segment { curvature: side * field.checker.body().max_curvature(), length_m };
+            if floor.motion_is_free(&field.checker, path.end(), segment) {
+                path.segments.push(segment);
+            }
+        }
+        path
+    }
+
+    #[test]
+    fn improved_paths_are_cheaper_keep_their_ends_and_the_floor() {
+        let (mut before_m, mut after_m) = (0.0, 0.0);
+        for (seed, walks) in (0..12).zip([25, 25, 60].into_iter().cycle()) {
+            let mut field = TestField::random(seed, walks);
+            let floor = ClearanceFloor::new(FLOOR_M, []);
+            let path = random_path(&mut field, &floor);
+            let mut improver = Improver::new(&field.checker, 1.0);
+            let improved = improver.improve(&path, &floor, 200, &mut rng::stream(seed, "improve"));
+            assert_eq!(improved.start, path.start);
+            assert!(improved.end().position().distance(path.end().position()) < 1e-6);
+            assert!(ops::wrap_angle(improved.end().heading - path.end().heading).abs() < 1e-6);
+            assert!(cost(&improved.segments, 1.0) <= cost(&path.segments, 1.0));
+            let sharpest = field.checker.body().max_curvature();
+            assert!(improved.segments.iter().all(|segment| segment.curvature.abs() <= sharpest));
+            assert!(least_clearance(&field.checker, &improved) > FLOOR_M - MOTION_TOLERANCE_M - 1e-6);
+            before_m += path.length_m();
+            after_m += improved.length_m();
+        }
+        assert!(after_m < 0.6 * before_m, "{after_m} of {before_m} m are left");
+    }
+
+    #[test]
+    fn without_tries_a_path_stays_as_it_is() {
+        let mut field = TestField::random(1, 25);
+        let floor = ClearanceFloor::new(FLOOR_M, []);
+        let path = random_path(&mut field, &floor);
+        let same = Improver::new(&field.checker, 1.0).improve(&path, &floor, 0, &mut rng::stream(1, "improve"));
+        assert!((same.length_m() - path.length_m()).abs() < 1e-9 && same.cusps() == path.cusps());
+    }
+
+    #[test]
+    fn paths_of_nothing_or_of_one_piece_are_left_alone() {
+        let field = TestField::random(1, 25);
+        let floor = ClearanceFloor::new(FLOOR_M, []);
+        let straight = Segment { curvature: 0.0, length_m: 6.0 };
+        for segments in [vec![], vec![straight]] {
+            let path = Path { start: field.start, segments };
+            let improved =
+                Improver::new(&field.checker, 1.0).improve(&path, &floor, 50, &mut rng::stream(1, "improve"));
+            assert_eq!(improved, path);
+        }
+    }
+}

@@ -1,0 +1,561 @@
+mod roadmap;
+mod settings;
+
+pub use settings::{ClearanceTo, PrmSettings, RoadmapGoal, RoadmapSearch};
+
+use std::sync::Arc;
+
+use glam::DVec2;
+use rand::Rng;
+
+use crate::collision::CollisionChecker;
+use crate::geometry::{FieldFrame, Pose};
+use crate::time::cpu::CpuStopwatch;
+use crate::vehicle::Path;
+
+use crate::planning::kit::ends::{free_ends, has_free_pose};
+use crate::planning::kit::local_search::{LocalSearch, PrimitiveSettings};
+use crate::planning::kit::safety::{Safety, SafetySettings};
+use crate::planning::memory::{MemoryMeter, PlannerMemory};
+use crate::planning::search_graph::{SearchPhase, SearchRecorder, Searched};
+use crate::planning::{BuildReport, Effort, Goal, GoalDisc, Plan, PlanFailure, QueryTime, TruckPlanner};
+use roadmap::{Roadmap, RoadmapScratch, Route};
+
+/// The roadmap leads this near to a goal pose, and motion primitives and a curve from there on.
+const NEAR_POSE_M: f64 = 10.0;
+
+/// The planner `prm+primitives`: a roadmap gives waypoints, motion primitives make a drivable path of them.
+#[derive(Debug)]
+pub struct PrmPrimitives {
+    checker: CollisionChecker,
+    roadmap: Roadmap,
+    scratch: RoadmapScratch,
+    local: LocalSearch,
+    goal: RoadmapGoal,
+    thin_waypoints: bool,
+    search_alone: bool,
+    waypoint_tolerance_m: f64,
+    report: BuildReport,
+    /// Of the roadmap and queries of it.
+    recorder: SearchRecorder,
+}
+
+impl PrmPrimitives {
+    /// Builds the roadmap for a field and a body; `rng` decides where the milestones lie. `safety` prices its edges and
+    /// the motions along them.
+    pub fn build(
+        checker: &CollisionChecker,
+        memory: &MemoryMeter,
+        prm: &PrmSettings,
+        primitives: &PrimitiveSettings,
+        safety: &SafetySettings,
+        rng: &mut impl Rng,
+    ) -> Self {
+        let mut watch = CpuStopwatch::start();
+        let field = checker.field();
+        let safety = Safety::new(*field.frame(), field.occupied(), safety).map(Arc::new);
+        let sampled = Roadmap::sampled(checker, prm, rng).priced_by(safety.clone());
+        let sampling = watch.lap();
+        let roadmap = sampled.connected();
+        let report = BuildReport {
+            samples: roadmap.milestones().len() as u32,
+            draws: roadmap.draws(),
+            edges: roadmap.edge_count(),
+            components: roadmap.component_count(),
+            sampling,
+            connecting: watch.lap(),
+        };
+        Self {
+            checker: checker.clone(),
+            roadmap,
+            scratch: RoadmapScratch::default(),
+            local: LocalSearch::new(checker, memory, primitives, safety),
+            goal: prm.goal,
+            thin_waypoints: primitives.thin_waypoints,
+            search_alone: primitives.search_alone,
+            waypoint_tolerance_m: primitives.waypoint_tolerance_m,
+            report,
+            recorder: SearchRecorder::default(),
+        }
+    }
+
+    pub fn roadmap(&self) -> &Roadmap {
+        &self.roadmap
+    }
+
+    /// The most bytes that it takes.
+    pub fn memory(
+        frame: &FieldFrame,
+        prm: &PrmSettings,
+        primitives: &PrimitiveSettings,
+        safety: &SafetySettings,
+    ) -> PlannerMemory {
+        let [roadmap, joining] = Roadmap::most_bytes(prm);
+        let [surcharges, map] = Safety::bytes(frame, safety);
+        let edges = u64::from(prm.samples) * u64::from(prm.neighbours);
+        PlannerMemory {
+            held: roadmap + surcharges + RoadmapScratch::most_bytes(prm.samples.into(), edges),
+            making: joining.max(map),
+            floods: 0,
+            grows: LocalSearch::most_bytes(primitives),
+        }
+    }
+
+    fn find(&mut self, start: Pose, goal: Goal, time: &mut QueryTime) -> Result<Path, PlanFailure> {
+        free_ends(&self.checker, start, goal)?;
+        let near = self.near(goal);
+        let centre = self.checker.body().body_centre(start);
+        let is_near = self.goal == RoadmapGoal::InReach && centre.distance(near.centre) <= near.radius_m;
+        if is_near && matches!(goal, Goal::Disc(_)) {
+            return Ok(Path::standing(start));
+        }
+        let mut watch = CpuStopwatch::start();
+        let route = if is_near { Ok(Route::default()) } else { self.route(centre, near) };
+        time.roadmap = watch.lap();
+        let path = route.and_then(|route| {
+            let end = match (self.goal, goal, route.waypoints.last()) {
+                (RoadmapGoal::NearestMilestone, Goal::Disc(disc), Some(&last)) => {
+                    disc_about(last, self.waypoint_tolerance_m, disc).into()
+                }
+                _ => goal,
+            };
+            self.local.drive(start, &route.waypoints, end)
+        });
+        let path = match path {
+            Err(PlanFailure::Disconnected | PlanFailure::BudgetSpent) if self.search_alone && !is_near => {
+                self.local.drive(start, &[], goal)
+            }
+            other => other,
+        };
+        time.local = watch.lap();
+        path.map_err(|failure| self.explain(failure, goal))
+    }
+
+    /// Where the roadmap's route shall lead.
+    fn near(&self, goal: Goal) -> GoalDisc {
+        let radius_m = match self.goal {
+            RoadmapGoal::InReach => NEAR_POSE_M,
+            // The drive goes on from that milestone to the pose, however far it is.
+            RoadmapGoal::NearestMilestone => f64::INFINITY,
+        };
+        match goal {
+            Goal::Disc(disc) => disc,
+            Goal::Pose(end) => GoalDisc { centre: self.checker.body().body_centre(end), radius_m },
+        }
+    }
+
+    fn route(&mut self, centre: DVec2, goal: GoalDisc) -> Result<Route, PlanFailure> {
+        let route = self.roadmap.route(centre, goal, &mut self.scratch);
+        self.recorder.add(self.roadmap.looked_at(centre, &self.scratch));
+        let mut route = route?;
+        if self.thin_waypoints {
+            self.roadmap.tighten(centre, &mut route);
+        }
+        Ok(route)
+    }
+
+    /// The reason of a failure: where the truck fits nowhere in the goal, that is the reason.
+    fn explain(&self, failure: PlanFailure, goal: Goal) -> PlanFailure {
+        match goal {
+            Goal::Disc(disc) if !has_free_pose(&self.checker, disc) => PlanFailure::GoalBlocked,
+            _ => failure,
+        }
+    }
+}
+
+/// The largest disc of places within `tolerance_m` of a milestone and in the goal, which holds the milestone.
+///
+/// Two discs have the largest disc in common whose diameter is what they share of the line through their centres.
+fn disc_about(milestone: DVec2, tolerance_m: f64, goal: GoalDisc) -> GoalDisc {
+    let metres = milestone.distance(goal.centre);
+    if metres + tolerance_m <= goal.radius_m {
+        return GoalDisc { centre: milestone, radius_m: tolerance_m };
+    }
+    // Along the ray from the goal's centre through the milestone.
+    let (first, last) = ((metres - tolerance_m).max(-goal.radius_m), goal.radius_m);
+    let outwards = (milestone - goal.centre).normalize_or_zero();
+    GoalDisc { centre: goal.centre + outwards * (0.5 * (first + last)), radius_m: 0.5 * (last - first) }
+}
+
+impl TruckPlanner for PrmPrimitives {
+    fn build_report(&self) -> BuildReport {
+        self.report
+    }
+
+    fn record_searches(&mut self) {
+        self.recorder.switch_on();
+        self.local.record_searches();
+    }
+
+    fn roadmap_graph(&mut self) -> Option<Searched> {
+        self.recorder.add(self.roadmap.lines());
+        self.recorder.take(SearchPhase::Roadmap)
+    }
+
+    fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
+        let mut time = QueryTime::default();
+        self.scratch.expansions = 0;
+        self.local.begin();
+        let path = self.find(start, goal.inner(), &mut time);
+        let effort = Effort { roadmap_expansions: self.scratch.expansions, local_expansions: self.local.expansions() };
+        let searched = [self.recorder.take(SearchPhase::Query), self.local.take_searched()];
+        Plan { path, effort, time, searched: searched.into_iter().flatten().collect() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::RngExt;
+
+    use super::*;
+    use crate::planning::kit::local_search::MotionCost;
+    use crate::planning::kit::safety::SafetyMap;
+    use crate::planning::planners::lattice::{LatticePlanner, LatticeSettings};
+    use crate::planning::planners::prm_primitives::{ClearanceTo, RoadmapSearch};
+    use crate::planning::test_fields::{
+        TestField, assert_drivable, assert_ends_in, drives_in_a_row, least_clearance, random_free_pose, shut_court,
+    };
+    use crate::rng;
+
+    fn planner(field: &TestField, seed: u64) -> PrmPrimitives {
+        let prm = PrmSettings { samples: 200, ..PrmSettings::default() };
+        let mut rng = rng::stream(seed, "prm");
+        PrmPrimitives::build(
+            &field.checker,
+            &MemoryMeter::unlimited(),
+            &prm,
+            &PrimitiveSettings::default(),
+            &SafetySettings::default(),
+            &mut rng,
+        )
+    }
+
+    #[test]
+    fn drives_in_a_row_are_drivable_and_fail_only_where_the_flood_says_no() {
+        for walks in [25, 45] {
+            let drives = drives_in_a_row(12, walks, planner);
+            assert!(drives.solved + drives.unreachable >= 212 && drives.missed <= 4, "{walks} walks: {drives:?}");
+        }
+    }
+
+    #[test]
+    fn a_drive_can_begin_anywhere_on_another() {
+        let mut field = TestField::random(4, 25);
+        let mut planner = planner(&field, 4);
+        let mut pose = field.start;
+        for _ in 0..60 {
+            let goal = field.random_goal();
+            let path = planner.plan(pose, goal.into()).path.expect("an open field");
+            assert_drivable(&field.checker, &path, pose, goal);
+            // Stop on the way, where the first segment is half driven.
+            if let Some(first) = path.segments.first() {
+                pose = first.pose_at(pose, 0.5 * first.length_m);
+            }
+        }
+    }
+
+    #[test]
+    fn drives_that_pay_for_nearness_to_bushes_are_drivable_and_found_as_often() {
+        let (mut plain_found, mut safe_found) = (0, 0);
+        for seed in 0..4 {
+            let mut field = TestField::random(seed, 40);
+            let safety = SafetySettings { map: SafetyMap::Cost, weight: 4.0, ..SafetySettings::default() };
+            let prm = PrmSettings { samples: 200, ..PrmSettings::default() };
+            let mut rng = rng::stream(seed, "prm");
+            let mut safe = PrmPrimitives::build(
+                &field.checker,
+                &MemoryMeter::unlimited(),
+                &prm,
+                &PrimitiveSettings::default(),
+                &safety,
+                &mut rng,
+            );
+            let mut plain = planner(&field, seed);
+            for _ in 0..15 {
+                let goal = field.random_goal();
+                plain_found += u32::from(plain.plan(field.start, goal.into()).path.is_ok());
+                if let Ok(path) = safe.plan(field.start, goal.into()).path {
+                    assert_drivable(&field.checker, &path, field.start, goal);
+                    safe_found += 1;
+                }
+            }
+        }
+        assert!(plain_found > 40 && safe_found + 2 >= plain_found, "{plain_found} and {safe_found} drives");
+    }
+
+    #[test]
+    fn the_same_seed_gives_the_same_path_bit_for_bit() {
+        for seed in 0..4 {
+            let mut field = TestField::random(seed, 40);
+            let goals: Vec<GoalDisc> = (0..10).map(|_| field.random_goal()).collect();
+            let (mut one, mut two) = (planner(&field, seed), planner(&field, seed));
+            // The second planner has answered other queries before: nothing may be left of them.
+            for &goal in goals.iter().rev() {
+                let _ = two.plan(field.start, goal.into());
+            }
+            for &goal in &goals {
+                let (a, b) = (one.plan(field.start, goal.into()), two.plan(field.start, goal.into()));
+                assert_eq!(a.path, b.path);
+                assert_eq!(a.effort, b.effort);
+            }
+        }
+    }
+
+    #[test]
+    fn drives_to_poses_are_drivable_and_end_there() {
+        let (mut solved, mut missed) = (0, 0);
+        for seed in 0..8 {
+            let mut field = TestField::random(seed, 40);
+            let mut planner = planner(&field, seed);
+            let mut oracle =
+                LatticePlanner::build(&field.checker, &MemoryMeter::unlimited(), &LatticeSettings::default());
+            for _ in 0..10 {
+                let (start, goal) = (field.start, Goal::Pose(random_free_pose(&mut field, 0.1)));
+                match planner.plan(start, goal).path {
+                    Ok(path) => {
+                        assert_ends_in(&field.checker, &path, goal);
+                        assert!(least_clearance(&field.checker, &path) > 0.0);
+                        solved += 1;
+                    }
+                    Err(_) => missed += u32::from(oracle.plan(start, goal).path.is_ok()),
+                }
+            }
+        }
+        assert!(solved > 70 && missed <= 2, "{solved} solved, {missed} missed");
+    }
+
+    #[test]
+    fn poses_that_cannot_be_are_answered() {
+        let field = shut_court();
+        let mut planner = planner(&field, 1);
+        let bush = Goal::Pose(Pose::new(42.0, 40.0, 0.0));
+        assert_eq!(planner.plan(field.start, bush).path, Err(PlanFailure::GoalBlocked));
+        for wild in [f64::NAN, f64::INFINITY, -1e300] {
+            let pose = Pose { x: wild, y: 5.0, heading: 0.0 };
+            assert_eq!(planner.plan(field.start, Goal::Pose(pose)).path, Err(PlanFailure::GoalBlocked));
+            assert_eq!(planner.plan(pose, Goal::Pose(field.start)).path, Err(PlanFailure::StartBlocked));
+        }
+        let court = planner.plan(field.start, Goal::Pose(Pose::new(60.0, 25.0, 0.0))).path;
+        assert!(matches!(court, Err(PlanFailure::Disconnected | PlanFailure::BudgetSpent)), "{court:?}");
+    }
+
+    #[test]
+    fn a_start_in_the_goal_stays_there() {
+        let field = TestField::random(1, 25);
+        let centre = field.checker.body().body_centre(field.start);
+        let plan = planner(&field, 1).plan(field.start, GoalDisc { centre, radius_m: 5.0 }.into());
+        assert_eq!(plan.path, Ok(Path::standing(field.start)));
+    }
+
+    #[test]
+    fn failures_have_their_reasons() {
+        let picture = [
+            "..............................",
+            "..............................",
+            "...................#######....",
+            "...................#.....#....",
+            "...................#.....#....",
+            "...................#.....#....",
+            "...................#.....#....",
+            "...................#######....",
+            "..............................",
+            "..............................",
+        ];
+        let field = TestField::drawn(&picture, Pose::new(20.0, 20.0, 0.0));
+        let mut planner = planner(&field, 1);
+        let mut reason = |start, x, y, radius_m| {
+            planner.plan(start, GoalDisc { centre: DVec2::new(x, y), radius_m }.into()).path.expect_err("no path")
+        };
+        let in_bush = Pose::new(96.0, 20.0, 0.0);
+        assert_eq!(reason(in_bush, 20.0, 20.0, 5.0), PlanFailure::StartBlocked);
+        assert_eq!(reason(Pose::new(-3.0, 20.0, 0.0), 20.0, 20.0, 5.0), PlanFailure::StartBlocked);
+        assert_eq!(reason(field.start, 97.5, 12.5, 0.5), PlanFailure::GoalBlocked);
+        let walled_in = reason(field.start, 112.0, 25.0, 4.0);
+        assert!(matches!(walled_in, PlanFailure::Disconnected | PlanFailure::BudgetSpent), "{walled_in}");
+    }
+
+    #[test]
+    fn a_small_budget_is_kept_and_reported() {
+        let mut field = TestField::random(9, 45);
+        let primitives = PrimitiveSettings { max_expansions: 10, ..PrimitiveSettings::default() };
+        let rng = &mut rng::stream(9, "prm");
+        let mut planner = PrmPrimitives::build(
+            &field.checker,
+            &MemoryMeter::unlimited(),
+            &PrmSettings::default(),
+            &primitives,
+            &SafetySettings::default(),
+            rng,
+        );
+        let mut spent = 0;
+        for _ in 0..40 {
+            let goal = field.random_goal();
+            let plan = planner.plan(field.start, goal.into());
+            assert!(plan.effort.local_expansions <= 10);
+            spent += u32::from(plan.path == Err(PlanFailure::BudgetSpent));
+        }
+        assert!(spent > 0);
+    }
+
+    /// The settings of the original program.
+    fn original() -> (PrmSettings, PrimitiveSettings) {
+        let prm = PrmSettings {
+            clearance_m: 7.5,
+            clearance_to: ClearanceTo::CellCentres,
+            search: RoadmapSearch::Greedy,
+            goal: RoadmapGoal::NearestMilestone,
+            ..PrmSettings::default()
+        };
+        let primitives = PrimitiveSettings {
+            step_m: 8.0,
+            clearance_m: 0.05,
+            cost: MotionCost::Moves,
+            turn_cost: 1.0,
+            reverse_cost: 1.0,
+            cusp_cost: 0.0,
+            heuristic_weight: 4.0,
+            aimed: false,
+            thin_waypoints: false,
+            waypoint_tolerance_m: 4.0,
+            restart_at_waypoints: true,
+            search_alone: false,
+            ..PrimitiveSettings::default()
+        };
+        (prm, primitives)
+    }
+
+    fn planner_of((prm, primitives): &(PrmSettings, PrimitiveSettings), field: &TestField, seed: u64) -> PrmPrimitives {
+        let mut rng = rng::stream(seed, "prm");
+        PrmPrimitives::build(
+            &field.checker,
+            &MemoryMeter::unlimited(),
+            prm,
+            primitives,
+            &SafetySettings::default(),
+            &mut rng,
+        )
+    }
+
+    #[test]
+    fn the_original_programs_way_drives_to_the_nearest_milestone() {
+        let mut solved = 0;
+        for seed in 0..10 {
+            let mut field = TestField::random(seed, 15);
+            let mut planner = planner_of(&original(), &field, seed);
+            let mut pose = field.start;
+            for _ in 0..10 {
+                // Its rules know no reach.
+                let goal = GoalDisc { radius_m: f64::INFINITY, ..field.random_goal() };
+                let Ok(path) = planner.plan(pose, goal.into()).path else { continue };
+                let distance = |m: &&DVec2| m.distance(goal.centre);
+                let milestones = planner.roadmap().milestones();
+                let nearest = milestones.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+                let end = field.checker.body().body_centre(path.end());
+                assert!(nearest.is_some_and(|milestone| milestone.distance(end) <= 4.0 + 1e-6));
+                assert!(path.segments.iter().all(|s| (s.length_m / 8.0 - (s.length_m / 8.0).round()).abs() < 1e-9));
+                assert!(least_clearance(&field.checker, &path) > 0.0);
+                pose = path.end();
+                solved += 1;
+            }
+        }
+        assert!(solved >= 60, "only {solved}");
+    }
+
+    #[test]
+    fn drives_to_the_nearest_milestone_end_in_reach_whatever_the_tolerance() {
+        let (mut solved, mut refused) = (0, 0);
+        for (case, tolerance_m) in [0.01, 0.5, 4.0, 9.0, 30.0, 1000.0].into_iter().enumerate() {
+            for (search_alone, aimed) in [(false, false), (false, true), (true, true)] {
+                let mut settings = original();
+                settings.1 = PrimitiveSettings {
+                    waypoint_tolerance_m: tolerance_m,
+                    search_alone,
+                    aimed,
+                    step_m: 4.0,
+                    ..settings.1
+                };
+                let mut field = TestField::random(case as u64, 25);
+                let mut planner = planner_of(&settings, &field, case as u64);
+                let mut pose = field.start;
+                for radius_m in [6.0, 8.0, 10.0, 15.0, 60.0, 6.0, 8.0, 10.0, 15.0, 60.0] {
+                    let goal = GoalDisc { radius_m, ..field.random_goal() };
+                    let milestones = planner.roadmap().milestones();
+                    let nearest_m = milestones.iter().map(|m| m.distance(goal.centre)).fold(f64::INFINITY, f64::min);
+                    match planner.plan(pose, goal.into()).path {
+                        Ok(path) => {
+                            assert_drivable(&field.checker, &path, pose, goal);
+                            assert!(nearest_m <= radius_m);
+                            pose = path.end();
+                            solved += 1;
+                        }
+                        Err(reason) => {
+                            assert!(reason == PlanFailure::GoalBlocked || nearest_m <= radius_m, "{reason}");
+                            refused += u32::from(nearest_m > radius_m);
+                        }
+                    }
+                }
+            }
+        }
+        assert!(solved > 60 && refused > 20, "{solved} solved, {refused} refused");
+    }
+
+    #[test]
+    fn nearest_milestone_beyond_reach_is_no_goal() {
+        // The roadmap keeps 7.5 m from the bush's centre; the truck itself can come nearer.
+        let field = TestField::drawn(
+            &["..........", "..........", "..........", ".....#....", "..........", "..........", ".........."],
+            Pose::new(10.0, 10.0, 0.0),
+        );
+        let bush = field.bushes[0];
+        let (prm, primitives) = original();
+        for search_alone in [false, true] {
+            let settings = (prm.clone(), PrimitiveSettings { search_alone, ..primitives.clone() });
+            let mut planner = planner_of(&settings, &field, 1);
+            let goal = GoalDisc { centre: bush, radius_m: 7.0 };
+            assert!(has_free_pose(&field.checker, goal));
+            assert_eq!(planner.plan(field.start, goal.into()).path, Err(PlanFailure::GoalBlocked));
+            let goal = GoalDisc { radius_m: 9.0, ..goal };
+            let path = planner.plan(field.start, goal.into()).path.expect("milestones are in reach");
+            assert_drivable(&field.checker, &path, field.start, goal);
+        }
+    }
+
+    #[test]
+    fn goal_poses_may_be_far_from_every_milestone() {
+        let field = TestField::drawn(&["...................."; 8], Pose::new(10.0, 10.0, 0.0));
+        let (prm, primitives) = original();
+        let settings = (PrmSettings { samples: 3, ..prm }, PrimitiveSettings { search_alone: true, ..primitives });
+        let mut planner = planner_of(&settings, &field, 1);
+        for (x, y) in [(90.0, 30.0), (30.0, 35.0), (50.0, 8.0), (70.0, 20.0)] {
+            let goal = Goal::Pose(Pose::new(x, y, 1.0));
+            let path = planner.plan(field.start, goal).path.expect("an empty field");
+            assert_ends_in(&field.checker, &path, goal);
+        }
+    }
+
+    #[test]
+    fn the_disc_about_a_milestone_is_in_the_goal_and_holds_the_milestone() {
+        let mut rng = rng::stream(1, "disc_about");
+        let near = |place: DVec2, disc: GoalDisc| place.distance(disc.centre) <= disc.radius_m + 1e-9;
+        let mut cut = 0;
+        for _ in 0..10_000 {
+            let goal = GoalDisc { centre: DVec2::new(50.0, 50.0), radius_m: rng.random_range(0.0..30.0) };
+            let place = |rng: &mut rng::Xoshiro256PlusPlus, disc: GoalDisc, share: f64| {
+                let around = rng.random_range(0.0..std::f64::consts::TAU);
+                disc.centre + DVec2::from(crate::geometry::ops::sin_cos(around)) * (disc.radius_m * share)
+            };
+            let share = rng.random_range(0.0..1.0);
+            let milestone = place(&mut rng, goal, share);
+            let tolerance_m = [0.01, 1.0, 10.0, 100.0][rng.random_range(0..4)] * rng.random_range(0.1..1.0);
+            let disc = disc_about(milestone, tolerance_m, goal);
+            assert!(near(milestone, disc) && disc.radius_m <= tolerance_m.min(goal.radius_m) + 1e-9);
+            assert!(disc.radius_m >= 0.5 * tolerance_m.min(goal.radius_m) - 1e-9, "{disc:?}");
+            for _ in 0..8 {
+                let rim = place(&mut rng, disc, 1.0);
+                assert!(near(rim, goal) && near(rim, GoalDisc { centre: milestone, radius_m: tolerance_m }));
+            }
+            cut += u32::from(disc.radius_m != tolerance_m);
+        }
+        assert!((2_000..9_000).contains(&cut), "{cut}");
+    }
+}

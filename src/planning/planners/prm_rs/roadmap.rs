@@ -1,0 +1,411 @@
+use std::f64::consts::FRAC_PI_2;
+
+use glam::DVec2;
+use petgraph::unionfind::UnionFind;
+
+use super::PrmRsSettings;
+use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M};
+use crate::geometry::{FieldFrame, Pose, ops};
+use crate::planning::memory::{BytesAfter, Growing, Held, MemoryMeter};
+use crate::vehicle::reeds_shepp::PricedCurve;
+use crate::vehicle::{CurvePrice, ReedsShepp, Segment};
+
+use super::near::Places;
+
+/// Shares of the wanted clearance that queries ask for in turn.
+const SHARES: [f64; 3] = [1.0, 1.0 / 3.0, 0.04];
+/// Which of the clearances a query asks for.
+pub type Level = usize;
+pub const LEVELS: usize = SHARES.len();
+
+/// So many nodes that are apart are looked at in a round.
+pub const MAX_APART: usize = 100;
+/// Nodes between which the field is tighter than this half way are not joined.
+const HOPELESS_M: f64 = 0.5;
+
+/// Poses, and Reeds-Shepp curves between them that may be driven both ways.
+///
+/// Curves are worked out and swept when they are asked for, and remembered.
+#[derive(Debug)]
+pub struct Roadmap {
+    checker: CollisionChecker,
+    curves: ReedsShepp,
+    price: CurvePrice,
+    clearances_m: [f64; LEVELS],
+    neighbours: usize,
+    max_edge_m: f64,
+    nodes: Vec<Node>,
+    places: Places,
+    edges: Vec<Edge>,
+    ways: Vec<PricedCurve>,
+    /// Links of node i are those from `first[i]` to `first[i + 1]`.
+    first: Vec<u32>,
+    links: Vec<Link>,
+    /// Which nodes are joined by edges that keep the wanted clearance.
+    joined: UnionFind<u32>,
+    components: u32,
+    /// The most links of one node.
+    most_links: usize,
+    /// The memory of the ways.
+    memory: Held,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    pose: Pose,
+    direction: DVec2,
+}
+
+/// A curve from one node to another.
+#[derive(Debug)]
+struct Edge {
+    nodes: [u32; 2],
+    /// Index of the curve, once it is known.
+    way: Option<u32>,
+    /// Whether it keeps each of the clearances, where that is known.
+    is_free: [Option<bool>; LEVELS],
+}
+
+/// An edge as it looks from one of its nodes.
+#[derive(Clone, Copy, Debug)]
+pub struct Link {
+    pub to: u32,
+    pub edge: u32,
+}
+
+/// What driving along a link means.
+#[derive(Clone, Copy, Debug)]
+pub struct Passage {
+    pub cost: f64,
+    pub departs_reverse: bool,
+    pub arrives_reverse: bool,
+}
+
+impl Roadmap {
+    pub fn new(checker: &CollisionChecker, memory: &MemoryMeter, settings: &PrmRsSettings) -> Self {
+        Self {
+            checker: checker.clone(),
+            curves: ReedsShepp { radius_m: checker.body().turning_radius_m },
+            price: CurvePrice { reverse_factor: 1.0, cusp_m: settings.cusp_cost },
+            clearances_m: SHARES.map(|share| (share * settings.clearance_m).max(LEAST_CLEARANCE_M)),
+            neighbours: settings.neighbours as usize,
+            max_edge_m: settings.max_edge_m,
+            nodes: Vec::new(),
+            places: Places::new(checker.field().frame()),
+            edges: Vec::new(),
+            ways: Vec::new(),
+            first: Vec::new(),
+            links: Vec::new(),
+            joined: UnionFind::new_empty(),
+            components: 0,
+            most_links: 0,
+            memory: memory.holder(Growing::Curves),
+        }
+    }
+
+    /// The most bytes that these numbers of nodes and edges take, without the curves, in lists that double.
+    pub fn most_bytes(frame: &FieldFrame, nodes: u64, edges: u64) -> u64 {
+        // A node has a number in a set, a place where its links begin, and a place among those near another.
+        let node = size_of::<Node>() + 5 * size_of::<u32>() + size_of::<(f64, u32)>();
+        let edge = size_of::<Edge>() + size_of::<Link>();
+        2 * (nodes * node as u64 + edges * edge as u64) + Places::most_bytes(frame, nodes)
+    }
+
+    /// The most bytes that the curves of this number of edges take, in a list that doubles.
+    pub fn most_bytes_of_curves(edges: u64) -> u64 {
+        2 * edges * size_of::<PricedCurve>() as u64
+    }
+
+    /// Says whether there is memory for this number of further curves that are worked out.
+    pub fn has_memory_for(&mut self, ways: usize) -> bool {
+        self.memory.cover(self.ways.bytes_after(ways))
+    }
+
+    /// The most links that any node has.
+    pub fn most_links(&self) -> usize {
+        self.most_links
+    }
+
+    pub fn node_count(&self) -> usize {
+        self.nodes.len()
+    }
+
+    pub fn pose(&self, node: u32) -> Pose {
+        self.nodes[node as usize].pose
+    }
+
+    pub fn edge_count(&self) -> usize {
+        self.edges.len()
+    }
+
+    /// How many sets of nodes no edges join that keep the wanted clearance.
+    pub fn components(&self) -> u32 {
+        self.components
+    }
+
+    /// Nodes that are not joined to the most, at most so many.
+    pub fn apart(&self) -> Vec<Pose> {
+        let sets: Vec<u32> = (0..self.nodes.len() as u32).map(|node| self.joined.find(node)).collect();
+        let mut sizes = vec![0u32; self.nodes.len()];
+        sets.iter().for_each(|&set| sizes[set as usize] += 1);
+        let Some(largest) = (0..sizes.len()).max_by_key(|&set| sizes[set]) else { return Vec::new() };
+        let apart = sets.iter().zip(&self.nodes).filter(|(set, _)| **set as usize != largest);
+        apart.map(|(_, node)| node.pose).take(MAX_APART).collect()
+    }
+
+    pub fn clearance_m(&self, level: Level) -> f64 {
+        self.clearances_m[level]
+    }
+
+    pub fn curves(&self) -> (&ReedsShepp, &CurvePrice) {
+        (&self.curves, &self.price)
+    }
+
+    /// Replaces what `found` holds by the nodes within `reach_m` of a place, with their distances, nearest first.
+    pub fn near(&self, place: DVec2, reach_m: f64, found: &mut Vec<(f64, u32)>) {
+        self.places.near(place, reach_m, found);
+    }
+
+    /// Adds poses, each with edges to the nearest ones before it.
+    pub fn add(&mut self, poses: impl IntoIterator<Item = Pose>) {
+        let mut near = Vec::new();
+        for pose in poses {
+            if !self.has_memory_for(self.neighbours) {
+                return;
+            }
+            let node = Node { pose, direction: pose.direction() };
+            let number = self.nodes.len() as u32;
+            self.places.within(pose.position(), self.max_edge_m, &mut near);
+            self.keep_nearest(&node, &mut near);
+            self.edges.extend(near.iter().map(|&(_, other)| Edge {
+                nodes: [other, number],
+                way: None,
+                is_free: [None; LEVELS],
+            }));
+            self.places.add(pose.position());
+            self.nodes.push(node);
+            self.joined.new_set();
+            self.components += 1;
+            self.join(near.len());
+        }
+    }
+
+    /// Sweeps those of the last edges that would join components; the others wait until a query needs them.
+    fn join(&mut self, count: usize) {
+        for edge in self.edges.len() - count..self.edges.len() {
+            let [a, b] = self.edges[edge].nodes;
+            if !self.joined.equiv(a, b) && self.is_free(edge as u32, 0) {
+                self.joined.union(a, b);
+                self.components -= 1;
+            }
+        }
+    }
+
+    /// Keeps the nodes that a truck gets to soonest, as an estimate says.
+    fn keep_nearest(&self, node: &Node, near: &mut Vec<(f64, u32)>) {
+        let by_estimate = |a: &(f64, u32), b: &(f64, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+        for (metres, other) in near.iter_mut() {
+            let there = &self.nodes[*other as usize];
+            let middle = node.pose.position().lerp(there.pose.position(), 0.5);
+            let is_hopeless = self.checker.field().at(middle) < HOPELESS_M;
+            *metres = if is_hopeless { f64::INFINITY } else { self.estimate_m(node, there, *metres) };
+        }
+        near.retain(|&(metres, _)| metres < f64::INFINITY);
+        if near.len() > self.neighbours {
+            near.select_nth_unstable_by(self.neighbours, by_estimate);
+            near.truncate(self.neighbours);
+        }
+        near.sort_unstable_by(by_estimate);
+    }
+
+    /// About how long the curve between two nodes is: the straight line, what turning into it and out of it costs, and no
+    /// less than what turning from one heading to the other takes.
+    fn estimate_m(&self, a: &Node, b: &Node, distance: f64) -> f64 {
+        let radius = self.curves.radius_m;
+        let line = (b.pose.position() - a.pose.position()) / distance.max(1e-9);
+        let turn_m = |direction: DVec2| {
+            let (along, across) = (line.dot(direction).abs(), line.perp_dot(direction).abs());
+            let sideways = radius * (1.0 - along);
+            0.5 * radius * across * across * across + sideways * sideways / (2.0 * distance.max(0.5 * radius))
+        };
+        let there = distance + turn_m(a.direction) + turn_m(b.direction);
+        there.max(FRAC_PI_2 * radius * (1.0 - a.direction.dot(b.direction)))
+    }
+
+    /// Makes the edges ready for queries.
+    pub fn finish(&mut self) {
+        self.first = vec![0; self.nodes.len() + 1];
+        for node in self.edges.iter().flat_map(|edge| edge.nodes) {
+            self.first[node as usize + 1] += 1;
+        }
+        self.most_links = self.first.iter().copied().max().unwrap_or(0) as usize;
+        for node in 0..self.nodes.len() {
+            self.first[node + 1] += self.first[node];
+        }
+        let mut next = self.first.clone();
+        self.links = vec![Link { to: 0, edge: 0 }; 2 * self.edges.len()];
+        for (number, edge) in self.edges.iter().enumerate() {
+            let [a, b] = edge.nodes;
+            for (node, to) in [(a, b), (b, a)] {
+                self.links[next[node as usize] as usize] = Link { to, edge: number as u32 };
+                next[node as usize] += 1;
+            }
+        }
+    }
+
+    pub fn links(&self, node: u32) -> impl Iterator<Item = (u32, Link)> + '_ {
+        let range = self.first[node as usize]..self.first[node as usize + 1];
+        range.map(|link| (link, self.links[link as usize]))
+    }
+
+    pub fn link(&self, link: u32) -> Link {
+        self.links[link as usize]
+    }
+
+    /// What no way between two nodes is shorter than.
+    pub fn least_m(&self, from: u32, to: u32) -> f64 {
+        least_length_m(self.curves.radius_m, self.pose(from), self.pose(to))
+    }
+
+    fn way(&mut self, edge: u32) -> &PricedCurve {
+        let edge = &mut self.edges[edge as usize];
+        let way = *edge.way.get_or_insert_with(|| {
+            let [a, b] = edge.nodes.map(|node| self.nodes[node as usize].pose);
+            self.ways.push(self.curves.cheapest(a, b, &self.price));
+            self.ways.len() as u32 - 1
+        });
+        &self.ways[way as usize]
+    }
+
+    pub fn passage(&mut self, link: Link) -> Passage {
+        let is_back = link.to == self.edges[link.edge as usize].nodes[0];
+        let way = self.way(link.edge);
+        let mut segments = way.curve.segments();
+        let first = segments.next().is_some_and(|segment| segment.is_reverse());
+        let last = segments.last().map_or(first, |segment| segment.is_reverse());
+        let (departs_reverse, arrives_reverse) = if is_back { (!last, !first) } else { (first, last) };
+        Passage { cost: way.price, departs_reverse, arrives_reverse }
+    }
+
+    /// Whether an edge keeps one of the clearances; it is swept the first time that this is asked.
+    pub fn is_free(&mut self, edge: u32, level: Level) -> bool {
+        if let Some(known) = self.edges[edge as usize].is_free[level] {
+            return known;
+        }
+        let way = *self.way(edge);
+        let mut pose = self.pose(self.edges[edge as usize].nodes[0]);
+        let is_free = way.curve.segments().all(|segment| {
+            let from = pose;
+            pose = segment.end(from);
+            self.checker.motion_is_free(from, segment, self.clearances_m[level])
+        });
+        self.edges[edge as usize].is_free[level] = Some(is_free);
+        is_free
+    }
+
+    /// Both ends of every edge that keeps the least of the clearances; all are swept for it.
+    pub fn free_lines(&mut self) -> impl Iterator<Item = [DVec2; 2]> {
+        (0..self.edges.len() as u32).filter_map(|edge| {
+            let ends = self.edges[edge as usize].nodes.map(|node| self.pose(node).position());
+            (self.has_memory_for(1) && self.is_free(edge, LEVELS - 1)).then_some(ends)
+        })
+    }
+
+    /// Adds the segments of a link to a way.
+    pub fn append(&mut self, link: Link, segments: &mut Vec<Segment>) {
+        let is_back = link.to == self.edges[link.edge as usize].nodes[0];
+        let joint = segments.len();
+        segments.extend(self.way(link.edge).curve.segments());
+        if is_back {
+            segments[joint..].reverse();
+            segments[joint..].iter_mut().for_each(|segment| segment.length_m = -segment.length_m);
+        }
+    }
+}
+
+/// What no curve between two poses is shorter than: the straight line, and what turning takes.
+pub fn least_length_m(radius_m: f64, from: Pose, to: Pose) -> f64 {
+    let turn = ops::wrap_angle(to.heading - from.heading).abs();
+    from.position().distance(to.position()).max(radius_m * turn)
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::RngExt;
+
+    use super::*;
+    use crate::planning::planners::prm_rs::sample::Sampler;
+    use crate::planning::test_fields::{TestField, least_clearance};
+    use crate::rng;
+    use crate::vehicle::Path;
+
+    fn roadmap(field: &TestField) -> Roadmap {
+        let settings = PrmRsSettings::default();
+        let mut sampler = Sampler::new(&field.checker, settings.clearance_m, &mut rng::stream(1, "roadmap"));
+        let mut roadmap = Roadmap::new(&field.checker, &MemoryMeter::unlimited(), &settings);
+        roadmap.add(sampler.draw(100));
+        roadmap.add(sampler.at_corners(1));
+        roadmap.finish();
+        roadmap
+    }
+
+    #[test]
+    fn links_lead_from_pose_to_pose_both_ways_and_free_ones_keep_the_clearance() {
+        let mut free = 0;
+        for seed in 0..4 {
+            let field = TestField::random(seed, 30);
+            let mut roadmap = roadmap(&field);
+            for node in (0..roadmap.node_count() as u32).step_by(3) {
+                let links: Vec<Link> = roadmap.links(node).map(|(_, link)| link).collect();
+                for link in links.into_iter().step_by(2) {
+                    let mut path = Path::standing(roadmap.pose(node));
+                    roadmap.append(link, &mut path.segments);
+                    let (end, there) = (path.end(), roadmap.pose(link.to));
+                    assert!(end.position().distance(there.position()) < 1e-6);
+                    assert!(ops::wrap_angle(end.heading - there.heading).abs() < 1e-6);
+                    let passage = roadmap.passage(link);
+                    assert!((passage.cost - path.length_m() - 2.0 * f64::from(path.cusps())).abs() < 1e-6);
+                    assert_eq!(passage.departs_reverse, path.segments[0].is_reverse());
+                    assert_eq!(passage.arrives_reverse, path.segments[path.segments.len() - 1].is_reverse());
+                    assert!(roadmap.least_m(node, link.to) <= passage.cost + 1e-9);
+                    if roadmap.is_free(link.edge, 0) {
+                        free += 1;
+                        assert!(least_clearance(&field.checker, &path) > roadmap.clearance_m(0) - 0.03 - 1e-6);
+                    }
+                }
+            }
+        }
+        assert!(free > 300, "{free} are free");
+    }
+
+    #[test]
+    fn components_are_those_of_all_free_edges() {
+        for seed in 0..4 {
+            let field = TestField::random(seed, 60);
+            let mut roadmap = roadmap(&field);
+            let mut sets = UnionFind::<u32>::new(roadmap.node_count());
+            let mut components = roadmap.node_count() as u32;
+            for edge in 0..roadmap.edge_count() as u32 {
+                let [a, b] = roadmap.edges[edge as usize].nodes;
+                components -= u32::from(roadmap.is_free(edge, 0) && sets.union(a, b));
+            }
+            assert_eq!(roadmap.components(), components);
+            let apart = roadmap.apart();
+            assert!(apart.len() as u32 >= components - 1);
+        }
+    }
+
+    #[test]
+    fn what_is_known_of_an_edge_does_not_change_it() {
+        let field = TestField::random(2, 40);
+        let (mut asked, mut fresh) = (roadmap(&field), roadmap(&field));
+        let mut rng = rng::stream(2, "edges");
+        let edges: Vec<(u32, Level)> =
+            (0..300).map(|_| (rng.random_range(0..asked.edge_count() as u32), rng.random_range(0..LEVELS))).collect();
+        let answers: Vec<bool> = edges.iter().map(|&(edge, level)| asked.is_free(edge, level)).collect();
+        for (&(edge, level), &answer) in edges.iter().zip(&answers).rev() {
+            assert_eq!(fresh.is_free(edge, level), answer);
+            assert_eq!(asked.is_free(edge, level), answer);
+        }
+    }
+}
