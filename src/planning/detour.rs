@@ -24,7 +24,7 @@ pub fn detour(checker: &CollisionChecker, path: &Path, free_m: f64, disc: GoalDi
     let mut from = |metres: f64| {
         let (kept, _) = path.split_at(metres);
         let rest = search.drive(kept.end(), &[], disc.inner().into()).ok()?;
-        Some(Path { start: kept.start, segments: kept.segments.into_iter().chain(rest.segments).collect() })
+        Some(Path { start: kept.start, segments: kept.segments.into_iter().chain(rest.path.segments).collect() })
     };
     let late = (free_m > LEAVE_M).then(|| from(free_m - LEAVE_M)).flatten();
     let path = late.or_else(|| from(0.0));

@@ -141,15 +141,96 @@ pub struct QueryTime {
     pub local: Duration,
 }
 
+/// Which means found a path: the wanted one of its planner, or one of those that it falls back on.
+///
+/// Planners name the first five. What simulation adds where a planner fails, it names itself: the last three.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FoundBy {
+    /// The way that an empty field would allow is free, or the truck is there already.
+    Straight,
+    /// A roadmap, at the wanted clearance.
+    Roadmap,
+    /// A search over motions without a roadmap, at the wanted clearance.
+    Search,
+    /// A roadmap or a search, with less clearance than wanted.
+    Relaxed,
+    /// A flood over a lattice of poses, or a search on the finest lattice.
+    Lattice,
+    /// After the planner failed on a goal that [`reachability`] reaches: its large search from where the truck stands.
+    Reachability,
+    /// After that failed too: back along the truck's tracks, and from there by its planner.
+    BackingOut,
+    /// After all else failed: back along all tracks to the start, and from there by the path of the reachability flood.
+    WayHome,
+}
+
+impl FoundBy {
+    pub const ALL: [Self; 8] = [
+        Self::Straight,
+        Self::Roadmap,
+        Self::Search,
+        Self::Relaxed,
+        Self::Lattice,
+        Self::Reachability,
+        Self::BackingOut,
+        Self::WayHome,
+    ];
+
+    /// Returns the name, as tables and recordings write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Straight => "straight",
+            Self::Roadmap => "roadmap",
+            Self::Search => "search",
+            Self::Relaxed => "relaxed",
+            Self::Lattice => "lattice",
+            Self::Reachability => "reachability",
+            Self::BackingOut => "backing-out",
+            Self::WayHome => "way-home",
+        }
+    }
+
+    /// Says whether the planner had failed on the goal before.
+    pub fn is_after_failure(self) -> bool {
+        matches!(self, Self::Reachability | Self::BackingOut | Self::WayHome)
+    }
+}
+
+impl fmt::Display for FoundBy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// A path and what found it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    pub path: Path,
+    pub by: FoundBy,
+}
+
 /// A query's answer.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// From the start pose to the goal, or why there is none. A start inside a goal disc gives a path without segments.
     pub path: Result<Path, PlanFailure>,
+    /// What found the path, if there is one.
+    pub found_by: Option<FoundBy>,
     pub effort: Effort,
     pub time: QueryTime,
     /// What the query's searches looked at, each of [`SearchPhase`] at most once; nothing unless it is recorded.
     pub searched: Vec<Searched>,
+}
+
+impl Plan {
+    pub fn new(found: Result<Found, PlanFailure>, effort: Effort, time: QueryTime, searched: Vec<Searched>) -> Self {
+        let (path, found_by) = match found {
+            Ok(Found { path, by }) => (Ok(path), Some(by)),
+            Err(failure) => (Err(failure), None),
+        };
+        Self { path, found_by, effort, time, searched }
+    }
 }
 
 /// What building a planner for one field took and gave.

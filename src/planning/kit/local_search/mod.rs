@@ -28,7 +28,7 @@ use super::safety::Safety;
 use super::shorten::shorten;
 use crate::planning::memory::MemoryMeter;
 use crate::planning::search_graph::{SearchPhase, SearchRecorder, Searched};
-use crate::planning::{Goal, GoalDisc, PlanFailure};
+use crate::planning::{Found, FoundBy, Goal, GoalDisc, PlanFailure};
 
 /// Clearances tried in turn, as shares of the wanted one, each with the percentage of the budget that it may spend.
 ///
@@ -100,13 +100,13 @@ impl LocalSearch {
     /// # Errors
     /// [`PlanFailure::StartBlocked`] when the body touches something at the start; [`PlanFailure::Disconnected`] when
     /// the lattice holds no path; [`PlanFailure::BudgetSpent`] when its search was cut short.
-    pub fn drive(&mut self, start: Pose, waypoints: &[DVec2], goal: Goal) -> Result<Path, PlanFailure> {
+    pub fn drive(&mut self, start: Pose, waypoints: &[DVec2], goal: Goal) -> Result<Found, PlanFailure> {
         let start_clearance = self.checker.clearance(start);
         if start_clearance <= 0.0 {
             return Err(PlanFailure::StartBlocked);
         }
         let mut ending = Ending::Exhausted;
-        for (share, percent) in LADDER {
+        for (stage, (share, percent)) in LADDER.into_iter().enumerate() {
             let clearance = (share * self.settings.clearance_m).min(self.most_at(goal)).max(LEAST_CLEARANCE_M);
             let floor = Floor::new(clearance, start, start_clearance);
             let budget = self.settings.max_expansions;
@@ -114,7 +114,12 @@ impl LocalSearch {
             self.segments.clear();
             ending = self.follow(start, waypoints, goal, floor, limit);
             if ending == Ending::Found {
-                return Ok(self.finish(start, goal, floor));
+                let by = match waypoints {
+                    _ if stage > 0 => FoundBy::Relaxed,
+                    [] => FoundBy::Search,
+                    _ => FoundBy::Roadmap,
+                };
+                return Ok(Found { path: self.finish(start, goal, floor), by });
             }
         }
         Err(if ending == Ending::Exhausted { PlanFailure::Disconnected } else { PlanFailure::BudgetSpent })

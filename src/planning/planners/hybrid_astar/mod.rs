@@ -34,7 +34,7 @@ use crate::planning::kit::shortcuts::Improver;
 use crate::planning::memory::{MemoryMeter, PlannerMemory};
 use crate::planning::reachability::{Floods, LATTICES, Lattice};
 use crate::planning::search_graph::{SearchPhase, SearchRecorder};
-use crate::planning::{BuildReport, Effort, Goal, Plan, PlanFailure, QueryTime, TruckPlanner};
+use crate::planning::{BuildReport, Effort, Found, FoundBy, Goal, Plan, PlanFailure, QueryTime, TruckPlanner};
 use ladder::{LADDER, LatticeKind, Method, Rung, TURN};
 use search::{Search, Task};
 
@@ -109,10 +109,10 @@ impl HybridAstar {
         PlannerMemory { held: cells, grows: searches + flood, ..PlannerMemory::default() }
     }
 
-    fn find(&mut self, start: Pose, goal: Goal) -> Result<Path, PlanFailure> {
+    fn find(&mut self, start: Pose, goal: Goal) -> Result<Found, PlanFailure> {
         let ends = free_ends(&self.checker, start, goal)?;
         if let Some(path) = self.straight_away(start, goal, &ends) {
-            return Ok(path);
+            return Ok(Found { path, by: FoundBy::Straight });
         }
         self.climb(start, goal, &ends).map_err(|failure| match goal {
             Goal::Disc(disc) if !has_free_pose(&self.checker, disc) => PlanFailure::GoalBlocked,
@@ -127,7 +127,7 @@ impl HybridAstar {
     }
 
     /// One rung after the other, until one succeeds. The last one tells why not.
-    fn climb(&mut self, start: Pose, goal: Goal, ends: &[(Pose, f64)]) -> Result<Path, PlanFailure> {
+    fn climb(&mut self, start: Pose, goal: Goal, ends: &[(Pose, f64)]) -> Result<Found, PlanFailure> {
         self.waves[0].begin(&self.cells, goal);
         self.waves[1].begin(&self.cells, Goal::Pose(start));
         let mut ending = Ending::Exhausted;
@@ -143,7 +143,14 @@ impl HybridAstar {
                 Method::Flood => self.flood(start, goal),
             };
             match path {
-                Ok(path) => return Ok(self.improve(path, goal, &floor)),
+                Ok(path) => {
+                    let by = match method {
+                        Method::Flood | Method::Searches { lattice: LatticeKind::Fine, .. } => FoundBy::Lattice,
+                        Method::Searches { .. } if share < 1.0 => FoundBy::Relaxed,
+                        Method::Searches { .. } => FoundBy::Search,
+                    };
+                    return Ok(Found { path: self.improve(path, goal, &floor), by });
+                }
                 Err(failed) => ending = failed,
             }
         }
@@ -251,7 +258,7 @@ impl TruckPlanner for HybridAstar {
         let path = self.find(start, goal.inner());
         let effort = Effort { roadmap_expansions: 0, local_expansions: self.expansions };
         let time = QueryTime { local: watch.lap(), ..QueryTime::default() };
-        Plan { path, effort, time, searched: Vec::from_iter(self.recorder.take(SearchPhase::Local)) }
+        Plan::new(path, effort, time, Vec::from_iter(self.recorder.take(SearchPhase::Local)))
     }
 }
 

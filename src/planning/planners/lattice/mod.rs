@@ -22,7 +22,9 @@ use crate::planning::kit::local_search;
 use crate::planning::memory::{MemoryMeter, PlannerMemory};
 use crate::planning::reachability::{CLEARANCE_M, Flood, Floods, LATTICES};
 use crate::planning::search_graph::{SearchPhase, SearchRecorder, Searched};
-use crate::planning::{BuildReport, Effort, Goal, GoalDisc, Plan, PlanFailure, QueryTime, TruckPlanner};
+use crate::planning::{
+    BuildReport, Effort, Found, FoundBy, Goal, GoalDisc, Plan, PlanFailure, QueryTime, TruckPlanner,
+};
 
 /// From so far beyond the goal it is approached by curves.
 const NEAR_M: f64 = 10.0;
@@ -176,7 +178,8 @@ impl TruckPlanner for LatticePlanner {
         let (path, local_expansions) = self.find_within(budget, LATTICES.len(), start, goal.inner());
         let effort = Effort { roadmap_expansions: 0, local_expansions };
         let time = QueryTime { local: watch.lap(), ..QueryTime::default() };
-        Plan { path, effort, time, searched: Vec::from_iter(self.take_searched()) }
+        let found = path.map(|path| Found { path, by: FoundBy::Lattice });
+        Plan::new(found, effort, time, Vec::from_iter(self.take_searched()))
     }
 }
 

@@ -18,7 +18,9 @@ use crate::planning::kit::local_search::{LocalSearch, PrimitiveSettings};
 use crate::planning::kit::safety::{Safety, SafetySettings};
 use crate::planning::memory::{MemoryMeter, PlannerMemory};
 use crate::planning::search_graph::{SearchPhase, SearchRecorder, Searched};
-use crate::planning::{BuildReport, Effort, Goal, GoalDisc, Plan, PlanFailure, QueryTime, TruckPlanner};
+use crate::planning::{
+    BuildReport, Effort, Found, FoundBy, Goal, GoalDisc, Plan, PlanFailure, QueryTime, TruckPlanner,
+};
 use roadmap::{Roadmap, RoadmapScratch, Route};
 
 /// The roadmap leads this near to a goal pose, and motion primitives and a curve from there on.
@@ -101,13 +103,13 @@ impl PrmPrimitives {
         }
     }
 
-    fn find(&mut self, start: Pose, goal: Goal, time: &mut QueryTime) -> Result<Path, PlanFailure> {
+    fn find(&mut self, start: Pose, goal: Goal, time: &mut QueryTime) -> Result<Found, PlanFailure> {
         free_ends(&self.checker, start, goal)?;
         let near = self.near(goal);
         let centre = self.checker.body().body_centre(start);
         let is_near = self.goal == RoadmapGoal::InReach && centre.distance(near.centre) <= near.radius_m;
         if is_near && matches!(goal, Goal::Disc(_)) {
-            return Ok(Path::standing(start));
+            return Ok(Found { path: Path::standing(start), by: FoundBy::Straight });
         }
         let mut watch = CpuStopwatch::start();
         let route = if is_near { Ok(Route::default()) } else { self.route(centre, near) };
@@ -199,7 +201,7 @@ impl TruckPlanner for PrmPrimitives {
         let path = self.find(start, goal.inner(), &mut time);
         let effort = Effort { roadmap_expansions: self.scratch.expansions, local_expansions: self.local.expansions() };
         let searched = [self.recorder.take(SearchPhase::Query), self.local.take_searched()];
-        Plan { path, effort, time, searched: searched.into_iter().flatten().collect() }
+        Plan::new(path, effort, time, searched.into_iter().flatten().collect())
     }
 }
 

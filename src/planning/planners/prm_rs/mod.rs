@@ -36,7 +36,7 @@ use crate::planning::kit::heuristic::Lookout;
 use crate::planning::kit::shortcuts::Improver;
 use crate::planning::memory::{MemoryMeter, PlannerMemory};
 use crate::planning::search_graph::{SearchPhase, SearchRecorder, Searched};
-use crate::planning::{BuildReport, Effort, Goal, Plan, QueryTime, TruckPlanner};
+use crate::planning::{BuildReport, Effort, Found, FoundBy, Goal, Plan, QueryTime, TruckPlanner};
 use roadmap::{LEVELS, MAX_APART, Roadmap};
 use sample::Sampler;
 pub use sample::count_convex_corners;
@@ -130,14 +130,14 @@ impl PrmRs {
     }
 
     /// A path by way of the roadmap, or straight away, and the floor that it keeps.
-    fn find(&mut self, start: Pose, goal: Goal) -> Option<(Path, Option<ClearanceFloor>)> {
+    fn find(&mut self, start: Pose, goal: Goal) -> Option<(Found, Option<ClearanceFloor>)> {
         let ends = free_ends(&self.checker, start, goal).ok()?;
         for level in 0..LEVELS {
             let floor = ClearanceFloor::new(self.roadmap.clearance_m(level), ends.iter().copied());
             if level == 0
                 && let Some(path) = self.lookout.straight_away(&self.checker, start, goal, &floor)
             {
-                return Some((path, None));
+                return Some((Found { path, by: FoundBy::Straight }, None));
             }
             let task = Task { checker: &self.checker, lookout: &self.lookout, floor: &floor, level, start, goal };
             let path = self.search.run(&task, &mut self.roadmap);
@@ -146,7 +146,12 @@ impl PrmRs {
             self.effort.roadmap_expansions += self.search.roadmap_expansions;
             self.effort.local_expansions += self.search.local_expansions;
             if let Some(path) = path {
-                return Some((path, Some(floor)));
+                let by = match level {
+                    0 if self.search.used_roadmap() => FoundBy::Roadmap,
+                    0 => FoundBy::Search,
+                    _ => FoundBy::Relaxed,
+                };
+                return Some((Found { path, by }, Some(floor)));
             }
         }
         None
@@ -186,20 +191,20 @@ impl TruckPlanner for PrmRs {
         let mut effort = self.effort;
         let roadmap = watch.lap();
         match found {
-            Some((path, floor)) => {
+            Some((Found { path, by }, floor)) => {
                 let path = match floor {
                     Some(floor) => self.improve(&path, goal.inner(), &floor),
                     None => path,
                 };
                 let time = QueryTime { roadmap, local: watch.lap() };
-                Plan { path: Ok(path), effort, time, searched: self.take_searched() }
+                Plan::new(Ok(Found { path, by }), effort, time, self.take_searched())
             }
             None => {
                 let plan = self.fallback.plan(start, goal);
                 effort.local_expansions += plan.effort.local_expansions;
                 self.off.add(plan.searched.iter().flat_map(|searched| searched.graph.lines()));
                 let time = QueryTime { roadmap, local: watch.lap() };
-                Plan { path: plan.path, effort, time, searched: self.take_searched() }
+                Plan { effort, time, searched: self.take_searched(), ..plan }
             }
         }
     }

@@ -56,6 +56,8 @@ pub struct Search {
     /// Two for each milestone.
     states: Vec<State>,
     generation: u64,
+    /// Whether the path that the last search found leads over a milestone.
+    used_roadmap: bool,
     /// Of the poses off the roadmap.
     bins: Bins,
     /// Whether a way leads to the goal from a milestone, where that was asked.
@@ -74,6 +76,7 @@ impl Search {
             tree: Tree::default(),
             states: vec![State::default(); 2 * roadmap.node_count()],
             generation: 0,
+            used_roadmap: false,
             bins: Bins::new(LATTICE.bin_m, LATTICE.headings),
             roadmap_serves: None,
             near: Vec::new(),
@@ -126,6 +129,11 @@ impl Search {
         Tree::most_bytes(reached, candidates) + Bins::most_bytes(6 * local)
     }
 
+    /// Says whether the path that the last search found leads over a milestone.
+    pub fn used_roadmap(&self) -> bool {
+        self.used_roadmap
+    }
+
     /// What the last search reached, and how.
     pub fn tree(&self) -> &Tree {
         &self.tree
@@ -165,14 +173,15 @@ impl Search {
     }
 
     /// The whole path by way of a pose, if its approach is free.
-    fn arrive(&self, task: &Task<'_>, roadmap: &mut Roadmap, index: u32) -> Option<Path> {
+    fn arrive(&mut self, task: &Task<'_>, roadmap: &mut Roadmap, index: u32) -> Option<Path> {
         let reached = self.tree.reached(index);
-        let approach = self.tree.approach(reached.approach.expect("only approaches that exist are offered"));
-        if !task.floor.way_is_free(task.checker, reached.pose, approach.segments()) {
+        let approach = reached.approach.expect("only approaches that exist are offered");
+        if !task.floor.way_is_free(task.checker, reached.pose, self.tree.approach(approach).segments()) {
             return None;
         }
+        self.used_roadmap = !matches!(reached.via, Via::Motion(_));
         let mut path = self.tree.path_to(index, roadmap);
-        path.segments.extend(approach.segments());
+        path.segments.extend(self.tree.approach(approach).segments());
         Some(path)
     }
 
