@@ -4,6 +4,7 @@ use toml::{Table, Value};
 
 use super::error::{Fault, Place, ScenarioError};
 use super::path::{FieldPath, Step};
+use super::source::toml_value;
 
 /// Most steps of a path, more than any field of a scenario has.
 const MAX_STEPS: usize = 8;
@@ -100,8 +101,5 @@ fn value_of(written: &str) -> Value {
         let digits = written.trim_start_matches(['+', '-']).starts_with(|first: char| first.is_ascii_digit());
         written.parse().ok().filter(|number: &f64| digits && number.abs() >= i64::MAX as f64)
     };
-    match written.parse() {
-        Ok(value) => value,
-        Err(_) => huge().map_or_else(|| Value::String(written.to_owned()), Value::Float),
-    }
+    toml_value(written).or_else(|| huge().map(Value::Float)).unwrap_or_else(|| Value::String(written.to_owned()))
 }

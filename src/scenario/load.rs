@@ -5,7 +5,7 @@ use toml::{Table, Value};
 use super::change::Change;
 use super::error::{Fault, Place, ScenarioError};
 use super::path::{FieldPath, Found, Step};
-use super::source::{MAX_MAP_BYTES, ScenarioText, read_text};
+use super::source::{MAX_MAP_BYTES, ScenarioText, first_too_deep, read_text, too_deep_message};
 use super::{GivenField, Scenario, check, wording};
 
 /// Options of `[field]` that say how to generate one, and so contradict a map.
@@ -86,6 +86,10 @@ pub fn load(source: &str, changes: &[String]) -> Result<Scenario, Box<ScenarioEr
 }
 
 fn parse(source: &ScenarioText) -> Result<Table, Box<ScenarioError>> {
+    if let Some(at) = first_too_deep(&source.text) {
+        let place = Place::new(&source.name, &source.text, at..at + 1);
+        return Err(Fault::Syntax { message: too_deep_message() }.at(place));
+    }
     toml::from_str(&source.text).map_err(|error| {
         let place = Place::new(&source.name, &source.text, error.span().unwrap_or(0..0));
         Fault::Syntax { message: error.message().to_owned() }.at(place)

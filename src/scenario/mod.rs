@@ -41,7 +41,9 @@ pub use load::{LoadedScenario, load};
 pub use memory::{MemoryEstimate, MemoryExceeded, MemoryLimit, MemoryPart, bytes_text};
 pub use problem::{MAX_GOALS, Problem};
 pub use rules::{Extinguishes, Fire, Ignition, IgnitionCells, Score, SpreadFrom, Suppression};
-pub use source::{BUILT_IN, MAX_MAP_BYTES, MAX_SCENARIO_BYTES, ScenarioText, can_be_read_again};
+pub use source::{
+    BUILT_IN, MAX_MAP_BYTES, MAX_SCENARIO_BYTES, ScenarioText, can_be_read_again, first_too_deep, toml_value,
+};
 pub use terrain::{Terrain, TerrainError};
 pub use tetromino::Shape;
 

@@ -4,6 +4,9 @@ use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
+use toml_parser::Source;
+use toml_parser::lexer::TokenKind;
+
 use super::error::{Fault, ScenarioError, nearest_name};
 use crate::input_file;
 
@@ -26,6 +29,12 @@ pub const BUILT_IN: &[(&str, &str)] = &[
 /// measured to take up to 80 bytes for a byte of text, and 2.4 KB for a table: together about 64 MiB.
 pub const MAX_SCENARIO_BYTES: u64 = 350_000;
 const MAX_BRACKETS: usize = 24_000;
+
+/// Most brackets and braces of a TOML text that may be open at once: the parser's own limit.
+///
+/// The parser counts a closing bracket that closes nothing as one level less, so that texts which are wrong in this way
+/// nest as deep as they are long and overflow the stack. [`first_too_deep`] is not misled.
+const MAX_NESTING: usize = 80;
 
 /// Longest map that is read.
 pub const MAX_MAP_BYTES: u64 = 16_000_000;
@@ -90,6 +99,40 @@ fn within_limits(bytes: Vec<u8>) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// Finds the first bracket or brace that would be open together with more than [`MAX_NESTING`] others.
+///
+/// Returns its place in bytes. A text for which there is one must not be parsed as TOML.
+pub fn first_too_deep(text: &str) -> Option<usize> {
+    let mut open = Vec::new();
+    for token in Source::new(text).lex() {
+        let opened_by = match token.kind() {
+            kind @ (TokenKind::LeftSquareBracket | TokenKind::LeftCurlyBracket) => {
+                if open.len() == MAX_NESTING {
+                    return Some(token.span().start());
+                }
+                open.push(kind);
+                continue;
+            }
+            TokenKind::RightSquareBracket => TokenKind::LeftSquareBracket,
+            TokenKind::RightCurlyBracket => TokenKind::LeftCurlyBracket,
+            _ => continue,
+        };
+        // As in the parser, whose levels end with a bracket of their own kind and with no other.
+        open.pop_if(|last| *last == opened_by);
+    }
+    None
+}
+
+/// Reads a value as TOML spells it; `None` if this is not TOML.
+pub fn toml_value(written: &str) -> Option<toml::Value> {
+    if first_too_deep(written).is_some() { None } else { written.parse().ok() }
+}
+
+/// The sentence about a text that [`first_too_deep`] refuses.
+pub(super) fn too_deep_message() -> String {
+    format!("more than {MAX_NESTING} brackets and braces are open at once")
+}
+
 /// Says whether the scenario of this name can be read once more: a built-in one, or a file. A pipe's text is gone.
 pub fn can_be_read_again(source: &str) -> bool {
     BUILT_IN.iter().any(|(name, _)| *name == source) || fs::metadata(source).is_ok_and(|found| found.is_file())
@@ -102,4 +145,42 @@ pub(super) fn read_text(path: &Path, most: u64) -> Result<String, Fault> {
 
 fn unreadable(path: &Path, error: &io::Error) -> Fault {
     Fault::Unreadable { path: path.display().to_string(), kind: error.kind(), reason: error.to_string() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::LoadedScenario;
+    use super::*;
+
+    #[test]
+    fn brackets_in_texts_and_comments_do_not_nest() {
+        let open = "[".repeat(MAX_NESTING + 1);
+        assert_eq!(first_too_deep(&format!("# {open}\nx = \"{open}\"\ny = '{open}'\n")), None);
+        assert_eq!(first_too_deep(&format!("x = {open}")), Some(4 + MAX_NESTING));
+        assert_eq!(first_too_deep(&"[a]\nx = [[1], [2]]\n".repeat(MAX_NESTING)), None);
+    }
+
+    /// Wrong closing brackets make the parser believe that it is higher up than it is.
+    #[test]
+    fn deeply_nested_tables_are_refused_and_do_not_overflow_the_stack() {
+        let deep = [
+            format!("x = {}", "{a=".repeat(20_000)),
+            format!("x = {}", "[".repeat(20_000)),
+            format!("x = {}", "[}".repeat(20_000)),
+            format!("x = {}", "{a=[}".repeat(10_000)),
+            format!("{}\nx = {}", "}".repeat(20_000), "{a=".repeat(20_000)),
+            format!("x = {}", "{ a ".repeat(20_000)),
+        ];
+        let small_stack = std::thread::Builder::new().stack_size(512 * 1024);
+        let all_refused = move || {
+            for text in deep {
+                let source =
+                    ScenarioText::from_bytes("deep.toml", Ok(text.clone().into_bytes())).expect("within limits");
+                let refusal = LoadedScenario::from_text(&source, &[]).err().expect("nobody nests so deep").to_string();
+                assert!(refusal.contains("brackets"), "{refusal}");
+                assert_eq!(toml_value(&text[text.find("= ").map_or(0, |at| at + 2)..]), None);
+            }
+        };
+        small_stack.spawn(all_refused).expect("a thread starts").join().expect("no thread dies");
+    }
 }

@@ -24,7 +24,7 @@ use toml::{Table, Value};
 use super::sweep::SweepError;
 use super::{BatchRequest, Record, Setting, Sweep};
 use crate::batch::{Seeds, SeedsError};
-use crate::scenario::{BUILT_IN, ScenarioText};
+use crate::scenario::{BUILT_IN, ScenarioText, first_too_deep};
 
 /// A plan file with comments, to begin with.
 pub const PLAN_TEMPLATE: &str = include_str!("template.toml");
@@ -87,7 +87,9 @@ pub fn schema() -> schemars::Schema {
 /// A text is a plan if it has one of the keys of plans at its top, which no scenario has.
 pub fn read(source: &ScenarioText) -> Result<Option<BatchRequest>, PlanFileError> {
     let is_plan = |table: &Table| KEYS.iter().any(|key| table.contains_key(*key));
-    if !toml::from_str(&source.text).is_ok_and(|table: Table| is_plan(&table)) {
+    // What nests too deep is no plan either; reading it as a scenario says so.
+    if first_too_deep(&source.text).is_some() || !toml::from_str(&source.text).is_ok_and(|table: Table| is_plan(&table))
+    {
         return Ok(None);
     }
     let file: PlanFile = toml::from_str(&source.text).map_err(|error| syntax(&source.source, &source.text, &error))?;

@@ -6,6 +6,7 @@
 use thiserror::Error;
 
 use crate::batch::Value;
+use crate::scenario::toml_value;
 
 /// Keys that take their values together.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,7 +46,7 @@ impl Setting {
     /// A value as TOML spells it, else a text.
     pub fn parse(written: &str) -> Self {
         let written = written.trim();
-        let value = written.parse().map_or_else(|_| Value::Text(written.to_owned()), value_of);
+        let value = toml_value(written).map_or_else(|| Value::Text(written.to_owned()), value_of);
         Self { written: written.to_owned(), value }
     }
 
