@@ -2,7 +2,7 @@
 //!
 //! `cargo bench --bench audit` takes `contest`, `dense` and `fleet`, twenty seeds each.
 
-use wildfire::audit::{Audited, Step, audit_timeline};
+use wildfire::audit::{Audited, SampleStep, audit_timeline};
 use wildfire::scenario;
 use wildfire::sim;
 use wildfire::time::cpu::CpuStopwatch;
@@ -23,9 +23,9 @@ fn main() {
             let mut watch = CpuStopwatch::start();
             let run = sim::run(&scenario, seed).expect("it takes place");
             simulated_s += watch.lap().as_secs_f64();
-            let verdict = audit_timeline(&run.timeline, Step::default());
+            let verdict = audit_timeline(&run.timeline, SampleStep::default());
             audited_s += watch.lap().as_secs_f64();
-            assert!(verdict.offence.is_none(), "{name}, seed {seed}: {verdict:?}");
+            assert!(verdict.violation.is_none(), "{name}, seed {seed}: {verdict:?}");
             audited += verdict.audited;
         }
         let runs = SEEDS as f64;

@@ -47,7 +47,7 @@ fn measure(runs: u64, changes: &[String]) -> Result<String, String> {
     let contest = scenario::load("contest", changes).map_err(|error| error.to_string())?;
     let run = |seed| {
         let run = sim::run(&contest, seed).map_err(|error| format!("seed {seed}: {error}"))?;
-        Ok::<_, String>(RunResult::new(Outcome::of(&run.timeline), run.cost))
+        Ok::<_, String>(RunResult::new(Outcome::new(&run.timeline), run.cost))
     };
     for seed in 1..=WARM_UP_RUNS {
         run(seed)?;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use rand::RngExt;
-use wildfire::audit::{Ground, Manners, Outline, Stance, Step, audit_leg};
+use wildfire::audit::{AuditField, MotionLimits, Outline, Stance, SampleStep, audit_leg};
 use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::{Cell, FieldFrame, Pose};
 use wildfire::grid::Grid;
@@ -15,15 +15,15 @@ use wildfire::vehicle::{Dimensions, Path, Segment};
 
 const FRAME: FieldFrame = FieldFrame { cols: 16, rows: 16, cell_m: 5.0 };
 
-fn random_field(rng: &mut Xoshiro256PlusPlus) -> (Ground, CollisionChecker) {
+fn random_field(rng: &mut Xoshiro256PlusPlus) -> (AuditField, CollisionChecker) {
     let bushes: Vec<Cell> = (0..FRAME.cell_count()).filter(|_| rng.random_bool(0.1)).map(|i| FRAME.cell(i)).collect();
     let mut occupied = Grid::filled(FRAME.rows.into(), FRAME.cols.into(), false);
     for &cell in &bushes {
         occupied.values_mut()[FRAME.index(cell)] = true;
     }
     let field = Arc::new(ClearanceField::new(FRAME, &occupied));
-    let truck = Outline::of(&Body::Truck(Dimensions::default()));
-    (Ground::new(FRAME, &bushes, truck), CollisionChecker::new(field, Dimensions::default()))
+    let truck = Outline::new(&Body::Truck(Dimensions::default()));
+    (AuditField::new(FRAME, &bushes, truck), CollisionChecker::new(field, Dimensions::default()))
 }
 
 fn random_pose(rng: &mut Xoshiro256PlusPlus) -> Pose {
@@ -35,10 +35,10 @@ fn poses_that_touch_for_one_touch_for_the_other() {
     let mut rng = rng::stream(1, "tests/audit");
     let mut touching = 0;
     for _ in 0..20 {
-        let (ground, checker) = random_field(&mut rng);
+        let (audit_field, checker) = random_field(&mut rng);
         for _ in 0..2000 {
             let pose = random_pose(&mut rng);
-            let touch = ground.touch(Stance::of(pose));
+            let touch = audit_field.touch(Stance::new(pose));
             let clearance = checker.clearance(pose);
             assert!(touch.is_none() || clearance <= 0.0, "{pose:?}: {touch:?}, clearance {clearance}");
             // Less than a millimetre of overlap is forgiven by the audit; so little is rare.
@@ -59,7 +59,7 @@ fn motions_that_are_free_pass_the_audit() {
     };
     let mut legs = 0;
     for _ in 0..40 {
-        let (ground, checker) = random_field(&mut rng);
+        let (audit_field, checker) = random_field(&mut rng);
         let mut path = Path { start: random_pose(&mut rng), segments: Vec::new() };
         if !checker.pose_is_free(path.start, 0.0) {
             continue;
@@ -73,10 +73,10 @@ fn motions_that_are_free_pass_the_audit() {
         }
         let leg = Trajectory::along(&path, SimTime::from_seconds(3.0), limits);
         let cut = leg.stopping(leg.start_time() + SimTime::from_seconds(0.4 * leg.duration_s()), Some(4.0));
-        let manners = Manners { turning_radius_m: Some(checker.body().turning_radius_m), limits: Some(limits) };
+        let motion = MotionLimits { turning_radius_m: Some(checker.body().turning_radius_m), limits: Some(limits) };
         for leg in [leg, cut] {
-            let audited = audit_leg(&ground, &manners, &leg, Step::default());
-            legs += audited.unwrap_or_else(|offence| panic!("{offence}")).legs;
+            let audited = audit_leg(&audit_field, &motion, &leg, SampleStep::default());
+            legs += audited.unwrap_or_else(|violation| panic!("{violation}")).legs;
         }
     }
     assert!(legs > 40, "{legs} legs");

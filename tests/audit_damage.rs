@@ -1,6 +1,6 @@
 //! An audit that can fail: runs that were damaged on purpose, one rule each, and the rule that it names.
 
-use wildfire::audit::{Audited, Breach, Offence, Step, Touch, audit_timeline};
+use wildfire::audit::{Audited, ViolationKind, Violation, SampleStep, Touch, audit_timeline};
 use wildfire::geometry::{Cell, Pose};
 use wildfire::scenario;
 use wildfire::sim;
@@ -31,13 +31,13 @@ fn with_limits() -> Timeline {
     run("contest", &["duration_s=900", limits])
 }
 
-fn audit(timeline: &Timeline) -> Result<Audited, Offence> {
-    let verdict = audit_timeline(timeline, Step::default());
-    verdict.offence.map_or(Ok(verdict.audited), Err)
+fn audit(timeline: &Timeline) -> Result<Audited, Violation> {
+    let verdict = audit_timeline(timeline, SampleStep::default());
+    verdict.violation.map_or(Ok(verdict.audited), Err)
 }
 
-/// The offence of the run as a file gives it back: what is planted here can stand in a recording.
-fn offence(timeline: &Timeline) -> Offence {
+/// The violation of the run as a file gives it back: what is planted here can stand in a recording.
+fn violation(timeline: &Timeline) -> Violation {
     let bytes = file::encode(timeline).expect("damage can be recorded");
     audit(&file::decode(&bytes).expect("and read")).expect_err("the damage is planted")
 }
@@ -115,17 +115,17 @@ fn move_leg(timeline: &mut Timeline, agent: AgentId, metres: f64, radians: f64) 
 }
 
 #[test]
-fn a_truck_that_turns_4000_radians_a_second_is_no_offence() {
+fn a_truck_that_turns_4000_radians_a_second_is_no_violation() {
     for seed in 1..=3 {
-        let audited = audit(&swift(seed)).unwrap_or_else(|offence| panic!("seed {seed}: {offence}"));
+        let audited = audit(&swift(seed)).unwrap_or_else(|violation| panic!("seed {seed}: {violation}"));
         assert!(audited.legs > 10 && audited.extinctions > 5, "{audited:?}");
     }
 }
 
 #[test]
-fn walks_of_tens_of_kilometres_are_no_offence() {
+fn walks_of_tens_of_kilometres_are_no_violation() {
     for kilometres in [30, 50] {
-        let audited = audit(&far(kilometres)).unwrap_or_else(|offence| panic!("{kilometres} km: {offence}"));
+        let audited = audit(&far(kilometres)).unwrap_or_else(|violation| panic!("{kilometres} km: {violation}"));
         assert!(audited.metres > 100_000.0 && audited.metres / audited.legs as f64 > 10_000.0, "{audited:?}");
     }
 }
@@ -142,8 +142,8 @@ fn a_leg_that_begins_micrometres_elsewhere_is_found_in_runs_at_the_limits_too() 
             move_leg(&mut timeline, agent, metres, radians);
             audit(&timeline)
         };
-        let is_found = |audited: &Result<Audited, Offence>| {
-            matches!(audited, Err(Offence { breach: Breach::Discontinuous { .. }, .. }))
+        let is_found = |audited: &Result<Audited, Violation>| {
+            matches!(audited, Err(Violation { kind: ViolationKind::Discontinuous { .. }, .. }))
         };
         assert!(audit(&proper).is_ok());
         let moved = damaged(metres, 0.0);
@@ -163,14 +163,14 @@ fn a_pose_moved_into_a_bush_is_found() {
         Some(Trajectory::new(leg.start_time(), start, leg.pieces().to_vec()))
     });
     let events = timeline.events.len();
-    assert!(matches!(offence(&timeline).breach, Breach::Discontinuous { .. }), "it jumps there");
+    assert!(matches!(violation(&timeline).kind, ViolationKind::Discontinuous { .. }), "it jumps there");
     timeline.setting.agents.iter_mut().filter(|agent| agent.id == TRUCK).for_each(|agent| {
         agent.pose = Pose::new(centre.x, centre.y, 0.0);
     });
     timeline.events.retain(|event| event.fact.agent() != Some(TRUCK));
     assert!(timeline.events.len() < events);
-    let found = offence(&timeline);
-    assert!(matches!(found.breach, Breach::Touched(Touch::Bush { .. })), "{found}");
+    let found = violation(&timeline);
+    assert!(matches!(found.kind, ViolationKind::Touched(Touch::Bush { .. })), "{found}");
 }
 
 #[test]
@@ -183,8 +183,8 @@ fn a_drive_through_a_bush_is_found_where_it_touches_it() {
             Some(Piece::Drive { segment, speed_mps, acceleration_mps2 })
         })
     });
-    let found = offence(&timeline);
-    assert!(matches!(found.breach, Breach::Touched(_)), "{found}");
+    let found = violation(&timeline);
+    assert!(matches!(found.kind, ViolationKind::Touched(_)), "{found}");
     assert!(found.time > planned && found.agent == Some(TRUCK), "{found}");
 }
 
@@ -197,8 +197,8 @@ fn a_sharper_turn_is_found() {
             (segment.curvature != 0.0).then_some(Piece::Drive { segment, speed_mps, acceleration_mps2 })
         })
     });
-    let found = offence(&timeline);
-    assert!(matches!(found.breach, Breach::Curvature { radius_m, .. } if radius_m > 12.9), "{found}");
+    let found = violation(&timeline);
+    assert!(matches!(found.kind, ViolationKind::Curvature { radius_m, .. } if radius_m > 12.9), "{found}");
 }
 
 #[test]
@@ -209,15 +209,15 @@ fn a_truck_too_fast_is_found() {
             Some(Piece::Drive { segment, speed_mps: speed_mps + 0.01, acceleration_mps2 })
         })
     });
-    let found = offence(&timeline);
-    assert!(matches!(found.breach, Breach::Speed { .. }), "{found}");
+    let found = violation(&timeline);
+    assert!(matches!(found.kind, ViolationKind::Speed { .. }), "{found}");
 }
 
 #[test]
 fn speeding_up_and_braking_harder_than_the_limit_are_found() {
     for (sign, is_found) in [
-        (1.0, (|breach| matches!(breach, Breach::Acceleration { .. })) as fn(Breach) -> bool),
-        (-1.0, |breach| matches!(breach, Breach::Braking { .. })),
+        (1.0, (|kind| matches!(kind, ViolationKind::Acceleration { .. })) as fn(ViolationKind) -> bool),
+        (-1.0, |kind| matches!(kind, ViolationKind::Braking { .. })),
     ] {
         let mut timeline = with_limits();
         damage_drive(&mut timeline, |leg| {
@@ -226,8 +226,8 @@ fn speeding_up_and_braking_harder_than_the_limit_are_found() {
                 (change * sign > 0.0).then_some(Piece::Drive { segment, speed_mps, acceleration_mps2 })
             })
         });
-        let found = offence(&timeline);
-        assert!(is_found(found.breach), "{found}");
+        let found = violation(&timeline);
+        assert!(is_found(found.kind), "{found}");
     }
 }
 
@@ -236,8 +236,8 @@ fn leaning_harder_than_the_limit_is_found() {
     let mut timeline = with_limits();
     let truck = timeline.setting.agents.iter_mut().find(|agent| agent.id == TRUCK).expect("it has a truck");
     truck.limits.as_mut().expect("limits are recorded").lateral_mps2 = Some(2.9);
-    let found = offence(&timeline);
-    assert!(matches!(found.breach, Breach::Lateral { found_mps2, .. } if found_mps2 > 2.9), "{found}");
+    let found = violation(&timeline);
+    assert!(matches!(found.kind, ViolationKind::Lateral { found_mps2, .. } if found_mps2 > 2.9), "{found}");
 }
 
 #[test]
@@ -248,8 +248,8 @@ fn a_start_without_speeding_up_is_found() {
             (speed_mps == 0.0).then_some(Piece::Drive { segment, speed_mps: 1.0, acceleration_mps2: 0.0 })
         })
     });
-    let found = offence(&timeline);
-    assert!(matches!(found.breach, Breach::SpeedJump { .. }), "{found}");
+    let found = violation(&timeline);
+    assert!(matches!(found.kind, ViolationKind::SpeedJump { .. }), "{found}");
 }
 
 #[test]
@@ -259,8 +259,8 @@ fn a_jump_is_found() {
         let start = Pose { x: leg.start().x + 0.01, ..leg.start() };
         Some(Trajectory::new(leg.start_time(), start, leg.pieces().to_vec()))
     });
-    let found = offence(&timeline);
-    assert!(matches!(found.breach, Breach::Discontinuous { metres, .. } if (metres - 0.01).abs() < 1e-9), "{found}");
+    let found = violation(&timeline);
+    assert!(matches!(found.kind, ViolationKind::Discontinuous { metres, .. } if (metres - 0.01).abs() < 1e-9), "{found}");
 }
 
 #[test]
@@ -281,8 +281,8 @@ fn moving_on_past_its_cut_is_found() {
     timeline.events.remove(place);
     let Fact::Planned { agent, .. } = timeline.events[next - 1].fact else { panic!("that is the next drive") };
     assert_eq!(agent, TRUCK);
-    let found = offence(&timeline);
-    assert!(matches!(found.breach, Breach::StillUnderWay { .. } | Breach::Discontinuous { .. }), "{found}");
+    let found = violation(&timeline);
+    assert!(matches!(found.kind, ViolationKind::StillUnderWay { .. } | ViolationKind::Discontinuous { .. }), "{found}");
 }
 
 #[test]
@@ -297,8 +297,8 @@ fn a_fire_put_out_from_beyond_the_reach_is_found() {
     let stand = timeline.state_at(timeline.events[place].time).agents.last().expect("it has agents").pose;
     let metres = (body.body_centre(stand) - timeline.setting.frame.centre(cell)).length();
     timeline.setting.rules.suppression_reach_m = Some(metres - 0.1);
-    let found = offence(&timeline);
-    let Breach::OutOfReach { metres, reach_m, .. } = found.breach else { panic!("{found}") };
+    let found = violation(&timeline);
+    let ViolationKind::OutOfReach { metres, reach_m, .. } = found.kind else { panic!("{found}") };
     assert!((metres - reach_m - 0.1).abs() < 1e-9, "{found}");
 }
 
@@ -310,8 +310,8 @@ fn a_dwell_too_short_is_found() {
     let time = SimTime::from_nanos(event.time.as_nanos() - 1);
     let earlier = timeline.events.iter().position(|event| event.time > time).expect("it was not the last fact");
     timeline.events.insert(earlier, Event { time, ..event });
-    let found = offence(&timeline);
-    assert!(matches!(found.breach, Breach::NotStanding { cell: of, .. } if of == cell), "{found}");
+    let found = violation(&timeline);
+    assert!(matches!(found.kind, ViolationKind::NotStanding { cell: of, .. } if of == cell), "{found}");
 }
 
 #[test]
@@ -321,11 +321,11 @@ fn the_extinction_of_what_does_not_burn_is_found() {
     let lit = first(&timeline, |event| matches!(event.fact, Fact::Ignited { cell: of, .. } if of == cell));
     assert!(lit < place);
     timeline.events.remove(lit);
-    let found = offence(&timeline);
+    let found = violation(&timeline);
     // What it set on fire may come first.
-    let is_told = match found.breach {
-        Breach::NotBurning { cell: of } => of == cell,
-        Breach::NoSource { from, .. } | Breach::SparedBySpread { cell: from, .. } => from == cell,
+    let is_told = match found.kind {
+        ViolationKind::NotBurning { cell: of } => of == cell,
+        ViolationKind::NoSource { from, .. } | ViolationKind::SparedBySpread { cell: from, .. } => from == cell,
         _ => false,
     };
     assert!(is_told, "{found}");
@@ -337,16 +337,16 @@ fn a_fire_that_goes_out_twice_is_found() {
     let (place, cell) = extinction(&timeline);
     let event = timeline.events[place].clone();
     timeline.events.insert(place + 1, event);
-    let found = offence(&timeline);
-    assert_eq!(found.breach, Breach::NotBurning { cell });
+    let found = violation(&timeline);
+    assert_eq!(found.kind, ViolationKind::NotBurning { cell });
 }
 
 #[test]
 fn fire_that_leaps_farther_than_it_spreads_is_found() {
     let mut timeline = contest();
     timeline.setting.rules.fire.as_mut().expect("it is recorded").spread_radius_m = 29.9;
-    let found = offence(&timeline);
-    assert!(matches!(found.breach, Breach::TooFarToSpread { metres, .. } if metres > 29.9), "{found}");
+    let found = violation(&timeline);
+    assert!(matches!(found.kind, ViolationKind::TooFarToSpread { metres, .. } if metres > 29.9), "{found}");
 }
 
 #[test]
@@ -355,15 +355,15 @@ fn a_wumpus_that_runs_or_lights_in_passing_is_found() {
     let wumpus = timeline.setting.agents.iter_mut().find(|agent| agent.id != TRUCK).expect("it has a Wumpus");
     let id = wumpus.id;
     wumpus.limits.as_mut().expect("limits are recorded").forward_mps = 1.99;
-    let found = offence(&timeline);
-    assert!(matches!(found.breach, Breach::Speed { .. }) && found.agent == Some(id), "{found}");
+    let found = violation(&timeline);
+    assert!(matches!(found.kind, ViolationKind::Speed { .. }) && found.agent == Some(id), "{found}");
     let mut timeline = contest();
     let is_lit = |event: &Event| matches!(event.fact, Fact::Ignited { cause: Cause::Lit(_), .. });
     let place = first(&timeline, is_lit);
     let event = timeline.events.remove(place);
     timeline.events.insert(place, Event { time: timeline.events[place - 1].time, ..event });
-    let found = offence(&timeline);
-    assert!(matches!(found.breach, Breach::LitInPassing { .. }), "{found}");
+    let found = violation(&timeline);
+    assert!(matches!(found.kind, ViolationKind::LitInPassing { .. }), "{found}");
 }
 
 #[test]
@@ -376,6 +376,6 @@ fn two_trucks_on_one_place_are_found() {
     let second = timeline.setting.agents[trucks[1]].id;
     timeline.setting.agents[trucks[1]].pose = Pose { x: at.x + 1.0, ..at };
     timeline.events.retain(|event| event.fact.agent() != Some(second));
-    let found = offence(&timeline);
-    assert!(matches!(found.breach, Breach::Overlap { .. }) && found.time == SimTime::ZERO, "{found}");
+    let found = violation(&timeline);
+    assert!(matches!(found.kind, ViolationKind::Overlap { .. }) && found.time == SimTime::ZERO, "{found}");
 }

@@ -4,7 +4,7 @@
 //!
 //! `WILDFIRE_AUDIT_SEEDS=1..1000` audits these seeds (both ends) of the contest instead of a few.
 
-use wildfire::audit::{Audited, Step, audit_timeline};
+use wildfire::audit::{Audited, SampleStep, audit_timeline};
 use wildfire::scenario;
 use wildfire::sim;
 use wildfire::timeline::Outcome;
@@ -19,11 +19,11 @@ fn audit_changed(name: &str, changes: &[String], seeds: impl Iterator<Item = u64
     let mut audited = Audited::default();
     for seed in seeds {
         let run = sim::run(&scenario, seed).unwrap_or_else(|error| panic!("{name}, seed {seed}: {error}"));
-        let verdict = audit_timeline(&run.timeline, Step::default());
-        assert_eq!(verdict.offence.map(|offence| offence.to_string()), None, "{name}, seed {seed}");
+        let verdict = audit_timeline(&run.timeline, SampleStep::default());
+        assert_eq!(verdict.violation.map(|violation| violation.to_string()), None, "{name}, seed {seed}");
         assert!(verdict.knows_limits);
         audited += verdict.audited;
-        let outcome = Outcome::of(&run.timeline);
+        let outcome = Outcome::new(&run.timeline);
         assert_eq!(outcome.truck_stuck_s, 0.0, "{name}, seed {seed}: stuck");
         assert!(outcome.wumpus_stuck_s == 0.0 || name == "local-minima", "{name}, seed {seed}: stuck");
     }

@@ -7,7 +7,7 @@ use rand::RngExt;
 use wildfire::picture::film::{Fate, Film, Layout, Look, Place, Rectangle, Shot, still};
 use wildfire::rng::{self, Xoshiro256PlusPlus};
 use wildfire::time::SimTime;
-use wildfire::timeline::{Activity, AgentId, Fact, Outcome, Spending, Timeline};
+use wildfire::timeline::{Activity, AgentId, Fact, Outcome, CpuSample, Timeline};
 
 /// Ten minutes of trucks and Wumpuses on a field where bushes burn again.
 fn timeline(seed: u64) -> Timeline {
@@ -62,7 +62,7 @@ fn counts_are_those_of_the_state() {
 #[test]
 fn in_the_end_a_film_tells_the_outcome() {
     let film = Film::new(timeline(2), None);
-    let (timeline, outcome) = (film.timeline(), Outcome::of(film.timeline()));
+    let (timeline, outcome) = (film.timeline(), Outcome::new(film.timeline()));
     let tally = film.tally_at(timeline.end_time());
     let rules = &timeline.setting.rules;
     assert_eq!((tally.wumpus_score(rules), tally.truck_score(rules)), (outcome.wumpus_score, outcome.truck_score));
@@ -137,19 +137,19 @@ fn stepping_meets_every_event_once_forth_and_back() {
 fn cpu_time_until_a_time_is_the_sum_of_what_was_spent() {
     let mut rng = rng("tests/film/spending");
     let agents = [AgentId::Wumpus(0), AgentId::Unimog(0), AgentId::Unimog(3)];
-    let mut spending: Vec<Spending> = (0..200)
-        .map(|_| Spending {
+    let mut cpu_samples: Vec<CpuSample> = (0..200)
+        .map(|_| CpuSample {
             time: SimTime::from_nanos(rng.random_range(0..50)),
             agent: agents[rng.random_range(0..3)],
             cpu: Duration::from_micros(rng.random_range(0..1000)),
         })
         .collect();
-    spending.sort_by_key(|spent| spent.time);
-    let film = Film::new(empty(), Some(spending.clone()));
+    cpu_samples.sort_by_key(|spent| spent.time);
+    let film = Film::new(empty(), Some(cpu_samples.clone()));
     for time in (0..60).map(SimTime::from_nanos) {
         let sum = |of: Option<AgentId>| {
             let spent =
-                spending.iter().filter(|spent| spent.time <= time && of.is_none_or(|agent| spent.agent == agent));
+                cpu_samples.iter().filter(|spent| spent.time <= time && of.is_none_or(|agent| spent.agent == agent));
             spent.map(|spent| spent.cpu).sum::<Duration>()
         };
         assert_eq!(film.cpu_until(time), Some(sum(None)));

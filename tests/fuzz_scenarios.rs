@@ -2,7 +2,7 @@
 //!
 //! Scenarios are drawn by the grammar of the JSON Schema, or are built-in ones with changes to their text. Every
 //! refusal has a place. A scenario that is accepted is explained, comes back from TOML and JSON as it was, and is run,
-//! with less time and smaller searches where the whole would take too long: nothing panics, the audit finds no offence,
+//! with less time and smaller searches where the whole would take too long: nothing panics, the audit finds no violation,
 //! the recording comes back bit for bit, there is an outcome, and time that is cut into slices changes nothing.
 //!
 //! `fuzz/mod.rs` says which variables of the environment ask for more cases, or for one.
@@ -14,7 +14,7 @@ mod grammar;
 
 use std::sync::LazyLock;
 
-use wildfire::audit::{Step, audit_timeline};
+use wildfire::audit::{SampleStep, audit_timeline};
 use wildfire::scenario::{BUILT_IN, LoadedScenario, MemoryLimit, Scenario, explain};
 use wildfire::sim::{self, Run, RunError, Simulation};
 use wildfire::time::SimTime;
@@ -191,7 +191,7 @@ fn affordable(scenario: &Scenario) -> Option<Scenario> {
 
 fn run_keeps_the_rules(case: &mut Case<'_>, scenario: &Scenario, seed: u64, run: &Run) -> Law {
     let timeline = &run.timeline;
-    let outcome = Outcome::of(timeline);
+    let outcome = Outcome::new(timeline);
     if outcome.agents.len() != scenario.wumpus.len() + scenario.unimog.len() {
         return Err(format!("an outcome of {} agents", outcome.agents.len()));
     }
@@ -201,8 +201,8 @@ fn run_keeps_the_rules(case: &mut Case<'_>, scenario: &Scenario, seed: u64, run:
         return Err("its recording is another run".into());
     }
     let verdict = audit_timeline(&back, step_of(&outcome));
-    if let Some(offence) = verdict.offence {
-        return Err(format!("seed {seed}: {offence}"));
+    if let Some(violation) = verdict.violation {
+        return Err(format!("seed {seed}: {violation}"));
     }
     if !verdict.knows_limits {
         return Err("the audit does not know its limits".into());
@@ -211,11 +211,11 @@ fn run_keeps_the_rules(case: &mut Case<'_>, scenario: &Scenario, seed: u64, run:
 }
 
 /// Chooses the step of the audit: the default one where that takes few looks, a coarser one on long ways.
-fn step_of(outcome: &Outcome) -> Step {
+fn step_of(outcome: &Outcome) -> SampleStep {
     let metres: f64 = outcome.agents.iter().map(|agent| agent.distance_m).sum();
     let coarser = (metres / MOST_FINELY_AUDITED_M).max(1.0);
-    let Step { metres, degrees } = Step::default();
-    Step { metres: metres * coarser, degrees: degrees * coarser }
+    let SampleStep { metres, degrees } = SampleStep::default();
+    SampleStep { metres: metres * coarser, degrees: degrees * coarser }
 }
 
 fn slices_change_nothing(case: &mut Case<'_>, scenario: &Scenario, seed: u64, whole: &Timeline) -> Law {

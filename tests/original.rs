@@ -16,7 +16,7 @@ const PUBLISHED: [f64; 3] = [0.302, 0.341, 0.357];
 fn published_means_of_five_runs_lie_in_the_central_95_percent() {
     let original = scenario::load("original-2024", &[]).expect("the built-in loads");
     let ratios: Vec<[f64; 3]> = (1..=SEEDS)
-        .map(|seed| Outcome::of(&sim::run(&original, seed).expect("the preset runs").timeline))
+        .map(|seed| Outcome::new(&sim::run(&original, seed).expect("the preset runs").timeline))
         .map(|outcome| [outcome.intact_ratio(), outcome.burned_ratio(), outcome.extinguished_ratio()])
         .collect();
     let mut stream = rng::stream(1, "tests/original");

@@ -92,7 +92,7 @@ fn recording_changes_nothing_but_adds_searches() {
         assert!(recorded.events.len() > plain.events.len() + 20, "scenario {number}");
         let rest = without_searches(&recorded);
         assert!(rest == plain, "scenario {number}");
-        assert!(Outcome::of(&recorded) == Outcome::of(&plain), "scenario {number}");
+        assert!(Outcome::new(&recorded) == Outcome::new(&plain), "scenario {number}");
         let bytes = |timeline| file::encode(timeline).expect("it can be recorded");
         assert!(bytes(&rest) == bytes(&plain), "scenario {number}: not bit for bit");
         assert!(file::decode(&bytes(&recorded)).expect("it was recorded") == recorded, "scenario {number}");
@@ -252,12 +252,12 @@ fn cutting_time_into_slices_changes_no_search() {
 fn what_decisions_cost_adds_up_to_what_the_agents_cost() {
     for scenario in [contest(), crowd()] {
         let run = sim::run(&scenario, 1).expect("the scenario can be run");
-        assert!(run.spending.is_sorted_by_key(|spending| spending.time));
+        assert!(run.cpu_samples.is_sorted_by_key(|sample| sample.time));
         for cost in &run.cost.agents {
-            let own: Vec<_> = run.spending.iter().filter(|spending| spending.agent == cost.agent).collect();
-            assert_eq!(own.iter().map(|spending| spending.cpu).sum::<Duration>(), cost.total());
+            let own: Vec<_> = run.cpu_samples.iter().filter(|sample| sample.agent == cost.agent).collect();
+            assert_eq!(own.iter().map(|sample| sample.cpu).sum::<Duration>(), cost.total());
             assert_eq!((own[0].time, own[0].cpu), (SimTime::ZERO, cost.sampling + cost.connecting));
-            assert!(own.len() > 10 && own[1..].iter().all(|spending| !spending.cpu.is_zero()));
+            assert!(own.len() > 10 && own[1..].iter().all(|sample| !sample.cpu.is_zero()));
         }
     }
 }

@@ -11,7 +11,7 @@ use std::panic;
 use rand::RngExt;
 use rand::seq::IndexedRandom;
 use serde_json::{Value, json};
-use wildfire::audit::{Audited, Step, audit_timeline};
+use wildfire::audit::{Audited, SampleStep, audit_timeline};
 use wildfire::rng::{self, Xoshiro256PlusPlus};
 use wildfire::scenario::{self, Scenario};
 use wildfire::sim;
@@ -193,8 +193,8 @@ fn try_case(case: u64, settings: &[(String, Values)], base: &Value) -> Option<(C
     let (changes, scenario) = draw_scenario(settings, base, &mut rng::stream(case, "settings"));
     let audited = panic::catch_unwind(|| {
         let run = sim::run(&scenario, case).ok()?;
-        let verdict = audit_timeline(&run.timeline, Step::default());
-        Some(verdict.offence.map_or(Ok(verdict.audited), |offence| Err(offence.to_string())))
+        let verdict = audit_timeline(&run.timeline, SampleStep::default());
+        Some(verdict.violation.map_or(Ok(verdict.audited), |violation| Err(violation.to_string())))
     });
     audited.unwrap_or_else(|_| Some(Err("it panicked".into()))).map(|result| (changes, result))
 }

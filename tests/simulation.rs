@@ -340,8 +340,8 @@ fn an_arsonist_on_a_wavefront_walks_as_far_as_one_with_astar_for_every_goal() {
 #[test]
 fn an_arsonist_that_escapes_from_local_minima_is_never_stuck_and_burns_all_that_it_could() {
     for seed in 1..=3 {
-        let astar = Outcome::of(&run(&arsonist(WumpusPlanner::Astar, Escape::None), seed));
-        let descent = Outcome::of(&run(&arsonist(WumpusPlanner::Potential, Escape::Wavefront), seed));
+        let astar = Outcome::new(&run(&arsonist(WumpusPlanner::Astar, Escape::None), seed));
+        let descent = Outcome::new(&run(&arsonist(WumpusPlanner::Potential, Escape::Wavefront), seed));
         assert_eq!((descent.intact, descent.wumpus_stuck_s), (astar.intact, 0.0));
         assert!(descent.agents[0].local_minima > 0 && descent.agents[0].failures == [0; 5]);
     }
@@ -367,7 +367,7 @@ fn without_an_escape_no_goal_is_tried_twice_from_one_place_and_giving_all_up_cou
                 _ => {}
             }
         }
-        let outcome = Outcome::of(&timeline);
+        let outcome = Outcome::new(&timeline);
         let arsonist = &outcome.agents[0];
         assert_eq!((arsonist.local_minima, arsonist.failures[4]), (fails, fails));
         let rested_s = rests_from.map_or(0.0, |from| (timeline.end_time() - from).as_seconds());

@@ -77,7 +77,7 @@ fn drill(map: &str, cell_m: f64, trucks: &[(Dimensions, Pose)], fires: &[(f64, C
 
 /// All fires are put out, nobody is stuck, nobody overlaps.
 fn assert_goes_well(timeline: &Timeline) -> Outcome {
-    let outcome = Outcome::of(timeline);
+    let outcome = Outcome::new(timeline);
     assert_eq!(first_overlap(timeline), None);
     assert_eq!((outcome.burning, outcome.truck_stuck_s), (0, 0.0), "{:#?}", timeline.events);
     outcome
@@ -96,7 +96,7 @@ fn a_crowd_on_a_dense_field_never_overlaps() {
         }));
         let timeline = run(&scenario, seed);
         assert_eq!(first_overlap(&timeline), None, "seed {seed}");
-        let outcome = Outcome::of(&timeline);
+        let outcome = Outcome::new(&timeline);
         assert_eq!(outcome.truck_stuck_s, 0.0, "seed {seed}");
         waits += usize::from(outcome.agents.iter().any(|agent| agent.waiting_s > 0.0));
         drops += count(&timeline, |fact| matches!(fact, Fact::Dropped { agent: AgentId::Unimog(_), .. }));
@@ -115,7 +115,7 @@ fn eight_trucks_come_through_a_dense_field() {
     scenario.unimog = (0..8).map(|k| Unimog { start: start(k), ..Unimog::default() }).collect();
     let timeline = run(&scenario, 1);
     assert_eq!(first_overlap(&timeline), None);
-    let outcome = Outcome::of(&timeline);
+    let outcome = Outcome::new(&timeline);
     assert_eq!(outcome.truck_stuck_s, 0.0);
     assert!(outcome.extinguished > 20 && outcome.agents.iter().any(|agent| agent.deadlocks > 0), "{outcome:?}");
 }

@@ -46,7 +46,7 @@ fn runs(scenario: &str, changes: &[String]) -> Result<Vec<Contest>, String> {
     let contest = scenario::load(scenario, changes).map_err(|error| error.to_string())?;
     let run = |seed| {
         let run = sim::run(&contest, seed).map_err(|error| format!("seed {seed}: {error}"))?;
-        let outcome = Outcome::of(&run.timeline);
+        let outcome = Outcome::new(&run.timeline);
         Ok(Contest {
             saved: f64::from(outcome.intact + outcome.extinguished),
             expansions: outcome.agents.iter().map(|agent| agent.local_expansions as f64).sum(),

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::tolerance::SAME_POSE;
-use super::{Breach, Offence};
+use super::{ViolationKind, Violation};
 use crate::fire::FireRules;
 use crate::geometry::Cell;
 use crate::time::SimTime;
@@ -24,7 +24,7 @@ enum Bush {
 /// Follows the fires of a run, fact by fact, to the first that breaks a rule.
 ///
 /// Where a recording does not hold the rules of fire, only what burns and what does not is checked.
-pub fn audit_fires(timeline: &Timeline) -> Result<(), Offence> {
+pub fn audit_fires(timeline: &Timeline) -> Result<(), Violation> {
     let mut fires = Fires::new(&timeline.setting);
     for event in &timeline.events {
         fires.pass(event.time)?;
@@ -50,21 +50,21 @@ impl<'a> Fires<'a> {
         Self { setting, rules: setting.rules.fire, bushes, due: BTreeSet::new(), looks: 0 }
     }
 
-    fn record(&mut self, event: &Event) -> Result<(), Offence> {
+    fn record(&mut self, event: &Event) -> Result<(), Violation> {
         let (Fact::Ignited { cell, .. } | Fact::BurnedOut { cell } | Fact::Extinguished { cell, .. }) = event.fact
         else {
             return Ok(());
         };
         let place = self.setting.frame.centre(cell);
-        let offence = |breach| Offence { time: event.time, agent: event.fact.agent(), place, breach };
-        let index = self.setting.bush_index(cell).ok_or_else(|| offence(Breach::CannotBurn { cell }))?;
+        let violation = |kind| Violation { time: event.time, agent: event.fact.agent(), place, kind };
+        let index = self.setting.bush_index(cell).ok_or_else(|| violation(ViolationKind::CannotBurn { cell }))?;
         let change = match (&event.fact, self.bushes[index]) {
             (Fact::Ignited { cause, .. }, bush) => self.caught((cell, index), bush, *cause, event.time),
-            (_, Bush::Intact | Bush::BurnedOut | Bush::Extinguished { .. }) => Err(Breach::NotBurning { cell }),
+            (_, Bush::Intact | Bush::BurnedOut | Bush::Extinguished { .. }) => Err(ViolationKind::NotBurning { cell }),
             (Fact::Extinguished { .. }, _) => Ok(Bush::Extinguished { at: event.time }),
             (_, Bush::Burning { since, .. }) => self.burned_out(cell, since, event.time),
         };
-        self.bushes[index] = change.map_err(offence)?;
+        self.bushes[index] = change.map_err(violation)?;
         Ok(())
     }
 
@@ -74,9 +74,9 @@ impl<'a> Fires<'a> {
         bush: Bush,
         cause: Cause,
         time: SimTime,
-    ) -> Result<Bush, Breach> {
+    ) -> Result<Bush, ViolationKind> {
         if !self.can_burn(bush) {
-            return Err(Breach::CannotBurn { cell });
+            return Err(ViolationKind::CannotBurn { cell });
         }
         if let Cause::Spread(from) = cause {
             self.check_spread(cell, from, time)?;
@@ -93,28 +93,28 @@ impl<'a> Fires<'a> {
         bush == Bush::Intact || self.setting.rules.relight && matches!(bush, Bush::Extinguished { .. })
     }
 
-    fn check_spread(&self, cell: Cell, from: Cell, time: SimTime) -> Result<(), Breach> {
+    fn check_spread(&self, cell: Cell, from: Cell, time: SimTime) -> Result<(), ViolationKind> {
         let source = self.setting.bush_index(from).map(|index| self.bushes[index]);
-        let Some(Bush::Burning { since, spreads }) = source else { return Err(Breach::NoSource { cell, from }) };
+        let Some(Bush::Burning { since, spreads }) = source else { return Err(ViolationKind::NoSource { cell, from }) };
         let Some(rules) = self.rules else { return Ok(()) };
         if !spreads || since + rules.spread_delay != time {
-            return Err(Breach::NoSource { cell, from });
+            return Err(ViolationKind::NoSource { cell, from });
         }
         let (metres, radius_m) = (self.metres(cell, from), rules.spread_radius_m);
         let is_near = metres <= radius_m + SAME_POSE;
-        if is_near { Ok(()) } else { Err(Breach::TooFarToSpread { cell, from, metres, radius_m }) }
+        if is_near { Ok(()) } else { Err(ViolationKind::TooFarToSpread { cell, from, metres, radius_m }) }
     }
 
-    fn burned_out(&self, cell: Cell, since: SimTime, time: SimTime) -> Result<Bush, Breach> {
+    fn burned_out(&self, cell: Cell, since: SimTime, time: SimTime) -> Result<Bush, ViolationKind> {
         let due = self.rules.map(|rules| rules.burn_out.map(|burn_out| since + burn_out));
         match due {
-            Some(due) if due != Some(time) => Err(Breach::WrongBurnOut { cell, due }),
+            Some(due) if due != Some(time) => Err(ViolationKind::WrongBurnOut { cell, due }),
             _ => Ok(Bush::BurnedOut),
         }
     }
 
     /// All that was due before `until` has happened.
-    fn pass(&mut self, until: SimTime) -> Result<(), Offence> {
+    fn pass(&mut self, until: SimTime) -> Result<(), Violation> {
         while let Some(&(due, index)) = self.due.first().filter(|(due, _)| *due < until) {
             self.due.pop_first();
             self.check_done(due, index)?;
@@ -122,13 +122,13 @@ impl<'a> Fires<'a> {
         Ok(())
     }
 
-    fn check_done(&mut self, due: SimTime, index: usize) -> Result<(), Offence> {
+    fn check_done(&mut self, due: SimTime, index: usize) -> Result<(), Violation> {
         let (Bush::Burning { since, spreads }, Some(rules)) = (self.bushes[index], self.rules) else { return Ok(()) };
         let from = self.setting.bushes[index];
         let frame = self.setting.frame;
-        let offence = |cell, breach| Err(Offence { time: due, agent: None, place: frame.centre(cell), breach });
+        let violation = |cell, kind| Err(Violation { time: due, agent: None, place: frame.centre(cell), kind });
         if rules.burn_out.is_some_and(|burn_out| since + burn_out == due) {
-            return offence(from, Breach::WrongBurnOut { cell: from, due: Some(due) });
+            return violation(from, ViolationKind::WrongBurnOut { cell: from, due: Some(due) });
         }
         if !spreads || since + rules.spread_delay != due {
             return Ok(());
@@ -136,12 +136,12 @@ impl<'a> Fires<'a> {
         let reach = self.cells_across(rules.spread_radius_m);
         self.looks += u64::from(reach) * u64::from(reach);
         if self.looks > MOST_LOOKS {
-            return offence(from, Breach::Endless);
+            return violation(from, ViolationKind::Endless);
         }
         let mut around = self.cells_around(from, reach.into());
         let is_near = |cell| self.metres(cell, from) <= rules.spread_radius_m - SAME_POSE;
         let spared = around.find(|&cell| is_near(cell) && self.is_spared(cell, due));
-        spared.map_or(Ok(()), |cell| offence(cell, Breach::SparedBySpread { cell, from }))
+        spared.map_or(Ok(()), |cell| violation(cell, ViolationKind::SparedBySpread { cell, from }))
     }
 
     /// How many cells a radius spans, at most as many as the field has along a side.

@@ -3,10 +3,10 @@
 //! The audit drives every piece by itself, in small steps of equal length, and compares where it gets with what the
 //! timeline says in the middle and at the end of the piece.
 
-use super::ground::{Ground, Stance};
-use super::pace::{Drive, audit_pace};
+use super::field::{AuditField, Stance};
+use super::pace::{DriveProfile, audit_pace};
 use super::tolerance::{SAME_POSE, Tolerance};
-use super::{Audited, Breach, Offence};
+use super::{Audited, ViolationKind, Violation};
 use crate::geometry::{DVec2, Pose, ops};
 use crate::time::SimTime;
 use crate::trajectory::{Piece, SpeedLimits, Trajectory};
@@ -27,12 +27,12 @@ pub const STRIDE: u64 = 256;
 
 /// No two samples of a leg are farther apart than this.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Step {
+pub struct SampleStep {
     pub metres: f64,
     pub degrees: f64,
 }
 
-impl Default for Step {
+impl Default for SampleStep {
     fn default() -> Self {
         Self { metres: 0.02, degrees: 0.2 }
     }
@@ -40,25 +40,25 @@ impl Default for Step {
 
 /// How an agent may move.
 #[derive(Clone, Copy, Debug)]
-pub struct Manners {
+pub struct MotionLimits {
     /// The smallest radius of its turns; without one it turns on the spot.
     pub turning_radius_m: Option<f64>,
     /// Without them no speed is checked.
     pub limits: Option<SpeedLimits>,
 }
 
-/// The first breach of a leg: a sample that is not free, a turn that is too tight, a speed beyond its limits, a state that
+/// The first kind of a leg: a sample that is not free, a turn that is too tight, a speed beyond its limits, a state that
 /// its pieces do not lead to.
 ///
 /// Between two samples a body could dip into a bush by a fraction of the step.
-pub fn audit_leg(ground: &Ground, manners: &Manners, leg: &Trajectory, step: Step) -> Result<Audited, Offence> {
-    let pace = manners.limits.map_or(Ok(()), |limits| audit_pace(leg, &limits));
-    let tolerance = Tolerance::of_leg(leg);
-    let way = LegAudit { ground, manners, step, tolerance }.drive(leg).map_err(|broken| Offence {
+pub fn audit_leg(field: &AuditField, motion: &MotionLimits, leg: &Trajectory, step: SampleStep) -> Result<Audited, Violation> {
+    let pace = motion.limits.map_or(Ok(()), |limits| audit_pace(leg, &limits));
+    let tolerance = Tolerance::from_leg(leg);
+    let way = LegAudit { field, motion, step, tolerance }.drive(leg).map_err(|broken| Violation {
         time: leg.start_time() + SimTime::from_seconds(broken.elapsed_s),
         agent: None,
         place: broken.place,
-        breach: broken.breach,
+        kind: broken.kind,
     });
     match (pace, way) {
         (Err(of_pace), Err(of_way)) if of_way.time < of_pace.time => Err(of_way),
@@ -70,24 +70,24 @@ pub fn audit_leg(ground: &Ground, manners: &Manners, leg: &Trajectory, step: Ste
 /// What a leg is held against.
 #[derive(Clone, Copy)]
 struct LegAudit<'a> {
-    ground: &'a Ground,
-    manners: &'a Manners,
-    step: Step,
+    field: &'a AuditField,
+    motion: &'a MotionLimits,
+    step: SampleStep,
     tolerance: Tolerance,
 }
 
 impl LegAudit<'_> {
-    fn drive(self, leg: &Trajectory) -> Result<Audited, Broken> {
+    fn drive(self, leg: &Trajectory) -> Result<Audited, LegViolation> {
         let moves = !leg.pieces().is_empty();
         let mut audited = Audited { legs: moves.into(), poses: 1, ..Audited::default() };
-        let mut now = Moment { elapsed_s: 0.0, pose: leg.start() };
-        if let Some(touch) = self.ground.touch(Stance::of(now.pose)) {
-            return Err(now.broken(Breach::Touched(touch)));
+        let mut now = LegMoment { elapsed_s: 0.0, pose: leg.start() };
+        if let Some(touch) = self.field.touch(Stance::new(now.pose)) {
+            return Err(now.broken(ViolationKind::Touched(touch)));
         }
         for piece in leg.pieces() {
             now = match *piece {
                 Piece::Drive { segment, speed_mps, acceleration_mps2 } => {
-                    let drive = Drive::new(segment.length_m.abs(), speed_mps, acceleration_mps2);
+                    let drive = DriveProfile::new(segment.length_m.abs(), speed_mps, acceleration_mps2);
                     self.drive_segment(leg, now, segment, drive, &mut audited)?
                 }
                 Piece::Turn { heading } => self.turn(now, heading)?,
@@ -99,19 +99,19 @@ impl LegAudit<'_> {
     }
 
     /// A turn on the spot may be a nanosecond off, so whoever makes them has to be at the right place only.
-    fn check_moment(self, leg: &Trajectory, now: Moment) -> Result<(), Broken> {
+    fn check_moment(self, leg: &Trajectory, now: LegMoment) -> Result<(), LegViolation> {
         if !(now.elapsed_s.is_finite() && now.elapsed_s >= 0.0) {
-            return Err(now.broken(Breach::NotANumber));
+            return Err(now.broken(ViolationKind::NotANumber));
         }
-        let turns_on_the_spot = self.manners.turning_radius_m.is_none();
+        let turns_on_the_spot = self.motion.turning_radius_m.is_none();
         let radians = if turns_on_the_spot { f64::INFINITY } else { self.tolerance.radians };
-        check_state(leg, now.elapsed_s, Stance::of(now.pose), Tolerance { radians, ..self.tolerance })
+        check_state(leg, now.elapsed_s, Stance::new(now.pose), Tolerance { radians, ..self.tolerance })
     }
 
-    fn turn(self, now: Moment, heading: f64) -> Result<Moment, Broken> {
+    fn turn(self, now: LegMoment, heading: f64) -> Result<LegMoment, LegViolation> {
         let turned = ops::wrap_angle(heading - now.pose.heading).abs();
-        match self.manners.turning_radius_m {
-            Some(least_m) if turned > SAME_POSE => Err(now.broken(Breach::Curvature { radius_m: 0.0, least_m })),
+        match self.motion.turning_radius_m {
+            Some(least_m) if turned > SAME_POSE => Err(now.broken(ViolationKind::Curvature { radius_m: 0.0, least_m })),
             _ => Ok(now.after(0.0, Pose::new(now.pose.x, now.pose.y, heading))),
         }
     }
@@ -119,28 +119,28 @@ impl LegAudit<'_> {
     fn drive_segment(
         self,
         leg: &Trajectory,
-        now: Moment,
+        now: LegMoment,
         segment: Segment,
-        drive: Drive,
+        drive: DriveProfile,
         audited: &mut Audited,
-    ) -> Result<Moment, Broken> {
+    ) -> Result<LegMoment, LegViolation> {
         let numbers = [segment.curvature, segment.length_m, drive.seconds, drive.fastest_mps()];
         if !numbers.into_iter().all(f64::is_finite) {
-            return Err(now.broken(Breach::NotANumber));
+            return Err(now.broken(ViolationKind::NotANumber));
         }
-        self.check_curvature(&segment).map_err(|breach| now.broken(breach))?;
+        self.check_curvature(&segment).map_err(|kind| now.broken(kind))?;
         let way = Way::new(segment, self.step);
-        if way.count * work_of_pose(self.ground) > MOST_WORK {
-            return Err(now.broken(Breach::Endless));
+        if way.count * work_of_pose(self.field) > MOST_WORK {
+            return Err(now.broken(ViolationKind::Endless));
         }
-        let start = Stance::of(now.pose);
+        let start = Stance::new(now.pose);
         let count = way.count as u64;
         let mut at = start;
         for step in 1..=count {
             at = way.advance(start, at, step);
-            if let Some(touch) = self.ground.touch(at) {
+            if let Some(touch) = self.field.touch(at) {
                 let elapsed_s = now.elapsed_s + drive.seconds_to(way.metres(step));
-                return Err(Broken { elapsed_s, place: at.place, breach: Breach::Touched(touch) });
+                return Err(LegViolation { elapsed_s, place: at.place, kind: ViolationKind::Touched(touch) });
             }
             if step == count / 2 {
                 check_state(leg, now.elapsed_s + drive.seconds_to(way.metres(step)), at, self.tolerance)?;
@@ -152,11 +152,11 @@ impl LegAudit<'_> {
         Ok(now.after(drive.seconds, Pose::new(at.place.x, at.place.y, heading)))
     }
 
-    fn check_curvature(self, segment: &Segment) -> Result<(), Breach> {
+    fn check_curvature(self, segment: &Segment) -> Result<(), ViolationKind> {
         let radius_m = 1.0 / segment.curvature.abs();
-        match self.manners.turning_radius_m {
+        match self.motion.turning_radius_m {
             Some(least_m) if radius_m < least_m * (1.0 - RELATIVE_NOISE) && segment.length_m != 0.0 => {
-                Err(Breach::Curvature { radius_m, least_m })
+                Err(ViolationKind::Curvature { radius_m, least_m })
             }
             _ => Ok(()),
         }
@@ -164,42 +164,42 @@ impl LegAudit<'_> {
 }
 
 /// How much a pose takes, in looks at a cell.
-pub fn work_of_pose(ground: &Ground) -> f64 {
-    WORK_OF_POSE + ground.cells_under_body()
+pub fn work_of_pose(field: &AuditField) -> f64 {
+    WORK_OF_POSE + field.cells_under_body()
 }
 
-/// A breach of a leg, so many seconds after its start.
-struct Broken {
+/// A violation on a leg, in seconds after its start.
+struct LegViolation {
     elapsed_s: f64,
     place: DVec2,
-    breach: Breach,
+    kind: ViolationKind,
 }
 
-/// Where the audit has come to, so many seconds after the start of the leg.
+/// The state that the audit has come to, in seconds after the start of the leg.
 #[derive(Clone, Copy)]
-struct Moment {
+struct LegMoment {
     elapsed_s: f64,
     pose: Pose,
 }
 
-impl Moment {
+impl LegMoment {
     fn after(self, seconds: f64, pose: Pose) -> Self {
         Self { elapsed_s: self.elapsed_s + seconds, pose }
     }
 
-    fn broken(self, breach: Breach) -> Broken {
-        Broken { elapsed_s: self.elapsed_s, place: self.pose.position(), breach }
+    fn broken(self, kind: ViolationKind) -> LegViolation {
+        LegViolation { elapsed_s: self.elapsed_s, place: self.pose.position(), kind }
     }
 }
 
 /// Checks that the timeline says the same.
-fn check_state(leg: &Trajectory, elapsed_s: f64, at: Stance, tolerance: Tolerance) -> Result<(), Broken> {
-    let said = Stance::of(leg.pose_at(leg.start_time() + SimTime::from_seconds(elapsed_s)));
+fn check_state(leg: &Trajectory, elapsed_s: f64, at: Stance, tolerance: Tolerance) -> Result<(), LegViolation> {
+    let said = Stance::new(leg.pose_at(leg.start_time() + SimTime::from_seconds(elapsed_s)));
     let (metres, radians) = ((said.place - at.place).length(), (said.facing - at.facing).length());
     if metres <= tolerance.metres && radians <= tolerance.radians {
         return Ok(());
     }
-    Err(Broken { elapsed_s, place: at.place, breach: Breach::Astray { metres, radians } })
+    Err(LegViolation { elapsed_s, place: at.place, kind: ViolationKind::Astray { metres, radians } })
 }
 
 /// A segment in steps of equal length: each turns the body by the same angle along a chord of the same length.
@@ -212,7 +212,7 @@ struct Way {
 }
 
 impl Way {
-    fn new(segment: Segment, step: Step) -> Self {
+    fn new(segment: Segment, step: SampleStep) -> Self {
         let turned = (segment.curvature * segment.length_m).abs();
         let count = (segment.length_m.abs() / step.metres).max(turned / step.degrees.to_radians()).ceil().max(1.0);
         let step_m = segment.length_m / count;
@@ -228,7 +228,7 @@ impl Way {
         self.step.from(before)
     }
 
-    /// Along the way, after so many steps.
+    /// Metres along the way after a number of steps.
     fn metres(&self, steps: u64) -> f64 {
         steps as f64 * self.step_m.abs()
     }
@@ -255,7 +255,7 @@ impl Hop {
 
 #[cfg(test)]
 mod tests {
-    use super::super::ground::{Outline, Touch};
+    use super::super::field::{Outline, Touch};
     use super::*;
     use crate::geometry::{Cell, FieldFrame};
     use crate::timeline::Body;
@@ -277,12 +277,12 @@ mod tests {
         Trajectory::along(&Path { start, segments }, SimTime::from_seconds(7.0), LIMITS)
     }
 
-    fn audit(leg: &Trajectory) -> Result<Audited, Offence> {
+    fn audit(leg: &Trajectory) -> Result<Audited, Violation> {
         let frame = FieldFrame { cols: 20, rows: 20, cell_m: 5.0 };
-        let truck = Outline::of(&Body::Truck(Dimensions::default()));
-        let ground = Ground::new(frame, &[Cell { col: 10, row: 10 }], truck);
-        let manners = Manners { turning_radius_m: Some(13.0), limits: Some(LIMITS) };
-        audit_leg(&ground, &manners, leg, Step::default())
+        let truck = Outline::new(&Body::Truck(Dimensions::default()));
+        let field = AuditField::new(frame, &[Cell { col: 10, row: 10 }], truck);
+        let motion = MotionLimits { turning_radius_m: Some(13.0), limits: Some(LIMITS) };
+        audit_leg(&field, &motion, leg, SampleStep::default())
     }
 
     fn winding() -> Vec<Segment> {
@@ -306,12 +306,12 @@ mod tests {
         let ways = [(1.0 / 13.0, 77.7), (-1.0 / 13.0, -40.0), (0.0, -9.99), (1e-9, 30.0), (0.2, 1e-7), (1e-3, 300.0)];
         for (curvature, length_m) in ways {
             let (start, segment) = (Pose::new(3.0, -2.0, 2.9), segment(curvature, length_m));
-            let way = Way::new(segment, Step::default());
-            let mut at = Stance::of(start);
+            let way = Way::new(segment, SampleStep::default());
+            let mut at = Stance::new(start);
             for step in 1..=way.count as u64 {
-                at = way.advance(Stance::of(start), at, step);
+                at = way.advance(Stance::new(start), at, step);
             }
-            let end = Stance::of(segment.end(start));
+            let end = Stance::new(segment.end(start));
             assert!((end.place - at.place).length() < 1e-11 && (end.facing - at.facing).length() < 1e-12);
             assert!(way.step_m.abs() <= 0.02 && way.step.turn.y.abs() <= 0.2_f64.to_radians());
         }
@@ -322,10 +322,10 @@ mod tests {
         for (curvature, length_m) in [(0.0, 60_000.0), (2e-5, -60_000.0), (1.0 / 13.0, 20_000.0)] {
             let (start, segment) = (Pose::new(20_000.0, 30_000.0, 0.7), segment(curvature, length_m));
             let leg = Trajectory::along(&Path { start, segments: vec![segment] }, SimTime::ZERO, LIMITS);
-            let way = Way::new(segment, Step::default());
-            let start = Stance::of(start);
+            let way = Way::new(segment, SampleStep::default());
+            let start = Stance::new(start);
             let at = (1..=way.count as u64).fold(start, |at, step| way.advance(start, at, step));
-            let (end, granted) = (Stance::of(leg.end()), Tolerance::of_leg(&leg));
+            let (end, granted) = (Stance::new(leg.end()), Tolerance::from_leg(&leg));
             let metres = (end.place - at.place).length();
             let rounding = granted.metres - SAME_POSE;
             assert!(metres < rounding && rounding < 1e-6, "{curvature}: {metres} m of {rounding}");
@@ -335,12 +335,12 @@ mod tests {
 
     #[test]
     fn a_bush_in_the_way_is_found_with_time_and_place() {
-        let offence = audit(&leg(Pose::new(40.0, 52.5, 0.0), vec![segment(0.0, 20.0)])).expect_err("there is a bush");
-        let Breach::Touched(Touch::Bush { cell, .. }) = offence.breach else { panic!("{offence}") };
+        let violation = audit(&leg(Pose::new(40.0, 52.5, 0.0), vec![segment(0.0, 20.0)])).expect_err("there is a bush");
+        let ViolationKind::Touched(Touch::Bush { cell, .. }) = violation.kind else { panic!("{violation}") };
         assert_eq!(cell, Cell { col: 10, row: 10 });
-        assert!((offence.place.x - 46.05).abs() < 0.025, "{offence}");
-        assert!((offence.time.as_seconds() - (7.0 + 6.05 / 8.0)).abs() < 0.005, "{offence}");
-        assert!(offence.to_string().contains("cell (10, 10)"));
+        assert!((violation.place.x - 46.05).abs() < 0.025, "{violation}");
+        assert!((violation.time.as_seconds() - (7.0 + 6.05 / 8.0)).abs() < 0.005, "{violation}");
+        assert!(violation.to_string().contains("cell (10, 10)"));
     }
 
     #[test]
@@ -352,44 +352,44 @@ mod tests {
 
     #[test]
     fn the_field_ends_at_its_border() {
-        let offence = audit(&leg(Pose::new(90.0, 20.0, 0.0), vec![segment(0.0, 10.0)])).expect_err("it leaves");
-        assert!(matches!(offence.breach, Breach::Touched(Touch::Border { .. })), "{offence}");
+        let violation = audit(&leg(Pose::new(90.0, 20.0, 0.0), vec![segment(0.0, 10.0)])).expect_err("it leaves");
+        assert!(matches!(violation.kind, ViolationKind::Touched(Touch::Border { .. })), "{violation}");
     }
 
     #[test]
     fn a_turn_tighter_than_the_radius_is_found() {
         for curvature in [1.0 / 12.999, -1.0 / 12.999] {
             let tight = leg(Pose::new(20.0, 20.0, 0.0), vec![segment(0.0, 3.0), segment(curvature, 5.0)]);
-            let offence = audit(&tight).expect_err("too tight");
-            assert!(matches!(offence.breach, Breach::Curvature { least_m: 13.0, .. }), "{offence}");
-            assert!((offence.place - DVec2::new(23.0, 20.0)).length() < 1e-9, "{offence}");
+            let violation = audit(&tight).expect_err("too tight");
+            assert!(matches!(violation.kind, ViolationKind::Curvature { least_m: 13.0, .. }), "{violation}");
+            assert!((violation.place - DVec2::new(23.0, 20.0)).length() < 1e-9, "{violation}");
         }
         let spot = Trajectory::new(SimTime::ZERO, Pose::new(20.0, 20.0, 0.0), vec![Piece::Turn { heading: 0.01 }]);
-        assert!(matches!(audit(&spot).expect_err("trucks do not spin").breach, Breach::Curvature { .. }));
+        assert!(matches!(audit(&spot).expect_err("trucks do not spin").kind, ViolationKind::Curvature { .. }));
     }
 
     #[test]
-    fn speeding_is_an_offence_of_the_leg() {
+    fn speeding_is_a_violation_of_the_leg() {
         let piece = Piece::Drive { segment: segment(0.0, 9.0), speed_mps: 8.1, acceleration_mps2: 0.0 };
         let leg = Trajectory::new(SimTime::ZERO, Pose::new(30.0, 20.0, 0.0), vec![piece]);
-        assert!(matches!(audit(&leg).expect_err("too fast").breach, Breach::Speed { .. }));
+        assert!(matches!(audit(&leg).expect_err("too fast").kind, ViolationKind::Speed { .. }));
     }
 
     #[test]
-    fn of_two_offences_the_first_in_time_is_told() {
+    fn of_two_violations_the_first_in_time_is_told() {
         let drive = |length_m, speed_mps| {
             let segment = segment(0.0, length_m);
             Piece::Drive { segment, speed_mps, acceleration_mps2: 0.0 }
         };
         let into_the_bush = |pieces| Trajectory::new(SimTime::ZERO, Pose::new(40.0, 52.5, 0.0), pieces);
         let late = audit(&into_the_bush(vec![drive(7.0, 8.0), drive(7.0, 9.0)])).expect_err("it hits the bush");
-        assert!(matches!(late.breach, Breach::Touched(_)), "{late}");
+        assert!(matches!(late.kind, ViolationKind::Touched(_)), "{late}");
         let early = audit(&into_the_bush(vec![drive(4.0, 9.0), drive(7.0, 8.0)])).expect_err("it speeds");
-        assert!(matches!(early.breach, Breach::Speed { .. }), "{early}");
+        assert!(matches!(early.kind, ViolationKind::Speed { .. }), "{early}");
     }
 
     #[test]
-    fn what_is_not_a_number_is_an_offence() {
+    fn what_is_not_a_number_is_a_violation() {
         for segment in [segment(f64::NAN, 5.0), segment(0.0, f64::NAN), segment(0.0, f64::INFINITY)] {
             let piece = Piece::Drive { segment, speed_mps: 2.0, acceleration_mps2: 0.0 };
             assert!(audit(&Trajectory::new(SimTime::ZERO, Pose::new(30.0, 20.0, 0.0), vec![piece])).is_err());
@@ -402,6 +402,6 @@ mod tests {
     fn a_way_without_end_is_not_driven_to_its_end() {
         let circling = Piece::Drive { segment: segment(1.0 / 13.0, 1e15), speed_mps: 8.0, acceleration_mps2: 0.0 };
         let leg = Trajectory::new(SimTime::ZERO, Pose::new(30.0, 20.0, 0.0), vec![circling]);
-        assert_eq!(audit(&leg).expect_err("nobody can look at that").breach, Breach::Endless);
+        assert_eq!(audit(&leg).expect_err("nobody can look at that").kind, ViolationKind::Endless);
     }
 }

@@ -1,8 +1,8 @@
 //! Trucks that meet: at no time do two bodies overlap.
 
-use super::course::Course;
-use super::ground::{ALLOWED_M, Outline, Stance};
-use super::{Breach, Offence, Step};
+use super::driven::DrivenLegs;
+use super::field::{ALLOWED_M, Outline, Stance};
+use super::{ViolationKind, Violation, SampleStep};
 use crate::time::SimTime;
 
 /// Looks that one pair of trucks may take.
@@ -10,15 +10,15 @@ const MOST_LOOKS: u64 = 1_000_000_000;
 
 /// A truck on its way, and its body.
 pub struct Driver<'a> {
-    pub course: &'a Course<'a>,
+    pub driven: &'a DrivenLegs<'a>,
     pub outline: Outline,
 }
 
 /// No two trucks overlap until `end`; the first overlap of any two.
-pub fn audit_meetings(drivers: &[Driver<'_>], end: SimTime, step: Step) -> Result<(), Offence> {
+pub fn audit_meetings(drivers: &[Driver<'_>], end: SimTime, step: SampleStep) -> Result<(), Violation> {
     let pairs = (0..drivers.len()).flat_map(|one| (one + 1..drivers.len()).map(move |other| (one, other)));
-    let offences = pairs.filter_map(|(one, other)| Pair::new(&drivers[one], &drivers[other], step).audit(end).err());
-    offences.min_by_key(|offence| offence.time).map_or(Ok(()), Err)
+    let violations = pairs.filter_map(|(one, other)| Pair::new(&drivers[one], &drivers[other], step).audit(end).err());
+    violations.min_by_key(|violation| violation.time).map_or(Ok(()), Err)
 }
 
 struct Pair<'a> {
@@ -33,9 +33,9 @@ struct Pair<'a> {
 }
 
 impl<'a> Pair<'a> {
-    fn new(one: &'a Driver<'a>, other: &'a Driver<'a>, step: Step) -> Self {
+    fn new(one: &'a Driver<'a>, other: &'a Driver<'a>, step: SampleStep) -> Self {
         let speeds = [one, other].map(|driver| {
-            let (speed, curvature) = driver.course.extremes();
+            let (speed, curvature) = driver.driven.extremes();
             // The centre of the body swings about the origin that drives.
             (speed, speed * (1.0 + curvature * driver.outline.ahead_m.abs()))
         });
@@ -49,22 +49,22 @@ impl<'a> Pair<'a> {
         }
     }
 
-    fn audit(&self, end: SimTime) -> Result<(), Offence> {
+    fn audit(&self, end: SimTime) -> Result<(), Violation> {
         let (mut time, mut looks) = (SimTime::ZERO, 0);
         while time <= end {
-            let [at, other_at] = [self.one, self.other].map(|driver| Stance::of(driver.course.pose_at(time)));
-            let offence = |breach| Offence { time, agent: Some(self.one.course.id), place: at.place, breach };
+            let [at, other_at] = [self.one, self.other].map(|driver| Stance::new(driver.driven.pose_at(time)));
+            let violation = |kind| Violation { time, agent: Some(self.one.driven.id), place: at.place, kind };
             let between = self.other.outline.centre(other_at) - self.one.outline.centre(at);
             let gap_m = between.length() - self.radii_m;
             if gap_m <= 0.0 {
                 let depth_m = self.one.outline.overlap_m(at, &self.other.outline, other_at);
                 if depth_m > ALLOWED_M {
-                    return Err(offence(Breach::Overlap { other: self.other.course.id, depth_m }));
+                    return Err(violation(ViolationKind::Overlap { other: self.other.driven.id, depth_m }));
                 }
             }
             looks += 1;
             if looks > MOST_LOOKS {
-                return Err(offence(Breach::Endless));
+                return Err(violation(ViolationKind::Endless));
             }
             let Some(next) = self.next_look(time, gap_m) else { break };
             time = next;
@@ -74,7 +74,7 @@ impl<'a> Pair<'a> {
 
     /// When they may have come closer; `None` if nobody moves any more.
     fn next_look(&self, time: SimTime, gap_m: f64) -> Option<SimTime> {
-        let stand_until = self.one.course.stands_until(time).min(self.other.course.stands_until(time));
+        let stand_until = self.one.driven.stands_until(time).min(self.other.driven.stands_until(time));
         let meet_s = (gap_m / self.closing_mps).max(self.shortest_s);
         let next = (time + SimTime::from_seconds(meet_s)).max(stand_until);
         (next < SimTime::MAX).then(|| next.max(time + SimTime::from_nanos(1)))

@@ -14,10 +14,10 @@
 //! World frame, metres, seconds. It shares no code with `collision` and `planning`. Wumpuses walk axis-parallel squares
 //! and block nobody.
 
-mod breach;
-mod course;
+mod violation;
+mod driven;
 mod fires;
-mod ground;
+mod field;
 mod leg;
 mod meeting;
 mod pace;
@@ -25,9 +25,9 @@ mod run;
 mod suppression;
 mod tolerance;
 
-pub use breach::{Breach, Offence};
-pub use ground::{Ground, Outline, Stance, Touch};
-pub use leg::{Manners, Step, audit_leg};
+pub use violation::{ViolationKind, Violation};
+pub use field::{AuditField, Outline, Stance, Touch};
+pub use leg::{MotionLimits, SampleStep, audit_leg};
 pub use run::{Verdict, audit_timeline};
 
 use std::ops::AddAssign;

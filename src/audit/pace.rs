@@ -1,6 +1,6 @@
 //! Speeds along a leg: its pieces one by one and where they meet, from their own numbers.
 
-use super::{Breach, Offence};
+use super::{ViolationKind, Violation};
 use crate::geometry::DVec2;
 use crate::time::SimTime;
 use crate::trajectory::{Piece, SpeedLimits, Trajectory};
@@ -13,7 +13,7 @@ const JUMP_MPS: f64 = 2e-3;
 
 /// One drive as its numbers say it: speeds in m/s, time in seconds.
 #[derive(Clone, Copy, Debug)]
-pub struct Drive {
+pub struct DriveProfile {
     entry_mps: f64,
     exit_mps: f64,
     change_mps2: f64,
@@ -21,7 +21,7 @@ pub struct Drive {
     stops_short: bool,
 }
 
-impl Drive {
+impl DriveProfile {
     /// `metres` are along the way, not negative.
     pub fn new(metres: f64, entry_mps: f64, change_mps2: f64) -> Self {
         // From v dv = a ds.
@@ -41,20 +41,20 @@ impl Drive {
     }
 }
 
-/// Holds the speeds of a leg against limits; the first breach, where and when its piece begins.
-pub fn audit_pace(leg: &Trajectory, limits: &SpeedLimits) -> Result<(), Offence> {
+/// Holds the speeds of a leg against limits; the first kind, where and when its piece begins.
+pub fn audit_pace(leg: &Trajectory, limits: &SpeedLimits) -> Result<(), Violation> {
     let mut elapsed_s = 0.0;
     // The speed so far, and whether it is in reverse; at rest there is no such thing.
     let (mut speed_mps, mut direction) = (0.0, None);
     for (start, piece) in leg.pieces_with_starts() {
-        let at = |breach| offence(leg, elapsed_s, start.position(), breach);
+        let at = |kind| violation(leg, elapsed_s, start.position(), kind);
         let Piece::Drive { segment, speed_mps: entry_mps, acceleration_mps2 } = *piece else {
             check_jump(limits, speed_mps, 0.0).map_err(at)?;
             (speed_mps, direction) = (0.0, None);
             elapsed_s += piece.duration_s();
             continue;
         };
-        let drive = Drive::new(segment.length_m.abs(), entry_mps, acceleration_mps2);
+        let drive = DriveProfile::new(segment.length_m.abs(), entry_mps, acceleration_mps2);
         if direction.is_some_and(|reverse| reverse != segment.is_reverse()) {
             check_jump(limits, speed_mps, 0.0).map_err(at)?;
             speed_mps = 0.0;
@@ -64,38 +64,38 @@ pub fn audit_pace(leg: &Trajectory, limits: &SpeedLimits) -> Result<(), Offence>
         (speed_mps, direction) = (drive.exit_mps, Some(segment.is_reverse()));
         elapsed_s += drive.seconds;
     }
-    check_jump(limits, speed_mps, 0.0).map_err(|breach| offence(leg, elapsed_s, leg.end().position(), breach))
+    check_jump(limits, speed_mps, 0.0).map_err(|kind| violation(leg, elapsed_s, leg.end().position(), kind))
 }
 
-fn check_drive(limits: &SpeedLimits, drive: &Drive, curvature: f64, reverse: bool) -> Result<(), Breach> {
+fn check_drive(limits: &SpeedLimits, drive: &DriveProfile, curvature: f64, reverse: bool) -> Result<(), ViolationKind> {
     let fastest = drive.fastest_mps();
     let limit_mps = if reverse { limits.reverse_mps } else { limits.forward_mps };
     let exceeds = |found: f64, limit: f64| found > limit * (1.0 + RELATIVE_NOISE);
     if exceeds(fastest, limit_mps) {
-        return Err(Breach::Speed { found_mps: fastest, limit_mps });
+        return Err(ViolationKind::Speed { found_mps: fastest, limit_mps });
     }
     if let Some(limit_mps2) = limits.acceleration_mps2.filter(|&limit| exceeds(drive.change_mps2, limit)) {
-        return Err(Breach::Acceleration { found_mps2: drive.change_mps2, limit_mps2 });
+        return Err(ViolationKind::Acceleration { found_mps2: drive.change_mps2, limit_mps2 });
     }
     if let Some(limit_mps2) = limits.braking_mps2.filter(|&limit| exceeds(-drive.change_mps2, limit)) {
-        return Err(Breach::Braking { found_mps2: -drive.change_mps2, limit_mps2 });
+        return Err(ViolationKind::Braking { found_mps2: -drive.change_mps2, limit_mps2 });
     }
     let lateral = fastest * fastest * curvature.abs();
     if let Some(limit_mps2) = limits.lateral_mps2.filter(|&limit| exceeds(lateral, limit)) {
-        return Err(Breach::Lateral { found_mps2: lateral, limit_mps2 });
+        return Err(ViolationKind::Lateral { found_mps2: lateral, limit_mps2 });
     }
-    if drive.stops_short { Err(Breach::StopsShort) } else { Ok(()) }
+    if drive.stops_short { Err(ViolationKind::StopsShort) } else { Ok(()) }
 }
 
 /// Speed changes at once only in a direction that has no limit.
-fn check_jump(limits: &SpeedLimits, from_mps: f64, to_mps: f64) -> Result<(), Breach> {
+fn check_jump(limits: &SpeedLimits, from_mps: f64, to_mps: f64) -> Result<(), ViolationKind> {
     let limit = if to_mps > from_mps { limits.acceleration_mps2 } else { limits.braking_mps2 };
     let is_jump = limit.is_some() && (to_mps - from_mps).abs() > JUMP_MPS;
-    if is_jump { Err(Breach::SpeedJump { from_mps, to_mps }) } else { Ok(()) }
+    if is_jump { Err(ViolationKind::SpeedJump { from_mps, to_mps }) } else { Ok(()) }
 }
 
-fn offence(leg: &Trajectory, elapsed_s: f64, place: DVec2, breach: Breach) -> Offence {
-    Offence { time: leg.start_time() + SimTime::from_seconds(elapsed_s), agent: None, place, breach }
+fn violation(leg: &Trajectory, elapsed_s: f64, place: DVec2, kind: ViolationKind) -> Violation {
+    Violation { time: leg.start_time() + SimTime::from_seconds(elapsed_s), agent: None, place, kind }
 }
 
 #[cfg(test)]
@@ -121,8 +121,8 @@ mod tests {
         Trajectory::new(SimTime::from_seconds(7.0), Pose::default(), drives.iter().map(piece).collect())
     }
 
-    fn breach(leg: &Trajectory) -> Breach {
-        audit_pace(leg, &LIMITS).expect_err("the damage is planted").breach
+    fn kind(leg: &Trajectory) -> ViolationKind {
+        audit_pace(leg, &LIMITS).expect_err("the damage is planted").kind
     }
 
     #[test]
@@ -152,11 +152,11 @@ mod tests {
     #[test]
     fn a_brake_harder_than_its_limit_is_found_where_it_begins() {
         let leg = straight(&[(8.0, 0.0, 1.0), (2.0, 4.0, -4.0)]);
-        let offence = audit_pace(&leg, &LIMITS).expect_err("4 m/s2 are more than 3");
-        assert_eq!(offence.breach, Breach::Braking { found_mps2: 4.0, limit_mps2: 3.0 });
-        assert_eq!((offence.time, offence.place), (SimTime::from_seconds(11.0), DVec2::new(8.0, 0.0)));
-        assert!(matches!(breach(&straight(&[(8.0, 0.0, 1.01)])), Breach::Acceleration { .. }));
-        assert!(matches!(breach(&straight(&[(8.0, 0.0, 1.0), (2.0, 4.0, 0.0)])), Breach::SpeedJump { .. }));
+        let violation = audit_pace(&leg, &LIMITS).expect_err("4 m/s2 are more than 3");
+        assert_eq!(violation.kind, ViolationKind::Braking { found_mps2: 4.0, limit_mps2: 3.0 });
+        assert_eq!((violation.time, violation.place), (SimTime::from_seconds(11.0), DVec2::new(8.0, 0.0)));
+        assert!(matches!(kind(&straight(&[(8.0, 0.0, 1.01)])), ViolationKind::Acceleration { .. }));
+        assert!(matches!(kind(&straight(&[(8.0, 0.0, 1.0), (2.0, 4.0, 0.0)])), ViolationKind::SpeedJump { .. }));
     }
 
     #[test]
@@ -164,22 +164,22 @@ mod tests {
         let limits = SpeedLimits::of_speed(8.0, 4.0);
         let drive = |length_m, speed| audit_pace(&straight(&[(length_m, speed, 0.0)]), &limits);
         assert!(drive(10.0, 8.0).is_ok() && drive(-10.0, 4.0).is_ok());
-        assert!(matches!(drive(10.0, 8.001).expect_err("too fast").breach, Breach::Speed { .. }));
-        assert!(matches!(drive(-10.0, 4.001).expect_err("too fast").breach, Breach::Speed { .. }));
+        assert!(matches!(drive(10.0, 8.001).expect_err("too fast").kind, ViolationKind::Speed { .. }));
+        assert!(matches!(drive(-10.0, 4.001).expect_err("too fast").kind, ViolationKind::Speed { .. }));
         let gains = audit_pace(&straight(&[(10.0, 7.0, 2.0)]), &limits).expect_err("it ends at more than 9 m/s");
-        assert!(matches!(gains.breach, Breach::Speed { found_mps, .. } if found_mps > 9.0));
+        assert!(matches!(gains.kind, ViolationKind::Speed { found_mps, .. } if found_mps > 9.0));
     }
 
     #[test]
     fn a_cusp_driven_through_is_found() {
         let leg = straight(&[(2.0, 0.0, 1.0), (-2.0, 2.0, -1.0)]);
-        assert_eq!(breach(&leg), Breach::SpeedJump { from_mps: 2.0, to_mps: 0.0 });
+        assert_eq!(kind(&leg), ViolationKind::SpeedJump { from_mps: 2.0, to_mps: 0.0 });
         let waits = straight(&[(2.0, 0.0, 1.0), (2.0, 2.0, -1.0), (-2.0, 0.0, 1.0), (-2.0, 2.0, -1.0)]);
         audit_pace(&waits, &LIMITS).expect("it stands at the cusp");
     }
 
     #[test]
     fn brakes_that_end_before_the_way_are_found() {
-        assert_eq!(breach(&straight(&[(8.0, 0.0, 1.0), (8.0, 4.0, -3.0)])), Breach::StopsShort);
+        assert_eq!(kind(&straight(&[(8.0, 0.0, 1.0), (8.0, 4.0, -3.0)])), ViolationKind::StopsShort);
     }
 }

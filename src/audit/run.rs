@@ -1,12 +1,12 @@
 //! A whole run before the audit.
 
-use super::course::Course;
+use super::driven::DrivenLegs;
 use super::fires::audit_fires;
-use super::ground::{Ground, Outline};
-use super::leg::{Manners, Step, audit_leg, work_of_pose};
+use super::field::{AuditField, Outline};
+use super::leg::{MotionLimits, SampleStep, audit_leg, work_of_pose};
 use super::meeting::{Driver, audit_meetings};
 use super::suppression::audit_acts;
-use super::{Audited, Breach, Offence};
+use super::{Audited, ViolationKind, Violation};
 use crate::time::SimTime;
 use crate::timeline::{AgentStart, Body, Timeline};
 use crate::trajectory::Trajectory;
@@ -17,68 +17,68 @@ const MOST_WORK: f64 = 1e11;
 /// What came out of an audit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
-    /// What was looked at; of an agent's legs, those before its first offence.
+    /// What was looked at; of an agent's legs, those before its first violation.
     pub audited: Audited,
     /// The first in time.
-    pub offence: Option<Offence>,
+    pub violation: Option<Violation>,
     /// Whether the timeline says how fast everybody may go, and how fire behaves; those before format 3 do not.
     pub knows_limits: bool,
 }
 
 /// Holds a finished run against the rules.
-pub fn audit_timeline(timeline: &Timeline, step: Step) -> Verdict {
+pub fn audit_timeline(timeline: &Timeline, step: SampleStep) -> Verdict {
     let setting = &timeline.setting;
-    let courses: Vec<Course<'_>> = setting.agents.iter().map(|agent| Course::of(agent, timeline)).collect();
+    let all_driven: Vec<DrivenLegs<'_>> = setting.agents.iter().map(|agent| DrivenLegs::new(agent, timeline)).collect();
     let mut audited = Audited::default();
-    let mut offences: Vec<Option<Offence>> = Vec::new();
+    let mut violations: Vec<Option<Violation>> = Vec::new();
     let mut drivers = Vec::new();
-    for (agent, course) in setting.agents.iter().zip(&courses) {
-        let outline = Outline::of(&agent.body);
-        let ground = Ground::new(setting.frame, &setting.bushes, outline);
-        offences.push(course.audit().err());
-        offences.push(audit_legs(course, &ground, &manners(agent), step, &mut audited).err());
+    for (agent, driven) in setting.agents.iter().zip(&all_driven) {
+        let outline = Outline::new(&agent.body);
+        let field = AuditField::new(setting.frame, &setting.bushes, outline);
+        violations.push(driven.audit().err());
+        violations.push(audit_legs(driven, &field, &motion(agent), step, &mut audited).err());
         if let Body::Truck(_) = agent.body {
-            drivers.push(Driver { course, outline });
+            drivers.push(Driver { driven, outline });
         }
     }
-    offences.push(audit_meetings(&drivers, timeline.end_time(), step).err());
-    offences.push(audit_fires(timeline).err());
+    violations.push(audit_meetings(&drivers, timeline.end_time(), step).err());
+    violations.push(audit_fires(timeline).err());
     match audit_acts(timeline) {
         Ok(extinctions) => audited.extinctions += extinctions,
-        Err(offence) => offences.push(Some(offence)),
+        Err(violation) => violations.push(Some(violation)),
     }
     let knows_limits = setting.rules.fire.is_some() && setting.agents.iter().all(|agent| agent.limits.is_some());
-    Verdict { audited, offence: offences.into_iter().flatten().min_by_key(|offence| offence.time), knows_limits }
+    Verdict { audited, violation: violations.into_iter().flatten().min_by_key(|violation| violation.time), knows_limits }
 }
 
 fn audit_legs(
-    course: &Course<'_>,
-    ground: &Ground,
-    manners: &Manners,
-    step: Step,
+    driven: &DrivenLegs<'_>,
+    field: &AuditField,
+    motion: &MotionLimits,
+    step: SampleStep,
     audited: &mut Audited,
-) -> Result<(), Offence> {
-    let start = Trajectory::new(SimTime::ZERO, course.start, Vec::new());
+) -> Result<(), Violation> {
+    let start = Trajectory::new(SimTime::ZERO, driven.start, Vec::new());
     let mut work = 0.0;
-    for leg in std::iter::once(&start).chain(course.legs()) {
-        let offence = |offence| Offence { agent: Some(course.id), ..offence };
-        let looked_at = audit_leg(ground, manners, leg, step).map_err(offence)?;
-        work += looked_at.poses as f64 * work_of_pose(ground);
+    for leg in std::iter::once(&start).chain(driven.legs()) {
+        let violation = |violation| Violation { agent: Some(driven.id), ..violation };
+        let looked_at = audit_leg(field, motion, leg, step).map_err(violation)?;
+        work += looked_at.poses as f64 * work_of_pose(field);
         if work > MOST_WORK {
             let (time, place) = (leg.end_time(), leg.end().position());
-            return Err(offence(Offence { time, agent: None, place, breach: Breach::Endless }));
+            return Err(violation(Violation { time, agent: None, place, kind: ViolationKind::Endless }));
         }
         *audited += looked_at;
     }
     Ok(())
 }
 
-fn manners(agent: &AgentStart) -> Manners {
+fn motion(agent: &AgentStart) -> MotionLimits {
     let turning_radius_m = match agent.body {
         Body::Truck(body) => Some(body.turning_radius_m),
         Body::Square { .. } => None,
     };
-    Manners { turning_radius_m, limits: agent.limits }
+    MotionLimits { turning_radius_m, limits: agent.limits }
 }
 
 #[cfg(test)]
@@ -173,7 +173,7 @@ mod tests {
     }
 
     fn run(events: Vec<Event>) -> Verdict {
-        audit_timeline(&Timeline { setting: setting(), events }, Step::default())
+        audit_timeline(&Timeline { setting: setting(), events }, SampleStep::default())
     }
 
     /// To a place south of the bush in 3 s, 5 s beside it, a drive that is dropped under way, another one.
@@ -192,18 +192,18 @@ mod tests {
         ]
     }
 
-    fn offence(events: Vec<Event>) -> Offence {
-        run(events).offence.expect("the damage is planted")
+    fn violation(events: Vec<Event>) -> Violation {
+        run(events).violation.expect("the damage is planted")
     }
 
-    fn breach(events: Vec<Event>) -> Breach {
-        offence(events).breach
+    fn kind(events: Vec<Event>) -> ViolationKind {
+        violation(events).kind
     }
 
     #[test]
     fn a_proper_run_passes_and_all_of_it_is_looked_at() {
         let verdict = run(proper_run());
-        assert_eq!(verdict.offence, None);
+        assert_eq!(verdict.violation, None);
         assert_eq!((verdict.audited.legs, verdict.audited.extinctions), (3, 1));
         assert!((verdict.audited.metres - (24.0 + 8.0 + 10.0)).abs() < 1e-6);
         assert!(verdict.knows_limits);
@@ -214,16 +214,16 @@ mod tests {
         let mut events = proper_run();
         let moved = Pose { y: start().y - 0.001, ..start() };
         events[1] = planned(0.5, drive(1.0, moved, &[24.0]));
-        assert!(matches!(breach(events), Breach::Discontinuous { .. }));
+        assert!(matches!(kind(events), ViolationKind::Discontinuous { .. }));
         let turned = Pose { heading: 0.001, ..start() };
-        assert!(matches!(breach(vec![planned(0.5, drive(1.0, turned, &[24.0]))]), Breach::Discontinuous { .. }));
+        assert!(matches!(kind(vec![planned(0.5, drive(1.0, turned, &[24.0]))]), ViolationKind::Discontinuous { .. }));
     }
 
     #[test]
     fn a_leg_that_begins_too_early_is_found() {
         let mut events = proper_run();
         events.remove(4);
-        assert!(matches!(breach(events), Breach::StillUnderWay { .. }));
+        assert!(matches!(kind(events), ViolationKind::StillUnderWay { .. }));
     }
 
     #[test]
@@ -231,7 +231,7 @@ mod tests {
         let there = drive(1.0, start(), &[24.0]);
         let mut events = proper_run();
         events[5] = planned(10.0, drive(10.0, drive(9.0, there.end(), &[-8.5]).end(), &[4.0, -6.0]));
-        assert!(matches!(breach(events), Breach::Discontinuous { metres, .. } if (metres - 0.5).abs() < 1e-6));
+        assert!(matches!(kind(events), ViolationKind::Discontinuous { metres, .. } if (metres - 0.5).abs() < 1e-6));
     }
 
     #[test]
@@ -239,12 +239,12 @@ mod tests {
         let there = drive(1.0, start(), &[24.0]);
         let mut events = proper_run();
         events[4] = dropped(10.0, drive(9.0, there.end(), &[-7.9]));
-        assert_eq!(breach(events), Breach::CutDiffers);
+        assert_eq!(kind(events), ViolationKind::CutDiffers);
         let bend = Segment { curvature: -1.0 / 13.0, length_m: -4.0 };
         let path = Path { start: there.end(), segments: vec![Segment { curvature: 0.0, length_m: -8.0 }, bend] };
         let mut events = proper_run();
         events[4] = dropped(10.0, Trajectory::along(&path, seconds(9.0), LIMITS));
-        assert_eq!(breach(events), Breach::CutDiffers, "it leaves the planned way after it was dropped");
+        assert_eq!(kind(events), ViolationKind::CutDiffers, "it leaves the planned way after it was dropped");
     }
 
     #[test]
@@ -252,15 +252,15 @@ mod tests {
         for time_s in [8.999_999_999, 3.0] {
             let mut events = proper_run();
             events[2] = extinguished(time_s);
-            assert!(matches!(breach(events), Breach::NotStanding { cell: NEAR, .. }));
+            assert!(matches!(kind(events), ViolationKind::NotStanding { cell: NEAR, .. }));
         }
     }
 
     #[test]
     fn a_fire_that_goes_out_too_far_away_is_found() {
-        let offence = offence(vec![ignited(1.0, NEAR, Cause::Scheduled), extinguished(50.0)]);
-        assert!(matches!(offence.breach, Breach::OutOfReach { cell: NEAR, .. }));
-        let words = offence.to_string();
+        let violation = violation(vec![ignited(1.0, NEAR, Cause::Scheduled), extinguished(50.0)]);
+        assert!(matches!(violation.kind, ViolationKind::OutOfReach { cell: NEAR, .. }));
+        let words = violation.to_string();
         assert!(words.starts_with("at 50.000 s, (20.000, 46.000) m: unimog/0: the fire at cell (10, 10)"), "{words}");
     }
 
@@ -271,9 +271,9 @@ mod tests {
             let mut timeline = Timeline { setting: setting(), events };
             // The body's centre is 1.5 m ahead of the rear axle, west of the bush's centre.
             timeline.setting.agents[0].pose = Pose::new(52.5 - metres - 1.5, 52.5, 0.0);
-            let offence = audit_timeline(&timeline, Step::default()).offence;
-            assert_eq!(offence.is_none(), is_within, "{offence:?}");
-            let told = offence.map(|offence| offence.to_string()).unwrap_or_default();
+            let violation = audit_timeline(&timeline, SampleStep::default()).violation;
+            assert_eq!(violation.is_none(), is_within, "{violation:?}");
+            let told = violation.map(|violation| violation.to_string()).unwrap_or_default();
             assert_eq!(told.contains("goes out 10.100 m away, beyond the reach of 10 m"), !is_within, "{told}");
         }
     }
@@ -288,11 +288,11 @@ mod tests {
             let mut timeline = timeline.clone();
             timeline.events.insert(4, at(time_s, Fact::Extinguished { cell: beside, by: TRUCK }));
             timeline.events.truncate(5);
-            let breach = audit_timeline(&timeline, Step::default()).offence.expect("it stood five seconds only").breach;
-            assert_eq!(breach == Breach::SecondFire { cell: beside }, is_second, "{breach:?}");
-            assert_eq!(matches!(breach, Breach::NotStanding { since, .. } if since == seconds(9.0)), !is_second);
+            let kind = audit_timeline(&timeline, SampleStep::default()).violation.expect("it stood five seconds only").kind;
+            assert_eq!(kind == ViolationKind::SecondFire { cell: beside }, is_second, "{kind:?}");
+            assert_eq!(matches!(kind, ViolationKind::NotStanding { since, .. } if since == seconds(9.0)), !is_second);
             timeline.setting.rules.extinguishes_all = Some(true);
-            assert_eq!(audit_timeline(&timeline, Step::default()).offence.is_none(), is_second);
+            assert_eq!(audit_timeline(&timeline, SampleStep::default()).violation.is_none(), is_second);
         }
     }
 
@@ -300,39 +300,39 @@ mod tests {
     fn only_what_burns_goes_out() {
         let mut events = proper_run();
         events.remove(0);
-        assert_eq!(breach(events), Breach::NotBurning { cell: NEAR });
+        assert_eq!(kind(events), ViolationKind::NotBurning { cell: NEAR });
         let twice = vec![ignited(0.0, NEAR, Cause::Scheduled), ignited(1.0, NEAR, Cause::Scheduled)];
-        assert_eq!(breach(twice), Breach::CannotBurn { cell: NEAR });
+        assert_eq!(kind(twice), ViolationKind::CannotBurn { cell: NEAR });
         let again = vec![ignited(0.0, NEAR, Cause::Scheduled), burned_out(60.0, NEAR), burned_out(61.0, NEAR)];
-        assert_eq!(breach(again), Breach::NotBurning { cell: NEAR });
+        assert_eq!(kind(again), ViolationKind::NotBurning { cell: NEAR });
     }
 
     #[test]
     fn fires_burn_out_at_their_time() {
         let lit = ignited(0.0, NEAR, Cause::Scheduled);
-        assert_eq!(run(vec![lit.clone(), burned_out(60.0, NEAR)]).offence, None);
+        assert_eq!(run(vec![lit.clone(), burned_out(60.0, NEAR)]).violation, None);
         let due = Some(seconds(60.0));
-        assert_eq!(breach(vec![lit.clone(), burned_out(59.0, NEAR)]), Breach::WrongBurnOut { cell: NEAR, due });
-        let forgotten = offence(vec![lit]);
-        assert_eq!((forgotten.breach, forgotten.time), (Breach::WrongBurnOut { cell: NEAR, due }, seconds(60.0)));
-        assert_eq!(run(vec![ignited(40.0, NEAR, Cause::Scheduled), burned_out(100.0, NEAR)]).offence, None);
-        assert!(run(vec![ignited(40.0, NEAR, Cause::Scheduled)]).offence.is_some(), "what is due at the end happens");
+        assert_eq!(kind(vec![lit.clone(), burned_out(59.0, NEAR)]), ViolationKind::WrongBurnOut { cell: NEAR, due });
+        let forgotten = violation(vec![lit]);
+        assert_eq!((forgotten.kind, forgotten.time), (ViolationKind::WrongBurnOut { cell: NEAR, due }, seconds(60.0)));
+        assert_eq!(run(vec![ignited(40.0, NEAR, Cause::Scheduled), burned_out(100.0, NEAR)]).violation, None);
+        assert!(run(vec![ignited(40.0, NEAR, Cause::Scheduled)]).violation.is_some(), "what is due at the end happens");
     }
 
     #[test]
     fn fire_spreads_when_and_as_far_as_it_does() {
         let spread = |time_s| ignited(time_s, FAR, Cause::Spread(NEAR));
         let lit = || ignited(50.0, NEAR, Cause::Scheduled);
-        let too_far = breach(vec![lit(), spread(60.0)]);
-        assert!(matches!(too_far, Breach::TooFarToSpread { metres: 40.0, .. }), "{too_far:?}");
-        assert_eq!(breach(vec![lit(), spread(59.0)]), Breach::NoSource { cell: FAR, from: NEAR });
-        assert_eq!(breach(vec![spread(60.0)]), Breach::NoSource { cell: FAR, from: NEAR });
+        let too_far = kind(vec![lit(), spread(60.0)]);
+        assert!(matches!(too_far, ViolationKind::TooFarToSpread { metres: 40.0, .. }), "{too_far:?}");
+        assert_eq!(kind(vec![lit(), spread(59.0)]), ViolationKind::NoSource { cell: FAR, from: NEAR });
+        assert_eq!(kind(vec![spread(60.0)]), ViolationKind::NoSource { cell: FAR, from: NEAR });
         let mut wide = Timeline { setting: setting(), events: vec![lit()] };
         wide.setting.rules.fire.as_mut().expect("it is set").spread_radius_m = 40.1;
-        let spared = audit_timeline(&wide, Step::default()).offence.expect("it should have caught fire");
-        assert_eq!((spared.breach, spared.time), (Breach::SparedBySpread { cell: FAR, from: NEAR }, seconds(60.0)));
+        let spared = audit_timeline(&wide, SampleStep::default()).violation.expect("it should have caught fire");
+        assert_eq!((spared.kind, spared.time), (ViolationKind::SparedBySpread { cell: FAR, from: NEAR }, seconds(60.0)));
         wide.events.push(spread(60.0));
-        assert_eq!(audit_timeline(&wide, Step::default()).offence, None);
+        assert_eq!(audit_timeline(&wide, SampleStep::default()).violation, None);
     }
 
     #[test]
@@ -340,13 +340,13 @@ mod tests {
         let events = vec![ignited(1.0, NEAR, Cause::Scheduled), ignited(2.0, FAR, Cause::Spread(NEAR))];
         let mut timeline = Timeline { setting: setting(), events };
         timeline.setting.rules.fire = None;
-        let verdict = audit_timeline(&timeline, Step::default());
-        assert_eq!((verdict.offence, verdict.knows_limits), (None, false));
+        let verdict = audit_timeline(&timeline, SampleStep::default());
+        assert_eq!((verdict.violation, verdict.knows_limits), (None, false));
     }
 
     #[test]
     fn trucks_light_nothing() {
-        assert_eq!(breach(vec![ignited(1.0, NEAR, Cause::Lit(TRUCK))]), Breach::WrongAgent);
+        assert_eq!(kind(vec![ignited(1.0, NEAR, Cause::Lit(TRUCK))]), ViolationKind::WrongAgent);
     }
 
     #[test]
@@ -354,14 +354,14 @@ mod tests {
         let mut events = proper_run();
         let Fact::Planned { trajectory, .. } = &events[5].fact else { panic!("the run ends with a leg") };
         events[5] = planned(10.0, drive(10.0, trajectory.start(), &[70.0]));
-        assert!(offence(events).to_string().contains("outside of the field"));
+        assert!(violation(events).to_string().contains("outside of the field"));
     }
 
     #[test]
     fn an_unknown_truck_is_found() {
         let fire = ignited(0.0, NEAR, Cause::Scheduled);
         let by = AgentId::Unimog(7);
-        assert_eq!(breach(vec![fire, at(1.0, Fact::Extinguished { cell: NEAR, by })]), Breach::WrongAgent);
+        assert_eq!(kind(vec![fire, at(1.0, Fact::Extinguished { cell: NEAR, by })]), ViolationKind::WrongAgent);
     }
 
     #[test]
@@ -370,11 +370,11 @@ mod tests {
             let mut timeline =
                 Timeline { setting: setting(), events: vec![planned(0.0, drive(2.0, start(), &[24.0]))] };
             timeline.setting.agents[1].pose = Pose::new(44.0, 46.0 + offset_m, 1.57);
-            audit_timeline(&timeline, Step::default()).offence
+            audit_timeline(&timeline, SampleStep::default()).violation
         };
         assert_eq!(past(-1.1 - 3.95 - 0.01), None, "it passes a centimetre away");
         let met = past(-1.1 - 3.95 + 0.02).expect("two centimetres are an overlap");
-        assert!(matches!(met.breach, Breach::Overlap { other: SECOND, .. }), "{met}");
+        assert!(matches!(met.kind, ViolationKind::Overlap { other: SECOND, .. }), "{met}");
         // The other truck's side is 1.1 m west of its axle; the bumper is 3.95 m ahead of this one's.
         let expected_s = 2.0 + (24.0 - 1.1 - 3.95) / 8.0;
         assert!((met.time.as_seconds() - expected_s).abs() < 0.005, "{met}");
@@ -384,7 +384,7 @@ mod tests {
     fn trucks_that_start_on_one_place_overlap() {
         let mut setting = setting();
         setting.agents[1].pose = Pose::new(21.0, 46.0, 3.0);
-        let offence = audit_timeline(&Timeline { setting, events: Vec::new() }, Step::default()).offence;
-        assert!(offence.is_some_and(|offence| offence.time == SimTime::ZERO));
+        let violation = audit_timeline(&Timeline { setting, events: Vec::new() }, SampleStep::default()).violation;
+        assert!(violation.is_some_and(|violation| violation.time == SimTime::ZERO));
     }
 }

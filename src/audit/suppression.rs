@@ -1,8 +1,8 @@
 //! Who acts on bushes, and from where: fires go out beside a truck that stands, and Wumpuses light where they arrived.
 
-use super::ground::{Outline, Stance};
+use super::field::{Outline, Stance};
 use super::tolerance::SAME_POSE;
-use super::{Breach, Offence};
+use super::{ViolationKind, Violation};
 use crate::geometry::{Cell, Pose};
 use crate::time::SimTime;
 use crate::timeline::{AgentId, AgentStart, Cause, Event, Fact, Setting, Timeline};
@@ -19,7 +19,7 @@ struct Actor {
 
 /// Every fire that went out had its truck standing within reach for the whole dwell, one dwell for each stop, and every
 /// bush that was lit a Wumpus that stood; the number of extinctions.
-pub fn audit_acts(timeline: &Timeline) -> Result<u64, Offence> {
+pub fn audit_acts(timeline: &Timeline) -> Result<u64, Violation> {
     let mut actors: Vec<Actor> = timeline.setting.agents.iter().map(Actor::new).collect();
     let mut extinctions = 0;
     for event in &timeline.events {
@@ -27,16 +27,16 @@ pub fn audit_acts(timeline: &Timeline) -> Result<u64, Offence> {
         let place = |cell| timeline.setting.frame.centre(cell);
         let Some(actor) = actors.iter_mut().find(|actor| actor.id == id) else {
             let place = event.fact.cell().map(place).unwrap_or_default();
-            return Err(Offence { time: event.time, agent: Some(id), place, breach: Breach::WrongAgent });
+            return Err(Violation { time: event.time, agent: Some(id), place, kind: ViolationKind::WrongAgent });
         };
         let position = actor.pose.position();
-        let offence = |breach| Offence { time: event.time, agent: Some(id), place: position, breach };
+        let violation = |kind| Violation { time: event.time, agent: Some(id), place: position, kind };
         match event.fact {
             Fact::Extinguished { cell, .. } => {
-                actor.extinguish(&timeline.setting, cell, event.time).map_err(offence)?;
+                actor.extinguish(&timeline.setting, cell, event.time).map_err(violation)?;
                 extinctions += 1;
             }
-            Fact::Ignited { cell, cause: Cause::Lit(_) } => actor.light(cell, event.time).map_err(offence)?,
+            Fact::Ignited { cell, cause: Cause::Lit(_) } => actor.light(cell, event.time).map_err(violation)?,
             _ => actor.follow(event),
         }
     }
@@ -45,7 +45,7 @@ pub fn audit_acts(timeline: &Timeline) -> Result<u64, Offence> {
 
 impl Actor {
     fn new(start: &AgentStart) -> Self {
-        let (outline, stands_since) = (Outline::of(&start.body), SimTime::ZERO);
+        let (outline, stands_since) = (Outline::new(&start.body), SimTime::ZERO);
         Self { id: start.id, outline, pose: start.pose, stands_since, served: None }
     }
 
@@ -55,31 +55,31 @@ impl Actor {
         }
     }
 
-    fn light(&self, cell: Cell, time: SimTime) -> Result<(), Breach> {
+    fn light(&self, cell: Cell, time: SimTime) -> Result<(), ViolationKind> {
         match self.id {
-            AgentId::Unimog(_) => Err(Breach::WrongAgent),
-            AgentId::Wumpus(_) if self.stands_since > time => Err(Breach::LitInPassing { cell }),
+            AgentId::Unimog(_) => Err(ViolationKind::WrongAgent),
+            AgentId::Wumpus(_) if self.stands_since > time => Err(ViolationKind::LitInPassing { cell }),
             AgentId::Wumpus(_) => Ok(()),
         }
     }
 
-    fn extinguish(&mut self, setting: &Setting, cell: Cell, time: SimTime) -> Result<(), Breach> {
-        let AgentId::Unimog(_) = self.id else { return Err(Breach::WrongAgent) };
+    fn extinguish(&mut self, setting: &Setting, cell: Cell, time: SimTime) -> Result<(), ViolationKind> {
+        let AgentId::Unimog(_) = self.id else { return Err(ViolationKind::WrongAgent) };
         let (rules, dwell) = (&setting.rules, setting.rules.suppression_dwell);
         let is_same_stop = self.served == Some(time) && dwell > SimTime::ZERO;
         if is_same_stop && rules.extinguishes_all == Some(false) {
-            return Err(Breach::SecondFire { cell });
+            return Err(ViolationKind::SecondFire { cell });
         }
         let since =
             if is_same_stop { self.stands_since } else { self.stands_since.max(self.served.unwrap_or_default()) };
         if since + dwell > time {
-            return Err(Breach::NotStanding { cell, since });
+            return Err(ViolationKind::NotStanding { cell, since });
         }
         self.served = Some(time);
-        let metres = (self.outline.centre(Stance::of(self.pose)) - setting.frame.centre(cell)).length();
+        let metres = (self.outline.centre(Stance::new(self.pose)) - setting.frame.centre(cell)).length();
         let is_within = |reach_m: f64| metres <= reach_m + SAME_POSE;
         match rules.suppression_reach_m {
-            Some(reach_m) if !is_within(reach_m) => Err(Breach::OutOfReach { cell, metres, reach_m }),
+            Some(reach_m) if !is_within(reach_m) => Err(ViolationKind::OutOfReach { cell, metres, reach_m }),
             _ => Ok(()),
         }
     }

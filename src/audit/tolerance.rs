@@ -1,7 +1,7 @@
 //! The distance that two poses may have and still count as the same.
 //!
 //! The audit and the timeline compute one pose in two ways. What may lie between the two answers of a proper run
-//! follows from the leg; anything above is an offence. With v the greatest speed of the leg and k its greatest
+//! follows from the leg; anything above is a violation. With v the greatest speed of the leg and k its greatest
 //! curvature, L its length, T its duration, n the number of its pieces, A the radians that it turns in all, and X the
 //! largest coordinate that it comes to:
 //!
@@ -16,7 +16,7 @@
 //!   part from sums in seconds. In that time a body moves by at most v d and turns by v k d. It may be on a
 //!   neighbouring piece then, which is why v and k are those of the leg.
 //! - **A negligible amount**, [`SAME_POSE`], is granted on top, so that no rounding that was overlooked here makes an
-//!   offence of a proper run.
+//!   violation of a proper run.
 //!
 //! In `contest` that makes 1.01e-6 m and 1.001e-6 rad. At the limits of what scenarios may ask for, 1000 m/s with a
 //! turning radius of 0.1 m, it makes 2e-6 m and 1.1e-5 rad; a walk of 1000 km by a thousand cells adds some 5e-6 m.
@@ -24,7 +24,7 @@
 //! and extents of at most 1 km are off by 2^-24 of it, 6e-5 m, a few times over.
 
 use super::leg::STRIDE;
-use super::pace::Drive;
+use super::pace::DriveProfile;
 use crate::trajectory::{Piece, Trajectory};
 
 /// A negligible difference, in metres and radians.
@@ -45,12 +45,12 @@ impl Tolerance {
     pub const STANDING: Self = Self { metres: SAME_POSE, radians: SAME_POSE };
 
     /// Computes the tolerance for poses on a leg, as the module derives it.
-    pub fn of_leg(leg: &Trajectory) -> Self {
+    pub fn from_leg(leg: &Trajectory) -> Self {
         let (mut fastest_mps, mut sharpest, mut length_m, mut turned_rad) = (0.0_f64, 0.0_f64, 0.0, 0.0);
         for piece in leg.pieces() {
             if let Piece::Drive { segment, speed_mps, acceleration_mps2 } = *piece {
                 let metres = segment.length_m.abs();
-                fastest_mps = fastest_mps.max(Drive::new(metres, speed_mps, acceleration_mps2).fastest_mps());
+                fastest_mps = fastest_mps.max(DriveProfile::new(metres, speed_mps, acceleration_mps2).fastest_mps());
                 sharpest = sharpest.max(segment.curvature.abs());
                 length_m += metres;
                 turned_rad += metres * segment.curvature.abs();
@@ -78,7 +78,7 @@ mod tests {
     fn tolerance(speed_mps: f64, radius_m: f64, length_m: f64, from_m: f64) -> Tolerance {
         let segments = [1.0, -1.0, 0.0].map(|side| Segment { curvature: side / radius_m, length_m: length_m / 3.0 });
         let path = Path { start: Pose::new(from_m, 0.0, 0.5), segments: segments.to_vec() };
-        Tolerance::of_leg(&Trajectory::along(&path, SimTime::ZERO, SpeedLimits::of_speed(speed_mps, speed_mps)))
+        Tolerance::from_leg(&Trajectory::along(&path, SimTime::ZERO, SpeedLimits::of_speed(speed_mps, speed_mps)))
     }
 
     #[test]
@@ -102,7 +102,7 @@ mod tests {
     #[test]
     fn what_stands_has_no_more_than_what_is_of_no_consequence() {
         let stands = Trajectory::new(SimTime::ZERO, Pose::default(), Vec::new());
-        let found = Tolerance::of_leg(&stands);
+        let found = Tolerance::from_leg(&stands);
         assert!(found.metres < 1.001 * SAME_POSE && found.radians < 1.001 * SAME_POSE, "{found:?}");
     }
 }

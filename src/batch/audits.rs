@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use rayon::prelude::*;
 
-use crate::audit::{Audited, Step, Verdict, audit_timeline};
+use crate::audit::{Audited, SampleStep, Verdict, audit_timeline};
 use crate::batch::finished::FinishedRow;
 use crate::batch::{
     BatchError, FinishedBatch, FinishedError, PlannedRun, RUNS_FILE, RunResult, RunRow, Status, panics,
@@ -20,8 +20,8 @@ use crate::timeline::{Outcome, Timeline, file};
 /// Runs between two looks at the results, per worker.
 const RUNS_PER_ROUND: usize = 32;
 
-/// The most offences that are told in words.
-pub const TOLD_OFFENCES: usize = 10;
+/// The most violations that are told in words.
+pub const TOLD_VIOLATIONS: usize = 10;
 
 /// Where runs are found.
 #[derive(Debug)]
@@ -52,8 +52,8 @@ pub struct AuditReport {
     /// Recordings that do not say how fast agents may go and how fire behaves.
     pub without_limits: u64,
     pub audited: Audited,
-    /// Runs with an offence, and the first of them in words.
-    pub offences: u64,
+    /// Runs with a violation, and the first of them in words.
+    pub violations: u64,
     pub told: Vec<String>,
     /// Why the first file could not be read, and how many could not.
     pub first_unreadable: Option<(String, ErrorKind)>,
@@ -101,7 +101,7 @@ impl AuditSource {
 pub fn audit_all(
     sources: &[AuditSource],
     jobs: usize,
-    step: Step,
+    step: SampleStep,
     on_run: impl Fn() + Sync,
 ) -> Result<AuditReport, AuditsError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
@@ -136,7 +136,7 @@ impl Subject<'_> {
         matches!(self, Self::Run { row: None, .. })
     }
 
-    fn look(&self, step: Step) -> Finding {
+    fn look(&self, step: SampleStep) -> Finding {
         match self {
             Self::Recording(path) => look_at_file(path, step, |_| None),
             Self::Run { batch, run, row } => match batch.recording(run) {
@@ -150,7 +150,7 @@ impl Subject<'_> {
     }
 }
 
-fn look_at_file(path: &Path, step: Step, difference: impl Fn(&Timeline) -> Option<String>) -> Finding {
+fn look_at_file(path: &Path, step: SampleStep, difference: impl Fn(&Timeline) -> Option<String>) -> Finding {
     match file::read(path) {
         Ok(timeline) => Finding::Recorded(audit_timeline(&timeline, step), difference(&timeline)),
         Err(error) => Finding::Unreadable(format!("{}: {error}", path.display()), error.kind()),
@@ -158,7 +158,7 @@ fn look_at_file(path: &Path, step: Step, difference: impl Fn(&Timeline) -> Optio
 }
 
 /// Makes a run once more, within the memory that it had.
-fn look_again(run: &PlannedRun<'_>, memory: MemoryLimit, row: Option<&FinishedRow>, step: Step) -> Finding {
+fn look_again(run: &PlannedRun<'_>, memory: MemoryLimit, row: Option<&FinishedRow>, step: SampleStep) -> Finding {
     let options = RunOptions { memory, ..RunOptions::default() };
     match panics::catch(|| sim::run_with(&run.variant.scenario, run.seed, options)) {
         Ok(Ok(again)) => {
@@ -180,7 +180,7 @@ fn other_run(run: &PlannedRun<'_>, timeline: &Timeline) -> Option<String> {
 /// In words, what a row says else than a run. That it cannot be recorded is no difference.
 fn difference(run: &PlannedRun<'_>, row: Option<&FinishedRow>, timeline: &Timeline, cost: RunCost) -> Option<String> {
     let row = row.filter(|row| row.is_done() || file::encode(timeline).is_ok())?;
-    let result = RunResult::new(Outcome::of(timeline), cost);
+    let result = RunResult::new(Outcome::new(timeline), cost);
     row.difference(&RunRow::done(run.label(), result, Duration::ZERO))
 }
 
@@ -217,14 +217,14 @@ impl AuditReport {
                 return;
             }
         };
-        let offence = verdict.as_ref().and_then(|verdict| verdict.offence);
+        let violation = verdict.as_ref().and_then(|verdict| verdict.violation);
         if let Some(verdict) = verdict {
             self.audited += verdict.audited;
             self.without_limits += u64::from(!verdict.knows_limits);
         }
-        let words = offence.map(|offence| offence.to_string()).or(difference);
-        self.offences += u64::from(words.is_some());
-        self.told.extend(words.filter(|_| self.told.len() < TOLD_OFFENCES).map(|words| format!("{name}: {words}")));
+        let words = violation.map(|violation| violation.to_string()).or(difference);
+        self.violations += u64::from(words.is_some());
+        self.told.extend(words.filter(|_| self.told.len() < TOLD_VIOLATIONS).map(|words| format!("{name}: {words}")));
     }
 }
 
@@ -244,9 +244,9 @@ impl fmt::Display for AuditReport {
             writeln!(f, "{count} of the recordings, older than format 3, do not say how fast agents may")?;
             writeln!(f, "go and how fire spreads: that was not checked.")?;
         }
-        match self.offences {
-            0 => writeln!(f, "Offences: none."),
-            count => writeln!(f, "Offences: {count} of {} runs have one.", self.runs() + self.not_run),
+        match self.violations {
+            0 => writeln!(f, "Violations: none."),
+            count => writeln!(f, "Violations: {count} of {} runs have one.", self.runs() + self.not_run),
         }
     }
 }

@@ -119,7 +119,7 @@ impl From<StateCount> for (SimTime, u32, u32, u32, u32) {
 }
 
 impl RunDetail {
-    pub fn of(timeline: &Timeline) -> Self {
+    pub fn new(timeline: &Timeline) -> Self {
         Self {
             facts: timeline.events.len() as u64,
             calls: timeline.events.iter().filter_map(call_of).collect(),
@@ -190,7 +190,7 @@ mod tests {
     #[test]
     fn calls_are_those_that_the_outcome_counts() {
         let timeline = smoke();
-        let (outcome, detail) = (Outcome::of(&timeline), RunDetail::of(&timeline));
+        let (outcome, detail) = (Outcome::new(&timeline), RunDetail::new(&timeline));
         for agent in &outcome.agents {
             let calls: Vec<_> = detail.calls.iter().filter(|call| call.agent == agent.agent).collect();
             let failed = calls.iter().filter(|call| call.answer.is_err()).count() as u32;
@@ -201,7 +201,7 @@ mod tests {
     #[test]
     fn last_state_is_that_of_the_outcome_and_every_bush_is_in_one() {
         let timeline = smoke();
-        let (outcome, states) = (Outcome::of(&timeline), RunDetail::of(&timeline).states);
+        let (outcome, states) = (Outcome::new(&timeline), RunDetail::new(&timeline).states);
         let last = states.last().expect("there are states");
         assert_eq!((states.len(), last.time), (61, SimTime::from_seconds(300.0)));
         assert_eq!(last.intact, outcome.intact);
@@ -213,7 +213,7 @@ mod tests {
 
     #[test]
     fn details_survive_a_journal() {
-        let detail = RunDetail::of(&smoke());
+        let detail = RunDetail::new(&smoke());
         let json = serde_json::to_string(&detail).expect("numbers and words are JSON");
         assert_eq!(serde_json::from_str::<RunDetail>(&json).expect("it was just written"), detail);
     }

@@ -39,7 +39,7 @@ mod tally;
 mod text_table;
 mod workers;
 
-pub use audits::{AuditReport, AuditSource, AuditsError, TOLD_OFFENCES, audit_all};
+pub use audits::{AuditReport, AuditSource, AuditsError, TOLD_VIOLATIONS, audit_all};
 pub use columns::{
     AGENT_COLUMNS, AgentColumn, AgentRow, COLUMNS_BEFORE_SWEPT, Column, RUN_COLUMNS, RunColumn, Value, is_measured,
 };

@@ -147,13 +147,13 @@ impl Work {
     fn run_one(&self, run: &PlannedRun<'_>) -> (RunRow, Option<Timeline>) {
         let stopwatch = WallStopwatch::start();
         let scenario = &run.variant.scenario;
-        let caught = panics::catch(|| (self.run)(scenario, run.seed).map(|run| (Outcome::of(&run.timeline), run)));
+        let caught = panics::catch(|| (self.run)(scenario, run.seed).map(|run| (Outcome::new(&run.timeline), run)));
         let wall = stopwatch.elapsed();
         let not_done = |status, message| (RunRow::not_done(run.label(), status, message, wall), None);
         match caught {
             Ok(Ok((outcome, done))) => {
                 let row = RunRow::done(run.label(), RunResult::new(outcome, done.cost), wall);
-                (RunRow { detail: RunDetail::of(&done.timeline), ..row }, Some(done.timeline))
+                (RunRow { detail: RunDetail::new(&done.timeline), ..row }, Some(done.timeline))
             }
             Ok(Err(error)) => not_done(Status::Failed, error.to_string()),
             Err(panic) => {

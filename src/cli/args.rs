@@ -32,7 +32,7 @@ Examples:
   wildfire plan field.json --planner prm-rs,hybrid-astar   compare planners
 
 Exit codes: 0 done, 1 some run failed, 2 bad input, 3 disk or other environment,
-4 an audit or a check found an offence, 75 stopped and resumable, 130 stopped.";
+4 an audit or a check found a violation, 75 stopped and resumable, 130 stopped.";
 
 /// A wildfire contest between planners: a Wumpus lights bushes, a fire truck puts them out.
 #[derive(Debug, Parser)]
@@ -255,7 +255,7 @@ Examples:
   wildfire audit runs/contest runs/dense --jobs 2
 
 It drives every leg once more in small steps, by other means than the planners', and
-exits with 4 if something is wrong: it prints the first offence of every run, with time,
+exits with 4 if something is wrong: it prints the first violation of every run, with time,
 place and rule.")]
 pub struct AuditArguments {
     /// Recordings, folders with recordings, or folders of batches; what a batch did not record is simulated again from

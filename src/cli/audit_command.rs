@@ -6,9 +6,9 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::thread;
 
-use crate::audit::Step;
+use crate::audit::SampleStep;
 use crate::batch::{
-    AuditReport, AuditSource, FinishedBatch, FinishedError, PlanError, RECORDINGS_FOLDER, TOLD_OFFENCES, audit_all,
+    AuditReport, AuditSource, FinishedBatch, FinishedError, PlanError, RECORDINGS_FOLDER, TOLD_VIOLATIONS, audit_all,
     recordings_in,
 };
 use crate::cli::args::AuditArguments;
@@ -19,7 +19,7 @@ use crate::input_file::is_standard_stream;
 pub fn run(arguments: &AuditArguments, quiet: bool) -> Result<ExitCode, Failure> {
     let sources = arguments.paths.iter().map(|path| source(path, quiet)).collect::<Result<Vec<_>, _>>()?;
     let jobs = arguments.jobs.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
-    let step = Step { metres: arguments.step, ..Step::default() };
+    let step = SampleStep { metres: arguments.step, ..SampleStep::default() };
     let bar = terminal::progress_bar(sources.iter().map(AuditSource::count).sum(), "runs", quiet);
     let report = audit_all(&sources, jobs, step, || bar.inc(1));
     bar.finish_and_clear();
@@ -59,7 +59,7 @@ fn recordings(folder: &Path, what_is_there: &str) -> Result<AuditSource, Failure
     Ok(AuditSource::Recordings(found))
 }
 
-/// Prints what was found; an offence weighs more than a file that cannot be read.
+/// Prints what was found; a violation weighs more than a file that cannot be read.
 fn conclude(report: &AuditReport) -> Result<ExitCode, Failure> {
     let unreadable = report.first_unreadable.as_ref().map(|(reason, kind)| match report.unreadable {
         1 => (reason.clone(), *kind),
@@ -69,23 +69,23 @@ fn conclude(report: &AuditReport) -> Result<ExitCode, Failure> {
         terminal::print(&summary(report))?;
     }
     match unreadable {
-        Some((reason, kind)) if report.offences == 0 => Err(Failure::of_input(reason, kind)),
+        Some((reason, kind)) if report.violations == 0 => Err(Failure::of_input(reason, kind)),
         Some((reason, _)) => {
             terminal::note(&reason);
-            Ok(ExitCode::from(exit::OFFENCE))
+            Ok(ExitCode::from(exit::VIOLATION))
         }
-        None if report.offences > 0 => Ok(ExitCode::from(exit::OFFENCE)),
+        None if report.violations > 0 => Ok(ExitCode::from(exit::VIOLATION)),
         None => Ok(ExitCode::SUCCESS),
     }
 }
 
 fn summary(report: &AuditReport) -> String {
     let mut text: String = report.told.iter().map(|words| format!("{words}\n")).collect();
-    let untold = report.offences.saturating_sub(TOLD_OFFENCES as u64);
+    let untold = report.violations.saturating_sub(TOLD_VIOLATIONS as u64);
     if untold > 0 {
         text += &format!("... and {untold} more runs.\n");
     }
-    if report.offences > 0 {
+    if report.violations > 0 {
         text.push('\n');
     }
     text + &report.to_string()

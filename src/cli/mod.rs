@@ -49,7 +49,7 @@ mod exit {
     pub const RUN_FAILED: u8 = 1;
     pub const BAD_INPUT: u8 = 2;
     pub const ENVIRONMENT: u8 = 3;
-    pub const OFFENCE: u8 = 4;
+    pub const VIOLATION: u8 = 4;
     pub const RESUMABLE: u8 = 75;
     pub const INTERRUPTED: u8 = 130;
 }

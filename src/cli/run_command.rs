@@ -48,7 +48,7 @@ fn run_once(scenario: &Scenario, arguments: &RunArguments) -> Result<(RunRow, Op
     let (wall, label) = (stopwatch.elapsed(), RunLabel::alone(scenario, seed));
     match caught.map_err(|_| Failure::of_run("the run panicked: this is a fault of the program"))? {
         Ok(run) => {
-            let result = RunResult::new(Outcome::of(&run.timeline), run.cost);
+            let result = RunResult::new(Outcome::new(&run.timeline), run.cost);
             Ok((RunRow::done(label, result, wall), Some(run.timeline)))
         }
         Err(error) => Ok((RunRow::not_done(label, Status::Failed, error.to_string(), wall), None)),

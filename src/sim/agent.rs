@@ -8,7 +8,7 @@ use crate::geometry::{Cell, Pose};
 use crate::planning::Searched;
 use crate::planning::memory::{BytesAfter, Growing, Held, MemoryMeter};
 use crate::time::SimTime;
-use crate::timeline::{AgentId, Event, Fact, RestReason, Spending};
+use crate::timeline::{AgentId, Event, Fact, RestReason, CpuSample};
 use crate::trajectory::Trajectory;
 
 use super::agenda::{Agenda, Call, Due};
@@ -156,13 +156,13 @@ fn bytes_beside(fact: &Fact) -> usize {
 
 /// CPU time spent on decisions so far.
 #[derive(Resource, Debug, Default)]
-pub struct Ledger(pub Vec<Spending>);
+pub struct Ledger(pub Vec<CpuSample>);
 
 impl Ledger {
     /// Adds what a decision took, if anything.
     pub fn add(&mut self, time: SimTime, agent: AgentId, cpu: Duration) {
         if !cpu.is_zero() {
-            self.0.push(Spending { time, agent, cpu });
+            self.0.push(CpuSample { time, agent, cpu });
         }
     }
 }

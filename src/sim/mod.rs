@@ -26,7 +26,7 @@ use crate::planning::memory::MemoryMeter;
 use crate::scenario::{MemoryEstimate, MemoryExceeded, MemoryLimit, Scenario, TerrainError};
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
-use crate::timeline::{AgentId, EndReason, Fact, Setting, Spending, Timeline};
+use crate::timeline::{AgentId, EndReason, Fact, Setting, CpuSample, Timeline};
 
 use agenda::{Agenda, Due, Rank, SimClock};
 use agent::{Ledger, Log, Roster};
@@ -79,7 +79,7 @@ pub struct Run {
     pub cost: RunCost,
     /// The same by decision, in order of time: first one entry an agent for building its planner, then one for every
     /// decision that took some.
-    pub spending: Vec<Spending>,
+    pub cpu_samples: Vec<CpuSample>,
 }
 
 /// The options of a run. They change nothing that happens in it.
@@ -204,8 +204,8 @@ impl Simulation {
         }
         self.cost.agents = agents;
         let events = std::mem::take(&mut self.world.resource_mut::<Log>().events);
-        let spending = std::mem::take(&mut self.world.resource_mut::<Ledger>().0);
-        Run { timeline: Timeline { setting: self.setting, events }, cost: self.cost, spending }
+        let cpu_samples = std::mem::take(&mut self.world.resource_mut::<Ledger>().0);
+        Run { timeline: Timeline { setting: self.setting, events }, cost: self.cost, cpu_samples }
     }
 }
 

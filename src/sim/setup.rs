@@ -20,7 +20,7 @@ use crate::scenario::{
 };
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
-use crate::timeline::{AgentId, AgentStart, Body, Fact, Rules, Setting, Spending};
+use crate::timeline::{AgentId, AgentStart, Body, Fact, Rules, Setting, CpuSample};
 use crate::trajectory::SpeedLimits;
 use crate::vehicle::Dimensions;
 
@@ -66,7 +66,7 @@ pub fn build(
         let body = Body::Square { size_m: settings.size_m };
         let limits = Some(wumpus_limits(settings));
         starts.push(AgentStart { id, pose: agent.trajectory.start(), body, limits });
-        ledger.0.push(Spending { time: SimTime::ZERO, agent: id, cpu: wumpus.cost.total() });
+        ledger.0.push(CpuSample { time: SimTime::ZERO, agent: id, cpu: wumpus.cost.total() });
         roster.wumpuses.push(world.spawn((agent, wumpus)).id());
     }
     let mut parked = Vec::new();
@@ -80,7 +80,7 @@ pub fn build(
         parked.push((settings.vehicle, agent.trajectory.start()));
         let (body, limits) = (Body::Truck(settings.vehicle), Some(truck.speed));
         starts.push(AgentStart { id, pose: agent.trajectory.start(), body, limits });
-        ledger.0.push(Spending { time: SimTime::ZERO, agent: id, cpu: truck.cost.total() });
+        ledger.0.push(CpuSample { time: SimTime::ZERO, agent: id, cpu: truck.cost.total() });
         roster.trucks.push(world.spawn((agent, truck)).id());
     }
     let setting = setting(scenario, seed, &terrain, starts);

@@ -85,7 +85,7 @@ impl BushLedger {
 
 /// A truck's drive that may yet end in an extinction.
 #[derive(Debug)]
-struct Drive {
+struct PendingDrive {
     goal: Cell,
     sets_out: SimTime,
 }
@@ -106,7 +106,7 @@ pub struct AgentLedger<'a> {
     longest_idle: SimTime,
     /// The leg that the agent follows, and the time from which on it counts.
     leg: Option<(&'a Trajectory, SimTime)>,
-    drive: Option<Drive>,
+    drive: Option<PendingDrive>,
 }
 
 impl<'a> AgentLedger<'a> {
@@ -155,7 +155,7 @@ impl<'a> AgentLedger<'a> {
                 self.end_drive(now);
                 self.leg = Some((trajectory, now));
                 let drives = self.is_truck() && !trajectory.pieces().is_empty();
-                self.drive = drives.then_some(Drive { goal: *goal, sets_out: trajectory.sets_out_at() });
+                self.drive = drives.then_some(PendingDrive { goal: *goal, sets_out: trajectory.sets_out_at() });
             }
             Fact::PlanFailed { reason, effort, .. } => {
                 self.count_plan(*effort);

@@ -3,7 +3,7 @@
 //! The simulation appends facts; windows, pictures, tables and audits read them and nothing else. The facts of one
 //! instant stand in the order in which they happened, and a state or a count at a time is that after all of its facts.
 
-mod course;
+mod progress;
 pub mod export;
 mod fact;
 pub mod file;
@@ -14,14 +14,14 @@ mod replay;
 #[cfg(test)]
 mod sample;
 mod setting;
-mod spending;
+mod cpu;
 
-pub use course::Activity;
+pub use progress::Activity;
 pub use fact::{Cause, EndReason, Event, Fact, RestReason};
 pub use outcome::{AgentOutcome, Outcome, Winner};
 pub use replay::{AgentState, Replay, State, Vegetation};
 pub use setting::{AgentId, AgentStart, Body, Rules, Setting};
-pub use spending::Spending;
+pub use cpu::CpuSample;
 
 use serde::{Deserialize, Serialize};
 

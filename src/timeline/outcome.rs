@@ -134,7 +134,7 @@ pub enum Winner {
 
 impl Outcome {
     /// Reads a run from its facts, until its end.
-    pub fn of(timeline: &Timeline) -> Self {
+    pub fn new(timeline: &Timeline) -> Self {
         Reader::new(timeline).read()
     }
 
@@ -188,7 +188,7 @@ mod tests {
 
     #[test]
     fn a_run_told_by_hand_has_these_numbers() {
-        let outcome = Outcome::of(&sample::by_hand());
+        let outcome = Outcome::new(&sample::by_hand());
         assert_eq!((outcome.obstacles, outcome.intact, outcome.burning), (4, 1, 0));
         assert_eq!((outcome.burned_out, outcome.extinguished, outcome.burned()), (2, 1, 2));
         assert_eq!((outcome.lit_by_wumpus, outcome.caught_by_spread, outcome.lit_by_schedule), (1, 1, 1));
@@ -221,7 +221,7 @@ mod tests {
             out_of_reach: 2,
             ..AgentOutcome::idle(WUMPUS)
         };
-        assert_eq!(Outcome::of(&sample::by_hand()).agents[0], expected);
+        assert_eq!(Outcome::new(&sample::by_hand()).agents[0], expected);
     }
 
     #[test]
@@ -250,12 +250,12 @@ mod tests {
             out_of_reach: 1,
             ..AgentOutcome::idle(TRUCK)
         };
-        assert_eq!(Outcome::of(&sample::by_hand()).agents[1], expected);
+        assert_eq!(Outcome::new(&sample::by_hand()).agents[1], expected);
     }
 
     #[test]
     fn trucks_that_wait_for_each_other_have_these_numbers() {
-        let outcome = Outcome::of(&sample::meeting());
+        let outcome = Outcome::new(&sample::meeting());
         let waiter = AgentOutcome {
             cells: 1,
             plans: 1,
@@ -281,13 +281,13 @@ mod tests {
         let stand = leg(16.0, timeline.setting.agents[0].pose, 8.0, &[]);
         timeline.events.truncate(5);
         timeline.events.push(at(16.0, Fact::Dropped { agent: TRUCK, goal: A, trajectory: stand }));
-        let outcome = &Outcome::of(&timeline).agents[0];
+        let outcome = &Outcome::new(&timeline).agents[0];
         assert_eq!((outcome.wasted_drives, outcome.waiting_s, outcome.driving_s), (0, 6.0, 0.0));
     }
 
     #[test]
     fn a_run_without_facts_is_all_standing() {
-        let outcome = Outcome::of(&run(&[WUMPUS, TRUCK], vec![]));
+        let outcome = Outcome::new(&run(&[WUMPUS, TRUCK], vec![]));
         assert_eq!((outcome.ended_s, outcome.intact, outcome.winner()), (100.0, 4, Winner::Tie));
         assert_eq!((outcome.first_fire_s, outcome.all_out_s, outcome.mean_response_s), (None, None, None));
         assert_eq!((outcome.agents[0].standing_s, outcome.wumpus_stuck_s), (100.0, 100.0));
@@ -298,7 +298,7 @@ mod tests {
     fn a_field_without_bushes_and_agents_has_ratios() {
         let mut timeline = run(&[], vec![]);
         timeline.setting.bushes.clear();
-        let outcome = Outcome::of(&timeline);
+        let outcome = Outcome::new(&timeline);
         assert_eq!(outcome.intact_ratio(), 0.0);
         assert_eq!((outcome.truck_stuck_s.to_string(), outcome.wumpus_stuck_s.to_string()), ("0".into(), "0".into()));
     }
@@ -317,7 +317,7 @@ mod tests {
             at(26.0, Fact::Suppressing { agent: TRUCK, cell: B }),
             at(31.0, Fact::Extinguished { cell: B, by: TRUCK }),
         ];
-        let outcome = Outcome::of(&run(&[TRUCK, SECOND_TRUCK], events));
+        let outcome = Outcome::new(&run(&[TRUCK, SECOND_TRUCK], events));
         // B was nobody's from 14 to 25 s.
         assert_eq!((outcome.agents[1].stuck_s, outcome.agents[1].longest_idle_s), (11.0, 11.0));
         assert_eq!((outcome.agents[0].stuck_s, outcome.agents[0].wasted_drives), (0.0, 0));
@@ -327,7 +327,7 @@ mod tests {
     #[test]
     fn a_fire_ruled_out_before_it_burns_makes_no_truck_stuck() {
         let events = vec![at(0.0, Fact::OutOfReach { agent: TRUCK, cells: vec![A, A] }), at(10.0, ignited(A))];
-        let outcome = Outcome::of(&run(&[TRUCK], events));
+        let outcome = Outcome::new(&run(&[TRUCK], events));
         assert_eq!((outcome.truck_stuck_s, outcome.agents[0].longest_idle_s), (0.0, 90.0));
         assert_eq!((outcome.burning, outcome.all_out_s), (1, None));
     }
@@ -337,9 +337,9 @@ mod tests {
         let mut events: Vec<_> = [A, B, C, sample::D].map(|cell| at(0.0, ignited(cell))).into();
         events.push(at(40.0, Fact::Extinguished { cell: A, by: TRUCK }));
         let mut timeline = run(&[WUMPUS, TRUCK], events);
-        assert_eq!(Outcome::of(&timeline).wumpus_stuck_s, 0.0);
+        assert_eq!(Outcome::new(&timeline).wumpus_stuck_s, 0.0);
         timeline.setting.rules.relight = true;
-        assert_eq!(Outcome::of(&timeline).wumpus_stuck_s, 60.0);
+        assert_eq!(Outcome::new(&timeline).wumpus_stuck_s, 60.0);
     }
 
     #[test]
@@ -350,7 +350,7 @@ mod tests {
             at(90.0, planned(TRUCK, A, leg(90.0, pose, 2.0, &[10.0, -6.0, 10.0, -6.0]))),
             at(100.0, Fact::Ended { reason: EndReason::Duration }),
         ];
-        let outcome = &Outcome::of(&run(&[TRUCK], events)).agents[0];
+        let outcome = &Outcome::new(&run(&[TRUCK], events)).agents[0];
         assert_eq!((outcome.distance_m, outcome.cusps, outcome.driving_s), (20.0, 2, 10.0));
         assert_eq!(outcome.wasted_drives, 1);
     }
@@ -364,7 +364,7 @@ mod tests {
             at(15.0, Fact::BurnedOut { cell: A }),
             at(15.0, Fact::Dropped { agent: TRUCK, goal: A, trajectory: leg(15.0, pose, 8.0, &[]) }),
         ];
-        let outcome = &Outcome::of(&run(&[TRUCK], events)).agents[0];
+        let outcome = &Outcome::new(&run(&[TRUCK], events)).agents[0];
         assert_eq!((outcome.distance_m, outcome.wasted_drives), (0.0, 0));
         assert_eq!((outcome.planning_s, outcome.driving_s, outcome.standing_s), (5.0, 0.0, 95.0));
     }
@@ -377,7 +377,7 @@ mod tests {
             at(60.0, Fact::Ended { reason: EndReason::Duration }),
             at(70.0, ignited(C)),
         ];
-        let outcome = Outcome::of(&run(&[], events));
+        let outcome = Outcome::new(&run(&[], events));
         assert_eq!((outcome.burning, outcome.peak_burning, outcome.burning_cell_s), (2, 2, 10.0));
     }
 
@@ -392,7 +392,7 @@ mod tests {
             at(15.0, Fact::Extinguished { cell: A, by: TRUCK }),
             at(15.0, Fact::Extinguished { cell: B, by: TRUCK }),
         ];
-        let outcome = Outcome::of(&run(&[TRUCK], events));
+        let outcome = Outcome::new(&run(&[TRUCK], events));
         assert_eq!((outcome.agents[0].cells, outcome.agents[0].wasted_drives), (2, 0));
         assert_eq!((outcome.agents[0].suppressing_s, outcome.agents[0].standing_s), (5.0, 85.0));
         assert_eq!((outcome.winner(), outcome.truck_score), (Winner::Unimog, 4.0));

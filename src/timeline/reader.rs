@@ -150,7 +150,7 @@ mod tests {
         let mut total_stuck_s = 0.0;
         for seed in 0..4 {
             let timeline = sample::random(seed, seconds(400.0));
-            let outcome = Outcome::of(&timeline);
+            let outcome = Outcome::new(&timeline);
             total_stuck_s += outcome.truck_stuck_s;
             let ruled_out = |agent: AgentId, bush: usize, now: SimTime| {
                 let cell = timeline.setting.bushes[bush];
@@ -196,7 +196,7 @@ mod tests {
     fn distances_are_the_sums_of_what_was_driven() {
         for seed in 0..4 {
             let timeline = sample::random(seed, seconds(400.0));
-            for agent in Outcome::of(&timeline).agents {
+            for agent in Outcome::new(&timeline).agents {
                 let mut driven = vec![0.0];
                 for event in timeline.events.iter().filter(|event| event.fact.agent() == Some(agent.agent)) {
                     match &event.fact {
@@ -216,7 +216,7 @@ mod tests {
     #[test]
     fn times_by_activity_add_up_to_the_whole_run() {
         for seed in 0..20 {
-            let outcome = Outcome::of(&sample::random(seed, seconds(600.0)));
+            let outcome = Outcome::new(&sample::random(seed, seconds(600.0)));
             for agent in &outcome.agents {
                 let sum = [agent.driving_s, agent.planning_s, agent.suppressing_s, agent.standing_s, agent.waiting_s];
                 let sum: f64 = sum.iter().sum();

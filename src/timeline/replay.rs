@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::course::{Activity, Course};
+use super::progress::{Activity, AgentProgress};
 use super::{AgentId, Event, Fact, Timeline};
 use crate::geometry::{Cell, Pose};
 use crate::time::SimTime;
@@ -81,7 +81,7 @@ pub struct Replay<'a> {
     /// Index of the first fact that has not yet happened.
     next: usize,
     bushes: Vec<Vegetation>,
-    courses: Vec<Course<'a>>,
+    agents: Vec<AgentProgress<'a>>,
 }
 
 impl<'a> Replay<'a> {
@@ -101,7 +101,7 @@ impl<'a> Replay<'a> {
             time: SimTime::ZERO,
             next: 0,
             bushes: vec![Vegetation::Intact; setting.bushes.len()],
-            courses: setting.agents.iter().map(|agent| Course::standing(agent.pose)).collect(),
+            agents: setting.agents.iter().map(|agent| AgentProgress::standing(agent.pose)).collect(),
         }
     }
 
@@ -133,7 +133,7 @@ impl<'a> Replay<'a> {
     /// The next time after the present one at which anything may change but poses: a fact, or an activity.
     pub(super) fn next_change(&self) -> Option<SimTime> {
         let fact = self.timeline.events.get(self.next).map(|event| event.time);
-        self.courses.iter().filter_map(|course| course.next_change(self.time)).chain(fact).min()
+        self.agents.iter().filter_map(|agent| agent.next_change(self.time)).chain(fact).min()
     }
 
     pub fn time(&self) -> SimTime {
@@ -152,30 +152,30 @@ impl<'a> Replay<'a> {
 
     /// Activity of an agent by its place in [`super::Setting::agents`].
     pub fn activity(&self, agent: usize) -> Activity {
-        self.courses[agent].activity(self.time)
+        self.agents[agent].activity(self.time)
     }
 
     /// Goal of an agent by its place in [`super::Setting::agents`].
     pub fn goal(&self, agent: usize) -> Option<Cell> {
-        self.courses[agent].goal
+        self.agents[agent].goal
     }
 
     /// An agent by its place in [`super::Setting::agents`].
     pub fn agent(&self, agent: usize) -> AgentState {
-        let (pose, speed_mps) = self.courses[agent].pose_and_speed(self.time);
+        let (pose, speed_mps) = self.agents[agent].pose_and_speed(self.time);
         let id = self.timeline.setting.agents[agent].id;
         AgentState { id, pose, speed_mps, activity: self.activity(agent), goal: self.goal(agent) }
     }
 
     pub fn state(&self) -> State {
-        let agents = (0..self.courses.len()).map(|agent| self.agent(agent)).collect();
+        let agents = (0..self.agents.len()).map(|agent| self.agent(agent)).collect();
         State { time: self.time, bushes: self.bushes.clone(), agents }
     }
 
     fn apply_to_agent(&mut self, event: &'a Event) {
         let Some(agent) = event.fact.agent() else { return };
         let Some(index) = self.timeline.setting.agent_index(agent) else { return };
-        self.courses[index].apply(&event.fact);
+        self.agents[index].apply(&event.fact);
     }
 
     fn apply_to_bush(&mut self, event: &Event) -> Option<BushChange> {

@@ -93,7 +93,7 @@ pub fn made_up_run(_: &Scenario, seed: u64) -> Result<Run, RunError> {
         agents: vec![cost(AgentId::Wumpus(0)), cost(AgentId::Unimog(0))],
         total: part * 20,
     };
-    Ok(Run { timeline: made_up_timeline(seed), cost, spending: Vec::new() })
+    Ok(Run { timeline: made_up_timeline(seed), cost, cpu_samples: Vec::new() })
 }
 
 pub fn run(folder: &Path, seeds: &str, jobs: usize) -> VariantReport {

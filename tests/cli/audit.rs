@@ -36,7 +36,7 @@ fn runs_of_a_batch_pass_recorded_or_not() {
     recorded(&story, "out", "1..4");
     fs::remove_file(story.path("out/recordings/seed-2.wildfire")).expect("it was recorded");
     let answer = story.tell(&["audit", "out"]).expect_code(0);
-    for words in ["Runs: 3 recorded, 1 simulated again", "Looked at: ", " extinctions.", "Offences: none."] {
+    for words in ["Runs: 3 recorded, 1 simulated again", "Looked at: ", " extinctions.", "Violations: none."] {
         assert!(answer.stdout.contains(words), "`{words}` is missing:\n{}", answer.stdout);
     }
     assert!(widest(&answer.stdout) <= 80, "{}", answer.stdout);
@@ -61,12 +61,12 @@ fn damaged_runs_end_in_exit_code_4_and_words() {
         let answer = story.tell(&["audit", path, "--jobs", jobs]).expect_code(4);
         assert!(answer.stdout.starts_with(name), "{}", answer.stdout);
         assert!(answer.stdout.contains("unimog/0: a leg begins 0.010000 m"), "{}", answer.stdout);
-        assert!(answer.stdout.contains("Offences: 1 of 3 runs have one."), "{}", answer.stdout);
+        assert!(answer.stdout.contains("Violations: 1 of 3 runs have one."), "{}", answer.stdout);
     }
 }
 
 #[test]
-fn row_that_says_something_else_is_an_offence() {
+fn row_that_says_something_else_is_a_violation() {
     let story = Story::begin();
     story.tell(&["batch", "smoke", "--seeds", "1..3", "--out", "out"]).expect_code(0);
     let rows = story.read("out/runs.csv");
@@ -109,7 +109,7 @@ fn rows_that_are_not_those_of_the_plan_are_refused_and_missing_ones_said() {
 }
 
 #[test]
-fn recording_of_another_run_is_an_offence() {
+fn recording_of_another_run_is_a_violation() {
     let story = Story::begin();
     recorded(&story, "out", "1..2");
     let of = |seed: u64| story.path(&format!("out/recordings/seed-{seed}.wildfire"));
@@ -187,7 +187,7 @@ fn damaged_and_newer_recordings_do_not_stop_the_others() {
     story.tell(&["audit", "out"]).expect_code(2).expect_complaint(&["written by a newer wildfire: format 99"]);
     damage(&story, "out/recordings/seed-3.wildfire", let_it_jump);
     let answer = story.tell(&["audit", "out"]).expect_code(4).expect_complaint(&["format 99"]);
-    assert!(answer.stdout.contains("Offences: 1 of 2 runs"), "an offence weighs more: {}", answer.stdout);
+    assert!(answer.stdout.contains("Violations: 1 of 2 runs"), "a violation weighs more: {}", answer.stdout);
 }
 
 #[test]

@@ -274,7 +274,7 @@ fn reference_fields() -> Vec<String> {
 }
 
 #[test]
-fn all_goals_of_the_reference_are_reached_without_an_offence() {
+fn all_goals_of_the_reference_are_reached_without_a_violation() {
     let fields = reference_fields();
     if fields.is_empty() {
         return;

@@ -55,7 +55,7 @@ pub fn recording(case: &mut Case<'_>) -> Law {
     if back != timeline {
         return Err("another run comes back".into());
     }
-    Outcome::of(&timeline);
+    Outcome::new(&timeline);
     let end = timeline.end_time();
     for time in [SimTime::ZERO, SimTime::from_nanos(end.as_nanos() / 2), end, SimTime::MAX] {
         timeline.state_at(time);

@@ -108,7 +108,7 @@ fn one(name: &str, seed: u64) -> Vec<(Film, Option<Box<dyn FilmSource>>)> {
 #[test]
 fn what_is_shown_is_the_state_at_the_clock_and_nothing_changes_the_run() {
     let timeline = simulated("contest", 1);
-    let outcome = Outcome::of(&timeline);
+    let outcome = Outcome::new(&timeline);
     for speed in [1.0, 50.0] {
         let mut window = Window::open(one("contest", 1), speed);
         let frame_s = speed * FRAME.as_secs_f64();
@@ -133,7 +133,7 @@ fn what_is_shown_is_the_state_at_the_clock_and_nothing_changes_the_run() {
         assert!(window.shows(seconds(20.0 + frame_s)));
         let film = window.films()[0];
         assert_eq!(film.timeline(), &timeline);
-        assert_eq!(Outcome::of(film.timeline()), outcome);
+        assert_eq!(Outcome::new(film.timeline()), outcome);
     }
 }
 

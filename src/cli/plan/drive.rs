@@ -1,6 +1,6 @@
 //! What a path is worth, and whether it keeps to the rules.
 
-use crate::audit::{Ground, Manners, Outline, Step, audit_leg};
+use crate::audit::{AuditField, MotionLimits, Outline, SampleStep, audit_leg};
 use crate::collision::CollisionChecker;
 use crate::geometry::{Pose, ops};
 use crate::planning::Goal;
@@ -29,23 +29,23 @@ pub struct Drive {
     pub cusps: u32,
     /// From standstill to standstill.
     pub drive_s: f64,
-    /// The first offence, in words.
-    pub offence: Option<String>,
+    /// The first violation, in words.
+    pub violation: Option<String>,
 }
 
 /// Measures paths from the start of one problem and checks them by shapes that planners do not use.
 pub struct Judge<'a> {
     start: Pose,
     checker: &'a CollisionChecker,
-    ground: Ground,
+    audit_field: AuditField,
     limits: SpeedLimits,
 }
 
 impl<'a> Judge<'a> {
     pub fn new(problem: &Problem, checker: &'a CollisionChecker) -> Self {
-        let outline = Outline::of(&Body::Truck(problem.truck.vehicle));
-        let ground = Ground::new(problem.terrain.frame, &problem.terrain.bushes, outline);
-        Self { start: problem.start, checker, ground, limits: problem.truck.speed_limits() }
+        let outline = Outline::new(&Body::Truck(problem.truck.vehicle));
+        let audit_field = AuditField::new(problem.terrain.frame, &problem.terrain.bushes, outline);
+        Self { start: problem.start, checker, audit_field, limits: problem.truck.speed_limits() }
     }
 
     pub fn drive(&self, goal: Goal, path: Path) -> Drive {
@@ -60,16 +60,16 @@ impl<'a> Judge<'a> {
             min_clearance_m: clearances.fold(f64::INFINITY, f64::min),
             cusps: path.cusps(),
             drive_s: trajectory.duration_s(),
-            offence: self.offence(goal, &trajectory),
+            violation: self.violation(goal, &trajectory),
             path,
         }
     }
 
-    fn offence(&self, goal: Goal, trajectory: &Trajectory) -> Option<String> {
+    fn violation(&self, goal: Goal, trajectory: &Trajectory) -> Option<String> {
         let turning_radius_m = Some(self.checker.body().turning_radius_m);
-        let manners = Manners { turning_radius_m, limits: Some(self.limits) };
-        let audited = audit_leg(&self.ground, &manners, trajectory, Step::default());
-        let on_the_way = audited.err().map(|offence| offence.to_string());
+        let motion = MotionLimits { turning_radius_m, limits: Some(self.limits) };
+        let audited = audit_leg(&self.audit_field, &motion, trajectory, SampleStep::default());
+        let on_the_way = audited.err().map(|violation| violation.to_string());
         let (start, end) = (trajectory.start(), trajectory.end());
         let at_the_ends = || {
             let start = missed(Goal::Pose(self.start), start, self.checker.body());
@@ -140,7 +140,7 @@ mod tests {
     #[test]
     fn a_straight_drive_has_the_figures_that_one_can_reckon() {
         let drive = judged(pose(45.0), straight(25.0));
-        assert_eq!((drive.offence, drive.cusps, drive.length_m), (None, 0, 25.0));
+        assert_eq!((drive.violation, drive.cusps, drive.length_m), (None, 0, 25.0));
         assert!((drive.lower_bound_ratio.expect("it is not there yet") - 1.0).abs() < 1e-12);
         assert!((drive.drive_s - 25.0 / Unimog::default().speed_mps).abs() < 1e-9);
         // The front bumper is 3.95 m ahead of the rear axle.
@@ -148,24 +148,24 @@ mod tests {
     }
 
     #[test]
-    fn offences_are_seen_by_shapes_and_ends() {
-        let offence = |goal, path| judged(goal, path).offence.expect("something is wrong with it");
-        assert!(offence(pose(48.0), straight(28.0)).contains("(10, 4)"));
-        assert!(offence(pose(45.0), straight(24.99)).contains("ends 0.0100 m and 0.0000 rad away"));
+    fn violations_are_seen_by_shapes_and_ends() {
+        let violation = |goal, path| judged(goal, path).violation.expect("something is wrong with it");
+        assert!(violation(pose(48.0), straight(28.0)).contains("(10, 4)"));
+        assert!(violation(pose(45.0), straight(24.99)).contains("ends 0.0100 m and 0.0000 rad away"));
         let tight = Path { start: START, segments: vec![Segment { curvature: 1.0 / 12.9, length_m: 9.0 }] };
-        assert!(offence(Goal::Pose(tight.end()), tight).contains("12.9"));
+        assert!(violation(Goal::Pose(tight.end()), tight).contains("12.9"));
         let elsewhere = Path { start: Pose { y: 22.51, ..START }, ..straight(5.0) };
-        assert!(offence(Goal::Pose(elsewhere.end()), elsewhere).contains("begins 0.0100 m"));
+        assert!(violation(Goal::Pose(elsewhere.end()), elsewhere).contains("begins 0.0100 m"));
         let disc = |radius_m| Goal::Disc(GoalDisc { centre: DVec2::new(46.5, 22.5), radius_m });
-        assert!(offence(disc(1.9), straight(23.0)).contains("ends 0.1000 m"));
-        assert_eq!(judged(disc(2.0), straight(23.0)).offence, None);
+        assert!(violation(disc(1.9), straight(23.0)).contains("ends 0.1000 m"));
+        assert_eq!(judged(disc(2.0), straight(23.0)).violation, None);
     }
 
     #[test]
     fn nothing_bounds_a_drive_that_is_there_already() {
         let disc = Goal::Disc(GoalDisc { centre: DVec2::new(25.0, 25.0), radius_m: 10.0 });
         let drive = judged(disc, Path::standing(START));
-        assert_eq!((drive.offence, drive.lower_bound_ratio, drive.drive_s), (None, None, 0.0));
+        assert_eq!((drive.violation, drive.lower_bound_ratio, drive.drive_s), (None, None, 0.0));
     }
 
     #[test]

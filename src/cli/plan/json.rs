@@ -22,7 +22,8 @@ struct Object<'a> {
     settings: BTreeMap<&'static str, BTreeMap<String, String>>,
     fields: Vec<Field<'a>>,
     rows: Vec<Row<'a>>,
-    offences: Vec<Offence<'a>>,
+    #[serde(rename = "offences")]
+    violations: Vec<Violation<'a>>,
     summary: &'a [Summary],
 }
 
@@ -42,11 +43,12 @@ enum GoalMember {
 }
 
 #[derive(Serialize)]
-struct Offence<'a> {
+struct Violation<'a> {
     field: &'a str,
     goal: usize,
     planner: &'static str,
-    offence: &'a str,
+    #[serde(rename = "offence")]
+    violation: &'a str,
 }
 
 /// The object on one line.
@@ -62,7 +64,7 @@ pub fn of(answers: &Answers) -> String {
             .collect(),
         fields: answers.problems.iter().map(field).collect(),
         rows: answers.attempts.iter().map(Row::of).collect(),
-        offences: answers.attempts.iter().filter_map(offence).collect(),
+        violations: answers.attempts.iter().filter_map(violation).collect(),
         summary: &answers.summaries,
     };
     serde_json::to_string(&object).expect("names, numbers and words are JSON") + "\n"
@@ -77,7 +79,7 @@ fn field(problem: &Problem) -> Field<'_> {
     Field { field: &problem.name, start, goals: problem.goals.iter().map(goal).collect() }
 }
 
-fn offence<'a>(attempt: &'a Attempt) -> Option<Offence<'a>> {
-    let offence = attempt.drive.as_ref().ok()?.offence.as_deref()?;
-    Some(Offence { field: &attempt.problem.name, goal: attempt.goal, planner: attempt.planner.name(), offence })
+fn violation<'a>(attempt: &'a Attempt) -> Option<Violation<'a>> {
+    let violation = attempt.drive.as_ref().ok()?.violation.as_deref()?;
+    Some(Violation { field: &attempt.problem.name, goal: attempt.goal, planner: attempt.planner.name(), violation })
 }

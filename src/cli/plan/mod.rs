@@ -78,8 +78,8 @@ pub fn run(arguments: &PlanArguments, quiet: bool) -> Result<ExitCode, Failure> 
     // Whatever cannot be written, all else is kept.
     let written = write_files(arguments, &answers, &pictures, quiet);
     printed.and(written)?;
-    let is_clean = answers.summaries.iter().all(|summary| summary.offences == 0);
-    Ok(if is_clean { ExitCode::SUCCESS } else { ExitCode::from(exit::OFFENCE) })
+    let is_clean = answers.summaries.iter().all(|summary| summary.violations == 0);
+    Ok(if is_clean { ExitCode::SUCCESS } else { ExitCode::from(exit::VIOLATION) })
 }
 
 /// Those that were named, each once, or else the truck's own.

@@ -36,7 +36,7 @@ type Property = (&'static str, fn(&Attempt, &Answers) -> Option<String>);
 const PROPERTIES: [Property; 13] = [
     ("approximate solution BOOLEAN", |_, _| boolean(false)),
     ("build time REAL", |attempt, _| Some(attempt.build.as_secs_f64().to_string())),
-    ("correct solution BOOLEAN", |attempt, _| boolean(attempt.drive.as_ref().is_ok_and(|d| d.offence.is_none()))),
+    ("correct solution BOOLEAN", |attempt, _| boolean(attempt.drive.as_ref().is_ok_and(|d| d.violation.is_none()))),
     ("cusps INTEGER", |attempt, _| figure(attempt, |drive| Some(drive.cusps.into()))),
     ("drive time REAL", |attempt, _| figure(attempt, |drive| Some(drive.drive_s))),
     ("expansions INTEGER", |attempt, _| Some(attempt.expansions.to_string())),

@@ -12,9 +12,9 @@ use crate::planning::{PlanFailure, TruckPlannerKind};
 /// The width of a terminal's line.
 const WIDTH: usize = 80;
 
-/// The most rows, and offences, that are shown one by one.
+/// The most rows, and violations, that are shown one by one.
 const SHOWN_ROWS: usize = 60;
-const SHOWN_OFFENCES: usize = 10;
+const SHOWN_VIOLATIONS: usize = 10;
 
 /// Characters of a field's name.
 const LONGEST_NAME: usize = 10;
@@ -91,14 +91,14 @@ fn summary(summaries: &[Summary]) -> TextTable {
         ("goals 0-2", |row| optional(row.first_lower_bound_ratio_mean, 3)),
         ("Clear. m", |row| optional(row.min_clearance_median_m, 2)),
         ("Cusps", |row| optional(row.cusps_mean, 2)),
-        ("Off- ences", |row| row.offences.to_string()),
+        ("Viola- tions", |row| row.violations.to_string()),
     ];
     table(&columns, summaries)
 }
 
-/// How often planners failed and why, the first offences in words, and what the columns mean.
+/// How often planners failed and why, the first violations in words, and what the columns mean.
 fn faults(answers: &Answers) -> String {
-    let sentences = failures(answers).chain(offences(answers));
+    let sentences = failures(answers).chain(violations(answers));
     let lines: String = sentences.flat_map(|fault| wrapped(&fault, WIDTH)).map(|line| line + "\n").collect();
     let gap = if lines.is_empty() { "" } else { "\n" };
     format!("{lines}{gap}{LEGEND}")
@@ -118,12 +118,12 @@ fn failures(answers: &Answers) -> impl Iterator<Item = String> {
     })
 }
 
-fn offences(answers: &Answers) -> impl Iterator<Item = String> {
-    let offence = |attempt: &Attempt| {
-        let offence = attempt.drive.as_ref().ok()?.offence.as_ref()?;
-        Some(format!("{}: offence {}: {offence}", attempt.planner, place(attempt)))
+fn violations(answers: &Answers) -> impl Iterator<Item = String> {
+    let violation = |attempt: &Attempt| {
+        let violation = attempt.drive.as_ref().ok()?.violation.as_ref()?;
+        Some(format!("{}: violation {}: {violation}", attempt.planner, place(attempt)))
     };
-    answers.attempts.iter().filter_map(offence).take(SHOWN_OFFENCES)
+    answers.attempts.iter().filter_map(violation).take(SHOWN_VIOLATIONS)
 }
 
 fn place(attempt: &Attempt) -> String {
@@ -133,7 +133,7 @@ fn place(attempt: &Attempt) -> String {
 const LEGEND: &str = "\
 Query, build: CPU time in ms; building the clearance field counts as building.
 Len./bound: over the shortest that could be, mean; clearance: median of minima.
-Offences: paths that a check by other shapes every 2 cm found fault with.
+Violations: paths that a check by other shapes every 2 cm found fault with.
 ";
 
 fn milliseconds(seconds: f64) -> String {

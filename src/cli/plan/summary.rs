@@ -30,7 +30,8 @@ pub struct Summary {
     pub cusps_mean: Option<f64>,
     pub drive_mean_s: Option<f64>,
     /// Paths with something wrong.
-    pub offences: usize,
+    #[serde(rename = "offences")]
+    pub violations: usize,
 }
 
 impl Summary {
@@ -55,7 +56,7 @@ impl Summary {
             min_clearance_median_m: quantile(&sorted(drives.iter().map(|drive| drive.min_clearance_m)), 0.5),
             cusps_mean: mean(drives.iter().map(|drive| drive.cusps.into())),
             drive_mean_s: mean(drives.iter().map(|drive| drive.drive_s)),
-            offences: drives.iter().filter(|drive| drive.offence.is_some()).count(),
+            violations: drives.iter().filter(|drive| drive.violation.is_some()).count(),
         }
     }
 }

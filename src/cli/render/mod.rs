@@ -73,7 +73,7 @@ fn films(arguments: &RenderArguments, quiet: bool) -> Result<Vec<Film>, Failure>
     let needs_searches = |&layer: &Layer| layer.needs_searches() && arguments.show.layers().contains(layer);
     let searches = if Layer::ALL.iter().any(needs_searches) { Searches::Recorded } else { Searches::LeftOut };
     let shown = shown(&arguments.show, searches, quiet)?;
-    let run = |run: ShownRun| if arguments.cpu { run } else { ShownRun { spending: None, ..run } };
+    let run = |run: ShownRun| if arguments.cpu { run } else { ShownRun { cpu_samples: None, ..run } };
     Ok(shown.into_iter().map(|shown| run(shown.run).film()).collect())
 }
 

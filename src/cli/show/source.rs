@@ -11,7 +11,7 @@ use crate::picture::film::Film;
 use crate::scenario::{BUILT_IN, LoadedScenario, MemoryLimit, Scenario, ScenarioText};
 use crate::sim::{self, RunOptions};
 use crate::timeline::file::{self, FileError};
-use crate::timeline::{Spending, Timeline};
+use crate::timeline::{CpuSample, Timeline};
 #[cfg(feature = "view")]
 use crate::view::FilmSource;
 
@@ -30,12 +30,12 @@ pub struct ShownRun {
     pub title: String,
     pub timeline: Timeline,
     /// `None` of a recording: what was measured is no part of it.
-    pub spending: Option<Vec<Spending>>,
+    pub cpu_samples: Option<Vec<CpuSample>>,
 }
 
 impl ShownRun {
     pub fn film(self) -> Film {
-        Film::new(self.timeline, self.spending).titled(self.title)
+        Film::new(self.timeline, self.cpu_samples).titled(self.title)
     }
 }
 
@@ -185,7 +185,7 @@ fn run_of<'a>(batch: &'a FinishedBatch, seeds: &[u64], seed: Option<u64>) -> Res
 fn recorded(path: &Path, timeline: Result<Timeline, FileError>) -> Result<ShownRun, Failure> {
     let unreadable = |error: FileError| Failure::of_input(format_args!("{}: {error}", path.display()), error.kind());
     let timeline = timeline.map_err(unreadable)?;
-    Ok(ShownRun { title: timeline.setting.scenario.clone(), timeline, spending: None })
+    Ok(ShownRun { title: timeline.setting.scenario.clone(), timeline, cpu_samples: None })
 }
 
 fn simulated(scenario: &Scenario, seed: u64, searches: Searches, memory: MemoryLimit) -> Result<ShownRun, Failure> {
@@ -194,7 +194,7 @@ fn simulated(scenario: &Scenario, seed: u64, searches: Searches, memory: MemoryL
     let caught = panic::catch_unwind(|| sim::run_with(scenario, seed, options));
     let run = caught.map_err(|_| Failure::of_run("the run panicked: this is a fault of the program"))?;
     let run = run.map_err(Failure::of_run)?;
-    Ok(ShownRun { title: scenario.name.clone(), timeline: run.timeline, spending: Some(run.spending) })
+    Ok(ShownRun { title: scenario.name.clone(), timeline: run.timeline, cpu_samples: Some(run.cpu_samples) })
 }
 
 #[cfg(feature = "view")]

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use crate::time::SimTime;
-use crate::timeline::{AgentId, Spending};
+use crate::timeline::{AgentId, CpuSample};
 
 /// Sums of CPU time, as steps: each holds from its time on.
 #[derive(Debug)]
@@ -14,13 +14,13 @@ pub struct Expenses {
 }
 
 impl Expenses {
-    /// `spending` in order of time.
-    pub fn of(spending: &[Spending]) -> Self {
-        let mut agents: Vec<AgentId> = spending.iter().map(|spent| spent.agent).collect();
+    /// `cpu_samples` in order of time.
+    pub fn of(cpu_samples: &[CpuSample]) -> Self {
+        let mut agents: Vec<AgentId> = cpu_samples.iter().map(|spent| spent.agent).collect();
         agents.sort_unstable();
         agents.dedup();
-        let of_agent = |agent| (agent, sums(spending.iter().filter(|spent| spent.agent == agent)));
-        Self { all: sums(spending.iter()), by_agent: agents.into_iter().map(of_agent).collect() }
+        let of_agent = |agent| (agent, sums(cpu_samples.iter().filter(|spent| spent.agent == agent)));
+        Self { all: sums(cpu_samples.iter()), by_agent: agents.into_iter().map(of_agent).collect() }
     }
 
     pub fn until(&self, time: SimTime) -> Duration {
@@ -33,12 +33,12 @@ impl Expenses {
     }
 }
 
-fn sums<'a>(spending: impl Iterator<Item = &'a Spending>) -> Vec<(SimTime, Duration)> {
-    let add = |total: &mut Duration, spent: &Spending| {
+fn sums<'a>(cpu_samples: impl Iterator<Item = &'a CpuSample>) -> Vec<(SimTime, Duration)> {
+    let add = |total: &mut Duration, spent: &CpuSample| {
         *total = total.saturating_add(spent.cpu);
         Some((spent.time, *total))
     };
-    spending.scan(Duration::ZERO, add).collect()
+    cpu_samples.scan(Duration::ZERO, add).collect()
 }
 
 fn sum_at(sums: &[(SimTime, Duration)], time: SimTime) -> Duration {

@@ -9,7 +9,7 @@ use super::expenses::Expenses;
 use super::history::{History, Tally};
 use super::vegetation::VegetationHistory;
 use crate::time::SimTime;
-use crate::timeline::{AgentId, Event, Fact, Spending, State, Timeline};
+use crate::timeline::{AgentId, Event, Fact, CpuSample, State, Timeline};
 
 /// Tells films of one process apart, those that are gone included; painters know by it what they may keep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,13 +40,13 @@ pub struct Film {
 }
 
 impl Film {
-    /// `spending` in order of time, where the run was simulated just now and is known. The title is the scenario's name.
-    pub fn new(timeline: Timeline, spending: Option<Vec<Spending>>) -> Self {
+    /// `cpu_samples` in order of time, where the run was simulated just now and is known. The title is the scenario's name.
+    pub fn new(timeline: Timeline, cpu_samples: Option<Vec<CpuSample>>) -> Self {
         Self {
             id: FilmId::next(),
             title: timeline.setting.scenario.clone(),
             end: timeline.end_time(),
-            expenses: spending.as_deref().map(Expenses::of),
+            expenses: cpu_samples.as_deref().map(Expenses::of),
             history: History::of(&timeline),
             vegetation: VegetationHistory::of(&timeline),
             books: Book::of_all(&timeline),

@@ -316,7 +316,7 @@ mod tests {
             }
             match decode(&sealed(&deflate::compress_to_vec(&damaged, 1))) {
                 Ok(other) => {
-                    Outcome::of(&other);
+                    Outcome::new(&other);
                     other.state_at(seconds(50.0));
                 }
                 Err(_) => refused += 1,

@@ -9,7 +9,7 @@ use crate::timeline::AgentId;
 
 /// A rule that was broken, by how much.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Breach {
+pub enum ViolationKind {
     Touched(Touch),
     /// Two trucks at one place.
     Overlap {
@@ -117,29 +117,29 @@ pub enum Breach {
     Endless,
 }
 
-/// The first breach of a run or a leg.
+/// The first kind of a run or a leg.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Offence {
+pub struct Violation {
     pub time: SimTime,
     /// Whose doing it is, if anybody's.
     pub agent: Option<AgentId>,
     /// Of the agent, or the centre of the cell, in metres.
     pub place: DVec2,
-    pub breach: Breach,
+    pub kind: ViolationKind,
 }
 
-impl fmt::Display for Offence {
+impl fmt::Display for Violation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let DVec2 { x, y } = self.place;
         write!(f, "at {}, ({x:.3}, {y:.3}) m: ", self.time)?;
         if let Some(agent) = self.agent {
             write!(f, "{agent}: ")?;
         }
-        write!(f, "{}", self.breach)
+        write!(f, "{}", self.kind)
     }
 }
 
-impl fmt::Display for Breach {
+impl fmt::Display for ViolationKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::Touched(Touch::Bush { cell, depth_m }) => {

@@ -37,7 +37,7 @@ impl Activity {
 
 /// What the facts so far say about an agent; all else follows from the time.
 #[derive(Clone, Copy, Debug)]
-pub struct Course<'a> {
+pub struct AgentProgress<'a> {
     start: Pose,
     leg: Option<&'a Trajectory>,
     planning_until: SimTime,
@@ -46,7 +46,7 @@ pub struct Course<'a> {
     pub goal: Option<Cell>,
 }
 
-impl<'a> Course<'a> {
+impl<'a> AgentProgress<'a> {
     pub fn standing(start: Pose) -> Self {
         let planning_until = SimTime::ZERO;
         Self { start, leg: None, planning_until, suppresses: false, is_blocked: false, goal: None }

@@ -1,7 +1,8 @@
 //! What an agent did in a run: its legs as they were driven, one after the other.
 
+use super::pace::DriveProfile;
 use super::tolerance::Tolerance;
-use super::{Breach, Offence};
+use super::{ViolationKind, Violation};
 use crate::geometry::{Pose, ops};
 use crate::time::SimTime;
 use crate::timeline::{AgentId, AgentStart, Body, Fact, Timeline};
@@ -9,7 +10,7 @@ use crate::trajectory::{Piece, Trajectory};
 
 /// The way of one agent through a run.
 #[derive(Debug)]
-pub struct Course<'a> {
+pub struct DrivenLegs<'a> {
     pub id: AgentId,
     pub start: Pose,
     /// A turn on the spot may be a nanosecond off, so for a body that makes them only places are compared.
@@ -33,8 +34,8 @@ impl<'a> Leg<'a> {
     }
 }
 
-impl<'a> Course<'a> {
-    pub fn of(agent: &AgentStart, timeline: &'a Timeline) -> Self {
+impl<'a> DrivenLegs<'a> {
+    pub fn new(agent: &AgentStart, timeline: &'a Timeline) -> Self {
         let mut legs: Vec<Leg<'a>> = Vec::new();
         for event in timeline.events.iter().filter(|event| event.fact.agent() == Some(agent.id)) {
             match (&event.fact, legs.last_mut()) {
@@ -52,20 +53,20 @@ impl<'a> Course<'a> {
     }
 
     /// Every leg begins where and when the last one has ended, and what was dropped was driven as planned until then.
-    pub fn audit(&self) -> Result<(), Offence> {
+    pub fn audit(&self) -> Result<(), Violation> {
         let (mut until, mut stands, mut tolerance) = (SimTime::ZERO, self.start, Tolerance::STANDING);
         for leg in &self.legs {
             let (planned, first) = leg.versions[0];
             let join = self.check_join((until, stands), first, tolerance);
-            join.map_err(|breach| self.offence(planned, first.start(), breach))?;
+            join.map_err(|kind| self.violation(planned, first.start(), kind))?;
             for pair in leg.versions.windows(2) {
                 let (time, driven) = pair[1];
                 if !self.is_cut(pair[0].1, driven, time) {
-                    return Err(self.offence(time, driven.pose_at(time), Breach::CutDiffers));
+                    return Err(self.violation(time, driven.pose_at(time), ViolationKind::CutDiffers));
                 }
             }
             (until, stands) = (leg.driven().end_time(), leg.driven().end());
-            tolerance = Tolerance::of_leg(leg.driven());
+            tolerance = Tolerance::from_leg(leg.driven());
         }
         Ok(())
     }
@@ -75,20 +76,20 @@ impl<'a> Course<'a> {
         (until, stands): (SimTime, Pose),
         next: &Trajectory,
         tolerance: Tolerance,
-    ) -> Result<(), Breach> {
+    ) -> Result<(), ViolationKind> {
         if next.start_time() < until {
-            return Err(Breach::StillUnderWay { until });
+            return Err(ViolationKind::StillUnderWay { until });
         }
         if self.is_same(stands, next.start(), tolerance) {
             return Ok(());
         }
         let (metres, radians) = gap(stands, next.start());
-        Err(Breach::Discontinuous { metres, radians })
+        Err(ViolationKind::Discontinuous { metres, radians })
     }
 
     /// Whether the leg as driven is the planned one until its goal was dropped, and stays on its way from then on.
     fn is_cut(&self, planned: &Trajectory, driven: &Trajectory, dropped: SimTime) -> bool {
-        let tolerance = Tolerance::of_leg(planned);
+        let tolerance = Tolerance::from_leg(planned);
         let same_at = |time| self.is_same(planned.pose_at(time), driven.pose_at(time), tolerance);
         let mut ends = planned.pieces().iter().scan(0.0, |elapsed_s, piece| {
             *elapsed_s += piece.duration_s();
@@ -107,8 +108,8 @@ impl<'a> Course<'a> {
         metres <= tolerance.metres && radians <= most_radians
     }
 
-    fn offence(&self, time: SimTime, pose: Pose, breach: Breach) -> Offence {
-        Offence { time, agent: Some(self.id), place: pose.position(), breach }
+    fn violation(&self, time: SimTime, pose: Pose, kind: ViolationKind) -> Violation {
+        Violation { time, agent: Some(self.id), place: pose.position(), kind }
     }
 
     /// Where the agent is at a time.
@@ -137,7 +138,7 @@ impl<'a> Course<'a> {
         let pieces = self.legs().flat_map(Trajectory::pieces);
         pieces.fold((0.0, 0.0), |(speed, curvature), piece| match *piece {
             Piece::Drive { segment, speed_mps, acceleration_mps2 } => {
-                let drive = super::pace::Drive::new(segment.length_m.abs(), speed_mps, acceleration_mps2);
+                let drive = DriveProfile::new(segment.length_m.abs(), speed_mps, acceleration_mps2);
                 (f64::max(speed, drive.fastest_mps()), f64::max(curvature, segment.curvature.abs()))
             }
             Piece::Turn { .. } | Piece::Wait { .. } => (speed, curvature),

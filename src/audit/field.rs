@@ -8,7 +8,7 @@ use rapier2d::parry::shape::Cuboid;
 use crate::geometry::{Cell, FieldFrame, Pose};
 use crate::timeline::Body;
 
-/// Less than this is not an offence, in metres: the shapes compute in single precision.
+/// Less than this is not a violation, in metres: the shapes compute in single precision.
 pub const ALLOWED_M: f64 = 1e-3;
 
 /// Beyond the circle about a body by so much nothing touches it, in metres.
@@ -32,7 +32,7 @@ pub struct Stance {
 }
 
 impl Stance {
-    pub fn of(pose: Pose) -> Self {
+    pub fn new(pose: Pose) -> Self {
         Self { place: pose.position(), facing: pose.direction() }
     }
 }
@@ -48,7 +48,7 @@ pub struct Outline {
 
 impl Outline {
     /// A truck's rectangle about its rear axle, or a Wumpus's square about its pose.
-    pub fn of(body: &Body) -> Self {
+    pub fn new(body: &Body) -> Self {
         match body {
             Body::Truck(body) => Self {
                 half: 0.5 * DVec2::new(body.length_m, body.width_m),
@@ -89,7 +89,7 @@ impl Outline {
 ///
 /// A coarse map of where the circle about such a body can touch anything answers for most places.
 #[derive(Clone, Debug)]
-pub struct Ground {
+pub struct AuditField {
     frame: FieldFrame,
     is_bush: Vec<bool>,
     bush: Cuboid,
@@ -101,12 +101,12 @@ pub struct Ground {
     squares: [usize; 2],
 }
 
-impl Ground {
+impl AuditField {
     /// A field of bushes; cells outside of the frame are ignored.
     pub fn new(frame: FieldFrame, bushes: &[Cell], outline: Outline) -> Self {
         let side_m = frame.cell_m.max(outline.radius_m()) / SQUARES;
         let squares = [frame.width_m(), frame.height_m()].map(|extent| (extent / side_m).ceil().max(1.0) as usize);
-        let mut ground = Self {
+        let mut field = Self {
             frame,
             is_bush: vec![false; frame.cell_count()],
             bush: Cuboid::new(Vector::splat(0.5 * frame.cell_m as f32)),
@@ -116,12 +116,12 @@ impl Ground {
             side_m,
             squares,
         };
-        ground.mark_border();
+        field.mark_border();
         for &cell in bushes.iter().filter(|cell| cell.col < frame.cols && cell.row < frame.rows) {
-            ground.is_bush[frame.index(cell)] = true;
-            ground.mark_bush(cell);
+            field.is_bush[frame.index(cell)] = true;
+            field.mark_bush(cell);
         }
-        ground
+        field
     }
 
     /// How many cells lie under a body, at most.
@@ -232,15 +232,15 @@ mod tests {
     const FRAME: FieldFrame = FieldFrame { cols: 10, rows: 10, cell_m: 5.0 };
 
     fn truck() -> Outline {
-        Outline::of(&Body::Truck(Dimensions::default()))
+        Outline::new(&Body::Truck(Dimensions::default()))
     }
 
     fn stance(x: f64, y: f64, heading: f64) -> Stance {
-        Stance::of(Pose { x, y, heading })
+        Stance::new(Pose { x, y, heading })
     }
 
     fn touch(x: f64, y: f64, heading: f64) -> Option<Touch> {
-        Ground::new(FRAME, &[Cell { col: 5, row: 5 }], truck()).touch(stance(x, y, heading))
+        AuditField::new(FRAME, &[Cell { col: 5, row: 5 }], truck()).touch(stance(x, y, heading))
     }
 
     #[test]
@@ -287,10 +287,10 @@ mod tests {
     fn the_coarse_map_hides_no_touch() {
         let bushes =
             [Cell { col: 5, row: 5 }, Cell { col: 2, row: 7 }, Cell { col: 0, row: 0 }, Cell { col: 9, row: 9 }];
-        for (cell_m, body) in [(5.0, truck()), (0.7, truck()), (40.0, Outline::of(&Body::Square { size_m: 3.0 }))] {
+        for (cell_m, body) in [(5.0, truck()), (0.7, truck()), (40.0, Outline::new(&Body::Square { size_m: 3.0 }))] {
             let frame = FieldFrame { cell_m, ..FRAME };
-            let coarse = Ground::new(frame, &bushes, body);
-            let fine = Ground { is_near: vec![true; coarse.is_near.len()], ..coarse.clone() };
+            let coarse = AuditField::new(frame, &bushes, body);
+            let fine = AuditField { is_near: vec![true; coarse.is_near.len()], ..coarse.clone() };
             for k in 0..40_000 {
                 let share = |step: f64| 1.2 * (f64::from(k) * step).fract() - 0.1;
                 let [x, y] = [0.618_034, 0.414_214].map(|step| share(step) * frame.width_m());
