@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use rand::RngExt;
-use wildfire::audit::{AuditField, MotionLimits, Outline, Stance, SampleStep, audit_leg};
+use wildfire::audit::{AuditField, MotionLimits, Outline, SampleStep, Stance, audit_leg};
 use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::{Cell, FieldFrame, Pose};
 use wildfire::grid::Grid;

@@ -1,6 +1,6 @@
 //! An audit that can fail: runs that were damaged on purpose, one rule each, and the rule that it names.
 
-use wildfire::audit::{Audited, ViolationKind, Violation, SampleStep, Touch, audit_timeline};
+use wildfire::audit::{Audited, SampleStep, Touch, Violation, ViolationKind, audit_timeline};
 use wildfire::geometry::{Cell, Pose};
 use wildfire::scenario;
 use wildfire::sim;
@@ -260,7 +260,10 @@ fn a_jump_is_found() {
         Some(Trajectory::new(leg.start_time(), start, leg.pieces().to_vec()))
     });
     let found = violation(&timeline);
-    assert!(matches!(found.kind, ViolationKind::Discontinuous { metres, .. } if (metres - 0.01).abs() < 1e-9), "{found}");
+    assert!(
+        matches!(found.kind, ViolationKind::Discontinuous { metres, .. } if (metres - 0.01).abs() < 1e-9),
+        "{found}"
+    );
 }
 
 #[test]

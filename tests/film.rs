@@ -7,7 +7,7 @@ use rand::RngExt;
 use wildfire::picture::film::{Fate, Film, Layout, Look, Place, Rectangle, Shot, still};
 use wildfire::rng::{self, Xoshiro256PlusPlus};
 use wildfire::time::SimTime;
-use wildfire::timeline::{Activity, AgentId, Fact, Outcome, CpuSample, Timeline};
+use wildfire::timeline::{Activity, AgentId, CpuSample, Fact, Outcome, Timeline};
 
 /// Ten minutes of trucks and Wumpuses on a field where bushes burn again.
 fn timeline(seed: u64) -> Timeline {

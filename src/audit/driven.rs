@@ -2,7 +2,7 @@
 
 use super::pace::DriveProfile;
 use super::tolerance::Tolerance;
-use super::{ViolationKind, Violation};
+use super::{Violation, ViolationKind};
 use crate::geometry::{Pose, ops};
 use crate::time::SimTime;
 use crate::timeline::{AgentId, AgentStart, Body, Fact, Timeline};

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::tolerance::SAME_POSE;
-use super::{ViolationKind, Violation};
+use super::{Violation, ViolationKind};
 use crate::fire::FireRules;
 use crate::geometry::Cell;
 use crate::time::SimTime;

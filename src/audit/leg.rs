@@ -6,7 +6,7 @@
 use super::field::{AuditField, Stance};
 use super::pace::{DriveProfile, audit_pace};
 use super::tolerance::{SAME_POSE, Tolerance};
-use super::{Audited, ViolationKind, Violation};
+use super::{Audited, Violation, ViolationKind};
 use crate::geometry::{DVec2, Pose, ops};
 use crate::time::SimTime;
 use crate::trajectory::{Piece, SpeedLimits, Trajectory};
@@ -51,7 +51,12 @@ pub struct MotionLimits {
 /// its pieces do not lead to.
 ///
 /// Between two samples a body could dip into a bush by a fraction of the step.
-pub fn audit_leg(field: &AuditField, motion: &MotionLimits, leg: &Trajectory, step: SampleStep) -> Result<Audited, Violation> {
+pub fn audit_leg(
+    field: &AuditField,
+    motion: &MotionLimits,
+    leg: &Trajectory,
+    step: SampleStep,
+) -> Result<Audited, Violation> {
     let pace = motion.limits.map_or(Ok(()), |limits| audit_pace(leg, &limits));
     let tolerance = Tolerance::from_leg(leg);
     let way = LegAudit { field, motion, step, tolerance }.drive(leg).map_err(|broken| Violation {

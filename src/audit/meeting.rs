@@ -2,7 +2,7 @@
 
 use super::driven::DrivenLegs;
 use super::field::{ALLOWED_M, Outline, Stance};
-use super::{ViolationKind, Violation, SampleStep};
+use super::{SampleStep, Violation, ViolationKind};
 use crate::time::SimTime;
 
 /// Looks that one pair of trucks may take.

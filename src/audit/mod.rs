@@ -14,21 +14,21 @@
 //! World frame, metres, seconds. It shares no code with `collision` and `planning`. Wumpuses walk axis-parallel squares
 //! and block nobody.
 
-mod violation;
 mod driven;
-mod fires;
 mod field;
+mod fires;
 mod leg;
 mod meeting;
 mod pace;
 mod run;
 mod suppression;
 mod tolerance;
+mod violation;
 
-pub use violation::{ViolationKind, Violation};
 pub use field::{AuditField, Outline, Stance, Touch};
 pub use leg::{MotionLimits, SampleStep, audit_leg};
 pub use run::{Verdict, audit_timeline};
+pub use violation::{Violation, ViolationKind};
 
 use std::ops::AddAssign;
 

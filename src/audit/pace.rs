@@ -1,6 +1,6 @@
 //! Speeds along a leg: its pieces one by one and where they meet, from their own numbers.
 
-use super::{ViolationKind, Violation};
+use super::{Violation, ViolationKind};
 use crate::geometry::DVec2;
 use crate::time::SimTime;
 use crate::trajectory::{Piece, SpeedLimits, Trajectory};

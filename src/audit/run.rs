@@ -1,12 +1,12 @@
 //! A whole run before the audit.
 
 use super::driven::DrivenLegs;
-use super::fires::audit_fires;
 use super::field::{AuditField, Outline};
+use super::fires::audit_fires;
 use super::leg::{MotionLimits, SampleStep, audit_leg, work_of_pose};
 use super::meeting::{Driver, audit_meetings};
 use super::suppression::audit_acts;
-use super::{Audited, ViolationKind, Violation};
+use super::{Audited, Violation, ViolationKind};
 use crate::time::SimTime;
 use crate::timeline::{AgentStart, Body, Timeline};
 use crate::trajectory::Trajectory;
@@ -48,7 +48,11 @@ pub fn audit_timeline(timeline: &Timeline, step: SampleStep) -> Verdict {
         Err(violation) => violations.push(Some(violation)),
     }
     let knows_limits = setting.rules.fire.is_some() && setting.agents.iter().all(|agent| agent.limits.is_some());
-    Verdict { audited, violation: violations.into_iter().flatten().min_by_key(|violation| violation.time), knows_limits }
+    Verdict {
+        audited,
+        violation: violations.into_iter().flatten().min_by_key(|violation| violation.time),
+        knows_limits,
+    }
 }
 
 fn audit_legs(
@@ -288,7 +292,8 @@ mod tests {
             let mut timeline = timeline.clone();
             timeline.events.insert(4, at(time_s, Fact::Extinguished { cell: beside, by: TRUCK }));
             timeline.events.truncate(5);
-            let kind = audit_timeline(&timeline, SampleStep::default()).violation.expect("it stood five seconds only").kind;
+            let kind =
+                audit_timeline(&timeline, SampleStep::default()).violation.expect("it stood five seconds only").kind;
             assert_eq!(kind == ViolationKind::SecondFire { cell: beside }, is_second, "{kind:?}");
             assert_eq!(matches!(kind, ViolationKind::NotStanding { since, .. } if since == seconds(9.0)), !is_second);
             timeline.setting.rules.extinguishes_all = Some(true);
@@ -330,7 +335,10 @@ mod tests {
         let mut wide = Timeline { setting: setting(), events: vec![lit()] };
         wide.setting.rules.fire.as_mut().expect("it is set").spread_radius_m = 40.1;
         let spared = audit_timeline(&wide, SampleStep::default()).violation.expect("it should have caught fire");
-        assert_eq!((spared.kind, spared.time), (ViolationKind::SparedBySpread { cell: FAR, from: NEAR }, seconds(60.0)));
+        assert_eq!(
+            (spared.kind, spared.time),
+            (ViolationKind::SparedBySpread { cell: FAR, from: NEAR }, seconds(60.0))
+        );
         wide.events.push(spread(60.0));
         assert_eq!(audit_timeline(&wide, SampleStep::default()).violation, None);
     }

@@ -2,7 +2,7 @@
 
 use super::field::{Outline, Stance};
 use super::tolerance::SAME_POSE;
-use super::{ViolationKind, Violation};
+use super::{Violation, ViolationKind};
 use crate::geometry::{Cell, Pose};
 use crate::time::SimTime;
 use crate::timeline::{AgentId, AgentStart, Cause, Event, Fact, Setting, Timeline};

@@ -8,7 +8,7 @@ use crate::geometry::{Cell, Pose};
 use crate::planning::Searched;
 use crate::planning::memory::{BytesAfter, Growing, Held, MemoryMeter};
 use crate::time::SimTime;
-use crate::timeline::{AgentId, Event, Fact, RestReason, CpuSample};
+use crate::timeline::{AgentId, CpuSample, Event, Fact, RestReason};
 use crate::trajectory::Trajectory;
 
 use super::agenda::{Agenda, Call, Due};

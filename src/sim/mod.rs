@@ -26,7 +26,7 @@ use crate::planning::memory::MemoryMeter;
 use crate::scenario::{MemoryEstimate, MemoryExceeded, MemoryLimit, Scenario, TerrainError};
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
-use crate::timeline::{AgentId, EndReason, Fact, Setting, CpuSample, Timeline};
+use crate::timeline::{AgentId, CpuSample, EndReason, Fact, Setting, Timeline};
 
 use agenda::{Agenda, Due, Rank, SimClock};
 use agent::{Ledger, Log, Roster};

@@ -20,7 +20,7 @@ use crate::scenario::{
 };
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
-use crate::timeline::{AgentId, AgentStart, Body, Fact, Rules, Setting, CpuSample};
+use crate::timeline::{AgentId, AgentStart, Body, CpuSample, Fact, Rules, Setting};
 use crate::trajectory::SpeedLimits;
 use crate::vehicle::Dimensions;
 

@@ -3,25 +3,25 @@
 //! The simulation appends facts; windows, pictures, tables and audits read them and nothing else. The facts of one
 //! instant stand in the order in which they happened, and a state or a count at a time is that after all of its facts.
 
-mod progress;
+mod cpu;
 pub mod export;
 mod fact;
 pub mod file;
 mod ledger;
 mod outcome;
+mod progress;
 mod reader;
 mod replay;
 #[cfg(test)]
 mod sample;
 mod setting;
-mod cpu;
 
-pub use progress::Activity;
+pub use cpu::CpuSample;
 pub use fact::{Cause, EndReason, Event, Fact, RestReason};
 pub use outcome::{AgentOutcome, Outcome, Winner};
+pub use progress::Activity;
 pub use replay::{AgentState, Replay, State, Vegetation};
 pub use setting::{AgentId, AgentStart, Body, Rules, Setting};
-pub use cpu::CpuSample;
 
 use serde::{Deserialize, Serialize};
 

@@ -9,7 +9,7 @@ use super::expenses::Expenses;
 use super::history::{History, Tally};
 use super::vegetation::VegetationHistory;
 use crate::time::SimTime;
-use crate::timeline::{AgentId, Event, Fact, CpuSample, State, Timeline};
+use crate::timeline::{AgentId, CpuSample, Event, Fact, State, Timeline};
 
 /// Tells films of one process apart, those that are gone included; painters know by it what they may keep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
