@@ -9,7 +9,7 @@ use wildfire::timeline::{AgentId, Cause, Event, Fact, Timeline, file};
 use wildfire::trajectory::{Piece, Trajectory};
 use wildfire::vehicle::Segment;
 
-const TRUCK: AgentId = AgentId::Unimog(0);
+const TRUCK: AgentId = AgentId::unimog(0);
 
 fn run(name: &str, changes: &[&str]) -> Timeline {
     let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
@@ -135,7 +135,7 @@ fn a_leg_that_begins_micrometres_elsewhere_is_found_in_runs_at_the_limits_too() 
     // The tolerance is 1.01e-6 m and 1.001e-6 rad in the contest; 2e-6 m and 5e-6 rad for the swift truck, and 1.1e-6 m
     // on the far walk.
     let runs =
-        [(contest(), TRUCK, 2e-6, 2e-6), (swift(1), TRUCK, 3e-6, 1e-5), (far(50), AgentId::Wumpus(0), 2e-6, 0.0)];
+        [(contest(), TRUCK, 2e-6, 2e-6), (swift(1), TRUCK, 3e-6, 1e-5), (far(50), AgentId::wumpus(0), 2e-6, 0.0)];
     for (proper, agent, metres, radians) in runs {
         let damaged = |metres: f64, radians: f64| {
             let mut timeline = proper.clone();
@@ -373,7 +373,7 @@ fn a_wumpus_that_runs_or_lights_in_passing_is_found() {
 fn two_trucks_on_one_place_are_found() {
     let mut timeline = run("fleet", &["duration_s=60"]);
     let trucks: Vec<usize> = (0..timeline.setting.agents.len())
-        .filter(|&place| matches!(timeline.setting.agents[place].id, AgentId::Unimog(_)))
+        .filter(|&place| timeline.setting.agents[place].id.role.suppresses())
         .collect();
     let at = timeline.setting.agents[trucks[0]].pose;
     let second = timeline.setting.agents[trucks[1]].id;

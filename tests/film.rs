@@ -136,7 +136,7 @@ fn stepping_meets_every_event_once_forth_and_back() {
 #[test]
 fn cpu_time_until_a_time_is_the_sum_of_what_was_spent() {
     let mut rng = rng("tests/film/spending");
-    let agents = [AgentId::Wumpus(0), AgentId::Unimog(0), AgentId::Unimog(3)];
+    let agents = [AgentId::wumpus(0), AgentId::unimog(0), AgentId::unimog(3)];
     let mut cpu_samples: Vec<CpuSample> = (0..200)
         .map(|_| CpuSample {
             time: SimTime::from_nanos(rng.random_range(0..50)),

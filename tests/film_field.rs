@@ -60,10 +60,10 @@ fn looks() -> Vec<Look> {
         plain.clone(),
         Look { layers: all, ..plain.clone() },
         Look { layers: all.without(Layer::Wavefront), camera: camera(0.3, 0.6, 3.0), ..plain.clone() },
-        Look { follows: Some(AgentId::Unimog(0)), layers: Layers::NONE.with(Layer::Clearance), ..plain.clone() },
+        Look { follows: Some(AgentId::unimog(0)), layers: Layers::NONE.with(Layer::Clearance), ..plain.clone() },
         Look {
             camera: camera(0.5, 0.5, 0.5),
-            selected: Some((0, Selected::Agent(AgentId::Wumpus(0)))),
+            selected: Some((0, Selected::Agent(AgentId::wumpus(0)))),
             ..plain.clone()
         },
         Look { camera: camera(0.9, 0.1, 12.0), layers: Layers::NONE.with(Layer::Paths), ..plain },
@@ -219,7 +219,7 @@ fn what_is_under_the_mouse_is_what_is_drawn_there() {
 #[test]
 fn who_is_followed_is_in_the_middle() {
     let film = film(1, &[]);
-    for agent in [AgentId::Wumpus(0), AgentId::Unimog(0)] {
+    for agent in [AgentId::wumpus(0), AgentId::unimog(0)] {
         let look = Look { follows: Some(agent), ..Look::default() };
         for time_s in [0.0, 33.0, 80.0] {
             let state = film.state_at(seconds(time_s));

@@ -43,7 +43,7 @@ impl Viewer<'_> {
                 let centre = DVec2::new(rng.random_range(0.0..=1.0), rng.random_range(0.0..=1.0));
                 self.look.camera = Camera { centre, zoom: [0.5, 1.0, 1.7, 3.0, 6.0, 200.0][rng.random_range(0..6)] };
             }
-            7 => self.look.follows = [None, Some(AgentId::Unimog(0)), Some(AgentId::Unimog(9))][rng.random_range(0..3)],
+            7 => self.look.follows = [None, Some(AgentId::unimog(0)), Some(AgentId::unimog(9))][rng.random_range(0..3)],
             8 => self.look.selected = self.selected(),
             9 => self.look.shows_help = !self.look.shows_help,
             10 => self.look.status = self.status(),
@@ -57,7 +57,7 @@ impl Viewer<'_> {
     fn selected(&mut self) -> Option<(usize, Selected)> {
         let setting = &self.films[0].timeline().setting;
         let bush = setting.bushes[self.rng.random_range(0..setting.bushes.len())];
-        let agents = [AgentId::Wumpus(0), AgentId::Unimog(0), AgentId::Wumpus(7)];
+        let agents = [AgentId::wumpus(0), AgentId::unimog(0), AgentId::wumpus(7)];
         let all =
             agents.map(Selected::Agent).into_iter().chain([bush, Cell { col: 999, row: 999 }].map(Selected::Bush));
         let selected = all.map(Some).chain([None]).nth(self.rng.random_range(0..6)).flatten();
@@ -179,6 +179,6 @@ fn a_field_of_one_cell_without_time_can_be_shown() {
 fn a_crowd_can_be_shown() {
     let mut timeline = timeline(1, &[]);
     let truck = *timeline.setting.agents.last().expect("there is a truck");
-    timeline.setting.agents.extend((1..10).map(|number| AgentStart { id: AgentId::Unimog(number), ..truck }));
+    timeline.setting.agents.extend((1..10).map(|number| AgentStart { id: AgentId::unimog(number), ..truck }));
     assert_can_be_shown(timeline, (900, 500));
 }

@@ -142,7 +142,7 @@ fn local_searches_begin_where_the_truck_stands_and_hang_together() {
     for planner in TruckPlannerKind::ALL {
         let timeline = record(&driven_by(planner), 2).timeline;
         let mut searched = 0;
-        for (graphs, event) in plans(&timeline, AgentId::Unimog(0)) {
+        for (graphs, event) in plans(&timeline, AgentId::unimog(0)) {
             let Some((_, graph)) = graphs.iter().find(|(phase, _)| *phase == SearchPhase::Local) else { continue };
             let stands = timeline.state_at(event.time).agents[1].pose;
             assert_eq!(graph.places[0], place(stands), "{planner} at {}", event.time);
@@ -163,7 +163,7 @@ fn local_searches_begin_where_the_truck_stands_and_hang_together() {
 fn a_walks_graph_has_an_edge_for_every_expansion_and_leads_to_where_it_ends() {
     let timeline = record(&contest(), 6).timeline;
     let mut walks = 0;
-    for (graphs, event) in plans(&timeline, AgentId::Wumpus(0)) {
+    for (graphs, event) in plans(&timeline, AgentId::wumpus(0)) {
         let Fact::Planned { trajectory, effort, .. } = &event.fact else { continue };
         let [(SearchPhase::Walk, graph)] = graphs[..] else { panic!("one search for a walk") };
         assert_eq!(graph.edges.len() as u32, effort.local_expansions);
@@ -179,7 +179,7 @@ fn a_walks_graph_has_an_edge_for_every_expansion_and_leads_to_where_it_ends() {
 fn all_that_a_wave_settles_leads_back_to_where_it_began() {
     let timeline = record(&crowd(), 6).timeline;
     let (mut waves, mut descents) = (0, 0);
-    for (graphs, event) in plans(&timeline, AgentId::Wumpus(1)) {
+    for (graphs, event) in plans(&timeline, AgentId::wumpus(1)) {
         let Fact::Planned { trajectory, effort, .. } = &event.fact else { continue };
         let [(SearchPhase::Walk, graph)] = graphs[..] else { panic!("one search for a walk") };
         assert_eq!(graph.places.len() as u32, effort.local_expansions);
@@ -191,7 +191,7 @@ fn all_that_a_wave_settles_leads_back_to_where_it_began() {
         assert!(graph.places.contains(&place(trajectory.start())) && graph.places.contains(&place(trajectory.end())));
         waves += 1;
     }
-    for (graphs, event) in plans(&timeline, AgentId::Wumpus(2)) {
+    for (graphs, event) in plans(&timeline, AgentId::wumpus(2)) {
         let Fact::Planned { trajectory, .. } = &event.fact else { continue };
         let [(SearchPhase::Walk, graph)] = graphs[..] else { panic!("one descent for a walk") };
         assert!(is_connected(graph));
@@ -221,7 +221,7 @@ fn queries_settle_what_they_expand_and_the_roadmap_is_told_with_its_size() {
         assert!(planner == TruckPlannerKind::PrmRs || graph.edges.len() == most, "its lines are all free");
         assert!(graph.edges.len() > 1_000, "{planner}: {} of {edges} edges", graph.edges.len());
         let mut queries = 0;
-        for (graphs, event) in plans(&timeline, AgentId::Unimog(0)) {
+        for (graphs, event) in plans(&timeline, AgentId::unimog(0)) {
             let (Fact::Planned { effort, .. } | Fact::PlanFailed { effort, .. }) = event.fact else { continue };
             let Some((_, graph)) = graphs.iter().find(|(phase, _)| *phase == SearchPhase::Query) else { continue };
             // A milestone in the goal is settled and not expanded; prm-rs settles one in both directions of driving.

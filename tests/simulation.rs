@@ -11,7 +11,7 @@ use wildfire::scenario::{
 };
 use wildfire::sim::{self, Simulation};
 use wildfire::time::SimTime;
-use wildfire::timeline::{AgentId, Cause, EndReason, Event, Fact, Outcome, RestReason, Timeline};
+use wildfire::timeline::{AgentId, Cause, EndReason, Event, Fact, Outcome, RestReason, Role, Timeline};
 
 /// The contest with nobody on the field.
 fn empty_contest() -> Scenario {
@@ -165,7 +165,7 @@ fn two_trucks_never_have_the_same_goal() {
         let mut goals: Vec<(AgentId, Cell)> = Vec::new();
         for Event { fact, time } in run(&scenario, seed).events {
             match fact {
-                Fact::Planned { agent: agent @ AgentId::Unimog(_), goal, .. } => {
+                Fact::Planned { agent: agent @ AgentId { role: Role::Unimog, .. }, goal, .. } => {
                     assert!(goals.iter().all(|&(_, other)| other != goal), "seed {seed} at {time}: {goal} twice");
                     goals.push((agent, goal));
                 }
@@ -239,10 +239,10 @@ fn a_truck_that_reconsiders_never_drops_a_goal_to_choose_it_again() {
         let mut dropped = None;
         for Event { time, fact } in run(&scenario, seed).events {
             match fact {
-                Fact::Dropped { agent: AgentId::Unimog(_), goal, .. } => dropped = Some(goal),
+                Fact::Dropped { agent: AgentId { role: Role::Unimog, .. }, goal, .. } => dropped = Some(goal),
                 // Another goal seemed better until its plan failed.
                 Fact::PlanFailed { .. } => dropped = None,
-                Fact::Planned { agent: AgentId::Unimog(_), goal, .. } => {
+                Fact::Planned { agent: AgentId { role: Role::Unimog, .. }, goal, .. } => {
                     drops += u32::from(dropped.is_some());
                     assert_ne!(dropped.take(), Some(goal), "seed {seed} at {time}");
                 }
@@ -266,7 +266,7 @@ fn nobody_acts_before_its_planning_time_is_over() {
     let timeline = run(&scenario, 5);
     let mut charged = 0;
     for Event { time, fact } in &timeline.events {
-        if let Fact::Planned { agent: AgentId::Unimog(_), trajectory, effort, .. } = fact {
+        if let Fact::Planned { agent: AgentId { role: Role::Unimog, .. }, trajectory, effort, .. } = fact {
             let seconds = 0.2 * f64::from(effort.roadmap_expansions) + 0.3 * f64::from(effort.local_expansions);
             assert_eq!(trajectory.start_time(), *time + SimTime::from_seconds(seconds));
             charged += u32::from(seconds > 0.0);
@@ -280,7 +280,7 @@ fn a_wumpus_that_drops_its_goal_stops_on_its_lattice() {
     let timeline = run(&contest(), 6);
     let mut drops = 0;
     for Event { fact, .. } in &timeline.events {
-        if let Fact::Dropped { agent: AgentId::Wumpus(_), trajectory, .. } = fact {
+        if let Fact::Dropped { agent: AgentId { role: Role::Wumpus, .. }, trajectory, .. } = fact {
             let end = trajectory.end().position();
             let centre = timeline.setting.frame.centre(timeline.setting.frame.cell_at(end).expect("on the field"));
             assert!((end - centre).length() < 1e-9, "{end} is not a cell's centre");
@@ -295,7 +295,7 @@ fn planners_do_not_change_the_arsonists_order_of_goals() {
     let alone = Scenario { unimog: Vec::new(), ..contest() };
     let lit = |timeline: &Timeline| {
         timeline.events.iter().find_map(|event| match event.fact {
-            Fact::Planned { agent: AgentId::Wumpus(0), goal, .. } => Some(goal),
+            Fact::Planned { agent: AgentId { role: Role::Wumpus, number: 0 }, goal, .. } => Some(goal),
             _ => None,
         })
     };

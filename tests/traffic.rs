@@ -4,7 +4,7 @@ use wildfire::geometry::{Cell, OrientedRect, Pose};
 use wildfire::scenario::{GivenField, Ignition, IgnitionCells, Scenario, SpreadFrom, StartPose, Unimog};
 use wildfire::sim;
 use wildfire::time::SimTime;
-use wildfire::timeline::{Activity, AgentId, Body, Fact, Outcome, Replay, Timeline};
+use wildfire::timeline::{Activity, AgentId, Body, Fact, Outcome, Replay, Role, Timeline};
 use wildfire::trajectory::{Piece, Trajectory};
 use wildfire::vehicle::Dimensions;
 
@@ -99,7 +99,8 @@ fn a_crowd_on_a_dense_field_never_overlaps() {
         let outcome = Outcome::new(&timeline);
         assert_eq!(outcome.truck_stuck_s, 0.0, "seed {seed}");
         waits += usize::from(outcome.agents.iter().any(|agent| agent.waiting_s > 0.0));
-        drops += count(&timeline, |fact| matches!(fact, Fact::Dropped { agent: AgentId::Unimog(_), .. }));
+        drops +=
+            count(&timeline, |fact| matches!(fact, Fact::Dropped { agent: AgentId { role: Role::Unimog, .. }, .. }));
     }
     assert!(waits > 10 && drops > 100, "{waits} runs with waits, {drops} drives broken off");
 }
@@ -160,13 +161,13 @@ fn a_planted_meeting_is_found() {
     let trucks = [(body, Pose::new(20.0, 62.5, 0.0)), (body, Pose::new(62.5, 20.0, std::f64::consts::FRAC_PI_2))];
     let mut timeline = run(&drill(&open_field(24, &[east, north]), 5.0, &trucks, &[(0.0, east), (0.001, north)]), 1);
     for event in &mut timeline.events {
-        if let Fact::Planned { agent: AgentId::Unimog(1), trajectory, .. } = &mut event.fact {
+        if let Fact::Planned { agent: AgentId { role: Role::Unimog, number: 1 }, trajectory, .. } = &mut event.fact {
             let at_once = trajectory.pieces().iter().filter(|piece| !matches!(piece, Piece::Wait { .. })).copied();
             *trajectory = Trajectory::new(trajectory.start_time(), trajectory.start(), at_once.collect());
         }
     }
     let (time, one, other) = first_overlap(&timeline).expect("without its wait it runs into the other");
-    assert_eq!((one, other), (AgentId::Unimog(0), AgentId::Unimog(1)));
+    assert_eq!((one, other), (AgentId::unimog(0), AgentId::unimog(1)));
     assert!(time.as_seconds() > 3.0 && time.as_seconds() < 7.0, "{time}");
 }
 
@@ -210,13 +211,13 @@ fn who_gives_way(nimble_first: bool) -> Vec<AgentId> {
 
 #[test]
 fn of_two_trucks_that_face_each_other_the_larger_number_gives_way() {
-    assert_eq!(who_gives_way(true), [AgentId::Unimog(1)]);
+    assert_eq!(who_gives_way(true), [AgentId::unimog(1)]);
 }
 
 #[test]
 fn who_cannot_give_way_is_given_way_to() {
     // The nimble truck stands at the dead end: only the other one can leave.
-    assert_eq!(who_gives_way(false), [AgentId::Unimog(0)]);
+    assert_eq!(who_gives_way(false), [AgentId::unimog(0)]);
 }
 
 #[test]
@@ -230,7 +231,8 @@ fn a_truck_that_rests_in_a_gate_gives_way() {
     let outcome = assert_goes_well(&timeline);
     assert_eq!((outcome.agents[0].deadlocks, outcome.agents[1].deadlocks), (1, 0));
     assert_eq!((outcome.agents[0].cells, outcome.agents[1].cells), (0, 1));
-    let blocked = |fact: &Fact| matches!(fact, Fact::Blocked { agent: AgentId::Unimog(1), by: AgentId::Unimog(0), .. });
+    let (first, second) = (AgentId::unimog(0), AgentId::unimog(1));
+    let blocked = |fact: &Fact| matches!(*fact, Fact::Blocked { agent, by, .. } if (agent, by) == (second, first));
     assert_eq!(count(&timeline, blocked), 1);
     let rests_at = timeline.state_at(timeline.end_time()).agents[0].pose;
     assert!(rests_at.position().distance(gate.position()) > 3.0, "{rests_at:?}");

@@ -94,8 +94,8 @@ mod tests {
     use crate::trajectory::SpeedLimits;
     use crate::vehicle::{Dimensions, Path, Segment};
 
-    const TRUCK: AgentId = AgentId::Unimog(0);
-    const SECOND: AgentId = AgentId::Unimog(1);
+    const TRUCK: AgentId = AgentId::unimog(0);
+    const SECOND: AgentId = AgentId::unimog(1);
     const NEAR: Cell = Cell { col: 10, row: 10 };
     const FAR: Cell = Cell { col: 10, row: 18 };
     const LIMITS: SpeedLimits = SpeedLimits {
@@ -368,7 +368,7 @@ mod tests {
     #[test]
     fn an_unknown_truck_is_found() {
         let fire = ignited(0.0, NEAR, Cause::Scheduled);
-        let by = AgentId::Unimog(7);
+        let by = AgentId::unimog(7);
         assert_eq!(kind(vec![fire, at(1.0, Fact::Extinguished { cell: NEAR, by })]), ViolationKind::WrongAgent);
     }
 

@@ -56,15 +56,16 @@ impl Actor {
     }
 
     fn light(&self, cell: Cell, time: SimTime) -> Result<(), ViolationKind> {
-        match self.id {
-            AgentId::Unimog(_) => Err(ViolationKind::WrongAgent),
-            AgentId::Wumpus(_) if self.stands_since > time => Err(ViolationKind::LitInPassing { cell }),
-            AgentId::Wumpus(_) => Ok(()),
+        if !self.id.role.lights() {
+            return Err(ViolationKind::WrongAgent);
         }
+        if self.stands_since > time { Err(ViolationKind::LitInPassing { cell }) } else { Ok(()) }
     }
 
     fn extinguish(&mut self, setting: &Setting, cell: Cell, time: SimTime) -> Result<(), ViolationKind> {
-        let AgentId::Unimog(_) = self.id else { return Err(ViolationKind::WrongAgent) };
+        if !self.id.role.suppresses() {
+            return Err(ViolationKind::WrongAgent);
+        }
         let (rules, dwell) = (&setting.rules, setting.rules.suppression_dwell);
         let is_same_stop = self.served == Some(time) && dwell > SimTime::ZERO;
         if is_same_stop && rules.extinguishes_all == Some(false) {

@@ -61,7 +61,7 @@ impl CpuSplit {
 }
 
 fn is_truck(agent: AgentId) -> bool {
-    matches!(agent, AgentId::Unimog(_))
+    agent.role.suppresses()
 }
 
 fn all_phases(agent: &AgentCost) -> Duration {
@@ -95,9 +95,9 @@ mod tests {
             terrain: Duration::from_millis(7),
             clearance_field: Duration::from_millis(11),
             agents: vec![
-                agent_cost(AgentId::Wumpus(0), 100),
-                agent_cost(AgentId::Unimog(0), 10),
-                agent_cost(AgentId::Unimog(1), 1),
+                agent_cost(AgentId::wumpus(0), 100),
+                agent_cost(AgentId::unimog(0), 10),
+                agent_cost(AgentId::unimog(1), 1),
             ],
             total: Duration::from_secs(2),
         };

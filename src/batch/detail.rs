@@ -70,7 +70,7 @@ impl TryFrom<CallFields> for PlannerCall {
             (_, Some(_)) => return Err("a plan has no failure"),
         };
         Ok(Self {
-            agent: if agent % 2 == 0 { AgentId::Wumpus(number) } else { AgentId::Unimog(number) },
+            agent: if agent % 2 == 0 { AgentId::wumpus(number) } else { AgentId::unimog(number) },
             time: SimTime::from_nanos(nanos),
             goal: (col, row),
             answer,
@@ -81,10 +81,7 @@ impl TryFrom<CallFields> for PlannerCall {
 
 impl From<PlannerCall> for CallFields {
     fn from(call: PlannerCall) -> Self {
-        let agent = match call.agent {
-            AgentId::Wumpus(number) => 2 * u32::from(number),
-            AgentId::Unimog(number) => 2 * u32::from(number) + 1,
-        };
+        let agent = 2 * u32::from(call.agent.number) + u32::from(call.agent.role.suppresses());
         let place_of = |failure| PlanFailure::ALL.iter().position(|known| *known == failure);
         let failure = call.answer.err().map_or(0, |failure| 1 + place_of(failure).expect("all failures are listed"));
         let plan = call.answer.ok();

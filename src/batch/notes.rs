@@ -2,7 +2,6 @@
 
 use crate::batch::RunResult;
 use crate::planning::is_hardly_connected;
-use crate::timeline::AgentId;
 
 /// Returns sentences about the agents of a run whose plans could hardly succeed, in the order of the agents.
 pub fn notes(result: &RunResult) -> Vec<String> {
@@ -10,14 +9,14 @@ pub fn notes(result: &RunResult) -> Vec<String> {
     let notes = outcome.agents.iter().filter_map(|agent| {
         let (name, bushes) = (agent.agent, outcome.obstacles);
         let (milestones, components) = (agent.roadmap_samples, agent.roadmap_components);
-        match name {
-            AgentId::Wumpus(_) if bushes > 0 && agent.out_of_reach == bushes => {
-                Some(format!("{name} can light nothing: none of the {bushes} bushes is in its reach."))
-            }
-            AgentId::Unimog(_) if is_hardly_connected(milestones, components) => Some(format!(
+        if name.role.lights() && bushes > 0 && agent.out_of_reach == bushes {
+            Some(format!("{name} can light nothing: none of the {bushes} bushes is in its reach."))
+        } else if name.role.suppresses() && is_hardly_connected(milestones, components) {
+            Some(format!(
                 "The roadmap of {name} is hardly connected: {milestones} milestones in {components} components."
-            )),
-            _ => None,
+            ))
+        } else {
+            None
         }
     });
     notes.collect()
@@ -27,16 +26,16 @@ pub fn notes(result: &RunResult) -> Vec<String> {
 mod tests {
     use super::*;
     use crate::sim::RunCost;
-    use crate::timeline::{AgentOutcome, Outcome};
+    use crate::timeline::{AgentId, AgentOutcome, Outcome};
 
     #[test]
     fn agents_that_can_do_nothing_are_named_and_others_are_not() {
         let wumpus =
-            |number, out_of_reach| AgentOutcome { out_of_reach, ..AgentOutcome::idle(AgentId::Wumpus(number)) };
+            |number, out_of_reach| AgentOutcome { out_of_reach, ..AgentOutcome::idle(AgentId::wumpus(number)) };
         let truck = |number, roadmap_samples, roadmap_components| AgentOutcome {
             roadmap_samples,
             roadmap_components,
-            ..AgentOutcome::idle(AgentId::Unimog(number))
+            ..AgentOutcome::idle(AgentId::unimog(number))
         };
         let agents = vec![
             wumpus(0, 247),

@@ -10,7 +10,7 @@ use crate::batch::{CpuSplit, RunDetail, Value};
 use crate::input_file::list_of_at_most;
 use crate::scenario::Scenario;
 use crate::sim::RunCost;
-use crate::timeline::{AgentId, AgentOutcome, Outcome};
+use crate::timeline::{AgentOutcome, Outcome};
 
 /// How a run went.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -120,10 +120,10 @@ impl RunResult {
     }
 
     pub fn trucks(&self) -> impl Iterator<Item = &AgentOutcome> {
-        self.outcome.agents.iter().filter(|agent| matches!(agent.agent, AgentId::Unimog(_)))
+        self.outcome.agents.iter().filter(|agent| agent.agent.role.suppresses())
     }
 
     pub fn wumpuses(&self) -> impl Iterator<Item = &AgentOutcome> {
-        self.outcome.agents.iter().filter(|agent| matches!(agent.agent, AgentId::Wumpus(_)))
+        self.outcome.agents.iter().filter(|agent| agent.agent.role.lights())
     }
 }

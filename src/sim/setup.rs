@@ -58,7 +58,7 @@ pub fn build(
     let mut roster = Roster::default();
     let mut starts = Vec::new();
     for (number, settings) in scenario.wumpus.iter().enumerate() {
-        let id = AgentId::Wumpus(number as u16);
+        let id = AgentId::wumpus(number as u16);
         let (agent, mut wumpus) = place_wumpus(id, settings, &terrain, seed, &mut log)?;
         if records_searches {
             wumpus.planner.record_searches();
@@ -71,7 +71,7 @@ pub fn build(
     }
     let mut parked = Vec::new();
     for (number, settings) in scenario.unimog.iter().enumerate() {
-        let id = AgentId::Unimog(number as u16);
+        let id = AgentId::unimog(number as u16);
         let (agent, mut truck) = place_truck(id, (settings, scenario), (&field, memory), &parked, seed, &mut log)?;
         if records_searches {
             truck.planner.record_searches();
@@ -246,8 +246,7 @@ fn place_truck(
     if start != wanted {
         log.add(SimTime::ZERO, Fact::StartMoved { agent: id, from: wanted });
     }
-    let AgentId::Unimog(number) = id else { unreachable!("trucks are Unimogs") };
-    let planner = settings.build_planner(&checker, memory, seed, number.into());
+    let planner = settings.build_planner(&checker, memory, seed, id.number.into());
     let report = planner.build_report();
     if report.samples > 0 {
         let BuildReport { samples, edges, components, .. } = report;

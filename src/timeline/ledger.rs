@@ -127,7 +127,7 @@ impl<'a> AgentLedger<'a> {
     }
 
     pub fn is_truck(&self) -> bool {
-        matches!(self.outcome.agent, AgentId::Unimog(_))
+        self.outcome.agent.role.suppresses()
     }
 
     pub fn record_change(&mut self, BushChange { bush, from, to }: BushChange) {

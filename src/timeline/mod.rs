@@ -3,6 +3,7 @@
 //! The simulation appends facts; windows, pictures, tables and audits read them and nothing else. The facts of one
 //! instant stand in the order in which they happened, and a state or a count at a time is that after all of its facts.
 
+mod agent_id;
 mod cpu;
 pub mod export;
 mod fact;
@@ -16,12 +17,13 @@ mod replay;
 mod sample;
 mod setting;
 
+pub use agent_id::{AgentId, Role};
 pub use cpu::CpuSample;
 pub use fact::{Cause, EndReason, Event, Fact, RestReason};
 pub use outcome::{AgentOutcome, Outcome, Winner};
 pub use progress::Activity;
 pub use replay::{AgentState, Replay, State, Vegetation};
-pub use setting::{AgentId, AgentStart, Body, Rules, Setting};
+pub use setting::{AgentStart, Body, Rules, Setting};
 
 use serde::{Deserialize, Serialize};
 

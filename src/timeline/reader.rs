@@ -1,7 +1,7 @@
 //! Reads a run once from its facts to its outcome.
 
 use super::ledger::{AgentLedger, BushLedger};
-use super::{Activity, AgentId, Cause, Event, Fact, Outcome, Replay, Timeline};
+use super::{Activity, Cause, Event, Fact, Outcome, Replay, Timeline};
 use crate::time::SimTime;
 
 /// Goes through a timeline once, instant by instant, and keeps the books.
@@ -105,7 +105,7 @@ impl<'a> Reader<'a> {
         let rules = &self.timeline.setting.rules;
         let agents: Vec<_> = self.agents.into_iter().map(AgentLedger::conclude).collect();
         let stuck_s = |truck: bool| {
-            let of_kind = agents.iter().filter(|agent| matches!(agent.agent, AgentId::Unimog(_)) == truck);
+            let of_kind = agents.iter().filter(|agent| agent.agent.role.suppresses() == truck);
             // Not `sum`, which makes -0 of nothing.
             of_kind.fold(0.0, |total, agent| total + agent.stuck_s)
         };
@@ -128,7 +128,7 @@ impl<'a> Reader<'a> {
 mod tests {
     use super::super::sample::{self, seconds};
     use super::*;
-    use crate::timeline::Vegetation;
+    use crate::timeline::{AgentId, Vegetation};
 
     /// All times at which facts, legs or charged planning begin or end, the end of the run last.
     fn instants(timeline: &Timeline) -> Vec<SimTime> {
@@ -168,9 +168,12 @@ mod tests {
                 peak = peak.max(burning);
                 for (index, agent) in state.agents.iter().enumerate() {
                     let wanted: Vec<_> = (0..state.bushes.len())
-                        .filter(|&bush| match agent.id {
-                            AgentId::Wumpus(_) => state.bushes[bush] == Vegetation::Intact,
-                            AgentId::Unimog(_) => state.bushes[bush].burns(),
+                        .filter(|&bush| {
+                            if agent.id.role.suppresses() {
+                                state.bushes[bush].burns()
+                            } else {
+                                state.bushes[bush] == Vegetation::Intact
+                            }
                         })
                         .collect();
                     let stands = agent.activity == Activity::Standing;

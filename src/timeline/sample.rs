@@ -14,9 +14,9 @@ use crate::time::SimTime;
 use crate::trajectory::{Piece, SpeedLimits, Trajectory};
 use crate::vehicle::{Dimensions, Path, Segment};
 
-pub const WUMPUS: AgentId = AgentId::Wumpus(0);
-pub const TRUCK: AgentId = AgentId::Unimog(0);
-pub const SECOND_TRUCK: AgentId = AgentId::Unimog(1);
+pub const WUMPUS: AgentId = AgentId::wumpus(0);
+pub const TRUCK: AgentId = AgentId::unimog(0);
+pub const SECOND_TRUCK: AgentId = AgentId::unimog(1);
 
 /// The bushes of the small field, in their order.
 pub const A: Cell = Cell { col: 1, row: 1 };
@@ -72,9 +72,10 @@ pub fn ignited(cell: Cell) -> Fact {
 
 pub fn small_setting(agents: &[AgentId]) -> Setting {
     let start = |&id: &AgentId| {
-        let (pose, body) = match id {
-            AgentId::Wumpus(_) => (Pose::new(22.5, 22.5, 0.0), Body::Square { size_m: 3.0 }),
-            AgentId::Unimog(_) => (Pose::new(10.0, 30.0, 0.0), Body::Truck(Dimensions::default())),
+        let (pose, body) = if id.role.drives() {
+            (Pose::new(10.0, 30.0, 0.0), Body::Truck(Dimensions::default()))
+        } else {
+            (Pose::new(22.5, 22.5, 0.0), Body::Square { size_m: 3.0 })
         };
         AgentStart { id, pose, body, limits: Some(LIMITS) }
     };

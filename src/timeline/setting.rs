@@ -1,30 +1,13 @@
 //! Where a run takes place, between whom, and under which rules.
 
-use std::fmt;
-
 use serde::{Deserialize, Serialize};
 
+use super::AgentId;
 use crate::fire::FireRules;
 use crate::geometry::{Cell, DVec2, FieldFrame, Pose};
 use crate::time::SimTime;
 use crate::trajectory::SpeedLimits;
 use crate::vehicle::Dimensions;
-
-/// One agent of a run: its kind and its number among those of its kind, from 0.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub enum AgentId {
-    Wumpus(u16),
-    Unimog(u16),
-}
-
-impl fmt::Display for AgentId {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Wumpus(number) => write!(f, "wumpus/{number}"),
-            Self::Unimog(number) => write!(f, "unimog/{number}"),
-        }
-    }
-}
 
 /// The body of an agent.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

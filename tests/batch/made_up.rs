@@ -33,7 +33,7 @@ pub fn plan(seeds: &str, record: Record) -> BatchPlan {
 /// Ten bushes, of which the Wumpus lights some and the truck puts some of those out, as the seed says.
 fn made_up_timeline(seed: u64) -> Timeline {
     let bushes: Vec<Cell> = (0..10).map(|col| Cell { col, row: 3 }).collect();
-    let (wumpus, truck) = (AgentId::Wumpus(0), AgentId::Unimog(0));
+    let (wumpus, truck) = (AgentId::wumpus(0), AgentId::unimog(0));
     let start = |id, x, body| AgentStart { id, pose: Pose::new(x, 50.0, 0.0), body, limits: None };
     let lit = (seed % 7) as usize;
     let at = |second: usize, fact| Event { time: SimTime::from_seconds(second as f64), fact };
@@ -76,7 +76,7 @@ fn made_up_timeline(seed: u64) -> Timeline {
 pub fn made_up_run(_: &Scenario, seed: u64) -> Result<Run, RunError> {
     assert!(seed % 100 != 13, "thirteen,\n\"unlucky\"");
     if seed % 10 == 8 {
-        return Err(RunError::NoFreeStart { agent: AgentId::Wumpus(0) });
+        return Err(RunError::NoFreeStart { agent: AgentId::wumpus(0) });
     }
     let part = Duration::from_micros(seed % 1000);
     let cost = |agent| AgentCost {
@@ -90,7 +90,7 @@ pub fn made_up_run(_: &Scenario, seed: u64) -> Result<Run, RunError> {
     let cost = RunCost {
         terrain: part,
         clearance_field: part,
-        agents: vec![cost(AgentId::Wumpus(0)), cost(AgentId::Unimog(0))],
+        agents: vec![cost(AgentId::wumpus(0)), cost(AgentId::unimog(0))],
         total: part * 20,
     };
     Ok(Run { timeline: made_up_timeline(seed), cost, cpu_samples: Vec::new() })

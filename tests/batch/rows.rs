@@ -77,7 +77,7 @@ fn failed_run_is_a_row_with_its_reason_and_without_numbers() {
     let report = run(scratch.path(), "7..9", 1);
     assert_eq!((report.tally.done, report.tally.failed, report.tally.panicked), (2, 1, 0));
     let (_, rows) = rows(&scratch.path().join("runs.csv"));
-    let reason = RunError::NoFreeStart { agent: AgentId::Wumpus(0) }.to_string();
+    let reason = RunError::NoFreeStart { agent: AgentId::wumpus(0) }.to_string();
     let planner = Unimog::default().planner.name();
     assert_eq!(rows[1][..6], ["made-up", "8", "2", planner, "failed", &reason]);
     let (numbers, wall) = rows[1][6..].split_at(rows[1].len() - 7);

@@ -114,8 +114,8 @@ fn outcome(row: &FinishedRow, scenario: &Scenario) -> Outcome {
     )]
     let count = |column| row.number_or_zero(column) as u32;
     let agent = |id: fn(u16) -> AgentId| move |number| AgentOutcome::idle(id(number));
-    let agents = (0..).take(scenario.wumpus.len()).map(agent(AgentId::Wumpus));
-    let trucks = (0..).take(scenario.unimog.len()).map(agent(AgentId::Unimog));
+    let agents = (0..).take(scenario.wumpus.len()).map(agent(AgentId::wumpus));
+    let trucks = (0..).take(scenario.unimog.len()).map(agent(AgentId::unimog));
     Outcome {
         obstacles: count("obstacles"),
         intact: count("intact"),

@@ -122,8 +122,8 @@ impl FromStr for LayerChange {
 fn parse_agent(text: &str) -> Result<AgentId, String> {
     let (kind, number) = text.split_once('/').unwrap_or((text, "0"));
     let agent = match (kind, number.parse()) {
-        ("wumpus", Ok(number)) => Some(AgentId::Wumpus(number)),
-        ("unimog" | "truck", Ok(number)) => Some(AgentId::Unimog(number)),
+        ("wumpus", Ok(number)) => Some(AgentId::wumpus(number)),
+        ("unimog" | "truck", Ok(number)) => Some(AgentId::unimog(number)),
         _ => None,
     };
     agent.ok_or_else(|| "expected an agent, such as unimog/0 or wumpus/0".into())
@@ -190,8 +190,8 @@ mod tests {
 
     #[test]
     fn agents_and_bushes_are_told_apart() {
-        assert_eq!(parse_selected("unimog/2"), Ok(Selected::Agent(AgentId::Unimog(2))));
-        assert_eq!(parse_selected("wumpus"), Ok(Selected::Agent(AgentId::Wumpus(0))));
+        assert_eq!(parse_selected("unimog/2"), Ok(Selected::Agent(AgentId::unimog(2))));
+        assert_eq!(parse_selected("wumpus"), Ok(Selected::Agent(AgentId::wumpus(0))));
         assert_eq!(parse_selected("7, 31"), Ok(Selected::Bush(Cell { col: 7, row: 31 })));
         for text in ["", "bush", "7", "7,-1", "unimog/x", "unimog/70000", "7,31,2"] {
             assert!(parse_selected(text).is_err(), "{text}");

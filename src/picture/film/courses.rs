@@ -167,7 +167,7 @@ mod tests {
 
     const CELLS: [Cell; 4] =
         [Cell { col: 1, row: 1 }, Cell { col: 2, row: 1 }, Cell { col: 3, row: 1 }, Cell { col: 5, row: 5 }];
-    const TRUCK: AgentId = AgentId::Unimog(0);
+    const TRUCK: AgentId = AgentId::unimog(0);
 
     fn seconds(seconds: f64) -> SimTime {
         SimTime::from_seconds(seconds)

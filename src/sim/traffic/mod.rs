@@ -171,7 +171,7 @@ mod tests {
         let north = Pose::new(0.0, -24.0, std::f64::consts::FRAC_PI_2);
         let leg = straight(passes_s - 3.0, north, 80.0);
         let body = Dimensions::default();
-        let reservation = Reservation { entity: other, id: AgentId::Unimog(1), body, leg, is_idle: false };
+        let reservation = Reservation { entity: other, id: AgentId::unimog(1), body, leg, is_idle: false };
         (straight(0.0, Pose::new(-40.0, 0.0, 0.0), 100.0), reservation, entity)
     }
 
@@ -207,7 +207,7 @@ mod tests {
         other.leg = straight(0.0, Pose::new(0.0, -30.0, std::f64::consts::FRAC_PI_2), 29.0);
         let (body, others) = (Dimensions::default(), [other]);
         let traffic = Traffic::new(&others, entity);
-        assert_eq!(traffic.departure(&body, &leg), Err(AgentId::Unimog(1)));
+        assert_eq!(traffic.departure(&body, &leg), Err(AgentId::unimog(1)));
         let free_m = traffic.free_m(&body, &leg).expect("it stands on the way");
         assert!(free_m > 33.0 && free_m < 35.0, "{free_m}");
     }

@@ -8,7 +8,7 @@ use crate::picture::colours::{PAPER, Rgb, UNIMOG, WUMPUS};
 use crate::picture::marks::to_f32;
 use crate::picture::text::{self, Align};
 use crate::time::SimTime;
-use crate::timeline::{AgentId, Body};
+use crate::timeline::{AgentId, Body, Role};
 use crate::trajectory::{Piece, Trajectory};
 use crate::vehicle::Dimensions;
 
@@ -23,9 +23,9 @@ const DRAWN_WIDTH_M: f64 = 2.2;
 const WHEEL_AT: f64 = 0.78;
 
 pub fn colour(agent: AgentId) -> Rgb {
-    match agent {
-        AgentId::Wumpus(_) => WUMPUS,
-        AgentId::Unimog(_) => UNIMOG,
+    match agent.role {
+        Role::Wumpus => WUMPUS,
+        Role::Unimog => UNIMOG,
     }
 }
 
@@ -114,14 +114,12 @@ pub fn curvature_at(leg: &Trajectory, time: SimTime) -> f64 {
 }
 
 fn is_one_of_many(pane: &Pane, id: AgentId) -> bool {
-    let is_alike = |other: AgentId| std::mem::discriminant(&other) == std::mem::discriminant(&id);
-    pane.setting().agents.iter().filter(|agent| is_alike(agent.id)).count() > 1
+    pane.setting().agents.iter().filter(|agent| agent.id.role == id.role).count() > 1
 }
 
 fn draw_number(canvas: &mut Canvas, (x, y): Point, (length, unit): (f32, f32), id: AgentId) {
-    let (AgentId::Wumpus(number) | AgentId::Unimog(number)) = id;
     let at = (x + 0.45 * length + 4.0 * unit, y - 0.45 * length);
-    let label = number.to_string();
+    let label = id.number.to_string();
     let width = text::measure(&label, 8.0 * unit);
     canvas.fill_rect(at.0 - 2.0 * unit, at.1 - 10.0 * unit, width + 4.0 * unit, 12.0 * unit, colour(id));
     text::draw(canvas, &label, at, Align::Left, 8.0 * unit, PAPER);

@@ -278,7 +278,7 @@ pub(super) mod tests {
 
     /// A truck that drives and suppresses, and fire that spreads, all lengths multiplied by `scale`.
     fn scaled(scale: f64) -> Timeline {
-        let (truck, goal) = (AgentId::Unimog(0), Cell { col: 4, row: 4 });
+        let (truck, goal) = (AgentId::unimog(0), Cell { col: 4, row: 4 });
         let mut setting = setting();
         setting.frame.cell_m *= scale;
         setting.bushes = vec![goal];
@@ -310,7 +310,7 @@ pub(super) mod tests {
             let film = Film::new(scaled(scale), None);
             for zoom in [Camera::LEAST_ZOOM, 1.0, Camera::MOST_ZOOM] {
                 let camera = Camera { zoom, ..Camera::WHOLE };
-                for follows in [None, Some(AgentId::Unimog(0))] {
+                for follows in [None, Some(AgentId::unimog(0))] {
                     let look = Look { camera, layers, follows, ..Look::default() };
                     for time_s in [0.0, 3.0, 10.0] {
                         let time = SimTime::from_seconds(time_s);

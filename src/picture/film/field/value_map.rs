@@ -66,7 +66,7 @@ fn truck(pane: &Pane) -> Option<usize> {
         Selected::Agent(agent) => Some(agent),
         Selected::Bush(_) => None,
     });
-    let is_truck = |agent: &AgentId| matches!(agent, AgentId::Unimog(_));
+    let is_truck = |agent: &AgentId| agent.role.suppresses();
     let agents = &pane.setting().agents;
     let asked = [look.follows, selected].into_iter().flatten().find(is_truck);
     let asked = asked.and_then(|agent| pane.setting().agent_index(agent));

@@ -30,10 +30,7 @@ pub fn cpu(time: Duration) -> String {
 
 /// What an agent is doing; a Wumpus has no wheels.
 pub fn doing(agent: AgentId, activity: Activity) -> &'static str {
-    match (agent, activity) {
-        (AgentId::Wumpus(_), Activity::Driving) => "walking",
-        _ => activity.name(),
-    }
+    if activity == Activity::Driving && !agent.role.drives() { "walking" } else { activity.name() }
 }
 
 /// A run of a comparison.

@@ -39,10 +39,7 @@ fn name(agent: AgentId) -> Mark {
 
 /// What an agent did with the bushes.
 pub fn cells_word(agent: AgentId) -> &'static str {
-    match agent {
-        AgentId::Wumpus(_) => "lit",
-        AgentId::Unimog(_) => "put out",
-    }
+    if agent.role.lights() { "lit" } else { "put out" }
 }
 
 fn tell(film: &Film, index: usize, agent: &AgentState, time: SimTime) -> Vec<Line> {
