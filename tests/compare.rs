@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use wildfire::batch::comparison::{
-    BesideReport, Comparison, ComparisonError, Contrast, Judged, Selection, Verdict, compare,
+    BesideReport, Comparison, ComparisonError, Contrast, JudgedContrast, Selection, Verdict, compare,
 };
 
 const HEADER: &str = "scenario,seed,run,planner,field.coverage,status,message,intact,burning,burned_out,extinguished,\
@@ -89,7 +89,7 @@ fn refusal(paths: &[&Path], selection: &Selection, metrics: &[&str]) -> String {
     compare(&paths, selection, &metrics).expect_err("it is refused").to_string()
 }
 
-fn only_judged(comparison: &Comparison) -> &Judged {
+fn only_judged(comparison: &Comparison) -> &JudgedContrast {
     &comparison.against_a[0].judged[0]
 }
 

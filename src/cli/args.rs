@@ -10,7 +10,7 @@ use clap_complete::Shell;
 use crate::batch::{Record, Seeds, SeedsError, Slice};
 use crate::cli::compare::CompareArguments;
 use crate::cli::curve::CurveArguments;
-use crate::cli::failure::Failure;
+use crate::cli::error::CliError;
 use crate::cli::map::MapCommand;
 use crate::cli::numbers;
 use crate::cli::plan::PlanArguments;
@@ -55,7 +55,7 @@ pub enum Command {
     Render(RenderArguments),
     /// Run scenarios with many seeds and print the tables of the contest.
     Batch(BatchArguments),
-    /// Say how far a batch is.
+    /// Show how far a batch is.
     Status(FolderArguments),
     /// Put the slices of a batch together: check that all are there, and write its tables.
     Merge(FolderArguments),
@@ -63,7 +63,7 @@ pub enum Command {
     Report(FolderArguments),
     /// Compare batches, or scenarios and planners inside one, in pairs by seed.
     Compare(CompareArguments),
-    /// Hold finished runs against the rules: recordings, and all runs of batches.
+    /// Check finished runs against the rules: recordings, and all runs of batches.
     Audit(AuditArguments),
     /// Write a template with comments: a scenario, or the plan of a batch.
     New(NewArguments),
@@ -89,7 +89,7 @@ pub enum Command {
     },
 }
 
-/// What every command that takes a scenario takes.
+/// A scenario and changes to it.
 #[derive(Debug, Args)]
 pub struct ScenarioArguments {
     /// A scenario file, or the name of a built-in scenario.
@@ -128,7 +128,7 @@ pub struct RunArguments {
     pub scenario: ScenarioArguments,
     #[command(flatten)]
     pub memory: MemoryArguments,
-    /// The seed from which all that is random in the run follows.
+    /// The seed of everything random in the run.
     #[arg(long, default_value_t = 1, allow_hyphen_values = true, value_parser = parse_seed)]
     pub seed: u64,
     /// Print the result as one JSON object.
@@ -137,7 +137,7 @@ pub struct RunArguments {
     /// Write a recording of the run, into this file or folder.
     #[arg(long, value_name = "FILE_OR_DIR")]
     pub out: Option<PathBuf>,
-    /// Let the recording also hold what the searches looked at, to be shown; that makes it some five times as large.
+    /// Record the searches too, so that they can be shown; the recording becomes about five times as large.
     #[arg(long, requires = "out")]
     pub record_searches: bool,
     /// Write what happened: t_s,event,agent,col,row,detail.
@@ -192,13 +192,13 @@ pub struct BatchArguments {
     /// was stuck: a run whose status is failed has no timeline.
     #[arg(long, value_name = "WHICH")]
     pub record: Option<Record>,
-    /// Say what would be run, and run nothing.
+    /// List what would be run, and run nothing.
     #[arg(long)]
     pub dry_run: bool,
     /// Also print where the CPU time went, by part.
     #[arg(long)]
     pub profile: bool,
-    /// Go on with the batch in this folder, which was stopped.
+    /// Continue the batch in this folder, which was stopped.
     #[arg(
         long,
         value_name = "DIR",
@@ -213,7 +213,7 @@ pub struct BatchArguments {
 
 #[derive(Debug, Args)]
 pub struct NewArguments {
-    /// What the template is for.
+    /// The kind of file.
     pub what: NewFile,
     /// The file to write, which must not be there yet [default: print it].
     pub file: Option<PathBuf>,
@@ -255,8 +255,8 @@ Examples:
   wildfire audit runs/contest runs/dense --jobs 2
 
 It drives every leg once more in small steps, by other means than the planners', and
-exits with 4 if something is wrong: it prints the first violation of every run, with time,
-place and rule.")]
+exits with 4 if a rule is violated: it prints the first violation of every run, with
+time, place and rule.")]
 pub struct AuditArguments {
     /// Recordings, folders with recordings, or folders of batches; what a batch did not record is simulated again from
     /// its plan.
@@ -265,7 +265,7 @@ pub struct AuditArguments {
     /// Threads [default: as many as the machine runs at once].
     #[arg(long, allow_hyphen_values = true, value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
-    /// Metres between two looks at a body on its way, at most.
+    /// The most metres between two poses that are checked.
     #[arg(long, value_name = "METRES", default_value_t = 0.02, allow_hyphen_values = true, value_parser = parse_audit_step)]
     pub step: f64,
 }
@@ -274,7 +274,7 @@ pub struct AuditArguments {
 pub struct CheckArguments {
     #[command(flatten)]
     pub scenario: ScenarioArguments,
-    /// The memory that a run may take, with which what it takes is compared [default: 2GB].
+    /// The memory limit that the estimate is compared with [default: 2GB].
     #[arg(long, value_name = "SIZE", default_value_t, hide_default_value = true)]
     pub memory: MemoryLimit,
 }
@@ -306,15 +306,15 @@ pub enum SeedsArgument {
 
 impl SeedsArgument {
     /// The seeds; in a file they are between commas, blanks and lines, and `#` begins a comment.
-    pub fn seeds(&self) -> Result<Seeds, Failure> {
+    pub fn seeds(&self) -> Result<Seeds, CliError> {
         let path = match self {
             Self::Given(seeds) => return Ok(seeds.clone()),
             Self::File(path) => path,
         };
-        let text = input_file::read_text(path, MAX_SEEDS_BYTES).map_err(|error| Failure::unreadable(path, &error))?;
+        let text = input_file::read_text(path, MAX_SEEDS_BYTES).map_err(|error| CliError::unreadable(path, &error))?;
         let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default());
         let words = lines.flat_map(|line| line.split([',', ' ', '\t'])).filter(|word| !word.is_empty());
-        Seeds::from_parts(words).map_err(|error| Failure::bad_input(format_args!("{}: {error}", path.display()), None))
+        Seeds::from_parts(words).map_err(|error| CliError::bad_input(format_args!("{}: {error}", path.display()), None))
     }
 }
 
@@ -335,7 +335,7 @@ fn parse_trace_step(text: &str) -> Result<f64, String> {
     numbers::parse(text).ok_or_else(|| "expected a number of seconds".to_owned())
 }
 
-/// Looks of an audit are at least and at most so far apart, in metres.
+/// The distances between checked poses that an audit takes, metres.
 const AUDIT_STEPS_M: RangeInclusive<f64> = 0.001..=1.0;
 
 fn parse_audit_step(text: &str) -> Result<f64, String> {

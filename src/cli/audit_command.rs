@@ -12,11 +12,11 @@ use crate::batch::{
     recordings_in,
 };
 use crate::cli::args::AuditArguments;
-use crate::cli::failure::Failure;
+use crate::cli::error::CliError;
 use crate::cli::{exit, terminal};
 use crate::input_file::is_standard_stream;
 
-pub fn run(arguments: &AuditArguments, quiet: bool) -> Result<ExitCode, Failure> {
+pub fn run(arguments: &AuditArguments, quiet: bool) -> Result<ExitCode, CliError> {
     let sources = arguments.paths.iter().map(|path| source(path, quiet)).collect::<Result<Vec<_>, _>>()?;
     let jobs = arguments.jobs.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
     let step = SampleStep { metres: arguments.step, ..SampleStep::default() };
@@ -26,12 +26,12 @@ pub fn run(arguments: &AuditArguments, quiet: bool) -> Result<ExitCode, Failure>
     conclude(&report?)
 }
 
-/// What a path leads to.
-fn source(path: &Path, quiet: bool) -> Result<AuditSource, Failure> {
+/// Finds out what is at a path: a recording, a folder of recordings, or a batch.
+fn source(path: &Path, quiet: bool) -> Result<AuditSource, CliError> {
     let is_folder = match fs::metadata(path) {
         _ if is_standard_stream(path) => false,
         Ok(found) => found.is_dir(),
-        Err(error) => return Err(Failure::unreadable(path, &error)),
+        Err(error) => return Err(CliError::unreadable(path, &error)),
     };
     if !is_folder {
         return Ok(AuditSource::Recordings(vec![path.to_owned()]));
@@ -51,16 +51,16 @@ fn source(path: &Path, quiet: bool) -> Result<AuditSource, Failure> {
     }
 }
 
-fn recordings(folder: &Path, what_is_there: &str) -> Result<AuditSource, Failure> {
+fn recordings(folder: &Path, what_is_there: &str) -> Result<AuditSource, CliError> {
     let found = if folder.exists() { recordings_in(folder)? } else { Vec::new() };
     if found.is_empty() {
-        return Err(Failure::bad_input(format_args!("{} holds {what_is_there}", folder.display()), None));
+        return Err(CliError::bad_input(format_args!("{} holds {what_is_there}", folder.display()), None));
     }
     Ok(AuditSource::Recordings(found))
 }
 
-/// Prints what was found; a violation weighs more than a file that cannot be read.
-fn conclude(report: &AuditReport) -> Result<ExitCode, Failure> {
+/// Prints the findings; a violation weighs more than a file that cannot be read.
+fn conclude(report: &AuditReport) -> Result<ExitCode, CliError> {
     let unreadable = report.first_unreadable.as_ref().map(|(reason, kind)| match report.unreadable {
         1 => (reason.clone(), *kind),
         count => (format!("{reason} (and {} more recordings cannot be read)", count - 1), *kind),
@@ -69,7 +69,7 @@ fn conclude(report: &AuditReport) -> Result<ExitCode, Failure> {
         terminal::print(&summary(report))?;
     }
     match unreadable {
-        Some((reason, kind)) if report.violations == 0 => Err(Failure::of_input(reason, kind)),
+        Some((reason, kind)) if report.violations == 0 => Err(CliError::from_input_error(reason, kind)),
         Some((reason, _)) => {
             terminal::note(&reason);
             Ok(ExitCode::from(exit::VIOLATION))
@@ -81,9 +81,9 @@ fn conclude(report: &AuditReport) -> Result<ExitCode, Failure> {
 
 fn summary(report: &AuditReport) -> String {
     let mut text: String = report.told.iter().map(|words| format!("{words}\n")).collect();
-    let untold = report.violations.saturating_sub(TOLD_VIOLATIONS as u64);
-    if untold > 0 {
-        text += &format!("... and {untold} more runs.\n");
+    let hidden = report.violations.saturating_sub(TOLD_VIOLATIONS as u64);
+    if hidden > 0 {
+        text += &format!("... and {hidden} more runs.\n");
     }
     if report.violations > 0 {
         text.push('\n');

@@ -12,7 +12,7 @@ use crate::batch::{
     shell_word,
 };
 use crate::cli::args::BatchArguments;
-use crate::cli::failure::Failure;
+use crate::cli::error::CliError;
 use crate::cli::{exit, interrupt, terminal};
 use crate::scenario::ScenarioText;
 
@@ -25,7 +25,7 @@ const LISTED_VARIANTS: usize = 50;
 /// The most files that a note lists.
 const LISTED_FILES: usize = 10;
 
-pub fn run(arguments: &BatchArguments, quiet: bool) -> Result<ExitCode, Failure> {
+pub fn run(arguments: &BatchArguments, quiet: bool) -> Result<ExitCode, CliError> {
     let slice = arguments.shard.unwrap_or(Slice::WHOLE);
     let mut batch = match &arguments.resume {
         Some(folder) => {
@@ -35,7 +35,7 @@ pub fn run(arguments: &BatchArguments, quiet: bool) -> Result<ExitCode, Failure>
         None => {
             let plan = plan(arguments)?;
             if arguments.dry_run {
-                terminal::print(&described(&plan))?;
+                terminal::print(&dry_run(&plan))?;
                 return Ok(ExitCode::SUCCESS);
             }
             let batch = begin(arguments, plan, slice)?;
@@ -44,19 +44,19 @@ pub fn run(arguments: &BatchArguments, quiet: bool) -> Result<ExitCode, Failure>
         }
     };
     if !quiet {
-        tell(batch.found());
+        note_repairs(batch.found());
     }
     let resume = resume_command(batch.folder().path(), slice);
     let finished = run_to_the_end(&mut batch, arguments, quiet);
     finished.map_err(|error| match error {
-        BatchFailure::Batch(error) => Failure::of_batch(error, &resume),
+        BatchFailure::Batch(error) => CliError::from_batch_error(error, &resume),
         BatchFailure::Printing(failure) => failure,
     })
 }
 
-/// What is asked for: by options, or by a plan file and options that change it.
-fn plan(arguments: &BatchArguments) -> Result<BatchPlan, Failure> {
-    let mut request = request_of(&arguments.sources)?;
+/// Makes the plan, from options, or from a plan file and options that change it.
+fn plan(arguments: &BatchArguments) -> Result<BatchPlan, CliError> {
+    let mut request = request_from(&arguments.sources)?;
     let options = arguments.set.iter().try_for_each(|option| request.add_option(option));
     options.and_then(|()| request.add_planners(&arguments.planner)).map_err(RequestError::from)?;
     if let Some(seeds) = &arguments.seeds {
@@ -67,7 +67,7 @@ fn plan(arguments: &BatchArguments) -> Result<BatchPlan, Failure> {
     Ok(request.resolve(arguments.force)?)
 }
 
-fn request_of(sources: &[String]) -> Result<BatchRequest, Failure> {
+fn request_from(sources: &[String]) -> Result<BatchRequest, CliError> {
     let mut texts = Vec::new();
     for source in sources {
         let text = ScenarioText::open(source)?;
@@ -75,7 +75,7 @@ fn request_of(sources: &[String]) -> Result<BatchRequest, Failure> {
             Some(request) if sources.len() == 1 => return Ok(request),
             Some(_) => {
                 let sentence = format!("{source} is a plan; expected it alone, as it names its scenarios itself");
-                return Err(Failure::bad_input(sentence, None));
+                return Err(CliError::bad_input(sentence, None));
             }
             None => texts.push(text),
         }
@@ -84,7 +84,7 @@ fn request_of(sources: &[String]) -> Result<BatchRequest, Failure> {
     Ok(BatchRequest { scenarios, texts, ..BatchRequest::default() })
 }
 
-fn begin(arguments: &BatchArguments, plan: BatchPlan, slice: Slice) -> Result<Batch, Failure> {
+fn begin(arguments: &BatchArguments, plan: BatchPlan, slice: Slice) -> Result<Batch, CliError> {
     let name = &plan.variants[0].scenario.name;
     Ok(match &arguments.out {
         Some(path) if slice.is_whole() => Batch::begin(plan, OutputFolder::named(path, arguments.force)?)?,
@@ -114,10 +114,10 @@ fn run_to_the_end(batch: &mut Batch, arguments: &BatchArguments, quiet: bool) ->
     Ok(exit_code(report.not_done()))
 }
 
-/// Why a batch that has begun ends early.
+/// The reason why a batch that has begun ends early.
 enum BatchFailure {
     Batch(BatchError),
-    Printing(Failure),
+    Printing(CliError),
 }
 
 impl From<BatchError> for BatchFailure {
@@ -126,33 +126,33 @@ impl From<BatchError> for BatchFailure {
     }
 }
 
-impl From<Failure> for BatchFailure {
-    fn from(failure: Failure) -> Self {
+impl From<CliError> for BatchFailure {
+    fn from(failure: CliError) -> Self {
         Self::Printing(failure)
     }
 }
 
-/// Whether some run failed.
+/// Returns the exit code of a batch with this many failed runs.
 pub fn exit_code(not_done: u64) -> ExitCode {
     if not_done == 0 { ExitCode::SUCCESS } else { ExitCode::from(exit::RUN_FAILED) }
 }
 
-/// Says what was in disorder and is mended.
-fn tell(found: &Found) {
+/// Notes what was found damaged and has been repaired.
+fn note_repairs(found: &Found) {
     if found.has_torn_line {
-        terminal::note("the journal's last line was torn; it was dropped, and its run is run again");
+        terminal::note("the last line of the journal was incomplete; it was dropped, and its run is repeated");
     }
-    tell_leftovers(&found.leftovers);
+    note_leftovers(&found.leftovers);
     let lost = found.lost_recordings.iter().map(|lost| format!("{} ({})", lost.path.display(), lost.reason));
     if let Some(list) = list(lost) {
-        terminal::note(&format!("runs whose recordings are lost are run again: {list}"));
+        terminal::note(&format!("runs whose recordings are lost are repeated: {list}"));
     }
 }
 
 /// Says which files were removed that were only half written.
-pub fn tell_leftovers(leftovers: &[PathBuf]) {
+pub fn note_leftovers(leftovers: &[PathBuf]) {
     if let Some(list) = list(leftovers.iter().map(|path| path.display().to_string())) {
-        terminal::note(&format!("removed what a process that was killed had left: {list}"));
+        terminal::note(&format!("removed files that a killed process had left: {list}"));
     }
 }
 
@@ -189,7 +189,7 @@ pub fn resume_command(folder: &Path, slice: Slice) -> String {
     format!("wildfire batch --resume {folder}{shard}")
 }
 
-/// What a batch prints when it is done.
+/// Words the result of a finished batch.
 pub fn summary(plan: &BatchPlan, folder: &OutputFolder, report: &BatchReport) -> String {
     let files = format!("Files: {}\n", folder.path().display());
     match report.variants.as_slice() {
@@ -205,11 +205,11 @@ fn slice_summary(batch: &Batch) -> String {
     let (slice, (held, not_done)) = (batch.progress().slice(), batch.progress().held());
     let folder = batch.folder().path().display().to_string();
     let merge = format!("wildfire merge {}", shell_word(&folder));
-    format!("Slice {slice}: {held} runs, {not_done} not done. When all slices are through: {merge}\n")
+    format!("Slice {slice}: {held} runs, {not_done} not done. When all slices are done: {merge}\n")
 }
 
-/// What a plan would run.
-fn described(plan: &BatchPlan) -> String {
+/// Lists what a plan would run.
+fn dry_run(plan: &BatchPlan) -> String {
     let (variants, seeds) = (plan.variants.len(), plan.seeds.count());
     let mut text = format!("{variants} variants x {seeds} seeds ({}) = {} runs\n", plan.seeds, plan.count());
     for (index, variant) in plan.variants.iter().take(LISTED_VARIANTS).enumerate() {

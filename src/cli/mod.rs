@@ -9,7 +9,7 @@ mod batch_command;
 mod command_lines;
 mod compare;
 mod curve;
-mod failure;
+mod error;
 #[cfg(test)]
 #[path = "../../tests/fuzz/mod.rs"]
 mod fuzz;
@@ -40,7 +40,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory, Parser};
 
 use args::{Arguments, Command};
-use failure::Failure;
+use error::CliError;
 
 use crate::untrusted::visible;
 
@@ -58,7 +58,7 @@ mod exit {
 pub fn main() -> ExitCode {
     interrupt::install();
     let arguments = Arguments::try_parse().unwrap_or_else(|error| refuse(&error));
-    dispatch(&arguments).unwrap_or_else(Failure::conclude)
+    dispatch(&arguments).unwrap_or_else(CliError::print)
 }
 
 /// Says what is wrong with the arguments, or prints what they ask for instead of a command, and ends the process.
@@ -73,7 +73,7 @@ fn refuse(error: &clap::Error) -> ! {
     }
 }
 
-fn dispatch(arguments: &Arguments) -> Result<ExitCode, Failure> {
+fn dispatch(arguments: &Arguments) -> Result<ExitCode, CliError> {
     match &arguments.command {
         Command::Run(run) => run_command::run(run, arguments.quiet),
         Command::Play(play) => play_command::run(play, arguments.quiet),

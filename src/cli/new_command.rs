@@ -7,7 +7,7 @@ use std::process::ExitCode;
 
 use crate::batch::PLAN_TEMPLATE;
 use crate::cli::args::{NewArguments, NewFile};
-use crate::cli::failure::Failure;
+use crate::cli::error::CliError;
 use crate::cli::output_files::{Files, Format};
 use crate::cli::terminal;
 use crate::input_file::is_standard_stream;
@@ -18,7 +18,7 @@ const SCENARIO_HEAD: &str = "\
 # that value too. `wildfire check FILE` says what it means, scenarios/README.md what each choice does.
 ";
 
-pub fn run(arguments: &NewArguments) -> Result<ExitCode, Failure> {
+pub fn run(arguments: &NewArguments) -> Result<ExitCode, CliError> {
     let text = match arguments.what {
         NewFile::Scenario => scenario_template(),
         NewFile::Plan => PLAN_TEMPLATE.to_owned(),
@@ -39,15 +39,15 @@ fn scenario_template() -> String {
 }
 
 /// Writes a file that is not there yet.
-fn write_new(path: &Path, text: &str) -> Result<(), Failure> {
+fn write_new(path: &Path, text: &str) -> Result<(), CliError> {
     Files { outputs: vec![(Format::Toml, path)], ..Files::default() }.check()?;
     let written = File::create_new(path).and_then(|mut file| file.write_all(text.as_bytes()));
     written.map_err(|error| match error.kind() {
         ErrorKind::AlreadyExists => {
             let sentence = format!("{} is there already; expected a name that is free", path.display());
-            Failure::bad_input(sentence, None)
+            CliError::bad_input(sentence, None)
         }
-        _ => Failure::unwritable(path, &error),
+        _ => CliError::unwritable(path, &error),
     })
 }
 

@@ -4,7 +4,7 @@ use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-use crate::cli::failure::Failure;
+use crate::cli::error::CliError;
 use crate::cli::terminal;
 use crate::input_file::is_standard_stream;
 use crate::whole_file::refuse_no_file;
@@ -53,7 +53,7 @@ impl Format {
         }
     }
 
-    fn check(self, path: &Path) -> Result<(), Failure> {
+    fn check(self, path: &Path) -> Result<(), CliError> {
         let ending = path.extension().unwrap_or_default();
         if self.endings().iter().any(|known| ending.eq_ignore_ascii_case(known)) {
             return Ok(());
@@ -62,7 +62,7 @@ impl Format {
         let (path, name) = (path.display(), self.name());
         let help = (self == Self::Png).then_some("films are written with `wildfire render --gif` and `--mp4`");
         let help = help.filter(|_| ending.eq_ignore_ascii_case("gif") || ending.eq_ignore_ascii_case("mp4"));
-        Err(Failure::bad_input(
+        Err(CliError::bad_input(
             format_args!("{path} would be {name}; expected a name that ends in {endings}, or -"),
             help,
         ))
@@ -78,7 +78,7 @@ pub enum Words {
 
 impl Words {
     /// Prints a result for people.
-    pub fn print(self, result: &str) -> Result<(), Failure> {
+    pub fn print(self, result: &str) -> Result<(), CliError> {
         match self {
             Self::Stdout => terminal::print(result),
             Self::Stderr => {
@@ -110,14 +110,14 @@ impl<'a> Files<'a> {
     ///
     /// # Errors
     /// Bad input; a fault of the environment where the system does not let the folder be looked at.
-    pub fn check(&self) -> Result<Words, Failure> {
+    pub fn check(&self) -> Result<Words, CliError> {
         if self.inputs.iter().filter(|path| is_standard_stream(path)).count() > 1 {
-            return Err(Failure::bad_input("- is stdin, which can be read once; expected it as one input", None));
+            return Err(CliError::bad_input("- is stdin, which can be read once; expected it as one input", None));
         }
         let on_stdout = self.outputs.iter().filter(|(_, path)| is_standard_stream(path)).count();
         if on_stdout + usize::from(self.json && on_stdout > 0) > 1 {
             let help = if self.json { "--json prints to stdout too" } else { "give the other outputs names" };
-            return Err(Failure::bad_input("- is stdout; expected it as the place of one result", Some(help)));
+            return Err(CliError::bad_input("- is stdout; expected it as the place of one result", Some(help)));
         }
         let mut seen: Vec<PathBuf> =
             self.inputs.iter().filter(|path| !is_standard_stream(path)).map(|path| resolved(path)).collect();
@@ -125,7 +125,7 @@ impl<'a> Files<'a> {
         for &(_, path) in files() {
             if seen.contains(&resolved(path)) {
                 let sentence = format_args!("{} cannot be two files at once", path.display()).to_string();
-                return Err(Failure::bad_input(sentence, Some("the input and every output need names of their own")));
+                return Err(CliError::bad_input(sentence, Some("the input and every output need names of their own")));
             }
             seen.push(resolved(path));
         }
@@ -148,27 +148,27 @@ fn parent_of(path: &Path) -> &Path {
 }
 
 /// Refuses a file in no folder, and a name that is taken by something else.
-fn check_place(path: &Path) -> Result<(), Failure> {
+fn check_place(path: &Path) -> Result<(), CliError> {
     match fs::metadata(parent_of(path)).map(|found| found.is_dir()) {
         Ok(true) => {}
         Err(error) if !matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
-            return Err(Failure::unwritable(path, &error));
+            return Err(CliError::unwritable(path, &error));
         }
         _ => {
             let sentence = format!("cannot write {}: there is no such folder", path.display());
-            return Err(Failure::bad_input(sentence, None));
+            return Err(CliError::bad_input(sentence, None));
         }
     }
     refuse_no_file(path)
-        .map_err(|reason| Failure::bad_input(format_args!("cannot write {}: {reason}", path.display()), None))
+        .map_err(|reason| CliError::bad_input(format_args!("cannot write {}: {reason}", path.display()), None))
 }
 
 /// Tries to write all files that were asked for; the error is the first.
-pub fn write_all(outputs: &[Output], quiet: bool) -> Result<(), Failure> {
+pub fn write_all(outputs: &[Output], quiet: bool) -> Result<(), CliError> {
     let mut all = Ok(());
     for (path, write) in outputs {
         let Some(path) = path else { continue };
-        let written = write(path).map_err(|error| Failure::unwritable(path, &error));
+        let written = write(path).map_err(|error| CliError::unwritable(path, &error));
         if written.is_ok() {
             note_written(path, quiet);
         }

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 
-use crate::cli::failure::Failure;
+use crate::cli::error::CliError;
 use crate::cli::show::{ShowArguments, parse_seconds, parse_speed};
 
 #[derive(Debug, Args)]
@@ -33,12 +33,12 @@ pub struct PlayArguments {
 }
 
 #[cfg(feature = "view")]
-pub fn run(arguments: &PlayArguments, quiet: bool) -> Result<ExitCode, Failure> {
-    use crate::cli::show::{Searches, look, shown, time_within};
+pub fn run(arguments: &PlayArguments, quiet: bool) -> Result<ExitCode, CliError> {
+    use crate::cli::show::{Searches, look, shown_runs, time_within};
     use crate::picture::film::Film;
     use crate::view::{FilmSource, Programme, play};
 
-    let shown = shown(&arguments.show, Searches::Recorded, quiet)?;
+    let shown = shown_runs(&arguments.show, Searches::Recorded, quiet)?;
     let films = shown.into_iter().map(|shown| {
         let film = shown.run.film();
         let source: Option<Box<dyn FilmSource>> = match shown.source {
@@ -57,13 +57,13 @@ pub fn run(arguments: &PlayArguments, quiet: bool) -> Result<ExitCode, Failure> 
         size: arguments.show.size.into(),
         films,
     };
-    play(programme).map_err(Failure::environment)?;
+    play(programme).map_err(CliError::environment)?;
     Ok(ExitCode::SUCCESS)
 }
 
 /// Says how to build the program with its window.
 #[cfg(not(feature = "view"))]
-pub fn run(_: &PlayArguments, _: bool) -> Result<ExitCode, Failure> {
+pub fn run(_: &PlayArguments, _: bool) -> Result<ExitCode, CliError> {
     use crate::batch::shell_word;
     use crate::cli::{exit, terminal};
 

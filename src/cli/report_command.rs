@@ -4,10 +4,10 @@ use std::process::ExitCode;
 
 use crate::batch::{FinishedBatch, ReportError, write_report};
 use crate::cli::args::FolderArguments;
-use crate::cli::failure::Failure;
+use crate::cli::error::CliError;
 use crate::cli::terminal;
 
-pub fn run(arguments: &FolderArguments, quiet: bool) -> Result<ExitCode, Failure> {
+pub fn run(arguments: &FolderArguments, quiet: bool) -> Result<ExitCode, CliError> {
     let batch = FinishedBatch::open(&arguments.folder)?;
     let written = write_report(&batch).map_err(failure)?;
     let (page, charts) = (written.page.display(), written.charts_folder.display());
@@ -18,14 +18,14 @@ pub fn run(arguments: &FolderArguments, quiet: bool) -> Result<ExitCode, Failure
     Ok(ExitCode::SUCCESS)
 }
 
-fn failure(error: ReportError) -> Failure {
+fn failure(error: ReportError) -> CliError {
     match error {
         ReportError::Finished(error) => error.into(),
         ReportError::Unfinished { folder } => {
             let help = format!("finish it with: wildfire batch --resume {}", folder.display());
-            Failure::bad_input(ReportError::Unfinished { folder }, Some(&help))
+            CliError::bad_input(ReportError::Unfinished { folder }, Some(&help))
         }
-        ReportError::BadStates { .. } => Failure::bad_input(error, None),
-        ReportError::Unwritable { path, source } => Failure::unwritable(&path, &source),
+        ReportError::BadStates { .. } => CliError::bad_input(error, None),
+        ReportError::Unwritable { path, source } => CliError::unwritable(&path, &source),
     }
 }

@@ -1,4 +1,4 @@
-//! What `wildfire run` prints: the outcome, who won, what the agents did, where the CPU time went.
+//! The report of `wildfire run`: the outcome, the winner, the agents, the CPU time.
 
 use std::fmt::Write;
 
@@ -7,7 +7,7 @@ use crate::cli::scenario_commands::{WIDTH, wrapped};
 use crate::timeline::{AgentOutcome, Outcome, Winner};
 
 /// The report of a run that is done, at most 80 columns wide.
-pub fn of(row: &RunRow, result: &RunResult) -> String {
+pub fn to_text(row: &RunRow, result: &RunResult) -> String {
     let outcome = &result.outcome;
     let mut text = format!("{}, seed {}: ended after {:.1} s\n\n", row.label.scenario, row.label.seed, outcome.ended_s);
     text.push_str(&states(outcome).to_text());

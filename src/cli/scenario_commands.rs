@@ -3,22 +3,22 @@
 use std::process::ExitCode;
 
 use crate::cli::args::{CheckArguments, ScenariosArguments};
-use crate::cli::failure::Failure;
+use crate::cli::error::CliError;
 use crate::cli::terminal;
 use crate::scenario::{self, LoadedScenario, Scenario};
 
 /// Loads a scenario from a file or by its built-in name.
-pub fn load(source: &str, overrides: &[String]) -> Result<Scenario, Failure> {
+pub fn load(source: &str, overrides: &[String]) -> Result<Scenario, CliError> {
     Ok(scenario::load(source, overrides)?)
 }
 
-pub fn check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
+pub fn check(arguments: &CheckArguments) -> Result<ExitCode, CliError> {
     let loaded = LoadedScenario::open(&arguments.scenario.source, &arguments.scenario.overrides)?;
     terminal::print(&scenario::explain(&loaded, arguments.memory))?;
     Ok(ExitCode::SUCCESS)
 }
 
-pub fn list_or_show(arguments: &ScenariosArguments) -> Result<ExitCode, Failure> {
+pub fn list_or_show(arguments: &ScenariosArguments) -> Result<ExitCode, CliError> {
     let text = match &arguments.show {
         Some(name) => shown(name)?.to_owned(),
         None => list(),
@@ -27,12 +27,12 @@ pub fn list_or_show(arguments: &ScenariosArguments) -> Result<ExitCode, Failure>
     Ok(ExitCode::SUCCESS)
 }
 
-fn shown(name: &str) -> Result<&'static str, Failure> {
+fn shown(name: &str) -> Result<&'static str, CliError> {
     let found = scenario::BUILT_IN.iter().find(|(known, _)| *known == name);
     found.map(|(_, text)| *text).ok_or_else(|| {
         let names: Vec<_> = scenario::BUILT_IN.iter().map(|(known, _)| *known).collect();
         let known = format!("the built-in scenarios are {}", names.join(", "));
-        Failure::bad_input(format_args!("there is no built-in scenario `{name}`"), Some(&known))
+        CliError::bad_input(format_args!("there is no built-in scenario `{name}`"), Some(&known))
     })
 }
 

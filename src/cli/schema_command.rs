@@ -4,11 +4,11 @@ use std::process::ExitCode;
 
 use crate::batch::{TableOfRows, plan_schema, row_schema};
 use crate::cli::args::{SchemaArguments, SchemaOf};
-use crate::cli::failure::Failure;
+use crate::cli::error::CliError;
 use crate::cli::terminal;
 use crate::scenario;
 
-pub fn run(arguments: &SchemaArguments) -> Result<ExitCode, Failure> {
+pub fn run(arguments: &SchemaArguments) -> Result<ExitCode, CliError> {
     let of_file = |schema| serde_json::to_string_pretty(&schema).expect("a schema is JSON");
     let schema = match arguments.of {
         SchemaOf::Scenario => of_file(scenario::schema()),

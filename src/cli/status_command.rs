@@ -6,10 +6,10 @@ use std::process::ExitCode;
 use crate::batch::{OutputFolder, RUNS_FILE, Slice, SliceState, TextTable, batch_status};
 use crate::cli::args::FolderArguments;
 use crate::cli::batch_command::resume_command;
-use crate::cli::failure::Failure;
+use crate::cli::error::CliError;
 use crate::cli::terminal;
 
-pub fn run(arguments: &FolderArguments) -> Result<ExitCode, Failure> {
+pub fn run(arguments: &FolderArguments) -> Result<ExitCode, CliError> {
     let folder = OutputFolder::existing(&arguments.folder)?;
     let status = batch_status(&folder)?;
     let plan = &status.plan;
@@ -40,7 +40,7 @@ fn next_step(folder: &OutputFolder, slices: &[(Slice, SliceState)]) -> String {
     let path: &Path = folder.path();
     let waiting = slices.iter().find(|(_, state)| state.held < state.runs && !state.is_running);
     match waiting {
-        Some((slice, _)) => format!("\nGo on with: {}\n", resume_command(path, *slice)),
+        Some((slice, _)) => format!("\nContinue with: {}\n", resume_command(path, *slice)),
         None if slices.iter().any(|(_, state)| state.is_running) => String::new(),
         None if path.join(RUNS_FILE).exists() => "\nThe tables are written.\n".into(),
         None if slices.len() == 1 => format!("\nWrite the tables with: {}\n", resume_command(path, slices[0].0)),

@@ -1,6 +1,6 @@
 //! Writing to stdout and stderr.
 //!
-//! All text that commands print comes through here or through [`Failure`]. Parts of it are names that users or
+//! All text that commands print comes through here or through [`CliError`]. Parts of it are names that users or
 //! strangers chose, so whatever could act on a terminal or turn the direction of writing is printed as an escape.
 
 use std::io::{self, ErrorKind, Write};
@@ -8,17 +8,17 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::cli::failure::Failure;
+use crate::cli::error::CliError;
 use crate::picture::font_has_all_of;
 use crate::untrusted::{visible, visible_lines};
 
 /// Prints lines of text to stdout, their control characters as escapes. A reader that has closed its end, such as
 /// `head`, has seen enough: that is no error.
-pub fn print(result: &str) -> Result<(), Failure> {
+pub fn print(result: &str) -> Result<(), CliError> {
     let mut stdout = io::stdout().lock();
     match stdout.write_all(visible_lines(result).as_bytes()).and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(Failure::environment(format_args!("cannot write to stdout: {error}")))
+            Err(CliError::environment(format_args!("cannot write to stdout: {error}")))
         }
         _ => Ok(()),
     }

@@ -71,12 +71,12 @@ pub struct AgainstA {
     pub letter: char,
     pub settings: SettingsDifference,
     pub pairs: Pairs,
-    pub judged: Vec<Judged>,
+    pub judged: Vec<JudgedContrast>,
 }
 
 /// A contrast with what is made of it among the others.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Judged {
+pub struct JudgedContrast {
     pub contrast: Contrast,
     /// By Holm's method.
     pub p_adjusted: Option<f64>,
@@ -92,7 +92,7 @@ pub struct JudgedStrata {
     /// The columns that the strata differ in, in words.
     pub by: String,
     /// The contrasts, each with the index of its stratum in [`Pairs::strata`].
-    pub strata: Vec<(usize, Judged)>,
+    pub strata: Vec<(usize, JudgedContrast)>,
     /// The number of seeds that the test uses.
     pub seeds: usize,
     pub test: Option<RepeatedMeasures>,
@@ -191,7 +191,7 @@ fn judged(against_a: Vec<Unjudged>) -> Vec<AgainstA> {
         let by = pairs.stratified_by();
         let judge = |(contrast, by_stratum): (Contrast, Option<ByStratum>)| {
             let judged = overall.judge(contrast);
-            Judged { by_stratum: by_stratum.map(|it| judge_strata(&by, it)), ..judged }
+            JudgedContrast { by_stratum: by_stratum.map(|it| judge_strata(&by, it)), ..judged }
         };
         let judged = contrasts.into_iter().map(judge).collect();
         AgainstA { letter, settings, pairs, judged }
@@ -215,10 +215,10 @@ impl TestFamily {
     }
 
     /// Judges the next contrast.
-    fn judge(&mut self, contrast: Contrast) -> Judged {
+    fn judge(&mut self, contrast: Contrast) -> JudgedContrast {
         let (p_adjusted, ranks_p_adjusted) = (self.means.next().flatten(), self.ranks.next().flatten());
         let verdict = Verdict::of(contrast.p_value, p_adjusted);
-        Judged { contrast, p_adjusted, ranks_p_adjusted, verdict, by_stratum: None }
+        JudgedContrast { contrast, p_adjusted, ranks_p_adjusted, verdict, by_stratum: None }
     }
 }
 
@@ -240,7 +240,7 @@ impl Verdict {
     }
 }
 
-impl Judged {
+impl JudgedContrast {
     /// The verdict as a sentence, without a full stop.
     pub fn sentence(&self, letter: char) -> String {
         let Contrast { metric, difference, interval, pairs, .. } = &self.contrast;

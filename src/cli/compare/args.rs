@@ -21,8 +21,8 @@ Metrics: any column of numbers in runs.csv, and
   all_out_s   until nothing burns, cut off where a run ended before
 
 A pair is the same seed, and the same of all that varies within a batch, on both
-sides. Differences are those of means, the other side's less A's. First of all
-stands what the settings of the sides differ in, from their plan.json.";
+sides. Differences are differences of means: the other side's mean less A's. The
+report begins with the settings in which the sides differ, from their plan.json.";
 
 #[derive(Debug, Args)]
 #[command(after_help = NOTES)]
@@ -40,7 +40,7 @@ pub struct CompareArguments {
     /// Set a batch beside published tables instead.
     #[arg(long, value_name = "WHAT", conflicts_with_all = ["by", "metric"])]
     pub with: Option<Published>,
-    /// What to compare; may be repeated.
+    /// The metrics to compare; may be repeated.
     #[arg(long, value_name = "NAME[,NAME...]", value_delimiter = ',')]
     pub metric: Vec<String>,
     /// Print Markdown.
@@ -73,7 +73,7 @@ fn parse_by(text: &str) -> Result<(String, Vec<String>), String> {
     let mut sorted = values.clone();
     sorted.sort();
     match sorted.windows(2).find(|pair| pair[0] == pair[1]) {
-        Some(pair) => Err(format!("`{}` stands there twice; expected values that differ", pair[0])),
+        Some(pair) => Err(format!("`{}` is given twice; expected values that differ", pair[0])),
         None => Ok((column.to_owned(), values)),
     }
 }

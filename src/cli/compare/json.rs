@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::batch::PROGRAM_VERSION;
 use crate::batch::comparison::{
-    AgainstA as Against, Comparison, Contrast, Judged, JudgedStrata, Method, Pairs, SettingsDifference, Verdict,
+    AgainstA as Against, Comparison, Contrast, JudgedContrast, JudgedStrata, Method, Pairs, SettingsDifference, Verdict,
 };
 use crate::stats::CONFIDENCE;
 
@@ -146,7 +146,7 @@ struct CutOff {
 }
 
 /// The comparison on one line.
-pub fn of(comparison: &Comparison) -> String {
+pub fn to_json(comparison: &Comparison) -> String {
     let sides = comparison.sides.iter().map(|side| Side {
         side: side.letter,
         description: &side.description,
@@ -206,7 +206,7 @@ fn levels(pairs: &Pairs, stratum: usize) -> Levels<'_> {
     columns.zip(pairs.strata[stratum].levels.iter().map(String::as_str)).collect()
 }
 
-fn metric<'a>(judged: &'a Judged, letter: char, pairs: &'a Pairs) -> MetricObject<'a> {
+fn metric<'a>(judged: &'a JudgedContrast, letter: char, pairs: &'a Pairs) -> MetricObject<'a> {
     let Contrast { metric, pairs: count, means, difference, interval, .. } = &judged.contrast;
     MetricObject {
         metric: &metric.name,
@@ -227,7 +227,7 @@ fn metric<'a>(judged: &'a Judged, letter: char, pairs: &'a Pairs) -> MetricObjec
 }
 
 fn by_stratum<'a>(judged: &'a JudgedStrata, letter: char, pairs: &'a Pairs) -> ByStratum<'a> {
-    let of_stratum = |(index, judged): &'a (usize, Judged)| StratumMetric {
+    let stratum_metric = |(index, judged): &'a (usize, JudgedContrast)| StratumMetric {
         values: levels(pairs, *index),
         metric: metric(judged, letter, pairs),
     };
@@ -240,11 +240,11 @@ fn by_stratum<'a>(judged: &'a JudgedStrata, letter: char, pairs: &'a Pairs) -> B
         epsilon: judged.test.map(|test| test.epsilon),
         p_value: judged.test.map(|test| test.p_value),
         p_adjusted: judged.p_adjusted,
-        strata: judged.strata.iter().map(of_stratum).collect(),
+        strata: judged.strata.iter().map(stratum_metric).collect(),
     }
 }
 
-fn wilcoxon(judged: &Judged) -> Option<Wilcoxon> {
+fn wilcoxon(judged: &JudgedContrast) -> Option<Wilcoxon> {
     let ranks = judged.contrast.ranks?;
     Some(Wilcoxon {
         above: ranks.above,

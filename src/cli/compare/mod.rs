@@ -13,14 +13,14 @@ pub use args::CompareArguments;
 use document::Document;
 
 use crate::batch::comparison::{BesideReport, ComparisonError, compare};
-use crate::cli::failure::Failure;
+use crate::cli::error::CliError;
 use crate::cli::terminal;
 
-pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
+pub fn run(arguments: &CompareArguments) -> Result<ExitCode, CliError> {
     let text = match (arguments.with, &arguments.batches[..]) {
         (None, batches) => {
             let comparison = compare(batches, &arguments.selection(), &arguments.metric)?;
-            if arguments.json { json::of(&comparison) } else { formed(&tables::document(&comparison), arguments) }
+            if arguments.json { json::to_json(&comparison) } else { formed(&tables::document(&comparison), arguments) }
         }
         (Some(args::Published::Report), [batch]) => {
             let beside = BesideReport::of(batch, &arguments.selection())?;
@@ -28,7 +28,7 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
         }
         (Some(_), several) => {
             let sentence = format!("{} batches; expected a single one beside the report", several.len());
-            return Err(Failure::bad_input(sentence, None));
+            return Err(CliError::bad_input(sentence, None));
         }
     };
     terminal::print(&text)?;
@@ -43,12 +43,12 @@ fn formed(document: &Document, arguments: &CompareArguments) -> String {
     }
 }
 
-impl From<ComparisonError> for Failure {
+impl From<ComparisonError> for CliError {
     fn from(error: ComparisonError) -> Self {
         match error {
             ComparisonError::Unreadable { ref source, .. } => {
                 let kind = source.kind();
-                Self::of_input(error, kind)
+                Self::from_input_error(error, kind)
             }
             error => Self::bad_input(error, None),
         }

@@ -1,8 +1,8 @@
 //! A comparison as a page.
 
 use crate::batch::comparison::{
-    AgainstA, Comparison, Contrast, CutOff, Judged, JudgedStrata, Method, Pairs, SideSummary, decimals_of, p_words,
-    probability, rounded, shown,
+    AgainstA, Comparison, Contrast, CutOff, JudgedContrast, JudgedStrata, Method, Pairs, SideSummary, decimals_of,
+    p_words, probability, rounded, shown,
 };
 use crate::cli::compare::document::{Block, Document};
 
@@ -115,14 +115,14 @@ fn has_strata(against: &AgainstA) -> bool {
     against.judged.iter().any(|judged| judged.by_stratum.is_some())
 }
 
-fn verdict(judged: &Judged, letter: char) -> String {
+fn verdict(judged: &JudgedContrast, letter: char) -> String {
     format!("{}: {}", judged.contrast.metric.name, judged.sentence(letter))
 }
 
 fn differences(against: &AgainstA) -> Block {
     let letter = against.letter;
     let headings = ["Metric", "Pairs", "A", &letter.to_string(), &format!("{letter} less A"), "95% low", "95% high"];
-    let row = |judged: &Judged| {
+    let row = |judged: &JudgedContrast| {
         let contrast = &judged.contrast;
         let decimals = decimals(contrast);
         let number = |value: f64| rounded(value, decimals);
@@ -136,7 +136,7 @@ fn differences(against: &AgainstA) -> Block {
 
 fn tests(against: &AgainstA) -> Block {
     let has_strata = has_strata(against);
-    let row = |judged: &Judged| {
+    let row = |judged: &JudgedContrast| {
         let contrast = &judged.contrast;
         let or_dash = |value: Option<String>| value.unwrap_or_else(|| "-".into());
         let two_decimals = |value: f64| rounded(value, 2);
@@ -159,11 +159,11 @@ fn tests(against: &AgainstA) -> Block {
 /// The strata of every metric in which they differ, each with its own verdict.
 fn strata(against: &AgainstA) -> Vec<Block> {
     let AgainstA { letter, pairs, judged, .. } = against;
-    let of_metric = |judged: &Judged| {
+    let of_metric = |judged: &JudgedContrast| {
         let JudgedStrata { by, strata, p_adjusted, .. } = judged.by_stratum.as_ref().filter(|it| it.differ())?;
         let p = p_words((*p_adjusted)?);
         let heading = format!("{} by {by}: {letter} less A is not the same in all, {p}", judged.contrast.metric.name);
-        let line = |(stratum, judged): &(usize, Judged)| {
+        let line = |(stratum, judged): &(usize, JudgedContrast)| {
             format!("{}: {}", pairs.stratum_words(*stratum), judged.sentence(*letter))
         };
         Some([Block::Text(heading), Block::List(strata.iter().map(line).collect())])
@@ -189,7 +189,7 @@ fn decimals(contrast: &Contrast) -> usize {
 }
 
 fn notes(against: &AgainstA) -> Vec<String> {
-    let note = |judged: &Judged| {
+    let note = |judged: &JudgedContrast| {
         let cut_off = judged.contrast.cut_off.as_ref()?;
         Some(format!("{}: {}", judged.contrast.metric.name, cut_off_note(cut_off, against.letter)))
     };

@@ -34,10 +34,10 @@ pub struct CurveArguments {
     /// The smallest turning radius of the middle of the rear axle.
     #[arg(long, value_name = "METRES", default_value = "13", allow_hyphen_values = true, value_parser = radius)]
     pub radius: f64,
-    /// What a metre in reverse costs, in metres driven forward; adds the cheapest Reeds-Shepp curve [default: 1].
+    /// The price of a metre in reverse, in metres driven forward; adds the cheapest Reeds-Shepp curve [default: 1].
     #[arg(long, value_name = "FACTOR", allow_hyphen_values = true, value_parser = price, conflicts_with = "pairs")]
     pub reverse_factor: Option<f64>,
-    /// What a cusp costs, in metres driven forward; adds the cheapest Reeds-Shepp curve [default: 0].
+    /// The price of a cusp, in metres driven forward; adds the cheapest Reeds-Shepp curve [default: 0].
     #[arg(long, value_name = "METRES", allow_hyphen_values = true, value_parser = price, conflicts_with = "pairs")]
     pub cusp_m: Option<f64>,
     /// Lengths and words of many pairs of poses, for --csv: a CSV file with the columns x0,y0,th0,x1,y1,th1 in any
@@ -63,7 +63,7 @@ pub struct CurveArguments {
     /// Draw the curves.
     #[arg(help_heading = "Output", long, value_name = "FILE.png", conflicts_with = "pairs")]
     pub png: Option<PathBuf>,
-    /// Print the answer as one JSON object.
+    /// Print the report as one JSON object.
     #[arg(help_heading = "Output", long, conflicts_with = "pairs")]
     pub json: bool,
 }

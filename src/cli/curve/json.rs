@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use crate::batch::PROGRAM_VERSION;
-use crate::cli::curve::answer::{Answer, FoundCurve};
 use crate::cli::curve::args::End;
+use crate::cli::curve::report::{CurveReport, FoundCurve};
 use crate::cli::curve::words::{direction, steering, turn_deg};
 use crate::vehicle;
 
@@ -52,14 +52,14 @@ struct Segment {
     turn_deg: f64,
 }
 
-/// The answer on one line.
-pub fn of(answer: &Answer) -> String {
+/// Writes the report as one line.
+pub fn to_json(report: &CurveReport) -> String {
     let object = Object {
         program_version: PROGRAM_VERSION,
-        from: pose(answer.from),
-        to: pose(answer.to),
-        radius_m: answer.radius_m,
-        curves: answer.curves.iter().map(curve).collect(),
+        from: pose(report.from),
+        to: pose(report.to),
+        radius_m: report.radius_m,
+        curves: report.curves.iter().map(curve).collect(),
     };
     serde_json::to_string(&object).expect("names, numbers and words are JSON") + "\n"
 }

@@ -1,10 +1,10 @@
-//! Which numbers make sense: within these, a curve ends within 1e-8 m and 1e-11 turning radii of its goal.
+//! The ranges of numbers that make sense: within these, a curve ends within 1e-8 m and 1e-11 turning radii of its goal.
 
 use std::ops::RangeInclusive;
 
-/// Of coordinates in metres, and of headings in degrees or radians.
+/// The range of coordinates in metres, and of headings in degrees or radians.
 pub const NUMBERS: RangeInclusive<f64> = -1e6..=1e6;
-/// Of turning radii in metres.
+/// The range of turning radii in metres.
 pub const RADII_M: RangeInclusive<f64> = 1e-3..=1e6;
 
 pub fn shown(range: &RangeInclusive<f64>) -> String {

@@ -1,11 +1,11 @@
 //! `wildfire curve`: the shortest curves of a turning radius between two poses, or between many pairs.
 
-mod answer;
 mod args;
 mod json;
 mod limits;
 mod pair_table;
 mod pairs;
+mod report;
 pub mod samples;
 mod scene;
 mod summary;
@@ -16,24 +16,24 @@ use std::process::ExitCode;
 
 pub use args::CurveArguments;
 
-use answer::Answer;
 use args::End;
+use report::CurveReport;
 
-use crate::cli::failure::Failure;
+use crate::cli::error::CliError;
 use crate::cli::output_files::{self, Files, Format};
 use crate::cli::terminal;
 use crate::input_file::is_standard_stream;
 
-pub fn run(arguments: &CurveArguments, quiet: bool) -> Result<ExitCode, Failure> {
+pub fn run(arguments: &CurveArguments, quiet: bool) -> Result<ExitCode, CliError> {
     match (&arguments.pairs, &arguments.csv, arguments.from, arguments.to) {
-        (Some(pairs), Some(csv), ..) => tell_lengths(pairs, csv, arguments.radius, quiet)?,
-        (_, _, Some(from), Some(to)) => tell_curves(from, to, arguments, quiet)?,
+        (Some(pairs), Some(csv), ..) => write_lengths(pairs, csv, arguments.radius, quiet)?,
+        (_, _, Some(from), Some(to)) => report_curves(from, to, arguments, quiet)?,
         _ => unreachable!("the arguments require --pairs with --csv, or --from with --to"),
     }
     Ok(ExitCode::SUCCESS)
 }
 
-fn tell_lengths(pairs: &Path, csv: &Path, radius_m: f64, quiet: bool) -> Result<(), Failure> {
+fn write_lengths(pairs: &Path, csv: &Path, radius_m: f64, quiet: bool) -> Result<(), CliError> {
     Files { inputs: vec![pairs], outputs: vec![(Format::Csv, csv)], json: false }.check()?;
     let rows = pairs::write_lengths(pairs, csv, radius_m)?;
     if !quiet && !is_standard_stream(csv) {
@@ -42,27 +42,27 @@ fn tell_lengths(pairs: &Path, csv: &Path, radius_m: f64, quiet: bool) -> Result<
     Ok(())
 }
 
-fn tell_curves(from: End, to: End, arguments: &CurveArguments, quiet: bool) -> Result<(), Failure> {
+fn report_curves(from: End, to: End, arguments: &CurveArguments, quiet: bool) -> Result<(), CliError> {
     let files = Files { json: arguments.json, ..Files::default() };
     let words = files.writing([(Format::Csv, &arguments.csv), (Format::Png, &arguments.png)]).check()?;
-    let answer = Answer::of(from, to, arguments);
+    let report = CurveReport::new(from, to, arguments);
     if arguments.csv.is_some() {
-        samples::check(&answer.curves, arguments.step)?;
+        samples::check(&report.curves, arguments.step)?;
     }
-    let printed = words.print(&told(&answer, arguments));
+    let printed = words.print(&rendered(&report, arguments));
     // Whatever cannot be written, all else is kept.
     let written = output_files::write_all(
         &[
-            (arguments.csv.as_deref(), &|path| samples::write(path, &answer.curves, arguments.step)),
-            (arguments.png.as_deref(), &|path| scene::draw(&answer).write_png(path)),
+            (arguments.csv.as_deref(), &|path| samples::write(path, &report.curves, arguments.step)),
+            (arguments.png.as_deref(), &|path| scene::draw(&report).write_png(path)),
         ],
         quiet,
     );
     printed.and(written)
 }
 
-fn told(answer: &Answer, arguments: &CurveArguments) -> String {
-    if arguments.json { json::of(answer) } else { summary::of(answer) }
+fn rendered(report: &CurveReport, arguments: &CurveArguments) -> String {
+    if arguments.json { json::to_json(report) } else { summary::to_text(report) }
 }
 
 #[cfg(test)]
@@ -101,24 +101,24 @@ mod tests {
         let Some(Command::Curve(arguments)) = parsed(case, "curve", words)? else { return Ok(()) };
         let (Some(from), Some(to)) = (arguments.from, arguments.to) else { return Err("a pose is missing".into()) };
         case.count("poses accepted");
-        let answer = Answer::of(from, to, &arguments);
-        for curve in &answer.curves {
+        let report = CurveReport::new(from, to, &arguments);
+        for curve in &report.curves {
             let (end, goal) = (curve.path.end(), to.pose());
             let missed_m = end.position().distance(goal.position());
             if missed_m.is_nan() || missed_m > 1e-8 + 1e-11 * arguments.radius {
                 return Err(format!("the {} curve ends {missed_m} m from its goal", curve.name));
             }
         }
-        if samples::check(&answer.curves, 0.05).is_ok() && case.chance(5) {
-            let count = answer.curves.iter().map(|curve| samples::along(&curve.path, 0.05).count()).sum::<usize>();
-            scene::draw(&answer);
+        if samples::check(&report.curves, 0.05).is_ok() && case.chance(5) {
+            let count = report.curves.iter().map(|curve| samples::along(&curve.path, 0.05).count()).sum::<usize>();
+            scene::draw(&report);
             if count == 0 { Err("a curve without a pose".into()) } else { Ok(()) }
         } else {
-            let told = told(&answer, &arguments);
-            if arguments.json && serde_json::from_str::<serde_json::Value>(&told).is_err() {
-                return Err(format!("this is no JSON: {told}"));
+            let rendered = rendered(&report, &arguments);
+            if arguments.json && serde_json::from_str::<serde_json::Value>(&rendered).is_err() {
+                return Err(format!("this is no JSON: {rendered}"));
             }
-            said(&told)
+            said(&rendered)
         }
     }
 

@@ -14,11 +14,11 @@ use crate::input_file::{self, InputFile};
 const COLUMNS: [&str; 6] = ["x0", "y0", "th0", "x1", "y1", "th1"];
 /// The most bytes of a line: a broken file must not fill the memory.
 const LONGEST_LINE: usize = 1 << 16;
-/// How much is shown of what stands where a number should, in characters.
+/// The most characters that are shown of a field that is no number.
 const SHOWN: usize = 40;
 const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
-/// What can be wrong with a table of pairs: a sentence to follow its path. Lines are counted from 1.
+/// A fault of a table of pairs: a sentence to follow its path. Lines are counted from 1.
 #[derive(Debug, Error)]
 pub enum Fault {
     #[error("cannot be read: {0}")]
@@ -57,9 +57,9 @@ pub struct PairTable {
     /// The last line that was read, without its end.
     row: Vec<u8>,
     line: u64,
-    /// How many columns the header has.
+    /// The number of columns of the header.
     width: usize,
-    /// Where each of [`COLUMNS`] stands in a row.
+    /// The index of each of [`COLUMNS`] in a row.
     places: [usize; COLUMNS.len()],
 }
 
@@ -86,7 +86,7 @@ impl PairTable {
         Ok(table)
     }
 
-    /// The line that was read last, as it stands in the file.
+    /// The line that was read last, as it is in the file.
     pub fn row(&self) -> &[u8] {
         &self.row
     }
@@ -112,7 +112,7 @@ impl PairTable {
         }
     }
 
-    /// Where the columns of that name stand, in the header.
+    /// Returns the indices of the columns of that name.
     fn named(&self, column: &str) -> Vec<usize> {
         let names = fields(&self.row).enumerate().filter(|(_, name)| *name == column.as_bytes());
         names.map(|(place, _)| place).collect()

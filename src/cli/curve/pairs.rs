@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use crate::cli::curve::pair_table::{Fault, PairTable};
-use crate::cli::failure::Failure;
+use crate::cli::error::CliError;
 use crate::vehicle::{Dubins, ReedsShepp};
 use crate::whole_file::WholeFile;
 
@@ -16,9 +16,9 @@ pub const ADDED: [&str; 4] = ["reeds_shepp_m", "reeds_shepp_word", "dubins_m", "
 ///
 /// Numbers are the shortest decimals that read back as the same `f64`. A row is read, written and forgotten before the
 /// next.
-pub fn write_lengths(input: &Path, output: &Path, radius_m: f64) -> Result<u64, Failure> {
-    let bad = |fault: Fault| Failure::of_input(format_args!("{}: {fault}", input.display()), fault.kind());
-    let unwritable = |error: io::Error| Failure::unwritable(output, &error);
+pub fn write_lengths(input: &Path, output: &Path, radius_m: f64) -> Result<u64, CliError> {
+    let bad = |fault: Fault| CliError::from_input_error(format_args!("{}: {fault}", input.display()), fault.kind());
+    let unwritable = |error: io::Error| CliError::unwritable(output, &error);
     let (reeds_shepp, dubins) = (ReedsShepp { radius_m }, Dubins { radius_m });
     let mut pairs = PairTable::open(input, &ADDED).map_err(bad)?;
     let mut table = WholeFile::create(output).map_err(unwritable)?;

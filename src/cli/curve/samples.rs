@@ -3,9 +3,9 @@
 use std::io::{self, Write};
 use std::path::Path as FilePath;
 
-use crate::cli::curve::answer::FoundCurve;
+use crate::cli::curve::report::FoundCurve;
 use crate::cli::curve::words;
-use crate::cli::failure::Failure;
+use crate::cli::error::CliError;
 use crate::geometry::Pose;
 use crate::vehicle::Path;
 use crate::whole_file::WholeFile;
@@ -14,13 +14,13 @@ use crate::whole_file::WholeFile;
 const MOST_ROWS: f64 = 1e6;
 
 /// Refuses steps that would make the table longer than anybody reads.
-pub fn check(curves: &[FoundCurve], step_m: f64) -> Result<(), Failure> {
+pub fn check(curves: &[FoundCurve], step_m: f64) -> Result<(), CliError> {
     let rows = curves.iter().map(|curve| curve.length_m / step_m).sum::<f64>();
     if rows <= MOST_ROWS {
         return Ok(());
     }
     let sentence = format!("--step is {step_m} m: the curves have {rows:.0} steps, expected at most {MOST_ROWS}");
-    Err(Failure::bad_input(sentence, Some("give a longer --step")))
+    Err(CliError::bad_input(sentence, Some("give a longer --step")))
 }
 
 /// Writes `curve,s_m,x_m,y_m,heading_rad,direction`, the samples of [`along`]. Numbers are the shortest decimals that read

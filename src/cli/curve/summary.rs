@@ -1,19 +1,19 @@
 //! The curves between two poses as text for people.
 
-use crate::cli::curve::answer::{Answer, FoundCurve};
 use crate::cli::curve::args::End;
+use crate::cli::curve::report::{CurveReport, FoundCurve};
 use crate::cli::curve::words::{direction, short, steering, turn_deg};
 use crate::vehicle::Segment;
 
 /// A paragraph for each curve: its length and word, then its segments.
-pub fn of(answer: &Answer) -> String {
+pub fn to_text(report: &CurveReport) -> String {
     let question = format!(
         "From {}\nto   {}\nwith a turning radius of {} m.\n",
-        pose(answer.from),
-        pose(answer.to),
-        answer.radius_m
+        pose(report.from),
+        pose(report.to),
+        report.radius_m
     );
-    question + &answer.curves.iter().map(curve).collect::<String>()
+    question + &report.curves.iter().map(curve).collect::<String>()
 }
 
 fn pose(End { x, y, heading_deg }: End) -> String {

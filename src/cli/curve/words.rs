@@ -2,7 +2,7 @@
 
 use crate::vehicle::Segment;
 
-/// Where the steering wheel points.
+/// Names the direction of the steering wheel.
 pub fn steering(segment: &Segment) -> &'static str {
     match segment.curvature {
         0.0 => "straight",
@@ -15,7 +15,7 @@ pub fn direction(segment: &Segment) -> &'static str {
     if segment.is_reverse() { "reverse" } else { "forward" }
 }
 
-/// How far the heading turns counter-clockwise.
+/// Returns how far the heading turns, counter-clockwise.
 pub fn turn_deg(segment: &Segment) -> f64 {
     (segment.curvature * segment.length_m).to_degrees()
 }

@@ -22,17 +22,17 @@ pub enum MapCommand {
     Timing(TimingArguments),
 }
 
-/// What is computed from a map, and with which parameters.
+/// A computation on a map, with its parameters.
 #[derive(Debug, Subcommand, Serialize)]
 #[serde(tag = "command", content = "parameters", rename_all = "kebab-case")]
 pub enum Computation {
-    /// Which cells are occupied: 1 occupied, 0 free.
+    /// The occupied cells: 1 occupied, 0 free.
     Occupancy(OccupancyArguments),
-    /// How far every cell is from the nearest obstacle.
+    /// The distance of every cell from the nearest obstacle.
     Brushfire(BrushfireArguments),
     /// Cost that falls with the distance from obstacles, in two zones.
     Cost(CostArguments),
-    /// How many steps every cell is from the goal; with --start, a path.
+    /// The number of steps from every cell to the goal; with --start, a path.
     Wavefront(WavefrontArguments),
     /// A potential that grows with the distance from the goal.
     Attraction(AttractionArguments),
@@ -73,7 +73,7 @@ impl Computation {
         }
     }
 
-    /// Whether a path is asked for.
+    /// Says whether a path is asked for.
     pub fn has_start(&self) -> bool {
         match self {
             Self::Wavefront(arguments) => arguments.start.is_some(),
@@ -95,7 +95,7 @@ pub struct OccupancyArguments {
 
 #[derive(Debug, Args, Serialize)]
 #[command(after_help = "\
-A map without obstacles is 0 everywhere, which is said; a full one is 1 \
+A map without obstacles is 0 everywhere, and a note says so; a full one is 1 \
 everywhere.
 
 Example:
@@ -107,7 +107,7 @@ pub struct BrushfireArguments {
     #[command(flatten)]
     #[serde(flatten)]
     pub neighbours: NeighbourArguments,
-    /// What obstacles hold: 1 (free cells 1 + distance), or 0 (free cells the distance).
+    /// The value of obstacles: 1 (free cells 1 + distance), or 0 (free cells the distance).
     #[arg(long, value_enum, value_name = "NAME", default_value = "obstacle-one")]
     pub convention: Convention,
 }
@@ -142,7 +142,7 @@ pub struct CostArguments {
     /// Width of the safety zone in cells, at least 1.
     #[arg(long, value_name = "CELLS", default_value_t = 12, allow_hyphen_values = true, value_parser = parse::distance)]
     pub safety_distance: u16,
-    /// What a cell loses to the one before it, beyond the safety zone.
+    /// The cost that each further cell takes off, beyond the safety zone.
     #[arg(long, value_name = "COST", default_value_t = 15.0, allow_hyphen_values = true, value_parser = parse::number)]
     pub cost_rate: f64,
 }
@@ -163,13 +163,13 @@ pub struct WavefrontArguments {
     #[command(flatten)]
     #[serde(flatten)]
     pub goal: GoalArguments,
-    /// Where a path begins.
+    /// The cell in which a path begins.
     #[arg(long, value_name = "ROW,COLUMN", allow_hyphen_values = true, value_parser = parse::place)]
     pub start: Option<Place>,
     #[command(flatten)]
     #[serde(flatten)]
     pub neighbours: NeighbourArguments,
-    /// Which of several equally good neighbours a path takes: S N E W SE SW NE NW, or W N E S NW NE SE SW.
+    /// The order in which a path tries neighbours that are equally good: S N E W SE SW NE NW, or W N E S NW NE SE SW.
     #[arg(
         long,
         value_enum,
@@ -254,7 +254,7 @@ pub struct DescendArguments {
     #[command(flatten)]
     #[serde(skip)]
     pub files: FileArguments,
-    /// Where the descent begins.
+    /// The cell in which the descent begins.
     #[arg(long, value_name = "ROW,COLUMN", allow_hyphen_values = true, value_parser = parse::place)]
     pub start: Place,
     #[command(flatten)]
@@ -263,7 +263,7 @@ pub struct DescendArguments {
     #[command(flatten)]
     #[serde(flatten)]
     pub corners: CornerArguments,
-    /// What leads on from a local minimum: the wavefront's path to the goal.
+    /// The way out of a local minimum: the wavefront's path to the goal.
     #[arg(long, value_enum, value_name = "NAME")]
     pub escape: Option<Escape>,
 }

@@ -17,12 +17,12 @@ use crate::grid::wavefront::{UNREACHED, descend_wavefront, wavefront};
 use crate::grid::{BadPlace, Connectivity, Grid, Place, place, potential};
 use crate::time::cpu::CpuStopwatch;
 
-/// What was computed from a map.
+/// The result of a computation on a map.
 #[derive(Debug)]
 pub struct Computed {
-    /// Such as `Brushfire, 8 neighbours`.
+    /// The name of the map, such as `Brushfire, 8 neighbours`.
     pub title: String,
-    /// What the values are, in a word or two.
+    /// The name of the values, in a word or two.
     pub value_name: &'static str,
     pub values: Values,
     /// Free cells that the wave never reaches, of a wavefront.
@@ -67,7 +67,7 @@ fn distances(occupied: &Grid<bool>, arguments: &BrushfireArguments) -> Computed 
         Convention::ObstacleOne => "distance + 1",
         Convention::ObstacleZero => "distance",
     };
-    Computed::timed(&titled("Brushfire", neighbours), value_name, || {
+    Computed::timed(&title_with_neighbours("Brushfire", neighbours), value_name, || {
         let mut values = brushfire_or_zero(occupied, neighbours.into());
         if arguments.convention == Convention::ObstacleZero {
             values.values_mut().iter_mut().for_each(|value| *value = value.saturating_sub(1));
@@ -108,7 +108,7 @@ fn steps(occupied: &Grid<bool>, arguments: &WavefrontArguments) -> Result<Comput
     });
     let (walk, cpu_path) = walk.unzip();
     Ok(Computed {
-        title: titled("Wavefront", neighbours),
+        title: title_with_neighbours("Wavefront", neighbours),
         value_name: if arguments.scale.is_some() { "scaled value" } else { "steps + 2" },
         unreached: Some(values.values().iter().filter(|&&value| value == UNREACHED).count()),
         values: match arguments.scale {
@@ -144,13 +144,13 @@ fn repulsion(occupied: &Grid<bool>, arguments: &RepulsionArguments) -> Computed 
     let neighbours = arguments.neighbours.connectivity;
     let brushfire = || brushfire_or_zero(occupied, neighbours.into());
     let field = || Values::Reals(potential::repulsion(&brushfire(), &arguments.repulsion.law()));
-    Computed::timed(&titled("Repulsion", neighbours), "potential", field)
+    Computed::timed(&title_with_neighbours("Repulsion", neighbours), "potential", field)
 }
 
 fn total(occupied: &Grid<bool>, arguments: &FieldArguments) -> Result<Computed, BadEnd> {
     let goal = arguments.goal.goal;
     check_inside("goal", occupied, goal)?;
-    let title = titled("Total potential", arguments.neighbours.connectivity);
+    let title = title_with_neighbours("Total potential", arguments.neighbours.connectivity);
     let field = || Values::Reals(total_field(occupied, arguments));
     Ok(Computed { goal: Some(goal), ..Computed::timed(&title, "potential", field) })
 }
@@ -178,7 +178,7 @@ fn descent(occupied: &Grid<bool>, arguments: &DescendArguments) -> Result<Comput
         Walk { start, goal, way: walk.expect("both ends are on the map") }
     });
     Ok(Computed {
-        title: titled("Gradient descent", neighbours),
+        title: title_with_neighbours("Gradient descent", neighbours),
         value_name: "potential",
         values: Values::Reals(field),
         unreached: None,
@@ -212,7 +212,7 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
     (result, stopwatch.lap())
 }
 
-fn titled(name: &str, neighbours: Neighbours) -> String {
+fn title_with_neighbours(name: &str, neighbours: Neighbours) -> String {
     format!("{name}, {} neighbours", u8::from(neighbours))
 }
 

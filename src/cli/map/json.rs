@@ -4,9 +4,9 @@ use serde::Serialize;
 
 use crate::batch::PROGRAM_VERSION;
 use crate::cli::map::args::Computation;
-use crate::cli::map::report::Report;
+use crate::cli::map::report::MapReport;
 use crate::cli::map::values::Value;
-use crate::cli::map::walk::Answer;
+use crate::cli::map::walk::WalkResult;
 use crate::grid::Place;
 use crate::grid::place::octile_length;
 
@@ -28,7 +28,7 @@ struct Object<'a> {
     computation: &'a Computation,
     maximum: Option<Value>,
     unreached: Option<usize>,
-    answer: Option<Answer>,
+    answer: Option<WalkResult>,
     minimum: Option<Place>,
     path_cells: Option<usize>,
     steps: Option<usize>,
@@ -46,7 +46,7 @@ struct Measured {
 }
 
 /// The report on one line.
-pub fn of(report: &Report) -> String {
+pub fn to_json(report: &MapReport) -> String {
     let (computed, occupied, way) = (report.computed, report.occupied_cells, report.way());
     let walk = computed.walk.as_ref();
     let object = Object {

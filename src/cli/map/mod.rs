@@ -21,50 +21,50 @@ pub use args::MapCommand;
 
 use args::Computation;
 use options::ReadingArguments;
-use report::Report;
+use report::MapReport;
 
-use crate::cli::failure::Failure;
+use crate::cli::error::CliError;
 use crate::cli::terminal;
 use crate::grid::occupancy;
 use crate::map_files::{self, MapFile};
 use crate::time::cpu::CpuStopwatch;
 
-pub fn run(command: &MapCommand, quiet: bool) -> Result<ExitCode, Failure> {
+pub fn run(command: &MapCommand, quiet: bool) -> Result<ExitCode, CliError> {
     match command {
-        MapCommand::Compute(computation) => compute_and_tell(computation, quiet)?,
+        MapCommand::Compute(computation) => compute_and_report(computation, quiet)?,
         MapCommand::Timing(arguments) => timing::run(arguments, quiet)?,
     }
     Ok(ExitCode::SUCCESS)
 }
 
-fn compute_and_tell(computation: &Computation, quiet: bool) -> Result<(), Failure> {
-    computation.check_parameters().map_err(|problem| Failure::bad_input(problem, None))?;
+fn compute_and_report(computation: &Computation, quiet: bool) -> Result<(), CliError> {
+    computation.check_parameters().map_err(|problem| CliError::bad_input(problem, None))?;
     let words = files::check(computation)?;
     let (input, output) = (&computation.files().input, &computation.files().output);
     let (map, cpu_read) = read(&input.map, &input.reading)?;
     let computed = compute::compute(computation, &map.occupied)
-        .map_err(|problem| Failure::bad_input(format_args!("{}: {problem}", input.map.display()), None))?;
-    let report = Report::new(computation, &map, &computed, cpu_read);
+        .map_err(|problem| CliError::bad_input(format_args!("{}: {problem}", input.map.display()), None))?;
+    let report = MapReport::new(computation, &map, &computed, cpu_read);
     if output.json && !quiet {
         report.sentences().iter().for_each(|sentence| terminal::note(sentence));
     }
-    let printed = words.print(&told(&report));
+    let printed = words.print(&rendered(&report));
     // Whatever cannot be written, all else is kept.
     let written = files::write(&report, quiet);
     printed.and(written)
 }
 
-fn told(report: &Report) -> String {
+fn rendered(report: &MapReport) -> String {
     let output = &report.computation.files().output;
     if output.json {
-        return json::of(report) + "\n";
+        return json::to_json(report) + "\n";
     }
     let values = summary::values(report).filter(|_| !files::are_wanted(output));
-    summary::of(report) + &values.map(|values| format!("\n{values}")).unwrap_or_default()
+    summary::to_text(report) + &values.map(|values| format!("\n{values}")).unwrap_or_default()
 }
 
 /// The map in a file without its edges, and the CPU time that it took.
-fn read(path: &Path, reading: &ReadingArguments) -> Result<(MapFile, Duration), Failure> {
+fn read(path: &Path, reading: &ReadingArguments) -> Result<(MapFile, Duration), CliError> {
     let mut stopwatch = CpuStopwatch::start();
     let mut map = map_files::read(path, reading.tolerance())?;
     occupancy::remove_edges(&mut map.occupied, reading.remove_edges);
@@ -104,11 +104,11 @@ mod tests {
             Err(refusal) => return said(&refusal.to_string()),
         };
         case.count("maps computed");
-        let report = Report::new(&command, &map, &computed, Duration::ZERO);
-        let told = told(&report);
-        if command.files().output.json && serde_json::from_str::<serde_json::Value>(&told).is_err() {
-            return Err(format!("this is no JSON: {told}"));
+        let report = MapReport::new(&command, &map, &computed, Duration::ZERO);
+        let rendered = rendered(&report);
+        if command.files().output.json && serde_json::from_str::<serde_json::Value>(&rendered).is_err() {
+            return Err(format!("this is no JSON: {rendered}"));
         }
-        said(&told)
+        said(&rendered)
     }
 }

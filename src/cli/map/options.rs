@@ -10,7 +10,7 @@ use crate::grid::parameter::BadParameter;
 use crate::grid::{Connectivity, CornerCutting, Place, TieOrder, potential};
 use crate::picture::ColourMap;
 
-/// Which map is read, and how.
+/// The map to read.
 #[derive(Debug, Args)]
 pub struct InputArguments {
     /// A map: PNG or PGM grey image, text of 0 and 1, CSV of 0 and 1, or Moving AI `.map` (S, swamp, and W, water, are
@@ -21,7 +21,7 @@ pub struct InputArguments {
     pub reading: ReadingArguments,
 }
 
-/// How a map is read.
+/// Options of reading a map.
 #[derive(Debug, Args)]
 pub struct ReadingArguments {
     /// Pixels of an image are occupied where their grey value, 0 black to 255 white, is at most this [default: 50].
@@ -41,7 +41,7 @@ impl ReadingArguments {
     }
 }
 
-/// Where results go.
+/// Files to write, and the form of the answer.
 #[derive(Debug, Args)]
 #[command(group = ArgGroup::new("picture").args(["png", "overlay", "surface"]).multiple(true))]
 pub struct OutputArguments {

@@ -9,8 +9,8 @@ use crate::cli::map::walk::Walk;
 use crate::grid::Place;
 use crate::map_files::MapFile;
 
-/// All that the outputs of a command tell.
-pub struct Report<'a> {
+/// The contents of all outputs of a command.
+pub struct MapReport<'a> {
     pub computation: &'a Computation,
     pub path: &'a Path,
     pub map: &'a MapFile,
@@ -19,7 +19,7 @@ pub struct Report<'a> {
     pub cpu_read: Duration,
 }
 
-impl<'a> Report<'a> {
+impl<'a> MapReport<'a> {
     pub fn new(computation: &'a Computation, map: &'a MapFile, computed: &'a Computed, cpu_read: Duration) -> Self {
         let occupied_cells = map.occupied.values().iter().filter(|&&occupied| occupied).count();
         Self { computation, path: &computation.files().input.map, map, computed, occupied_cells, cpu_read }
@@ -44,14 +44,14 @@ impl<'a> Report<'a> {
         self.computed.walk.as_ref().map(|walk| walk.way.cells.as_slice()).filter(|cells| !cells.is_empty())
     }
 
-    /// All that deserves a sentence.
+    /// Lists notes on the map, and the result of the walk.
     pub fn sentences(&self) -> Vec<String> {
         let notes = self.map.notes.iter().map(|note| format!("{}: {note}.", self.path.display()));
         let walk = self.computed.walk.as_ref().map(Walk::sentence);
         notes.chain(self.oddities()).chain(walk).collect()
     }
 
-    /// What is odd about the map or the question.
+    /// Lists what is odd about the map or the question.
     fn oddities(&self) -> Vec<String> {
         let mut oddities = self.map.doubts(self.computation.files().input.reading.tolerance());
         if self.occupied_cells == 0 {

@@ -1,16 +1,16 @@
 //! A report as what a picture of it shows.
 
 use crate::cli::map::args::{Computation, CostArguments};
-use crate::cli::map::report::Report;
+use crate::cli::map::report::MapReport;
 use crate::grid::brushfire::brushfire;
 use crate::grid::{Connectivity, Grid, Place};
 use crate::picture::{MapScene, Picture, Zones};
 
-/// Zones of the cost map, the dearest first.
+/// Zones of the cost map, the most expensive first.
 const ZONES: [&str; 3] = ["safety zone", "outer zone", "no cost"];
 
 /// Draws a report.
-pub fn with_scene(report: &Report, draw: impl FnOnce(&MapScene) -> Picture) -> Picture {
+pub fn with_scene(report: &MapReport, draw: impl FnOnce(&MapScene) -> Picture) -> Picture {
     let computed = report.computed;
     let value = |place| value(report, place);
     let scene = MapScene {
@@ -33,7 +33,7 @@ pub fn with_scene(report: &Report, draw: impl FnOnce(&MapScene) -> Picture) -> P
 }
 
 /// The value to draw: a wavefront has none where the wave does not come.
-fn value(report: &Report, place: Place) -> Option<f64> {
+fn value(report: &MapReport, place: Place) -> Option<f64> {
     let value = report.computed.values.at(place).as_f64();
     let is_wave = report.computed.unreached.is_some();
     let is_bare = is_wave && (report.map.occupied[place] || value == 0.0);

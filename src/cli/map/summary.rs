@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use crate::cli::map::report::Report;
+use crate::cli::map::report::MapReport;
 use crate::cli::map::values::Value;
 use crate::map_files::NEAR_TOLERANCE;
 
@@ -11,7 +11,7 @@ const MAX_WIDTH: usize = 80;
 const MAX_ROWS: usize = 40;
 
 /// Size, sentences, the largest value, CPU time.
-pub fn of(report: &Report) -> String {
+pub fn to_text(report: &MapReport) -> String {
     let mut lines = vec![size(report)];
     lines.extend(near_tolerance(report));
     lines.push(value(report));
@@ -20,7 +20,7 @@ pub fn of(report: &Report) -> String {
     lines.join("\n") + "\n"
 }
 
-fn size(report: &Report) -> String {
+fn size(report: &MapReport) -> String {
     let (path, map) = (report.path.display(), &report.map.occupied);
     let (cells, occupied) = (report.cells(), report.occupied_cells);
     let share = 100.0 * occupied as f64 / cells as f64;
@@ -28,26 +28,26 @@ fn size(report: &Report) -> String {
 }
 
 /// Says how much of an image the tolerance hardly separates.
-fn near_tolerance(report: &Report) -> Option<String> {
+fn near_tolerance(report: &MapReport) -> Option<String> {
     let (percent, tolerance) = (100.0 * report.near_tolerance()?, report.tolerance()?);
     Some(format!("Tolerance {tolerance}: {percent:.1} % of the pixels within {NEAR_TOLERANCE} grey levels of it"))
 }
 
-fn value(report: &Report) -> String {
+fn value(report: &MapReport) -> String {
     let computed = report.computed;
     let max = computed.values.max().map_or("none".to_owned(), Value::to_text);
     let unreached = computed.unreached.map(|cells| format!(", free cells unreached {cells}"));
     format!("{}: maximum {max}{}", computed.title, unreached.unwrap_or_default())
 }
 
-fn cpu(report: &Report) -> String {
+fn cpu(report: &MapReport) -> String {
     let ms = |cpu: Duration| format!("{:.3} ms", cpu.as_secs_f64() * 1e3);
     let path = report.computed.cpu_path.map(|cpu| format!(", path {}", ms(cpu)));
     format!("CPU: reading {}, map {}{}", ms(report.cpu_read), ms(report.computed.cpu_map), path.unwrap_or_default())
 }
 
 /// All values in rows and columns, those on the way with a star before them; `None` if they would not fit.
-pub fn values(report: &Report) -> Option<String> {
+pub fn values(report: &MapReport) -> Option<String> {
     let (rows, cols) = (report.map.occupied.rows(), report.map.occupied.cols());
     if rows > MAX_ROWS || cols > MAX_WIDTH {
         return None;

@@ -6,7 +6,7 @@ use std::time::Duration;
 use serde::Serialize;
 
 use crate::batch::{PROGRAM_VERSION, TextTable};
-use crate::cli::failure::Failure;
+use crate::cli::error::CliError;
 use crate::cli::map::args::TimingArguments;
 use crate::cli::map::read;
 use crate::cli::terminal;
@@ -15,7 +15,7 @@ use crate::grid::wavefront::wavefront_into;
 use crate::grid::{Connectivity, CornerCutting, Grid, Place};
 use crate::time::cpu::CpuStopwatch;
 
-/// A figure is the median of at least so many repetitions, and of at least so much CPU time.
+/// The least repetitions, and the least CPU time, that a median is taken over.
 const MIN_REPETITIONS: usize = 5;
 const MIN_CPU: Duration = Duration::from_millis(200);
 
@@ -38,7 +38,7 @@ struct Timings {
     maps: Vec<Timing>,
 }
 
-pub fn run(arguments: &TimingArguments, quiet: bool) -> Result<(), Failure> {
+pub fn run(arguments: &TimingArguments, quiet: bool) -> Result<(), CliError> {
     let mut timings = Vec::new();
     for path in &arguments.maps {
         let (map, _) = read(path, &arguments.reading)?;

@@ -1,4 +1,4 @@
-//! What came of the way from start to goal, whichever algorithm looked for it.
+//! The path from start to goal, whichever algorithm searched for it.
 
 use serde::Serialize;
 
@@ -6,10 +6,10 @@ use crate::grid::descent::{Descent, Escape};
 use crate::grid::place::octile_length;
 use crate::grid::{Place, Route};
 
-/// How the question for a way is answered.
+/// The answer to the question for a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Answer {
+pub enum WalkResult {
     Reached,
     Unreachable,
     Stuck,
@@ -24,10 +24,10 @@ pub struct Walk {
     pub way: Way,
 }
 
-/// How far the way from the start leads.
+/// The path as far as it leads.
 #[derive(Debug)]
 pub struct Way {
-    pub answer: Answer,
+    pub answer: WalkResult,
     /// Cells from the start on; empty if the way does not begin.
     pub cells: Vec<Place>,
     /// The local minimum in which a descent ended.
@@ -37,9 +37,9 @@ pub struct Way {
 impl From<Route> for Way {
     fn from(route: Route) -> Self {
         let (answer, cells) = match route {
-            Route::Found(cells) => (Answer::Reached, cells),
-            Route::Unreachable => (Answer::Unreachable, Vec::new()),
-            Route::StartOccupied => (Answer::StartOccupied, Vec::new()),
+            Route::Found(cells) => (WalkResult::Reached, cells),
+            Route::Unreachable => (WalkResult::Unreachable, Vec::new()),
+            Route::StartOccupied => (WalkResult::StartOccupied, Vec::new()),
         };
         Self { answer, cells, minimum: None }
     }
@@ -48,8 +48,8 @@ impl From<Route> for Way {
 impl From<Descent> for Way {
     fn from(descent: Descent) -> Self {
         match descent {
-            Descent::Reached(cells) => Self { answer: Answer::Reached, cells, minimum: None },
-            Descent::Stuck(cells) => Self { answer: Answer::Stuck, minimum: cells.last().copied(), cells },
+            Descent::Reached(cells) => Self { answer: WalkResult::Reached, cells, minimum: None },
+            Descent::Stuck(cells) => Self { answer: WalkResult::Stuck, minimum: cells.last().copied(), cells },
             Descent::StartOccupied => Route::StartOccupied.into(),
         }
     }
@@ -62,9 +62,9 @@ impl From<Escape> for Way {
             Escape::HandedOver { descent: mut cells, wavefront } => {
                 let minimum = cells.last().copied();
                 cells.extend(wavefront.into_iter().skip(1));
-                Self { answer: Answer::Reached, cells, minimum }
+                Self { answer: WalkResult::Reached, cells, minimum }
             }
-            Escape::Unreachable(cells) => Self { answer: Answer::Unreachable, ..Descent::Stuck(cells).into() },
+            Escape::Unreachable(cells) => Self { answer: WalkResult::Unreachable, ..Descent::Stuck(cells).into() },
             Escape::StartOccupied => Route::StartOccupied.into(),
         }
     }
@@ -77,18 +77,18 @@ impl Walk {
         let minimum = self.way.minimum.map(|place| format!("Stuck in a local minimum at {}", at(place)));
         let measures = self.way.measures();
         match (self.way.answer, minimum) {
-            (Answer::Reached, None) => format!("Reached the goal: {measures}."),
-            (Answer::Reached, Some(stuck)) => {
+            (WalkResult::Reached, None) => format!("Reached the goal: {measures}."),
+            (WalkResult::Reached, Some(stuck)) => {
                 format!("{stuck}; reached the goal from there by the wavefront: {measures} in all.")
             }
-            (Answer::Unreachable, None) => {
+            (WalkResult::Unreachable, None) => {
                 format!("Unreachable: no way leads from the start, {start}, to the goal, {goal}.")
             }
-            (Answer::Unreachable, Some(stuck)) => {
+            (WalkResult::Unreachable, Some(stuck)) => {
                 format!("{stuck}. Unreachable: no way leads from there to the goal, {goal}.")
             }
-            (Answer::Stuck, stuck) => format!("{}: {measures}.", stuck.unwrap_or_default()),
-            (Answer::StartOccupied, _) => format!("No path: the start, {start}, lies in an obstacle."),
+            (WalkResult::Stuck, stuck) => format!("{}: {measures}.", stuck.unwrap_or_default()),
+            (WalkResult::StartOccupied, _) => format!("No path: the start, {start}, lies in an obstacle."),
         }
     }
 }

@@ -23,10 +23,10 @@ pub struct PlanArguments {
     /// Field files: JSON with bushes, start and goals [default: the field of the scenario, drawn with the seed].
     #[arg(value_name = "FIELD.json")]
     pub fields: Vec<PathBuf>,
-    /// How the truck finds its way; several names, with commas or repeated, are compared [default: the scenario's].
+    /// The planner; several names, with commas or repeated, are compared [default: the scenario's].
     #[arg(long = "planner", value_name = "NAME", value_delimiter = ',')]
     pub planners: Vec<TruckPlannerKind>,
-    /// The seed from which all that is random follows.
+    /// The seed of everything random.
     #[arg(long, default_value_t = 1, allow_hyphen_values = true, value_parser = parse_seed)]
     pub seed: u64,
     /// The scenario whose first truck's settings planners have: a file, or a built-in name.
@@ -37,10 +37,10 @@ pub struct PlanArguments {
     pub overrides: Vec<String>,
     #[command(flatten)]
     pub memory: MemoryArguments,
-    /// On the scenario's field: so many random free poses to drive to [default: 50].
+    /// The number of random free poses of the scenario's field to drive to [default: 50].
     #[arg(help_heading = "Goals", long, value_name = "N", conflicts_with = "fields", value_parser = goal_count)]
     pub goals: Option<usize>,
-    /// Drive to so many random bushes of each field instead: as near as the truck puts fires out from
+    /// The number of random bushes of each field to drive to instead: near enough to put out a fire there
     /// (`suppression.reach_m`), at any heading.
     #[arg(help_heading = "Goals", long, value_name = "N", conflicts_with = "goals", value_parser = goal_count)]
     pub cells: Option<usize>,

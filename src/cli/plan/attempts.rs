@@ -1,4 +1,4 @@
-//! What every planner answers to every goal, and what that costs.
+//! What every planner report to every goal, and what that costs.
 
 use std::sync::Arc;
 use std::time::Duration;

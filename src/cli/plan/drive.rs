@@ -1,4 +1,4 @@
-//! What a path is worth, and whether it keeps to the rules.
+//! Figures of a path, and a check of the rules.
 
 use crate::audit::{AuditField, MotionLimits, Outline, SampleStep, audit_leg};
 use crate::collision::CollisionChecker;
@@ -13,7 +13,7 @@ use crate::vehicle::{Dimensions, Path, ReedsShepp};
 /// Spacing of the poses whose clearance is looked at, metres.
 const SPACING_M: f64 = 0.02;
 
-/// How far a path may end from where it should, metres and radians.
+/// The tolerances of the end of a path, metres and radians.
 const END_M: f64 = 1e-3;
 const END_RAD: f64 = 1e-3;
 
@@ -80,7 +80,7 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// By how much a pose is not the goal, if it is not.
+/// Returns by how much a pose misses the goal; `None` if it is met.
 fn missed(goal: Goal, pose: Pose, body: &Dimensions) -> Option<String> {
     let (gap_m, turn) = match goal {
         Goal::Pose(goal) => (pose.position().distance(goal.position()), ops::wrap_angle(pose.heading - goal.heading)),
@@ -90,7 +90,7 @@ fn missed(goal: Goal, pose: Pose, body: &Dimensions) -> Option<String> {
     (!is_met).then(|| format!("{gap_m:.4} m and {:.4} rad", turn.abs()))
 }
 
-/// What no path can be shorter than: the length of the Reeds-Shepp curve, or the way of the body's centre into the disc
+/// Bounds the length of paths from below: the length of the Reeds-Shepp curve, or the way of the body's centre into the disc
 /// over how much farther it can move than the rear axle.
 pub fn lower_bound_m(start: Pose, goal: Goal, body: &Dimensions) -> f64 {
     match goal {

@@ -1,10 +1,10 @@
-//! All that was found out as one JSON object.
+//! The report as one JSON object.
 
 use serde::Serialize;
 use std::collections::BTreeMap;
 
 use crate::batch::PROGRAM_VERSION;
-use crate::cli::plan::Answers;
+use crate::cli::plan::PlanReport;
 use crate::cli::plan::attempts::Attempt;
 use crate::cli::plan::rows::Row;
 use crate::cli::plan::settings;
@@ -52,20 +52,20 @@ struct Violation<'a> {
 }
 
 /// The object on one line.
-pub fn of(answers: &Answers) -> String {
+pub fn to_json(report: &PlanReport) -> String {
     let object = Object {
         program_version: PROGRAM_VERSION,
-        scenario: &answers.loaded.scenario.name,
-        seed: answers.seed,
-        settings: answers
+        scenario: &report.loaded.scenario.name,
+        seed: report.seed,
+        settings: report
             .planners
             .iter()
-            .map(|&p| (p.name(), settings::of(p, answers.loaded).into_iter().collect()))
+            .map(|&p| (p.name(), settings::planner_settings(p, report.loaded).into_iter().collect()))
             .collect(),
-        fields: answers.problems.iter().map(field).collect(),
-        rows: answers.attempts.iter().map(Row::of).collect(),
-        violations: answers.attempts.iter().filter_map(violation).collect(),
-        summary: &answers.summaries,
+        fields: report.problems.iter().map(field).collect(),
+        rows: report.attempts.iter().map(Row::new).collect(),
+        violations: report.attempts.iter().filter_map(violation).collect(),
+        summary: &report.summaries,
     };
     serde_json::to_string(&object).expect("names, numbers and words are JSON") + "\n"
 }

@@ -22,18 +22,18 @@ use attempts::{Attempt, attempts};
 use summary::Summary;
 
 use crate::batch::file_name_of;
+use crate::cli::error::CliError;
 use crate::cli::exit;
-use crate::cli::failure::Failure;
 use crate::cli::output_files::{self, Files, Format};
 use crate::cli::terminal;
 use crate::input_file::is_standard_stream;
 use crate::planning::TruckPlannerKind;
 use crate::scenario::{LoadedScenario, Problem};
 
-/// What was asked and all that was answered.
-struct Answers<'a> {
+/// The question and all answers.
+struct PlanReport<'a> {
     loaded: &'a LoadedScenario,
-    /// Those of the command line.
+    /// Changed values, as on the command line.
     changes: &'a [String],
     seed: u64,
     problems: &'a [Problem],
@@ -44,14 +44,14 @@ struct Answers<'a> {
     summaries: Vec<Summary>,
 }
 
-impl Answers<'_> {
+impl PlanReport<'_> {
     /// The place of a problem of the list.
     fn number_of(&self, problem: &Problem) -> usize {
         self.problems.iter().position(|other| std::ptr::eq(other, problem)).expect("it is in the list")
     }
 }
 
-pub fn run(arguments: &PlanArguments, quiet: bool) -> Result<ExitCode, Failure> {
+pub fn run(arguments: &PlanArguments, quiet: bool) -> Result<ExitCode, CliError> {
     let loaded = LoadedScenario::open(&arguments.scenario, &arguments.overrides)?;
     let problems = problems::load(arguments, &loaded.scenario)?;
     let planners = planners(arguments, &problems);
@@ -60,11 +60,12 @@ pub fn run(arguments: &PlanArguments, quiet: bool) -> Result<ExitCode, Failure> 
     let mut all = Vec::new();
     for problem in &problems {
         let attempts = attempts(problem, &planners, arguments.seed, arguments.memory.limit());
-        let exceeded = |exceeded| Failure::of_run(format_args!("planning on the field {}: {exceeded}", problem.name));
+        let exceeded =
+            |exceeded| CliError::run_failed(format_args!("planning on the field {}: {exceeded}", problem.name));
         all.extend(attempts.map_err(exceeded)?);
     }
-    let summaries = planners.iter().map(|&planner| Summary::of(planner, &all)).collect();
-    let answers = Answers {
+    let summaries = planners.iter().map(|&planner| Summary::new(planner, &all)).collect();
+    let report = PlanReport {
         loaded: &loaded,
         changes: &arguments.overrides,
         seed: arguments.seed,
@@ -73,16 +74,16 @@ pub fn run(arguments: &PlanArguments, quiet: bool) -> Result<ExitCode, Failure> 
         attempts: all,
         summaries,
     };
-    let told = if arguments.json { json::of(&answers) } else { report::of(&answers) };
-    let printed = words.print(&told);
+    let rendered = if arguments.json { json::to_json(&report) } else { report::to_text(&report) };
+    let printed = words.print(&rendered);
     // Whatever cannot be written, all else is kept.
-    let written = write_files(arguments, &answers, &pictures, quiet);
+    let written = write_files(arguments, &report, &pictures, quiet);
     printed.and(written)?;
-    let is_clean = answers.summaries.iter().all(|summary| summary.violations == 0);
+    let is_clean = report.summaries.iter().all(|summary| summary.violations == 0);
     Ok(if is_clean { ExitCode::SUCCESS } else { ExitCode::from(exit::VIOLATION) })
 }
 
-/// Those that were named, each once, or else the truck's own.
+/// The planners that were named, each once, or else the truck's own.
 fn planners(arguments: &PlanArguments, problems: &[Problem]) -> Vec<TruckPlannerKind> {
     let own = problems.iter().take(1).map(|problem| problem.truck.planner);
     let named = arguments.planners.iter().copied();
@@ -116,22 +117,27 @@ fn files<'a>(arguments: &'a PlanArguments, pictures: &'a [PathBuf]) -> Files<'a>
     Files { inputs, outputs, json: arguments.json }.writing(tables)
 }
 
-fn write_files(arguments: &PlanArguments, answers: &Answers, pictures: &[PathBuf], quiet: bool) -> Result<(), Failure> {
+fn write_files(
+    arguments: &PlanArguments,
+    report: &PlanReport,
+    pictures: &[PathBuf],
+    quiet: bool,
+) -> Result<(), CliError> {
     let tables = output_files::write_all(
         &[
-            (arguments.csv.as_deref(), &|path| rows::write(path, &answers.attempts)),
-            (arguments.paths.as_deref(), &|path| path_rows::write(path, &answers.attempts)),
-            (arguments.ompl.as_deref(), &|path| ompl::write(path, answers)),
+            (arguments.csv.as_deref(), &|path| rows::write(path, &report.attempts)),
+            (arguments.paths.as_deref(), &|path| path_rows::write(path, &report.attempts)),
+            (arguments.ompl.as_deref(), &|path| ompl::write(path, report)),
         ],
         quiet,
     );
-    let drawn = answers.problems.iter().zip(pictures).map(|(problem, picture)| {
-        let draw = |path: &Path| scene::draw(problem, answers).write_png(path);
+    let drawn = report.problems.iter().zip(pictures).map(|(problem, picture)| {
+        let draw = |path: &Path| scene::draw(problem, report).write_png(path);
         output_files::write_all(&[(Some(picture), &draw)], quiet)
     });
     // All are tried; the error is the first.
     let written = drawn.fold(tables, Result::and);
-    let names = answers.problems.iter().zip(pictures).map(|(problem, _)| problem.name.as_str());
+    let names = report.problems.iter().zip(pictures).map(|(problem, _)| problem.name.as_str());
     terminal::note_unknown_letters(names, quiet);
     written
 }

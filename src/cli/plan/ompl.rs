@@ -9,7 +9,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use crate::batch::PROGRAM_VERSION;
-use crate::cli::plan::Answers;
+use crate::cli::plan::PlanReport;
 use crate::cli::plan::attempts::Attempt;
 use crate::cli::plan::drive::Drive;
 use crate::cli::plan::settings;
@@ -30,8 +30,8 @@ const STATUSES: [&str; 10] = [
     "Infeasible",
 ];
 
-/// What is known of a run: its name and type, and its value, nothing where there is none.
-type Property = (&'static str, fn(&Attempt, &Answers) -> Option<String>);
+/// A property of a run: its name and type, and its value, `None` where there is none.
+type Property = (&'static str, fn(&Attempt, &PlanReport) -> Option<String>);
 
 const PROPERTIES: [Property; 13] = [
     ("approximate solution BOOLEAN", |_, _| boolean(false)),
@@ -42,7 +42,7 @@ const PROPERTIES: [Property; 13] = [
     ("expansions INTEGER", |attempt, _| Some(attempt.expansions.to_string())),
     ("goal INTEGER", |attempt, _| Some(attempt.goal.to_string())),
     ("lower bound ratio REAL", |attempt, _| figure(attempt, |drive| drive.lower_bound_ratio)),
-    ("problem INTEGER", |attempt, answers| Some(answers.number_of(attempt.problem).to_string())),
+    ("problem INTEGER", |attempt, report| Some(report.number_of(attempt.problem).to_string())),
     ("solution clearance REAL", |attempt, _| figure(attempt, |drive| Some(drive.min_clearance_m))),
     ("solution length REAL", |attempt, _| figure(attempt, |drive| Some(drive.length_m))),
     ("solved BOOLEAN", |attempt, _| boolean(attempt.drive.is_ok())),
@@ -51,53 +51,53 @@ const PROPERTIES: [Property; 13] = [
 
 /// Writes the log. Where OMPL has limits of time and memory, and a day, it has zeros: effort is counted here, and nothing
 /// depends on the day.
-pub fn write(path: &Path, answers: &Answers) -> io::Result<()> {
+pub fn write(path: &Path, report: &PlanReport) -> io::Result<()> {
     let mut log = WholeFile::create(path)?;
-    write_head(&mut log, answers)?;
-    for &planner in answers.planners {
+    write_head(&mut log, report)?;
+    for &planner in report.planners {
         writeln!(log, "{}", planner.name())?;
-        let settings = settings::of(planner, answers.loaded);
+        let settings = settings::planner_settings(planner, report.loaded);
         writeln!(log, "{} common properties", settings.len())?;
         settings.iter().try_for_each(|(name, value)| writeln!(log, "{name} = {value}"))?;
         writeln!(log, "{} properties for each run", PROPERTIES.len() + 1)?;
         PROPERTIES.iter().try_for_each(|(name, _)| writeln!(log, "{name}"))?;
         writeln!(log, "status ENUM")?;
-        let runs: Vec<_> = answers.attempts.iter().filter(|attempt| attempt.planner == planner).collect();
+        let runs: Vec<_> = report.attempts.iter().filter(|attempt| attempt.planner == planner).collect();
         writeln!(log, "{} runs", runs.len())?;
-        runs.into_iter().try_for_each(|run| write_run(&mut log, run, answers))?;
+        runs.into_iter().try_for_each(|run| write_run(&mut log, run, report))?;
         writeln!(log, ".")?;
     }
     log.finish()
 }
 
-fn write_head(log: &mut impl Write, answers: &Answers) -> io::Result<()> {
+fn write_head(log: &mut impl Write, report: &PlanReport) -> io::Result<()> {
     writeln!(log, "wildfire version {PROGRAM_VERSION}")?;
-    writeln!(log, "Experiment {}", answers.loaded.scenario.name.replace(char::is_whitespace, "_"))?;
+    writeln!(log, "Experiment {}", report.loaded.scenario.name.replace(char::is_whitespace, "_"))?;
     writeln!(log, "0 experiment properties")?;
     writeln!(log, "Running on UNKNOWN")?;
     writeln!(log, "Starting at 1970-01-01T00:00:00")?;
     writeln!(log, "<<<|")?;
-    for (number, problem) in answers.problems.iter().enumerate() {
+    for (number, problem) in report.problems.iter().enumerate() {
         let (frame, goals) = (problem.terrain.frame, problem.goals.len());
         let (width_m, height_m) = (frame.width_m(), frame.height_m());
         writeln!(log, "problem {number}: field {}, {width_m} x {height_m} m, {goals} goals", problem.name)?;
     }
     writeln!(log, "|>>>")?;
-    let runs = answers.attempts.len() / answers.planners.len();
-    let seconds: f64 = answers.attempts.iter().map(|attempt| attempt.query.as_secs_f64()).sum();
-    writeln!(log, "{} is the random seed", answers.seed)?;
+    let runs = report.attempts.len() / report.planners.len();
+    let seconds: f64 = report.attempts.iter().map(|attempt| attempt.query.as_secs_f64()).sum();
+    writeln!(log, "{} is the random seed", report.seed)?;
     writeln!(log, "0 seconds per run")?;
     writeln!(log, "0 MB per run")?;
     writeln!(log, "{runs} runs per planner")?;
     writeln!(log, "{seconds} seconds spent to collect the data")?;
     writeln!(log, "1 enum type")?;
     writeln!(log, "status|{}", STATUSES.join("|"))?;
-    writeln!(log, "{} planners", answers.planners.len())
+    writeln!(log, "{} planners", report.planners.len())
 }
 
-fn write_run(log: &mut impl Write, run: &Attempt, answers: &Answers) -> io::Result<()> {
+fn write_run(log: &mut impl Write, run: &Attempt, report: &PlanReport) -> io::Result<()> {
     for (_, value) in &PROPERTIES {
-        write!(log, "{}; ", value(run, answers).unwrap_or_default())?;
+        write!(log, "{}; ", value(run, report).unwrap_or_default())?;
     }
     writeln!(log, "{}; ", status(run))
 }

@@ -26,7 +26,7 @@ struct PathRow<'a> {
     x_m: f64,
     y_m: f64,
     heading_rad: f64,
-    /// How the truck came there; of the start, how it leaves.
+    /// The gear in which the truck arrives there; of the start, that in which it leaves.
     direction: &'static str,
 }
 

@@ -1,4 +1,4 @@
-//! What is to be planned: problems from files, or on the field of a scenario.
+//! The planning problems: from files, or on the field of a scenario.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -6,7 +6,7 @@ use std::sync::Arc;
 use rand::RngExt;
 use rand::seq::SliceRandom;
 
-use crate::cli::failure::Failure;
+use crate::cli::error::CliError;
 use crate::cli::plan::args::PlanArguments;
 use crate::collision::{ClearanceField, CollisionChecker};
 use crate::geometry::Pose;
@@ -17,14 +17,14 @@ use crate::scenario::{Problem, Scenario, Unimog};
 /// Goal poses on a scenario's field, unless a number is given.
 const GOALS: usize = 50;
 
-/// What a random goal pose keeps from bushes and border, metres.
+/// The clearance of random goal poses from bushes and border, metres.
 const GOAL_CLEARANCE_M: f64 = 0.5;
 
 /// Poses drawn for one that is free, until the field counts as full.
 const DRAWS_A_GOAL: usize = 10_000;
 
 /// The problems of the files, or the one of the scenario; each has a name of its own and at least one goal.
-pub fn load(arguments: &PlanArguments, scenario: &Scenario) -> Result<Vec<Problem>, Failure> {
+pub fn load(arguments: &PlanArguments, scenario: &Scenario) -> Result<Vec<Problem>, CliError> {
     let truck = scenario.unimog.first().ok_or_else(|| no_truck(scenario))?;
     let mut problems = if arguments.fields.is_empty() {
         vec![on_the_scenario(arguments, scenario)?]
@@ -42,29 +42,29 @@ pub fn load(arguments: &PlanArguments, scenario: &Scenario) -> Result<Vec<Proble
                 Some(_) => ("bushes", "leave out --cells, to drive to poses"),
                 None => ("goals", "list `goals`, or drive to bushes with --cells"),
             };
-            Err(Failure::bad_input(format_args!("the field `{}` has no {what}", problem.name), Some(help)))
+            Err(CliError::bad_input(format_args!("the field `{}` has no {what}", problem.name), Some(help)))
         }
     }
 }
 
-fn no_truck(scenario: &Scenario) -> Failure {
-    Failure::bad_input(
+fn no_truck(scenario: &Scenario) -> CliError {
+    CliError::bad_input(
         format_args!("the scenario `{}` has no truck", scenario.name),
         Some("planners take their settings from its first [[unimog]]"),
     )
 }
 
-fn no_reach() -> Failure {
-    Failure::bad_input("--cells needs a reach, and `suppression.reach_m` is \"none\"", None)
+fn no_reach() -> CliError {
+    CliError::bad_input("--cells needs a reach, and `suppression.reach_m` is \"none\"", None)
 }
 
-fn from_files(arguments: &PlanArguments, truck: &Unimog) -> Result<Vec<Problem>, Failure> {
+fn from_files(arguments: &PlanArguments, truck: &Unimog) -> Result<Vec<Problem>, CliError> {
     let mut problems: Vec<Problem> = Vec::new();
     for path in &arguments.fields {
         let problem = Problem::open(path, truck)?;
         if problems.iter().any(|other| other.name == problem.name) {
             let sentence = format!("{}: another field is called `{}` too", path.display(), problem.name);
-            return Err(Failure::bad_input(
+            return Err(CliError::bad_input(
                 sentence,
                 Some("tables tell fields apart by `field`, or by the file's name"),
             ));
@@ -74,8 +74,8 @@ fn from_files(arguments: &PlanArguments, truck: &Unimog) -> Result<Vec<Problem>,
     Ok(problems)
 }
 
-fn on_the_scenario(arguments: &PlanArguments, scenario: &Scenario) -> Result<Problem, Failure> {
-    let problem = Problem::of_scenario(scenario, arguments.seed).map_err(|error| Failure::bad_input(error, None))?;
+fn on_the_scenario(arguments: &PlanArguments, scenario: &Scenario) -> Result<Problem, CliError> {
+    let problem = Problem::of_scenario(scenario, arguments.seed).map_err(|error| CliError::bad_input(error, None))?;
     let mut problem = problem.ok_or_else(|| no_truck(scenario))?;
     if arguments.cells.is_none() {
         problem.goals = free_poses(&problem, arguments.goals.unwrap_or(GOALS), arguments.seed)?;
@@ -83,7 +83,7 @@ fn on_the_scenario(arguments: &PlanArguments, scenario: &Scenario) -> Result<Pro
     Ok(problem)
 }
 
-fn free_poses(problem: &Problem, count: usize, seed: u64) -> Result<Vec<Goal>, Failure> {
+fn free_poses(problem: &Problem, count: usize, seed: u64) -> Result<Vec<Goal>, CliError> {
     let frame = problem.terrain.frame;
     let field = Arc::new(ClearanceField::new(frame, &problem.terrain.occupied));
     let checker = CollisionChecker::new(field, problem.truck.vehicle);
@@ -93,7 +93,7 @@ fn free_poses(problem: &Problem, count: usize, seed: u64) -> Result<Vec<Goal>, F
         Pose::new(x, y, rng.random_range(0.0..TAU))
     };
     let mut free = || (0..DRAWS_A_GOAL).map(|_| draw()).find(|pose| checker.pose_is_free(*pose, GOAL_CLEARANCE_M));
-    let full = || Failure::bad_input(format_args!("the field `{}` has no room for goals", problem.name), None);
+    let full = || CliError::bad_input(format_args!("the field `{}` has no room for goals", problem.name), None);
     (0..count).map(|_| free().map(Goal::Pose).ok_or_else(full)).collect()
 }
 

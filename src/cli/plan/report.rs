@@ -1,7 +1,7 @@
-//! What was found out, as text for people.
+//! The report as text for people.
 
 use crate::batch::TextTable;
-use crate::cli::plan::Answers;
+use crate::cli::plan::PlanReport;
 use crate::cli::plan::attempts::Attempt;
 use crate::cli::plan::drive::Drive;
 use crate::cli::plan::settings;
@@ -20,30 +20,30 @@ const SHOWN_VIOLATIONS: usize = 10;
 const LONGEST_NAME: usize = 10;
 
 /// Settings, a row for each goal and planner if they are not too many, a line for each planner, and what went wrong.
-pub fn of(answers: &Answers) -> String {
-    let rows = if answers.attempts.len() <= SHOWN_ROWS { rows(answers).to_text() + "\n" } else { String::new() };
-    format!("{}\n{rows}{}\n{}", heading(answers), summary(&answers.summaries).to_text(), faults(answers))
+pub fn to_text(report: &PlanReport) -> String {
+    let rows = if report.attempts.len() <= SHOWN_ROWS { rows(report).to_text() + "\n" } else { String::new() };
+    format!("{}\n{rows}{}\n{}", heading(report), summary(&report.summaries).to_text(), faults(report))
 }
 
-fn heading(answers: &Answers) -> String {
-    let fields = match answers.problems {
+fn heading(report: &PlanReport) -> String {
+    let fields = match report.problems {
         [problem] => format!("Field `{}`", shortened(&problem.name)),
         problems => format!("{} fields", problems.len()),
     };
-    let goals = match answers.problems.iter().map(|problem| problem.goals.len()).sum() {
+    let goals = match report.problems.iter().map(|problem| problem.goals.len()).sum() {
         1 => "1 goal".to_owned(),
         goals => format!("{goals} goals"),
     };
-    let (seed, scenario) = (answers.seed, &answers.loaded.scenario.name);
-    let changes: String = answers.changes.iter().map(|change| format!(", {change}")).collect();
+    let (seed, scenario) = (report.seed, &report.loaded.scenario.name);
+    let changes: String = report.changes.iter().map(|change| format!(", {change}")).collect();
     let sentence = format!("{fields}, {goals}, seed {seed}; settings of the scenario `{scenario}`{changes}.");
     let budget =
-        |planner: &TruckPlannerKind| format!("Budget of {planner}: {}.", settings::budget(*planner, answers.loaded));
-    let sentences = std::iter::once(sentence).chain(answers.planners.iter().map(budget));
+        |planner: &TruckPlannerKind| format!("Budget of {planner}: {}.", settings::budget(*planner, report.loaded));
+    let sentences = std::iter::once(sentence).chain(report.planners.iter().map(budget));
     sentences.flat_map(|sentence| wrapped(&sentence, WIDTH)).map(|line| line + "\n").collect()
 }
 
-/// A column of a table: its heading, and what stands in it.
+/// A column of a table: its heading, and its cells.
 type TextColumn<T> = (&'static str, fn(&T) -> String);
 
 fn table<T>(columns: &[TextColumn<T>], rows: &[T]) -> TextTable {
@@ -53,28 +53,28 @@ fn table<T>(columns: &[TextColumn<T>], rows: &[T]) -> TextTable {
 }
 
 /// A row for each goal and planner.
-fn rows(answers: &Answers) -> TextTable {
+fn rows(report: &PlanReport) -> TextTable {
     let mut columns: Vec<TextColumn<Attempt>> = Vec::new();
-    if answers.planners.len() > 1 {
+    if report.planners.len() > 1 {
         columns.push(("Planner", |row| row.planner.to_string()));
     }
-    if answers.problems.len() > 1 {
+    if report.problems.len() > 1 {
         columns.push(("Field", |row| shortened(&row.problem.name)));
     }
     columns.extend::<[TextColumn<Attempt>; 8]>([
         ("Goal", |row| row.goal.to_string()),
         ("Query ms", |row| milliseconds(row.query.as_secs_f64())),
         ("Expan- sions", |row| row.expansions.to_string()),
-        ("Length m", |row| of_drive(row, |drive| Some(drive.length_m), 2)),
-        ("Len./ bound", |row| of_drive(row, |drive| drive.lower_bound_ratio, 3)),
-        ("Clear. m", |row| of_drive(row, |drive| Some(drive.min_clearance_m), 2)),
-        ("Cusps", |row| of_drive(row, |drive| Some(drive.cusps.into()), 0)),
-        ("Drive s", |row| of_drive(row, |drive| Some(drive.drive_s), 1)),
+        ("Length m", |row| drive_cell(row, |drive| Some(drive.length_m), 2)),
+        ("Len./ bound", |row| drive_cell(row, |drive| drive.lower_bound_ratio, 3)),
+        ("Clear. m", |row| drive_cell(row, |drive| Some(drive.min_clearance_m), 2)),
+        ("Cusps", |row| drive_cell(row, |drive| Some(drive.cusps.into()), 0)),
+        ("Drive s", |row| drive_cell(row, |drive| Some(drive.drive_s), 1)),
     ]);
-    table(&columns, &answers.attempts)
+    table(&columns, &report.attempts)
 }
 
-fn of_drive(row: &Attempt, figure: fn(&Drive) -> Option<f64>, decimals: usize) -> String {
+fn drive_cell(row: &Attempt, figure: fn(&Drive) -> Option<f64>, decimals: usize) -> String {
     optional(row.drive.as_ref().ok().and_then(figure), decimals)
 }
 
@@ -96,20 +96,20 @@ fn summary(summaries: &[Summary]) -> TextTable {
     table(&columns, summaries)
 }
 
-/// How often planners failed and why, the first violations in words, and what the columns mean.
-fn faults(answers: &Answers) -> String {
-    let sentences = failures(answers).chain(violations(answers));
+/// Lists how often planners failed and why, the first violations, and what the columns mean.
+fn faults(report: &PlanReport) -> String {
+    let sentences = failures(report).chain(violations(report));
     let lines: String = sentences.flat_map(|fault| wrapped(&fault, WIDTH)).map(|line| line + "\n").collect();
     let gap = if lines.is_empty() { "" } else { "\n" };
     format!("{lines}{gap}{LEGEND}")
 }
 
 /// A sentence for each planner and reason.
-fn failures(answers: &Answers) -> impl Iterator<Item = String> {
-    let kinds = answers.planners.iter().flat_map(|&planner| PlanFailure::ALL.map(|reason| (planner, reason)));
+fn failures(report: &PlanReport) -> impl Iterator<Item = String> {
+    let kinds = report.planners.iter().flat_map(|&planner| PlanFailure::ALL.map(|reason| (planner, reason)));
     kinds.filter_map(|(planner, reason)| {
         let is_one = |attempt: &&Attempt| attempt.planner == planner && attempt.drive.as_ref().err() == Some(&reason);
-        let failed: Vec<&Attempt> = answers.attempts.iter().filter(is_one).collect();
+        let failed: Vec<&Attempt> = report.attempts.iter().filter(is_one).collect();
         let place = place(failed.first()?);
         Some(match failed.len() {
             1 => format!("{planner}: {reason} {place}."),
@@ -118,12 +118,12 @@ fn failures(answers: &Answers) -> impl Iterator<Item = String> {
     })
 }
 
-fn violations(answers: &Answers) -> impl Iterator<Item = String> {
+fn violations(report: &PlanReport) -> impl Iterator<Item = String> {
     let violation = |attempt: &Attempt| {
         let violation = attempt.drive.as_ref().ok()?.violation.as_ref()?;
         Some(format!("{}: violation {}: {violation}", attempt.planner, place(attempt)))
     };
-    answers.attempts.iter().filter_map(violation).take(SHOWN_VIOLATIONS)
+    report.attempts.iter().filter_map(violation).take(SHOWN_VIOLATIONS)
 }
 
 fn place(attempt: &Attempt) -> String {

@@ -18,7 +18,7 @@ pub struct Row<'a> {
     goal: usize,
     planner: TruckPlannerKind,
     success: bool,
-    /// Why there is no path.
+    /// The reason why there is no path.
     reason: Option<String>,
     cpu_build_s: f64,
     cpu_query_s: f64,
@@ -31,7 +31,7 @@ pub struct Row<'a> {
 }
 
 impl<'a> Row<'a> {
-    pub fn of(attempt: &Attempt<'a>) -> Self {
+    pub fn new(attempt: &Attempt<'a>) -> Self {
         let drive = attempt.drive.as_ref();
         Self {
             field: Cow::Borrowed(&attempt.problem.name),
@@ -52,7 +52,7 @@ impl<'a> Row<'a> {
 
     /// Makes the same row for a CSV file, where the name of the field is a cell.
     fn in_table(attempt: &Attempt<'a>) -> Self {
-        Self { field: spreadsheet_cell(&attempt.problem.name), ..Self::of(attempt) }
+        Self { field: spreadsheet_cell(&attempt.problem.name), ..Self::new(attempt) }
     }
 }
 

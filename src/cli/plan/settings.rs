@@ -14,7 +14,7 @@ fn tables(planner: TruckPlannerKind) -> &'static [&'static str] {
 }
 
 /// The values of a planner's settings of the first truck, by names such as `hybrid.shortcuts`.
-pub fn of(planner: TruckPlannerKind, loaded: &LoadedScenario) -> Vec<(String, String)> {
+pub fn planner_settings(planner: TruckPlannerKind, loaded: &LoadedScenario) -> Vec<(String, String)> {
     let own = |name: String| {
         let name = name.strip_prefix("unimog.0.")?;
         let table = name.split_once('.')?.0;
@@ -23,13 +23,13 @@ pub fn of(planner: TruckPlannerKind, loaded: &LoadedScenario) -> Vec<(String, St
     loaded.values().into_iter().filter_map(|(name, value)| Some((own(name)?, value))).collect()
 }
 
-/// What bounds a planner's effort: expansions, samples, tries.
+/// Settings that bound a planner's effort: expansions, samples, tries.
 const BUDGETS: [&str; 3] = ["max_expansions", "samples", "shortcuts"];
 
 /// The settings that bound a planner's effort, as text.
 pub fn budget(planner: TruckPlannerKind, loaded: &LoadedScenario) -> String {
     let is_budget = |name: &str| BUDGETS.iter().any(|budget| name.rsplit('.').next() == Some(budget));
-    let budgets = of(planner, loaded).into_iter().filter(|(name, _)| is_budget(name));
+    let budgets = planner_settings(planner, loaded).into_iter().filter(|(name, _)| is_budget(name));
     let budgets: Vec<_> = budgets.map(|(name, value)| format!("{name}={value}")).collect();
     if budgets.is_empty() { "none".into() } else { budgets.join(", ") }
 }

@@ -1,4 +1,4 @@
-//! What a planner did over all goals, in a few numbers.
+//! The results of a planner over all goals, in a few numbers.
 
 use serde::Serialize;
 
@@ -36,7 +36,7 @@ pub struct Summary {
 
 impl Summary {
     /// The figures of a planner that was asked at least once.
-    pub fn of(planner: TruckPlannerKind, attempts: &[Attempt]) -> Self {
+    pub fn new(planner: TruckPlannerKind, attempts: &[Attempt]) -> Self {
         let own: Vec<&Attempt> = attempts.iter().filter(|attempt| attempt.planner == planner).collect();
         let drives: Vec<&Drive> = own.iter().filter_map(|attempt| attempt.drive.as_ref().ok()).collect();
         let queries = sorted(own.iter().map(|attempt| attempt.query.as_secs_f64()));

@@ -8,7 +8,7 @@ use indicatif::ProgressBar;
 use super::moments::Moments;
 use super::mp4_file::Mp4File;
 use super::{RenderArguments, Scene};
-use crate::cli::failure::Failure;
+use crate::cli::error::CliError;
 use crate::cli::{interrupt, terminal};
 use crate::picture::film::Painter;
 use crate::picture::{ColourCounts, GifFilm, Palette};
@@ -17,7 +17,7 @@ use crate::picture::{ColourCounts, GifFilm, Palette};
 const SAMPLED_FRAMES: u64 = 32;
 
 /// Writes the films that were asked for; they appear whole, both or none.
-pub fn write_films(scene: &Scene, moments: Moments, arguments: &RenderArguments, quiet: bool) -> Result<(), Failure> {
+pub fn write_films(scene: &Scene, moments: Moments, arguments: &RenderArguments, quiet: bool) -> Result<(), CliError> {
     let watch = interrupt::watch();
     let stop = watch.stop();
     let mut mp4 = arguments.mp4.as_deref().map(|path| Mp4File::create(path, scene.size, moments.fps)).transpose()?;
@@ -28,15 +28,15 @@ pub fn write_films(scene: &Scene, moments: Moments, arguments: &RenderArguments,
     for frame in 0..moments.count() {
         let pixels = reel.paint(frame)?;
         if let Some((path, gif)) = &mut gif {
-            gif.add(pixels, moments.hundredths(frame)).map_err(|error| Failure::unwritable(path, &error))?;
+            gif.add(pixels, moments.hundredths(frame)).map_err(|error| CliError::unwritable(path, &error))?;
         }
         if let Some(mp4) = &mut mp4 {
             // A Ctrl-C reaches ffmpeg too, which then takes no more.
-            mp4.add(pixels).map_err(|failure| if is_set(stop) { Failure::stopped() } else { failure })?;
+            mp4.add(pixels).map_err(|failure| if is_set(stop) { CliError::stopped() } else { failure })?;
         }
     }
     mp4.map_or(Ok(()), Mp4File::finish)?;
-    gif.map_or(Ok(()), |(path, gif)| gif.finish().map_err(|error| Failure::unwritable(path, &error)))?;
+    gif.map_or(Ok(()), |(path, gif)| gif.finish().map_err(|error| CliError::unwritable(path, &error)))?;
     reel.bar.finish_and_clear();
     Ok(())
 }
@@ -51,21 +51,22 @@ struct Reel<'a> {
 }
 
 impl Reel<'_> {
-    fn paint(&mut self, frame: u64) -> Result<&[u8], Failure> {
+    fn paint(&mut self, frame: u64) -> Result<&[u8], CliError> {
         if is_set(self.stop) {
-            return Err(Failure::stopped());
+            return Err(CliError::stopped());
         }
         self.bar.inc(1);
         Ok(self.painter.paint(&self.scene.shot(self.moments.time(frame))))
     }
 
-    fn begin_gif<'p>(&mut self, path: &'p Path) -> Result<(&'p Path, GifFilm), Failure> {
+    fn begin_gif<'p>(&mut self, path: &'p Path) -> Result<(&'p Path, GifFilm), CliError> {
         let palette = self.palette()?;
-        let gif = GifFilm::create(path, self.scene.size, palette).map_err(|error| Failure::unwritable(path, &error))?;
+        let gif =
+            GifFilm::create(path, self.scene.size, palette).map_err(|error| CliError::unwritable(path, &error))?;
         Ok((path, gif))
     }
 
-    fn palette(&mut self) -> Result<Palette, Failure> {
+    fn palette(&mut self) -> Result<Palette, CliError> {
         let mut counts = ColourCounts::default();
         for frame in self.moments.sample(SAMPLED_FRAMES) {
             counts.add(self.paint(frame)?);

@@ -10,15 +10,15 @@ pub use args::RenderArguments;
 use std::path::Path;
 use std::process::ExitCode;
 
-use crate::cli::failure::Failure;
+use crate::cli::error::CliError;
 use crate::cli::output_files::{self, Files, Format};
-use crate::cli::show::{Searches, ShownRun, look, shown, time_within};
+use crate::cli::show::{Searches, ShownRun, look, shown_runs, time_within};
 use crate::picture::film::{Film, Layer, Look, Shot, still};
 use crate::time::SimTime;
 use film_files::write_films;
 use moments::{MOST_FRAMES, Moments};
 
-pub fn run(arguments: &RenderArguments, quiet: bool) -> Result<ExitCode, Failure> {
+pub fn run(arguments: &RenderArguments, quiet: bool) -> Result<ExitCode, CliError> {
     check(arguments)?;
     let films: Vec<Film> = films(arguments, quiet)?;
     let films: Vec<&Film> = films.iter().collect();
@@ -36,7 +36,7 @@ pub fn run(arguments: &RenderArguments, quiet: bool) -> Result<ExitCode, Failure
     Ok(ExitCode::SUCCESS)
 }
 
-/// What is drawn at every moment.
+/// The runs and the view of them, without the moment.
 struct Scene<'a> {
     films: &'a [&'a Film],
     look: Look,
@@ -48,14 +48,14 @@ impl Scene<'_> {
         Shot { films: self.films, time, look: &self.look }
     }
 
-    fn write_still(&self, time: SimTime, path: &Path) -> Result<(), Failure> {
+    fn write_still(&self, time: SimTime, path: &Path) -> Result<(), CliError> {
         let picture = still(&self.shot(time), self.size);
-        picture.write_png(path).map_err(|error| Failure::unwritable(path, &error))
+        picture.write_png(path).map_err(|error| CliError::unwritable(path, &error))
     }
 }
 
 /// Checks what can be checked before anything is simulated.
-fn check(arguments: &RenderArguments) -> Result<(), Failure> {
+fn check(arguments: &RenderArguments) -> Result<(), CliError> {
     let show = &arguments.show;
     let inputs = [Some(&show.source), show.with.as_ref()].into_iter().flatten().map(Path::new).collect();
     let (still, gif, mp4) = (&arguments.out, &arguments.gif, &arguments.mp4);
@@ -64,34 +64,34 @@ fn check(arguments: &RenderArguments) -> Result<(), Failure> {
     let (width, height) = (show.size.width, show.size.height);
     if arguments.mp4.is_some() && (width % 2 == 1 || height % 2 == 1) {
         let sentence = format!("--size is {width}x{height}; expected even numbers of pixels with --mp4");
-        return Err(Failure::bad_input(sentence, None));
+        return Err(CliError::bad_input(sentence, None));
     }
     Ok(())
 }
 
-fn films(arguments: &RenderArguments, quiet: bool) -> Result<Vec<Film>, Failure> {
+fn films(arguments: &RenderArguments, quiet: bool) -> Result<Vec<Film>, CliError> {
     let needs_searches = |&layer: &Layer| layer.needs_searches() && arguments.show.layers().contains(layer);
     let searches = if Layer::ALL.iter().any(needs_searches) { Searches::Recorded } else { Searches::LeftOut };
-    let shown = shown(&arguments.show, searches, quiet)?;
+    let shown = shown_runs(&arguments.show, searches, quiet)?;
     let run = |run: ShownRun| if arguments.cpu { run } else { ShownRun { cpu_samples: None, ..run } };
     Ok(shown.into_iter().map(|shown| run(shown.run).film()).collect())
 }
 
-fn still_time(arguments: &RenderArguments, films: &[&Film]) -> Result<SimTime, Failure> {
+fn still_time(arguments: &RenderArguments, films: &[&Film]) -> Result<SimTime, CliError> {
     arguments.at.map_or_else(|| Ok(Film::last_end(films)), |at| time_within("--at", at, films))
 }
 
-fn moments(arguments: &RenderArguments, films: &[&Film]) -> Result<Moments, Failure> {
+fn moments(arguments: &RenderArguments, films: &[&Film]) -> Result<Moments, CliError> {
     let from = time_within("--from", arguments.from, films)?;
     let to = arguments.to.map_or_else(|| Ok(Film::last_end(films)), |to| time_within("--to", to, films))?;
     if from > to {
         let sentence = format!("--from is {}; expected at most --to, {}", from.as_seconds(), to.as_seconds());
-        return Err(Failure::bad_input(sentence, None));
+        return Err(CliError::bad_input(sentence, None));
     }
     let moments = Moments { from, to, speed: arguments.speed, fps: arguments.fps };
     if moments.count() > MOST_FRAMES {
         let sentence = format!("the film would have {} frames; expected at most {MOST_FRAMES}", moments.count());
-        return Err(Failure::bad_input(
+        return Err(CliError::bad_input(
             sentence,
             Some("raise --speed, lower --fps, or shorten it with --from and --to"),
         ));

@@ -1,4 +1,4 @@
-//! Which moments of a run a film shows, and for how long.
+//! The moments of a run that a film shows, and how long each is visible.
 
 use crate::time::SimTime;
 
@@ -17,8 +17,8 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// How long the last frame of a loop stands, in hundredths of a second.
-    const LAST_STANDS: u16 = 100;
+    /// The delay of the last frame of a loop, in hundredths of a second.
+    const LAST_DELAY: u16 = 100;
 
     pub fn count(&self) -> u64 {
         let steps = (self.to.since(self.from).as_seconds() / self.step_s()).ceil();
@@ -30,10 +30,10 @@ impl Moments {
         (self.from + SimTime::from_seconds(frame as f64 * self.step_s())).min(self.to)
     }
 
-    /// How long a frame stands, in hundredths of a second: such that no rounding adds up.
+    /// Returns the delay of a frame, in hundredths of a second, so that rounding errors do not add up.
     pub fn hundredths(&self, frame: u64) -> u16 {
         if frame + 1 == self.count() {
-            return Self::LAST_STANDS;
+            return Self::LAST_DELAY;
         }
         let until = |frame: u64| (100.0 * frame as f64 / self.fps).round();
         (until(frame + 1) - until(frame)) as u16

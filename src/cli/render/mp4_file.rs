@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStderr, ChildStdin, Command, Stdio};
 use std::thread::{self, JoinHandle};
 
-use crate::cli::failure::Failure;
+use crate::cli::error::CliError;
 use crate::whole_file::WholeFile;
 
 /// Reads frames of four bytes a pixel and writes H.264 as all players take it.
@@ -13,7 +13,7 @@ const ENCODING: &str = "-an -c:v libx264 -preset medium -crf 18 -pix_fmt yuv420p
     -vf scale=out_color_matrix=bt709:out_range=tv -colorspace bt709 -color_primaries bt709 -color_trc bt709 \
     -f mp4";
 
-/// How much of what `ffmpeg` says is kept, in bytes: its last words.
+/// The most bytes of messages of `ffmpeg` that are kept, the last ones.
 const KEPT_WORDS: usize = 4096;
 
 /// An MP4 that is being written, frame by frame.
@@ -27,8 +27,8 @@ pub struct Mp4File {
 
 impl Mp4File {
     /// For frames of that width and height in pixels, both even.
-    pub fn create(path: &Path, (width, height): (u32, u32), fps: f64) -> Result<Self, Failure> {
-        let file = WholeFile::create(path).map_err(|error| Failure::unwritable(path, &error))?;
+    pub fn create(path: &Path, (width, height): (u32, u32), fps: f64) -> Result<Self, CliError> {
+        let file = WholeFile::create(path).map_err(|error| CliError::unwritable(path, &error))?;
         let mut command = Command::new("ffmpeg");
         command.args(["-hide_banner", "-nostdin", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgba"]);
         command.args(["-s", &format!("{width}x{height}"), "-r", &fps.to_string(), "-i", "pipe:0"]);
@@ -45,17 +45,17 @@ impl Mp4File {
     }
 
     /// Adds a frame: red, green, blue and opacity of every pixel, row by row.
-    pub fn add(&mut self, pixels: &[u8]) -> Result<(), Failure> {
+    pub fn add(&mut self, pixels: &[u8]) -> Result<(), CliError> {
         self.encoder.write(pixels).map_err(|reason| self.failure(&reason))
     }
 
-    pub fn finish(mut self) -> Result<(), Failure> {
+    pub fn finish(mut self) -> Result<(), CliError> {
         self.encoder.end().map_err(|reason| self.failure(&reason))?;
-        self.file.finish().map_err(|error| Failure::unwritable(&self.path, &error))
+        self.file.finish().map_err(|error| CliError::unwritable(&self.path, &error))
     }
 
-    fn failure(&self, reason: &str) -> Failure {
-        Failure::environment(format_args!("cannot write {}: ffmpeg failed: {reason}", self.path.display()))
+    fn failure(&self, reason: &str) -> CliError {
+        CliError::environment(format_args!("cannot write {}: ffmpeg failed: {reason}", self.path.display()))
     }
 }
 
@@ -73,13 +73,13 @@ struct Encoder {
 }
 
 impl Encoder {
-    fn start(mut command: Command) -> Result<Self, Failure> {
+    fn start(mut command: Command) -> Result<Self, CliError> {
         let started = command.stdin(Stdio::piped()).stderr(Stdio::piped()).spawn();
         let mut child = started.map_err(|error| match error.kind() {
-            ErrorKind::NotFound => Failure::environment(
+            ErrorKind::NotFound => CliError::environment(
                 "ffmpeg is needed for --mp4 and was not found: install it (Debian: apt-get install ffmpeg) or use --gif",
             ),
-            _ => Failure::environment(format_args!("cannot start ffmpeg: {error}")),
+            _ => CliError::environment(format_args!("cannot start ffmpeg: {error}")),
         })?;
         let (frames, stderr) = (child.stdin.take(), child.stderr.take());
         // What it says is read all the time, or it would wait for a reader while we wait for it.
@@ -132,7 +132,7 @@ fn last_line(mut stderr: ChildStderr) -> String {
     text.lines().rev().map(str::trim).find(|line| !line.is_empty()).unwrap_or_default().to_owned()
 }
 
-/// How many bytes were read; `None` at the end.
+/// Returns how many bytes were read; `None` at the end.
 fn read_some(from: &mut impl Read, bytes: &mut [u8]) -> Option<usize> {
     loop {
         match from.read(bytes) {

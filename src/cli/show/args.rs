@@ -1,4 +1,4 @@
-//! Arguments that say which runs are shown, and how.
+//! Arguments that name the runs to show and the view of them.
 
 use std::ops::RangeInclusive;
 use std::str::FromStr;
@@ -12,7 +12,7 @@ use crate::geometry::Cell;
 use crate::picture::film::{Camera, Layer, Layers, Layout, Selected};
 use crate::timeline::AgentId;
 
-/// Which runs are shown, and how.
+/// Options that name the runs to show and the view of them.
 #[derive(Debug, Args)]
 pub struct ShowArguments {
     /// A scenario file, the name of a built-in scenario, a recording, or the folder of a batch.
@@ -44,13 +44,13 @@ pub struct ShowArguments {
     /// Keep an agent in the middle, such as `unimog/0`.
     #[arg(long, value_name = "AGENT", value_parser = parse_agent, conflicts_with = "centre")]
     pub follow: Option<AgentId>,
-    /// How many times larger than where the whole field fits.
+    /// The magnification, 1 where the whole field fits.
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, allow_hyphen_values = true, value_parser = parse_zoom)]
     pub zoom: f64,
     /// The point of the field in the middle, in metres.
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = parse_point)]
     pub centre: Option<DVec2>,
-    /// Tell the story of an agent, or of the bush in a cell.
+    /// Show the history of an agent, or of the bush in a cell.
     #[arg(long, value_name = "AGENT|COL,ROW", value_parser = parse_selected)]
     pub select: Option<Selected>,
 }

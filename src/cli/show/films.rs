@@ -1,6 +1,6 @@
 //! The runs that are shown: one, or two side by side.
 
-use crate::cli::failure::Failure;
+use crate::cli::error::CliError;
 use crate::cli::show::ShowArguments;
 use crate::cli::show::source::{Named, Searches, ShownRun, Source};
 use crate::cli::terminal;
@@ -14,7 +14,7 @@ pub struct Shown {
 }
 
 /// The runs that are asked for, one or two.
-pub fn shown(arguments: &ShowArguments, searches: Searches, quiet: bool) -> Result<Vec<Shown>, Failure> {
+pub fn shown_runs(arguments: &ShowArguments, searches: Searches, quiet: bool) -> Result<Vec<Shown>, CliError> {
     let named = Named::open(&arguments.source)?;
     let source = Source::new(&named, &arguments.overrides, arguments.memory.memory)?;
     let second = second_source(arguments, &named)?;
@@ -45,7 +45,7 @@ fn tell_apart(shown: &mut [Shown], arguments: &ShowArguments) {
     }
 }
 
-fn second_source(arguments: &ShowArguments, first: &Named) -> Result<Option<Source>, Failure> {
+fn second_source(arguments: &ShowArguments, first: &Named) -> Result<Option<Source>, CliError> {
     let (changes, memory) = (&arguments.with_overrides, arguments.memory.memory);
     match &arguments.with {
         Some(name) => Source::new(&Named::open(name)?, changes, memory).map(Some),
@@ -63,7 +63,7 @@ impl Shown {
         self.source.rename(title);
     }
 
-    /// What a viewer may miss, and why.
+    /// Lists what a viewer may miss, with the reason.
     fn notes(&self, layers: Layers) -> impl Iterator<Item = String> {
         [self.source.note(), self.note_on_searches(layers)].into_iter().flatten()
     }
@@ -94,7 +94,7 @@ mod tests {
 
     fn titles(words: &str) -> Vec<String> {
         let command = Command::parse_from(["show"].into_iter().chain(words.split(' ')));
-        let shown = shown(&command.show, Searches::LeftOut, true).expect("both runs take place");
+        let shown = shown_runs(&command.show, Searches::LeftOut, true).expect("both runs take place");
         shown.into_iter().map(|shown| shown.run.title).collect()
     }
 

@@ -1,4 +1,4 @@
-//! What `wildfire play` and `wildfire render` share: which runs are shown, and how.
+//! The part that `wildfire play` and `wildfire render` share: the runs to show and the view of them.
 
 mod args;
 mod films;
@@ -6,11 +6,11 @@ mod look;
 mod source;
 
 pub use args::{ShowArguments, parse_seconds, parse_speed, parse_within};
-pub use films::shown;
+pub use films::shown_runs;
 pub use look::look;
 pub use source::{Searches, ShownRun};
 
-use crate::cli::failure::Failure;
+use crate::cli::error::CliError;
 use crate::picture::film::Film;
 use crate::time::SimTime;
 
@@ -18,11 +18,11 @@ use crate::time::SimTime;
 ///
 /// # Errors
 /// If it is beyond the end of the last run.
-pub fn time_within(name: &str, seconds: f64, films: &[&Film]) -> Result<SimTime, Failure> {
+pub fn time_within(name: &str, seconds: f64, films: &[&Film]) -> Result<SimTime, CliError> {
     let (time, end) = (SimTime::from_seconds(seconds), Film::last_end(films));
     if time > end {
         let sentence = format!("{name} is {seconds}; the run ends at {} s", end.as_seconds());
-        return Err(Failure::bad_input(sentence, None));
+        return Err(CliError::bad_input(sentence, None));
     }
     Ok(time)
 }

@@ -1,11 +1,11 @@
-//! Where runs that are shown come from.
+//! Sources of the runs that are shown.
 
 use std::iter;
 use std::panic;
 use std::path::{Path, PathBuf};
 
 use crate::batch::{FinishedBatch, PlannedRun};
-use crate::cli::failure::Failure;
+use crate::cli::error::CliError;
 use crate::input_file;
 use crate::picture::film::Film;
 use crate::scenario::{BUILT_IN, LoadedScenario, MemoryLimit, Scenario, ScenarioText};
@@ -18,7 +18,7 @@ use crate::view::FilmSource;
 /// The seed of a scenario's first run.
 const FIRST_SEED: u64 = 1;
 
-/// Whether a run that is simulated also tells what its searches looked at.
+/// Says whether a simulated run records its searches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Searches {
     Recorded,
@@ -56,7 +56,7 @@ impl Named {
     ///
     /// # Errors
     /// If nothing has this name, or it cannot be read, or it is too large for a recording or a scenario.
-    pub fn open(name: &str) -> Result<Self, Failure> {
+    pub fn open(name: &str) -> Result<Self, CliError> {
         if BUILT_IN.iter().any(|(known, _)| *known == name) {
             return Ok(Self::Scenario(ScenarioText::open(name)?));
         }
@@ -70,7 +70,7 @@ impl Named {
             Ok(bytes) if has_its_name || bytes.starts_with(file::MAGIC) => {
                 Ok(Self::Recording { path: path.to_owned(), bytes })
             }
-            Err(error) if has_its_name => Err(Failure::unreadable(path, &error)),
+            Err(error) if has_its_name => Err(CliError::unreadable(path, &error)),
             bytes => Ok(Self::Scenario(ScenarioText::from_bytes(name, bytes)?)),
         }
     }
@@ -83,7 +83,7 @@ impl Named {
     }
 }
 
-/// Where runs come from.
+/// A source of runs.
 pub enum Source {
     /// One run, and the bytes of its file: a pipe gives them once.
     Recording { path: PathBuf, bytes: Vec<u8> },
@@ -96,14 +96,14 @@ pub enum Source {
 impl Source {
     /// Opens the thing that a name leads to, with changes to its values if it is a scenario. Runs that are simulated
     /// may take `memory`, or what their batch allows them.
-    pub fn new(named: &Named, overrides: &[String], memory: Option<MemoryLimit>) -> Result<Self, Failure> {
+    pub fn new(named: &Named, overrides: &[String], memory: Option<MemoryLimit>) -> Result<Self, CliError> {
         let source = match named {
             Named::Scenario(text) => {
                 let scenario = Box::new(LoadedScenario::from_text(text, overrides)?.scenario);
                 let title = iter::once(&scenario.name).chain(overrides).map(String::as_str).collect::<Vec<_>>();
                 return Ok(Self::Scenario { title: title.join(", "), scenario, memory: memory.unwrap_or_default() });
             }
-            Named::Batch(folder) => Self::of_batch(folder, memory)?,
+            Named::Batch(folder) => Self::from_batch(folder, memory)?,
             Named::Recording { path, bytes } => Self::Recording { path: path.clone(), bytes: bytes.clone() },
         };
         if overrides.is_empty() {
@@ -111,13 +111,13 @@ impl Source {
         }
         let name = named.path().display();
         let sentence = format!("{name} is a run that took place; expected a scenario where values are changed");
-        Err(Failure::bad_input(sentence, None))
+        Err(CliError::bad_input(sentence, None))
     }
 
-    fn of_batch(folder: &Path, memory: Option<MemoryLimit>) -> Result<Self, Failure> {
+    fn from_batch(folder: &Path, memory: Option<MemoryLimit>) -> Result<Self, CliError> {
         if !FinishedBatch::is_there(folder) {
             let sentence = format!("{} holds no plan of a batch", folder.display());
-            return Err(Failure::bad_input(sentence, Some("name one of the recordings in it, if there are any")));
+            return Err(CliError::bad_input(sentence, Some("name one of the recordings in it, if there are any")));
         }
         let batch = Box::new(FinishedBatch::open(folder)?);
         let seeds = batch.plan().seeds.iter().collect();
@@ -138,7 +138,7 @@ impl Source {
         matches!(self, Self::Recording { .. })
     }
 
-    /// What is left out of a batch with more than one variant.
+    /// Names what is left out of a batch with more than one variant.
     pub fn note(&self) -> Option<String> {
         let Self::Batch { batch, title, .. } = self else { return None };
         let (folder, variants) = (batch.folder().display(), batch.plan().variants.len());
@@ -149,15 +149,15 @@ impl Source {
     ///
     /// # Errors
     /// If the source has no run of this seed, or it cannot be read, or it could not take place.
-    pub fn run(&self, seed: Option<u64>, searches: Searches) -> Result<ShownRun, Failure> {
+    pub fn run(&self, seed: Option<u64>, searches: Searches) -> Result<ShownRun, CliError> {
         match (self, seed) {
             (Self::Recording { path, bytes }, None) => recorded(path, file::decode(bytes)),
             (Self::Recording { path, .. }, Some(_)) => {
                 let sentence = format!("{} is one run, which has its seed; expected no seed", path.display());
-                Err(Failure::bad_input(sentence, None))
+                Err(CliError::bad_input(sentence, None))
             }
             (Self::Batch { batch, seeds, title, memory }, seed) => {
-                let run = run_of(batch, seeds, seed)?;
+                let run = planned_run(batch, seeds, seed)?;
                 let recording = batch.recording(&run);
                 let simulated = || simulated(&run.variant.scenario, run.seed, searches, *memory);
                 let run = recording.map_or_else(simulated, |path| recorded(&path, file::read(&path)))?;
@@ -172,28 +172,29 @@ impl Source {
 }
 
 /// The first run, or that of a seed.
-fn run_of<'a>(batch: &'a FinishedBatch, seeds: &[u64], seed: Option<u64>) -> Result<PlannedRun<'a>, Failure> {
+fn planned_run<'a>(batch: &'a FinishedBatch, seeds: &[u64], seed: Option<u64>) -> Result<PlannedRun<'a>, CliError> {
     let found = seed.map_or(Some(0), |seed| seeds.iter().position(|&known| known == seed));
     let index = found.ok_or_else(|| {
         let (folder, all) = (batch.folder().display(), &batch.plan().seeds);
         let sentence = format!("{folder} has no seed {}; its seeds are {all}", seed.unwrap_or_default());
-        Failure::bad_input(sentence, None)
+        CliError::bad_input(sentence, None)
     })?;
     Ok(batch.plan().run(index as u64 + 1))
 }
 
-fn recorded(path: &Path, timeline: Result<Timeline, FileError>) -> Result<ShownRun, Failure> {
-    let unreadable = |error: FileError| Failure::of_input(format_args!("{}: {error}", path.display()), error.kind());
+fn recorded(path: &Path, timeline: Result<Timeline, FileError>) -> Result<ShownRun, CliError> {
+    let unreadable =
+        |error: FileError| CliError::from_input_error(format_args!("{}: {error}", path.display()), error.kind());
     let timeline = timeline.map_err(unreadable)?;
     Ok(ShownRun { title: timeline.setting.scenario.clone(), timeline, cpu_samples: None })
 }
 
-fn simulated(scenario: &Scenario, seed: u64, searches: Searches, memory: MemoryLimit) -> Result<ShownRun, Failure> {
+fn simulated(scenario: &Scenario, seed: u64, searches: Searches, memory: MemoryLimit) -> Result<ShownRun, CliError> {
     let options = RunOptions { records_searches: searches == Searches::Recorded, memory };
     // The panic has been printed by then, with a backtrace if one was asked for.
     let caught = panic::catch_unwind(|| sim::run_with(scenario, seed, options));
-    let run = caught.map_err(|_| Failure::of_run("the run panicked: this is a fault of the program"))?;
-    let run = run.map_err(Failure::of_run)?;
+    let run = caught.map_err(|_| CliError::run_failed("the run panicked: this is a fault of the program"))?;
+    let run = run.map_err(CliError::run_failed)?;
     Ok(ShownRun { title: scenario.name.clone(), timeline: run.timeline, cpu_samples: Some(run.cpu_samples) })
 }
 

@@ -1,4 +1,4 @@
-//! What a command says when it cannot do what was asked, and with which exit code it ends.
+//! The errors of commands: messages for people, each with the exit code that goes with it.
 
 use std::fmt;
 use std::io::{self, ErrorKind, Write};
@@ -16,43 +16,43 @@ use crate::untrusted::visible;
 
 /// An error for people, and the exit code that goes with it.
 #[derive(Debug)]
-pub struct Failure {
+pub struct CliError {
     report: Report,
     code: u8,
 }
 
-/// A sentence, and what to do about it; nothing in them acts on a terminal.
+/// A sentence, and what to do about it; no character in them acts on a terminal.
 #[derive(Debug, Error, Diagnostic)]
 #[error("{sentence}")]
-struct Complaint {
+struct Message {
     sentence: String,
     #[help]
     help: Option<String>,
 }
 
-impl Failure {
-    /// What was asked cannot be done as it was asked.
+impl CliError {
+    /// The request itself is wrong: exit code 2.
     pub fn bad_input(sentence: impl fmt::Display, help: Option<&str>) -> Self {
         Self::new(sentence, help, exit::BAD_INPUT)
     }
 
-    /// What was asked is fine, the machine is not.
+    /// The request is fine, but disk, display or another part of the machine is not: exit code 3.
     pub fn environment(sentence: impl fmt::Display) -> Self {
         Self::new(sentence, None, exit::ENVIRONMENT)
     }
 
-    /// The failure of an input that was named and cannot be read.
+    /// An input that was named cannot be read.
     pub fn unreadable(path: &Path, error: &io::Error) -> Self {
         let path = path.display();
         let sentence = match error.kind() {
             ErrorKind::NotFound => format!("there is no {path}"),
             _ => format!("cannot read {path}: {error}"),
         };
-        Self::of_input(sentence, error.kind())
+        Self::from_input_error(sentence, error.kind())
     }
 
-    /// The same as [`Self::unreadable`], with a sentence of the caller's.
-    pub fn of_input(sentence: impl fmt::Display, kind: ErrorKind) -> Self {
+    /// An input cannot be used, for a reason that the caller puts into words.
+    pub fn from_input_error(sentence: impl fmt::Display, kind: ErrorKind) -> Self {
         Self::new(sentence, None, code_of_input(kind))
     }
 
@@ -60,8 +60,8 @@ impl Failure {
         Self::environment(format_args!("cannot write {}: {error}", path.display()))
     }
 
-    /// A batch that has begun ends early; `resume` is the command that goes on with it.
-    pub fn of_batch(error: BatchError, resume: &str) -> Self {
+    /// A batch that has begun ends early; `resume` is the command that continues it.
+    pub fn from_batch_error(error: BatchError, resume: &str) -> Self {
         let help = format!("resume with: {resume}");
         match error {
             BatchError::Stopped => Self::new(error, Some(&help), exit::RESUMABLE),
@@ -75,8 +75,8 @@ impl Failure {
         }
     }
 
-    /// A run that could not take place.
-    pub fn of_run(sentence: impl fmt::Display) -> Self {
+    /// A run did not take place: exit code 1.
+    pub fn run_failed(sentence: impl fmt::Display) -> Self {
         Self::new(sentence, None, exit::RUN_FAILED)
     }
 
@@ -87,18 +87,18 @@ impl Failure {
 
     fn new(sentence: impl fmt::Display, help: Option<&str>, code: u8) -> Self {
         let sentence = visible(&sentence.to_string()).into_owned();
-        let complaint = Complaint { sentence, help: help.map(|help| visible(help).into_owned()) };
-        Self { report: complaint.into(), code }
+        let message = Message { sentence, help: help.map(|help| visible(help).into_owned()) };
+        Self { report: message.into(), code }
     }
 
-    /// What went wrong, in one sentence.
+    /// The message without help and without its colours.
     #[cfg(any(feature = "view", test))]
     pub fn sentence(&self) -> String {
         self.report.to_string()
     }
 
     /// Prints the error to stderr and returns the exit code.
-    pub fn conclude(self) -> ExitCode {
+    pub fn print(self) -> ExitCode {
         // When even stderr is closed, the exit code is all that is left to say.
         let _ = writeln!(io::stderr(), "{:?}", self.report);
         ExitCode::from(self.code)
@@ -131,7 +131,7 @@ fn code_of_plan(error: &PlanError) -> u8 {
     }
 }
 
-impl From<Box<ScenarioError>> for Failure {
+impl From<Box<ScenarioError>> for CliError {
     fn from(error: Box<ScenarioError>) -> Self {
         let code = match error.fault {
             Fault::Unreadable { kind, .. } => code_of_input(kind),
@@ -141,17 +141,17 @@ impl From<Box<ScenarioError>> for Failure {
     }
 }
 
-impl From<MapError> for Failure {
+impl From<MapError> for CliError {
     fn from(error: MapError) -> Self {
         let kind = match &error.fault {
             map_files::Fault::Unreadable(source) => source.kind(),
             _ => ErrorKind::InvalidData,
         };
-        Self::of_input(error, kind)
+        Self::from_input_error(error, kind)
     }
 }
 
-impl From<FinishedError> for Failure {
+impl From<FinishedError> for CliError {
     fn from(error: FinishedError) -> Self {
         let code = match &error {
             FinishedError::Unreadable { source, .. } => code_of_input(source.kind()),
@@ -162,7 +162,7 @@ impl From<FinishedError> for Failure {
     }
 }
 
-impl From<AuditsError> for Failure {
+impl From<AuditsError> for CliError {
     fn from(error: AuditsError) -> Self {
         match error {
             AuditsError::Finished(error) => error.into(),
@@ -171,7 +171,7 @@ impl From<AuditsError> for Failure {
     }
 }
 
-impl From<RequestError> for Failure {
+impl From<RequestError> for CliError {
     fn from(error: RequestError) -> Self {
         match error {
             RequestError::Scenario(error) => error.into(),
@@ -180,7 +180,7 @@ impl From<RequestError> for Failure {
     }
 }
 
-impl From<BatchError> for Failure {
+impl From<BatchError> for CliError {
     fn from(error: BatchError) -> Self {
         let help = match &error {
             BatchError::HoldsResults { .. } => {

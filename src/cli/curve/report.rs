@@ -5,8 +5,8 @@ use crate::geometry::Pose;
 use crate::vehicle::curve::Letters;
 use crate::vehicle::{CurvePrice, Dubins, Path, ReedsShepp, reeds_shepp};
 
-/// All that was asked and answered of one pair of poses.
-pub struct Answer {
+/// The curves between one pair of poses.
+pub struct CurveReport {
     pub from: End,
     pub to: End,
     pub radius_m: f64,
@@ -22,19 +22,19 @@ pub struct FoundCurve {
     /// As people read it.
     pub name: &'static str,
     pub word: String,
-    /// How many letters the word has; those of no length are not in the path.
+    /// The number of letters of the word; those of no length are not in the path.
     pub letters: usize,
     /// The paper's family, of Reeds-Shepp curves.
     pub family: Option<String>,
     pub length_m: f64,
-    /// What was to be low, and how low it is; `None` if that is the length.
+    /// The prices that were to be minimal, and the sum; `None` if the length was.
     pub price: Option<(CurvePrice, f64)>,
     pub path: Path,
 }
 
-impl Answer {
-    /// The answer for two poses.
-    pub fn of(from: End, to: End, arguments: &CurveArguments) -> Self {
+impl CurveReport {
+    /// Computes the curves between two poses.
+    pub fn new(from: End, to: End, arguments: &CurveArguments) -> Self {
         let radius_m = arguments.radius;
         let (start, goal) = (from.pose(), to.pose());
         let reeds_shepp = ReedsShepp { radius_m };
