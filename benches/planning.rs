@@ -53,7 +53,7 @@ fn contest(coverage: f64) -> Scenario {
 }
 
 fn run_field(coverage: f64, seed: u64, builds: &mut Builds, short: &mut Drives, far: &mut Drives) {
-    let terrain = Terrain::of(&contest(coverage), seed).expect("the coverage leaves room");
+    let terrain = Terrain::from_scenario(&contest(coverage), seed).expect("the coverage leaves room");
     let bushes: Vec<DVec2> = terrain.bushes.iter().map(|&cell| terrain.frame.centre(cell)).collect();
     let mut watch = CpuStopwatch::start();
     let field = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));

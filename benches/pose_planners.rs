@@ -200,7 +200,7 @@ fn problem_of(file: &FieldFile) -> Problem {
 fn own_problem(coverage: f64, seed: u64) -> Problem {
     let mut scenario: Scenario = toml::from_str("wumpus = [{}]\nunimog = [{}]").expect("a scenario of defaults");
     scenario.field.coverage = coverage;
-    let terrain = Terrain::of(&scenario, seed).expect("the coverage leaves room");
+    let terrain = Terrain::from_scenario(&scenario, seed).expect("the coverage leaves room");
     let mut problem = problem(terrain.frame, &terrain.occupied, START, Vec::new());
     let mut rng = rng::stream(seed, "bench/hybrid/goals");
     while problem.goals.len() < OWN_GOALS {

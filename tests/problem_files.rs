@@ -59,7 +59,7 @@ fn with(old: &str, new: &str) -> String {
 }
 
 fn line(error: &ScenarioError) -> usize {
-    error.place.as_ref().unwrap_or_else(|| panic!("{error} has no place")).line_and_column().0
+    error.location.as_ref().unwrap_or_else(|| panic!("{error} has no place")).line_and_column().0
 }
 
 #[test]

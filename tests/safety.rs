@@ -24,7 +24,7 @@ fn priced(map: SafetyMap, weight: f64) -> SafetySettings {
 fn mean_clearance(scenario: &Scenario, seeds: std::ops::RangeInclusive<u64>) -> (f64, f64) {
     let (mut sum_m, mut samples, mut length_m, mut legs) = (0.0, 0.0, 0.0, 0.0);
     for seed in seeds {
-        let terrain = Terrain::of(scenario, seed).expect("the field has room");
+        let terrain = Terrain::from_scenario(scenario, seed).expect("the field has room");
         let field = ClearanceField::new(terrain.frame, &terrain.occupied);
         let timeline = sim::run(scenario, seed).expect("the scenario can be run").timeline;
         for event in &timeline.events {

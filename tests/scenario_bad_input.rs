@@ -38,7 +38,7 @@ fn refused(source: &str, changes: &[&str]) -> ScenarioError {
 }
 
 fn place(error: &ScenarioError) -> String {
-    error.place.as_ref().map_or("nowhere".into(), ToString::to_string)
+    error.location.as_ref().map_or("nowhere".into(), ToString::to_string)
 }
 
 /// Asserts that a file is refused at `line:column` with a sentence that holds all the words.

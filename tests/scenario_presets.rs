@@ -155,7 +155,7 @@ fn a_resolved_scenario_with_a_map_needs_the_file_no_longer() {
     let read: Scenario = serde_json::from_str(&json).expect("and read");
     assert_eq!(read, scenario);
     assert_eq!((read.name.as_str(), read.field.size_m, read.field.coverage), ("mine", 16.0, 2.0 / 12.0));
-    let terrain = Terrain::of(&read, 9).expect("a given field needs no drawing");
+    let terrain = Terrain::from_scenario(&read, 9).expect("a given field needs no drawing");
     assert_eq!(terrain.bushes.iter().map(|b| (b.col, b.row)).collect::<Vec<_>>(), [(3, 0), (0, 2)]);
 }
 
@@ -211,7 +211,7 @@ fn reference_fields_are_read_as_they_are_listed() {
     let files = (0..5).map(|number| folder.join(format!("field_{number:02}.json")));
     for file in files.filter(|file| file.exists()) {
         let scenario = changed("wumpus-alone", &[&format!("field.map={}", file.display())]);
-        let terrain = Terrain::of(&scenario, 1).expect("a given field needs no drawing");
+        let terrain = Terrain::from_scenario(&scenario, 1).expect("a given field needs no drawing");
         let text = fs::read_to_string(&file).expect("the reference can be read");
         let json: serde_json::Value = serde_json::from_str(&text).expect("the reference is JSON");
         let listed: Vec<(u16, u16)> = serde_json::from_value(json["cells_cr"].clone()).expect("it lists cells");

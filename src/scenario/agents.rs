@@ -41,7 +41,7 @@ pub struct Wumpus {
     pub heuristic: WumpusHeuristic,
     /// 1 finds shortest paths; more is greedier.
     pub heuristic_weight: f64,
-    /// Planning time charged, during which it stands.
+    /// Simulated planning time charged, during which it stands still.
     pub seconds_per_expansion: f64,
     pub potential: WumpusPotential,
     pub safety: SafetySettings,
@@ -70,12 +70,12 @@ impl Default for Wumpus {
 }
 
 impl Wumpus {
-    /// Centre of its body at the start.
+    /// Returns the centre of its body at the start.
     pub fn start_centre(&self) -> DVec2 {
         DVec2::from(self.start_m)
     }
 
-    /// The lattice that it walks on.
+    /// Returns the lattice that it walks on.
     pub fn lattice_shape(&self, frame: &FieldFrame) -> LatticeShape {
         let (anchor, step_m) = match self.lattice_m {
             Some(step_m) => (self.start_centre(), step_m),
@@ -84,7 +84,7 @@ impl Wumpus {
         LatticeShape { anchor, step_m, size_m: self.size_m }
     }
 
-    /// The method by which its planner finds walks.
+    /// Returns the method by which its planner finds walks.
     pub fn walk_method(&self) -> WalkMethod {
         match self.planner {
             WumpusPlanner::Astar => WalkMethod::Astar {
@@ -108,7 +108,7 @@ impl Wumpus {
     }
 }
 
-/// Which intact cell a Wumpus goes for.
+/// Chooses the intact cell that a Wumpus goes for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum WumpusGoal {
@@ -117,7 +117,7 @@ pub enum WumpusGoal {
     FarthestFromTruck,
 }
 
-/// How a Wumpus finds its way.
+/// The planner by which a Wumpus finds its way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum WumpusPlanner {
@@ -140,7 +140,7 @@ pub struct WumpusPotential {
     #[serde(with = "or_none")]
     #[schemars(with = "or_none::NumberOrNone")]
     pub scale: Option<f64>,
-    /// How far bushes repel, and how far about its goal none does.
+    /// The distance within which bushes repel, and the distance from its goal within which none does.
     pub q: f64,
     /// Strength of repulsion.
     pub eta: f64,
@@ -153,7 +153,7 @@ impl Default for WumpusPotential {
     }
 }
 
-/// What a Wumpus does in a local minimum.
+/// Says what a Wumpus does in a local minimum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Escape {
@@ -163,7 +163,7 @@ pub enum Escape {
     None,
 }
 
-/// What a lattice step costs in the search.
+/// The cost of a lattice step in the search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum StepCost {
@@ -172,7 +172,7 @@ pub enum StepCost {
     Moves,
 }
 
-/// What a lattice step takes.
+/// The time that a lattice step takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum StepTime {
@@ -182,13 +182,13 @@ pub enum StepTime {
     Uniform,
 }
 
-/// What the Wumpus's search expects to remain.
+/// The estimate of the cost-to-go in the Wumpus's search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum WumpusHeuristic {
     /// Length of the shortest lattice path on an empty field; admissible.
     Octile,
-    /// Straight line from the node's parent, in metres whatever a step costs: the original program's.
+    /// Straight line from the node's parent, in metres whatever a step costs, as the original program has it.
     ParentEuclidean,
 }
 
@@ -259,7 +259,7 @@ impl Unimog {
         }
     }
 
-    /// How fast it may go, and how fast its speed may change.
+    /// Returns its limits of speed and of acceleration.
     pub fn speed_limits(&self) -> SpeedLimits {
         SpeedLimits {
             forward_mps: self.speed_mps,
@@ -270,7 +270,7 @@ impl Unimog {
         }
     }
 
-    /// Centre of its body at the start.
+    /// Returns the centre of its body at the start.
     pub fn start_centre(&self) -> DVec2 {
         self.vehicle.body_centre(self.start.pose())
     }
@@ -312,7 +312,8 @@ pub struct Limits {
     pub lateral_mps2: Option<f64>,
 }
 
-/// Which burning cell a truck goes for. Distances run from its body's centre to the cell's, ties go by cell index.
+/// Chooses the burning cell that a truck goes for. Distances run from its body's centre to the cell's; ties go to the
+/// lower cell index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum TruckGoal {
@@ -323,11 +324,11 @@ pub enum TruckGoal {
     LargestCluster,
 }
 
-/// When a truck on its way reconsiders.
+/// Says when a truck that is driving chooses its goal anew.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Retarget {
     Never,
-    /// Whenever something ignites.
+    /// Whenever a bush ignites.
     OnEvent,
 }

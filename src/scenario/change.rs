@@ -2,32 +2,32 @@
 
 use toml::{Table, Value};
 
-use super::error::{Fault, Place, ScenarioError};
-use super::path::{FieldPath, Step};
+use super::error::{Fault, ScenarioError, SourceLocation};
+use super::path::{FieldPath, PathStep};
 use super::source::toml_value;
 
-/// Most steps of a path, more than any field of a scenario has.
+/// The most steps of a path; no value of a scenario lies as deep.
 const MAX_STEPS: usize = 8;
 
-/// A change as it was asked for, and the values that it set.
+/// A change as it was asked for, and the paths of the values that it set.
 pub(super) struct Change {
     pub option: String,
-    /// Where the value begins in the option.
+    /// Offset of the value within the option, in bytes.
     value_at: usize,
-    /// Every value set: one, or one an agent.
+    /// Every value that was set: one, or one of every agent.
     pub set: Vec<FieldPath>,
 }
 
 impl Change {
     /// Makes a change.
     ///
-    /// The value is read as TOML where it is that, and as a text where it is not. A path that names a list without a
+    /// The value is read as TOML where it is valid TOML, and as a text where it is not. A path that names a list without a
     /// number (`unimog.prm.samples`) changes all its entries; tables that are missing are made.
     pub fn make(option: &str, table: &mut Table) -> Result<Self, Box<ScenarioError>> {
-        let whole = || Place::new("--set", option, 0..option.len());
+        let whole = || SourceLocation::new("--set", option, 0..option.len());
         let (dotted, written) = option.split_once('=').ok_or_else(|| Fault::NoChange.at(whole()))?;
         let path = FieldPath::parse(dotted.trim());
-        let Some((Step::Key(_), _)) = path.0.split_first() else { return Err(Fault::NoChange.at(whole())) };
+        let Some((PathStep::Key(_), _)) = path.0.split_first() else { return Err(Fault::NoChange.at(whole())) };
         if path.0.len() > MAX_STEPS {
             let message = format!("`{path}` has {} steps; expected at most {MAX_STEPS}", path.0.len());
             return Err(Fault::CannotChange { message }.at(whole()));
@@ -39,23 +39,25 @@ impl Change {
         if let Value::Table(changed) = root {
             *table = changed;
         }
-        done.map_err(|message| Fault::CannotChange { message }.at(Place::new("--set", option, 0..dotted.len())))?;
+        done.map_err(|message| {
+            Fault::CannotChange { message }.at(SourceLocation::new("--set", option, 0..dotted.len()))
+        })?;
         Ok(change)
     }
 
-    fn set_at(&mut self, at: &mut Value, here: &mut FieldPath, rest: &[Step], new: &Value) -> Result<(), String> {
+    fn set_at(&mut self, at: &mut Value, here: &mut FieldPath, rest: &[PathStep], new: &Value) -> Result<(), String> {
         let Some((step, rest)) = rest.split_first() else {
             *at = new.clone();
             self.set.push(here.clone());
             return Ok(());
         };
         match (at, step) {
-            (Value::Table(table), Step::Key(key)) => {
+            (Value::Table(table), PathStep::Key(key)) => {
                 here.0.push(step.clone());
                 let inner = table.entry(key.clone()).or_insert_with(|| Value::Table(Table::new()));
                 self.set_at(inner, here, rest, new)?;
             }
-            (Value::Array(list), Step::Index(index)) => {
+            (Value::Array(list), PathStep::Index(index)) => {
                 let length = list.len();
                 let inner = list.get_mut(*index);
                 let inner =
@@ -63,19 +65,19 @@ impl Change {
                 here.0.push(step.clone());
                 self.set_at(inner, here, rest, new)?;
             }
-            (Value::Array(list), Step::Key(_)) => {
+            (Value::Array(list), PathStep::Key(_)) => {
                 if list.is_empty() {
                     return Err(format!("`{here}` is an empty list, there is nothing to change"));
                 }
                 let all = [std::slice::from_ref(step), rest].concat();
                 for (index, inner) in list.iter_mut().enumerate() {
-                    here.0.push(Step::Index(index));
+                    here.0.push(PathStep::Index(index));
                     self.set_at(inner, here, &all, new)?;
                     here.0.pop();
                 }
                 return Ok(());
             }
-            (Value::Table(_), Step::Index(_)) => {
+            (Value::Table(_), PathStep::Index(_)) => {
                 return Err(format!("`{here}` is a table, it has no numbered entries"));
             }
             (_, _) => return Err(format!("`{here}` is a plain value, it has no fields")),
@@ -84,18 +86,18 @@ impl Change {
         Ok(())
     }
 
-    /// The part of the option that holds its path.
-    pub fn path_place(&self) -> Place {
-        Place::new("--set", &self.option, 0..self.value_at - 1)
+    /// Returns the part of the option that holds its path.
+    pub fn path_location(&self) -> SourceLocation {
+        SourceLocation::new("--set", &self.option, 0..self.value_at - 1)
     }
 
-    /// The part of the option that holds its value.
-    pub fn value_place(&self) -> Place {
-        Place::new("--set", &self.option, self.value_at..self.option.len())
+    /// Returns the part of the option that holds its value.
+    pub fn value_location(&self) -> SourceLocation {
+        SourceLocation::new("--set", &self.option, self.value_at..self.option.len())
     }
 }
 
-/// A value as TOML spells it, else a text. A number that TOML cannot hold is a number all the same.
+/// Reads a value as TOML, else as a text. A number too large for a TOML integer is still a number.
 fn value_of(written: &str) -> Value {
     let huge = || {
         let digits = written.trim_start_matches(['+', '-']).starts_with(|first: char| first.is_ascii_digit());

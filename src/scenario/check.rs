@@ -1,13 +1,13 @@
-//! The rules that a scenario must keep: ranges that bound time, bodies that can be, starts inside the field. Memory is
-//! bounded in [`super::memory`].
+//! Checks of scenarios: ranges that bound time, bodies that are possible, starts inside the field. Memory is bounded in
+//! [`super::memory`].
 //!
-//! The limits stand in the scenario documentation, `scenarios/README.md`.
+//! `scenarios/README.md` documents the limits.
 
 use std::ops::RangeInclusive;
 
 use super::error::Fault;
 use super::field::{MAX_CELLS_A_SIDE, MAX_COVERAGE};
-use super::path::{FieldPath, Step};
+use super::path::{FieldPath, PathStep};
 use super::wording::shortened;
 use super::{
     Escape, Field, HybridSettings, Ignition, IgnitionCells, LatticeSettings, PrimitiveSettings, PrmRsSettings,
@@ -16,28 +16,28 @@ use super::{
 use crate::geometry::{DVec2, FieldFrame, ops};
 use crate::vehicle::Dimensions;
 
-/// Most agents of a kind.
+/// The most agents of a kind.
 pub const MAX_AGENTS: usize = 100;
-/// Most `[[ignition]]` entries, and most cells that they name in all.
+/// The most `[[ignition]]` entries, and the most cells that they name in all.
 const MAX_IGNITIONS: usize = 10_000;
-/// Most points of all Wumpuses' lattices: a walk may look at all of them.
+/// The most points of all Wumpuses' lattices: a walk may look at all of them.
 const MAX_WUMPUS_NODES: f64 = 4e6;
-/// Most bins of a truck's search: those of the field times headings.
+/// The most bins of a truck's search: those of the field times headings.
 const MAX_TRUCK_BINS: f64 = 1e8;
-/// Most goals that Wumpuses may try in vain: all bushes from every point that they have time to come to. A try takes about
+/// The most goals that Wumpuses may try in vain: all bushes from every point that they have time to reach. A try takes about
 /// 250 bytes of the timeline; runs stay far below the bound, because a Wumpus on which all goals fail stays where it is.
 const MAX_TRIES: f64 = 2.5e7;
-/// Most pairs of a burning cell and a neighbour in its radius.
+/// The most pairs of a burning cell and a neighbour in its radius.
 const MAX_SPREAD_PAIRS: f64 = 1e9;
-/// Most stops of all trucks in a run in which a cell can burn again and again; each adds to the timeline.
+/// The most stops of all trucks in a run in which a cell can burn again and again; each adds to the timeline.
 const MAX_STOPS: f64 = 1e6;
-/// Most characters of a scenario's name, which goes into tables and file names.
+/// The most characters of a scenario's name, which goes into tables and file names.
 const MAX_NAME: usize = 100;
 
-/// Front wheels of the bicycle model that steer farther would push the truck sideways rather than turn it.
+/// The largest steering angle, degrees: beyond it front wheels push the truck sideways rather than turn it.
 const MAX_STEERING_DEG: f64 = 60.0;
 
-/// How far a body may stick out of the field by rounding, metres.
+/// The distance by which a body may stick out of the field through rounding, metres.
 const ROUNDING_M: f64 = 1e-9;
 
 /// A value that is refused.
@@ -54,10 +54,10 @@ impl Refusal {
     }
 }
 
-/// Nothing, or the first value that is refused.
+/// The result of a check: nothing, or the first value that is refused.
 pub type Check = Result<(), Box<Refusal>>;
 
-/// Values from the first to the last.
+/// Returns the range from `least` to `most`, both included.
 const fn from(least: f64, most: f64) -> RangeInclusive<f64> {
     least..=most
 }
@@ -65,7 +65,7 @@ const fn from(least: f64, most: f64) -> RangeInclusive<f64> {
 /// Checks every value of a scenario that serde cannot.
 pub fn check(scenario: &Scenario) -> Check {
     check_name("name", &scenario.name)?;
-    let top = Table::named("");
+    let top = TablePath::named("");
     top.number("duration_s", scenario.duration_s, from(0.001, 1e6))?;
     check_field(&scenario.field)?;
     check_rules(scenario)?;
@@ -76,7 +76,7 @@ pub fn check(scenario: &Scenario) -> Check {
     let bushes = 4.0 * f64::from(scenario.field.wanted_pieces());
     let (mut points, mut tries) = (0.0, 0.0);
     for (number, wumpus) in scenario.wumpus.iter().enumerate() {
-        let table = Table::entry("wumpus", number);
+        let table = TablePath::entry("wumpus", number);
         check_wumpus(&table, wumpus, &frame)?;
         let pitch_m = wumpus.lattice_m.unwrap_or(frame.cell_m);
         let own_points = (frame.width_m() / pitch_m).max(1.0) * (frame.height_m() / pitch_m).max(1.0);
@@ -96,7 +96,7 @@ pub fn check(scenario: &Scenario) -> Check {
         }
     }
     for (number, unimog) in scenario.unimog.iter().enumerate() {
-        check_unimog(&Table::entry("unimog", number), unimog, &frame)?;
+        check_unimog(&TablePath::entry("unimog", number), unimog, &frame)?;
     }
     check_ignitions(&scenario.ignition, &frame)
 }
@@ -105,11 +105,11 @@ pub fn check(scenario: &Scenario) -> Check {
 pub fn check_name(field: &str, name: &str) -> Check {
     let fits = (1..=MAX_NAME).contains(&name.chars().count()) && !name.chars().any(char::is_control);
     let expected = || format!("a line of 1 to {MAX_NAME} characters");
-    if fits { Ok(()) } else { Table::named("").refuse(field, shortened(&format!("{name:?}")), expected()) }
+    if fits { Ok(()) } else { TablePath::named("").refuse(field, shortened(&format!("{name:?}")), expected()) }
 }
 
 fn check_field(field: &Field) -> Check {
-    let table = Table::named("field");
+    let table = TablePath::named("field");
     table.number("cell_m", field.cell_m, from(0.01, 1000.0))?;
     table.number("start_clearance_m", field.start_clearance_m, from(0.0, 1e6))?;
     if field.given.is_some() {
@@ -137,12 +137,12 @@ fn check_field(field: &Field) -> Check {
 
 fn check_rules(scenario: &Scenario) -> Check {
     let (fire, suppression, score) = (&scenario.fire, &scenario.suppression, &scenario.score);
-    let table = Table::named("fire");
+    let table = TablePath::named("fire");
     table.number("spread_delay_s", fire.spread_delay_s, from(0.0, 1e6))?;
     table.number("spread_radius_m", fire.spread_radius_m, from(0.0, 1e6))?;
     table.optional("burn_out_s", fire.burn_out_s, from(0.001, 1e6))?;
     check_spread_work(&table, scenario)?;
-    let table = Table::named("suppression");
+    let table = TablePath::named("suppression");
     table.optional("reach_m", suppression.reach_m, from(0.0, 1e6))?;
     table.number("dwell_s", suppression.dwell_s, from(0.1, 1e6))?;
     let stops = scenario.unimog.len() as f64 * scenario.duration_s / suppression.dwell_s;
@@ -150,14 +150,14 @@ fn check_rules(scenario: &Scenario) -> Check {
         let expected = format!("with `fire.relight`, time for at most {MAX_STOPS:e} stops of all trucks in the run");
         return table.refuse("dwell_s", number_text(suppression.dwell_s), expected);
     }
-    let table = Table::named("score");
+    let table = TablePath::named("score");
     table.number("wumpus_ignited", score.wumpus_ignited, from(-1e6, 1e6))?;
     table.number("wumpus_burned_out", score.wumpus_burned_out, from(-1e6, 1e6))?;
     table.number("truck_extinguished", score.truck_extinguished, from(-1e6, 1e6))
 }
 
-/// Spreading looks at every bush in the radius of every burning one; on huge fields that must stay bounded.
-fn check_spread_work(table: &Table, scenario: &Scenario) -> Check {
+/// Bounds the work of spreading, which looks at every bush in the radius of every burning one.
+fn check_spread_work(table: &TablePath, scenario: &Scenario) -> Check {
     let cells = scenario.field.frame().cell_count() as f64;
     let across = 2.0 * scenario.fire.spread_radius_m / scenario.field.cell_m + 1.0;
     if cells * (across * across).min(cells) <= MAX_SPREAD_PAIRS {
@@ -167,7 +167,7 @@ fn check_spread_work(table: &Table, scenario: &Scenario) -> Check {
     table.refuse("spread_radius_m", number_text(scenario.fire.spread_radius_m), expected)
 }
 
-fn check_wumpus(table: &Table, wumpus: &Wumpus, frame: &FieldFrame) -> Check {
+fn check_wumpus(table: &TablePath, wumpus: &Wumpus, frame: &FieldFrame) -> Check {
     table.number("size_m", wumpus.size_m, from(0.01, 100.0))?;
     table.number("speed_mps", wumpus.speed_mps, from(0.001, 1000.0))?;
     table.number("reach_m", wumpus.reach_m, from(0.0, 1e6))?;
@@ -181,14 +181,14 @@ fn check_wumpus(table: &Table, wumpus: &Wumpus, frame: &FieldFrame) -> Check {
     table.inside("start_m", &corners, frame)
 }
 
-fn check_potential(table: &Table, potential: &WumpusPotential) -> Check {
+fn check_potential(table: &TablePath, potential: &WumpusPotential) -> Check {
     table.number("zeta", potential.zeta, from(0.0, 1e6))?;
     table.optional("scale", potential.scale, from(0.0, 1e6))?;
     table.number("q", potential.q, from(0.1, 1000.0))?;
     table.number("eta", potential.eta, from(0.0, 1e6))
 }
 
-fn check_safety(table: &Table, safety: &SafetySettings) -> Check {
+fn check_safety(table: &TablePath, safety: &SafetySettings) -> Check {
     table.number("weight", safety.weight, from(0.0, 1000.0))?;
     table.number("max_cost", safety.max_cost, from(0.001, 1e6))?;
     table.number("safety_max", safety.safety_max, from(0.0, safety.max_cost))?;
@@ -197,7 +197,7 @@ fn check_safety(table: &Table, safety: &SafetySettings) -> Check {
     table.number("cost_rate", safety.cost_rate, from(0.0, 1e6))
 }
 
-fn check_unimog(table: &Table, unimog: &Unimog, frame: &FieldFrame) -> Check {
+fn check_unimog(table: &TablePath, unimog: &Unimog, frame: &FieldFrame) -> Check {
     check_vehicle(&table.inner("vehicle"), &unimog.vehicle)?;
     table.number("speed_mps", unimog.speed_mps, from(0.001, 1000.0))?;
     table.number("reverse_speed_mps", unimog.reverse_speed_mps, from(0.001, 1000.0))?;
@@ -210,12 +210,12 @@ fn check_unimog(table: &Table, unimog: &Unimog, frame: &FieldFrame) -> Check {
     table.inside("start", &unimog.vehicle.footprint(unimog.start.pose()).corners(), frame)
 }
 
-/// Checks whether the first truck's planners can work on a field, whatever scenario their settings are from.
+/// Checks that the first truck's planners can work on a field that may not be the one of their scenario.
 pub fn check_planners(unimog: &Unimog, frame: &FieldFrame) -> Check {
-    check_planner_settings(&Table::entry("unimog", 0), unimog, frame)
+    check_planner_settings(&TablePath::entry("unimog", 0), unimog, frame)
 }
 
-fn check_planner_settings(table: &Table, unimog: &Unimog, frame: &FieldFrame) -> Check {
+fn check_planner_settings(table: &TablePath, unimog: &Unimog, frame: &FieldFrame) -> Check {
     check_prm(&table.inner("prm"), &unimog.prm)?;
     check_primitives(&table.inner("primitives"), &unimog.primitives, frame)?;
     check_prm_rs(&table.inner("prm_rs"), &unimog.prm_rs)?;
@@ -224,8 +224,8 @@ fn check_planner_settings(table: &Table, unimog: &Unimog, frame: &FieldFrame) ->
     check_safety(&table.inner("safety"), &unimog.safety)
 }
 
-/// Checks that a body can be, and that steering can turn it as sharply as it says.
-pub fn check_vehicle(table: &Table, body: &Dimensions) -> Check {
+/// Checks that a body is possible, and that its steering reaches its turning radius.
+pub fn check_vehicle(table: &TablePath, body: &Dimensions) -> Check {
     table.number("length_m", body.length_m, from(0.1, 100.0))?;
     table.number("width_m", body.width_m, from(0.1, 100.0))?;
     table.number("rear_overhang_m", body.rear_overhang_m, from(0.0, body.length_m))?;
@@ -248,7 +248,7 @@ pub fn check_vehicle(table: &Table, body: &Dimensions) -> Check {
     Ok(())
 }
 
-fn check_prm(table: &Table, prm: &PrmSettings) -> Check {
+fn check_prm(table: &TablePath, prm: &PrmSettings) -> Check {
     table.number("samples", prm.samples.into(), from(0.0, 100_000.0))?;
     table.number("neighbours", prm.neighbours.into(), from(1.0, 100.0))?;
     table.number("max_edge_m", prm.max_edge_m, from(0.01, 1e6))?;
@@ -256,7 +256,7 @@ fn check_prm(table: &Table, prm: &PrmSettings) -> Check {
     table.number("seconds_per_expansion", prm.seconds_per_expansion, from(0.0, 1e6))
 }
 
-fn check_primitives(table: &Table, primitives: &PrimitiveSettings, frame: &FieldFrame) -> Check {
+fn check_primitives(table: &TablePath, primitives: &PrimitiveSettings, frame: &FieldFrame) -> Check {
     table.number("step_m", primitives.step_m, from(0.1, 1000.0))?;
     table.number("bin_m", primitives.bin_m, from(0.01, 1000.0))?;
     table.number("headings", primitives.headings.into(), from(4.0, 360.0))?;
@@ -271,7 +271,7 @@ fn check_primitives(table: &Table, primitives: &PrimitiveSettings, frame: &Field
     check_bins(table, primitives.bin_m, primitives.headings, frame)
 }
 
-fn check_prm_rs(table: &Table, prm_rs: &PrmRsSettings) -> Check {
+fn check_prm_rs(table: &TablePath, prm_rs: &PrmRsSettings) -> Check {
     table.number("samples", prm_rs.samples.into(), from(0.0, 100_000.0))?;
     table.number("corner_places", prm_rs.corner_places.into(), from(0.0, 10.0))?;
     table.number("neighbours", prm_rs.neighbours.into(), from(1.0, 100.0))?;
@@ -282,12 +282,12 @@ fn check_prm_rs(table: &Table, prm_rs: &PrmRsSettings) -> Check {
     table.number("seconds_per_expansion", prm_rs.seconds_per_expansion, from(0.0, 1e6))
 }
 
-fn check_lattice(table: &Table, lattice: &LatticeSettings) -> Check {
+fn check_lattice(table: &TablePath, lattice: &LatticeSettings) -> Check {
     table.number("max_expansions", lattice.max_expansions.into(), from(1.0, 1e8))?;
     table.number("seconds_per_expansion", lattice.seconds_per_expansion, from(0.0, 1e6))
 }
 
-fn check_hybrid(table: &Table, hybrid: &HybridSettings, frame: &FieldFrame) -> Check {
+fn check_hybrid(table: &TablePath, hybrid: &HybridSettings, frame: &FieldFrame) -> Check {
     table.number("clearance_m", hybrid.clearance_m, from(0.01, 100.0))?;
     table.number("step_m", hybrid.step_m, from(0.1, 1000.0))?;
     table.number("bin_m", hybrid.bin_m, from(0.01, 1000.0))?;
@@ -300,7 +300,7 @@ fn check_hybrid(table: &Table, hybrid: &HybridSettings, frame: &FieldFrame) -> C
     check_bins(table, hybrid.bin_m, hybrid.headings, frame)
 }
 
-fn check_bins(table: &Table, bin_m: f64, headings: u32, frame: &FieldFrame) -> Check {
+fn check_bins(table: &TablePath, bin_m: f64, headings: u32, frame: &FieldFrame) -> Check {
     let bins = frame.width_m() / bin_m * frame.height_m() / bin_m;
     if bins * f64::from(headings) <= MAX_TRUCK_BINS {
         return Ok(());
@@ -310,11 +310,11 @@ fn check_bins(table: &Table, bin_m: f64, headings: u32, frame: &FieldFrame) -> C
 }
 
 fn check_ignitions(ignitions: &[Ignition], frame: &FieldFrame) -> Check {
-    let top = Table::named("");
+    let top = TablePath::named("");
     top.count("ignition", ignitions.len(), MAX_IGNITIONS)?;
     let mut named = 0;
     for (number, ignition) in ignitions.iter().enumerate() {
-        let table = Table::entry("ignition", number);
+        let table = TablePath::entry("ignition", number);
         table.number("at_s", ignition.at_s, from(0.0, 1e6))?;
         match &ignition.cells {
             IgnitionCells::Random(count) => {
@@ -327,7 +327,11 @@ fn check_ignitions(ignitions: &[Ignition], frame: &FieldFrame) -> Check {
                 if let Some(index) = outside {
                     let expected =
                         format!("a cell of the field of {} x {} cells, counted from 0", frame.cols, frame.rows);
-                    return table.inner("cells").refuse_step(Step::Index(index), cells[index].to_string(), expected);
+                    return table.inner("cells").refuse_step(
+                        PathStep::Index(index),
+                        cells[index].to_string(),
+                        expected,
+                    );
                 }
             }
         }
@@ -335,7 +339,7 @@ fn check_ignitions(ignitions: &[Ignition], frame: &FieldFrame) -> Check {
     Ok(())
 }
 
-/// A number in as many digits as a reader can take in.
+/// Writes a number with exponent where it would be too long to read.
 fn number_text(number: f64) -> String {
     let is_long = number != 0.0 && !(1e-6..1e15).contains(&number.abs());
     if is_long { format!("{number:e}") } else { number.to_string() }
@@ -350,24 +354,24 @@ pub fn check_number(path: FieldPath, number: f64, range: RangeInclusive<f64>) ->
     Err(Box::new(Refusal { path, found: number_text(number), expected }))
 }
 
-/// A table of the scenario, to name values in faults.
-pub struct Table(FieldPath);
+/// The path of a table of the scenario, to name values in faults.
+pub struct TablePath(FieldPath);
 
-impl Table {
+impl TablePath {
     pub fn named(dotted: &str) -> Self {
         Self(FieldPath::parse(dotted))
     }
 
     fn entry(list: &str, number: usize) -> Self {
-        Self(FieldPath(vec![Step::key(list), Step::Index(number)]))
+        Self(FieldPath(vec![PathStep::key(list), PathStep::Index(number)]))
     }
 
     fn inner(&self, name: &str) -> Self {
-        Self(self.0.join(Step::key(name)))
+        Self(self.0.join(PathStep::key(name)))
     }
 
     pub fn number(&self, name: &str, value: f64, range: RangeInclusive<f64>) -> Check {
-        check_number(self.0.join(Step::key(name)), value, range)
+        check_number(self.0.join(PathStep::key(name)), value, range)
     }
 
     pub fn optional(&self, name: &str, value: Option<f64>, range: RangeInclusive<f64>) -> Check {
@@ -388,10 +392,10 @@ impl Table {
     }
 
     pub fn refuse(&self, name: &str, found: String, expected: String) -> Check {
-        self.refuse_step(Step::key(name), found, expected)
+        self.refuse_step(PathStep::key(name), found, expected)
     }
 
-    fn refuse_step(&self, step: Step, found: String, expected: String) -> Check {
+    fn refuse_step(&self, step: PathStep, found: String, expected: String) -> Check {
         Err(Box::new(Refusal { path: self.0.join(step), found, expected }))
     }
 }

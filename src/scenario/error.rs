@@ -1,4 +1,4 @@
-//! What is wrong with a scenario, and where.
+//! Errors of scenarios: what is wrong, and where.
 
 use std::fmt;
 use std::io::ErrorKind;
@@ -13,24 +13,24 @@ use super::given::MapFault;
 use super::source::BUILT_IN;
 use crate::untrusted::{visible, visible_lines};
 
-/// Longest line that is shown whole, in bytes.
+/// The longest line that is shown whole, in bytes.
 const LONGEST_LINE: usize = 400;
 
 /// Bytes of a longer line that are shown on either side of a fault, and most of the fault itself.
 const SHOWN_OF_LONG_LINES: usize = 60;
 
-/// Why a scenario is refused, with the place that shows it.
+/// The reason why a scenario is refused, with its location.
 ///
-/// Its text is one sentence without the place, in which control characters are escapes. [`ScenarioError::place`] gives
+/// Its text is one sentence without the location; control characters are escaped. [`ScenarioError::location`] gives
 /// file, line and column; as a [`miette::Diagnostic`] it shows the line itself.
 #[derive(Debug, Error)]
 #[error("{}", visible(&fault.to_string()))]
 pub struct ScenarioError {
     pub fault: Fault,
-    pub place: Option<Place>,
+    pub location: Option<SourceLocation>,
 }
 
-/// The fault itself.
+/// A fault of a scenario, without its location.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Fault {
     #[error("there is no file and no built-in scenario `{name}`")]
@@ -61,23 +61,23 @@ pub enum Fault {
     Map(#[from] MapFault),
 }
 
-/// A stretch of a file, or of an option of the command line.
+/// A span of a file, or of an option of the command line.
 #[derive(Clone, Debug)]
-pub struct Place {
-    /// The source as it is shown: the text with control characters as escapes, and a span of that.
+pub struct SourceLocation {
+    /// The source as it is shown, with control characters escaped; `span` refers to that text.
     source: NamedSource<String>,
     span: Range<usize>,
-    /// The place of the first byte in the text as it was written.
+    /// Line and column of the first byte in the text as it was written.
     line_and_column: (usize, usize),
 }
 
 impl Fault {
     pub(super) fn nowhere(self) -> Box<ScenarioError> {
-        Box::new(ScenarioError { fault: self, place: None })
+        Box::new(ScenarioError { fault: self, location: None })
     }
 
-    pub(super) fn at(self, place: Place) -> Box<ScenarioError> {
-        Box::new(ScenarioError { fault: self, place: Some(place) })
+    pub(super) fn at(self, location: SourceLocation) -> Box<ScenarioError> {
+        Box::new(ScenarioError { fault: self, location: Some(location) })
     }
 
     fn advice(&self) -> Option<String> {
@@ -95,13 +95,13 @@ impl Fault {
     }
 }
 
-impl Place {
-    /// A stretch of bytes of a named text; a span beyond the text is cut off.
+impl SourceLocation {
+    /// Locates a span of bytes in a named text; a span beyond its end is cut off.
     pub(super) fn new(name: &str, text: &str, span: Range<usize>) -> Self {
         let start = text.floor_char_boundary(span.start);
         let end = text.floor_char_boundary(span.end).max(start);
-        let [before, stretch, after] = [&text[..start], &text[start..end], &text[end..]];
-        let shown = [before, stretch, after].map(visible_lines);
+        let [before, span_text, after] = [&text[..start], &text[start..end], &text[end..]];
+        let shown = [before, span_text, after].map(visible_lines);
         let shown_start = shown[0].len();
         Self {
             span: shown_start..shown_start + shown[1].len(),
@@ -110,21 +110,21 @@ impl Place {
         }
     }
 
-    /// Line and column of the first byte, both from 1; columns count characters.
+    /// Returns line and column of the first byte, both from 1; columns count characters.
     pub fn line_and_column(&self) -> (usize, usize) {
         self.line_and_column
     }
 
-    /// What is shown of the stretch: no more than its first line, and of a long one the beginning.
+    /// Returns the part of the span that is shown: no more than its first line, and of a long line the beginning.
     fn shown(&self) -> Range<usize> {
         let text = self.source.inner();
-        let stretch = &text[self.span.clone()];
-        let line = stretch.lines().next().unwrap_or_default();
-        let most = if stretch.len() > LONGEST_LINE { SHOWN_OF_LONG_LINES } else { LONGEST_LINE };
+        let span_text = &text[self.span.clone()];
+        let line = span_text.lines().next().unwrap_or_default();
+        let most = if span_text.len() > LONGEST_LINE { SHOWN_OF_LONG_LINES } else { LONGEST_LINE };
         self.span.start..self.span.start + line.floor_char_boundary(most)
     }
 
-    /// The bytes about what is shown that fit beside it, of its line only.
+    /// Returns the bytes around the shown part that fit beside it, on its line only.
     fn window(&self) -> Range<usize> {
         let text = self.source.inner();
         let shown = self.shown();
@@ -135,7 +135,7 @@ impl Place {
         start..end
     }
 
-    /// The text of the stretch.
+    /// Returns the text of the span.
     pub fn excerpt(&self) -> &str {
         self.source.inner().get(self.span.clone()).unwrap_or_default()
     }
@@ -147,15 +147,15 @@ fn line_and_column_after(text: &str) -> (usize, usize) {
     (line, 1 + text[line_start..].chars().count())
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for SourceLocation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (line, column) = self.line_and_column();
         write!(f, "{}:{line}:{column}", self.source.name())
     }
 }
 
-/// A scenario may be one line of megabytes, of which a message shows what is about the fault.
-impl SourceCode for Place {
+/// A scenario may be a single line of megabytes; a message shows only what surrounds the fault.
+impl SourceCode for SourceLocation {
     fn read_span<'a>(
         &'a self,
         span: &SourceSpan,
@@ -186,16 +186,16 @@ impl Diagnostic for ScenarioError {
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.place.as_ref().map(|place| place as &dyn SourceCode)
+        self.location.as_ref().map(|place| place as &dyn SourceCode)
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let place = self.place.as_ref()?;
+        let place = self.location.as_ref()?;
         Some(Box::new(std::iter::once(LabeledSpan::new_with_span(Some("here".into()), place.shown()))))
     }
 }
 
-/// The name in `known` that is most like `name`, if any is like it at all.
+/// Finds the name in `known` that is most like `name`, if any is similar enough to be meant.
 pub fn nearest_name<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let likeness = |other: &str| strsim::jaro_winkler(&name.to_lowercase(), other);
     let scored = known.into_iter().map(|other| (likeness(other), other));
@@ -220,12 +220,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_place_is_that_in_the_text_and_shows_no_control_characters() {
+    fn a_location_is_that_in_the_text_and_shows_no_control_characters() {
         let text = "x = 1\n\u{1b}[2J\u{202e}y = \u{7}z\n";
-        let place = Place::new("a\u{1b}b", text, text.find('\u{7}').expect("it is there")..text.len() - 1);
+        let place = SourceLocation::new("a\u{1b}b", text, text.find('\u{7}').expect("it is there")..text.len() - 1);
         assert_eq!((place.line_and_column(), place.excerpt()), ((2, 10), "\\u0007z"));
         assert_eq!(place.to_string(), "a\\u001bb:2:10");
-        let shown = place.read_span(&place.shown().into(), 1, 0).expect("the stretch is in the text");
+        let shown = place.read_span(&place.shown().into(), 1, 0).expect("the span_text is in the text");
         assert_eq!(shown.data(), b"x = 1\n\\u001b[2J\\u202ey = \\u0007z");
     }
 

@@ -1,15 +1,15 @@
-//! A scenario in plain sentences, for `wildfire check`.
+//! Explains a scenario in plain sentences, for `wildfire check`.
 
-use super::explain_agents::{unimog, wumpus};
+use super::explain_agents::{describe_truck, describe_wumpus};
 use super::load::LoadedScenario;
-use super::sketch::sketch;
+use super::sketch::draw_sketch;
 use super::warnings::warnings;
 use super::{
     Extinguishes, Field, IgnitionCells, MemoryEstimate, MemoryLimit, MemoryPart, Overlaps, Scenario, SpreadFrom,
     Terrain, bytes_text,
 };
 
-/// Widest line, in characters.
+/// The widest line, in characters.
 pub(super) const WIDTH: usize = 80;
 
 /// The seed whose field is shown.
@@ -20,37 +20,37 @@ pub(super) const SHOWN_SEED: u64 = 1;
 pub fn explain(loaded: &LoadedScenario, limit: MemoryLimit) -> String {
     let scenario = &loaded.scenario;
     let mut text = format!("{}: {} s of simulated time at most.\n", scenario.name, scenario.duration_s);
-    section(&mut text, "Field", [field(&scenario.field)]);
-    section(&mut text, "Fire", [fire(scenario)]);
-    section(&mut text, "Suppression", [suppression(scenario)]);
-    section(&mut text, "Score", [score(scenario)]);
-    section(&mut text, "Wumpuses", agents(&scenario.wumpus, wumpus));
-    section(&mut text, "Trucks", agents(&scenario.unimog, unimog));
+    add_section(&mut text, "Field", [describe_field(&scenario.field)]);
+    add_section(&mut text, "Fire", [describe_fire(scenario)]);
+    add_section(&mut text, "Suppression", [describe_suppression(scenario)]);
+    add_section(&mut text, "Score", [describe_score(scenario)]);
+    add_section(&mut text, "Wumpuses", describe_agents(&scenario.wumpus, describe_wumpus));
+    add_section(&mut text, "Trucks", describe_agents(&scenario.unimog, describe_truck));
     if !scenario.ignition.is_empty() {
-        section(&mut text, "Ignitions", [ignitions(scenario)]);
+        add_section(&mut text, "Ignitions", [describe_ignitions(scenario)]);
     }
-    section(&mut text, "Values", [defaults(loaded)]);
-    let terrain = Terrain::of(scenario, SHOWN_SEED);
+    add_section(&mut text, "Values", [list_defaults(loaded)]);
+    let terrain = Terrain::from_scenario(scenario, SHOWN_SEED);
     match &terrain {
-        Ok(terrain) => text += &field_of_seed(scenario, terrain),
-        Err(error) => section(&mut text, "Field of seed 1", [format!("There is none: {error}.")]),
+        Ok(terrain) => text += &describe_terrain(scenario, terrain),
+        Err(error) => add_section(&mut text, "Field of seed 1", [format!("There is none: {error}.")]),
     }
-    text += &memory(scenario, limit);
+    text += &list_memory(scenario, limit);
     let warnings = warnings(scenario, terrain.as_ref().ok());
     if !warnings.is_empty() {
-        section(&mut text, "Warnings", warnings);
+        add_section(&mut text, "Warnings", warnings);
     }
     text
 }
 
-fn section(text: &mut String, title: &str, paragraphs: impl IntoIterator<Item = String>) {
+fn add_section(text: &mut String, title: &str, paragraphs: impl IntoIterator<Item = String>) {
     *text += &format!("\n{title}\n");
     for paragraph in paragraphs {
         *text += &wrapped(&paragraph);
     }
 }
 
-/// A paragraph, indented by two spaces, its further lines by four.
+/// Wraps a paragraph: its first line is indented by two spaces, further lines by four.
 fn wrapped(paragraph: &str) -> String {
     let (mut text, mut line) = (String::new(), String::from(" "));
     for word in paragraph.split_whitespace() {
@@ -64,7 +64,7 @@ fn wrapped(paragraph: &str) -> String {
     text + &line + "\n"
 }
 
-fn field(field: &Field) -> String {
+fn describe_field(field: &Field) -> String {
     let frame = field.frame();
     let size = format!(
         "{} x {} m, {} x {} cells of {} m.",
@@ -95,7 +95,7 @@ fn field(field: &Field) -> String {
     )
 }
 
-fn fire(scenario: &Scenario) -> String {
+fn describe_fire(scenario: &Scenario) -> String {
     let fire = &scenario.fire;
     let spread = match fire.spread_from {
         SpreadFrom::None => "Fire does not spread.".into(),
@@ -113,7 +113,7 @@ fn fire(scenario: &Scenario) -> String {
     format!("{spread} {end} {again}")
 }
 
-fn suppression(scenario: &Scenario) -> String {
+fn describe_suppression(scenario: &Scenario) -> String {
     let rule = &scenario.suppression;
     let reach = rule.reach_m.map_or("wherever its drive ends".into(), |m| {
         format!("with its body's centre within {m} m of the bush's centre")
@@ -125,7 +125,7 @@ fn suppression(scenario: &Scenario) -> String {
     format!("A truck that stands {} s {reach} puts out {effect}.", rule.dwell_s)
 }
 
-fn score(scenario: &Scenario) -> String {
+fn describe_score(scenario: &Scenario) -> String {
     let score = &scenario.score;
     format!(
         "Wumpuses: {} for a bush that catches fire, {} for one that burns out. Trucks: {} for one put out.",
@@ -133,14 +133,14 @@ fn score(scenario: &Scenario) -> String {
     )
 }
 
-fn agents<A>(agents: &[A], describe: impl Fn(&A) -> String) -> Vec<String> {
+fn describe_agents<A>(agents: &[A], describe: impl Fn(&A) -> String) -> Vec<String> {
     if agents.is_empty() {
         return vec!["None.".into()];
     }
     agents.iter().enumerate().map(|(number, agent)| format!("{number}: {}", describe(agent))).collect()
 }
 
-fn ignitions(scenario: &Scenario) -> String {
+fn describe_ignitions(scenario: &Scenario) -> String {
     let (mut random, mut named) = (0_u64, 0);
     for ignition in &scenario.ignition {
         match &ignition.cells {
@@ -154,7 +154,7 @@ fn ignitions(scenario: &Scenario) -> String {
     format!("{count} from {first} s to {last} s: {random} random bushes and {named} named cells.")
 }
 
-fn defaults(loaded: &LoadedScenario) -> String {
+fn list_defaults(loaded: &LoadedScenario) -> String {
     let values = loaded.values().into_iter().filter(|(_, value)| value != "[]");
     let (given, left): (Vec<_>, Vec<_>) = values.partition(|(path, _)| loaded.is_given(path));
     if left.is_empty() {
@@ -163,7 +163,7 @@ fn defaults(loaded: &LoadedScenario) -> String {
     let mut listed = Vec::new();
     for (path, value) in &left {
         let is_left = |other: &str| left.iter().any(|(path, _)| path == other);
-        let shown = of_all_agents(path, &loaded.scenario, is_left).unwrap_or_else(|| path.clone());
+        let shown = path_of_all_agents(path, &loaded.scenario, is_left).unwrap_or_else(|| path.clone());
         let entry = format!("{shown}={value}");
         if !listed.contains(&entry) {
             listed.push(entry);
@@ -172,8 +172,8 @@ fn defaults(loaded: &LoadedScenario) -> String {
     format!("{} values are given, {} left to their defaults: {}.", given.len(), left.len(), listed.join(", "))
 }
 
-/// The path without the agent's number, if the same value of every agent of the kind is left to its default.
-fn of_all_agents(path: &str, scenario: &Scenario, is_left: impl Fn(&str) -> bool) -> Option<String> {
+/// Returns the path without the agent's number, if the same value of every agent of the kind is left to its default.
+fn path_of_all_agents(path: &str, scenario: &Scenario, is_left: impl Fn(&str) -> bool) -> Option<String> {
     let (list, rest) = path.split_once('.')?;
     let agents = match list {
         "wumpus" => scenario.wumpus.len(),
@@ -184,19 +184,19 @@ fn of_all_agents(path: &str, scenario: &Scenario, is_left: impl Fn(&str) -> bool
     (0..agents).all(|number| is_left(&format!("{list}.{number}.{field}"))).then(|| format!("{list}.{field}"))
 }
 
-fn field_of_seed(scenario: &Scenario, terrain: &Terrain) -> String {
+fn describe_terrain(scenario: &Scenario, terrain: &Terrain) -> String {
     let bushes = terrain.bushes.len();
     let share = percent(bushes as f64 / terrain.frame.cell_count() as f64);
     let pieces = match &scenario.field.given {
         Some(_) => String::new(),
         None => format!("{} pieces, ", scenario.field.wanted_pieces()),
     };
-    let drawing = sketch(terrain, scenario);
+    let drawing = draw_sketch(terrain, scenario);
     format!("\nField of seed {SHOWN_SEED}\n  {pieces}{bushes} bushes, {share} % of the cells.\n{drawing}")
 }
 
 /// Lists the memory that a run needs, part by part, what can be added as it goes on, and whether the limit allows it.
-fn memory(scenario: &Scenario, limit: MemoryLimit) -> String {
+fn list_memory(scenario: &Scenario, limit: MemoryLimit) -> String {
     let estimate = MemoryEstimate::new(scenario);
     let needed = MemoryPart { name: format!("in all, of {limit} that a run may take"), bytes: estimate.needed() };
     // A part that is tiny beside the others is not worth a line.
@@ -220,7 +220,7 @@ fn memory(scenario: &Scenario, limit: MemoryLimit) -> String {
     text
 }
 
-/// A share in percent, to a hundredth.
+/// Converts a share to percent, rounded to hundredths.
 fn percent(share: f64) -> f64 {
     (share * 1e4).round() / 100.0
 }
@@ -230,7 +230,7 @@ mod tests {
     use super::*;
     use crate::scenario::BUILT_IN;
 
-    fn of(source: &str, changes: &[&str]) -> String {
+    fn explained(source: &str, changes: &[&str]) -> String {
         let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
         explain(&LoadedScenario::open(source, &changes).expect("this scenario is right"), MemoryLimit::default())
     }
@@ -243,7 +243,7 @@ mod tests {
     fn no_line_is_wider_than_eighty_characters() {
         for (name, _) in BUILT_IN {
             for size in ["250", "1000", "2000"] {
-                let text = of(name, &[format!("field.size_m={size}").as_str()]);
+                let text = explained(name, &[format!("field.size_m={size}").as_str()]);
                 let widest = text.lines().map(|line| line.chars().count()).max();
                 assert!(widest <= Some(WIDTH), "{name}: {widest:?}\n{text}");
             }
@@ -251,8 +251,8 @@ mod tests {
     }
 
     #[test]
-    fn rules_are_told_with_their_units() {
-        let text = in_one_line(&of("original-2024", &[]));
+    fn rules_are_explained_with_their_units() {
+        let text = in_one_line(&explained("original-2024", &[]));
         for words in [
             "62 tetrominoes of the shapes I, J, Z, T, that fall anywhere",
             "burned for 9 s sets intact ones on fire whose centres are within 30 m; only bushes that were lit",
@@ -266,9 +266,9 @@ mod tests {
     }
 
     #[test]
-    fn what_walks_and_places_cost_is_told() {
+    fn costs_of_walks_and_places_are_explained() {
         let changes = ["wumpus.planner=potential", "wumpus.potential.escape=none", "unimog.safety.map=cost"];
-        let text = in_one_line(&of("report-2024", &changes));
+        let text = in_one_line(&explained("report-2024", &changes));
         for words in [
             "Gradient descent on a potential field over cell centres: attraction up to 10, repulsion of strength 15",
             "in a local minimum it gives the goal up",
@@ -276,39 +276,39 @@ mod tests {
         ] {
             assert!(text.contains(words), "`{words}` is not in {text}");
         }
-        let text = in_one_line(&of("contest", &["wumpus.planner=wavefront", "wumpus.safety.map=brushfire"]));
+        let text = in_one_line(&explained("contest", &["wumpus.planner=wavefront", "wumpus.safety.map=brushfire"]));
         assert!(text.contains("exact cost-to-go over cell centres, cost in metres; planning takes"), "{text}");
         assert!(text.contains("1 beside a bush, 1/D at D cells from one"), "{text}");
-        assert!(!in_one_line(&of("contest", &[])).contains("For safety"));
+        assert!(!in_one_line(&explained("contest", &[])).contains("For safety"));
     }
 
     #[test]
-    fn a_truck_is_told_with_the_planner_that_it_uses() {
-        let roadmap = in_one_line(&of("contest", &["unimog.planner=prm+primitives"]));
+    fn a_truck_is_explained_with_the_planner_that_it_uses() {
+        let roadmap = in_one_line(&explained("contest", &["unimog.planner=prm+primitives"]));
         assert!(roadmap.contains("Roadmap of 500 samples") && !roadmap.contains("hybrid A*"), "{roadmap}");
-        let curves = in_one_line(&of("contest", &[]));
+        let curves = in_one_line(&explained("contest", &[]));
         assert!(curves.contains("Roadmap of 200 poses") && curves.contains("by Reeds-Shepp curves"), "{curves}");
-        let hybrid = in_one_line(&of("contest", &["unimog.planner=hybrid-astar", "unimog.hybrid.shortcuts=50"]));
+        let hybrid = in_one_line(&explained("contest", &["unimog.planner=hybrid-astar", "unimog.hybrid.shortcuts=50"]));
         assert!(hybrid.contains("Hybrid A* with motions of 4 m") && hybrid.contains("then 50 shortcuts"), "{hybrid}");
         assert!(!hybrid.contains("Roadmap of"), "{hybrid}");
-        let lattice = in_one_line(&of("contest", &["unimog.planner=lattice"]));
+        let lattice = in_one_line(&explained("contest", &["unimog.planner=lattice"]));
         assert!(lattice.contains("10 m and 24 headings") && lattice.contains("of 1.25 m and 72 headings"), "{lattice}");
     }
 
     #[test]
-    fn what_a_speed_means_in_a_turn_is_told() {
-        let fast = in_one_line(&of("contest", &["unimog.speed_mps=10"]));
+    fn speeds_in_turns_are_explained() {
+        let fast = in_one_line(&explained("contest", &["unimog.speed_mps=10"]));
         assert!(fast.contains("On its circle of 13 m, 10 m/s is 7.7 m/s2 to the side. It goes"), "{fast}");
-        let limited = in_one_line(&of("contest", &["unimog.speed_mps=10", "unimog.limits.lateral_mps2=3"]));
+        let limited = in_one_line(&explained("contest", &["unimog.speed_mps=10", "unimog.limits.lateral_mps2=3"]));
         assert!(limited.contains("7.7 m/s2 to the side; 3 m/s2 allows 6.2 m/s there."), "{limited}");
-        let slow = in_one_line(&of("contest", &["unimog.speed_mps=2", "unimog.reverse_speed_mps=1"]));
+        let slow = in_one_line(&explained("contest", &["unimog.speed_mps=2", "unimog.reverse_speed_mps=1"]));
         assert!(slow.contains("2 m/s is 0.3 m/s2 to the side."), "{slow}");
     }
 
     #[test]
-    fn defaults_are_told_from_given_values() {
-        assert!(in_one_line(&of("contest", &[])).contains("values are given. Field of seed"));
-        let text = in_one_line(&of("smoke", &["unimog.prm.neighbours=7"]));
+    fn defaults_are_listed_apart_from_given_values() {
+        assert!(in_one_line(&explained("contest", &[])).contains("values are given. Field of seed"));
+        let text = in_one_line(&explained("smoke", &["unimog.prm.neighbours=7"]));
         let left = text.split_once("left to their defaults: ").expect("some values are left").1;
         assert!(left.contains("suppression.dwell_s=5"), "{left}");
         assert!(left.contains("unimog.prm.max_edge_m=30"), "{left}");
@@ -316,15 +316,15 @@ mod tests {
     }
 
     #[test]
-    fn a_default_that_one_agent_overrules_is_told_by_agent() {
-        let text = in_one_line(&of("fleet", &["unimog.1.goal=oldest"]));
+    fn a_default_that_one_agent_overrules_is_listed_by_agent() {
+        let text = in_one_line(&explained("fleet", &["unimog.1.goal=oldest"]));
         assert!(text.contains("unimog.0.goal=") && text.contains("unimog.2.goal="), "{text}");
         assert!(!text.contains("unimog.1.goal=") && text.contains(" unimog.retarget="), "{text}");
     }
 
     #[test]
     fn a_field_that_cannot_be_is_explained_too() {
-        let text = of("smoke", &["field.start_clearance_m=200"]);
+        let text = explained("smoke", &["field.start_clearance_m=200"]);
         assert!(text.contains("There is none: no placement left for piece 1 of 10"), "{text}");
     }
 }

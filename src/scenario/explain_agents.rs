@@ -7,8 +7,8 @@ use super::{
     TruckPlannerKind, Unimog, Wumpus, WumpusGoal, WumpusHeuristic, WumpusPlanner,
 };
 
-/// What a Wumpus is and does.
-pub fn wumpus(wumpus: &Wumpus) -> String {
+/// Describes what a Wumpus is and does.
+pub fn describe_wumpus(wumpus: &Wumpus) -> String {
     let goal = match wumpus.goal {
         WumpusGoal::RandomIntact => "a random intact bush",
         WumpusGoal::NearestIntact => "the nearest intact bush",
@@ -20,7 +20,7 @@ pub fn wumpus(wumpus: &Wumpus) -> String {
         StepTime::Distance => "",
         StepTime::Uniform => " (diagonal steps take no longer)",
     };
-    let (method, details) = walking(wumpus);
+    let (method, details) = describe_walking(wumpus);
     format!(
         "starts at ({}, {}) m, a square of {} m, {} m/s{diagonals}. It goes for {goal}, {keep}, and lights it from \
          within {} m of its centre. {} over {lattice}{}; {}.{}",
@@ -31,13 +31,13 @@ pub fn wumpus(wumpus: &Wumpus) -> String {
         wumpus.reach_m,
         method,
         details,
-        thinking(wumpus.seconds_per_expansion),
-        safety(&wumpus.safety)
+        describe_charge(wumpus.seconds_per_expansion),
+        describe_safety(&wumpus.safety)
     )
 }
 
-/// How a Wumpus finds its way, in words that stand before and after the place where it does.
-fn walking(wumpus: &Wumpus) -> (&'static str, String) {
+/// Describes how a Wumpus finds its way, in words that go before and after those for the lattice that it walks on.
+fn describe_walking(wumpus: &Wumpus) -> (&'static str, String) {
     let cost = match wumpus.step_cost {
         StepCost::Metres => "cost in metres",
         StepCost::Moves => "cost in moves",
@@ -68,8 +68,8 @@ fn walking(wumpus: &Wumpus) -> (&'static str, String) {
     }
 }
 
-/// What a truck is and does.
-pub fn unimog(truck: &Unimog) -> String {
+/// Describes what a truck is and does.
+pub fn describe_truck(truck: &Unimog) -> String {
     let body = &truck.vehicle;
     let goal = match truck.goal {
         TruckGoal::NearestBurning => "the nearest fire",
@@ -93,17 +93,17 @@ pub fn unimog(truck: &Unimog) -> String {
         body.max_steering_rad().to_degrees(),
         truck.speed_mps,
         truck.reverse_speed_mps,
-        limits(truck),
-        on_its_circle(truck),
-        driving(truck)
+        describe_limits(truck),
+        describe_turning(truck),
+        describe_driving(truck)
     )
 }
 
-/// How a truck finds its way.
-fn driving(truck: &Unimog) -> String {
+/// Describes how a truck finds its way.
+fn describe_driving(truck: &Unimog) -> String {
     match truck.planner {
         TruckPlannerKind::PrmPrimitives => {
-            format!("{} {}{}", roadmap(truck), local_search(truck), safety(&truck.safety))
+            format!("{} {}{}", roadmap(truck), local_search(truck), describe_safety(&truck.safety))
         }
         TruckPlannerKind::PrmRs => pose_roadmap(truck),
         TruckPlannerKind::HybridAstar => hybrid_search(truck),
@@ -111,7 +111,7 @@ fn driving(truck: &Unimog) -> String {
     }
 }
 
-fn limits(truck: &Unimog) -> String {
+fn describe_limits(truck: &Unimog) -> String {
     let limit = |name: &str, limit: Option<f64>| limit.map(|mps2| format!("{name} {mps2} m/s2"));
     let set: Vec<String> = [
         limit("acceleration", truck.limits.acceleration_mps2),
@@ -124,8 +124,8 @@ fn limits(truck: &Unimog) -> String {
     if set.is_empty() { "speed changes at once".into() } else { set.join(", ") }
 }
 
-/// What its speed means in its tightest turns: speed squared over radius.
-fn on_its_circle(truck: &Unimog) -> String {
+/// Describes what its speed means in its tightest turns: speed squared over radius.
+fn describe_turning(truck: &Unimog) -> String {
     let (speed, radius_m) = (truck.speed_mps.max(truck.reverse_speed_mps), truck.vehicle.turning_radius_m);
     let lateral = speed * speed / radius_m;
     let fact = format!("On its circle of {radius_m} m, {speed} m/s is {lateral:.1} m/s2 to the side");
@@ -154,7 +154,7 @@ fn roadmap(truck: &Unimog) -> String {
         prm.neighbours,
         prm.max_edge_m,
         prm.clearance_m,
-        thinking(prm.seconds_per_expansion)
+        describe_charge(prm.seconds_per_expansion)
     )
 }
 
@@ -167,7 +167,7 @@ fn local_search(truck: &Unimog) -> String {
         local.headings,
         local.clearance_m,
         local.max_expansions,
-        thinking(local.seconds_per_expansion)
+        describe_charge(local.seconds_per_expansion)
     )
 }
 
@@ -183,7 +183,7 @@ fn hybrid_search(truck: &Unimog) -> String {
         hybrid.cusp_cost,
         hybrid.max_expansions,
         hybrid.shortcuts,
-        thinking(hybrid.seconds_per_expansion)
+        describe_charge(hybrid.seconds_per_expansion)
     )
 }
 
@@ -201,7 +201,7 @@ fn pose_roadmap(truck: &Unimog) -> String {
         prm_rs.cusp_cost,
         prm_rs.shortcuts,
         truck.hybrid.max_expansions,
-        thinking(prm_rs.seconds_per_expansion)
+        describe_charge(prm_rs.seconds_per_expansion)
     )
 }
 
@@ -212,12 +212,12 @@ fn lattice_search(truck: &Unimog) -> String {
         "Flood over a lattice of poses: one pose in bins of {coarse}, where that fails of {middle}, then of {fine}; a \
          query spreads from at most {} poses; {}.",
         truck.lattice.max_expansions,
-        thinking(truck.lattice.seconds_per_expansion)
+        describe_charge(truck.lattice.seconds_per_expansion)
     )
 }
 
-/// What places cost, in words that follow a full stop.
-fn safety(safety: &SafetySettings) -> String {
+/// Describes what nearness to bushes costs, in words that follow a full stop.
+fn describe_safety(safety: &SafetySettings) -> String {
     let nearness = match safety.map {
         SafetyMap::None => return String::new(),
         SafetyMap::Brushfire => "1 beside a bush, 1/D at D cells from one".to_owned(),
@@ -230,7 +230,7 @@ fn safety(safety: &SafetySettings) -> String {
     format!(" For safety a metre costs 1 + {} times s, s being {nearness}.", safety.weight)
 }
 
-fn thinking(seconds_per_expansion: f64) -> String {
+fn describe_charge(seconds_per_expansion: f64) -> String {
     if seconds_per_expansion == 0.0 {
         "planning takes no simulated time".into()
     } else {

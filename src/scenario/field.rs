@@ -1,4 +1,4 @@
-//! The field as the user describes it.
+//! The field as a scenario describes it.
 
 use std::path::PathBuf;
 
@@ -8,13 +8,13 @@ use serde::{Deserialize, Serialize};
 use super::{GivenField, Shape};
 use crate::geometry::FieldFrame;
 
-/// Most cells along a side of a field, generated or given.
+/// The most cells along a side of a field, generated or given.
 pub const MAX_CELLS_A_SIDE: u16 = 1000;
 
-/// Largest share of a field's cells that pieces may be asked to cover.
+/// The largest share of a field's cells that pieces may be asked to cover.
 pub const MAX_COVERAGE: f64 = 0.40;
 
-/// Share of a piece that rounding in `coverage * cells / 4` may hide.
+/// The share of a piece by which rounding may lower `coverage * cells / 4`.
 const ROUNDING_PIECES: f64 = 1e-9;
 
 /// The field: generated tetrominoes, or a given map.
@@ -35,7 +35,7 @@ pub struct Field {
     pub start_clearance_m: f64,
     /// A given field instead of a generated one: text of `.`/`#` or 0/1, first line north; or JSON with `cells_cr`.
     pub map: Option<PathBuf>,
-    /// What the file at `map` says. Loading fills it in, so that a resolved scenario is complete without the file.
+    /// The content of the file at `map`. Loading fills it in, so that a resolved scenario is complete without the file.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(skip)]
     pub given: Option<GivenField>,
@@ -57,7 +57,7 @@ impl Default for Field {
     }
 }
 
-/// What happens where a new piece would cover an old one.
+/// Says what happens where a new piece would cover an old one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Overlaps {
@@ -68,7 +68,7 @@ pub enum Overlaps {
 }
 
 impl Field {
-    /// How the field's cells lie in the world: those of the map, or a square of whole cells.
+    /// Returns the frame of the field's cells in the world: that of the map, or a square of whole cells.
     pub fn frame(&self) -> FieldFrame {
         if let Some(given) = &self.given {
             return given.frame;
@@ -77,7 +77,7 @@ impl Field {
         FieldFrame { cols: side, rows: side, cell_m: self.cell_m }
     }
 
-    /// Pieces that a generated field gets: `pieces`, or the most whose cells do not exceed `coverage`.
+    /// Counts the pieces that a generated field gets: `pieces`, or the most whose cells do not exceed `coverage`.
     pub fn wanted_pieces(&self) -> u32 {
         self.pieces.unwrap_or_else(|| {
             let cells = self.frame().cell_count() as f64;

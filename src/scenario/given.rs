@@ -1,4 +1,4 @@
-//! Fields that the user draws: maps as text or as JSON.
+//! Given fields: maps as text or as JSON.
 //!
 //! A text map has a line per row, first line north, `.` or `0` for a free cell and `#` or `1` for a bush. A JSON map
 //! lists its bushes as `cells_cr`, pairs of column and row from the south-west corner, with `n` cells along a side (or
@@ -14,30 +14,30 @@ use thiserror::Error;
 use super::field::MAX_CELLS_A_SIDE;
 use super::json_place::{character_at, offset};
 use super::path::FieldPath;
-use super::wording::fault_of;
+use super::wording::fault_from_message;
 use crate::geometry::FieldFrame;
 use crate::grid::Grid;
 use crate::input_file::list_of_at_most;
 
-/// Where the bushes of a given field stand.
+/// A field that a map gives.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Drawing", into = "Drawing")]
+#[serde(try_from = "MapRows", into = "MapRows")]
 pub struct GivenField {
     pub frame: FieldFrame,
     /// A value per cell, row 0 at the south edge.
     pub occupied: Grid<bool>,
 }
 
-/// A given field as a resolved scenario spells it: rows of `.` and `#`, first row north.
+/// A given field as a resolved scenario writes it: rows of `.` and `#`, first row north.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Drawing {
+struct MapRows {
     cell_m: f64,
     #[serde(deserialize_with = "list_of_at_most::<2_000, _, _>")]
     rows: Vec<String>,
 }
 
-/// What is wrong with a map.
+/// A fault of a map.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum MapFault {
     #[error("the map is empty: a line of `.` and `#` for each row of cells is expected")]
@@ -56,7 +56,7 @@ pub enum MapFault {
     CellSize { found: f64 },
 }
 
-/// A fault, and the bytes of the map that show it.
+/// A fault, and the bytes of the map at which it is.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error("{fault}")]
 pub struct MapError {
@@ -74,35 +74,35 @@ impl GivenField {
     /// Reads a map; a text map's cells have the side `cell_m`, a JSON map's may say their own.
     ///
     /// # Errors
-    /// If the map is empty, ragged, too large, or not in one of the two forms; with the place.
+    /// Fails if the map is empty, ragged, too large, or not in one of the two forms; with the place.
     pub fn parse(text: &str, cell_m: f64) -> Result<Self, MapError> {
-        if text.trim_start().starts_with('{') { parse_json(text, cell_m) } else { parse_drawing(text, cell_m) }
+        if text.trim_start().starts_with('{') { parse_json(text, cell_m) } else { parse_rows(text, cell_m) }
     }
 
-    /// Share of the cells that are bushes.
+    /// Computes the share of the cells that are bushes.
     pub fn coverage(&self) -> f64 {
         let bushes = self.occupied.values().iter().filter(|&&occupied| occupied).count();
         bushes as f64 / self.frame.cell_count() as f64
     }
 }
 
-impl TryFrom<Drawing> for GivenField {
+impl TryFrom<MapRows> for GivenField {
     type Error = MapError;
 
-    fn try_from(drawing: Drawing) -> Result<Self, MapError> {
-        parse_drawing(&drawing.rows.join("\n"), drawing.cell_m)
+    fn try_from(map: MapRows) -> Result<Self, MapError> {
+        parse_rows(&map.rows.join("\n"), map.cell_m)
     }
 }
 
-impl From<GivenField> for Drawing {
+impl From<GivenField> for MapRows {
     fn from(field: GivenField) -> Self {
-        let spell = |row: &[bool]| row.iter().map(|&occupied| if occupied { '#' } else { '.' }).collect();
-        let rows = (0..field.occupied.rows()).rev().map(|row| spell(field.occupied.row(row))).collect();
+        let write_row = |row: &[bool]| row.iter().map(|&occupied| if occupied { '#' } else { '.' }).collect();
+        let rows = (0..field.occupied.rows()).rev().map(|row| write_row(field.occupied.row(row))).collect();
         Self { cell_m: field.frame.cell_m, rows }
     }
 }
 
-fn parse_drawing(text: &str, cell_m: f64) -> Result<GivenField, MapError> {
+fn parse_rows(text: &str, cell_m: f64) -> Result<GivenField, MapError> {
     let body = text.trim_end();
     let mut cells: Vec<Vec<bool>> = Vec::new();
     let mut start = 0;
@@ -124,7 +124,7 @@ fn parse_drawing(text: &str, cell_m: f64) -> Result<GivenField, MapError> {
     }
     let (rows, cols) = (cells.len(), cells[0].len());
     let occupied = Grid::from_values(rows, cols, cells.into_iter().rev().flatten().collect());
-    let frame = frame_of(cols, rows, cell_m).map_err(|fault| fault.at(0..0))?;
+    let frame = frame_from(cols, rows, cell_m).map_err(|fault| fault.at(0..0))?;
     Ok(GivenField { frame, occupied })
 }
 
@@ -137,7 +137,7 @@ fn parse_row(line: &str, start: usize) -> Result<Vec<bool>, MapError> {
     line.trim_end().char_indices().map(cell).collect()
 }
 
-fn frame_of(cols: usize, rows: usize, cell_m: f64) -> Result<FieldFrame, MapFault> {
+fn frame_from(cols: usize, rows: usize, cell_m: f64) -> Result<FieldFrame, MapFault> {
     let side = |cells| u16::try_from(cells).ok().filter(|&side| side <= MAX_CELLS_A_SIDE).ok_or(MapFault::TooLarge);
     if !(cell_m > 0.0 && cell_m.is_finite()) {
         return Err(MapFault::CellSize { found: cell_m });
@@ -147,13 +147,13 @@ fn frame_of(cols: usize, rows: usize, cell_m: f64) -> Result<FieldFrame, MapFaul
 
 /// The members of a JSON map that say how large it is.
 #[derive(Deserialize)]
-struct Measures {
+struct SizeMembers {
     n: Option<u32>,
     size_m: Option<f64>,
     cell_m: Option<f64>,
 }
 
-impl Measures {
+impl SizeMembers {
     fn frame(&self, cell_m: f64) -> Result<FieldFrame, MapFault> {
         let cell_m = self.cell_m.unwrap_or(cell_m);
         let side = match (self.n, self.size_m) {
@@ -165,14 +165,14 @@ impl Measures {
         if !(side >= 1.0 && side.fract() == 0.0) {
             return Err(MapFault::NoSize);
         }
-        frame_of(side as usize, side as usize, cell_m)
+        frame_from(side as usize, side as usize, cell_m)
     }
 }
 
 fn parse_json(text: &str, cell_m: f64) -> Result<GivenField, MapError> {
     let mut json = serde_json::Deserializer::from_str(text);
-    let measures: Measures = serde_path_to_error::deserialize(&mut json)
-        .map_err(|error| json_fault(text, error.inner(), FieldPath::of_serde(error.path())))?;
+    let measures: SizeMembers = serde_path_to_error::deserialize(&mut json)
+        .map_err(|error| json_fault(text, error.inner(), FieldPath::from_serde(error.path())))?;
     let located = |error: serde_json::Error| json_fault(text, &error, FieldPath::default());
     json.end().map_err(located)?;
     let frame = measures.frame(cell_m).map_err(|fault| fault.at(0..0))?;
@@ -181,17 +181,17 @@ fn parse_json(text: &str, cell_m: f64) -> Result<GivenField, MapError> {
     Ok(GivenField { frame, occupied })
 }
 
-/// What the reader of JSON reports; of a member with a name in the words of all other values.
+/// Turns an error of the JSON reader into a fault; one about a member uses the words of all other values.
 fn json_fault(text: &str, error: &serde_json::Error, path: FieldPath) -> MapError {
     let at = offset(text, error.line(), error.column());
     let message = error.to_string();
     let sentence = message.rsplit_once(" at line ").map_or(message.as_str(), |(sentence, _)| sentence);
     let is_of_a_member = error.is_data() && path != FieldPath::default();
-    let message = if is_of_a_member { fault_of(sentence, path).0.to_string() } else { sentence.to_owned() };
+    let message = if is_of_a_member { fault_from_message(sentence, path).0.to_string() } else { sentence.to_owned() };
     MapFault::Json { message }.at(character_at(text, at))
 }
 
-/// Reads the bushes of a JSON map whose size is known, so that a cell outside is reported where it stands.
+/// Reads the bushes of a JSON map whose size is known, so that a cell outside is reported at its place in the text.
 struct Bushes(FieldFrame);
 
 impl<'de> DeserializeSeed<'de> for Bushes {
@@ -292,7 +292,7 @@ mod tests {
     }
 
     #[test]
-    fn faults_in_drawings_are_placed() {
+    fn faults_in_text_maps_are_located() {
         assert_eq!(fault(""), (MapFault::Empty, 0));
         assert_eq!(fault("\n \n"), (MapFault::Empty, 0));
         assert_eq!(fault("..#\n..\n..."), (MapFault::Ragged { found: 2, expected: 3 }, 4));
@@ -305,7 +305,7 @@ mod tests {
     }
 
     #[test]
-    fn faults_in_json_are_placed() {
+    fn faults_in_json_are_located() {
         let (found, at) = fault("{\"n\": 3,\n \"cells_cr\": [[0, 0],\n [3, 1]]}");
         assert!(matches!(&found, MapFault::Json { message } if message.contains("[3, 1] lies outside")), "{found}");
         assert!((31..=38).contains(&at), "the third line is bytes 31 to 39, not {at}");

@@ -1,4 +1,4 @@
-//! Places in a JSON text: of values, and of what its reader complains about.
+//! Locations in a JSON text: of values, and of errors of its reader.
 
 use std::fmt;
 use std::ops::Range;
@@ -6,9 +6,9 @@ use std::ops::Range;
 use serde::Deserializer;
 use serde::de::{DeserializeSeed, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
-use super::path::{FieldPath, Step};
+use super::path::{FieldPath, PathStep};
 
-/// The first character of the value that a path leads to, or of the last value on the way to it that exists.
+/// Finds the first character of the value that a path leads to, or of the last value on the way that exists.
 pub fn locate(text: &str, path: &FieldPath) -> Range<usize> {
     let mut json = serde_json::Deserializer::from_str(text);
     let Err(halt) = Walk(&path.0).deserialize(&mut json) else { return 0..0 };
@@ -19,7 +19,7 @@ pub fn locate(text: &str, path: &FieldPath) -> Range<usize> {
     character_at(text, at)
 }
 
-/// Byte offset of a line and column, both from 1, columns in bytes as `serde_json` counts them.
+/// Converts a line and a column to a byte offset; both count from 1, columns in bytes as `serde_json` has them.
 pub fn offset(text: &str, line: usize, column: usize) -> usize {
     let line_start: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
     let mut at = (line_start + column.saturating_sub(1)).min(text.len());
@@ -29,13 +29,13 @@ pub fn offset(text: &str, line: usize, column: usize) -> usize {
     at
 }
 
-/// The character that begins at this byte; nothing at the end.
+/// Returns the span of the character that begins at this byte; it is empty at the end.
 pub fn character_at(text: &str, at: usize) -> Range<usize> {
     at..at + text[at..].chars().next().map_or(0, char::len_utf8)
 }
 
-/// Steps still to be taken; the walk halts at its end by an error, which is what carries the place.
-struct Walk<'p>(&'p [Step]);
+/// The steps still to be taken. The walk halts at its end by an error, since only errors carry line and column.
+struct Walk<'p>(&'p [PathStep]);
 
 impl<'de> DeserializeSeed<'de> for Walk<'_> {
     type Value = ();
@@ -55,7 +55,7 @@ impl<'de> Visitor<'de> for Walk<'_> {
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
         while let Some(key) = map.next_key::<String>()? {
             match self.0.split_first() {
-                Some((Step::Key(name), rest)) if *name == key => return map.next_value_seed(Walk(rest)),
+                Some((PathStep::Key(name), rest)) if *name == key => return map.next_value_seed(Walk(rest)),
                 _ => map.next_value::<IgnoredAny>()?,
             };
         }
@@ -63,7 +63,7 @@ impl<'de> Visitor<'de> for Walk<'_> {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<(), A::Error> {
-        let Some((Step::Index(index), rest)) = self.0.split_first() else {
+        let Some((PathStep::Index(index), rest)) = self.0.split_first() else {
             return Err(A::Error::custom("no list was expected"));
         };
         for _ in 0..*index {

@@ -1,17 +1,17 @@
-//! From a name or a path to a scenario that is complete and checked.
+//! Loading: from a name or a path to a scenario that is complete and checked.
 
 use toml::{Table, Value};
 
 use super::change::Change;
-use super::error::{Fault, Place, ScenarioError};
-use super::path::{FieldPath, Found, Step};
+use super::error::{Fault, ScenarioError, SourceLocation};
+use super::path::{FieldPath, FoundSpan, PathStep};
 use super::source::{MAX_MAP_BYTES, ScenarioText, first_too_deep, read_text, too_deep_message};
 use super::{GivenField, Scenario, check, wording};
 
 /// Options of `[field]` that say how to generate one, and so contradict a map.
 const GENERATED_ONLY: [&str; 6] = ["size_m", "coverage", "pieces", "shapes", "overlaps", "start_clearance_m"];
 
-/// A scenario, with what its author wrote and what are defaults.
+/// A scenario, with what its author wrote, so that defaults can be told apart.
 #[derive(Clone, Debug)]
 pub struct LoadedScenario {
     pub scenario: Scenario,
@@ -26,26 +26,26 @@ impl LoadedScenario {
     /// a change contradicts the file (`field.pieces` against its `coverage`), the change holds.
     ///
     /// # Errors
-    /// The first fault found, with its place in the file, in the map, or in the change.
+    /// Returns the first fault found, with its location in the file, in the map, or in the change.
     pub fn open(source: &str, changes: &[String]) -> Result<Self, Box<ScenarioError>> {
         Self::from_text(&ScenarioText::open(source)?, changes)
     }
 
-    /// Does the same with a text that was read before.
+    /// Does the same with a text that has been read before.
     ///
     /// # Errors
-    /// Those of [`Self::open`].
+    /// Fails as [`Self::open`] does.
     pub fn from_text(source: &ScenarioText, changes: &[String]) -> Result<Self, Box<ScenarioError>> {
         let mut written = parse(source)?;
         let changes = changes.iter().map(|option| Change::make(option, &mut written)).collect::<Result<Vec<_>, _>>()?;
         written.iter_mut().for_each(|(_, value)| drop_sign_of_zero(value));
-        let text = Text { source, changes };
+        let text = WrittenScenario { source, changes };
         text.drop_overruled(&mut written);
         let scenario = text.resolve(&written)?;
         Ok(Self { scenario, written })
     }
 
-    /// Every value of the scenario with its path, defaults included.
+    /// Lists every value of the scenario with its path, defaults included.
     ///
     /// With a map, what only a generated field has is left out.
     pub fn values(&self) -> Vec<(String, String)> {
@@ -56,82 +56,83 @@ impl LoadedScenario {
         leaves(Value::Table(table), &FieldPath::default())
     }
 
-    /// Whether the file or a change gives this value, written as in `unimog.0.prm.samples`.
+    /// Says whether the file or a change gives the value at this path, such as `unimog.0.prm.samples`.
     pub fn is_given(&self, dotted: &str) -> bool {
         FieldPath::parse(dotted).leads_to(&self.written)
     }
 }
 
-/// The values of a table with their paths, in the order of the paths; a list is one value unless it holds tables.
+/// Lists the values of a table with their paths, in the order of the paths; a list is one value unless it holds tables.
 fn leaves(value: Value, path: &FieldPath) -> Vec<(String, String)> {
     match value {
         Value::Table(table) => {
-            table.into_iter().flat_map(|(key, inner)| leaves(inner, &path.join(Step::Key(key)))).collect()
+            table.into_iter().flat_map(|(key, inner)| leaves(inner, &path.join(PathStep::Key(key)))).collect()
         }
         Value::Array(list) if list.iter().any(Value::is_table) => list
             .into_iter()
             .enumerate()
-            .flat_map(|(index, inner)| leaves(inner, &path.join(Step::Index(index))))
+            .flat_map(|(index, inner)| leaves(inner, &path.join(PathStep::Index(index))))
             .collect(),
         plain => vec![(path.to_string(), plain.to_string())],
     }
 }
 
-/// The scenario of this name or path, with changes made to it; see [`LoadedScenario::open`].
+/// Loads the scenario of this name or path, with changes made to it; see [`LoadedScenario::open`].
 ///
 /// # Errors
-/// As [`LoadedScenario::open`].
+/// Fails as [`LoadedScenario::open`] does.
 pub fn load(source: &str, changes: &[String]) -> Result<Scenario, Box<ScenarioError>> {
     LoadedScenario::open(source, changes).map(|loaded| loaded.scenario)
 }
 
 fn parse(source: &ScenarioText) -> Result<Table, Box<ScenarioError>> {
     if let Some(at) = first_too_deep(&source.text) {
-        let place = Place::new(&source.name, &source.text, at..at + 1);
+        let place = SourceLocation::new(&source.name, &source.text, at..at + 1);
         return Err(Fault::Syntax { message: too_deep_message() }.at(place));
     }
     toml::from_str(&source.text).map_err(|error| {
-        let place = Place::new(&source.name, &source.text, error.span().unwrap_or(0..0));
+        let place = SourceLocation::new(&source.name, &source.text, error.span().unwrap_or(0..0));
         Fault::Syntax { message: error.message().to_owned() }.at(place)
     })
 }
 
-/// Which part of `key = value` is at fault.
+/// The part of `key = value` that is at fault.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Side {
+pub(super) enum KeyOrValue {
     Key,
     Value,
 }
 
-/// Everything that a value can have been written in.
-struct Text<'a> {
+/// A scenario as it was written: in its file, and in changes of the command line.
+struct WrittenScenario<'a> {
     source: &'a ScenarioText,
     changes: Vec<Change>,
 }
 
-impl Text<'_> {
+impl WrittenScenario<'_> {
     fn resolve(&self, written: &Table) -> Result<Scenario, Box<ScenarioError>> {
         self.refuse_hidden_and_infinite(written)?;
         let mut scenario: Scenario =
             serde_path_to_error::deserialize(Value::Table(written.clone())).map_err(|error| {
-                let path = FieldPath::of_serde(error.path());
-                let (fault, path, side) = wording::fault_of(error.inner().message(), path);
-                fault.at(self.place(&path, side))
+                let path = FieldPath::from_serde(error.path());
+                let (fault, path, side) = wording::fault_from_message(error.inner().message(), path);
+                fault.at(self.location(&path, side))
             })?;
         if scenario.name.is_empty() {
             scenario.name.clone_from(&self.source.stem);
         }
         self.refuse_conflicts(written)?;
         self.load_map(&mut scenario)?;
-        check::check(&scenario).map_err(|refusal| refusal.fault().at(self.place(&refusal.path, Side::Value)))?;
+        check::check(&scenario)
+            .map_err(|refusal| refusal.fault().at(self.location(&refusal.path, KeyOrValue::Value)))?;
         Ok(scenario)
     }
 
-    /// Takes out of the table what the file says and a change replaces by other means.
+    /// Removes from the table the values of the file that a change of another value replaces.
     fn drop_overruled(&self, written: &mut Table) {
         let Some(field) = written.get_mut("field").and_then(Value::as_table_mut) else { return };
         let changed = |name: &str| {
-            let path = FieldPath::parse("field").join(Step::key(name));
+            let path = FieldPath::parse("field").join(PathStep::key(name));
             self.changes.iter().any(|change| change.set.iter().any(|set| path.starts_with(set)))
         };
         let overruled = |name: &str| match name {
@@ -142,26 +143,26 @@ impl Text<'_> {
         field.retain(|name, _| changed(name) || !overruled(name));
     }
 
-    /// The fields that loading fills in are none of the user's, and no number may be infinite or NaN.
+    /// Refuses fields that only loading may fill in, and numbers that are infinite or NaN.
     fn refuse_hidden_and_infinite(&self, written: &Table) -> Result<(), Box<ScenarioError>> {
         if let Some((path, found)) = first_infinite(written) {
             let (field, expected) = (path.to_string(), "a finite number".to_owned());
-            return Err(Fault::Value { field, found, expected }.at(self.place(&path, Side::Value)));
+            return Err(Fault::Value { field, found, expected }.at(self.location(&path, KeyOrValue::Value)));
         }
         let given = FieldPath::parse("field.given");
         if given.leads_to(written) {
             let fault = wording::unknown_field("given", &FieldPath::parse("field"), Vec::new());
-            return Err(fault.at(self.place(&given, Side::Key)));
+            return Err(fault.at(self.location(&given, KeyOrValue::Key)));
         }
         Ok(())
     }
 
     fn refuse_conflicts(&self, written: &Table) -> Result<(), Box<ScenarioError>> {
         let field = FieldPath::parse("field");
-        let given = |name: &str| field.join(Step::key(name)).leads_to(written);
+        let given = |name: &str| field.join(PathStep::key(name)).leads_to(written);
         let conflict = |one: &str, other: &str, reason| {
             let fault = Fault::Conflict { one: format!("field.{one}"), other: format!("field.{other}"), reason };
-            Err(fault.at(self.place(&field.join(Step::key(one)), Side::Key)))
+            Err(fault.at(self.location(&field.join(PathStep::key(one)), KeyOrValue::Key)))
         };
         if given("pieces") && given("coverage") {
             return conflict("pieces", "coverage", "each says how many bushes there are");
@@ -177,10 +178,11 @@ impl Text<'_> {
         let path = FieldPath::parse("field.map");
         let changed = self.changes.iter().any(|change| change.set.contains(&path));
         let file = if changed { map.clone() } else { self.source.folder.join(map) };
-        let text = read_text(&file, MAX_MAP_BYTES).map_err(|fault| fault.at(self.place(&path, Side::Value)))?;
+        let text =
+            read_text(&file, MAX_MAP_BYTES).map_err(|fault| fault.at(self.location(&path, KeyOrValue::Value)))?;
         let field = &mut scenario.field;
         let given = GivenField::parse(&text, field.cell_m).map_err(|error| {
-            let place = Place::new(&file.display().to_string(), &text, error.span.clone());
+            let place = SourceLocation::new(&file.display().to_string(), &text, error.span.clone());
             Fault::from(error.fault).at(place)
         })?;
         field.cell_m = given.frame.cell_m;
@@ -190,22 +192,22 @@ impl Text<'_> {
         Ok(())
     }
 
-    /// Where a value was written last: in a change, to it or to a part of it, or in the file.
-    fn place(&self, path: &FieldPath, side: Side) -> Place {
+    /// Returns the location where a value was written last: in a change of it or of a part of it, or in the file.
+    fn location(&self, path: &FieldPath, side: KeyOrValue) -> SourceLocation {
         let related = |set: &&FieldPath| path.starts_with(set) || set.starts_with(path);
         for change in self.changes.iter().rev() {
             if let Some(set) = change.set.iter().find(related) {
                 // A fault in a key, or in what the change only adds to, is a fault of its path.
-                let in_value = side == Side::Value && path.starts_with(set) || path.0.len() > set.0.len();
-                return if in_value { change.value_place() } else { change.path_place() };
+                let in_value = side == KeyOrValue::Value && path.starts_with(set) || path.0.len() > set.0.len();
+                return if in_value { change.value_location() } else { change.path_location() };
             }
         }
         let span = match path.locate(&self.source.text) {
-            Found::Whole { key, .. } if side == Side::Key => key,
-            Found::Whole { value, .. } => value,
-            Found::Part(span) => span,
+            FoundSpan::Whole { key, .. } if side == KeyOrValue::Key => key,
+            FoundSpan::Whole { value, .. } => value,
+            FoundSpan::Part(span) => span,
         };
-        Place::new(&self.source.name, &self.source.text, span)
+        SourceLocation::new(&self.source.name, &self.source.text, span)
     }
 }
 
@@ -219,19 +221,19 @@ fn drop_sign_of_zero(value: &mut Value) {
     }
 }
 
-/// A number that is infinite or NaN, which TOML can write and no field can mean.
+/// Finds a number that is infinite or NaN, which TOML can write and no field can mean.
 fn first_infinite(table: &Table) -> Option<(FieldPath, String)> {
     fn within(value: &Value, path: FieldPath) -> Option<(FieldPath, String)> {
         match value {
             Value::Float(number) if !number.is_finite() => Some((path, number.to_string())),
             Value::Array(list) => {
-                list.iter().enumerate().find_map(|(index, inner)| within(inner, path.join(Step::Index(index))))
+                list.iter().enumerate().find_map(|(index, inner)| within(inner, path.join(PathStep::Index(index))))
             }
             Value::Table(table) => {
-                table.iter().find_map(|(key, inner)| within(inner, path.join(Step::Key(key.clone()))))
+                table.iter().find_map(|(key, inner)| within(inner, path.join(PathStep::Key(key.clone()))))
             }
             _ => None,
         }
     }
-    table.iter().find_map(|(key, value)| within(value, FieldPath(vec![Step::Key(key.clone())])))
+    table.iter().find_map(|(key, value)| within(value, FieldPath(vec![PathStep::Key(key.clone())])))
 }

@@ -1,4 +1,4 @@
-//! The memory that a run takes, from its scenario alone, and the memory that it may take.
+//! The memory that a run takes, estimated from its scenario alone, and the memory that it may take.
 //!
 //! What a run needs in any case is added up before anything is allocated: [`MemoryEstimate`]. The bound of each part is
 //! beside the code that takes the memory. Searches, floods, curves and the timeline grow as the run goes on, in most
@@ -19,10 +19,10 @@ use crate::planning::reachability::Reachability;
 use crate::planning::walk::{WalkLattice, WalkPlanner};
 use crate::planning::{count_convex_corners, truck_planner_memory};
 
-/// Bytes that the program takes before it runs anything, and bytes of what is small in every run.
+/// Bytes that the program takes before it runs anything, and that small things take in every run.
 const PROGRAM_BYTES: u64 = 24_000_000;
 
-/// Corners of a tetromino that stick out, at most.
+/// The most convex corners of a tetromino.
 const CORNERS_OF_A_PIECE: u64 = 6;
 
 /// The limit of the memory that a run may take.
@@ -74,7 +74,7 @@ impl FromStr for MemoryLimit {
     }
 }
 
-/// Writes bytes as people read them: three digits and a unit.
+/// Writes a number of bytes for people: three digits and a unit.
 pub fn bytes_text(bytes: u64) -> String {
     let (divisor, unit) = match bytes {
         0..1_000 => return format!("{bytes} B"),
@@ -90,15 +90,15 @@ pub fn bytes_text(bytes: u64) -> String {
     format!("{short} {unit}")
 }
 
-/// A part of what a run needs.
+/// One part of the memory that a run needs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MemoryPart {
-    /// The name as it reads after "for": "the field".
+    /// The name in the form that goes after "for": "the field".
     pub name: String,
     pub bytes: u64,
 }
 
-/// The most memory that a run takes.
+/// An upper bound of the memory that a run takes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MemoryEstimate {
     /// The memory that it needs in any case.
@@ -109,7 +109,7 @@ pub struct MemoryEstimate {
     pub grows: u64,
 }
 
-/// The reason why a run does not take place, or ends early.
+/// The reason why a run does not take place or ends early: memory.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum MemoryExceeded {
     #[error(
@@ -139,13 +139,13 @@ impl MemoryEstimate {
                 (4 * pieces, CORNERS_OF_A_PIECE * pieces)
             }
         };
-        let field = Ground { frame, bushes, corners };
+        let field = FieldMeasures { frame, bushes, corners };
         let [terrain, laying] = field.terrain();
         let fires = Vegetation::most_bytes(&frame, bushes, scenario.fire.spread_radius_m);
         let wumpuses = scenario.wumpus.iter().map(|wumpus| field.wumpus(wumpus, scenario.duration_s)).sum();
         let trucks: Vec<_> = scenario.unimog.iter().map(|truck| (truck.planner, field.planner(truck))).collect();
         let reachability = trucks.len() as u64 * Reachability::most_bytes(&frame);
-        let mut estimate = Self::of_trucks(&trucks, laying);
+        let mut estimate = Self::from_trucks(&trucks, laying);
         estimate.grows += reachability;
         let Self { parts, .. } = &mut estimate;
         let own = [part("the program", PROGRAM_BYTES), part("the field and its fires", terrain + fires)];
@@ -154,16 +154,16 @@ impl MemoryEstimate {
     }
 
     /// Adds up what planning the drives of a problem takes, by these planners one after the other.
-    pub fn for_problem(problem: &Problem, planners: &[TruckPlannerKind]) -> Self {
+    pub fn from_problem(problem: &Problem, planners: &[TruckPlannerKind]) -> Self {
         let terrain = &problem.terrain;
         let (bushes, corners) = (terrain.bushes.len() as u64, count_convex_corners(&terrain.occupied));
-        let field = Ground { frame: terrain.frame, bushes, corners };
+        let field = FieldMeasures { frame: terrain.frame, bushes, corners };
         let [held, laying] = field.terrain();
         let of_planner = |&planner: &TruckPlannerKind| {
             let truck = Unimog { planner, ..problem.truck.clone() };
-            Self::of_trucks(&[(planner, field.planner(&truck))], laying)
+            Self::from_trucks(&[(planner, field.planner(&truck))], laying)
         };
-        let nobody = || Self::of_trucks(&[], laying);
+        let nobody = || Self::from_trucks(&[], laying);
         let mut estimate = planners.iter().map(of_planner).max_by_key(Self::needed).unwrap_or_else(nobody);
         estimate.parts.splice(0..0, [part("the program", PROGRAM_BYTES), part("the field", held)]);
         estimate
@@ -171,7 +171,7 @@ impl MemoryEstimate {
 
     /// Adds up what trucks take, those of one planner together. `laying` is what is taken for a while before they are
     /// made.
-    fn of_trucks(trucks: &[(TruckPlannerKind, PlannerMemory)], laying: u64) -> Self {
+    fn from_trucks(trucks: &[(TruckPlannerKind, PlannerMemory)], laying: u64) -> Self {
         let mut parts = Vec::new();
         for kind in TruckPlannerKind::ALL {
             let own = || trucks.iter().filter(|(planner, _)| *planner == kind).map(|(_, memory)| memory);
@@ -190,15 +190,15 @@ impl MemoryEstimate {
         Self { parts, counted: of_all(|memory| memory.floods).sum(), grows: of_all(|memory| memory.grows).sum() }
     }
 
-    /// Bytes that the run needs in any case, at most.
+    /// Adds up the bytes that the run needs in any case, at most.
     pub fn needed(&self) -> u64 {
         self.parts.iter().map(|part| part.bytes).sum()
     }
 
-    /// A meter for what grows, which allows what is left of the limit.
+    /// Creates a meter for what grows, which allows what is left of the limit.
     ///
     /// # Errors
-    /// If not even what the run needs in any case is within the limit.
+    /// Fails if not even what the run needs in any case is within the limit.
     pub fn meter(&self, limit: MemoryLimit) -> Result<MemoryMeter, MemoryExceeded> {
         let needed = self.needed();
         if needed <= limit.bytes {
@@ -220,15 +220,15 @@ fn part(name: impl Into<String>, bytes: u64) -> MemoryPart {
 }
 
 /// The measures of a field that memory depends on.
-struct Ground {
+struct FieldMeasures {
     frame: FieldFrame,
     bushes: u64,
-    /// Corners of bushes that stick out.
+    /// Convex corners of bushes.
     corners: u64,
 }
 
-impl Ground {
-    /// Bytes of bushes and clearance, and bytes on top of that while they are laid and worked out.
+impl FieldMeasures {
+    /// Returns the bytes of bushes and clearance, and the bytes on top of that while they are computed.
     fn terrain(&self) -> [u64; 2] {
         let [clearance, working_out] = ClearanceField::bytes(&self.frame);
         let cells = self.frame.cell_count() as u64;
@@ -291,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn bytes_are_said_in_three_digits() {
+    fn bytes_are_written_with_three_digits() {
         for (bytes, text) in [
             (0, "0 B"),
             (999, "999 B"),

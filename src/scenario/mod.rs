@@ -1,8 +1,9 @@
-//! What the user writes: field, fire, agents, score; with defaults, checks and terrain generation.
+//! Scenarios, which users write: field, fire, agents, score; with defaults, checks and terrain generation.
 //!
 //! [`load`] turns a name or a path into a [`Scenario`] that is complete and checked: it reads the TOML text, makes the
 //! changes of the command line, fills in the defaults, reads the map if the field is given, and refuses what cannot be
-//! with the place that shows it. [`Terrain::of`] gives the field of a run, [`explain`] puts a scenario into sentences.
+//! simulated, with the place of the fault. [`Terrain::from_scenario`] gives the field of a run, [`explain`] puts a scenario
+//! into sentences.
 //!
 //! Every default is the value of the built-in scenario `contest`. Lengths are metres, times seconds, in the world
 //! frame of [`crate::geometry`]. The format is described in `scenarios/README.md`.
@@ -33,7 +34,7 @@ pub use agents::{
     Escape, Limits, Retarget, StartPose, StepCost, StepTime, TruckGoal, Unimog, Wumpus, WumpusGoal, WumpusHeuristic,
     WumpusPlanner, WumpusPotential,
 };
-pub use error::{Fault, Place, ScenarioError, nearest_name};
+pub use error::{Fault, ScenarioError, SourceLocation, nearest_name};
 pub use explain::explain;
 pub use field::{Field, MAX_CELLS_A_SIDE, MAX_COVERAGE, Overlaps};
 pub use given::{GivenField, MapError, MapFault};
@@ -57,14 +58,14 @@ pub use crate::planning::{
     RoadmapGoal, RoadmapSearch, SafetyForm, SafetyMap, SafetySettings, TruckPlannerKind,
 };
 
-/// The JSON Schema of scenario files.
+/// Builds the JSON Schema of scenario files.
 pub fn schema() -> schemars::Schema {
     schemars::schema_for!(Scenario)
 }
 
 /// A contest: where, under which rules, between whom, for how long.
 ///
-/// Lists have lower limits than those that they are read with, which keep what is no scenario from filling the memory.
+/// The limits on lists here only keep other files from filling the memory; [`Self::check`] sets lower ones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scenario {
@@ -89,15 +90,15 @@ pub struct Scenario {
 }
 
 impl Scenario {
-    /// Checks what [`load`] checks, of a scenario that comes from elsewhere.
+    /// Checks a scenario that does not come from [`load`] as that would.
     ///
     /// # Errors
-    /// The first value that is refused.
+    /// Returns the first value that is refused.
     pub fn check(&self) -> Result<(), Fault> {
         check::check(self).map_err(|refusal| refusal.fault())
     }
 
-    /// Body centres of all agents at their starts, Wumpuses first.
+    /// Lists the body centres of all agents at their starts, Wumpuses first.
     pub fn start_centres(&self) -> impl Iterator<Item = DVec2> + '_ {
         self.wumpus.iter().map(Wumpus::start_centre).chain(self.unimog.iter().map(Unimog::start_centre))
     }

@@ -1,4 +1,4 @@
-//! A number that may be the word "none".
+//! Fields that hold a number or the word "none".
 
 use std::borrow::Cow;
 use std::fmt;
@@ -18,7 +18,7 @@ pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<
     deserializer.deserialize_any(NumberOrNone)
 }
 
-/// What such a field may hold.
+/// The type of such a field in the schema, and its visitor.
 pub struct NumberOrNone;
 
 impl JsonSchema for NumberOrNone {

@@ -1,4 +1,4 @@
-//! Problems for a truck's planner as files: a field, a truck on it, and where it shall go.
+//! Planning problems for a truck as files: a field, a truck on it, and its goals.
 //!
 //! A problem is a JSON map (see [`GivenField`]) with more members: `start` and `goals` as `[x, y, heading]` of the rear
 //! axle, in metres and radians, and the `vehicle`, in metres. Members of other names are ignored, so that other
@@ -12,10 +12,10 @@ use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer};
 use serde_json::error::Category;
 
-use super::check::{self, Check, Table};
-use super::error::{Fault, Place, ScenarioError};
+use super::check::{self, Check, TablePath};
+use super::error::{Fault, ScenarioError, SourceLocation};
 use super::json_place::{character_at, locate, offset};
-use super::path::{FieldPath, Step};
+use super::path::{FieldPath, PathStep};
 use super::source::{MAX_MAP_BYTES, read_text};
 use super::wording;
 use super::{Field, GivenField, Scenario, Terrain, TerrainError, Unimog};
@@ -24,43 +24,43 @@ use crate::input_file::list_of_at_most;
 use crate::planning::{Goal, GoalDisc};
 use crate::vehicle::Dimensions;
 
-/// Most goals of a problem.
+/// The most goals of a problem.
 pub const MAX_GOALS: usize = 10_000;
 
 /// The most goals, and numbers of one place, that are kept of a file before it is refused for having too many.
 const MOST_GOAL_MEMBERS: usize = 10 * MAX_GOALS;
 const MOST_NUMBERS: usize = 100;
 
-/// Coordinates, radii and angles that are read, up to this size.
+/// The largest coordinates, radii and angles that are read.
 const LARGEST: f64 = 1e6;
 
 /// Smallest and largest side of a cell, metres.
 const CELLS_M: [f64; 2] = [0.01, 1000.0];
 
-/// Least and greatest speed, m/s.
+/// Lowest and highest speed, m/s.
 const SPEEDS_MPS: [f64; 2] = [0.001, 1000.0];
 
-/// What the two ways to say where the front bumper is may differ by, metres.
+/// The tolerance between the two ways to state the place of the front bumper, metres.
 const ROUNDING_M: f64 = 1e-6;
 
-/// A field, a truck on it, and where it shall go.
+/// A planning problem: a field, a truck on it, and its goals.
 #[derive(Clone, Debug)]
 pub struct Problem {
     pub name: String,
     pub terrain: Terrain,
     /// Body, speeds and planner settings.
     pub truck: Unimog,
-    /// Like goals, it may be no free pose, nor a number: that is for planners to say.
+    /// Like a goal, it may be blocked or NaN: planners report that.
     pub start: Pose,
     pub goals: Vec<Goal>,
 }
 
 impl Problem {
-    /// Reads a file; what it does not say of the truck is as `truck` has it, limits of acceleration and settings of
-    /// planners always.
+    /// Reads a file. What it does not say about the truck is taken from `truck`; limits of acceleration and settings of
+    /// planners always are.
     ///
     /// # Errors
-    /// The first fault with its place: what is no such file, a cell outside the field, a vehicle that cannot be, more
+    /// Returns the first fault with its location: not such a file, a cell outside the field, an impossible vehicle, more
     /// than [`MAX_GOALS`] goals, a field that is too large for the planners' settings.
     pub fn open(path: &Path, truck: &Unimog) -> Result<Self, Box<ScenarioError>> {
         let text = read_text(path, MAX_MAP_BYTES).map_err(Fault::nowhere)?;
@@ -69,14 +69,14 @@ impl Problem {
         file.problem(stem, truck)
     }
 
-    /// The field of a scenario's run with this seed and its first truck at its start; no goals, and `None` if there is
-    /// no truck.
+    /// Takes the field of a scenario's run with this seed, and its first truck at its start; no goals. Returns `None` if
+    /// there is no truck.
     ///
     /// # Errors
-    /// As [`Terrain::of`].
-    pub fn of_scenario(scenario: &Scenario, seed: u64) -> Result<Option<Self>, TerrainError> {
+    /// Fails as [`Terrain::from_scenario`] does.
+    pub fn from_scenario(scenario: &Scenario, seed: u64) -> Result<Option<Self>, TerrainError> {
         let Some(truck) = scenario.unimog.first() else { return Ok(None) };
-        let terrain = Terrain::of(scenario, seed)?;
+        let terrain = Terrain::from_scenario(scenario, seed)?;
         let start = truck.start.pose();
         Ok(Some(Self { name: scenario.name.clone(), terrain, truck: truck.clone(), start, goals: Vec::new() }))
     }
@@ -86,7 +86,7 @@ impl Problem {
 #[derive(Deserialize)]
 struct Members {
     field: Option<Name>,
-    vehicle: Option<Vehicle>,
+    vehicle: Option<VehicleMembers>,
     #[serde(deserialize_with = "list_of_at_most::<MOST_NUMBERS, _, _>")]
     start: Vec<Option<f64>>,
     #[serde(default, deserialize_with = "list_of_at_most::<MOST_GOAL_MEMBERS, _, _>")]
@@ -120,7 +120,7 @@ impl<'de> Deserialize<'de> for Name {
 }
 
 #[derive(Deserialize)]
-struct Vehicle {
+struct VehicleMembers {
     length: f64,
     width: f64,
     wheelbase: f64,
@@ -130,7 +130,7 @@ struct Vehicle {
     v_max: Option<f64>,
 }
 
-/// A goal is one of the two.
+/// A goal as it is written: one of the two.
 #[derive(Deserialize)]
 struct GoalMembers {
     /// x, y, heading.
@@ -143,21 +143,21 @@ struct GoalMembers {
 #[serde(transparent)]
 struct Numbers(#[serde(deserialize_with = "list_of_at_most::<MOST_NUMBERS, _, _>")] Vec<Option<f64>>);
 
-type Read<T> = Result<T, Box<ScenarioError>>;
+type ReadResult<T> = Result<T, Box<ScenarioError>>;
 
-/// A file's name and text, to place what is wrong with it.
+/// A file's name and text, to locate what is wrong with it.
 struct ProblemFile<'a> {
     name: String,
     text: &'a str,
 }
 
 impl ProblemFile<'_> {
-    fn problem(&self, stem: String, truck: &Unimog) -> Read<Problem> {
+    fn problem(&self, stem: String, truck: &Unimog) -> ReadResult<Problem> {
         let members = self.members()?;
         let terrain = self.terrain()?;
         let mut truck = truck.clone();
         if let Some(vehicle) = &members.vehicle {
-            self.placed(check_vehicle(vehicle))?;
+            self.located(check_vehicle(vehicle))?;
             truck.vehicle = vehicle.body();
             (truck.speed_mps, truck.reverse_speed_mps) = match vehicle.v_max {
                 Some(speed_mps) => (speed_mps, speed_mps),
@@ -166,7 +166,7 @@ impl ProblemFile<'_> {
         }
         check::check_planners(&truck, &terrain.frame)
             .map_err(|refusal| refusal.fault().at(self.at(locate(self.text, &FieldPath::parse("cell_m")))))?;
-        let [x, y, heading] = self.three(&FieldPath::parse("start"), &members.start)?;
+        let [x, y, heading] = self.three_numbers(&FieldPath::parse("start"), &members.start)?;
         Ok(Problem {
             name: self.problem_name(members.field, stem)?,
             terrain,
@@ -176,7 +176,7 @@ impl ProblemFile<'_> {
         })
     }
 
-    fn members(&self) -> Read<Members> {
+    fn members(&self) -> ReadResult<Members> {
         // A list would be read as the members in their order.
         let start = self.text.len() - self.text.trim_start().len();
         if !self.text[start..].starts_with('{') {
@@ -185,7 +185,7 @@ impl ProblemFile<'_> {
         }
         let mut json = serde_json::Deserializer::from_str(self.text);
         let members = serde_path_to_error::deserialize(&mut json)
-            .map_err(|error| self.unreadable(error.inner(), FieldPath::of_serde(error.path())))?;
+            .map_err(|error| self.unreadable(error.inner(), FieldPath::from_serde(error.path())))?;
         // What follows the object would be passed over.
         json.end().map_err(|error| self.unreadable(&error, FieldPath::default()))?;
         Ok(members)
@@ -196,35 +196,35 @@ impl ProblemFile<'_> {
         let message = error.to_string();
         let message = message.rsplit_once(" at line ").map_or(message.as_str(), |(sentence, _)| sentence);
         let fault = match error.classify() {
-            Category::Data => wording::fault_of(message, path).0,
+            Category::Data => wording::fault_from_message(message, path).0,
             Category::Io | Category::Syntax | Category::Eof => Fault::NotJson { message: message.to_owned() },
         };
         fault.at(self.at(character_at(self.text, at)))
     }
 
-    fn terrain(&self) -> Read<Terrain> {
+    fn terrain(&self) -> ReadResult<Terrain> {
         let field = GivenField::parse(self.text, Field::default().cell_m)
             .map_err(|error| Fault::from(error.fault).at(self.at(error.span)))?;
-        self.placed(Table::named("").number("cell_m", field.frame.cell_m, CELLS_M[0]..=CELLS_M[1]))?;
+        self.located(TablePath::named("").number("cell_m", field.frame.cell_m, CELLS_M[0]..=CELLS_M[1]))?;
         Ok(Terrain::from_occupied(field.frame, field.occupied))
     }
 
-    fn goals(&self, goals: &[GoalMembers]) -> Read<Vec<Goal>> {
-        self.placed(Table::named("").count("goals", goals.len(), MAX_GOALS))?;
+    fn goals(&self, goals: &[GoalMembers]) -> ReadResult<Vec<Goal>> {
+        self.located(TablePath::named("").count("goals", goals.len(), MAX_GOALS))?;
         let list = FieldPath::parse("goals");
-        goals.iter().enumerate().map(|(number, goal)| self.goal(&list.join(Step::Index(number)), goal)).collect()
+        goals.iter().enumerate().map(|(number, goal)| self.goal(&list.join(PathStep::Index(number)), goal)).collect()
     }
 
-    fn goal(&self, path: &FieldPath, goal: &GoalMembers) -> Read<Goal> {
+    fn goal(&self, path: &FieldPath, goal: &GoalMembers) -> ReadResult<Goal> {
         match (&goal.pose, &goal.disc) {
             (Some(Numbers(pose)), None) => {
-                let [x, y, heading] = self.three(&path.join(Step::key("pose")), pose)?;
+                let [x, y, heading] = self.three_numbers(&path.join(PathStep::key("pose")), pose)?;
                 Ok(Goal::Pose(Pose::new(x, y, heading)))
             }
             (None, Some(Numbers(disc))) => {
-                let path = path.join(Step::key("disc"));
-                let [x, y, radius_m] = self.three(&path, disc)?;
-                self.placed(check::check_number(path.join(Step::Index(2)), radius_m, 0.0..=LARGEST))?;
+                let path = path.join(PathStep::key("disc"));
+                let [x, y, radius_m] = self.three_numbers(&path, disc)?;
+                self.located(check::check_number(path.join(PathStep::Index(2)), radius_m, 0.0..=LARGEST))?;
                 Ok(Goal::Disc(GoalDisc { centre: DVec2::new(x, y), radius_m }))
             }
             (pose, _) => {
@@ -235,39 +235,39 @@ impl ProblemFile<'_> {
     }
 
     /// Takes three numbers; null, which JSON writes for what is not a number, becomes NaN, and -0 becomes 0.
-    fn three(&self, path: &FieldPath, numbers: &[Option<f64>]) -> Read<[f64; 3]> {
+    fn three_numbers(&self, path: &FieldPath, numbers: &[Option<f64>]) -> ReadResult<[f64; 3]> {
         let Ok(three) = <[Option<f64>; 3]>::try_from(numbers) else {
             return self.refuse(path, format!("a list of {}", numbers.len()), "a list of three numbers");
         };
         for (index, number) in three.iter().enumerate() {
             let number = number.unwrap_or_default();
-            self.placed(check::check_number(path.join(Step::Index(index)), number, -LARGEST..=LARGEST))?;
+            self.located(check::check_number(path.join(PathStep::Index(index)), number, -LARGEST..=LARGEST))?;
         }
         Ok(three.map(|number| number.unwrap_or(f64::NAN) + 0.0))
     }
 
-    fn problem_name(&self, name: Option<Name>, stem: String) -> Read<String> {
+    fn problem_name(&self, name: Option<Name>, stem: String) -> ReadResult<String> {
         let name = name.map_or(stem, |Name(text)| text);
-        self.placed(check::check_name("field", &name))?;
+        self.located(check::check_name("field", &name))?;
         Ok(name)
     }
 
-    fn refuse<T>(&self, path: &FieldPath, found: String, expected: &str) -> Read<T> {
+    fn refuse<T>(&self, path: &FieldPath, found: String, expected: &str) -> ReadResult<T> {
         let fault = Fault::Value { field: path.to_string(), found, expected: expected.to_owned() };
         Err(fault.at(self.at(locate(self.text, path))))
     }
 
-    /// The same with the place of what is refused.
-    fn placed(&self, check: Check) -> Read<()> {
+    /// Adds the location of what is refused.
+    fn located(&self, check: Check) -> ReadResult<()> {
         check.map_err(|refusal| refusal.fault().at(self.at(locate(self.text, &refusal.path))))
     }
 
-    fn at(&self, span: Range<usize>) -> Place {
-        Place::new(&self.name, self.text, span)
+    fn at(&self, span: Range<usize>) -> SourceLocation {
+        SourceLocation::new(&self.name, self.text, span)
     }
 }
 
-impl Vehicle {
+impl VehicleMembers {
     fn body(&self) -> Dimensions {
         Dimensions {
             length_m: self.length,
@@ -280,10 +280,10 @@ impl Vehicle {
     }
 }
 
-fn check_vehicle(vehicle: &Vehicle) -> Check {
-    let table = Table::named("vehicle");
+fn check_vehicle(vehicle: &VehicleMembers) -> Check {
+    let table = TablePath::named("vehicle");
     check::check_vehicle(&table, &vehicle.body()).map_err(|mut refusal| {
-        refusal.path = in_words_of_the_file(&refusal.path);
+        refusal.path = in_names_of_field_files(&refusal.path);
         refusal
     })?;
     table.optional("v_max", vehicle.v_max, SPEEDS_MPS[0]..=SPEEDS_MPS[1])?;
@@ -297,12 +297,12 @@ fn check_vehicle(vehicle: &Vehicle) -> Check {
     }
 }
 
-/// A path to a value of the vehicle, by the name that it has in a problem instead of the one in a scenario.
-fn in_words_of_the_file(path: &FieldPath) -> FieldPath {
-    let name = |step: &Step| match step {
-        Step::Key(name) if name == "turning_radius_m" => Step::key("min_turn_radius"),
-        Step::Key(name) => Step::key(name.trim_end_matches("_m")),
-        Step::Index(_) => step.clone(),
+/// Translates a path to a value of the vehicle from the names of scenarios to those of field files.
+fn in_names_of_field_files(path: &FieldPath) -> FieldPath {
+    let name = |step: &PathStep| match step {
+        PathStep::Key(name) if name == "turning_radius_m" => PathStep::key("min_turn_radius"),
+        PathStep::Key(name) => PathStep::key(name.trim_end_matches("_m")),
+        PathStep::Index(_) => step.clone(),
     };
     FieldPath(path.0.iter().map(name).collect())
 }

@@ -1,4 +1,4 @@
-//! The rules: how fire spreads and ends, how it is put out, what counts, what burns by itself.
+//! The rules: spread and end of fire, suppression, scores, and what ignites by itself.
 
 use std::borrow::Cow;
 
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::or_none;
 use crate::geometry::Cell;
 
-/// How fire spreads and ends.
+/// Rules by which fire spreads and ends.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Fire {
@@ -20,7 +20,7 @@ pub struct Fire {
     #[serde(with = "or_none")]
     #[schemars(with = "or_none::NumberOrNone")]
     pub burn_out_s: Option<f64>,
-    /// Whether an extinguished cell can burn again.
+    /// Lets extinguished cells burn again.
     pub relight: bool,
 }
 
@@ -36,7 +36,7 @@ impl Default for Fire {
     }
 }
 
-/// Which burning cells set others on fire.
+/// Selects the burning cells that set others on fire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SpreadFrom {
@@ -46,7 +46,7 @@ pub enum SpreadFrom {
     None,
 }
 
-/// How a truck puts fires out.
+/// Rules by which a truck puts fires out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Suppression {
@@ -54,7 +54,7 @@ pub struct Suppression {
     #[serde(with = "or_none")]
     #[schemars(with = "or_none::NumberOrNone")]
     pub reach_m: Option<f64>,
-    /// How long the truck stands for it, uninterrupted.
+    /// Time that the truck must stand still for it, uninterrupted.
     pub dwell_s: f64,
     pub extinguishes: Extinguishes,
 }
@@ -65,16 +65,16 @@ impl Default for Suppression {
     }
 }
 
-/// What one stop puts out.
+/// Selects what one stop puts out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Extinguishes {
     One,
-    /// All that burns in reach when the dwell ends.
+    /// Everything that burns in reach when the dwell ends.
     AllInReach,
 }
 
-/// Points a cell.
+/// Points per cell.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Score {
@@ -90,7 +90,7 @@ impl Default for Score {
     }
 }
 
-/// Cells that catch fire by themselves at a time.
+/// Cells that catch fire by themselves at a given time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "IgnitionEntry", into = "IgnitionEntry")]
 pub struct Ignition {
@@ -98,12 +98,12 @@ pub struct Ignition {
     pub cells: IgnitionCells,
 }
 
-/// Which cells an [`Ignition`] lights.
+/// The cells that an [`Ignition`] lights.
 #[derive(Clone, Debug, PartialEq)]
 pub enum IgnitionCells {
     /// These cells, where they are intact bushes.
     Cells(Vec<Cell>),
-    /// So many bush cells, drawn from the stream `ignition`.
+    /// This number of bush cells, drawn from the stream `ignition`.
     Random(u32),
 }
 

@@ -1,4 +1,4 @@
-//! A field as text.
+//! A small map of a field as text.
 
 use super::explain::WIDTH;
 use super::{Scenario, Terrain};
@@ -6,10 +6,10 @@ use crate::geometry::{Cell, DVec2};
 
 const INDENT: &str = "  ";
 
-/// A map of a field, north above: `.` free, `#` a bush, `W` and `U` where a Wumpus and a truck start.
+/// Draws a map of a field, north above: `.` free, `#` a bush, `W` and `U` where a Wumpus and a truck start.
 ///
-/// On fields that are too wide a character stands for a square of cells, and is `#` if any of them is a bush.
-pub fn sketch(terrain: &Terrain, scenario: &Scenario) -> String {
+/// On fields that are too wide a character is a square of cells, and is `#` if any of them is a bush.
+pub fn draw_sketch(terrain: &Terrain, scenario: &Scenario) -> String {
     let cells_a_character = usize::from(terrain.frame.cols).div_ceil(WIDTH - INDENT.len());
     let side = |cells: u16| usize::from(cells).div_ceil(cells_a_character);
     let mut rows = vec![vec!['.'; side(terrain.frame.cols)]; side(terrain.frame.rows)];
@@ -38,24 +38,24 @@ pub fn sketch(terrain: &Terrain, scenario: &Scenario) -> String {
 mod tests {
     use crate::scenario::{Field, GivenField, Scenario, Terrain, load};
 
-    use super::sketch;
+    use super::draw_sketch;
 
-    fn of(map: &str) -> String {
+    fn drawn(map: &str) -> String {
         let wumpus_alone = load("wumpus-alone", &["wumpus.start_m=[2.5, 2.5]".into()]).expect("this scenario is right");
         let given = GivenField::parse(map, 5.0).expect("this map is right");
         let scenario = Scenario { field: Field { given: Some(given), ..Field::default() }, ..wumpus_alone };
-        sketch(&Terrain::of(&scenario, 1).expect("a given field needs no drawing"), &scenario)
+        draw_sketch(&Terrain::from_scenario(&scenario, 1).expect("a given field needs no drawing"), &scenario)
     }
 
     #[test]
     fn a_map_is_drawn_as_it_was_given() {
-        assert_eq!(of("#..\n.##\n..."), "  #..\n  .##\n  W..\n");
+        assert_eq!(drawn("#..\n.##\n..."), "  #..\n  .##\n  W..\n");
     }
 
     #[test]
     fn a_wide_field_is_drawn_smaller_and_keeps_its_bushes() {
         let wide = format!("{}#\n{}\n", ".".repeat(99), ".".repeat(100));
-        let text = of(&wide);
+        let text = drawn(&wide);
         assert_eq!(text.lines().next(), Some(format!("  W{}#", ".".repeat(48)).as_str()));
         assert!(text.contains("2 x 2 cells"));
     }

@@ -1,4 +1,4 @@
-//! Where scenarios come from: files and the built-in ones.
+//! Sources of scenarios: files and the built-in ones.
 
 use std::fs;
 use std::io::{self, ErrorKind};
@@ -25,18 +25,18 @@ pub const BUILT_IN: &[(&str, &str)] = &[
     ("smoke", include_str!("../../scenarios/smoke.toml")),
 ];
 
-/// Longest scenario or plan file that is read, and the most brackets and braces that open in it. Reading TOML was
+/// The longest scenario or plan file that is read, and the most brackets and braces that open in it. Reading TOML was
 /// measured to take up to 80 bytes for a byte of text, and 2.4 KB for a table: together about 64 MiB.
 pub const MAX_SCENARIO_BYTES: u64 = 350_000;
 const MAX_BRACKETS: usize = 24_000;
 
-/// Most brackets and braces of a TOML text that may be open at once: the parser's own limit.
+/// The most brackets and braces of a TOML text that may be open at once: the parser's own limit.
 ///
 /// The parser counts a closing bracket that closes nothing as one level less, so that texts which are wrong in this way
 /// nest as deep as they are long and overflow the stack. [`first_too_deep`] is not misled.
 const MAX_NESTING: usize = 80;
 
-/// Longest map that is read.
+/// The longest map that is read.
 pub const MAX_MAP_BYTES: u64 = 16_000_000;
 
 /// The text of a scenario and what to call it.
@@ -44,12 +44,12 @@ pub const MAX_MAP_BYTES: u64 = 16_000_000;
 pub struct ScenarioText {
     /// The source as it was asked for: a built-in name, or a path.
     pub source: String,
-    /// As messages name it: the path, or the file's name in the program's `scenarios` folder.
+    /// The name that messages use: the path, or the file's name in the program's `scenarios` folder.
     pub(super) name: String,
-    /// The scenario's name unless its text gives one.
+    /// The scenario's name, unless its text gives one.
     pub(super) stem: String,
     pub text: String,
-    /// The folder that paths in the text start from.
+    /// The folder from which relative paths in the text start.
     pub folder: PathBuf,
 }
 
@@ -57,7 +57,7 @@ impl ScenarioText {
     /// Reads a built-in scenario by its exact name, or else the input at this path.
     ///
     /// # Errors
-    /// If there is none, or it cannot be read, or it is no text, or has more than [`MAX_SCENARIO_BYTES`].
+    /// Fails if there is none, or it cannot be read, or it is not text, or it has more than [`MAX_SCENARIO_BYTES`].
     pub fn open(source: &str) -> Result<Self, Box<ScenarioError>> {
         if let Some((name, text)) = BUILT_IN.iter().find(|(name, _)| *name == source) {
             let (name, stem) = (format!("scenarios/{name}.toml"), (*name).to_owned());
@@ -70,7 +70,7 @@ impl ScenarioText {
     /// Takes the bytes that were read at this path.
     ///
     /// # Errors
-    /// If it could not be read, or is no text.
+    /// Fails if it could not be read or is not text.
     pub fn from_bytes(source: &str, bytes: io::Result<Vec<u8>>) -> Result<Self, Box<ScenarioError>> {
         let path = Path::new(source);
         let text = bytes.and_then(within_limits).and_then(input_file::text).map_err(|error| match error.kind() {
@@ -128,17 +128,17 @@ pub fn toml_value(written: &str) -> Option<toml::Value> {
     if first_too_deep(written).is_some() { None } else { written.parse().ok() }
 }
 
-/// The sentence about a text that [`first_too_deep`] refuses.
+/// Words the refusal of a text that [`first_too_deep`] refuses.
 pub(super) fn too_deep_message() -> String {
     format!("more than {MAX_NESTING} brackets and braces are open at once")
 }
 
-/// Says whether the scenario of this name can be read once more: a built-in one, or a file. A pipe's text is gone.
+/// Says whether the scenario of this name can be read once more: a built-in one, or a file. A pipe can be read only once.
 pub fn can_be_read_again(source: &str) -> bool {
     BUILT_IN.iter().any(|(name, _)| *name == source) || fs::metadata(source).is_ok_and(|found| found.is_file())
 }
 
-/// The text of an input; one of more bytes than `most` is refused.
+/// Reads the text of a file; a file of more bytes than `most` is refused.
 pub(super) fn read_text(path: &Path, most: u64) -> Result<String, Fault> {
     input_file::read_text(path, most).map_err(|error| unreadable(path, &error))
 }

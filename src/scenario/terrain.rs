@@ -1,4 +1,4 @@
-//! The field of one run.
+//! The generated or given field of one run.
 //!
 //! Pieces are laid one by one. Each is drawn from the placements still legal: first a shape, uniformly among the shapes
 //! of the list that still fit somewhere, then one of that shape's legal placements, uniformly over rotations and
@@ -17,7 +17,7 @@ use crate::geometry::{Cell, FieldFrame};
 use crate::grid::Grid;
 use crate::rng;
 
-/// Where the bushes stand.
+/// A field with its bushes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Terrain {
     pub frame: FieldFrame,
@@ -27,7 +27,7 @@ pub struct Terrain {
     pub bushes: Vec<Cell>,
 }
 
-/// Why a run has no field.
+/// The reason why a run has no field.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum TerrainError {
     #[error("no placement left for piece {piece} of {wanted}")]
@@ -35,23 +35,23 @@ pub enum TerrainError {
 }
 
 impl Terrain {
-    /// Bushes from occupied cells.
+    /// Collects the bushes from the occupied cells.
     pub fn from_occupied(frame: FieldFrame, occupied: Grid<bool>) -> Self {
         let cells = occupied.values().iter().enumerate();
         let bushes = cells.filter(|(_, occupied)| **occupied).map(|(index, _)| frame.cell(index)).collect();
         Self { frame, occupied, bushes }
     }
 
-    /// The field of the run with this seed: the given one, or pieces drawn from the stream `terrain`.
+    /// Returns the field of the run with this seed: the given one, or pieces drawn from the stream `terrain`.
     ///
     /// # Errors
-    /// If some piece of a generated field has no legal placement left.
-    pub fn of(scenario: &Scenario, seed: u64) -> Result<Self, TerrainError> {
+    /// Fails if some piece of a generated field has no legal placement left.
+    pub fn from_scenario(scenario: &Scenario, seed: u64) -> Result<Self, TerrainError> {
         if let Some(given) = &scenario.field.given {
             return Ok(Self::from_occupied(given.frame, given.occupied.clone()));
         }
         let field = &scenario.field;
-        let mut layout = Layout::new(field.frame(), field.overlaps);
+        let mut layout = PieceLayout::new(field.frame(), field.overlaps);
         for centre in scenario.start_centres() {
             layout.keep_free(centre, field.start_clearance_m);
         }
@@ -60,8 +60,8 @@ impl Terrain {
     }
 }
 
-/// A field while pieces are laid.
-struct Layout {
+/// A field while pieces are being laid.
+struct PieceLayout {
     frame: FieldFrame,
     overlaps: Overlaps,
     occupied: Grid<bool>,
@@ -69,7 +69,7 @@ struct Layout {
     closed: Grid<bool>,
 }
 
-impl Layout {
+impl PieceLayout {
     fn new(frame: FieldFrame, overlaps: Overlaps) -> Self {
         let open = Grid::filled(frame.rows.into(), frame.cols.into(), false);
         Self { frame, overlaps, occupied: open.clone(), closed: open }
@@ -100,7 +100,7 @@ impl Layout {
         Ok(self.occupied)
     }
 
-    /// A legal placement. Shapes without one leave the list: cells only ever close, so they cannot come back.
+    /// Draws a legal placement. Shapes without one leave the list: cells only ever close, so they cannot fit again.
     fn draw(&self, shapes: &mut Vec<Shape>, rng: &mut impl Rng) -> Option<(&'static Piece, Cell)> {
         while !shapes.is_empty() {
             let index = rng.random_range(0..shapes.len() as u32) as usize;
@@ -161,8 +161,8 @@ mod tests {
         }
     }
 
-    fn bare(cells: u16) -> Layout {
-        Layout::new(FieldFrame { cols: cells, rows: cells, cell_m: 5.0 }, Overlaps::Never)
+    fn bare(cells: u16) -> PieceLayout {
+        PieceLayout::new(FieldFrame { cols: cells, rows: cells, cell_m: 5.0 }, Overlaps::Never)
     }
 
     #[test]
@@ -172,7 +172,7 @@ mod tests {
             let wanted = field.wanted_pieces() as usize;
             let scenario = scenario(field);
             for seed in 0..10 {
-                assert_eq!(Terrain::of(&scenario, seed).unwrap().bushes.len(), 4 * wanted);
+                assert_eq!(Terrain::from_scenario(&scenario, seed).unwrap().bushes.len(), 4 * wanted);
             }
         }
     }
@@ -187,7 +187,7 @@ mod tests {
         for overlaps in [Overlaps::Never, Overlaps::Dropped] {
             scenario.field.overlaps = overlaps;
             for seed in 0..20 {
-                let terrain = Terrain::of(&scenario, seed).unwrap();
+                let terrain = Terrain::from_scenario(&scenario, seed).unwrap();
                 for start in [(202.5, 202.5), (51.5, 50.0), (3.0, 121.5)] {
                     for &bush in &terrain.bushes {
                         let low = terrain.frame.centre(bush) - 2.5;
@@ -205,13 +205,16 @@ mod tests {
     #[test]
     fn the_same_seed_gives_the_same_field_and_another_seed_another() {
         let scenario = scenario(Field::default());
-        assert_eq!(Terrain::of(&scenario, 7), Terrain::of(&scenario, 7));
-        assert_ne!(Terrain::of(&scenario, 7).unwrap().bushes, Terrain::of(&scenario, 8).unwrap().bushes);
+        assert_eq!(Terrain::from_scenario(&scenario, 7), Terrain::from_scenario(&scenario, 7));
+        assert_ne!(
+            Terrain::from_scenario(&scenario, 7).unwrap().bushes,
+            Terrain::from_scenario(&scenario, 8).unwrap().bushes
+        );
     }
 
     #[test]
     fn fields_are_frozen_by_their_seed() {
-        let terrain = Terrain::of(&scenario(Field::default()), 1).unwrap();
+        let terrain = Terrain::from_scenario(&scenario(Field::default()), 1).unwrap();
         let first: Vec<_> = terrain.bushes.iter().take(6).map(|bush| (bush.col, bush.row)).collect();
         assert_eq!(first, [(33, 0), (34, 0), (35, 0), (34, 1), (4, 2), (4, 3)]);
     }
@@ -220,7 +223,8 @@ mod tests {
     fn overlapping_pieces_count_shared_cells_once() {
         let field = Field { pieces: Some(62), overlaps: Overlaps::Dropped, start_clearance_m: 0.0, ..Field::default() };
         let scenario = scenario(field);
-        let sizes: Vec<usize> = (0..200).map(|seed| Terrain::of(&scenario, seed).unwrap().bushes.len()).collect();
+        let sizes: Vec<usize> =
+            (0..200).map(|seed| Terrain::from_scenario(&scenario, seed).unwrap().bushes.len()).collect();
         assert!(sizes.iter().all(|&size| (4..=248).contains(&size)));
         let mean = sizes.iter().sum::<usize>() as f64 / 200.0;
         // The original program, which lays its pieces so, covers 234.7 cells with a standard deviation of 4.5.
@@ -273,7 +277,7 @@ mod tests {
     fn a_full_field_is_reported_with_the_piece() {
         let four_cells = Field { size_m: 10.0, shapes: vec![Shape::O], start_clearance_m: 1.0, ..Field::default() };
         let scenario = scenario(Field { pieces: Some(2), ..four_cells });
-        assert_eq!(Terrain::of(&scenario, 1), Err(TerrainError::NoPlacementLeft { piece: 2, wanted: 2 }));
+        assert_eq!(Terrain::from_scenario(&scenario, 1), Err(TerrainError::NoPlacementLeft { piece: 2, wanted: 2 }));
         let too_small = bare(1).fill(Shape::ALL.to_vec(), 1, &mut rng::stream(1, "terrain"));
         assert_eq!(too_small, Err(TerrainError::NoPlacementLeft { piece: 1, wanted: 1 }));
     }
@@ -282,8 +286,8 @@ mod tests {
     fn a_given_field_is_the_same_for_every_seed() {
         let given = GivenField::parse("#..\n..#", 5.0).unwrap();
         let scenario = scenario(Field { given: Some(given), ..Field::default() });
-        let terrain = Terrain::of(&scenario, 1).unwrap();
+        let terrain = Terrain::from_scenario(&scenario, 1).unwrap();
         assert_eq!(terrain.bushes, [Cell { col: 2, row: 0 }, Cell { col: 0, row: 1 }]);
-        assert_eq!(Terrain::of(&scenario, 2).unwrap(), terrain);
+        assert_eq!(Terrain::from_scenario(&scenario, 2).unwrap(), terrain);
     }
 }

@@ -15,13 +15,13 @@ pub enum Shape {
     Z,
 }
 
-/// The four cells of a piece as (col, row) offsets from the south-west corner of its bounding box.
+/// The four cells of a piece as offsets (col, row) from the south-west corner of its bounding box.
 pub type Piece = [(u16, u16); 4];
 
 impl Shape {
     pub const ALL: [Self; 7] = [Self::I, Self::J, Self::L, Self::O, Self::S, Self::T, Self::Z];
 
-    /// The distinct rotations: 1 of O, 2 of I, S and Z, 4 of J, L and T; 19 in all.
+    /// Returns the distinct rotations: 1 of O, 2 of I, S and Z, 4 of J, L and T; 19 in all.
     pub fn rotations(self) -> &'static [Piece] {
         match self {
             Self::I => &I,
@@ -58,7 +58,7 @@ const T: [Piece; 4] = [
 ];
 const Z: [Piece; 2] = [[(1, 0), (2, 0), (0, 1), (1, 1)], [(0, 0), (0, 1), (1, 1), (1, 2)]];
 
-/// Columns and rows of a piece's bounding box.
+/// Returns columns and rows of a piece's bounding box.
 pub fn extent(piece: &Piece) -> (u16, u16) {
     let reach = |side: fn(&(u16, u16)) -> u16| 1 + piece.iter().map(side).max().expect("a piece has four cells");
     (reach(|cell| cell.0), reach(|cell| cell.1))

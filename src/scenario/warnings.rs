@@ -1,4 +1,4 @@
-//! What is allowed and yet probably not meant.
+//! Warnings: values of a scenario that are allowed and yet probably not meant.
 
 use std::iter;
 use std::sync::Arc;
@@ -17,16 +17,16 @@ use crate::planning::{BuildReport, is_hardly_connected};
 /// Sideways acceleration that a laden truck can take on loose ground, m/s2; about 0.4 g.
 const LATERAL_GRIP_MPS2: f64 = 4.0;
 
-/// Most points of all lattices on which [`warn_of_idle_wumpuses`] looks for what can be lit: a tenth of a second.
+/// The most points of all lattices on which [`warn_of_idle_wumpuses`] looks for what can be lit: a tenth of a second.
 const MAX_POINTS_LOOKED_AT: f64 = 1e6;
 
-/// Most pairs of a bush and a place near it that the search for the nearest looks at.
+/// The most pairs of a bush and a place near it that the search for the nearest place looks at.
 const MAX_LOOKS: f64 = 1e7;
 
-/// Most milestones times neighbours of all roadmaps that [`warn_of_roadmaps`] builds: a tenth of a second.
+/// The most milestones times neighbours, over all roadmaps, that [`warn_of_roadmaps`] builds: a tenth of a second.
 const MAX_EDGES_TRIED: f64 = 2e5;
 
-/// Sentences about a scenario, and about its field of [`SHOWN_SEED`].
+/// Collects the warnings about a scenario, and about its field of [`SHOWN_SEED`] if there is one.
 pub fn warnings(scenario: &Scenario, terrain: Option<&Terrain>) -> Vec<String> {
     let mut found = Vec::new();
     warn_of_rules(scenario, &mut found);
@@ -86,7 +86,7 @@ fn warn_of_ignitions(scenario: &Scenario, terrain: Option<&Terrain>, found: &mut
     }
 }
 
-/// Settings of a planner that the Wumpus does not use.
+/// Warns of settings of planners that the Wumpus does not use.
 fn warn_of_wumpus(number: usize, wumpus: &Wumpus, found: &mut Vec<String>) {
     let usual = Wumpus::default();
     let heuristic = (wumpus.heuristic, wumpus.heuristic_weight) != (usual.heuristic, usual.heuristic_weight);
@@ -126,7 +126,7 @@ fn warn_of_truck(number: usize, unimog: &Unimog, found: &mut Vec<String>) {
     }
 }
 
-/// Settings of planners that the truck does not use.
+/// Warns of settings of planners that the truck does not use.
 fn warn_of_unused_planners(number: usize, unimog: &Unimog, found: &mut Vec<String>) {
     let usual = Unimog::default();
     let by_planner = [
@@ -218,7 +218,7 @@ fn warn_of_idle_wumpuses(scenario: &Scenario, terrain: &Terrain, found: &mut Vec
     }
 }
 
-/// Warns of roadmaps that lead next to nowhere, among those that are quickly built.
+/// Warns of roadmaps that lead almost nowhere, among those that are quickly built.
 fn warn_of_roadmaps(scenario: &Scenario, terrain: &Terrain, field: &Arc<ClearanceField>, found: &mut Vec<String>) {
     let corners = 4.0 * terrain.bushes.len() as f64;
     let mut edges = 0.0;
@@ -262,15 +262,15 @@ mod tests {
     use super::*;
     use crate::scenario::{GivenField, StartPose, load};
 
-    fn of(source: &str, changes: &[&str]) -> String {
+    fn warned(source: &str, changes: &[&str]) -> String {
         let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
         let scenario = load(source, &changes).expect("this scenario is right");
-        let terrain = Terrain::of(&scenario, 1).ok();
+        let terrain = Terrain::from_scenario(&scenario, 1).ok();
         warnings(&scenario, terrain.as_ref()).join("\n")
     }
 
     #[test]
-    fn what_is_probably_not_meant_is_said() {
+    fn what_is_probably_not_meant_is_reported() {
         for (source, changes, words) in [
             ("contest", vec![], "8 m/s on its circle of 13 m: 4.9 m/s2 to the side"),
             ("contest", vec!["fire.burn_out_s=10"], "burns out after 10 s, before it would spread at 10 s"),
@@ -311,20 +311,20 @@ mod tests {
             ),
             ("fleet", vec!["suppression.reach_m=none"], "Truck 2 extinguishes from where it stands and never drives"),
         ] {
-            let found = of(source, &changes);
+            let found = warned(source, &changes);
             assert!(found.contains(words), "{source} {changes:?}: {found}");
         }
     }
 
     #[test]
-    fn starts_in_a_bush_and_ignitions_beside_one_are_told() {
+    fn starts_in_a_bush_and_ignitions_beside_one_are_reported() {
         let mut scenario = load("smoke", &["ignition=[{ at_s = 1, cells = [[4, 0], [5, 0]] }]".into()]).unwrap();
         let south_edge = format!("{}\n{}", ".".repeat(20), "....#.".to_owned() + &"#".repeat(14));
         let given = GivenField::parse(&south_edge, 5.0).unwrap();
         scenario.field.given = Some(given);
         scenario.unimog[0].start = StartPose { x_m: 60.0, y_m: 4.0, heading_deg: 0.0 };
         scenario.wumpus[0].start_m = [18.5, 2.5];
-        let of = |scenario: &Scenario| warnings(scenario, Terrain::of(scenario, 1).ok().as_ref()).join("\n");
+        let of = |scenario: &Scenario| warnings(scenario, Terrain::from_scenario(scenario, 1).ok().as_ref()).join("\n");
         let found = of(&scenario);
         assert!(found.contains("moved to the nearest free place: truck 0."), "{found}");
         assert!(found.contains("1 of the cells that an ignition names are no bushes"), "{found}");
@@ -334,8 +334,8 @@ mod tests {
 
     #[test]
     fn a_scenario_without_oddities_has_no_warnings() {
-        assert_eq!(of("wumpus-alone", &[]), "");
-        assert_eq!(of("fleet", &[]), "");
-        assert!(!of("original-2024", &[]).contains("never drives"), "there trucks drive to the nearest milestone");
+        assert_eq!(warned("wumpus-alone", &[]), "");
+        assert_eq!(warned("fleet", &[]), "");
+        assert!(!warned("original-2024", &[]).contains("never drives"), "there trucks drive to the nearest milestone");
     }
 }

@@ -1,44 +1,44 @@
-//! What the readers of TOML report, in the words of a scenario's author.
+//! Messages of the TOML reader in the words of a scenario's author.
 
 use super::error::{Fault, nearest_name};
-use super::load::Side;
-use super::path::{FieldPath, Step};
+use super::load::KeyOrValue;
+use super::path::{FieldPath, PathStep};
 
-/// Fields that loading fills in; no advice names them.
+/// Fields that loading fills in; messages do not suggest them.
 const HIDDEN: [&str; 1] = ["given"];
 
-/// Characters of a text that a message quotes.
+/// The most characters of a text that a message quotes.
 const LONGEST_QUOTE: usize = 60;
 
-/// The fault behind a message of serde's, the path that it concerns, and which side of it is wrong.
-pub fn fault_of(message: &str, path: FieldPath) -> (Fault, FieldPath, Side) {
+/// Turns a message of serde into a fault, the path that it concerns, and which side of `key = value` is wrong.
+pub fn fault_from_message(message: &str, path: FieldPath) -> (Fault, FieldPath, KeyOrValue) {
     let mut quoted = message.split('`').skip(1).step_by(2);
     let name = quoted.next().unwrap_or_default();
     let known: Vec<String> = quoted.filter(|known| !HIDDEN.contains(known)).map(str::to_owned).collect();
     if message.starts_with("unknown field") {
         let table = table_of(&path, name);
-        (unknown_field(name, &table, known), table.join(Step::key(name)), Side::Key)
+        (unknown_field(name, &table, known), table.join(PathStep::key(name)), KeyOrValue::Key)
     } else if message.starts_with("missing field") {
-        (Fault::MissingField { name: name.to_owned(), table: path.to_string() }, path, Side::Value)
+        (Fault::MissingField { name: name.to_owned(), table: path.to_string() }, path, KeyOrValue::Value)
     } else if message.starts_with("unknown variant") {
         let nearest = nearest_name(name, known.iter().map(String::as_str));
         let fault = Fault::UnknownWord { field: path.to_string(), found: shortened(name), known, nearest };
-        (fault, path, Side::Value)
+        (fault, path, KeyOrValue::Value)
     } else {
-        (value_fault(message, &path), path, Side::Value)
+        (value_fault(message, &path), path, KeyOrValue::Value)
     }
 }
 
-/// An unknown field, with its nearest known neighbour.
+/// Describes an unknown field, with the most similar known name.
 pub fn unknown_field(name: &str, table: &FieldPath, known: Vec<String>) -> Fault {
     let nearest = nearest_name(name, known.iter().map(String::as_str));
     Fault::UnknownField { name: shortened(name), table: table.to_string(), known, nearest }
 }
 
-/// The table that holds an unknown field, whether or not the reported path goes on to the field itself.
+/// Returns the table that holds an unknown field, whether or not the reported path includes the field itself.
 fn table_of(path: &FieldPath, name: &str) -> FieldPath {
     match path.0.split_last() {
-        Some((Step::Key(last), table)) if last == name => FieldPath(table.to_vec()),
+        Some((PathStep::Key(last), table)) if last == name => FieldPath(table.to_vec()),
         _ => path.clone(),
     }
 }
@@ -62,7 +62,7 @@ fn found_words(found: &str) -> String {
     match found {
         "map" => "a table".into(),
         "sequence" => "a list".into(),
-        // What the TOML reader says of a number where it expects a word.
+        // The TOML reader says this of a number where it expects a word.
         "unit variant" => "no text".into(),
         _ => match found.split_once(' ') {
             Some(("string", text)) => format!("the text {}", shortened(text)),
@@ -72,7 +72,7 @@ fn found_words(found: &str) -> String {
     }
 }
 
-/// The text, or its beginning if it is too long to quote.
+/// Returns the text, or its beginning if it is too long to quote.
 pub fn shortened(text: &str) -> String {
     if text.chars().count() <= LONGEST_QUOTE {
         return text.to_owned();

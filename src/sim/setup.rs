@@ -47,7 +47,7 @@ pub fn build(
 ) -> Result<(World, Setting, RunCost), RunError> {
     let mut cost = RunCost::default();
     let mut stopwatch = CpuStopwatch::start();
-    let terrain = Terrain::of(scenario, seed)?;
+    let terrain = Terrain::from_scenario(scenario, seed)?;
     cost.terrain = stopwatch.lap();
     let field = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
     cost.clearance_field = stopwatch.lap();

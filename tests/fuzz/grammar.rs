@@ -289,7 +289,7 @@ fn range_of(path: &str) -> Option<[f64; 2]> {
 
 /// Checks that a refusal says where to look, and that its message can be shown.
 pub fn refusal_names_its_place(refusal: &ScenarioError) -> Law {
-    match (&refusal.place, &refusal.fault) {
+    match (&refusal.location, &refusal.fault) {
         (Some(place), _) => drop((place.to_string(), place.excerpt())),
         // These are about a whole file, which they name.
         (None, Fault::NotFound { .. } | Fault::Unreadable { .. }) => {}

@@ -38,7 +38,7 @@ pub fn attempts<'a>(
     seed: u64,
     limit: MemoryLimit,
 ) -> Result<Vec<Attempt<'a>>, MemoryExceeded> {
-    let estimate = MemoryEstimate::for_problem(problem, planners);
+    let estimate = MemoryEstimate::from_problem(problem, planners);
     estimate.meter(limit)?;
     let mut stopwatch = CpuStopwatch::start();
     let field = Arc::new(ClearanceField::new(problem.terrain.frame, &problem.terrain.occupied));

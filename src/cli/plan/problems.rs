@@ -75,7 +75,7 @@ fn from_files(arguments: &PlanArguments, truck: &Unimog) -> Result<Vec<Problem>,
 }
 
 fn on_the_scenario(arguments: &PlanArguments, scenario: &Scenario) -> Result<Problem, CliError> {
-    let problem = Problem::of_scenario(scenario, arguments.seed).map_err(|error| CliError::bad_input(error, None))?;
+    let problem = Problem::from_scenario(scenario, arguments.seed).map_err(|error| CliError::bad_input(error, None))?;
     let mut problem = problem.ok_or_else(|| no_truck(scenario))?;
     if arguments.cells.is_none() {
         problem.goals = free_poses(&problem, arguments.goals.unwrap_or(GOALS), arguments.seed)?;
