@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::planning::{Effort, PlanFailure};
 use crate::time::SimTime;
-use crate::timeline::{AgentId, Event, Fact, Replay, Timeline, Vegetation};
+use crate::timeline::{AgentId, BushState, Event, Fact, Replay, Timeline};
 
 /// Steps between the times at which bushes are counted, which are the first and the last of the scenario too.
 pub const STATE_STEPS: u64 = 60;
@@ -160,14 +160,14 @@ fn states_of(timeline: &Timeline) -> Vec<StateCount> {
     (0..=STATE_STEPS).map(count).collect()
 }
 
-fn count_of(time: SimTime, bushes: &[Vegetation]) -> StateCount {
+fn count_of(time: SimTime, bushes: &[BushState]) -> StateCount {
     let mut count = StateCount { time, intact: 0, burning: 0, burned_out: 0, extinguished: 0 };
     for bush in bushes {
         *match bush {
-            Vegetation::Intact => &mut count.intact,
-            Vegetation::Burning { .. } => &mut count.burning,
-            Vegetation::BurnedOut => &mut count.burned_out,
-            Vegetation::Extinguished => &mut count.extinguished,
+            BushState::Intact => &mut count.intact,
+            BushState::Burning { .. } => &mut count.burning,
+            BushState::BurnedOut => &mut count.burned_out,
+            BushState::Extinguished => &mut count.extinguished,
         } += 1;
     }
     count

@@ -12,7 +12,8 @@ use thiserror::Error;
 
 use super::{Escape, Problem, SafetyMap, Scenario, TruckPlannerKind, Unimog, Wumpus};
 use crate::collision::ClearanceField;
-use crate::fire::Vegetation;
+use crate::fire::FireField;
+use crate::fire::models::Radius;
 use crate::geometry::{Cell, FieldFrame};
 use crate::planning::memory::{Growing, MemoryMeter, PlannerMemory};
 use crate::planning::reachability::Reachability;
@@ -141,7 +142,7 @@ impl MemoryEstimate {
         };
         let field = FieldMeasures { frame, bushes, corners };
         let [terrain, laying] = field.terrain();
-        let fires = Vegetation::most_bytes(&frame, bushes, scenario.fire.spread_radius_m);
+        let fires = FireField::most_bytes(&frame, bushes) + Radius::most_bytes(&frame, scenario.fire.spread_radius_m);
         let wumpuses = scenario.wumpus.iter().map(|wumpus| field.wumpus(wumpus, scenario.duration_s)).sum();
         let trucks: Vec<_> = scenario.unimog.iter().map(|truck| (truck.planner, field.planner(truck))).collect();
         let reachability = trucks.len() as u64 * Reachability::most_bytes(&frame);

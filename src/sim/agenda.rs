@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use crate::event_queue::EventQueue;
-use crate::geometry::Cell;
+use crate::fire::FireEvent;
 use crate::time::SimTime;
 
 /// What happens first at one instant. The order is part of the contest's rules.
@@ -32,14 +32,8 @@ pub struct Call {
 pub enum Due {
     /// A truck's dwell ends.
     Extinction(Call),
-    BurnOut {
-        cell: Cell,
-        episode: u32,
-    },
-    Spread {
-        cell: Cell,
-        episode: u32,
-    },
+    /// What the model of the fire forecast.
+    Fire(FireEvent),
     /// The scenario's ignition of this number.
     Scheduled(usize),
     /// A Wumpus is within reach of its goal.
@@ -58,8 +52,8 @@ impl Due {
     pub fn rank(&self) -> Rank {
         match self {
             Self::Extinction(_) => Rank::Extinction,
-            Self::BurnOut { .. } => Rank::BurnOut,
-            Self::Spread { .. } => Rank::Spread,
+            Self::Fire(FireEvent::BurnOut { .. }) => Rank::BurnOut,
+            Self::Fire(FireEvent::Arrival(_)) => Rank::Spread,
             Self::Scheduled(_) | Self::Lighting(_) => Rank::Ignition,
             Self::Arrival(_) => Rank::Arrival,
             Self::PlanningDone(_) => Rank::PlanningDone,

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use glam::DVec2;
 
-use crate::fire::Vegetation;
+use crate::fire::{FireEvent, FireField, Spread};
 use crate::geometry::Cell;
 use crate::scenario::IgnitionCells;
 use crate::time::SimTime;
@@ -11,7 +11,7 @@ use crate::timeline::{AgentId, Cause, Fact};
 
 use super::agenda::{Call, Due, Rank};
 use super::agent::Activity;
-use super::stage::Stage;
+use super::stage::{Fires, Stage};
 use super::wumpus;
 
 /// The scenario's own ignitions.
@@ -44,12 +44,13 @@ pub fn extinguish(mut stage: Stage) {
         let mut put_out = vec![stop.goal];
         if let Some((centre, reach_m)) = stop.reaches {
             let in_reach = |cell: &Cell| (stage.frame.0.centre(*cell) - centre).length() <= reach_m;
-            put_out.extend(stage.fires.0.burning().filter(|&cell| cell != stop.goal).filter(in_reach));
+            put_out.extend(stage.fires.field.burning().filter(|&cell| cell != stop.goal).filter(in_reach));
         }
         for cell in put_out {
-            if stage.fires.0.is_burning(cell) {
-                stage.fires.0.extinguish(cell);
+            if stage.fires.field.is_burning(cell) {
+                let change = stage.fires.field.extinguish(cell);
                 stage.log.add(now, Fact::Extinguished { cell, by: stop.by });
+                stage.follow(change);
                 stage.release(cell);
             }
         }
@@ -74,11 +75,12 @@ fn end_stop(stage: &mut Stage, call: Call) -> Option<Stop> {
 /// Fires that burned long enough end.
 pub fn burn_out(mut stage: Stage) {
     while let Some(due) = stage.take(Rank::BurnOut) {
-        let Due::BurnOut { cell, episode } = due else { unreachable!("ranks and events go together") };
-        if stage.fires.0.goes_on(cell, episode) {
-            stage.fires.0.burn_out(cell);
+        let Due::Fire(FireEvent::BurnOut { cell, episode }) = due else { unreachable!("ranks and events go together") };
+        if stage.fires.field.goes_on(cell, episode) {
+            let change = stage.fires.field.burn_out(cell);
             let now = stage.now();
             stage.log.add(now, Fact::BurnedOut { cell });
+            stage.follow(change);
             stage.release(cell);
         }
     }
@@ -87,11 +89,14 @@ pub fn burn_out(mut stage: Stage) {
 /// Fires that burned for the delay set on fire what is near.
 pub fn spread(mut stage: Stage) {
     while let Some(due) = stage.take(Rank::Spread) {
-        let Due::Spread { cell: from, episode } = due else { unreachable!("ranks and events go together") };
-        if stage.fires.0.goes_on(from, episode) {
-            for cell in stage.fires.0.within_spread(from) {
-                stage.ignite(cell, Cause::Spread(from));
-            }
+        let Due::Fire(FireEvent::Arrival(arrival)) = due else { unreachable!("ranks and events go together") };
+        let now = stage.now();
+        let Fires { field, model } = &mut *stage.fires;
+        let mut expected = Vec::new();
+        let spread = model.arrive(field, now, arrival, &mut expected);
+        stage.expect(expected);
+        for Spread { cell, from } in spread {
+            stage.ignite(cell, Cause::Spread(from));
         }
     }
 }
@@ -102,7 +107,7 @@ pub fn ignite(mut stage: Stage, mut scheduled: ResMut<Ignitions>) {
         match due {
             Due::Scheduled(number) => {
                 scheduled.pending -= 1;
-                for cell in scheduled.cells(number, &stage.fires.0) {
+                for cell in scheduled.cells(number, &stage.fires.field) {
                     stage.ignite(cell, Cause::Scheduled);
                 }
             }
@@ -133,7 +138,7 @@ fn light(stage: &mut Stage, entity: Entity, revision: u32) {
 
 impl Ignitions {
     /// The cells that an ignition lights: those it names, or the first of the permutation that can burn.
-    fn cells(&self, number: usize, fires: &Vegetation) -> Vec<Cell> {
+    fn cells(&self, number: usize, fires: &FireField) -> Vec<Cell> {
         match &self.entries[number].1 {
             IgnitionCells::Cells(cells) => cells.clone(),
             IgnitionCells::Random(count) => {

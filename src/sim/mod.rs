@@ -265,11 +265,12 @@ fn decide(mut stage: Stage) {
         let (mut agent, wumpus, truck) = stage.agents.get_mut(call.agent).expect("agents live for the whole run");
         if let Some(mut wumpus) = wumpus {
             let spent = wumpus.cost.total();
-            let seen = (&stage.frame.0, &stage.fires.0, centres.as_slice());
+            let seen = (&stage.frame.0, &stage.fires.field, centres.as_slice());
             wumpus::decide((call.agent, &mut agent, &mut wumpus), now, seen, &mut stage.agenda, &mut stage.log);
             stage.ledger.add(now, agent.id, wumpus.cost.total() - spent);
         } else if let Some(mut truck) = truck {
-            let situation = Situation { now, frame: &stage.frame.0, fires: &stage.fires.0, claimed: &claimed, traffic };
+            let situation =
+                Situation { now, frame: &stage.frame.0, fires: &stage.fires.field, claimed: &claimed, traffic };
             let before = (agent.revision, agent.rests, truck.is_blocked());
             let spent = truck.cost.total();
             truck::decide((call.agent, &mut agent, &mut truck), &situation, &mut stage.agenda, &mut stage.log);
@@ -296,11 +297,11 @@ fn end(mut stage: Stage, ignitions: Res<Ignitions>, mut ended: ResMut<Ended>) {
             stage.roster.wumpuses.iter().all(|&entity| {
                 let (agent, wumpus, _) = stage.agents.get(entity).expect("the roster lists living agents");
                 let wumpus = wumpus.expect("the roster knows its wumpuses");
-                agent.rests.is_some() && !wumpus.has_something_to_light(&stage.fires.0)
+                agent.rests.is_some() && !wumpus.has_something_to_light(&stage.fires.field)
             })
         };
         let is_over =
-            instant_is_over && stage.fires.0.burning().len() == 0 && ignitions.pending == 0 && arsonists_rest();
+            instant_is_over && stage.fires.field.burning().len() == 0 && ignitions.pending == 0 && arsonists_rest();
         if !is_over {
             return;
         }

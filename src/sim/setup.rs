@@ -8,7 +8,8 @@ use glam::DVec2;
 use rand::seq::SliceRandom;
 
 use crate::collision::{ClearanceField, CollisionChecker};
-use crate::fire::{FireRules, Vegetation};
+use crate::fire::models::Radius;
+use crate::fire::{FireField, FireRules};
 use crate::geometry::{Cell, FieldFrame, Pose};
 use crate::planning::memory::MemoryMeter;
 use crate::planning::reachability::Reachability;
@@ -86,7 +87,11 @@ pub fn build(
     let setting = setting(scenario, seed, &terrain, starts);
     world.insert_resource(SimClock::default());
     world.insert_resource(first_entries(scenario, &setting.rules, &roster));
-    world.insert_resource(Fires(Vegetation::new(terrain.frame, &terrain.bushes, fire_rules(scenario))));
+    let rules = fire_rules(scenario);
+    world.insert_resource(Fires {
+        field: FireField::new(terrain.frame, &terrain.bushes, rules.relight),
+        model: Box::new(Radius::new(&terrain.frame, rules)),
+    });
     world.insert_resource(Frame(terrain.frame));
     world.insert_resource(ignitions(scenario, &terrain, seed));
     world.insert_resource(roster);

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use crate::fire::Vegetation;
+use crate::fire::{BushState, FireField};
 use crate::geometry::{Cell, FieldFrame};
 use crate::scenario::TruckGoal;
 use crate::time::SimTime;
@@ -13,7 +13,7 @@ use super::traffic::Traffic;
 pub struct Situation<'a> {
     pub now: SimTime,
     pub frame: &'a FieldFrame,
-    pub fires: &'a Vegetation,
+    pub fires: &'a FireField,
     /// Goals of the other trucks.
     pub claimed: &'a [Cell],
     pub traffic: Traffic<'a>,
@@ -25,11 +25,14 @@ impl Situation<'_> {
         let open = self.fires.burning().filter(|cell| !self.claimed.contains(cell) && may(*cell));
         let distance = |cell: Cell| (self.frame.centre(cell) - centre).length_squared();
         let nearest = |a: &Cell, b: &Cell| distance(*a).total_cmp(&distance(*b));
+        let ignited_at = |cell: Cell| match self.fires.state(cell) {
+            Some(BushState::Burning { since }) => since,
+            _ => unreachable!("only burning cells are compared"),
+        };
         // Burning cells come by index and the first of equals wins, so ties go to the smaller index.
         match policy {
             TruckGoal::NearestBurning => open.min_by(nearest),
-            TruckGoal::Oldest => open
-                .min_by(|a, b| self.fires.ignited_at(*a).cmp(&self.fires.ignited_at(*b)).then_with(|| nearest(a, b))),
+            TruckGoal::Oldest => open.min_by(|a, b| ignited_at(*a).cmp(&ignited_at(*b)).then_with(|| nearest(a, b))),
             TruckGoal::LargestCluster => {
                 let sizes = cluster_sizes(self.frame, self.fires);
                 let size = |cell: &Cell| sizes[self.frame.index(*cell)];
@@ -40,7 +43,7 @@ impl Situation<'_> {
 }
 
 /// By cell index: how many burning cells hang together with this burning cell over sides and corners.
-fn cluster_sizes(frame: &FieldFrame, fires: &Vegetation) -> Vec<u32> {
+fn cluster_sizes(frame: &FieldFrame, fires: &FireField) -> Vec<u32> {
     let mut sizes = vec![0; frame.cell_count()];
     for seed in fires.burning() {
         if sizes[frame.index(seed)] != 0 {

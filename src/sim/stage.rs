@@ -4,7 +4,7 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use glam::DVec2;
 
-use crate::fire::Vegetation;
+use crate::fire::{FireChange, FireEvent, FireField, FireModel};
 use crate::geometry::{Cell, FieldFrame};
 use crate::time::SimTime;
 use crate::timeline::{AgentId, Cause, Fact, RestReason};
@@ -16,9 +16,12 @@ use super::traffic::{Reservation, Traffic};
 use super::truck::Truck;
 use super::wumpus::{self, Wumpus};
 
-/// The vegetation.
+/// The bushes, and the model by which they burn.
 #[derive(Resource, Debug)]
-pub struct Fires(pub Vegetation);
+pub struct Fires {
+    pub field: FireField,
+    pub model: Box<dyn FireModel>,
+}
 
 /// The field's cells in the stage.
 #[derive(Resource, Clone, Copy, Debug)]
@@ -133,16 +136,25 @@ impl Stage<'_, '_> {
     pub fn ignite(&mut self, cell: Cell, cause: Cause) {
         let now = self.now();
         let lit = !matches!(cause, Cause::Spread(_));
-        let Some(burn) = self.fires.0.ignite(cell, now, lit) else { return };
+        let Some(change) = self.fires.field.ignite(cell, now, lit) else { return };
         self.log.add(now, Fact::Ignited { cell, cause });
-        if let Some(time) = burn.spreads_at {
-            self.agenda.add(time, Due::Spread { cell, episode: burn.episode });
-        }
-        if let Some(time) = burn.burns_out_at {
-            self.agenda.add(time, Due::BurnOut { cell, episode: burn.episode });
-        }
+        self.follow(change);
         self.drop_goals_of_wumpuses(cell);
         self.call_trucks();
+    }
+
+    /// Lets the model of the fire forecast what follows from a change.
+    pub fn follow(&mut self, change: FireChange) {
+        let Fires { field, model } = &mut *self.fires;
+        let mut expected = Vec::new();
+        model.follow(field, self.clock.0, change, &mut expected);
+        self.expect(expected);
+    }
+
+    pub fn expect(&mut self, expected: Vec<(SimTime, FireEvent)>) {
+        for (time, event) in expected {
+            self.agenda.add(time, Due::Fire(event));
+        }
     }
 
     fn drop_goals_of_wumpuses(&mut self, cell: Cell) {
@@ -188,7 +200,7 @@ impl Stage<'_, '_> {
                 agent.reconsider(entity, now, &mut self.agenda);
             }
         }
-        if self.fires.0.can_burn(cell) {
+        if self.fires.field.can_burn(cell) {
             self.call_resting_wumpuses(cell);
         }
     }

@@ -11,7 +11,7 @@ use std::f64::consts::SQRT_2;
 use bevy::prelude::*;
 use glam::DVec2;
 
-use crate::fire::Vegetation;
+use crate::fire::FireField;
 use crate::geometry::{Cell, FieldFrame, Pose, ops};
 use crate::grid::open_list::{OpenList, Ranked};
 use crate::planning::walk::{Walk, WalkLattice, WalkPlanner};
@@ -56,7 +56,7 @@ pub struct Wumpus {
 impl Wumpus {
     /// What it could light and has not failed to approach from here, best first by the policy, ties by cell index;
     /// `trucks` are the trucks' body centres.
-    fn candidates(&self, frame: &FieldFrame, fires: &Vegetation, trucks: &[DVec2]) -> OpenList<Candidate> {
+    fn candidates(&self, frame: &FieldFrame, fires: &FireField, trucks: &[DVec2]) -> OpenList<Candidate> {
         let here = self.lattice.position(self.point);
         let to_truck = |centre: DVec2| trucks.iter().map(|truck| (*truck - centre).length_squared()).reduce(f64::min);
         let mut candidates = OpenList::default();
@@ -84,7 +84,7 @@ impl Wumpus {
     }
 
     /// Whether anything that it can approach can be lit.
-    pub fn has_something_to_light(&self, fires: &Vegetation) -> bool {
+    pub fn has_something_to_light(&self, fires: &FireField) -> bool {
         self.targets.iter().any(|&cell| fires.can_burn(cell))
     }
 
@@ -161,7 +161,7 @@ impl Ranked for Candidate {
 pub fn decide(
     (entity, agent, wumpus): (Entity, &mut Agent, &mut Wumpus),
     now: SimTime,
-    (frame, fires, trucks): (&FieldFrame, &Vegetation, &[DVec2]),
+    (frame, fires, trucks): (&FieldFrame, &FireField, &[DVec2]),
     agenda: &mut Agenda,
     log: &mut Log,
 ) {

@@ -3,7 +3,7 @@
 //! Time is added up in whole nanoseconds and becomes seconds once, at the end.
 
 use super::replay::BushChange;
-use super::{Activity, AgentId, AgentOutcome, Event, Fact, Outcome, Setting, Vegetation};
+use super::{Activity, AgentId, AgentOutcome, BushState, Event, Fact, Outcome, Setting};
 use crate::geometry::Cell;
 use crate::planning::{Effort, PlanFailure};
 use crate::time::SimTime;
@@ -49,7 +49,7 @@ impl BushLedger {
         } else {
             self.last_end_of_fire = Some(now);
         }
-        if let (Vegetation::Burning { since }, Vegetation::Extinguished) = (change.from, change.to) {
+        if let (BushState::Burning { since }, BushState::Extinguished) = (change.from, change.to) {
             self.response_ns += u128::from((now - since).as_nanos());
             self.responses += 1;
         }
@@ -64,15 +64,15 @@ impl BushLedger {
     }
 
     /// Fills in the outcome's fields about bushes.
-    pub fn conclude(&self, outcome: Outcome, bushes: &[Vegetation]) -> Outcome {
-        let count = |what: Vegetation| bushes.iter().filter(|&&bush| bush == what).count() as u32;
+    pub fn conclude(&self, outcome: Outcome, bushes: &[BushState]) -> Outcome {
+        let count = |what: BushState| bushes.iter().filter(|&&bush| bush == what).count() as u32;
         let mean_response_s = self.response_ns as f64 / NANOS_PER_SECOND / f64::from(self.responses);
         Outcome {
             obstacles: bushes.len() as u32,
-            intact: count(Vegetation::Intact),
+            intact: count(BushState::Intact),
             burning: self.burning,
-            burned_out: count(Vegetation::BurnedOut),
-            extinguished: count(Vegetation::Extinguished),
+            burned_out: count(BushState::BurnedOut),
+            extinguished: count(BushState::Extinguished),
             burning_cell_s: self.burning_cell_ns as f64 / NANOS_PER_SECOND,
             peak_burning: self.peak_burning,
             mean_response_s: (self.responses > 0).then_some(mean_response_s),
@@ -139,7 +139,7 @@ impl<'a> AgentLedger<'a> {
     }
 
     /// Books a fact of this agent's.
-    pub fn record_fact(&mut self, event: &'a Event, setting: &Setting, bushes: &[Vegetation]) {
+    pub fn record_fact(&mut self, event: &'a Event, setting: &Setting, bushes: &[BushState]) {
         let now = event.time;
         match &event.fact {
             Fact::RoadmapBuilt { samples, edges, components, .. } => {
@@ -235,7 +235,7 @@ impl<'a> AgentLedger<'a> {
         (free > 0, free_in_reach > 0)
     }
 
-    fn rule_out(&mut self, cells: &[Cell], setting: &Setting, bushes: &[Vegetation]) {
+    fn rule_out(&mut self, cells: &[Cell], setting: &Setting, bushes: &[BushState]) {
         for bush in cells.iter().filter_map(|&cell| setting.bush_index(cell)) {
             if !std::mem::replace(&mut self.out_of_reach[bush], true) {
                 self.burning_out_of_reach += u32::from(bushes[bush].burns());

@@ -22,11 +22,12 @@ pub use cpu::CpuSample;
 pub use fact::{Cause, EndReason, Event, Fact, RestReason};
 pub use outcome::{AgentOutcome, Outcome, Winner};
 pub use progress::Activity;
-pub use replay::{AgentState, Replay, State, Vegetation};
+pub use replay::{AgentState, Replay, State};
 pub use setting::{AgentStart, Body, Rules, Setting};
 
 use serde::{Deserialize, Serialize};
 
+pub use crate::fire::BushState;
 use crate::time::SimTime;
 
 /// A finished run: the setting, and the facts in the order in which they happened.

@@ -128,7 +128,7 @@ impl<'a> Reader<'a> {
 mod tests {
     use super::super::sample::{self, seconds};
     use super::*;
-    use crate::timeline::{AgentId, Vegetation};
+    use crate::timeline::{AgentId, BushState};
 
     /// All times at which facts, legs or charged planning begin or end, the end of the run last.
     fn instants(timeline: &Timeline) -> Vec<SimTime> {
@@ -172,7 +172,7 @@ mod tests {
                             if agent.id.role.suppresses() {
                                 state.bushes[bush].burns()
                             } else {
-                                state.bushes[bush] == Vegetation::Intact
+                                state.bushes[bush] == BushState::Intact
                             }
                         })
                         .collect();

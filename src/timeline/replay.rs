@@ -3,37 +3,17 @@
 use serde::Serialize;
 
 use super::progress::{Activity, AgentProgress};
-use super::{AgentId, Event, Fact, Timeline};
+use super::{AgentId, BushState, Event, Fact, Timeline};
 use crate::geometry::{Cell, Pose};
 use crate::time::SimTime;
 
-/// What has become of a bush.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub enum Vegetation {
-    Intact,
-    Burning { since: SimTime },
-    BurnedOut,
-    Extinguished,
-}
-
-impl Vegetation {
-    pub fn burns(self) -> bool {
-        matches!(self, Self::Burning { .. })
-    }
-
-    /// Whether it can catch fire, where the rules let extinguished bushes burn again or not.
-    pub fn can_be_lit(self, relight: bool) -> bool {
-        self == Self::Intact || (relight && self == Self::Extinguished)
-    }
-}
-
 impl Event {
     /// What it makes of which bush, if anything.
-    pub fn bush_change(&self) -> Option<(Cell, Vegetation)> {
+    pub fn bush_change(&self) -> Option<(Cell, BushState)> {
         match self.fact {
-            Fact::Ignited { cell, .. } => Some((cell, Vegetation::Burning { since: self.time })),
-            Fact::BurnedOut { cell } => Some((cell, Vegetation::BurnedOut)),
-            Fact::Extinguished { cell, .. } => Some((cell, Vegetation::Extinguished)),
+            Fact::Ignited { cell, .. } => Some((cell, BushState::Burning { since: self.time })),
+            Fact::BurnedOut { cell } => Some((cell, BushState::BurnedOut)),
+            Fact::Extinguished { cell, .. } => Some((cell, BushState::Extinguished)),
             _ => None,
         }
     }
@@ -57,7 +37,7 @@ pub struct AgentState {
 pub struct State {
     pub time: SimTime,
     /// In the order of [`super::Setting::bushes`].
-    pub bushes: Vec<Vegetation>,
+    pub bushes: Vec<BushState>,
     /// In the order of [`super::Setting::agents`].
     pub agents: Vec<AgentState>,
 }
@@ -66,8 +46,8 @@ pub struct State {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct BushChange {
     pub bush: usize,
-    pub from: Vegetation,
-    pub to: Vegetation,
+    pub from: BushState,
+    pub to: BushState,
 }
 
 /// A cursor in a timeline: the state at one time, moved cheaply to later ones.
@@ -80,7 +60,7 @@ pub struct Replay<'a> {
     time: SimTime,
     /// Index of the first fact that has not yet happened.
     next: usize,
-    bushes: Vec<Vegetation>,
+    bushes: Vec<BushState>,
     agents: Vec<AgentProgress<'a>>,
 }
 
@@ -100,7 +80,7 @@ impl<'a> Replay<'a> {
             end: timeline.end_time(),
             time: SimTime::ZERO,
             next: 0,
-            bushes: vec![Vegetation::Intact; setting.bushes.len()],
+            bushes: vec![BushState::Intact; setting.bushes.len()],
             agents: setting.agents.iter().map(|agent| AgentProgress::standing(agent.pose)).collect(),
         }
     }
@@ -146,7 +126,7 @@ impl<'a> Replay<'a> {
     }
 
     /// In the order of [`super::Setting::bushes`].
-    pub fn bushes(&self) -> &[Vegetation] {
+    pub fn bushes(&self) -> &[BushState] {
         &self.bushes
     }
 
@@ -195,15 +175,15 @@ mod tests {
     use crate::rng;
 
     /// What the last fact about a bush says, without a replay.
-    fn bush_by_scanning(timeline: &Timeline, bush: Cell, time: SimTime) -> Vegetation {
+    fn bush_by_scanning(timeline: &Timeline, bush: Cell, time: SimTime) -> BushState {
         let past = timeline.events.iter().rev().filter(|event| event.time <= time);
         let told = |event: &Event| match event.fact {
-            Fact::Ignited { cell, .. } if cell == bush => Some(Vegetation::Burning { since: event.time }),
-            Fact::BurnedOut { cell } if cell == bush => Some(Vegetation::BurnedOut),
-            Fact::Extinguished { cell, .. } if cell == bush => Some(Vegetation::Extinguished),
+            Fact::Ignited { cell, .. } if cell == bush => Some(BushState::Burning { since: event.time }),
+            Fact::BurnedOut { cell } if cell == bush => Some(BushState::BurnedOut),
+            Fact::Extinguished { cell, .. } if cell == bush => Some(BushState::Extinguished),
             _ => None,
         };
-        past.filter_map(told).next().unwrap_or(Vegetation::Intact)
+        past.filter_map(told).next().unwrap_or(BushState::Intact)
     }
 
     /// Pose and speed by the last leg begun, and whether the agent moves along it.

@@ -3,7 +3,7 @@
 use rand::RngExt;
 
 use super::{
-    AgentId, AgentStart, Body, Cause, EndReason, Event, Fact, RestReason, Rules, Setting, Timeline, Vegetation,
+    AgentId, AgentStart, Body, BushState, Cause, EndReason, Event, Fact, RestReason, Rules, Setting, Timeline,
 };
 use crate::event_queue::EventQueue;
 use crate::fire::FireRules;
@@ -210,7 +210,7 @@ enum Due {
 
 struct World {
     timeline: Timeline,
-    vegetation: Vec<Vegetation>,
+    vegetation: Vec<BushState>,
     queue: EventQueue<u8, (u32, Due)>,
     rng: Xoshiro256PlusPlus,
     limits: SpeedLimits,
@@ -231,7 +231,7 @@ impl World {
             (0..frame.cell_count()).filter(|_| rng.random_bool(0.2)).map(|index| frame.cell(index)).collect();
         setting.frame = frame;
         setting.rules.duration = duration;
-        let vegetation = vec![Vegetation::Intact; setting.bushes.len()];
+        let vegetation = vec![BushState::Intact; setting.bushes.len()];
         let timeline = Timeline { setting, events: Vec::new() };
         let (queue, now) = (EventQueue::default(), SimTime::ZERO);
         let mut limits = SpeedLimits::of_speed(8.0, 8.0);
@@ -265,14 +265,14 @@ impl World {
             Due::BurnOut(cell) if self.bush(cell).burns() => self.burn_out(cell),
             Due::Spread(cell) if self.bush(cell).burns() => {
                 for _ in 0..self.rng.random_range(0..12) {
-                    if let Some(other) = self.pick(|bush| bush == Vegetation::Intact) {
+                    if let Some(other) = self.pick(|bush| bush == BushState::Intact) {
                         self.ignite(other, Cause::Spread(cell));
                     }
                 }
             }
             Due::WumpusArrives => {
                 let goal = self.goals[0].take().expect("it walked to a goal");
-                if self.bush(goal) == Vegetation::Intact {
+                if self.bush(goal) == BushState::Intact {
                     self.ignite(goal, Cause::Lit(WUMPUS));
                     self.queue.push(self.now + seconds(10.0), 2, (0, Due::Spread(goal)));
                 }
@@ -285,7 +285,7 @@ impl World {
             }
             Due::TruckDone if !outdated => {
                 let cell = self.goals[1].take().expect("it suppressed a goal");
-                self.change(cell, Vegetation::Extinguished);
+                self.change(cell, BushState::Extinguished);
                 self.tell(Fact::Extinguished { cell, by: TRUCK });
                 self.truck_decides();
             }
@@ -295,7 +295,7 @@ impl World {
     }
 
     fn burn_out(&mut self, cell: Cell) {
-        self.change(cell, Vegetation::BurnedOut);
+        self.change(cell, BushState::BurnedOut);
         self.tell(Fact::BurnedOut { cell });
         if self.goals[1] != Some(cell) {
             return;
@@ -315,7 +315,7 @@ impl World {
     }
 
     fn truck_decides(&mut self) {
-        let Some(goal) = self.pick(Vegetation::burns) else {
+        let Some(goal) = self.pick(BushState::burns) else {
             self.tell(Fact::Rested { agent: TRUCK, reason: RestReason::NothingBurns });
             self.queue.push(self.now + seconds(7.0), 6, (0, Due::TruckDecides));
             return;
@@ -335,7 +335,7 @@ impl World {
     }
 
     fn wumpus_decides(&mut self) {
-        let Some(goal) = self.pick(|bush| bush == Vegetation::Intact) else {
+        let Some(goal) = self.pick(|bush| bush == BushState::Intact) else {
             return self.tell(Fact::Rested { agent: WUMPUS, reason: RestReason::NothingLeftToLight });
         };
         let mut pieces = Vec::new();
@@ -371,21 +371,21 @@ impl World {
     }
 
     fn ignite(&mut self, cell: Cell, cause: Cause) {
-        self.change(cell, Vegetation::Burning { since: self.now });
+        self.change(cell, BushState::Burning { since: self.now });
         self.tell(Fact::Ignited { cell, cause });
         self.queue.push(self.now + seconds(60.0), 1, (0, Due::BurnOut(cell)));
     }
 
-    fn bush(&self, cell: Cell) -> Vegetation {
+    fn bush(&self, cell: Cell) -> BushState {
         self.vegetation[self.timeline.setting.bush_index(cell).expect("fires burn bushes")]
     }
 
-    fn change(&mut self, cell: Cell, to: Vegetation) {
+    fn change(&mut self, cell: Cell, to: BushState) {
         let index = self.timeline.setting.bush_index(cell).expect("fires burn bushes");
         self.vegetation[index] = to;
     }
 
-    fn pick(&mut self, is: impl Fn(Vegetation) -> bool) -> Option<Cell> {
+    fn pick(&mut self, is: impl Fn(BushState) -> bool) -> Option<Cell> {
         let fit: Vec<_> = (0..self.vegetation.len()).filter(|&index| is(self.vegetation[index])).collect();
         (!fit.is_empty()).then(|| self.timeline.setting.bushes[fit[self.rng.random_range(0..fit.len())]])
     }

@@ -7,7 +7,7 @@ use wildfire::picture::Picture;
 use wildfire::picture::film::{Camera, Film, Layer, Layers, Layout, Look, Projection, Selected};
 use wildfire::time::SimTime;
 use wildfire::time::wall::WallStopwatch;
-use wildfire::timeline::{self, Vegetation};
+use wildfire::timeline::{self, BushState};
 
 use crate::display::{Window, hands, say, wait_for};
 use crate::expected::{picture, seconds, simulated, with_status};
@@ -83,7 +83,7 @@ fn burning_cells_are_seen_where_the_timeline_says() {
         if is_free(centre) {
             let (x, y) = projection.at(centre);
             let colour = seen.pixel(pane.left + x as u32, pane.top + y as u32);
-            let burns = matches!(vegetation, Vegetation::Burning { .. });
+            let burns = matches!(vegetation, BushState::Burning { .. });
             assert_eq!(is_fire_coloured(colour), burns, "{cell:?} {vegetation:?} {colour:?}");
             *(if burns { &mut burning } else { &mut others }) += 1;
         }

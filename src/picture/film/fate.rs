@@ -2,7 +2,7 @@
 
 use crate::picture::Rgb;
 use crate::picture::colours::{BURNED_OUT, BURNING, EXTINGUISHED, INTACT};
-use crate::timeline::Vegetation;
+use crate::timeline::BushState;
 
 /// The state of a bush without its time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,12 +16,12 @@ pub enum Fate {
 impl Fate {
     pub const ALL: [Self; 4] = [Self::Intact, Self::Burning, Self::BurnedOut, Self::Extinguished];
 
-    pub fn of(bush: Vegetation) -> Self {
+    pub fn of(bush: BushState) -> Self {
         match bush {
-            Vegetation::Intact => Self::Intact,
-            Vegetation::Burning { .. } => Self::Burning,
-            Vegetation::BurnedOut => Self::BurnedOut,
-            Vegetation::Extinguished => Self::Extinguished,
+            BushState::Intact => Self::Intact,
+            BushState::Burning { .. } => Self::Burning,
+            BushState::BurnedOut => Self::BurnedOut,
+            BushState::Extinguished => Self::Extinguished,
         }
     }
 

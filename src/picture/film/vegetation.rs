@@ -1,7 +1,7 @@
 //! The bushes of a run at any time, without going through all that happened before.
 
 use crate::time::SimTime;
-use crate::timeline::{Event, Setting, Timeline, Vegetation};
+use crate::timeline::{BushState, Event, Setting, Timeline};
 
 /// Between two kept states there are at least this many changes, and as many as there are bushes, so that all of them
 /// together are not larger than the changes.
@@ -12,7 +12,7 @@ const LEAST_STRIDE: usize = 256;
 struct Turn {
     time: SimTime,
     bush: usize,
-    to: Vegetation,
+    to: BushState,
 }
 
 /// All changes of bushes, and their states every so many changes.
@@ -22,7 +22,7 @@ pub struct VegetationHistory {
     turns: Vec<Turn>,
     stride: usize,
     /// Before the turns 0, `stride`, 2 `stride` and so on.
-    kept: Vec<Vec<Vegetation>>,
+    kept: Vec<Vec<BushState>>,
 }
 
 impl VegetationHistory {
@@ -30,7 +30,7 @@ impl VegetationHistory {
         let setting = &timeline.setting;
         let turns = turns(timeline, setting);
         let stride = setting.bushes.len().max(LEAST_STRIDE);
-        let mut bushes = vec![Vegetation::Intact; setting.bushes.len()];
+        let mut bushes = vec![BushState::Intact; setting.bushes.len()];
         let mut kept = vec![bushes.clone()];
         for turns in turns.chunks_exact(stride) {
             apply(turns, &mut bushes);
@@ -40,7 +40,7 @@ impl VegetationHistory {
     }
 
     /// In the order of [`Setting::bushes`], after all facts at `time`.
-    pub fn at(&self, time: SimTime) -> Vec<Vegetation> {
+    pub fn at(&self, time: SimTime) -> Vec<BushState> {
         let until = self.turns.partition_point(|turn| turn.time <= time);
         let before = until / self.stride;
         let mut bushes = self.kept[before].clone();
@@ -59,7 +59,7 @@ fn turns(timeline: &Timeline, setting: &Setting) -> Vec<Turn> {
     events.filter_map(turn).collect()
 }
 
-fn apply(turns: &[Turn], bushes: &mut [Vegetation]) {
+fn apply(turns: &[Turn], bushes: &mut [BushState]) {
     for turn in turns {
         bushes[turn.bush] = turn.to;
     }

@@ -9,7 +9,7 @@ use crate::picture::canvas::{Canvas, Point};
 use crate::picture::colours::{INK, PAPER};
 use crate::picture::text::{self, Align};
 use crate::time::SimTime;
-use crate::timeline::Vegetation;
+use crate::timeline::BushState;
 
 /// Pictures of a flickering fire, shown in turn.
 const FRAMES: usize = 8;
@@ -41,7 +41,7 @@ pub fn draw(canvas: &mut Canvas, pane: &Pane, stamps: &mut Stamps) {
     let mut ages = Vec::new();
     let shows_ages = pane.shows(Layer::Ages) && side >= LEAST_AGE;
     for (&cell, bush) in pane.setting().bushes.iter().zip(&state.bushes).rev() {
-        let Vegetation::Burning { since } = *bush else { continue };
+        let BushState::Burning { since } = *bush else { continue };
         let at = pane.cell_centre(cell);
         if !pane.is_near(at, side) {
             continue;
