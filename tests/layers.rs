@@ -39,6 +39,23 @@ const EXCEPTIONS: &[(&str, &[&str], &str)] = &[
     ("audit", &["collision", "planning"], "a second opinion shares no code with what it judges"),
 ];
 
+/// Rooms of a layer, which import each other one way: the layer, the room, the rooms that it may use, and why no others.
+const ROOMS: &[(&str, &str, &[&str], &str)] = &[
+    ("batch", "plan", &[], "which runs there are is known before the first of them"),
+    ("batch", "execute", &["plan"], "a run leaves its numbers in a journal, whatever is made of them later"),
+    ("batch", "table", &["plan", "execute"], "tables are read by other tools too, which have no use for reports"),
+    ("batch", "report", &["plan", "execute", "table"], "a report is of one batch, a comparison of several"),
+    (
+        "batch",
+        "comparison",
+        &["plan", "execute", "table"],
+        "it reads batches of any version of the program, a report those of this one",
+    ),
+];
+
+/// Layers whose names are all in rooms, so that files in them are imported by their room.
+const LAYERS_OF_ROOMS: &[&str] = &["batch"];
+
 /// Crates that are at home anywhere: derives and traits of the vocabulary.
 const ANYWHERE: &[&str] = &["rand", "schemars", "serde", "thiserror"];
 
@@ -79,6 +96,19 @@ fn objection_to_crate(layer: &str, target: &str) -> Option<String> {
         [] => format!("the crate `{target}` has no home; give it one in the table of layers"),
         homes => format!("the crate `{target}` is at home in {} only", homes.join(", ")),
     })
+}
+
+/// Why a room of a layer may not use what is called `target` in this layer.
+fn objection_to_room(layer: &str, room: &str, target: &str) -> Option<String> {
+    let (_, _, used, reason) = ROOMS.iter().find(|(name, own, ..)| *name == layer && *own == room)?;
+    let is_room = ROOMS.iter().any(|(name, other, ..)| *name == layer && *other == target);
+    if is_room {
+        let is_open = target == room || used.contains(&target);
+        return (!is_open).then(|| format!("the room `{target}` is not open to `{room}`: {reason}"));
+    }
+    let is_file = root().join("src").join(layer).join(target).with_extension("rs").exists();
+    let hides_its_room = LAYERS_OF_ROOMS.contains(&layer) && !is_file;
+    hides_its_room.then(|| format!("`{target}` is imported without its room, which hides the direction"))
 }
 
 fn root() -> &'static Path {
@@ -176,6 +206,26 @@ fn is_open_use(line: &str) -> bool {
     is_use && !line.contains(';')
 }
 
+/// What a file in a room names of its layer, with the names of layer and room.
+fn room_imports_of(file: &Path) -> Vec<(Import, String)> {
+    let Some(layer) = layer_of(file) else { return Vec::new() };
+    let inside = file.strip_prefix(root().join("src").join(&layer)).unwrap_or(Path::new(""));
+    let Some(room) = inside.parent().and_then(|folder| folder.components().next()) else { return Vec::new() };
+    let room = room.as_os_str().to_string_lossy().into_owned();
+    let text = fs::read_to_string(file).expect("sources are readable text");
+    let shown = file.strip_prefix(root()).expect("the file is in the package").display().to_string();
+    let to_the_layer = ["super::".repeat(depth_of(file) - 1), format!("crate::{layer}::")];
+    let mut imports = Vec::new();
+    for (number, line) in joined_lines(&text) {
+        let targets = to_the_layer.iter().flat_map(|start| names_after(&line, start));
+        for target in targets.filter(|target| !target.is_empty() && target != "super") {
+            let import = Import { place: format!("{shown}:{number}"), layer: layer.clone(), target, in_tests: false };
+            imports.push((import, room.clone()));
+        }
+    }
+    imports
+}
+
 fn imports_of(file: &Path, starts: &[String]) -> Vec<Import> {
     let Some(layer) = layer_of(file) else { return Vec::new() };
     let text = fs::read_to_string(file).expect("sources are readable text");
@@ -239,6 +289,19 @@ fn layers_use_only_what_stands_below_them() {
 }
 
 #[test]
+fn rooms_of_a_layer_use_each_other_one_way() {
+    let imports = source_files(&root().join("src")).into_iter().flat_map(|file| room_imports_of(&file));
+    let objections = imports.filter_map(|(import, room)| {
+        let reason = objection_to_room(&import.layer, &room, &import.target)?;
+        Some(format!("{}: crate::{}::{}: {reason}", import.place, import.layer, import.target))
+    });
+    assert_none(&objections.collect::<Vec<_>>());
+    for (layer, room, ..) in ROOMS {
+        assert!(root().join("src").join(layer).join(room).is_dir(), "{layer} has no room {room}");
+    }
+}
+
+#[test]
 fn external_crates_stay_where_they_are_at_home() {
     let starts: Vec<_> = dependencies().iter().map(|name| format!("{name}::")).collect();
     assert!(starts.len() > 10, "the dependencies were not found");
@@ -265,6 +328,9 @@ fn forbidden_imports_are_refused_with_their_reason() {
     assert!(objection_to_layer("planning", "scenario").is_some_and(|reason| reason.contains("downwards")));
     assert!(objection_to_layer("audit", "collision").is_some_and(|reason| reason.contains("second opinion")));
     assert!(objection_to_layer("view", "sim").is_some_and(|reason| reason.contains("timelines")));
+    assert_eq!(objection_to_room("batch", "report", "table"), None);
+    assert!(objection_to_room("batch", "table", "report").is_some_and(|reason| reason.contains("not open")));
+    assert!(objection_to_room("batch", "table", "RunRow").is_some_and(|reason| reason.contains("without its room")));
     assert_eq!(objection_to_crate("sim", "bevy"), None);
     assert_eq!(objection_to_crate("grid", "serde"), None);
     assert!(objection_to_crate("planning", "bevy").is_some_and(|reason| reason.contains("sim, view")));

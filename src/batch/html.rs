@@ -1,6 +1,6 @@
 //! Pages that need no other file and no network: their head, their tables, and text as it stands in them.
 
-use crate::batch::TextTable;
+use crate::batch::text_table::TextTable;
 use crate::untrusted::visible_lines;
 
 const HEAD: &str = "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n\

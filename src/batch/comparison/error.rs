@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use crate::batch::StrangeEntry;
+use crate::batch::execute::StrangeEntry;
 
 /// Why batches cannot be compared. Everything that comes from a file is shown as [`shown`](super::shown) makes it.
 #[derive(Debug, Error)]

@@ -8,8 +8,8 @@ use csv::{ByteRecord, Reader, ReaderBuilder};
 
 use crate::batch::comparison::error::ComparisonError;
 use crate::batch::comparison::words::shown;
-use crate::batch::entries::expect_files;
-use crate::batch::{MAX_RUNS, RUNS_FILE};
+use crate::batch::execute::{RUNS_FILE, expect_files};
+use crate::batch::plan::MAX_RUNS;
 use crate::input_file::{self, InputFile};
 use crate::untrusted::bytes_of_cell;
 

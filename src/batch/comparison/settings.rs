@@ -13,8 +13,7 @@ use crate::batch::comparison::pairs::Pairs;
 use crate::batch::comparison::runs_file::RunsTable;
 use crate::batch::comparison::sides::Side;
 use crate::batch::comparison::words::{listed, shown};
-use crate::batch::plan::{PLANNER_KEY, RecordedPlan, RecordedVariant, value_differences};
-use crate::batch::{PLAN_FILE, PlanError};
+use crate::batch::plan::{PLAN_FILE, PLANNER_KEY, PlanError, RecordedPlan, RecordedVariant, value_differences};
 
 /// The name of a scenario, which says nothing of its runs.
 const NAME_KEY: &str = "name";

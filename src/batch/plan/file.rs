@@ -23,7 +23,7 @@ use toml::{Table, Value};
 
 use super::sweep::SweepError;
 use super::{BatchRequest, Record, Setting, Sweep};
-use crate::batch::{Seeds, SeedsError};
+use super::{Seeds, SeedsError};
 use crate::scenario::{BUILT_IN, ScenarioText, first_too_deep};
 
 /// A plan file with comments, to begin with.

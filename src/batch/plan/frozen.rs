@@ -13,9 +13,11 @@ use thiserror::Error;
 use super::difference::{differences, differences_of_scenarios};
 use super::request::{MAX_PLAN_BYTES, MAX_VARIANTS};
 use super::{BatchPlan, MAX_SWEPT_KEYS, PROGRAM, PROGRAM_VERSION, Record, Variant};
-use crate::batch::{PLAN_FILE, Seeds, SeedsError, Value};
+use super::{Seeds, SeedsError, Value};
 use crate::input_file::{self, InputFile, list_of_at_most};
 use crate::scenario::{self, Fault, MemoryLimit, Scenario};
+
+pub const PLAN_FILE: &str = "plan.json";
 
 /// Version of the format of `plan.json`.
 pub(super) const PLAN_FORMAT: u32 = 2;
@@ -300,7 +302,7 @@ mod tests {
     use std::fs;
 
     use super::*;
-    use crate::batch::BatchRequest;
+    use crate::batch::plan::BatchRequest;
     use crate::scenario::BUILT_IN;
 
     fn plan(scenario: &str, options: &[&str]) -> BatchPlan {

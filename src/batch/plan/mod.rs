@@ -10,14 +10,20 @@ mod file;
 mod frozen;
 mod recorded;
 mod request;
+mod seeds;
+mod slice;
 mod sweep;
+mod value;
 
 pub use difference::value_differences;
 pub use file::{PLAN_TEMPLATE, schema as plan_schema};
-pub use frozen::PlanError;
+pub use frozen::{PLAN_FILE, PlanError};
 pub use recorded::{RecordedPlan, RecordedVariant};
 pub use request::{BatchRequest, MAX_VARIANTS, RUNS_WITHOUT_FORCE, RequestError};
+pub use seeds::{MAX_RUNS, Seeds, SeedsError};
+pub use slice::{Slice, SliceError};
 pub use sweep::{Setting, Sweep, SweepError};
+pub use value::Value;
 
 use std::fmt::Write;
 use std::str::FromStr;
@@ -25,7 +31,6 @@ use std::str::FromStr;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::batch::{RunLabel, Seeds, Value};
 use crate::input_file::list_of_at_most;
 use crate::scenario::{MemoryLimit, Scenario};
 
@@ -86,6 +91,28 @@ pub struct PlannedRun<'a> {
     pub number: u64,
     pub seed: u64,
     pub variant: &'a Variant,
+}
+
+/// Which run of a batch this is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RunLabel {
+    /// From 1, in the order of the plan.
+    pub run: u64,
+    pub scenario: String,
+    pub seed: u64,
+    /// Of the trucks; empty without any.
+    pub planner: String,
+    /// A value for each key that the batch sweeps.
+    #[serde(deserialize_with = "list_of_at_most::<MAX_SWEPT_KEYS, _, _>")]
+    pub swept: Vec<Value>,
+}
+
+impl RunLabel {
+    /// Of a run that is none of a batch.
+    pub fn alone(scenario: &Scenario, seed: u64) -> Self {
+        let planner = planner_of(scenario);
+        Self { run: 1, scenario: scenario.name.clone(), seed, planner, swept: Vec::new() }
+    }
 }
 
 impl BatchPlan {

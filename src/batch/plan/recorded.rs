@@ -7,7 +7,7 @@ use serde_json::Value as Json;
 
 use super::frozen::{PLAN_FORMAT, open, read_head, read_json};
 use super::{BatchPlan, PROGRAM_VERSION, PlanError, Variant, planner_of};
-use crate::batch::{PLAN_FILE, Value};
+use super::{PLAN_FILE, Value};
 
 /// The longest plan of another version that is read: unlike this version's, its values are not known beforehand, and
 /// each may take some dozen times the memory of its text.

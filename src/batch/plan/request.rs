@@ -8,7 +8,7 @@ use thiserror::Error;
 use super::file::{self, PlanFileError};
 use super::sweep::{SweepError, check_sweeps, split_at_commas};
 use super::{BatchPlan, MAX_CHANGES, MAX_SWEPT_KEYS, PLANNER_KEY, Record, Setting, Sweep, Variant};
-use crate::batch::{MAX_RUNS, Seeds, Value};
+use super::{MAX_RUNS, Seeds, Value};
 use crate::scenario::{LoadedScenario, MemoryLimit, Scenario, ScenarioError, ScenarioText};
 
 /// The most runs of a batch that is not insisted on.

@@ -5,7 +5,7 @@
 
 use thiserror::Error;
 
-use crate::batch::Value;
+use super::Value;
 use crate::scenario::toml_value;
 
 /// Keys that take their values together.

@@ -1,0 +1,205 @@
+//! Where in a journal the line of each run is.
+
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+
+use super::JournalError;
+use super::line::{Entry, Head, decode};
+use crate::batch::execute::{RunRow, Status};
+use crate::batch::plan::{BatchPlan, Slice};
+
+/// The longest line; that of a run with a hundred agents and thousands of plans has some megabytes.
+const MAX_LINE_BYTES: u64 = 1 << 25;
+
+/// The runs that a journal holds, eight bytes each.
+#[derive(Clone, Debug)]
+pub struct JournalIndex {
+    slice: Slice,
+    /// By place in the slice, where the run's line begins; zero, where the first line begins, of a run that is missing.
+    offsets: Vec<u64>,
+    held: u64,
+    /// Runs held that are not done.
+    not_done: u64,
+    /// Runs that were held when the journal was read and that leave recordings.
+    recorded: Vec<u64>,
+    /// Bytes of all whole lines.
+    end: u64,
+    /// Whether something follows the last whole line.
+    torn: bool,
+}
+
+impl JournalIndex {
+    /// Of a journal without a line.
+    fn empty(slice: Slice, runs: u64) -> Self {
+        let places = usize::try_from(slice.count(runs)).expect("the runs of a batch are counted in memory");
+        Self { slice, offsets: vec![0; places], held: 0, not_done: 0, recorded: Vec::new(), end: 0, torn: false }
+    }
+
+    /// Reads the journal of a slice of a plan; one without a whole first line is empty.
+    ///
+    /// # Errors
+    /// If a line is damaged, belongs to another plan or slice, or names a run that was named before.
+    pub fn read(path: &Path, file: &File, plan: &BatchPlan, slice: Slice) -> Result<Self, JournalError> {
+        let mut index = Self::empty(slice, plan.count());
+        let mut lines = Lines::new(path, file)?;
+        let damaged = |line: u64, reason: String| JournalError::Damaged { path: path.to_owned(), line, reason };
+        while let Some((number, offset)) = lines.next()? {
+            if number == 1 {
+                check_head(path, &lines.line, &Head::of(&plan.content_sha256(), slice))?;
+            } else {
+                let entry: Entry = decode(&lines.line).map_err(|reason| damaged(number, reason))?;
+                index.add(entry.label.run, entry.status, offset).map_err(|reason| damaged(number, reason))?;
+                index.recorded.extend(entry.is_recorded(plan.record).then_some(entry.label.run));
+            }
+        }
+        index.recorded.sort_unstable();
+        index.end = lines.end;
+        index.torn = lines.torn;
+        Ok(index)
+    }
+
+    /// Takes a run whose line begins at `offset`.
+    fn add(&mut self, run: u64, status: Status, offset: u64) -> Result<(), String> {
+        let place = self.slice.place_of(run).and_then(|place| self.offsets.get_mut(usize::try_from(place).ok()?));
+        let Some(place) = place else {
+            return Err(format!("run {run} is none of slice {}", self.slice));
+        };
+        if *place != 0 {
+            return Err(format!("run {run} was there before"));
+        }
+        *place = offset;
+        self.held += 1;
+        self.not_done += u64::from(status != Status::Done);
+        Ok(())
+    }
+
+    /// Takes the line of a run that was written at the end.
+    pub fn append(&mut self, run: u64, status: Status, bytes: usize) {
+        let offset = self.end;
+        self.add(run, status, offset).expect("only missing runs are run");
+        self.end += bytes as u64;
+    }
+
+    /// Takes the first line, which was written.
+    pub fn append_head(&mut self, bytes: usize) {
+        self.end = bytes as u64;
+    }
+
+    pub fn slice(&self) -> Slice {
+        self.slice
+    }
+
+    /// Runs of the slice.
+    pub fn count(&self) -> u64 {
+        self.offsets.len() as u64
+    }
+
+    /// Runs that the journal holds, and how many of these are not done.
+    pub fn held(&self) -> (u64, u64) {
+        (self.held, self.not_done)
+    }
+
+    pub fn is_complete(&self) -> bool {
+        self.held == self.count()
+    }
+
+    /// The runs that the journal does not hold, in order.
+    pub fn missing(&self) -> impl Iterator<Item = u64> + Send + 'static {
+        let (slice, held): (Slice, Vec<bool>) = (self.slice, self.offsets.iter().map(|&offset| offset != 0).collect());
+        (0..).zip(held).filter(|(_, held)| !held).map(move |(place, _)| slice.run_at(place))
+    }
+
+    /// The runs that were held when the journal was read and that leave recordings, in order.
+    pub fn recorded(&self) -> &[u64] {
+        &self.recorded
+    }
+
+    /// Bytes of all whole lines, and whether something follows them.
+    pub fn end(&self) -> (u64, bool) {
+        (self.end, self.torn)
+    }
+}
+
+/// Reads the rows of a journal that is complete.
+pub struct RowReader<'a> {
+    path: PathBuf,
+    reader: BufReader<&'a File>,
+    index: &'a JournalIndex,
+    line: Vec<u8>,
+}
+
+impl<'a> RowReader<'a> {
+    pub fn new(path: PathBuf, file: &'a File, index: &'a JournalIndex) -> Result<Self, JournalError> {
+        let mut reader = BufReader::new(file);
+        reader.rewind().map_err(|source| JournalError::unreadable(&path, source))?;
+        Ok(Self { path, reader, index, line: Vec::new() })
+    }
+
+    /// The row of a run that the journal holds.
+    pub fn row(&mut self, run: u64) -> Result<RunRow, JournalError> {
+        let place = self.index.slice.place_of(run).expect("the run is one of this slice");
+        let offset = self.index.offsets[usize::try_from(place).expect("it is in memory")];
+        self.read_line(offset).map_err(|source| JournalError::unreadable(&self.path, source))?;
+        // The line was read before, so what is wrong now is a change of the file or of its format.
+        let damaged = |reason| JournalError::Damaged { path: self.path.clone(), line: place + 2, reason };
+        decode(&self.line).map_err(damaged)
+    }
+
+    fn read_line(&mut self, offset: u64) -> io::Result<()> {
+        let here = self.reader.stream_position()?;
+        // Lines stand nearly in the order of their runs, so that the next is mostly in the buffer.
+        self.reader.seek_relative(offset.cast_signed() - here.cast_signed())?;
+        self.line.clear();
+        self.reader.by_ref().take(MAX_LINE_BYTES).read_until(b'\n', &mut self.line)?;
+        self.line.pop();
+        Ok(())
+    }
+}
+
+fn check_head(path: &Path, line: &[u8], expected: &Head) -> Result<(), JournalError> {
+    let damaged = |reason: String| JournalError::Damaged { path: path.to_owned(), line: 1, reason };
+    let head: Head = decode(line).map_err(damaged)?;
+    if head.plan_sha256 != expected.plan_sha256 {
+        let (found, expected) = (head.plan_sha256, expected.plan_sha256.clone());
+        return Err(JournalError::OtherPlan { path: path.to_owned(), found, expected });
+    }
+    if head == *expected { Ok(()) } else { Err(damaged("it is the journal of another slice, or format".into())) }
+}
+
+/// The whole lines of a file.
+struct Lines<'a> {
+    path: &'a Path,
+    reader: BufReader<&'a File>,
+    line: Vec<u8>,
+    number: u64,
+    end: u64,
+    torn: bool,
+}
+
+impl<'a> Lines<'a> {
+    fn new(path: &'a Path, file: &'a File) -> Result<Self, JournalError> {
+        let mut reader = BufReader::new(file);
+        reader.seek(SeekFrom::Start(0)).map_err(|source| JournalError::unreadable(path, source))?;
+        Ok(Self { path, reader, line: Vec::new(), number: 0, end: 0, torn: false })
+    }
+
+    /// Reads the next line into `line`; its number, from 1, and where it begins.
+    fn next(&mut self) -> Result<Option<(u64, u64)>, JournalError> {
+        self.line.clear();
+        let read = self.reader.by_ref().take(MAX_LINE_BYTES).read_until(b'\n', &mut self.line);
+        let bytes = read.map_err(|source| JournalError::unreadable(self.path, source))? as u64;
+        if self.line.pop() != Some(b'\n') {
+            if bytes == MAX_LINE_BYTES {
+                let reason = format!("it has more than {} MB", MAX_LINE_BYTES >> 20);
+                return Err(JournalError::Damaged { path: self.path.to_owned(), line: self.number + 1, reason });
+            }
+            self.torn = bytes > 0;
+            return Ok(None);
+        }
+        let offset = self.end;
+        self.number += 1;
+        self.end += bytes;
+        Ok(Some((self.number, offset)))
+    }
+}

@@ -1,0 +1,33 @@
+//! Workers that make the runs of a plan, the journal that loses none of them, and the folder that it is in.
+//!
+//! What a run leaves is a [`RunRow`]: its numbers, not its facts.
+
+mod cpu_split;
+mod detail;
+mod disk;
+mod entries;
+mod error;
+mod journal;
+mod output_folder;
+pub(super) mod panics;
+mod row;
+mod session;
+mod status;
+mod workers;
+
+pub use cpu_split::CpuSplit;
+pub use detail::{PlannerCall, RunDetail, STATE_STEPS, Solution, StateCount};
+pub use disk::{Append, Disk, RealDisk, Whole};
+pub use entries::{
+    AGENTS_FILE, CALLS_PARQUET, CHARTS_FOLDER, RECORDINGS_FOLDER, REPORT_FILE, RUNS_FILE, RUNS_PARQUET, STATES_PARQUET,
+    StrangeEntry, TABLES_FILE,
+};
+pub(super) use entries::{expect_file, expect_files};
+pub use error::BatchError;
+pub(super) use journal::ReadJournal;
+pub use journal::{JournalError, JournalIndex};
+pub use output_folder::{OutputFolder, file_name_of};
+pub use row::{RunResult, RunRow, Status};
+pub use session::{Batch, Found, LostRecording};
+pub use status::{BatchStatus, SliceState, batch_status};
+pub use workers::RunScenario;

@@ -1,0 +1,260 @@
+//! Audits of many runs on several threads: recordings, and runs of batches, which are simulated again where they were not
+//! recorded.
+
+use std::fmt;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use rayon::prelude::*;
+
+use crate::audit::{Audited, SampleStep, Verdict, audit_timeline};
+use crate::batch::execute::{BatchError, RUNS_FILE, RunResult, RunRow, Status, panics};
+use crate::batch::plan::PlannedRun;
+use crate::batch::table::{FinishedBatch, FinishedError, FinishedRow};
+use crate::scenario::MemoryLimit;
+use crate::sim::{self, RunCost, RunOptions};
+use crate::timeline::{Outcome, Timeline, file};
+
+/// Runs between two looks at the results, per worker.
+const RUNS_PER_ROUND: usize = 32;
+
+/// The most violations that are told in words.
+pub const TOLD_VIOLATIONS: usize = 10;
+
+/// Where runs are found.
+#[derive(Debug)]
+pub enum AuditSource {
+    Recordings(Vec<PathBuf>),
+    Batch(Box<FinishedBatch>),
+}
+
+impl AuditSource {
+    pub fn count(&self) -> u64 {
+        match self {
+            Self::Recordings(paths) => paths.len() as u64,
+            Self::Batch(batch) => batch.count(),
+        }
+    }
+}
+
+/// What many audits found.
+#[derive(Clone, Debug, Default)]
+pub struct AuditReport {
+    /// Audited runs, by where their timelines are from.
+    pub recorded: u64,
+    pub simulated: u64,
+    /// Runs that could not take place, as their rows say.
+    pub not_run: u64,
+    /// Runs of batches that never came to write rows.
+    pub without_row: u64,
+    /// Recordings that do not say how fast agents may go and how fire behaves.
+    pub without_limits: u64,
+    pub audited: Audited,
+    /// Runs with a violation, and the first of them in words.
+    pub violations: u64,
+    pub told: Vec<String>,
+    /// Why the first file could not be read, and how many could not.
+    pub first_unreadable: Option<(String, ErrorKind)>,
+    pub unreadable: u64,
+}
+
+/// One run to be audited.
+enum Subject<'a> {
+    Recording(&'a Path),
+    Run { batch: &'a FinishedBatch, run: PlannedRun<'a>, row: Option<FinishedRow> },
+}
+
+/// What became of it.
+enum Finding {
+    Recorded(Verdict, Option<String>),
+    Simulated(Verdict, Option<String>),
+    NotRun(Option<String>),
+    Unreadable(String, ErrorKind),
+}
+
+type Subjects<'a> = Box<dyn Iterator<Item = Result<Subject<'a>, FinishedError>> + 'a>;
+
+impl AuditSource {
+    /// The runs in their order, each with its row if there is one.
+    fn subjects(&self) -> Result<Subjects<'_>, FinishedError> {
+        match self {
+            Self::Recordings(paths) => Ok(Box::new(paths.iter().map(|path| Ok(Subject::Recording(path))))),
+            Self::Batch(batch) => {
+                let mut rows = batch.rows()?;
+                Ok(Box::new(batch.runs().map(move |run| {
+                    let row = rows.as_mut().map(|rows| rows.next(&run)).transpose()?;
+                    Ok(Subject::Run { batch, run, row })
+                })))
+            }
+        }
+    }
+}
+
+/// Audits all runs of all sources on `jobs` threads; what is reported is in their order, whatever the number of threads.
+///
+/// `on_run` is called from the workers after each run, in any order.
+///
+/// # Errors
+/// Rows that do not go with their plan, or threads that cannot be started.
+pub fn audit_all(
+    sources: &[AuditSource],
+    jobs: usize,
+    step: SampleStep,
+    on_run: impl Fn() + Sync,
+) -> Result<AuditReport, AuditsError> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
+    let pool = pool.map_err(|error| BatchError::NoWorkers { jobs, reason: error.to_string() })?;
+    let mut report = AuditReport::default();
+    let look = |subject: &Subject<'_>| (subject.name(), subject.look(step));
+    for source in sources {
+        let mut subjects = source.subjects()?;
+        loop {
+            let round = subjects.by_ref().take(RUNS_PER_ROUND * jobs).collect::<Result<Vec<_>, _>>()?;
+            if round.is_empty() {
+                break;
+            }
+            let findings: Vec<_> =
+                pool.install(|| round.par_iter().with_max_len(1).map(look).inspect(|_| on_run()).collect());
+            report.without_row += round.iter().filter(|subject| subject.lacks_its_row()).count() as u64;
+            findings.into_iter().for_each(|(name, finding)| report.add(&name, finding));
+        }
+    }
+    Ok(report)
+}
+
+impl Subject<'_> {
+    fn name(&self) -> String {
+        match self {
+            Self::Recording(path) => path.display().to_string(),
+            Self::Run { batch, run, .. } => batch.name_of(run),
+        }
+    }
+
+    fn lacks_its_row(&self) -> bool {
+        matches!(self, Self::Run { row: None, .. })
+    }
+
+    fn look(&self, step: SampleStep) -> Finding {
+        match self {
+            Self::Recording(path) => look_at_file(path, step, |_| None),
+            Self::Run { batch, run, row } => match batch.recording(run) {
+                Some(path) => look_at_file(&path, step, |timeline| {
+                    let difference = || difference(run, row.as_ref(), timeline, RunCost::default());
+                    other_run(run, timeline).or_else(difference)
+                }),
+                None => look_again(run, batch.plan().memory, row.as_ref(), step),
+            },
+        }
+    }
+}
+
+fn look_at_file(path: &Path, step: SampleStep, difference: impl Fn(&Timeline) -> Option<String>) -> Finding {
+    match file::read(path) {
+        Ok(timeline) => Finding::Recorded(audit_timeline(&timeline, step), difference(&timeline)),
+        Err(error) => Finding::Unreadable(format!("{}: {error}", path.display()), error.kind()),
+    }
+}
+
+/// Makes a run once more, within the memory that it had.
+fn look_again(run: &PlannedRun<'_>, memory: MemoryLimit, row: Option<&FinishedRow>, step: SampleStep) -> Finding {
+    let options = RunOptions { memory, ..RunOptions::default() };
+    match panics::catch(|| sim::run_with(&run.variant.scenario, run.seed, options)) {
+        Ok(Ok(again)) => {
+            let difference = difference(run, row, &again.timeline, again.cost);
+            Finding::Simulated(audit_timeline(&again.timeline, step), difference)
+        }
+        Ok(Err(error)) => Finding::NotRun(missing_result(run, row, Status::Failed, &error.to_string())),
+        Err(panic) => Finding::NotRun(missing_result(run, row, Status::Panicked, &panic)),
+    }
+}
+
+/// In words, that a recording is not of the run whose name it has.
+fn other_run(run: &PlannedRun<'_>, timeline: &Timeline) -> Option<String> {
+    let (name, seed) = (&timeline.setting.scenario, timeline.setting.seed);
+    let is_other = seed != run.seed || *name != run.variant.scenario.name;
+    is_other.then(|| format!("its recording is of {name}, seed {seed}"))
+}
+
+/// In words, what a row says else than a run. That it cannot be recorded is no difference.
+fn difference(run: &PlannedRun<'_>, row: Option<&FinishedRow>, timeline: &Timeline, cost: RunCost) -> Option<String> {
+    let row = row.filter(|row| row.is_done() || file::encode(timeline).is_ok())?;
+    let result = RunResult::new(Outcome::new(timeline), cost);
+    row.difference(&RunRow::done(run.label(), result, Duration::ZERO))
+}
+
+/// In words, that a row has a result which its run does not give.
+fn missing_result(run: &PlannedRun<'_>, row: Option<&FinishedRow>, status: Status, message: &str) -> Option<String> {
+    let row = row.filter(|row| row.is_done())?;
+    let again = RunRow::not_done(run.label(), status, message.to_owned(), Duration::ZERO);
+    row.difference(&again)
+}
+
+impl AuditReport {
+    /// Runs that were audited.
+    pub fn runs(&self) -> u64 {
+        self.recorded + self.simulated
+    }
+
+    fn add(&mut self, name: &str, finding: Finding) {
+        let (verdict, difference) = match finding {
+            Finding::Recorded(verdict, difference) => {
+                self.recorded += 1;
+                (Some(verdict), difference)
+            }
+            Finding::Simulated(verdict, difference) => {
+                self.simulated += 1;
+                (Some(verdict), difference)
+            }
+            Finding::NotRun(difference) => {
+                self.not_run += 1;
+                (None, difference)
+            }
+            Finding::Unreadable(reason, kind) => {
+                self.unreadable += 1;
+                self.first_unreadable.get_or_insert((reason, kind));
+                return;
+            }
+        };
+        let violation = verdict.as_ref().and_then(|verdict| verdict.violation);
+        if let Some(verdict) = verdict {
+            self.audited += verdict.audited;
+            self.without_limits += u64::from(!verdict.knows_limits);
+        }
+        let words = violation.map(|violation| violation.to_string()).or(difference);
+        self.violations += u64::from(words.is_some());
+        self.told.extend(words.filter(|_| self.told.len() < TOLD_VIOLATIONS).map(|words| format!("{name}: {words}")));
+    }
+}
+
+impl fmt::Display for AuditReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Audited { legs, poses, metres, extinctions } = self.audited;
+        writeln!(f, "Runs: {} recorded, {} simulated again from their plan.", self.recorded, self.simulated)?;
+        if self.not_run > 0 {
+            writeln!(f, "{} more could not take place.", self.not_run)?;
+        }
+        writeln!(f, "Looked at: {legs} legs, {metres:.0} m, {poses} poses, {extinctions} extinctions.")?;
+        if self.without_row > 0 {
+            writeln!(f, "{} of the runs have no row in {RUNS_FILE} to be compared with.", self.without_row)?;
+        }
+        if self.without_limits > 0 {
+            let count = self.without_limits;
+            writeln!(f, "{count} of the recordings, older than format 3, do not say how fast agents may")?;
+            writeln!(f, "go and how fire spreads: that was not checked.")?;
+        }
+        match self.violations {
+            0 => writeln!(f, "Violations: none."),
+            count => writeln!(f, "Violations: {count} of {} runs have one.", self.runs() + self.not_run),
+        }
+    }
+}
+
+/// Why runs cannot be audited.
+#[derive(Debug, thiserror::Error)]
+pub enum AuditsError {
+    #[error(transparent)]
+    Finished(#[from] FinishedError),
+    #[error(transparent)]
+    Batch(#[from] BatchError),
+}

@@ -1,0 +1,188 @@
+//! The charts of a report.
+
+use super::collected::{Collected, Values};
+use super::facets::{Facet, FacetSeries, MOST_PANELS, variant_facets};
+use super::labels::Labels;
+use super::over_time::StateCurves;
+use super::quantities::{CPU_PARTS, MEASURES, Quantity, STATES, Unit};
+use super::sweeps::sweep_charts;
+use crate::batch::plan::BatchPlan;
+use crate::picture::charts::{
+    BarChart, BarPanel, BarSeries, Curve, CurveChart, CurvePanel, Drawing, STYLES, Spread, Strip, StripChart,
+    StripPanel, Style, Titles,
+};
+use crate::stats::quantile;
+
+/// What a chart belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Section {
+    Means,
+    Distributions,
+    OverTime,
+    Sweeps,
+}
+
+/// A sheet of a chart and the name of its files, without an ending.
+#[derive(Debug)]
+pub struct Figure {
+    pub section: Section,
+    pub file: String,
+    pub drawing: Drawing,
+}
+
+/// The figures of a report.
+#[derive(Debug, Default)]
+pub struct Figures {
+    /// The sheets, in the order of the report.
+    pub drawn: Vec<Figure>,
+    /// Charts that are not drawn, since they would have too many panels: a sentence for each.
+    pub refused: Vec<String>,
+}
+
+impl Figures {
+    /// Draws the figures of all variants.
+    pub fn new(plan: &BatchPlan, collected: &Collected, states: Option<&[StateCurves]>) -> Self {
+        let mut figures = Self::default();
+        let panels = variant_facets(plan);
+        if figures.admits("states, CPU time and distributions of the variants", panels.len()) {
+            let values = &collected.variants;
+            let bars = |title, quantities| bars(title, quantities, &panels, values);
+            figures.add(Section::Means, "states", bars("Obstacle states at the end", &STATES).draw());
+            figures.add(Section::Means, "cpu-time", bars("CPU time of a run by part", &CPU_PARTS).draw());
+            for quantity in STATES.iter().chain(&MEASURES) {
+                if let Some(chart) = distribution(quantity, &panels, values) {
+                    figures.add(Section::Distributions, &format!("distribution-{}", quantity.column), chart.draw());
+                }
+            }
+        }
+        figures.add_over_time(plan, states.unwrap_or(&[]));
+        for chart in sweep_charts(plan, &collected.variants) {
+            if figures.admits(&chart.what, chart.chart.panels.len()) {
+                figures.add(Section::Sweeps, &chart.file, chart.chart.draw());
+            }
+        }
+        figures
+    }
+
+    /// Says whether a chart has few enough panels; if not, notes in a sentence that it is not drawn.
+    fn admits(&mut self, what: &str, panels: usize) -> bool {
+        if panels > MOST_PANELS {
+            let sentence =
+                format!("No charts of {what}: they would have {panels} panels, at most {MOST_PANELS} are drawn.");
+            self.refused.extend((!self.refused.contains(&sentence)).then_some(sentence));
+        }
+        panels <= MOST_PANELS
+    }
+
+    /// Adds the sheets of a chart; those after the first have a number.
+    fn add(&mut self, section: Section, file: &str, sheets: Vec<Drawing>) {
+        for (index, drawing) in sheets.into_iter().enumerate() {
+            let file = if index == 0 { file.to_owned() } else { format!("{file}-{}", index + 1) };
+            self.drawn.push(Figure { section, file, drawing });
+        }
+    }
+
+    /// Adds the states of each variant over time: a chart for each of a few variants, a panel for each of many.
+    fn add_over_time(&mut self, plan: &BatchPlan, states: &[StateCurves]) {
+        if !states.iter().any(StateCurves::is_there) {
+            return;
+        }
+        let labels = Labels::of(plan);
+        let all = labels.groups().concat();
+        let panels: Vec<CurvePanel> = states
+            .iter()
+            .enumerate()
+            .map(|(variant, curves)| {
+                let note = if curves.is_there() { "" } else { " (no run is done)" };
+                CurvePanel { name: labels.label(variant, &all) + note, curves: state_curves(curves) }
+            })
+            .collect();
+        if panels.len() <= STYLES.len() {
+            for (index, panel) in panels.into_iter().enumerate() {
+                let (title, file) = (format!(": {}", panel.name), format!("over-time-{}", index + 1));
+                let alone = CurvePanel { name: String::new(), ..panel };
+                self.add(Section::OverTime, &file, over_time(&title, vec![alone]).draw());
+            }
+        } else if self.admits("states over time", panels.len()) {
+            self.add(Section::OverTime, "over-time", over_time("", panels).draw());
+        }
+    }
+}
+
+fn bars(title: &str, quantities: &[Quantity], panels: &[Facet], values: &[Values]) -> BarChart {
+    let of_series = |series: &FacetSeries| {
+        let values = &values[series.variants[0]];
+        let bars = quantities.iter().map(|quantity| values.mean(quantity)).collect();
+        BarSeries { name: series.name.clone(), style: series.style, bars }
+    };
+    BarChart {
+        titles: Titles {
+            title: title.into(),
+            note: "Bars are means, whiskers their 95 % intervals.".into(),
+            x: String::new(),
+            y: quantities.first().map_or("", |quantity| quantity.unit.of_axis()).into(),
+        },
+        groups: quantities.iter().map(|quantity| quantity.name.to_owned()).collect(),
+        panels: panels
+            .iter()
+            .map(|panel| BarPanel { name: panel.name.clone(), series: panel.series.iter().map(of_series).collect() })
+            .collect(),
+    }
+}
+
+/// `None` where all runs have the same.
+fn distribution(quantity: &Quantity, panels: &[Facet], values: &[Values]) -> Option<StripChart> {
+    let strip = |series: &FacetSeries| strip(series, values[series.variants[0]].of(quantity));
+    let panels: Vec<StripPanel> = panels
+        .iter()
+        .map(|panel| StripPanel { name: panel.name.clone(), strips: panel.series.iter().map(strip).collect() })
+        .collect();
+    let ends = panels.iter().flat_map(|panel| &panel.strips);
+    let ends = ends.flat_map(|strip| strip.values.first().into_iter().chain(strip.values.last()));
+    let (least, most) =
+        ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), &end| (least.min(end), most.max(end)));
+    (most > least).then(|| StripChart {
+        titles: Titles {
+            title: quantity.title(),
+            note: "Columns count runs; the highest has its number. Below: median, middle half, middle 90 %.".into(),
+            x: quantity.unit.of_axis().into(),
+            y: String::new(),
+        },
+        panels,
+    })
+}
+
+fn strip(series: &FacetSeries, values: &[f64]) -> Strip {
+    let mut values = values.to_vec();
+    values.sort_by(f64::total_cmp);
+    let quantiles = [0.05, 0.25, 0.5, 0.75, 0.95].map(|share| quantile(&values, share));
+    let quantiles = quantiles.iter().all(Option::is_some).then(|| quantiles.map(Option::unwrap_or_default));
+    Strip { name: series.name.clone(), style: series.style, values, quantiles }
+}
+
+/// Looks of the states: bluish green, vermilion, black, blue.
+fn state_styles() -> [Style; STATES.len()] {
+    [STYLES[2], STYLES[1], STYLES[6], STYLES[0]]
+}
+
+fn state_curves(curves: &StateCurves) -> Vec<Curve> {
+    let curve = |((state, style), points): ((&Quantity, Style), &Vec<_>)| Curve {
+        name: state.name.into(),
+        style,
+        points: points.clone(),
+    };
+    STATES.iter().zip(state_styles()).zip(&curves.0).map(curve).collect()
+}
+
+fn over_time(of: &str, panels: Vec<CurvePanel>) -> CurveChart {
+    CurveChart {
+        titles: Titles {
+            title: format!("Obstacle states over time{of}"),
+            note: "Lines are means, bands the middle 80 % of runs.".into(),
+            x: "simulated seconds".into(),
+            y: Unit::Share.of_axis().into(),
+        },
+        spread: Spread::Bands,
+        panels,
+    }
+}

@@ -1,0 +1,93 @@
+//! The report of a batch: one page that needs no other file and no network, and its charts as SVG and PNG.
+//!
+//! Everything in it is read from the batch's folder: plan, `runs.csv`, `states.parquet`. The same batch gives the same
+//! bytes. Means stand with Student's 95 % intervals, as in the batch's tables.
+
+mod collected;
+mod facets;
+mod figures;
+mod labels;
+mod over_time;
+mod page;
+mod quantities;
+mod sweeps;
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use crate::batch::execute::{CHARTS_FOLDER, REPORT_FILE};
+use crate::batch::table::{FinishedBatch, FinishedError};
+use crate::picture::font_has_all_of;
+use crate::whole_file::WholeFile;
+use collected::Collected;
+use figures::{Figure, Figures};
+use over_time::StateCurves;
+
+/// Where a report was written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct WrittenReport {
+    pub page: PathBuf,
+    pub charts_folder: PathBuf,
+    pub charts: usize,
+    /// Charts that are not drawn since they would have too many panels: a sentence for each.
+    pub refused: Vec<String>,
+    /// The first text in a chart that has letters which the font of pictures lacks.
+    pub unknown_letters: Option<String>,
+}
+
+/// Why a batch cannot be reported on.
+#[derive(Debug, Error)]
+pub enum ReportError {
+    #[error(transparent)]
+    Finished(#[from] FinishedError),
+    #[error("the batch in {} has no table of runs yet", folder.display())]
+    Unfinished { folder: PathBuf },
+    #[error("cannot read {}: {reason}", path.display())]
+    BadStates { path: PathBuf, reason: String },
+    #[error("cannot write {}: {source}", path.display())]
+    Unwritable { path: PathBuf, source: io::Error },
+}
+
+/// Reads a batch that is over, and writes `report.html` and a folder of charts beside its tables.
+pub fn write_report(batch: &FinishedBatch) -> Result<WrittenReport, ReportError> {
+    let folder = batch.folder();
+    let rows = batch.rows()?.ok_or_else(|| ReportError::Unfinished { folder: folder.to_owned() })?;
+    let collected = Collected::read(batch.plan(), rows)?;
+    let states = StateCurves::read(folder, batch.plan())?;
+    let figures = Figures::new(batch.plan(), &collected, states.as_deref());
+    let charts_folder = folder.join(CHARTS_FOLDER);
+    fs::create_dir_all(&charts_folder).map_err(|source| unwritable(&charts_folder, source))?;
+    for figure in &figures.drawn {
+        write_chart(&charts_folder, figure)?;
+    }
+    let page = folder.join(REPORT_FILE);
+    write_whole(&page, page::page(batch, &collected, &figures).as_bytes())?;
+    let Figures { drawn, refused } = figures;
+    let unknown_letters = {
+        let mut texts = drawn.iter().flat_map(|figure| figure.drawing.texts());
+        texts.find(|text| !font_has_all_of(text)).map(str::to_owned)
+    };
+    Ok(WrittenReport { page, charts_folder, charts: drawn.len(), refused, unknown_letters })
+}
+
+fn write_chart(folder: &Path, figure: &Figure) -> Result<(), ReportError> {
+    write_whole(&folder.join(format!("{}.svg", figure.file)), figure.drawing.to_svg().as_bytes())?;
+    let path = folder.join(format!("{}.png", figure.file));
+    figure.drawing.paint().write_png(&path).map_err(|source| unwritable(&path, source))
+}
+
+fn write_whole(path: &Path, contents: &[u8]) -> Result<(), ReportError> {
+    let write = || {
+        let mut file = WholeFile::create(path)?;
+        file.write_all(contents)?;
+        file.finish()
+    };
+    write().map_err(|source| unwritable(path, source))
+}
+
+fn unwritable(path: &Path, source: io::Error) -> ReportError {
+    ReportError::Unwritable { path: path.to_owned(), source }
+}

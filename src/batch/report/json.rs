@@ -1,0 +1,49 @@
+//! One run as one JSON object, with the names and values of the columns.
+
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
+
+use crate::batch::execute::RunRow;
+use crate::batch::plan::{PROGRAM_VERSION, Value};
+use crate::batch::report::notes;
+use crate::batch::table::{AGENT_COLUMNS, AgentRow, RUN_COLUMNS, is_measured};
+
+/// Writes `{"program_version", "run": {outcome columns}, "agents": [{...}], "notes": [sentences], "measured": {cpu and
+/// wall columns}}`, on one line.
+pub fn run_json(row: &RunRow) -> String {
+    let columns = || RUN_COLUMNS.iter().map(|column| (column.name, (column.value)(row)));
+    let agent = |agent: AgentRow<'_>| {
+        let values = AGENT_COLUMNS.iter().map(|column| (column.name, (column.value)(&agent)));
+        Object(values.filter(|(name, _)| !["scenario", "seed", "run"].contains(name)).collect())
+    };
+    let object = RunObject {
+        program_version: PROGRAM_VERSION,
+        run: Object(columns().filter(|(name, _)| !is_measured(name)).collect()),
+        agents: AgentRow::all_of(row).map(agent).collect(),
+        notes: row.result.as_ref().map(notes).unwrap_or_default(),
+        measured: Object(columns().filter(|(name, _)| is_measured(name)).collect()),
+    };
+    serde_json::to_string(&object).expect("names, numbers and words are JSON")
+}
+
+#[derive(Serialize)]
+struct RunObject {
+    program_version: &'static str,
+    run: Object,
+    agents: Vec<Object>,
+    notes: Vec<String>,
+    measured: Object,
+}
+
+/// An object whose members keep their order.
+struct Object(Vec<(&'static str, Value)>);
+
+impl Serialize for Object {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(self.0.len()))?;
+        for (name, value) in &self.0 {
+            map.serialize_entry(name, value)?;
+        }
+        map.end()
+    }
+}

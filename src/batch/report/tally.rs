@@ -1,0 +1,187 @@
+//! What a batch adds up to: how many runs went well, who won, who was stuck.
+
+use std::cmp::Ordering;
+use std::fmt;
+
+use crate::batch::execute::{RunRow, Status};
+use crate::batch::report::notes;
+use crate::timeline::{Outcome, Winner};
+
+/// Counts and sums over the runs of a batch.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tally {
+    pub done: u64,
+    pub failed: u64,
+    pub panicked: u64,
+    /// Seed and message of the first run without a result.
+    pub first_failure: Option<(u64, String)>,
+    /// Runs that are done and have agents on both sides.
+    pub contested: u64,
+    pub won_by_wumpus: u64,
+    pub won_by_truck: u64,
+    pub wumpus_score: f64,
+    pub truck_score: f64,
+    /// Runs in which some agent was stuck, and for how long in all.
+    pub stuck_runs: u64,
+    pub truck_stuck_s: f64,
+    pub wumpus_stuck_s: f64,
+    /// The number of runs that have notes.
+    pub noted_runs: u64,
+    /// Seed and notes of the first of them.
+    pub first_notes: Option<(u64, Vec<String>)>,
+}
+
+impl Tally {
+    pub fn add(&mut self, row: &RunRow) {
+        match row.status {
+            Status::Done => self.done += 1,
+            Status::Failed => self.failed += 1,
+            Status::Panicked => self.panicked += 1,
+        }
+        let Some(result) = &row.result else {
+            self.first_failure.get_or_insert_with(|| (row.label.seed, row.message.clone()));
+            return;
+        };
+        let outcome = &result.outcome;
+        if result.trucks().next().is_some() && result.wumpuses().next().is_some() {
+            self.add_contest(outcome);
+        }
+        self.stuck_runs += u64::from(outcome.truck_stuck_s > 0.0 || outcome.wumpus_stuck_s > 0.0);
+        self.truck_stuck_s += outcome.truck_stuck_s;
+        self.wumpus_stuck_s += outcome.wumpus_stuck_s;
+        let notes = notes(result);
+        if !notes.is_empty() {
+            self.noted_runs += 1;
+            self.first_notes.get_or_insert((row.label.seed, notes));
+        }
+    }
+
+    fn add_contest(&mut self, outcome: &Outcome) {
+        self.contested += 1;
+        self.won_by_wumpus += u64::from(outcome.winner() == Winner::Wumpus);
+        self.won_by_truck += u64::from(outcome.winner() == Winner::Unimog);
+        self.wumpus_score += outcome.wumpus_score;
+        self.truck_score += outcome.truck_score;
+    }
+
+    /// Runs without a result.
+    pub fn not_done(&self) -> u64 {
+        self.failed + self.panicked
+    }
+}
+
+/// Says who won, which runs went wrong, who was stuck, who could do next to nothing: a few lines, no newline at the
+/// end. Only a message or a note may be wider than 80 columns.
+impl fmt::Display for Tally {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let lines = [self.champion(), Some(self.runs()), self.reason(), self.stuck()].into_iter().flatten();
+        f.write_str(&lines.chain(self.notes()).collect::<Vec<_>>().join("\n"))
+    }
+}
+
+impl Tally {
+    fn runs(&self) -> String {
+        let Self { done, failed, panicked, .. } = self;
+        match self.not_done() {
+            0 => format!("Runs: {done} done, none failed."),
+            _ => format!("Runs: {done} done, {failed} failed, {panicked} panicked; runs.csv says why."),
+        }
+    }
+
+    fn reason(&self) -> Option<String> {
+        self.first_failure.as_ref().map(|(seed, message)| format!("The first of these, seed {seed}: {message}"))
+    }
+
+    fn stuck(&self) -> Option<String> {
+        let (truck, wumpus) = (self.truck_stuck_s, self.wumpus_stuck_s);
+        match self.stuck_runs {
+            0 if self.done == 0 => None,
+            0 => Some("Stuck: nobody, in no run.".into()),
+            1 => Some(format!("Stuck: truck {truck:.1} s, Wumpus {wumpus:.1} s in all, in 1 run.")),
+            runs => Some(format!("Stuck: truck {truck:.1} s, Wumpus {wumpus:.1} s in all, in {runs} runs.")),
+        }
+    }
+
+    /// Returns the notes of the first run that has any, and says how many such runs there are.
+    pub fn notes(&self) -> Vec<String> {
+        let Some((seed, notes)) = &self.first_notes else { return Vec::new() };
+        let runs =
+            format!("In {} of {} runs an agent could do next to nothing; seed {seed}:", self.noted_runs, self.done);
+        std::iter::once(runs).chain(notes.iter().map(|note| format!("  {note}"))).collect()
+    }
+
+    /// Who has more points over the batch; `None` without runs that have agents on both sides.
+    fn champion(&self) -> Option<String> {
+        if self.contested == 0 {
+            return None;
+        }
+        let truck = (self.truck_score, self.won_by_truck);
+        let wumpus = (self.wumpus_score, self.won_by_wumpus);
+        let (name, first, second) = match self.truck_score.total_cmp(&self.wumpus_score) {
+            Ordering::Greater => ("the Unimog", truck, wumpus),
+            Ordering::Less => ("the Wumpus", wumpus, truck),
+            Ordering::Equal => ("nobody", truck, wumpus),
+        };
+        let ties = match self.contested - self.won_by_wumpus - self.won_by_truck {
+            0 => String::new(),
+            ties => format!(", {ties} tied"),
+        };
+        Some(format!(
+            "Champion: {name}, {} points to {}; runs won {} to {}{ties}.",
+            first.0, second.0, first.1, second.1
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn champion_has_more_points_not_more_runs() {
+        let tally = Tally {
+            done: 5,
+            contested: 5,
+            won_by_wumpus: 3,
+            won_by_truck: 1,
+            wumpus_score: 400.0,
+            truck_score: 500.5,
+            ..Tally::default()
+        };
+        let expected = "Champion: the Unimog, 500.5 points to 400; runs won 1 to 3, 1 tied.\n\
+                        Runs: 5 done, none failed.\n\
+                        Stuck: nobody, in no run.";
+        assert_eq!(tally.to_string(), expected);
+    }
+
+    #[test]
+    fn equal_points_have_no_champion() {
+        let tally = Tally { done: 2, contested: 2, won_by_wumpus: 1, won_by_truck: 1, ..Tally::default() };
+        assert!(tally.to_string().starts_with("Champion: nobody, 0 points to 0; runs won 1 to 1."));
+    }
+
+    #[test]
+    fn runs_that_went_wrong_and_agents_that_were_stuck_are_named() {
+        let tally = Tally { done: 2, failed: 3, panicked: 1, stuck_runs: 1, truck_stuck_s: 2.25, ..Tally::default() };
+        let text = tally.to_string();
+        assert!(text.contains("2 done, 3 failed, 1 panicked"), "{text}");
+        assert!(text.contains("truck 2.2 s, Wumpus 0.0 s in all, in 1 run."), "{text}");
+        assert!(!text.contains("Champion"), "{text}");
+    }
+
+    #[test]
+    fn agents_that_could_do_nothing_are_told_by_the_first_such_run() {
+        let notes = vec!["wumpus/0 can light nothing.".to_owned()];
+        let tally = Tally { done: 9, noted_runs: 3, first_notes: Some((7, notes)), ..Tally::default() };
+        let expected = "Runs: 9 done, none failed.\n\
+                        Stuck: nobody, in no run.\n\
+                        In 3 of 9 runs an agent could do next to nothing; seed 7:\n  wumpus/0 can light nothing.";
+        assert_eq!(tally.to_string(), expected);
+    }
+
+    #[test]
+    fn batch_without_results_says_so_and_nothing_more() {
+        let tally = Tally { failed: 2, ..Tally::default() };
+        assert_eq!(tally.to_string(), "Runs: 0 done, 2 failed, 0 panicked; runs.csv says why.");
+    }
+}

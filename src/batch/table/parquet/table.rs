@@ -1,0 +1,305 @@
+//! A Parquet file of named columns, written some thousand rows at a time.
+
+use std::borrow::Cow;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
+use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
+use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::{WriterProperties, WriterPropertiesBuilder};
+use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
+use parquet::schema::types::{ColumnPath, Type};
+
+use crate::batch::execute::{BatchError, Disk, Whole};
+use crate::batch::plan::Value;
+
+/// The kind of values that a column holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Signed, 64 bits, so that a difference of two columns may be negative.
+    Count,
+    /// Unsigned, 64 bits: numbers of which some are beyond [`i64::MAX`], such as a seed may be.
+    LargeCount,
+    Real,
+    Text,
+    Flag,
+}
+
+impl Kind {
+    /// Returns the kind of a column of whole numbers that are no larger than this.
+    pub fn holding_up_to(largest: u64) -> Self {
+        if i64::try_from(largest).is_ok() { Self::Count } else { Self::LargeCount }
+    }
+}
+
+/// A column of a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FileColumn {
+    pub name: Cow<'static, str>,
+    pub kind: Kind,
+    /// True if every row has a value; else a value may be missing, which is null.
+    pub is_required: bool,
+}
+
+impl FileColumn {
+    pub const fn required(name: &'static str, kind: Kind) -> Self {
+        Self { name: Cow::Borrowed(name), kind, is_required: true }
+    }
+
+    pub const fn optional(name: &'static str, kind: Kind) -> Self {
+        Self { name: Cow::Borrowed(name), kind, is_required: false }
+    }
+}
+
+/// A value to be written. A text is cheap to clone.
+#[derive(Clone, Debug)]
+pub enum Field {
+    Missing,
+    Count(u64),
+    Real(f64),
+    Text(ByteArray),
+    Flag(bool),
+}
+
+impl From<&Value> for Field {
+    fn from(value: &Value) -> Self {
+        match value {
+            Value::Missing => Self::Missing,
+            Value::Count(count) => Self::Count(*count),
+            Value::Real(number) => Self::Real(*number),
+            Value::Text(text) => Self::text(text),
+        }
+    }
+}
+
+impl Field {
+    pub fn text(text: &str) -> Self {
+        Self::Text(text.into())
+    }
+}
+
+/// A file that appears when it is finished.
+pub struct ParquetTable {
+    path: PathBuf,
+    writer: SerializedFileWriter<Box<dyn Whole>>,
+    columns: Vec<FileColumn>,
+    /// A buffer for each column.
+    buffers: Vec<Buffer>,
+    rows: usize,
+    rows_a_group: usize,
+}
+
+/// Rows of a column that are not written yet.
+struct Buffer {
+    /// 1 for each row that has a value, 0 for each that has none; the format calls them definition levels.
+    levels: Vec<i16>,
+    values: ColumnValues,
+}
+
+/// The values that are there.
+enum ColumnValues {
+    Whole(Vec<i64>),
+    Real(Vec<f64>),
+    Text(Vec<ByteArray>),
+    Flag(Vec<bool>),
+}
+
+impl ParquetTable {
+    /// Begins a file; `rows_a_group` rows are held in memory at most. `metadata` are keys and values of the whole file.
+    pub fn create(
+        path: PathBuf,
+        disk: &dyn Disk,
+        columns: Vec<FileColumn>,
+        metadata: &[(&str, String)],
+        rows_a_group: usize,
+    ) -> Result<Self, BatchError> {
+        let file = disk.whole_file(&path).map_err(|source| BatchError::unwritable(&path, source))?;
+        let properties = properties(&columns, metadata);
+        let writer =
+            schema(&columns).and_then(|schema| SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties)));
+        let writer = writer.map_err(|error| unwritable(&path, error))?;
+        let buffers = columns.iter().map(|column| Buffer::new(column.kind)).collect();
+        Ok(Self { path, writer, columns, buffers, rows: 0, rows_a_group })
+    }
+
+    /// Takes a row, a field for each column.
+    ///
+    /// # Errors
+    /// If a field does not go with its column: it is missing and required, of another kind, or a number that the
+    /// column's kind cannot hold. Nothing is ever written as another value.
+    pub fn add(&mut self, fields: impl IntoIterator<Item = Field>) -> Result<(), BatchError> {
+        let mut columns = self.columns.iter().zip(&mut self.buffers);
+        for (field, (column, buffer)) in fields.into_iter().zip(columns.by_ref()) {
+            if !buffer.push(column, &field) {
+                let reason = format!("{field:?} is no value of the column `{}`, {:?}", column.name, column.kind);
+                return Err(BatchError::unwritable(&self.path, io::Error::other(reason)));
+            }
+        }
+        assert!(columns.next().is_none(), "a row has a field for each column");
+        self.rows += 1;
+        if self.rows < self.rows_a_group { Ok(()) } else { self.write_group() }
+    }
+
+    pub fn finish(mut self) -> Result<(), BatchError> {
+        if self.rows > 0 {
+            self.write_group()?;
+        }
+        let file = self.writer.into_inner().map_err(|error| unwritable(&self.path, error))?;
+        file.finish().map_err(|source| BatchError::unwritable(&self.path, source))
+    }
+
+    fn write_group(&mut self) -> Result<(), BatchError> {
+        self.rows = 0;
+        let written = write_columns(&mut self.writer, &mut self.buffers);
+        written.map_err(|error| unwritable(&self.path, error))
+    }
+}
+
+/// Looking numbers up in a dictionary costs more than it saves, beside the compression.
+fn properties(columns: &[FileColumn], metadata: &[(&str, String)]) -> WriterProperties {
+    let numbers = columns.iter().filter(|column| column.kind != Kind::Text);
+    let metadata = metadata.iter().map(|(key, value)| KeyValue::new((*key).to_owned(), value.clone()));
+    let builder = WriterProperties::builder()
+        .set_compression(Compression::SNAPPY)
+        .set_key_value_metadata(Some(metadata.collect()));
+    let plain = |builder: WriterPropertiesBuilder, column: &FileColumn| {
+        builder.set_column_dictionary_enabled(ColumnPath::new(vec![column.name.clone().into_owned()]), false)
+    };
+    numbers.fold(builder, plain).build()
+}
+
+fn schema(columns: &[FileColumn]) -> Result<Type, ParquetError> {
+    let field = |column: &FileColumn| {
+        let (physical, logical) = match column.kind {
+            Kind::Count => (Physical::INT64, None),
+            Kind::LargeCount => (Physical::INT64, Some(LogicalType::integer(64, false))),
+            Kind::Real => (Physical::DOUBLE, None),
+            Kind::Text => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
+            Kind::Flag => (Physical::BOOLEAN, None),
+        };
+        let repetition = if column.is_required { Repetition::REQUIRED } else { Repetition::OPTIONAL };
+        let field = Type::primitive_type_builder(&column.name, physical).with_repetition(repetition);
+        field.with_logical_type(logical).build().map(Arc::new)
+    };
+    let fields = columns.iter().map(field).collect::<Result<_, _>>()?;
+    Type::group_type_builder("wildfire").with_fields(fields).build()
+}
+
+fn write_columns(
+    writer: &mut SerializedFileWriter<Box<dyn Whole>>,
+    buffers: &mut [Buffer],
+) -> Result<(), ParquetError> {
+    let mut group = writer.next_row_group()?;
+    for buffer in buffers {
+        let mut writer = group.next_column()?.expect("the schema has all columns");
+        buffer.write(&mut writer)?;
+        writer.close()?;
+    }
+    group.close().map(drop)
+}
+
+impl Buffer {
+    fn new(kind: Kind) -> Self {
+        let values = match kind {
+            Kind::Count | Kind::LargeCount => ColumnValues::Whole(Vec::new()),
+            Kind::Real => ColumnValues::Real(Vec::new()),
+            Kind::Text => ColumnValues::Text(Vec::new()),
+            Kind::Flag => ColumnValues::Flag(Vec::new()),
+        };
+        Self { levels: Vec::new(), values }
+    }
+
+    /// Takes a value, unless the column cannot hold it.
+    fn push(&mut self, column: &FileColumn, field: &Field) -> bool {
+        match (&mut self.values, field) {
+            (_, Field::Missing) if column.is_required => return false,
+            (_, Field::Missing) => {}
+            (ColumnValues::Whole(values), Field::Count(count)) => match (column.kind, i64::try_from(*count)) {
+                (_, Ok(count)) => values.push(count),
+                // The column says that these are the bits of an unsigned number.
+                (Kind::LargeCount, Err(_)) => values.push(count.cast_signed()),
+                (_, Err(_)) => return false,
+            },
+            (ColumnValues::Real(values), Field::Real(number)) => values.push(*number),
+            (ColumnValues::Text(values), Field::Text(text)) => values.push(text.clone()),
+            (ColumnValues::Flag(values), Field::Flag(flag)) => values.push(*flag),
+            // A sweep may take 1 and 2.5, or 1 and "none".
+            (ColumnValues::Real(values), Field::Count(count)) => values.push(*count as f64),
+            (ColumnValues::Text(values), Field::Count(count)) => values.push(count.to_string().as_str().into()),
+            (ColumnValues::Text(values), Field::Real(number)) => values.push(number.to_string().as_str().into()),
+            _ => return false,
+        }
+        self.levels.push((!matches!(field, Field::Missing)).into());
+        true
+    }
+
+    /// Writes all rows and forgets them.
+    fn write(&mut self, writer: &mut SerializedColumnWriter<'_>) -> Result<(), ParquetError> {
+        match &mut self.values {
+            ColumnValues::Whole(values) => write_values::<Int64Type>(writer, values, &self.levels),
+            ColumnValues::Real(values) => write_values::<DoubleType>(writer, values, &self.levels),
+            ColumnValues::Text(values) => write_values::<ByteArrayType>(writer, values, &self.levels),
+            ColumnValues::Flag(values) => write_values::<BoolType>(writer, values, &self.levels),
+        }?;
+        self.levels.clear();
+        Ok(())
+    }
+}
+
+fn write_values<T: DataType>(
+    writer: &mut SerializedColumnWriter<'_>,
+    values: &mut Vec<T::T>,
+    levels: &[i16],
+) -> Result<(), ParquetError> {
+    writer.typed::<T>().write_batch(values, Some(levels), None)?;
+    values.clear();
+    Ok(())
+}
+
+fn unwritable(path: &Path, error: ParquetError) -> BatchError {
+    let source = match error {
+        ParquetError::External(error) => error.downcast().map_or_else(io::Error::other, |error| *error),
+        other => io::Error::other(other),
+    };
+    BatchError::unwritable(path, source)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::batch::execute::RealDisk;
+
+    fn refusal(column: FileColumn, field: Field) -> Option<String> {
+        let scratch = tempfile::tempdir().expect("a scratch folder");
+        let path = scratch.path().join("a.parquet");
+        let mut table = ParquetTable::create(path, &RealDisk, vec![column], &[], 10).expect("the folder is writable");
+        table.add([field]).err().map(|error| error.to_string())
+    }
+
+    #[test]
+    fn number_that_a_column_cannot_hold_is_refused_and_never_wraps() {
+        let largest = i64::MAX.unsigned_abs();
+        for (kind, number, is_taken) in [
+            (Kind::Count, largest, true),
+            (Kind::Count, largest + 1, false),
+            (Kind::LargeCount, largest + 1, true),
+            (Kind::LargeCount, u64::MAX, true),
+        ] {
+            let refusal = refusal(FileColumn::required("seed", kind), Field::Count(number));
+            assert_eq!(refusal.is_none(), is_taken, "{kind:?} {number}: {refusal:?}");
+            let names_it = |words: String| words.contains("`seed`") && words.contains(&number.to_string());
+            assert!(refusal.is_none_or(names_it));
+            assert_eq!(Kind::holding_up_to(number) == Kind::Count, number <= largest);
+        }
+    }
+
+    #[test]
+    fn required_column_takes_no_row_without_a_value() {
+        assert!(refusal(FileColumn::required("a", Kind::Text), Field::Missing).is_some());
+        assert!(refusal(FileColumn::optional("a", Kind::Text), Field::Missing).is_none());
+        assert!(refusal(FileColumn::optional("a", Kind::Flag), Field::Real(1.0)).is_some());
+    }
+}
