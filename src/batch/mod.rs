@@ -26,8 +26,8 @@ pub use plan::{
     SweepError, Value, Variant, plan_schema, shell_word,
 };
 pub use report::{
-    AuditReport, AuditSource, AuditsError, BatchReport, Merged, ReportError, SHOWN_RUNS, TOLD_VIOLATIONS, Tables, Tally,
-    VariantReport, WrittenReport, audit_all, merge, notes, run_json, write_report,
+    AuditReport, AuditSource, AuditsError, BatchReport, Merged, ReportError, SHOWN_RUNS, TOLD_VIOLATIONS, Tables,
+    Tally, VariantReport, WrittenReport, audit_all, merge, notes, run_json, write_report,
 };
 pub use table::{
     AGENT_COLUMNS, AgentColumn, AgentRow, COLUMNS_BEFORE_SWEPT, Column, FinishedBatch, FinishedError, RUN_COLUMNS,
