@@ -5,7 +5,7 @@ use wildfire::geometry::{Cell, Pose};
 use wildfire::scenario;
 use wildfire::sim;
 use wildfire::time::SimTime;
-use wildfire::timeline::{AgentId, Cause, Event, Fact, Timeline, file};
+use wildfire::timeline::{AgentFact, AgentId, Cause, Event, Fact, FireFact, Timeline, file};
 use wildfire::trajectory::{Piece, Trajectory};
 use wildfire::vehicle::Segment;
 
@@ -45,7 +45,7 @@ fn violation(timeline: &Timeline) -> Violation {
 /// Changes the first drive of the first truck that `change` changes.
 fn damage_drive(timeline: &mut Timeline, change: impl Fn(&Trajectory) -> Option<Trajectory>) -> SimTime {
     let drives = timeline.events.iter_mut().filter_map(|event| match &mut event.fact {
-        Fact::Planned { agent: TRUCK, trajectory, .. } => Some((event.time, trajectory)),
+        Fact::Agent(TRUCK, AgentFact::Planned { trajectory, .. }) => Some((event.time, trajectory)),
         _ => None,
     });
     for (time, trajectory) in drives {
@@ -74,7 +74,7 @@ fn first(timeline: &Timeline, is_it: impl Fn(&Event) -> bool) -> usize {
 }
 
 fn extinction(timeline: &Timeline) -> (usize, Cell) {
-    let place = first(timeline, |event| matches!(event.fact, Fact::Extinguished { .. }));
+    let place = first(timeline, |event| matches!(event.fact, Fact::Fire(FireFact::Extinguished { .. })));
     (place, timeline.events[place].fact.cell().expect("a fire goes out at a cell"))
 }
 
@@ -105,7 +105,7 @@ fn far(kilometres: u32) -> Timeline {
 /// Moves the start of an agent's first leg, and so all of it.
 fn move_leg(timeline: &mut Timeline, agent: AgentId, metres: f64, radians: f64) {
     let legs = timeline.events.iter_mut().filter_map(|event| match &mut event.fact {
-        Fact::Planned { agent: planned, trajectory, .. } if *planned == agent => Some(trajectory),
+        Fact::Agent(planned, AgentFact::Planned { trajectory, .. }) if *planned == agent => Some(trajectory),
         _ => None,
     });
     let leg = legs.into_iter().next().expect("it has a leg");
@@ -270,19 +270,21 @@ fn a_jump_is_found() {
 fn moving_on_past_its_cut_is_found() {
     let mut timeline = contest();
     let is_cut = |event: &Event| {
-        let Fact::Dropped { agent: TRUCK, trajectory, .. } = &event.fact else { return false };
+        let Fact::Agent(TRUCK, AgentFact::Dropped { trajectory, .. }) = &event.fact else { return false };
         !trajectory.pieces().is_empty()
     };
     let place = first(&timeline, is_cut);
     let later: Vec<usize> = (place + 1..timeline.events.len()).collect();
     let next = later.into_iter().find(|&place| match &timeline.events[place].fact {
-        Fact::Planned { agent, trajectory, .. } => *agent == TRUCK && !trajectory.pieces().is_empty(),
+        Fact::Agent(agent, AgentFact::Planned { trajectory, .. }) => *agent == TRUCK && !trajectory.pieces().is_empty(),
         _ => false,
     });
     let next = next.expect("it drives on");
     // As if the dropped leg had been driven for half a second more.
     timeline.events.remove(place);
-    let Fact::Planned { agent, .. } = timeline.events[next - 1].fact else { panic!("that is the next drive") };
+    let Fact::Agent(agent, AgentFact::Planned { .. }) = timeline.events[next - 1].fact else {
+        panic!("that is the next drive")
+    };
     assert_eq!(agent, TRUCK);
     let found = violation(&timeline);
     assert!(matches!(found.kind, ViolationKind::StillUnderWay { .. } | ViolationKind::Discontinuous { .. }), "{found}");
@@ -321,7 +323,8 @@ fn a_dwell_too_short_is_found() {
 fn the_extinction_of_what_does_not_burn_is_found() {
     let mut timeline = contest();
     let (place, cell) = extinction(&timeline);
-    let lit = first(&timeline, |event| matches!(event.fact, Fact::Ignited { cell: of, .. } if of == cell));
+    let lit =
+        first(&timeline, |event| matches!(event.fact, Fact::Fire(FireFact::Ignited { cell: of, .. }) if of == cell));
     assert!(lit < place);
     timeline.events.remove(lit);
     let found = violation(&timeline);
@@ -361,7 +364,7 @@ fn a_wumpus_that_runs_or_lights_in_passing_is_found() {
     let found = violation(&timeline);
     assert!(matches!(found.kind, ViolationKind::Speed { .. }) && found.agent == Some(id), "{found}");
     let mut timeline = contest();
-    let is_lit = |event: &Event| matches!(event.fact, Fact::Ignited { cause: Cause::Lit(_), .. });
+    let is_lit = |event: &Event| matches!(event.fact, Fact::Fire(FireFact::Ignited { cause: Cause::Lit(_), .. }));
     let place = first(&timeline, is_lit);
     let event = timeline.events.remove(place);
     timeline.events.insert(place, Event { time: timeline.events[place - 1].time, ..event });

@@ -7,7 +7,7 @@ use rand::RngExt;
 use wildfire::picture::film::{Fate, Film, Layout, Look, Place, Rectangle, Shot, still};
 use wildfire::rng::{self, Xoshiro256PlusPlus};
 use wildfire::time::SimTime;
-use wildfire::timeline::{Activity, AgentId, CpuSample, Fact, Outcome, Timeline};
+use wildfire::timeline::{Activity, AgentId, CpuSample, Fact, FireFact, Outcome, Timeline};
 
 /// Ten minutes of trucks and Wumpuses on a field where bushes burn again.
 fn timeline(seed: u64) -> Timeline {
@@ -114,8 +114,14 @@ fn the_story_of_a_bush_is_all_that_happened_to_it() {
         }
         assert!(film.changes_of(bush).is_sorted_by_key(|event| event.time));
     }
-    let is_change =
-        |fact: &Fact| matches!(fact, Fact::Ignited { .. } | Fact::BurnedOut { .. } | Fact::Extinguished { .. });
+    let is_change = |fact: &Fact| {
+        matches!(
+            fact,
+            Fact::Fire(FireFact::Ignited { .. })
+                | Fact::Fire(FireFact::BurnedOut { .. })
+                | Fact::Fire(FireFact::Extinguished { .. })
+        )
+    };
     assert_eq!(told, timeline.events.iter().filter(|event| is_change(&event.fact)).count());
 }
 

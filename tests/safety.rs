@@ -6,7 +6,7 @@ use wildfire::planning::{SafetyMap, SafetySettings};
 use wildfire::scenario::{self, Scenario, Terrain};
 use wildfire::sim;
 use wildfire::time::SimTime;
-use wildfire::timeline::{Body, Fact};
+use wildfire::timeline::{AgentFact, Body, Fact};
 
 /// Places on the way are this many seconds apart.
 const SAMPLE_S: f64 = 0.25;
@@ -28,7 +28,7 @@ fn mean_clearance(scenario: &Scenario, seeds: std::ops::RangeInclusive<u64>) -> 
         let field = ClearanceField::new(terrain.frame, &terrain.occupied);
         let timeline = sim::run(scenario, seed).expect("the scenario can be run").timeline;
         for event in &timeline.events {
-            let Fact::Planned { agent, trajectory, .. } = &event.fact else { continue };
+            let Fact::Agent(agent, AgentFact::Planned { trajectory, .. }) = &event.fact else { continue };
             let body = timeline.setting.agents.iter().find(|start| start.id == *agent).expect("agents are listed").body;
             length_m += trajectory.distance_m(SimTime::MAX);
             legs += 1.0;

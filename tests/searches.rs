@@ -9,7 +9,7 @@ use wildfire::rng;
 use wildfire::scenario::{self, Escape, Scenario, StartPose, TruckPlannerKind, Unimog, Wumpus, WumpusPlanner};
 use wildfire::sim::{self, Run, Simulation};
 use wildfire::time::SimTime;
-use wildfire::timeline::{AgentId, Event, Fact, Outcome, Timeline, file};
+use wildfire::timeline::{AgentFact, AgentId, Event, Fact, Outcome, Timeline, file};
 
 /// A quarter of an hour of the contest.
 fn contest() -> Scenario {
@@ -47,7 +47,7 @@ fn record(scenario: &Scenario, seed: u64) -> Run {
 
 fn without_searches(timeline: &Timeline) -> Timeline {
     let mut timeline = timeline.clone();
-    timeline.events.retain(|event| !matches!(event.fact, Fact::Searched { .. }));
+    timeline.events.retain(|event| !matches!(event.fact, Fact::Agent(_, AgentFact::Searched { .. })));
     timeline
 }
 
@@ -73,8 +73,8 @@ fn plans(timeline: &Timeline, of: AgentId) -> Vec<(Vec<(SearchPhase, &SearchGrap
     let mut graphs = Vec::new();
     for event in timeline.events.iter().filter(|event| event.fact.agent() == Some(of)) {
         match &event.fact {
-            Fact::Searched { phase, graph, .. } => graphs.push((*phase, graph)),
-            Fact::RoadmapBuilt { .. } | Fact::LocalMinimum { .. } => {}
+            Fact::Agent(_, AgentFact::Searched { phase, graph, .. }) => graphs.push((*phase, graph)),
+            Fact::Agent(_, AgentFact::RoadmapBuilt { .. }) | Fact::Agent(_, AgentFact::LocalMinimum { .. }) => {}
             _ => plans.push((std::mem::take(&mut graphs), event)),
         }
     }
@@ -88,7 +88,7 @@ fn recording_changes_nothing_but_adds_searches() {
     for (number, scenario) in scenarios.iter().enumerate() {
         let plain = sim::run(scenario, 3).expect("the scenario can be run").timeline;
         let recorded = record(scenario, 3).timeline;
-        assert!(!plain.events.iter().any(|event| matches!(event.fact, Fact::Searched { .. })));
+        assert!(!plain.events.iter().any(|event| matches!(event.fact, Fact::Agent(_, AgentFact::Searched { .. }))));
         assert!(recorded.events.len() > plain.events.len() + 20, "scenario {number}");
         let rest = without_searches(&recorded);
         assert!(rest == plain, "scenario {number}");
@@ -104,7 +104,7 @@ fn graphs_hold_their_edges_places_and_keep_to_the_limit() {
     let timeline = record(&crowd(), 4).timeline;
     let mut phases = Vec::new();
     for Event { fact, .. } in &timeline.events {
-        let Fact::Searched { phase, graph, .. } = fact else { continue };
+        let Fact::Agent(_, AgentFact::Searched { phase, graph, .. }) = fact else { continue };
         assert!(graph.edges.iter().flat_map(|&(from, to)| [from, to]).all(|end| (end as usize) < graph.places.len()));
         assert!(!graph.places.is_empty() && graph.edges.len() <= MAX_SEARCH_EDGES);
         assert_eq!(graph.lines().count(), graph.edges.len());
@@ -124,11 +124,16 @@ fn searches_stand_right_before_what_they_led_to() {
             assert_eq!((*time, fact.agent()), (searched_at, Some(by)), "{fact:?} comes between");
         }
         let goes_on = match fact {
-            Fact::Searched { phase: SearchPhase::Roadmap, .. } => false,
-            Fact::Searched { .. } => true,
+            Fact::Agent(_, AgentFact::Searched { phase: SearchPhase::Roadmap, .. }) => false,
+            Fact::Agent(_, AgentFact::Searched { .. }) => true,
             _ if last.is_some() => {
-                let is_answer = matches!(fact, Fact::Planned { .. } | Fact::PlanFailed { .. } | Fact::Blocked { .. });
-                assert!(is_answer || matches!(fact, Fact::LocalMinimum { .. }), "{fact:?}");
+                let is_answer = matches!(
+                    fact,
+                    Fact::Agent(_, AgentFact::Planned { .. })
+                        | Fact::Agent(_, AgentFact::PlanFailed { .. })
+                        | Fact::Agent(_, AgentFact::Blocked { .. })
+                );
+                assert!(is_answer || matches!(fact, Fact::Agent(_, AgentFact::LocalMinimum { .. })), "{fact:?}");
                 !is_answer
             }
             _ => false,
@@ -146,7 +151,7 @@ fn local_searches_begin_where_the_truck_stands_and_hang_together() {
             let Some((_, graph)) = graphs.iter().find(|(phase, _)| *phase == SearchPhase::Local) else { continue };
             let stands = timeline.state_at(event.time).agents[1].pose;
             assert_eq!(graph.places[0], place(stands), "{planner} at {}", event.time);
-            if let Fact::Planned { trajectory, .. } = &event.fact {
+            if let Fact::Agent(_, AgentFact::Planned { trajectory, .. }) = &event.fact {
                 assert_eq!(graph.places[0], place(trajectory.start()));
             }
             // The others also search from the goal.
@@ -164,7 +169,7 @@ fn a_walks_graph_has_an_edge_for_every_expansion_and_leads_to_where_it_ends() {
     let timeline = record(&contest(), 6).timeline;
     let mut walks = 0;
     for (graphs, event) in plans(&timeline, AgentId::wumpus(0)) {
-        let Fact::Planned { trajectory, effort, .. } = &event.fact else { continue };
+        let Fact::Agent(_, AgentFact::Planned { trajectory, effort, .. }) = &event.fact else { continue };
         let [(SearchPhase::Walk, graph)] = graphs[..] else { panic!("one search for a walk") };
         assert_eq!(graph.edges.len() as u32, effort.local_expansions);
         assert_eq!(graph.places[0], place(trajectory.start()));
@@ -180,7 +185,7 @@ fn all_that_a_wave_settles_leads_back_to_where_it_began() {
     let timeline = record(&crowd(), 6).timeline;
     let (mut waves, mut descents) = (0, 0);
     for (graphs, event) in plans(&timeline, AgentId::wumpus(1)) {
-        let Fact::Planned { trajectory, effort, .. } = &event.fact else { continue };
+        let Fact::Agent(_, AgentFact::Planned { trajectory, effort, .. }) = &event.fact else { continue };
         let [(SearchPhase::Walk, graph)] = graphs[..] else { panic!("one search for a walk") };
         assert_eq!(graph.places.len() as u32, effort.local_expansions);
         // Every point is led to but for those in reach of the goal, where the wave begins.
@@ -192,7 +197,7 @@ fn all_that_a_wave_settles_leads_back_to_where_it_began() {
         waves += 1;
     }
     for (graphs, event) in plans(&timeline, AgentId::wumpus(2)) {
-        let Fact::Planned { trajectory, .. } = &event.fact else { continue };
+        let Fact::Agent(_, AgentFact::Planned { trajectory, .. }) = &event.fact else { continue };
         let [(SearchPhase::Walk, graph)] = graphs[..] else { panic!("one descent for a walk") };
         assert!(is_connected(graph));
         assert_eq!(
@@ -208,10 +213,12 @@ fn all_that_a_wave_settles_leads_back_to_where_it_began() {
 fn queries_settle_what_they_expand_and_the_roadmap_is_told_with_its_size() {
     for planner in [TruckPlannerKind::PrmPrimitives, TruckPlannerKind::PrmRs] {
         let timeline = record(&driven_by(planner), 7).timeline;
-        let is_built = |event: &Event| matches!(event.fact, Fact::RoadmapBuilt { .. });
+        let is_built = |event: &Event| matches!(event.fact, Fact::Agent(_, AgentFact::RoadmapBuilt { .. }));
         let built = timeline.events.iter().position(is_built).expect("it has a roadmap");
-        let [Fact::RoadmapBuilt { samples, edges, .. }, Fact::Searched { phase, graph, .. }] =
-            [&timeline.events[built].fact, &timeline.events[built + 1].fact]
+        let [
+            Fact::Agent(_, AgentFact::RoadmapBuilt { samples, edges, .. }),
+            Fact::Agent(_, AgentFact::Searched { phase, graph, .. }),
+        ] = [&timeline.events[built].fact, &timeline.events[built + 1].fact]
         else {
             panic!("the roadmap comes right after its size")
         };
@@ -222,7 +229,11 @@ fn queries_settle_what_they_expand_and_the_roadmap_is_told_with_its_size() {
         assert!(graph.edges.len() > 1_000, "{planner}: {} of {edges} edges", graph.edges.len());
         let mut queries = 0;
         for (graphs, event) in plans(&timeline, AgentId::unimog(0)) {
-            let (Fact::Planned { effort, .. } | Fact::PlanFailed { effort, .. }) = event.fact else { continue };
+            let (Fact::Agent(_, AgentFact::Planned { effort, .. })
+            | Fact::Agent(_, AgentFact::PlanFailed { effort, .. })) = event.fact
+            else {
+                continue;
+            };
             let Some((_, graph)) = graphs.iter().find(|(phase, _)| *phase == SearchPhase::Query) else { continue };
             // A milestone in the goal is settled and not expanded; prm-rs settles one in both directions of driving.
             assert!(graph.edges.len() as u32 <= effort.roadmap_expansions + 1, "{planner} at {}", event.time);

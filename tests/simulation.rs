@@ -11,7 +11,9 @@ use wildfire::scenario::{
 };
 use wildfire::sim::{self, Simulation};
 use wildfire::time::SimTime;
-use wildfire::timeline::{AgentId, Cause, EndReason, Event, Fact, Outcome, RestReason, Role, Timeline};
+use wildfire::timeline::{
+    AgentFact, AgentId, Cause, EndReason, Event, Fact, FireFact, Outcome, RestReason, Role, Timeline,
+};
 
 /// The contest with nobody on the field.
 fn empty_contest() -> Scenario {
@@ -133,14 +135,14 @@ fn every_leg_starts_where_and_when_the_last_one_allows() {
             let mut legs = 0;
             for Event { time, fact } in &timeline.events {
                 match fact {
-                    Fact::Planned { agent, trajectory, .. } if *agent == start.id => {
+                    Fact::Agent(agent, AgentFact::Planned { trajectory, .. }) if *agent == start.id => {
                         assert_eq!(trajectory.start(), pose, "{name}: {agent} at {time}");
                         assert!(*time >= free_at, "{name}: {agent} plans while it moves");
                         assert!(trajectory.start_time() >= *time);
                         (pose, free_at) = (trajectory.end(), trajectory.end_time());
                         legs += 1;
                     }
-                    Fact::Dropped { agent, trajectory, .. } if *agent == start.id => {
+                    Fact::Agent(agent, AgentFact::Dropped { trajectory, .. }) if *agent == start.id => {
                         assert!(trajectory.end_time() <= free_at, "{name}: a leg cut short is not longer");
                         (pose, free_at) = (trajectory.end(), trajectory.end_time());
                     }
@@ -165,13 +167,13 @@ fn two_trucks_never_have_the_same_goal() {
         let mut goals: Vec<(AgentId, Cell)> = Vec::new();
         for Event { fact, time } in run(&scenario, seed).events {
             match fact {
-                Fact::Planned { agent: agent @ AgentId { role: Role::Unimog, .. }, goal, .. } => {
+                Fact::Agent(agent @ AgentId { role: Role::Unimog, .. }, AgentFact::Planned { goal, .. }) => {
                     assert!(goals.iter().all(|&(_, other)| other != goal), "seed {seed} at {time}: {goal} twice");
                     goals.push((agent, goal));
                 }
-                Fact::Dropped { agent, .. }
-                | Fact::Extinguished { by: agent, .. }
-                | Fact::SuppressionEnded { agent, .. } => goals.retain(|&(other, _)| other != agent),
+                Fact::Agent(agent, AgentFact::Dropped { .. })
+                | Fact::Fire(FireFact::Extinguished { by: agent, .. })
+                | Fact::Agent(agent, AgentFact::SuppressionEnded { .. }) => goals.retain(|&(other, _)| other != agent),
                 _ => {}
             }
         }
@@ -182,15 +184,16 @@ fn two_trucks_never_have_the_same_goal() {
 fn at_one_instant_extinction_comes_before_burn_out() {
     let mut scenario = ignitions(1);
     let free = run(&scenario, 3);
-    let out = first(&free, |fact| matches!(fact, Fact::Extinguished { .. })).expect("one fire, one truck");
+    let out =
+        first(&free, |fact| matches!(fact, Fact::Fire(FireFact::Extinguished { .. }))).expect("one fire, one truck");
     scenario.fire.burn_out_s = Some(out.as_seconds());
     let together = run(&scenario, 3);
-    assert_eq!(first(&together, |fact| matches!(fact, Fact::Extinguished { .. })), Some(out));
-    assert_eq!(first(&together, |fact| matches!(fact, Fact::BurnedOut { .. })), None);
+    assert_eq!(first(&together, |fact| matches!(fact, Fact::Fire(FireFact::Extinguished { .. }))), Some(out));
+    assert_eq!(first(&together, |fact| matches!(fact, Fact::Fire(FireFact::BurnedOut { .. }))), None);
     scenario.fire.burn_out_s = Some(SimTime::from_nanos(out.as_nanos() - 1).as_seconds());
     let earlier = run(&scenario, 3);
-    assert_eq!(first(&earlier, |fact| matches!(fact, Fact::Extinguished { .. })), None);
-    assert!(first(&earlier, |fact| matches!(fact, Fact::SuppressionEnded { .. })).is_some());
+    assert_eq!(first(&earlier, |fact| matches!(fact, Fact::Fire(FireFact::Extinguished { .. }))), None);
+    assert!(first(&earlier, |fact| matches!(fact, Fact::Agent(_, AgentFact::SuppressionEnded { .. }))).is_some());
 }
 
 #[test]
@@ -199,7 +202,8 @@ fn at_one_instant_burn_out_comes_before_spread() {
     scenario.unimog.clear();
     scenario.fire.spread_from = SpreadFrom::Lit;
     let caught = |timeline: &Timeline| {
-        let spread = |event: &&Event| matches!(event.fact, Fact::Ignited { cause: Cause::Spread(_), .. });
+        let spread =
+            |event: &&Event| matches!(event.fact, Fact::Fire(FireFact::Ignited { cause: Cause::Spread(_), .. }));
         timeline.events.iter().filter(spread).count()
     };
     scenario.fire.burn_out_s = Some(10.0);
@@ -211,9 +215,11 @@ fn at_one_instant_burn_out_comes_before_spread() {
 #[test]
 fn what_is_due_exactly_at_the_end_happens() {
     let mut scenario = ignitions(1);
-    let out = first(&run(&scenario, 3), |fact| matches!(fact, Fact::Extinguished { .. })).expect("one fire");
-    let put_out =
-        |scenario: &Scenario| first(&run(scenario, 3), |fact| matches!(fact, Fact::Extinguished { .. })).is_some();
+    let out =
+        first(&run(&scenario, 3), |fact| matches!(fact, Fact::Fire(FireFact::Extinguished { .. }))).expect("one fire");
+    let put_out = |scenario: &Scenario| {
+        first(&run(scenario, 3), |fact| matches!(fact, Fact::Fire(FireFact::Extinguished { .. }))).is_some()
+    };
     scenario.duration_s = out.as_seconds();
     assert!(put_out(&scenario));
     scenario.duration_s = SimTime::from_nanos(out.as_nanos() - 1).as_seconds();
@@ -239,10 +245,12 @@ fn a_truck_that_reconsiders_never_drops_a_goal_to_choose_it_again() {
         let mut dropped = None;
         for Event { time, fact } in run(&scenario, seed).events {
             match fact {
-                Fact::Dropped { agent: AgentId { role: Role::Unimog, .. }, goal, .. } => dropped = Some(goal),
+                Fact::Agent(AgentId { role: Role::Unimog, .. }, AgentFact::Dropped { goal, .. }) => {
+                    dropped = Some(goal)
+                }
                 // Another goal seemed better until its plan failed.
-                Fact::PlanFailed { .. } => dropped = None,
-                Fact::Planned { agent: AgentId { role: Role::Unimog, .. }, goal, .. } => {
+                Fact::Agent(_, AgentFact::PlanFailed { .. }) => dropped = None,
+                Fact::Agent(AgentId { role: Role::Unimog, .. }, AgentFact::Planned { goal, .. }) => {
                     drops += u32::from(dropped.is_some());
                     assert_ne!(dropped.take(), Some(goal), "seed {seed} at {time}");
                 }
@@ -266,7 +274,7 @@ fn nobody_acts_before_its_planning_time_is_over() {
     let timeline = run(&scenario, 5);
     let mut charged = 0;
     for Event { time, fact } in &timeline.events {
-        if let Fact::Planned { agent: AgentId { role: Role::Unimog, .. }, trajectory, effort, .. } = fact {
+        if let Fact::Agent(AgentId { role: Role::Unimog, .. }, AgentFact::Planned { trajectory, effort, .. }) = fact {
             let seconds = 0.2 * f64::from(effort.roadmap_expansions) + 0.3 * f64::from(effort.local_expansions);
             assert_eq!(trajectory.start_time(), *time + SimTime::from_seconds(seconds));
             charged += u32::from(seconds > 0.0);
@@ -280,7 +288,7 @@ fn a_wumpus_that_drops_its_goal_stops_on_its_lattice() {
     let timeline = run(&contest(), 6);
     let mut drops = 0;
     for Event { fact, .. } in &timeline.events {
-        if let Fact::Dropped { agent: AgentId { role: Role::Wumpus, .. }, trajectory, .. } = fact {
+        if let Fact::Agent(AgentId { role: Role::Wumpus, .. }, AgentFact::Dropped { trajectory, .. }) = fact {
             let end = trajectory.end().position();
             let centre = timeline.setting.frame.centre(timeline.setting.frame.cell_at(end).expect("on the field"));
             assert!((end - centre).length() < 1e-9, "{end} is not a cell's centre");
@@ -295,7 +303,7 @@ fn planners_do_not_change_the_arsonists_order_of_goals() {
     let alone = Scenario { unimog: Vec::new(), ..contest() };
     let lit = |timeline: &Timeline| {
         timeline.events.iter().find_map(|event| match event.fact {
-            Fact::Planned { agent: AgentId { role: Role::Wumpus, number: 0 }, goal, .. } => Some(goal),
+            Fact::Agent(AgentId { role: Role::Wumpus, number: 0 }, AgentFact::Planned { goal, .. }) => Some(goal),
             _ => None,
         })
     };
@@ -323,7 +331,7 @@ fn an_arsonist_on_a_wavefront_walks_as_far_as_one_with_astar_for_every_goal() {
         let first_walk = |planner| {
             let timeline = run(&arsonist(planner, Escape::None), seed);
             timeline.events.into_iter().find_map(|event| match event.fact {
-                Fact::Planned { goal, trajectory, effort, .. } => {
+                Fact::Agent(_, AgentFact::Planned { goal, trajectory, effort, .. }) => {
                     Some((goal, trajectory.distance_m(SimTime::MAX), effort))
                 }
                 _ => None,
@@ -356,14 +364,14 @@ fn without_an_escape_no_goal_is_tried_twice_from_one_place_and_giving_all_up_cou
         let mut rests_from = None;
         for Event { time, fact } in &timeline.events {
             match fact {
-                Fact::Planned { goal, trajectory, .. } => {
+                Fact::Agent(_, AgentFact::Planned { goal, trajectory, .. }) => {
                     let attempt = (*goal, trajectory.start().position());
                     assert!(!tries.contains(&attempt), "seed {seed} at {time}: {goal} failed here before");
                     tries.push(attempt);
                 }
-                Fact::LocalMinimum { .. } => fails += 1,
-                Fact::PlanFailed { reason, .. } => assert_eq!(*reason, PlanFailure::LocalMinimum),
-                Fact::Rested { reason: RestReason::LocalMinima, .. } => rests_from = Some(*time),
+                Fact::Agent(_, AgentFact::LocalMinimum { .. }) => fails += 1,
+                Fact::Agent(_, AgentFact::PlanFailed { reason, .. }) => assert_eq!(*reason, PlanFailure::LocalMinimum),
+                Fact::Agent(_, AgentFact::Rested { reason: RestReason::LocalMinima, .. }) => rests_from = Some(*time),
                 _ => {}
             }
         }
@@ -390,7 +398,7 @@ fn the_run_is_over_when_others_have_burned_what_a_stuck_arsonist_could_not_appro
     let mut scenario = stuck_arsonist();
     scenario.wumpus.push(Wumpus::default());
     let timeline = run(&scenario, 1);
-    let rests = |fact: &Fact| matches!(fact, Fact::Rested { reason: RestReason::LocalMinima, .. });
+    let rests = |fact: &Fact| matches!(fact, Fact::Agent(_, AgentFact::Rested { reason: RestReason::LocalMinima, .. }));
     assert!(timeline.events.iter().any(|event| rests(&event.fact)));
     let last = timeline.events.last().expect("a run ends");
     assert!(matches!(last.fact, Fact::Ended { reason: EndReason::NothingLeft }), "{last:?}");
@@ -404,13 +412,13 @@ fn an_arsonist_that_fails_on_all_goals_rests_after_the_planning_time_of_all() {
     let (mut until, mut tries_in_a_row) = (SimTime::ZERO, 0);
     for Event { time, fact } in &timeline.events {
         match fact {
-            Fact::PlanFailed { until: ready, .. } => {
+            Fact::Agent(_, AgentFact::PlanFailed { until: ready, .. }) => {
                 tries_in_a_row += 1;
                 until = until.max(*time) + SimTime::from_seconds(2.0);
                 assert_eq!(*ready, until);
             }
-            Fact::Planned { .. } => tries_in_a_row = 0,
-            Fact::Rested { reason, .. } => {
+            Fact::Agent(_, AgentFact::Planned { .. }) => tries_in_a_row = 0,
+            Fact::Agent(_, AgentFact::Rested { reason, .. }) => {
                 assert_eq!((*reason, *time), (RestReason::LocalMinima, until));
                 assert!(tries_in_a_row > 100, "{tries_in_a_row} tries");
                 return;

@@ -4,7 +4,7 @@ use wildfire::geometry::{Cell, OrientedRect, Pose};
 use wildfire::scenario::{GivenField, Ignition, IgnitionCells, Scenario, SpreadFrom, StartPose, Unimog};
 use wildfire::sim;
 use wildfire::time::SimTime;
-use wildfire::timeline::{Activity, AgentId, Body, Fact, Outcome, Replay, Role, Timeline};
+use wildfire::timeline::{Activity, AgentFact, AgentId, Body, Fact, Outcome, Replay, Role, Timeline};
 use wildfire::trajectory::{Piece, Trajectory};
 use wildfire::vehicle::Dimensions;
 
@@ -99,8 +99,9 @@ fn a_crowd_on_a_dense_field_never_overlaps() {
         let outcome = Outcome::new(&timeline);
         assert_eq!(outcome.truck_stuck_s, 0.0, "seed {seed}");
         waits += usize::from(outcome.agents.iter().any(|agent| agent.waiting_s > 0.0));
-        drops +=
-            count(&timeline, |fact| matches!(fact, Fact::Dropped { agent: AgentId { role: Role::Unimog, .. }, .. }));
+        drops += count(&timeline, |fact| {
+            matches!(fact, Fact::Agent(AgentId { role: Role::Unimog, .. }, AgentFact::Dropped { .. }))
+        });
     }
     assert!(waits > 10 && drops > 100, "{waits} runs with waits, {drops} drives broken off");
 }
@@ -129,7 +130,7 @@ fn trucks_that_start_on_top_of_each_other_are_moved_apart() {
     }
     let timeline = run(&scenario, 1);
     assert_eq!(first_overlap(&timeline), None);
-    assert_eq!(count(&timeline, |fact| matches!(fact, Fact::StartMoved { .. })), 2);
+    assert_eq!(count(&timeline, |fact| matches!(fact, Fact::Agent(_, AgentFact::StartMoved { .. }))), 2);
     assert_eq!(timeline.setting.agents[2].pose, Pose::new(60.0, 60.0, 10_f64.to_radians()));
 }
 
@@ -161,7 +162,9 @@ fn a_planted_meeting_is_found() {
     let trucks = [(body, Pose::new(20.0, 62.5, 0.0)), (body, Pose::new(62.5, 20.0, std::f64::consts::FRAC_PI_2))];
     let mut timeline = run(&drill(&open_field(24, &[east, north]), 5.0, &trucks, &[(0.0, east), (0.001, north)]), 1);
     for event in &mut timeline.events {
-        if let Fact::Planned { agent: AgentId { role: Role::Unimog, number: 1 }, trajectory, .. } = &mut event.fact {
+        if let Fact::Agent(AgentId { role: Role::Unimog, number: 1 }, AgentFact::Planned { trajectory, .. }) =
+            &mut event.fact
+        {
             let at_once = trajectory.pieces().iter().filter(|piece| !matches!(piece, Piece::Wait { .. })).copied();
             *trajectory = Trajectory::new(trajectory.start_time(), trajectory.start(), at_once.collect());
         }
@@ -202,7 +205,7 @@ fn who_gives_way(nimble_first: bool) -> Vec<AgentId> {
     assert_goes_well(&timeline);
     let mut gave_way = Vec::new();
     for event in &timeline.events {
-        if let Fact::GaveWay { agent, .. } = event.fact {
+        if let Fact::Agent(agent, AgentFact::GaveWay { .. }) = event.fact {
             gave_way.push(agent);
         }
     }
@@ -232,7 +235,7 @@ fn a_truck_that_rests_in_a_gate_gives_way() {
     assert_eq!((outcome.agents[0].deadlocks, outcome.agents[1].deadlocks), (1, 0));
     assert_eq!((outcome.agents[0].cells, outcome.agents[1].cells), (0, 1));
     let (first, second) = (AgentId::unimog(0), AgentId::unimog(1));
-    let blocked = |fact: &Fact| matches!(*fact, Fact::Blocked { agent, by, .. } if (agent, by) == (second, first));
+    let blocked = |fact: &Fact| matches!(*fact, Fact::Agent(agent, AgentFact::Blocked { by, .. }) if (agent, by) == (second, first));
     assert_eq!(count(&timeline, blocked), 1);
     let rests_at = timeline.state_at(timeline.end_time()).agents[0].pose;
     assert!(rests_at.position().distance(gate.position()) > 3.0, "{rests_at:?}");
@@ -249,12 +252,18 @@ fn a_truck_that_has_arrived_keeps_its_fire_even_if_another_ignites_at_that_insta
         run(&scenario, 1)
     };
     let arrival = |timeline: &Timeline| {
-        let mut arrivals = timeline.events.iter().filter(|event| matches!(event.fact, Fact::Suppressing { .. }));
+        let mut arrivals =
+            timeline.events.iter().filter(|event| matches!(event.fact, Fact::Agent(_, AgentFact::Suppressing { .. })));
         arrivals.next().expect("it arrives").time
     };
     let alone = arrival(&with(&[(0.0, far)]));
     let timeline = with(&[(0.0, far), (alone.as_seconds(), near)]);
     assert_eq!(arrival(&timeline), alone);
-    assert_eq!(count(&timeline, |fact| matches!(fact, Fact::Dropped { .. })), 0, "{:#?}", timeline.events);
+    assert_eq!(
+        count(&timeline, |fact| matches!(fact, Fact::Agent(_, AgentFact::Dropped { .. }))),
+        0,
+        "{:#?}",
+        timeline.events
+    );
     assert_goes_well(&timeline);
 }

@@ -5,7 +5,7 @@ use super::tolerance::Tolerance;
 use super::{Violation, ViolationKind};
 use crate::geometry::{Pose, ops};
 use crate::time::SimTime;
-use crate::timeline::{AgentId, AgentStart, Body, Fact, Timeline};
+use crate::timeline::{AgentFact, AgentId, AgentStart, Body, Fact, Timeline};
 use crate::trajectory::{Piece, Trajectory};
 
 /// The way of one agent through a run.
@@ -39,7 +39,9 @@ impl<'a> DrivenLegs<'a> {
         let mut legs: Vec<Leg<'a>> = Vec::new();
         for event in timeline.events.iter().filter(|event| event.fact.agent() == Some(agent.id)) {
             match (&event.fact, legs.last_mut()) {
-                (Fact::Dropped { trajectory, .. }, Some(leg)) => leg.versions.push((event.time, trajectory)),
+                (Fact::Agent(_, AgentFact::Dropped { trajectory, .. }), Some(leg)) => {
+                    leg.versions.push((event.time, trajectory))
+                }
                 (fact, _) => legs.extend(fact.trajectory().map(|leg| Leg::new(event.time, leg))),
             }
         }

@@ -7,7 +7,7 @@ use super::{Violation, ViolationKind};
 use crate::fire::FireRules;
 use crate::geometry::Cell;
 use crate::time::SimTime;
-use crate::timeline::{Cause, Event, Fact, Setting, Timeline};
+use crate::timeline::{Cause, Event, Fact, FireFact, Setting, Timeline};
 
 /// Looks at cells around fires that spread which one run may take.
 const MOST_LOOKS: u64 = 10_000_000_000;
@@ -51,7 +51,9 @@ impl<'a> Fires<'a> {
     }
 
     fn record(&mut self, event: &Event) -> Result<(), Violation> {
-        let (Fact::Ignited { cell, .. } | Fact::BurnedOut { cell } | Fact::Extinguished { cell, .. }) = event.fact
+        let (Fact::Fire(FireFact::Ignited { cell, .. })
+        | Fact::Fire(FireFact::BurnedOut { cell })
+        | Fact::Fire(FireFact::Extinguished { cell, .. })) = event.fact
         else {
             return Ok(());
         };
@@ -59,9 +61,9 @@ impl<'a> Fires<'a> {
         let violation = |kind| Violation { time: event.time, agent: event.fact.agent(), place, kind };
         let index = self.setting.bush_index(cell).ok_or_else(|| violation(ViolationKind::CannotBurn { cell }))?;
         let change = match (&event.fact, self.bushes[index]) {
-            (Fact::Ignited { cause, .. }, bush) => self.caught((cell, index), bush, *cause, event.time),
+            (Fact::Fire(FireFact::Ignited { cause, .. }), bush) => self.caught((cell, index), bush, *cause, event.time),
             (_, Bush::Intact | Bush::BurnedOut | Bush::Extinguished { .. }) => Err(ViolationKind::NotBurning { cell }),
-            (Fact::Extinguished { .. }, _) => Ok(Bush::Extinguished { at: event.time }),
+            (Fact::Fire(FireFact::Extinguished { .. }), _) => Ok(Bush::Extinguished { at: event.time }),
             (_, Bush::Burning { since, .. }) => self.burned_out(cell, since, event.time),
         };
         self.bushes[index] = change.map_err(violation)?;

@@ -90,7 +90,7 @@ mod tests {
     use super::*;
     use crate::fire::FireRules;
     use crate::geometry::{Cell, FieldFrame, Pose};
-    use crate::timeline::{AgentId, Cause, Event, Fact, Rules, Setting};
+    use crate::timeline::{AgentFact, AgentId, Cause, Event, Fact, FireFact, Rules, Setting};
     use crate::trajectory::SpeedLimits;
     use crate::vehicle::{Dimensions, Path, Segment};
 
@@ -121,23 +121,23 @@ mod tests {
 
     fn planned(time_s: f64, trajectory: Trajectory) -> Event {
         let effort = Default::default();
-        at(time_s, Fact::Planned { agent: TRUCK, goal: NEAR, trajectory, effort, by_lattice: false })
+        at(time_s, Fact::Agent(TRUCK, AgentFact::Planned { goal: NEAR, trajectory, effort, by_lattice: false }))
     }
 
     fn dropped(time_s: f64, trajectory: Trajectory) -> Event {
-        at(time_s, Fact::Dropped { agent: TRUCK, goal: NEAR, trajectory })
+        at(time_s, Fact::Agent(TRUCK, AgentFact::Dropped { goal: NEAR, trajectory }))
     }
 
     fn ignited(time_s: f64, cell: Cell, cause: Cause) -> Event {
-        at(time_s, Fact::Ignited { cell, cause })
+        at(time_s, Fact::Fire(FireFact::Ignited { cell, cause }))
     }
 
     fn extinguished(time_s: f64) -> Event {
-        at(time_s, Fact::Extinguished { cell: NEAR, by: TRUCK })
+        at(time_s, Fact::Fire(FireFact::Extinguished { cell: NEAR, by: TRUCK }))
     }
 
     fn burned_out(time_s: f64, cell: Cell) -> Event {
-        at(time_s, Fact::BurnedOut { cell })
+        at(time_s, Fact::Fire(FireFact::BurnedOut { cell }))
     }
 
     /// A truck that starts at (20, 46) m, facing east, on a field of 100 m with bushes from (50, 50) to (55, 55) m and
@@ -290,7 +290,7 @@ mod tests {
         timeline.events.insert(1, ignited(0.5, beside, Cause::Scheduled));
         for (time_s, is_second) in [(9.0, true), (9.5, false)] {
             let mut timeline = timeline.clone();
-            timeline.events.insert(4, at(time_s, Fact::Extinguished { cell: beside, by: TRUCK }));
+            timeline.events.insert(4, at(time_s, Fact::Fire(FireFact::Extinguished { cell: beside, by: TRUCK })));
             timeline.events.truncate(5);
             let kind =
                 audit_timeline(&timeline, SampleStep::default()).violation.expect("it stood five seconds only").kind;
@@ -360,7 +360,9 @@ mod tests {
     #[test]
     fn the_last_leg_is_looked_at_too() {
         let mut events = proper_run();
-        let Fact::Planned { trajectory, .. } = &events[5].fact else { panic!("the run ends with a leg") };
+        let Fact::Agent(_, AgentFact::Planned { trajectory, .. }) = &events[5].fact else {
+            panic!("the run ends with a leg")
+        };
         events[5] = planned(10.0, drive(10.0, trajectory.start(), &[70.0]));
         assert!(violation(events).to_string().contains("outside of the field"));
     }
@@ -369,7 +371,10 @@ mod tests {
     fn an_unknown_truck_is_found() {
         let fire = ignited(0.0, NEAR, Cause::Scheduled);
         let by = AgentId::unimog(7);
-        assert_eq!(kind(vec![fire, at(1.0, Fact::Extinguished { cell: NEAR, by })]), ViolationKind::WrongAgent);
+        assert_eq!(
+            kind(vec![fire, at(1.0, Fact::Fire(FireFact::Extinguished { cell: NEAR, by }))]),
+            ViolationKind::WrongAgent
+        );
     }
 
     #[test]

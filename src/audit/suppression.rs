@@ -5,7 +5,7 @@ use super::tolerance::SAME_POSE;
 use super::{Violation, ViolationKind};
 use crate::geometry::{Cell, Pose};
 use crate::time::SimTime;
-use crate::timeline::{AgentId, AgentStart, Cause, Event, Fact, Setting, Timeline};
+use crate::timeline::{AgentId, AgentStart, Cause, Event, Fact, FireFact, Setting, Timeline};
 
 /// An agent that comes to a stand where its last leg ends.
 struct Actor {
@@ -32,11 +32,13 @@ pub fn audit_acts(timeline: &Timeline) -> Result<u64, Violation> {
         let position = actor.pose.position();
         let violation = |kind| Violation { time: event.time, agent: Some(id), place: position, kind };
         match event.fact {
-            Fact::Extinguished { cell, .. } => {
+            Fact::Fire(FireFact::Extinguished { cell, .. }) => {
                 actor.extinguish(&timeline.setting, cell, event.time).map_err(violation)?;
                 extinctions += 1;
             }
-            Fact::Ignited { cell, cause: Cause::Lit(_) } => actor.light(cell, event.time).map_err(violation)?,
+            Fact::Fire(FireFact::Ignited { cell, cause: Cause::Lit(_) }) => {
+                actor.light(cell, event.time).map_err(violation)?
+            }
             _ => actor.follow(event),
         }
     }

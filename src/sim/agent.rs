@@ -8,7 +8,7 @@ use crate::geometry::{Cell, Pose};
 use crate::planning::Searched;
 use crate::planning::memory::{BytesAfter, Growing, Held, MemoryMeter};
 use crate::time::SimTime;
-use crate::timeline::{AgentId, CpuSample, Event, Fact, RestReason};
+use crate::timeline::{AgentFact, AgentId, CpuSample, Event, Fact, RestReason};
 use crate::trajectory::Trajectory;
 
 use super::agenda::{Agenda, Call, Due};
@@ -63,7 +63,7 @@ impl Agent {
     /// Gives up the goal on the way; the leg as it is really driven is `cut`, and the next decision falls at its end.
     pub fn break_off(&mut self, entity: Entity, now: SimTime, cut: Trajectory, agenda: &mut Agenda, log: &mut Log) {
         let goal = self.goal.take().expect("only an agent with a goal drops one");
-        log.add(now, Fact::Dropped { agent: self.id, goal, trajectory: cut.clone() });
+        log.add(now, Fact::Agent(self.id, AgentFact::Dropped { goal, trajectory: cut.clone() }));
         let stands_at = cut.end_time().max(now);
         self.activity = if stands_at > now { Activity::Moving } else { Activity::Idle };
         self.trajectory = cut;
@@ -97,7 +97,7 @@ impl Agent {
         self.goal = None;
         if self.rests != Some(reason) {
             self.rests = Some(reason);
-            log.add(now, Fact::Rested { agent: self.id, reason });
+            log.add(now, Fact::Agent(self.id, AgentFact::Rested { reason }));
         }
     }
 }
@@ -136,7 +136,7 @@ impl Log {
         for Searched { phase, graph } in searched {
             self.recorded += graph.places.len() + graph.edges.len();
             if self.recorded <= MAX_RECORDED {
-                self.add(time, Fact::Searched { agent, phase, graph });
+                self.add(time, Fact::Agent(agent, AgentFact::Searched { phase, graph }));
             }
         }
     }
@@ -145,11 +145,13 @@ impl Log {
 /// Bytes of what a fact holds beside itself; a leg twice, because whoever drives it has it too.
 fn bytes_beside(fact: &Fact) -> usize {
     match fact {
-        Fact::Planned { trajectory, .. } | Fact::Dropped { trajectory, .. } | Fact::GaveWay { trajectory, .. } => {
-            2 * size_of_val(trajectory.pieces())
+        Fact::Agent(_, AgentFact::Planned { trajectory, .. })
+        | Fact::Agent(_, AgentFact::Dropped { trajectory, .. })
+        | Fact::Agent(_, AgentFact::GaveWay { trajectory, .. }) => 2 * size_of_val(trajectory.pieces()),
+        Fact::Agent(_, AgentFact::OutOfReach { cells, .. }) => size_of_val(&cells[..]),
+        Fact::Agent(_, AgentFact::Searched { graph, .. }) => {
+            size_of_val(&graph.places[..]) + size_of_val(&graph.edges[..])
         }
-        Fact::OutOfReach { cells, .. } => size_of_val(&cells[..]),
-        Fact::Searched { graph, .. } => size_of_val(&graph.places[..]) + size_of_val(&graph.edges[..]),
         _ => 0,
     }
 }

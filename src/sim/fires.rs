@@ -7,7 +7,7 @@ use crate::fire::{FireEvent, FireField, Spread};
 use crate::geometry::Cell;
 use crate::scenario::IgnitionCells;
 use crate::time::SimTime;
-use crate::timeline::{AgentId, Cause, Fact};
+use crate::timeline::{AgentId, Cause, Fact, FireFact};
 
 use super::agenda::{Call, Due, Rank};
 use super::agent::Activity;
@@ -49,7 +49,7 @@ pub fn extinguish(mut stage: Stage) {
         for cell in put_out {
             if stage.fires.field.is_burning(cell) {
                 let change = stage.fires.field.extinguish(cell);
-                stage.log.add(now, Fact::Extinguished { cell, by: stop.by });
+                stage.log.add(now, Fact::Fire(FireFact::Extinguished { cell, by: stop.by }));
                 stage.follow(change);
                 stage.release(cell);
             }
@@ -79,7 +79,7 @@ pub fn burn_out(mut stage: Stage) {
         if stage.fires.field.goes_on(cell, episode) {
             let change = stage.fires.field.burn_out(cell);
             let now = stage.now();
-            stage.log.add(now, Fact::BurnedOut { cell });
+            stage.log.add(now, Fact::Fire(FireFact::BurnedOut { cell }));
             stage.follow(change);
             stage.release(cell);
         }

@@ -85,7 +85,7 @@ pub struct Run {
 /// The options of a run. They change nothing that happens in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RunOptions {
-    /// True if the timeline also holds what the searches looked at, as [`Fact::Searched`]. CPU times include recording
+    /// True if the timeline also holds what the searches looked at, as [`AgentFact::Searched`]. CPU times include recording
     /// it.
     pub records_searches: bool,
     /// The limit of memory. A run that would take more does not take place, or ends early, as [`RunError::Memory`].

@@ -21,7 +21,7 @@ use crate::scenario::{
 };
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
-use crate::timeline::{AgentId, AgentStart, Body, CpuSample, Fact, Rules, Setting};
+use crate::timeline::{AgentFact, AgentId, AgentStart, Body, CpuSample, Fact, Rules, Setting};
 use crate::trajectory::SpeedLimits;
 use crate::vehicle::Dimensions;
 
@@ -171,13 +171,13 @@ fn place_wumpus(
     let here = lattice.position(point);
     // On cell centres a start anywhere in a cell means that cell; only a move to another one is worth a word.
     if (here - start).abs().max_element() > 0.5 * step_m * (1.0 + 1e-9) {
-        log.add(SimTime::ZERO, Fact::StartMoved { agent: id, from: Pose::new(start.x, start.y, 0.0) });
+        log.add(SimTime::ZERO, Fact::Agent(id, AgentFact::StartMoved { from: Pose::new(start.x, start.y, 0.0) }));
     }
     let reached = lattice.reachable_from(point);
     let (mut targets, walled_in): (Vec<Cell>, Vec<Cell>) =
         terrain.bushes.iter().partition(|&&cell| lattice.points_of_reach(cell, settings.reach_m).any(|p| reached[p]));
     if !walled_in.is_empty() {
-        log.add(SimTime::ZERO, Fact::OutOfReach { agent: id, cells: walled_in });
+        log.add(SimTime::ZERO, Fact::Agent(id, AgentFact::OutOfReach { cells: walled_in }));
     }
     if settings.goal == WumpusGoal::RandomIntact {
         let mut permutation = terrain.bushes.clone();
@@ -249,13 +249,13 @@ fn place_truck(
     };
     let start = nearest_free_pose(field.frame(), wanted, is_free).ok_or(RunError::NoFreeStart { agent: id })?;
     if start != wanted {
-        log.add(SimTime::ZERO, Fact::StartMoved { agent: id, from: wanted });
+        log.add(SimTime::ZERO, Fact::Agent(id, AgentFact::StartMoved { from: wanted }));
     }
     let planner = settings.build_planner(&checker, memory, seed, id.number.into());
     let report = planner.build_report();
     if report.samples > 0 {
         let BuildReport { samples, edges, components, .. } = report;
-        log.add(SimTime::ZERO, Fact::RoadmapBuilt { agent: id, samples, edges, components });
+        log.add(SimTime::ZERO, Fact::Agent(id, AgentFact::RoadmapBuilt { samples, edges, components }));
     }
     let truck = Truck {
         body: settings.vehicle,

@@ -7,7 +7,7 @@ use glam::DVec2;
 use crate::fire::{FireChange, FireEvent, FireField, FireModel};
 use crate::geometry::{Cell, FieldFrame};
 use crate::time::SimTime;
-use crate::timeline::{AgentId, Cause, Fact, RestReason};
+use crate::timeline::{AgentFact, AgentId, Cause, Fact, FireFact, RestReason};
 use crate::trajectory::Trajectory;
 
 use super::agenda::{Agenda, Due, Rank, SimClock};
@@ -113,7 +113,7 @@ impl Stage<'_, '_> {
         let (mut agent, _, truck) = self.agents.get_mut(entity).expect("agents live for the whole run");
         let mut truck = truck.expect("only trucks are in the way");
         truck.blocked.clear();
-        self.log.add(now, Fact::GaveWay { agent: agent.id, to, trajectory: way.clone() });
+        self.log.add(now, Fact::Agent(agent.id, AgentFact::GaveWay { to, trajectory: way.clone() }));
         agent.rests = None;
         agent.activity = Activity::Moving;
         agent.trajectory = way;
@@ -137,7 +137,7 @@ impl Stage<'_, '_> {
         let now = self.now();
         let lit = !matches!(cause, Cause::Spread(_));
         let Some(change) = self.fires.field.ignite(cell, now, lit) else { return };
-        self.log.add(now, Fact::Ignited { cell, cause });
+        self.log.add(now, Fact::Fire(FireFact::Ignited { cell, cause }));
         self.follow(change);
         self.drop_goals_of_wumpuses(cell);
         self.call_trucks();
@@ -190,7 +190,7 @@ impl Stage<'_, '_> {
             let (mut agent, _, truck) = self.agents.get_mut(entity).expect("the roster lists living agents");
             let is_blocked = truck.is_some_and(|truck| truck.is_blocked());
             if agent.goal == Some(cell) && agent.activity == Activity::Suppressing {
-                self.log.add(now, Fact::SuppressionEnded { agent: agent.id, cell });
+                self.log.add(now, Fact::Agent(agent.id, AgentFact::SuppressionEnded { cell }));
                 agent.goal = None;
                 agent.activity = Activity::Idle;
                 agent.reconsider(entity, now, &mut self.agenda);

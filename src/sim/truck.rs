@@ -14,7 +14,7 @@ use crate::planning::{Effort, GoalDisc, PlanFailure, TruckPlanner, detour};
 use crate::scenario::TruckGoal;
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
-use crate::timeline::{AgentId, Fact, RestReason};
+use crate::timeline::{AgentFact, AgentId, Fact, RestReason};
 use crate::trajectory::{Piece, SpeedLimits, Trajectory};
 use crate::vehicle::{Dimensions, Path};
 
@@ -234,7 +234,7 @@ pub fn decide(
         Choice::Wait(blocked) => {
             let (goal, by) = blocked[0].reason();
             if before.first().map(Blocked::reason) != Some((goal, by)) {
-                log.add(now, Fact::Blocked { agent: agent.id, goal, by });
+                log.add(now, Fact::Agent(agent.id, AgentFact::Blocked { goal, by }));
             }
             agent.rests = None;
             truck.blocked = blocked;
@@ -274,7 +274,7 @@ fn choose(
             Err((reason, spent)) => {
                 let until = now + truck.charge(&spent);
                 truck.set_aside.push(goal);
-                log.add(now, Fact::PlanFailed { agent: id, goal, reason, effort: spent, until });
+                log.add(now, Fact::Agent(id, AgentFact::PlanFailed { goal, reason, effort: spent, until }));
                 if until > now {
                     return Choice::Think(until);
                 }
@@ -314,7 +314,7 @@ fn choose_by_flood(
             };
         }
         truck.out_of_reach.push(goal);
-        log.add(now, Fact::OutOfReach { agent: id, cells: vec![goal] });
+        log.add(now, Fact::Agent(id, AgentFact::OutOfReach { cells: vec![goal] }));
     }
     let nothing_burns = situation.best(truck.policy, centre, |_| true).is_none();
     Choice::Rest(if nothing_burns { RestReason::NothingBurns } else { RestReason::NothingReachable })
@@ -330,7 +330,7 @@ pub fn set_out(
 ) {
     let Drive { goal, effort, by_lattice, back_m, .. } = drive;
     truck.tracks.set_out(back_m);
-    log.add(now, Fact::Planned { agent: agent.id, goal, trajectory: leg.clone(), effort, by_lattice });
+    log.add(now, Fact::Agent(agent.id, AgentFact::Planned { goal, trajectory: leg.clone(), effort, by_lattice }));
     agent.set_out(entity, now, goal, leg, agenda);
     agenda.add(agent.trajectory.end_time(), Due::Arrival(agent.call(entity)));
 }
@@ -352,7 +352,7 @@ pub fn arrive(mut stage: Stage) {
         }
         agent.activity = Activity::Suppressing;
         let cell = agent.goal.expect("a truck drives to a goal");
-        stage.log.add(now, Fact::Suppressing { agent: agent.id, cell });
+        stage.log.add(now, Fact::Agent(agent.id, AgentFact::Suppressing { cell }));
         let dwell = truck.expect("only trucks arrive").dwell;
         stage.agenda.add(now + dwell, Due::Extinction(agent.call(call.agent)));
     }

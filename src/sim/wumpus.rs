@@ -19,7 +19,7 @@ use crate::planning::{Effort, PlanFailure};
 use crate::scenario::WumpusGoal;
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
-use crate::timeline::{AgentId, Fact, RestReason};
+use crate::timeline::{AgentFact, AgentId, Fact, RestReason};
 use crate::trajectory::{Piece, Trajectory};
 use crate::vehicle::Segment;
 
@@ -206,7 +206,10 @@ fn set_out(
     wumpus.walk = walk.path.expect("targets are the cells that can be approached");
     let trajectory = wumpus.trajectory(ready, agent.trajectory.end(), &wumpus.walk);
     let effort = Effort { roadmap_expansions: 0, local_expansions: walk.expansions };
-    log.add(now, Fact::Planned { agent: agent.id, goal, trajectory: trajectory.clone(), effort, by_lattice: false });
+    log.add(
+        now,
+        Fact::Agent(agent.id, AgentFact::Planned { goal, trajectory: trajectory.clone(), effort, by_lattice: false }),
+    );
     agent.set_out(entity, now, goal, trajectory, agenda);
     agenda.add(agent.trajectory.end_time(), Due::Lighting(agent.call(entity)));
 }
@@ -222,12 +225,12 @@ fn fail(
     wumpus.failed.insert((wumpus.point, goal));
     log_minimum(id, wumpus, now, (goal, wumpus.point), log);
     let effort = Effort { roadmap_expansions: 0, local_expansions: expansions };
-    log.add(now, Fact::PlanFailed { agent: id, goal, reason: PlanFailure::LocalMinimum, effort, until });
+    log.add(now, Fact::Agent(id, AgentFact::PlanFailed { goal, reason: PlanFailure::LocalMinimum, effort, until }));
 }
 
 fn log_minimum(id: AgentId, wumpus: &Wumpus, now: SimTime, (goal, minimum): (Cell, usize), log: &mut Log) {
     let place = wumpus.lattice.position(minimum);
-    log.add(now, Fact::LocalMinimum { agent: id, goal, x_m: place.x, y_m: place.y });
+    log.add(now, Fact::Agent(id, AgentFact::LocalMinimum { goal, x_m: place.x, y_m: place.y }));
 }
 
 /// Gives a goal up at the local minimum where the walk ended: there it plans once more, which takes one expansion.

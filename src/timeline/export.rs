@@ -7,7 +7,7 @@ use std::io::{self, Write};
 
 use thiserror::Error;
 
-use super::{Cause, Fact, Replay, Timeline};
+use super::{AgentFact, Cause, Fact, FireFact, Replay, Timeline};
 use crate::geometry::Cell;
 use crate::planning::Effort;
 use crate::time::SimTime;
@@ -88,62 +88,62 @@ fn seconds(time: SimTime) -> String {
 /// The word for a kind of fact in the `event` column.
 fn name(fact: &Fact) -> &'static str {
     match fact {
-        Fact::StartMoved { .. } => "start-moved",
-        Fact::RoadmapBuilt { .. } => "roadmap-built",
-        Fact::OutOfReach { .. } => "out-of-reach",
-        Fact::Ignited { .. } => "ignited",
-        Fact::BurnedOut { .. } => "burned-out",
-        Fact::Extinguished { .. } => "extinguished",
-        Fact::Planned { .. } => "planned",
-        Fact::Searched { .. } => "searched",
-        Fact::PlanFailed { .. } => "plan-failed",
-        Fact::Dropped { .. } => "dropped",
-        Fact::Suppressing { .. } => "suppressing",
-        Fact::SuppressionEnded { .. } => "suppression-ended",
-        Fact::Rested { .. } => "rested",
-        Fact::LocalMinimum { .. } => "local-minimum",
-        Fact::Blocked { .. } => "blocked",
-        Fact::GaveWay { .. } => "gave-way",
+        Fact::Agent(_, AgentFact::StartMoved { .. }) => "start-moved",
+        Fact::Agent(_, AgentFact::RoadmapBuilt { .. }) => "roadmap-built",
+        Fact::Agent(_, AgentFact::OutOfReach { .. }) => "out-of-reach",
+        Fact::Fire(FireFact::Ignited { .. }) => "ignited",
+        Fact::Fire(FireFact::BurnedOut { .. }) => "burned-out",
+        Fact::Fire(FireFact::Extinguished { .. }) => "extinguished",
+        Fact::Agent(_, AgentFact::Planned { .. }) => "planned",
+        Fact::Agent(_, AgentFact::Searched { .. }) => "searched",
+        Fact::Agent(_, AgentFact::PlanFailed { .. }) => "plan-failed",
+        Fact::Agent(_, AgentFact::Dropped { .. }) => "dropped",
+        Fact::Agent(_, AgentFact::Suppressing { .. }) => "suppressing",
+        Fact::Agent(_, AgentFact::SuppressionEnded { .. }) => "suppression-ended",
+        Fact::Agent(_, AgentFact::Rested { .. }) => "rested",
+        Fact::Agent(_, AgentFact::LocalMinimum { .. }) => "local-minimum",
+        Fact::Agent(_, AgentFact::Blocked { .. }) => "blocked",
+        Fact::Agent(_, AgentFact::GaveWay { .. }) => "gave-way",
         Fact::Ended { .. } => "ended",
     }
 }
 
 fn detail(fact: &Fact) -> String {
     match fact {
-        Fact::StartMoved { from, .. } => {
+        Fact::Agent(_, AgentFact::StartMoved { from, .. }) => {
             format!("from_x_m={}; from_y_m={}; from_heading_rad={}", from.x, from.y, from.heading)
         }
-        Fact::RoadmapBuilt { samples, edges, components, .. } => {
+        Fact::Agent(_, AgentFact::RoadmapBuilt { samples, edges, components, .. }) => {
             format!("samples={samples}; edges={edges}; components={components}")
         }
-        Fact::OutOfReach { cells, .. } => {
+        Fact::Agent(_, AgentFact::OutOfReach { cells, .. }) => {
             let cells: Vec<_> = cells.iter().map(|&cell| short(cell)).collect();
             format!("cells={}", cells.join(" "))
         }
-        Fact::Ignited { cause, .. } => match cause {
+        Fact::Fire(FireFact::Ignited { cause, .. }) => match cause {
             Cause::Lit(_) => "cause=lit".into(),
             Cause::Spread(from) => format!("cause=spread; from={}", short(*from)),
             Cause::Scheduled => "cause=schedule".into(),
         },
-        Fact::Planned { trajectory, effort, by_lattice, .. } => {
+        Fact::Agent(_, AgentFact::Planned { trajectory, effort, by_lattice, .. }) => {
             format!("{}; {}; by_lattice={by_lattice}", leg(trajectory), expansions(*effort))
         }
-        Fact::PlanFailed { reason, effort, until, .. } => {
+        Fact::Agent(_, AgentFact::PlanFailed { reason, effort, until, .. }) => {
             format!("reason={reason}; {}; until_s={}", expansions(*effort), seconds(*until))
         }
-        Fact::Dropped { trajectory, .. } => leg(trajectory),
-        Fact::Searched { phase, graph, .. } => {
+        Fact::Agent(_, AgentFact::Dropped { trajectory, .. }) => leg(trajectory),
+        Fact::Agent(_, AgentFact::Searched { phase, graph, .. }) => {
             format!("phase={phase}; places={}; edges={}", graph.places.len(), graph.edges.len())
         }
-        Fact::Blocked { by, .. } => format!("by={by}"),
-        Fact::GaveWay { to, trajectory, .. } => format!("to={to}; {}", leg(trajectory)),
-        Fact::Rested { reason, .. } => format!("reason={reason}"),
-        Fact::LocalMinimum { x_m, y_m, .. } => format!("x_m={x_m}; y_m={y_m}"),
+        Fact::Agent(_, AgentFact::Blocked { by, .. }) => format!("by={by}"),
+        Fact::Agent(_, AgentFact::GaveWay { to, trajectory, .. }) => format!("to={to}; {}", leg(trajectory)),
+        Fact::Agent(_, AgentFact::Rested { reason, .. }) => format!("reason={reason}"),
+        Fact::Agent(_, AgentFact::LocalMinimum { x_m, y_m, .. }) => format!("x_m={x_m}; y_m={y_m}"),
         Fact::Ended { reason } => format!("reason={reason}"),
-        Fact::BurnedOut { .. }
-        | Fact::Extinguished { .. }
-        | Fact::Suppressing { .. }
-        | Fact::SuppressionEnded { .. } => String::new(),
+        Fact::Fire(FireFact::BurnedOut { .. })
+        | Fact::Fire(FireFact::Extinguished { .. })
+        | Fact::Agent(_, AgentFact::Suppressing { .. })
+        | Fact::Agent(_, AgentFact::SuppressionEnded { .. }) => String::new(),
     }
 }
 

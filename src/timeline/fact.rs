@@ -1,4 +1,7 @@
-//! What can happen in a run.
+//! The facts of a run: what can happen in it.
+//!
+//! A new kind of fact is a variant here, a record in [`super::file`], a row in [`super::export`], and the place in the
+//! simulation that appends it; readers that it does not concern pass over it.
 
 use std::fmt;
 
@@ -10,12 +13,14 @@ use crate::planning::{Effort, PlanFailure, SearchGraph, SearchPhase};
 use crate::time::SimTime;
 use crate::trajectory::Trajectory;
 
-/// Who set a cell on fire.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+/// The cause of an ignition, with its parent: who lit the cell, or which fire spread to it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
     /// The agent that lit it.
     Lit(AgentId),
-    /// The burning cell that it caught fire from.
+    /// The burning cell that it caught fire from. Where several burning cells reach it, that is the one whose spread
+    /// comes due first; of those due at one instant, the one that was scheduled first, which is the one that itself
+    /// caught fire earlier. Recordings of every format hold it.
     Spread(Cell),
     /// An `[[ignition]]` of the scenario.
     Scheduled,
@@ -63,42 +68,49 @@ impl fmt::Display for EndReason {
 }
 
 /// One thing that happened.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Fact {
+    /// What an agent did, or what its planner found.
+    Agent(AgentId, AgentFact),
+    /// What became of a bush.
+    Fire(FireFact),
+    Ended {
+        reason: EndReason,
+    },
+}
+
+/// What became of a bush.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FireFact {
+    Ignited { cell: Cell, cause: Cause },
+    BurnedOut { cell: Cell },
+    Extinguished { cell: Cell, by: AgentId },
+}
+
+/// What an agent did, or what its planner found.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AgentFact {
     /// A blocked start was moved to the nearest free place before the run began.
     StartMoved {
-        agent: AgentId,
         from: Pose,
     },
-    /// A truck's planner was built: its roadmap has so many milestones, edges and connected components.
+    /// A truck's planner was built, and its roadmap with it.
     RoadmapBuilt {
-        agent: AgentId,
+        /// Milestones of the roadmap.
         samples: u32,
         edges: u32,
+        /// Connected components.
         components: u32,
     },
     /// Cells that this agent can never act on: no lattice point to light them from, or, for a truck, no pose that the
     /// reachability flood connects to its start.
     OutOfReach {
-        agent: AgentId,
         cells: Vec<Cell>,
-    },
-    Ignited {
-        cell: Cell,
-        cause: Cause,
-    },
-    BurnedOut {
-        cell: Cell,
-    },
-    Extinguished {
-        cell: Cell,
-        by: AgentId,
     },
     /// The agent, standing where `trajectory` begins, chose a goal and knows how to get there; while planning time is
     /// charged it stands until `trajectory.start_time()`. A truck that already stands in reach has a trajectory without
     /// pieces; one that lets another truck pass first begins with a wait.
     Planned {
-        agent: AgentId,
         goal: Cell,
         trajectory: Trajectory,
         effort: Effort,
@@ -107,16 +119,14 @@ pub enum Fact {
     /// What a search looked at, where that was to be recorded, with the roadmap itself right after its `RoadmapBuilt`:
     /// the phases of a plan in turn, right before what it led to, which is a `Planned`, a `PlanFailed`, with the
     /// `LocalMinimum` that goes before them, or, where another truck was in the way, the next plan or a `Blocked`.
-    /// Nothing is told of detours round other trucks, nor of plans that the reachability flood led to (`by_lattice`).
+    /// Detours round other trucks and plans that the reachability flood led to (`by_lattice`) are not recorded.
     Searched {
-        agent: AgentId,
         phase: SearchPhase,
         graph: SearchGraph,
     },
     /// A plan for a goal failed. Planning time is charged until `until`, which is the time of this fact where planning
     /// costs none; it does not stop an agent that is under way.
     PlanFailed {
-        agent: AgentId,
         goal: Cell,
         reason: PlanFailure,
         effort: Effort,
@@ -126,28 +136,23 @@ pub enum Fact {
     /// from its `end_time()` on; without pieces if the agent had not set out. A truck stops where it is in nobody's
     /// way, which may be later than it could.
     Dropped {
-        agent: AgentId,
         goal: Cell,
         trajectory: Trajectory,
     },
     /// A truck arrived and suppresses.
     Suppressing {
-        agent: AgentId,
         cell: Cell,
     },
     /// A suppression ended early because its cell stopped burning.
     SuppressionEnded {
-        agent: AgentId,
         cell: Cell,
     },
     Rested {
-        agent: AgentId,
         reason: RestReason,
     },
     /// The descent of a Wumpus for a goal meets a local minimum at this place. A `Planned` follows if its walk leads
     /// there and escapes; if the Wumpus stands there and gives the goal up, a `PlanFailed`.
     LocalMinimum {
-        agent: AgentId,
         goal: Cell,
         x_m: f64,
         y_m: f64,
@@ -155,51 +160,63 @@ pub enum Fact {
     /// A truck stands because another one is in the way to all that it could go for: `by` is in the way to `goal`, its
     /// first choice. It waits until something of the others changes.
     Blocked {
-        agent: AgentId,
         goal: Cell,
         by: AgentId,
     },
     /// A truck that had no goal, or was blocked itself, drives aside so that `to` can set out: a deadlock is broken.
     GaveWay {
-        agent: AgentId,
         to: AgentId,
         trajectory: Trajectory,
-    },
-    Ended {
-        reason: EndReason,
     },
 }
 
 /// A fact and its time.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Event {
     pub time: SimTime,
     pub fact: Fact,
 }
 
 impl Fact {
-    /// The agent whose doing this is, if any.
+    /// The agent that did this, if any: an agent also lights and extinguishes.
     pub fn agent(&self) -> Option<AgentId> {
         match *self {
-            Self::StartMoved { agent, .. }
-            | Self::RoadmapBuilt { agent, .. }
-            | Self::OutOfReach { agent, .. }
-            | Self::Ignited { cause: Cause::Lit(agent), .. }
-            | Self::Extinguished { by: agent, .. }
-            | Self::Planned { agent, .. }
-            | Self::Searched { agent, .. }
-            | Self::PlanFailed { agent, .. }
-            | Self::Dropped { agent, .. }
-            | Self::Suppressing { agent, .. }
-            | Self::SuppressionEnded { agent, .. }
-            | Self::Rested { agent, .. }
-            | Self::LocalMinimum { agent, .. }
-            | Self::Blocked { agent, .. }
-            | Self::GaveWay { agent, .. } => Some(agent),
-            Self::Ignited { .. } | Self::BurnedOut { .. } | Self::Ended { .. } => None,
+            Self::Agent(agent, _)
+            | Self::Fire(
+                FireFact::Ignited { cause: Cause::Lit(agent), .. } | FireFact::Extinguished { by: agent, .. },
+            ) => Some(agent),
+            Self::Fire(_) | Self::Ended { .. } => None,
         }
     }
 
+    /// The leg that begins, or is cut short, with this fact.
+    pub fn trajectory(&self) -> Option<&Trajectory> {
+        match self {
+            Self::Agent(_, fact) => fact.trajectory(),
+            Self::Fire(_) | Self::Ended { .. } => None,
+        }
+    }
+
+    /// The one cell that this concerns: what changed, or the agent's goal.
+    pub fn cell(&self) -> Option<Cell> {
+        match self {
+            Self::Agent(_, fact) => fact.cell(),
+            Self::Fire(fact) => Some(fact.cell()),
+            Self::Ended { .. } => None,
+        }
+    }
+}
+
+impl FireFact {
+    /// The cell that changed.
+    pub fn cell(&self) -> Cell {
+        match *self {
+            Self::Ignited { cell, .. } | Self::BurnedOut { cell } | Self::Extinguished { cell, .. } => cell,
+        }
+    }
+}
+
+impl AgentFact {
     /// The leg that begins, or is cut short, with this fact.
     pub fn trajectory(&self) -> Option<&Trajectory> {
         match self {
@@ -210,26 +227,17 @@ impl Fact {
         }
     }
 
-    /// The one cell that this concerns: what changed, or the agent's goal.
+    /// The agent's goal, or the cell that it suppresses.
     pub fn cell(&self) -> Option<Cell> {
         match *self {
-            Self::Ignited { cell, .. }
-            | Self::BurnedOut { cell }
-            | Self::Extinguished { cell, .. }
-            | Self::Suppressing { cell, .. }
-            | Self::SuppressionEnded { cell, .. } => Some(cell),
-            Self::Planned { goal, .. }
-            | Self::PlanFailed { goal, .. }
-            | Self::Dropped { goal, .. }
-            | Self::LocalMinimum { goal, .. }
-            | Self::Blocked { goal, .. } => Some(goal),
-            Self::StartMoved { .. }
-            | Self::RoadmapBuilt { .. }
-            | Self::OutOfReach { .. }
-            | Self::Searched { .. }
-            | Self::Rested { .. }
-            | Self::GaveWay { .. }
-            | Self::Ended { .. } => None,
+            Self::Planned { goal: cell, .. }
+            | Self::PlanFailed { goal: cell, .. }
+            | Self::Dropped { goal: cell, .. }
+            | Self::LocalMinimum { goal: cell, .. }
+            | Self::Blocked { goal: cell, .. }
+            | Self::Suppressing { cell }
+            | Self::SuppressionEnded { cell } => Some(cell),
+            _ => None,
         }
     }
 }

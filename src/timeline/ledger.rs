@@ -3,7 +3,7 @@
 //! Time is added up in whole nanoseconds and becomes seconds once, at the end.
 
 use super::replay::BushChange;
-use super::{Activity, AgentId, AgentOutcome, BushState, Event, Fact, Outcome, Setting};
+use super::{Activity, AgentFact, AgentId, AgentOutcome, BushState, Event, Fact, FireFact, Outcome, Setting};
 use crate::geometry::Cell;
 use crate::planning::{Effort, PlanFailure};
 use crate::time::SimTime;
@@ -142,13 +142,13 @@ impl<'a> AgentLedger<'a> {
     pub fn record_fact(&mut self, event: &'a Event, setting: &Setting, bushes: &[BushState]) {
         let now = event.time;
         match &event.fact {
-            Fact::RoadmapBuilt { samples, edges, components, .. } => {
+            Fact::Agent(_, AgentFact::RoadmapBuilt { samples, edges, components, .. }) => {
                 self.outcome.roadmap_samples = *samples;
                 self.outcome.roadmap_edges = *edges;
                 self.outcome.roadmap_components = *components;
             }
-            Fact::OutOfReach { cells, .. } => self.rule_out(cells, setting, bushes),
-            Fact::Planned { goal, trajectory, effort, by_lattice, .. } => {
+            Fact::Agent(_, AgentFact::OutOfReach { cells, .. }) => self.rule_out(cells, setting, bushes),
+            Fact::Agent(_, AgentFact::Planned { goal, trajectory, effort, by_lattice, .. }) => {
                 self.count_plan(*effort);
                 self.outcome.lattice_plans += u32::from(*by_lattice);
                 self.end_leg(now);
@@ -157,24 +157,24 @@ impl<'a> AgentLedger<'a> {
                 let drives = self.is_truck() && !trajectory.pieces().is_empty();
                 self.drive = drives.then_some(PendingDrive { goal: *goal, sets_out: trajectory.sets_out_at() });
             }
-            Fact::PlanFailed { reason, effort, .. } => {
+            Fact::Agent(_, AgentFact::PlanFailed { reason, effort, .. }) => {
                 self.count_plan(*effort);
                 let place = PlanFailure::ALL.iter().position(|known| known == reason);
                 self.outcome.failures[place.expect("all reasons are listed")] += 1;
             }
-            Fact::LocalMinimum { .. } => self.outcome.local_minima += 1,
-            Fact::Dropped { trajectory, .. } => {
+            Fact::Agent(_, AgentFact::LocalMinimum { .. }) => self.outcome.local_minima += 1,
+            Fact::Agent(_, AgentFact::Dropped { trajectory, .. }) => {
                 self.end_leg(now);
                 self.end_drive(now);
                 self.leg = Some((trajectory, now));
             }
-            Fact::GaveWay { trajectory, .. } => {
+            Fact::Agent(_, AgentFact::GaveWay { trajectory, .. }) => {
                 self.outcome.deadlocks += 1;
                 self.end_leg(now);
                 self.leg = Some((trajectory, now));
             }
-            Fact::Ignited { .. } => self.outcome.cells += 1,
-            Fact::Extinguished { cell, .. } => {
+            Fact::Fire(FireFact::Ignited { .. }) => self.outcome.cells += 1,
+            Fact::Fire(FireFact::Extinguished { cell, .. }) => {
                 self.outcome.cells += 1;
                 self.drive = self.drive.take().filter(|drive| drive.goal != *cell);
             }

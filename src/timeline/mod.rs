@@ -19,19 +19,17 @@ mod setting;
 
 pub use agent_id::{AgentId, Role};
 pub use cpu::CpuSample;
-pub use fact::{Cause, EndReason, Event, Fact, RestReason};
+pub use fact::{AgentFact, Cause, EndReason, Event, Fact, FireFact, RestReason};
 pub use outcome::{AgentOutcome, Outcome, Winner};
 pub use progress::Activity;
 pub use replay::{AgentState, Replay, State};
 pub use setting::{AgentStart, Body, Rules, Setting};
 
-use serde::{Deserialize, Serialize};
-
 pub use crate::fire::BushState;
 use crate::time::SimTime;
 
 /// A finished run: the setting, and the facts in the order in which they happened.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Timeline {
     pub setting: Setting,
     pub events: Vec<Event>,

@@ -176,14 +176,14 @@ impl Outcome {
 mod tests {
     use super::super::sample::{self, A, B, C, SECOND_TRUCK, TRUCK, WUMPUS, at, ignited, leg, planned};
     use super::*;
-    use crate::timeline::{EndReason, Event, Fact, RestReason};
+    use crate::timeline::{AgentFact, EndReason, Event, Fact, FireFact, RestReason};
 
     fn run(agents: &[AgentId], events: Vec<Event>) -> Timeline {
         Timeline { setting: sample::small_setting(agents), events }
     }
 
     fn truck_rests(agent: AgentId) -> Fact {
-        Fact::Rested { agent, reason: RestReason::NothingBurns }
+        Fact::Agent(agent, AgentFact::Rested { reason: RestReason::NothingBurns })
     }
 
     #[test]
@@ -280,7 +280,7 @@ mod tests {
         let mut timeline = sample::meeting();
         let stand = leg(16.0, timeline.setting.agents[0].pose, 8.0, &[]);
         timeline.events.truncate(5);
-        timeline.events.push(at(16.0, Fact::Dropped { agent: TRUCK, goal: A, trajectory: stand }));
+        timeline.events.push(at(16.0, Fact::Agent(TRUCK, AgentFact::Dropped { goal: A, trajectory: stand })));
         let outcome = &Outcome::new(&timeline).agents[0];
         assert_eq!((outcome.wasted_drives, outcome.waiting_s, outcome.driving_s), (0, 6.0, 0.0));
     }
@@ -311,11 +311,11 @@ mod tests {
             at(10.0, planned(TRUCK, A, leg(10.0, pose, 8.0, &[80.0]))),
             at(10.0, truck_rests(SECOND_TRUCK)),
             at(14.0, ignited(B)),
-            at(20.0, Fact::Suppressing { agent: TRUCK, cell: A }),
-            at(25.0, Fact::Extinguished { cell: A, by: TRUCK }),
+            at(20.0, Fact::Agent(TRUCK, AgentFact::Suppressing { cell: A })),
+            at(25.0, Fact::Fire(FireFact::Extinguished { cell: A, by: TRUCK })),
             at(25.0, planned(TRUCK, B, leg(25.0, pose, 8.0, &[8.0]))),
-            at(26.0, Fact::Suppressing { agent: TRUCK, cell: B }),
-            at(31.0, Fact::Extinguished { cell: B, by: TRUCK }),
+            at(26.0, Fact::Agent(TRUCK, AgentFact::Suppressing { cell: B })),
+            at(31.0, Fact::Fire(FireFact::Extinguished { cell: B, by: TRUCK })),
         ];
         let outcome = Outcome::new(&run(&[TRUCK, SECOND_TRUCK], events));
         // B was nobody's from 14 to 25 s.
@@ -326,7 +326,8 @@ mod tests {
 
     #[test]
     fn a_fire_ruled_out_before_it_burns_makes_no_truck_stuck() {
-        let events = vec![at(0.0, Fact::OutOfReach { agent: TRUCK, cells: vec![A, A] }), at(10.0, ignited(A))];
+        let events =
+            vec![at(0.0, Fact::Agent(TRUCK, AgentFact::OutOfReach { cells: vec![A, A] })), at(10.0, ignited(A))];
         let outcome = Outcome::new(&run(&[TRUCK], events));
         assert_eq!((outcome.truck_stuck_s, outcome.agents[0].longest_idle_s), (0.0, 90.0));
         assert_eq!((outcome.burning, outcome.all_out_s), (1, None));
@@ -335,7 +336,7 @@ mod tests {
     #[test]
     fn extinguished_bushes_keep_a_wumpus_busy_only_where_they_can_be_lit_again() {
         let mut events: Vec<_> = [A, B, C, sample::D].map(|cell| at(0.0, ignited(cell))).into();
-        events.push(at(40.0, Fact::Extinguished { cell: A, by: TRUCK }));
+        events.push(at(40.0, Fact::Fire(FireFact::Extinguished { cell: A, by: TRUCK })));
         let mut timeline = run(&[WUMPUS, TRUCK], events);
         assert_eq!(Outcome::new(&timeline).wumpus_stuck_s, 0.0);
         timeline.setting.rules.relight = true;
@@ -361,8 +362,8 @@ mod tests {
         let events = vec![
             at(10.0, ignited(A)),
             at(10.0, planned(TRUCK, A, leg(20.0, pose, 8.0, &[80.0]))),
-            at(15.0, Fact::BurnedOut { cell: A }),
-            at(15.0, Fact::Dropped { agent: TRUCK, goal: A, trajectory: leg(15.0, pose, 8.0, &[]) }),
+            at(15.0, Fact::Fire(FireFact::BurnedOut { cell: A })),
+            at(15.0, Fact::Agent(TRUCK, AgentFact::Dropped { goal: A, trajectory: leg(15.0, pose, 8.0, &[]) })),
         ];
         let outcome = &Outcome::new(&run(&[TRUCK], events)).agents[0];
         assert_eq!((outcome.distance_m, outcome.wasted_drives), (0.0, 0));
@@ -388,9 +389,9 @@ mod tests {
             at(0.0, ignited(A)),
             at(0.0, ignited(B)),
             at(0.0, planned(TRUCK, B, leg(0.0, pose, 8.0, &[80.0]))),
-            at(10.0, Fact::Suppressing { agent: TRUCK, cell: B }),
-            at(15.0, Fact::Extinguished { cell: A, by: TRUCK }),
-            at(15.0, Fact::Extinguished { cell: B, by: TRUCK }),
+            at(10.0, Fact::Agent(TRUCK, AgentFact::Suppressing { cell: B })),
+            at(15.0, Fact::Fire(FireFact::Extinguished { cell: A, by: TRUCK })),
+            at(15.0, Fact::Fire(FireFact::Extinguished { cell: B, by: TRUCK })),
         ];
         let outcome = Outcome::new(&run(&[TRUCK], events));
         assert_eq!((outcome.agents[0].cells, outcome.agents[0].wasted_drives), (2, 0));

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::Fact;
+use super::{AgentFact, Fact, FireFact};
 use crate::geometry::{Cell, Pose};
 use crate::time::SimTime;
 use crate::trajectory::Trajectory;
@@ -55,23 +55,24 @@ impl<'a> AgentProgress<'a> {
     /// Lets a fact of this agent's happen.
     pub fn apply(&mut self, fact: &'a Fact) {
         match fact {
-            Fact::Planned { goal, trajectory, .. } => self.follow(trajectory, Some(*goal)),
-            Fact::Dropped { trajectory, .. } | Fact::GaveWay { trajectory, .. } => self.follow(trajectory, None),
-            Fact::Blocked { .. } => self.is_blocked = true,
-            Fact::PlanFailed { until, .. } => self.planning_until = *until,
-            Fact::Suppressing { .. } => self.suppresses = true,
-            Fact::Extinguished { .. }
-            | Fact::SuppressionEnded { .. }
-            | Fact::Ignited { .. }
-            | Fact::Rested { .. }
-            | Fact::LocalMinimum { .. } => {
+            Fact::Agent(_, AgentFact::Planned { goal, trajectory, .. }) => self.follow(trajectory, Some(*goal)),
+            Fact::Agent(_, AgentFact::Dropped { trajectory, .. })
+            | Fact::Agent(_, AgentFact::GaveWay { trajectory, .. }) => self.follow(trajectory, None),
+            Fact::Agent(_, AgentFact::Blocked { .. }) => self.is_blocked = true,
+            Fact::Agent(_, AgentFact::PlanFailed { until, .. }) => self.planning_until = *until,
+            Fact::Agent(_, AgentFact::Suppressing { .. }) => self.suppresses = true,
+            Fact::Fire(FireFact::Extinguished { .. })
+            | Fact::Agent(_, AgentFact::SuppressionEnded { .. })
+            | Fact::Fire(FireFact::Ignited { .. })
+            | Fact::Agent(_, AgentFact::Rested { .. })
+            | Fact::Agent(_, AgentFact::LocalMinimum { .. }) => {
                 self.give_up_goal();
             }
-            Fact::StartMoved { .. }
-            | Fact::RoadmapBuilt { .. }
-            | Fact::OutOfReach { .. }
-            | Fact::BurnedOut { .. }
-            | Fact::Searched { .. }
+            Fact::Agent(_, AgentFact::StartMoved { .. })
+            | Fact::Agent(_, AgentFact::RoadmapBuilt { .. })
+            | Fact::Agent(_, AgentFact::OutOfReach { .. })
+            | Fact::Fire(FireFact::BurnedOut { .. })
+            | Fact::Agent(_, AgentFact::Searched { .. })
             | Fact::Ended { .. } => {}
         }
     }

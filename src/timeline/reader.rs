@@ -1,7 +1,7 @@
 //! Reads a run once from its facts to its outcome.
 
 use super::ledger::{AgentLedger, BushLedger};
-use super::{Activity, Cause, Event, Fact, Outcome, Replay, Timeline};
+use super::{Activity, Cause, Event, Fact, FireFact, Outcome, Replay, Timeline};
 use crate::time::SimTime;
 
 /// Goes through a timeline once, instant by instant, and keeps the books.
@@ -64,11 +64,11 @@ impl<'a> Reader<'a> {
 
     fn record(&mut self, event: &'a Event) {
         match event.fact {
-            Fact::Ignited { cause: Cause::Lit(_), .. } => self.outcome.lit_by_wumpus += 1,
-            Fact::Ignited { cause: Cause::Spread(_), .. } => self.outcome.caught_by_spread += 1,
-            Fact::Ignited { cause: Cause::Scheduled, .. } => self.outcome.lit_by_schedule += 1,
-            Fact::BurnedOut { .. } => self.burned_out += 1,
-            Fact::Extinguished { .. } => self.extinctions += 1,
+            Fact::Fire(FireFact::Ignited { cause: Cause::Lit(_), .. }) => self.outcome.lit_by_wumpus += 1,
+            Fact::Fire(FireFact::Ignited { cause: Cause::Spread(_), .. }) => self.outcome.caught_by_spread += 1,
+            Fact::Fire(FireFact::Ignited { cause: Cause::Scheduled, .. }) => self.outcome.lit_by_schedule += 1,
+            Fact::Fire(FireFact::BurnedOut { .. }) => self.burned_out += 1,
+            Fact::Fire(FireFact::Extinguished { .. }) => self.extinctions += 1,
             _ => {}
         }
         let setting = &self.timeline.setting;
@@ -128,14 +128,15 @@ impl<'a> Reader<'a> {
 mod tests {
     use super::super::sample::{self, seconds};
     use super::*;
-    use crate::timeline::{AgentId, BushState};
+    use crate::timeline::{AgentFact, AgentId, BushState};
 
     /// All times at which facts, legs or charged planning begin or end, the end of the run last.
     fn instants(timeline: &Timeline) -> Vec<SimTime> {
         let end = timeline.end_time();
         let of_fact = |event: &Event| {
             let leg = event.fact.trajectory().map(|leg| [leg.start_time(), leg.end_time()]);
-            let charge = if let Fact::PlanFailed { until, .. } = event.fact { Some(until) } else { None };
+            let charge =
+                if let Fact::Agent(_, AgentFact::PlanFailed { until, .. }) = event.fact { Some(until) } else { None };
             [event.time].into_iter().chain(leg.into_iter().flatten()).chain(charge).collect::<Vec<_>>()
         };
         let mut instants: Vec<_> = timeline.events.iter().flat_map(of_fact).filter(|&time| time <= end).collect();
@@ -155,7 +156,7 @@ mod tests {
             let ruled_out = |agent: AgentId, bush: usize, now: SimTime| {
                 let cell = timeline.setting.bushes[bush];
                 timeline.events.iter().take_while(|event| event.time <= now).any(|event| match &event.fact {
-                    Fact::OutOfReach { agent: of, cells } => *of == agent && cells.contains(&cell),
+                    Fact::Agent(of, AgentFact::OutOfReach { cells }) => *of == agent && cells.contains(&cell),
                     _ => false,
                 })
             };
@@ -203,8 +204,10 @@ mod tests {
                 let mut driven = vec![0.0];
                 for event in timeline.events.iter().filter(|event| event.fact.agent() == Some(agent.agent)) {
                     match &event.fact {
-                        Fact::Planned { trajectory, .. } => driven.push(trajectory.distance_m(timeline.end_time())),
-                        Fact::Dropped { trajectory, .. } => {
+                        Fact::Agent(_, AgentFact::Planned { trajectory, .. }) => {
+                            driven.push(trajectory.distance_m(timeline.end_time()))
+                        }
+                        Fact::Agent(_, AgentFact::Dropped { trajectory, .. }) => {
                             *driven.last_mut().expect("it is never empty") = trajectory.distance_m(timeline.end_time());
                         }
                         _ => {}

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::progress::{Activity, AgentProgress};
-use super::{AgentId, BushState, Event, Fact, Timeline};
+use super::{AgentId, BushState, Event, Fact, FireFact, Timeline};
 use crate::geometry::{Cell, Pose};
 use crate::time::SimTime;
 
@@ -11,9 +11,9 @@ impl Event {
     /// What it makes of which bush, if anything.
     pub fn bush_change(&self) -> Option<(Cell, BushState)> {
         match self.fact {
-            Fact::Ignited { cell, .. } => Some((cell, BushState::Burning { since: self.time })),
-            Fact::BurnedOut { cell } => Some((cell, BushState::BurnedOut)),
-            Fact::Extinguished { cell, .. } => Some((cell, BushState::Extinguished)),
+            Fact::Fire(FireFact::Ignited { cell, .. }) => Some((cell, BushState::Burning { since: self.time })),
+            Fact::Fire(FireFact::BurnedOut { cell }) => Some((cell, BushState::BurnedOut)),
+            Fact::Fire(FireFact::Extinguished { cell, .. }) => Some((cell, BushState::Extinguished)),
             _ => None,
         }
     }
@@ -173,14 +173,17 @@ mod tests {
     use super::super::sample::{self, A, B, C, D, TRUCK, at, leg, planned, seconds};
     use super::*;
     use crate::rng;
+    use crate::timeline::AgentFact;
 
     /// What the last fact about a bush says, without a replay.
     fn bush_by_scanning(timeline: &Timeline, bush: Cell, time: SimTime) -> BushState {
         let past = timeline.events.iter().rev().filter(|event| event.time <= time);
         let told = |event: &Event| match event.fact {
-            Fact::Ignited { cell, .. } if cell == bush => Some(BushState::Burning { since: event.time }),
-            Fact::BurnedOut { cell } if cell == bush => Some(BushState::BurnedOut),
-            Fact::Extinguished { cell, .. } if cell == bush => Some(BushState::Extinguished),
+            Fact::Fire(FireFact::Ignited { cell, .. }) if cell == bush => {
+                Some(BushState::Burning { since: event.time })
+            }
+            Fact::Fire(FireFact::BurnedOut { cell }) if cell == bush => Some(BushState::BurnedOut),
+            Fact::Fire(FireFact::Extinguished { cell, .. }) if cell == bush => Some(BushState::Extinguished),
             _ => None,
         };
         past.filter_map(told).next().unwrap_or(BushState::Intact)
@@ -190,7 +193,10 @@ mod tests {
     fn motion_by_scanning(timeline: &Timeline, agent: usize, time: SimTime) -> (Pose, f64, bool) {
         let start = timeline.setting.agents[agent];
         let leg_of = |event: &'_ Event| match &event.fact {
-            Fact::Planned { agent, trajectory, .. } | Fact::Dropped { agent, trajectory, .. } if *agent == start.id => {
+            Fact::Agent(agent, AgentFact::Planned { trajectory, .. })
+            | Fact::Agent(agent, AgentFact::Dropped { trajectory, .. })
+                if *agent == start.id =>
+            {
                 Some(trajectory.clone())
             }
             _ => None,
@@ -282,13 +288,15 @@ mod tests {
     fn a_failed_plan_does_not_stop_an_agent_under_way() {
         let setting = sample::small_setting(&[TRUCK]);
         let start = setting.agents[0].pose;
-        let failed = Fact::PlanFailed {
-            agent: TRUCK,
-            goal: D,
-            reason: crate::planning::PlanFailure::GoalBlocked,
-            effort: sample::effort(0, 0),
-            until: seconds(5.0),
-        };
+        let failed = Fact::Agent(
+            TRUCK,
+            AgentFact::PlanFailed {
+                goal: D,
+                reason: crate::planning::PlanFailure::GoalBlocked,
+                effort: sample::effort(0, 0),
+                until: seconds(5.0),
+            },
+        );
         let events = vec![at(0.0, planned(TRUCK, A, leg(0.0, start, 8.0, &[80.0]))), at(3.0, failed)];
         let state = Timeline { setting, events }.state_at(seconds(4.0)).agents[0];
         assert_eq!((state.activity, state.goal), (Activity::Driving, Some(A)));

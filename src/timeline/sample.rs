@@ -3,7 +3,8 @@
 use rand::RngExt;
 
 use super::{
-    AgentId, AgentStart, Body, BushState, Cause, EndReason, Event, Fact, RestReason, Rules, Setting, Timeline,
+    AgentFact, AgentId, AgentStart, Body, BushState, Cause, EndReason, Event, Fact, FireFact, RestReason, Rules,
+    Setting, Timeline,
 };
 use crate::event_queue::EventQueue;
 use crate::fire::FireRules;
@@ -63,11 +64,11 @@ pub fn leg(start_s: f64, start: Pose, speed_mps: f64, lengths_m: &[f64]) -> Traj
 }
 
 pub fn planned(agent: AgentId, goal: Cell, trajectory: Trajectory) -> Fact {
-    Fact::Planned { agent, goal, trajectory, effort: effort(5, 7), by_lattice: false }
+    Fact::Agent(agent, AgentFact::Planned { goal, trajectory, effort: effort(5, 7), by_lattice: false })
 }
 
 pub fn ignited(cell: Cell) -> Fact {
-    Fact::Ignited { cell, cause: Cause::Scheduled }
+    Fact::Fire(FireFact::Ignited { cell, cause: Cause::Scheduled })
 }
 
 pub fn small_setting(agents: &[AgentId]) -> Setting {
@@ -109,40 +110,42 @@ pub fn by_hand() -> Timeline {
     let first_drive = leg(12.0, truck, 8.0, &[16.0, -8.0]);
     let cut_drive = leg(20.0, first_drive.end(), 8.0, &[32.0]);
     let last_drive = leg(82.0, cut_drive.end(), 8.0, &[8.0]);
-    let by_lattice =
-        Fact::Planned { agent: TRUCK, goal: C, trajectory: last_drive, effort: effort(0, 900), by_lattice: true };
+    let by_lattice = Fact::Agent(
+        TRUCK,
+        AgentFact::Planned { goal: C, trajectory: last_drive, effort: effort(0, 900), by_lattice: true },
+    );
     let failed = |agent, goal, reason, effort, until_s| {
         let until = seconds(until_s);
-        Fact::PlanFailed { agent, goal, reason, effort, until }
+        Fact::Agent(agent, AgentFact::PlanFailed { goal, reason, effort, until })
     };
     let events = vec![
-        at(0.0, Fact::StartMoved { agent: TRUCK, from: Pose::new(9.0, 30.0, 0.0) }),
-        at(0.0, Fact::RoadmapBuilt { agent: TRUCK, samples: 500, edges: 2100, components: 2 }),
-        at(0.0, Fact::OutOfReach { agent: WUMPUS, cells: vec![C] }),
+        at(0.0, Fact::Agent(TRUCK, AgentFact::StartMoved { from: Pose::new(9.0, 30.0, 0.0) })),
+        at(0.0, Fact::Agent(TRUCK, AgentFact::RoadmapBuilt { samples: 500, edges: 2100, components: 2 })),
+        at(0.0, Fact::Agent(WUMPUS, AgentFact::OutOfReach { cells: vec![C] })),
         at(0.0, planned(WUMPUS, A, first_walk.clone())),
-        at(0.0, Fact::Rested { agent: TRUCK, reason: RestReason::NothingBurns }),
-        at(10.0, Fact::Ignited { cell: A, cause: Cause::Lit(WUMPUS) }),
+        at(0.0, Fact::Agent(TRUCK, AgentFact::Rested { reason: RestReason::NothingBurns })),
+        at(10.0, Fact::Fire(FireFact::Ignited { cell: A, cause: Cause::Lit(WUMPUS) })),
         at(10.0, planned(WUMPUS, B, leg(10.0, first_walk.end(), 2.0, &[20.0]))),
         at(10.0, planned(TRUCK, A, first_drive.clone())),
-        at(15.0, Fact::Suppressing { agent: TRUCK, cell: A }),
-        at(16.0, Fact::Ignited { cell: B, cause: Cause::Spread(A) }),
-        at(16.0, Fact::Dropped { agent: WUMPUS, goal: B, trajectory: cut_walk }),
-        at(17.0, Fact::LocalMinimum { agent: WUMPUS, goal: D, x_m: 34.5, y_m: -0.0 }),
+        at(15.0, Fact::Agent(TRUCK, AgentFact::Suppressing { cell: A })),
+        at(16.0, Fact::Fire(FireFact::Ignited { cell: B, cause: Cause::Spread(A) })),
+        at(16.0, Fact::Agent(WUMPUS, AgentFact::Dropped { goal: B, trajectory: cut_walk })),
+        at(17.0, Fact::Agent(WUMPUS, AgentFact::LocalMinimum { goal: D, x_m: 34.5, y_m: -0.0 })),
         at(17.0, failed(WUMPUS, D, PlanFailure::Disconnected, effort(0, 30), 19.0)),
-        at(19.0, Fact::Rested { agent: WUMPUS, reason: RestReason::NothingLeftToLight }),
-        at(20.0, Fact::Extinguished { cell: A, by: TRUCK }),
+        at(19.0, Fact::Agent(WUMPUS, AgentFact::Rested { reason: RestReason::NothingLeftToLight })),
+        at(20.0, Fact::Fire(FireFact::Extinguished { cell: A, by: TRUCK })),
         at(20.0, planned(TRUCK, B, leg(20.0, first_drive.end(), 8.0, &[40.0]))),
-        at(23.0, Fact::Dropped { agent: TRUCK, goal: B, trajectory: cut_drive }),
+        at(23.0, Fact::Agent(TRUCK, AgentFact::Dropped { goal: B, trajectory: cut_drive })),
         at(26.0, failed(TRUCK, B, PlanFailure::BudgetSpent, effort(3, 20), 27.0)),
-        at(27.0, Fact::OutOfReach { agent: TRUCK, cells: vec![B] }),
-        at(27.0, Fact::Rested { agent: TRUCK, reason: RestReason::NothingReachable }),
-        at(29.0, Fact::OutOfReach { agent: WUMPUS, cells: vec![D] }),
-        at(76.0, Fact::BurnedOut { cell: B }),
+        at(27.0, Fact::Agent(TRUCK, AgentFact::OutOfReach { cells: vec![B] })),
+        at(27.0, Fact::Agent(TRUCK, AgentFact::Rested { reason: RestReason::NothingReachable })),
+        at(29.0, Fact::Agent(WUMPUS, AgentFact::OutOfReach { cells: vec![D] })),
+        at(76.0, Fact::Fire(FireFact::BurnedOut { cell: B })),
         at(80.0, ignited(C)),
         at(82.0, by_lattice),
-        at(83.0, Fact::Suppressing { agent: TRUCK, cell: C }),
-        at(85.0, Fact::BurnedOut { cell: C }),
-        at(85.0, Fact::SuppressionEnded { agent: TRUCK, cell: C }),
+        at(83.0, Fact::Agent(TRUCK, AgentFact::Suppressing { cell: C })),
+        at(85.0, Fact::Fire(FireFact::BurnedOut { cell: C })),
+        at(85.0, Fact::Agent(TRUCK, AgentFact::SuppressionEnded { cell: C })),
         at(90.0, Fact::Ended { reason: EndReason::NothingLeft }),
     ];
     Timeline { setting, events }
@@ -155,13 +158,13 @@ pub fn meeting() -> Timeline {
     let drive = leg(14.0, start, 8.0, &[8.0]).after_waiting(3.0);
     let aside = leg(14.0, start, 8.0, &[-16.0]);
     let events = vec![
-        at(0.0, Fact::OutOfReach { agent: SECOND_TRUCK, cells: vec![A] }),
+        at(0.0, Fact::Agent(SECOND_TRUCK, AgentFact::OutOfReach { cells: vec![A] })),
         at(10.0, ignited(A)),
-        at(10.0, Fact::Blocked { agent: TRUCK, goal: A, by: SECOND_TRUCK }),
-        at(14.0, Fact::GaveWay { agent: SECOND_TRUCK, to: TRUCK, trajectory: aside }),
+        at(10.0, Fact::Agent(TRUCK, AgentFact::Blocked { goal: A, by: SECOND_TRUCK })),
+        at(14.0, Fact::Agent(SECOND_TRUCK, AgentFact::GaveWay { to: TRUCK, trajectory: aside })),
         at(14.0, planned(TRUCK, A, drive)),
-        at(18.0, Fact::Suppressing { agent: TRUCK, cell: A }),
-        at(23.0, Fact::Extinguished { cell: A, by: TRUCK }),
+        at(18.0, Fact::Agent(TRUCK, AgentFact::Suppressing { cell: A })),
+        at(23.0, Fact::Fire(FireFact::Extinguished { cell: A, by: TRUCK })),
         at(30.0, Fact::Ended { reason: EndReason::Duration }),
     ];
     Timeline { setting, events }
@@ -173,11 +176,11 @@ pub fn searched() -> Timeline {
     let start = setting.agents[0].pose;
     let searched = |phase, places: &[(i32, i32)], edges: &[(u32, u32)]| {
         let graph = SearchGraph { places: places.to_vec(), edges: edges.to_vec() };
-        at(10.0, Fact::Searched { agent: TRUCK, phase, graph })
+        at(10.0, Fact::Agent(TRUCK, AgentFact::Searched { phase, graph }))
     };
     let milestones = [(1200, 3000), (2400, 3100), (1250, 700), (2600, 900)];
     let events = vec![
-        at(10.0, Fact::RoadmapBuilt { agent: TRUCK, samples: 4, edges: 3, components: 1 }),
+        at(10.0, Fact::Agent(TRUCK, AgentFact::RoadmapBuilt { samples: 4, edges: 3, components: 1 })),
         searched(SearchPhase::Roadmap, &milestones, &[(0, 1), (1, 3), (0, 2)]),
         at(10.0, ignited(A)),
         searched(SearchPhase::Query, &[(1000, 3000), (1200, 3000), (1250, 700)], &[(0, 1), (1, 2)]),
@@ -245,7 +248,7 @@ impl World {
     fn run(&mut self) {
         self.timeline
             .events
-            .push(at(0.0, Fact::OutOfReach { agent: WUMPUS, cells: vec![self.timeline.setting.bushes[0]] }));
+            .push(at(0.0, Fact::Agent(WUMPUS, AgentFact::OutOfReach { cells: vec![self.timeline.setting.bushes[0]] })));
         self.wumpus_decides();
         self.truck_decides();
         while let Some((time, rank)) =
@@ -280,13 +283,13 @@ impl World {
             }
             Due::TruckArrives if !outdated => {
                 let cell = self.goals[1].expect("it drove to a goal");
-                self.tell(Fact::Suppressing { agent: TRUCK, cell });
+                self.tell(Fact::Agent(TRUCK, AgentFact::Suppressing { cell }));
                 self.queue.push(self.now + seconds(5.0), 0, (revision, Due::TruckDone));
             }
             Due::TruckDone if !outdated => {
                 let cell = self.goals[1].take().expect("it suppressed a goal");
                 self.change(cell, BushState::Extinguished);
-                self.tell(Fact::Extinguished { cell, by: TRUCK });
+                self.tell(Fact::Fire(FireFact::Extinguished { cell, by: TRUCK }));
                 self.truck_decides();
             }
             Due::TruckDecides => self.truck_decides(),
@@ -296,7 +299,7 @@ impl World {
 
     fn burn_out(&mut self, cell: Cell) {
         self.change(cell, BushState::BurnedOut);
-        self.tell(Fact::BurnedOut { cell });
+        self.tell(Fact::Fire(FireFact::BurnedOut { cell }));
         if self.goals[1] != Some(cell) {
             return;
         }
@@ -304,26 +307,26 @@ impl World {
         self.revision += 1;
         let leg = self.legs[1].clone().expect("it has a goal, so it has a leg");
         if leg.end_time() <= self.now {
-            self.tell(Fact::SuppressionEnded { agent: TRUCK, cell });
+            self.tell(Fact::Agent(TRUCK, AgentFact::SuppressionEnded { cell }));
             self.queue.push(self.now, 6, (0, Due::TruckDecides));
         } else {
             let trajectory = leg.stopping(self.now, self.limits.braking_mps2);
             self.queue.push(trajectory.end_time(), 6, (0, Due::TruckDecides));
             self.legs[1] = Some(trajectory.clone());
-            self.tell(Fact::Dropped { agent: TRUCK, goal: cell, trajectory });
+            self.tell(Fact::Agent(TRUCK, AgentFact::Dropped { goal: cell, trajectory }));
         }
     }
 
     fn truck_decides(&mut self) {
         let Some(goal) = self.pick(BushState::burns) else {
-            self.tell(Fact::Rested { agent: TRUCK, reason: RestReason::NothingBurns });
+            self.tell(Fact::Agent(TRUCK, AgentFact::Rested { reason: RestReason::NothingBurns }));
             self.queue.push(self.now + seconds(7.0), 6, (0, Due::TruckDecides));
             return;
         };
         let effort = effort(self.rng.random_range(3..60), self.rng.random_range(5..400));
         if self.rng.random_bool(0.05) {
             let (reason, until) = (PlanFailure::Disconnected, self.now + seconds(0.3));
-            self.tell(Fact::PlanFailed { agent: TRUCK, goal, reason, effort, until });
+            self.tell(Fact::Agent(TRUCK, AgentFact::PlanFailed { goal, reason, effort, until }));
             self.queue.push(until, 6, (0, Due::TruckDecides));
             return;
         }
@@ -331,12 +334,12 @@ impl World {
         let path = Path { start: self.stands(1), segments };
         let trajectory = self.set_out(1, goal, Trajectory::along(&path, self.now, self.limits));
         self.queue.push(trajectory.end_time(), 4, (self.revision, Due::TruckArrives));
-        self.tell(Fact::Planned { agent: TRUCK, goal, trajectory, effort, by_lattice: false });
+        self.tell(Fact::Agent(TRUCK, AgentFact::Planned { goal, trajectory, effort, by_lattice: false }));
     }
 
     fn wumpus_decides(&mut self) {
         let Some(goal) = self.pick(|bush| bush == BushState::Intact) else {
-            return self.tell(Fact::Rested { agent: WUMPUS, reason: RestReason::NothingLeftToLight });
+            return self.tell(Fact::Agent(WUMPUS, AgentFact::Rested { reason: RestReason::NothingLeftToLight }));
         };
         let mut pieces = Vec::new();
         let mut eighth = 9;
@@ -351,7 +354,10 @@ impl World {
         }
         let trajectory = self.set_out(0, goal, Trajectory::new(self.now, self.stands(0), pieces));
         self.queue.push(trajectory.end_time(), 4, (0, Due::WumpusArrives));
-        self.tell(Fact::Planned { agent: WUMPUS, goal, trajectory, effort: effort(0, 300), by_lattice: false });
+        self.tell(Fact::Agent(
+            WUMPUS,
+            AgentFact::Planned { goal, trajectory, effort: effort(0, 300), by_lattice: false },
+        ));
     }
 
     fn stands(&self, agent: usize) -> Pose {
@@ -372,7 +378,7 @@ impl World {
 
     fn ignite(&mut self, cell: Cell, cause: Cause) {
         self.change(cell, BushState::Burning { since: self.now });
-        self.tell(Fact::Ignited { cell, cause });
+        self.tell(Fact::Fire(FireFact::Ignited { cell, cause }));
         self.queue.push(self.now + seconds(60.0), 1, (0, Due::BurnOut(cell)));
     }
 

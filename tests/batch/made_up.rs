@@ -9,7 +9,9 @@ use wildfire::geometry::{Cell, FieldFrame, Pose};
 use wildfire::scenario::{Field, Fire, Scenario, Score, Suppression, Unimog, Wumpus};
 use wildfire::sim::{AgentCost, Run, RunCost, RunError};
 use wildfire::time::SimTime;
-use wildfire::timeline::{AgentId, AgentStart, Body, Cause, EndReason, Event, Fact, Rules, Setting, Timeline};
+use wildfire::timeline::{
+    AgentId, AgentStart, Body, Cause, EndReason, Event, Fact, FireFact, Rules, Setting, Timeline,
+};
 
 fn scenario() -> Scenario {
     Scenario {
@@ -39,10 +41,10 @@ fn made_up_timeline(seed: u64) -> Timeline {
     let at = |second: usize, fact| Event { time: SimTime::from_seconds(second as f64), fact };
     let mut events = Vec::new();
     for (second, &cell) in bushes.iter().enumerate().take(lit) {
-        events.push(at(second + 1, Fact::Ignited { cell, cause: Cause::Lit(wumpus) }));
+        events.push(at(second + 1, Fact::Fire(FireFact::Ignited { cell, cause: Cause::Lit(wumpus) })));
     }
     for (second, &cell) in bushes.iter().enumerate().take(lit / 2) {
-        events.push(at(second + 50, Fact::Extinguished { cell, by: truck }));
+        events.push(at(second + 50, Fact::Fire(FireFact::Extinguished { cell, by: truck })));
     }
     events.push(at(100, Fact::Ended { reason: EndReason::Duration }));
     Timeline {

@@ -4,7 +4,7 @@ use std::fs;
 
 use crate::story::{Story, refuse, widest};
 use wildfire::geometry::Pose;
-use wildfire::timeline::{Fact, Timeline, file};
+use wildfire::timeline::{AgentFact, Fact, Timeline, file};
 use wildfire::trajectory::Trajectory;
 
 fn recorded(story: &Story, out: &str, seeds: &str) {
@@ -22,7 +22,7 @@ fn damage(story: &Story, path: &str, change: impl FnOnce(&mut Timeline)) {
 /// Lets the first drive begin a centimetre from where the truck stands.
 fn let_it_jump(timeline: &mut Timeline) {
     let drive = timeline.events.iter_mut().find_map(|event| match &mut event.fact {
-        Fact::Planned { agent, trajectory, .. } if agent.role.suppresses() => Some(trajectory),
+        Fact::Agent(agent, AgentFact::Planned { trajectory, .. }) if agent.role.suppresses() => Some(trajectory),
         _ => None,
     });
     let drive = drive.expect("the truck drives");

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::planning::{Effort, PlanFailure};
 use crate::time::SimTime;
-use crate::timeline::{AgentId, BushState, Event, Fact, Replay, Timeline};
+use crate::timeline::{AgentFact, AgentId, BushState, Event, Fact, Replay, Timeline};
 
 /// Steps between the times at which bushes are counted, which are the first and the last of the scenario too.
 pub const STATE_STEPS: u64 = 60;
@@ -128,7 +128,7 @@ impl RunDetail {
 fn call_of(event: &Event) -> Option<PlannerCall> {
     let time = event.time;
     match &event.fact {
-        Fact::Planned { agent, goal, trajectory, effort, by_lattice } => {
+        Fact::Agent(agent, AgentFact::Planned { goal, trajectory, effort, by_lattice }) => {
             let solution = Solution {
                 length_m: trajectory.distance_m(SimTime::MAX),
                 segments: trajectory.pieces().iter().filter(|piece| piece.segment().is_some()).count() as u32,
@@ -139,7 +139,7 @@ fn call_of(event: &Event) -> Option<PlannerCall> {
             let goal = (goal.col, goal.row);
             Some(PlannerCall { agent: *agent, time, goal, answer: Ok(solution), effort: *effort })
         }
-        Fact::PlanFailed { agent, goal, reason, effort, .. } => {
+        Fact::Agent(agent, AgentFact::PlanFailed { goal, reason, effort, .. }) => {
             let goal = (goal.col, goal.row);
             Some(PlannerCall { agent: *agent, time, goal, answer: Err(*reason), effort: *effort })
         }

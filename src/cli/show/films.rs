@@ -5,7 +5,7 @@ use crate::cli::show::ShowArguments;
 use crate::cli::show::source::{Named, Searches, ShownRun, Source};
 use crate::cli::terminal;
 use crate::picture::film::{Layer, Layers};
-use crate::timeline::Fact;
+use crate::timeline::{AgentFact, Fact};
 
 /// A run, and where others like it come from.
 pub struct Shown {
@@ -71,7 +71,12 @@ impl Shown {
     fn note_on_searches(&self, layers: Layers) -> Option<String> {
         let mut of_searches = Layer::ALL.into_iter().filter(|&layer| layer.needs_searches() && layers.contains(layer));
         let missed = of_searches.next()?.name();
-        let is_searched = self.run.timeline.events.iter().any(|event| matches!(event.fact, Fact::Searched { .. }));
+        let is_searched = self
+            .run
+            .timeline
+            .events
+            .iter()
+            .any(|event| matches!(event.fact, Fact::Agent(_, AgentFact::Searched { .. })));
         let how = "record with `wildfire run --record-searches --out FILE`";
         (!is_searched).then(|| format!("the layer {missed} stays empty, as no searches were recorded: {how}"))
     }

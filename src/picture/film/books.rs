@@ -2,7 +2,7 @@
 
 use crate::geometry::Cell;
 use crate::time::SimTime;
-use crate::timeline::{Activity, AgentStart, AgentState, Event, Fact, Replay, Timeline};
+use crate::timeline::{Activity, AgentFact, AgentStart, AgentState, Event, Fact, FireFact, Replay, Timeline};
 
 /// What an agent did until some time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,14 +113,15 @@ impl Book {
         let entry = self.entry(timeline, event.time);
         let doings = &mut entry.doings;
         match &event.fact {
-            Fact::Planned { effort, .. } | Fact::PlanFailed { effort, .. } => {
+            Fact::Agent(_, AgentFact::Planned { effort, .. })
+            | Fact::Agent(_, AgentFact::PlanFailed { effort, .. }) => {
                 doings.plans += 1;
                 doings.expansions += u64::from(effort.roadmap_expansions) + u64::from(effort.local_expansions);
             }
-            Fact::Ignited { .. } | Fact::Extinguished { .. } => doings.cells += 1,
+            Fact::Fire(FireFact::Ignited { .. }) | Fact::Fire(FireFact::Extinguished { .. }) => doings.cells += 1,
             _ => {}
         }
-        if let Fact::PlanFailed { .. } = event.fact {
+        if let Fact::Agent(_, AgentFact::PlanFailed { .. }) = event.fact {
             doings.failures += 1;
             doings.last_failure = Some(index);
         }
@@ -160,7 +161,7 @@ fn changes(timeline: &Timeline) -> Vec<(SimTime, usize)> {
         let leg = event.fact.trajectory().map(|leg| [leg.start_time(), leg.sets_out_at(), leg.end_time()]);
         let times = leg.into_iter().flatten().chain([event.time]);
         changes.extend(times.map(|time| (time, agent)));
-        if let Fact::PlanFailed { until, .. } = event.fact {
+        if let Fact::Agent(_, AgentFact::PlanFailed { until, .. }) = event.fact {
             changes.push((until, agent));
         }
     }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::geometry::Cell;
 use crate::planning::{SearchGraph, SearchPhase};
 use crate::time::SimTime;
-use crate::timeline::{Cause, Fact, Setting, Timeline};
+use crate::timeline::{AgentFact, Cause, Fact, FireFact, Setting, Timeline};
 use crate::trajectory::Trajectory;
 
 /// What a timeline tells, ordered by who did it. Facts are kept by their place in the timeline.
@@ -94,7 +94,7 @@ impl Courses {
     ) -> Option<(usize, &'a SearchGraph)> {
         let searches = self.agents[agent].searches.iter().rev().skip_while(|(at, _)| *at > time);
         searches.into_iter().find_map(|&(_, fact)| match &timeline.events[fact].fact {
-            Fact::Searched { phase: of, graph, .. } if *of == phase => Some((fact, graph)),
+            Fact::Agent(_, AgentFact::Searched { phase: of, graph, .. }) if *of == phase => Some((fact, graph)),
             _ => None,
         })
     }
@@ -109,8 +109,8 @@ impl Course {
             self.legs.push(Leg { from: time, until: SimTime::MAX, fact: index });
         }
         match fact {
-            Fact::Suppressing { cell, .. } => self.stops.push((time, *cell)),
-            Fact::Searched { .. } => self.searches.push((time, index)),
+            Fact::Agent(_, AgentFact::Suppressing { cell, .. }) => self.stops.push((time, *cell)),
+            Fact::Agent(_, AgentFact::Searched { .. }) => self.searches.push((time, index)),
             _ => {}
         }
     }
@@ -124,7 +124,7 @@ fn spreads(timeline: &Timeline) -> Vec<Spread> {
         caught.insert((time, from.row, from.col), Vec::new());
     }
     for event in &timeline.events {
-        if let Fact::Ignited { cell, cause: Cause::Spread(from) } = event.fact {
+        if let Fact::Fire(FireFact::Ignited { cell, cause: Cause::Spread(from) }) = event.fact {
             caught.entry((event.time, from.row, from.col)).or_default().push(cell);
         }
     }
@@ -141,11 +141,11 @@ fn due_spreads(timeline: &Timeline) -> Vec<(SimTime, Cell)> {
     for event in &timeline.events {
         let Some(bush) = event.fact.cell().and_then(|cell| timeline.setting.bush_index(cell)) else { continue };
         match event.fact {
-            Fact::Ignited { cause, .. } => {
+            Fact::Fire(FireFact::Ignited { cause, .. }) => {
                 let may = if matches!(cause, Cause::Spread(_)) { fire.caught_spreads } else { fire.lit_spreads };
                 due[bush] = may.then_some(event.time + fire.spread_delay);
             }
-            Fact::BurnedOut { .. } | Fact::Extinguished { .. } => {
+            Fact::Fire(FireFact::BurnedOut { .. }) | Fact::Fire(FireFact::Extinguished { .. }) => {
                 spreads.extend(due[bush].take().filter(|&due| due < event.time).map(|due| (due, bushes[bush])));
             }
             _ => {}
@@ -181,11 +181,11 @@ mod tests {
     }
 
     fn lit(cell: usize) -> Fact {
-        Fact::Ignited { cell: CELLS[cell], cause: Cause::Scheduled }
+        Fact::Fire(FireFact::Ignited { cell: CELLS[cell], cause: Cause::Scheduled })
     }
 
     fn caught(cell: usize, from: usize) -> Fact {
-        Fact::Ignited { cell: CELLS[cell], cause: Cause::Spread(CELLS[from]) }
+        Fact::Fire(FireFact::Ignited { cell: CELLS[cell], cause: Cause::Spread(CELLS[from]) })
     }
 
     #[test]
@@ -194,8 +194,8 @@ mod tests {
             (0.0, lit(0)),
             (1.0, lit(1)),
             (10.0, caught(2, 0)),
-            (11.0, Fact::Extinguished { cell: CELLS[1], by: TRUCK }),
-            (40.0, Fact::BurnedOut { cell: CELLS[0] }),
+            (11.0, Fact::Fire(FireFact::Extinguished { cell: CELLS[1], by: TRUCK })),
+            (40.0, Fact::Fire(FireFact::BurnedOut { cell: CELLS[0] })),
             (89.0, lit(3)),
         ]);
         let spread = |time_s: f64, from: usize, caught: &[usize]| Spread {
@@ -223,7 +223,7 @@ mod tests {
         let leg = |time_s: f64| {
             let trajectory = Trajectory::new(seconds(time_s), Pose::default(), Vec::new());
             let effort = Effort { roadmap_expansions: 0, local_expansions: 0 };
-            Fact::Planned { agent: TRUCK, goal: CELLS[0], trajectory, effort, by_lattice: false }
+            Fact::Agent(TRUCK, AgentFact::Planned { goal: CELLS[0], trajectory, effort, by_lattice: false })
         };
         let timeline = timeline([5.0, 20.0, 40.0].map(|time_s| (time_s, leg(time_s))).to_vec());
         let courses = Courses::of(&timeline);

@@ -9,7 +9,7 @@ use super::expenses::Expenses;
 use super::history::{History, Tally};
 use super::vegetation::VegetationHistory;
 use crate::time::SimTime;
-use crate::timeline::{AgentId, CpuSample, Event, Fact, State, Timeline};
+use crate::timeline::{AgentFact, AgentId, CpuSample, Event, Fact, State, Timeline};
 
 /// Tells films of one process apart, those that are gone included; painters know by it what they may keep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,7 +51,10 @@ impl Film {
             vegetation: VegetationHistory::of(&timeline),
             books: Book::of_all(&timeline),
             moments: moments(&timeline),
-            has_searches: timeline.events.iter().any(|event| matches!(event.fact, Fact::Searched { .. })),
+            has_searches: timeline
+                .events
+                .iter()
+                .any(|event| matches!(event.fact, Fact::Agent(_, AgentFact::Searched { .. }))),
             courses: Courses::of(&timeline),
             timeline,
         }
@@ -141,7 +144,8 @@ impl Film {
 /// The times of facts until the end; what a search looked at is no event.
 fn moments(timeline: &Timeline) -> Vec<SimTime> {
     let end = timeline.end_time();
-    let events = timeline.events.iter().filter(|event| !matches!(event.fact, Fact::Searched { .. }));
+    let events =
+        timeline.events.iter().filter(|event| !matches!(event.fact, Fact::Agent(_, AgentFact::Searched { .. })));
     let mut moments: Vec<SimTime> = events.map(|event| event.time).filter(|&time| time <= end).collect();
     moments.dedup();
     moments

@@ -4,7 +4,7 @@
 
 use super::FileError;
 use crate::geometry::{Cell, FieldFrame, Pose};
-use crate::timeline::{AgentStart, Body, Event, Fact, Rules, Setting, Timeline};
+use crate::timeline::{AgentFact, AgentStart, Body, Event, Fact, FireFact, Rules, Setting, Timeline};
 use crate::trajectory::{Piece, SpeedLimits, Trajectory};
 
 /// Cells along a side of the field.
@@ -30,11 +30,13 @@ pub fn check(timeline: &Timeline) -> Result<(), FileError> {
     for event in &timeline.events {
         check_event(event, &timeline.setting).map_err(|error| at_fact(error, event))?;
         match &event.fact {
-            Fact::Planned { trajectory, .. } | Fact::Dropped { trajectory, .. } | Fact::GaveWay { trajectory, .. } => {
+            Fact::Agent(_, AgentFact::Planned { trajectory, .. })
+            | Fact::Agent(_, AgentFact::Dropped { trajectory, .. })
+            | Fact::Agent(_, AgentFact::GaveWay { trajectory, .. }) => {
                 pieces += trajectory.pieces().len();
             }
-            Fact::OutOfReach { cells, .. } => cells_out_of_reach += cells.len(),
-            Fact::Searched { graph, .. } => {
+            Fact::Agent(_, AgentFact::OutOfReach { cells, .. }) => cells_out_of_reach += cells.len(),
+            Fact::Agent(_, AgentFact::Searched { graph, .. }) => {
                 search_places += graph.places.len();
                 search_edges += graph.edges.len();
             }
@@ -109,7 +111,9 @@ fn check_rules(rules: &Rules) -> Result<(), FileError> {
 
 fn check_event(event: &Event, setting: &Setting) -> Result<(), FileError> {
     let other = match event.fact {
-        Fact::Blocked { by: other, .. } | Fact::GaveWay { to: other, .. } => Some(other),
+        Fact::Agent(_, AgentFact::Blocked { by: other, .. }) | Fact::Agent(_, AgentFact::GaveWay { to: other, .. }) => {
+            Some(other)
+        }
         _ => None,
     };
     for agent in event.fact.agent().into_iter().chain(other) {
@@ -119,24 +123,29 @@ fn check_event(event: &Event, setting: &Setting) -> Result<(), FileError> {
         check_bush(cell, setting)?;
     }
     match &event.fact {
-        Fact::OutOfReach { cells, .. } => cells.iter().try_for_each(|&cell| check_bush(cell, setting)),
-        Fact::StartMoved { from, .. } => require(is_finite(*from), || "a start is not finite".into()),
-        Fact::Ignited { cause: crate::timeline::Cause::Spread(from), .. } => check_bush(*from, setting),
-        Fact::PlanFailed { until, .. } => {
+        Fact::Agent(_, AgentFact::OutOfReach { cells, .. }) => {
+            cells.iter().try_for_each(|&cell| check_bush(cell, setting))
+        }
+        Fact::Agent(_, AgentFact::StartMoved { from, .. }) => {
+            require(is_finite(*from), || "a start is not finite".into())
+        }
+        Fact::Fire(FireFact::Ignited { cause: crate::timeline::Cause::Spread(from), .. }) => check_bush(*from, setting),
+        Fact::Agent(_, AgentFact::PlanFailed { until, .. }) => {
             require(*until >= event.time, || "planning time ends before it begins".into())
         }
-        Fact::Planned { trajectory, .. } | Fact::GaveWay { trajectory, .. } => {
+        Fact::Agent(_, AgentFact::Planned { trajectory, .. })
+        | Fact::Agent(_, AgentFact::GaveWay { trajectory, .. }) => {
             let sets_out_later = trajectory.start_time() >= event.time;
             require(sets_out_later, || "a leg sets out before it is planned".into())?;
             check_leg(trajectory)
         }
-        Fact::Dropped { trajectory, .. } => check_leg(trajectory),
-        Fact::Searched { graph, .. } => {
+        Fact::Agent(_, AgentFact::Dropped { trajectory, .. }) => check_leg(trajectory),
+        Fact::Agent(_, AgentFact::Searched { graph, .. }) => {
             let holds = |place: u32| (place as usize) < graph.places.len();
             let leads_somewhere = graph.edges.iter().all(|&(from, to)| holds(from) && holds(to));
             require(leads_somewhere, || "a search leads to a place that it does not hold".into())
         }
-        Fact::LocalMinimum { x_m, y_m, .. } => {
+        Fact::Agent(_, AgentFact::LocalMinimum { x_m, y_m, .. }) => {
             require(x_m.is_finite() && y_m.is_finite(), || "a local minimum lies nowhere".into())
         }
         _ => Ok(()),

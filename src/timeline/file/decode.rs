@@ -10,7 +10,7 @@ use super::records::{Leg, Origin, Payload, PieceKind, Record, Supplement, take};
 use crate::geometry::{Cell, FieldFrame, Pose};
 use crate::planning::SearchGraph;
 use crate::time::SimTime;
-use crate::timeline::{AgentId, Cause, Event, Fact, Setting, Timeline};
+use crate::timeline::{AgentFact, AgentId, Cause, Event, Fact, FireFact, Setting, Timeline};
 use crate::trajectory::{Piece, Trajectory};
 use crate::vehicle::Segment;
 
@@ -107,57 +107,61 @@ impl<'a> Decoder<'a> {
 
     fn fact(&mut self, past: &[Event]) -> Result<Fact, FileError> {
         Ok(match take(&mut self.records)? {
-            Record::StartMoved { agent } => Fact::StartMoved { agent: self.agent(agent)?, from: self.pose()? },
+            Record::StartMoved { agent } => {
+                Fact::Agent(self.agent(agent)?, AgentFact::StartMoved { from: self.pose()? })
+            }
             Record::RoadmapBuilt { agent, samples, edges, components } => {
-                Fact::RoadmapBuilt { agent: self.agent(agent)?, samples, edges, components }
+                Fact::Agent(self.agent(agent)?, AgentFact::RoadmapBuilt { samples, edges, components })
             }
             Record::OutOfReach { agent, count } => {
-                Fact::OutOfReach { agent: self.agent(agent)?, cells: self.cells(count)? }
+                Fact::Agent(self.agent(agent)?, AgentFact::OutOfReach { cells: self.cells(count)? })
             }
             Record::Lit { bush, agent } => {
-                Fact::Ignited { cell: self.bush(bush)?, cause: Cause::Lit(self.agent(agent)?) }
+                Fact::Fire(FireFact::Ignited { cell: self.bush(bush)?, cause: Cause::Lit(self.agent(agent)?) })
             }
             Record::Spread { bush, from } => {
-                Fact::Ignited { cell: self.bush(bush)?, cause: Cause::Spread(self.bush(from)?) }
+                Fact::Fire(FireFact::Ignited { cell: self.bush(bush)?, cause: Cause::Spread(self.bush(from)?) })
             }
-            Record::Scheduled { bush } => Fact::Ignited { cell: self.bush(bush)?, cause: Cause::Scheduled },
-            Record::BurnedOut { bush } => Fact::BurnedOut { cell: self.bush(bush)? },
+            Record::Scheduled { bush } => {
+                Fact::Fire(FireFact::Ignited { cell: self.bush(bush)?, cause: Cause::Scheduled })
+            }
+            Record::BurnedOut { bush } => Fact::Fire(FireFact::BurnedOut { cell: self.bush(bush)? }),
             Record::Extinguished { bush, agent } => {
-                Fact::Extinguished { cell: self.bush(bush)?, by: self.agent(agent)? }
+                Fact::Fire(FireFact::Extinguished { cell: self.bush(bush)?, by: self.agent(agent)? })
             }
             Record::Planned { agent, bush, effort, by_lattice } => {
                 let (trajectory, goal) = (self.leg(agent, past)?, self.bush(bush)?);
-                Fact::Planned { agent: self.agent(agent)?, goal, trajectory, effort, by_lattice }
+                Fact::Agent(self.agent(agent)?, AgentFact::Planned { goal, trajectory, effort, by_lattice })
             }
             Record::PlanFailed { agent, bush, reason, effort, charged_ns } => {
                 let (agent, goal, until) = (self.agent(agent)?, self.bush(bush)?, self.later(charged_ns)?);
-                Fact::PlanFailed { agent, goal, reason, effort, until }
+                Fact::Agent(agent, AgentFact::PlanFailed { goal, reason, effort, until })
             }
             Record::Dropped { agent, bush } => {
                 let (trajectory, goal) = (self.leg(agent, past)?, self.bush(bush)?);
-                Fact::Dropped { agent: self.agent(agent)?, goal, trajectory }
+                Fact::Agent(self.agent(agent)?, AgentFact::Dropped { goal, trajectory })
             }
             Record::Suppressing { agent, bush } => {
-                Fact::Suppressing { agent: self.agent(agent)?, cell: self.bush(bush)? }
+                Fact::Agent(self.agent(agent)?, AgentFact::Suppressing { cell: self.bush(bush)? })
             }
             Record::SuppressionEnded { agent, bush } => {
-                Fact::SuppressionEnded { agent: self.agent(agent)?, cell: self.bush(bush)? }
+                Fact::Agent(self.agent(agent)?, AgentFact::SuppressionEnded { cell: self.bush(bush)? })
             }
-            Record::Rested { agent, reason } => Fact::Rested { agent: self.agent(agent)?, reason },
+            Record::Rested { agent, reason } => Fact::Agent(self.agent(agent)?, AgentFact::Rested { reason }),
             Record::Searched { agent, phase, places, edges } => {
-                Fact::Searched { agent: self.agent(agent)?, phase, graph: self.graph(places, edges)? }
+                Fact::Agent(self.agent(agent)?, AgentFact::Searched { phase, graph: self.graph(places, edges)? })
             }
             Record::Ended { reason } => Fact::Ended { reason },
             Record::Blocked { agent, bush, by } => {
-                Fact::Blocked { agent: self.agent(agent)?, goal: self.bush(bush)?, by: self.agent(by)? }
+                Fact::Agent(self.agent(agent)?, AgentFact::Blocked { goal: self.bush(bush)?, by: self.agent(by)? })
             }
             Record::GaveWay { agent, to } => {
                 let trajectory = self.leg(agent, past)?;
-                Fact::GaveWay { agent: self.agent(agent)?, to: self.agent(to)?, trajectory }
+                Fact::Agent(self.agent(agent)?, AgentFact::GaveWay { to: self.agent(to)?, trajectory })
             }
             Record::LocalMinimum { agent, bush } => {
                 let (x_m, y_m) = (self.numbers.next()?, self.numbers.next()?);
-                Fact::LocalMinimum { agent: self.agent(agent)?, goal: self.bush(bush)?, x_m, y_m }
+                Fact::Agent(self.agent(agent)?, AgentFact::LocalMinimum { goal: self.bush(bush)?, x_m, y_m })
             }
         })
     }

@@ -5,7 +5,7 @@ use super::numbers::NumberWriter;
 use super::records::{Leg, Origin, Payload, PieceKind, Record, Supplement, append};
 use crate::geometry::{Cell, Pose};
 use crate::time::SimTime;
-use crate::timeline::{AgentId, Cause, Fact, Setting, Timeline};
+use crate::timeline::{AgentFact, AgentId, Cause, Fact, FireFact, Setting, Timeline};
 use crate::trajectory::{Piece, Trajectory};
 
 /// The payload of a timeline that has passed [`super::check::check`].
@@ -45,15 +45,15 @@ impl<'a> Encoder<'a> {
         let record = self.record(fact);
         append(&mut self.records, &record);
         match fact {
-            Fact::StartMoved { from, .. } => self.pose(*from),
-            Fact::OutOfReach { cells, .. } => self.cells(cells),
-            Fact::LocalMinimum { x_m, y_m, .. } => {
+            Fact::Agent(_, AgentFact::StartMoved { from, .. }) => self.pose(*from),
+            Fact::Agent(_, AgentFact::OutOfReach { cells, .. }) => self.cells(cells),
+            Fact::Agent(_, AgentFact::LocalMinimum { x_m, y_m, .. }) => {
                 [*x_m, *y_m].into_iter().for_each(|number| self.numbers.push(number));
             }
-            Fact::Planned { agent, trajectory, .. }
-            | Fact::Dropped { agent, trajectory, .. }
-            | Fact::GaveWay { agent, trajectory, .. } => self.leg(*agent, trajectory),
-            Fact::Searched { graph, .. } => append_graph(&mut self.records, graph),
+            Fact::Agent(agent, AgentFact::Planned { trajectory, .. })
+            | Fact::Agent(agent, AgentFact::Dropped { trajectory, .. })
+            | Fact::Agent(agent, AgentFact::GaveWay { trajectory, .. }) => self.leg(*agent, trajectory),
+            Fact::Agent(_, AgentFact::Searched { graph, .. }) => append_graph(&mut self.records, graph),
             _ => {}
         }
     }
@@ -62,37 +62,47 @@ impl<'a> Encoder<'a> {
         let agent = |id: AgentId| self.setting.agent_index(id).expect("the timeline was checked") as u32;
         let bush = |cell: Cell| self.bush(cell);
         match *fact {
-            Fact::StartMoved { agent: id, .. } => Record::StartMoved { agent: agent(id) },
-            Fact::RoadmapBuilt { agent: id, samples, edges, components } => {
+            Fact::Agent(id, AgentFact::StartMoved { .. }) => Record::StartMoved { agent: agent(id) },
+            Fact::Agent(id, AgentFact::RoadmapBuilt { samples, edges, components }) => {
                 Record::RoadmapBuilt { agent: agent(id), samples, edges, components }
             }
-            Fact::OutOfReach { agent: id, ref cells } => {
+            Fact::Agent(id, AgentFact::OutOfReach { ref cells }) => {
                 Record::OutOfReach { agent: agent(id), count: cells.len() as u32 }
             }
-            Fact::Ignited { cell, cause: Cause::Lit(id) } => Record::Lit { bush: bush(cell), agent: agent(id) },
-            Fact::Ignited { cell, cause: Cause::Spread(from) } => Record::Spread { bush: bush(cell), from: bush(from) },
-            Fact::Ignited { cell, cause: Cause::Scheduled } => Record::Scheduled { bush: bush(cell) },
-            Fact::BurnedOut { cell } => Record::BurnedOut { bush: bush(cell) },
-            Fact::Extinguished { cell, by } => Record::Extinguished { bush: bush(cell), agent: agent(by) },
-            Fact::Planned { agent: id, goal, effort, by_lattice, .. } => {
+            Fact::Fire(FireFact::Ignited { cell, cause: Cause::Lit(id) }) => {
+                Record::Lit { bush: bush(cell), agent: agent(id) }
+            }
+            Fact::Fire(FireFact::Ignited { cell, cause: Cause::Spread(from) }) => {
+                Record::Spread { bush: bush(cell), from: bush(from) }
+            }
+            Fact::Fire(FireFact::Ignited { cell, cause: Cause::Scheduled }) => Record::Scheduled { bush: bush(cell) },
+            Fact::Fire(FireFact::BurnedOut { cell }) => Record::BurnedOut { bush: bush(cell) },
+            Fact::Fire(FireFact::Extinguished { cell, by }) => {
+                Record::Extinguished { bush: bush(cell), agent: agent(by) }
+            }
+            Fact::Agent(id, AgentFact::Planned { goal, effort, by_lattice, .. }) => {
                 Record::Planned { agent: agent(id), bush: bush(goal), effort, by_lattice }
             }
-            Fact::PlanFailed { agent: id, goal, reason, effort, until } => {
+            Fact::Agent(id, AgentFact::PlanFailed { goal, reason, effort, until }) => {
                 let charged_ns = (until - self.now).as_nanos();
                 Record::PlanFailed { agent: agent(id), bush: bush(goal), reason, effort, charged_ns }
             }
-            Fact::Dropped { agent: id, goal, .. } => Record::Dropped { agent: agent(id), bush: bush(goal) },
-            Fact::Suppressing { agent: id, cell } => Record::Suppressing { agent: agent(id), bush: bush(cell) },
-            Fact::SuppressionEnded { agent: id, cell } => {
+            Fact::Agent(id, AgentFact::Dropped { goal, .. }) => Record::Dropped { agent: agent(id), bush: bush(goal) },
+            Fact::Agent(id, AgentFact::Suppressing { cell }) => {
+                Record::Suppressing { agent: agent(id), bush: bush(cell) }
+            }
+            Fact::Agent(id, AgentFact::SuppressionEnded { cell }) => {
                 Record::SuppressionEnded { agent: agent(id), bush: bush(cell) }
             }
-            Fact::Rested { agent: id, reason } => Record::Rested { agent: agent(id), reason },
-            Fact::LocalMinimum { agent: id, goal, .. } => Record::LocalMinimum { agent: agent(id), bush: bush(goal) },
-            Fact::Blocked { agent: id, goal, by } => {
+            Fact::Agent(id, AgentFact::Rested { reason }) => Record::Rested { agent: agent(id), reason },
+            Fact::Agent(id, AgentFact::LocalMinimum { goal, .. }) => {
+                Record::LocalMinimum { agent: agent(id), bush: bush(goal) }
+            }
+            Fact::Agent(id, AgentFact::Blocked { goal, by }) => {
                 Record::Blocked { agent: agent(id), bush: bush(goal), by: agent(by) }
             }
-            Fact::GaveWay { agent: id, to, .. } => Record::GaveWay { agent: agent(id), to: agent(to) },
-            Fact::Searched { agent: id, phase, ref graph } => {
+            Fact::Agent(id, AgentFact::GaveWay { to, .. }) => Record::GaveWay { agent: agent(id), to: agent(to) },
+            Fact::Agent(id, AgentFact::Searched { phase, ref graph }) => {
                 let (places, edges) = (graph.places.len() as u32, graph.edges.len() as u32);
                 Record::Searched { agent: agent(id), phase, places, edges }
             }

@@ -242,7 +242,7 @@ pub(super) mod tests {
     use crate::picture::film::{Camera, Painter, Shot};
     use crate::planning::Effort;
     use crate::time::SimTime;
-    use crate::timeline::{AgentId, AgentStart, Body, Event, Fact, Rules, Timeline};
+    use crate::timeline::{AgentFact, AgentId, AgentStart, Body, Event, Fact, FireFact, Rules, Timeline};
     use crate::trajectory::{Piece, Trajectory};
     use crate::vehicle::{Dimensions, Segment};
 
@@ -296,9 +296,9 @@ pub(super) mod tests {
         let effort = Effort { roadmap_expansions: 1, local_expansions: 1 };
         let at = |seconds: f64, fact: Fact| Event { time: SimTime::from_seconds(seconds), fact };
         let events = vec![
-            at(0.0, Fact::Ignited { cell: goal, cause: crate::timeline::Cause::Scheduled }),
-            at(0.0, Fact::Planned { agent: truck, goal, trajectory, effort, by_lattice: false }),
-            at(8.0, Fact::Suppressing { agent: truck, cell: goal }),
+            at(0.0, Fact::Fire(FireFact::Ignited { cell: goal, cause: crate::timeline::Cause::Scheduled })),
+            at(0.0, Fact::Agent(truck, AgentFact::Planned { goal, trajectory, effort, by_lattice: false })),
+            at(8.0, Fact::Agent(truck, AgentFact::Suppressing { cell: goal })),
         ];
         Timeline { setting, events }
     }

@@ -9,7 +9,7 @@ use crate::geometry::Cell;
 use crate::picture::film::field::agent_colour;
 use crate::picture::film::{Film, Selected};
 use crate::time::SimTime;
-use crate::timeline::{Activity, AgentId, AgentState, Cause, Event, Fact, State};
+use crate::timeline::{Activity, AgentFact, AgentId, AgentState, Cause, Event, Fact, FireFact, State};
 
 /// The last changes of a bush that are told, those to come included.
 const MOST_CHANGES: usize = 6;
@@ -50,7 +50,7 @@ fn tell_bush(film: &Film, cell: Cell, now: SimTime) -> Option<Vec<Line>> {
             burned_for(event, burns_since)
                 .map(|text| Line::of(vec![Mark::Left { from: 1.0, text, face: Face::faint() }])),
         );
-        if let Fact::Ignited { .. } = event.fact {
+        if let Fact::Fire(FireFact::Ignited { .. }) = event.fact {
             burns_since = Some(event.time);
         }
     }
@@ -60,7 +60,7 @@ fn tell_bush(film: &Film, cell: Cell, now: SimTime) -> Option<Vec<Line>> {
 
 fn tell_change(fact: &Fact, burned_before: bool) -> String {
     match fact {
-        Fact::Ignited { cause, .. } => {
+        Fact::Fire(FireFact::Ignited { cause, .. }) => {
             let again = if burned_before { " again" } else { "" };
             match cause {
                 Cause::Lit(agent) => format!("lit{again} by {agent}"),
@@ -68,14 +68,14 @@ fn tell_change(fact: &Fact, burned_before: bool) -> String {
                 Cause::Scheduled => format!("lit{again} by schedule"),
             }
         }
-        Fact::Extinguished { by, .. } => format!("put out by {by}"),
+        Fact::Fire(FireFact::Extinguished { by, .. }) => format!("put out by {by}"),
         _ => "burned out".to_owned(),
     }
 }
 
 /// For how long a fire burned that ends with this event.
 fn burned_for(event: &Event, since: Option<SimTime>) -> Option<String> {
-    let ends = matches!(event.fact, Fact::Extinguished { .. } | Fact::BurnedOut { .. });
+    let ends = matches!(event.fact, Fact::Fire(FireFact::Extinguished { .. }) | Fact::Fire(FireFact::BurnedOut { .. }));
     since.filter(|_| ends).map(|since| format!("after {:.1} s", event.time.since(since).as_seconds()))
 }
 
@@ -90,7 +90,8 @@ fn tell_agent(film: &Film, state: &State, id: AgentId, now: SimTime) -> Option<V
         Line::pair("cells", format!("{} {}", doings.cells, agents::cells_word(id))),
         Line::pair("plans", format!("{} ({} failed)", doings.plans, doings.failures)),
     ];
-    if let Some(Fact::PlanFailed { reason, goal, .. }) = doings.last_failure.map(|at| &film.timeline().events[at].fact)
+    if let Some(Fact::Agent(_, AgentFact::PlanFailed { reason, goal, .. })) =
+        doings.last_failure.map(|at| &film.timeline().events[at].fact)
     {
         lines.push(Line::pair("last failure", reason.to_string()));
         lines.push(Line::pair("", format!("for {goal}")));

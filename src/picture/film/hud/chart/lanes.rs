@@ -8,7 +8,7 @@ use crate::picture::colours::{BURNING, EXTINGUISHED, INK, PAPER, blend};
 use crate::picture::film::Film;
 use crate::picture::text::Align;
 use crate::time::SimTime;
-use crate::timeline::Fact;
+use crate::timeline::{AgentFact, Fact, FireFact};
 
 /// A kind of events.
 struct Lane {
@@ -18,9 +18,17 @@ struct Lane {
 }
 
 const LANES: [Lane; 3] = [
-    Lane { name: "ignitions", colour: BURNING, belongs: |fact| matches!(fact, Fact::Ignited { .. }) },
-    Lane { name: "extinctions", colour: EXTINGUISHED, belongs: |fact| matches!(fact, Fact::Extinguished { .. }) },
-    Lane { name: "failed plans", colour: INK, belongs: |fact| matches!(fact, Fact::PlanFailed { .. }) },
+    Lane { name: "ignitions", colour: BURNING, belongs: |fact| matches!(fact, Fact::Fire(FireFact::Ignited { .. })) },
+    Lane {
+        name: "extinctions",
+        colour: EXTINGUISHED,
+        belongs: |fact| matches!(fact, Fact::Fire(FireFact::Extinguished { .. })),
+    },
+    Lane {
+        name: "failed plans",
+        colour: INK,
+        belongs: |fact| matches!(fact, Fact::Agent(_, AgentFact::PlanFailed { .. })),
+    },
 ];
 /// Names are written where a lane is at least this high, in pixels.
 const NAMED: u32 = 8;
