@@ -3,7 +3,7 @@
 //!
 //! `cargo bench --bench frames` draws sheets of 1000 x 1000 pixels with the usual layers, from 600 s on.
 
-use wildfire::picture::film::{Film, Look, Painter, Shot, still};
+use wildfire::picture::film::{FrameRenderer, FrameRequest, RunView, ViewOptions, still};
 use wildfire::time::SimTime;
 use wildfire::time::cpu::CpuStopwatch;
 use wildfire::{scenario, sim};
@@ -16,26 +16,26 @@ const STEPS_S: [f64; 2] = [0.05, 2.5];
 
 fn main() {
     print(format_args!("{:28} {:>9} {:>14} {:>14}", "ms, medians (p95)", "a still", "1 x", "50 x"));
-    report("contest", &[film("contest", 1)]);
-    report("fleet", &[film("fleet", 1)]);
-    report("contest, two runs", &[film("contest", 1), film("contest", 2)]);
-    report("report-2024", &[film("report-2024", 1)]);
+    report("contest", &[run("contest", 1)]);
+    report("fleet", &[run("fleet", 1)]);
+    report("contest, two runs", &[run("contest", 1), run("contest", 2)]);
+    report("report-2024", &[run("report-2024", 1)]);
 }
 
-fn film(name: &str, seed: u64) -> Film {
+fn run(name: &str, seed: u64) -> RunView {
     let scenario = scenario::load(name, &[]).expect("it is built in");
-    Film::new(sim::run(&scenario, seed).expect("it takes place").timeline, None)
+    RunView::new(sim::run(&scenario, seed).expect("it takes place").timeline, None)
 }
 
-fn report(name: &str, films: &[Film]) {
-    let films: Vec<&Film> = films.iter().collect();
-    let look = Look::default();
-    let shot = |time_s: f64| Shot { films: &films, time: SimTime::from_seconds(time_s), look: &look };
-    let stills = timed(20, |_| drop(still(&shot(FROM_S), SIZE)));
+fn report(name: &str, runs: &[RunView]) {
+    let runs: Vec<&RunView> = runs.iter().collect();
+    let options = ViewOptions::default();
+    let request = |time_s: f64| FrameRequest { runs: &runs, time: SimTime::from_seconds(time_s), options: &options };
+    let stills = timed(20, |_| drop(still(&request(FROM_S), SIZE)));
     let playing = STEPS_S.map(|step_s| {
-        let mut painter = Painter::new(SIZE, films.len());
+        let mut renderer = FrameRenderer::new(SIZE, runs.len());
         timed(FRAMES, |frame| {
-            painter.paint(&shot(FROM_S + step_s * f64::from(frame)));
+            renderer.paint(&request(FROM_S + step_s * f64::from(frame)));
         })
     });
     let [once, fast] = playing.map(|times| format!("{:.2} ({:.2})", quantile(&times, 0.5), quantile(&times, 0.95)));

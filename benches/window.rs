@@ -16,10 +16,10 @@ use bevy::app::{App, AppExit, Last, PluginGroup, Startup};
 use bevy::prelude::{Camera2d, Commands, IntoScheduleConfigs, MessageWriter, Msaa, Query, Res, ResMut, Resource};
 use bevy::window::{PresentMode, Window, WindowPlugin, WindowResolution};
 use bevy::winit::WinitSettings;
-use wildfire::picture::film::{Film, Look};
+use wildfire::picture::film::{RunView, ViewOptions};
 use wildfire::time::SimTime;
 use wildfire::time::wall::WallStopwatch;
-use wildfire::view::{self, Programme};
+use wildfire::view::{self, ViewerConfig};
 use wildfire::{scenario, sim};
 
 const SIDE: u32 = 1000;
@@ -122,15 +122,15 @@ fn playing_window() -> Answer<(WallStopwatch, App)> {
     let contest = scenario::load("contest", &[]).map_err(|error| error.to_string())?;
     let run = sim::run(&contest, 1).map_err(|error| error.to_string())?;
     let begin = WallStopwatch::start();
-    let programme = Programme {
-        films: vec![(Film::new(run.timeline, None), None)],
-        look: Look::default(),
+    let config = ViewerConfig {
+        runs: vec![(RunView::new(run.timeline, None), None)],
+        options: ViewOptions::default(),
         speed: 50.0,
         start: SimTime::from_seconds(600.0),
         is_paused: false,
         size: (SIDE, SIDE),
     };
-    Ok((begin, view::window(programme)?))
+    Ok((begin, view::window(config)?))
 }
 
 /// Times of the frames, in milliseconds since the start.

@@ -6,7 +6,7 @@ use flate2::Compression;
 use flate2::read::DeflateDecoder;
 use flate2::write::DeflateEncoder;
 use rand::{Rng, RngExt};
-use wildfire::picture::film::{Film, Layer, Look, Painter, Selected, Shot};
+use wildfire::picture::film::{FrameRenderer, FrameRequest, Layer, RunView, Selected, ViewOptions};
 use wildfire::time::SimTime;
 use wildfire::timeline::{Timeline, file};
 use wildfire::{rng, scenario, sim};
@@ -34,20 +34,25 @@ fn sealed(payload: &[u8]) -> Vec<u8> {
 }
 
 /// Everything about a run that is shown: all layers, a story of each kind, a camera that goes along.
-fn looks(timeline: &Timeline) -> Vec<Look> {
+fn looks(timeline: &Timeline) -> Vec<ViewOptions> {
     let agents = timeline.setting.agents.iter().map(|start| start.id);
     let bush = timeline.setting.bushes.first().map(|&cell| Selected::Bush(cell));
-    let all =
-        Look { layers: Layer::ALL.into_iter().collect(), selected: bush.map(|bush| (0, bush)), ..Look::default() };
-    let along = |agent| Look { follows: Some(agent), selected: Some((0, Selected::Agent(agent))), ..all.clone() };
+    let all = ViewOptions {
+        layers: Layer::ALL.into_iter().collect(),
+        selected: bush.map(|bush| (0, bush)),
+        ..ViewOptions::default()
+    };
+    let along =
+        |agent| ViewOptions { follows: Some(agent), selected: Some((0, Selected::Agent(agent))), ..all.clone() };
     agents.take(2).map(along).chain([all.clone()]).collect()
 }
 
 fn show(timeline: Timeline, rng: &mut impl Rng) {
-    let film = Film::new(timeline, None);
-    let looks = looks(film.timeline());
-    let (look, time) = (&looks[rng.random_range(0..looks.len())], SimTime::from_seconds(rng.random_range(0.0..300.0)));
-    Painter::new((320, 240), 1).paint(&Shot { films: &[&film], time, look });
+    let run = RunView::new(timeline, None);
+    let looks = looks(run.timeline());
+    let (options, time) =
+        (&looks[rng.random_range(0..looks.len())], SimTime::from_seconds(rng.random_range(0.0..300.0)));
+    FrameRenderer::new((320, 240), 1).paint(&FrameRequest { runs: &[&run], time, options });
 }
 
 #[test]

@@ -4,7 +4,8 @@
 use std::time::Duration;
 
 use rand::RngExt;
-use wildfire::picture::film::{Fate, Film, Layout, Look, Place, Rectangle, Shot, still};
+use wildfire::fire::BushStateKind;
+use wildfire::picture::film::{FrameRequest, Layout, Place, Rectangle, RunView, ViewOptions, still};
 use wildfire::rng::{self, Xoshiro256PlusPlus};
 use wildfire::time::SimTime;
 use wildfire::timeline::{Activity, AgentId, CpuSample, Fact, FireFact, Outcome, Timeline};
@@ -40,79 +41,79 @@ fn times(timeline: &Timeline, count: usize) -> Vec<SimTime> {
 #[test]
 fn states_of_a_film_are_those_of_its_timeline() {
     for seed in 1..4 {
-        let film = Film::new(timeline(seed), None);
-        for time in times(film.timeline(), 300) {
-            assert_eq!(film.state_at(time), film.timeline().state_at(time), "at {time}");
+        let run = RunView::new(timeline(seed), None);
+        for time in times(run.timeline(), 300) {
+            assert_eq!(run.state_at(time), run.timeline().state_at(time), "at {time}");
         }
     }
 }
 
 #[test]
 fn counts_are_those_of_the_state() {
-    let film = Film::new(timeline(1), None);
-    for time in times(film.timeline(), 300) {
-        let (tally, state) = (film.tally_at(time), film.timeline().state_at(time));
-        for fate in Fate::ALL {
-            let count = state.bushes.iter().filter(|&&bush| Fate::of(bush) == fate).count();
-            assert_eq!(tally.count(fate) as usize, count, "{fate:?} at {time}");
+    let run = RunView::new(timeline(1), None);
+    for time in times(run.timeline(), 300) {
+        let (counts, state) = (run.counts_at(time), run.timeline().state_at(time));
+        for kind in BushStateKind::ALL {
+            let count = state.bushes.iter().filter(|&&bush| bush.kind() == kind).count();
+            assert_eq!(counts.count(kind) as usize, count, "{kind:?} at {time}");
         }
     }
 }
 
 #[test]
 fn in_the_end_a_film_tells_the_outcome() {
-    let film = Film::new(timeline(2), None);
-    let (timeline, outcome) = (film.timeline(), Outcome::new(film.timeline()));
-    let tally = film.tally_at(timeline.end_time());
+    let run = RunView::new(timeline(2), None);
+    let (timeline, outcome) = (run.timeline(), Outcome::new(run.timeline()));
+    let counts = run.counts_at(timeline.end_time());
     let rules = &timeline.setting.rules;
-    assert_eq!((tally.wumpus_score(rules), tally.truck_score(rules)), (outcome.wumpus_score, outcome.truck_score));
-    assert_eq!(tally.burned(), outcome.burned());
+    assert_eq!((counts.wumpus_score(rules), counts.truck_score(rules)), (outcome.wumpus_score, outcome.truck_score));
+    assert_eq!(counts.burned(), outcome.burned());
     assert!(outcome.wumpus_score > 0.0 && outcome.truck_score > 0.0, "something happened");
     for (index, agent) in outcome.agents.iter().enumerate() {
-        let doings = film.doings_at(index, SimTime::MAX);
-        assert_eq!((doings.plans, doings.cells), (agent.plans, agent.cells));
-        assert_eq!(doings.failures, agent.failures.iter().sum::<u32>());
-        assert_eq!(doings.expansions, agent.roadmap_expansions + agent.local_expansions);
-        assert!((doings.distance_m - agent.distance_m).abs() < 1e-6, "{} m, {} m", doings.distance_m, agent.distance_m);
-        assert_eq!(doings.spent(Activity::Driving).as_seconds(), agent.driving_s);
-        assert_eq!(doings.spent(Activity::Planning).as_seconds(), agent.planning_s);
-        assert_eq!(doings.spent(Activity::Suppressing).as_seconds(), agent.suppressing_s);
-        assert_eq!(doings.spent(Activity::Standing).as_seconds(), agent.standing_s);
-        assert_eq!(doings.spent(Activity::Waiting).as_seconds(), agent.waiting_s);
+        let stats = run.stats_at(index, SimTime::MAX);
+        assert_eq!((stats.plans, stats.cells), (agent.plans, agent.cells));
+        assert_eq!(stats.failures, agent.failures.iter().sum::<u32>());
+        assert_eq!(stats.expansions, agent.roadmap_expansions + agent.local_expansions);
+        assert!((stats.distance_m - agent.distance_m).abs() < 1e-6, "{} m, {} m", stats.distance_m, agent.distance_m);
+        assert_eq!(stats.spent(Activity::Driving).as_seconds(), agent.driving_s);
+        assert_eq!(stats.spent(Activity::Planning).as_seconds(), agent.planning_s);
+        assert_eq!(stats.spent(Activity::Suppressing).as_seconds(), agent.suppressing_s);
+        assert_eq!(stats.spent(Activity::Standing).as_seconds(), agent.standing_s);
+        assert_eq!(stats.spent(Activity::Waiting).as_seconds(), agent.waiting_s);
     }
 }
 
 #[test]
 fn what_an_agent_did_grows_and_its_time_passes() {
-    let film = Film::new(timeline(3), None);
-    let mut times = times(film.timeline(), 100);
+    let run = RunView::new(timeline(3), None);
+    let mut times = times(run.timeline(), 100);
     times.sort_unstable();
-    for agent in 0..film.timeline().setting.agents.len() {
-        let mut before = film.doings_at(agent, SimTime::ZERO);
+    for agent in 0..run.timeline().setting.agents.len() {
+        let mut before = run.stats_at(agent, SimTime::ZERO);
         for &time in &times {
-            let doings = film.doings_at(agent, time);
+            let stats = run.stats_at(agent, time);
             let activities =
                 [Activity::Standing, Activity::Planning, Activity::Driving, Activity::Suppressing, Activity::Waiting];
-            let spent: u64 = activities.iter().map(|&activity| doings.spent(activity).as_nanos()).sum();
-            assert_eq!(spent, time.min(film.timeline().end_time()).as_nanos());
-            assert!(doings.plans >= before.plans && doings.distance_m >= before.distance_m - 1e-9);
-            before = doings;
+            let spent: u64 = activities.iter().map(|&activity| stats.spent(activity).as_nanos()).sum();
+            assert_eq!(spent, time.min(run.timeline().end_time()).as_nanos());
+            assert!(stats.plans >= before.plans && stats.distance_m >= before.distance_m - 1e-9);
+            before = stats;
         }
     }
 }
 
 #[test]
 fn the_story_of_a_bush_is_all_that_happened_to_it() {
-    let film = Film::new(timeline(1), None);
-    let timeline = film.timeline();
+    let run = RunView::new(timeline(1), None);
+    let timeline = run.timeline();
     let mut told = 0;
     for (bush, &cell) in timeline.setting.bushes.iter().enumerate() {
-        for event in film.changes_of(bush) {
+        for event in run.changes_of(bush) {
             assert!(timeline.events.iter().any(|other| std::ptr::eq(other, event)));
             assert_eq!(event.fact.cell(), Some(cell));
             told += 1;
         }
-        assert!(film.changes_of(bush).is_sorted_by_key(|event| event.time));
+        assert!(run.changes_of(bush).is_sorted_by_key(|event| event.time));
     }
     let is_change = |fact: &Fact| {
         matches!(
@@ -127,14 +128,14 @@ fn the_story_of_a_bush_is_all_that_happened_to_it() {
 
 #[test]
 fn stepping_meets_every_event_once_forth_and_back() {
-    let film = Film::new(timeline(1), None);
-    let mut expected: Vec<SimTime> = film.timeline().events.iter().map(|event| event.time).collect();
+    let run = RunView::new(timeline(1), None);
+    let mut expected: Vec<SimTime> = run.timeline().events.iter().map(|event| event.time).collect();
     expected.dedup();
     assert_eq!(expected[0], SimTime::ZERO);
-    let forth: Vec<_> = std::iter::successors(Some(SimTime::ZERO), |&time| film.next_event(time)).collect();
+    let forth: Vec<_> = std::iter::successors(Some(SimTime::ZERO), |&time| run.next_event(time)).collect();
     assert_eq!(forth, expected);
     let mut back: Vec<_> =
-        std::iter::successors(film.previous_event(SimTime::MAX), |&time| film.previous_event(time)).collect();
+        std::iter::successors(run.previous_event(SimTime::MAX), |&time| run.previous_event(time)).collect();
     back.reverse();
     assert_eq!(back, expected);
 }
@@ -151,19 +152,19 @@ fn cpu_time_until_a_time_is_the_sum_of_what_was_spent() {
         })
         .collect();
     cpu_samples.sort_by_key(|spent| spent.time);
-    let film = Film::new(empty(), Some(cpu_samples.clone()));
+    let run = RunView::new(empty(), Some(cpu_samples.clone()));
     for time in (0..60).map(SimTime::from_nanos) {
         let sum = |of: Option<AgentId>| {
             let spent =
                 cpu_samples.iter().filter(|spent| spent.time <= time && of.is_none_or(|agent| spent.agent == agent));
             spent.map(|spent| spent.cpu).sum::<Duration>()
         };
-        assert_eq!(film.cpu_until(time), Some(sum(None)));
+        assert_eq!(run.cpu_until(time), Some(sum(None)));
         for agent in agents {
-            assert_eq!(film.cpu_of_agent_until(agent, time), Some(sum(Some(agent))));
+            assert_eq!(run.cpu_of_agent_until(agent, time), Some(sum(Some(agent))));
         }
     }
-    assert_eq!(Film::new(empty(), None).cpu_until(SimTime::MAX), None);
+    assert_eq!(RunView::new(empty(), None).cpu_until(SimTime::MAX), None);
 }
 
 fn sizes() -> impl Iterator<Item = (u32, u32)> {
@@ -211,31 +212,31 @@ fn places_on_the_timeline_are_times_and_back() {
         }
         assert_eq!(layout.place_at((0.0, y)), Place::Timeline { share: 0.0 });
         assert_eq!(layout.place_at((f64::from(layout.width) - 0.5, y)), Place::Timeline { share: 1.0 });
-        for (run, pane) in layout.fields.iter().enumerate() {
+        for (run_index, pane) in layout.fields.iter().enumerate() {
             let at = (f64::from(pane.left) + 2.5, f64::from(pane.top) + 7.0);
-            assert_eq!(layout.place_at(at), Place::Field { run, at: (2.5, 7.0) });
+            assert_eq!(layout.place_at(at), Place::Field { run_index, at: (2.5, 7.0) });
         }
     }
 }
 
 /// The colours of a still in the chart, in the middle of the upper half of its first area.
-fn is_fate_shown(film: &Film, time: SimTime, fate: Fate) -> bool {
-    let look = Look::default();
+fn is_state_shown(run: &RunView, time: SimTime, kind: BushStateKind) -> bool {
+    let options = ViewOptions::default();
     let layout = Layout::new((800, 600), 1);
-    let picture = still(&Shot { films: &[film], time, look: &look }, (800, 600));
+    let picture = still(&FrameRequest { runs: &[run], time, options: &options }, (800, 600));
     let mut pixels = (layout.timeline.left..layout.timeline.right())
         .flat_map(|x| (layout.chart.top..layout.chart.bottom()).map(move |y| (x, y)));
-    pixels.any(|(x, y)| picture.pixel(x, y) == fate.colour())
+    pixels.any(|(x, y)| picture.pixel(x, y) == bush_colour(kind))
 }
 
 #[test]
 fn the_chart_is_pale_ahead_of_the_time_and_strong_behind_it() {
-    let film = Film::new(timeline(1), None);
-    assert!(!is_fate_shown(&film, SimTime::ZERO, Fate::Intact));
-    assert!(!is_fate_shown(&film, SimTime::ZERO, Fate::BurnedOut));
-    for fate in Fate::ALL {
-        let lasts = film.tally_at(film.timeline().end_time()).count(fate) > 0;
-        assert!(is_fate_shown(&film, SimTime::MAX, fate) || !lasts, "{fate:?}");
+    let run = RunView::new(timeline(1), None);
+    assert!(!is_state_shown(&run, SimTime::ZERO, BushStateKind::Intact));
+    assert!(!is_state_shown(&run, SimTime::ZERO, BushStateKind::BurnedOut));
+    for kind in BushStateKind::ALL {
+        let lasts = run.counts_at(run.timeline().end_time()).count(kind) > 0;
+        assert!(is_state_shown(&run, SimTime::MAX, kind) || !lasts, "{kind:?}");
     }
-    assert!(is_fate_shown(&film, SimTime::MAX, Fate::Intact));
+    assert!(is_state_shown(&run, SimTime::MAX, BushStateKind::Intact));
 }

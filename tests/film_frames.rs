@@ -2,7 +2,9 @@
 
 use rand::RngExt;
 use wildfire::geometry::{Cell, DVec2, FieldFrame};
-use wildfire::picture::film::{Camera, Film, Layer, Layers, Layout, Look, Painter, Selected, Shot, Status, still};
+use wildfire::picture::film::{
+    Camera, FrameRenderer, FrameRequest, Layer, Layers, Layout, RunView, Selected, Status, ViewOptions, still,
+};
 use wildfire::rng::{self, Xoshiro256PlusPlus};
 use wildfire::time::SimTime;
 use wildfire::timeline::{AgentId, AgentStart, Timeline};
@@ -15,21 +17,21 @@ fn timeline(seed: u64, changes: &[&str]) -> Timeline {
     sim::run_recording_searches(&smoke, seed).expect("it runs").timeline
 }
 
-fn film(seed: u64, changes: &[&str]) -> Film {
-    Film::new(timeline(seed, changes), None)
+fn run(seed: u64, changes: &[&str]) -> RunView {
+    RunView::new(timeline(seed, changes), None)
 }
 
 /// What is shown, to be changed bit by bit.
 struct Viewer<'a> {
-    films: Vec<&'a Film>,
+    runs: Vec<&'a RunView>,
     time: SimTime,
-    look: Look,
+    options: ViewOptions,
     rng: Xoshiro256PlusPlus,
 }
 
 impl Viewer<'_> {
-    fn shot(&self, runs: usize) -> Shot<'_> {
-        Shot { films: &self.films[..runs], time: self.time, look: &self.look }
+    fn request(&self, count: usize) -> FrameRequest<'_> {
+        FrameRequest { runs: &self.runs[..count], time: self.time, options: &self.options }
     }
 
     /// Changes one thing, and often the time by little, as a player does.
@@ -38,24 +40,27 @@ impl Viewer<'_> {
         match rng.random_range(0..12) {
             0 => self.time = SimTime::from_seconds(rng.random_range(0.0..320.0)),
             1..3 => self.time += SimTime::from_seconds([1e-9, 0.125, 5.0][rng.random_range(0..3)]),
-            3..6 => self.look.layers.toggle(Layer::ALL[rng.random_range(0..Layer::ALL.len())]),
+            3..6 => self.options.layers.toggle(Layer::ALL[rng.random_range(0..Layer::ALL.len())]),
             6 => {
                 let centre = DVec2::new(rng.random_range(0.0..=1.0), rng.random_range(0.0..=1.0));
-                self.look.camera = Camera { centre, zoom: [0.5, 1.0, 1.7, 3.0, 6.0, 200.0][rng.random_range(0..6)] };
+                self.options.camera = Camera { centre, zoom: [0.5, 1.0, 1.7, 3.0, 6.0, 200.0][rng.random_range(0..6)] };
             }
-            7 => self.look.follows = [None, Some(AgentId::unimog(0)), Some(AgentId::unimog(9))][rng.random_range(0..3)],
-            8 => self.look.selected = self.selected(),
-            9 => self.look.shows_help = !self.look.shows_help,
-            10 => self.look.status = self.status(),
+            7 => {
+                self.options.follows =
+                    [None, Some(AgentId::unimog(0)), Some(AgentId::unimog(9))][rng.random_range(0..3)]
+            }
+            8 => self.options.selected = self.selected(),
+            9 => self.options.shows_help = !self.options.shows_help,
+            10 => self.options.status = self.status(),
             _ => {
-                let (one, other) = (rng.random_range(0..self.films.len()), rng.random_range(0..self.films.len()));
-                self.films.swap(one, other);
+                let (one, other) = (rng.random_range(0..self.runs.len()), rng.random_range(0..self.runs.len()));
+                self.runs.swap(one, other);
             }
         }
     }
 
     fn selected(&mut self) -> Option<(usize, Selected)> {
-        let setting = &self.films[0].timeline().setting;
+        let setting = &self.runs[0].timeline().setting;
         let bush = setting.bushes[self.rng.random_range(0..setting.bushes.len())];
         let agents = [AgentId::wumpus(0), AgentId::unimog(0), AgentId::wumpus(7)];
         let all =
@@ -72,52 +77,58 @@ impl Viewer<'_> {
 }
 
 #[test]
-fn a_frame_follows_from_its_shot_alone() {
-    let films = [film(1, &[]), film(1, &["unimog.speed_mps=2"]), film(2, &[]), film(1, &[])];
-    for (size, runs, has_panel) in [((480, 360), 1, true), ((330, 250), 2, false), ((700, 420), 2, true)] {
-        let mut painter = Painter::new(size, runs);
-        assert_eq!(painter.layout().panel.is_some(), has_panel);
+fn a_frame_follows_from_its_request_alone() {
+    let runs = [run(1, &[]), run(1, &["unimog.speed_mps=2"]), run(2, &[]), run(1, &[])];
+    for (size, count, has_panel) in [((480, 360), 1, true), ((330, 250), 2, false), ((700, 420), 2, true)] {
+        let mut renderer = FrameRenderer::new(size, count);
+        assert_eq!(renderer.layout().panel.is_some(), has_panel);
         let mut viewer = Viewer {
-            films: films.iter().collect(),
+            runs: runs.iter().collect(),
             time: SimTime::from_seconds(60.0),
-            look: Look { layers: Layers::default().with(Layer::Wavefront).with(Layer::LocalSearch), ..Look::default() },
+            options: ViewOptions {
+                layers: Layers::default().with(Layer::Wavefront).with(Layer::LocalSearch),
+                ..ViewOptions::default()
+            },
             rng: rng::stream(u64::from(size.0), "tests/film_frames"),
         };
         for step in 0..40 {
             viewer.change();
-            let shot = viewer.shot(runs);
-            let was_shown = painter.shows(&shot);
-            let kept = painter.paint(&shot).to_vec();
-            assert!(painter.shows(&shot));
+            let request = viewer.request(count);
+            let was_shown = renderer.shows(&request);
+            let kept = renderer.paint(&request).to_vec();
+            assert!(renderer.shows(&request));
             assert!(
-                kept == Painter::new(size, runs).paint(&shot),
+                kept == FrameRenderer::new(size, count).paint(&request),
                 "step {step}, {size:?}, {}, {was_shown}, {:?}",
-                shot.time,
-                shot.look
+                request.time,
+                request.options
             );
         }
     }
 }
 
 #[test]
-fn a_painter_knows_what_it_shows() {
-    let films = [film(1, &[]), film(1, &[])];
-    let (time, look) = (SimTime::from_seconds(40.0), Look::default());
-    let shot = Shot { films: &[&films[0]], time, look: &look };
-    let mut painter = Painter::new((330, 250), 1);
-    assert!(!painter.shows(&shot));
-    painter.paint(&shot);
-    assert!(painter.shows(&shot));
-    assert!(!painter.shows(&Shot { films: &[&films[1]], ..shot }), "another film, though of the same run");
-    assert!(!painter.shows(&Shot { time: time + SimTime::from_nanos(1), ..shot }));
-    assert!(!painter.shows(&Shot { look: &Look { shows_help: true, ..Look::default() }, ..shot }));
+fn a_renderer_knows_what_it_shows() {
+    let runs = [run(1, &[]), run(1, &[])];
+    let (time, options) = (SimTime::from_seconds(40.0), ViewOptions::default());
+    let request = FrameRequest { runs: &[&runs[0]], time, options: &options };
+    let mut renderer = FrameRenderer::new((330, 250), 1);
+    assert!(!renderer.shows(&request));
+    renderer.paint(&request);
+    assert!(renderer.shows(&request));
+    assert!(!renderer.shows(&FrameRequest { runs: &[&runs[1]], ..request }), "another view of the same run");
+    assert!(!renderer.shows(&FrameRequest { time: time + SimTime::from_nanos(1), ..request }));
+    assert!(
+        !renderer
+            .shows(&FrameRequest { options: &ViewOptions { shows_help: true, ..ViewOptions::default() }, ..request })
+    );
 }
 
 /// Looks that show as much as there is, from far away to very near.
-fn looks(timeline: &Timeline) -> impl Iterator<Item = Look> + Clone {
+fn looks(timeline: &Timeline) -> impl Iterator<Item = ViewOptions> + Clone {
     let agent = timeline.setting.agents.last().map(|agent| agent.id);
     let bush = timeline.setting.bushes.last().map(|&bush| (0, Selected::Bush(bush)));
-    [Camera::LEAST_ZOOM, 1.0, 13.0, Camera::MOST_ZOOM].into_iter().enumerate().map(move |(index, zoom)| Look {
+    [Camera::LEAST_ZOOM, 1.0, 13.0, Camera::MOST_ZOOM].into_iter().enumerate().map(move |(index, zoom)| ViewOptions {
         camera: Camera { zoom, ..Camera::WHOLE },
         follows: agent.filter(|_| index % 2 == 0),
         layers: Layer::ALL.into_iter().collect(),
@@ -128,11 +139,11 @@ fn looks(timeline: &Timeline) -> impl Iterator<Item = Look> + Clone {
 }
 
 fn assert_can_be_shown(timeline: Timeline, size: (u32, u32)) {
-    let film = Film::new(timeline, None);
+    let run = RunView::new(timeline, None);
     for time in [SimTime::ZERO, SimTime::from_seconds(70.0), SimTime::MAX] {
-        for look in looks(film.timeline()) {
-            for films in [&[&film][..], &[&film, &film]] {
-                let picture = still(&Shot { films, time, look: &look }, size);
+        for options in looks(run.timeline()) {
+            for runs in [&[&run][..], &[&run, &run]] {
+                let picture = still(&FrameRequest { runs, time, options: &options }, size);
                 assert_eq!((picture.width(), picture.height()), size);
             }
         }
@@ -141,11 +152,11 @@ fn assert_can_be_shown(timeline: Timeline, size: (u32, u32)) {
 
 #[test]
 fn sheets_of_any_size_are_painted() {
-    let (film, other) = (film(1, &[]), film(2, &[]));
+    let (run, other) = (run(1, &[]), run(2, &[]));
     let sizes = [(320, 240), (320, Layout::MOST_SIDE), (Layout::MOST_SIDE, 240), (641, 479), (700, 1500)];
-    for (look, size) in looks(film.timeline()).cycle().zip(sizes) {
-        for films in [&[&film][..], &[&film, &other]] {
-            let picture = still(&Shot { films, time: SimTime::from_seconds(70.0), look: &look }, size);
+    for (options, size) in looks(run.timeline()).cycle().zip(sizes) {
+        for runs in [&[&run][..], &[&run, &other]] {
+            let picture = still(&FrameRequest { runs, time: SimTime::from_seconds(70.0), options: &options }, size);
             assert_eq!((picture.width(), picture.height()), size);
         }
     }
@@ -168,8 +179,8 @@ fn a_field_of_one_cell_without_time_can_be_shown() {
     timeline.setting.rules.duration = SimTime::ZERO;
     timeline.setting.frame = FieldFrame { cols: 1, rows: 1, cell_m: 1e-3 };
     timeline.setting.scenario = "\u{1f525} a scenario with a name that nobody would ever want to read".repeat(30);
-    let film = Film::new(timeline.clone(), None);
-    assert_eq!((film.next_event(SimTime::ZERO), film.previous_event(SimTime::MAX)), (None, None));
+    let run = RunView::new(timeline.clone(), None);
+    assert_eq!((run.next_event(SimTime::ZERO), run.previous_event(SimTime::MAX)), (None, None));
     assert_can_be_shown(timeline.clone(), (640, 480));
     timeline.setting.bushes = vec![Cell { col: 0, row: 0 }];
     assert_can_be_shown(timeline, (400, 300));

@@ -35,29 +35,29 @@ pub struct PlayArguments {
 #[cfg(feature = "view")]
 pub fn run(arguments: &PlayArguments, quiet: bool) -> Result<ExitCode, CliError> {
     use crate::cli::show::{Searches, look, shown_runs, time_within};
-    use crate::picture::film::Film;
-    use crate::view::{FilmSource, Programme, play};
+    use crate::picture::film::RunView;
+    use crate::view::{RunLoader, ViewerConfig, play};
 
     let shown = shown_runs(&arguments.show, Searches::Recorded, quiet)?;
-    let films = shown.into_iter().map(|shown| {
-        let film = shown.run.film();
-        let source: Option<Box<dyn FilmSource>> = match shown.source {
+    let runs = shown.into_iter().map(|shown| {
+        let run = shown.run.into_view();
+        let loader: Option<Box<dyn RunLoader>> = match shown.source {
             source if source.has_one_run() => None,
             source => Some(Box::new(source)),
         };
-        (film, source)
+        (run, loader)
     });
-    let films: Vec<_> = films.collect();
-    let seen: Vec<&Film> = films.iter().map(|(film, _)| film).collect();
-    let programme = Programme {
-        look: look(&arguments.show, &seen)?,
+    let runs: Vec<_> = runs.collect();
+    let seen: Vec<&RunView> = runs.iter().map(|(run, _)| run).collect();
+    let config = ViewerConfig {
+        options: look(&arguments.show, &seen)?,
         start: time_within("--at", arguments.at, &seen)?,
         speed: arguments.speed,
         is_paused: arguments.paused,
         size: arguments.show.size.into(),
-        films,
+        runs,
     };
-    play(programme).map_err(CliError::environment)?;
+    play(config).map_err(CliError::environment)?;
     Ok(ExitCode::SUCCESS)
 }
 

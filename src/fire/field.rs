@@ -24,6 +24,37 @@ impl BushState {
     pub fn can_be_lit(self, relight: bool) -> bool {
         self == Self::Intact || (relight && self == Self::Extinguished)
     }
+
+    pub fn kind(self) -> BushStateKind {
+        match self {
+            Self::Intact => BushStateKind::Intact,
+            Self::Burning { .. } => BushStateKind::Burning,
+            Self::BurnedOut => BushStateKind::BurnedOut,
+            Self::Extinguished => BushStateKind::Extinguished,
+        }
+    }
+}
+
+/// The state of a bush without its time, as it is counted, coloured and named.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BushStateKind {
+    Intact,
+    Burning,
+    BurnedOut,
+    Extinguished,
+}
+
+impl BushStateKind {
+    pub const ALL: [Self; 4] = [Self::Intact, Self::Burning, Self::BurnedOut, Self::Extinguished];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Intact => "intact",
+            Self::Burning => "burning",
+            Self::BurnedOut => "burned out",
+            Self::Extinguished => "extinguished",
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug)]

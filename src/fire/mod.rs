@@ -12,7 +12,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-pub use field::{BushState, FireField};
+pub use field::{BushState, BushStateKind, FireField};
 
 use crate::geometry::Cell;
 use crate::time::SimTime;

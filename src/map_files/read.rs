@@ -85,7 +85,7 @@ fn not_opened(error: std::io::Error) -> Fault {
 }
 
 fn read_file<R: BufRead + Seek>(mut source: R, bytes: u64, tolerance: u8) -> Result<MapFile, Fault> {
-    match Format::of(source.fill_buf()?)? {
+    match Format::from_first_bytes(source.fill_buf()?)? {
         Format::Png => png::read(source, bytes).map(|(grey, note)| from_grey(grey, tolerance, note)),
         Format::Sequential(format) => read_sequential(format, source, bytes, tolerance),
     }
@@ -100,7 +100,7 @@ fn read_stream(mut stream: impl Read, tolerance: u8) -> Result<MapFile, Fault> {
     if start.is_empty() {
         return Err(Fault::Empty);
     }
-    match Format::of(&start)? {
+    match Format::from_first_bytes(&start)? {
         Format::Png => {
             let image = png::read_bytes(start, stream)?;
             let bytes = image.len() as u64;
@@ -166,7 +166,7 @@ const FOREIGN: &[(&[u8], &str)] = &[
 
 impl Format {
     /// Tells the format from the first bytes of a file.
-    fn of(start: &[u8]) -> Result<Self, Fault> {
+    fn from_first_bytes(start: &[u8]) -> Result<Self, Fault> {
         if let Some((_, found)) = FOREIGN.iter().find(|(signature, _)| start.starts_with(signature)) {
             return Err(Fault::Foreign { found });
         }

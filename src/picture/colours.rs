@@ -2,6 +2,8 @@
 
 use colorous::VIRIDIS;
 
+use crate::fire::BushStateKind;
+
 /// Red, green and blue, 0 to 255.
 pub type Rgb = [u8; 3];
 
@@ -34,6 +36,17 @@ pub const INTACT: Rgb = [0, 158, 115];
 pub const BURNING: Rgb = [213, 94, 0];
 pub const BURNED_OUT: Rgb = [64, 60, 58];
 pub const EXTINGUISHED: Rgb = [86, 180, 233];
+
+/// The colour of a bush in a state.
+pub fn bush_colour(state: BushStateKind) -> Rgb {
+    match state {
+        BushStateKind::Intact => INTACT,
+        BushStateKind::Burning => BURNING,
+        BushStateKind::BurnedOut => BURNED_OUT,
+        BushStateKind::Extinguished => EXTINGUISHED,
+    }
+}
+
 /// Of a field where nothing grows, of its border, and around it.
 pub const FIELD: Rgb = [240, 234, 216];
 pub const BORDER: Rgb = [104, 98, 86];

@@ -50,7 +50,7 @@ pub struct DrivenWays<'a> {
 pub fn draw_drives(scene: &DriveScene) -> Picture {
     let lines: Vec<Vec<Vec<Run>>> =
         scene.ways.iter().map(|ways| ways.paths.iter().map(|path| runs(path)).collect()).collect();
-    let frame = Frame::of(scene.frame.width_m(), scene.frame.height_m());
+    let frame = Frame::from_size(scene.frame.width_m(), scene.frame.height_m());
     let Sheet { mut canvas, frame } = Sheet::new(scene.title, frame, key(scene, &lines));
     draw_bushes(&mut canvas, &frame, scene);
     for (index, paths) in lines.iter().enumerate().rev() {

@@ -86,7 +86,7 @@ impl<'a> MapScene<'a> {
             return None;
         }
         let free = self.places().filter(|&place| !self.occupied[place]);
-        ValueScale::of(free.filter_map(|place| self.value_at(place)), self.colours)
+        ValueScale::from_values(free.filter_map(|place| self.value_at(place)), self.colours)
     }
 
     pub(super) fn has_obstacles(&self) -> bool {

@@ -18,7 +18,7 @@ pub struct ValueScale {
 
 impl ValueScale {
     /// From the lowest to the highest finite value; `None` if there is none.
-    pub fn of(values: impl Iterator<Item = f64>, colours: ColourMap) -> Option<Self> {
+    pub fn from_values(values: impl Iterator<Item = f64>, colours: ColourMap) -> Option<Self> {
         let mut values = values.filter(|value| value.is_finite());
         let first = values.next()?;
         let (mut low, mut high, mut is_whole) = (first, first, first.trunc() == first);
@@ -67,7 +67,7 @@ mod tests {
     use super::*;
 
     fn scale(values: &[f64]) -> Option<ValueScale> {
-        ValueScale::of(values.iter().copied(), ColourMap::Viridis)
+        ValueScale::from_values(values.iter().copied(), ColourMap::Viridis)
     }
 
     #[test]

@@ -31,7 +31,7 @@ pub enum Command {
 
 impl Command {
     /// What a key asks for; letters in either case, signs wherever the layout of the keyboard has them.
-    pub fn of(key: &Key, is_shifted: bool) -> Option<Self> {
+    pub fn from_key(key: &Key, is_shifted: bool) -> Option<Self> {
         let step = if is_shifted { 60.0 } else { 10.0 };
         match key {
             Key::Space => Some(Self::TogglePause),
@@ -40,7 +40,7 @@ impl Command {
             Key::Home => Some(Self::ToStart),
             Key::End => Some(Self::ToEnd),
             Key::Escape => Some(Self::Deselect),
-            Key::Character(text) => Self::of_text(text),
+            Key::Character(text) => Self::from_text(text),
             _ => None,
         }
     }
@@ -50,7 +50,7 @@ impl Command {
         matches!(self, Self::NextEvent | Self::PreviousEvent | Self::Seek(_) | Self::Faster | Self::Slower)
     }
 
-    fn of_text(text: &str) -> Option<Self> {
+    fn from_text(text: &str) -> Option<Self> {
         let mut letters = text.chars();
         let (Some(letter), None) = (letters.next(), letters.next()) else { return None };
         let letter = letter.to_ascii_lowercase();
@@ -78,13 +78,13 @@ mod tests {
     use crate::picture::film::{BINDINGS, Binding};
 
     fn typed(text: &str) -> Option<Command> {
-        Command::of(&Key::Character(text.into()), false)
+        Command::from_key(&Key::Character(text.into()), false)
     }
 
     #[test]
     fn arrows_seek_further_with_shift() {
-        assert_eq!(Command::of(&Key::ArrowRight, false), Some(Command::Seek(10.0)));
-        assert_eq!(Command::of(&Key::ArrowLeft, true), Some(Command::Seek(-60.0)));
+        assert_eq!(Command::from_key(&Key::ArrowRight, false), Some(Command::Seek(10.0)));
+        assert_eq!(Command::from_key(&Key::ArrowLeft, true), Some(Command::Seek(-60.0)));
     }
 
     #[test]
@@ -94,7 +94,7 @@ mod tests {
         assert_eq!(typed("="), typed("+"));
         assert_eq!(typed("ü"), None);
         assert_eq!(typed("qq"), None);
-        assert_eq!(Command::of(&Key::Tab, false), None);
+        assert_eq!(Command::from_key(&Key::Tab, false), None);
     }
 
     #[test]

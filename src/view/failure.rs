@@ -46,7 +46,7 @@ pub fn display() -> Result<String, ViewError> {
 
 impl ViewError {
     /// Of what bevy's windows panicked with.
-    pub fn of_window(report: String, display: String) -> Self {
+    pub fn from_window_panic(report: String, display: String) -> Self {
         if report.contains("XOpenDisplay") || report.contains("ConnectionRefused") {
             Self::DeadDisplay { display }
         } else if report.contains("LibraryOpen") || report.contains("could not be loaded") {

@@ -6,9 +6,9 @@ use bevy::window::WindowEvent;
 
 use super::input::listen;
 use super::mouse::Mouse;
-use super::reels::Step;
-use super::{Player, Reels, Sheet, Viewer};
-use crate::picture::film::Shot;
+use super::run_set::SeedStep;
+use super::{FrameBuffer, Player, RunSet, Viewer};
+use crate::picture::film::FrameRequest;
 use crate::time::SimTime;
 
 /// The steps of a frame, in this order.
@@ -17,33 +17,33 @@ pub enum ViewSystems {
     /// The time since the last frame passes as it was left: what is asked for now comes after it.
     Time,
     Input,
-    /// Runs that were sent for arrive.
-    Reels,
-    /// The sheet is painted, if anything on it may have changed.
+    /// Runs that were requested arrive.
+    RunSet,
+    /// The frame is drawn, if anything on it may have changed.
     Paint,
 }
 
-/// Time, keys, mouse and further runs; needs a [`Player`], a [`Viewer`], [`Reels`] and a [`Sheet`].
+/// Time, keys, mouse and further runs; needs a [`Player`], a [`Viewer`], [`RunSet`] and a [`FrameBuffer`].
 pub struct PlayerPlugin;
 
 impl Plugin for PlayerPlugin {
     fn build(&self, app: &mut App) {
         let anything_changed = resource_exists_and_changed::<Player>
             .or_eager(resource_exists_and_changed::<Viewer>)
-            .or_eager(resource_exists_and_changed::<Reels>)
+            .or_eager(resource_exists_and_changed::<RunSet>)
             .or_eager(is_blank);
         app.add_message::<WindowEvent>()
             .init_resource::<Mouse>()
             .configure_sets(
                 Update,
-                (ViewSystems::Time, ViewSystems::Input, ViewSystems::Reels, ViewSystems::Paint).chain(),
+                (ViewSystems::Time, ViewSystems::Input, ViewSystems::RunSet, ViewSystems::Paint).chain(),
             )
             .add_systems(
                 Update,
                 (
                     pass_time.in_set(ViewSystems::Time),
                     listen.in_set(ViewSystems::Input),
-                    receive_films.in_set(ViewSystems::Reels).run_if(is_waiting),
+                    receive_runs.in_set(ViewSystems::RunSet).run_if(is_waiting),
                     paint.in_set(ViewSystems::Paint).run_if(anything_changed),
                 ),
             );
@@ -57,19 +57,19 @@ fn pass_time(mut player: ResMut<Player>, mouse: Res<Mouse>, time: Res<Time>) {
     }
 }
 
-fn is_waiting(reels: Res<Reels>) -> bool {
-    reels.is_waiting()
+fn is_waiting(runs: Res<RunSet>) -> bool {
+    runs.is_waiting()
 }
 
-fn receive_films(mut reels: ResMut<Reels>, mut player: ResMut<Player>, mut viewer: ResMut<Viewer>) {
-    match reels.receive() {
+fn receive_runs(mut runs: ResMut<RunSet>, mut player: ResMut<Player>, mut viewer: ResMut<Viewer>) {
+    match runs.receive() {
         None => {}
         Some(Err(reason)) => viewer.message = Some(reason),
         Some(Ok(step)) => {
             viewer.message = None;
-            viewer.look.selected = None;
-            player.change_end(reels.end());
-            if step == Step::Rerun {
+            viewer.options.selected = None;
+            player.change_end(runs.end());
+            if step == SeedStep::Rerun {
                 player.seek(SimTime::ZERO);
                 player.play();
             }
@@ -77,12 +77,12 @@ fn receive_films(mut reels: ResMut<Reels>, mut player: ResMut<Player>, mut viewe
     }
 }
 
-fn is_blank(sheet: Res<Sheet>) -> bool {
-    sheet.is_blank()
+fn is_blank(frame_buffer: Res<FrameBuffer>) -> bool {
+    frame_buffer.is_blank()
 }
 
-fn paint(reels: Res<Reels>, player: Res<Player>, viewer: Res<Viewer>, mut sheet: ResMut<Sheet>) {
-    let look = viewer.look(&player);
-    let shot = Shot { films: &reels.films(), time: player.clock(), look: &look };
-    sheet.paint(&shot);
+fn paint(runs: Res<RunSet>, player: Res<Player>, viewer: Res<Viewer>, mut frame_buffer: ResMut<FrameBuffer>) {
+    let options = viewer.options(&player);
+    let request = FrameRequest { runs: &runs.runs(), time: player.clock(), options: &options };
+    frame_buffer.paint(&request);
 }

@@ -1,4 +1,4 @@
-//! Hands what happens to the window to the desk, in the order in which it happened.
+//! Hands what happens to the window to the controls, in the order in which it happened.
 
 use bevy::input::ButtonState;
 use bevy::input::keyboard::{Key, KeyboardInput};
@@ -7,7 +7,7 @@ use bevy::prelude::{Local, MessageReader, ResMut};
 use bevy::window::WindowEvent;
 
 use super::Command;
-use super::desk::Desk;
+use super::controls::Controls;
 use super::mouse::{Gesture, Mouse};
 
 /// So many pixels of a smooth wheel are a notch of a coarse one.
@@ -19,12 +19,12 @@ pub fn listen(
     mut events: MessageReader<WindowEvent>,
     mut is_shifted: Local<bool>,
     mut mouse: ResMut<Mouse>,
-    mut desk: Desk,
+    mut controls: Controls,
 ) {
     for event in events.read() {
         let gesture = match event {
             WindowEvent::KeyboardInput(key) => {
-                press_key(key, &mut is_shifted, &mut desk);
+                press_key(key, &mut is_shifted, &mut controls);
                 None
             }
             WindowEvent::KeyboardFocusLost(_) => {
@@ -32,34 +32,34 @@ pub fn listen(
                 None
             }
             WindowEvent::CursorMoved(moved) => {
-                mouse.go_to(desk.sheet.place(moved.position.into()), desk.sheet.layout())
+                mouse.go_to(controls.frame_buffer.place(moved.position.into()), controls.frame_buffer.layout())
             }
-            WindowEvent::MouseButtonInput(button) => click(button, &mut mouse, &desk),
-            WindowEvent::MouseWheel(wheel) => mouse.wheel(notches(wheel), desk.sheet.layout()),
+            WindowEvent::MouseButtonInput(button) => click(button, &mut mouse, &controls),
+            WindowEvent::MouseWheel(wheel) => mouse.wheel(notches(wheel), controls.frame_buffer.layout()),
             _ => None,
         };
         if let Some(gesture) = gesture {
-            desk.follow(gesture);
+            controls.follow(gesture);
         }
     }
 }
 
-fn press_key(key: &KeyboardInput, is_shifted: &mut bool, desk: &mut Desk) {
+fn press_key(key: &KeyboardInput, is_shifted: &mut bool, controls: &mut Controls) {
     let is_pressed = key.state == ButtonState::Pressed;
     if key.logical_key == Key::Shift {
         *is_shifted = is_pressed;
         return;
     }
-    let command = Command::of(&key.logical_key, *is_shifted).filter(|command| !key.repeat || command.repeats());
+    let command = Command::from_key(&key.logical_key, *is_shifted).filter(|command| !key.repeat || command.repeats());
     if let (true, Some(command)) = (is_pressed, command) {
-        desk.obey(command);
+        controls.apply_command(command);
     }
 }
 
-fn click(button: &MouseButtonInput, mouse: &mut Mouse, desk: &Desk) -> Option<Gesture> {
+fn click(button: &MouseButtonInput, mouse: &mut Mouse, controls: &Controls) -> Option<Gesture> {
     match (button.button, button.state) {
-        (MouseButton::Left, ButtonState::Pressed) => mouse.press(desk.sheet.layout()),
-        (MouseButton::Left, ButtonState::Released) => mouse.release(desk.sheet.layout()),
+        (MouseButton::Left, ButtonState::Pressed) => mouse.press(controls.frame_buffer.layout()),
+        (MouseButton::Left, ButtonState::Released) => mouse.release(controls.frame_buffer.layout()),
         _ => None,
     }
 }

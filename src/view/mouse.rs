@@ -1,4 +1,4 @@
-//! What the mouse asks for: places and distances in pixels of the sheet.
+//! What the mouse asks for: places and distances in pixels of the frame.
 
 use bevy::prelude::Resource;
 
@@ -17,9 +17,9 @@ pub enum Gesture {
     /// Shift the fields by so many pixels.
     Pan(At),
     /// A click in the pane of a run, at a place in that pane.
-    Click { run: usize, at: At },
+    Click { run_index: usize, at: At },
     /// So many notches towards a place in the pane of a run, away where they are negative.
-    Zoom { run: usize, at: At, notches: f64 },
+    Zoom { run_index: usize, at: At, notches: f64 },
 }
 
 /// Where the mouse is, and what it has hold of.
@@ -31,9 +31,9 @@ pub struct Mouse {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Held {
-    /// The timeline, at this height of the sheet.
+    /// The timeline, at this height of the frame.
     Timeline { y: f64 },
-    /// A field, pressed at a place of the sheet.
+    /// A field, pressed at a place of the frame.
     Field { pressed: At, is_dragged: bool },
 }
 
@@ -73,14 +73,14 @@ impl Mouse {
     pub fn release(&mut self, layout: &Layout) -> Option<Gesture> {
         let Some(Held::Field { is_dragged: false, .. }) = self.held.take() else { return None };
         match layout.place_at(self.at) {
-            Place::Field { run, at } => Some(Gesture::Click { run, at }),
+            Place::Field { run_index, at } => Some(Gesture::Click { run_index, at }),
             _ => None,
         }
     }
 
     pub fn wheel(&self, notches: f64, layout: &Layout) -> Option<Gesture> {
         match layout.place_at(self.at) {
-            Place::Field { run, at } => Some(Gesture::Zoom { run, at, notches }),
+            Place::Field { run_index, at } => Some(Gesture::Zoom { run_index, at, notches }),
             _ => None,
         }
     }
@@ -128,7 +128,7 @@ mod tests {
         assert_eq!(mouse.press(&layout), None);
         assert_eq!(mouse.go_to((at.0 + 2.0, at.1 + 2.0), &layout), None);
         assert_eq!(mouse.go_to(at, &layout), None);
-        assert_eq!(mouse.release(&layout), Some(Gesture::Click { run: 0, at: inside }));
+        assert_eq!(mouse.release(&layout), Some(Gesture::Click { run_index: 0, at: inside }));
         assert_eq!(mouse.release(&layout), None);
     }
 
@@ -173,7 +173,7 @@ mod tests {
         let (at, inside) = middle(&layout);
         let mut mouse = Mouse::default();
         mouse.go_to(at, &layout);
-        assert_eq!(mouse.wheel(2.0, &layout), Some(Gesture::Zoom { run: 0, at: inside, notches: 2.0 }));
+        assert_eq!(mouse.wheel(2.0, &layout), Some(Gesture::Zoom { run_index: 0, at: inside, notches: 2.0 }));
         mouse.go_to((f64::from(layout.chart.left + 5), f64::from(layout.chart.top + 5)), &layout);
         assert_eq!(mouse.wheel(2.0, &layout), None);
     }

@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::picture::film::{Film, Shot, still};
+use crate::picture::film::{FrameRequest, RunView, still};
 use crate::time::SimTime;
 
 /// Writes a still and says where it is, or why it is not.
-pub fn save_still(shot: &Shot, size: (u32, u32)) -> String {
-    let path = free_name(&base_name(shot.films, shot.time));
-    match still(shot, size).write_png(&path) {
+pub fn save_still(request: &FrameRequest, size: (u32, u32)) -> String {
+    let path = free_name(&base_name(request.runs, request.time));
+    match still(request, size).write_png(&path) {
         Ok(()) => format!("saved {}", path.display()),
         Err(error) => format!("cannot write {}: {error}", path.display()),
     }
@@ -26,13 +26,13 @@ fn is_taken(name: &Path) -> bool {
     name.symlink_metadata().is_ok()
 }
 
-fn base_name(films: &[&Film], time: SimTime) -> String {
-    let runs: Vec<String> = films.iter().map(|film| run_name(film)).collect();
+fn base_name(runs: &[&RunView], time: SimTime) -> String {
+    let runs: Vec<String> = runs.iter().map(|run| run_name(run)).collect();
     format!("{}-{:.1}s", runs.join("-and-"), time.as_seconds())
 }
 
-fn run_name(film: &Film) -> String {
-    let setting = &film.timeline().setting;
+fn run_name(run: &RunView) -> String {
+    let setting = &run.timeline().setting;
     let is_plain = |letter: char| letter.is_alphanumeric() || matches!(letter, '-' | '_');
     let scenario = setting.scenario.chars().map(|letter| if is_plain(letter) { letter } else { '_' });
     // Long names are cut, so that the whole fits a file name.

@@ -1,4 +1,4 @@
-//! Shows the sheet: one texture on one sprite, which covers the window.
+//! Shows the frame: one texture on one sprite, which covers the window.
 
 use std::time::Duration;
 
@@ -14,7 +14,7 @@ use bevy::window::PrimaryWindow;
 use bevy::winit::{UpdateMode, WinitSettings};
 
 use super::title::set_title;
-use super::{Player, Reels, Sheet, ViewSystems};
+use super::{FrameBuffer, Player, RunSet, ViewSystems};
 
 /// What stands is shown afresh so often even if nothing happens, in case the display has lost it.
 const IDLE: Duration = Duration::from_secs(1);
@@ -27,20 +27,20 @@ pub struct ScreenPlugin;
 
 impl Plugin for ScreenPlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(Startup, hang_up).add_systems(
+        app.add_systems(Startup, spawn_camera_and_screen).add_systems(
             Update,
             (fit_sheet.before(ViewSystems::Time), (show_sheet, set_title, set_pace).after(ViewSystems::Paint)),
         );
     }
 }
 
-/// Marks the sprite that carries the sheet.
+/// Marks the sprite that carries the frame.
 #[derive(Component)]
 struct Screen;
 
-fn hang_up(mut commands: Commands, mut images: ResMut<Assets<Image>>, sheet: Res<Sheet>) {
+fn spawn_camera_and_screen(mut commands: Commands, mut images: ResMut<Assets<Image>>, frame_buffer: Res<FrameBuffer>) {
     commands.spawn((Camera2d, Msaa::Off));
-    commands.spawn((Screen, Sprite::from_image(images.add(texture(sheet.size())))));
+    commands.spawn((Screen, Sprite::from_image(images.add(texture(frame_buffer.size())))));
 }
 
 /// A texture that gets its pixels later.
@@ -50,30 +50,34 @@ fn texture((width, height): (u32, u32)) -> Image {
     Image::new_uninit(size, TextureDimension::D2, format, RenderAssetUsages::RENDER_WORLD)
 }
 
-/// The sheet has the pixels of the display, however many of them the window counts as one.
+/// The frame has the pixels of the display, however many of them the window counts as one.
 fn fit_sheet(
     windows: Query<&Window, (With<PrimaryWindow>, Changed<Window>)>,
     mut sprite: Single<&mut Sprite, With<Screen>>,
-    mut sheet: ResMut<Sheet>,
+    mut frame_buffer: ResMut<FrameBuffer>,
 ) {
     let Ok(window) = windows.single() else { return };
     sprite.custom_size = Some(Vec2::new(window.width(), window.height()));
     let (size, scale) = (window.physical_size(), f64::from(window.scale_factor()));
-    sheet.fit((size.x, size.y), scale);
+    frame_buffer.fit((size.x, size.y), scale);
 }
 
-/// The texture keeps its place in the adapter's memory as long as the sheet keeps its size.
-fn show_sheet(sprite: Single<&Sprite, With<Screen>>, mut images: ResMut<Assets<Image>>, mut sheet: ResMut<Sheet>) {
-    let Some(pixels) = sheet.take_painted() else { return };
+/// The texture keeps its place in the adapter's memory as long as the frame keeps its size.
+fn show_sheet(
+    sprite: Single<&Sprite, With<Screen>>,
+    mut images: ResMut<Assets<Image>>,
+    mut frame_buffer: ResMut<FrameBuffer>,
+) {
+    let Some(pixels) = frame_buffer.take_painted() else { return };
     let Some(mut image) = images.get_mut(&sprite.image) else { return };
-    let (width, height) = sheet.size();
+    let (width, height) = frame_buffer.size();
     image.texture_descriptor.size = Extent3d { width, height, depth_or_array_layers: 1 };
     image.data = Some(pixels);
 }
 
 /// What stands still costs no time.
-fn set_pace(mut settings: ResMut<WinitSettings>, player: Res<Player>, reels: Res<Reels>, time: Res<Time<Real>>) {
-    let rests = player.is_paused() && !reels.is_waiting() && time.elapsed() > WARM_UP;
+fn set_pace(mut settings: ResMut<WinitSettings>, player: Res<Player>, runs: Res<RunSet>, time: Res<Time<Real>>) {
+    let rests = player.is_paused() && !runs.is_waiting() && time.elapsed() > WARM_UP;
     let mode = if rests { UpdateMode::reactive_low_power(IDLE) } else { UpdateMode::Continuous };
     // Windows that one looks at need not be those that one types in.
     *settings = WinitSettings { focused_mode: mode, unfocused_mode: mode };

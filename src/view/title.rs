@@ -5,8 +5,8 @@ use std::time::Duration;
 use bevy::prelude::{Local, Query, Real, Res, Time, Window, With};
 use bevy::window::PrimaryWindow;
 
-use super::{Player, Reels};
-use crate::picture::film::{Film, clock};
+use super::{Player, RunSet};
+use crate::picture::film::{RunView, clock};
 
 /// While playing the title changes no more often than this.
 const PERIOD: Duration = Duration::from_millis(250);
@@ -16,23 +16,23 @@ pub fn set_title(
     mut changed: Local<Duration>,
     time: Res<Time<Real>>,
     player: Res<Player>,
-    reels: Res<Reels>,
+    runs: Res<RunSet>,
 ) {
     let is_early = time.elapsed() < *changed + PERIOD;
     let (false, Ok(mut window)) = (is_early && !player.is_paused(), windows.single_mut()) else { return };
-    let title = title(&player, &reels);
+    let title = title(&player, &runs);
     if window.title != title {
         window.title = title;
         *changed = time.elapsed();
     }
 }
 
-fn title(player: &Player, reels: &Reels) -> String {
-    let runs: Vec<String> = reels.films().into_iter().map(run_title).collect();
+fn title(player: &Player, runs: &RunSet) -> String {
+    let runs: Vec<String> = runs.runs().into_iter().map(run_title).collect();
     let pace = if player.is_paused() { "paused".into() } else { format!("{} x", player.speed()) };
     format!("{} - {} - {pace}", runs.join(" | "), clock(player.clock()))
 }
 
-fn run_title(film: &Film) -> String {
-    format!("{}, seed {}", film.title(), film.timeline().setting.seed)
+fn run_title(run: &RunView) -> String {
+    format!("{}, seed {}", run.title(), run.timeline().setting.seed)
 }

@@ -15,10 +15,10 @@ use bevy::math::Vec2;
 use bevy::time::TimeUpdateStrategy;
 use bevy::window::{CursorMoved, WindowEvent};
 use glam::DVec2;
-use wildfire::picture::film::{Film, Layer, Look, Projection};
+use wildfire::picture::film::{Layer, Projection, RunView, ViewOptions};
 use wildfire::time::SimTime;
 use wildfire::timeline::Outcome;
-use wildfire::view::{FilmSource, Player, PlayerPlugin, Programme, Reels, Sheet, Viewer, seat};
+use wildfire::view::{FrameBuffer, Player, PlayerPlugin, RunLoader, RunSet, Viewer, ViewerConfig, insert_resources};
 
 use crate::expected::{picture, seconds, simulated, with_status};
 
@@ -30,12 +30,12 @@ struct Window {
 }
 
 impl Window {
-    fn open(films: Vec<(Film, Option<Box<dyn FilmSource>>)>, speed: f64) -> Self {
+    fn open(runs: Vec<(RunView, Option<Box<dyn RunLoader>>)>, speed: f64) -> Self {
         let start = SimTime::ZERO;
-        let programme = Programme { films, look: Look::default(), speed, start, is_paused: false, size: SIZE };
+        let config = ViewerConfig { runs, options: ViewOptions::default(), speed, start, is_paused: false, size: SIZE };
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, PlayerPlugin)).insert_resource(TimeUpdateStrategy::ManualDuration(FRAME));
-        seat(&mut app, programme);
+        insert_resources(&mut app, config);
         // Bevy's clock starts with its first frame.
         app.update();
         Self { app }
@@ -82,16 +82,19 @@ impl Window {
         self.app.world().resource::<Viewer>().message.clone()
     }
 
-    fn films(&self) -> Vec<&Film> {
-        self.app.world().resource::<Reels>().films()
+    fn runs(&self) -> Vec<&RunView> {
+        self.app.world().resource::<RunSet>().runs()
     }
 
     /// Whether the sheet that was painted last is a still at that time.
     fn shows(&mut self, time: SimTime) -> bool {
-        let painted = self.app.world_mut().resource_mut::<Sheet>().take_painted().expect("something changed");
-        let look =
-            with_status(&self.app.world().resource::<Viewer>().look, self.player().is_paused(), self.player().speed());
-        let expected = picture(&self.films(), time, &look, SIZE);
+        let painted = self.app.world_mut().resource_mut::<FrameBuffer>().take_painted().expect("something changed");
+        let options = with_status(
+            &self.app.world().resource::<Viewer>().options,
+            self.player().is_paused(),
+            self.player().speed(),
+        );
+        let expected = picture(&self.runs(), time, &options, SIZE);
         let (pixels, _) = painted.as_chunks::<4>();
         let width = SIZE.0 as usize;
         let is_expected = |(at, pixel): (usize, &[u8; 4])| {
@@ -101,8 +104,8 @@ impl Window {
     }
 }
 
-fn one(name: &str, seed: u64) -> Vec<(Film, Option<Box<dyn FilmSource>>)> {
-    vec![(Film::new(simulated(name, seed), None), None)]
+fn one(name: &str, seed: u64) -> Vec<(RunView, Option<Box<dyn RunLoader>>)> {
+    vec![(RunView::new(simulated(name, seed), None), None)]
 }
 
 #[test]
@@ -127,28 +130,28 @@ fn what_is_shown_is_the_state_at_the_clock_and_nothing_changes_the_run() {
         window.type_letter("2");
         window.frames(1);
         assert!(window.shows(seconds(20.0)));
-        assert!(!window.app.world().resource::<Viewer>().look.layers.contains(Layer::Suppression));
+        assert!(!window.app.world().resource::<Viewer>().options.layers.contains(Layer::Suppression));
         window.press(Key::Space);
         window.frames(2);
         assert!(window.shows(seconds(20.0 + frame_s)));
-        let film = window.films()[0];
-        assert_eq!(film.timeline(), &timeline);
-        assert_eq!(Outcome::new(film.timeline()), outcome);
+        let run = window.runs()[0];
+        assert_eq!(run.timeline(), &timeline);
+        assert_eq!(Outcome::new(run.timeline()), outcome);
     }
 }
 
 #[test]
 fn steps_go_from_event_to_event_and_pause() {
     let mut window = Window::open(one("smoke", 1), 1.0);
-    let film = Film::new(simulated("smoke", 1), None);
+    let run = RunView::new(simulated("smoke", 1), None);
     let mut time = window.player().clock();
     for _ in 0..20 {
-        time = film.next_event(time).expect("more than twenty events");
+        time = run.next_event(time).expect("more than twenty events");
         window.type_letter(".");
         window.frames(1);
         assert!(window.shows(time));
     }
-    time = film.previous_event(time).expect("an earlier one");
+    time = run.previous_event(time).expect("an earlier one");
     window.type_letter(",");
     window.frames(4);
     assert!(window.shows(time) && window.player().is_paused());
@@ -157,7 +160,7 @@ fn steps_go_from_event_to_event_and_pause() {
 #[test]
 fn clock_stands_while_the_mouse_has_hold_of_the_timeline() {
     let mut window = Window::open(one("contest", 1), 50.0);
-    let timeline = window.app.world().resource::<Sheet>().layout().timeline;
+    let timeline = window.app.world().resource::<FrameBuffer>().layout().timeline;
     let middle = f64::from(timeline.left) + 0.5 * f64::from(timeline.width);
     let y = f64::from(timeline.top) + 0.5 * f64::from(timeline.height);
     window.mouse_to(middle, y);
@@ -181,12 +184,12 @@ fn what_is_dragged_away_from_an_agent_stays_as_it_was_seen() {
     window.type_letter("f");
     window.type_letter("f");
     window.frames(1);
-    let pane = window.app.world().resource::<Sheet>().layout().fields[0];
+    let pane = window.app.world().resource::<FrameBuffer>().layout().fields[0];
     let (x, y) = (f64::from(pane.left + pane.width / 2), f64::from(pane.top + pane.height / 2));
     let seen = |window: &Window| {
-        let (film, look) = (window.films()[0], &window.app.world().resource::<Viewer>().look);
-        let state = film.state_at(window.player().clock());
-        Projection::of(film, &state, look, (pane.width, pane.height)).place(DVec2::splat(125.0))
+        let (run, options) = (window.runs()[0], &window.app.world().resource::<Viewer>().options);
+        let state = run.state_at(window.player().clock());
+        Projection::from_options(run, &state, options, (pane.width, pane.height)).place(DVec2::splat(125.0))
     };
     let before = seen(&window);
     window.mouse_to(x, y);
@@ -195,7 +198,7 @@ fn what_is_dragged_away_from_an_agent_stays_as_it_was_seen() {
     window.button(ButtonState::Released);
     window.frames(1);
     assert!(seen(&window).distance(before + DVec2::new(8.0, -6.0)) < 1e-6);
-    assert_eq!(window.app.world().resource::<Viewer>().look.follows, None);
+    assert_eq!(window.app.world().resource::<Viewer>().options.follows, None);
 }
 
 #[test]
@@ -203,13 +206,13 @@ fn nothing_is_painted_while_nothing_changes() {
     let mut window = Window::open(one("smoke", 1), 1.0);
     window.press(Key::Space);
     window.frames(1);
-    let sheet = |window: &mut Window| window.app.world_mut().resource_mut::<Sheet>().take_painted();
-    assert!(sheet(&mut window).is_some());
+    let frame_buffer = |window: &mut Window| window.app.world_mut().resource_mut::<FrameBuffer>().take_painted();
+    assert!(frame_buffer(&mut window).is_some());
     window.frames(5);
-    assert!(sheet(&mut window).is_none());
+    assert!(frame_buffer(&mut window).is_none());
     window.type_letter("?");
     window.frames(1);
-    assert!(sheet(&mut window).is_some());
+    assert!(frame_buffer(&mut window).is_some());
 }
 
 /// Gives a run when it is told to.
@@ -217,15 +220,15 @@ struct OnDemand {
     go: Mutex<Receiver<Result<(), String>>>,
 }
 
-fn on_demand() -> (Sender<Result<(), String>>, Box<dyn FilmSource>) {
+fn on_demand() -> (Sender<Result<(), String>>, Box<dyn RunLoader>) {
     let (tell, go) = mpsc::channel();
     (tell, Box::new(OnDemand { go: Mutex::new(go) }))
 }
 
-impl FilmSource for OnDemand {
-    fn film(&self, seed: u64) -> Result<Film, String> {
+impl RunLoader for OnDemand {
+    fn load(&self, seed: u64) -> Result<RunView, String> {
         let told = self.go.lock().expect("one thread at a time").recv();
-        told.unwrap_or_else(|gone| Err(gone.to_string())).map(|()| Film::new(simulated("smoke", seed), None))
+        told.unwrap_or_else(|gone| Err(gone.to_string())).map(|()| RunView::new(simulated("smoke", seed), None))
     }
 
     fn seeds(&self) -> Option<&[u64]> {
@@ -234,8 +237,8 @@ impl FilmSource for OnDemand {
 }
 
 /// Lets frames go by until what was sent for is there.
-fn wait_for_films(window: &mut Window) {
-    while window.app.world().resource::<Reels>().is_waiting() {
+fn wait_for_runs(window: &mut Window) {
+    while window.app.world().resource::<RunSet>().is_waiting() {
         window.frames(1);
         thread::yield_now();
     }
@@ -244,15 +247,15 @@ fn wait_for_films(window: &mut Window) {
 #[test]
 fn next_seed_is_simulated_while_the_present_run_goes_on() {
     let (tell, source) = on_demand();
-    let mut window = Window::open(vec![(Film::new(simulated("smoke", 7), None), Some(source))], 1.0);
+    let mut window = Window::open(vec![(RunView::new(simulated("smoke", 7), None), Some(source))], 1.0);
     window.frames(10);
     window.type_letter("r");
     window.frames(10);
     assert_eq!(window.message().as_deref(), Some("simulating seed 8 ..."));
     assert_eq!(window.player().clock(), seconds(20.0 * FRAME.as_secs_f64()));
     tell.send(Ok(())).expect("somebody waits");
-    wait_for_films(&mut window);
-    assert_eq!(window.films()[0].timeline(), &simulated("smoke", 8));
+    wait_for_runs(&mut window);
+    assert_eq!(window.runs()[0].timeline(), &simulated("smoke", 8));
     assert_eq!(window.message(), None);
     assert!(window.shows(SimTime::ZERO));
 }
@@ -260,11 +263,11 @@ fn next_seed_is_simulated_while_the_present_run_goes_on() {
 #[test]
 fn seed_that_cannot_be_had_is_a_message_and_the_present_run_stays() {
     let (tell, source) = on_demand();
-    let mut window = Window::open(vec![(Film::new(simulated("smoke", 7), None), Some(source))], 1.0);
+    let mut window = Window::open(vec![(RunView::new(simulated("smoke", 7), None), Some(source))], 1.0);
     window.type_letter("p");
     tell.send(Err("no room on the field".into())).expect("somebody waits");
     window.frames(1);
-    wait_for_films(&mut window);
+    wait_for_runs(&mut window);
     assert_eq!(window.message().as_deref(), Some("no room on the field"));
-    assert_eq!(window.films()[0].timeline().setting.seed, 7);
+    assert_eq!(window.runs()[0].timeline().setting.seed, 7);
 }

@@ -1,7 +1,7 @@
 //! Runs to show, and what a window that shows them should look like.
 
 use wildfire::picture::Picture;
-use wildfire::picture::film::{Film, Look, Shot, Status, still};
+use wildfire::picture::film::{FrameRequest, RunView, Status, ViewOptions, still};
 use wildfire::time::SimTime;
 use wildfire::timeline::Timeline;
 use wildfire::{scenario, sim};
@@ -16,10 +16,10 @@ pub fn seconds(seconds: f64) -> SimTime {
 }
 
 /// The look of a window: `look`, and what the player says.
-pub fn with_status(look: &Look, is_paused: bool, speed: f64) -> Look {
-    Look { status: Some(Status { is_paused, speed, message: None }), ..look.clone() }
+pub fn with_status(options: &ViewOptions, is_paused: bool, speed: f64) -> ViewOptions {
+    ViewOptions { status: Some(Status { is_paused, speed, message: None }), ..options.clone() }
 }
 
-pub fn picture(films: &[&Film], time: SimTime, look: &Look, size: (u32, u32)) -> Picture {
-    still(&Shot { films, time, look }, size)
+pub fn picture(runs: &[&RunView], time: SimTime, options: &ViewOptions, size: (u32, u32)) -> Picture {
+    still(&FrameRequest { runs, time, options }, size)
 }

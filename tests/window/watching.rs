@@ -4,7 +4,7 @@ use glam::DVec2;
 use tempfile::TempDir;
 use wildfire::geometry::ops;
 use wildfire::picture::Picture;
-use wildfire::picture::film::{Camera, Film, Layer, Layers, Layout, Look, Projection, Selected};
+use wildfire::picture::film::{Camera, Layer, Layers, Layout, Projection, RunView, Selected, ViewOptions};
 use wildfire::time::SimTime;
 use wildfire::time::wall::WallStopwatch;
 use wildfire::timeline::{self, BushState};
@@ -17,16 +17,16 @@ const SIZE: (u32, u32) = (640, 480);
 const SIZE_ARGUMENT: &str = "640x480";
 const SPEED: f64 = 10.0;
 
-/// A folder with recordings of seeds, whose films know no CPU times, which differ from run to run.
-fn recorded(seeds: &[u64]) -> (TempDir, Vec<Film>) {
+/// A folder with recordings of seeds, whose runs have no CPU times, which differ from run to run.
+fn recorded(seeds: &[u64]) -> (TempDir, Vec<RunView>) {
     let folder = tempfile::tempdir().expect("a scratch folder");
-    let films = seeds.iter().map(|seed| {
+    let runs = seeds.iter().map(|seed| {
         let timeline = simulated("contest", *seed);
         timeline::file::write(&timeline, &folder.path().join(format!("{seed}.wildfire"))).expect("writable");
-        Film::new(timeline, None)
+        RunView::new(timeline, None)
     });
-    let films = films.collect();
-    (folder, films)
+    let runs = runs.collect();
+    (folder, runs)
 }
 
 fn open(folder: &TempDir, arguments: &[&str]) -> Window {
@@ -35,18 +35,18 @@ fn open(folder: &TempDir, arguments: &[&str]) -> Window {
 
 /// The frame that a window shows.
 struct Frame<'a> {
-    films: Vec<&'a Film>,
-    look: Look,
+    runs: Vec<&'a RunView>,
+    options: ViewOptions,
 }
 
 impl<'a> Frame<'a> {
-    fn of(films: &'a [Film], look: Look) -> Self {
-        Self { films: films.iter().collect(), look }
+    fn new(runs: &'a [RunView], options: ViewOptions) -> Self {
+        Self { runs: runs.iter().collect(), options }
     }
 
     /// Paused at that time.
     fn picture(&self, time: SimTime) -> Picture {
-        picture(&self.films, time, &with_status(&self.look, true, SPEED), SIZE)
+        picture(&self.runs, time, &with_status(&self.options, true, SPEED), SIZE)
     }
 
     /// Waits until the window shows the frame of that time, paused.
@@ -66,16 +66,16 @@ fn is_fire_coloured([red, green, blue]: [u8; 3]) -> bool {
 #[test]
 fn burning_cells_are_seen_where_the_timeline_says() {
     let Some(_hands) = hands() else { return };
-    let (folder, films) = recorded(&[1]);
+    let (folder, runs) = recorded(&[1]);
     let start = WallStopwatch::start();
     let window = open(&folder, &["1.wildfire", "--at", "1200", "--paused", "--layers", "none"]);
-    let frame = Frame::of(&films, Look { layers: Layers::NONE, ..Look::default() });
+    let frame = Frame::new(&runs, ViewOptions { layers: Layers::NONE, ..ViewOptions::default() });
     let seen = frame.wait_for(&window, seconds(1200.0));
     say(&format!("from the start to the first frame seen: {:.1} s", start.elapsed().as_secs_f64()));
-    let (timeline, pane) = (films[0].timeline(), Layout::new(SIZE, 1).fields[0]);
+    let (timeline, pane) = (runs[0].timeline(), Layout::new(SIZE, 1).fields[0]);
     let (setting, state) = (&timeline.setting, timeline.state_at(seconds(1200.0)));
     let projection =
-        Projection::new(&setting.frame, frame.look.camera, (f64::from(pane.width), f64::from(pane.height)));
+        Projection::new(&setting.frame, frame.options.camera, (f64::from(pane.width), f64::from(pane.height)));
     let is_free = |point: DVec2| state.agents.iter().all(|agent| agent.pose.position().distance(point) > 20.0);
     let (mut burning, mut others) = (0, 0);
     for (&cell, vegetation) in setting.bushes.iter().zip(&state.bushes) {
@@ -94,9 +94,9 @@ fn burning_cells_are_seen_where_the_timeline_says() {
 #[test]
 fn keys_and_mouse_do_what_help_says() {
     let Some(_hands) = hands() else { return };
-    let (folder, films) = recorded(&[1]);
+    let (folder, runs) = recorded(&[1]);
     let window = open(&folder, &["1.wildfire", "--at", "600", "--paused"]);
-    let mut frame = Frame::of(&films, Look::default());
+    let mut frame = Frame::new(&runs, ViewOptions::default());
     let at_600 = frame.wait_for(&window, seconds(600.0));
     window.wait_for_title("contest, seed 1 - 0:10:00.0 - paused");
 
@@ -106,10 +106,10 @@ fn keys_and_mouse_do_what_help_says() {
     window.press(&["shift+Left", "Left"]);
     frame.wait_for(&window, seconds(540.0));
     window.press(&["period"]);
-    let event = films[0].next_event(seconds(540.0)).expect("the run goes on");
+    let event = runs[0].next_event(seconds(540.0)).expect("the run goes on");
     frame.wait_for(&window, event);
     window.press(&["End"]);
-    frame.wait_for(&window, films[0].timeline().end_time());
+    frame.wait_for(&window, runs[0].timeline().end_time());
     window.press(&["Home"]);
     let at_start = frame.wait_for(&window, SimTime::ZERO);
     assert!(at_start != at_600);
@@ -119,44 +119,44 @@ fn keys_and_mouse_do_what_help_says() {
     let half = (left + 0.5 * f64::from(timeline.width)).floor();
     window.drag((left + 20.0, y), (half, y));
     let share = (half - left) / f64::from(timeline.width);
-    let scrubbed = seconds(share * films[0].timeline().end_time().as_seconds());
+    let scrubbed = seconds(share * runs[0].timeline().end_time().as_seconds());
     let before = frame.wait_for(&window, scrubbed);
 
     window.press(&[&key_of(Layer::GridLines)]);
-    frame.look.layers.toggle(Layer::GridLines);
+    frame.options.layers.toggle(Layer::GridLines);
     let with_grid = frame.wait_for(&window, scrubbed);
     assert!(with_grid != before);
     window.press(&[&key_of(Layer::GridLines)]);
-    frame.look.layers.toggle(Layer::GridLines);
+    frame.options.layers.toggle(Layer::GridLines);
 
-    let (pane, field) = (Layout::new(SIZE, 1).fields[0], films[0].timeline().setting.frame);
+    let (pane, field) = (Layout::new(SIZE, 1).fields[0], runs[0].timeline().setting.frame);
     let (size, at) = ((f64::from(pane.width), f64::from(pane.height)), (150.0, 100.0));
     window.mouse_to((f64::from(pane.left) + at.0, f64::from(pane.top) + at.1));
     window.click("4");
     // Of the wheels that are buttons winit 0.30 takes the press for a notch, and the release for another.
     let zoomed = |camera: Camera| camera.zoomed(&field, size, ops::exp(0.2), at);
-    frame.look.camera = zoomed(zoomed(Camera::WHOLE));
+    frame.options.camera = zoomed(zoomed(Camera::WHOLE));
     frame.wait_for(&window, scrubbed);
     window.press(&["z"]);
-    frame.look.camera = Camera::WHOLE;
+    frame.options.camera = Camera::WHOLE;
     frame.wait_for(&window, scrubbed);
 
-    let bush = films[0].timeline().setting.bushes[0];
+    let bush = runs[0].timeline().setting.bushes[0];
     let (x, y) = Projection::new(&field, Camera::WHOLE, size).at(field.centre(bush));
     window.mouse_to((f64::from(pane.left) + f64::from(x), f64::from(pane.top) + f64::from(y)));
     window.click("1");
-    frame.look.selected = Some((0, Selected::Bush(bush)));
+    frame.options.selected = Some((0, Selected::Bush(bush)));
     frame.wait_for(&window, scrubbed);
     window.press(&["Escape", "f"]);
-    frame.look.selected = None;
-    frame.look.follows = Some(films[0].timeline().setting.agents[0].id);
+    frame.options.selected = None;
+    frame.options.follows = Some(runs[0].timeline().setting.agents[0].id);
     frame.wait_for(&window, scrubbed);
 
     window.press(&["question"]);
-    frame.look.shows_help = true;
+    frame.options.shows_help = true;
     frame.wait_for(&window, scrubbed);
     window.press(&["Escape"]);
-    frame.look.shows_help = false;
+    frame.options.shows_help = false;
     frame.wait_for(&window, scrubbed);
 
     window.press(&["q"]);
@@ -171,9 +171,9 @@ fn key_of(layer: Layer) -> String {
 #[test]
 fn pause_holds_and_playing_goes_on() {
     let Some(_hands) = hands() else { return };
-    let (folder, films) = recorded(&[1]);
+    let (folder, runs) = recorded(&[1]);
     let window = open(&folder, &["1.wildfire", "--at", "600", "--paused"]);
-    let frame = Frame::of(&films, Look::default());
+    let frame = Frame::new(&runs, ViewOptions::default());
     let first = frame.wait_for(&window, seconds(600.0));
     // Many frames could have gone by while three screenshots were taken.
     assert!((0..3).all(|_| window.screenshot().as_ref() == Some(&first)));
@@ -195,9 +195,9 @@ fn title_clock(title: &str) -> f64 {
 #[test]
 fn still_is_what_the_window_shows_and_replaces_none() {
     let Some(_hands) = hands() else { return };
-    let (folder, films) = recorded(&[1]);
+    let (folder, runs) = recorded(&[1]);
     let window = open(&folder, &["1.wildfire", "--at", "600", "--paused"]);
-    let frame = Frame::of(&films, Look::default());
+    let frame = Frame::new(&runs, ViewOptions::default());
     let seen = frame.wait_for(&window, seconds(600.0));
     window.press(&["s"]);
     let first = folder.path().join("contest-seed-1-600.0s.png");
@@ -206,7 +206,7 @@ fn still_is_what_the_window_shows_and_replaces_none() {
     let second = folder.path().join("contest-seed-1-600.0s-2.png");
     wait_for("a second still", || second.is_file().then_some(()));
     let saved = image::open(&first).expect("a PNG file").into_rgb8();
-    let expected = picture(&frame.films, seconds(600.0), &frame.look, SIZE);
+    let expected = picture(&frame.runs, seconds(600.0), &frame.options, SIZE);
     let pane = Layout::new(SIZE, 1).fields[0];
     for (x, y, pixel) in saved.enumerate_pixels() {
         assert_eq!(pixel.0, expected.pixel(x, y));
@@ -219,9 +219,9 @@ fn still_is_what_the_window_shows_and_replaces_none() {
 #[test]
 fn two_runs_are_compared_on_one_clock() {
     let Some(_hands) = hands() else { return };
-    let (folder, films) = recorded(&[7, 8]);
+    let (folder, runs) = recorded(&[7, 8]);
     let window = open(&folder, &["7.wildfire", "--with", "8.wildfire", "--at", "600", "--paused"]);
-    let frame = Frame::of(&films, Look::default());
+    let frame = Frame::new(&runs, ViewOptions::default());
     let seen = frame.wait_for(&window, seconds(600.0));
     window.wait_for_title("contest, seed 7 | contest, seed 8 - 0:10:00.0 - paused");
     let panes = Layout::new(SIZE, 2).fields;
@@ -237,12 +237,12 @@ fn two_runs_are_compared_on_one_clock() {
 #[test]
 fn resized_window_shows_a_frame_of_its_new_size() {
     let Some(_hands) = hands() else { return };
-    let (folder, films) = recorded(&[1]);
+    let (folder, runs) = recorded(&[1]);
     let window = open(&folder, &["1.wildfire", "--at", "600", "--paused"]);
     window.wait_for_title("paused");
     window.resize((801, 503));
-    let look = with_status(&Look::default(), true, SPEED);
-    let expected = picture(&[&films[0]], seconds(600.0), &look, (801, 503));
+    let options = with_status(&ViewOptions::default(), true, SPEED);
+    let expected = picture(&[&runs[0]], seconds(600.0), &options, (801, 503));
     wait_for("the larger frame", || window.screenshot().filter(|seen| seen.differences(&expected) == 0));
 }
 
@@ -263,11 +263,11 @@ fn next_seed_of_a_scenario_is_simulated_and_shown() {
 #[test]
 fn window_that_is_taken_away_ends_the_program_and_leaves_the_recording() {
     let Some(_hands) = hands() else { return };
-    let (folder, films) = recorded(&[1]);
+    let (folder, runs) = recorded(&[1]);
     let recording = folder.path().join("1.wildfire");
     let before = std::fs::read(&recording).expect("readable");
     let window = open(&folder, &["1.wildfire", "--at", "600", "--paused"]);
-    Frame::of(&films, Look::default()).wait_for(&window, seconds(600.0));
+    Frame::new(&runs, ViewOptions::default()).wait_for(&window, seconds(600.0));
     window.destroy();
     let (status, said) = window.wait_for_end();
     assert_eq!(status.code(), Some(3), "{said}");

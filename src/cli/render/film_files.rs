@@ -10,7 +10,7 @@ use super::mp4_file::Mp4File;
 use super::{RenderArguments, Scene};
 use crate::cli::error::CliError;
 use crate::cli::{interrupt, terminal};
-use crate::picture::film::Painter;
+use crate::picture::film::FrameRenderer;
 use crate::picture::{ColourCounts, GifFilm, Palette};
 
 /// Frames whose colours make the palette of a GIF.
@@ -23,10 +23,10 @@ pub fn write_films(scene: &Scene, moments: Moments, arguments: &RenderArguments,
     let mut mp4 = arguments.mp4.as_deref().map(|path| Mp4File::create(path, scene.size, moments.fps)).transpose()?;
     let sampled = if arguments.gif.is_some() { moments.sample(SAMPLED_FRAMES).count() as u64 } else { 0 };
     let bar = terminal::progress_bar(sampled + moments.count(), "frames", quiet);
-    let mut reel = Reel { scene, moments, painter: Painter::new(scene.size, scene.films.len()), bar, stop };
-    let mut gif = arguments.gif.as_deref().map(|path| reel.begin_gif(path)).transpose()?;
+    let mut film = FilmFrames { scene, moments, renderer: FrameRenderer::new(scene.size, scene.runs.len()), bar, stop };
+    let mut gif = arguments.gif.as_deref().map(|path| film.begin_gif(path)).transpose()?;
     for frame in 0..moments.count() {
-        let pixels = reel.paint(frame)?;
+        let pixels = film.paint(frame)?;
         if let Some((path, gif)) = &mut gif {
             gif.add(pixels, moments.hundredths(frame)).map_err(|error| CliError::unwritable(path, &error))?;
         }
@@ -37,26 +37,26 @@ pub fn write_films(scene: &Scene, moments: Moments, arguments: &RenderArguments,
     }
     mp4.map_or(Ok(()), Mp4File::finish)?;
     gif.map_or(Ok(()), |(path, gif)| gif.finish().map_err(|error| CliError::unwritable(path, &error)))?;
-    reel.bar.finish_and_clear();
+    film.bar.finish_and_clear();
     Ok(())
 }
 
 /// The frames of a film, painted one after the other.
-struct Reel<'a> {
+struct FilmFrames<'a> {
     scene: &'a Scene<'a>,
     moments: Moments,
-    painter: Painter,
+    renderer: FrameRenderer,
     bar: ProgressBar,
     stop: &'a AtomicBool,
 }
 
-impl Reel<'_> {
+impl FilmFrames<'_> {
     fn paint(&mut self, frame: u64) -> Result<&[u8], CliError> {
         if is_set(self.stop) {
             return Err(CliError::stopped());
         }
         self.bar.inc(1);
-        Ok(self.painter.paint(&self.scene.shot(self.moments.time(frame))))
+        Ok(self.renderer.paint(&self.scene.request(self.moments.time(frame))))
     }
 
     fn begin_gif<'p>(&mut self, path: &'p Path) -> Result<(&'p Path, GifFilm), CliError> {

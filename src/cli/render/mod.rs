@@ -13,17 +13,17 @@ use std::process::ExitCode;
 use crate::cli::error::CliError;
 use crate::cli::output_files::{self, Files, Format};
 use crate::cli::show::{Searches, ShownRun, look, shown_runs, time_within};
-use crate::picture::film::{Film, Layer, Look, Shot, still};
+use crate::picture::film::{FrameRequest, Layer, RunView, ViewOptions, still};
 use crate::time::SimTime;
 use film_files::write_films;
 use moments::{MOST_FRAMES, Moments};
 
 pub fn run(arguments: &RenderArguments, quiet: bool) -> Result<ExitCode, CliError> {
     check(arguments)?;
-    let films: Vec<Film> = films(arguments, quiet)?;
-    let films: Vec<&Film> = films.iter().collect();
-    let scene = Scene { films: &films, look: look(&arguments.show, &films)?, size: arguments.show.size.into() };
-    let (still_time, moments) = (still_time(arguments, &films)?, moments(arguments, &films)?);
+    let runs: Vec<RunView> = run_views(arguments, quiet)?;
+    let runs: Vec<&RunView> = runs.iter().collect();
+    let scene = Scene { runs: &runs, options: look(&arguments.show, &runs)?, size: arguments.show.size.into() };
+    let (still_time, moments) = (still_time(arguments, &runs)?, moments(arguments, &runs)?);
     if let Some(path) = &arguments.out {
         scene.write_still(still_time, path)?;
         output_files::note_written(path, quiet);
@@ -38,18 +38,18 @@ pub fn run(arguments: &RenderArguments, quiet: bool) -> Result<ExitCode, CliErro
 
 /// The runs and the view of them, without the moment.
 struct Scene<'a> {
-    films: &'a [&'a Film],
-    look: Look,
+    runs: &'a [&'a RunView],
+    options: ViewOptions,
     size: (u32, u32),
 }
 
 impl Scene<'_> {
-    fn shot(&self, time: SimTime) -> Shot<'_> {
-        Shot { films: self.films, time, look: &self.look }
+    fn request(&self, time: SimTime) -> FrameRequest<'_> {
+        FrameRequest { runs: self.runs, time, options: &self.options }
     }
 
     fn write_still(&self, time: SimTime, path: &Path) -> Result<(), CliError> {
-        let picture = still(&self.shot(time), self.size);
+        let picture = still(&self.request(time), self.size);
         picture.write_png(path).map_err(|error| CliError::unwritable(path, &error))
     }
 }
@@ -69,21 +69,21 @@ fn check(arguments: &RenderArguments) -> Result<(), CliError> {
     Ok(())
 }
 
-fn films(arguments: &RenderArguments, quiet: bool) -> Result<Vec<Film>, CliError> {
+fn run_views(arguments: &RenderArguments, quiet: bool) -> Result<Vec<RunView>, CliError> {
     let needs_searches = |&layer: &Layer| layer.needs_searches() && arguments.show.layers().contains(layer);
     let searches = if Layer::ALL.iter().any(needs_searches) { Searches::Recorded } else { Searches::LeftOut };
     let shown = shown_runs(&arguments.show, searches, quiet)?;
     let run = |run: ShownRun| if arguments.cpu { run } else { ShownRun { cpu_samples: None, ..run } };
-    Ok(shown.into_iter().map(|shown| run(shown.run).film()).collect())
+    Ok(shown.into_iter().map(|shown| run(shown.run).into_view()).collect())
 }
 
-fn still_time(arguments: &RenderArguments, films: &[&Film]) -> Result<SimTime, CliError> {
-    arguments.at.map_or_else(|| Ok(Film::last_end(films)), |at| time_within("--at", at, films))
+fn still_time(arguments: &RenderArguments, runs: &[&RunView]) -> Result<SimTime, CliError> {
+    arguments.at.map_or_else(|| Ok(RunView::last_end(runs)), |at| time_within("--at", at, runs))
 }
 
-fn moments(arguments: &RenderArguments, films: &[&Film]) -> Result<Moments, CliError> {
-    let from = time_within("--from", arguments.from, films)?;
-    let to = arguments.to.map_or_else(|| Ok(Film::last_end(films)), |to| time_within("--to", to, films))?;
+fn moments(arguments: &RenderArguments, runs: &[&RunView]) -> Result<Moments, CliError> {
+    let from = time_within("--from", arguments.from, runs)?;
+    let to = arguments.to.map_or_else(|| Ok(RunView::last_end(runs)), |to| time_within("--to", to, runs))?;
     if from > to {
         let sentence = format!("--from is {}; expected at most --to, {}", from.as_seconds(), to.as_seconds());
         return Err(CliError::bad_input(sentence, None));

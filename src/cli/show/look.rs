@@ -4,14 +4,14 @@ use glam::DVec2;
 
 use crate::cli::error::CliError;
 use crate::cli::show::ShowArguments;
-use crate::picture::film::{Camera, Film, Look, Selected};
+use crate::picture::film::{Camera, RunView, Selected, ViewOptions};
 use crate::timeline::{AgentId, Setting};
 
 /// The look at some runs that the arguments ask for.
 ///
 /// # Errors
 /// If an agent, a bush or a point is not in the first run.
-pub fn look(arguments: &ShowArguments, films: &[&Film]) -> Result<Look, CliError> {
+pub fn look(arguments: &ShowArguments, films: &[&RunView]) -> Result<ViewOptions, CliError> {
     let setting = &films[0].timeline().setting;
     if let Some(agent) = arguments.follow {
         check_agent("--follow", agent, setting)?;
@@ -24,12 +24,12 @@ pub fn look(arguments: &ShowArguments, films: &[&Film]) -> Result<Look, CliError
         _ => {}
     }
     let centre = arguments.centre.map_or(Ok(Camera::WHOLE.centre), |point| share_of_field(point, setting))?;
-    Ok(Look {
+    Ok(ViewOptions {
         camera: Camera { centre, zoom: arguments.zoom },
         follows: arguments.follow,
         layers: arguments.layers(),
         selected: arguments.select.map(|selected| (0, selected)),
-        ..Look::default()
+        ..ViewOptions::default()
     })
 }
 

@@ -11,15 +11,15 @@ pub use look::look;
 pub use source::{Searches, ShownRun};
 
 use crate::cli::error::CliError;
-use crate::picture::film::Film;
+use crate::picture::film::RunView;
 use crate::time::SimTime;
 
 /// A time of the option `name`, in seconds.
 ///
 /// # Errors
 /// If it is beyond the end of the last run.
-pub fn time_within(name: &str, seconds: f64, films: &[&Film]) -> Result<SimTime, CliError> {
-    let (time, end) = (SimTime::from_seconds(seconds), Film::last_end(films));
+pub fn time_within(name: &str, seconds: f64, films: &[&RunView]) -> Result<SimTime, CliError> {
+    let (time, end) = (SimTime::from_seconds(seconds), RunView::last_end(films));
     if time > end {
         let sentence = format!("{name} is {seconds}; the run ends at {} s", end.as_seconds());
         return Err(CliError::bad_input(sentence, None));

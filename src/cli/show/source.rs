@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 use crate::batch::{FinishedBatch, PlannedRun};
 use crate::cli::error::CliError;
 use crate::input_file;
-use crate::picture::film::Film;
+use crate::picture::film::RunView;
 use crate::scenario::{BUILT_IN, LoadedScenario, MemoryLimit, Scenario, ScenarioText};
 use crate::sim::{self, RunOptions};
 use crate::timeline::file::{self, FileError};
 use crate::timeline::{CpuSample, Timeline};
 #[cfg(feature = "view")]
-use crate::view::FilmSource;
+use crate::view::RunLoader;
 
 /// The seed of a scenario's first run.
 const FIRST_SEED: u64 = 1;
@@ -34,8 +34,8 @@ pub struct ShownRun {
 }
 
 impl ShownRun {
-    pub fn film(self) -> Film {
-        Film::new(self.timeline, self.cpu_samples).titled(self.title)
+    pub fn into_view(self) -> RunView {
+        RunView::new(self.timeline, self.cpu_samples).with_title(self.title)
     }
 }
 
@@ -199,10 +199,10 @@ fn simulated(scenario: &Scenario, seed: u64, searches: Searches, memory: MemoryL
 }
 
 #[cfg(feature = "view")]
-impl FilmSource for Source {
-    fn film(&self, seed: u64) -> Result<Film, String> {
+impl RunLoader for Source {
+    fn load(&self, seed: u64) -> Result<RunView, String> {
         let run = self.run(Some(seed), Searches::Recorded);
-        run.map(ShownRun::film).map_err(|failure| failure.sentence())
+        run.map(ShownRun::into_view).map_err(|failure| failure.sentence())
     }
 
     fn seeds(&self) -> Option<&[u64]> {

@@ -6,7 +6,7 @@ use crate::timeline::{Activity, AgentFact, AgentStart, AgentState, Event, Fact, 
 
 /// What an agent did until some time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Doings {
+pub struct AgentStats {
     pub activity: Activity,
     /// By activity, in the order of its variants.
     spent: [SimTime; 5],
@@ -23,7 +23,7 @@ pub struct Doings {
     pub distance_m: f64,
 }
 
-impl Doings {
+impl AgentStats {
     pub fn spent(&self, activity: Activity) -> SimTime {
         self.spent[activity as usize]
     }
@@ -33,7 +33,7 @@ impl Doings {
 #[derive(Clone, Copy, Debug)]
 struct Entry {
     time: SimTime,
-    doings: Doings,
+    stats: AgentStats,
     goal: Option<Cell>,
     /// Index of the fact that the leg comes with.
     leg: Option<usize>,
@@ -41,14 +41,14 @@ struct Entry {
 
 /// What one agent did, over time.
 #[derive(Debug)]
-pub struct Book {
+pub struct AgentHistory {
     /// Ascending in time, the first at zero.
     entries: Vec<Entry>,
 }
 
-impl Book {
+impl AgentHistory {
     /// Of all agents of a run, in the order of its setting.
-    pub fn of_all(timeline: &Timeline) -> Vec<Self> {
+    pub fn from_timeline(timeline: &Timeline) -> Vec<Self> {
         let mut replay = Replay::new(timeline);
         let mut books: Vec<Self> = timeline.setting.agents.iter().map(|_| Self::opened()).collect();
         let mut seen = 0;
@@ -70,16 +70,16 @@ impl Book {
     }
 
     /// Until `time`, which is not after the end.
-    pub fn at(&self, timeline: &Timeline, time: SimTime) -> Doings {
-        self.last_entry(time).later(timeline, time).doings
+    pub fn at(&self, timeline: &Timeline, time: SimTime) -> AgentStats {
+        self.last_entry(time).later(timeline, time).stats
     }
 
     /// An agent as [`Timeline::state_at`] has it, at a time that is not after the end.
     pub fn state_at(&self, timeline: &Timeline, start: &AgentStart, time: SimTime) -> AgentState {
-        let &Entry { doings, goal, leg, .. } = self.last_entry(time);
+        let &Entry { stats, goal, leg, .. } = self.last_entry(time);
         let leg = leg.and_then(|index| timeline.events[index].fact.trajectory());
         let (pose, speed_mps) = leg.map_or((start.pose, 0.0), |leg| leg.state_at(time));
-        AgentState { id: start.id, pose, speed_mps, activity: doings.activity, goal }
+        AgentState { id: start.id, pose, speed_mps, activity: stats.activity, goal }
     }
 
     fn last_entry(&self, time: SimTime) -> &Entry {
@@ -87,7 +87,7 @@ impl Book {
     }
 
     fn opened() -> Self {
-        let doings = Doings {
+        let stats = AgentStats {
             activity: Activity::Standing,
             spent: [SimTime::ZERO; 5],
             plans: 0,
@@ -97,7 +97,7 @@ impl Book {
             cells: 0,
             distance_m: 0.0,
         };
-        Self { entries: vec![Entry { time: SimTime::ZERO, doings, goal: None, leg: None }] }
+        Self { entries: vec![Entry { time: SimTime::ZERO, stats, goal: None, leg: None }] }
     }
 
     /// The entry for a time that is not before the last one.
@@ -111,19 +111,19 @@ impl Book {
 
     fn record(&mut self, timeline: &Timeline, index: usize, event: &Event) {
         let entry = self.entry(timeline, event.time);
-        let doings = &mut entry.doings;
+        let stats = &mut entry.stats;
         match &event.fact {
             Fact::Agent(_, AgentFact::Planned { effort, .. })
             | Fact::Agent(_, AgentFact::PlanFailed { effort, .. }) => {
-                doings.plans += 1;
-                doings.expansions += u64::from(effort.roadmap_expansions) + u64::from(effort.local_expansions);
+                stats.plans += 1;
+                stats.expansions += u64::from(effort.roadmap_expansions) + u64::from(effort.local_expansions);
             }
-            Fact::Fire(FireFact::Ignited { .. }) | Fact::Fire(FireFact::Extinguished { .. }) => doings.cells += 1,
+            Fact::Fire(FireFact::Ignited { .. }) | Fact::Fire(FireFact::Extinguished { .. }) => stats.cells += 1,
             _ => {}
         }
         if let Fact::Agent(_, AgentFact::PlanFailed { .. }) = event.fact {
-            doings.failures += 1;
-            doings.last_failure = Some(index);
+            stats.failures += 1;
+            stats.last_failure = Some(index);
         }
         if event.fact.trajectory().is_some() {
             entry.leg = Some(index);
@@ -132,9 +132,9 @@ impl Book {
 
     fn turn_to(&mut self, timeline: &Timeline, time: SimTime, (activity, goal): (Activity, Option<Cell>)) {
         let last = &self.entries[self.entries.len() - 1];
-        if (last.doings.activity, last.goal) != (activity, goal) {
+        if (last.stats.activity, last.goal) != (activity, goal) {
             let entry = self.entry(timeline, time);
-            (entry.doings.activity, entry.goal) = (activity, goal);
+            (entry.stats.activity, entry.goal) = (activity, goal);
         }
     }
 }
@@ -143,9 +143,9 @@ impl Entry {
     /// The same at a later time until which nothing changed.
     fn later(&self, timeline: &Timeline, time: SimTime) -> Self {
         let mut later = Self { time, ..*self };
-        later.doings.spent[self.doings.activity as usize] += time.since(self.time);
+        later.stats.spent[self.stats.activity as usize] += time.since(self.time);
         if let Some(leg) = self.leg.and_then(|index| timeline.events[index].fact.trajectory()) {
-            later.doings.distance_m += leg.distance_m(time) - leg.distance_m(self.time);
+            later.stats.distance_m += leg.distance_m(time) - leg.distance_m(self.time);
         }
         later
     }

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::{Film, Look};
+use super::{RunView, ViewOptions};
 use crate::geometry::{Cell, FieldFrame};
 use crate::picture::canvas::Point;
 use crate::picture::marks::to_f32;
@@ -85,14 +85,14 @@ impl Projection {
         Self { pixels_per_metre, origin }
     }
 
-    /// What a pane of that width and height in pixels shows of a run with that look: about the agent that is followed,
+    /// What a pane of that width and height in pixels shows of a run with those options: about the agent that is followed,
     /// if it is there, else as the camera says.
-    pub fn of(film: &Film, state: &State, look: &Look, (width, height): (u32, u32)) -> Self {
-        let setting = &film.timeline().setting;
-        let followed = look.follows.and_then(|agent| setting.agent_index(agent));
-        let camera = followed.map_or(look.camera, |index| {
+    pub fn from_options(run: &RunView, state: &State, options: &ViewOptions, (width, height): (u32, u32)) -> Self {
+        let setting = &run.timeline().setting;
+        let followed = options.follows.and_then(|agent| setting.agent_index(agent));
+        let camera = followed.map_or(options.camera, |index| {
             let centre = setting.agents[index].body.centre(state.agents[index].pose);
-            look.camera.following(&setting.frame, centre)
+            options.camera.following(&setting.frame, centre)
         });
         Self::new(&setting.frame, camera, (f64::from(width), f64::from(height)))
     }

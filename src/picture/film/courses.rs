@@ -10,14 +10,14 @@ use crate::trajectory::Trajectory;
 
 /// What a timeline tells, ordered by who did it. Facts are kept by their place in the timeline.
 #[derive(Debug)]
-pub struct Courses {
+pub struct AgentTracks {
     /// By place in [`Setting::agents`].
-    agents: Vec<Course>,
+    agents: Vec<AgentTrack>,
     spreads: Vec<Spread>,
 }
 
 #[derive(Debug, Default)]
-struct Course {
+struct AgentTrack {
     legs: Vec<Leg>,
     stops: Vec<(SimTime, Cell)>,
     searches: Vec<(SimTime, usize)>,
@@ -48,9 +48,9 @@ impl Leg {
     }
 }
 
-impl Courses {
-    pub fn of(timeline: &Timeline) -> Self {
-        let mut agents: Vec<Course> = timeline.setting.agents.iter().map(|_| Course::default()).collect();
+impl AgentTracks {
+    pub fn new(timeline: &Timeline) -> Self {
+        let mut agents: Vec<AgentTrack> = timeline.setting.agents.iter().map(|_| AgentTrack::default()).collect();
         for (index, event) in timeline.events.iter().enumerate() {
             let agent = event.fact.agent().and_then(|agent| timeline.setting.agent_index(agent));
             if let Some(agent) = agent {
@@ -100,7 +100,7 @@ impl Courses {
     }
 }
 
-impl Course {
+impl AgentTrack {
     fn record(&mut self, index: usize, time: SimTime, fact: &Fact) {
         if fact.trajectory().is_some() {
             if let Some(last) = self.legs.last_mut() {
@@ -204,7 +204,7 @@ mod tests {
             caught: caught.iter().map(|&cell| CELLS[cell]).collect(),
         };
         // What is put out at the very instant does not spread, nor does what caught fire; the last one lights nothing.
-        let courses = Courses::of(&timeline);
+        let courses = AgentTracks::new(&timeline);
         assert_eq!(courses.spreads, [spread(10.0, 0, &[2]), spread(99.0, 3, &[])]);
         assert_eq!(courses.spreads_between(seconds(10.0), seconds(99.0)), &courses.spreads[1..]);
         assert_eq!(courses.spreads_between(seconds(5.0), seconds(10.0)), &courses.spreads[..1]);
@@ -215,7 +215,7 @@ mod tests {
         let mut timeline = timeline(vec![(0.0, lit(0)), (0.0, lit(3)), (7.0, caught(1, 0)), (7.0, caught(2, 0))]);
         timeline.setting.rules.fire = None;
         let expected = Spread { time: seconds(7.0), from: CELLS[0], caught: CELLS[1..3].to_vec() };
-        assert_eq!(Courses::of(&timeline).spreads, [expected]);
+        assert_eq!(AgentTracks::new(&timeline).spreads, [expected]);
     }
 
     #[test]
@@ -226,7 +226,7 @@ mod tests {
             Fact::Agent(TRUCK, AgentFact::Planned { goal: CELLS[0], trajectory, effort, by_lattice: false })
         };
         let timeline = timeline([5.0, 20.0, 40.0].map(|time_s| (time_s, leg(time_s))).to_vec());
-        let courses = Courses::of(&timeline);
+        let courses = AgentTracks::new(&timeline);
         assert!(courses.leg_at(0, seconds(4.9)).is_none());
         for (time_s, from_s) in [(5.0, 5.0), (19.9, 5.0), (20.0, 20.0), (90.0, 40.0)] {
             assert_eq!(courses.leg_at(0, seconds(time_s)).expect("there is one").from, seconds(from_s));

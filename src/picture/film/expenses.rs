@@ -7,15 +7,15 @@ use crate::timeline::{AgentId, CpuSample};
 
 /// Sums of CPU time, as steps: each holds from its time on.
 #[derive(Debug)]
-pub struct Expenses {
+pub struct CpuHistory {
     all: Vec<(SimTime, Duration)>,
     /// In order of the agents.
     by_agent: Vec<(AgentId, Vec<(SimTime, Duration)>)>,
 }
 
-impl Expenses {
+impl CpuHistory {
     /// `cpu_samples` in order of time.
-    pub fn of(cpu_samples: &[CpuSample]) -> Self {
+    pub fn new(cpu_samples: &[CpuSample]) -> Self {
         let mut agents: Vec<AgentId> = cpu_samples.iter().map(|spent| spent.agent).collect();
         agents.sort_unstable();
         agents.dedup();

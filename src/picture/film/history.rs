@@ -1,21 +1,21 @@
 //! Counts and scores of a run over time, and what happened to each bush.
 
-use super::Fate;
+use crate::fire::BushStateKind;
 use crate::time::SimTime;
 use crate::timeline::{Rules, Timeline};
 
-/// Bushes by fate, and how often each change happened so far.
+/// Bushes by state, and how often each change happened so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Tally {
-    /// In the order of [`Fate::ALL`].
+pub struct BushCounts {
+    /// In the order of [`BushStateKind::ALL`].
     bushes: [u32; 4],
-    /// How often a bush came to each fate, in the same order.
+    /// How often a bush came to each state, in the same order.
     changes: [u32; 4],
 }
 
-impl Tally {
-    pub fn count(&self, fate: Fate) -> u32 {
-        self.bushes[fate as usize]
+impl BushCounts {
+    pub fn count(&self, kind: BushStateKind) -> u32 {
+        self.bushes[kind as usize]
     }
 
     pub fn bushes(&self) -> u32 {
@@ -24,66 +24,66 @@ impl Tally {
 
     /// Burning or burned out.
     pub fn burned(&self) -> u32 {
-        self.count(Fate::Burning) + self.count(Fate::BurnedOut)
+        self.count(BushStateKind::Burning) + self.count(BushStateKind::BurnedOut)
     }
 
     /// As [`crate::timeline::Outcome::wumpus_score`] counts.
     pub fn wumpus_score(&self, rules: &Rules) -> f64 {
-        rules.score_wumpus_ignited * self.changes_to(Fate::Burning)
-            + rules.score_wumpus_burned_out * self.changes_to(Fate::BurnedOut)
+        rules.score_wumpus_ignited * self.changes_to(BushStateKind::Burning)
+            + rules.score_wumpus_burned_out * self.changes_to(BushStateKind::BurnedOut)
     }
 
     /// As [`crate::timeline::Outcome::truck_score`] counts.
     pub fn truck_score(&self, rules: &Rules) -> f64 {
-        rules.score_truck_extinguished * self.changes_to(Fate::Extinguished)
+        rules.score_truck_extinguished * self.changes_to(BushStateKind::Extinguished)
     }
 
-    fn changes_to(&self, fate: Fate) -> f64 {
-        f64::from(self.changes[fate as usize])
+    fn changes_to(&self, kind: BushStateKind) -> f64 {
+        f64::from(self.changes[kind as usize])
     }
 }
 
 /// Counts over time, as steps, and the facts of each bush.
 #[derive(Debug)]
-pub struct History {
+pub struct CountHistory {
     /// Ascending in time, the first at zero; each holds from its time on, after all facts of that time.
-    steps: Vec<(SimTime, Tally)>,
+    steps: Vec<(SimTime, BushCounts)>,
     /// Bush, by its place in the setting, and index of the fact that changed it; ascending.
     changes: Vec<(usize, usize)>,
 }
 
-impl History {
-    pub fn of(timeline: &Timeline) -> Self {
+impl CountHistory {
+    pub fn new(timeline: &Timeline) -> Self {
         let end = timeline.end_time();
-        let mut fates = vec![Fate::Intact; timeline.setting.bushes.len()];
-        let mut tally = Tally::default();
-        tally.bushes[Fate::Intact as usize] = fates.len() as u32;
-        let mut history = Self { steps: vec![(SimTime::ZERO, tally)], changes: Vec::new() };
+        let mut kinds = vec![BushStateKind::Intact; timeline.setting.bushes.len()];
+        let mut counts = BushCounts::default();
+        counts.bushes[BushStateKind::Intact as usize] = kinds.len() as u32;
+        let mut history = Self { steps: vec![(SimTime::ZERO, counts)], changes: Vec::new() };
         for (index, event) in timeline.events.iter().enumerate().take_while(|(_, event)| event.time <= end) {
             let Some((cell, to)) = event.bush_change() else { continue };
-            let fate = Fate::of(to);
-            tally.changes[fate as usize] += 1;
+            let kind = to.kind();
+            counts.changes[kind as usize] += 1;
             if let Some(bush) = timeline.setting.bush_index(cell) {
-                let was = std::mem::replace(&mut fates[bush], fate);
-                tally.bushes[was as usize] -= 1;
-                tally.bushes[fate as usize] += 1;
+                let was = std::mem::replace(&mut kinds[bush], kind);
+                counts.bushes[was as usize] -= 1;
+                counts.bushes[kind as usize] += 1;
                 history.changes.push((bush, index));
             }
-            history.step(event.time, tally);
+            history.step(event.time, counts);
         }
         history.changes.sort_unstable();
         history
     }
 
-    fn step(&mut self, time: SimTime, tally: Tally) {
+    fn step(&mut self, time: SimTime, counts: BushCounts) {
         match self.steps.last_mut() {
-            Some(last) if last.0 == time => last.1 = tally,
-            _ => self.steps.push((time, tally)),
+            Some(last) if last.0 == time => last.1 = counts,
+            _ => self.steps.push((time, counts)),
         }
     }
 
     /// After all facts at `time`.
-    pub fn tally_at(&self, time: SimTime) -> Tally {
+    pub fn counts_at(&self, time: SimTime) -> BushCounts {
         self.steps[self.steps.partition_point(|step| step.0 <= time) - 1].1
     }
 

@@ -48,7 +48,7 @@ pub struct Layout {
 pub enum Place {
     /// In the pane of a run's field, pixels from the pane's upper left corner.
     Field {
-        run: usize,
+        run_index: usize,
         at: (f64, f64),
     },
     /// On the timeline, as a share of the run's duration, 0 to 1.
@@ -91,11 +91,11 @@ impl Layout {
         let chart_height = (chart_text * text).min(height * if runs == 1 { 33 } else { 40 } / 100);
         let chart = Rectangle { left: 0, top: height - chart_height, width, height: chart_height };
         let (room, pane_height) = (width.saturating_sub(beside), chart.top.saturating_sub(below));
-        let edge = |run: u32| room * run / runs as u32;
-        let fields = (0..runs as u32).map(|run| Rectangle {
-            left: edge(run),
+        let edge = |run_index: u32| room * run_index / runs as u32;
+        let fields = (0..runs as u32).map(|run_index| Rectangle {
+            left: edge(run_index),
             top: 0,
-            width: edge(run + 1) - edge(run),
+            width: edge(run_index + 1) - edge(run_index),
             height: pane_height,
         });
         let panel = if beside > 0 {
@@ -113,9 +113,9 @@ impl Layout {
     }
 
     pub fn place_at(&self, at: (f64, f64)) -> Place {
-        if let Some(run) = self.fields.iter().position(|pane| pane.contains(at)) {
-            let pane = self.fields[run];
-            return Place::Field { run, at: (at.0 - f64::from(pane.left), at.1 - f64::from(pane.top)) };
+        if let Some(run_index) = self.fields.iter().position(|pane| pane.contains(at)) {
+            let pane = self.fields[run_index];
+            return Place::Field { run_index, at: (at.0 - f64::from(pane.left), at.1 - f64::from(pane.top)) };
         }
         if self.chart.contains(at) {
             let share = (at.0 - f64::from(self.timeline.left)) / f64::from(self.timeline.width);

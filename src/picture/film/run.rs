@@ -3,19 +3,19 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use super::books::{Book, Doings};
-use super::courses::Courses;
-use super::expenses::Expenses;
-use super::history::{History, Tally};
-use super::vegetation::VegetationHistory;
+use super::books::{AgentHistory, AgentStats};
+use super::courses::AgentTracks;
+use super::expenses::CpuHistory;
+use super::history::{BushCounts, CountHistory};
+use super::vegetation::BushStateHistory;
 use crate::time::SimTime;
 use crate::timeline::{AgentFact, AgentId, CpuSample, Event, Fact, State, Timeline};
 
-/// Tells films of one process apart, those that are gone included; painters know by it what they may keep.
+/// Tells the runs shown by one process apart, those that are gone included; renderers know by it what they may keep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct FilmId(u64);
+pub struct RunViewId(u64);
 
-impl FilmId {
+impl RunViewId {
     fn next() -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         Self(NEXT.fetch_add(1, Ordering::Relaxed))
@@ -24,45 +24,45 @@ impl FilmId {
 
 /// A run prepared for being shown: its timeline, and what is derived from it once.
 #[derive(Debug)]
-pub struct Film {
-    id: FilmId,
+pub struct RunView {
+    id: RunViewId,
     title: String,
     timeline: Timeline,
     end: SimTime,
-    expenses: Option<Expenses>,
-    history: History,
-    vegetation: VegetationHistory,
-    books: Vec<Book>,
+    expenses: Option<CpuHistory>,
+    history: CountHistory,
+    vegetation: BushStateHistory,
+    books: Vec<AgentHistory>,
     /// When something happened, ascending.
     moments: Vec<SimTime>,
     has_searches: bool,
-    courses: Courses,
+    courses: AgentTracks,
 }
 
-impl Film {
+impl RunView {
     /// `cpu_samples` in order of time, where the run was simulated just now and is known. The title is the scenario's name.
     pub fn new(timeline: Timeline, cpu_samples: Option<Vec<CpuSample>>) -> Self {
         Self {
-            id: FilmId::next(),
+            id: RunViewId::next(),
             title: timeline.setting.scenario.clone(),
             end: timeline.end_time(),
-            expenses: cpu_samples.as_deref().map(Expenses::of),
-            history: History::of(&timeline),
-            vegetation: VegetationHistory::of(&timeline),
-            books: Book::of_all(&timeline),
+            expenses: cpu_samples.as_deref().map(CpuHistory::new),
+            history: CountHistory::new(&timeline),
+            vegetation: BushStateHistory::new(&timeline),
+            books: AgentHistory::from_timeline(&timeline),
             moments: moments(&timeline),
             has_searches: timeline
                 .events
                 .iter()
                 .any(|event| matches!(event.fact, Fact::Agent(_, AgentFact::Searched { .. }))),
-            courses: Courses::of(&timeline),
+            courses: AgentTracks::new(&timeline),
             timeline,
         }
     }
 
     /// The same run under another title, which tells it apart from others of its scenario and seed.
-    pub fn titled(self, title: String) -> Self {
-        Self { id: FilmId::next(), title, ..self }
+    pub fn with_title(self, title: String) -> Self {
+        Self { id: RunViewId::next(), title, ..self }
     }
 
     /// What the run is called, without its seed.
@@ -70,7 +70,7 @@ impl Film {
         &self.title
     }
 
-    pub fn id(&self) -> FilmId {
+    pub fn id(&self) -> RunViewId {
         self.id
     }
 
@@ -78,7 +78,7 @@ impl Film {
         &self.timeline
     }
 
-    pub(super) fn courses(&self) -> &Courses {
+    pub(super) fn courses(&self) -> &AgentTracks {
         &self.courses
     }
 
@@ -92,8 +92,8 @@ impl Film {
     }
 
     /// When the last of some runs ends; zero of none.
-    pub fn last_end(films: &[&Self]) -> SimTime {
-        films.iter().map(|film| film.end).max().unwrap_or_default()
+    pub fn last_end(runs: &[&Self]) -> SimTime {
+        runs.iter().map(|run| run.end).max().unwrap_or_default()
     }
 
     /// What [`Timeline::state_at`] says, without a replay.
@@ -105,12 +105,12 @@ impl Film {
     }
 
     /// Counts after all facts at `time`.
-    pub fn tally_at(&self, time: SimTime) -> Tally {
-        self.history.tally_at(time)
+    pub fn counts_at(&self, time: SimTime) -> BushCounts {
+        self.history.counts_at(time)
     }
 
     /// What an agent, by its place in the setting, did until `time`.
-    pub fn doings_at(&self, agent: usize, time: SimTime) -> Doings {
+    pub fn stats_at(&self, agent: usize, time: SimTime) -> AgentStats {
         self.books[agent].at(&self.timeline, time.min(self.end))
     }
 

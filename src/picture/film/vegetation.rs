@@ -17,7 +17,7 @@ struct Turn {
 
 /// All changes of bushes, and their states every so many changes.
 #[derive(Debug)]
-pub struct VegetationHistory {
+pub struct BushStateHistory {
     /// In order of time.
     turns: Vec<Turn>,
     stride: usize,
@@ -25,8 +25,8 @@ pub struct VegetationHistory {
     kept: Vec<Vec<BushState>>,
 }
 
-impl VegetationHistory {
-    pub fn of(timeline: &Timeline) -> Self {
+impl BushStateHistory {
+    pub fn new(timeline: &Timeline) -> Self {
         let setting = &timeline.setting;
         let turns = turns(timeline, setting);
         let stride = setting.bushes.len().max(LEAST_STRIDE);

@@ -44,12 +44,12 @@ impl ColourCounts {
         let counted = self.counts.iter().enumerate().filter(|&(_, &count)| count > 0);
         let colours = counted.map(|(number, &count)| Weighted { colour: colour(number), weight: weight(count) });
         let groups = split(colours.collect());
-        Palette::of(groups.iter().map(Group::representative).collect())
+        Palette::new(groups.iter().map(Group::representative).collect())
     }
 }
 
 impl Palette {
-    fn of(colours: Vec<Rgb>) -> Self {
+    fn new(colours: Vec<Rgb>) -> Self {
         let mut nearest = vec![TRANSPARENT; COLOURS];
         for (place, &colour) in (1..=u8::MAX).zip(&colours) {
             nearest[number(colour)] = place;
@@ -107,7 +107,7 @@ struct Group {
 }
 
 impl Group {
-    fn of(members: Vec<Weighted>) -> Self {
+    fn new(members: Vec<Weighted>) -> Self {
         let spreads = [0, 1, 2].map(|channel| (channel, spread(&members, channel)));
         let widest = spreads.into_iter().reduce(|most, other| if other.1 > most.1 { other } else { most });
         Self { members, widest: widest.expect("there are three channels") }
@@ -118,7 +118,7 @@ impl Group {
         let channel = self.widest.0;
         let mean = mean(&self.members, channel);
         let (low, high) = self.members.into_iter().partition(|member| f64::from(member.colour[channel]) <= mean);
-        [Self::of(low), Self::of(high)]
+        [Self::new(low), Self::new(high)]
     }
 
     /// The colour that has more than half of the weight, or else the mean: plain areas keep their colour.
@@ -132,7 +132,7 @@ impl Group {
 /// Groups of alike colours, at most [`MOST_COLOURS`]: the group whose colours differ most is parted, again and again.
 /// (Wan, Wong and Prusinkiewicz, "An Algorithm for Multidimensional Data Clustering", 1988, section 3.)
 fn split(colours: Vec<Weighted>) -> Vec<Group> {
-    let mut groups = if colours.is_empty() { Vec::new() } else { vec![Group::of(colours)] };
+    let mut groups = if colours.is_empty() { Vec::new() } else { vec![Group::new(colours)] };
     while groups.len() < MOST_COLOURS {
         let widest = (0..groups.len()).max_by(|&one, &other| groups[one].widest.1.total_cmp(&groups[other].widest.1));
         let Some(widest) = widest.filter(|&widest| groups[widest].widest.1 > 0.0) else { break };

@@ -39,10 +39,10 @@ const OUTLINED: f32 = 5.0;
 /// an obstacle where at least half of the cells are, else at the mean value. A path is drawn on the surface, dotted
 /// where the surface hides it. A picture takes about 20 MB of memory while it is drawn, whatever the size of the map.
 pub fn draw_surface(scene: &MapScene) -> Picture {
-    let heights = ValueScale::of(scene.places().filter_map(|place| scene.value_at(place)), scene.colours);
+    let heights = ValueScale::from_values(scene.places().filter_map(|place| scene.value_at(place)), scene.colours);
     let scale = scene.scale();
     let size = (scene.occupied.rows(), scene.occupied.cols());
-    let relief = Relief::of(scene, heights.as_ref());
+    let relief = Relief::new(scene, heights.as_ref());
     let (camera, (width, height)) = Camera::fit(size, BOX);
     let room = axes::room(size, scene.value_name, heights.as_ref());
     let corner = (MARGIN + room.left, MARGIN + TITLE + 4.0 * TEXT);

@@ -34,13 +34,13 @@ pub type Corners = [f32; 4];
 
 impl Relief {
     /// `heights` spans the values of all cells, obstacles included.
-    pub fn of(scene: &MapScene, heights: Option<&ValueScale>) -> Self {
+    pub fn new(scene: &MapScene, heights: Option<&ValueScale>) -> Self {
         let size = (scene.occupied.rows(), scene.occupied.cols());
         let cells = size.0.max(size.1).div_ceil(MOST_TILES).max(1);
         let zoom = Zoom { cells, pixels: 1 };
         let (rows, cols) = (zoom.blocks(size.0), zoom.blocks(size.1));
         let places = (0..rows).flat_map(|row| (0..cols).map(move |col| (row, col)));
-        let tiles = places.map(|(row, col)| Tile::of(scene, &zoom.block(row, col, size), heights)).collect();
+        let tiles = places.map(|(row, col)| Tile::new(scene, &zoom.block(row, col, size), heights)).collect();
         let tiles = Grid::from_values(rows, cols, tiles);
         let corners = (0..=rows).flat_map(|row| (0..=cols).map(move |col| (row, col)));
         let corners = corners.map(|corner| corner_level(&tiles, corner)).collect();
@@ -98,7 +98,7 @@ impl Relief {
 
 impl Tile {
     /// An obstacle where at least half of the cells are, else the mean of the free cells' finite values.
-    fn of(scene: &MapScene, block: &Block, heights: Option<&ValueScale>) -> Self {
+    fn new(scene: &MapScene, block: &Block, heights: Option<&ValueScale>) -> Self {
         let (mut cells, mut obstacles) = (0, 0);
         let (mut free, mut occupied) = (Mean::default(), Mean::default());
         for place in block.places() {
@@ -161,8 +161,8 @@ mod tests {
     fn large_maps_are_sampled_and_keep_their_edges() {
         let occupied = Grid::filled(600, 3, false);
         let value = |(row, _): Place| Some(row as f64);
-        let heights = ValueScale::of([0.0, 599.0].into_iter(), ColourMap::Viridis);
-        let relief = Relief::of(&MapScene::new("", "", &occupied, &value), heights.as_ref());
+        let heights = ValueScale::from_values([0.0, 599.0].into_iter(), ColourMap::Viridis);
+        let relief = Relief::new(&MapScene::new("", "", &occupied, &value), heights.as_ref());
         assert_eq!((relief.tiles.rows(), relief.tiles.cols()), (200, 1));
         assert_eq!((relief.row_edge(200), relief.col_edge(1)), (1.0, 1.0));
         assert!((relief.level_at(0.5, 0.5) - 0.5).abs() < 0.01);
@@ -173,8 +173,8 @@ mod tests {
         let occupied = Grid::from_values(1, 4, vec![true, false, true, true]);
         let value = |(_, col): Place| [Some(8.0), Some(0.0), None, Some(f64::INFINITY)][col];
         let scene = MapScene::new("", "", &occupied, &value);
-        let heights = ValueScale::of([0.0, 8.0].into_iter(), ColourMap::Viridis);
-        let relief = Relief::of(&scene, heights.as_ref());
+        let heights = ValueScale::from_values([0.0, 8.0].into_iter(), ColourMap::Viridis);
+        let relief = Relief::new(&scene, heights.as_ref());
         assert_eq!(relief.tiles.values().iter().map(|tile| tile.level).collect::<Vec<_>>(), [1.0, 0.0, GROUND, 1.0]);
         assert_eq!(relief.corners((0, 1)), [0.0; 4], "obstacles do not lift the surface beside them");
     }

@@ -3,10 +3,10 @@
 use super::sprite::{Placement, Sprite};
 use super::stamps::Stamps;
 use super::{Pane, sprites};
+use crate::fire::BushStateKind;
 use crate::geometry::Cell;
 use crate::picture::canvas::{Canvas, Point};
-use crate::picture::colours::{FIELD, blend};
-use crate::picture::film::Fate;
+use crate::picture::colours::{FIELD, blend, bush_colour};
 
 /// Cells with shorter sides than this, in pixels, are flat.
 pub const LEAST_SPRITE: f32 = 8.0;
@@ -20,61 +20,61 @@ const TINT: f64 = 0.45;
 /// Differently turned drawings of a bush.
 const VARIANTS: usize = 6;
 
-fn sprite(fate: Fate) -> &'static Sprite {
-    match fate {
-        Fate::Intact => &sprites::BUSH,
-        Fate::Burning => &sprites::EMBERS,
-        Fate::BurnedOut => &sprites::BURNED,
-        Fate::Extinguished => &sprites::WET,
+fn sprite(kind: BushStateKind) -> &'static Sprite {
+    match kind {
+        BushStateKind::Intact => &sprites::BUSH,
+        BushStateKind::Burning => &sprites::EMBERS,
+        BushStateKind::BurnedOut => &sprites::BURNED,
+        BushStateKind::Extinguished => &sprites::WET,
     }
 }
 
 /// Draws bushes, given in the order of the setting.
-pub fn draw(canvas: &mut Canvas, pane: &Pane, fates: &[Fate], stamps: &mut Stamps) {
+pub fn draw(canvas: &mut Canvas, pane: &Pane, kinds: &[BushStateKind], stamps: &mut Stamps) {
     if pane.cell_side() < LEAST_SPRITE {
-        draw_flat(canvas, pane, fates);
+        draw_flat(canvas, pane, kinds);
     } else {
-        draw_squares(canvas, pane, fates);
-        draw_sprites(canvas, pane, fates, stamps);
+        draw_squares(canvas, pane, kinds);
+        draw_sprites(canvas, pane, kinds, stamps);
     }
 }
 
 /// Where several cells share a pixel, what burns is seen, some pixels wide at least.
-fn draw_flat(canvas: &mut Canvas, pane: &Pane, fates: &[Fate]) {
+fn draw_flat(canvas: &mut Canvas, pane: &Pane, kinds: &[BushStateKind]) {
     for is_burning in [false, true] {
-        let bushes = pane.setting().bushes.iter().zip(fates);
-        for (&cell, fate) in bushes.filter(|(_, fate)| (**fate == Fate::Burning) == is_burning) {
+        let bushes = pane.setting().bushes.iter().zip(kinds);
+        for (&cell, kind) in bushes.filter(|(_, kind)| (**kind == BushStateKind::Burning) == is_burning) {
             let (from, to) = pane.projection.cell(pane.frame(), cell);
             let beyond = i32::from(is_burning && pane.cell_side() < LEAST_FIRE);
-            canvas.fill_pixels((from.0 - beyond, from.1 - beyond), (to.0 + beyond, to.1 + beyond), fate.colour());
+            canvas.fill_pixels((from.0 - beyond, from.1 - beyond), (to.0 + beyond, to.1 + beyond), bush_colour(*kind));
         }
     }
 }
 
-fn draw_squares(canvas: &mut Canvas, pane: &Pane, fates: &[Fate]) {
-    for (&cell, fate) in pane.setting().bushes.iter().zip(fates) {
+fn draw_squares(canvas: &mut Canvas, pane: &Pane, kinds: &[BushStateKind]) {
+    for (&cell, kind) in pane.setting().bushes.iter().zip(kinds) {
         let (from, to) = pane.projection.cell(pane.frame(), cell);
-        canvas.fill_pixels(from, to, blend(FIELD, fate.colour(), TINT));
+        canvas.fill_pixels(from, to, blend(FIELD, bush_colour(*kind), TINT));
     }
 }
 
 /// From north to south, so that what sticks out of a cell lies over what is behind it.
-fn draw_sprites(canvas: &mut Canvas, pane: &Pane, fates: &[Fate], stamps: &mut Stamps) {
+fn draw_sprites(canvas: &mut Canvas, pane: &Pane, kinds: &[BushStateKind], stamps: &mut Stamps) {
     let side = pane.cell_side();
-    for (&cell, &fate) in pane.setting().bushes.iter().zip(fates).rev() {
+    for (&cell, &kind) in pane.setting().bushes.iter().zip(kinds).rev() {
         let at = pane.cell_centre(cell);
         if pane.is_near(at, side) {
             let variant = scatter(cell) as usize % VARIANTS;
-            let number = fate as usize * VARIANTS + variant;
-            stamps.lay(canvas, at, number, |canvas, at, side| draw_one(canvas, fate, variant, at, side));
+            let number = kind as usize * VARIANTS + variant;
+            stamps.lay(canvas, at, number, |canvas, at, side| draw_one(canvas, kind, variant, at, side));
         }
     }
 }
 
-pub fn draw_one(canvas: &mut Canvas, fate: Fate, variant: usize, at: Point, side: f32) {
+pub fn draw_one(canvas: &mut Canvas, kind: BushStateKind, variant: usize, at: Point, side: f32) {
     let mirrored = if variant.is_multiple_of(2) { side } else { -side };
     let lean = (variant / 2) as f32 * 0.12 - 0.12;
-    sprite(fate).draw(canvas, Placement::leaning(at, (mirrored, side), lean));
+    sprite(kind).draw(canvas, Placement::leaning(at, (mirrored, side), lean));
 }
 
 /// First number of stamps that are none of bushes.

@@ -1,10 +1,10 @@
-//! What is marked: bushes whose fate differs from the other run's, and what the viewer asked about.
+//! What is marked: bushes whose state differs from the other run's, and what the viewer asked about.
 
 use super::Pane;
 use crate::geometry::Cell;
 use crate::picture::canvas::{Canvas, Ink, Pen, Point};
 use crate::picture::colours::{INK, PAPER, Rgb};
-use crate::picture::film::{Fate, Selected};
+use crate::picture::film::Selected;
 use crate::picture::thin_line::draw_line;
 
 /// Far from all colours of fire, bushes and agents.
@@ -17,7 +17,7 @@ const LEAST_LINE: f32 = 1.5;
 const CASING: f32 = 0.3;
 const LEAST_CASING: f32 = 0.75;
 
-/// Outlines areas of bushes whose fate differs from that in the other run; on fields with other bushes none.
+/// Outlines areas of bushes whose state differs from that in the other run; on fields with other bushes none.
 pub fn draw_differences(canvas: &mut Canvas, pane: &Pane) {
     let differing = differing(pane);
     if differing.is_empty() {
@@ -47,9 +47,9 @@ fn differing(pane: &Pane) -> Vec<Cell> {
     if (setting.frame, &setting.bushes) != (other.frame, &other.bushes) {
         return Vec::new();
     }
-    let fates = moment.state.bushes.iter().zip(&rival_state.bushes);
-    let cells = setting.bushes.iter().zip(fates);
-    cells.filter(|(_, (here, there))| Fate::of(**here) != Fate::of(**there)).map(|(&cell, _)| cell).collect()
+    let kinds = moment.state.bushes.iter().zip(&rival_state.bushes);
+    let cells = setting.bushes.iter().zip(kinds);
+    cells.filter(|(_, (here, there))| here.kind() != there.kind()).map(|(&cell, _)| cell).collect()
 }
 
 /// A side of a cell, by the direction to the neighbour there, in a line from so many pixels outside the cell to so many.
@@ -68,7 +68,7 @@ fn draw_side(canvas: &mut Canvas, pane: &Pane, (cell, side): (Cell, (i32, i32)),
 
 /// Draws a frame about the bush, or a ring about the agent, that the viewer asked about.
 pub fn draw_selected(canvas: &mut Canvas, pane: &Pane) {
-    let selected = pane.moment.look.selected.filter(|(run, _)| *run == pane.moment.run);
+    let selected = pane.moment.options.selected.filter(|(run_index, _)| *run_index == pane.moment.run_index);
     match selected {
         Some((_, Selected::Bush(cell))) => {
             let half = 0.5 * pane.cell_side() + 4.0 * pane.unit();

@@ -26,12 +26,13 @@ pub use pick::pick;
 pub use sign::draw_sign;
 
 use super::camera::Projection;
-use super::{Fate, Film, FilmId, Layer, Layers, Look};
+use super::{Layer, Layers, RunView, RunViewId, ViewOptions};
+use crate::fire::BushStateKind;
 use crate::geometry::{Cell, DVec2, FieldFrame};
 use crate::picture::canvas::{Canvas, Point};
 use crate::picture::colours::{BORDER, FIELD, INK, OUTSIDE, blend};
 use crate::picture::ticks;
-use crate::timeline::{Setting, State};
+use crate::timeline::{BushState, Setting, State};
 
 use kept::Kept;
 use stamps::Stamps;
@@ -46,13 +47,13 @@ const GRID_LINES: f64 = 6.0;
 /// A run at one time, and how it is looked at.
 #[derive(Clone, Copy)]
 pub struct Moment<'a> {
-    pub film: &'a Film,
+    pub run: &'a RunView,
     pub state: &'a State,
     /// The other run of a comparison at that time.
-    pub rival: Option<(&'a Film, &'a State)>,
+    pub rival: Option<(&'a RunView, &'a State)>,
     /// Which of the runs it is.
-    pub run: usize,
-    pub look: &'a Look,
+    pub run_index: usize,
+    pub options: &'a ViewOptions,
 }
 
 /// A moment, and where it is drawn.
@@ -65,17 +66,17 @@ struct Pane<'a> {
 
 /// Draws one pane; keeps what seldom changes from frame to frame.
 #[derive(Default)]
-pub struct FieldPainter {
-    /// The film that all else is of.
-    film: Option<FilmId>,
+pub struct FieldRenderer {
+    /// The run that all else is of.
+    run: Option<RunViewId>,
     values: Option<ValueMap>,
     backdrop: Kept<Backdrop>,
-    ground: Kept<(Backdrop, Vec<Fate>)>,
+    ground: Kept<(Backdrop, Vec<BushStateKind>)>,
     sheet: Option<Canvas>,
     stamps: Stamps,
 }
 
-/// All that the backdrop follows from, but for the film.
+/// All that the backdrop follows from, except the run.
 #[derive(Clone, PartialEq)]
 struct Backdrop {
     projection: Projection,
@@ -86,11 +87,11 @@ struct Backdrop {
     searches: Vec<usize>,
 }
 
-impl FieldPainter {
+impl FieldRenderer {
     /// The pane, `size` in pixels.
     pub fn paint(&mut self, moment: &Moment, size: (u32, u32)) -> &Canvas {
-        self.begin(moment.film);
-        let projection = Projection::of(moment.film, moment.state, moment.look, size);
+        self.begin(moment.run);
+        let projection = Projection::from_options(moment.run, moment.state, moment.options, size);
         let pane = Pane { moment, projection, size };
         self.find_values(&pane);
         self.stamps.begin(pane.cell_side());
@@ -104,16 +105,16 @@ impl FieldPainter {
         let key = Backdrop {
             projection: pane.projection,
             size: pane.size,
-            layers: pane.moment.look.layers,
+            layers: pane.moment.options.layers,
             values: Quantity::shown(pane),
             searches: searches.iter().map(|search| search.fact).collect(),
         };
         let values = self.values.as_ref();
         let backdrop = self.backdrop.get(key.clone(), |_| draw_backdrop(pane, values, &searches));
-        let fates = pane.moment.state.bushes.iter().copied().map(Fate::of).collect();
-        self.ground.get((key, fates), |(_, fates)| {
+        let kinds = pane.moment.state.bushes.iter().copied().map(BushState::kind).collect();
+        self.ground.get((key, kinds), |(_, kinds)| {
             let mut ground = backdrop.clone();
-            bushes::draw(&mut ground, pane, fates, &mut self.stamps);
+            bushes::draw(&mut ground, pane, kinds, &mut self.stamps);
             ground
         });
     }
@@ -147,14 +148,14 @@ impl FieldPainter {
     fn find_values(&mut self, pane: &Pane) {
         let wanted = Quantity::shown(pane);
         if self.values.as_ref().map(|values| values.quantity) != wanted {
-            self.values = wanted.and_then(|quantity| ValueMap::of(pane.moment.film, quantity));
+            self.values = wanted.and_then(|quantity| ValueMap::new(pane.moment.run, quantity));
         }
     }
 
-    /// Forgets what was drawn of another film.
-    fn begin(&mut self, film: &Film) {
-        if self.film != Some(film.id()) {
-            *self = Self { film: Some(film.id()), ..Self::default() };
+    /// Forgets what was drawn of another run.
+    fn begin(&mut self, run: &RunView) {
+        if self.run != Some(run.id()) {
+            *self = Self { run: Some(run.id()), ..Self::default() };
         }
     }
 }
@@ -190,7 +191,7 @@ fn draw_grid_lines(canvas: &mut Canvas, pane: &Pane) {
 
 impl<'a> Pane<'a> {
     fn setting(&self) -> &'a Setting {
-        &self.moment.film.timeline().setting
+        &self.moment.run.timeline().setting
     }
 
     fn frame(&self) -> &'a FieldFrame {
@@ -198,7 +199,7 @@ impl<'a> Pane<'a> {
     }
 
     fn shows(&self, layer: Layer) -> bool {
-        self.moment.look.layers.contains(layer)
+        self.moment.options.layers.contains(layer)
     }
 
     /// The width of a thin line in pixels; all lines, letters and signs grow with it.
@@ -239,7 +240,7 @@ pub(super) mod tests {
     use super::*;
     use crate::fire::FireRules;
     use crate::geometry::Pose;
-    use crate::picture::film::{Camera, Painter, Shot};
+    use crate::picture::film::{Camera, FrameRenderer, FrameRequest};
     use crate::planning::Effort;
     use crate::time::SimTime;
     use crate::timeline::{AgentFact, AgentId, AgentStart, Body, Event, Fact, FireFact, Rules, Timeline};
@@ -307,14 +308,18 @@ pub(super) mod tests {
     fn any_recording_can_be_drawn() {
         let layers = Layer::ALL.into_iter().collect();
         for scale in [1.0, 1e-6, 1e6, 1e-290, 1e290] {
-            let film = Film::new(scaled(scale), None);
+            let run = RunView::new(scaled(scale), None);
             for zoom in [Camera::LEAST_ZOOM, 1.0, Camera::MOST_ZOOM] {
                 let camera = Camera { zoom, ..Camera::WHOLE };
                 for follows in [None, Some(AgentId::unimog(0))] {
-                    let look = Look { camera, layers, follows, ..Look::default() };
+                    let options = ViewOptions { camera, layers, follows, ..ViewOptions::default() };
                     for time_s in [0.0, 3.0, 10.0] {
                         let time = SimTime::from_seconds(time_s);
-                        Painter::new((400, 300), 1).paint(&Shot { films: &[&film], time, look: &look });
+                        FrameRenderer::new((400, 300), 1).paint(&FrameRequest {
+                            runs: &[&run],
+                            time,
+                            options: &options,
+                        });
                     }
                 }
             }

@@ -3,7 +3,7 @@
 use super::agents::drawn_length;
 use super::{Moment, Pane};
 use crate::picture::film::camera::Projection;
-use crate::picture::film::{Film, Look, Selected};
+use crate::picture::film::{RunView, Selected, ViewOptions};
 use crate::timeline::State;
 
 /// Agents are hit from so many pixels beyond their bodies.
@@ -11,9 +11,9 @@ const GENEROUS: f32 = 6.0;
 
 /// What is drawn at a place of a run's pane, `size` in pixels: the nearest agent, if its body is no more than a few
 /// pixels away, or else a bush.
-pub fn pick(film: &Film, state: &State, look: &Look, size: (u32, u32), at: (f64, f64)) -> Option<Selected> {
-    let moment = Moment { film, state, rival: None, run: 0, look };
-    let pane = Pane { moment: &moment, projection: Projection::of(film, state, look, size), size };
+pub fn pick(run: &RunView, state: &State, options: &ViewOptions, size: (u32, u32), at: (f64, f64)) -> Option<Selected> {
+    let moment = Moment { run, state, rival: None, run_index: 0, options };
+    let pane = Pane { moment: &moment, projection: Projection::from_options(run, state, options, size), size };
     agent_at(&pane, at).or_else(|| {
         let cell = pane.frame().cell_at(pane.projection.world(at))?;
         pane.setting().bush_index(cell).map(|_| Selected::Bush(cell))

@@ -65,11 +65,11 @@ pub struct Shown<'a> {
 
 /// The searches that the layers ask for, all agents'.
 pub fn shown<'a>(pane: &Pane<'a>) -> Vec<Shown<'a>> {
-    let (film, time) = (pane.moment.film, pane.moment.state.time);
+    let (run, time) = (pane.moment.run, pane.moment.state.time);
     let styles = STYLES.iter().filter(|style| pane.shows(style.layer));
     let searches = styles.flat_map(|style| {
         (0..pane.setting().agents.len()).filter_map(move |agent| {
-            let (fact, graph) = film.courses().search_at(film.timeline(), agent, style.phase, time)?;
+            let (fact, graph) = run.courses().search_at(run.timeline(), agent, style.phase, time)?;
             Some(Shown { fact, style, graph })
         })
     });

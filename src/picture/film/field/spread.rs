@@ -15,7 +15,7 @@ const LINE: Rgb = [158, 50, 0];
 /// Draws what spread lately.
 pub fn draw(canvas: &mut Canvas, pane: &Pane) {
     let now = pane.moment.state.time;
-    for spread in pane.moment.film.courses().spreads_between(now.since(LASTS), now) {
+    for spread in pane.moment.run.courses().spreads_between(now.since(LASTS), now) {
         let share = (now.since(spread.time).as_seconds() / LASTS.as_seconds()) as f32;
         draw_spread(canvas, pane, spread, share);
     }

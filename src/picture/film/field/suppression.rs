@@ -23,9 +23,9 @@ const CHORDS: f64 = 60.0;
 
 /// Draws reach, jet and progress of every truck that suppresses.
 pub fn draw(canvas: &mut Canvas, pane: &Pane) {
-    let (film, state) = (pane.moment.film, pane.moment.state);
+    let (run, state) = (pane.moment.run, pane.moment.state);
     for (index, agent) in state.agents.iter().enumerate() {
-        let stop = film.courses().stop_at(index, state.time).filter(|_| agent.activity == Activity::Suppressing);
+        let stop = run.courses().stop_at(index, state.time).filter(|_| agent.activity == Activity::Suppressing);
         let (Some((since, cell)), Body::Truck(body)) = (stop, pane.setting().agents[index].body) else { continue };
         let centre = body.body_centre(agent.pose);
         draw_reach(canvas, pane, centre);

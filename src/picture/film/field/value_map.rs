@@ -9,7 +9,7 @@ use crate::grid::wavefront::{GOAL, wavefront};
 use crate::grid::{Connectivity, CornerCutting, Grid};
 use crate::picture::canvas::Canvas;
 use crate::picture::colours::{ColourMap, FIELD};
-use crate::picture::film::{Film, Selected};
+use crate::picture::film::{RunView, Selected};
 use crate::picture::values::ValueScale;
 use crate::timeline::{AgentId, Setting};
 
@@ -61,22 +61,25 @@ impl Quantity {
 
 /// The truck whose goal matters: the one that is followed, or selected, or the first.
 fn truck(pane: &Pane) -> Option<usize> {
-    let look = pane.moment.look;
-    let selected = look.selected.filter(|(run, _)| *run == pane.moment.run).and_then(|(_, selected)| match selected {
-        Selected::Agent(agent) => Some(agent),
-        Selected::Bush(_) => None,
-    });
+    let options = pane.moment.options;
+    let selected =
+        options.selected.filter(|(run_index, _)| *run_index == pane.moment.run_index).and_then(|(_, selected)| {
+            match selected {
+                Selected::Agent(agent) => Some(agent),
+                Selected::Bush(_) => None,
+            }
+        });
     let is_truck = |agent: &AgentId| agent.role.suppresses();
     let agents = &pane.setting().agents;
-    let asked = [look.follows, selected].into_iter().flatten().find(is_truck);
+    let asked = [options.follows, selected].into_iter().flatten().find(is_truck);
     let asked = asked.and_then(|agent| pane.setting().agent_index(agent));
     asked.or_else(|| agents.iter().position(|agent| is_truck(&agent.id)))
 }
 
 impl ValueMap {
     /// `None` if no place has a value.
-    pub fn of(film: &Film, quantity: Quantity) -> Option<Self> {
-        let setting = &film.timeline().setting;
+    pub fn new(run: &RunView, quantity: Quantity) -> Option<Self> {
+        let setting = &run.timeline().setting;
         let cell_m = setting.frame.cell_m;
         let (values, side_m, corner_m) = match quantity {
             Quantity::Clearance => {
@@ -86,7 +89,7 @@ impl ValueMap {
             Quantity::CostMap => (costs(setting), cell_m, 0.0),
             Quantity::Wavefront(goal) => (steps_to(setting, goal)?, cell_m, 0.0),
         };
-        let scale = ValueScale::of(values.values().iter().copied(), ColourMap::Viridis)?;
+        let scale = ValueScale::from_values(values.values().iter().copied(), ColourMap::Viridis)?;
         Some(Self { quantity, scale: scale.on(FIELD, OPACITY), values, side_m, corner_m })
     }
 

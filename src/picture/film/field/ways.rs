@@ -43,15 +43,15 @@ pub fn draw(canvas: &mut Canvas, pane: &Pane) {
 
 /// The oldest part first, each step of age more faded.
 fn draw_driven(canvas: &mut Canvas, pane: &Pane, agent: usize) {
-    let (film, now) = (pane.moment.film, pane.moment.state.time);
+    let (run, now) = (pane.moment.run, pane.moment.state.time);
     let width = WIDTH * pane.unit();
     let colour = agents::colour(pane.setting().agents[agent].id);
     for step in (0..FADING_STEPS).rev() {
         let ago = |steps: u64| now.since(SimTime::from_nanos(FADING_STEP.as_nanos() * steps));
         let (from, to) = (ago(step + 1), ago(step));
         let opacity = FRESH + (STALE - FRESH) * step as f32 / (FADING_STEPS - 1) as f32;
-        for leg in film.courses().legs_between(agent, from, to) {
-            let trajectory = leg.trajectory(film.timeline());
+        for leg in run.courses().legs_between(agent, from, to) {
+            let trajectory = leg.trajectory(run.timeline());
             let window = [from.max(leg.from), to.min(leg.until)].map(|time| trajectory.distance_m(time));
             for stretch in stretches(trajectory, window, pane.projection.pixels_per_metre) {
                 let dashes = stretch.is_reverse.then_some(REVERSE);
@@ -63,13 +63,13 @@ fn draw_driven(canvas: &mut Canvas, pane: &Pane, agent: usize) {
 
 /// Dashes stay where they are on the ground while the agent comes along.
 fn draw_planned(canvas: &mut Canvas, pane: &Pane, agent: usize) {
-    let (film, state) = (pane.moment.film, pane.moment.state);
+    let (run, state) = (pane.moment.run, pane.moment.state);
     let colour = agents::colour(pane.setting().agents[agent].id);
     if let Some(goal) = state.agents[agent].goal {
         draw_goal(canvas, pane, goal, colour);
     }
-    if let Some(leg) = film.courses().leg_at(agent, state.time) {
-        let trajectory = leg.trajectory(film.timeline());
+    if let Some(leg) = run.courses().leg_at(agent, state.time) {
+        let trajectory = leg.trajectory(run.timeline());
         let window = [trajectory.distance_m(state.time), trajectory.distance_m(SimTime::MAX)];
         for stretch in stretches(trajectory, window, pane.projection.pixels_per_metre) {
             let dashes = if stretch.is_reverse { REVERSE } else { FORWARD };

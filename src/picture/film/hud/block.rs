@@ -2,8 +2,8 @@
 
 use super::super::lettering::fitted;
 use super::pen::{Face, Pen};
+use crate::fire::BushStateKind;
 use crate::picture::Rgb;
-use crate::picture::film::Fate;
 use crate::picture::text::Align;
 
 /// Lines that belong together.
@@ -30,7 +30,7 @@ pub enum Mark {
     /// Ends there.
     Right { to: f32, text: String, face: Face },
     /// At the left edge.
-    Sign(Fate),
+    Sign(BushStateKind),
     /// Over the whole width, by shares that add up to 1.
     Bar(Vec<(f64, Rgb)>),
 }
@@ -53,13 +53,13 @@ impl Mark {
 impl Line {
     pub const HEIGHT: f32 = 1.75;
 
-    pub fn of(marks: Vec<Mark>) -> Self {
+    pub fn new(marks: Vec<Mark>) -> Self {
         Self { height: Self::HEIGHT, marks }
     }
 
     /// What is told, and its value.
     pub fn pair(name: &str, value: impl Into<String>) -> Self {
-        Self::of(vec![Mark::left(name, Face::faint()), Mark::right(value, Face::PLAIN)])
+        Self::new(vec![Mark::left(name, Face::faint()), Mark::right(value, Face::PLAIN)])
     }
 
     /// Draws it on a base line between the edges of its column.
@@ -72,9 +72,9 @@ impl Line {
                     pen.write(&fitted(text, pen.height(*face), room), (x, base), Align::Left, *face);
                 }
                 Mark::Right { to, text, face } => pen.write(text, (right - pen.length(*to), base), Align::Right, *face),
-                Mark::Sign(fate) => {
+                Mark::Sign(kind) => {
                     let side = pen.length(SIGN);
-                    pen.sign(*fate, (left + 0.5 * side, base - pen.length(0.5)), side);
+                    pen.sign(*kind, (left + 0.5 * side, base - pen.length(0.5)), side);
                 }
                 Mark::Bar(shares) => draw_bar(pen, shares, (left, right), base),
             }

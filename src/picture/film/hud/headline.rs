@@ -3,7 +3,8 @@
 use super::moment::Moment;
 use super::pen::{Face, Pen};
 use super::words;
-use crate::picture::film::{Fate, Layout};
+use crate::fire::BushStateKind;
+use crate::picture::film::Layout;
 use crate::picture::text::Align;
 
 const CLOCK: Face = Face { size: 1.3, ..Face::TITLE };
@@ -15,14 +16,14 @@ pub fn draw(pen: &mut Pen, layout: &Layout, moment: &Moment) {
     pen.write(&words::clock(moment.time), (x, base), Align::Left, CLOCK);
     x += pen.measure(&words::clock(moment.time), CLOCK) + pen.length(1.5);
     let (sign, right) = (pen.length(1.5), layout.width as f32 - pen.length(1.0));
-    for fate in [Fate::Burning, Fate::BurnedOut, Fate::Extinguished, Fate::Intact] {
-        let counts: Vec<String> = moment.tallies.iter().map(|tally| tally.count(fate).to_string()).collect();
+    for kind in [BushStateKind::Burning, BushStateKind::BurnedOut, BushStateKind::Extinguished, BushStateKind::Intact] {
+        let counts: Vec<String> = moment.counts.iter().map(|counts| counts.count(kind).to_string()).collect();
         let counts = counts.join(" : ");
         let width = sign + pen.length(0.5) + pen.measure(&counts, Face::STRONG);
         if x + width > right {
             break;
         }
-        pen.sign(fate, (x + 0.5 * sign, base - pen.length(0.5)), sign);
+        pen.sign(kind, (x + 0.5 * sign, base - pen.length(0.5)), sign);
         pen.write(&counts, (x + sign + pen.length(0.5), base), Align::Left, Face::STRONG);
         x += width + pen.length(1.2);
     }

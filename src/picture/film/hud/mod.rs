@@ -14,29 +14,29 @@ mod words;
 
 pub use words::clock;
 
-use chart::ChartPainter;
+use chart::ChartRenderer;
 use moment::Moment;
 use pen::Pen;
 use signs::Signs;
 
 use super::lettering::Lettering;
-use super::{Layout, Shot};
+use super::{FrameRequest, Layout};
 use crate::picture::canvas::Canvas;
 use crate::timeline::State;
 
 /// Draws panel and chart; keeps what seldom changes from frame to frame.
 #[derive(Default)]
-pub struct HudPainter {
+pub struct HudRenderer {
     lettering: Lettering,
-    chart: ChartPainter,
+    chart: ChartRenderer,
     signs: Signs,
 }
 
-impl HudPainter {
-    /// `states` are those of the runs at the shot's time.
-    pub fn paint(&mut self, sheet: &mut Canvas, layout: &Layout, shot: &Shot, states: &[State]) {
-        self.chart.paint(sheet, &mut self.lettering, layout, shot);
-        let moment = Moment::new(shot, states);
+impl HudRenderer {
+    /// `states` are those of the runs at the request's time.
+    pub fn paint(&mut self, sheet: &mut Canvas, layout: &Layout, request: &FrameRequest, states: &[State]) {
+        self.chart.paint(sheet, &mut self.lettering, layout, request);
+        let moment = Moment::new(request, states);
         let mut pen = Pen { sheet, lettering: &mut self.lettering, signs: &mut self.signs, text: layout.text as f32 };
         match layout.panel {
             Some(panel) => panel::draw(&mut pen, panel, blocks::blocks(&moment)),
@@ -45,10 +45,10 @@ impl HudPainter {
         if moment.is_comparison() {
             notes::name_runs(&mut pen, layout, &moment);
         }
-        if let Some(message) = shot.look.status.as_ref().and_then(|status| status.message.as_ref()) {
+        if let Some(message) = request.options.status.as_ref().and_then(|status| status.message.as_ref()) {
             notes::tell_message(&mut pen, layout, message);
         }
-        if shot.look.shows_help {
+        if request.options.shows_help {
             help::draw(&mut pen, layout);
         }
     }

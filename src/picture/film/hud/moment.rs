@@ -1,29 +1,29 @@
-//! What the words about a shot are taken from.
+//! What the words about a request are taken from.
 
-use super::super::{Film, Look, Shot, Tally};
+use super::super::{BushCounts, FrameRequest, RunView, ViewOptions};
 use crate::time::SimTime;
 use crate::timeline::State;
 
-/// The runs of a shot at its time.
+/// The runs of a request at its time.
 pub struct Moment<'a> {
-    pub films: &'a [&'a Film],
-    pub look: &'a Look,
+    pub runs: &'a [&'a RunView],
+    pub options: &'a ViewOptions,
     pub time: SimTime,
     /// When the last run ends.
     pub end: SimTime,
     pub states: &'a [State],
-    pub tallies: Vec<Tally>,
+    pub counts: Vec<BushCounts>,
 }
 
 impl<'a> Moment<'a> {
-    pub fn new(shot: &Shot<'a>, states: &'a [State]) -> Self {
-        let end = Film::last_end(shot.films);
-        let time = shot.time.min(end);
-        let tallies = shot.films.iter().map(|film| film.tally_at(time)).collect();
-        Self { films: shot.films, look: shot.look, time, end, states, tallies }
+    pub fn new(request: &FrameRequest<'a>, states: &'a [State]) -> Self {
+        let end = RunView::last_end(request.runs);
+        let time = request.time.min(end);
+        let counts = request.runs.iter().map(|run| run.counts_at(time)).collect();
+        Self { runs: request.runs, options: request.options, time, end, states, counts }
     }
 
     pub fn is_comparison(&self) -> bool {
-        self.films.len() > 1
+        self.runs.len() > 1
     }
 }

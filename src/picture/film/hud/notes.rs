@@ -16,9 +16,9 @@ const HEIGHT: f32 = 2.2;
 
 /// The run's name in the corner of each pane of a comparison.
 pub fn name_runs(pen: &mut Pen, layout: &Layout, moment: &Moment) {
-    for (run, (pane, film)) in layout.fields.iter().zip(moment.films).enumerate() {
-        let (seed, end) = (film.timeline().setting.seed, film.end_time());
-        let mut name = format!("{}  {}, seed {seed}", words::run_name(run), film.title());
+    for (run_index, (pane, run)) in layout.fields.iter().zip(moment.runs).enumerate() {
+        let (seed, end) = (run.timeline().setting.seed, run.end_time());
+        let mut name = format!("{}  {}, seed {seed}", words::run_name(run_index), run.title());
         if moment.time >= end {
             name.push_str(&format!(", ended at {}", words::clock(end)));
         }

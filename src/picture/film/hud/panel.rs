@@ -67,7 +67,7 @@ mod tests {
     use super::*;
 
     fn block(rank: u8, lines: usize) -> Block {
-        Block::new(rank, vec![Line::of(Vec::new()); lines])
+        Block::new(rank, vec![Line::new(Vec::new()); lines])
     }
 
     #[test]

@@ -2,10 +2,10 @@
 
 use super::super::lettering::{Lettering, Style};
 use super::signs::Signs;
+use crate::fire::BushStateKind;
 use crate::picture::Rgb;
 use crate::picture::canvas::{Canvas, Point};
 use crate::picture::colours::{INK, PAPER, blend};
-use crate::picture::film::Fate;
 use crate::picture::text::{Align, measure};
 
 /// How text looks.
@@ -61,9 +61,9 @@ impl Pen<'_> {
         self.sheet.fill_pixels((whole(left), whole(top)), (whole(right), whole(bottom)), colour);
     }
 
-    /// The sign of a fate in the legend about a place, `side` pixels wide and high.
-    pub fn sign(&mut self, fate: Fate, (x, y): Point, side: f32) {
-        let sign = self.signs.get(fate, side);
+    /// The sign of a state in the legend about a place, `side` pixels wide and high.
+    pub fn sign(&mut self, kind: BushStateKind, (x, y): Point, side: f32) {
+        let sign = self.signs.get(kind, side);
         let half = 0.5 * sign.width() as f32;
         if let (Ok(left), Ok(top)) = (u32::try_from(whole(x - half)), u32::try_from(whole(y - half))) {
             self.sheet.copy_from(sign, (left, top));

@@ -34,8 +34,8 @@ pub fn doing(agent: AgentId, activity: Activity) -> &'static str {
 }
 
 /// A run of a comparison.
-pub fn run_name(run: usize) -> &'static str {
-    if run == 0 { "A" } else { "B" }
+pub fn run_name(run_index: usize) -> &'static str {
+    if run_index == 0 { "A" } else { "B" }
 }
 
 #[cfg(test)]

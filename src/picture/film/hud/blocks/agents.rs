@@ -6,7 +6,7 @@ use super::super::pen::Face;
 use super::super::words;
 use super::{heading, values};
 use crate::picture::film::field::agent_colour;
-use crate::picture::film::{Doings, Film};
+use crate::picture::film::{AgentStats, RunView};
 use crate::time::SimTime;
 use crate::timeline::{Activity, AgentId, AgentState};
 
@@ -16,8 +16,8 @@ const RANK: u8 = 10;
 const MOST: usize = 64;
 
 pub fn blocks(moment: &Moment) -> Vec<Block> {
-    if let (&[film], [state]) = (moment.films, moment.states) {
-        let tell = |(index, agent)| Block::new(rank(index), tell(film, index, agent, moment.time));
+    if let (&[run], [state]) = (moment.runs, moment.states) {
+        let tell = |(index, agent)| Block::new(rank(index), tell(run, index, agent, moment.time));
         state.agents.iter().take(MOST).enumerate().map(tell).collect()
     } else {
         ids(moment)
@@ -42,17 +42,17 @@ pub fn cells_word(agent: AgentId) -> &'static str {
     if agent.role.lights() { "lit" } else { "put out" }
 }
 
-fn tell(film: &Film, index: usize, agent: &AgentState, time: SimTime) -> Vec<Line> {
-    let doings = film.doings_at(index, time);
+fn tell(run: &RunView, index: usize, agent: &AgentState, time: SimTime) -> Vec<Line> {
+    let stats = run.stats_at(index, time);
     let goal = agent.goal.map_or("no goal".to_owned(), |goal| format!("goal {goal}"));
-    let cells = format!("{} {}", doings.cells, cells_word(agent.id));
+    let cells = format!("{} {}", stats.cells, cells_word(agent.id));
     let effort =
-        film.cpu_of_agent_until(agent.id, time).map_or_else(|| format!("{} nodes", doings.expansions), words::cpu);
+        run.cpu_of_agent_until(agent.id, time).map_or_else(|| format!("{} nodes", stats.expansions), words::cpu);
     vec![
-        Line::of(vec![name(agent.id), Mark::right(words::doing(agent.id, agent.activity), Face::PLAIN)]),
-        Line::of(vec![Mark::left(goal, Face::faint()), Mark::right(cells, Face::faint())]),
-        Line::of(vec![
-            Mark::left(format!("{} plans, {} failed", doings.plans, doings.failures), Face::faint()),
+        Line::new(vec![name(agent.id), Mark::right(words::doing(agent.id, agent.activity), Face::PLAIN)]),
+        Line::new(vec![Mark::left(goal, Face::faint()), Mark::right(cells, Face::faint())]),
+        Line::new(vec![
+            Mark::left(format!("{} plans, {} failed", stats.plans, stats.failures), Face::faint()),
             Mark::right(effort, Face::faint()),
         ]),
     ]
@@ -67,17 +67,17 @@ fn ids(moment: &Moment) -> Vec<AgentId> {
 }
 
 fn compare(moment: &Moment, id: AgentId) -> Vec<Line> {
-    let runs = moment.films.iter().zip(moment.states);
-    let known = runs.map(|(film, state)| {
-        let index = film.timeline().setting.agent_index(id)?;
-        Some((state.agents[index].activity, film.doings_at(index, moment.time)))
+    let runs = moment.runs.iter().zip(moment.states);
+    let known = runs.map(|(run, state)| {
+        let index = run.timeline().setting.agent_index(id)?;
+        Some((state.agents[index].activity, run.stats_at(index, moment.time)))
     });
-    let known: Vec<Option<(Activity, Doings)>> = known.collect();
-    let line = |name: &str, tell: &dyn Fn(Activity, &Doings) -> String| {
+    let known: Vec<Option<(Activity, AgentStats)>> = known.collect();
+    let line = |name: &str, tell: &dyn Fn(Activity, &AgentStats) -> String| {
         let told =
-            |run: &Option<(Activity, Doings)>| run.map_or("-".to_owned(), |(activity, did)| tell(activity, &did));
+            |run: &Option<(Activity, AgentStats)>| run.map_or("-".to_owned(), |(activity, did)| tell(activity, &did));
         let marks = [Mark::left(name, Face::faint())].into_iter().chain(values(known.iter().map(told), Face::PLAIN));
-        Line::of(marks.collect())
+        Line::new(marks.collect())
     };
     vec![
         heading(moment, name(id)),

@@ -35,6 +35,6 @@ fn values(texts: impl IntoIterator<Item = String>, face: Face) -> Vec<Mark> {
 
 /// Above the values of the runs of a comparison: what they are of, and the names of the runs.
 fn heading(moment: &Moment, name: Mark) -> Line {
-    let names = values((0..moment.films.len()).map(|run| words::run_name(run).to_owned()), Face::STRONG);
-    Line::of([name].into_iter().chain(names).collect())
+    let names = values((0..moment.runs.len()).map(|run_index| words::run_name(run_index).to_owned()), Face::STRONG);
+    Line::new([name].into_iter().chain(names).collect())
 }

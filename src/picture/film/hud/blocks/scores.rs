@@ -10,28 +10,28 @@ use crate::picture::colours::{FAINT_INK, UNIMOG, WUMPUS};
 
 pub fn block(moment: &Moment) -> Block {
     let scores: Vec<[f64; 2]> = moment
-        .films
+        .runs
         .iter()
-        .zip(&moment.tallies)
-        .map(|(film, tally)| {
-            let rules = &film.timeline().setting.rules;
-            [tally.wumpus_score(rules), tally.truck_score(rules)]
+        .zip(&moment.counts)
+        .map(|(run, counts)| {
+            let rules = &run.timeline().setting.rules;
+            [counts.wumpus_score(rules), counts.truck_score(rules)]
         })
         .collect();
     let side = |side: usize, name: &str, colour: Rgb| {
         let mut marks = vec![Mark::left(name, Face { colour, ..Face::STRONG })];
         marks.extend(values(scores.iter().map(|score| points(score[side])), Face::STRONG));
-        Line::of(marks)
+        Line::new(marks)
     };
     let mut lines = vec![side(0, "Wumpus", WUMPUS), side(1, "Unimog", UNIMOG)];
     if let &[score] = scores.as_slice() {
         lines.push(Line { height: 1.2, marks: vec![Mark::Bar(shares(score))] });
-        lines.push(Line::of(vec![Mark::left(lead(score), Face::PLAIN)]));
+        lines.push(Line::new(vec![Mark::left(lead(score), Face::PLAIN)]));
     } else {
         lines.insert(0, heading(moment, Mark::left("points", Face::faint())));
         let mut marks = vec![Mark::left("leads", Face::faint())];
         marks.extend(values(scores.iter().map(|&score| leader(score).unwrap_or("-").to_owned()), Face::PLAIN));
-        lines.push(Line::of(marks));
+        lines.push(Line::new(marks));
     }
     lines.extend(cpu(moment));
     Block::new(2, lines)
@@ -39,11 +39,11 @@ pub fn block(moment: &Moment) -> Block {
 
 /// CPU time of all decisions so far, where it is known of a run.
 fn cpu(moment: &Moment) -> Option<Line> {
-    let known: Vec<_> = moment.films.iter().map(|film| film.cpu_until(moment.time)).collect();
+    let known: Vec<_> = moment.runs.iter().map(|run| run.cpu_until(moment.time)).collect();
     known.iter().any(Option::is_some).then(|| {
         let mut marks = vec![Mark::left("CPU for plans", Face::faint())];
         marks.extend(values(known.iter().map(|cpu| cpu.map_or("-".to_owned(), words::cpu)), Face::PLAIN));
-        Line::of(marks)
+        Line::new(marks)
     })
 }
 

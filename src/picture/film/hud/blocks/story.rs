@@ -7,7 +7,7 @@ use super::super::words;
 use super::agents;
 use crate::geometry::Cell;
 use crate::picture::film::field::agent_colour;
-use crate::picture::film::{Film, Selected};
+use crate::picture::film::{RunView, Selected};
 use crate::time::SimTime;
 use crate::timeline::{Activity, AgentFact, AgentId, AgentState, Cause, Event, Fact, FireFact, State};
 
@@ -15,40 +15,40 @@ use crate::timeline::{Activity, AgentFact, AgentId, AgentState, Cause, Event, Fa
 const MOST_CHANGES: usize = 6;
 
 pub fn block(moment: &Moment) -> Option<Block> {
-    let (run, selected) = moment.look.selected?;
-    let (film, state) = (*moment.films.get(run)?, moment.states.get(run)?);
+    let (run_index, selected) = moment.options.selected?;
+    let (run, state) = (*moment.runs.get(run_index)?, moment.states.get(run_index)?);
     let lines = match selected {
-        Selected::Bush(cell) => tell_bush(film, cell, moment.time)?,
-        Selected::Agent(id) => tell_agent(film, state, id, moment.time)?,
+        Selected::Bush(cell) => tell_bush(run, cell, moment.time)?,
+        Selected::Agent(id) => tell_agent(run, state, id, moment.time)?,
     };
-    Some(Block::new(4, [heading(moment, run, selected)].into_iter().chain(lines).collect()))
+    Some(Block::new(4, [heading(moment, run_index, selected)].into_iter().chain(lines).collect()))
 }
 
-fn heading(moment: &Moment, run: usize, selected: Selected) -> Line {
+fn heading(moment: &Moment, run_index: usize, selected: Selected) -> Line {
     let (name, colour) = match selected {
         Selected::Bush(cell) => (format!("bush {cell}"), Face::STRONG.colour),
         Selected::Agent(id) => (id.to_string(), agent_colour(id)),
     };
     let mut marks = vec![Mark::left(name, Face { colour, ..Face::STRONG })];
     if moment.is_comparison() {
-        marks.push(Mark::right(format!("in {}", words::run_name(run)), Face::faint()));
+        marks.push(Mark::right(format!("in {}", words::run_name(run_index)), Face::faint()));
     }
-    Line::of(marks)
+    Line::new(marks)
 }
 
 /// What happened to a bush and when; what is yet to come is faint.
-fn tell_bush(film: &Film, cell: Cell, now: SimTime) -> Option<Vec<Line>> {
-    let bush = film.timeline().setting.bush_index(cell)?;
+fn tell_bush(run: &RunView, cell: Cell, now: SimTime) -> Option<Vec<Line>> {
+    let bush = run.timeline().setting.bush_index(cell)?;
     let mut burns_since = None;
     let mut lines =
-        vec![Line::of(vec![Mark::left("intact", Face::PLAIN), Mark::right(words::clock(SimTime::ZERO), Face::PLAIN)])];
-    for event in film.changes_of(bush) {
+        vec![Line::new(vec![Mark::left("intact", Face::PLAIN), Mark::right(words::clock(SimTime::ZERO), Face::PLAIN)])];
+    for event in run.changes_of(bush) {
         let face = if event.time <= now { Face::PLAIN } else { Face::faint() };
         let told = tell_change(&event.fact, burns_since.is_some());
-        lines.push(Line::of(vec![Mark::left(told, face), Mark::right(words::clock(event.time), face)]));
+        lines.push(Line::new(vec![Mark::left(told, face), Mark::right(words::clock(event.time), face)]));
         lines.extend(
             burned_for(event, burns_since)
-                .map(|text| Line::of(vec![Mark::Left { from: 1.0, text, face: Face::faint() }])),
+                .map(|text| Line::new(vec![Mark::Left { from: 1.0, text, face: Face::faint() }])),
         );
         if let Fact::Fire(FireFact::Ignited { .. }) = event.fact {
             burns_since = Some(event.time);
@@ -79,26 +79,26 @@ fn burned_for(event: &Event, since: Option<SimTime>) -> Option<String> {
     since.filter(|_| ends).map(|since| format!("after {:.1} s", event.time.since(since).as_seconds()))
 }
 
-fn tell_agent(film: &Film, state: &State, id: AgentId, now: SimTime) -> Option<Vec<Line>> {
-    let index = film.timeline().setting.agent_index(id)?;
+fn tell_agent(run: &RunView, state: &State, id: AgentId, now: SimTime) -> Option<Vec<Line>> {
+    let index = run.timeline().setting.agent_index(id)?;
     let AgentState { speed_mps, activity, goal, .. } = state.agents[index];
-    let doings = film.doings_at(index, now);
+    let stats = run.stats_at(index, now);
     let mut lines = vec![
         Line::pair(words::doing(id, activity), format!("{speed_mps:.1} m/s")),
         Line::pair("goal", goal.map_or("none".to_owned(), |goal| goal.to_string())),
-        Line::pair("distance", format!("{:.0} m", doings.distance_m)),
-        Line::pair("cells", format!("{} {}", doings.cells, agents::cells_word(id))),
-        Line::pair("plans", format!("{} ({} failed)", doings.plans, doings.failures)),
+        Line::pair("distance", format!("{:.0} m", stats.distance_m)),
+        Line::pair("cells", format!("{} {}", stats.cells, agents::cells_word(id))),
+        Line::pair("plans", format!("{} ({} failed)", stats.plans, stats.failures)),
     ];
     if let Some(Fact::Agent(_, AgentFact::PlanFailed { reason, goal, .. })) =
-        doings.last_failure.map(|at| &film.timeline().events[at].fact)
+        stats.last_failure.map(|at| &run.timeline().events[at].fact)
     {
         lines.push(Line::pair("last failure", reason.to_string()));
         lines.push(Line::pair("", format!("for {goal}")));
     }
     let activities =
         [Activity::Driving, Activity::Planning, Activity::Suppressing, Activity::Waiting, Activity::Standing];
-    let spent = activities.map(|activity| (activity, doings.spent(activity)));
+    let spent = activities.map(|activity| (activity, stats.spent(activity)));
     let told = spent.into_iter().filter(|(_, time)| *time > SimTime::ZERO);
     lines.extend(told.map(|(activity, time)| Line::pair(words::doing(id, activity), words::clock(time))));
     Some(lines)

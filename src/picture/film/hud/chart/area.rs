@@ -1,27 +1,30 @@
 //! The four counts stacked over time.
 
 use super::plan::{Plan, Rows};
+use crate::fire::BushStateKind;
 use crate::picture::Rgb;
 use crate::picture::canvas::Canvas;
 use crate::picture::colours::blend;
-use crate::picture::film::{Fate, Film, Tally};
+use crate::picture::colours::bush_colour;
+use crate::picture::film::{BushCounts, RunView};
 use crate::time::SimTime;
 
 /// From the bottom up: what is lost, what burns, what was saved, what nothing happened to.
-const STACKED: [Fate; 4] = [Fate::BurnedOut, Fate::Burning, Fate::Extinguished, Fate::Intact];
+const STACKED: [BushStateKind; 4] =
+    [BushStateKind::BurnedOut, BushStateKind::Burning, BushStateKind::Extinguished, BushStateKind::Intact];
 
 /// Every column shows the counts at its middle.
 pub fn draw(
     canvas: &mut Canvas,
     plan: &Plan,
     (top, height): Rows,
-    (film, end): (&Film, SimTime),
+    (run, end): (&RunView, SimTime),
     shade: &dyn Fn(Rgb) -> Rgb,
 ) {
-    let colours = STACKED.map(|fate| shade(fate.colour()));
+    let colours = STACKED.map(|kind| shade(bush_colour(kind)));
     let (left, width) = plan.columns;
     for column in 0..width {
-        let edges = edges(&film.tally_at(time_of(column, width, end)), height);
+        let edges = edges(&run.counts_at(time_of(column, width, end)), height);
         for row in 0..height {
             let [red, green, blue] = colour_of(row, &edges, &colours);
             canvas.row_from((left + column) as usize, (top + row) as usize)[0] = [red, green, blue, 255];
@@ -35,11 +38,11 @@ pub fn time_of(column: u32, width: u32, end: SimTime) -> SimTime {
 }
 
 /// How far down the upper edge of each part lies, in rows.
-fn edges(tally: &Tally, height: u32) -> [f64; 4] {
+fn edges(counts: &BushCounts, height: u32) -> [f64; 4] {
     let (mut below, height) = (0, f64::from(height));
-    STACKED.map(|fate| {
-        below += tally.count(fate);
-        height * (1.0 - f64::from(below) / f64::from(tally.bushes().max(1)))
+    STACKED.map(|kind| {
+        below += counts.count(kind);
+        height * (1.0 - f64::from(below) / f64::from(counts.bushes().max(1)))
     })
 }
 

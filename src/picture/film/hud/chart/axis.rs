@@ -61,9 +61,9 @@ pub fn draw_values(
 }
 
 /// The name of a run of a comparison beside its counts.
-pub fn name_run(canvas: &mut Canvas, lettering: &mut Lettering, plan: &Plan, strip: &Strip, run: usize) {
+pub fn name_run(canvas: &mut Canvas, lettering: &mut Lettering, plan: &Plan, strip: &Strip, run_index: usize) {
     let (top, height) = strip.area;
     let style = Style { height: 1.4 * plan.text as f32, is_bold: true, colour: INK };
     let base = top as f32 + 0.5 * height as f32 + 0.5 * style.height;
-    lettering.draw(canvas, words::run_name(run), (plan.length(1.2), base), Align::Left, style);
+    lettering.draw(canvas, words::run_name(run_index), (plan.length(1.2), base), Align::Left, style);
 }

@@ -4,10 +4,11 @@ use super::super::super::lettering::{Lettering, Style};
 use super::area::time_of;
 use super::axis;
 use super::plan::{Plan, Rows};
+use crate::fire::BushStateKind;
 use crate::picture::Rgb;
 use crate::picture::canvas::{Canvas, Point};
 use crate::picture::colours::{BURNING, EXTINGUISHED, FAINT_INK, INK};
-use crate::picture::film::{Fate, Film, Tally};
+use crate::picture::film::{BushCounts, RunView};
 use crate::picture::marks::to_f32;
 use crate::picture::text::{Align, measure};
 use crate::picture::ticks::round_step;
@@ -16,12 +17,12 @@ use crate::picture::ticks::round_step;
 struct Curve {
     name: &'static str,
     colour: Rgb,
-    of: fn(&Tally) -> u32,
+    of: fn(&BushCounts) -> u32,
 }
 
 const CURVES: [Curve; 2] = [
-    Curve { name: "burned", colour: BURNING, of: Tally::burned },
-    Curve { name: "extinguished", colour: EXTINGUISHED, of: |tally| tally.count(Fate::Extinguished) },
+    Curve { name: "burned", colour: BURNING, of: BushCounts::burned },
+    Curve { name: "extinguished", colour: EXTINGUISHED, of: |counts| counts.count(BushStateKind::Extinguished) },
 ];
 
 pub fn draw(
@@ -29,10 +30,10 @@ pub fn draw(
     lettering: &mut Lettering,
     plan: &Plan,
     rows: Rows,
-    films: (&Film, &Film),
+    runs: (&RunView, &RunView),
     shade: &dyn Fn(Rgb) -> Rgb,
 ) {
-    let curves = CURVES.map(|curve| (shade(curve.colour), differences(plan, films, curve.of)));
+    let curves = CURVES.map(|curve| (shade(curve.colour), differences(plan, runs, curve.of)));
     let largest = curves.iter().flat_map(|(_, values)| values).map(|value| value.abs()).fold(1.0, f64::max);
     let largest = round_step(largest);
     axis::draw_values(canvas, lettering, plan, rows, (-largest, largest));
@@ -49,10 +50,10 @@ pub fn draw(
 }
 
 /// In the middle of each column.
-fn differences(plan: &Plan, (one, other): (&Film, &Film), of: fn(&Tally) -> u32) -> Vec<f64> {
-    let (width, end) = (plan.columns.1, Film::last_end(&[one, other]));
+fn differences(plan: &Plan, (one, other): (&RunView, &RunView), of: fn(&BushCounts) -> u32) -> Vec<f64> {
+    let (width, end) = (plan.columns.1, RunView::last_end(&[one, other]));
     let times = (0..width).map(|column| time_of(column, width, end));
-    times.map(|time| f64::from(of(&one.tally_at(time))) - f64::from(of(&other.tally_at(time)))).collect()
+    times.map(|time| f64::from(of(&one.counts_at(time))) - f64::from(of(&other.counts_at(time)))).collect()
 }
 
 /// What the curves are, above them.

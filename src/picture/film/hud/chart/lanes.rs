@@ -5,7 +5,7 @@ use super::plan::{Plan, Rows};
 use crate::picture::Rgb;
 use crate::picture::canvas::Canvas;
 use crate::picture::colours::{BURNING, EXTINGUISHED, INK, PAPER, blend};
-use crate::picture::film::Film;
+use crate::picture::film::RunView;
 use crate::picture::text::Align;
 use crate::time::SimTime;
 use crate::timeline::{AgentFact, Fact, FireFact};
@@ -38,13 +38,13 @@ pub fn draw(
     lettering: &mut Lettering,
     plan: &Plan,
     (top, height): Rows,
-    (film, end): (&Film, SimTime),
+    (run, end): (&RunView, SimTime),
     shade: &dyn Fn(Rgb) -> Rgb,
 ) {
     for (index, lane) in (0..).zip(&LANES) {
         let pitch = height / LANES.len() as u32;
         let (top, bottom) = (top + index * pitch, top + (index + 1) * pitch - 1);
-        draw_marks(canvas, plan, (top, bottom), &columns(film, plan.columns.1, end, lane), shade(lane.colour));
+        draw_marks(canvas, plan, (top, bottom), &columns(run, plan.columns.1, end, lane), shade(lane.colour));
         if bottom - top >= NAMED {
             let style = Style { height: 0.75 * plan.text as f32, is_bold: false, colour: blend(PAPER, INK, 0.7) };
             let at = (plan.columns.0 as f32 - plan.length(0.6), bottom as f32);
@@ -54,8 +54,8 @@ pub fn draw(
 }
 
 /// The columns in which such an event happens, ascending.
-fn columns(film: &Film, width: u32, end: SimTime, lane: &Lane) -> Vec<u32> {
-    let events = film.timeline().events.iter().filter(|event| event.time <= end && (lane.belongs)(&event.fact));
+fn columns(run: &RunView, width: u32, end: SimTime, lane: &Lane) -> Vec<u32> {
+    let events = run.timeline().events.iter().filter(|event| event.time <= end && (lane.belongs)(&event.fact));
     let mut columns: Vec<u32> = events.map(|event| column_of(event.time, width, end)).collect();
     columns.dedup();
     columns

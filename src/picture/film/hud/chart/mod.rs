@@ -1,6 +1,6 @@
 //! Counts of bushes over the whole run, stacked, with marks of events above; of two runs, also how they differ.
 //!
-//! What lies ahead of the shot's time is paler than what has passed. Both are drawn once and put together by columns.
+//! What lies ahead of the request's time is paler than what has passed. Both are drawn once and put together by columns.
 
 mod area;
 mod axis;
@@ -9,7 +9,7 @@ mod lanes;
 mod plan;
 
 use super::super::lettering::Lettering;
-use super::super::{Film, FilmId, Layout, Shot};
+use super::super::{FrameRequest, Layout, RunView, RunViewId};
 use crate::picture::Rgb;
 use crate::picture::canvas::Canvas;
 use crate::picture::colours::{FAINT_INK, INK, PAPER, blend};
@@ -19,41 +19,41 @@ use plan::{Plan, Strip};
 /// How much of its colour that keeps which lies ahead.
 const AHEAD: f64 = 0.35;
 
-/// Draws the chart of a shot; keeps it as long as the runs are the same.
+/// Draws the chart of a request; keeps it as long as the runs are the same.
 #[derive(Default)]
-pub struct ChartPainter {
+pub struct ChartRenderer {
     drawn: Option<Drawn>,
 }
 
 struct Drawn {
     layout: Layout,
-    films: Vec<FilmId>,
+    runs: Vec<RunViewId>,
     past: Canvas,
     ahead: Canvas,
 }
 
-impl ChartPainter {
-    pub fn paint(&mut self, sheet: &mut Canvas, lettering: &mut Lettering, layout: &Layout, shot: &Shot) {
+impl ChartRenderer {
+    pub fn paint(&mut self, sheet: &mut Canvas, lettering: &mut Lettering, layout: &Layout, request: &FrameRequest) {
         let is_right = |drawn: &Drawn| {
-            drawn.layout == *layout && drawn.films.iter().copied().eq(shot.films.iter().map(|film| film.id()))
+            drawn.layout == *layout && drawn.runs.iter().copied().eq(request.runs.iter().map(|run| run.id()))
         };
         if !self.drawn.as_ref().is_some_and(is_right) {
-            self.drawn = Some(Drawn::of(shot.films, layout, lettering));
+            self.drawn = Some(Drawn::new(request.runs, layout, lettering));
         }
         let Some(drawn) = &self.drawn else { return };
-        let x = cursor_x(layout, shot.time, Film::last_end(shot.films));
+        let x = cursor_x(layout, request.time, RunView::last_end(request.runs));
         let at = (layout.chart.left, layout.chart.top);
         sheet.copy_from(&drawn.ahead, at);
         sheet.copy_columns(&drawn.past, x, at);
-        draw_cursor(sheet, layout, x, shot.films.len());
+        draw_cursor(sheet, layout, x, request.runs.len());
     }
 }
 
 impl Drawn {
-    fn of(films: &[&Film], layout: &Layout, lettering: &mut Lettering) -> Self {
-        let mut draw = |share: f64| draw(films, layout, lettering, &|colour| blend(PAPER, colour, share));
+    fn new(runs: &[&RunView], layout: &Layout, lettering: &mut Lettering) -> Self {
+        let mut draw = |share: f64| draw(runs, layout, lettering, &|colour| blend(PAPER, colour, share));
         let (past, ahead) = (draw(1.0), draw(AHEAD));
-        Self { layout: layout.clone(), films: films.iter().map(|film| film.id()).collect(), past, ahead }
+        Self { layout: layout.clone(), runs: runs.iter().map(|run| run.id()).collect(), past, ahead }
     }
 }
 
@@ -64,18 +64,18 @@ fn cursor_x(layout: &Layout, time: SimTime, end: SimTime) -> u32 {
     layout.timeline_x(share).round() as u32
 }
 
-fn draw(films: &[&Film], layout: &Layout, lettering: &mut Lettering, shade: &dyn Fn(Rgb) -> Rgb) -> Canvas {
+fn draw(runs: &[&RunView], layout: &Layout, lettering: &mut Lettering, shade: &dyn Fn(Rgb) -> Rgb) -> Canvas {
     let mut canvas = Canvas::new(layout.chart.width, layout.chart.height, PAPER);
-    let plan = Plan::new(layout, films.len());
-    let end = Film::last_end(films);
+    let plan = Plan::new(layout, runs.len());
+    let end = RunView::last_end(runs);
     canvas.fill_rect(0.0, 0.0, layout.chart.width as f32, 1.0, FAINT_INK);
-    for (run, (film, strip)) in films.iter().zip(&plan.strips).enumerate() {
-        draw_strip(&mut canvas, lettering, &plan, (film, strip), end, shade);
-        if films.len() > 1 {
-            axis::name_run(&mut canvas, lettering, &plan, strip, run);
+    for (run_index, (run, strip)) in runs.iter().zip(&plan.strips).enumerate() {
+        draw_strip(&mut canvas, lettering, &plan, (run, strip), end, shade);
+        if runs.len() > 1 {
+            axis::name_run(&mut canvas, lettering, &plan, strip, run_index);
         }
     }
-    if let (&[one, other], Some(rows)) = (films, plan.difference) {
+    if let (&[one, other], Some(rows)) = (runs, plan.difference) {
         difference::draw(&mut canvas, lettering, &plan, rows, (one, other), shade);
     }
     axis::draw_time(&mut canvas, lettering, &plan, end);
@@ -86,15 +86,15 @@ fn draw_strip(
     canvas: &mut Canvas,
     lettering: &mut Lettering,
     plan: &Plan,
-    (film, strip): (&Film, &Strip),
+    (run, strip): (&RunView, &Strip),
     end: SimTime,
     shade: &dyn Fn(Rgb) -> Rgb,
 ) {
     if let Some(rows) = strip.lanes {
-        lanes::draw(canvas, lettering, plan, rows, (film, end), shade);
+        lanes::draw(canvas, lettering, plan, rows, (run, end), shade);
     }
-    area::draw(canvas, plan, strip.area, (film, end), shade);
-    let bushes = f64::from(film.tally_at(SimTime::ZERO).bushes());
+    area::draw(canvas, plan, strip.area, (run, end), shade);
+    let bushes = f64::from(run.counts_at(SimTime::ZERO).bushes());
     axis::draw_values(canvas, lettering, plan, strip.area, (0.0, bushes));
 }
 

@@ -45,8 +45,9 @@ impl Plan {
         };
         let (each, gap) = (strips_room / runs as u32, part(5));
         let lanes_height = if runs == 1 { part(36) } else { part(24) };
-        let strips = (0..runs as u32).map(|run| {
-            let (top, height) = (top + run * each, if run + 1 == runs as u32 { each } else { each - gap.min(each) });
+        let strips = (0..runs as u32).map(|run_index| {
+            let (top, height) =
+                (top + run_index * each, if run_index + 1 == runs as u32 { each } else { each - gap.min(each) });
             if height >= lanes_height + part(30) {
                 let area = (top + lanes_height, height - lanes_height);
                 Strip { lanes: Some((top, lanes_height - part(6))), area }

@@ -1,27 +1,27 @@
-//! The sheet of pixels that the window shows.
+//! The pixels that the window shows.
 
 use bevy::prelude::Resource;
 
-use crate::picture::film::{Layout, Painter, Shot};
+use crate::picture::film::{FrameRenderer, FrameRequest, Layout};
 
-/// The sheet of pixels that the window shows, as large as the window in pixels of the display.
+/// The pixels that the window shows, as large as the window in pixels of the display.
 #[derive(Resource)]
-pub struct Sheet {
-    painter: Painter,
+pub struct FrameBuffer {
+    renderer: FrameRenderer,
     size: (u32, u32),
     runs: usize,
-    /// Pixels of the sheet for one of the window's own.
+    /// Pixels of the frame for one of the window's own.
     scale: f64,
     /// Whether nothing was painted on it since it got its size.
     is_blank: bool,
     painted: Option<Vec<u8>>,
 }
 
-impl Sheet {
+impl FrameBuffer {
     /// Of a width and height in pixels, as far as the picture goes, of one run or two.
     pub fn new(size: (u32, u32), runs: usize) -> Self {
         let size = within_limits(size);
-        Self { painter: Painter::new(size, runs), size, runs, scale: 1.0, is_blank: true, painted: None }
+        Self { renderer: FrameRenderer::new(size, runs), size, runs, scale: 1.0, is_blank: true, painted: None }
     }
 
     pub fn size(&self) -> (u32, u32) {
@@ -29,7 +29,7 @@ impl Sheet {
     }
 
     pub fn layout(&self) -> &Layout {
-        self.painter.layout()
+        self.renderer.layout()
     }
 
     /// Fits it to a window of that size in pixels of the display, `scale` of which are one of the window's own.
@@ -45,14 +45,14 @@ impl Sheet {
         self.is_blank
     }
 
-    /// The place on the sheet of a place in the window.
+    /// The place on the frame of a place in the window.
     pub fn place(&self, (x, y): (f32, f32)) -> (f64, f64) {
         (f64::from(x) * self.scale, f64::from(y) * self.scale)
     }
 
-    pub fn paint(&mut self, shot: &Shot) {
+    pub fn paint(&mut self, request: &FrameRequest) {
         self.is_blank = false;
-        self.painted = Some(self.painter.paint(shot).to_vec());
+        self.painted = Some(self.renderer.paint(request).to_vec());
     }
 
     /// What was painted since this was last asked: red, green, blue and opacity of every pixel, row by row.

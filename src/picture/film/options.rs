@@ -13,7 +13,7 @@ pub enum Selected {
 
 /// How a viewer looks at runs: all of a picture that does not follow from the runs and the time.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Look {
+pub struct ViewOptions {
     pub camera: Camera,
     /// The agent that the camera goes with, in place of its own centre.
     pub follows: Option<AgentId>,
