@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use rand::RngExt;
 use wildfire::fire::BushStateKind;
+use wildfire::picture::bush_colour;
 use wildfire::picture::film::{FrameRequest, Layout, Place, Rectangle, RunView, ViewOptions, still};
 use wildfire::rng::{self, Xoshiro256PlusPlus};
 use wildfire::time::SimTime;

@@ -3,6 +3,7 @@
 
 use wildfire::fire::BushStateKind;
 use wildfire::geometry::DVec2;
+use wildfire::picture::bush_colour;
 use wildfire::picture::film::{
     Camera, FrameRenderer, FrameRequest, Layer, Layers, Projection, Rectangle, RunView, Selected, ViewOptions, pick,
 };

@@ -27,7 +27,7 @@ mod values;
 mod way_marks;
 mod zoom;
 
-pub use colours::{ColourMap, Rgb};
+pub use colours::{ColourMap, Rgb, bush_colour};
 pub use curves::{CurveScene, draw_curves};
 pub use drives::{DriveScene, DrivenWays, draw_drives};
 pub use font::has_all_of as font_has_all_of;
