@@ -1,23 +1,369 @@
-//! What the README says is so.
+//! What the README and the guide say is so: their commands run, they show what the program prints and draws, and their
+//! links lead somewhere.
+//!
+//! | block of a page | what is done with it |
+//! |---|---|
+//! | `sh` | lines that begin with `wildfire`, or with `cargo run --release --`, are run in a folder of the page's own |
+//! | `text` | must be what the last command before it printed; `...` as its last line stands for the rest |
+//! | `text times` | the same, but numbers are not compared |
+//! | `sh measured`, `text measured` | is not run; its section says when and at which commit it was measured |
+//! | `toml my.toml`, or another name of a file | is the content of that file |
+//!
+//! CPU times in a `text` block are not compared, see [`comparable`]. `WILDFIRE_REWRITE_DOCS=1 cargo test --test readme`
+//! writes all answers and pictures that are not what the program gives into the pages.
 
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use tempfile::TempDir;
 use wildfire::batch::{AGENT_COLUMNS, RUN_COLUMNS};
 use wildfire::picture::film::{BINDINGS, Layer};
 use wildfire::scenario::BUILT_IN;
 
-const README: &str = include_str!("../README.md");
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn read(page: &str) -> String {
+    fs::read_to_string(root().join(page)).unwrap_or_else(|error| panic!("{page}: {error}"))
+}
+
+/// The README and the chapters of the guide.
+fn pages() -> Vec<String> {
+    let chapters = fs::read_dir(root().join("docs")).expect("the guide is there");
+    let names = chapters.map(|entry| entry.expect("readable").file_name().to_string_lossy().into_owned());
+    let mut pages: Vec<_> = names.filter(|name| name.ends_with(".md")).map(|name| format!("docs/{name}")).collect();
+    pages.push("README.md".to_owned());
+    pages.sort();
+    pages
+}
+
+/// Whether the pages are to be written anew where they differ.
+fn rewriting() -> bool {
+    std::env::var_os("WILDFIRE_REWRITE_DOCS").is_some_and(|value| value == "1")
+}
+
+/// A fenced block: the words after its fence, the lines between, and where these begin on the page, from 0.
+struct Block {
+    words: Vec<String>,
+    lines: Vec<String>,
+    first_line: usize,
+}
+
+impl Block {
+    fn is(&self, words: &[&str]) -> bool {
+        self.words.iter().map(String::as_str).eq(words.iter().copied())
+    }
+
+    fn is_measured(&self) -> bool {
+        self.words.get(1).is_some_and(|word| word == "measured")
+    }
+
+    /// The commands of the program, without the backslashes that join lines.
+    fn commands(&self) -> Vec<String> {
+        let joined = self.lines.join("\n").replace("\\\n", " ");
+        let lines = joined.lines().map(|line| line.replacen("cargo run --release -- ", "wildfire ", 1));
+        lines.filter(|line| line.starts_with("wildfire ")).collect()
+    }
+}
+
+fn blocks(text: &str) -> Vec<Block> {
+    let mut blocks: Vec<Block> = Vec::new();
+    let mut inside = false;
+    for (number, line) in text.lines().enumerate() {
+        match line.strip_prefix("```") {
+            Some(_) if inside => inside = false,
+            Some(info) => {
+                let words = info.split_whitespace().map(str::to_owned).collect();
+                blocks.push(Block { words, lines: Vec::new(), first_line: number + 1 });
+                inside = true;
+            }
+            None if inside => blocks.last_mut().expect("inside a block").lines.push(line.to_owned()),
+            None => {}
+        }
+    }
+    blocks
+}
+
+/// A text without what may differ between two runs of the program: widths of columns, which follow from their
+/// contents, and numbers that are CPU times.
+///
+/// CPU times are in lines that speak of CPU or begin with the name of a `cpu_` column; in all of a paragraph that
+/// speaks of CPU in its first two lines; and in the table below such a paragraph if that is only a title. With
+/// `all_numbers` no number is kept.
+fn comparable(text: &str, all_numbers: bool) -> Vec<String> {
+    let mut lines = Vec::new();
+    let mut under_title = false;
+    for paragraph in text.split("\n\n") {
+        let speaks_of_cpu = |line: &str| line.contains("CPU") || line.starts_with("cpu_");
+        let titled = paragraph.lines().take(2).any(|line| line.contains("CPU"));
+        let is_title = titled && paragraph.lines().count() <= 2;
+        let mut continues = false;
+        for line in paragraph.lines() {
+            // A sentence about a column goes on in lines that are indented.
+            continues = speaks_of_cpu(line) || continues && line.starts_with(' ');
+            let masked = all_numbers || titled || under_title || continues;
+            lines.push(if masked { without_numbers(line) } else { line.to_owned() });
+        }
+        under_title = is_title;
+        lines.push(String::new());
+    }
+    lines.iter().map(|line| narrowed(line)).collect()
+}
+
+fn without_numbers(line: &str) -> String {
+    let mut kept = String::new();
+    for letter in line.chars() {
+        match letter {
+            '0'..='9' if kept.ends_with('#') => {}
+            '.' | ',' if kept.ends_with('#') => {}
+            '0'..='9' => kept.push('#'),
+            other => kept.push(other),
+        }
+    }
+    kept
+}
+
+/// A line with single spaces, and with single dashes for rules under the heads of tables.
+fn narrowed(line: &str) -> String {
+    let words = line.split_whitespace().map(|word| if word.chars().all(|letter| letter == '-') { "-" } else { word });
+    words.collect::<Vec<_>>().join(" ")
+}
+
+/// Runs a line of a page as a shell would, and returns what it prints.
+fn run(command: &str, folder: &Path) -> String {
+    let program = Path::new(env!("CARGO_BIN_EXE_wildfire"));
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let program_first = std::iter::once(program.parent().expect("in a folder").to_owned());
+    let path = std::env::join_paths(program_first.chain(std::env::split_paths(&path))).expect("a search path");
+    let mut shell = Command::new("sh");
+    shell.args(["-c", command]).current_dir(folder).env("PATH", path).env_remove("RUST_BACKTRACE");
+    let output = shell.output().expect("a shell can be started");
+    let (stdout, stderr) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "`{command}` failed\nstdout:\n{stdout}\nstderr:\n{stderr}");
+    stdout.into_owned()
+}
+
+/// A folder with the example maps, where commands of a page are run.
+fn folder_of_a_page() -> TempDir {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let maps = folder.path().join("assets/maps");
+    fs::create_dir_all(&maps).expect("writable");
+    fs::create_dir(folder.path().join("assets/pictures")).expect("writable");
+    for entry in fs::read_dir(root().join("assets/maps")).expect("the maps are there") {
+        let from = entry.expect("readable").path();
+        fs::copy(&from, maps.join(from.file_name().expect("a file has a name"))).expect("writable");
+    }
+    folder
+}
+
+/// Runs the commands of a page and compares what they print and draw with what it shows.
+fn hold(page: &str, largest_picture: usize) {
+    let text = read(page);
+    let folder = folder_of_a_page();
+    let mut answer = None;
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    let mut different = Vec::new();
+    // From the last block to the first, so that the numbers of lines before it stay true.
+    let mut replacements = Vec::new();
+    for block in blocks(&text) {
+        if block.is(&["sh"]) {
+            answer = block.commands().iter().map(|command| run(command, folder.path())).last();
+        } else if block.is(&["text"]) || block.is(&["text", "times"]) {
+            let answer: &String = answer
+                .as_ref()
+                .unwrap_or_else(|| panic!("{page}:{}: no command before this block prints anything", block.first_line));
+            let mut wanted: Vec<String> = answer.trim_end().lines().map(str::to_owned).collect();
+            if block.lines.last().is_some_and(|line| line == "...") {
+                wanted.truncate(block.lines.len() - 1);
+                wanted.push("...".to_owned());
+            }
+            let times = block.is(&["text", "times"]);
+            if comparable(&block.lines.join("\n"), times) != comparable(&wanted.join("\n"), times) {
+                different.push(format!("{page}:{}: the program prints\n{}", block.first_line, wanted.join("\n")));
+                replacements.push((block, wanted));
+            }
+        } else if let Some(name) = block.words.get(1).filter(|name| name.contains('.')) {
+            fs::write(folder.path().join(name), block.lines.join("\n") + "\n").expect("writable");
+        }
+    }
+    for (block, wanted) in replacements.into_iter().rev() {
+        lines.splice(block.first_line..block.first_line + block.lines.len(), wanted);
+    }
+    for entry in fs::read_dir(folder.path().join("assets/pictures")).expect("it is there") {
+        let drawn = entry.expect("readable").path();
+        let name = Path::new("assets/pictures").join(drawn.file_name().expect("a file has a name"));
+        let picture = fs::read(&drawn).expect("readable");
+        assert!(picture.len() < largest_picture, "{} has {} bytes", name.display(), picture.len());
+        if fs::read(root().join(&name)).ok().as_ref() != Some(&picture) {
+            different.push(format!("{page}: {} is not what its command draws", name.display()));
+            if rewriting() {
+                fs::write(root().join(&name), picture).expect("the pictures can be written");
+            }
+        }
+    }
+    if rewriting() {
+        fs::write(root().join(page), lines.join("\n") + "\n").expect("the page can be written");
+    } else {
+        let how = "`WILDFIRE_REWRITE_DOCS=1 cargo test --test readme` writes what the program says now into the pages";
+        assert!(different.is_empty(), "{}\n\n{how}", different.join("\n\n"));
+    }
+}
+
+/// A test for each page, so that they are held at the same time.
+macro_rules! hold {
+    ($($test:ident: $page:literal, pictures below $bytes:literal;)*) => {
+        $(
+            #[cfg(unix)]
+            #[test]
+            fn $test() {
+                hold($page, $bytes);
+            }
+        )*
+
+        #[test]
+        fn every_page_is_held() {
+            let mut held = vec![$($page.to_owned()),*];
+            held.sort();
+            assert_eq!(held, pages());
+        }
+    };
+}
+
+hold! {
+    readme: "README.md", pictures below 0;
+    overview: "docs/README.md", pictures below 0;
+    audit: "docs/audit.md", pictures below 0;
+    batches: "docs/batches.md", pictures below 0;
+    command_line: "docs/command-line.md", pictures below 0;
+    compare_and_report: "docs/compare-and-report.md", pictures below 0;
+    costs: "docs/costs.md", pictures below 0;
+    curves: "docs/curves.md", pictures below 60_000;
+    grid_maps: "docs/grid-maps.md", pictures below 100_000;
+    output_files: "docs/output-files.md", pictures below 0;
+    planning_drives: "docs/planning-drives.md", pictures below 100_000;
+    scenarios: "docs/scenarios.md", pictures below 0;
+    watch: "docs/watch.md", pictures below 3_000_000;
+    words: "docs/words.md", pictures below 0;
+}
+
+#[test]
+fn readme_can_be_read_in_one_sitting() {
+    let lines = read("README.md").lines().count();
+    assert!(lines <= 200, "the README has {lines} lines");
+}
+
+#[test]
+fn blocks_are_of_a_kind_that_is_known() {
+    for page in pages() {
+        let text = read(&page);
+        for block in blocks(&text) {
+            let place = format!("{page}:{}", block.first_line);
+            let words: Vec<_> = block.words.iter().map(String::as_str).collect();
+            assert!(
+                matches!(words.as_slice(), ["sh" | "text"] | ["sh" | "text", "measured"] | ["text", "times"] | ["sql"])
+                    || words.len() <= 2 && ["toml", "csv", "json"].contains(&words[0]),
+                "{place}: {words:?}"
+            );
+            if block.is_measured() {
+                let before = text.lines().take(block.first_line).collect::<Vec<_>>().join(" ");
+                let section = &before[before.rfind(" ## ").unwrap_or(0)..];
+                let after = text.lines().skip(block.first_line).take(12).collect::<Vec<_>>().join(" ");
+                assert!(says_when(section) || says_when(&after), "{place}: when and at which commit was it measured?");
+            }
+        }
+    }
+}
+
+/// Whether a text says "measured on 2026-11-21 at commit 2d4aafe" somewhere.
+fn says_when(text: &str) -> bool {
+    let text = text.to_lowercase();
+    text.match_indices("measured on ").any(|(at, words)| {
+        let (date, rest) = text[at + words.len()..].split_once(' ').unwrap_or_default();
+        let commit: String = rest.strip_prefix("at commit ").unwrap_or_default().chars().take(7).collect();
+        date.len() == 10
+            && date.chars().all(|letter| letter.is_ascii_digit() || letter == '-')
+            && commit.len() == 7
+            && commit.chars().all(|letter| letter.is_ascii_hexdigit())
+    })
+}
+
+/// What links name: `](target)`, outside of blocks.
+fn links(text: &str) -> Vec<&str> {
+    let mut inside = false;
+    let mut links = Vec::new();
+    for line in text.lines() {
+        if line.starts_with("```") {
+            inside = !inside;
+        } else if !inside {
+            links.extend(line.split("](").skip(1).filter_map(|rest| rest.split_once(')')).map(|(target, _)| target));
+        }
+    }
+    links
+}
+
+/// The anchors of a page's headings, as they are made from the text.
+fn anchors(text: &str) -> BTreeSet<String> {
+    let headings = text.lines().filter(|line| line.starts_with('#'));
+    let kept = |letter: &char| letter.is_alphanumeric() || " -_".contains(*letter);
+    headings
+        .map(|line| line.trim_start_matches('#').trim().to_lowercase())
+        .map(|heading| heading.chars().filter(kept).collect::<String>().replace(' ', "-"))
+        .collect()
+}
+
+#[test]
+fn links_lead_to_files_and_headings_that_exist() {
+    let others = ["ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "scenarios/README.md"];
+    let others = others.iter().chain(&["assets/maps/README.md", "runs/README.md"]).map(|page| (*page).to_owned());
+    let mut broken = Vec::new();
+    for page in pages().into_iter().chain(others) {
+        let text = read(&page);
+        for link in links(&text).into_iter().filter(|link| !link.starts_with("https://")) {
+            let (file, anchor) = link.split_once('#').unwrap_or((link, ""));
+            let target =
+                if file.is_empty() { PathBuf::from(&page) } else { Path::new(&page).with_file_name("").join(file) };
+            let found = root().join(&target).exists();
+            let leads = found && (anchor.is_empty() || anchors(&read(&target.to_string_lossy())).contains(anchor));
+            if !leads {
+                broken.push(format!("{page}: {link}"));
+            }
+        }
+    }
+    assert!(broken.is_empty(), "links that lead nowhere: {broken:#?}");
+}
+
+#[test]
+fn pictures_are_drawn_by_commands_that_the_pages_show() {
+    let texts: Vec<String> = pages().iter().map(|page| read(page)).collect();
+    let shown: BTreeSet<&str> =
+        texts.iter().flat_map(|text| links(text)).filter_map(|link| link.split("assets/pictures/").nth(1)).collect();
+    let commands: Vec<_> = texts.iter().flat_map(|text| blocks(text)).flat_map(|block| block.commands()).collect();
+    let drawn = |name: &&str| commands.iter().any(|command| command.contains(&format!("assets/pictures/{name}")));
+    let others: Vec<_> = shown.iter().copied().filter(|name| !drawn(name)).collect();
+    // Charts of a report on thousands of runs.
+    assert_eq!(others, ["distributions.png", "states-over-time.png", "sweep.png"]);
+    let stored = fs::read_dir(root().join("assets/pictures")).expect("the pictures are there");
+    let stored = stored.map(|entry| entry.expect("readable").file_name().to_string_lossy().into_owned());
+    assert_eq!(stored.collect::<BTreeSet<_>>(), shown.iter().map(|name| (*name).to_owned()).collect());
+}
 
 #[test]
 fn every_column_is_explained() {
+    let page = read("docs/output-files.md");
     let runs = RUN_COLUMNS.iter().map(|column| column.name);
     let agents = AGENT_COLUMNS.iter().map(|column| column.name);
-    let missing: Vec<_> = runs.chain(agents).filter(|name| !README.contains(&format!("`{name}`"))).collect();
-    assert!(missing.is_empty(), "the README does not explain {missing:?}");
+    let missing: Vec<_> = runs.chain(agents).filter(|name| !page.contains(&format!("`{name}`"))).collect();
+    assert!(missing.is_empty(), "the guide does not explain {missing:?}");
 }
 
 #[test]
 fn every_built_in_scenario_is_named() {
-    let missing: Vec<_> = BUILT_IN.iter().filter(|(name, _)| !README.contains(&format!("`{name}`"))).collect();
-    assert!(missing.is_empty(), "the README does not name {missing:?}");
+    let page = read("docs/scenarios.md");
+    let missing: Vec<_> = BUILT_IN.iter().filter(|(name, _)| !page.contains(&format!("`{name}`"))).collect();
+    assert!(missing.is_empty(), "the guide does not name {missing:?}");
 }
 
 #[test]
@@ -28,8 +374,9 @@ fn citation_names_this_version() {
 
 #[test]
 fn every_key_and_layer_is_explained() {
+    let page = read("docs/watch.md");
     let keys = BINDINGS.iter().map(|binding| format!("| `{}` | {} |", binding.keys, binding.does));
     let layers = Layer::ALL.into_iter().map(|layer| format!("| `{}` | `{}` |", layer.name(), layer.key()));
-    let missing: Vec<_> = keys.chain(layers).filter(|row| !README.contains(row)).collect();
-    assert!(missing.is_empty(), "the README does not have the rows {missing:?}");
+    let missing: Vec<_> = keys.chain(layers).filter(|row| !page.contains(row)).collect();
+    assert!(missing.is_empty(), "the guide does not have the rows {missing:?}");
 }

@@ -1,13 +1,12 @@
 //! `wildfire curve` between two poses: what it tells, writes, draws and refuses.
 
 use std::fs;
-use std::path::Path as FilePath;
 
 use serde_json::Value;
 use wildfire::geometry::{Pose, ops};
 use wildfire::vehicle::{Path, Segment};
 
-use crate::readme;
+use crate::guide;
 use crate::story::{Story, refuse, widest};
 
 const ENDS: [&str; 5] = ["curve", "--from", "0,0,0", "--to", "20,15,180"];
@@ -198,33 +197,14 @@ fn poses_and_options_that_make_no_sense_are_refused() {
 }
 
 #[test]
-fn commands_of_the_readme_draw_its_picture_and_print_what_it_shows() {
-    let section = readme::section("Curves");
-    let story = Story::begin();
-    fs::create_dir_all(story.path("assets/pictures")).expect("writable");
-    let calls = readme::calls(section, "curve");
-    let answer = story.tell(&calls[0]).expect_code(0).stdout;
-    assert!(section.contains(&answer), "the README does not show:\n{answer}");
-    let pictures = readme::pictures(section);
-    assert_eq!(pictures.len(), 1, "the picture was not found");
-    for name in pictures {
-        let name = FilePath::new("assets/pictures").join(name);
-        let drawn = fs::read(story.path(name.to_str().expect("ASCII"))).expect("the command draws it");
-        let stored = fs::read(FilePath::new(env!("CARGO_MANIFEST_DIR")).join(&name)).expect("it is stored");
-        assert!(drawn == stored, "{} is not what its command draws", name.display());
-        assert!(stored.len() < 60_000, "{} has {} bytes", name.display(), stored.len());
-    }
-}
-
-#[test]
-fn every_option_is_explained_in_the_readme() {
+fn every_option_is_explained_in_the_guide() {
     let help = Story::begin().tell(&["curve", "--help"]).expect_code(0).stdout;
     let lines = help.lines().filter_map(|line| line.trim_start().strip_prefix("--"));
     let mut options: Vec<_> =
         lines.filter_map(|line| line.split(|letter: char| letter != '-' && !letter.is_alphanumeric()).next()).collect();
     assert!(options.len() > 8, "{help}");
     options.retain(|option| !["quiet", "help"].contains(option));
-    let section = readme::section("Curves");
-    let missing: Vec<_> = options.iter().filter(|option| !section.contains(&format!("--{option}"))).collect();
-    assert!(missing.is_empty(), "the README does not explain {missing:?}");
+    let chapter = guide::chapter("curves.md");
+    let missing: Vec<_> = options.iter().filter(|option| !chapter.contains(&format!("--{option}"))).collect();
+    assert!(missing.is_empty(), "the guide does not explain {missing:?}");
 }

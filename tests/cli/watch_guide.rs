@@ -1,33 +1,7 @@
-//! The README's section on watching runs: its commands run, its pictures are theirs, its words cover the options.
+//! The guide's chapter on watching runs covers the options, and the examples of the help make sense.
 
-use std::fs;
-use std::path::Path;
-
-use crate::readme;
+use crate::guide;
 use crate::story::{Story, refuse};
-
-fn section() -> &'static str {
-    readme::section("Watch")
-}
-
-#[test]
-fn commands_of_the_readme_draw_its_pictures() {
-    let story = Story::begin();
-    fs::create_dir_all(story.path("assets/pictures")).expect("writable");
-    for arguments in readme::calls(section(), "render") {
-        story.tell(&arguments).expect_code(0);
-    }
-    let pictures = readme::pictures(section());
-    assert_eq!(pictures, ["contest.gif", "compare.png"]);
-    for name in pictures {
-        let name = Path::new("assets/pictures").join(name);
-        let drawn = fs::read(story.path(&name.to_string_lossy())).expect("a command draws it");
-        let stored = fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join(&name)).expect("the picture is stored");
-        let name = name.display();
-        assert!(drawn == stored, "{name} is not what its command draws: run it again where the README lies");
-        assert!(stored.len() < 3_000_000, "{name} has {} bytes", stored.len());
-    }
-}
 
 #[test]
 fn every_option_is_explained() {
@@ -40,8 +14,9 @@ fn every_option_is_explained() {
         names.extend(options.filter_map(|line| line.split([' ', '=']).next()).map(|name| format!("--{name}")));
     }
     assert!(names.len() >= 25, "the options were not found");
-    names.retain(|name| name != "--quiet" && !section().contains(name.as_str()));
-    assert!(names.is_empty(), "the README does not explain {names:?}");
+    let chapter = guide::chapter("watch.md");
+    names.retain(|name| name != "--quiet" && !chapter.contains(name.as_str()));
+    assert!(names.is_empty(), "the guide does not explain {names:?}");
 }
 
 #[test]

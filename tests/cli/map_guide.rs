@@ -1,18 +1,10 @@
-//! The README's section on grid maps: its commands run, its pictures are theirs, its words cover the answers.
+//! The guide's chapter on grid maps covers commands, options and answers, and the examples of the help run.
 
 use std::fs;
 use std::path::Path;
 
-use crate::readme;
+use crate::guide;
 use crate::story::Story;
-
-fn section() -> &'static str {
-    readme::section("Grid maps")
-}
-
-fn commands() -> Vec<Vec<&'static str>> {
-    readme::calls(section(), "map")
-}
 
 fn assets() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/assets"))
@@ -21,46 +13,12 @@ fn assets() -> &'static Path {
 fn story_with_maps() -> Story {
     let story = Story::begin();
     fs::create_dir_all(story.path("assets/maps")).expect("writable");
-    fs::create_dir(story.path("assets/pictures")).expect("writable");
     for entry in fs::read_dir(assets().join("maps")).expect("the maps are there") {
         let from = entry.expect("readable").path();
         let name = from.file_name().expect("a file has a name");
         fs::copy(&from, story.path("assets/maps").join(name)).expect("writable");
     }
     story
-}
-
-#[test]
-fn commands_of_the_readme_run_and_draw_its_pictures() {
-    let story = story_with_maps();
-    let commands = commands();
-    assert!(commands.len() > 8, "the commands were not found");
-    for arguments in &commands {
-        // Timing takes its time, and says what it says about the machine only.
-        if arguments[1] == "timing" {
-            assert!(arguments[2..].iter().all(|map| story.path(map).is_file()), "{arguments:?}");
-        } else {
-            story.tell(arguments).expect_code(0);
-        }
-    }
-    let shown = readme::pictures(section());
-    assert!(shown.len() >= 5, "the pictures were not found");
-    for name in shown {
-        let drawn =
-            fs::read(story.path("assets/pictures").join(name)).unwrap_or_else(|_| panic!("no command draws {name}"));
-        let stored = fs::read(assets().join("pictures").join(name)).unwrap_or_else(|_| panic!("{name} is not stored"));
-        assert!(drawn == stored, "{name} is not what its command draws: run it again where the README lies");
-        assert!(stored.len() < 100_000, "{name} has {} bytes", stored.len());
-    }
-}
-
-#[test]
-fn answer_to_the_first_command_is_what_the_readme_shows() {
-    let answer = story_with_maps().tell(&commands()[0]).expect_code(0).stdout;
-    assert!(answer.lines().count() > 10, "{answer}");
-    for line in answer.lines().filter(|line| !line.starts_with("CPU:")) {
-        assert!(section().contains(line), "the README does not show `{line}`");
-    }
 }
 
 /// The subcommands and what they say of themselves.
@@ -102,6 +60,7 @@ fn every_subcommand_option_and_member_is_explained() {
     let answer = story.tell(&["map", "descend", "map.txt", "--goal", "0,0", "--start", "1,0", "--json"]).expect_code(0);
     let object: serde_json::Value = serde_json::from_str(&answer.stdout).expect("the answer is JSON");
     names.extend(object.as_object().expect("an object").keys().map(|name| format!("`{name}`")));
-    names.retain(|name| !section().contains(name.as_str()));
-    assert!(names.is_empty(), "the README does not explain {names:?}");
+    let chapter = guide::chapter("grid-maps.md");
+    names.retain(|name| !chapter.contains(name.as_str()));
+    assert!(names.is_empty(), "the guide does not explain {names:?}");
 }

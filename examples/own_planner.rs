@@ -1,0 +1,98 @@
+//! A planner of one's own, compared with a built-in one on the same queries: `cargo run --example own_planner`.
+//!
+//! It drives the shortest Reeds-Shepp curve if that is free, and else joins two curves at a pose that it draws; a plan
+//! for somebody's own first try. Everything it asks of the field it asks [`CollisionChecker`], as the built-in planners
+//! do, so its paths are as exact as theirs.
+
+#![expect(clippy::print_stdout, reason = "an example prints what it finds")]
+
+use std::error::Error;
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use rand::RngExt;
+use wildfire::collision::{ClearanceField, CollisionChecker};
+use wildfire::geometry::Pose;
+use wildfire::planning::memory::MemoryMeter;
+use wildfire::planning::{BuildReport, Effort, Found, FoundBy, Goal, Plan, PlanFailure, QueryTime, TruckPlanner};
+use wildfire::rng::{self, Xoshiro256PlusPlus};
+use wildfire::scenario::{Terrain, load};
+use wildfire::vehicle::{Path, ReedsShepp};
+
+/// What the body keeps from bushes and border, in metres.
+const CLEARANCE_M: f64 = 0.3;
+/// The budget is a number of draws, not of seconds, so that the same seed gives the same plan.
+const MAX_DRAWS: u32 = 2000;
+
+struct ThroughOnePose {
+    checker: CollisionChecker,
+    rng: Xoshiro256PlusPlus,
+}
+
+impl ThroughOnePose {
+    /// Returns the shortest curve if the body is free all along it.
+    fn free_curve(&self, from: Pose, to: Pose) -> Option<Path> {
+        let curves = ReedsShepp { radius_m: self.checker.body().turning_radius_m };
+        let path = curves.shortest(from, to).path(from);
+        let is_free = path.legs().all(|(pose, segment)| self.checker.motion_is_free(pose, segment, CLEARANCE_M));
+        is_free.then_some(path)
+    }
+
+    fn draw_pose(&mut self) -> Pose {
+        let frame = *self.checker.field().frame();
+        let mut draw = || self.rng.random::<f64>();
+        Pose::new(draw() * frame.width_m(), draw() * frame.height_m(), (draw() - 0.5) * TAU)
+    }
+}
+
+impl TruckPlanner for ThroughOnePose {
+    fn build_report(&self) -> BuildReport {
+        BuildReport::default()
+    }
+
+    fn record_searches(&mut self) {}
+
+    fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
+        let Goal::Pose(end) = goal else { unimplemented!("this example drives to poses only") };
+        let mut effort = Effort::default();
+        let mut found = self.free_curve(start, end).map(|path| Found { path, by: FoundBy::Straight });
+        while found.is_none() && effort.local_expansions < MAX_DRAWS {
+            effort.local_expansions += 1;
+            let via = self.draw_pose();
+            let halves = self.free_curve(start, via).zip(self.free_curve(via, end));
+            found = halves.map(|(mut path, rest)| {
+                path.segments.extend(rest.segments);
+                Found { path, by: FoundBy::Search }
+            });
+        }
+        Plan::new(found.ok_or(PlanFailure::BudgetSpent), effort, QueryTime::default(), Vec::new())
+    }
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let scenario = load("contest", &[])?;
+    let truck = &scenario.unimog[0];
+    let terrain = Terrain::of(&scenario, 1)?;
+    let field = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
+    let checker = CollisionChecker::new(field, truck.vehicle);
+    let mut own = ThroughOnePose { checker: checker.clone(), rng: rng::stream(1, "own-planner") };
+    let mut built_in = truck.build_planner(&checker, &MemoryMeter::unlimited(), 1, 0);
+
+    println!("goal                 own planner          {}", truck.planner);
+    let start = truck.start.pose();
+    for _ in 0..8 {
+        let goal = loop {
+            let pose = own.draw_pose();
+            if checker.pose_is_free(pose, CLEARANCE_M) {
+                break pose;
+            }
+        };
+        let answer = |plan: Plan| match plan.path {
+            Ok(path) => format!("{:6.1} m, {} cusps", path.length_m(), path.cusps()),
+            Err(failure) => failure.to_string(),
+        };
+        let (own, built_in) = (own.plan(start, Goal::Pose(goal)), built_in.plan(start, Goal::Pose(goal)));
+        println!("({:5.1}, {:5.1}) m   {:20} {}", goal.x, goal.y, answer(own), answer(built_in));
+    }
+    Ok(())
+}
