@@ -72,7 +72,7 @@ impl TruckPlanner for ThroughOnePose {
 fn main() -> Result<(), Box<dyn Error>> {
     let scenario = load("contest", &[])?;
     let truck = &scenario.unimog[0];
-    let terrain = Terrain::of(&scenario, 1)?;
+    let terrain = Terrain::from_scenario(&scenario, 1)?;
     let field = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
     let checker = CollisionChecker::new(field, truck.vehicle);
     let mut own = ThroughOnePose { checker: checker.clone(), rng: rng::stream(1, "own-planner") };
