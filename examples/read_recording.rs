@@ -7,10 +7,11 @@
 use std::error::Error;
 use std::path::Path;
 
+use wildfire::fire::BushState;
 use wildfire::scenario::load;
 use wildfire::sim;
 use wildfire::time::SimTime;
-use wildfire::timeline::{Fact, Outcome, Timeline, Vegetation, file};
+use wildfire::timeline::{Fact, Outcome, Timeline, file};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let timeline: Timeline = match std::env::args().nth(1) {
@@ -24,8 +25,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let minutes = timeline.end_time().as_seconds() / 60.0;
     for minute in (0..=minutes as u32).step_by(5) {
         let state = timeline.state_at(SimTime::from_seconds(f64::from(minute) * 60.0));
-        let intact = state.bushes.iter().filter(|bush| **bush == Vegetation::Intact).count();
-        let burning = state.bushes.iter().filter(|bush| matches!(bush, Vegetation::Burning { .. })).count();
+        let intact = state.bushes.iter().filter(|bush| **bush == BushState::Intact).count();
+        let burning = state.bushes.iter().filter(|bush| matches!(bush, BushState::Burning { .. })).count();
         println!("{minute:7} {intact:7} {burning:8}");
     }
 
