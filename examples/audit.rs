@@ -8,7 +8,7 @@ use wildfire::audit::{SampleStep, audit_timeline};
 use wildfire::scenario::load;
 use wildfire::sim;
 use wildfire::time::SimTime;
-use wildfire::timeline::Fact;
+use wildfire::timeline::{Fact, FireFact};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut timeline = sim::run(&load("contest", &[])?, 7)?.timeline;
@@ -20,7 +20,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
 
     // A fire that goes out ten seconds too early was put out by a truck that was still on its way.
-    let extinguished = timeline.events.iter_mut().find(|event| matches!(event.fact, Fact::Extinguished { .. }));
+    let extinguished =
+        timeline.events.iter_mut().find(|event| matches!(event.fact, Fact::Fire(FireFact::Extinguished { .. })));
     if let Some(event) = extinguished {
         event.time = event.time - SimTime::from_seconds(10.0);
     }

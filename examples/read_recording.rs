@@ -11,7 +11,7 @@ use wildfire::fire::BushState;
 use wildfire::scenario::load;
 use wildfire::sim;
 use wildfire::time::SimTime;
-use wildfire::timeline::{Fact, Outcome, Timeline, file};
+use wildfire::timeline::{Fact, FireFact, Outcome, Timeline, file};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let timeline: Timeline = match std::env::args().nth(1) {
@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 
     // Facts are in order of time; each says what happened and to whom.
-    let first = timeline.events.iter().find(|event| matches!(event.fact, Fact::Ignited { .. }));
+    let first = timeline.events.iter().find(|event| matches!(event.fact, Fact::Fire(FireFact::Ignited { .. })));
     if let Some(event) = first {
         println!("\nThe first fire began at {:.1} s.", event.time.as_seconds());
     }
