@@ -55,7 +55,7 @@ fn motions_that_are_free_pass_the_audit() {
         acceleration_mps2: Some(2.0),
         braking_mps2: Some(4.0),
         lateral_mps2: Some(3.0),
-        ..SpeedLimits::of_speed(10.0, 5.0)
+        ..SpeedLimits::new(10.0, 5.0)
     };
     let mut legs = 0;
     for _ in 0..40 {
@@ -71,7 +71,7 @@ fn motions_that_are_free_pass_the_audit() {
                 path.segments.push(segment);
             }
         }
-        let leg = Trajectory::along(&path, SimTime::from_seconds(3.0), limits);
+        let leg = Trajectory::from_path(&path, SimTime::from_seconds(3.0), limits);
         let cut = leg.stopping(leg.start_time() + SimTime::from_seconds(0.4 * leg.duration_s()), Some(4.0));
         let motion = MotionLimits { turning_radius_m: Some(checker.body().turning_radius_m), limits: Some(limits) };
         for leg in [leg, cut] {

@@ -279,7 +279,7 @@ mod tests {
     }
 
     fn leg(start: Pose, segments: Vec<Segment>) -> Trajectory {
-        Trajectory::along(&Path { start, segments }, SimTime::from_seconds(7.0), LIMITS)
+        Trajectory::from_path(&Path { start, segments }, SimTime::from_seconds(7.0), LIMITS)
     }
 
     fn audit(leg: &Trajectory) -> Result<Audited, Violation> {
@@ -301,7 +301,7 @@ mod tests {
         assert!((audited.metres - 23.0).abs() < 1e-9);
         let slow = SpeedLimits { acceleration_mps2: Some(1.0), braking_mps2: Some(3.0), ..LIMITS };
         let path = Path { start: Pose::new(20.0, 20.0, 0.5), segments: winding() };
-        let leg = Trajectory::along(&path, SimTime::ZERO, slow);
+        let leg = Trajectory::from_path(&path, SimTime::ZERO, slow);
         audit(&leg).expect("limits of acceleration break no rule");
         audit(&leg.stopping(SimTime::from_seconds(2.0), Some(2.0))).expect("nor does a brake");
     }
@@ -326,7 +326,7 @@ mod tests {
     fn roundings_of_steps_do_not_add_up_over_a_long_way() {
         for (curvature, length_m) in [(0.0, 60_000.0), (2e-5, -60_000.0), (1.0 / 13.0, 20_000.0)] {
             let (start, segment) = (Pose::new(20_000.0, 30_000.0, 0.7), segment(curvature, length_m));
-            let leg = Trajectory::along(&Path { start, segments: vec![segment] }, SimTime::ZERO, LIMITS);
+            let leg = Trajectory::from_path(&Path { start, segments: vec![segment] }, SimTime::ZERO, LIMITS);
             let way = Way::new(segment, SampleStep::default());
             let start = Stance::new(start);
             let at = (1..=way.count as u64).fold(start, |at, step| way.advance(start, at, step));

@@ -131,13 +131,14 @@ mod tests {
         let segments =
             vec![segment(1.0 / 13.0, 9.0), segment(-1.0 / 13.0, -6.0), segment(0.0, -3.0), segment(1.0 / 13.0, 50.0)];
         let path = Path { start: Pose::new(20.0, 20.0, 0.5), segments };
-        let leg = Trajectory::along(&path, SimTime::ZERO, LIMITS);
+        let leg = Trajectory::from_path(&path, SimTime::ZERO, LIMITS);
         audit_pace(&leg, &LIMITS).expect("it was made for these limits");
         let cut = leg.stopping(SimTime::from_seconds(5.0), LIMITS.braking_mps2);
         audit_pace(&cut, &LIMITS).expect("nor does the brake exceed them");
         assert!(audit_pace(&leg.stopping(SimTime::from_seconds(5.0), Some(3.1)), &LIMITS).is_err());
-        let at_once = SpeedLimits::of_speed(8.0, 4.0);
-        audit_pace(&Trajectory::along(&path, SimTime::ZERO, at_once), &at_once).expect("so do those without limits");
+        let at_once = SpeedLimits::new(8.0, 4.0);
+        audit_pace(&Trajectory::from_path(&path, SimTime::ZERO, at_once), &at_once)
+            .expect("so do those without limits");
         for tighter in [
             SpeedLimits { forward_mps: 5.0, ..LIMITS },
             SpeedLimits { reverse_mps: 1.0, ..LIMITS },
@@ -161,7 +162,7 @@ mod tests {
 
     #[test]
     fn speeding_is_found_forward_and_reverse() {
-        let limits = SpeedLimits::of_speed(8.0, 4.0);
+        let limits = SpeedLimits::new(8.0, 4.0);
         let drive = |length_m, speed| audit_pace(&straight(&[(length_m, speed, 0.0)]), &limits);
         assert!(drive(10.0, 8.0).is_ok() && drive(-10.0, 4.0).is_ok());
         assert!(matches!(drive(10.0, 8.001).expect_err("too fast").kind, ViolationKind::Speed { .. }));

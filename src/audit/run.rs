@@ -116,7 +116,7 @@ mod tests {
 
     fn drive(start_s: f64, start: Pose, lengths_m: &[f64]) -> Trajectory {
         let segments = lengths_m.iter().map(|&length_m| Segment { curvature: 0.0, length_m }).collect();
-        Trajectory::along(&Path { start, segments }, seconds(start_s), LIMITS)
+        Trajectory::from_path(&Path { start, segments }, seconds(start_s), LIMITS)
     }
 
     fn planned(time_s: f64, trajectory: Trajectory) -> Event {
@@ -247,7 +247,7 @@ mod tests {
         let bend = Segment { curvature: -1.0 / 13.0, length_m: -4.0 };
         let path = Path { start: there.end(), segments: vec![Segment { curvature: 0.0, length_m: -8.0 }, bend] };
         let mut events = proper_run();
-        events[4] = dropped(10.0, Trajectory::along(&path, seconds(9.0), LIMITS));
+        events[4] = dropped(10.0, Trajectory::from_path(&path, seconds(9.0), LIMITS));
         assert_eq!(kind(events), ViolationKind::CutDiffers, "it leaves the planned way after it was dropped");
     }
 

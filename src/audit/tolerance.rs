@@ -78,7 +78,7 @@ mod tests {
     fn tolerance(speed_mps: f64, radius_m: f64, length_m: f64, from_m: f64) -> Tolerance {
         let segments = [1.0, -1.0, 0.0].map(|side| Segment { curvature: side / radius_m, length_m: length_m / 3.0 });
         let path = Path { start: Pose::new(from_m, 0.0, 0.5), segments: segments.to_vec() };
-        Tolerance::from_leg(&Trajectory::along(&path, SimTime::ZERO, SpeedLimits::of_speed(speed_mps, speed_mps)))
+        Tolerance::from_leg(&Trajectory::from_path(&path, SimTime::ZERO, SpeedLimits::new(speed_mps, speed_mps)))
     }
 
     #[test]

@@ -8,12 +8,12 @@ use crate::geometry::{Cell, FieldFrame, OrientedRect, Pose};
 use crate::grid::Grid;
 
 /// A random field of bushes: its frame, the field and the bushes' corners, counter-clockwise.
-pub struct TestField {
+pub struct RandomBushes {
     pub field: ClearanceField,
     pub bushes: Vec<[DVec2; 4]>,
 }
 
-impl TestField {
+impl RandomBushes {
     pub fn random(rng: &mut impl Rng, cell_m: f64, density: f64) -> Self {
         let frame = FieldFrame { cols: rng.random_range(3..20), rows: rng.random_range(3..20), cell_m };
         let values: Vec<bool> = (0..frame.cell_count()).map(|_| rng.random_bool(density)).collect();

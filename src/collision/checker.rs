@@ -1,4 +1,4 @@
-//! Whether the body of a truck is free at a pose, or along a motion.
+//! Collision checks of a truck's body at a pose, or along a motion.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -10,28 +10,28 @@ use super::{ClearanceField, sweep};
 use crate::geometry::{OrientedRect, Pose, ops};
 use crate::vehicle::{Dimensions, Segment};
 
-/// What a body keeps at least, in metres, however small the floor that is asked for.
+/// The clearance that a body keeps in any case, in metres, however little is asked for.
 pub const LEAST_CLEARANCE_M: f64 = 0.01;
 
-/// How far below the floor a motion may come between the poses that are looked at, in metres. It is less for floors
-/// below 0.06 m: half the floor.
+/// How far below the minimum clearance a motion may come between the poses that are looked at, in metres. Of less than
+/// 0.06 m it is the half.
 pub const MOTION_TOLERANCE_M: f64 = 0.03;
 
 /// A long body is covered by no more discs than this; a longer one has larger discs.
 const MAX_DISCS: usize = 8;
 
-/// Where the discs prove this much beyond the floor, the exact distance is not worth its time.
+/// Where the discs prove this much beyond the minimum clearance, the exact distance is not worth its time.
 const AMPLE_M: f64 = 0.15;
 
-/// How far beyond the floor the exact distance looks.
+/// How far beyond the minimum clearance the exact distance looks.
 const EXACT_REACH_M: f64 = 1.5;
 
 /// Answers for one body on one field.
 ///
-/// # How
+/// # Method
 /// The body is covered by equal discs along its middle line. If the field's lower bound at every disc's centre exceeds
-/// the disc's radius by the floor, the body keeps the floor. The largest disc about such a centre that lies *inside*
-/// the body gives the opposite: if it comes too near to a bush for sure, so does the body. What neither decides is
+/// the disc's radius by the minimum clearance, the body keeps it. The largest disc about such a centre that lies *inside*
+/// the body gives the opposite: if it certainly comes too near to a bush, so does the body. What neither decides is
 /// computed exactly. The border is always exact.
 #[derive(Clone, Debug)]
 pub struct CollisionChecker {
@@ -41,7 +41,7 @@ pub struct CollisionChecker {
     /// Of every disc.
     cover_radius: f64,
     /// Other bodies that stand on the field.
-    standing: Vec<Rectangle>,
+    obstacles: Vec<Rectangle>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -55,14 +55,15 @@ struct Disc {
 impl CollisionChecker {
     pub fn new(field: Arc<ClearanceField>, body: Dimensions) -> Self {
         let (discs, cover_radius) = cover(&body);
-        Self { field, body, discs, cover_radius, standing: Vec::new() }
+        Self { field, body, discs, cover_radius, obstacles: Vec::new() }
     }
 
-    /// The same for a field on which these rectangles stand, besides those that it had before. What is said of bushes
-    /// holds for them too, but for the field's own answers to points and lines.
-    pub fn beside(&self, standing: impl IntoIterator<Item = OrientedRect>) -> Self {
+    /// Returns the same for a field on which these rectangles stand, besides those that it had before.
+    ///
+    /// They count as bushes do, except in the field's own answers to points and lines.
+    pub fn with_obstacles(&self, obstacles: impl IntoIterator<Item = OrientedRect>) -> Self {
         let mut crowded = self.clone();
-        crowded.standing.extend(standing.into_iter().map(Rectangle::from));
+        crowded.obstacles.extend(obstacles.into_iter().map(Rectangle::from));
         crowded
     }
 
@@ -88,40 +89,40 @@ impl CollisionChecker {
         if cover >= NEAR_M { cover } else { rectangle.bush_gap(&self.field, EXACT_REACH_M).min(border) }
     }
 
-    /// Whether the body at this pose keeps at least `floor` metres, and [`LEAST_CLEARANCE_M`] in any case.
-    pub fn pose_is_free(&self, pose: Pose, floor: f64) -> bool {
-        self.clearance_from(&self.place(pose), floor.max(LEAST_CLEARANCE_M)).is_some()
+    /// Says whether the body at this pose keeps at least `min_clearance` metres, and [`LEAST_CLEARANCE_M`] in any case.
+    pub fn pose_is_free(&self, pose: Pose, min_clearance: f64) -> bool {
+        self.clearance_from(&self.place(pose), min_clearance.max(LEAST_CLEARANCE_M)).is_some()
     }
 
-    /// Whether the body keeps at least `floor` metres, and [`LEAST_CLEARANCE_M`] in any case, all along a segment from
+    /// Says whether the body keeps at least `min_clearance` metres, and [`LEAST_CLEARANCE_M`] in any case, all along a segment from
     /// `start`, ends included.
     ///
-    /// A motion that keeps the floor everywhere is accepted. An accepted motion keeps the floor at every pose that was
-    /// looked at and the floor less [`MOTION_TOLERANCE_M`] everywhere, and touches nothing.
-    pub fn motion_is_free(&self, start: Pose, segment: Segment, floor: f64) -> bool {
-        let motion = Motion::new(start, segment, &self.body);
-        let (floor, tolerance) = floor_and_tolerance(floor);
+    /// A motion that keeps it everywhere is accepted. An accepted motion keeps it at every pose that was looked at and
+    /// [`MOTION_TOLERANCE_M`] less everywhere, and touches nothing.
+    pub fn motion_is_free(&self, start: Pose, segment: Segment, min_clearance: f64) -> bool {
+        let motion = SweptMotion::new(start, segment, &self.body);
+        let (min_clearance, tolerance) = clearance_and_tolerance(min_clearance);
         sweep::holds_everywhere(motion.length_m, motion.rate, tolerance, |travelled| {
-            self.excess(&motion, travelled, floor)
+            self.excess(&motion, travelled, min_clearance)
         })
     }
 
-    /// Metres of a segment, from its start on, that are proven to keep the floor less the tolerance of
-    /// [`CollisionChecker::motion_is_free`]; 0 if the start does not keep the floor, the whole length if all of it is
+    /// Metres of a segment, from its start on, that are proven to keep the minimum clearance less the tolerance
+    /// of [`CollisionChecker::motion_is_free`]; 0 if the start does not keep it, the whole length if all of it is
     /// free.
-    pub fn motion_prefix_free(&self, start: Pose, segment: Segment, floor: f64) -> f64 {
-        let motion = Motion::new(start, segment, &self.body);
-        let (floor, tolerance) = floor_and_tolerance(floor);
+    pub fn motion_prefix_free(&self, start: Pose, segment: Segment, min_clearance: f64) -> f64 {
+        let motion = SweptMotion::new(start, segment, &self.body);
+        let (min_clearance, tolerance) = clearance_and_tolerance(min_clearance);
         let prefix = sweep::proven_prefix(motion.length_m, motion.rate, tolerance, |travelled| {
-            self.excess(&motion, travelled, floor)
+            self.excess(&motion, travelled, min_clearance)
         });
         if prefix == motion.length_m { segment.length_m.abs() } else { prefix }
     }
 
     #[inline]
-    fn excess(&self, motion: &Motion, travelled: f64, floor: f64) -> Option<f64> {
+    fn excess(&self, motion: &SweptMotion, travelled: f64, min_clearance: f64) -> Option<f64> {
         let (centre, axis) = motion.body_at(travelled);
-        self.clearance_from(&self.rectangle(centre, axis), floor).map(|clearance| clearance - floor)
+        self.clearance_from(&self.rectangle(centre, axis), min_clearance).map(|clearance| clearance - min_clearance)
     }
 
     fn place(&self, pose: Pose) -> Rectangle {
@@ -133,34 +134,34 @@ impl CollisionChecker {
         Rectangle { centre, axis, half_length: 0.5 * self.body.length_m, half_width: 0.5 * self.body.width_m }
     }
 
-    /// A lower bound, no less than `floor`, of the body's clearance; `None` if the true clearance is less.
+    /// A lower bound, no less than `min_clearance`, of the body's clearance; `None` if the true clearance is less.
     #[inline]
-    fn clearance_from(&self, rectangle: &Rectangle, floor: f64) -> Option<f64> {
+    fn clearance_from(&self, rectangle: &Rectangle, min_clearance: f64) -> Option<f64> {
         let border = self.border_gap(rectangle);
-        if border < floor {
+        if border < min_clearance {
             return None;
         }
         let mut least_squared = f64::INFINITY;
         for disc in &self.discs {
             let bound = self.field.interpolate(rectangle.centre + rectangle.axis * disc.offset);
-            if bound.is_surely_below(disc.inner_radius + floor) {
+            if bound.is_surely_below(disc.inner_radius + min_clearance) {
                 return None;
             }
             least_squared = least_squared.min(bound.least_squared());
         }
         let cover = least_squared.max(0.0).sqrt() - self.cover_radius;
-        if cover >= floor + AMPLE_M {
+        if cover >= min_clearance + AMPLE_M {
             return Some(cover.min(border));
         }
-        let exact = rectangle.bush_gap(&self.field, floor + EXACT_REACH_M);
-        (exact >= floor).then_some(exact.min(border))
+        let exact = rectangle.bush_gap(&self.field, min_clearance + EXACT_REACH_M);
+        (exact >= min_clearance).then_some(exact.min(border))
     }
 
     /// Metres to the field's border and to what stands on the field besides bushes; negative where a corner is outside.
     #[inline]
     fn border_gap(&self, rectangle: &Rectangle) -> f64 {
         let border = rectangle.border_gap(self.field.frame());
-        self.standing.iter().map(|other| rectangle.gap_to(other)).fold(border, f64::min)
+        self.obstacles.iter().map(|other| rectangle.gap_to(other)).fold(border, f64::min)
     }
 
     fn cover_clearance(&self, rectangle: &Rectangle) -> f64 {
@@ -184,9 +185,9 @@ fn cover(body: &Dimensions) -> (Vec<Disc>, f64) {
     ((0..count as usize).map(disc).collect(), ops::hypot(half_share, half_width))
 }
 
-fn floor_and_tolerance(floor: f64) -> (f64, f64) {
-    let floor = floor.max(LEAST_CLEARANCE_M);
-    (floor, MOTION_TOLERANCE_M.min(0.5 * floor))
+fn clearance_and_tolerance(min_clearance: f64) -> (f64, f64) {
+    let min_clearance = min_clearance.max(LEAST_CLEARANCE_M);
+    (min_clearance, MOTION_TOLERANCE_M.min(0.5 * min_clearance))
 }
 
 /// A length, but no more than once round the circle, after which the same poses come again.
@@ -196,7 +197,7 @@ fn once_round(length_m: f64, curvature: f64) -> f64 {
 }
 
 /// A segment as its sweep needs it.
-struct Motion {
+struct SweptMotion {
     start: Pose,
     axis: DVec2,
     curvature: f64,
@@ -208,7 +209,7 @@ struct Motion {
     rate: f64,
 }
 
-impl Motion {
+impl SweptMotion {
     fn new(start: Pose, segment: Segment, body: &Dimensions) -> Self {
         let Segment { curvature, length_m } = segment;
         Self {
@@ -242,7 +243,7 @@ impl Motion {
 mod tests {
     use rand::{Rng, RngExt};
 
-    use super::super::brute_force::TestField;
+    use super::super::brute_force::RandomBushes;
     use super::*;
     use crate::geometry::FieldFrame;
     use crate::grid::Grid;
@@ -262,17 +263,17 @@ mod tests {
     }
 
     /// A field, its brute force and a checker for a body on it.
-    fn checker(rng: &mut impl Rng) -> (TestField, CollisionChecker) {
+    fn checker(rng: &mut impl Rng) -> (RandomBushes, CollisionChecker) {
         let cell_m = [5.0, 5.0, 2.3][rng.random_range(0..3)];
-        let mut test = TestField::random(rng, cell_m, 0.05);
+        let mut test = RandomBushes::random(rng, cell_m, 0.05);
         while test.field.frame().width_m().min(test.field.frame().height_m()) < 25.0 {
-            test = TestField::random(rng, cell_m, 0.05);
+            test = RandomBushes::random(rng, cell_m, 0.05);
         }
-        let TestField { field, bushes } = test;
+        let RandomBushes { field, bushes } = test;
         let field = Arc::new(field);
         let checker = CollisionChecker::new(field.clone(), random_body(rng));
         let copy = ClearanceField::new(*field.frame(), field.occupied());
-        (TestField { field: copy, bushes }, checker)
+        (RandomBushes { field: copy, bushes }, checker)
     }
 
     #[test]
@@ -333,7 +334,7 @@ mod tests {
                 let curvature = [0.0, 1.0, -1.0][rng.random_range(0..3)] * rng.random_range(0.02..0.2);
                 let segment = Segment { curvature, length_m: rng.random_range(-15.0..15.0) };
                 let floor = [0.0, 0.03, 0.25, 0.75][rng.random_range(0..4)];
-                let (floor, tolerance) = floor_and_tolerance(floor);
+                let (floor, tolerance) = clearance_and_tolerance(floor);
                 let steps = (segment.length_m.abs() / 0.02).ceil().max(1.0);
                 let places = (0..=steps as u32).map(|k| segment.length_m * f64::from(k) / steps);
                 let least = places

@@ -1,4 +1,4 @@
-//! How far a point is from bushes and border.
+//! Distances from points to bushes and border.
 
 use glam::DVec2;
 
@@ -23,7 +23,7 @@ const ROUNDED_DOWN: f64 = 1.0 / (1 << 20) as f64;
 /// No less than what a stored distance can lack, as a share of it.
 const LACKING: f64 = 2.0 * ROUNDED_DOWN;
 
-/// What [`ClearanceField::line_is_free`] may demand beyond the radius, in metres.
+/// The room that [`ClearanceField::line_is_free`] may demand beyond the radius, in metres.
 const LINE_SLACK_M: f64 = 0.02;
 
 /// A lower bound of the distance from any point to the nearest bush or to the field's border.
@@ -52,7 +52,7 @@ pub struct ClearanceField {
     steps_per_m: f64,
 }
 
-/// What the lattice says about the distance from a point to the nearest bush: `B` and `V` of [`ClearanceField`].
+/// The lattice's knowledge of the distance from a point to the nearest bush: `B` and `V` of [`ClearanceField`].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Interpolated {
     distance_m: f64,
@@ -71,7 +71,7 @@ impl Interpolated {
         self.distance_m * (1.0 + LACKING) + self.spread_m2.sqrt()
     }
 
-    /// Whether the true distance is certainly less than `limit` metres: whether [`Interpolated::most`] is, without
+    /// Says whether the true distance is certainly less than `limit` metres: whether [`Interpolated::most`] is, without
     /// its root.
     #[inline]
     pub fn is_surely_below(self, limit: f64) -> bool {
@@ -118,7 +118,7 @@ impl ClearanceField {
     }
 
     /// Metres to the nearest bush or border, never more than the true distance; zero or less inside a bush or outside.
-    pub fn at(&self, point: DVec2) -> f64 {
+    pub fn lower_bound(&self, point: DVec2) -> f64 {
         let border = self.frame.border_distance(point);
         if border > 0.0 { self.interpolate(point).least_squared().max(0.0).sqrt().min(border) } else { border }
     }
@@ -129,7 +129,7 @@ impl ClearanceField {
         if border <= 0.0 {
             return border;
         }
-        // Beyond rounding, so that the box of a point on a bush's edge meets the bush from every side.
+        // Beyond rounding, so that the box about a point on a bush's edge meets the bush from every side.
         let reach = (self.interpolate(point).most() + LACKING * self.spacing_m).min(border);
         let half = DVec2::splat(0.5 * self.frame.cell_m);
         let squared_gap = |centre: DVec2| ((point - centre).abs() - half).max(DVec2::ZERO).length_squared();
@@ -137,7 +137,7 @@ impl ClearanceField {
         nearest.sqrt().min(border)
     }
 
-    /// Whether a disc of this radius fits everywhere on the straight line between two points.
+    /// Says whether a disc of this radius fits everywhere on the straight line between two points.
     ///
     /// A yes holds for every point of the line. A line that keeps less than 2 cm more than the radius may be refused.
     pub fn line_is_free(&self, from: DVec2, to: DVec2, radius: f64) -> bool {
@@ -147,7 +147,7 @@ impl ClearanceField {
         let needed = radius.max(0.0) + LINE_SLACK_M;
         let excess = |travelled: f64| {
             let point = from + direction * travelled;
-            let bound = self.at(point);
+            let bound = self.lower_bound(point);
             let distance = if bound < needed { self.distance(point) } else { bound };
             (distance >= needed).then_some(distance - needed)
         };
@@ -200,7 +200,7 @@ fn steps_per_cell(frame: &FieldFrame) -> usize {
 mod tests {
     use rand::RngExt;
 
-    use super::super::brute_force::TestField;
+    use super::super::brute_force::RandomBushes;
     use super::*;
     use crate::rng;
 
@@ -209,10 +209,10 @@ mod tests {
         let mut rng = rng::stream(1, "collision/field");
         let mut greatest_loss = 0.0f64;
         for round in 0..50 {
-            let test = TestField::random(&mut rng, [5.0, 1.3, 0.4][round % 3], [0.0, 0.02, 0.1, 0.4][round % 4]);
+            let test = RandomBushes::random(&mut rng, [5.0, 1.3, 0.4][round % 3], [0.0, 0.02, 0.1, 0.4][round % 4]);
             for _ in 0..2000 {
                 let point = test.random_point(&mut rng);
-                let (bound, distance) = (test.field.at(point), test.point_distance(point));
+                let (bound, distance) = (test.field.lower_bound(point), test.point_distance(point));
                 assert!(bound <= distance, "{point}: bound {bound}, distance {distance}");
                 assert!((test.field.distance(point) - distance).abs() < 1e-9, "{point}");
                 assert!(test.field.interpolate(point).most().min(bound.max(distance)) >= distance - 1e-9);
@@ -225,17 +225,17 @@ mod tests {
     #[test]
     fn inside_bushes_and_outside_the_field_nothing_is_free() {
         let mut rng = rng::stream(2, "collision/field");
-        let test = TestField::random(&mut rng, 5.0, 0.3);
+        let test = RandomBushes::random(&mut rng, 5.0, 0.3);
         let frame = *test.field.frame();
         for _ in 0..1000 {
             let beyond = DVec2::new(rng.random_range(0.0..30.0), rng.random_range(-30.0..30.0));
             for point in [-beyond, DVec2::new(frame.width_m(), 0.0) + beyond] {
-                assert!(test.field.at(point) <= 0.0 && test.field.distance(point) <= 0.0);
+                assert!(test.field.lower_bound(point) <= 0.0 && test.field.distance(point) <= 0.0);
             }
         }
         for bush in &test.bushes {
             let centre = 0.5 * (bush[0] + bush[2]);
-            assert!(bush.iter().all(|&corner| test.field.at(corner.lerp(centre, 1e-3)) <= 0.0));
+            assert!(bush.iter().all(|&corner| test.field.lower_bound(corner.lerp(centre, 1e-3)) <= 0.0));
         }
     }
 
@@ -259,7 +259,7 @@ mod tests {
         let mut rng = rng::stream(3, "collision/field");
         let (mut free, mut refused) = (0, 0);
         for _ in 0..40 {
-            let test = TestField::random(&mut rng, 5.0, 0.08);
+            let test = RandomBushes::random(&mut rng, 5.0, 0.08);
             for _ in 0..100 {
                 let (from, to) = (test.random_point(&mut rng), test.random_point(&mut rng));
                 let radius = rng.random_range(0.0..4.0);
@@ -283,7 +283,7 @@ mod tests {
         let field = ClearanceField::new(frame, &occupied);
         assert!(field.lattice.values().len() <= MAX_VERTICES + MAX_VERTICES / 8);
         let point = DVec2::new(50_000.0 - 37.0, 50_050.0);
-        assert!(field.at(point) <= 37.0);
+        assert!(field.lower_bound(point) <= 37.0);
         assert!((field.distance(point) - 37.0).abs() < 1e-9);
     }
 }

@@ -1,4 +1,4 @@
-//! The exact question: how far is a rectangle from squares and from the border.
+//! Exact distances from a rectangle to squares and to the border.
 
 use glam::DVec2;
 
@@ -85,7 +85,7 @@ impl Rectangle {
 mod tests {
     use rand::RngExt;
 
-    use super::super::brute_force::TestField;
+    use super::super::brute_force::RandomBushes;
     use super::*;
     use crate::geometry::OrientedRect;
     use crate::rng;
@@ -95,7 +95,7 @@ mod tests {
         let mut rng = rng::stream(1, "collision/rectangle");
         let mut contacts = 0;
         for round in 0..40 {
-            let test = TestField::random(&mut rng, [5.0, 1.1][round % 2], 0.1);
+            let test = RandomBushes::random(&mut rng, [5.0, 1.1][round % 2], 0.1);
             for _ in 0..300 {
                 let pose = test.random_pose(&mut rng);
                 let (half_length, half_width) = (rng.random_range(0.1..4.0), rng.random_range(0.1..2.0));

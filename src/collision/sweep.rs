@@ -1,9 +1,9 @@
 //! Proofs along a motion: what holds at a few places, with room to spare, holds in between.
 
-/// Whether a quantity that changes by at most `rate` per metre stays non-negative, up to a tolerance, from 0 to
+/// Says whether a quantity that changes by at most `rate` per metre stays non-negative, up to a tolerance, from 0 to
 /// `length_m`.
 ///
-/// `excess` gives a lower bound of the quantity at a place, or `None` where the motion shall be refused. A place with
+/// `excess` gives a lower bound of the quantity at a place, or `None` to refuse the motion. A place with
 /// excess `e` proves all that is nearer than `(e + tolerance) / rate`: there the quantity is above `-tolerance`. What
 /// is left on either side is treated alike. The middle comes first, because an obstacle is found soonest there. The
 /// tolerance bounds the effort: no proof covers less than `2 * tolerance / rate`.
@@ -30,7 +30,7 @@ fn interval_holds(
             && interval_holds((middle + proven, to), rate, tolerance, excess)
 }
 
-/// How far from 0 the quantity of [`holds_everywhere`] is proven, at most `length_m`; 0 if it fails at 0.
+/// Returns how far from 0 the quantity of [`holds_everywhere`] is proven, at most `length_m`; 0 if it fails at 0.
 pub(super) fn proven_prefix(
     length_m: f64,
     rate: f64,

@@ -29,7 +29,7 @@ impl fmt::Display for Cell {
     }
 }
 
-/// How cells lie in the world: square cells of one size, cell (0, 0) at the south-west corner.
+/// The layout of cells in the world: square cells of one size, cell (0, 0) at the south-west corner.
 ///
 /// Indices run row by row from the south-west, `row * cols + col`, the same order as a
 /// [`crate::grid::Grid`] of `rows` by `cols` whose row 0 is the south edge.

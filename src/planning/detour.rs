@@ -47,7 +47,7 @@ mod tests {
         let ahead = |metres: f64| Path { start, segments: vec![Segment { curvature: 0.0, length_m: metres }] };
         let disc = GoalDisc { centre: DVec2::new(90.0, 50.0), radius_m: 10.0 };
         let body = *open.checker.body();
-        let crowded = open.checker.beside([body.footprint(Pose::new(60.0, 50.0, 1.5))]);
+        let crowded = open.checker.with_obstacles([body.footprint(Pose::new(60.0, 50.0, 1.5))]);
         let (path, effort) = detour(&crowded, &ahead(75.0), 45.0, disc);
         let path = path.expect("the field is wide");
         assert_drivable(&crowded, &path, start, disc);
@@ -55,7 +55,7 @@ mod tests {
         assert_eq!(path.pose_at(24.9), ahead(75.0).pose_at(24.9), "it leaves the path shortly before");
 
         let start = Pose::new(10.0, 7.5, 0.0);
-        let crowded = lane.checker.beside([body.footprint(Pose::new(60.0, 7.5, 0.0))]);
+        let crowded = lane.checker.with_obstacles([body.footprint(Pose::new(60.0, 7.5, 0.0))]);
         let disc = GoalDisc { centre: DVec2::new(90.0, 7.5), radius_m: 10.0 };
         assert!(detour(&crowded, &Path { start, ..ahead(75.0) }, 45.0, disc).0.is_none());
     }

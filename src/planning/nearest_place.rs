@@ -124,7 +124,7 @@ mod tests {
         let field = TestField::drawn(&lane, start);
         let east = |pose: Pose| pose.x > 40.0;
         assert!(nearest_place(&field.checker, start, east).is_some());
-        let crowded = field.checker.beside([field.checker.body().footprint(Pose::new(25.0, 7.5, 0.0))]);
+        let crowded = field.checker.with_obstacles([field.checker.body().footprint(Pose::new(25.0, 7.5, 0.0))]);
         assert!(nearest_place(&crowded, start, east).is_none());
         assert!(nearest_place(&crowded, start, |pose| pose.x < 6.0).is_some());
     }

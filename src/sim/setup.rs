@@ -219,7 +219,7 @@ fn wumpus_limits(settings: &scenario::Wumpus) -> SpeedLimits {
         StepTime::Distance => settings.speed_mps,
         StepTime::Uniform => settings.speed_mps * std::f64::consts::SQRT_2,
     };
-    SpeedLimits::of_speed(fastest, 0.0)
+    SpeedLimits::new(fastest, 0.0)
 }
 
 fn walk_costs(settings: &scenario::Wumpus, terrain: &Terrain, lattice: &WalkLattice) -> WalkCosts {

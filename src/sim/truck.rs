@@ -165,7 +165,7 @@ impl Truck {
     /// The drive with its leg, as soon as the other trucks allow.
     fn set_off(&self, drive: Drive, situation: &Situation) -> Result<(Drive, Trajectory), Blocked> {
         let ready = situation.now + self.charge(&drive.effort);
-        let leg = Trajectory::along(&drive.path, ready, self.speed);
+        let leg = Trajectory::from_path(&drive.path, ready, self.speed);
         match situation.traffic.departure(&self.body, &leg) {
             Ok(leg) => Ok((drive, leg)),
             Err(by) => Err(Blocked { drive, by }),
@@ -187,7 +187,7 @@ impl Truck {
         }
         let mut clock = CpuStopwatch::start();
         let traffic = situation.traffic;
-        let leg = Trajectory::along(&drive.path, SimTime::ZERO, self.speed);
+        let leg = Trajectory::from_path(&drive.path, SimTime::ZERO, self.speed);
         let free_m = traffic.free_m(&self.body, &leg)?;
         let (path, spent) = detour(&traffic.crowd(&self.checker), &drive.path, free_m, disc);
         self.cost.local_search += clock.lap();

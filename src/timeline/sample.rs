@@ -237,7 +237,7 @@ impl World {
         let vegetation = vec![BushState::Intact; setting.bushes.len()];
         let timeline = Timeline { setting, events: Vec::new() };
         let (queue, now) = (EventQueue::default(), SimTime::ZERO);
-        let mut limits = SpeedLimits::of_speed(8.0, 8.0);
+        let mut limits = SpeedLimits::new(8.0, 8.0);
         if seed % 2 == 1 {
             limits.acceleration_mps2 = Some(2.0);
             limits.braking_mps2 = Some(4.0);
@@ -332,7 +332,7 @@ impl World {
         }
         let segments = (0..self.rng.random_range(3..=12)).map(|_| self.segment()).collect();
         let path = Path { start: self.stands(1), segments };
-        let trajectory = self.set_out(1, goal, Trajectory::along(&path, self.now, self.limits));
+        let trajectory = self.set_out(1, goal, Trajectory::from_path(&path, self.now, self.limits));
         self.queue.push(trajectory.end_time(), 4, (self.revision, Due::TruckArrives));
         self.tell(Fact::Agent(TRUCK, AgentFact::Planned { goal, trajectory, effort, by_lattice: false }));
     }

@@ -3,7 +3,7 @@
 //! A trajectory is a list of pieces, each with constant curvature and constant acceleration, that begin where and
 //! when the last one ended. Nothing is stepped: [`Trajectory::pose_at`] computes.
 //!
-//! [`Trajectory::along`] gives a path its speeds, [`Trajectory::stopping`] cuts a motion short,
+//! [`Trajectory::from_path`] gives a path its speeds, [`Trajectory::stopping`] cuts a motion short,
 //! [`Trajectory::after_waiting`] lets it begin later.
 
 mod profile;
@@ -99,7 +99,7 @@ impl Piece {
 
 /// Motion from a start pose at a start time. Before its start a body stands at the start, after its end at the end.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(from = "Stored", into = "Stored")]
+#[serde(from = "StoredTrajectory", into = "StoredTrajectory")]
 pub struct Trajectory {
     start_time: SimTime,
     start: Pose,
@@ -108,7 +108,7 @@ pub struct Trajectory {
     ends: Vec<(f64, Pose)>,
 }
 
-/// How a body goes for a while.
+/// The speed and curvature of a body for a while.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pace {
     /// Never more, in m/s.
@@ -118,22 +118,22 @@ pub struct Pace {
     pub until: SimTime,
 }
 
-/// What a file holds of a trajectory: all that is not derived.
+/// The part of a trajectory that a file holds: all that is not derived.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(rename = "Trajectory")]
-struct Stored {
+struct StoredTrajectory {
     start_time: SimTime,
     start: Pose,
     pieces: Vec<Piece>,
 }
 
-impl From<Stored> for Trajectory {
-    fn from(stored: Stored) -> Self {
+impl From<StoredTrajectory> for Trajectory {
+    fn from(stored: StoredTrajectory) -> Self {
         Self::new(stored.start_time, stored.start, stored.pieces)
     }
 }
 
-impl From<Trajectory> for Stored {
+impl From<Trajectory> for StoredTrajectory {
     fn from(trajectory: Trajectory) -> Self {
         Self { start_time: trajectory.start_time, start: trajectory.start, pieces: trajectory.pieces }
     }
@@ -160,7 +160,7 @@ impl Trajectory {
         self.start_time
     }
 
-    /// When the last piece ends, rounded up to the next nanosecond. From then on the body stands at
+    /// Returns when the last piece ends, rounded up to the next nanosecond. From then on the body stands at
     /// [`Trajectory::end`].
     pub fn end_time(&self) -> SimTime {
         self.start_time + SimTime::from_seconds_up(self.duration_s() - DURATION_NOISE_S)
@@ -194,26 +194,26 @@ impl Trajectory {
 
     /// Pose and speed (m/s, never negative) at a time.
     ///
-    /// At an instant where one piece ends and the next begins, the next one speaks; a turn on the spot is done by then.
+    /// At an instant where one piece ends and the next begins, the next one counts; a turn on the spot is done by then.
     pub fn state_at(&self, time: SimTime) -> (Pose, f64) {
         if time < self.start_time {
             return (self.start, 0.0);
         }
-        match self.place_at(time) {
-            Some(place) => self.pieces[place.index].state_at(place.start, place.elapsed_s),
+        match self.progress_at(time) {
+            Some(progress) => self.pieces[progress.index].state_at(progress.start, progress.elapsed_s),
             None => (self.end(), 0.0),
         }
     }
 
-    /// How fast the body goes at most from a time on, until the piece that is under way ends.
+    /// Bounds the body's speed from a time on, until the piece that is under way ends.
     pub fn pace_at(&self, time: SimTime) -> Pace {
         let standing = |until| Pace { fastest_mps: 0.0, curvature: 0.0, until };
         if time < self.start_time {
             return standing(self.start_time);
         }
-        let Some(place) = self.place_at(time) else { return standing(SimTime::MAX) };
-        let until = self.start_time + SimTime::from_seconds_up(self.ends[place.index].0);
-        match self.pieces[place.index] {
+        let Some(progress) = self.progress_at(time) else { return standing(SimTime::MAX) };
+        let until = self.start_time + SimTime::from_seconds_up(self.ends[progress.index].0);
+        match self.pieces[progress.index] {
             Piece::Drive { segment, speed_mps, acceleration_mps2 } => {
                 let at_end = speed_after(speed_mps, acceleration_mps2, segment.length_m.abs());
                 Pace { fastest_mps: speed_mps.max(at_end), curvature: segment.curvature, until }
@@ -222,13 +222,13 @@ impl Trajectory {
         }
     }
 
-    /// The same motion after standing at its start for so many seconds, counted from its start time.
+    /// Returns the same motion after standing at its start for a while, counted from its start time.
     pub fn after_waiting(&self, seconds: f64) -> Self {
         let pieces = std::iter::once(Piece::Wait { seconds }).chain(self.pieces.iter().copied());
         Self::new(self.start_time, self.start, pieces.collect())
     }
 
-    /// When it begins to move: its start time, and the waits at its beginning.
+    /// Returns when it begins to move: its start time, and the waits at its beginning.
     pub fn sets_out_at(&self) -> SimTime {
         let waits = self.pieces.iter().take_while(|piece| matches!(piece, Piece::Wait { .. })).count();
         match waits {
@@ -242,9 +242,9 @@ impl Trajectory {
         if until < self.start_time {
             return 0.0;
         }
-        let place = self.place_at(until);
-        let whole = place.map_or(self.pieces.len(), |place| place.index);
-        let begun = place.map_or(0.0, |place| self.pieces[place.index].covered_m(place.elapsed_s));
+        let progress = self.progress_at(until);
+        let whole = progress.map_or(self.pieces.len(), |progress| progress.index);
+        let begun = progress.map_or(0.0, |progress| self.pieces[progress.index].covered_m(progress.elapsed_s));
         self.pieces[..whole].iter().map(Piece::length_m).sum::<f64>() + begun
     }
 
@@ -261,21 +261,21 @@ impl Trajectory {
         cusps
     }
 
-    /// Which piece is under way at a time that is not before the start; `None` when all have ended.
-    fn place_at(&self, time: SimTime) -> Option<Place> {
+    /// Returns the piece that is under way at a time that is not before the start; `None` when all have ended.
+    fn progress_at(&self, time: SimTime) -> Option<PieceProgress> {
         if time >= self.end_time() {
             return None;
         }
         let elapsed = time.since(self.start_time).as_seconds();
         let index = self.ends.partition_point(|&(end, _)| end <= elapsed);
         let (began, start) = if index == 0 { (0.0, self.start) } else { self.ends[index - 1] };
-        (index < self.pieces.len()).then_some(Place { index, start, elapsed_s: elapsed - began })
+        (index < self.pieces.len()).then_some(PieceProgress { index, start, elapsed_s: elapsed - began })
     }
 }
 
-/// A place in a trajectory: a piece, the pose at which it begins, and how long it has been under way.
+/// How far a motion has come: the piece under way, the pose at which it begins, and how long it has been under way.
 #[derive(Clone, Copy)]
-struct Place {
+struct PieceProgress {
     index: usize,
     start: Pose,
     elapsed_s: f64,
@@ -337,7 +337,7 @@ mod tests {
         for count in 1..60 {
             let segment = Segment { curvature: 1.0 / 13.0, length_m: 0.1 * f64::from(count) };
             let path = Path { start: Pose::new(50.0, 40.0, 0.3), segments: vec![segment; count as usize] };
-            let drive = Trajectory::along(&path, at(0.3), SpeedLimits::of_speed(7.3, 3.1));
+            let drive = Trajectory::from_path(&path, at(0.3), SpeedLimits::new(7.3, 3.1));
             assert_eq!(drive.state_at(drive.end_time()), (drive.end(), 0.0));
             assert_eq!(drive.distance_m(drive.end_time()), drive.distance_m(SimTime::MAX));
             assert_eq!(drive.state_at(SimTime::ZERO), (drive.start(), 0.0));

@@ -11,7 +11,7 @@ use super::{Piece, Trajectory, speed_after};
 use crate::time::SimTime;
 use crate::vehicle::{Path, Segment};
 
-/// How fast a body may go, and how fast its speed may change. Positive numbers; `None` is no limit.
+/// Limits of a body's speed, and of how fast that may change. Positive numbers; `None` is no limit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SpeedLimits {
     pub forward_mps: f64,
@@ -26,12 +26,12 @@ pub struct SpeedLimits {
 
 impl SpeedLimits {
     /// One speed each way, without limits of acceleration.
-    pub fn of_speed(forward_mps: f64, reverse_mps: f64) -> Self {
+    pub fn new(forward_mps: f64, reverse_mps: f64) -> Self {
         Self { forward_mps, reverse_mps, acceleration_mps2: None, braking_mps2: None, lateral_mps2: None }
     }
 
     /// The greatest speed on a segment, in m/s.
-    pub fn on(&self, segment: &Segment) -> f64 {
+    pub fn speed_on(&self, segment: &Segment) -> f64 {
         let speed = if segment.is_reverse() { self.reverse_mps } else { self.forward_mps };
         match self.lateral_mps2 {
             Some(lateral) if segment.curvature != 0.0 => speed.min((lateral / segment.curvature.abs()).sqrt()),
@@ -44,7 +44,7 @@ impl Trajectory {
     /// Drives a path as fast as the limits allow, from standstill to standstill and through a standstill at cusps.
     ///
     /// Segments without length are left out.
-    pub fn along(path: &Path, start_time: SimTime, limits: SpeedLimits) -> Self {
+    pub fn from_path(path: &Path, start_time: SimTime, limits: SpeedLimits) -> Self {
         let segments: Vec<Segment> = path.segments.iter().copied().filter(|segment| segment.length_m != 0.0).collect();
         let mut pieces = Vec::with_capacity(segments.len());
         for stretch in segments.chunk_by(|a, b| a.is_reverse() == b.is_reverse()) {
@@ -64,7 +64,7 @@ fn joint_speeds(stretch: &[Segment], limits: &SpeedLimits) -> Vec<f64> {
     let mut speeds = vec![0.0; stretch.len() + 1];
     for (joint, pair) in stretch.windows(2).enumerate() {
         let reached = speed_after(speeds[joint], acceleration, pair[0].length_m.abs());
-        speeds[joint + 1] = limits.on(&pair[0]).min(limits.on(&pair[1])).min(reached);
+        speeds[joint + 1] = limits.speed_on(&pair[0]).min(limits.speed_on(&pair[1])).min(reached);
     }
     for (joint, segment) in stretch.iter().enumerate().rev() {
         speeds[joint] = speeds[joint].min(speed_after(speeds[joint + 1], braking, segment.length_m.abs()));
@@ -79,7 +79,7 @@ fn drive_segment(segment: Segment, entry: f64, exit: f64, limits: &SpeedLimits, 
     let per_gain = limits.acceleration_mps2.map_or(0.0, |acceleration| 0.5 / acceleration);
     let per_loss = limits.braking_mps2.map_or(0.0, |braking| 0.5 / braking);
     let way_to = |peak: f64, joint: f64, per: f64| (per * (peak * peak - joint * joint)).max(0.0);
-    let mut peak = limits.on(&segment);
+    let mut peak = limits.speed_on(&segment);
     if way_to(peak, entry, per_gain) + way_to(peak, exit, per_loss) > length {
         peak = ((length + per_gain * entry * entry + per_loss * exit * exit) / (per_gain + per_loss)).sqrt();
     }
@@ -120,11 +120,10 @@ pub(super) mod tests {
     fn a_sliver_of_a_segment_takes_next_to_no_time() {
         let sliver = Segment { curvature: 0.05, length_m: 1e-12 };
         let path = Path { start: Pose::default(), segments: vec![sliver, Segment { curvature: 0.0, length_m: -9.0 }] };
-        let some =
-            SpeedLimits { acceleration_mps2: Some(2.0), braking_mps2: Some(4.0), ..SpeedLimits::of_speed(9.0, 9.0) };
-        for limits in [SpeedLimits::of_speed(9.0, 9.0), some] {
-            let trajectory = Trajectory::along(&path, SimTime::ZERO, limits);
-            let without = Trajectory::along(
+        let some = SpeedLimits { acceleration_mps2: Some(2.0), braking_mps2: Some(4.0), ..SpeedLimits::new(9.0, 9.0) };
+        for limits in [SpeedLimits::new(9.0, 9.0), some] {
+            let trajectory = Trajectory::from_path(&path, SimTime::ZERO, limits);
+            let without = Trajectory::from_path(
                 &Path { segments: path.segments[1..].to_vec(), ..path.clone() },
                 SimTime::ZERO,
                 limits,
@@ -168,7 +167,7 @@ pub(super) mod tests {
     fn without_limits_of_acceleration_speed_is_constant() {
         let mut rng = rng::stream(1, "trajectory/profile");
         let path = random_path(&mut rng);
-        let drive = Trajectory::along(&path, SimTime::ZERO, SpeedLimits::of_speed(8.0, 4.0));
+        let drive = Trajectory::from_path(&path, SimTime::ZERO, SpeedLimits::new(8.0, 4.0));
         let seconds = |s: &Segment| s.length_m.abs() / if s.is_reverse() { 4.0 } else { 8.0 };
         assert_eq!(drive.pieces().len(), path.segments.len());
         assert!((drive.duration_s() - path.segments.iter().map(seconds).sum::<f64>()).abs() < 1e-12);
@@ -177,10 +176,10 @@ pub(super) mod tests {
     #[test]
     fn a_straight_takes_what_the_trapezoid_says() {
         let limits =
-            SpeedLimits { acceleration_mps2: Some(2.0), braking_mps2: Some(4.0), ..SpeedLimits::of_speed(8.0, 8.0) };
+            SpeedLimits { acceleration_mps2: Some(2.0), braking_mps2: Some(4.0), ..SpeedLimits::new(8.0, 8.0) };
         let seconds = |length_m: f64| {
             let path = Path { start: Pose::default(), segments: vec![Segment { curvature: 0.0, length_m }] };
-            Trajectory::along(&path, SimTime::ZERO, limits).duration_s()
+            Trajectory::from_path(&path, SimTime::ZERO, limits).duration_s()
         };
         // Up to 8 m/s in 16 m and 4 s, down in 8 m and 2 s, the rest at 8 m/s.
         assert!((seconds(40.0) - (4.0 + 2.0 + 2.0)).abs() < 1e-9);
@@ -194,10 +193,10 @@ pub(super) mod tests {
         let mut rng = rng::stream(2, "trajectory/profile");
         for _ in 0..300 {
             let (path, limits) = (random_path(&mut rng), random_limits(&mut rng));
-            let drive = Trajectory::along(&path, SimTime::ZERO, limits);
+            let drive = Trajectory::from_path(&path, SimTime::ZERO, limits);
             let speeds = speeds(&drive);
             for (piece, (entry, exit, segment)) in drive.pieces().iter().zip(&speeds) {
-                assert!(entry.max(*exit) <= limits.on(segment) + 1e-9, "{piece:?} under {limits:?}");
+                assert!(entry.max(*exit) <= limits.speed_on(segment) + 1e-9, "{piece:?} under {limits:?}");
                 let Piece::Drive { acceleration_mps2, .. } = *piece else { unreachable!("checked above") };
                 assert!(acceleration_mps2 <= limits.acceleration_mps2.unwrap_or(0.0));
                 assert!(-acceleration_mps2 <= limits.braking_mps2.unwrap_or(0.0));
@@ -222,11 +221,11 @@ pub(super) mod tests {
         let mut rng = rng::stream(3, "trajectory/profile");
         for _ in 0..300 {
             let (path, limits) = (random_path(&mut rng), random_limits(&mut rng));
-            let drive = Trajectory::along(&path, SimTime::ZERO, limits);
+            let drive = Trajectory::from_path(&path, SimTime::ZERO, limits);
             for (piece, (entry, _, segment)) in drive.pieces().iter().zip(speeds(&drive)) {
                 let Piece::Drive { acceleration_mps2, .. } = *piece else { unreachable!("profiles hold drives only") };
                 assert!(
-                    acceleration_mps2 != 0.0 || (entry - limits.on(&segment)).abs() < 1e-9,
+                    acceleration_mps2 != 0.0 || (entry - limits.speed_on(&segment)).abs() < 1e-9,
                     "{piece:?}, {limits:?}"
                 );
             }
@@ -238,7 +237,7 @@ pub(super) mod tests {
         let mut rng = rng::stream(4, "trajectory/profile");
         for _ in 0..50 {
             let (path, limits) = (random_path(&mut rng), random_limits(&mut rng));
-            let drive = Trajectory::along(&path, SimTime::ZERO, limits);
+            let drive = Trajectory::from_path(&path, SimTime::ZERO, limits);
             let step = drive.duration_s() / 5000.0;
             let mut integrated = 0.0;
             for k in 0..5000 {

@@ -1,6 +1,6 @@
 //! Breaking a motion off on its way.
 
-use super::{Piece, Place, Trajectory, speed_after};
+use super::{Piece, PieceProgress, Trajectory, speed_after};
 use crate::time::SimTime;
 
 impl Trajectory {
@@ -13,22 +13,22 @@ impl Trajectory {
         if at <= self.start_time {
             return Self::new(self.start_time, self.start, Vec::new());
         }
-        let Some(place) = self.place_at(at) else { return self.clone() };
-        let mut pieces = self.pieces[..place.index].to_vec();
-        let begun = self.pieces[place.index].until(place.elapsed_s);
+        let Some(progress) = self.progress_at(at) else { return self.clone() };
+        let mut pieces = self.pieces[..progress.index].to_vec();
+        let begun = self.pieces[progress.index].until(progress.elapsed_s);
         pieces.extend(begun);
         if let Some(braking) = braking {
-            self.brake(place, braking, &mut pieces);
+            self.brake(progress, braking, &mut pieces);
         }
         Self::new(self.start_time, self.start, pieces)
     }
 
-    /// Adds the pieces of braking from a place on.
-    fn brake(&self, place: Place, braking: f64, pieces: &mut Vec<Piece>) {
-        let (_, mut speed) = self.pieces[place.index].state_at(place.start, place.elapsed_s);
-        let rest = self.pieces[place.index].after(place.elapsed_s);
+    /// Adds the pieces of braking from there on.
+    fn brake(&self, progress: PieceProgress, braking: f64, pieces: &mut Vec<Piece>) {
+        let (_, mut speed) = self.pieces[progress.index].state_at(progress.start, progress.elapsed_s);
+        let rest = self.pieces[progress.index].after(progress.elapsed_s);
         let mut reverse = None;
-        for piece in rest.into_iter().chain(self.pieces[place.index + 1..].iter().copied()) {
+        for piece in rest.into_iter().chain(self.pieces[progress.index + 1..].iter().copied()) {
             let Piece::Drive { segment, .. } = piece else { return };
             if speed == 0.0 || *reverse.get_or_insert(segment.is_reverse()) != segment.is_reverse() {
                 return;
@@ -133,7 +133,7 @@ mod tests {
         let mut rng = rng::stream(1, "trajectory/stopping");
         for _ in 0..300 {
             let limits = random_limits(&mut rng);
-            let drive = Trajectory::along(&random_path(&mut rng), SimTime::from_seconds(3.0), limits);
+            let drive = Trajectory::from_path(&random_path(&mut rng), SimTime::from_seconds(3.0), limits);
             let end = drive.end_time().as_nanos();
             let at = SimTime::from_nanos(rng.random_range(0..end + end / 10));
             let braking = rng.random_bool(0.8).then(|| rng.random_range(0.5..8.0));
@@ -161,7 +161,7 @@ mod tests {
         let mut rng = rng::stream(2, "trajectory/stopping");
         for _ in 0..200 {
             let limits = random_limits(&mut rng);
-            let drive = Trajectory::along(&random_path(&mut rng), SimTime::from_seconds(3.0), limits);
+            let drive = Trajectory::from_path(&random_path(&mut rng), SimTime::from_seconds(3.0), limits);
             let (start, end) = (drive.start_time().as_nanos(), drive.end_time().as_nanos());
             let at = SimTime::from_nanos(rng.random_range(start + 1..end));
             let cut = drive.stopping(at, None);
@@ -177,7 +177,7 @@ mod tests {
             start: Pose::default(),
             segments: vec![Segment { curvature: 0.0, length_m: 30.0 }, Segment { curvature: 0.1, length_m: 30.0 }],
         };
-        let drive = Trajectory::along(&path, SimTime::ZERO, SpeedLimits::of_speed(8.0, 8.0));
+        let drive = Trajectory::from_path(&path, SimTime::ZERO, SpeedLimits::new(8.0, 8.0));
         let cut = drive.stopping(SimTime::from_seconds(3.0), Some(4.0));
         assert!((cut.distance_m(SimTime::MAX) - (24.0 + 8.0)).abs() < 1e-9);
         assert!((cut.duration_s() - 5.0).abs() < 1e-6);
@@ -191,7 +191,7 @@ mod tests {
             start: Pose::default(),
             segments: vec![Segment { curvature: 0.0, length_m: 10.0 }, Segment { curvature: 0.1, length_m: -30.0 }],
         };
-        let drive = Trajectory::along(&path, SimTime::ZERO, SpeedLimits::of_speed(8.0, 8.0));
+        let drive = Trajectory::from_path(&path, SimTime::ZERO, SpeedLimits::new(8.0, 8.0));
         let cut = drive.stopping(SimTime::from_seconds(1.0), Some(1.0));
         assert!((cut.distance_m(SimTime::MAX) - 10.0).abs() < 1e-9);
         assert_eq!(cut.cusps(), 0);
@@ -200,7 +200,7 @@ mod tests {
     #[test]
     fn a_motion_stopped_before_its_start_never_begins() {
         let path = Path { start: Pose::default(), segments: vec![Segment { curvature: 0.0, length_m: 10.0 }] };
-        let drive = Trajectory::along(&path, SimTime::from_seconds(2.0), SpeedLimits::of_speed(8.0, 8.0));
+        let drive = Trajectory::from_path(&path, SimTime::from_seconds(2.0), SpeedLimits::new(8.0, 8.0));
         let cut = drive.stopping(SimTime::from_seconds(1.0), Some(1.0));
         assert_eq!((cut.end_time(), cut.end()), (drive.start_time(), drive.start()));
     }

@@ -86,7 +86,7 @@ impl Word {
         }
     }
 
-    /// What lies between the outer arcs, if their centres are neither too close nor too far apart.
+    /// Returns what lies between the outer arcs, if their centres are neither too close nor too far apart.
     fn middle(self, view: &View) -> Option<Middle> {
         let &View { squared, distance, tangent, .. } = view;
         match self {

@@ -64,8 +64,8 @@ impl Dimensions {
         ops::atan(self.wheelbase_m / self.turning_radius_m)
     }
 
-    /// How many metres the fastest point of the body moves for a metre of the rear axle: on an arc, the distance of the
-    /// farthest point from the turning centre, over the radius.
+    /// Returns the metres that the fastest point of the body moves for a metre of the rear axle: on an arc, the distance
+    /// of the farthest point from the turning centre, over the radius.
     pub fn farthest_point_rate(&self, curvature: f64) -> f64 {
         if curvature == 0.0 {
             return 1.0;

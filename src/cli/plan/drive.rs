@@ -49,7 +49,7 @@ impl<'a> Judge<'a> {
     }
 
     pub fn drive(&self, goal: Goal, path: Path) -> Drive {
-        let trajectory = Trajectory::along(&path, SimTime::ZERO, self.limits);
+        let trajectory = Trajectory::from_path(&path, SimTime::ZERO, self.limits);
         // The sum of no segments is -0.
         let length_m = path.length_m() + 0.0;
         let bound_m = lower_bound_m(self.start, goal, self.checker.body());

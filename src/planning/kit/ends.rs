@@ -62,7 +62,7 @@ pub fn free_poses(
             disc.centre + DVec2::new(cos, sin) * (reach * f64::from(ring) / f64::from(rings.max(1)))
         })
     });
-    let roomy = places.filter(|&centre| checker.field().at(centre) >= 0.5 * checker.body().width_m);
+    let roomy = places.filter(|&centre| checker.field().lower_bound(centre) >= 0.5 * checker.body().width_m);
     let poses = roomy.flat_map(move |centre| {
         (0..HEADINGS).map(move |k| {
             let heading = ops::wrap_angle(f64::from(k) / f64::from(HEADINGS) * TAU);

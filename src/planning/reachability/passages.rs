@@ -54,7 +54,7 @@ impl Passages {
         let body = checker.body();
         let needed = 0.5 * body.width_m.min(body.length_m) - SQUARE_M * FRAC_1_SQRT_2;
         let is_open =
-            |middle: DVec2| checker.field().at(middle) >= needed || checker.field().distance(middle) >= needed;
+            |middle: DVec2| checker.field().lower_bound(middle) >= needed || checker.field().distance(middle) >= needed;
         let squares = self.cols * self.rows;
         let mut at_work = self.memory.beside();
         if !at_work.cover(squares * BYTES_AT_WORK) {

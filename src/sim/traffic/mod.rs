@@ -13,7 +13,7 @@ pub mod standoff;
 
 use bevy::prelude::Entity;
 
-use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M, Moving, first_meeting, gap_between};
+use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M, MovingBody, first_conflict, gap_between};
 use crate::geometry::{OrientedRect, Pose};
 use crate::time::SimTime;
 use crate::timeline::AgentId;
@@ -47,15 +47,15 @@ pub struct Reservation {
 }
 
 impl Reservation {
-    fn moving(&self) -> Moving<'_> {
-        Moving { body: &self.body, trajectory: &self.leg }
+    fn moving(&self) -> MovingBody<'_> {
+        MovingBody { body: &self.body, trajectory: &self.leg }
     }
 
     /// When a motion first meets this truck in its last place, as if it stood there all the time.
-    fn last_met(&self, motion: Moving<'_>) -> Option<SimTime> {
+    fn last_met(&self, motion: MovingBody<'_>) -> Option<SimTime> {
         let stand = Trajectory::new(SimTime::ZERO, self.leg.end(), Vec::new());
-        let stand = Moving { body: &self.body, trajectory: &stand };
-        first_meeting(motion, stand, motion.trajectory.start_time(), MARGIN_M)
+        let stand = MovingBody { body: &self.body, trajectory: &stand };
+        first_conflict(motion, stand, motion.trajectory.start_time(), MARGIN_M)
     }
 
     /// The outline at its end.
@@ -81,18 +81,18 @@ impl<'a> Traffic<'a> {
     }
 
     /// The first of the others that a motion comes too near, looked at from `from` on.
-    fn met(self, motion: Moving<'_>, from: SimTime) -> Option<&'a Reservation> {
-        self.others().find(|other| first_meeting(motion, other.moving(), from, MARGIN_M).is_some())
+    fn met(self, motion: MovingBody<'_>, from: SimTime) -> Option<&'a Reservation> {
+        self.others().find(|other| first_conflict(motion, other.moving(), from, MARGIN_M).is_some())
     }
 
     /// The others whose last place lies on the way of a leg, whenever it is driven.
     fn on_the_way(self, body: &Dimensions, leg: &Trajectory) -> impl Iterator<Item = &'a Reservation> {
-        self.others().filter(move |other| other.last_met(Moving { body, trajectory: leg }).is_some())
+        self.others().filter(move |other| other.last_met(MovingBody { body, trajectory: leg }).is_some())
     }
 
     /// Metres of a leg before it meets the first of the others in its last place, if it meets any.
     pub fn free_m(self, body: &Dimensions, leg: &Trajectory) -> Option<f64> {
-        let times = self.others().filter_map(|other| other.last_met(Moving { body, trajectory: leg }));
+        let times = self.others().filter_map(|other| other.last_met(MovingBody { body, trajectory: leg }));
         times.map(|time| leg.distance_m(time)).min_by(f64::total_cmp)
     }
 
@@ -104,7 +104,7 @@ impl<'a> Traffic<'a> {
     }
 
     fn departure_within(self, patience: SimTime, body: &Dimensions, leg: &Trajectory) -> Result<Trajectory, AgentId> {
-        let met = |leg: &Trajectory| self.met(Moving { body, trajectory: leg }, leg.sets_out_at());
+        let met = |leg: &Trajectory| self.met(MovingBody { body, trajectory: leg }, leg.sets_out_at());
         let Some(first) = met(leg) else { return Ok(leg.clone()) };
         if let Some(other) = self.on_the_way(body, leg).next() {
             return Err(other.id);
@@ -119,7 +119,7 @@ impl<'a> Traffic<'a> {
 
     /// A leg cut short at the first place where the truck may stand for ever, from `now` on.
     pub fn stopping(self, body: &Dimensions, leg: &Trajectory, now: SimTime, braking: Option<f64>) -> Trajectory {
-        let may = |cut: &Trajectory| self.met(Moving { body, trajectory: cut }, now).is_none();
+        let may = |cut: &Trajectory| self.met(MovingBody { body, trajectory: cut }, now).is_none();
         let at_once = if leg.start_time() >= now {
             Trajectory::new(now, leg.start(), Vec::new())
         } else {
@@ -143,7 +143,7 @@ impl<'a> Traffic<'a> {
             let OrientedRect { centre, half_length, half_width } = other.outline();
             OrientedRect { centre, half_length: half_length + wider, half_width: half_width + wider }
         });
-        checker.beside(standing)
+        checker.with_obstacles(standing)
     }
 }
 
@@ -161,7 +161,7 @@ mod tests {
 
     fn straight(start_s: f64, start: Pose, metres: f64) -> Trajectory {
         let path = Path { start, segments: vec![Segment { curvature: 0.0, length_m: metres }] };
-        Trajectory::along(&path, SimTime::from_seconds(start_s), SpeedLimits::of_speed(8.0, 8.0))
+        Trajectory::from_path(&path, SimTime::from_seconds(start_s), SpeedLimits::new(8.0, 8.0))
     }
 
     /// A truck that drives east through x = 0 at 5 s, and the reservation of one that drives north through x = 0.
@@ -196,8 +196,8 @@ mod tests {
             let departs = Traffic::new(&others, entity).departure(&body, &leg).expect("the other passes");
             let wait_s = departs.duration_s() - leg.duration_s();
             assert!(if waits { wait_s > 0.5 && wait_s < 2.0 } else { wait_s == 0.0 }, "{passes_s}: {wait_s} s");
-            let motion = Moving { body: &body, trajectory: &departs };
-            assert!(first_meeting(motion, others[0].moving(), SimTime::ZERO, 0.0).is_none());
+            let motion = MovingBody { body: &body, trajectory: &departs };
+            assert!(first_conflict(motion, others[0].moving(), SimTime::ZERO, 0.0).is_none());
         }
     }
 

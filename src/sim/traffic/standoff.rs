@@ -7,7 +7,7 @@
 
 use bevy::prelude::Entity;
 
-use crate::collision::{Moving, first_meeting};
+use crate::collision::{MovingBody, first_conflict};
 use crate::planning::nearest_place;
 use crate::sim::agenda::{Due, Rank};
 use crate::sim::stage::Stage;
@@ -48,7 +48,7 @@ impl Plan {
         let now = stage.now();
         let truck = stage.truck(first);
         let wanted = &truck.blocked.first()?.drive;
-        let wish = Trajectory::along(&wanted.path, now + truck.charge(&wanted.effort), truck.speed);
+        let wish = Trajectory::from_path(&wanted.path, now + truck.charge(&wanted.effort), truck.speed);
         let mut reservations = stage.reservations();
         let in_the_way = blocking(&reservations, first, truck, &wish)?;
         let mut making_way = Vec::new();
@@ -99,9 +99,9 @@ fn way_aside(
     let crowd = traffic.crowd(&truck.checker);
     let leaves_free = |pose| {
         let stand = Trajectory::new(now, pose, Vec::new());
-        let stand = Moving { body: &own.body, trajectory: &stand };
-        first_meeting(Moving { body, trajectory: wish }, stand, now, MARGIN_M).is_none()
+        let stand = MovingBody { body: &own.body, trajectory: &stand };
+        first_conflict(MovingBody { body, trajectory: wish }, stand, now, MARGIN_M).is_none()
     };
     let path = nearest_place(&crowd, own.leg.end(), leaves_free)?;
-    traffic.departure(&own.body, &Trajectory::along(&path, now, truck.speed)).ok()
+    traffic.departure(&own.body, &Trajectory::from_path(&path, now, truck.speed)).ok()
 }

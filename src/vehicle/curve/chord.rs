@@ -17,19 +17,19 @@ use std::f64::consts::PI;
 
 use crate::geometry::{Pose, ops};
 
-/// How one pose lies from another, in turning radii and the frame of the mean heading.
+/// The displacement from one pose to another, in turning radii and the frame of the mean heading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chord {
     pub along: f64,
     pub across: f64,
     /// Change of heading, in [-pi, pi].
     pub turn: f64,
-    /// Sine and cosine of half the change of heading; the cosine is never negative but by rounding.
+    /// Sine and cosine of half the change of heading; the cosine is never negative except by rounding.
     pub half_sin: f64,
     pub half_cos: f64,
 }
 
-/// Which of the symmetries were applied to a chord, and have to be applied to its curve.
+/// The symmetries that were applied to a chord, and have to be applied to its curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Symmetry {
     pub flipped: bool,

@@ -26,7 +26,7 @@ pub struct Circles {
     half: DVec2,
 }
 
-/// On which side of the vehicle the last circle lies, compared to the first.
+/// The side of the vehicle on which the last circle lies, compared to the first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ends {
     SameSide,
@@ -58,7 +58,7 @@ pub struct View {
     half: DVec2,
 }
 
-/// What lies between the first and the last arc of a word.
+/// The part of a word between its first and its last arc.
 #[derive(Clone, Copy, Debug)]
 pub struct Middle {
     pub length: f64,

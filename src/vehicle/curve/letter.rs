@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::vehicle::Segment;
 
-/// Where the steering wheel points: to a stop, or straight ahead.
+/// The direction of the steering wheel: to a stop, or straight ahead.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Steering {
     Left,
@@ -12,7 +12,7 @@ pub enum Steering {
     Right,
 }
 
-/// Which way the vehicle drives.
+/// The direction of driving.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gear {
     Forward,

@@ -1,4 +1,4 @@
-//! Curves of a smallest turning radius: what those of Dubins and of Reeds and Shepp have in common.
+//! Curves of a smallest turning radius: the common part of those of Dubins and of Reeds and Shepp.
 //!
 //! Such a curve is a word of [`Letter`]s, each an arc of the smallest radius or a straight, and a length for each letter.
 //! Its first and last letters are arcs; `chord` and `circles` find them for a given middle. Poses are those of the

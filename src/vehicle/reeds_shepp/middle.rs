@@ -36,7 +36,7 @@ use crate::vehicle::curve::MAX_LETTERS;
 use crate::vehicle::curve::circles::{Ends, Middle, OuterArcs, View, at_least, at_most};
 
 impl Form {
-    /// On which side the last arc lies.
+    /// Returns on which side the last arc lies.
     #[inline(always)]
     pub fn ends(self) -> Ends {
         match self {
@@ -49,7 +49,7 @@ impl Form {
         }
     }
 
-    /// What lies between the outer arcs, if their centres are neither too close nor too far apart.
+    /// Returns what lies between the outer arcs, if their centres are neither too close nor too far apart.
     #[inline(always)]
     pub fn middle(self, view: &View) -> Option<Middle> {
         let &View { squared, distance: d, tangent: w, .. } = view;

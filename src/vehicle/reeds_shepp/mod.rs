@@ -74,7 +74,7 @@ impl ReedsShepp {
     pub fn candidates(&self, from: Pose, to: Pose, price: &CurvePrice, curves: &mut Vec<PricedCurve>) {
         curves.clear();
         let pair = Pair::new(from, to, self.radius_m);
-        curves.extend(pair.curves().map(|curve| PricedCurve { curve, price: price.of(&curve) }));
+        curves.extend(pair.curves().map(|curve| PricedCurve { curve, price: price.cost(&curve) }));
         curves.sort_unstable_by(|a, b| {
             a.price.total_cmp(&b.price).then_with(|| a.curve.word.rank().cmp(&b.curve.word.rank()))
         });

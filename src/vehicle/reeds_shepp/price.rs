@@ -1,13 +1,13 @@
 use super::Curve;
 
-/// What a way costs, in metres driven forward.
+/// The price list of ways, in metres driven forward.
 ///
-/// The cheapest curve can have another word than the shortest: a dear cusp or dear reversing buys a longer way without.
+/// The cheapest curve can have another word than the shortest: where cusps or reversing are expensive, a longer way without them is cheaper.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurvePrice {
-    /// What a metre in reverse costs; not negative.
+    /// Cost of a metre in reverse; not negative.
     pub reverse_factor: f64,
-    /// What a change between forward and reverse costs; not negative.
+    /// Cost of a change between forward and reverse; not negative.
     pub cusp_m: f64,
 }
 
@@ -15,8 +15,8 @@ impl CurvePrice {
     /// The price that makes the shortest curve the cheapest.
     pub const LENGTH: Self = Self { reverse_factor: 1.0, cusp_m: 0.0 };
 
-    /// What the curve costs.
-    pub fn of(&self, curve: &Curve) -> f64 {
+    /// Computes the cost of a curve.
+    pub fn cost(&self, curve: &Curve) -> f64 {
         let mut cost = 0.0;
         let mut reverse = None;
         for segment in curve.segments() {
@@ -35,7 +35,7 @@ impl CurvePrice {
     }
 }
 
-/// A curve and what it costs.
+/// A curve and its cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PricedCurve {
     pub curve: Curve,

@@ -98,7 +98,7 @@ impl Pair {
 
     fn cheaper_than(&self, bound: f64, solved: &Solved, price: &CurvePrice) -> Option<PricedCurve> {
         let curve = self.curve(solved);
-        let price = price.of(&curve);
+        let price = price.cost(&curve);
         (price < bound).then_some(PricedCurve { curve, price })
     }
 

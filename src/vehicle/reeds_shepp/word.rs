@@ -124,7 +124,7 @@ impl Form {
         &LETTERS[self as usize][..self.len()]
     }
 
-    /// The form whose image the letters in the opposite order are.
+    /// Returns the form of which the letters in the opposite order are an image.
     const fn backwards(self) -> Self {
         match self {
             Self::LpRmLm => Self::LpRpLm,

@@ -207,7 +207,7 @@ impl Roadmap {
         for (metres, other) in near.iter_mut() {
             let there = &self.nodes[*other as usize];
             let middle = node.pose.position().lerp(there.pose.position(), 0.5);
-            let is_hopeless = self.checker.field().at(middle) < HOPELESS_M;
+            let is_hopeless = self.checker.field().lower_bound(middle) < HOPELESS_M;
             *metres = if is_hopeless { f64::INFINITY } else { self.estimate_m(node, there, *metres) };
         }
         near.retain(|&(metres, _)| metres < f64::INFINITY);

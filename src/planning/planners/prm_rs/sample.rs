@@ -125,10 +125,10 @@ impl<'a> Sampler<'a> {
 
 /// A heading along the nearest bush, if one is near.
 fn along_nearest_bush(field: &ClearanceField, place: DVec2) -> Option<f64> {
-    if field.at(place) > ALONG_M {
+    if field.lower_bound(place) > ALONG_M {
         return None;
     }
-    let slope = |axis: DVec2| field.at(place + axis * PROBE_M) - field.at(place - axis * PROBE_M);
+    let slope = |axis: DVec2| field.lower_bound(place + axis * PROBE_M) - field.lower_bound(place - axis * PROBE_M);
     let away = DVec2::new(slope(DVec2::X), slope(DVec2::Y));
     (away != DVec2::ZERO).then(|| ops::atan2(away.x, -away.y))
 }

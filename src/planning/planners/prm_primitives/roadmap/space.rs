@@ -71,7 +71,7 @@ impl FreeSpace {
     /// as infinite.
     pub fn clearance_at(&self, point: DVec2) -> f64 {
         match self.clearance_to {
-            ClearanceTo::Cells => self.field().at(point),
+            ClearanceTo::Cells => self.field().lower_bound(point),
             ClearanceTo::CellCentres if self.field().frame().border_distance(point) < 0.0 => f64::NEG_INFINITY,
             ClearanceTo::CellCentres => self.centre_distance(point, point),
         }

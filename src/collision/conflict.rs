@@ -1,4 +1,4 @@
-//! Whether two bodies that move keep apart, proven in time.
+//! Proofs that two moving bodies keep apart.
 //!
 //! The distance of two bodies shrinks by no more than what the two cover together, so a place and a time at which they
 //! are far apart prove all that comes until they can have covered the difference (conservative advancement: B. Mirtich,
@@ -11,58 +11,58 @@ use crate::trajectory::{Pace, Trajectory};
 use crate::vehicle::Dimensions;
 
 /// How far below the margin two bodies may come between the instants that are looked at, in metres.
-pub const MEETING_TOLERANCE_M: f64 = 0.02;
+pub const CONFLICT_TOLERANCE_M: f64 = 0.02;
 
 const NANOS_PER_SECOND: f64 = 1e9;
 const INSTANT: SimTime = SimTime::from_nanos(1);
 
 /// A body and its motion, which has no turns on the spot. It stands before its start and, for ever, after its end.
 #[derive(Clone, Copy, Debug)]
-pub struct Moving<'a> {
+pub struct MovingBody<'a> {
     pub body: &'a Dimensions,
     pub trajectory: &'a Trajectory,
 }
 
-impl Moving<'_> {
+impl MovingBody<'_> {
     fn rectangle_at(&self, time: SimTime) -> Rectangle {
         rectangle(self.body, self.trajectory.pose_at(time))
     }
 
-    /// How many metres a second the fastest point of the body goes at most, and until when.
+    /// Bounds the speed of the body's fastest point, in m/s, and says until when.
     fn pace_at(&self, time: SimTime) -> (f64, SimTime) {
         let Pace { fastest_mps, curvature, until } = self.trajectory.pace_at(time);
         (fastest_mps * self.body.farthest_point_rate(curvature), until)
     }
 }
 
-/// When two bodies first come nearer than `margin_m`, looked at from `from` on and for ever; `None` if they never do.
+/// Returns when two bodies first come nearer than `margin_m`, from `from` on and for ever; `None` if they never do.
 ///
 /// Bodies that keep apart do so by the margin at every instant that is looked at, and when both have come to rest; in
-/// between by the margin less [`MEETING_TOLERANCE_M`]. Bodies that face each other with their corners may be taken for
+/// between by the margin less [`CONFLICT_TOLERANCE_M`]. Bodies that face each other with their corners may be taken for
 /// up to 30 % nearer than they are.
-pub fn first_meeting(one: Moving<'_>, other: Moving<'_>, from: SimTime, margin_m: f64) -> Option<SimTime> {
+pub fn first_conflict(one: MovingBody<'_>, other: MovingBody<'_>, from: SimTime, margin_m: f64) -> Option<SimTime> {
     let end = one.trajectory.end_time().max(other.trajectory.end_time());
     let mut now = from;
     loop {
         let room_m = one.rectangle_at(now).gap_to(&other.rectangle_at(now)) - margin_m;
-        // Also where a place is not a number.
+        // A place that is not a number counts as a conflict.
         if room_m < 0.0 || room_m.is_nan() {
             return Some(now);
         }
         if now >= end {
             return None;
         }
-        now = safe_until(one, other, now, room_m + MEETING_TOLERANCE_M).min(end);
+        now = safe_until(one, other, now, room_m + CONFLICT_TOLERANCE_M).min(end);
     }
 }
 
-/// Metres between two bodies that stand, as [`first_meeting`] takes it; negative where they overlap.
+/// Metres between two bodies that stand, as [`first_conflict`] takes it; negative where they overlap.
 pub fn gap_between((one, at): (&Dimensions, Pose), (other, other_at): (&Dimensions, Pose)) -> f64 {
     rectangle(one, at).gap_to(&rectangle(other, other_at))
 }
 
-/// Until when two bodies cover less than `reach_m` together; at least the next instant.
-fn safe_until(one: Moving<'_>, other: Moving<'_>, from: SimTime, reach_m: f64) -> SimTime {
+/// Returns until when two bodies cover less than `reach_m` together; at least the next instant.
+fn safe_until(one: MovingBody<'_>, other: MovingBody<'_>, from: SimTime, reach_m: f64) -> SimTime {
     let (mut now, mut left_m) = (from, reach_m);
     while now < SimTime::MAX {
         let ((pace, until), (other_pace, other_until)) = (one.pace_at(now), other.pace_at(now));
@@ -133,13 +133,13 @@ mod tests {
         };
         let segments = (0..5).map(&mut segment).collect();
         let path = Path { start: random_pose(rng, 40.0), segments };
-        let mut limits = SpeedLimits::of_speed(8.0, 4.0);
+        let mut limits = SpeedLimits::new(8.0, 4.0);
         if rng.random_bool(0.5) {
             limits.acceleration_mps2 = Some(2.0);
             limits.braking_mps2 = Some(4.0);
         }
         let wait = Piece::Wait { seconds: rng.random_range(0.0..3.0) };
-        let drive = Trajectory::along(&path, SimTime::ZERO, limits);
+        let drive = Trajectory::from_path(&path, SimTime::ZERO, limits);
         let start_time = SimTime::from_seconds(rng.random_range(0.0..4.0));
         let pieces = [wait].into_iter().chain(drive.pieces().iter().copied()).collect();
         Trajectory::new(start_time, path.start, pieces)
@@ -178,16 +178,16 @@ mod tests {
         let (mut apart, mut met) = (0, 0);
         for _ in 0..300 {
             let (drive, other_drive) = (random_drive(&mut rng, &body), random_drive(&mut rng, &other_body));
-            let one = Moving { body: &body, trajectory: &drive };
-            let other = Moving { body: &other_body, trajectory: &other_drive };
-            let meeting = first_meeting(one, other, SimTime::ZERO, MARGIN_M);
-            assert_eq!(meeting.is_none(), first_meeting(other, one, SimTime::ZERO, MARGIN_M).is_none());
+            let one = MovingBody { body: &body, trajectory: &drive };
+            let other = MovingBody { body: &other_body, trajectory: &other_drive };
+            let meeting = first_conflict(one, other, SimTime::ZERO, MARGIN_M);
+            assert_eq!(meeting.is_none(), first_conflict(other, one, SimTime::ZERO, MARGIN_M).is_none());
             let until =
                 meeting.unwrap_or_else(|| drive.end_time().max(other_drive.end_time()) + SimTime::from_seconds(1.0));
             let gap_at = |time| distance((&body, drive.pose_at(time)), (&other_body, other_drive.pose_at(time)));
             for k in 0..until.as_nanos() / 20_000_000 {
                 let gap = gap_at(SimTime::from_nanos(20_000_000 * k));
-                assert!(gap >= MARGIN_M - MEETING_TOLERANCE_M, "{gap} m at {k} times 20 ms, told {meeting:?}");
+                assert!(gap >= MARGIN_M - CONFLICT_TOLERANCE_M, "{gap} m at {k} times 20 ms, told {meeting:?}");
             }
             match meeting {
                 Some(time) => {
@@ -206,11 +206,11 @@ mod tests {
         let stand = Trajectory::new(SimTime::ZERO, Pose::new(30.0, 10.0, 1.0), Vec::new());
         let way = Path { start: Pose::new(0.0, 10.0, 0.0), segments: vec![Segment { curvature: 0.0, length_m: 40.0 }] };
         for start_s in [0.0, 5.0, 3000.0] {
-            let drive = Trajectory::along(&way, SimTime::from_seconds(start_s), SpeedLimits::of_speed(8.0, 8.0));
-            let [one, other] = [&drive, &stand].map(|trajectory| Moving { body: &body, trajectory });
-            let met = first_meeting(one, other, SimTime::ZERO, MARGIN_M).expect("it stands in the way").as_seconds();
+            let drive = Trajectory::from_path(&way, SimTime::from_seconds(start_s), SpeedLimits::new(8.0, 8.0));
+            let [one, other] = [&drive, &stand].map(|trajectory| MovingBody { body: &body, trajectory });
+            let met = first_conflict(one, other, SimTime::ZERO, MARGIN_M).expect("it stands in the way").as_seconds();
             assert!(met > start_s + 2.5 && met < start_s + 4.0, "{met}");
-            assert_eq!(first_meeting(one, other, SimTime::from_seconds(start_s + 8.0), MARGIN_M), None);
+            assert_eq!(first_conflict(one, other, SimTime::from_seconds(start_s + 8.0), MARGIN_M), None);
         }
     }
 }
