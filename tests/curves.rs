@@ -311,8 +311,8 @@ fn the_cheapest_curve_is_the_first_candidate() {
             "{from:?} to {to:?}: {cheapest:?}, not {:?}",
             curves[0]
         );
-        assert_eq!(cheapest.price, price.of(&cheapest.curve));
-        assert!(cheapest.price <= price.of(&REEDS_SHEPP.shortest(from, to)));
+        assert_eq!(cheapest.price, price.cost(&cheapest.curve));
+        assert!(cheapest.price <= price.cost(&REEDS_SHEPP.shortest(from, to)));
     }
 }
 
