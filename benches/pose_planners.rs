@@ -19,7 +19,7 @@ use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::{DVec2, FieldFrame, Pose};
 use wildfire::grid::Grid;
 use wildfire::planning::memory::MemoryMeter;
-use wildfire::planning::{Goal, GoalDisc, Plan, PlanFailure, TruckPlannerKind, truck_planner};
+use wildfire::planning::{Goal, GoalDisc, Plan, PlanFailure, Site, TruckPlannerKind};
 use wildfire::rng;
 use wildfire::scenario::{self, Scenario, Terrain, Unimog};
 use wildfire::time::cpu::CpuStopwatch;
@@ -95,7 +95,9 @@ fn measure_planner(kind: TruckPlannerKind, problems: &[Problem], truck: &Unimog)
         let field = Arc::new(ClearanceField::new(*problem.checker.field().frame(), problem.checker.field().occupied()));
         let checker = CollisionChecker::new(field, *problem.checker.body());
         let stream = |name: &str| rng::stream(1, &format!("bench/{name}"));
-        let mut planner = truck_planner(kind, &checker, &MemoryMeter::unlimited(), &truck.planner_settings(), stream);
+        let (memory, settings) = (MemoryMeter::unlimited(), truck.planner_settings());
+        let site = Site { checker: &checker, memory: &memory, settings: &settings, stream: &stream };
+        let mut planner = kind.maker().make(&site);
         builds.push(watch.lap().as_secs_f64() * 1e3);
         let curves = ReedsShepp { radius_m: checker.body().turning_radius_m };
         for (number, &goal) in problem.goals.iter().enumerate() {

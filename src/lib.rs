@@ -2,7 +2,7 @@
 //! puts them out.
 //!
 //! The layers, lowest first; each may use those above it in this list:
-//! [`time`], [`geometry`], [`rng`], [`event_queue`], [`input_file`], [`untrusted`], [`whole_file`]; [`grid`];
+//! [`time`], [`geometry`], [`rng`], [`event_queue`], [`input_file`], [`ranges`], [`untrusted`], [`whole_file`]; [`grid`];
 //! [`map_files`]; [`vehicle`]; [`trajectory`]; [`collision`]; [`planning`]; [`fire`]; [`scenario`]; [`timeline`];
 //! [`picture`]; [`audit`]; [`sim`]; [`stats`]; [`batch`]; `view`; [`cli`].
 
@@ -22,6 +22,7 @@ pub mod input_file;
 pub mod map_files;
 pub mod picture;
 pub mod planning;
+pub mod ranges;
 pub mod rng;
 pub mod scenario;
 pub mod sim;

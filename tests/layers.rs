@@ -12,6 +12,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("rng", &["rand"]),
     ("event_queue", &[]),
     ("input_file", &[]),
+    ("ranges", &[]),
     ("untrusted", &[]),
     ("whole_file", &[]),
     ("grid", &[]),

@@ -11,7 +11,7 @@ use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::{DVec2, FieldFrame, OrientedRect, Pose, ops};
 use wildfire::grid::Grid;
 use wildfire::planning::memory::MemoryMeter;
-use wildfire::planning::{Goal, GoalDisc, TruckPlanner, TruckPlannerKind, truck_planner};
+use wildfire::planning::{Goal, GoalDisc, Site, TruckPlanner, TruckPlannerKind};
 use wildfire::rng;
 use wildfire::scenario::Unimog;
 use wildfire::vehicle::{Dimensions, Path};
@@ -56,9 +56,9 @@ impl FieldFile {
     fn planner(&self, kind: TruckPlannerKind) -> Box<dyn TruckPlanner> {
         let field = Arc::new(ClearanceField::new(self.frame(), &self.occupied()));
         let checker = CollisionChecker::new(field, Dimensions::default());
-        truck_planner(kind, &checker, &MemoryMeter::unlimited(), &Unimog::default().planner_settings(), |name| {
-            rng::stream(1, name)
-        })
+        let (truck, memory) = (Unimog::default(), MemoryMeter::unlimited());
+        let (settings, stream) = (truck.planner_settings(), |name: &str| rng::stream(1, name));
+        kind.maker().make(&Site { checker: &checker, memory: &memory, settings: &settings, stream: &stream })
     }
 }
 

@@ -24,7 +24,7 @@ pub use planners::hybrid_astar::{HybridAstar, HybridSettings};
 pub use planners::lattice::{LatticePlanner, LatticeSettings};
 pub use planners::prm_primitives::{ClearanceTo, PrmPrimitives, PrmSettings, RoadmapGoal, RoadmapSearch};
 pub use planners::prm_rs::{PrmRs, PrmRsSettings, count_convex_corners};
-pub use registry::{TruckPlannerKind, TruckPlannerSettings, truck_planner, truck_planner_memory};
+pub use registry::{Site, TruckPlannerKind, TruckPlannerSettings};
 pub use search_graph::{MAX_SEARCH_EDGES, SearchGraph, SearchPhase, SearchRecorder, Searched};
 
 use std::fmt;

@@ -10,8 +10,8 @@ use crate::grid::potential::{Attraction, Repulsion, RepulsionDistance};
 use crate::planning::memory::MemoryMeter;
 use crate::planning::walk::{Estimate, LatticeShape, PotentialSettings, WalkMethod};
 use crate::planning::{
-    HybridSettings, LatticeSettings, PrimitiveSettings, PrmRsSettings, PrmSettings, SafetySettings, TruckPlanner,
-    TruckPlannerKind, TruckPlannerSettings, truck_planner,
+    HybridSettings, LatticeSettings, PrimitiveSettings, PrmRsSettings, PrmSettings, SafetySettings, Site, TruckPlanner,
+    TruckPlannerKind, TruckPlannerSettings,
 };
 use crate::rng;
 use crate::trajectory::SpeedLimits;
@@ -243,11 +243,11 @@ impl Unimog {
         seed: u64,
         number: usize,
     ) -> Box<dyn TruckPlanner> {
-        let stream = |use_of_chance: &str| rng::stream(seed, &format!("truck/{number}/{use_of_chance}"));
-        truck_planner(self.planner, checker, memory, &self.planner_settings(), stream)
+        let stream = |name: &str| rng::stream(seed, &format!("truck/{number}/{name}"));
+        self.planner.maker().make(&Site { checker, memory, settings: &self.planner_settings(), stream: &stream })
     }
 
-    /// What its planner may want to know.
+    /// Returns the tables of planners' settings.
     pub fn planner_settings(&self) -> TruckPlannerSettings<'_> {
         TruckPlannerSettings {
             prm: &self.prm,

@@ -9,11 +9,9 @@ use super::error::Fault;
 use super::field::{MAX_CELLS_A_SIDE, MAX_COVERAGE};
 use super::path::{FieldPath, PathStep};
 use super::wording::shortened;
-use super::{
-    Escape, Field, HybridSettings, Ignition, IgnitionCells, LatticeSettings, PrimitiveSettings, PrmRsSettings,
-    PrmSettings, SafetySettings, Scenario, Unimog, Wumpus, WumpusPlanner, WumpusPotential,
-};
+use super::{Escape, Field, Ignition, IgnitionCells, Scenario, Unimog, Wumpus, WumpusPlanner, WumpusPotential};
 use crate::geometry::{DVec2, FieldFrame, ops};
+use crate::ranges::{SettingsTable, number_text};
 use crate::vehicle::Dimensions;
 
 /// The most agents of a kind.
@@ -22,8 +20,6 @@ pub const MAX_AGENTS: usize = 100;
 const MAX_IGNITIONS: usize = 10_000;
 /// The most points of all Wumpuses' lattices: a walk may look at all of them.
 const MAX_WUMPUS_NODES: f64 = 4e6;
-/// The most bins of a truck's search: those of the field times headings.
-const MAX_TRUCK_BINS: f64 = 1e8;
 /// The most goals that Wumpuses may try in vain: all bushes from every point that they have time to reach. A try takes about
 /// 250 bytes of the timeline; runs stay far below the bound, because a Wumpus on which all goals fail stays where it is.
 const MAX_TRIES: f64 = 2.5e7;
@@ -175,7 +171,7 @@ fn check_wumpus(table: &TablePath, wumpus: &Wumpus, frame: &FieldFrame) -> Check
     table.number("heuristic_weight", wumpus.heuristic_weight, from(0.0, 1000.0))?;
     table.number("seconds_per_expansion", wumpus.seconds_per_expansion, from(0.0, 1e6))?;
     check_potential(&table.inner("potential"), &wumpus.potential)?;
-    check_safety(&table.inner("safety"), &wumpus.safety)?;
+    table.inner("safety").settings(&wumpus.safety, frame)?;
     let centre = wumpus.start_centre();
     let corners = [(1.0, 1.0), (-1.0, -1.0)].map(|(x, y)| centre + 0.5 * wumpus.size_m * DVec2::new(x, y));
     table.inside("start_m", &corners, frame)
@@ -186,15 +182,6 @@ fn check_potential(table: &TablePath, potential: &WumpusPotential) -> Check {
     table.optional("scale", potential.scale, from(0.0, 1e6))?;
     table.number("q", potential.q, from(0.1, 1000.0))?;
     table.number("eta", potential.eta, from(0.0, 1e6))
-}
-
-fn check_safety(table: &TablePath, safety: &SafetySettings) -> Check {
-    table.number("weight", safety.weight, from(0.0, 1000.0))?;
-    table.number("max_cost", safety.max_cost, from(0.001, 1e6))?;
-    table.number("safety_max", safety.safety_max, from(0.0, safety.max_cost))?;
-    table.number("safety_min", safety.safety_min, from(0.0, safety.safety_max))?;
-    table.number("safety_distance", safety.safety_distance.into(), from(1.0, 1000.0))?;
-    table.number("cost_rate", safety.cost_rate, from(0.0, 1e6))
 }
 
 fn check_unimog(table: &TablePath, unimog: &Unimog, frame: &FieldFrame) -> Check {
@@ -216,12 +203,7 @@ pub fn check_planners(unimog: &Unimog, frame: &FieldFrame) -> Check {
 }
 
 fn check_planner_settings(table: &TablePath, unimog: &Unimog, frame: &FieldFrame) -> Check {
-    check_prm(&table.inner("prm"), &unimog.prm)?;
-    check_primitives(&table.inner("primitives"), &unimog.primitives, frame)?;
-    check_prm_rs(&table.inner("prm_rs"), &unimog.prm_rs)?;
-    check_hybrid(&table.inner("hybrid"), &unimog.hybrid, frame)?;
-    check_lattice(&table.inner("lattice"), &unimog.lattice)?;
-    check_safety(&table.inner("safety"), &unimog.safety)
+    unimog.planner_settings().tables().try_for_each(|own| table.inner(own.name).settings(own.settings, frame))
 }
 
 /// Checks that a body is possible, and that its steering reaches its turning radius.
@@ -246,67 +228,6 @@ pub fn check_vehicle(table: &TablePath, body: &Dimensions) -> Check {
         return table.refuse("turning_radius_m", body.turning_radius_m.to_string(), expected);
     }
     Ok(())
-}
-
-fn check_prm(table: &TablePath, prm: &PrmSettings) -> Check {
-    table.number("samples", prm.samples.into(), from(0.0, 100_000.0))?;
-    table.number("neighbours", prm.neighbours.into(), from(1.0, 100.0))?;
-    table.number("max_edge_m", prm.max_edge_m, from(0.01, 1e6))?;
-    table.number("clearance_m", prm.clearance_m, from(0.0, 1000.0))?;
-    table.number("seconds_per_expansion", prm.seconds_per_expansion, from(0.0, 1e6))
-}
-
-fn check_primitives(table: &TablePath, primitives: &PrimitiveSettings, frame: &FieldFrame) -> Check {
-    table.number("step_m", primitives.step_m, from(0.1, 1000.0))?;
-    table.number("bin_m", primitives.bin_m, from(0.01, 1000.0))?;
-    table.number("headings", primitives.headings.into(), from(4.0, 360.0))?;
-    table.number("clearance_m", primitives.clearance_m, from(0.01, 100.0))?;
-    table.number("turn_cost", primitives.turn_cost, from(0.0, 1e6))?;
-    table.number("reverse_cost", primitives.reverse_cost, from(0.0, 1e6))?;
-    table.number("cusp_cost", primitives.cusp_cost, from(0.0, 1e6))?;
-    table.number("heuristic_weight", primitives.heuristic_weight, from(0.0, 1000.0))?;
-    table.number("waypoint_tolerance_m", primitives.waypoint_tolerance_m, from(0.01, 1000.0))?;
-    table.number("max_expansions", primitives.max_expansions.into(), from(1.0, 1e6))?;
-    table.number("seconds_per_expansion", primitives.seconds_per_expansion, from(0.0, 1e6))?;
-    check_bins(table, primitives.bin_m, primitives.headings, frame)
-}
-
-fn check_prm_rs(table: &TablePath, prm_rs: &PrmRsSettings) -> Check {
-    table.number("samples", prm_rs.samples.into(), from(0.0, 100_000.0))?;
-    table.number("corner_places", prm_rs.corner_places.into(), from(0.0, 10.0))?;
-    table.number("neighbours", prm_rs.neighbours.into(), from(1.0, 100.0))?;
-    table.number("max_edge_m", prm_rs.max_edge_m, from(0.01, 1e6))?;
-    table.number("clearance_m", prm_rs.clearance_m, from(0.01, 100.0))?;
-    table.number("cusp_cost", prm_rs.cusp_cost, from(0.0, 1e6))?;
-    table.number("shortcuts", prm_rs.shortcuts.into(), from(0.0, 1e6))?;
-    table.number("seconds_per_expansion", prm_rs.seconds_per_expansion, from(0.0, 1e6))
-}
-
-fn check_lattice(table: &TablePath, lattice: &LatticeSettings) -> Check {
-    table.number("max_expansions", lattice.max_expansions.into(), from(1.0, 1e8))?;
-    table.number("seconds_per_expansion", lattice.seconds_per_expansion, from(0.0, 1e6))
-}
-
-fn check_hybrid(table: &TablePath, hybrid: &HybridSettings, frame: &FieldFrame) -> Check {
-    table.number("clearance_m", hybrid.clearance_m, from(0.01, 100.0))?;
-    table.number("step_m", hybrid.step_m, from(0.1, 1000.0))?;
-    table.number("bin_m", hybrid.bin_m, from(0.01, 1000.0))?;
-    table.number("headings", hybrid.headings.into(), from(4.0, 360.0))?;
-    table.number("cusp_cost", hybrid.cusp_cost, from(0.0, 1e6))?;
-    table.number("heuristic_weight", hybrid.heuristic_weight, from(0.0, 1000.0))?;
-    table.number("shortcuts", hybrid.shortcuts.into(), from(0.0, 1e6))?;
-    table.number("max_expansions", hybrid.max_expansions.into(), from(1.0, 1e6))?;
-    table.number("seconds_per_expansion", hybrid.seconds_per_expansion, from(0.0, 1e6))?;
-    check_bins(table, hybrid.bin_m, hybrid.headings, frame)
-}
-
-fn check_bins(table: &TablePath, bin_m: f64, headings: u32, frame: &FieldFrame) -> Check {
-    let bins = frame.width_m() / bin_m * frame.height_m() / bin_m;
-    if bins * f64::from(headings) <= MAX_TRUCK_BINS {
-        return Ok(());
-    }
-    let expected = format!("a search of at most {MAX_TRUCK_BINS:e} bins, those of the field times headings");
-    table.refuse("bin_m", number_text(bin_m), expected)
 }
 
 fn check_ignitions(ignitions: &[Ignition], frame: &FieldFrame) -> Check {
@@ -337,12 +258,6 @@ fn check_ignitions(ignitions: &[Ignition], frame: &FieldFrame) -> Check {
         }
     }
     Ok(())
-}
-
-/// Writes a number with exponent where it would be too long to read.
-fn number_text(number: f64) -> String {
-    let is_long = number != 0.0 && !(1e-6..1e15).contains(&number.abs());
-    if is_long { format!("{number:e}") } else { number.to_string() }
 }
 
 /// Checks the number that a path leads to.
@@ -376,6 +291,10 @@ impl TablePath {
 
     pub fn optional(&self, name: &str, value: Option<f64>, range: RangeInclusive<f64>) -> Check {
         value.map_or(Ok(()), |value| self.number(name, value, range))
+    }
+
+    fn settings(&self, settings: &dyn SettingsTable, frame: &FieldFrame) -> Check {
+        settings.check(frame).or_else(|wrong| self.refuse(wrong.name, wrong.found, wrong.expected))
     }
 
     pub fn count(&self, name: &str, count: usize, most: usize) -> Check {

@@ -1,11 +1,9 @@
 //! Agents in plain sentences, for `wildfire check`.
 
-use crate::planning::reachability::LATTICES;
-
 use super::{
-    Escape, Retarget, RoadmapGoal, RoadmapSearch, SafetyMap, SafetySettings, StepCost, StepTime, TruckGoal,
-    TruckPlannerKind, Unimog, Wumpus, WumpusGoal, WumpusHeuristic, WumpusPlanner,
+    Escape, Retarget, StepCost, StepTime, TruckGoal, Unimog, Wumpus, WumpusGoal, WumpusHeuristic, WumpusPlanner,
 };
+use crate::planning::registry::describe_charge;
 
 /// Describes what a Wumpus is and does.
 pub fn describe_wumpus(wumpus: &Wumpus) -> String {
@@ -32,7 +30,7 @@ pub fn describe_wumpus(wumpus: &Wumpus) -> String {
         method,
         details,
         describe_charge(wumpus.seconds_per_expansion),
-        describe_safety(&wumpus.safety)
+        wumpus.safety.describe()
     )
 }
 
@@ -95,20 +93,8 @@ pub fn describe_truck(truck: &Unimog) -> String {
         truck.reverse_speed_mps,
         describe_limits(truck),
         describe_turning(truck),
-        describe_driving(truck)
+        truck.planner.maker().describe(&truck.planner_settings())
     )
-}
-
-/// Describes how a truck finds its way.
-fn describe_driving(truck: &Unimog) -> String {
-    match truck.planner {
-        TruckPlannerKind::PrmPrimitives => {
-            format!("{} {}{}", roadmap(truck), local_search(truck), describe_safety(&truck.safety))
-        }
-        TruckPlannerKind::PrmRs => pose_roadmap(truck),
-        TruckPlannerKind::HybridAstar => hybrid_search(truck),
-        TruckPlannerKind::Lattice => lattice_search(truck),
-    }
 }
 
 fn describe_limits(truck: &Unimog) -> String {
@@ -134,106 +120,5 @@ fn describe_turning(truck: &Unimog) -> String {
             format!("{fact}; {limit} m/s2 allows {:.1} m/s there.", (limit * radius_m).sqrt())
         }
         _ => format!("{fact}."),
-    }
-}
-
-fn roadmap(truck: &Unimog) -> String {
-    let prm = &truck.prm;
-    let search = match prm.search {
-        RoadmapSearch::Astar => "A*",
-        RoadmapSearch::Dijkstra => "Dijkstra's search",
-        RoadmapSearch::Greedy => "greedy search",
-    };
-    let goal = match prm.goal {
-        RoadmapGoal::InReach => "milestones from which the fire is in reach",
-        RoadmapGoal::NearestMilestone => "the milestone nearest to the fire, of those from which it is in reach",
-    };
-    format!(
-        "Roadmap of {} samples, {} neighbours each, edges up to {} m, {} m clear; {search} to {goal}; {}.",
-        prm.samples,
-        prm.neighbours,
-        prm.max_edge_m,
-        prm.clearance_m,
-        describe_charge(prm.seconds_per_expansion)
-    )
-}
-
-fn local_search(truck: &Unimog) -> String {
-    let local = &truck.primitives;
-    format!(
-        "Local search with motions of {} m, bins of {} m and {} headings, {} m clear, at most {} expansions; {}.",
-        local.step_m,
-        local.bin_m,
-        local.headings,
-        local.clearance_m,
-        local.max_expansions,
-        describe_charge(local.seconds_per_expansion)
-    )
-}
-
-fn hybrid_search(truck: &Unimog) -> String {
-    let hybrid = &truck.hybrid;
-    format!(
-        "Hybrid A* with motions of {} m, bins of {} m and {} headings, Reeds-Shepp curves into the goal, {} m clear, a \
-         change of direction at the price of {} m, at most {} expansions, then {} shortcuts; {}.",
-        hybrid.step_m,
-        hybrid.bin_m,
-        hybrid.headings,
-        hybrid.clearance_m,
-        hybrid.cusp_cost,
-        hybrid.max_expansions,
-        hybrid.shortcuts,
-        describe_charge(hybrid.seconds_per_expansion)
-    )
-}
-
-fn pose_roadmap(truck: &Unimog) -> String {
-    let prm_rs = &truck.prm_rs;
-    format!(
-        "Roadmap of {} poses, and {} places at every corner of a bush, each joined to {} others within {} m by \
-         Reeds-Shepp curves, {} m clear, a change of direction at the price of {} m, then {} shortcuts; where it does \
-         not serve, hybrid A* with at most {} expansions; {}.",
-        prm_rs.samples,
-        prm_rs.corner_places,
-        prm_rs.neighbours,
-        prm_rs.max_edge_m,
-        prm_rs.clearance_m,
-        prm_rs.cusp_cost,
-        prm_rs.shortcuts,
-        truck.hybrid.max_expansions,
-        describe_charge(prm_rs.seconds_per_expansion)
-    )
-}
-
-fn lattice_search(truck: &Unimog) -> String {
-    let [coarse, middle, fine] =
-        LATTICES.map(|lattice| format!("{} m and {} headings", lattice.bin_m, lattice.headings));
-    format!(
-        "Flood over a lattice of poses: one pose in bins of {coarse}, where that fails of {middle}, then of {fine}; a \
-         query spreads from at most {} poses; {}.",
-        truck.lattice.max_expansions,
-        describe_charge(truck.lattice.seconds_per_expansion)
-    )
-}
-
-/// Describes what nearness to bushes costs, in words that follow a full stop.
-fn describe_safety(safety: &SafetySettings) -> String {
-    let nearness = match safety.map {
-        SafetyMap::None => return String::new(),
-        SafetyMap::Brushfire => "1 beside a bush, 1/D at D cells from one".to_owned(),
-        SafetyMap::Cost => {
-            let cells = safety.safety_distance.max(2);
-            let (beside, far) = (safety.nearness(1), safety.nearness(cells));
-            format!("{beside:.2} beside a bush, {far:.2} at {cells} cells from one")
-        }
-    };
-    format!(" For safety a metre costs 1 + {} times s, s being {nearness}.", safety.weight)
-}
-
-fn describe_charge(seconds_per_expansion: f64) -> String {
-    if seconds_per_expansion == 0.0 {
-        "planning takes no simulated time".into()
-    } else {
-        format!("it stands {seconds_per_expansion} s for every expansion")
     }
 }

@@ -15,10 +15,10 @@ use crate::collision::ClearanceField;
 use crate::fire::FireField;
 use crate::fire::models::Radius;
 use crate::geometry::{Cell, FieldFrame};
+use crate::planning::count_convex_corners;
 use crate::planning::memory::{Growing, MemoryMeter, PlannerMemory};
 use crate::planning::reachability::Reachability;
 use crate::planning::walk::{WalkLattice, WalkPlanner};
-use crate::planning::{count_convex_corners, truck_planner_memory};
 
 /// Bytes that the program takes before it runs anything, and that small things take in every run.
 const PROGRAM_BYTES: u64 = 24_000_000;
@@ -256,7 +256,7 @@ impl FieldMeasures {
     }
 
     fn planner(&self, truck: &Unimog) -> PlannerMemory {
-        truck_planner_memory(truck.planner, &self.frame, self.corners, &truck.planner_settings())
+        truck.planner.maker().memory(&self.frame, self.corners, &truck.planner_settings())
     }
 }
 

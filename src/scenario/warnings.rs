@@ -5,12 +5,13 @@ use std::sync::Arc;
 
 use super::explain::SHOWN_SEED;
 use super::{
-    Escape, IgnitionCells, RoadmapGoal, SafetyMap, Scenario, SpreadFrom, Terrain, TruckPlannerKind, Unimog, Wumpus,
-    WumpusPlanner, WumpusPotential,
+    Escape, IgnitionCells, RoadmapGoal, SafetyMap, Scenario, SpreadFrom, Terrain, Unimog, Wumpus, WumpusPlanner,
+    WumpusPotential,
 };
 use crate::collision::{ClearanceField, CollisionChecker};
 use crate::geometry::DVec2;
 use crate::planning::memory::MemoryMeter;
+use crate::planning::registry::RoadmapSize;
 use crate::planning::walk::WalkLattice;
 use crate::planning::{BuildReport, is_hardly_connected};
 
@@ -115,33 +116,11 @@ fn warn_of_truck(number: usize, unimog: &Unimog, found: &mut Vec<String>) {
              the {LATERAL_GRIP_MPS2} m/s2 that loose ground holds; `limits.lateral_mps2` would slow it in curves."
         ));
     }
-    let uses_roadmap = unimog.planner == TruckPlannerKind::PrmPrimitives;
-    warn_of_unused_planners(number, unimog, found);
-    if uses_roadmap && unimog.prm.clearance_m < 0.5 * unimog.vehicle.width_m {
-        found.push(format!(
-            "The roadmap of truck {number} keeps {} m clear, less than half the truck's width: it may lead where the \
-             truck cannot go.",
-            unimog.prm.clearance_m
-        ));
+    let (planner, settings) = (unimog.planner.maker(), unimog.planner_settings());
+    for table in settings.tables().filter(|table| !table.is_default && !planner.tables().contains(&table.name)) {
+        found.push(format!("The `{}` of truck {number} does nothing: its planner does not use it.", table.name));
     }
-}
-
-/// Warns of settings of planners that the truck does not use.
-fn warn_of_unused_planners(number: usize, unimog: &Unimog, found: &mut Vec<String>) {
-    let usual = Unimog::default();
-    let by_planner = [
-        ("prm", [TruckPlannerKind::PrmPrimitives].as_slice(), unimog.prm != usual.prm),
-        ("primitives", &[TruckPlannerKind::PrmPrimitives], unimog.primitives != usual.primitives),
-        ("safety", &[TruckPlannerKind::PrmPrimitives], unimog.safety != usual.safety),
-        ("prm_rs", &[TruckPlannerKind::PrmRs], unimog.prm_rs != usual.prm_rs),
-        ("lattice", &[TruckPlannerKind::Lattice], unimog.lattice != usual.lattice),
-        ("hybrid", &[TruckPlannerKind::HybridAstar, TruckPlannerKind::PrmRs], unimog.hybrid != usual.hybrid),
-    ];
-    for (table, planners, is_set) in by_planner {
-        if is_set && !planners.contains(&unimog.planner) {
-            found.push(format!("The `{table}` of truck {number} does nothing: its planner does not use it."));
-        }
-    }
+    found.extend(planner.warning(&settings, &unimog.vehicle, &format!("truck {number}")));
 }
 
 fn warn_of_shared_starts(trucks: &[Unimog], found: &mut Vec<String>) {
@@ -220,19 +199,11 @@ fn warn_of_idle_wumpuses(scenario: &Scenario, terrain: &Terrain, found: &mut Vec
 
 /// Warns of roadmaps that lead almost nowhere, among those that are quickly built.
 fn warn_of_roadmaps(scenario: &Scenario, terrain: &Terrain, field: &Arc<ClearanceField>, found: &mut Vec<String>) {
-    let corners = 4.0 * terrain.bushes.len() as f64;
     let mut edges = 0.0;
     for (number, unimog) in scenario.unimog.iter().enumerate() {
-        let (prm, prm_rs) = (&unimog.prm, &unimog.prm_rs);
-        let (milestones, neighbours, max_edge_m) = match unimog.planner {
-            TruckPlannerKind::PrmPrimitives => (f64::from(prm.samples), prm.neighbours, prm.max_edge_m),
-            TruckPlannerKind::PrmRs => {
-                let at_corners = corners * f64::from(prm_rs.corner_places);
-                (f64::from(prm_rs.samples) + at_corners, prm_rs.neighbours, prm_rs.max_edge_m)
-            }
-            TruckPlannerKind::HybridAstar | TruckPlannerKind::Lattice => continue,
-        };
-        edges += milestones * f64::from(neighbours);
+        let size = unimog.planner.maker().roadmap_size(&unimog.planner_settings(), terrain.bushes.len());
+        let Some(RoadmapSize { milestones, neighbours, max_edge_m }) = size else { continue };
+        edges += milestones as f64 * f64::from(neighbours);
         if edges > MAX_EDGES_TRIED {
             return;
         }

@@ -16,9 +16,7 @@ use crate::planning::reachability::Reachability;
 use crate::planning::walk::{WalkCosts, WalkLattice, WalkPlanner};
 use crate::planning::{BuildReport, Safety};
 use crate::rng;
-use crate::scenario::{
-    Extinguishes, Retarget, Scenario, SpreadFrom, StepCost, StepTime, Terrain, TruckPlannerKind, WumpusGoal,
-};
+use crate::scenario::{Extinguishes, Retarget, Scenario, SpreadFrom, StepCost, StepTime, Terrain, WumpusGoal};
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
 use crate::timeline::{AgentFact, AgentId, AgentStart, Body, CpuSample, Fact, Rules, Setting};
@@ -265,7 +263,7 @@ fn place_truck(
         reach_m: scenario.suppression.reach_m.unwrap_or(f64::INFINITY),
         dwell: SimTime::from_seconds(scenario.suppression.dwell_s),
         extinguishes_all: scenario.suppression.extinguishes == Extinguishes::AllInReach,
-        seconds_per_expansion: seconds_per_expansion(settings),
+        charge: settings.planner.maker().charge(&settings.planner_settings()),
         planner,
         reachability: Reachability::new(&checker, memory, start),
         set_aside: Vec::new(),
@@ -276,18 +274,6 @@ fn place_truck(
         cost: AgentCost { sampling: report.sampling, connecting: report.connecting, ..AgentCost::nothing(id) },
     };
     Ok((Agent::standing(id, start), truck))
-}
-
-/// Of the roadmap and of the search for drivable paths.
-fn seconds_per_expansion(settings: &scenario::Unimog) -> (f64, f64) {
-    match settings.planner {
-        TruckPlannerKind::PrmPrimitives => {
-            (settings.prm.seconds_per_expansion, settings.primitives.seconds_per_expansion)
-        }
-        TruckPlannerKind::PrmRs => (settings.prm_rs.seconds_per_expansion, settings.hybrid.seconds_per_expansion),
-        TruckPlannerKind::HybridAstar => (0.0, settings.hybrid.seconds_per_expansion),
-        TruckPlannerKind::Lattice => (0.0, settings.lattice.seconds_per_expansion),
-    }
 }
 
 /// The free pose nearest to a wanted one: places on rings half a metre apart, headings from the wanted one outwards.

@@ -10,6 +10,7 @@ use bevy::prelude::*;
 use crate::collision::CollisionChecker;
 use crate::geometry::{Cell, FieldFrame, Pose};
 use crate::planning::reachability::Reachability;
+use crate::planning::registry::Charge;
 use crate::planning::{Effort, GoalDisc, PlanFailure, TruckPlanner, detour};
 use crate::scenario::TruckGoal;
 use crate::time::SimTime;
@@ -47,7 +48,7 @@ pub struct Truck {
     pub dwell: SimTime,
     pub extinguishes_all: bool,
     /// Planning time charged for each expansion of the roadmap and of the local search.
-    pub seconds_per_expansion: (f64, f64),
+    pub charge: Charge,
     pub planner: Box<dyn TruckPlanner>,
     pub reachability: Reachability,
     /// Goals that the planner failed on, while they burn.
@@ -195,8 +196,8 @@ impl Truck {
     }
 
     pub fn charge(&self, effort: &Effort) -> SimTime {
-        let (roadmap, local) = self.seconds_per_expansion;
-        let seconds = roadmap * f64::from(effort.roadmap_expansions) + local * f64::from(effort.local_expansions);
+        let Charge { roadmap_s, local_s } = self.charge;
+        let seconds = roadmap_s * f64::from(effort.roadmap_expansions) + local_s * f64::from(effort.local_expansions);
         SimTime::from_seconds(seconds)
     }
 }

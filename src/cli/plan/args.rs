@@ -9,16 +9,16 @@ use crate::cli::numbers;
 use crate::planning::TruckPlannerKind;
 use crate::scenario::MAX_GOALS;
 
-#[derive(Debug, Args)]
-#[command(after_help = "\
-Planners: prm+primitives, prm-rs, hybrid-astar, lattice.
-
+const EXAMPLES: &str = "\
 Examples:
   wildfire plan
   wildfire plan --goals 5 --planner prm-rs,hybrid-astar --png drives.png
   wildfire plan --scenario dense --seed 7 --cells 50
   wildfire plan field_*.json --planner hybrid-astar --csv drives.csv
-  wildfire plan field.json --set unimog.hybrid.shortcuts=0 --paths paths.csv")]
+  wildfire plan field.json --set unimog.hybrid.shortcuts=0 --paths paths.csv";
+
+#[derive(Debug, Args)]
+#[command(after_help = format!("Planners: {}.\n\n{EXAMPLES}", TruckPlannerKind::names()))]
 pub struct PlanArguments {
     /// Field files: JSON with bushes, start and goals [default: the field of the scenario, drawn with the seed].
     #[arg(value_name = "FIELD.json")]

@@ -6,9 +6,8 @@ use std::time::Duration;
 use crate::cli::plan::drive::{Drive, Judge};
 use crate::collision::{ClearanceField, CollisionChecker};
 use crate::planning::memory::MemoryMeter;
-use crate::planning::{PlanFailure, TruckPlannerKind, truck_planner};
-use crate::rng;
-use crate::scenario::{MemoryEstimate, MemoryExceeded, MemoryLimit, Problem};
+use crate::planning::{PlanFailure, TruckPlannerKind};
+use crate::scenario::{MemoryEstimate, MemoryExceeded, MemoryLimit, Problem, Unimog};
 use crate::time::cpu::CpuStopwatch;
 
 /// A planner's answer to one goal of a problem.
@@ -64,9 +63,9 @@ fn attempts_by<'a>(
     judge: &Judge,
     seed: u64,
 ) -> Vec<Attempt<'a>> {
-    let stream = |use_of_chance: &str| rng::stream(seed, &format!("truck/0/{use_of_chance}"));
+    let truck = Unimog { planner, ..problem.truck.clone() };
     let mut stopwatch = CpuStopwatch::start();
-    let mut prepared = truck_planner(planner, checker, memory, &problem.truck.planner_settings(), stream);
+    let mut prepared = truck.build_planner(checker, memory, seed, 0);
     let build = field_time + stopwatch.lap();
     let attempt = |(goal, &target)| {
         stopwatch.lap();

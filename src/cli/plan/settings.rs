@@ -3,22 +3,12 @@
 use crate::planning::TruckPlannerKind;
 use crate::scenario::LoadedScenario;
 
-/// The tables of `[[unimog]]` that a planner looks at.
-fn tables(planner: TruckPlannerKind) -> &'static [&'static str] {
-    match planner {
-        TruckPlannerKind::PrmPrimitives => &["prm", "primitives", "safety"],
-        TruckPlannerKind::PrmRs => &["prm_rs", "hybrid"],
-        TruckPlannerKind::HybridAstar => &["hybrid"],
-        TruckPlannerKind::Lattice => &["lattice"],
-    }
-}
-
 /// The values of a planner's settings of the first truck, by names such as `hybrid.shortcuts`.
 pub fn planner_settings(planner: TruckPlannerKind, loaded: &LoadedScenario) -> Vec<(String, String)> {
     let own = |name: String| {
         let name = name.strip_prefix("unimog.0.")?;
         let table = name.split_once('.')?.0;
-        tables(planner).contains(&table).then(|| name.to_owned())
+        planner.maker().tables().contains(&table).then(|| name.to_owned())
     };
     loaded.values().into_iter().filter_map(|(name, value)| Some((own(name)?, value))).collect()
 }

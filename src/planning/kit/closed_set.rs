@@ -1,6 +1,7 @@
 use std::f64::consts::{PI, TAU};
 
-use crate::geometry::Pose;
+use crate::geometry::{FieldFrame, Pose};
+use crate::ranges::{OutOfRange, number_text};
 
 /// The closed set of a search: the least cost known for every bin of (x, y, heading, driving direction).
 ///
@@ -107,6 +108,22 @@ fn find(slots: &[Slot], generation: u32, key: u64) -> usize {
         index = (index + 1) & mask;
     }
     index
+}
+
+/// The most bins of a search: those of the field times headings.
+const MAX_BINS: f64 = 1e8;
+
+/// Checks the size of the bins that a scenario asks for.
+///
+/// # Errors
+/// Refuses `bin_m` if a field of this size would have too many bins.
+pub fn check_bins(bin_m: f64, headings: u32, frame: &FieldFrame) -> Result<(), OutOfRange> {
+    let bins = frame.width_m() / bin_m * frame.height_m() / bin_m;
+    if bins * f64::from(headings) <= MAX_BINS {
+        return Ok(());
+    }
+    let expected = format!("a search of at most {MAX_BINS:e} bins, those of the field times headings");
+    Err(OutOfRange { name: "bin_m", found: number_text(bin_m), expected })
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ mod ladder;
 mod search;
 mod settings;
 
-pub use settings::HybridSettings;
+pub use settings::{HybridSettings, Maker};
 
 use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M};
 use crate::geometry::{FieldFrame, Pose};

@@ -1,28 +1,38 @@
+//! Settings of the planner `hybrid-astar`, and what scenarios say about it.
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What a scenario may choose about the truck's planner `hybrid-astar`. Lengths are metres.
+use super::HybridAstar;
+use crate::geometry::FieldFrame;
+use crate::planning::TruckPlanner;
+use crate::planning::kit::closed_set::check_bins;
+use crate::planning::memory::PlannerMemory;
+use crate::planning::registry::{Charge, MakePlanner, Site, TruckPlannerSettings, describe_charge};
+use crate::ranges::{OutOfRange, SettingsTable, check_range};
+
+/// Settings of the planner `hybrid-astar`. Lengths are metres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct HybridSettings {
-    /// What the body keeps from bushes and border; where that leads nowhere, two thirds of it, then a third, then a
+    /// Clearance of the body from bushes and border; where that leads nowhere, two thirds of it, then a third, then a
     /// twenty-fifth, at least 1 cm.
     pub clearance_m: f64,
     /// Length of a lattice motion.
     pub step_m: f64,
     /// Side of a bin of the closed set.
     pub bin_m: f64,
-    /// Bins a full turn.
+    /// Bins per full turn.
     pub headings: u32,
     /// Added for every change between forward and reverse.
     pub cusp_cost: f64,
-    /// What the estimate of the metres still to drive is multiplied with.
+    /// Factor of the estimated metres still to drive.
     pub heuristic_weight: f64,
     /// Shortcuts tried on the path found.
     pub shortcuts: u32,
     /// Nodes that one query may expand, over all its searches.
     pub max_expansions: u32,
-    /// Planning time charged, during which the truck stands.
+    /// Simulated planning time charged, during which the truck stands still.
     pub seconds_per_expansion: f64,
 }
 
@@ -39,5 +49,58 @@ impl Default for HybridSettings {
             max_expansions: 30_000,
             seconds_per_expansion: 0.0,
         }
+    }
+}
+
+impl SettingsTable for HybridSettings {
+    fn check(&self, frame: &FieldFrame) -> Result<(), OutOfRange> {
+        check_range("clearance_m", self.clearance_m, 0.01..=100.0)?;
+        check_range("step_m", self.step_m, 0.1..=1000.0)?;
+        check_range("bin_m", self.bin_m, 0.01..=1000.0)?;
+        check_range("headings", self.headings.into(), 4.0..=360.0)?;
+        check_range("cusp_cost", self.cusp_cost, 0.0..=1e6)?;
+        check_range("heuristic_weight", self.heuristic_weight, 0.0..=1000.0)?;
+        check_range("shortcuts", self.shortcuts.into(), 0.0..=1e6)?;
+        check_range("max_expansions", self.max_expansions.into(), 1.0..=1e6)?;
+        check_range("seconds_per_expansion", self.seconds_per_expansion, 0.0..=1e6)?;
+        check_bins(self.bin_m, self.headings, frame)
+    }
+}
+
+/// Makes planners of the name `hybrid-astar`.
+pub struct Maker;
+
+impl MakePlanner for Maker {
+    fn make(&self, site: &Site<'_>) -> Box<dyn TruckPlanner> {
+        let shortcuts = (site.stream)("shortcuts");
+        Box::new(HybridAstar::build(site.checker, site.memory, site.settings.hybrid, shortcuts))
+    }
+
+    fn tables(&self) -> &'static [&'static str] {
+        &["hybrid"]
+    }
+
+    fn memory(&self, frame: &FieldFrame, _: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory {
+        HybridAstar::memory(frame, settings.hybrid)
+    }
+
+    fn charge(&self, settings: &TruckPlannerSettings<'_>) -> Charge {
+        Charge { roadmap_s: 0.0, local_s: settings.hybrid.seconds_per_expansion }
+    }
+
+    fn describe(&self, settings: &TruckPlannerSettings<'_>) -> String {
+        let hybrid = settings.hybrid;
+        format!(
+            "Hybrid A* with motions of {} m, bins of {} m and {} headings, Reeds-Shepp curves into the goal, {} m \
+             clear, a change of direction at the price of {} m, at most {} expansions, then {} shortcuts; {}.",
+            hybrid.step_m,
+            hybrid.bin_m,
+            hybrid.headings,
+            hybrid.clearance_m,
+            hybrid.cusp_cost,
+            hybrid.max_expansions,
+            hybrid.shortcuts,
+            describe_charge(hybrid.seconds_per_expansion)
+        )
     }
 }

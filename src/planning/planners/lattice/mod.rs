@@ -8,7 +8,7 @@
 
 mod settings;
 
-pub use settings::LatticeSettings;
+pub use settings::{LatticeSettings, Maker};
 
 use crate::collision::CollisionChecker;
 use crate::geometry::{FieldFrame, Pose};

@@ -1,7 +1,7 @@
 mod roadmap;
 mod settings;
 
-pub use settings::{ClearanceTo, PrmSettings, RoadmapGoal, RoadmapSearch};
+pub use settings::{ClearanceTo, Maker, PrmSettings, RoadmapGoal, RoadmapSearch};
 
 use std::sync::Arc;
 

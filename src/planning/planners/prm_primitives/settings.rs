@@ -1,9 +1,17 @@
-//! What a scenario may choose about the roadmap of the truck's planner `prm+primitives`.
+//! Settings of the planner `prm+primitives`, and what scenarios say about it.
 //!
 //! Defaults are those of the scenario `contest`. Lengths are metres.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+use super::PrmPrimitives;
+use crate::geometry::FieldFrame;
+use crate::planning::TruckPlanner;
+use crate::planning::memory::PlannerMemory;
+use crate::planning::registry::{Charge, MakePlanner, RoadmapSize, Site, TruckPlannerSettings, describe_charge};
+use crate::ranges::{OutOfRange, SettingsTable, check_range};
+use crate::vehicle::Dimensions;
 
 /// The probabilistic roadmap over the truck's body centre.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -11,16 +19,16 @@ use serde::{Deserialize, Serialize};
 pub struct PrmSettings {
     /// Milestones to draw.
     pub samples: u32,
-    /// Each milestone is joined to so many of its nearest ones, those to which the straight line is free.
+    /// The number of nearest milestones to which each is joined, those to which the straight line is free.
     pub neighbours: u32,
-    /// No edge is longer.
+    /// The longest edge.
     pub max_edge_m: f64,
-    /// Free radius about milestones and along edges.
+    /// Free radius around milestones and along edges.
     pub clearance_m: f64,
     pub clearance_to: ClearanceTo,
     pub search: RoadmapSearch,
     pub goal: RoadmapGoal,
-    /// Planning time charged, during which the truck stands.
+    /// Simulated planning time charged, during which the truck stands still.
     pub seconds_per_expansion: f64,
 }
 
@@ -39,7 +47,7 @@ impl Default for PrmSettings {
     }
 }
 
-/// From what milestones and edges keep their clearance.
+/// The obstacles from which milestones and edges keep their clearance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ClearanceTo {
@@ -49,7 +57,7 @@ pub enum ClearanceTo {
     CellCentres,
 }
 
-/// How the roadmap is searched.
+/// The search on the roadmap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RoadmapSearch {
@@ -59,7 +67,7 @@ pub enum RoadmapSearch {
     Greedy,
 }
 
-/// Which milestones a query aims at.
+/// The milestones that are the goals of a query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RoadmapGoal {
@@ -68,4 +76,84 @@ pub enum RoadmapGoal {
     /// The one nearest to the fire, of those from which it can be reached; the drive ends about that milestone, where
     /// the fire is in reach.
     NearestMilestone,
+}
+
+impl SettingsTable for PrmSettings {
+    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
+        check_range("samples", self.samples.into(), 0.0..=100_000.0)?;
+        check_range("neighbours", self.neighbours.into(), 1.0..=100.0)?;
+        check_range("max_edge_m", self.max_edge_m, 0.01..=1e6)?;
+        check_range("clearance_m", self.clearance_m, 0.0..=1000.0)?;
+        check_range("seconds_per_expansion", self.seconds_per_expansion, 0.0..=1e6)
+    }
+}
+
+/// Makes planners of the name `prm+primitives`.
+pub struct Maker;
+
+impl MakePlanner for Maker {
+    fn make(&self, site: &Site<'_>) -> Box<dyn TruckPlanner> {
+        let TruckPlannerSettings { prm, primitives, safety, .. } = site.settings;
+        let mut rng = (site.stream)("prm");
+        Box::new(PrmPrimitives::build(site.checker, site.memory, prm, primitives, safety, &mut rng))
+    }
+
+    fn tables(&self) -> &'static [&'static str] {
+        &["prm", "primitives", "safety"]
+    }
+
+    fn memory(&self, frame: &FieldFrame, _: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory {
+        PrmPrimitives::memory(frame, settings.prm, settings.primitives, settings.safety)
+    }
+
+    fn charge(&self, settings: &TruckPlannerSettings<'_>) -> Charge {
+        Charge { roadmap_s: settings.prm.seconds_per_expansion, local_s: settings.primitives.seconds_per_expansion }
+    }
+
+    fn describe(&self, settings: &TruckPlannerSettings<'_>) -> String {
+        let TruckPlannerSettings { prm, primitives: local, safety, .. } = settings;
+        let search = match prm.search {
+            RoadmapSearch::Astar => "A*",
+            RoadmapSearch::Dijkstra => "Dijkstra's search",
+            RoadmapSearch::Greedy => "greedy search",
+        };
+        let goal = match prm.goal {
+            RoadmapGoal::InReach => "milestones from which the fire is in reach",
+            RoadmapGoal::NearestMilestone => "the milestone nearest to the fire, of those from which it is in reach",
+        };
+        let roadmap = format!(
+            "Roadmap of {} samples, {} neighbours each, edges up to {} m, {} m clear; {search} to {goal}; {}.",
+            prm.samples,
+            prm.neighbours,
+            prm.max_edge_m,
+            prm.clearance_m,
+            describe_charge(prm.seconds_per_expansion)
+        );
+        format!(
+            "{roadmap} Local search with motions of {} m, bins of {} m and {} headings, {} m clear, at most {} \
+             expansions; {}.{}",
+            local.step_m,
+            local.bin_m,
+            local.headings,
+            local.clearance_m,
+            local.max_expansions,
+            describe_charge(local.seconds_per_expansion),
+            safety.describe()
+        )
+    }
+
+    fn roadmap_size(&self, settings: &TruckPlannerSettings<'_>, _: usize) -> Option<RoadmapSize> {
+        let PrmSettings { samples, neighbours, max_edge_m, .. } = *settings.prm;
+        Some(RoadmapSize { milestones: samples.into(), neighbours, max_edge_m })
+    }
+
+    fn warning(&self, settings: &TruckPlannerSettings<'_>, body: &Dimensions, truck: &str) -> Option<String> {
+        let clearance_m = settings.prm.clearance_m;
+        (clearance_m < 0.5 * body.width_m).then(|| {
+            format!(
+                "The roadmap of {truck} keeps {clearance_m} m clear, less than half the truck's width: it may lead \
+                 where the truck cannot go."
+            )
+        })
+    }
 }

@@ -21,7 +21,7 @@ mod search;
 mod settings;
 mod tree;
 
-pub use settings::PrmRsSettings;
+pub use settings::{Maker, PrmRsSettings};
 
 use crate::collision::CollisionChecker;
 use crate::geometry::{FieldFrame, Pose};
