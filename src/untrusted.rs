@@ -18,6 +18,18 @@ pub fn visible_lines(text: &str) -> Cow<'_, str> {
     escape(text, |letter| letter != '\n' && is_hidden(letter))
 }
 
+/// The first 60 characters of a text, fit for a line as [`visible`] makes it; `…` says that there were more.
+pub fn visible_start(text: &str) -> String {
+    /// The most characters.
+    const MOST: usize = 60;
+    let start: String = text.chars().take(MOST).collect();
+    let mut shown = visible(&start).into_owned();
+    if text.chars().nth(MOST).is_some() {
+        shown.push('…');
+    }
+    shown
+}
+
 fn escape(text: &str, is_escaped: impl Fn(char) -> bool) -> Cow<'_, str> {
     if !text.chars().any(&is_escaped) {
         return Cow::Borrowed(text);
@@ -81,6 +93,13 @@ mod tests {
         let hidden =
             "\u{0}\u{1f}\u{7f}\u{80}\u{9f}\u{61c}\u{200e}\u{200f}\u{2028}\u{2029}\u{202a}\u{202e}\u{2066}\u{2069}";
         assert!(visible(hidden).is_ascii());
+    }
+
+    #[test]
+    fn long_words_are_cut_and_cannot_steer_a_terminal() {
+        assert_eq!(visible_start("a\u{1b}[2Jb\nc"), "a\\u001b[2Jb\\u000ac");
+        assert_eq!(visible_start(&"x".repeat(61)).chars().count(), 61);
+        assert_eq!(visible_start(&"x".repeat(60)), "x".repeat(60));
     }
 
     #[test]

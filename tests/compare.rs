@@ -379,7 +379,7 @@ fn selections_that_cannot_be_met_are_refused_with_what_there_is() {
     let level = Selection { by: Some(("planner".into(), vec!["prm".into(), "prn".into()])), only: Vec::new() };
     let twice = scratch.batch("twice", &[Run::of(1, 100), Run::of(2, 100), Run::of(1, 100)]);
     let cases: [(&[&Path], &Selection, &[&str], &str); 9] = [
-        (&[&one, &twice], &none, &[], "twice/runs.csv: seed 1 stands there twice"),
+        (&[&one, &twice], &none, &[], "twice/runs.csv: seed 1 is there twice"),
         (&[&both, &others], &none, &[], "A and B share no seed under equal `planner`"),
         (&[&both], &by("planer"), &[], "no column `planer` to choose runs by: did you mean `planner`?"),
         (&[&both], &level, &[], "no run has planner `prn`: expected `prm`, `lattice`"),
@@ -408,7 +408,7 @@ fn wrong_files_are_refused_where_they_are_wrong() {
         ("empty", Vec::new(), "there is no column `seed`"),
         ("other", b"a,b\n1,2\n".to_vec(), "there is no column `seed`"),
         ("no status", b"seed,planner\n1,2\n".to_vec(), "there is no column `status`"),
-        ("twice", b"seed,status,seed\n1,done,1\n".to_vec(), "the column `seed` stands there twice"),
+        ("twice", b"seed,status,seed\n1,done,1\n".to_vec(), "the column `seed` is there twice"),
         ("no rows", with(""), "has no runs to compare"),
         ("torn", good.as_bytes()[..good.len() - 20].to_vec(), "line 3: 12 fields; expected 16"),
         ("seed", with(&row.replacen("s,1", "s,-1", 1)), "line 2: seed is `-1`; expected a seed"),

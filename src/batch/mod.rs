@@ -30,7 +30,8 @@ pub use report::{
     Tally, VariantReport, WrittenReport, audit_all, merge, notes, run_json, write_report,
 };
 pub use table::{
-    AGENT_COLUMNS, AgentColumn, AgentRow, COLUMNS_BEFORE_SWEPT, Column, FinishedBatch, FinishedError, RUN_COLUMNS,
-    RunColumn, TableOfRows, is_measured, recordings_in, row_schema,
+    AGENT_COLUMNS, AgentColumn, AgentRow, CALL_COLUMNS, COLUMNS_BEFORE_SWEPT, CallColumn, Column, FileColumn,
+    FinishedBatch, FinishedError, Kind, RUN_COLUMNS, RunColumn, RunRecord, STATE_COLUMNS, StateColumn, TableError,
+    TableOfRows, TableReader, Unit, is_measured, recordings_in, row_schema, run_column,
 };
 pub use text_table::TextTable;

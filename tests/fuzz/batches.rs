@@ -9,7 +9,7 @@ use std::sync::{Arc, LazyLock};
 use wildfire::batch::comparison::{Selection, compare};
 use wildfire::batch::{
     Append, Batch, BatchPlan, BatchRequest, Disk, FinishedBatch, JournalIndex, OutputFolder, PLAN_FILE, PLAN_TEMPLATE,
-    PlanError, RUNS_FILE, STATES_PARQUET, Slice, Sweep, Whole, batch_status, merge, write_report,
+    PlanError, RUNS_FILE, STATES_PARQUET, Slice, Sweep, Whole, batch_status, merge, run_column, write_report,
 };
 use wildfire::scenario::ScenarioText;
 
@@ -285,7 +285,7 @@ pub fn finished_rows(case: &mut Case<'_>) -> Law {
         match rows.next(&run) {
             Ok(row) => {
                 row.is_done();
-                row.number_or_zero("intact");
+                row.number(run_column("intact"));
             }
             Err(refusal) => return said(&refusal.to_string()),
         }

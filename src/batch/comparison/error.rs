@@ -1,29 +1,23 @@
 //! Why batches cannot be compared.
 
-use std::io;
 use std::path::PathBuf;
 
 use thiserror::Error;
 
 use crate::batch::execute::StrangeEntry;
+use crate::batch::table::TableError;
 
-/// Why batches cannot be compared. Everything that comes from a file is shown as [`shown`](super::shown) makes it.
+/// Why batches cannot be compared. Everything that comes from a file is shown as [`visible_start`](crate::untrusted::visible_start) makes it.
 #[derive(Debug, Error)]
 pub enum ComparisonError {
-    #[error("cannot read {}: {source}", path.display())]
-    Unreadable { path: PathBuf, source: io::Error },
+    #[error(transparent)]
+    Table(#[from] TableError),
     #[error("{}: expected a folder with a runs.csv, or such a file", path.display())]
     NoBatch { path: PathBuf },
     #[error(transparent)]
     Strange(#[from] StrangeEntry),
     #[error("{}: expected a table that `wildfire batch` wrote: there is no column `{column}`", path.display())]
     NotATableOfRuns { path: PathBuf, column: &'static str },
-    #[error("{}: the column `{column}` stands there twice", path.display())]
-    ColumnTwice { path: PathBuf, column: String },
-    #[error("{}: line {line}: {complaint}", path.display())]
-    Damaged { path: PathBuf, line: u64, complaint: String },
-    #[error("{}: line {line}: {column} is `{found}`; expected {expected}", path.display())]
-    WrongValue { path: PathBuf, line: u64, column: String, found: String, expected: &'static str },
     #[error("{}: more than {limit} rows; expected no more", path.display())]
     TooManyRows { path: PathBuf, limit: u64 },
     #[error("{} has no runs to compare", path.display())]
@@ -38,7 +32,7 @@ pub enum ComparisonError {
     WhatToCompare { path: PathBuf, varying: Vec<String> },
     #[error("{}: all runs have {column} `{value}`; expected at least two values to compare", path.display())]
     OneLevel { path: PathBuf, column: String, value: String },
-    #[error("{}: seed {seed} stands there twice; expected every seed once under the same conditions", path.display())]
+    #[error("{}: seed {seed} is there twice; expected every seed once under the same conditions", path.display())]
     SeedTwice { path: PathBuf, seed: u64 },
     #[error("A and {other} share no seed{}, so that no run can be set against another", under_equal(.varying))]
     NoPairs { other: char, varying: Vec<String> },

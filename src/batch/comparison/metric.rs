@@ -1,16 +1,17 @@
-//! What runs are compared by.
+//! The metrics by which runs are compared.
 
 use crate::batch::comparison::error::ComparisonError;
-use crate::batch::comparison::runs_file::{Field, RunsFile};
-use crate::batch::comparison::words::{Phrase, shown};
+use crate::batch::comparison::runs_table::Field;
+use crate::batch::table::{Phrase, RUN_COLUMNS, TableReader};
 use crate::scenario::nearest_name;
+use crate::untrusted::visible_start;
 
 /// A quantity of a run, with how it is found and how it is spoken of.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Metric {
     pub name: String,
     pub kind: MetricKind,
-    pub phrase: Phrase,
+    pub phrase: Option<Phrase>,
 }
 
 /// How a metric is found from the columns of a run.
@@ -19,36 +20,71 @@ pub enum MetricKind {
     /// The sum of these columns.
     Sum(Vec<String>),
     /// A time, cut off where the run ended before; there is none in a run in which it never began to count.
-    Time { event: String, end: String, begun: String },
+    Time { event: &'static str, end: &'static str, begun: &'static str },
     /// Whether the column holds this word.
-    Answer { column: String, yes: &'static str },
+    Answer { column: &'static str, yes: &'static str },
 }
 
-/// What is compared if nothing else is asked for.
+/// The metrics that are compared if no others are asked for.
 const DEFAULTS: &[&str] =
     &["saved", "truck_won", "all_out_s", "mean_response_s", "burning_cell_s", "cpu_unimog_total_s"];
 
-/// Metrics that have names of their own, and what they are of the columns.
-pub const NAMED_METRICS: &[(&str, &str)] = &[
-    ("saved", "intact + extinguished"),
-    ("burned", "burning + burned_out"),
-    ("truck_won", "winner is unimog"),
-    ("wumpus_won", "winner is wumpus"),
-    ("all_out_s", "cut off at ended_s"),
+/// A metric that is not just a column.
+pub struct NamedMetric {
+    pub name: &'static str,
+    find: Find,
+    phrase: Phrase,
+}
+
+enum Find {
+    Sum([&'static str; 2]),
+    Winner(&'static str),
+    Time { event: &'static str, end: &'static str, begun: &'static str },
+}
+
+/// The metrics that are not just columns.
+pub static NAMED_METRICS: [NamedMetric; 5] = [
+    NamedMetric {
+        name: "saved",
+        find: Find::Sum(["intact", "extinguished"]),
+        phrase: Phrase::new("saves", "more obstacles per run", "fewer obstacles per run"),
+    },
+    NamedMetric {
+        name: "burned",
+        find: Find::Sum(["burning", "burned_out"]),
+        phrase: Phrase::new("loses", "more obstacles per run", "fewer obstacles per run"),
+    },
+    NamedMetric {
+        name: "truck_won",
+        find: Find::Winner("unimog"),
+        phrase: Phrase::new("wins for the truck", "more runs of a hundred", "fewer runs of a hundred").in_hundreds(),
+    },
+    NamedMetric {
+        name: "wumpus_won",
+        find: Find::Winner("wumpus"),
+        phrase: Phrase::new("wins for the Wumpus", "more runs of a hundred", "fewer runs of a hundred").in_hundreds(),
+    },
+    NamedMetric {
+        name: "all_out_s",
+        find: Find::Time { event: "all_out_s", end: "ended_s", begun: "first_fire_s" },
+        phrase: Phrase::new("has all fires out", "s later", "s sooner"),
+    },
 ];
 
 impl Metric {
-    /// The metrics of these names, or the usual ones that the files have columns for; each once.
-    pub fn choose(names: &[String], files: &[RunsFile]) -> Result<Vec<Self>, ComparisonError> {
-        let in_all = |metric: &Self| metric.columns().all(|column| files.iter().all(|file| file.has(column)));
+    /// Returns the metrics of these names, or the usual ones that the tables have columns for; each once.
+    pub fn choose(names: &[String], tables: &[TableReader]) -> Result<Vec<Self>, ComparisonError> {
+        let in_all = |metric: &Self| {
+            metric.columns().iter().all(|column| tables.iter().all(|table| table.place(column).is_some()))
+        };
         if names.is_empty() {
-            return Ok(DEFAULTS.iter().map(|name| Self::named(name)).filter(in_all).collect());
+            return Ok(DEFAULTS.iter().map(|name| Self::new(name)).filter(in_all).collect());
         }
         let mut metrics: Vec<Self> = Vec::new();
         for name in names {
-            let metric = Self::named(name);
+            let metric = Self::new(name);
             if !in_all(&metric) {
-                return Err(unknown(name, files));
+                return Err(unknown(name, tables));
             }
             if !metrics.contains(&metric) {
                 metrics.push(metric);
@@ -57,44 +93,44 @@ impl Metric {
         Ok(metrics)
     }
 
-    fn named(name: &str) -> Self {
-        let sum = |columns: &[&str]| MetricKind::Sum(columns.iter().map(|&column| column.into()).collect());
-        let won = |yes| MetricKind::Answer { column: "winner".into(), yes };
-        let kind = match name {
-            "saved" => sum(&["intact", "extinguished"]),
-            "burned" => sum(&["burning", "burned_out"]),
-            "truck_won" => won("unimog"),
-            "wumpus_won" => won("wumpus"),
-            "all_out_s" => MetricKind::Time { event: name.into(), end: "ended_s".into(), begun: "first_fire_s".into() },
-            _ => sum(&[name]),
+    /// The metric of this name: one of [`NAMED_METRICS`], or a column.
+    fn new(name: &str) -> Self {
+        let Some(metric) = NAMED_METRICS.iter().find(|metric| metric.name == name) else {
+            let column = RUN_COLUMNS.iter().find(|column| column.name == name);
+            let kind = MetricKind::Sum(vec![name.to_owned()]);
+            return Self { name: name.to_owned(), kind, phrase: column.and_then(|column| column.phrase) };
         };
-        Self { name: name.into(), kind, phrase: Phrase::of(name) }
+        let kind = match metric.find {
+            Find::Sum(columns) => MetricKind::Sum(columns.map(str::to_owned).to_vec()),
+            Find::Winner(yes) => MetricKind::Answer { column: "winner", yes },
+            Find::Time { event, end, begun } => MetricKind::Time { event, end, begun },
+        };
+        Self { name: name.to_owned(), kind, phrase: Some(metric.phrase) }
     }
 
-    fn columns(&self) -> impl Iterator<Item = &String> {
-        let columns = match &self.kind {
-            MetricKind::Sum(columns) => columns.iter().collect(),
+    fn columns(&self) -> Vec<&str> {
+        match &self.kind {
+            MetricKind::Sum(columns) => columns.iter().map(String::as_str).collect(),
             MetricKind::Time { event, end, begun } => vec![event, end, begun],
             MetricKind::Answer { column, .. } => vec![column],
-        };
-        columns.into_iter()
+        }
     }
 
-    /// What has to be read for it, in the order of its columns.
+    /// Returns what has to be read for it, in the order of its columns.
     pub fn fields(&self) -> Vec<Field> {
-        match &self.kind {
-            MetricKind::Answer { column, yes } => vec![Field::Is(column.clone(), yes)],
-            _ => self.columns().cloned().map(Field::Number).collect(),
+        match self.kind {
+            MetricKind::Answer { column, yes } => vec![Field::Is(column.to_owned(), yes)],
+            _ => self.columns().into_iter().map(|column| Field::Number(column.to_owned())).collect(),
         }
     }
 }
 
-fn unknown(name: &str, files: &[RunsFile]) -> ComparisonError {
-    let named = || NAMED_METRICS.iter().map(|(name, _)| *name);
-    let columns = files.iter().flat_map(RunsFile::columns).map(String::as_str);
+fn unknown(name: &str, tables: &[TableReader]) -> ComparisonError {
+    let named = || NAMED_METRICS.iter().map(|metric| metric.name);
+    let columns = tables.iter().flat_map(TableReader::columns).map(String::as_str);
     ComparisonError::UnknownMetric {
-        name: shown(name),
-        nearest: nearest_name(name, named().chain(columns)).map(|name| shown(&name)),
+        name: visible_start(name),
+        nearest: nearest_name(name, named().chain(columns)).map(|name| visible_start(&name)),
         known: named().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
     }
 }

@@ -21,7 +21,7 @@ mod error;
 mod metric;
 mod pairs;
 mod published;
-mod runs_file;
+mod runs_table;
 mod settings;
 mod sides;
 mod words;
@@ -35,12 +35,13 @@ pub use pairs::{Pairs, Stratum};
 pub use published::{BesideReport, PublishedState, PublishedTime};
 pub use settings::{Difference, SettingsDifference};
 pub use sides::{MAX_SIDES, Selection};
-pub use words::{decimals_of, probability, rounded, shown};
+pub use words::{decimals_of, probability, rounded};
 
 use crate::stats::{RepeatedMeasures, holm};
-use runs_file::{RunsFile, RunsTable};
+use runs_table::RunsTable;
 use settings::KnownSettings;
 use sides::Side;
+use words::{interval_words, sentence};
 
 /// The level of the tests behind a verdict.
 const LEVEL: f64 = 0.05;
@@ -160,10 +161,10 @@ struct Unjudged {
 }
 
 fn read(paths: &[PathBuf], names: &[String]) -> Result<(Vec<Metric>, Vec<RunsTable>), ComparisonError> {
-    let files = paths.iter().map(|path| RunsFile::open(path)).collect::<Result<Vec<_>, _>>()?;
+    let files = paths.iter().map(|path| runs_table::open(path)).collect::<Result<Vec<_>, _>>()?;
     let metrics = Metric::choose(names, &files)?;
     let fields: Vec<_> = metrics.iter().flat_map(Metric::fields).collect();
-    let tables = files.into_iter().map(|file| file.read(&fields)).collect::<Result<_, _>>()?;
+    let tables = files.into_iter().map(|file| RunsTable::read(file, &fields)).collect::<Result<_, _>>()?;
     Ok((metrics, tables))
 }
 
@@ -244,8 +245,9 @@ impl JudgedContrast {
     /// The verdict as a sentence, without a full stop.
     pub fn sentence(&self, letter: char) -> String {
         let Contrast { metric, difference, interval, pairs, .. } = &self.contrast;
-        let said = metric.phrase.sentence(&letter.to_string(), *difference, *interval);
-        let of_interval = |interval| format!("95 % interval of {letter} less A: {}", metric.phrase.interval(interval));
+        let said = sentence(&metric.name, metric.phrase, letter, *difference, *interval);
+        let of_interval =
+            |interval| format!("95 % interval of {letter} less A: {}", interval_words(metric.phrase, interval));
         let not_sure = interval.map_or_else(|| said.clone(), of_interval);
         let by_ranks = self.by_ranks(letter);
         let said = match self.verdict {

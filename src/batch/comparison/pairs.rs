@@ -4,7 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::batch::comparison::error::ComparisonError;
 use crate::batch::comparison::sides::Side;
-use crate::batch::comparison::words::{listed, shown};
+use crate::batch::comparison::words::listed;
+use crate::untrusted::visible_start;
 
 /// Pairs of runs, and what had to be left out.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -57,7 +58,7 @@ impl Pairs {
         }
         pairs.without_partner[1] += partners.count();
         if pairs.without_partner[0] == ours.len() {
-            let varying = columns.iter().map(|column| shown(column)).collect();
+            let varying = columns.iter().map(|column| visible_start(column)).collect();
             return Err(ComparisonError::NoPairs { other: second.letter, varying });
         }
         pairs.columns = columns.into_iter().collect();
@@ -78,13 +79,14 @@ impl Pairs {
 
     /// Names what the strata differ in, `field.coverage and unimog.speed_mps`; empty if there is a single stratum.
     pub fn stratified_by(&self) -> String {
-        listed(&self.columns.iter().map(|column| shown(column)).collect::<Vec<_>>())
+        listed(&self.columns.iter().map(|column| visible_start(column)).collect::<Vec<_>>())
     }
 
     /// Describes a stratum: `field.coverage 0.05, unimog.speed_mps 8`.
     pub fn stratum_words(&self, index: usize) -> String {
         let levels = self.columns.iter().zip(&self.strata[index].levels);
-        let words: Vec<String> = levels.map(|(column, level)| format!("{} {}", shown(column), shown(level))).collect();
+        let words: Vec<String> =
+            levels.map(|(column, level)| format!("{} {}", visible_start(column), visible_start(level))).collect();
         words.join(", ")
     }
 

@@ -8,7 +8,7 @@ use std::path::Path;
 use rand::RngExt;
 
 use crate::batch::comparison::error::ComparisonError;
-use crate::batch::comparison::runs_file::{Field, RunsFile};
+use crate::batch::comparison::runs_table::{self, Field, RunsTable};
 use crate::batch::comparison::sides::{Selection, Side, whole};
 use crate::batch::comparison::{Pairs, SideSummary, summary};
 use crate::rng;
@@ -78,11 +78,12 @@ impl BesideReport {
     /// Sets the runs of a batch, a folder or its table, that came to their end beside the published ones.
     pub fn of(path: &Path, selection: &Selection) -> Result<Self, ComparisonError> {
         let columns = STATES.map(|(_, column, _)| column).into_iter().chain(CPU_TIMES.map(|(_, column, _)| column));
-        let file = RunsFile::open(path)?;
-        if let Some(column) = columns.clone().find(|column| !file.has(column)) {
+        let file = runs_table::open(path)?;
+        if let Some(column) = columns.clone().find(|column| file.place(column).is_none()) {
             return Err(ComparisonError::NotATableOfRuns { path: path.to_owned(), column });
         }
-        let table = file.read(&columns.map(|column| Field::Number(column.into())).collect::<Vec<_>>())?;
+        let fields: Vec<Field> = columns.map(|column| Field::Number(column.into())).collect();
+        let table = RunsTable::read(file, &fields)?;
         let side = whole(&table, selection)?;
         // Every run is its own partner, unless a seed stands there twice.
         let pairs = Pairs::of(&side, &side)?;

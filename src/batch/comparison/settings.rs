@@ -10,10 +10,11 @@ use std::path::Path;
 use serde_json::Value as Json;
 
 use crate::batch::comparison::pairs::Pairs;
-use crate::batch::comparison::runs_file::RunsTable;
+use crate::batch::comparison::runs_table::RunsTable;
 use crate::batch::comparison::sides::Side;
-use crate::batch::comparison::words::{listed, shown};
+use crate::batch::comparison::words::listed;
 use crate::batch::plan::{PLAN_FILE, PLANNER_KEY, PlanError, RecordedPlan, RecordedVariant, value_differences};
+use crate::untrusted::visible_start;
 
 /// The name of a scenario, which says nothing of its runs.
 const NAME_KEY: &str = "name";
@@ -53,7 +54,7 @@ impl KnownSettings {
         let folder = table.path.parent().unwrap_or(Path::new("."));
         let plan = RecordedPlan::read(folder).map_err(|error| match error {
             PlanError::Missing { .. } => format!("there is no {PLAN_FILE} beside {}", shown_path(table)),
-            error => shown(&error.to_string()),
+            error => visible_start(&error.to_string()),
         })?;
         let mut known: BTreeMap<Vec<u32>, usize> = BTreeMap::new();
         let mut variant_of = Vec::with_capacity(table.seeds.len());
@@ -93,7 +94,7 @@ fn variant_of_run(plan: &RecordedPlan, table: &RunsTable, run: usize) -> Result<
 }
 
 fn shown_path(table: &RunsTable) -> String {
-    shown(&table.path.display().to_string())
+    visible_start(&table.path.display().to_string())
 }
 
 impl SettingsDifference {
@@ -148,7 +149,7 @@ impl SettingsDifference {
     /// Returns a line for each difference, `unimog.speed_mps: 8.0 in A, 20.0 in B`.
     pub fn lines(&self, letter: char, pairs: &Pairs) -> Vec<String> {
         let both = |what: &str, [ours, theirs]: [&str; 2]| {
-            format!("{}: {} in A, {} in {letter}", shown(what), shown(ours), shown(theirs))
+            format!("{}: {} in A, {} in {letter}", visible_start(what), visible_start(ours), visible_start(theirs))
         };
         let versions = self.program_versions.iter().map(|[a, b]| both("program version", [a, b]));
         let seeds = self.seeds.iter().map(|[a, b]| both("seeds", [a, b]) + "; only seeds of both are compared");

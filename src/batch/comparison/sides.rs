@@ -1,9 +1,9 @@
 //! Which runs stand on which side of a comparison.
 
 use crate::batch::comparison::error::ComparisonError;
-use crate::batch::comparison::runs_file::{Condition, RunsTable};
-use crate::batch::comparison::words::shown;
+use crate::batch::comparison::runs_table::{Condition, RunsTable};
 use crate::scenario::nearest_name;
+use crate::untrusted::visible_start;
 
 /// The most sides: each has a letter.
 pub const MAX_SIDES: usize = 26;
@@ -73,10 +73,10 @@ impl<'a> Side<'a> {
         let common = self.table.conditions.iter().filter(|condition| !varying.contains(&&condition.name));
         let level = |condition: &Condition| {
             let level = self.runs.first().map_or("", |&run| condition.level_of(run));
-            format!("{} {}", shown(&condition.name), shown(level))
+            format!("{} {}", visible_start(&condition.name), visible_start(level))
         };
         let common: Vec<_> = common.map(level).collect();
-        let path = shown(&self.table.path.display().to_string());
+        let path = visible_start(&self.table.path.display().to_string());
         if common.is_empty() { path } else { format!("{path} ({})", common.join(", ")) }
     }
 }
@@ -114,7 +114,7 @@ fn parts<'a>(
         levels.iter().map(|value| level(table, by, value)).collect::<Result<_, _>>()?
     };
     if let [only] = levels[..] {
-        let (column, value) = (shown(&by.name), shown(&by.levels[only as usize]));
+        let (column, value) = (visible_start(&by.name), visible_start(&by.levels[only as usize]));
         return Err(ComparisonError::OneLevel { path: table.path.clone(), column, value });
     }
     let part = |level| {
@@ -128,7 +128,7 @@ fn the_varying_condition<'a>(table: &'a RunsTable, selection: &Selection) -> Res
     match whole(table, selection)?.varying()[..] {
         [one] => Ok(one),
         ref several => {
-            let varying = several.iter().map(|condition| shown(&condition.name)).collect();
+            let varying = several.iter().map(|condition| visible_start(&condition.name)).collect();
             Err(ComparisonError::WhatToCompare { path: table.path.clone(), varying })
         }
     }
@@ -139,9 +139,9 @@ fn condition<'a>(table: &'a RunsTable, column: &str) -> Result<&'a Condition, Co
     table.conditions.iter().find(|condition| condition.name == column).ok_or_else(|| {
         ComparisonError::UnknownCondition {
             path: table.path.clone(),
-            column: shown(column),
-            nearest: nearest_name(column, names()).map(|name| shown(&name)),
-            known: names().map(shown).collect(),
+            column: visible_start(column),
+            nearest: nearest_name(column, names()).map(|name| visible_start(&name)),
+            known: names().map(visible_start).collect(),
         }
     })
 }
@@ -150,8 +150,8 @@ fn level(table: &RunsTable, condition: &Condition, value: &str) -> Result<u32, C
     let found = condition.levels.iter().position(|level| level == value);
     found.map(|index| index as u32).ok_or_else(|| ComparisonError::UnknownLevel {
         path: table.path.clone(),
-        column: shown(&condition.name),
-        value: shown(value),
-        known: condition.levels.iter().map(|level| shown(level)).collect(),
+        column: visible_start(&condition.name),
+        value: visible_start(value),
+        known: condition.levels.iter().map(|level| visible_start(level)).collect(),
     })
 }

@@ -12,6 +12,8 @@ pub enum Value {
     Count(u64),
     Real(f64),
     Text(String),
+    /// Of columns only: nothing that is swept is one.
+    Flag(bool),
 }
 
 impl fmt::Display for Value {
@@ -21,6 +23,7 @@ impl fmt::Display for Value {
             Self::Count(count) => write!(f, "{count}"),
             Self::Real(number) => write!(f, "{number}"),
             Self::Text(text) => f.write_str(text),
+            Self::Flag(flag) => write!(f, "{flag}"),
         }
     }
 }
@@ -32,6 +35,7 @@ impl Serialize for Value {
             Self::Count(count) => serializer.serialize_u64(*count),
             Self::Real(number) => serializer.serialize_f64(*number),
             Self::Text(text) => serializer.serialize_str(text),
+            Self::Flag(flag) => serializer.serialize_bool(*flag),
         }
     }
 }
@@ -87,6 +91,12 @@ impl From<u32> for Value {
 impl From<u64> for Value {
     fn from(count: u64) -> Self {
         Self::Count(count)
+    }
+}
+
+impl From<bool> for Value {
+    fn from(flag: bool) -> Self {
+        Self::Flag(flag)
     }
 }
 

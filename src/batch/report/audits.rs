@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use crate::audit::{Audited, SampleStep, Verdict, audit_timeline};
 use crate::batch::execute::{BatchError, RUNS_FILE, RunResult, RunRow, Status, panics};
 use crate::batch::plan::PlannedRun;
-use crate::batch::table::{FinishedBatch, FinishedError, FinishedRow};
+use crate::batch::table::{FinishedBatch, FinishedError, RunRecord};
 use crate::scenario::MemoryLimit;
 use crate::sim::{self, RunCost, RunOptions};
 use crate::timeline::{Outcome, Timeline, file};
@@ -62,7 +62,7 @@ pub struct AuditReport {
 /// One run to be audited.
 enum Subject<'a> {
     Recording(&'a Path),
-    Run { batch: &'a FinishedBatch, run: PlannedRun<'a>, row: Option<FinishedRow> },
+    Run { batch: &'a FinishedBatch, run: PlannedRun<'a>, row: Option<RunRecord> },
 }
 
 /// What became of it.
@@ -157,7 +157,7 @@ fn look_at_file(path: &Path, step: SampleStep, difference: impl Fn(&Timeline) ->
 }
 
 /// Makes a run once more, within the memory that it had.
-fn look_again(run: &PlannedRun<'_>, memory: MemoryLimit, row: Option<&FinishedRow>, step: SampleStep) -> Finding {
+fn look_again(run: &PlannedRun<'_>, memory: MemoryLimit, row: Option<&RunRecord>, step: SampleStep) -> Finding {
     let options = RunOptions { memory, ..RunOptions::default() };
     match panics::catch(|| sim::run_with(&run.variant.scenario, run.seed, options)) {
         Ok(Ok(again)) => {
@@ -177,17 +177,17 @@ fn other_run(run: &PlannedRun<'_>, timeline: &Timeline) -> Option<String> {
 }
 
 /// In words, what a row says else than a run. That it cannot be recorded is no difference.
-fn difference(run: &PlannedRun<'_>, row: Option<&FinishedRow>, timeline: &Timeline, cost: RunCost) -> Option<String> {
+fn difference(run: &PlannedRun<'_>, row: Option<&RunRecord>, timeline: &Timeline, cost: RunCost) -> Option<String> {
     let row = row.filter(|row| row.is_done() || file::encode(timeline).is_ok())?;
     let result = RunResult::new(Outcome::new(timeline), cost);
-    row.difference(&RunRow::done(run.label(), result, Duration::ZERO))
+    row.difference(&RunRecord::from_row(&RunRow::done(run.label(), result, Duration::ZERO)))
 }
 
 /// In words, that a row has a result which its run does not give.
-fn missing_result(run: &PlannedRun<'_>, row: Option<&FinishedRow>, status: Status, message: &str) -> Option<String> {
+fn missing_result(run: &PlannedRun<'_>, row: Option<&RunRecord>, status: Status, message: &str) -> Option<String> {
     let row = row.filter(|row| row.is_done())?;
     let again = RunRow::not_done(run.label(), status, message.to_owned(), Duration::ZERO);
-    row.difference(&again)
+    row.difference(&RunRecord::from_row(&again))
 }
 
 impl AuditReport {

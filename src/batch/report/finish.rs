@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::batch::execute::{Batch, BatchError, Disk, JournalError, OutputFolder, ReadJournal, RunRow, TABLES_FILE};
 use crate::batch::plan::{BatchPlan, Slice};
-use crate::batch::report::{BatchReport, VariantReport};
-use crate::batch::table::{ParquetFiles, RowFiles};
+use crate::batch::report::summary::{BatchReport, VariantReport};
+use crate::batch::table::{CsvFiles, ParquetFiles, RunRecord};
 use crate::untrusted::visible_lines;
 
 impl Batch {
@@ -29,21 +29,23 @@ fn write_tables(
     stop: &AtomicBool,
     mut row_of: impl FnMut(u64) -> Result<RunRow, JournalError>,
 ) -> Result<BatchReport, BatchError> {
-    let mut files = RowFiles::create(folder, disk, &plan.swept_keys)?;
+    let mut files = CsvFiles::create(folder, disk, &plan.swept_keys)?;
     let mut parquet_files = ParquetFiles::create(folder, disk, plan)?;
     let mut report = BatchReport::default();
     let mut number = 0;
     for variant in &plan.variants {
-        let mut variant_report = VariantReport::titled(plan.title(variant));
+        let mut variant_report = VariantReport::new(plan.title(variant), &variant.scenario);
         for _ in 0..plan.seeds.count() {
             if stop.load(Ordering::Relaxed) {
                 return Err(BatchError::Stopped);
             }
             number += 1;
             let row = row_of(number)?;
-            files.add(&row)?;
-            parquet_files.add(&row)?;
-            variant_report.add(&row);
+            let record = RunRecord::from_row(&row);
+            files.add(&row, &record)?;
+            parquet_files.add(&row, &record)?;
+            variant_report.add(&record);
+            variant_report.add_detail(&row);
         }
         report.variants.push(variant_report);
     }

@@ -5,7 +5,7 @@ use serde::{Serialize, Serializer};
 
 use crate::batch::execute::RunRow;
 use crate::batch::plan::{PROGRAM_VERSION, Value};
-use crate::batch::report::notes;
+use crate::batch::report::notes::notes;
 use crate::batch::table::{AGENT_COLUMNS, AgentRow, RUN_COLUMNS, is_measured};
 
 /// Writes `{"program_version", "run": {outcome columns}, "agents": [{...}], "notes": [sentences], "measured": {cpu and

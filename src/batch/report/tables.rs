@@ -4,7 +4,7 @@
 //! confidence interval (Student's t). Rows of single runs are kept for the first of a batch only; the statistics are
 //! of all runs that are done.
 
-use crate::batch::execute::{RunResult, RunRow};
+use crate::batch::table::{RunRecord, run_column};
 use crate::batch::text_table::TextTable;
 use crate::stats::Series;
 
@@ -20,7 +20,30 @@ struct Quantity {
     heading: &'static [&'static str],
     /// Decimals of a run's number, and of statistics.
     decimals: [usize; 2],
-    of: fn(&RunResult) -> f64,
+    /// Columns of runs whose sum it is.
+    columns: &'static [usize],
+    scale: f64,
+}
+
+impl Quantity {
+    /// A count of cells, which is the sum of these columns.
+    const fn cells(heading: &'static [&'static str], columns: &'static [usize]) -> Self {
+        Self { heading, decimals: [0, 2], columns, scale: 1.0 }
+    }
+
+    const fn ratio(heading: &'static [&'static str], columns: &'static [usize]) -> Self {
+        Self { heading, decimals: [3, 3], columns, scale: 1.0 }
+    }
+
+    const fn milliseconds(heading: &'static [&'static str], columns: &'static [usize]) -> Self {
+        Self { heading, decimals: [3, 3], columns, scale: 1e3 }
+    }
+
+    /// Returns the number of a run; `None` of a run that is not done.
+    fn of(&self, run: &RunRecord) -> Option<f64> {
+        let numbers: Option<Vec<f64>> = self.columns.iter().map(|&column| run.number(column)).collect();
+        Some(numbers?.iter().sum::<f64>() * self.scale)
+    }
 }
 
 /// What a table shows.
@@ -37,13 +60,13 @@ static OBSTACLE_STATES: Layout = Layout {
     shows_seeds: true,
     shows_sums: false,
     quantities: &[
-        Quantity { heading: &["Total"], decimals: [0, 2], of: |r| r.outcome.obstacles.into() },
-        Quantity { heading: &["Intact", "total"], decimals: [0, 2], of: |r| r.outcome.intact.into() },
-        Quantity { heading: &["Intact", "ratio"], decimals: [3, 3], of: |r| r.outcome.intact_ratio() },
-        Quantity { heading: &["Burned", "total"], decimals: [0, 2], of: |r| r.outcome.burned().into() },
-        Quantity { heading: &["Burned", "ratio"], decimals: [3, 3], of: |r| r.outcome.burned_ratio() },
-        Quantity { heading: &["Exting.", "total"], decimals: [0, 2], of: |r| r.outcome.extinguished.into() },
-        Quantity { heading: &["Exting.", "ratio"], decimals: [3, 3], of: |r| r.outcome.extinguished_ratio() },
+        Quantity::cells(&["Total"], &[run_column("obstacles")]),
+        Quantity::cells(&["Intact", "total"], &[run_column("intact")]),
+        Quantity::ratio(&["Intact", "ratio"], &[run_column("intact_ratio")]),
+        Quantity::cells(&["Burned", "total"], &[run_column("burning"), run_column("burned_out")]),
+        Quantity::ratio(&["Burned", "ratio"], &[run_column("burned_ratio")]),
+        Quantity::cells(&["Exting.", "total"], &[run_column("extinguished")]),
+        Quantity::ratio(&["Exting.", "ratio"], &[run_column("extinguished_ratio")]),
     ],
 };
 
@@ -52,15 +75,15 @@ static CPU_TIMES: Layout = Layout {
     shows_seeds: false,
     shows_sums: true,
     quantities: &[
-        Quantity { heading: &["Clear.", "field"], decimals: [3, 3], of: |r| r.cpu.clearance_field_s * 1e3 },
-        Quantity { heading: &["Samp-", "ling"], decimals: [3, 3], of: |r| r.cpu.sampling_s * 1e3 },
-        Quantity { heading: &["Map", "gener."], decimals: [3, 3], of: |r| r.cpu.map_generation_s * 1e3 },
-        Quantity { heading: &["Roadmap", "search"], decimals: [3, 3], of: |r| r.cpu.roadmap_search_s * 1e3 },
-        Quantity { heading: &["Local", "search"], decimals: [3, 3], of: |r| r.cpu.local_search_s * 1e3 },
-        Quantity { heading: &["Reacha-", "bility"], decimals: [3, 3], of: |r| r.cpu.reachability_s * 1e3 },
-        Quantity { heading: &["PRM", "only"], decimals: [3, 3], of: |r| r.cpu.prm_total_s() * 1e3 },
-        Quantity { heading: &["Unimog", "total"], decimals: [3, 3], of: |r| r.cpu.unimog_total_s() * 1e3 },
-        Quantity { heading: &["Wumpus", "search"], decimals: [3, 3], of: |r| r.cpu.wumpus_s * 1e3 },
+        Quantity::milliseconds(&["Clear.", "field"], &[run_column("cpu_clearance_field_s")]),
+        Quantity::milliseconds(&["Samp-", "ling"], &[run_column("cpu_sampling_s")]),
+        Quantity::milliseconds(&["Map", "gener."], &[run_column("cpu_map_generation_s")]),
+        Quantity::milliseconds(&["Roadmap", "search"], &[run_column("cpu_roadmap_search_s")]),
+        Quantity::milliseconds(&["Local", "search"], &[run_column("cpu_local_search_s")]),
+        Quantity::milliseconds(&["Reacha-", "bility"], &[run_column("cpu_reachability_s")]),
+        Quantity::milliseconds(&["PRM", "only"], &[run_column("cpu_prm_total_s")]),
+        Quantity::milliseconds(&["Unimog", "total"], &[run_column("cpu_unimog_total_s")]),
+        Quantity::milliseconds(&["Wumpus", "search"], &[run_column("cpu_wumpus_s")]),
     ],
 };
 
@@ -81,8 +104,8 @@ impl Default for Tables {
 }
 
 impl Tables {
-    pub fn add(&mut self, row: &RunRow) {
-        self.0.iter_mut().for_each(|table| table.add(row));
+    pub fn add(&mut self, run: &RunRecord) {
+        self.0.iter_mut().for_each(|table| table.add(run));
     }
 
     /// Both tables with their titles, with as many decimals as a terminal has room for.
@@ -125,15 +148,14 @@ impl Table {
         Self { layout, shown: Vec::new(), series: vec![Series::default(); layout.quantities.len()], runs: 0 }
     }
 
-    fn add(&mut self, row: &RunRow) {
+    fn add(&mut self, run: &RunRecord) {
         self.runs += 1;
-        let numbers_of = |result| self.layout.quantities.iter().map(|quantity| (quantity.of)(result)).collect();
-        let numbers: Option<Vec<f64>> = row.result.as_ref().map(numbers_of);
+        let numbers: Option<Vec<f64>> = self.layout.quantities.iter().map(|quantity| quantity.of(run)).collect();
         for (series, &number) in self.series.iter_mut().zip(numbers.iter().flatten()) {
             series.add(number);
         }
         if self.shown.len() < SHOWN_RUNS {
-            self.shown.push((row.label.seed, numbers));
+            self.shown.push((run.seed(), numbers));
         }
     }
 

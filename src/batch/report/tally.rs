@@ -3,9 +3,14 @@
 use std::cmp::Ordering;
 use std::fmt;
 
-use crate::batch::execute::{RunRow, Status};
-use crate::batch::report::notes;
-use crate::timeline::{Outcome, Winner};
+use crate::batch::execute::Status;
+use crate::batch::table::{RunRecord, run_column};
+
+const WINNER: usize = run_column("winner");
+const WUMPUS_SCORE: usize = run_column("wumpus_score");
+const TRUCK_SCORE: usize = run_column("truck_score");
+const WUMPUS_STUCK_S: usize = run_column("wumpus_stuck_s");
+const TRUCK_STUCK_S: usize = run_column("truck_stuck_s");
 
 /// Counts and sums over the runs of a batch.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -32,36 +37,37 @@ pub struct Tally {
 }
 
 impl Tally {
-    pub fn add(&mut self, row: &RunRow) {
-        match row.status {
+    /// Adds a run, of a scenario with agents on both sides or not.
+    pub fn add(&mut self, run: &RunRecord, is_contest: bool) {
+        match run.status() {
             Status::Done => self.done += 1,
             Status::Failed => self.failed += 1,
             Status::Panicked => self.panicked += 1,
         }
-        let Some(result) = &row.result else {
-            self.first_failure.get_or_insert_with(|| (row.label.seed, row.message.clone()));
+        if !run.is_done() {
+            self.first_failure.get_or_insert_with(|| (run.seed(), run.message().to_owned()));
             return;
-        };
-        let outcome = &result.outcome;
-        if result.trucks().next().is_some() && result.wumpuses().next().is_some() {
-            self.add_contest(outcome);
         }
-        self.stuck_runs += u64::from(outcome.truck_stuck_s > 0.0 || outcome.wumpus_stuck_s > 0.0);
-        self.truck_stuck_s += outcome.truck_stuck_s;
-        self.wumpus_stuck_s += outcome.wumpus_stuck_s;
-        let notes = notes(result);
-        if !notes.is_empty() {
-            self.noted_runs += 1;
-            self.first_notes.get_or_insert((row.label.seed, notes));
+        let number = |column| run.number(column).unwrap_or(0.0);
+        if is_contest {
+            self.contested += 1;
+            self.won_by_wumpus += u64::from(run.text(WINNER) == "wumpus");
+            self.won_by_truck += u64::from(run.text(WINNER) == "unimog");
+            self.wumpus_score += number(WUMPUS_SCORE);
+            self.truck_score += number(TRUCK_SCORE);
         }
+        let (truck_stuck_s, wumpus_stuck_s) = (number(TRUCK_STUCK_S), number(WUMPUS_STUCK_S));
+        self.stuck_runs += u64::from(truck_stuck_s > 0.0 || wumpus_stuck_s > 0.0);
+        self.truck_stuck_s += truck_stuck_s;
+        self.wumpus_stuck_s += wumpus_stuck_s;
     }
 
-    fn add_contest(&mut self, outcome: &Outcome) {
-        self.contested += 1;
-        self.won_by_wumpus += u64::from(outcome.winner() == Winner::Wumpus);
-        self.won_by_truck += u64::from(outcome.winner() == Winner::Unimog);
-        self.wumpus_score += outcome.wumpus_score;
-        self.truck_score += outcome.truck_score;
+    /// Adds the notes on a run, if there are any.
+    pub fn add_notes(&mut self, seed: u64, notes: Vec<String>) {
+        if !notes.is_empty() {
+            self.noted_runs += 1;
+            self.first_notes.get_or_insert((seed, notes));
+        }
     }
 
     /// Runs without a result.

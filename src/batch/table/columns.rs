@@ -1,26 +1,28 @@
-//! The columns of `runs.csv` and `agents.csv`, and the same names and values for other forms of output.
+//! The columns of all tables of a batch. A line here is all that a column needs: its name, `optional` if a row may
+//! have no value, its kind and unit, what it means, and how it is found. CSV and Parquet files, the data dictionary, the
+//! metrics of comparisons and the charts of reports have them from here.
 //!
 //! Outcome columns come first. They are equal bit for bit whenever a seed is run again; every column that may differ
-//! begins with `cpu_` or `wall_`, and stands after them. A number is written with the fewest digits that read back as
-//! the same f64; a value that does not exist is an empty field.
+//! begins with `cpu_` or `wall_`, and is after them. A number is written with the fewest digits that read back as the
+//! same f64; a value that does not exist is an empty field.
 
-use crate::batch::execute::{CpuSplit, RunRow};
+use crate::batch::execute::{CpuSplit, PlannerCall, RunRow, StateCount};
 use crate::batch::plan::{RunLabel, Value};
+use crate::batch::table::column::{Column, Kind, Phrase, Unit};
 use crate::sim::AgentCost;
 use crate::timeline::{AgentOutcome, Outcome, Winner};
-
-/// A name and how to get its value.
-#[derive(Clone, Copy, Debug)]
-pub struct Column<F> {
-    pub name: &'static str,
-    pub value: F,
-}
 
 /// A column of `runs.csv`.
 pub type RunColumn = Column<fn(&RunRow) -> Value>;
 
 /// A column of `agents.csv`.
 pub type AgentColumn = Column<fn(&AgentRow<'_>) -> Value>;
+
+/// A column of `planner_calls.parquet`, after those of the run.
+pub type CallColumn = Column<fn(&PlannerCall) -> Value>;
+
+/// A column of `states.parquet`, after those of the run.
+pub type StateColumn = Column<fn(&StateCount) -> Value>;
 
 /// One agent of a run that is done.
 #[derive(Clone, Copy, Debug)]
@@ -94,123 +96,247 @@ fn winner(outcome: &Outcome) -> String {
     .into()
 }
 
+/// Reads lines `name: [optional] Kind Unit "words" = value, what else there is to say of it;`.
 macro_rules! columns {
-    ($row:ident; $($name:ident = $value:expr),+ $(,)?) => {
-        &[$(Column { name: stringify!($name), value: |$row| $value.into() }),+]
+    ($Column:ty, $row:ident;
+     $($name:ident: $($about:ident)+ $words:literal = $value:expr $(, $extra:ident($($argument:expr),*))*;)+) => {
+        &[$({
+            let (is_required, kind, unit) = about!($($about)+);
+            let name = stringify!($name);
+            let column: $Column = Column {
+                name, words: $words, unit, kind, is_required, title: "", phrase: None, value: |$row| $value.into(),
+            };
+            column$(.$extra($($argument),*))*
+        }),+]
     };
 }
 
-/// How many columns of [`RUN_COLUMNS`] stand before those of what a batch sweeps.
+macro_rules! about {
+    (optional $kind:ident $unit:ident) => {
+        (false, Kind::$kind, Unit::$unit)
+    };
+    ($kind:ident $unit:ident) => {
+        (true, Kind::$kind, Unit::$unit)
+    };
+}
+
+/// How many columns of [`RUN_COLUMNS`] come before those of what a batch sweeps.
 pub const COLUMNS_BEFORE_SWEPT: usize = 4;
 
-/// The columns of `runs.csv`, in their order, but for those of what a batch sweeps.
-pub const RUN_COLUMNS: &[RunColumn] = columns! { row;
-    scenario = row.label.scenario.clone(),
-    seed = row.label.seed,
-    run = row.label.run,
-    planner = unless_empty(&row.label.planner),
-    status = row.status.to_string(),
-    message = unless_empty(&row.message),
-    obstacles = outcome(row, |o| o.obstacles),
-    intact = outcome(row, |o| o.intact),
-    burning = outcome(row, |o| o.burning),
-    burned_out = outcome(row, |o| o.burned_out),
-    extinguished = outcome(row, |o| o.extinguished),
-    intact_ratio = outcome(row, Outcome::intact_ratio),
-    burned_ratio = outcome(row, Outcome::burned_ratio),
-    extinguished_ratio = outcome(row, Outcome::extinguished_ratio),
-    lit_by_wumpus = outcome(row, |o| o.lit_by_wumpus),
-    caught_by_spread = outcome(row, |o| o.caught_by_spread),
-    truck_stuck_s = outcome(row, |o| o.truck_stuck_s),
-    wumpus_stuck_s = outcome(row, |o| o.wumpus_stuck_s),
-    lit_by_schedule = outcome(row, |o| o.lit_by_schedule),
-    ended_s = outcome(row, |o| o.ended_s),
-    burning_cell_s = outcome(row, |o| o.burning_cell_s),
-    peak_burning = outcome(row, |o| o.peak_burning),
-    mean_response_s = outcome(row, |o| o.mean_response_s),
-    first_fire_s = outcome(row, |o| o.first_fire_s),
-    all_out_s = outcome(row, |o| o.all_out_s),
-    wumpus_score = outcome(row, |o| o.wumpus_score),
-    truck_score = outcome(row, |o| o.truck_score),
-    winner = outcome(row, winner),
-    truck_plans = trucks_count(row, |a| a.plans.into()),
-    truck_failed_start_blocked = trucks_count(row, |a| a.failures[0].into()),
-    truck_failed_goal_blocked = trucks_count(row, |a| a.failures[1].into()),
-    truck_failed_disconnected = trucks_count(row, |a| a.failures[2].into()),
-    truck_failed_budget_spent = trucks_count(row, |a| a.failures[3].into()),
-    truck_lattice_plans = trucks_count(row, |a| a.lattice_plans.into()),
-    truck_roadmap_samples = trucks_count(row, |a| a.roadmap_samples.into()),
-    truck_roadmap_edges = trucks_count(row, |a| a.roadmap_edges.into()),
-    truck_roadmap_components = trucks_count(row, |a| a.roadmap_components.into()),
-    truck_roadmap_expansions = trucks_count(row, |a| a.roadmap_expansions),
-    truck_local_expansions = trucks_count(row, |a| a.local_expansions),
-    truck_distance_m = trucks(row, |a| a.distance_m),
-    truck_driving_s = trucks(row, |a| a.driving_s),
-    truck_planning_s = trucks(row, |a| a.planning_s),
-    truck_suppressing_s = trucks(row, |a| a.suppressing_s),
-    truck_standing_s = trucks(row, |a| a.standing_s),
-    truck_longest_idle_s = trucks_longest(row, |a| a.longest_idle_s),
-    truck_cusps = trucks_count(row, |a| a.cusps.into()),
-    truck_wasted_drives = trucks_count(row, |a| a.wasted_drives.into()),
-    truck_waiting_s = trucks(row, |a| a.waiting_s),
-    truck_deadlocks = trucks_count(row, |a| a.deadlocks.into()),
-    wumpus_plans = wumpuses_count(row, |a| a.plans.into()),
-    wumpus_failed_plans = wumpuses_count(row, |a| a.failures.iter().copied().map(u64::from).sum()),
-    wumpus_local_minima = wumpuses_count(row, |a| a.local_minima.into()),
-    wumpus_expansions = wumpuses_count(row, |a| a.roadmap_expansions + a.local_expansions),
-    wumpus_distance_m = wumpuses(row, |a| a.distance_m),
-    wumpus_walking_s = wumpuses(row, |a| a.driving_s),
-    wumpus_planning_s = wumpuses(row, |a| a.planning_s),
-    wumpus_standing_s = wumpuses(row, |a| a.standing_s),
-    wumpus_longest_idle_s = wumpuses_longest(row, |a| a.longest_idle_s),
-    cpu_sampling_s = cpu(row, |c| c.sampling_s),
-    cpu_map_generation_s = cpu(row, |c| c.map_generation_s),
-    cpu_roadmap_search_s = cpu(row, |c| c.roadmap_search_s),
-    cpu_local_search_s = cpu(row, |c| c.local_search_s),
-    cpu_prm_total_s = cpu(row, CpuSplit::prm_total_s),
-    cpu_unimog_total_s = cpu(row, CpuSplit::unimog_total_s),
-    cpu_wumpus_s = cpu(row, |c| c.wumpus_s),
-    cpu_clearance_field_s = cpu(row, |c| c.clearance_field_s),
-    cpu_reachability_s = cpu(row, |c| c.reachability_s),
-    cpu_terrain_s = cpu(row, |c| c.terrain_s),
-    cpu_run_s = cpu(row, |c| c.run_s),
-    wall_run_s = row.wall.as_secs_f64(),
+/// The columns of `runs.csv`, in their order, without those of what a batch sweeps.
+#[rustfmt::skip]
+pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
+    scenario: Text None "name of the scenario" = row.label.scenario.clone();
+    seed: Count None "seed from which all that is random in the run follows" = row.label.seed;
+    run: Count None "number of the run in the plan, from 1" = row.label.run;
+    planner: optional Text None "planner of the trucks; `;` between those of trucks that differ"
+        = unless_empty(&row.label.planner);
+    status: Text None "done, failed or panicked" = row.status.to_string();
+    message: optional Text None "why a run is not done" = unless_empty(&row.message);
+    obstacles: optional Count Cells "bush cells of the field" = outcome(row, |o| o.obstacles);
+    intact: optional Count Cells "cells that never burned, at the end" = outcome(row, |o| o.intact), titled("Intact");
+    burning: optional Count Cells "cells that burn at the end" = outcome(row, |o| o.burning), titled("Burning");
+    burned_out: optional Count Cells "cells that burned out" = outcome(row, |o| o.burned_out), titled("Burned out");
+    extinguished: optional Count Cells "cells that were put out"
+        = outcome(row, |o| o.extinguished), titled("Extinguished"),
+        spoken(Phrase::new("extinguishes", "more obstacles per run", "fewer obstacles per run"));
+    intact_ratio: optional Real Share "share of all bush cells" = outcome(row, Outcome::intact_ratio);
+    burned_ratio: optional Real Share "share of all bush cells that burn or have burned out"
+        = outcome(row, Outcome::burned_ratio);
+    extinguished_ratio: optional Real Share "share of all bush cells" = outcome(row, Outcome::extinguished_ratio);
+    lit_by_wumpus: optional Count Cells "ignitions by Wumpuses; a cell that is lit again counts again"
+        = outcome(row, |o| o.lit_by_wumpus);
+    caught_by_spread: optional Count Cells "ignitions by spread" = outcome(row, |o| o.caught_by_spread);
+    truck_stuck_s: optional Real Seconds
+        "time in which trucks did nothing though there was a fire that they could reach"
+        = outcome(row, |o| o.truck_stuck_s), titled("Time that trucks were stuck");
+    wumpus_stuck_s: optional Real Seconds
+        "time in which Wumpuses did nothing though there was something that they could light"
+        = outcome(row, |o| o.wumpus_stuck_s);
+    lit_by_schedule: optional Count Cells "ignitions of the scenario" = outcome(row, |o| o.lit_by_schedule);
+    ended_s: optional Real Seconds "simulated time at the end" = outcome(row, |o| o.ended_s);
+    burning_cell_s: optional Real CellSeconds "number of burning cells integrated over time"
+        = outcome(row, |o| o.burning_cell_s),
+        spoken(Phrase::new("has", "more seconds of a burning cell per run", "fewer seconds of a burning cell per run"));
+    peak_burning: optional Count Cells "most cells that burned at once" = outcome(row, |o| o.peak_burning);
+    mean_response_s: optional Real Seconds "from ignition to extinction, mean over the extinctions"
+        = outcome(row, |o| o.mean_response_s), titled("Time from ignition to extinction"),
+        spoken(Phrase::new("puts a fire out", "s later", "s sooner"));
+    first_fire_s: optional Real Seconds "time of the first ignition" = outcome(row, |o| o.first_fire_s);
+    all_out_s: optional Real Seconds "end of the last fire, if nothing burned at the end"
+        = outcome(row, |o| o.all_out_s);
+    wumpus_score: optional Real Points "points of the Wumpuses by the scenario's rules"
+        = outcome(row, |o| o.wumpus_score);
+    truck_score: optional Real Points "points of the trucks by the scenario's rules" = outcome(row, |o| o.truck_score);
+    winner: optional Text None "wumpus, unimog or tie" = outcome(row, winner);
+    truck_plans: optional Count None "queries of trucks for a plan, failed ones included"
+        = trucks_count(row, |a| a.plans.into());
+    truck_failed_start_blocked: optional Count None "failed queries: the truck's own pose is not free"
+        = trucks_count(row, |a| a.failures[0].into());
+    truck_failed_goal_blocked: optional Count None "failed queries: no free place from which the goal could be reached"
+        = trucks_count(row, |a| a.failures[1].into());
+    truck_failed_disconnected: optional Count None "failed queries: start and goal are not connected"
+        = trucks_count(row, |a| a.failures[2].into());
+    truck_failed_budget_spent: optional Count None "failed queries: the budget of expansions ran out"
+        = trucks_count(row, |a| a.failures[3].into());
+    truck_lattice_plans: optional Count None "plans that the reachability flood found after the planner had failed"
+        = trucks_count(row, |a| a.lattice_plans.into());
+    truck_roadmap_samples: optional Count None "milestones of the roadmaps"
+        = trucks_count(row, |a| a.roadmap_samples.into());
+    truck_roadmap_edges: optional Count None "edges of the roadmaps" = trucks_count(row, |a| a.roadmap_edges.into());
+    truck_roadmap_components: optional Count None "connected components of the roadmaps"
+        = trucks_count(row, |a| a.roadmap_components.into());
+    truck_roadmap_expansions: optional Count None "nodes expanded in the roadmaps"
+        = trucks_count(row, |a| a.roadmap_expansions);
+    truck_local_expansions: optional Count None "nodes expanded in local searches"
+        = trucks_count(row, |a| a.local_expansions);
+    truck_distance_m: optional Real Metres "way driven"
+        = trucks(row, |a| a.distance_m), titled("Distance driven by the trucks");
+    truck_driving_s: optional Real Seconds "time spent driving" = trucks(row, |a| a.driving_s);
+    truck_planning_s: optional Real Seconds "planning time that the scenario charges" = trucks(row, |a| a.planning_s);
+    truck_suppressing_s: optional Real Seconds "time spent on putting fires out" = trucks(row, |a| a.suppressing_s);
+    truck_standing_s: optional Real Seconds "time spent on nothing of these" = trucks(row, |a| a.standing_s);
+    truck_longest_idle_s: optional Real Seconds "longest stand of a truck while something burned"
+        = trucks_longest(row, |a| a.longest_idle_s);
+    truck_cusps: optional Count None "changes between forward and reverse" = trucks_count(row, |a| a.cusps.into());
+    truck_wasted_drives: optional Count None "drives that ended without an extinction"
+        = trucks_count(row, |a| a.wasted_drives.into());
+    truck_waiting_s: optional Real Seconds "time spent on waiting for other trucks" = trucks(row, |a| a.waiting_s);
+    truck_deadlocks: optional Count None "deadlocks of trucks that were broken"
+        = trucks_count(row, |a| a.deadlocks.into());
+    wumpus_plans: optional Count None "queries of Wumpuses for a plan, failed ones included"
+        = wumpuses_count(row, |a| a.plans.into());
+    wumpus_failed_plans: optional Count None "failed queries of Wumpuses"
+        = wumpuses_count(row, |a| a.failures.iter().copied().map(u64::from).sum());
+    wumpus_local_minima: optional Count None "local minima that descents on a potential field met"
+        = wumpuses_count(row, |a| a.local_minima.into());
+    wumpus_expansions: optional Count None "nodes expanded by Wumpuses"
+        = wumpuses_count(row, |a| a.roadmap_expansions + a.local_expansions);
+    wumpus_distance_m: optional Real Metres "way walked" = wumpuses(row, |a| a.distance_m);
+    wumpus_walking_s: optional Real Seconds "time spent walking" = wumpuses(row, |a| a.driving_s);
+    wumpus_planning_s: optional Real Seconds "planning time that the scenario charges"
+        = wumpuses(row, |a| a.planning_s);
+    wumpus_standing_s: optional Real Seconds "time spent standing" = wumpuses(row, |a| a.standing_s);
+    wumpus_longest_idle_s: optional Real Seconds "longest stand of a Wumpus while something could be lit"
+        = wumpuses_longest(row, |a| a.longest_idle_s);
+    cpu_sampling_s: optional Real Seconds "CPU time: drawing the roadmaps' samples"
+        = cpu(row, |c| c.sampling_s), titled("Sampling");
+    cpu_map_generation_s: optional Real Seconds "CPU time: connecting them"
+        = cpu(row, |c| c.map_generation_s), titled("Connecting");
+    cpu_roadmap_search_s: optional Real Seconds "CPU time: queries to the roadmaps"
+        = cpu(row, |c| c.roadmap_search_s), titled("Roadmap search");
+    cpu_local_search_s: optional Real Seconds "CPU time: local searches of trucks"
+        = cpu(row, |c| c.local_search_s), titled("Local search");
+    cpu_prm_total_s: optional Real Seconds "CPU time: clearance field, sampling, map generation and roadmap search"
+        = cpu(row, CpuSplit::prm_total_s);
+    cpu_unimog_total_s: optional Real Seconds "CPU time: all planning of the trucks"
+        = cpu(row, CpuSplit::unimog_total_s), titled("CPU time of the trucks' planning"),
+        spoken(Phrase::new("has the truck's planners take", "more CPU seconds per run", "fewer CPU seconds per run"));
+    cpu_wumpus_s: optional Real Seconds "CPU time: all planning of the Wumpuses"
+        = cpu(row, |c| c.wumpus_s), titled("Wumpus");
+    cpu_clearance_field_s: optional Real Seconds "CPU time: distance field for collision checks"
+        = cpu(row, |c| c.clearance_field_s), titled("Clearance field");
+    cpu_reachability_s: optional Real Seconds "CPU time: reachability floods and the searches in them"
+        = cpu(row, |c| c.reachability_s), titled("Reachability");
+    cpu_terrain_s: optional Real Seconds "CPU time: drawing the field" = cpu(row, |c| c.terrain_s);
+    cpu_run_s: optional Real Seconds "CPU time: the whole run" = cpu(row, |c| c.run_s);
+    wall_run_s: Real Seconds "real time: the whole run" = row.wall.as_secs_f64();
 };
 
 /// The columns of `agents.csv`, in their order.
-pub const AGENT_COLUMNS: &[AgentColumn] = columns! { row;
-    scenario = row.label.scenario.clone(),
-    seed = row.label.seed,
-    run = row.label.run,
-    agent = row.outcome.agent.to_string(),
-    cells = row.outcome.cells,
-    plans = row.outcome.plans,
-    failed_start_blocked = row.outcome.failures[0],
-    failed_goal_blocked = row.outcome.failures[1],
-    failed_disconnected = row.outcome.failures[2],
-    failed_budget_spent = row.outcome.failures[3],
-    failed_local_minimum = row.outcome.failures[4],
-    lattice_plans = row.outcome.lattice_plans,
-    local_minima = row.outcome.local_minima,
-    roadmap_samples = row.outcome.roadmap_samples,
-    roadmap_edges = row.outcome.roadmap_edges,
-    roadmap_components = row.outcome.roadmap_components,
-    roadmap_expansions = row.outcome.roadmap_expansions,
-    local_expansions = row.outcome.local_expansions,
-    distance_m = row.outcome.distance_m,
-    driving_s = row.outcome.driving_s,
-    planning_s = row.outcome.planning_s,
-    suppressing_s = row.outcome.suppressing_s,
-    standing_s = row.outcome.standing_s,
-    stuck_s = row.outcome.stuck_s,
-    longest_idle_s = row.outcome.longest_idle_s,
-    cusps = row.outcome.cusps,
-    wasted_drives = row.outcome.wasted_drives,
-    waiting_s = row.outcome.waiting_s,
-    deadlocks = row.outcome.deadlocks,
-    cpu_sampling_s = row.cost.map(|cost| cost.sampling.as_secs_f64()),
-    cpu_map_generation_s = row.cost.map(|cost| cost.connecting.as_secs_f64()),
-    cpu_roadmap_search_s = row.cost.map(|cost| cost.roadmap_search.as_secs_f64()),
-    cpu_local_search_s = row.cost.map(|cost| cost.local_search.as_secs_f64()),
-    cpu_reachability_s = row.cost.map(|cost| cost.reachability.as_secs_f64()),
+#[rustfmt::skip]
+pub const AGENT_COLUMNS: &[AgentColumn] = columns! { AgentColumn, row;
+    scenario: Text None "name of the scenario" = row.label.scenario.clone();
+    seed: Count None "seed from which all that is random in the run follows" = row.label.seed;
+    run: Count None "number of the run in the plan, from 1" = row.label.run;
+    agent: Text None "unimog/0, wumpus/0 ..." = row.outcome.agent.to_string();
+    cells: Count Cells "cells that a Wumpus lit, or a truck put out" = row.outcome.cells;
+    plans: Count None "queries for a plan, failed ones included" = row.outcome.plans;
+    failed_start_blocked: Count None "failed queries: the agent's own pose is not free" = row.outcome.failures[0];
+    failed_goal_blocked: Count None "failed queries: no free place from which the goal could be reached"
+        = row.outcome.failures[1];
+    failed_disconnected: Count None "failed queries: start and goal are not connected" = row.outcome.failures[2];
+    failed_budget_spent: Count None "failed queries: the budget of expansions ran out" = row.outcome.failures[3];
+    failed_local_minimum: Count None "failed queries: a descent ended in a local minimum" = row.outcome.failures[4];
+    lattice_plans: Count None "plans that the reachability flood found after the planner had failed"
+        = row.outcome.lattice_plans;
+    local_minima: Count None "local minima that descents on a potential field met" = row.outcome.local_minima;
+    roadmap_samples: Count None "milestones of the roadmap" = row.outcome.roadmap_samples;
+    roadmap_edges: Count None "edges of the roadmap" = row.outcome.roadmap_edges;
+    roadmap_components: Count None "connected components of the roadmap" = row.outcome.roadmap_components;
+    roadmap_expansions: Count None "nodes expanded in the roadmap" = row.outcome.roadmap_expansions;
+    local_expansions: Count None "nodes expanded in local searches" = row.outcome.local_expansions;
+    distance_m: Real Metres "way driven or walked" = row.outcome.distance_m;
+    driving_s: Real Seconds "time spent driving or walking" = row.outcome.driving_s;
+    planning_s: Real Seconds "planning time that the scenario charges" = row.outcome.planning_s;
+    suppressing_s: Real Seconds "time spent on putting fires out" = row.outcome.suppressing_s;
+    standing_s: Real Seconds "time spent on nothing of these" = row.outcome.standing_s;
+    stuck_s: Real Seconds "time in which the agent did nothing though there was something that it could reach"
+        = row.outcome.stuck_s;
+    longest_idle_s: Real Seconds "longest stand while there was something to do" = row.outcome.longest_idle_s;
+    cusps: Count None "changes between forward and reverse" = row.outcome.cusps;
+    wasted_drives: Count None "drives that ended without an extinction" = row.outcome.wasted_drives;
+    waiting_s: Real Seconds "time spent on waiting for other trucks" = row.outcome.waiting_s;
+    deadlocks: Count None "deadlocks that this agent broke" = row.outcome.deadlocks;
+    cpu_sampling_s: optional Real Seconds "CPU time: drawing the roadmap's samples"
+        = row.cost.map(|cost| cost.sampling.as_secs_f64());
+    cpu_map_generation_s: optional Real Seconds "CPU time: connecting them"
+        = row.cost.map(|cost| cost.connecting.as_secs_f64());
+    cpu_roadmap_search_s: optional Real Seconds "CPU time: queries to the roadmap"
+        = row.cost.map(|cost| cost.roadmap_search.as_secs_f64());
+    cpu_local_search_s: optional Real Seconds "CPU time: local searches"
+        = row.cost.map(|cost| cost.local_search.as_secs_f64());
+    cpu_reachability_s: optional Real Seconds "CPU time: reachability floods and the searches in them"
+        = row.cost.map(|cost| cost.reachability.as_secs_f64());
 };
+
+/// The columns of `planner_calls.parquet`, in their order, after those of the run.
+#[rustfmt::skip]
+pub const CALL_COLUMNS: &[CallColumn] = columns! { CallColumn, call;
+    agent: Text None "who asks: unimog/0, wumpus/0 ..." = call.agent.to_string();
+    t_s: Real Seconds "simulated time of the query" = call.time.as_seconds();
+    goal_col: Count None "column of the cell that the agent goes for, from the west" = u64::from(call.goal.0);
+    goal_row: Count None "row of the cell that the agent goes for, from the south" = u64::from(call.goal.1);
+    solved: Flag None "whether there is a plan" = call.answer.is_ok();
+    status: Text None "solved, or why there is no plan"
+        = call.answer.err().map_or("solved".to_owned(), |failure| failure.to_string());
+    solution_length_m: optional Real Metres "length of the way" = call.answer.ok().map(|plan| plan.length_m);
+    solution_segments: optional Count None "straights and arcs of the way" = call.answer.ok().map(|plan| plan.segments);
+    cusps: optional Count None "changes between forward and reverse" = call.answer.ok().map(|plan| plan.cusps);
+    drive_s: optional Real Seconds "simulated time that the way takes, waits included"
+        = call.answer.ok().map(|plan| plan.duration_s);
+    roadmap_expansions: Count None "nodes expanded in the roadmap" = call.effort.roadmap_expansions;
+    local_expansions: Count None "nodes expanded in the local search" = call.effort.local_expansions;
+    by_lattice: optional Flag None "whether the reachability flood found it after the planner had failed"
+        = call.answer.ok().map(|plan| plan.by_lattice);
+};
+
+/// The columns of `states.parquet`, in their order, after those of the run.
+#[rustfmt::skip]
+pub const STATE_COLUMNS: &[StateColumn] = columns! { StateColumn, state;
+    t_s: Real Seconds "simulated time: sixtieths of the scenario's duration" = state.time.as_seconds();
+    intact: Count Cells "cells that never burned" = state.intact;
+    burning: Count Cells "cells that burn" = state.burning;
+    burned_out: Count Cells "cells that have burned out" = state.burned_out;
+    extinguished: Count Cells "cells that were put out and do not burn" = state.extinguished;
+};
+
+/// Returns the index of a column of [`RUN_COLUMNS`]; a name that is not there is an error when the program is compiled.
+pub const fn run_column(name: &str) -> usize {
+    let mut index = 0;
+    while index < RUN_COLUMNS.len() {
+        if is_same(RUN_COLUMNS[index].name.as_bytes(), name.as_bytes()) {
+            return index;
+        }
+        index += 1;
+    }
+    panic!("there is no such column")
+}
+
+const fn is_same(one: &[u8], other: &[u8]) -> bool {
+    let mut index = 0;
+    while index < one.len() && index < other.len() && one[index] == other[index] {
+        index += 1;
+    }
+    index == one.len() && index == other.len()
+}

@@ -1,18 +1,16 @@
 //! A batch that is over, read back from its folder: which runs it had, and what its rows say of them.
 
-use std::fs::{self, File};
-use std::io::{self, Read};
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::batch::execute::{OutputFolder, RUNS_FILE, RunRow, Status, StrangeEntry, expect_file, expect_files};
+use crate::batch::execute::{OutputFolder, RUNS_FILE, StrangeEntry, expect_file, expect_files};
 use crate::batch::plan::{BatchPlan, PLAN_FILE, PlanError, PlannedRun};
-use crate::batch::table::{RUN_COLUMNS, is_measured};
-use crate::untrusted::text_of_cell;
-
-/// The longest row of a batch's runs, on average; what is longer was not written by this program.
-const MAX_ROW_BYTES: u64 = 64 << 10;
+use crate::batch::table::columns::{RUN_COLUMNS, RunColumn};
+use crate::batch::table::reader::{TableError, TableReader};
+use crate::batch::table::record::RunRecord;
 
 /// Why a folder cannot be read as a batch that is over. Messages are sentences that name the file.
 #[derive(Debug, Error)]
@@ -25,6 +23,8 @@ pub enum FinishedError {
     Strange(#[from] StrangeEntry),
     #[error("{} does not go with its plan: {reason}", path.display())]
     OtherRows { path: PathBuf, reason: String },
+    #[error(transparent)]
+    WrongTable(TableError),
 }
 
 /// A batch's folder and plan.
@@ -82,103 +82,62 @@ impl FinishedBatch {
         path.exists().then_some(path)
     }
 
-    /// The rows of the runs; `None` where the batch did not come to write them.
+    /// Opens the rows of the runs; `None` where the batch did not come to write them.
     pub fn rows(&self) -> Result<Option<FinishedRows>, FinishedError> {
-        let path = self.folder.join(RUNS_FILE);
-        match File::open(&path) {
-            Ok(file) => FinishedRows::new(path, file, self.count()).map(Some),
-            Err(source) if source.kind() == io::ErrorKind::NotFound => Ok(None),
-            Err(source) => Err(FinishedError::Unreadable { path, source }),
+        match TableReader::open(&self.folder.join(RUNS_FILE)) {
+            Ok(table) => FinishedRows::new(table).map(Some),
+            Err(TableError::Unreadable { source, .. }) if source.kind() == io::ErrorKind::NotFound => Ok(None),
+            Err(error) => Err(error.into()),
         }
     }
 }
 
 /// The rows of a batch, read in their order.
 pub struct FinishedRows {
-    path: PathBuf,
-    reader: csv::Reader<io::Take<File>>,
-    /// Where each of [`RUN_COLUMNS`] stands.
+    table: TableReader,
+    /// The place of each of [`RUN_COLUMNS`].
     places: Vec<usize>,
 }
 
-/// What a row says of a run, in the order of [`RUN_COLUMNS`].
-#[derive(Debug)]
-pub struct FinishedRow(Vec<String>);
-
 impl FinishedRows {
-    fn new(path: PathBuf, file: File, runs: u64) -> Result<Self, FinishedError> {
-        let mut reader = csv::Reader::from_reader(file.take((runs + 1).saturating_mul(MAX_ROW_BYTES)));
-        let header = reader.headers().map_err(|error| unreadable(&path, error))?.clone();
-        let place = |name: &str| {
-            let reason = || format!("it has no column `{name}`");
-            let place = header.iter().position(|column| column == name);
-            place.ok_or_else(|| FinishedError::OtherRows { path: path.clone(), reason: reason() })
+    fn new(table: TableReader) -> Result<Self, FinishedError> {
+        let place = |column: &RunColumn| {
+            table.place(column.name).ok_or_else(|| FinishedError::OtherRows {
+                path: table.path().to_owned(),
+                reason: format!("it has no column `{}`", column.name),
+            })
         };
-        let places = RUN_COLUMNS.iter().map(|column| place(column.name)).collect::<Result<Vec<_>, _>>()?;
-        Ok(Self { path, reader, places })
+        let places = RUN_COLUMNS.iter().map(place).collect::<Result<Vec<_>, _>>()?;
+        Ok(Self { table, places })
     }
 
-    /// The row of the run whose turn it is.
-    pub fn next(&mut self, run: &PlannedRun<'_>) -> Result<FinishedRow, FinishedError> {
+    /// Reads the row of the run whose turn it is.
+    pub fn next(&mut self, run: &PlannedRun<'_>) -> Result<RunRecord, FinishedError> {
         let seed = run.seed;
-        let other = |reason| FinishedError::OtherRows { path: self.path.clone(), reason };
-        let mut record = csv::StringRecord::new();
-        if !self.reader.read_record(&mut record).map_err(|error| unreadable(&self.path, error))? {
-            return Err(other(format!("it ends before the row of seed {seed}")));
+        let other = |table: &TableReader, reason| FinishedError::OtherRows { path: table.path().to_owned(), reason };
+        if !self.table.next_row()? {
+            return Err(other(&self.table, format!("it ends before the row of seed {seed}")));
         }
-        let row = FinishedRow(self.places.iter().map(|&place| text_of_cell(&record[place]).to_owned()).collect());
-        let found = row.value("seed");
-        if found != seed.to_string() || row.value("run") != run.number.to_string() {
-            return Err(other(format!("it has the row of seed {found} where that of seed {seed} is expected")));
+        let columns = self.places.iter().zip(RUN_COLUMNS);
+        let values = columns.map(|(&place, column)| self.table.value(place, column.kind));
+        let record = RunRecord::from_values(values.collect::<Result<_, _>>()?);
+        if (record.seed(), record.number_in_plan()) != (seed, run.number) {
+            let reason = format!("it has the row of seed {} where that of seed {seed} is expected", record.seed());
+            return Err(other(&self.table, reason));
         }
-        Ok(row)
+        Ok(record)
     }
 }
 
-impl FinishedRow {
-    /// The row as it is written.
-    pub fn new(row: &RunRow) -> Self {
-        Self(RUN_COLUMNS.iter().map(|column| (column.value)(row).to_string()).collect())
-    }
-
-    pub fn value(&self, name: &str) -> &str {
-        let place = RUN_COLUMNS.iter().position(|column| column.name == name);
-        &self.0[place.expect("only columns of this program are asked for")]
-    }
-
-    /// `None` where there is none, or it is not finite.
-    pub fn number(&self, name: &str) -> Option<f64> {
-        self.value(name).parse().ok().filter(|number: &f64| number.is_finite())
-    }
-
-    pub fn number_or_zero(&self, name: &str) -> f64 {
-        self.number(name).unwrap_or(0.0)
-    }
-
-    pub fn is_done(&self) -> bool {
-        self.value("status") == Status::Done.to_string()
-    }
-
-    /// The first column in which a run is another than this row says, in words.
-    pub fn difference(&self, run: &RunRow) -> Option<String> {
-        let outcomes = RUN_COLUMNS.iter().zip(&self.0).filter(|(column, _)| !is_measured(column.name));
-        let told = outcomes.map(|(column, said)| (column.name, said, (column.value)(run).to_string()));
-        let mut others = told.filter(|(_, said, found)| *said != found);
-        others.next().map(|(name, said, found)| {
-            let word = |value: &str| if value.is_empty() { "nothing".to_owned() } else { value.to_owned() };
-            format!("its row says {name} {}, its run gives {}", word(said), word(&found))
-        })
-    }
-}
-
-fn unreadable(path: &Path, error: csv::Error) -> FinishedError {
-    let path = path.to_owned();
-    match error.kind() {
-        csv::ErrorKind::UnequalLengths { pos: Some(place), expected_len, len } => {
-            let reason = format!("line {}: {len} fields; expected {expected_len}", place.line());
-            FinishedError::OtherRows { path, reason }
+impl From<TableError> for FinishedError {
+    fn from(error: TableError) -> Self {
+        match error {
+            TableError::Unreadable { path, source } => Self::Unreadable { path, source },
+            TableError::Damaged { path, line, complaint } => {
+                Self::OtherRows { path, reason: format!("line {line}: {complaint}") }
+            }
+            other => Self::WrongTable(other),
         }
-        _ => FinishedError::Unreadable { path, source: error.into() },
     }
 }
 

@@ -1,17 +1,27 @@
 //! The tables of a batch: what their columns are, how they are written, and how they are read back.
+//!
+//! [`columns`] has a line for every column of every file. [`RunRecord`] is a row of `runs.csv`, computed or read;
+//! [`TableReader`] reads any table that this program wrote.
 
+mod column;
 mod columns;
+mod csv_files;
 mod dictionary;
 mod finished;
 mod parquet;
-mod row_files;
+mod reader;
+mod record;
 
+pub(super) use column::Phrase;
+pub use column::{Column, FileColumn, Kind, Unit};
 pub use columns::{
-    AGENT_COLUMNS, AgentColumn, AgentRow, COLUMNS_BEFORE_SWEPT, Column, RUN_COLUMNS, RunColumn, is_measured,
+    AGENT_COLUMNS, AgentColumn, AgentRow, CALL_COLUMNS, COLUMNS_BEFORE_SWEPT, CallColumn, RUN_COLUMNS, RunColumn,
+    STATE_COLUMNS, StateColumn, is_measured, run_column,
 };
+pub(super) use csv_files::CsvFiles;
 pub use dictionary::{TableOfRows, row_schema};
+pub(super) use finished::FinishedRows;
 pub use finished::{FinishedBatch, FinishedError, recordings_in};
-pub(super) use finished::{FinishedRow, FinishedRows};
-pub(super) use parquet::ParquetFiles;
-use parquet::{CALL_COLUMNS, FileColumn, Kind, STATE_COLUMNS, run_columns};
-pub(super) use row_files::RowFiles;
+pub(super) use parquet::{ParquetFiles, ParquetReader, RowGroup};
+pub use reader::{TableError, TableReader};
+pub use record::RunRecord;

@@ -12,6 +12,7 @@ pub use args::CompareArguments;
 
 use document::Document;
 
+use crate::batch::TableError;
 use crate::batch::comparison::{BesideReport, ComparisonError, compare};
 use crate::cli::error::CliError;
 use crate::cli::terminal;
@@ -46,7 +47,7 @@ fn formed(document: &Document, arguments: &CompareArguments) -> String {
 impl From<ComparisonError> for CliError {
     fn from(error: ComparisonError) -> Self {
         match error {
-            ComparisonError::Unreadable { ref source, .. } => {
+            ComparisonError::Table(TableError::Unreadable { ref source, .. }) => {
                 let kind = source.kind();
                 Self::from_input_error(error, kind)
             }

@@ -2,9 +2,10 @@
 
 use crate::batch::comparison::{
     AgainstA, Comparison, Contrast, CutOff, JudgedContrast, JudgedStrata, Method, Pairs, SideSummary, decimals_of,
-    p_words, probability, rounded, shown,
+    p_words, probability, rounded,
 };
 use crate::cli::compare::document::{Block, Document};
+use crate::untrusted::visible_start;
 
 const LEGEND: &str = "\
 Differences are of means over pairs, with 95 % intervals; p is adjusted by Holm's method over all that is shown, and so \
@@ -96,13 +97,13 @@ fn levels(pairs: &Pairs) -> String {
     let of_column = |(index, column): (usize, &String)| {
         let mut values: Vec<String> = Vec::new();
         for stratum in &pairs.strata {
-            let value = shown(&stratum.levels[index]);
+            let value = visible_start(&stratum.levels[index]);
             if !values.contains(&value) {
                 values.push(value);
             }
         }
         let words = if values.len() > MOST { format!("{} values", values.len()) } else { values.join(", ") };
-        format!("{} ({words})", shown(column))
+        format!("{} ({words})", visible_start(column))
     };
     let columns: Vec<String> = pairs.columns.iter().enumerate().map(of_column).collect();
     match &columns[..] {

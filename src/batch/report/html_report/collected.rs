@@ -1,18 +1,16 @@
 //! What a report keeps of a batch's rows.
 
 use std::collections::BTreeMap;
-use std::time::Duration;
 
 use super::quantities::{self, Quantity};
-use crate::batch::execute::{CpuSplit, RunResult, RunRow, Status};
-use crate::batch::plan::{BatchPlan, PlannedRun};
-use crate::batch::report::{BatchReport, VariantReport};
-use crate::batch::table::{FinishedError, FinishedRow, FinishedRows};
+use crate::batch::plan::BatchPlan;
+use crate::batch::report::summary::{BatchReport, VariantReport};
+use crate::batch::table::{FinishedError, FinishedRows, RunRecord, run_column};
 use crate::picture::charts::Estimate;
-use crate::scenario::Scenario;
-use crate::sim::RunCost;
 use crate::stats::Series;
-use crate::timeline::{AgentId, AgentOutcome, Outcome};
+
+/// How long agents were stuck.
+const STUCK_S: [usize; 2] = [run_column("truck_stuck_s"), run_column("wumpus_stuck_s")];
 
 /// The most runs of a kind that are told one by one.
 pub const TOLD_RUNS: usize = 100;
@@ -47,19 +45,19 @@ impl Collected {
         let mut stuck: Vec<(u64, f64)> = Vec::new();
         let mut number = 0;
         for variant in &plan.variants {
-            let mut report = VariantReport::titled(plan.title(variant));
+            let mut report = VariantReport::new(plan.title(variant), &variant.scenario);
             let mut values = Values::default();
             for _ in 0..plan.seeds.count() {
                 number += 1;
                 let run = plan.run(number);
                 let row = rows.next(&run)?;
-                report.add(&run_row(&run, &row));
+                report.add(&row);
                 if row.is_done() {
                     values.add(&row);
-                    let seconds = row.number_or_zero("truck_stuck_s") + row.number_or_zero("wumpus_stuck_s");
+                    let seconds = STUCK_S.iter().filter_map(|&column| row.number(column)).sum::<f64>();
                     stuck.extend((seconds > 0.0).then_some((number, seconds)));
                 } else if collected.failures.len() < TOLD_RUNS {
-                    let words = format!("{}: {}", row.value("status"), row.value("message"));
+                    let words = format!("{}: {}", row.status(), row.message());
                     collected.failures.push(ToldRun { number, words });
                 }
             }
@@ -75,15 +73,15 @@ impl Collected {
 }
 
 impl Values {
-    fn add(&mut self, row: &FinishedRow) {
+    fn add(&mut self, row: &RunRecord) {
         for quantity in quantities::all() {
-            self.0.entry(quantity.column).or_default().extend(quantity.of(row));
+            self.0.entry(quantity.column()).or_default().extend(quantity.of(row));
         }
     }
 
     /// In the order of the runs; without those of runs that have none.
     pub fn of(&self, quantity: &Quantity) -> &[f64] {
-        self.0.get(quantity.column).map_or(&[], Vec::as_slice)
+        self.0.get(quantity.column()).map_or(&[], Vec::as_slice)
     }
 
     /// The mean with its interval; `None` without any value.
@@ -91,56 +89,5 @@ impl Values {
         let series = Series::of(self.of(quantity));
         let interval = series.mean_interval().map(|interval| (interval.low, interval.high));
         Some(Estimate { value: series.mean()?, interval })
-    }
-}
-
-/// What tables and tallies need of a row; everything else in it is empty.
-fn run_row(run: &PlannedRun<'_>, row: &FinishedRow) -> RunRow {
-    if !row.is_done() {
-        let status =
-            if row.value("status") == Status::Panicked.to_string() { Status::Panicked } else { Status::Failed };
-        return RunRow::not_done(run.label(), status, row.value("message").to_owned(), Duration::ZERO);
-    }
-    let mut result = RunResult::new(outcome(row, &run.variant.scenario), RunCost::default());
-    result.cpu = cpu(row);
-    RunRow::done(run.label(), result, Duration::ZERO)
-}
-
-fn outcome(row: &FinishedRow, scenario: &Scenario) -> Outcome {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "counts of a field's cells fit; what does not, saturates"
-    )]
-    let count = |column| row.number_or_zero(column) as u32;
-    let agent = |id: fn(u16) -> AgentId| move |number| AgentOutcome::idle(id(number));
-    let agents = (0..).take(scenario.wumpus.len()).map(agent(AgentId::wumpus));
-    let trucks = (0..).take(scenario.unimog.len()).map(agent(AgentId::unimog));
-    Outcome {
-        obstacles: count("obstacles"),
-        intact: count("intact"),
-        burning: count("burning"),
-        burned_out: count("burned_out"),
-        extinguished: count("extinguished"),
-        truck_stuck_s: row.number_or_zero("truck_stuck_s"),
-        wumpus_stuck_s: row.number_or_zero("wumpus_stuck_s"),
-        wumpus_score: row.number_or_zero("wumpus_score"),
-        truck_score: row.number_or_zero("truck_score"),
-        agents: agents.chain(trucks).collect(),
-        ..Outcome::default()
-    }
-}
-
-fn cpu(row: &FinishedRow) -> CpuSplit {
-    CpuSplit {
-        terrain_s: row.number_or_zero("cpu_terrain_s"),
-        clearance_field_s: row.number_or_zero("cpu_clearance_field_s"),
-        sampling_s: row.number_or_zero("cpu_sampling_s"),
-        map_generation_s: row.number_or_zero("cpu_map_generation_s"),
-        roadmap_search_s: row.number_or_zero("cpu_roadmap_search_s"),
-        local_search_s: row.number_or_zero("cpu_local_search_s"),
-        reachability_s: row.number_or_zero("cpu_reachability_s"),
-        wumpus_s: row.number_or_zero("cpu_wumpus_s"),
-        run_s: row.number_or_zero("cpu_run_s"),
     }
 }

@@ -4,7 +4,7 @@ use super::collected::{Collected, Values};
 use super::facets::{Facet, FacetSeries, MOST_PANELS, variant_facets};
 use super::labels::Labels;
 use super::over_time::StateCurves;
-use super::quantities::{CPU_PARTS, MEASURES, Quantity, STATES, Unit};
+use super::quantities::{CPU_PARTS, MEASURES, Quantity, SHARE_AXIS, STATES};
 use super::sweeps::sweep_charts;
 use crate::batch::plan::BatchPlan;
 use crate::picture::charts::{
@@ -51,7 +51,7 @@ impl Figures {
             figures.add(Section::Means, "cpu-time", bars("CPU time of a run by part", &CPU_PARTS).draw());
             for quantity in STATES.iter().chain(&MEASURES) {
                 if let Some(chart) = distribution(quantity, &panels, values) {
-                    figures.add(Section::Distributions, &format!("distribution-{}", quantity.column), chart.draw());
+                    figures.add(Section::Distributions, &format!("distribution-{}", quantity.column()), chart.draw());
                 }
             }
         }
@@ -120,9 +120,9 @@ fn bars(title: &str, quantities: &[Quantity], panels: &[Facet], values: &[Values
             title: title.into(),
             note: "Bars are means, whiskers their 95 % intervals.".into(),
             x: String::new(),
-            y: quantities.first().map_or("", |quantity| quantity.unit.of_axis()).into(),
+            y: quantities.first().map_or("", |quantity| quantity.axis()).into(),
         },
-        groups: quantities.iter().map(|quantity| quantity.name.to_owned()).collect(),
+        groups: quantities.iter().map(|quantity| quantity.name().to_owned()).collect(),
         panels: panels
             .iter()
             .map(|panel| BarPanel { name: panel.name.clone(), series: panel.series.iter().map(of_series).collect() })
@@ -145,7 +145,7 @@ fn distribution(quantity: &Quantity, panels: &[Facet], values: &[Values]) -> Opt
         titles: Titles {
             title: quantity.title(),
             note: "Columns count runs; the highest has its number. Below: median, middle half, middle 90 %.".into(),
-            x: quantity.unit.of_axis().into(),
+            x: quantity.axis().into(),
             y: String::new(),
         },
         panels,
@@ -167,7 +167,7 @@ fn state_styles() -> [Style; STATES.len()] {
 
 fn state_curves(curves: &StateCurves) -> Vec<Curve> {
     let curve = |((state, style), points): ((&Quantity, Style), &Vec<_>)| Curve {
-        name: state.name.into(),
+        name: state.name().into(),
         style,
         points: points.clone(),
     };
@@ -180,7 +180,7 @@ fn over_time(of: &str, panels: Vec<CurvePanel>) -> CurveChart {
             title: format!("Obstacle states over time{of}"),
             note: "Lines are means, bands the middle 80 % of runs.".into(),
             x: "simulated seconds".into(),
-            y: Unit::Share.of_axis().into(),
+            y: SHARE_AXIS.into(),
         },
         spread: Spread::Bands,
         panels,

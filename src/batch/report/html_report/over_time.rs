@@ -5,21 +5,13 @@ use std::io::ErrorKind;
 use std::mem;
 use std::path::Path;
 
-use parquet::column::reader::get_typed_column_reader;
-use parquet::data_type::{DataType, DoubleType, Int64Type};
-use parquet::errors::ParquetError;
-use parquet::file::reader::{FileReader, RowGroupReader, SerializedFileReader};
-
 use super::ReportError;
 use super::quantities::STATES;
-use crate::batch::execute::{STATE_STEPS, STATES_PARQUET, panics};
+use crate::batch::execute::{STATE_STEPS, STATES_PARQUET};
 use crate::batch::plan::BatchPlan;
-use crate::batch::table::FinishedError;
+use crate::batch::table::{FinishedError, ParquetReader, RowGroup};
 use crate::picture::charts::Estimate;
 use crate::stats::quantile;
-
-/// The most rows of a group; this program writes some ten thousand.
-const MAX_GROUP_ROWS: usize = 1 << 20;
 
 /// What of the runs lies in a band: from the first of these quantiles to the second.
 pub const BAND: [f64; 2] = [0.1, 0.9];
@@ -34,7 +26,7 @@ impl StateCurves {
         self.0[0].len() > 1
     }
 
-    /// One for each variant; `None` if the folder has no such file.
+    /// Reads one for each variant; `None` if the folder has no such file.
     pub fn read(folder: &Path, plan: &BatchPlan) -> Result<Option<Vec<Self>>, ReportError> {
         let path = folder.join(STATES_PARQUET);
         let file = match File::open(&path) {
@@ -42,25 +34,22 @@ impl StateCurves {
             Err(source) if source.kind() == ErrorKind::NotFound => return Ok(None),
             Err(source) => return Err(FinishedError::Unreadable { path, source }.into()),
         };
-        // Damage can make the reader panic.
-        let read = panics::catch(|| read_all(file, plan).map_err(|error| error.to_string()));
-        let curves = read.unwrap_or_else(|_| Err("it is damaged".into()));
+        let curves = ParquetReader::read(file, |file| read_all(file, plan));
         curves.map(Some).map_err(|reason| ReportError::BadStates { path, reason })
     }
 }
 
-fn read_all(file: File, plan: &BatchPlan) -> Result<Vec<StateCurves>, ParquetError> {
-    let reader = SerializedFileReader::new(file)?;
+fn read_all(file: &ParquetReader, plan: &BatchPlan) -> Result<Vec<StateCurves>, String> {
     let mut curves = Vec::new();
     let mut counts = Counts::default();
-    for index in 0..reader.num_row_groups() {
-        for row in rows_of(reader.get_row_group(index)?.as_ref())? {
+    for group in file.groups() {
+        for row in rows_of(&group?)? {
             let variant = (row.run - 1) / plan.seeds.count();
             while (curves.len() as u64) < variant.min(plan.variants.len() as u64) {
                 curves.push(mem::take(&mut counts).curves());
             }
             if curves.len() as u64 != variant || variant >= plan.variants.len() as u64 {
-                return Err(damage(&format!("run {} is not expected there", row.run)));
+                return Err(format!("run {} is not expected there", row.run));
             }
             counts.add(&row)?;
         }
@@ -72,49 +61,23 @@ fn read_all(file: File, plan: &BatchPlan) -> Result<Vec<StateCurves>, ParquetErr
 }
 
 /// The obstacles of a run at one time.
-struct Row {
+struct StateRow {
     run: u64,
     t_s: f64,
     /// Of each state, shares of all.
     shares: [f64; STATES.len()],
 }
 
-fn rows_of(group: &dyn RowGroupReader) -> Result<Vec<Row>, ParquetError> {
-    let runs = column::<Int64Type>(group, "run")?;
-    let times = column::<DoubleType>(group, "t_s")?;
-    let mut states = Vec::new();
-    for state in &STATES {
-        states.push(column::<Int64Type>(group, state.column)?);
-    }
-    let row = |(index, (&run, &t_s)): (usize, (&i64, &f64))| {
+fn rows_of(group: &RowGroup<'_>) -> Result<Vec<StateRow>, String> {
+    let (runs, times) = (group.counts("run")?, group.numbers("t_s")?);
+    let states = STATES.iter().map(|state| group.counts(state.column())).collect::<Result<Vec<_>, _>>()?;
+    let row = |(index, (&run, &t_s)): (usize, (&u64, &f64))| {
         let counts: [f64; STATES.len()] = std::array::from_fn(|state| states[state][index] as f64);
         let all: f64 = counts.iter().sum();
         let shares = counts.map(|count| if all > 0.0 { count / all } else { 0.0 });
-        let run = u64::try_from(run).ok().filter(|&run| run > 0);
-        Ok(Row { run: run.ok_or_else(|| damage("runs are numbered from 1"))?, t_s, shares })
+        if run == 0 { Err("runs are numbered from 1".into()) } else { Ok(StateRow { run, t_s, shares }) }
     };
     runs.iter().zip(&times).enumerate().map(row).collect()
-}
-
-/// All values of a column, none of which may be missing.
-fn column<T: DataType>(group: &dyn RowGroupReader, name: &str) -> Result<Vec<T::T>, ParquetError> {
-    let schema = group.metadata().schema_descr();
-    let is_it = |&index: &usize| {
-        let column = schema.column(index);
-        column.name() == name && column.physical_type() == T::get_physical_type()
-    };
-    let index = (0..schema.num_columns()).find(is_it);
-    let index = index.ok_or_else(|| damage(&format!("it has no column `{name}` of the expected kind")))?;
-    let rows = usize::try_from(group.metadata().num_rows()).ok().filter(|&rows| rows <= MAX_GROUP_ROWS);
-    let rows = rows.ok_or_else(|| damage("its groups of rows are too large"))?;
-    let mut reader = get_typed_column_reader::<T>(group.get_column_reader(index)?);
-    let (mut levels, mut values) = (Vec::new(), Vec::new());
-    reader.read_records(rows, Some(&mut levels), None, &mut values)?;
-    if values.len() == rows { Ok(values) } else { Err(damage(&format!("values of `{name}` are missing"))) }
-}
-
-fn damage(reason: &str) -> ParquetError {
-    ParquetError::General(reason.into())
 }
 
 /// Shares in the runs of a variant, by points of time.
@@ -127,18 +90,18 @@ struct Counts {
 }
 
 impl Counts {
-    fn add(&mut self, row: &Row) -> Result<(), ParquetError> {
+    fn add(&mut self, row: &StateRow) -> Result<(), String> {
         self.step = if self.run == row.run { self.step + 1 } else { 0 };
         self.run = row.run;
         if self.step as u64 > STATE_STEPS {
-            return Err(damage(&format!("run {} has more than {} times", row.run, STATE_STEPS + 1)));
+            return Err(format!("run {} has more than {} times", row.run, STATE_STEPS + 1));
         }
         if self.times_s.len() == self.step {
             self.times_s.push(row.t_s);
             self.shares.push(Default::default());
         }
         if self.times_s[self.step] != row.t_s || self.step > 0 && self.times_s[self.step - 1] >= row.t_s {
-            return Err(damage(&format!("run {} has {} s where another time is expected", row.run, row.t_s)));
+            return Err(format!("run {} has {} s where another time is expected", row.run, row.t_s));
         }
         self.shares[self.step].iter_mut().zip(row.shares).for_each(|(all, share)| all.push(share));
         Ok(())

@@ -7,7 +7,7 @@ use super::figures::{Figure, Figures, Section};
 use crate::batch::execute::CHARTS_FOLDER;
 use crate::batch::html::{escaped, head, table};
 use crate::batch::plan::{BatchPlan, PROGRAM_VERSION};
-use crate::batch::report::VariantReport;
+use crate::batch::report::summary::VariantReport;
 use crate::batch::table::FinishedBatch;
 use crate::batch::text_table::TextTable;
 

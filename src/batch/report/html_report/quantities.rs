@@ -1,90 +1,88 @@
-//! What a report shows of runs.
+//! The columns of runs that a report shows, and how.
 
-use crate::batch::table::FinishedRow;
+use crate::batch::table::{RUN_COLUMNS, RunColumn, RunRecord, Unit, is_measured, run_column};
 
-/// A number of every run that is done.
-#[derive(Debug, PartialEq, Eq)]
-pub struct Quantity {
-    /// A column of `runs.csv`.
-    pub column: &'static str,
-    pub name: &'static str,
-    pub unit: Unit,
-}
+const OBSTACLES: usize = run_column("obstacles");
 
+/// A number of every run that is done: that of a column, in the unit in which charts show it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unit {
-    /// Counts over those of all obstacles.
-    Share,
-    Metres,
-    Seconds,
-    /// From seconds.
-    Milliseconds,
-}
+pub struct Quantity(usize);
 
-impl Unit {
-    /// What an axis is called that shows it.
-    pub fn of_axis(self) -> &'static str {
-        match self {
-            Self::Share => "share of obstacles",
-            Self::Metres => "metres",
-            Self::Seconds => "seconds",
-            Self::Milliseconds => "milliseconds",
-        }
-    }
-}
+/// The ends of a run.
+pub static STATES: [Quantity; 4] =
+    [quantity("intact"), quantity("burning"), quantity("burned_out"), quantity("extinguished")];
 
-const fn quantity(column: &'static str, name: &'static str, unit: Unit) -> Quantity {
-    Quantity { column, name, unit }
-}
-
-/// How a run ends.
-pub static STATES: [Quantity; 4] = [
-    quantity("intact", "Intact", Unit::Share),
-    quantity("burning", "Burning", Unit::Share),
-    quantity("burned_out", "Burned out", Unit::Share),
-    quantity("extinguished", "Extinguished", Unit::Share),
-];
-
-/// Where the planners' CPU time goes.
+/// The parts of the planners' CPU time.
 pub static CPU_PARTS: [Quantity; 7] = [
-    quantity("cpu_clearance_field_s", "Clearance field", Unit::Milliseconds),
-    quantity("cpu_sampling_s", "Sampling", Unit::Milliseconds),
-    quantity("cpu_map_generation_s", "Connecting", Unit::Milliseconds),
-    quantity("cpu_roadmap_search_s", "Roadmap search", Unit::Milliseconds),
-    quantity("cpu_local_search_s", "Local search", Unit::Milliseconds),
-    quantity("cpu_reachability_s", "Reachability", Unit::Milliseconds),
-    quantity("cpu_wumpus_s", "Wumpus", Unit::Milliseconds),
+    quantity("cpu_clearance_field_s"),
+    quantity("cpu_sampling_s"),
+    quantity("cpu_map_generation_s"),
+    quantity("cpu_roadmap_search_s"),
+    quantity("cpu_local_search_s"),
+    quantity("cpu_reachability_s"),
+    quantity("cpu_wumpus_s"),
 ];
 
 /// What else differs from run to run.
 pub static MEASURES: [Quantity; 4] = [
-    quantity("mean_response_s", "Time from ignition to extinction", Unit::Seconds),
-    quantity("truck_distance_m", "Distance driven by the trucks", Unit::Metres),
-    quantity("truck_stuck_s", "Time that trucks were stuck", Unit::Seconds),
-    quantity("cpu_unimog_total_s", "CPU time of the trucks' planning", Unit::Milliseconds),
+    quantity("mean_response_s"),
+    quantity("truck_distance_m"),
+    quantity("truck_stuck_s"),
+    quantity("cpu_unimog_total_s"),
 ];
 
+const fn quantity(column: &str) -> Quantity {
+    Quantity(run_column(column))
+}
+
 /// Everything that is kept of a run.
-pub fn all() -> impl Iterator<Item = &'static Quantity> {
-    STATES.iter().chain(&CPU_PARTS).chain(&MEASURES)
+pub fn all() -> impl Iterator<Item = Quantity> {
+    STATES.iter().chain(&CPU_PARTS).chain(&MEASURES).copied()
 }
 
 impl Quantity {
-    /// Its name where it stands alone.
-    pub fn title(&self) -> String {
-        match self.unit {
-            Unit::Share => format!("{} at the end of a run", self.name),
-            Unit::Metres | Unit::Seconds | Unit::Milliseconds => self.name.into(),
+    fn about(self) -> &'static RunColumn {
+        &RUN_COLUMNS[self.0]
+    }
+
+    pub fn column(self) -> &'static str {
+        self.about().name
+    }
+
+    pub fn name(self) -> &'static str {
+        self.about().title
+    }
+
+    /// Returns its name where it stands alone.
+    pub fn title(self) -> String {
+        match self.about().unit {
+            Unit::Cells => format!("{} at the end of a run", self.name()),
+            _ => self.name().into(),
         }
     }
 
-    /// The number of a run; `None` where the run has none.
-    pub fn of(&self, row: &FinishedRow) -> Option<f64> {
-        let number = row.number(self.column)?;
-        match self.unit {
-            Unit::Share => Some(number / row.number("obstacles").filter(|&obstacles| obstacles > 0.0)?),
-            Unit::Milliseconds => Some(number * 1e3),
-            Unit::Metres | Unit::Seconds => Some(number),
+    /// Returns the number of a run; `None` where the run has none. Cells are shown as shares of all, CPU times in
+    /// milliseconds.
+    pub fn of(self, run: &RunRecord) -> Option<f64> {
+        let number = run.number(self.0)?;
+        match self.about().unit {
+            Unit::Cells => Some(number / run.number(OBSTACLES).filter(|&obstacles| obstacles > 0.0)?),
+            Unit::Seconds if is_measured(self.column()) => Some(number * 1e3),
+            _ => Some(number),
+        }
+    }
+
+    /// Returns what an axis is called that shows it.
+    pub fn axis(self) -> &'static str {
+        match self.about().unit {
+            Unit::Cells => SHARE_AXIS,
+            Unit::Metres => "metres",
+            Unit::Seconds if is_measured(self.column()) => "milliseconds",
+            Unit::Seconds => "seconds",
+            other => other.symbol(),
         }
     }
 }
+
+/// The name of an axis that shows shares of cells.
+pub const SHARE_AXIS: &str = "share of obstacles";

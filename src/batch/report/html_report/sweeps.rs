@@ -27,7 +27,7 @@ fn number(value: &Value) -> Option<f64> {
     match value {
         Value::Count(count) => Some(*count as f64),
         Value::Real(number) => Some(*number),
-        Value::Missing | Value::Text(_) => None,
+        Value::Missing | Value::Text(_) | Value::Flag(_) => None,
     }
 }
 
@@ -56,11 +56,11 @@ fn chart(plan: &BatchPlan, values: &[Values], key: usize, name: &str, quantity: 
             title: format!("{}, by {name}", quantity.title()),
             note: "Marks are means, whiskers their 95 % intervals.".into(),
             x: name.into(),
-            y: quantity.unit.of_axis().into(),
+            y: quantity.axis().into(),
         },
         spread: Spread::Whiskers,
         panels,
     };
-    let file = format!("sweep-{}-{}", file_name_of(name), quantity.column);
+    let file = format!("sweep-{}-{}", file_name_of(name), quantity.column());
     Some(SweepChart { file, what: format!("means by {name}"), chart })
 }

@@ -1,6 +1,5 @@
 //! A Parquet file of named columns, written some thousand rows at a time.
 
-use std::borrow::Cow;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -15,74 +14,10 @@ use parquet::schema::types::{ColumnPath, Type};
 
 use crate::batch::execute::{BatchError, Disk, Whole};
 use crate::batch::plan::Value;
-
-/// The kind of values that a column holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// Signed, 64 bits, so that a difference of two columns may be negative.
-    Count,
-    /// Unsigned, 64 bits: numbers of which some are beyond [`i64::MAX`], such as a seed may be.
-    LargeCount,
-    Real,
-    Text,
-    Flag,
-}
-
-impl Kind {
-    /// Returns the kind of a column of whole numbers that are no larger than this.
-    pub fn holding_up_to(largest: u64) -> Self {
-        if i64::try_from(largest).is_ok() { Self::Count } else { Self::LargeCount }
-    }
-}
-
-/// A column of a file.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct FileColumn {
-    pub name: Cow<'static, str>,
-    pub kind: Kind,
-    /// True if every row has a value; else a value may be missing, which is null.
-    pub is_required: bool,
-}
-
-impl FileColumn {
-    pub const fn required(name: &'static str, kind: Kind) -> Self {
-        Self { name: Cow::Borrowed(name), kind, is_required: true }
-    }
-
-    pub const fn optional(name: &'static str, kind: Kind) -> Self {
-        Self { name: Cow::Borrowed(name), kind, is_required: false }
-    }
-}
-
-/// A value to be written. A text is cheap to clone.
-#[derive(Clone, Debug)]
-pub enum Field {
-    Missing,
-    Count(u64),
-    Real(f64),
-    Text(ByteArray),
-    Flag(bool),
-}
-
-impl From<&Value> for Field {
-    fn from(value: &Value) -> Self {
-        match value {
-            Value::Missing => Self::Missing,
-            Value::Count(count) => Self::Count(*count),
-            Value::Real(number) => Self::Real(*number),
-            Value::Text(text) => Self::text(text),
-        }
-    }
-}
-
-impl Field {
-    pub fn text(text: &str) -> Self {
-        Self::Text(text.into())
-    }
-}
+use crate::batch::table::column::{FileColumn, Kind};
 
 /// A file that appears when it is finished.
-pub struct ParquetTable {
+pub struct ParquetWriter {
     path: PathBuf,
     writer: SerializedFileWriter<Box<dyn Whole>>,
     columns: Vec<FileColumn>,
@@ -107,7 +42,7 @@ enum ColumnValues {
     Flag(Vec<bool>),
 }
 
-impl ParquetTable {
+impl ParquetWriter {
     /// Begins a file; `rows_a_group` rows are held in memory at most. `metadata` are keys and values of the whole file.
     pub fn create(
         path: PathBuf,
@@ -125,20 +60,20 @@ impl ParquetTable {
         Ok(Self { path, writer, columns, buffers, rows: 0, rows_a_group })
     }
 
-    /// Takes a row, a field for each column.
+    /// Takes a row, a value for each column.
     ///
     /// # Errors
-    /// If a field does not go with its column: it is missing and required, of another kind, or a number that the
+    /// If a value does not go with its column: it is missing and required, of another kind, or a number that the
     /// column's kind cannot hold. Nothing is ever written as another value.
-    pub fn add(&mut self, fields: impl IntoIterator<Item = Field>) -> Result<(), BatchError> {
+    pub fn add<'a>(&mut self, values: impl IntoIterator<Item = &'a Value>) -> Result<(), BatchError> {
         let mut columns = self.columns.iter().zip(&mut self.buffers);
-        for (field, (column, buffer)) in fields.into_iter().zip(columns.by_ref()) {
-            if !buffer.push(column, &field) {
-                let reason = format!("{field:?} is no value of the column `{}`, {:?}", column.name, column.kind);
+        for (value, (column, buffer)) in values.into_iter().zip(columns.by_ref()) {
+            if !buffer.push(column, value) {
+                let reason = format!("{value:?} is no value of the column `{}`, {:?}", column.name, column.kind);
                 return Err(BatchError::unwritable(&self.path, io::Error::other(reason)));
             }
         }
-        assert!(columns.next().is_none(), "a row has a field for each column");
+        assert!(columns.next().is_none(), "a row has a value for each column");
         self.rows += 1;
         if self.rows < self.rows_a_group { Ok(()) } else { self.write_group() }
     }
@@ -213,26 +148,26 @@ impl Buffer {
     }
 
     /// Takes a value, unless the column cannot hold it.
-    fn push(&mut self, column: &FileColumn, field: &Field) -> bool {
-        match (&mut self.values, field) {
-            (_, Field::Missing) if column.is_required => return false,
-            (_, Field::Missing) => {}
-            (ColumnValues::Whole(values), Field::Count(count)) => match (column.kind, i64::try_from(*count)) {
+    fn push(&mut self, column: &FileColumn, value: &Value) -> bool {
+        match (&mut self.values, value) {
+            (_, Value::Missing) if column.is_required => return false,
+            (_, Value::Missing) => {}
+            (ColumnValues::Whole(values), Value::Count(count)) => match (column.kind, i64::try_from(*count)) {
                 (_, Ok(count)) => values.push(count),
                 // The column says that these are the bits of an unsigned number.
                 (Kind::LargeCount, Err(_)) => values.push(count.cast_signed()),
                 (_, Err(_)) => return false,
             },
-            (ColumnValues::Real(values), Field::Real(number)) => values.push(*number),
-            (ColumnValues::Text(values), Field::Text(text)) => values.push(text.clone()),
-            (ColumnValues::Flag(values), Field::Flag(flag)) => values.push(*flag),
+            (ColumnValues::Real(values), Value::Real(number)) => values.push(*number),
+            (ColumnValues::Text(values), Value::Text(text)) => values.push(text.as_str().into()),
+            (ColumnValues::Flag(values), Value::Flag(flag)) => values.push(*flag),
             // A sweep may take 1 and 2.5, or 1 and "none".
-            (ColumnValues::Real(values), Field::Count(count)) => values.push(*count as f64),
-            (ColumnValues::Text(values), Field::Count(count)) => values.push(count.to_string().as_str().into()),
-            (ColumnValues::Text(values), Field::Real(number)) => values.push(number.to_string().as_str().into()),
+            (ColumnValues::Real(values), Value::Count(count)) => values.push(*count as f64),
+            (ColumnValues::Text(values), Value::Count(count)) => values.push(count.to_string().as_str().into()),
+            (ColumnValues::Text(values), Value::Real(number)) => values.push(number.to_string().as_str().into()),
             _ => return false,
         }
-        self.levels.push((!matches!(field, Field::Missing)).into());
+        self.levels.push((!matches!(value, Value::Missing)).into());
         true
     }
 
@@ -272,11 +207,15 @@ mod tests {
     use super::*;
     use crate::batch::execute::RealDisk;
 
-    fn refusal(column: FileColumn, field: Field) -> Option<String> {
+    fn column(name: &'static str, kind: Kind, is_required: bool) -> FileColumn {
+        FileColumn { is_required, ..FileColumn::swept(name, kind) }
+    }
+
+    fn refusal(column: FileColumn, value: Value) -> Option<String> {
         let scratch = tempfile::tempdir().expect("a scratch folder");
         let path = scratch.path().join("a.parquet");
-        let mut table = ParquetTable::create(path, &RealDisk, vec![column], &[], 10).expect("the folder is writable");
-        table.add([field]).err().map(|error| error.to_string())
+        let mut table = ParquetWriter::create(path, &RealDisk, vec![column], &[], 10).expect("the folder is writable");
+        table.add([&value]).err().map(|error| error.to_string())
     }
 
     #[test]
@@ -288,7 +227,7 @@ mod tests {
             (Kind::LargeCount, largest + 1, true),
             (Kind::LargeCount, u64::MAX, true),
         ] {
-            let refusal = refusal(FileColumn::required("seed", kind), Field::Count(number));
+            let refusal = refusal(column("seed", kind, true), Value::Count(number));
             assert_eq!(refusal.is_none(), is_taken, "{kind:?} {number}: {refusal:?}");
             let names_it = |words: String| words.contains("`seed`") && words.contains(&number.to_string());
             assert!(refusal.is_none_or(names_it));
@@ -298,8 +237,8 @@ mod tests {
 
     #[test]
     fn required_column_takes_no_row_without_a_value() {
-        assert!(refusal(FileColumn::required("a", Kind::Text), Field::Missing).is_some());
-        assert!(refusal(FileColumn::optional("a", Kind::Text), Field::Missing).is_none());
-        assert!(refusal(FileColumn::optional("a", Kind::Flag), Field::Real(1.0)).is_some());
+        assert!(refusal(column("a", Kind::Text, true), Value::Missing).is_some());
+        assert!(refusal(column("a", Kind::Text, false), Value::Missing).is_none());
+        assert!(refusal(column("a", Kind::Flag, false), Value::Real(1.0)).is_some());
     }
 }

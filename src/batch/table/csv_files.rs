@@ -1,31 +1,35 @@
 //! `runs.csv` and `agents.csv` as they grow, row by row, with cells that no spreadsheet computes.
 
-use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use crate::batch::execute::{AGENTS_FILE, BatchError, Disk, OutputFolder, RUNS_FILE, RunRow, Whole};
-use crate::batch::table::{AGENT_COLUMNS, AgentRow, COLUMNS_BEFORE_SWEPT, RUN_COLUMNS};
+use crate::batch::plan::Value;
+use crate::batch::table::columns::{AGENT_COLUMNS, AgentRow, COLUMNS_BEFORE_SWEPT, RUN_COLUMNS, RunColumn};
+use crate::batch::table::record::RunRecord;
 use crate::untrusted::spreadsheet_cell;
 
 /// Both files of rows; they appear when finished.
-pub struct RowFiles {
-    runs: RowFile,
-    agents: RowFile,
+pub struct CsvFiles {
+    runs: CsvFile,
+    agents: CsvFile,
 }
 
-impl RowFiles {
-    /// Columns of the swept keys stand behind those that say which run it is.
+impl CsvFiles {
+    /// Begins both files. Columns of the swept keys come after those that say which run it is.
     pub fn create(folder: &OutputFolder, disk: &dyn Disk, swept_keys: &[String]) -> Result<Self, BatchError> {
-        let names = RUN_COLUMNS.iter().map(|column| column.name.to_owned());
-        let runs = RowFile::create(folder.path().join(RUNS_FILE), disk, with_swept(names, swept_keys.iter().cloned()))?;
+        let (label, rest) = RUN_COLUMNS.split_at(COLUMNS_BEFORE_SWEPT);
+        let name = |column: &RunColumn| column.name.to_owned();
+        let names = label.iter().map(name).chain(swept_keys.iter().cloned()).chain(rest.iter().map(name));
+        let runs = CsvFile::create(folder.path().join(RUNS_FILE), disk, names)?;
         let names = AGENT_COLUMNS.iter().map(|column| column.name.to_owned());
-        let agents = RowFile::create(folder.path().join(AGENTS_FILE), disk, names)?;
+        let agents = CsvFile::create(folder.path().join(AGENTS_FILE), disk, names)?;
         Ok(Self { runs, agents })
     }
 
-    pub fn add(&mut self, row: &RunRow) -> Result<(), BatchError> {
-        let values = RUN_COLUMNS.iter().map(|column| (column.value)(row).to_string());
-        self.runs.add(with_swept(values, row.label.swept.iter().map(ToString::to_string)))?;
+    /// Adds a run, whose record this is, and its agents.
+    pub fn add(&mut self, row: &RunRow, record: &RunRecord) -> Result<(), BatchError> {
+        let (label, rest) = record.values().split_at(COLUMNS_BEFORE_SWEPT);
+        self.runs.add(label.iter().chain(&row.label.swept).chain(rest).map(Value::to_string))?;
         for agent in AgentRow::all_of(row) {
             self.agents.add(AGENT_COLUMNS.iter().map(|column| (column.value)(&agent).to_string()))?;
         }
@@ -38,21 +42,12 @@ impl RowFiles {
     }
 }
 
-/// The fields with those of what is swept among them.
-fn with_swept(
-    mut fields: impl Iterator<Item = String>,
-    swept: impl Iterator<Item = String>,
-) -> impl Iterator<Item = String> {
-    let first: Vec<_> = fields.by_ref().take(COLUMNS_BEFORE_SWEPT).collect();
-    first.into_iter().chain(swept).chain(fields)
-}
-
-struct RowFile {
+struct CsvFile {
     writer: csv::Writer<Box<dyn Whole>>,
     path: PathBuf,
 }
 
-impl RowFile {
+impl CsvFile {
     fn create(path: PathBuf, disk: &dyn Disk, header: impl Iterator<Item = String>) -> Result<Self, BatchError> {
         let file = disk.whole_file(&path).map_err(|source| BatchError::unwritable(&path, source))?;
         let mut file = Self { writer: csv::Writer::from_writer(file), path };
@@ -63,15 +58,11 @@ impl RowFile {
     fn add(&mut self, fields: impl Iterator<Item = String>) -> Result<(), BatchError> {
         self.writer
             .write_record(fields.map(|field| spreadsheet_cell(&field).into_owned()))
-            .map_err(|error| unwritable(&self.path, error.into()))
+            .map_err(|error| BatchError::unwritable(&self.path, error.into()))
     }
 
     fn finish(self) -> Result<(), BatchError> {
-        let file = self.writer.into_inner().map_err(|error| unwritable(&self.path, error.into_error()))?;
+        let file = self.writer.into_inner().map_err(|error| BatchError::unwritable(&self.path, error.into_error()))?;
         file.finish().map_err(|source| BatchError::unwritable(&self.path, source))
     }
-}
-
-fn unwritable(path: &Path, source: io::Error) -> BatchError {
-    BatchError::unwritable(path, source)
 }

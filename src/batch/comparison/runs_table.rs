@@ -1,0 +1,144 @@
+//! The runs of a table as a comparison needs them: seeds, conditions, and the columns of the metrics.
+
+use std::collections::BTreeMap;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use crate::batch::comparison::error::ComparisonError;
+use crate::batch::execute::{RUNS_FILE, expect_files};
+use crate::batch::plan::MAX_RUNS;
+use crate::batch::table::{TableError, TableReader};
+
+/// Numbers of larger size could overflow in sums of squares.
+const LARGEST: f64 = 1e100;
+
+/// The most values of a condition, and the most bytes of one.
+const MAX_LEVELS: usize = 10_000;
+const MAX_LEVEL_BYTES: usize = 1000;
+
+/// What is read of a row.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Field {
+    /// The number in this column.
+    Number(String),
+    /// 1 if the column holds this word, else 0.
+    Is(String, &'static str),
+}
+
+impl Field {
+    fn column(&self) -> &str {
+        match self {
+            Self::Number(column) | Self::Is(column, _) => column,
+        }
+    }
+}
+
+/// Runs, in the order of the file.
+#[derive(Debug)]
+pub struct RunsTable {
+    pub path: PathBuf,
+    pub seeds: Vec<u64>,
+    /// Whether the run came to its end.
+    pub done: Vec<bool>,
+    pub conditions: Vec<Condition>,
+    /// For each field that was asked for, the value of every run; NaN where there is none.
+    pub values: Vec<Vec<f64>>,
+}
+
+/// What runs were made under: scenario, planner, or a key that a batch sweeps.
+#[derive(Debug)]
+pub struct Condition {
+    pub name: String,
+    /// In the order of their first runs.
+    pub levels: Vec<String>,
+    /// Of every run, an index into the levels.
+    pub of_run: Vec<u32>,
+}
+
+/// Opens the table of a batch: its folder, or the file itself.
+pub fn open(path: &Path) -> Result<TableReader, ComparisonError> {
+    let path = if path.is_dir() {
+        expect_files(path)?;
+        path.join(RUNS_FILE)
+    } else {
+        path.to_owned()
+    };
+    let table = TableReader::open(&path).map_err(|error| match error {
+        TableError::Unreadable { path, source }
+            if matches!(source.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) =>
+        {
+            ComparisonError::NoBatch { path }
+        }
+        error => error.into(),
+    })?;
+    match ["seed", "status"].into_iter().find(|column| table.place(column).is_none()) {
+        Some(column) => Err(ComparisonError::NotATableOfRuns { path, column }),
+        None => Ok(table),
+    }
+}
+
+impl RunsTable {
+    /// Reads all rows of a table of runs that has columns of these fields.
+    pub fn read(mut table: TableReader, fields: &[Field]) -> Result<Self, ComparisonError> {
+        let place = |column: &str| table.place(column).expect("the column was looked for");
+        let (seed, status) = (place("seed"), place("status"));
+        let places: Vec<usize> = fields.iter().map(|field| place(field.column())).collect();
+        // Conditions come before the status, and are what does not name the run itself.
+        let mut conditions: Vec<(usize, Condition, BTreeMap<Vec<u8>, u32>)> = Vec::new();
+        for (place, name) in table.columns().iter().enumerate().take_while(|(_, name)| *name != "status") {
+            if name != "seed" && name != "run" {
+                let condition = Condition { name: name.clone(), levels: Vec::new(), of_run: Vec::new() };
+                conditions.push((place, condition, BTreeMap::new()));
+            }
+        }
+        let (mut seeds, mut done, mut values) = (Vec::new(), Vec::new(), vec![Vec::new(); fields.len()]);
+        while table.next_row()? {
+            if seeds.len() as u64 == MAX_RUNS {
+                return Err(ComparisonError::TooManyRows { path: table.path().to_owned(), limit: MAX_RUNS });
+            }
+            seeds.push(table.count(seed, "a seed")?);
+            done.push(table.bytes(status) == b"done");
+            for (place, condition, known) in &mut conditions {
+                let level = table.bytes(*place);
+                if level.len() > MAX_LEVEL_BYTES || known.len() > MAX_LEVELS {
+                    return Err(table.wrong_value(*place, "at most 1000 bytes, and 10000 values in all").into());
+                }
+                condition.add(level, known);
+            }
+            for ((values, field), &place) in values.iter_mut().zip(fields).zip(&places) {
+                values.push(match field {
+                    Field::Is(_, word) if !table.bytes(place).is_empty() => {
+                        f64::from(u8::from(table.bytes(place) == word.as_bytes()))
+                    }
+                    Field::Is(..) => f64::NAN,
+                    Field::Number(_) => match table.number(place)? {
+                        Some(number) if number.abs() <= LARGEST => number,
+                        Some(_) => return Err(table.wrong_value(place, "a number, or nothing").into()),
+                        None => f64::NAN,
+                    },
+                });
+            }
+        }
+        if seeds.is_empty() {
+            return Err(ComparisonError::NoRows { path: table.path().to_owned() });
+        }
+        let conditions = conditions.into_iter().map(|(_, condition, _)| condition).collect();
+        Ok(Self { path: table.path().to_owned(), seeds, done, conditions, values })
+    }
+}
+
+impl Condition {
+    fn add(&mut self, level: &[u8], known: &mut BTreeMap<Vec<u8>, u32>) {
+        let index = known.get(level).copied().unwrap_or_else(|| {
+            let index = self.levels.len() as u32;
+            self.levels.push(String::from_utf8_lossy(level).into_owned());
+            known.insert(level.to_owned(), index);
+            index
+        });
+        self.of_run.push(index);
+    }
+
+    pub fn level_of(&self, run: usize) -> &str {
+        &self.levels[self.of_run[run] as usize]
+    }
+}
