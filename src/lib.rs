@@ -2,7 +2,8 @@
 //! puts them out.
 //!
 //! The layers, lowest first; each may use those above it in this list:
-//! [`time`], [`geometry`], [`rng`], [`event_queue`], [`input_file`], [`ranges`], [`untrusted`], [`whole_file`]; [`grid`];
+//! [`time`], [`geometry`], [`rng`], [`event_queue`], [`input_file`], [`ranges`], [`untrusted`], [`whole_file`];
+//! [`document`]; [`grid`];
 //! [`map_files`]; [`vehicle`]; [`trajectory`]; [`collision`]; [`planning`]; [`fire`]; [`scenario`]; [`timeline`];
 //! [`picture`]; [`audit`]; [`sim`]; [`stats`]; [`batch`]; `view`; [`cli`].
 
@@ -14,6 +15,7 @@ pub mod audit;
 pub mod batch;
 pub mod cli;
 pub mod collision;
+pub mod document;
 pub mod event_queue;
 pub mod fire;
 pub mod geometry;

@@ -15,6 +15,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("ranges", &[]),
     ("untrusted", &[]),
     ("whole_file", &[]),
+    ("document", &[]),
     ("grid", &[]),
     ("map_files", &["image"]),
     ("vehicle", &["glam"]),

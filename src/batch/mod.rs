@@ -26,8 +26,8 @@ pub use plan::{
     SweepError, Value, Variant, plan_schema, shell_word,
 };
 pub use report::{
-    AuditReport, AuditSource, AuditsError, BatchReport, Merged, ReportError, SHOWN_RUNS, TOLD_VIOLATIONS, Tables,
-    Tally, VariantReport, WrittenReport, audit_all, merge, notes, run_json, write_report,
+    AuditReport, AuditSource, AuditsError, BatchReport, Merged, ReportError, RunObject, SHOWN_RUNS, TOLD_VIOLATIONS,
+    Tables, Tally, VariantReport, WrittenReport, audit_all, merge, notes, write_report,
 };
 pub use table::{
     AGENT_COLUMNS, AgentColumn, AgentRow, CALL_COLUMNS, COLUMNS_BEFORE_SWEPT, CallColumn, Column, FileColumn,

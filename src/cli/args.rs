@@ -14,8 +14,9 @@ use crate::cli::error::CliError;
 use crate::cli::map::MapCommand;
 use crate::cli::numbers;
 use crate::cli::plan::PlanArguments;
-use crate::cli::play_command::PlayArguments;
+use crate::cli::play::PlayArguments;
 use crate::cli::render::RenderArguments;
+use crate::cli::report::FormArguments;
 use crate::input_file;
 use crate::scenario::MemoryLimit;
 
@@ -56,7 +57,7 @@ pub enum Command {
     /// Run scenarios with many seeds and print the tables of the contest.
     Batch(BatchArguments),
     /// Show how far a batch is.
-    Status(FolderArguments),
+    Status(StatusArguments),
     /// Put the slices of a batch together: check that all are there, and write its tables.
     Merge(FolderArguments),
     /// Write a report of a batch: a web page, and its charts as SVG and PNG.
@@ -131,9 +132,8 @@ pub struct RunArguments {
     /// The seed of everything random in the run.
     #[arg(long, default_value_t = 1, allow_hyphen_values = true, value_parser = parse_seed)]
     pub seed: u64,
-    /// Print the result as one JSON object.
-    #[arg(long)]
-    pub json: bool,
+    #[command(flatten)]
+    pub form: FormArguments,
     /// Write a recording of the run, into this file or folder.
     #[arg(long, value_name = "FILE_OR_DIR")]
     pub out: Option<PathBuf>,
@@ -240,6 +240,15 @@ pub enum SchemaOf {
     States,
 }
 
+#[derive(Debug, Args)]
+pub struct StatusArguments {
+    /// The folder of a batch.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    #[command(flatten)]
+    pub form: FormArguments,
+}
+
 /// The folder of a batch.
 #[derive(Debug, Args)]
 pub struct FolderArguments {
@@ -268,6 +277,8 @@ pub struct AuditArguments {
     /// The most metres between two poses that are checked.
     #[arg(long, value_name = "METRES", default_value_t = 0.02, allow_hyphen_values = true, value_parser = parse_audit_step)]
     pub step: f64,
+    #[command(flatten)]
+    pub form: FormArguments,
 }
 
 #[derive(Debug, Args)]
@@ -339,8 +350,7 @@ fn parse_trace_step(text: &str) -> Result<f64, String> {
 const AUDIT_STEPS_M: RangeInclusive<f64> = 0.001..=1.0;
 
 fn parse_audit_step(text: &str) -> Result<f64, String> {
-    let step = numbers::parse(text).filter(|step| AUDIT_STEPS_M.contains(step));
-    step.ok_or_else(|| format!("expected metres from {} to {}", AUDIT_STEPS_M.start(), AUDIT_STEPS_M.end()))
+    numbers::parse_within(text, &AUDIT_STEPS_M, "metres")
 }
 
 #[cfg(test)]

@@ -3,8 +3,8 @@
 //! Results go to stdout, progress, notes and errors to stderr. Nothing is written before all arguments are checked.
 
 mod args;
-mod audit_command;
-mod batch_command;
+mod audit;
+mod batch;
 #[cfg(test)]
 mod command_lines;
 mod compare;
@@ -15,23 +15,18 @@ mod error;
 mod fuzz;
 mod interrupt;
 mod map;
-mod merge_command;
-mod new_command;
 mod numbers;
 mod output_files;
 #[cfg(test)]
 #[path = "../../tests/fuzz/phrases.rs"]
 mod phrases;
 mod plan;
-mod play_command;
+mod play;
 mod render;
-mod report_command;
-mod run_command;
-mod run_report;
-mod scenario_commands;
-mod schema_command;
+mod report;
+mod run;
+mod scenarios;
 mod show;
-mod status_command;
 mod terminal;
 
 use std::env;
@@ -75,19 +70,19 @@ fn refuse(error: &clap::Error) -> ! {
 
 fn dispatch(arguments: &Arguments) -> Result<ExitCode, CliError> {
     match &arguments.command {
-        Command::Run(run) => run_command::run(run, arguments.quiet),
-        Command::Play(play) => play_command::run(play, arguments.quiet),
+        Command::Run(run) => run::run(run, arguments.quiet),
+        Command::Play(play) => play::run(play, arguments.quiet),
         Command::Render(render) => render::run(render, arguments.quiet),
-        Command::Batch(batch) => batch_command::run(batch, arguments.quiet),
-        Command::Report(folder) => report_command::run(folder, arguments.quiet),
+        Command::Batch(batch) => batch::run(batch, arguments.quiet),
+        Command::Report(folder) => batch::report(folder, arguments.quiet),
         Command::Compare(compare) => compare::run(compare),
-        Command::Audit(audit) => audit_command::run(audit, arguments.quiet),
-        Command::Status(folder) => status_command::run(folder),
-        Command::Merge(folder) => merge_command::run(folder, arguments.quiet),
-        Command::New(new) => new_command::run(new),
-        Command::Schema(schema) => schema_command::run(schema),
-        Command::Check(check) => scenario_commands::check(check),
-        Command::Scenarios(scenarios) => scenario_commands::list_or_show(scenarios),
+        Command::Audit(audit) => audit::run(audit, arguments.quiet),
+        Command::Status(folder) => batch::status(folder),
+        Command::Merge(folder) => batch::merge(folder, arguments.quiet),
+        Command::New(new) => scenarios::new(new),
+        Command::Schema(schema) => scenarios::schema(schema),
+        Command::Check(check) => scenarios::check(check),
+        Command::Scenarios(scenarios) => scenarios::list_or_show(scenarios),
         Command::Map { command } => map::run(command, arguments.quiet),
         Command::Curve(curve) => curve::run(curve, arguments.quiet),
         Command::Plan(plan) => plan::run(plan, arguments.quiet),

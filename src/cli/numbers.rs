@@ -1,5 +1,7 @@
 //! Numbers on the command line and in tables that it names.
 
+use std::fmt::Display;
+use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 /// Reads a number; zero with a minus is zero, whether the number is whole or not.
@@ -9,6 +11,25 @@ use std::str::FromStr;
 pub fn parse<T: FromStr>(text: &str) -> Option<T> {
     let is_zero = |digits: &&str| !digits.starts_with(['+', '-']) && digits.parse() == Ok(0.0);
     text.strip_prefix('-').filter(is_zero).unwrap_or(text).parse().ok()
+}
+
+/// Reads a number that lies in a range.
+pub fn within<T: FromStr + PartialOrd>(text: &str, range: &RangeInclusive<T>) -> Option<T> {
+    parse(text.trim()).filter(|number| range.contains(number))
+}
+
+/// Does the same for an option, whose error says what was expected: `expected metres from 0 to 5`.
+pub fn parse_within<T: FromStr + PartialOrd + Display>(
+    text: &str,
+    range: &RangeInclusive<T>,
+    what: &str,
+) -> Result<T, String> {
+    within(text, range).ok_or_else(|| format!("expected {what} {}", range_words(range)))
+}
+
+/// Words a range, as `from 0 to 5`.
+pub fn range_words<T: Display>(range: &RangeInclusive<T>) -> String {
+    format!("from {} to {}", range.start(), range.end())
 }
 
 #[cfg(test)]

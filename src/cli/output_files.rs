@@ -5,6 +5,7 @@ use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use crate::cli::error::CliError;
+use crate::cli::report::FormArguments;
 use crate::cli::terminal;
 use crate::input_file::is_standard_stream;
 use crate::whole_file::refuse_no_file;
@@ -94,8 +95,8 @@ impl Words {
 pub struct Files<'a> {
     pub inputs: Vec<&'a Path>,
     pub outputs: Vec<(Format, &'a Path)>,
-    /// True if the answer is asked for as JSON, which is not words but a result on stdout.
-    pub json: bool,
+    /// The form of the report: all but text are no words but a result on stdout.
+    pub form: FormArguments,
 }
 
 impl<'a> Files<'a> {
@@ -115,8 +116,9 @@ impl<'a> Files<'a> {
             return Err(CliError::bad_input("- is stdin, which can be read once; expected it as one input", None));
         }
         let on_stdout = self.outputs.iter().filter(|(_, path)| is_standard_stream(path)).count();
-        if on_stdout + usize::from(self.json && on_stdout > 0) > 1 {
-            let help = if self.json { "--json prints to stdout too" } else { "give the other outputs names" };
+        let is_result = !self.form.is_text();
+        if on_stdout + usize::from(is_result && on_stdout > 0) > 1 {
+            let help = if is_result { "the report goes to stdout too" } else { "give the other outputs names" };
             return Err(CliError::bad_input("- is stdout; expected it as the place of one result", Some(help)));
         }
         let mut seen: Vec<PathBuf> =

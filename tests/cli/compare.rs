@@ -38,7 +38,9 @@ fn batches_are_compared_in_every_form() {
     let markdown = story.tell(&["compare", "a", "b", "--md"]).expect_code(0).stdout;
     assert!(markdown.contains("\n| saved |"), "{markdown}");
     let page = story.tell(&["compare", "a", "b", "--html"]).expect_code(0).stdout;
-    assert!(page.starts_with("<!DOCTYPE html>") && page.contains("<td>saved</td>"), "{page}");
+    assert!(page.starts_with("<!DOCTYPE html>") && page.contains(">saved</td>"), "{page}");
+    let paper = story.tell(&["compare", "a", "b", "--tex"]).expect_code(0).stdout;
+    assert!(paper.contains("\\midrule\nsaved & 6 & "), "{paper}");
     let json = story.tell(&["compare", "a", "b", "--json", "--metric", "saved,truck_cusps"]).expect_code(0).stdout;
     let json: Value = serde_json::from_str(&json).expect("it is JSON");
     let metrics = json["comparisons"][0]["metrics"].as_array().expect("a list");
@@ -56,7 +58,7 @@ fn batch(story: &Story, folder: &str, changes: &[&str]) {
     story.tell(&arguments).expect_code(0);
 }
 
-const FORMS: [&[&str]; 4] = [&[], &["--md"], &["--html"], &["--json"]];
+const FORMS: [&[&str]; 5] = [&[], &["--md"], &["--html"], &["--tex"], &["--json"]];
 
 /// The words about the planner where it is all that differs.
 const THE_PLANNERS: &str = "the difference is the planner";
@@ -81,6 +83,7 @@ fn difference_of_the_settings_heads_the_answer_in_every_form() {
                 "{\"key\":\"unimog.speed_mps\",\"values\":[8.0,20.0]",
             ],
             ["--md"] => ["- fire.relight: false in A, true in B", "- unimog.speed_mps: 8.0 in A, 20.0 in B"],
+            ["--tex"] => ["fire.relight: false in A, true in B", "unimog.speed\\_mps: 8.0 in A, 20.0 in B"],
             _ => ["fire.relight: false in A, true in B", "unimog.speed_mps: 8.0 in A, 20.0 in B"],
         };
         for words in expected {
@@ -200,7 +203,7 @@ fn batch_stands_beside_the_report() {
 fn names_from_files_are_harmless_wherever_they_are_printed() {
     let story = Story::begin();
     hostile_batch(&story);
-    for form in ["--md", "--json", "--html"] {
+    for form in ["--md", "--json", "--html", "--tex"] {
         let text = story.tell(&["compare", "runs.csv", form]).expect_code(0).stdout;
         assert!(!text.contains('\u{1b}'), "{form}: {text}");
         // In JSON a quoted name is harmless, in Markdown one behind a backslash.
@@ -220,7 +223,7 @@ fn what_cannot_be_compared_is_refused() {
         (&["runs.csv", "--metric", "savd"], &["there is no metric `savd`", "did you mean `saved`?"]),
         (&["runs.csv", "--metric", "winner"], &["line 2", "winner is `unimog`; expected a number, or nothing"]),
         (&["runs.csv", "--by", "color"], &["no column `color`"]),
-        (&["runs.csv", "--by", "planner=x,x"], &["`x` stands there twice"]),
+        (&["runs.csv", "--by", "planner=x,x"], &["`x` is given twice"]),
         (&["runs.csv", "--where", "planner"], &["expected COLUMN=VALUE"]),
         (&["runs.csv", "--with", "thesis"], &["report"]),
     ];

@@ -119,7 +119,7 @@ fn agents_that_can_do_nothing_are_told_by_the_check_the_run_and_the_batch() {
 #[test]
 fn run_names_the_winner_and_where_the_time_went() {
     let answer = Story::begin().tell(&["run", "--seed", "2"]).expect_code(0);
-    for words in ["contest, seed 2", "extinguished", "wins,", "unimog/0", "wumpus/0", "local search", "CPU a plan"] {
+    for words in ["contest, seed 2", "extinguished", "wins,", "unimog/0", "wumpus/0", "local search", "CPU per plan"] {
         assert!(answer.stdout.contains(words), "`{words}` is missing:\n{}", answer.stdout);
     }
     assert!(widest(&answer.stdout) <= 80, "{}", answer.stdout);

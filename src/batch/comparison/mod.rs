@@ -35,8 +35,8 @@ pub use pairs::{Pairs, Stratum};
 pub use published::{BesideReport, PublishedState, PublishedTime};
 pub use settings::{Difference, SettingsDifference};
 pub use sides::{MAX_SIDES, Selection};
-pub use words::{decimals_of, probability, rounded};
 
+use crate::document::number::probability;
 use crate::stats::{RepeatedMeasures, holm};
 use runs_table::RunsTable;
 use settings::KnownSettings;

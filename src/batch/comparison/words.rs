@@ -1,6 +1,7 @@
-//! Differences as sentences, and numbers as they are printed.
+//! Differences as sentences.
 
 use crate::batch::table::Phrase;
+use crate::document::number::{rounded, two_digits};
 use crate::stats::Interval;
 
 /// A difference as a sentence: `B saves 6.1 more obstacles per run, 95 % interval 4.8 to 7.4`. The metric's name stands in
@@ -19,7 +20,7 @@ pub fn sentence(
     };
     let sign = if difference < 0.0 { -1.0 } else { 1.0 };
     let scaled = |value: f64| sign * scale * value;
-    let decimals = interval.map_or_else(|| decimals_of(difference * scale), |it| decimals_of_interval(it, scale));
+    let decimals = interval.map_or_else(|| two_digits(difference * scale), |it| decimals_of_interval(it, scale));
     let direction = if difference < 0.0 { less } else { more };
     let said = format!("{side} {verb} {} {direction}", rounded(scaled(difference), decimals));
     match interval {
@@ -37,35 +38,12 @@ pub fn interval_words(phrase: Option<Phrase>, interval: Interval) -> String {
 }
 
 fn decimals_of_interval(interval: Interval, scale: f64) -> usize {
-    decimals_of(0.5 * (interval.high - interval.low) * scale)
+    two_digits(0.5 * (interval.high - interval.low) * scale)
 }
 
 fn ends(ends: [f64; 2], decimals: usize) -> String {
     let [low, high] = [ends[0].min(ends[1]), ends[0].max(ends[1])].map(|end| rounded(end, decimals));
     format!("{low} to {high}")
-}
-
-/// Decimals that show a number of this size with two digits that count; at most nine.
-pub fn decimals_of(size: f64) -> usize {
-    let mut decimals = 0;
-    let mut shifted = size.abs();
-    while shifted < 9.95 && decimals < 9 && shifted > 0.0 {
-        shifted *= 10.0;
-        decimals += 1;
-    }
-    decimals
-}
-
-/// The number with so many decimals, zero without a sign.
-pub fn rounded(number: f64, decimals: usize) -> String {
-    let text = format!("{number:.decimals$}");
-    let is_zero = text.chars().all(|letter| "-0.".contains(letter));
-    if is_zero { text.trim_start_matches('-').into() } else { text }
-}
-
-/// A probability with three decimals, or that it is smaller than that.
-pub fn probability(p: f64) -> String {
-    if p < 0.0005 { "<.001".into() } else { rounded(p, 3) }
 }
 
 /// Joins words to a list: `a`, `a and b`, `a, b and c`.
@@ -108,16 +86,6 @@ mod tests {
         let interval = Some(Interval { low: -0.2, high: -0.05 });
         let said = sentence("truck_won", WINS, 'B', -0.125, interval);
         assert_eq!(said, "B wins for the truck 12.5 fewer runs of a hundred, 95 % interval 5.0 to 20.0");
-    }
-
-    #[test]
-    fn two_digits_of_the_uncertainty_are_shown() {
-        for (size, decimals) in
-            [(123.0, 0), (12.0, 0), (9.96, 0), (1.2, 1), (0.96, 2), (0.004, 4), (0.0, 0), (1e-30, 9)]
-        {
-            assert_eq!(decimals_of(size), decimals, "{size}");
-        }
-        assert_eq!(rounded(-0.04, 1), "0.0");
     }
 
     #[test]

@@ -8,31 +8,32 @@ use crate::batch::plan::{PROGRAM_VERSION, Value};
 use crate::batch::report::notes::notes;
 use crate::batch::table::{AGENT_COLUMNS, AgentRow, RUN_COLUMNS, is_measured};
 
-/// Writes `{"program_version", "run": {outcome columns}, "agents": [{...}], "notes": [sentences], "measured": {cpu and
-/// wall columns}}`, on one line.
-pub fn run_json(row: &RunRow) -> String {
-    let columns = || RUN_COLUMNS.iter().map(|column| (column.name, (column.value)(row)));
-    let agent = |agent: AgentRow<'_>| {
-        let values = AGENT_COLUMNS.iter().map(|column| (column.name, (column.value)(&agent)));
-        Object(values.filter(|(name, _)| !["scenario", "seed", "run"].contains(name)).collect())
-    };
-    let object = RunObject {
-        program_version: PROGRAM_VERSION,
-        run: Object(columns().filter(|(name, _)| !is_measured(name)).collect()),
-        agents: AgentRow::all_of(row).map(agent).collect(),
-        notes: row.result.as_ref().map(notes).unwrap_or_default(),
-        measured: Object(columns().filter(|(name, _)| is_measured(name)).collect()),
-    };
-    serde_json::to_string(&object).expect("names, numbers and words are JSON")
-}
-
+/// A run as `{"program_version", "run": {outcome columns}, "agents": [{...}], "notes": [sentences], "measured": {cpu
+/// and wall columns}}`.
 #[derive(Serialize)]
-struct RunObject {
+pub struct RunObject {
     program_version: &'static str,
     run: Object,
     agents: Vec<Object>,
     notes: Vec<String>,
     measured: Object,
+}
+
+impl RunObject {
+    pub fn new(row: &RunRow) -> Self {
+        let columns = || RUN_COLUMNS.iter().map(|column| (column.name, (column.value)(row)));
+        let agent = |agent: AgentRow<'_>| {
+            let values = AGENT_COLUMNS.iter().map(|column| (column.name, (column.value)(&agent)));
+            Object(values.filter(|(name, _)| !["scenario", "seed", "run"].contains(name)).collect())
+        };
+        Self {
+            program_version: PROGRAM_VERSION,
+            run: Object(columns().filter(|(name, _)| !is_measured(name)).collect()),
+            agents: AgentRow::all_of(row).map(agent).collect(),
+            notes: row.result.as_ref().map(notes).unwrap_or_default(),
+            measured: Object(columns().filter(|(name, _)| is_measured(name)).collect()),
+        }
+    }
 }
 
 /// An object whose members keep their order.

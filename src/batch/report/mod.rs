@@ -13,7 +13,7 @@ mod tally;
 pub use audits::{AuditReport, AuditSource, AuditsError, TOLD_VIOLATIONS, audit_all};
 pub use finish::{Merged, merge};
 pub use html_report::{ReportError, WrittenReport, write_report};
-pub use json::run_json;
+pub use json::RunObject;
 pub use notes::notes;
 pub use summary::{BatchReport, VariantReport};
 pub use tables::{SHOWN_RUNS, Tables};

@@ -6,6 +6,7 @@
 
 use crate::batch::table::{RunRecord, run_column};
 use crate::batch::text_table::TextTable;
+use crate::document::number::rounded;
 use crate::stats::Series;
 
 /// The most runs that a table shows one by one.
@@ -211,13 +212,6 @@ impl Table {
     }
 }
 
-/// The number with so many decimals, zero without a sign.
-fn rounded(number: f64, decimals: usize) -> String {
-    let text = format!("{number:.decimals$}");
-    let is_zero = text.chars().all(|letter| "-0.".contains(letter));
-    if is_zero { text.trim_start_matches('-').into() } else { text }
-}
-
 type Statistic = fn(&Series) -> Option<f64>;
 
 const STATISTICS: &[(&str, Statistic)] = &[
@@ -227,16 +221,3 @@ const STATISTICS: &[(&str, Statistic)] = &[
     ("95% high", |series| Some(series.mean_interval()?.high)),
     ("Sum", |series| (series.count() > 0).then(|| series.sum())),
 ];
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_rounds_to_zero_has_no_sign() {
-        assert_eq!(rounded(-0.001, 2), "0.00");
-        assert_eq!(rounded(-0.0, 0), "0");
-        assert_eq!(rounded(-0.01, 2), "-0.01");
-        assert_eq!(rounded(-10.0, 0), "-10");
-    }
-}

@@ -1,185 +1,214 @@
-//! A page of headings, sentences and tables, in the forms that it is printed in.
+//! A comparison as a document.
 
-use std::fmt::Write;
+use crate::batch::comparison::{
+    AgainstA, Comparison, Contrast, CutOff, JudgedContrast, JudgedStrata, Method, Pairs, SideSummary, p_words,
+};
+use crate::document::number::{optional, probability, rounded, two_digits};
+use crate::document::{Block, Document, Table};
+use crate::untrusted::visible_start;
 
-use crate::batch::{TextTable, html};
-use crate::untrusted::visible;
+const LEGEND: &str = "\
+Differences are of means over pairs, with 95 % intervals; p is adjusted by Holm's method over all that is shown, and so \
+is that of Wilcoxon's test by ranks, beside it; dz is Cohen's, in standard deviations of the difference; r is the \
+rank-biserial correlation, from -1 to 1.";
 
-/// What a page says, from top to bottom. Nothing in it is marked up yet.
-#[derive(Clone, Debug, Default)]
-pub struct Document {
-    pub title: String,
-    pub blocks: Vec<Block>,
-}
+const STRATA_LEGEND: &str = "\
+p strata: that the difference is the same in all strata, the values that it is a mean over; an analysis of variance of \
+the differences with a row for each seed, by Greenhouse and Geisser. Such p-values are adjusted among themselves, and so \
+are those of the strata.";
 
-#[derive(Clone, Debug)]
-pub enum Block {
-    Heading(String),
-    Text(String),
-    List(Vec<String>),
-    Table(TextTable),
-}
+/// As `cargo bench --bench coverage` measured it, 4000 samples each.
+const FEW_PAIRS: &str = "\
+Fewer than 10 pairs: intervals are Student's t. Of samples of five of this program's own outcomes they held the truth \
+in 93 to 96 %, of strongly skewed (log-normal) numbers in 82 %.";
 
-impl Block {
-    /// A table with a line of headings.
-    pub fn table(headings: &[&str], rows: Vec<Vec<String>>) -> Self {
-        let headings = headings.iter().map(|heading| vec![(*heading).to_owned()]).collect();
-        Self::Table(TextTable { headings, rows, rules_before: Vec::new() })
+impl From<&Comparison> for Document {
+    /// Says what the sides differ in first, then the verdicts, then the figures behind them.
+    fn from(comparison: &Comparison) -> Self {
+        let mut document = Self::new("Runs compared in pairs of the same seed");
+        document.add_list(comparison.sides.iter().map(side).collect());
+        for against in &comparison.against_a {
+            let AgainstA { letter, settings, pairs, judged } = against;
+            document.add(Block::Heading(format!("{letter} against A")));
+            document.add_list(settings.lines(*letter, pairs));
+            document.add(Block::Text(settings.conclusion(*letter)));
+            document.add(Block::Text(pairing(pairs, *letter)));
+            document.add_list(judged.iter().map(|judged| verdict(judged, *letter)).collect());
+            document = document.with([differences(against), tests(against)]).with(strata(against));
+            document.add_list(notes(against));
+        }
+        let missing = comparison.missing.iter();
+        document.add_list(
+            missing
+                .map(|(letter, metric)| format!("{metric}: no pair of A and {letter} has it on both sides"))
+                .collect(),
+        );
+        document.add(Block::Text(LEGEND.into()));
+        if comparison.against_a.iter().any(has_strata) {
+            document.add(Block::Text(STRATA_LEGEND.into()));
+        }
+        if comparison.against_a.iter().any(|against| against.pairs.runs.len() < 10) {
+            document.add(Block::Text(FEW_PAIRS.into()));
+        }
+        document
     }
 }
 
-impl Document {
-    /// For a terminal.
-    pub fn to_text(&self) -> String {
-        let mut text = format!("{}\n", self.title);
-        for block in &self.blocks {
-            text.push('\n');
-            match block {
-                Block::Heading(line) | Block::Text(line) => push_wrapped(&mut text, line, ""),
-                Block::List(lines) => lines.iter().for_each(|line| push_wrapped(&mut text, line, "  ")),
-                Block::Table(table) => text.push_str(&table.to_text()),
+fn side(side: &SideSummary) -> String {
+    let SideSummary { letter, description, runs, failed } = side;
+    let failed = if *failed == 0 { String::new() } else { format!(", {failed} of them failed") };
+    format!("{letter}: {description}: {runs} runs{failed}")
+}
+
+/// Says how many pairs there are, what was left out, and what the differences are means over.
+fn pairing(pairs: &Pairs, letter: char) -> String {
+    let mut text = format!("{} pairs of runs.", pairs.runs.len());
+    let [ours, theirs] = pairs.without_partner;
+    if ours + theirs > 0 {
+        text += &format!(" Left out for want of a partner: {ours} of A, {theirs} of {letter}.");
+    }
+    let [only_a, only_other, both] = pairs.failed;
+    if only_a + only_other + both > 0 {
+        text += &format!(
+            " Left out because a run failed: {only_a} in A only, {only_other} in {letter} only, {both} in both; \
+             if runs fail where they would have gone badly, the other figures flatter."
+        );
+    }
+    if let several @ [_, _, ..] = &pairs.strata[..] {
+        let counts = || several.iter().map(|stratum| stratum.pairs);
+        let (least, most) = (counts().min().unwrap_or(0), counts().max().unwrap_or(0));
+        let each = if least == most { format!("{least} pairs each") } else { format!("{least} to {most} pairs each") };
+        text += &format!(" Every difference is a mean over {}, {each}.", levels(pairs));
+    }
+    text
+}
+
+/// Lists the values of the columns, `field.coverage (0.05, 0.1, 0.2)`; for several with the number of combinations.
+fn levels(pairs: &Pairs) -> String {
+    /// The most values that are listed; more are counted.
+    const MOST: usize = 12;
+    let of_column = |(index, column): (usize, &String)| {
+        let mut values: Vec<String> = Vec::new();
+        for stratum in &pairs.strata {
+            let value = visible_start(&stratum.levels[index]);
+            if !values.contains(&value) {
+                values.push(value);
             }
         }
-        text
-    }
-
-    pub fn to_markdown(&self) -> String {
-        let mut text = format!("# {}\n", in_markdown(&self.title));
-        for block in &self.blocks {
-            text.push('\n');
-            match block {
-                Block::Heading(line) => push_lines(&mut text, &[format!("## {}", in_markdown(line))]),
-                Block::Text(line) => push_lines(&mut text, &[in_markdown(line)]),
-                Block::List(lines) => {
-                    let items: Vec<_> = lines.iter().map(|line| format!("- {}", in_markdown(line))).collect();
-                    push_lines(&mut text, &items);
-                }
-                Block::Table(table) => text.push_str(&escaped(table, in_markdown).to_markdown()),
-            }
-        }
-        text
-    }
-
-    /// A page that needs no other file and no network.
-    pub fn to_html(&self) -> String {
-        let mut text = html::head(&self.title);
-        for block in &self.blocks {
-            match block {
-                Block::Heading(line) => push(&mut text, format_args!("<h2>{}</h2>\n", html::escaped(line))),
-                Block::Text(line) => push(&mut text, format_args!("<p>{}</p>\n", html::escaped(line))),
-                Block::List(lines) => {
-                    text.push_str("<ul>\n");
-                    lines.iter().for_each(|line| push(&mut text, format_args!("<li>{}</li>\n", html::escaped(line))));
-                    text.push_str("</ul>\n");
-                }
-                Block::Table(table) => text.push_str(&html::table(table)),
-            }
-        }
-        text.push_str("</html>\n");
-        text
+        let words = if values.len() > MOST { format!("{} values", values.len()) } else { values.join(", ") };
+        format!("{} ({words})", visible_start(column))
+    };
+    let columns: Vec<String> = pairs.columns.iter().enumerate().map(of_column).collect();
+    match &columns[..] {
+        [column] => column.clone(),
+        several => format!("{} combinations of {}", pairs.strata.len(), several.join(" and ")),
     }
 }
 
-/// The width that sentences are broken to on a terminal, in characters.
-const WIDTH: usize = 80;
-
-fn push(text: &mut String, arguments: std::fmt::Arguments<'_>) {
-    text.write_fmt(arguments).expect("a string takes any text");
+fn has_strata(against: &AgainstA) -> bool {
+    against.judged.iter().any(|judged| judged.by_stratum.is_some())
 }
 
-fn push_lines(text: &mut String, lines: &[impl AsRef<str>]) {
-    for line in lines {
-        text.push_str(line.as_ref());
-        text.push('\n');
-    }
+fn verdict(judged: &JudgedContrast, letter: char) -> String {
+    format!("{}: {}", judged.contrast.metric.name, judged.sentence(letter))
 }
 
-/// Breaks a line between its words; what follows the first break is indented.
-fn push_wrapped(text: &mut String, line: &str, indent: &str) {
-    let mut width = 0;
-    for word in line.split(' ') {
-        let length = word.chars().count();
-        if width > 0 && width + 1 + length > WIDTH {
-            text.push('\n');
-            text.push_str(indent);
-            width = indent.len();
-        } else if width > 0 {
-            text.push(' ');
-            width += 1;
-        }
-        text.push_str(word);
-        width += length;
-    }
-    text.push('\n');
+fn differences(against: &AgainstA) -> Table {
+    let letter = against.letter;
+    let headings = ["Metric", "Pairs", "A", &letter.to_string(), &format!("{letter} less A"), "95% low", "95% high"];
+    let row = |judged: &JudgedContrast| {
+        let contrast = &judged.contrast;
+        let decimals = decimals(contrast);
+        let number = |value: f64| rounded(value, decimals);
+        let interval = contrast.interval;
+        let ends = [interval.map(|it| it.low), interval.map(|it| it.high)].map(|end| optional(end, decimals));
+        let [ours, theirs] = contrast.means.map(number);
+        let cells = [contrast.metric.name.clone(), contrast.pairs.to_string(), ours, theirs];
+        cells.into_iter().chain([number(contrast.difference)]).chain(ends).collect()
+    };
+    Table::new(&headings, against.judged.iter().map(row).collect())
 }
 
-fn escaped(table: &TextTable, escape: fn(&str) -> String) -> TextTable {
-    let all = |cells: &Vec<String>| cells.iter().map(|cell| escape(cell)).collect();
-    TextTable {
-        headings: table.headings.iter().map(all).collect(),
-        rows: table.rows.iter().map(all).collect(),
-        rules_before: table.rules_before.clone(),
-    }
-}
-
-fn in_markdown(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for letter in visible(text).chars() {
-        if "\\`*[]<>|&".contains(letter) {
-            escaped.push('\\');
-        }
-        escaped.push(letter);
-    }
-    escaped
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn hostile() -> Document {
-        let bad = "<script>alert('x')</script> | *b* [c](d) & \"e\"".to_owned();
-        let blocks = vec![
-            Block::Heading(bad.clone()),
-            Block::Text(bad.clone()),
-            Block::List(vec![bad.clone()]),
-            Block::table(&[&bad], vec![vec![bad.clone()]]),
+fn tests(against: &AgainstA) -> Table {
+    let has_strata = has_strata(against);
+    let row = |judged: &JudgedContrast| {
+        let contrast = &judged.contrast;
+        let or_dash = |value: Option<String>| value.unwrap_or_else(|| "-".into());
+        let of_strata = judged.by_stratum.as_ref().and_then(|strata| strata.p_adjusted);
+        let cells = [
+            contrast.metric.name.clone(),
+            or_dash(judged.p_adjusted.map(probability)),
+            method(contrast.method).into(),
+            optional(contrast.effect_dz, 2),
+            or_dash(judged.ranks_p_adjusted.map(probability)),
+            optional(contrast.ranks.map(|ranks| ranks.rank_biserial()), 2),
         ];
-        Document { title: bad, blocks }
-    }
+        cells.into_iter().chain(has_strata.then(|| or_dash(of_strata.map(probability)))).collect()
+    };
+    let mut headings = vec!["Metric", "p", "by", "dz", "p by ranks", "r"];
+    headings.extend(has_strata.then_some("p strata"));
+    Table::new(&headings, against.judged.iter().map(row).collect())
+}
 
-    #[test]
-    fn nothing_from_a_file_becomes_a_tag() {
-        let html = hostile().to_html();
-        assert!(!html.contains("<script") && !html.contains("'x'"), "{html}");
-        assert_eq!(html.matches("&lt;script&gt;").count(), 7, "title twice, and once in each other place");
-        assert!(!html.contains("http"), "{html}");
-    }
-
-    #[test]
-    fn nothing_from_a_file_becomes_markdown() {
-        let markdown = hostile().to_markdown();
-        let unescaped = |mark: &str| markdown.matches(mark).count() - markdown.matches(&format!("\\{mark}")).count();
-        assert_eq!([unescaped("<"), unescaped("*"), unescaped("["), unescaped("&")], [0; 4]);
-        assert_eq!(unescaped("|"), 6, "the bars of a table of one column: heading, marks, row");
-    }
-
-    #[test]
-    fn text_is_what_was_said() {
-        let document = Document {
-            title: "T".into(),
-            blocks: vec![Block::Text("One <two>.".into()), Block::List(vec!["A".into(), "B".into()])],
+/// The strata of every metric in which they differ, each with its own verdict.
+fn strata(against: &AgainstA) -> Vec<Block> {
+    let AgainstA { letter, pairs, judged, .. } = against;
+    let of_metric = |judged: &JudgedContrast| {
+        let JudgedStrata { by, strata, p_adjusted, .. } = judged.by_stratum.as_ref().filter(|it| it.differ())?;
+        let p = p_words((*p_adjusted)?);
+        let heading = format!("{} by {by}: {letter} less A is not the same in all, {p}", judged.contrast.metric.name);
+        let line = |(stratum, judged): &(usize, JudgedContrast)| {
+            format!("{}: {}", pairs.stratum_words(*stratum), judged.sentence(*letter))
         };
-        assert_eq!(document.to_text(), "T\n\nOne <two>.\n\nA\nB\n");
-    }
+        Some([Block::Text(heading), Block::List(strata.iter().map(line).collect())])
+    };
+    judged.iter().filter_map(of_metric).flatten().collect()
+}
 
-    #[test]
-    fn long_lines_are_broken_between_words() {
-        let long = ["word"; 40].join(" ");
-        let mut text = String::new();
-        push_wrapped(&mut text, &long, "  ");
-        assert!(text.lines().all(|line| line.len() <= WIDTH));
-        assert_eq!(text.split_whitespace().count(), 40);
-        assert!(text.lines().skip(1).all(|line| line.starts_with("  word")));
+fn method(method: Method) -> &'static str {
+    match method {
+        Method::StudentisedBootstrap => "bootstrap",
+        Method::StudentsT => "Student's t",
+        Method::Ranks => "ranks",
+        Method::Answers => "McNemar",
     }
+}
+
+/// Decimals that show the uncertainty with two digits.
+fn decimals(contrast: &Contrast) -> usize {
+    match contrast.interval {
+        Some(interval) => two_digits(0.5 * (interval.high - interval.low)),
+        None => two_digits(contrast.difference.abs().max(contrast.means[0].abs() * 1e-3)).min(3),
+    }
+}
+
+fn notes(against: &AgainstA) -> Vec<String> {
+    let note = |judged: &JudgedContrast| {
+        let cut_off = judged.contrast.cut_off.as_ref()?;
+        Some(format!("{}: {}", judged.contrast.metric.name, cut_off_note(cut_off, against.letter)))
+    };
+    let fewer = against.judged.iter().filter(|judged| judged.contrast.pairs < against.pairs.runs.len());
+    let fewer = fewer.map(|judged| {
+        let left_out = against.pairs.runs.len() - judged.contrast.pairs;
+        format!("{}: {left_out} pairs left out that do not have it on both sides", judged.contrast.metric.name)
+    });
+    let untested = against.judged.iter().filter(|judged| judged.by_stratum.as_ref().is_some_and(|it| it.seeds < 2));
+    let untested = untested.map(|judged| {
+        let name = &judged.contrast.metric.name;
+        format!("{name}: fewer than two seeds have it in all strata, so that it is not tested whether these differ")
+    });
+    against.judged.iter().filter_map(note).chain(fewer).chain(untested).collect()
+}
+
+fn cut_off_note(cut_off: &CutOff, letter: char) -> String {
+    let end = |end: Option<f64>| end.map_or("beyond the end".into(), |end| rounded(end, 0));
+    let median = |side: usize| {
+        let (low, high) = cut_off.median_intervals[side];
+        format!("{} ({} to {})", end(cut_off.medians[side]), end(low), end(high))
+    };
+    let [ours, theirs] = cut_off.counts;
+    let horizon = cut_off.horizon.map_or(String::new(), |horizon| {
+        format!("; cut off in {ours} and {theirs} runs, and longer times count as {}", rounded(horizon, 0))
+    });
+    format!("medians with 95 % intervals: A {}, {letter} {}{horizon}", median(0), median(1))
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::batch::PROGRAM_VERSION;
 use crate::batch::comparison::{
@@ -145,25 +145,26 @@ struct CutOff {
     median_intervals: [[Option<f64>; 2]; 2],
 }
 
-/// The comparison on one line.
-pub fn to_json(comparison: &Comparison) -> String {
-    let sides = comparison.sides.iter().map(|side| Side {
-        side: side.letter,
-        description: &side.description,
-        runs: side.runs,
-        failed: side.failed,
-    });
-    let comparisons = comparison.against_a.iter().map(|against| {
-        let missing = comparison.missing.iter().filter(|(letter, _)| *letter == against.letter);
-        against_a(against, missing.map(|(_, name)| name.as_str()).collect())
-    });
-    let object = Object {
-        program_version: PROGRAM_VERSION,
-        confidence: CONFIDENCE,
-        sides: sides.collect(),
-        comparisons: comparisons.collect(),
-    };
-    serde_json::to_string(&object).expect("names, numbers and words are JSON") + "\n"
+impl Serialize for Comparison {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let sides = self.sides.iter().map(|side| Side {
+            side: side.letter,
+            description: &side.description,
+            runs: side.runs,
+            failed: side.failed,
+        });
+        let comparisons = self.against_a.iter().map(|against| {
+            let missing = self.missing.iter().filter(|(letter, _)| *letter == against.letter);
+            against_a(against, missing.map(|(_, name)| name.as_str()).collect())
+        });
+        let object = Object {
+            program_version: PROGRAM_VERSION,
+            confidence: CONFIDENCE,
+            sides: sides.collect(),
+            comparisons: comparisons.collect(),
+        };
+        object.serialize(serializer)
+    }
 }
 
 fn against_a<'a>(against: &'a Against, metrics_without_pairs: Vec<&'a str>) -> AgainstA<'a> {

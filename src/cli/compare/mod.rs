@@ -1,32 +1,95 @@
 //! `wildfire compare`: batches, or parts of one, in pairs by seed; or a batch beside published tables.
 
-mod args;
-mod beside;
 mod document;
 mod json;
-mod tables;
+mod published;
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 
-pub use args::CompareArguments;
-
-use document::Document;
+use clap::{Args, ValueEnum};
 
 use crate::batch::TableError;
-use crate::batch::comparison::{BesideReport, ComparisonError, compare};
+use crate::batch::comparison::{BesideReport, ComparisonError, Selection, compare};
 use crate::cli::error::CliError;
+use crate::cli::report::FormArguments;
 use crate::cli::terminal;
 
+const NOTES: &str = "\
+Examples:
+  wildfire compare runs/contest runs/contest-2
+  wildfire compare runs/planners --by planner
+  wildfire compare runs/sweep --by field.coverage=0.05,0.1,0.2 --where planner=prm-rs
+  wildfire compare runs/contest runs/other --metric saved,truck_won,truck_cusps
+  wildfire compare runs/original --with report
+  wildfire compare runs/planners --by planner --html > planners.html
+
+Metrics: any column of numbers in runs.csv, and
+  saved       obstacles intact or extinguished    truck_won   runs that the truck wins
+  burned      obstacles burning or burned out     wumpus_won  runs that the Wumpus wins
+  all_out_s   until nothing burns, cut off where a run ended before
+
+A pair is the same seed, and the same of all that varies within a batch, on both
+sides. Differences are differences of means: the other side's mean less A's. The
+report begins with the settings in which the sides differ, from their plan.json.";
+
+#[derive(Debug, Args)]
+#[command(after_help = NOTES)]
+pub struct CompareArguments {
+    /// Folders of batches, or their tables of runs: each is compared with the first; or a single one, whose parts are.
+    #[arg(value_name = "BATCH", required = true)]
+    pub batches: Vec<PathBuf>,
+    /// Compare runs by this column: scenario, planner or a swept key; all its values with the first, or those given
+    /// [default: what varies, if a single one does].
+    #[arg(long, value_name = "COLUMN[=VALUE,...]", value_parser = parse_by)]
+    pub by: Option<(String, Vec<String>)>,
+    /// Take only runs with this value in this column; may be repeated.
+    #[arg(long = "where", value_name = "COLUMN=VALUE", value_parser = parse_where)]
+    pub only: Vec<(String, String)>,
+    /// Set a batch beside published tables instead.
+    #[arg(long, value_name = "WHAT", conflicts_with_all = ["by", "metric"])]
+    pub with: Option<Published>,
+    /// The metrics to compare; may be repeated.
+    #[arg(long, value_name = "NAME[,NAME...]", value_delimiter = ',')]
+    pub metric: Vec<String>,
+    #[command(flatten)]
+    pub form: FormArguments,
+}
+
+/// Published tables that a batch can stand beside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Published {
+    /// Tables I and II of the five runs published in 2024, whose rules `original-2024` keeps.
+    Report,
+}
+
+impl CompareArguments {
+    pub fn selection(&self) -> Selection {
+        Selection { by: self.by.clone(), only: self.only.clone() }
+    }
+}
+
+fn parse_by(text: &str) -> Result<(String, Vec<String>), String> {
+    let Some((column, values)) = text.split_once('=') else { return Ok((text.to_owned(), Vec::new())) };
+    let values: Vec<String> = values.split(',').map(str::to_owned).collect();
+    let mut sorted = values.clone();
+    sorted.sort();
+    match sorted.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(pair) => Err(format!("`{}` is given twice; expected values that differ", pair[0])),
+        None => Ok((column.to_owned(), values)),
+    }
+}
+
+fn parse_where(text: &str) -> Result<(String, String), String> {
+    let (column, value) = text.split_once('=').ok_or("expected COLUMN=VALUE, such as `planner=prm-rs`")?;
+    Ok((column.to_owned(), value.to_owned()))
+}
+
 pub fn run(arguments: &CompareArguments) -> Result<ExitCode, CliError> {
+    let (form, selection) = (arguments.form, arguments.selection());
     let text = match (arguments.with, &arguments.batches[..]) {
-        (None, batches) => {
-            let comparison = compare(batches, &arguments.selection(), &arguments.metric)?;
-            if arguments.json { json::to_json(&comparison) } else { formed(&tables::document(&comparison), arguments) }
-        }
-        (Some(args::Published::Report), [batch]) => {
-            let beside = BesideReport::of(batch, &arguments.selection())?;
-            if arguments.json { beside::json(&beside) } else { formed(&beside::document(&beside), arguments) }
-        }
+        (None, batches) => form.render(&compare(batches, &selection, &arguments.metric)?),
+        (Some(Published::Report), [batch]) => form.render(&BesideReport::of(batch, &selection)?),
         (Some(_), several) => {
             let sentence = format!("{} batches; expected a single one beside the report", several.len());
             return Err(CliError::bad_input(sentence, None));
@@ -34,14 +97,6 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, CliError> {
     };
     terminal::print(&text)?;
     Ok(ExitCode::SUCCESS)
-}
-
-fn formed(document: &Document, arguments: &CompareArguments) -> String {
-    match arguments {
-        CompareArguments { md: true, .. } => document.to_markdown(),
-        CompareArguments { html: true, .. } => document.to_html(),
-        _ => document.to_text(),
-    }
 }
 
 impl From<ComparisonError> for CliError {

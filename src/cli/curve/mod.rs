@@ -1,28 +1,138 @@
 //! `wildfire curve`: the shortest curves of a turning radius between two poses, or between many pairs.
 
-mod args;
-mod json;
-mod limits;
-mod pair_table;
-mod pairs;
 mod report;
-pub mod samples;
-mod scene;
-mod summary;
-mod words;
+mod tables;
 
-use std::path::Path;
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-pub use args::CurveArguments;
+use clap::{ArgGroup, Args};
 
-use args::End;
+pub use tables::poses_along;
+
 use report::CurveReport;
 
 use crate::cli::error::CliError;
 use crate::cli::output_files::{self, Files, Format};
-use crate::cli::terminal;
+use crate::cli::report::FormArguments;
+use crate::cli::{numbers, terminal};
+use crate::geometry::Pose;
 use crate::input_file::is_standard_stream;
+use crate::vehicle::CurvePrice;
+
+/// The range of coordinates in metres, and of headings in degrees or radians. Within this and [`RADII_M`] a curve ends
+/// within 1e-8 m and 1e-11 turning radii of its goal.
+const COORDINATES: RangeInclusive<f64> = -1e6..=1e6;
+
+/// The range of turning radii in metres.
+const RADII_M: RangeInclusive<f64> = 1e-3..=1e6;
+
+#[derive(Debug, Args)]
+#[command(
+    group = ArgGroup::new("what").args(["from", "pairs"]).required(true),
+    after_help = "\
+Poses are those of the middle of the rear axle: metres east and north, and the
+heading in degrees counter-clockwise from east. Each of these numbers is at most
+1e6, the turning radius from 0.001 to 1e6 m.
+
+Examples:
+  wildfire curve --from 0,0,0 --to 20,15,180
+  wildfire curve --from 0,0,0 --to 20,15,180 --radius 8 --png curve.png
+  wildfire curve --from 0,0,0 --to 20,15,180 --cusp-m 30 --json
+  wildfire curve --pairs pairs.csv --csv lengths.csv"
+)]
+pub struct CurveArguments {
+    /// The pose to start from.
+    #[arg(long, value_name = "X,Y,DEG", allow_hyphen_values = true, value_parser = pose, requires = "to")]
+    pub from: Option<End>,
+    /// The pose to arrive at.
+    #[arg(long, value_name = "X,Y,DEG", allow_hyphen_values = true, value_parser = pose, requires = "from")]
+    pub to: Option<End>,
+    /// The smallest turning radius of the middle of the rear axle.
+    #[arg(long, value_name = "METRES", default_value = "13", allow_hyphen_values = true, value_parser = radius)]
+    pub radius: f64,
+    /// The price of a metre in reverse, in metres driven forward; adds the cheapest Reeds-Shepp curve [default: 1].
+    #[arg(long, value_name = "FACTOR", allow_hyphen_values = true, value_parser = price, conflicts_with = "pairs")]
+    pub reverse_factor: Option<f64>,
+    /// The price of a cusp, in metres driven forward; adds the cheapest Reeds-Shepp curve [default: 0].
+    #[arg(long, value_name = "METRES", allow_hyphen_values = true, value_parser = price, conflicts_with = "pairs")]
+    pub cusp_m: Option<f64>,
+    /// Lengths and words of many pairs of poses, for --csv: a CSV file with the columns x0,y0,th0,x1,y1,th1 in any
+    /// order, angles in radians.
+    #[arg(long, value_name = "FILE.csv", requires = "csv", conflicts_with = "form")]
+    pub pairs: Option<PathBuf>,
+    /// Write poses along the curves: curve,s_m,x_m,y_m,heading_rad,direction. With --pairs, write its columns and
+    /// reeds_shepp_m,reeds_shepp_word,dubins_m,dubins_word.
+    #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
+    pub csv: Option<PathBuf>,
+    /// The longest way between two poses in the CSV file; all joints are in it.
+    #[arg(
+        help_heading = "Output",
+        long,
+        value_name = "METRES",
+        default_value = "0.05",
+        allow_hyphen_values = true,
+        value_parser = step,
+        requires = "csv",
+        conflicts_with = "pairs"
+    )]
+    pub step: f64,
+    /// Draw the curves.
+    #[arg(help_heading = "Output", long, value_name = "FILE.png", conflicts_with = "pairs")]
+    pub png: Option<PathBuf>,
+    #[command(flatten)]
+    pub form: FormArguments,
+}
+
+/// A pose as it was given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct End {
+    pub x: f64,
+    pub y: f64,
+    pub heading_deg: f64,
+}
+
+impl CurveArguments {
+    /// The prices, if any was given.
+    pub fn price(&self) -> Option<CurvePrice> {
+        let CurvePrice { reverse_factor, cusp_m } = CurvePrice::LENGTH;
+        (self.reverse_factor.is_some() || self.cusp_m.is_some()).then(|| CurvePrice {
+            reverse_factor: self.reverse_factor.unwrap_or(reverse_factor),
+            cusp_m: self.cusp_m.unwrap_or(cusp_m),
+        })
+    }
+}
+
+impl End {
+    /// Full turns are taken off before the degrees become radians, so that they change nothing.
+    pub fn pose(self) -> Pose {
+        Pose::new(self.x, self.y, (self.heading_deg % 360.0).to_radians())
+    }
+}
+
+fn pose(text: &str) -> Result<End, String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|number| numbers::within(number, &COORDINATES)).collect();
+    match numbers.as_deref() {
+        Some(&[x, y, heading_deg]) => Ok(End { x, y, heading_deg }),
+        _ => Err(format!(
+            "expected X,Y,DEG, metres east and north and degrees from east, such as 20,15.5,-90, each {}",
+            numbers::range_words(&COORDINATES)
+        )),
+    }
+}
+
+fn radius(text: &str) -> Result<f64, String> {
+    numbers::parse_within(text, &RADII_M, "metres")
+}
+
+fn price(text: &str) -> Result<f64, String> {
+    numbers::parse_within(text, &(0.0..=*COORDINATES.end()), "a number")
+}
+
+fn step(text: &str) -> Result<f64, String> {
+    numbers::parse_within(text, &(1e-6..=*COORDINATES.end()), "metres")
+}
 
 pub fn run(arguments: &CurveArguments, quiet: bool) -> Result<ExitCode, CliError> {
     match (&arguments.pairs, &arguments.csv, arguments.from, arguments.to) {
@@ -34,8 +144,8 @@ pub fn run(arguments: &CurveArguments, quiet: bool) -> Result<ExitCode, CliError
 }
 
 fn write_lengths(pairs: &Path, csv: &Path, radius_m: f64, quiet: bool) -> Result<(), CliError> {
-    Files { inputs: vec![pairs], outputs: vec![(Format::Csv, csv)], json: false }.check()?;
-    let rows = pairs::write_lengths(pairs, csv, radius_m)?;
+    Files { inputs: vec![pairs], outputs: vec![(Format::Csv, csv)], ..Files::default() }.check()?;
+    let rows = tables::write_lengths(pairs, csv, radius_m)?;
     if !quiet && !is_standard_stream(csv) {
         terminal::note(&format!("wrote {}: {rows} pairs, turning radius {radius_m} m", csv.display()));
     }
@@ -43,30 +153,27 @@ fn write_lengths(pairs: &Path, csv: &Path, radius_m: f64, quiet: bool) -> Result
 }
 
 fn report_curves(from: End, to: End, arguments: &CurveArguments, quiet: bool) -> Result<(), CliError> {
-    let files = Files { json: arguments.json, ..Files::default() };
+    let files = Files { form: arguments.form, ..Files::default() };
     let words = files.writing([(Format::Csv, &arguments.csv), (Format::Png, &arguments.png)]).check()?;
     let report = CurveReport::new(from, to, arguments);
     if arguments.csv.is_some() {
-        samples::check(&report.curves, arguments.step)?;
+        tables::check_samples(&report.curves, arguments.step)?;
     }
-    let printed = words.print(&rendered(&report, arguments));
+    let printed = words.print(&arguments.form.render(&report));
     // Whatever cannot be written, all else is kept.
     let written = output_files::write_all(
         &[
-            (arguments.csv.as_deref(), &|path| samples::write(path, &report.curves, arguments.step)),
-            (arguments.png.as_deref(), &|path| scene::draw(&report).write_png(path)),
+            (arguments.csv.as_deref(), &|path| tables::write_samples(path, &report.curves, arguments.step)),
+            (arguments.png.as_deref(), &|path| report.draw().write_png(path)),
         ],
         quiet,
     );
     printed.and(written)
 }
 
-fn rendered(report: &CurveReport, arguments: &CurveArguments) -> String {
-    if arguments.json { json::to_json(report) } else { summary::to_text(report) }
-}
-
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::FRAC_PI_2;
     use std::fs;
 
     use super::*;
@@ -109,13 +216,13 @@ mod tests {
                 return Err(format!("the {} curve ends {missed_m} m from its goal", curve.name));
             }
         }
-        if samples::check(&report.curves, 0.05).is_ok() && case.chance(5) {
-            let count = report.curves.iter().map(|curve| samples::along(&curve.path, 0.05).count()).sum::<usize>();
-            scene::draw(&report);
+        if tables::check_samples(&report.curves, 0.05).is_ok() && case.chance(5) {
+            let count = report.curves.iter().map(|curve| tables::poses_along(&curve.path, 0.05).count()).sum::<usize>();
+            report.draw();
             if count == 0 { Err("a curve without a pose".into()) } else { Ok(()) }
         } else {
-            let rendered = rendered(&report, &arguments);
-            if arguments.json && serde_json::from_str::<serde_json::Value>(&rendered).is_err() {
+            let rendered = arguments.form.render(&report);
+            if arguments.form.json && serde_json::from_str::<serde_json::Value>(&rendered).is_err() {
                 return Err(format!("this is no JSON: {rendered}"));
             }
             said(&rendered)
@@ -132,7 +239,7 @@ mod tests {
         case.input = mutated(&mut case.dice, TABLES, &["x0", "th1,", "\"", "reeds_shepp_m", "1e6", "\u{FEFF}"]);
         let pairs = case.write("pairs.csv", &case.input);
         let lengths = case.folder.join("lengths.csv");
-        match pairs::write_lengths(&pairs, &lengths, 13.0) {
+        match tables::write_lengths(&pairs, &lengths, 13.0) {
             Ok(rows) => {
                 case.count("tables of pairs accepted");
                 let written = fs::read(&lengths).map_err(|error| error.to_string())?;
@@ -140,6 +247,16 @@ mod tests {
                 if lines < rows + 1 { Err(format!("{lines} lines were written of {rows} pairs")) } else { Ok(()) }
             }
             Err(refusal) => said(&refusal.sentence()),
+        }
+    }
+
+    #[test]
+    fn poses_are_three_numbers_and_full_turns_change_nothing() {
+        let given = pose("1.5, -2,810").expect("three numbers");
+        assert_eq!(given, End { x: 1.5, y: -2.0, heading_deg: 810.0 });
+        assert_eq!(given.pose(), Pose { x: 1.5, y: -2.0, heading: FRAC_PI_2 });
+        for wrong in ["", "1,2", "1,2,3,4", "1,2,x", "1,2,nan", "inf,0,0", "0,-1e7,0", "1;2;3"] {
+            assert!(pose(wrong).is_err_and(|expected| expected.contains("from -1000000 to 1000000")), "{wrong}");
         }
     }
 }

@@ -1,9 +1,18 @@
-//! The curves between two poses.
+//! The curves between two poses: an object, a document and a picture of them.
 
-use crate::cli::curve::args::{CurveArguments, End};
+use serde::{Serialize, Serializer};
+
+use crate::batch::PROGRAM_VERSION;
+use crate::cli::curve::{CurveArguments, End};
+use crate::document::number::{count, rounded, short};
+use crate::document::{Block, Document, Table};
 use crate::geometry::Pose;
+use crate::picture::{CurveScene, Picture, draw_curves};
 use crate::vehicle::curve::Letters;
-use crate::vehicle::{CurvePrice, Dubins, Path, ReedsShepp, reeds_shepp};
+use crate::vehicle::{CurvePrice, Dimensions, Dubins, Path, ReedsShepp, Segment, reeds_shepp};
+
+/// The least extent of the picture, in turning radii.
+const LEAST_RADII: f64 = 1e-3;
 
 /// The curves between one pair of poses.
 pub struct CurveReport {
@@ -75,5 +84,175 @@ fn dubins_curve(dubins: &Dubins, start: Pose, goal: Pose) -> FoundCurve {
         length_m: curve.length_m,
         price: None,
         path: curve.path(start),
+    }
+}
+
+impl From<&CurveReport> for Document {
+    fn from(report: &CurveReport) -> Self {
+        let ends = vec![format!("From {}", pose_words(report.from)), format!("to {}", pose_words(report.to))];
+        Self::new(format!("Shortest curves with a turning radius of {} m", report.radius_m))
+            .with([Block::List(ends)])
+            .with(report.curves.iter().flat_map(curve_blocks))
+    }
+}
+
+fn pose_words(End { x, y, heading_deg }: End) -> String {
+    format!("x {} m, y {} m, heading {} degrees", short(x), short(y), short(heading_deg))
+}
+
+/// The length and word of a curve, then its segments: steering, gear, metres, and degrees that the heading changes by.
+fn curve_blocks(found: &FoundCurve) -> Vec<Block> {
+    let cusps = match found.path.cusps() {
+        0 => "no cusp".to_owned(),
+        cusps => count(cusps as usize, "cusp"),
+    };
+    let mut lines = vec![format!("{}: {} m, {}, {cusps}", found.name, rounded(found.length_m, 6), word(found))];
+    lines.extend(found.price.map(|(price, paid)| {
+        let (factor, cusp_m) = (short(price.reverse_factor), short(price.cusp_m));
+        format!("Costs {} m; a metre in reverse counts {factor}, a cusp {cusp_m} m.", rounded(paid, 6))
+    }));
+    let row = |segment: &Segment| {
+        let turn = turn_deg(segment);
+        let turn = if turn == 0.0 { String::new() } else { format!("{turn:+.6}") };
+        vec![steering(segment).into(), direction(segment).into(), rounded(segment.length_m.abs(), 6), turn]
+    };
+    let segments: Vec<_> = found.path.segments.iter().map(row).collect();
+    let table = Table { text_columns: 2, ..Table::new(&["Steering", "Gear", "Length m", "Turn degrees"], segments) };
+    let has_segments = !table.rows.is_empty();
+    [Block::List(lines)].into_iter().chain(has_segments.then_some(Block::Table(table))).collect()
+}
+
+/// The word and its family, or how many of its letters have no length.
+fn word(found: &FoundCurve) -> String {
+    let word = &found.word;
+    match (found.letters - found.path.segments.len(), &found.family) {
+        (0, Some(family)) => format!("{word}, family {family}"),
+        (0, None) => word.clone(),
+        (letters, _) => format!("{word} with {} of no length", count(letters, "letter")),
+    }
+}
+
+/// Names the direction of the steering wheel.
+fn steering(segment: &Segment) -> &'static str {
+    match segment.curvature {
+        0.0 => "straight",
+        left if left > 0.0 => "left",
+        _ => "right",
+    }
+}
+
+pub fn direction(segment: &Segment) -> &'static str {
+    if segment.is_reverse() { "reverse" } else { "forward" }
+}
+
+/// Returns how far the heading turns, counter-clockwise.
+fn turn_deg(segment: &Segment) -> f64 {
+    (segment.curvature * segment.length_m).to_degrees()
+}
+
+/// The members in their order.
+#[derive(Serialize)]
+struct Object<'a> {
+    program_version: &'static str,
+    from: PoseObject,
+    to: PoseObject,
+    radius_m: f64,
+    curves: Vec<CurveObject<'a>>,
+}
+
+#[derive(Serialize)]
+struct PoseObject {
+    x_m: f64,
+    y_m: f64,
+    heading_deg: f64,
+}
+
+/// What does not apply is null.
+#[derive(Serialize)]
+struct CurveObject<'a> {
+    curve: &'static str,
+    length_m: f64,
+    word: &'a str,
+    family: Option<&'a str>,
+    cusps: u32,
+    price: Option<PriceObject>,
+    segments: Vec<SegmentObject>,
+}
+
+#[derive(Serialize)]
+struct PriceObject {
+    reverse_factor: f64,
+    cusp_m: f64,
+    price_m: f64,
+}
+
+#[derive(Serialize)]
+struct SegmentObject {
+    steering: &'static str,
+    direction: &'static str,
+    length_m: f64,
+    turn_deg: f64,
+}
+
+impl Serialize for CurveReport {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let object = Object {
+            program_version: PROGRAM_VERSION,
+            from: pose(self.from),
+            to: pose(self.to),
+            radius_m: self.radius_m,
+            curves: self.curves.iter().map(curve).collect(),
+        };
+        object.serialize(serializer)
+    }
+}
+
+fn pose(End { x, y, heading_deg }: End) -> PoseObject {
+    PoseObject { x_m: x, y_m: y, heading_deg }
+}
+
+fn curve(found: &FoundCurve) -> CurveObject<'_> {
+    let price = found.price.map(|(price, price_m)| PriceObject {
+        reverse_factor: price.reverse_factor,
+        cusp_m: price.cusp_m,
+        price_m,
+    });
+    CurveObject {
+        curve: found.kind,
+        length_m: found.length_m,
+        word: &found.word,
+        family: found.family.as_deref(),
+        cusps: found.path.cusps(),
+        price,
+        segments: found.path.segments.iter().map(segment).collect(),
+    }
+}
+
+fn segment(segment: &Segment) -> SegmentObject {
+    SegmentObject {
+        steering: steering(segment),
+        direction: direction(segment),
+        length_m: segment.length_m.abs(),
+        turn_deg: turn_deg(segment),
+    }
+}
+
+impl CurveReport {
+    /// Draws the curves, and the contest's truck unless the radius is shorter than its wheelbase, which no truck drives.
+    pub fn draw(&self) -> Picture {
+        let truck = Dimensions::default();
+        let name = |curve: &FoundCurve| format!("{}, {} m", curve.name, rounded(curve.length_m, 3));
+        let names: Vec<String> = self.curves.iter().map(name).collect();
+        let ways: Vec<_> = names.iter().zip(&self.curves).map(|(name, curve)| (name.as_str(), &curve.path)).collect();
+        let place = |End { x, y, heading_deg }| format!("({}, {}, {} deg)", short(x), short(y), short(heading_deg));
+        let (from, to, radius_m) = (place(self.from), place(self.to), self.radius_m);
+        draw_curves(&CurveScene {
+            title: &format!("Shortest curves from {from} to {to}, turning radius {radius_m} m"),
+            start: self.from.pose(),
+            goal: self.to.pose(),
+            ways: &ways,
+            body: (radius_m >= truck.wheelbase_m).then_some(&truck),
+            least_m: LEAST_RADII * radius_m,
+        })
     }
 }

@@ -7,9 +7,9 @@ use serde::Serialize;
 
 use crate::cli::map::options::{
     AttractionOptions, Convention, CornerArguments, Escape, FieldArguments, FileArguments, Form, GoalArguments,
-    NeighbourArguments, Order, ReadingArguments, RepulsionOptions,
+    NeighbourArguments, Order, ReadingArguments, RepulsionOptions, parse_distance, parse_number, parse_place,
 };
-use crate::cli::map::parse;
+use crate::cli::report::FormArguments;
 use crate::grid::parameter::BadParameter;
 use crate::grid::{Place, cost_map};
 
@@ -131,19 +131,19 @@ pub struct CostArguments {
     #[arg(long, value_enum, value_name = "NAME", default_value = "literal")]
     pub form: Form,
     /// Cost of obstacles.
-    #[arg(long, value_name = "COST", default_value_t = 1000.0, allow_hyphen_values = true, value_parser = parse::number)]
+    #[arg(long, value_name = "COST", default_value_t = 1000.0, allow_hyphen_values = true, value_parser = parse_number)]
     pub max_cost: f64,
     /// Cost in the safety zone beside an obstacle, at distance 0.
-    #[arg(long, value_name = "COST", default_value_t = 800.0, allow_hyphen_values = true, value_parser = parse::number)]
+    #[arg(long, value_name = "COST", default_value_t = 800.0, allow_hyphen_values = true, value_parser = parse_number)]
     pub safety_max: f64,
     /// Cost at the outer edge of the safety zone.
-    #[arg(long, value_name = "COST", default_value_t = 500.0, allow_hyphen_values = true, value_parser = parse::number)]
+    #[arg(long, value_name = "COST", default_value_t = 500.0, allow_hyphen_values = true, value_parser = parse_number)]
     pub safety_min: f64,
     /// Width of the safety zone in cells, at least 1.
-    #[arg(long, value_name = "CELLS", default_value_t = 12, allow_hyphen_values = true, value_parser = parse::distance)]
+    #[arg(long, value_name = "CELLS", default_value_t = 12, allow_hyphen_values = true, value_parser = parse_distance)]
     pub safety_distance: u16,
     /// The cost that each further cell takes off, beyond the safety zone.
-    #[arg(long, value_name = "COST", default_value_t = 15.0, allow_hyphen_values = true, value_parser = parse::number)]
+    #[arg(long, value_name = "COST", default_value_t = 15.0, allow_hyphen_values = true, value_parser = parse_number)]
     pub cost_rate: f64,
 }
 
@@ -164,7 +164,7 @@ pub struct WavefrontArguments {
     #[serde(flatten)]
     pub goal: GoalArguments,
     /// The cell in which a path begins.
-    #[arg(long, value_name = "ROW,COLUMN", allow_hyphen_values = true, value_parser = parse::place)]
+    #[arg(long, value_name = "ROW,COLUMN", allow_hyphen_values = true, value_parser = parse_place)]
     pub start: Option<Place>,
     #[command(flatten)]
     #[serde(flatten)]
@@ -186,7 +186,7 @@ pub struct WavefrontArguments {
     #[serde(flatten)]
     pub corners: CornerArguments,
     /// Divide the values by the largest and multiply them by S.
-    #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = parse::number)]
+    #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = parse_number)]
     pub scale: Option<f64>,
 }
 
@@ -255,7 +255,7 @@ pub struct DescendArguments {
     #[serde(skip)]
     pub files: FileArguments,
     /// The cell in which the descent begins.
-    #[arg(long, value_name = "ROW,COLUMN", allow_hyphen_values = true, value_parser = parse::place)]
+    #[arg(long, value_name = "ROW,COLUMN", allow_hyphen_values = true, value_parser = parse_place)]
     pub start: Place,
     #[command(flatten)]
     #[serde(flatten)]
@@ -282,9 +282,8 @@ pub struct TimingArguments {
     pub maps: Vec<PathBuf>,
     #[command(flatten)]
     pub reading: ReadingArguments,
-    /// Print the table as one JSON object.
-    #[arg(long)]
-    pub json: bool,
+    #[command(flatten)]
+    pub form: FormArguments,
 }
 
 impl CostArguments {

@@ -1,20 +1,25 @@
-//! From a map and what is asked of it to values, a way, and how long they took.
+//! Computing what a command asks of a map: values, perhaps a path, and how long they took.
 
+use std::io;
+use std::path::Path;
 use std::time::Duration;
+
+use serde::Serialize;
 
 use crate::cli::map::args::{
     AttractionArguments, BrushfireArguments, Computation, CostArguments, DescendArguments, RepulsionArguments,
     WavefrontArguments,
 };
-use crate::cli::map::options::{AttractionOptions, Convention, Escape, FieldArguments, Neighbours};
-use crate::cli::map::values::Values;
-use crate::cli::map::walk::{Walk, Way};
+use crate::cli::map::options::{self, AttractionOptions, Convention, FieldArguments, Neighbours};
+use crate::document::number::{count, rounded};
 use crate::grid::brushfire::brushfire;
 use crate::grid::cost_map::cost_map;
-use crate::grid::descent::{descend, descend_or_escape};
+use crate::grid::descent::{Descent, Escape, descend, descend_or_escape};
 use crate::grid::octile::shortest_path;
+use crate::grid::place::octile_length;
 use crate::grid::wavefront::{UNREACHED, descend_wavefront, wavefront};
-use crate::grid::{BadPlace, Connectivity, Grid, Place, place, potential};
+use crate::grid::{BadPlace, Connectivity, Grid, Place, Route, place, potential};
+use crate::map_files::{MapValue, write_csv, write_npy};
 use crate::time::cpu::CpuStopwatch;
 
 /// The result of a computation on a map.
@@ -171,7 +176,7 @@ fn descent(occupied: &Grid<bool>, arguments: &DescendArguments) -> Result<Comput
     let (walk, cpu_path) = timed(|| {
         let walk = match arguments.escape {
             None => descend(&field, occupied, start, goal, connectivity, corners).map(Way::from),
-            Some(Escape::Wavefront) => {
+            Some(options::Escape::Wavefront) => {
                 descend_or_escape(&field, occupied, start, goal, connectivity, corners).map(Way::from)
             }
         };
@@ -224,5 +229,184 @@ fn check_inside(which: &'static str, occupied: &Grid<bool>, place: Place) -> Res
     match check_free(which, occupied, place) {
         Err(BadEnd { problem: BadPlace::Occupied { .. }, .. }) => Ok(()),
         checked => checked,
+    }
+}
+
+/// A map of values.
+#[derive(Debug)]
+pub enum Values {
+    Flags(Grid<bool>),
+    Distances(Grid<u16>),
+    Steps(Grid<u32>),
+    Reals(Grid<f64>),
+}
+
+/// One value of a map.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Value {
+    Whole(u32),
+    Real(f64),
+}
+
+impl Values {
+    pub fn write_csv(&self, path: &Path) -> io::Result<()> {
+        match self {
+            Self::Flags(map) => write_csv(path, map),
+            Self::Distances(map) => write_csv(path, map),
+            Self::Steps(map) => write_csv(path, map),
+            Self::Reals(map) => write_csv(path, map),
+        }
+    }
+
+    pub fn write_npy(&self, path: &Path) -> io::Result<()> {
+        match self {
+            Self::Flags(map) => write_npy(path, map),
+            Self::Distances(map) => write_npy(path, map),
+            Self::Steps(map) => write_npy(path, map),
+            Self::Reals(map) => write_npy(path, map),
+        }
+    }
+
+    pub fn at(&self, place: Place) -> Value {
+        match self {
+            Self::Flags(map) => Value::Whole(map[place].into()),
+            Self::Distances(map) => Value::Whole(map[place].into()),
+            Self::Steps(map) => Value::Whole(map[place]),
+            Self::Reals(map) => Value::Real(map[place]),
+        }
+    }
+
+    /// The largest value that is finite; `None` if there is none.
+    pub fn max(&self) -> Option<Value> {
+        match self {
+            Self::Flags(map) => map.values().iter().max().map(|&value| Value::Whole(value.into())),
+            Self::Distances(map) => map.values().iter().max().map(|&value| Value::Whole(value.into())),
+            Self::Steps(map) => map.values().iter().max().map(|&value| Value::Whole(value)),
+            Self::Reals(map) => {
+                map.values().iter().copied().filter(|value| value.is_finite()).reduce(f64::max).map(Value::Real)
+            }
+        }
+    }
+}
+
+impl Value {
+    pub fn as_f64(self) -> f64 {
+        match self {
+            Self::Whole(value) => value.into(),
+            Self::Real(value) => value,
+        }
+    }
+
+    /// The value as the CSV file has it.
+    pub fn to_text(self) -> String {
+        let mut text = Vec::new();
+        match self {
+            Self::Whole(value) => value.append_text(&mut text),
+            Self::Real(value) => value.append_text(&mut text),
+        }
+        String::from_utf8(text).expect("numbers are ASCII")
+    }
+
+    /// The value with two digits after the point where it is no integer by type.
+    pub fn to_short_text(self) -> String {
+        match self {
+            Self::Whole(value) => value.to_string(),
+            Self::Real(value) => rounded(value, 2),
+        }
+    }
+}
+
+/// The answer to the question for a path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum WalkResult {
+    Reached,
+    Unreachable,
+    Stuck,
+    StartOccupied,
+}
+
+/// A way and its ends.
+#[derive(Debug)]
+pub struct Walk {
+    pub start: Place,
+    pub goal: Place,
+    pub way: Way,
+}
+
+/// The path as far as it leads.
+#[derive(Debug)]
+pub struct Way {
+    pub answer: WalkResult,
+    /// Cells from the start on; empty if the way does not begin.
+    pub cells: Vec<Place>,
+    /// The local minimum in which a descent ended.
+    pub minimum: Option<Place>,
+}
+
+impl From<Route> for Way {
+    fn from(route: Route) -> Self {
+        let (answer, cells) = match route {
+            Route::Found(cells) => (WalkResult::Reached, cells),
+            Route::Unreachable => (WalkResult::Unreachable, Vec::new()),
+            Route::StartOccupied => (WalkResult::StartOccupied, Vec::new()),
+        };
+        Self { answer, cells, minimum: None }
+    }
+}
+
+impl From<Descent> for Way {
+    fn from(descent: Descent) -> Self {
+        match descent {
+            Descent::Reached(cells) => Self { answer: WalkResult::Reached, cells, minimum: None },
+            Descent::Stuck(cells) => Self { answer: WalkResult::Stuck, minimum: cells.last().copied(), cells },
+            Descent::StartOccupied => Route::StartOccupied.into(),
+        }
+    }
+}
+
+impl From<Escape> for Way {
+    fn from(escape: Escape) -> Self {
+        match escape {
+            Escape::NotNeeded(cells) => Descent::Reached(cells).into(),
+            Escape::HandedOver { descent: mut cells, wavefront } => {
+                let minimum = cells.last().copied();
+                cells.extend(wavefront.into_iter().skip(1));
+                Self { answer: WalkResult::Reached, cells, minimum }
+            }
+            Escape::Unreachable(cells) => Self { answer: WalkResult::Unreachable, ..Descent::Stuck(cells).into() },
+            Escape::StartOccupied => Route::StartOccupied.into(),
+        }
+    }
+}
+
+impl Walk {
+    pub fn sentence(&self) -> String {
+        let at = |(row, col): Place| format!("row {row}, column {col}");
+        let (start, goal) = (at(self.start), at(self.goal));
+        let minimum = self.way.minimum.map(|place| format!("Stuck in a local minimum at {}", at(place)));
+        let measures = self.way.measures();
+        match (self.way.answer, minimum) {
+            (WalkResult::Reached, None) => format!("Reached the goal: {measures}."),
+            (WalkResult::Reached, Some(stuck)) => {
+                format!("{stuck}; reached the goal from there by the wavefront: {measures} in all.")
+            }
+            (WalkResult::Unreachable, None) => {
+                format!("Unreachable: no way leads from the start, {start}, to the goal, {goal}.")
+            }
+            (WalkResult::Unreachable, Some(stuck)) => {
+                format!("{stuck}. Unreachable: no way leads from there to the goal, {goal}.")
+            }
+            (WalkResult::Stuck, stuck) => format!("{}: {measures}.", stuck.unwrap_or_default()),
+            (WalkResult::StartOccupied, _) => format!("No path: the start, {start}, lies in an obstacle."),
+        }
+    }
+}
+
+impl Way {
+    fn measures(&self) -> String {
+        let steps = self.cells.len().saturating_sub(1);
+        format!("{}, length {}", count(steps, "step"), rounded(octile_length(&self.cells), 3))
     }
 }

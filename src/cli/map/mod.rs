@@ -2,16 +2,9 @@
 
 mod args;
 mod compute;
-mod files;
-mod json;
 mod options;
-mod parse;
 mod report;
-mod scene;
-mod summary;
 mod timing;
-mod values;
-mod walk;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -21,12 +14,14 @@ pub use args::MapCommand;
 
 use args::Computation;
 use options::ReadingArguments;
-use report::MapReport;
+use report::{MapReport, with_scene};
 
 use crate::cli::error::CliError;
+use crate::cli::output_files::{self, Files, Words};
 use crate::cli::terminal;
 use crate::grid::occupancy;
-use crate::map_files::{self, MapFile};
+use crate::map_files::{self, MapFile, write_path};
+use crate::picture::{draw_map, draw_overlay, draw_surface};
 use crate::time::cpu::CpuStopwatch;
 
 pub fn run(command: &MapCommand, quiet: bool) -> Result<ExitCode, CliError> {
@@ -39,28 +34,47 @@ pub fn run(command: &MapCommand, quiet: bool) -> Result<ExitCode, CliError> {
 
 fn compute_and_report(computation: &Computation, quiet: bool) -> Result<(), CliError> {
     computation.check_parameters().map_err(|problem| CliError::bad_input(problem, None))?;
-    let words = files::check(computation)?;
+    let words = check_files(computation)?;
     let (input, output) = (&computation.files().input, &computation.files().output);
     let (map, cpu_read) = read(&input.map, &input.reading)?;
     let computed = compute::compute(computation, &map.occupied)
         .map_err(|problem| CliError::bad_input(format_args!("{}: {problem}", input.map.display()), None))?;
     let report = MapReport::new(computation, &map, &computed, cpu_read);
-    if output.json && !quiet {
+    if output.form.json && !quiet {
         report.sentences().iter().for_each(|sentence| terminal::note(sentence));
     }
-    let printed = words.print(&rendered(&report));
+    let printed = words.print(&output.form.render(&report));
     // Whatever cannot be written, all else is kept.
-    let written = files::write(&report, quiet);
+    let written = write_files(&report, quiet);
     printed.and(written)
 }
 
-fn rendered(report: &MapReport) -> String {
-    let output = &report.computation.files().output;
-    if output.json {
-        return json::to_json(report) + "\n";
+/// Checks what can be checked before anything is computed, and returns where the words go.
+fn check_files(computation: &Computation) -> Result<Words, CliError> {
+    let files = computation.files();
+    if files.output.path.is_some() && !computation.has_start() {
+        let help = "`wildfire map wavefront` and `wildfire map descend` find paths, from --start";
+        return Err(CliError::bad_input("--path without a start: there is no path to write", Some(help)));
     }
-    let values = summary::values(report).filter(|_| !files::are_wanted(output));
-    summary::to_text(report) + &values.map(|values| format!("\n{values}")).unwrap_or_default()
+    let inputs = vec![files.input.map.as_path()];
+    Files { inputs, form: files.output.form, ..Files::default() }.writing(files.output.files()).check()
+}
+
+/// Writes all files; the error is the first.
+fn write_files(report: &MapReport, quiet: bool) -> Result<(), CliError> {
+    let (output, values) = (&report.computation.files().output, &report.computed.values);
+    let grey = report.map.grey.as_ref();
+    output_files::write_all(
+        &[
+            (output.csv.as_deref(), &|path| values.write_csv(path)),
+            (output.npy.as_deref(), &|path| values.write_npy(path)),
+            (output.path.as_deref(), &|path| write_path(path, report.way().unwrap_or_default())),
+            (output.png.as_deref(), &|path| with_scene(report, draw_map).write_png(path)),
+            (output.overlay.as_deref(), &|path| with_scene(report, |scene| draw_overlay(scene, grey)).write_png(path)),
+            (output.surface.as_deref(), &|path| with_scene(report, draw_surface).write_png(path)),
+        ],
+        quiet,
+    )
 }
 
 /// The map in a file without its edges, and the CPU time that it took.
@@ -105,8 +119,9 @@ mod tests {
         };
         case.count("maps computed");
         let report = MapReport::new(&command, &map, &computed, Duration::ZERO);
-        let rendered = rendered(&report);
-        if command.files().output.json && serde_json::from_str::<serde_json::Value>(&rendered).is_err() {
+        let form = command.files().output.form;
+        let rendered = form.render(&report);
+        if form.json && serde_json::from_str::<serde_json::Value>(&rendered).is_err() {
             return Err(format!("this is no JSON: {rendered}"));
         }
         said(&rendered)

@@ -5,9 +5,12 @@ use std::path::PathBuf;
 use clap::{ArgGroup, Args, ValueEnum};
 use serde::Serialize;
 
-use crate::cli::map::parse;
+use crate::cli::numbers;
+use crate::cli::output_files::Format;
+use crate::cli::report::FormArguments;
 use crate::grid::parameter::BadParameter;
 use crate::grid::{Connectivity, CornerCutting, Place, TieOrder, potential};
+use crate::map_files::MAX_SIDE;
 use crate::picture::ColourMap;
 
 /// The map to read.
@@ -25,10 +28,10 @@ pub struct InputArguments {
 #[derive(Debug, Args)]
 pub struct ReadingArguments {
     /// Pixels of an image are occupied where their grey value, 0 black to 255 white, is at most this [default: 50].
-    #[arg(long, value_name = "GREY", allow_hyphen_values = true, value_parser = parse::grey)]
+    #[arg(long, value_name = "GREY", allow_hyphen_values = true, value_parser = parse_grey)]
     pub tolerance: Option<u8>,
     /// Free the first and last K rows and columns.
-    #[arg(long, value_name = "K", default_value_t = 0, allow_hyphen_values = true, value_parser = parse::edge)]
+    #[arg(long, value_name = "K", default_value_t = 0, allow_hyphen_values = true, value_parser = parse_edge)]
     pub remove_edges: usize,
 }
 
@@ -73,9 +76,22 @@ pub struct OutputArguments {
         requires = "picture"
     )]
     pub colormap: Colours,
-    /// Print the answer as one JSON object.
-    #[arg(help_heading = "Output", long)]
-    pub json: bool,
+    #[command(flatten)]
+    pub form: FormArguments,
+}
+
+impl OutputArguments {
+    /// Lists the files that may have been asked for.
+    pub fn files(&self) -> [(Format, &Option<PathBuf>); 6] {
+        let pictures = [&self.png, &self.overlay, &self.surface].map(|picture| (Format::Png, picture));
+        let [png, overlay, surface] = pictures;
+        [(Format::Csv, &self.csv), (Format::Npy, &self.npy), png, overlay, surface, (Format::Csv, &self.path)]
+    }
+
+    /// Says whether any file was asked for.
+    pub fn has_files(&self) -> bool {
+        self.files().iter().any(|(_, path)| path.is_some())
+    }
 }
 
 /// Input and output of a command; no parameters of its algorithm.
@@ -97,7 +113,7 @@ pub struct NeighbourArguments {
 #[derive(Debug, Args, Serialize)]
 pub struct GoalArguments {
     /// The goal, counted from 0; row 0 is the first line of the file.
-    #[arg(long, value_name = "ROW,COLUMN", allow_hyphen_values = true, value_parser = parse::place)]
+    #[arg(long, value_name = "ROW,COLUMN", allow_hyphen_values = true, value_parser = parse_place)]
     pub goal: Place,
 }
 
@@ -130,20 +146,20 @@ pub struct AttractionOptions {
     #[arg(long, value_enum, value_name = "NAME", default_value = "d2")]
     pub distance: Distance,
     /// Strength of the attraction `d2`; it shows with `--scale none` only.
-    #[arg(long, default_value_t = 1.0, allow_hyphen_values = true, value_parser = parse::number)]
+    #[arg(long, default_value_t = 1.0, allow_hyphen_values = true, value_parser = parse_number)]
     pub zeta: f64,
     /// The largest attraction, to which all are scaled, or `none`.
-    #[arg(long, value_name = "S|none", default_value = "10", allow_hyphen_values = true, value_parser = parse::scale)]
+    #[arg(long, value_name = "S|none", default_value = "10", allow_hyphen_values = true, value_parser = parse_scale)]
     pub scale: Scale,
 }
 
 #[derive(Debug, Args, Serialize)]
 pub struct RepulsionOptions {
     /// The brushfire value beyond which there is no repulsion.
-    #[arg(long, default_value_t = 5.0, allow_hyphen_values = true, value_parser = parse::number)]
+    #[arg(long, default_value_t = 5.0, allow_hyphen_values = true, value_parser = parse_number)]
     pub q: f64,
     /// Strength of the repulsion.
-    #[arg(long, default_value_t = 15.0, allow_hyphen_values = true, value_parser = parse::number)]
+    #[arg(long, default_value_t = 15.0, allow_hyphen_values = true, value_parser = parse_number)]
     pub eta: f64,
     /// Take the distance itself, one less than the brushfire value, as textbooks do: obstacles become infinitely high.
     #[arg(long)]
@@ -274,5 +290,64 @@ impl RepulsionOptions {
             potential::RepulsionDistance::Brushfire
         };
         potential::Repulsion { q: self.q, eta: self.eta, distance }
+    }
+}
+
+// Values of options from text; an error is what was expected. The ranges of parameters are their algorithms' business.
+
+pub fn parse_place(text: &str) -> Result<Place, String> {
+    let whole = |text: &str| numbers::parse(text.trim());
+    let numbers = text.split_once(',').and_then(|(row, col)| Some((whole(row)?, whole(col)?)));
+    numbers.ok_or_else(|| "expected ROW,COLUMN, two whole numbers counted from 0, such as 3,17".to_owned())
+}
+
+fn parse_grey(text: &str) -> Result<u8, String> {
+    numbers::parse(text).ok_or_else(|| "expected a grey value, a whole number from 0 to 255".to_owned())
+}
+
+fn parse_edge(text: &str) -> Result<usize, String> {
+    let width = numbers::parse(text).filter(|&width| width <= MAX_SIDE);
+    width.ok_or_else(|| format!("expected a number of rows and columns, from 0 to {MAX_SIDE}"))
+}
+
+pub fn parse_distance(text: &str) -> Result<u16, String> {
+    numbers::parse(text).ok_or_else(|| format!("expected a distance in cells, a whole number from 1 to {}", u16::MAX))
+}
+
+pub fn parse_number(text: &str) -> Result<f64, String> {
+    numbers::parse(text).ok_or_else(|| "expected a number".to_owned())
+}
+
+fn parse_scale(text: &str) -> Result<Scale, String> {
+    match text {
+        "none" => Ok(Scale(None)),
+        _ => {
+            let scale = numbers::parse(text).map(|scale| Scale(Some(scale)));
+            scale.ok_or_else(|| "expected a number or `none`".to_owned())
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_two_whole_numbers() {
+        assert_eq!(parse_place("3,17"), Ok((3, 17)));
+        assert_eq!(parse_place("3, 17"), Ok((3, 17)));
+        for wrong in ["", "3", "3;17", "-1,2", "1,2,3", "1.5,2", "a,b", "99999999999999999999,0"] {
+            assert!(parse_place(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn text_that_is_no_value_is_refused_with_what_was_expected() {
+        assert_eq!(parse_scale("none"), Ok(Scale(None)));
+        assert_eq!(parse_scale("2.5"), Ok(Scale(Some(2.5))));
+        assert!(parse_scale("all").is_err_and(|expected| expected.contains("`none`")));
+        assert!(parse_grey("255").is_ok() && parse_grey("256").is_err_and(|expected| expected.contains("0 to 255")));
+        assert!(parse_edge("32767").is_ok() && parse_edge("32768").is_err() && parse_edge("-1").is_err());
+        assert!(parse_distance("12").is_ok() && parse_distance("1.5").is_err() && parse_distance("65536").is_err());
     }
 }

@@ -1,13 +1,27 @@
-//! A map, what was asked of it, and what came of that.
+//! The report on a map: an object, a document and pictures of what was computed.
 
 use std::path::Path;
 use std::time::Duration;
 
-use crate::cli::map::args::Computation;
-use crate::cli::map::compute::Computed;
-use crate::cli::map::walk::Walk;
-use crate::grid::Place;
-use crate::map_files::MapFile;
+use serde::{Serialize, Serializer};
+
+use crate::batch::PROGRAM_VERSION;
+use crate::cli::map::args::{Computation, CostArguments};
+use crate::cli::map::compute::{Computed, Value, Walk, WalkResult};
+use crate::document::number::{percent, rounded};
+use crate::document::{Block, Document};
+use crate::grid::brushfire::brushfire;
+use crate::grid::place::octile_length;
+use crate::grid::{Connectivity, Grid, Place};
+use crate::map_files::{MapFile, NEAR_TOLERANCE};
+use crate::picture::{MapScene, Picture, Zones};
+
+/// The size of a terminal that shows all values.
+const MAX_WIDTH: usize = 80;
+const MAX_ROWS: usize = 40;
+
+/// Zones of the cost map, the most expensive first.
+const ZONES: [&str; 3] = ["safety zone", "outer zone", "no cost"];
 
 /// The contents of all outputs of a command.
 pub struct MapReport<'a> {
@@ -68,4 +82,169 @@ impl<'a> MapReport<'a> {
         }
         oddities
     }
+}
+
+/// The members in their order; what does not apply is null.
+#[derive(Serialize)]
+struct Object<'a> {
+    program_version: &'static str,
+    map: String,
+    rows: usize,
+    cols: usize,
+    cells: usize,
+    occupied: usize,
+    no_obstacle: bool,
+    tolerance: Option<u8>,
+    near_tolerance: Option<f64>,
+    remove_edges: usize,
+    /// `command` and `parameters`.
+    #[serde(flatten)]
+    computation: &'a Computation,
+    maximum: Option<Value>,
+    unreached: Option<usize>,
+    answer: Option<WalkResult>,
+    minimum: Option<Place>,
+    path_cells: Option<usize>,
+    steps: Option<usize>,
+    length: Option<f64>,
+    path: Option<&'a [Place]>,
+    notes: Vec<String>,
+    measured: Measured,
+}
+
+#[derive(Serialize)]
+struct Measured {
+    cpu_read_s: f64,
+    cpu_map_s: f64,
+    cpu_path_s: Option<f64>,
+}
+
+impl Serialize for MapReport<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let (computed, occupied, way) = (self.computed, self.occupied_cells, self.way());
+        let walk = computed.walk.as_ref();
+        let object = Object {
+            program_version: PROGRAM_VERSION,
+            map: self.path.display().to_string(),
+            rows: self.map.occupied.rows(),
+            cols: self.map.occupied.cols(),
+            cells: self.cells(),
+            occupied,
+            no_obstacle: occupied == 0,
+            tolerance: self.tolerance(),
+            near_tolerance: self.near_tolerance(),
+            remove_edges: self.computation.files().input.reading.remove_edges,
+            computation: self.computation,
+            maximum: computed.values.max(),
+            unreached: computed.unreached,
+            answer: walk.map(|walk| walk.way.answer),
+            minimum: walk.and_then(|walk| walk.way.minimum),
+            path_cells: way.map(<[Place]>::len),
+            steps: way.map(|cells| cells.len() - 1),
+            length: way.map(octile_length),
+            path: way,
+            notes: self.sentences(),
+            measured: Measured {
+                cpu_read_s: self.cpu_read.as_secs_f64(),
+                cpu_map_s: computed.cpu_map.as_secs_f64(),
+                cpu_path_s: computed.cpu_path.map(|cpu| cpu.as_secs_f64()),
+            },
+        };
+        object.serialize(serializer)
+    }
+}
+
+impl From<&MapReport<'_>> for Document {
+    /// Size, notes, the largest value, CPU time, and the values themselves where they fit on a terminal and nowhere else.
+    fn from(report: &MapReport) -> Self {
+        let mut lines: Vec<String> = near_tolerance(report).into_iter().collect();
+        lines.push(largest_value(report));
+        lines.extend(report.sentences());
+        lines.push(cpu(report));
+        let values = values(report).filter(|_| !report.computation.files().output.has_files());
+        Self::new(size(report)).with([Block::List(lines)]).with(values.map(Block::Verbatim))
+    }
+}
+
+fn size(report: &MapReport) -> String {
+    let (path, map) = (report.path.display(), &report.map.occupied);
+    let (cells, occupied) = (report.cells(), report.occupied_cells);
+    let share = percent(occupied as f64 / cells as f64);
+    format!("{path}: {} rows x {} columns, {cells} cells, {occupied} occupied ({share} %)", map.rows(), map.cols())
+}
+
+/// Says how much of an image the tolerance hardly separates.
+fn near_tolerance(report: &MapReport) -> Option<String> {
+    let (percent, tolerance) = (percent(report.near_tolerance()?), report.tolerance()?);
+    Some(format!("Tolerance {tolerance}: {percent} % of the pixels within {NEAR_TOLERANCE} grey levels of it"))
+}
+
+fn largest_value(report: &MapReport) -> String {
+    let computed = report.computed;
+    let max = computed.values.max().map_or("none".to_owned(), Value::to_text);
+    let unreached = computed.unreached.map(|cells| format!(", free cells unreached {cells}"));
+    format!("{}: maximum {max}{}", computed.title, unreached.unwrap_or_default())
+}
+
+fn cpu(report: &MapReport) -> String {
+    let ms = |cpu: Duration| format!("{} ms", rounded(cpu.as_secs_f64() * 1e3, 3));
+    let path = report.computed.cpu_path.map(|cpu| format!(", path {}", ms(cpu)));
+    format!("CPU: reading {}, map {}{}", ms(report.cpu_read), ms(report.computed.cpu_map), path.unwrap_or_default())
+}
+
+/// All values in rows and columns, those on the way with a star before them; `None` if they would not fit.
+fn values(report: &MapReport) -> Option<String> {
+    let (rows, cols) = (report.map.occupied.rows(), report.map.occupied.cols());
+    if rows > MAX_ROWS || cols > MAX_WIDTH {
+        return None;
+    }
+    let places = (0..rows).flat_map(|row| (0..cols).map(move |col| (row, col)));
+    let mut texts: Vec<_> = places.map(|place| report.computed.values.at(place).to_short_text()).collect();
+    let width = 1 + texts.iter().map(String::len).max().unwrap_or(0);
+    for &(row, col) in report.way().unwrap_or_default() {
+        let text = &mut texts[row * cols + col];
+        if !text.starts_with('*') {
+            text.insert(0, '*');
+        }
+    }
+    let line = |row: &[String]| row.iter().map(|text| format!("{text:>width$}")).collect::<String>() + "\n";
+    (width * cols <= MAX_WIDTH).then(|| texts.chunks(cols).map(line).collect())
+}
+
+/// Draws a report.
+pub fn with_scene(report: &MapReport, draw: impl FnOnce(&MapScene) -> Picture) -> Picture {
+    let computed = report.computed;
+    let value = |place| drawn_value(report, place);
+    let scene = MapScene {
+        path: report.way().unwrap_or_default(),
+        start: computed.walk.as_ref().map(|walk| walk.start),
+        goal: computed.goal,
+        stuck: computed.walk.as_ref().and_then(|walk| walk.way.minimum),
+        colours: report.computation.files().output.colormap.into(),
+        free_name: matches!(report.computation, Computation::Occupancy(_)).then_some("free"),
+        ..MapScene::new(&computed.title, computed.value_name, &report.map.occupied, &value)
+    };
+    let Computation::Cost(arguments) = report.computation else { return draw(&scene) };
+    let in_safety_zone = safety_zone(&report.map.occupied, arguments);
+    let zone = |place| match computed.values.at(place).as_f64() {
+        _ if in_safety_zone[place] => 0,
+        cost if cost > 0.0 => 1,
+        _ => 2,
+    };
+    draw(&MapScene { zones: Some(Zones { names: &ZONES, zone: &zone }), ..scene })
+}
+
+/// The value to draw: a wavefront has none where the wave does not come.
+fn drawn_value(report: &MapReport, place: Place) -> Option<f64> {
+    let value = report.computed.values.at(place).as_f64();
+    let is_wave = report.computed.unreached.is_some();
+    let is_bare = is_wave && (report.map.occupied[place] || value == 0.0);
+    (!is_bare).then_some(value)
+}
+
+fn safety_zone(occupied: &Grid<bool>, arguments: &CostArguments) -> Grid<bool> {
+    let (rows, cols) = (occupied.rows(), occupied.cols());
+    let Some(distances) = brushfire(occupied, Connectivity::Four) else { return Grid::filled(rows, cols, false) };
+    let is_near = |&value: &u16| value - 1 < arguments.safety_distance;
+    Grid::from_values(rows, cols, distances.values().iter().map(is_near).collect())
 }

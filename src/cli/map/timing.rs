@@ -5,11 +5,13 @@ use std::time::Duration;
 
 use serde::Serialize;
 
-use crate::batch::{PROGRAM_VERSION, TextTable};
+use crate::batch::PROGRAM_VERSION;
 use crate::cli::error::CliError;
 use crate::cli::map::args::TimingArguments;
 use crate::cli::map::read;
 use crate::cli::terminal;
+use crate::document::number::optional;
+use crate::document::{Block, Document, Table};
 use crate::grid::brushfire::brushfire_into;
 use crate::grid::wavefront::wavefront_into;
 use crate::grid::{Connectivity, CornerCutting, Grid, Place};
@@ -48,13 +50,28 @@ pub fn run(arguments: &TimingArguments, quiet: bool) -> Result<(), CliError> {
         }
         timings.push(measure(path, &map.occupied));
     }
-    let text = if arguments.json {
-        let timings = Timings { program_version: PROGRAM_VERSION, connectivity: 8, maps: timings };
-        serde_json::to_string(&timings).expect("names, numbers and words are JSON") + "\n"
-    } else {
-        table(&timings)
-    };
-    terminal::print(&text)
+    let timings = Timings { program_version: PROGRAM_VERSION, connectivity: 8, maps: timings };
+    terminal::print(&arguments.form.render(&timings))
+}
+
+impl From<&Timings> for Document {
+    fn from(timings: &Timings) -> Self {
+        let row = |timing: &Timing| {
+            vec![
+                timing.map.clone(),
+                timing.cells.to_string(),
+                optional(Some(timing.brushfire_s), 7),
+                optional(timing.wavefront_s, 7),
+                timing.goal.map_or("-".to_owned(), |(row, col)| format!("{row},{col}")),
+            ]
+        };
+        let headings = ["Map", "Cells", "Brushfire\nseconds", "Wavefront\nseconds", "Goal"];
+        Self::new("CPU time of brushfire and wavefront").with([
+            Block::Table(Table::new(&headings, timings.maps.iter().map(row).collect())),
+            Block::Text("CPU time of one thread, 8 neighbours, median of repetitions, reading left out.".into()),
+            Block::Text("The wavefront's goal, row,column, is the free cell nearest the centre.".into()),
+        ])
+    }
 }
 
 fn measure(path: &Path, occupied: &Grid<bool>) -> Timing {
@@ -102,32 +119,4 @@ fn median_s(mut work: impl FnMut()) -> f64 {
     }
     laps.sort_unstable();
     laps[laps.len() / 2].as_secs_f64()
-}
-
-fn table(timings: &[Timing]) -> String {
-    let heading = |words: &[&str]| words.iter().map(|&word| word.to_owned()).collect::<Vec<_>>();
-    let seconds = |seconds: f64| format!("{seconds:.7}");
-    let row = |timing: &Timing| {
-        vec![
-            timing.map.clone(),
-            timing.cells.to_string(),
-            seconds(timing.brushfire_s),
-            timing.wavefront_s.map_or("-".to_owned(), seconds),
-            timing.goal.map_or("-".to_owned(), |(row, col)| format!("{row},{col}")),
-        ]
-    };
-    let table = TextTable {
-        headings: vec![
-            heading(&["Map"]),
-            heading(&["Cells"]),
-            heading(&["Brushfire", "seconds"]),
-            heading(&["Wavefront", "seconds"]),
-            heading(&["Goal"]),
-        ],
-        rows: timings.iter().map(row).collect(),
-        rules_before: Vec::new(),
-    };
-    let explanation = "\nCPU time of one thread, 8 neighbours, median of repetitions, reading left out.\n\
-                       The wavefront's goal, row,column, is the free cell nearest the centre.\n";
-    table.to_text() + explanation
 }

@@ -1,54 +1,83 @@
 //! `wildfire plan`: drives of the truck by any planners, with their figures, and paths that others can check.
 
-mod args;
 mod attempts;
 mod drive;
-mod json;
 mod ompl;
-mod path_rows;
 mod problems;
 mod report;
-mod rows;
-mod scene;
-mod settings;
-mod summary;
+mod tables;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-pub use args::PlanArguments;
+use clap::Args;
 
-use attempts::{Attempt, attempts};
-use summary::Summary;
+use attempts::attempts;
+use report::{PlanReport, Summary};
 
 use crate::batch::file_name_of;
+use crate::cli::args::{MemoryArguments, parse_seed};
 use crate::cli::error::CliError;
-use crate::cli::exit;
 use crate::cli::output_files::{self, Files, Format};
-use crate::cli::terminal;
+use crate::cli::report::FormArguments;
+use crate::cli::{exit, numbers, terminal};
 use crate::input_file::is_standard_stream;
 use crate::planning::TruckPlannerKind;
-use crate::scenario::{LoadedScenario, Problem};
+use crate::scenario::{LoadedScenario, MAX_GOALS, Problem};
 
-/// The question and all answers.
-struct PlanReport<'a> {
-    loaded: &'a LoadedScenario,
-    /// Changed values, as on the command line.
-    changes: &'a [String],
-    seed: u64,
-    problems: &'a [Problem],
-    planners: &'a [TruckPlannerKind],
-    /// Problem by problem, goal by goal, planner by planner.
-    attempts: Vec<Attempt<'a>>,
-    /// In the order of the planners.
-    summaries: Vec<Summary>,
+const EXAMPLES: &str = "\
+Examples:
+  wildfire plan
+  wildfire plan --goals 5 --planner prm-rs,hybrid-astar --png drives.png
+  wildfire plan --scenario dense --seed 7 --cells 50
+  wildfire plan field_*.json --planner hybrid-astar --csv drives.csv
+  wildfire plan field.json --set unimog.hybrid.shortcuts=0 --paths paths.csv";
+
+#[derive(Debug, Args)]
+#[command(after_help = format!("Planners: {}.\n\n{EXAMPLES}", TruckPlannerKind::names()))]
+pub struct PlanArguments {
+    /// Field files: JSON with bushes, start and goals [default: the field of the scenario, drawn with the seed].
+    #[arg(value_name = "FIELD.json")]
+    pub fields: Vec<PathBuf>,
+    /// The planner; several names, with commas or repeated, are compared [default: the scenario's].
+    #[arg(long = "planner", value_name = "NAME", value_delimiter = ',')]
+    pub planners: Vec<TruckPlannerKind>,
+    /// The seed of everything random.
+    #[arg(long, default_value_t = 1, allow_hyphen_values = true, value_parser = parse_seed)]
+    pub seed: u64,
+    /// The scenario whose first truck's settings planners have: a file, or a built-in name.
+    #[arg(long, value_name = "SCENARIO", default_value = "contest")]
+    pub scenario: String,
+    /// Change a value of the scenario, such as `unimog.hybrid.clearance_m=1`; may be repeated.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub overrides: Vec<String>,
+    #[command(flatten)]
+    pub memory: MemoryArguments,
+    /// The number of random free poses of the scenario's field to drive to [default: 50].
+    #[arg(help_heading = "Goals", long, value_name = "N", conflicts_with = "fields", value_parser = goal_count)]
+    pub goals: Option<usize>,
+    /// The number of random bushes of each field to drive to instead: near enough to put out a fire there
+    /// (`suppression.reach_m`), at any heading.
+    #[arg(help_heading = "Goals", long, value_name = "N", conflicts_with = "goals", value_parser = goal_count)]
+    pub cells: Option<usize>,
+    #[command(flatten)]
+    pub form: FormArguments,
+    /// Write a row for each goal and planner.
+    #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
+    pub csv: Option<PathBuf>,
+    /// Write poses along the paths, at most 5 cm apart: field,goal,planner,s_m,x_m,y_m,heading_rad,direction.
+    #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
+    pub paths: Option<PathBuf>,
+    /// Write a benchmark log of OMPL, for Planner Arena.
+    #[arg(help_heading = "Output", long, value_name = "FILE.log")]
+    pub ompl: Option<PathBuf>,
+    /// Draw field and paths; of several fields into a file each, FILE-FIELD.png.
+    #[arg(help_heading = "Output", long, value_name = "FILE.png")]
+    pub png: Option<PathBuf>,
 }
 
-impl PlanReport<'_> {
-    /// The place of a problem of the list.
-    fn number_of(&self, problem: &Problem) -> usize {
-        self.problems.iter().position(|other| std::ptr::eq(other, problem)).expect("it is in the list")
-    }
+fn goal_count(text: &str) -> Result<usize, String> {
+    numbers::parse_within(text, &(1..=MAX_GOALS), "a whole number")
 }
 
 pub fn run(arguments: &PlanArguments, quiet: bool) -> Result<ExitCode, CliError> {
@@ -74,8 +103,7 @@ pub fn run(arguments: &PlanArguments, quiet: bool) -> Result<ExitCode, CliError>
         attempts: all,
         summaries,
     };
-    let rendered = if arguments.json { json::to_json(&report) } else { report::to_text(&report) };
-    let printed = words.print(&rendered);
+    let printed = words.print(&arguments.form.render(&report));
     // Whatever cannot be written, all else is kept.
     let written = write_files(arguments, &report, &pictures, quiet);
     printed.and(written)?;
@@ -114,7 +142,7 @@ fn files<'a>(arguments: &'a PlanArguments, pictures: &'a [PathBuf]) -> Files<'a>
     let outputs = pictures.iter().map(|picture| (Format::Png, picture.as_path())).collect();
     let (csv, paths, ompl) = (&arguments.csv, &arguments.paths, &arguments.ompl);
     let tables = [(Format::Csv, csv), (Format::Csv, paths), (Format::OmplLog, ompl)];
-    Files { inputs, outputs, json: arguments.json }.writing(tables)
+    Files { inputs, outputs, form: arguments.form }.writing(tables)
 }
 
 fn write_files(
@@ -125,14 +153,14 @@ fn write_files(
 ) -> Result<(), CliError> {
     let tables = output_files::write_all(
         &[
-            (arguments.csv.as_deref(), &|path| rows::write(path, &report.attempts)),
-            (arguments.paths.as_deref(), &|path| path_rows::write(path, &report.attempts)),
-            (arguments.ompl.as_deref(), &|path| ompl::write(path, report)),
+            (arguments.csv.as_deref(), &|path| tables::write_rows(path, &report.attempts)),
+            (arguments.paths.as_deref(), &|path| tables::write_paths(path, &report.attempts)),
+            (arguments.ompl.as_deref(), &|path| ompl::write_log(path, report)),
         ],
         quiet,
     );
     let drawn = report.problems.iter().zip(pictures).map(|(problem, picture)| {
-        let draw = |path: &Path| scene::draw(problem, report).write_png(path);
+        let draw = |path: &Path| report.draw(problem).write_png(path);
         output_files::write_all(&[(Some(picture), &draw)], quiet)
     });
     // All are tried; the error is the first.

@@ -9,10 +9,9 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use crate::batch::PROGRAM_VERSION;
-use crate::cli::plan::PlanReport;
 use crate::cli::plan::attempts::Attempt;
 use crate::cli::plan::drive::Drive;
-use crate::cli::plan::settings;
+use crate::cli::plan::report::{PlanReport, planner_settings};
 use crate::planning::PlanFailure;
 use crate::whole_file::WholeFile;
 
@@ -51,12 +50,12 @@ const PROPERTIES: [Property; 13] = [
 
 /// Writes the log. Where OMPL has limits of time and memory, and a day, it has zeros: effort is counted here, and nothing
 /// depends on the day.
-pub fn write(path: &Path, report: &PlanReport) -> io::Result<()> {
+pub fn write_log(path: &Path, report: &PlanReport) -> io::Result<()> {
     let mut log = WholeFile::create(path)?;
     write_head(&mut log, report)?;
     for &planner in report.planners {
         writeln!(log, "{}", planner.name())?;
-        let settings = settings::planner_settings(planner, report.loaded);
+        let settings = planner_settings(planner, report.loaded);
         writeln!(log, "{} common properties", settings.len())?;
         settings.iter().try_for_each(|(name, value)| writeln!(log, "{name} = {value}"))?;
         writeln!(log, "{} properties for each run", PROPERTIES.len() + 1)?;

@@ -7,7 +7,7 @@ use rand::RngExt;
 use rand::seq::SliceRandom;
 
 use crate::cli::error::CliError;
-use crate::cli::plan::args::PlanArguments;
+use crate::cli::plan::PlanArguments;
 use crate::collision::{ClearanceField, CollisionChecker};
 use crate::geometry::Pose;
 use crate::planning::{Goal, GoalDisc};

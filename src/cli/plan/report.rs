@@ -1,16 +1,19 @@
-//! The report as text for people.
+//! The report on planned drives: an object, a document and pictures of all answers.
 
-use crate::batch::TextTable;
-use crate::cli::plan::PlanReport;
+use std::collections::BTreeMap;
+
+use serde::{Serialize, Serializer};
+
+use crate::batch::PROGRAM_VERSION;
 use crate::cli::plan::attempts::Attempt;
 use crate::cli::plan::drive::Drive;
-use crate::cli::plan::settings;
-use crate::cli::plan::summary::Summary;
-use crate::cli::scenario_commands::wrapped;
-use crate::planning::{PlanFailure, TruckPlannerKind};
-
-/// The width of a terminal's line.
-const WIDTH: usize = 80;
+use crate::cli::plan::tables::Row;
+use crate::document::number::{count, optional, rounded};
+use crate::document::{Block, Document, Table};
+use crate::picture::{DriveScene, DrivenWays, Picture, draw_drives};
+use crate::planning::{Goal, PlanFailure, TruckPlannerKind};
+use crate::scenario::{LoadedScenario, Problem};
+use crate::vehicle::Path;
 
 /// The most rows, and violations, that are shown one by one.
 const SHOWN_ROWS: usize = 60;
@@ -19,41 +22,232 @@ const SHOWN_VIOLATIONS: usize = 10;
 /// Characters of a field's name.
 const LONGEST_NAME: usize = 10;
 
-/// Settings, a row for each goal and planner if they are not too many, a line for each planner, and what went wrong.
-pub fn to_text(report: &PlanReport) -> String {
-    let rows = if report.attempts.len() <= SHOWN_ROWS { rows(report).to_text() + "\n" } else { String::new() };
-    format!("{}\n{rows}{}\n{}", heading(report), summary(&report.summaries).to_text(), faults(report))
+/// Goals of each field that `first_lower_bound_ratio_mean` counts: comparisons with planners that take seconds for a goal
+/// can afford no more.
+pub const FIRST_GOALS: usize = 3;
+
+/// The question and all answers.
+pub struct PlanReport<'a> {
+    pub loaded: &'a LoadedScenario,
+    /// Changed values, as on the command line.
+    pub changes: &'a [String],
+    pub seed: u64,
+    pub problems: &'a [Problem],
+    pub planners: &'a [TruckPlannerKind],
+    /// Problem by problem, goal by goal, planner by planner.
+    pub attempts: Vec<Attempt<'a>>,
+    /// In the order of the planners.
+    pub summaries: Vec<Summary>,
 }
 
-fn heading(report: &PlanReport) -> String {
-    let fields = match report.problems {
-        [problem] => format!("Field `{}`", shortened(&problem.name)),
-        problems => format!("{} fields", problems.len()),
-    };
-    let goals = match report.problems.iter().map(|problem| problem.goals.len()).sum() {
-        1 => "1 goal".to_owned(),
-        goals => format!("{goals} goals"),
-    };
-    let (seed, scenario) = (report.seed, &report.loaded.scenario.name);
-    let changes: String = report.changes.iter().map(|change| format!(", {change}")).collect();
-    let sentence = format!("{fields}, {goals}, seed {seed}; settings of the scenario `{scenario}`{changes}.");
-    let budget =
-        |planner: &TruckPlannerKind| format!("Budget of {planner}: {}.", settings::budget(*planner, report.loaded));
-    let sentences = std::iter::once(sentence).chain(report.planners.iter().map(budget));
-    sentences.flat_map(|sentence| wrapped(&sentence, WIDTH)).map(|line| line + "\n").collect()
+impl PlanReport<'_> {
+    /// The place of a problem of the list.
+    pub fn number_of(&self, problem: &Problem) -> usize {
+        self.problems.iter().position(|other| std::ptr::eq(other, problem)).expect("it is in the list")
+    }
 }
+
+/// Figures of one planner. Times are of all queries, the rest is of the paths that were found.
+///
+/// A quantile is the value of the rank nearest to it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    pub planner: TruckPlannerKind,
+    pub goals: usize,
+    pub reached: usize,
+    pub cpu_query_median_s: f64,
+    pub cpu_query_p95_s: f64,
+    pub cpu_query_max_s: f64,
+    /// Over the fields.
+    pub cpu_build_median_s: f64,
+    pub lower_bound_ratio_mean: Option<f64>,
+    /// Over the first three goals of each field.
+    pub first_lower_bound_ratio_mean: Option<f64>,
+    pub min_clearance_median_m: Option<f64>,
+    pub cusps_mean: Option<f64>,
+    pub drive_mean_s: Option<f64>,
+    /// Paths with something wrong.
+    #[serde(rename = "offences")]
+    pub violations: usize,
+}
+
+impl Summary {
+    /// The figures of a planner that was asked at least once.
+    pub fn new(planner: TruckPlannerKind, attempts: &[Attempt]) -> Self {
+        let own: Vec<&Attempt> = attempts.iter().filter(|attempt| attempt.planner == planner).collect();
+        let drives: Vec<&Drive> = own.iter().filter_map(|attempt| attempt.drive.as_ref().ok()).collect();
+        let queries = sorted(own.iter().map(|attempt| attempt.query.as_secs_f64()));
+        let builds = own.iter().filter(|attempt| attempt.goal == 0).map(|attempt| attempt.build.as_secs_f64());
+        let first = own.iter().filter(|attempt| attempt.goal < FIRST_GOALS);
+        let first = first.filter_map(|attempt| attempt.drive.as_ref().ok()?.lower_bound_ratio);
+        Self {
+            planner,
+            goals: own.len(),
+            reached: drives.len(),
+            cpu_query_median_s: quantile(&queries, 0.5).unwrap_or(0.0),
+            cpu_query_p95_s: quantile(&queries, 0.95).unwrap_or(0.0),
+            cpu_query_max_s: quantile(&queries, 1.0).unwrap_or(0.0),
+            cpu_build_median_s: quantile(&sorted(builds), 0.5).unwrap_or(0.0),
+            lower_bound_ratio_mean: mean(drives.iter().filter_map(|drive| drive.lower_bound_ratio)),
+            first_lower_bound_ratio_mean: mean(first),
+            min_clearance_median_m: quantile(&sorted(drives.iter().map(|drive| drive.min_clearance_m)), 0.5),
+            cusps_mean: mean(drives.iter().map(|drive| drive.cusps.into())),
+            drive_mean_s: mean(drives.iter().map(|drive| drive.drive_s)),
+            violations: drives.iter().filter(|drive| drive.violation.is_some()).count(),
+        }
+    }
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (count, sum) = values.fold((0_u32, 0.0), |(count, sum), value| (count + 1, sum + value));
+    (count > 0).then(|| sum / f64::from(count))
+}
+
+fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a rank is a place in the list")]
+fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
+    let last = sorted.len().checked_sub(1)?;
+    Some(sorted[(last as f64 * share).round() as usize])
+}
+
+/// The values of a planner's settings of the first truck, by names such as `hybrid.shortcuts`.
+pub fn planner_settings(planner: TruckPlannerKind, loaded: &LoadedScenario) -> Vec<(String, String)> {
+    let own = |name: String| {
+        let name = name.strip_prefix("unimog.0.")?;
+        let table = name.split_once('.')?.0;
+        planner.maker().tables().contains(&table).then(|| name.to_owned())
+    };
+    loaded.values().into_iter().filter_map(|(name, value)| Some((own(name)?, value))).collect()
+}
+
+/// Settings that bound a planner's effort: expansions, samples, tries.
+const BUDGETS: [&str; 3] = ["max_expansions", "samples", "shortcuts"];
+
+/// The settings that bound a planner's effort, as text.
+fn budget(planner: TruckPlannerKind, loaded: &LoadedScenario) -> String {
+    let is_budget = |name: &str| BUDGETS.iter().any(|budget| name.rsplit('.').next() == Some(budget));
+    let budgets = planner_settings(planner, loaded).into_iter().filter(|(name, _)| is_budget(name));
+    let budgets: Vec<_> = budgets.map(|(name, value)| format!("{name}={value}")).collect();
+    if budgets.is_empty() { "none".into() } else { budgets.join(", ") }
+}
+
+/// The members in their order.
+#[derive(Serialize)]
+struct Object<'a> {
+    program_version: &'static str,
+    scenario: &'a str,
+    seed: u64,
+    /// By planner.
+    settings: BTreeMap<&'static str, BTreeMap<String, String>>,
+    fields: Vec<Field<'a>>,
+    rows: Vec<Row<'a>>,
+    #[serde(rename = "offences")]
+    violations: Vec<Violation<'a>>,
+    summary: &'a [Summary],
+}
+
+#[derive(Serialize)]
+struct Field<'a> {
+    field: &'a str,
+    start: [f64; 3],
+    goals: Vec<GoalMember>,
+}
+
+/// As a field file has it.
+#[derive(Serialize)]
+#[serde(rename_all = "snake_case")]
+enum GoalMember {
+    Pose([f64; 3]),
+    Disc([f64; 3]),
+}
+
+#[derive(Serialize)]
+struct Violation<'a> {
+    field: &'a str,
+    goal: usize,
+    planner: &'static str,
+    #[serde(rename = "offence")]
+    violation: &'a str,
+}
+
+impl Serialize for PlanReport<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let settings = |&planner: &TruckPlannerKind| {
+            (planner.name(), planner_settings(planner, self.loaded).into_iter().collect())
+        };
+        let object = Object {
+            program_version: PROGRAM_VERSION,
+            scenario: &self.loaded.scenario.name,
+            seed: self.seed,
+            settings: self.planners.iter().map(settings).collect(),
+            fields: self.problems.iter().map(field).collect(),
+            rows: self.attempts.iter().map(Row::new).collect(),
+            violations: self.attempts.iter().filter_map(violation).collect(),
+            summary: &self.summaries,
+        };
+        object.serialize(serializer)
+    }
+}
+
+fn field(problem: &Problem) -> Field<'_> {
+    let goal = |goal: &Goal| match *goal {
+        Goal::Pose(pose) => GoalMember::Pose([pose.x, pose.y, pose.heading]),
+        Goal::Disc(disc) => GoalMember::Disc([disc.centre.x, disc.centre.y, disc.radius_m]),
+    };
+    let start = [problem.start.x, problem.start.y, problem.start.heading];
+    Field { field: &problem.name, start, goals: problem.goals.iter().map(goal).collect() }
+}
+
+fn violation<'a>(attempt: &'a Attempt) -> Option<Violation<'a>> {
+    let violation = attempt.drive.as_ref().ok()?.violation.as_deref()?;
+    Some(Violation { field: &attempt.problem.name, goal: attempt.goal, planner: attempt.planner.name(), violation })
+}
+
+impl From<&PlanReport<'_>> for Document {
+    /// The settings, a row for each goal and planner if they are not too many, a row for each planner, and what went
+    /// wrong.
+    fn from(report: &PlanReport) -> Self {
+        let fields = match report.problems {
+            [problem] => format!("Field `{}`", shortened(&problem.name)),
+            problems => format!("{} fields", problems.len()),
+        };
+        let goals = count(report.problems.iter().map(|problem| problem.goals.len()).sum(), "goal");
+        let changes: String = report.changes.iter().map(|change| format!(", {change}")).collect();
+        let settings = format!("Settings of the scenario `{}`{changes}.", report.loaded.scenario.name);
+        let budget = |&planner: &TruckPlannerKind| format!("Budget of {planner}: {}.", budget(planner, report.loaded));
+        let settings = std::iter::once(settings).chain(report.planners.iter().map(budget)).collect();
+        let mut document = Self::new(format!("{fields}, {goals}, seed {}", report.seed)).with([Block::List(settings)]);
+        if report.attempts.len() <= SHOWN_ROWS {
+            document.add(rows(report));
+        }
+        document.add(summary(&report.summaries));
+        document.add_list(failures(report).chain(violations(report)).collect());
+        document.with([Block::List(LEGEND.map(str::to_owned).to_vec())])
+    }
+}
+
+const LEGEND: [&str; 3] = [
+    "Query, build: CPU time in ms; building the clearance field counts as building.",
+    "Len./bound: over the shortest that could be, mean; clearance: median of minima.",
+    "Violations: paths that a check by other shapes every 2 cm found fault with.",
+];
 
 /// A column of a table: its heading, and its cells.
 type TextColumn<T> = (&'static str, fn(&T) -> String);
 
-fn table<T>(columns: &[TextColumn<T>], rows: &[T]) -> TextTable {
-    let headings = columns.iter().map(|(heading, _)| heading.split(' ').map(str::to_owned).collect()).collect();
+fn table<T>(columns: &[TextColumn<T>], rows: &[T]) -> Table {
+    let headings: Vec<_> = columns.iter().map(|(heading, _)| *heading).collect();
     let cells = |row: &T| columns.iter().map(|(_, cell)| cell(row)).collect();
-    TextTable { headings, rows: rows.iter().map(cells).collect(), rules_before: Vec::new() }
+    Table::new(&headings, rows.iter().map(cells).collect())
 }
 
 /// A row for each goal and planner.
-fn rows(report: &PlanReport) -> TextTable {
+fn rows(report: &PlanReport) -> Table {
     let mut columns: Vec<TextColumn<Attempt>> = Vec::new();
     if report.planners.len() > 1 {
         columns.push(("Planner", |row| row.planner.to_string()));
@@ -63,13 +257,13 @@ fn rows(report: &PlanReport) -> TextTable {
     }
     columns.extend::<[TextColumn<Attempt>; 8]>([
         ("Goal", |row| row.goal.to_string()),
-        ("Query ms", |row| milliseconds(row.query.as_secs_f64())),
-        ("Expan- sions", |row| row.expansions.to_string()),
-        ("Length m", |row| drive_cell(row, |drive| Some(drive.length_m), 2)),
-        ("Len./ bound", |row| drive_cell(row, |drive| drive.lower_bound_ratio, 3)),
-        ("Clear. m", |row| drive_cell(row, |drive| Some(drive.min_clearance_m), 2)),
+        ("Query\nms", |row| milliseconds(row.query.as_secs_f64())),
+        ("Expan-\nsions", |row| row.expansions.to_string()),
+        ("Length\nm", |row| drive_cell(row, |drive| Some(drive.length_m), 2)),
+        ("Len./\nbound", |row| drive_cell(row, |drive| drive.lower_bound_ratio, 3)),
+        ("Clear.\nm", |row| drive_cell(row, |drive| Some(drive.min_clearance_m), 2)),
         ("Cusps", |row| drive_cell(row, |drive| Some(drive.cusps.into()), 0)),
-        ("Drive s", |row| drive_cell(row, |drive| Some(drive.drive_s), 1)),
+        ("Drive\ns", |row| drive_cell(row, |drive| Some(drive.drive_s), 1)),
     ]);
     table(&columns, &report.attempts)
 }
@@ -79,29 +273,21 @@ fn drive_cell(row: &Attempt, figure: fn(&Drive) -> Option<f64>, decimals: usize)
 }
 
 /// A line for each planner.
-fn summary(summaries: &[Summary]) -> TextTable {
+fn summary(summaries: &[Summary]) -> Table {
     let columns: [TextColumn<Summary>; 11] = [
         ("Planner", |row| row.planner.to_string()),
         ("Reached", |row| format!("{}/{}", row.reached, row.goals)),
-        ("Query median", |row| milliseconds(row.cpu_query_median_s)),
+        ("Query\nmedian", |row| milliseconds(row.cpu_query_median_s)),
         ("p95", |row| milliseconds(row.cpu_query_p95_s)),
         ("max", |row| milliseconds(row.cpu_query_max_s)),
-        ("Build ms", |row| milliseconds(row.cpu_build_median_s)),
-        ("Len./ bound", |row| optional(row.lower_bound_ratio_mean, 3)),
-        ("goals 0-2", |row| optional(row.first_lower_bound_ratio_mean, 3)),
-        ("Clear. m", |row| optional(row.min_clearance_median_m, 2)),
+        ("Build\nms", |row| milliseconds(row.cpu_build_median_s)),
+        ("Len./\nbound", |row| optional(row.lower_bound_ratio_mean, 3)),
+        ("goals\n0-2", |row| optional(row.first_lower_bound_ratio_mean, 3)),
+        ("Clear.\nm", |row| optional(row.min_clearance_median_m, 2)),
         ("Cusps", |row| optional(row.cusps_mean, 2)),
-        ("Viola- tions", |row| row.violations.to_string()),
+        ("Viola-\ntions", |row| row.violations.to_string()),
     ];
     table(&columns, summaries)
-}
-
-/// Lists how often planners failed and why, the first violations, and what the columns mean.
-fn faults(report: &PlanReport) -> String {
-    let sentences = failures(report).chain(violations(report));
-    let lines: String = sentences.flat_map(|fault| wrapped(&fault, WIDTH)).map(|line| line + "\n").collect();
-    let gap = if lines.is_empty() { "" } else { "\n" };
-    format!("{lines}{gap}{LEGEND}")
 }
 
 /// A sentence for each planner and reason.
@@ -130,19 +316,10 @@ fn place(attempt: &Attempt) -> String {
     format!("on field {}, goal {}", shortened(&attempt.problem.name), attempt.goal)
 }
 
-const LEGEND: &str = "\
-Query, build: CPU time in ms; building the clearance field counts as building.
-Len./bound: over the shortest that could be, mean; clearance: median of minima.
-Violations: paths that a check by other shapes every 2 cm found fault with.
-";
-
+/// CPU time in milliseconds, with decimals where they count.
 fn milliseconds(seconds: f64) -> String {
     let milliseconds = 1e3 * seconds;
-    if milliseconds < 100.0 { format!("{milliseconds:.2}") } else { format!("{milliseconds:.0}") }
-}
-
-fn optional(figure: Option<f64>, decimals: usize) -> String {
-    figure.map_or("-".into(), |figure| format!("{figure:.decimals$}"))
+    rounded(milliseconds, if milliseconds < 100.0 { 2 } else { 0 })
 }
 
 fn shortened(name: &str) -> String {
@@ -150,4 +327,39 @@ fn shortened(name: &str) -> String {
         return name.to_owned();
     }
     name.chars().take(LONGEST_NAME - 1).chain(['~']).collect()
+}
+
+impl PlanReport<'_> {
+    /// Draws the paths of all planners on one field.
+    pub fn draw(&self, problem: &Problem) -> Picture {
+        let own: Vec<&Attempt> = self.attempts.iter().filter(|a| std::ptr::eq(a.problem, problem)).collect();
+        let by = |planner: TruckPlannerKind| {
+            let paths = own.iter().filter(|attempt| attempt.planner == planner);
+            let paths: Vec<&Path> = paths.filter_map(|attempt| Some(&attempt.drive.as_ref().ok()?.path)).collect();
+            DrivenWays { name: format!("{planner}, {} of {}", paths.len(), problem.goals.len()), paths }
+        };
+        let is_reached = |goal| own.iter().any(|attempt| attempt.goal == goal && attempt.drive.is_ok());
+        draw_drives(&DriveScene {
+            title: &format!("Drives on field {}", problem.name),
+            frame: problem.terrain.frame,
+            bushes: &problem.terrain.bushes,
+            start: problem.start,
+            goals: &problem.goals.iter().enumerate().map(|(n, &goal)| (goal, is_reached(n))).collect::<Vec<_>>(),
+            ways: &self.planners.iter().map(|&planner| by(planner)).collect::<Vec<_>>(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_are_values_of_the_list() {
+        let values = sorted([5.0, 1.0, 4.0, 2.0, 3.0].into_iter());
+        assert_eq!([0.0, 0.5, 0.95, 1.0].map(|share| quantile(&values, share)), [1.0, 3.0, 5.0, 5.0].map(Some));
+        assert_eq!(quantile(&[], 0.5), None);
+        assert_eq!(mean([1.0, 2.0].into_iter()), Some(1.5));
+        assert_eq!(mean(std::iter::empty()), None);
+    }
 }

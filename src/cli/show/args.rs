@@ -1,16 +1,16 @@
-//! Arguments that name the runs to show and the view of them.
+//! Arguments that name the runs to show and the view of them, which is checked against the runs.
 
-use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 use clap::Args;
 use glam::DVec2;
 
 use crate::cli::args::{MemoryArguments, parse_seed};
+use crate::cli::error::CliError;
 use crate::cli::numbers;
 use crate::geometry::Cell;
-use crate::picture::film::{Camera, Layer, Layers, Layout, Selected};
-use crate::timeline::AgentId;
+use crate::picture::film::{Camera, Layer, Layers, Layout, RunView, Selected, ViewOptions};
+use crate::timeline::{AgentId, Setting};
 
 /// Options that name the runs to show and the view of them.
 #[derive(Debug, Args)]
@@ -63,6 +63,54 @@ impl ShowArguments {
             LayerChange::Without(layer) => layers.without(layer),
         })
     }
+}
+
+/// The look at some runs that the arguments ask for.
+///
+/// # Errors
+/// If an agent, a bush or a point is not in the first run.
+pub fn look(arguments: &ShowArguments, films: &[&RunView]) -> Result<ViewOptions, CliError> {
+    let setting = &films[0].timeline().setting;
+    if let Some(agent) = arguments.follow {
+        check_agent("--follow", agent, setting)?;
+    }
+    match arguments.select {
+        Some(Selected::Agent(agent)) => check_agent("--select", agent, setting)?,
+        Some(Selected::Bush(cell)) if setting.bush_index(cell).is_none() => {
+            return Err(CliError::bad_input(format_args!("--select: nothing grows in cell {cell}"), None));
+        }
+        _ => {}
+    }
+    let centre = arguments.centre.map_or(Ok(Camera::WHOLE.centre), |point| share_of_field(point, setting))?;
+    Ok(ViewOptions {
+        camera: Camera { centre, zoom: arguments.zoom },
+        follows: arguments.follow,
+        layers: arguments.layers(),
+        selected: arguments.select.map(|selected| (0, selected)),
+        ..ViewOptions::default()
+    })
+}
+
+fn check_agent(option: &str, agent: AgentId, setting: &Setting) -> Result<(), CliError> {
+    if setting.agent_index(agent).is_some() {
+        return Ok(());
+    }
+    let known = setting.agents.iter().map(|start| start.id.to_string()).collect::<Vec<_>>();
+    let known = if known.is_empty() { "nobody".into() } else { known.join(", ") };
+    Err(CliError::bad_input(format_args!("{option}: there is no {agent} in this run, only {known}"), None))
+}
+
+fn share_of_field(point: DVec2, setting: &Setting) -> Result<DVec2, CliError> {
+    let (width, height) = (setting.frame.width_m(), setting.frame.height_m());
+    let share = DVec2::new(point.x / width, point.y / height);
+    if DVec2::ZERO.cmple(share).all() && share.cmple(DVec2::ONE).all() {
+        return Ok(share);
+    }
+    let (x, y) = (point.x, point.y);
+    Err(CliError::bad_input(
+        format_args!("--centre is {x},{y}; expected a point of the field, up to {width},{height}"),
+        None,
+    ))
 }
 
 /// Width and height in pixels.
@@ -145,7 +193,7 @@ fn parse_point(text: &str) -> Result<DVec2, String> {
 }
 
 fn parse_zoom(text: &str) -> Result<f64, String> {
-    parse_within(text, Camera::LEAST_ZOOM..=Camera::MOST_ZOOM)
+    numbers::parse_within(text, &(Camera::LEAST_ZOOM..=Camera::MOST_ZOOM), "a number")
 }
 
 /// Simulated seconds since the beginning.
@@ -156,12 +204,7 @@ pub fn parse_seconds(text: &str) -> Result<f64, String> {
 
 /// Simulated seconds for a second.
 pub fn parse_speed(text: &str) -> Result<f64, String> {
-    parse_within(text, 0.1..=1000.0)
-}
-
-pub fn parse_within(text: &str, range: RangeInclusive<f64>) -> Result<f64, String> {
-    let number = numbers::parse(text).filter(|number| range.contains(number));
-    number.ok_or_else(|| format!("expected a number from {} to {}", range.start(), range.end()))
+    numbers::parse_within(text, &(0.1..=1000.0), "a number")
 }
 
 #[cfg(test)]

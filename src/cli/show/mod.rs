@@ -1,18 +1,127 @@
-//! The part that `wildfire play` and `wildfire render` share: the runs to show and the view of them.
+//! The part that `wildfire play` and `wildfire render` share: the runs to show, one or two side by side, and the view
+//! of them.
 
 mod args;
-mod films;
-mod look;
 mod source;
 
-pub use args::{ShowArguments, parse_seconds, parse_speed, parse_within};
-pub use films::shown_runs;
-pub use look::look;
+pub use args::{ShowArguments, look, parse_seconds, parse_speed};
 pub use source::{Searches, ShownRun};
 
+use source::{Named, Source};
+
 use crate::cli::error::CliError;
-use crate::picture::film::RunView;
+use crate::cli::terminal;
+use crate::picture::film::{Layer, Layers, RunView};
 use crate::time::SimTime;
+use crate::timeline::{AgentFact, Fact};
+
+/// A run, and where others like it come from.
+pub struct Shown {
+    pub source: Source,
+    pub run: ShownRun,
+}
+
+/// The runs that are asked for, one or two.
+pub fn shown_runs(arguments: &ShowArguments, searches: Searches, quiet: bool) -> Result<Vec<Shown>, CliError> {
+    let named = Named::open(&arguments.source)?;
+    let source = Source::new(&named, &arguments.overrides, arguments.memory.memory)?;
+    let second = second_source(arguments, &named)?;
+    let run = source.run(arguments.seed, searches)?;
+    let seed = run.timeline.setting.seed;
+    let mut shown = vec![Shown { source, run }];
+    if let Some(source) = second {
+        let seed = if source.has_one_run() { arguments.with_seed } else { arguments.with_seed.or(Some(seed)) };
+        let run = source.run(seed, searches)?;
+        shown.push(Shown { source, run });
+        tell_apart(&mut shown, arguments);
+    }
+    if !quiet {
+        shown.iter().flat_map(|shown| shown.notes(arguments.layers())).for_each(|note| terminal::note(&note));
+    }
+    terminal::note_unknown_letters(shown.iter().map(|shown| shown.run.title.as_str()), quiet);
+    Ok(shown)
+}
+
+/// Runs of one title and seed are called by the names that they were asked for by, recordings above all.
+fn tell_apart(shown: &mut [Shown], arguments: &ShowArguments) {
+    let name = |shown: &Shown| (shown.run.title.clone(), shown.run.timeline.setting.seed);
+    if let ([first, second], Some(with)) = (shown, &arguments.with)
+        && name(first) == name(second)
+    {
+        first.rename(&arguments.source);
+        second.rename(with);
+    }
+}
+
+fn second_source(arguments: &ShowArguments, first: &Named) -> Result<Option<Source>, CliError> {
+    let (changes, memory) = (&arguments.with_overrides, arguments.memory.memory);
+    match &arguments.with {
+        Some(name) => Source::new(&Named::open(name)?, changes, memory).map(Some),
+        None if changes.is_empty() && arguments.with_seed.is_none() => Ok(None),
+        None => {
+            let all = arguments.overrides.iter().chain(changes).cloned().collect::<Vec<_>>();
+            Source::new(first, &all, memory).map(Some)
+        }
+    }
+}
+
+impl Shown {
+    fn rename(&mut self, title: &str) {
+        title.clone_into(&mut self.run.title);
+        self.source.rename(title);
+    }
+
+    /// Lists what a viewer may miss, with the reason.
+    fn notes(&self, layers: Layers) -> impl Iterator<Item = String> {
+        [self.source.note(), self.note_on_searches(layers)].into_iter().flatten()
+    }
+
+    fn note_on_searches(&self, layers: Layers) -> Option<String> {
+        let mut of_searches = Layer::ALL.into_iter().filter(|&layer| layer.needs_searches() && layers.contains(layer));
+        let missed = of_searches.next()?.name();
+        let is_searched = self
+            .run
+            .timeline
+            .events
+            .iter()
+            .any(|event| matches!(event.fact, Fact::Agent(_, AgentFact::Searched { .. })));
+        let how = "record with `wildfire run --record-searches --out FILE`";
+        (!is_searched).then(|| format!("the layer {missed} stays empty, as no searches were recorded: {how}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use clap::Parser;
+
+    use super::*;
+    use crate::scenario::BUILT_IN;
+
+    #[derive(Parser)]
+    struct Command {
+        #[command(flatten)]
+        show: ShowArguments,
+    }
+
+    fn titles(words: &str) -> Vec<String> {
+        let command = Command::parse_from(["show"].into_iter().chain(words.split(' ')));
+        let shown = shown_runs(&command.show, Searches::LeftOut, true).expect("both runs take place");
+        shown.into_iter().map(|shown| shown.run.title).collect()
+    }
+
+    #[test]
+    fn two_runs_are_told_apart_by_their_titles() {
+        assert_eq!(titles("smoke --with-set fire.burn_out_s=20"), ["smoke", "smoke, fire.burn_out_s=20"]);
+        assert_eq!(titles("smoke --with-seed 2"), ["smoke", "smoke"]);
+        let scratch = tempfile::tempdir().expect("a scratch folder");
+        let copy = scratch.path().join("mine.toml").display().to_string();
+        let (_, smoke) = BUILT_IN.iter().find(|(name, _)| *name == "smoke").expect("it is built in");
+        fs::write(&copy, smoke).expect("writable");
+        assert_eq!(titles(&format!("smoke --with {copy}")), ["smoke", &copy]);
+    }
+}
 
 /// A time of the option `name`, in seconds.
 ///
@@ -25,4 +134,37 @@ pub fn time_within(name: &str, seconds: f64, films: &[&RunView]) -> Result<SimTi
         return Err(CliError::bad_input(sentence, None));
     }
     Ok(time)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use clap::Parser;
+
+    use super::*;
+    use crate::scenario::BUILT_IN;
+
+    #[derive(Parser)]
+    struct Command {
+        #[command(flatten)]
+        show: ShowArguments,
+    }
+
+    fn titles(words: &str) -> Vec<String> {
+        let command = Command::parse_from(["show"].into_iter().chain(words.split(' ')));
+        let shown = shown_runs(&command.show, Searches::LeftOut, true).expect("both runs take place");
+        shown.into_iter().map(|shown| shown.run.title).collect()
+    }
+
+    #[test]
+    fn two_runs_are_told_apart_by_their_titles() {
+        assert_eq!(titles("smoke --with-set fire.burn_out_s=20"), ["smoke", "smoke, fire.burn_out_s=20"]);
+        assert_eq!(titles("smoke --with-seed 2"), ["smoke", "smoke"]);
+        let scratch = tempfile::tempdir().expect("a scratch folder");
+        let copy = scratch.path().join("mine.toml").display().to_string();
+        let (_, smoke) = BUILT_IN.iter().find(|(name, _)| *name == "smoke").expect("it is built in");
+        fs::write(&copy, smoke).expect("writable");
+        assert_eq!(titles(&format!("smoke --with {copy}")), ["smoke", &copy]);
+    }
 }

@@ -1,4 +1,5 @@
-//! Attempts as rows: what the CSV file and the JSON object say of each.
+//! Tables of all answers as CSV files: a row for each goal and planner, and every path densely, so that others can
+//! check it.
 
 use std::borrow::Cow;
 use std::io;
@@ -6,6 +7,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use crate::cli::curve;
 use crate::cli::plan::attempts::Attempt;
 use crate::planning::TruckPlannerKind;
 use crate::untrusted::spreadsheet_cell;
@@ -57,15 +59,53 @@ impl<'a> Row<'a> {
 }
 
 /// Writes a row for each attempt; numbers read back as the same `f64`, and no spreadsheet computes a name.
-pub fn write(path: &Path, attempts: &[Attempt]) -> io::Result<()> {
+pub fn write_rows(path: &Path, attempts: &[Attempt]) -> io::Result<()> {
     write_csv(path, attempts.iter().map(Row::in_table))
 }
 
 /// Writes rows under the names of their members.
-pub fn write_csv(path: &Path, rows: impl Iterator<Item = impl Serialize>) -> io::Result<()> {
+fn write_csv(path: &Path, rows: impl Iterator<Item = impl Serialize>) -> io::Result<()> {
     let mut table = csv::Writer::from_writer(WholeFile::create(path)?);
     for row in rows {
         table.serialize(row)?;
     }
     table.into_inner().map_err(csv::IntoInnerError::into_error)?.finish()
+}
+
+/// A little less than 5 cm, so that rounding of `s_m` never makes a step longer than that.
+const STEP_M: f64 = 0.0499;
+
+/// A pose of the rear axle on a path.
+#[derive(Serialize)]
+struct PathRow<'a> {
+    field: Cow<'a, str>,
+    goal: usize,
+    planner: TruckPlannerKind,
+    /// Metres driven so far, forward and reverse alike.
+    s_m: f64,
+    x_m: f64,
+    y_m: f64,
+    heading_rad: f64,
+    /// The gear in which the truck arrives there; of the start, that in which it leaves.
+    direction: &'static str,
+}
+
+/// Writes start, joints, end, and equal steps between them of at most 5 cm, of every path that was found.
+pub fn write_paths(path: &Path, attempts: &[Attempt]) -> io::Result<()> {
+    write_csv(path, attempts.iter().flat_map(path_rows))
+}
+
+fn path_rows<'a>(attempt: &'a Attempt) -> impl Iterator<Item = PathRow<'a>> {
+    let samples = attempt.drive.iter().flat_map(|drive| curve::poses_along(&drive.path, STEP_M));
+    let field = spreadsheet_cell(&attempt.problem.name);
+    samples.map(move |(s_m, pose, direction)| PathRow {
+        field: field.clone(),
+        goal: attempt.goal,
+        planner: attempt.planner,
+        s_m,
+        x_m: pose.x,
+        y_m: pose.y,
+        heading_rad: pose.heading,
+        direction,
+    })
 }

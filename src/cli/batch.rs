@@ -1,4 +1,4 @@
-//! `wildfire batch`.
+//! `wildfire batch` and what follows it: `status`, `merge` and `report`, which take the folder of a batch.
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -7,13 +7,16 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::thread;
 
+use serde::Serialize;
+
 use crate::batch::{
-    Batch, BatchError, BatchPlan, BatchReport, BatchRequest, Found, OutputFolder, RequestError, Slice, Status,
-    shell_word,
+    Batch, BatchError, BatchPlan, BatchReport, BatchRequest, FinishedBatch, Found, OutputFolder, RUNS_FILE, RealDisk,
+    ReportError, RequestError, Slice, SliceState, Status, batch_status, shell_word, write_report,
 };
-use crate::cli::args::BatchArguments;
+use crate::cli::args::{BatchArguments, FolderArguments, StatusArguments};
 use crate::cli::error::CliError;
 use crate::cli::{exit, interrupt, terminal};
+use crate::document::{Block, Document, Table};
 use crate::scenario::ScenarioText;
 
 /// The folder, in the current one, that holds a folder for each batch.
@@ -47,11 +50,22 @@ pub fn run(arguments: &BatchArguments, quiet: bool) -> Result<ExitCode, CliError
         note_repairs(batch.found());
     }
     let resume = resume_command(batch.folder().path(), slice);
-    let finished = run_to_the_end(&mut batch, arguments, quiet);
-    finished.map_err(|error| match error {
-        BatchFailure::Batch(error) => CliError::from_batch_error(error, &resume),
-        BatchFailure::Printing(failure) => failure,
-    })
+    let from_batch = |error| CliError::from_batch_error(error, &resume);
+    let jobs = arguments.jobs.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
+    let watch = interrupt::watch();
+    run_with_progress(&mut batch, jobs, watch.stop(), quiet).map_err(from_batch)?;
+    if !batch.progress().slice().is_whole() {
+        drop(watch);
+        terminal::print(&slice_summary(&batch))?;
+        return Ok(exit_code(batch.progress().held().1));
+    }
+    let report = batch.finish(watch.stop()).map_err(from_batch)?;
+    drop(watch);
+    terminal::print(&summary(batch.plan(), batch.folder(), &report))?;
+    if arguments.profile {
+        terminal::print(&format!("\n{}", report.profile()))?;
+    }
+    Ok(exit_code(report.not_done()))
 }
 
 /// Makes the plan, from options, or from a plan file and options that change it.
@@ -96,44 +110,8 @@ fn begin(arguments: &BatchArguments, plan: BatchPlan, slice: Slice) -> Result<Ba
     })
 }
 
-fn run_to_the_end(batch: &mut Batch, arguments: &BatchArguments, quiet: bool) -> Result<ExitCode, BatchFailure> {
-    let jobs = arguments.jobs.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
-    let watch = interrupt::watch();
-    run_with_progress(batch, jobs, watch.stop(), quiet)?;
-    if !batch.progress().slice().is_whole() {
-        drop(watch);
-        terminal::print(&slice_summary(batch))?;
-        return Ok(exit_code(batch.progress().held().1));
-    }
-    let report = batch.finish(watch.stop())?;
-    drop(watch);
-    terminal::print(&summary(batch.plan(), batch.folder(), &report))?;
-    if arguments.profile {
-        terminal::print(&format!("\n{}", report.profile()))?;
-    }
-    Ok(exit_code(report.not_done()))
-}
-
-/// The reason why a batch that has begun ends early.
-enum BatchFailure {
-    Batch(BatchError),
-    Printing(CliError),
-}
-
-impl From<BatchError> for BatchFailure {
-    fn from(error: BatchError) -> Self {
-        Self::Batch(error)
-    }
-}
-
-impl From<CliError> for BatchFailure {
-    fn from(failure: CliError) -> Self {
-        Self::Printing(failure)
-    }
-}
-
 /// Returns the exit code of a batch with this many failed runs.
-pub fn exit_code(not_done: u64) -> ExitCode {
+fn exit_code(not_done: u64) -> ExitCode {
     if not_done == 0 { ExitCode::SUCCESS } else { ExitCode::from(exit::RUN_FAILED) }
 }
 
@@ -150,7 +128,7 @@ fn note_repairs(found: &Found) {
 }
 
 /// Says which files were removed that were only half written.
-pub fn note_leftovers(leftovers: &[PathBuf]) {
+fn note_leftovers(leftovers: &[PathBuf]) {
     if let Some(list) = list(leftovers.iter().map(|path| path.display().to_string())) {
         terminal::note(&format!("removed files that a killed process had left: {list}"));
     }
@@ -183,14 +161,14 @@ fn run_with_progress(batch: &mut Batch, jobs: usize, stop: &Arc<AtomicBool>, qui
 }
 
 /// The command that goes on with a slice of the batch in a folder.
-pub fn resume_command(folder: &Path, slice: Slice) -> String {
+fn resume_command(folder: &Path, slice: Slice) -> String {
     let folder = shell_word(&folder.display().to_string());
     let shard = if slice.is_whole() { String::new() } else { format!(" --shard {slice}") };
     format!("wildfire batch --resume {folder}{shard}")
 }
 
 /// Words the result of a finished batch.
-pub fn summary(plan: &BatchPlan, folder: &OutputFolder, report: &BatchReport) -> String {
+fn summary(plan: &BatchPlan, folder: &OutputFolder, report: &BatchReport) -> String {
     let files = format!("Files: {}\n", folder.path().display());
     match report.variants.as_slice() {
         [one] => {
@@ -221,4 +199,131 @@ fn dry_run(plan: &BatchPlan) -> String {
     }
     text.push_str(&format!("plan {}\n", plan.content_sha256()));
     text
+}
+
+/// Writes the tables of a batch whose slices were run one by one.
+pub fn merge(arguments: &FolderArguments, quiet: bool) -> Result<ExitCode, CliError> {
+    interrupt::set_resumable();
+    let folder = OutputFolder::existing(&arguments.folder)?;
+    let watch = interrupt::watch();
+    let merged = crate::batch::merge(&folder, &RealDisk, watch.stop()).map_err(|error| merge_error(error, &folder))?;
+    drop(watch);
+    if !quiet {
+        note_leftovers(&merged.leftovers);
+    }
+    terminal::print(&summary(&merged.plan, &folder, &merged.report))?;
+    Ok(exit_code(merged.report.not_done()))
+}
+
+fn merge_error(error: BatchError, folder: &OutputFolder) -> CliError {
+    let missing = match &error {
+        BatchError::Incomplete { slice, .. } | BatchError::NotBegun { slice, .. } => Some(*slice),
+        _ => None,
+    };
+    match missing {
+        Some(slice) => {
+            let command = resume_command(folder.path(), slice);
+            CliError::bad_input(error, Some(&format!("run it with: {command}")))
+        }
+        None => CliError::from_batch_error(error, &format!("wildfire merge {}", folder.path().display())),
+    }
+}
+
+/// Writes the page on a batch, and its charts.
+pub fn report(arguments: &FolderArguments, quiet: bool) -> Result<ExitCode, CliError> {
+    let batch = FinishedBatch::open(&arguments.folder)?;
+    let written = write_report(&batch).map_err(report_error)?;
+    let (page, charts) = (written.page.display(), written.charts_folder.display());
+    let refused: String = written.refused.iter().map(|sentence| format!("{sentence}\n")).collect();
+    let text = format!("{page}, and {} charts as SVG and PNG in {charts}\n{refused}", written.charts);
+    terminal::print(&text)?;
+    terminal::note_unknown_letters(written.unknown_letters.as_deref(), quiet);
+    Ok(ExitCode::SUCCESS)
+}
+
+fn report_error(error: ReportError) -> CliError {
+    match error {
+        ReportError::Finished(error) => error.into(),
+        ReportError::Unfinished { folder } => {
+            let help = format!("finish it with: wildfire batch --resume {}", folder.display());
+            CliError::bad_input(ReportError::Unfinished { folder }, Some(&help))
+        }
+        ReportError::BadStates { .. } => CliError::bad_input(error, None),
+        ReportError::Unwritable { path, source } => CliError::unwritable(&path, &source),
+    }
+}
+
+/// Shows how far a batch is, and how to continue it.
+pub fn status(arguments: &StatusArguments) -> Result<ExitCode, CliError> {
+    let folder = OutputFolder::existing(&arguments.folder)?;
+    let status = batch_status(&folder)?;
+    let report = StatusReport {
+        folder: folder.path().display().to_string(),
+        variants: status.plan.variants.len(),
+        seeds: status.plan.seeds.to_string(),
+        runs: status.plan.count(),
+        slices: status.slices.iter().map(SliceRow::new).collect(),
+        next_step: next_step(&folder, &status.slices),
+    };
+    terminal::print(&arguments.form.render(&report))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The members in their order.
+#[derive(Serialize)]
+struct StatusReport {
+    folder: String,
+    variants: usize,
+    seeds: String,
+    runs: u64,
+    slices: Vec<SliceRow>,
+    next_step: Option<String>,
+}
+
+#[derive(Serialize)]
+struct SliceRow {
+    slice: String,
+    runs: u64,
+    over: u64,
+    not_done: u64,
+    state: &'static str,
+}
+
+impl SliceRow {
+    fn new((slice, state): &(Slice, SliceState)) -> Self {
+        let word = match state {
+            SliceState { is_running: true, .. } => "running",
+            SliceState { runs, held, .. } if runs == held => "complete",
+            SliceState { held: 0, .. } => "not begun",
+            _ => "stopped",
+        };
+        let slice = if slice.is_whole() { "whole".to_owned() } else { slice.to_string() };
+        Self { slice, runs: state.runs, over: state.held, not_done: state.not_done, state: word }
+    }
+}
+
+impl From<&StatusReport> for Document {
+    fn from(report: &StatusReport) -> Self {
+        let StatusReport { folder, variants, seeds, runs, slices, next_step } = report;
+        let row = |slice: &SliceRow| {
+            let SliceRow { slice, runs, over, not_done, state } = slice;
+            vec![slice.clone(), runs.to_string(), over.to_string(), not_done.to_string(), (*state).to_owned()]
+        };
+        let table = Table::new(&["Slice", "Runs", "Over", "Not done", "State"], slices.iter().map(row).collect());
+        Self::new(format!("{folder}: {variants} variants, seeds {seeds}, {runs} runs"))
+            .with([table])
+            .with(next_step.iter().map(|step| Block::Verbatim(step.clone())))
+    }
+}
+
+fn next_step(folder: &OutputFolder, slices: &[(Slice, SliceState)]) -> Option<String> {
+    let path: &Path = folder.path();
+    let waiting = slices.iter().find(|(_, state)| state.held < state.runs && !state.is_running);
+    match waiting {
+        Some((slice, _)) => Some(format!("Continue with: {}", resume_command(path, *slice))),
+        None if slices.iter().any(|(_, state)| state.is_running) => None,
+        None if path.join(RUNS_FILE).exists() => Some("The tables are written.".into()),
+        None if slices.len() == 1 => Some(format!("Write the tables with: {}", resume_command(path, slices[0].0))),
+        None => Some(format!("Write the tables with: wildfire merge {}", path.display())),
+    }
 }

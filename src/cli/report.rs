@@ -1,0 +1,51 @@
+//! Reports of commands, in the form that was asked for.
+//!
+//! A command computes a report: an object for programs, and a document for people, which is printed as text, Markdown,
+//! HTML or LaTeX.
+
+use clap::Args;
+use serde::Serialize;
+
+use crate::document::Document;
+
+/// The form that a report is printed in, text unless another is asked for.
+#[derive(Clone, Copy, Debug, Default, Args)]
+#[group(id = "form", multiple = false)]
+pub struct FormArguments {
+    /// Print the report as one JSON object, with everything that was computed.
+    #[arg(help_heading = "Output", long)]
+    pub json: bool,
+    /// Print the report as Markdown.
+    #[arg(help_heading = "Output", long)]
+    pub md: bool,
+    /// Print the report as a web page that needs no other file.
+    #[arg(help_heading = "Output", long)]
+    pub html: bool,
+    /// Print the report as LaTeX, to be read into a paper with \input.
+    #[arg(help_heading = "Output", long)]
+    pub tex: bool,
+}
+
+impl FormArguments {
+    /// Says whether the report is text for people who look at a terminal; all else is a result for other programs.
+    pub fn is_text(self) -> bool {
+        !(self.json || self.md || self.html || self.tex)
+    }
+
+    /// Prints a report in this form, into a string.
+    pub fn render<R: Serialize>(self, report: &R) -> String
+    where
+        for<'r> &'r R: Into<Document>,
+    {
+        if self.json {
+            return serde_json::to_string(report).expect("names, numbers and words are JSON") + "\n";
+        }
+        let document: Document = report.into();
+        match self {
+            Self { md: true, .. } => document.to_markdown(),
+            Self { html: true, .. } => document.to_html(),
+            Self { tex: true, .. } => document.to_latex(),
+            _ => document.to_text(),
+        }
+    }
+}

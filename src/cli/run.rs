@@ -1,0 +1,239 @@
+//! `wildfire run`: one run, its report, and the files that were asked for.
+
+use std::io::{self, Write};
+use std::panic;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use serde::{Serialize, Serializer};
+
+use crate::batch::{RunLabel, RunObject, RunResult, RunRow, Status, file_name_of, notes};
+use crate::cli::args::RunArguments;
+use crate::cli::error::CliError;
+use crate::cli::output_files::{self, Files, Format, Words};
+use crate::document::number::{percent, rounded};
+use crate::document::{Block, Document, Table};
+use crate::scenario::{self, Scenario};
+use crate::sim::{self, RunOptions};
+use crate::time::wall::WallStopwatch;
+use crate::timeline::export::{ExportError, FINEST_STEP_S, write_events, write_trace};
+use crate::timeline::{AgentOutcome, Outcome, Timeline, Winner, file};
+use crate::whole_file::WholeFile;
+
+pub fn run(arguments: &RunArguments, quiet: bool) -> Result<ExitCode, CliError> {
+    let scenario = scenario::load(&arguments.scenario.source, &arguments.scenario.overrides)?;
+    let (outputs, words) = Outputs::checked(arguments, &scenario)?;
+    let (row, timeline) = run_once(&scenario, arguments)?;
+    let report = RunReport { row };
+    // A run that failed is an object too, but says nothing to people besides its error.
+    let is_printed = arguments.form.json || report.row.result.is_some();
+    let printed = if is_printed { words.print(&arguments.form.render(&report)) } else { Ok(()) };
+    // Whatever cannot be written, all else of the run is kept.
+    let written = timeline.map_or(Ok(()), |timeline| outputs.write(&timeline, quiet));
+    printed.and(written)?;
+    match report.row.result {
+        Some(_) => Ok(ExitCode::SUCCESS),
+        None => Err(CliError::run_failed(report.row.message)),
+    }
+}
+
+fn run_once(scenario: &Scenario, arguments: &RunArguments) -> Result<(RunRow, Option<Timeline>), CliError> {
+    let seed = arguments.seed;
+    let options = RunOptions { records_searches: arguments.record_searches, memory: arguments.memory.limit() };
+    let stopwatch = WallStopwatch::start();
+    // The panic has been printed by then, with a backtrace if one was asked for.
+    let caught = panic::catch_unwind(|| sim::run_with(scenario, seed, options));
+    let (wall, label) = (stopwatch.elapsed(), RunLabel::alone(scenario, seed));
+    match caught.map_err(|_| CliError::run_failed("the run panicked: this is a fault of the program"))? {
+        Ok(run) => {
+            let result = RunResult::new(Outcome::new(&run.timeline), run.cost);
+            Ok((RunRow::done(label, result, wall), Some(run.timeline)))
+        }
+        Err(error) => Ok((RunRow::not_done(label, Status::Failed, error.to_string(), wall), None)),
+    }
+}
+
+/// The files that one run was asked for.
+struct Outputs<'a> {
+    recording: Option<PathBuf>,
+    events: Option<&'a Path>,
+    trace: Option<&'a Path>,
+    step_s: f64,
+}
+
+impl<'a> Outputs<'a> {
+    /// Checks what can be checked before the run, and returns where its words go.
+    fn checked(arguments: &'a RunArguments, scenario: &Scenario) -> Result<(Self, Words), CliError> {
+        let step_s = arguments.step;
+        if !(step_s.is_finite() && step_s >= FINEST_STEP_S) {
+            let sentence = format!("--step is {step_s}; expected seconds, at least {FINEST_STEP_S}");
+            return Err(CliError::bad_input(sentence, None));
+        }
+        let recording = arguments.out.as_deref().map(|path| recording_path(path, scenario, arguments.seed));
+        let inputs = vec![Path::new(&arguments.scenario.source)];
+        let files = Files { inputs, form: arguments.form, ..Files::default() }.writing([
+            (Format::Recording, &recording),
+            (Format::Csv, &arguments.events),
+            (Format::Csv, &arguments.trace),
+        ]);
+        let words = files.check()?;
+        let (events, trace) = (arguments.events.as_deref(), arguments.trace.as_deref());
+        Ok((Self { recording, events, trace, step_s }, words))
+    }
+
+    /// Tries all files; the error is the first.
+    fn write(&self, timeline: &Timeline, quiet: bool) -> Result<(), CliError> {
+        let recording = self.recording.as_deref().map(|path| (path, write_recording(path, timeline)));
+        let events = self.events.map(|path| (path, write_csv(path, |to| write_events(timeline, to))));
+        let trace = self.trace.map(|path| (path, write_csv(path, |to| write_trace(timeline, self.step_s, to))));
+        let mut all = Ok(());
+        for (path, written) in [recording, events, trace].into_iter().flatten() {
+            if written.is_ok() {
+                output_files::note_written(path, quiet);
+            }
+            all = all.and(written);
+        }
+        all
+    }
+}
+
+/// The recording's own name in a folder; the path itself if it names a file.
+fn recording_path(path: &Path, scenario: &Scenario, seed: u64) -> PathBuf {
+    let names_a_folder = path.is_dir() || path.as_os_str().to_string_lossy().ends_with('/');
+    if names_a_folder {
+        path.join(format!("{}-seed-{seed}.wildfire", file_name_of(&scenario.name)))
+    } else {
+        path.to_owned()
+    }
+}
+
+fn write_recording(path: &Path, timeline: &Timeline) -> Result<(), CliError> {
+    let unwritable = |error| CliError::environment(format_args!("cannot write {}: {error}", path.display()));
+    file::write(timeline, path).map_err(unwritable)
+}
+
+fn write_csv(path: &Path, write: impl FnOnce(&mut dyn Write) -> Result<(), ExportError>) -> Result<(), CliError> {
+    let unwritable = |error: io::Error| CliError::unwritable(path, &error);
+    let mut file = WholeFile::create(path).map_err(unwritable)?;
+    write(&mut file)
+        .map_err(|error| CliError::environment(format_args!("cannot write {}: {error}", path.display())))?;
+    file.finish().map_err(unwritable)
+}
+
+/// The result of a run.
+struct RunReport {
+    row: RunRow,
+}
+
+impl Serialize for RunReport {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        RunObject::new(&self.row).serialize(serializer)
+    }
+}
+
+impl From<&RunReport> for Document {
+    /// The outcome, the winner, the agents and the CPU time, at most 80 columns wide.
+    fn from(RunReport { row }: &RunReport) -> Self {
+        let Some(result) = &row.result else { return Self::new(row.message.clone()) };
+        let (label, outcome) = (&row.label, &result.outcome);
+        let ended_s = rounded(outcome.ended_s, 1);
+        let notes = notes(result).into_iter().map(|note| format!("Note: {note}"));
+        Self::new(format!("{}, seed {}: ended after {ended_s} s", label.scenario, label.seed)).with([
+            states(outcome).into(),
+            Block::List([fires(outcome), verdict(result)].into_iter().chain(notes).collect()),
+            agents(outcome).into(),
+            cpu_times(result).into(),
+            Block::Text(cpu_per_plan(result)),
+        ])
+    }
+}
+
+fn states(outcome: &Outcome) -> Table {
+    let row = |state: &str, count: u32, ratio: f64| vec![state.to_owned(), count.to_string(), rounded(ratio, 3)];
+    let rows = vec![
+        row("intact", outcome.intact, outcome.intact_ratio()),
+        row("burned", outcome.burned(), outcome.burned_ratio()),
+        row("extinguished", outcome.extinguished, outcome.extinguished_ratio()),
+        vec!["all".into(), outcome.obstacles.to_string(), String::new()],
+    ];
+    Table { rules_before: vec![rows.len() - 1], ..Table::new(&["Obstacles", "total", "ratio"], rows) }
+}
+
+fn fires(outcome: &Outcome) -> String {
+    let Outcome { lit_by_wumpus, caught_by_spread, lit_by_schedule, peak_burning, .. } = outcome;
+    let schedule = if *lit_by_schedule > 0 { format!(", {lit_by_schedule} by schedule") } else { String::new() };
+    let first = outcome.first_fire_s.map(|first_s| format!(", the first at {} s", rounded(first_s, 1)));
+    let response = outcome.mean_response_s.map(|mean_s| format!("; put out after {} s on average", rounded(mean_s, 1)));
+    format!(
+        "Fires: {lit_by_wumpus} lit by the Wumpus, {caught_by_spread} caught by spread{schedule}; at most \
+         {peak_burning} at once{}{}.",
+        first.unwrap_or_default(),
+        response.unwrap_or_default()
+    )
+}
+
+fn verdict(result: &RunResult) -> String {
+    let outcome = &result.outcome;
+    let (wumpus, truck) = (outcome.wumpus_score, outcome.truck_score);
+    if result.trucks().next().is_none() || result.wumpuses().next().is_none() {
+        return format!("No contest: one side has no agents. Points: Wumpus {wumpus}, Unimog {truck}.");
+    }
+    match outcome.winner() {
+        Winner::Wumpus => format!("The Wumpus wins, {wumpus} points to {truck}."),
+        Winner::Unimog => format!("The Unimog wins, {truck} points to {wumpus}."),
+        Winner::Tie => format!("A tie, {truck} points each."),
+    }
+}
+
+fn agents(outcome: &Outcome) -> Table {
+    let row = |agent: &AgentOutcome| {
+        let failed: u32 = agent.failures.iter().sum();
+        let counts = [agent.cells, agent.plans, failed].map(|count| count.to_string());
+        let measures =
+            [agent.distance_m, agent.driving_s, agent.planning_s, agent.suppressing_s, agent.standing_s, agent.stuck_s];
+        let measures = measures.map(|measure| rounded(measure, 1));
+        [agent.agent.to_string()].into_iter().chain(counts).chain(measures).collect()
+    };
+    let headings = [
+        "Agent",
+        "cells",
+        "plans",
+        "failed",
+        "distance\nm",
+        "moving\ns",
+        "planning\ns",
+        "suppress.\ns",
+        "standing\ns",
+        "stuck\ns",
+    ];
+    Table::new(&headings, outcome.agents.iter().map(row).collect())
+}
+
+fn cpu_times(result: &RunResult) -> Table {
+    let cpu = &result.cpu;
+    let parts = [
+        ("terrain", cpu.terrain_s),
+        ("clearance field", cpu.clearance_field_s),
+        ("PRM sampling", cpu.sampling_s),
+        ("PRM map generation", cpu.map_generation_s),
+        ("roadmap search", cpu.roadmap_search_s),
+        ("local search", cpu.local_search_s),
+        ("reachability", cpu.reachability_s),
+        ("Wumpus search", cpu.wumpus_s),
+        ("everything else", cpu.rest_s()),
+        ("whole run", cpu.run_s),
+    ];
+    let share = |seconds: f64| if cpu.run_s > 0.0 { percent(seconds / cpu.run_s) } else { "-".into() };
+    let row = |(phase, seconds): (&str, f64)| vec![phase.to_owned(), rounded(seconds * 1e3, 3), share(seconds)];
+    let rows: Vec<_> = parts.into_iter().map(row).collect();
+    Table { rules_before: vec![rows.len() - 1], ..Table::new(&["Phase", "CPU\nms", "%"], rows) }
+}
+
+fn cpu_per_plan(result: &RunResult) -> String {
+    let per_plan = |cpu_s: f64, plans: u32| rounded(1e6 * cpu_s / f64::from(plans.max(1)), 1);
+    let truck_plans = result.trucks().map(|agent| agent.plans).sum();
+    let wumpus_plans = result.wumpuses().map(|agent| agent.plans).sum();
+    let queries_s = result.cpu.roadmap_search_s + result.cpu.local_search_s;
+    let (truck, wumpus) = (per_plan(queries_s, truck_plans), per_plan(result.cpu.wumpus_s, wumpus_plans));
+    format!("CPU per plan: truck {truck} us ({truck_plans} plans), Wumpus {wumpus} us ({wumpus_plans} plans).")
+}

@@ -1,0 +1,80 @@
+//! Numbers as people read them.
+//!
+//! Files and JSON have the shortest decimals that read back as the same `f64`; those need no help. Everything that is
+//! printed for people is rounded here.
+
+/// A number with so many decimals, zero without a sign.
+pub fn rounded(number: f64, decimals: usize) -> String {
+    let text = format!("{number:.decimals$}");
+    let is_zero = text.chars().all(|letter| "-0.".contains(letter));
+    if is_zero { text.trim_start_matches('-').into() } else { text }
+}
+
+/// The same for a number that may not exist, which is shown as a dash.
+pub fn optional(number: Option<f64>, decimals: usize) -> String {
+    number.map_or_else(|| "-".into(), |number| rounded(number, decimals))
+}
+
+/// A number with as few decimals as it needs, at most six.
+pub fn short(number: f64) -> String {
+    // The sum makes -0 to 0.
+    ((number * 1e6).round() / 1e6 + 0.0).to_string()
+}
+
+/// Returns the decimals that show a number of this size with two digits that count; at most nine.
+pub fn two_digits(size: f64) -> usize {
+    let mut decimals = 0;
+    let mut shifted = size.abs();
+    while shifted < 9.95 && decimals < 9 && shifted > 0.0 {
+        shifted *= 10.0;
+        decimals += 1;
+    }
+    decimals
+}
+
+/// A share of 1 in percent, without its sign.
+pub fn percent(share: f64) -> String {
+    rounded(100.0 * share, 1)
+}
+
+/// A probability with three decimals, or that it is smaller than that.
+pub fn probability(p: f64) -> String {
+    if p < 0.0005 { "<.001".into() } else { rounded(p, 3) }
+}
+
+/// A number of things, such as `1 goal` or `2 goals`.
+pub fn count(number: usize, thing: &str) -> String {
+    if number == 1 { format!("1 {thing}") } else { format!("{number} {thing}s") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_rounds_to_zero_has_no_sign() {
+        assert_eq!(rounded(-0.001, 2), "0.00");
+        assert_eq!(rounded(-0.0, 0), "0");
+        assert_eq!(rounded(-0.04, 1), "0.0");
+        assert_eq!(rounded(-0.01, 2), "-0.01");
+        assert_eq!(rounded(-10.0, 0), "-10");
+        assert_eq!([short(-1e-9), short(-2.5), short(1.0 / 3.0)], ["0", "-2.5", "0.333333"]);
+    }
+
+    #[test]
+    fn two_digits_of_the_uncertainty_are_shown() {
+        for (size, decimals) in
+            [(123.0, 0), (12.0, 0), (9.96, 0), (1.2, 1), (0.96, 2), (0.004, 4), (0.0, 0), (1e-30, 9)]
+        {
+            assert_eq!(two_digits(size), decimals, "{size}");
+        }
+    }
+
+    #[test]
+    fn what_there_is_none_of_is_a_dash_and_one_thing_is_no_plural() {
+        assert_eq!([optional(None, 2), optional(Some(0.5), 2)], ["-", "0.50"]);
+        assert_eq!([probability(0.0004), probability(0.04)], ["<.001", "0.040"]);
+        assert_eq!([count(1, "goal"), count(0, "goal")], ["1 goal", "0 goals"]);
+        assert_eq!(percent(0.12345), "12.3");
+    }
+}
