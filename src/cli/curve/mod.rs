@@ -217,7 +217,7 @@ mod tests {
             }
         }
         if tables::check_samples(&report.curves, 0.05).is_ok() && case.chance(5) {
-            let count = report.curves.iter().map(|curve| tables::poses_along(&curve.path, 0.05).count()).sum::<usize>();
+            let count = report.curves.iter().map(|curve| poses_along(&curve.path, 0.05).count()).sum::<usize>();
             report.draw();
             if count == 0 { Err("a curve without a pose".into()) } else { Ok(()) }
         } else {

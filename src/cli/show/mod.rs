@@ -90,39 +90,6 @@ impl Shown {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use std::fs;
-
-    use clap::Parser;
-
-    use super::*;
-    use crate::scenario::BUILT_IN;
-
-    #[derive(Parser)]
-    struct Command {
-        #[command(flatten)]
-        show: ShowArguments,
-    }
-
-    fn titles(words: &str) -> Vec<String> {
-        let command = Command::parse_from(["show"].into_iter().chain(words.split(' ')));
-        let shown = shown_runs(&command.show, Searches::LeftOut, true).expect("both runs take place");
-        shown.into_iter().map(|shown| shown.run.title).collect()
-    }
-
-    #[test]
-    fn two_runs_are_told_apart_by_their_titles() {
-        assert_eq!(titles("smoke --with-set fire.burn_out_s=20"), ["smoke", "smoke, fire.burn_out_s=20"]);
-        assert_eq!(titles("smoke --with-seed 2"), ["smoke", "smoke"]);
-        let scratch = tempfile::tempdir().expect("a scratch folder");
-        let copy = scratch.path().join("mine.toml").display().to_string();
-        let (_, smoke) = BUILT_IN.iter().find(|(name, _)| *name == "smoke").expect("it is built in");
-        fs::write(&copy, smoke).expect("writable");
-        assert_eq!(titles(&format!("smoke --with {copy}")), ["smoke", &copy]);
-    }
-}
-
 /// A time of the option `name`, in seconds.
 ///
 /// # Errors
