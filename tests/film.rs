@@ -6,7 +6,7 @@ use std::time::Duration;
 use rand::RngExt;
 use wildfire::fire::BushStateKind;
 use wildfire::picture::bush_colour;
-use wildfire::picture::film::{FrameRequest, Layout, Place, Rectangle, RunView, ViewOptions, still};
+use wildfire::picture::film::{FrameLayout, FramePart, FrameRequest, PixelRect, RunView, ViewOptions, still};
 use wildfire::rng::{self, Xoshiro256PlusPlus};
 use wildfire::time::SimTime;
 use wildfire::timeline::{Activity, AgentId, CpuSample, Fact, FireFact, Outcome, Timeline};
@@ -172,22 +172,22 @@ fn sizes() -> impl Iterator<Item = (u32, u32)> {
     let mut rng = rng("tests/film/sizes");
     let mut side = move |least: u32| match rng.random_range(0..4) {
         0 => least,
-        1 => Layout::MOST_SIDE,
+        1 => FrameLayout::MOST_SIDE,
         2 => rng.random_range(least..=1500),
-        _ => rng.random_range(least..=Layout::MOST_SIDE),
+        _ => rng.random_range(least..=FrameLayout::MOST_SIDE),
     };
-    (0..2000).map(move |_| (side(Layout::LEAST_WIDTH), side(Layout::LEAST_HEIGHT)))
+    (0..2000).map(move |_| (side(FrameLayout::LEAST_WIDTH), side(FrameLayout::LEAST_HEIGHT)))
 }
 
-fn overlap(one: &Rectangle, other: &Rectangle) -> bool {
+fn overlap(one: &PixelRect, other: &PixelRect) -> bool {
     one.left < other.right() && other.left < one.right() && one.top < other.bottom() && other.top < one.bottom()
 }
 
 #[test]
 fn parts_of_a_frame_have_room_on_sheets_of_every_size() {
     for ((width, height), runs) in sizes().zip([1, 2].into_iter().cycle()) {
-        let layout = Layout::new((width, height), runs);
-        let parts: Vec<Rectangle> = layout.fields.iter().copied().chain(layout.panel).chain([layout.chart]).collect();
+        let layout = FrameLayout::new((width, height), runs);
+        let parts: Vec<PixelRect> = layout.fields.iter().copied().chain(layout.panel).chain([layout.chart]).collect();
         assert_eq!(layout.fields.len(), runs);
         for (index, part) in parts.iter().enumerate() {
             assert!(part.right() <= width && part.bottom() <= height, "{part:?} of {width} x {height}");
@@ -203,19 +203,19 @@ fn parts_of_a_frame_have_room_on_sheets_of_every_size() {
 #[test]
 fn places_on_the_timeline_are_times_and_back() {
     for (size, runs) in sizes().take(200).zip([1, 2].into_iter().cycle()) {
-        let layout = Layout::new(size, runs);
+        let layout = FrameLayout::new(size, runs);
         let y = f64::from(layout.chart.top + layout.chart.height / 2);
         for share in [0.0, 0.1, 0.5, 0.999, 1.0] {
-            let Place::Timeline { share: found } = layout.place_at((layout.timeline_x(share), y)) else {
+            let FramePart::Timeline { share: found } = layout.place_at((layout.timeline_x(share), y)) else {
                 panic!("no timeline at {share} of {layout:?}");
             };
             assert!((found - share).abs() < 1e-9, "{found} for {share}");
         }
-        assert_eq!(layout.place_at((0.0, y)), Place::Timeline { share: 0.0 });
-        assert_eq!(layout.place_at((f64::from(layout.width) - 0.5, y)), Place::Timeline { share: 1.0 });
+        assert_eq!(layout.place_at((0.0, y)), FramePart::Timeline { share: 0.0 });
+        assert_eq!(layout.place_at((f64::from(layout.width) - 0.5, y)), FramePart::Timeline { share: 1.0 });
         for (run_index, pane) in layout.fields.iter().enumerate() {
             let at = (f64::from(pane.left) + 2.5, f64::from(pane.top) + 7.0);
-            assert_eq!(layout.place_at(at), Place::Field { run_index, at: (2.5, 7.0) });
+            assert_eq!(layout.place_at(at), FramePart::Field { run_index, at: (2.5, 7.0) });
         }
     }
 }
@@ -223,7 +223,7 @@ fn places_on_the_timeline_are_times_and_back() {
 /// The colours of a still in the chart, in the middle of the upper half of its first area.
 fn is_state_shown(run: &RunView, time: SimTime, kind: BushStateKind) -> bool {
     let options = ViewOptions::default();
-    let layout = Layout::new((800, 600), 1);
+    let layout = FrameLayout::new((800, 600), 1);
     let picture = still(&FrameRequest { runs: &[run], time, options: &options }, (800, 600));
     let mut pixels = (layout.timeline.left..layout.timeline.right())
         .flat_map(|x| (layout.chart.top..layout.chart.bottom()).map(move |y| (x, y)));

@@ -5,7 +5,7 @@ use wildfire::fire::BushStateKind;
 use wildfire::geometry::DVec2;
 use wildfire::picture::bush_colour;
 use wildfire::picture::film::{
-    Camera, FrameRenderer, FrameRequest, Layer, Layers, Projection, Rectangle, RunView, Selected, ViewOptions, pick,
+    Camera, FrameRenderer, FrameRequest, Layer, Layers, PixelRect, Projection, RunView, Selected, ViewOptions, pick,
 };
 use wildfire::scenario;
 use wildfire::sim;
@@ -27,7 +27,7 @@ fn seconds(seconds: f64) -> SimTime {
 
 /// The pane of the first run, as red, green, blue and opacity.
 struct Seen {
-    pane: Rectangle,
+    pane: PixelRect,
     bytes: Vec<u8>,
 }
 
@@ -50,7 +50,7 @@ impl Seen {
     }
 }
 
-fn projection(run: &RunView, state: &State, options: &ViewOptions, pane: Rectangle) -> Projection {
+fn projection(run: &RunView, state: &State, options: &ViewOptions, pane: PixelRect) -> Projection {
     Projection::from_options(run, state, options, (pane.width, pane.height))
 }
 

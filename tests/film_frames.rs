@@ -3,7 +3,7 @@
 use rand::RngExt;
 use wildfire::geometry::{Cell, DVec2, FieldFrame};
 use wildfire::picture::film::{
-    Camera, FrameRenderer, FrameRequest, Layer, Layers, Layout, RunView, Selected, Status, ViewOptions, still,
+    Camera, FrameLayout, FrameRenderer, FrameRequest, Layer, Layers, RunView, Selected, Status, ViewOptions, still,
 };
 use wildfire::rng::{self, Xoshiro256PlusPlus};
 use wildfire::time::SimTime;
@@ -153,7 +153,7 @@ fn assert_can_be_shown(timeline: Timeline, size: (u32, u32)) {
 #[test]
 fn sheets_of_any_size_are_painted() {
     let (run, other) = (run(1, &[]), run(2, &[]));
-    let sizes = [(320, 240), (320, Layout::MOST_SIDE), (Layout::MOST_SIDE, 240), (641, 479), (700, 1500)];
+    let sizes = [(320, 240), (320, FrameLayout::MOST_SIDE), (FrameLayout::MOST_SIDE, 240), (641, 479), (700, 1500)];
     for (options, size) in looks(run.timeline()).cycle().zip(sizes) {
         for runs in [&[&run][..], &[&run, &other]] {
             let picture = still(&FrameRequest { runs, time: SimTime::from_seconds(70.0), options: &options }, size);

@@ -3,16 +3,15 @@
 use std::f64::consts::TAU;
 
 use crate::geometry::{Cell, FieldFrame, Pose, ops};
+use crate::picture::canvas::{Canvas, Point};
+use crate::picture::colours::{INK, OBSTACLE, Rgb, WAYS};
+use crate::picture::legend::Symbol;
+use crate::picture::marks::Mark;
+use crate::picture::png::Picture;
+use crate::picture::way_lines::{PoseMark, WayRun, draw_cusp, draw_run, way_runs};
+use crate::picture::world_sheet::{WorldFrame, WorldSheet};
 use crate::planning::{Goal, GoalDisc};
 use crate::vehicle::Path;
-
-use super::canvas::{Canvas, Point};
-use super::colours::{INK, OBSTACLE, Rgb, WAYS};
-use super::curves::{Frame, Run, Sheet, runs};
-use super::legend::Symbol;
-use super::marks::Mark;
-use super::png::Picture;
-use super::way_marks::{PoseMark, draw_cusp, draw_run};
 
 /// Pixels of marks; goals can be many.
 const START_MARK: f32 = 9.0;
@@ -48,10 +47,10 @@ pub struct DrivenWays<'a> {
 ///
 /// The field's longer side takes 720 pixels.
 pub fn draw_drives(scene: &DriveScene) -> Picture {
-    let lines: Vec<Vec<Vec<Run>>> =
-        scene.ways.iter().map(|ways| ways.paths.iter().map(|path| runs(path)).collect()).collect();
-    let frame = Frame::from_size(scene.frame.width_m(), scene.frame.height_m());
-    let Sheet { mut canvas, frame } = Sheet::new(scene.title, frame, key(scene, &lines));
+    let lines: Vec<Vec<Vec<WayRun>>> =
+        scene.ways.iter().map(|ways| ways.paths.iter().map(|path| way_runs(path)).collect()).collect();
+    let frame = WorldFrame::from_size(scene.frame.width_m(), scene.frame.height_m());
+    let WorldSheet { mut canvas, frame } = WorldSheet::new(scene.title, frame, key(scene, &lines));
     draw_bushes(&mut canvas, &frame, scene);
     for (index, paths) in lines.iter().enumerate().rev() {
         for run in paths.iter().flatten() {
@@ -70,7 +69,7 @@ pub fn draw_drives(scene: &DriveScene) -> Picture {
 }
 
 /// Cells are drawn from rounded edge to rounded edge, so that neighbours show no seam.
-fn draw_bushes(canvas: &mut Canvas, frame: &Frame, scene: &DriveScene) {
+fn draw_bushes(canvas: &mut Canvas, frame: &WorldFrame, scene: &DriveScene) {
     let corner = |col: u16, row: u16| {
         let (x, y) = frame.at((f64::from(col) * scene.frame.cell_m, f64::from(row) * scene.frame.cell_m));
         (x.round(), y.round())
@@ -81,7 +80,7 @@ fn draw_bushes(canvas: &mut Canvas, frame: &Frame, scene: &DriveScene) {
     }
 }
 
-fn draw_goal(canvas: &mut Canvas, frame: &Frame, scene: &DriveScene, goal: Goal, is_reached: bool) {
+fn draw_goal(canvas: &mut Canvas, frame: &WorldFrame, scene: &DriveScene, goal: Goal, is_reached: bool) {
     let place = match goal {
         Goal::Pose(pose) => (pose.x, pose.y),
         Goal::Disc(disc) => (disc.centre.x, disc.centre.y),
@@ -99,7 +98,7 @@ fn draw_goal(canvas: &mut Canvas, frame: &Frame, scene: &DriveScene, goal: Goal,
 }
 
 /// The circle as far as it lies on the field, and a star in its middle.
-fn draw_disc(canvas: &mut Canvas, frame: &Frame, scene: &DriveScene, disc: GoalDisc) {
+fn draw_disc(canvas: &mut Canvas, frame: &WorldFrame, scene: &DriveScene, disc: GoalDisc) {
     let place = |corner: u32| {
         let (sin, cos) = ops::sin_cos(TAU * f64::from(corner) / f64::from(CORNERS));
         (disc.centre.x + disc.radius_m * cos, disc.centre.y + disc.radius_m * sin)
@@ -119,9 +118,9 @@ fn colour(way: usize) -> Rgb {
     WAYS[way % WAYS.len()]
 }
 
-fn key<'a>(scene: &DriveScene<'a>, lines: &[Vec<Vec<Run>>]) -> Vec<(Symbol, &'a str)> {
+fn key<'a>(scene: &DriveScene<'a>, lines: &[Vec<Vec<WayRun>>]) -> Vec<(Symbol, &'a str)> {
     let ways = scene.ways.iter().enumerate().map(|(index, ways)| (Symbol::Way(colour(index)), ways.name.as_str()));
-    let has = |feature: &dyn Fn(&[Run]) -> bool| lines.iter().flatten().any(|runs| feature(runs));
+    let has = |feature: &dyn Fn(&[WayRun]) -> bool| lines.iter().flatten().any(|runs| feature(runs));
     let goal = |wanted: fn(&Goal) -> bool| scene.goals.iter().any(|(goal, _)| wanted(goal));
     let marks = [
         (has(&|runs| runs.iter().any(|run| run.is_reverse)), Symbol::Reverse, "in reverse"),

@@ -1,11 +1,12 @@
 //! What stands beside a picture: the bar of colours with its values, and the key of everything else.
 
-use super::canvas::{Canvas, Point};
-use super::colours::{FAINT_INK, INK, Rgb};
-use super::marks::{self, Mark, to_f32};
-use super::text::{self, Align};
-use super::values::ValueScale;
-use super::way_marks::{PoseMark, draw_cusp, draw_run};
+use crate::picture::canvas::{Canvas, Point};
+use crate::picture::colours::{FAINT_INK, INK, Rgb};
+use crate::picture::marks;
+use crate::picture::marks::{Mark, to_f32};
+use crate::picture::text::{Align, draw_text, measure_text};
+use crate::picture::values::ValueScale;
+use crate::picture::way_lines::{PoseMark, draw_cusp, draw_run};
 
 /// Lengths in pixels where capitals are [`TEXT`] pixels high; larger pictures scale all of them.
 pub const TEXT: f32 = 10.0;
@@ -42,11 +43,11 @@ pub enum Symbol {
 
 impl Legend<'_> {
     pub fn width(&self, unit: f32) -> f32 {
-        let key = self.key.iter().map(|(_, name)| SYMBOL + text::measure(name, TEXT));
+        let key = self.key.iter().map(|(_, name)| SYMBOL + measure_text(name, TEXT));
         let bar = self.values.iter().flat_map(|bar| {
             let labels =
-                bar.scale.ticks(6).into_iter().map(|tick| BAR_WIDTH + 2.0 * TICK + text::measure(&tick.label, TEXT));
-            labels.chain([text::measure(bar.name, TEXT)])
+                bar.scale.ticks(6).into_iter().map(|tick| BAR_WIDTH + 2.0 * TICK + measure_text(&tick.label, TEXT));
+            labels.chain([measure_text(bar.name, TEXT)])
         });
         unit * key.chain(bar).fold(0.0, f32::max)
     }
@@ -67,13 +68,13 @@ impl Legend<'_> {
         let mut y = top;
         if let Some(bar) = &self.values {
             let height = self.bar_height(room, unit);
-            text::draw(canvas, bar.name, (left, y + TEXT * unit), Align::Left, TEXT * unit, INK);
+            draw_text(canvas, bar.name, (left, y + TEXT * unit), Align::Left, TEXT * unit, INK);
             bar.draw(canvas, (left, y + LINE * unit), height, unit);
             y += height + 2.0 * LINE * unit;
         }
         for (symbol, name) in &self.key {
             symbol.draw(canvas, (left, y), unit);
-            text::draw(canvas, name, (left + SYMBOL * unit, y + 13.0 * unit), Align::Left, TEXT * unit, INK);
+            draw_text(canvas, name, (left + SYMBOL * unit, y + 13.0 * unit), Align::Left, TEXT * unit, INK);
             y += LINE * unit;
         }
     }
@@ -95,7 +96,7 @@ impl Bar<'_> {
             let right = left + width;
             canvas.fill_rect(right + 1.0, y - 0.5 * unit, TICK * unit, unit, INK);
             let at = (right + 2.0 * TICK * unit, y + 0.5 * TEXT * unit);
-            text::draw(canvas, &tick.label, at, Align::Left, TEXT * unit, INK);
+            draw_text(canvas, &tick.label, at, Align::Left, TEXT * unit, INK);
         }
     }
 }

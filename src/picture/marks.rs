@@ -2,10 +2,9 @@
 
 use crate::geometry::ops;
 use crate::grid::Place;
-
-use super::canvas::{Canvas, Point};
-use super::colours::{GOAL, INK, PAPER, PATH, Rgb};
-use super::scene::MapScene;
+use crate::picture::canvas::{Canvas, Point};
+use crate::picture::colours::{GOAL, INK, PAPER, PATH, Rgb};
+use crate::picture::scene::MapScene;
 
 /// A mark on a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,7 +33,7 @@ impl Mark {
 }
 
 /// The marks that a scene has, as the key lists them; they are drawn in the opposite order.
-pub fn marks(scene: &MapScene) -> impl DoubleEndedIterator<Item = (Mark, Place)> {
+pub fn scene_marks(scene: &MapScene) -> impl DoubleEndedIterator<Item = (Mark, Place)> {
     let marks = [(Mark::Start, scene.start), (Mark::Goal, scene.goal), (Mark::Stuck, scene.stuck)];
     marks.into_iter().filter_map(|(mark, place)| Some((mark, place?)))
 }

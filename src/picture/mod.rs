@@ -16,7 +16,6 @@ mod legend;
 mod map;
 mod marks;
 mod overlay;
-mod plate;
 mod png;
 mod scene;
 mod surface;
@@ -24,7 +23,8 @@ mod text;
 mod thin_line;
 mod ticks;
 mod values;
-mod way_marks;
+mod way_lines;
+mod world_sheet;
 mod zoom;
 
 pub use colours::{ColourMap, Rgb, bush_colour};

@@ -1,14 +1,12 @@
 //! A map laid over the input that it was computed from.
 
 use crate::grid::Grid;
-
-use super::colours::{OBSTACLE, PAPER, Rgb, WITHOUT_VALUE, ZONES, blend};
-use super::legend::{Legend, Symbol};
-use super::map::{bar, face_colour, marks_key};
-use super::plate::Plate;
-use super::png::Picture;
-use super::scene::{MapScene, Zones};
-use super::zoom::{Block, Face};
+use crate::picture::colours::{OBSTACLE, PAPER, Rgb, WITHOUT_VALUE, ZONES, blend};
+use crate::picture::legend::{Legend, Symbol};
+use crate::picture::map::{Plate, bar, face_colour, marks_key};
+use crate::picture::png::Picture;
+use crate::picture::scene::{MapScene, Zones};
+use crate::picture::zoom::{BlockFace, CellBlock};
 
 /// How much of the colour of a free cell is the map's; the rest is the input's.
 const OPACITY: f64 = 0.6;
@@ -52,13 +50,13 @@ fn paint_over(
     scene: &MapScene,
     legend: &Legend,
     grey: Option<&Grid<u8>>,
-    colour: &dyn Fn(&Block, Face) -> Rgb,
+    colour: &dyn Fn(&CellBlock, BlockFace) -> Rgb,
 ) -> Picture {
     let mut plate = Plate::around(scene, legend);
     plate.paint(&|block| {
         let ground = grey.map_or(PAPER, |grey| darkest(grey, block));
         match block.face(scene) {
-            Face::Obstacle => blend(ground, OBSTACLE, if grey.is_some() { OBSTACLE_OPACITY } else { 1.0 }),
+            BlockFace::Obstacle => blend(ground, OBSTACLE, if grey.is_some() { OBSTACLE_OPACITY } else { 1.0 }),
             face => blend(ground, colour(block, face), OPACITY),
         }
     });
@@ -66,7 +64,7 @@ fn paint_over(
     plate.finish()
 }
 
-fn darkest(grey: &Grid<u8>, block: &Block) -> Rgb {
+fn darkest(grey: &Grid<u8>, block: &CellBlock) -> Rgb {
     let values = block.places().filter_map(|(row, col)| grey.get(row, col));
     [*values.min().unwrap_or(&255); 3]
 }

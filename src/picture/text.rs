@@ -2,9 +2,9 @@
 
 use tiny_skia::PathBuilder;
 
-use super::canvas::Canvas;
-use super::colours::Rgb;
-use super::font::{CAPITAL, Glyph, PenPoint, glyph};
+use crate::picture::canvas::Canvas;
+use crate::picture::colours::Rgb;
+use crate::picture::font::{CAPITAL, Glyph, PenPoint, glyph};
 
 /// Width of the pen in units of the font.
 pub const PEN: f32 = 1.15;
@@ -21,7 +21,7 @@ pub enum Align {
 
 /// How far a line of text reaches from the left edge of its first character to the right edge of its last, in pixels,
 /// if its capitals are `height` pixels high.
-pub fn measure(text: &str, height: f32) -> f32 {
+pub fn measure_text(text: &str, height: f32) -> f32 {
     let advances: f32 = text.chars().map(|letter| glyph(letter).advance).sum();
     ((advances - GAP + PEN) * height / CAPITAL).max(0.0)
 }
@@ -29,9 +29,9 @@ pub fn measure(text: &str, height: f32) -> f32 {
 /// Draws a line of text on a base line; capitals are `height` pixels high, tails reach 0.3 of that below.
 ///
 /// The text is shifted by less than a pixel, so that its stems and bars fall on whole pixels as far as may be.
-pub fn draw(canvas: &mut Canvas, text: &str, (x, base): (f32, f32), align: Align, height: f32, colour: Rgb) {
+pub fn draw_text(canvas: &mut Canvas, text: &str, (x, base): (f32, f32), align: Align, height: f32, colour: Rgb) {
     let unit = height / CAPITAL;
-    let width = measure(text, height);
+    let width = measure_text(text, height);
     let left = match align {
         Align::Left => x,
         Align::Centre => x - width / 2.0,
@@ -73,7 +73,7 @@ mod tests {
     /// The left-most and right-most columns with ink of a text drawn at (100, 30).
     fn inked_columns(text: &str, align: Align) -> (u32, u32) {
         let mut canvas = Canvas::new(200, 40, PAPER);
-        draw(&mut canvas, text, (100.0, 30.0), align, 10.0, INK);
+        draw_text(&mut canvas, text, (100.0, 30.0), align, 10.0, INK);
         let picture = canvas.finish();
         let is_inked = |x: &u32| (0..40).any(|y| picture.pixel(*x, y) != PAPER);
         let left = (0..200).find(is_inked).expect("text leaves ink");
@@ -86,7 +86,11 @@ mod tests {
             let (left, right) = inked_columns(text, Align::Left);
             assert!((99..=101).contains(&left), "{text} begins at {left}");
             let inked = (right + 1 - left) as f32;
-            assert!((inked - measure(text, 10.0)).abs() <= 2.0, "{text}: {inked} for {}", measure(text, 10.0));
+            assert!(
+                (inked - measure_text(text, 10.0)).abs() <= 2.0,
+                "{text}: {inked} for {}",
+                measure_text(text, 10.0)
+            );
         }
     }
 
@@ -101,7 +105,7 @@ mod tests {
     #[test]
     fn stems_of_small_text_fall_on_whole_pixels() {
         let mut canvas = Canvas::new(20, 20, PAPER);
-        draw(&mut canvas, "I", (5.0, 15.0), Align::Left, 10.0, INK);
+        draw_text(&mut canvas, "I", (5.0, 15.0), Align::Left, 10.0, INK);
         let picture = canvas.finish();
         assert!(picture.pixel(5, 10)[0] < 60, "{:?}", picture.pixel(5, 10));
         assert!(picture.pixel(3, 10)[0] > 240 && picture.pixel(7, 10)[0] > 240);

@@ -4,8 +4,7 @@
 use std::ops::Range;
 
 use crate::grid::Place;
-
-use super::scene::MapScene;
+use crate::picture::scene::MapScene;
 
 /// How long the longer side of a small map is to be drawn, about, in pixels.
 const USUAL_SIDE: usize = 800;
@@ -21,14 +20,14 @@ pub struct Zoom {
 
 /// The cells that are drawn as one square.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Block {
+pub struct CellBlock {
     pub rows: Range<usize>,
     pub cols: Range<usize>,
 }
 
 /// What a block of cells is drawn as.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Face {
+pub enum BlockFace {
     Obstacle,
     Value(f64),
     /// Free, but without a value.
@@ -64,29 +63,29 @@ impl Zoom {
         (index as f32 + 0.5) * self.cell()
     }
 
-    pub fn block(self, row: usize, col: usize, (rows, cols): (usize, usize)) -> Block {
+    pub fn block(self, row: usize, col: usize, (rows, cols): (usize, usize)) -> CellBlock {
         let range = |index: usize, end: usize| index * self.cells..((index + 1) * self.cells).min(end);
-        Block { rows: range(row, rows), cols: range(col, cols) }
+        CellBlock { rows: range(row, rows), cols: range(col, cols) }
     }
 }
 
-impl Block {
+impl CellBlock {
     pub fn places(&self) -> impl Iterator<Item = Place> {
         self.rows.clone().flat_map(|row| self.cols.clone().map(move |col| (row, col)))
     }
 
     /// An obstacle if any cell is one, so that no wall is lost; else the highest value; without value if no cell has
     /// one.
-    pub fn face(&self, scene: &MapScene) -> Face {
+    pub fn face(&self, scene: &MapScene) -> BlockFace {
         let mut highest = None;
         for place in self.places() {
             if scene.occupied[place] {
-                return Face::Obstacle;
+                return BlockFace::Obstacle;
             }
             let value = scene.value_at(place);
             highest = if value > highest { value } else { highest };
         }
-        highest.map_or(Face::WithoutValue, Face::Value)
+        highest.map_or(BlockFace::WithoutValue, BlockFace::Value)
     }
 }
 
@@ -132,6 +131,6 @@ mod tests {
         let scene = MapScene::new("", "", &occupied, &value);
         let zoom = Zoom { cells: 2, pixels: 1 };
         let faces: Vec<_> = (0..3).map(|col| zoom.block(0, col, (1, 6)).face(&scene)).collect();
-        assert_eq!(faces, [Face::Value(5.0), Face::Obstacle, Face::WithoutValue]);
+        assert_eq!(faces, [BlockFace::Value(5.0), BlockFace::Obstacle, BlockFace::WithoutValue]);
     }
 }

@@ -2,7 +2,7 @@
 
 use bevy::prelude::Resource;
 
-use crate::picture::film::{FrameRenderer, FrameRequest, Layout};
+use crate::picture::film::{FrameLayout, FrameRenderer, FrameRequest};
 
 /// The pixels that the window shows, as large as the window in pixels of the display.
 #[derive(Resource)]
@@ -28,7 +28,7 @@ impl FrameBuffer {
         self.size
     }
 
-    pub fn layout(&self) -> &Layout {
+    pub fn layout(&self) -> &FrameLayout {
         self.renderer.layout()
     }
 
@@ -62,5 +62,8 @@ impl FrameBuffer {
 }
 
 fn within_limits((width, height): (u32, u32)) -> (u32, u32) {
-    (width.clamp(Layout::LEAST_WIDTH, Layout::MOST_SIDE), height.clamp(Layout::LEAST_HEIGHT, Layout::MOST_SIDE))
+    (
+        width.clamp(FrameLayout::LEAST_WIDTH, FrameLayout::MOST_SIDE),
+        height.clamp(FrameLayout::LEAST_HEIGHT, FrameLayout::MOST_SIDE),
+    )
 }

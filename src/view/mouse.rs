@@ -2,7 +2,7 @@
 
 use bevy::prelude::Resource;
 
-use crate::picture::film::{Layout, Place};
+use crate::picture::film::{FrameLayout, FramePart};
 
 /// How far, in pixels, a pressed mouse goes before that is a drag and no click.
 const CLICK: f64 = 4.0;
@@ -43,7 +43,7 @@ impl Mouse {
         matches!(self.held, Some(Held::Timeline { .. }))
     }
 
-    pub fn go_to(&mut self, at: At, layout: &Layout) -> Option<Gesture> {
+    pub fn go_to(&mut self, at: At, layout: &FrameLayout) -> Option<Gesture> {
         let before = std::mem::replace(&mut self.at, at);
         match &mut self.held {
             None => None,
@@ -56,41 +56,41 @@ impl Mouse {
         }
     }
 
-    pub fn press(&mut self, layout: &Layout) -> Option<Gesture> {
+    pub fn press(&mut self, layout: &FrameLayout) -> Option<Gesture> {
         match layout.place_at(self.at) {
-            Place::Timeline { share } => {
+            FramePart::Timeline { share } => {
                 self.held = Some(Held::Timeline { y: self.at.1 });
                 Some(Gesture::Scrub(share))
             }
-            Place::Field { .. } => {
+            FramePart::Field { .. } => {
                 self.held = Some(Held::Field { pressed: self.at, is_dragged: false });
                 None
             }
-            Place::Elsewhere => None,
+            FramePart::Elsewhere => None,
         }
     }
 
-    pub fn release(&mut self, layout: &Layout) -> Option<Gesture> {
+    pub fn release(&mut self, layout: &FrameLayout) -> Option<Gesture> {
         let Some(Held::Field { is_dragged: false, .. }) = self.held.take() else { return None };
         match layout.place_at(self.at) {
-            Place::Field { run_index, at } => Some(Gesture::Click { run_index, at }),
+            FramePart::Field { run_index, at } => Some(Gesture::Click { run_index, at }),
             _ => None,
         }
     }
 
-    pub fn wheel(&self, notches: f64, layout: &Layout) -> Option<Gesture> {
+    pub fn wheel(&self, notches: f64, layout: &FrameLayout) -> Option<Gesture> {
         match layout.place_at(self.at) {
-            Place::Field { run_index, at } => Some(Gesture::Zoom { run_index, at, notches }),
+            FramePart::Field { run_index, at } => Some(Gesture::Zoom { run_index, at, notches }),
             _ => None,
         }
     }
 }
 
 /// Beyond the ends of the timeline is its nearer end.
-fn scrub((x, y): At, layout: &Layout) -> Option<Gesture> {
+fn scrub((x, y): At, layout: &FrameLayout) -> Option<Gesture> {
     let (left, right) = (f64::from(layout.chart.left), f64::from(layout.chart.right()));
     match layout.place_at((x.clamp(left, right - 1.0), y)) {
-        Place::Timeline { share } => Some(Gesture::Scrub(share)),
+        FramePart::Timeline { share } => Some(Gesture::Scrub(share)),
         _ => None,
     }
 }
@@ -108,12 +108,12 @@ fn is_near(one: At, other: At) -> bool {
 mod tests {
     use super::*;
 
-    fn layout() -> Layout {
-        Layout::new((1000, 800), 1)
+    fn layout() -> FrameLayout {
+        FrameLayout::new((1000, 800), 1)
     }
 
     /// The middle of the only field, and that place in its pane.
-    fn middle(layout: &Layout) -> (At, At) {
+    fn middle(layout: &FrameLayout) -> (At, At) {
         let pane = layout.fields[0];
         let inside = (f64::from(pane.width / 2), f64::from(pane.height / 2));
         ((f64::from(pane.left) + inside.0, f64::from(pane.top) + inside.1), inside)

@@ -6,7 +6,7 @@ use bevy::prelude::{Local, Query, Real, Res, Time, Window, With};
 use bevy::window::PrimaryWindow;
 
 use super::{Player, RunSet};
-use crate::picture::film::{RunView, clock};
+use crate::picture::film::{RunView, format_clock};
 
 /// While playing the title changes no more often than this.
 const PERIOD: Duration = Duration::from_millis(250);
@@ -30,7 +30,7 @@ pub fn set_title(
 fn title(player: &Player, runs: &RunSet) -> String {
     let runs: Vec<String> = runs.runs().into_iter().map(run_title).collect();
     let pace = if player.is_paused() { "paused".into() } else { format!("{} x", player.speed()) };
-    format!("{} - {} - {pace}", runs.join(" | "), clock(player.clock()))
+    format!("{} - {} - {pace}", runs.join(" | "), format_clock(player.clock()))
 }
 
 fn run_title(run: &RunView) -> String {

@@ -15,7 +15,7 @@ use bevy::window::{PresentMode, Window, WindowPlugin, WindowResizeConstraints, W
 
 use super::failure::{display, quietly};
 use super::{FrameBuffer, Player, PlayerPlugin, RunSet, ScreenPlugin, ViewError, Viewer, ViewerConfig};
-use crate::picture::film::Layout;
+use crate::picture::film::FrameLayout;
 
 /// Opens the window and returns when it is closed.
 ///
@@ -84,8 +84,8 @@ fn primary_window((width, height): (u32, u32)) -> Window {
         name: Some("wildfire".into()),
         resolution: WindowResolution::new(width, height),
         resize_constraints: WindowResizeConstraints {
-            min_width: Layout::LEAST_WIDTH as f32,
-            min_height: Layout::LEAST_HEIGHT as f32,
+            min_width: FrameLayout::LEAST_WIDTH as f32,
+            min_height: FrameLayout::LEAST_HEIGHT as f32,
             ..WindowResizeConstraints::default()
         },
         present_mode: PresentMode::AutoVsync,

@@ -4,7 +4,7 @@ use glam::DVec2;
 use tempfile::TempDir;
 use wildfire::geometry::ops;
 use wildfire::picture::Picture;
-use wildfire::picture::film::{Camera, Layer, Layers, Layout, Projection, RunView, Selected, ViewOptions};
+use wildfire::picture::film::{Camera, FrameLayout, Layer, Layers, Projection, RunView, Selected, ViewOptions};
 use wildfire::time::SimTime;
 use wildfire::time::wall::WallStopwatch;
 use wildfire::timeline::{self, BushState};
@@ -72,7 +72,7 @@ fn burning_cells_are_seen_where_the_timeline_says() {
     let frame = Frame::new(&runs, ViewOptions { layers: Layers::NONE, ..ViewOptions::default() });
     let seen = frame.wait_for(&window, seconds(1200.0));
     say(&format!("from the start to the first frame seen: {:.1} s", start.elapsed().as_secs_f64()));
-    let (timeline, pane) = (runs[0].timeline(), Layout::new(SIZE, 1).fields[0]);
+    let (timeline, pane) = (runs[0].timeline(), FrameLayout::new(SIZE, 1).fields[0]);
     let (setting, state) = (&timeline.setting, timeline.state_at(seconds(1200.0)));
     let projection =
         Projection::new(&setting.frame, frame.options.camera, (f64::from(pane.width), f64::from(pane.height)));
@@ -114,7 +114,7 @@ fn keys_and_mouse_do_what_help_says() {
     let at_start = frame.wait_for(&window, SimTime::ZERO);
     assert!(at_start != at_600);
 
-    let timeline = Layout::new(SIZE, 1).timeline;
+    let timeline = FrameLayout::new(SIZE, 1).timeline;
     let (left, y) = (f64::from(timeline.left), f64::from(timeline.top + timeline.height / 2));
     let half = (left + 0.5 * f64::from(timeline.width)).floor();
     window.drag((left + 20.0, y), (half, y));
@@ -129,7 +129,7 @@ fn keys_and_mouse_do_what_help_says() {
     window.press(&[&key_of(Layer::GridLines)]);
     frame.options.layers.toggle(Layer::GridLines);
 
-    let (pane, field) = (Layout::new(SIZE, 1).fields[0], runs[0].timeline().setting.frame);
+    let (pane, field) = (FrameLayout::new(SIZE, 1).fields[0], runs[0].timeline().setting.frame);
     let (size, at) = ((f64::from(pane.width), f64::from(pane.height)), (150.0, 100.0));
     window.mouse_to((f64::from(pane.left) + at.0, f64::from(pane.top) + at.1));
     window.click("4");
@@ -207,7 +207,7 @@ fn still_is_what_the_window_shows_and_replaces_none() {
     wait_for("a second still", || second.is_file().then_some(()));
     let saved = image::open(&first).expect("a PNG file").into_rgb8();
     let expected = picture(&frame.runs, seconds(600.0), &frame.options, SIZE);
-    let pane = Layout::new(SIZE, 1).fields[0];
+    let pane = FrameLayout::new(SIZE, 1).fields[0];
     for (x, y, pixel) in saved.enumerate_pixels() {
         assert_eq!(pixel.0, expected.pixel(x, y));
         let is_seen = pixel.0.iter().zip(seen.pixel(x, y)).all(|(&saved, seen)| saved.abs_diff(seen) <= 2);
@@ -224,7 +224,7 @@ fn two_runs_are_compared_on_one_clock() {
     let frame = Frame::new(&runs, ViewOptions::default());
     let seen = frame.wait_for(&window, seconds(600.0));
     window.wait_for_title("contest, seed 7 | contest, seed 8 - 0:10:00.0 - paused");
-    let panes = Layout::new(SIZE, 2).fields;
+    let panes = FrameLayout::new(SIZE, 2).fields;
     let (width, height) = (panes[0].width.min(panes[1].width), panes[0].height);
     let differing = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).filter(|&(x, y)| {
         seen.pixel(panes[0].left + x, panes[0].top + y) != seen.pixel(panes[1].left + x, panes[1].top + y)

@@ -9,7 +9,7 @@ use crate::cli::args::{MemoryArguments, parse_seed};
 use crate::cli::error::CliError;
 use crate::cli::numbers;
 use crate::geometry::Cell;
-use crate::picture::film::{Camera, Layer, Layers, Layout, RunView, Selected, ViewOptions};
+use crate::picture::film::{Camera, FrameLayout, Layer, Layers, RunView, Selected, ViewOptions};
 use crate::timeline::{AgentId, Setting};
 
 /// Options that name the runs to show and the view of them.
@@ -132,12 +132,13 @@ impl FromStr for Size {
     fn from_str(text: &str) -> Result<Self, String> {
         let sides = text.split_once(['x', 'X']).and_then(|(width, height)| {
             let (width, height) = (width.trim().parse().ok()?, height.trim().parse().ok()?);
-            let most = Layout::MOST_SIDE;
-            let fits = (Layout::LEAST_WIDTH..=most).contains(&width) && (Layout::LEAST_HEIGHT..=most).contains(&height);
+            let most = FrameLayout::MOST_SIDE;
+            let fits = (FrameLayout::LEAST_WIDTH..=most).contains(&width)
+                && (FrameLayout::LEAST_HEIGHT..=most).contains(&height);
             fits.then_some(Self { width, height })
         });
         sides.ok_or_else(|| {
-            let (width, height, most) = (Layout::LEAST_WIDTH, Layout::LEAST_HEIGHT, Layout::MOST_SIDE);
+            let (width, height, most) = (FrameLayout::LEAST_WIDTH, FrameLayout::LEAST_HEIGHT, FrameLayout::MOST_SIDE);
             format!("expected width and height in pixels from {width}x{height} to {most}x{most}")
         })
     }

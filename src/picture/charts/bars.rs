@@ -1,13 +1,13 @@
 //! Bars in groups, with whiskers.
 
-use super::axes::Scale;
-use super::drawing::Drawing;
-use super::sheet::{
-    LABEL, Layout, PanelGrid, Plot, Swatch, distinct, draw_panel_name, fitted, numbered, sheets, width_of,
-};
-use super::style::Style;
-use super::{Estimate, Titles};
 use crate::picture::canvas::Point;
+use crate::picture::charts::drawing::Drawing;
+use crate::picture::charts::sheet::{
+    AxisScale, LABEL, PanelGrid, Plot, SheetLayout, Swatch, distinct, draw_panel_name, fitted, numbered, sheets,
+    width_of,
+};
+use crate::picture::charts::style::Style;
+use crate::picture::charts::{Estimate, Titles};
 use crate::picture::colours::{INK, PAPER, Rgb};
 use crate::picture::text::Align;
 
@@ -50,7 +50,7 @@ impl BarChart {
     /// Draws the panels on as many sheets as they take.
     pub fn draw(&self) -> Vec<Drawing> {
         let bars = self.panels.iter().flat_map(|panel| &panel.series).flat_map(|series| series.bars.iter().flatten());
-        let scale = Scale::around(bars.map(Estimate::range)).with_zero();
+        let scale = AxisScale::around(bars.map(Estimate::range)).with_zero();
         let sheets = sheets(&self.panels, |panel| &panel.name, PANELS);
         let sheet = |(index, panels): (usize, &&[BarPanel])| {
             let series = panels.iter().flat_map(|panel| &panel.series);
@@ -59,7 +59,8 @@ impl BarChart {
             let heights = vec![PANEL_HEIGHT; panels.len()];
             let is_alone = panels[0].name.is_empty();
             let height = if is_alone { HEIGHT } else { GRID.height(&heights) };
-            let (mut drawing, plot) = Layout { titles: &titles, swatch: Swatch::Bar, key, left: LEFT, height }.draw();
+            let (mut drawing, plot) =
+                SheetLayout { titles: &titles, swatch: Swatch::Bar, key, left: LEFT, height }.draw();
             let parts = if is_alone { vec![plot] } else { GRID.parts(&plot, &heights) };
             for (panel, part) in panels.iter().zip(&parts) {
                 self.draw_panel(&mut drawing, part, scale, panel);
@@ -69,7 +70,7 @@ impl BarChart {
         sheets.iter().enumerate().map(sheet).collect()
     }
 
-    fn draw_panel(&self, drawing: &mut Drawing, plot: &Plot, scale: Scale, panel: &BarPanel) {
+    fn draw_panel(&self, drawing: &mut Drawing, plot: &Plot, scale: AxisScale, panel: &BarPanel) {
         draw_panel_name(drawing, plot, &panel.name);
         plot.draw_y_axis(drawing, scale);
         let room = (plot.right - plot.left) / self.groups.len().max(1) as f32;
@@ -100,7 +101,7 @@ impl BarChart {
 fn draw_bar(
     drawing: &mut Drawing,
     plot: &Plot,
-    scale: Scale,
+    scale: AxisScale,
     style: Style,
     bar: Estimate,
     (left, right): (f32, f32),
@@ -153,7 +154,7 @@ fn short_number(value: f64) -> String {
 mod tests {
     use super::*;
     use crate::picture::charts::STYLES;
-    use crate::picture::charts::drawing::Mark;
+    use crate::picture::charts::drawing::DrawingMark;
 
     #[test]
     fn bars_are_as_high_as_their_values() {
@@ -170,7 +171,7 @@ mod tests {
             .marks
             .iter()
             .filter_map(|mark| match mark {
-                Mark::Area { corners, .. } => Some(corners[2].1 - corners[0].1),
+                DrawingMark::Area { corners, .. } => Some(corners[2].1 - corners[0].1),
                 _ => None,
             })
             .collect();
@@ -189,14 +190,14 @@ mod tests {
         let drawings = BarChart { titles: Titles::default(), groups: vec!["a".into()], panels }.draw();
         assert_eq!(drawings.len(), 3);
         let heights = drawings.iter().flat_map(|drawing| &drawing.marks).filter_map(|mark| match mark {
-            Mark::Area { corners, .. } => Some(corners[2].1 - corners[0].1),
+            DrawingMark::Area { corners, .. } => Some(corners[2].1 - corners[0].1),
             _ => None,
         });
         let heights: Vec<f32> = heights.collect();
         assert_eq!(heights.len(), 10, "a bar for each");
         assert!(heights.iter().zip(1..).all(|(height, value)| (height / heights[0] - value as f32).abs() < 0.01));
         let names = drawings.iter().flat_map(|drawing| &drawing.marks);
-        let names = names.filter(|mark| matches!(mark, Mark::Text { text, .. } if text.starts_with("panel ")));
+        let names = names.filter(|mark| matches!(mark, DrawingMark::Text { text, .. } if text.starts_with("panel ")));
         assert_eq!(names.count(), 10, "each with its name");
     }
 }

@@ -1,12 +1,13 @@
 //! Curves over a number, with bands or whiskers.
 
-use super::axes::Scale;
-use super::bars::draw_whisker;
-use super::drawing::Drawing;
-use super::sheet::{Layout, PanelGrid, Plot, Swatch, distinct, draw_panel_name, numbered, sheets};
-use super::style::Style;
-use super::{Estimate, Titles};
 use crate::picture::canvas::Point;
+use crate::picture::charts::bars::draw_whisker;
+use crate::picture::charts::drawing::Drawing;
+use crate::picture::charts::sheet::{
+    AxisScale, PanelGrid, Plot, SheetLayout, Swatch, distinct, draw_panel_name, numbered, sheets,
+};
+use crate::picture::charts::style::Style;
+use crate::picture::charts::{Estimate, Titles};
 
 const HEIGHT: f32 = 280.0;
 const LEFT: f32 = 48.0;
@@ -59,8 +60,8 @@ impl CurveChart {
     pub fn draw(&self) -> Vec<Drawing> {
         let swatch = if self.spread == Spread::Bands { Swatch::Line } else { Swatch::MarkedLine };
         let points = || self.panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points);
-        let y = Scale::around(points().map(|(_, estimate)| estimate.range())).with_near_zero();
-        let x = Scale::around(points().map(|&(x, _)| (x, x)));
+        let y = AxisScale::around(points().map(|(_, estimate)| estimate.range())).with_near_zero();
+        let x = AxisScale::around(points().map(|&(x, _)| (x, x)));
         let x = if self.spread == Spread::Bands { exact(x, points()) } else { x };
         let sheets = sheets(&self.panels, |panel| &panel.name, PANELS);
         let sheet = |(index, panels): (usize, &&[CurvePanel])| {
@@ -70,7 +71,7 @@ impl CurveChart {
             let heights = vec![PANEL_HEIGHT; panels.len()];
             let is_alone = panels[0].name.is_empty();
             let height = if is_alone { HEIGHT } else { GRID.height(&heights) };
-            let (mut drawing, plot) = Layout { titles: &titles, swatch, key, left: LEFT, height }.draw();
+            let (mut drawing, plot) = SheetLayout { titles: &titles, swatch, key, left: LEFT, height }.draw();
             let parts = if is_alone { vec![plot] } else { GRID.parts(&plot, &heights) };
             for (panel, plot) in panels.iter().zip(parts) {
                 let x = if self.spread == Spread::Bands { x } else { self.roomy(x, &plot) };
@@ -82,7 +83,7 @@ impl CurveChart {
     }
 
     /// The scale with room at both ends for the marks of all curves, which are side by side.
-    fn roomy(&self, x: Scale, plot: &Plot) -> Scale {
+    fn roomy(&self, x: AxisScale, plot: &Plot) -> AxisScale {
         let most = self.panels.iter().map(|panel| panel.curves.len()).max().unwrap_or(0);
         let aside = f64::from(0.5 * APART * most as f32 + MARK);
         let places =
@@ -91,7 +92,7 @@ impl CurveChart {
         let width = f64::from(plot.right - plot.left);
         let room = (high - low) * aside / (width - 2.0 * aside);
         if room.is_finite() && room > 0.0 {
-            Scale { low: x.low.min(low - room), high: x.high.max(high + room) }
+            AxisScale { low: x.low.min(low - room), high: x.high.max(high + room) }
         } else {
             x
         }
@@ -110,15 +111,15 @@ impl CurveChart {
 }
 
 /// The scale without room at its ends.
-fn exact<'a>(scale: Scale, points: impl Iterator<Item = &'a (f64, Estimate)>) -> Scale {
+fn exact<'a>(scale: AxisScale, points: impl Iterator<Item = &'a (f64, Estimate)>) -> AxisScale {
     let ends = points.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &(x, _)| (low.min(x), high.max(x)));
-    if ends.0 < ends.1 { Scale { low: ends.0, high: ends.1 } } else { scale }
+    if ends.0 < ends.1 { AxisScale { low: ends.0, high: ends.1 } } else { scale }
 }
 
 struct Axes {
     plot: Plot,
-    x: Scale,
-    y: Scale,
+    x: AxisScale,
+    y: AxisScale,
 }
 
 impl Axes {
@@ -176,7 +177,7 @@ impl Axes {
 mod tests {
     use super::*;
     use crate::picture::charts::STYLES;
-    use crate::picture::charts::drawing::Mark;
+    use crate::picture::charts::drawing::DrawingMark;
 
     #[test]
     fn curve_lies_in_its_band() {
@@ -189,11 +190,11 @@ mod tests {
         let chart = CurveChart { titles: Titles::default(), spread: Spread::Bands, panels };
         let drawing = &chart.draw()[0];
         let band = drawing.marks.iter().find_map(|mark| match mark {
-            Mark::Area { corners, .. } => Some(corners.clone()),
+            DrawingMark::Area { corners, .. } => Some(corners.clone()),
             _ => None,
         });
         let line = drawing.marks.iter().rev().find_map(|mark| match mark {
-            Mark::Line { points, .. } => Some(points.clone()),
+            DrawingMark::Line { points, .. } => Some(points.clone()),
             _ => None,
         });
         let (band, line) = (band.expect("a band"), line.expect("a line"));
@@ -215,7 +216,7 @@ mod tests {
         let panels = vec![panel("one"), panel("two")];
         let drawing = &CurveChart { titles: Titles::default(), spread: Spread::Whiskers, panels }.draw()[0];
         let bases = drawing.marks.iter().filter_map(|mark| match mark {
-            Mark::Line { points, width, .. } if *width == 1.2 => Some((points[0].0, points[1].0)),
+            DrawingMark::Line { points, width, .. } if *width == 1.2 => Some((points[0].0, points[1].0)),
             _ => None,
         });
         let bases: Vec<(f32, f32)> = bases.collect();
@@ -223,7 +224,7 @@ mod tests {
         let mut marks = 0;
         for corners in drawing.marks.iter().filter_map(|mark| match mark {
             // Below the key.
-            Mark::Area { corners, .. } if corners[0].1 > 100.0 => Some(corners),
+            DrawingMark::Area { corners, .. } if corners[0].1 > 100.0 => Some(corners),
             _ => None,
         }) {
             let is_inside =

@@ -6,15 +6,12 @@
 //! What does not fit into one pair of axes is shown in several, small multiples of one scale, on as many sheets as they
 //! take.
 
-mod axes;
 mod bars;
 mod curves;
 mod drawing;
-mod paint;
 mod sheet;
 mod strips;
 mod style;
-mod svg;
 
 pub use bars::{BarChart, BarPanel, BarSeries};
 pub use curves::{Curve, CurveChart, CurvePanel, Spread};

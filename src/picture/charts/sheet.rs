@@ -1,10 +1,12 @@
-//! The sheet of a chart: title, note, key, and the plot that they leave room for.
+//! The sheet of a chart: title, note, key, and the plot that they leave room for, with its axes.
 
-use super::Titles;
-use super::drawing::Drawing;
-use super::style::Style;
+use crate::picture::charts::Titles;
+use crate::picture::charts::drawing::Drawing;
+use crate::picture::charts::style::Style;
 use crate::picture::colours::{FAINT_INK, INK, Rgb};
-use crate::picture::text::{Align, measure};
+use crate::picture::marks::to_f32;
+use crate::picture::text::{Align, measure_text};
+use crate::picture::ticks::ticks;
 
 /// Height of capitals in numbers and names, notes, titles.
 pub const LABEL: f32 = 8.5;
@@ -109,7 +111,7 @@ pub enum Swatch {
 }
 
 /// What a sheet has besides its plot.
-pub struct Layout<'a> {
+pub struct SheetLayout<'a> {
     pub titles: &'a Titles,
     pub swatch: Swatch,
     pub key: Vec<(Style, &'a str)>,
@@ -118,7 +120,7 @@ pub struct Layout<'a> {
     pub height: f32,
 }
 
-impl Layout<'_> {
+impl SheetLayout<'_> {
     /// Draws everything around the plot.
     pub fn draw(&self) -> (Drawing, Plot) {
         let rows = self.key_rows();
@@ -188,7 +190,7 @@ fn entry_width(name: &str) -> f32 {
 
 /// How far a text reaches at most, in whatever font.
 pub fn width_of(text: &str, height: f32) -> f32 {
-    FONTS * measure(text, height)
+    FONTS * measure_text(text, height)
 }
 
 /// The text, cut where it is wider than `width`.
@@ -210,6 +212,86 @@ pub fn fitted(text: &str, width: f32, height: f32) -> String {
 /// A line across the plot that separates.
 pub fn rule(drawing: &mut Drawing, plot: &Plot, y: f32) {
     drawing.line(vec![(plot.left, y), (plot.right, y)], 1.0, FAINT_INK);
+}
+
+/// What a tick keeps for itself, in units.
+const TICK_ROOM: [f32; 2] = [64.0, 40.0];
+
+/// Values along a side of a plot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisScale {
+    pub low: f64,
+    pub high: f64,
+}
+
+impl AxisScale {
+    /// All of the values with a little room; those of values that cannot be negative begin at zero.
+    pub fn around(ranges: impl Iterator<Item = (f64, f64)>) -> Self {
+        let finite = ranges.filter(|(low, high)| low.is_finite() && high.is_finite());
+        let (low, high) = finite
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), (low, high)| (least.min(low), most.max(high)));
+        if low > high {
+            return Self { low: 0.0, high: 1.0 };
+        }
+        let room = 0.04 * (high - low);
+        match () {
+            () if low == high && low == 0.0 => Self { low: 0.0, high: 1.0 },
+            () if low == high => Self { low: low - 0.1 * low.abs(), high: high + 0.1 * high.abs() },
+            () if low >= 0.0 && low - room < 0.0 => Self { low: 0.0, high: high + room },
+            () => Self { low: low - room, high: high + room },
+        }
+    }
+
+    /// The same with zero, where that leaves the values half of the room.
+    pub fn with_near_zero(self) -> Self {
+        if self.low > 0.5 * self.high { self } else { self.with_zero() }
+    }
+
+    /// The same with zero, for what is shown as a length.
+    pub fn with_zero(self) -> Self {
+        Self { low: self.low.min(0.0), high: self.high.max(0.0) }
+    }
+
+    fn share(self, value: f64) -> f32 {
+        to_f32(((value - self.low) / (self.high - self.low)).clamp(0.0, 1.0))
+    }
+}
+
+impl Plot {
+    pub fn x(&self, scale: AxisScale, value: f64) -> f32 {
+        self.left + scale.share(value) * (self.right - self.left)
+    }
+
+    pub fn y(&self, scale: AxisScale, value: f64) -> f32 {
+        self.bottom - scale.share(value) * (self.bottom - self.top)
+    }
+
+    /// Numbers to the left, and a line across at each.
+    pub fn draw_y_axis(&self, drawing: &mut Drawing, scale: AxisScale) {
+        for tick in ticks(scale.low, scale.high, most_ticks(self.bottom - self.top, TICK_ROOM[1]), 0.0) {
+            let y = self.y(scale, tick.value);
+            drawing.line(vec![(self.left, y), (self.right, y)], 1.0, FAINT_INK);
+            drawing.text(&tick.label, (self.left - 7.0, y + LABEL / 2.0), Align::Right, LABEL, INK);
+        }
+    }
+
+    /// Numbers below, and a line upwards at each.
+    pub fn draw_x_axis(&self, drawing: &mut Drawing, scale: AxisScale) {
+        for tick in ticks(scale.low, scale.high, most_ticks(self.right - self.left, TICK_ROOM[0]), 0.0) {
+            let x = self.x(scale, tick.value);
+            drawing.line(vec![(x, self.top), (x, self.bottom)], 1.0, FAINT_INK);
+            drawing.text(&tick.label, (x, self.bottom + 9.0 + LABEL), Align::Centre, LABEL, INK);
+        }
+    }
+
+    pub fn draw_base(&self, drawing: &mut Drawing) {
+        drawing.line(vec![(self.left, self.bottom), (self.right, self.bottom)], 1.2, INK);
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a sheet has room for some dozen ticks")]
+fn most_ticks(length: f32, each: f32) -> usize {
+    (length / each).max(2.0) as usize
 }
 
 #[cfg(test)]
@@ -247,5 +329,14 @@ mod tests {
         assert_eq!(fitted("short", 200.0, LABEL), "short");
         let cut = fitted(&"long ".repeat(100), 200.0, LABEL);
         assert!(cut.ends_with("...") && width_of(&cut, LABEL) <= 200.0, "{cut}");
+    }
+
+    #[test]
+    fn scale_holds_its_values_and_starts_at_zero_where_they_are_near() {
+        assert_eq!(AxisScale::around([(0.0, 10.0), (2.0, 5.0)].into_iter()), AxisScale { low: 0.0, high: 10.4 });
+        assert_eq!(AxisScale::around([(-10.0, 10.0)].into_iter()), AxisScale { low: -10.8, high: 10.8 });
+        assert_eq!(AxisScale::around([(f64::NAN, 1.0)].into_iter()), AxisScale { low: 0.0, high: 1.0 });
+        let one = AxisScale::around([(3.0, 3.0)].into_iter());
+        assert!(one.low < 3.0 && one.high > 3.0);
     }
 }

@@ -1,10 +1,11 @@
 //! Distributions, one below the other: a histogram, and quantiles under it.
 
-use super::Titles;
-use super::axes::Scale;
-use super::drawing::Drawing;
-use super::sheet::{LABEL, Layout, PanelGrid, Plot, Swatch, draw_panel_name, fitted, numbered, rule, sheets, width_of};
-use super::style::Style;
+use crate::picture::charts::Titles;
+use crate::picture::charts::drawing::Drawing;
+use crate::picture::charts::sheet::{
+    AxisScale, LABEL, PanelGrid, Plot, SheetLayout, Swatch, draw_panel_name, fitted, numbered, rule, sheets, width_of,
+};
+use crate::picture::charts::style::Style;
 use crate::picture::colours::{INK, PAPER};
 use crate::picture::text::Align;
 
@@ -53,7 +54,8 @@ impl StripChart {
         let widest = strips().map(|strip| width_of(&strip.name, LABEL)).fold(0.0, f32::max);
         let left = if has_names { widest.min(WIDEST_NAME) + 12.0 } else { 0.0 };
         let row = if has_names { ROW } else { ONE_ROW };
-        let scale = Scale::around(strips().filter_map(|strip| Some((*strip.values.first()?, *strip.values.last()?))));
+        let scale =
+            AxisScale::around(strips().filter_map(|strip| Some((*strip.values.first()?, *strip.values.last()?))));
         let in_panel = |panel: &StripPanel| panel.strips.iter().map(|strip| strip.values.len()).sum();
         let columns = columns(self.panels.iter().map(in_panel).max().unwrap_or(0));
         let most_rows = self.panels.iter().map(|panel| panel.strips.len()).max().unwrap_or(0).max(1);
@@ -64,7 +66,7 @@ impl StripChart {
             let heights: Vec<f32> = panels.iter().map(|panel| row * panel.strips.len() as f32).collect();
             let is_alone = panels[0].name.is_empty();
             let height = if is_alone { heights[0] } else { grid.height(&heights) };
-            let layout = Layout { titles: &titles, swatch: Swatch::Bar, key: Vec::new(), left, height };
+            let layout = SheetLayout { titles: &titles, swatch: Swatch::Bar, key: Vec::new(), left, height };
             let (mut drawing, plot) = layout.draw();
             let parts = if is_alone { vec![plot] } else { grid.parts(&plot, &heights) };
             for (panel, part) in panels.iter().zip(&parts) {
@@ -79,7 +81,7 @@ impl StripChart {
 fn draw_panel(
     drawing: &mut Drawing,
     plot: &Plot,
-    (scale, columns): (Scale, usize),
+    (scale, columns): (AxisScale, usize),
     panel: &StripPanel,
     has_names: bool,
 ) {
@@ -99,7 +101,7 @@ fn draw_panel(
     plot.draw_base(drawing);
 }
 
-fn draw_strip(drawing: &mut Drawing, part: &Plot, scale: Scale, columns: usize, strip: &Strip) {
+fn draw_strip(drawing: &mut Drawing, part: &Plot, scale: AxisScale, columns: usize, strip: &Strip) {
     let counts = counts(scale, columns, &strip.values);
     let most = counts.iter().copied().max().unwrap_or(0).max(1);
     let base = part.bottom - QUANTILES;
@@ -137,7 +139,7 @@ fn columns(values: usize) -> usize {
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "columns are counted from 0 to 48")]
-fn counts(scale: Scale, columns: usize, values: &[f64]) -> Vec<u64> {
+fn counts(scale: AxisScale, columns: usize, values: &[f64]) -> Vec<u64> {
     let mut counts = vec![0; columns];
     for value in values {
         let share = (value - scale.low) / (scale.high - scale.low);
@@ -153,7 +155,7 @@ mod tests {
     #[test]
     fn every_value_is_counted_once() {
         let values: Vec<f64> = (0..1000).map(|index| f64::from(index * index)).collect();
-        let scale = Scale { low: 0.0, high: 999.0 * 999.0 };
+        let scale = AxisScale { low: 0.0, high: 999.0 * 999.0 };
         let counts = counts(scale, 12, &values);
         assert_eq!(counts.iter().sum::<u64>(), 1000);
         assert!(counts[0] > counts[11], "{counts:?}");

@@ -4,14 +4,14 @@ use crate::picture::marks::to_f32;
 
 /// A part of the sheet, in pixels to the right and down from its upper left corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Rectangle {
+pub struct PixelRect {
     pub left: u32,
     pub top: u32,
     pub width: u32,
     pub height: u32,
 }
 
-impl Rectangle {
+impl PixelRect {
     pub fn right(&self) -> u32 {
         self.left + self.width
     }
@@ -28,24 +28,24 @@ impl Rectangle {
 
 /// Where the parts of a frame lie.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Layout {
+pub struct FrameLayout {
     pub width: u32,
     pub height: u32,
     /// How high capitals of ordinary text are; all else grows with it.
     pub text: u32,
     /// The panes of the fields, one a run.
-    pub fields: Vec<Rectangle>,
+    pub fields: Vec<PixelRect>,
     /// Counts, scores, legend and stories; a sheet that is too small for them has none.
-    pub panel: Option<Rectangle>,
+    pub panel: Option<PixelRect>,
     /// Counts over time, and the differences below them.
-    pub chart: Rectangle,
+    pub chart: PixelRect,
     /// The part of the chart between the start and the end of time, which is the timeline to scrub.
-    pub timeline: Rectangle,
+    pub timeline: PixelRect,
 }
 
 /// What lies at a place of the sheet.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Place {
+pub enum FramePart {
     /// In the pane of a run's field, pixels from the pane's upper left corner.
     Field {
         run_index: usize,
@@ -67,7 +67,7 @@ const LEAST_PANE: u32 = 20;
 const LEFT_OF_TIMELINE: u32 = 10;
 const RIGHT_OF_TIMELINE: u32 = 3;
 
-impl Layout {
+impl FrameLayout {
     pub const LEAST_WIDTH: u32 = 320;
     pub const LEAST_HEIGHT: u32 = 240;
     pub const MOST_SIDE: u32 = 8192;
@@ -89,22 +89,22 @@ impl Layout {
     fn with_panel((width, height): (u32, u32), runs: usize, text: u32, (beside, below): (u32, u32)) -> Self {
         let chart_text = if runs == 1 { CHART_OF_ONE } else { CHART_OF_TWO };
         let chart_height = (chart_text * text).min(height * if runs == 1 { 33 } else { 40 } / 100);
-        let chart = Rectangle { left: 0, top: height - chart_height, width, height: chart_height };
+        let chart = PixelRect { left: 0, top: height - chart_height, width, height: chart_height };
         let (room, pane_height) = (width.saturating_sub(beside), chart.top.saturating_sub(below));
         let edge = |run_index: u32| room * run_index / runs as u32;
-        let fields = (0..runs as u32).map(|run_index| Rectangle {
+        let fields = (0..runs as u32).map(|run_index| PixelRect {
             left: edge(run_index),
             top: 0,
             width: edge(run_index + 1) - edge(run_index),
             height: pane_height,
         });
         let panel = if beside > 0 {
-            Some(Rectangle { left: room, top: 0, width: beside, height: chart.top })
+            Some(PixelRect { left: room, top: 0, width: beside, height: chart.top })
         } else {
-            (below > 0).then_some(Rectangle { left: 0, top: pane_height, width, height: below })
+            (below > 0).then_some(PixelRect { left: 0, top: pane_height, width, height: below })
         };
         let (before, after) = (LEFT_OF_TIMELINE * text, RIGHT_OF_TIMELINE * text);
-        let timeline = Rectangle { left: before, width: width - before - after, ..chart };
+        let timeline = PixelRect { left: before, width: width - before - after, ..chart };
         Self { width, height, text, fields: fields.collect(), panel, chart, timeline }
     }
 
@@ -112,16 +112,16 @@ impl Layout {
         self.fields.iter().map(|pane| pane.width.min(pane.height)).min().unwrap_or(0)
     }
 
-    pub fn place_at(&self, at: (f64, f64)) -> Place {
+    pub fn place_at(&self, at: (f64, f64)) -> FramePart {
         if let Some(run_index) = self.fields.iter().position(|pane| pane.contains(at)) {
             let pane = self.fields[run_index];
-            return Place::Field { run_index, at: (at.0 - f64::from(pane.left), at.1 - f64::from(pane.top)) };
+            return FramePart::Field { run_index, at: (at.0 - f64::from(pane.left), at.1 - f64::from(pane.top)) };
         }
         if self.chart.contains(at) {
             let share = (at.0 - f64::from(self.timeline.left)) / f64::from(self.timeline.width);
-            return Place::Timeline { share: share.clamp(0.0, 1.0) };
+            return FramePart::Timeline { share: share.clamp(0.0, 1.0) };
         }
-        Place::Elsewhere
+        FramePart::Elsewhere
     }
 
     /// How far to the right a share of the run's duration, 0 to 1, lies on the timeline, in pixels.
@@ -136,6 +136,6 @@ impl Layout {
 }
 
 /// The edges of a part of the sheet: left, top, right, bottom.
-pub(super) fn edges(part: Rectangle) -> [f32; 4] {
+pub(super) fn edges(part: PixelRect) -> [f32; 4] {
     [part.left, part.top, part.right(), part.bottom()].map(|edge| to_f32(f64::from(edge)))
 }

@@ -3,11 +3,11 @@
 use crate::picture::canvas::{Canvas, Point};
 use crate::picture::colours::Rgb;
 use crate::picture::font::{CAPITAL, glyph};
-use crate::picture::text::{Align, PEN, measure, push_glyph};
+use crate::picture::text::{Align, PEN, measure_text, push_glyph};
 
 /// How a line of text looks.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Style {
+pub struct LetterStyle {
     /// How high capitals are, in pixels.
     pub height: f32,
     pub is_bold: bool,
@@ -48,11 +48,11 @@ pub struct Lettering {
 
 impl Lettering {
     /// Draws a line of text on a base line.
-    pub fn draw(&mut self, canvas: &mut Canvas, text: &str, (x, base): Point, align: Align, style: Style) {
+    pub fn draw(&mut self, canvas: &mut Canvas, text: &str, (x, base): Point, align: Align, style: LetterStyle) {
         let left = match align {
             Align::Left => x,
-            Align::Centre => x - measure(text, style.height) / 2.0,
-            Align::Right => x - measure(text, style.height),
+            Align::Centre => x - measure_text(text, style.height) / 2.0,
+            Align::Right => x - measure_text(text, style.height),
         };
         let case = self.case(style);
         let unit = style.height / CAPITAL;
@@ -65,7 +65,7 @@ impl Lettering {
         }
     }
 
-    fn case(&mut self, style: Style) -> &mut Case {
+    fn case(&mut self, style: LetterStyle) -> &mut Case {
         let is_right = |case: &Case| case.height == style.height && case.is_bold == style.is_bold;
         let index = self.cases.iter().position(is_right).unwrap_or_else(|| {
             let stamps = (0..LETTERS * PLACES).map(|_| None).collect();
@@ -140,13 +140,13 @@ fn whole(value: f32) -> i32 {
 
 /// The text, or as much of it as fits into a width, with dots for the rest.
 pub fn fitted(text: &str, height: f32, width: f32) -> String {
-    if measure(text, height) <= width {
+    if measure_text(text, height) <= width {
         return text.to_owned();
     }
     let mut short = "...".to_owned();
     for (end, _) in text.char_indices() {
         let longer = text[..end].trim_end().to_owned() + "...";
-        if measure(&longer, height) > width {
+        if measure_text(&longer, height) > width {
             break;
         }
         short = longer;
@@ -158,16 +158,16 @@ pub fn fitted(text: &str, height: f32, width: f32) -> String {
 mod tests {
     use super::*;
     use crate::picture::colours::{INK, PAPER};
-    use crate::picture::text;
+    use crate::picture::text::draw_text;
 
-    const STYLE: Style = Style { height: 10.0, is_bold: false, colour: INK };
+    const STYLE: LetterStyle = LetterStyle { height: 10.0, is_bold: false, colour: INK };
 
     #[test]
     fn stamped_text_looks_like_stroked_text() {
         let (mut stamped, mut stroked) = (Canvas::new(300, 30, PAPER), Canvas::new(300, 30, PAPER));
         let line = "0:12:34.5 Wumpus leads by 17 (%)";
         Lettering::default().draw(&mut stamped, line, (5.0, 20.0), Align::Left, STYLE);
-        text::draw(&mut stroked, line, (5.0, 20.0), Align::Left, STYLE.height, STYLE.colour);
+        draw_text(&mut stroked, line, (5.0, 20.0), Align::Left, STYLE.height, STYLE.colour);
         let ink = |canvas: &Canvas| canvas.bytes().iter().map(|&byte| f64::from(255 - byte)).sum::<f64>();
         let apart: f64 = stamped.bytes().iter().zip(stroked.bytes()).map(|(&a, &b)| f64::from(a.abs_diff(b))).sum();
         assert!(apart < 0.2 * ink(&stroked), "{apart} of {}", ink(&stroked));
@@ -186,10 +186,13 @@ mod tests {
         assert_eq!(fitted("contest", 10.0, 500.0), "contest");
         let short = fitted("a scenario with a rather long name", 10.0, 100.0);
         assert!(short.starts_with("a scen") && short.ends_with("..."), "{short}");
-        assert!(measure(&short, 10.0) <= 100.0);
+        assert!(measure_text(&short, 10.0) <= 100.0);
         let endless = "Wumpus".repeat(700);
         let kept = fitted(&endless, 10.0, 100.0).len() - "...".len();
-        assert!(measure(&format!("{}...", &endless[..=kept]), 10.0) > 100.0, "there was room for more than {kept}");
+        assert!(
+            measure_text(&format!("{}...", &endless[..=kept]), 10.0) > 100.0,
+            "there was room for more than {kept}"
+        );
         assert_eq!(fitted(&endless, 10.0, 1.0), "...");
     }
 }

@@ -1,11 +1,11 @@
 //! Whole frames.
 
-use super::field::{FieldRenderer, Moment};
-use super::hud::HudRenderer;
-use super::{Layout, RunView, RunViewId, ViewOptions};
 use crate::picture::Picture;
 use crate::picture::canvas::Canvas;
 use crate::picture::colours::PAPER;
+use crate::picture::film::field::{FieldRenderer, FieldView};
+use crate::picture::film::hud::HudRenderer;
+use crate::picture::film::{FrameLayout, RunView, RunViewId, ViewOptions};
 use crate::time::SimTime;
 use crate::timeline::State;
 
@@ -20,10 +20,10 @@ pub struct FrameRequest<'a> {
 
 /// Draws frames of one size, one after the other.
 pub struct FrameRenderer {
-    layout: Layout,
+    layout: FrameLayout,
     sheet: Canvas,
     /// What is on the sheet.
-    shown: Option<Shown>,
+    shown: Option<DrawnRequest>,
     fields: Vec<FieldRenderer>,
     hud: HudRenderer,
 }
@@ -32,7 +32,7 @@ impl FrameRenderer {
     /// For frames of that width and height in pixels, of one run or two.
     pub fn new((width, height): (u32, u32), runs: usize) -> Self {
         Self {
-            layout: Layout::new((width, height), runs),
+            layout: FrameLayout::new((width, height), runs),
             sheet: Canvas::new(width, height, PAPER),
             shown: None,
             fields: (0..runs).map(|_| FieldRenderer::default()).collect(),
@@ -40,7 +40,7 @@ impl FrameRenderer {
         }
     }
 
-    pub fn layout(&self) -> &Layout {
+    pub fn layout(&self) -> &FrameLayout {
         &self.layout
     }
 
@@ -54,7 +54,7 @@ impl FrameRenderer {
     pub fn paint(&mut self, request: &FrameRequest) -> &[u8] {
         if !self.shows(request) {
             self.draw(request);
-            self.shown = Some(Shown::new(request));
+            self.shown = Some(DrawnRequest::new(request));
         }
         self.sheet.bytes()
     }
@@ -64,7 +64,7 @@ impl FrameRenderer {
         for (run_index, &run) in request.runs.iter().enumerate() {
             let pane = self.layout.fields[run_index];
             let rival = (request.runs.len() == 2).then(|| (request.runs[1 - run_index], &states[1 - run_index]));
-            let moment = Moment { run, state: &states[run_index], rival, run_index, options: request.options };
+            let moment = FieldView { run, state: &states[run_index], rival, run_index, options: request.options };
             let painted = self.fields[run_index].paint(&moment, (pane.width, pane.height));
             self.sheet.copy_from(painted, (pane.left, pane.top));
         }
@@ -73,13 +73,13 @@ impl FrameRenderer {
 }
 
 /// A request without its runs.
-struct Shown {
+struct DrawnRequest {
     runs: Vec<RunViewId>,
     time: SimTime,
     options: ViewOptions,
 }
 
-impl Shown {
+impl DrawnRequest {
     fn new(request: &FrameRequest) -> Self {
         Self {
             runs: request.runs.iter().map(|run| run.id()).collect(),

@@ -4,11 +4,10 @@ use crate::picture::canvas::{Canvas, Point};
 use crate::picture::colours::{FAINT_INK, INK};
 use crate::picture::legend::TEXT;
 use crate::picture::marks::to_f32;
-use crate::picture::text::{self, Align};
+use crate::picture::surface::camera::{GROUND, SurfaceCamera};
+use crate::picture::text::{Align, draw_text, measure_text};
 use crate::picture::ticks::{Tick, indices};
 use crate::picture::values::ValueScale;
-
-use super::camera::{Camera, GROUND};
 
 const ROWS: &str = "row";
 const COLUMNS: &str = "column";
@@ -19,24 +18,24 @@ const GAP: f32 = 12.0;
 const SPACING: f32 = 1.5;
 
 /// How far numbers and names reach beyond the box.
-pub struct Room {
+pub struct AxesRoom {
     pub left: f32,
     pub right: f32,
     pub below: f32,
 }
 
-pub fn room((rows, cols): (usize, usize), name: &str, heights: Option<&ValueScale>) -> Room {
-    let values = ticks(heights).into_iter().map(|tick| text::measure(&tick.label, TEXT) + 1.5 * TICK);
-    Room {
-        left: values.fold(text::measure(name, TEXT), f32::max),
-        right: 2.0 * GAP + widest(rows) + text::measure(ROWS, TEXT),
+pub fn axes_room((rows, cols): (usize, usize), name: &str, heights: Option<&ValueScale>) -> AxesRoom {
+    let values = ticks(heights).into_iter().map(|tick| measure_text(&tick.label, TEXT) + 1.5 * TICK);
+    AxesRoom {
+        left: values.fold(measure_text(name, TEXT), f32::max),
+        right: 2.0 * GAP + widest(rows) + measure_text(ROWS, TEXT),
         below: 2.0 * GAP + widest(cols) + TEXT,
     }
 }
 
 /// The width of the widest number of a row or column.
 fn widest(count: usize) -> f32 {
-    text::measure(&count.saturating_sub(1).to_string(), TEXT)
+    measure_text(&count.saturating_sub(1).to_string(), TEXT)
 }
 
 fn ticks(heights: Option<&ValueScale>) -> Vec<Tick> {
@@ -44,7 +43,7 @@ fn ticks(heights: Option<&ValueScale>) -> Vec<Tick> {
 }
 
 /// The far walls with a line for every value; drawn before the surface, which may hide them.
-pub fn draw_walls(canvas: &mut Canvas, camera: &Camera, heights: Option<&ValueScale>, width: f32) {
+pub fn draw_walls(canvas: &mut Canvas, camera: &SurfaceCamera, heights: Option<&ValueScale>, width: f32) {
     let levels = ticks(heights).into_iter().filter_map(|tick| Some(to_f32(heights?.fraction(tick.value))));
     for level in levels.chain([GROUND, 1.0]) {
         let line = [(0.0, 1.0), (0.0, 0.0), (1.0, 0.0)].map(|(x, y)| camera.at(x, y, level));
@@ -56,17 +55,23 @@ pub fn draw_walls(canvas: &mut Canvas, camera: &Camera, heights: Option<&ValueSc
 }
 
 /// The near edges, their numbers and names.
-pub fn draw(canvas: &mut Canvas, camera: &Camera, size: (usize, usize), name: &str, heights: Option<&ValueScale>) {
+pub fn draw_axes(
+    canvas: &mut Canvas,
+    camera: &SurfaceCamera,
+    size: (usize, usize),
+    name: &str,
+    heights: Option<&ValueScale>,
+) {
     let (left, front, right) = (camera.at(0.0, 1.0, GROUND), camera.at(1.0, 1.0, GROUND), camera.at(1.0, 0.0, GROUND));
     let back = camera.at(0.0, 0.0, GROUND);
-    let columns = Edge { from: left, to: front, outwards: direction(back, left) };
+    let columns = AxisEdge { from: left, to: front, outwards: direction(back, left) };
     columns.draw(canvas, size.1, COLUMNS);
-    let rows = Edge { from: right, to: front, outwards: direction(back, right) };
+    let rows = AxisEdge { from: right, to: front, outwards: direction(back, right) };
     rows.draw(canvas, size.0, ROWS);
     draw_values(canvas, camera, name, heights);
 }
 
-fn draw_values(canvas: &mut Canvas, camera: &Camera, name: &str, heights: Option<&ValueScale>) {
+fn draw_values(canvas: &mut Canvas, camera: &SurfaceCamera, name: &str, heights: Option<&ValueScale>) {
     let Some(heights) = heights else { return };
     let top = camera.at(0.0, 1.0, 1.0);
     canvas.polyline(&[camera.at(0.0, 1.0, GROUND), top], 1.0, INK);
@@ -74,20 +79,20 @@ fn draw_values(canvas: &mut Canvas, camera: &Camera, name: &str, heights: Option
         let (x, y) = camera.at(0.0, 1.0, to_f32(heights.fraction(tick.value)));
         canvas.polyline(&[(x, y), (x - TICK, y)], 1.0, INK);
         let at = (x - 1.5 * TICK, y + 0.5 * TEXT);
-        text::draw(canvas, &tick.label, at, Align::Right, TEXT, INK);
+        draw_text(canvas, &tick.label, at, Align::Right, TEXT, INK);
     }
-    text::draw(canvas, name, (top.0, top.1 - 1.6 * TEXT), Align::Right, TEXT, INK);
+    draw_text(canvas, name, (top.0, top.1 - 1.6 * TEXT), Align::Right, TEXT, INK);
 }
 
 /// An edge of the box that rows or columns are numbered along.
-struct Edge {
+struct AxisEdge {
     from: Point,
     to: Point,
     /// Away from the box, 1 pixel long.
     outwards: Point,
 }
 
-impl Edge {
+impl AxisEdge {
     fn draw(&self, canvas: &mut Canvas, count: usize, name: &str) {
         canvas.polyline(&[self.from, self.to], 1.0, INK);
         let length = f64::from((self.to.0 - self.from.0).abs());
@@ -102,8 +107,8 @@ impl Edge {
 
     /// Writes words beside the edge, their nearer end `away` from it.
     fn write(&self, canvas: &mut Canvas, words: &str, share: f32, away: f32) {
-        let (x, y) = self.beside(share, away + 0.5 * text::measure(words, TEXT));
-        text::draw(canvas, words, (x, y + 0.5 * TEXT), Align::Centre, TEXT, INK);
+        let (x, y) = self.beside(share, away + 0.5 * measure_text(words, TEXT));
+        draw_text(canvas, words, (x, y + 0.5 * TEXT), Align::Centre, TEXT, INK);
     }
 
     fn beside(&self, share: f32, away: f32) -> Point {

@@ -27,7 +27,7 @@ pub struct Spot {
 /// A parallel projection: lines that are parallel in space are so in the picture, and what is nearer to the viewer is
 /// the same for the whole map, so that rows and columns can be drawn from back to front.
 #[derive(Clone, Copy, Debug)]
-pub struct Camera {
+pub struct SurfaceCamera {
     /// Lengths of the map's sides along columns and rows, the longer one 1.
     sides: Point,
     turn: Point,
@@ -38,7 +38,7 @@ pub struct Camera {
     origin: Point,
 }
 
-impl Camera {
+impl SurfaceCamera {
     /// Fits a map of that many rows and columns into a box; also gives the size of the part that is used.
     pub fn fit((rows, cols): (usize, usize), (width, height): Point) -> (Self, Point) {
         let longer = rows.max(cols).max(1) as f32;
@@ -107,7 +107,7 @@ mod tests {
     #[test]
     fn the_whole_box_fits() {
         for size in [(14, 20), (1, 500), (500, 1), (1, 1), (242, 242)] {
-            let (camera, (width, height)) = Camera::fit(size, (800.0, 600.0));
+            let (camera, (width, height)) = SurfaceCamera::fit(size, (800.0, 600.0));
             assert!(width <= 800.1 && height <= 600.1);
             for (x, y) in [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)] {
                 for level in [GROUND, 1.0] {
@@ -120,7 +120,7 @@ mod tests {
 
     #[test]
     fn spots_towards_the_viewer_fall_on_one_pixel() {
-        let (camera, _) = Camera::fit((30, 50), (800.0, 600.0));
+        let (camera, _) = SurfaceCamera::fit((30, 50), (800.0, 600.0));
         let from = Spot { x: 0.1, y: 0.2, level: 0.0 };
         let at = camera.spot(from);
         let mut count = 0;

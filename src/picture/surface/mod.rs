@@ -9,17 +9,19 @@ mod camera;
 mod relief;
 mod track;
 
-use super::canvas::{Canvas, Point};
-use super::colours::{INK, PAPER, Rgb, blend};
-use super::legend::{Legend, TEXT};
-use super::map::{bar, face_colour, key};
-use super::png::Picture;
-use super::scene::MapScene;
-use super::text::{self, Align};
-use super::values::ValueScale;
-use camera::{Camera, GROUND};
+use axes::{axes_room, draw_axes};
+use camera::{GROUND, SurfaceCamera};
 use relief::Relief;
-use track::Ground;
+use track::SurfaceTrack;
+
+use crate::picture::canvas::{Canvas, Point};
+use crate::picture::colours::{INK, PAPER, Rgb, blend};
+use crate::picture::legend::{Legend, TEXT};
+use crate::picture::map::{bar, face_colour, key};
+use crate::picture::png::Picture;
+use crate::picture::scene::MapScene;
+use crate::picture::text::{Align, draw_text, measure_text};
+use crate::picture::values::ValueScale;
 
 const TITLE: f32 = 13.0;
 const MARGIN: f32 = 24.0;
@@ -43,21 +45,21 @@ pub fn draw_surface(scene: &MapScene) -> Picture {
     let scale = scene.scale();
     let size = (scene.occupied.rows(), scene.occupied.cols());
     let relief = Relief::new(scene, heights.as_ref());
-    let (camera, (width, height)) = Camera::fit(size, BOX);
-    let room = axes::room(size, scene.value_name, heights.as_ref());
+    let (camera, (width, height)) = SurfaceCamera::fit(size, BOX);
+    let room = axes_room(size, scene.value_name, heights.as_ref());
     let corner = (MARGIN + room.left, MARGIN + TITLE + 4.0 * TEXT);
     let camera = camera.moved(corner);
 
     let legend = Legend { values: bar(scene, scale.as_ref()), key: key(scene) };
     let legend_at = (corner.0 + width + room.right + MARGIN, corner.1);
-    let title_ends = MARGIN + text::measure(scene.title, TITLE);
+    let title_ends = MARGIN + measure_text(scene.title, TITLE);
     let right = title_ends.max(legend_at.0 + legend.width(1.0)) + MARGIN;
     let bottom = corner.1 + (height + room.below).max(legend.height(height, 1.0)) + MARGIN;
 
     let mut canvas = draw_relief(&relief, &camera.enlarged(FINER), (right, bottom), heights.as_ref(), scale.as_ref());
-    axes::draw(&mut canvas, &camera, size, scene.value_name, heights.as_ref());
-    Ground { scene, relief: &relief, heights: heights.as_ref(), camera }.draw_track(&mut canvas);
-    text::draw(&mut canvas, scene.title, (MARGIN, MARGIN + TITLE), Align::Left, TITLE, INK);
+    draw_axes(&mut canvas, &camera, size, scene.value_name, heights.as_ref());
+    SurfaceTrack { scene, relief: &relief, heights: heights.as_ref(), camera }.draw_track(&mut canvas);
+    draw_text(&mut canvas, scene.title, (MARGIN, MARGIN + TITLE), Align::Left, TITLE, INK);
     legend.draw(&mut canvas, legend_at, height, 1.0);
     canvas.finish()
 }
@@ -65,7 +67,7 @@ pub fn draw_surface(scene: &MapScene) -> Picture {
 /// Walls and tiles, drawn finer than they are returned.
 fn draw_relief(
     relief: &Relief,
-    camera: &Camera,
+    camera: &SurfaceCamera,
     (right, bottom): Point,
     heights: Option<&ValueScale>,
     scale: Option<&ValueScale>,
@@ -82,7 +84,7 @@ fn draw_relief(
 }
 
 /// The sides of a tile that the viewer can see, and its top.
-fn draw_tile(canvas: &mut Canvas, camera: &Camera, relief: &Relief, (row, col): (usize, usize), colour: Rgb) {
+fn draw_tile(canvas: &mut Canvas, camera: &SurfaceCamera, relief: &Relief, (row, col): (usize, usize), colour: Rgb) {
     let (north, south) = (relief.row_edge(row), relief.row_edge(row + 1));
     let (west, east) = (relief.col_edge(col), relief.col_edge(col + 1));
     let [nw, ne, se, sw] = relief.corners((row, col));

@@ -3,10 +3,9 @@
 use crate::grid::{Grid, Place};
 use crate::picture::marks::to_f32;
 use crate::picture::scene::MapScene;
+use crate::picture::surface::camera::GROUND;
 use crate::picture::values::ValueScale;
-use crate::picture::zoom::{Block, Face, Zoom};
-
-use super::camera::GROUND;
+use crate::picture::zoom::{BlockFace, CellBlock, Zoom};
 
 /// The most tiles along a side; larger maps are drawn with tiles of several cells.
 const MOST_TILES: usize = 256;
@@ -25,7 +24,7 @@ pub struct Relief {
 /// A square of the map and its level, 0 to 1 from the lowest value to the highest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tile {
-    pub face: Face,
+    pub face: BlockFace,
     pub level: f32,
 }
 
@@ -50,10 +49,10 @@ impl Relief {
     pub fn corners(&self, (row, col): Place) -> Corners {
         let tile = self.tiles[(row, col)];
         match tile.face {
-            Face::Value(_) => {
+            BlockFace::Value(_) => {
                 [(row, col), (row, col + 1), (row + 1, col + 1), (row + 1, col)].map(|at| self.corners[at])
             }
-            Face::Obstacle | Face::WithoutValue => [tile.level; 4],
+            BlockFace::Obstacle | BlockFace::WithoutValue => [tile.level; 4],
         }
     }
 
@@ -79,7 +78,7 @@ impl Relief {
         north + (south - north) * down
     }
 
-    pub fn face_at(&self, x: f32, y: f32) -> Face {
+    pub fn face_at(&self, x: f32, y: f32) -> BlockFace {
         let ((row, _), (col, _)) = self.tile_at(x, y);
         self.tiles[(row, col)].face
     }
@@ -98,7 +97,7 @@ impl Relief {
 
 impl Tile {
     /// An obstacle where at least half of the cells are, else the mean of the free cells' finite values.
-    fn new(scene: &MapScene, block: &Block, heights: Option<&ValueScale>) -> Self {
+    fn new(scene: &MapScene, block: &CellBlock, heights: Option<&ValueScale>) -> Self {
         let (mut cells, mut obstacles) = (0, 0);
         let (mut free, mut occupied) = (Mean::default(), Mean::default());
         for place in block.places() {
@@ -112,9 +111,9 @@ impl Tile {
         let level = |mean: Mean| heights.and_then(|heights| Some(to_f32(heights.fraction(mean.value()?))));
         let is_obstacle = 2 * obstacles >= cells;
         let face = match free.value() {
-            _ if is_obstacle => Face::Obstacle,
-            Some(value) => Face::Value(value),
-            None => Face::WithoutValue,
+            _ if is_obstacle => BlockFace::Obstacle,
+            Some(value) => BlockFace::Value(value),
+            None => BlockFace::WithoutValue,
         };
         Self { face, level: level(if is_obstacle { occupied } else { free }).unwrap_or(GROUND) }
     }
@@ -147,7 +146,7 @@ fn corner_level(tiles: &Grid<Tile>, (row, col): Place) -> f32 {
         (row, col),
     ];
     let levels = around.into_iter().filter_map(|(row, col)| tiles.get(row, col));
-    let levels = levels.filter(|tile| matches!(tile.face, Face::Value(_))).map(|tile| tile.level);
+    let levels = levels.filter(|tile| matches!(tile.face, BlockFace::Value(_))).map(|tile| tile.level);
     let (sum, count) = levels.fold((0.0, 0.0), |(sum, count), level| (sum + level, count + 1.0));
     if count > 0.0 { sum / count } else { GROUND }
 }

@@ -3,13 +3,12 @@
 use crate::grid::Place;
 use crate::picture::canvas::{Canvas, Point};
 use crate::picture::colours::PATH;
-use crate::picture::marks::{draw_path, marks, to_f32};
+use crate::picture::marks::{draw_path, scene_marks, to_f32};
 use crate::picture::scene::MapScene;
+use crate::picture::surface::camera::{Spot, SurfaceCamera};
+use crate::picture::surface::relief::Relief;
 use crate::picture::values::ValueScale;
-use crate::picture::zoom::Face;
-
-use super::camera::{Camera, Spot};
-use super::relief::Relief;
+use crate::picture::zoom::BlockFace;
 
 const WIDTH: f32 = 2.4;
 const MARK: f32 = 7.0;
@@ -22,14 +21,14 @@ const DOTS_APART: f32 = 6.0;
 const TOLERANCE: f32 = 0.02;
 
 /// What a path is drawn on.
-pub struct Ground<'a> {
+pub struct SurfaceTrack<'a> {
     pub scene: &'a MapScene<'a>,
     pub relief: &'a Relief,
     pub heights: Option<&'a ValueScale>,
-    pub camera: Camera,
+    pub camera: SurfaceCamera,
 }
 
-impl Ground<'_> {
+impl SurfaceTrack<'_> {
     /// Draws the path, dotted where the surface hides it, and the marks, which nothing hides.
     pub fn draw_track(&self, canvas: &mut Canvas) {
         let line: Vec<(Point, bool)> = self.line().into_iter().map(|(at, spot)| (at, self.is_hidden(spot))).collect();
@@ -37,7 +36,7 @@ impl Ground<'_> {
             let points: Vec<Point> = run.iter().map(|&(at, _)| at).collect();
             if run[0].1 { draw_dots(canvas, &points) } else { draw_path(canvas, &points, WIDTH) }
         }
-        for (mark, place) in marks(self.scene).rev() {
+        for (mark, place) in scene_marks(self.scene).rev() {
             mark.draw(canvas, self.camera.spot(self.cell(place)), MARK);
         }
     }
@@ -47,7 +46,7 @@ impl Ground<'_> {
         let (x, y) = self.relief.centre(place);
         let own = self.scene.value_at(place).zip(self.heights).map(|(value, heights)| to_f32(heights.fraction(value)));
         let level = match (self.relief.face_at(x, y), own) {
-            (Face::Obstacle | Face::WithoutValue, Some(own)) => own,
+            (BlockFace::Obstacle | BlockFace::WithoutValue, Some(own)) => own,
             _ => self.relief.level_at(x, y),
         };
         Spot { x, y, level }
@@ -79,8 +78,8 @@ impl Ground<'_> {
         let along = |from: f32, to: f32| from + (to - from) * share;
         let (x, y, level) = (along(from.x, to.x), along(from.y, to.y), along(from.level, to.level));
         match self.relief.face_at(x, y) {
-            Face::Value(_) => Spot { x, y, level: self.relief.level_at(x, y) },
-            Face::Obstacle | Face::WithoutValue => Spot { x, y, level },
+            BlockFace::Value(_) => Spot { x, y, level: self.relief.level_at(x, y) },
+            BlockFace::Obstacle | BlockFace::WithoutValue => Spot { x, y, level },
         }
     }
 

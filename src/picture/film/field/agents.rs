@@ -1,12 +1,12 @@
 //! Agents to scale, with heading and steered wheels.
 
-use super::sprite::Placement;
-use super::{Pane, sprites};
 use crate::geometry::{DVec2, Pose, ops};
 use crate::picture::canvas::{Canvas, Pen, Point};
 use crate::picture::colours::{PAPER, Rgb, UNIMOG, WUMPUS};
+use crate::picture::film::field::Pane;
+use crate::picture::film::field::sprite::{Placement, UNIMOG_SPRITE, WHEEL_SPRITE, WUMPUS_SPRITE};
 use crate::picture::marks::to_f32;
-use crate::picture::text::{self, Align};
+use crate::picture::text::{Align, draw_text, measure_text};
 use crate::time::SimTime;
 use crate::timeline::{AgentId, Body, Role};
 use crate::trajectory::{Piece, Trajectory};
@@ -22,7 +22,7 @@ const DRAWN_WIDTH_M: f64 = 2.2;
 /// Of a wheel's middle from the middle of its axle, as a share of the body's half width.
 const WHEEL_AT: f64 = 0.78;
 
-pub fn colour(agent: AgentId) -> Rgb {
+pub fn agent_colour(agent: AgentId) -> Rgb {
     match agent.role {
         Role::Wumpus => WUMPUS,
         Role::Unimog => UNIMOG,
@@ -30,7 +30,7 @@ pub fn colour(agent: AgentId) -> Rgb {
 }
 
 /// Draws all agents, trucks over Wumpuses.
-pub fn draw(canvas: &mut Canvas, pane: &Pane) {
+pub fn draw_agents(canvas: &mut Canvas, pane: &Pane) {
     for index in 0..pane.setting().agents.len() {
         draw_agent(canvas, pane, index);
     }
@@ -44,11 +44,11 @@ fn draw_agent(canvas: &mut Canvas, pane: &Pane, index: usize) {
         return;
     }
     if length > true_length(pane, &start.body) {
-        draw_ring(canvas, at, 0.62 * length + 2.0 * unit, (unit, colour(start.id)));
+        draw_ring(canvas, at, 0.62 * length + 2.0 * unit, (unit, agent_colour(start.id)));
     }
     match start.body {
         Body::Square { .. } => {
-            sprites::WUMPUS.draw(canvas, Placement::turned(at, state.pose.heading, (length, length)));
+            WUMPUS_SPRITE.draw(canvas, Placement::turned(at, state.pose.heading, (length, length)));
         }
         Body::Truck(body) => {
             let scale = f64::from(length) / body.length_m;
@@ -95,10 +95,10 @@ fn draw_truck(canvas: &mut Canvas, (x, y): Point, pose: Pose, body: &Dimensions,
             let hub = DVec2::new(along_m, side * WHEEL_AT * body.width_m) * scale;
             let turned = Pose { x: 0.0, y: 0.0, ..pose }.transform(hub);
             let at = (x + to_f32(turned.x), y - to_f32(turned.y));
-            sprites::WHEEL.draw(canvas, Placement::turned(at, pose.heading + angle, drawn));
+            WHEEL_SPRITE.draw(canvas, Placement::turned(at, pose.heading + angle, drawn));
         }
     }
-    sprites::UNIMOG.draw(canvas, Placement::turned((x, y), pose.heading, drawn));
+    UNIMOG_SPRITE.draw(canvas, Placement::turned((x, y), pose.heading, drawn));
 }
 
 /// Curvature of the stretch that is driven; of the first one before it sets out, of the last one when it has arrived.
@@ -120,7 +120,7 @@ fn is_one_of_many(pane: &Pane, id: AgentId) -> bool {
 fn draw_number(canvas: &mut Canvas, (x, y): Point, (length, unit): (f32, f32), id: AgentId) {
     let at = (x + 0.45 * length + 4.0 * unit, y - 0.45 * length);
     let label = id.number.to_string();
-    let width = text::measure(&label, 8.0 * unit);
-    canvas.fill_rect(at.0 - 2.0 * unit, at.1 - 10.0 * unit, width + 4.0 * unit, 12.0 * unit, colour(id));
-    text::draw(canvas, &label, at, Align::Left, 8.0 * unit, PAPER);
+    let width = measure_text(&label, 8.0 * unit);
+    canvas.fill_rect(at.0 - 2.0 * unit, at.1 - 10.0 * unit, width + 4.0 * unit, 12.0 * unit, agent_colour(id));
+    draw_text(canvas, &label, at, Align::Left, 8.0 * unit, PAPER);
 }

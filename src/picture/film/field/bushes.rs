@@ -1,12 +1,12 @@
-//! Bushes by state: sprites, or flat cells where they are small.
+//! Bushes by state: sprites, which are drawn once and stamped from then on, or flat cells where they are small.
 
-use super::sprite::{Placement, Sprite};
-use super::stamps::Stamps;
-use super::{Pane, sprites};
 use crate::fire::BushStateKind;
 use crate::geometry::Cell;
 use crate::picture::canvas::{Canvas, Point};
 use crate::picture::colours::{FIELD, blend, bush_colour};
+use crate::picture::film::field::Pane;
+use crate::picture::film::field::fires::draw_tongues;
+use crate::picture::film::field::sprite::{BURNED_SPRITE, BUSH_SPRITE, EMBERS_SPRITE, Placement, Sprite, WET_SPRITE};
 
 /// Cells with shorter sides than this, in pixels, are flat.
 pub const LEAST_SPRITE: f32 = 8.0;
@@ -22,25 +22,25 @@ const VARIANTS: usize = 6;
 
 fn sprite(kind: BushStateKind) -> &'static Sprite {
     match kind {
-        BushStateKind::Intact => &sprites::BUSH,
-        BushStateKind::Burning => &sprites::EMBERS,
-        BushStateKind::BurnedOut => &sprites::BURNED,
-        BushStateKind::Extinguished => &sprites::WET,
+        BushStateKind::Intact => &BUSH_SPRITE,
+        BushStateKind::Burning => &EMBERS_SPRITE,
+        BushStateKind::BurnedOut => &BURNED_SPRITE,
+        BushStateKind::Extinguished => &WET_SPRITE,
     }
 }
 
 /// Draws bushes, given in the order of the setting.
-pub fn draw(canvas: &mut Canvas, pane: &Pane, kinds: &[BushStateKind], stamps: &mut Stamps) {
+pub fn draw_bushes(canvas: &mut Canvas, pane: &Pane, kinds: &[BushStateKind], stamps: &mut Stamps) {
     if pane.cell_side() < LEAST_SPRITE {
-        draw_flat(canvas, pane, kinds);
+        draw_flat_cells(canvas, pane, kinds);
     } else {
-        draw_squares(canvas, pane, kinds);
-        draw_sprites(canvas, pane, kinds, stamps);
+        draw_bush_squares(canvas, pane, kinds);
+        draw_bush_sprites(canvas, pane, kinds, stamps);
     }
 }
 
 /// Where several cells share a pixel, what burns is seen, some pixels wide at least.
-fn draw_flat(canvas: &mut Canvas, pane: &Pane, kinds: &[BushStateKind]) {
+fn draw_flat_cells(canvas: &mut Canvas, pane: &Pane, kinds: &[BushStateKind]) {
     for is_burning in [false, true] {
         let bushes = pane.setting().bushes.iter().zip(kinds);
         for (&cell, kind) in bushes.filter(|(_, kind)| (**kind == BushStateKind::Burning) == is_burning) {
@@ -51,7 +51,7 @@ fn draw_flat(canvas: &mut Canvas, pane: &Pane, kinds: &[BushStateKind]) {
     }
 }
 
-fn draw_squares(canvas: &mut Canvas, pane: &Pane, kinds: &[BushStateKind]) {
+fn draw_bush_squares(canvas: &mut Canvas, pane: &Pane, kinds: &[BushStateKind]) {
     for (&cell, kind) in pane.setting().bushes.iter().zip(kinds) {
         let (from, to) = pane.projection.cell(pane.frame(), cell);
         canvas.fill_pixels(from, to, blend(FIELD, bush_colour(*kind), TINT));
@@ -59,26 +59,26 @@ fn draw_squares(canvas: &mut Canvas, pane: &Pane, kinds: &[BushStateKind]) {
 }
 
 /// From north to south, so that what sticks out of a cell lies over what is behind it.
-fn draw_sprites(canvas: &mut Canvas, pane: &Pane, kinds: &[BushStateKind], stamps: &mut Stamps) {
+fn draw_bush_sprites(canvas: &mut Canvas, pane: &Pane, kinds: &[BushStateKind], stamps: &mut Stamps) {
     let side = pane.cell_side();
     for (&cell, &kind) in pane.setting().bushes.iter().zip(kinds).rev() {
         let at = pane.cell_centre(cell);
         if pane.is_near(at, side) {
             let variant = scatter(cell) as usize % VARIANTS;
             let number = kind as usize * VARIANTS + variant;
-            stamps.lay(canvas, at, number, |canvas, at, side| draw_one(canvas, kind, variant, at, side));
+            stamps.lay(canvas, at, number, |canvas, at, side| draw_bush(canvas, kind, variant, at, side));
         }
     }
 }
 
-pub fn draw_one(canvas: &mut Canvas, kind: BushStateKind, variant: usize, at: Point, side: f32) {
+pub fn draw_bush(canvas: &mut Canvas, kind: BushStateKind, variant: usize, at: Point, side: f32) {
     let mirrored = if variant.is_multiple_of(2) { side } else { -side };
     let lean = (variant / 2) as f32 * 0.12 - 0.12;
     sprite(kind).draw(canvas, Placement::leaning(at, (mirrored, side), lean));
 }
 
 /// First number of stamps that are none of bushes.
-pub const STAMPS: usize = 4 * VARIANTS;
+pub const BUSH_STAMPS: usize = 4 * VARIANTS;
 
 /// A number that tells a cell from its neighbours: the mixing step of MurmurHash3 (Austin Appleby, 2011) on its place.
 pub fn scatter(cell: Cell) -> u32 {
@@ -86,4 +86,51 @@ pub fn scatter(cell: Cell) -> u32 {
     bits = (bits ^ (bits >> 16)).wrapping_mul(0x85eb_ca6b);
     bits = (bits ^ (bits >> 13)).wrapping_mul(0xc2b2_ae35);
     bits ^ (bits >> 16)
+}
+
+/// Cells with longer sides than this, in pixels, are few: their sprites are drawn where they are.
+const MOST_STAMP_SIDE: f32 = 96.0;
+
+/// A stamp is so many sides of a cell wide, so that what sticks out of its cell is on it.
+const STAMP_WIDTH: f32 = 1.8;
+
+/// Drawings on small sheets, all for cells of one size.
+#[derive(Default)]
+pub struct Stamps {
+    side: f32,
+    drawn: Vec<Option<Canvas>>,
+}
+
+impl Stamps {
+    /// Forgets what was drawn for cells of another size.
+    pub fn begin(&mut self, side: f32) {
+        if self.side != side {
+            *self = Self { side, drawn: Vec::new() };
+        }
+    }
+
+    /// Lays down what `draw` draws about a place, for cells of the present side; `number` tells one drawing from others.
+    pub fn lay(&mut self, canvas: &mut Canvas, (x, y): Point, number: usize, draw: impl Fn(&mut Canvas, Point, f32)) {
+        if self.side > MOST_STAMP_SIDE {
+            return draw(canvas, (x, y), self.side);
+        }
+        let half = (0.5 * STAMP_WIDTH * self.side).ceil() as u32 + 1;
+        if self.drawn.len() <= number {
+            self.drawn.resize_with(number + 1, || None);
+        }
+        let stamp = self.drawn[number].get_or_insert_with(|| {
+            let mut stamp = Canvas::transparent(2 * half, 2 * half);
+            draw(&mut stamp, (half as f32, half as f32), self.side);
+            stamp
+        });
+        canvas.lay_over(stamp, (x.round() as i32 - half as i32, y.round() as i32 - half as i32));
+    }
+}
+
+/// Draws a bush about a place, as large as in a cell of that side in pixels.
+pub fn draw_sign(canvas: &mut Canvas, kind: BushStateKind, at: Point, side: f32) {
+    draw_bush(canvas, kind, 0, at, side);
+    if kind == BushStateKind::Burning {
+        draw_tongues(canvas, at, (side, side), 0);
+    }
 }

@@ -1,8 +1,8 @@
 //! Long lines in pixels: what of them is in the pane, and dashes along them.
 
-use super::Pane;
 use crate::geometry::DVec2;
 use crate::picture::canvas::{Canvas, Ink, Point};
+use crate::picture::film::field::Pane;
 use crate::picture::thin_line::draw_line;
 
 /// Lines are drawn this far beyond the pane, in pixels, so that their ends are not seen.
@@ -18,12 +18,18 @@ pub struct Dashes {
 }
 
 /// Draws a line through places in the pane, as far as it can be seen there.
-pub fn draw(canvas: &mut Canvas, pane: &Pane, line: &[DVec2], (width, ink): (f32, Ink), dashes: Option<Dashes>) {
+pub fn draw_visible_line(
+    canvas: &mut Canvas,
+    pane: &Pane,
+    line: &[DVec2],
+    (width, ink): (f32, Ink),
+    dashes: Option<Dashes>,
+) {
     let mut passed = 0.0;
     for pair in line.windows(2) {
         let step = pair[1] - pair[0];
         let length = step.length();
-        if let Some((first, last)) = seen(pair[0], pair[1], pane.size) {
+        if let Some((first, last)) = clip(pair[0], pair[1], pane.size) {
             let mut draw = |from: f64, to: f64| {
                 let at = |share: f64| -> Point { (pair[0] + step * share).as_vec2().into() };
                 draw_line(canvas, at(from), at(to), width, ink);
@@ -59,7 +65,7 @@ impl Dashes {
 
 /// Where a piece enters a pane and leaves it, as shares of its length (Liang and Barsky, "A New Concept and Method for
 /// Line Clipping", ACM Transactions on Graphics 3(1), 1984).
-fn seen(from: DVec2, to: DVec2, (width, height): (u32, u32)) -> Option<(f64, f64)> {
+fn clip(from: DVec2, to: DVec2, (width, height): (u32, u32)) -> Option<(f64, f64)> {
     let most = DVec2::new(f64::from(width), f64::from(height)) + BEYOND;
     let (mut first, mut last) = (0.0_f64, 1.0_f64);
     for (at, step, most) in [(from.x, to.x - from.x, most.x), (from.y, to.y - from.y, most.y)] {
@@ -81,7 +87,7 @@ mod tests {
 
     #[test]
     fn pieces_are_seen_where_they_are_in_the_pane() {
-        let seen = |from: (f64, f64), to: (f64, f64)| seen(DVec2::from(from), DVec2::from(to), (100, 50));
+        let seen = |from: (f64, f64), to: (f64, f64)| clip(DVec2::from(from), DVec2::from(to), (100, 50));
         assert_eq!(seen((10.0, 10.0), (90.0, 40.0)), Some((0.0, 1.0)));
         assert_eq!(seen((50.0, 25.0), (50.0, 125.0)), Some((0.0, 0.41)));
         assert_eq!(seen((-32.0, 7.0), (0.0, 7.0)), Some((0.5, 1.0)));

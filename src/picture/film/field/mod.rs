@@ -5,38 +5,38 @@
 
 mod agents;
 mod bushes;
-mod flames;
-mod kept;
+mod fires;
+mod highlights;
 mod lines;
-mod marked;
-mod pick;
 mod scales;
 mod searches;
-mod sign;
-mod spread;
 mod sprite;
-mod sprites;
-mod stamps;
 mod suppression;
 mod value_map;
 mod ways;
 
-pub use agents::colour as agent_colour;
-pub use pick::pick;
-pub use sign::draw_sign;
+pub use agents::agent_colour;
+pub use bushes::draw_sign;
+pub use highlights::pick;
 
-use super::camera::Projection;
-use super::{Layer, Layers, RunView, RunViewId, ViewOptions};
+use agents::draw_agents;
+use bushes::{Stamps, draw_bushes};
+use fires::{draw_flames, draw_spreads};
+use highlights::{draw_differences, draw_selected};
+use scales::{draw_length_bar, draw_value_bar};
+use searches::{ShownSearch, draw_searches, shown_searches};
+use suppression::draw_suppressions;
+use value_map::{FieldQuantity, ValueMap};
+use ways::draw_ways;
+
 use crate::fire::BushStateKind;
 use crate::geometry::{Cell, DVec2, FieldFrame};
 use crate::picture::canvas::{Canvas, Point};
 use crate::picture::colours::{BORDER, FIELD, INK, OUTSIDE, blend};
+use crate::picture::film::camera::Projection;
+use crate::picture::film::{Layer, Layers, RunView, RunViewId, ViewOptions};
 use crate::picture::ticks;
 use crate::timeline::{BushState, Setting, State};
-
-use kept::Kept;
-use stamps::Stamps;
-use value_map::{Quantity, ValueMap};
 
 /// Panes whose shorter side has more pixels than this get wider lines and larger letters.
 const ORDINARY_SIDE: f32 = 900.0;
@@ -46,7 +46,7 @@ const GRID_LINES: f64 = 6.0;
 
 /// A run at one time, and how it is looked at.
 #[derive(Clone, Copy)]
-pub struct Moment<'a> {
+pub struct FieldView<'a> {
     pub run: &'a RunView,
     pub state: &'a State,
     /// The other run of a comparison at that time.
@@ -59,7 +59,7 @@ pub struct Moment<'a> {
 /// A moment, and where it is drawn.
 #[derive(Clone, Copy)]
 struct Pane<'a> {
-    moment: &'a Moment<'a>,
+    moment: &'a FieldView<'a>,
     projection: Projection,
     size: (u32, u32),
 }
@@ -82,14 +82,14 @@ struct Backdrop {
     projection: Projection,
     size: (u32, u32),
     layers: Layers,
-    values: Option<Quantity>,
+    values: Option<FieldQuantity>,
     /// The facts of the searches that are shown.
     searches: Vec<usize>,
 }
 
 impl FieldRenderer {
     /// The pane, `size` in pixels.
-    pub fn paint(&mut self, moment: &Moment, size: (u32, u32)) -> &Canvas {
+    pub fn paint(&mut self, moment: &FieldView, size: (u32, u32)) -> &Canvas {
         self.begin(moment.run);
         let projection = Projection::from_options(moment.run, moment.state, moment.options, size);
         let pane = Pane { moment, projection, size };
@@ -101,12 +101,12 @@ impl FieldRenderer {
 
     /// What is kept of the moment.
     fn draw_ground(&mut self, pane: &Pane) {
-        let searches = searches::shown(pane);
+        let searches = shown_searches(pane);
         let key = Backdrop {
             projection: pane.projection,
             size: pane.size,
             layers: pane.moment.options.layers,
-            values: Quantity::shown(pane),
+            values: FieldQuantity::shown(pane),
             searches: searches.iter().map(|search| search.fact).collect(),
         };
         let values = self.values.as_ref();
@@ -114,7 +114,7 @@ impl FieldRenderer {
         let kinds = pane.moment.state.bushes.iter().copied().map(BushState::kind).collect();
         self.ground.get((key, kinds), |(_, kinds)| {
             let mut ground = backdrop.clone();
-            bushes::draw(&mut ground, pane, kinds, &mut self.stamps);
+            draw_bushes(&mut ground, pane, kinds, &mut self.stamps);
             ground
         });
     }
@@ -126,27 +126,27 @@ impl FieldRenderer {
         let sheet = self.sheet.get_or_insert_with(|| ground.clone());
         sheet.copy_from(ground, (0, 0));
         if pane.shows(Layer::Paths) {
-            ways::draw(sheet, pane);
+            draw_ways(sheet, pane);
         }
         if pane.shows(Layer::Spread) {
-            spread::draw(sheet, pane);
+            draw_spreads(sheet, pane);
         }
-        flames::draw(sheet, pane, &mut self.stamps);
-        marked::draw_differences(sheet, pane);
+        draw_flames(sheet, pane, &mut self.stamps);
+        draw_differences(sheet, pane);
         if pane.shows(Layer::Suppression) {
-            suppression::draw(sheet, pane);
+            draw_suppressions(sheet, pane);
         }
-        agents::draw(sheet, pane);
-        marked::draw_selected(sheet, pane);
-        scales::draw_metres(sheet, pane);
+        draw_agents(sheet, pane);
+        draw_selected(sheet, pane);
+        draw_length_bar(sheet, pane);
         if let Some(values) = &self.values {
-            scales::draw_values(sheet, pane, values);
+            draw_value_bar(sheet, pane, values);
         }
         sheet
     }
 
     fn find_values(&mut self, pane: &Pane) {
-        let wanted = Quantity::shown(pane);
+        let wanted = FieldQuantity::shown(pane);
         if self.values.as_ref().map(|values| values.quantity) != wanted {
             self.values = wanted.and_then(|quantity| ValueMap::new(pane.moment.run, quantity));
         }
@@ -160,7 +160,7 @@ impl FieldRenderer {
     }
 }
 
-fn draw_backdrop(pane: &Pane, values: Option<&ValueMap>, searches: &[searches::Shown]) -> Canvas {
+fn draw_backdrop(pane: &Pane, values: Option<&ValueMap>, searches: &[ShownSearch]) -> Canvas {
     let mut canvas = Canvas::new(pane.size.0, pane.size.1, OUTSIDE);
     let (from, to) = pane.field_box();
     canvas.fill_pixels((from.0 - 2, from.1 - 2), (to.0 + 2, to.1 + 2), BORDER);
@@ -171,7 +171,7 @@ fn draw_backdrop(pane: &Pane, values: Option<&ValueMap>, searches: &[searches::S
     if pane.shows(Layer::GridLines) {
         draw_grid_lines(&mut canvas, pane);
     }
-    searches::draw(&mut canvas, pane, searches);
+    draw_searches(&mut canvas, pane, searches);
     canvas
 }
 
@@ -232,6 +232,32 @@ impl<'a> Pane<'a> {
 
     fn at(&self, point: DVec2) -> Point {
         self.projection.at(point)
+    }
+}
+
+/// A drawing, and all that it follows from.
+pub struct Kept<K> {
+    drawn: Option<(K, Canvas)>,
+}
+
+impl<K> Default for Kept<K> {
+    fn default() -> Self {
+        Self { drawn: None }
+    }
+}
+
+impl<K: PartialEq> Kept<K> {
+    /// The drawing of a key, drawn anew if it is not the last one.
+    pub fn get(&mut self, key: K, draw: impl FnOnce(&K) -> Canvas) -> &Canvas {
+        if self.drawn.as_ref().is_none_or(|(last, _)| *last != key) {
+            let canvas = draw(&key);
+            self.drawn = Some((key, canvas));
+        }
+        self.last().expect("it was drawn just now")
+    }
+
+    pub fn last(&self) -> Option<&Canvas> {
+        self.drawn.as_ref().map(|(_, canvas)| canvas)
     }
 }
 

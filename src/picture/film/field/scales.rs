@@ -1,11 +1,11 @@
 //! What lengths and colours mean: a bar in metres, and the bar of the values that are shown.
 
-use super::Pane;
-use super::value_map::ValueMap;
 use crate::picture::canvas::{Canvas, Point};
 use crate::picture::colours::{INK, PAPER};
+use crate::picture::film::field::Pane;
+use crate::picture::film::field::value_map::ValueMap;
 use crate::picture::marks::to_f32;
-use crate::picture::text::{Align, draw as draw_text, measure};
+use crate::picture::text::{Align, draw_text, measure_text};
 
 /// All in thin lines.
 const MARGIN: f32 = 10.0;
@@ -17,14 +17,14 @@ const BAR_HEIGHT: f32 = 110.0;
 const TICK: f32 = 4.0;
 
 /// A bar of a round length in metres, at the lower left.
-pub fn draw_metres(canvas: &mut Canvas, pane: &Pane) {
+pub fn draw_length_bar(canvas: &mut Canvas, pane: &Pane) {
     let unit = pane.unit();
     let [margin, text, padding] = [MARGIN, TEXT, PADDING].map(|length| length * unit);
     let longest = (LONGEST * f64::from(unit)).min(0.3 * f64::from(pane.size.0));
     let metres = round_length(longest / pane.projection.pixels_per_metre);
     let length = pane.projection.length(metres);
     let label = if metres < 1000.0 { format!("{metres} m") } else { format!("{} km", metres / 1000.0) };
-    let width = length.max(measure(&label, text));
+    let width = length.max(measure_text(&label, text));
     let bottom = pane.size.1 as f32 - margin;
     let height = text + 3.0 * padding;
     draw_plate(canvas, (margin, bottom - height), (width + 2.0 * padding, height));
@@ -51,14 +51,14 @@ fn round_length(most: f64) -> f64 {
 }
 
 /// A bar of colours with round values, at the lower right.
-pub fn draw_values(canvas: &mut Canvas, pane: &Pane, map: &ValueMap) {
+pub fn draw_value_bar(canvas: &mut Canvas, pane: &Pane, map: &ValueMap) {
     let unit = pane.unit();
     let [margin, text, padding] = [MARGIN, TEXT, PADDING].map(|length| length * unit);
     let [bar_width, bar_height, mark] = [BAR_WIDTH, BAR_HEIGHT, TICK].map(|length| (length * unit).round());
     let ticks = map.scale.ticks(5);
     let name = map.quantity.name();
-    let labels = ticks.iter().map(|tick| measure(&tick.label, text)).fold(0.0, f32::max);
-    let width = measure(name, text).max(bar_width + 2.0 * mark + labels) + 2.0 * padding;
+    let labels = ticks.iter().map(|tick| measure_text(&tick.label, text)).fold(0.0, f32::max);
+    let width = measure_text(name, text).max(bar_width + 2.0 * mark + labels) + 2.0 * padding;
     let height = bar_height + 2.0 * text + 4.0 * padding;
     let (right, bottom) = (pane.size.0 as f32 - margin, pane.size.1 as f32 - margin);
     draw_plate(canvas, (right - width, bottom - height), (width, height));

@@ -1,13 +1,13 @@
 //! What planners looked at: roadmaps, and the last search of each agent, as far as these were recorded.
 
-use super::{Layer, Pane};
 use crate::picture::canvas::{Canvas, Ink, Point};
 use crate::picture::colours::{Rgb, blend};
+use crate::picture::film::field::{Layer, Pane};
 use crate::picture::thin_line::draw_line;
 use crate::planning::{SearchGraph, SearchPhase};
 
 /// How a layer shows searches of one phase.
-struct Style {
+struct SearchStyle {
     layer: Layer,
     phase: SearchPhase,
     /// Of the first line and of the last one.
@@ -20,8 +20,8 @@ struct Style {
 }
 
 // Roadmaps have lines all over the field, one over the other: each is faint. Places of a Wumpus are cells.
-const STYLES: [Style; 4] = [
-    Style {
+const STYLES: [SearchStyle; 4] = [
+    SearchStyle {
         layer: Layer::Roadmap,
         phase: SearchPhase::Roadmap,
         colours: [[52, 64, 92], [52, 64, 92]],
@@ -29,7 +29,7 @@ const STYLES: [Style; 4] = [
         opacity: 0.2,
         disc: 0.0,
     },
-    Style {
+    SearchStyle {
         layer: Layer::Query,
         phase: SearchPhase::Query,
         colours: [[0, 44, 84], [40, 140, 220]],
@@ -37,7 +37,7 @@ const STYLES: [Style; 4] = [
         opacity: 0.8,
         disc: 0.0,
     },
-    Style {
+    SearchStyle {
         layer: Layer::LocalSearch,
         phase: SearchPhase::Local,
         colours: [[74, 4, 20], [240, 118, 134]],
@@ -45,7 +45,7 @@ const STYLES: [Style; 4] = [
         opacity: 0.7,
         disc: 0.0,
     },
-    Style {
+    SearchStyle {
         layer: Layer::WumpusSearch,
         phase: SearchPhase::Walk,
         colours: [[46, 14, 70], [176, 112, 220]],
@@ -56,29 +56,29 @@ const STYLES: [Style; 4] = [
 ];
 
 /// A search that is shown.
-pub struct Shown<'a> {
+pub struct ShownSearch<'a> {
     /// Its place among the facts.
     pub fact: usize,
-    style: &'static Style,
+    style: &'static SearchStyle,
     graph: &'a SearchGraph,
 }
 
 /// The searches that the layers ask for, all agents'.
-pub fn shown<'a>(pane: &Pane<'a>) -> Vec<Shown<'a>> {
+pub fn shown_searches<'a>(pane: &Pane<'a>) -> Vec<ShownSearch<'a>> {
     let (run, time) = (pane.moment.run, pane.moment.state.time);
     let styles = STYLES.iter().filter(|style| pane.shows(style.layer));
     let searches = styles.flat_map(|style| {
         (0..pane.setting().agents.len()).filter_map(move |agent| {
             let (fact, graph) = run.courses().search_at(run.timeline(), agent, style.phase, time)?;
-            Some(Shown { fact, style, graph })
+            Some(ShownSearch { fact, style, graph })
         })
     });
     searches.collect()
 }
 
 /// Draws searches in the order in which places were looked at, from dark to light.
-pub fn draw(canvas: &mut Canvas, pane: &Pane, searches: &[Shown]) {
-    for Shown { graph, style, .. } in searches {
+pub fn draw_searches(canvas: &mut Canvas, pane: &Pane, searches: &[ShownSearch]) {
+    for ShownSearch { graph, style, .. } in searches {
         let width = style.width * pane.unit();
         let radius = style.disc * pane.cell_side();
         let most = graph.edges.len().saturating_sub(1).max(1) as f64;

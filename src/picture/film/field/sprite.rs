@@ -12,6 +12,8 @@
 //! `both` before a shape draws it a second time, mirrored at the x axis. A colour is `#rrggbb`, or the name of one that
 //! has a meaning everywhere; `/0.5` after it makes it half transparent.
 
+use std::sync::LazyLock;
+
 use tiny_skia::{Path, PathBuilder, Transform};
 
 use crate::geometry::ops;
@@ -22,11 +24,11 @@ use crate::picture::marks::to_f32;
 /// A drawing in its own units.
 #[derive(Debug)]
 pub struct Sprite {
-    shapes: Vec<Shape>,
+    shapes: Vec<SpriteShape>,
 }
 
 #[derive(Debug)]
-struct Shape {
+struct SpriteShape {
     path: Path,
     ink: Ink,
     /// Of a line; none fills the path.
@@ -84,7 +86,7 @@ impl Sprite {
 }
 
 /// `side` is -1 for the mirrored shape, else 1.
-fn read_shape(line: &str, side: f32) -> Option<Shape> {
+fn read_shape(line: &str, side: f32) -> Option<SpriteShape> {
     let mut words = line.split_whitespace();
     let (kind, ink) = (words.next()?, read_ink(words.next()?)?);
     let size = match kind {
@@ -101,7 +103,7 @@ fn read_shape(line: &str, side: f32) -> Option<Shape> {
         ("curve", Some(_)) => (smooth_open(&points).finish(), size),
         _ => return None,
     };
-    Some(Shape { path: path?, ink, width })
+    Some(SpriteShape { path: path?, ink, width })
 }
 
 fn read_point(word: &str, side: f32) -> Option<Point> {
@@ -168,6 +170,27 @@ fn middle(a: Point, b: Point) -> Point {
     (0.5 * (a.0 + b.0), 0.5 * (a.1 + b.1))
 }
 
+pub static BUSH_SPRITE: LazyLock<Sprite> =
+    LazyLock::new(|| read_asset(include_str!("../../../../assets/sprites/bush.txt")));
+pub static EMBERS_SPRITE: LazyLock<Sprite> =
+    LazyLock::new(|| read_asset(include_str!("../../../../assets/sprites/embers.txt")));
+pub static BURNED_SPRITE: LazyLock<Sprite> =
+    LazyLock::new(|| read_asset(include_str!("../../../../assets/sprites/burned.txt")));
+pub static WET_SPRITE: LazyLock<Sprite> =
+    LazyLock::new(|| read_asset(include_str!("../../../../assets/sprites/wet.txt")));
+pub static FLAME_SPRITE: LazyLock<Sprite> =
+    LazyLock::new(|| read_asset(include_str!("../../../../assets/sprites/flame.txt")));
+pub static WUMPUS_SPRITE: LazyLock<Sprite> =
+    LazyLock::new(|| read_asset(include_str!("../../../../assets/sprites/wumpus.txt")));
+pub static UNIMOG_SPRITE: LazyLock<Sprite> =
+    LazyLock::new(|| read_asset(include_str!("../../../../assets/sprites/unimog.txt")));
+pub static WHEEL_SPRITE: LazyLock<Sprite> =
+    LazyLock::new(|| read_asset(include_str!("../../../../assets/sprites/wheel.txt")));
+
+fn read_asset(text: &str) -> Sprite {
+    Sprite::read(text).expect("sprites are part of the program, and a test reads all of them")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -221,6 +244,24 @@ mod tests {
             "star ink 0,0 1,0 1,1",
         ] {
             assert!(Sprite::read(line).is_none(), "{line}");
+        }
+    }
+
+    #[test]
+    fn sprites_stay_near_what_they_stand_for() {
+        // Points pull smooth lines, which stay inside them; a torch and its flame stick out of the square body.
+        for (name, sprite, (along, across)) in [
+            ("bush", &BUSH_SPRITE, (0.65, 0.65)),
+            ("embers", &EMBERS_SPRITE, (0.65, 0.65)),
+            ("burned", &BURNED_SPRITE, (0.65, 0.65)),
+            ("wet", &WET_SPRITE, (0.65, 0.65)),
+            ("flame", &FLAME_SPRITE, (0.5, 1.15)),
+            ("wumpus", &WUMPUS_SPRITE, (0.95, 0.6)),
+            ("unimog", &UNIMOG_SPRITE, (2.45, 1.1)),
+            ("wheel", &WHEEL_SPRITE, (0.5, 0.2)),
+        ] {
+            let reach = sprite.reach();
+            assert!(reach.0 <= along && reach.1 <= across, "{name} reaches {reach:?}");
         }
     }
 }

@@ -2,11 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use super::Pane;
-use super::lines::{self, Dashes};
 use crate::geometry::{Cell, DVec2, ops};
 use crate::picture::canvas::{Canvas, Ink, Pen, Point};
 use crate::picture::colours::{EXTINGUISHED, INK, PAPER, Rgb};
+use crate::picture::film::field::Pane;
+use crate::picture::film::field::lines::{Dashes, draw_visible_line};
 use crate::picture::marks::to_f32;
 use crate::timeline::{Activity, Body};
 
@@ -22,7 +22,7 @@ const JET_M: f64 = 0.4;
 const CHORDS: f64 = 60.0;
 
 /// Draws reach, jet and progress of every truck that suppresses.
-pub fn draw(canvas: &mut Canvas, pane: &Pane) {
+pub fn draw_suppressions(canvas: &mut Canvas, pane: &Pane) {
     let (run, state) = (pane.moment.run, pane.moment.state);
     for (index, agent) in state.agents.iter().enumerate() {
         let stop = run.courses().stop_at(index, state.time).filter(|_| agent.activity == Activity::Suppressing);
@@ -51,9 +51,9 @@ fn draw_jet(canvas: &mut Canvas, pane: &Pane, from: DVec2, cell: Cell) {
     let width = pane.projection.length(JET_M).max(LEAST_JET * pane.unit());
     let flown = pane.moment.state.time.as_seconds() * DROPS_PER_SECOND % (2.0 * DROP);
     let drops = Dashes { length: DROP, gap: DROP, offset: 2.0 * DROP - flown };
-    lines::draw(canvas, pane, &line, (width + 2.0, Ink::opaque(REACH)), None);
-    lines::draw(canvas, pane, &line, (width, Ink::opaque(EXTINGUISHED)), None);
-    lines::draw(canvas, pane, &line, (width, Ink::opaque(PAPER)), Some(drops));
+    draw_visible_line(canvas, pane, &line, (width + 2.0, Ink::opaque(REACH)), None);
+    draw_visible_line(canvas, pane, &line, (width, Ink::opaque(EXTINGUISHED)), None);
+    draw_visible_line(canvas, pane, &line, (width, Ink::opaque(PAPER)), Some(drops));
 }
 
 /// A ring that fills clockwise from the top.

@@ -1,6 +1,5 @@
 //! Values over the field, as planners use them: clearance, cost, cost to go. They are shown one at a time.
 
-use super::{Layer, Pane};
 use crate::geometry::Cell;
 use crate::grid::brushfire::brushfire;
 use crate::grid::cost_map::{TwoZones, cost_map};
@@ -9,6 +8,7 @@ use crate::grid::wavefront::{GOAL, wavefront};
 use crate::grid::{Connectivity, CornerCutting, Grid};
 use crate::picture::canvas::Canvas;
 use crate::picture::colours::{ColourMap, FIELD};
+use crate::picture::film::field::{Layer, Pane};
 use crate::picture::film::{RunView, Selected};
 use crate::picture::values::ValueScale;
 use crate::timeline::{AgentId, Setting};
@@ -21,7 +21,7 @@ const MOST_STEPS: usize = 16;
 
 /// Which values are shown, and all that they follow from beside the field.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Quantity {
+pub enum FieldQuantity {
     Clearance,
     CostMap,
     /// To a cell.
@@ -30,7 +30,7 @@ pub enum Quantity {
 
 /// Values on a lattice.
 pub struct ValueMap {
-    pub quantity: Quantity,
+    pub quantity: FieldQuantity,
     pub scale: ValueScale,
     /// Not a number where there is no value.
     values: Grid<f64>,
@@ -40,7 +40,7 @@ pub struct ValueMap {
     corner_m: f64,
 }
 
-impl Quantity {
+impl FieldQuantity {
     /// The last one in the order of the layers that is shown and known.
     pub fn shown(pane: &Pane) -> Option<Self> {
         let goal = || truck(pane).and_then(|index| pane.moment.state.agents[index].goal);
@@ -78,16 +78,16 @@ fn truck(pane: &Pane) -> Option<usize> {
 
 impl ValueMap {
     /// `None` if no place has a value.
-    pub fn new(run: &RunView, quantity: Quantity) -> Option<Self> {
+    pub fn new(run: &RunView, quantity: FieldQuantity) -> Option<Self> {
         let setting = &run.timeline().setting;
         let cell_m = setting.frame.cell_m;
         let (values, side_m, corner_m) = match quantity {
-            Quantity::Clearance => {
+            FieldQuantity::Clearance => {
                 let (values, step_m) = clearances(setting);
                 (values, step_m, -0.5 * step_m)
             }
-            Quantity::CostMap => (costs(setting), cell_m, 0.0),
-            Quantity::Wavefront(goal) => (steps_to(setting, goal)?, cell_m, 0.0),
+            FieldQuantity::CostMap => (costs(setting), cell_m, 0.0),
+            FieldQuantity::Wavefront(goal) => (steps_to(setting, goal)?, cell_m, 0.0),
         };
         let scale = ValueScale::from_values(values.values().iter().copied(), ColourMap::Viridis)?;
         Some(Self { quantity, scale: scale.on(FIELD, OPACITY), values, side_m, corner_m })

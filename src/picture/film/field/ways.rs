@@ -1,10 +1,11 @@
 //! Ways of agents: what they drove lately, and what they are about to drive.
 
-use super::lines::{self, Dashes};
-use super::{Pane, agents};
 use crate::geometry::{Cell, DVec2, Pose};
 use crate::picture::canvas::{Canvas, Ink, Pen};
 use crate::picture::colours::{PAPER, Rgb};
+use crate::picture::film::field::Pane;
+use crate::picture::film::field::agents::agent_colour;
+use crate::picture::film::field::lines::{Dashes, draw_visible_line};
 use crate::time::SimTime;
 use crate::trajectory::Trajectory;
 use crate::vehicle::Segment;
@@ -34,7 +35,7 @@ struct Stretch {
 }
 
 /// Draws the ways of all agents.
-pub fn draw(canvas: &mut Canvas, pane: &Pane) {
+pub fn draw_ways(canvas: &mut Canvas, pane: &Pane) {
     for agent in 0..pane.setting().agents.len() {
         draw_driven(canvas, pane, agent);
         draw_planned(canvas, pane, agent);
@@ -45,7 +46,7 @@ pub fn draw(canvas: &mut Canvas, pane: &Pane) {
 fn draw_driven(canvas: &mut Canvas, pane: &Pane, agent: usize) {
     let (run, now) = (pane.moment.run, pane.moment.state.time);
     let width = WIDTH * pane.unit();
-    let colour = agents::colour(pane.setting().agents[agent].id);
+    let colour = agent_colour(pane.setting().agents[agent].id);
     for step in (0..FADING_STEPS).rev() {
         let ago = |steps: u64| now.since(SimTime::from_nanos(FADING_STEP.as_nanos() * steps));
         let (from, to) = (ago(step + 1), ago(step));
@@ -55,7 +56,7 @@ fn draw_driven(canvas: &mut Canvas, pane: &Pane, agent: usize) {
             let window = [from.max(leg.from), to.min(leg.until)].map(|time| trajectory.distance_m(time));
             for stretch in stretches(trajectory, window, pane.projection.pixels_per_metre) {
                 let dashes = stretch.is_reverse.then_some(REVERSE);
-                trace(canvas, pane, &stretch, (width, Ink { colour, opacity }), dashes);
+                draw_stretch(canvas, pane, &stretch, (width, Ink { colour, opacity }), dashes);
             }
         }
     }
@@ -64,7 +65,7 @@ fn draw_driven(canvas: &mut Canvas, pane: &Pane, agent: usize) {
 /// Dashes stay where they are on the ground while the agent comes along.
 fn draw_planned(canvas: &mut Canvas, pane: &Pane, agent: usize) {
     let (run, state) = (pane.moment.run, pane.moment.state);
-    let colour = agents::colour(pane.setting().agents[agent].id);
+    let colour = agent_colour(pane.setting().agents[agent].id);
     if let Some(goal) = state.agents[agent].goal {
         draw_goal(canvas, pane, goal, colour);
     }
@@ -74,8 +75,8 @@ fn draw_planned(canvas: &mut Canvas, pane: &Pane, agent: usize) {
         for stretch in stretches(trajectory, window, pane.projection.pixels_per_metre) {
             let dashes = if stretch.is_reverse { REVERSE } else { FORWARD };
             let width = WIDTH * pane.unit();
-            trace(canvas, pane, &stretch, (2.0 * width, Ink { colour: PAPER, opacity: 0.75 }), None);
-            trace(canvas, pane, &stretch, (width, Ink::opaque(colour)), Some(dashes));
+            draw_stretch(canvas, pane, &stretch, (2.0 * width, Ink { colour: PAPER, opacity: 0.75 }), None);
+            draw_stretch(canvas, pane, &stretch, (width, Ink::opaque(colour)), Some(dashes));
         }
     }
 }
@@ -137,10 +138,10 @@ fn sample(
 }
 
 /// Dashes are counted from the beginning of the leg.
-fn trace(canvas: &mut Canvas, pane: &Pane, stretch: &Stretch, pen: (f32, Ink), pattern: Option<(f64, f64)>) {
+fn draw_stretch(canvas: &mut Canvas, pane: &Pane, stretch: &Stretch, pen: (f32, Ink), pattern: Option<(f64, f64)>) {
     let projection = &pane.projection;
     let line: Vec<DVec2> = stretch.points.iter().map(|&point| projection.place(point)).collect();
     let (offset, unit) = (stretch.from_m * projection.pixels_per_metre, f64::from(pane.unit()));
     let dashes = pattern.map(|(length, gap)| Dashes { length: unit * length, gap: unit * gap, offset });
-    lines::draw(canvas, pane, &line, pen, dashes);
+    draw_visible_line(canvas, pane, &line, pen, dashes);
 }

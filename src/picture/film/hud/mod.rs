@@ -1,27 +1,27 @@
 //! What stands around the fields: clock, counts, scores, legend, stories; the curves over time, which are the timeline.
 
-mod block;
 mod blocks;
 mod chart;
-mod headline;
 mod help;
-mod moment;
 mod notes;
 mod panel;
 mod pen;
-mod signs;
+mod stories;
 mod words;
 
-pub use words::clock;
+pub use words::format_clock;
 
+use blocks::panel_blocks;
 use chart::ChartRenderer;
-use moment::Moment;
-use pen::Pen;
-use signs::Signs;
+use help::draw_help;
+use notes::{draw_headline, draw_message, draw_run_names};
+use panel::draw_panel;
+use pen::{Signs, TextPen};
 
-use super::lettering::Lettering;
-use super::{FrameRequest, Layout};
 use crate::picture::canvas::Canvas;
+use crate::picture::film::lettering::Lettering;
+use crate::picture::film::{BushCounts, FrameLayout, FrameRequest, RunView, ViewOptions};
+use crate::time::SimTime;
 use crate::timeline::State;
 
 /// Draws panel and chart; keeps what seldom changes from frame to frame.
@@ -34,22 +34,47 @@ pub struct HudRenderer {
 
 impl HudRenderer {
     /// `states` are those of the runs at the request's time.
-    pub fn paint(&mut self, sheet: &mut Canvas, layout: &Layout, request: &FrameRequest, states: &[State]) {
+    pub fn paint(&mut self, sheet: &mut Canvas, layout: &FrameLayout, request: &FrameRequest, states: &[State]) {
         self.chart.paint(sheet, &mut self.lettering, layout, request);
-        let moment = Moment::new(request, states);
-        let mut pen = Pen { sheet, lettering: &mut self.lettering, signs: &mut self.signs, text: layout.text as f32 };
+        let moment = HudView::new(request, states);
+        let mut pen =
+            TextPen { sheet, lettering: &mut self.lettering, signs: &mut self.signs, text: layout.text as f32 };
         match layout.panel {
-            Some(panel) => panel::draw(&mut pen, panel, blocks::blocks(&moment)),
-            None => headline::draw(&mut pen, layout, &moment),
+            Some(panel) => draw_panel(&mut pen, panel, panel_blocks(&moment)),
+            None => draw_headline(&mut pen, layout, &moment),
         }
         if moment.is_comparison() {
-            notes::name_runs(&mut pen, layout, &moment);
+            draw_run_names(&mut pen, layout, &moment);
         }
         if let Some(message) = request.options.status.as_ref().and_then(|status| status.message.as_ref()) {
-            notes::tell_message(&mut pen, layout, message);
+            draw_message(&mut pen, layout, message);
         }
         if request.options.shows_help {
-            help::draw(&mut pen, layout);
+            draw_help(&mut pen, layout);
         }
+    }
+}
+
+/// The runs of a request at its time.
+pub struct HudView<'a> {
+    pub runs: &'a [&'a RunView],
+    pub options: &'a ViewOptions,
+    pub time: SimTime,
+    /// When the last run ends.
+    pub end: SimTime,
+    pub states: &'a [State],
+    pub counts: Vec<BushCounts>,
+}
+
+impl<'a> HudView<'a> {
+    pub fn new(request: &FrameRequest<'a>, states: &'a [State]) -> Self {
+        let end = RunView::last_end(request.runs);
+        let time = request.time.min(end);
+        let counts = request.runs.iter().map(|run| run.counts_at(time)).collect();
+        Self { runs: request.runs, options: request.options, time, end, states, counts }
+    }
+
+    pub fn is_comparison(&self) -> bool {
+        self.runs.len() > 1
     }
 }

@@ -1,9 +1,12 @@
-//! The panel: blocks one below the other in one column or more.
+//! The panel: blocks of lines, one below the other in one column or more.
 
-use super::super::layout::{Rectangle, edges};
-use super::block::Block;
-use super::pen::Pen;
+use crate::fire::BushStateKind;
+use crate::picture::Rgb;
 use crate::picture::colours::{FAINT_INK, PAPER};
+use crate::picture::film::hud::pen::{TextFace, TextPen};
+use crate::picture::film::layout::{PixelRect, edges};
+use crate::picture::film::lettering::fitted;
+use crate::picture::text::Align;
 
 // In heights of text.
 const LEAST_COLUMN: f32 = 26.0;
@@ -13,7 +16,7 @@ const GAP: f32 = 1.6;
 const BELOW_LINE: f32 = 0.35;
 
 /// Draws as many of the blocks as there is room for, in their order.
-pub fn draw(pen: &mut Pen, panel: Rectangle, blocks: Vec<Block>) {
+pub fn draw_panel(pen: &mut TextPen, panel: PixelRect, blocks: Vec<PanelBlock>) {
     let [left, top, right, bottom] = edges(panel);
     pen.fill((left, top), (right - left, bottom - top), PAPER);
     pen.fill((left, top), if top > 0.0 { (right - left, 1.0) } else { (1.0, bottom - top) }, FAINT_INK);
@@ -33,7 +36,7 @@ pub fn draw(pen: &mut Pen, panel: Rectangle, blocks: Vec<Block>) {
 }
 
 /// Blocks that fit, and of each its column and what is above it there, in heights of text.
-fn fit(mut blocks: Vec<Block>, columns: usize, room: f32) -> (Vec<Block>, Vec<(usize, f32)>) {
+fn fit(mut blocks: Vec<PanelBlock>, columns: usize, room: f32) -> (Vec<PanelBlock>, Vec<(usize, f32)>) {
     loop {
         if let Some(places) = places(&blocks, columns, room) {
             return (blocks, places);
@@ -45,7 +48,7 @@ fn fit(mut blocks: Vec<Block>, columns: usize, room: f32) -> (Vec<Block>, Vec<(u
 }
 
 /// Column by column; `None` if they do not fit.
-fn places(blocks: &[Block], columns: usize, room: f32) -> Option<Vec<(usize, f32)>> {
+fn places(blocks: &[PanelBlock], columns: usize, room: f32) -> Option<Vec<(usize, f32)>> {
     let (mut column, mut used) = (0, 0.0);
     let mut places = Vec::new();
     for block in blocks {
@@ -61,13 +64,130 @@ fn places(blocks: &[Block], columns: usize, room: f32) -> Option<Vec<(usize, f32
     Some(places)
 }
 
+/// Lines that belong together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PanelBlock {
+    /// Where there is too little room, blocks of the highest rank are left out first.
+    pub rank: u8,
+    pub lines: Vec<PanelLine>,
+}
+
+/// A line of a block.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PanelLine {
+    /// From the line above to this one, in heights of text.
+    pub height: f32,
+    pub marks: Vec<LineMark>,
+}
+
+/// What stands in a line; distances from the column's edges in heights of text.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LineMark {
+    /// Cut short where the next text begins.
+    Left { from: f32, text: String, face: TextFace },
+    /// Ends there.
+    Right { to: f32, text: String, face: TextFace },
+    /// At the left edge.
+    Sign(BushStateKind),
+    /// Over the whole width, by shares that add up to 1.
+    Bar(Vec<(f64, Rgb)>),
+}
+
+/// Between two texts of a line, in heights of text.
+const APART: f32 = 0.6;
+/// Side of a sign, in heights of text.
+const SIGN: f32 = 1.5;
+
+impl LineMark {
+    pub fn left(text: impl Into<String>, face: TextFace) -> Self {
+        Self::Left { from: 0.0, text: text.into(), face }
+    }
+
+    pub fn right(text: impl Into<String>, face: TextFace) -> Self {
+        Self::Right { to: 0.0, text: text.into(), face }
+    }
+}
+
+impl PanelLine {
+    pub const HEIGHT: f32 = 1.75;
+
+    pub fn new(marks: Vec<LineMark>) -> Self {
+        Self { height: Self::HEIGHT, marks }
+    }
+
+    /// What is told, and its value.
+    pub fn pair(name: &str, value: impl Into<String>) -> Self {
+        Self::new(vec![LineMark::left(name, TextFace::faint()), LineMark::right(value, TextFace::PLAIN)])
+    }
+
+    /// Draws it on a base line between the edges of its column.
+    fn draw(&self, pen: &mut TextPen, (left, right): (f32, f32), base: f32) {
+        for mark in &self.marks {
+            match mark {
+                LineMark::Left { from, text, face } => {
+                    let x = left + pen.length(*from);
+                    let room = self.next_text(pen, (left, right), x) - x;
+                    pen.write(&fitted(text, pen.height(*face), room), (x, base), Align::Left, *face);
+                }
+                LineMark::Right { to, text, face } => {
+                    pen.write(text, (right - pen.length(*to), base), Align::Right, *face)
+                }
+                LineMark::Sign(kind) => {
+                    let side = pen.length(SIGN);
+                    pen.sign(*kind, (left + 0.5 * side, base - pen.length(0.5)), side);
+                }
+                LineMark::Bar(shares) => draw_bar(pen, shares, (left, right), base),
+            }
+        }
+    }
+
+    /// Where text that begins at `x` must have ended.
+    fn next_text(&self, pen: &TextPen, (left, right): (f32, f32), x: f32) -> f32 {
+        let starts = self.marks.iter().filter_map(|mark| match mark {
+            LineMark::Left { from, .. } => Some(left + pen.length(*from)),
+            LineMark::Right { to, text, face } => Some(right - pen.length(*to) - pen.measure(text, *face)),
+            LineMark::Sign(_) | LineMark::Bar(_) => None,
+        });
+        starts.filter(|&start| start > x).map(|start| start - pen.length(APART)).fold(right, f32::min)
+    }
+}
+
+fn draw_bar(pen: &mut TextPen, shares: &[(f64, Rgb)], (left, right): (f32, f32), base: f32) {
+    let height = pen.length(0.5);
+    let mut from = left;
+    for &(share, colour) in shares {
+        let to = (from + (right - left) * share as f32).min(right);
+        pen.fill((from, base - height), (to.round() - from.round(), height), colour);
+        from = to;
+    }
+}
+
+impl PanelBlock {
+    pub fn new(rank: u8, lines: Vec<PanelLine>) -> Self {
+        Self { rank, lines }
+    }
+
+    /// In heights of text.
+    pub fn height(&self) -> f32 {
+        self.lines.iter().map(|line| line.height).sum()
+    }
+
+    /// Draws it between the edges of its column, from `top` down.
+    pub fn draw(&self, pen: &mut TextPen, edges: (f32, f32), top: f32) {
+        let mut base = top;
+        for line in &self.lines {
+            base += pen.text * line.height;
+            line.draw(pen, edges, base.round());
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::block::Line;
     use super::*;
 
-    fn block(rank: u8, lines: usize) -> Block {
-        Block::new(rank, vec![Line::new(Vec::new()); lines])
+    fn block(rank: u8, lines: usize) -> PanelBlock {
+        PanelBlock::new(rank, vec![PanelLine::new(Vec::new()); lines])
     }
 
     #[test]

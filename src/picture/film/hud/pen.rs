@@ -1,23 +1,23 @@
-//! Draws text and small shapes whose sizes are told in heights of ordinary text.
+//! Text, small shapes and signs of bushes, whose sizes are given in heights of ordinary text.
 
-use super::super::lettering::{Lettering, Style};
-use super::signs::Signs;
 use crate::fire::BushStateKind;
 use crate::picture::Rgb;
 use crate::picture::canvas::{Canvas, Point};
-use crate::picture::colours::{INK, PAPER, blend};
-use crate::picture::text::{Align, measure};
+use crate::picture::colours::{INK, PAPER, blend, bush_colour};
+use crate::picture::film::field::draw_sign;
+use crate::picture::film::lettering::{LetterStyle, Lettering};
+use crate::picture::text::{Align, measure_text};
 
 /// How text looks.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Face {
+pub struct TextFace {
     /// Height of capitals in heights of ordinary text.
     pub size: f32,
     pub is_bold: bool,
     pub colour: Rgb,
 }
 
-impl Face {
+impl TextFace {
     pub const PLAIN: Self = Self { size: 0.9, is_bold: false, colour: INK };
     pub const STRONG: Self = Self { is_bold: true, ..Self::PLAIN };
     pub const TITLE: Self = Self { size: 1.2, is_bold: true, colour: INK };
@@ -29,7 +29,7 @@ impl Face {
 }
 
 /// What draws on a sheet.
-pub struct Pen<'a> {
+pub struct TextPen<'a> {
     pub sheet: &'a mut Canvas,
     pub lettering: &'a mut Lettering,
     pub signs: &'a mut Signs,
@@ -37,22 +37,22 @@ pub struct Pen<'a> {
     pub text: f32,
 }
 
-impl Pen<'_> {
+impl TextPen<'_> {
     /// A length in whole pixels.
     pub fn length(&self, texts: f32) -> f32 {
         (texts * self.text).round()
     }
 
-    pub fn height(&self, face: Face) -> f32 {
+    pub fn height(&self, face: TextFace) -> f32 {
         face.size * self.text
     }
 
-    pub fn measure(&self, text: &str, face: Face) -> f32 {
-        measure(text, self.height(face))
+    pub fn measure(&self, text: &str, face: TextFace) -> f32 {
+        measure_text(text, self.height(face))
     }
 
-    pub fn write(&mut self, text: &str, at: Point, align: Align, face: Face) {
-        let style = Style { height: self.height(face), is_bold: face.is_bold, colour: face.colour };
+    pub fn write(&mut self, text: &str, at: Point, align: Align, face: TextFace) {
+        let style = LetterStyle { height: self.height(face), is_bold: face.is_bold, colour: face.colour };
         self.lettering.draw(self.sheet, text, at, align, style);
     }
 
@@ -74,4 +74,39 @@ impl Pen<'_> {
 #[expect(clippy::cast_possible_truncation, reason = "a place on the sheet")]
 fn whole(at: f32) -> i32 {
     at.round() as i32
+}
+
+/// A sheet is so many times wider than its bush, so that flames have room.
+const SIGN_ROOM: f32 = 1.4;
+/// Smaller signs, in pixels, are flat, as cells are that are small.
+const LEAST_DRAWN: f32 = 11.0;
+const FLAT: f32 = 0.75;
+
+/// Drawings of bushes by state, all for cells of one size.
+#[derive(Default)]
+pub struct Signs {
+    side: f32,
+    drawn: Vec<Canvas>,
+}
+
+impl Signs {
+    /// A bush in the middle of a sheet, for cells of that side in pixels.
+    pub fn get(&mut self, kind: BushStateKind, side: f32) -> &Canvas {
+        if self.drawn.is_empty() || self.side != side {
+            *self = Self { side, drawn: BushStateKind::ALL.map(|kind| draw_sign_canvas(kind, side)).into() };
+        }
+        &self.drawn[kind as usize]
+    }
+}
+
+fn draw_sign_canvas(kind: BushStateKind, side: f32) -> Canvas {
+    let mut sheet = Canvas::sized(SIGN_ROOM * side, SIGN_ROOM * side, PAPER);
+    let middle = 0.5 * sheet.width() as f32;
+    if side < LEAST_DRAWN {
+        let (corner, flat) = (middle - 0.5 * FLAT * side, FLAT * side);
+        sheet.fill_rect(corner, corner, flat, flat, bush_colour(kind));
+    } else {
+        draw_sign(&mut sheet, kind, (middle, middle), side);
+    }
+    sheet
 }

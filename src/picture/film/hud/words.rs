@@ -8,19 +8,19 @@ use crate::timeline::{Activity, AgentId};
 const NANOS_PER_TENTH: u64 = 100_000_000;
 
 /// Hours, minutes, seconds and tenths that have passed, as `h:mm:ss.t`.
-pub fn clock(time: SimTime) -> String {
+pub fn format_clock(time: SimTime) -> String {
     let tenths = time.as_nanos() / NANOS_PER_TENTH;
     let seconds = tenths / 10;
     format!("{}:{:02}:{:02}.{}", seconds / 3600, seconds / 60 % 60, seconds % 60, tenths % 10)
 }
 
 /// A share of a whole as per cent with one decimal; of nothing, 0.
-pub fn per_cent(part: u32, whole: u32) -> String {
+pub fn format_percent(part: u32, whole: u32) -> String {
     format!("{:.1} %", 100.0 * f64::from(part) / f64::from(whole.max(1)))
 }
 
 /// Milliseconds below a second, seconds above.
-pub fn cpu(time: Duration) -> String {
+pub fn format_cpu(time: Duration) -> String {
     if time < Duration::from_secs(1) {
         format!("{} ms", time.as_millis())
     } else {
@@ -29,7 +29,7 @@ pub fn cpu(time: Duration) -> String {
 }
 
 /// What an agent is doing; a Wumpus has no wheels.
-pub fn doing(agent: AgentId, activity: Activity) -> &'static str {
+pub fn activity_name(agent: AgentId, activity: Activity) -> &'static str {
     if activity == Activity::Driving && !agent.role.drives() { "walking" } else { activity.name() }
 }
 
@@ -44,15 +44,15 @@ mod tests {
 
     #[test]
     fn clocks_show_what_has_passed() {
-        assert_eq!(clock(SimTime::ZERO), "0:00:00.0");
-        assert_eq!(clock(SimTime::from_nanos(59_999_999_999)), "0:00:59.9");
-        assert_eq!(clock(SimTime::from_seconds(3600.0)), "1:00:00.0");
-        assert_eq!(clock(SimTime::from_seconds(45296.7)), "12:34:56.7");
+        assert_eq!(format_clock(SimTime::ZERO), "0:00:00.0");
+        assert_eq!(format_clock(SimTime::from_nanos(59_999_999_999)), "0:00:59.9");
+        assert_eq!(format_clock(SimTime::from_seconds(3600.0)), "1:00:00.0");
+        assert_eq!(format_clock(SimTime::from_seconds(45296.7)), "12:34:56.7");
     }
 
     #[test]
     fn shares_of_nothing_are_nothing() {
-        assert_eq!(per_cent(0, 0), "0.0 %");
-        assert_eq!(per_cent(1, 3), "33.3 %");
+        assert_eq!(format_percent(0, 0), "0.0 %");
+        assert_eq!(format_percent(1, 3), "33.3 %");
     }
 }

@@ -2,19 +2,20 @@
 //!
 //! What lies ahead of the request's time is paler than what has passed. Both are drawn once and put together by columns.
 
-mod area;
-mod axis;
-mod difference;
-mod lanes;
-mod plan;
+mod strips;
 
-use super::super::lettering::Lettering;
-use super::super::{FrameRequest, Layout, RunView, RunViewId};
+use strips::{draw_differences, draw_event_lanes, draw_stacked_counts};
+
 use crate::picture::Rgb;
 use crate::picture::canvas::Canvas;
 use crate::picture::colours::{FAINT_INK, INK, PAPER, blend};
+use crate::picture::film::hud::words;
+use crate::picture::film::lettering::{LetterStyle, Lettering};
+use crate::picture::film::{FrameLayout, FrameRequest, RunView, RunViewId};
+use crate::picture::marks::to_f32;
+use crate::picture::text::Align;
+use crate::picture::ticks::ticks;
 use crate::time::SimTime;
-use plan::{Plan, Strip};
 
 /// How much of its colour that keeps which lies ahead.
 const AHEAD: f64 = 0.35;
@@ -26,14 +27,20 @@ pub struct ChartRenderer {
 }
 
 struct Drawn {
-    layout: Layout,
+    layout: FrameLayout,
     runs: Vec<RunViewId>,
     past: Canvas,
     ahead: Canvas,
 }
 
 impl ChartRenderer {
-    pub fn paint(&mut self, sheet: &mut Canvas, lettering: &mut Lettering, layout: &Layout, request: &FrameRequest) {
+    pub fn paint(
+        &mut self,
+        sheet: &mut Canvas,
+        lettering: &mut Lettering,
+        layout: &FrameLayout,
+        request: &FrameRequest,
+    ) {
         let is_right = |drawn: &Drawn| {
             drawn.layout == *layout && drawn.runs.iter().copied().eq(request.runs.iter().map(|run| run.id()))
         };
@@ -50,8 +57,8 @@ impl ChartRenderer {
 }
 
 impl Drawn {
-    fn new(runs: &[&RunView], layout: &Layout, lettering: &mut Lettering) -> Self {
-        let mut draw = |share: f64| draw(runs, layout, lettering, &|colour| blend(PAPER, colour, share));
+    fn new(runs: &[&RunView], layout: &FrameLayout, lettering: &mut Lettering) -> Self {
+        let mut draw = |share: f64| draw_chart(runs, layout, lettering, &|colour| blend(PAPER, colour, share));
         let (past, ahead) = (draw(1.0), draw(AHEAD));
         Self { layout: layout.clone(), runs: runs.iter().map(|run| run.id()).collect(), past, ahead }
     }
@@ -59,48 +66,53 @@ impl Drawn {
 
 /// The column of the chart at a time.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a column lies on the sheet")]
-fn cursor_x(layout: &Layout, time: SimTime, end: SimTime) -> u32 {
+fn cursor_x(layout: &FrameLayout, time: SimTime, end: SimTime) -> u32 {
     let share = if end > SimTime::ZERO { time.min(end).as_seconds() / end.as_seconds() } else { 0.0 };
     layout.timeline_x(share).round() as u32
 }
 
-fn draw(runs: &[&RunView], layout: &Layout, lettering: &mut Lettering, shade: &dyn Fn(Rgb) -> Rgb) -> Canvas {
+fn draw_chart(
+    runs: &[&RunView],
+    layout: &FrameLayout,
+    lettering: &mut Lettering,
+    shade: &dyn Fn(Rgb) -> Rgb,
+) -> Canvas {
     let mut canvas = Canvas::new(layout.chart.width, layout.chart.height, PAPER);
-    let plan = Plan::new(layout, runs.len());
+    let plan = ChartPlan::new(layout, runs.len());
     let end = RunView::last_end(runs);
     canvas.fill_rect(0.0, 0.0, layout.chart.width as f32, 1.0, FAINT_INK);
     for (run_index, (run, strip)) in runs.iter().zip(&plan.strips).enumerate() {
         draw_strip(&mut canvas, lettering, &plan, (run, strip), end, shade);
         if runs.len() > 1 {
-            axis::name_run(&mut canvas, lettering, &plan, strip, run_index);
+            draw_run_name(&mut canvas, lettering, &plan, strip, run_index);
         }
     }
     if let (&[one, other], Some(rows)) = (runs, plan.difference) {
-        difference::draw(&mut canvas, lettering, &plan, rows, (one, other), shade);
+        draw_differences(&mut canvas, lettering, &plan, rows, (one, other), shade);
     }
-    axis::draw_time(&mut canvas, lettering, &plan, end);
+    draw_time_axis(&mut canvas, lettering, &plan, end);
     canvas
 }
 
 fn draw_strip(
     canvas: &mut Canvas,
     lettering: &mut Lettering,
-    plan: &Plan,
-    (run, strip): (&RunView, &Strip),
+    plan: &ChartPlan,
+    (run, strip): (&RunView, &RunStrip),
     end: SimTime,
     shade: &dyn Fn(Rgb) -> Rgb,
 ) {
     if let Some(rows) = strip.lanes {
-        lanes::draw(canvas, lettering, plan, rows, (run, end), shade);
+        draw_event_lanes(canvas, lettering, plan, rows, (run, end), shade);
     }
-    area::draw(canvas, plan, strip.area, (run, end), shade);
+    draw_stacked_counts(canvas, plan, strip.area, (run, end), shade);
     let bushes = f64::from(run.counts_at(SimTime::ZERO).bushes());
-    axis::draw_values(canvas, lettering, plan, strip.area, (0.0, bushes));
+    draw_value_axis(canvas, lettering, plan, strip.area, (0.0, bushes));
 }
 
 /// A line through all of the chart with a handle at its upper end.
-fn draw_cursor(sheet: &mut Canvas, layout: &Layout, x: u32, runs: usize) {
-    let plan = Plan::new(layout, runs);
+fn draw_cursor(sheet: &mut Canvas, layout: &FrameLayout, x: u32, runs: usize) {
+    let plan = ChartPlan::new(layout, runs);
     let (top, bottom) = plan.cursor;
     let (x, top, bottom) = (x as f32 + 0.5, (layout.chart.top + top) as f32, (layout.chart.top + bottom) as f32);
     let (width, knob) = (layout.length(0.12).max(1.0), 0.55 * layout.text as f32);
@@ -116,4 +128,136 @@ fn draw_cursor(sheet: &mut Canvas, layout: &Layout, x: u32, runs: usize) {
         ];
         sheet.fill(&handle, colour);
     }
+}
+
+/// RowRange of the chart: the first, and how many.
+pub type RowRange = (u32, u32);
+
+/// Where one run's counts lie.
+#[derive(Clone, Debug)]
+pub struct RunStrip {
+    /// For marks of events; left out where there is too little room.
+    pub lanes: Option<RowRange>,
+    pub area: RowRange,
+}
+
+/// Where the parts of a chart lie.
+#[derive(Clone, Debug)]
+pub struct ChartPlan {
+    /// Height of ordinary text.
+    pub text: u32,
+    /// The columns of the canvas between the start and the end of time: the first, and how many.
+    pub columns: (u32, u32),
+    pub strips: Vec<RunStrip>,
+    /// For the difference of two runs; left out where there is too little room.
+    pub difference: Option<RowRange>,
+    /// From where to where the cursor reaches.
+    pub cursor: (u32, u32),
+    /// The base line of the words under the time axis.
+    pub axis_base: u32,
+}
+
+impl ChartPlan {
+    pub fn new(layout: &FrameLayout, runs: usize) -> Self {
+        let text = layout.text;
+        let part = |tenths: u32| tenths * text / 10;
+        // Where there is no panel, a line above the strips tells the most important of it.
+        let header = if layout.panel.is_none() { part(22) } else { 0 };
+        let (top, bottom) = (header + part(9), layout.chart.height - part(24));
+        let room = bottom.saturating_sub(top);
+        let (strips_room, difference) = if runs > 1 && room > part(150) {
+            let height = 3 * room / 10;
+            (room - height - part(22), Some((bottom - height, height)))
+        } else {
+            (room, None)
+        };
+        let (each, gap) = (strips_room / runs as u32, part(5));
+        let lanes_height = if runs == 1 { part(36) } else { part(24) };
+        let strips = (0..runs as u32).map(|run_index| {
+            let (top, height) =
+                (top + run_index * each, if run_index + 1 == runs as u32 { each } else { each - gap.min(each) });
+            if height >= lanes_height + part(30) {
+                let area = (top + lanes_height, height - lanes_height);
+                RunStrip { lanes: Some((top, lanes_height - part(6))), area }
+            } else {
+                RunStrip { lanes: None, area: (top, height) }
+            }
+        });
+        Self {
+            text,
+            columns: (layout.timeline.left - layout.chart.left, layout.timeline.width),
+            strips: strips.collect(),
+            difference,
+            cursor: (header + part(2), bottom + part(3)),
+            axis_base: bottom + part(17),
+        }
+    }
+
+    pub fn length(&self, texts: f32) -> f32 {
+        (texts * self.text as f32).round()
+    }
+}
+
+/// Longer runs are told in minutes, in seconds.
+const MINUTES_FROM_S: f64 = 300.0;
+const SECONDS_PER_MINUTE: f64 = 60.0;
+/// Distances between numbers, in heights of text.
+const BETWEEN_TIMES: f32 = 7.0;
+const BETWEEN_VALUES: f32 = 3.0;
+
+fn axis_style(plan: &ChartPlan) -> LetterStyle {
+    LetterStyle { height: 0.85 * plan.text as f32, is_bold: false, colour: INK }
+}
+
+/// Times under the chart.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few dozen numbers")]
+pub fn draw_time_axis(canvas: &mut Canvas, lettering: &mut Lettering, plan: &ChartPlan, end: SimTime) {
+    let (unit, unit_s) = if end.as_seconds() < MINUTES_FROM_S { ("s", 1.0) } else { ("min", SECONDS_PER_MINUTE) };
+    let last = end.as_seconds() / unit_s;
+    let (left, width) = (plan.columns.0 as f32, plan.columns.1 as f32);
+    let base = plan.axis_base as f32;
+    let most = (width / plan.length(BETWEEN_TIMES)) as usize;
+    for tick in ticks(0.0, last, most.max(1), 0.0) {
+        let x = left + width * to_f32(tick.value / last.max(f64::MIN_POSITIVE));
+        let (mark, top) = (plan.length(0.35), base - plan.length(1.7));
+        canvas.fill_rect(x, top, 1.0, mark, INK);
+        lettering.draw(canvas, &tick.label, (x, base), Align::Centre, axis_style(plan));
+    }
+    lettering.draw(canvas, unit, (left - plan.length(1.5), base), Align::Right, axis_style(plan));
+}
+
+/// Numbers left of some rows, the lowest at their lower edge; lines where there are numbers, but not on them.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few dozen numbers")]
+pub fn draw_value_axis(
+    canvas: &mut Canvas,
+    lettering: &mut Lettering,
+    plan: &ChartPlan,
+    (top, height): RowRange,
+    (low, high): (f64, f64),
+) {
+    let (top, height) = (top as f32, height as f32);
+    let most = (height / plan.length(BETWEEN_VALUES)) as usize;
+    let right = plan.columns.0 as f32 - 1.0;
+    canvas.fill_rect(right, top, 1.0, height, FAINT_INK);
+    for tick in ticks(low, high, most.max(1), 1.0) {
+        let share = (tick.value - low) / (high - low).max(f64::MIN_POSITIVE);
+        let y = top + height * (1.0 - to_f32(share));
+        canvas.fill_rect(right - plan.length(0.3), y.min(top + height - 1.0), plan.length(0.3), 1.0, INK);
+        let base = y + 0.42 * plan.text as f32;
+        lettering.draw(canvas, &tick.label, (right - plan.length(0.6), base), Align::Right, axis_style(plan));
+    }
+}
+
+/// The name of a run of a comparison beside its counts.
+pub fn draw_run_name(
+    canvas: &mut Canvas,
+    lettering: &mut Lettering,
+    plan: &ChartPlan,
+    strip: &RunStrip,
+    run_index: usize,
+) {
+    let (top, height) = strip.area;
+    let style = LetterStyle { height: 1.4 * plan.text as f32, is_bold: true, colour: INK };
+    let base = top as f32 + 0.5 * height as f32 + 0.5 * style.height;
+    lettering.draw(canvas, words::run_name(run_index), (plan.length(1.2), base), Align::Left, style);
 }

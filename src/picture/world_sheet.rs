@@ -1,10 +1,10 @@
-//! The part of the world that is shown, its place on the sheet, and metres along its edges.
+//! A sheet with a title, a part of the world to scale with metres along its edges, and a key beside it.
 
 use crate::picture::canvas::{Canvas, Point};
-use crate::picture::colours::{FAINT_INK, INK, WITHOUT_VALUE};
-use crate::picture::legend::TEXT;
+use crate::picture::colours::{FAINT_INK, INK, PAPER, WITHOUT_VALUE};
+use crate::picture::legend::{Legend, Symbol, TEXT};
 use crate::picture::marks::to_f32;
-use crate::picture::text::{self, Align};
+use crate::picture::text::{Align, draw_text, measure_text};
 use crate::picture::ticks::{Tick, ticks};
 
 const EAST: &str = "east, m";
@@ -21,7 +21,7 @@ const GAP: f32 = 8.0;
 
 /// A rectangle of the world, in metres east and north, and where it lies on the sheet.
 #[derive(Clone, Copy, Debug)]
-pub struct Frame {
+pub struct WorldFrame {
     /// South-west corner.
     low: (f64, f64),
     /// North-east corner.
@@ -32,13 +32,13 @@ pub struct Frame {
 }
 
 /// What numbers and names need around a frame, in pixels.
-pub struct Room {
+pub struct FrameRoom {
     pub left: f32,
     pub above: f32,
     pub below: f32,
 }
 
-impl Frame {
+impl WorldFrame {
     /// Shows all places, with the longer side at least `least_m` (positive) long.
     pub fn fit(places: impl Iterator<Item = (f64, f64)>, least_m: f64) -> Self {
         let (mut low, mut high) = ((f64::INFINITY, f64::INFINITY), (f64::NEG_INFINITY, f64::NEG_INFINITY));
@@ -80,9 +80,13 @@ impl Frame {
         (self.corner.0 + to_f32(east * self.pixels_per_m), self.corner.1 + to_f32(south * self.pixels_per_m))
     }
 
-    pub fn room(&self) -> Room {
-        let numbers = self.northings().into_iter().map(|tick| text::measure(&tick.label, TEXT));
-        Room { left: numbers.fold(0.0, f32::max) + GAP, above: 2.0 * TEXT + 2.0 * GAP, below: 2.0 * TEXT + 2.0 * GAP }
+    pub fn room(&self) -> FrameRoom {
+        let numbers = self.northings().into_iter().map(|tick| measure_text(&tick.label, TEXT));
+        FrameRoom {
+            left: numbers.fold(0.0, f32::max) + GAP,
+            above: 2.0 * TEXT + 2.0 * GAP,
+            below: 2.0 * TEXT + 2.0 * GAP,
+        }
     }
 
     fn eastings(&self) -> Vec<Tick> {
@@ -101,12 +105,12 @@ impl Frame {
             let (x, _) = self.at((tick.value, self.low.1));
             canvas.fill_rect(x, top, 1.0, height, WITHOUT_VALUE);
             let base = top + height + GAP + TEXT;
-            text::draw(canvas, &tick.label, (x, base), Align::Centre, TEXT, INK);
+            draw_text(canvas, &tick.label, (x, base), Align::Centre, TEXT, INK);
         }
         for tick in self.northings() {
             let (_, y) = self.at((self.low.0, tick.value));
             canvas.fill_rect(left, y, width, 1.0, WITHOUT_VALUE);
-            text::draw(canvas, &tick.label, (left - GAP, y + 0.5 * TEXT), Align::Right, TEXT, INK);
+            draw_text(canvas, &tick.label, (left - GAP, y + 0.5 * TEXT), Align::Right, TEXT, INK);
         }
         let edges = [
             (0.0, 0.0, width, 1.0),
@@ -117,9 +121,9 @@ impl Frame {
         for (x, y, width, height) in edges {
             canvas.fill_rect(left + x, top + y, width, height, FAINT_INK);
         }
-        text::draw(canvas, NORTH, (left, top - GAP), Align::Left, TEXT, INK);
+        draw_text(canvas, NORTH, (left, top - GAP), Align::Left, TEXT, INK);
         let below = top + height + 2.0 * (GAP + TEXT);
-        text::draw(canvas, EAST, (left + width, below), Align::Right, TEXT, INK);
+        draw_text(canvas, EAST, (left + width, below), Align::Right, TEXT, INK);
     }
 }
 
@@ -127,6 +131,35 @@ impl Frame {
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a side has some hundred pixels")]
 fn fitting(pixels: f32) -> usize {
     (pixels / APART).max(2.0) as usize
+}
+
+const TITLE: f32 = 13.0;
+const MARGIN: f32 = 24.0;
+
+pub struct WorldSheet {
+    pub canvas: Canvas,
+    /// Where the part of the world lies on it.
+    pub frame: WorldFrame,
+}
+
+impl WorldSheet {
+    /// Everything but what lies in the frame.
+    pub fn new(title: &str, frame: WorldFrame, key: Vec<(Symbol, &str)>) -> Self {
+        let legend = Legend { values: None, key };
+        let room = frame.room();
+        let corner = (MARGIN + room.left, MARGIN + TITLE + room.above);
+        let frame = frame.moved(corner);
+        let (width, height) = frame.size();
+        let legend_at = (corner.0 + width + MARGIN, corner.1);
+        let right = (corner.0 + measure_text(title, TITLE)).max(legend_at.0 + legend.width(1.0)) + MARGIN;
+        let bottom = corner.1 + (height + room.below).max(legend.height(height, 1.0)) + MARGIN;
+
+        let mut canvas = Canvas::sized(right, bottom, PAPER);
+        draw_text(&mut canvas, title, (corner.0, MARGIN + TITLE), Align::Left, TITLE, INK);
+        legend.draw(&mut canvas, legend_at, height, 1.0);
+        frame.draw(&mut canvas);
+        Self { canvas, frame }
+    }
 }
 
 #[cfg(test)]
@@ -139,7 +172,7 @@ mod tests {
 
     #[test]
     fn everything_lies_inside_and_north_is_up() {
-        let frame = Frame::fit(corners().into_iter(), 1.0).moved((100.0, 50.0));
+        let frame = WorldFrame::fit(corners().into_iter(), 1.0).moved((100.0, 50.0));
         let [south_west, north_east] = corners().map(|place| frame.at(place));
         let (width, height) = frame.size();
         assert!(south_west.0 < north_east.0 && south_west.1 > north_east.1);
@@ -151,7 +184,7 @@ mod tests {
     #[test]
     fn a_metre_east_is_as_long_as_a_metre_north() {
         for least_m in [1e-3, 1.0, 1e4] {
-            let frame = Frame::fit(corners().into_iter(), least_m);
+            let frame = WorldFrame::fit(corners().into_iter(), least_m);
             let [(left, bottom), (right, top)] = corners().map(|place| frame.at(place));
             let (east, north) = ((right - left) / 50.0, (bottom - top) / 20.0);
             assert!((east / north - 1.0).abs() < 1e-3, "{east} and {north}");
@@ -161,12 +194,12 @@ mod tests {
     #[test]
     fn a_single_place_and_far_ones_are_shown() {
         for (place, least_m) in [((1e6, -1e6), 1e-6), ((0.0, 0.0), 1e3), ((-5.0, 7.0), 1.0)] {
-            let frame = Frame::fit([place].into_iter(), least_m);
+            let frame = WorldFrame::fit([place].into_iter(), least_m);
             let (width, height) = frame.size();
             let (x, y) = frame.at(place);
             assert!((x - 0.5 * width).abs() < 1.0 && (y - 0.5 * height).abs() < 1.0, "{x}, {y}");
         }
-        let frame = Frame::fit([(-1e6, 0.0), (1e6, 1.0)].into_iter(), 1e-3);
+        let frame = WorldFrame::fit([(-1e6, 0.0), (1e6, 1.0)].into_iter(), 1e-3);
         assert_eq!(frame.size().0, 720.0);
     }
 }

@@ -1,21 +1,15 @@
-//! Ways between two poses, drawn to scale as on a map: north is up.
+//! Ways of a vehicle as lines of points, and what they are drawn with: lines in both directions, cusps, arrows at poses.
 
-mod frame;
-mod line;
-mod sheet;
-
-pub use frame::Frame;
-pub use line::{Run, runs};
-pub use sheet::Sheet;
+use crate::picture::way_lines::{WayRun, way_runs};
+use crate::picture::world_sheet::{WorldFrame, WorldSheet};
 
 use crate::geometry::Pose;
+use crate::picture::canvas::{Canvas, Point};
+use crate::picture::colours::{INK, PAPER, Rgb, WAYS};
+use crate::picture::legend::Symbol;
+use crate::picture::png::Picture;
+use crate::picture::way_lines::{PoseMark, draw_cusp, draw_run};
 use crate::vehicle::{Dimensions, Path};
-
-use super::canvas::{Canvas, Point};
-use super::colours::{INK, PAPER, Rgb, WAYS};
-use super::legend::Symbol;
-use super::png::Picture;
-use super::way_marks::{PoseMark, draw_cusp, draw_run};
 
 const MARK: f32 = 10.0;
 /// The first way is drawn as wide as this, and each further one wider by [`WIDER`], under those before it: ways that
@@ -41,14 +35,14 @@ pub struct CurveScene<'a> {
 ///
 /// The longer side of what is shown takes 720 pixels, the shorter one at least 288.
 pub fn draw_curves(scene: &CurveScene) -> Picture {
-    let lines: Vec<Vec<Run>> = scene.ways.iter().map(|(_, path)| runs(path)).collect();
+    let lines: Vec<Vec<WayRun>> = scene.ways.iter().map(|(_, path)| way_runs(path)).collect();
     let outlines: Vec<_> = bodies(scene).collect();
     let driven = lines.iter().flatten().flat_map(|run| run.places.iter());
     let ends = [scene.start, scene.goal].map(|pose| (pose.x, pose.y));
     let places = driven.chain(outlines.iter().flatten()).chain(&ends).copied();
-    let frame = Frame::fit(places, scene.least_m);
+    let frame = WorldFrame::fit(places, scene.least_m);
 
-    let Sheet { mut canvas, frame } = Sheet::new(scene.title, frame, key(scene, &lines));
+    let WorldSheet { mut canvas, frame } = WorldSheet::new(scene.title, frame, key(scene, &lines));
     for outline in &outlines {
         let corners: Vec<Point> = outline.iter().chain(&outline[..1]).map(|&place| frame.at(place)).collect();
         canvas.polyline(&corners, 1.5, INK);
@@ -66,7 +60,7 @@ fn bodies(scene: &CurveScene) -> impl Iterator<Item = [(f64, f64); 4]> {
     [at(scene.start), at(scene.goal)].into_iter().flatten()
 }
 
-fn draw_ways(canvas: &mut Canvas, frame: &Frame, lines: &[Vec<Run>]) {
+fn draw_ways(canvas: &mut Canvas, frame: &WorldFrame, lines: &[Vec<WayRun>]) {
     for (index, runs) in lines.iter().enumerate().rev() {
         for run in runs {
             let points: Vec<Point> = run.places.iter().map(|&place| frame.at(place)).collect();
@@ -79,7 +73,7 @@ fn draw_ways(canvas: &mut Canvas, frame: &Frame, lines: &[Vec<Run>]) {
 }
 
 /// Where each run but the first begins.
-fn cusps(runs: &[Run]) -> impl Iterator<Item = &(f64, f64)> {
+fn cusps(runs: &[WayRun]) -> impl Iterator<Item = &(f64, f64)> {
     runs.iter().skip(1).map(|run| &run.places[0])
 }
 
@@ -87,7 +81,7 @@ fn colour(way: usize) -> Rgb {
     WAYS[way % WAYS.len()]
 }
 
-fn key<'a>(scene: &CurveScene<'a>, lines: &[Vec<Run>]) -> Vec<(Symbol, &'a str)> {
+fn key<'a>(scene: &CurveScene<'a>, lines: &[Vec<WayRun>]) -> Vec<(Symbol, &'a str)> {
     let ways = scene.ways.iter().enumerate().map(|(index, (name, _))| (Symbol::Way(colour(index)), *name));
     let has_reverse = lines.iter().flatten().any(|run| run.is_reverse);
     let reverse = has_reverse.then_some((Symbol::Reverse, "in reverse"));

@@ -1,13 +1,14 @@
-//! Flames on burning cells, and how long these have burned.
+//! What burns: flames on burning cells and how long these have burned, rings about cells that spread their fire.
 
-use super::bushes::{self, LEAST_SPRITE, scatter};
-use super::sprite::Placement;
-use super::stamps::Stamps;
-use super::{Layer, Pane, sprites};
 use crate::geometry::Cell;
-use crate::picture::canvas::{Canvas, Point};
-use crate::picture::colours::{INK, PAPER};
-use crate::picture::text::{self, Align};
+use crate::picture::canvas::{Canvas, Ink, Pen, Point};
+use crate::picture::colours::{BURNING, INK, PAPER, Rgb};
+use crate::picture::film::courses::Spread;
+use crate::picture::film::field::bushes::{BUSH_STAMPS, LEAST_SPRITE, Stamps, scatter};
+use crate::picture::film::field::sprite::{FLAME_SPRITE, Placement};
+use crate::picture::film::field::{Layer, Pane};
+use crate::picture::text::{Align, draw_text, measure_text};
+use crate::picture::thin_line::draw_line;
 use crate::time::SimTime;
 use crate::timeline::BushState;
 
@@ -32,7 +33,7 @@ const STRETCH: [f32; FRAMES] = [0.0, 0.10, 0.16, 0.06, -0.06, -0.12, -0.04, 0.08
 const LEAN: [f32; FRAMES] = [0.0, 0.08, 0.14, 0.16, 0.06, -0.06, -0.14, -0.08];
 
 /// Draws the flames of all that burns, from north to south, and the seconds since ignition on them.
-pub fn draw(canvas: &mut Canvas, pane: &Pane, stamps: &mut Stamps) {
+pub fn draw_flames(canvas: &mut Canvas, pane: &Pane, stamps: &mut Stamps) {
     let side = pane.cell_side();
     if side < LEAST_SPRITE {
         return;
@@ -58,7 +59,7 @@ fn draw_fire(canvas: &mut Canvas, stamps: &mut Stamps, cell: Cell, at: Point, (t
     let frame = ((time.as_seconds() * FRAMES_PER_SECOND) as usize).wrapping_add(offset) % FRAMES;
     let size = ((age_s / GROWS_FOR_S * (SIZES - 1) as f64) as usize).min(SIZES - 1);
     let is_mirrored = (offset / FRAMES).is_multiple_of(2);
-    let number = bushes::STAMPS + (frame * SIZES + size) * 2 + usize::from(is_mirrored);
+    let number = BUSH_STAMPS + (frame * SIZES + size) * 2 + usize::from(is_mirrored);
     let grown = SMALLEST + (1.0 - SMALLEST) * size as f32 / (SIZES - 1) as f32;
     stamps.lay(canvas, at, number, |canvas, at, side| {
         let side_of_tongues = if is_mirrored { -side } else { side };
@@ -71,7 +72,7 @@ pub fn draw_tongues(canvas: &mut Canvas, (x, y): Point, (across, up): (f32, f32)
         let (stretch, lean) = (STRETCH[(frame + 3 * index) % FRAMES], LEAN[(frame + 5 * index) % FRAMES]);
         let foot = (x + right * across, y - above * up);
         let scale = (0.95 * height * across, height * (1.0 + stretch) * up);
-        sprites::FLAME.draw(canvas, Placement::leaning(foot, scale, lean));
+        FLAME_SPRITE.draw(canvas, Placement::leaning(foot, scale, lean));
     }
 }
 
@@ -79,9 +80,47 @@ fn draw_age(canvas: &mut Canvas, (x, y): Point, side: f32, age_s: f64) {
     let height = (0.24 * side).clamp(7.0, 18.0);
     let label = format!("{}", age_s as u64);
     let base = y + 0.46 * side;
-    let half = 0.5 * text::measure(&label, height) + 0.35 * height;
+    let half = 0.5 * measure_text(&label, height) + 0.35 * height;
     let (top, bottom) = (base - 1.35 * height, base + 0.35 * height);
     let plate = [(x - half, top), (x + half, top), (x + half, bottom), (x - half, bottom)];
     canvas.fill_through(&plate, INK, 0.72);
-    text::draw(canvas, &label, (x, base), Align::Centre, height, PAPER);
+    draw_text(canvas, &label, (x, base), Align::Centre, height, PAPER);
+}
+
+/// How long a ring grows and fades: a few frames of a run that is played 50 times as fast.
+const RING_LASTS: SimTime = SimTime::from_nanos(5_000_000_000);
+const RING_WIDTH: f32 = 3.0;
+const SPREAD_LINE: Rgb = [158, 50, 0];
+
+/// Draws what spread lately.
+pub fn draw_spreads(canvas: &mut Canvas, pane: &Pane) {
+    let now = pane.moment.state.time;
+    for spread in pane.moment.run.courses().spreads_between(now.since(RING_LASTS), now) {
+        let share = (now.since(spread.time).as_seconds() / RING_LASTS.as_seconds()) as f32;
+        draw_spread(canvas, pane, spread, share);
+    }
+}
+
+/// `share` of its time is over: rings slow down as they grow.
+fn draw_spread(canvas: &mut Canvas, pane: &Pane, spread: &Spread, share: f32) {
+    let centre = pane.cell_centre(spread.from);
+    let left = 1.0 - share;
+    let radius = pane.projection.length(radius_m(pane, spread));
+    let unit = pane.unit();
+    let ink = |colour: Rgb, opacity: f32| Ink { colour, opacity };
+    for (behind, width) in [(0.85, 0.5 * RING_WIDTH * unit), (1.0, RING_WIDTH * unit)] {
+        let radius = behind * radius * (1.0 - left * left);
+        canvas.ring(centre, radius, &Pen { ink: ink(BURNING, left), width });
+    }
+    for &cell in &spread.caught {
+        draw_line(canvas, centre, pane.cell_centre(cell), 1.6 * unit, ink(SPREAD_LINE, 0.8 * left));
+    }
+}
+
+/// As the rules have it, or else as far as the farthest cell that caught fire.
+fn radius_m(pane: &Pane, spread: &Spread) -> f64 {
+    let setting = pane.setting();
+    let distance_m = |cell| (setting.frame.centre(cell) - setting.frame.centre(spread.from)).length();
+    let farthest_m = || spread.caught.iter().map(|&cell| distance_m(cell)).fold(0.0, f64::max);
+    setting.rules.fire.map_or_else(farthest_m, |fire| fire.spread_radius_m)
 }

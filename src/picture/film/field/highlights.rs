@@ -1,11 +1,14 @@
-//! What is marked: bushes whose state differs from the other run's, and what the viewer asked about.
+//! What is highlighted: bushes that differ from the other run, and what the viewer selected with the mouse.
 
-use super::Pane;
 use crate::geometry::Cell;
 use crate::picture::canvas::{Canvas, Ink, Pen, Point};
 use crate::picture::colours::{INK, PAPER, Rgb};
-use crate::picture::film::Selected;
+use crate::picture::film::camera::Projection;
+use crate::picture::film::field::agents::drawn_length;
+use crate::picture::film::field::{FieldView, Pane};
+use crate::picture::film::{RunView, Selected, ViewOptions};
 use crate::picture::thin_line::draw_line;
+use crate::timeline::State;
 
 /// Far from all colours of fire, bushes and agents.
 const DIFFERENT: Rgb = [255, 0, 220];
@@ -78,7 +81,7 @@ pub fn draw_selected(canvas: &mut Canvas, pane: &Pane) {
             if let Some(index) = pane.setting().agent_index(agent) {
                 let (start, state) = (&pane.setting().agents[index], &pane.moment.state.agents[index]);
                 let at = pane.at(start.body.centre(state.pose));
-                let radius = 0.6 * super::agents::drawn_length(pane, &start.body) + 7.0 * pane.unit();
+                let radius = 0.6 * drawn_length(pane, &start.body) + 7.0 * pane.unit();
                 draw_halo(canvas, at, (radius, pane.unit()));
             }
         }
@@ -96,4 +99,30 @@ fn draw_frame(canvas: &mut Canvas, (x, y): Point, (half, unit): (f32, f32)) {
 fn draw_halo(canvas: &mut Canvas, at: Point, (radius, unit): (f32, f32)) {
     canvas.ring(at, radius, &Pen::opaque(PAPER, 6.0 * unit));
     canvas.ring(at, radius, &Pen::opaque(INK, 3.0 * unit));
+}
+
+/// Agents are hit from so many pixels beyond their bodies.
+const GENEROUS: f32 = 6.0;
+
+/// What is drawn at a place of a run's pane, `size` in pixels: the nearest agent, if its body is no more than a few
+/// pixels away, or else a bush.
+pub fn pick(run: &RunView, state: &State, options: &ViewOptions, size: (u32, u32), at: (f64, f64)) -> Option<Selected> {
+    let moment = FieldView { run, state, rival: None, run_index: 0, options };
+    let pane = Pane { moment: &moment, projection: Projection::from_options(run, state, options, size), size };
+    agent_at(&pane, at).or_else(|| {
+        let cell = pane.frame().cell_at(pane.projection.world(at))?;
+        pane.setting().bush_index(cell).map(|_| Selected::Bush(cell))
+    })
+}
+
+fn agent_at(pane: &Pane, (x, y): (f64, f64)) -> Option<Selected> {
+    let agents = pane.setting().agents.iter().zip(&pane.moment.state.agents);
+    let hit = agents.filter_map(|(start, state)| {
+        let (agent_x, agent_y) = pane.at(start.body.centre(state.pose));
+        let (right, down) = (x - f64::from(agent_x), y - f64::from(agent_y));
+        let distance = (right * right + down * down).sqrt();
+        let reach = f64::from(0.5 * drawn_length(pane, &start.body) + GENEROUS);
+        (distance <= reach).then_some((distance, start.id))
+    });
+    hit.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, id)| Selected::Agent(id))
 }

@@ -1,0 +1,189 @@
+//! What the panel tells, block by block.
+
+use crate::fire::BushStateKind;
+use crate::picture::Rgb;
+use crate::picture::colours::{FAINT_INK, UNIMOG, WUMPUS};
+use crate::picture::film::hud::panel::{LineMark, PanelBlock, PanelLine};
+use crate::picture::film::hud::pen::TextFace;
+use crate::picture::film::hud::stories::{agent_blocks, story_block};
+use crate::picture::film::hud::words::{format_clock, format_cpu, format_percent};
+use crate::picture::film::hud::{HudView, words};
+use crate::picture::film::{BushCounts, Layer, ViewOptions};
+
+/// All blocks in the order in which they are shown.
+pub fn panel_blocks(moment: &HudView) -> Vec<PanelBlock> {
+    let mut blocks = vec![title_block(moment), clock_block(moment), counts_block(moment), scores_block(moment)];
+    blocks.extend(story_block(moment));
+    blocks.extend(agent_blocks(moment));
+    blocks.extend(switches_block(moment));
+    blocks
+}
+
+/// Where the first of two values ends in front of the second, in heights of text.
+const FIRST_VALUE: f32 = 7.6;
+
+/// Values at the right of a line: one a run.
+pub fn values(texts: impl IntoIterator<Item = String>, face: TextFace) -> Vec<LineMark> {
+    let texts: Vec<String> = texts.into_iter().collect();
+    let count = texts.len();
+    let mark = |(index, text)| LineMark::Right { to: FIRST_VALUE * (count - 1 - index) as f32, text, face };
+    texts.into_iter().enumerate().map(mark).collect()
+}
+
+/// Above the values of the runs of a comparison: what they are of, and the names of the runs.
+pub fn heading(moment: &HudView, name: LineMark) -> PanelLine {
+    let names = values((0..moment.runs.len()).map(|run_index| words::run_name(run_index).to_owned()), TextFace::STRONG);
+    PanelLine::new([name].into_iter().chain(names).collect())
+}
+
+pub fn title_block(moment: &HudView) -> PanelBlock {
+    let lines = moment.runs.iter().enumerate().flat_map(|(run_index, run)| {
+        let (name, changes) = run.title().split_once(", ").unwrap_or((run.title(), ""));
+        let (name, face) = if moment.is_comparison() {
+            (format!("{}  {name}", words::run_name(run_index)), TextFace::STRONG)
+        } else {
+            (name.to_owned(), TextFace::TITLE)
+        };
+        let seed = format!("seed {}", run.timeline().setting.seed);
+        let title = PanelLine::new(vec![LineMark::left(name, face), LineMark::right(seed, TextFace::PLAIN)]);
+        let changes = (!changes.is_empty()).then(|| PanelLine::new(vec![LineMark::left(changes, TextFace::faint())]));
+        [title].into_iter().chain(changes)
+    });
+    PanelBlock::new(3, lines.collect())
+}
+
+pub fn clock_block(moment: &HudView) -> PanelBlock {
+    let time = PanelLine { height: 3.0, marks: vec![LineMark::left(format_clock(moment.time), TextFace::CLOCK)] };
+    let mut below = vec![LineMark::left(format!("of {}", format_clock(moment.end)), TextFace::faint())];
+    if let Some(status) = &moment.options.status {
+        let pace = if status.is_paused { "paused".to_owned() } else { format!("{} x", status.speed) };
+        below.push(LineMark::right(pace, TextFace::STRONG));
+    }
+    let follows = moment.options.follows.map(|agent| PanelLine::pair("follows", agent.to_string()));
+    PanelBlock::new(0, [time, PanelLine::new(below)].into_iter().chain(follows).collect())
+}
+
+/// Where a name begins behind its sign, and where a count ends in front of its share.
+const STATE_NAME: f32 = 2.3;
+const COUNT: f32 = 6.0;
+
+pub fn counts_block(moment: &HudView) -> PanelBlock {
+    let counts = BushStateKind::ALL.map(|kind| {
+        let mut marks = vec![
+            LineMark::Sign(kind),
+            LineMark::Left { from: STATE_NAME, text: kind.name().into(), face: TextFace::PLAIN },
+        ];
+        match moment.counts.as_slice() {
+            [counts] => marks.extend(count_and_share(counts, kind)),
+            counts => {
+                marks.extend(values(counts.iter().map(|counts| counts.count(kind).to_string()), TextFace::STRONG))
+            }
+        }
+        PanelLine::new(marks)
+    });
+    let names = moment.is_comparison().then(|| heading(moment, LineMark::left("bushes", TextFace::faint())));
+    PanelBlock::new(1, names.into_iter().chain(counts).collect())
+}
+
+fn count_and_share(counts: &BushCounts, kind: BushStateKind) -> [LineMark; 2] {
+    let (count, share) = (counts.count(kind), format_percent(counts.count(kind), counts.bushes()));
+    [
+        LineMark::Right { to: COUNT, text: count.to_string(), face: TextFace::STRONG },
+        LineMark::Right { to: 0.0, text: share, face: TextFace::faint() },
+    ]
+}
+
+pub fn scores_block(moment: &HudView) -> PanelBlock {
+    let scores: Vec<[f64; 2]> = moment
+        .runs
+        .iter()
+        .zip(&moment.counts)
+        .map(|(run, counts)| {
+            let rules = &run.timeline().setting.rules;
+            [counts.wumpus_score(rules), counts.truck_score(rules)]
+        })
+        .collect();
+    let side = |side: usize, name: &str, colour: Rgb| {
+        let mut marks = vec![LineMark::left(name, TextFace { colour, ..TextFace::STRONG })];
+        marks.extend(values(scores.iter().map(|score| points_text(score[side])), TextFace::STRONG));
+        PanelLine::new(marks)
+    };
+    let mut lines = vec![side(0, "Wumpus", WUMPUS), side(1, "Unimog", UNIMOG)];
+    if let &[score] = scores.as_slice() {
+        lines.push(PanelLine { height: 1.2, marks: vec![LineMark::Bar(shares(score))] });
+        lines.push(PanelLine::new(vec![LineMark::left(lead_text(score), TextFace::PLAIN)]));
+    } else {
+        lines.insert(0, heading(moment, LineMark::left("points", TextFace::faint())));
+        let mut marks = vec![LineMark::left("leads", TextFace::faint())];
+        marks.extend(values(scores.iter().map(|&score| leader(score).unwrap_or("-").to_owned()), TextFace::PLAIN));
+        lines.push(PanelLine::new(marks));
+    }
+    lines.extend(cpu_line(moment));
+    PanelBlock::new(2, lines)
+}
+
+/// CPU time of all decisions so far, where it is known of a run.
+fn cpu_line(moment: &HudView) -> Option<PanelLine> {
+    let known: Vec<_> = moment.runs.iter().map(|run| run.cpu_until(moment.time)).collect();
+    known.iter().any(Option::is_some).then(|| {
+        let mut marks = vec![LineMark::left("CPU for plans", TextFace::faint())];
+        marks.extend(values(known.iter().map(|cpu| cpu.map_or("-".to_owned(), format_cpu)), TextFace::PLAIN));
+        PanelLine::new(marks)
+    })
+}
+
+/// Who has more points.
+fn leader([wumpus, unimog]: [f64; 2]) -> Option<&'static str> {
+    if wumpus > unimog { Some("Wumpus") } else { (unimog > wumpus).then_some("Unimog") }
+}
+
+fn lead_text(score: [f64; 2]) -> String {
+    leader(score).map_or("nobody leads".to_owned(), |name| {
+        format!("{name} leads by {}", points_text((score[0] - score[1]).abs()))
+    })
+}
+
+/// Points are whole numbers with ordinary rules.
+fn points_text(score: f64) -> String {
+    if score.fract() == 0.0 { format!("{score:.0}") } else { format!("{score:.1}") }
+}
+
+/// The part of each side in all points.
+fn shares([wumpus, unimog]: [f64; 2]) -> Vec<(f64, Rgb)> {
+    let (wumpus, unimog) = (wumpus.max(0.0), unimog.max(0.0));
+    let all = wumpus + unimog;
+    if all > 0.0 { vec![(wumpus / all, WUMPUS), (unimog / all, UNIMOG)] } else { vec![(1.0, FAINT_INK)] }
+}
+
+/// Where the second layer of a line begins, and a name behind its key.
+const SECOND: f32 = 11.8;
+const LAYER_NAME: f32 = 1.9;
+
+pub fn switches_block(moment: &HudView) -> Option<PanelBlock> {
+    moment.options.status.as_ref()?;
+    let (first, second) = Layer::ALL.split_at(Layer::ALL.len().div_ceil(2));
+    let lines = (0..first.len()).map(|row| {
+        let mut marks = switch(moment.options, first[row], 0.0).to_vec();
+        marks.extend(second.get(row).into_iter().flat_map(|&layer| switch(moment.options, layer, SECOND)));
+        PanelLine::new(marks)
+    });
+    let note = lacks_searches(moment)
+        .then(|| PanelLine::new(vec![LineMark::left("no searches in the recording", TextFace::PLAIN)]));
+    let help = PanelLine::new(vec![LineMark::left("?  all keys", TextFace::PLAIN)]);
+    Some(PanelBlock::new(13, lines.chain(note).chain([help]).collect()))
+}
+
+/// Whether something shall be shown that no run has.
+fn lacks_searches(moment: &HudView) -> bool {
+    let shown = Layer::ALL.into_iter().filter(|&layer| moment.options.layers.contains(layer));
+    shown.into_iter().any(Layer::needs_searches) && !moment.runs.iter().any(|run| run.has_searches())
+}
+
+fn switch(options: &ViewOptions, layer: Layer, from: f32) -> [LineMark; 2] {
+    let is_on = options.layers.contains(layer);
+    let (key, name) = if is_on { (TextFace::STRONG, TextFace::STRONG) } else { (TextFace::PLAIN, TextFace::faint()) };
+    [
+        LineMark::Left { from, text: layer.key().to_string(), face: key },
+        LineMark::Left { from: from + LAYER_NAME, text: layer.name().into(), face: name },
+    ]
+}

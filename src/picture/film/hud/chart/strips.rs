@@ -1,0 +1,183 @@
+//! What a chart shows over time: the four counts stacked, marks of events above them, and how the counts of two runs differ.
+
+use crate::fire::BushStateKind;
+use crate::picture::Rgb;
+use crate::picture::canvas::{Canvas, Point};
+use crate::picture::colours::{BURNING, EXTINGUISHED, FAINT_INK, INK, PAPER, blend, bush_colour};
+use crate::picture::film::hud::chart::{ChartPlan, RowRange, draw_value_axis};
+use crate::picture::film::lettering::{LetterStyle, Lettering};
+use crate::picture::film::{BushCounts, RunView};
+use crate::picture::marks::to_f32;
+use crate::picture::text::{Align, measure_text};
+use crate::picture::ticks::round_step;
+use crate::time::SimTime;
+use crate::timeline::{AgentFact, Fact, FireFact};
+
+/// From the bottom up: what is lost, what burns, what was saved, what nothing happened to.
+const STACKED: [BushStateKind; 4] =
+    [BushStateKind::BurnedOut, BushStateKind::Burning, BushStateKind::Extinguished, BushStateKind::Intact];
+
+/// Every column shows the counts at its middle.
+pub fn draw_stacked_counts(
+    canvas: &mut Canvas,
+    plan: &ChartPlan,
+    (top, height): RowRange,
+    (run, end): (&RunView, SimTime),
+    shade: &dyn Fn(Rgb) -> Rgb,
+) {
+    let colours = STACKED.map(|kind| shade(bush_colour(kind)));
+    let (left, width) = plan.columns;
+    for column in 0..width {
+        let edges = edges(&run.counts_at(column_time(column, width, end)), height);
+        for row in 0..height {
+            let [red, green, blue] = row_colour(row, &edges, &colours);
+            canvas.row_from((left + column) as usize, (top + row) as usize)[0] = [red, green, blue, 255];
+        }
+    }
+}
+
+/// The time in the middle of a column.
+pub fn column_time(column: u32, width: u32, end: SimTime) -> SimTime {
+    SimTime::from_seconds(end.as_seconds() * (f64::from(column) + 0.5) / f64::from(width))
+}
+
+/// How far down the upper edge of each part lies, in rows.
+fn edges(counts: &BushCounts, height: u32) -> [f64; 4] {
+    let (mut below, height) = (0, f64::from(height));
+    STACKED.map(|kind| {
+        below += counts.count(kind);
+        height * (1.0 - f64::from(below) / f64::from(counts.bushes().max(1)))
+    })
+}
+
+/// A row shows the parts that it cuts by how much it has of each.
+fn row_colour(row: u32, edges: &[f64; 4], colours: &[Rgb; 4]) -> Rgb {
+    let (above, below) = (f64::from(row), f64::from(row) + 1.0);
+    let mut colour = colours[3];
+    for (&edge, &part) in edges.iter().zip(colours).rev().skip(1) {
+        colour = blend(colour, part, (below - edge).clamp(0.0, below - above));
+    }
+    colour
+}
+
+/// A kind of events.
+struct Lane {
+    name: &'static str,
+    colour: Rgb,
+    belongs: fn(&Fact) -> bool,
+}
+
+const LANES: [Lane; 3] = [
+    Lane { name: "ignitions", colour: BURNING, belongs: |fact| matches!(fact, Fact::Fire(FireFact::Ignited { .. })) },
+    Lane {
+        name: "extinctions",
+        colour: EXTINGUISHED,
+        belongs: |fact| matches!(fact, Fact::Fire(FireFact::Extinguished { .. })),
+    },
+    Lane {
+        name: "failed plans",
+        colour: INK,
+        belongs: |fact| matches!(fact, Fact::Agent(_, AgentFact::PlanFailed { .. })),
+    },
+];
+/// Names are written where a lane is at least this high, in pixels.
+const NAMED: u32 = 8;
+
+pub fn draw_event_lanes(
+    canvas: &mut Canvas,
+    lettering: &mut Lettering,
+    plan: &ChartPlan,
+    (top, height): RowRange,
+    (run, end): (&RunView, SimTime),
+    shade: &dyn Fn(Rgb) -> Rgb,
+) {
+    for (index, lane) in (0..).zip(&LANES) {
+        let pitch = height / LANES.len() as u32;
+        let (top, bottom) = (top + index * pitch, top + (index + 1) * pitch - 1);
+        draw_marks(canvas, plan, (top, bottom), &event_columns(run, plan.columns.1, end, lane), shade(lane.colour));
+        if bottom - top >= NAMED {
+            let style = LetterStyle { height: 0.75 * plan.text as f32, is_bold: false, colour: blend(PAPER, INK, 0.7) };
+            let at = (plan.columns.0 as f32 - plan.length(0.6), bottom as f32);
+            lettering.draw(canvas, lane.name, at, Align::Right, style);
+        }
+    }
+}
+
+/// The columns in which such an event happens, ascending.
+fn event_columns(run: &RunView, width: u32, end: SimTime, lane: &Lane) -> Vec<u32> {
+    let events = run.timeline().events.iter().filter(|event| event.time <= end && (lane.belongs)(&event.fact));
+    let mut columns: Vec<u32> = events.map(|event| column_of(event.time, width, end)).collect();
+    columns.dedup();
+    columns
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a column lies on the sheet")]
+fn column_of(time: SimTime, width: u32, end: SimTime) -> u32 {
+    let share = time.as_seconds() / end.as_seconds().max(f64::MIN_POSITIVE);
+    ((share * f64::from(width)) as u32).min(width - 1)
+}
+
+fn draw_marks(canvas: &mut Canvas, plan: &ChartPlan, (top, bottom): (u32, u32), columns: &[u32], colour: Rgb) {
+    let [red, green, blue] = colour;
+    let (left, width) = plan.columns;
+    let thickness = (plan.text / 8).max(1);
+    for &column in columns {
+        let wide = thickness.min(width - column) as usize;
+        for row in top..bottom {
+            canvas.row_from((left + column) as usize, row as usize)[..wide].fill([red, green, blue, 255]);
+        }
+    }
+}
+
+/// What is compared.
+struct CountCurve {
+    name: &'static str,
+    colour: Rgb,
+    of: fn(&BushCounts) -> u32,
+}
+
+const CURVES: [CountCurve; 2] = [
+    CountCurve { name: "burned", colour: BURNING, of: BushCounts::burned },
+    CountCurve { name: "extinguished", colour: EXTINGUISHED, of: |counts| counts.count(BushStateKind::Extinguished) },
+];
+
+pub fn draw_differences(
+    canvas: &mut Canvas,
+    lettering: &mut Lettering,
+    plan: &ChartPlan,
+    rows: RowRange,
+    runs: (&RunView, &RunView),
+    shade: &dyn Fn(Rgb) -> Rgb,
+) {
+    let curves = CURVES.map(|curve| (shade(curve.colour), differences(plan, runs, curve.of)));
+    let largest = curves.iter().flat_map(|(_, values)| values).map(|value| value.abs()).fold(1.0, f64::max);
+    let largest = round_step(largest);
+    draw_value_axis(canvas, lettering, plan, rows, (-largest, largest));
+    let (top, height) = (rows.0 as f32, rows.1 as f32);
+    let (left, width) = (plan.columns.0 as f32, plan.columns.1 as f32);
+    canvas.fill_rect(left, top + 0.5 * height, width, 1.0, FAINT_INK);
+    for (colour, values) in &curves {
+        let y = |value: f64| top + 0.5 * height * (1.0 - to_f32(value / largest));
+        let points: Vec<Point> =
+            values.iter().zip(0_u16..).map(|(&value, x)| (left + f32::from(x) + 0.5, y(value))).collect();
+        canvas.polyline(&points, plan.length(0.18).max(1.5), *colour);
+    }
+    draw_key(canvas, lettering, plan, top);
+}
+
+/// In the middle of each column.
+fn differences(plan: &ChartPlan, (one, other): (&RunView, &RunView), of: fn(&BushCounts) -> u32) -> Vec<f64> {
+    let (width, end) = (plan.columns.1, RunView::last_end(&[one, other]));
+    let times = (0..width).map(|column| column_time(column, width, end));
+    times.map(|time| f64::from(of(&one.counts_at(time))) - f64::from(of(&other.counts_at(time)))).collect()
+}
+
+/// What the curves are, above them.
+fn draw_key(canvas: &mut Canvas, lettering: &mut Lettering, plan: &ChartPlan, top: f32) {
+    let style = LetterStyle { height: 0.85 * plan.text as f32, is_bold: true, colour: INK };
+    let (mut x, base) = (plan.columns.0 as f32, top - plan.length(0.6));
+    for (name, colour) in [("A - B", INK)].into_iter().chain(CURVES.map(|curve| (curve.name, curve.colour))) {
+        lettering.draw(canvas, name, (x, base), Align::Left, LetterStyle { colour, ..style });
+        x += measure_text(name, style.height) + plan.length(1.5);
+    }
+}
