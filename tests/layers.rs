@@ -1,5 +1,6 @@
 //! Imports point downwards: this reads the sources and fails on a forbidden one, with the reason.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -336,4 +337,210 @@ fn forbidden_imports_are_refused_with_their_reason() {
     assert_eq!(objection_to_crate("sim", "bevy"), None);
     assert_eq!(objection_to_crate("grid", "serde"), None);
     assert!(objection_to_crate("planning", "bevy").is_some_and(|reason| reason.contains("sim, view")));
+}
+
+/// The code of a file that is not for its tests.
+fn production_code(file: &Path) -> String {
+    let text = fs::read_to_string(file).expect("sources are readable text");
+    let end = text.find("\n#[cfg(test)]\nmod tests").unwrap_or(text.len());
+    text[..end].to_owned()
+}
+
+/// The path of a module below `src`, such as `["planning", "kit", "ends"]`.
+fn module_of(file: &Path) -> Vec<String> {
+    let inside = file.strip_prefix(root().join("src")).expect("the file is under src").with_extension("");
+    let mut names: Vec<String> =
+        inside.components().map(|part| part.as_os_str().to_string_lossy().into_owned()).collect();
+    if names.last().is_some_and(|name| name == "mod") {
+        names.pop();
+    }
+    names
+}
+
+/// Every path of a `use` tree, braces taken apart.
+fn paths_of_tree(tree: &str) -> Vec<Vec<String>> {
+    let Some(open) = tree.find('{') else {
+        let path = tree.split(" as ").next().unwrap_or_default();
+        return vec![path.split("::").map(|name| name.trim().to_owned()).filter(|name| !name.is_empty()).collect()];
+    };
+    let (start, inner) = (&tree[..open], tree[open + 1..].trim_end().trim_end_matches('}'));
+    let mut depth = 0;
+    let mut members = vec![String::new()];
+    for letter in inner.chars() {
+        depth += i32::from(letter == '{') - i32::from(letter == '}');
+        match letter {
+            ',' if depth == 0 => members.push(String::new()),
+            _ => members.last_mut().expect("there is one always").push(letter),
+        }
+    }
+    let members = members.iter().map(|member| member.trim()).filter(|member| !member.is_empty());
+    members.flat_map(|member| paths_of_tree(&format!("{start}{member}"))).collect()
+}
+
+/// A path that a file imports, and whether it passes it on to others.
+struct UsedPath {
+    path: Vec<String>,
+    is_reexport: bool,
+}
+
+fn used_paths(file: &Path) -> Vec<UsedPath> {
+    let text = production_code(file);
+    let mut used = Vec::new();
+    for (_, line) in joined_lines(&text) {
+        let is_reexport = line.starts_with("pub use ");
+        let tree = line.strip_prefix("pub use ").or_else(|| line.strip_prefix("use "));
+        let Some(tree) = tree.and_then(|tree| tree.trim_end().strip_suffix(';')) else { continue };
+        used.extend(paths_of_tree(tree).into_iter().map(|path| UsedPath { path, is_reexport }));
+    }
+    used
+}
+
+/// The files of a layer and what they import of each other.
+struct ModuleGraph {
+    files: BTreeMap<Vec<String>, PathBuf>,
+}
+
+impl ModuleGraph {
+    fn of_layer(layer: &str) -> Self {
+        let folder = root().join("src").join(layer);
+        Self { files: source_files(&folder).into_iter().map(|file| (module_of(&file), file)).collect() }
+    }
+
+    /// A path as seen from the root of the crate; `None` if it leads to another crate.
+    fn absolute(&self, module: &[String], path: &[String]) -> Option<Vec<String>> {
+        let mut base = module.to_vec();
+        let mut rest = path;
+        match rest.first()?.as_str() {
+            "crate" => (base, rest) = (Vec::new(), &rest[1..]),
+            "self" => rest = &rest[1..],
+            "super" => {
+                while rest.first().is_some_and(|name| name == "super") {
+                    base.pop();
+                    rest = &rest[1..];
+                }
+            }
+            child => {
+                base.push(child.to_owned());
+                if !self.files.contains_key(&base) {
+                    return None;
+                }
+                rest = &rest[1..];
+            }
+        }
+        base.extend(rest.iter().cloned());
+        Some(base)
+    }
+
+    /// The file of the layer in which what a path names is written down, re-exports followed.
+    fn home_of(&self, path: &[String]) -> Option<&Vec<String>> {
+        let (module, _) = (0..=path.len()).rev().find_map(|end| self.files.get_key_value(&path[..end]))?;
+        let Some(name) = path.get(module.len()) else { return Some(module) };
+        let reexport = used_paths(&self.files[module]).into_iter().find(|used| {
+            used.is_reexport && used.path.last() == Some(name)
+        });
+        match reexport.and_then(|used| self.absolute(module, &used.path)) {
+            Some(absolute) if absolute != path => self.home_of(&absolute).or(Some(module)),
+            _ => Some(module),
+        }
+    }
+
+    /// Which files a file imports something of, re-exports not counted: they are how a folder shows what is in it.
+    fn imports(&self, module: &Vec<String>) -> BTreeSet<&Vec<String>> {
+        let used = used_paths(&self.files[module]).into_iter().filter(|used| !used.is_reexport);
+        let homes = used.filter_map(|used| self.home_of(&self.absolute(module, &used.path)?));
+        homes.filter(|home| *home != module).collect()
+    }
+
+    /// A circle of imports, if there is one that leads over none of the files in `left_out`.
+    fn circle(&self, left_out: &[&str]) -> Option<Vec<String>> {
+        let mut done = BTreeSet::new();
+        let mut way = Vec::new();
+        self.files.keys().find_map(|module| self.circle_from(module, left_out, &mut way, &mut done))
+    }
+
+    fn circle_from<'a>(
+        &'a self,
+        module: &'a Vec<String>,
+        left_out: &[&str],
+        way: &mut Vec<&'a Vec<String>>,
+        done: &mut BTreeSet<&'a Vec<String>>,
+    ) -> Option<Vec<String>> {
+        if done.contains(module) || left_out.contains(&module.join("::").as_str()) {
+            return None;
+        }
+        if let Some(first) = way.iter().position(|known| *known == module) {
+            return Some(way[first..].iter().chain([&module]).map(|module| module.join("::")).collect());
+        }
+        way.push(module);
+        let circle = self.imports(module).into_iter().find_map(|next| self.circle_from(next, left_out, way, done));
+        way.pop();
+        done.insert(module);
+        circle
+    }
+}
+
+/// Why a file of `planning` may not import another one of it.
+fn objection_inside_planning(module: &[String], imported: &[String]) -> Option<String> {
+    let names = |path: &[String]| path.iter().skip(1).take(2).cloned().collect::<Vec<_>>();
+    let (own, other) = (names(module), names(imported));
+    let [room, ..] = own.as_slice() else { return None };
+    let [other_room, ..] = other.as_slice() else { return None };
+    match (room.as_str(), other_room.as_str()) {
+        ("planners", "planners") if own.get(1).is_some() && own.get(1) != other.get(1) => Some(
+            "a planner imports the kit and never a sibling: what two planners use belongs into `planning/kit`".to_owned(),
+        ),
+        ("planners", "reachability" | "traffic" | "walk") => {
+            Some("a planner is made of the kit; what stands beside planners is for those who call them".to_owned())
+        }
+        ("kit", "planners" | "registry" | "reachability" | "traffic" | "walk") => {
+            Some("the kit knows none of those who are made of it".to_owned())
+        }
+        _ => None,
+    }
+}
+
+#[test]
+fn planners_import_the_kit_and_no_sibling() {
+    let graph = ModuleGraph::of_layer("planning");
+    assert!(graph.files.len() > 20, "the sources were not found");
+    let objections = graph.files.keys().flat_map(|module| {
+        let of_file = graph.imports(module).into_iter().filter_map(move |imported| {
+            let reason = objection_inside_planning(module, imported)?;
+            Some(format!("{} imports {}: {reason}", module.join("::"), imported.join("::")))
+        });
+        of_file.collect::<Vec<_>>()
+    });
+    assert_none(&objections.collect::<Vec<_>>());
+}
+
+#[test]
+fn files_of_a_layer_do_not_import_each_other_in_circles() {
+    // Planners implement the trait of the registry, and the registry lists planners: that is what it is for.
+    let left_out = ["planning::registry"];
+    for layer in ["geometry", "vehicle", "trajectory", "collision", "planning"] {
+        if let Some(circle) = ModuleGraph::of_layer(layer).circle(&left_out) {
+            panic!("files import each other in a circle; move what they share into a file below both: {circle:?}");
+        }
+    }
+}
+
+#[test]
+fn imports_are_followed_to_the_file_in_which_things_are_written_down() {
+    let graph = ModuleGraph::of_layer("planning");
+    let path = |text: &str| text.split("::").map(str::to_owned).collect::<Vec<_>>();
+    let home = |text: &str| graph.home_of(&path(text)).map(|module| module.join("::"));
+    assert_eq!(home("planning::Goal").as_deref(), Some("planning"));
+    assert_eq!(home("planning::HybridSettings").as_deref(), Some("planning::planners::hybrid_astar::settings"));
+    assert_eq!(home("planning::kit::floods::FloodSearch").as_deref(), Some("planning::kit::floods::search"));
+    assert_eq!(home("rng::stream"), None);
+    let inside = |own: &str, other: &str| objection_inside_planning(&path(own), &path(other));
+    let sibling = inside("planning::planners::prm_rs::search", "planning::planners::hybrid_astar::settings");
+    assert!(sibling.is_some_and(|reason| reason.contains("sibling")));
+    assert!(inside("planning::kit::ends", "planning::planners::lattice").is_some());
+    assert_eq!(inside("planning::planners::prm_rs::search", "planning::planners::prm_rs::roadmap"), None);
+    assert_eq!(inside("planning::planners::prm_rs", "planning::kit::ends"), None);
+    assert_eq!(
+        paths_of_tree("super::{a::{B, c}, d}").iter().map(|path| path.join("::")).collect::<Vec<_>>(),
+        ["super::a::B", "super::a::c", "super::d"]
+    );
 }

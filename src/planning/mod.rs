@@ -3,29 +3,28 @@
 //!
 //! Effort is counted in samples and expansions and budgeted in the same units; CPU time is reported only.
 
-mod detour;
 pub mod kit;
 pub mod memory;
-mod nearest_place;
+pub mod observer;
 pub mod planners;
 pub mod reachability;
 pub mod registry;
 pub mod search_graph;
 #[cfg(test)]
 mod test_fields;
+mod traffic;
 pub mod walk;
 
-pub use detour::detour;
-pub use kit::clearance_profile::ClearanceFloor;
 pub use kit::local_search::{MotionCost, PrimitiveSettings};
 pub use kit::safety::{Safety, SafetyForm, SafetyMap, SafetySettings};
-pub use nearest_place::nearest_place;
+pub use observer::{PlanningObserver, PlanningWork, QueryMonitor, QueryTime, Unobserved};
 pub use planners::hybrid_astar::{HybridAstar, HybridSettings};
 pub use planners::lattice::{LatticePlanner, LatticeSettings};
 pub use planners::prm_primitives::{ClearanceTo, PrmPrimitives, PrmSettings, RoadmapGoal, RoadmapSearch};
 pub use planners::prm_rs::{PrmRs, PrmRsSettings, count_convex_corners};
 pub use registry::{Site, TruckPlannerKind, TruckPlannerSettings};
 pub use search_graph::{MAX_SEARCH_EDGES, SearchGraph, SearchPhase, SearchRecorder, Searched};
+pub use traffic::{find_yield_pose, replan_around};
 
 use std::fmt;
 use std::ops::AddAssign;
@@ -37,7 +36,7 @@ use serde::{Deserialize, Serialize};
 use crate::geometry::Pose;
 use crate::vehicle::{Dimensions, Path};
 
-/// Where a drive shall end: the body's centre within `radius_m` of `centre`, at any heading.
+/// The disc in which a drive ends: the body's centre within `radius_m` of `centre`, at any heading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GoalDisc {
     pub centre: DVec2,
@@ -48,13 +47,13 @@ pub struct GoalDisc {
 const RIM_M: f64 = 0.01;
 
 impl GoalDisc {
-    /// The disc that planners aim at, with a margin for rounding.
-    fn inner(self) -> Self {
+    /// Returns the disc that planners aim at, smaller by a margin for rounding.
+    fn with_margin(self) -> Self {
         Self { radius_m: (self.radius_m - RIM_M).max(0.5 * self.radius_m), ..self }
     }
 }
 
-/// Where a drive to somewhere in particular ends.
+/// The place where a drive to somewhere in particular ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Goal {
     /// The rear axle in this pose.
@@ -70,16 +69,24 @@ impl From<GoalDisc> for Goal {
 }
 
 impl Goal {
-    /// The same with a margin for rounding.
-    fn inner(self) -> Self {
+    /// Returns the goal that planners aim at, smaller by a margin for rounding.
+    fn with_margin(self) -> Self {
         match self {
             Self::Pose(_) => self,
-            Self::Disc(disc) => Self::Disc(disc.inner()),
+            Self::Disc(disc) => Self::Disc(disc.with_margin()),
         }
     }
 
-    /// The place of a truck that counts for this goal.
-    fn place_of(self, pose: Pose, body: &Dimensions) -> DVec2 {
+    /// Returns the goal as positions for the body's centre.
+    fn disc(self, body: &Dimensions) -> GoalDisc {
+        match self {
+            Self::Disc(disc) => disc,
+            Self::Pose(end) => GoalDisc { centre: body.body_centre(end), radius_m: 0.0 },
+        }
+    }
+
+    /// Returns the position of a truck that counts for this goal.
+    fn position_of(self, pose: Pose, body: &Dimensions) -> DVec2 {
         match self {
             Self::Pose(_) => pose.position(),
             Self::Disc(_) => body.body_centre(pose),
@@ -87,7 +94,7 @@ impl Goal {
     }
 }
 
-/// Why there is no path.
+/// The reason why there is no path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PlanFailure {
@@ -134,14 +141,7 @@ impl AddAssign for Effort {
     }
 }
 
-/// CPU time of one query, by phase.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct QueryTime {
-    pub roadmap: Duration,
-    pub local: Duration,
-}
-
-/// Which means found a path: the wanted one of its planner, or one of those that it falls back on.
+/// The means that found a path: the wanted one of its planner, or one of those that it falls back on.
 ///
 /// Planners name the first five. What simulation adds where a planner fails, it names itself: the last three.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -203,7 +203,7 @@ impl fmt::Display for FoundBy {
     }
 }
 
-/// A path and what found it.
+/// A path and the means that found it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
     pub path: Path,
@@ -218,22 +218,19 @@ pub struct Plan {
     /// What found the path, if there is one.
     pub found_by: Option<FoundBy>,
     pub effort: Effort,
-    pub time: QueryTime,
-    /// What the query's searches looked at, each of [`SearchPhase`] at most once; nothing unless it is recorded.
-    pub searched: Vec<Searched>,
 }
 
 impl Plan {
-    pub fn new(found: Result<Found, PlanFailure>, effort: Effort, time: QueryTime, searched: Vec<Searched>) -> Self {
+    pub fn new(found: Result<Found, PlanFailure>, effort: Effort) -> Self {
         let (path, found_by) = match found {
             Ok(Found { path, by }) => (Ok(path), Some(by)),
             Err(failure) => (Err(failure), None),
         };
-        Self { path, found_by, effort, time, searched }
+        Self { path, found_by, effort }
     }
 }
 
-/// What building a planner for one field took and gave.
+/// The cost and the result of building a planner for one field.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BuildReport {
     /// Milestones of the roadmap.
@@ -258,12 +255,16 @@ pub fn is_hardly_connected(milestones: u32, components: u32) -> bool {
 /// A planner made for one body on one field.
 pub trait TruckPlanner: Send + Sync {
     fn build_report(&self) -> BuildReport;
-    /// From now on plans tell what their searches looked at. Answers stay the same.
-    fn record_searches(&mut self);
-    /// The roadmap, if the planner has one: its edges that can be driven, the first [`MAX_SEARCH_EDGES`] of them.
-    fn roadmap_graph(&mut self) -> Option<Searched> {
-        None
+
+    /// Shows an observer the edges of the roadmap that can be driven, if the planner has one.
+    fn show_roadmap(&mut self, _observer: &mut dyn PlanningObserver) {}
+
+    /// Finds a path from a pose of the rear axle to a goal, or says why there is none. Answers do not depend on earlier
+    /// ones, nor on the observer.
+    fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan;
+
+    /// Finds a path without being observed.
+    fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
+        self.plan_observed(start, goal, &mut Unobserved)
     }
-    /// A path from a pose of the rear axle to a goal, or why there is none. Answers do not depend on earlier ones.
-    fn plan(&mut self, start: Pose, goal: Goal) -> Plan;
 }

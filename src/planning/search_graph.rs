@@ -1,8 +1,7 @@
 //! What a search looked at, to be shown.
 //!
-//! World frame. Places are those of a truck's rear axle, but of its body's centre in the roadmap of `prm+primitives` and
-//! queries of it, which know no headings, and lattice points of a Wumpus. What was driven in curves is told by straight
-//! lines.
+//! World frame. Places are those of a truck's rear axle; in the roadmap of `prm+primitives` and queries of it, which know
+//! no headings, those of its body's centre; and lattice points of a Wumpus. Straight lines stand for curves.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -13,8 +12,8 @@ use serde::{Deserialize, Serialize};
 /// A graph has no more edges; what a search looked at after that is left out.
 pub const MAX_SEARCH_EDGES: usize = 20_000;
 
-/// Which search a [`SearchGraph`] is of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+/// The search that a [`SearchGraph`] is of, in the order in which a query comes to them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum SearchPhase {
     /// The roadmap itself.
     Roadmap,
@@ -66,39 +65,54 @@ pub struct Searched {
 }
 
 /// Puts together what the searches of a query looked at, if that is wanted.
-///
-/// Places to the centimetre and edges are kept once, so that searches which follow each other share them.
 #[derive(Debug, Default)]
 pub struct SearchRecorder {
     is_on: bool,
+    graphs: BTreeMap<SearchPhase, GraphOfLines>,
+}
+
+/// A graph that grows by lines.
+///
+/// Places to the centimetre and edges are kept once, so that searches which follow each other share them.
+#[derive(Debug, Default)]
+struct GraphOfLines {
     graph: SearchGraph,
-    /// Where in the graph a place is.
+    /// The index of each place in the graph.
     indices: BTreeMap<(i32, i32), u32>,
     edges: BTreeSet<(u32, u32)>,
 }
 
 impl SearchRecorder {
-    pub fn switch_on(&mut self) {
-        self.is_on = true;
+    pub fn new(is_on: bool) -> Self {
+        Self { is_on, graphs: BTreeMap::new() }
     }
 
     /// Adds straight lines in the order in which they were looked at, in metres; where a search began there is a line
     /// of length zero. The lines are not asked for where nothing is recorded.
-    pub fn add(&mut self, lines: impl IntoIterator<Item = [DVec2; 2]>) {
+    pub fn add(&mut self, phase: SearchPhase, lines: impl IntoIterator<Item = [DVec2; 2]>) {
         if !self.is_on {
             return;
         }
+        let known = self.graphs.entry(phase).or_default();
         for ends in lines {
-            if self.graph.edges.len() == MAX_SEARCH_EDGES {
+            if known.graph.edges.len() == MAX_SEARCH_EDGES {
                 return;
             }
-            let [from, to] = ends.map(|place| self.index_of(place));
-            if from != to && self.edges.insert((from, to)) {
-                self.graph.edges.push((from, to));
+            let [from, to] = ends.map(|place| known.index_of(place));
+            if from != to && known.edges.insert((from, to)) {
+                known.graph.edges.push((from, to));
             }
         }
     }
 
+    /// Returns what was added, in the order of the phases.
+    pub fn finish(self) -> Vec<Searched> {
+        let graphs = self.graphs.into_iter().map(|(phase, known)| Searched { phase, graph: known.graph });
+        graphs.filter(|searched| !searched.graph.places.is_empty()).collect()
+    }
+}
+
+impl GraphOfLines {
     fn index_of(&mut self, place: DVec2) -> u32 {
         let centimetres = (place * 100.0).round();
         let place = (centimetres.x as i32, centimetres.y as i32);
@@ -106,12 +120,6 @@ impl SearchRecorder {
             self.graph.places.push(place);
             self.graph.places.len() as u32 - 1
         })
-    }
-
-    /// What was added since the last time, if anything.
-    pub fn take(&mut self, phase: SearchPhase) -> Option<Searched> {
-        let Self { graph, .. } = std::mem::replace(self, Self { is_on: self.is_on, ..Self::default() });
-        (!graph.places.is_empty()).then_some(Searched { phase, graph })
     }
 }
 
@@ -123,36 +131,42 @@ mod tests {
         [DVec2::new(from, 1.0), DVec2::new(to, 1.0)]
     }
 
+    fn recorded(lines: impl IntoIterator<Item = [DVec2; 2]>) -> SearchGraph {
+        let mut recorder = SearchRecorder::new(true);
+        recorder.add(SearchPhase::Walk, lines);
+        let searched = recorder.finish();
+        assert_eq!((searched.len(), searched[0].phase), (1, SearchPhase::Walk));
+        searched[0].graph.clone()
+    }
+
     #[test]
     fn searches_that_follow_each_other_share_places_and_edges() {
-        let mut recorder = SearchRecorder::default();
-        recorder.switch_on();
-        recorder.add([line(0.0, 0.0), line(0.0, 2.5), line(2.5, -1.004)]);
-        recorder.add([line(0.001, 2.499), line(0.0, -1.0), line(7.0, 7.0)]);
-        let Searched { phase, graph } = recorder.take(SearchPhase::Walk).expect("there are places");
-        assert_eq!(phase, SearchPhase::Walk);
+        let mut recorder = SearchRecorder::new(true);
+        recorder.add(SearchPhase::Local, [line(0.0, 0.0), line(0.0, 2.5), line(2.5, -1.004)]);
+        recorder.add(SearchPhase::Query, [line(3.0, 3.0)]);
+        recorder.add(SearchPhase::Local, [line(0.001, 2.499), line(0.0, -1.0), line(7.0, 7.0)]);
+        let [query, local] = recorder.finish().try_into().expect("there are two phases");
+        assert_eq!((query.phase, query.graph.places), (SearchPhase::Query, vec![(300, 100)]));
+        let Searched { phase, graph } = local;
+        assert_eq!(phase, SearchPhase::Local);
         assert_eq!(graph.places, [(0, 100), (250, 100), (-100, 100), (700, 100)]);
         assert_eq!(graph.edges, [(0, 1), (1, 2), (0, 2)]);
         let lines: Vec<_> = graph.lines().collect();
         assert_eq!(lines, [line(0.0, 2.5), line(2.5, -1.0), line(0.0, -1.0)]);
-        recorder.add(graph.lines());
-        let again = recorder.take(SearchPhase::Walk).expect("there are places");
-        assert_eq!((again.graph.places.len(), again.graph.edges), (3, graph.edges), "lines become what they were of");
+        let again = recorded(graph.lines());
+        assert_eq!((again.places.len(), again.edges), (3, graph.edges), "lines become what they were of");
     }
 
     #[test]
     fn what_is_not_wanted_is_not_asked_for() {
-        let mut recorder = SearchRecorder::default();
-        recorder.add(std::iter::once_with(|| unreachable!("nobody asked")));
-        assert_eq!(recorder.take(SearchPhase::Local), None);
+        let mut recorder = SearchRecorder::new(false);
+        recorder.add(SearchPhase::Local, std::iter::once_with(|| unreachable!("nobody asked")));
+        assert_eq!(recorder.finish(), []);
     }
 
     #[test]
     fn the_first_edges_are_kept_and_no_more_is_asked_for() {
-        let mut recorder = SearchRecorder::default();
-        recorder.switch_on();
-        recorder.add((0..).map(|place| line(f64::from(place), f64::from(place) + 1.0)));
-        let graph = recorder.take(SearchPhase::Local).expect("there are places").graph;
+        let graph = recorded((0..).map(|place| line(f64::from(place), f64::from(place) + 1.0)));
         assert_eq!((graph.edges.len(), graph.places.len()), (MAX_SEARCH_EDGES, MAX_SEARCH_EDGES + 1));
         assert_eq!(graph.edges[0], (0, 1));
     }

@@ -113,21 +113,26 @@ pub fn random_free_pose(field: &mut TestField, clearance_m: f64) -> Pose {
     }
 }
 
-/// A field with a court that has no gate; the truck is outside.
-pub fn shut_court() -> TestField {
+/// A court with one gate: as wide as a cell, or shut, or open at a corner only.
+pub fn court_with_gate(gate: &'static str) -> TestField {
     let picture = [
         "....................",
         "....................",
         "........########....",
         "........#......#....",
         "........#......#....",
-        "........#......#....",
+        gate,
         "........#......#....",
         "........########....",
         "....................",
         "....................",
     ];
     TestField::drawn(&picture, Pose::new(12.0, 22.0, 0.0))
+}
+
+/// A field with a court that has no gate; the truck is outside.
+pub fn shut_court() -> TestField {
+    court_with_gate("........#......#....")
 }
 
 /// A random pose, free or not.

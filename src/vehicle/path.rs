@@ -62,6 +62,21 @@ impl Path {
         self.segments.windows(2).filter(|pair| pair[0].is_reverse() != pair[1].is_reverse()).count() as u32
     }
 
+    /// Joins segments that continue one another.
+    #[must_use]
+    pub fn joined(self) -> Self {
+        let mut segments: Vec<Segment> = Vec::with_capacity(self.segments.len());
+        for segment in self.segments {
+            match segments.last_mut() {
+                Some(last) if last.curvature == segment.curvature && last.is_reverse() == segment.is_reverse() => {
+                    last.length_m += segment.length_m;
+                }
+                _ => segments.push(segment),
+            }
+        }
+        Self { start: self.start, segments }
+    }
+
     /// The same way driven back: from the end to the start.
     pub fn reversed(&self) -> Self {
         let segments = self.segments.iter().rev();

@@ -1,3 +1,8 @@
+//! The clearance that motions keep on a drive: one value, less near ends of the drive that do not have it.
+//!
+//! A truck may have to start or to end in a place that is tighter than what its planner wants to keep. About such an end
+//! the demand falls to a share of what the end itself has, and rises by [`RAMP`] for every metre away from it.
+
 use glam::DVec2;
 
 use crate::collision::CollisionChecker;
@@ -9,47 +14,58 @@ const RAMP: f64 = 0.1;
 /// Near a tight end, motions are judged in pieces of this length.
 const PIECE_M: f64 = 1.0;
 /// A tight end is asked for this share of its own clearance, so that rounding does not decide.
-const END_SHARE: f64 = 0.9;
+pub const END_SHARE: f64 = 0.9;
 
-/// The clearance that motions keep on a drive: one value, less near ends of the drive that do not have it.
+/// The minimum clearance by place, for one drive.
 #[derive(Clone, Debug)]
-pub struct ClearanceFloor {
-    clearance_m: f64,
+pub struct ClearanceProfile {
+    min_clearance_m: f64,
     tight: Vec<TightEnd>,
+    rule: PieceRule,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct TightEnd {
-    place: DVec2,
-    least_m: f64,
+    position: DVec2,
+    min_clearance_m: f64,
 }
 
-impl ClearanceFloor {
-    /// `ends` are the poses that are given, each with the body's clearance there, positive.
-    pub fn new(clearance_m: f64, ends: impl IntoIterator<Item = (Pose, f64)>) -> Self {
+/// The clearance that a piece of a motion near a tight end keeps.
+#[derive(Clone, Copy, Debug)]
+enum PieceRule {
+    /// The lesser of what is asked at its two ends, so that a way into a tight end is judged like the way out of it.
+    LesserOfEnds,
+    /// What is asked where it begins. From the start on, where the demand only rises, that is enough.
+    AtItsStart,
+}
+
+impl ClearanceProfile {
+    /// Creates a profile; `ends` are the poses that are given, each with the body's clearance there, positive.
+    pub fn new(min_clearance_m: f64, ends: impl IntoIterator<Item = (Pose, f64)>) -> Self {
         let ends = ends.into_iter();
-        let ends = ends.map(|(pose, own_m)| TightEnd { place: pose.position(), least_m: END_SHARE * own_m });
-        Self { clearance_m, tight: ends.filter(|end| end.least_m < clearance_m).collect() }
+        let ends = ends
+            .map(|(pose, own_m)| TightEnd { position: pose.position(), min_clearance_m: END_SHARE * own_m })
+            .filter(|end| end.min_clearance_m < min_clearance_m);
+        Self { min_clearance_m, tight: ends.collect(), rule: PieceRule::LesserOfEnds }
     }
 
-    /// Whether the body keeps this floor along a segment from `pose`.
+    /// Creates a profile for a drive that only has a start, at which the body has the clearance `own_m`, positive.
+    pub fn from_start(min_clearance_m: f64, start: Pose, own_m: f64) -> Self {
+        Self { rule: PieceRule::AtItsStart, ..Self::new(min_clearance_m, [(start, own_m)]) }
+    }
+
+    /// Says whether the body keeps its clearance along a segment from `pose`.
     pub fn motion_is_free(&self, checker: &CollisionChecker, pose: Pose, segment: Segment) -> bool {
-        let mut pose = pose;
-        let mut rest_m = segment.length_m.abs();
-        while rest_m > 0.0 {
-            let piece_m = rest_m.min(self.distance_to_tight(pose).max(PIECE_M));
-            let piece = segment.with_length(piece_m);
-            let end = piece.end(pose);
-            if !checker.motion_is_free(pose, piece, self.at(pose).min(self.at(end))) {
-                return false;
-            }
-            pose = end;
-            rest_m -= piece_m;
+        if self.tight.is_empty() {
+            return segment.length_m == 0.0 || checker.motion_is_free(pose, segment, self.min_clearance_m);
         }
-        true
+        match self.rule {
+            PieceRule::LesserOfEnds => self.pieces_are_free(checker, pose, segment),
+            PieceRule::AtItsStart => self.way_out_is_free(checker, pose, segment),
+        }
     }
 
-    /// Whether the body keeps this floor along segments in a row from `pose`.
+    /// Says whether the body keeps its clearance along segments in a row from `pose`.
     pub fn way_is_free(
         &self,
         checker: &CollisionChecker,
@@ -64,14 +80,52 @@ impl ClearanceFloor {
         })
     }
 
-    fn at(&self, pose: Pose) -> f64 {
-        let near = |end: &TightEnd| end.least_m + RAMP * pose.position().distance(end.place);
-        self.tight.iter().map(near).fold(self.clearance_m, f64::min)
+    fn pieces_are_free(&self, checker: &CollisionChecker, start: Pose, segment: Segment) -> bool {
+        let mut pose = start;
+        let mut rest_m = segment.length_m.abs();
+        while rest_m > 0.0 {
+            let piece_m = rest_m.min(self.distance_to_tight(pose).max(PIECE_M));
+            let piece = segment.with_length(piece_m);
+            let end = piece.end(pose);
+            if !checker.motion_is_free(pose, piece, self.at(pose).min(self.at(end))) {
+                return false;
+            }
+            pose = end;
+            rest_m -= piece_m;
+        }
+        true
     }
 
-    /// Metres until the nearest place at which less than the full clearance is asked for; not positive there.
+    fn way_out_is_free(&self, checker: &CollisionChecker, start: Pose, segment: Segment) -> bool {
+        let mut pose = start;
+        let mut rest_m = segment.length_m;
+        while rest_m != 0.0 {
+            let asked_m = self.at(pose);
+            if asked_m >= self.min_clearance_m {
+                return checker.motion_is_free(pose, Segment { length_m: rest_m, ..segment }, self.min_clearance_m);
+            }
+            let piece = Segment { length_m: rest_m.clamp(-PIECE_M, PIECE_M), ..segment };
+            if !checker.motion_is_free(pose, piece, asked_m) {
+                return false;
+            }
+            pose = piece.end(pose);
+            rest_m -= piece.length_m;
+        }
+        true
+    }
+
+    /// Returns the clearance that is asked for at a pose.
+    fn at(&self, pose: Pose) -> f64 {
+        let near = |end: &TightEnd| end.min_clearance_m + RAMP * pose.position().distance(end.position);
+        self.tight.iter().map(near).fold(self.min_clearance_m, f64::min)
+    }
+
+    /// Returns the metres until the nearest position at which less than the full clearance is asked for; not positive
+    /// there.
     fn distance_to_tight(&self, pose: Pose) -> f64 {
-        let gap = |end: &TightEnd| pose.position().distance(end.place) - (self.clearance_m - end.least_m) / RAMP;
+        let gap = |end: &TightEnd| {
+            pose.position().distance(end.position) - (self.min_clearance_m - end.min_clearance_m) / RAMP
+        };
         self.tight.iter().map(gap).fold(f64::INFINITY, f64::min)
     }
 }
@@ -87,7 +141,7 @@ mod tests {
     use crate::vehicle::Path;
 
     #[test]
-    fn free_motions_keep_the_floor_except_near_tight_ends() {
+    fn free_motions_keep_the_clearance_except_near_tight_ends() {
         let mut rng = rng::stream(1, "clearance floor");
         let (mut full, mut less) = (0, 0);
         for seed in 0..8 {
@@ -98,15 +152,15 @@ mod tests {
                 if own_m <= 0.05 {
                     continue;
                 }
-                let floor = ClearanceFloor::new(1.5, [(pose, own_m)]);
+                let profile = ClearanceProfile::new(1.5, [(pose, own_m)]);
                 let curvature = f64::from(rng.random_range(-1..=1)) * field.checker.body().max_curvature();
                 let segment = Segment { curvature, length_m: rng.random_range(-25.0..25.0) };
-                if !floor.motion_is_free(&field.checker, pose, segment) {
+                if !profile.motion_is_free(&field.checker, pose, segment) {
                     continue;
                 }
                 for (_, there) in (Path { start: pose, segments: vec![segment] }).samples(0.05) {
                     let kept = field.checker.clearance(there);
-                    let asked = floor.at(there) - RAMP * PIECE_M;
+                    let asked = profile.at(there) - RAMP * PIECE_M;
                     assert!(kept > 0.0 && kept >= asked.min(1.0) - MOTION_TOLERANCE_M - 1e-9, "{kept}, not {asked}");
                 }
                 let least = least_clearance(&field.checker, &Path { start: pose, segments: vec![segment] });
@@ -127,10 +181,10 @@ mod tests {
                 let own_m = field.checker.clearance(pose);
                 let segment = Segment { curvature: 0.0, length_m: rng.random_range(2.0..25.0) };
                 if own_m > 0.1 {
-                    let floor = ClearanceFloor::new(0.75, [(pose, own_m)]);
-                    let out = floor.motion_is_free(&field.checker, pose, segment);
+                    let profile = ClearanceProfile::new(0.75, [(pose, own_m)]);
+                    let out = profile.motion_is_free(&field.checker, pose, segment);
                     let back = Segment { length_m: -segment.length_m, ..segment };
-                    match (out, floor.motion_is_free(&field.checker, segment.end(pose), back)) {
+                    match (out, profile.motion_is_free(&field.checker, segment.end(pose), back)) {
                         (true, true) => both += 1,
                         (false, false) => {}
                         _ => one += 1,

@@ -8,7 +8,7 @@ use crate::ranges::{OutOfRange, number_text};
 /// A table with open addressing in place of an array over the field, so that its memory follows the search and not
 /// the field. Clearing it is free: entries carry the generation they belong to.
 #[derive(Debug)]
-pub struct Bins {
+pub struct ClosedSet {
     bin_m: f64,
     headings: f64,
     slots: Vec<Slot>,
@@ -30,7 +30,7 @@ const FIBONACCI: u64 = 0x9e37_79b9_7f4a_7c15;
 const AXIS_BITS: u32 = 24;
 const HEADING_BITS: u32 = 15;
 
-impl Bins {
+impl ClosedSet {
     pub fn new(bin_m: f64, headings: u32) -> Self {
         let slots = vec![Slot::default(); FIRST_CAPACITY];
         Self { bin_m, headings: f64::from(headings), slots, generation: 1, used: 0 }
@@ -138,7 +138,7 @@ mod tests {
     #[test]
     fn the_table_remembers_like_a_map() {
         let mut rng = rng::stream(1, "bins");
-        let mut bins = Bins::new(2.0, 24);
+        let mut bins = ClosedSet::new(2.0, 24);
         for _ in 0..3 {
             bins.clear();
             let mut map = BTreeMap::new();

@@ -1,4 +1,4 @@
-//! Whether there is room for the body where a drive begins and ends.
+//! Room for the body where a drive begins and ends.
 
 use std::f64::consts::TAU;
 
@@ -9,7 +9,7 @@ use crate::geometry::{Pose, ops};
 
 use crate::planning::{Goal, GoalDisc, PlanFailure};
 
-/// The poses that a drive must begin and end in, each with the clearance that the body has there: the start and, if it
+/// Returns the poses that a drive must begin and end in, each with the clearance that the body has there: the start and, if it
 /// is a pose, the goal.
 ///
 /// # Errors
@@ -30,7 +30,7 @@ pub fn free_ends(checker: &CollisionChecker, start: Pose, goal: Goal) -> Result<
     Ok(ends)
 }
 
-/// The clearance of a pose, if the body is free there.
+/// Returns the clearance of a pose, if the body is free there.
 fn free_clearance(checker: &CollisionChecker, pose: Pose) -> Option<f64> {
     let is_finite = pose.position().is_finite() && pose.heading.is_finite();
     Some(checker.clearance(pose)).filter(|&clearance| is_finite && clearance > 0.0)
@@ -40,12 +40,20 @@ fn free_clearance(checker: &CollisionChecker, pose: Pose) -> Option<f64> {
 const RINGS: u32 = 20;
 const HEADINGS: u32 = 24;
 
-/// Whether the body fits somewhere in a disc, centre inside: on rings of places half a metre apart in a disc of 10 m.
+/// Says whether the body fits somewhere in a disc, centre inside: on rings of places half a metre apart in a disc of 10 m.
 pub fn has_free_pose(checker: &CollisionChecker, disc: GoalDisc) -> bool {
     free_poses(checker, disc, RINGS, LEAST_CLEARANCE_M).next().is_some()
 }
 
-/// Poses that keep a clearance with the body's centre in a disc: at places on so many rings and in the middle.
+/// Returns the reason of a failure: where the body fits nowhere in a goal disc, that is the reason.
+pub fn explain_failure(checker: &CollisionChecker, goal: Goal, failure: PlanFailure) -> PlanFailure {
+    match goal {
+        Goal::Disc(disc) if !has_free_pose(checker, disc) => PlanFailure::GoalBlocked,
+        _ => failure,
+    }
+}
+
+/// Returns poses that keep a clearance with the body's centre in a disc: at places on rings and in the middle.
 pub fn free_poses(
     checker: &CollisionChecker,
     disc: GoalDisc,

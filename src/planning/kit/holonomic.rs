@@ -1,3 +1,5 @@
+//! Two-dimensional search over cells as a heuristic: what bushes make of the way, whatever the steering.
+
 use glam::DVec2;
 
 use crate::collision::CollisionChecker;
@@ -7,7 +9,7 @@ use crate::grid::octile::legal_moves;
 use crate::grid::{Connectivity, CornerCutting, Grid};
 use crate::planning::Goal;
 
-/// The part of a walk over cells that no truck drives less than, however it cuts the corners of the grid.
+/// A truck drives at least this share of a walk over cells, however it cuts the corners of the grid.
 const SHARE: f64 = 0.94;
 
 /// For every diagonal move the orthogonal ones beside it: nothing passes between two bushes that touch at a corner.
@@ -15,20 +17,20 @@ const BESIDE_DIAGONAL: [(u8, u8); 4] = [(4, 0b0011), (5, 0b0110), (6, 0b1100), (
 
 /// Costs of an orthogonal and of a diagonal move: 99 / 70 is the root of 2 to 0.005 %.
 const MOVE_COSTS: (u32, u32) = (70, 99);
-/// More than a move costs.
+/// The number of buckets, more than a move costs.
 const RING: usize = 128;
-/// The cost of what was not reached yet.
-const FAR: u32 = u32::MAX;
+/// The cost of a cell that was not reached yet.
+const UNREACHED: u32 = u32::MAX;
 
 /// Walks over the cells of one field that are free of bushes.
 #[derive(Debug)]
-pub struct Cells {
+pub struct WalkableCells {
     frame: FieldFrame,
     moves: Grid<u8>,
     occupied: Grid<bool>,
 }
 
-impl Cells {
+impl WalkableCells {
     pub fn new(checker: &CollisionChecker) -> Self {
         let field = checker.field();
         let mut moves = legal_moves(field.occupied(), Connectivity::Eight, CornerCutting::Allowed);
@@ -40,13 +42,13 @@ impl Cells {
         Self { frame: *field.frame(), moves, occupied: field.occupied().clone() }
     }
 
-    /// Bytes that it takes on a field.
+    /// Returns the bytes that it takes on a field.
     pub fn bytes(frame: &FieldFrame) -> u64 {
         frame.cell_count() as u64 * (size_of::<u8>() + size_of::<bool>()) as u64
     }
 
-    /// Free cells that a goal meets.
-    fn of_goal(&self, goal: Goal) -> impl Iterator<Item = usize> + '_ {
+    /// Returns the free cells that a goal touches.
+    fn goal_cells(&self, goal: Goal) -> impl Iterator<Item = usize> + '_ {
         let (centre, radius_m) = match goal {
             Goal::Pose(pose) => (pose.position(), 0.0),
             Goal::Disc(disc) => (disc.centre, disc.radius_m),
@@ -66,76 +68,76 @@ impl Cells {
     }
 }
 
-/// How far it is to a goal for somebody who walks from cell to cell.
+/// The holonomic heuristic: the distance to a goal for somebody who walks from cell to cell round the bushes.
 ///
 /// It spreads from the goal as far as it is asked: Dijkstra's search with whole costs, in R. Dial's buckets ("Algorithm
 /// 360: shortest-path forest with topological ordering", Communications of the ACM 12(11), 1969).
 #[derive(Debug)]
-pub struct Wave {
+pub struct HolonomicHeuristic {
     costs: Vec<u32>,
     /// Cells by their cost, modulo the ring.
     buckets: Vec<Vec<u32>>,
     /// Costs up to this are final.
-    turn: u32,
+    settled: u32,
     /// Entries in all buckets.
     waiting: usize,
 }
 
-impl Default for Wave {
+impl Default for HolonomicHeuristic {
     fn default() -> Self {
-        Self { costs: Vec::new(), buckets: vec![Vec::new(); RING], turn: 0, waiting: 0 }
+        Self { costs: Vec::new(), buckets: vec![Vec::new(); RING], settled: 0, waiting: 0 }
     }
 }
 
-impl Wave {
-    /// The most bytes that it takes on a field: a cost and an entry for every cell, in lists that double.
+impl HolonomicHeuristic {
+    /// Bounds the bytes that it takes on a field: a cost and an entry for every cell, in lists that double.
     pub fn most_bytes(frame: &FieldFrame) -> u64 {
         frame.cell_count() as u64 * 3 * size_of::<u32>() as u64
     }
 
-    /// Forgets all, and begins at the goal.
-    pub fn begin(&mut self, cells: &Cells, goal: Goal) {
+    /// Forgets everything and begins at the goal.
+    pub fn begin(&mut self, cells: &WalkableCells, goal: Goal) {
         self.costs.clear();
-        self.costs.resize(cells.frame.cell_count(), FAR);
+        self.costs.resize(cells.frame.cell_count(), UNREACHED);
         self.buckets.iter_mut().for_each(Vec::clear);
-        (self.turn, self.waiting) = (0, 0);
-        for cell in cells.of_goal(goal) {
+        (self.settled, self.waiting) = (0, 0);
+        for cell in cells.goal_cells(goal) {
             self.reach(cell, 0);
         }
     }
 
-    /// Metres that are still to drive at least from a place in the field, nearly; infinite where no way leads.
-    pub fn least_m(&mut self, cells: &Cells, place: DVec2) -> f64 {
+    /// Returns about the least metres that are still to drive from a position in the field; infinite where no way leads.
+    pub fn cost_to_go_m(&mut self, cells: &WalkableCells, place: DVec2) -> f64 {
         let Some(cell) = cells.frame.cell_at(place) else { return f64::INFINITY };
         let cost = self.cost_of(cells, cells.frame.index(cell));
-        if cost == FAR {
+        if cost == UNREACHED {
             return f64::INFINITY;
         }
         let cell_m = cells.frame.cell_m;
         (SHARE * cell_m * f64::from(cost) / f64::from(MOVE_COSTS.0) - cell_m).max(0.0)
     }
 
-    fn cost_of(&mut self, cells: &Cells, index: usize) -> u32 {
-        while self.costs[index] > self.turn && self.waiting > 0 {
-            match self.buckets[self.turn as usize % RING].pop() {
+    fn cost_of(&mut self, cells: &WalkableCells, index: usize) -> u32 {
+        while self.costs[index] > self.settled && self.waiting > 0 {
+            match self.buckets[self.settled as usize % RING].pop() {
                 Some(cell) => {
                     self.waiting -= 1;
-                    if self.costs[cell as usize] == self.turn {
+                    if self.costs[cell as usize] == self.settled {
                         self.spread(cells, cell as usize);
                     }
                 }
-                None => self.turn += 1,
+                None => self.settled += 1,
             }
         }
         self.costs[index]
     }
 
-    fn spread(&mut self, cells: &Cells, from: usize) {
+    fn spread(&mut self, cells: &WalkableCells, from: usize) {
         let mask = cells.moves.values()[from];
         for (k, (rows, cols)) in MOVES.into_iter().enumerate() {
             if mask & (1 << k) != 0 {
                 let to = from.wrapping_add_signed(rows * cells.moves.cols() as isize + cols);
-                let cost = self.turn + if rows == 0 || cols == 0 { MOVE_COSTS.0 } else { MOVE_COSTS.1 };
+                let cost = self.settled + if rows == 0 || cols == 0 { MOVE_COSTS.0 } else { MOVE_COSTS.1 };
                 if cost < self.costs[to] {
                     self.reach(to, cost);
                 }
@@ -163,20 +165,20 @@ mod tests {
         let mut compared = 0;
         for seed in 0..8 {
             let mut field = TestField::random(seed, 60);
-            let cells = Cells::new(&field.checker);
-            let mut wave = Wave::default();
+            let cells = WalkableCells::new(&field.checker);
+            let mut walk = HolonomicHeuristic::default();
             for goal in [Goal::Disc(field.random_goal()), Goal::Pose(random_free_pose(&mut field, 0.1))] {
-                wave.begin(&cells, goal);
-                let all = cost_to_go(&cells.moves, cells.of_goal(goal), (1.0, std::f64::consts::SQRT_2));
+                walk.begin(&cells, goal);
+                let all = cost_to_go(&cells.moves, cells.goal_cells(goal), (1.0, std::f64::consts::SQRT_2));
                 for _ in 0..200 {
                     let index = field.rng.random_range(0..all.values().len());
-                    let (cost, length) = (wave.cost_of(&cells, index), all.values()[index]);
-                    assert_eq!(cost == FAR, length.is_infinite());
+                    let (cost, length) = (walk.cost_of(&cells, index), all.values()[index]);
+                    assert_eq!(cost == UNREACHED, length.is_infinite());
                     assert!(
-                        cost == FAR || (f64::from(cost) / 70.0 - length).abs() <= 1e-4 * length,
+                        cost == UNREACHED || (f64::from(cost) / 70.0 - length).abs() <= 1e-4 * length,
                         "{cost}, {length}"
                     );
-                    compared += u32::from(cost != FAR && cost > 0);
+                    compared += u32::from(cost != UNREACHED && cost > 0);
                 }
             }
         }
@@ -186,10 +188,10 @@ mod tests {
     #[test]
     fn a_goal_disc_begins_at_the_free_cells_that_it_meets() {
         let mut field = TestField::random(2, 40);
-        let cells = Cells::new(&field.checker);
+        let cells = WalkableCells::new(&field.checker);
         for _ in 0..20 {
             let disc = field.random_goal();
-            let found: Vec<usize> = cells.of_goal(disc.into()).collect();
+            let found: Vec<usize> = cells.goal_cells(disc.into()).collect();
             let corner = DVec2::splat(0.5 * cells.frame.cell_m);
             let meets = |index: &usize| {
                 let centre = cells.frame.centre(cells.frame.cell(*index));

@@ -1,17 +1,27 @@
-//! What several planners use: searches over poses, the clearance that they keep, heuristics, and the ends of drives.
+//! The parts that several planners are made of. Planners import these and never each other.
 //!
-//! Planners import this and never each other.
+//! - [`best_first`] is the search over poses; [`local_search`] follows waypoints with it, [`relaxed_search`] goes for a
+//!   goal from both ends, [`floods`] look at every bin of a lattice once.
+//! - [`heuristic`], [`holonomic`] and [`turn_straight`] say what is still to drive, [`motion_price`] and [`safety`] what
+//!   motions cost.
+//! - [`clearance_profile`] says what room a drive keeps, [`relaxation`] what is asked for in turn, [`ends`] whether there
+//!   is room at all.
+//! - [`halton`] and [`roadmap_graph`] are for roadmaps; [`shortcuts`] make paths shorter.
 
 pub mod best_first;
 pub mod clearance_profile;
 pub mod closed_set;
 pub mod ends;
+pub mod floods;
 pub mod halton;
 pub mod heuristic;
 pub mod holonomic;
+pub mod lattice;
 pub mod local_search;
 pub mod motion_price;
+pub mod relaxation;
+pub mod relaxed_search;
+pub mod roadmap_graph;
 pub mod safety;
 pub mod shortcuts;
-pub mod shorten;
 pub mod turn_straight;

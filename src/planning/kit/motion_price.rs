@@ -1,3 +1,5 @@
+//! The costs of motions: by metre, turn, direction and cusp, and by the places that they lead through.
+
 use std::sync::Arc;
 
 use glam::DVec2;
@@ -7,9 +9,9 @@ use super::safety::Safety;
 use crate::geometry::Pose;
 use crate::vehicle::{CurvePrice, Dimensions, Segment};
 
-/// What motions cost in the local search.
+/// The price list of motions.
 #[derive(Clone, Debug)]
-pub struct Price {
+pub struct MotionPrice {
     per_metre: f64,
     turn: f64,
     reverse: f64,
@@ -19,7 +21,7 @@ pub struct Price {
     ahead_m: f64,
 }
 
-impl Price {
+impl MotionPrice {
     pub fn new(settings: &PrimitiveSettings, body: &Dimensions, safety: Option<Arc<Safety>>) -> Self {
         let per_metre = match settings.cost {
             MotionCost::Metres => 1.0,
@@ -35,8 +37,13 @@ impl Price {
         }
     }
 
-    /// Cost of a segment driven after another one, or from standstill, wherever that is.
-    pub fn of(&self, segment: Segment, after_reverse: Option<bool>) -> f64 {
+    /// Creates a list on which metres alone and cusps cost something.
+    pub fn in_metres(cusp_m: f64, body: &Dimensions) -> Self {
+        Self { per_metre: 1.0, turn: 0.0, reverse: 0.0, cusp: cusp_m, safety: None, ahead_m: body.centre_offset_m() }
+    }
+
+    /// Returns the cost of a segment driven after another one, or from standstill, without what places cost.
+    pub fn cost(&self, segment: Segment, after_reverse: Option<bool>) -> f64 {
         let reverse = segment.is_reverse();
         let turn = if segment.curvature == 0.0 { 0.0 } else { self.turn };
         let rate = self.per_metre * (1.0 + turn + if reverse { self.reverse } else { 0.0 });
@@ -44,8 +51,8 @@ impl Price {
         segment.length_m.abs() * rate + cusp
     }
 
-    /// What a segment from a pose costs more because of the places that it leads through.
-    pub fn of_places(&self, pose: Pose, segment: Segment) -> f64 {
+    /// Returns what a segment from a pose costs more because of the places that it leads through.
+    pub fn surcharge(&self, pose: Pose, segment: Segment) -> f64 {
         let Some(safety) = &self.safety else { return 0.0 };
         let centre = |share: f64| {
             let pose = segment.pose_at(pose, share * segment.length_m);
@@ -54,44 +61,44 @@ impl Price {
         self.per_metre * safety.surcharge_along(segment.length_m.abs(), centre)
     }
 
-    /// The same for segments in a row.
-    pub fn of_all_places(&self, mut pose: Pose, segments: impl IntoIterator<Item = Segment>) -> f64 {
+    /// Returns the same for segments in a row.
+    pub fn way_surcharge(&self, mut pose: Pose, segments: impl IntoIterator<Item = Segment>) -> f64 {
         if self.safety.is_none() {
             return 0.0;
         }
         let of_next = |segment: Segment| {
             let from = pose;
             pose = segment.end(from);
-            self.of_places(from, segment)
+            self.surcharge(from, segment)
         };
         segments.into_iter().map(of_next).sum()
     }
 
-    /// What a straight line for the body's centre costs more because of the places that it leads through.
-    pub fn of_line(&self, from: DVec2, to: DVec2) -> f64 {
+    /// Returns what a straight line for the body's centre costs more because of the places that it leads through.
+    pub fn line_surcharge(&self, from: DVec2, to: DVec2) -> f64 {
         let Some(safety) = &self.safety else { return 0.0 };
         self.per_metre * safety.surcharge_along(from.distance(to), |share| from.lerp(to, share))
     }
 
-    /// Cost of segments in a row from a pose, from standstill.
-    pub fn of_all(&self, pose: Pose, segments: &[Segment]) -> f64 {
-        self.of_way(pose, None, segments.iter().copied())
+    /// Returns the cost of segments in a row from a pose, from standstill.
+    pub fn path_cost(&self, pose: Pose, segments: &[Segment]) -> f64 {
+        self.way_cost(pose, None, segments.iter().copied())
     }
 
-    /// The same for a truck that came to the pose forward or in reverse.
-    pub fn of_way(
+    /// Returns the same for a truck that came to the pose forward or in reverse.
+    pub fn way_cost(
         &self,
         pose: Pose,
         after_reverse: Option<bool>,
         segments: impl Iterator<Item = Segment> + Clone,
     ) -> f64 {
         let mut before = after_reverse;
-        let motions: f64 = segments.clone().map(|segment| self.of(segment, before.replace(segment.is_reverse()))).sum();
-        motions + self.of_all_places(pose, segments)
+        let motions: f64 = segments.clone().map(|segment| self.cost(segment, before.replace(segment.is_reverse()))).sum();
+        motions + self.way_surcharge(pose, segments)
     }
 
-    /// What decides between curves: this list without what turns and places cost.
-    pub fn of_curves(&self) -> CurvePrice {
+    /// Returns the price that decides between curves: this list without what turns and places cost.
+    pub fn curve_price(&self) -> CurvePrice {
         CurvePrice { reverse_factor: 1.0 + self.reverse, cusp_m: self.cusp / self.per_metre }
     }
 }

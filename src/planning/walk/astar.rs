@@ -1,7 +1,7 @@
 use glam::DVec2;
 
 use crate::grid::astar::AStar;
-use crate::planning::SearchRecorder;
+use crate::planning::{PlanningObserver, SearchPhase};
 
 use super::{Errand, Estimate, Walk, WalkCosts, WalkLattice};
 
@@ -14,7 +14,7 @@ pub fn walk(
     (estimate, weight): (Estimate, f64),
     costs: &WalkCosts,
     errand: &Errand<'_>,
-    recorder: &mut SearchRecorder,
+    observer: &mut dyn PlanningObserver,
 ) -> Walk {
     let Errand { lattice, start, goals, centre } = *errand;
     let octile = |from: DVec2, to: DVec2| octile(lattice, costs.steps, from, to);
@@ -26,7 +26,7 @@ pub fn walk(
         Estimate::ParentEuclidean => weight * (lattice.position(parent) - centre).length(),
     };
     let found = memory.search(lattice.moves(), start, costs, |point| errand.is_goal(point), estimate);
-    recorder.add(memory.settled().map(|ends| ends.map(|point| lattice.position(point))));
+    observer.looked_at(SearchPhase::Walk, &mut memory.settled().map(|ends| ends.map(|point| lattice.position(point))));
     Walk::straight(found.path, found.expansions)
 }
 

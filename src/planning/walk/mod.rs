@@ -1,4 +1,4 @@
-//! Where a Wumpus can walk: a lattice of points for its square body, and planners on it.
+//! The walks of a Wumpus: a lattice of points for its square body, and planners on it.
 //!
 //! World frame, metres. The body keeps its sides parallel to the axes. A step is legal if the box about the body at
 //! both its ends is free, which for diagonal steps means that no corner is cut. Every step can be walked back.
@@ -23,10 +23,10 @@ use glam::DVec2;
 
 use crate::geometry::Cell;
 use crate::grid::astar::AStar;
-use crate::planning::{SearchPhase, SearchRecorder, Searched};
+use crate::planning::PlanningObserver;
 use potential::PotentialField;
 
-/// How a walk is found.
+/// The method by which a walk is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WalkMethod {
     Astar { estimate: Estimate, weight: f64 },
@@ -34,7 +34,7 @@ pub enum WalkMethod {
     Potential(PotentialSettings),
 }
 
-/// What stands for the cost that is still to come.
+/// The estimate of the cost that is still to come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Estimate {
     /// Cost of the shortest lattice path on an empty field to the nearest point of reach: admissible and consistent.
@@ -52,23 +52,21 @@ pub struct Walk {
     pub expansions: u32,
     /// The local minimum on the way, or at its end.
     pub minimum: Option<usize>,
-    /// What the search looked at, if that is recorded.
-    pub searched: Option<Searched>,
 }
 
 impl Walk {
     /// A walk that meets no local minimum, or none at all.
     fn straight(path: Option<Vec<usize>>, expansions: u32) -> Self {
-        Self { path, expansions, minimum: None, searched: None }
+        Self { path, expansions, minimum: None }
     }
 
-    /// Whether the walk ends at a local minimum.
+    /// Says whether the walk ends at a local minimum.
     pub fn is_stuck(&self) -> bool {
         self.minimum.is_some() && self.path.as_ref().and_then(|path| path.last()) == self.minimum.as_ref()
     }
 }
 
-/// Where a walk begins and where it may end.
+/// The start of a walk, and where it may end.
 #[derive(Clone, Copy)]
 struct Errand<'a> {
     lattice: &'a WalkLattice,
@@ -84,7 +82,7 @@ impl Errand<'_> {
         self.goals.binary_search(&point).is_ok()
     }
 
-    /// Where every point of a path is and where the one before it; the first comes after itself.
+    /// Returns the positions of every point of a path and of the one before it; the first comes after itself.
     fn lines(&self, path: &[usize]) -> impl Iterator<Item = [DVec2; 2]> {
         let before = path.iter().take(1).chain(path);
         before.zip(path).map(|(&from, &to)| [from, to].map(|point| self.lattice.position(point)))
@@ -95,7 +93,6 @@ impl Errand<'_> {
 pub struct WalkPlanner {
     costs: WalkCosts,
     method: Prepared,
-    recorder: SearchRecorder,
 }
 
 enum Prepared {
@@ -113,10 +110,10 @@ impl WalkPlanner {
             WalkMethod::Wavefront => Prepared::Wavefront,
             WalkMethod::Potential(settings) => Prepared::Potential(PotentialField::new(lattice, settings)),
         };
-        Self { costs, method, recorder: SearchRecorder::default() }
+        Self { costs, method }
     }
 
-    /// The most bytes that it takes for a lattice of this number of points, walks on their way included.
+    /// Bounds the bytes that it takes for a lattice of this number of points, walks on their way included.
     ///
     /// `has_factors` says whether its costs have a factor for every point.
     pub fn most_bytes(points: u64, method: &WalkMethod, has_factors: bool) -> u64 {
@@ -134,24 +131,24 @@ impl WalkPlanner {
         points * (of_method + walks + factor) as u64
     }
 
-    /// From now on walks tell what their searches looked at. They stay the same.
-    pub fn record_searches(&mut self) {
-        self.recorder.switch_on();
-    }
-
-    /// A walk from a point to one within `reach_m` of a cell's centre, on the lattice that the planner was made for.
-    pub fn plan(&mut self, lattice: &WalkLattice, start: usize, (cell, reach_m): (Cell, f64)) -> Walk {
+    /// Finds a walk from a point to one within `reach_m` of a cell's centre, on the lattice that the planner was made for.
+    pub fn plan(
+        &mut self,
+        lattice: &WalkLattice,
+        start: usize,
+        (cell, reach_m): (Cell, f64),
+        observer: &mut dyn PlanningObserver,
+    ) -> Walk {
         let goals: Vec<usize> = lattice.points_of_reach(cell, reach_m).collect();
         let errand = Errand { lattice, start, goals: &goals, centre: lattice.centre(cell) };
-        let Self { costs, method, recorder } = self;
-        let walk = match method {
+        let Self { costs, method } = self;
+        match method {
             Prepared::Astar { memory, estimate, weight } => {
-                astar::walk(memory, (*estimate, *weight), costs, &errand, recorder)
+                astar::walk(memory, (*estimate, *weight), costs, &errand, observer)
             }
-            Prepared::Wavefront => wavefront::walk(costs, &errand, recorder),
-            Prepared::Potential(field) => field.walk(costs, &errand, recorder),
-        };
-        Walk { searched: recorder.take(SearchPhase::Walk), ..walk }
+            Prepared::Wavefront => wavefront::walk(costs, &errand, observer),
+            Prepared::Potential(field) => field.walk(costs, &errand, observer),
+        }
     }
 }
 
@@ -161,6 +158,7 @@ mod tests {
 
     use super::test_lattices::{FRAME, field, on_cells};
     use super::*;
+    use crate::planning::Unobserved;
     use crate::grid::potential::{Attraction, Repulsion};
     use crate::grid::step_costs::StepCosts;
     use crate::grid::{Connectivity, CornerCutting, Grid, octile};
@@ -211,7 +209,7 @@ mod tests {
                     let blind = WalkMethod::Astar { estimate: Estimate::Octile, weight: 0.0 };
                     let paths = [ASTAR, blind, WalkMethod::Wavefront].map(|method| {
                         let mut planner = WalkPlanner::new(lattice, method, costs.clone());
-                        planner.plan(lattice, start, (cell, 6.25)).path
+                        planner.plan(lattice, start, (cell, 6.25), &mut Unobserved).path
                     });
                     let approachable = lattice.points_of_reach(cell, 6.25).any(|point| reached[point]);
                     assert!(paths.iter().all(|path| path.is_some() == approachable));
@@ -232,7 +230,7 @@ mod tests {
     fn a_greedier_search_expands_less_and_a_wavefront_settles_all_that_is_connected() {
         let (mut greedy_effort, mut exact_effort) = (0, 0);
         each_errand(0.2, |_, lattice, start, cell| {
-            let effort = |method| WalkPlanner::new(lattice, method, metres()).plan(lattice, start, (cell, 6.25));
+            let effort = |method| WalkPlanner::new(lattice, method, metres()).plan(lattice, start, (cell, 6.25), &mut Unobserved);
             let greedy = effort(WalkMethod::Astar { estimate: Estimate::Octile, weight: 4.0 });
             let exact = effort(ASTAR);
             let wave = effort(WalkMethod::Wavefront);
@@ -260,7 +258,7 @@ mod tests {
         let middle = Cell { col: 9, row: 9 };
         assert_eq!(lattice.points_of_reach(middle, 6.25).count(), 0);
         for method in [ASTAR, WalkMethod::Wavefront, WalkMethod::Potential(POTENTIAL)] {
-            let walk = WalkPlanner::new(&lattice, method, metres()).plan(&lattice, 0, (middle, 6.25));
+            let walk = WalkPlanner::new(&lattice, method, metres()).plan(&lattice, 0, (middle, 6.25), &mut Unobserved);
             assert_eq!(walk.path, None, "{method:?}");
         }
     }
@@ -279,7 +277,7 @@ mod tests {
         each_errand(0.1, |seed, lattice, start, cell| {
             let plan = |settings| {
                 let mut planner = WalkPlanner::new(lattice, WalkMethod::Potential(settings), metres());
-                planner.plan(lattice, start, (cell, 6.25))
+                planner.plan(lattice, start, (cell, 6.25), &mut Unobserved)
             };
             let (walk, escaped) = (plan(no_escape), plan(POTENTIAL));
             let path = walk.path.clone().expect("a walk without escape ends somewhere");

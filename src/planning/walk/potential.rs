@@ -3,7 +3,7 @@ use crate::grid::potential::{self, Attraction, Repulsion};
 use crate::grid::{Connectivity, Grid, Place};
 
 use super::{Errand, Walk, WalkCosts, WalkLattice, wavefront};
-use crate::planning::SearchRecorder;
+use crate::planning::{PlanningObserver, SearchPhase};
 
 /// How a Wumpus is drawn to its goal and pushed off bushes; distances are lattice steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +37,7 @@ impl PotentialField {
     ///
     /// Ties go to the first in the order of [`WalkLattice::steps`]. Every point whose neighbours are compared is an
     /// expansion; an escape adds those of its sweep.
-    pub fn walk(&self, costs: &WalkCosts, errand: &Errand<'_>, recorder: &mut SearchRecorder) -> Walk {
+    pub fn walk(&self, costs: &WalkCosts, errand: &Errand<'_>, observer: &mut dyn PlanningObserver) -> Walk {
         let potential = self.towards(errand);
         let mut path = vec![errand.start];
         let mut here = errand.start;
@@ -47,13 +47,13 @@ impl PotentialField {
             let lowest = errand.lattice.steps(here).map(|(_, next)| next);
             let lowest = lowest.min_by(|&a, &b| potential.at(a).total_cmp(&potential.at(b)));
             let Some(next) = lowest.filter(|&next| potential.at(next) < potential.at(here)) else {
-                recorder.add(errand.lines(&path));
-                return self.stuck(costs, errand, path, expansions, recorder);
+                observer.looked_at(SearchPhase::Walk, &mut errand.lines(&path));
+                return self.stuck(costs, errand, path, expansions, observer);
             };
             here = next;
             path.push(here);
         }
-        recorder.add(errand.lines(&path));
+        observer.looked_at(SearchPhase::Walk, &mut errand.lines(&path));
         Walk::straight(Some(path), expansions)
     }
 
@@ -63,14 +63,14 @@ impl PotentialField {
         errand: &Errand<'_>,
         mut path: Vec<usize>,
         expansions: u32,
-        recorder: &mut SearchRecorder,
+        observer: &mut dyn PlanningObserver,
     ) -> Walk {
         let minimum = path.pop().expect("a path holds its start");
         if !self.settings.escapes {
             path.push(minimum);
             return Walk { minimum: Some(minimum), ..Walk::straight(Some(path), expansions) };
         }
-        let onward = wavefront::walk(costs, &Errand { start: minimum, ..*errand }, recorder);
+        let onward = wavefront::walk(costs, &Errand { start: minimum, ..*errand }, observer);
         path.extend(onward.path.iter().flatten());
         let path = onward.path.is_some().then_some(path);
         Walk { minimum: Some(minimum), ..Walk::straight(path, expansions + onward.expansions) }

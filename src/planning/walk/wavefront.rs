@@ -2,7 +2,7 @@ use glam::DVec2;
 
 use crate::grid::octile::cost_to_go;
 use crate::grid::step_costs::StepCosts;
-use crate::planning::SearchRecorder;
+use crate::planning::{PlanningObserver, SearchPhase};
 
 use super::{Errand, Walk, WalkCosts, WalkLattice};
 
@@ -10,11 +10,11 @@ use super::{Errand, Walk, WalkCosts, WalkLattice};
 ///
 /// The sweep covers all that is connected with the goal, wherever the start is: every point that it settles is an
 /// expansion. Among steps of equal worth the first in the order of [`super::WalkLattice::steps`] is taken.
-pub fn walk(costs: &WalkCosts, errand: &Errand<'_>, recorder: &mut SearchRecorder) -> Walk {
+pub fn walk(costs: &WalkCosts, errand: &Errand<'_>, observer: &mut dyn PlanningObserver) -> Walk {
     let Errand { lattice, start, goals, .. } = *errand;
     let to_go = cost_to_go(lattice.moves(), goals.iter().copied(), costs);
     let to_go = to_go.values();
-    recorder.add(std::iter::once_with(|| wave(costs, lattice, to_go)).flatten());
+    observer.looked_at(SearchPhase::Walk, &mut std::iter::once_with(|| wave(costs, lattice, to_go)).flatten());
     let expansions = to_go.iter().filter(|cost| cost.is_finite()).count() as u32;
     if to_go[start].is_infinite() {
         return Walk::straight(None, expansions);

@@ -1,70 +1,38 @@
 //! The planner `hybrid-astar`: a search over a lattice of poses that looks ahead with Reeds-Shepp curves.
 //!
-//! D. Dolgov, S. Thrun, M. Montemerlo, J. Diebel, "Path planning for autonomous vehicles in unknown semi-structured
-//! environments", IJRR 29(5), 2010, section 3: motions of constant curvature, an estimate that is the greater of the
-//! curve to the goal on an empty field and of a walk round the bushes, and curves into the goal that end the search.
-//! Here motions are swept only when their turn comes (R. Bohlin, L. E. Kavraki, "Path planning using lazy PRM", ICRA
-//! 2000), and the curves into the goal wait in the same queue, at what the whole path would cost.
+//! All of it is the [`RelaxedSearch`] of the kit, which other planners fall back on.
 //!
-//! Searches come in a ladder: where the wanted clearance leads nowhere, less is asked for, from both ends in turn. Then
-//! the flood of [`super::lattice`] is asked; the last searches are on a fine lattice. What is found is improved
-//! by shortcuts under the same clearance.
-//!
-//! Poses are those of the rear axle, places in a goal disc those of the body's centre; world frame, metres.
+//! Poses are those of the rear axle, positions in a goal disc those of the body's centre; world frame, metres.
 
-mod ladder;
-mod search;
 mod settings;
 
 pub use settings::{HybridSettings, Maker};
 
-use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M};
+use crate::collision::CollisionChecker;
 use crate::geometry::{FieldFrame, Pose};
-use crate::rng::Xoshiro256PlusPlus;
-use crate::time::cpu::CpuStopwatch;
-use crate::vehicle::{Dimensions, Path};
-
-use super::lattice::{LatticePlanner, LatticeSettings};
-use crate::planning::kit::clearance_profile::ClearanceFloor;
-use crate::planning::kit::ends::{free_ends, free_poses, has_free_pose};
-use crate::planning::kit::heuristic::Lookout;
-use crate::planning::kit::holonomic::{Cells, Wave};
-use crate::planning::kit::local_search::Ending;
-use crate::planning::kit::shortcuts::Improver;
+use crate::planning::kit::lattice::Lattice;
+use crate::planning::kit::relaxed_search::{RelaxedSearch, RelaxedSettings};
 use crate::planning::memory::{MemoryMeter, PlannerMemory};
-use crate::planning::reachability::{Floods, LATTICES, Lattice};
-use crate::planning::search_graph::{SearchPhase, SearchRecorder};
-use crate::planning::{BuildReport, Effort, Found, FoundBy, Goal, Plan, PlanFailure, QueryTime, TruckPlanner};
-use ladder::{LADDER, LatticeKind, Method, Rung, TURN};
-use search::{Search, Task};
-
-const FINEST: Lattice = LATTICES[LATTICES.len() - 1];
-/// The number of floods that are asked: the coarsest alone.
-const FLOODS: usize = 1;
-/// Of the two sides of a search.
-const BACKWARD: usize = 1;
-/// A disc is searched from at poses on so many rings.
-const START_RINGS: u32 = 4;
+use crate::planning::observer::{PlanningObserver, PlanningWork};
+use crate::planning::{BuildReport, Effort, Goal, Plan, TruckPlanner};
+use crate::rng::Xoshiro256PlusPlus;
 
 /// The planner for one body on one field.
 #[derive(Debug)]
-pub struct HybridAstar {
-    checker: CollisionChecker,
-    settings: HybridSettings,
-    memory: MemoryMeter,
-    cells: Cells,
-    lookout: Lookout,
-    /// From the start and from the goal.
-    coarse: [Search; 2],
-    fine: Option<[Search; 2]>,
-    /// To the goal and to the start.
-    waves: [Wave; 2],
-    improver: Improver,
-    lattice: LatticePlanner,
-    /// Where every query begins to draw its shortcuts.
-    rng: Xoshiro256PlusPlus,
-    expansions: u32,
-    recorder: SearchRecorder,
+pub struct HybridAstar(RelaxedSearch);
+
+impl HybridSettings {
+    /// Returns what the search needs of the settings.
+    pub fn search(&self) -> RelaxedSettings {
+        RelaxedSettings {
+            clearance_m: self.clearance_m,
+            lattice: Lattice { bin_m: self.bin_m, headings: self.headings, step_m: self.step_m },
+            cusp_cost: self.cusp_cost,
+            heuristic_weight: self.heuristic_weight,
+            shortcuts: self.shortcuts,
+            max_expansions: self.max_expansions,
+        }
+    }
 }
 
 impl HybridAstar {
@@ -75,171 +43,13 @@ impl HybridAstar {
         settings: &HybridSettings,
         rng: Xoshiro256PlusPlus,
     ) -> Self {
-        let lattice = Lattice { bin_m: settings.bin_m, headings: settings.headings, step_m: settings.step_m };
-        Self {
-            checker: checker.clone(),
-            settings: settings.clone(),
-            memory: memory.clone(),
-            cells: Cells::new(checker),
-            lookout: Lookout::new(settings.cusp_cost, checker.body()),
-            coarse: searches(settings, lattice, checker.body(), memory),
-            fine: None,
-            waves: Default::default(),
-            improver: Improver::new(checker, settings.cusp_cost),
-            lattice: LatticePlanner::build(checker, memory, &LatticeSettings::default()),
-            rng,
-            expansions: 0,
-            recorder: SearchRecorder::default(),
-        }
+        Self(RelaxedSearch::new(checker, memory, settings.search(), rng))
     }
 
-    /// The most bytes that it takes.
+    /// Bounds the bytes that it takes.
     pub fn memory(frame: &FieldFrame, settings: &HybridSettings) -> PlannerMemory {
-        let most = |kind: LatticeKind, side: usize| {
-            let budgets = LADDER.iter().filter_map(|rung| match rung.method {
-                Method::Searches { lattice, forward, backward } if lattice == kind => Some([forward, backward][side]),
-                _ => None,
-            });
-            Search::most_bytes(budgets.max().unwrap_or(0).min(settings.max_expansions))
-        };
-        let kinds = [LatticeKind::Coarse, LatticeKind::Fine];
-        let searches: u64 = kinds.into_iter().map(|kind| most(kind, 0) + most(kind, BACKWARD)).sum();
-        let flood = Floods::most_bytes(frame, FLOODS, settings.max_expansions);
-        let cells = Cells::bytes(frame) + 2 * Wave::most_bytes(frame);
-        PlannerMemory { held: cells, grows: searches + flood, ..PlannerMemory::default() }
+        RelaxedSearch::memory(frame, settings.max_expansions)
     }
-
-    fn find(&mut self, start: Pose, goal: Goal) -> Result<Found, PlanFailure> {
-        let ends = free_ends(&self.checker, start, goal)?;
-        if let Some(path) = self.straight_away(start, goal, &ends) {
-            return Ok(Found { path, by: FoundBy::Straight });
-        }
-        self.climb(start, goal, &ends).map_err(|failure| match goal {
-            Goal::Disc(disc) if !has_free_pose(&self.checker, disc) => PlanFailure::GoalBlocked,
-            _ => failure,
-        })
-    }
-
-    /// The way that an empty field would allow, if the wanted clearance is kept on it.
-    fn straight_away(&self, start: Pose, goal: Goal, ends: &[(Pose, f64)]) -> Option<Path> {
-        let floor = ClearanceFloor::new(self.settings.clearance_m, ends.iter().copied());
-        self.lookout.straight_away(&self.checker, start, goal, &floor)
-    }
-
-    /// One rung after the other, until one succeeds. The last one tells why not.
-    fn climb(&mut self, start: Pose, goal: Goal, ends: &[(Pose, f64)]) -> Result<Found, PlanFailure> {
-        self.waves[0].begin(&self.cells, goal);
-        self.waves[1].begin(&self.cells, Goal::Pose(start));
-        let mut ending = Ending::Exhausted;
-        for Rung { share, method } in LADDER {
-            let clearance_m = (share * self.settings.clearance_m).max(LEAST_CLEARANCE_M);
-            let floor = ClearanceFloor::new(clearance_m, ends.iter().copied());
-            let path = match method {
-                Method::Searches { lattice, forward, backward } => {
-                    let path = self.search(lattice, [forward, backward], start, goal, (&floor, clearance_m));
-                    self.record(lattice, backward > 0);
-                    path
-                }
-                Method::Flood => self.flood(start, goal),
-            };
-            match path {
-                Ok(path) => {
-                    let by = match method {
-                        Method::Flood | Method::Searches { lattice: LatticeKind::Fine, .. } => FoundBy::Lattice,
-                        Method::Searches { .. } if share < 1.0 => FoundBy::Relaxed,
-                        Method::Searches { .. } => FoundBy::Search,
-                    };
-                    return Ok(Found { path: self.improve(path, goal, &floor), by });
-                }
-                Err(failed) => ending = failed,
-            }
-        }
-        Err(if ending == Ending::Exhausted { PlanFailure::Disconnected } else { PlanFailure::BudgetSpent })
-    }
-
-    /// Searches from both ends in turn, until one finds a way or those that are left cannot.
-    fn search(
-        &mut self,
-        lattice: LatticeKind,
-        budgets: [u32; 2],
-        start: Pose,
-        goal: Goal,
-        (floor, clearance_m): (&ClearanceFloor, f64),
-    ) -> Result<Path, Ending> {
-        let Self { checker, settings, memory, cells, lookout, coarse, fine, waves: [to_goal, to_start], .. } = self;
-        let [forward, backward] = match lattice {
-            LatticeKind::Coarse => coarse,
-            LatticeKind::Fine => fine.get_or_insert_with(|| searches(settings, FINEST, checker.body(), memory)),
-        };
-        let mut ahead = Task { checker, lookout, floor, goal, cells, wave: to_goal };
-        let mut back = Task { checker, lookout, floor, goal: Goal::Pose(start), cells, wave: to_start };
-        forward.begin(&mut ahead, [start]);
-        match goal {
-            _ if budgets[1] == 0 => {}
-            Goal::Pose(end) => backward.begin(&mut back, [end]),
-            Goal::Disc(disc) => backward.begin(&mut back, free_poses(checker, disc, START_RINGS, clearance_m)),
-        }
-        let is_disc = matches!(goal, Goal::Disc(_));
-        let mut sides = [(forward, ahead), (backward, back)];
-        let mut left = budgets;
-        let mut ending = Ending::Exhausted;
-        while left != [0, 0] {
-            for (side, (search, task)) in sides.iter_mut().enumerate() {
-                if left[side] == 0 {
-                    continue;
-                }
-                let turn = TURN.min(left[side]).min(settings.max_expansions - self.expansions);
-                let (path, spent) = search.carry_on(task, turn);
-                self.expansions += spent;
-                left[side] -= spent;
-                match path {
-                    // Driven back, it would begin at the start but for rounding.
-                    Ok(path) if side == BACKWARD => return Ok(Path { start, ..path.reversed() }),
-                    Ok(path) => return Ok(path),
-                    Err(Ending::BudgetSpent) if self.expansions < settings.max_expansions => {
-                        ending = Ending::BudgetSpent;
-                    }
-                    // From a disc only some poses were searched, and beyond the fine lattice there is nothing to try.
-                    Err(Ending::Exhausted) if lattice == LatticeKind::Fine || (side == BACKWARD && is_disc) => {
-                        left[side] = 0;
-                    }
-                    Err(failure) => return Err(failure),
-                }
-            }
-        }
-        Err(ending)
-    }
-
-    /// Records what the searches of a rung looked at, first those from the start.
-    fn record(&mut self, lattice: LatticeKind, is_two_sided: bool) {
-        let [forward, backward] = match lattice {
-            LatticeKind::Coarse => &self.coarse,
-            LatticeKind::Fine => self.fine.as_ref().expect("it was searched"),
-        };
-        self.recorder.add(forward.reached());
-        if is_two_sided {
-            self.recorder.add(backward.reached());
-        }
-    }
-
-    fn flood(&mut self, start: Pose, goal: Goal) -> Result<Path, Ending> {
-        let (path, spent) =
-            self.lattice.find_within(self.settings.max_expansions - self.expansions, FLOODS, start, goal);
-        self.expansions += spent;
-        let searched = self.lattice.take_searched();
-        self.recorder.add(searched.iter().flat_map(|searched| searched.graph.lines()));
-        path.map_err(|_| Ending::Exhausted)
-    }
-
-    fn improve(&mut self, path: Path, goal: Goal, floor: &ClearanceFloor) -> Path {
-        let mut rng = self.rng.clone();
-        let path = self.improver.improve(&path, floor, self.settings.shortcuts, &mut rng);
-        self.lookout.end_sooner(&self.checker, path, goal, floor)
-    }
-}
-
-fn searches(settings: &HybridSettings, lattice: Lattice, body: &Dimensions, memory: &MemoryMeter) -> [Search; 2] {
-    [(); 2].map(|()| Search::new(settings, lattice, body, memory))
 }
 
 impl TruckPlanner for HybridAstar {
@@ -247,18 +57,11 @@ impl TruckPlanner for HybridAstar {
         BuildReport::default()
     }
 
-    fn record_searches(&mut self) {
-        self.recorder.switch_on();
-        self.lattice.record_searches();
-    }
-
-    fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
-        let mut watch = CpuStopwatch::start();
-        self.expansions = 0;
-        let path = self.find(start, goal.inner());
-        let effort = Effort { roadmap_expansions: 0, local_expansions: self.expansions };
-        let time = QueryTime { local: watch.lap(), ..QueryTime::default() };
-        Plan::new(path, effort, time, Vec::from_iter(self.recorder.take(SearchPhase::Local)))
+    fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {
+        observer.begins(Some(PlanningWork::Local));
+        let found = self.0.find(start, goal.with_margin(), observer);
+        observer.begins(None);
+        Plan::new(found, Effort { roadmap_expansions: 0, local_expansions: self.0.expansions() })
     }
 }
 

@@ -1,10 +1,8 @@
 //! The planner `lattice`: a flood over a lattice of poses, slow, and complete at its resolution.
 //!
-//! The flood of [`super::reachability`] spreads from the start over one lattice after the other until it meets the goal:
-//! over bins of 10 m and 24 headings, of 5 m and 24 headings, and of 1.25 m and 72 headings. A goal disc is met by a
-//! pose in it. A goal pose, or a disc too small to hold a pose of the lattice, is met by a Reeds-Shepp curve, or by a
-//! turn and a straight, from a pose within 10 m of it, the cheapest first. A no means: not at the finest resolution, or
-//! not through any passage as wide as the body. Paths are drivable, and not short.
+//! The flood of [`crate::planning::kit::floods`] spreads from the start over one lattice after the other until it meets
+//! the goal: over bins of 10 m and 24 headings, of 5 m and 24 headings, and of 1.25 m and 72 headings. A no means: not at
+//! the finest resolution, or not through any passage as wide as the body. Paths are drivable, and not short.
 
 mod settings;
 
@@ -12,154 +10,27 @@ pub use settings::{LatticeSettings, Maker};
 
 use crate::collision::CollisionChecker;
 use crate::geometry::{FieldFrame, Pose};
-use crate::time::cpu::CpuStopwatch;
-use crate::vehicle::Path;
-
-use crate::planning::kit::clearance_profile::ClearanceFloor;
-use crate::planning::kit::ends::{free_ends, has_free_pose};
-use crate::planning::kit::heuristic::{Approach, Lookout};
-use crate::planning::kit::local_search;
+use crate::planning::kit::floods::{FloodSearch, Floods, LATTICES};
 use crate::planning::memory::{MemoryMeter, PlannerMemory};
-use crate::planning::reachability::{CLEARANCE_M, Flood, Floods, LATTICES};
-use crate::planning::search_graph::{SearchPhase, SearchRecorder, Searched};
-use crate::planning::{
-    BuildReport, Effort, Found, FoundBy, Goal, GoalDisc, Plan, PlanFailure, QueryTime, TruckPlanner,
-};
-
-/// From so far beyond the goal it is approached by curves.
-const NEAR_M: f64 = 10.0;
+use crate::planning::observer::{PlanningObserver, PlanningWork};
+use crate::planning::{BuildReport, Effort, Found, FoundBy, Goal, Plan, TruckPlanner};
 
 /// The planner for one body on one field.
-///
-/// It keeps the floods of the last start, so that more goals from there cost little more. Effort counts what a query
-/// would have spread from on its own.
 #[derive(Debug)]
 pub struct LatticePlanner {
-    checker: CollisionChecker,
-    settings: LatticeSettings,
-    memory: MemoryMeter,
-    /// Finds the shortest approaches.
-    lookout: Lookout,
-    floods: Option<Floods>,
-    /// Poses that may still be spread from.
-    left: u32,
-    recorder: SearchRecorder,
+    search: FloodSearch,
+    max_expansions: u32,
 }
 
 impl LatticePlanner {
     pub fn build(checker: &CollisionChecker, memory: &MemoryMeter, settings: &LatticeSettings) -> Self {
-        Self {
-            checker: checker.clone(),
-            settings: settings.clone(),
-            memory: memory.clone(),
-            lookout: Lookout::new(0.0, checker.body()),
-            floods: None,
-            left: 0,
-            recorder: SearchRecorder::default(),
-        }
+        Self { search: FloodSearch::new(checker, memory), max_expansions: settings.max_expansions }
     }
 
-    /// The most bytes that it takes.
+    /// Bounds the bytes that it takes.
     pub fn memory(frame: &FieldFrame, settings: &LatticeSettings) -> PlannerMemory {
         let floods = Floods::most_bytes(frame, LATTICES.len(), settings.max_expansions);
         PlannerMemory { floods, ..PlannerMemory::default() }
-    }
-
-    /// What the last query looked at, if that is recorded.
-    pub fn take_searched(&mut self) -> Option<Searched> {
-        self.recorder.take(SearchPhase::Local)
-    }
-
-    /// A path by one of the first few lattices that spreads from no more than `budget` poses, and from how many it did.
-    pub fn find_within(
-        &mut self,
-        budget: u32,
-        lattices: usize,
-        start: Pose,
-        goal: Goal,
-    ) -> (Result<Path, PlanFailure>, u32) {
-        self.left = budget;
-        let path = self.find(start, goal, lattices);
-        (path, budget - self.left)
-    }
-
-    fn find(&mut self, start: Pose, goal: Goal, lattices: usize) -> Result<Path, PlanFailure> {
-        let floor = ClearanceFloor::new(CLEARANCE_M, free_ends(&self.checker, start, goal)?);
-        let kept = self.floods.take().filter(|floods| floods.root() == start);
-        let mut floods = kept.unwrap_or_else(|| Floods::new(&self.checker, &self.memory, start));
-        let path = self.climb(&mut floods, goal, &floor, lattices);
-        self.floods = Some(floods);
-        path.map_err(|failure| match goal {
-            Goal::Disc(disc) if !has_free_pose(&self.checker, disc) => PlanFailure::GoalBlocked,
-            _ => failure,
-        })
-    }
-
-    /// One lattice after the other, until a flood meets the goal.
-    fn climb(
-        &mut self,
-        floods: &mut Floods,
-        goal: Goal,
-        floor: &ClearanceFloor,
-        lattices: usize,
-    ) -> Result<Path, PlanFailure> {
-        let mut failure = PlanFailure::Disconnected;
-        for rung in 0..lattices {
-            if rung > 0 && floods.exclude(self.disc(goal)) {
-                return Err(PlanFailure::Disconnected);
-            }
-            let flood = floods.on(rung);
-            let left = self.left;
-            let path = self.meet(flood, goal, floor);
-            self.recorder.add(flood.reached(left - self.left));
-            if let Some(path) = path {
-                return Ok(path);
-            }
-            if self.left == 0 || flood.is_full() {
-                failure = PlanFailure::BudgetSpent;
-            }
-        }
-        Err(failure)
-    }
-
-    /// A path by one flood.
-    fn meet(&mut self, flood: &mut Flood, goal: Goal, floor: &ClearanceFloor) -> Option<Path> {
-        let budget = self.left;
-        if let Goal::Disc(disc) = goal
-            && let Some(pose) = flood.pose_in(disc, budget)
-        {
-            self.left -= flood.spreads_to(pose);
-            return Some(flood.path_to(pose));
-        }
-        self.left -= flood.grow(budget);
-        self.approach(flood, goal, floor, budget)
-    }
-
-    /// From a pose near the goal into it, by the cheapest curve that is free.
-    fn approach(&self, flood: &Flood, goal: Goal, floor: &ClearanceFloor, budget: u32) -> Option<Path> {
-        let disc = self.disc(goal);
-        let near = GoalDisc { radius_m: disc.radius_m + NEAR_M, ..disc };
-        let approach = |pose| self.lookout.without_bushes(pose, None, goal).approach;
-        let ways = flood.known_in(near, budget).filter_map(|index| {
-            let pose = flood.path_to(index).end();
-            Some((index, pose, approach(pose)?))
-        });
-        let mut ways: Vec<(u32, Pose, Approach)> = ways.collect();
-        ways.sort_by(|(index, _, one), (other, _, two)| one.cost.total_cmp(&two.cost).then(index.cmp(other)));
-        let free = ways.into_iter().find(|(_, pose, way)| floor.way_is_free(&self.checker, *pose, way.segments()));
-        free.map(|(index, _, way)| {
-            let Path { start, mut segments } = flood.path_to(index);
-            segments.extend(way.segments());
-            Path { start, segments: local_search::join(&segments) }
-        })
-    }
-
-    /// The goal as places for the body's centre.
-    fn disc(&self, goal: Goal) -> GoalDisc {
-        match goal {
-            Goal::Disc(disc) => disc,
-            Goal::Pose(end) => GoalDisc { centre: self.checker.body().body_centre(end), radius_m: 0.0 },
-        }
     }
 }
 
@@ -168,18 +39,13 @@ impl TruckPlanner for LatticePlanner {
         BuildReport::default()
     }
 
-    fn record_searches(&mut self) {
-        self.recorder.switch_on();
-    }
-
-    fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
-        let mut watch = CpuStopwatch::start();
-        let budget = self.settings.max_expansions;
-        let (path, local_expansions) = self.find_within(budget, LATTICES.len(), start, goal.inner());
-        let effort = Effort { roadmap_expansions: 0, local_expansions };
-        let time = QueryTime { local: watch.lap(), ..QueryTime::default() };
+    fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {
+        observer.begins(Some(PlanningWork::Local));
+        let (budget, goal) = (self.max_expansions, goal.with_margin());
+        let (path, local_expansions) = self.search.find_within(budget, LATTICES.len(), start, goal, observer);
+        observer.begins(None);
         let found = path.map(|path| Found { path, by: FoundBy::Lattice });
-        Plan::new(found, effort, time, Vec::from_iter(self.take_searched()))
+        Plan::new(found, Effort { roadmap_expansions: 0, local_expansions })
     }
 }
 

@@ -1,3 +1,5 @@
+//! The planner `prm+primitives`: a roadmap gives waypoints, motion primitives make a drivable path of them.
+
 mod roadmap;
 mod settings;
 
@@ -13,20 +15,21 @@ use crate::geometry::{FieldFrame, Pose};
 use crate::time::cpu::CpuStopwatch;
 use crate::vehicle::Path;
 
-use crate::planning::kit::ends::{free_ends, has_free_pose};
+use crate::planning::kit::ends::{explain_failure, free_ends};
 use crate::planning::kit::local_search::{LocalSearch, PrimitiveSettings};
 use crate::planning::kit::safety::{Safety, SafetySettings};
 use crate::planning::memory::{MemoryMeter, PlannerMemory};
-use crate::planning::search_graph::{SearchPhase, SearchRecorder, Searched};
+use crate::planning::observer::{PlanningObserver, PlanningWork};
+use crate::planning::search_graph::SearchPhase;
 use crate::planning::{
-    BuildReport, Effort, Found, FoundBy, Goal, GoalDisc, Plan, PlanFailure, QueryTime, TruckPlanner,
+    BuildReport, Effort, Found, FoundBy, Goal, GoalDisc, Plan, PlanFailure, TruckPlanner,
 };
 use roadmap::{Roadmap, RoadmapScratch, Route};
 
 /// The roadmap leads this near to a goal pose, and motion primitives and a curve from there on.
 const NEAR_POSE_M: f64 = 10.0;
 
-/// The planner `prm+primitives`: a roadmap gives waypoints, motion primitives make a drivable path of them.
+/// The planner for one body on one field.
 #[derive(Debug)]
 pub struct PrmPrimitives {
     checker: CollisionChecker,
@@ -38,8 +41,6 @@ pub struct PrmPrimitives {
     search_alone: bool,
     waypoint_tolerance_m: f64,
     report: BuildReport,
-    /// Of the roadmap and queries of it.
-    recorder: SearchRecorder,
 }
 
 impl PrmPrimitives {
@@ -77,7 +78,6 @@ impl PrmPrimitives {
             search_alone: primitives.search_alone,
             waypoint_tolerance_m: primitives.waypoint_tolerance_m,
             report,
-            recorder: SearchRecorder::default(),
         }
     }
 
@@ -85,7 +85,7 @@ impl PrmPrimitives {
         &self.roadmap
     }
 
-    /// The most bytes that it takes.
+    /// Bounds the bytes that it takes.
     pub fn memory(
         frame: &FieldFrame,
         prm: &PrmSettings,
@@ -103,7 +103,12 @@ impl PrmPrimitives {
         }
     }
 
-    fn find(&mut self, start: Pose, goal: Goal, time: &mut QueryTime) -> Result<Found, PlanFailure> {
+    fn find(
+        &mut self,
+        start: Pose,
+        goal: Goal,
+        observer: &mut dyn PlanningObserver,
+    ) -> Result<Found, PlanFailure> {
         free_ends(&self.checker, start, goal)?;
         let near = self.near(goal);
         let centre = self.checker.body().body_centre(start);
@@ -111,9 +116,9 @@ impl PrmPrimitives {
         if is_near && matches!(goal, Goal::Disc(_)) {
             return Ok(Found { path: Path::standing(start), by: FoundBy::Straight });
         }
-        let mut watch = CpuStopwatch::start();
-        let route = if is_near { Ok(Route::default()) } else { self.route(centre, near) };
-        time.roadmap = watch.lap();
+        observer.begins(Some(PlanningWork::Roadmap));
+        let route = if is_near { Ok(Route::default()) } else { self.route(centre, near, observer) };
+        observer.begins(Some(PlanningWork::Local));
         let path = route.and_then(|route| {
             let end = match (self.goal, goal, route.waypoints.last()) {
                 (RoadmapGoal::NearestMilestone, Goal::Disc(disc), Some(&last)) => {
@@ -121,19 +126,19 @@ impl PrmPrimitives {
                 }
                 _ => goal,
             };
-            self.local.drive(start, &route.waypoints, end)
+            self.local.drive(start, &route.waypoints, end, observer)
         });
         let path = match path {
             Err(PlanFailure::Disconnected | PlanFailure::BudgetSpent) if self.search_alone && !is_near => {
-                self.local.drive(start, &[], goal)
+                self.local.drive(start, &[], goal, observer)
             }
             other => other,
         };
-        time.local = watch.lap();
-        path.map_err(|failure| self.explain(failure, goal))
+        observer.begins(None);
+        path.map_err(|failure| explain_failure(&self.checker, goal, failure))
     }
 
-    /// Where the roadmap's route shall lead.
+    /// Returns where the roadmap's route is to lead.
     fn near(&self, goal: Goal) -> GoalDisc {
         let radius_m = match self.goal {
             RoadmapGoal::InReach => NEAR_POSE_M,
@@ -146,26 +151,23 @@ impl PrmPrimitives {
         }
     }
 
-    fn route(&mut self, centre: DVec2, goal: GoalDisc) -> Result<Route, PlanFailure> {
+    fn route(
+        &mut self,
+        centre: DVec2,
+        goal: GoalDisc,
+        observer: &mut dyn PlanningObserver,
+    ) -> Result<Route, PlanFailure> {
         let route = self.roadmap.route(centre, goal, &mut self.scratch);
-        self.recorder.add(self.roadmap.looked_at(centre, &self.scratch));
+        observer.looked_at(SearchPhase::Query, &mut self.roadmap.looked_at(centre, &self.scratch));
         let mut route = route?;
         if self.thin_waypoints {
             self.roadmap.tighten(centre, &mut route);
         }
         Ok(route)
     }
-
-    /// The reason of a failure: where the truck fits nowhere in the goal, that is the reason.
-    fn explain(&self, failure: PlanFailure, goal: Goal) -> PlanFailure {
-        match goal {
-            Goal::Disc(disc) if !has_free_pose(&self.checker, disc) => PlanFailure::GoalBlocked,
-            _ => failure,
-        }
-    }
 }
 
-/// The largest disc of places within `tolerance_m` of a milestone and in the goal, which holds the milestone.
+/// Returns the largest disc of places within `tolerance_m` of a milestone and in the goal, which holds the milestone.
 ///
 /// Two discs have the largest disc in common whose diameter is what they share of the line through their centres.
 fn disc_about(milestone: DVec2, tolerance_m: f64, goal: GoalDisc) -> GoalDisc {
@@ -184,24 +186,16 @@ impl TruckPlanner for PrmPrimitives {
         self.report
     }
 
-    fn record_searches(&mut self) {
-        self.recorder.switch_on();
-        self.local.record_searches();
+    fn show_roadmap(&mut self, observer: &mut dyn PlanningObserver) {
+        observer.looked_at(SearchPhase::Roadmap, &mut self.roadmap.lines());
     }
 
-    fn roadmap_graph(&mut self) -> Option<Searched> {
-        self.recorder.add(self.roadmap.lines());
-        self.recorder.take(SearchPhase::Roadmap)
-    }
-
-    fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
-        let mut time = QueryTime::default();
+    fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {
         self.scratch.expansions = 0;
         self.local.begin();
-        let path = self.find(start, goal.inner(), &mut time);
+        let found = self.find(start, goal.with_margin(), observer);
         let effort = Effort { roadmap_expansions: self.scratch.expansions, local_expansions: self.local.expansions() };
-        let searched = [self.recorder.take(SearchPhase::Query), self.local.take_searched()];
-        Plan::new(path, effort, time, searched.into_iter().flatten().collect())
+        Plan::new(found, effort)
     }
 }
 

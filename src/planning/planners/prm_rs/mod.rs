@@ -8,84 +8,79 @@
 //! PRM", ICRA 2000). About milestones that are not joined to the most, more poses are tried.
 //!
 //! A query searches the roadmap, and motions about the start, together: A* whose candidates wait at what the whole path
-//! would cost, curves from the start and approaches into the goal among them. Where the wanted clearance leads nowhere,
-//! less is asked for; where that serves neither, the planner `hybrid-astar` takes over. What the roadmap gives is
+//! would cost, curves from the start and analytic expansions among them. Where the wanted clearance leads nowhere,
+//! less is asked for; where that does not serve either, the searches of `hybrid-astar` take over. What the roadmap gives is
 //! improved by shortcuts under the same clearance.
 //!
-//! Poses are those of the rear axle, places in a goal disc those of the body's centre; world frame, metres.
+//! Poses are those of the rear axle, positions in a goal disc those of the body's centre; world frame, metres.
 
 mod near;
 mod roadmap;
 mod sample;
 mod search;
 mod settings;
-mod tree;
 
 pub use settings::{Maker, PrmRsSettings};
 
 use crate::collision::CollisionChecker;
 use crate::geometry::{FieldFrame, Pose};
+use crate::planning::kit::clearance_profile::ClearanceProfile;
+use crate::planning::kit::ends::free_ends;
+use crate::planning::kit::heuristic::Heuristic;
+use crate::planning::kit::relaxed_search::{RelaxedSearch, RelaxedSettings};
+use crate::planning::kit::shortcuts::Shortcutter;
+use crate::planning::memory::{MemoryMeter, PlannerMemory};
+use crate::planning::observer::{PlanningObserver, PlanningWork};
+use crate::planning::search_graph::SearchPhase;
+use crate::planning::{BuildReport, Effort, Found, FoundBy, Goal, Plan, TruckPlanner};
 use crate::rng::Xoshiro256PlusPlus;
 use crate::time::cpu::CpuStopwatch;
-use crate::vehicle::Path;
-
-use super::hybrid_astar::{HybridAstar, HybridSettings};
-use crate::planning::kit::clearance_profile::ClearanceFloor;
-use crate::planning::kit::ends::free_ends;
-use crate::planning::kit::heuristic::Lookout;
-use crate::planning::kit::shortcuts::Improver;
-use crate::planning::memory::{MemoryMeter, PlannerMemory};
-use crate::planning::search_graph::{SearchPhase, SearchRecorder, Searched};
-use crate::planning::{BuildReport, Effort, Found, FoundBy, Goal, Plan, QueryTime, TruckPlanner};
-use roadmap::{LEVELS, MAX_APART, Roadmap};
+use glam::DVec2;
+use roadmap::{MAX_MINOR, Roadmap, SCHEDULE};
 use sample::Sampler;
 pub use sample::count_convex_corners;
-use search::{Search, Task};
+use search::{RoadmapQuery, RoadmapSearch};
 
-/// How often more poses are tried about milestones that are apart.
+/// The number of times that more poses are tried about minor components.
 const BRIDGE_ROUNDS: u32 = 2;
 
 /// The planner for one body on one field.
 #[derive(Debug)]
 pub struct PrmRs {
     checker: CollisionChecker,
-    settings: PrmRsSettings,
-    lookout: Lookout,
+    shortcuts: u32,
+    heuristic: Heuristic,
     roadmap: Roadmap,
-    search: Search,
-    improver: Improver,
+    search: RoadmapSearch,
+    shortcutter: Shortcutter,
     /// Where every query begins to draw its shortcuts.
-    shortcuts: Xoshiro256PlusPlus,
-    fallback: HybridAstar,
+    rng: Xoshiro256PlusPlus,
+    fallback: RelaxedSearch,
     report: BuildReport,
-    effort: Effort,
-    /// Of the roadmap and what is looked at along it.
-    along: SearchRecorder,
-    /// Of what is looked at off the roadmap.
-    off: SearchRecorder,
 }
 
 impl PrmRs {
-    /// `rng` decides where the roadmap's poses lie, `shortcuts` which shortcuts are tried.
+    /// `rng` decides where the roadmap's poses lie, `shortcuts` which shortcuts are tried; `fallback` is what takes over
+    /// where the roadmap does not serve.
     pub fn build(
         checker: &CollisionChecker,
         memory: &MemoryMeter,
         settings: &PrmRsSettings,
-        hybrid: &HybridSettings,
+        fallback: RelaxedSettings,
         mut rng: Xoshiro256PlusPlus,
         shortcuts: Xoshiro256PlusPlus,
     ) -> Self {
         let mut watch = CpuStopwatch::start();
         let mut sampler = Sampler::new(checker, settings.clearance_m, &mut rng);
         let mut poses = sampler.draw(settings.samples);
-        poses.extend(sampler.at_corners(settings.corner_places));
+        poses.extend(sampler.corner_samples(settings.corner_places));
         let sampling = watch.lap();
         let mut roadmap = Roadmap::new(checker, memory, settings);
-        roadmap.add(poses);
+        roadmap.add_milestones(poses);
         for _ in 0..BRIDGE_ROUNDS {
-            roadmap.add(sampler.about(&roadmap.apart()));
+            roadmap.add_milestones(sampler.expand_near(&roadmap.minor_components()));
         }
-        roadmap.finish();
+        roadmap.build_graph();
         let report = BuildReport {
             samples: roadmap.node_count() as u32,
             draws: sampler.draws,
@@ -96,75 +91,77 @@ impl PrmRs {
         };
         Self {
             checker: checker.clone(),
-            settings: settings.clone(),
-            lookout: Lookout::new(settings.cusp_cost, checker.body()),
-            search: Search::new(checker.body(), memory, &roadmap),
+            shortcuts: settings.shortcuts,
+            heuristic: Heuristic::new(settings.cusp_cost, checker.body()),
+            search: RoadmapSearch::new(checker.body(), memory, &roadmap),
             roadmap,
-            improver: Improver::new(checker, settings.cusp_cost),
-            shortcuts: shortcuts.clone(),
-            fallback: HybridAstar::build(checker, memory, hybrid, shortcuts),
+            shortcutter: Shortcutter::new(checker, settings.cusp_cost),
+            rng: shortcuts.clone(),
+            fallback: RelaxedSearch::new(checker, memory, fallback, shortcuts),
             report,
-            effort: Effort::default(),
-            along: SearchRecorder::default(),
-            off: SearchRecorder::default(),
         }
     }
 
-    /// The most bytes that it takes on a field whose bushes have up to this number of corners.
+    /// Bounds the bytes that it takes on a field whose bushes have up to this number of corners.
     pub fn memory(
         frame: &FieldFrame,
         corners: u64,
         settings: &PrmRsSettings,
-        hybrid: &HybridSettings,
+        fallback: &RelaxedSettings,
     ) -> PlannerMemory {
-        let drawn = u64::from(settings.samples) + Sampler::most_at_corners(corners, settings.corner_places);
-        let nodes = drawn + u64::from(BRIDGE_ROUNDS) * Sampler::most_about(MAX_APART as u64);
+        let drawn = u64::from(settings.samples) + Sampler::most_corner_samples(corners, settings.corner_places);
+        let nodes = drawn + u64::from(BRIDGE_ROUNDS) * Sampler::most_near(MAX_MINOR as u64);
         let edges = nodes * u64::from(settings.neighbours);
-        let fallback = HybridAstar::memory(frame, hybrid);
+        let fallback = RelaxedSearch::memory(frame, fallback.max_expansions);
+        let at_work = RoadmapSearch::most_bytes_at_work(nodes, edges);
         PlannerMemory {
-            held: fallback.held + Roadmap::most_bytes(frame, nodes, edges) + Search::bytes(nodes),
+            held: fallback.held + Roadmap::most_bytes(frame, nodes, edges) + RoadmapSearch::bytes(nodes),
             making: Sampler::most_bytes(drawn),
-            grows: fallback.grows + Roadmap::most_bytes_of_curves(edges) + Search::most_bytes_at_work(nodes, edges),
+            grows: fallback.grows + Roadmap::most_bytes_of_curves(edges) + at_work,
             ..fallback
         }
     }
 
-    /// A path by way of the roadmap, or straight away, and the floor that it keeps.
-    fn find(&mut self, start: Pose, goal: Goal) -> Option<(Found, Option<ClearanceFloor>)> {
+    /// Finds a path by way of the roadmap, or by an analytic expansion of the start, and the clearance that it keeps
+    /// where it may be improved.
+    fn find(
+        &mut self,
+        start: Pose,
+        goal: Goal,
+        effort: &mut Effort,
+        observer: &mut dyn PlanningObserver,
+    ) -> Option<(Found, Option<ClearanceProfile>)> {
         let ends = free_ends(&self.checker, start, goal).ok()?;
-        for level in 0..LEVELS {
-            let floor = ClearanceFloor::new(self.roadmap.clearance_m(level), ends.iter().copied());
+        for (level, stage) in SCHEDULE.iter().enumerate() {
+            let profile = ClearanceProfile::new(self.roadmap.clearance_m(level), ends.iter().copied());
             if level == 0
-                && let Some(path) = self.lookout.straight_away(&self.checker, start, goal, &floor)
+                && let Some(path) = self.heuristic.free_expansion(&self.checker, start, goal, &profile)
             {
                 return Some((Found { path, by: FoundBy::Straight }, None));
             }
-            let task = Task { checker: &self.checker, lookout: &self.lookout, floor: &floor, level, start, goal };
-            let path = self.search.run(&task, &mut self.roadmap);
-            self.along.add(self.search.tree().lines(false));
-            self.off.add(self.search.tree().lines(true));
-            self.effort.roadmap_expansions += self.search.roadmap_expansions;
-            self.effort.local_expansions += self.search.local_expansions;
-            if let Some(path) = path {
-                let by = match level {
-                    0 if self.search.used_roadmap() => FoundBy::Roadmap,
-                    0 => FoundBy::Search,
-                    _ => FoundBy::Relaxed,
+            let query = RoadmapQuery {
+                checker: &self.checker,
+                heuristic: &self.heuristic,
+                profile: &profile,
+                level,
+                start,
+                goal,
+            };
+            let path = self.search.run(&query, &mut self.roadmap);
+            observer.looked_at(SearchPhase::Query, &mut self.search.lines(false));
+            observer.looked_at(SearchPhase::Local, &mut self.search.lines(true));
+            let (roadmap_expansions, local_expansions) = self.search.expansions();
+            *effort += Effort { roadmap_expansions, local_expansions };
+            if let Ok(path) = path {
+                let by = match self.search.used_roadmap() {
+                    _ if stage.is_relaxed() => FoundBy::Relaxed,
+                    true => FoundBy::Roadmap,
+                    false => FoundBy::Search,
                 };
-                return Some((Found { path, by }, Some(floor)));
+                return Some((Found { path, by }, Some(profile)));
             }
         }
         None
-    }
-
-    fn take_searched(&mut self) -> Vec<Searched> {
-        [self.along.take(SearchPhase::Query), self.off.take(SearchPhase::Local)].into_iter().flatten().collect()
-    }
-
-    fn improve(&mut self, path: &Path, goal: Goal, floor: &ClearanceFloor) -> Path {
-        let mut rng = self.shortcuts.clone();
-        let path = self.improver.improve(path, floor, self.settings.shortcuts, &mut rng);
-        self.lookout.end_sooner(&self.checker, path, goal, floor)
     }
 }
 
@@ -173,40 +170,42 @@ impl TruckPlanner for PrmRs {
         self.report
     }
 
-    fn record_searches(&mut self) {
-        self.along.switch_on();
-        self.off.switch_on();
-        self.fallback.record_searches();
+    fn show_roadmap(&mut self, observer: &mut dyn PlanningObserver) {
+        observer.looked_at(SearchPhase::Roadmap, &mut self.roadmap.free_lines());
     }
 
-    fn roadmap_graph(&mut self) -> Option<Searched> {
-        self.along.add(self.roadmap.free_lines());
-        self.along.take(SearchPhase::Roadmap)
-    }
-
-    fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
-        let mut watch = CpuStopwatch::start();
-        self.effort = Effort::default();
-        let found = self.find(start, goal.inner());
-        let mut effort = self.effort;
-        let roadmap = watch.lap();
-        match found {
-            Some((Found { path, by }, floor)) => {
-                let path = match floor {
-                    Some(floor) => self.improve(&path, goal.inner(), &floor),
-                    None => path,
-                };
-                let time = QueryTime { roadmap, local: watch.lap() };
-                Plan::new(Ok(Found { path, by }), effort, time, self.take_searched())
+    fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {
+        observer.begins(Some(PlanningWork::Roadmap));
+        let goal = goal.with_margin();
+        let mut effort = Effort::default();
+        let found = self.find(start, goal, &mut effort, observer);
+        observer.begins(Some(PlanningWork::Local));
+        let found = match found {
+            Some((Found { path, by }, Some(profile))) => {
+                let path = self.shortcutter.improve(&path, &profile, self.shortcuts, &mut self.rng.clone());
+                Ok(Found { path: self.heuristic.shorten_end(&self.checker, path, goal, &profile), by })
             }
+            Some((found, None)) => Ok(found),
             None => {
-                let plan = self.fallback.plan(start, goal);
-                effort.local_expansions += plan.effort.local_expansions;
-                self.off.add(plan.searched.iter().flat_map(|searched| searched.graph.lines()));
-                let time = QueryTime { roadmap, local: watch.lap() };
-                Plan { effort, time, searched: self.take_searched(), ..plan }
+                let found = self.fallback.find(start, goal, &mut ConnectionsOnly(observer));
+                effort.local_expansions += self.fallback.expansions();
+                found
             }
-        }
+        };
+        observer.begins(None);
+        Plan::new(found, effort)
+    }
+}
+
+/// Shows an observer the lines that lead from one place to another, and not where searches began: the search that is the
+/// fallback goes on from the start, and is no search of its own.
+struct ConnectionsOnly<'a>(&'a mut dyn PlanningObserver);
+
+impl PlanningObserver for ConnectionsOnly<'_> {
+    fn begins(&mut self, _work: Option<PlanningWork>) {}
+
+    fn looked_at(&mut self, phase: SearchPhase, lines: &mut dyn Iterator<Item = [DVec2; 2]>) {
+        self.0.looked_at(phase, &mut lines.filter(|[from, to]| from != to));
     }
 }
 

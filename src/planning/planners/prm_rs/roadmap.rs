@@ -4,22 +4,28 @@ use glam::DVec2;
 use petgraph::unionfind::UnionFind;
 
 use super::PrmRsSettings;
-use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M};
+use crate::collision::CollisionChecker;
 use crate::geometry::{FieldFrame, Pose, ops};
 use crate::planning::memory::{BytesAfter, Growing, Held, MemoryMeter};
 use crate::vehicle::reeds_shepp::PricedCurve;
 use crate::vehicle::{CurvePrice, ReedsShepp, Segment};
 
 use super::near::Places;
+use crate::planning::kit::roadmap_graph::{Link, RoadmapGraph};
+use crate::planning::kit::relaxation::Stage;
 
-/// Shares of the wanted clearance that queries ask for in turn.
-const SHARES: [f64; 3] = [1.0, 1.0 / 3.0, 0.04];
-/// Which of the clearances a query asks for.
+/// The clearances that queries ask for in turn.
+pub const SCHEDULE: [Stage<()>; 3] = [
+    Stage { share: 1.0, effort: () },
+    Stage { share: 1.0 / 3.0, effort: () },
+    Stage { share: 0.04, effort: () },
+];
+/// The place of a clearance in the schedule.
 pub type Level = usize;
-pub const LEVELS: usize = SHARES.len();
+pub const LEVELS: usize = SCHEDULE.len();
 
-/// So many nodes that are apart are looked at in a round.
-pub const MAX_APART: usize = 100;
+/// The most nodes of minor components that are looked at in a round.
+pub const MAX_MINOR: usize = 100;
 /// Nodes between which the field is tighter than this half way are not joined.
 const HOPELESS_M: f64 = 0.5;
 
@@ -38,14 +44,10 @@ pub struct Roadmap {
     places: Places,
     edges: Vec<Edge>,
     ways: Vec<PricedCurve>,
-    /// Links of node i are those from `first[i]` to `first[i + 1]`.
-    first: Vec<u32>,
-    links: Vec<Link>,
-    /// Which nodes are joined by edges that keep the wanted clearance.
+    graph: RoadmapGraph,
+    /// The sets of nodes joined by edges that keep the wanted clearance.
     joined: UnionFind<u32>,
     components: u32,
-    /// The most links of one node.
-    most_links: usize,
     /// The memory of the ways.
     memory: Held,
 }
@@ -66,16 +68,9 @@ struct Edge {
     is_free: [Option<bool>; LEVELS],
 }
 
-/// An edge as it looks from one of its nodes.
+/// The curve of a link, as it is driven along the link.
 #[derive(Clone, Copy, Debug)]
-pub struct Link {
-    pub to: u32,
-    pub edge: u32,
-}
-
-/// What driving along a link means.
-#[derive(Clone, Copy, Debug)]
-pub struct Passage {
+pub struct Bridge {
     pub cost: f64,
     pub departs_reverse: bool,
     pub arrives_reverse: bool,
@@ -87,23 +82,21 @@ impl Roadmap {
             checker: checker.clone(),
             curves: ReedsShepp { radius_m: checker.body().turning_radius_m },
             price: CurvePrice { reverse_factor: 1.0, cusp_m: settings.cusp_cost },
-            clearances_m: SHARES.map(|share| (share * settings.clearance_m).max(LEAST_CLEARANCE_M)),
+            clearances_m: SCHEDULE.map(|stage| stage.min_clearance_m(settings.clearance_m, f64::INFINITY)),
             neighbours: settings.neighbours as usize,
             max_edge_m: settings.max_edge_m,
             nodes: Vec::new(),
             places: Places::new(checker.field().frame()),
             edges: Vec::new(),
             ways: Vec::new(),
-            first: Vec::new(),
-            links: Vec::new(),
+            graph: RoadmapGraph::default(),
             joined: UnionFind::new_empty(),
             components: 0,
-            most_links: 0,
             memory: memory.holder(Growing::Curves),
         }
     }
 
-    /// The most bytes that these numbers of nodes and edges take, without the curves, in lists that double.
+    /// Bounds the bytes that these numbers of nodes and edges take, without the curves, in lists that double.
     pub fn most_bytes(frame: &FieldFrame, nodes: u64, edges: u64) -> u64 {
         // A node has a number in a set, a place where its links begin, and a place among those near another.
         let node = size_of::<Node>() + 5 * size_of::<u32>() + size_of::<(f64, u32)>();
@@ -111,7 +104,7 @@ impl Roadmap {
         2 * (nodes * node as u64 + edges * edge as u64) + Places::most_bytes(frame, nodes)
     }
 
-    /// The most bytes that the curves of this number of edges take, in a list that doubles.
+    /// Bounds the bytes that the curves of this number of edges take, in a list that doubles.
     pub fn most_bytes_of_curves(edges: u64) -> u64 {
         2 * edges * size_of::<PricedCurve>() as u64
     }
@@ -121,9 +114,9 @@ impl Roadmap {
         self.memory.cover(self.ways.bytes_after(ways))
     }
 
-    /// The most links that any node has.
+    /// Returns the most links that any node has.
     pub fn most_links(&self) -> usize {
-        self.most_links
+        self.graph.most_links()
     }
 
     pub fn node_count(&self) -> usize {
@@ -138,19 +131,19 @@ impl Roadmap {
         self.edges.len()
     }
 
-    /// How many sets of nodes no edges join that keep the wanted clearance.
+    /// Returns the number of components that edges form which keep the wanted clearance.
     pub fn components(&self) -> u32 {
         self.components
     }
 
-    /// Nodes that are not joined to the most, at most so many.
-    pub fn apart(&self) -> Vec<Pose> {
+    /// Returns the nodes outside the largest component, at most [`MAX_MINOR`] of them.
+    pub fn minor_components(&self) -> Vec<Pose> {
         let sets: Vec<u32> = (0..self.nodes.len() as u32).map(|node| self.joined.find(node)).collect();
         let mut sizes = vec![0u32; self.nodes.len()];
         sets.iter().for_each(|&set| sizes[set as usize] += 1);
         let Some(largest) = (0..sizes.len()).max_by_key(|&set| sizes[set]) else { return Vec::new() };
-        let apart = sets.iter().zip(&self.nodes).filter(|(set, _)| **set as usize != largest);
-        apart.map(|(_, node)| node.pose).take(MAX_APART).collect()
+        let minor = sets.iter().zip(&self.nodes).filter(|(set, _)| **set as usize != largest);
+        minor.map(|(_, node)| node.pose).take(MAX_MINOR).collect()
     }
 
     pub fn clearance_m(&self, level: Level) -> f64 {
@@ -167,7 +160,7 @@ impl Roadmap {
     }
 
     /// Adds poses, each with edges to the nearest ones before it.
-    pub fn add(&mut self, poses: impl IntoIterator<Item = Pose>) {
+    pub fn add_milestones(&mut self, poses: impl IntoIterator<Item = Pose>) {
         let mut near = Vec::new();
         for pose in poses {
             if !self.has_memory_for(self.neighbours) {
@@ -186,12 +179,12 @@ impl Roadmap {
             self.nodes.push(node);
             self.joined.new_set();
             self.components += 1;
-            self.join(near.len());
+            self.connect_components(near.len());
         }
     }
 
     /// Sweeps those of the last edges that would join components; the others wait until a query needs them.
-    fn join(&mut self, count: usize) {
+    fn connect_components(&mut self, count: usize) {
         for edge in self.edges.len() - count..self.edges.len() {
             let [a, b] = self.edges[edge].nodes;
             if !self.joined.equiv(a, b) && self.is_free(edge as u32, 0) {
@@ -218,7 +211,7 @@ impl Roadmap {
         near.sort_unstable_by(by_estimate);
     }
 
-    /// About how long the curve between two nodes is: the straight line, what turning into it and out of it costs, and no
+    /// Estimates how long the curve between two nodes is: the straight line, what turning into it and out of it costs, and no
     /// less than what turning from one heading to the other takes.
     fn estimate_m(&self, a: &Node, b: &Node, distance: f64) -> f64 {
         let radius = self.curves.radius_m;
@@ -233,36 +226,20 @@ impl Roadmap {
     }
 
     /// Makes the edges ready for queries.
-    pub fn finish(&mut self) {
-        self.first = vec![0; self.nodes.len() + 1];
-        for node in self.edges.iter().flat_map(|edge| edge.nodes) {
-            self.first[node as usize + 1] += 1;
-        }
-        self.most_links = self.first.iter().copied().max().unwrap_or(0) as usize;
-        for node in 0..self.nodes.len() {
-            self.first[node + 1] += self.first[node];
-        }
-        let mut next = self.first.clone();
-        self.links = vec![Link { to: 0, edge: 0 }; 2 * self.edges.len()];
-        for (number, edge) in self.edges.iter().enumerate() {
-            let [a, b] = edge.nodes;
-            for (node, to) in [(a, b), (b, a)] {
-                self.links[next[node as usize] as usize] = Link { to, edge: number as u32 };
-                next[node as usize] += 1;
-            }
-        }
+    pub fn build_graph(&mut self) {
+        self.graph = RoadmapGraph::from_edges(self.nodes.len(), self.edges.iter().map(|edge| edge.nodes));
     }
 
+    /// Returns the links of a node, each with its number.
     pub fn links(&self, node: u32) -> impl Iterator<Item = (u32, Link)> + '_ {
-        let range = self.first[node as usize]..self.first[node as usize + 1];
-        range.map(|link| (link, self.links[link as usize]))
+        self.graph.links(node)
     }
 
     pub fn link(&self, link: u32) -> Link {
-        self.links[link as usize]
+        self.graph.link(link)
     }
 
-    /// What no way between two nodes is shorter than.
+    /// Returns what no way between two nodes is shorter than.
     pub fn least_m(&self, from: u32, to: u32) -> f64 {
         least_length_m(self.curves.radius_m, self.pose(from), self.pose(to))
     }
@@ -277,17 +254,18 @@ impl Roadmap {
         &self.ways[way as usize]
     }
 
-    pub fn passage(&mut self, link: Link) -> Passage {
+    /// Works out the curve of a link, as it is driven along the link.
+    pub fn bridge(&mut self, link: Link) -> Bridge {
         let is_back = link.to == self.edges[link.edge as usize].nodes[0];
         let way = self.way(link.edge);
         let mut segments = way.curve.segments();
         let first = segments.next().is_some_and(|segment| segment.is_reverse());
         let last = segments.last().map_or(first, |segment| segment.is_reverse());
         let (departs_reverse, arrives_reverse) = if is_back { (!last, !first) } else { (first, last) };
-        Passage { cost: way.price, departs_reverse, arrives_reverse }
+        Bridge { cost: way.price, departs_reverse, arrives_reverse }
     }
 
-    /// Whether an edge keeps one of the clearances; it is swept the first time that this is asked.
+    /// Says whether an edge keeps one of the clearances; it is swept the first time that this is asked.
     pub fn is_free(&mut self, edge: u32, level: Level) -> bool {
         if let Some(known) = self.edges[edge as usize].is_free[level] {
             return known;
@@ -303,7 +281,7 @@ impl Roadmap {
         is_free
     }
 
-    /// Both ends of every edge that keeps the least of the clearances; all are swept for it.
+    /// Returns both ends of every edge that keeps the least of the clearances; all are swept for it.
     pub fn free_lines(&mut self) -> impl Iterator<Item = [DVec2; 2]> {
         (0..self.edges.len() as u32).filter_map(|edge| {
             let ends = self.edges[edge as usize].nodes.map(|node| self.pose(node).position());
@@ -323,7 +301,7 @@ impl Roadmap {
     }
 }
 
-/// What no curve between two poses is shorter than: the straight line, and what turning takes.
+/// Returns what no curve between two poses is shorter than: the straight line, and what turning takes.
 pub fn least_length_m(radius_m: f64, from: Pose, to: Pose) -> f64 {
     let turn = ops::wrap_angle(to.heading - from.heading).abs();
     from.position().distance(to.position()).max(radius_m * turn)
@@ -343,9 +321,9 @@ mod tests {
         let settings = PrmRsSettings::default();
         let mut sampler = Sampler::new(&field.checker, settings.clearance_m, &mut rng::stream(1, "roadmap"));
         let mut roadmap = Roadmap::new(&field.checker, &MemoryMeter::unlimited(), &settings);
-        roadmap.add(sampler.draw(100));
-        roadmap.add(sampler.at_corners(1));
-        roadmap.finish();
+        roadmap.add_milestones(sampler.draw(100));
+        roadmap.add_milestones(sampler.corner_samples(1));
+        roadmap.build_graph();
         roadmap
     }
 
@@ -363,7 +341,7 @@ mod tests {
                     let (end, there) = (path.end(), roadmap.pose(link.to));
                     assert!(end.position().distance(there.position()) < 1e-6);
                     assert!(ops::wrap_angle(end.heading - there.heading).abs() < 1e-6);
-                    let passage = roadmap.passage(link);
+                    let passage = roadmap.bridge(link);
                     assert!((passage.cost - path.length_m() - 2.0 * f64::from(path.cusps())).abs() < 1e-6);
                     assert_eq!(passage.departs_reverse, path.segments[0].is_reverse());
                     assert_eq!(passage.arrives_reverse, path.segments[path.segments.len() - 1].is_reverse());
@@ -390,7 +368,7 @@ mod tests {
                 components -= u32::from(roadmap.is_free(edge, 0) && sets.union(a, b));
             }
             assert_eq!(roadmap.components(), components);
-            let apart = roadmap.apart();
+            let apart = roadmap.minor_components();
             assert!(apart.len() as u32 >= components - 1);
         }
     }

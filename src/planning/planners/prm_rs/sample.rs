@@ -6,18 +6,18 @@ use rand::{Rng, RngExt};
 use crate::collision::{ClearanceField, CollisionChecker};
 use crate::geometry::{Pose, ops};
 use crate::grid::Grid;
-use crate::planning::kit::best_first;
+use crate::planning::kit::lattice::motions;
 use crate::planning::kit::halton::radical_inverse;
 
-/// Draws stop after so many a wanted pose, so that a full field cannot hold the planner up.
+/// Draws stop after this number for each wanted pose, so that a full field cannot hold the planner up.
 const MAX_DRAWS_PER_SAMPLE: u32 = 100;
 /// Nearer to a bush, poses head along it.
 const ALONG_M: f64 = 6.0;
 /// Half the distance over which the direction to the nearest bush is measured.
 const PROBE_M: f64 = 0.5;
-/// How far from a pose that is apart others are tried.
-const ABOUT_M: f64 = 6.0;
-/// Poses at corners keep so much more than the clearance, so that curves through them do too.
+/// Other poses are tried this far from those of minor components.
+const NEAR_M: f64 = 6.0;
+/// Poses at corners keep this much more than the clearance, so that curves through them do too.
 const CORNER_SPARE_M: f64 = 0.1;
 
 /// Draws poses that keep a clearance.
@@ -25,7 +25,7 @@ const CORNER_SPARE_M: f64 = 0.1;
 pub struct Sampler<'a> {
     checker: &'a CollisionChecker,
     clearance_m: f64,
-    /// Where the sequence of each axis begins, as a share: x, y, heading.
+    /// The beginning of each axis's sequence, as a share: x, y, heading.
     shift: [f64; 3],
     pub draws: u32,
 }
@@ -55,17 +55,17 @@ impl<'a> Sampler<'a> {
         poses
     }
 
-    /// The most poses that [`Self::at_corners`] gives.
-    pub fn most_at_corners(corners: u64, places: u32) -> u64 {
+    /// Bounds the poses that [`Self::corner_samples`] gives.
+    pub fn most_corner_samples(corners: u64, places: u32) -> u64 {
         2 * corners * u64::from(places)
     }
 
-    /// The most poses that [`Self::about`] gives.
-    pub fn most_about(poses: u64) -> u64 {
+    /// Bounds the poses that [`Self::expand_near`] gives.
+    pub fn most_near(poses: u64) -> u64 {
         6 * poses
     }
 
-    /// The most bytes that this number of poses takes while they are drawn, in a list that doubles.
+    /// Bounds the bytes that this number of poses takes while they are drawn, in a list that doubles.
     pub fn most_bytes(poses: u64) -> u64 {
         2 * poses * size_of::<Pose>() as u64
     }
@@ -84,9 +84,9 @@ impl<'a> Sampler<'a> {
         Pose::new(place.x, place.y, heading)
     }
 
-    /// Poses that the truck gets to by one motion from some others.
-    pub fn about(&mut self, poses: &[Pose]) -> Vec<Pose> {
-        let motions = best_first::motions(self.checker.body(), ABOUT_M);
+    /// Returns poses that the truck gets to by one motion from some others.
+    pub fn expand_near(&mut self, poses: &[Pose]) -> Vec<Pose> {
+        let motions = motions(self.checker.body(), NEAR_M);
         let mut found = Vec::new();
         for &pose in poses {
             for motion in motions {
@@ -99,9 +99,9 @@ impl<'a> Sampler<'a> {
         found
     }
 
-    /// Poses that pass the convex corners of bushes, or of groups of them, at the clearance, in both directions: `places`
+    /// Returns poses that pass the convex corners of bushes, or of groups of them, at the clearance, in both directions: `places`
     /// of them at each corner.
-    pub fn at_corners(&mut self, places: u32) -> Vec<Pose> {
+    pub fn corner_samples(&mut self, places: u32) -> Vec<Pose> {
         let abeam_m = 0.5 * self.checker.body().width_m + self.clearance_m + CORNER_SPARE_M;
         let mut poses = Vec::new();
         for (corner, outwards) in convex_corners(self.checker.field()) {
@@ -123,7 +123,7 @@ impl<'a> Sampler<'a> {
     }
 }
 
-/// A heading along the nearest bush, if one is near.
+/// Returns a heading along the nearest bush, if one is near.
 fn along_nearest_bush(field: &ClearanceField, place: DVec2) -> Option<f64> {
     if field.lower_bound(place) > ALONG_M {
         return None;
@@ -133,7 +133,7 @@ fn along_nearest_bush(field: &ClearanceField, place: DVec2) -> Option<f64> {
     (away != DVec2::ZERO).then(|| ops::atan2(away.x, -away.y))
 }
 
-/// Corners that stick out of the bushes, each with the bearing that halves the free angle about it.
+/// Returns the corners that stick out of the bushes, each with the bearing that halves the free angle about it.
 fn convex_corners(field: &ClearanceField) -> impl Iterator<Item = (DVec2, f64)> + '_ {
     // The bush lies at 225 degrees from the corner, or at 315, 45 or 135.
     let outwards = |only: usize| FRAC_PI_4 + 2.0 * FRAC_PI_4 * only as f64;
@@ -208,7 +208,7 @@ mod tests {
         ];
         let field = TestField::drawn(&picture, Pose::default());
         let mut sampler = Sampler::new(&field.checker, CLEARANCE_M, &mut rng::stream(1, "samples"));
-        let poses = sampler.at_corners(1);
+        let poses = sampler.corner_samples(1);
         // Five corners stick out; the sixth is a nook.
         assert_eq!(poses.len(), 10);
         for pair in poses.chunks(2) {
@@ -230,10 +230,10 @@ mod tests {
     fn poses_about_another_are_driven_to_from_it() {
         let field = TestField::random(3, 25);
         let mut sampler = Sampler::new(&field.checker, CLEARANCE_M, &mut rng::stream(1, "samples"));
-        let about = sampler.about(&[field.start]);
+        let about = sampler.expand_near(&[field.start]);
         assert_eq!(about.len(), 6);
         for pose in about {
-            assert!((ABOUT_M - pose.position().distance(field.start.position())).abs() < 0.1);
+            assert!((NEAR_M - pose.position().distance(field.start.position())).abs() < 0.1);
         }
     }
 }

@@ -1,22 +1,108 @@
+//! Queries of the roadmap: the search for a route from the start into the goal.
+
 use std::num::NonZero;
 
 use glam::DVec2;
 
-use super::scratch::{Candidate, RoadmapScratch, START, Visit};
-use super::{Roadmap, connect};
+use crate::planning::kit::roadmap_graph::Link;
+
+use super::{Roadmap, neighbours_by_distance};
 use crate::geometry::ops;
+use crate::grid::open_list::{OpenList, Ranked};
 use crate::planning::planners::prm_primitives::{RoadmapGoal, RoadmapSearch};
 use crate::planning::{GoalDisc, PlanFailure};
 
-/// Milestones nearest to the start to which a straight line is tried, in the order of the search.
+/// The number of milestones nearest to the start to which a straight line is tried, in the order of the search.
 const START_LINKS: NonZero<usize> = NonZero::new(24).unwrap();
-/// From a milestone, the goal is tried straight ahead first, then at so many places around its centre.
+/// From a milestone, the goal is tried straight ahead first, then at this number of places around its centre.
 const GOAL_PLACES: u32 = 8;
 /// The places lie at this share of the goal's radius.
 const GOAL_PLACE_RADIUS: f64 = 0.85;
 
 /// Goal places have the numbers from here on.
 const GOAL: u32 = u32::MAX - 1 - GOAL_PLACES;
+
+/// Stands for the start where a milestone's number is asked for.
+const START: u32 = u32::MAX;
+
+/// Ways into the goal that one milestone may offer.
+const GOAL_OFFERS: u64 = 9;
+
+/// A way to a milestone or a goal place that is still to be judged.
+#[derive(Clone, Copy, Debug)]
+struct LineCandidate {
+    /// Estimated cost of the whole route, by which the search is ordered.
+    key: f64,
+    cost: f64,
+    to: u32,
+    from: u32,
+}
+
+impl Ranked for LineCandidate {
+    type Tie = (u32, u32);
+
+    fn priority(&self) -> f64 {
+        self.key
+    }
+
+    fn cost(&self) -> f64 {
+        self.cost
+    }
+
+    fn tie(&self) -> (u32, u32) {
+        (self.to, self.from)
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Visit {
+    generation: u32,
+    closed: bool,
+    cost: f64,
+    parent: u32,
+}
+
+/// Memory that queries share, so that they need not allocate.
+#[derive(Debug, Default)]
+pub struct RoadmapScratch {
+    generation: u32,
+    visits: Vec<Visit>,
+    open: OpenList<LineCandidate>,
+    near: Vec<(f64, u32)>,
+    /// Milestones whose cost is final, in the order in which it became so.
+    closed: Vec<u32>,
+    /// Milestones expanded by the last query.
+    pub expansions: u32,
+}
+
+impl RoadmapScratch {
+    /// Bounds the bytes that queries take on a roadmap of these numbers of milestones and edges, in lists that double.
+    pub fn most_bytes(milestones: u64, edges: u64) -> u64 {
+        let of_each = size_of::<Visit>() + size_of::<u32>() + size_of::<(f64, u32)>();
+        // An edge is offered from both its ends; a milestone near the goal offers the ways into it.
+        let candidates = 2 * edges + GOAL_OFFERS * milestones;
+        2 * (milestones * of_each as u64 + candidates * size_of::<LineCandidate>() as u64)
+    }
+
+    fn begin(&mut self, milestones: usize) {
+        if self.visits.len() != milestones || self.generation == u32::MAX {
+            self.visits = vec![Visit { generation: 0, closed: false, cost: 0.0, parent: START }; milestones];
+            self.generation = 0;
+        }
+        self.generation += 1;
+        self.open.clear();
+        self.closed.clear();
+        self.expansions = 0;
+    }
+
+    fn visit(&mut self, milestone: u32) -> &mut Visit {
+        let visit = &mut self.visits[milestone as usize];
+        if visit.generation != self.generation {
+            *visit = Visit { generation: self.generation, closed: false, cost: f64::INFINITY, parent: START };
+        }
+        visit
+    }
+}
 
 /// A query's answer on the roadmap.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -28,7 +114,7 @@ pub struct Route {
     pub cost: f64,
 }
 
-/// What one query asks.
+/// A query on its way.
 struct Query<'a> {
     roadmap: &'a Roadmap,
     start: DVec2,
@@ -38,7 +124,7 @@ struct Query<'a> {
 }
 
 impl Roadmap {
-    /// The best route from a body centre to the goal, in the sense of the settings' search.
+    /// Finds the best route from a body centre to the goal, in the sense of the settings' search.
     ///
     /// With [`RoadmapSearch::Astar`] and [`RoadmapSearch::Dijkstra`] it is the cheapest one over the start's links to
     /// its nearest milestones, the roadmap's edges and the straight lines from milestones near the goal to some places
@@ -48,7 +134,7 @@ impl Roadmap {
     /// With [`RoadmapGoal::NearestMilestone`] it ends at the milestone in the goal that is nearest to its centre.
     ///
     /// # Errors
-    /// [`PlanFailure::GoalBlocked`] when the route shall end at a milestone and none lies in the goal;
+    /// [`PlanFailure::GoalBlocked`] when the route is to end at a milestone and none lies in the goal;
     /// [`PlanFailure::Disconnected`] when nothing leads there.
     pub fn route(&self, start: DVec2, goal: GoalDisc, scratch: &mut RoadmapScratch) -> Result<Route, PlanFailure> {
         scratch.begin(self.milestones.len());
@@ -63,7 +149,7 @@ impl Roadmap {
         Query { roadmap: self, start, goal, end_milestone }.search(scratch).ok_or(PlanFailure::Disconnected)
     }
 
-    /// What the last query looked at, which began at `start`: the milestones that it settled, each after the place that it
+    /// Returns what the last query looked at, which began at `start`: the milestones that it settled, each after the place that it
     /// came from, and the start after itself.
     pub fn looked_at(&self, start: DVec2, scratch: &RoadmapScratch) -> impl Iterator<Item = [DVec2; 2]> {
         let position = move |place: u32| if place == START { start } else { self.milestones[place as usize] };
@@ -71,7 +157,7 @@ impl Roadmap {
         std::iter::once((START, START)).chain(settled).map(move |(from, to)| [from, to].map(position))
     }
 
-    /// The milestone in a disc that is nearest to its centre, the lowest index among equals.
+    /// Returns the milestone in a disc that is nearest to its centre, the lowest index among equals.
     fn nearest_milestone(&self, disc: GoalDisc) -> Option<u32> {
         let distance = |&index: &u32| self.milestones[index as usize].distance_squared(disc.centre);
         let nearest = (0..self.milestones.len() as u32).min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
@@ -107,17 +193,17 @@ impl Query<'_> {
         let Some(tree) = &roadmap.tree else { return };
         let mut near = std::mem::take(&mut scratch.near);
         let max_m = roadmap.settings.max_edge_m;
-        connect::neighbours_by_distance(tree, &roadmap.milestones, self.start, max_m, START_LINKS, &mut near);
+        neighbours_by_distance(tree, &roadmap.milestones, self.start, max_m, START_LINKS, &mut near);
         for &(_, milestone) in &near {
             let cost = roadmap.space.price(self.start, self.position(milestone));
             let key = self.key(cost, milestone);
-            scratch.open.push(Candidate { key, cost, to: milestone, from: START });
+            scratch.open.push(LineCandidate { key, cost, to: milestone, from: START });
         }
         scratch.near = near;
     }
 
     /// Takes a candidate's cost as final for its milestone, unless that has one or the line to it is not free.
-    fn close(&self, candidate: Candidate, scratch: &mut RoadmapScratch) -> bool {
+    fn close(&self, candidate: LineCandidate, scratch: &mut RoadmapScratch) -> bool {
         let visit = scratch.visit(candidate.to);
         let outdated = visit.closed || (candidate.from != START && candidate.cost > visit.cost);
         if outdated || (candidate.from == START && !self.line_is_free(candidate)) {
@@ -128,16 +214,15 @@ impl Query<'_> {
         true
     }
 
-    fn expand(&self, from: Candidate, scratch: &mut RoadmapScratch) {
+    fn expand(&self, from: LineCandidate, scratch: &mut RoadmapScratch) {
         scratch.expansions += 1;
-        let graph = &self.roadmap.graph;
-        for (&to, &length) in graph.neighbors_slice(from.to).iter().zip(graph.edges_slice(from.to)) {
-            let cost = from.cost + length;
+        for (_, Link { to, edge }) in self.roadmap.graph.links(from.to) {
+            let cost = from.cost + self.roadmap.costs[edge as usize];
             let visit = scratch.visit(to);
             if !visit.closed && cost < visit.cost {
                 visit.cost = cost;
                 let key = self.key(cost, to);
-                scratch.open.push(Candidate { key, cost, to, from: from.to });
+                scratch.open.push(LineCandidate { key, cost, to, from: from.to });
             }
         }
         let gap = self.position(from.to).distance(self.goal.centre) - self.goal.radius_m;
@@ -146,8 +231,8 @@ impl Query<'_> {
         }
     }
 
-    /// After the line straight into the goal was not free: the other places.
-    fn offer_other_places(&self, failed: Candidate, scratch: &mut RoadmapScratch) {
+    /// Offers the other places after the line straight into the goal was not free.
+    fn offer_other_places(&self, failed: LineCandidate, scratch: &mut RoadmapScratch) {
         if failed.to != GOAL {
             return;
         }
@@ -165,7 +250,7 @@ impl Query<'_> {
             RoadmapSearch::Greedy => 0.0,
             RoadmapSearch::Astar | RoadmapSearch::Dijkstra => cost,
         };
-        scratch.open.push(Candidate { key, cost, to: place, from });
+        scratch.open.push(LineCandidate { key, cost, to: place, from });
     }
 
     fn key(&self, cost: f64, milestone: u32) -> f64 {
@@ -191,7 +276,7 @@ impl Query<'_> {
         if milestone == START { self.start } else { self.roadmap.milestones[milestone as usize] }
     }
 
-    /// A place in the goal: the first is where the straight line from `from` to its centre enters it.
+    /// Returns a place in the goal: the first is where the straight line from `from` to its centre enters it.
     fn goal_place(&self, place: u32, from: u32) -> DVec2 {
         let GoalDisc { centre, radius_m } = self.goal;
         if place == GOAL {
@@ -202,7 +287,7 @@ impl Query<'_> {
         centre + DVec2::from(ops::sin_cos(around)) * (radius_m * GOAL_PLACE_RADIUS)
     }
 
-    fn line_is_free(&self, candidate: Candidate) -> bool {
+    fn line_is_free(&self, candidate: LineCandidate) -> bool {
         let from = self.position(candidate.from);
         let to = if candidate.to >= GOAL {
             self.goal_place(candidate.to, candidate.from)
@@ -216,8 +301,8 @@ impl Query<'_> {
         }
     }
 
-    /// The waypoints that led to a final candidate.
-    fn route(&self, last: Candidate, scratch: &mut RoadmapScratch) -> Route {
+    /// Returns the waypoints that led to a final candidate.
+    fn route(&self, last: LineCandidate, scratch: &mut RoadmapScratch) -> Route {
         let mut waypoints = Vec::new();
         if last.to >= GOAL {
             waypoints.push(self.goal_place(last.to, last.from));
@@ -280,7 +365,7 @@ mod tests {
                 let free = |&number: &u32| {
                     let end = query.goal_place(number, link);
                     (number == GOAL || roadmap.space.point_is_free(end))
-                        && query.line_is_free(Candidate { key: 0.0, cost: 0.0, to: number, from: link })
+                        && query.line_is_free(LineCandidate { key: 0.0, cost: 0.0, to: number, from: link })
                 };
                 let places = (GOAL..=GOAL + GOAL_PLACES).filter(free);
                 let metres = places.map(|number| place.distance(query.goal_place(number, link)));

@@ -1,3 +1,5 @@
+//! The space of the roadmap: what is free, and what lines cost.
+
 use std::sync::Arc;
 
 use glam::DVec2;
@@ -6,12 +8,12 @@ use crate::collision::{ClearanceField, CollisionChecker};
 use crate::planning::kit::safety::Safety;
 use crate::planning::planners::prm_primitives::{ClearanceTo, PrmSettings};
 
-/// About a start that is tighter than the roadmap, so many metres may be as tight as the start.
+/// About a start that is tighter than the roadmap, this number of metres may be as tight as the start.
 const TIGHT_START_M: f64 = 12.0;
 /// Less than the start's own clearance is asked of lines from there, so that rounding does not decide.
 const ROUNDING_M: f64 = 0.01;
 
-/// Where milestones and edges may lie: every point keeps the roadmap's clearance.
+/// The space in which milestones and edges may lie: every point keeps the roadmap's clearance.
 #[derive(Clone, Debug)]
 pub struct FreeSpace {
     checker: CollisionChecker,
@@ -45,8 +47,9 @@ impl FreeSpace {
         }
     }
 
-    /// Whether a shortcut over some places is no dearer than the longer way over others, both from one place to another.
-    pub fn is_no_dearer(&self, from: DVec2, shortcut: &[DVec2], way: &[DVec2]) -> bool {
+    /// Says whether a shortcut over some places costs no more than the longer way over others, both from one place to
+    /// another.
+    pub fn costs_no_more(&self, from: DVec2, shortcut: &[DVec2], way: &[DVec2]) -> bool {
         let price = |places: &[DVec2]| -> f64 {
             let mut here = from;
             places.iter().map(|&next| self.price(std::mem::replace(&mut here, next), next)).sum()
@@ -77,12 +80,12 @@ impl FreeSpace {
         }
     }
 
-    /// Whether all points of a straight line are free.
+    /// Says whether all points of a straight line are free.
     pub fn line_is_free(&self, from: DVec2, to: DVec2) -> bool {
         self.line_keeps(from, to, self.clearance_m)
     }
 
-    /// Whether a straight line from a truck's place is free; the first metres may be as tight as the place itself.
+    /// Says whether a straight line from a truck's place is free; the first metres may be as tight as the place itself.
     pub fn departure_is_free(&self, from: DVec2, to: DVec2) -> bool {
         let here = self.clearance_at(from) - ROUNDING_M;
         if here >= self.clearance_m {
@@ -96,7 +99,7 @@ impl FreeSpace {
         self.line_keeps(from, out, here) && self.line_keeps(out, to, self.clearance_m)
     }
 
-    /// Whether all points of a straight line keep `clearance` metres, which is not more than the roadmap's.
+    /// Says whether all points of a straight line keep `clearance` metres, which is not more than the roadmap's.
     pub fn line_keeps(&self, from: DVec2, to: DVec2, clearance: f64) -> bool {
         match self.clearance_to {
             ClearanceTo::Cells => self.field().line_is_free(from, to, clearance),

@@ -1,47 +1,21 @@
-//! Whether the truck can get somewhere at all, and a way there when its planner knows none.
+//! The question whether the truck can get somewhere at all, and a way there when its planner knows none.
 //!
-//! A flood over a lattice of (x, y, heading) spreads from a root pose in arcs and straights, forward and reverse. Every
-//! motion can be driven back, so one flood answers for every pose that the truck drives to from the root. A yes is
-//! proven by a path. A no means: not at the resolution of the finest of the [`LATTICES`], or not through any passage as
-//! wide as the body, or not within the finest lattice's limit of [`flood::MAX_POSES`] poses.
-//!
-//! Most questions are answered by the coarsest lattice, which grows only as far as it is asked. Where that says no, the
-//! passages and then the finer lattices are asked, each some ten times as costly as the one before.
+//! The [`floods`](crate::planning::kit::floods) from its start answer. Most questions are answered by the coarsest
+//! lattice, which grows only as far as it is asked. Where that says no, the passages and then the finer lattices are
+//! asked, each some ten times as costly as the one before.
 
-mod flood;
-mod floods;
-mod passages;
+pub use super::kit::floods::LATTICES;
 
 use crate::collision::CollisionChecker;
 use crate::geometry::{FieldFrame, Pose};
-use crate::planning::kit::local_search;
-use crate::planning::kit::local_search::{Ending, Floor, Search, Task};
 use crate::vehicle::Path;
 
-use crate::planning::GoalDisc;
-use crate::planning::kit::local_search::PrimitiveSettings;
-use crate::planning::memory::MemoryMeter;
-pub(super) use flood::Flood;
-pub(super) use floods::Floods;
-
-/// A lattice of poses: one pose a bin, joined by motions of one length.
-#[derive(Clone, Copy, Debug)]
-pub struct Lattice {
-    pub bin_m: f64,
-    /// Bins a full turn.
-    pub headings: u32,
-    pub step_m: f64,
-}
-
-/// Lattices of the floods, coarsest first. The short motions of the last can turn the truck about in tight pockets.
-pub const LATTICES: [Lattice; 3] = [
-    Lattice { bin_m: 10.0, headings: 24, step_m: 14.0 },
-    Lattice { bin_m: 5.0, headings: 24, step_m: 7.0 },
-    Lattice { bin_m: 1.25, headings: 72, step_m: 1.5 },
-];
-
-/// What the body keeps from bushes and border.
-pub(super) const CLEARANCE_M: f64 = 0.03;
+use super::GoalDisc;
+use super::kit::clearance_profile::ClearanceProfile;
+use super::kit::floods::{CLEARANCE_M, Floods};
+use super::kit::lattice::Lattice;
+use super::kit::local_search::{PrimitiveQuery, PrimitiveSearch, PrimitiveSettings};
+use super::memory::MemoryMeter;
 
 /// Lattices for a search from any pose, with the expansions that each may cost.
 const SEARCHES: [(Lattice, u32); 2] =
@@ -56,7 +30,7 @@ pub struct Reachability {
     memory: MemoryMeter,
     floods: Floods,
     /// One for each of the [`SEARCHES`], `None` until asked for.
-    searches: [Option<Search>; SEARCHES.len()],
+    searches: [Option<PrimitiveSearch>; SEARCHES.len()],
 }
 
 impl Reachability {
@@ -70,62 +44,48 @@ impl Reachability {
         self.floods.root()
     }
 
-    /// Whether the truck can drive from the root into a disc.
+    /// Says whether the truck can drive from the root into a disc.
     pub fn reaches(&mut self, disc: GoalDisc) -> bool {
-        self.pose_in(disc.inner()).is_some()
+        self.floods.reach(disc.with_margin())
     }
 
-    /// A path from the root into a disc, not a short one.
+    /// Returns a path from the root into a disc, not a short one.
     pub fn path_to(&mut self, disc: GoalDisc) -> Option<Path> {
-        self.pose_in(disc.inner()).map(|(rung, pose)| self.floods.on(rung).path_to(pose))
+        self.floods.path_into(disc.with_margin())
     }
 
-    /// The coarsest flood that has a pose in the disc, and that pose.
-    fn pose_in(&mut self, disc: GoalDisc) -> Option<(usize, u32)> {
-        for rung in 0..LATTICES.len() {
-            if rung == 1 && self.floods.exclude(disc) {
-                return None;
-            }
-            if let Some(pose) = self.floods.on(rung).pose_in(disc, u32::MAX) {
-                return Some((rung, pose));
-            }
-        }
-        None
-    }
-
-    /// The most bytes that floods and searches take on a field.
+    /// Bounds the bytes that floods and searches take on a field.
     pub fn most_bytes(frame: &FieldFrame) -> u64 {
-        let searches: u64 = SEARCHES.iter().map(|&(_, budget)| Search::most_bytes(budget)).sum();
+        let searches: u64 = SEARCHES.iter().map(|&(_, budget)| PrimitiveSearch::most_bytes(budget)).sum();
         searches + Floods::most_bytes(frame, LATTICES.len(), u32::MAX)
     }
 
-    /// A path from any free pose into a disc by a large search, and the nodes that it expanded.
+    /// Finds a path from any free pose into a disc by a large search; also returns the nodes that it expanded.
     ///
     /// It may fail where the flood says yes; then the truck can go back to the root and take [`Self::path_to`].
     pub fn search(&mut self, from: Pose, disc: GoalDisc) -> (Option<Path>, u32) {
-        let disc = disc.inner();
         let clearance = self.checker.clearance(from);
         let mut expansions = 0;
         if clearance <= 0.0 {
             return (None, expansions);
         }
-        let floor = Floor::new(CLEARANCE_M, from, clearance);
-        let task = Task { checker: &self.checker, floor, start: from, waypoints: &[], goal: disc.into() };
+        let profile = ClearanceProfile::from_start(CLEARANCE_M, from, clearance);
+        let goal = disc.with_margin().into();
+        let query = PrimitiveQuery { checker: &self.checker, profile: &profile, start: from, waypoints: &[], goal };
         for (search, (lattice, budget)) in self.searches.iter_mut().zip(SEARCHES) {
             let search = search.get_or_insert_with(|| search_on(&self.checker, &self.memory, lattice));
-            let mut segments = Vec::new();
-            let ending = search.run(&task, budget, &mut segments);
-            expansions += search.expansions;
-            if ending == Ending::Found {
-                return (Some(Path { start: from, segments: local_search::join(&segments) }), expansions);
+            let found = search.run(&query, budget);
+            expansions += search.expansions();
+            if let Ok(path) = found {
+                return (Some(path.joined()), expansions);
             }
         }
         (None, expansions)
     }
 }
 
-/// A search without waypoints on a lattice of its own.
-fn search_on(checker: &CollisionChecker, memory: &MemoryMeter, lattice: Lattice) -> Search {
+/// Creates a search without waypoints on a lattice of its own.
+fn search_on(checker: &CollisionChecker, memory: &MemoryMeter, lattice: Lattice) -> PrimitiveSearch {
     let settings = PrimitiveSettings {
         step_m: lattice.step_m,
         bin_m: lattice.bin_m,
@@ -133,7 +93,7 @@ fn search_on(checker: &CollisionChecker, memory: &MemoryMeter, lattice: Lattice)
         heuristic_weight: SEARCH_WEIGHT,
         ..PrimitiveSettings::default()
     };
-    Search::new(checker, memory, &settings, None)
+    PrimitiveSearch::new(checker, memory, &settings, None)
 }
 
 #[cfg(test)]
@@ -142,7 +102,7 @@ mod tests {
 
     use super::*;
     use crate::planning::reachability::passages::Passages;
-    use crate::planning::test_fields::{TestField, assert_drivable};
+    use crate::planning::test_fields::{TestField, assert_drivable, court_with_gate};
 
     #[test]
     fn a_disc_without_bounds_is_reached_where_the_truck_stands() {
@@ -219,51 +179,9 @@ mod tests {
         field.checker.body().body_centre(pose).distance(goal.centre) <= goal.radius_m
     }
 
-    /// A court with one gate: as wide as a cell, or shut, or open at a corner only.
-    fn court(gate: &'static str) -> TestField {
-        let picture = [
-            "....................",
-            "....................",
-            "........########....",
-            "........#......#....",
-            "........#......#....",
-            gate,
-            "........#......#....",
-            "........########....",
-            "....................",
-            "....................",
-        ];
-        TestField::drawn(&picture, Pose::new(12.0, 22.0, 0.0))
-    }
-
-    #[test]
-    fn a_walled_in_place_is_out_of_reach_without_a_fine_flood() {
-        let goal = GoalDisc { centre: DVec2::new(60.0, 25.0), radius_m: 4.0 };
-        let shut = court("........#......#....");
-        let mut reachability = Reachability::new(&shut.checker, &MemoryMeter::unlimited(), shut.start);
-        assert!(!reachability.reaches(goal));
-        assert!(!reachability.floods.has(1) && !reachability.floods.has(2));
-        let open = court("...............#....");
-        assert!(Reachability::new(&open.checker, &MemoryMeter::unlimited(), open.start).reaches(goal));
-    }
-
-    #[test]
-    fn passages_exclude_nothing_that_the_flood_reaches() {
-        for seed in 0..10 {
-            let field = TestField::random(seed, 60);
-            let mut flood =
-                Flood::new(&field.checker, &MemoryMeter::unlimited(), field.start, LATTICES[1], CLEARANCE_M);
-            let passages = Passages::new(&field.checker, &MemoryMeter::unlimited(), field.start);
-            for &centre in &field.bushes {
-                let goal = GoalDisc { centre, radius_m: 6.0 };
-                assert!(!(passages.exclude(goal) && flood.pose_in(goal, u32::MAX).is_some()));
-            }
-        }
-    }
-
     #[test]
     fn a_blocked_root_reaches_nothing() {
-        let field = court("........#......#....");
+        let field = court_with_gate("........#......#....");
         let mut reachability = Reachability::new(&field.checker, &MemoryMeter::unlimited(), Pose::new(42.0, 40.0, 0.0));
         assert!(!reachability.reaches(GoalDisc { centre: DVec2::new(42.0, 40.0), radius_m: 30.0 }));
         assert_eq!(

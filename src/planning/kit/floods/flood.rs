@@ -1,3 +1,8 @@
+//! A flood over a lattice of poses.
+//!
+//! It is no [`crate::planning::kit::best_first`] search: it knows no costs, holds millions of poses in 16 bytes each, and
+//! is grown again whenever more is asked. Only the motions are the same.
+
 use std::collections::VecDeque;
 use std::f64::consts::{PI, TAU};
 
@@ -6,12 +11,10 @@ use glam::{DVec2, Vec2};
 use crate::collision::CollisionChecker;
 use crate::geometry::{FieldFrame, Pose};
 use crate::planning::GoalDisc;
-use crate::planning::kit::local_search::Floor;
-use crate::planning::kit::{best_first, local_search};
+use crate::planning::kit::clearance_profile::ClearanceProfile;
+use crate::planning::kit::lattice::{Lattice, motions};
 use crate::planning::memory::{BytesAfter, Growing, Held, MemoryMeter};
 use crate::vehicle::{Path, Segment};
-
-use super::Lattice;
 
 /// The most poses that a flood holds.
 pub const MAX_POSES: usize = 3_000_000;
@@ -27,7 +30,7 @@ const NONE: u32 = u32::MAX;
 pub struct Flood {
     checker: CollisionChecker,
     root: Pose,
-    floor: Floor,
+    profile: ClearanceProfile,
     motions: [Segment; 6],
     bins: BinPages,
     found: Vec<Found>,
@@ -39,7 +42,7 @@ pub struct Flood {
     is_short: bool,
 }
 
-/// A pose found: how, and where its body centre is, which is all that questions need.
+/// A pose found: the motion that found it, and where its body centre is, which is all that questions need.
 #[derive(Clone, Copy, Debug)]
 struct Found {
     parent: u32,
@@ -61,8 +64,8 @@ impl Flood {
         let mut flood = Self {
             checker: checker.clone(),
             root,
-            floor: Floor::new(clearance_m, root, checker.clearance(root)),
-            motions: best_first::motions(checker.body(), lattice.step_m),
+            profile: ClearanceProfile::from_start(clearance_m, root, checker.clearance(root)),
+            motions: motions(checker.body(), lattice.step_m),
             bins: BinPages::new(checker.field().frame(), lattice),
             found: Vec::new(),
             frontier: VecDeque::new(),
@@ -76,13 +79,13 @@ impl Flood {
         flood
     }
 
-    /// The first pose found whose body centre lies in a disc; the flood grows until there is one, but spreads from no
+    /// Returns the first pose found whose body centre lies in a disc; the flood grows until there is one, but spreads from no
     /// more than `limit` poses.
     pub fn pose_in(&mut self, disc: GoalDisc, limit: u32) -> Option<u32> {
         self.known_in(disc, limit).min().or_else(|| self.grow_into(disc, limit))
     }
 
-    /// All poses known in a disc that are found by spreading from no more than `limit` poses.
+    /// Returns all poses known in a disc that are found by spreading from no more than `limit` poses.
     pub fn known_in(&self, disc: GoalDisc, limit: u32) -> impl Iterator<Item = u32> + '_ {
         let reach = disc.radius_m + self.checker.body().centre_offset_m().abs();
         let known = self.bins.about(disc.centre, reach);
@@ -95,7 +98,7 @@ impl Flood {
         limit.min(self.next as u32)
     }
 
-    /// From how many poses the flood spreads until it finds a pose.
+    /// Returns from how many poses the flood spreads until it finds a pose.
     pub fn spreads_to(&self, pose: u32) -> u32 {
         // The root has no parent: none.
         self.found[pose as usize].parent.wrapping_add(1)
@@ -106,7 +109,7 @@ impl Flood {
         self.found.len() == MAX_POSES || self.is_short
     }
 
-    /// The most bytes that a flood over a lattice of this field takes if it spreads from up to `limit` poses.
+    /// Bounds the bytes that a flood over a lattice of this field takes if it spreads from up to `limit` poses.
     pub fn most_bytes(frame: &FieldFrame, lattice: Lattice, limit: u32) -> u64 {
         let poses = BinPages::most_poses(frame, lattice).min(MAX_POSES as u64).min(6 * u64::from(limit) + 1);
         // Lists that double may come to have room for twice as many as they hold. The frontier is a surface in the
@@ -158,7 +161,7 @@ impl Flood {
             let is_new = self.found.len() < MAX_POSES
                 && self.checker.field().frame().border_distance(end.position()) > 0.0
                 && !self.bins.is_taken(end);
-            if is_new && self.floor.motion_is_free(&self.checker, pose, motion) {
+            if is_new && self.profile.motion_is_free(&self.checker, pose, motion) {
                 self.keep(end, parent, index as u8);
             }
         }
@@ -171,7 +174,7 @@ impl Flood {
         self.frontier.push_back(pose);
     }
 
-    /// Where the poses are that spreading from up to `limit` poses finds, in order, each after the one that it came from.
+    /// Returns where the poses are that spreading from up to `limit` poses finds, in order, each after the one that it came from.
     pub fn reached(&self, limit: u32) -> impl Iterator<Item = [DVec2; 2]> {
         let mut poses: Vec<Pose> = Vec::new();
         let found = self.found.iter().take_while(move |found| found.parent.wrapping_add(1) <= limit);
@@ -185,7 +188,7 @@ impl Flood {
         })
     }
 
-    /// The way from the root to a pose of the flood.
+    /// Returns the way from the root to a pose of the flood.
     pub fn path_to(&self, pose: u32) -> Path {
         let mut segments = Vec::new();
         let mut index = pose as usize;
@@ -194,7 +197,7 @@ impl Flood {
             index = self.found[index].parent as usize;
         }
         segments.reverse();
-        Path { start: self.root, segments: local_search::join(&segments) }
+        Path { start: self.root, segments }.joined()
     }
 }
 
@@ -234,7 +237,7 @@ impl BinPages {
         cols as u64 * rows as u64 * u64::from(lattice.headings)
     }
 
-    /// The most bytes that the bins of this number of poses take.
+    /// Bounds the bytes that the bins of this number of poses take.
     fn most_bytes(frame: &FieldFrame, lattice: Lattice, poses: u64) -> u64 {
         let empty = Self::new(frame, lattice);
         let sides = [empty.cols, empty.rows].map(|bins| bins.div_ceil(PAGE) as u64);
@@ -245,7 +248,7 @@ impl BinPages {
         4 * (bins + blocks * (BLOCK * BLOCK) as u64 + empty.blocks.len() as u64) + bins / 4
     }
 
-    /// Bytes that it takes with `more` further poses, each in a page and a block of its own; `None` if those are more
+    /// Returns the bytes that it takes with `more` further poses, each in a page and a block of its own; `None` if those are more
     /// bins than there may be.
     fn bytes_after(&self, more: usize) -> Option<usize> {
         let lists = self.pages.bytes_after(more * BLOCK * BLOCK) + self.blocks.bytes_after(0);
@@ -253,7 +256,7 @@ impl BinPages {
         Some(4 * bins + bins / 4 + lists)
     }
 
-    /// The number of bins that there is memory for once there are `more` further ones: it doubles, up to the most that
+    /// Returns the number of bins that there is memory for once there are `more` further ones: it doubles, up to the most that
     /// may be.
     fn bins_after(&self, more: usize) -> Option<usize> {
         let (known, room) = (self.poses.len() + more, self.poses.capacity());
@@ -280,7 +283,7 @@ impl BinPages {
         [block, page, place + (turn as usize).min(self.lattice.headings as usize - 1)]
     }
 
-    /// The index in `poses` at which a page begins, if it was ever written to.
+    /// Returns the index in `poses` at which a page begins, if it was ever written to.
     fn start_of(&self, block: usize, page: usize) -> Option<usize> {
         let known = |start: &u32| *start != NONE;
         let pages = Some(self.blocks[block]).filter(known)? as usize;
@@ -314,7 +317,7 @@ impl BinPages {
         self.taken[bin / 64] |= 1 << (bin % 64);
     }
 
-    /// All poses in bins within `reach` of a place along both axes, and some more.
+    /// Returns all poses in bins within `reach` of a place along both axes, and some more.
     fn about(&self, centre: DVec2, reach: f64) -> impl Iterator<Item = u32> + '_ {
         let range = |middle: f64, bins: usize| {
             let low = ((middle - reach) / self.lattice.bin_m) as usize;
@@ -334,7 +337,7 @@ impl BinPages {
     }
 }
 
-/// Bins along x and y, one more than cover the field where they divide it evenly.
+/// Returns the bins along x and y, one more than cover the field where they divide it evenly.
 fn bins_along(frame: &FieldFrame, lattice: Lattice) -> [usize; 2] {
     [frame.width_m(), frame.height_m()].map(|side| (side / lattice.bin_m) as usize + 1)
 }
@@ -342,7 +345,7 @@ fn bins_along(frame: &FieldFrame, lattice: Lattice) -> [usize; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::planning::reachability::{CLEARANCE_M, LATTICES};
+    use crate::planning::kit::floods::{CLEARANCE_M, LATTICES};
     use crate::planning::test_fields::TestField;
 
     fn flood(field: &TestField, memory: &MemoryMeter, lattice: Lattice) -> Flood {

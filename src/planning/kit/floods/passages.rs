@@ -1,3 +1,5 @@
+//! A proof that no lattice reaches a place: the body does not fit through.
+
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use glam::DVec2;
@@ -15,7 +17,7 @@ const MAX_SQUARES: usize = 4_000_000;
 /// Bytes of every square for whether it was met, and for its place among those that wait.
 const BYTES_AT_WORK: usize = 1 + size_of::<usize>();
 
-/// Where the body's centre could get to if only the largest disc in the body had to pass.
+/// The part of the field that the body's centre could get to if only the largest disc in the body had to pass.
 ///
 /// The field is cut into squares. A square is open if its middle is no nearer to a bush than that disc's radius less
 /// half the square's diagonal, so every square in which the body's centre can be is open, and every way of the body's
@@ -43,7 +45,7 @@ impl Passages {
         passages
     }
 
-    /// The most bytes that it takes on a field, while it is worked out.
+    /// Bounds the bytes that it takes on a field, while it is worked out.
     pub fn most_bytes(frame: &FieldFrame) -> u64 {
         let (cols, rows) = squares_along(frame);
         if cols * rows <= MAX_SQUARES { (cols * rows * (1 + BYTES_AT_WORK)) as u64 } else { 0 }
@@ -53,8 +55,6 @@ impl Passages {
     fn join(&mut self, checker: &CollisionChecker, start: DVec2) {
         let body = checker.body();
         let needed = 0.5 * body.width_m.min(body.length_m) - SQUARE_M * FRAC_1_SQRT_2;
-        let is_open =
-            |middle: DVec2| checker.field().lower_bound(middle) >= needed || checker.field().distance(middle) >= needed;
         let squares = self.cols * self.rows;
         let mut at_work = self.memory.beside();
         if !at_work.cover(squares * BYTES_AT_WORK) {
@@ -70,7 +70,9 @@ impl Passages {
             for next in self.beside(square) {
                 if !met[next] {
                     met[next] = true;
-                    if is_open(self.middle(next)) {
+                    // The field's bound is cheaper than the exact distance, and mostly enough.
+                    let (middle, field) = (self.middle(next), checker.field());
+                    if field.lower_bound(middle) >= needed || field.distance(middle) >= needed {
                         self.joined[next] = true;
                         pending.push(next);
                     }
@@ -79,7 +81,7 @@ impl Passages {
         }
     }
 
-    /// Whether no place in a disc is joined to the start.
+    /// Says whether no place in a disc is joined to the start.
     pub fn exclude(&self, disc: GoalDisc) -> bool {
         if self.joined.is_empty() {
             return false;
@@ -104,7 +106,7 @@ impl Passages {
         index(point.y, self.rows) * self.cols + index(point.x, self.cols)
     }
 
-    /// Squares that share a side with one.
+    /// Returns the squares that share a side with one.
     fn beside(&self, square: usize) -> impl Iterator<Item = usize> + use<> {
         let (col, row, cols, rows) = (square % self.cols, square / self.cols, self.cols, self.rows);
         let west = (col > 0).then(|| square - 1);
@@ -115,7 +117,7 @@ impl Passages {
     }
 }
 
-/// Squares that cover a field along x and y.
+/// Returns the squares that cover a field along x and y.
 fn squares_along(frame: &FieldFrame) -> (usize, usize) {
     let count = |side: f64| (side / SQUARE_M).ceil() as usize;
     (count(frame.width_m()), count(frame.height_m()))

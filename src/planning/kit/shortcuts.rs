@@ -1,39 +1,39 @@
-//! Makes a drivable path cheaper: Reeds-Shepp shortcuts that keep the turning radius and the clearance floor.
+//! Makes a drivable path cheaper: Reeds-Shepp shortcuts that keep the turning radius and the clearance.
 //!
 //! What a path costs is its length and a price for every cusp, cusps between an old part and a new one included. A
 //! shortcut counts only if it makes the whole path cheaper; whether it is free is asked last. First the path is
 //! shortened from knot to knot, then between random places. After R. Geraerts, M. H. Overmars, "Creating high-quality
 //! paths for motion planning", IJRR 26(8), 2007, section 4, with Reeds-Shepp curves in place of straight lines.
 
-mod way;
-
 use rand::{Rng, RngExt};
 
 use crate::collision::CollisionChecker;
+use crate::geometry::Pose;
 use crate::vehicle::{CurvePrice, Path, ReedsShepp, Segment};
 
-use super::clearance_profile::ClearanceFloor;
-use way::{Way, cost};
+use super::clearance_profile::ClearanceProfile;
 
-/// Distance of the knots.
+/// Shorter pieces are rounding, and left out.
+const SHORTEST_M: f64 = 1e-9;
+/// Distance between knots.
 const KNOT_M: f64 = 8.0;
-/// A shortcut must save so much.
+/// A shortcut must save at least this.
 const WORTH_M: f64 = 1e-6;
-/// Shares of the tries that may fail in a row.
+/// The share of the tries that may fail in a row.
 const PATIENCE: f64 = 0.5;
-/// A shortcut between joints begins so far before or behind the joint, half of the time.
+/// A shortcut between joints begins up to this far before or behind the joint, half of the time.
 const JITTER_M: f64 = 5.0;
 
 /// Improves paths of one body on one field.
 #[derive(Clone, Debug)]
-pub struct Improver {
+pub struct Shortcutter {
     checker: CollisionChecker,
     curves: ReedsShepp,
     price: CurvePrice,
     spliced: Vec<Segment>,
 }
 
-impl Improver {
+impl Shortcutter {
     /// A cusp costs as much as `cusp_m` metres.
     pub fn new(checker: &CollisionChecker, cusp_m: f64) -> Self {
         Self {
@@ -44,25 +44,25 @@ impl Improver {
         }
     }
 
-    /// A path between the same poses that costs no more; where it is new, it keeps the floor. `tries` bounds the random
+    /// Returns a path between the same poses that costs no more; where it is new, it keeps the clearance. `tries` bounds the random
     /// shortcuts that are tried.
-    pub fn improve(&mut self, path: &Path, floor: &ClearanceFloor, tries: u32, rng: &mut impl Rng) -> Path {
+    pub fn improve(&mut self, path: &Path, profile: &ClearanceProfile, tries: u32, rng: &mut impl Rng) -> Path {
         let mut way = Way::new(path.start, path.segments.iter().copied());
         if tries > 0 {
-            self.cut_between_knots(&mut way, floor);
-            self.cut_at_random(&mut way, floor, tries, rng);
+            self.cut_between_knots(&mut way, profile);
+            self.cut_at_random(&mut way, profile, tries, rng);
         }
         way.into_path()
     }
 
-    /// From every knot straight to the farthest that can be reached more cheaply.
-    fn cut_between_knots(&mut self, way: &mut Way, floor: &ClearanceFloor) {
+    /// Cuts from every knot straight to the farthest that can be reached more cheaply.
+    fn cut_between_knots(&mut self, way: &mut Way, profile: &ClearanceProfile) {
         let mut from_m = 0.0;
         while from_m + KNOT_M < way.length_m() {
             let before_m = way.length_m();
             let knots = ((before_m - from_m) / KNOT_M).ceil() as u32;
             let ends = (2..=knots).rev().map(|knot| (from_m + f64::from(knot) * KNOT_M).min(before_m));
-            from_m = match ends.into_iter().find(|&to_m| self.cut(way, floor, from_m, to_m)) {
+            from_m = match ends.into_iter().find(|&to_m| self.cut(way, profile, from_m, to_m)) {
                 // The rest of the path is as long as before.
                 Some(to_m) => way.length_m() - (before_m - to_m),
                 None => from_m + KNOT_M,
@@ -70,12 +70,12 @@ impl Improver {
         }
     }
 
-    fn cut_at_random(&mut self, way: &mut Way, floor: &ClearanceFloor, tries: u32, rng: &mut impl Rng) {
+    fn cut_at_random(&mut self, way: &mut Way, profile: &ClearanceProfile, tries: u32, rng: &mut impl Rng) {
         let patience = (PATIENCE * f64::from(tries)) as u32;
         let mut failures = 0;
         for kind in (0..tries).map(|number| number % 4) {
             let (from_m, to_m) = random_places(way, kind, rng);
-            failures = if self.cut(way, floor, from_m, to_m) { 0 } else { failures + 1 };
+            failures = if self.cut(way, profile, from_m, to_m) { 0 } else { failures + 1 };
             if failures > patience {
                 return;
             }
@@ -83,7 +83,7 @@ impl Improver {
     }
 
     /// Replaces what lies between two places of a way by a curve, if that makes the way cheaper and is free.
-    fn cut(&mut self, way: &mut Way, floor: &ClearanceFloor, from_m: f64, to_m: f64) -> bool {
+    fn cut(&mut self, way: &mut Way, profile: &ClearanceProfile, from_m: f64, to_m: f64) -> bool {
         if from_m >= to_m {
             return false;
         }
@@ -93,7 +93,7 @@ impl Improver {
         let Some(best) = self.curves.cheapest_below(from, to, &self.price, bound) else { return false };
         way.splice((from_m, to_m), best.curve.segments(), &mut self.spliced);
         let is_better = cost(&self.spliced, self.price.cusp_m) < limit
-            && floor.way_is_free(&self.checker, from, best.curve.segments());
+            && profile.way_is_free(&self.checker, from, best.curve.segments());
         if is_better {
             *way = Way::new(way.start(), self.spliced.iter().copied());
         }
@@ -101,7 +101,7 @@ impl Improver {
     }
 }
 
-/// Two places of a way, the first before the second: a kind has one at the start, at the end, both near joints, or both
+/// Returns two places of a way, the first before the second: a kind has one at the start, at the end, both near joints, or both
 /// anywhere.
 fn random_places(way: &Way, kind: u32, rng: &mut impl Rng) -> (f64, f64) {
     let length_m = way.length_m();
@@ -122,6 +122,96 @@ fn near_joints(way: &Way, rng: &mut impl Rng) -> (f64, f64) {
     ((one + shift).clamp(0.0, way.length_m()), other)
 }
 
+/// A path that is being changed, with the places of its joints.
+#[derive(Clone, Debug)]
+struct Way {
+    segments: Vec<Segment>,
+    /// Pose and metres driven at the start of every segment, and at the end.
+    joints: Vec<(Pose, f64)>,
+}
+
+impl Way {
+    /// Segments of no length are left out, and those that continue one another become one.
+    fn new(start: Pose, way: impl IntoIterator<Item = Segment>) -> Self {
+        let mut segments = Vec::new();
+        append(&mut segments, way);
+        let mut joints = vec![(start, 0.0)];
+        for segment in &segments {
+            let (pose, driven_m) = joints[joints.len() - 1];
+            joints.push((segment.end(pose), driven_m + segment.length_m.abs()));
+        }
+        Self { segments, joints }
+    }
+
+    fn start(&self) -> Pose {
+        self.joints[0].0
+    }
+
+    fn into_path(self) -> Path {
+        Path { start: self.start(), segments: self.segments }
+    }
+
+    fn segments(&self) -> &[Segment] {
+        &self.segments
+    }
+
+    fn length_m(&self) -> f64 {
+        self.joints[self.joints.len() - 1].1
+    }
+
+    /// Metres driven at the start of every segment, and at the end.
+    fn joints_m(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
+        self.joints.iter().map(|&(_, driven_m)| driven_m)
+    }
+
+    /// Returns the pose after these metres, from 0 to the length.
+    fn pose_at(&self, driven_m: f64) -> Pose {
+        let Some(index) = self.segment_at(driven_m) else { return self.start() };
+        let (pose, before_m) = self.joints[index];
+        let segment = self.segments[index];
+        segment.pose_at(pose, (driven_m - before_m).copysign(segment.length_m))
+    }
+
+    /// Replaces what `way` holds by the segments of this way with those `between` two places of it exchanged.
+    fn splice(&self, (from_m, to_m): (f64, f64), between: impl Iterator<Item = Segment>, way: &mut Vec<Segment>) {
+        way.clear();
+        append(way, self.part(0.0, from_m));
+        append(way, between);
+        append(way, self.part(to_m, self.length_m()));
+    }
+
+    /// The segments between two places.
+    fn part(&self, from_m: f64, to_m: f64) -> impl Iterator<Item = Segment> + '_ {
+        self.segments.iter().zip(self.joints.windows(2)).filter_map(move |(segment, joints)| {
+            let length_m = to_m.min(joints[1].1) - from_m.max(joints[0].1);
+            (length_m > 0.0).then(|| segment.with_length(length_m))
+        })
+    }
+
+    fn segment_at(&self, driven_m: f64) -> Option<usize> {
+        let last = self.segments.len().checked_sub(1)?;
+        Some(self.joints.partition_point(|&(_, before_m)| before_m <= driven_m).saturating_sub(1).min(last))
+    }
+}
+
+/// Returns the metres, and `cusp_m` for every change of direction.
+fn cost(segments: &[Segment], cusp_m: f64) -> f64 {
+    let metres: f64 = segments.iter().map(|segment| segment.length_m.abs()).sum();
+    let cusps = segments.windows(2).filter(|pair| pair[0].is_reverse() != pair[1].is_reverse()).count();
+    metres + cusp_m * cusps as f64
+}
+
+fn append(segments: &mut Vec<Segment>, way: impl IntoIterator<Item = Segment>) {
+    for segment in way.into_iter().filter(|segment| segment.length_m.abs() > SHORTEST_M) {
+        match segments.last_mut() {
+            Some(last) if last.curvature == segment.curvature && last.is_reverse() == segment.is_reverse() => {
+                last.length_m += segment.length_m;
+            }
+            _ => segments.push(segment),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -133,14 +223,14 @@ mod tests {
     const FLOOR_M: f64 = 0.3;
 
     /// A free path of many short arcs and straights, forward and reverse, from the field's start.
-    fn random_path(field: &mut TestField, floor: &ClearanceFloor) -> Path {
+    fn random_path(field: &mut TestField, profile: &ClearanceProfile) -> Path {
         let mut path = Path::standing(field.start);
         for _ in 0..60 {
             let side = f64::from(field.rng.random_range(-1..=1));
             let sense = if field.rng.random_bool(0.85) { 1.0 } else { -1.0 };
             let length_m = sense * field.rng.random_range(1.0..6.0);
             let segment = Segment { curvature: side * field.checker.body().max_curvature(), length_m };
-            if floor.motion_is_free(&field.checker, path.end(), segment) {
+            if profile.motion_is_free(&field.checker, path.end(), segment) {
                 path.segments.push(segment);
             }
         }
@@ -152,10 +242,10 @@ mod tests {
         let (mut before_m, mut after_m) = (0.0, 0.0);
         for (seed, walks) in (0..12).zip([25, 25, 60].into_iter().cycle()) {
             let mut field = TestField::random(seed, walks);
-            let floor = ClearanceFloor::new(FLOOR_M, []);
-            let path = random_path(&mut field, &floor);
-            let mut improver = Improver::new(&field.checker, 1.0);
-            let improved = improver.improve(&path, &floor, 200, &mut rng::stream(seed, "improve"));
+            let profile = ClearanceProfile::new(FLOOR_M, []);
+            let path = random_path(&mut field, &profile);
+            let mut improver = Shortcutter::new(&field.checker, 1.0);
+            let improved = improver.improve(&path, &profile, 200, &mut rng::stream(seed, "improve"));
             assert_eq!(improved.start, path.start);
             assert!(improved.end().position().distance(path.end().position()) < 1e-6);
             assert!(ops::wrap_angle(improved.end().heading - path.end().heading).abs() < 1e-6);
@@ -172,21 +262,21 @@ mod tests {
     #[test]
     fn without_tries_a_path_stays_as_it_is() {
         let mut field = TestField::random(1, 25);
-        let floor = ClearanceFloor::new(FLOOR_M, []);
-        let path = random_path(&mut field, &floor);
-        let same = Improver::new(&field.checker, 1.0).improve(&path, &floor, 0, &mut rng::stream(1, "improve"));
+        let profile = ClearanceProfile::new(FLOOR_M, []);
+        let path = random_path(&mut field, &profile);
+        let same = Shortcutter::new(&field.checker, 1.0).improve(&path, &profile, 0, &mut rng::stream(1, "improve"));
         assert!((same.length_m() - path.length_m()).abs() < 1e-9 && same.cusps() == path.cusps());
     }
 
     #[test]
     fn paths_of_nothing_or_of_one_piece_are_left_alone() {
         let field = TestField::random(1, 25);
-        let floor = ClearanceFloor::new(FLOOR_M, []);
+        let profile = ClearanceProfile::new(FLOOR_M, []);
         let straight = Segment { curvature: 0.0, length_m: 6.0 };
         for segments in [vec![], vec![straight]] {
             let path = Path { start: field.start, segments };
             let improved =
-                Improver::new(&field.checker, 1.0).improve(&path, &floor, 50, &mut rng::stream(1, "improve"));
+                Shortcutter::new(&field.checker, 1.0).improve(&path, &profile, 50, &mut rng::stream(1, "improve"));
             assert_eq!(improved, path);
         }
     }

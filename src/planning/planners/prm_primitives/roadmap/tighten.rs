@@ -1,17 +1,18 @@
+//! Routes with fewer and straighter lines.
+
 use glam::DVec2;
 
 use super::space::FreeSpace;
 use super::{Roadmap, Route};
 
-/// Halvings of the way that a waypoint is pulled towards the straight line.
+/// The number of halvings of the way that a waypoint is pulled towards the straight line.
 const PULLS: u32 = 4;
 
 impl Roadmap {
     /// Leaves out waypoints that need not be visited and pulls the others towards the straight line, all lines
-    /// staying free and no way becoming dearer.
+    /// staying free and no way becoming more expensive.
     ///
-    /// The last waypoint stays. From each waypoint the farthest one that can be seen and is worth
-    /// it comes next.
+    /// The last waypoint stays. From each waypoint the farthest one that can be seen and is worth it comes next.
     pub fn tighten(&self, start: DVec2, route: &mut Route) {
         thin(&self.space, start, &mut route.waypoints);
         pull(&self.space, start, &mut route.waypoints);
@@ -31,7 +32,7 @@ fn thin(space: &FreeSpace, start: DVec2, waypoints: &mut Vec<DVec2>) {
     while next < waypoints.len() {
         let is_shortcut = |&far: &usize| {
             line_is_free(space, kept == 0, here, waypoints[far])
-                && space.is_no_dearer(here, &[waypoints[far]], &waypoints[next..=far])
+                && space.costs_no_more(here, &[waypoints[far]], &waypoints[next..=far])
         };
         let seen = (next + 1..waypoints.len()).rev().find(is_shortcut);
         next = seen.unwrap_or(next);
@@ -44,7 +45,7 @@ fn thin(space: &FreeSpace, start: DVec2, waypoints: &mut Vec<DVec2>) {
 }
 
 /// Moves every inner waypoint towards the nearest point of the line between its neighbours, as far as bisection finds
-/// it free and no dearer.
+/// it free and no more expensive.
 fn pull(space: &FreeSpace, start: DVec2, waypoints: &mut [DVec2]) {
     for index in 0..waypoints.len().saturating_sub(1) {
         let before = if index == 0 { start } else { waypoints[index - 1] };
@@ -59,7 +60,7 @@ fn pull(space: &FreeSpace, start: DVec2, waypoints: &mut [DVec2]) {
             let pulled = here.lerp(straight, free);
             if line_is_free(space, index == 0, before, tried)
                 && space.line_is_free(tried, after)
-                && space.is_no_dearer(before, &[tried, after], &[pulled, after])
+                && space.costs_no_more(before, &[tried, after], &[pulled, after])
             {
                 free += width;
             }

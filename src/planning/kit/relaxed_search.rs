@@ -1,0 +1,368 @@
+//! Searches over a lattice of poses that ask for less clearance in turn, the last resorts included.
+//!
+//! D. Dolgov, S. Thrun, M. Montemerlo, J. Diebel, "Path planning for autonomous vehicles in unknown semi-structured
+//! environments", IJRR 29(5), 2010, section 3: motions of constant curvature, an estimate that is the greater of the
+//! curve to the goal on an empty field and of a walk round the bushes, and analytic expansions that end the search.
+//!
+//! Where the wanted clearance leads nowhere, less is asked for, from both ends in turn (see [`SCHEDULE`]). Then a flood is
+//! asked; the last searches are on a fine lattice. What is found is improved by shortcuts under the same clearance.
+
+use crate::collision::CollisionChecker;
+use crate::geometry::{FieldFrame, Pose};
+use crate::planning::memory::{MemoryMeter, PlannerMemory};
+use crate::planning::observer::PlanningObserver;
+use crate::planning::search_graph::SearchPhase;
+use crate::planning::{Found, FoundBy, Goal, PlanFailure};
+use crate::rng::Xoshiro256PlusPlus;
+use crate::vehicle::{Path, Segment};
+
+use super::best_first::{
+    AnalyticExpansion, Candidate, Ending, Never, Node, PoseSearch, Reached, SearchOf, SearchSpace,
+};
+use super::clearance_profile::ClearanceProfile;
+use super::closed_set::ClosedSet;
+use super::ends::{explain_failure, free_ends, free_poses};
+use super::floods::{FloodSearch, Floods, LATTICES};
+use super::heuristic::Heuristic;
+use super::holonomic::{HolonomicHeuristic, WalkableCells};
+use super::lattice::Lattice;
+use super::relaxation::Stage;
+use super::shortcuts::Shortcutter;
+
+/// Share of the wanted clearance that the last stages keep.
+const LEAST_SHARE: f64 = 0.04;
+
+/// The effort of a stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Means {
+    /// Searches from the start and from the goal in turn, each of which may expand this number of nodes.
+    Searches { lattice: LatticeKind, forward: u32, backward: u32 },
+    /// The coarsest flood from the start.
+    Flood,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum LatticeKind {
+    /// The one of the settings.
+    Coarse,
+    /// The finest of the floods.
+    Fine,
+}
+
+const fn searches(share: f64, lattice: LatticeKind, forward: u32, backward: u32) -> Stage<Means> {
+    Stage { share, effort: Means::Searches { lattice, forward, backward } }
+}
+
+/// The first stage that succeeds gives the path.
+///
+/// Long detours are cheaper for the flood than for a search, because it looks at every bin once; tight ends need the
+/// short motions of the fine lattice.
+const SCHEDULE: [Stage<Means>; 6] = [
+    searches(1.0, LatticeKind::Coarse, 250, 0),
+    searches(2.0 / 3.0, LatticeKind::Coarse, 150, 150),
+    searches(1.0 / 3.0, LatticeKind::Coarse, 250, 250),
+    searches(LEAST_SHARE, LatticeKind::Coarse, 5_000, 5_000),
+    Stage { share: LEAST_SHARE, effort: Means::Flood },
+    searches(LEAST_SHARE, LatticeKind::Fine, 20_000, 20_000),
+];
+
+/// Searches from both ends take turns of this number of expansions.
+const TURN: u32 = 100;
+/// The number of floods that are asked: the coarsest alone.
+const FLOODS: usize = 1;
+/// Of the two sides of a search.
+const BACKWARD: usize = 1;
+/// A disc is searched from at poses on this number of rings.
+const START_RINGS: u32 = 4;
+
+/// The choices of whoever uses a [`RelaxedSearch`]. Lengths are metres.
+#[derive(Clone, Debug)]
+pub struct RelaxedSettings {
+    /// The wanted clearance.
+    pub clearance_m: f64,
+    /// The lattice of all searches but the last.
+    pub lattice: Lattice,
+    /// Cost of a change between forward and reverse.
+    pub cusp_cost: f64,
+    pub heuristic_weight: f64,
+    /// Shortcuts tried on the path found.
+    pub shortcuts: u32,
+    /// Nodes that one query may expand, over all its searches.
+    pub max_expansions: u32,
+}
+
+/// The searches for one body on one field.
+#[derive(Debug)]
+pub struct RelaxedSearch {
+    checker: CollisionChecker,
+    settings: RelaxedSettings,
+    memory: MemoryMeter,
+    cells: WalkableCells,
+    heuristic: Heuristic,
+    /// From the start and from the goal.
+    coarse: [LatticeSearch; 2],
+    fine: Option<[LatticeSearch; 2]>,
+    /// Walks to the goal and to the start.
+    walks: [HolonomicHeuristic; 2],
+    shortcutter: Shortcutter,
+    floods: FloodSearch,
+    /// Where every query begins to draw its shortcuts.
+    rng: Xoshiro256PlusPlus,
+    expansions: u32,
+}
+
+/// A search whose nodes note their analytic expansions.
+type LatticeSearch = PoseSearch<Option<AnalyticExpansion>, Never>;
+
+/// The drive that a query asks for.
+struct Drive<'a> {
+    start: Pose,
+    goal: Goal,
+    /// The poses that are given, with the body's clearances there.
+    ends: &'a [(Pose, f64)],
+}
+
+impl RelaxedSearch {
+    /// `rng` decides which shortcuts are tried; every query draws the same numbers.
+    pub fn new(
+        checker: &CollisionChecker,
+        memory: &MemoryMeter,
+        settings: RelaxedSettings,
+        rng: Xoshiro256PlusPlus,
+    ) -> Self {
+        let body = checker.body();
+        Self {
+            checker: checker.clone(),
+            memory: memory.clone(),
+            cells: WalkableCells::new(checker),
+            heuristic: Heuristic::new(settings.cusp_cost, body),
+            coarse: [(); 2].map(|()| PoseSearch::new(body, settings.lattice, memory)),
+            fine: None,
+            walks: Default::default(),
+            shortcutter: Shortcutter::new(checker, settings.cusp_cost),
+            floods: FloodSearch::new(checker, memory),
+            rng,
+            expansions: 0,
+            settings,
+        }
+    }
+
+    /// Bounds the bytes that it takes.
+    pub fn memory(frame: &FieldFrame, max_expansions: u32) -> PlannerMemory {
+        let most = |kind: LatticeKind, side: usize| {
+            let budgets = SCHEDULE.iter().filter_map(|stage| match stage.effort {
+                Means::Searches { lattice, forward, backward } if lattice == kind => Some([forward, backward][side]),
+                _ => None,
+            });
+            most_bytes_of_search(budgets.max().unwrap_or(0).min(max_expansions))
+        };
+        let kinds = [LatticeKind::Coarse, LatticeKind::Fine];
+        let searches: u64 = kinds.into_iter().map(|kind| most(kind, 0) + most(kind, BACKWARD)).sum();
+        let flood = Floods::most_bytes(frame, FLOODS, max_expansions);
+        let cells = WalkableCells::bytes(frame) + 2 * HolonomicHeuristic::most_bytes(frame);
+        PlannerMemory { held: cells, grows: searches + flood, ..PlannerMemory::default() }
+    }
+
+    /// Returns the nodes that the last query expanded.
+    pub fn expansions(&self) -> u32 {
+        self.expansions
+    }
+
+    /// Finds a path from a pose to a goal.
+    ///
+    /// # Errors
+    /// The reason why there is none.
+    pub fn find(
+        &mut self,
+        start: Pose,
+        goal: Goal,
+        observer: &mut dyn PlanningObserver,
+    ) -> Result<Found, PlanFailure> {
+        self.expansions = 0;
+        let ends = free_ends(&self.checker, start, goal)?;
+        let profile = ClearanceProfile::new(self.settings.clearance_m, ends.iter().copied());
+        if let Some(path) = self.heuristic.free_expansion(&self.checker, start, goal, &profile) {
+            return Ok(Found { path, by: FoundBy::Straight });
+        }
+        self.relax(&Drive { start, goal, ends: &ends }, observer)
+            .map_err(|failure| explain_failure(&self.checker, goal, failure))
+    }
+
+    /// Goes through the schedule until a stage succeeds. The last one tells why not.
+    fn relax(&mut self, drive: &Drive<'_>, observer: &mut dyn PlanningObserver) -> Result<Found, PlanFailure> {
+        let &Drive { start, goal, ends } = drive;
+        self.walks[0].begin(&self.cells, goal);
+        self.walks[1].begin(&self.cells, Goal::Pose(start));
+        let mut ending = Ending::Exhausted;
+        for stage in SCHEDULE {
+            let min_clearance_m = stage.min_clearance_m(self.settings.clearance_m, f64::INFINITY);
+            let profile = ClearanceProfile::new(min_clearance_m, ends.iter().copied());
+            let (path, by) = match stage.effort {
+                Means::Searches { lattice, forward, backward } => {
+                    let starts_behind: Vec<Pose> = match goal {
+                        _ if backward == 0 => Vec::new(),
+                        Goal::Pose(end) => vec![end],
+                        Goal::Disc(disc) => free_poses(&self.checker, disc, START_RINGS, min_clearance_m).collect(),
+                    };
+                    let path = self.search(lattice, [forward, backward], drive, &profile, &starts_behind);
+                    self.show(lattice, backward > 0, observer);
+                    let by = match lattice {
+                        LatticeKind::Fine => FoundBy::Lattice,
+                        LatticeKind::Coarse if stage.is_relaxed() => FoundBy::Relaxed,
+                        LatticeKind::Coarse => FoundBy::Search,
+                    };
+                    (path, by)
+                }
+                Means::Flood => (self.flood(start, goal, observer), FoundBy::Lattice),
+            };
+            match path {
+                Ok(path) => {
+                    let tries = self.settings.shortcuts;
+                    let path = self.shortcutter.improve(&path, &profile, tries, &mut self.rng.clone());
+                    return Ok(Found { path: self.heuristic.shorten_end(&self.checker, path, goal, &profile), by });
+                }
+                Err(failed) => ending = failed,
+            }
+        }
+        Err(match ending {
+            Ending::Exhausted => PlanFailure::Disconnected,
+            Ending::BudgetSpent => PlanFailure::BudgetSpent,
+        })
+    }
+
+    /// Searches from both ends in turn, until one finds a way or those that are left cannot.
+    fn search(
+        &mut self,
+        lattice: LatticeKind,
+        budgets: [u32; 2],
+        drive: &Drive<'_>,
+        profile: &ClearanceProfile,
+        starts_behind: &[Pose],
+    ) -> Result<Path, Ending> {
+        let &Drive { start, goal, .. } = drive;
+        let Self { checker, settings, memory, cells, heuristic, coarse, fine, walks: [to_goal, to_start], .. } = self;
+        let [forward, backward] = match lattice {
+            LatticeKind::Coarse => coarse,
+            LatticeKind::Fine => fine.get_or_insert_with(|| {
+                [(); 2].map(|()| PoseSearch::new(checker.body(), LATTICES[LATTICES.len() - 1], memory))
+            }),
+        };
+        let (checker, heuristic, cells) = (&*checker, &*heuristic, &*cells);
+        let mut ahead = LatticeSpace { checker, heuristic, profile, goal, cells, walk: to_goal, settings };
+        let back = Goal::Pose(start);
+        let mut behind = LatticeSpace { checker, heuristic, profile, goal: back, cells, walk: to_start, settings };
+        forward.begin(&mut ahead, [start], None);
+        if budgets[BACKWARD] > 0 {
+            backward.begin(&mut behind, starts_behind.iter().copied(), None);
+        }
+        let mut sides = [(forward, ahead), (backward, behind)];
+        let mut left = budgets;
+        let mut ending = Ending::Exhausted;
+        while left != [0, 0] {
+            for (side, (search, space)) in sides.iter_mut().enumerate() {
+                if left[side] == 0 {
+                    continue;
+                }
+                let turn = TURN.min(left[side]).min(settings.max_expansions - self.expansions);
+                let before = search.expansions;
+                let path = search.run(space, before + turn);
+                let spent = search.expansions - before;
+                self.expansions += spent;
+                left[side] -= spent;
+                match path {
+                    // Driven back, it would begin at the start except for rounding.
+                    Ok(path) if side == BACKWARD => return Ok(Path { start, ..path.reversed() }),
+                    Ok(path) => return Ok(path),
+                    Err(Ending::BudgetSpent) if self.expansions < settings.max_expansions => {
+                        ending = Ending::BudgetSpent;
+                    }
+                    // From a disc only some poses were searched, and beyond the fine lattice there is nothing to try.
+                    Err(Ending::Exhausted)
+                        if lattice == LatticeKind::Fine || (side == BACKWARD && matches!(goal, Goal::Disc(_))) =>
+                    {
+                        left[side] = 0;
+                    }
+                    Err(failure) => return Err(failure),
+                }
+            }
+        }
+        Err(ending)
+    }
+
+    /// Shows the observer where the searches of a stage looked, first those from the start.
+    fn show(&self, lattice: LatticeKind, is_two_sided: bool, observer: &mut dyn PlanningObserver) {
+        let [forward, backward] = match lattice {
+            LatticeKind::Coarse => &self.coarse,
+            LatticeKind::Fine => self.fine.as_ref().expect("it was searched"),
+        };
+        observer.looked_at(SearchPhase::Local, &mut forward.lines());
+        if is_two_sided {
+            observer.looked_at(SearchPhase::Local, &mut backward.lines());
+        }
+    }
+
+    fn flood(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Result<Path, Ending> {
+        let budget = self.settings.max_expansions - self.expansions;
+        let (path, spent) = self.floods.find_within(budget, FLOODS, start, goal, observer);
+        self.expansions += spent;
+        path.map_err(|_| Ending::Exhausted)
+    }
+}
+
+/// Bounds the bytes that a search takes if it expands up to this number of nodes.
+fn most_bytes_of_search(expansions: u32) -> u64 {
+    // A node is left by all motions but the one back; each new one waits twice, for its analytic expansion and to be
+    // expanded.
+    let expansions = u64::from(expansions);
+    let (nodes, entries) = (5 * expansions, (5 + 2 * 5) * expansions);
+    LatticeSearch::most_bytes(nodes, entries) + ClosedSet::most_bytes(nodes)
+}
+
+/// A goal, and what leads there.
+struct LatticeSpace<'a> {
+    checker: &'a CollisionChecker,
+    heuristic: &'a Heuristic,
+    profile: &'a ClearanceProfile,
+    goal: Goal,
+    cells: &'a WalkableCells,
+    /// Towards the goal.
+    walk: &'a mut HolonomicHeuristic,
+    settings: &'a RelaxedSettings,
+}
+
+impl SearchSpace for LatticeSpace<'_> {
+    type Mark = Option<AnalyticExpansion>;
+    type Own = Never;
+
+    /// One step adds a pose with its expansion, or the motions that follow one.
+    fn has_room(&mut self, search: &mut SearchOf<Self>) -> bool {
+        let bytes = search.bytes_after(1, search.motions.len());
+        search.may_hold(bytes)
+    }
+
+    fn weight(&self) -> f64 {
+        self.settings.heuristic_weight
+    }
+
+    fn estimate(&mut self, node: &mut Node<Self::Mark>) -> Option<f64> {
+        let value = self.heuristic.value(node.pose, node.reverse, self.goal, self.walk, self.cells);
+        (node.cost_to_go, node.mark) = (value.cost_to_go, value.expansion);
+        value.expansion.map(|expansion| expansion.cost)
+    }
+
+    fn analytic_expansion(&self, node: &Node<Self::Mark>) -> AnalyticExpansion {
+        node.mark.expect("only expansions that exist are offered")
+    }
+
+    fn offer_successors(&mut self, search: &mut SearchOf<Self>, from: Candidate<Never>) {
+        search.offer_motions(from.node, self.settings.cusp_cost, self.settings.heuristic_weight);
+    }
+
+    fn motion_is_free(&self, from: Pose, motion: Segment) -> bool {
+        self.profile.motion_is_free(self.checker, from, motion)
+    }
+
+    fn take(&mut self, _: &mut SearchOf<Self>, _: Candidate<Never>, own: Never) -> Option<Reached> {
+        match own {}
+    }
+}

@@ -1,0 +1,57 @@
+//! The graph of a roadmap: which edges lead from a milestone, whatever milestones and edges are.
+
+/// An edge as it looks from one of its milestones.
+#[derive(Clone, Copy, Debug)]
+pub struct Link {
+    pub to: u32,
+    pub edge: u32,
+}
+
+/// An undirected graph; milestones and edges are known by their numbers.
+#[derive(Debug, Default)]
+pub struct RoadmapGraph {
+    /// Links of milestone i are those from `first[i]` to `first[i + 1]`.
+    first: Vec<u32>,
+    links: Vec<Link>,
+    most_links: usize,
+}
+
+impl RoadmapGraph {
+    /// Creates the graph of edges between milestones below `milestones`; an edge's number is its place in the list.
+    ///
+    /// A milestone's links are in the order of the edges' numbers.
+    pub fn from_edges(milestones: usize, edges: impl ExactSizeIterator<Item = [u32; 2]> + Clone) -> Self {
+        let mut first = vec![0; milestones + 1];
+        for milestone in edges.clone().flatten() {
+            first[milestone as usize + 1] += 1;
+        }
+        let most_links = first.iter().copied().max().unwrap_or(0) as usize;
+        for milestone in 0..milestones {
+            first[milestone + 1] += first[milestone];
+        }
+        let mut next = first.clone();
+        let mut links = vec![Link { to: 0, edge: 0 }; 2 * edges.len()];
+        for (number, [a, b]) in edges.enumerate() {
+            for (milestone, to) in [(a, b), (b, a)] {
+                links[next[milestone as usize] as usize] = Link { to, edge: number as u32 };
+                next[milestone as usize] += 1;
+            }
+        }
+        Self { first, links, most_links }
+    }
+
+    /// Returns the links of a milestone, each with its number.
+    pub fn links(&self, milestone: u32) -> impl Iterator<Item = (u32, Link)> + '_ {
+        let range = self.first[milestone as usize]..self.first[milestone as usize + 1];
+        range.map(|link| (link, self.links[link as usize]))
+    }
+
+    pub fn link(&self, number: u32) -> Link {
+        self.links[number as usize]
+    }
+
+    /// Returns the most links that any milestone has.
+    pub fn most_links(&self) -> usize {
+        self.most_links
+    }
+}
