@@ -16,8 +16,8 @@ use wildfire::geometry::{DVec2, Pose};
 use wildfire::planning::memory::MemoryMeter;
 use wildfire::planning::reachability::Reachability;
 use wildfire::planning::{
-    BuildReport, GoalDisc, Plan, PlanFailure, PrimitiveSettings, PrmPrimitives, PrmSettings, SafetySettings,
-    TruckPlanner,
+    BuildReport, GoalDisc, Plan, PlanFailure, PrimitiveSettings, PrmPrimitives, PrmSettings, QueryMonitor, QueryTime,
+    SafetySettings, TruckPlanner,
 };
 use wildfire::rng;
 use wildfire::scenario::{Scenario, Terrain};
@@ -79,7 +79,9 @@ fn run_field(coverage: f64, seed: u64, builds: &mut Builds, short: &mut Drives, 
             let fits = |bush: &DVec2| (least..most).contains(&bush.distance(here));
             let fitting: Vec<DVec2> = bushes.iter().copied().filter(fits).collect();
             let bush = *fitting.choose(&mut rng).unwrap_or(&bushes[rng.random_range(0..bushes.len())]);
-            let plan = planner.plan(pose, GoalDisc { centre: bush, radius_m: REACH_M }.into());
+            let mut monitor = QueryMonitor::new(false);
+            let plan = planner.plan_observed(pose, GoalDisc { centre: bush, radius_m: REACH_M }.into(), &mut monitor);
+            drives.take_time(monitor.finish().0);
             pose = plan.path.as_ref().map_or(START, Path::end);
             drives.take(plan, here.distance(bush) - REACH_M, &checker);
         }
@@ -153,10 +155,13 @@ struct Drives {
 }
 
 impl Drives {
+    fn take_time(&mut self, time: QueryTime) {
+        self.roadmap.push(micros(time.roadmap));
+        self.local.push(micros(time.local));
+        self.total.push(micros(time.roadmap + time.local));
+    }
+
     fn take(&mut self, plan: Plan, straight: f64, checker: &CollisionChecker) {
-        self.roadmap.push(micros(plan.time.roadmap));
-        self.local.push(micros(plan.time.local));
-        self.total.push(micros(plan.time.roadmap + plan.time.local));
         self.roadmap_expansions.push(plan.effort.roadmap_expansions.into());
         self.local_expansions.push(plan.effort.local_expansions.into());
         match plan.path {

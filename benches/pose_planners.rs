@@ -19,7 +19,7 @@ use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::{DVec2, FieldFrame, Pose};
 use wildfire::grid::Grid;
 use wildfire::planning::memory::MemoryMeter;
-use wildfire::planning::{Goal, GoalDisc, Plan, PlanFailure, Site, TruckPlannerKind};
+use wildfire::planning::{Goal, GoalDisc, Plan, PlanFailure, QueryMonitor, QueryTime, Site, TruckPlannerKind};
 use wildfire::rng;
 use wildfire::scenario::{self, Scenario, Terrain, Unimog};
 use wildfire::time::cpu::CpuStopwatch;
@@ -102,12 +102,17 @@ fn measure_planner(kind: TruckPlannerKind, problems: &[Problem], truck: &Unimog)
         let curves = ReedsShepp { radius_m: checker.body().turning_radius_m };
         for (number, &goal) in problem.goals.iter().enumerate() {
             let bound_m = curves.length_m(problem.start, goal);
-            let plan = planner.plan(problem.start, Goal::Pose(goal));
+            let mut monitor = QueryMonitor::new(false);
+            let plan = planner.plan_observed(problem.start, Goal::Pose(goal), &mut monitor);
+            poses.take_time(monitor.finish().0);
             poses.take(plan, (number < BOUNDED_GOALS).then_some(bound_m), &checker);
         }
         for &centre in problem.bushes.iter().take(OWN_GOALS) {
             let gap_m = checker.body().body_centre(problem.start).distance(centre) - REACH_M;
-            let plan = planner.plan(problem.start, Goal::Disc(GoalDisc { centre, radius_m: REACH_M - 0.01 }));
+            let goal = Goal::Disc(GoalDisc { centre, radius_m: REACH_M - 0.01 });
+            let mut monitor = QueryMonitor::new(false);
+            let plan = planner.plan_observed(problem.start, goal, &mut monitor);
+            discs.take_time(monitor.finish().0);
             discs.take(plan, (gap_m > REACH_M).then_some(gap_m), &checker);
         }
     }
@@ -128,8 +133,11 @@ struct Drives {
 }
 
 impl Drives {
+    fn take_time(&mut self, time: QueryTime) {
+        self.milliseconds.push((time.roadmap + time.local).as_secs_f64() * 1e3);
+    }
+
     fn take(&mut self, plan: Plan, bound_m: Option<f64>, checker: &CollisionChecker) {
-        self.milliseconds.push((plan.time.roadmap + plan.time.local).as_secs_f64() * 1e3);
         self.roadmap_expansions.push(plan.effort.roadmap_expansions.into());
         self.local_expansions.push(plan.effort.local_expansions.into());
         match plan.path {

@@ -14,7 +14,9 @@ use rand::RngExt;
 use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::Pose;
 use wildfire::planning::memory::MemoryMeter;
-use wildfire::planning::{BuildReport, Effort, Found, FoundBy, Goal, Plan, PlanFailure, QueryTime, TruckPlanner};
+use wildfire::planning::{
+    BuildReport, Effort, Found, FoundBy, Goal, Plan, PlanFailure, PlanningObserver, TruckPlanner,
+};
 use wildfire::rng::{self, Xoshiro256PlusPlus};
 use wildfire::scenario::{Terrain, load};
 use wildfire::vehicle::{Path, ReedsShepp};
@@ -50,9 +52,7 @@ impl TruckPlanner for ThroughOnePose {
         BuildReport::default()
     }
 
-    fn record_searches(&mut self) {}
-
-    fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
+    fn plan_observed(&mut self, start: Pose, goal: Goal, _observer: &mut dyn PlanningObserver) -> Plan {
         let Goal::Pose(end) = goal else { unimplemented!("this example drives to poses only") };
         let mut effort = Effort::default();
         let mut found = self.free_curve(start, end).map(|path| Found { path, by: FoundBy::Straight });
@@ -65,7 +65,7 @@ impl TruckPlanner for ThroughOnePose {
                 Found { path, by: FoundBy::Search }
             });
         }
-        Plan::new(found.ok_or(PlanFailure::BudgetSpent), effort, QueryTime::default(), Vec::new())
+        Plan::new(found.ok_or(PlanFailure::BudgetSpent), effort)
     }
 }
 

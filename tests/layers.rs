@@ -435,9 +435,8 @@ impl ModuleGraph {
     fn home_of(&self, path: &[String]) -> Option<&Vec<String>> {
         let (module, _) = (0..=path.len()).rev().find_map(|end| self.files.get_key_value(&path[..end]))?;
         let Some(name) = path.get(module.len()) else { return Some(module) };
-        let reexport = used_paths(&self.files[module]).into_iter().find(|used| {
-            used.is_reexport && used.path.last() == Some(name)
-        });
+        let reexport =
+            used_paths(&self.files[module]).into_iter().find(|used| used.is_reexport && used.path.last() == Some(name));
         match reexport.and_then(|used| self.absolute(module, &used.path)) {
             Some(absolute) if absolute != path => self.home_of(&absolute).or(Some(module)),
             _ => Some(module),
@@ -487,7 +486,8 @@ fn objection_inside_planning(module: &[String], imported: &[String]) -> Option<S
     let [other_room, ..] = other.as_slice() else { return None };
     match (room.as_str(), other_room.as_str()) {
         ("planners", "planners") if own.get(1).is_some() && own.get(1) != other.get(1) => Some(
-            "a planner imports the kit and never a sibling: what two planners use belongs into `planning/kit`".to_owned(),
+            "a planner imports the kit and never a sibling: what two planners use belongs into `planning/kit`"
+                .to_owned(),
         ),
         ("planners", "reachability" | "traffic" | "walk") => {
             Some("a planner is made of the kit; what stands beside planners is for those who call them".to_owned())

@@ -101,7 +101,6 @@ mod tests {
     use glam::DVec2;
 
     use super::*;
-    use crate::planning::reachability::passages::Passages;
     use crate::planning::test_fields::{TestField, assert_drivable, court_with_gate};
 
     #[test]

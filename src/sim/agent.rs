@@ -110,6 +110,8 @@ const MAX_RECORDED: usize = 4_000_000;
 #[derive(Resource, Debug)]
 pub struct Log {
     pub events: Vec<Event>,
+    /// True if searches are to be recorded.
+    pub records_searches: bool,
     /// Places and edges of searches.
     recorded: usize,
     /// Bytes of what facts hold beside themselves.
@@ -118,8 +120,9 @@ pub struct Log {
 }
 
 impl Log {
-    pub fn new(memory: &MemoryMeter) -> Self {
-        Self { events: Vec::new(), recorded: 0, beside: 0, memory: memory.holder(Growing::Timeline) }
+    pub fn new(memory: &MemoryMeter, records_searches: bool) -> Self {
+        let memory = memory.holder(Growing::Timeline);
+        Self { events: Vec::new(), records_searches, recorded: 0, beside: 0, memory }
     }
 
     /// Adds a fact. If there is no memory for it, it is left out and the run is over.

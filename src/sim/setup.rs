@@ -14,7 +14,7 @@ use crate::geometry::{Cell, FieldFrame, Pose};
 use crate::planning::memory::MemoryMeter;
 use crate::planning::reachability::Reachability;
 use crate::planning::walk::{WalkCosts, WalkLattice, WalkPlanner};
-use crate::planning::{BuildReport, Safety};
+use crate::planning::{BuildReport, QueryMonitor, Safety};
 use crate::rng;
 use crate::scenario::{Extinguishes, Retarget, Scenario, SpreadFrom, StepCost, StepTime, Terrain, WumpusGoal};
 use crate::time::SimTime;
@@ -52,16 +52,13 @@ pub fn build(
     cost.clearance_field = stopwatch.lap();
 
     let mut world = World::new();
-    let mut log = Log::new(memory);
+    let mut log = Log::new(memory, records_searches);
     let mut ledger = Ledger::default();
     let mut roster = Roster::default();
     let mut starts = Vec::new();
     for (number, settings) in scenario.wumpus.iter().enumerate() {
         let id = AgentId::wumpus(number as u16);
-        let (agent, mut wumpus) = place_wumpus(id, settings, &terrain, seed, &mut log)?;
-        if records_searches {
-            wumpus.planner.record_searches();
-        }
+        let (agent, wumpus) = place_wumpus(id, settings, &terrain, seed, &mut log)?;
         let body = Body::Square { size_m: settings.size_m };
         let limits = Some(wumpus_limits(settings));
         starts.push(AgentStart { id, pose: agent.trajectory.start(), body, limits });
@@ -73,8 +70,9 @@ pub fn build(
         let id = AgentId::unimog(number as u16);
         let (agent, mut truck) = place_truck(id, (settings, scenario), (&field, memory), &parked, seed, &mut log)?;
         if records_searches {
-            truck.planner.record_searches();
-            log.add_searches(SimTime::ZERO, id, truck.planner.roadmap_graph());
+            let mut monitor = QueryMonitor::new(true);
+            truck.planner.show_roadmap(&mut monitor);
+            log.add_searches(SimTime::ZERO, id, monitor.finish().1);
         }
         parked.push((settings.vehicle, agent.trajectory.start()));
         let (body, limits) = (Body::Truck(settings.vehicle), Some(truck.speed));

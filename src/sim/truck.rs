@@ -11,7 +11,7 @@ use crate::collision::CollisionChecker;
 use crate::geometry::{Cell, FieldFrame, Pose};
 use crate::planning::reachability::Reachability;
 use crate::planning::registry::Charge;
-use crate::planning::{Effort, GoalDisc, PlanFailure, TruckPlanner, detour};
+use crate::planning::{Effort, GoalDisc, PlanFailure, QueryMonitor, TruckPlanner, replan_around};
 use crate::scenario::TruckGoal;
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
@@ -110,11 +110,13 @@ impl Truck {
         if let Some(known) = before.iter().find(|blocked| blocked.drive.goal == goal && !blocked.drive.by_lattice) {
             return Ok(known.drive.clone());
         }
-        let plan = self.planner.plan(pose, self.disc(situation.frame, goal).into());
-        self.cost.roadmap_search += plan.time.roadmap;
-        self.cost.local_search += plan.time.local;
+        let mut monitor = QueryMonitor::new(log.records_searches);
+        let plan = self.planner.plan_observed(pose, self.disc(situation.frame, goal).into(), &mut monitor);
+        let (time, searched) = monitor.finish();
+        self.cost.roadmap_search += time.roadmap;
+        self.cost.local_search += time.local;
         *spent += plan.effort;
-        log.add_searches(situation.now, self.cost.agent, plan.searched);
+        log.add_searches(situation.now, self.cost.agent, searched);
         match plan.path {
             Ok(path) => Ok(Drive { goal, path, back_m: 0.0, effort: *spent, by_lattice: false }),
             Err(reason) => Err((reason, std::mem::take(spent))),
@@ -190,7 +192,7 @@ impl Truck {
         let traffic = situation.traffic;
         let leg = Trajectory::from_path(&drive.path, SimTime::ZERO, self.speed);
         let free_m = traffic.free_m(&self.body, &leg)?;
-        let (path, spent) = detour(&traffic.crowd(&self.checker), &drive.path, free_m, disc);
+        let (path, spent) = replan_around(&traffic.crowd(&self.checker), &drive.path, free_m, disc);
         self.cost.local_search += clock.lap();
         Some((path?, spent))
     }

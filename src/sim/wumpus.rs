@@ -15,7 +15,7 @@ use crate::fire::FireField;
 use crate::geometry::{Cell, FieldFrame, Pose, ops};
 use crate::grid::open_list::{OpenList, Ranked};
 use crate::planning::walk::{Walk, WalkLattice, WalkPlanner};
-use crate::planning::{Effort, PlanFailure};
+use crate::planning::{Effort, PlanFailure, QueryMonitor};
 use crate::scenario::WumpusGoal;
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
@@ -171,10 +171,11 @@ pub fn decide(
     while let Some(Candidate { target, .. }) = candidates.pop() {
         let goal = wumpus.targets[target];
         wumpus.next_target = target + 1;
-        let mut walk = wumpus.planner.plan(&wumpus.lattice, wumpus.point, (goal, wumpus.reach_m));
+        let mut monitor = QueryMonitor::new(log.records_searches);
+        let walk = wumpus.planner.plan(&wumpus.lattice, wumpus.point, (goal, wumpus.reach_m), &mut monitor);
         wumpus.cost.local_search += clock.lap();
         ready += wumpus.charge(walk.expansions);
-        log.add_searches(now, agent.id, walk.searched.take());
+        log.add_searches(now, agent.id, monitor.finish().1);
         if !walk.is_stuck() || walk.minimum != Some(wumpus.point) {
             set_out((entity, agent, wumpus), (now, ready), (goal, walk), agenda, log);
             return;

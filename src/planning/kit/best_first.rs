@@ -112,6 +112,13 @@ pub struct Candidate<S> {
     pub step: Step<S>,
 }
 
+impl<S> Candidate<S> {
+    /// Returns the same at another cost so far.
+    pub fn at_cost(self, cost: f64) -> Self {
+        Self { cost, ..self }
+    }
+}
+
 impl<S> Ranked for Candidate<S> {
     type Tie = u32;
 
@@ -219,7 +226,12 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
     }
 
     /// Begins a search from any of some poses, which have these marks; of several in a bin, the first counts.
-    pub fn begin<P: SearchSpace<Mark = M, Own = S>>(&mut self, space: &mut P, starts: impl IntoIterator<Item = Pose>, mark: M) {
+    pub fn begin<P: SearchSpace<Mark = M, Own = S>>(
+        &mut self,
+        space: &mut P,
+        starts: impl IntoIterator<Item = Pose>,
+        mark: M,
+    ) {
         self.nodes.clear();
         self.open.clear();
         self.closed.clear();
@@ -360,7 +372,12 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
         }
     }
 
-    fn drive<P: SearchSpace<Mark = M, Own = S>>(&mut self, space: &mut P, from: Candidate<S>, index: u8) -> Option<Reached> {
+    fn drive<P: SearchSpace<Mark = M, Own = S>>(
+        &mut self,
+        space: &mut P,
+        from: Candidate<S>,
+        index: u8,
+    ) -> Option<Reached> {
         let motion = self.motions[usize::from(index)];
         let Node { pose: start, mark, .. } = self.nodes[from.node as usize];
         let (pose, reverse) = (motion.end(start), motion.is_reverse());

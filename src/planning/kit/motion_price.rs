@@ -93,7 +93,8 @@ impl MotionPrice {
         segments: impl Iterator<Item = Segment> + Clone,
     ) -> f64 {
         let mut before = after_reverse;
-        let motions: f64 = segments.clone().map(|segment| self.cost(segment, before.replace(segment.is_reverse()))).sum();
+        let motions: f64 =
+            segments.clone().map(|segment| self.cost(segment, before.replace(segment.is_reverse()))).sum();
         motions + self.way_surcharge(pose, segments)
     }
 

@@ -172,12 +172,7 @@ impl RelaxedSearch {
     ///
     /// # Errors
     /// The reason why there is none.
-    pub fn find(
-        &mut self,
-        start: Pose,
-        goal: Goal,
-        observer: &mut dyn PlanningObserver,
-    ) -> Result<Found, PlanFailure> {
+    pub fn find(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Result<Found, PlanFailure> {
         self.expansions = 0;
         let ends = free_ends(&self.checker, start, goal)?;
         let profile = ClearanceProfile::new(self.settings.clearance_m, ends.iter().copied());

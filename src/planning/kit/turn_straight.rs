@@ -78,7 +78,13 @@ pub struct TurnStraightSteering {
 impl TurnStraightSteering {
     pub fn new(body: &Dimensions, price: MotionPrice) -> Self {
         let (radius, centre_offset) = (body.turning_radius_m, body.centre_offset_m());
-        Self { radius, centre_offset, centre_radius: ops::hypot(radius, centre_offset), centre_angle: ops::atan2(radius, centre_offset), price }
+        Self {
+            radius,
+            centre_offset,
+            centre_radius: ops::hypot(radius, centre_offset),
+            centre_angle: ops::atan2(radius, centre_offset),
+            price,
+        }
     }
 
     /// Returns the cheapest from a pose whose body centre is outside the disc; a disc of radius 0 is a place.
@@ -256,13 +262,18 @@ mod tests {
     use crate::planning::kit::local_search::PrimitiveSettings;
     use crate::planning::test_fields::random_pose;
     use crate::rng;
-    
+
     fn steering() -> (Dimensions, TurnStraightSteering) {
         let body = Dimensions::default();
         (body, TurnStraightSteering::new(&body, MotionPrice::new(&PrimitiveSettings::default(), &body, None)))
     }
 
-    fn all(steering: &TurnStraightSteering, pose: Pose, disc: GoalDisc, after_reverse: Option<bool>) -> Vec<TurnStraight> {
+    fn all(
+        steering: &TurnStraightSteering,
+        pose: Pose,
+        disc: GoalDisc,
+        after_reverse: Option<bool>,
+    ) -> Vec<TurnStraight> {
         let mut aims = Vec::new();
         steering.collect(pose, disc, after_reverse, &mut |aim| {
             aims.push(aim);

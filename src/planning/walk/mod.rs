@@ -158,10 +158,10 @@ mod tests {
 
     use super::test_lattices::{FRAME, field, on_cells};
     use super::*;
-    use crate::planning::Unobserved;
     use crate::grid::potential::{Attraction, Repulsion};
     use crate::grid::step_costs::StepCosts;
     use crate::grid::{Connectivity, CornerCutting, Grid, octile};
+    use crate::planning::Unobserved;
 
     const ASTAR: WalkMethod = WalkMethod::Astar { estimate: Estimate::Octile, weight: 1.0 };
     const POTENTIAL: PotentialSettings = PotentialSettings {
@@ -230,7 +230,9 @@ mod tests {
     fn a_greedier_search_expands_less_and_a_wavefront_settles_all_that_is_connected() {
         let (mut greedy_effort, mut exact_effort) = (0, 0);
         each_errand(0.2, |_, lattice, start, cell| {
-            let effort = |method| WalkPlanner::new(lattice, method, metres()).plan(lattice, start, (cell, 6.25), &mut Unobserved);
+            let effort = |method| {
+                WalkPlanner::new(lattice, method, metres()).plan(lattice, start, (cell, 6.25), &mut Unobserved)
+            };
             let greedy = effort(WalkMethod::Astar { estimate: Estimate::Octile, weight: 4.0 });
             let exact = effort(ASTAR);
             let wave = effort(WalkMethod::Wavefront);

@@ -4,7 +4,7 @@
 //! [`MARGIN_M`], so whoever keeps to his own is safe whatever the others do. Only three things change a reservation, and
 //! each keeps the rule:
 //! - a truck that sets out does so when its way is free ([`Traffic::departure`]), or takes another goal, or goes
-//!   [round](crate::planning::detour) those that stand in the way, or waits until something of the others changes;
+//!   [round](crate::planning::replan_around) those that stand in the way, or waits until something of the others changes;
 //! - a truck that breaks off drives on to where it may stand for ever ([`Traffic::stopping`]);
 //! - a truck that has nothing to do, or is blocked itself, gives way to one that could not set out otherwise
 //!   ([`standoff`]).

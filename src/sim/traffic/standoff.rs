@@ -8,7 +8,7 @@
 use bevy::prelude::Entity;
 
 use crate::collision::{MovingBody, first_conflict};
-use crate::planning::nearest_place;
+use crate::planning::find_yield_pose;
 use crate::sim::agenda::{Due, Rank};
 use crate::sim::stage::Stage;
 use crate::sim::truck::{self, Truck};
@@ -102,6 +102,6 @@ fn way_aside(
         let stand = MovingBody { body: &own.body, trajectory: &stand };
         first_conflict(MovingBody { body, trajectory: wish }, stand, now, MARGIN_M).is_none()
     };
-    let path = nearest_place(&crowd, own.leg.end(), leaves_free)?;
+    let path = find_yield_pose(&crowd, own.leg.end(), leaves_free)?;
     traffic.departure(&own.body, &Trajectory::from_path(&path, now, truck.speed)).ok()
 }

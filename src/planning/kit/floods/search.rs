@@ -172,13 +172,7 @@ impl FloodSearch {
     }
 
     /// Goes from a pose near the goal into it, by the cheapest curve that is free.
-    fn expand_analytically(
-        &self,
-        flood: &Flood,
-        goal: Goal,
-        profile: &ClearanceProfile,
-        budget: u32,
-    ) -> Option<Path> {
+    fn expand_analytically(&self, flood: &Flood, goal: Goal, profile: &ClearanceProfile, budget: u32) -> Option<Path> {
         let disc = goal.disc(self.checker.body());
         let near = GoalDisc { radius_m: disc.radius_m + NEAR_M, ..disc };
         let ways = flood.known_in(near, budget).filter_map(|index| {

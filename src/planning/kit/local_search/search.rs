@@ -342,7 +342,8 @@ impl SearchSpace for PrimitiveSpace<'_> {
         for (place, motion) in pieces.into_iter().enumerate().filter_map(|(place, piece)| Some((place, piece?))) {
             let price = &self.primitives.price;
             let cost = node.cost + (price.cost(motion, node.reverse) + price.surcharge(node.pose, motion));
-            node = Node { pose: motion.end(node.pose), parent, motion, reverse: Some(motion.is_reverse()), cost, ..node };
+            node =
+                Node { pose: motion.end(node.pose), parent, motion, reverse: Some(motion.is_reverse()), cost, ..node };
             if place < last {
                 parent = search.add(node);
             }

@@ -69,12 +69,13 @@ impl TruckPlanner for HybridAstar {
 mod tests {
     use super::*;
     use crate::collision::MOTION_TOLERANCE_M;
-    use crate::planning::GoalDisc;
+    use crate::planning::kit::holonomic::{HolonomicHeuristic, WalkableCells};
     use crate::planning::test_fields::{
         TestField, assert_ends_in, drives_in_a_row, least_clearance, random_free_pose, random_pose, shut_court,
     };
+    use crate::planning::{GoalDisc, PlanFailure};
     use crate::rng;
-    use crate::vehicle::{Dimensions, ReedsShepp};
+    use crate::vehicle::{Dimensions, Path, ReedsShepp};
     use glam::DVec2;
 
     fn planner(field: &TestField, seed: u64) -> HybridAstar {
@@ -196,9 +197,10 @@ mod tests {
             let mut planner = planner(&field, seed);
             for _ in 0..8 {
                 let disc = field.random_goal();
-                let mut wave = Wave::default();
-                wave.begin(&planner.cells, Goal::Disc(disc));
-                let promised = wave.least_m(&planner.cells, field.checker.body().body_centre(field.start));
+                let cells = WalkableCells::new(&field.checker);
+                let mut walk = HolonomicHeuristic::default();
+                walk.begin(&cells, Goal::Disc(disc));
+                let promised = walk.cost_to_go_m(&cells, field.checker.body().body_centre(field.start));
                 if let Ok(path) = planner.plan(field.start, disc.into()).path {
                     assert!(promised <= path.length_m() + 1e-9, "{promised} m, but {} m", path.length_m());
                 }

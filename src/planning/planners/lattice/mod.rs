@@ -58,6 +58,7 @@ mod tests {
     use crate::planning::test_fields::{
         TestField, assert_ends_in, drives_in_a_row, least_clearance, random_free_pose, shut_court,
     };
+    use crate::planning::{GoalDisc, PlanFailure};
     use crate::rng;
 
     fn planner(field: &TestField) -> LatticePlanner {

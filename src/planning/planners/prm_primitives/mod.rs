@@ -21,9 +21,7 @@ use crate::planning::kit::safety::{Safety, SafetySettings};
 use crate::planning::memory::{MemoryMeter, PlannerMemory};
 use crate::planning::observer::{PlanningObserver, PlanningWork};
 use crate::planning::search_graph::SearchPhase;
-use crate::planning::{
-    BuildReport, Effort, Found, FoundBy, Goal, GoalDisc, Plan, PlanFailure, TruckPlanner,
-};
+use crate::planning::{BuildReport, Effort, Found, FoundBy, Goal, GoalDisc, Plan, PlanFailure, TruckPlanner};
 use roadmap::{Roadmap, RoadmapScratch, Route};
 
 /// The roadmap leads this near to a goal pose, and motion primitives and a curve from there on.
@@ -103,12 +101,7 @@ impl PrmPrimitives {
         }
     }
 
-    fn find(
-        &mut self,
-        start: Pose,
-        goal: Goal,
-        observer: &mut dyn PlanningObserver,
-    ) -> Result<Found, PlanFailure> {
+    fn find(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Result<Found, PlanFailure> {
         free_ends(&self.checker, start, goal)?;
         let near = self.near(goal);
         let centre = self.checker.body().body_centre(start);
@@ -204,6 +197,7 @@ mod tests {
     use rand::RngExt;
 
     use super::*;
+    use crate::planning::kit::ends::has_free_pose;
     use crate::planning::kit::local_search::MotionCost;
     use crate::planning::kit::safety::SafetyMap;
     use crate::planning::planners::lattice::{LatticePlanner, LatticeSettings};

@@ -213,13 +213,14 @@ impl PlanningObserver for ConnectionsOnly<'_> {
 mod tests {
     use super::*;
     use crate::collision::MOTION_TOLERANCE_M;
+    use crate::planning::planners::hybrid_astar::HybridSettings;
     use crate::planning::reachability::Reachability;
     use crate::planning::test_fields::{
         TestField, assert_ends_in, drives_in_a_row, least_clearance, random_free_pose, random_pose, shut_court,
     };
     use crate::planning::{GoalDisc, PlanFailure};
     use crate::rng;
-    use crate::vehicle::{Dimensions, ReedsShepp};
+    use crate::vehicle::{Dimensions, Path, ReedsShepp};
     use glam::DVec2;
 
     fn planner(field: &TestField, seed: u64) -> PrmRs {
@@ -229,7 +230,7 @@ mod tests {
             &field.checker,
             &MemoryMeter::unlimited(),
             &settings,
-            &HybridSettings::default(),
+            HybridSettings::default().search(),
             streams.0,
             streams.1,
         )
@@ -285,7 +286,7 @@ mod tests {
     fn the_wanted_clearance_is_kept_where_start_and_goal_have_it() {
         let field = TestField::random(4, 15);
         let mut planner = planner(&field, 4);
-        let wanted_m = planner.settings.clearance_m;
+        let wanted_m = PrmRsSettings::default().clearance_m;
         let mut rng = rng::stream(4, "goals");
         let mut kept = 0;
         for _ in 0..40 {
@@ -391,7 +392,7 @@ mod tests {
             &field.checker,
             &MemoryMeter::unlimited(),
             &settings,
-            &HybridSettings::default(),
+            HybridSettings::default().search(),
             streams.0,
             streams.1,
         );

@@ -11,15 +11,12 @@ use crate::vehicle::reeds_shepp::PricedCurve;
 use crate::vehicle::{CurvePrice, ReedsShepp, Segment};
 
 use super::near::Places;
-use crate::planning::kit::roadmap_graph::{Link, RoadmapGraph};
 use crate::planning::kit::relaxation::Stage;
+use crate::planning::kit::roadmap_graph::{Link, RoadmapGraph};
 
 /// The clearances that queries ask for in turn.
-pub const SCHEDULE: [Stage<()>; 3] = [
-    Stage { share: 1.0, effort: () },
-    Stage { share: 1.0 / 3.0, effort: () },
-    Stage { share: 0.04, effort: () },
-];
+pub const SCHEDULE: [Stage<()>; 3] =
+    [Stage { share: 1.0, effort: () }, Stage { share: 1.0 / 3.0, effort: () }, Stage { share: 0.04, effort: () }];
 /// The place of a clearance in the schedule.
 pub type Level = usize;
 pub const LEVELS: usize = SCHEDULE.len();

@@ -6,8 +6,8 @@ use rand::{Rng, RngExt};
 use crate::collision::{ClearanceField, CollisionChecker};
 use crate::geometry::{Pose, ops};
 use crate::grid::Grid;
-use crate::planning::kit::lattice::motions;
 use crate::planning::kit::halton::radical_inverse;
+use crate::planning::kit::lattice::motions;
 
 /// Draws stop after this number for each wanted pose, so that a full field cannot hold the planner up.
 const MAX_DRAWS_PER_SAMPLE: u32 = 100;

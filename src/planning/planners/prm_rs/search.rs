@@ -264,7 +264,7 @@ impl RoadmapSpace<'_> {
         let cost = here.cost + way.price + self.cusp_cost(&here, first);
         self.notes.curves.push(way);
         let via = Via::Curve(self.notes.curves.len() as u32 - 1);
-        self.offer(search, Candidate { cost, ..from }, state_of(to, last), via);
+        self.offer(search, from.at_cost(cost), state_of(to, last), via);
     }
 
     fn work_out_link(&mut self, search: &mut SearchOf<Self>, from: Candidate<Along>, number: u32) {
@@ -273,7 +273,7 @@ impl RoadmapSpace<'_> {
         let bridge = self.roadmap.bridge(link);
         let cost = here.cost + bridge.cost + self.cusp_cost(&here, bridge.departs_reverse);
         let state = state_of(link.to, bridge.arrives_reverse);
-        self.offer(search, Candidate { cost, ..from }, state, Via::Link(number));
+        self.offer(search, from.at_cost(cost), state, Via::Link(number));
     }
 
     /// Offers a state at the estimate of the whole way by it.

@@ -68,7 +68,7 @@ impl MakePlanner for Maker {
     fn make(&self, site: &Site<'_>) -> Box<dyn TruckPlanner> {
         let TruckPlannerSettings { prm_rs, hybrid, .. } = site.settings;
         let (samples, shortcuts) = ((site.stream)("prm-rs"), (site.stream)("shortcuts"));
-        Box::new(PrmRs::build(site.checker, site.memory, prm_rs, hybrid, samples, shortcuts))
+        Box::new(PrmRs::build(site.checker, site.memory, prm_rs, hybrid.search(), samples, shortcuts))
     }
 
     fn tables(&self) -> &'static [&'static str] {
@@ -76,7 +76,7 @@ impl MakePlanner for Maker {
     }
 
     fn memory(&self, frame: &FieldFrame, corners: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory {
-        PrmRs::memory(frame, corners, settings.prm_rs, settings.hybrid)
+        PrmRs::memory(frame, corners, settings.prm_rs, &settings.hybrid.search())
     }
 
     fn charge(&self, settings: &TruckPlannerSettings<'_>) -> Charge {

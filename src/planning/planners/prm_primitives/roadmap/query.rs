@@ -345,8 +345,8 @@ mod tests {
         let nodes: Vec<_> = (0..count + 2).map(|_| graph.add_node(())).collect();
         let (from, to) = (nodes[count as usize], nodes[count as usize + 1]);
         for a in 0..count {
-            for (&b, &metres) in roadmap.graph.neighbors_slice(a).iter().zip(roadmap.graph.edges_slice(a)) {
-                graph.update_edge(nodes[a as usize], nodes[b as usize], metres);
+            for (_, Link { to: b, edge }) in roadmap.graph.links(a) {
+                graph.update_edge(nodes[a as usize], nodes[b as usize], roadmap.costs[edge as usize]);
             }
         }
         let mut near: Vec<u32> = (0..count).filter(|&m| start.distance(query.position(m)) <= 30.0).collect();
