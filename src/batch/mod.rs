@@ -8,11 +8,9 @@
 
 pub mod comparison;
 mod execute;
-pub mod html;
 mod plan;
 mod report;
 mod table;
-mod text_table;
 
 pub use execute::{
     AGENTS_FILE, Append, Batch, BatchError, BatchStatus, CALLS_PARQUET, CHARTS_FOLDER, CpuSplit, Disk, Found,
@@ -34,4 +32,3 @@ pub use table::{
     FinishedBatch, FinishedError, Kind, RUN_COLUMNS, RunColumn, RunRecord, STATE_COLUMNS, StateColumn, TableError,
     TableOfRows, TableReader, Unit, is_measured, recordings_in, row_schema, run_column,
 };
-pub use text_table::TextTable;

@@ -6,14 +6,19 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::thread;
 
-use crate::audit::SampleStep;
+use serde::{Serialize, Serializer};
+
+use crate::audit::{Audited, SampleStep};
 use crate::batch::{
-    AuditReport, AuditSource, FinishedBatch, FinishedError, PlanError, RECORDINGS_FOLDER, TOLD_VIOLATIONS, audit_all,
-    recordings_in,
+    AuditReport, AuditSource, FinishedBatch, FinishedError, PROGRAM_VERSION, PlanError, RECORDINGS_FOLDER,
+    TOLD_VIOLATIONS, audit_all, recordings_in,
 };
 use crate::cli::args::AuditArguments;
 use crate::cli::error::CliError;
+use crate::cli::report::FormArguments;
 use crate::cli::{exit, terminal};
+use crate::document::Document;
+use crate::document::number::count;
 use crate::input_file::is_standard_stream;
 
 pub fn run(arguments: &AuditArguments, quiet: bool) -> Result<ExitCode, CliError> {
@@ -23,7 +28,7 @@ pub fn run(arguments: &AuditArguments, quiet: bool) -> Result<ExitCode, CliError
     let bar = terminal::progress_bar(sources.iter().map(AuditSource::count).sum(), "runs", quiet);
     let report = audit_all(&sources, jobs, step, || bar.inc(1));
     bar.finish_and_clear();
-    conclude(&report?)
+    conclude(&report?, arguments.form)
 }
 
 /// Finds out what is at a path: a recording, a folder of recordings, or a batch.
@@ -60,13 +65,13 @@ fn recordings(folder: &Path, what_is_there: &str) -> Result<AuditSource, CliErro
 }
 
 /// Prints the findings; a violation weighs more than a file that cannot be read.
-fn conclude(report: &AuditReport) -> Result<ExitCode, CliError> {
+fn conclude(report: &AuditReport, form: FormArguments) -> Result<ExitCode, CliError> {
     let unreadable = report.first_unreadable.as_ref().map(|(reason, kind)| match report.unreadable {
         1 => (reason.clone(), *kind),
         count => (format!("{reason} (and {} more recordings cannot be read)", count - 1), *kind),
     });
     if report.runs() + report.not_run > 0 {
-        terminal::print(&summary(report))?;
+        terminal::print(&form.render(report))?;
     }
     match unreadable {
         Some((reason, kind)) if report.violations == 0 => Err(CliError::from_input_error(reason, kind)),
@@ -79,14 +84,55 @@ fn conclude(report: &AuditReport) -> Result<ExitCode, CliError> {
     }
 }
 
-fn summary(report: &AuditReport) -> String {
-    let mut text: String = report.told.iter().map(|words| format!("{words}\n")).collect();
-    let hidden = report.violations.saturating_sub(TOLD_VIOLATIONS as u64);
-    if hidden > 0 {
-        text += &format!("... and {hidden} more runs.\n");
+/// The members in their order.
+#[derive(Serialize)]
+struct Object<'a> {
+    program_version: &'static str,
+    recorded: u64,
+    simulated: u64,
+    not_run: u64,
+    unreadable: u64,
+    without_row: u64,
+    without_limits: u64,
+    legs: u64,
+    poses: u64,
+    metres: f64,
+    extinctions: u64,
+    violations: u64,
+    first_violations: &'a [String],
+}
+
+impl Serialize for AuditReport {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Audited { legs, poses, metres, extinctions } = self.audited;
+        let object = Object {
+            program_version: PROGRAM_VERSION,
+            recorded: self.recorded,
+            simulated: self.simulated,
+            not_run: self.not_run,
+            unreadable: self.unreadable,
+            without_row: self.without_row,
+            without_limits: self.without_limits,
+            legs,
+            poses,
+            metres,
+            extinctions,
+            violations: self.violations,
+            first_violations: &self.told,
+        };
+        object.serialize(serializer)
     }
-    if report.violations > 0 {
-        text.push('\n');
+}
+
+impl From<&AuditReport> for Document {
+    /// Lists the first violations, one for each run, then how much was checked.
+    fn from(report: &AuditReport) -> Self {
+        let runs = report.runs() + report.not_run;
+        let mut document = Self::new(format!("Audit of {}", count(runs as usize, "run")));
+        let hidden = report.violations.saturating_sub(TOLD_VIOLATIONS as u64);
+        let hidden = (hidden > 0).then(|| format!("... and {hidden} more runs."));
+        document.add_list(report.told.iter().cloned().chain(hidden).collect());
+        document.add_list(report.sentences());
+        document
     }
-    text + &report.to_string()
 }

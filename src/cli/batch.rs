@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use crate::batch::{
     Batch, BatchError, BatchPlan, BatchReport, BatchRequest, FinishedBatch, Found, OutputFolder, RUNS_FILE, RealDisk,
-    ReportError, RequestError, Slice, SliceState, Status, batch_status, shell_word, write_report,
+    ReportError, RequestError, Slice, SliceState, Status, Variant, batch_status, shell_word, write_report,
 };
 use crate::cli::args::{BatchArguments, FolderArguments, StatusArguments};
 use crate::cli::error::CliError;
@@ -63,7 +63,7 @@ pub fn run(arguments: &BatchArguments, quiet: bool) -> Result<ExitCode, CliError
     drop(watch);
     terminal::print(&summary(batch.plan(), batch.folder(), &report))?;
     if arguments.profile {
-        terminal::print(&format!("\n{}", report.profile()))?;
+        terminal::print(&format!("\n{}", report.profile().to_text()))?;
     }
     Ok(exit_code(report.not_done()))
 }
@@ -169,14 +169,20 @@ fn resume_command(folder: &Path, slice: Slice) -> String {
 
 /// Words the result of a finished batch.
 fn summary(plan: &BatchPlan, folder: &OutputFolder, report: &BatchReport) -> String {
-    let files = format!("Files: {}\n", folder.path().display());
-    match report.variants.as_slice() {
+    let files = format!("Files: {}", folder.path().display());
+    let document = match report.variants.as_slice() {
         [one] => {
-            let (tables, tally) = (one.tables.to_text(), &one.tally);
-            format!("{}, seeds {}\n\n{tables}\n{tally}\n{files}", one.title, plan.seeds)
+            let sentences = one.tally.sentences().into_iter().chain([files]).collect();
+            let title = format!("{}, seeds {}", one.title, plan.seeds);
+            Document::new(title).with(one.tables.blocks()).with([Block::List(sentences)])
         }
-        _ => format!("Seeds {} of each variant\n\n{}\n{files}", plan.seeds, report.overview()),
-    }
+        _ => {
+            let sentences = report.notes().into_iter().chain([files]).collect();
+            let title = format!("Seeds {} of each variant", plan.seeds);
+            Document::new(title).with(report.overview()).with([Block::List(sentences)])
+        }
+    };
+    document.to_text()
 }
 
 fn slice_summary(batch: &Batch) -> String {
@@ -189,16 +195,17 @@ fn slice_summary(batch: &Batch) -> String {
 /// Lists what a plan would run.
 fn dry_run(plan: &BatchPlan) -> String {
     let (variants, seeds) = (plan.variants.len(), plan.seeds.count());
-    let mut text = format!("{variants} variants x {seeds} seeds ({}) = {} runs\n", plan.seeds, plan.count());
-    for (index, variant) in plan.variants.iter().take(LISTED_VARIANTS).enumerate() {
+    let title = format!("{variants} variants x {seeds} seeds ({}) = {} runs", plan.seeds, plan.count());
+    let line = |(index, variant): (usize, &Variant)| {
         let first = index as u64 * seeds + 1;
-        text.push_str(&format!("runs {first} to {}: {}\n", first + seeds - 1, plan.title(variant)));
-    }
+        format!("runs {first} to {}: {}", first + seeds - 1, plan.title(variant))
+    };
+    let mut lines: Vec<String> = plan.variants.iter().enumerate().take(LISTED_VARIANTS).map(line).collect();
     if variants > LISTED_VARIANTS {
-        text.push_str(&format!("and {} more\n", variants - LISTED_VARIANTS));
+        lines.push(format!("and {} more", variants - LISTED_VARIANTS));
     }
-    text.push_str(&format!("plan {}\n", plan.content_sha256()));
-    text
+    lines.push(format!("plan {}", plan.content_sha256()));
+    Document::new(title).with([Block::List(lines)]).to_text()
 }
 
 /// Writes the tables of a batch whose slices were run one by one.
@@ -234,9 +241,9 @@ pub fn report(arguments: &FolderArguments, quiet: bool) -> Result<ExitCode, CliE
     let batch = FinishedBatch::open(&arguments.folder)?;
     let written = write_report(&batch).map_err(report_error)?;
     let (page, charts) = (written.page.display(), written.charts_folder.display());
-    let refused: String = written.refused.iter().map(|sentence| format!("{sentence}\n")).collect();
-    let text = format!("{page}, and {} charts as SVG and PNG in {charts}\n{refused}", written.charts);
-    terminal::print(&text)?;
+    let mut document = Document::new(format!("{page}, and {} charts as SVG and PNG in {charts}", written.charts));
+    document.add_list(written.refused);
+    terminal::print(&document.to_text())?;
     terminal::note_unknown_letters(written.unknown_letters.as_deref(), quiet);
     Ok(ExitCode::SUCCESS)
 }

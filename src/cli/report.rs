@@ -10,7 +10,7 @@ use crate::document::Document;
 
 /// The form that a report is printed in, text unless another is asked for.
 #[derive(Clone, Copy, Debug, Default, Args)]
-#[group(id = "form", multiple = false)]
+#[group(id = "report_form", multiple = false)]
 pub struct FormArguments {
     /// Print the report as one JSON object, with everything that was computed.
     #[arg(help_heading = "Output", long)]

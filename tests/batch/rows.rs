@@ -4,12 +4,20 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
-use wildfire::batch::{AGENT_COLUMNS, Batch, BatchError, OutputFolder, RUN_COLUMNS, Record, Status, is_measured};
+use wildfire::batch::{
+    AGENT_COLUMNS, Batch, BatchError, OutputFolder, RUN_COLUMNS, Record, Status, VariantReport, is_measured,
+};
+use wildfire::document::Document;
 use wildfire::scenario::{Scenario, Unimog};
 use wildfire::sim::RunError;
 use wildfire::timeline::AgentId;
 
 use crate::made_up::{made_up_run, outcomes, plan, rows, run, run_plan};
+
+/// The tables of a variant, as a terminal shows them.
+fn text_of(report: &VariantReport) -> String {
+    Document::default().with(report.tables.blocks()).to_text()
+}
 
 #[test]
 fn rows_stand_in_the_order_of_the_seeds_whatever_the_number_of_workers() {
@@ -104,7 +112,7 @@ fn panic_is_a_row_that_ends_with_the_command_that_shows_it_again() {
 fn statistics_are_of_all_runs_and_tables_fit_a_terminal() {
     let scratch = tempfile::tempdir().expect("a scratch folder");
     let report = run(scratch.path(), "18446744073709551000..18446744073709551049", 2);
-    let text = report.tables.to_text();
+    let text = text_of(&report);
     assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
     assert!(text.contains("30 more runs are in runs.csv"), "{text}");
     let outcomes = outcomes(&scratch.path().join("runs.csv"));
@@ -118,7 +126,7 @@ fn statistics_are_of_all_runs_and_tables_fit_a_terminal() {
 #[test]
 fn one_run_has_dashes_for_its_spread() {
     let scratch = tempfile::tempdir().expect("a scratch folder");
-    let text = run(scratch.path(), "5", 1).tables.to_text();
+    let text = text_of(&run(scratch.path(), "5", 1));
     for label in ["Std dev", "95% low", "95% high"] {
         let mut lines = text.lines().filter(|line| line.starts_with(label));
         assert!(lines.all(|line| line[label.len()..].split_whitespace().all(|cell| cell == "-")), "{text}");
@@ -130,7 +138,7 @@ fn batch_without_a_finished_run_still_has_its_tables() {
     let scratch = tempfile::tempdir().expect("a scratch folder");
     let report = run(scratch.path(), "8,18,28", 1);
     assert_eq!(report.tally.not_done(), 3);
-    assert!(report.tables.to_text().contains("Mean"));
+    assert!(text_of(&report).contains("Mean"));
     assert_eq!(rows(&scratch.path().join("runs.csv")).1.len(), 3);
 }
 

@@ -1,7 +1,6 @@
 //! Audits of many runs on several threads: recordings, and runs of batches, which are simulated again where they were not
 //! recorded.
 
-use std::fmt;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -12,6 +11,7 @@ use crate::audit::{Audited, SampleStep, Verdict, audit_timeline};
 use crate::batch::execute::{BatchError, RUNS_FILE, RunResult, RunRow, Status, panics};
 use crate::batch::plan::PlannedRun;
 use crate::batch::table::{FinishedBatch, FinishedError, RunRecord};
+use crate::document::number::rounded;
 use crate::scenario::MemoryLimit;
 use crate::sim::{self, RunCost, RunOptions};
 use crate::timeline::{Outcome, Timeline, file};
@@ -227,26 +227,32 @@ impl AuditReport {
     }
 }
 
-impl fmt::Display for AuditReport {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl AuditReport {
+    /// Says what was looked at, what could not be, and how many runs violate a rule: a sentence for each.
+    pub fn sentences(&self) -> Vec<String> {
         let Audited { legs, poses, metres, extinctions } = self.audited;
-        writeln!(f, "Runs: {} recorded, {} simulated again from their plan.", self.recorded, self.simulated)?;
+        let metres = rounded(metres, 0);
+        let mut sentences =
+            vec![format!("Runs: {} recorded, {} simulated again from their plan.", self.recorded, self.simulated)];
         if self.not_run > 0 {
-            writeln!(f, "{} more could not take place.", self.not_run)?;
+            sentences.push(format!("{} more could not take place.", self.not_run));
         }
-        writeln!(f, "Looked at: {legs} legs, {metres:.0} m, {poses} poses, {extinctions} extinctions.")?;
+        sentences.push(format!("Checked: {legs} legs, {metres} m, {poses} poses, {extinctions} extinctions."));
         if self.without_row > 0 {
-            writeln!(f, "{} of the runs have no row in {RUNS_FILE} to be compared with.", self.without_row)?;
+            sentences.push(format!("{} of the runs have no row in {RUNS_FILE} to be compared with.", self.without_row));
         }
         if self.without_limits > 0 {
-            let count = self.without_limits;
-            writeln!(f, "{count} of the recordings, older than format 3, do not say how fast agents may")?;
-            writeln!(f, "go and how fire spreads: that was not checked.")?;
+            sentences.push(format!(
+                "{} of the recordings, older than format 3, do not say how fast agents may go and how fire spreads: that \
+                 was not checked.",
+                self.without_limits
+            ));
         }
-        match self.violations {
-            0 => writeln!(f, "Violations: none."),
-            count => writeln!(f, "Violations: {count} of {} runs have one.", self.runs() + self.not_run),
-        }
+        sentences.push(match self.violations {
+            0 => "Violations: none.".into(),
+            count => format!("Violations: {count} of {} runs have one.", self.runs() + self.not_run),
+        });
+        sentences
     }
 }
 

@@ -8,7 +8,6 @@ use crate::batch::execute::{Batch, BatchError, Disk, JournalError, OutputFolder,
 use crate::batch::plan::{BatchPlan, Slice};
 use crate::batch::report::summary::{BatchReport, VariantReport};
 use crate::batch::table::{CsvFiles, ParquetFiles, RunRecord};
-use crate::untrusted::visible_lines;
 
 impl Batch {
     /// Writes the tables of a whole batch whose runs are all in the journal.
@@ -59,7 +58,7 @@ fn write_markdown(folder: &OutputFolder, disk: &dyn Disk, report: &BatchReport) 
     let path = folder.path().join(TABLES_FILE);
     let write = || {
         let mut file = disk.whole_file(&path)?;
-        file.write_all(visible_lines(&report.to_markdown()).as_bytes())?;
+        file.write_all(report.to_document().to_markdown().as_bytes())?;
         file.finish()
     };
     write().map_err(|source| BatchError::unwritable(&path, source))

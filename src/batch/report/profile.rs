@@ -1,7 +1,8 @@
 //! Where the CPU time of runs went, by part.
 
 use crate::batch::execute::RunRow;
-use crate::batch::text_table::TextTable;
+use crate::document::number::{percent, rounded};
+use crate::document::{Block, Table};
 
 /// Sums over the runs that are done.
 #[derive(Clone, Debug, Default)]
@@ -46,23 +47,20 @@ impl Profile {
         self.facts += row.detail.facts;
     }
 
-    /// A table, and how many facts a second of CPU time makes.
-    pub fn to_text(&self) -> String {
-        let headings = [&["Part"][..], &["CPU s"], &["Share", "%"], &["ms a", "run"]];
-        let headings = headings.map(|lines| lines.iter().map(|&line| line.to_owned()).collect());
-        let row = |(name, seconds): (&str, f64)| {
-            let share = 100.0 * seconds / self.total_s;
-            let per_run_ms = 1e3 * seconds / self.runs as f64;
-            vec![name.to_owned(), format!("{seconds:.3}"), format!("{share:.1}"), format!("{per_run_ms:.3}")]
-        };
+    /// Returns a table, and how many facts a second of CPU time makes.
+    pub fn blocks(&self, title: &str) -> Vec<Block> {
         if self.runs == 0 {
-            return "No run is done, so there is no CPU time to part.\n".into();
+            return vec![Block::Text(format!("No run of {title} is done, so there is no CPU time to divide."))];
         }
-        let parts = PARTS.into_iter().zip(self.parts_s).chain([("Run", self.total_s)]);
-        let table =
-            TextTable { headings: headings.to_vec(), rows: parts.map(row).collect(), rules_before: vec![PARTS.len()] };
-        let per_second = self.facts as f64 / self.total_s;
-        let facts = self.facts;
-        format!("{}\n{facts} events in {} runs, {per_second:.0} a second of CPU time.\n", table.to_text(), self.runs)
+        let row = |(name, seconds): (&str, f64)| {
+            let (share, per_run_ms) = (seconds / self.total_s, 1e3 * seconds / self.runs as f64);
+            vec![name.to_owned(), rounded(seconds, 3), percent(share), rounded(per_run_ms, 3)]
+        };
+        let rows = PARTS.into_iter().zip(self.parts_s).chain([("Run", self.total_s)]).map(row).collect();
+        let table = Table::new(&["Part", "CPU s", "Share\n%", "ms per\nrun"], rows);
+        let table = Table { rules_before: vec![PARTS.len()], ..table }.with_caption(&format!("CPU time of {title}"));
+        let (facts, per_second) = (self.facts, rounded(self.facts as f64 / self.total_s, 0));
+        let facts = format!("{facts} events in {} runs, {per_second} per second of CPU time.", self.runs);
+        vec![Block::Table(table), Block::Text(facts)]
     }
 }

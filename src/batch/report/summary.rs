@@ -6,7 +6,8 @@ use crate::batch::report::profile::Profile;
 use crate::batch::report::tables::Tables;
 use crate::batch::report::tally::Tally;
 use crate::batch::table::{RunRecord, run_column};
-use crate::batch::text_table::TextTable;
+use crate::document::number::optional;
+use crate::document::{Block, Document, Table};
 use crate::scenario::Scenario;
 use crate::stats::Series;
 
@@ -31,18 +32,18 @@ pub struct VariantReport {
 
 /// A mean that the overview of several variants shows, over runs that are done.
 struct Mean {
-    heading: [&'static str; 2],
+    heading: &'static str,
     column: usize,
     scale: f64,
     decimals: usize,
 }
 
 const MEANS: [Mean; 5] = [
-    Mean { heading: ["Intact", "ratio"], column: run_column("intact_ratio"), scale: 1.0, decimals: 3 },
-    Mean { heading: ["Burned", "ratio"], column: run_column("burned_ratio"), scale: 1.0, decimals: 3 },
-    Mean { heading: ["Exting.", "ratio"], column: run_column("extinguished_ratio"), scale: 1.0, decimals: 3 },
-    Mean { heading: ["Truck", "stuck s"], column: run_column("truck_stuck_s"), scale: 1.0, decimals: 1 },
-    Mean { heading: ["Unimog", "CPU ms"], column: run_column("cpu_unimog_total_s"), scale: 1e3, decimals: 2 },
+    Mean { heading: "Intact\nratio", column: run_column("intact_ratio"), scale: 1.0, decimals: 3 },
+    Mean { heading: "Burned\nratio", column: run_column("burned_ratio"), scale: 1.0, decimals: 3 },
+    Mean { heading: "Exting.\nratio", column: run_column("extinguished_ratio"), scale: 1.0, decimals: 3 },
+    Mean { heading: "Truck\nstuck s", column: run_column("truck_stuck_s"), scale: 1.0, decimals: 1 },
+    Mean { heading: "Unimog\nCPU ms", column: run_column("cpu_unimog_total_s"), scale: 1e3, decimals: 2 },
 ];
 
 impl VariantReport {
@@ -75,52 +76,56 @@ impl BatchReport {
         self.variants.iter().map(|variant| variant.tally.not_done()).sum()
     }
 
-    /// Tables and tally of each variant, under its title if there are several.
-    pub fn to_markdown(&self) -> String {
-        let part = |variant: &VariantReport| format!("{}\n{}\n", variant.tables.to_markdown(), variant.tally);
+    /// Returns the tables and the tally of each variant, under its title if there are several.
+    pub fn to_document(&self) -> Document {
         match self.variants.as_slice() {
-            [one] => part(one),
-            several => {
-                let titled = |variant: &VariantReport| format!("## {}\n\n{}", variant.title, part(variant));
-                several.iter().map(titled).collect::<Vec<_>>().join("\n")
-            }
+            [one] => Document::new(one.title.clone()).with(one.blocks()),
+            several => several.iter().fold(Document::new("Tables of a batch"), |document, variant| {
+                document.with([Block::Heading(variant.title.clone())]).with(variant.blocks())
+            }),
         }
     }
 
-    /// For each variant where its CPU time went.
-    pub fn profile(&self) -> String {
-        let part = |variant: &VariantReport| format!("CPU time of {}\n\n{}", variant.title, variant.profile.to_text());
-        self.variants.iter().map(part).collect::<Vec<_>>().join("\n")
-    }
-
-    /// A line for each variant: how many runs are done, and means over them; and what there is to note of any.
-    pub fn overview(&self) -> String {
+    /// Returns a line for each variant, and how many of its runs are done with means over them.
+    pub fn overview(&self) -> Vec<Block> {
+        let number = |index: usize| (index + 1).to_string();
         let titles = self.variants.iter().enumerate();
-        let titles: String = titles.map(|(index, variant)| format!("{}: {}\n", index + 1, variant.title)).collect();
-        let table = self.overview_table().to_text();
-        let noted = self.variants.iter().enumerate().map(|(index, variant)| (index + 1, variant.tally.notes()));
-        let noted = noted.filter(|(_, notes)| !notes.is_empty());
-        let notes: String = noted.map(|(number, notes)| format!("\n{number}: {}", notes.join("\n"))).collect();
-        format!("{titles}\n{table}\nMeans of the runs that are done. tables.md has the tables of each variant.{notes}")
+        let titles = titles.map(|(index, variant)| format!("{}: {}", number(index), variant.title)).collect();
+        let means = "Means of the runs that are done. tables.md has the tables of each variant.".to_owned();
+        vec![Block::List(titles), Block::Table(self.overview_table(number)), Block::Text(means)]
     }
 
-    /// The same as a table, in which variants are numbers from 1.
-    pub fn overview_table(&self) -> TextTable {
-        let first = [&["Variant"][..], &["Runs", "done"], &["Not", "done"]];
-        let headings = first.into_iter().chain(MEANS.iter().map(|mean| &mean.heading[..]));
-        let headings = headings.map(|lines| lines.iter().map(|&line| line.to_owned()).collect()).collect();
-        let rows = self.variants.iter().enumerate().map(|(index, variant)| variant.overview_row(index + 1)).collect();
-        TextTable { headings, rows, rules_before: Vec::new() }
+    /// Returns the table of the overview, in which variants have these names.
+    pub fn overview_table(&self, name: impl Fn(usize) -> String) -> Table {
+        let counts = ["Variant", "Runs\ndone", "Not\ndone"];
+        let headings: Vec<&str> = counts.into_iter().chain(MEANS.iter().map(|mean| mean.heading)).collect();
+        let variants = self.variants.iter().enumerate();
+        Table::new(&headings, variants.map(|(index, variant)| variant.overview_row(name(index))).collect())
+    }
+
+    /// Returns what there is to note of any variant, by its number.
+    pub fn notes(&self) -> Vec<String> {
+        let notes = self.variants.iter().enumerate();
+        notes.filter_map(|(index, variant)| Some(format!("{}: {}", index + 1, variant.tally.note()?))).collect()
+    }
+
+    /// Returns for each variant where its CPU time went.
+    pub fn profile(&self) -> Document {
+        Document::default().with(self.variants.iter().flat_map(|variant| variant.profile.blocks(&variant.title)))
     }
 }
 
 impl VariantReport {
-    fn overview_row(&self, number: usize) -> Vec<String> {
-        let counts = [number as u64, self.tally.done, self.tally.not_done()].map(|count| count.to_string());
-        let mean = |(series, mean): (&Series, &Mean)| match series.mean() {
-            Some(number) => format!("{number:.0$}", mean.decimals),
-            None => "-".into(),
-        };
-        counts.into_iter().chain(self.means.iter().zip(&MEANS).map(mean)).collect()
+    /// Returns the tables and the tally.
+    pub fn blocks(&self) -> Vec<Block> {
+        let mut blocks = self.tables.blocks();
+        blocks.push(Block::List(self.tally.sentences()));
+        blocks
+    }
+
+    fn overview_row(&self, name: String) -> Vec<String> {
+        let counts = [self.tally.done, self.tally.not_done()].map(|count| count.to_string());
+        let means = self.means.iter().zip(&MEANS).map(|(series, mean)| optional(series.mean(), mean.decimals));
+        [name].into_iter().chain(counts).chain(means).collect()
     }
 }

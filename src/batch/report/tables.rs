@@ -5,20 +5,17 @@
 //! of all runs that are done.
 
 use crate::batch::table::{RunRecord, run_column};
-use crate::batch::text_table::TextTable;
-use crate::document::number::rounded;
+use crate::document::number::optional;
+use crate::document::{Block, Table};
 use crate::stats::Series;
 
 /// The most runs that a table shows one by one.
 pub const SHOWN_RUNS: usize = 20;
 
-/// The width that tables are fitted to, in characters.
-const WIDTH: usize = 80;
-
 /// A column of a table: a number of every run.
 #[derive(Debug)]
 struct Quantity {
-    heading: &'static [&'static str],
+    heading: &'static str,
     /// Decimals of a run's number, and of statistics.
     decimals: [usize; 2],
     /// Columns of runs whose sum it is.
@@ -28,15 +25,15 @@ struct Quantity {
 
 impl Quantity {
     /// A count of cells, which is the sum of these columns.
-    const fn cells(heading: &'static [&'static str], columns: &'static [usize]) -> Self {
+    const fn cells(heading: &'static str, columns: &'static [usize]) -> Self {
         Self { heading, decimals: [0, 2], columns, scale: 1.0 }
     }
 
-    const fn ratio(heading: &'static [&'static str], columns: &'static [usize]) -> Self {
+    const fn ratio(heading: &'static str, columns: &'static [usize]) -> Self {
         Self { heading, decimals: [3, 3], columns, scale: 1.0 }
     }
 
-    const fn milliseconds(heading: &'static [&'static str], columns: &'static [usize]) -> Self {
+    const fn milliseconds(heading: &'static str, columns: &'static [usize]) -> Self {
         Self { heading, decimals: [3, 3], columns, scale: 1e3 }
     }
 
@@ -61,13 +58,13 @@ static OBSTACLE_STATES: Layout = Layout {
     shows_seeds: true,
     shows_sums: false,
     quantities: &[
-        Quantity::cells(&["Total"], &[run_column("obstacles")]),
-        Quantity::cells(&["Intact", "total"], &[run_column("intact")]),
-        Quantity::ratio(&["Intact", "ratio"], &[run_column("intact_ratio")]),
-        Quantity::cells(&["Burned", "total"], &[run_column("burning"), run_column("burned_out")]),
-        Quantity::ratio(&["Burned", "ratio"], &[run_column("burned_ratio")]),
-        Quantity::cells(&["Exting.", "total"], &[run_column("extinguished")]),
-        Quantity::ratio(&["Exting.", "ratio"], &[run_column("extinguished_ratio")]),
+        Quantity::cells("Total", &[run_column("obstacles")]),
+        Quantity::cells("Intact\ntotal", &[run_column("intact")]),
+        Quantity::ratio("Intact\nratio", &[run_column("intact_ratio")]),
+        Quantity::cells("Burned\ntotal", &[run_column("burning"), run_column("burned_out")]),
+        Quantity::ratio("Burned\nratio", &[run_column("burned_ratio")]),
+        Quantity::cells("Exting.\ntotal", &[run_column("extinguished")]),
+        Quantity::ratio("Exting.\nratio", &[run_column("extinguished_ratio")]),
     ],
 };
 
@@ -76,31 +73,31 @@ static CPU_TIMES: Layout = Layout {
     shows_seeds: false,
     shows_sums: true,
     quantities: &[
-        Quantity::milliseconds(&["Clear.", "field"], &[run_column("cpu_clearance_field_s")]),
-        Quantity::milliseconds(&["Samp-", "ling"], &[run_column("cpu_sampling_s")]),
-        Quantity::milliseconds(&["Map", "gener."], &[run_column("cpu_map_generation_s")]),
-        Quantity::milliseconds(&["Roadmap", "search"], &[run_column("cpu_roadmap_search_s")]),
-        Quantity::milliseconds(&["Local", "search"], &[run_column("cpu_local_search_s")]),
-        Quantity::milliseconds(&["Reacha-", "bility"], &[run_column("cpu_reachability_s")]),
-        Quantity::milliseconds(&["PRM", "only"], &[run_column("cpu_prm_total_s")]),
-        Quantity::milliseconds(&["Unimog", "total"], &[run_column("cpu_unimog_total_s")]),
-        Quantity::milliseconds(&["Wumpus", "search"], &[run_column("cpu_wumpus_s")]),
+        Quantity::milliseconds("Clear.\nfield", &[run_column("cpu_clearance_field_s")]),
+        Quantity::milliseconds("Samp-\nling", &[run_column("cpu_sampling_s")]),
+        Quantity::milliseconds("Map\ngener.", &[run_column("cpu_map_generation_s")]),
+        Quantity::milliseconds("Roadmap\nsearch", &[run_column("cpu_roadmap_search_s")]),
+        Quantity::milliseconds("Local\nsearch", &[run_column("cpu_local_search_s")]),
+        Quantity::milliseconds("Reacha-\nbility", &[run_column("cpu_reachability_s")]),
+        Quantity::milliseconds("PRM\nonly", &[run_column("cpu_prm_total_s")]),
+        Quantity::milliseconds("Unimog\ntotal", &[run_column("cpu_unimog_total_s")]),
+        Quantity::milliseconds("Wumpus\nsearch", &[run_column("cpu_wumpus_s")]),
     ],
 };
 
-const LEGEND: &str = "\
-PRM only: clearance field, sampling, map generation and roadmap search.
-Unimog total: that, local search and reachability.
-Intervals are Student's t and may leave the possible range.
-";
+const LEGEND: [&str; 3] = [
+    "PRM only: clearance field, sampling, map generation and roadmap search.",
+    "Unimog total: that, local search and reachability.",
+    "Intervals are Student's t and may leave the possible range.",
+];
 
-/// Collects rows, in the order of the plan, and prints the two tables.
+/// Collects rows, in the order of the plan, and makes the two tables.
 #[derive(Clone, Debug)]
-pub struct Tables([Table; 2]);
+pub struct Tables([RunTable; 2]);
 
 impl Default for Tables {
     fn default() -> Self {
-        Self([Table::new(&OBSTACLE_STATES), Table::new(&CPU_TIMES)])
+        Self([RunTable::new(&OBSTACLE_STATES), RunTable::new(&CPU_TIMES)])
     }
 }
 
@@ -109,34 +106,19 @@ impl Tables {
         self.0.iter_mut().for_each(|table| table.add(run));
     }
 
-    /// Both tables with their titles, with as many decimals as a terminal has room for.
-    pub fn titled(&self) -> [(&'static str, TextTable); 2] {
-        self.0.each_ref().map(|table| (table.layout.title, table.fitted()))
-    }
-
-    /// What else is to be said of them: runs that are not shown one by one, and what columns mean.
-    pub fn notes(&self) -> String {
-        format!("{}\n{LEGEND}", self.0[0].hidden_note())
-    }
-
-    /// Both tables for a terminal, at most 80 columns wide.
-    pub fn to_text(&self) -> String {
-        self.written(|table| format!("{}\n\n{}", table.layout.title, table.fitted().to_text()))
-    }
-
-    pub fn to_markdown(&self) -> String {
-        self.written(|table| format!("**{}**\n\n{}", table.layout.title, table.fitted().to_markdown()))
-    }
-
-    fn written(&self, write: impl Fn(&Table) -> String) -> String {
-        let [states, times] = self.0.each_ref();
-        let note = states.hidden_note();
-        format!("{}{note}\n{}{note}\n{LEGEND}", write(states), write(times))
+    /// Returns both tables under their captions, and notes on them: runs that are not shown one by one, and what columns
+    /// mean. No line is wider than a terminal.
+    pub fn blocks(&self) -> Vec<Block> {
+        let [states, times] = self.0.each_ref().map(|table| Block::Table(table.fitted()));
+        let hidden = self.0[0].hidden_note();
+        let legend = hidden.into_iter().chain(LEGEND.map(str::to_owned)).collect();
+        vec![states, times, Block::List(legend)]
     }
 }
 
+/// A table that is being collected.
 #[derive(Clone, Debug)]
-struct Table {
+struct RunTable {
     layout: &'static Layout,
     /// Seed and numbers of the first runs; `None` of a run that is not done.
     shown: Vec<(u64, Option<Vec<f64>>)>,
@@ -144,7 +126,7 @@ struct Table {
     runs: u64,
 }
 
-impl Table {
+impl RunTable {
     fn new(layout: &'static Layout) -> Self {
         Self { layout, shown: Vec::new(), series: vec![Series::default(); layout.quantities.len()], runs: 0 }
     }
@@ -160,21 +142,19 @@ impl Table {
         }
     }
 
-    fn hidden_note(&self) -> String {
-        match self.runs - self.shown.len() as u64 {
-            0 => String::new(),
-            hidden => format!("\n{hidden} more runs are in runs.csv; the statistics are of all runs that are done.\n"),
-        }
+    fn hidden_note(&self) -> Option<String> {
+        let hidden = self.runs - self.shown.len() as u64;
+        (hidden > 0)
+            .then(|| format!("{hidden} more runs are in runs.csv; the statistics are of all runs that are done."))
     }
 
-    /// With as many decimals as the width allows, at most three.
-    fn fitted(&self) -> TextTable {
-        let fits = |table: &TextTable| table.to_text().lines().all(|line| line.chars().count() <= WIDTH);
+    /// The table with as many decimals as a terminal has room for, at most three.
+    fn fitted(&self) -> Table {
         let rounded = (1..=3).rev().map(|decimals| self.rounded_to(decimals));
-        rounded.into_iter().find(fits).unwrap_or_else(|| self.rounded_to(0))
+        rounded.into_iter().find(Table::fits_a_terminal).unwrap_or_else(|| self.rounded_to(0))
     }
 
-    fn rounded_to(&self, most_decimals: usize) -> TextTable {
+    fn rounded_to(&self, most_decimals: usize) -> Table {
         let mut rows = Vec::new();
         for (index, (seed, numbers)) in self.shown.iter().enumerate() {
             let number = |column: usize| numbers.as_ref().map(|numbers| numbers[column]);
@@ -186,14 +166,11 @@ impl Table {
             let decimals = |quantity: &Quantity| quantity.decimals[1].min(most_decimals);
             rows.push(self.row((*label).to_owned(), String::new(), decimals, number));
         }
-        TextTable { headings: self.headings(), rows, rules_before: vec![self.shown.len()] }
-    }
-
-    fn headings(&self) -> Vec<Vec<String>> {
-        let lines = |lines: &[&str]| lines.iter().map(|&line| line.to_owned()).collect();
-        let labels: &[&[&str]] = if self.layout.shows_seeds { &[&["Run"], &["Seed"]] } else { &[&["Run"]] };
+        let labels: &[&str] = if self.layout.shows_seeds { &["Run", "Seed"] } else { &["Run"] };
         let quantities = self.layout.quantities.iter().map(|quantity| quantity.heading);
-        labels.iter().copied().chain(quantities).map(lines).collect()
+        let headings: Vec<&str> = labels.iter().copied().chain(quantities).collect();
+        let table = Table { rules_before: vec![self.shown.len()], ..Table::new(&headings, rows) };
+        table.with_caption(self.layout.title)
     }
 
     fn row(
@@ -203,10 +180,7 @@ impl Table {
         decimals: impl Fn(&Quantity) -> usize,
         number: impl Fn(usize) -> Option<f64>,
     ) -> Vec<String> {
-        let cell = |(column, quantity)| match number(column) {
-            Some(number) => rounded(number, decimals(quantity)),
-            None => "-".into(),
-        };
+        let cell = |(column, quantity)| optional(number(column), decimals(quantity));
         let cells = self.layout.quantities.iter().enumerate().map(cell);
         [label].into_iter().chain(self.layout.shows_seeds.then_some(seed)).chain(cells).collect()
     }

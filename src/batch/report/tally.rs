@@ -1,7 +1,6 @@
 //! What a batch adds up to: how many runs went well, who won, who was stuck.
 
 use std::cmp::Ordering;
-use std::fmt;
 
 use crate::batch::execute::Status;
 use crate::batch::table::{RunRecord, run_column};
@@ -76,16 +75,13 @@ impl Tally {
     }
 }
 
-/// Says who won, which runs went wrong, who was stuck, who could do next to nothing: a few lines, no newline at the
-/// end. Only a message or a note may be wider than 80 columns.
-impl fmt::Display for Tally {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let lines = [self.champion(), Some(self.runs()), self.reason(), self.stuck()].into_iter().flatten();
-        f.write_str(&lines.chain(self.notes()).collect::<Vec<_>>().join("\n"))
-    }
-}
-
 impl Tally {
+    /// Says who won, which runs went wrong, who was stuck, who could do next to nothing: a sentence for each.
+    pub fn sentences(&self) -> Vec<String> {
+        let sentences = [self.champion(), Some(self.runs()), self.reason(), self.stuck(), self.note()];
+        sentences.into_iter().flatten().collect()
+    }
+
     fn runs(&self) -> String {
         let Self { done, failed, panicked, .. } = self;
         match self.not_done() {
@@ -109,11 +105,10 @@ impl Tally {
     }
 
     /// Returns the notes of the first run that has any, and says how many such runs there are.
-    pub fn notes(&self) -> Vec<String> {
-        let Some((seed, notes)) = &self.first_notes else { return Vec::new() };
-        let runs =
-            format!("In {} of {} runs an agent could do next to nothing; seed {seed}:", self.noted_runs, self.done);
-        std::iter::once(runs).chain(notes.iter().map(|note| format!("  {note}"))).collect()
+    pub fn note(&self) -> Option<String> {
+        let (seed, notes) = self.first_notes.as_ref()?;
+        let (noted, done, notes) = (self.noted_runs, self.done, notes.join(" "));
+        Some(format!("In {noted} of {done} runs an agent could do next to nothing; seed {seed}: {notes}"))
     }
 
     /// Who has more points over the batch; `None` without runs that have agents on both sides.
@@ -157,19 +152,19 @@ mod tests {
         let expected = "Champion: the Unimog, 500.5 points to 400; runs won 1 to 3, 1 tied.\n\
                         Runs: 5 done, none failed.\n\
                         Stuck: nobody, in no run.";
-        assert_eq!(tally.to_string(), expected);
+        assert_eq!(tally.sentences().join("\n"), expected);
     }
 
     #[test]
     fn equal_points_have_no_champion() {
         let tally = Tally { done: 2, contested: 2, won_by_wumpus: 1, won_by_truck: 1, ..Tally::default() };
-        assert!(tally.to_string().starts_with("Champion: nobody, 0 points to 0; runs won 1 to 1."));
+        assert!(tally.sentences().join("\n").starts_with("Champion: nobody, 0 points to 0; runs won 1 to 1."));
     }
 
     #[test]
     fn runs_that_went_wrong_and_agents_that_were_stuck_are_named() {
         let tally = Tally { done: 2, failed: 3, panicked: 1, stuck_runs: 1, truck_stuck_s: 2.25, ..Tally::default() };
-        let text = tally.to_string();
+        let text = tally.sentences().join("\n");
         assert!(text.contains("2 done, 3 failed, 1 panicked"), "{text}");
         assert!(text.contains("truck 2.2 s, Wumpus 0.0 s in all, in 1 run."), "{text}");
         assert!(!text.contains("Champion"), "{text}");
@@ -181,13 +176,13 @@ mod tests {
         let tally = Tally { done: 9, noted_runs: 3, first_notes: Some((7, notes)), ..Tally::default() };
         let expected = "Runs: 9 done, none failed.\n\
                         Stuck: nobody, in no run.\n\
-                        In 3 of 9 runs an agent could do next to nothing; seed 7:\n  wumpus/0 can light nothing.";
-        assert_eq!(tally.to_string(), expected);
+                        In 3 of 9 runs an agent could do next to nothing; seed 7: wumpus/0 can light nothing.";
+        assert_eq!(tally.sentences().join("\n"), expected);
     }
 
     #[test]
     fn batch_without_results_says_so_and_nothing_more() {
         let tally = Tally { failed: 2, ..Tally::default() };
-        assert_eq!(tally.to_string(), "Runs: 0 done, 2 failed, 0 panicked; runs.csv says why.");
+        assert_eq!(tally.sentences().join("\n"), "Runs: 0 done, 2 failed, 0 panicked; runs.csv says why.");
     }
 }

@@ -60,7 +60,7 @@ pub struct CurveArguments {
     pub cusp_m: Option<f64>,
     /// Lengths and words of many pairs of poses, for --csv: a CSV file with the columns x0,y0,th0,x1,y1,th1 in any
     /// order, angles in radians.
-    #[arg(long, value_name = "FILE.csv", requires = "csv", conflicts_with = "form")]
+    #[arg(long, value_name = "FILE.csv", requires = "csv", conflicts_with = "report_form")]
     pub pairs: Option<PathBuf>,
     /// Write poses along the curves: curve,s_m,x_m,y_m,heading_rad,direction. With --pairs, write its columns and
     /// reeds_shepp_m,reeds_shepp_word,dubins_m,dubins_word.

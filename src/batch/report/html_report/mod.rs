@@ -64,7 +64,7 @@ pub fn write_report(batch: &FinishedBatch) -> Result<WrittenReport, ReportError>
         write_chart(&charts_folder, figure)?;
     }
     let page = folder.join(REPORT_FILE);
-    write_whole(&page, page::page(batch, &collected, &figures).as_bytes())?;
+    write_whole(&page, page::page(batch, &collected, &figures).to_html().as_bytes())?;
     let Figures { drawn, refused } = figures;
     let unknown_letters = {
         let mut texts = drawn.iter().flat_map(|figure| figure.drawing.texts());

@@ -1,169 +1,116 @@
 //! The page itself.
 
-use std::fmt::Write;
-
 use super::collected::{Collected, ToldRun};
-use super::figures::{Figure, Figures, Section};
+use super::figures::{Figures, Section};
 use crate::batch::execute::CHARTS_FOLDER;
-use crate::batch::html::{escaped, head, table};
 use crate::batch::plan::{BatchPlan, PROGRAM_VERSION};
-use crate::batch::report::summary::VariantReport;
 use crate::batch::table::FinishedBatch;
-use crate::batch::text_table::TextTable;
+use crate::document::{Block, Document, Figure, Table};
 
-/// The most variants whose tables stand in the page.
+/// The most variants whose tables are in the page.
 const SHOWN_TABLES: usize = 50;
 
-/// The longest plan that stands in the page.
+/// The longest plan that is in the page.
 const LONGEST_PLAN: usize = 200_000;
 
-const STYLE: &str = "<style>svg{max-width:100%;height:auto}figure{margin:1.5em 0;break-inside:avoid}\
-                     figcaption,.note{color:#555;font-size:.85em}pre{overflow-x:auto;white-space:pre-wrap}\
-                     .wide{overflow-x:auto}summary{cursor:pointer;font-weight:bold}\
-                     .told td{text-align:left;vertical-align:top}</style>\n";
-
-pub fn page(batch: &FinishedBatch, collected: &Collected, figures: &Figures) -> String {
+pub fn page(batch: &FinishedBatch, collected: &Collected, figures: &Figures) -> Document {
     let plan = batch.plan();
     let name = batch.folder().canonicalize().ok();
     let name = name.as_deref().unwrap_or(batch.folder()).file_name();
     let title = format!("Batch {}", name.map_or_else(String::new, |name| name.to_string_lossy().into_owned()));
-    let parts = [
-        head(&title),
-        STYLE.into(),
-        summary(plan, collected, figures),
-        section("Means", &charts(&figures.drawn, Section::Means)),
-        section("Tables", &tables(collected)),
-        section("Distributions", &charts(&figures.drawn, Section::Distributions)),
-        section("States over time", &charts(&figures.drawn, Section::OverTime)),
-        section("Sweeps", &charts(&figures.drawn, Section::Sweeps)),
-        section("Runs without a result", &failures(plan, collected)),
-        section("Runs in which an agent was stuck", &stuck(plan, collected)),
-        section("Plan and version", &plan_part(plan)),
+    let stuck_runs = collected.stuck_runs as u64;
+    let sections = [
+        ("Means", charts(figures, Section::Means)),
+        ("Tables", tables(collected)),
+        ("Distributions", charts(figures, Section::Distributions)),
+        ("States over time", charts(figures, Section::OverTime)),
+        ("Sweeps", charts(figures, Section::Sweeps)),
+        ("Runs without a result", runs(plan, &collected.failures, collected.report.not_done(), "Why")),
+        ("Runs in which an agent was stuck", runs(plan, &collected.stuck, stuck_runs, "For")),
+        ("Plan and version", plan_part(plan)),
     ];
-    parts.concat() + "</html>\n"
+    let mut document = Document::new(title).with(summary(plan, collected, figures));
+    for (heading, blocks) in sections {
+        if !blocks.is_empty() {
+            document = document.with([Block::Heading(heading.into())]).with(blocks);
+        }
+    }
+    document
 }
 
-/// Nothing if there is nothing in it.
-fn section(heading: &str, body: &str) -> String {
-    if body.is_empty() { String::new() } else { format!("<h2>{heading}</h2>\n{body}") }
-}
-
-fn summary(plan: &BatchPlan, collected: &Collected, figures: &Figures) -> String {
-    let (variants, seeds) = (plan.variants.len(), plan.seeds.count());
-    let mut text = match variants {
-        1 => format!("<p>{seeds} runs of {}.</p>\n", escaped(&plan.title(&plan.variants[0]))),
-        _ => format!("<p>{variants} variants with {seeds} seeds each: {} runs.</p>\n", plan.count()),
-    };
+fn summary(plan: &BatchPlan, collected: &Collected, figures: &Figures) -> Vec<Block> {
+    let seeds = plan.seeds.count();
     if let [only] = collected.report.variants.as_slice() {
-        return text + &tally(only);
+        let runs = Block::Text(format!("{seeds} runs of {}.", only.title));
+        return vec![runs, Block::List(only.tally.sentences())];
     }
-    text += &overview(collected);
-    for sentence in &figures.refused {
-        push(&mut text, format_args!("<p>{}</p>\n", escaped(sentence)));
-    }
-    text
+    let variants = plan.variants.len();
+    let overview = collected.report.overview_table(|index| collected.report.variants[index].title.clone());
+    let blocks = vec![
+        Block::Text(format!("{variants} variants with {seeds} seeds each: {} runs.", plan.count())),
+        Block::Table(overview),
+        Block::Text("Means of the runs that are done.".into()),
+    ];
+    blocks.into_iter().chain(figures.refused.iter().cloned().map(Block::Text)).collect()
 }
 
-/// The means of all variants, which are named in it.
-fn overview(collected: &Collected) -> String {
-    let mut overview: TextTable = collected.report.overview_table();
-    for (row, variant) in overview.rows.iter_mut().zip(&collected.report.variants) {
-        row[0].clone_from(&variant.title);
-    }
-    format!("<div class=\"wide\">{}</div>\n<p class=\"note\">Means of the runs that are done.</p>\n", table(&overview))
-}
-
-fn tally(variant: &VariantReport) -> String {
-    let lines = variant.tally.to_string();
-    let items: String = lines.lines().map(|line| format!("<li>{}</li>\n", escaped(line))).collect();
-    format!("<ul>\n{items}</ul>\n")
-}
-
-fn tables(collected: &Collected) -> String {
-    let both = |variant: &VariantReport| {
-        let tables = variant.tables.titled();
-        let tables = tables
-            .map(|(title, one)| format!("<p>{}</p>\n<div class=\"wide\">{}</div>\n", escaped(title), table(&one)));
-        let notes = escaped(variant.tables.notes().trim()).replace('\n', "<br>\n");
-        format!("{}<p class=\"note\">{notes}</p>\n", tables.concat())
-    };
+fn tables(collected: &Collected) -> Vec<Block> {
     match collected.report.variants.as_slice() {
-        [only] => both(only),
+        [only] => only.tables.blocks(),
         several => {
-            let folded = |variant: &VariantReport| {
-                let title = escaped(&variant.title);
-                format!("<details><summary>{title}</summary>\n{}{}</details>\n", tally(variant), both(variant))
-            };
-            let shown: String = several.iter().take(SHOWN_TABLES).map(folded).collect();
-            match several.len().saturating_sub(SHOWN_TABLES) {
-                0 => shown,
-                more => format!("{shown}<p>tables.md has those of {more} more variants.</p>\n"),
+            let shown = several.iter().take(SHOWN_TABLES);
+            let mut blocks: Vec<_> =
+                shown.map(|variant| Block::Folded(variant.title.clone(), variant.blocks())).collect();
+            let more = several.len().saturating_sub(SHOWN_TABLES);
+            if more > 0 {
+                blocks.push(Block::Text(format!("tables.md has those of {more} more variants.")));
             }
+            blocks
         }
     }
 }
 
-fn charts(figures: &[Figure], section: Section) -> String {
-    let figure = |figure: &Figure| {
-        let (svg, file) = (figure.drawing.to_svg(), escaped(&figure.file));
-        format!("<figure>\n{svg}<figcaption>{CHARTS_FOLDER}/{file}.svg, {file}.png</figcaption>\n</figure>\n")
+fn charts(figures: &Figures, section: Section) -> Vec<Block> {
+    let own = figures.drawn.iter().filter(|figure| figure.section == section);
+    let block = own.map(|figure| {
+        let file = format!("{CHARTS_FOLDER}/{}", figure.file);
+        Block::Figure(Figure { svg: figure.drawing.to_svg(), file })
+    });
+    block.collect()
+}
+
+/// A table of runs, each with the command that shows it again; `count` is how many there are in all.
+fn runs(plan: &BatchPlan, shown: &[ToldRun], count: u64, heading: &str) -> Vec<Block> {
+    let all = plan.count();
+    let text = match count - shown.len() as u64 {
+        _ if count == 0 => return vec![Block::Text("None.".into())],
+        0 => format!("{count} of {all} runs."),
+        _ => format!("{count} of {all} runs; {} of them:", shown.len()),
     };
-    figures.iter().filter(|figure| figure.section == section).map(figure).collect()
-}
-
-fn failures(plan: &BatchPlan, collected: &Collected) -> String {
-    match collected.report.not_done() {
-        0 => "<p>None.</p>\n".into(),
-        count => told(plan, &collected.failures, count, "Why"),
-    }
-}
-
-fn stuck(plan: &BatchPlan, collected: &Collected) -> String {
-    match collected.stuck_runs {
-        0 => "<p>None.</p>\n".into(),
-        count => told(plan, &collected.stuck, count as u64, "For"),
-    }
-}
-
-/// A table of runs, each with the command that shows it again.
-fn told(plan: &BatchPlan, runs: &[ToldRun], count: u64, heading: &str) -> String {
-    let mut text = match count - runs.len() as u64 {
-        0 => format!("<p>{count} of {} runs.</p>\n", plan.count()),
-        _ => format!("<p>{count} of {} runs; {} of them:</p>\n", plan.count(), runs.len()),
-    };
-    push(&mut text, format_args!("<div class=\"wide\"><table class=\"told\">\n"));
-    push(&mut text, format_args!("<tr><th>Run</th><th>Seed</th><th>{heading}</th><th>Shown again by</th></tr>\n"));
-    for told in runs {
+    let row = |told: &ToldRun| {
         let run = plan.run(told.number);
-        let (words, command) = (escaped(&told.words), escaped(&run.repeating_command()));
-        let cells =
-            format!("<td>{}</td><td>{}</td><td>{words}</td><td><code>{command}</code></td>", told.number, run.seed);
-        push(&mut text, format_args!("<tr>{cells}</tr>\n"));
-    }
-    text + "</table></div>\n"
+        vec![told.number.to_string(), run.seed.to_string(), told.words.clone(), run.repeating_command()]
+    };
+    let headings = ["Run", "Seed", heading, "Shown again by"];
+    let table = Table { text_columns: 4, ..Table::new(&headings, shown.iter().map(row).collect()) };
+    vec![Block::Text(text), Block::Table(table)]
 }
 
-fn plan_part(plan: &BatchPlan) -> String {
-    let lines = [
+fn plan_part(plan: &BatchPlan) -> Vec<Block> {
+    let mut lines = vec![
         format!("wildfire {PROGRAM_VERSION}"),
         format!("Plan {}: its outcomes depend on nothing else than what has this SHA-256", plan.content_sha256()),
         format!("Seeds {}", plan.seeds),
     ];
-    let mut text: String = lines.iter().map(|line| format!("<li>{}</li>\n", escaped(line))).collect();
-    for variant in &plan.variants {
+    lines.extend(plan.variants.iter().map(|variant| {
         let changes: String = variant.changes.iter().map(|change| format!(" --set {change}")).collect();
-        let (title, source) = (escaped(&plan.title(variant)), escaped(&variant.source));
-        push(&mut text, format_args!("<li>{title}: <code>{source}{}</code></li>\n", escaped(&changes)));
-    }
+        format!("{}: {}{changes}", plan.title(variant), variant.source)
+    }));
     let json = plan.to_json();
-    let frozen = if json.len() <= LONGEST_PLAN {
-        format!("<details><summary>plan.json</summary>\n<pre>{}</pre></details>\n", escaped(&json))
+    let settings = if json.len() <= LONGEST_PLAN {
+        Block::Folded("plan.json".into(), vec![Block::Verbatim(json)])
     } else {
-        "<p>All settings are in plan.json.</p>\n".into()
+        Block::Text("All settings are in plan.json.".into())
     };
-    format!("<ul>\n{text}</ul>\n{frozen}")
-}
-
-fn push(text: &mut String, arguments: std::fmt::Arguments<'_>) {
-    text.write_fmt(arguments).expect("a string takes any text");
+    vec![Block::List(lines), settings]
 }
