@@ -1,9 +1,57 @@
 //! Planners for the truck behind one interface: a problem in; a path, the effort and a reason for failure out. The
 //! Wumpus's are in [`walk`].
 //!
-//! Effort is counted in samples and expansions and budgeted in the same units; CPU time is reported only.
+//! Effort is counted in samples and expansions and budgeted in the same units. Planners keep no clock and no record of
+//! their searches: whoever calls them passes an [`observer`].
+//!
+//! # Rooms
+//! [`kit`] has the parts that several planners are made of, [`planners`] the planners, which import the kit and never each
+//! other. The [`registry`] lists them by name. [`reachability`] answers whether the truck can get somewhere at all,
+//! [`memory`] counts what grows while a run goes on, and [`find_yield_pose`] and [`replan_around`] are for trucks that meet.
+//!
+//! # The tower of fallbacks
+//! A planner that cannot do what it wants asks for less before it gives up, and a truck whose planner gives up has means
+//! of its own. [`Plan::found_by`] and the records of a run name the one that found a path. In this order:
+//!
+//! 1. **`straight`**: the truck is in the goal already, or its shortest way there on an empty field (a Reeds-Shepp curve,
+//!    or a turn and a straight) is free at the wanted clearance. `hybrid-astar` and `prm-rs` ask this first;
+//!    `prm+primitives` stands still where it is in the goal.
+//! 2. **`roadmap`** or **`search`**: the planner's own method at the wanted clearance. The roadmap of `prm+primitives`
+//!    gives waypoints to [`kit::local_search`], that of `prm-rs` is searched together with motions about the start; a path
+//!    of `prm-rs` that leads over no milestone is a `search`, as are all of `hybrid-astar`. Where the roadmap of
+//!    `prm+primitives` or the way along it leads nowhere, its local search goes straight for the goal
+//!    (`unimog.primitives.search_alone`), which is a `search` too.
+//! 3. **`relaxed`**: the same with less clearance, by a schedule of stages ([`kit::relaxation`]), each with a budget of
+//!    its own:
+//!    - the local search of `prm+primitives`: 1, 1/2, 1/10 of the wanted clearance, with 8, 15 and 27 percent of the
+//!      budget, along the route and then, if need be, without it;
+//!    - `prm-rs`: 1, 1/3, 1/25; then the whole of `hybrid-astar` follows, at that planner's settings;
+//!    - `hybrid-astar` ([`kit::relaxed_search`]): 1, 2/3, 1/3, 1/25, the first from the start alone, the others from both
+//!      ends in turn.
+//!
+//!    No stage keeps less than 1 cm. About a start or a goal pose that is tighter than that stage, the demand falls to nine
+//!    tenths of what the pose itself has, and rises by 10 cm for every metre away from it ([`kit::clearance_profile`]); on the way to a
+//!    tight goal pose the local search keeps no more than that anywhere.
+//! 4. **`lattice`**: a flood over the coarsest lattice of poses, then searches from both ends on the finest, the last
+//!    stages of `hybrid-astar`; and everything that the planner `lattice` finds, which floods three lattices in turn
+//!    ([`kit::floods`]).
+//!
+//! If all this fails on every goal that burns, the simulation asks [`reachability`], which floods from the truck's start:
+//!
+//! 5. **`reachability`**: the flood says that the goal is in reach, and a large search from where the truck stands finds
+//!    a path there, on two lattices in turn, with 3 cm of clearance;
+//! 6. **`backing-out`**: that fails, and the truck drives back over its own tracks to where one of its last eight legs
+//!    began, until its planner finds a path from there;
+//! 7. **`way-home`**: that fails too, and it drives back over all its tracks to its start, and from there along the
+//!    flood's own path, which is sure to be free.
+//!
+//! A goal that the flood does not reach is given up for the run. The first four are set here, the last three by the
+//! simulation. What trucks do about each other ([`replan_around`], [`find_yield_pose`]) changes a path and not what found
+//! it.
 
 pub mod kit;
+#[cfg(test)]
+mod laws;
 pub mod memory;
 pub mod observer;
 pub mod planners;

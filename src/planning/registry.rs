@@ -153,6 +153,20 @@ macro_rules! tables_of_settings {
             $(pub $name: &'a $Settings,)+
         }
 
+        /// The default settings of every planner, to be lent.
+        #[cfg(test)]
+        #[derive(Default)]
+        pub struct DefaultSettings {
+            $($name: $Settings,)+
+        }
+
+        #[cfg(test)]
+        impl DefaultSettings {
+            pub fn all(&self) -> TruckPlannerSettings<'_> {
+                TruckPlannerSettings { $($name: &self.$name,)+ }
+            }
+        }
+
         impl<'a> TruckPlannerSettings<'a> {
             /// Lists the tables, to check them all alike.
             pub fn tables(&self) -> impl Iterator<Item = PlannerTable<'a>> {

@@ -43,7 +43,7 @@ impl TestField {
                 }
             }
         }
-        Self::of(frame, &occupied, start, rng)
+        Self::new(frame, &occupied, start, rng)
     }
 
     /// A field of `#` and `.`, cells of 5 m, north edge first; the truck starts at `start`.
@@ -51,10 +51,10 @@ impl TestField {
         let (rows, cols) = (picture.len(), picture[0].len());
         let frame = FieldFrame { cols: cols as u16, rows: rows as u16, cell_m: 5.0 };
         let bushes = picture.iter().rev().flat_map(|line| line.bytes().map(|byte| byte == b'#')).collect();
-        Self::of(frame, &Grid::from_values(rows, cols, bushes), start, rng::stream(0, "planning/drawn"))
+        Self::new(frame, &Grid::from_values(rows, cols, bushes), start, rng::stream(0, "planning/drawn"))
     }
 
-    fn of(frame: FieldFrame, occupied: &Grid<bool>, start: Pose, rng: Xoshiro256PlusPlus) -> Self {
+    fn new(frame: FieldFrame, occupied: &Grid<bool>, start: Pose, rng: Xoshiro256PlusPlus) -> Self {
         let bushes = (0..frame.cell_count()).filter(|&i| occupied.values()[i]).map(|i| frame.centre(frame.cell(i)));
         let bushes = bushes.collect();
         let field = Arc::new(ClearanceField::new(frame, occupied));
@@ -140,7 +140,7 @@ pub fn random_pose(rng: &mut impl Rng, side_m: f64) -> Pose {
     Pose::new(rng.random_range(0.0..side_m), rng.random_range(0.0..side_m), rng.random_range(-3.1..3.1))
 }
 
-/// How many of some drives had which end.
+/// The numbers of drives by their ends.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Drives {
     pub solved: u32,
@@ -154,7 +154,7 @@ pub struct Drives {
 ///
 /// # Panics
 /// If a path is not drivable.
-pub fn drives_in_a_row<P: TruckPlanner>(fields: u64, walks: u32, planner: impl Fn(&TestField, u64) -> P) -> Drives {
+pub fn drives_in_a_row(fields: u64, walks: u32, planner: impl Fn(&TestField, u64) -> Box<dyn TruckPlanner>) -> Drives {
     let mut drives = Drives::default();
     for seed in 0..fields {
         let mut field = TestField::random(seed, walks);

@@ -3,7 +3,17 @@ use glam::DVec2;
 use crate::grid::astar::AStar;
 use crate::planning::{PlanningObserver, SearchPhase};
 
-use super::{Errand, Estimate, Walk, WalkCosts, WalkLattice};
+use super::lattice::WalkLattice;
+use super::query::{Walk, WalkCosts, WalkQuery};
+
+/// The estimate of the cost that is still to come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Estimate {
+    /// Cost of the shortest lattice path on an empty field to the nearest point of reach: admissible and consistent.
+    Octile,
+    /// Metres in a straight line from the point's parent to the cell's centre, whatever a step costs.
+    ParentEuclidean,
+}
 
 /// A* to any of the points of reach.
 ///
@@ -13,10 +23,10 @@ pub fn walk(
     memory: &mut AStar,
     (estimate, weight): (Estimate, f64),
     costs: &WalkCosts,
-    errand: &Errand<'_>,
+    query: &WalkQuery<'_>,
     observer: &mut dyn PlanningObserver,
 ) -> Walk {
-    let Errand { lattice, start, goals, centre } = *errand;
+    let WalkQuery { lattice, start, goals, centre } = *query;
     let octile = |from: DVec2, to: DVec2| octile(lattice, costs.steps, from, to);
     // Octile distance obeys the triangle inequality: what the farthest point of reach is short of the centre,
     // taken off the distance to the centre, bounds the distance to each point of reach from below.
@@ -25,7 +35,7 @@ pub fn walk(
         Estimate::Octile => weight * (octile(lattice.position(point), centre) - short).max(0.0),
         Estimate::ParentEuclidean => weight * (lattice.position(parent) - centre).length(),
     };
-    let found = memory.search(lattice.moves(), start, costs, |point| errand.is_goal(point), estimate);
+    let found = memory.search(lattice.moves(), start, costs, |point| query.is_goal(point), estimate);
     observer.looked_at(SearchPhase::Walk, &mut memory.settled().map(|ends| ends.map(|point| lattice.position(point))));
     Walk::straight(found.path, found.expansions)
 }

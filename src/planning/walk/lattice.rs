@@ -6,7 +6,8 @@ use crate::geometry::{Cell, FieldFrame};
 use crate::grid::astar::MOVES;
 use crate::grid::{Grid, Place};
 
-use super::occupied_count::{OccupiedCount, TOUCH};
+/// Touching is not overlapping; this much of a cell absorbs rounding.
+const TOUCH: f64 = 1e-9;
 
 /// West, north, east, south, then the diagonals from north-west on: the order in which neighbours that are equally
 /// good are taken, as indices of [`MOVES`].
@@ -35,14 +36,14 @@ pub struct WalkLattice {
 }
 
 impl WalkLattice {
-    /// How many points such a lattice has, before any memory is taken.
+    /// Returns the number of points that such a lattice has, before any memory is taken.
     pub fn point_count(frame: &FieldFrame, shape: &LatticeShape) -> f64 {
         let (west, east) = range(shape.anchor.x, shape.step_m, frame.width_m());
         let (south, north) = range(shape.anchor.y, shape.step_m, frame.height_m());
         (east - west + 1.0) * (north - south + 1.0)
     }
 
-    /// The most bytes that it takes on a field with this number of points, while it is made and asked what can be
+    /// Bounds the bytes that it takes on a field with this number of points, while it is made and asked what can be
     /// reached.
     pub fn most_bytes(frame: &FieldFrame, points: u64) -> u64 {
         // A point's moves and whether it is free; free points, or those that wait, in a list that doubles; reached
@@ -108,17 +109,17 @@ impl WalkLattice {
         &self.moves
     }
 
-    /// The points that the body cannot stand on.
+    /// Returns the points that the body cannot stand on.
     pub fn blocked(&self) -> Grid<bool> {
         Grid::from_values(self.rows(), self.cols(), self.free.iter().map(|free| !free).collect())
     }
 
-    /// Centre of a cell of the field.
+    /// Returns the centre of a cell of the field.
     pub fn centre(&self, cell: Cell) -> DVec2 {
         self.frame.centre(cell)
     }
 
-    /// The legal steps from a point, west first: which move, and where it leads.
+    /// Returns the legal steps from a point, west first: which move, and where it leads.
     pub fn steps(&self, point: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
         let mask = self.moves.values()[point];
         WEST_FIRST
@@ -136,19 +137,19 @@ impl WalkLattice {
         self.origin + DVec2::new((point % cols) as f64, (point / cols) as f64) * self.step_m
     }
 
-    /// Row and column of the point nearest to a place, free or not.
+    /// Returns row and column of the point nearest to a place, free or not.
     pub fn nearest(&self, place: DVec2) -> Place {
         let steps = ((place - self.origin) / self.step_m).round().max(DVec2::ZERO);
         ((steps.y as usize).min(self.rows() - 1), (steps.x as usize).min(self.cols() - 1))
     }
 
-    /// The free point nearest to a place, ties by index.
+    /// Returns the free point nearest to a place, ties by index.
     pub fn nearest_free(&self, place: DVec2) -> Option<usize> {
         let squared = |point: usize| (self.position(point) - place).length_squared();
         (0..self.points()).filter(|&p| self.free[p]).min_by(|&a, &b| squared(a).total_cmp(&squared(b)))
     }
 
-    /// Every point that can be walked to from `start`, itself included.
+    /// Returns for every point whether it can be walked to from `start`, itself included.
     pub fn reachable_from(&self, start: usize) -> Vec<bool> {
         let mut reached = vec![false; self.points()];
         reached[start] = true;
@@ -164,7 +165,7 @@ impl WalkLattice {
         reached
     }
 
-    /// Free points within `reach_m` of a cell's centre, inclusive, by index.
+    /// Returns free points within `reach_m` of a cell's centre, inclusive, by index.
     pub fn points_of_reach(&self, cell: Cell, reach_m: f64) -> impl Iterator<Item = usize> + '_ {
         let centre = self.frame.centre(cell);
         let slack = reach_m * (1.0 + TOUCH);
@@ -178,7 +179,7 @@ impl WalkLattice {
             .filter(move |&point| self.free[point] && (self.position(point) - centre).length() <= slack)
     }
 
-    /// Metres of the step between two neighbouring points.
+    /// Returns the metres of the step between two neighbouring points.
     pub fn step_length(&self, from: usize, to: usize) -> f64 {
         let cols = self.moves.cols();
         let is_orthogonal = from / cols == to / cols || from % cols == to % cols;
@@ -193,7 +194,52 @@ impl WalkLattice {
     }
 }
 
-/// First and last lattice step from an anchor that lie within 0 and `extent`.
+/// Counts occupied cells in any box in constant time (a summed-area table: Crow, "Summed-area tables for texture mapping",
+/// 1984).
+struct OccupiedCount {
+    frame: FieldFrame,
+    /// (rows + 1) x (cols + 1): occupied cells south-west of each grid corner.
+    sums: Grid<u32>,
+}
+
+impl OccupiedCount {
+    fn new(frame: FieldFrame, occupied: &Grid<bool>) -> Self {
+        let mut sums = Grid::filled(occupied.rows() + 1, occupied.cols() + 1, 0);
+        for row in 0..occupied.rows() {
+            for col in 0..occupied.cols() {
+                sums[(row + 1, col + 1)] =
+                    u32::from(occupied[(row, col)]) + sums[(row, col + 1)] + sums[(row + 1, col)] - sums[(row, col)];
+            }
+        }
+        Self { frame, sums }
+    }
+
+    /// Returns the bytes that it takes on a field.
+    fn bytes(frame: &FieldFrame) -> u64 {
+        (u64::from(frame.rows) + 1) * (u64::from(frame.cols) + 1) * size_of::<u32>() as u64
+    }
+
+    /// Says whether a box lies in the field and overlaps no occupied cell.
+    fn is_free(&self, low: DVec2, high: DVec2) -> bool {
+        let low = low / self.frame.cell_m + TOUCH;
+        let high = high / self.frame.cell_m - TOUCH;
+        let inside = low.x >= 0.0
+            && low.y >= 0.0
+            && high.x <= f64::from(self.frame.cols)
+            && high.y <= f64::from(self.frame.rows);
+        if !inside {
+            return false;
+        }
+        // What is not negative rounds up faster through integers than by a call of `ceil`.
+        let round_up = |x: f64| x as usize + usize::from(x > (x as usize) as f64);
+        let (west, south) = (low.x as usize, low.y as usize);
+        let (east, north) = (round_up(high.x), round_up(high.y));
+        let sums = &self.sums;
+        sums[(north, east)] + sums[(south, west)] == sums[(north, west)] + sums[(south, east)]
+    }
+}
+
+/// Returns the first and the last lattice step from an anchor that lie within 0 and `extent`.
 fn range(anchor: f64, step: f64, extent: f64) -> (f64, f64) {
     (((-anchor) / step).ceil(), ((extent - anchor) / step).floor())
 }

@@ -7,24 +7,24 @@
 //! field, which may end in a local minimum.
 
 mod astar;
-mod costs;
+
 mod lattice;
-mod occupied_count;
 mod potential;
+mod query;
 #[cfg(test)]
 mod test_lattices;
 mod wavefront;
 
-pub use costs::WalkCosts;
+pub use astar::Estimate;
 pub use lattice::{LatticeShape, WalkLattice};
 pub use potential::PotentialSettings;
-
-use glam::DVec2;
+pub use query::{Walk, WalkCosts};
 
 use crate::geometry::Cell;
 use crate::grid::astar::AStar;
 use crate::planning::PlanningObserver;
 use potential::PotentialField;
+use query::WalkQuery;
 
 /// The method by which a walk is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,61 +32,6 @@ pub enum WalkMethod {
     Astar { estimate: Estimate, weight: f64 },
     Wavefront,
     Potential(PotentialSettings),
-}
-
-/// The estimate of the cost that is still to come.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Estimate {
-    /// Cost of the shortest lattice path on an empty field to the nearest point of reach: admissible and consistent.
-    Octile,
-    /// Metres in a straight line from the point's parent to the cell's centre, whatever a step costs.
-    ParentEuclidean,
-}
-
-/// A planner's answer.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Walk {
-    /// Point indices from the start to a point of reach, or to the local minimum that the walk ends at; `None` if the
-    /// cell cannot be approached.
-    pub path: Option<Vec<usize>>,
-    pub expansions: u32,
-    /// The local minimum on the way, or at its end.
-    pub minimum: Option<usize>,
-}
-
-impl Walk {
-    /// A walk that meets no local minimum, or none at all.
-    fn straight(path: Option<Vec<usize>>, expansions: u32) -> Self {
-        Self { path, expansions, minimum: None }
-    }
-
-    /// Says whether the walk ends at a local minimum.
-    pub fn is_stuck(&self) -> bool {
-        self.minimum.is_some() && self.path.as_ref().and_then(|path| path.last()) == self.minimum.as_ref()
-    }
-}
-
-/// The start of a walk, and where it may end.
-#[derive(Clone, Copy)]
-struct Errand<'a> {
-    lattice: &'a WalkLattice,
-    start: usize,
-    /// The points of reach, by index.
-    goals: &'a [usize],
-    /// Of the cell that is to be reached.
-    centre: DVec2,
-}
-
-impl Errand<'_> {
-    fn is_goal(&self, point: usize) -> bool {
-        self.goals.binary_search(&point).is_ok()
-    }
-
-    /// Returns the positions of every point of a path and of the one before it; the first comes after itself.
-    fn lines(&self, path: &[usize]) -> impl Iterator<Item = [DVec2; 2]> {
-        let before = path.iter().take(1).chain(path);
-        before.zip(path).map(|(&from, &to)| [from, to].map(|point| self.lattice.position(point)))
-    }
 }
 
 /// A planner for one lattice, with what it keeps from query to query.
@@ -140,14 +85,14 @@ impl WalkPlanner {
         observer: &mut dyn PlanningObserver,
     ) -> Walk {
         let goals: Vec<usize> = lattice.points_of_reach(cell, reach_m).collect();
-        let errand = Errand { lattice, start, goals: &goals, centre: lattice.centre(cell) };
+        let query = WalkQuery { lattice, start, goals: &goals, centre: lattice.centre(cell) };
         let Self { costs, method } = self;
         match method {
             Prepared::Astar { memory, estimate, weight } => {
-                astar::walk(memory, (*estimate, *weight), costs, &errand, observer)
+                astar::walk(memory, (*estimate, *weight), costs, &query, observer)
             }
-            Prepared::Wavefront => wavefront::walk(costs, &errand, observer),
-            Prepared::Potential(field) => field.walk(costs, &errand, observer),
+            Prepared::Wavefront => wavefront::walk(costs, &query, observer),
+            Prepared::Potential(field) => field.walk(costs, &query, observer),
         }
     }
 }
@@ -184,7 +129,7 @@ mod tests {
     }
 
     /// Walks from the field's upper middle to every ninth bush of 30 random fields.
-    fn each_errand(share: f64, mut with: impl FnMut(u64, &WalkLattice, usize, Cell)) {
+    fn each_query(share: f64, mut with: impl FnMut(u64, &WalkLattice, usize, Cell)) {
         for seed in 0..30 {
             let occupied = field(seed, share);
             let lattice = on_cells(&occupied);
@@ -201,7 +146,7 @@ mod tests {
             Some((0..lattice.points()).map(|point| 1.0 + (point * 7919 % 101) as f64 / 25.0).collect())
         };
         let mut walks = 0;
-        each_errand(0.2, |_, lattice, start, cell| {
+        each_query(0.2, |_, lattice, start, cell| {
             let reached = lattice.reachable_from(start);
             for steps in [(5.0, 5.0 * SQRT_2), (1.0, 1.0)] {
                 for factors in [None, random_factors(lattice)] {
@@ -229,7 +174,7 @@ mod tests {
     #[test]
     fn a_greedier_search_expands_less_and_a_wavefront_settles_all_that_is_connected() {
         let (mut greedy_effort, mut exact_effort) = (0, 0);
-        each_errand(0.2, |_, lattice, start, cell| {
+        each_query(0.2, |_, lattice, start, cell| {
             let effort = |method| {
                 WalkPlanner::new(lattice, method, metres()).plan(lattice, start, (cell, 6.25), &mut Unobserved)
             };
@@ -276,7 +221,7 @@ mod tests {
     fn a_descent_ends_in_reach_or_where_no_step_leads_down_and_an_escape_goes_on_to_the_goal() {
         let no_escape = PotentialSettings { escapes: false, ..POTENTIAL };
         let (mut stuck, mut arrived) = (0, 0);
-        each_errand(0.1, |seed, lattice, start, cell| {
+        each_query(0.1, |seed, lattice, start, cell| {
             let plan = |settings| {
                 let mut planner = WalkPlanner::new(lattice, WalkMethod::Potential(settings), metres());
                 planner.plan(lattice, start, (cell, 6.25), &mut Unobserved)
@@ -284,13 +229,13 @@ mod tests {
             let (walk, escaped) = (plan(no_escape), plan(POTENTIAL));
             let path = walk.path.clone().expect("a walk without escape ends somewhere");
             let goals: Vec<usize> = lattice.points_of_reach(cell, 6.25).collect();
-            let errand = Errand { lattice, start, goals: &goals, centre: FRAME.centre(cell) };
+            let query = WalkQuery { lattice, start, goals: &goals, centre: FRAME.centre(cell) };
             let field = PotentialField::new(lattice, POTENTIAL);
-            let potential = field.towards(&errand);
+            let potential = field.towards(&query);
             let falls = |pair: &[usize]| potential.at(pair[1]) < potential.at(pair[0]);
             assert!(path.windows(2).all(falls), "seed {seed}: a descent climbs");
             let last = path[path.len() - 1];
-            assert_eq!(walk.is_stuck(), !errand.is_goal(last));
+            assert_eq!(walk.is_stuck(), !query.is_goal(last));
             assert_eq!(walk.minimum, escaped.minimum);
             let Some(minimum) = walk.minimum else {
                 assert_eq!(walk, escaped);
@@ -304,7 +249,7 @@ mod tests {
             assert!(!escaped.is_stuck());
             if let Some(onward) = escaped.path {
                 assert_eq!(onward[..path.len()], path);
-                assert!(errand.is_goal(onward[onward.len() - 1]));
+                assert!(query.is_goal(onward[onward.len() - 1]));
             }
         });
         assert!(stuck > 10 && arrived > 10, "{stuck} stuck, {arrived} arrived");

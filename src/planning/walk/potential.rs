@@ -2,7 +2,9 @@ use crate::grid::brushfire::brushfire;
 use crate::grid::potential::{self, Attraction, Repulsion};
 use crate::grid::{Connectivity, Grid, Place};
 
-use super::{Errand, Walk, WalkCosts, WalkLattice, wavefront};
+use super::lattice::WalkLattice;
+use super::query::{Walk, WalkCosts, WalkQuery};
+use super::wavefront;
 use crate::planning::{PlanningObserver, SearchPhase};
 
 /// How a Wumpus is drawn to its goal and pushed off bushes; distances are lattice steps.
@@ -37,30 +39,30 @@ impl PotentialField {
     ///
     /// Ties go to the first in the order of [`WalkLattice::steps`]. Every point whose neighbours are compared is an
     /// expansion; an escape adds those of its sweep.
-    pub fn walk(&self, costs: &WalkCosts, errand: &Errand<'_>, observer: &mut dyn PlanningObserver) -> Walk {
-        let potential = self.towards(errand);
-        let mut path = vec![errand.start];
-        let mut here = errand.start;
+    pub fn walk(&self, costs: &WalkCosts, query: &WalkQuery<'_>, observer: &mut dyn PlanningObserver) -> Walk {
+        let potential = self.towards(query);
+        let mut path = vec![query.start];
+        let mut here = query.start;
         let mut expansions = 0;
-        while !errand.is_goal(here) {
+        while !query.is_goal(here) {
             expansions += 1;
-            let lowest = errand.lattice.steps(here).map(|(_, next)| next);
+            let lowest = query.lattice.steps(here).map(|(_, next)| next);
             let lowest = lowest.min_by(|&a, &b| potential.at(a).total_cmp(&potential.at(b)));
             let Some(next) = lowest.filter(|&next| potential.at(next) < potential.at(here)) else {
-                observer.looked_at(SearchPhase::Walk, &mut errand.lines(&path));
-                return self.stuck(costs, errand, path, expansions, observer);
+                observer.looked_at(SearchPhase::Walk, &mut query.lines(&path));
+                return self.stuck(costs, query, path, expansions, observer);
             };
             here = next;
             path.push(here);
         }
-        observer.looked_at(SearchPhase::Walk, &mut errand.lines(&path));
+        observer.looked_at(SearchPhase::Walk, &mut query.lines(&path));
         Walk::straight(Some(path), expansions)
     }
 
     fn stuck(
         &self,
         costs: &WalkCosts,
-        errand: &Errand<'_>,
+        query: &WalkQuery<'_>,
         mut path: Vec<usize>,
         expansions: u32,
         observer: &mut dyn PlanningObserver,
@@ -70,16 +72,16 @@ impl PotentialField {
             path.push(minimum);
             return Walk { minimum: Some(minimum), ..Walk::straight(Some(path), expansions) };
         }
-        let onward = wavefront::walk(costs, &Errand { start: minimum, ..*errand }, observer);
+        let onward = wavefront::walk(costs, &WalkQuery { start: minimum, ..*query }, observer);
         path.extend(onward.path.iter().flatten());
         let path = onward.path.is_some().then_some(path);
         Walk { minimum: Some(minimum), ..Walk::straight(path, expansions + onward.expansions) }
     }
 
-    /// The potential that leads to an errand's goal.
-    pub(super) fn towards(&self, errand: &Errand<'_>) -> Potential<'_> {
-        let (rows, cols) = (errand.lattice.rows(), errand.lattice.cols());
-        let goal = errand.lattice.nearest(errand.centre);
+    /// The potential that leads to an query's goal.
+    pub(super) fn towards(&self, query: &WalkQuery<'_>) -> Potential<'_> {
+        let (rows, cols) = (query.lattice.rows(), query.lattice.cols());
+        let goal = query.lattice.nearest(query.centre);
         let farthest = |goal: usize, side: usize| goal.max(side - 1 - goal);
         let greatest = self.settings.attraction.at(farthest(goal.0, rows), farthest(goal.1, cols));
         Potential { field: self, goal, greatest }
@@ -129,8 +131,8 @@ mod tests {
             let prepared = PotentialField::new(&lattice, settings);
             let (row, col) = (7, 17);
             let centre = lattice.position(row * lattice.cols() + col);
-            let errand = Errand { lattice: &lattice, start: 0, goals: &[], centre };
-            let potential = prepared.towards(&errand);
+            let query = WalkQuery { lattice: &lattice, start: 0, goals: &[], centre };
+            let potential = prepared.towards(&query);
             let brushfire = brushfire(&occupied, Connectivity::Eight).expect("something is occupied");
             let attraction = potential::attraction(lattice.rows(), lattice.cols(), (row, col), attraction, scale);
             let total = potential::total(attraction.clone(), &brushfire, &settings.repulsion);

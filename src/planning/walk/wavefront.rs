@@ -4,14 +4,15 @@ use crate::grid::octile::cost_to_go;
 use crate::grid::step_costs::StepCosts;
 use crate::planning::{PlanningObserver, SearchPhase};
 
-use super::{Errand, Walk, WalkCosts, WalkLattice};
+use super::lattice::WalkLattice;
+use super::query::{Walk, WalkCosts, WalkQuery};
 
 /// Down the exact cost-to-go, which one sweep from all points of reach gives.
 ///
 /// The sweep covers all that is connected with the goal, wherever the start is: every point that it settles is an
 /// expansion. Among steps of equal worth the first in the order of [`super::WalkLattice::steps`] is taken.
-pub fn walk(costs: &WalkCosts, errand: &Errand<'_>, observer: &mut dyn PlanningObserver) -> Walk {
-    let Errand { lattice, start, goals, .. } = *errand;
+pub fn walk(costs: &WalkCosts, query: &WalkQuery<'_>, observer: &mut dyn PlanningObserver) -> Walk {
+    let WalkQuery { lattice, start, goals, .. } = *query;
     let to_go = cost_to_go(lattice.moves(), goals.iter().copied(), costs);
     let to_go = to_go.values();
     observer.looked_at(SearchPhase::Walk, &mut std::iter::once_with(|| wave(costs, lattice, to_go)).flatten());

