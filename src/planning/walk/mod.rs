@@ -101,6 +101,8 @@ impl WalkPlanner {
 mod tests {
     use std::f64::consts::SQRT_2;
 
+    use glam::DVec2;
+
     use super::test_lattices::{FRAME, field, on_cells};
     use super::*;
     use crate::grid::potential::{Attraction, Repulsion};

@@ -75,7 +75,7 @@ mod tests {
     };
     use crate::planning::{GoalDisc, PlanFailure};
     use crate::rng;
-    use crate::vehicle::{Dimensions, Path, ReedsShepp};
+    use crate::vehicle::{Dimensions, ReedsShepp};
     use glam::DVec2;
 
     fn planner(field: &TestField, seed: u64) -> HybridAstar {

@@ -203,7 +203,7 @@ mod tests {
     use crate::planning::planners::lattice::{LatticePlanner, LatticeSettings};
     use crate::planning::planners::prm_primitives::{ClearanceTo, RoadmapSearch};
     use crate::planning::test_fields::{
-        TestField, assert_drivable, assert_ends_in, drives_in_a_row, least_clearance, random_free_pose, shut_court,
+        TestField, assert_drivable, assert_ends_in, drives_in_a_row, least_clearance, random_free_pose,
     };
     use crate::rng;
 

@@ -220,8 +220,7 @@ mod tests {
     };
     use crate::planning::{GoalDisc, PlanFailure};
     use crate::rng;
-    use crate::vehicle::{Dimensions, Path, ReedsShepp};
-    use glam::DVec2;
+    use crate::vehicle::{Dimensions, ReedsShepp};
 
     fn planner(field: &TestField, seed: u64) -> PrmRs {
         let settings = PrmRsSettings { samples: 100, ..PrmRsSettings::default() };
