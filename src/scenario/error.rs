@@ -9,8 +9,8 @@ use miette::{
 };
 use thiserror::Error;
 
-use super::given::MapFault;
-use super::source::BUILT_IN;
+use super::MAX_CELLS_A_SIDE;
+use super::built_in::BUILT_IN;
 use crate::untrusted::{visible, visible_lines};
 
 /// The longest line that is shown whole, in bytes.
@@ -59,6 +59,25 @@ pub enum Fault {
     CannotChange { message: String },
     #[error(transparent)]
     Map(#[from] MapFault),
+}
+
+/// A fault of a map.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum MapFault {
+    #[error("the map is empty: a line of `.` and `#` for each row of cells is expected")]
+    Empty,
+    #[error("`{found}` is no cell: `.` or `0` for a free cell, `#` or `1` for a bush are expected")]
+    UnknownCharacter { found: char },
+    #[error("this row has {found} cells, {expected} like the first row are expected")]
+    Ragged { found: usize, expected: usize },
+    #[error("the map has more than {limit} cells along a side, at most {limit} are expected", limit = MAX_CELLS_A_SIDE)]
+    TooLarge,
+    #[error("{message}")]
+    Json { message: String },
+    #[error("the map must say how many cells it has: `n`, or `size_m` as a whole number of cells, is expected")]
+    NoSize,
+    #[error("a cell of {found} m is no cell: a size above 0 m is expected")]
+    CellSize { found: f64 },
 }
 
 /// A span of a file, or of an option of the command line.

@@ -1,39 +1,40 @@
 //! Explains a scenario in plain sentences, for `wildfire check`.
 
-use super::explain_agents::{describe_truck, describe_wumpus};
+use super::agents::SHOWN_SEED;
+use super::field::percent;
 use super::load::LoadedScenario;
-use super::sketch::draw_sketch;
+use super::rules::describe_ignitions;
 use super::warnings::warnings;
-use super::{
-    Extinguishes, Field, IgnitionCells, MemoryEstimate, MemoryLimit, MemoryPart, Overlaps, Scenario, SpreadFrom,
-    Terrain, bytes_text,
-};
+use super::{MemoryEstimate, MemoryLimit, MemoryPart, Scenario, Terrain, bytes_text};
+use crate::geometry::Cell;
 
 /// The widest line, in characters.
-pub(super) const WIDTH: usize = 80;
-
-/// The seed whose field is shown.
-pub(super) const SHOWN_SEED: u64 = 1;
+const WIDTH: usize = 80;
 
 /// Explains a scenario: its rules and agents in sentences with units, the values left to defaults, the field of seed 1
 /// with a map, the memory that a run takes beside its limit, and warnings. No line is wider than 80 characters.
 pub fn explain(loaded: &LoadedScenario, limit: MemoryLimit) -> String {
     let scenario = &loaded.scenario;
     let mut text = format!("{}: {} s of simulated time at most.\n", scenario.name, scenario.duration_s);
-    add_section(&mut text, "Field", [describe_field(&scenario.field)]);
-    add_section(&mut text, "Fire", [describe_fire(scenario)]);
-    add_section(&mut text, "Suppression", [describe_suppression(scenario)]);
-    add_section(&mut text, "Score", [describe_score(scenario)]);
-    add_section(&mut text, "Wumpuses", describe_agents(&scenario.wumpus, describe_wumpus));
-    add_section(&mut text, "Trucks", describe_agents(&scenario.unimog, describe_truck));
+    add_section(&mut text, "Field", [scenario.field.describe()]);
+    add_section(&mut text, "Fire", [scenario.fire.describe()]);
+    add_section(&mut text, "Suppression", [scenario.suppression.describe()]);
+    add_section(&mut text, "Score", [scenario.score.describe()]);
+    for agents in scenario.kinds() {
+        let numbered = agents.describe().into_iter().enumerate().map(|(number, words)| format!("{number}: {words}"));
+        let nobody = (agents.len() == 0).then(|| "None.".to_owned());
+        add_section(&mut text, agents.title(), numbered.chain(nobody));
+    }
     if !scenario.ignition.is_empty() {
-        add_section(&mut text, "Ignitions", [describe_ignitions(scenario)]);
+        add_section(&mut text, "Ignitions", [describe_ignitions(&scenario.ignition)]);
     }
     add_section(&mut text, "Values", [list_defaults(loaded)]);
     let terrain = Terrain::from_scenario(scenario, SHOWN_SEED);
     match &terrain {
         Ok(terrain) => text += &describe_terrain(scenario, terrain),
-        Err(error) => add_section(&mut text, "Field of seed 1", [format!("There is none: {error}.")]),
+        Err(error) => {
+            add_section(&mut text, &format!("Field of seed {SHOWN_SEED}"), [format!("There is none: {error}.")])
+        }
     }
     text += &list_memory(scenario, limit);
     let warnings = warnings(scenario, terrain.as_ref().ok());
@@ -64,96 +65,6 @@ fn wrapped(paragraph: &str) -> String {
     text + &line + "\n"
 }
 
-fn describe_field(field: &Field) -> String {
-    let frame = field.frame();
-    let size = format!(
-        "{} x {} m, {} x {} cells of {} m.",
-        frame.width_m(),
-        frame.height_m(),
-        frame.cols,
-        frame.rows,
-        frame.cell_m
-    );
-    if let Some(map) = &field.map {
-        return format!("{size} The bushes are those of the map {}, the same for every seed.", map.display());
-    }
-    let shapes: Vec<String> = field.shapes.iter().map(|shape| format!("{shape:?}")).collect();
-    let overlaps = match field.overlaps {
-        Overlaps::Never => "that never overlap",
-        Overlaps::Dropped => "that fall anywhere, cells covered twice counting once",
-    };
-    let limit = match field.pieces {
-        Some(_) => String::new(),
-        None => format!(" (the most within {} % of the cells)", percent(field.coverage)),
-    };
-    format!(
-        "{size} {} tetrominoes{limit} of the shapes {}, {overlaps}. No bush within {} m of where an agent's body \
-         starts.",
-        field.wanted_pieces(),
-        shapes.join(", "),
-        field.start_clearance_m
-    )
-}
-
-fn describe_fire(scenario: &Scenario) -> String {
-    let fire = &scenario.fire;
-    let spread = match fire.spread_from {
-        SpreadFrom::None => "Fire does not spread.".into(),
-        from => format!(
-            "A bush that has burned for {} s sets intact ones on fire whose centres are within {} m; {}.",
-            fire.spread_delay_s,
-            fire.spread_radius_m,
-            if from == SpreadFrom::All { "every burning bush does so" } else { "only bushes that were lit do so" }
-        ),
-    };
-    let end =
-        fire.burn_out_s.map_or("It burns until it is put out.".into(), |s| format!("A bush burns out after {s} s."));
-    let again =
-        if fire.relight { "An extinguished bush can burn again." } else { "An extinguished bush is safe for good." };
-    format!("{spread} {end} {again}")
-}
-
-fn describe_suppression(scenario: &Scenario) -> String {
-    let rule = &scenario.suppression;
-    let reach = rule.reach_m.map_or("wherever its drive ends".into(), |m| {
-        format!("with its body's centre within {m} m of the bush's centre")
-    });
-    let effect = match rule.extinguishes {
-        Extinguishes::One => "one bush",
-        Extinguishes::AllInReach => "all that burns in reach",
-    };
-    format!("A truck that stands {} s {reach} puts out {effect}.", rule.dwell_s)
-}
-
-fn describe_score(scenario: &Scenario) -> String {
-    let score = &scenario.score;
-    format!(
-        "Wumpuses: {} for a bush that catches fire, {} for one that burns out. Trucks: {} for one put out.",
-        score.wumpus_ignited, score.wumpus_burned_out, score.truck_extinguished
-    )
-}
-
-fn describe_agents<A>(agents: &[A], describe: impl Fn(&A) -> String) -> Vec<String> {
-    if agents.is_empty() {
-        return vec!["None.".into()];
-    }
-    agents.iter().enumerate().map(|(number, agent)| format!("{number}: {}", describe(agent))).collect()
-}
-
-fn describe_ignitions(scenario: &Scenario) -> String {
-    let (mut random, mut named) = (0_u64, 0);
-    for ignition in &scenario.ignition {
-        match &ignition.cells {
-            IgnitionCells::Random(count) => random += u64::from(*count),
-            IgnitionCells::Cells(cells) => named += cells.len(),
-        }
-    }
-    let times = scenario.ignition.iter().map(|ignition| ignition.at_s);
-    let (first, last) = (times.clone().fold(f64::INFINITY, f64::min), times.fold(0.0, f64::max));
-    let count = scenario.ignition.len();
-    format!("{count} from {first} s to {last} s: {random} random bushes and {named} named cells.")
-}
-
 fn list_defaults(loaded: &LoadedScenario) -> String {
     let values = loaded.values().into_iter().filter(|(_, value)| value != "[]");
     let (given, left): (Vec<_>, Vec<_>) = values.partition(|(path, _)| loaded.is_given(path));
@@ -175,11 +86,7 @@ fn list_defaults(loaded: &LoadedScenario) -> String {
 /// Returns the path without the agent's number, if the same value of every agent of the kind is left to its default.
 fn path_of_all_agents(path: &str, scenario: &Scenario, is_left: impl Fn(&str) -> bool) -> Option<String> {
     let (list, rest) = path.split_once('.')?;
-    let agents = match list {
-        "wumpus" => scenario.wumpus.len(),
-        "unimog" => scenario.unimog.len(),
-        _ => return None,
-    };
+    let agents = scenario.kinds().into_iter().find(|agents| agents.key() == list)?.len();
     let (_, field) = rest.split_once('.')?;
     (0..agents).all(|number| is_left(&format!("{list}.{number}.{field}"))).then(|| format!("{list}.{field}"))
 }
@@ -220,15 +127,40 @@ fn list_memory(scenario: &Scenario, limit: MemoryLimit) -> String {
     text
 }
 
-/// Converts a share to percent, rounded to hundredths.
-fn percent(share: f64) -> f64 {
-    (share * 1e4).round() / 100.0
+/// The indent of the map of a field.
+const INDENT: &str = "  ";
+
+/// Draws a map of a field, north above: `.` free, `#` a bush, `W` and `U` where a Wumpus and a truck start.
+///
+/// On fields that are too wide a character is a square of cells, and is `#` if any of them is a bush.
+fn draw_sketch(terrain: &Terrain, scenario: &Scenario) -> String {
+    let cells_a_character = usize::from(terrain.frame.cols).div_ceil(WIDTH - INDENT.len());
+    let side = |cells: u16| usize::from(cells).div_ceil(cells_a_character);
+    let mut rows = vec![vec!['.'; side(terrain.frame.cols)]; side(terrain.frame.rows)];
+    let mut mark = |cell: Cell, character| {
+        rows[usize::from(cell.row) / cells_a_character][usize::from(cell.col) / cells_a_character] = character;
+    };
+    for &bush in &terrain.bushes {
+        mark(bush, '#');
+    }
+    // Agents of the first kind are drawn last, on top.
+    for start in scenario.kinds().iter().rev().flat_map(|agents| agents.starts()) {
+        if let Some(cell) = terrain.frame.cell_at(start.place) {
+            mark(cell, start.letter);
+        }
+    }
+    let lines = rows.iter().rev().map(|row| format!("{INDENT}{}\n", row.iter().collect::<String>()));
+    let scale = match cells_a_character {
+        1 => String::new(),
+        n => format!("{INDENT}A character stands for {n} x {n} cells.\n"),
+    };
+    lines.collect::<String>() + &scale
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::BUILT_IN;
+    use crate::scenario::{BUILT_IN, Field, GivenField, load};
 
     fn explained(source: &str, changes: &[&str]) -> String {
         let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
@@ -326,5 +258,25 @@ mod tests {
     fn a_field_that_cannot_be_is_explained_too() {
         let text = explained("smoke", &["field.start_clearance_m=200"]);
         assert!(text.contains("There is none: no placement left for piece 1 of 10"), "{text}");
+    }
+
+    fn drawn(map: &str) -> String {
+        let wumpus_alone = load("wumpus-alone", &["wumpus.start_m=[2.5, 2.5]".into()]).expect("this scenario is right");
+        let given = GivenField::parse(map, 5.0).expect("this map is right");
+        let scenario = Scenario { field: Field { given: Some(given), ..Field::default() }, ..wumpus_alone };
+        draw_sketch(&Terrain::from_scenario(&scenario, 1).expect("a given field needs no drawing"), &scenario)
+    }
+
+    #[test]
+    fn a_map_is_drawn_as_it_was_given() {
+        assert_eq!(drawn("#..\n.##\n..."), "  #..\n  .##\n  W..\n");
+    }
+
+    #[test]
+    fn a_wide_field_is_drawn_smaller_and_keeps_its_bushes() {
+        let wide = format!("{}#\n{}\n", ".".repeat(99), ".".repeat(100));
+        let text = drawn(&wide);
+        assert_eq!(text.lines().next(), Some(format!("  W{}#", ".".repeat(48)).as_str()));
+        assert!(text.contains("2 x 2 cells"));
     }
 }

@@ -5,8 +5,10 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::check::{Check, TablePath};
 use super::{GivenField, Shape};
 use crate::geometry::FieldFrame;
+use crate::ranges::number_text;
 
 /// The most cells along a side of a field, generated or given.
 pub const MAX_CELLS_A_SIDE: u16 = 1000;
@@ -84,6 +86,67 @@ impl Field {
             (self.coverage * cells / 4.0 + ROUNDING_PIECES).floor() as u32
         })
     }
+}
+
+impl Field {
+    pub(super) fn check(&self, table: &TablePath) -> Check {
+        table.number("cell_m", self.cell_m, 0.01..=1000.0)?;
+        table.number("start_clearance_m", self.start_clearance_m, 0.0..=1e6)?;
+        if self.given.is_some() {
+            return Ok(());
+        }
+        let side = self.size_m / self.cell_m;
+        let is_whole = (side - side.round()).abs() <= 1e-9 * side;
+        if !(is_whole && (1.0..=f64::from(MAX_CELLS_A_SIDE)).contains(&side.round())) {
+            let expected = format!("1 to {MAX_CELLS_A_SIDE} whole cells of {} m", self.cell_m);
+            return table.refuse("size_m", number_text(self.size_m), expected);
+        }
+        table.number("coverage", self.coverage, 0.0..=MAX_COVERAGE)?;
+        let most = (MAX_COVERAGE * self.frame().cell_count() as f64 / 4.0) as usize;
+        table.count("pieces", self.pieces.unwrap_or(0) as usize, most)?;
+        let is_repeated = (1..self.shapes.len()).any(|n| self.shapes[..n].contains(&self.shapes[n]));
+        if self.shapes.is_empty() || is_repeated {
+            let expected = "a list of different shapes, at least one".into();
+            return table.refuse("shapes", format!("{:?}", self.shapes), expected);
+        }
+        Ok(())
+    }
+
+    pub(super) fn describe(&self) -> String {
+        let frame = self.frame();
+        let size = format!(
+            "{} x {} m, {} x {} cells of {} m.",
+            frame.width_m(),
+            frame.height_m(),
+            frame.cols,
+            frame.rows,
+            frame.cell_m
+        );
+        if let Some(map) = &self.map {
+            return format!("{size} The bushes are those of the map {}, the same for every seed.", map.display());
+        }
+        let shapes: Vec<String> = self.shapes.iter().map(|shape| format!("{shape:?}")).collect();
+        let overlaps = match self.overlaps {
+            Overlaps::Never => "that never overlap",
+            Overlaps::Dropped => "that fall anywhere, cells covered twice counting once",
+        };
+        let limit = match self.pieces {
+            Some(_) => String::new(),
+            None => format!(" (the most within {} % of the cells)", percent(self.coverage)),
+        };
+        format!(
+            "{size} {} tetrominoes{limit} of the shapes {}, {overlaps}. No bush within {} m of where an agent's body \
+             starts.",
+            self.wanted_pieces(),
+            shapes.join(", "),
+            self.start_clearance_m
+        )
+    }
+}
+
+/// Converts a share to percent, rounded to hundredths.
+pub(super) fn percent(share: f64) -> f64 {
+    (share * 1e4).round() / 100.0
 }
 
 #[cfg(test)]

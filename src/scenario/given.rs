@@ -11,8 +11,9 @@ use serde::de::{DeserializeSeed, Error as _, IgnoredAny, MapAccess, SeqAccess, V
 use serde::{Deserialize, Deserializer, Serialize};
 use thiserror::Error;
 
+use super::error::MapFault;
 use super::field::MAX_CELLS_A_SIDE;
-use super::json_place::{character_at, offset};
+use super::json_location::{character_at, offset};
 use super::path::FieldPath;
 use super::wording::fault_from_message;
 use crate::geometry::FieldFrame;
@@ -35,25 +36,6 @@ struct MapRows {
     cell_m: f64,
     #[serde(deserialize_with = "list_of_at_most::<2_000, _, _>")]
     rows: Vec<String>,
-}
-
-/// A fault of a map.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum MapFault {
-    #[error("the map is empty: a line of `.` and `#` for each row of cells is expected")]
-    Empty,
-    #[error("`{found}` is no cell: `.` or `0` for a free cell, `#` or `1` for a bush are expected")]
-    UnknownCharacter { found: char },
-    #[error("this row has {found} cells, {expected} like the first row are expected")]
-    Ragged { found: usize, expected: usize },
-    #[error("the map has more than {limit} cells along a side, at most {limit} are expected", limit = MAX_CELLS_A_SIDE)]
-    TooLarge,
-    #[error("{message}")]
-    Json { message: String },
-    #[error("the map must say how many cells it has: `n`, or `size_m` as a whole number of cells, is expected")]
-    NoSize,
-    #[error("a cell of {found} m is no cell: a size above 0 m is expected")]
-    CellSize { found: f64 },
 }
 
 /// A fault, and the bytes of the map at which it is.

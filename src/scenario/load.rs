@@ -6,7 +6,8 @@ use super::change::Change;
 use super::error::{Fault, ScenarioError, SourceLocation};
 use super::path::{FieldPath, FoundSpan, PathStep};
 use super::source::{MAX_MAP_BYTES, ScenarioText, first_too_deep, read_text, too_deep_message};
-use super::{GivenField, Scenario, check, wording};
+use super::wording::{self, KeyOrValue};
+use super::{GivenField, Scenario, check};
 
 /// Options of `[field]` that say how to generate one, and so contradict a map.
 const GENERATED_ONLY: [&str; 6] = ["size_m", "coverage", "pieces", "shapes", "overlaps", "start_clearance_m"];
@@ -94,13 +95,6 @@ fn parse(source: &ScenarioText) -> Result<Table, Box<ScenarioError>> {
         let place = SourceLocation::new(&source.name, &source.text, error.span().unwrap_or(0..0));
         Fault::Syntax { message: error.message().to_owned() }.at(place)
     })
-}
-
-/// The part of `key = value` that is at fault.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum KeyOrValue {
-    Key,
-    Value,
 }
 
 /// A scenario as it was written: in its file, and in changes of the command line.

@@ -10,15 +10,13 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::{Escape, Problem, SafetyMap, Scenario, TruckPlannerKind, Unimog, Wumpus};
+use super::agents::{AgentList, AgentsMemory, FieldMeasures};
+use super::{Problem, Scenario, TruckPlannerKind, Unimog};
 use crate::collision::ClearanceField;
 use crate::fire::FireField;
-use crate::fire::models::Radius;
-use crate::geometry::{Cell, FieldFrame};
+use crate::geometry::Cell;
 use crate::planning::count_convex_corners;
-use crate::planning::memory::{Growing, MemoryMeter, PlannerMemory};
-use crate::planning::reachability::Reachability;
-use crate::planning::walk::{WalkLattice, WalkPlanner};
+use crate::planning::memory::{Growing, MemoryMeter};
 
 /// Bytes that the program takes before it runs anything, and that small things take in every run.
 const PROGRAM_BYTES: u64 = 24_000_000;
@@ -99,6 +97,12 @@ pub struct MemoryPart {
     pub bytes: u64,
 }
 
+impl MemoryPart {
+    pub(super) fn new(name: impl Into<String>, bytes: u64) -> Self {
+        Self { name: name.into(), bytes }
+    }
+}
+
 /// An upper bound of the memory that a run takes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MemoryEstimate {
@@ -142,16 +146,10 @@ impl MemoryEstimate {
         };
         let field = FieldMeasures { frame, bushes, corners };
         let [terrain, laying] = field.terrain();
-        let fires = FireField::most_bytes(&frame, bushes) + Radius::most_bytes(&frame, scenario.fire.spread_radius_m);
-        let wumpuses = scenario.wumpus.iter().map(|wumpus| field.wumpus(wumpus, scenario.duration_s)).sum();
-        let trucks: Vec<_> = scenario.unimog.iter().map(|truck| (truck.planner, field.planner(truck))).collect();
-        let reachability = trucks.len() as u64 * Reachability::most_bytes(&frame);
-        let mut estimate = Self::from_trucks(&trucks, laying);
-        estimate.grows += reachability;
-        let Self { parts, .. } = &mut estimate;
-        let own = [part("the program", PROGRAM_BYTES), part("the field and its fires", terrain + fires)];
-        parts.splice(0..0, own.into_iter().chain((wumpuses > 0).then(|| part("the Wumpuses", wumpuses))));
-        estimate
+        let fires = FireField::most_bytes(&frame, bushes) + scenario.fire.most_bytes(&frame);
+        let own = [("the program", PROGRAM_BYTES), ("the field and its fires", terrain + fires)];
+        let agents = scenario.kinds().map(|agents| agents.memory(&field, scenario.duration_s));
+        Self::add_up(own, laying, agents)
     }
 
     /// Adds up what planning the drives of a problem takes, by these planners one after the other.
@@ -160,35 +158,28 @@ impl MemoryEstimate {
         let (bushes, corners) = (terrain.bushes.len() as u64, count_convex_corners(&terrain.occupied));
         let field = FieldMeasures { frame: terrain.frame, bushes, corners };
         let [held, laying] = field.terrain();
-        let of_planner = |&planner: &TruckPlannerKind| {
+        let own = [("the program", PROGRAM_BYTES), ("the field", held)];
+        let by_planner = planners.iter().map(|&planner| {
             let truck = Unimog { planner, ..problem.truck.clone() };
-            Self::from_trucks(&[(planner, field.planner(&truck))], laying)
-        };
-        let nobody = || Self::from_trucks(&[], laying);
-        let mut estimate = planners.iter().map(of_planner).max_by_key(Self::needed).unwrap_or_else(nobody);
-        estimate.parts.splice(0..0, [part("the program", PROGRAM_BYTES), part("the field", held)]);
-        estimate
+            Self::add_up(own, laying, [vec![truck].memory(&field, 0.0)])
+        });
+        by_planner.max_by_key(Self::needed).unwrap_or_else(|| Self::add_up(own, laying, []))
     }
 
-    /// Adds up what trucks take, those of one planner together. `laying` is what is taken for a while before they are
+    /// Adds up the parts that belong to no agent, and those of agents. `laying` is needed for a while before agents are
     /// made.
-    fn from_trucks(trucks: &[(TruckPlannerKind, PlannerMemory)], laying: u64) -> Self {
-        let mut parts = Vec::new();
-        for kind in TruckPlannerKind::ALL {
-            let own = || trucks.iter().filter(|(planner, _)| *planner == kind).map(|(_, memory)| memory);
-            let name = |what: &str| match own().count() {
-                1 => format!("{what} of a truck ({kind})"),
-                count => format!("{what}s of {count} trucks ({kind})"),
-            };
-            parts.push(part(name("the planner"), own().map(|memory| memory.held).sum()));
-            parts.push(part(name("the flood"), own().map(|memory| memory.floods).sum()));
+    fn add_up(own: [(&str, u64); 2], laying: u64, agents: impl IntoIterator<Item = AgentsMemory>) -> Self {
+        let mut parts = own.map(|(name, bytes)| MemoryPart::new(name, bytes)).to_vec();
+        let (mut making, mut counted, mut grows) = (laying, 0, 0);
+        for of_kind in agents {
+            parts.extend(of_kind.parts);
+            making = making.max(of_kind.making);
+            counted += of_kind.counted;
+            grows += of_kind.grows;
         }
-        let of_all = |of: fn(&PlannerMemory) -> u64| trucks.iter().map(move |(_, memory)| of(memory));
-        // They are made one after the other.
-        let making = of_all(|memory| memory.making).fold(laying, u64::max);
-        parts.push(part("what is only needed while field and planners are made", making));
+        parts.push(MemoryPart::new("what is only needed while field and planners are made", making));
         parts.retain(|part| part.bytes > 0);
-        Self { parts, counted: of_all(|memory| memory.floods).sum(), grows: of_all(|memory| memory.grows).sum() }
+        Self { parts, counted, grows }
     }
 
     /// Adds up the bytes that the run needs in any case, at most.
@@ -216,18 +207,6 @@ impl MemoryEstimate {
     }
 }
 
-fn part(name: impl Into<String>, bytes: u64) -> MemoryPart {
-    MemoryPart { name: name.into(), bytes }
-}
-
-/// The measures of a field that memory depends on.
-struct FieldMeasures {
-    frame: FieldFrame,
-    bushes: u64,
-    /// Convex corners of bushes.
-    corners: u64,
-}
-
 impl FieldMeasures {
     /// Returns the bytes of bushes and clearance, and the bytes on top of that while they are computed.
     fn terrain(&self) -> [u64; 2] {
@@ -238,25 +217,6 @@ impl FieldMeasures {
         // When hardly any places are left, all are listed, in a list that doubles, for up to four rotations of a piece.
         let placements = 2 * 4 * cells * size_of::<(usize, Cell)>() as u64;
         [held + clearance, working_out.max(placements + 2 * cells)]
-    }
-
-    fn wumpus(&self, wumpus: &Wumpus, duration_s: f64) -> u64 {
-        let shape = wumpus.lattice_shape(&self.frame);
-        let points = WalkLattice::point_count(&self.frame, &shape);
-        let has_factors = wumpus.safety.map != SafetyMap::None;
-        let planner = WalkPlanner::most_bytes(points as u64, &wumpus.walk_method(), has_factors);
-        // Its targets as they are drawn and kept, and those among which it chooses, in a list that doubles.
-        let targets = self.bushes * (4 * size_of::<Cell>() + 2 * size_of::<(f64, usize, usize)>()) as u64;
-        // Goals that it failed on, by the point it tried from: entries of a tree whose nodes may be half empty.
-        let places = points.min(duration_s * wumpus.speed_mps / shape.step_m + 1.0);
-        let gives_up =
-            matches!(wumpus.planner, super::WumpusPlanner::Potential) && wumpus.potential.escape == Escape::None;
-        let failed = if gives_up { self.bushes as f64 * places * 3.0 * size_of::<(usize, Cell)>() as f64 } else { 0.0 };
-        WalkLattice::most_bytes(&self.frame, points as u64) + planner + targets + failed as u64
-    }
-
-    fn planner(&self, truck: &Unimog) -> PlannerMemory {
-        truck.planner.maker().memory(&self.frame, self.corners, &truck.planner_settings())
     }
 }
 

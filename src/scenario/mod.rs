@@ -9,45 +9,46 @@
 //! frame of [`crate::geometry`]. The format is described in `scenarios/README.md`.
 
 mod agents;
+mod built_in;
 mod change;
 mod check;
 mod error;
 mod explain;
-mod explain_agents;
 mod field;
+mod fire;
 mod given;
-mod json_place;
+mod json_location;
 mod load;
 mod memory;
 mod or_none;
 mod path;
 mod problem;
 mod rules;
-mod sketch;
 mod source;
 mod terrain;
 mod tetromino;
+mod unimog;
 mod warnings;
 mod wording;
+mod wumpus;
 
-pub use agents::{
-    Escape, Limits, Retarget, StartPose, StepCost, StepTime, TruckGoal, Unimog, Wumpus, WumpusGoal, WumpusHeuristic,
-    WumpusPlanner, WumpusPotential,
-};
-pub use error::{Fault, ScenarioError, SourceLocation, nearest_name};
+pub use built_in::BUILT_IN;
+pub use error::{Fault, MapFault, ScenarioError, SourceLocation, nearest_name};
 pub use explain::explain;
 pub use field::{Field, MAX_CELLS_A_SIDE, MAX_COVERAGE, Overlaps};
-pub use given::{GivenField, MapError, MapFault};
+pub use fire::{Fire, SpreadFrom};
+pub use given::{GivenField, MapError};
 pub use load::{LoadedScenario, load};
 pub use memory::{MemoryEstimate, MemoryExceeded, MemoryLimit, MemoryPart, bytes_text};
 pub use problem::{MAX_GOALS, Problem};
-pub use rules::{Extinguishes, Fire, Ignition, IgnitionCells, Score, SpreadFrom, Suppression};
-pub use source::{
-    BUILT_IN, MAX_MAP_BYTES, MAX_SCENARIO_BYTES, ScenarioText, can_be_read_again, first_too_deep, toml_value,
-};
+pub use rules::{Extinguishes, Ignition, IgnitionCells, Score, Suppression};
+pub use source::{MAX_MAP_BYTES, MAX_SCENARIO_BYTES, ScenarioText, can_be_read_again, first_too_deep, toml_value};
 pub use terrain::{Terrain, TerrainError};
 pub use tetromino::Shape;
+pub use unimog::{Limits, Retarget, StartPose, TruckGoal, Unimog};
+pub use wumpus::{Escape, StepCost, StepTime, Wumpus, WumpusGoal, WumpusHeuristic, WumpusPlanner, WumpusPotential};
 
+use agents::AgentList;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -100,7 +101,12 @@ impl Scenario {
 
     /// Lists the body centres of all agents at their starts, Wumpuses first.
     pub fn start_centres(&self) -> impl Iterator<Item = DVec2> + '_ {
-        self.wumpus.iter().map(Wumpus::start_centre).chain(self.unimog.iter().map(Unimog::start_centre))
+        self.kinds().into_iter().flat_map(AgentList::starts).map(|start| start.centre)
+    }
+
+    /// Lists the kinds of agents, each with its agents; the only place that does.
+    fn kinds(&self) -> [&dyn AgentList; 2] {
+        [&self.wumpus, &self.unimog]
     }
 }
 

@@ -14,9 +14,10 @@ use serde_json::error::Category;
 
 use super::check::{self, Check, TablePath};
 use super::error::{Fault, ScenarioError, SourceLocation};
-use super::json_place::{character_at, locate, offset};
+use super::json_location::{character_at, locate, offset};
 use super::path::{FieldPath, PathStep};
 use super::source::{MAX_MAP_BYTES, read_text};
+use super::unimog::{self, check_planners};
 use super::wording;
 use super::{Field, GivenField, Scenario, Terrain, TerrainError, Unimog};
 use crate::geometry::{DVec2, Pose};
@@ -164,7 +165,7 @@ impl ProblemFile<'_> {
                 None => (truck.speed_mps, truck.reverse_speed_mps),
             };
         }
-        check::check_planners(&truck, &terrain.frame)
+        check_planners(&truck, &terrain.frame)
             .map_err(|refusal| refusal.fault().at(self.at(locate(self.text, &FieldPath::parse("cell_m")))))?;
         let [x, y, heading] = self.three_numbers(&FieldPath::parse("start"), &members.start)?;
         Ok(Problem {
@@ -282,7 +283,7 @@ impl VehicleMembers {
 
 fn check_vehicle(vehicle: &VehicleMembers) -> Check {
     let table = TablePath::named("vehicle");
-    check::check_vehicle(&table, &vehicle.body()).map_err(|mut refusal| {
+    unimog::check_vehicle(&table, &vehicle.body()).map_err(|mut refusal| {
         refusal.path = in_names_of_field_files(&refusal.path);
         refusal
     })?;

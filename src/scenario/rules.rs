@@ -1,50 +1,18 @@
-//! The rules: spread and end of fire, suppression, scores, and what ignites by itself.
+//! The other rules of a scenario: suppression, scores, and what ignites by itself.
 
 use std::borrow::Cow;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
 
+use super::check::{Check, TablePath};
 use super::or_none;
-use crate::geometry::Cell;
+use super::path::PathStep;
+use crate::geometry::{Cell, FieldFrame};
+use crate::ranges::{OutOfRange, SettingsTable, check_range};
 
-/// Rules by which fire spreads and ends.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Fire {
-    pub spread_delay_s: f64,
-    /// Between cell centres, inclusive.
-    pub spread_radius_m: f64,
-    pub spread_from: SpreadFrom,
-    /// From ignition to burned out; `"none"`: it burns for ever.
-    #[serde(with = "or_none")]
-    #[schemars(with = "or_none::NumberOrNone")]
-    pub burn_out_s: Option<f64>,
-    /// Lets extinguished cells burn again.
-    pub relight: bool,
-}
-
-impl Default for Fire {
-    fn default() -> Self {
-        Self {
-            spread_delay_s: 10.0,
-            spread_radius_m: 30.0,
-            spread_from: SpreadFrom::Lit,
-            burn_out_s: Some(60.0),
-            relight: false,
-        }
-    }
-}
-
-/// Selects the burning cells that set others on fire.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum SpreadFrom {
-    All,
-    /// Only what a Wumpus or an `[[ignition]]` lit.
-    Lit,
-    None,
-}
+/// The most `[[ignition]]` entries, and the most cells that they name in all.
+const MAX_IGNITIONS: usize = 10_000;
 
 /// Rules by which a truck puts fires out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -62,6 +30,26 @@ pub struct Suppression {
 impl Default for Suppression {
     fn default() -> Self {
         Self { reach_m: Some(10.0), dwell_s: 5.0, extinguishes: Extinguishes::One }
+    }
+}
+
+impl Suppression {
+    pub(super) fn describe(&self) -> String {
+        let reach = self.reach_m.map_or("wherever its drive ends".into(), |m| {
+            format!("with its body's centre within {m} m of the bush's centre")
+        });
+        let effect = match self.extinguishes {
+            Extinguishes::One => "one bush",
+            Extinguishes::AllInReach => "all that burns in reach",
+        };
+        format!("A truck that stands {} s {reach} puts out {effect}.", self.dwell_s)
+    }
+}
+
+impl SettingsTable for Suppression {
+    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
+        self.reach_m.map_or(Ok(()), |reach_m| check_range("reach_m", reach_m, 0.0..=1e6))?;
+        check_range("dwell_s", self.dwell_s, 0.1..=1e6)
     }
 }
 
@@ -87,6 +75,23 @@ pub struct Score {
 impl Default for Score {
     fn default() -> Self {
         Self { wumpus_ignited: 1.0, wumpus_burned_out: 1.0, truck_extinguished: 2.0 }
+    }
+}
+
+impl Score {
+    pub(super) fn describe(&self) -> String {
+        format!(
+            "Wumpuses: {} for a bush that catches fire, {} for one that burns out. Trucks: {} for one put out.",
+            self.wumpus_ignited, self.wumpus_burned_out, self.truck_extinguished
+        )
+    }
+}
+
+impl SettingsTable for Score {
+    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
+        check_range("wumpus_ignited", self.wumpus_ignited, -1e6..=1e6)?;
+        check_range("wumpus_burned_out", self.wumpus_burned_out, -1e6..=1e6)?;
+        check_range("truck_extinguished", self.truck_extinguished, -1e6..=1e6)
     }
 }
 
@@ -150,4 +155,50 @@ impl From<Ignition> for IgnitionEntry {
         };
         Self { at_s: ignition.at_s, cells, random }
     }
+}
+
+/// Checks all entries of `[[ignition]]`.
+pub(super) fn check_ignitions(ignitions: &[Ignition], frame: &FieldFrame) -> Check {
+    let top = TablePath::named("");
+    top.count("ignition", ignitions.len(), MAX_IGNITIONS)?;
+    let mut named = 0;
+    for (number, ignition) in ignitions.iter().enumerate() {
+        let table = TablePath::entry("ignition", number);
+        table.number("at_s", ignition.at_s, 0.0..=1e6)?;
+        match &ignition.cells {
+            IgnitionCells::Random(count) => {
+                table.number("random", (*count).into(), 1.0..=frame.cell_count() as f64)?;
+            }
+            IgnitionCells::Cells(cells) => {
+                named += cells.len();
+                top.count("ignition", named, MAX_IGNITIONS)?;
+                let outside = cells.iter().position(|cell| cell.col >= frame.cols || cell.row >= frame.rows);
+                if let Some(index) = outside {
+                    let expected =
+                        format!("a cell of the field of {} x {} cells, counted from 0", frame.cols, frame.rows);
+                    return table.inner("cells").refuse_step(
+                        PathStep::Index(index),
+                        cells[index].to_string(),
+                        expected,
+                    );
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Sums up all entries of `[[ignition]]`; there is one at least.
+pub(super) fn describe_ignitions(ignitions: &[Ignition]) -> String {
+    let (mut random, mut named) = (0_u64, 0);
+    for ignition in ignitions {
+        match &ignition.cells {
+            IgnitionCells::Random(count) => random += u64::from(*count),
+            IgnitionCells::Cells(cells) => named += cells.len(),
+        }
+    }
+    let times = ignitions.iter().map(|ignition| ignition.at_s);
+    let (first, last) = (times.clone().fold(f64::INFINITY, f64::min), times.fold(0.0, f64::max));
+    let count = ignitions.len();
+    format!("{count} from {first} s to {last} s: {random} random bushes and {named} named cells.")
 }

@@ -7,23 +7,9 @@ use std::path::{Path, PathBuf};
 use toml_parser::Source;
 use toml_parser::lexer::TokenKind;
 
+use super::built_in::BUILT_IN;
 use super::error::{Fault, ScenarioError, nearest_name};
 use crate::input_file;
-
-/// The scenarios that are part of the program, by name, with their text.
-pub const BUILT_IN: &[(&str, &str)] = &[
-    ("contest", include_str!("../../scenarios/contest.toml")),
-    ("report-2024", include_str!("../../scenarios/report-2024.toml")),
-    ("coursework-2025", include_str!("../../scenarios/coursework-2025.toml")),
-    ("original-2024", include_str!("../../scenarios/original-2024.toml")),
-    ("dense", include_str!("../../scenarios/dense.toml")),
-    ("cautious", include_str!("../../scenarios/cautious.toml")),
-    ("wumpus-alone", include_str!("../../scenarios/wumpus-alone.toml")),
-    ("local-minima", include_str!("../../scenarios/local-minima.toml")),
-    ("unimog-alone", include_str!("../../scenarios/unimog-alone.toml")),
-    ("fleet", include_str!("../../scenarios/fleet.toml")),
-    ("smoke", include_str!("../../scenarios/smoke.toml")),
-];
 
 /// The longest scenario or plan file that is read, and the most brackets and braces that open in it. Reading TOML was
 /// measured to take up to 80 bytes for a byte of text, and 2.4 KB for a table: together about 64 MiB.

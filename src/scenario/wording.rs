@@ -1,7 +1,6 @@
 //! Messages of the TOML reader in the words of a scenario's author.
 
 use super::error::{Fault, nearest_name};
-use super::load::KeyOrValue;
 use super::path::{FieldPath, PathStep};
 
 /// Fields that loading fills in; messages do not suggest them.
@@ -9,6 +8,13 @@ const HIDDEN: [&str; 1] = ["given"];
 
 /// The most characters of a text that a message quotes.
 const LONGEST_QUOTE: usize = 60;
+
+/// The part of `key = value` that is at fault.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum KeyOrValue {
+    Key,
+    Value,
+}
 
 /// Turns a message of serde into a fault, the path that it concerns, and which side of `key = value` is wrong.
 pub fn fault_from_message(message: &str, path: FieldPath) -> (Fault, FieldPath, KeyOrValue) {

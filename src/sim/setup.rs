@@ -8,15 +8,14 @@ use glam::DVec2;
 use rand::seq::SliceRandom;
 
 use crate::collision::{ClearanceField, CollisionChecker};
-use crate::fire::models::Radius;
-use crate::fire::{FireField, FireRules};
+use crate::fire::FireField;
 use crate::geometry::{Cell, FieldFrame, Pose};
 use crate::planning::memory::MemoryMeter;
 use crate::planning::reachability::Reachability;
 use crate::planning::walk::{WalkCosts, WalkLattice, WalkPlanner};
 use crate::planning::{BuildReport, QueryMonitor, Safety};
 use crate::rng;
-use crate::scenario::{Extinguishes, Retarget, Scenario, SpreadFrom, StepCost, StepTime, Terrain, WumpusGoal};
+use crate::scenario::{Extinguishes, Retarget, Scenario, StepCost, StepTime, Terrain, WumpusGoal};
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
 use crate::timeline::{AgentFact, AgentId, AgentStart, Body, CpuSample, Fact, Rules, Setting};
@@ -83,10 +82,9 @@ pub fn build(
     let setting = setting(scenario, seed, &terrain, starts);
     world.insert_resource(SimClock::default());
     world.insert_resource(first_entries(scenario, &setting.rules, &roster));
-    let rules = fire_rules(scenario);
     world.insert_resource(Fires {
-        field: FireField::new(terrain.frame, &terrain.bushes, rules.relight),
-        model: Box::new(Radius::new(&terrain.frame, rules)),
+        field: FireField::new(terrain.frame, &terrain.bushes, scenario.fire.relight),
+        model: scenario.fire.model(&terrain.frame),
     });
     world.insert_resource(Frame(terrain.frame));
     world.insert_resource(ignitions(scenario, &terrain, seed));
@@ -110,24 +108,12 @@ fn setting(scenario: &Scenario, seed: u64, terrain: &Terrain, agents: Vec<AgentS
             suppression_reach_m: scenario.suppression.reach_m,
             suppression_dwell: SimTime::from_seconds(scenario.suppression.dwell_s),
             extinguishes_all: Some(scenario.suppression.extinguishes == Extinguishes::AllInReach),
-            fire: Some(fire_rules(scenario)),
+            fire: Some(scenario.fire.rules()),
             relight: scenario.fire.relight,
             score_wumpus_ignited: scenario.score.wumpus_ignited,
             score_wumpus_burned_out: scenario.score.wumpus_burned_out,
             score_truck_extinguished: scenario.score.truck_extinguished,
         },
-    }
-}
-
-fn fire_rules(scenario: &Scenario) -> FireRules {
-    let fire = &scenario.fire;
-    FireRules {
-        spread_delay: SimTime::from_seconds(fire.spread_delay_s),
-        spread_radius_m: fire.spread_radius_m,
-        lit_spreads: fire.spread_from != SpreadFrom::None,
-        caught_spreads: fire.spread_from == SpreadFrom::All,
-        burn_out: fire.burn_out_s.map(SimTime::from_seconds),
-        relight: fire.relight,
     }
 }
 

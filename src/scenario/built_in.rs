@@ -1,0 +1,16 @@
+//! The scenarios that are part of the program.
+
+/// The built-in scenarios by name, with their text.
+pub const BUILT_IN: &[(&str, &str)] = &[
+    ("contest", include_str!("../../scenarios/contest.toml")),
+    ("report-2024", include_str!("../../scenarios/report-2024.toml")),
+    ("coursework-2025", include_str!("../../scenarios/coursework-2025.toml")),
+    ("original-2024", include_str!("../../scenarios/original-2024.toml")),
+    ("dense", include_str!("../../scenarios/dense.toml")),
+    ("cautious", include_str!("../../scenarios/cautious.toml")),
+    ("wumpus-alone", include_str!("../../scenarios/wumpus-alone.toml")),
+    ("local-minima", include_str!("../../scenarios/local-minima.toml")),
+    ("unimog-alone", include_str!("../../scenarios/unimog-alone.toml")),
+    ("fleet", include_str!("../../scenarios/fleet.toml")),
+    ("smoke", include_str!("../../scenarios/smoke.toml")),
+];

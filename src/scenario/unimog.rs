@@ -1,0 +1,414 @@
+//! Fire trucks in a scenario: their settings, ranges, description, warnings and memory.
+
+use std::sync::Arc;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::agents::{AgentList, AgentsMemory, FieldMeasures, SHOWN_SEED, ScenarioField, SketchedStart};
+use super::check::{Check, ROUNDING_M, TablePath};
+use super::or_none;
+use super::{MemoryPart, Scenario};
+use crate::collision::CollisionChecker;
+use crate::geometry::{DVec2, FieldFrame, Pose, ops};
+use crate::planning::memory::{MemoryMeter, PlannerMemory};
+use crate::planning::reachability::Reachability;
+use crate::planning::registry::RoadmapSize;
+use crate::planning::{
+    BuildReport, HybridSettings, LatticeSettings, PrimitiveSettings, PrmRsSettings, PrmSettings, RoadmapGoal,
+    SafetySettings, Site, TruckPlanner, TruckPlannerKind, TruckPlannerSettings, is_hardly_connected,
+};
+use crate::rng;
+use crate::trajectory::SpeedLimits;
+use crate::vehicle::Dimensions;
+
+/// The largest steering angle, degrees: beyond it front wheels push the truck sideways rather than turn it.
+const MAX_STEERING_DEG: f64 = 60.0;
+
+/// Sideways acceleration that a laden truck can take on loose ground, m/s2; about 0.4 g.
+const LATERAL_GRIP_MPS2: f64 = 4.0;
+
+/// The most milestones times neighbours, over all roadmaps, that [`warn_of_roadmaps`] builds: a tenth of a second.
+const MAX_EDGES_TRIED: f64 = 2e5;
+
+/// A fire truck.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Unimog {
+    pub start: StartPose,
+    pub vehicle: Dimensions,
+    pub speed_mps: f64,
+    pub reverse_speed_mps: f64,
+    pub limits: Limits,
+    pub goal: TruckGoal,
+    pub retarget: Retarget,
+    pub planner: TruckPlannerKind,
+    pub prm: PrmSettings,
+    pub primitives: PrimitiveSettings,
+    pub prm_rs: PrmRsSettings,
+    pub hybrid: HybridSettings,
+    pub lattice: LatticeSettings,
+    pub safety: SafetySettings,
+}
+
+impl Default for Unimog {
+    fn default() -> Self {
+        Self {
+            start: StartPose::default(),
+            vehicle: Dimensions::default(),
+            speed_mps: 8.0,
+            reverse_speed_mps: 8.0,
+            limits: Limits::default(),
+            goal: TruckGoal::NearestBurning,
+            retarget: Retarget::Never,
+            planner: TruckPlannerKind::PrmRs,
+            prm: PrmSettings::default(),
+            primitives: PrimitiveSettings::default(),
+            prm_rs: PrmRsSettings::default(),
+            hybrid: HybridSettings::default(),
+            lattice: LatticeSettings::default(),
+            safety: SafetySettings::default(),
+        }
+    }
+}
+
+impl Unimog {
+    /// Builds its planner for a field as the run of a seed does; it reports to `memory` what it holds as it grows.
+    /// `number` is its place among the trucks.
+    pub fn build_planner(
+        &self,
+        checker: &CollisionChecker,
+        memory: &MemoryMeter,
+        seed: u64,
+        number: usize,
+    ) -> Box<dyn TruckPlanner> {
+        let stream = |name: &str| rng::stream(seed, &format!("truck/{number}/{name}"));
+        self.planner.maker().make(&Site { checker, memory, settings: &self.planner_settings(), stream: &stream })
+    }
+
+    /// Returns the tables of planners' settings.
+    pub fn planner_settings(&self) -> TruckPlannerSettings<'_> {
+        TruckPlannerSettings {
+            prm: &self.prm,
+            primitives: &self.primitives,
+            prm_rs: &self.prm_rs,
+            hybrid: &self.hybrid,
+            lattice: &self.lattice,
+            safety: &self.safety,
+        }
+    }
+
+    /// Returns its limits of speed and of acceleration.
+    pub fn speed_limits(&self) -> SpeedLimits {
+        SpeedLimits {
+            forward_mps: self.speed_mps,
+            reverse_mps: self.reverse_speed_mps,
+            acceleration_mps2: self.limits.acceleration_mps2,
+            braking_mps2: self.limits.braking_mps2,
+            lateral_mps2: self.limits.lateral_mps2,
+        }
+    }
+
+    /// Returns the centre of its body at the start.
+    pub fn start_centre(&self) -> DVec2 {
+        self.vehicle.body_centre(self.start.pose())
+    }
+}
+
+/// Pose of the rear axle at the start.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct StartPose {
+    pub x_m: f64,
+    pub y_m: f64,
+    pub heading_deg: f64,
+}
+
+impl Default for StartPose {
+    fn default() -> Self {
+        Self { x_m: 50.0, y_m: 50.0, heading_deg: 0.0 }
+    }
+}
+
+impl StartPose {
+    pub fn pose(&self) -> Pose {
+        Pose::new(self.x_m, self.y_m, self.heading_deg.to_radians())
+    }
+}
+
+/// Limits of acceleration in m/s2; `"none"`: speed changes at once.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Limits {
+    #[serde(with = "or_none")]
+    #[schemars(with = "or_none::NumberOrNone")]
+    pub acceleration_mps2: Option<f64>,
+    #[serde(with = "or_none")]
+    #[schemars(with = "or_none::NumberOrNone")]
+    pub braking_mps2: Option<f64>,
+    #[serde(with = "or_none")]
+    #[schemars(with = "or_none::NumberOrNone")]
+    pub lateral_mps2: Option<f64>,
+}
+
+/// Chooses the burning cell that a truck goes for. Distances run from its body's centre to the cell's; ties go to the
+/// lower cell index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum TruckGoal {
+    NearestBurning,
+    /// The fire that has burned longest.
+    Oldest,
+    /// The nearest fire of the largest group of burning cells that touch, sides or corners.
+    LargestCluster,
+}
+
+/// Says when a truck that is driving chooses its goal anew.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Retarget {
+    Never,
+    /// Whenever a bush ignites.
+    OnEvent,
+}
+
+impl AgentList for Vec<Unimog> {
+    fn key(&self) -> &'static str {
+        "unimog"
+    }
+
+    fn title(&self) -> &'static str {
+        "Trucks"
+    }
+
+    fn len(&self) -> usize {
+        self.len()
+    }
+
+    fn starts(&self) -> Vec<SketchedStart> {
+        let start = |truck: &Unimog| {
+            let place = truck.start.pose().position();
+            SketchedStart { centre: truck.start_centre(), place, letter: 'U' }
+        };
+        self.iter().map(start).collect()
+    }
+
+    fn check(&self, scenario: &Scenario) -> Check {
+        let frame = scenario.field.frame();
+        let mut numbered = self.iter().enumerate();
+        numbered.try_for_each(|(number, truck)| check_unimog(&TablePath::entry(self.key(), number), truck, &frame))
+    }
+
+    fn describe(&self) -> Vec<String> {
+        self.iter().map(describe_truck).collect()
+    }
+
+    fn warn(&self, scenario: &Scenario, found: &mut Vec<String>) {
+        for (number, truck) in self.iter().enumerate() {
+            warn_of_truck(number, truck, found);
+            if scenario.suppression.reach_m.is_none() && truck.prm.goal == RoadmapGoal::InReach {
+                found.push(format!(
+                    "Truck {number} extinguishes from where it stands and never drives: with `suppression.reach_m` \
+                     \"none\" every fire is in reach; `prm.goal` \"nearest-milestone\" would make it drive."
+                ));
+            }
+        }
+        warn_of_shared_starts(self, found);
+    }
+
+    fn blocked_starts(&self, field: &ScenarioField<'_>) -> Vec<String> {
+        let is_blocked = |truck: &Unimog| {
+            let checker = CollisionChecker::new(Arc::clone(&field.clearance), truck.vehicle);
+            !checker.pose_is_free(truck.start.pose(), 0.0)
+        };
+        let numbered = self.iter().enumerate().filter(|(_, truck)| is_blocked(truck));
+        numbered.map(|(number, _)| format!("truck {number}")).collect()
+    }
+
+    fn warn_of_field(&self, field: &ScenarioField<'_>, found: &mut Vec<String>) {
+        warn_of_roadmaps(self, field, found);
+    }
+
+    /// Adds up what trucks take, those of one planner together.
+    fn memory(&self, field: &FieldMeasures, _: f64) -> AgentsMemory {
+        let memory =
+            |truck: &Unimog| truck.planner.maker().memory(&field.frame, field.corners, &truck.planner_settings());
+        let trucks: Vec<(TruckPlannerKind, PlannerMemory)> =
+            self.iter().map(|truck| (truck.planner, memory(truck))).collect();
+        let mut parts = Vec::new();
+        for kind in TruckPlannerKind::ALL {
+            let own = || trucks.iter().filter(|(planner, _)| *planner == kind).map(|(_, memory)| memory);
+            let name = |what: &str| match own().count() {
+                1 => format!("{what} of a truck ({kind})"),
+                count => format!("{what}s of {count} trucks ({kind})"),
+            };
+            parts.push(MemoryPart::new(name("the planner"), own().map(|memory| memory.held).sum()));
+            parts.push(MemoryPart::new(name("the flood"), own().map(|memory| memory.floods).sum()));
+        }
+        let of_all = |of: fn(&PlannerMemory) -> u64| trucks.iter().map(move |(_, memory)| of(memory));
+        AgentsMemory {
+            parts,
+            // They are made one after the other.
+            making: of_all(|memory| memory.making).max().unwrap_or(0),
+            counted: of_all(|memory| memory.floods).sum(),
+            grows: of_all(|memory| memory.grows).sum::<u64>()
+                + self.len() as u64 * Reachability::most_bytes(&field.frame),
+        }
+    }
+}
+
+fn check_unimog(table: &TablePath, unimog: &Unimog, frame: &FieldFrame) -> Check {
+    check_vehicle(&table.inner("vehicle"), &unimog.vehicle)?;
+    table.number("speed_mps", unimog.speed_mps, 0.001..=1000.0)?;
+    table.number("reverse_speed_mps", unimog.reverse_speed_mps, 0.001..=1000.0)?;
+    let limits = table.inner("limits");
+    limits.optional("acceleration_mps2", unimog.limits.acceleration_mps2, 0.001..=1000.0)?;
+    limits.optional("braking_mps2", unimog.limits.braking_mps2, 0.001..=1000.0)?;
+    limits.optional("lateral_mps2", unimog.limits.lateral_mps2, 0.001..=1000.0)?;
+    check_planner_settings(table, unimog, frame)?;
+    table.inner("start").number("heading_deg", unimog.start.heading_deg, -360.0..=360.0)?;
+    table.inside("start", &unimog.vehicle.footprint(unimog.start.pose()).corners(), frame)
+}
+
+/// Checks that the first truck's planners can work on a field that may not be the one of their scenario.
+pub fn check_planners(unimog: &Unimog, frame: &FieldFrame) -> Check {
+    check_planner_settings(&TablePath::entry("unimog", 0), unimog, frame)
+}
+
+fn check_planner_settings(table: &TablePath, unimog: &Unimog, frame: &FieldFrame) -> Check {
+    unimog.planner_settings().tables().try_for_each(|own| table.inner(own.name).settings(own.settings, frame))
+}
+
+/// Checks that a body is possible, and that its steering reaches its turning radius.
+pub fn check_vehicle(table: &TablePath, body: &Dimensions) -> Check {
+    table.number("length_m", body.length_m, 0.1..=100.0)?;
+    table.number("width_m", body.width_m, 0.1..=100.0)?;
+    table.number("rear_overhang_m", body.rear_overhang_m, 0.0..=body.length_m)?;
+    table.number("wheelbase_m", body.wheelbase_m, 0.1..=body.length_m)?;
+    if body.rear_overhang_m + body.wheelbase_m > body.length_m + ROUNDING_M {
+        let room = body.length_m - body.rear_overhang_m;
+        let expected = format!("a front axle under the body, at most {room} m ahead of the rear axle");
+        return table.refuse("wheelbase_m", body.wheelbase_m.to_string(), expected);
+    }
+    table.number("turning_radius_m", body.turning_radius_m, 0.1..=10_000.0)?;
+    if body.turning_radius_m < 0.5 * body.width_m {
+        let expected = "a centre of turning outside the body, at least half the width away".into();
+        return table.refuse("turning_radius_m", body.turning_radius_m.to_string(), expected);
+    }
+    if body.max_steering_rad().to_degrees() > MAX_STEERING_DEG {
+        let least_m = body.wheelbase_m / ops::tan(MAX_STEERING_DEG.to_radians());
+        let expected = format!("at least {least_m:.3}, which steering by {MAX_STEERING_DEG} degrees gives");
+        return table.refuse("turning_radius_m", body.turning_radius_m.to_string(), expected);
+    }
+    Ok(())
+}
+
+/// Describes what a truck is and does.
+fn describe_truck(truck: &Unimog) -> String {
+    let body = &truck.vehicle;
+    let goal = match truck.goal {
+        TruckGoal::NearestBurning => "the nearest fire",
+        TruckGoal::Oldest => "the oldest fire",
+        TruckGoal::LargestCluster => "the nearest fire of the largest burning group",
+    };
+    let retarget = match truck.retarget {
+        Retarget::Never => "keeps it until it is out",
+        Retarget::OnEvent => "thinks again whenever something ignites",
+    };
+    format!(
+        "starts with its rear axle at ({}, {}) m, heading {} degrees. {} x {} m, wheelbase {} m, turning radius {} m \
+         (steering to {:.1} degrees). {} m/s forward, {} m/s in reverse; {}. {} It goes for {goal} and {retarget}. {}",
+        truck.start.x_m,
+        truck.start.y_m,
+        truck.start.heading_deg,
+        body.length_m,
+        body.width_m,
+        body.wheelbase_m,
+        body.turning_radius_m,
+        body.max_steering_rad().to_degrees(),
+        truck.speed_mps,
+        truck.reverse_speed_mps,
+        describe_limits(truck),
+        describe_turning(truck),
+        truck.planner.maker().describe(&truck.planner_settings())
+    )
+}
+
+fn describe_limits(truck: &Unimog) -> String {
+    let limit = |name: &str, limit: Option<f64>| limit.map(|mps2| format!("{name} {mps2} m/s2"));
+    let set: Vec<String> = [
+        limit("acceleration", truck.limits.acceleration_mps2),
+        limit("braking", truck.limits.braking_mps2),
+        limit("to the side", truck.limits.lateral_mps2),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    if set.is_empty() { "speed changes at once".into() } else { set.join(", ") }
+}
+
+/// Describes what its speed means in its tightest turns: speed squared over radius.
+fn describe_turning(truck: &Unimog) -> String {
+    let (speed, radius_m) = (truck.speed_mps.max(truck.reverse_speed_mps), truck.vehicle.turning_radius_m);
+    let lateral = speed * speed / radius_m;
+    let fact = format!("On its circle of {radius_m} m, {speed} m/s is {lateral:.1} m/s2 to the side");
+    match truck.limits.lateral_mps2 {
+        Some(limit) if limit < lateral => {
+            format!("{fact}; {limit} m/s2 allows {:.1} m/s there.", (limit * radius_m).sqrt())
+        }
+        _ => format!("{fact}."),
+    }
+}
+
+fn warn_of_truck(number: usize, unimog: &Unimog, found: &mut Vec<String>) {
+    let (speed, radius_m) = (unimog.speed_mps.max(unimog.reverse_speed_mps), unimog.vehicle.turning_radius_m);
+    let lateral = speed * speed / radius_m;
+    if unimog.limits.lateral_mps2.is_none() && lateral > LATERAL_GRIP_MPS2 {
+        found.push(format!(
+            "Truck {number} drives {speed} m/s on its circle of {radius_m} m: {lateral:.1} m/s2 to the side, more than \
+             the {LATERAL_GRIP_MPS2} m/s2 that loose ground holds; `limits.lateral_mps2` would slow it in curves."
+        ));
+    }
+    let (planner, settings) = (unimog.planner.maker(), unimog.planner_settings());
+    for table in settings.tables().filter(|table| !table.is_default && !planner.tables().contains(&table.name)) {
+        found.push(format!("The `{}` of truck {number} does nothing: its planner does not use it.", table.name));
+    }
+    found.extend(planner.warning(&settings, &unimog.vehicle, &format!("truck {number}")));
+}
+
+fn warn_of_shared_starts(trucks: &[Unimog], found: &mut Vec<String>) {
+    for (second, truck) in trucks.iter().enumerate() {
+        for (first, other) in trucks[..second].iter().enumerate() {
+            if (truck.start_centre() - other.start_centre()).length() < truck.vehicle.length_m {
+                found.push(format!("Trucks {first} and {second} start on top of each other."));
+            }
+        }
+    }
+}
+
+/// Warns of roadmaps that lead almost nowhere, among those that are quickly built.
+fn warn_of_roadmaps(trucks: &[Unimog], field: &ScenarioField<'_>, found: &mut Vec<String>) {
+    let terrain = field.terrain;
+    let mut edges = 0.0;
+    for (number, unimog) in trucks.iter().enumerate() {
+        let size = unimog.planner.maker().roadmap_size(&unimog.planner_settings(), terrain.bushes.len());
+        let Some(RoadmapSize { milestones, neighbours, max_edge_m }) = size else { continue };
+        edges += milestones as f64 * f64::from(neighbours);
+        if edges > MAX_EDGES_TRIED {
+            return;
+        }
+        let checker = CollisionChecker::new(Arc::clone(&field.clearance), unimog.vehicle);
+        let planner = unimog.build_planner(&checker, &MemoryMeter::unlimited(), SHOWN_SEED, number);
+        let BuildReport { samples, components, .. } = planner.build_report();
+        if samples == 0 {
+            found.push(format!("On the field of seed {SHOWN_SEED} the roadmap of truck {number} has no milestones."));
+        } else if is_hardly_connected(samples, components) {
+            let apart_m = (terrain.frame.width_m() * terrain.frame.height_m() / f64::from(samples)).sqrt();
+            found.push(format!(
+                "On the field of seed {SHOWN_SEED} the roadmap of truck {number} is hardly connected: {samples} milestones \
+                 in {components} components. They are some {apart_m:.0} m apart, and no edge is longer than \
+                 `max_edge_m`, {max_edge_m} m."
+            ));
+        }
+    }
+}
