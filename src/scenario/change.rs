@@ -21,8 +21,8 @@ pub(super) struct Change {
 impl Change {
     /// Makes a change.
     ///
-    /// The value is read as TOML where it is valid TOML, and as a text where it is not. A path that names a list without a
-    /// number (`unimog.prm.samples`) changes all its entries; tables that are missing are made.
+    /// The value is read as TOML where it is valid TOML, and as a text where it is not. A path that names a list without
+    /// a number (`unimog.prm.samples`) changes all its entries; tables that are missing are made.
     pub fn make(option: &str, table: &mut Table) -> Result<Self, Box<ScenarioError>> {
         let whole = || SourceLocation::new("--set", option, 0..option.len());
         let (dotted, written) = option.split_once('=').ok_or_else(|| Fault::NoChange.at(whole()))?;

@@ -61,8 +61,8 @@ impl Problem {
     /// planners always are.
     ///
     /// # Errors
-    /// Returns the first fault with its location: not such a file, a cell outside the field, an impossible vehicle, more
-    /// than [`MAX_GOALS`] goals, a field that is too large for the planners' settings.
+    /// Returns the first fault with its location: not such a file, a cell outside the field, an impossible vehicle,
+    /// more than [`MAX_GOALS`] goals, a field that is too large for the planners' settings.
     pub fn open(path: &Path, truck: &Unimog) -> Result<Self, Box<ScenarioError>> {
         let text = read_text(path, MAX_MAP_BYTES).map_err(Fault::nowhere)?;
         let file = ProblemFile { name: path.display().to_string(), text: &text };
@@ -70,8 +70,8 @@ impl Problem {
         file.problem(stem, truck)
     }
 
-    /// Takes the field of a scenario's run with this seed, and its first truck at its start; no goals. Returns `None` if
-    /// there is no truck.
+    /// Takes the field of a scenario's run with this seed, and its first truck at its start; no goals. Returns `None`
+    /// if there is no truck.
     ///
     /// # Errors
     /// Fails as [`Terrain::from_scenario`] does.

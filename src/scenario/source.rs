@@ -119,7 +119,7 @@ pub(super) fn too_deep_message() -> String {
     format!("more than {MAX_NESTING} brackets and braces are open at once")
 }
 
-/// Says whether the scenario of this name can be read once more: a built-in one, or a file. A pipe can be read only once.
+/// Says whether the scenario of this name can be read once more: a built-in one, or a file, but not a pipe.
 pub fn can_be_read_again(source: &str) -> bool {
     BUILT_IN.iter().any(|(name, _)| *name == source) || fs::metadata(source).is_ok_and(|found| found.is_file())
 }
