@@ -360,6 +360,19 @@ fn every_column_is_explained() {
 }
 
 #[test]
+fn every_column_of_parquet_files_is_explained() {
+    let page = read("docs/output-files.md");
+    for table in ["runs", "planner-calls", "states"] {
+        let program = Command::new(env!("CARGO_BIN_EXE_wildfire")).args(["schema", table]).output();
+        let schema = program.expect("the program can be started").stdout;
+        let schema: serde_json::Value = serde_json::from_slice(&schema).expect("a schema is JSON");
+        let columns = schema["properties"].as_object().expect("a schema has properties").keys();
+        let missing: Vec<_> = columns.filter(|name| !page.contains(&format!("`{name}`"))).collect();
+        assert!(missing.is_empty(), "the guide does not explain {missing:?} of {table}");
+    }
+}
+
+#[test]
 fn every_built_in_scenario_is_named() {
     let page = read("docs/scenarios.md");
     let missing: Vec<_> = BUILT_IN.iter().filter(|(name, _)| !page.contains(&format!("`{name}`"))).collect();
