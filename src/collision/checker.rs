@@ -53,6 +53,7 @@ struct Disc {
 }
 
 impl CollisionChecker {
+    /// Creates a checker for a body on a field that nobody else drives on.
     pub fn new(field: Arc<ClearanceField>, body: Dimensions) -> Self {
         let (discs, cover_radius) = cover(&body);
         Self { field, body, discs, cover_radius, obstacles: Vec::new() }
@@ -67,10 +68,12 @@ impl CollisionChecker {
         crowded
     }
 
+    /// Returns the distances that it asks first.
     pub fn field(&self) -> &ClearanceField {
         &self.field
     }
 
+    /// Returns the body that it answers for.
     pub fn body(&self) -> &Dimensions {
         &self.body
     }

@@ -109,10 +109,12 @@ impl ClearanceField {
         [vertices * size_of::<f32>() as u64 + cells, cells * size_of::<i32>() as u64]
     }
 
+    /// Returns the size of the field and of its cells.
     pub fn frame(&self) -> &FieldFrame {
         &self.frame
     }
 
+    /// Returns which cells hold a bush, row 0 at the south edge.
     pub fn occupied(&self) -> &Grid<bool> {
         &self.occupied
     }

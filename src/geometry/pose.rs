@@ -6,7 +6,9 @@ use super::ops;
 /// A place and a direction in the world frame. For the truck, the place is the middle of the rear axle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Pose {
+    /// Metres east.
     pub x: f64,
+    /// Metres north.
     pub y: f64,
     /// Radians, counter-clockwise from east, in (-pi, pi].
     pub heading: f64,
@@ -18,6 +20,7 @@ impl Pose {
         Self { x, y, heading: ops::wrap_angle(heading) }
     }
 
+    /// Returns the place without the heading.
     pub fn position(self) -> DVec2 {
         DVec2::new(self.x, self.y)
     }

@@ -87,7 +87,9 @@ use crate::vehicle::{Dimensions, Path};
 /// The disc in which a drive ends: the body's centre within `radius_m` of `centre`, at any heading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GoalDisc {
+    /// In the world frame.
     pub centre: DVec2,
+    /// 0 for a place.
     pub radius_m: f64,
 }
 
@@ -159,6 +161,7 @@ pub enum PlanFailure {
 }
 
 impl PlanFailure {
+    /// All reasons, in the order of the columns of tables.
     pub const ALL: [Self; 5] =
         [Self::StartBlocked, Self::GoalBlocked, Self::Disconnected, Self::BudgetSpent, Self::LocalMinimum];
 }
@@ -265,10 +268,12 @@ pub struct Plan {
     pub path: Result<Path, PlanFailure>,
     /// What found the path, if there is one.
     pub found_by: Option<FoundBy>,
+    /// Nodes expanded.
     pub effort: Effort,
 }
 
 impl Plan {
+    /// Creates an answer from what was found, or why nothing was.
     pub fn new(found: Result<Found, PlanFailure>, effort: Effort) -> Self {
         let (path, found_by) = match found {
             Ok(Found { path, by }) => (Ok(path), Some(by)),
@@ -302,6 +307,7 @@ pub fn is_hardly_connected(milestones: u32, components: u32) -> bool {
 
 /// A planner made for one body on one field.
 pub trait TruckPlanner: Send + Sync {
+    /// Returns what building it took and gave.
     fn build_report(&self) -> BuildReport;
 
     /// Shows an observer the edges of the roadmap that can be driven, if the planner has one.

@@ -73,22 +73,31 @@ pub fn schema() -> schemars::Schema {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scenario {
+    /// What tables call the scenario.
     #[serde(default)]
     pub name: String,
+    /// When a run ends, at the latest.
     #[serde(default = "defaults::duration_s")]
     pub duration_s: f64,
+    /// The field and its bushes.
     #[serde(default)]
     pub field: Field,
+    /// How fire behaves.
     #[serde(default)]
     pub fire: Fire,
+    /// How trucks put fires out.
     #[serde(default)]
     pub suppression: Suppression,
+    /// Points for both sides.
     #[serde(default)]
     pub score: Score,
+    /// The arsonists.
     #[serde(deserialize_with = "list_of_at_most::<1_000, _, _>")]
     pub wumpus: Vec<Wumpus>,
+    /// The fire trucks.
     #[serde(deserialize_with = "list_of_at_most::<1_000, _, _>")]
     pub unimog: Vec<Unimog>,
+    /// Bushes that catch fire by themselves.
     #[serde(default, deserialize_with = "list_of_at_most::<100_000, _, _>")]
     pub ignition: Vec<Ignition>,
 }

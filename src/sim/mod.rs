@@ -75,7 +75,9 @@ pub struct RunCost {
 /// A finished run.
 #[derive(Clone, Debug)]
 pub struct Run {
+    /// What happened.
     pub timeline: Timeline,
+    /// CPU time, by part.
     pub cost: RunCost,
     /// The same by decision, in order of time: first one entry an agent for building its planner, then one for every
     /// decision that took some.

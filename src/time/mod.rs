@@ -19,13 +19,17 @@ const NANOS_PER_SECOND: f64 = 1e9;
 pub struct SimTime(u64);
 
 impl SimTime {
+    /// The start of a run, or no time at all.
     pub const ZERO: Self = Self(0);
+    /// Later than any event.
     pub const MAX: Self = Self(u64::MAX);
 
+    /// Creates a time from whole nanoseconds.
     pub const fn from_nanos(nanos: u64) -> Self {
         Self(nanos)
     }
 
+    /// Returns whole nanoseconds.
     pub const fn as_nanos(self) -> u64 {
         self.0
     }
@@ -41,6 +45,7 @@ impl SimTime {
         Self((seconds * NANOS_PER_SECOND).ceil() as u64)
     }
 
+    /// Returns seconds, rounded to the nearest number.
     pub fn as_seconds(self) -> f64 {
         self.0 as f64 / NANOS_PER_SECOND
     }

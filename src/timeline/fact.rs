@@ -74,6 +74,7 @@ pub enum Fact {
     Agent(AgentId, AgentFact),
     /// What became of a bush.
     Fire(FireFact),
+    /// The run is over.
     Ended {
         reason: EndReason,
     },
@@ -82,8 +83,11 @@ pub enum Fact {
 /// What became of a bush.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FireFact {
+    /// It catches fire.
     Ignited { cell: Cell, cause: Cause },
+    /// Its fire ends by itself.
     BurnedOut { cell: Cell },
+    /// A truck puts it out.
     Extinguished { cell: Cell, by: AgentId },
 }
 
@@ -147,6 +151,7 @@ pub enum AgentFact {
     SuppressionEnded {
         cell: Cell,
     },
+    /// It stands and has nothing to do, for this reason.
     Rested {
         reason: RestReason,
     },
@@ -173,7 +178,9 @@ pub enum AgentFact {
 /// A fact and its time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Event {
+    /// When it happened.
     pub time: SimTime,
+    /// What happened.
     pub fact: Fact,
 }
 

@@ -31,7 +31,9 @@ use crate::time::SimTime;
 /// A finished run: the setting, and the facts in the order in which they happened.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Timeline {
+    /// Field, agents and rules.
     pub setting: Setting,
+    /// Facts with their times, in the order in which they happened.
     pub events: Vec<Event>,
 }
 

@@ -12,18 +12,25 @@ use super::{AgentId, Timeline};
 pub struct Outcome {
     /// Bushes of the field; each is intact, burning, burned out or extinguished when the run ends.
     pub obstacles: u32,
+    /// Never caught fire.
     pub intact: u32,
+    /// On fire when the run ends.
     pub burning: u32,
+    /// Their fire ended by itself.
     pub burned_out: u32,
+    /// Put out by a truck, and not burning again.
     pub extinguished: u32,
     /// Ignitions by who did it; a cell that is lit again counts again.
     pub lit_by_wumpus: u32,
+    /// Ignitions by fire that spread.
     pub caught_by_spread: u32,
+    /// Ignitions that the scenario asks for.
     pub lit_by_schedule: u32,
     /// Sum of [`AgentOutcome::stuck_s`] over the trucks.
     pub truck_stuck_s: f64,
     /// Sum of [`AgentOutcome::stuck_s`] over the Wumpuses.
     pub wumpus_stuck_s: f64,
+    /// When the run ended.
     pub ended_s: f64,
     /// Integral of the number of burning cells over time.
     pub burning_cell_s: f64,
@@ -31,6 +38,7 @@ pub struct Outcome {
     pub peak_burning: u32,
     /// From ignition to extinction, over the extinctions; `None` without any.
     pub mean_response_s: Option<f64>,
+    /// When something first caught fire; `None` if nothing ever did.
     pub first_fire_s: Option<f64>,
     /// When the last fire ended; `None` if something burned at the end, or nothing ever did.
     pub all_out_s: Option<f64>,
@@ -148,10 +156,12 @@ impl Outcome {
         self.ratio(self.intact)
     }
 
+    /// Returns the share of all bushes that burn or have burned out.
     pub fn burned_ratio(&self) -> f64 {
         self.ratio(self.burned())
     }
 
+    /// Returns the share of all bushes that were put out.
     pub fn extinguished_ratio(&self) -> f64 {
         self.ratio(self.extinguished)
     }

@@ -23,6 +23,7 @@ use crate::geometry::{OrientedRect, Pose, ops};
 pub struct Dimensions {
     /// Overall length, bumper to bumper.
     pub length_m: f64,
+    /// Overall width.
     pub width_m: f64,
     /// Distance between the axles.
     pub wheelbase_m: f64,

@@ -21,10 +21,12 @@ impl Segment {
         Pose::new(start.x + cos * chord, start.y + sin * chord, start.heading + self.curvature * travelled_m)
     }
 
+    /// Returns the pose at its end.
     pub fn end(&self, start: Pose) -> Pose {
         self.pose_at(start, self.length_m)
     }
 
+    /// Says whether it is driven backwards.
     pub fn is_reverse(&self) -> bool {
         self.length_m < 0.0
     }
@@ -38,7 +40,9 @@ impl Segment {
 /// A drivable path: a start pose of the rear axle and the segments from there on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Path {
+    /// Of the rear axle.
     pub start: Pose,
+    /// Each begins where the one before ended.
     pub segments: Vec<Segment>,
 }
 
@@ -48,6 +52,7 @@ impl Path {
         Self { start, segments: Vec::new() }
     }
 
+    /// Returns the pose in which it ends.
     pub fn end(&self) -> Pose {
         self.segments.iter().fold(self.start, |pose, segment| segment.end(pose))
     }
