@@ -1,39 +1,98 @@
-//! A wildfire contest between planners: an arsonist on a grid sets bushes on fire, a truck with Ackermann steering
-//! puts them out.
+//! A contest between motion planners on a burning field: an arsonist on a grid, the Wumpus, sets bushes on fire; a fire
+//! truck with Ackermann steering, the Unimog, puts them out.
 //!
-//! The layers, lowest first; each may use those above it in this list:
-//! [`time`], [`geometry`], [`rng`], [`event_queue`], [`input_file`], [`ranges`], [`untrusted`], [`whole_file`];
-//! [`document`]; [`grid`];
-//! [`map_files`]; [`vehicle`]; [`trajectory`]; [`collision`]; [`planning`]; [`fire`]; [`scenario`]; [`timeline`];
-//! [`picture`]; [`audit`]; [`sim`]; [`stats`]; [`batch`]; `view`; [`cli`].
+//! The same scenario and seed give the same run on every machine, bit for bit. Lengths are metres, times seconds, angles
+//! radians counter-clockwise; x points east, y north, from the field's south-west corner.
+//!
+//! ```
+//! // A built-in scenario or a file, with any value changed.
+//! let scenario = wildfire::load("contest", &["fire.burn_out_s=45".to_owned()])?;
+//! let run = wildfire::run(&scenario, 7)?;
+//! let outcome = wildfire::Outcome::new(&run.timeline);
+//! println!("{} of {} bushes burned", outcome.burned(), outcome.obstacles);
+//! assert_eq!(outcome.obstacles, outcome.intact + outcome.burned() + outcome.extinguished);
+//! // A second opinion, which shares no code with the planners.
+//! let verdict = wildfire::audit_timeline(&run.timeline, Default::default());
+//! assert!(verdict.violation.is_none());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # What is for users, and what is not
+//!
+//! The names on this page are. They are documented in full, and a change of them is an entry in the changelog. The
+//! modules behind them are open because the tests, benchmarks and examples of this package use them; they may change
+//! with every version and are left out of this documentation. `RUSTDOCFLAGS='--cfg internals' cargo doc` includes them.
+//!
+//! # Layers
+//!
+//! Imports point downwards only. Each layer may use those above it in this list:
+//! `time`, `geometry`, `rng`, `event_queue`, `input_file`, `ranges`, `untrusted`, `whole_file`; `document`; `grid`;
+//! `map_files`; `vehicle`; `trajectory`; `collision`; `planning`; `fire`; `scenario`; `timeline`; `picture`; `audit`;
+//! `sim`; `stats`; `batch`; `view`; `cli`.
 
 // What fuzzers share is also part of the tests in `tests/`, where this crate has its name.
 #[cfg(test)]
 extern crate self as wildfire;
 
+#[cfg_attr(not(internals), doc(hidden))]
 pub mod audit;
+#[cfg_attr(not(internals), doc(hidden))]
 pub mod batch;
+#[cfg_attr(not(internals), doc(hidden))]
 pub mod cli;
+#[cfg_attr(not(internals), doc(hidden))]
 pub mod collision;
+#[cfg_attr(not(internals), doc(hidden))]
 pub mod document;
+#[cfg_attr(not(internals), doc(hidden))]
 pub mod event_queue;
+#[cfg_attr(not(internals), doc(hidden))]
 pub mod fire;
+#[cfg_attr(not(internals), doc(hidden))]
 pub mod geometry;
+#[cfg_attr(not(internals), doc(hidden))]
 pub mod grid;
+#[cfg_attr(not(internals), doc(hidden))]
 pub mod input_file;
+#[cfg_attr(not(internals), doc(hidden))]
 pub mod map_files;
+#[cfg_attr(not(internals), doc(hidden))]
 pub mod picture;
+#[cfg_attr(not(internals), doc(hidden))]
 pub mod planning;
+#[cfg_attr(not(internals), doc(hidden))]
 pub mod ranges;
+#[cfg_attr(not(internals), doc(hidden))]
 pub mod rng;
+#[cfg_attr(not(internals), doc(hidden))]
 pub mod scenario;
+#[cfg_attr(not(internals), doc(hidden))]
 pub mod sim;
+#[cfg_attr(not(internals), doc(hidden))]
 pub mod stats;
+#[cfg_attr(not(internals), doc(hidden))]
 pub mod time;
+#[cfg_attr(not(internals), doc(hidden))]
 pub mod timeline;
+#[cfg_attr(not(internals), doc(hidden))]
 pub mod trajectory;
+#[cfg_attr(not(internals), doc(hidden))]
 pub mod untrusted;
+#[cfg_attr(not(internals), doc(hidden))]
 pub mod vehicle;
 #[cfg(feature = "view")]
+#[cfg_attr(not(internals), doc(hidden))]
 pub mod view;
+#[cfg_attr(not(internals), doc(hidden))]
 pub mod whole_file;
+
+pub use audit::{Verdict, audit_timeline};
+pub use collision::{ClearanceField, CollisionChecker};
+pub use geometry::Pose;
+pub use planning::{Goal, Plan, PlanFailure, TruckPlanner};
+pub use scenario::{Scenario, load};
+pub use sim::{Run, run};
+pub use time::SimTime;
+pub use timeline::file::read as read_recording;
+pub use timeline::{Fact, Outcome, Timeline};
+pub use vehicle::{Dimensions, Path};

@@ -7,8 +7,7 @@ const MOST_NAMES: usize = 20;
 
 fn sources(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).expect("the sources are there").map(|entry| entry.expect("readable").path());
-    let mut files: Vec<_> =
-        entries.flat_map(|path| if path.is_dir() { sources(&path) } else { vec![path] }).collect();
+    let mut files: Vec<_> = entries.flat_map(|path| if path.is_dir() { sources(&path) } else { vec![path] }).collect();
     files.sort();
     files
 }
@@ -65,7 +64,8 @@ fn front_page_is_short_and_the_rest_is_hidden() {
 
 #[test]
 fn all_of_the_front_page_is_documented() {
-    let files: Vec<_> = sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src")).iter().map(|path| lines(path)).collect();
+    let files: Vec<_> =
+        sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src")).iter().map(|path| lines(path)).collect();
     let mut missing = Vec::new();
     for name in names() {
         let begins = |line: &str| {

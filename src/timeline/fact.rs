@@ -75,9 +75,7 @@ pub enum Fact {
     /// What became of a bush.
     Fire(FireFact),
     /// The run is over.
-    Ended {
-        reason: EndReason,
-    },
+    Ended { reason: EndReason },
 }
 
 /// What became of a bush.
@@ -95,9 +93,7 @@ pub enum FireFact {
 #[derive(Clone, Debug, PartialEq)]
 pub enum AgentFact {
     /// A blocked start was moved to the nearest free place before the run began.
-    StartMoved {
-        from: Pose,
-    },
+    StartMoved { from: Pose },
     /// A truck's planner was built, and its roadmap with it.
     RoadmapBuilt {
         /// Milestones of the roadmap.
@@ -108,71 +104,37 @@ pub enum AgentFact {
     },
     /// Cells that this agent can never act on: no lattice point to light them from, or, for a truck, no pose that the
     /// reachability flood connects to its start.
-    OutOfReach {
-        cells: Vec<Cell>,
-    },
+    OutOfReach { cells: Vec<Cell> },
     /// The agent, standing where `trajectory` begins, chose a goal and knows how to get there; while planning time is
     /// charged it stands until `trajectory.start_time()`. A truck that already stands in reach has a trajectory without
     /// pieces; one that lets another truck pass first begins with a wait.
-    Planned {
-        goal: Cell,
-        trajectory: Trajectory,
-        effort: Effort,
-        by_lattice: bool,
-    },
+    Planned { goal: Cell, trajectory: Trajectory, effort: Effort, by_lattice: bool },
     /// What a search looked at, where that was to be recorded, with the roadmap itself right after its `RoadmapBuilt`:
     /// the phases of a plan in turn, right before what it led to, which is a `Planned`, a `PlanFailed`, with the
     /// `LocalMinimum` that goes before them, or, where another truck was in the way, the next plan or a `Blocked`.
     /// Detours round other trucks and plans that the reachability flood led to (`by_lattice`) are not recorded.
-    Searched {
-        phase: SearchPhase,
-        graph: SearchGraph,
-    },
+    Searched { phase: SearchPhase, graph: SearchGraph },
     /// A plan for a goal failed. Planning time is charged until `until`, which is the time of this fact where planning
     /// costs none; it does not stop an agent that is under way.
-    PlanFailed {
-        goal: Cell,
-        reason: PlanFailure,
-        effort: Effort,
-        until: SimTime,
-    },
+    PlanFailed { goal: Cell, reason: PlanFailure, effort: Effort, until: SimTime },
     /// The agent drops its goal. `trajectory` is the leg as it is really driven: the same start, cut short, standing
     /// from its `end_time()` on; without pieces if the agent had not set out. A truck stops where it is in nobody's
     /// way, which may be later than it could.
-    Dropped {
-        goal: Cell,
-        trajectory: Trajectory,
-    },
+    Dropped { goal: Cell, trajectory: Trajectory },
     /// A truck arrived and suppresses.
-    Suppressing {
-        cell: Cell,
-    },
+    Suppressing { cell: Cell },
     /// A suppression ended early because its cell stopped burning.
-    SuppressionEnded {
-        cell: Cell,
-    },
+    SuppressionEnded { cell: Cell },
     /// It stands and has nothing to do, for this reason.
-    Rested {
-        reason: RestReason,
-    },
+    Rested { reason: RestReason },
     /// The descent of a Wumpus for a goal meets a local minimum at this place. A `Planned` follows if its walk leads
     /// there and escapes; if the Wumpus stands there and gives the goal up, a `PlanFailed`.
-    LocalMinimum {
-        goal: Cell,
-        x_m: f64,
-        y_m: f64,
-    },
+    LocalMinimum { goal: Cell, x_m: f64, y_m: f64 },
     /// A truck stands because another one is in the way to all that it could go for: `by` is in the way to `goal`, its
     /// first choice. It waits until something of the others changes.
-    Blocked {
-        goal: Cell,
-        by: AgentId,
-    },
+    Blocked { goal: Cell, by: AgentId },
     /// A truck that had no goal, or was blocked itself, drives aside so that `to` can set out: a deadlock is broken.
-    GaveWay {
-        to: AgentId,
-        trajectory: Trajectory,
-    },
+    GaveWay { to: AgentId, trajectory: Trajectory },
 }
 
 /// A fact and its time.
