@@ -61,7 +61,7 @@ fn of_mean(pairs: &Pairs, value: fn(&Contest) -> f64, random: &mut Random) -> f6
 }
 
 fn of_ranks(pairs: &Pairs, value: fn(&Contest) -> f64) -> f64 {
-    SignedRanks::of(&differences(pairs, value)).map_or(1.0, |ranks| ranks.p_value)
+    SignedRanks::from_differences(&differences(pairs, value)).map_or(1.0, |ranks| ranks.p_value)
 }
 
 fn of_answers(pairs: &Pairs) -> f64 {

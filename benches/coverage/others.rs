@@ -82,7 +82,7 @@ fn median(population: Population) -> Draw<'static> {
 
 fn welch(population: Population) -> Draw<'static> {
     Box::new(move |n, random: &mut Random| {
-        let mut series = |n| Series::of(&population.sample(n, random));
+        let mut series = |n| Series::from_values(&population.sample(n, random));
         (welch_interval(&series(5), &series(n)), 0.0)
     })
 }
@@ -94,7 +94,7 @@ fn lifetimes(n: usize, random: &mut Random) -> SurvivalCurve {
         let (event, end) = (exponential(1.0), exponential(2.0));
         Lifetime { time: event.min(end), is_cut_off: end < event }
     };
-    SurvivalCurve::of(&(0..n).map(&mut lifetime).collect::<Vec<_>>())
+    SurvivalCurve::from_lifetimes(&(0..n).map(&mut lifetime).collect::<Vec<_>>())
 }
 
 /// The interval of the last step; before the first event it is all of 0 to 1, and after the last survivor too.

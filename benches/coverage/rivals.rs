@@ -7,7 +7,7 @@ use wildfire::stats::{Interval, RESAMPLES, Series, quantile};
 use crate::outcomes::below;
 
 pub fn students_t(sample: &[f64]) -> Option<Interval> {
-    Series::of(sample).mean_interval()
+    Series::from_values(sample).mean_interval()
 }
 
 /// Percentile bootstrap and BCa (Efron, "Better bootstrap confidence intervals", JASA 82, 1987), of the same resamples.

@@ -1,10 +1,17 @@
 //! Many runs: what is asked for, workers, a journal that loses nothing, tables in the order of the plan.
 //!
 //! A [`BatchPlan`] says which runs there are. A [`Batch`] runs them on several threads and keeps a journal with a line
-//! for each that is over; when all are, the tables are written from the journal. So a batch can end at any moment and be
-//! resumed, and what is in memory does not grow with the number of runs, but for a few bytes each. What a row says
-//! never depends on the number of workers, on slices or on interruptions, except for its `cpu_` and `wall_` columns. A
-//! run that fails, or panics, is a row like the others, with the reason.
+//! for each that is over; when all are, the tables are written from the journal. So a batch can end at any moment and
+//! be resumed, and memory grows by a few bytes with each run only. What a row says never depends on the number of
+//! workers, on slices or on interruptions, except for its `cpu_` and `wall_` columns. A run that fails, or panics, is a
+//! row like the others, with the reason.
+//!
+//! Four rooms, each of which imports those before it only, and a fifth beside the last:
+//! - `plan`: which runs there are, frozen in `plan.json`;
+//! - `execute`: workers, the journal, and the folder that it is in; a run leaves a [`RunRow`];
+//! - `table`: the columns, the files that are written from them, and the reader of these files;
+//! - `report`: what is said of one batch, from its summary to its page of charts, and its audit;
+//! - [`comparison`]: batches set against each other, those of other versions of the program among them.
 
 pub mod comparison;
 mod execute;
@@ -24,7 +31,7 @@ pub use plan::{
     SweepError, Value, Variant, plan_schema, shell_word,
 };
 pub use report::{
-    AuditReport, AuditSource, AuditsError, BatchReport, Merged, ReportError, RunObject, SHOWN_RUNS, TOLD_VIOLATIONS,
+    AuditReport, AuditSource, AuditsError, BatchReport, LISTED_VIOLATIONS, Merged, ReportError, RunObject, SHOWN_RUNS,
     Tables, Tally, VariantReport, WrittenReport, audit_all, merge, notes, write_report,
 };
 pub use table::{

@@ -10,8 +10,8 @@ use serde::{Serialize, Serializer};
 
 use crate::audit::{Audited, SampleStep};
 use crate::batch::{
-    AuditReport, AuditSource, FinishedBatch, FinishedError, PROGRAM_VERSION, PlanError, RECORDINGS_FOLDER,
-    TOLD_VIOLATIONS, audit_all, recordings_in,
+    AuditReport, AuditSource, FinishedBatch, FinishedError, LISTED_VIOLATIONS, PROGRAM_VERSION, PlanError,
+    RECORDINGS_FOLDER, audit_all, recordings_in,
 };
 use crate::cli::args::AuditArguments;
 use crate::cli::error::CliError;
@@ -118,7 +118,7 @@ impl Serialize for AuditReport {
             metres,
             extinctions,
             violations: self.violations,
-            first_violations: &self.told,
+            first_violations: &self.listed,
         };
         object.serialize(serializer)
     }
@@ -129,9 +129,9 @@ impl From<&AuditReport> for Document {
     fn from(report: &AuditReport) -> Self {
         let runs = report.runs() + report.not_run;
         let mut document = Self::new(format!("Audit of {}", count(runs as usize, "run")));
-        let hidden = report.violations.saturating_sub(TOLD_VIOLATIONS as u64);
+        let hidden = report.violations.saturating_sub(LISTED_VIOLATIONS as u64);
         let hidden = (hidden > 0).then(|| format!("... and {hidden} more runs."));
-        document.add_list(report.told.iter().cloned().chain(hidden).collect());
+        document.add_list(report.listed.iter().cloned().chain(hidden).collect());
         document.add_list(report.sentences());
         document
     }

@@ -43,7 +43,7 @@ fn run_once(scenario: &Scenario, arguments: &RunArguments) -> Result<(RunRow, Op
     let stopwatch = WallStopwatch::start();
     // The panic has been printed by then, with a backtrace if one was asked for.
     let caught = panic::catch_unwind(|| sim::run_with(scenario, seed, options));
-    let (wall, label) = (stopwatch.elapsed(), RunLabel::alone(scenario, seed));
+    let (wall, label) = (stopwatch.elapsed(), RunLabel::from_scenario(scenario, seed));
     match caught.map_err(|_| CliError::run_failed("the run panicked: this is a fault of the program"))? {
         Ok(run) => {
             let result = RunResult::new(Outcome::new(&run.timeline), run.cost);

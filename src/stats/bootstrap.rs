@@ -1,4 +1,4 @@
-//! What a mean could have been, by drawing the sample again from itself.
+//! Intervals of a mean by drawing the sample again from itself.
 //!
 //! The studentised bootstrap (Efron, Tibshirani, "An introduction to the bootstrap", 1993, section 12.5; Hall,
 //! "Theoretical comparison of bootstrap confidence intervals", Annals of Statistics 16, 1988): every resample gives a t
@@ -12,19 +12,20 @@ use crate::stats::{Interval, MeanEstimate, MeanMethod, Series};
 /// Number of resamples. One more than it, times the probability left out at either end, is a whole number.
 pub const RESAMPLES: usize = 3999;
 
-/// How many of the sorted resamples lie beyond either end of an interval: 2.5 % of one more than there are.
+/// The number of sorted resamples beyond either end of an interval: 2.5 % of one more than there are.
 const BEYOND: usize = (RESAMPLES + 1) / 40;
 
 /// A resample whose spread is less than this part of its squares is of one number; the rest is rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// The mean of a sample with its studentised bootstrap interval, and the test that the mean is zero: its p-value is at
-/// most 0.05 just when zero lies beyond the interval. Where zero is farther out than every resample it is Student's.
+/// Estimates the mean of a sample with its studentised bootstrap interval, and the test that the mean is zero: its
+/// p-value is at most 0.05 just when zero lies beyond the interval. Where zero is farther out than every resample it is
+/// Student's.
 ///
 /// `None` of a sample of fewer than two numbers or of more than `u32::MAX`, without spread, or of so few distinct
 /// numbers that an end of the interval would be infinite. Takes [`RESAMPLES`] draws for each number.
 pub fn studentised_bootstrap(values: &[f64], random: &mut impl Rng) -> Option<MeanEstimate> {
-    let series = Series::of(values);
+    let series = Series::from_values(values);
     let (mean, error) = (series.mean()?, series.standard_error()?);
     if error == 0.0 || u32::try_from(values.len()).is_err() {
         return None;
@@ -42,7 +43,7 @@ pub fn studentised_bootstrap(values: &[f64], random: &mut impl Rng) -> Option<Me
     })
 }
 
-/// Mean of a resample of numbers whose mean is zero, in its own standard errors.
+/// Returns the mean of a resample of numbers whose mean is zero, in its own standard errors.
 fn t_of_resample(centred: &[f64], random: &mut impl Rng) -> f64 {
     let n = centred.len();
     let (mut sum, mut squares) = (0.0, 0.0);
@@ -65,12 +66,13 @@ fn t_of_resample(centred: &[f64], random: &mut impl Rng) -> f64 {
     if sum == 0.0 { 0.0 } else { mean / error }
 }
 
-/// An index below `n` from 32 random bits: no index is more likely than another by more than one in 2^32 / n.
+/// Makes an index below `n` of 32 random bits: no index is more likely than another by more than one in 2^32 / n.
 fn index_below(n: usize, bits: u64) -> usize {
     ((bits * n as u64) >> 32) as usize
 }
 
-/// Share of the sorted `ts` that lie as far out as `t`, which itself counts as one of them, on the rarer side and doubled.
+/// Returns the share of the sorted `ts` that lie as far out as `t`, which counts as one of them, on the rarer side and
+/// doubled.
 ///
 /// A share cannot be smaller than one of all, however far out `t` lies; there Student's p-value takes over.
 fn p_value(ts: &[f64], t: f64, degrees: usize) -> f64 {

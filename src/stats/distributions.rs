@@ -5,12 +5,12 @@ use statrs::function::beta::beta_reg;
 
 use crate::stats::CONFIDENCE;
 
-/// How many standard errors reach from a centre to either end of a normal interval.
+/// Returns the distance, in standard errors, from the centre of a normal interval to either end.
 pub fn normal_reach() -> f64 {
     Normal::standard().inverse_cdf(0.5 + 0.5 * CONFIDENCE)
 }
 
-/// The same with Student's t, of a positive number of degrees of freedom that need not be whole.
+/// Returns the same distance for Student's t, of a positive number of degrees of freedom that need not be whole.
 pub fn t_reach(degrees: f64) -> f64 {
     let t = students_t(degrees);
     let rough = t.inverse_cdf(0.5 + 0.5 * CONFIDENCE);
@@ -18,22 +18,23 @@ pub fn t_reach(degrees: f64) -> f64 {
     rough + (t.sf(rough) - 0.5 * (1.0 - CONFIDENCE)) / t.pdf(rough)
 }
 
-/// Probability that a normal variable lies at least `z` from zero, on either side.
+/// Returns the probability that a normal variable lies at least `z` from zero, on either side.
 pub fn normal_two_sided(z: f64) -> f64 {
     2.0 * Normal::standard().sf(z.abs())
 }
 
-/// The same of Student's t.
+/// Returns the same probability for Student's t.
 pub fn t_two_sided(t: f64, degrees: f64) -> f64 {
     2.0 * students_t(degrees).sf(t.abs())
 }
 
-/// Probability of at most `hits` hits in `trials` trials, of which each hits with probability `rate`.
+/// Returns the probability of at most `hits` hits in `trials` trials, of which each hits with probability `rate`.
 pub fn binomial_at_most(hits: u64, trials: u64, rate: f64) -> f64 {
     Binomial::new(rate, trials).expect("a rate lies from 0 to 1").cdf(hits)
 }
 
-/// Probability that Fisher's F with these positive degrees of freedom, which need not be whole, is at least `f`.
+/// Returns the probability that Fisher's F with these positive degrees of freedom, which need not be whole, is at least
+/// `f`.
 pub fn f_at_least(f: f64, [above, below]: [f64; 2]) -> f64 {
     // The incomplete beta function from the far end, where small probabilities keep their digits.
     beta_reg(0.5 * below, 0.5 * above, below / (below + above * f))

@@ -9,7 +9,7 @@ use crate::stats::{Interval, Series};
 /// Sample sizes for which resampling is worth its while. See [`estimate_mean`].
 const RESAMPLED: std::ops::RangeInclusive<usize> = 10..=5000;
 
-/// How an interval was found.
+/// The method by which an interval was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeanMethod {
     StudentsT,
@@ -22,12 +22,12 @@ pub struct MeanEstimate {
     pub mean: f64,
     /// `None` of fewer than two numbers or without spread.
     pub interval: Option<Interval>,
-    /// How likely a mean at least as far from zero would be if the true one were zero; `None` as above.
+    /// The probability of a mean at least as far from zero if the true one were zero; `None` as above.
     pub p_value: Option<f64>,
     pub method: MeanMethod,
 }
 
-/// The mean of a sample; `None` of an empty one.
+/// Estimates the mean of a sample; `None` of an empty one.
 ///
 /// By the studentised bootstrap from 10 to 5000 numbers, and else, or where the numbers are too few or too much alike
 /// for it, by Student's t. Below 10 a resample is too often nearly constant and the bootstrap's intervals are several
@@ -38,7 +38,7 @@ pub fn estimate_mean(values: &[f64], random: &mut impl Rng) -> Option<MeanEstima
 }
 
 fn students_t(values: &[f64]) -> Option<MeanEstimate> {
-    let series = Series::of(values);
+    let series = Series::from_values(values);
     let mean = series.mean()?;
     let error = series.standard_error().filter(|&error| error > 0.0);
     Some(MeanEstimate {
@@ -49,11 +49,11 @@ fn students_t(values: &[f64]) -> Option<MeanEstimate> {
     })
 }
 
-/// Cohen's d of paired differences: their mean in their own standard deviations. `None` without spread.
+/// Returns Cohen's d of paired differences: their mean in their own standard deviations. `None` without spread.
 ///
 /// Cohen, "Statistical power analysis for the behavioral sciences", 1988, section 2.3.5, where it is d'z.
 pub fn cohens_dz(differences: &[f64]) -> Option<f64> {
-    let series = Series::of(differences);
+    let series = Series::from_values(differences);
     let deviation = series.standard_deviation().filter(|&deviation| deviation > 0.0)?;
     Some(series.mean()? / deviation)
 }

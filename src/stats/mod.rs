@@ -66,7 +66,7 @@ impl Interval {
 mod test_support {
     use super::Interval;
 
-    /// Whether two numbers agree to nine digits, or to 1e-12 near zero.
+    /// Says whether two numbers agree to nine digits, or to 1e-12 near zero.
     pub fn close(found: f64, expected: f64) -> bool {
         (found - expected).abs() <= 1e-9 * expected.abs() + 1e-12
     }

@@ -3,7 +3,7 @@
 use crate::stats::Interval;
 use crate::stats::distributions::{binomial_at_most, normal_reach};
 
-/// How often the first and the second of a pair said yes.
+/// Counts of pairs by the answers, yes or no, of their first and their second.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PairedAnswers {
     pub both: u64,
@@ -26,26 +26,26 @@ impl PairedAnswers {
         self.both + self.only_first + self.only_second + self.neither
     }
 
-    /// Yes of the first, of all pairs.
+    /// Returns the number of pairs whose first is yes.
     pub fn first_yes(&self) -> u64 {
         self.both + self.only_first
     }
 
-    /// Yes of the second, of all pairs.
+    /// Returns the number of pairs whose second is yes.
     pub fn second_yes(&self) -> u64 {
         self.both + self.only_second
     }
 
-    /// Rate of the second less rate of the first; `None` without pairs.
+    /// Returns the rate of the second less the rate of the first; `None` without pairs.
     pub fn rate_difference(&self) -> Option<f64> {
         let difference = self.only_second as f64 - self.only_first as f64;
         (self.pairs() > 0).then(|| difference / self.pairs() as f64)
     }
 
-    /// Interval of the difference of the rates, within -1 to 1; `None` without pairs.
+    /// Returns the interval of the difference of the rates, within -1 to 1; `None` without pairs.
     ///
-    /// Bonett, Price, "Adjusted Wald confidence interval for a difference of binomial proportions based on paired data",
-    /// Journal of Educational and Behavioral Statistics 37, 2012: one pair more in either cell that differs.
+    /// Bonett, Price, "Adjusted Wald confidence interval for a difference of binomial proportions based on paired
+    /// data", Journal of Educational and Behavioral Statistics 37, 2012: one pair more in either cell that differs.
     pub fn rate_difference_interval(&self) -> Option<Interval> {
         if self.pairs() == 0 {
             return None;
@@ -58,7 +58,8 @@ impl PairedAnswers {
         Some(Interval { low: low.max(-1.0), high: high.min(1.0) })
     }
 
-    /// McNemar's test, exact: whether pairs that differ do so either way with equal probability; 1 if no pair differs.
+    /// Returns the p-value of McNemar's exact test that pairs that differ do so either way with equal probability; 1 if
+    /// no pair differs.
     ///
     /// McNemar, "Note on the sampling error of the difference between correlated proportions or percentages",
     /// Psychometrika 12, 1947, with the binomial distribution in place of its approximation.

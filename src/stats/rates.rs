@@ -3,7 +3,7 @@
 use crate::stats::Interval;
 use crate::stats::distributions::normal_reach;
 
-/// Interval of the rate of `hits` in `trials`, within 0 to 1; `None` without trials.
+/// Returns the interval of the rate of `hits` in `trials`, within 0 to 1; `None` without trials.
 ///
 /// Wilson, "Probable inference, the law of succession, and statistical inference", JASA 22, 1927: all rates that the
 /// normal test with their own standard error does not refuse.

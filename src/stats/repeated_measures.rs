@@ -68,7 +68,7 @@ fn squares<'a>(numbers: impl Iterator<Item = &'a f64>) -> f64 {
     numbers.map(|number| number * number).sum()
 }
 
-/// The sum of the squares in the products of all columns with each other, which is that of all rows with each other.
+/// Sums the squares of the products of all columns with each other, which are those of all rows with each other.
 fn squares_of_products(rows: &[Vec<f64>]) -> f64 {
     let columns = rows[0].len();
     if rows.len() > columns {

@@ -19,7 +19,7 @@ pub struct Series {
 }
 
 impl Series {
-    pub fn of(values: &[f64]) -> Self {
+    pub fn from_values(values: &[f64]) -> Self {
         let mut series = Self::default();
         values.iter().for_each(|&value| series.add(value));
         series
@@ -41,22 +41,23 @@ impl Series {
         self.sum
     }
 
-    /// `None` of an empty series.
+    /// Returns the mean; `None` of an empty series.
     pub fn mean(&self) -> Option<f64> {
         (self.count > 0).then_some(self.mean)
     }
 
-    /// Standard deviation of the population, estimated from the sample (divisor n - 1); `None` of fewer than two.
+    /// Returns the standard deviation of the population, estimated from the sample (divisor n - 1); `None` of fewer
+    /// than two.
     pub fn standard_deviation(&self) -> Option<f64> {
         (self.count > 1).then(|| (self.squares / (self.count - 1) as f64).sqrt())
     }
 
-    /// Standard deviation of the mean, estimated from the sample; `None` of fewer than two.
+    /// Returns the standard deviation of the mean, estimated from the sample; `None` of fewer than two.
     pub fn standard_error(&self) -> Option<f64> {
         Some(self.standard_deviation()? / (self.count as f64).sqrt())
     }
 
-    /// Student's 95 % confidence interval of the mean; `None` of fewer than two.
+    /// Returns Student's 95 % confidence interval of the mean; `None` of fewer than two.
     pub fn mean_interval(&self) -> Option<Interval> {
         let error = self.standard_error()?;
         Some(Interval::about(self.mean, t_reach((self.count - 1) as f64) * error))
@@ -71,7 +72,7 @@ mod tests {
     #[test]
     fn report_2024_table_gives_its_mean_and_interval() {
         // Ratios of intact obstacles of the five published runs.
-        let published = Series::of(&[67.0 / 237.0, 44.0 / 235.0, 79.0 / 238.0, 85.0 / 234.0, 79.0 / 228.0]);
+        let published = Series::from_values(&[67.0 / 237.0, 44.0 / 235.0, 79.0 / 238.0, 85.0 / 234.0, 79.0 / 228.0]);
         assert!((published.mean().expect("five values") - 0.302).abs() < 5e-4);
         let deviation = published.standard_deviation().expect("five values");
         assert!((deviation - 0.071).abs() < 5e-4);
@@ -81,14 +82,14 @@ mod tests {
 
     #[test]
     fn one_value_has_a_mean_and_no_spread() {
-        assert_eq!(Series::of(&[]).mean(), None);
-        let one = Series::of(&[4.0]);
+        assert_eq!(Series::from_values(&[]).mean(), None);
+        let one = Series::from_values(&[4.0]);
         assert_eq!((one.mean(), one.standard_deviation(), one.mean_interval()), (Some(4.0), None, None));
     }
 
     #[test]
     fn spread_survives_a_large_offset() {
-        let shifted = Series::of(&[1e9 + 1.0, 1e9 + 2.0, 1e9 + 3.0]);
+        let shifted = Series::from_values(&[1e9 + 1.0, 1e9 + 2.0, 1e9 + 3.0]);
         assert!((shifted.standard_deviation().expect("three values") - 1.0).abs() < 1e-6);
         assert_eq!(shifted.sum(), 3e9 + 6.0);
     }

@@ -2,8 +2,8 @@
 //! Bulletin 1, 1945).
 //!
 //! Zeros are ranked with the others and then left out (Pratt, "Remarks on zeros and ties in the Wilcoxon signed rank
-//! procedures", JASA 54, 1959), so that many pairs without a difference weaken the evidence; numbers of equal size share
-//! the mean of their ranks. The test asks whether differences of either sign are equally likely at every rank.
+//! procedures", JASA 54, 1959), so that many pairs without a difference weaken the evidence; numbers of equal size
+//! share the mean of their ranks. The test asks whether differences of either sign are equally likely at every rank.
 
 use crate::stats::distributions::normal_two_sided;
 
@@ -21,11 +21,11 @@ pub struct SignedRanks {
 }
 
 impl SignedRanks {
-    /// `None` if no difference differs from zero.
+    /// Tests differences; `None` if all are zero.
     ///
     /// The p-value counts all choices of signs up to 50 differences; beyond, it is that of the normal distribution with
     /// the exact variance, which ties and zeros lessen, without a correction for continuity.
-    pub fn of(differences: &[f64]) -> Option<Self> {
+    pub fn from_differences(differences: &[f64]) -> Option<Self> {
         let ranked = ranked(differences);
         if ranked.is_empty() {
             return None;
@@ -41,7 +41,8 @@ impl SignedRanks {
         Some(Self { above, below, zeros: differences.len() - ranked.len(), p_value })
     }
 
-    /// The matched-pairs rank-biserial correlation: 1 if every difference is above zero, -1 if every one is below.
+    /// Returns the matched-pairs rank-biserial correlation: 1 if every difference is above zero, -1 if every one is
+    /// below.
     ///
     /// Kerby, "The simple difference formula", Comprehensive Psychology 3, 2014.
     pub fn rank_biserial(&self) -> f64 {
@@ -69,7 +70,7 @@ fn ranked(differences: &[f64]) -> Vec<Rank> {
     ranks
 }
 
-/// Twice the share of all choices of signs whose sum of ranks above zero is at most `smaller`.
+/// Returns twice the share of all choices of signs whose sum of ranks above zero is at most `smaller`.
 fn exact_p_value(ranked: &[Rank], smaller: u64) -> f64 {
     let most: u64 = ranked.iter().map(|rank| rank.doubled).sum();
     let mut choices = vec![0_u64; most as usize + 1];
@@ -110,7 +111,7 @@ mod tests {
     ];
 
     fn test(differences: &[f64]) -> SignedRanks {
-        SignedRanks::of(differences).expect("some differ from zero")
+        SignedRanks::from_differences(differences).expect("some differ from zero")
     }
 
     /// Without ties for `modulus` above `n`, with many and with zeros below.
@@ -150,7 +151,7 @@ mod tests {
     fn five_alike_differences_are_no_proof() {
         let found = test(&[1.0; 5]);
         assert_eq!((found.p_value, found.rank_biserial()), (0.0625, 1.0));
-        assert_eq!(SignedRanks::of(&[0.0, -0.0]), None);
-        assert_eq!(SignedRanks::of(&[]), None);
+        assert_eq!(SignedRanks::from_differences(&[0.0, -0.0]), None);
+        assert_eq!(SignedRanks::from_differences(&[]), None);
     }
 }

@@ -8,11 +8,11 @@ use crate::stats::distributions::normal_reach;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lifetime {
     pub time: f64,
-    /// Whether the waiting ended before the event.
+    /// True if the waiting ended before the event.
     pub is_cut_off: bool,
 }
 
-/// How many had not met the event yet, from this time up to the next step.
+/// A step of the curve: the survival from this time up to the next step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurvivalStep {
     pub time: f64,
@@ -39,7 +39,7 @@ pub struct SurvivalCurve {
 }
 
 impl SurvivalCurve {
-    pub fn of(lifetimes: &[Lifetime]) -> Self {
+    pub fn from_lifetimes(lifetimes: &[Lifetime]) -> Self {
         let mut sorted = lifetimes.to_vec();
         sorted.sort_by(|a, b| a.time.total_cmp(&b.time));
         let (mut at_risk, mut survival, mut variance) = (sorted.len() as u64, 1.0, 0.0);
@@ -58,19 +58,19 @@ impl SurvivalCurve {
         Self { steps }
     }
 
-    /// Estimated probability that the event comes later than `time`. Beyond the last time it stays as it was there.
+    /// Estimates the probability that the event comes later than `time`. Beyond the last time it stays as it was there.
     pub fn at(&self, time: f64) -> f64 {
         let begun = self.steps.partition_point(|step| step.time <= time);
         begun.checked_sub(1).map_or(1.0, |last| self.steps[last].survival)
     }
 
-    /// The first time by which the event has come to at least half of all; `None` if it has to fewer.
+    /// Returns the first time by which at least half of all have met the event; `None` if fewer ever do.
     pub fn median(&self) -> Option<f64> {
         self.first_time_where(|step| step.survival <= 0.5)
     }
 
-    /// Interval of the median: the times at which the curve's interval contains one half. An end that was cut off is
-    /// `None`.
+    /// Returns the interval of the median: the times at which the curve's interval contains one half. An end that was
+    /// cut off is `None`.
     ///
     /// Brookmeyer, Crowley, "A confidence interval for the median survival time", Biometrics 38, 1982.
     pub fn median_interval(&self) -> (Option<f64>, Option<f64>) {
@@ -122,7 +122,7 @@ mod tests {
 
     #[test]
     fn curve_and_intervals_are_those_of_scipy() {
-        let curve = SurvivalCurve::of(&lifetimes(&EVENTS, &CUT_OFF));
+        let curve = SurvivalCurve::from_lifetimes(&lifetimes(&EVENTS, &CUT_OFF));
         // `e = scipy.stats.ecdf(scipy.stats.CensoredData(uncensored=events, right=cut_off)).sf`, its `quantiles`,
         // `probabilities` and `confidence_interval(0.95, method="log-log")`
         let expected = SURVIVAL;
@@ -136,7 +136,7 @@ mod tests {
 
     #[test]
     fn median_is_the_published_one() {
-        let curve = SurvivalCurve::of(&lifetimes(&EVENTS, &CUT_OFF));
+        let curve = SurvivalCurve::from_lifetimes(&lifetimes(&EVENTS, &CUT_OFF));
         assert_eq!(curve.median(), Some(23.0));
         assert_eq!(curve.median_interval(), (Some(13.0), None));
         assert_eq!((curve.at(5.9), curve.at(1e9)), (1.0, curve.steps[6].survival));
@@ -145,7 +145,7 @@ mod tests {
     #[test]
     fn without_cut_off_times_the_curve_counts() {
         let times: Vec<f64> = (1..=40).map(f64::from).collect();
-        let curve = SurvivalCurve::of(&lifetimes(&times, &[]));
+        let curve = SurvivalCurve::from_lifetimes(&lifetimes(&times, &[]));
         for time in 0..=40 {
             assert_close(curve.at(f64::from(time)), f64::from(40 - time) / 40.0);
         }
@@ -157,9 +157,9 @@ mod tests {
 
     #[test]
     fn times_that_are_all_cut_off_tell_no_median() {
-        let curve = SurvivalCurve::of(&lifetimes(&[], &CUT_OFF));
+        let curve = SurvivalCurve::from_lifetimes(&lifetimes(&[], &CUT_OFF));
         assert!(curve.steps.is_empty());
         assert_eq!((curve.median(), curve.at(100.0)), (None, 1.0));
-        assert_eq!(SurvivalCurve::of(&[]).median(), None);
+        assert_eq!(SurvivalCurve::from_lifetimes(&[]).median(), None);
     }
 }

@@ -29,7 +29,7 @@ fn scenario() -> Scenario {
 
 pub fn plan(seeds: &str, record: Record) -> BatchPlan {
     let seeds = seeds.parse().expect("these seeds are fine");
-    BatchPlan::of_one("my file.toml", &["fire.relight=true".into()], scenario(), seeds, record)
+    BatchPlan::from_scenario("my file.toml", &["fire.relight=true".into()], scenario(), seeds, record)
 }
 
 /// Ten bushes, of which the Wumpus lights some and the truck puts some of those out, as the seed says.

@@ -23,7 +23,7 @@ pub struct Contrast {
     /// Mean of each side over these pairs; of yes or no, the rate.
     pub means: [f64; 2],
     pub difference: f64,
-    /// Of the difference; `None` of fewer than two pairs or if all differ alike.
+    /// The interval of the difference; `None` of fewer than two pairs or if all differ alike.
     pub interval: Option<Interval>,
     pub method: Method,
     /// That there is no difference; `None` if no pair differs.
@@ -33,7 +33,7 @@ pub struct Contrast {
     pub cut_off: Option<CutOff>,
 }
 
-/// Where interval and p-value come from.
+/// The method behind interval and p-value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     StudentisedBootstrap,
@@ -49,7 +49,7 @@ pub enum Method {
 pub struct CutOff {
     /// Times beyond this count as this much on both sides: where the first of the waits in vain ended.
     pub horizon: Option<f64>,
-    /// How many were cut off.
+    /// The number of times that were cut off.
     pub counts: [usize; 2],
     pub medians: [Option<f64>; 2],
     /// Ends that are beyond what was seen are `None`.
@@ -71,7 +71,7 @@ pub struct ByStratum {
 impl Contrast {
     /// `columns` are those of the tables' values that belong to the metric; `None` if no pair has it on both sides.
     /// The second value has the strata by themselves, if there are several.
-    pub fn of(
+    pub fn new(
         metric: &Metric,
         first: &Side<'_>,
         second: &Side<'_>,
@@ -86,7 +86,7 @@ impl Contrast {
         let horizon = cut_off.as_ref().and_then(|it| it.horizon).unwrap_or(f64::INFINITY);
         let numbers: Vec<_> = rows.iter().map(|rows| numbers_of(metric, rows, horizon)).collect();
         let all: Vec<_> = numbers.iter().flatten().copied().collect();
-        let contrast = Self { cut_off, ..of_pairs(metric, second.letter, &all)? };
+        let contrast = Self { cut_off, ..contrast_of_pairs(metric, second.letter, &all)? };
         let seeds: Vec<u64> = pairs.runs.iter().map(|&(ours, _)| first.table.seeds[ours]).collect();
         let by_stratum = (pairs.strata.len() > 1).then(|| by_stratum(metric, second.letter, pairs, &seeds, &numbers));
         Some((contrast, by_stratum))
@@ -104,12 +104,12 @@ fn numbers_of(metric: &Metric, rows: &[Vec<f64>; 2], horizon: f64) -> Option<[f6
     numbers.iter().all(|number| !number.is_nan()).then_some(numbers)
 }
 
-fn of_pairs(metric: &Metric, letter: char, pairs: &[[f64; 2]]) -> Option<Contrast> {
+fn contrast_of_pairs(metric: &Metric, letter: char, pairs: &[[f64; 2]]) -> Option<Contrast> {
     match metric.kind {
         MetricKind::Answer { .. } => {
-            of_answers(metric, pairs.iter().map(|[ours, theirs]| (*ours > 0.0, *theirs > 0.0)))
+            contrast_answers(metric, pairs.iter().map(|[ours, theirs]| (*ours > 0.0, *theirs > 0.0)))
         }
-        MetricKind::Sum(_) | MetricKind::Time { .. } => of_numbers(metric, letter, pairs),
+        MetricKind::Sum(_) | MetricKind::Time { .. } => contrast_numbers(metric, letter, pairs),
     }
 }
 
@@ -126,7 +126,7 @@ fn by_stratum(metric: &Metric, letter: char, pairs: &Pairs, seeds: &[u64], numbe
     }
     let contrasts = of_stratum.iter().enumerate();
     let contrasts: Vec<_> =
-        contrasts.filter_map(|(stratum, pairs)| Some((stratum, of_pairs(metric, letter, pairs)?))).collect();
+        contrasts.filter_map(|(stratum, pairs)| Some((stratum, contrast_of_pairs(metric, letter, pairs)?))).collect();
     // Pairs are in the order of their seeds, but within a seed those of side A's runs; each stratum comes once.
     let whole = differences.into_values().filter(|of_seed| of_seed.len() == contrasts.len());
     let rows: Vec<Vec<f64>> = whole
@@ -146,17 +146,17 @@ fn lifetime(row: &[f64]) -> Option<Lifetime> {
     (!begun.is_nan() && !time.is_nan()).then_some(Lifetime { time, is_cut_off })
 }
 
-fn of_numbers(metric: &Metric, letter: char, pairs: &[[f64; 2]]) -> Option<Contrast> {
+fn contrast_numbers(metric: &Metric, letter: char, pairs: &[[f64; 2]]) -> Option<Contrast> {
     let differences: Vec<f64> = pairs.iter().map(|[ours, theirs]| theirs - ours).collect();
     let random = &mut rng::stream(SEED, &format!("bootstrap/{letter}/{}", metric.name));
     let estimate = estimate_mean(&differences, random)?;
-    let ranks = SignedRanks::of(&differences);
+    let ranks = SignedRanks::from_differences(&differences);
     let (p_value, method) = match (estimate.p_value, estimate.method) {
         (None, _) => (ranks.map(|ranks| ranks.p_value), Method::Ranks),
         (some, MeanMethod::StudentsT) => (some, Method::StudentsT),
         (some, MeanMethod::StudentisedBootstrap) => (some, Method::StudentisedBootstrap),
     };
-    let mean_of = |side: usize| Series::of(&pairs.iter().map(|pair| pair[side]).collect::<Vec<_>>()).mean();
+    let mean_of = |side: usize| Series::from_values(&pairs.iter().map(|pair| pair[side]).collect::<Vec<_>>()).mean();
     Some(Contrast {
         metric: metric.clone(),
         pairs: pairs.len(),
@@ -171,7 +171,7 @@ fn of_numbers(metric: &Metric, letter: char, pairs: &[[f64; 2]]) -> Option<Contr
     })
 }
 
-fn of_answers(metric: &Metric, pairs: impl Iterator<Item = (bool, bool)>) -> Option<Contrast> {
+fn contrast_answers(metric: &Metric, pairs: impl Iterator<Item = (bool, bool)>) -> Option<Contrast> {
     let mut answers = PairedAnswers::default();
     pairs.for_each(|(ours, theirs)| answers.add(ours, theirs));
     let differ = answers.only_first + answers.only_second > 0;
@@ -189,7 +189,7 @@ fn of_answers(metric: &Metric, pairs: impl Iterator<Item = (bool, bool)>) -> Opt
     })
 }
 
-/// Says how times end. Differences are of restricted means: of times up to a horizon that both sides were watched
+/// Describes how times end. Differences are of restricted means: of times up to a horizon that both sides were watched
 /// until.
 ///
 /// Royston, Parmar, "Restricted mean survival time", BMC Medical Research Methodology 13, 2013.
@@ -199,7 +199,7 @@ fn cut_off(rows: &[[Vec<f64>; 2]]) -> CutOff {
     let horizon = in_vain.map(|lifetime| lifetime.time).reduce(f64::min);
     let curves = [0, 1].map(|side| {
         let lifetimes: Vec<_> = pairs.iter().map(|pair| pair[side]).collect();
-        (lifetimes.iter().filter(|lifetime| lifetime.is_cut_off).count(), SurvivalCurve::of(&lifetimes))
+        (lifetimes.iter().filter(|lifetime| lifetime.is_cut_off).count(), SurvivalCurve::from_lifetimes(&lifetimes))
     });
     CutOff {
         horizon,

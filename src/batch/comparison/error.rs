@@ -7,7 +7,8 @@ use thiserror::Error;
 use crate::batch::execute::StrangeEntry;
 use crate::batch::table::TableError;
 
-/// Why batches cannot be compared. Everything that comes from a file is shown as [`visible_start`](crate::untrusted::visible_start) makes it.
+/// A reason for which batches cannot be compared. What comes from a file is shown as
+/// [`visible_start`](crate::untrusted::visible_start) makes it.
 #[derive(Debug, Error)]
 pub enum ComparisonError {
     #[error(transparent)]

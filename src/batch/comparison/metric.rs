@@ -14,14 +14,14 @@ pub struct Metric {
     pub phrase: Option<Phrase>,
 }
 
-/// How a metric is found from the columns of a run.
+/// The way in which a metric is found from the columns of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MetricKind {
     /// The sum of these columns.
     Sum(Vec<String>),
     /// A time, cut off where the run ended before; there is none in a run in which it never began to count.
     Time { event: &'static str, end: &'static str, begun: &'static str },
-    /// Whether the column holds this word.
+    /// Yes if the column holds this word, else no.
     Answer { column: &'static str, yes: &'static str },
 }
 

@@ -1,11 +1,11 @@
 //! Batches, or parts of one, set against each other: runs of the same seed in pairs.
 //!
 //! Side A is what the others are compared with. A metric's difference is that of its means over the pairs, the other
-//! side's less A's; its interval and its test are those of [`estimate_mean`](crate::stats::estimate_mean), of yes and no
-//! those of [`PairedAnswers`](crate::stats::PairedAnswers), and Wilcoxon's test stands beside them. Where several metrics
-//! or sides are compared, p-values are adjusted by Holm's method over all of them, those of means and answers as one
-//! family, those of ranks as another; intervals are not. There is evidence of a difference where the adjusted p-value
-//! of the mean or the answers is at most 0.05.
+//! side's less A's; its interval and its test are those of [`estimate_mean`](crate::stats::estimate_mean), of yes and
+//! no those of [`PairedAnswers`](crate::stats::PairedAnswers), and Wilcoxon's test is given beside them. Where several
+//! metrics or sides are compared, p-values are adjusted by Holm's method over all of them, those of means and answers
+//! as one family, those of ranks as another; intervals are not. There is evidence of a difference where the adjusted
+//! p-value of the mean or the answers is at most 0.05.
 //!
 //! Where something else varies within the sides, such as the coverage in a comparison of planners, a difference is a
 //! mean over its values, the strata. Then every metric is also taken stratum by stratum, and tested for an interaction
@@ -46,7 +46,7 @@ use words::{interval_words, sentence};
 /// The level of the tests behind a verdict.
 const LEVEL: f64 = 0.05;
 
-/// What a comparison found.
+/// The result of a comparison.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
     /// A first.
@@ -57,7 +57,7 @@ pub struct Comparison {
     pub missing: Vec<(char, String)>,
 }
 
-/// What stands on a side.
+/// The runs of a side, in short.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SideSummary {
     pub letter: char,
@@ -108,7 +108,7 @@ impl JudgedStrata {
     }
 }
 
-/// What a contrast says, in short.
+/// The result of a contrast, in short.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     Difference,
@@ -124,7 +124,7 @@ pub enum Verdict {
 /// Without names, the usual metrics are compared.
 pub fn compare(paths: &[PathBuf], selection: &Selection, metrics: &[String]) -> Result<Comparison, ComparisonError> {
     let (metrics, tables) = read(paths, metrics)?;
-    let sides = Side::all_of(&tables, selection)?;
+    let sides = Side::from_tables(&tables, selection)?;
     let known: Vec<_> = tables.iter().map(KnownSettings::read).collect();
     let settings_of = |side: &Side<'_>| {
         let table = tables.iter().position(|table| std::ptr::eq(table, side.table));
@@ -134,14 +134,14 @@ pub fn compare(paths: &[PathBuf], selection: &Selection, metrics: &[String]) -> 
     let mut missing = Vec::new();
     let mut against_a = Vec::new();
     for other in others {
-        let pairs = Pairs::of(a, other)?;
+        let pairs = Pairs::new(a, other)?;
         let settings = SettingsDifference::between((a, settings_of(a)), (other, settings_of(other)), &pairs);
         let mut contrasts = Vec::new();
         let mut first_column = 0;
         for metric in &metrics {
             let columns: Vec<usize> = (first_column..first_column + metric.fields().len()).collect();
             first_column += columns.len();
-            match Contrast::of(metric, a, other, &pairs, &columns) {
+            match Contrast::new(metric, a, other, &pairs, &columns) {
                 Some(contrast) => contrasts.push(contrast),
                 None => missing.push((other.letter, metric.name.clone())),
             }
@@ -218,7 +218,7 @@ impl TestFamily {
     /// Judges the next contrast.
     fn judge(&mut self, contrast: Contrast) -> JudgedContrast {
         let (p_adjusted, ranks_p_adjusted) = (self.means.next().flatten(), self.ranks.next().flatten());
-        let verdict = Verdict::of(contrast.p_value, p_adjusted);
+        let verdict = Verdict::from_p_values(contrast.p_value, p_adjusted);
         JudgedContrast { contrast, p_adjusted, ranks_p_adjusted, verdict, by_stratum: None }
     }
 }
@@ -230,7 +230,7 @@ fn adjusted(p_values: impl Iterator<Item = Option<f64>>) -> Vec<Option<f64>> {
 }
 
 impl Verdict {
-    fn of(p_value: Option<f64>, p_adjusted: Option<f64>) -> Self {
+    fn from_p_values(p_value: Option<f64>, p_adjusted: Option<f64>) -> Self {
         let is_evidence = |p: f64| p <= LEVEL;
         match (p_value, p_adjusted) {
             (Some(_), Some(adjusted)) if is_evidence(adjusted) => Self::Difference,
@@ -271,7 +271,7 @@ impl JudgedContrast {
         }
     }
 
-    /// What Wilcoxon's test has to add where the means do not differ for sure.
+    /// Returns what Wilcoxon's test adds where the means do not differ for sure.
     fn by_ranks(&self, letter: char) -> String {
         let Some((ranks, p)) = self.contrast.ranks.zip(self.ranks_p_adjusted.filter(|&p| p <= LEVEL)) else {
             return String::new();

@@ -37,7 +37,7 @@ pub struct Stratum {
 type Key = (u64, usize);
 
 impl Pairs {
-    pub fn of(first: &Side<'_>, second: &Side<'_>) -> Result<Self, ComparisonError> {
+    pub fn new(first: &Side<'_>, second: &Side<'_>) -> Result<Self, ComparisonError> {
         let columns = varying_columns(first, second);
         let mut numbers = BTreeMap::new();
         let [ours, theirs] = [keyed(first, &columns, &mut numbers)?, keyed(second, &columns, &mut numbers)?];

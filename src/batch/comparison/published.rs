@@ -58,9 +58,9 @@ pub struct PublishedState {
     pub name: &'static str,
     pub published: Series,
     pub batch: Series,
-    /// Of the batch's mean less the published one: Welch's.
+    /// Welch's interval of the batch's mean less the published one.
     pub difference: Option<Interval>,
-    /// What holds 95 % of the means of five runs of the batch.
+    /// The interval that holds 95 % of the means of five runs of the batch.
     pub five_runs: Interval,
     /// Share of the means of five runs of the batch that are as far from the batch's mean as the published one.
     pub as_far: f64,
@@ -76,7 +76,7 @@ pub struct PublishedTime {
 
 impl BesideReport {
     /// Sets the runs of a batch, a folder or its table, that came to their end beside the published ones.
-    pub fn of(path: &Path, selection: &Selection) -> Result<Self, ComparisonError> {
+    pub fn from_batch(path: &Path, selection: &Selection) -> Result<Self, ComparisonError> {
         let columns = STATES.map(|(_, column, _)| column).into_iter().chain(CPU_TIMES.map(|(_, column, _)| column));
         let file = runs_table::open(path)?;
         if let Some(column) = columns.clone().find(|column| file.place(column).is_none()) {
@@ -85,8 +85,8 @@ impl BesideReport {
         let fields: Vec<Field> = columns.map(|column| Field::Number(column.into())).collect();
         let table = RunsTable::read(file, &fields)?;
         let side = whole(&table, selection)?;
-        // Every run is its own partner, unless a seed stands there twice.
-        let pairs = Pairs::of(&side, &side)?;
+        // Every run is its own partner, unless a seed is there twice.
+        let pairs = Pairs::new(&side, &side)?;
         if pairs.runs.is_empty() {
             return Err(ComparisonError::NoRows { path: table.path.clone() });
         }
@@ -101,9 +101,9 @@ fn numbers(side: &Side<'_>, pairs: &Pairs, column: usize) -> Vec<f64> {
 
 fn states(side: &Side<'_>, pairs: &Pairs) -> Vec<PublishedState> {
     let state = |(index, (name, _, column)): (usize, (&'static str, &str, usize))| {
-        let published = Series::of(&OBSTACLES.map(|run| run[column] / run[0]));
+        let published = Series::from_values(&OBSTACLES.map(|run| run[column] / run[0]));
         let numbers = numbers(side, pairs, index);
-        let batch = Series::of(&numbers);
+        let batch = Series::from_values(&numbers);
         let (five_runs, as_far) = of_five_runs(&numbers, published.mean()?, name)?;
         let difference = welch_interval(&published, &batch);
         Some(PublishedState { name, published, batch, difference, five_runs, as_far })
@@ -111,9 +111,10 @@ fn states(side: &Side<'_>, pairs: &Pairs) -> Vec<PublishedState> {
     STATES.into_iter().enumerate().filter_map(state).collect()
 }
 
-/// What means of five runs can be, and how many of them are as far off as the published one; `None` of no numbers.
+/// Returns the interval of means of five runs, and the share of them that is as far off as the published one; `None`
+/// of no numbers.
 fn of_five_runs(numbers: &[f64], published: f64, name: &str) -> Option<(Interval, f64)> {
-    let mean = Series::of(numbers).mean()?;
+    let mean = Series::from_values(numbers).mean()?;
     let random = &mut rng::stream(1, &format!("report/{name}"));
     let mut draw = || numbers[random.random_range(0..numbers.len())];
     let mut means: Vec<f64> = (0..DRAWS).map(|_| (0..RUNS).map(|_| draw()).sum::<f64>() / RUNS as f64).collect();
@@ -125,8 +126,8 @@ fn of_five_runs(numbers: &[f64], published: f64, name: &str) -> Option<(Interval
 
 fn times(side: &Side<'_>, pairs: &Pairs) -> Vec<PublishedTime> {
     let time = |(index, (name, _, published)): (usize, (&'static str, &str, [f64; RUNS]))| {
-        let batch = Series::of(&numbers(side, pairs, STATES.len() + index));
-        Some(PublishedTime { name, published_s: Series::of(&published).mean()?, batch_s: batch.mean()? })
+        let batch = Series::from_values(&numbers(side, pairs, STATES.len() + index));
+        Some(PublishedTime { name, published_s: Series::from_values(&published).mean()?, batch_s: batch.mean()? })
     };
     CPU_TIMES.into_iter().enumerate().filter_map(time).collect()
 }

@@ -16,7 +16,7 @@ const LARGEST: f64 = 1e100;
 const MAX_LEVELS: usize = 10_000;
 const MAX_LEVEL_BYTES: usize = 1000;
 
-/// What is read of a row.
+/// A value to be read from every row.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Field {
     /// The number in this column.
@@ -38,20 +38,20 @@ impl Field {
 pub struct RunsTable {
     pub path: PathBuf,
     pub seeds: Vec<u64>,
-    /// Whether the run came to its end.
+    /// True if the run came to its end.
     pub done: Vec<bool>,
     pub conditions: Vec<Condition>,
     /// For each field that was asked for, the value of every run; NaN where there is none.
     pub values: Vec<Vec<f64>>,
 }
 
-/// What runs were made under: scenario, planner, or a key that a batch sweeps.
+/// A condition under which runs were made: scenario, planner, or a key that a batch sweeps.
 #[derive(Debug)]
 pub struct Condition {
     pub name: String,
     /// In the order of their first runs.
     pub levels: Vec<String>,
-    /// Of every run, an index into the levels.
+    /// The level of every run, as an index.
     pub of_run: Vec<u32>,
 }
 

@@ -1,4 +1,4 @@
-//! Which runs stand on which side of a comparison.
+//! The sides of a comparison: which runs of which table.
 
 use crate::batch::comparison::error::ComparisonError;
 use crate::batch::comparison::runs_table::{Condition, RunsTable};
@@ -8,7 +8,7 @@ use crate::untrusted::visible_start;
 /// The most sides: each has a letter.
 pub const MAX_SIDES: usize = 26;
 
-/// What divides a batch into sides, or chooses runs of it.
+/// The choice of runs, and what divides a batch into sides.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Selection {
     /// The column that divides, and its values if not all of them, the first of which is side A.
@@ -30,7 +30,7 @@ pub struct Side<'a> {
 
 impl<'a> Side<'a> {
     /// One side a table, or the parts of a single one.
-    pub fn all_of(tables: &'a [RunsTable], selection: &Selection) -> Result<Vec<Self>, ComparisonError> {
+    pub fn from_tables(tables: &'a [RunsTable], selection: &Selection) -> Result<Vec<Self>, ComparisonError> {
         let mut sides = match (tables, &selection.by) {
             ([table], None) => parts(table, the_varying_condition(table, selection)?, &[], selection)?,
             (tables, None) => tables.iter().map(|table| whole(table, selection)).collect::<Result<_, _>>()?,
@@ -58,7 +58,7 @@ impl<'a> Side<'a> {
         self.table.conditions.iter().filter(differs).collect()
     }
 
-    /// Whether a run of its table came to its end.
+    /// Says whether a run of its table came to its end.
     pub fn is_done(&self, run: usize) -> bool {
         self.table.done[run]
     }

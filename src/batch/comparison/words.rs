@@ -4,8 +4,8 @@ use crate::batch::table::Phrase;
 use crate::document::number::{rounded, two_digits};
 use crate::stats::Interval;
 
-/// A difference as a sentence: `B saves 6.1 more obstacles per run, 95 % interval 4.8 to 7.4`. The metric's name stands in
-/// for the words of a metric that has none of its own.
+/// A difference as a sentence: `B saves 6.1 more obstacles per run, 95 % interval 4.8 to 7.4`. A metric
+/// without a phrase is called by its name.
 pub fn sentence(
     metric: &str,
     phrase: Option<Phrase>,

@@ -25,7 +25,7 @@ pub struct CpuSplit {
 }
 
 impl CpuSplit {
-    pub fn of(cost: &RunCost) -> Self {
+    pub fn from_cost(cost: &RunCost) -> Self {
         let trucks = |phase: fn(&AgentCost) -> Duration| sum_over(cost, is_truck, phase);
         Self {
             terrain_s: cost.terrain.as_secs_f64(),
@@ -54,7 +54,7 @@ impl CpuSplit {
         self.unimog_total_s() + self.wumpus_s
     }
 
-    /// What neither terrain nor planners took: events, fire, book-keeping.
+    /// The rest, which neither terrain nor planners took: events, fire, book-keeping.
     pub fn rest_s(&self) -> f64 {
         (self.run_s - self.terrain_s - self.planners_s()).max(0.0)
     }
@@ -101,7 +101,7 @@ mod tests {
             ],
             total: Duration::from_secs(2),
         };
-        let split = CpuSplit::of(&cost);
+        let split = CpuSplit::from_cost(&cost);
         let close = |found: f64, expected_ms: f64| assert!((found * 1e3 - expected_ms).abs() < 1e-9, "{expected_ms}");
         close(split.sampling_s, 11.0);
         close(split.local_search_s, 44.0);

@@ -39,13 +39,13 @@ pub struct Solution {
     pub segments: u32,
     pub cusps: u32,
     pub duration_s: f64,
-    /// Whether the reachability flood made it, after the planner had failed.
+    /// True if the reachability flood made it, after the planner had failed.
     pub by_lattice: bool,
 }
 
-/// A call as a journal holds it, where there are hundreds in every line: agent (twice its number, one more for a truck),
-/// nanoseconds, column, row, failure (from 1; 0 of a plan), expansions in roadmap and local search, and of a plan
-/// metres, segments, cusps, seconds, and whether it is the flood's.
+/// A call as a journal holds it, where there are hundreds in every line: agent (twice its number, one more for a
+/// truck), nanoseconds, column, row, failure (from 1; 0 of a plan), expansions in roadmap and local search, and of a
+/// plan metres, segments, cusps, seconds, and whether it is the flood's.
 type CallFields = (u32, u64, u16, u16, usize, u32, u32, Option<(f64, u32, u32, f64, bool)>);
 
 impl TryFrom<CallFields> for PlannerCall {
@@ -53,7 +53,7 @@ impl TryFrom<CallFields> for PlannerCall {
 
     fn try_from(fields: CallFields) -> Result<Self, &'static str> {
         let (agent, nanos, col, row, failure, roadmap_expansions, local_expansions, plan) = fields;
-        let number = u16::try_from(agent / 2).map_err(|_| "there are not so many agents")?;
+        let number = u16::try_from(agent / 2).map_err(|_| "its agent has too large a number")?;
         let solution = |(length_m, segments, cusps, duration_s, by_lattice)| Solution {
             length_m,
             segments,
@@ -92,7 +92,7 @@ impl From<PlannerCall> for CallFields {
     }
 }
 
-/// How many bushes are in which state; the others are intact.
+/// The number of bushes in each state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(from = "(SimTime, u32, u32, u32, u32)", into = "(SimTime, u32, u32, u32, u32)")]
 pub struct StateCount {
@@ -152,7 +152,7 @@ fn states_of(timeline: &Timeline) -> Vec<StateCount> {
     let duration = timeline.setting.rules.duration.as_nanos();
     let mut replay = Replay::new(timeline);
     let count = |step: u64| {
-        // No run lasts so many years that this would overflow.
+        // A scenario's duration is far below the centuries at which this would overflow.
         let time = SimTime::from_nanos(duration.saturating_mul(step) / STATE_STEPS);
         replay.seek(time);
         count_of(time, replay.bushes())

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use crate::whole_file::WholeFile;
 
-/// Where the files of a batch are written.
+/// A place to which the files of a batch are written.
 pub trait Disk {
     /// A file that appears when it is finished.
     fn whole_file(&self, path: &Path) -> io::Result<Box<dyn Whole>>;

@@ -131,7 +131,7 @@ impl OutputFolder {
         Ok(paths)
     }
 
-    /// Whether the folder has the plan of a batch of this program.
+    /// Says whether the folder has the plan of a batch of this program.
     fn holds_a_plan(&self) -> bool {
         #[derive(Deserialize)]
         struct Plan {
@@ -145,12 +145,12 @@ impl OutputFolder {
         &self.path
     }
 
-    /// Where the recording of this name goes.
+    /// Returns the path of the recording of this name.
     pub fn recording(&self, name: &str) -> PathBuf {
         Self::recording_in(&self.path, name)
     }
 
-    /// Where it is in the folder of a batch.
+    /// Returns the path of a recording in the folder of a batch.
     pub fn recording_in(folder: &Path, name: &str) -> PathBuf {
         folder.join(RECORDINGS_FOLDER).join(name)
     }

@@ -11,7 +11,7 @@ use crate::batch::plan::{RunLabel, value_differences};
 use crate::sim::RunCost;
 use crate::timeline::{AgentOutcome, Outcome};
 
-/// How a run went.
+/// The way in which a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
@@ -39,7 +39,7 @@ pub struct RunRow {
     pub status: Status,
     /// Empty of a run that is done.
     pub message: String,
-    /// Of runs that are done.
+    /// The numbers of a run that is done.
     pub result: Option<RunResult>,
     /// Real time that the run took.
     pub wall: Duration,
@@ -67,11 +67,11 @@ impl RunRow {
 
     /// Says in which outcome another run of the same seed differs from this one; `None` if all are the same.
     pub fn difference(&self, again: &Self) -> Option<String> {
-        let told = [self, again].map(|row| {
+        let outcomes = [self, again].map(|row| {
             let outcome = row.result.as_ref().map(|result| &result.outcome);
             json!({ "status": row.status, "message": row.message, "outcome": outcome })
         });
-        let first = value_differences(&told[0], &told[1]).into_iter().next()?;
+        let first = value_differences(&outcomes[0], &outcomes[1]).into_iter().next()?;
         let [said, found] = first.values.map(|value| value.map_or("nothing".into(), |value| value.to_string()));
         let name = first.key.trim_start_matches("outcome.");
         Some(format!("its row says {name} {said}, its run gives {found}"))
@@ -104,7 +104,7 @@ impl From<Measured> for RunResult {
 
 impl RunResult {
     pub fn new(outcome: Outcome, cost: RunCost) -> Self {
-        let cpu = CpuSplit::of(&cost);
+        let cpu = CpuSplit::from_cost(&cost);
         Self { outcome, cost, cpu }
     }
 

@@ -132,7 +132,7 @@ impl Batch {
         &self.found
     }
 
-    /// What the journal holds.
+    /// Returns the runs that the journal holds.
     pub fn progress(&self) -> &JournalIndex {
         self.journal.index()
     }
@@ -175,7 +175,7 @@ impl Batch {
         if is_over { Ok(()) } else { Err(BatchError::Stopped) }
     }
 
-    /// Where this batch writes its files.
+    /// Returns the disk to which this batch writes.
     pub(in crate::batch) fn disk(&self) -> &dyn Disk {
         self.disk.as_ref()
     }
@@ -241,7 +241,7 @@ fn write_plan_once(plan: &BatchPlan, folder: &OutputFolder, slice: Slice, disk: 
         Err(error) if error.kind() == ErrorKind::AlreadyExists => {
             Ok(BatchPlan::read(folder.path())?.expect_same(plan, folder.path())?)
         }
-        // Where files have one name only, slices that begin at the same instant are told apart by their journals.
+        // Where files have one name only, slices that begin at the same instant differ by their journals.
         Err(_) => write_plan(plan, folder, PLAN_FILE, disk),
         Ok(()) => removed.and_then(|()| sync_folder_of(&path)).map_err(unwritable),
     }

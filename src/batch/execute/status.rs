@@ -14,15 +14,15 @@ pub struct BatchStatus {
     pub slices: Vec<(Slice, SliceState)>,
 }
 
-/// How far a slice is.
+/// The progress of a slice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SliceState {
     pub runs: u64,
     /// Runs in the journal.
     pub held: u64,
-    /// Of these, runs without a result.
+    /// Runs in the journal without a result.
     pub not_done: u64,
-    /// Whether a process is at work on it.
+    /// True if a process is at work on it.
     pub is_running: bool,
 }
 

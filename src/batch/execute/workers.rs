@@ -19,10 +19,10 @@ use crate::time::wall::WallStopwatch;
 use crate::timeline::file::{self, FileError};
 use crate::timeline::{Outcome, Timeline};
 
-/// How often the journal and the stop are looked after while no run ends.
+/// The time between two checks of the journal and of the stop while no run ends.
 const POLL: Duration = Duration::from_millis(100);
 
-/// How long runs that are under way are waited for when the batch is stopped.
+/// The time for which a batch that is stopped waits for the runs that are under way.
 const GRACE: Duration = Duration::from_millis(1500);
 
 /// Rows of each worker that may wait for the journal, so that slow disks do not fill the memory.
@@ -31,7 +31,7 @@ const WAITING_ROWS: usize = 4;
 /// A way to run a scenario with a seed.
 pub type RunScenario = dyn Fn(&Scenario, u64) -> Result<Run, RunError> + Send + Sync;
 
-/// What all workers share.
+/// The work of a batch, which all workers share.
 pub struct Work {
     pub plan: Arc<BatchPlan>,
     pub folder: OutputFolder,

@@ -29,10 +29,10 @@ use crate::scenario::{BUILT_IN, ScenarioText, first_too_deep};
 /// A plan file with comments, to begin with.
 pub const PLAN_TEMPLATE: &str = include_str!("template.toml");
 
-/// What a plan file says, and a scenario never does.
+/// Keys that a plan file has at its top, and a scenario never has.
 const KEYS: [&str; 7] = ["scenarios", "seeds", "planners", "set", "sweep", "record", "memory"];
 
-/// What is wrong with a plan file.
+/// A fault of a plan file.
 #[derive(Debug, Error)]
 pub enum PlanFileError {
     #[error("{path}:{line}: {message}")]
@@ -164,7 +164,7 @@ fn located(name: &str, folder: &Path) -> String {
 
 fn sweep_of(table: Table) -> Result<Sweep, Fault> {
     let column = |(key, value): (String, Value)| match value {
-        Value::Array(values) => Ok((key, values.into_iter().map(Setting::of_toml).collect())),
+        Value::Array(values) => Ok((key, values.into_iter().map(Setting::from_toml).collect())),
         other => Err(Fault::Wrong(format!("`{key}` of a sweep is {other}; expected a list of values"))),
     };
     let columns = leaves(table).into_iter().map(column).collect::<Result<Vec<_>, _>>()?;

@@ -25,7 +25,7 @@ pub(super) const PLAN_FORMAT: u32 = 2;
 /// The longest file of a plan: besides seeds and variants it holds some names and numbers.
 const MAX_FILE_BYTES: u64 = MAX_PLAN_BYTES + 1_000_000;
 
-/// Why the plan of a folder cannot be followed.
+/// A reason for which the plan of a folder cannot be used.
 #[derive(Debug, Error)]
 pub enum PlanError {
     #[error("{} holds no {PLAN_FILE}; expected the folder of a batch", folder.display())]
@@ -71,7 +71,7 @@ struct Frozen<'a> {
     variants: &'a [Variant],
 }
 
-/// What every plan says, whatever its format.
+/// The part that plans of all formats have.
 #[derive(Deserialize)]
 pub(super) struct Head {
     program: String,
@@ -134,7 +134,7 @@ fn variants_within_limit<'de, D: Deserializer<'de>>(deserializer: D) -> Result<V
     deserializer.deserialize_seq(Variants)
 }
 
-/// What the outcome columns of a batch depend on.
+/// All that the outcome columns of a batch depend on.
 #[derive(Serialize)]
 struct Content<'a> {
     program_version: &'static str,
@@ -206,7 +206,7 @@ impl BatchPlan {
         Ok(plan)
     }
 
-    /// A hash can be computed by anybody, so what stands under a right one is checked like any scenario.
+    /// A hash can be computed by anybody, so the contents under a right one are checked like any scenario.
     fn check_variants(&self, path: &Path) -> Result<(), PlanError> {
         let not_a_plan = |reason: &str| PlanError::NotAPlan { path: path.to_owned(), reason: reason.to_owned() };
         if self.variants.is_empty() {
@@ -222,7 +222,7 @@ impl BatchPlan {
         Ok(())
     }
 
-    /// Refuses another plan than this one, which stands in a folder.
+    /// Refuses another plan than this one, which is that of a folder.
     pub fn expect_same(&self, asked: &Self, folder: &Path) -> Result<(), PlanError> {
         let differences = differences(self, asked);
         if differences.is_empty() {

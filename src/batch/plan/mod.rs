@@ -34,10 +34,10 @@ use serde::{Deserialize, Serialize};
 use crate::input_file::list_of_at_most;
 use crate::scenario::{MemoryLimit, Scenario};
 
-/// The version of this program, as it stands in every file that it writes.
+/// The version of this program, as every file that it writes names it.
 pub const PROGRAM_VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// What `plan.json` names as its program.
+/// The program that `plan.json` names.
 pub(super) const PROGRAM: &str = "wildfire";
 
 /// The most keys that a batch sweeps, and the most changes of a scenario.
@@ -62,7 +62,7 @@ pub enum Record {
 #[derive(Clone, Debug, PartialEq)]
 pub struct BatchPlan {
     pub variants: Vec<Variant>,
-    /// What is swept and has a column: all keys but that of the planner, which has one always.
+    /// The keys that are swept and have a column for it: all but that of the planner, which always has one.
     pub swept_keys: Vec<String>,
     pub seeds: Seeds,
     pub record: Record,
@@ -100,7 +100,7 @@ pub struct RunLabel {
     pub run: u64,
     pub scenario: String,
     pub seed: u64,
-    /// Of the trucks; empty without any.
+    /// The planner of the trucks; empty without any.
     pub planner: String,
     /// A value for each key that the batch sweeps.
     #[serde(deserialize_with = "list_of_at_most::<MAX_SWEPT_KEYS, _, _>")]
@@ -108,8 +108,8 @@ pub struct RunLabel {
 }
 
 impl RunLabel {
-    /// Of a run that is none of a batch.
-    pub fn alone(scenario: &Scenario, seed: u64) -> Self {
+    /// Names a run that belongs to no batch.
+    pub fn from_scenario(scenario: &Scenario, seed: u64) -> Self {
         let planner = planner_of(scenario);
         Self { run: 1, scenario: scenario.name.clone(), seed, planner, swept: Vec::new() }
     }
@@ -117,7 +117,7 @@ impl RunLabel {
 
 impl BatchPlan {
     /// The plan of one scenario with nothing swept.
-    pub fn of_one(source: &str, changes: &[String], scenario: Scenario, seeds: Seeds, record: Record) -> Self {
+    pub fn from_scenario(source: &str, changes: &[String], scenario: Scenario, seeds: Seeds, record: Record) -> Self {
         let variant = Variant { source: source.into(), changes: changes.to_vec(), swept: Vec::new(), scenario };
         Self { variants: vec![variant], swept_keys: Vec::new(), seeds, record, memory: MemoryLimit::default() }
     }
@@ -148,7 +148,7 @@ impl BatchPlan {
         }
     }
 
-    /// What tells a variant from the others: the scenario's name, its planner if that differs, what is swept.
+    /// Names a variant by what differs between variants: scenario, planner if that differs, values that are swept.
     pub fn title(&self, variant: &Variant) -> String {
         let planner = planner_of(&variant.scenario);
         let mut title = variant.scenario.name.clone();
@@ -163,7 +163,7 @@ impl BatchPlan {
 }
 
 impl PlannedRun<'_> {
-    /// What a row says of the run before it takes place.
+    /// Returns what is known of the run before it takes place.
     pub fn label(&self) -> RunLabel {
         let Variant { scenario, swept, .. } = self.variant;
         let planner = planner_of(scenario);
@@ -180,7 +180,7 @@ impl PlannedRun<'_> {
     }
 }
 
-/// The planner of a scenario's trucks; `;` stands between those of trucks that differ.
+/// Returns the planner of a scenario's trucks, with `;` between the planners of trucks that differ.
 pub fn planner_of(scenario: &Scenario) -> String {
     let mut names: Vec<&str> = scenario.unimog.iter().map(|truck| truck.planner.name()).collect();
     names.dedup();
@@ -263,7 +263,7 @@ mod tests {
         let plan = two_by_three();
         assert_eq!(plan.title(&plan.variants[1]), "smoke, field.coverage 0.1");
         let scenario = scenario::load("smoke", &[]).expect("it is built in");
-        let one = BatchPlan::of_one("smoke", &[], scenario, "1".parse().expect("a seed"), Record::None);
+        let one = BatchPlan::from_scenario("smoke", &[], scenario, "1".parse().expect("a seed"), Record::None);
         assert_eq!(one.title(&one.variants[0]), "smoke");
     }
 

@@ -21,7 +21,7 @@ pub const MAX_VARIANTS: u64 = 10_000;
 /// them large. In memory a variant takes less.
 pub(super) const MAX_PLAN_BYTES: u64 = 60_000_000;
 
-/// What a batch is asked to do, as the command line or a plan file says it.
+/// A request for a batch, from the command line or a plan file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BatchRequest {
     /// Names of built-in scenarios, or paths.
@@ -38,7 +38,7 @@ pub struct BatchRequest {
     pub memory: Option<MemoryLimit>,
 }
 
-/// Why a plan cannot be made of what is asked for.
+/// A reason for which a request makes no plan.
 #[derive(Debug, Error)]
 pub enum RequestError {
     #[error(transparent)]
@@ -74,7 +74,7 @@ impl BatchRequest {
         Ok(file::read(text)?)
     }
 
-    /// Takes an option of the command line: a change, or a sweep where several values stand between commas.
+    /// Takes an option of the command line: a change, or a sweep if there are several values between commas.
     pub fn add_option(&mut self, option: &str) -> Result<(), SweepError> {
         match option.split_once('=') {
             Some((key, values)) if split_at_commas(values).len() > 1 => self.sweeps.push(Sweep::parse(key, values)?),
@@ -93,7 +93,7 @@ impl BatchRequest {
             }
             several => {
                 let settings = several.iter().map(|planner| Setting::parse(planner)).collect();
-                // The planner is what is compared most, so that its values stand outermost.
+                // The planner is what is compared most, so its values vary slowest after the scenarios.
                 self.sweeps.insert(0, Sweep::together(vec![(PLANNER_KEY.to_owned(), settings)])?);
                 Ok(())
             }

@@ -16,11 +16,11 @@ const MAX_PARTS: usize = 750_000;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Seeds {
     ranges: Vec<RangeInclusive<u64>>,
-    /// For each range, how many seeds stand before it.
+    /// The number of seeds before each range.
     before: Vec<u64>,
 }
 
-/// Why a list of seeds cannot be taken.
+/// A reason for which a list of seeds is refused.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum SeedsError {
     #[error("`{found}` is not a seed: expected whole numbers from 0 to {}, such as `7`, `1..5` or `1,5,9`", u64::MAX)]
@@ -45,13 +45,13 @@ impl Seeds {
         self.ranges.iter().cloned().flatten()
     }
 
-    /// The seed with so many before it, from 0 to [`Self::count`] - 1.
+    /// Returns the seed at this index, from 0 to [`Self::count`] - 1.
     pub fn nth(&self, index: u64) -> u64 {
         let range = self.before.partition_point(|&before| before <= index) - 1;
         self.ranges[range].start() + (index - self.before[range])
     }
 
-    fn of_ranges(ranges: Vec<RangeInclusive<u64>>) -> Self {
+    fn from_ranges(ranges: Vec<RangeInclusive<u64>>) -> Self {
         let sizes = ranges.iter().map(|range| range.end() - range.start() + 1);
         let before = sizes.scan(0, |before, size| Some(std::mem::replace(before, *before + size))).collect();
         Self { ranges, before }
@@ -61,7 +61,7 @@ impl Seeds {
 /// 1 to 5, as many as the reports of the contest show.
 impl Default for Seeds {
     fn default() -> Self {
-        Self::of_ranges(vec![1..=5])
+        Self::from_ranges(vec![1..=5])
     }
 }
 
@@ -95,7 +95,7 @@ impl Seeds {
         }
         match first_repeated(&ranges) {
             Some(seed) => Err(SeedsError::Twice { seed }),
-            None => Ok(Self::of_ranges(ranges)),
+            None => Ok(Self::from_ranges(ranges)),
         }
     }
 }

@@ -17,7 +17,7 @@ pub struct Slice {
     of: u64,
 }
 
-/// Why a slice cannot be taken.
+/// A text that names no slice.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("expected K/N, such as 2/5: slice K of N, K from 1 to N, N at most {MAX_SLICES}")]
 pub struct SliceError;
@@ -34,7 +34,7 @@ impl Slice {
         self == Self::WHOLE
     }
 
-    /// How many slices the plan is cut into.
+    /// Returns the number of slices that the plan is cut into.
     pub fn of(self) -> u64 {
         self.of
     }
@@ -44,7 +44,7 @@ impl Slice {
         (1..=self.of).map(move |number| Self { number, of: self.of })
     }
 
-    /// How many of a plan's runs are in the slice.
+    /// Returns how many of a plan's runs are in the slice.
     pub fn count(self, runs: u64) -> u64 {
         (runs + self.of - self.number) / self.of
     }

@@ -21,11 +21,11 @@ pub struct Sweep {
 pub struct Setting {
     /// As it is written in a change.
     pub written: String,
-    /// As it stands in a column.
+    /// The value as a column has it.
     pub value: Value,
 }
 
-/// Why something cannot be swept.
+/// A reason for which something cannot be swept.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum SweepError {
     #[error("the values of `{key}` end with nothing, or have nothing between two commas; expected a value there")]
@@ -50,7 +50,7 @@ impl Setting {
         Self { written: written.to_owned(), value }
     }
 
-    pub fn of_toml(value: toml::Value) -> Self {
+    pub fn from_toml(value: toml::Value) -> Self {
         Self { written: value.to_string(), value: value_of(value) }
     }
 }
@@ -129,7 +129,7 @@ pub fn check_sweeps(sweeps: &[Sweep], changed_keys: &[&str]) -> Result<(), Sweep
     Ok(())
 }
 
-/// Whether two keys can name the same value: `unimog.planner` means all trucks, so `unimog.0.planner` among them.
+/// Says whether two keys can name the same value: `unimog.planner` means all trucks, so `unimog.0.planner` among them.
 fn overlap(one: &str, other: &str) -> bool {
     let is_index = |step: Option<&&str>| step.is_some_and(|step| step.chars().all(|letter| letter.is_ascii_digit()));
     let (mut one, mut other) = (one.split('.').peekable(), other.split('.').peekable());
@@ -146,7 +146,7 @@ fn overlap(one: &str, other: &str) -> bool {
     }
 }
 
-/// The parts between commas that stand in no quotes and no brackets.
+/// Splits a text at the commas that are outside of quotes and brackets.
 pub fn split_at_commas(text: &str) -> Vec<&str> {
     let (mut parts, mut start, mut depth, mut quote) = (Vec::new(), 0, 0_u32, None);
     for (at, letter) in text.char_indices() {

@@ -5,14 +5,14 @@ use std::fmt;
 use serde::de::Visitor;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// What stands in a field.
+/// The value of a field.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
     Missing,
     Count(u64),
     Real(f64),
     Text(String),
-    /// Of columns only: nothing that is swept is one.
+    /// A value of columns only: nothing that is swept has it.
     Flag(bool),
 }
 

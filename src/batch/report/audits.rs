@@ -1,5 +1,5 @@
-//! Audits of many runs on several threads: recordings, and runs of batches, which are simulated again where they were not
-//! recorded.
+//! Audits of many runs on several threads: recordings, and runs of batches, which are simulated again where they were
+//! not recorded.
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -19,10 +19,10 @@ use crate::timeline::{Outcome, Timeline, file};
 /// Runs between two looks at the results, per worker.
 const RUNS_PER_ROUND: usize = 32;
 
-/// The most violations that are told in words.
-pub const TOLD_VIOLATIONS: usize = 10;
+/// The most violations that are listed in words.
+pub const LISTED_VIOLATIONS: usize = 10;
 
-/// Where runs are found.
+/// A place at which runs to be audited are found.
 #[derive(Debug)]
 pub enum AuditSource {
     Recordings(Vec<PathBuf>),
@@ -38,7 +38,7 @@ impl AuditSource {
     }
 }
 
-/// What many audits found.
+/// The findings of many audits.
 #[derive(Clone, Debug, Default)]
 pub struct AuditReport {
     /// Audited runs, by where their timelines are from.
@@ -53,8 +53,8 @@ pub struct AuditReport {
     pub audited: Audited,
     /// Runs with a violation, and the first of them in words.
     pub violations: u64,
-    pub told: Vec<String>,
-    /// Why the first file could not be read, and how many could not.
+    pub listed: Vec<String>,
+    /// The reason for which the first file could not be read, and the number of such files.
     pub first_unreadable: Option<(String, ErrorKind)>,
     pub unreadable: u64,
 }
@@ -65,7 +65,7 @@ enum Subject<'a> {
     Run { batch: &'a FinishedBatch, run: PlannedRun<'a>, row: Option<RunRecord> },
 }
 
-/// What became of it.
+/// The outcome of an audit of one run.
 enum Finding {
     Recorded(Verdict, Option<String>),
     Simulated(Verdict, Option<String>),
@@ -91,7 +91,8 @@ impl AuditSource {
     }
 }
 
-/// Audits all runs of all sources on `jobs` threads; what is reported is in their order, whatever the number of threads.
+/// Audits all runs of all sources on `jobs` threads; what is reported is in their order, whatever the number of
+/// threads.
 ///
 /// `on_run` is called from the workers after each run, in any order.
 ///
@@ -223,7 +224,8 @@ impl AuditReport {
         }
         let words = violation.map(|violation| violation.to_string()).or(difference);
         self.violations += u64::from(words.is_some());
-        self.told.extend(words.filter(|_| self.told.len() < TOLD_VIOLATIONS).map(|words| format!("{name}: {words}")));
+        self.listed
+            .extend(words.filter(|_| self.listed.len() < LISTED_VIOLATIONS).map(|words| format!("{name}: {words}")));
     }
 }
 
@@ -256,7 +258,7 @@ impl AuditReport {
     }
 }
 
-/// Why runs cannot be audited.
+/// A reason for which runs cannot be audited.
 #[derive(Debug, thiserror::Error)]
 pub enum AuditsError {
     #[error(transparent)]

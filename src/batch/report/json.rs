@@ -29,7 +29,7 @@ impl RunObject {
         Self {
             program_version: PROGRAM_VERSION,
             run: Object(columns().filter(|(name, _)| !is_measured(name)).collect()),
-            agents: AgentRow::all_of(row).map(agent).collect(),
+            agents: AgentRow::from_run(row).map(agent).collect(),
             notes: row.result.as_ref().map(notes).unwrap_or_default(),
             measured: Object(columns().filter(|(name, _)| is_measured(name)).collect()),
         }

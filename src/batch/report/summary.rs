@@ -17,15 +17,15 @@ pub struct BatchReport {
     pub variants: Vec<VariantReport>,
 }
 
-/// What is reported of one variant.
+/// The report of one variant.
 #[derive(Clone, Debug, Default)]
 pub struct VariantReport {
     pub title: String,
     pub tables: Tables,
     pub tally: Tally,
-    /// Whether the scenario has agents on both sides.
+    /// True if the scenario has agents on both sides.
     is_contest: bool,
-    /// Of each of [`MEANS`].
+    /// A series for each of [`MEANS`].
     means: [Series; MEANS.len()],
     profile: Profile,
 }

@@ -38,13 +38,13 @@ impl Quantity {
     }
 
     /// Returns the number of a run; `None` of a run that is not done.
-    fn of(&self, run: &RunRecord) -> Option<f64> {
+    fn number(&self, run: &RunRecord) -> Option<f64> {
         let numbers: Option<Vec<f64>> = self.columns.iter().map(|&column| run.number(column)).collect();
         Some(numbers?.iter().sum::<f64>() * self.scale)
     }
 }
 
-/// What a table shows.
+/// The contents of a table.
 #[derive(Debug)]
 struct Layout {
     title: &'static str,
@@ -133,7 +133,7 @@ impl RunTable {
 
     fn add(&mut self, run: &RunRecord) {
         self.runs += 1;
-        let numbers: Option<Vec<f64>> = self.layout.quantities.iter().map(|quantity| quantity.of(run)).collect();
+        let numbers: Option<Vec<f64>> = self.layout.quantities.iter().map(|quantity| quantity.number(run)).collect();
         for (series, &number) in self.series.iter_mut().zip(numbers.iter().flatten()) {
             series.add(number);
         }

@@ -64,17 +64,17 @@ pub struct Column<F> {
     pub is_required: bool,
     /// The name that charts give it; empty of a column that is in none.
     pub title: &'static str,
-    /// How a difference between two batches is spoken of.
+    /// The words for a difference between two batches.
     pub phrase: Option<Phrase>,
     pub value: F,
 }
 
 impl<F: Copy> Column<F> {
-    pub(super) const fn titled(self, title: &'static str) -> Self {
+    pub(super) const fn with_title(self, title: &'static str) -> Self {
         Self { title, ..self }
     }
 
-    pub(super) const fn spoken(self, phrase: Phrase) -> Self {
+    pub(super) const fn with_phrase(self, phrase: Phrase) -> Self {
         Self { phrase: Some(phrase), ..self }
     }
 
@@ -112,9 +112,9 @@ impl FileColumn {
 /// Words for a difference of a metric between two batches: `B saves 6.1 more obstacles per run`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Phrase {
-    /// What a batch does: `saves`.
+    /// The verb for what a batch does: `saves`.
     pub verb: &'static str,
-    /// What follows the amount of a difference above zero, and of one below.
+    /// The words after the amount of a difference above zero, and of one below.
     pub more: [&'static str; 2],
     /// The factor of the amount.
     pub scale: f64,

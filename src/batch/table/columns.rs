@@ -1,5 +1,5 @@
-//! The columns of all tables of a batch. A line here is all that a column needs: its name, `optional` if a row may
-//! have no value, its kind and unit, what it means, and how it is found. CSV and Parquet files, the data dictionary, the
+//! The columns of all tables of a batch. A line here is all that a column needs: its name, `optional` if a row may have
+//! no value, its kind and unit, what it means, and how it is found. CSV and Parquet files, the data dictionary, the
 //! metrics of comparisons and the charts of reports have them from here.
 //!
 //! Outcome columns come first. They are equal bit for bit whenever a seed is run again; every column that may differ
@@ -34,7 +34,7 @@ pub struct AgentRow<'a> {
 
 impl<'a> AgentRow<'a> {
     /// The agents of a run, in the order of its timeline; none of a run that is not done.
-    pub fn all_of(row: &'a RunRow) -> impl Iterator<Item = Self> {
+    pub fn from_run(row: &'a RunRow) -> impl Iterator<Item = Self> {
         row.result.iter().flat_map(move |result| {
             result.outcome.agents.iter().map(move |outcome| Self {
                 label: &row.label,
@@ -45,7 +45,7 @@ impl<'a> AgentRow<'a> {
     }
 }
 
-/// Whether values of this column may differ between two runs of one seed.
+/// Says whether values of this column may differ between two runs of one seed.
 pub fn is_measured(name: &str) -> bool {
     name.starts_with("cpu_") || name.starts_with("wall_")
 }
@@ -120,7 +120,7 @@ macro_rules! about {
     };
 }
 
-/// How many columns of [`RUN_COLUMNS`] come before those of what a batch sweeps.
+/// The number of columns of [`RUN_COLUMNS`] that come before those of what a batch sweeps.
 pub const COLUMNS_BEFORE_SWEPT: usize = 4;
 
 /// The columns of `runs.csv`, in their order, without those of what a batch sweeps.
@@ -134,12 +134,13 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     status: Text None "done, failed or panicked" = row.status.to_string();
     message: optional Text None "why a run is not done" = unless_empty(&row.message);
     obstacles: optional Count Cells "bush cells of the field" = outcome(row, |o| o.obstacles);
-    intact: optional Count Cells "cells that never burned, at the end" = outcome(row, |o| o.intact), titled("Intact");
-    burning: optional Count Cells "cells that burn at the end" = outcome(row, |o| o.burning), titled("Burning");
-    burned_out: optional Count Cells "cells that burned out" = outcome(row, |o| o.burned_out), titled("Burned out");
+    intact: optional Count Cells "cells that never burned, at the end"
+        = outcome(row, |o| o.intact), with_title("Intact");
+    burning: optional Count Cells "cells that burn at the end" = outcome(row, |o| o.burning), with_title("Burning");
+    burned_out: optional Count Cells "cells that burned out" = outcome(row, |o| o.burned_out), with_title("Burned out");
     extinguished: optional Count Cells "cells that were put out"
-        = outcome(row, |o| o.extinguished), titled("Extinguished"),
-        spoken(Phrase::new("extinguishes", "more obstacles per run", "fewer obstacles per run"));
+        = outcome(row, |o| o.extinguished), with_title("Extinguished"),
+        with_phrase(Phrase::new("extinguishes", "more obstacles per run", "fewer obstacles per run"));
     intact_ratio: optional Real Share "share of all bush cells" = outcome(row, Outcome::intact_ratio);
     burned_ratio: optional Real Share "share of all bush cells that burn or have burned out"
         = outcome(row, Outcome::burned_ratio);
@@ -149,7 +150,7 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     caught_by_spread: optional Count Cells "ignitions by spread" = outcome(row, |o| o.caught_by_spread);
     truck_stuck_s: optional Real Seconds
         "time in which trucks did nothing though there was a fire that they could reach"
-        = outcome(row, |o| o.truck_stuck_s), titled("Time that trucks were stuck");
+        = outcome(row, |o| o.truck_stuck_s), with_title("Time that trucks were stuck");
     wumpus_stuck_s: optional Real Seconds
         "time in which Wumpuses did nothing though there was something that they could light"
         = outcome(row, |o| o.wumpus_stuck_s);
@@ -157,11 +158,13 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     ended_s: optional Real Seconds "simulated time at the end" = outcome(row, |o| o.ended_s);
     burning_cell_s: optional Real CellSeconds "number of burning cells integrated over time"
         = outcome(row, |o| o.burning_cell_s),
-        spoken(Phrase::new("has", "more seconds of a burning cell per run", "fewer seconds of a burning cell per run"));
+        with_phrase(Phrase::new(
+            "has", "more seconds of a burning cell per run", "fewer seconds of a burning cell per run",
+        ));
     peak_burning: optional Count Cells "most cells that burned at once" = outcome(row, |o| o.peak_burning);
     mean_response_s: optional Real Seconds "from ignition to extinction, mean over the extinctions"
-        = outcome(row, |o| o.mean_response_s), titled("Time from ignition to extinction"),
-        spoken(Phrase::new("puts a fire out", "s later", "s sooner"));
+        = outcome(row, |o| o.mean_response_s), with_title("Time from ignition to extinction"),
+        with_phrase(Phrase::new("puts a fire out", "s later", "s sooner"));
     first_fire_s: optional Real Seconds "time of the first ignition" = outcome(row, |o| o.first_fire_s);
     all_out_s: optional Real Seconds "end of the last fire, if nothing burned at the end"
         = outcome(row, |o| o.all_out_s);
@@ -191,12 +194,12 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     truck_local_expansions: optional Count None "nodes expanded in local searches"
         = trucks_count(row, |a| a.local_expansions);
     truck_distance_m: optional Real Metres "way driven"
-        = trucks(row, |a| a.distance_m), titled("Distance driven by the trucks");
+        = trucks(row, |a| a.distance_m), with_title("Distance driven by the trucks");
     truck_driving_s: optional Real Seconds "time spent driving" = trucks(row, |a| a.driving_s);
     truck_planning_s: optional Real Seconds "planning time that the scenario charges" = trucks(row, |a| a.planning_s);
     truck_suppressing_s: optional Real Seconds "time spent on putting fires out" = trucks(row, |a| a.suppressing_s);
-    truck_standing_s: optional Real Seconds "time spent on nothing of these" = trucks(row, |a| a.standing_s);
-    truck_longest_idle_s: optional Real Seconds "longest stand of a truck while something burned"
+    truck_standing_s: optional Real Seconds "time spent on none of these" = trucks(row, |a| a.standing_s);
+    truck_longest_idle_s: optional Real Seconds "longest time in which a truck stood while something burned"
         = trucks_longest(row, |a| a.longest_idle_s);
     truck_cusps: optional Count None "changes between forward and reverse" = trucks_count(row, |a| a.cusps.into());
     truck_wasted_drives: optional Count None "drives that ended without an extinction"
@@ -217,27 +220,29 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     wumpus_planning_s: optional Real Seconds "planning time that the scenario charges"
         = wumpuses(row, |a| a.planning_s);
     wumpus_standing_s: optional Real Seconds "time spent standing" = wumpuses(row, |a| a.standing_s);
-    wumpus_longest_idle_s: optional Real Seconds "longest stand of a Wumpus while something could be lit"
+    wumpus_longest_idle_s: optional Real Seconds "longest time in which a Wumpus stood while something could be lit"
         = wumpuses_longest(row, |a| a.longest_idle_s);
     cpu_sampling_s: optional Real Seconds "CPU time: drawing the roadmaps' samples"
-        = cpu(row, |c| c.sampling_s), titled("Sampling");
+        = cpu(row, |c| c.sampling_s), with_title("Sampling");
     cpu_map_generation_s: optional Real Seconds "CPU time: connecting them"
-        = cpu(row, |c| c.map_generation_s), titled("Connecting");
+        = cpu(row, |c| c.map_generation_s), with_title("Connecting");
     cpu_roadmap_search_s: optional Real Seconds "CPU time: queries to the roadmaps"
-        = cpu(row, |c| c.roadmap_search_s), titled("Roadmap search");
+        = cpu(row, |c| c.roadmap_search_s), with_title("Roadmap search");
     cpu_local_search_s: optional Real Seconds "CPU time: local searches of trucks"
-        = cpu(row, |c| c.local_search_s), titled("Local search");
+        = cpu(row, |c| c.local_search_s), with_title("Local search");
     cpu_prm_total_s: optional Real Seconds "CPU time: clearance field, sampling, map generation and roadmap search"
         = cpu(row, CpuSplit::prm_total_s);
     cpu_unimog_total_s: optional Real Seconds "CPU time: all planning of the trucks"
-        = cpu(row, CpuSplit::unimog_total_s), titled("CPU time of the trucks' planning"),
-        spoken(Phrase::new("has the truck's planners take", "more CPU seconds per run", "fewer CPU seconds per run"));
+        = cpu(row, CpuSplit::unimog_total_s), with_title("CPU time of the trucks' planning"),
+        with_phrase(Phrase::new(
+            "has the truck's planners take", "more CPU seconds per run", "fewer CPU seconds per run",
+        ));
     cpu_wumpus_s: optional Real Seconds "CPU time: all planning of the Wumpuses"
-        = cpu(row, |c| c.wumpus_s), titled("Wumpus");
+        = cpu(row, |c| c.wumpus_s), with_title("Wumpus");
     cpu_clearance_field_s: optional Real Seconds "CPU time: distance field for collision checks"
-        = cpu(row, |c| c.clearance_field_s), titled("Clearance field");
+        = cpu(row, |c| c.clearance_field_s), with_title("Clearance field");
     cpu_reachability_s: optional Real Seconds "CPU time: reachability floods and the searches in them"
-        = cpu(row, |c| c.reachability_s), titled("Reachability");
+        = cpu(row, |c| c.reachability_s), with_title("Reachability");
     cpu_terrain_s: optional Real Seconds "CPU time: drawing the field" = cpu(row, |c| c.terrain_s);
     cpu_run_s: optional Real Seconds "CPU time: the whole run" = cpu(row, |c| c.run_s);
     wall_run_s: Real Seconds "real time: the whole run" = row.wall.as_secs_f64();
@@ -270,10 +275,11 @@ pub const AGENT_COLUMNS: &[AgentColumn] = columns! { AgentColumn, row;
     driving_s: Real Seconds "time spent driving or walking" = row.outcome.driving_s;
     planning_s: Real Seconds "planning time that the scenario charges" = row.outcome.planning_s;
     suppressing_s: Real Seconds "time spent on putting fires out" = row.outcome.suppressing_s;
-    standing_s: Real Seconds "time spent on nothing of these" = row.outcome.standing_s;
+    standing_s: Real Seconds "time spent on none of these" = row.outcome.standing_s;
     stuck_s: Real Seconds "time in which the agent did nothing though there was something that it could reach"
         = row.outcome.stuck_s;
-    longest_idle_s: Real Seconds "longest stand while there was something to do" = row.outcome.longest_idle_s;
+    longest_idle_s: Real Seconds "longest time of standing while there was something to do"
+        = row.outcome.longest_idle_s;
     cusps: Count None "changes between forward and reverse" = row.outcome.cusps;
     wasted_drives: Count None "drives that ended without an extinction" = row.outcome.wasted_drives;
     waiting_s: Real Seconds "time spent on waiting for other trucks" = row.outcome.waiting_s;

@@ -30,7 +30,7 @@ impl CsvFiles {
     pub fn add(&mut self, row: &RunRow, record: &RunRecord) -> Result<(), BatchError> {
         let (label, rest) = record.values().split_at(COLUMNS_BEFORE_SWEPT);
         self.runs.add(label.iter().chain(&row.label.swept).chain(rest).map(Value::to_string))?;
-        for agent in AgentRow::all_of(row) {
+        for agent in AgentRow::from_run(row) {
             self.agents.add(AGENT_COLUMNS.iter().map(|column| (column.value)(&agent).to_string()))?;
         }
         Ok(())

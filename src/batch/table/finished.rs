@@ -12,7 +12,7 @@ use crate::batch::table::columns::{RUN_COLUMNS, RunColumn};
 use crate::batch::table::reader::{TableError, TableReader};
 use crate::batch::table::record::RunRecord;
 
-/// Why a folder cannot be read as a batch that is over. Messages are sentences that name the file.
+/// A reason for which a folder cannot be read as a batch that is over. Messages are sentences that name the file.
 #[derive(Debug, Error)]
 pub enum FinishedError {
     #[error("cannot read {}: {source}", path.display())]
@@ -67,7 +67,7 @@ impl FinishedBatch {
         self.plan.runs()
     }
 
-    /// What a run is called: its folder, its variant if there are several, its seed.
+    /// Names a run by its folder, its variant if there are several, and its seed.
     pub fn name_of(&self, run: &PlannedRun<'_>) -> String {
         let folder = self.folder.display();
         match self.plan.variants.as_slice() {
@@ -76,7 +76,7 @@ impl FinishedBatch {
         }
     }
 
-    /// Where the recording of a run is, if there is one.
+    /// Returns the path of a run's recording, if there is one.
     pub fn recording(&self, run: &PlannedRun<'_>) -> Option<PathBuf> {
         let path = OutputFolder::recording_in(&self.folder, &self.plan.recording_name(run));
         path.exists().then_some(path)

@@ -1,5 +1,5 @@
-//! The reader of tables that this program wrote as CSV, in any version: rows whose columns are found by their names, and
-//! whose fields are read as what they are. A file that is no such table cannot take memory without bounds.
+//! The reader of tables that this program wrote as CSV, in any version: rows whose columns are found by their names,
+//! and whose fields are read as what they are. A file that is no such table cannot take memory without bounds.
 
 use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
@@ -15,7 +15,8 @@ use crate::untrusted::{bytes_of_cell, visible_start};
 /// The most bytes between the ends of two rows.
 const MAX_ROW_BYTES: u64 = 1 << 20;
 
-/// Why a table cannot be read. Messages name the file; what comes from it is shown in letters that are harmless.
+/// A reason for which a table cannot be read. Messages name the file; what comes from it is shown in letters that are
+/// harmless.
 #[derive(Debug, Error)]
 pub enum TableError {
     #[error("cannot read {}: {source}", path.display())]
@@ -117,7 +118,7 @@ impl TableReader {
         }
     }
 
-    /// Says that the field of this row is not what it should be.
+    /// Returns the error that a field of this row is not what it should be.
     pub fn wrong_value(&self, place: usize, expected: &'static str) -> TableError {
         TableError::WrongValue {
             path: self.path.clone(),
@@ -144,7 +145,7 @@ fn damaged(path: PathBuf, line: u64, error: &csv::Error) -> TableError {
     TableError::Damaged { path, line, complaint }
 }
 
-/// A file of which only so many bytes are read at a time, so that a row without an end cannot fill the memory.
+/// A file that gives a limited number of bytes at a time, so that a row without an end cannot fill the memory.
 struct Rationed {
     file: InputFile,
     left: u64,

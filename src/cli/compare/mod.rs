@@ -89,7 +89,7 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, CliError> {
     let (form, selection) = (arguments.form, arguments.selection());
     let text = match (arguments.with, &arguments.batches[..]) {
         (None, batches) => form.render(&compare(batches, &selection, &arguments.metric)?),
-        (Some(Published::Report), [batch]) => form.render(&BesideReport::of(batch, &selection)?),
+        (Some(Published::Report), [batch]) => form.render(&BesideReport::from_batch(batch, &selection)?),
         (Some(_), several) => {
             let sentence = format!("{} batches; expected a single one beside the report", several.len());
             return Err(CliError::bad_input(sentence, None));

@@ -25,12 +25,12 @@ pub struct JournalIndex {
     recorded: Vec<u64>,
     /// Bytes of all whole lines.
     end: u64,
-    /// Whether something follows the last whole line.
+    /// True if something follows the last whole line.
     torn: bool,
 }
 
 impl JournalIndex {
-    /// Of a journal without a line.
+    /// The index of a journal without a line.
     fn empty(slice: Slice, runs: u64) -> Self {
         let places = usize::try_from(slice.count(runs)).expect("the runs of a batch are counted in memory");
         Self { slice, offsets: vec![0; places], held: 0, not_done: 0, recorded: Vec::new(), end: 0, torn: false }
@@ -46,7 +46,7 @@ impl JournalIndex {
         let damaged = |line: u64, reason: String| JournalError::Damaged { path: path.to_owned(), line, reason };
         while let Some((number, offset)) = lines.next()? {
             if number == 1 {
-                check_head(path, &lines.line, &Head::of(&plan.content_sha256(), slice))?;
+                check_head(path, &lines.line, &Head::new(&plan.content_sha256(), slice))?;
             } else {
                 let entry: Entry = decode(&lines.line).map_err(|reason| damaged(number, reason))?;
                 index.add(entry.label.run, entry.status, offset).map_err(|reason| damaged(number, reason))?;
@@ -63,7 +63,7 @@ impl JournalIndex {
     fn add(&mut self, run: u64, status: Status, offset: u64) -> Result<(), String> {
         let place = self.slice.place_of(run).and_then(|place| self.offsets.get_mut(usize::try_from(place).ok()?));
         let Some(place) = place else {
-            return Err(format!("run {run} is none of slice {}", self.slice));
+            return Err(format!("run {run} is not in slice {}", self.slice));
         };
         if *place != 0 {
             return Err(format!("run {run} was there before"));
@@ -148,7 +148,7 @@ impl<'a> RowReader<'a> {
 
     fn read_line(&mut self, offset: u64) -> io::Result<()> {
         let here = self.reader.stream_position()?;
-        // Lines stand nearly in the order of their runs, so that the next is mostly in the buffer.
+        // Lines are nearly in the order of their runs, so the next one is usually in the buffer.
         self.reader.seek_relative(offset.cast_signed() - here.cast_signed())?;
         self.line.clear();
         self.reader.by_ref().take(MAX_LINE_BYTES).read_until(b'\n', &mut self.line)?;

@@ -17,12 +17,12 @@ pub struct Head {
 }
 
 impl Head {
-    pub fn of(plan_sha256: &str, slice: Slice) -> Self {
+    pub fn new(plan_sha256: &str, slice: Slice) -> Self {
         Self { format: FORMAT, plan_sha256: plan_sha256.to_owned(), slice: slice.to_string() }
     }
 }
 
-/// What a line must say so that its run is known, whatever else it says.
+/// The part of a line by which its run is known.
 #[derive(Deserialize)]
 pub struct Entry {
     pub label: EntryLabel,
@@ -93,14 +93,14 @@ mod tests {
 
     #[test]
     fn line_reads_back() {
-        let head = Head::of("abc", Slice::WHOLE);
+        let head = Head::new("abc", Slice::WHOLE);
         let line = encode(&head);
         assert_eq!(decode::<Head>(&line[..line.len() - 1]), Ok(head));
     }
 
     #[test]
     fn every_changed_byte_is_noticed() {
-        let line = encode(&Head::of("abc", Slice::WHOLE));
+        let line = encode(&Head::new("abc", Slice::WHOLE));
         let line = &line[..line.len() - 1];
         for at in 0..line.len() {
             let mut changed = line.to_vec();

@@ -2,7 +2,7 @@
 //!
 //! A line is the CRC-32 of what follows it as eight hexadecimal digits, a space, and JSON. The first line says whose
 //! journal it is; every other is a row of the batch with all its numbers, from which the tables are written in the end.
-//! A line counts when it is whole, its newline included: what stands behind the last newline was being written when
+//! A line counts when it is whole, its newline included: what follows the last newline was being written when
 //! the machine or the program stopped, and is dropped. Anything else that is not as it was written is an error.
 
 mod index;
@@ -21,7 +21,7 @@ use thiserror::Error;
 use crate::batch::execute::OutputFolder;
 use crate::batch::plan::Slice;
 
-/// Why a journal cannot be gone on with, or read.
+/// A reason for which a journal cannot be read or continued.
 #[derive(Debug, Error)]
 pub enum JournalError {
     #[error("cannot read {}: {source}", path.display())]
@@ -62,7 +62,7 @@ pub fn slice_of_journal(name: &str) -> Option<Slice> {
     (journal_name(slice) == name).then_some(slice)
 }
 
-/// Where a slice's journal is.
+/// Returns the path of a slice's journal.
 pub fn journal_path(folder: &OutputFolder, slice: Slice) -> PathBuf {
     folder.path().join(journal_name(slice))
 }

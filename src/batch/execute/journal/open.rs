@@ -64,7 +64,7 @@ impl LockedJournal {
         let writer = disk.journal(file.try_clone().map_err(unwritable)?);
         let mut journal = OpenJournal { path, file, writer, index, unsynced: None };
         if end == 0 {
-            let head = encode(&Head::of(&sha256, slice));
+            let head = encode(&Head::new(&sha256, slice));
             journal.write(&head)?;
             journal.index.append_head(head.len());
             journal.sync()?;
@@ -181,7 +181,7 @@ impl ReadJournal {
     }
 }
 
-/// Whether a process is at work on a journal.
+/// Says whether a process is at work on a journal.
 pub fn is_locked(path: &Path) -> io::Result<bool> {
     match File::open(path)?.try_lock_shared() {
         Ok(()) => Ok(false),

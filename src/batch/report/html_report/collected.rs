@@ -1,4 +1,4 @@
-//! What a report keeps of a batch's rows.
+//! The rows of a batch, as far as a report needs them.
 
 use std::collections::BTreeMap;
 
@@ -9,32 +9,32 @@ use crate::batch::table::{FinishedError, FinishedRows, RunRecord, run_column};
 use crate::picture::charts::Estimate;
 use crate::stats::Series;
 
-/// How long agents were stuck.
+/// Times in which agents were stuck.
 const STUCK_S: [usize; 2] = [run_column("truck_stuck_s"), run_column("wumpus_stuck_s")];
 
-/// The most runs of a kind that are told one by one.
-pub const TOLD_RUNS: usize = 100;
+/// The most runs of a kind that are listed one by one.
+pub const LISTED_RUNS: usize = 100;
 
-/// A batch's rows, in so far as they are reported.
+/// The numbers of a batch that are reported.
 #[derive(Debug, Default)]
 pub struct Collected {
     pub report: BatchReport,
-    /// Of each variant in the order of the plan.
+    /// The numbers of each variant, in the order of the plan.
     pub variants: Vec<Values>,
     /// Runs without a result, the first of them; their number is in the report.
-    pub failures: Vec<ToldRun>,
+    pub failures: Vec<ListedRun>,
     /// Runs in which an agent was stuck, the longest first, and how many there are.
-    pub stuck: Vec<ToldRun>,
+    pub stuck: Vec<ListedRun>,
     pub stuck_runs: usize,
 }
 
-/// Numbers of the runs of a variant that are done, by the column that they are from.
+/// Numbers of the runs of a variant that are done, by quantity.
 #[derive(Debug, Default)]
-pub struct Values(BTreeMap<&'static str, Vec<f64>>);
+pub struct Values(BTreeMap<Quantity, Vec<f64>>);
 
-/// A run that is told of.
+/// A run in a list, with why it is there.
 #[derive(Debug)]
-pub struct ToldRun {
+pub struct ListedRun {
     pub number: u64,
     pub words: String,
 }
@@ -56,9 +56,9 @@ impl Collected {
                     values.add(&row);
                     let seconds = STUCK_S.iter().filter_map(|&column| row.number(column)).sum::<f64>();
                     stuck.extend((seconds > 0.0).then_some((number, seconds)));
-                } else if collected.failures.len() < TOLD_RUNS {
+                } else if collected.failures.len() < LISTED_RUNS {
                     let words = format!("{}: {}", row.status(), row.message());
-                    collected.failures.push(ToldRun { number, words });
+                    collected.failures.push(ListedRun { number, words });
                 }
             }
             collected.report.variants.push(report);
@@ -66,8 +66,11 @@ impl Collected {
         }
         stuck.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
         collected.stuck_runs = stuck.len();
-        let told = stuck.into_iter().take(TOLD_RUNS);
-        collected.stuck = told.map(|(number, seconds)| ToldRun { number, words: format!("{seconds:.1} s") }).collect();
+        collected.stuck = stuck
+            .into_iter()
+            .take(LISTED_RUNS)
+            .map(|(number, seconds)| ListedRun { number, words: format!("{seconds:.1} s") })
+            .collect();
         Ok(collected)
     }
 }
@@ -75,18 +78,18 @@ impl Collected {
 impl Values {
     fn add(&mut self, row: &RunRecord) {
         for quantity in quantities::all() {
-            self.0.entry(quantity.column()).or_default().extend(quantity.of(row));
+            self.0.entry(quantity).or_default().extend(quantity.number(row));
         }
     }
 
-    /// In the order of the runs; without those of runs that have none.
-    pub fn of(&self, quantity: &Quantity) -> &[f64] {
-        self.0.get(quantity.column()).map_or(&[], Vec::as_slice)
+    /// Returns the numbers of the runs that have one, in their order.
+    pub fn numbers(&self, quantity: Quantity) -> &[f64] {
+        self.0.get(&quantity).map_or(&[], Vec::as_slice)
     }
 
-    /// The mean with its interval; `None` without any value.
-    pub fn mean(&self, quantity: &Quantity) -> Option<Estimate> {
-        let series = Series::of(self.of(quantity));
+    /// Returns the mean with its interval; `None` without any value.
+    pub fn mean(&self, quantity: Quantity) -> Option<Estimate> {
+        let series = Series::from_values(self.numbers(quantity));
         let interval = series.mean_interval().map(|interval| (interval.low, interval.high));
         Some(Estimate { value: series.mean()?, interval })
     }

@@ -1,8 +1,8 @@
 //! The division of variants among the panels of a chart, so that none is missing.
 //!
-//! A panel holds as many series as can be told apart. Where there are more, some of what differs, planners first, makes
-//! the series of every panel, and each combination of the rest makes a panel. If nothing that differs takes so few
-//! values, the variants are divided as they come, each part with a chart of its own.
+//! A panel holds as many series as can be distinguished. Where there are more, some of what differs, planners first,
+//! makes the series of every panel, and each combination of the rest makes a panel. If nothing that differs takes so
+//! few values, the variants are divided as they come, each part with a chart of its own.
 
 use super::labels::Labels;
 use crate::batch::plan::BatchPlan;
@@ -30,12 +30,12 @@ pub struct FacetSeries {
 
 /// Panels in which every variant is a series.
 pub fn variant_facets(plan: &BatchPlan) -> Vec<Facet> {
-    facets(plan, &Labels::of(plan))
+    facets(plan, &Labels::new(plan))
 }
 
 /// Panels in which the values of a swept key are the x axis, and all else that differs makes the series.
 pub fn facets_over(plan: &BatchPlan, key: usize) -> Vec<Facet> {
-    facets(plan, &Labels::of(plan).without(key))
+    facets(plan, &Labels::new(plan).without(key))
 }
 
 fn facets(plan: &BatchPlan, labels: &Labels) -> Vec<Facet> {

@@ -13,7 +13,7 @@ use crate::picture::charts::{
 };
 use crate::stats::quantile;
 
-/// What a chart belongs to.
+/// The part of the report that a chart belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Section {
     Means,
@@ -49,7 +49,7 @@ impl Figures {
             let bars = |title, quantities| bars(title, quantities, &panels, values);
             figures.add(Section::Means, "states", bars("Obstacle states at the end", &STATES).draw());
             figures.add(Section::Means, "cpu-time", bars("CPU time of a run by part", &CPU_PARTS).draw());
-            for quantity in STATES.iter().chain(&MEASURES) {
+            for &quantity in STATES.iter().chain(&MEASURES) {
                 if let Some(chart) = distribution(quantity, &panels, values) {
                     figures.add(Section::Distributions, &format!("distribution-{}", quantity.column()), chart.draw());
                 }
@@ -87,7 +87,7 @@ impl Figures {
         if !states.iter().any(StateCurves::is_there) {
             return;
         }
-        let labels = Labels::of(plan);
+        let labels = Labels::new(plan);
         let all = labels.groups().concat();
         let panels: Vec<CurvePanel> = states
             .iter()
@@ -112,7 +112,7 @@ impl Figures {
 fn bars(title: &str, quantities: &[Quantity], panels: &[Facet], values: &[Values]) -> BarChart {
     let of_series = |series: &FacetSeries| {
         let values = &values[series.variants[0]];
-        let bars = quantities.iter().map(|quantity| values.mean(quantity)).collect();
+        let bars = quantities.iter().map(|&quantity| values.mean(quantity)).collect();
         BarSeries { name: series.name.clone(), style: series.style, bars }
     };
     BarChart {
@@ -131,8 +131,8 @@ fn bars(title: &str, quantities: &[Quantity], panels: &[Facet], values: &[Values
 }
 
 /// `None` where all runs have the same.
-fn distribution(quantity: &Quantity, panels: &[Facet], values: &[Values]) -> Option<StripChart> {
-    let strip = |series: &FacetSeries| strip(series, values[series.variants[0]].of(quantity));
+fn distribution(quantity: Quantity, panels: &[Facet], values: &[Values]) -> Option<StripChart> {
+    let strip = |series: &FacetSeries| strip(series, values[series.variants[0]].numbers(quantity));
     let panels: Vec<StripPanel> = panels
         .iter()
         .map(|panel| StripPanel { name: panel.name.clone(), strips: panel.series.iter().map(strip).collect() })

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::batch::plan::{BatchPlan, planner_of};
 
-/// What tells the variants of a plan from each other.
+/// The names of a plan's variants, made of what differs between them.
 #[derive(Clone, Debug)]
 pub struct Labels {
     /// The name of all scenarios where nothing differs.
@@ -25,7 +25,7 @@ pub struct Dimension {
 }
 
 impl Labels {
-    pub fn of(plan: &BatchPlan) -> Self {
+    pub fn new(plan: &BatchPlan) -> Self {
         let variants = || plan.variants.iter();
         let names: Vec<String> = variants().map(|variant| variant.scenario.name.clone()).collect();
         let sources: Vec<String> = variants().map(|variant| variant.source.clone()).collect();
@@ -136,7 +136,7 @@ mod tests {
     #[test]
     fn label_is_what_differs() {
         let plan = plan(&["smoke"], vec![sweep("field.coverage", "0.05,0.1"), sweep("duration_s", "60")]);
-        let labels = Labels::of(&plan);
+        let labels = Labels::new(&plan);
         assert_eq!(all(&labels), ["field.coverage 0.05", "field.coverage 0.1"]);
         assert_eq!(all(&labels.without(0)), ["smoke"]);
     }
@@ -144,7 +144,7 @@ mod tests {
     #[test]
     fn keys_that_are_multiplied_do_not_follow_each_other() {
         let plan = plan(&["smoke"], vec![sweep("field.coverage", "0.05,0.1"), sweep("duration_s", "60,90")]);
-        let labels = Labels::of(&plan);
+        let labels = Labels::new(&plan);
         assert_eq!(all(&labels)[3], "field.coverage 0.1, duration_s 90");
         assert_eq!(labels.groups().len(), 2);
         assert_eq!(all(&labels.without(0)), ["duration_s 60", "duration_s 90"]);
@@ -155,7 +155,7 @@ mod tests {
         let settings = |text: &str| text.split(',').map(crate::batch::Setting::parse).collect::<Vec<_>>();
         let columns = vec![("field.coverage".into(), settings("0.05,0.1")), ("duration_s".into(), settings("60,90"))];
         let plan = plan(&["smoke"], vec![Sweep::together(columns).expect("pairs")]);
-        let labels = Labels::of(&plan);
+        let labels = Labels::new(&plan);
         assert_eq!(labels.groups().len(), 1);
         assert_eq!(all(&labels.without(0)), ["smoke"]);
     }
@@ -164,8 +164,8 @@ mod tests {
     fn no_two_variants_have_one_label() {
         let mut plan = plan(&["smoke", "contest"], Vec::new());
         plan.variants[1].scenario.name = "smoke".into();
-        assert_eq!(all(&Labels::of(&plan)), ["smoke", "contest"], "sources where names are equal");
+        assert_eq!(all(&Labels::new(&plan)), ["smoke", "contest"], "sources where names are equal");
         plan.variants[1] = plan.variants[0].clone();
-        assert_eq!(all(&Labels::of(&plan)), ["variant 1", "variant 2"]);
+        assert_eq!(all(&Labels::new(&plan)), ["variant 1", "variant 2"]);
     }
 }

@@ -1,7 +1,7 @@
 //! The report of a batch: one page that needs no other file and no network, and its charts as SVG and PNG.
 //!
 //! Everything in it is read from the batch's folder: plan, `runs.csv`, `states.parquet`. The same batch gives the same
-//! bytes. Means stand with Student's 95 % intervals, as in the batch's tables.
+//! bytes. Means have Student's 95 % intervals, as in the batch's tables.
 
 mod collected;
 mod facets;
@@ -26,7 +26,7 @@ use collected::Collected;
 use figures::{Figure, Figures};
 use over_time::StateCurves;
 
-/// Where a report was written.
+/// The files of a report that was written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WrittenReport {
     pub page: PathBuf,
@@ -38,7 +38,7 @@ pub struct WrittenReport {
     pub unknown_letters: Option<String>,
 }
 
-/// Why a batch cannot be reported on.
+/// A reason for which a batch has no report.
 #[derive(Debug, Error)]
 pub enum ReportError {
     #[error(transparent)]

@@ -13,7 +13,7 @@ use crate::batch::table::{FinishedError, ParquetReader, RowGroup};
 use crate::picture::charts::Estimate;
 use crate::stats::quantile;
 
-/// What of the runs lies in a band: from the first of these quantiles to the second.
+/// The quantiles of the runs between which a band lies.
 pub const BAND: [f64; 2] = [0.1, 0.9];
 
 /// For each of [`STATES`] its share of the obstacles at points of time in seconds: means, and the middle 80 % of runs.
@@ -64,7 +64,7 @@ fn read_all(file: &ParquetReader, plan: &BatchPlan) -> Result<Vec<StateCurves>, 
 struct StateRow {
     run: u64,
     t_s: f64,
-    /// Of each state, shares of all.
+    /// The share of each state.
     shares: [f64; STATES.len()],
 }
 

@@ -1,6 +1,6 @@
 //! The page itself.
 
-use super::collected::{Collected, ToldRun};
+use super::collected::{Collected, ListedRun};
 use super::figures::{Figures, Section};
 use crate::batch::execute::CHARTS_FOLDER;
 use crate::batch::plan::{BatchPlan, PROGRAM_VERSION};
@@ -80,16 +80,16 @@ fn charts(figures: &Figures, section: Section) -> Vec<Block> {
 }
 
 /// A table of runs, each with the command that shows it again; `count` is how many there are in all.
-fn runs(plan: &BatchPlan, shown: &[ToldRun], count: u64, heading: &str) -> Vec<Block> {
+fn runs(plan: &BatchPlan, shown: &[ListedRun], count: u64, heading: &str) -> Vec<Block> {
     let all = plan.count();
     let text = match count - shown.len() as u64 {
         _ if count == 0 => return vec![Block::Text("None.".into())],
         0 => format!("{count} of {all} runs."),
         _ => format!("{count} of {all} runs; {} of them:", shown.len()),
     };
-    let row = |told: &ToldRun| {
-        let run = plan.run(told.number);
-        vec![told.number.to_string(), run.seed.to_string(), told.words.clone(), run.repeating_command()]
+    let row = |listed: &ListedRun| {
+        let run = plan.run(listed.number);
+        vec![listed.number.to_string(), run.seed.to_string(), listed.words.clone(), run.repeating_command()]
     };
     let headings = ["Run", "Seed", heading, "Shown again by"];
     let table = Table { text_columns: 4, ..Table::new(&headings, shown.iter().map(row).collect()) };

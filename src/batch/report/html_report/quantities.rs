@@ -5,7 +5,7 @@ use crate::batch::table::{RUN_COLUMNS, RunColumn, RunRecord, Unit, is_measured, 
 const OBSTACLES: usize = run_column("obstacles");
 
 /// A number of every run that is done: that of a column, in the unit in which charts show it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Quantity(usize);
 
 /// The ends of a run.
@@ -53,7 +53,7 @@ impl Quantity {
         self.about().title
     }
 
-    /// Returns its name where it stands alone.
+    /// Returns its name outside of a chart of several.
     pub fn title(self) -> String {
         match self.about().unit {
             Unit::Cells => format!("{} at the end of a run", self.name()),
@@ -63,7 +63,7 @@ impl Quantity {
 
     /// Returns the number of a run; `None` where the run has none. Cells are shown as shares of all, CPU times in
     /// milliseconds.
-    pub fn of(self, run: &RunRecord) -> Option<f64> {
+    pub fn number(self, run: &RunRecord) -> Option<f64> {
         let number = run.number(self.0)?;
         match self.about().unit {
             Unit::Cells => Some(number / run.number(OBSTACLES).filter(|&obstacles| obstacles > 0.0)?),

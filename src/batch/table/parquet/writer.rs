@@ -93,7 +93,7 @@ impl ParquetWriter {
     }
 }
 
-/// Looking numbers up in a dictionary costs more than it saves, beside the compression.
+/// Sets compression and metadata. Dictionaries are for text only: of numbers they cost more than they save.
 fn properties(columns: &[FileColumn], metadata: &[(&str, String)]) -> WriterProperties {
     let numbers = columns.iter().filter(|column| column.kind != Kind::Text);
     let metadata = metadata.iter().map(|(key, value)| KeyValue::new((*key).to_owned(), value.clone()));
