@@ -2,74 +2,45 @@
 //!
 //! Rank says what happens first at one instant; sequence is the order of insertion, so equal events keep it.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::BTreeMap;
 
 use crate::time::SimTime;
 
 /// Events of type `E`, whose rank of type `R` orders those of one instant.
 #[derive(Debug)]
 pub struct EventQueue<R, E> {
-    heap: BinaryHeap<Reverse<Entry<R, E>>>,
+    events: BTreeMap<(SimTime, R, u64), E>,
     next_sequence: u64,
-}
-
-#[derive(Debug)]
-struct Entry<R, E> {
-    time: SimTime,
-    rank: R,
-    sequence: u64,
-    event: E,
-}
-
-impl<R: Ord, E> PartialEq for Entry<R, E> {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl<R: Ord, E> Eq for Entry<R, E> {}
-
-impl<R: Ord, E> PartialOrd for Entry<R, E> {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl<R: Ord, E> Ord for Entry<R, E> {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        (self.time, &self.rank, self.sequence).cmp(&(other.time, &other.rank, other.sequence))
-    }
 }
 
 impl<R: Ord, E> Default for EventQueue<R, E> {
     fn default() -> Self {
-        Self { heap: BinaryHeap::new(), next_sequence: 0 }
+        Self { events: BTreeMap::new(), next_sequence: 0 }
     }
 }
 
 impl<R: Ord + Copy, E> EventQueue<R, E> {
     pub fn push(&mut self, time: SimTime, rank: R, event: E) {
-        let sequence = self.next_sequence;
+        self.events.insert((time, rank, self.next_sequence), event);
         self.next_sequence += 1;
-        self.heap.push(Reverse(Entry { time, rank, sequence, event }));
     }
 
-    /// Time and rank of the event that comes next.
+    /// Returns time and rank of the event that comes next.
     pub fn peek(&self) -> Option<(SimTime, R)> {
-        self.heap.peek().map(|Reverse(entry)| (entry.time, entry.rank))
+        self.events.keys().next().map(|&(time, rank, _)| (time, rank))
+    }
+
+    /// Iterates over the events that are due at `time` with this rank, if nothing comes before them.
+    pub fn due(&self, time: SimTime, rank: R) -> impl Iterator<Item = &E> {
+        let due = self.events.iter().take_while(move |(at, _)| (at.0, at.1) == (time, rank));
+        due.map(|(_, event)| event)
     }
 
     /// Takes the next event if it is due at `time` with this rank.
     pub fn pop_due(&mut self, time: SimTime, rank: R) -> Option<E> {
-        if self.peek() != Some((time, rank)) {
-            return None;
-        }
-        self.heap.pop().map(|Reverse(entry)| entry.event)
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.heap.is_empty()
+        let next = self.events.first_entry()?;
+        let &(due, its_rank, _) = next.key();
+        ((due, its_rank) == (time, rank)).then(|| next.remove())
     }
 }
 
@@ -98,6 +69,17 @@ mod tests {
         assert_eq!(queue.pop_due(SimTime::from_nanos(2), 1), None);
         assert_eq!(queue.pop_due(SimTime::from_nanos(3), 0), None);
         assert_eq!(queue.pop_due(SimTime::from_nanos(3), 1), Some(()));
-        assert!(queue.is_empty());
+        assert_eq!(queue.peek(), None);
+    }
+
+    #[test]
+    fn what_is_due_can_be_looked_at_unless_something_comes_first() {
+        let now = SimTime::from_nanos(3);
+        let mut queue = EventQueue::default();
+        for (rank, name) in [(1, 'a'), (2, 'b'), (1, 'c')] {
+            queue.push(now, rank, name);
+        }
+        assert_eq!(queue.due(now, 1).collect::<String>(), "ac");
+        assert_eq!(queue.due(now, 2).collect::<String>(), "");
     }
 }

@@ -1,23 +1,33 @@
-//! What Wumpuses and trucks have in common: a body on a trajectory, a goal, a mind that can change.
+//! What all agents have in common: a body on a trajectory, a goal, a mind that can change.
 
-use std::time::Duration;
+use std::sync::Arc;
 
 use bevy::prelude::*;
+use glam::DVec2;
 
+use crate::collision::ClearanceField;
 use crate::geometry::{Cell, Pose};
-use crate::planning::Searched;
-use crate::planning::memory::{BytesAfter, Growing, Held, MemoryMeter};
+use crate::planning::memory::MemoryMeter;
+use crate::scenario::{Scenario, Terrain};
 use crate::time::SimTime;
-use crate::timeline::{AgentFact, AgentId, CpuSample, Event, Fact, RestReason};
-use crate::trajectory::Trajectory;
+use crate::timeline::{AgentFact, AgentId, AgentStart, Body, CpuSample, RestReason};
+use crate::trajectory::{SpeedLimits, Trajectory};
 
-use super::agenda::{Agenda, Call, Due};
+use super::queue::{AgentEvent, SimQueue, Wake};
+use super::recorder::{CpuLog, Recorder};
+use super::run::AgentCost;
 
 /// What an agent is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Activity {
-    /// It stands without a goal.
+    /// It stands and is about to decide.
     Idle,
+    /// It stands because its policy wants it to.
+    Waiting,
+    /// It stands without a goal until something wakes it.
+    Resting(RestReason),
+    /// It stands because others are in the way to all that it could go for.
+    Blocked,
     /// It stands while planning time is charged.
     Planning,
     Moving,
@@ -28,159 +38,135 @@ pub enum Activity {
 #[derive(Component, Debug)]
 pub struct Agent {
     pub id: AgentId,
-    /// Bumped whenever the agent changes its mind; calls that carry an older one are void.
+    pub body: Body,
+    /// Goes up whenever the agent changes its mind; events that carry an older one are void.
     pub revision: u32,
     pub activity: Activity,
     pub goal: Option<Cell>,
     /// The last leg: it moves along it, or stands at its end.
     pub trajectory: Trajectory,
-    /// Why it rests, if it does.
-    pub rests: Option<RestReason>,
+    pub cost: AgentCost,
 }
 
 impl Agent {
-    pub fn standing(id: AgentId, pose: Pose) -> Self {
+    pub fn standing(id: AgentId, body: Body, pose: Pose) -> Self {
         Self {
             id,
+            body,
             revision: 0,
             activity: Activity::Idle,
             goal: None,
             trajectory: Trajectory::new(SimTime::ZERO, pose, Vec::new()),
-            rests: None,
+            cost: AgentCost::new(id),
         }
     }
 
-    pub fn call(&self, entity: Entity) -> Call {
-        Call { agent: entity, revision: self.revision }
+    /// Returns where the middle of its body is.
+    pub fn centre(&self, now: SimTime) -> DVec2 {
+        self.body.centre(self.trajectory.pose_at(now))
+    }
+
+    /// Returns true if it stands and is free to go for something.
+    pub fn is_free(&self) -> bool {
+        matches!(self.activity, Activity::Idle | Activity::Waiting | Activity::Resting(_) | Activity::Blocked)
+    }
+
+    pub fn is_under_way(&self) -> bool {
+        matches!(self.activity, Activity::Moving | Activity::Planning) && self.goal.is_some()
+    }
+
+    pub fn wake(&self, agent: Entity) -> Wake {
+        Wake { agent, revision: self.revision }
     }
 
     /// Voids what was planned and asks for a decision.
-    pub fn reconsider(&mut self, entity: Entity, at: SimTime, agenda: &mut Agenda) {
+    pub fn reconsider(&mut self, entity: Entity, at: SimTime, queue: &mut SimQueue) {
         self.revision += 1;
-        agenda.add(at, Due::Decision(self.call(entity)));
+        queue.push_for(at, AgentEvent::Decision, self.wake(entity));
     }
 
     /// Gives up the goal on the way; the leg as it is really driven is `cut`, and the next decision falls at its end.
-    pub fn break_off(&mut self, entity: Entity, now: SimTime, cut: Trajectory, agenda: &mut Agenda, log: &mut Log) {
+    pub fn drop_goal(
+        &mut self,
+        entity: Entity,
+        now: SimTime,
+        cut: Trajectory,
+        queue: &mut SimQueue,
+        recorder: &mut Recorder,
+    ) {
         let goal = self.goal.take().expect("only an agent with a goal drops one");
-        log.add(now, Fact::Agent(self.id, AgentFact::Dropped { goal, trajectory: cut.clone() }));
+        recorder.record_agent(now, self.id, AgentFact::Dropped { goal, trajectory: cut.clone() });
         let stands_at = cut.end_time().max(now);
         self.activity = if stands_at > now { Activity::Moving } else { Activity::Idle };
         self.trajectory = cut;
-        self.reconsider(entity, stands_at, agenda);
+        self.reconsider(entity, stands_at, queue);
     }
 
-    /// Sets out for a goal; `trajectory` begins when planning time is over.
-    pub fn set_out(&mut self, entity: Entity, now: SimTime, goal: Cell, trajectory: Trajectory, agenda: &mut Agenda) {
+    /// Sets out for a goal, where `then` awaits it; `trajectory` begins when planning time is over.
+    pub fn set_out(
+        &mut self,
+        entity: Entity,
+        now: SimTime,
+        (goal, trajectory): (Cell, Trajectory),
+        then: AgentEvent,
+        queue: &mut SimQueue,
+    ) {
         self.revision += 1;
         self.goal = Some(goal);
-        self.rests = None;
         self.activity = Activity::Moving;
         if trajectory.start_time() > now {
             self.activity = Activity::Planning;
-            agenda.add(trajectory.start_time(), Due::PlanningDone(self.call(entity)));
+            queue.push_for(trajectory.start_time(), AgentEvent::PlanningDone, self.wake(entity));
         }
+        queue.push_for(trajectory.end_time(), then, self.wake(entity));
         self.trajectory = trajectory;
     }
 
     /// Stands for the planning time of a plan that failed, and decides again.
-    pub fn think_until(&mut self, entity: Entity, time: SimTime, agenda: &mut Agenda) {
+    pub fn wait_until(&mut self, entity: Entity, time: SimTime, queue: &mut SimQueue) {
         self.revision += 1;
-        self.rests = None;
         self.activity = Activity::Planning;
-        agenda.add(time, Due::PlanningDone(self.call(entity)));
+        queue.push_for(time, AgentEvent::PlanningDone, self.wake(entity));
     }
 
     /// Rests without a goal until something wakes it.
-    pub fn rest(&mut self, now: SimTime, reason: RestReason, log: &mut Log) {
-        self.activity = Activity::Idle;
+    pub fn rest(&mut self, now: SimTime, reason: RestReason, recorder: &mut Recorder) {
+        self.revision += 1;
         self.goal = None;
-        if self.rests != Some(reason) {
-            self.rests = Some(reason);
-            log.add(now, Fact::Agent(self.id, AgentFact::Rested { reason }));
-        }
-    }
-}
-
-/// Places and edges of all searches of a run together; what searches look at after that is not kept, so that the run
-/// fits the memory and a recording.
-const MAX_RECORDED: usize = 4_000_000;
-
-/// The facts so far.
-#[derive(Resource, Debug)]
-pub struct Log {
-    pub events: Vec<Event>,
-    /// True if searches are to be recorded.
-    pub records_searches: bool,
-    /// Places and edges of searches.
-    recorded: usize,
-    /// Bytes of what facts hold beside themselves.
-    beside: usize,
-    memory: Held,
-}
-
-impl Log {
-    pub fn new(memory: &MemoryMeter, records_searches: bool) -> Self {
-        let memory = memory.holder(Growing::Timeline);
-        Self { events: Vec::new(), records_searches, recorded: 0, beside: 0, memory }
-    }
-
-    /// Adds a fact. If there is no memory for it, it is left out and the run is over.
-    pub fn add(&mut self, time: SimTime, fact: Fact) {
-        let beside = self.beside + bytes_beside(&fact);
-        if self.memory.cover(self.events.bytes_after(1) + beside) {
-            self.beside = beside;
-            self.events.push(Event { time, fact });
+        if self.activity != Activity::Resting(reason) {
+            self.activity = Activity::Resting(reason);
+            recorder.record_agent(now, self.id, AgentFact::Rested { reason });
         }
     }
 
-    /// Adds what the searches of a plan looked at.
-    pub fn add_searches(&mut self, time: SimTime, agent: AgentId, searched: impl IntoIterator<Item = Searched>) {
-        for Searched { phase, graph } in searched {
-            self.recorded += graph.places.len() + graph.edges.len();
-            if self.recorded <= MAX_RECORDED {
-                self.add(time, Fact::Agent(agent, AgentFact::Searched { phase, graph }));
-            }
-        }
+    /// Stands without a word, because its policy wants it to wait.
+    pub fn wait(&mut self) {
+        self.revision += 1;
+        self.activity = Activity::Waiting;
     }
 }
 
-/// Bytes of what a fact holds beside itself; a leg twice, because whoever drives it has it too.
-fn bytes_beside(fact: &Fact) -> usize {
-    match fact {
-        Fact::Agent(_, AgentFact::Planned { trajectory, .. })
-        | Fact::Agent(_, AgentFact::Dropped { trajectory, .. })
-        | Fact::Agent(_, AgentFact::GaveWay { trajectory, .. }) => 2 * size_of_val(trajectory.pieces()),
-        Fact::Agent(_, AgentFact::OutOfReach { cells, .. }) => size_of_val(&cells[..]),
-        Fact::Agent(_, AgentFact::Searched { graph, .. }) => {
-            size_of_val(&graph.places[..]) + size_of_val(&graph.edges[..])
-        }
-        _ => 0,
-    }
-}
-
-/// CPU time spent on decisions so far.
+/// The agents in the order in which loops visit them, that of their names.
 #[derive(Resource, Debug, Default)]
-pub struct Ledger(pub Vec<CpuSample>);
+pub struct Roster(pub Vec<Entity>);
 
-impl Ledger {
-    /// Adds what a decision took, if anything.
-    pub fn add(&mut self, time: SimTime, agent: AgentId, cpu: Duration) {
-        if !cpu.is_zero() {
-            self.0.push(CpuSample { time, agent, cpu });
-        }
-    }
+/// What agents are made of and where they are put.
+pub struct Arena<'a> {
+    pub scenario: &'a Scenario,
+    pub seed: u64,
+    pub terrain: &'a Terrain,
+    pub field: &'a Arc<ClearanceField>,
+    pub memory: &'a MemoryMeter,
 }
 
-/// The agents in the order in which loops visit them: by kind, then by number.
-#[derive(Resource, Debug, Default)]
-pub struct Roster {
-    pub wumpuses: Vec<Entity>,
-    pub trucks: Vec<Entity>,
-}
-
-impl Roster {
-    pub fn all(&self) -> impl Iterator<Item = Entity> + '_ {
-        self.wumpuses.iter().chain(&self.trucks).copied()
-    }
+/// Brings an agent into the world, with what its kind has besides, and lets it decide at time 0.
+pub fn enlist(world: &mut World, agent: Agent, limits: SpeedLimits, kind: impl Bundle) -> AgentStart {
+    let start = AgentStart { id: agent.id, pose: agent.trajectory.start(), body: agent.body, limits: Some(limits) };
+    let built = CpuSample { time: SimTime::ZERO, agent: agent.id, cpu: agent.cost.total() };
+    world.resource_mut::<CpuLog>().0.push(built);
+    let entity = world.spawn((agent, kind)).id();
+    world.resource_mut::<Roster>().0.push(entity);
+    let wake = Wake { agent: entity, revision: 0 };
+    world.resource_mut::<SimQueue>().push_for(SimTime::ZERO, AgentEvent::Decision, wake);
+    start
 }

@@ -1,109 +1,47 @@
 //! The world of one run: agents decide, plan, drive, light and extinguish.
 //!
-//! The clock jumps from instant to instant. [`Simulation::advance_to`] takes what is due next, runs one schedule whose
-//! systems follow the [order of one instant](agenda::Rank), and repeats until nothing is due before its target; into
-//! which slices the time is cut changes nothing. Agents are entities; what happened is appended to the timeline.
+//! The clock jumps from instant to instant. [`Simulation::advance_to`] moves it to what is due next and makes
+//! [passes](schedule::Pass) over the world until nothing more is due at that instant; what happens first there is the
+//! order of [ranks](queue::Rank). Into which slices the time is cut changes nothing. Agents are entities; what happened
+//! is appended to the timeline.
+//!
+//! Each concern is a plugin: [fire](fire::FirePlugin), [who hears of what](wake::WakePlugin), the
+//! [Wumpus](wumpus::WumpusPlugin), the [truck](truck::TruckPlugin), [traffic](standoff::TrafficPlugin) and the
+//! [end](end::EndPlugin). Who goes where is decided by [policies].
 
-mod agenda;
 mod agent;
-mod fires;
+mod end;
+mod fire;
+pub mod policies;
+mod queue;
+mod recorder;
+mod run;
+mod schedule;
 mod setup;
-mod situation;
-mod stage;
-mod tracks;
+mod standoff;
 mod traffic;
 mod truck;
+mod wake;
 mod wumpus;
 
-use std::time::Duration;
-
-use bevy::ecs::schedule::{LogLevel, Schedule, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
+use bevy::ecs::schedule::Schedules;
 use bevy::prelude::*;
-use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 use crate::planning::memory::MemoryMeter;
-use crate::scenario::{MemoryEstimate, MemoryExceeded, MemoryLimit, Scenario, TerrainError};
+use crate::scenario::{MemoryEstimate, MemoryLimit, Scenario};
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
-use crate::timeline::{AgentId, CpuSample, EndReason, Fact, Setting, Timeline};
+use crate::timeline::{AgentId, Setting, Timeline};
 
-use agenda::{Agenda, Due, Rank, SimClock};
-use agent::{Ledger, Log, Roster};
-use fires::Ignitions;
-use situation::Situation;
-use stage::Stage;
-use traffic::{Traffic, standoff};
-use truck::Truck;
-use wumpus::Wumpus;
+pub use run::{AgentCost, Run, RunCost, RunError, RunOptions};
 
-/// CPU time of one agent's planning over a run. What does not concern its kind is zero.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct AgentCost {
-    pub agent: AgentId,
-    /// The truck's roadmap: drawing samples, and connecting them.
-    pub sampling: Duration,
-    pub connecting: Duration,
-    pub roadmap_search: Duration,
-    /// The truck's local search, or the Wumpus's search.
-    pub local_search: Duration,
-    /// Reachability floods and the lattice searches that follow them.
-    pub reachability: Duration,
-}
-
-impl AgentCost {
-    fn nothing(agent: AgentId) -> Self {
-        let zero = Duration::ZERO;
-        Self { agent, sampling: zero, connecting: zero, roadmap_search: zero, local_search: zero, reachability: zero }
-    }
-
-    pub fn total(&self) -> Duration {
-        self.sampling + self.connecting + self.roadmap_search + self.local_search + self.reachability
-    }
-}
-
-/// CPU time of a run; never part of its outcome.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct RunCost {
-    pub terrain: Duration,
-    pub clearance_field: Duration,
-    /// In the order of the timeline's agents.
-    pub agents: Vec<AgentCost>,
-    pub total: Duration,
-}
-
-/// A finished run.
-#[derive(Clone, Debug)]
-pub struct Run {
-    /// What happened.
-    pub timeline: Timeline,
-    /// CPU time, by part.
-    pub cost: RunCost,
-    /// The same by decision, in order of time: first one entry an agent for building its planner, then one for every
-    /// decision that took some.
-    pub cpu_samples: Vec<CpuSample>,
-}
-
-/// The options of a run. They change nothing that happens in it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct RunOptions {
-    /// True if the timeline also holds what the searches looked at, as [`AgentFact::Searched`]. CPU times include recording
-    /// it.
-    pub records_searches: bool,
-    /// The limit of memory. A run that would take more does not take place, or ends early, as [`RunError::Memory`].
-    pub memory: MemoryLimit,
-}
-
-/// Why a run could not take place.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum RunError {
-    #[error(transparent)]
-    Memory(#[from] MemoryExceeded),
-    #[error(transparent)]
-    Terrain(#[from] TerrainError),
-    #[error("{agent} cannot start: no free place was found for it on this field")]
-    NoFreeStart { agent: AgentId },
-}
+use agent::{Agent, Roster};
+use end::Ended;
+use fire::Fires;
+use policies::{Choice, Observation, Policies, Policy, Question};
+use queue::{SimClock, SimQueue};
+use recorder::{CpuLog, Recorder};
+use schedule::Pass;
 
 /// Runs a scenario with a seed to its end.
 pub fn run(scenario: &Scenario, seed: u64) -> Result<Run, RunError> {
@@ -117,22 +55,14 @@ pub fn run_recording_searches(scenario: &Scenario, seed: u64) -> Result<Run, Run
 
 /// Does the same as [`run`], with other options.
 pub fn run_with(scenario: &Scenario, seed: u64, options: RunOptions) -> Result<Run, RunError> {
-    let mut clock = CpuStopwatch::start();
+    let mut stopwatch = CpuStopwatch::start();
     let mut simulation = Simulation::with(scenario, seed, options)?;
     simulation.advance_to(SimTime::MAX);
     simulation.expect_within_memory()?;
     let mut run = simulation.finish();
-    run.cost.total = clock.lap();
+    run.cost.total = stopwatch.lap();
     Ok(run)
 }
-
-/// All systems of the simulation, in the order of one instant.
-#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
-struct Instant;
-
-/// When the run ended.
-#[derive(Resource, Debug, Default)]
-struct Ended(bool);
 
 /// A run in the making.
 pub struct Simulation {
@@ -153,28 +83,42 @@ struct Memory {
 }
 
 impl Simulation {
-    /// The world at time 0, before anything happened.
+    /// Creates the world at time 0, before anything happened.
     pub fn new(scenario: &Scenario, seed: u64) -> Result<Self, RunError> {
         Self::with(scenario, seed, RunOptions::default())
     }
 
-    /// The same world, which also tells what searches looked at.
+    /// Creates the same world, which also records what searches looked at.
     pub fn recording_searches(scenario: &Scenario, seed: u64) -> Result<Self, RunError> {
         Self::with(scenario, seed, RunOptions { records_searches: true, ..RunOptions::default() })
     }
 
-    /// Makes the same world with other options.
+    /// Creates the same world with other options.
     ///
     /// # Errors
     /// If it cannot be, or would take more memory than the limit; then nothing was allocated for it.
     pub fn with(scenario: &Scenario, seed: u64, options: RunOptions) -> Result<Self, RunError> {
         let estimate = MemoryEstimate::new(scenario);
         let meter = estimate.meter(options.memory)?;
-        let (world, setting, cost) = setup::build(scenario, seed, &meter, options.records_searches)?;
+        let mut app = app();
+        let (setting, cost) = setup::fill(app.world_mut(), scenario, seed, &meter, options.records_searches)?;
+        let mut world = std::mem::take(app.world_mut());
+        let schedules = world.remove_resource::<Schedules>().and_then(|mut schedules| schedules.remove(Pass));
+        let schedule = schedules.expect("a plugin made the schedule");
         let memory = Memory { limit: options.memory, estimate, meter };
-        let simulation = Self { world, schedule: schedule(), setting, cost, has_begun: false, memory };
+        let simulation = Self { world, schedule, setting, cost, has_begun: false, memory };
         simulation.expect_within_memory()?;
         Ok(simulation)
+    }
+
+    /// Lets agents follow a policy of one's own from now on.
+    pub fn follow(&mut self, agents: &[AgentId], policy: Box<dyn Policy>) {
+        let follows = self.world.resource_mut::<Policies>().add(policy);
+        for &entity in &self.world.resource::<Roster>().0.clone() {
+            if self.world.get::<Agent>(entity).is_some_and(|agent| agents.contains(&agent.id)) {
+                self.world.entity_mut(entity).insert(follows);
+            }
+        }
     }
 
     /// Refuses a run that came to the limit of its memory: its facts after that are not to be used.
@@ -184,10 +128,13 @@ impl Simulation {
     }
 
     /// Lets everything happen that is due up to `target`, which is included, unless the run comes to the limit of its
-    /// memory before.
+    /// memory before, or a policy answers [later](Self::advance_to_question).
     pub fn advance_to(&mut self, target: SimTime) {
-        while !self.world.resource::<Ended>().0 && self.memory.meter.overrun().is_none() {
-            let next = if self.has_begun { self.world.resource::<Agenda>().next_time() } else { Some(SimTime::ZERO) };
+        while !self.world.resource::<Ended>().0
+            && self.memory.meter.overrun().is_none()
+            && self.world.resource::<Policies>().question.is_none()
+        {
+            let next = if self.has_begun { self.world.resource::<SimQueue>().next_time() } else { Some(SimTime::ZERO) };
             let Some(next) = next.filter(|&next| next <= target) else { break };
             self.has_begun = true;
             self.world.resource_mut::<SimClock>().0 = next;
@@ -195,120 +142,165 @@ impl Simulation {
         }
     }
 
-    /// The facts so far and the cost of getting there.
+    /// Advances like [`advance_to`](Self::advance_to) and returns the agents that wait for an [answer](Self::answer),
+    /// if a policy leaves it to somebody outside. Until then the world stands still at that instant.
+    pub fn advance_to_question(&mut self, target: SimTime) -> Option<&[AgentId]> {
+        self.advance_to(target);
+        self.world.resource::<Policies>().question.as_ref().map(|question| &question.asked[..])
+    }
+
+    /// Lets somebody outside look at the world as a policy would who is asked what waits for an answer.
+    pub fn observe<T>(&self, look: impl FnOnce(&Observation<'_>, &[AgentId]) -> T) -> Option<T> {
+        let Question { asked, agents, options } = self.world.resource::<Policies>().question.as_ref()?;
+        let options_of = |agent| asked.iter().position(|&id| id == agent).map_or(Vec::new(), |i| options[i].clone());
+        let (now, fires) = (self.world.resource::<SimClock>().0, &self.world.resource::<Fires>().field);
+        Some(look(&Observation { now, fires, agents, options_of: &options_of }, asked))
+    }
+
+    /// Answers for agents that wait; whoever is left out is asked again. What is no option lets an agent wait.
+    pub fn answer(&mut self, choices: Vec<(AgentId, Choice)>) {
+        let mut policies = self.world.resource_mut::<Policies>();
+        policies.question = None;
+        policies.answer = choices;
+    }
+
+    /// Returns the facts so far and the cost of getting there.
     pub fn finish(mut self) -> Run {
-        let mut agents = Vec::new();
-        let roster: Vec<Entity> = self.world.resource::<Roster>().all().collect();
-        for entity in roster {
-            let cost = self.world.get::<Wumpus>(entity).map(|wumpus| wumpus.cost.clone());
-            let cost = cost.or_else(|| self.world.get::<Truck>(entity).map(|truck| truck.cost.clone()));
-            agents.extend(cost);
-        }
-        self.cost.agents = agents;
-        let events = std::mem::take(&mut self.world.resource_mut::<Log>().events);
-        let cpu_samples = std::mem::take(&mut self.world.resource_mut::<Ledger>().0);
+        let agents = self.world.resource::<Roster>().0.iter().filter_map(|&entity| self.world.get::<Agent>(entity));
+        self.cost.agents = agents.map(|agent| agent.cost.clone()).collect();
+        let events = std::mem::take(&mut self.world.resource_mut::<Recorder>().events);
+        let cpu_samples = std::mem::take(&mut self.world.resource_mut::<CpuLog>().0);
         Run { timeline: Timeline { setting: self.setting, events }, cost: self.cost, cpu_samples }
     }
 }
 
-/// All systems, in the order of one instant.
-fn schedule() -> Schedule {
-    let mut schedule = Schedule::new(Instant);
-    schedule.set_executor(SingleThreadedExecutor::new());
-    schedule.set_build_settings(ScheduleBuildSettings { ambiguity_detection: LogLevel::Error, ..Default::default() });
-    schedule.add_systems(
-        (
-            fires::extinguish,
-            fires::burn_out,
-            fires::spread,
-            fires::ignite,
-            truck::arrive,
-            finish_planning,
-            decide,
-            standoff::break_deadlocks,
-            end,
-        )
-            .chain(),
-    );
-    schedule
+/// Builds the schedule out of its plugins.
+fn app() -> App {
+    let mut app = App::empty();
+    app.add_plugins((
+        schedule::SchedulePlugin,
+        fire::FirePlugin,
+        wake::WakePlugin,
+        wumpus::WumpusPlugin,
+        truck::TruckPlugin,
+        standoff::TrafficPlugin,
+        end::EndPlugin,
+    ));
+    app
 }
 
-/// Charged planning time is over: the agent moves, or decides again if its plan had failed.
-fn finish_planning(mut stage: Stage) {
-    while let Some(due) = stage.take(Rank::PlanningDone) {
-        let Due::PlanningDone(call) = due else { unreachable!("ranks and events go together") };
-        let now = stage.now();
-        let (mut agent, ..) = stage.agents.get_mut(call.agent).expect("agents live for the whole run");
-        if agent.revision != call.revision {
-            continue;
-        }
-        if agent.goal.is_some() {
-            agent.activity = agent::Activity::Moving;
-        } else {
-            agent.activity = agent::Activity::Idle;
-            agent.reconsider(call.agent, now, &mut stage.agenda);
+#[cfg(test)]
+mod tests {
+    use std::sync::{Arc, Mutex};
+
+    use super::*;
+    use crate::geometry::Cell;
+    use crate::scenario;
+    use crate::timeline::{AgentFact, Fact, FireFact, Role};
+    use policies::BuiltIn;
+    use schedule::SimSystems;
+
+    fn load(name: &str, duration_s: f64) -> Scenario {
+        scenario::load(name, &[format!("duration_s={duration_s}")]).expect("the preset loads")
+    }
+
+    fn is_ambiguous(add: impl FnOnce(&mut App)) -> bool {
+        let mut app = app();
+        add(&mut app);
+        app.world_mut().schedule_scope(Pass, |world, schedule| schedule.initialize(world).is_err())
+    }
+
+    #[test]
+    fn a_system_whose_turn_is_not_said_is_refused() {
+        fn intruder(_queue: ResMut<SimQueue>) {}
+        assert!(!is_ambiguous(|_| {}));
+        assert!(is_ambiguous(|app| _ = app.add_systems(Pass, intruder)));
+        assert!(is_ambiguous(|app| _ = app.add_systems(Pass, intruder.in_set(SimSystems::Truck))));
+        assert!(!is_ambiguous(|app| _ = app.add_systems(Pass, intruder.after(SimSystems::End))));
+    }
+
+    /// Leaves every choice to somebody outside.
+    struct Elsewhere;
+
+    impl Policy for Elsewhere {
+        fn choose(&mut self, _: &Observation<'_>, _: &[AgentId]) -> Vec<(AgentId, Choice)> {
+            Vec::new()
         }
     }
-}
 
-/// Agents whose turn it is choose what to do.
-fn decide(mut stage: Stage) {
-    while let Some(due) = stage.take(Rank::Decision) {
-        let Due::Decision(call) = due else { unreachable!("ranks and events go together") };
-        let had = stage.goal_of(call.agent);
-        let is_void = stage.agents.get(call.agent).expect("agents live for the whole run").0.revision != call.revision;
-        if is_void {
-            continue;
+    #[test]
+    fn a_policy_that_answers_later_gives_the_run_of_one_that_answers_at_once() {
+        for (name, duration_s) in [("smoke", 300.0), ("fleet", 300.0)] {
+            let scenario = load(name, duration_s);
+            let at_once = run(&scenario, 5).expect("it takes place").timeline;
+            let mut simulation = Simulation::new(&scenario, 5).expect("it takes place");
+            let agents: Vec<AgentId> = at_once.setting.agents.iter().map(|agent| agent.id).collect();
+            simulation.follow(&agents, Box::new(Elsewhere));
+            let make = |policy: BuiltIn| policy.make(&at_once.setting.bushes, 5);
+            let mut wumpus = make(BuiltIn::Wumpus(scenario.wumpus[0].goal));
+            let mut truck = make(BuiltIn::Truck(scenario.unimog[0].goal));
+            let mut questions = 0;
+            while let Some(asked) = simulation.advance_to_question(SimTime::MAX).map(<[_]>::to_vec) {
+                let facts = simulation.world.resource::<Recorder>().events.len();
+                assert_eq!(simulation.advance_to_question(SimTime::MAX), Some(&asked[..]), "the world stands still");
+                assert_eq!(simulation.world.resource::<Recorder>().events.len(), facts);
+                let policy = if asked[0].role == Role::Wumpus { &mut wumpus } else { &mut truck };
+                let choices = simulation.observe(|seen, asked| policy.choose(seen, asked));
+                simulation.answer(choices.expect("a question waits"));
+                questions += 1;
+            }
+            assert!(questions > 10, "{name}: {questions} questions");
+            assert_eq!(simulation.finish().timeline, at_once, "{name}");
         }
-        let (claimed, centres) = stage.other_trucks(call.agent);
-        let reservations = stage.reservations();
-        let traffic = Traffic::new(&reservations, call.agent);
-        let now = stage.now();
-        let (mut agent, wumpus, truck) = stage.agents.get_mut(call.agent).expect("agents live for the whole run");
-        if let Some(mut wumpus) = wumpus {
-            let spent = wumpus.cost.total();
-            let seen = (&stage.frame.0, &stage.fires.field, centres.as_slice());
-            wumpus::decide((call.agent, &mut agent, &mut wumpus), now, seen, &mut stage.agenda, &mut stage.log);
-            stage.ledger.add(now, agent.id, wumpus.cost.total() - spent);
-        } else if let Some(mut truck) = truck {
-            let situation =
-                Situation { now, frame: &stage.frame.0, fires: &stage.fires.field, claimed: &claimed, traffic };
-            let before = (agent.revision, agent.rests, truck.is_blocked());
-            let spent = truck.cost.total();
-            truck::decide((call.agent, &mut agent, &mut truck), &situation, &mut stage.agenda, &mut stage.log);
-            stage.ledger.add(now, agent.id, truck.cost.total() - spent);
-            let drops_goal = had.is_some() && agent.goal != had;
-            let is_changed = before != (agent.revision, agent.rests, truck.is_blocked());
-            if drops_goal {
-                stage.call_resting(call.agent);
-            } else if is_changed {
-                stage.call_blocked(call.agent);
+    }
+
+    /// Sends all that are asked to the first option of the first, and notes how many were asked.
+    struct Together(Arc<Mutex<Vec<usize>>>);
+
+    impl Policy for Together {
+        fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
+            self.0.lock().expect("nobody panicked").push(asked.len());
+            let options = seen.options(asked[0]);
+            asked.iter().map(|&agent| (agent, options.first().map_or(Choice::Wait, |&cell| Choice::Go(cell)))).collect()
+        }
+    }
+
+    #[test]
+    fn a_policy_chooses_for_all_who_are_free_and_a_fire_still_goes_to_one_truck() {
+        let mut simulation = Simulation::new(&load("fleet", 600.0), 2).expect("it takes place");
+        let asked = Arc::new(Mutex::new(Vec::new()));
+        let trucks = [0, 1, 2].map(AgentId::unimog);
+        simulation.follow(&trucks, Box::new(Together(Arc::clone(&asked))));
+        simulation.advance_to(SimTime::MAX);
+        let timeline = simulation.finish().timeline;
+        assert!(asked.lock().expect("nobody panicked").contains(&3), "all three wait when the first fire is lit");
+        let (mut goals, mut plans) = (Vec::<(AgentId, Cell)>::new(), 0);
+        for event in &timeline.events {
+            match event.fact {
+                Fact::Agent(agent, AgentFact::Planned { goal, .. }) if agent.role.suppresses() => {
+                    assert!(goals.iter().all(|&(_, other)| other != goal), "two trucks after {goal} at {}", event.time);
+                    goals.push((agent, goal));
+                    plans += 1;
+                }
+                Fact::Agent(agent, AgentFact::Dropped { .. }) => goals.retain(|&(by, _)| by != agent),
+                Fact::Fire(FireFact::Extinguished { cell, .. } | FireFact::BurnedOut { cell }) => {
+                    goals.retain(|&(_, goal)| goal != cell);
+                }
+                _ => {}
             }
         }
+        assert!(plans > 3, "those who waited look again: {plans} plans");
     }
-}
 
-/// The run is over at its time, or when nothing burns, nothing will be lit, and nobody has anything left to do.
-fn end(mut stage: Stage, ignitions: Res<Ignitions>, mut ended: ResMut<Ended>) {
-    let now = stage.now();
-    let reason = if stage.take(Rank::End).is_some() {
-        EndReason::Duration
-    } else {
-        let instant_is_over = stage.agenda.next_time() > Some(now);
-        let arsonists_rest = || {
-            stage.roster.wumpuses.iter().all(|&entity| {
-                let (agent, wumpus, _) = stage.agents.get(entity).expect("the roster lists living agents");
-                let wumpus = wumpus.expect("the roster knows its wumpuses");
-                agent.rests.is_some() && !wumpus.has_something_to_light(&stage.fires.field)
-            })
-        };
-        let is_over =
-            instant_is_over && stage.fires.field.burning().len() == 0 && ignitions.pending == 0 && arsonists_rest();
-        if !is_over {
-            return;
+    #[test]
+    fn a_run_goes_on_without_agents_that_are_no_longer_there() {
+        let mut simulation = Simulation::new(&load("fleet", 600.0), 2).expect("it takes place");
+        simulation.advance_to(SimTime::from_seconds(200.0));
+        let gone = [simulation.world.resource::<Roster>().0[0], simulation.world.resource::<Roster>().0[2]];
+        for entity in gone {
+            assert!(simulation.world.despawn(entity));
         }
-        EndReason::NothingLeft
-    };
-    stage.log.add(now, Fact::Ended { reason });
-    ended.0 = true;
+        simulation.advance_to(SimTime::MAX);
+        assert!(simulation.world.resource::<Ended>().0);
+    }
 }

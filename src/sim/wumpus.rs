@@ -1,4 +1,4 @@
-//! The arsonist: which cell next, the walk there, and dropping a goal that is no longer worth it.
+//! The arsonist: the walk to a bush, lighting it, and dropping a goal that is no longer worth it.
 //!
 //! A Wumpus that descends a potential field without an escape may end in a local minimum. There its goal counts as a
 //! failed plan, and it turns to another one. Bushes are obstacles for the whole run, so the same descent from the same
@@ -7,88 +7,87 @@
 
 use std::collections::BTreeSet;
 use std::f64::consts::SQRT_2;
+use std::time::Duration;
 
 use bevy::prelude::*;
 use glam::DVec2;
 
 use crate::fire::FireField;
-use crate::geometry::{Cell, FieldFrame, Pose, ops};
-use crate::grid::open_list::{OpenList, Ranked};
-use crate::planning::walk::{Walk, WalkLattice, WalkPlanner};
-use crate::planning::{Effort, PlanFailure, QueryMonitor};
-use crate::scenario::WumpusGoal;
+use crate::geometry::{Cell, Pose, ops};
+use crate::planning::walk::{Walk, WalkCosts, WalkLattice, WalkPlanner};
+use crate::planning::{Effort, PlanFailure, QueryMonitor, Safety};
+use crate::scenario::{self, StepCost, StepTime, Terrain};
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
-use crate::timeline::{AgentFact, AgentId, Fact, RestReason};
-use crate::trajectory::{Piece, Trajectory};
+use crate::timeline::{AgentFact, AgentId, AgentStart, Body, Cause, RestReason};
+use crate::trajectory::{Piece, SpeedLimits, Trajectory};
 use crate::vehicle::Segment;
 
-use super::AgentCost;
-use super::agenda::{Agenda, Due};
-use super::agent::{Activity, Agent, Log};
+use super::agent::{Activity, Agent, Arena, enlist};
+use super::fire::Fires;
+use super::policies::{AgentView, BuiltIn, Choice, Follows, Inquiry, Policies};
+use super::queue::{AgentEvent, BushEvent, Due, SimClock, SimQueue};
+use super::recorder::{CpuLog, Recorder};
+use super::run::RunError;
+use super::schedule::{Pass, SimSystems};
+use super::wake::{Trigger, WokenBy};
+
+/// Wumpuses walk and light bushes.
+#[derive(Debug)]
+pub struct WumpusPlugin;
+
+impl Plugin for WumpusPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(Pass, (lose_goal, light, decide).chain().in_set(SimSystems::Wumpus));
+    }
+}
 
 /// A Wumpus's rules, its lattice, and where it stands on it.
 #[derive(Component)]
 pub struct Wumpus {
-    pub reach_m: f64,
-    pub policy: WumpusGoal,
-    pub keeps_goal: bool,
+    reach_m: f64,
     /// Seconds for an orthogonal step and for a diagonal one.
-    pub step_times: (f64, f64),
-    pub seconds_per_expansion: f64,
-    pub lattice: WalkLattice,
-    pub planner: WalkPlanner,
+    step_times: (f64, f64),
+    seconds_per_expansion: f64,
+    lattice: WalkLattice,
+    planner: WalkPlanner,
     /// The lattice point where it stands, or where its walk begins.
-    pub point: usize,
+    point: usize,
     /// The walk's points, from `point` on.
-    pub walk: Vec<usize>,
+    walk: Vec<usize>,
     /// Whether the walk ends at a local minimum.
-    pub is_stuck: bool,
+    is_stuck: bool,
     /// Points and the goals to which no descent leads from there.
-    pub failed: BTreeSet<(usize, Cell)>,
-    /// The cells that it can approach; for `random-intact` in the order of its permutation.
-    pub targets: Vec<Cell>,
-    /// Where in `targets` the next random goal is looked for first.
-    pub next_target: usize,
-    pub cost: AgentCost,
+    failed_goals: BTreeSet<(usize, Cell)>,
+    /// The cells that it can approach, by cell index.
+    targets: Vec<Cell>,
+    deliberation: Option<Deliberation>,
+}
+
+/// A decision that is not yet made.
+#[derive(Clone, Copy, Debug)]
+struct Deliberation {
+    /// Of the agent that began it.
+    revision: u32,
+    /// When it may set out: planning times of goals that it failed to approach add up.
+    ready: SimTime,
+    /// What the agent's plans had cost before.
+    cpu: Duration,
 }
 
 impl Wumpus {
-    /// What it could light and has not failed to approach from here, best first by the policy, ties by cell index;
-    /// `trucks` are the trucks' body centres.
-    fn candidates(&self, frame: &FieldFrame, fires: &FireField, trucks: &[DVec2]) -> OpenList<Candidate> {
-        let here = self.lattice.position(self.point);
-        let to_truck = |centre: DVec2| trucks.iter().map(|truck| (*truck - centre).length_squared()).reduce(f64::min);
-        let mut candidates = OpenList::default();
-        for (target, &cell) in self.targets.iter().enumerate() {
-            if !fires.can_burn(cell) || self.has_failed(cell) {
-                continue;
-            }
-            let centre = frame.centre(cell);
-            let score = match (self.policy, to_truck(centre)) {
-                // From where the last goal was found, so that cells which can burn again wait for their next turn.
-                (WumpusGoal::RandomIntact, _) => {
-                    ((target + self.targets.len() - self.next_target) % self.targets.len()) as f64
-                }
-                (WumpusGoal::FarthestFromTruck, Some(squared)) => -squared,
-                (WumpusGoal::NearestIntact | WumpusGoal::FarthestFromTruck, _) => (centre - here).length_squared(),
-            };
-            candidates.push(Candidate { score, cell: frame.index(cell), target });
-        }
-        candidates
+    /// Lists what it could light and has not failed to approach from here.
+    fn options(&self, fires: &FireField) -> Vec<Cell> {
+        let may_be_lit = |cell: &Cell| fires.can_burn(*cell) && !self.failed_goals.contains(&(self.point, *cell));
+        self.targets.iter().copied().filter(may_be_lit).collect()
     }
 
-    /// Whether it is known that no descent leads from here to this cell.
-    pub fn has_failed(&self, cell: Cell) -> bool {
-        self.failed.contains(&(self.point, cell))
-    }
-
-    /// Whether anything that it can approach can be lit.
+    /// Returns true if anything that it can approach can be lit.
     pub fn has_something_to_light(&self, fires: &FireField) -> bool {
         self.targets.iter().any(|&cell| fires.can_burn(cell))
     }
 
-    /// The walk over lattice points as a trajectory; steps in one direction are one piece.
+    /// Returns the walk over lattice points as a trajectory; steps in one direction are one piece.
     fn trajectory(&self, start_time: SimTime, start: Pose, walk: &[usize]) -> Trajectory {
         let mut pieces: Vec<Piece> = Vec::new();
         let mut facing = start.heading;
@@ -106,179 +105,300 @@ impl Wumpus {
                 pieces.push(Piece::Turn { heading });
                 facing = heading;
             }
+            let is_diagonal = length_m > 1.2 * self.lattice.step_m();
+            let step_s = if is_diagonal { self.step_times.1 } else { self.step_times.0 };
             pieces.push(Piece::Drive {
                 segment: Segment { curvature: 0.0, length_m },
-                speed_mps: length_m / self.step_time(step[0], step[1]),
+                speed_mps: length_m / step_s,
                 acceleration_mps2: 0.0,
             });
         }
         Trajectory::new(start_time, start, pieces)
     }
 
-    /// Planning time for so many expansions.
+    /// Returns the planning time that is charged for this number of expansions.
     fn charge(&self, expansions: u32) -> SimTime {
         SimTime::from_seconds(self.seconds_per_expansion * f64::from(expansions))
     }
 
-    fn step_time(&self, from: usize, to: usize) -> f64 {
-        let is_diagonal = self.lattice.step_length(from, to) > 1.2 * self.lattice.step_m();
-        if is_diagonal { self.step_times.1 } else { self.step_times.0 }
+    /// Ends its walk: it stands on the last point.
+    fn arrive(&mut self) {
+        if let Some(&last) = self.walk.last() {
+            self.point = last;
+        }
+        self.walk.clear();
     }
 }
 
-/// Seconds for an orthogonal and a diagonal step at a speed.
-pub fn step_times_by_distance(step_m: f64, speed_mps: f64) -> (f64, f64) {
-    (step_m / speed_mps, step_m * SQRT_2 / speed_mps)
+/// Puts a Wumpus on the free point of its lattice that is nearest to its start.
+pub fn spawn(
+    world: &mut World,
+    arena: &Arena<'_>,
+    number: u16,
+    settings: &scenario::Wumpus,
+) -> Result<AgentStart, RunError> {
+    let (id, terrain, start) = (AgentId::wumpus(number), arena.terrain, DVec2::from(settings.start_m));
+    let lattice = WalkLattice::new(terrain.frame, &terrain.occupied, settings.lattice_shape(&terrain.frame));
+    let step_m = lattice.step_m();
+    let point = lattice.nearest_free(start).ok_or(RunError::NoFreeStart { agent: id })?;
+    let here = lattice.position(point);
+    let mut recorder = world.resource_mut::<Recorder>();
+    // On cell centres a start anywhere in a cell means that cell; only a move to another one is worth a word.
+    if (here - start).abs().max_element() > 0.5 * step_m * (1.0 + 1e-9) {
+        let from = Pose::new(start.x, start.y, 0.0);
+        recorder.record_agent(SimTime::ZERO, id, AgentFact::StartMoved { from });
+    }
+    let reached = lattice.reachable_from(point);
+    let (targets, walled_in): (Vec<Cell>, Vec<Cell>) =
+        terrain.bushes.iter().partition(|&&cell| lattice.points_of_reach(cell, settings.reach_m).any(|p| reached[p]));
+    if !walled_in.is_empty() {
+        recorder.record_agent(SimTime::ZERO, id, AgentFact::OutOfReach { cells: walled_in });
+    }
+    let planner = WalkPlanner::new(&lattice, settings.walk_method(), walk_costs(settings, terrain, &lattice));
+    let (orthogonal_s, diagonal_s) = (step_m / settings.speed_mps, step_m * SQRT_2 / settings.speed_mps);
+    // Where diagonal steps take no longer than others, they are faster than its speed.
+    let (step_times, fastest) = match settings.step_time {
+        StepTime::Distance => ((orthogonal_s, diagonal_s), settings.speed_mps),
+        StepTime::Uniform => ((orthogonal_s, orthogonal_s), settings.speed_mps * SQRT_2),
+    };
+    let wumpus = Wumpus {
+        reach_m: settings.reach_m,
+        step_times,
+        seconds_per_expansion: settings.seconds_per_expansion,
+        lattice,
+        planner,
+        point,
+        walk: Vec::new(),
+        is_stuck: false,
+        failed_goals: BTreeSet::new(),
+        targets,
+        deliberation: None,
+    };
+    let mut triggers = vec![Trigger::FuelWhileResting, Trigger::ChangeWhileWaiting];
+    triggers.extend((!settings.keep_goal).then_some(Trigger::GoalIgnited));
+    let policy = BuiltIn::Wumpus(settings.goal);
+    let follows = world.resource_mut::<Policies>().follow(policy, &terrain.bushes, arena.seed);
+    let agent = Agent::standing(id, Body::Square { size_m: settings.size_m }, Pose::new(here.x, here.y, 0.0));
+    Ok(enlist(world, agent, SpeedLimits::new(fastest, 0.0), (wumpus, WokenBy(triggers), follows)))
 }
 
-/// A target that waits to be gone for.
-struct Candidate {
-    /// The least is the best.
-    score: f64,
-    /// Index of its cell.
-    cell: usize,
-    /// Place among the targets.
-    target: usize,
+fn walk_costs(settings: &scenario::Wumpus, terrain: &Terrain, lattice: &WalkLattice) -> WalkCosts {
+    let step_m = lattice.step_m();
+    let steps = match settings.step_cost {
+        StepCost::Metres => (step_m, step_m * SQRT_2),
+        StepCost::Moves => (1.0, 1.0),
+    };
+    let factors = Safety::new(terrain.frame, &terrain.occupied, &settings.safety)
+        .map(|safety| (0..lattice.points()).map(|point| 1.0 + safety.surcharge_at(lattice.position(point))).collect());
+    WalkCosts { steps, factors }
 }
 
-impl Ranked for Candidate {
-    type Tie = usize;
-
-    fn priority(&self) -> f64 {
-        self.score
-    }
-
-    fn cost(&self) -> f64 {
-        0.0
-    }
-
-    fn tie(&self) -> usize {
-        self.cell
-    }
-}
-
-/// Chooses a goal and sets out for it, or rests. Planning times of goals that it fails to approach add up.
-pub fn decide(
-    (entity, agent, wumpus): (Entity, &mut Agent, &mut Wumpus),
+/// One Wumpus while something is due for it.
+struct Turn<'a> {
+    entity: Entity,
+    agent: &'a mut Agent,
+    wumpus: &'a mut Wumpus,
     now: SimTime,
-    (frame, fires, trucks): (&FieldFrame, &FireField, &[DVec2]),
-    agenda: &mut Agenda,
-    log: &mut Log,
-) {
-    let mut clock = CpuStopwatch::start();
-    let mut ready = now;
-    let mut candidates = wumpus.candidates(frame, fires, trucks);
-    while let Some(Candidate { target, .. }) = candidates.pop() {
-        let goal = wumpus.targets[target];
-        wumpus.next_target = target + 1;
-        let mut monitor = QueryMonitor::new(log.records_searches);
+    queue: &'a mut SimQueue,
+    recorder: &'a mut Recorder,
+}
+
+impl Turn<'_> {
+    /// Walks to a goal, or fails to approach it; then it may choose again. `ready` is when it may set out, and is put
+    /// off by what the plan takes. Returns true if it sets out.
+    fn try_goal(&mut self, goal: Cell, ready: &mut SimTime) -> bool {
+        let Self { agent, wumpus, now, recorder, .. } = self;
+        let mut stopwatch = CpuStopwatch::start();
+        let mut monitor = QueryMonitor::new(recorder.records_searches);
         let walk = wumpus.planner.plan(&wumpus.lattice, wumpus.point, (goal, wumpus.reach_m), &mut monitor);
-        wumpus.cost.local_search += clock.lap();
-        ready += wumpus.charge(walk.expansions);
-        log.add_searches(now, agent.id, monitor.finish().1);
-        if !walk.is_stuck() || walk.minimum != Some(wumpus.point) {
-            set_out((entity, agent, wumpus), (now, ready), (goal, walk), agenda, log);
+        agent.cost.local_search += stopwatch.lap();
+        *ready += wumpus.charge(walk.expansions);
+        recorder.record_searches(*now, agent.id, monitor.finish().1);
+        if walk.is_stuck() && walk.minimum == Some(wumpus.point) {
+            self.fail(goal, walk.expansions, *ready);
+            return false;
+        }
+        self.set_out(goal, walk, *ready);
+        true
+    }
+
+    fn set_out(&mut self, goal: Cell, walk: Walk, ready: SimTime) {
+        self.wumpus.is_stuck = walk.is_stuck();
+        if self.wumpus.is_stuck {
+            self.wumpus.failed_goals.insert((self.wumpus.point, goal));
+        } else if let Some(minimum) = walk.minimum {
+            self.record_minimum(goal, minimum);
+        }
+        let Self { entity, agent, wumpus, now, queue, recorder } = self;
+        wumpus.walk = walk.path.expect("targets are the cells that can be approached");
+        let trajectory = wumpus.trajectory(ready, agent.trajectory.end(), &wumpus.walk);
+        let effort = Effort { roadmap_expansions: 0, local_expansions: walk.expansions };
+        let fact = AgentFact::Planned { goal, trajectory: trajectory.clone(), effort, by_lattice: false };
+        recorder.record_agent(*now, agent.id, fact);
+        agent.set_out(*entity, *now, (goal, trajectory), AgentEvent::Lighting, queue);
+    }
+
+    /// Books a plan that failed because the Wumpus stands at a local minimum; its planning time is over at `until`.
+    fn fail(&mut self, goal: Cell, expansions: u32, until: SimTime) {
+        self.wumpus.failed_goals.insert((self.wumpus.point, goal));
+        self.record_minimum(goal, self.wumpus.point);
+        let effort = Effort { roadmap_expansions: 0, local_expansions: expansions };
+        let fact = AgentFact::PlanFailed { goal, reason: PlanFailure::LocalMinimum, effort, until };
+        self.recorder.record_agent(self.now, self.agent.id, fact);
+    }
+
+    fn record_minimum(&mut self, goal: Cell, minimum: usize) {
+        let place = self.wumpus.lattice.position(minimum);
+        let fact = AgentFact::LocalMinimum { goal, x_m: place.x, y_m: place.y };
+        self.recorder.record_agent(self.now, self.agent.id, fact);
+    }
+
+    /// Gives a goal up at the local minimum where the walk ended: there it plans once more, which takes one expansion.
+    fn give_up(&mut self, goal: Cell) {
+        let ready = self.now + self.wumpus.charge(1);
+        self.fail(goal, 1, ready);
+        if ready > self.now {
+            self.agent.wait_until(self.entity, ready, self.queue);
+        } else {
+            self.agent.reconsider(self.entity, self.now, self.queue);
+        }
+    }
+
+    /// Drops its goal: it walks on to the next lattice point and decides there.
+    fn drop_goal(&mut self) {
+        let Self { entity, agent, wumpus, now, queue, recorder } = self;
+        let cut = if agent.activity == Activity::Moving {
+            let (start_time, start) = (agent.trajectory.start_time(), agent.trajectory.start());
+            let prefix = |points: usize| wumpus.trajectory(start_time, start, &wumpus.walk[..points]);
+            let points = (1..wumpus.walk.len()).find(|&points| prefix(points).end_time() >= *now);
+            let points = points.unwrap_or(wumpus.walk.len());
+            let cut = prefix(points);
+            wumpus.walk.truncate(points);
+            cut
+        } else {
+            wumpus.walk.truncate(1);
+            Trajectory::new(*now, agent.trajectory.start(), Vec::new())
+        };
+        wumpus.arrive();
+        agent.drop_goal(*entity, *now, cut, queue, recorder);
+    }
+
+    /// Carries out what its policy chose. If that fails it is asked again, with what it learned in mind.
+    fn act(mut self, choice: Choice, fires: &FireField, cpu_log: &mut CpuLog) {
+        let Self { agent, wumpus, now, .. } = &mut self;
+        let begun = wumpus.deliberation.take().filter(|begun| begun.revision == agent.revision);
+        let Deliberation { mut ready, cpu, .. } =
+            begun.unwrap_or(Deliberation { revision: agent.revision, ready: *now, cpu: agent.cost.total() });
+        let options = wumpus.options(fires);
+        match choice {
+            Choice::Go(goal) if options.contains(&goal) => {
+                if !self.try_goal(goal, &mut ready) {
+                    self.wumpus.deliberation = Some(Deliberation { revision: self.agent.revision, ready, cpu });
+                    return;
+                }
+            }
+            _ if options.is_empty() => self.stand(ready, fires),
+            _ => agent.wait(),
+        }
+        cpu_log.add(self.now, self.agent.id, self.agent.cost.total() - cpu);
+    }
+
+    /// Stands without an option: while planning time is charged for what it failed on, or until something wakes it.
+    fn stand(&mut self, ready: SimTime, fires: &FireField) {
+        if ready > self.now {
+            self.agent.wait_until(self.entity, ready, self.queue);
+        } else if self.wumpus.has_something_to_light(fires) {
+            self.agent.rest(self.now, RestReason::LocalMinima, self.recorder);
+        } else {
+            self.agent.rest(self.now, RestReason::NothingLeftToLight, self.recorder);
+        }
+    }
+}
+
+/// Wumpuses drop goals that are no longer intact.
+fn lose_goal(
+    clock: Res<SimClock>,
+    mut queue: ResMut<SimQueue>,
+    mut recorder: ResMut<Recorder>,
+    mut wumpuses: Query<(&mut Agent, &mut Wumpus)>,
+) {
+    while let Some(wake) = queue.take_for(clock.0, AgentEvent::GoalLost, |entity| wumpuses.contains(entity)) {
+        let Ok((mut agent, mut wumpus)) = wumpuses.get_mut(wake.agent) else { continue };
+        let (entity, now) = (wake.agent, clock.0);
+        let (agent, wumpus) = (&mut *agent, &mut *wumpus);
+        Turn { entity, agent, wumpus, now, queue: &mut queue, recorder: &mut recorder }.drop_goal();
+    }
+}
+
+/// Wumpuses that are within reach of their goals light them, or give them up at a local minimum.
+fn light(
+    clock: Res<SimClock>,
+    mut queue: ResMut<SimQueue>,
+    mut recorder: ResMut<Recorder>,
+    mut wumpuses: Query<(&mut Agent, &mut Wumpus)>,
+) {
+    while let Some(wake) = queue.take_for(clock.0, AgentEvent::Lighting, |_| true) {
+        let Ok((mut agent, mut wumpus)) = wumpuses.get_mut(wake.agent) else { continue };
+        if agent.revision != wake.revision {
+            continue;
+        }
+        wumpus.arrive();
+        let goal = agent.goal.take().expect("a Wumpus walks to a goal");
+        agent.activity = Activity::Idle;
+        if wumpus.is_stuck {
+            let (entity, now) = (wake.agent, clock.0);
+            let (agent, wumpus) = (&mut *agent, &mut *wumpus);
+            Turn { entity, agent, wumpus, now, queue: &mut queue, recorder: &mut recorder }.give_up(goal);
+        } else {
+            agent.reconsider(wake.agent, clock.0, &mut queue);
+            queue.push(clock.0, Due::Bush(BushEvent::Ignite { cell: goal, cause: Cause::Lit(agent.id) }));
+        }
+    }
+}
+
+/// Wumpuses whose turn it is go where their policies say, or rest.
+fn decide(
+    clock: Res<SimClock>,
+    fires: Res<Fires>,
+    (mut queue, mut recorder, mut cpu_log): (ResMut<SimQueue>, ResMut<Recorder>, ResMut<CpuLog>),
+    mut policies: ResMut<Policies>,
+    mut wumpuses: Query<(&mut Agent, &mut Wumpus, &Follows)>,
+    others: Query<&Agent, Without<Wumpus>>,
+) {
+    let (now, fires) = (clock.0, &fires.field);
+    while let Some(wake) = queue.next_for(now, AgentEvent::Decision, |entity| wumpuses.contains(entity)) {
+        let Ok((agent, wumpus, &policy)) = wumpuses.get(wake.agent) else { return };
+        if agent.revision != wake.revision {
+            queue.drop_next();
+            continue;
+        }
+        let choices = if wumpus.options(fires).is_empty() {
+            vec![(wake.agent, Choice::Wait)]
+        } else {
+            let asked = queue.decisions(now).filter_map(|due| {
+                let (agent, _, &follows) = wumpuses.get(due.agent).ok()?;
+                (agent.revision == due.revision && follows == policy).then_some((agent.id, due.agent))
+            });
+            let asked: Vec<_> = asked.collect();
+            // Who decides stands on a point of the lattice; of others only the trajectory is known.
+            let own = wumpuses.iter().map(|(agent, wumpus, _)| {
+                let is_asked = asked.iter().any(|&(id, _)| id == agent.id);
+                let place = if is_asked { wumpus.lattice.position(wumpus.point) } else { agent.centre(now) };
+                AgentView { id: agent.id, place }
+            });
+            let others = others.iter().map(|agent| AgentView { id: agent.id, place: agent.centre(now) });
+            let options_of = |entity| wumpuses.get(entity).map_or(Vec::new(), |(_, wumpus, _)| wumpus.options(fires));
+            let inquiry = Inquiry { now, fires, agents: own.chain(others).collect(), asked };
+            policies.ask(policy, inquiry, &options_of)
+        };
+        if choices.is_empty() {
             return;
         }
-        fail(agent.id, wumpus, (now, ready), (goal, walk.expansions), log);
+        for (entity, choice) in choices {
+            let Ok((mut agent, mut wumpus, _)) = wumpuses.get_mut(entity) else { continue };
+            let (agent, wumpus) = (&mut *agent, &mut *wumpus);
+            let turn = Turn { entity, agent, wumpus, now, queue: &mut queue, recorder: &mut recorder };
+            turn.act(choice, fires, &mut cpu_log);
+        }
     }
-    if ready > now {
-        agent.think_until(entity, ready, agenda);
-    } else if wumpus.has_something_to_light(fires) {
-        agent.rest(now, RestReason::LocalMinima, log);
-    } else {
-        agent.rest(now, RestReason::NothingLeftToLight, log);
-    }
-}
-
-fn set_out(
-    (entity, agent, wumpus): (Entity, &mut Agent, &mut Wumpus),
-    (now, ready): (SimTime, SimTime),
-    (goal, walk): (Cell, Walk),
-    agenda: &mut Agenda,
-    log: &mut Log,
-) {
-    wumpus.is_stuck = walk.is_stuck();
-    if wumpus.is_stuck {
-        wumpus.failed.insert((wumpus.point, goal));
-    } else if let Some(minimum) = walk.minimum {
-        log_minimum(agent.id, wumpus, now, (goal, minimum), log);
-    }
-    wumpus.walk = walk.path.expect("targets are the cells that can be approached");
-    let trajectory = wumpus.trajectory(ready, agent.trajectory.end(), &wumpus.walk);
-    let effort = Effort { roadmap_expansions: 0, local_expansions: walk.expansions };
-    log.add(
-        now,
-        Fact::Agent(agent.id, AgentFact::Planned { goal, trajectory: trajectory.clone(), effort, by_lattice: false }),
-    );
-    agent.set_out(entity, now, goal, trajectory, agenda);
-    agenda.add(agent.trajectory.end_time(), Due::Lighting(agent.call(entity)));
-}
-
-/// Books a plan that failed because the Wumpus stands at a local minimum; its planning time is over at `until`.
-fn fail(
-    id: AgentId,
-    wumpus: &mut Wumpus,
-    (now, until): (SimTime, SimTime),
-    (goal, expansions): (Cell, u32),
-    log: &mut Log,
-) {
-    wumpus.failed.insert((wumpus.point, goal));
-    log_minimum(id, wumpus, now, (goal, wumpus.point), log);
-    let effort = Effort { roadmap_expansions: 0, local_expansions: expansions };
-    log.add(now, Fact::Agent(id, AgentFact::PlanFailed { goal, reason: PlanFailure::LocalMinimum, effort, until }));
-}
-
-fn log_minimum(id: AgentId, wumpus: &Wumpus, now: SimTime, (goal, minimum): (Cell, usize), log: &mut Log) {
-    let place = wumpus.lattice.position(minimum);
-    log.add(now, Fact::Agent(id, AgentFact::LocalMinimum { goal, x_m: place.x, y_m: place.y }));
-}
-
-/// Gives a goal up at the local minimum where the walk ended: there it plans once more, which takes one expansion.
-pub fn give_up(
-    (entity, agent, wumpus): (Entity, &mut Agent, &mut Wumpus),
-    now: SimTime,
-    agenda: &mut Agenda,
-    log: &mut Log,
-) {
-    let goal = agent.goal.take().expect("a Wumpus walks to a goal");
-    agent.activity = Activity::Idle;
-    let ready = now + wumpus.charge(1);
-    fail(agent.id, wumpus, (now, ready), (goal, 1), log);
-    if ready > now {
-        agent.think_until(entity, ready, agenda);
-    } else {
-        agent.reconsider(entity, now, agenda);
-    }
-}
-
-/// The walk is over: the Wumpus stands on its last point.
-pub fn arrive(wumpus: &mut Wumpus) {
-    if let Some(&last) = wumpus.walk.last() {
-        wumpus.point = last;
-    }
-    wumpus.walk.clear();
-}
-
-/// Drops a goal that is no longer intact: the Wumpus walks on to the next lattice point and decides there.
-pub fn drop_goal(
-    (entity, agent, wumpus): (Entity, &mut Agent, &mut Wumpus),
-    now: SimTime,
-    agenda: &mut Agenda,
-    log: &mut Log,
-) {
-    let cut = if agent.activity == Activity::Moving {
-        let (start_time, start) = (agent.trajectory.start_time(), agent.trajectory.start());
-        let prefix = |points: usize| wumpus.trajectory(start_time, start, &wumpus.walk[..points]);
-        let points = (1..wumpus.walk.len()).find(|&points| prefix(points).end_time() >= now);
-        let points = points.unwrap_or(wumpus.walk.len());
-        let cut = prefix(points);
-        wumpus.walk.truncate(points);
-        cut
-    } else {
-        wumpus.walk.truncate(1);
-        Trajectory::new(now, agent.trajectory.start(), Vec::new())
-    };
-    arrive(wumpus);
-    agent.break_off(entity, now, cut, agenda, log);
 }

@@ -5,56 +5,66 @@
 //! nothing to do gives way to everybody. Either all of them can, or nobody moves and the next one is served. Every
 //! deadlock that is broken sends a truck on its way to a fire.
 
-use bevy::prelude::Entity;
+use bevy::prelude::*;
 
 use crate::collision::{MovingBody, first_conflict};
 use crate::planning::find_yield_pose;
-use crate::sim::agenda::{Due, Rank};
-use crate::sim::stage::Stage;
-use crate::sim::truck::{self, Truck};
 use crate::time::SimTime;
 use crate::timeline::AgentId;
 use crate::trajectory::Trajectory;
 use crate::vehicle::Dimensions;
 
-use super::{MARGIN_M, Reservation, Traffic};
+use super::queue::{AgentEvent, Wake};
+use super::schedule::{Pass, SimSystems};
+use super::traffic::{MARGIN_M, Reservation, Traffic};
+use super::truck::{Fleet, Truck};
+
+/// Trucks that block one another find a way.
+#[derive(Debug)]
+pub struct TrafficPlugin;
+
+impl Plugin for TrafficPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(Pass, break_deadlocks.in_set(SimSystems::Traffic));
+    }
+}
 
 /// Breaks the deadlocks of trucks that began to wait, or looked again in vain, at this instant.
-pub fn break_deadlocks(mut stage: Stage) {
-    let mut calls = Vec::new();
-    while let Some(due) = stage.take(Rank::Standoff) {
-        let Due::Standoff(call) = due else { unreachable!("ranks and events go together") };
-        calls.push((stage.id_of(call.agent), call));
+fn break_deadlocks(mut fleet: Fleet) {
+    let mut waiting: Vec<(AgentId, Wake)> = Vec::new();
+    while let Some(wake) = fleet.take(AgentEvent::Standoff) {
+        waiting.extend(fleet.id_of(wake.agent).map(|id| (id, wake)));
     }
-    calls.sort_by_key(|&(id, _)| id);
-    for (_, call) in calls {
-        let is_valid = stage.agents.get(call.agent).expect("agents live for the whole run").0.revision == call.revision;
-        if is_valid && let Some(plan) = Plan::for_truck(&stage, call.agent) {
-            plan.carry_out(&mut stage);
+    waiting.sort_by_key(|&(id, _)| id);
+    for (_, wake) in waiting {
+        let is_valid = fleet.trucks.get(wake.agent).is_ok_and(|(agent, _)| agent.revision == wake.revision);
+        if is_valid && let Some(way_out) = WayOut::for_truck(&fleet, wake.agent) {
+            way_out.carry_out(&mut fleet);
         }
     }
 }
 
 /// Who drives where, so that one truck can set out.
-struct Plan {
+struct WayOut {
     first: Entity,
     leg: Trajectory,
     making_way: Vec<(Entity, Trajectory)>,
 }
 
-impl Plan {
+impl WayOut {
     /// `None` where the truck is not blocked by trucks that stand idle, or one of them cannot leave.
-    fn for_truck(stage: &Stage, first: Entity) -> Option<Self> {
-        let now = stage.now();
-        let truck = stage.truck(first);
+    fn for_truck(fleet: &Fleet, first: Entity) -> Option<Self> {
+        let now = fleet.now();
+        let (_, truck) = fleet.trucks.get(first).ok()?;
         let wanted = &truck.blocked.first()?.drive;
         let wish = Trajectory::from_path(&wanted.path, now + truck.charge(&wanted.effort), truck.speed);
-        let mut reservations = stage.reservations();
+        let mut reservations = fleet.reservations();
         let in_the_way = blocking(&reservations, first, truck, &wish)?;
         let mut making_way = Vec::new();
         for place in in_the_way {
             let entity = reservations[place].entity;
-            let way = way_aside(stage.truck(entity), &reservations, place, (&truck.body, &wish), now)?;
+            let (_, other) = fleet.trucks.get(entity).ok()?;
+            let way = way_aside(other, &reservations, place, (&truck.body, &wish), now)?;
             reservations[place].leg = way.clone();
             making_way.push((entity, way));
         }
@@ -62,17 +72,15 @@ impl Plan {
         Some(Self { first, leg, making_way })
     }
 
-    fn carry_out(self, stage: &mut Stage) {
-        let to = stage.id_of(self.first);
+    fn carry_out(self, fleet: &mut Fleet) {
+        let Some(to) = fleet.id_of(self.first) else { return };
         for (entity, way) in self.making_way {
-            stage.give_way(entity, to, way);
+            fleet.give_way(entity, to, way);
         }
-        let now = stage.now();
-        let (mut agent, _, truck) = stage.agents.get_mut(self.first).expect("agents live for the whole run");
-        let mut truck = truck.expect("only trucks are blocked");
+        let Ok((_, mut truck)) = fleet.trucks.get_mut(self.first) else { return };
         let drive = std::mem::take(&mut truck.blocked).swap_remove(0).drive;
-        truck::set_out((self.first, &mut agent, &mut truck), now, drive, self.leg, &mut stage.agenda, &mut stage.log);
-        stage.call_blocked(self.first);
+        fleet.set_out(self.first, drive, self.leg);
+        fleet.wake_blocked(self.first);
     }
 }
 

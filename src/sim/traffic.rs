@@ -7,9 +7,7 @@
 //!   [round](crate::planning::replan_around) those that stand in the way, or waits until something of the others changes;
 //! - a truck that breaks off drives on to where it may stand for ever ([`Traffic::stopping`]);
 //! - a truck that has nothing to do, or is blocked itself, gives way to one that could not set out otherwise
-//!   ([`standoff`]).
-
-pub mod standoff;
+//!   ([`standoff`](super::standoff)).
 
 use bevy::prelude::Entity;
 
@@ -86,7 +84,7 @@ impl<'a> Traffic<'a> {
     }
 
     /// The others whose last place lies on the way of a leg, whenever it is driven.
-    fn on_the_way(self, body: &Dimensions, leg: &Trajectory) -> impl Iterator<Item = &'a Reservation> {
+    pub fn on_the_way(self, body: &Dimensions, leg: &Trajectory) -> impl Iterator<Item = &'a Reservation> {
         self.others().filter(move |other| other.last_met(MovingBody { body, trajectory: leg }).is_some())
     }
 
@@ -103,7 +101,12 @@ impl<'a> Traffic<'a> {
         self.departure_within(PATIENCE, body, leg)
     }
 
-    fn departure_within(self, patience: SimTime, body: &Dimensions, leg: &Trajectory) -> Result<Trajectory, AgentId> {
+    pub fn departure_within(
+        self,
+        patience: SimTime,
+        body: &Dimensions,
+        leg: &Trajectory,
+    ) -> Result<Trajectory, AgentId> {
         let met = |leg: &Trajectory| self.met(MovingBody { body, trajectory: leg }, leg.sets_out_at());
         let Some(first) = met(leg) else { return Ok(leg.clone()) };
         if let Some(other) = self.on_the_way(body, leg).next() {

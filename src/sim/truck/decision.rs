@@ -1,0 +1,296 @@
+//! A truck's decision: it asks its policy for a fire until it can set out for one, has to wait for other trucks, or finds
+//! nothing more to go for.
+
+use std::time::Duration;
+
+use bevy::prelude::*;
+
+use super::drive::{Blocked, Outset};
+use super::{Drive, Fleet, Truck};
+use crate::fire::FireField;
+use crate::geometry::Cell;
+use crate::planning::Effort;
+use crate::sim::agent::{Activity, Agent};
+use crate::sim::fire::Fires;
+use crate::sim::policies::{AgentView, Choice, Follows, Inquiry, Policies};
+use crate::sim::queue::AgentEvent;
+use crate::sim::recorder::CpuLog;
+use crate::sim::traffic::Traffic;
+use crate::timeline::{AgentFact, RestReason};
+use crate::trajectory::{Piece, Trajectory};
+use crate::vehicle::Path;
+
+/// Goals that a truck looks at in one decision though others are in the way to them.
+const MOST_BLOCKED: usize = 3;
+
+/// A decision that is not yet made.
+#[derive(Clone, Debug)]
+pub struct Deliberation {
+    /// Of the agent that began it.
+    revision: u32,
+    /// What it was doing.
+    activity: Activity,
+    /// The drives that were blocked when it decided last; it has not moved since.
+    before: Vec<Blocked>,
+    /// The drives that are blocked now, best first.
+    blocked: Vec<Blocked>,
+    /// Effort of plans that other trucks were in the way of.
+    spent: Effort,
+    /// What the agent's plans had cost before.
+    cpu: Duration,
+}
+
+/// What comes of a choice.
+enum Conclusion {
+    SetsOut(Drive, Trajectory),
+    /// Planning time is charged for a plan that failed.
+    Thinks,
+    /// Others are in its way; never empty.
+    Waits(Vec<Blocked>),
+    Rests(RestReason),
+    /// Its policy wants it to stay where it is.
+    Stays,
+}
+
+impl Truck {
+    /// Lists what a truck may go for of the burning cells that no other truck has as its goal.
+    fn options(&self, agent: &Agent, unclaimed: impl Iterator<Item = Cell> + Clone) -> Vec<Cell> {
+        if agent.goal.is_some() {
+            // The goal may itself be one that the planner had failed on and the flood reached.
+            return unclaimed.filter(|cell| agent.goal == Some(*cell) || !self.failed_goals.contains(cell)).collect();
+        }
+        let begun = self.deliberation.as_ref().filter(|begun| begun.revision == agent.revision);
+        let blocked = begun.map_or(&[][..], |begun| &begun.blocked);
+        if blocked.len() >= MOST_BLOCKED {
+            return Vec::new();
+        }
+        let is_blocked = |cell: &Cell| blocked.iter().any(|blocked| blocked.drive.goal == *cell);
+        let untried: Vec<Cell> =
+            unclaimed.clone().filter(|cell| !self.failed_goals.contains(cell) && !is_blocked(cell)).collect();
+        if !untried.is_empty() || !blocked.is_empty() {
+            return untried;
+        }
+        // Only goals that failed are left: those that the flood reaches can be driven to all the same.
+        unclaimed.filter(|cell| !self.out_of_reach.contains(cell)).collect()
+    }
+}
+
+/// Returns the path of a leg as it was driven.
+fn driven(trajectory: &Trajectory) -> Option<Path> {
+    let segments: Vec<_> = trajectory.pieces().iter().filter_map(Piece::segment).collect();
+    (!segments.is_empty()).then(|| Path { start: trajectory.start(), segments })
+}
+
+impl Fleet<'_, '_> {
+    /// Lists what no other truck has as its goal of what burns.
+    fn unclaimed(&self, entity: Entity, fires: &FireField) -> Vec<Cell> {
+        let claimed = self.claimed(entity);
+        fires.burning().filter(|cell| !claimed.contains(cell)).collect()
+    }
+
+    fn options(&self, entity: Entity, fires: &FireField) -> Vec<Cell> {
+        let Ok((agent, truck)) = self.trucks.get(entity) else { return Vec::new() };
+        truck.options(agent, self.unclaimed(entity, fires).into_iter())
+    }
+
+    /// Begins a decision, unless it has begun.
+    fn deliberate(&mut self, entity: Entity, fires: &FireField) {
+        let now = self.now();
+        let Ok((mut agent, mut truck)) = self.trucks.get_mut(entity) else { return };
+        if truck.deliberation.as_ref().is_some_and(|begun| begun.revision == agent.revision) {
+            return;
+        }
+        truck.failed_goals.retain(|&cell| fires.is_burning(cell));
+        if agent.goal.is_none() {
+            truck.tracks.record(driven(&agent.trajectory));
+            agent.trajectory = Trajectory::new(now, agent.trajectory.pose_at(now), Vec::new());
+        }
+        let before = std::mem::take(&mut truck.blocked);
+        let (blocked, spent, cpu) = (Vec::new(), Effort::default(), agent.cost.total());
+        let (revision, activity) = (agent.revision, agent.activity);
+        truck.deliberation = Some(Deliberation { revision, activity, before, blocked, spent, cpu });
+    }
+
+    /// Carries out what the policy of a truck chose. If that fails it is asked again, with what it learned in mind.
+    fn act(&mut self, entity: Entity, choice: Choice, fires: &FireField, cpu_log: &mut CpuLog) {
+        self.deliberate(entity, fires);
+        let options = self.options(entity, fires);
+        let goal = match choice {
+            Choice::Go(cell) if options.contains(&cell) => Some(cell),
+            _ => None,
+        };
+        let Ok((agent, _)) = self.trucks.get(entity) else { return };
+        if agent.goal.is_some() {
+            self.keep_or_drop_goal(entity, goal, options.is_empty());
+            return;
+        }
+        let conclusion = match goal {
+            Some(goal) => self.try_goal(entity, goal, fires),
+            None if options.is_empty() => Some(self.stop_looking(entity, fires)),
+            None => Some(Conclusion::Stays),
+        };
+        if let Some(conclusion) = conclusion {
+            self.conclude(entity, conclusion, cpu_log);
+        }
+    }
+
+    /// Ends the decision of a truck that is under way to a goal; `best` is where its policy would go now.
+    fn keep_or_drop_goal(&mut self, entity: Entity, best: Option<Cell>, has_no_options: bool) {
+        let Ok((agent, mut truck)) = self.trucks.get_mut(entity) else { return };
+        truck.deliberation = None;
+        let is_better = best.is_some() && best != agent.goal;
+        if is_better || has_no_options {
+            self.drop_goal(entity);
+            self.wake_resting(entity);
+        }
+    }
+
+    /// Plans a drive to a goal and sets out for it. Returns `None` if that fails and another goal is to be tried.
+    fn try_goal(&mut self, entity: Entity, goal: Cell, fires: &FireField) -> Option<Conclusion> {
+        let (now, reservations) = (self.now(), self.reservations());
+        let (mut agent, mut truck) = self.trucks.get_mut(entity).ok()?;
+        let (agent, truck) = (&mut *agent, &mut *truck);
+        let mut begun = truck.deliberation.take()?;
+        let traffic = Traffic::new(&reservations, entity);
+        let outset = Outset { now, pose: agent.trajectory.start(), frame: fires.frame(), traffic };
+        let by_flood = truck.failed_goals.contains(&goal);
+        let known = begun.before.iter().map(|blocked| &blocked.drive);
+        let known = known.filter(|drive| drive.is_by_flood() == by_flood).find(|drive| drive.goal == goal);
+        let drive = if let Some(known) = known {
+            Some(known.clone())
+        } else if by_flood {
+            let drive = truck.plan_by_flood(goal, outset, &mut agent.cost);
+            if drive.is_none() {
+                truck.out_of_reach.push(goal);
+                self.recorder.record_agent(now, agent.id, AgentFact::OutOfReach { cells: vec![goal] });
+            }
+            drive
+        } else {
+            match truck.plan(goal, outset, &mut begun.spent, &mut agent.cost, &mut self.recorder) {
+                Ok(drive) => Some(drive),
+                Err((reason, effort)) => {
+                    let until = now + truck.charge(&effort);
+                    truck.failed_goals.push(goal);
+                    self.recorder.record_agent(now, agent.id, AgentFact::PlanFailed { goal, reason, effort, until });
+                    if until > now {
+                        truck.deliberation = Some(begun);
+                        agent.wait_until(entity, until, &mut self.queue);
+                        return Some(Conclusion::Thinks);
+                    }
+                    None
+                }
+            }
+        };
+        let conclusion = match drive.map(|drive| truck.depart(drive, outset)) {
+            None => None,
+            Some(Ok((drive, leg))) => Some(Conclusion::SetsOut(drive, leg)),
+            Some(Err(blocked)) if by_flood => Some(Conclusion::Waits(vec![blocked])),
+            Some(Err(blocked)) => {
+                begun.blocked.push(blocked);
+                None
+            }
+        };
+        truck.deliberation = Some(begun);
+        conclusion
+    }
+
+    /// Nothing is left to try: the truck looks for a way round those in its way, waits for them, or rests.
+    fn stop_looking(&mut self, entity: Entity, fires: &FireField) -> Conclusion {
+        let nothing_burns = self.unclaimed(entity, fires).is_empty();
+        let rests = if nothing_burns { RestReason::NothingBurns } else { RestReason::NothingReachable };
+        let (now, reservations) = (self.now(), self.reservations());
+        let Ok((mut agent, mut truck)) = self.trucks.get_mut(entity) else { return Conclusion::Rests(rests) };
+        let begun = truck.deliberation.as_mut();
+        let (blocked, before) = begun.map_or_else(Default::default, |begun| {
+            (std::mem::take(&mut begun.blocked), begun.before.first().map(Blocked::reason))
+        });
+        let Some(first) = blocked.first() else { return Conclusion::Rests(rests) };
+        // Looking for a way round is expensive: once for every truck that is in the way.
+        if before != Some(first.reason()) {
+            let traffic = Traffic::new(&reservations, entity);
+            let outset = Outset { now, pose: agent.trajectory.start(), frame: fires.frame(), traffic };
+            if let Some((drive, leg)) = truck.replan_around(&first.drive, outset, &mut agent.cost) {
+                return Conclusion::SetsOut(drive, leg);
+            }
+        }
+        Conclusion::Waits(blocked)
+    }
+
+    /// Ends a decision, and wakes the trucks whom it concerns.
+    fn conclude(&mut self, entity: Entity, conclusion: Conclusion, cpu_log: &mut CpuLog) {
+        let now = self.now();
+        let Ok((mut agent, mut truck)) = self.trucks.get_mut(entity) else { return };
+        let Some(begun) = truck.deliberation.take() else { return };
+        cpu_log.add(now, agent.id, agent.cost.total() - begun.cpu);
+        let has_new_plans = matches!(conclusion, Conclusion::SetsOut(..) | Conclusion::Thinks);
+        match conclusion {
+            Conclusion::SetsOut(drive, leg) => self.set_out(entity, drive, leg),
+            Conclusion::Thinks => {}
+            Conclusion::Rests(reason) => agent.rest(now, reason, &mut self.recorder),
+            Conclusion::Stays => agent.wait(),
+            Conclusion::Waits(blocked) => {
+                let (goal, by) = blocked[0].reason();
+                if begun.before.first().map(Blocked::reason) != Some((goal, by)) {
+                    self.recorder.record_agent(now, agent.id, AgentFact::Blocked { goal, by });
+                }
+                agent.revision += 1;
+                agent.activity = Activity::Blocked;
+                truck.blocked = blocked;
+                self.queue.push_for(now, AgentEvent::Standoff, agent.wake(entity));
+            }
+        }
+        let stands_as_before = self.trucks.get(entity).is_ok_and(|(agent, _)| agent.activity == begun.activity);
+        if has_new_plans || !stands_as_before {
+            self.wake_blocked(entity);
+        }
+    }
+}
+
+/// Trucks whose turn it is go where their policies say, keep the goals that they have, wait for other trucks, or rest.
+pub fn decide(
+    mut fleet: Fleet,
+    fires: Res<Fires>,
+    mut policies: ResMut<Policies>,
+    mut cpu_log: ResMut<CpuLog>,
+    followers: Query<&Follows, With<Truck>>,
+    others: Query<&Agent, Without<Truck>>,
+) {
+    let (now, fires) = (fleet.now(), &fires.field);
+    while let Some(wake) = fleet.queue.next_for(now, AgentEvent::Decision, |entity| fleet.trucks.contains(entity)) {
+        let (Ok((agent, _)), Ok(&policy)) = (fleet.trucks.get(wake.agent), followers.get(wake.agent)) else { return };
+        // Something may have ignited just as it arrived.
+        if agent.revision != wake.revision || agent.activity == Activity::Suppressing {
+            fleet.queue.drop_next();
+            continue;
+        }
+        fleet.deliberate(wake.agent, fires);
+        let choices = if fleet.options(wake.agent, fires).is_empty() {
+            vec![(wake.agent, Choice::Wait)]
+        } else {
+            let mut asked = Vec::new();
+            for due in fleet.queue.decisions(now) {
+                let Ok((agent, _)) = fleet.trucks.get(due.agent) else { continue };
+                let is_meant = agent.revision == due.revision && agent.activity != Activity::Suppressing;
+                let who = (agent.id, due.agent);
+                if is_meant && followers.get(due.agent) == Ok(&policy) && !asked.contains(&who) {
+                    asked.push(who);
+                }
+            }
+            let view = |agent: &Agent| AgentView { id: agent.id, place: agent.centre(now) };
+            let trucks = fleet.trucks.iter().map(|(agent, _)| view(agent));
+            let agents = trucks.chain(others.iter().map(view)).collect();
+            policies.ask(policy, Inquiry { now, fires, agents, asked }, &|entity| fleet.options(entity, fires))
+        };
+        if choices.is_empty() {
+            return;
+        }
+        for (entity, choice) in choices {
+            let has_goal = fleet.trucks.get(entity).is_ok_and(|(agent, _)| agent.goal.is_some());
+            if has_goal && entity == wake.agent {
+                // It may be called several times at one instant without changing its mind.
+                fleet.queue.drop_next();
+            }
+            fleet.act(entity, choice, fires, &mut cpu_log);
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! The fire truck: the drive to a fire, and the dwell that puts it out.
+//!
+//! A goal whose plan fails is tried again only when nothing else is left. Then the reachability flood answers, and where
+//! it says yes the truck gets there: by a large lattice search from where it stands, by backing out the way it came
+//! until its planner finds a path, or, if both fail, back along all its tracks to its start and from there by the
+//! flood's own path.
+
+mod decision;
+mod drive;
+mod fleet;
+mod spawn;
+mod tracks;
+
+use bevy::prelude::*;
+
+use crate::collision::CollisionChecker;
+use crate::geometry::Cell;
+use crate::planning::reachability::Reachability;
+use crate::planning::registry::Charge;
+use crate::planning::{Effort, TruckPlanner};
+use crate::time::SimTime;
+use crate::trajectory::SpeedLimits;
+use crate::vehicle::Dimensions;
+
+pub use drive::{Blocked, Drive};
+pub use fleet::Fleet;
+pub use spawn::spawn;
+
+use super::schedule::{Pass, SimSystems};
+use decision::Deliberation;
+use tracks::Tracks;
+
+/// Trucks drive and put fires out.
+#[derive(Debug)]
+pub struct TruckPlugin;
+
+impl Plugin for TruckPlugin {
+    fn build(&self, app: &mut App) {
+        let systems = (fleet::lose_goal, fleet::end_dwell, fleet::arrive, decision::decide);
+        app.add_systems(Pass, systems.chain().in_set(SimSystems::Truck));
+    }
+}
+
+/// A truck's rules, its planners, and what it knows.
+#[derive(Component)]
+pub struct Truck {
+    pub body: Dimensions,
+    pub speed: SpeedLimits,
+    /// Infinite where the scenario has no rule of distance.
+    reach_m: f64,
+    dwell: SimTime,
+    extinguishes_all: bool,
+    charge: Charge,
+    planner: Box<dyn TruckPlanner>,
+    reachability: Reachability,
+    /// Goals that the planner failed on, while they burn.
+    failed_goals: Vec<Cell>,
+    /// Goals that the flood does not reach.
+    out_of_reach: Vec<Cell>,
+    tracks: Tracks,
+    pub checker: CollisionChecker,
+    /// What it would do if other trucks were not in the way, best first. Plans are kept, because it stands where it is.
+    pub blocked: Vec<Blocked>,
+    deliberation: Option<Deliberation>,
+}
+
+impl Truck {
+    /// Returns the planning time that is charged.
+    pub fn charge(&self, effort: &Effort) -> SimTime {
+        let Charge { roadmap_s, local_s } = self.charge;
+        let seconds = roadmap_s * f64::from(effort.roadmap_expansions) + local_s * f64::from(effort.local_expansions);
+        SimTime::from_seconds(seconds)
+    }
+}

@@ -1,0 +1,112 @@
+//! A truck at its start.
+
+use std::sync::Arc;
+
+use bevy::prelude::*;
+
+use super::Truck;
+use super::tracks::Tracks;
+use crate::collision::CollisionChecker;
+use crate::geometry::{FieldFrame, Pose};
+use crate::planning::reachability::Reachability;
+use crate::planning::{BuildReport, QueryMonitor};
+use crate::scenario::{self, Extinguishes, Retarget};
+use crate::sim::agent::{Agent, Arena, enlist};
+use crate::sim::policies::{BuiltIn, Policies};
+use crate::sim::recorder::Recorder;
+use crate::sim::run::RunError;
+use crate::sim::traffic::keep_apart;
+use crate::sim::wake::{Trigger, WokenBy};
+use crate::time::SimTime;
+use crate::timeline::{AgentFact, AgentId, AgentStart, Body};
+
+/// Clearance that a truck's start has at least, in metres.
+const START_CLEARANCE_M: f64 = 0.05;
+
+/// Puts a truck on the free pose that is nearest to its start and builds its planner.
+pub fn spawn(
+    world: &mut World,
+    arena: &Arena<'_>,
+    number: u16,
+    settings: &scenario::Unimog,
+) -> Result<AgentStart, RunError> {
+    let (id, suppression) = (AgentId::unimog(number), &arena.scenario.suppression);
+    let parked: Vec<_> = world
+        .query::<(&Agent, &Truck)>()
+        .iter(world)
+        .map(|(agent, truck)| (truck.body, agent.trajectory.start()))
+        .collect();
+    let checker = CollisionChecker::new(Arc::clone(arena.field), settings.vehicle);
+    let wanted = Pose::new(settings.start.x_m, settings.start.y_m, settings.start.heading_deg.to_radians());
+    let is_free = |pose: &Pose| {
+        checker.pose_is_free(*pose, START_CLEARANCE_M)
+            && parked.iter().all(|(body, other)| keep_apart((&settings.vehicle, *pose), (body, *other)))
+    };
+    let start = nearest_free_pose(arena.field.frame(), wanted, is_free).ok_or(RunError::NoFreeStart { agent: id })?;
+    let mut recorder = world.resource_mut::<Recorder>();
+    if start != wanted {
+        recorder.record_agent(SimTime::ZERO, id, AgentFact::StartMoved { from: wanted });
+    }
+    let mut planner = settings.build_planner(&checker, arena.memory, arena.seed, number.into());
+    let BuildReport { samples, edges, components, sampling, connecting, .. } = planner.build_report();
+    if samples > 0 {
+        recorder.record_agent(SimTime::ZERO, id, AgentFact::RoadmapBuilt { samples, edges, components });
+    }
+    if recorder.records_searches {
+        let mut monitor = QueryMonitor::new(true);
+        planner.show_roadmap(&mut monitor);
+        recorder.record_searches(SimTime::ZERO, id, monitor.finish().1);
+    }
+    let truck = Truck {
+        body: settings.vehicle,
+        speed: settings.speed_limits(),
+        reach_m: suppression.reach_m.unwrap_or(f64::INFINITY),
+        dwell: SimTime::from_seconds(suppression.dwell_s),
+        extinguishes_all: suppression.extinguishes == Extinguishes::AllInReach,
+        charge: settings.planner.maker().charge(&settings.planner_settings()),
+        planner,
+        reachability: Reachability::new(&checker, arena.memory, start),
+        failed_goals: Vec::new(),
+        out_of_reach: Vec::new(),
+        tracks: Tracks::default(),
+        checker,
+        blocked: Vec::new(),
+        deliberation: None,
+    };
+    let mut triggers = vec![
+        Trigger::GoalBurnsNoMore,
+        Trigger::IgnitionWhileFree,
+        Trigger::FireOverWhileBlocked,
+        Trigger::ChangeWhileWaiting,
+    ];
+    triggers.extend((settings.retarget == Retarget::OnEvent).then_some(Trigger::IgnitionUnderWay));
+    let policy = BuiltIn::Truck(settings.goal);
+    let follows = world.resource_mut::<Policies>().follow(policy, &arena.terrain.bushes, arena.seed);
+    let mut agent = Agent::standing(id, Body::Truck(settings.vehicle), start);
+    (agent.cost.sampling, agent.cost.connecting) = (sampling, connecting);
+    Ok(enlist(world, agent, settings.speed_limits(), (truck, WokenBy(triggers), follows)))
+}
+
+/// Returns the free pose nearest to a wanted one: places on rings half a metre apart, headings from the wanted one
+/// outwards.
+fn nearest_free_pose(frame: &FieldFrame, wanted: Pose, is_free: impl Fn(&Pose) -> bool) -> Option<Pose> {
+    const RING_M: f64 = 0.5;
+    const HEADINGS: i32 = 16;
+    if is_free(&wanted) {
+        return Some(wanted);
+    }
+    let rings = (2.0 * frame.width_m().max(frame.height_m()) / RING_M).ceil() as i32;
+    (0..rings).find_map(|ring| {
+        let radius = f64::from(ring) * RING_M;
+        let spokes = (8 * ring).clamp(1, 64);
+        (0..spokes).find_map(|spoke| {
+            let bearing = std::f64::consts::TAU * f64::from(spoke) / f64::from(spokes);
+            let place = wanted.position() + Pose::new(0.0, 0.0, bearing).direction() * radius;
+            let turned = |k: i32| {
+                let steps = if k % 2 == 0 { k / 2 } else { -(k + 1) / 2 };
+                wanted.heading + std::f64::consts::TAU * f64::from(steps) / f64::from(HEADINGS)
+            };
+            (0..HEADINGS).map(|k| Pose::new(place.x, place.y, turned(k))).find(&is_free)
+        })
+    })
+}

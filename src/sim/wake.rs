@@ -1,0 +1,141 @@
+//! Who hears of what: changes of the fire wake the agents whom they concern.
+
+use bevy::prelude::*;
+
+use crate::fire::{FireChange, FireField};
+use crate::geometry::Cell;
+
+use super::agent::{Activity, Agent, Roster};
+use super::fire::{FireChanges, Fires};
+use super::queue::{AgentEvent, Due, SimClock, SimQueue};
+use super::schedule::{Pass, SimSystems};
+
+/// Agents are woken, and those without a kind of their own to ask look again.
+#[derive(Debug)]
+pub struct WakePlugin;
+
+impl Plugin for WakePlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(Pass, (wake, drop_void_events, look_again, finish_planning).chain().in_set(SimSystems::Wake));
+    }
+}
+
+/// What wakes an agent.
+#[derive(Component, Clone, Debug)]
+pub struct WokenBy(pub Vec<Trigger>);
+
+/// A reason to wake an agent: a change of a bush, and what the agent is about when it happens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Trigger {
+    GoalIgnited,
+    GoalBurnsNoMore,
+    IgnitionWhileFree,
+    IgnitionUnderWay,
+    FireOverWhileBlocked,
+    /// A fire is over, and its bush can be lit again.
+    FuelWhileResting,
+    ChangeWhileWaiting,
+}
+
+/// What there is to hear of a change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum News {
+    Ignition(Cell),
+    FireOver(Cell),
+    Fuel,
+}
+
+impl News {
+    /// First comes what happened, then what it makes possible.
+    fn of_change(change: FireChange, fires: &FireField) -> impl Iterator<Item = Self> {
+        let (first, then) = match change {
+            FireChange::Ignited { cell, .. } => (Self::Ignition(cell), None),
+            FireChange::Extinguished { cell } | FireChange::BurnedOut { cell } => {
+                (Self::FireOver(cell), fires.can_burn(cell).then_some(Self::Fuel))
+            }
+        };
+        std::iter::once(first).chain(then)
+    }
+}
+
+impl Trigger {
+    /// Returns what the agent is to do about the news, if they wake it.
+    fn wakes(self, agent: &Agent, news: News) -> Option<AgentEvent> {
+        let (is_woken, event) = match (self, news) {
+            (Self::GoalIgnited, News::Ignition(cell)) | (Self::GoalBurnsNoMore, News::FireOver(cell)) => {
+                (agent.goal == Some(cell), AgentEvent::GoalLost)
+            }
+            (Self::IgnitionWhileFree, News::Ignition(_)) => (agent.is_free(), AgentEvent::LookAgain),
+            (Self::IgnitionUnderWay, News::Ignition(_)) => (agent.is_under_way(), AgentEvent::LookAgain),
+            (Self::FireOverWhileBlocked, News::FireOver(_)) => {
+                (agent.activity == Activity::Blocked, AgentEvent::LookAgain)
+            }
+            (Self::FuelWhileResting, News::Fuel) => {
+                (matches!(agent.activity, Activity::Resting(_)), AgentEvent::LookAgain)
+            }
+            (Self::ChangeWhileWaiting, News::Ignition(_) | News::FireOver(_)) => {
+                (agent.activity == Activity::Waiting, AgentEvent::LookAgain)
+            }
+            _ => return None,
+        };
+        is_woken.then_some(event)
+    }
+}
+
+/// Wakes whom the changes of this pass concern, in the order of their names.
+fn wake(
+    clock: Res<SimClock>,
+    mut queue: ResMut<SimQueue>,
+    fires: Res<Fires>,
+    mut changes: ResMut<FireChanges>,
+    roster: Res<Roster>,
+    agents: Query<(&Agent, &WokenBy)>,
+) {
+    for change in changes.0.drain(..) {
+        for news in News::of_change(change, &fires.field) {
+            for &entity in &roster.0 {
+                let Ok((agent, WokenBy(triggers))) = agents.get(entity) else { continue };
+                if let Some(event) = triggers.iter().find_map(|trigger| trigger.wakes(agent, news)) {
+                    queue.push_for(clock.0, event, agent.wake(entity));
+                }
+            }
+        }
+    }
+}
+
+/// Drops what is next as long as it is for an agent that has changed its mind, or is no longer there.
+fn drop_void_events(clock: Res<SimClock>, mut queue: ResMut<SimQueue>, agents: Query<&Agent>) {
+    while let Some(&Due::Agent(_, wake)) = queue.next(clock.0) {
+        if agents.get(wake.agent).is_ok_and(|agent| agent.revision == wake.revision) {
+            return;
+        }
+        queue.drop_next();
+    }
+}
+
+/// Lets agents that were woken decide again: who stands begins anew, who is under way goes on meanwhile.
+fn look_again(clock: Res<SimClock>, mut queue: ResMut<SimQueue>, mut agents: Query<&mut Agent>) {
+    while let Some(wake) = queue.take_for(clock.0, AgentEvent::LookAgain, |_| true) {
+        match agents.get_mut(wake.agent) {
+            Ok(mut agent) if agent.is_free() => agent.reconsider(wake.agent, clock.0, &mut queue),
+            Ok(agent) => queue.push_for(clock.0, AgentEvent::Decision, agent.wake(wake.agent)),
+            Err(_) => {}
+        }
+    }
+}
+
+/// Charged planning time is over: the agent moves, or decides again if its plan had failed.
+fn finish_planning(clock: Res<SimClock>, mut queue: ResMut<SimQueue>, mut agents: Query<&mut Agent>) {
+    while let Some(wake) = queue.take_for(clock.0, AgentEvent::PlanningDone, |_| true) {
+        let Ok(mut agent) = agents.get_mut(wake.agent) else { continue };
+        if agent.revision != wake.revision {
+            continue;
+        }
+        if agent.goal.is_some() {
+            agent.activity = Activity::Moving;
+        } else {
+            agent.activity = Activity::Idle;
+            agent.reconsider(wake.agent, clock.0, &mut queue);
+        }
+    }
+}
