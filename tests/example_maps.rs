@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 
 use wildfire::grid::brushfire::brushfire;
 use wildfire::grid::descent::{Descent, descend};
-use wildfire::grid::neighbours::{Connectivity, CornerCutting, TieOrder};
 use wildfire::grid::potential::{self, Attraction, Repulsion};
+use wildfire::grid::{Connectivity, CornerCutting, TieOrder};
 use wildfire::grid::{Grid, Place, drawn, place};
 use wildfire::{map_files, rng};
 

@@ -4,9 +4,8 @@
 //! expanded once; with a consistent estimate the path is a cheapest one. Ties are decided by the larger cost so far
 //! (deeper first), then by the smaller index, so that the same problem always has the same answer.
 
-use super::Grid;
-use super::open_list::{OpenList, Ranked};
-use super::step_costs::StepCosts;
+use crate::grid::Grid;
+use crate::grid::open_list::{OpenList, Ranked};
 
 /// The eight moves as (row, column) steps; the first four are orthogonal. Bit `k` of a move mask stands for move `k`.
 pub const MOVES: [(isize, isize); 8] = [(0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (1, -1), (-1, -1), (-1, 1)];
@@ -16,9 +15,9 @@ pub fn is_diagonal(k: usize) -> bool {
     k >= 4
 }
 
-/// What a search found.
+/// The outcome of a search.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Found {
+pub struct LatticePath {
     /// Indices (`row * cols + col`) from start to goal, both included; `None` if no goal can be reached.
     pub path: Option<Vec<usize>>,
     pub expansions: u32,
@@ -48,7 +47,7 @@ impl Ranked for Open {
 }
 
 #[derive(Clone, Copy)]
-struct Node {
+struct LatticeNode {
     /// Query in which the other fields were written.
     query: u32,
     closed: bool,
@@ -58,7 +57,7 @@ struct Node {
 
 /// A search with its memory, kept from query to query.
 pub struct AStar {
-    nodes: Vec<Node>,
+    nodes: Vec<LatticeNode>,
     open: OpenList<Open>,
     query: u32,
     /// Points that the last search settled, in order.
@@ -68,13 +67,13 @@ pub struct AStar {
 impl AStar {
     /// For lattices of `points` points.
     pub fn new(points: usize) -> Self {
-        let unseen = Node { query: 0, closed: false, cost: 0.0, parent: 0 };
+        let unseen = LatticeNode { query: 0, closed: false, cost: 0.0, parent: 0 };
         Self { nodes: vec![unseen; points], open: OpenList::default(), query: 0, settled: Vec::new() }
     }
 
     /// Bytes for each point of a lattice: the point, its place among the settled, and two entries that wait, which is
     /// more than searches with an estimate came to; lists double.
-    pub const BYTES_A_POINT: usize = size_of::<Node>() + 2 * size_of::<usize>() + 2 * size_of::<Open>();
+    pub const BYTES_A_POINT: usize = size_of::<LatticeNode>() + 2 * size_of::<usize>() + 2 * size_of::<Open>();
 
     /// A cheapest path from `start` to any point that `is_goal`.
     ///
@@ -87,7 +86,7 @@ impl AStar {
         step_costs: impl StepCosts,
         is_goal: impl Fn(usize) -> bool,
         estimate: impl Fn(usize, usize) -> f64,
-    ) -> Found {
+    ) -> LatticePath {
         self.query += 1;
         self.open.clear();
         self.settled.clear();
@@ -95,27 +94,29 @@ impl AStar {
         let mut expansions = 0;
         while let Some(Open { index, cost, .. }) = self.open.pop() {
             let node = &mut self.nodes[index];
+            // An older entry, with a higher cost, of a point that was expanded since.
             if node.closed {
                 continue;
             }
             node.closed = true;
             self.settled.push(index);
+            // Asked when a goal is expanded, not when it is reached: only now is no cheaper way to it left.
             if is_goal(index) {
-                return Found { path: Some(self.path(start, index)), expansions };
+                return LatticePath { path: Some(self.path(start, index)), expansions };
             }
             expansions += 1;
             let mask = moves.values()[index];
             for (k, &(row_step, col_step)) in MOVES.iter().enumerate() {
                 if mask & (1 << k) != 0 {
                     let next = index.wrapping_add_signed(row_step * moves.cols() as isize + col_step);
-                    let step = step_costs.of(k, index, next);
+                    let step = step_costs.cost(k, index, next);
                     if self.is_worth(next, cost + step) {
                         self.reach(next, index, cost + step, estimate(next, index));
                     }
                 }
             }
         }
-        Found { path: None, expansions }
+        LatticePath { path: None, expansions }
     }
 
     /// The points that the last search settled, in order, each after the one it was reached from; the start after
@@ -130,7 +131,7 @@ impl AStar {
     }
 
     fn reach(&mut self, index: usize, parent: usize, cost: f64, estimate: f64) {
-        self.nodes[index] = Node { query: self.query, closed: false, cost, parent };
+        self.nodes[index] = LatticeNode { query: self.query, closed: false, cost, parent };
         self.open.push(Open { priority: cost + estimate, cost, index });
     }
 
@@ -146,13 +147,25 @@ impl AStar {
     }
 }
 
+/// The cost of every move of a lattice; never negative.
+pub trait StepCosts {
+    /// Returns the cost of move `k` of [`MOVES`], which leads between these points.
+    fn cost(&self, k: usize, from: usize, to: usize) -> f64;
+}
+
+/// One cost for all orthogonal moves, one for all diagonal ones.
+impl StepCosts for (f64, f64) {
+    fn cost(&self, k: usize, _: usize, _: usize) -> f64 {
+        if is_diagonal(k) { self.1 } else { self.0 }
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use super::*;
     use std::f64::consts::SQRT_2;
 
     use rand::RngExt;
-
-    use super::*;
 
     /// Moves between free points, diagonals only where both sides are free too.
     fn random_moves(rows: usize, cols: usize, seed: u64) -> Grid<u8> {
@@ -229,8 +242,8 @@ mod tests {
     fn a_start_that_is_a_goal_needs_no_expansion() {
         let moves = Grid::filled(3, 3, 0u8);
         let found = AStar::new(9).search(&moves, 4, (1.0, SQRT_2), |i| i == 4, |_, _| 0.0);
-        assert_eq!(found, Found { path: Some(vec![4]), expansions: 0 });
+        assert_eq!(found, LatticePath { path: Some(vec![4]), expansions: 0 });
         let found = AStar::new(9).search(&moves, 4, (1.0, SQRT_2), |i| i == 5, |_, _| 0.0);
-        assert_eq!(found, Found { path: None, expansions: 1 });
+        assert_eq!(found, LatticePath { path: None, expansions: 1 });
     }
 }

@@ -9,20 +9,17 @@ pub mod cost_map;
 pub mod descent;
 pub mod distance;
 pub mod drawn;
-pub mod neighbours;
 pub mod occupancy;
 pub mod octile;
 pub mod open_list;
 pub mod parameter;
 pub mod place;
 pub mod potential;
-pub mod step_costs;
 pub mod wavefront;
 
-use std::ops::{Index, IndexMut};
+pub use place::{BadPlace, Connectivity, CornerCutting, Place, Route, TieOrder};
 
-pub use neighbours::{Connectivity, CornerCutting, TieOrder};
-pub use place::{BadPlace, Place, Route};
+use std::ops::{Index, IndexMut};
 
 /// A rectangle of values, stored row by row.
 #[derive(Clone, Debug, PartialEq, Eq)]

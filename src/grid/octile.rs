@@ -2,12 +2,11 @@
 
 use std::f64::consts::SQRT_2;
 
-use super::astar::MOVES;
-use super::bucket_queue::BucketQueue;
-use super::open_list::{OpenList, Ranked};
-use super::step_costs::StepCosts;
-use super::wavefront::{descend_wavefront, wavefront};
-use super::{BadPlace, Connectivity, CornerCutting, Grid, Place, Route, TieOrder, place};
+use crate::grid::astar::{MOVES, StepCosts};
+use crate::grid::bucket_queue::BucketQueue;
+use crate::grid::open_list::{OpenList, Ranked};
+use crate::grid::wavefront::{descend_wavefront, wavefront};
+use crate::grid::{BadPlace, Connectivity, CornerCutting, Grid, Place, Route, TieOrder, place};
 
 /// For every cell a mask of the legal [`MOVES`].
 pub fn legal_moves(occupied: &Grid<bool>, connectivity: Connectivity, corners: CornerCutting) -> Grid<u8> {
@@ -44,125 +43,98 @@ pub fn shortest_path(
             let values = wavefront(occupied, goal, connectivity, corners)?;
             Ok(descend_wavefront(&values, start, connectivity, corners, TieOrder::CrossFirst))
         }
-        Connectivity::Eight => Ok(Backwards::new(occupied, corners, start, goal).search()),
+        Connectivity::Eight => Ok(search_backwards(occupied, corners, start, goal)),
     }
 }
 
-/// A* from the goal to the start, so that its lengths tell the way when walking forwards.
-///
-/// Hart, Nilsson, Raphael, "A formal basis for the heuristic determination of minimum cost paths" (1968), with the octile
-/// distance as the estimate. Lengths are whole numbers of steps of either kind, so that equal lengths are equal numbers,
-/// in whatever order they were added up. Along a step, length plus estimate stay the same or grow by at least
-/// 2 - sqrt 2 and at most 2 sqrt 2, which lets [`BucketQueue`] do the work of a heap.
-struct Backwards<'a> {
-    occupied: &'a Grid<bool>,
-    corners: CornerCutting,
-    start: Place,
-    goal: Place,
-    to_go: Grid<Length>,
-    open: BucketQueue<(u32, u32)>,
-}
-
 /// Orthogonal steps, counted from 1, and diagonal ones; [`UNSEEN`] before any.
-type Length = (u32, u32);
+///
+/// Whole numbers of steps of either kind: equal lengths are equal numbers, in whatever order they were added up.
+type StepLength = (u32, u32);
 
-const UNSEEN: Length = (0, 0);
+const UNSEEN: StepLength = (0, 0);
 
-fn metric((straight, diagonal): Length) -> f64 {
+fn metric((straight, diagonal): StepLength) -> f64 {
     f64::from(straight) + f64::from(diagonal) * SQRT_2
 }
 
-fn longer((straight, diagonal): Length, offset: (isize, isize)) -> Length {
+fn longer((straight, diagonal): StepLength, offset: (isize, isize)) -> StepLength {
     let is_diagonal = u32::from(offset.0 != 0 && offset.1 != 0);
     (straight + 1 - is_diagonal, diagonal + is_diagonal)
 }
 
 /// Length to go from `start` if the way from `place` is `to_go` and nothing is between the two.
-fn by_way_of(place: Place, (straight, diagonal): Length, start: Place) -> Length {
+fn by_way_of(place: Place, (straight, diagonal): StepLength, start: Place) -> StepLength {
     let (rows, cols) = (place.0.abs_diff(start.0) as u32, place.1.abs_diff(start.1) as u32);
     (straight + rows.abs_diff(cols), diagonal + rows.min(cols))
 }
 
-fn entry(place: Place) -> (u32, u32) {
-    (place.0 as u32, place.1 as u32)
-}
-
-impl<'a> Backwards<'a> {
-    fn new(occupied: &'a Grid<bool>, corners: CornerCutting, start: Place, goal: Place) -> Self {
-        let mut to_go = Grid::filled(occupied.rows(), occupied.cols(), UNSEEN);
-        to_go[goal] = (1, 0);
-        let open = BucketQueue::new(metric(by_way_of(goal, to_go[goal], start)), entry(goal));
-        Self { occupied, corners, start, goal, to_go, open }
-    }
-
-    fn search(mut self) -> Route {
-        let mut bound = f64::INFINITY;
-        while let Some((priority, entry)) = self.open.pop() {
-            // Every cell of every shortest path is wanted, so that ties can be decided.
-            if priority > bound {
-                break;
-            }
-            let place = (entry.0 as usize, entry.1 as usize);
-            if place == self.start {
-                bound = priority;
-            }
-            if priority <= self.priority(place) {
-                self.expand(place);
-            }
+/// A* from the goal to the start, so that its lengths tell the way when walking forwards.
+///
+/// Hart, Nilsson, Raphael, "A formal basis for the heuristic determination of minimum cost paths" (1968), with the octile
+/// distance as the estimate. Along a step, length plus estimate stay the same or grow by at least 2 - sqrt 2 and at most
+/// 2 sqrt 2, which lets [`BucketQueue`] do the work of a heap.
+fn search_backwards(occupied: &Grid<bool>, corners: CornerCutting, start: Place, goal: Place) -> Route {
+    let steps = TieOrder::CrossFirst.steps(Connectivity::Eight);
+    let mut to_go = Grid::filled(occupied.rows(), occupied.cols(), UNSEEN);
+    to_go[goal] = (1, 0);
+    let mut open = BucketQueue::new(metric(by_way_of(goal, to_go[goal], start)), (goal.0 as u32, goal.1 as u32));
+    let mut bound = f64::INFINITY;
+    while let Some((priority, entry)) = open.pop() {
+        // Not at the start already: every cell of every shortest path is wanted, so that ties can be decided.
+        if priority > bound {
+            break;
         }
-        if self.to_go[self.start] == UNSEEN { Route::Unreachable } else { Route::Found(self.walk()) }
-    }
-
-    fn expand(&mut self, from: Place) {
-        let here = self.to_go[from];
-        for &offset in TieOrder::CrossFirst.steps(Connectivity::Eight) {
+        let from = (entry.0 as usize, entry.1 as usize);
+        if from == start {
+            bound = priority;
+        }
+        // A shorter way to this cell was found since the entry was made, and has been expanded.
+        if priority > metric(by_way_of(from, to_go[from], start)) {
+            continue;
+        }
+        let here = to_go[from];
+        for &offset in steps {
+            let Some(to) = place::neighbour(occupied, from, offset) else { continue };
             let length = longer(here, offset);
-            let is_shorter = |to: &Place| self.to_go[*to] == UNSEEN || metric(length) < metric(self.to_go[*to]);
             // Asked before whether the step is legal, because it mostly spares that question.
-            if let Some(to) = place::neighbour(self.occupied, from, offset).filter(is_shorter)
-                && place::step(self.occupied, from, offset, self.corners).is_some()
-            {
-                self.reach(to, length);
+            let is_shorter = to_go[to] == UNSEEN || metric(length) < metric(to_go[to]);
+            if is_shorter && place::step(occupied, from, offset, corners).is_some() {
+                to_go[to] = length;
+                open.push(metric(by_way_of(to, length, start)), (to.0 as u32, to.1 as u32));
             }
         }
     }
-
-    fn reach(&mut self, place: Place, length: Length) {
-        self.to_go[place] = length;
-        self.open.push(self.priority(place), entry(place));
+    if to_go[start] == UNSEEN {
+        return Route::Unreachable;
     }
-
-    fn priority(&self, place: Place) -> f64 {
-        metric(by_way_of(place, self.to_go[place], self.start))
+    let mut path = vec![start];
+    let mut here = start;
+    while here != goal {
+        // Lengths of shortest paths differ by exactly the step between them, so the first in order decides ties.
+        here = steps
+            .iter()
+            .filter_map(|&offset| Some((offset, place::step(occupied, here, offset, corners)?)))
+            .find(|&(offset, to)| to_go[to] != UNSEEN && longer(to_go[to], offset) == to_go[here])
+            .map(|(_, to)| to)
+            .expect("a shortest path goes on");
+        path.push(here);
     }
-
-    fn walk(&self) -> Vec<Place> {
-        let mut path = vec![self.start];
-        let mut here = self.start;
-        while here != self.goal {
-            here = TieOrder::CrossFirst
-                .steps(Connectivity::Eight)
-                .iter()
-                .filter_map(|&offset| Some((offset, place::step(self.occupied, here, offset, self.corners)?)))
-                .find(|&(offset, to)| self.to_go[to] != UNSEEN && longer(self.to_go[to], offset) == self.to_go[here])
-                .map(|(_, to)| to)
-                .expect("a shortest path goes on");
-            path.push(here);
-        }
-        path
-    }
+    Route::Found(path)
 }
 
-/// Cost of the cheapest walk from every cell to any of the goals; infinite where there is none. Every move can be made
-/// back.
+/// Computes the cost of the cheapest walk from every cell to any of the goals; infinite where there is none. Every move
+/// can be made back, so the search runs from the goals outwards (Dijkstra, "A note on two problems in connexion with
+/// graphs", 1959).
 pub fn cost_to_go(moves: &Grid<u8>, goals: impl IntoIterator<Item = usize>, step_costs: impl StepCosts) -> Grid<f64> {
     let mut costs = Grid::filled(moves.rows(), moves.cols(), f64::INFINITY);
     let mut open = OpenList::default();
     for goal in goals {
         costs.values_mut()[goal] = 0.0;
-        open.push(Reached { cost: 0.0, index: goal });
+        open.push(ReachedPoint { cost: 0.0, index: goal });
     }
-    while let Some(Reached { cost, index }) = open.pop() {
+    while let Some(ReachedPoint { cost, index }) = open.pop() {
+        // A cheaper way to this point was expanded since the entry was made.
         if cost > costs.values()[index] {
             continue;
         }
@@ -171,22 +143,23 @@ pub fn cost_to_go(moves: &Grid<u8>, goals: impl IntoIterator<Item = usize>, step
                 continue;
             }
             let next = index.wrapping_add_signed(row_step * moves.cols() as isize + col_step);
-            let step = step_costs.of(k, next, index);
+            // The walk goes the other way: from the neighbour to this point.
+            let step = step_costs.cost(k, next, index);
             if cost + step < costs.values()[next] {
                 costs.values_mut()[next] = cost + step;
-                open.push(Reached { cost: cost + step, index: next });
+                open.push(ReachedPoint { cost: cost + step, index: next });
             }
         }
     }
     costs
 }
 
-struct Reached {
+struct ReachedPoint {
     cost: f64,
     index: usize,
 }
 
-impl Ranked for Reached {
+impl Ranked for ReachedPoint {
     type Tie = usize;
 
     fn priority(&self) -> f64 {

@@ -4,7 +4,6 @@
 
 mod decimal;
 mod error;
-mod lines;
 mod moving_ai;
 mod pixel;
 mod png;
@@ -18,8 +17,9 @@ pub use error::{Fault, MapError};
 pub use read::{MapFile, NEAR_TOLERANCE, read};
 pub use write::{MapValue, write_csv, write_npy, write_path, write_png, write_text};
 
-/// The most rows and the most columns of a map.
 pub use crate::grid::brushfire::MAX_SIDE;
+
+/// The most rows and the most columns of a map.
 
 /// The most cells of a map: step counts within it fit 32 bits, and the maps about it fit the memory of a laptop.
 pub const MAX_CELLS: usize = 1 << 28;

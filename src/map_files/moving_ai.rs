@@ -6,18 +6,17 @@
 
 use std::io::BufRead;
 
-use super::Fault;
-use super::error::{check_size, shown_letter};
-use super::lines::Lines;
-use super::rows::{BadCell, read_rows};
 use crate::grid::Grid;
+use crate::map_files::Fault;
+use crate::map_files::error::{check_size, shown_letter};
+use crate::map_files::rows::{BadCell, TextLines, read_rows};
 
 /// Reads a Moving AI map and says what it made of swamp and water.
 ///
 /// `.` and `G` are free, every other letter is occupied. That holds for `S` (swamp) and `W` (water) too, which some
 /// games let units enter: a cell is free here or it is not.
 pub(super) fn read(source: impl BufRead, bytes: u64) -> Result<(Grid<bool>, Option<String>), Fault> {
-    let mut lines = Lines::new(source);
+    let mut lines = TextLines::new(source);
     let size = read_header(&mut lines)?;
     let mut wet_cells = 0;
     let occupied = read_rows(&mut lines, bytes, Some(size), |line, cells| {
@@ -33,7 +32,7 @@ pub(super) fn read(source: impl BufRead, bytes: u64) -> Result<(Grid<bool>, Opti
 }
 
 /// (rows, columns) as the header declares them.
-fn read_header<R: BufRead>(lines: &mut Lines<R>) -> Result<(usize, usize), Fault> {
+fn read_header<R: BufRead>(lines: &mut TextLines<R>) -> Result<(usize, usize), Fault> {
     let (mut rows, mut cols) = (None, None);
     loop {
         let line = lines.next()?.map(|line| String::from_utf8_lossy(line).into_owned());

@@ -5,10 +5,10 @@ use std::io::{BufRead, Read, Seek};
 use image::codecs::png::PngDecoder;
 use image::{ColorType, ImageDecoder, ImageError, Limits};
 
-use super::error::{check_size, with_room};
-use super::pixel::PixelLayout;
-use super::{Fault, MAX_CELLS};
 use crate::grid::Grid;
+use crate::map_files::error::{check_size, with_room};
+use crate::map_files::pixel::PixelLayout;
+use crate::map_files::{Fault, MAX_CELLS};
 
 pub(super) const SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
 
@@ -26,7 +26,7 @@ const MAX_EXTRAS: u64 = 1 << 24;
 ///
 /// Neither gamma nor a colour profile is applied. Of an animation the first image is read.
 pub(super) fn read<R: BufRead + Seek>(mut source: R, bytes: u64) -> Result<(Grid<u8>, Option<String>), Fault> {
-    let header = Header::parse(source.fill_buf()?)?;
+    let header = PngHeader::parse(source.fill_buf()?)?;
     check_size(header.rows, header.cols)?;
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(MAX_EXTRAS);
@@ -44,7 +44,7 @@ pub(super) fn read<R: BufRead + Seek>(mut source: R, bytes: u64) -> Result<(Grid
 
 /// Reads all bytes of an image of which the first are known; no more than an image of the size in its header can have.
 pub(super) fn read_bytes(mut bytes: Vec<u8>, rest: impl Read) -> Result<Vec<u8>, Fault> {
-    let header = Header::parse(&bytes)?;
+    let header = PngHeader::parse(&bytes)?;
     check_size(header.rows, header.cols)?;
     let most = header.most_bytes();
     rest.take((most + 1).saturating_sub(bytes.len() as u64)).read_to_end(&mut bytes)?;
@@ -56,7 +56,7 @@ pub(super) fn read_bytes(mut bytes: Vec<u8>, rest: impl Read) -> Result<Vec<u8>,
 }
 
 /// Accepts the bytes that the header promises, before memory is taken for them.
-fn check_decoded(decoded: u64, bytes: u64, header: &Header) -> Result<(), Fault> {
+fn check_decoded(decoded: u64, bytes: u64, header: &PngHeader) -> Result<(), Fault> {
     if decoded > MAX_DECODED {
         return Err(Fault::ImageTooLarge { bytes: decoded, limit: MAX_DECODED });
     }
@@ -72,7 +72,7 @@ fn damaged(error: ImageError) -> Fault {
 }
 
 /// The grey values of decoded pixels, whose samples are bytes or native 16-bit words.
-fn grey_values(data: Vec<u8>, colour_type: ColorType, header: &Header) -> Result<Vec<u8>, Fault> {
+fn grey_values(data: Vec<u8>, colour_type: ColorType, header: &PngHeader) -> Result<Vec<u8>, Fault> {
     if colour_type == ColorType::L8 {
         return Ok(data);
     }
@@ -100,14 +100,14 @@ fn layout_of(colour_type: ColorType) -> PixelLayout {
 /// The header chunk, which stands first in every PNG file.
 ///
 /// Source: "Portable Network Graphics (PNG) Specification", W3C, 2003, section 11.2.2.
-struct Header {
+struct PngHeader {
     rows: usize,
     cols: usize,
     depth: u8,
     colour_type: u8,
 }
 
-impl Header {
+impl PngHeader {
     fn parse(start: &[u8]) -> Result<Self, Fault> {
         let Some(&[w3, w2, w1, w0, h3, h2, h1, h0, depth, colour_type]) = start.get(16..26) else {
             return Err(Fault::Image { message: "the file ends within the header".to_owned() });

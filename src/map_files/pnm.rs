@@ -2,12 +2,13 @@
 //!
 //! Source: Jef Poskanzer and others, "Netpbm file formats", pages "pbm", "pgm" and "ppm".
 
-use std::io::{self, BufRead, Read};
+use std::io;
+use std::io::{BufRead, Read};
 
-use super::Fault;
-use super::error::{check_size, shown_letter, with_room};
-use super::pixel::PixelLayout;
 use crate::grid::Grid;
+use crate::map_files::Fault;
+use crate::map_files::error::{check_size, shown_letter, with_room};
+use crate::map_files::pixel::PixelLayout;
 
 /// A bit of a packed bitmap is the smallest pixel.
 const PIXELS_PER_BYTE: usize = 8;
@@ -16,8 +17,8 @@ const PIXELS_PER_BYTE: usize = 8;
 ///
 /// The file ends with the image, but for white space.
 pub(super) fn read(mut source: impl BufRead, bytes: u64) -> Result<(Grid<u8>, Option<String>), Fault> {
-    let header = Header::read(&mut source)?;
-    let Header { rows, cols, layout, .. } = header;
+    let header = PnmHeader::read(&mut source)?;
+    let PnmHeader { rows, cols, layout, .. } = header;
     let possible = usize::try_from(bytes).unwrap_or(usize::MAX).saturating_mul(PIXELS_PER_BYTE);
     let mut values = with_room(possible.min(rows * cols))?;
     let mut raster = Raster { source, header, bytes: Vec::new(), samples: Vec::new() };
@@ -42,7 +43,7 @@ enum Encoding {
 }
 
 #[derive(Clone, Copy)]
-struct Header {
+struct PnmHeader {
     rows: usize,
     cols: usize,
     layout: PixelLayout,
@@ -50,7 +51,7 @@ struct Header {
     encoding: Encoding,
 }
 
-impl Header {
+impl PnmHeader {
     fn read(source: &mut impl BufRead) -> Result<Self, Fault> {
         let mut magic = [0; 2];
         source.read_exact(&mut magic)?;
@@ -95,7 +96,7 @@ impl Header {
 /// The pixels after the header, of which one row at a time is kept.
 struct Raster<R> {
     source: R,
-    header: Header,
+    header: PnmHeader,
     bytes: Vec<u8>,
     samples: Vec<u16>,
 }
@@ -116,7 +117,7 @@ impl<R: BufRead> Raster<R> {
     }
 
     fn read_plain(&mut self, row: usize) -> Result<(), Fault> {
-        let Header { rows, cols, layout, is_bitmap, .. } = self.header;
+        let PnmHeader { rows, cols, layout, is_bitmap, .. } = self.header;
         for at in 0..cols * layout.channels() {
             let col = at / layout.channels();
             let token = if is_bitmap { read_bit(&mut self.source) } else { read_number(&mut self.source) };
@@ -135,7 +136,7 @@ impl<R: BufRead> Raster<R> {
     }
 
     fn read_bytes(&mut self, row: usize) -> Result<(), Fault> {
-        let Header { rows, cols, layout, encoding, .. } = self.header;
+        let PnmHeader { rows, cols, layout, encoding, .. } = self.header;
         let expected = self.header.bytes_per_row();
         self.bytes.clear();
         let found = self.source.by_ref().take(expected as u64).read_to_end(&mut self.bytes)?;

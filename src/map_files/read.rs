@@ -3,10 +3,11 @@
 use std::io::{BufRead, BufReader, Cursor, ErrorKind, Read, Seek};
 use std::path::Path;
 
-use super::lines::without_mark;
-use super::{Fault, MAX_BYTES, MapError, moving_ai, png, pnm, text};
 use crate::grid::{Grid, occupancy};
-use crate::input_file::{self, InputFile};
+use crate::input_file;
+use crate::input_file::InputFile;
+use crate::map_files::rows::without_mark;
+use crate::map_files::{Fault, MAX_BYTES, MapError, moving_ai, png, pnm, text};
 
 const BUFFER_BYTES: usize = 1 << 16;
 
@@ -85,9 +86,9 @@ fn not_opened(error: std::io::Error) -> Fault {
 }
 
 fn read_file<R: BufRead + Seek>(mut source: R, bytes: u64, tolerance: u8) -> Result<MapFile, Fault> {
-    match Format::from_first_bytes(source.fill_buf()?)? {
-        Format::Png => png::read(source, bytes).map(|(grey, note)| from_grey(grey, tolerance, note)),
-        Format::Sequential(format) => read_sequential(format, source, bytes, tolerance),
+    match MapFormat::from_first_bytes(source.fill_buf()?)? {
+        MapFormat::Png => png::read(source, bytes).map(|(grey, note)| from_grey(grey, tolerance, note)),
+        MapFormat::Sequential(format) => read_sequential(format, source, bytes, tolerance),
     }
 }
 
@@ -100,13 +101,13 @@ fn read_stream(mut stream: impl Read, tolerance: u8) -> Result<MapFile, Fault> {
     if start.is_empty() {
         return Err(Fault::Empty);
     }
-    match Format::from_first_bytes(&start)? {
-        Format::Png => {
+    match MapFormat::from_first_bytes(&start)? {
+        MapFormat::Png => {
             let image = png::read_bytes(start, stream)?;
             let bytes = image.len() as u64;
             read_file(Cursor::new(image), bytes, tolerance)
         }
-        Format::Sequential(format) => {
+        MapFormat::Sequential(format) => {
             let rest = BufReader::with_capacity(BUFFER_BYTES, stream.take(MAX_BYTES - bytes));
             read_sequential(format, Cursor::new(start).chain(rest), bytes, tolerance)
         }
@@ -114,12 +115,17 @@ fn read_stream(mut stream: impl Read, tolerance: u8) -> Result<MapFile, Fault> {
 }
 
 /// Reads from front to end. `bytes` is how many bytes there are at least, which says how much room to make at first.
-fn read_sequential(format: Sequential, source: impl BufRead, bytes: u64, tolerance: u8) -> Result<MapFile, Fault> {
+fn read_sequential(
+    format: SequentialFormat,
+    source: impl BufRead,
+    bytes: u64,
+    tolerance: u8,
+) -> Result<MapFile, Fault> {
     match format {
-        Sequential::Pnm => pnm::read(source, bytes).map(|(grey, note)| from_grey(grey, tolerance, note)),
-        Sequential::MovingAi => moving_ai::read(source, bytes).map(|(occupied, note)| from_cells(occupied, note)),
-        Sequential::Csv => text::read_csv(source, bytes).map(|occupied| from_cells(occupied, None)),
-        Sequential::Text => text::read_text(source, bytes).map(|occupied| from_cells(occupied, None)),
+        SequentialFormat::Pnm => pnm::read(source, bytes).map(|(grey, note)| from_grey(grey, tolerance, note)),
+        SequentialFormat::MovingAi => moving_ai::read(source, bytes).map(|(occupied, note)| from_cells(occupied, note)),
+        SequentialFormat::Csv => text::read_csv(source, bytes).map(|occupied| from_cells(occupied, None)),
+        SequentialFormat::Text => text::read_text(source, bytes).map(|occupied| from_cells(occupied, None)),
     }
 }
 
@@ -133,14 +139,14 @@ fn from_cells(occupied: Grid<bool>, note: Option<String>) -> MapFile {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Format {
+enum MapFormat {
     Png,
-    Sequential(Sequential),
+    Sequential(SequentialFormat),
 }
 
 /// The formats that are read from front to end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Sequential {
+enum SequentialFormat {
     Pnm,
     MovingAi,
     Csv,
@@ -164,7 +170,7 @@ const FOREIGN: &[(&[u8], &str)] = &[
     (b"\xFE\xFF", "UTF-16 text"),
 ];
 
-impl Format {
+impl MapFormat {
     /// Tells the format from the first bytes of a file.
     fn from_first_bytes(start: &[u8]) -> Result<Self, Fault> {
         if let Some((_, found)) = FOREIGN.iter().find(|(signature, _)| start.starts_with(signature)) {
@@ -175,13 +181,13 @@ impl Format {
         Ok(if start.starts_with(png::SIGNATURE) {
             Self::Png
         } else if pnm::is_start(start) {
-            Self::Sequential(Sequential::Pnm)
+            Self::Sequential(SequentialFormat::Pnm)
         } else if first_line.starts_with(b"type ") {
-            Self::Sequential(Sequential::MovingAi)
+            Self::Sequential(SequentialFormat::MovingAi)
         } else if first_line.contains(&b',') {
-            Self::Sequential(Sequential::Csv)
+            Self::Sequential(SequentialFormat::Csv)
         } else {
-            Self::Sequential(Sequential::Text)
+            Self::Sequential(SequentialFormat::Text)
         })
     }
 }

@@ -1,11 +1,10 @@
-//! Gathers the rows of a map that is written as text.
+//! Maps written as text: line by line, none longer than a row of a map can be, gathered into rows of cells.
 
-use std::io::BufRead;
+use std::io::{BufRead, Read};
 
-use super::error::{check_size, with_room};
-use super::lines::Lines;
-use super::{Fault, MAX_CELLS, MAX_SIDE};
 use crate::grid::Grid;
+use crate::map_files::error::{check_size, with_room};
+use crate::map_files::{Fault, MAX_CELLS, MAX_SIDE};
 
 /// A cell that is none: its column, what stands there, and what was expected.
 pub(super) struct BadCell {
@@ -19,12 +18,12 @@ pub(super) struct BadCell {
 /// All rows have the width of the first one, or are as many and as wide as `declared` (rows, columns). Blank lines may
 /// follow the last row. `bytes` is the size of the text, from which the room for the cells is guessed.
 pub(super) fn read_rows<R: BufRead>(
-    lines: &mut Lines<R>,
+    lines: &mut TextLines<R>,
     bytes: u64,
     declared: Option<(usize, usize)>,
     mut cells_of: impl FnMut(&[u8], &mut Vec<bool>) -> Result<(), BadCell>,
 ) -> Result<Grid<bool>, Fault> {
-    let mut map = Rows { cells: Vec::new(), rows: 0, cols: declared.map(|(_, cols)| cols) };
+    let mut map = TextRows { cells: Vec::new(), rows: 0, cols: declared.map(|(_, cols)| cols) };
     let most_rows = declared.map(|(rows, _)| rows);
     let mut blank = false;
     while let Some(line) = lines.next()? {
@@ -54,13 +53,13 @@ fn guessed_cells(line: &[u8], bytes: u64) -> usize {
     rows.saturating_mul(cols).min(MAX_CELLS)
 }
 
-struct Rows {
+struct TextRows {
     cells: Vec<bool>,
     rows: usize,
     cols: Option<usize>,
 }
 
-impl Rows {
+impl TextRows {
     fn push(
         &mut self,
         line: &[u8],
@@ -102,4 +101,44 @@ impl Rows {
         check_size(found, cols)?;
         Ok(Grid::from_values(found, cols, cells))
     }
+}
+
+/// Longest accepted line in bytes: the widest row of CSV with room for 14 spaces about every value.
+const LONGEST_LINE: usize = 16 * MAX_SIDE;
+
+const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
+
+/// The lines of a text, without their ends and without spaces before these.
+pub(super) struct TextLines<R> {
+    source: R,
+    line: Vec<u8>,
+    /// Number of the last line that was read, from 1.
+    pub number: usize,
+}
+
+impl<R: BufRead> TextLines<R> {
+    pub fn new(source: R) -> Self {
+        Self { source, line: Vec::new(), number: 0 }
+    }
+
+    /// The next line; `None` at the end of the file.
+    pub fn next(&mut self) -> Result<Option<&[u8]>, Fault> {
+        self.line.clear();
+        let limit = LONGEST_LINE as u64 + 1;
+        if self.source.by_ref().take(limit).read_until(b'\n', &mut self.line)? == 0 {
+            return Ok(None);
+        }
+        self.number += 1;
+        if self.line.len() > LONGEST_LINE {
+            let message = format!("the line is longer than {LONGEST_LINE} bytes; no row of a map is");
+            return Err(Fault::Line { line: self.number, message });
+        }
+        let start = if self.number == 1 { without_mark(&self.line) } else { &self.line };
+        Ok(Some(start.trim_ascii_end()))
+    }
+}
+
+/// A text without the byte order mark that some editors put at its start.
+pub(super) fn without_mark(text: &[u8]) -> &[u8] {
+    text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text)
 }

@@ -4,11 +4,10 @@
 
 use std::io::BufRead;
 
-use super::Fault;
-use super::error::shown_letter;
-use super::lines::Lines;
-use super::rows::{BadCell, read_rows};
 use crate::grid::Grid;
+use crate::map_files::Fault;
+use crate::map_files::error::shown_letter;
+use crate::map_files::rows::{BadCell, TextLines, read_rows};
 
 const EXPECTED: &str = "0 (free) or 1 (occupied)";
 
@@ -17,12 +16,12 @@ const QUOTED: usize = 20;
 
 /// Reads rows of 0 and 1 with nothing between them.
 pub(super) fn read_text(source: impl BufRead, bytes: u64) -> Result<Grid<bool>, Fault> {
-    read_rows(&mut Lines::new(source), bytes, None, text_cells)
+    read_rows(&mut TextLines::new(source), bytes, None, text_cells)
 }
 
 /// Reads rows of 0 and 1 with commas between them; spaces about the values do not matter.
 pub(super) fn read_csv(source: impl BufRead, bytes: u64) -> Result<Grid<bool>, Fault> {
-    read_rows(&mut Lines::new(source), bytes, None, csv_cells)
+    read_rows(&mut TextLines::new(source), bytes, None, csv_cells)
 }
 
 fn text_cells(line: &[u8], cells: &mut Vec<bool>) -> Result<(), BadCell> {

@@ -1,17 +1,18 @@
-//! Does what keys and mouse ask for.
+//! Does what keys and mouse ask for; stills are saved to the current folder.
+
+use std::path::{Path, PathBuf};
 
 use bevy::app::AppExit;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::{MessageWriter, ResMut};
 use glam::DVec2;
 
-use super::mouse::Gesture;
-use super::run_set::SeedStep;
-use super::saved::save_still;
-use super::{Command, FrameBuffer, Player, RunSet, Viewer};
 use crate::geometry::{FieldFrame, ops};
-use crate::picture::film::{Camera, FrameRequest, Projection, pick};
+use crate::picture::film::{Camera, FrameRequest, Projection, RunView, pick, still};
 use crate::time::SimTime;
+use crate::view::mouse::Gesture;
+use crate::view::run_set::SeedStep;
+use crate::view::{Command, FrameBuffer, Player, RunSet, Viewer};
 
 /// How many times larger a notch of the wheel shows the field, as a logarithm.
 const NOTCH: f64 = 0.2;
@@ -130,4 +131,38 @@ impl Controls<'_> {
 
 fn size_of((width, height): (u32, u32)) -> (f64, f64) {
     (f64::from(width), f64::from(height))
+}
+
+/// Writes a still and says where it is, or why it is not.
+pub fn save_still(request: &FrameRequest, size: (u32, u32)) -> String {
+    let path = free_name(&base_name(request.runs, request.time));
+    match still(request, size).write_png(&path) {
+        Ok(()) => format!("saved {}", path.display()),
+        Err(error) => format!("cannot write {}: {error}", path.display()),
+    }
+}
+
+/// The first name that no file has yet.
+fn free_name(base: &str) -> PathBuf {
+    let names = std::iter::once(format!("{base}.png")).chain((2..).map(|number| format!("{base}-{number}.png")));
+    let free = names.map(PathBuf::from).find(|name| !is_taken(name));
+    free.expect("numbers do not end")
+}
+
+/// A link that leads nowhere has a name, too.
+fn is_taken(name: &Path) -> bool {
+    name.symlink_metadata().is_ok()
+}
+
+fn base_name(runs: &[&RunView], time: SimTime) -> String {
+    let runs: Vec<String> = runs.iter().map(|run| run_name(run)).collect();
+    format!("{}-{:.1}s", runs.join("-and-"), time.as_seconds())
+}
+
+fn run_name(run: &RunView) -> String {
+    let setting = &run.timeline().setting;
+    let is_plain = |letter: char| letter.is_alphanumeric() || matches!(letter, '-' | '_');
+    let scenario = setting.scenario.chars().map(|letter| if is_plain(letter) { letter } else { '_' });
+    // Long names are cut, so that the whole fits a file name.
+    format!("{}-seed-{}", scenario.take(40).collect::<String>(), setting.seed)
 }

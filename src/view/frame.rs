@@ -1,15 +1,18 @@
-//! What happens in one frame, without the screen.
+//! What happens in one frame, without the screen, and what the viewer has chosen to see.
 
 use bevy::app::{App, Plugin, Update};
-use bevy::prelude::{IntoScheduleConfigs, Res, ResMut, SystemCondition, SystemSet, Time, resource_exists_and_changed};
+use bevy::prelude::{
+    IntoScheduleConfigs, Res, ResMut, Resource, SystemCondition, SystemSet, Time, resource_exists_and_changed,
+};
 use bevy::window::WindowEvent;
 
-use super::input::listen;
-use super::mouse::Mouse;
-use super::run_set::SeedStep;
-use super::{FrameBuffer, Player, RunSet, Viewer};
-use crate::picture::film::FrameRequest;
+use crate::picture::film::{FrameRequest, RunView, Status, ViewOptions};
 use crate::time::SimTime;
+use crate::timeline::AgentId;
+use crate::view::input::read_input;
+use crate::view::mouse::Mouse;
+use crate::view::run_set::SeedStep;
+use crate::view::{FrameBuffer, Player, RunSet};
 
 /// The steps of a frame, in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, SystemSet)]
@@ -18,9 +21,9 @@ pub enum ViewSystems {
     Time,
     Input,
     /// Runs that were requested arrive.
-    RunSet,
+    Runs,
     /// The frame is drawn, if anything on it may have changed.
-    Paint,
+    Draw,
 }
 
 /// Time, keys, mouse and further runs; needs a [`Player`], a [`Viewer`], [`RunSet`] and a [`FrameBuffer`].
@@ -36,15 +39,15 @@ impl Plugin for PlayerPlugin {
             .init_resource::<Mouse>()
             .configure_sets(
                 Update,
-                (ViewSystems::Time, ViewSystems::Input, ViewSystems::RunSet, ViewSystems::Paint).chain(),
+                (ViewSystems::Time, ViewSystems::Input, ViewSystems::Runs, ViewSystems::Draw).chain(),
             )
             .add_systems(
                 Update,
                 (
                     pass_time.in_set(ViewSystems::Time),
-                    listen.in_set(ViewSystems::Input),
-                    receive_runs.in_set(ViewSystems::RunSet).run_if(is_waiting),
-                    paint.in_set(ViewSystems::Paint).run_if(anything_changed),
+                    read_input.in_set(ViewSystems::Input),
+                    receive_runs.in_set(ViewSystems::Runs).run_if(is_waiting),
+                    draw_frame.in_set(ViewSystems::Draw).run_if(anything_changed),
                 ),
             );
     }
@@ -81,8 +84,35 @@ fn is_blank(frame_buffer: Res<FrameBuffer>) -> bool {
     frame_buffer.is_blank()
 }
 
-fn paint(runs: Res<RunSet>, player: Res<Player>, viewer: Res<Viewer>, mut frame_buffer: ResMut<FrameBuffer>) {
+fn draw_frame(runs: Res<RunSet>, player: Res<Player>, viewer: Res<Viewer>, mut frame_buffer: ResMut<FrameBuffer>) {
     let options = viewer.options(&player);
     let request = FrameRequest { runs: &runs.runs(), time: player.clock(), options: &options };
     frame_buffer.paint(&request);
+}
+
+/// What the viewer has chosen to see, and what they are told.
+#[derive(Clone, Debug, PartialEq, Resource)]
+pub struct Viewer {
+    /// Without a status, which follows from the player.
+    pub options: ViewOptions,
+    /// Until the next key.
+    pub message: Option<String>,
+}
+
+impl Viewer {
+    /// The options of the window's frame.
+    pub fn options(&self, player: &Player) -> ViewOptions {
+        let status = Status { is_paused: player.is_paused(), speed: player.speed(), message: self.message.clone() };
+        ViewOptions { status: Some(status), ..self.options.clone() }
+    }
+
+    /// Goes with the next agent of a run, and with none after the last.
+    pub fn follow_next(&mut self, run: &RunView) {
+        let agents: Vec<AgentId> = run.timeline().setting.agents.iter().map(|agent| agent.id).collect();
+        let next = match self.options.follows {
+            None => 0,
+            Some(followed) => agents.iter().position(|&agent| agent == followed).map_or(0, |at| at + 1),
+        };
+        self.options.follows = agents.get(next).copied();
+    }
 }

@@ -6,9 +6,8 @@
 //! What a window shows is drawn by [`crate::picture::film`] on the processor, one buffer of pixels a frame, as it is for
 //! stills and films; the window hands the buffer to the graphics adapter as one texture. So [`PlayerPlugin`] holds all
 //! that the window does with time, keys, mouse and further runs, and needs neither display nor adapter;
-//! [`ScreenPlugin`] adds those. A frame first lets the time pass, then does what was asked, then paints.
+//! [`ScreenPlugin`] adds those. A frame first lets the time pass, then does what was asked, then draws.
 
-mod command;
 mod controls;
 mod failure;
 mod frame;
@@ -17,20 +16,16 @@ mod input;
 mod mouse;
 mod player;
 mod run_set;
-mod saved;
 mod screen;
-mod title;
-mod viewer;
 mod window;
 
-pub use command::Command;
 pub use failure::ViewError;
-pub use frame::{PlayerPlugin, ViewSystems};
+pub use frame::{PlayerPlugin, ViewSystems, Viewer};
 pub use frame_buffer::FrameBuffer;
+pub use input::Command;
 pub use player::Player;
 pub use run_set::{RunLoader, RunSet};
 pub use screen::ScreenPlugin;
-pub use viewer::Viewer;
 pub use window::{insert_resources, play, window};
 
 use crate::picture::film::{RunView, ViewOptions};
@@ -38,7 +33,7 @@ use crate::time::SimTime;
 
 /// What a window shows first, and where it gets the rest from.
 pub struct ViewerConfig {
-    /// One run or two, each with its source; a recording has none.
+    /// One run or two, each with its loader; a recording has none.
     pub runs: Vec<(RunView, Option<Box<dyn RunLoader>>)>,
     pub options: ViewOptions,
     /// Simulated seconds for a second, from [`Player::SLOWEST`] to [`Player::FASTEST`].

@@ -1,4 +1,4 @@
-//! Shows the frame: one texture on one sprite, which covers the window.
+//! Shows the frame, one texture on one sprite that covers the window, and what runs in the title of the window.
 
 use std::time::Duration;
 
@@ -6,20 +6,20 @@ use bevy::app::{App, Plugin, Startup, Update};
 use bevy::asset::{Assets, RenderAssetUsages};
 use bevy::math::Vec2;
 use bevy::prelude::{
-    Camera2d, Changed, Commands, Component, Image, IntoScheduleConfigs, Msaa, Query, Real, Res, ResMut, Single, Sprite,
-    Time, Window, With,
+    Camera2d, Changed, Commands, Component, Image, IntoScheduleConfigs, Local, Msaa, Query, Real, Res, ResMut, Single,
+    Sprite, Time, Window, With,
 };
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use bevy::window::PrimaryWindow;
 use bevy::winit::{UpdateMode, WinitSettings};
 
-use super::title::set_title;
-use super::{FrameBuffer, Player, RunSet, ViewSystems};
+use crate::picture::film::{RunView, format_clock};
+use crate::view::{FrameBuffer, Player, RunSet, ViewSystems};
 
-/// What stands is shown afresh so often even if nothing happens, in case the display has lost it.
+/// While nothing changes the frame is shown again at this interval, in case the display has lost it.
 const IDLE: Duration = Duration::from_secs(1);
 
-/// Frames follow one another for so long at first, while the adapter gets ready.
+/// At first frames follow one another for this long, while the adapter gets ready.
 const WARM_UP: Duration = Duration::from_secs(2);
 
 /// The window's part of a frame; needs [`super::PlayerPlugin`] and bevy's plugins of a window.
@@ -29,7 +29,7 @@ impl Plugin for ScreenPlugin {
     fn build(&self, app: &mut App) {
         app.add_systems(Startup, spawn_camera_and_screen).add_systems(
             Update,
-            (fit_sheet.before(ViewSystems::Time), (show_sheet, set_title, set_pace).after(ViewSystems::Paint)),
+            (fit_frame_buffer.before(ViewSystems::Time), (show_frame, set_title, set_pace).after(ViewSystems::Draw)),
         );
     }
 }
@@ -51,7 +51,7 @@ fn texture((width, height): (u32, u32)) -> Image {
 }
 
 /// The frame has the pixels of the display, however many of them the window counts as one.
-fn fit_sheet(
+fn fit_frame_buffer(
     windows: Query<&Window, (With<PrimaryWindow>, Changed<Window>)>,
     mut sprite: Single<&mut Sprite, With<Screen>>,
     mut frame_buffer: ResMut<FrameBuffer>,
@@ -63,7 +63,7 @@ fn fit_sheet(
 }
 
 /// The texture keeps its place in the adapter's memory as long as the frame keeps its size.
-fn show_sheet(
+fn show_frame(
     sprite: Single<&Sprite, With<Screen>>,
     mut images: ResMut<Assets<Image>>,
     mut frame_buffer: ResMut<FrameBuffer>,
@@ -81,4 +81,33 @@ fn set_pace(mut settings: ResMut<WinitSettings>, player: Res<Player>, runs: Res<
     let mode = if rests { UpdateMode::reactive_low_power(IDLE) } else { UpdateMode::Continuous };
     // Windows that one looks at need not be those that one types in.
     *settings = WinitSettings { focused_mode: mode, unfocused_mode: mode };
+}
+
+/// While playing the title changes no more often than this.
+const PERIOD: Duration = Duration::from_millis(250);
+
+pub fn set_title(
+    mut windows: Query<&mut Window, With<PrimaryWindow>>,
+    mut changed: Local<Duration>,
+    time: Res<Time<Real>>,
+    player: Res<Player>,
+    runs: Res<RunSet>,
+) {
+    let is_early = time.elapsed() < *changed + PERIOD;
+    let (false, Ok(mut window)) = (is_early && !player.is_paused(), windows.single_mut()) else { return };
+    let title = window_title(&player, &runs);
+    if window.title != title {
+        window.title = title;
+        *changed = time.elapsed();
+    }
+}
+
+fn window_title(player: &Player, runs: &RunSet) -> String {
+    let runs: Vec<String> = runs.runs().into_iter().map(run_title).collect();
+    let pace = if player.is_paused() { "paused".into() } else { format!("{} x", player.speed()) };
+    format!("{} - {} - {pace}", runs.join(" | "), format_clock(player.clock()))
+}
+
+fn run_title(run: &RunView) -> String {
+    format!("{}, seed {}", run.title(), run.timeline().setting.seed)
 }

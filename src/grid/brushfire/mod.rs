@@ -14,15 +14,14 @@
 
 mod row;
 mod sideways;
-mod steps;
 
 use std::mem;
 use std::ops::Range;
 
-use super::{Connectivity, Grid};
-use row::Row;
+use row::{DistanceRow, StepCount};
 use sideways::Sideways;
-use steps::Steps;
+
+use crate::grid::{Connectivity, Grid};
 
 /// The longest side of a map: city-block distances within it fit 16 bits.
 pub const MAX_SIDE: usize = 32_767;
@@ -56,8 +55,8 @@ pub fn brushfire_into(occupied: &Grid<bool>, connectivity: Connectivity, values:
     if occupied.values().is_empty() {
         return false;
     }
-    let far_rows = Sweep::<u8>::new(occupied, connectivity).run(rows, values);
-    let is_known = far_rows == 0 || Sweep::<i16>::new(occupied, connectivity).run(far_rows, values) == 0;
+    let far_rows = BandSweep::<u8>::new(occupied, connectivity).run(rows, values);
+    let is_known = far_rows == 0 || BandSweep::<i16>::new(occupied, connectivity).run(far_rows, values) == 0;
     if !is_known {
         values.values_mut().fill(0);
     }
@@ -65,20 +64,20 @@ pub fn brushfire_into(occupied: &Grid<bool>, connectivity: Connectivity, values:
 }
 
 /// The rows that are at hand while the sweeps go over a map.
-struct Sweep<'a, T> {
+struct BandSweep<'a, T> {
     occupied: &'a Grid<bool>,
     connectivity: Connectivity,
     /// Distances in the row before the band and the rows of the band, first to obstacles above or beside, then to all.
-    band: Vec<Row<T>>,
+    band: Vec<DistanceRow<T>>,
     /// Distances to all obstacles in the row after the band.
-    below: Row<T>,
-    here: Row<T>,
+    below: DistanceRow<T>,
+    here: DistanceRow<T>,
     sideways: Sideways<T>,
 }
 
-impl<'a, T: Steps> Sweep<'a, T> {
+impl<'a, T: StepCount> BandSweep<'a, T> {
     fn new(occupied: &'a Grid<bool>, connectivity: Connectivity) -> Self {
-        let row = Row::unknown(occupied.cols());
+        let row = DistanceRow::unknown(occupied.cols());
         let sideways = Sideways::new(occupied.cols());
         Self { occupied, connectivity, band: vec![row.clone(); BAND + 1], below: row.clone(), here: row, sideways }
     }
@@ -140,11 +139,11 @@ impl<'a, T: Steps> Sweep<'a, T> {
 
 #[cfg(test)]
 mod tests {
+    use super::*;
     use std::collections::VecDeque;
 
     use rand::{Rng, RngExt};
 
-    use super::*;
     use crate::grid::{CornerCutting, TieOrder, drawn, place};
     use crate::rng;
 

@@ -1,6 +1,5 @@
-//! One row of distances, and the steps from row to row.
+//! One row of distances, the steps from row to row, and the widths that counts of steps come in.
 
-use super::Steps;
 use crate::grid::Connectivity;
 
 /// Cells that one turn of a loop treats: a few vectors, so that the bookkeeping of a turn does not show.
@@ -11,12 +10,12 @@ pub const LANES: usize = 32;
 /// The width is rounded up to whole lanes. The cells that are added are as good as free ones: no way between two cells
 /// of a rectangle gets shorter by leaving it.
 #[derive(Clone)]
-pub struct Row<T> {
+pub struct DistanceRow<T> {
     cells: Vec<T>,
     width: usize,
 }
 
-impl<T: Steps> Row<T> {
+impl<T: StepCount> DistanceRow<T> {
     pub fn unknown(cols: usize) -> Self {
         let width = cols.next_multiple_of(LANES);
         Self { cells: vec![T::UNKNOWN; LANES + width + LANES], width }
@@ -98,5 +97,54 @@ impl<T: Steps> Row<T> {
                 }
             }
         }
+    }
+}
+
+/// How many steps it is to an obstacle, or that none is known.
+pub trait StepCount: Copy + Ord {
+    const ZERO: Self;
+    /// More than any count.
+    const UNKNOWN: Self;
+
+    /// So many steps more; [`UNKNOWN`](Self::UNKNOWN) if that is too many.
+    fn plus(self, steps: u8) -> Self;
+
+    fn from_count(count: u16) -> Self;
+
+    fn count(self) -> u16;
+}
+
+impl StepCount for u8 {
+    const ZERO: Self = 0;
+    const UNKNOWN: Self = Self::MAX;
+
+    fn plus(self, steps: u8) -> Self {
+        self.saturating_add(steps)
+    }
+
+    fn from_count(count: u16) -> Self {
+        count.min(Self::MAX.into()) as Self
+    }
+
+    fn count(self) -> u16 {
+        self.into()
+    }
+}
+
+/// Counted from the lowest number upwards, since the vectors of every x86-64 know the minimum of signed words only.
+impl StepCount for i16 {
+    const ZERO: Self = Self::MIN;
+    const UNKNOWN: Self = Self::MAX;
+
+    fn plus(self, steps: u8) -> Self {
+        self.saturating_add(steps.into())
+    }
+
+    fn from_count(count: u16) -> Self {
+        count.wrapping_add_signed(Self::MIN) as Self
+    }
+
+    fn count(self) -> u16 {
+        (self as u16).wrapping_add_signed(Self::MIN)
     }
 }

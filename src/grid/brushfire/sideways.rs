@@ -7,8 +7,8 @@
 use std::mem;
 use std::ops::Range;
 
-use super::Steps;
-use super::row::{LANES, Row};
+use crate::grid::brushfire::row::StepCount;
+use crate::grid::brushfire::row::{DistanceRow, LANES};
 
 /// Cells that are left out together: fewer would be bookkeeping, more would keep near cells waiting for far ones.
 const SEGMENT: usize = 16 * LANES;
@@ -18,17 +18,17 @@ pub struct Sideways<T> {
     /// For each segment the greatest distance in it; zero for one that is finished and in both rows.
     farthest: Vec<T>,
     /// The row after the next stride.
-    next: Row<T>,
+    next: DistanceRow<T>,
 }
 
-impl<T: Steps> Sideways<T> {
+impl<T: StepCount> Sideways<T> {
     pub fn new(cols: usize) -> Self {
-        Self { farthest: vec![T::UNKNOWN; cols.div_ceil(SEGMENT)], next: Row::unknown(cols) }
+        Self { farthest: vec![T::UNKNOWN; cols.div_ceil(SEGMENT)], next: DistanceRow::unknown(cols) }
     }
 
     /// Lowers each distance to the least over all cells of the row, steps between them included. Returns whether all
     /// are known then.
-    pub fn spread(&mut self, row: &mut Row<T>) -> bool {
+    pub fn spread(&mut self, row: &mut DistanceRow<T>) -> bool {
         self.farthest.fill(T::UNKNOWN);
         let mut stride = 1;
         while usize::from(stride) < LANES && self.has_farther_than(stride) {
@@ -46,7 +46,7 @@ impl<T: Steps> Sideways<T> {
         self.farthest.iter().any(|&far| far > T::ZERO.plus(steps))
     }
 
-    fn join(&mut self, row: &mut Row<T>, stride: u8) {
+    fn join(&mut self, row: &mut DistanceRow<T>, stride: u8) {
         for (index, farthest) in self.farthest.iter_mut().enumerate() {
             let segment = segment(index, row);
             let to = &mut self.next.cells_mut()[segment.clone()];
@@ -63,7 +63,7 @@ impl<T: Steps> Sideways<T> {
     }
 
     /// Ends what strides have begun, once each cell has the least over all cells that are nearer than `LANES`.
-    fn carry(&mut self, row: &mut Row<T>) {
+    fn carry(&mut self, row: &mut DistanceRow<T>) {
         let limit = T::ZERO.plus(LANES as u8);
         let is_open = |farthest: T| farthest > limit;
         let mut edge = T::UNKNOWN;
@@ -83,14 +83,14 @@ impl<T: Steps> Sideways<T> {
     }
 }
 
-fn segment<T: Steps>(index: usize, row: &Row<T>) -> Range<usize> {
+fn segment<T: StepCount>(index: usize, row: &DistanceRow<T>) -> Range<usize> {
     index * SEGMENT..row.cells().len().min((index + 1) * SEGMENT)
 }
 
 /// Joins cells with those a stride away on both sides; returns the greatest distance then.
 // Inlined, the compiler would no longer know that the rows do not overlap, and test for it on every segment.
 #[inline(never)]
-fn join<T: Steps>(to: &mut [T], from: &[T], west: &[T], east: &[T], stride: u8) -> T {
+fn join<T: StepCount>(to: &mut [T], from: &[T], west: &[T], east: &[T], stride: u8) -> T {
     let mut farthest = [T::ZERO; LANES];
     let beside = lanes(west).iter().zip(lanes(east));
     for ((to, from), (west, east)) in lanes_mut(to).iter_mut().zip(lanes(from)).zip(beside) {
@@ -103,7 +103,7 @@ fn join<T: Steps>(to: &mut [T], from: &[T], west: &[T], east: &[T], stride: u8) 
 }
 
 /// Lowers cells to what comes from the west, where the cell before them is `edge`.
-fn carry_east<T: Steps>(cells: &mut [T], mut edge: T) {
+fn carry_east<T: StepCount>(cells: &mut [T], mut edge: T) {
     for lanes in lanes_mut(cells) {
         let next_edge = lanes[LANES - 1].min(edge.plus(LANES as u8));
         for (lane, cell) in lanes.iter_mut().enumerate() {
@@ -114,7 +114,7 @@ fn carry_east<T: Steps>(cells: &mut [T], mut edge: T) {
 }
 
 /// Lowers cells to what comes from the east, where the cell after them is `edge`; returns the greatest distance then.
-fn carry_west<T: Steps>(cells: &mut [T], mut edge: T) -> T {
+fn carry_west<T: StepCount>(cells: &mut [T], mut edge: T) -> T {
     let mut farthest = [T::ZERO; LANES];
     for lanes in lanes_mut(cells).iter_mut().rev() {
         let next_edge = lanes[0].min(edge.plus(LANES as u8));
@@ -127,7 +127,7 @@ fn carry_west<T: Steps>(cells: &mut [T], mut edge: T) -> T {
     greatest(farthest)
 }
 
-fn greatest<T: Steps>(lanes: [T; LANES]) -> T {
+fn greatest<T: StepCount>(lanes: [T; LANES]) -> T {
     lanes.into_iter().fold(T::ZERO, T::max)
 }
 

@@ -2,7 +2,7 @@
 
 use std::ops::{BitAnd, BitOr, BitOrAssign, BitXor, Not};
 
-/// Cells along a side of a tile.
+/// CellSet along a side of a tile.
 pub const SIDE: usize = 16;
 
 /// Rows and columns of a tile are numbered from its north-west cell.
@@ -10,17 +10,17 @@ pub const SIDE: usize = 16;
 /// Even and odd rows lie apart, 16 bits a row, column 0 lowest: the rows north and south of all odd ones are the even
 /// ones. All work is done on pairs of words, which the compiler turns into vector instructions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Cells {
-    even: Pair,
-    odd: Pair,
+pub struct CellSet {
+    even: WordPair,
+    odd: WordPair,
 }
 
 /// Eight rows, the northernmost in the lowest bits of the first word.
-type Pair = [u64; 2];
+type WordPair = [u64; 2];
 
 /// One cell of a tile.
 #[derive(Clone, Copy)]
-pub struct Cell {
+pub struct TileCell {
     word: u8,
     bit: u8,
 }
@@ -29,13 +29,13 @@ const EVERY_ROW: u64 = 0x0001_0001_0001_0001;
 const WEST_EDGE: u64 = EVERY_ROW;
 const EAST_EDGE: u64 = EVERY_ROW << (SIDE - 1);
 
-impl Cell {
+impl TileCell {
     pub const fn at(row: usize, col: usize) -> Self {
         Self { word: (row % 2 * 2 + row / 8) as u8, bit: (row % 8 / 2 * SIDE + col) as u8 }
     }
 }
 
-impl Cells {
+impl CellSet {
     pub const NONE: Self = Self { even: [0; 2], odd: [0; 2] };
 
     #[inline]
@@ -57,7 +57,7 @@ impl Cells {
     /// A row's cells, column 0 lowest.
     #[inline]
     pub fn row(self, row: usize) -> u16 {
-        let cell = Cell::at(row, 0);
+        let cell = TileCell::at(row, 0);
         (self.words()[usize::from(cell.word)] >> cell.bit) as u16
     }
 
@@ -73,7 +73,7 @@ impl Cells {
     }
 
     #[inline]
-    pub fn add(&mut self, cell: Cell) {
+    pub fn add(&mut self, cell: TileCell) {
         let Self { even: [a, b], odd: [c, d] } = self;
         *[a, b, c, d][usize::from(cell.word)] |= 1 << cell.bit;
     }
@@ -119,17 +119,17 @@ impl Cells {
     }
 
     #[inline]
-    fn pairwise(self, other: Self, join: impl Fn(Pair, Pair) -> Pair) -> Self {
+    fn pairwise(self, other: Self, join: impl Fn(WordPair, WordPair) -> WordPair) -> Self {
         Self { even: join(self.even, other.even), odd: join(self.odd, other.odd) }
     }
 }
 
 #[inline]
-fn either(some: Pair, others: Pair) -> Pair {
+fn either(some: WordPair, others: WordPair) -> WordPair {
     [some[0] | others[0], some[1] | others[1]]
 }
 
-impl BitOr for Cells {
+impl BitOr for CellSet {
     type Output = Self;
     #[inline]
     fn bitor(self, other: Self) -> Self {
@@ -137,14 +137,14 @@ impl BitOr for Cells {
     }
 }
 
-impl BitOrAssign for Cells {
+impl BitOrAssign for CellSet {
     #[inline]
     fn bitor_assign(&mut self, other: Self) {
         *self = *self | other;
     }
 }
 
-impl BitAnd for Cells {
+impl BitAnd for CellSet {
     type Output = Self;
     #[inline]
     fn bitand(self, other: Self) -> Self {
@@ -152,7 +152,7 @@ impl BitAnd for Cells {
     }
 }
 
-impl Not for Cells {
+impl Not for CellSet {
     type Output = Self;
     #[inline]
     fn not(self) -> Self {
@@ -160,7 +160,7 @@ impl Not for Cells {
     }
 }
 
-impl BitXor for Cells {
+impl BitXor for CellSet {
     type Output = Self;
     #[inline]
     fn bitxor(self, other: Self) -> Self {
@@ -172,10 +172,10 @@ impl BitXor for Cells {
 mod tests {
     use super::*;
 
-    fn set(cells: impl IntoIterator<Item = (usize, usize)>) -> Cells {
-        let mut set = Cells::NONE;
+    fn set(cells: impl IntoIterator<Item = (usize, usize)>) -> CellSet {
+        let mut set = CellSet::NONE;
         for (row, col) in cells {
-            set.add(Cell::at(row, col));
+            set.add(TileCell::at(row, col));
         }
         set
     }

@@ -1,30 +1,30 @@
 //! What a flood has found out about the cells of a tile, one byte a cell.
 
-use super::GOAL;
-use super::cells::{Cells, SIDE};
-use super::flood::{EAST, NORTH, SOUTH, Sides, WEST, Window};
-use super::moves::far_if;
+use crate::grid::wavefront::GOAL;
+use crate::grid::wavefront::cells::{CellSet, SIDE};
+use crate::grid::wavefront::flood::{EAST, NORTH, SOUTH, Sides, WEST, Window};
+use crate::grid::wavefront::moves::far_if;
 
 /// A byte per cell: `REACHED` plus levels after the first of a window, the value of an obstacle, or that of a cell not
 /// reached.
 ///
-/// Word `i`, byte `j` is, for each of the four words of [`Cells`], the cell of bit `8 * j + i`.
+/// Word `i`, byte `j` is, for each of the four words of [`CellSet`], the cell of bit `8 * j + i`.
 #[derive(Clone, Copy)]
 pub struct Codes([[u64; 4]; 8]);
 
 /// The codes in order, row by row.
-pub type Rows = [[u8; SIDE]; SIDE];
+pub type CodeRows = [[u8; SIDE]; SIDE];
 
 const REACHED: u8 = 0x80;
 
 impl Codes {
     /// What a window found out.
-    pub fn new(window: &Window, free: Cells) -> Self {
-        let mut planes = [Cells::NONE; 8];
+    pub fn new(window: &Window, free: CellSet) -> Self {
+        let mut planes = [CellSet::NONE; 8];
         planes[..window.planes.len()].copy_from_slice(&window.planes);
         planes[0] |= !free;
         planes[7] = window.reached;
-        let mut words = planes.map(Cells::words);
+        let mut words = planes.map(CellSet::words);
         transpose_bits(&mut words);
         Self(words)
     }
@@ -71,7 +71,7 @@ impl Codes {
     }
 
     /// The codes in order.
-    pub fn rows(&self) -> Rows {
+    pub fn rows(&self) -> CodeRows {
         let mut words = self.0;
         transpose_bytes(&mut words);
         let mut rows = [[0; SIDE]; SIDE];

@@ -1,7 +1,7 @@
 //! The wave inside one tile, level by level, from the arrivals at its sides.
 
-use super::cells::{Cell, Cells, SIDE};
-use super::moves::{FAR, Moves, far_if};
+use crate::grid::wavefront::cells::{CellSet, SIDE, TileCell};
+use crate::grid::wavefront::moves::{FAR, Moves, far_if};
 
 /// North, south, west, east; `side ^ 1` is the opposite one.
 pub const NORTH: usize = 0;
@@ -14,38 +14,38 @@ pub type Sides = [[i32; SIDE]; 4];
 
 /// Levels that are recorded together: as many as the bit planes can count, less the last four.
 ///
-/// Four, because the levels run in fours; less, because the place for other arrivals in [`Flood::sow`] makes the table
+/// Four, because the levels run in fours; less, because the place for other arrivals in [`TileFlood::sow`] makes the table
 /// of a full 64 too long for the fast way to clear it.
 pub const SPAN: usize = (1 << PLANES) - 4;
 const PLANES: usize = 6;
 
 /// A wave that is still to run through (the rest of) a tile.
-pub struct Flood<'a> {
-    free: Cells,
+pub struct TileFlood<'a> {
+    free: CellSet,
     /// Free cells that the wave has not reached.
-    open: Cells,
+    open: CellSet,
     arrivals: &'a Sides,
     /// The first level that has not run, and the cells known to be reached there.
     level: i32,
-    pending: Cells,
+    pending: CellSet,
 }
 
 /// The cells that were reached in `SPAN` levels from `first` on.
 pub struct Window {
     pub first: i32,
-    pub reached: Cells,
+    pub reached: CellSet,
     /// Bit `k` of the number of levels after the first, for all cells.
-    pub planes: [Cells; PLANES],
+    pub planes: [CellSet; PLANES],
 }
 
 impl Window {
     /// A window in which nothing happens.
-    pub const NONE: Self = Self { first: 0, reached: Cells::NONE, planes: [Cells::NONE; PLANES] };
+    pub const NONE: Self = Self { first: 0, reached: CellSet::NONE, planes: [CellSet::NONE; PLANES] };
 }
 
-impl<'a> Flood<'a> {
+impl<'a> TileFlood<'a> {
     /// A wave from the cells `source` at `level` and from `arrivals` at theirs, as far as they are not earlier.
-    pub fn new(free: Cells, source: Cells, level: i32, arrivals: &'a Sides) -> Self {
+    pub fn new(free: CellSet, source: CellSet, level: i32, arrivals: &'a Sides) -> Self {
         Self { free, open: free, arrivals, level, pending: source }
     }
 
@@ -56,12 +56,12 @@ impl<'a> Flood<'a> {
             return None;
         }
         let first = if self.pending.is_empty() { earliest(self.arrivals, self.level)? } else { self.level };
-        let mut seeds = [Cells::NONE; SPAN + 1];
+        let mut seeds = [CellSet::NONE; SPAN + 1];
         let last = self.sow(first, &mut seeds);
         seeds[1] |= self.pending;
         let mut open = self.open;
-        let mut front = Cells::NONE;
-        let mut planes = [Cells::NONE; PLANES];
+        let mut front = CellSet::NONE;
+        let mut planes = [CellSet::NONE; PLANES];
         // Four levels at a time, so that the two lowest planes need no questions.
         for (block, fronts) in seeds[1..].as_chunks_mut::<4>().0.iter_mut().enumerate() {
             for seeds in fronts.iter_mut() {
@@ -92,7 +92,7 @@ impl<'a> Flood<'a> {
     /// Puts border cells at places 1 to `SPAN` by the level, from `first` on, at which arrivals come there, and tells the
     /// last such place.
     #[inline(always)]
-    fn sow(&self, first: i32, seeds: &mut [Cells; SPAN + 1]) -> usize {
+    fn sow(&self, first: i32, seeds: &mut [CellSet; SPAN + 1]) -> usize {
         // Arrivals at other levels go to place 0, so that nothing branches.
         let mut places = [[0; SIDE]; 4];
         for (place, &arrival) in places.as_flattened_mut().iter_mut().zip(self.arrivals.as_flattened()) {
@@ -114,21 +114,21 @@ impl<'a> Flood<'a> {
 }
 
 /// The cells along each side.
-const BORDER: [[Cell; SIDE]; 4] = {
-    let mut border = [[Cell::at(0, 0); SIDE]; 4];
+const BORDER: [[TileCell; SIDE]; 4] = {
+    let mut border = [[TileCell::at(0, 0); SIDE]; 4];
     let mut i = 0;
     while i < SIDE {
-        border[NORTH][i] = Cell::at(0, i);
-        border[SOUTH][i] = Cell::at(SIDE - 1, i);
-        border[WEST][i] = Cell::at(i, 0);
-        border[EAST][i] = Cell::at(i, SIDE - 1);
+        border[NORTH][i] = TileCell::at(0, i);
+        border[SOUTH][i] = TileCell::at(SIDE - 1, i);
+        border[WEST][i] = TileCell::at(i, 0);
+        border[EAST][i] = TileCell::at(i, SIDE - 1);
         i += 1;
     }
     border
 };
 
 /// The cells along a side.
-pub fn along(cells: Cells, side: usize) -> u16 {
+pub fn along(cells: CellSet, side: usize) -> u16 {
     match side {
         NORTH => cells.row(0),
         SOUTH => cells.row(SIDE - 1),

@@ -11,20 +11,21 @@
 //! among obstacles twice or so. What its last flood found out about its cells is kept as a byte for each ([`codes`]), in
 //! the memory of the result ([`records`]). When nothing improves any more, the values are written in the order of memory.
 
-mod agenda;
 mod cells;
 mod codes;
 mod flood;
 mod moves;
-mod plain;
 mod records;
+mod tile_queue;
 mod tiles;
+
+use std::collections::VecDeque;
 
 use cells::SIDE;
 use moves::{AnyDiagonal, FAR, Moves, OpenDiagonal, Straight};
 use tiles::Tiles;
 
-use super::{BadPlace, Connectivity, CornerCutting, Grid, Place, Route, TieOrder, place};
+use crate::grid::{BadPlace, Connectivity, CornerCutting, Grid, Place, Route, TieOrder, place};
 
 /// Value of occupied cells.
 pub const OBSTACLE: u32 = 1;
@@ -65,15 +66,17 @@ pub fn wavefront_into(
         *values = Grid::filled(occupied.rows(), occupied.cols(), UNREACHED);
     }
     match (connectivity, corners) {
-        _ if occupied.rows().min(occupied.cols()) < SIDE => plain::fill(occupied, goal, connectivity, corners, values),
-        (Connectivity::Four, _) => fill::<Straight>(occupied, goal, values),
-        (Connectivity::Eight, CornerCutting::Allowed) => fill::<AnyDiagonal>(occupied, goal, values),
-        (Connectivity::Eight, CornerCutting::Forbidden) => fill::<OpenDiagonal>(occupied, goal, values),
+        _ if occupied.rows().min(occupied.cols()) < SIDE => {
+            fill_by_queue(occupied, goal, connectivity, corners, values)
+        }
+        (Connectivity::Four, _) => fill_by_tiles::<Straight>(occupied, goal, values),
+        (Connectivity::Eight, CornerCutting::Allowed) => fill_by_tiles::<AnyDiagonal>(occupied, goal, values),
+        (Connectivity::Eight, CornerCutting::Forbidden) => fill_by_tiles::<OpenDiagonal>(occupied, goal, values),
     }
     Ok(())
 }
 
-fn fill<M: Moves>(occupied: &Grid<bool>, goal: Place, values: &mut Grid<u32>) {
+fn fill_by_tiles<M: Moves>(occupied: &Grid<bool>, goal: Place, values: &mut Grid<u32>) {
     assert!(occupied.values().len() <= FAR as usize, "steps are counted below {FAR}");
     let mut tiles = Tiles::new(occupied, goal, values);
     tiles.settle::<M>();
@@ -107,11 +110,35 @@ pub fn descend_wavefront(
     Route::Found(path)
 }
 
+pub fn fill_by_queue(
+    occupied: &Grid<bool>,
+    goal: Place,
+    connectivity: Connectivity,
+    corners: CornerCutting,
+    values: &mut Grid<u32>,
+) {
+    for (value, &is_occupied) in values.values_mut().iter_mut().zip(occupied.values()) {
+        *value = if is_occupied { OBSTACLE } else { UNREACHED };
+    }
+    values[goal] = GOAL;
+    let mut front = VecDeque::from([goal]);
+    while let Some(from) = front.pop_front() {
+        for &offset in TieOrder::CrossFirst.steps(connectivity) {
+            if let Some(to) = place::step(occupied, from, offset, corners)
+                && values[to] == UNREACHED
+            {
+                values[to] = values[from] + 1;
+                front.push_back(to);
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use super::*;
     use rand::RngExt;
 
-    use super::*;
     use crate::grid::drawn;
     use crate::rng::{Xoshiro256PlusPlus, stream};
 
@@ -201,7 +228,7 @@ mod tests {
                 for goal in goals(&occupied, &mut rng) {
                     for (connectivity, corners) in RULES {
                         let mut expected = Grid::filled(rows, cols, UNREACHED);
-                        plain::fill(&occupied, goal, connectivity, corners, &mut expected);
+                        fill_by_queue(&occupied, goal, connectivity, corners, &mut expected);
                         let found = wavefront(&occupied, goal, connectivity, corners).unwrap();
                         assert!(found == expected, "{rows} x {cols}, goal {goal:?}, {connectivity:?}, {corners:?}");
                     }
@@ -216,7 +243,7 @@ mod tests {
         for (connectivity, corners) in RULES {
             let values = wavefront(&occupied, (0, 0), connectivity, corners).unwrap();
             let mut expected = Grid::filled(401, 401, UNREACHED);
-            plain::fill(&occupied, (0, 0), connectivity, corners, &mut expected);
+            fill_by_queue(&occupied, (0, 0), connectivity, corners, &mut expected);
             assert!(values == expected, "{connectivity:?}, {corners:?}");
             assert!(values[(400, 400)] > 1 << 16);
         }

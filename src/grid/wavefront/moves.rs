@@ -2,7 +2,7 @@
 //!
 //! Beside a side, cells are known by their steps to the goal: [`WALL`] if occupied, [`FAR`] if none are known yet.
 
-use super::cells::{Cells, SIDE};
+use crate::grid::wavefront::cells::{CellSet, SIDE};
 
 /// Steps at an occupied cell. It is below all others, so nothing seems to improve it.
 pub const WALL: i32 = -1;
@@ -17,14 +17,14 @@ pub fn far_if(condition: bool, steps: i32) -> i32 {
 }
 
 /// Steps at the cells along a side.
-pub type Line = [i32; SIDE];
+pub type SideSteps = [i32; SIDE];
 
 pub trait Moves {
     /// The cells one step away from `front`, some of them perhaps not free.
-    fn grow(front: Cells, free: Cells) -> Cells;
+    fn grow(front: CellSet, free: CellSet) -> CellSet;
 
     /// The steps with which paths over the cells of `from` arrive on those of `to`, the line beside it.
-    fn arrivals(from: &Line, to: &Line) -> Line;
+    fn arrivals(from: &SideSteps, to: &SideSteps) -> SideSteps;
 
     /// The steps with which a diagonal step arrives from a cell, past the two cells `beside`.
     fn diagonal_arrival(from: i32, beside: [i32; 2]) -> i32;
@@ -41,14 +41,14 @@ pub struct OpenDiagonal;
 
 impl Moves for Straight {
     #[inline(always)]
-    fn grow(front: Cells, free: Cells) -> Cells {
+    fn grow(front: CellSet, free: CellSet) -> CellSet {
         // A front is free anyway. Without this the compiler moves every word of it out of the vector registers.
         let front = front & free;
         front.north() | front.south() | front.west() | front.east()
     }
 
     #[inline(always)]
-    fn arrivals(from: &Line, _to: &Line) -> Line {
+    fn arrivals(from: &SideSteps, _to: &SideSteps) -> SideSteps {
         std::array::from_fn(|i| leave(from[i]))
     }
 
@@ -59,13 +59,13 @@ impl Moves for Straight {
 
 impl Moves for AnyDiagonal {
     #[inline(always)]
-    fn grow(front: Cells, _free: Cells) -> Cells {
+    fn grow(front: CellSet, _free: CellSet) -> CellSet {
         let row = front | front.west() | front.east();
         row | row.north() | row.south()
     }
 
     #[inline(always)]
-    fn arrivals(from: &Line, _to: &Line) -> Line {
+    fn arrivals(from: &SideSteps, _to: &SideSteps) -> SideSteps {
         let leaving = padded(&std::array::from_fn(|i| leave(from[i])));
         std::array::from_fn(|i| leaving[i].min(leaving[i + 1]).min(leaving[i + 2]))
     }
@@ -77,7 +77,7 @@ impl Moves for AnyDiagonal {
 
 impl Moves for OpenDiagonal {
     #[inline(always)]
-    fn grow(front: Cells, free: Cells) -> Cells {
+    fn grow(front: CellSet, free: CellSet) -> CellSet {
         let [north, south] = [front.north() & free, front.south() & free];
         let [west, east] = [front.west() & free, front.east() & free];
         let over_west = (north.west() & west.north()) | (south.west() & west.south());
@@ -86,7 +86,7 @@ impl Moves for OpenDiagonal {
     }
 
     #[inline(always)]
-    fn arrivals(from: &Line, to: &Line) -> Line {
+    fn arrivals(from: &SideSteps, to: &SideSteps) -> SideSteps {
         let (from, to) = (padded(from), padded(to));
         std::array::from_fn(|i| {
             let before = Self::diagonal_arrival(from[i], [from[i + 1], to[i]]);
@@ -105,7 +105,7 @@ fn leave(from: i32) -> i32 {
 }
 
 /// A line between two more cells, from which nothing arrives.
-fn padded(line: &Line) -> [i32; SIDE + 2] {
+fn padded(line: &SideSteps) -> [i32; SIDE + 2] {
     let mut padded = [FAR; SIDE + 2];
     padded[1..=SIDE].copy_from_slice(line);
     padded

@@ -2,10 +2,10 @@
 
 use std::array;
 
-use super::cells::{Cells, SIDE};
-use super::codes::Codes;
-use super::flood::{Sides, reduce};
-use super::moves::{FAR, Line, far_if};
+use crate::grid::wavefront::cells::{CellSet, SIDE};
+use crate::grid::wavefront::codes::Codes;
+use crate::grid::wavefront::flood::{Sides, reduce};
+use crate::grid::wavefront::moves::{FAR, SideSteps, far_if};
 use crate::grid::{Grid, Place};
 
 /// Numbers that a record takes: steps at the cells along the sides, then the free cells.
@@ -15,19 +15,19 @@ const FREE: usize = 4 * SIDE;
 const CODES: usize = 64;
 
 /// A tile's record: steps at the cells along its sides, and its free cells.
-pub struct Record<T>(T);
+pub struct TileRecord<T>(T);
 
 /// The records of all tiles, and the codes of all cells after the last flood of their tile.
 ///
 /// The codes are kept in the grid that the values will be written to: the 16 rows of values that a row of tiles covers
 /// have room for its codes, four to a value. Where fewer than 16 rows are left at the end of the map, a vector has them.
-pub struct Records<'a> {
+pub struct TileRecords<'a> {
     values: &'a mut Grid<u32>,
     last_row: Vec<u32>,
     tiles: Vec<[u32; LENGTH]>,
 }
 
-impl<'a> Records<'a> {
+impl<'a> TileRecords<'a> {
     /// Empty records and any codes, for tiles that cover `values`.
     pub fn new(values: &'a mut Grid<u32>) -> Self {
         let cols = values.cols().div_ceil(SIDE);
@@ -36,13 +36,13 @@ impl<'a> Records<'a> {
         Self { values, last_row: vec![0; cut * CODES], tiles }
     }
 
-    pub fn get(&self, tile: Place) -> Record<&[u32; LENGTH]> {
-        Record(&self.tiles[tile.0 * self.cols() + tile.1])
+    pub fn get(&self, tile: Place) -> TileRecord<&[u32; LENGTH]> {
+        TileRecord(&self.tiles[tile.0 * self.cols() + tile.1])
     }
 
-    pub fn get_mut(&mut self, tile: Place) -> Record<&mut [u32; LENGTH]> {
+    pub fn get_mut(&mut self, tile: Place) -> TileRecord<&mut [u32; LENGTH]> {
         let index = tile.0 * self.cols() + tile.1;
-        Record(&mut self.tiles[index])
+        TileRecord(&mut self.tiles[index])
     }
 
     fn cols(&self) -> usize {
@@ -71,7 +71,7 @@ impl<'a> Records<'a> {
     }
 }
 
-impl Record<&[u32; LENGTH]> {
+impl TileRecord<&[u32; LENGTH]> {
     pub fn sides(&self) -> Sides {
         let mut sides = [[FAR; SIDE]; 4];
         for (steps, &word) in sides.as_flattened_mut().iter_mut().zip(self.0) {
@@ -82,7 +82,7 @@ impl Record<&[u32; LENGTH]> {
 
     /// Steps at the cells along one side.
     #[inline(always)]
-    pub fn side(&self, side: usize) -> Line {
+    pub fn side(&self, side: usize) -> SideSteps {
         let mut steps = [FAR; SIDE];
         for (steps, &word) in steps.iter_mut().zip(&self.0[side * SIDE..(side + 1) * SIDE]) {
             *steps = word as i32;
@@ -90,8 +90,8 @@ impl Record<&[u32; LENGTH]> {
         steps
     }
 
-    pub fn free(&self) -> Cells {
-        Cells::from_words(array::from_fn(|i| word(self.0, FREE + 2 * i)))
+    pub fn free(&self) -> CellSet {
+        CellSet::from_words(array::from_fn(|i| word(self.0, FREE + 2 * i)))
     }
 }
 
@@ -105,19 +105,19 @@ fn set_words(pairs: &mut [u32], words: &[u64]) {
     }
 }
 
-impl Record<&mut [u32; LENGTH]> {
+impl TileRecord<&mut [u32; LENGTH]> {
     pub fn set_sides(&mut self, sides: &Sides) {
         for (word, &steps) in self.0.iter_mut().zip(sides.as_flattened()) {
             *word = steps as u32;
         }
     }
 
-    pub fn set_free(&mut self, free: Cells) {
+    pub fn set_free(&mut self, free: CellSet) {
         set_words(&mut self.0[FREE..], &free.words());
     }
 
     /// Lowers the steps of the cells along a side to `arrivals`; the lowest that is an improvement, else `FAR` or more.
-    pub fn lower_side(&mut self, side: usize, arrivals: &Line) -> i32 {
+    pub fn lower_side(&mut self, side: usize, arrivals: &SideSteps) -> i32 {
         let line = self.0[side * SIDE..].first_chunk_mut::<SIDE>().expect("sides come first");
         reduce(&lower(line, arrivals), i32::min)
     }
@@ -135,7 +135,7 @@ impl Record<&mut [u32; LENGTH]> {
 
 /// Lowers the steps of a line; the arrivals that improve them, `FAR` or more in place of the others.
 #[inline(always)]
-fn lower(line: &mut [u32; SIDE], arrivals: &Line) -> Line {
+fn lower(line: &mut [u32; SIDE], arrivals: &SideSteps) -> SideSteps {
     let mut improvements = [FAR; SIDE];
     for ((improvement, word), &arrival) in improvements.iter_mut().zip(line).zip(arrivals) {
         let known = *word as i32;

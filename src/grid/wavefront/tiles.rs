@@ -1,19 +1,19 @@
 //! A map cut into tiles, which tell each other what their sides know.
 
-use super::UNREACHED;
-use super::agenda::Agenda;
-use super::cells::{Cell, Cells, SIDE};
-use super::codes::{Codes, Rows, values};
-use super::flood::{EAST, Flood, NORTH, SOUTH, SPAN, Sides, WEST, Window, along};
-use super::moves::{FAR, Moves, WALL};
-use super::records::Records;
+use crate::grid::wavefront::UNREACHED;
+use crate::grid::wavefront::cells::{CellSet, SIDE, TileCell};
+use crate::grid::wavefront::codes::{CodeRows, Codes, values};
+use crate::grid::wavefront::flood::{EAST, NORTH, SOUTH, SPAN, Sides, TileFlood, WEST, Window, along};
+use crate::grid::wavefront::moves::{FAR, Moves, WALL};
+use crate::grid::wavefront::records::TileRecords;
+use crate::grid::wavefront::tile_queue::TileQueue;
 use crate::grid::{Grid, Place};
 
 /// The tiles of a map, row by row.
 pub struct Tiles<'a> {
     rows: usize,
     cols: usize,
-    records: Records<'a>,
+    records: TileRecords<'a>,
     /// The level at which the wave came to each tile, `FAR` if it did not, `OFTEN` if its flood took several windows.
     first: Vec<i32>,
     source: Place,
@@ -23,17 +23,17 @@ pub struct Tiles<'a> {
 const OFTEN: i32 = i32::MAX;
 
 /// The codes of a window in a column of tiles.
-struct Sheet {
+struct TileCodes {
     col: usize,
     first: i32,
-    rows: Rows,
+    rows: CodeRows,
 }
 
 impl<'a> Tiles<'a> {
     /// Cuts a map on which nothing but the goal is reached.
     pub fn new(occupied: &Grid<bool>, goal: Place, values: &'a mut Grid<u32>) -> Self {
         let (rows, cols) = (occupied.rows().div_ceil(SIDE), occupied.cols().div_ceil(SIDE));
-        let mut records = Records::new(values);
+        let mut records = TileRecords::new(values);
         for row in 0..rows {
             for (col, free) in cut(occupied, row).into_iter().enumerate() {
                 let mut record = records.get_mut((row, col));
@@ -49,7 +49,7 @@ impl<'a> Tiles<'a> {
     /// All that a side ever holds is the length of some path, and lengths only fall, so the order in which tiles come does
     /// not matter. That the tile with the earliest improvement comes first only saves work: most tiles come once.
     pub fn settle<M: Moves>(&mut self) {
-        let mut agenda = Agenda::new(self.first.len());
+        let mut agenda = TileQueue::new(self.first.len());
         let (row, col) = self.source_tile();
         agenda.put(row * self.cols + col, 0);
         while let Some((index, level)) = agenda.take() {
@@ -68,7 +68,7 @@ impl<'a> Tiles<'a> {
         let record = self.records.get(tile);
         let (free, arrivals) = (record.free(), record.sides());
         let mut sides = arrivals;
-        let mut flood = Flood::new(free, self.source_in(tile, first), first, &arrivals);
+        let mut flood = TileFlood::new(free, self.source_in(tile, first), first, &arrivals);
         let mut only = None;
         let mut windows = 0;
         while let Some(window) = flood.next_window::<M>() {
@@ -90,7 +90,7 @@ impl<'a> Tiles<'a> {
     }
 
     /// Lowers the steps at the sides of a tile's neighbours, and puts those that this improves on the agenda.
-    fn announce<M: Moves>(&mut self, tile: Place, sides: &Sides, agenda: &mut Agenda) {
+    fn announce<M: Moves>(&mut self, tile: Place, sides: &Sides, agenda: &mut TileQueue) {
         let mut walls = [[WALL; 2]; 4];
         for side in [NORTH, SOUTH, WEST, EAST] {
             if let Some(next) = self.next(tile, side) {
@@ -133,13 +133,13 @@ impl<'a> Tiles<'a> {
     }
 
     /// Appends all that was found out about a tile's cells.
-    fn read<M: Moves>(&self, tile: Place, sheets: &mut Vec<Sheet>) {
+    fn read<M: Moves>(&self, tile: Place, sheets: &mut Vec<TileCodes>) {
         let record = self.records.get(tile);
-        let mut add = |first, codes: &Codes| sheets.push(Sheet { col: tile.1, first, rows: codes.rows() });
+        let mut add = |first, codes: &Codes| sheets.push(TileCodes { col: tile.1, first, rows: codes.rows() });
         match self.first[tile.0 * self.cols + tile.1] {
             OFTEN => {
                 let (free, sides) = (record.free(), record.sides());
-                let mut flood = Flood::new(free, self.source_in(tile, 0), 0, &sides);
+                let mut flood = TileFlood::new(free, self.source_in(tile, 0), 0, &sides);
                 while let Some(window) = flood.next_window::<M>() {
                     add(window.first, &Codes::new(&window, free));
                 }
@@ -164,18 +164,18 @@ impl<'a> Tiles<'a> {
     }
 
     /// The source, if it lies in a tile whose flood begins at `level`.
-    fn source_in(&self, tile: Place, level: i32) -> Cells {
-        let mut cells = Cells::NONE;
+    fn source_in(&self, tile: Place, level: i32) -> CellSet {
+        let mut cells = CellSet::NONE;
         if level == 0 && tile == self.source_tile() {
-            cells.add(Cell::at(self.source.0 % SIDE, self.source.1 % SIDE));
+            cells.add(TileCell::at(self.source.0 % SIDE, self.source.1 % SIDE));
         }
         cells
     }
 }
 
 /// The free cells of a row of tiles.
-fn cut(occupied: &Grid<bool>, tile_row: usize) -> Vec<Cells> {
-    let mut tiles = vec![Cells::NONE; occupied.cols().div_ceil(SIDE)];
+fn cut(occupied: &Grid<bool>, tile_row: usize) -> Vec<CellSet> {
+    let mut tiles = vec![CellSet::NONE; occupied.cols().div_ceil(SIDE)];
     for row in tile_row * SIDE..occupied.rows().min((tile_row + 1) * SIDE) {
         let (whole, rest) = occupied.row(row).as_chunks::<SIDE>();
         for (tile, cells) in tiles.iter_mut().zip(whole) {
@@ -190,7 +190,7 @@ fn cut(occupied: &Grid<bool>, tile_row: usize) -> Vec<Cells> {
     tiles
 }
 
-fn write_row(sheets: &[Sheet], row: usize, line: &mut [u32]) {
+fn write_row(sheets: &[TileCodes], row: usize, line: &mut [u32]) {
     line.fill(UNREACHED);
     for sheet in sheets {
         let found = values(&sheet.rows[row], sheet.first);

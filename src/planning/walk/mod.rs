@@ -105,8 +105,8 @@ mod tests {
 
     use super::test_lattices::{FRAME, field, on_cells};
     use super::*;
+    use crate::grid::astar::StepCosts;
     use crate::grid::potential::{Attraction, Repulsion};
-    use crate::grid::step_costs::StepCosts;
     use crate::grid::{Connectivity, CornerCutting, Grid, octile};
     use crate::planning::Unobserved;
 
@@ -125,7 +125,7 @@ mod tests {
     fn price(lattice: &WalkLattice, costs: &WalkCosts, path: &[usize]) -> f64 {
         let step = |pair: &[usize]| {
             let (k, next) = lattice.steps(pair[0]).find(|&(_, next)| next == pair[1]).expect("steps are legal");
-            costs.of(k, pair[0], next)
+            costs.cost(k, pair[0], next)
         };
         path.windows(2).map(step).sum()
     }

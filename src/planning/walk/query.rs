@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use crate::grid::step_costs::StepCosts;
+use crate::grid::astar::StepCosts;
 
 use super::lattice::WalkLattice;
 
@@ -63,8 +63,8 @@ pub struct WalkCosts {
 
 /// A step costs the mean of the factors at its two ends times its own cost, so it costs the same both ways.
 impl StepCosts for &WalkCosts {
-    fn of(&self, k: usize, from: usize, to: usize) -> f64 {
-        let cost = self.steps.of(k, from, to);
+    fn cost(&self, k: usize, from: usize, to: usize) -> f64 {
+        let cost = self.steps.cost(k, from, to);
         match &self.factors {
             None => cost,
             Some(factors) => cost * (0.5 * (factors[from] + factors[to])),

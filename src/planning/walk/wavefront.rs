@@ -1,7 +1,7 @@
 use glam::DVec2;
 
+use crate::grid::astar::StepCosts;
 use crate::grid::octile::cost_to_go;
-use crate::grid::step_costs::StepCosts;
 use crate::planning::{PlanningObserver, SearchPhase};
 
 use super::lattice::WalkLattice;
@@ -31,7 +31,7 @@ pub fn walk(costs: &WalkCosts, query: &WalkQuery<'_>, observer: &mut dyn Plannin
 
 /// The point that follows one at a finite cost which is no goal.
 fn downhill(costs: &WalkCosts, lattice: &WalkLattice, to_go: &[f64], here: usize) -> usize {
-    let by_way_of = |&(k, next): &(usize, usize)| costs.of(k, here, next) + to_go[next];
+    let by_way_of = |&(k, next): &(usize, usize)| costs.cost(k, here, next) + to_go[next];
     let next = lattice.steps(here).min_by(|a, b| by_way_of(a).total_cmp(&by_way_of(b)));
     next.expect("a finite cost was reached over some step").1
 }

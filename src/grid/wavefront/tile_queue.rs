@@ -1,9 +1,20 @@
-//! Which tile comes next.
+//! Wavefront: how many steps every cell is from the goal, and paths that walk down its values.
+//!
+//! The values are those of NF1 (Barraquand, Langlois, Latombe, "Numerical potential field techniques for robot path
+//! planning", IEEE Transactions on Systems, Man, and Cybernetics 22(2), 1992), that is, of a breadth-first search.
+//!
+//! A queue of cells would spend its time on guesses and on memory. Here a map is cut into tiles of 16 x 16 cells
+//! ([`tiles`]). Inside a tile the wave moves all cells of a level at once, as bits ([`cells`], [`moves`], [`flood`]);
+//! between tiles only the steps at the cells along their sides count. A tile comes again when a neighbour has found
+//! shorter ways to its sides, the earliest first ([`agenda`]; the buckets are those of Meyer, Sanders, "Delta-stepping: a
+//! parallelizable shortest path algorithm", Journal of Algorithms 49, 2003, section 2). In the open each tile comes once,
+//! among obstacles twice or so. What its last flood found out about its cells is kept as a byte for each ([`codes`]), in
+//! the memory of the result ([`records`]). When nothing improves any more, the values are written in the order of memory.
 
 use std::collections::VecDeque;
 use std::mem;
 
-use super::moves::FAR;
+use crate::grid::wavefront::moves::FAR;
 
 /// Levels that share a round.
 const LEVELS: i32 = 16;
@@ -13,7 +24,7 @@ const ROUNDS: usize = 64;
 /// Tiles that wait, in rounds of the levels at which they are due.
 ///
 /// The order within a round is that of coming. Order costs or saves work only; it does not change the answer.
-pub struct Agenda {
+pub struct TileQueue {
     /// The level at which each tile is due, `FAR` for those that do not wait.
     due: Vec<i32>,
     rounds: [VecDeque<usize>; ROUNDS],
@@ -22,7 +33,7 @@ pub struct Agenda {
     entries: usize,
 }
 
-impl Agenda {
+impl TileQueue {
     pub fn new(tiles: usize) -> Self {
         Self { due: vec![FAR; tiles], rounds: [const { VecDeque::new() }; ROUNDS], round: 0, entries: 0 }
     }
@@ -58,13 +69,13 @@ impl Agenda {
 mod tests {
     use super::*;
 
-    fn all(agenda: &mut Agenda) -> Vec<(usize, i32)> {
+    fn all(agenda: &mut TileQueue) -> Vec<(usize, i32)> {
         std::iter::from_fn(|| agenda.take()).collect()
     }
 
     #[test]
     fn tiles_come_by_round_and_within_a_round_in_turn() {
-        let mut agenda = Agenda::new(9);
+        let mut agenda = TileQueue::new(9);
         for (tile, level) in [(1, 40), (2, 5), (3, 0), (4, 1_000_000), (5, 41), (6, 3)] {
             agenda.put(tile, level);
         }
@@ -73,7 +84,7 @@ mod tests {
 
     #[test]
     fn a_tile_that_is_put_forward_comes_once() {
-        let mut agenda = Agenda::new(3);
+        let mut agenda = TileQueue::new(3);
         agenda.put(1, 100);
         agenda.put(2, 50);
         agenda.put(1, 10);
@@ -83,7 +94,7 @@ mod tests {
 
     #[test]
     fn a_tile_can_come_again() {
-        let mut agenda = Agenda::new(2);
+        let mut agenda = TileQueue::new(2);
         agenda.put(1, 500);
         assert_eq!(all(&mut agenda), [(1, 500)]);
         agenda.put(1, 20);
@@ -92,7 +103,7 @@ mod tests {
 
     #[test]
     fn a_tile_without_an_improvement_does_not_wait() {
-        let mut agenda = Agenda::new(1);
+        let mut agenda = TileQueue::new(1);
         agenda.put(0, FAR);
         agenda.put(0, FAR + 1);
         assert!(all(&mut agenda).is_empty());
