@@ -121,7 +121,7 @@ mod tests {
 
     fn planned(time_s: f64, trajectory: Trajectory) -> Event {
         let effort = Default::default();
-        at(time_s, Fact::Agent(TRUCK, AgentFact::Planned { goal: NEAR, trajectory, effort, by_lattice: false }))
+        at(time_s, Fact::Agent(TRUCK, AgentFact::Planned { goal: NEAR, trajectory, effort, found_by: None }))
     }
 
     fn dropped(time_s: f64, trajectory: Trajectory) -> Event {

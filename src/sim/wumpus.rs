@@ -233,7 +233,7 @@ impl Turn<'_> {
         wumpus.walk = walk.path.expect("targets are the cells that can be approached");
         let trajectory = wumpus.trajectory(ready, agent.trajectory.end(), &wumpus.walk);
         let effort = Effort { roadmap_expansions: 0, local_expansions: walk.expansions };
-        let fact = AgentFact::Planned { goal, trajectory: trajectory.clone(), effort, by_lattice: false };
+        let fact = AgentFact::Planned { goal, trajectory: trajectory.clone(), effort, found_by: None };
         recorder.record_agent(*now, agent.id, fact);
         agent.set_out(*entity, *now, (goal, trajectory), AgentEvent::Lighting, queue);
     }

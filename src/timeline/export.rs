@@ -9,7 +9,7 @@ use thiserror::Error;
 
 use super::{AgentFact, Cause, Fact, FireFact, Replay, Timeline};
 use crate::geometry::Cell;
-use crate::planning::Effort;
+use crate::planning::{Effort, FoundBy};
 use crate::time::SimTime;
 use crate::trajectory::Trajectory;
 
@@ -125,8 +125,10 @@ fn detail(fact: &Fact) -> String {
             Cause::Spread(from) => format!("cause=spread; from={}", short(*from)),
             Cause::Scheduled => "cause=schedule".into(),
         },
-        Fact::Agent(_, AgentFact::Planned { trajectory, effort, by_lattice, .. }) => {
-            format!("{}; {}; by_lattice={by_lattice}", leg(trajectory), expansions(*effort))
+        Fact::Agent(_, AgentFact::Planned { trajectory, effort, found_by, .. }) => {
+            let by_lattice = found_by.is_some_and(FoundBy::is_after_failure);
+            let found_by = found_by.map_or_else(String::new, |found_by| format!("; found_by={found_by}"));
+            format!("{}; {}; by_lattice={by_lattice}{found_by}", leg(trajectory), expansions(*effort))
         }
         Fact::Agent(_, AgentFact::PlanFailed { reason, effort, until, .. }) => {
             format!("reason={reason}; {}; until_s={}", expansions(*effort), seconds(*until))
@@ -190,7 +192,10 @@ mod tests {
         assert_eq!(lines[6], "10.000000000,ignited,wumpus/0,1,1,cause=lit");
         let plan = "starts_s=12.000000000; ends_s=15.000000000; distance_m=24; cusps=1";
         let expansions = "roadmap_expansions=5; local_expansions=7";
-        assert_eq!(lines[8], format!("10.000000000,planned,unimog/0,1,1,{plan}; {expansions}; by_lattice=false"));
+        assert_eq!(
+            lines[8],
+            format!("10.000000000,planned,unimog/0,1,1,{plan}; {expansions}; by_lattice=false; found_by=roadmap")
+        );
         assert_eq!(lines[10], "16.000000000,ignited,,5,2,cause=spread; from=1:1");
         let failure = "reason=disconnected; roadmap_expansions=0; local_expansions=30; until_s=19.000000000";
         assert_eq!(lines[12], "17.000000000,local-minimum,wumpus/0,2,9,x_m=34.5; y_m=-0");

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::AgentId;
 use crate::geometry::{Cell, Pose};
-use crate::planning::{Effort, PlanFailure, SearchGraph, SearchPhase};
+use crate::planning::{Effort, FoundBy, PlanFailure, SearchGraph, SearchPhase};
 use crate::time::SimTime;
 use crate::trajectory::Trajectory;
 
@@ -108,11 +108,14 @@ pub enum AgentFact {
     /// The agent, standing where `trajectory` begins, chose a goal and knows how to get there; while planning time is
     /// charged it stands until `trajectory.start_time()`. A truck that already stands in reach has a trajectory without
     /// pieces; one that lets another truck pass first begins with a wait.
-    Planned { goal: Cell, trajectory: Trajectory, effort: Effort, by_lattice: bool },
+    ///
+    /// `found_by` is `None` of a Wumpus's walk, and of a truck's plan in a recording older than format 5, which does not
+    /// say; if the reachability flood led to that plan it is [`FoundBy::Reachability`], whatever came after the flood.
+    Planned { goal: Cell, trajectory: Trajectory, effort: Effort, found_by: Option<FoundBy> },
     /// What a search looked at, where that was to be recorded, with the roadmap itself right after its `RoadmapBuilt`:
     /// the phases of a plan in turn, right before what it led to, which is a `Planned`, a `PlanFailed`, with the
     /// `LocalMinimum` that goes before them, or, where another truck was in the way, the next plan or a `Blocked`.
-    /// Detours round other trucks and plans that the reachability flood led to (`by_lattice`) are not recorded.
+    /// Detours round other trucks and plans that the reachability flood led to are not recorded.
     Searched { phase: SearchPhase, graph: SearchGraph },
     /// A plan for a goal failed. Planning time is charged until `until`, which is the time of this fact where planning
     /// costs none; it does not stop an agent that is under way.

@@ -5,7 +5,7 @@
 use super::replay::BushChange;
 use super::{Activity, AgentFact, AgentId, AgentOutcome, BushState, Event, Fact, FireFact, Outcome, Setting};
 use crate::geometry::Cell;
-use crate::planning::{Effort, PlanFailure};
+use crate::planning::{Effort, FoundBy, PlanFailure};
 use crate::time::SimTime;
 use crate::trajectory::{Piece, Trajectory};
 
@@ -148,9 +148,9 @@ impl<'a> AgentLedger<'a> {
                 self.outcome.roadmap_components = *components;
             }
             Fact::Agent(_, AgentFact::OutOfReach { cells, .. }) => self.rule_out(cells, setting, bushes),
-            Fact::Agent(_, AgentFact::Planned { goal, trajectory, effort, by_lattice, .. }) => {
+            Fact::Agent(_, AgentFact::Planned { goal, trajectory, effort, found_by, .. }) => {
                 self.count_plan(*effort);
-                self.outcome.lattice_plans += u32::from(*by_lattice);
+                self.outcome.lattice_plans += u32::from(found_by.is_some_and(FoundBy::is_after_failure));
                 self.end_leg(now);
                 self.end_drive(now);
                 self.leg = Some((trajectory, now));

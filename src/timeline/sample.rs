@@ -9,7 +9,7 @@ use super::{
 use crate::event_queue::EventQueue;
 use crate::fire::FireRules;
 use crate::geometry::{Cell, FieldFrame, Pose};
-use crate::planning::{Effort, PlanFailure, SearchGraph, SearchPhase};
+use crate::planning::{Effort, FoundBy, PlanFailure, SearchGraph, SearchPhase};
 use crate::rng::{self, Xoshiro256PlusPlus};
 use crate::time::SimTime;
 use crate::trajectory::{Piece, SpeedLimits, Trajectory};
@@ -64,7 +64,7 @@ pub fn leg(start_s: f64, start: Pose, speed_mps: f64, lengths_m: &[f64]) -> Traj
 }
 
 pub fn planned(agent: AgentId, goal: Cell, trajectory: Trajectory) -> Fact {
-    Fact::Agent(agent, AgentFact::Planned { goal, trajectory, effort: effort(5, 7), by_lattice: false })
+    Fact::Agent(agent, AgentFact::Planned { goal, trajectory, effort: effort(5, 7), found_by: Some(FoundBy::Roadmap) })
 }
 
 pub fn ignited(cell: Cell) -> Fact {
@@ -112,7 +112,12 @@ pub fn by_hand() -> Timeline {
     let last_drive = leg(82.0, cut_drive.end(), 8.0, &[8.0]);
     let by_lattice = Fact::Agent(
         TRUCK,
-        AgentFact::Planned { goal: C, trajectory: last_drive, effort: effort(0, 900), by_lattice: true },
+        AgentFact::Planned {
+            goal: C,
+            trajectory: last_drive,
+            effort: effort(0, 900),
+            found_by: Some(FoundBy::Reachability),
+        },
     );
     let failed = |agent, goal, reason, effort, until_s| {
         let until = seconds(until_s);
@@ -168,6 +173,20 @@ pub fn meeting() -> Timeline {
         at(30.0, Fact::Ended { reason: EndReason::Duration }),
     ];
     Timeline { setting, events }
+}
+
+/// A fire that spreads to two cells at one instant, and to a third one from another fire.
+pub fn spreading() -> Timeline {
+    let spread = |cell, from| Fact::Fire(FireFact::Ignited { cell, cause: Cause::Spread(from) });
+    let events = vec![
+        at(1.0, ignited(A)),
+        at(1.0, ignited(B)),
+        at(11.0, spread(D, A)),
+        at(11.0, spread(C, A)),
+        at(11.0, Fact::Fire(FireFact::BurnedOut { cell: A })),
+        at(21.0, spread(A, D)),
+    ];
+    Timeline { setting: small_setting(&[WUMPUS, TRUCK]), events }
 }
 
 /// A truck that builds a roadmap and plans once, and tells what it looked at.
@@ -334,7 +353,7 @@ impl World {
         let path = Path { start: self.stands(1), segments };
         let trajectory = self.set_out(1, goal, Trajectory::from_path(&path, self.now, self.limits));
         self.queue.push(trajectory.end_time(), 4, (self.revision, Due::TruckArrives));
-        self.tell(Fact::Agent(TRUCK, AgentFact::Planned { goal, trajectory, effort, by_lattice: false }));
+        self.tell(Fact::Agent(TRUCK, AgentFact::Planned { goal, trajectory, effort, found_by: Some(FoundBy::Search) }));
     }
 
     fn wumpus_decides(&mut self) {
@@ -354,10 +373,7 @@ impl World {
         }
         let trajectory = self.set_out(0, goal, Trajectory::new(self.now, self.stands(0), pieces));
         self.queue.push(trajectory.end_time(), 4, (0, Due::WumpusArrives));
-        self.tell(Fact::Agent(
-            WUMPUS,
-            AgentFact::Planned { goal, trajectory, effort: effort(0, 300), by_lattice: false },
-        ));
+        self.tell(Fact::Agent(WUMPUS, AgentFact::Planned { goal, trajectory, effort: effort(0, 300), found_by: None }));
     }
 
     fn stands(&self, agent: usize) -> Pose {

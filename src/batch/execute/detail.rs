@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::planning::{Effort, PlanFailure};
+use crate::planning::{Effort, FoundBy, PlanFailure};
 use crate::time::SimTime;
 use crate::timeline::{AgentFact, AgentId, BushState, Event, Fact, Replay, Timeline};
 
@@ -128,13 +128,13 @@ impl RunDetail {
 fn call_of(event: &Event) -> Option<PlannerCall> {
     let time = event.time;
     match &event.fact {
-        Fact::Agent(agent, AgentFact::Planned { goal, trajectory, effort, by_lattice }) => {
+        Fact::Agent(agent, AgentFact::Planned { goal, trajectory, effort, found_by }) => {
             let solution = Solution {
                 length_m: trajectory.distance_m(SimTime::MAX),
                 segments: trajectory.pieces().iter().filter(|piece| piece.segment().is_some()).count() as u32,
                 cusps: trajectory.cusps(),
                 duration_s: trajectory.duration_s(),
-                by_lattice: *by_lattice,
+                by_lattice: found_by.is_some_and(FoundBy::is_after_failure),
             };
             let goal = (goal.col, goal.row);
             Some(PlannerCall { agent: *agent, time, goal, answer: Ok(solution), effort: *effort })

@@ -223,7 +223,7 @@ mod tests {
         let leg = |time_s: f64| {
             let trajectory = Trajectory::new(seconds(time_s), Pose::default(), Vec::new());
             let effort = Effort { roadmap_expansions: 0, local_expansions: 0 };
-            Fact::Agent(TRUCK, AgentFact::Planned { goal: CELLS[0], trajectory, effort, by_lattice: false })
+            Fact::Agent(TRUCK, AgentFact::Planned { goal: CELLS[0], trajectory, effort, found_by: None })
         };
         let timeline = timeline([5.0, 20.0, 40.0].map(|time_s| (time_s, leg(time_s))).to_vec());
         let courses = AgentTracks::new(&timeline);

@@ -77,10 +77,10 @@ impl Fleet<'_, '_> {
     /// Sends a truck on a drive.
     pub fn set_out(&mut self, entity: Entity, drive: Drive, leg: Trajectory) {
         let Ok((mut agent, mut truck)) = self.trucks.get_mut(entity) else { return };
-        let Drive { goal, effort, back_m, .. } = drive;
-        let by_lattice = drive.is_by_flood();
+        let Drive { goal, effort, back_m, found_by, .. } = drive;
         truck.tracks.set_out(back_m);
-        let fact = AgentFact::Planned { goal, trajectory: leg.clone(), effort, by_lattice };
+        let found_by = Some(found_by);
+        let fact = AgentFact::Planned { goal, trajectory: leg.clone(), effort, found_by };
         self.recorder.record_agent(self.clock.0, agent.id, fact);
         agent.set_out(entity, self.clock.0, (goal, leg), AgentEvent::Arrival, &mut self.queue);
     }

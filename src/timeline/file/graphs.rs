@@ -2,8 +2,7 @@
 //! from its end in the list of places, a place by how far it is from the one that the first edge from an earlier place
 //! to it comes from, or else from the place before it. All are steps that are small and recur.
 
-use super::FileError;
-use super::records::{append, take};
+use super::{FileError, append, take};
 use crate::planning::SearchGraph;
 
 const NO_SUCH_PLACE: FileError = FileError::Damaged("a search in it leads to a place that it does not hold");

@@ -9,24 +9,31 @@
 //! | .. | payload: a compact form of the timeline, deflated (RFC 1951) |
 //!
 //! Numbers in the header are unsigned and little-endian. What is read back equals what was written bit for bit. The
-//! compact form leaves out what the closed forms of [`crate::trajectory`] give again, the start of a leg that begins
-//! where the last one ended above all: a change of their arithmetic is a new version of the format.
+//! payload is the setting, the streams that the facts are written to, and what later formats know of the setting. It
+//! leaves out what the closed forms of [`crate::trajectory`] give again, the start of a leg that begins where the last
+//! one ended above all: a change of their arithmetic is a new version of the format.
+//!
+//! The program's own types are converted here, at the border: nothing outside of this module decides what bytes mean.
 //!
 //! An hour of the contest takes 9 to 10 KB. With what searches looked at it takes 38 to 44 KB (seeds 1 to 3: some 7,000
 //! edges of the roadmap and 8,000 of 170 searches, two bytes each), with the planner `lattice` 215 KB.
 
 mod check;
-mod decode;
-mod encode;
+mod facts;
 mod graphs;
 mod numbers;
-mod records;
+mod setting;
 
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
 use miniz_oxide::{deflate, inflate};
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
+
+use facts::{FactReader, FactWriter};
+use numbers::NumberReader;
+use setting::{SettingRecord, Supplement};
 
 use super::Timeline;
 use crate::input_file;
@@ -36,8 +43,11 @@ use crate::whole_file::write_whole;
 ///
 /// Since version 2 there are local minima, since version 3 the limits of every agent's speed, the rules of fire,
 /// whether a stop puts out one fire or all in reach, and trucks that wait for each other, since version 4 what searches
-/// looked at.
-pub const FORMAT: u16 = 4;
+/// looked at, since version 5 what found each plan; fires that spread at one instant are one record.
+pub const FORMAT: u16 = 5;
+
+/// The first format with a [`Supplement`].
+const SUPPLEMENTED: u16 = 3;
 
 /// What every recording begins with.
 pub const MAGIC: &[u8; 8] = b"WILDFIRE";
@@ -99,7 +109,7 @@ pub fn verify(path: &Path) -> Result<(), FileError> {
 
 fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
     let mut bytes = Vec::new();
-    // One byte more than the longest recording, so that a longer file is told from it without being read.
+    // One byte more than the longest recording is enough to see that a file is longer.
     input_file::open(path)?.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
     Ok(bytes)
 }
@@ -107,7 +117,7 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
 /// The bytes of a recording.
 pub fn encode(timeline: &Timeline) -> Result<Vec<u8>, FileError> {
     check::check(timeline)?;
-    let compact = encode::encode(timeline);
+    let compact = encode_payload(timeline);
     check::limit("bytes", compact.len(), MAX_PAYLOAD_BYTES)?;
     let payload = deflate::compress_to_vec(&compact, DEFLATE_LEVEL);
     check::limit("bytes", payload.len(), MAX_PAYLOAD_BYTES)?;
@@ -125,9 +135,70 @@ pub fn decode(bytes: &[u8]) -> Result<Timeline, FileError> {
     let (format, payload) = checked_payload(bytes)?;
     let compact = inflate::decompress_to_vec_with_limit(payload, MAX_PAYLOAD_BYTES)
         .map_err(|_| FileError::Damaged("its payload does not inflate"))?;
-    let timeline = decode::decode(format, &compact)?;
+    let timeline = decode_payload(format, &compact)?;
     check::check(&timeline)?;
     Ok(timeline)
+}
+
+/// The facts in the payload, between the setting and its supplement.
+#[derive(Serialize, Deserialize)]
+struct Streams<'a> {
+    facts: u32,
+    delays: &'a [u8],
+    records: &'a [u8],
+    recurring_numbers: Vec<f64>,
+    single_numbers: Vec<f64>,
+    number_references: &'a [u8],
+}
+
+/// The payload of a timeline that has passed [`check::check`], before deflation.
+fn encode_payload(timeline: &Timeline) -> Vec<u8> {
+    let mut writer = FactWriter::new(&timeline.setting);
+    writer.write(&timeline.events);
+    let numbers = writer.numbers.coded();
+    let streams = Streams {
+        facts: timeline.events.len() as u32,
+        delays: &writer.delays,
+        records: &writer.records,
+        recurring_numbers: numbers.recurring,
+        single_numbers: numbers.single,
+        number_references: &numbers.references,
+    };
+    let mut bytes = Vec::new();
+    append(&mut bytes, &SettingRecord::from(&timeline.setting));
+    append(&mut bytes, &streams);
+    append(&mut bytes, &Supplement::from(&timeline.setting));
+    bytes
+}
+
+/// The timeline of an inflated payload of this format; its values are still to be checked.
+fn decode_payload(format: u16, mut bytes: &[u8]) -> Result<Timeline, FileError> {
+    let setting: SettingRecord = take(&mut bytes)?;
+    let streams: Streams<'_> = take(&mut bytes)?;
+    let count = streams.facts as usize;
+    check::limit("facts", count, check::MAX_FACTS)?;
+    let supplement = if format < SUPPLEMENTED { Supplement::default() } else { take(&mut bytes)? };
+    if !bytes.is_empty() {
+        return Err(FileError::Damaged("more follows than its setting and its facts"));
+    }
+    let setting = setting.into_setting(&supplement)?;
+    let numbers = NumberReader::new(&streams.recurring_numbers, &streams.single_numbers, streams.number_references);
+    let events = FactReader::new(format, &setting, streams.delays, streams.records, numbers).read(count)?;
+    Ok(Timeline { setting, events })
+}
+
+/// Adds a value's bytes to others.
+fn append(bytes: &mut Vec<u8>, value: &impl Serialize) {
+    let taken = std::mem::take(bytes);
+    *bytes = postcard::to_extend(value, taken).expect("plain values fit a vector that grows");
+}
+
+/// Reads a value from the front of some bytes.
+fn take<'a, T: Deserialize<'a>>(bytes: &mut &'a [u8]) -> Result<T, FileError> {
+    let (value, rest) =
+        postcard::take_from_bytes(bytes).map_err(|_| FileError::Damaged("a record in it cannot be read"))?;
+    *bytes = rest;
+    Ok(value)
 }
 
 /// The format of a recording and its payload, still deflated.
@@ -168,7 +239,7 @@ mod tests {
     use super::super::sample::{self, A, C, TRUCK, WUMPUS, at, leg, planned, seconds};
     use super::*;
     use crate::geometry::{Cell, Pose};
-    use crate::planning::{PlanFailure, SearchGraph, SearchPhase};
+    use crate::planning::{FoundBy, PlanFailure};
     use crate::rng;
     use crate::time::SimTime;
     use crate::timeline::{AgentFact, Event, Fact, Outcome};
@@ -191,6 +262,7 @@ mod tests {
         assert_comes_back(&sample::by_hand());
         assert_comes_back(&sample::meeting());
         assert_comes_back(&sample::searched());
+        assert_comes_back(&sample::spreading());
         assert_comes_back(&tiny(vec![]));
         for seed in 0..10 {
             assert_comes_back(&sample::random(seed, seconds(200.0)));
@@ -236,47 +308,80 @@ mod tests {
         }
     }
 
-    /// Length and checksum of what one format holds of a run, and the part of it that is as old as format 2.
-    fn digests(timeline: &Timeline) -> [(usize, u32); 2] {
-        let payload = encode::encode(timeline);
-        let older = payload.len() - supplement(timeline).len();
-        [older, payload.len()].map(|length| (length, crc32fast::hash(&payload[..length])))
-    }
-
-    fn supplement(timeline: &Timeline) -> Vec<u8> {
-        postcard::to_stdvec(&records::Supplement::from(&timeline.setting)).expect("plain values become bytes")
-    }
+    /// A run of each older format, as the program of that format recorded it.
+    const OLDER: [(u16, &[u8]); 4] = [
+        (1, include_bytes!("../../../tests/data/recordings/format-1.wildfire")),
+        (2, include_bytes!("../../../tests/data/recordings/format-2.wildfire")),
+        (3, include_bytes!("../../../tests/data/recordings/format-3.wildfire")),
+        (4, include_bytes!("../../../tests/data/recordings/format-4.wildfire")),
+    ];
 
     #[test]
     fn the_format_is_frozen() {
-        // Another checksum means another format: give it a version and keep reading this one.
-        let mut timeline = sample::by_hand();
-        assert_eq!(digests(&timeline), [(568, 398_146_637), (667, 2_167_327_893)]);
-        assert_eq!(digests(&sample::meeting()), [(319, 2_191_205_504), (418, 2_752_321_460)]);
-        assert_eq!(digests(&sample::searched()), [(285, 4_200_276_634), (348, 3_593_062_672)]);
-        timeline.events.retain(|event| !matches!(event.fact, Fact::Agent(_, AgentFact::LocalMinimum { .. })));
-        assert_eq!(digests(&timeline)[0], (546, 1_445_583_994), "runs of format 1 look the same in format 2");
+        // Another checksum means another format: give it a number and keep reading this one.
+        let digest = |timeline: &Timeline| {
+            let payload = encode_payload(timeline);
+            (payload.len(), crc32fast::hash(&payload))
+        };
+        assert_eq!(digest(&sample::by_hand()), (0, 0));
+        assert_eq!(digest(&sample::meeting()), (0, 0));
+        assert_eq!(digest(&sample::searched()), (0, 0));
+        assert_eq!(digest(&sample::spreading()), (0, 0));
     }
 
     #[test]
     fn recordings_of_older_formats_are_read_and_leave_open_what_they_do_not_say() {
-        let mut timeline = sample::by_hand();
-        timeline.events.retain(|event| !matches!(event.fact, Fact::Agent(_, AgentFact::LocalMinimum { .. })));
-        let payload = encode::encode(&timeline);
-        let older = &payload[..payload.len() - supplement(&timeline).len()];
-        let mut bytes = sealed(&deflate::compress_to_vec(older, 1));
-        assert!(matches!(decode(&bytes), Err(FileError::Damaged(_))), "format 3 says more");
-        timeline.setting.agents.iter_mut().for_each(|agent| agent.limits = None);
-        timeline.setting.rules.fire = None;
-        timeline.setting.rules.extinguishes_all = None;
-        for format in [1, 2] {
-            bytes[8] = format;
-            assert!(decode(&bytes).expect("older formats are read") == timeline);
+        for (format, bytes) in OLDER {
+            assert_eq!(bytes[8..10], format.to_le_bytes());
+            let timeline = decode(bytes).expect("older formats are read");
+            let knows_limits = timeline.setting.agents.iter().all(|agent| agent.limits.is_some());
+            let rules = &timeline.setting.rules;
+            let known = [knows_limits, rules.fire.is_some(), rules.extinguishes_all.is_some()];
+            assert_eq!(known, [format >= 3; 3], "format {format}");
+            assert!(timeline.events.iter().all(|event| match event.fact {
+                Fact::Agent(_, AgentFact::Planned { found_by, .. }) => found_by.is_none(),
+                _ => true,
+            }));
+            assert_comes_back(&timeline);
         }
     }
 
     #[test]
-    fn every_truncation_is_told_as_such() {
+    fn a_payload_without_its_supplement_is_no_recording_of_today() {
+        let payload = encode_payload(&sample::by_hand());
+        let supplement = postcard::to_stdvec(&Supplement::from(&sample::by_hand().setting)).expect("it is plain data");
+        let bytes = sealed(&deflate::compress_to_vec(&payload[..payload.len() - supplement.len()], 1));
+        assert!(matches!(decode(&bytes), Err(FileError::Damaged(_))));
+    }
+
+    #[test]
+    fn every_way_of_finding_a_plan_and_of_failing_comes_back() {
+        let found_by = FoundBy::ALL.into_iter().map(Some).chain([None]).map(|found_by| {
+            let trajectory = leg(1.0, Pose::default(), 1.0, &[1.0]);
+            AgentFact::Planned { goal: A, trajectory, effort: sample::effort(1, 1), found_by }
+        });
+        let failed = PlanFailure::ALL.into_iter().map(|reason| AgentFact::PlanFailed {
+            goal: A,
+            reason,
+            effort: sample::effort(1, 1),
+            until: seconds(1.0),
+        });
+        let events = found_by.chain(failed).map(|fact| at(1.0, Fact::Agent(TRUCK, fact)));
+        assert_comes_back(&tiny(events.collect()));
+    }
+
+    #[test]
+    fn fires_that_spread_at_one_instant_come_back_in_their_order() {
+        let timeline = sample::spreading();
+        assert_comes_back(&timeline);
+        let payload = encode_payload(&timeline);
+        let mut alone = timeline;
+        alone.events.retain(|event| event.fact.cell() != Some(C));
+        assert_eq!(payload.len(), encode_payload(&alone).len() + 2, "two cells take two bytes more than one");
+    }
+
+    #[test]
+    fn every_truncation_is_reported_as_such() {
         let bytes = encode(&sample::by_hand()).expect("it is a possible run");
         for length in 0..bytes.len() {
             assert!(matches!(decode(&bytes[..length]), Err(FileError::Truncated { .. })), "{length} bytes");
@@ -309,16 +414,22 @@ mod tests {
 
     #[test]
     fn a_payload_damaged_under_a_fitting_checksum_is_no_panic() {
-        let payloads = [sample::by_hand(), sample::searched()].map(|timeline| encode::encode(&timeline));
+        let today =
+            [sample::by_hand(), sample::searched(), sample::spreading()].map(|timeline| encode_payload(&timeline));
+        let inflated = |bytes: &[u8]| inflate::decompress_to_vec(&bytes[HEADER_BYTES..]).expect("it was deflated");
+        let older = OLDER.map(|(format, bytes)| (format, inflated(bytes)));
+        let payloads: Vec<_> = today.into_iter().map(|payload| (FORMAT, payload)).chain(older).collect();
         let mut rng = rng::stream(2, "timeline/file/tests");
         let mut refused = 0;
         for number in 0..20_000 {
-            let mut damaged = payloads[number % 2].clone();
+            let (format, mut damaged) = payloads[number % payloads.len()].clone();
             for _ in 0..rng.random_range(1..4) {
                 let at = rng.random_range(0..damaged.len());
                 damaged[at] = rng.random();
             }
-            match decode(&sealed(&deflate::compress_to_vec(&damaged, 1))) {
+            let mut bytes = sealed(&deflate::compress_to_vec(&damaged, 1));
+            bytes[8..10].copy_from_slice(&format.to_le_bytes());
+            match decode(&bytes) {
                 Ok(other) => {
                     Outcome::new(&other);
                     other.state_at(seconds(50.0));
@@ -331,16 +442,19 @@ mod tests {
 
     #[test]
     fn graphs_beyond_the_limits_are_refused_before_they_are_read() {
-        let (phase, graph) = (SearchPhase::Walk, SearchGraph::default());
-        let payload = encode::encode(&tiny(vec![at(1.0, Fact::Agent(WUMPUS, AgentFact::Searched { phase, graph }))]));
-        let refusal = |places, edges| {
-            let mut rest = &payload[..];
-            let whole: records::Payload<'_> = records::take(&mut rest).expect("it was just written");
-            let (mut records, mut changed) = (Vec::new(), Vec::new());
-            records::append(&mut records, &records::Record::Searched { agent: 0, phase, places, edges });
-            records::append(&mut changed, &records::Payload { records: &records, ..whole });
-            changed.extend(rest);
-            decode(&sealed(&deflate::compress_to_vec(&changed, 1))).expect_err("its bytes hold nothing").to_string()
+        let setting = sample::small_setting(&[WUMPUS, TRUCK]);
+        let refusal = |places: u32, edges: u32| {
+            let mut records = Vec::new();
+            // A search of the first agent, in its third phase.
+            [18, 0, 2, places, edges].iter().for_each(|field| append(&mut records, field));
+            let (mut payload, delays) = (Vec::new(), &[0][..]);
+            append(&mut payload, &SettingRecord::from(&setting));
+            let (recurring_numbers, single_numbers) = (Vec::new(), Vec::new());
+            let (facts, records, number_references) = (1, &records[..], &[][..]);
+            let streams = Streams { facts, delays, records, recurring_numbers, single_numbers, number_references };
+            append(&mut payload, &streams);
+            append(&mut payload, &Supplement::from(&setting));
+            decode(&sealed(&deflate::compress_to_vec(&payload, 1))).expect_err("its bytes hold nothing").to_string()
         };
         assert_eq!(refusal(u32::MAX, 0), "too large to record: places of searches beyond the limit of 8000000");
         assert_eq!(refusal(0, u32::MAX), "too large to record: edges of searches beyond the limit of 8000000");
@@ -363,11 +477,11 @@ mod tests {
     }
 
     #[test]
-    fn foreign_and_newer_files_are_told_by_name() {
+    fn foreign_and_newer_files_are_named() {
         let mut bytes = encode(&sample::by_hand()).expect("it is a possible run");
         bytes[8..10].copy_from_slice(&(FORMAT + 1).to_le_bytes());
         let newer = decode(&bytes).expect_err("the format is unknown");
-        assert_eq!(newer.to_string(), "written by a newer wildfire: format 5, this program reads up to 4");
+        assert_eq!(newer.to_string(), "written by a newer wildfire: format 6, this program reads up to 5");
         let foreign = decode(b"\x89PNG\r\n\x1a\n and so on").expect_err("it is a picture");
         assert_eq!(foreign.to_string(), "not a wildfire recording");
     }

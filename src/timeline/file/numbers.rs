@@ -5,8 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use super::FileError;
-use super::records::{append, take};
+use super::{FileError, append, take};
 
 /// Reference to the next number that occurs once; greater references count from 1 into those that recur.
 const SINGLE: u32 = 0;

@@ -324,7 +324,7 @@ pub(super) mod tests {
         let at = |seconds: f64, fact: Fact| Event { time: SimTime::from_seconds(seconds), fact };
         let events = vec![
             at(0.0, Fact::Fire(FireFact::Ignited { cell: goal, cause: crate::timeline::Cause::Scheduled })),
-            at(0.0, Fact::Agent(truck, AgentFact::Planned { goal, trajectory, effort, by_lattice: false })),
+            at(0.0, Fact::Agent(truck, AgentFact::Planned { goal, trajectory, effort, found_by: None })),
             at(8.0, Fact::Agent(truck, AgentFact::Suppressing { cell: goal })),
         ];
         Timeline { setting, events }

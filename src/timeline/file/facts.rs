@@ -1,0 +1,537 @@
+//! The facts of a run as recordings hold them.
+//!
+//! A fact is the number of its kind and its fields, as varints, in which agents and bushes are places in the setting's
+//! lists; then what does not fit a varint: a leg, a list of cells, a graph. Times are differences and numbers of legs
+//! are streams of their own. What can be computed again is left out.
+//!
+//! Numbers of kinds are never given twice. A new kind takes the next one, in [`FactWriter`] and in [`FactReader`].
+
+use super::FileError;
+use super::check::{MAX_CELLS_OUT_OF_REACH, MAX_PIECES, MAX_SEARCH_EDGES, MAX_SEARCH_PLACES, limit};
+use super::graphs::{append_graph, take_graph};
+use super::numbers::{NumberReader, NumberWriter};
+use super::{append, take};
+use crate::geometry::{Cell, Pose};
+use crate::planning::{Effort, FoundBy, PlanFailure, SearchGraph, SearchPhase};
+use crate::time::SimTime;
+use crate::timeline::{AgentFact, AgentId, Cause, EndReason, Event, Fact, FireFact, RestReason, Setting};
+use crate::trajectory::{Piece, Trajectory};
+use crate::vehicle::Segment;
+
+/// The kinds of records. Formats 1 to 4 have them up to 14, 15, 17 and 18.
+mod kind {
+    pub const START_MOVED: u32 = 0;
+    pub const ROADMAP_BUILT: u32 = 1;
+    pub const OUT_OF_REACH: u32 = 2;
+    pub const LIT: u32 = 3;
+    pub const SPREAD: u32 = 4;
+    pub const SCHEDULED: u32 = 5;
+    pub const BURNED_OUT: u32 = 6;
+    pub const EXTINGUISHED: u32 = 7;
+    pub const PLANNED: u32 = 8;
+    pub const PLAN_FAILED: u32 = 9;
+    pub const DROPPED: u32 = 10;
+    pub const SUPPRESSING: u32 = 11;
+    pub const SUPPRESSION_ENDED: u32 = 12;
+    pub const RESTED: u32 = 13;
+    pub const ENDED: u32 = 14;
+    pub const LOCAL_MINIMUM: u32 = 15;
+    pub const BLOCKED: u32 = 16;
+    pub const GAVE_WAY: u32 = 17;
+    pub const SEARCHED: u32 = 18;
+    /// Cells that catch fire from one cell at one instant, one fact after the other.
+    pub const SPREAD_TOGETHER: u32 = 19;
+}
+
+/// How a leg begins.
+mod origin {
+    /// Where the agent's last leg ended, at a time after the fact.
+    pub const LAST_END: u32 = 0;
+    /// Where and when the agent's last leg began, along some of its pieces.
+    pub const LAST_START: u32 = 1;
+    /// In a pose of its own, at a time after the fact or before it.
+    pub const ELSEWHERE: u32 = 2;
+}
+
+/// The pieces of a leg, by how many numbers they have.
+mod piece {
+    /// Curvature, length, speed, acceleration.
+    pub const DRIVE: u32 = 0;
+    /// Heading.
+    pub const TURN: u32 = 1;
+    /// Seconds.
+    pub const WAIT: u32 = 2;
+}
+
+// Words are written as their places in these lists, which only grow at the end.
+const REST_REASONS: [RestReason; 4] =
+    [RestReason::NothingLeftToLight, RestReason::NothingBurns, RestReason::NothingReachable, RestReason::LocalMinima];
+const END_REASONS: [EndReason; 2] = [EndReason::Duration, EndReason::NothingLeft];
+const FAILURES: [PlanFailure; 5] = [
+    PlanFailure::StartBlocked,
+    PlanFailure::GoalBlocked,
+    PlanFailure::Disconnected,
+    PlanFailure::BudgetSpent,
+    PlanFailure::LocalMinimum,
+];
+const PHASES: [SearchPhase; 4] = [SearchPhase::Roadmap, SearchPhase::Query, SearchPhase::Local, SearchPhase::Walk];
+const FOUND_BY: [Option<FoundBy>; 9] = [
+    None,
+    Some(FoundBy::Straight),
+    Some(FoundBy::Roadmap),
+    Some(FoundBy::Search),
+    Some(FoundBy::Relaxed),
+    Some(FoundBy::Lattice),
+    Some(FoundBy::Reachability),
+    Some(FoundBy::BackingOut),
+    Some(FoundBy::WayHome),
+];
+/// Up to format 4 it is only known whether the flood led to the plan.
+const FOUND_BY_FLOOD: [Option<FoundBy>; 2] = [None, Some(FoundBy::Reachability)];
+
+pub const NO_SUCH_BUSH: FileError = FileError::Damaged("it refers to a bush that it does not hold");
+const NO_SUCH_AGENT: FileError = FileError::Damaged("it refers to an agent that it does not hold");
+const NO_SUCH_LEG: FileError = FileError::Damaged("it refers to a leg that it does not hold");
+const NO_SUCH_TIME: FileError = FileError::Damaged("it holds a time beyond all times");
+const NO_SUCH_WORD: FileError = FileError::Damaged("a record in it cannot be read");
+
+fn number_of<T: PartialEq>(words: &[T], word: &T) -> u32 {
+    words.iter().position(|known| known == word).expect("all words are listed") as u32
+}
+
+fn word_of<T: Copy>(words: &[T], number: u32) -> Result<T, FileError> {
+    words.get(number as usize).copied().ok_or(NO_SUCH_WORD)
+}
+
+/// Facts as they are written.
+pub struct FactWriter<'a> {
+    setting: &'a Setting,
+    now: SimTime,
+    /// By record: nanoseconds since the one before it.
+    pub delays: Vec<u8>,
+    pub records: Vec<u8>,
+    pub numbers: NumberWriter,
+    /// By place among the agents.
+    last_legs: Vec<Option<&'a Trajectory>>,
+}
+
+impl<'a> FactWriter<'a> {
+    pub fn new(setting: &'a Setting) -> Self {
+        Self {
+            setting,
+            now: SimTime::ZERO,
+            delays: Vec::new(),
+            records: Vec::new(),
+            numbers: NumberWriter::default(),
+            last_legs: vec![None; setting.agents.len()],
+        }
+    }
+
+    /// Writes the facts of a timeline that has passed [`super::check::check`].
+    pub fn write(&mut self, events: &'a [Event]) {
+        let mut rest = events;
+        while let Some(event) = rest.first() {
+            append(&mut self.delays, &(event.time - self.now).as_nanos());
+            self.now = event.time;
+            let together = spread_together(rest);
+            if together > 1 {
+                self.spread(&rest[..together]);
+            } else {
+                self.fact(&event.fact);
+            }
+            rest = &rest[together.max(1)..];
+        }
+    }
+
+    fn record(&mut self, kind: u32, fields: &[u32]) {
+        append(&mut self.records, &kind);
+        fields.iter().for_each(|field| append(&mut self.records, field));
+    }
+
+    fn spread(&mut self, events: &[Event]) {
+        let Cause::Spread(from) = cause(&events[0]).expect("it spreads") else { unreachable!("it spreads") };
+        self.record(kind::SPREAD_TOGETHER, &[self.bush(from), events.len() as u32]);
+        self.bush_steps(events.iter().filter_map(|event| event.fact.cell()));
+    }
+
+    fn fact(&mut self, fact: &'a Fact) {
+        match fact {
+            Fact::Agent(agent, fact) => self.agent_fact(self.agent(*agent), fact),
+            Fact::Fire(FireFact::Ignited { cell, cause }) => match *cause {
+                Cause::Lit(agent) => self.record(kind::LIT, &[self.bush(*cell), self.agent(agent)]),
+                Cause::Spread(from) => self.record(kind::SPREAD, &[self.bush(*cell), self.bush(from)]),
+                Cause::Scheduled => self.record(kind::SCHEDULED, &[self.bush(*cell)]),
+            },
+            Fact::Fire(FireFact::BurnedOut { cell }) => self.record(kind::BURNED_OUT, &[self.bush(*cell)]),
+            Fact::Fire(FireFact::Extinguished { cell, by }) => {
+                self.record(kind::EXTINGUISHED, &[self.bush(*cell), self.agent(*by)]);
+            }
+            Fact::Ended { reason } => self.record(kind::ENDED, &[number_of(&END_REASONS, reason)]),
+        }
+    }
+
+    fn agent_fact(&mut self, agent: u32, fact: &'a AgentFact) {
+        match fact {
+            AgentFact::StartMoved { from } => {
+                self.record(kind::START_MOVED, &[agent]);
+                self.pose(*from);
+            }
+            AgentFact::RoadmapBuilt { samples, edges, components } => {
+                self.record(kind::ROADMAP_BUILT, &[agent, *samples, *edges, *components]);
+            }
+            AgentFact::OutOfReach { cells } => {
+                self.record(kind::OUT_OF_REACH, &[agent, cells.len() as u32]);
+                self.bush_steps(cells.iter().copied());
+            }
+            AgentFact::Planned { goal, trajectory, effort, found_by } => {
+                let Effort { roadmap_expansions, local_expansions } = *effort;
+                let found_by = number_of(&FOUND_BY, found_by);
+                let fields = [agent, self.bush(*goal), roadmap_expansions, local_expansions, found_by];
+                self.record(kind::PLANNED, &fields);
+                self.leg(agent, trajectory);
+            }
+            AgentFact::PlanFailed { goal, reason, effort, until } => {
+                let Effort { roadmap_expansions, local_expansions } = *effort;
+                let reason = number_of(&FAILURES, reason);
+                let fields = [agent, self.bush(*goal), reason, roadmap_expansions, local_expansions];
+                self.record(kind::PLAN_FAILED, &fields);
+                append(&mut self.records, &(*until - self.now).as_nanos());
+            }
+            AgentFact::Dropped { goal, trajectory } => {
+                self.record(kind::DROPPED, &[agent, self.bush(*goal)]);
+                self.leg(agent, trajectory);
+            }
+            AgentFact::Suppressing { cell } => self.record(kind::SUPPRESSING, &[agent, self.bush(*cell)]),
+            AgentFact::SuppressionEnded { cell } => self.record(kind::SUPPRESSION_ENDED, &[agent, self.bush(*cell)]),
+            AgentFact::Rested { reason } => self.record(kind::RESTED, &[agent, number_of(&REST_REASONS, reason)]),
+            AgentFact::LocalMinimum { goal, x_m, y_m } => {
+                self.record(kind::LOCAL_MINIMUM, &[agent, self.bush(*goal)]);
+                [*x_m, *y_m].into_iter().for_each(|number| self.numbers.push(number));
+            }
+            AgentFact::Blocked { goal, by } => {
+                self.record(kind::BLOCKED, &[agent, self.bush(*goal), self.agent(*by)]);
+            }
+            AgentFact::GaveWay { to, trajectory } => {
+                self.record(kind::GAVE_WAY, &[agent, self.agent(*to)]);
+                self.leg(agent, trajectory);
+            }
+            AgentFact::Searched { phase, graph } => {
+                let (places, edges) = (graph.places.len() as u32, graph.edges.len() as u32);
+                self.record(kind::SEARCHED, &[agent, number_of(&PHASES, phase), places, edges]);
+                append_graph(&mut self.records, graph);
+            }
+        }
+    }
+
+    fn agent(&self, id: AgentId) -> u32 {
+        self.setting.agent_index(id).expect("the timeline was checked") as u32
+    }
+
+    fn bush(&self, cell: Cell) -> u32 {
+        self.setting.bush_index(cell).expect("the timeline was checked") as u32
+    }
+
+    fn bush_steps(&mut self, cells: impl Iterator<Item = Cell>) {
+        let mut last = 0;
+        for cell in cells {
+            let bush = self.bush(cell) as i32;
+            append(&mut self.records, &(bush - last));
+            last = bush;
+        }
+    }
+
+    fn leg(&mut self, agent: u32, leg: &'a Trajectory) {
+        let agent = agent as usize;
+        let last = self.last_legs[agent].replace(leg);
+        let stands = last.map_or(self.setting.agents[agent].pose, Trajectory::end);
+        let mut pieces = leg.pieces();
+        if let Some(last) = last.filter(|last| begin_alike(last, leg)) {
+            let pairs = last.pieces().iter().zip(pieces);
+            let shared = pairs.take_while(|(a, b)| pieces_equal(a, b)).count();
+            pieces = &pieces[shared..];
+            self.record(origin::LAST_START, &[shared as u32, pieces.len() as u32]);
+        } else if bits(stands) == bits(leg.start()) && leg.start_time() >= self.now {
+            self.record(origin::LAST_END, &[]);
+            append(&mut self.records, &(leg.start_time() - self.now).as_nanos());
+            append(&mut self.records, &(pieces.len() as u32));
+        } else {
+            self.record(origin::ELSEWHERE, &[]);
+            let delay_ns = leg.start_time().as_nanos().wrapping_sub(self.now.as_nanos()).cast_signed();
+            append(&mut self.records, &delay_ns);
+            append(&mut self.records, &(pieces.len() as u32));
+            self.pose(leg.start());
+        }
+        for piece in pieces {
+            let (kind, numbers) = piece_numbers(piece);
+            append(&mut self.records, &kind);
+            numbers.into_iter().flatten().for_each(|number| self.numbers.push(number));
+        }
+    }
+
+    fn pose(&mut self, pose: Pose) {
+        [pose.x, pose.y, pose.heading].into_iter().for_each(|number| self.numbers.push(number));
+    }
+}
+
+fn cause(event: &Event) -> Option<Cause> {
+    if let Fact::Fire(FireFact::Ignited { cause, .. }) = event.fact { Some(cause) } else { None }
+}
+
+/// How many of these facts, from the first on, are cells that catch fire from one cell at one instant.
+fn spread_together(events: &[Event]) -> usize {
+    let first = cause(&events[0]).filter(|cause| matches!(cause, Cause::Spread(_)));
+    let is_alike = |event: &&Event| event.time == events[0].time && cause(event) == first;
+    if first.is_some() { events.iter().take_while(is_alike).count() } else { 0 }
+}
+
+fn begin_alike(last: &Trajectory, leg: &Trajectory) -> bool {
+    last.start_time() == leg.start_time() && bits(last.start()) == bits(leg.start())
+}
+
+fn bits(pose: Pose) -> [u64; 3] {
+    [pose.x, pose.y, pose.heading].map(f64::to_bits)
+}
+
+fn piece_numbers(piece: &Piece) -> (u32, [Option<f64>; 4]) {
+    match *piece {
+        Piece::Drive { segment, speed_mps, acceleration_mps2 } => {
+            (piece::DRIVE, [segment.curvature, segment.length_m, speed_mps, acceleration_mps2].map(Some))
+        }
+        Piece::Turn { heading } => (piece::TURN, [Some(heading), None, None, None]),
+        Piece::Wait { seconds } => (piece::WAIT, [Some(seconds), None, None, None]),
+    }
+}
+
+/// Equal bit for bit, so that a zero keeps its sign.
+fn pieces_equal(a: &Piece, b: &Piece) -> bool {
+    let ((kind_a, a), (kind_b, b)) = (piece_numbers(a), piece_numbers(b));
+    kind_a == kind_b && a.map(|number| number.map(f64::to_bits)) == b.map(|number| number.map(f64::to_bits))
+}
+
+/// Reads facts, whatever the bytes say.
+pub struct FactReader<'a> {
+    format: u16,
+    setting: &'a Setting,
+    now: SimTime,
+    delays: &'a [u8],
+    records: &'a [u8],
+    numbers: NumberReader<'a>,
+    events: Vec<Event>,
+    /// By place among the agents: the fact that holds the agent's last leg.
+    last_legs: Vec<Option<usize>>,
+    pieces: usize,
+    cells_out_of_reach: usize,
+    search_places: usize,
+    search_edges: usize,
+}
+
+impl<'a> FactReader<'a> {
+    pub fn new(
+        format: u16,
+        setting: &'a Setting,
+        delays: &'a [u8],
+        records: &'a [u8],
+        numbers: NumberReader<'a>,
+    ) -> Self {
+        Self {
+            format,
+            setting,
+            now: SimTime::ZERO,
+            delays,
+            records,
+            numbers,
+            events: Vec::new(),
+            last_legs: vec![None; setting.agents.len()],
+            pieces: 0,
+            cells_out_of_reach: 0,
+            search_places: 0,
+            search_edges: 0,
+        }
+    }
+
+    /// Reads that many facts, which must be all that the bytes hold; their values are still to be checked.
+    pub fn read(mut self, count: usize) -> Result<Vec<Event>, FileError> {
+        while self.events.len() < count {
+            let delay_ns = take(&mut self.delays)?;
+            self.now = self.later(delay_ns)?;
+            let kind = self.number()?;
+            if kind == kind::SPREAD_TOGETHER {
+                self.spread(count)?;
+            } else {
+                let fact = self.fact(kind)?;
+                self.push(fact);
+            }
+        }
+        let all_read = self.delays.is_empty() && self.records.is_empty() && self.numbers.is_finished();
+        if all_read { Ok(self.events) } else { Err(FileError::Damaged("it holds more than its facts need")) }
+    }
+
+    fn push(&mut self, fact: Fact) {
+        self.events.push(Event { time: self.now, fact });
+    }
+
+    fn spread(&mut self, count: usize) -> Result<(), FileError> {
+        let cause = Cause::Spread(self.bush()?);
+        let together = self.number()?;
+        if together as usize > count - self.events.len() {
+            return Err(FileError::Damaged("more fires spread in it than it has facts"));
+        }
+        for cell in self.bushes(together)? {
+            self.push(Fact::Fire(FireFact::Ignited { cell, cause }));
+        }
+        Ok(())
+    }
+
+    fn fact(&mut self, kind: u32) -> Result<Fact, FileError> {
+        Ok(match kind {
+            kind::LIT => {
+                let cell = self.bush()?;
+                Fact::Fire(FireFact::Ignited { cell, cause: Cause::Lit(self.agent()?.1) })
+            }
+            kind::SPREAD => {
+                let cell = self.bush()?;
+                Fact::Fire(FireFact::Ignited { cell, cause: Cause::Spread(self.bush()?) })
+            }
+            kind::SCHEDULED => Fact::Fire(FireFact::Ignited { cell: self.bush()?, cause: Cause::Scheduled }),
+            kind::BURNED_OUT => Fact::Fire(FireFact::BurnedOut { cell: self.bush()? }),
+            kind::EXTINGUISHED => Fact::Fire(FireFact::Extinguished { cell: self.bush()?, by: self.agent()?.1 }),
+            kind::ENDED => Fact::Ended { reason: word_of(&END_REASONS, self.number()?)? },
+            kind => {
+                let (place, agent) = self.agent()?;
+                Fact::Agent(agent, self.agent_fact(kind, place)?)
+            }
+        })
+    }
+
+    /// A fact of the agent at that place.
+    fn agent_fact(&mut self, kind: u32, place: usize) -> Result<AgentFact, FileError> {
+        Ok(match kind {
+            kind::START_MOVED => AgentFact::StartMoved { from: self.pose()? },
+            kind::ROADMAP_BUILT => {
+                let (samples, edges, components) = (self.number()?, self.number()?, self.number()?);
+                AgentFact::RoadmapBuilt { samples, edges, components }
+            }
+            kind::OUT_OF_REACH => {
+                let count = self.number()?;
+                self.cells_out_of_reach += count as usize;
+                limit("cells out of reach", self.cells_out_of_reach, MAX_CELLS_OUT_OF_REACH)?;
+                AgentFact::OutOfReach { cells: self.bushes(count)? }
+            }
+            kind::PLANNED => {
+                let (goal, effort) = (self.bush()?, self.effort()?);
+                let words = if self.format < 5 { &FOUND_BY_FLOOD[..] } else { &FOUND_BY };
+                let found_by = word_of(words, self.number()?)?;
+                AgentFact::Planned { goal, trajectory: self.leg(place)?, effort, found_by }
+            }
+            kind::PLAN_FAILED => {
+                let (goal, reason) = (self.bush()?, word_of(&FAILURES, self.number()?)?);
+                let effort = self.effort()?;
+                let charged_ns = take(&mut self.records)?;
+                AgentFact::PlanFailed { goal, reason, effort, until: self.later(charged_ns)? }
+            }
+            kind::DROPPED => AgentFact::Dropped { goal: self.bush()?, trajectory: self.leg(place)? },
+            kind::SUPPRESSING => AgentFact::Suppressing { cell: self.bush()? },
+            kind::SUPPRESSION_ENDED => AgentFact::SuppressionEnded { cell: self.bush()? },
+            kind::RESTED => AgentFact::Rested { reason: word_of(&REST_REASONS, self.number()?)? },
+            kind::LOCAL_MINIMUM => {
+                let goal = self.bush()?;
+                AgentFact::LocalMinimum { goal, x_m: self.numbers.next()?, y_m: self.numbers.next()? }
+            }
+            kind::BLOCKED => AgentFact::Blocked { goal: self.bush()?, by: self.agent()?.1 },
+            kind::GAVE_WAY => AgentFact::GaveWay { to: self.agent()?.1, trajectory: self.leg(place)? },
+            kind::SEARCHED => AgentFact::Searched { phase: word_of(&PHASES, self.number()?)?, graph: self.graph()? },
+            _ => return Err(NO_SUCH_WORD),
+        })
+    }
+
+    fn number(&mut self) -> Result<u32, FileError> {
+        take(&mut self.records)
+    }
+
+    fn later(&self, delay_ns: u64) -> Result<SimTime, FileError> {
+        self.now.as_nanos().checked_add(delay_ns).map(SimTime::from_nanos).ok_or(NO_SUCH_TIME)
+    }
+
+    /// The place of an agent among all, and its name.
+    fn agent(&mut self) -> Result<(usize, AgentId), FileError> {
+        let place = self.number()? as usize;
+        self.setting.agents.get(place).map(|agent| (place, agent.id)).ok_or(NO_SUCH_AGENT)
+    }
+
+    fn bush(&mut self) -> Result<Cell, FileError> {
+        let place = self.number()?;
+        self.setting.bushes.get(place as usize).copied().ok_or(NO_SUCH_BUSH)
+    }
+
+    fn bushes(&mut self, count: u32) -> Result<Vec<Cell>, FileError> {
+        let mut place = 0_u32;
+        let mut cells = Vec::new();
+        for _ in 0..count {
+            place = place.checked_add_signed(take(&mut self.records)?).ok_or(NO_SUCH_BUSH)?;
+            cells.push(self.setting.bushes.get(place as usize).copied().ok_or(NO_SUCH_BUSH)?);
+        }
+        Ok(cells)
+    }
+
+    fn effort(&mut self) -> Result<Effort, FileError> {
+        Ok(Effort { roadmap_expansions: self.number()?, local_expansions: self.number()? })
+    }
+
+    fn graph(&mut self) -> Result<SearchGraph, FileError> {
+        let (places, edges) = (self.number()?, self.number()?);
+        self.search_places += places as usize;
+        self.search_edges += edges as usize;
+        limit("places of searches", self.search_places, MAX_SEARCH_PLACES)?;
+        limit("edges of searches", self.search_edges, MAX_SEARCH_EDGES)?;
+        take_graph(&mut self.records, places, edges)
+    }
+
+    /// The leg of the fact that is being read, which comes after those that were.
+    fn leg(&mut self, agent: usize) -> Result<Trajectory, FileError> {
+        let last = self.last_legs[agent].replace(self.events.len());
+        let last = last.and_then(|fact| self.events[fact].fact.trajectory());
+        let (last_end, stands) = (last.map(Trajectory::end), self.setting.agents[agent].pose);
+        let mut pieces = Vec::new();
+        let (start_time, start, count) = match take(&mut self.records)? {
+            origin::LAST_END => {
+                let delay_ns = take(&mut self.records)?;
+                (self.later(delay_ns)?, last_end.unwrap_or(stands), self.number()?)
+            }
+            origin::LAST_START => {
+                let last = last.ok_or(NO_SUCH_LEG)?;
+                let shared: u32 = take(&mut self.records)?;
+                pieces.extend_from_slice(last.pieces().get(..shared as usize).ok_or(NO_SUCH_LEG)?);
+                (last.start_time(), last.start(), take(&mut self.records)?)
+            }
+            origin::ELSEWHERE => {
+                let delay_ns = take(&mut self.records)?;
+                let count = self.number()?;
+                (SimTime::from_nanos(self.now.as_nanos().wrapping_add_signed(delay_ns)), self.pose()?, count)
+            }
+            _ => return Err(NO_SUCH_WORD),
+        };
+        self.pieces += pieces.len() + count as usize;
+        limit("pieces of legs", self.pieces, MAX_PIECES)?;
+        for _ in 0..count {
+            pieces.push(self.piece()?);
+        }
+        Ok(Trajectory::new(start_time, start, pieces))
+    }
+
+    fn piece(&mut self) -> Result<Piece, FileError> {
+        Ok(match self.number()? {
+            piece::DRIVE => {
+                let segment = Segment { curvature: self.numbers.next()?, length_m: self.numbers.next()? };
+                let (speed_mps, acceleration_mps2) = (self.numbers.next()?, self.numbers.next()?);
+                Piece::Drive { segment, speed_mps, acceleration_mps2 }
+            }
+            piece::TURN => Piece::Turn { heading: self.numbers.next()? },
+            piece::WAIT => Piece::Wait { seconds: self.numbers.next()? },
+            _ => return Err(NO_SUCH_WORD),
+        })
+    }
+
+    fn pose(&mut self) -> Result<Pose, FileError> {
+        Ok(Pose { x: self.numbers.next()?, y: self.numbers.next()?, heading: self.numbers.next()? })
+    }
+}
