@@ -1,10 +1,9 @@
 //! Memory that grows while a run goes on, counted against a limit before it is taken.
 //!
-//! How much a search, a flood or a roadmap's curves come to hold is known only when they have been looked for, so that
-//! a bound from the scenario alone would be far above what nearly all runs take. Whoever holds such memory asks its
-//! [`MemoryMeter`] before it grows, and stops if that says no. Its answer must not be used then: whoever gave out the
-//! meter asks [`MemoryMeter::overrun`] and lets the run fail. So a limit decides whether a run takes place, and never
-//! how it goes.
+//! The memory of a search, a flood or a roadmap's curves is known only as they grow; a bound from the scenario alone
+//! would be far above what nearly all runs take. Each holder of such memory asks its [`MemoryMeter`] before it grows,
+//! and stops if the meter refuses. A planner's answer must not be used then: the owner of the meter asks
+//! [`MemoryMeter::overrun`] and lets the run fail. So a limit decides whether a run takes place, and never how it goes.
 
 use std::collections::VecDeque;
 use std::fmt;
@@ -20,7 +19,7 @@ pub enum Growing {
     Searches,
     /// Floods over lattices of poses.
     Floods,
-    /// Curves between milestones, which are worked out when they are first asked for.
+    /// Curves between milestones, which are computed when they are first asked for.
     Curves,
     /// The record of what happened in the run.
     Timeline,
@@ -41,7 +40,7 @@ impl fmt::Display for Growing {
     }
 }
 
-/// Counts the memory that everything that grows in one run holds together, and says where it would be too much.
+/// Counts the memory of everything that grows in one run, and refuses what would be too much.
 #[derive(Clone, Debug)]
 pub struct MemoryMeter(Arc<Counters>);
 
@@ -59,17 +58,17 @@ impl MemoryMeter {
         Self(Arc::new(Counters { limit, held: Default::default(), is_overrun: AtomicBool::new(false) }))
     }
 
-    /// Creates a meter that counts and never says no.
+    /// Creates a meter that counts and never refuses.
     pub fn unlimited() -> Self {
         Self::new(u64::MAX)
     }
 
-    /// Creates a holder of something that grows, which holds nothing yet.
+    /// Creates a holder that holds nothing yet.
     pub fn holder(&self, kind: Growing) -> Held {
         Held { meter: self.clone(), kind, bytes: 0 }
     }
 
-    /// Bytes that are held in all.
+    /// Adds up the bytes that are held.
     pub fn held(&self) -> u64 {
         Growing::ALL.into_iter().map(|kind| self.held_by(kind)).sum()
     }
@@ -85,7 +84,7 @@ impl MemoryMeter {
     }
 }
 
-/// The share of one holder in what a [`MemoryMeter`] counts. It is given back when the holder goes.
+/// The share of one holder in what a [`MemoryMeter`] counts. It is given back when the holder is dropped.
 #[derive(Debug)]
 pub struct Held {
     meter: MemoryMeter,
@@ -128,22 +127,23 @@ impl Drop for Held {
     }
 }
 
-/// The most bytes that a planner of one truck takes on a field, as its settings say.
+/// Upper bounds of the memory that the planner of one truck takes on a field.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PlannerMemory {
-    /// Bytes that it holds for good.
+    /// Bytes that it holds all the time.
     pub held: u64,
-    /// Bytes on top of that while it is made.
+    /// Bytes on top of that while it is being made.
     pub making: u64,
-    /// Bytes of its floods, if it plans by nothing else.
+    /// Bytes of its floods, if it plans by floods alone.
     pub floods: u64,
-    /// Bytes that queries may add to all of this; an easy query adds next to nothing.
+    /// Bytes that queries may add to all of this; an easy query adds almost nothing.
     pub grows: u64,
 }
 
-/// Bytes that a list takes once it holds `more` elements more than now: its capacity, which doubles where it does not
-/// suffice.
+/// Collections whose size in memory is known before they grow.
 pub trait BytesAfter {
+    /// Returns the bytes that the collection takes once it has `more` elements more: its capacity, which doubles where
+    /// it does not suffice.
     fn bytes_after(&self, more: usize) -> usize;
 }
 
@@ -174,7 +174,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_held_is_counted_until_its_holder_goes() {
+    fn held_memory_is_counted_until_its_holder_is_dropped() {
         let meter = MemoryMeter::new(100);
         let (mut flood, mut search) = (meter.holder(Growing::Floods), meter.holder(Growing::Searches));
         assert!(flood.cover(60) && search.cover(40) && flood.cover(50));
@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn a_list_is_known_to_grow_before_it_does() {
+    fn the_growth_of_a_list_is_known_before_it_grows() {
         let mut list: Vec<u64> = Vec::new();
         for _ in 0..10_000 {
             let foretold = list.bytes_after(3);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::check::Check;
-use super::{MemoryPart, Scenario, Terrain};
+use super::{Scenario, Terrain};
 use crate::collision::ClearanceField;
 use crate::geometry::{DVec2, FieldFrame};
 
@@ -75,4 +75,18 @@ pub struct AgentsMemory {
     pub counted: u64,
     /// The most that searches, floods and curves can add.
     pub grows: u64,
+}
+
+/// One part of the memory that a run needs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MemoryPart {
+    /// The name in the form that goes after "for": "the field".
+    pub name: String,
+    pub bytes: u64,
+}
+
+impl MemoryPart {
+    pub(super) fn new(name: impl Into<String>, bytes: u64) -> Self {
+        Self { name: name.into(), bytes }
+    }
 }

@@ -1,55 +1,18 @@
-//! Checks of scenarios: ranges that bound time, bodies that are possible, starts inside the field. Memory is bounded in
-//! [`super::memory`].
-//!
-//! `scenarios/README.md` documents the limits.
+//! The tools of checks: paths of tables, and values that are refused with their path.
 
 use std::ops::RangeInclusive;
 
-use super::Scenario;
 use super::error::Fault;
 use super::path::{FieldPath, PathStep};
-use super::rules::check_ignitions;
 use super::wording::shortened;
 use crate::geometry::{DVec2, FieldFrame};
-use crate::ranges::{OutOfRange, SettingsTable, check_range, number_text};
+use crate::ranges::{OutOfRange, SettingsTable, check_range};
 
-/// The most agents of a kind.
-const MAX_AGENTS: usize = 100;
-/// The most stops of all trucks in a run in which a cell can burn again and again; each adds to the timeline.
-const MAX_STOPS: f64 = 1e6;
 /// The most characters of a scenario's name, which goes into tables and file names.
 const MAX_NAME: usize = 100;
 
 /// The distance by which a body may stick out of the field through rounding, metres.
 pub const ROUNDING_M: f64 = 1e-9;
-
-/// Checks every value of a scenario that serde cannot.
-pub fn check(scenario: &Scenario) -> Check {
-    check_name("name", &scenario.name)?;
-    let top = TablePath::named("");
-    top.number("duration_s", scenario.duration_s, 0.001..=1e6)?;
-    scenario.field.check(&top.inner("field"))?;
-    let frame = scenario.field.frame();
-    top.inner("fire").settings(&scenario.fire, &frame)?;
-    top.inner("suppression").settings(&scenario.suppression, &frame)?;
-    check_stops(scenario)?;
-    top.inner("score").settings(&scenario.score, &frame)?;
-    for agents in scenario.kinds() {
-        top.count(agents.key(), agents.len(), MAX_AGENTS)?;
-    }
-    scenario.kinds().iter().try_for_each(|agents| agents.check(scenario))?;
-    check_ignitions(&scenario.ignition, &frame)
-}
-
-fn check_stops(scenario: &Scenario) -> Check {
-    let dwell_s = scenario.suppression.dwell_s;
-    let stops = scenario.unimog.len() as f64 * scenario.duration_s / dwell_s;
-    if scenario.fire.relight && stops > MAX_STOPS {
-        let expected = format!("with `fire.relight`, time for at most {MAX_STOPS:e} stops of all trucks in the run");
-        return TablePath::named("suppression").refuse("dwell_s", number_text(dwell_s), expected);
-    }
-    Ok(())
-}
 
 /// Checks a name that goes into tables and file names.
 pub fn check_name(field: &str, name: &str) -> Check {

@@ -9,7 +9,6 @@ use miette::{
 };
 use thiserror::Error;
 
-use super::MAX_CELLS_A_SIDE;
 use super::built_in::BUILT_IN;
 use crate::untrusted::{visible, visible_lines};
 
@@ -70,8 +69,8 @@ pub enum MapFault {
     UnknownCharacter { found: char },
     #[error("this row has {found} cells, {expected} like the first row are expected")]
     Ragged { found: usize, expected: usize },
-    #[error("the map has more than {limit} cells along a side, at most {limit} are expected", limit = MAX_CELLS_A_SIDE)]
-    TooLarge,
+    #[error("the map has more than {most} cells along a side, at most {most} are expected")]
+    TooLarge { most: u16 },
     #[error("{message}")]
     Json { message: String },
     #[error("the map must say how many cells it has: `n`, or `size_m` as a whole number of cells, is expected")]

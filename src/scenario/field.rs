@@ -6,12 +6,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::check::{Check, TablePath};
-use super::{GivenField, Shape};
+use super::given::{GivenField, MAX_CELLS_A_SIDE};
+use super::tetromino::Shape;
 use crate::geometry::FieldFrame;
 use crate::ranges::number_text;
-
-/// The most cells along a side of a field, generated or given.
-pub const MAX_CELLS_A_SIDE: u16 = 1000;
 
 /// The largest share of a field's cells that pieces may be asked to cover.
 pub const MAX_COVERAGE: f64 = 0.40;

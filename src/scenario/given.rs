@@ -12,13 +12,15 @@ use serde::{Deserialize, Deserializer, Serialize};
 use thiserror::Error;
 
 use super::error::MapFault;
-use super::field::MAX_CELLS_A_SIDE;
 use super::json_location::{character_at, offset};
 use super::path::FieldPath;
 use super::wording::fault_from_message;
 use crate::geometry::FieldFrame;
 use crate::grid::Grid;
 use crate::input_file::list_of_at_most;
+
+/// The most cells along a side of a field, generated or given.
+pub const MAX_CELLS_A_SIDE: u16 = 1000;
 
 /// A field that a map gives.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -45,6 +47,8 @@ pub struct MapError {
     pub fault: MapFault,
     pub span: Range<usize>,
 }
+
+const TOO_LARGE: MapFault = MapFault::TooLarge { most: MAX_CELLS_A_SIDE };
 
 impl MapFault {
     fn at(self, span: Range<usize>) -> MapError {
@@ -96,7 +100,7 @@ fn parse_rows(text: &str, cell_m: f64) -> Result<GivenField, MapError> {
             return Err(MapFault::Empty.at(span));
         }
         if row.len() > MAX_CELLS_A_SIDE.into() || cells.len() >= MAX_CELLS_A_SIDE.into() {
-            return Err(MapFault::TooLarge.at(span));
+            return Err(TOO_LARGE.at(span));
         }
         if row.len() != expected {
             return Err(MapFault::Ragged { found: row.len(), expected }.at(span));
@@ -120,7 +124,7 @@ fn parse_row(line: &str, start: usize) -> Result<Vec<bool>, MapError> {
 }
 
 fn frame_from(cols: usize, rows: usize, cell_m: f64) -> Result<FieldFrame, MapFault> {
-    let side = |cells| u16::try_from(cells).ok().filter(|&side| side <= MAX_CELLS_A_SIDE).ok_or(MapFault::TooLarge);
+    let side = |cells| u16::try_from(cells).ok().filter(|&side| side <= MAX_CELLS_A_SIDE).ok_or(TOO_LARGE);
     if !(cell_m > 0.0 && cell_m.is_finite()) {
         return Err(MapFault::CellSize { found: cell_m });
     }
@@ -281,8 +285,8 @@ mod tests {
         assert_eq!(fault("..#\n\n..."), (MapFault::Ragged { found: 0, expected: 3 }, 4));
         assert_eq!(fault("..#\n.x."), (MapFault::UnknownCharacter { found: 'x' }, 5));
         assert_eq!(fault("..é"), (MapFault::UnknownCharacter { found: 'é' }, 2));
-        assert_eq!(fault(&".".repeat(1001)), (MapFault::TooLarge, 0));
-        assert_eq!(fault(&".\n".repeat(1001)), (MapFault::TooLarge, 2000));
+        assert_eq!(fault(&".".repeat(1001)), (TOO_LARGE, 0));
+        assert_eq!(fault(&".\n".repeat(1001)), (TOO_LARGE, 2000));
         assert!(GivenField::parse(&".\n".repeat(1000), 5.0).is_ok());
     }
 
@@ -304,7 +308,7 @@ mod tests {
         assert_eq!(fault("{\"n\": 0, \"cells_cr\": []}").0, MapFault::NoSize);
         assert_eq!(fault("{\"n\": 3, \"size_m\": 11, \"cells_cr\": []}").0, MapFault::NoSize);
         assert_eq!(fault("{\"n\": 3, \"cell_m\": -1, \"cells_cr\": []}").0, MapFault::CellSize { found: -1.0 });
-        assert_eq!(fault("{\"n\": 4000000000, \"cells_cr\": []}").0, MapFault::TooLarge);
+        assert_eq!(fault("{\"n\": 4000000000, \"cells_cr\": []}").0, TOO_LARGE);
         assert!(matches!(fault("{\"n\": 3, \"cells_cr\": [").0, MapFault::Json { .. }));
     }
 }

@@ -7,7 +7,7 @@ use super::error::{Fault, ScenarioError, SourceLocation};
 use super::path::{FieldPath, FoundSpan, PathStep};
 use super::source::{MAX_MAP_BYTES, ScenarioText, first_too_deep, read_text, too_deep_message};
 use super::wording::{self, KeyOrValue};
-use super::{GivenField, Scenario, check};
+use super::{GivenField, Scenario};
 
 /// Options of `[field]` that say how to generate one, and so contradict a map.
 const GENERATED_ONLY: [&str; 6] = ["size_m", "coverage", "pieces", "shapes", "overlaps", "start_clearance_m"];
@@ -117,7 +117,8 @@ impl WrittenScenario<'_> {
         }
         self.refuse_conflicts(written)?;
         self.load_map(&mut scenario)?;
-        check::check(&scenario)
+        scenario
+            .check_values()
             .map_err(|refusal| refusal.fault().at(self.location(&refusal.path, KeyOrValue::Value)))?;
         Ok(scenario)
     }

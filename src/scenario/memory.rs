@@ -10,7 +10,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::agents::{AgentList, AgentsMemory, FieldMeasures};
+use super::agents::{AgentList, AgentsMemory, FieldMeasures, MemoryPart};
 use super::{Problem, Scenario, TruckPlannerKind, Unimog};
 use crate::collision::ClearanceField;
 use crate::fire::FireField;
@@ -87,20 +87,6 @@ pub fn bytes_text(bytes: u64) -> String {
     let text = format!("{number:.digits$}");
     let short = if digits > 0 { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     format!("{short} {unit}")
-}
-
-/// One part of the memory that a run needs.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct MemoryPart {
-    /// The name in the form that goes after "for": "the field".
-    pub name: String,
-    pub bytes: u64,
-}
-
-impl MemoryPart {
-    pub(super) fn new(name: impl Into<String>, bytes: u64) -> Self {
-        Self { name: name.into(), bytes }
-    }
 }
 
 /// An upper bound of the memory that a run takes.

@@ -35,14 +35,15 @@ mod warnings;
 mod wording;
 mod wumpus;
 
+pub use agents::MemoryPart;
 pub use built_in::BUILT_IN;
 pub use error::{Fault, MapFault, ScenarioError, SourceLocation, nearest_name};
 pub use explain::explain;
-pub use field::{Field, MAX_CELLS_A_SIDE, MAX_COVERAGE, Overlaps};
+pub use field::{Field, MAX_COVERAGE, Overlaps};
 pub use fire::{Fire, SpreadFrom};
-pub use given::{GivenField, MapError};
+pub use given::{GivenField, MAX_CELLS_A_SIDE, MapError};
 pub use load::{LoadedScenario, load};
-pub use memory::{MemoryEstimate, MemoryExceeded, MemoryLimit, MemoryPart, bytes_text};
+pub use memory::{MemoryEstimate, MemoryExceeded, MemoryLimit, bytes_text};
 pub use problem::{MAX_GOALS, Problem};
 pub use rules::{Extinguishes, Ignition, IgnitionCells, Score, Suppression};
 pub use source::{MAX_MAP_BYTES, MAX_SCENARIO_BYTES, ScenarioText, can_be_read_again, first_too_deep, toml_value};
@@ -52,6 +53,8 @@ pub use unimog::{Limits, Retarget, StartPose, TruckGoal, Unimog};
 pub use wumpus::{Escape, StepCost, StepTime, Wumpus, WumpusGoal, WumpusHeuristic, WumpusPlanner, WumpusPotential};
 
 use agents::AgentList;
+use check::{Check, TablePath, check_name};
+use rules::check_ignitions;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -61,6 +64,13 @@ pub use crate::planning::{
     ClearanceTo, HybridSettings, LatticeSettings, MotionCost, PrimitiveSettings, PrmRsSettings, PrmSettings,
     RoadmapGoal, RoadmapSearch, SafetyForm, SafetyMap, SafetySettings, TruckPlannerKind,
 };
+use crate::ranges::number_text;
+
+/// The most agents of a kind.
+const MAX_AGENTS: usize = 100;
+
+/// The most stops of all trucks in a run in which a cell can burn again and again; each adds to the timeline.
+const MAX_STOPS: f64 = 1e6;
 
 /// Builds the JSON Schema of scenario files.
 pub fn schema() -> schemars::Schema {
@@ -103,12 +113,43 @@ pub struct Scenario {
 }
 
 impl Scenario {
-    /// Checks a scenario that does not come from [`load`] as that would.
+    /// Checks a scenario that does not come from [`load`] as that would: ranges that bound time, bodies that are
+    /// possible, starts inside the field. Memory is bounded by [`MemoryEstimate`].
     ///
     /// # Errors
     /// Returns the first value that is refused.
     pub fn check(&self) -> Result<(), Fault> {
-        check::check(self).map_err(|refusal| refusal.fault())
+        self.check_values().map_err(|refusal| refusal.fault())
+    }
+
+    /// Checks every value that serde cannot; `scenarios/README.md` documents the limits.
+    fn check_values(&self) -> Check {
+        check_name("name", &self.name)?;
+        let top = TablePath::named("");
+        top.number("duration_s", self.duration_s, 0.001..=1e6)?;
+        self.field.check(&top.inner("field"))?;
+        let frame = self.field.frame();
+        top.inner("fire").settings(&self.fire, &frame)?;
+        top.inner("suppression").settings(&self.suppression, &frame)?;
+        self.check_stops()?;
+        top.inner("score").settings(&self.score, &frame)?;
+        for agents in self.kinds() {
+            top.count(agents.key(), agents.len(), MAX_AGENTS)?;
+        }
+        self.kinds().iter().try_for_each(|agents| agents.check(self))?;
+        check_ignitions(&self.ignition, &frame)
+    }
+
+    /// Bounds the work of fires that can be put out again and again.
+    fn check_stops(&self) -> Check {
+        let dwell_s = self.suppression.dwell_s;
+        let stops = self.unimog.len() as f64 * self.duration_s / dwell_s;
+        if self.fire.relight && stops > MAX_STOPS {
+            let expected =
+                format!("with `fire.relight`, time for at most {MAX_STOPS:e} stops of all trucks in the run");
+            return TablePath::named("suppression").refuse("dwell_s", number_text(dwell_s), expected);
+        }
+        Ok(())
     }
 
     /// Lists the body centres of all agents at their starts, Wumpuses first.
