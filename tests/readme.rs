@@ -336,6 +336,21 @@ fn links_lead_to_files_and_headings_that_exist() {
 }
 
 #[test]
+fn files_that_are_named_exist() {
+    let mut missing = Vec::new();
+    for page in ["ARCHITECTURE.md", "CONTRIBUTING.md"] {
+        let text = read(page);
+        let named = text.split('`').skip(1).step_by(2);
+        let files =
+            named.filter(|name| ["src/", "tests/", "docs/", "examples/"].iter().any(|root| name.starts_with(root)));
+        // In recipes NAME is what the reader calls it.
+        let gone = files.filter(|name| !name.contains("NAME") && !root().join(name).exists());
+        missing.extend(gone.map(|name| format!("{page}: {name}")));
+    }
+    assert!(missing.is_empty(), "{missing:#?}");
+}
+
+#[test]
 fn pictures_are_drawn_by_commands_that_the_pages_show() {
     let texts: Vec<String> = pages().iter().map(|page| read(page)).collect();
     let shown: BTreeSet<&str> =

@@ -64,6 +64,12 @@ impl Fire {
         }
     }
 
+    /// Returns the rules that a timeline holds, by which an audit checks spread and burn-out. A model with rules of another
+    /// kind has none of these, and is not checked so.
+    pub fn recorded_rules(&self) -> Option<FireRules> {
+        Some(self.rules())
+    }
+
     /// Makes the model of a run on a field.
     pub fn model(&self, frame: &FieldFrame) -> Box<dyn FireModel> {
         Box::new(Radius::new(frame, self.rules()))

@@ -79,7 +79,7 @@ fn setting(scenario: &Scenario, seed: u64, terrain: &Terrain, agents: Vec<AgentS
             suppression_reach_m: scenario.suppression.reach_m,
             suppression_dwell: SimTime::from_seconds(scenario.suppression.dwell_s),
             extinguishes_all: Some(scenario.suppression.extinguishes == Extinguishes::AllInReach),
-            fire: Some(scenario.fire.rules()),
+            fire: scenario.fire.recorded_rules(),
             relight: scenario.fire.relight,
             score_wumpus_ignited: scenario.score.wumpus_ignited,
             score_wumpus_burned_out: scenario.score.wumpus_burned_out,
