@@ -255,7 +255,6 @@ fn report_error(error: ReportError) -> CliError {
             let help = format!("finish it with: wildfire batch --resume {}", folder.display());
             CliError::bad_input(ReportError::Unfinished { folder }, Some(&help))
         }
-        ReportError::BadStates { .. } => CliError::bad_input(error, None),
         ReportError::Unwritable { path, source } => CliError::unwritable(&path, &source),
     }
 }

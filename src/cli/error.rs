@@ -156,9 +156,10 @@ impl From<FinishedError> for CliError {
         let code = match &error {
             FinishedError::Unreadable { source, .. } => code_of_input(source.kind()),
             FinishedError::Plan(error) => code_of_plan(error),
-            FinishedError::Strange(_) | FinishedError::OtherRows { .. } | FinishedError::WrongTable(_) => {
-                exit::BAD_INPUT
-            }
+            FinishedError::Strange(_)
+            | FinishedError::OtherRows { .. }
+            | FinishedError::Damaged { .. }
+            | FinishedError::WrongTable(_) => exit::BAD_INPUT,
         };
         Self::new(error, None, code)
     }

@@ -4,28 +4,10 @@ use rand::Rng;
 
 use crate::stats::bootstrap::studentised_bootstrap;
 use crate::stats::distributions::t_two_sided;
-use crate::stats::{Interval, Series};
+use crate::stats::{MeanEstimate, MeanMethod, Series};
 
 /// Sample sizes for which resampling is worth its while. See [`estimate_mean`].
 const RESAMPLED: std::ops::RangeInclusive<usize> = 10..=5000;
-
-/// The method by which an interval was found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MeanMethod {
-    StudentsT,
-    StudentisedBootstrap,
-}
-
-/// A mean with its interval and the test that it is zero.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MeanEstimate {
-    pub mean: f64,
-    /// `None` of fewer than two numbers or without spread.
-    pub interval: Option<Interval>,
-    /// The probability of a mean at least as far from zero if the true one were zero; `None` as above.
-    pub p_value: Option<f64>,
-    pub method: MeanMethod,
-}
 
 /// Estimates the mean of a sample; `None` of an empty one.
 ///

@@ -17,30 +17,26 @@
 //! | means under several conditions | - | - | [`RepeatedMeasures`], that they are equal |
 //! | several tests at once | - | - | [`holm`] |
 
+mod answers;
 mod bootstrap;
 mod distributions;
 mod holm;
 mod mean;
-mod paired_answers;
 mod quantiles;
-mod rates;
 mod repeated_measures;
 mod series;
 mod signed_ranks;
 mod survival;
-mod unpaired;
 
+pub use answers::{PairedAnswers, wilson_interval};
 pub use bootstrap::{RESAMPLES, studentised_bootstrap};
 pub use holm::holm;
-pub use mean::{MeanEstimate, MeanMethod, cohens_dz, estimate_mean};
-pub use paired_answers::PairedAnswers;
+pub use mean::{cohens_dz, estimate_mean};
 pub use quantiles::{quantile, quantile_interval};
-pub use rates::wilson_interval;
 pub use repeated_measures::RepeatedMeasures;
-pub use series::Series;
+pub use series::{Series, welch_interval};
 pub use signed_ranks::SignedRanks;
 pub use survival::{Lifetime, SurvivalCurve, SurvivalStep};
-pub use unpaired::welch_interval;
 
 /// The confidence of every interval.
 pub const CONFIDENCE: f64 = 0.95;
@@ -60,6 +56,24 @@ impl Interval {
     pub fn contains(&self, value: f64) -> bool {
         self.low <= value && value <= self.high
     }
+}
+
+/// The method by which an interval was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MeanMethod {
+    StudentsT,
+    StudentisedBootstrap,
+}
+
+/// A mean with its interval and the test that it is zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeanEstimate {
+    pub mean: f64,
+    /// `None` of fewer than two numbers or without spread.
+    pub interval: Option<Interval>,
+    /// The probability of a mean at least as far from zero if the true one were zero; `None` as above.
+    pub p_value: Option<f64>,
+    pub method: MeanMethod,
 }
 
 #[cfg(test)]

@@ -7,8 +7,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::batch::execute::journal::slice_of_journal;
-use crate::batch::plan::PLAN_FILE;
+use crate::batch::plan::{PLAN_FILE, Slice};
 
 pub const RUNS_FILE: &str = "runs.csv";
 pub const AGENTS_FILE: &str = "agents.csv";
@@ -23,6 +22,27 @@ pub const CHARTS_FOLDER: &str = "charts";
 /// The files that a batch may write into its folder, besides journals.
 pub const FILES: [&str; 8] =
     [PLAN_FILE, RUNS_FILE, AGENTS_FILE, TABLES_FILE, RUNS_PARQUET, CALLS_PARQUET, STATES_PARQUET, REPORT_FILE];
+
+/// The journal of a whole batch.
+const WHOLE_NAME: &str = "runs.journal";
+
+/// The name of a slice's journal.
+pub fn journal_name(slice: Slice) -> String {
+    if slice.is_whole() {
+        WHOLE_NAME.into()
+    } else {
+        format!("runs-{}.journal", slice.to_string().replace('/', "-of-"))
+    }
+}
+
+/// The slice whose journal has this name; `None` of what is no journal.
+pub fn slice_of_journal(name: &str) -> Option<Slice> {
+    if name == WHOLE_NAME {
+        return Some(Slice::WHOLE);
+    }
+    let slice = name.strip_prefix("runs-")?.strip_suffix(".journal")?.replace("-of-", "/").parse().ok()?;
+    (journal_name(slice) == name).then_some(slice)
+}
 
 /// An entry of a batch's folder that is not what a batch writes there.
 #[derive(Debug, Error)]
@@ -171,6 +191,17 @@ mod tests {
             symlink(target, scratch.path().join(name)).expect("links can be made");
             let refusal = expect_files(scratch.path()).expect_err("it is strange").to_string();
             assert!(refusal.contains(words), "{refusal}");
+        }
+    }
+
+    #[test]
+    fn journals_are_known_by_their_names() {
+        for slice in [Slice::WHOLE, Slice::new(2, 5).expect("a slice")] {
+            assert_eq!(slice_of_journal(&journal_name(slice)), Some(slice));
+        }
+        for name in ["runs.csv", "runs-1-of-1.journal", "runs-6-of-5.journal", "runs-01-of-5.journal", "runs-.journal"]
+        {
+            assert_eq!(slice_of_journal(name), None, "{name}");
         }
     }
 }

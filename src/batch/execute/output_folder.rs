@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use crate::batch::execute::entries::{FILES, is_chart, is_leftover, is_recording, named};
-use crate::batch::execute::journal::{journal_name, journal_path, slice_of_journal};
+use crate::batch::execute::entries::{
+    FILES, is_chart, is_leftover, is_recording, journal_name, named, slice_of_journal,
+};
 use crate::batch::execute::{BatchError, CHARTS_FOLDER, RECORDINGS_FOLDER, expect_files};
 use crate::batch::plan::{PLAN_FILE, PROGRAM, Slice};
 use crate::whole_file::sync_folder_of;
@@ -54,7 +55,7 @@ impl OutputFolder {
         }
         let folder = Self::shared(path)?;
         // Without a plan, a journal without a line is what is left of a batch that was killed before it began.
-        let has_lines = |slice| fs::metadata(journal_path(&folder, slice)).is_ok_and(|found| found.len() > 0);
+        let has_lines = |slice| fs::metadata(folder.journal(slice)).is_ok_and(|found| found.len() > 0);
         match folder.journals()?.into_iter().find(|&slice| has_lines(slice)) {
             Some(slice) if !overwrite => {
                 Err(BatchError::HoldsResults { path: path.to_owned(), entry: journal_name(slice) })
@@ -97,6 +98,11 @@ impl OutputFolder {
         Ok(slices)
     }
 
+    /// Returns the path of a slice's journal.
+    pub fn journal(&self, slice: Slice) -> PathBuf {
+        self.path.join(journal_name(slice))
+    }
+
     /// Creates the folder for recordings.
     pub fn prepare_recordings(&self) -> Result<(), BatchError> {
         create_folder(&self.path.join(RECORDINGS_FOLDER))
@@ -111,7 +117,7 @@ impl OutputFolder {
             named(&self.path.join(CHARTS_FOLDER), is_chart).try_for_each(|path| remove_file(&path))?;
         }
         let slices = self.journals()?.into_iter().filter(|slice| !slice.is_whole());
-        let journals = slices.map(|slice| journal_path(self, slice));
+        let journals = slices.map(|slice| self.journal(slice));
         let files = FILES.iter().map(|name| self.path.join(name));
         journals.chain(files).try_for_each(|path| remove_file(&path))
     }

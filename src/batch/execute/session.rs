@@ -8,7 +8,8 @@ use std::sync::{Arc, Mutex};
 
 use rayon::prelude::*;
 
-use crate::batch::execute::journal::{JournalError, LockedJournal, OpenJournal, RowReader, journal_name};
+use crate::batch::execute::entries::journal_name;
+use crate::batch::execute::journal::{JournalError, LockedJournal, OpenJournal, RowReader};
 use crate::batch::execute::workers::{Task, Work, work_off};
 use crate::batch::execute::{BatchError, Disk, JournalIndex, OutputFolder, RUNS_FILE, RealDisk, RunScenario, Status};
 use crate::batch::plan::{BatchPlan, PLAN_FILE, PlanError, Record, Slice};

@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::io::ErrorKind;
 
-use crate::batch::execute::journal::{is_locked, journal_path};
+use crate::batch::execute::journal::is_locked;
 use crate::batch::execute::{BatchError, JournalError, JournalIndex, OutputFolder};
 use crate::batch::plan::{BatchPlan, Slice};
 
@@ -39,7 +39,7 @@ pub fn batch_status(folder: &OutputFolder) -> Result<BatchStatus, BatchError> {
 }
 
 fn state_of(folder: &OutputFolder, slice: Slice, plan: &BatchPlan) -> Result<SliceState, JournalError> {
-    let path = journal_path(folder, slice);
+    let path = folder.journal(slice);
     let unreadable = |source| JournalError::Unreadable { path: path.clone(), source };
     let file = match File::open(&path) {
         Ok(file) => file,

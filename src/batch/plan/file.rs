@@ -18,12 +18,11 @@ use std::path::Path;
 
 use schemars::JsonSchema;
 use serde::Deserialize;
-use thiserror::Error;
 use toml::{Table, Value};
 
+use super::request::PlanFileError;
 use super::sweep::SweepError;
-use super::{BatchRequest, Record, Setting, Sweep};
-use super::{Seeds, SeedsError};
+use super::{BatchRequest, Record, RequestError, Seeds, SeedsError, Setting, Sweep};
 use crate::scenario::{BUILT_IN, ScenarioText, first_too_deep};
 
 /// A plan file with comments, to begin with.
@@ -31,19 +30,6 @@ pub const PLAN_TEMPLATE: &str = include_str!("template.toml");
 
 /// Keys that a plan file has at its top, and a scenario never has.
 const KEYS: [&str; 7] = ["scenarios", "seeds", "planners", "set", "sweep", "record", "memory"];
-
-/// A fault of a plan file.
-#[derive(Debug, Error)]
-pub enum PlanFileError {
-    #[error("{path}:{line}: {message}")]
-    Syntax { path: String, line: usize, message: String },
-    #[error("{path}: {reason}")]
-    Wrong { path: String, reason: String },
-    #[error("{path}: {source}")]
-    Seeds { path: String, source: SeedsError },
-    #[error("{path}: {source}")]
-    Sweep { path: String, source: SweepError },
-}
 
 /// A plan file: what a batch is asked to do.
 #[derive(Deserialize, JsonSchema)]
@@ -85,7 +71,7 @@ pub fn schema() -> schemars::Schema {
 /// The request of a plan file; `None` if the text is no plan.
 ///
 /// A text is a plan if it has one of the keys of plans at its top, which no scenario has.
-pub fn read(source: &ScenarioText) -> Result<Option<BatchRequest>, PlanFileError> {
+fn read(source: &ScenarioText) -> Result<Option<BatchRequest>, PlanFileError> {
     let is_plan = |table: &Table| KEYS.iter().any(|key| table.contains_key(*key));
     // What nests too deep is no plan either; reading it as a scenario says so.
     if first_too_deep(&source.text).is_some() || !toml::from_str(&source.text).is_ok_and(|table: Table| is_plan(&table))
@@ -122,6 +108,13 @@ impl Fault {
             Self::Seeds(source) => PlanFileError::Seeds { path, source },
             Self::Sweep(source) => PlanFileError::Sweep { path, source },
         }
+    }
+}
+
+impl BatchRequest {
+    /// Reads the request of a plan file; `None` if the text is a scenario, or cannot be read as TOML at all.
+    pub fn from_text(text: &ScenarioText) -> Result<Option<Self>, RequestError> {
+        Ok(read(text)?)
     }
 }
 

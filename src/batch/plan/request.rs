@@ -5,10 +5,11 @@ use std::collections::BTreeMap;
 use sha2::{Digest, Sha256};
 use thiserror::Error;
 
-use super::file::{self, PlanFileError};
 use super::sweep::{SweepError, check_sweeps, split_at_commas};
-use super::{BatchPlan, MAX_CHANGES, MAX_SWEPT_KEYS, PLANNER_KEY, Record, Setting, Sweep, Variant};
-use super::{MAX_RUNS, Seeds, Value};
+use super::{
+    BatchPlan, MAX_CHANGES, MAX_RUNS, MAX_SWEPT_KEYS, PLANNER_KEY, Record, Seeds, SeedsError, Setting, Sweep, Value,
+    Variant,
+};
 use crate::scenario::{LoadedScenario, MemoryLimit, Scenario, ScenarioError, ScenarioText};
 
 /// The most runs of a batch that is not insisted on.
@@ -36,6 +37,19 @@ pub struct BatchRequest {
     pub record: Option<Record>,
     /// The memory that each run may take; 2 GB if there is none.
     pub memory: Option<MemoryLimit>,
+}
+
+/// A fault of a plan file.
+#[derive(Debug, Error)]
+pub enum PlanFileError {
+    #[error("{path}:{line}: {message}")]
+    Syntax { path: String, line: usize, message: String },
+    #[error("{path}: {reason}")]
+    Wrong { path: String, reason: String },
+    #[error("{path}: {source}")]
+    Seeds { path: String, source: SeedsError },
+    #[error("{path}: {source}")]
+    Sweep { path: String, source: SweepError },
 }
 
 /// A reason for which a request makes no plan.
@@ -69,11 +83,6 @@ pub enum RequestError {
 }
 
 impl BatchRequest {
-    /// Reads the request of a plan file; `None` if the text is a scenario, or cannot be read as TOML at all.
-    pub fn from_text(text: &ScenarioText) -> Result<Option<Self>, RequestError> {
-        Ok(file::read(text)?)
-    }
-
     /// Takes an option of the command line: a change, or a sweep if there are several values between commas.
     pub fn add_option(&mut self, option: &str) -> Result<(), SweepError> {
         match option.split_once('=') {

@@ -32,7 +32,7 @@ pub fn row_schema(table: TableOfRows) -> String {
     serde_json::to_string_pretty(&schema).expect("words are JSON")
 }
 
-/// Returns the JSON Schema of a row of these columns, a property for each in its order.
+/// Returns the JSON Schema of a row of these columns, with a property for each.
 pub fn schema_of(table: TableOfRows, columns: &[FileColumn]) -> Json {
     let title = match table {
         TableOfRows::Runs => "A run",
@@ -80,7 +80,6 @@ mod tests {
             let properties = schema_of(table, &columns)["properties"].as_object().expect("columns").clone();
             assert_eq!(properties.len(), columns.len(), "{table:?} has a column twice");
             assert!(columns.iter().all(|column| !column.words.is_empty()), "{table:?}");
-            assert!(properties.keys().zip(&columns).all(|(name, column)| *name == column.name), "{table:?}");
         }
     }
 

@@ -23,6 +23,8 @@ pub enum FinishedError {
     Strange(#[from] StrangeEntry),
     #[error("{} does not go with its plan: {reason}", path.display())]
     OtherRows { path: PathBuf, reason: String },
+    #[error("cannot read {}: {reason}", path.display())]
+    Damaged { path: PathBuf, reason: String },
     #[error(transparent)]
     WrongTable(TableError),
 }

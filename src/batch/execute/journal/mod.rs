@@ -18,9 +18,6 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::batch::execute::OutputFolder;
-use crate::batch::plan::Slice;
-
 /// A reason for which a journal cannot be read or continued.
 #[derive(Debug, Error)]
 pub enum JournalError {
@@ -39,46 +36,5 @@ pub enum JournalError {
 impl JournalError {
     fn unreadable(path: &Path, source: io::Error) -> Self {
         Self::Unreadable { path: path.to_owned(), source }
-    }
-}
-
-const WHOLE_NAME: &str = "runs.journal";
-
-/// The name of a slice's journal.
-pub fn journal_name(slice: Slice) -> String {
-    if slice.is_whole() {
-        WHOLE_NAME.into()
-    } else {
-        format!("runs-{}.journal", slice.to_string().replace('/', "-of-"))
-    }
-}
-
-/// The slice whose journal has this name; `None` of what is no journal.
-pub fn slice_of_journal(name: &str) -> Option<Slice> {
-    if name == WHOLE_NAME {
-        return Some(Slice::WHOLE);
-    }
-    let slice = name.strip_prefix("runs-")?.strip_suffix(".journal")?.replace("-of-", "/").parse().ok()?;
-    (journal_name(slice) == name).then_some(slice)
-}
-
-/// Returns the path of a slice's journal.
-pub fn journal_path(folder: &OutputFolder, slice: Slice) -> PathBuf {
-    folder.path().join(journal_name(slice))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn journals_are_known_by_their_names() {
-        for slice in [Slice::WHOLE, Slice::new(2, 5).expect("a slice")] {
-            assert_eq!(slice_of_journal(&journal_name(slice)), Some(slice));
-        }
-        for name in ["runs.csv", "runs-1-of-1.journal", "runs-6-of-5.journal", "runs-01-of-5.journal", "runs-.journal"]
-        {
-            assert_eq!(slice_of_journal(name), None, "{name}");
-        }
     }
 }

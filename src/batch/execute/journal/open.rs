@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use super::index::RowReader;
 use super::line::{Head, encode};
-use super::{JournalError, JournalIndex, journal_path};
+use super::{JournalError, JournalIndex};
 use crate::batch::execute::{Append, BatchError, Disk, OutputFolder, RunRow, Status};
 use crate::batch::plan::{BatchPlan, Slice};
 use crate::time::wall::WallStopwatch;
@@ -35,7 +35,7 @@ pub struct LockedJournal {
 impl LockedJournal {
     /// Opens a slice's journal, creates it if need be, and locks it.
     pub fn take(folder: &OutputFolder, slice: Slice) -> Result<Self, BatchError> {
-        let path = journal_path(folder, slice);
+        let path = folder.journal(slice);
         let file = OpenOptions::new().read(true).append(true).create(true).open(&path);
         let file = file.and_then(|file| sync_folder_of(&path).map(|()| file));
         let file = file.map_err(|source| BatchError::unwritable(&path, source))?;
@@ -165,7 +165,7 @@ pub struct ReadJournal {
 impl ReadJournal {
     /// Opens, locks and reads the journal of a slice.
     pub fn open(folder: &OutputFolder, slice: Slice, plan: &BatchPlan) -> Result<Self, JournalError> {
-        let path = journal_path(folder, slice);
+        let path = folder.journal(slice);
         let file = File::open(&path).map_err(|source| JournalError::unreadable(&path, source))?;
         match file.try_lock_shared() {
             Ok(()) => {}

@@ -45,8 +45,6 @@ pub enum ReportError {
     Finished(#[from] FinishedError),
     #[error("the batch in {} has no table of runs yet", folder.display())]
     Unfinished { folder: PathBuf },
-    #[error("cannot read {}: {reason}", path.display())]
-    BadStates { path: PathBuf, reason: String },
     #[error("cannot write {}: {source}", path.display())]
     Unwritable { path: PathBuf, source: io::Error },
 }

@@ -5,7 +5,6 @@ use std::io::ErrorKind;
 use std::mem;
 use std::path::Path;
 
-use super::ReportError;
 use super::quantities::STATES;
 use crate::batch::execute::{STATE_STEPS, STATES_PARQUET};
 use crate::batch::plan::BatchPlan;
@@ -27,15 +26,15 @@ impl StateCurves {
     }
 
     /// Reads one for each variant; `None` if the folder has no such file.
-    pub fn read(folder: &Path, plan: &BatchPlan) -> Result<Option<Vec<Self>>, ReportError> {
+    pub fn read(folder: &Path, plan: &BatchPlan) -> Result<Option<Vec<Self>>, FinishedError> {
         let path = folder.join(STATES_PARQUET);
         let file = match File::open(&path) {
             Ok(file) => file,
             Err(source) if source.kind() == ErrorKind::NotFound => return Ok(None),
-            Err(source) => return Err(FinishedError::Unreadable { path, source }.into()),
+            Err(source) => return Err(FinishedError::Unreadable { path, source }),
         };
         let curves = ParquetReader::read(file, |file| read_all(file, plan));
-        curves.map(Some).map_err(|reason| ReportError::BadStates { path, reason })
+        curves.map(Some).map_err(|reason| FinishedError::Damaged { path, reason })
     }
 }
 
