@@ -1,8 +1,8 @@
-//! Deadlocks: a truck that cannot set out because others stand in the way which will not leave by themselves.
+//! Deadlocks: a truck cannot set out because others that will not leave by themselves stand in the way.
 //!
 //! Trucks that wait are served in the order of their numbers: all that stand on the way of the first drive aside, and it
-//! sets out behind them. So of two that face each other the one with the larger number gives way, and whoever has
-//! nothing to do gives way to everybody. Either all of them can, or nobody moves and the next one is served. Every
+//! sets out after them. So of two that face each other the one with the larger number gives way, and one that has nothing
+//! to do gives way to all. Either all that are in the way can leave, or nobody moves and the next truck is served. Every
 //! deadlock that is broken sends a truck on its way to a fire.
 
 use bevy::prelude::*;
@@ -12,7 +12,6 @@ use crate::planning::find_yield_pose;
 use crate::time::SimTime;
 use crate::timeline::AgentId;
 use crate::trajectory::Trajectory;
-use crate::vehicle::Dimensions;
 
 use super::queue::{AgentEvent, Wake};
 use super::schedule::{Pass, SimSystems};
@@ -52,19 +51,29 @@ struct WayOut {
 }
 
 impl WayOut {
-    /// `None` where the truck is not blocked by trucks that stand idle, or one of them cannot leave.
+    /// Finds a way out for a truck; `None` if it is not blocked by trucks that stand idle, or one of them cannot leave.
     fn for_truck(fleet: &Fleet, first: Entity) -> Option<Self> {
         let now = fleet.now();
         let (_, truck) = fleet.trucks.get(first).ok()?;
         let wanted = &truck.blocked.first()?.drive;
         let wish = Trajectory::from_path(&wanted.path, now + truck.charge(&wanted.effort), truck.speed);
         let mut reservations = fleet.reservations();
-        let in_the_way = blocking(&reservations, first, truck, &wish)?;
+        let in_the_way: Vec<Entity> =
+            Traffic::new(&reservations, first).standing_on(&truck.body, &wish).map(|other| other.entity).collect();
+        // The largest number first: it is served last, so it has the least to lose.
+        let places = (0..reservations.len()).rev().filter(|&place| in_the_way.contains(&reservations[place].entity));
+        let places: Vec<usize> = places.collect();
+        // Whoever will leave by itself is waited for.
+        if places.is_empty() || !places.iter().all(|&place| reservations[place].is_idle) {
+            return None;
+        }
         let mut making_way = Vec::new();
-        for place in in_the_way {
+        for place in places {
             let entity = reservations[place].entity;
             let (_, other) = fleet.trucks.get(entity).ok()?;
-            let way = way_aside(other, &reservations, place, (&truck.body, &wish), now)?;
+            let passing = MovingBody { body: &truck.body, trajectory: &wish };
+            let way = way_aside(other, &reservations, place, passing, now)?;
+            // The next one to leave finds this one where it goes.
             reservations[place].leg = way.clone();
             making_way.push((entity, way));
         }
@@ -84,32 +93,21 @@ impl WayOut {
     }
 }
 
-/// Places among the reservations of those that stand in the way of a leg, the largest number first; `None` if there are
-/// none or one of them will leave by itself.
-fn blocking(reservations: &[Reservation], first: Entity, truck: &Truck, wish: &Trajectory) -> Option<Vec<usize>> {
-    let on_the_way: Vec<AgentId> =
-        Traffic::new(reservations, first).on_the_way(&truck.body, wish).map(|o| o.id).collect();
-    let places = (0..reservations.len()).rev().filter(|&place| on_the_way.contains(&reservations[place].id));
-    let places: Vec<usize> = places.collect();
-    (!places.is_empty() && places.iter().all(|&place| reservations[place].is_idle)).then_some(places)
-}
-
-/// A leg of the truck at `place` to the nearest place that leaves another's way free.
+/// Returns a leg of the truck at `place` to the nearest place that leaves the way of a passing one free.
 fn way_aside(
     truck: &Truck,
     reservations: &[Reservation],
     place: usize,
-    (body, wish): (&Dimensions, &Trajectory),
+    passing: MovingBody<'_>,
     now: SimTime,
 ) -> Option<Trajectory> {
     let own = &reservations[place];
     let traffic = Traffic::new(reservations, own.entity);
-    let crowd = traffic.crowd(&truck.checker);
     let leaves_free = |pose| {
         let stand = Trajectory::new(now, pose, Vec::new());
         let stand = MovingBody { body: &own.body, trajectory: &stand };
-        first_conflict(MovingBody { body, trajectory: wish }, stand, now, MARGIN_M).is_none()
+        first_conflict(passing, stand, now, MARGIN_M).is_none()
     };
-    let path = find_yield_pose(&crowd, own.leg.end(), leaves_free)?;
+    let path = find_yield_pose(&traffic.with_others_standing(&truck.checker), own.leg.end(), leaves_free)?;
     traffic.departure(&own.body, &Trajectory::from_path(&path, now, truck.speed)).ok()
 }

@@ -1,11 +1,11 @@
 //! Trucks that keep clear of each other.
 //!
-//! The leg of every truck is a reservation: along it, and where it ends for ever. No two reservations come nearer than
-//! [`MARGIN_M`], so whoever keeps to his own is safe whatever the others do. Only three things change a reservation, and
-//! each keeps the rule:
-//! - a truck that sets out does so when its way is free ([`Traffic::departure`]), or takes another goal, or goes
+//! The leg of every truck is a reservation: along it while it drives, and of its end from then on. No two reservations
+//! come nearer than [`MARGIN_M`], so a truck that keeps to its own is safe whatever the others do. Only three things
+//! change a reservation, and each keeps the rule:
+//! - a truck sets out when its way is free ([`Traffic::departure`]); or it takes another goal, drives
 //!   [round](crate::planning::replan_around) those that stand in the way, or waits until something of the others changes;
-//! - a truck that breaks off drives on to where it may stand for ever ([`Traffic::stopping`]);
+//! - a truck that drops its goal drives on to where it may stand for good ([`Traffic::stopping`]);
 //! - a truck that has nothing to do, or is blocked itself, gives way to one that could not set out otherwise
 //!   ([`standoff`](super::standoff)).
 
@@ -24,13 +24,13 @@ pub const MARGIN_M: f64 = 0.2;
 /// How long a truck puts its departure off for others that pass, before it looks for another way or goal.
 const PATIENCE: SimTime = SimTime::from_nanos(20_000_000_000);
 
-/// Departures are put off by steps of so many seconds.
+/// The step in which departures are put off.
 const WAIT_STEP_S: f64 = 0.5;
 
-/// A truck that may not stop at once tries again after so many seconds on its way.
+/// A truck that may not stop at once tries again after this time on its way.
 const STOP_STEP_S: f64 = 0.25;
 
-/// Where that many tries do not suffice, because a truck is very slow, steps are longer.
+/// The number of steps that are tried: where a truck is so slow that they do not suffice, they are longer.
 const MOST_STEPS: f64 = 1000.0;
 
 /// Where a truck is and will be.
@@ -49,16 +49,11 @@ impl Reservation {
         MovingBody { body: &self.body, trajectory: &self.leg }
     }
 
-    /// When a motion first meets this truck in its last place, as if it stood there all the time.
-    fn last_met(&self, motion: MovingBody<'_>) -> Option<SimTime> {
+    /// Returns when a motion first conflicts with this truck in its last place, as if it stood there all the time.
+    fn first_conflict_at_end(&self, motion: MovingBody<'_>) -> Option<SimTime> {
         let stand = Trajectory::new(SimTime::ZERO, self.leg.end(), Vec::new());
         let stand = MovingBody { body: &self.body, trajectory: &stand };
         first_conflict(motion, stand, motion.trajectory.start_time(), MARGIN_M)
-    }
-
-    /// The outline at its end.
-    fn outline(&self) -> OrientedRect {
-        self.body.footprint(self.leg.end())
     }
 }
 
@@ -78,38 +73,40 @@ impl<'a> Traffic<'a> {
         self.all.iter().filter(move |other| other.entity != self.except)
     }
 
-    /// The first of the others that a motion comes too near, looked at from `from` on.
-    fn met(self, motion: MovingBody<'_>, from: SimTime) -> Option<&'a Reservation> {
+    /// Returns the first of the others that a motion comes too near from `from` on.
+    fn first_in_conflict(self, motion: MovingBody<'_>, from: SimTime) -> Option<&'a Reservation> {
         self.others().find(|other| first_conflict(motion, other.moving(), from, MARGIN_M).is_some())
     }
 
-    /// The others whose last place lies on the way of a leg, whenever it is driven.
-    pub fn on_the_way(self, body: &Dimensions, leg: &Trajectory) -> impl Iterator<Item = &'a Reservation> {
-        self.others().filter(move |other| other.last_met(MovingBody { body, trajectory: leg }).is_some())
+    /// Iterates over the others whose last place is on the way of a leg, whenever it is driven.
+    pub fn standing_on(self, body: &Dimensions, leg: &Trajectory) -> impl Iterator<Item = &'a Reservation> {
+        self.others().filter(move |other| other.first_conflict_at_end(MovingBody { body, trajectory: leg }).is_some())
     }
 
-    /// Metres of a leg before it meets the first of the others in its last place, if it meets any.
+    /// Returns the metres of a leg before the first of the others that stands on it in its last place, if any does.
     pub fn free_m(self, body: &Dimensions, leg: &Trajectory) -> Option<f64> {
-        let times = self.others().filter_map(|other| other.last_met(MovingBody { body, trajectory: leg }));
+        let times = self.others().filter_map(|other| other.first_conflict_at_end(MovingBody { body, trajectory: leg }));
         times.map(|time| leg.distance_m(time)).min_by(f64::total_cmp)
     }
 
-    /// The leg with the shortest wait at its beginning that lets the others pass, or who is in the way.
-    ///
-    /// The truck stands where nobody will pass, so that only the motion itself must be looked at.
+    /// Returns the leg with the shortest wait at its beginning that lets the others pass, or who is in the way.
     pub fn departure(self, body: &Dimensions, leg: &Trajectory) -> Result<Trajectory, AgentId> {
         self.departure_within(PATIENCE, body, leg)
     }
 
+    /// Returns the same, with no longer wait than `patience`.
     pub fn departure_within(
         self,
         patience: SimTime,
         body: &Dimensions,
         leg: &Trajectory,
     ) -> Result<Trajectory, AgentId> {
-        let met = |leg: &Trajectory| self.met(MovingBody { body, trajectory: leg }, leg.sets_out_at());
-        let Some(first) = met(leg) else { return Ok(leg.clone()) };
-        if let Some(other) = self.on_the_way(body, leg).next() {
+        // The truck stands where nobody will pass, so only the motion itself is looked at, not the wait before it.
+        let conflict =
+            |leg: &Trajectory| self.first_in_conflict(MovingBody { body, trajectory: leg }, leg.sets_out_at());
+        let Some(first) = conflict(leg) else { return Ok(leg.clone()) };
+        // No wait helps against who stands on the way for good.
+        if let Some(other) = self.standing_on(body, leg).next() {
             return Err(other.id);
         }
         let last = self.others().map(|other| other.leg.end_time()).max().unwrap_or_default();
@@ -117,18 +114,18 @@ impl<'a> Traffic<'a> {
         let step_s = WAIT_STEP_S.max(longest_s / MOST_STEPS);
         let steps = (longest_s / step_s).ceil() as u32;
         let mut later = (1..=steps).map(|step| leg.after_waiting(f64::from(step) * step_s));
-        later.find(|leg| met(leg).is_none()).ok_or(first.id)
+        later.find(|leg| conflict(leg).is_none()).ok_or(first.id)
     }
 
-    /// A leg cut short at the first place where the truck may stand for ever, from `now` on.
+    /// Returns a leg cut short at the first place where the truck may stand for good, from `now` on.
     pub fn stopping(self, body: &Dimensions, leg: &Trajectory, now: SimTime, braking: Option<f64>) -> Trajectory {
-        let may = |cut: &Trajectory| self.met(MovingBody { body, trajectory: cut }, now).is_none();
+        let is_free = |cut: &Trajectory| self.first_in_conflict(MovingBody { body, trajectory: cut }, now).is_none();
         let at_once = if leg.start_time() >= now {
             Trajectory::new(now, leg.start(), Vec::new())
         } else {
             leg.stopping(now, braking)
         };
-        if may(&at_once) {
+        if is_free(&at_once) {
             return at_once;
         }
         let begin = now.max(leg.start_time());
@@ -136,21 +133,22 @@ impl<'a> Traffic<'a> {
         let step_s = STOP_STEP_S.max(left_s / MOST_STEPS);
         let times = (1..).map(|step| f64::from(step) * step_s).take_while(|&after_s| after_s < left_s);
         let mut cuts = times.map(|after_s| leg.stopping(begin + SimTime::from_seconds(after_s), braking));
-        cuts.find(may).unwrap_or_else(|| leg.clone())
+        // Its whole leg is its reservation, so at the latest it may stand at the end.
+        cuts.find(is_free).unwrap_or_else(|| leg.clone())
     }
 
-    /// The field with the others standing at the ends of their legs, [`MARGIN_M`] larger than they are.
-    pub fn crowd(self, checker: &CollisionChecker) -> CollisionChecker {
+    /// Returns the field with the others standing at the ends of their legs, [`MARGIN_M`] larger than they are.
+    pub fn with_others_standing(self, checker: &CollisionChecker) -> CollisionChecker {
         let wider = MARGIN_M - LEAST_CLEARANCE_M;
         let standing = self.others().map(|other| {
-            let OrientedRect { centre, half_length, half_width } = other.outline();
+            let OrientedRect { centre, half_length, half_width } = other.body.footprint(other.leg.end());
             OrientedRect { centre, half_length: half_length + wider, half_width: half_width + wider }
         });
         checker.with_obstacles(standing)
     }
 }
 
-/// Whether two standing trucks keep their margin.
+/// Returns true if two standing trucks keep their margin.
 pub fn keep_apart(one: (&Dimensions, Pose), other: (&Dimensions, Pose)) -> bool {
     gap_between(one, other) >= MARGIN_M
 }
@@ -179,14 +177,14 @@ mod tests {
     }
 
     #[test]
-    fn a_truck_that_breaks_off_stops_at_once_or_drives_on_over_the_crossing() {
+    fn a_truck_that_drops_its_goal_stops_at_once_or_drives_on_over_the_crossing() {
         let (leg, other, entity) = crossing(9.0);
         let (body, others) = (Dimensions::default(), [other]);
         let traffic = Traffic::new(&others, entity);
         for (at_s, least_m, most_m) in [(3.0, -16.0, -16.0), (4.5, 2.0, 6.0), (5.0, 2.0, 6.0), (7.0, 16.0, 16.0)] {
             let now = SimTime::from_seconds(at_s);
             let cut = traffic.stopping(&body, &leg, now, None);
-            assert!(cut.end().x >= least_m && cut.end().x <= most_m, "told at {at_s} s, stands at {:?}", cut.end());
+            assert!(cut.end().x >= least_m && cut.end().x <= most_m, "asked at {at_s} s, stands at {:?}", cut.end());
             assert_eq!(cut.pose_at(now), leg.pose_at(now));
         }
     }
@@ -205,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn who_stands_in_the_way_for_ever_is_named() {
+    fn a_truck_that_stands_in_the_way_for_good_is_named() {
         let (leg, mut other, entity) = crossing(5.0);
         other.leg = straight(0.0, Pose::new(0.0, -30.0, std::f64::consts::FRAC_PI_2), 29.0);
         let (body, others) = (Dimensions::default(), [other]);

@@ -150,7 +150,8 @@ impl Truck {
         let mut stopwatch = CpuStopwatch::start();
         let leg = Trajectory::from_path(&blocked.path, SimTime::ZERO, self.speed);
         let free_m = outset.traffic.free_m(&self.body, &leg)?;
-        let (path, spent) = replan_around(&outset.traffic.crowd(&self.checker), &blocked.path, free_m, disc);
+        let (path, spent) =
+            replan_around(&outset.traffic.with_others_standing(&self.checker), &blocked.path, free_m, disc);
         cost.local_search += stopwatch.lap();
         let mut effort = blocked.effort;
         effort += spent;

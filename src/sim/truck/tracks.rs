@@ -1,7 +1,7 @@
 //! The way from a truck's start to where it stands.
 //!
-//! Where nothing else leads on, a truck goes back the way it came. What it has driven back is no longer part of the way,
-//! so however often that happens the way back never grows by it.
+//! Where nothing else leads on, a truck drives back the way it came. What it has driven back is no longer part of its
+//! tracks, so that the way back does not grow however often that happens.
 
 use crate::geometry::Pose;
 use crate::vehicle::{Path, Segment};
@@ -19,20 +19,20 @@ impl Tracks {
         self.legs.len()
     }
 
-    /// Where the last `legs` began; there must be so many, and one at least.
+    /// Returns where the last `legs` began; there must be as many, and one at least.
     pub fn start_of_last(&self, legs: usize) -> Pose {
         self.legs[self.legs.len() - legs].start
     }
 
-    /// A path from `pose`, the present one, back over the last `legs` and then along `then`, and how many of its metres
-    /// lead back.
+    /// Returns a path from `pose`, the present one, back over the last `legs` and then along `then`, and how many of its
+    /// metres lead back.
     pub fn lead_back(&self, pose: Pose, legs: usize, then: Path) -> (Path, f64) {
         let back: Vec<Segment> = self.legs.iter().rev().take(legs).flat_map(|leg| leg.reversed().segments).collect();
         let back_m = back.iter().map(|segment| segment.length_m.abs()).sum();
         (Path { start: pose, segments: back.into_iter().chain(then.segments).collect() }, back_m)
     }
 
-    /// The truck sets out on a leg whose first metres lead back.
+    /// Notes that the truck sets out on a leg whose first metres lead back.
     pub fn set_out(&mut self, back_m: f64) {
         self.leading_back_m = back_m;
     }
