@@ -33,7 +33,7 @@ pub fn explain(loaded: &LoadedScenario, limit: MemoryLimit) -> String {
     match &terrain {
         Ok(terrain) => text += &describe_terrain(scenario, terrain),
         Err(error) => {
-            add_section(&mut text, &format!("Field of seed {SHOWN_SEED}"), [format!("There is none: {error}.")])
+            add_section(&mut text, &format!("Field of seed {SHOWN_SEED}"), [format!("There is none: {error}.")]);
         }
     }
     text += &list_memory(scenario, limit);

@@ -162,7 +162,7 @@ mod tests {
             for text in deep {
                 let source =
                     ScenarioText::from_bytes("deep.toml", Ok(text.clone().into_bytes())).expect("within limits");
-                let refusal = LoadedScenario::from_text(&source, &[]).err().expect("nobody nests so deep").to_string();
+                let refusal = LoadedScenario::from_text(&source, &[]).expect_err("nobody nests so deep").to_string();
                 assert!(refusal.contains("brackets"), "{refusal}");
                 assert_eq!(toml_value(&text[text.find("= ").map_or(0, |at| at + 2)..]), None);
             }
