@@ -133,10 +133,11 @@ fn stepping_meets_every_event_once_forth_and_back() {
     let mut expected: Vec<SimTime> = run.timeline().events.iter().map(|event| event.time).collect();
     expected.dedup();
     assert_eq!(expected[0], SimTime::ZERO);
-    let forth: Vec<_> = std::iter::successors(Some(SimTime::ZERO), |&time| run.next_event(time)).collect();
+    let forth: Vec<_> = std::iter::successors(Some(SimTime::ZERO), |&time| run.index().next_event(time)).collect();
     assert_eq!(forth, expected);
     let mut back: Vec<_> =
-        std::iter::successors(run.previous_event(SimTime::MAX), |&time| run.previous_event(time)).collect();
+        std::iter::successors(run.index().previous_event(SimTime::MAX), |&time| run.index().previous_event(time))
+            .collect();
     back.reverse();
     assert_eq!(back, expected);
 }

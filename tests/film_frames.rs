@@ -180,7 +180,7 @@ fn a_field_of_one_cell_without_time_can_be_shown() {
     timeline.setting.frame = FieldFrame { cols: 1, rows: 1, cell_m: 1e-3 };
     timeline.setting.scenario = "\u{1f525} a scenario with a name that nobody would ever want to read".repeat(30);
     let run = RunView::new(timeline.clone(), None);
-    assert_eq!((run.next_event(SimTime::ZERO), run.previous_event(SimTime::MAX)), (None, None));
+    assert_eq!((run.index().next_event(SimTime::ZERO), run.index().previous_event(SimTime::MAX)), (None, None));
     assert_can_be_shown(timeline.clone(), (640, 480));
     timeline.setting.bushes = vec![Cell { col: 0, row: 0 }];
     assert_can_be_shown(timeline, (400, 300));

@@ -8,18 +8,18 @@ mod cpu;
 pub mod export;
 mod fact;
 pub mod file;
-mod ledger;
+mod index;
 mod outcome;
 mod progress;
-mod reader;
 mod replay;
 #[cfg(test)]
 mod sample;
 mod setting;
 
 pub use agent_id::{AgentId, Role};
-pub use cpu::CpuSample;
+pub use cpu::{CpuHistory, CpuSample};
 pub use fact::{AgentFact, Cause, EndReason, Event, Fact, FireFact, RestReason};
+pub use index::{AgentStats, BushCounts, FollowedLeg, RunIndex, SpreadMoment};
 pub use outcome::{AgentOutcome, Outcome, Winner};
 pub use progress::Activity;
 pub use replay::{AgentState, Replay, State};

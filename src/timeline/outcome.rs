@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::reader::Reader;
-use super::{AgentId, Timeline};
+use super::{AgentId, RunIndex, Timeline};
 
 /// Counts, times and scores of a run.
 ///
@@ -141,9 +140,9 @@ pub enum Winner {
 }
 
 impl Outcome {
-    /// Reads a run from its facts, until its end.
+    /// Reads a run from its facts, until its end. Who asks more of the run builds a [`RunIndex`], which holds it too.
     pub fn new(timeline: &Timeline) -> Self {
-        Reader::new(timeline).read()
+        RunIndex::new(timeline).into_outcome()
     }
 
     /// Burning or burned out.
@@ -197,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn a_run_told_by_hand_has_these_numbers() {
+    fn a_run_written_by_hand_has_these_numbers() {
         let outcome = Outcome::new(&sample::by_hand());
         assert_eq!((outcome.obstacles, outcome.intact, outcome.burning), (4, 1, 0));
         assert_eq!((outcome.burned_out, outcome.extinguished, outcome.burned()), (2, 1, 2));
@@ -213,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wumpus_told_by_hand_has_these_numbers() {
+    fn a_wumpus_written_by_hand_has_these_numbers() {
         let expected = AgentOutcome {
             cells: 1,
             plans: 3,
@@ -235,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn a_truck_told_by_hand_has_these_numbers() {
+    fn a_truck_written_by_hand_has_these_numbers() {
         let expected = AgentOutcome {
             cells: 1,
             plans: 4,

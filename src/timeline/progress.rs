@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{AgentFact, Fact, FireFact};
+use super::{AgentFact, Fact};
 use crate::geometry::{Cell, Pose};
 use crate::time::SimTime;
 use crate::trajectory::Trajectory;
@@ -54,26 +54,27 @@ impl<'a> AgentProgress<'a> {
 
     /// Lets a fact of this agent's happen.
     pub fn apply(&mut self, fact: &'a Fact) {
+        let fact = match fact {
+            Fact::Agent(_, fact) => fact,
+            // It lit the cell, or put it out.
+            Fact::Fire(_) => return self.give_up_goal(),
+            Fact::Ended { .. } => return,
+        };
         match fact {
-            Fact::Agent(_, AgentFact::Planned { goal, trajectory, .. }) => self.follow(trajectory, Some(*goal)),
-            Fact::Agent(_, AgentFact::Dropped { trajectory, .. })
-            | Fact::Agent(_, AgentFact::GaveWay { trajectory, .. }) => self.follow(trajectory, None),
-            Fact::Agent(_, AgentFact::Blocked { .. }) => self.is_blocked = true,
-            Fact::Agent(_, AgentFact::PlanFailed { until, .. }) => self.planning_until = *until,
-            Fact::Agent(_, AgentFact::Suppressing { .. }) => self.suppresses = true,
-            Fact::Fire(FireFact::Extinguished { .. })
-            | Fact::Agent(_, AgentFact::SuppressionEnded { .. })
-            | Fact::Fire(FireFact::Ignited { .. })
-            | Fact::Agent(_, AgentFact::Rested { .. })
-            | Fact::Agent(_, AgentFact::LocalMinimum { .. }) => {
+            AgentFact::Planned { goal, trajectory, .. } => self.follow(trajectory, Some(*goal)),
+            AgentFact::Dropped { trajectory, .. } | AgentFact::GaveWay { trajectory, .. } => {
+                self.follow(trajectory, None);
+            }
+            AgentFact::Blocked { .. } => self.is_blocked = true,
+            AgentFact::PlanFailed { until, .. } => self.planning_until = *until,
+            AgentFact::Suppressing { .. } => self.suppresses = true,
+            AgentFact::SuppressionEnded { .. } | AgentFact::Rested { .. } | AgentFact::LocalMinimum { .. } => {
                 self.give_up_goal();
             }
-            Fact::Agent(_, AgentFact::StartMoved { .. })
-            | Fact::Agent(_, AgentFact::RoadmapBuilt { .. })
-            | Fact::Agent(_, AgentFact::OutOfReach { .. })
-            | Fact::Fire(FireFact::BurnedOut { .. })
-            | Fact::Agent(_, AgentFact::Searched { .. })
-            | Fact::Ended { .. } => {}
+            AgentFact::StartMoved { .. }
+            | AgentFact::RoadmapBuilt { .. }
+            | AgentFact::OutOfReach { .. }
+            | AgentFact::Searched { .. } => {}
         }
     }
 

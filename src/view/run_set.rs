@@ -62,12 +62,12 @@ impl RunSet {
 
     /// The next time after `time` at which something happens in any run.
     pub fn next_event(&self, time: SimTime) -> Option<SimTime> {
-        self.runs.iter().filter_map(|run| run.view.next_event(time)).min()
+        self.runs.iter().filter_map(|run| run.view.index().next_event(time)).min()
     }
 
     /// The last time before `time` at which something happened in any run.
     pub fn previous_event(&self, time: SimTime) -> Option<SimTime> {
-        self.runs.iter().filter_map(|run| run.view.previous_event(time)).max()
+        self.runs.iter().filter_map(|run| run.view.index().previous_event(time)).max()
     }
 
     /// Whether other runs are on their way.

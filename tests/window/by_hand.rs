@@ -146,12 +146,12 @@ fn steps_go_from_event_to_event_and_pause() {
     let run = RunView::new(simulated("smoke", 1), None);
     let mut time = window.player().clock();
     for _ in 0..20 {
-        time = run.next_event(time).expect("more than twenty events");
+        time = run.index().next_event(time).expect("more than twenty events");
         window.type_letter(".");
         window.frames(1);
         assert!(window.shows(time));
     }
-    time = run.previous_event(time).expect("an earlier one");
+    time = run.index().previous_event(time).expect("an earlier one");
     window.type_letter(",");
     window.frames(4);
     assert!(window.shows(time) && window.player().is_paused());

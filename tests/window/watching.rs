@@ -106,7 +106,7 @@ fn keys_and_mouse_do_what_help_says() {
     window.press(&["shift+Left", "Left"]);
     frame.wait_for(&window, seconds(540.0));
     window.press(&["period"]);
-    let event = runs[0].next_event(seconds(540.0)).expect("the run goes on");
+    let event = runs[0].index().next_event(seconds(540.0)).expect("the run goes on");
     frame.wait_for(&window, event);
     window.press(&["End"]);
     frame.wait_for(&window, runs[0].timeline().end_time());

@@ -2,9 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::fire::BushStateKind;
 use crate::planning::{Effort, FoundBy, PlanFailure};
 use crate::time::SimTime;
-use crate::timeline::{AgentFact, AgentId, BushState, Event, Fact, Replay, Timeline};
+use crate::timeline::{AgentFact, AgentId, Event, Fact, RunIndex};
 
 /// Steps between the times at which bushes are counted, which are the first and the last of the scenario too.
 pub const STATE_STEPS: u64 = 60;
@@ -116,11 +117,12 @@ impl From<StateCount> for (SimTime, u32, u32, u32, u32) {
 }
 
 impl RunDetail {
-    pub fn new(timeline: &Timeline) -> Self {
+    pub fn new(run: &RunIndex<'_>) -> Self {
+        let timeline = run.timeline();
         Self {
             facts: timeline.events.len() as u64,
             calls: timeline.events.iter().filter_map(call_of).collect(),
-            states: states_of(timeline),
+            states: states_of(run),
         }
     }
 }
@@ -148,35 +150,27 @@ fn call_of(event: &Event) -> Option<PlannerCall> {
 }
 
 /// Beyond the end of a run its bushes stay as they are.
-fn states_of(timeline: &Timeline) -> Vec<StateCount> {
-    let duration = timeline.setting.rules.duration.as_nanos();
-    let mut replay = Replay::new(timeline);
+fn states_of(run: &RunIndex<'_>) -> Vec<StateCount> {
+    let duration = run.timeline().setting.rules.duration.as_nanos();
     let count = |step: u64| {
         // A scenario's duration is far below the centuries at which this would overflow.
         let time = SimTime::from_nanos(duration.saturating_mul(step) / STATE_STEPS);
-        replay.seek(time);
-        count_of(time, replay.bushes())
+        let counts = run.counts_at(time);
+        StateCount {
+            time,
+            intact: counts.count(BushStateKind::Intact),
+            burning: counts.burning(),
+            burned_out: counts.count(BushStateKind::BurnedOut),
+            extinguished: counts.count(BushStateKind::Extinguished),
+        }
     };
     (0..=STATE_STEPS).map(count).collect()
-}
-
-fn count_of(time: SimTime, bushes: &[BushState]) -> StateCount {
-    let mut count = StateCount { time, intact: 0, burning: 0, burned_out: 0, extinguished: 0 };
-    for bush in bushes {
-        *match bush {
-            BushState::Intact => &mut count.intact,
-            BushState::Burning { .. } => &mut count.burning,
-            BushState::BurnedOut => &mut count.burned_out,
-            BushState::Extinguished => &mut count.extinguished,
-        } += 1;
-    }
-    count
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::timeline::Outcome;
+    use crate::timeline::Timeline;
     use crate::{scenario, sim};
 
     fn smoke() -> Timeline {
@@ -187,7 +181,8 @@ mod tests {
     #[test]
     fn calls_are_those_that_the_outcome_counts() {
         let timeline = smoke();
-        let (outcome, detail) = (Outcome::new(&timeline), RunDetail::new(&timeline));
+        let run = RunIndex::new(&timeline);
+        let (outcome, detail) = (run.outcome(), RunDetail::new(&run));
         for agent in &outcome.agents {
             let calls: Vec<_> = detail.calls.iter().filter(|call| call.agent == agent.agent).collect();
             let failed = calls.iter().filter(|call| call.answer.is_err()).count() as u32;
@@ -198,7 +193,8 @@ mod tests {
     #[test]
     fn last_state_is_that_of_the_outcome_and_every_bush_is_in_one() {
         let timeline = smoke();
-        let (outcome, states) = (Outcome::new(&timeline), RunDetail::new(&timeline).states);
+        let run = RunIndex::new(&timeline);
+        let (outcome, states) = (run.outcome(), RunDetail::new(&run).states);
         let last = states.last().expect("there are states");
         assert_eq!((states.len(), last.time), (61, SimTime::from_seconds(300.0)));
         assert_eq!(last.intact, outcome.intact);
@@ -210,7 +206,7 @@ mod tests {
 
     #[test]
     fn details_survive_a_journal() {
-        let detail = RunDetail::new(&smoke());
+        let detail = RunDetail::new(&RunIndex::new(&smoke()));
         let json = serde_json::to_string(&detail).expect("numbers and words are JSON");
         assert_eq!(serde_json::from_str::<RunDetail>(&json).expect("it was just written"), detail);
     }

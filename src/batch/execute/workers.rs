@@ -17,7 +17,7 @@ use crate::scenario::Scenario;
 use crate::sim::{Run, RunError};
 use crate::time::wall::WallStopwatch;
 use crate::timeline::file::{self, FileError};
-use crate::timeline::{Outcome, Timeline};
+use crate::timeline::{RunIndex, Timeline};
 
 /// The time between two checks of the journal and of the stop while no run ends.
 const POLL: Duration = Duration::from_millis(100);
@@ -147,13 +147,19 @@ impl Work {
     fn run_one(&self, run: &PlannedRun<'_>) -> (RunRow, Option<Timeline>) {
         let stopwatch = WallStopwatch::start();
         let scenario = &run.variant.scenario;
-        let caught = panics::catch(|| (self.run)(scenario, run.seed).map(|run| (Outcome::new(&run.timeline), run)));
+        let caught = panics::catch(|| {
+            (self.run)(scenario, run.seed).map(|done| {
+                let index = RunIndex::new(&done.timeline);
+                let detail = RunDetail::new(&index);
+                (index.into_outcome(), detail, done)
+            })
+        });
         let wall = stopwatch.elapsed();
         let not_done = |status, message| (RunRow::not_done(run.label(), status, message, wall), None);
         match caught {
-            Ok(Ok((outcome, done))) => {
+            Ok(Ok((outcome, detail, done))) => {
                 let row = RunRow::done(run.label(), RunResult::new(outcome, done.cost), wall);
-                (RunRow { detail: RunDetail::new(&done.timeline), ..row }, Some(done.timeline))
+                (RunRow { detail, ..row }, Some(done.timeline))
             }
             Ok(Err(error)) => not_done(Status::Failed, error.to_string()),
             Err(panic) => {

@@ -3,12 +3,8 @@
 //!
 //! Windows, stills and films show the same pixels: a [`FrameRenderer`] draws a [`FrameRequest`] on a sheet.
 
-mod books;
 mod camera;
-mod courses;
-mod expenses;
 mod field;
-mod history;
 mod hud;
 mod keys;
 mod layout;
@@ -16,12 +12,9 @@ mod lettering;
 mod options;
 mod renderer;
 mod run;
-mod vegetation;
 
-pub use books::AgentStats;
 pub use camera::{Camera, Projection};
 pub use field::pick;
-pub use history::BushCounts;
 pub use hud::format_clock;
 pub use keys::{BINDINGS, Binding};
 pub use layout::{FrameLayout, FramePart, PixelRect};

@@ -3,13 +3,8 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use super::books::{AgentHistory, AgentStats};
-use super::courses::AgentTracks;
-use super::expenses::CpuHistory;
-use super::history::{BushCounts, CountHistory};
-use super::vegetation::BushStateHistory;
 use crate::time::SimTime;
-use crate::timeline::{AgentFact, AgentId, CpuSample, Event, Fact, State, Timeline};
+use crate::timeline::{AgentId, AgentStats, BushCounts, CpuHistory, CpuSample, Event, RunIndex, State, Timeline};
 
 /// Tells the runs shown by one process apart, those that are gone included; renderers know by it what they may keep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,21 +17,13 @@ impl RunViewId {
     }
 }
 
-/// A run prepared for being shown: its timeline, and what is derived from it once.
+/// A run prepared for being shown: what is asked of it at any time, its title, and what its decisions cost.
 #[derive(Debug)]
 pub struct RunView {
     id: RunViewId,
     title: String,
-    timeline: Timeline,
-    end: SimTime,
-    expenses: Option<CpuHistory>,
-    history: CountHistory,
-    vegetation: BushStateHistory,
-    books: Vec<AgentHistory>,
-    /// When something happened, ascending.
-    moments: Vec<SimTime>,
-    has_searches: bool,
-    courses: AgentTracks,
+    index: RunIndex<'static>,
+    cpu: Option<CpuHistory>,
 }
 
 impl RunView {
@@ -45,18 +32,8 @@ impl RunView {
         Self {
             id: RunViewId::next(),
             title: timeline.setting.scenario.clone(),
-            end: timeline.end_time(),
-            expenses: cpu_samples.as_deref().map(CpuHistory::new),
-            history: CountHistory::new(&timeline),
-            vegetation: BushStateHistory::new(&timeline),
-            books: AgentHistory::from_timeline(&timeline),
-            moments: moments(&timeline),
-            has_searches: timeline
-                .events
-                .iter()
-                .any(|event| matches!(event.fact, Fact::Agent(_, AgentFact::Searched { .. }))),
-            courses: AgentTracks::new(&timeline),
-            timeline,
+            index: timeline.into(),
+            cpu: cpu_samples.as_deref().map(CpuHistory::new),
         }
     }
 
@@ -74,79 +51,49 @@ impl RunView {
         self.id
     }
 
+    /// What is asked of the run at any time.
+    pub fn index(&self) -> &RunIndex<'static> {
+        &self.index
+    }
+
     pub fn timeline(&self) -> &Timeline {
-        &self.timeline
-    }
-
-    pub(super) fn courses(&self) -> &AgentTracks {
-        &self.courses
-    }
-
-    /// Whether it holds what searches looked at.
-    pub fn has_searches(&self) -> bool {
-        self.has_searches
+        self.index.timeline()
     }
 
     pub fn end_time(&self) -> SimTime {
-        self.end
+        self.index.end_time()
     }
 
     /// When the last of some runs ends; zero of none.
     pub fn last_end(runs: &[&Self]) -> SimTime {
-        runs.iter().map(|run| run.end).max().unwrap_or_default()
+        runs.iter().map(|run| run.end_time()).max().unwrap_or_default()
     }
 
-    /// What [`Timeline::state_at`] says, without a replay.
     pub fn state_at(&self, time: SimTime) -> State {
-        let time = time.min(self.end);
-        let agents = self.timeline.setting.agents.iter().zip(&self.books);
-        let agents = agents.map(|(start, book)| book.state_at(&self.timeline, start, time)).collect();
-        State { time, bushes: self.vegetation.at(time), agents }
+        self.index.state_at(time)
     }
 
-    /// Counts after all facts at `time`.
     pub fn counts_at(&self, time: SimTime) -> BushCounts {
-        self.history.counts_at(time)
+        self.index.counts_at(time)
     }
 
     /// What an agent, by its place in the setting, did until `time`.
     pub fn stats_at(&self, agent: usize, time: SimTime) -> AgentStats {
-        self.books[agent].at(&self.timeline, time.min(self.end))
+        self.index.stats_at(agent, time)
     }
 
     /// The facts that changed a bush, by its place in the setting, in order of time.
     pub fn changes_of(&self, bush: usize) -> impl Iterator<Item = &Event> {
-        self.history.changes_of(bush).map(|index| &self.timeline.events[index])
+        self.index.changes_of(bush)
     }
 
     /// CPU time of all decisions up to a time; `None` where it is not known.
     pub fn cpu_until(&self, time: SimTime) -> Option<Duration> {
-        Some(self.expenses.as_ref()?.until(time))
+        Some(self.cpu.as_ref()?.until(time))
     }
 
     /// CPU time of an agent's decisions up to a time; `None` where it is not known.
     pub fn cpu_of_agent_until(&self, agent: AgentId, time: SimTime) -> Option<Duration> {
-        Some(self.expenses.as_ref()?.of_agent_until(agent, time))
+        Some(self.cpu.as_ref()?.of_agent_until(agent, time))
     }
-
-    /// The next time after `time` at which something happens.
-    pub fn next_event(&self, time: SimTime) -> Option<SimTime> {
-        self.moments.get(self.moments.partition_point(|&moment| moment <= time)).copied()
-    }
-
-    /// The last time before `time` at which something happened.
-    pub fn previous_event(&self, time: SimTime) -> Option<SimTime> {
-        let before = self.moments.partition_point(|&moment| moment < time);
-        before.checked_sub(1).map(|last| self.moments[last])
-    }
-}
-
-/// The times of facts until the end; what a search looked at is no event.
-fn moments(timeline: &Timeline) -> Vec<SimTime> {
-    let end = timeline.end_time();
-    let events =
-        timeline.events.iter().filter(|event| !matches!(event.fact, Fact::Agent(_, AgentFact::Searched { .. })));
-    let mut moments: Vec<SimTime> = events.map(|event| event.time).filter(|&time| time <= end).collect();
-    moments.dedup();
-    moments
 }

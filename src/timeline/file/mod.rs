@@ -323,7 +323,8 @@ mod tests {
             let payload = encode_payload(timeline);
             (payload.len(), crc32fast::hash(&payload))
         };
-        assert_eq!(digest(&sample::by_hand()), (667, 2_435_668_242));
+        let runs = [sample::by_hand(), sample::meeting(), sample::searched(), sample::spreading()];
+        assert_eq!(runs.map(|run| digest(&run)), [(0, 0), (0, 0), (0, 0), (0, 0)]);
     }
 
     #[test]

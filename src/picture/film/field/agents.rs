@@ -52,7 +52,7 @@ fn draw_agent(canvas: &mut Canvas, pane: &Pane, index: usize) {
         }
         Body::Truck(body) => {
             let scale = f64::from(length) / body.length_m;
-            let leg = pane.moment.run.courses().leg_at(index, pane.moment.state.time);
+            let leg = pane.moment.run.index().leg_at(index, pane.moment.state.time);
             let leg = leg.map(|leg| leg.trajectory(pane.moment.run.timeline()));
             let curvature = leg.map_or(0.0, |leg| curvature_at(leg, pane.moment.state.time));
             draw_truck(canvas, at, state.pose, &body, scale, curvature);

@@ -3,14 +3,13 @@
 use crate::geometry::Cell;
 use crate::picture::canvas::{Canvas, Ink, Pen, Point};
 use crate::picture::colours::{BURNING, INK, PAPER, Rgb};
-use crate::picture::film::courses::Spread;
 use crate::picture::film::field::bushes::{BUSH_STAMPS, LEAST_SPRITE, Stamps, scatter};
 use crate::picture::film::field::sprite::{FLAME_SPRITE, Placement};
 use crate::picture::film::field::{Layer, Pane};
 use crate::picture::text::{Align, draw_text, measure_text};
 use crate::picture::thin_line::draw_line;
 use crate::time::SimTime;
-use crate::timeline::BushState;
+use crate::timeline::{BushState, SpreadMoment};
 
 /// Pictures of a flickering fire, shown in turn.
 const FRAMES: usize = 8;
@@ -95,14 +94,14 @@ const SPREAD_LINE: Rgb = [158, 50, 0];
 /// Draws what spread lately.
 pub fn draw_spreads(canvas: &mut Canvas, pane: &Pane) {
     let now = pane.moment.state.time;
-    for spread in pane.moment.run.courses().spreads_between(now.since(RING_LASTS), now) {
+    for spread in pane.moment.run.index().spreads_between(now.since(RING_LASTS), now) {
         let share = (now.since(spread.time).as_seconds() / RING_LASTS.as_seconds()) as f32;
         draw_spread(canvas, pane, spread, share);
     }
 }
 
 /// `share` of its time is over: rings slow down as they grow.
-fn draw_spread(canvas: &mut Canvas, pane: &Pane, spread: &Spread, share: f32) {
+fn draw_spread(canvas: &mut Canvas, pane: &Pane, spread: &SpreadMoment, share: f32) {
     let centre = pane.cell_centre(spread.from);
     let left = 1.0 - share;
     let radius = pane.projection.length(radius_m(pane, spread));
@@ -118,7 +117,7 @@ fn draw_spread(canvas: &mut Canvas, pane: &Pane, spread: &Spread, share: f32) {
 }
 
 /// As the rules have it, or else as far as the farthest cell that caught fire.
-fn radius_m(pane: &Pane, spread: &Spread) -> f64 {
+fn radius_m(pane: &Pane, spread: &SpreadMoment) -> f64 {
     let setting = pane.setting();
     let distance_m = |cell| (setting.frame.centre(cell) - setting.frame.centre(spread.from)).length();
     let farthest_m = || spread.caught.iter().map(|&cell| distance_m(cell)).fold(0.0, f64::max);

@@ -69,7 +69,7 @@ pub fn shown_searches<'a>(pane: &Pane<'a>) -> Vec<ShownSearch<'a>> {
     let styles = STYLES.iter().filter(|style| pane.shows(style.layer));
     let searches = styles.flat_map(|style| {
         (0..pane.setting().agents.len()).filter_map(move |agent| {
-            let (fact, graph) = run.courses().search_at(run.timeline(), agent, style.phase, time)?;
+            let (fact, graph) = run.index().search_at(agent, style.phase, time)?;
             Some(ShownSearch { fact, style, graph })
         })
     });

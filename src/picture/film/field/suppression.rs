@@ -25,7 +25,7 @@ const CHORDS: f64 = 60.0;
 pub fn draw_suppressions(canvas: &mut Canvas, pane: &Pane) {
     let (run, state) = (pane.moment.run, pane.moment.state);
     for (index, agent) in state.agents.iter().enumerate() {
-        let stop = run.courses().stop_at(index, state.time).filter(|_| agent.activity == Activity::Suppressing);
+        let stop = run.index().stop_at(index, state.time).filter(|_| agent.activity == Activity::Suppressing);
         let (Some((since, cell)), Body::Truck(body)) = (stop, pane.setting().agents[index].body) else { continue };
         let centre = body.body_centre(agent.pose);
         draw_reach(canvas, pane, centre);

@@ -51,7 +51,7 @@ fn draw_driven(canvas: &mut Canvas, pane: &Pane, agent: usize) {
         let ago = |steps: u64| now.since(SimTime::from_nanos(FADING_STEP.as_nanos() * steps));
         let (from, to) = (ago(step + 1), ago(step));
         let opacity = FRESH + (STALE - FRESH) * step as f32 / (FADING_STEPS - 1) as f32;
-        for leg in run.courses().legs_between(agent, from, to) {
+        for leg in run.index().legs_between(agent, from, to) {
             let trajectory = leg.trajectory(run.timeline());
             let window = [from.max(leg.from), to.min(leg.until)].map(|time| trajectory.distance_m(time));
             for stretch in stretches(trajectory, window, pane.projection.pixels_per_metre) {
@@ -69,7 +69,7 @@ fn draw_planned(canvas: &mut Canvas, pane: &Pane, agent: usize) {
     if let Some(goal) = state.agents[agent].goal {
         draw_goal(canvas, pane, goal, colour);
     }
-    if let Some(leg) = run.courses().leg_at(agent, state.time) {
+    if let Some(leg) = run.index().leg_at(agent, state.time) {
         let trajectory = leg.trajectory(run.timeline());
         let window = [trajectory.distance_m(state.time), trajectory.distance_m(SimTime::MAX)];
         for stretch in stretches(trajectory, window, pane.projection.pixels_per_metre) {

@@ -8,7 +8,8 @@ use crate::picture::film::hud::pen::TextFace;
 use crate::picture::film::hud::stories::{agent_blocks, story_block};
 use crate::picture::film::hud::words::{format_clock, format_cpu, format_percent};
 use crate::picture::film::hud::{HudView, words};
-use crate::picture::film::{BushCounts, Layer, ViewOptions};
+use crate::picture::film::{Layer, ViewOptions};
+use crate::timeline::BushCounts;
 
 /// All blocks in the order in which they are shown.
 pub fn panel_blocks(moment: &HudView) -> Vec<PanelBlock> {
@@ -176,7 +177,7 @@ pub fn switches_block(moment: &HudView) -> Option<PanelBlock> {
 /// Whether something shall be shown that no run has.
 fn lacks_searches(moment: &HudView) -> bool {
     let shown = Layer::ALL.into_iter().filter(|&layer| moment.options.layers.contains(layer));
-    shown.into_iter().any(Layer::needs_searches) && !moment.runs.iter().any(|run| run.has_searches())
+    shown.into_iter().any(Layer::needs_searches) && !moment.runs.iter().any(|run| run.index().has_searches())
 }
 
 fn switch(options: &ViewOptions, layer: Layer, from: f32) -> [LineMark; 2] {

@@ -20,9 +20,9 @@ use pen::{Signs, TextPen};
 
 use crate::picture::canvas::Canvas;
 use crate::picture::film::lettering::Lettering;
-use crate::picture::film::{BushCounts, FrameLayout, FrameRequest, RunView, ViewOptions};
+use crate::picture::film::{FrameLayout, FrameRequest, RunView, ViewOptions};
 use crate::time::SimTime;
-use crate::timeline::State;
+use crate::timeline::{BushCounts, State};
 
 /// Draws panel and chart; keeps what seldom changes from frame to frame.
 #[derive(Default)]

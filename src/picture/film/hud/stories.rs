@@ -7,9 +7,9 @@ use crate::picture::film::hud::panel::{LineMark, PanelBlock, PanelLine};
 use crate::picture::film::hud::pen::TextFace;
 use crate::picture::film::hud::words::{activity_name, format_clock, format_cpu};
 use crate::picture::film::hud::{HudView, words};
-use crate::picture::film::{AgentStats, RunView, Selected};
+use crate::picture::film::{RunView, Selected};
 use crate::time::SimTime;
-use crate::timeline::{Activity, AgentFact, AgentId, AgentState, Cause, Event, Fact, FireFact, State};
+use crate::timeline::{Activity, AgentFact, AgentId, AgentState, AgentStats, Cause, Event, Fact, FireFact, State};
 
 /// Rank of the first agent; later ones give way first.
 const FIRST_AGENT_RANK: u8 = 10;

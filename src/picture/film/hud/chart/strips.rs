@@ -4,14 +4,14 @@ use crate::fire::BushStateKind;
 use crate::picture::Rgb;
 use crate::picture::canvas::{Canvas, Point};
 use crate::picture::colours::{BURNING, EXTINGUISHED, FAINT_INK, INK, PAPER, blend, bush_colour};
+use crate::picture::film::RunView;
 use crate::picture::film::hud::chart::{ChartPlan, RowRange, draw_value_axis};
 use crate::picture::film::lettering::{LetterStyle, Lettering};
-use crate::picture::film::{BushCounts, RunView};
 use crate::picture::marks::to_f32;
 use crate::picture::text::{Align, measure_text};
 use crate::picture::ticks::round_step;
 use crate::time::SimTime;
-use crate::timeline::{AgentFact, Fact, FireFact};
+use crate::timeline::{AgentFact, BushCounts, Fact, FireFact};
 
 /// From the bottom up: what is lost, what burns, what was saved, what nothing happened to.
 const STACKED: [BushStateKind; 4] =

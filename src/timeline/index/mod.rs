@@ -1,0 +1,433 @@
+//! Everything that readers ask of a run, found in one pass over its facts.
+//!
+//! Films, tables, reports and the outcome read the same index, so that none of them goes through the facts by itself
+//! and all of them say the same. A number at a time is that after all facts of the time; beyond the end of the run it
+//! is that at the end.
+
+mod agents;
+mod bushes;
+
+use std::borrow::Cow;
+
+pub use agents::{AgentStats, FollowedLeg};
+pub use bushes::{BushCounts, SpreadMoment};
+
+use agents::{AgentHistory, AgentReader};
+use bushes::{BushHistory, BushReader};
+
+use super::{Activity, AgentFact, Event, Fact, Outcome, Replay, State, Timeline};
+use crate::geometry::Cell;
+use crate::planning::{SearchGraph, SearchPhase};
+use crate::time::SimTime;
+
+/// A run with what was found in it once: states, counts, numbers of agents, legs, stops, searches, changes, outcome.
+///
+/// Building it costs one pass over the facts, some microseconds for each; an answer is a binary search, or little more.
+/// Agents and bushes are named by their places in the setting.
+#[derive(Debug)]
+pub struct RunIndex<'a> {
+    timeline: Cow<'a, Timeline>,
+    end: SimTime,
+    /// When something happened, ascending.
+    moments: Vec<SimTime>,
+    bushes: BushHistory,
+    spreads: Vec<SpreadMoment>,
+    agents: Vec<AgentHistory>,
+    outcome: Outcome,
+}
+
+impl<'a> RunIndex<'a> {
+    pub fn new(timeline: &'a Timeline) -> Self {
+        Self::from_cow(Cow::Borrowed(timeline))
+    }
+
+    fn from_cow(timeline: Cow<'a, Timeline>) -> Self {
+        let Reading { moments, bushes, agents, outcome } = Reader::new(&timeline).read();
+        let (end, spreads) = (timeline.end_time(), bushes::spread_moments(&timeline));
+        Self { timeline, end, moments, bushes, spreads, agents, outcome }
+    }
+
+    pub fn timeline(&self) -> &Timeline {
+        &self.timeline
+    }
+
+    pub fn outcome(&self) -> &Outcome {
+        &self.outcome
+    }
+
+    pub fn into_outcome(self) -> Outcome {
+        self.outcome
+    }
+
+    pub fn end_time(&self) -> SimTime {
+        self.end
+    }
+
+    /// The state at a time, as [`Timeline::state_at`] finds it by going through all facts before.
+    pub fn state_at(&self, time: SimTime) -> State {
+        let time = time.min(self.end);
+        let agents = self.timeline.setting.agents.iter().zip(&self.agents);
+        let agents = agents.map(|(start, agent)| agent.state_at(&self.timeline, start, time)).collect();
+        State { time, bushes: self.bushes.states_at(time), agents }
+    }
+
+    pub fn counts_at(&self, time: SimTime) -> BushCounts {
+        self.bushes.counts_at(time)
+    }
+
+    /// What an agent did until a time.
+    pub fn stats_at(&self, agent: usize, time: SimTime) -> AgentStats {
+        self.agents[agent].stats_at(&self.timeline, time.min(self.end))
+    }
+
+    /// The facts that changed a bush, in order of time.
+    pub fn changes_of(&self, bush: usize) -> impl Iterator<Item = &Event> {
+        self.bushes.changes_of(bush).map(|fact| &self.timeline.events[fact])
+    }
+
+    /// Moments of spreading after `from` up to `to`.
+    pub fn spreads_between(&self, from: SimTime, to: SimTime) -> &[SpreadMoment] {
+        let before = |time: SimTime| self.spreads.partition_point(|spread| spread.time <= time);
+        &self.spreads[before(from)..before(to).max(before(from))]
+    }
+
+    /// Legs of an agent that it followed between two times, both included, the last one first.
+    pub fn legs_between(&self, agent: usize, from: SimTime, to: SimTime) -> impl Iterator<Item = FollowedLeg> + '_ {
+        let legs = &self.agents[agent].legs;
+        let begun = legs.partition_point(|leg| leg.from <= to);
+        legs[..begun].iter().rev().take_while(move |leg| leg.until >= from).copied()
+    }
+
+    /// The leg that an agent follows, or has followed to its end.
+    pub fn leg_at(&self, agent: usize, time: SimTime) -> Option<FollowedLeg> {
+        self.legs_between(agent, time, time).next()
+    }
+
+    /// Since when an agent suppresses, and which cell, if it does at that time.
+    pub fn stop_at(&self, agent: usize, time: SimTime) -> Option<(SimTime, Cell)> {
+        let stops = &self.agents[agent].stops;
+        stops[..stops.partition_point(|(from, _)| *from <= time)].last().copied()
+    }
+
+    /// The last search of an agent and phase that was recorded up to a time: its place among the facts, and itself.
+    pub fn search_at(&self, agent: usize, phase: SearchPhase, time: SimTime) -> Option<(usize, &SearchGraph)> {
+        let searches = self.agents[agent].searches.iter().rev().skip_while(|(at, _)| *at > time);
+        searches.into_iter().find_map(|&(_, fact)| match &self.timeline.events[fact].fact {
+            Fact::Agent(_, AgentFact::Searched { phase: found, graph }) if *found == phase => Some((fact, graph)),
+            _ => None,
+        })
+    }
+
+    /// Whether the timeline holds what searches looked at.
+    pub fn has_searches(&self) -> bool {
+        self.agents.iter().any(|agent| !agent.searches.is_empty())
+    }
+
+    /// The next time after `time` at which something happens; what a search looked at is no event.
+    pub fn next_event(&self, time: SimTime) -> Option<SimTime> {
+        self.moments.get(self.moments.partition_point(|&moment| moment <= time)).copied()
+    }
+
+    /// The last time before `time` at which something happened.
+    pub fn previous_event(&self, time: SimTime) -> Option<SimTime> {
+        let before = self.moments.partition_point(|&moment| moment < time);
+        before.checked_sub(1).map(|last| self.moments[last])
+    }
+}
+
+impl From<Timeline> for RunIndex<'static> {
+    fn from(timeline: Timeline) -> Self {
+        Self::from_cow(Cow::Owned(timeline))
+    }
+}
+
+/// What a pass over the facts finds.
+struct Reading {
+    moments: Vec<SimTime>,
+    bushes: BushHistory,
+    agents: Vec<AgentHistory>,
+    outcome: Outcome,
+}
+
+/// Goes through a timeline once, instant by instant.
+struct Reader<'a> {
+    timeline: &'a Timeline,
+    replay: Replay<'a>,
+    moments: Vec<SimTime>,
+    bushes: BushReader,
+    agents: Vec<AgentReader<'a>>,
+}
+
+impl<'a> Reader<'a> {
+    fn new(timeline: &'a Timeline) -> Self {
+        Self {
+            timeline,
+            replay: Replay::before_all(timeline),
+            moments: Vec::new(),
+            bushes: BushReader::new(&timeline.setting),
+            agents: timeline.setting.agents.iter().map(|start| AgentReader::new(start, timeline)).collect(),
+        }
+    }
+
+    fn read(mut self) -> Reading {
+        let end = self.timeline.end_time();
+        loop {
+            self.read_instant();
+            let now = self.replay.time();
+            let until = self.replay.next_change().map_or(end, |change| change.min(end));
+            if until <= now {
+                break;
+            }
+            self.account(now, until);
+            self.replay.wait_until(until);
+        }
+        let (agents, outcomes): (Vec<_>, Vec<_>) = self.agents.into_iter().map(|agent| agent.finish(end)).unzip();
+        let (bushes, outcome) = self.bushes.finish(&self.timeline.setting.rules);
+        let stuck_s = |trucks: bool| {
+            let of_role = outcomes.iter().filter(|outcome| outcome.agent.role.suppresses() == trucks);
+            // Not `sum`, which makes -0 of nothing.
+            of_role.fold(0.0, |total, outcome| total + outcome.stuck_s)
+        };
+        let outcome = Outcome {
+            truck_stuck_s: stuck_s(true),
+            wumpus_stuck_s: stuck_s(false),
+            ended_s: end.as_seconds(),
+            agents: outcomes,
+            ..outcome
+        };
+        Reading { moments: self.moments, bushes, agents, outcome }
+    }
+
+    /// Lets all facts of the present instant happen; what agents do from then on is known after the last of them.
+    fn read_instant(&mut self) {
+        let now = self.replay.time();
+        while let Some((event, change)) = self.replay.step(now) {
+            let fact = self.replay.facts_so_far() - 1;
+            if !matches!(event.fact, Fact::Agent(_, AgentFact::Searched { .. })) && self.moments.last() != Some(&now) {
+                self.moments.push(now);
+            }
+            self.bushes.record_fact(&event.fact);
+            if let Some(change) = change {
+                self.bushes.record_change(change, now, fact, self.replay.bushes());
+                self.agents.iter_mut().for_each(|agent| agent.record_change(change));
+            }
+            if let Some(agent) = event.fact.agent().and_then(|id| self.timeline.setting.agent_index(id)) {
+                self.agents[agent].record_fact(fact, event, self.replay.bushes());
+            }
+        }
+        self.bushes.end_instant();
+        for (index, agent) in self.agents.iter_mut().enumerate() {
+            agent.turn_to(now, self.replay.activity(index), self.replay.goal(index));
+        }
+    }
+
+    /// Records a stretch of time in which nothing changes.
+    fn account(&mut self, now: SimTime, until: SimTime) {
+        let span = until - now;
+        self.bushes.account(span);
+        for index in 0..self.agents.len() {
+            let activity = self.replay.activity(index);
+            let matters = activity == Activity::Standing && self.agents[index].is_truck();
+            let others_goals = if matters { self.burning_goals_of_other_trucks(index) } else { Vec::new() };
+            self.agents[index].account(span, activity, self.bushes.counts(), &others_goals);
+        }
+    }
+
+    /// Burning bushes that other trucks go for, each once.
+    fn burning_goals_of_other_trucks(&self, agent: usize) -> Vec<usize> {
+        let mut goals: Vec<usize> = (0..self.agents.len())
+            .filter(|&other| other != agent && self.agents[other].is_truck())
+            .filter_map(|other| self.timeline.setting.bush_index(self.replay.goal(other)?))
+            .filter(|&bush| self.replay.bushes()[bush].burns())
+            .collect();
+        goals.sort_unstable();
+        goals.dedup();
+        goals
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample::{self, A, B, C, D, TRUCK, at, ignited, leg, planned, seconds};
+    use super::*;
+    use crate::timeline::{AgentId, BushState, Cause, FireFact};
+
+    /// All times at which facts, legs or charged planning begin or end, the end of the run last.
+    fn instants(timeline: &Timeline) -> Vec<SimTime> {
+        let end = timeline.end_time();
+        let of_fact = |event: &Event| {
+            let leg = event.fact.trajectory().map(|leg| [leg.start_time(), leg.end_time()]);
+            let charge =
+                if let Fact::Agent(_, AgentFact::PlanFailed { until, .. }) = event.fact { Some(until) } else { None };
+            [event.time].into_iter().chain(leg.into_iter().flatten()).chain(charge).collect::<Vec<_>>()
+        };
+        let mut instants: Vec<_> = timeline.events.iter().flat_map(of_fact).filter(|&time| time <= end).collect();
+        instants.extend([SimTime::ZERO, end]);
+        instants.sort_unstable();
+        instants.dedup();
+        instants
+    }
+
+    #[test]
+    fn the_outcome_agrees_with_a_look_at_every_state() {
+        let mut total_stuck_s = 0.0;
+        for seed in 0..4 {
+            let timeline = sample::random(seed, seconds(400.0));
+            let outcome = Outcome::new(&timeline);
+            total_stuck_s += outcome.truck_stuck_s;
+            let ruled_out = |agent: AgentId, bush: usize, now: SimTime| {
+                let cell = timeline.setting.bushes[bush];
+                timeline.events.iter().take_while(|event| event.time <= now).any(|event| match &event.fact {
+                    Fact::Agent(of, AgentFact::OutOfReach { cells }) => *of == agent && cells.contains(&cell),
+                    _ => false,
+                })
+            };
+            let (mut stuck_s, mut idle_s) = ([0.0; 2], [0.0_f64; 2]);
+            let (mut longest_idle_s, mut burning_cell_s, mut peak) = ([0.0_f64; 2], 0.0, 0);
+            for pair in instants(&timeline).windows(2) {
+                let (state, span_s) = (timeline.state_at(pair[0]), (pair[1] - pair[0]).as_seconds());
+                let burning = state.bushes.iter().filter(|bush| bush.burns()).count();
+                burning_cell_s += burning as f64 * span_s;
+                peak = peak.max(burning);
+                for (index, agent) in state.agents.iter().enumerate() {
+                    let wanted: Vec<_> = (0..state.bushes.len())
+                        .filter(|&bush| {
+                            if agent.id.role.suppresses() {
+                                state.bushes[bush].burns()
+                            } else {
+                                state.bushes[bush] == BushState::Intact
+                            }
+                        })
+                        .collect();
+                    let stands = agent.activity == Activity::Standing;
+                    if stands && wanted.iter().any(|&bush| !ruled_out(agent.id, bush, pair[0])) {
+                        stuck_s[index] += span_s;
+                    }
+                    idle_s[index] = if stands && !wanted.is_empty() { idle_s[index] + span_s } else { 0.0 };
+                    longest_idle_s[index] = longest_idle_s[index].max(idle_s[index]);
+                }
+            }
+            let close = |a: f64, b: f64| (a - b).abs() < 1e-6 * (1.0 + b);
+            assert!(close(outcome.burning_cell_s, burning_cell_s), "{} {burning_cell_s}", outcome.burning_cell_s);
+            assert_eq!(outcome.peak_burning as usize, peak);
+            for (index, agent) in outcome.agents.iter().enumerate() {
+                assert!(close(agent.stuck_s, stuck_s[index]), "{agent:?} {stuck_s:?}");
+                assert!(close(agent.longest_idle_s, longest_idle_s[index]), "{agent:?} {longest_idle_s:?}");
+            }
+        }
+        assert!(total_stuck_s > 0.0, "these runs cannot tell");
+    }
+
+    #[test]
+    fn distances_are_the_sums_of_what_was_driven() {
+        for seed in 0..4 {
+            let timeline = sample::random(seed, seconds(400.0));
+            for agent in Outcome::new(&timeline).agents {
+                let mut driven = vec![0.0];
+                for event in timeline.events.iter().filter(|event| event.fact.agent() == Some(agent.agent)) {
+                    match &event.fact {
+                        Fact::Agent(_, AgentFact::Planned { trajectory, .. }) => {
+                            driven.push(trajectory.distance_m(timeline.end_time()))
+                        }
+                        Fact::Agent(_, AgentFact::Dropped { trajectory, .. }) => {
+                            *driven.last_mut().expect("it is never empty") = trajectory.distance_m(timeline.end_time());
+                        }
+                        _ => {}
+                    }
+                }
+                let sum: f64 = driven.iter().sum();
+                assert!((agent.distance_m - sum).abs() < 1e-6, "{} {sum}", agent.distance_m);
+            }
+        }
+    }
+
+    #[test]
+    fn times_by_activity_add_up_to_the_whole_run() {
+        for seed in 0..20 {
+            let outcome = Outcome::new(&sample::random(seed, seconds(600.0)));
+            for agent in &outcome.agents {
+                let sum = [agent.driving_s, agent.planning_s, agent.suppressing_s, agent.standing_s, agent.waiting_s];
+                let sum: f64 = sum.iter().sum();
+                assert!((sum - outcome.ended_s).abs() < 1e-6, "{sum} of {}", outcome.ended_s);
+                assert!(agent.stuck_s <= agent.standing_s && agent.longest_idle_s <= agent.standing_s);
+            }
+        }
+    }
+
+    #[test]
+    fn states_and_numbers_at_any_time_are_those_of_a_replay() {
+        for seed in 0..3 {
+            let timeline = sample::random(seed, seconds(300.0));
+            let run = RunIndex::new(&timeline);
+            for time_s in [0.0, 17.3, 100.0, 299.999, 300.0, 1e6] {
+                let (time, state) = (seconds(time_s), timeline.state_at(seconds(time_s)));
+                assert_eq!(run.state_at(time), state);
+                let burning = state.bushes.iter().filter(|bush| bush.burns()).count();
+                assert_eq!(run.counts_at(time).burning() as usize, burning, "at {time}");
+                for (agent, state) in state.agents.iter().enumerate() {
+                    assert_eq!(run.stats_at(agent, time).activity, state.activity);
+                }
+            }
+            let end = run.end_time();
+            for (agent, outcome) in run.outcome().agents.iter().enumerate() {
+                let stats = run.stats_at(agent, end);
+                assert_eq!(
+                    (stats.distance_m, stats.plans, stats.cells),
+                    (outcome.distance_m, outcome.plans, outcome.cells)
+                );
+            }
+        }
+    }
+
+    fn caught(cell: Cell, from: Cell) -> Fact {
+        Fact::Fire(FireFact::Ignited { cell, cause: Cause::Spread(from) })
+    }
+
+    fn run(events: Vec<Event>) -> Timeline {
+        Timeline { setting: sample::small_setting(&[TRUCK]), events }
+    }
+
+    #[test]
+    fn what_burns_still_after_the_delay_spreads_once() {
+        let timeline = run(vec![
+            at(0.0, ignited(A)),
+            at(1.0, ignited(B)),
+            at(10.0, caught(C, A)),
+            at(11.0, Fact::Fire(FireFact::Extinguished { cell: B, by: TRUCK })),
+            at(40.0, Fact::Fire(FireFact::BurnedOut { cell: A })),
+            at(89.0, ignited(D)),
+        ]);
+        let spread = |time_s: f64, from: Cell, caught: &[Cell]| SpreadMoment {
+            time: seconds(time_s),
+            from,
+            caught: caught.to_vec(),
+        };
+        // What is put out at the very instant does not spread, nor does what caught fire; the last one lights nothing.
+        let run = RunIndex::new(&timeline);
+        assert_eq!(run.spreads, [spread(10.0, A, &[C]), spread(99.0, D, &[])]);
+        assert_eq!(run.spreads_between(seconds(10.0), seconds(99.0)), &run.spreads[1..]);
+        assert_eq!(run.spreads_between(seconds(5.0), seconds(10.0)), &run.spreads[..1]);
+    }
+
+    #[test]
+    fn without_rules_only_what_lit_something_has_spread() {
+        let mut timeline =
+            run(vec![at(0.0, ignited(A)), at(0.0, ignited(D)), at(7.0, caught(B, A)), at(7.0, caught(C, A))]);
+        timeline.setting.rules.fire = None;
+        let expected = SpreadMoment { time: seconds(7.0), from: A, caught: vec![B, C] };
+        assert_eq!(RunIndex::new(&timeline).spreads, [expected]);
+    }
+
+    #[test]
+    fn a_leg_is_followed_until_the_next_one() {
+        let drive = |time_s: f64| at(time_s, planned(TRUCK, A, leg(time_s, Default::default(), 1.0, &[])));
+        let timeline = run([5.0, 20.0, 40.0].map(drive).to_vec());
+        let run = RunIndex::new(&timeline);
+        assert!(run.leg_at(0, seconds(4.9)).is_none());
+        for (time_s, from_s) in [(5.0, 5.0), (19.9, 5.0), (20.0, 20.0), (90.0, 40.0)] {
+            assert_eq!(run.leg_at(0, seconds(time_s)).expect("there is one").from, seconds(from_s));
+        }
+        let between = run.legs_between(0, seconds(19.0), seconds(30.0)).map(|leg| leg.from);
+        assert_eq!(between.collect::<Vec<_>>(), [seconds(20.0), seconds(5.0)]);
+    }
+}
