@@ -1,4 +1,4 @@
-//! What an agent did in a run: its legs as they were driven, one after the other.
+//! The legs of an agent as they were driven, one after the other.
 
 use super::pace::DriveProfile;
 use super::tolerance::Tolerance;
@@ -22,6 +22,15 @@ pub struct DrivenLegs<'a> {
 #[derive(Debug)]
 struct Leg<'a> {
     versions: Vec<(SimTime, &'a Trajectory)>,
+}
+
+/// Where an agent stands between two legs.
+#[derive(Clone, Copy, Debug)]
+struct Stand {
+    since: SimTime,
+    pose: Pose,
+    /// How far from there the next leg may begin.
+    tolerance: Tolerance,
 }
 
 impl<'a> Leg<'a> {
@@ -54,42 +63,37 @@ impl<'a> DrivenLegs<'a> {
         self.legs.iter().map(Leg::driven)
     }
 
-    /// Every leg begins where and when the last one has ended, and what was dropped was driven as planned until then.
+    /// Checks that every leg begins where and when the last one has ended, and that what was dropped was driven as
+    /// planned until then.
     pub fn audit(&self) -> Result<(), Violation> {
-        let (mut until, mut stands, mut tolerance) = (SimTime::ZERO, self.start, Tolerance::STANDING);
+        let mut stand = Stand { since: SimTime::ZERO, pose: self.start, tolerance: Tolerance::STANDING };
         for leg in &self.legs {
             let (planned, first) = leg.versions[0];
-            let join = self.check_join((until, stands), first, tolerance);
-            join.map_err(|kind| self.violation(planned, first.start(), kind))?;
+            self.check_join(stand, first).map_err(|kind| self.violation(planned, first.start(), kind))?;
             for pair in leg.versions.windows(2) {
                 let (time, driven) = pair[1];
                 if !self.is_cut(pair[0].1, driven, time) {
                     return Err(self.violation(time, driven.pose_at(time), ViolationKind::CutDiffers));
                 }
             }
-            (until, stands) = (leg.driven().end_time(), leg.driven().end());
-            tolerance = Tolerance::from_leg(leg.driven());
+            let driven = leg.driven();
+            stand = Stand { since: driven.end_time(), pose: driven.end(), tolerance: Tolerance::from_leg(driven) };
         }
         Ok(())
     }
 
-    fn check_join(
-        &self,
-        (until, stands): (SimTime, Pose),
-        next: &Trajectory,
-        tolerance: Tolerance,
-    ) -> Result<(), ViolationKind> {
-        if next.start_time() < until {
-            return Err(ViolationKind::StillUnderWay { until });
+    fn check_join(&self, stand: Stand, next: &Trajectory) -> Result<(), ViolationKind> {
+        if next.start_time() < stand.since {
+            return Err(ViolationKind::StillUnderWay { until: stand.since });
         }
-        if self.is_same(stands, next.start(), tolerance) {
+        if self.is_same(stand.pose, next.start(), stand.tolerance) {
             return Ok(());
         }
-        let (metres, radians) = gap(stands, next.start());
+        let (metres, radians) = gap(stand.pose, next.start());
         Err(ViolationKind::Discontinuous { metres, radians })
     }
 
-    /// Whether the leg as driven is the planned one until its goal was dropped, and stays on its way from then on.
+    /// Returns true if the leg as driven is the planned one until its goal was dropped, and stays on its way later.
     fn is_cut(&self, planned: &Trajectory, driven: &Trajectory, dropped: SimTime) -> bool {
         let tolerance = Tolerance::from_leg(planned);
         let same_at = |time| self.is_same(planned.pose_at(time), driven.pose_at(time), tolerance);
@@ -103,7 +107,7 @@ impl<'a> DrivenLegs<'a> {
             && self.is_same(pose_after(planned, driven.distance_m(SimTime::MAX)), driven.end(), tolerance)
     }
 
-    /// Whether two poses are one; what is not a number is none.
+    /// Returns true if two poses are the same; what is not a number is never the same.
     fn is_same(&self, one: Pose, other: Pose, tolerance: Tolerance) -> bool {
         let (metres, radians) = gap(one, other);
         let most_radians = if self.turns_on_the_spot { f64::INFINITY } else { tolerance.radians };
@@ -114,13 +118,14 @@ impl<'a> DrivenLegs<'a> {
         Violation { time, agent: Some(self.id), place: pose.position(), kind }
     }
 
-    /// Where the agent is at a time.
+    /// Returns the place of the agent at a time.
     pub fn pose_at(&self, time: SimTime) -> Pose {
         let begun = self.begun(time);
         begun.checked_sub(1).map_or(self.start, |last| self.legs[last].driven().pose_at(time))
     }
 
-    /// Until when the agent stands where it is at a time; that time itself if it is under way, `MAX` if for ever.
+    /// Returns until when the agent stands where it is at a time: that time itself if it is under way, `MAX` if for
+    /// ever.
     pub fn stands_until(&self, time: SimTime) -> SimTime {
         let begun = self.begun(time);
         let is_under_way = begun > 0 && self.legs[begun - 1].driven().end_time() > time;
@@ -130,7 +135,7 @@ impl<'a> DrivenLegs<'a> {
         self.legs.get(begun).map_or(SimTime::MAX, |next| next.driven().start_time())
     }
 
-    /// How many legs have begun; legs that join begin in their order.
+    /// Returns how many legs have begun; legs that join begin in their order.
     fn begun(&self, time: SimTime) -> usize {
         self.legs.partition_point(|leg| leg.driven().start_time() <= time)
     }
@@ -148,7 +153,7 @@ impl<'a> DrivenLegs<'a> {
     }
 }
 
-/// Where a leg is after so many metres; turns on the spot at that place are not done yet.
+/// Returns the pose on a leg after a number of metres, before turns on the spot at that place.
 fn pose_after(leg: &Trajectory, metres: f64) -> Pose {
     let mut left = metres;
     for (start, piece) in leg.pieces_with_starts() {

@@ -17,7 +17,7 @@ const MARGIN_M: f64 = 1e-3;
 /// Squares along the side of a cell, or along the radius of a body if that is longer.
 const SQUARES: f64 = 4.0;
 
-/// What a body touches, and how deep in metres.
+/// A touch of a body: with what, and how deep in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Touch {
     Bush { cell: Cell, depth_m: f64 },
@@ -42,7 +42,7 @@ impl Stance {
 pub struct Outline {
     pub half: DVec2,
     pub ahead_m: f64,
-    /// Whether it turns with its heading; a Wumpus's sides stay parallel to the field's.
+    /// True if it turns with its heading; a Wumpus's sides stay parallel to the field's.
     pub turns: bool,
 }
 
@@ -68,7 +68,7 @@ impl Outline {
         self.half.length()
     }
 
-    /// How deep two bodies overlap, in metres; not above 0 where they do not.
+    /// Computes how deep two bodies overlap, in metres; not above 0 where they do not.
     pub fn overlap_m(&self, at: Stance, other: &Self, other_at: Stance) -> f64 {
         let offset = other.centre(other_at) - self.centre(at);
         depth(&self.shape(), &self.turned(at, DVec2::ZERO), &other.shape(), &other.turned(other_at, offset))
@@ -124,13 +124,13 @@ impl AuditField {
         field
     }
 
-    /// How many cells lie under a body, at most.
+    /// Returns how many cells lie under a body, at most.
     pub fn cells_under_body(&self) -> f64 {
         let along = 2.0 * self.outline.radius_m() / self.frame.cell_m + 1.0;
         along * along
     }
 
-    /// What the body overlaps by more than a millimetre; a place that is not a number counts as outside.
+    /// Finds what the body overlaps by more than a millimetre; a place that is not a number counts as outside.
     pub fn touch(&self, at: Stance) -> Option<Touch> {
         let centre = self.outline.centre(at);
         if self.is_far(centre) {
@@ -172,7 +172,7 @@ impl AuditField {
         None
     }
 
-    /// Whether nothing is within the circle about a body whose centre is here; not so outside of the field.
+    /// Returns true if nothing is within the circle about a body whose centre is here; never outside of the field.
     fn is_far(&self, centre: DVec2) -> bool {
         let place = centre / self.side_m;
         let inside = place.x >= 0.0 && place.y >= 0.0;
@@ -207,7 +207,7 @@ impl AuditField {
     }
 }
 
-/// How deep two cuboids overlap, in metres; negative where a line along a side of either keeps them apart.
+/// Computes how deep two cuboids overlap, in metres; negative where a line along a side of either keeps them apart.
 ///
 /// `contact_cuboid_cuboid` would be the obvious query, but misses overlaps whose deepest corner lies beside the other
 /// cuboid's face.

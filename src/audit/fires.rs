@@ -12,7 +12,7 @@ use crate::timeline::{Cause, Event, Fact, FireFact, Setting, Timeline};
 /// Looks at cells around fires that spread which one run may take.
 const MOST_LOOKS: u64 = 10_000_000_000;
 
-/// What has become of a bush.
+/// The state of a bush, as this check follows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Bush {
     Intact,
@@ -51,32 +51,23 @@ impl<'a> Fires<'a> {
     }
 
     fn record(&mut self, event: &Event) -> Result<(), Violation> {
-        let (Fact::Fire(FireFact::Ignited { cell, .. })
-        | Fact::Fire(FireFact::BurnedOut { cell })
-        | Fact::Fire(FireFact::Extinguished { cell, .. })) = event.fact
-        else {
-            return Ok(());
-        };
+        let Fact::Fire(fact) = event.fact else { return Ok(()) };
+        let cell = fact.cell();
         let place = self.setting.frame.centre(cell);
         let violation = |kind| Violation { time: event.time, agent: event.fact.agent(), place, kind };
         let index = self.setting.bush_index(cell).ok_or_else(|| violation(ViolationKind::CannotBurn { cell }))?;
-        let change = match (&event.fact, self.bushes[index]) {
-            (Fact::Fire(FireFact::Ignited { cause, .. }), bush) => self.caught((cell, index), bush, *cause, event.time),
+        let change = match (fact, self.bushes[index]) {
+            (FireFact::Ignited { cause, .. }, _) => self.caught(index, cause, event.time),
             (_, Bush::Intact | Bush::BurnedOut | Bush::Extinguished { .. }) => Err(ViolationKind::NotBurning { cell }),
-            (Fact::Fire(FireFact::Extinguished { .. }), _) => Ok(Bush::Extinguished { at: event.time }),
+            (FireFact::Extinguished { .. }, _) => Ok(Bush::Extinguished { at: event.time }),
             (_, Bush::Burning { since, .. }) => self.burned_out(cell, since, event.time),
         };
         self.bushes[index] = change.map_err(violation)?;
         Ok(())
     }
 
-    fn caught(
-        &mut self,
-        (cell, index): (Cell, usize),
-        bush: Bush,
-        cause: Cause,
-        time: SimTime,
-    ) -> Result<Bush, ViolationKind> {
+    fn caught(&mut self, index: usize, cause: Cause, time: SimTime) -> Result<Bush, ViolationKind> {
+        let (cell, bush) = (self.setting.bushes[index], self.bushes[index]);
         if !self.can_burn(bush) {
             return Err(ViolationKind::CannotBurn { cell });
         }
@@ -146,7 +137,7 @@ impl<'a> Fires<'a> {
         spared.map_or(Ok(()), |cell| violation(cell, ViolationKind::SparedBySpread { cell, from }))
     }
 
-    /// How many cells a radius spans, at most as many as the field has along a side.
+    /// Returns how many cells a radius spans, at most as many as the field has along a side.
     fn cells_across(&self, radius_m: f64) -> u16 {
         let longest = self.setting.frame.cols.max(self.setting.frame.rows);
         (radius_m / self.setting.frame.cell_m).min(longest.into()) as u16
@@ -157,7 +148,7 @@ impl<'a> Fires<'a> {
         offsets.filter_map(move |(cols, rows)| self.setting.frame.offset(from, cols, rows))
     }
 
-    /// Whether a cell is a bush that fire could have caught at a time and did not.
+    /// Returns true if a cell is a bush that could have caught fire at a time and did not.
     fn is_spared(&self, cell: Cell, time: SimTime) -> bool {
         self.setting.bush_index(cell).is_some_and(|index| match self.bushes[index] {
             Bush::Extinguished { at } if at >= time => false,

@@ -18,7 +18,7 @@ const RELATIVE_NOISE: f64 = 1e-9;
 /// The work that one piece of a leg may take: poses, each with its share of the cells under the body.
 const MOST_WORK: f64 = 1e10;
 
-/// What a pose takes besides the cells under the body, in looks at a cell.
+/// The work of a pose besides the cells under the body, in looks at a cell.
 const WORK_OF_POSE: f64 = 16.0;
 
 /// Steps that are added up before the next one is taken by a single long step from the start of its piece, so that
@@ -38,7 +38,7 @@ impl Default for SampleStep {
     }
 }
 
-/// How an agent may move.
+/// The limits of an agent's motion.
 #[derive(Clone, Copy, Debug)]
 pub struct MotionLimits {
     /// The smallest radius of its turns; without one it turns on the spot.
@@ -47,8 +47,8 @@ pub struct MotionLimits {
     pub limits: Option<SpeedLimits>,
 }
 
-/// The first kind of a leg: a sample that is not free, a turn that is too tight, a speed beyond its limits, a state that
-/// its pieces do not lead to.
+/// Finds the first violation of a leg: a sample that is not free, a turn that is too tight, a speed beyond its limits,
+/// a state that its pieces do not lead to.
 ///
 /// Between two samples a body could dip into a bush by a fraction of the step.
 pub fn audit_leg(
@@ -59,7 +59,9 @@ pub fn audit_leg(
 ) -> Result<Audited, Violation> {
     let pace = motion.limits.map_or(Ok(()), |limits| audit_pace(leg, &limits));
     let tolerance = Tolerance::from_leg(leg);
-    let way = LegAudit { field, motion, step, tolerance }.drive(leg).map_err(|broken| Violation {
+    let moves = !leg.pieces().is_empty();
+    let audited = Audited { legs: moves.into(), poses: 1, ..Audited::default() };
+    let way = LegAudit { field, motion, leg, step, tolerance, audited }.drive().map_err(|broken| Violation {
         time: leg.start_time() + SimTime::from_seconds(broken.elapsed_s),
         agent: None,
         place: broken.place,
@@ -72,48 +74,48 @@ pub fn audit_leg(
     }
 }
 
-/// What a leg is held against.
-#[derive(Clone, Copy)]
+/// A leg, the rules that it is held against, and how much of it was looked at.
 struct LegAudit<'a> {
     field: &'a AuditField,
     motion: &'a MotionLimits,
+    leg: &'a Trajectory,
     step: SampleStep,
     tolerance: Tolerance,
+    audited: Audited,
 }
 
 impl LegAudit<'_> {
-    fn drive(self, leg: &Trajectory) -> Result<Audited, LegViolation> {
-        let moves = !leg.pieces().is_empty();
-        let mut audited = Audited { legs: moves.into(), poses: 1, ..Audited::default() };
-        let mut now = LegMoment { elapsed_s: 0.0, pose: leg.start() };
+    fn drive(mut self) -> Result<Audited, LegViolation> {
+        let mut now = LegMoment { elapsed_s: 0.0, pose: self.leg.start() };
         if let Some(touch) = self.field.touch(Stance::new(now.pose)) {
             return Err(now.broken(ViolationKind::Touched(touch)));
         }
-        for piece in leg.pieces() {
+        for piece in self.leg.pieces() {
             now = match *piece {
                 Piece::Drive { segment, speed_mps, acceleration_mps2 } => {
                     let drive = DriveProfile::new(segment.length_m.abs(), speed_mps, acceleration_mps2);
-                    self.drive_segment(leg, now, segment, drive, &mut audited)?
+                    self.drive_segment(now, segment, drive)?
                 }
                 Piece::Turn { heading } => self.turn(now, heading)?,
                 Piece::Wait { seconds } => now.after(seconds, now.pose),
             };
-            self.check_moment(leg, now)?;
+            self.check_moment(now)?;
         }
-        Ok(audited)
+        Ok(self.audited)
     }
 
-    /// A turn on the spot may be a nanosecond off, so whoever makes them has to be at the right place only.
-    fn check_moment(self, leg: &Trajectory, now: LegMoment) -> Result<(), LegViolation> {
+    /// Compares the state after a piece with the timeline's. A turn on the spot may be a nanosecond off, so whoever makes
+    /// them has to be at the right place only.
+    fn check_moment(&self, now: LegMoment) -> Result<(), LegViolation> {
         if !(now.elapsed_s.is_finite() && now.elapsed_s >= 0.0) {
             return Err(now.broken(ViolationKind::NotANumber));
         }
         let turns_on_the_spot = self.motion.turning_radius_m.is_none();
         let radians = if turns_on_the_spot { f64::INFINITY } else { self.tolerance.radians };
-        check_state(leg, now.elapsed_s, Stance::new(now.pose), Tolerance { radians, ..self.tolerance })
+        check_state(self.leg, now.elapsed_s, Stance::new(now.pose), Tolerance { radians, ..self.tolerance })
     }
 
-    fn turn(self, now: LegMoment, heading: f64) -> Result<LegMoment, LegViolation> {
+    fn turn(&self, now: LegMoment, heading: f64) -> Result<LegMoment, LegViolation> {
         let turned = ops::wrap_angle(heading - now.pose.heading).abs();
         match self.motion.turning_radius_m {
             Some(least_m) if turned > SAME_POSE => Err(now.broken(ViolationKind::Curvature { radius_m: 0.0, least_m })),
@@ -122,12 +124,10 @@ impl LegAudit<'_> {
     }
 
     fn drive_segment(
-        self,
-        leg: &Trajectory,
+        &mut self,
         now: LegMoment,
         segment: Segment,
         drive: DriveProfile,
-        audited: &mut Audited,
     ) -> Result<LegMoment, LegViolation> {
         let numbers = [segment.curvature, segment.length_m, drive.seconds, drive.fastest_mps()];
         if !numbers.into_iter().all(f64::is_finite) {
@@ -147,17 +147,18 @@ impl LegAudit<'_> {
                 let elapsed_s = now.elapsed_s + drive.seconds_to(way.metres(step));
                 return Err(LegViolation { elapsed_s, place: at.place, kind: ViolationKind::Touched(touch) });
             }
+            // The end of the piece is compared by whoever calls; a piece that bends the wrong way and back is found here.
             if step == count / 2 {
-                check_state(leg, now.elapsed_s + drive.seconds_to(way.metres(step)), at, self.tolerance)?;
+                check_state(self.leg, now.elapsed_s + drive.seconds_to(way.metres(step)), at, self.tolerance)?;
             }
         }
-        audited.poses += count;
-        audited.metres += segment.length_m.abs();
+        self.audited.poses += count;
+        self.audited.metres += segment.length_m.abs();
         let heading = now.pose.heading + segment.curvature * segment.length_m;
         Ok(now.after(drive.seconds, Pose::new(at.place.x, at.place.y, heading)))
     }
 
-    fn check_curvature(self, segment: &Segment) -> Result<(), ViolationKind> {
+    fn check_curvature(&self, segment: &Segment) -> Result<(), ViolationKind> {
         let radius_m = 1.0 / segment.curvature.abs();
         match self.motion.turning_radius_m {
             Some(least_m) if radius_m < least_m * (1.0 - RELATIVE_NOISE) && segment.length_m != 0.0 => {
@@ -168,7 +169,7 @@ impl LegAudit<'_> {
     }
 }
 
-/// How much a pose takes, in looks at a cell.
+/// Returns the work of a pose, in looks at a cell.
 pub fn work_of_pose(field: &AuditField) -> f64 {
     WORK_OF_POSE + field.cells_under_body()
 }

@@ -1,4 +1,4 @@
-//! Trucks that meet: at no time do two bodies overlap.
+//! The bodies of trucks: at no time do two of them overlap.
 
 use super::driven::DrivenLegs;
 use super::field::{ALLOWED_M, Outline, Stance};
@@ -14,7 +14,7 @@ pub struct Driver<'a> {
     pub outline: Outline,
 }
 
-/// No two trucks overlap until `end`; the first overlap of any two.
+/// Checks that no two trucks overlap until `end`; the violation is the first overlap of any two.
 pub fn audit_meetings(drivers: &[Driver<'_>], end: SimTime, step: SampleStep) -> Result<(), Violation> {
     let pairs = (0..drivers.len()).flat_map(|one| (one + 1..drivers.len()).map(move |other| (one, other)));
     let violations = pairs.filter_map(|(one, other)| Pair::new(&drivers[one], &drivers[other], step).audit(end).err());

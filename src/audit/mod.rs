@@ -1,7 +1,7 @@
 //! The second opinion on finished timelines, with shapes and queries of rapier.
 //!
-//! Planners answer to `collision`; this module answers to nobody. It takes what really was driven and holds it against
-//! the rules, each in a file of its own:
+//! Planners rely on `collision`; this module does not. It takes what really was driven and holds it against the rules,
+//! each in a file of its own:
 //!
 //! - every leg, in small steps: the footprint overlaps no bush and stays in the field, no turn is tighter than the
 //!   turning radius, and the states of the timeline are those to which the pieces of the leg lead;
@@ -32,10 +32,10 @@ pub use violation::{Violation, ViolationKind};
 
 use std::ops::AddAssign;
 
-/// What an audit looked at.
+/// The amount that an audit looked at.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Audited {
-    /// Of trucks and Wumpuses.
+    /// Legs of trucks and Wumpuses.
     pub legs: u64,
     pub poses: u64,
     pub metres: f64,

@@ -41,7 +41,7 @@ impl DriveProfile {
     }
 }
 
-/// Holds the speeds of a leg against limits; the first kind, where and when its piece begins.
+/// Holds the speeds of a leg against limits; the first violation is where and when its piece begins.
 pub fn audit_pace(leg: &Trajectory, limits: &SpeedLimits) -> Result<(), Violation> {
     let mut elapsed_s = 0.0;
     // The speed so far, and whether it is in reverse; at rest there is no such thing.

@@ -1,4 +1,4 @@
-//! A whole run before the audit.
+//! The audit of a whole run.
 
 use super::driven::DrivenLegs;
 use super::field::{AuditField, Outline};
@@ -14,14 +14,14 @@ use crate::trajectory::Trajectory;
 /// The work that the legs of one agent may take, in looks at a cell.
 const MOST_WORK: f64 = 1e11;
 
-/// What came out of an audit.
+/// The result of an audit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
-    /// What was looked at; of an agent's legs, those before its first violation.
+    /// The amount that was looked at; of an agent's legs, those before its first violation.
     pub audited: Audited,
     /// The first in time.
     pub violation: Option<Violation>,
-    /// Whether the timeline says how fast everybody may go, and how fire behaves; those before format 3 do not.
+    /// True if the timeline says how fast everybody may go, and how fire behaves; those before format 3 do not.
     pub knows_limits: bool,
 }
 

@@ -17,8 +17,8 @@ struct Actor {
     served: Option<SimTime>,
 }
 
-/// Every fire that went out had its truck standing within reach for the whole dwell, one dwell for each stop, and every
-/// bush that was lit a Wumpus that stood; the number of extinctions.
+/// Checks that every fire that went out had its truck standing within reach for the whole dwell, one dwell for each
+/// stop, and every bush that was lit a Wumpus that stood; returns the number of extinctions.
 pub fn audit_acts(timeline: &Timeline) -> Result<u64, Violation> {
     let mut actors: Vec<Actor> = timeline.setting.agents.iter().map(Actor::new).collect();
     let mut extinctions = 0;

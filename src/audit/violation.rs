@@ -1,4 +1,4 @@
-//! What breaks a rule: when, who, where, which rule.
+//! A violation of a rule: when, who, where, which rule.
 
 use std::fmt;
 
@@ -7,7 +7,7 @@ use crate::geometry::{Cell, DVec2};
 use crate::time::SimTime;
 use crate::timeline::AgentId;
 
-/// A rule that was broken, by how much.
+/// The rule that was broken, and by how much.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ViolationKind {
     Touched(Touch),
@@ -81,11 +81,11 @@ pub enum ViolationKind {
     LitInPassing {
         cell: Cell,
     },
-    /// What is not burning went out or burned out.
+    /// A cell that was not burning went out or burned out.
     NotBurning {
         cell: Cell,
     },
-    /// What cannot burn caught fire.
+    /// A cell that cannot burn caught fire.
     CannotBurn {
         cell: Cell,
     },
@@ -111,19 +111,19 @@ pub enum ViolationKind {
         cell: Cell,
         due: Option<SimTime>,
     },
-    /// Somebody did what only the other kind does, or who is not in the setting.
+    /// An agent did what only the other role does, or it is not in the setting.
     WrongAgent,
     /// More to look at than any run has.
     Endless,
 }
 
-/// The first kind of a run or a leg.
+/// The first violation of a run or a leg.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Violation {
     pub time: SimTime,
-    /// Whose doing it is, if anybody's.
+    /// The agent that broke the rule, if one did.
     pub agent: Option<AgentId>,
-    /// Of the agent, or the centre of the cell, in metres.
+    /// The agent's place, or the centre of the cell, in metres.
     pub place: DVec2,
     pub kind: ViolationKind,
 }

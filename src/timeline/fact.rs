@@ -70,15 +70,15 @@ impl fmt::Display for EndReason {
 /// One thing that happened.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Fact {
-    /// What an agent did, or what its planner found.
+    /// An agent did this, or its planner found it.
     Agent(AgentId, AgentFact),
-    /// What became of a bush.
+    /// The state of a bush changed.
     Fire(FireFact),
     /// The run is over.
     Ended { reason: EndReason },
 }
 
-/// What became of a bush.
+/// A change of the state of a bush.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FireFact {
     /// It catches fire.
@@ -89,7 +89,7 @@ pub enum FireFact {
     Extinguished { cell: Cell, by: AgentId },
 }
 
-/// What an agent did, or what its planner found.
+/// A thing that an agent did or that its planner found.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AgentFact {
     /// A blocked start was moved to the nearest free place before the run began.
@@ -109,12 +109,14 @@ pub enum AgentFact {
     /// charged it stands until `trajectory.start_time()`. A truck that already stands in reach has a trajectory without
     /// pieces; one that lets another truck pass first begins with a wait.
     ///
-    /// `found_by` is `None` of a Wumpus's walk, and of a truck's plan in a recording older than format 5, which does not
-    /// say; if the reachability flood led to that plan it is [`FoundBy::Reachability`], whatever came after the flood.
+    /// `found_by` is `None` for a Wumpus's walk, and for a truck's plan in a recording older than format 5, which does
+    /// not say. If such a recording says that the flood led to a plan, it is [`FoundBy::Reachability`], even where the
+    /// plan was one of those that come after the flood.
     Planned { goal: Cell, trajectory: Trajectory, effort: Effort, found_by: Option<FoundBy> },
-    /// What a search looked at, where that was to be recorded, with the roadmap itself right after its `RoadmapBuilt`:
-    /// the phases of a plan in turn, right before what it led to, which is a `Planned`, a `PlanFailed`, with the
-    /// `LocalMinimum` that goes before them, or, where another truck was in the way, the next plan or a `Blocked`.
+    /// The graph that a search looked at, where that was to be recorded. The roadmap itself comes right after its
+    /// `RoadmapBuilt`. The phases of a plan come in turn, right before what it led to, which is a `Planned`, a
+    /// `PlanFailed`, with the `LocalMinimum` that goes before them, or, where another truck was in the way, the next
+    /// plan or a `Blocked`.
     /// Detours round other trucks and plans that the reachability flood led to are not recorded.
     Searched { phase: SearchPhase, graph: SearchGraph },
     /// A plan for a goal failed. Planning time is charged until `until`, which is the time of this fact where planning
@@ -145,7 +147,7 @@ pub enum AgentFact {
 pub struct Event {
     /// When it happened.
     pub time: SimTime,
-    /// What happened.
+    /// The thing that happened.
     pub fact: Fact,
 }
 

@@ -49,7 +49,7 @@ pub struct Outcome {
     pub agents: Vec<AgentOutcome>,
 }
 
-/// What one agent did. Fields that do not concern its kind are zero.
+/// The result of one agent in numbers. Fields that do not concern its role are zero.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AgentOutcome {
     pub agent: AgentId,
@@ -92,7 +92,7 @@ pub struct AgentOutcome {
     /// A truck's drives that did not end in its extinguishing the goal: broken off, in vain, or unfinished when the
     /// run ended. A drive that never set out is none.
     pub wasted_drives: u32,
-    /// How often a truck drove aside for another one that could not set out otherwise.
+    /// Times that a truck drove aside for another one that could not set out otherwise.
     pub deadlocks: u32,
     /// Bushes in its `OutOfReach` facts: those that it cannot light, or found that it cannot put out.
     #[serde(default)]
@@ -100,7 +100,7 @@ pub struct AgentOutcome {
 }
 
 impl AgentOutcome {
-    /// Of an agent that has done nothing yet.
+    /// Returns the outcome of an agent that has done nothing yet.
     pub fn idle(agent: AgentId) -> Self {
         Self {
             agent,

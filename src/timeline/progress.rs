@@ -1,4 +1,4 @@
-//! What an agent does, from the facts about it.
+//! The activity of an agent, from the facts about it.
 
 use serde::Serialize;
 
@@ -7,7 +7,7 @@ use crate::geometry::{Cell, Pose};
 use crate::time::SimTime;
 use crate::trajectory::Trajectory;
 
-/// What an agent is doing: the last of these that its facts say.
+/// The activity of an agent: the last of these that its facts say.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub enum Activity {
     /// None of the others.
@@ -35,7 +35,7 @@ impl Activity {
     }
 }
 
-/// What the facts so far say about an agent; all else follows from the time.
+/// The part of an agent's state that facts change; all else follows from the time.
 #[derive(Clone, Copy, Debug)]
 pub struct AgentProgress<'a> {
     start: Pose,

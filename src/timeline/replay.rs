@@ -8,7 +8,7 @@ use crate::geometry::{Cell, Pose};
 use crate::time::SimTime;
 
 impl Event {
-    /// What it makes of which bush, if anything.
+    /// Returns the bush that it changes, if any, and the state that the bush comes to.
     pub fn bush_change(&self) -> Option<(Cell, BushState)> {
         match self.fact {
             Fact::Fire(FireFact::Ignited { cell, .. }) => Some((cell, BushState::Burning { since: self.time })),
@@ -42,7 +42,7 @@ pub struct State {
     pub agents: Vec<AgentState>,
 }
 
-/// What one fact did to one bush, by its place in [`super::Setting::bushes`].
+/// The change of one bush by one fact, by the place of the bush in [`super::Setting::bushes`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct BushChange {
     pub bush: usize,
@@ -120,7 +120,7 @@ impl<'a> Replay<'a> {
         self.time
     }
 
-    /// How many facts have happened.
+    /// Returns how many facts have happened.
     pub fn facts_so_far(&self) -> usize {
         self.next
     }
@@ -175,7 +175,7 @@ mod tests {
     use crate::rng;
     use crate::timeline::AgentFact;
 
-    /// What the last fact about a bush says, without a replay.
+    /// Finds what the last fact about a bush says, without a replay.
     fn bush_by_scanning(timeline: &Timeline, bush: Cell, time: SimTime) -> BushState {
         let past = timeline.events.iter().rev().filter(|event| event.time <= time);
         let told = |event: &Event| match event.fact {

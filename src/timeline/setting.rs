@@ -35,7 +35,7 @@ pub struct AgentStart {
     pub id: AgentId,
     pub pose: Pose,
     pub body: Body,
-    /// How fast it may move; `None` where the recording does not say.
+    /// The limits of its speed; `None` where the recording does not say.
     pub limits: Option<SpeedLimits>,
 }
 
@@ -46,9 +46,9 @@ pub struct Rules {
     /// Metres, from body centre to cell centre; `None` is no rule of distance.
     pub suppression_reach_m: Option<f64>,
     pub suppression_dwell: SimTime,
-    /// Whether a stop puts out all that burns in reach, not only its goal; `None` where the recording does not say.
+    /// True if a stop puts out all that burns in reach, not only its goal; `None` where the recording does not say.
     pub extinguishes_all: Option<bool>,
-    /// How fire spreads and ends; `None` where the recording does not say.
+    /// The rules of spread and burn-out; `None` where the recording does not say.
     pub fire: Option<FireRules>,
     pub relight: bool,
     pub score_wumpus_ignited: f64,

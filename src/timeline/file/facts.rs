@@ -43,7 +43,7 @@ mod kind {
     pub const SPREAD_TOGETHER: u32 = 19;
 }
 
-/// How a leg begins.
+/// The ways in which a leg begins.
 mod origin {
     /// Where the agent's last leg ended, at a time after the fact.
     pub const LAST_END: u32 = 0;
@@ -103,7 +103,7 @@ fn word_of<T: Copy>(words: &[T], number: u32) -> Result<T, FileError> {
     words.get(number as usize).copied().ok_or(NO_SUCH_WORD)
 }
 
-/// Facts as they are written.
+/// Writes facts.
 pub struct FactWriter<'a> {
     setting: &'a Setting,
     now: SimTime,
@@ -277,7 +277,7 @@ fn cause(event: &Event) -> Option<Cause> {
     if let Fact::Fire(FireFact::Ignited { cause, .. }) = event.fact { Some(cause) } else { None }
 }
 
-/// How many of these facts, from the first on, are cells that catch fire from one cell at one instant.
+/// Counts the facts, from the first on, that are cells which catch fire from one cell at one instant.
 fn spread_together(events: &[Event]) -> usize {
     let first = cause(&events[0]).filter(|cause| matches!(cause, Cause::Spread(_)));
     let is_alike = |event: &&Event| event.time == events[0].time && cause(event) == first;

@@ -21,7 +21,7 @@ pub fn append_graph(bytes: &mut Vec<u8>, graph: &SearchGraph) {
     }
 }
 
-/// Reads a graph of so many places and edges from the front of some bytes.
+/// Reads a graph of that many places and edges from the front of some bytes.
 pub fn take_graph(bytes: &mut &[u8], places: u32, edges: u32) -> Result<SearchGraph, FileError> {
     let mut graph = SearchGraph::default();
     let mut last = 0_u32;
@@ -52,7 +52,7 @@ fn origins(places: usize, edges: &[(u32, u32)]) -> Vec<Option<u32>> {
     origins
 }
 
-/// What the place after some others is told by.
+/// Returns the place from which the step to the place after some others is written.
 fn origin(first: Option<u32>, before: &[(i32, i32)]) -> (i32, i32) {
     first.map_or_else(|| before.last().copied().unwrap_or_default(), |first| before[first as usize])
 }

@@ -80,7 +80,7 @@ impl<'a> NumberReader<'a> {
         number.copied().ok_or(FileError::Damaged("it refers to a number that it does not hold"))
     }
 
-    /// Whether every number has been read.
+    /// Returns true if every number has been read.
     pub fn is_finished(&self) -> bool {
         self.references.is_empty() && self.single.as_slice().is_empty()
     }

@@ -16,7 +16,7 @@ use crate::timeline::{AgentId, AgentStart, Body, Role, Rules, Setting};
 use crate::trajectory::SpeedLimits;
 use crate::vehicle::Dimensions;
 
-/// What all formats hold of a setting.
+/// The part of a setting that all formats hold.
 #[derive(Serialize, Deserialize)]
 pub struct SettingRecord {
     scenario: String,
@@ -62,7 +62,7 @@ struct RulesRecord {
     score_truck_extinguished: f64,
 }
 
-/// What is known of the setting since format 3.
+/// The part of a setting that formats hold since the third.
 #[derive(Default, Serialize, Deserialize)]
 pub struct Supplement {
     /// In the order of the agents; none are there where nothing is known of any.
@@ -80,7 +80,7 @@ struct LimitsRecord {
     lateral_mps2: Option<f64>,
 }
 
-/// How fire behaves; other models will be other variants.
+/// The model of fire with its numbers.
 #[derive(Clone, Copy, Default, Serialize, Deserialize)]
 enum FireRecord {
     #[default]

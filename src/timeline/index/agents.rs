@@ -1,4 +1,4 @@
-//! What each agent did over a run: its numbers and its goal as steps, its legs, stops and searches.
+//! The agents over a run: numbers and goal of each as steps, its legs, stops and searches.
 //!
 //! Time is added up in whole nanoseconds and becomes seconds once, at the end. A distance is that of the legs before,
 //! and of the present one as far as it was followed.
@@ -14,7 +14,7 @@ use crate::trajectory::{Piece, Trajectory};
 
 use super::bushes::BushCounts;
 
-/// What an agent did until some time.
+/// The numbers of an agent until some time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AgentStats {
     pub activity: Activity,
@@ -61,7 +61,7 @@ impl FollowedLeg {
     }
 }
 
-/// What an agent did until a time at which something changed.
+/// The numbers of an agent until a time at which something changed, and its goal and leg from then on.
 #[derive(Clone, Copy, Debug)]
 struct Step {
     time: SimTime,
@@ -72,7 +72,7 @@ struct Step {
     leg: Option<usize>,
 }
 
-/// What one agent did, in order of time.
+/// One agent, in order of time.
 #[derive(Debug)]
 pub(super) struct AgentHistory {
     /// The first is at zero.
@@ -314,7 +314,7 @@ impl<'a> AgentReader<'a> {
         self.outcome.wasted_drives += u32::from(set_out);
     }
 
-    /// Whether there is a bush to act on anywhere, and in this agent's reach.
+    /// Returns whether there is a bush to act on anywhere, and in this agent's reach.
     fn left_to_do(&self, counts: &BushCounts, others_goals: &[usize]) -> (bool, bool) {
         if !self.is_truck() {
             let lightable = counts.lightable(self.timeline.setting.rules.relight);

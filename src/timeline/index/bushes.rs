@@ -1,4 +1,4 @@
-//! What became of the bushes over a run: counts as steps, every change, and the moments at which fire spread.
+//! The bushes over a run: counts as steps, every change, and the moments at which fire spread.
 
 use std::collections::BTreeMap;
 
@@ -19,7 +19,7 @@ const LEAST_STRIDE: usize = 256;
 pub struct BushCounts {
     /// In the order of [`BushStateKind::ALL`].
     bushes: [u32; 4],
-    /// How often a bush came to each state, in the same order.
+    /// Times that a bush came to each state, in the same order.
     changes: [u32; 4],
 }
 
@@ -63,7 +63,7 @@ impl BushCounts {
     }
 }
 
-/// What became of which bush, by its place in the setting, with the place of the fact.
+/// A change of a bush, by its place in the setting, with the place of the fact.
 #[derive(Clone, Copy, Debug)]
 struct Change {
     time: SimTime,

@@ -75,7 +75,7 @@ impl<'a> RunIndex<'a> {
         self.bushes.counts_at(time)
     }
 
-    /// What an agent did until a time.
+    /// Returns the numbers of an agent until a time.
     pub fn stats_at(&self, agent: usize, time: SimTime) -> AgentStats {
         self.agents[agent].stats_at(&self.timeline, time.min(self.end))
     }
@@ -118,7 +118,7 @@ impl<'a> RunIndex<'a> {
         })
     }
 
-    /// Whether the timeline holds what searches looked at.
+    /// Returns true if the timeline holds what searches looked at.
     pub fn has_searches(&self) -> bool {
         self.agents.iter().any(|agent| !agent.searches.is_empty())
     }
@@ -141,7 +141,7 @@ impl From<Timeline> for RunIndex<'static> {
     }
 }
 
-/// What a pass over the facts finds.
+/// The result of a pass over the facts.
 struct Reading {
     moments: Vec<SimTime>,
     bushes: BushHistory,
