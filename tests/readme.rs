@@ -241,6 +241,7 @@ hold! {
     compare_and_report: "docs/compare-and-report.md", pictures below 0;
     costs: "docs/costs.md", pictures below 0;
     curves: "docs/curves.md", pictures below 60_000;
+    fallbacks: "docs/fallbacks.md", pictures below 0;
     grid_maps: "docs/grid-maps.md", pictures below 100_000;
     output_files: "docs/output-files.md", pictures below 0;
     planning_drives: "docs/planning-drives.md", pictures below 100_000;
