@@ -246,7 +246,7 @@ fn a_truck_that_reconsiders_never_drops_a_goal_to_choose_it_again() {
         for Event { time, fact } in run(&scenario, seed).events {
             match fact {
                 Fact::Agent(AgentId { role: Role::Unimog, .. }, AgentFact::Dropped { goal, .. }) => {
-                    dropped = Some(goal)
+                    dropped = Some(goal);
                 }
                 // Another goal seemed better until its plan failed.
                 Fact::Agent(_, AgentFact::PlanFailed { .. }) => dropped = None,

@@ -49,7 +49,7 @@ impl<'a> DrivenLegs<'a> {
         for event in timeline.events.iter().filter(|event| event.fact.agent() == Some(agent.id)) {
             match (&event.fact, legs.last_mut()) {
                 (Fact::Agent(_, AgentFact::Dropped { trajectory, .. }), Some(leg)) => {
-                    leg.versions.push((event.time, trajectory))
+                    leg.versions.push((event.time, trajectory));
                 }
                 (fact, _) => legs.extend(fact.trajectory().map(|leg| Leg::new(event.time, leg))),
             }

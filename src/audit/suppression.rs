@@ -37,7 +37,7 @@ pub fn audit_acts(timeline: &Timeline) -> Result<u64, Violation> {
                 extinctions += 1;
             }
             Fact::Fire(FireFact::Ignited { cell, cause: Cause::Lit(_) }) => {
-                actor.light(cell, event.time).map_err(violation)?
+                actor.light(cell, event.time).map_err(violation)?;
             }
             _ => actor.follow(event),
         }

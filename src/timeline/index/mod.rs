@@ -327,7 +327,7 @@ mod tests {
                 for event in timeline.events.iter().filter(|event| event.fact.agent() == Some(agent.agent)) {
                     match &event.fact {
                         Fact::Agent(_, AgentFact::Planned { trajectory, .. }) => {
-                            driven.push(trajectory.distance_m(timeline.end_time()))
+                            driven.push(trajectory.distance_m(timeline.end_time()));
                         }
                         Fact::Agent(_, AgentFact::Dropped { trajectory, .. }) => {
                             *driven.last_mut().expect("it is never empty") = trajectory.distance_m(timeline.end_time());
