@@ -89,7 +89,7 @@ impl<M> Node<M> {
 pub enum Step<S> {
     /// The node's analytic expansion is to be swept.
     Arrive,
-    /// What may follow the node is to be offered.
+    /// The steps that may follow the node are to be offered.
     Expand,
     /// A motion of the lattice is to be swept.
     Motion { index: u8 },
@@ -148,7 +148,7 @@ pub type SearchOf<P> = PoseSearch<<P as SearchSpace>::Mark, <P as SearchSpace>::
 
 /// The problem that a [`PoseSearch`] searches.
 pub trait SearchSpace: Sized {
-    /// What is noted about a node.
+    /// The notes about a node.
     type Mark: Copy;
     /// Steps besides motions of the lattice.
     type Own: Copy;

@@ -1,4 +1,4 @@
-//! What is still to drive from a pose, estimated, and ways into the goal that an empty field would allow.
+//! Estimates of the cost to go from a pose, and ways into the goal that an empty field would allow.
 
 use crate::collision::CollisionChecker;
 use crate::geometry::Pose;

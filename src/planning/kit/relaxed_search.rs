@@ -106,7 +106,7 @@ pub struct RelaxedSearch {
     walks: [HolonomicHeuristic; 2],
     shortcutter: Shortcutter,
     floods: FloodSearch,
-    /// Where every query begins to draw its shortcuts.
+    /// The state from which every query draws its shortcuts.
     rng: Xoshiro256PlusPlus,
     expansions: u32,
 }

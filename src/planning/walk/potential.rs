@@ -7,18 +7,18 @@ use super::query::{Walk, WalkCosts, WalkQuery};
 use super::wavefront;
 use crate::planning::{PlanningObserver, SearchPhase};
 
-/// How a Wumpus is drawn to its goal and pushed off bushes; distances are lattice steps.
+/// The forces that draw a Wumpus to its goal and push it off bushes; distances are lattice steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PotentialSettings {
     pub attraction: Attraction,
     /// The attraction is divided by its maximum over the lattice and multiplied by this; `None`: it is taken as it is.
     pub scale: Option<f64>,
     pub repulsion: Repulsion,
-    /// Whether a walk that is stuck goes on down the exact cost-to-go.
+    /// True if a walk that is stuck goes on down the exact cost-to-go.
     pub escapes: bool,
 }
 
-/// The potential over one lattice, but for the attraction of a goal.
+/// The potential over one lattice, without the attraction of a goal.
 #[derive(Clone, Debug)]
 pub struct PotentialField {
     settings: PotentialSettings,

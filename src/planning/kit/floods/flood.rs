@@ -216,7 +216,7 @@ struct BinPages {
     rows: usize,
     /// The index in `pages` at which each block begins.
     blocks: Vec<u32>,
-    /// Where each page begins in `poses`.
+    /// The index in `poses` at which each page begins.
     pages: Vec<u32>,
     poses: Vec<u32>,
     /// A bit for each of `poses`, set where it is one: small enough for the processor's cache, where `poses` is not,

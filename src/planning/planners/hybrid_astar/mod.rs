@@ -6,7 +6,7 @@
 
 mod settings;
 
-pub use settings::{HybridSettings, Maker};
+pub use settings::HybridSettings;
 
 use crate::collision::CollisionChecker;
 use crate::geometry::{FieldFrame, Pose};
@@ -14,6 +14,7 @@ use crate::planning::kit::lattice::Lattice;
 use crate::planning::kit::relaxed_search::{RelaxedSearch, RelaxedSettings};
 use crate::planning::memory::{MemoryMeter, PlannerMemory};
 use crate::planning::observer::{PlanningObserver, PlanningWork};
+use crate::planning::registry::{Charge, MakePlanner, Site, TruckPlannerSettings, describe_charge};
 use crate::planning::{BuildReport, Effort, Goal, Plan, TruckPlanner};
 use crate::rng::Xoshiro256PlusPlus;
 
@@ -62,6 +63,44 @@ impl TruckPlanner for HybridAstar {
         let found = self.0.find(start, goal.with_margin(), observer);
         observer.begins(None);
         Plan::new(found, Effort { roadmap_expansions: 0, local_expansions: self.0.expansions() })
+    }
+}
+
+/// Makes planners of the name `hybrid-astar`.
+pub struct Maker;
+
+impl MakePlanner for Maker {
+    fn make(&self, site: &Site<'_>) -> Box<dyn TruckPlanner> {
+        let shortcuts = (site.stream)("shortcuts");
+        Box::new(HybridAstar::build(site.checker, site.memory, site.settings.hybrid, shortcuts))
+    }
+
+    fn tables(&self) -> &'static [&'static str] {
+        &["hybrid"]
+    }
+
+    fn memory(&self, frame: &FieldFrame, _: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory {
+        HybridAstar::memory(frame, settings.hybrid)
+    }
+
+    fn charge(&self, settings: &TruckPlannerSettings<'_>) -> Charge {
+        Charge { roadmap_s: 0.0, local_s: settings.hybrid.seconds_per_expansion }
+    }
+
+    fn describe(&self, settings: &TruckPlannerSettings<'_>) -> String {
+        let hybrid = settings.hybrid;
+        format!(
+            "Hybrid A* with motions of {} m, bins of {} m and {} headings, Reeds-Shepp curves into the goal, {} m \
+             clear, a change of direction at the price of {} m, at most {} expansions, then {} shortcuts; {}.",
+            hybrid.step_m,
+            hybrid.bin_m,
+            hybrid.headings,
+            hybrid.clearance_m,
+            hybrid.cusp_cost,
+            hybrid.max_expansions,
+            hybrid.shortcuts,
+            describe_charge(hybrid.seconds_per_expansion)
+        )
     }
 }
 

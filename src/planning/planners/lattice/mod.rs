@@ -6,13 +6,14 @@
 
 mod settings;
 
-pub use settings::{LatticeSettings, Maker};
+pub use settings::LatticeSettings;
 
 use crate::collision::CollisionChecker;
 use crate::geometry::{FieldFrame, Pose};
 use crate::planning::kit::floods::{FloodSearch, Floods, LATTICES};
 use crate::planning::memory::{MemoryMeter, PlannerMemory};
 use crate::planning::observer::{PlanningObserver, PlanningWork};
+use crate::planning::registry::{Charge, MakePlanner, Site, TruckPlannerSettings, describe_charge};
 use crate::planning::{BuildReport, Effort, Found, FoundBy, Goal, Plan, TruckPlanner};
 
 /// The planner for one body on one field.
@@ -46,6 +47,38 @@ impl TruckPlanner for LatticePlanner {
         observer.begins(None);
         let found = path.map(|path| Found { path, by: FoundBy::Lattice });
         Plan::new(found, Effort { roadmap_expansions: 0, local_expansions })
+    }
+}
+
+/// Makes planners of the name `lattice`.
+pub struct Maker;
+
+impl MakePlanner for Maker {
+    fn make(&self, site: &Site<'_>) -> Box<dyn TruckPlanner> {
+        Box::new(LatticePlanner::build(site.checker, site.memory, site.settings.lattice))
+    }
+
+    fn tables(&self) -> &'static [&'static str] {
+        &["lattice"]
+    }
+
+    fn memory(&self, frame: &FieldFrame, _: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory {
+        LatticePlanner::memory(frame, settings.lattice)
+    }
+
+    fn charge(&self, settings: &TruckPlannerSettings<'_>) -> Charge {
+        Charge { roadmap_s: 0.0, local_s: settings.lattice.seconds_per_expansion }
+    }
+
+    fn describe(&self, settings: &TruckPlannerSettings<'_>) -> String {
+        let [coarse, middle, fine] =
+            LATTICES.map(|lattice| format!("{} m and {} headings", lattice.bin_m, lattice.headings));
+        format!(
+            "Flood over a lattice of poses: one pose in bins of {coarse}, where that fails of {middle}, then of \
+             {fine}; a query spreads from at most {} poses; {}.",
+            settings.lattice.max_expansions,
+            describe_charge(settings.lattice.seconds_per_expansion)
+        )
     }
 }
 

@@ -20,7 +20,7 @@ mod sample;
 mod search;
 mod settings;
 
-pub use settings::{Maker, PrmRsSettings};
+pub use settings::PrmRsSettings;
 
 use crate::collision::CollisionChecker;
 use crate::geometry::{FieldFrame, Pose};
@@ -31,6 +31,7 @@ use crate::planning::kit::relaxed_search::{RelaxedSearch, RelaxedSettings};
 use crate::planning::kit::shortcuts::Shortcutter;
 use crate::planning::memory::{MemoryMeter, PlannerMemory};
 use crate::planning::observer::{PlanningObserver, PlanningWork};
+use crate::planning::registry::{Charge, MakePlanner, RoadmapSize, Site, TruckPlannerSettings, describe_charge};
 use crate::planning::search_graph::SearchPhase;
 use crate::planning::{BuildReport, Effort, Found, FoundBy, Goal, Plan, TruckPlanner};
 use crate::rng::Xoshiro256PlusPlus;
@@ -53,7 +54,7 @@ pub struct PrmRs {
     roadmap: Roadmap,
     search: RoadmapSearch,
     shortcutter: Shortcutter,
-    /// Where every query begins to draw its shortcuts.
+    /// The state from which every query draws its shortcuts.
     rng: Xoshiro256PlusPlus,
     fallback: RelaxedSearch,
     report: BuildReport,
@@ -206,6 +207,53 @@ impl PlanningObserver for ConnectionsOnly<'_> {
 
     fn looked_at(&mut self, phase: SearchPhase, lines: &mut dyn Iterator<Item = [DVec2; 2]>) {
         self.0.looked_at(phase, &mut lines.filter(|[from, to]| from != to));
+    }
+}
+
+/// Makes planners of the name `prm-rs`.
+pub struct Maker;
+
+impl MakePlanner for Maker {
+    fn make(&self, site: &Site<'_>) -> Box<dyn TruckPlanner> {
+        let TruckPlannerSettings { prm_rs, hybrid, .. } = site.settings;
+        let (samples, shortcuts) = ((site.stream)("prm-rs"), (site.stream)("shortcuts"));
+        Box::new(PrmRs::build(site.checker, site.memory, prm_rs, hybrid.search(), samples, shortcuts))
+    }
+
+    fn tables(&self) -> &'static [&'static str] {
+        &["prm_rs", "hybrid"]
+    }
+
+    fn memory(&self, frame: &FieldFrame, corners: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory {
+        PrmRs::memory(frame, corners, settings.prm_rs, &settings.hybrid.search())
+    }
+
+    fn charge(&self, settings: &TruckPlannerSettings<'_>) -> Charge {
+        Charge { roadmap_s: settings.prm_rs.seconds_per_expansion, local_s: settings.hybrid.seconds_per_expansion }
+    }
+
+    fn describe(&self, settings: &TruckPlannerSettings<'_>) -> String {
+        let TruckPlannerSettings { prm_rs, hybrid, .. } = settings;
+        format!(
+            "Roadmap of {} poses, and {} places at every corner of a bush, each joined to {} others within {} m by \
+             Reeds-Shepp curves, {} m clear, a change of direction at the price of {} m, then {} shortcuts; where it \
+             does not serve, hybrid A* with at most {} expansions; {}.",
+            prm_rs.samples,
+            prm_rs.corner_places,
+            prm_rs.neighbours,
+            prm_rs.max_edge_m,
+            prm_rs.clearance_m,
+            prm_rs.cusp_cost,
+            prm_rs.shortcuts,
+            hybrid.max_expansions,
+            describe_charge(prm_rs.seconds_per_expansion)
+        )
+    }
+
+    fn roadmap_size(&self, settings: &TruckPlannerSettings<'_>, bushes: usize) -> Option<RoadmapSize> {
+        let PrmRsSettings { samples, corner_places, neighbours, max_edge_m, .. } = *settings.prm_rs;
+        let at_corners = 4 * bushes as u64 * u64::from(corner_places);
+        Some(RoadmapSize { milestones: u64::from(samples) + at_corners, neighbours, max_edge_m })
     }
 }
 

@@ -39,7 +39,7 @@ pub struct RoadmapQuery<'a> {
     pub goal: Goal,
 }
 
-/// How a pose was reached, and its analytic expansion.
+/// The way by which a pose was reached, and its analytic expansion.
 #[derive(Clone, Copy, Debug)]
 struct Mark {
     via: Via,
@@ -80,7 +80,7 @@ struct State {
 
 /// A* over the milestones of a roadmap, each in both directions of driving, and over motions about the start.
 ///
-/// What is known of the roadmap's edges from earlier searches saves time and changes no answer: candidates are ordered by
+/// Knowledge of the roadmap's edges from earlier searches saves time and changes no answer: candidates are ordered by
 /// what holds for an edge whether it is known or not.
 #[derive(Debug)]
 pub struct RoadmapSearch {
@@ -88,7 +88,7 @@ pub struct RoadmapSearch {
     notes: Notes,
 }
 
-/// What a search remembers besides poses.
+/// The memory of a search besides poses.
 #[derive(Debug)]
 struct Notes {
     /// Two for each milestone.
@@ -96,9 +96,9 @@ struct Notes {
     generation: u64,
     curves: Vec<PricedCurve>,
     expansions: Vec<AnalyticExpansion>,
-    /// Whether a way leads to the goal from a milestone, where that was asked.
+    /// True if a way leads to the goal from a milestone, where that was asked.
     roadmap_serves: Option<bool>,
-    /// Whether the path that was found leads over a milestone.
+    /// True if the path that was found leads over a milestone.
     used_roadmap: bool,
     near: Vec<(f64, u32)>,
     /// Milestones, and poses off the roadmap, that were expanded.

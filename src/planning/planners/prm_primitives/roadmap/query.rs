@@ -22,7 +22,7 @@ const GOAL_PLACE_RADIUS: f64 = 0.85;
 /// Goal places have the numbers from here on.
 const GOAL: u32 = u32::MAX - 1 - GOAL_PLACES;
 
-/// Stands for the start where a milestone's number is asked for.
+/// The start, where a milestone's number is asked for.
 const START: u32 = u32::MAX;
 
 /// Ways into the goal that one milestone may offer.
