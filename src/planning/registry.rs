@@ -153,15 +153,15 @@ macro_rules! tables_of_settings {
             $(pub $name: &'a $Settings,)+
         }
 
-        /// The default settings of every planner, to be lent.
+        /// The settings of every planner, by default the default ones, to be lent.
         #[cfg(test)]
         #[derive(Default)]
-        pub struct DefaultSettings {
-            $($name: $Settings,)+
+        pub struct OwnedSettings {
+            $(pub $name: $Settings,)+
         }
 
         #[cfg(test)]
-        impl DefaultSettings {
+        impl OwnedSettings {
             pub fn all(&self) -> TruckPlannerSettings<'_> {
                 TruckPlannerSettings { $($name: &self.$name,)+ }
             }

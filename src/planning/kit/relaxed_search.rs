@@ -22,7 +22,7 @@ use super::best_first::{
 use super::clearance_profile::ClearanceProfile;
 use super::closed_set::ClosedSet;
 use super::ends::{explain_failure, free_ends, free_poses};
-use super::floods::{FloodSearch, Floods, LATTICES};
+use super::floods::{FloodQuery, FloodSearch, Floods, LATTICES};
 use super::heuristic::Heuristic;
 use super::holonomic::{HolonomicHeuristic, WalkableCells};
 use super::lattice::Lattice;
@@ -298,7 +298,7 @@ impl RelaxedSearch {
 
     fn flood(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Result<Path, Ending> {
         let budget = self.settings.max_expansions - self.expansions;
-        let (path, spent) = self.floods.find_within(budget, FLOODS, start, goal, observer);
+        let (path, spent) = self.floods.find_within(&FloodQuery { start, goal, budget, lattices: FLOODS }, observer);
         self.expansions += spent;
         path.map_err(|_| Ending::Exhausted)
     }
@@ -340,8 +340,10 @@ impl SearchSpace for LatticeSpace<'_> {
     }
 
     fn estimate(&mut self, node: &mut Node<Self::Mark>) -> Option<f64> {
-        let value = self.heuristic.value(node.pose, node.reverse, self.goal, self.walk, self.cells);
-        (node.cost_to_go, node.mark) = (value.cost_to_go, value.expansion);
+        // The steering bounds the way from below, and so do the bushes: the greater of both counts.
+        let value = self.heuristic.without_bushes(node.pose, node.reverse, self.goal);
+        let walked = self.walk.cost_to_go_m(self.cells, self.goal.position_of(node.pose, self.checker.body()));
+        (node.cost_to_go, node.mark) = (value.cost_to_go.max(walked), value.expansion);
         value.expansion.map(|expansion| expansion.cost)
     }
 

@@ -16,6 +16,8 @@ use crate::planning::kit::lattice::{Lattice, motions};
 use crate::planning::memory::{BytesAfter, Growing, Held, MemoryMeter};
 use crate::vehicle::{Path, Segment};
 
+use super::CLEARANCE_M;
+
 /// The most poses that a flood holds.
 pub const MAX_POSES: usize = 3_000_000;
 /// The most bins that a flood holds; those of 5 m and 24 headings of a field of 5 km x 5 km fit in.
@@ -54,17 +56,11 @@ struct Found {
 type PackedCentre = Vec2;
 
 impl Flood {
-    pub fn new(
-        checker: &CollisionChecker,
-        memory: &MemoryMeter,
-        root: Pose,
-        lattice: Lattice,
-        clearance_m: f64,
-    ) -> Self {
+    pub fn new(checker: &CollisionChecker, memory: &MemoryMeter, root: Pose, lattice: Lattice) -> Self {
         let mut flood = Self {
             checker: checker.clone(),
             root,
-            profile: ClearanceProfile::from_start(clearance_m, root, checker.clearance(root)),
+            profile: ClearanceProfile::from_start(CLEARANCE_M, root, checker.clearance(root)),
             motions: motions(checker.body(), lattice.step_m),
             bins: BinPages::new(checker.field().frame(), lattice),
             found: Vec::new(),
@@ -345,11 +341,11 @@ fn bins_along(frame: &FieldFrame, lattice: Lattice) -> [usize; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::planning::kit::floods::{CLEARANCE_M, LATTICES};
+    use crate::planning::kit::floods::LATTICES;
     use crate::planning::test_fields::TestField;
 
     fn flood(field: &TestField, memory: &MemoryMeter, lattice: Lattice) -> Flood {
-        Flood::new(&field.checker, memory, field.start, lattice, CLEARANCE_M)
+        Flood::new(&field.checker, memory, field.start, lattice)
     }
 
     #[test]

@@ -2,7 +2,6 @@ use glam::DVec2;
 
 use crate::collision::CollisionChecker;
 use crate::geometry::Pose;
-use crate::planning::Goal;
 use crate::planning::kit::best_first::{
     AnalyticExpansion, Candidate, Ending, NO_MOTION, Node, PoseSearch, ROOT, Reached, SearchOf, SearchSpace, Step,
 };
@@ -11,6 +10,7 @@ use crate::planning::kit::closed_set::ClosedSet;
 use crate::planning::kit::heuristic::Heuristic;
 use crate::planning::kit::lattice::Lattice;
 use crate::planning::memory::{BytesAfter, MemoryMeter};
+use crate::planning::{Effort, Goal};
 use crate::vehicle::reeds_shepp::PricedCurve;
 use crate::vehicle::{Dimensions, Path, Segment};
 
@@ -101,9 +101,7 @@ struct Notes {
     /// True if the path that was found leads over a milestone.
     used_roadmap: bool,
     near: Vec<(f64, u32)>,
-    /// Milestones, and poses off the roadmap, that were expanded.
-    roadmap_expansions: u32,
-    local_expansions: u32,
+    effort: Effort,
 }
 
 impl RoadmapSearch {
@@ -116,8 +114,7 @@ impl RoadmapSearch {
             roadmap_serves: None,
             used_roadmap: false,
             near: Vec::new(),
-            roadmap_expansions: 0,
-            local_expansions: 0,
+            effort: Effort::default(),
         };
         Self { search: PoseSearch::new(body, LATTICE, memory), notes }
     }
@@ -134,8 +131,8 @@ impl RoadmapSearch {
     }
 
     /// Returns the milestones, and the poses off the roadmap, that the last search expanded.
-    pub fn expansions(&self) -> (u32, u32) {
-        (self.notes.roadmap_expansions, self.notes.local_expansions)
+    pub fn effort(&self) -> Effort {
+        self.notes.effort
     }
 
     /// Says whether the path that the last search found leads over a milestone.
@@ -172,7 +169,7 @@ impl Notes {
         self.expansions.clear();
         self.roadmap_serves = None;
         self.used_roadmap = false;
-        (self.roadmap_expansions, self.local_expansions) = (0, 0);
+        self.effort = Effort::default();
     }
 
     fn is_closed(&self, node: u32, reverse: bool) -> bool {
@@ -297,7 +294,7 @@ impl RoadmapSpace<'_> {
             return;
         }
         self.notes.states[index as usize].is_closed = true;
-        self.notes.roadmap_expansions += 1;
+        self.notes.effort.roadmap_expansions += 1;
         let node = index / 2;
         let reached = search.add(Node {
             pose: self.roadmap.pose(node),
@@ -369,8 +366,8 @@ impl SearchSpace for RoadmapSpace<'_> {
         if parent == ROOT {
             self.offer_milestones(search, from);
         }
-        if self.notes.local_expansions < MAX_LOCAL_EXPANSIONS && cost < LOCAL_M {
-            self.notes.local_expansions += 1;
+        if self.notes.effort.local_expansions < MAX_LOCAL_EXPANSIONS && cost < LOCAL_M {
+            self.notes.effort.local_expansions += 1;
             let cusp_m = self.roadmap.curves().1.cusp_m;
             search.offer_motions(from.node, cusp_m, WEIGHT);
         }
