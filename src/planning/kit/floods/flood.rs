@@ -147,20 +147,18 @@ impl Flood {
         let Some(pose) = self.frontier.pop_front() else { return false };
         let parent = self.next as u32;
         self.next += 1;
-        self.spread(pose, parent);
-        true
-    }
-
-    fn spread(&mut self, pose: Pose, parent: u32) {
         for (index, motion) in self.motions.into_iter().enumerate() {
             let end = motion.end(pose);
-            let is_new = self.found.len() < MAX_POSES
+            // What is cheap to ask comes first; the sweep costs most by far.
+            if self.found.len() < MAX_POSES
                 && self.checker.field().frame().border_distance(end.position()) > 0.0
-                && !self.bins.is_taken(end);
-            if is_new && self.profile.motion_is_free(&self.checker, pose, motion) {
+                && !self.bins.is_taken(end)
+                && self.profile.motion_is_free(&self.checker, pose, motion)
+            {
                 self.keep(end, parent, index as u8);
             }
         }
+        true
     }
 
     fn keep(&mut self, pose: Pose, parent: u32, motion: u8) {
