@@ -16,9 +16,7 @@ use crate::planning::{Found, FoundBy, Goal, PlanFailure};
 use crate::rng::Xoshiro256PlusPlus;
 use crate::vehicle::{Path, Segment};
 
-use super::best_first::{
-    AnalyticExpansion, Candidate, Ending, Never, Node, PoseSearch, Reached, SearchOf, SearchSpace,
-};
+use super::best_first::{AnalyticExpansion, Candidate, Ending, Never, Node, PoseSearch, SearchOf, SearchSpace};
 use super::clearance_profile::ClearanceProfile;
 use super::closed_set::ClosedSet;
 use super::ends::{explain_failure, free_ends, free_poses};
@@ -359,7 +357,7 @@ impl SearchSpace for LatticeSpace<'_> {
         self.profile.motion_is_free(self.checker, from, motion)
     }
 
-    fn take(&mut self, _: &mut SearchOf<Self>, _: Candidate<Never>, own: Never) -> Option<Reached> {
+    fn take(&mut self, _: &mut SearchOf<Self>, _: Candidate<Never>, own: Never) -> Option<u32> {
         match own {}
     }
 }

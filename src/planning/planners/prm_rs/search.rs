@@ -3,7 +3,7 @@ use glam::DVec2;
 use crate::collision::CollisionChecker;
 use crate::geometry::Pose;
 use crate::planning::kit::best_first::{
-    AnalyticExpansion, Candidate, Ending, NO_MOTION, Node, PoseSearch, ROOT, Reached, SearchOf, SearchSpace, Step,
+    AnalyticExpansion, Candidate, Ending, NO_MOTION, Node, PoseSearch, ROOT, SearchOf, SearchSpace, Step,
 };
 use crate::planning::kit::clearance_profile::ClearanceProfile;
 use crate::planning::kit::closed_set::ClosedSet;
@@ -377,7 +377,7 @@ impl SearchSpace for RoadmapSpace<'_> {
         self.query.profile.motion_is_free(self.query.checker, from, motion)
     }
 
-    fn take(&mut self, search: &mut SearchOf<Self>, from: Candidate<Along>, own: Along) -> Option<Reached> {
+    fn take(&mut self, search: &mut SearchOf<Self>, from: Candidate<Along>, own: Along) -> Option<u32> {
         match own {
             Along::Curve { to } => self.work_out_curve(search, from, to),
             Along::Link { link } => self.work_out_link(search, from, link),
