@@ -16,11 +16,10 @@ use wildfire::geometry::{DVec2, Pose};
 use wildfire::planning::memory::MemoryMeter;
 use wildfire::planning::reachability::Reachability;
 use wildfire::planning::{
-    BuildReport, GoalDisc, Plan, PlanFailure, PrimitiveSettings, PrmPrimitives, PrmSettings, QueryMonitor, QueryTime,
-    SafetySettings, TruckPlanner,
+    BuildReport, GoalDisc, Plan, PlanFailure, PrmPrimitives, QueryMonitor, QueryTime, Site, TruckPlanner,
 };
 use wildfire::rng;
-use wildfire::scenario::{Scenario, Terrain};
+use wildfire::scenario::{Scenario, Terrain, Unimog};
 use wildfire::time::cpu::CpuStopwatch;
 use wildfire::vehicle::{Dimensions, Path};
 
@@ -60,14 +59,10 @@ fn run_field(coverage: f64, seed: u64, builds: &mut Builds, short: &mut Drives, 
     builds.field.push(micros(watch.lap()));
     let checker = CollisionChecker::new(field, Dimensions::default());
     let mut rng = rng::stream(seed, "bench");
-    let mut planner = PrmPrimitives::build(
-        &checker,
-        &MemoryMeter::unlimited(),
-        &PrmSettings::default(),
-        &PrimitiveSettings::default(),
-        &SafetySettings::default(),
-        &mut rng,
-    );
+    let truck = Unimog::default();
+    let (memory, settings, stream) = (MemoryMeter::unlimited(), truck.planner_settings(), |_: &str| rng.clone());
+    let site = Site { checker: &checker, memory: &memory, settings: &settings, stream: &stream };
+    let mut planner = PrmPrimitives::build(&site);
     builds.take(planner.build_report());
     if seed <= FLOODED_FIELDS {
         builds.flood(&checker, &bushes);

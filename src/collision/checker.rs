@@ -13,7 +13,7 @@ use crate::vehicle::{Dimensions, Segment};
 /// The clearance that a body keeps in any case, in metres, however little is asked for.
 pub const LEAST_CLEARANCE_M: f64 = 0.01;
 
-/// How far below the minimum clearance a motion may come between the poses that are looked at, in metres. Of less than
+/// A motion may come this far below the minimum clearance between the poses that are looked at, in metres. Of less than
 /// 0.06 m it is the half.
 pub const MOTION_TOLERANCE_M: f64 = 0.03;
 
@@ -23,7 +23,7 @@ const MAX_DISCS: usize = 8;
 /// Where the discs prove this much beyond the minimum clearance, the exact distance is not worth its time.
 const AMPLE_M: f64 = 0.15;
 
-/// How far beyond the minimum clearance the exact distance looks.
+/// The exact distance looks this far beyond the minimum clearance.
 const EXACT_REACH_M: f64 = 1.5;
 
 /// Answers for one body on one field.
@@ -160,7 +160,7 @@ impl CollisionChecker {
         (exact >= min_clearance).then_some(exact.min(border))
     }
 
-    /// Metres to the field's border and to what stands on the field besides bushes; negative where a corner is outside.
+    /// Metres to the field's border and to obstacles besides bushes; negative where a corner is outside.
     #[inline]
     fn border_gap(&self, rectangle: &Rectangle) -> f64 {
         let border = rectangle.border_gap(self.field.frame());

@@ -10,7 +10,7 @@ use crate::time::SimTime;
 use crate::trajectory::{Pace, Trajectory};
 use crate::vehicle::Dimensions;
 
-/// How far below the margin two bodies may come between the instants that are looked at, in metres.
+/// Two bodies may come this far below the margin between the instants that are looked at, in metres.
 pub const CONFLICT_TOLERANCE_M: f64 = 0.02;
 
 const NANOS_PER_SECOND: f64 = 1e9;

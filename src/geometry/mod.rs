@@ -6,9 +6,7 @@
 mod cell;
 pub mod ops;
 mod pose;
-mod rect;
 
 pub use cell::{Cell, FieldFrame};
 pub use glam::DVec2;
-pub use pose::Pose;
-pub use rect::OrientedRect;
+pub use pose::{OrientedRect, Pose};

@@ -6,21 +6,16 @@
 use glam::DVec2;
 
 use crate::geometry::Pose;
-use crate::rng::{self, Xoshiro256PlusPlus};
 use crate::vehicle::{Path, ReedsShepp};
 
-use super::memory::MemoryMeter;
-use super::registry::{DefaultSettings, Site, TruckPlannerKind};
+use super::registry::{OwnedSettings, TruckPlannerKind};
 use super::test_fields::{
     TestField, assert_drivable, assert_ends_in, drives_in_a_row, least_clearance, random_free_pose, shut_court,
 };
 use super::{Goal, GoalDisc, Plan, PlanFailure, PlanningObserver, QueryMonitor, SearchPhase, TruckPlanner};
 
 fn planner(kind: TruckPlannerKind, field: &TestField, seed: u64) -> Box<dyn TruckPlanner> {
-    let (settings, memory) = (DefaultSettings::default(), MemoryMeter::unlimited());
-    let stream = |name: &str| -> Xoshiro256PlusPlus { rng::stream(seed, name) };
-    let site = Site { checker: &field.checker, memory: &memory, settings: &settings.all(), stream: &stream };
-    kind.maker().make(&site)
+    field.make(&OwnedSettings::default(), seed, |site| kind.maker().make(site))
 }
 
 fn every_planner(law: impl FnMut(TruckPlannerKind)) {

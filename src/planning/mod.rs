@@ -156,7 +156,7 @@ pub enum PlanFailure {
     Disconnected,
     /// The budget of expansions ran out first.
     BudgetSpent,
-    /// A Wumpus's descent: no step leads downhill from where it stands, and the goal is not in reach.
+    /// A Wumpus's descent: no step leads downhill from where it is, and the goal is not in reach.
     LocalMinimum,
 }
 
@@ -208,7 +208,7 @@ pub enum FoundBy {
     Relaxed,
     /// A flood over a lattice of poses, or a search on the finest lattice.
     Lattice,
-    /// After the planner failed on a goal that [`reachability`] reaches: its large search from where the truck stands.
+    /// After the planner failed on a goal that [`reachability`] reaches: its large search from where the truck is.
     Reachability,
     /// After that failed too: back along the truck's tracks, and from there by its planner.
     BackingOut,
@@ -266,7 +266,7 @@ pub struct Found {
 pub struct Plan {
     /// From the start pose to the goal, or why there is none. A start inside a goal disc gives a path without segments.
     pub path: Result<Path, PlanFailure>,
-    /// What found the path, if there is one.
+    /// The means that found the path, if there is one.
     pub found_by: Option<FoundBy>,
     /// Nodes expanded.
     pub effort: Effort,

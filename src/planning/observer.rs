@@ -1,4 +1,4 @@
-//! What callers see of planners at work: which work they do when, and where their searches look.
+//! Observers of planners at work: which work they do when, and where their searches look.
 //!
 //! Planners keep no clock and no record. Whoever calls them passes an observer, and what it does changes no answer.
 
@@ -10,7 +10,7 @@ use crate::time::cpu::CpuStopwatch;
 
 use super::search_graph::{SearchPhase, SearchRecorder, Searched};
 
-/// The kinds of work whose CPU time is told apart.
+/// The kinds of work whose CPU time is counted apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PlanningWork {
     /// Queries of a roadmap.

@@ -153,15 +153,15 @@ macro_rules! tables_of_settings {
             $(pub $name: &'a $Settings,)+
         }
 
-        /// The default settings of every planner, to be lent.
+        /// The settings of every planner, by default the default ones, to be lent.
         #[cfg(test)]
         #[derive(Default)]
-        pub struct DefaultSettings {
-            $($name: $Settings,)+
+        pub struct OwnedSettings {
+            $(pub $name: $Settings,)+
         }
 
         #[cfg(test)]
-        impl DefaultSettings {
+        impl OwnedSettings {
             pub fn all(&self) -> TruckPlannerSettings<'_> {
                 TruckPlannerSettings { $($name: &self.$name,)+ }
             }
@@ -213,7 +213,7 @@ mod tests {
 
     #[test]
     fn every_table_of_settings_is_used_by_a_planner_and_planners_use_no_other() {
-        let settings = DefaultSettings::default();
+        let settings = OwnedSettings::default();
         let known: Vec<&str> = settings.all().tables().map(|table| table.name).collect();
         let used: Vec<&str> = TruckPlannerKind::ALL.iter().flat_map(|kind| kind.maker().tables()).copied().collect();
         assert!(used.iter().all(|name| known.contains(name)), "{used:?} are used of {known:?}");
@@ -222,7 +222,7 @@ mod tests {
 
     #[test]
     fn defaults_are_within_their_ranges() {
-        let settings = DefaultSettings::default();
+        let settings = OwnedSettings::default();
         for table in settings.all().tables() {
             let frame = FieldFrame { cols: 50, rows: 50, cell_m: 5.0 };
             assert_eq!((table.settings.check(&frame), table.is_default), (Ok(()), true), "{}", table.name);

@@ -1,4 +1,4 @@
-//! What a search looked at, to be shown.
+//! Graphs of what searches looked at, to be shown.
 //!
 //! World frame. Places are those of a truck's rear axle; in the roadmap of `prm+primitives` and queries of it, which know
 //! no headings, those of its body's centre; and lattice points of a Wumpus. Straight lines stand for curves.
@@ -57,7 +57,7 @@ impl SearchGraph {
     }
 }
 
-/// What one phase of a query looked at.
+/// The places that one phase of a query looked at.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Searched {
     pub phase: SearchPhase,

@@ -13,6 +13,7 @@ use crate::vehicle::{Dimensions, Path};
 
 use super::memory::MemoryMeter;
 use super::reachability::Reachability;
+use super::registry::{OwnedSettings, Site};
 use super::{Goal, GoalDisc, TruckPlanner};
 
 /// A field of 30 x 30 cells with walks of four cells about it, the truck on it, and places to drive to.
@@ -59,6 +60,13 @@ impl TestField {
         let bushes = bushes.collect();
         let field = Arc::new(ClearanceField::new(frame, occupied));
         Self { checker: CollisionChecker::new(field, Dimensions::default()), start, bushes, rng }
+    }
+
+    /// Makes a planner on the field, whose random streams come from a seed.
+    pub fn make<T>(&self, settings: &OwnedSettings, seed: u64, make: impl FnOnce(&Site<'_>) -> T) -> T {
+        let stream = |name: &str| rng::stream(seed, name);
+        let memory = MemoryMeter::unlimited();
+        make(&Site { checker: &self.checker, memory: &memory, settings: &settings.all(), stream: &stream })
     }
 
     /// The disc about a random bush from which a truck with a reach of 10 m puts it out.

@@ -4,9 +4,7 @@ use crate::collision::CollisionChecker;
 use crate::geometry::Pose;
 use crate::vehicle::{Path, Segment};
 
-use super::kit::best_first::{
-    AnalyticExpansion, Candidate, Never, Node, PoseSearch, Reached, SearchOf, SearchSpace, Step,
-};
+use super::kit::best_first::{AnalyticExpansion, Candidate, Never, Node, PoseSearch, SearchOf, SearchSpace, Step};
 use super::kit::clearance_profile::ClearanceProfile;
 use super::kit::lattice::Lattice;
 use super::kit::local_search::{LocalSearch, PrimitiveSettings};
@@ -111,7 +109,7 @@ impl<F: FnMut(Pose) -> bool> SearchSpace for YieldSpace<'_, F> {
         self.profile.motion_is_free(self.checker, from, motion)
     }
 
-    fn take(&mut self, _: &mut SearchOf<Self>, _: Candidate<Never>, own: Never) -> Option<Reached> {
+    fn take(&mut self, _: &mut SearchOf<Self>, _: Candidate<Never>, own: Never) -> Option<u32> {
         match own {}
     }
 

@@ -273,7 +273,7 @@ impl Trajectory {
     }
 }
 
-/// How far a motion has come: the piece under way, the pose at which it begins, and how long it has been under way.
+/// The progress of a motion: the piece under way, the pose at which it begins, and how long it has been under way.
 #[derive(Clone, Copy)]
 struct PieceProgress {
     index: usize,

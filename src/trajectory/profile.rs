@@ -50,7 +50,7 @@ impl Trajectory {
         for stretch in segments.chunk_by(|a, b| a.is_reverse() == b.is_reverse()) {
             let joints = joint_speeds(stretch, &limits);
             for (segment, ends) in stretch.iter().zip(joints.windows(2)) {
-                drive_segment(*segment, ends[0], ends[1], &limits, &mut pieces);
+                pieces.extend(drive_segment(*segment, ends[0], ends[1], &limits));
             }
         }
         Self::new(start_time, path.start, pieces)
@@ -72,8 +72,8 @@ fn joint_speeds(stretch: &[Segment], limits: &SpeedLimits) -> Vec<f64> {
     speeds
 }
 
-/// Adds the pieces of one segment: speeding up, keeping the speed, braking; those that take no way are left out.
-fn drive_segment(segment: Segment, entry: f64, exit: f64, limits: &SpeedLimits, pieces: &mut Vec<Piece>) {
+/// Returns the pieces of one segment: speeding up, keeping the speed, braking; those that take no way are left out.
+fn drive_segment(segment: Segment, entry: f64, exit: f64, limits: &SpeedLimits) -> impl Iterator<Item = Piece> + use<> {
     let length = segment.length_m.abs();
     // Metres per (m/s)^2 of difference; nothing without a limit.
     let per_gain = limits.acceleration_mps2.map_or(0.0, |acceleration| 0.5 / acceleration);
@@ -90,11 +90,9 @@ fn drive_segment(segment: Segment, entry: f64, exit: f64, limits: &SpeedLimits, 
         (lengths[1], peak, 0.0),
         (lengths[2], peak, -limits.braking_mps2.unwrap_or(0.0)),
     ];
-    for (metres, speed_mps, acceleration_mps2) in phases {
-        if metres > 0.0 {
-            pieces.push(Piece::Drive { segment: segment.with_length(metres), speed_mps, acceleration_mps2 });
-        }
-    }
+    phases.into_iter().filter(|&(metres, ..)| metres > 0.0).map(move |(metres, speed_mps, acceleration_mps2)| {
+        Piece::Drive { segment: segment.with_length(metres), speed_mps, acceleration_mps2 }
+    })
 }
 
 /// Phases shorter than a nanometre are rounding noise: the longest phase takes them over, and all add up to `length`.

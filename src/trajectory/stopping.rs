@@ -4,7 +4,7 @@ use super::{Piece, PieceProgress, Trajectory, speed_after};
 use crate::time::SimTime;
 
 impl Trajectory {
-    /// The same motion, cut short: from `at` on the body brakes by `braking` m/s2 along its way, and stands then.
+    /// Returns the same motion, cut short: from `at` on the body brakes by `braking` m/s2 along its way until it stands.
     /// Without a braking limit it stands at `at`.
     ///
     /// Start and all states before `at` stay the same. The braking body is never faster than it would have been at the
@@ -98,7 +98,7 @@ mod tests {
     use crate::rng;
     use crate::vehicle::{Path, Segment};
 
-    /// The pose that a trajectory has after so many metres.
+    /// The pose that a trajectory has after these metres.
     fn pose_after(trajectory: &Trajectory, metres: f64) -> Pose {
         let mut left = metres;
         for (start, piece) in trajectory.pieces_with_starts() {

@@ -89,7 +89,7 @@ impl<M> Node<M> {
 pub enum Step<S> {
     /// The node's analytic expansion is to be swept.
     Arrive,
-    /// What may follow the node is to be offered.
+    /// The steps that may follow the node are to be offered.
     Expand,
     /// A motion of the lattice is to be swept.
     Motion { index: u8 },
@@ -148,7 +148,7 @@ pub type SearchOf<P> = PoseSearch<<P as SearchSpace>::Mark, <P as SearchSpace>::
 
 /// The problem that a [`PoseSearch`] searches.
 pub trait SearchSpace: Sized {
-    /// What is noted about a node.
+    /// The notes about a node.
     type Mark: Copy;
     /// Steps besides motions of the lattice.
     type Own: Copy;
@@ -176,8 +176,8 @@ pub trait SearchSpace: Sized {
     /// Says whether the body may drive a motion.
     fn motion_is_free(&self, from: Pose, motion: Segment) -> bool;
 
-    /// Takes a step of its own; returns the node that it reaches, if any.
-    fn take(&mut self, search: &mut SearchOf<Self>, from: Candidate<Self::Own>, own: Self::Own) -> Option<Reached>;
+    /// Takes a step of its own; returns the node that it reaches, if that is a goal.
+    fn take(&mut self, search: &mut SearchOf<Self>, from: Candidate<Self::Own>, own: Self::Own) -> Option<u32>;
 
     /// Says whether a pose is a goal. Starts are not asked.
     fn is_goal(&mut self, _pose: Pose) -> bool {
@@ -188,13 +188,6 @@ pub trait SearchSpace: Sized {
     fn append_way(&mut self, node: &Node<Self::Mark>, segments: &mut Vec<Segment>) {
         segments.push(node.motion);
     }
-}
-
-/// A node that was reached, by its index.
-#[derive(Clone, Copy, Debug)]
-pub enum Reached {
-    OnTheWay,
-    Goal(u32),
 }
 
 /// A* over poses; its memory is kept between searches. `M` marks nodes, `S` are steps besides motions.
@@ -253,7 +246,7 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
             if !space.has_room(self) {
                 return Err(Ending::BudgetSpent);
             }
-            let reached = match best.step {
+            let at_goal = match best.step {
                 Step::Arrive => {
                     // The whole way into the goal is as cheap as anything else promises to be: if it is free, it wins.
                     if let Some(path) = self.arrive(space, best.node) {
@@ -273,7 +266,7 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
                 Step::Motion { index } => self.drive(space, best, index),
                 Step::Own(own) => space.take(self, best, own),
             };
-            if let Some(Reached::Goal(node)) = reached {
+            if let Some(node) = at_goal {
                 return Ok(self.path_to(space, node));
             }
         }
@@ -300,16 +293,15 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
         }
     }
 
-    /// Keeps a node unless its bin is known to be reached as cheaply.
-    pub fn reach<P: SearchSpace<Mark = M, Own = S>>(&mut self, space: &mut P, node: Node<M>) -> Option<Reached> {
+    /// Keeps a node unless its bin is known to be reached as cheaply; returns its index if it is a goal.
+    pub fn reach<P: SearchSpace<Mark = M, Own = S>>(&mut self, space: &mut P, node: Node<M>) -> Option<u32> {
         if space.is_goal(node.pose) {
-            return Some(Reached::Goal(self.add(node)));
+            return Some(self.add(node));
         }
-        if !self.closed.improve(node.pose, node.reverse == Some(true), node.cost) {
-            return None;
+        if self.closed.improve(node.pose, node.reverse == Some(true), node.cost) {
+            self.keep(space, node);
         }
-        self.keep(space, node);
-        Some(Reached::OnTheWay)
+        None
     }
 
     /// Adds a node that is not looked at any further.
@@ -377,7 +369,7 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
         space: &mut P,
         from: Candidate<S>,
         index: u8,
-    ) -> Option<Reached> {
+    ) -> Option<u32> {
         let motion = self.motions[usize::from(index)];
         let Node { pose: start, mark, .. } = self.nodes[from.node as usize];
         let (pose, reverse) = (motion.end(start), motion.is_reverse());

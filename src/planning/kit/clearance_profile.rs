@@ -33,9 +33,9 @@ struct TightEnd {
 /// The clearance that a piece of a motion near a tight end keeps.
 #[derive(Clone, Copy, Debug)]
 enum PieceRule {
-    /// The lesser of what is asked at its two ends, so that a way into a tight end is judged like the way out of it.
+    /// The lesser of those asked for at its two ends, so that a way into a tight end is judged like the way out of it.
     LesserOfEnds,
-    /// What is asked where it begins. From the start on, where the demand only rises, that is enough.
+    /// The clearance that is asked for where it begins. From the start on, where the demand only rises, that is enough.
     AtItsStart,
 }
 

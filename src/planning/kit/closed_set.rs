@@ -36,14 +36,14 @@ impl ClosedSet {
         Self { bin_m, headings: f64::from(headings), slots, generation: 1, used: 0 }
     }
 
-    /// Bytes that the table takes while it comes to hold `more` bins more.
+    /// Returns the bytes that the table takes while it comes to hold `more` bins more.
     pub fn bytes_after(&self, more: usize) -> usize {
         let doubles = 2 * (self.used + more) >= self.slots.len();
         // Both tables are there while the entries move.
         size_of::<Slot>() * self.slots.len() * if doubles { 3 } else { 1 }
     }
 
-    /// The most bytes that the table takes while it grows to up to this number of bins.
+    /// Bounds the bytes that the table takes while it grows to up to this number of bins.
     pub fn most_bytes(bins: u64) -> u64 {
         // At most half full, so up to four times as many slots as bins; twice those while it grows to more.
         6 * bins.max(FIRST_CAPACITY as u64) * size_of::<Slot>() as u64
@@ -78,7 +78,7 @@ impl ClosedSet {
         better
     }
 
-    /// Whether the bin of a pose has a cost at least as good.
+    /// Says whether the bin of a pose has a cost at least as good.
     pub fn dominates(&self, pose: Pose, reverse: bool, cost: f64) -> bool {
         let slot = &self.slots[find(&self.slots, self.generation, self.key(pose, reverse))];
         slot.generation == self.generation && slot.cost <= cost

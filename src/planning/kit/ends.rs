@@ -13,7 +13,7 @@ use crate::planning::{Goal, GoalDisc, PlanFailure};
 /// is a pose, the goal.
 ///
 /// # Errors
-/// Which of the two has no room for the body, or is not on the field.
+/// The one of the two that has no room for the body, or is not on the field.
 pub fn free_ends(checker: &CollisionChecker, start: Pose, goal: Goal) -> Result<Vec<(Pose, f64)>, PlanFailure> {
     let mut ends = vec![(start, free_clearance(checker, start).ok_or(PlanFailure::StartBlocked)?)];
     match goal {
@@ -62,7 +62,7 @@ pub fn free_poses(
 ) -> impl Iterator<Item = Pose> + '_ {
     let reach = disc.radius_m.min(checker.field().frame().width_m() + checker.field().frame().height_m());
     let ahead = checker.body().centre_offset_m();
-    // From the rim inwards: a bush stands in the middle.
+    // From the rim inwards: there is a bush in the middle.
     let places = (0..=rings).rev().flat_map(move |ring| {
         let count = (6 * ring).max(1);
         (0..count).map(move |place| {

@@ -1,4 +1,4 @@
-//! What is still to drive from a pose, estimated, and ways into the goal that an empty field would allow.
+//! Estimates of the cost to go from a pose, and ways into the goal that an empty field would allow.
 
 use crate::collision::CollisionChecker;
 use crate::geometry::Pose;
@@ -7,7 +7,6 @@ use crate::vehicle::{CurvePrice, Dimensions, Path, ReedsShepp};
 
 use super::best_first::AnalyticExpansion;
 use super::clearance_profile::ClearanceProfile;
-use super::holonomic::{HolonomicHeuristic, WalkableCells};
 use super::motion_price::MotionPrice;
 use super::turn_straight::TurnStraightSteering;
 
@@ -23,10 +22,10 @@ pub struct HeuristicValue {
     pub expansion: Option<AnalyticExpansion>,
 }
 
-/// Estimates the cost that is still to come: on an empty field, and for a walker round the bushes, whichever is more.
+/// Estimates the cost that is still to come as if on an empty field.
 ///
-/// These are the two heuristics of Dolgov and others (see [`super::best_first`]): non-holonomic without obstacles, and
-/// holonomic with obstacles.
+/// It is the first heuristic of Dolgov and others (see [`super::best_first`]), non-holonomic without obstacles;
+/// [`super::holonomic`] is the other.
 #[derive(Clone, Debug)]
 pub struct Heuristic {
     body: Dimensions,
@@ -46,21 +45,7 @@ impl Heuristic {
         }
     }
 
-    /// Returns the greater of both estimates, for a truck that came to `pose` forward or in reverse, or stands there.
-    pub fn value(
-        &self,
-        pose: Pose,
-        after_reverse: Option<bool>,
-        goal: Goal,
-        walk: &mut HolonomicHeuristic,
-        cells: &WalkableCells,
-    ) -> HeuristicValue {
-        let value = self.without_bushes(pose, after_reverse, goal);
-        let walked = walk.cost_to_go_m(cells, goal.position_of(pose, &self.body));
-        HeuristicValue { cost_to_go: value.cost_to_go.max(walked), ..value }
-    }
-
-    /// Returns the estimate on an empty field.
+    /// Returns the estimate for a truck that came to `pose` forward or in reverse, or stands there.
     pub fn without_bushes(&self, pose: Pose, after_reverse: Option<bool>, goal: Goal) -> HeuristicValue {
         match goal {
             Goal::Pose(end) => {

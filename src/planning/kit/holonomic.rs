@@ -117,32 +117,32 @@ impl HolonomicHeuristic {
         (SHARE * cell_m * f64::from(cost) / f64::from(MOVE_COSTS.0) - cell_m).max(0.0)
     }
 
+    /// Returns the cost of a cell; the search goes on until it is final.
     fn cost_of(&mut self, cells: &WalkableCells, index: usize) -> u32 {
         while self.costs[index] > self.settled && self.waiting > 0 {
-            match self.buckets[self.settled as usize % RING].pop() {
-                Some(cell) => {
-                    self.waiting -= 1;
-                    if self.costs[cell as usize] == self.settled {
-                        self.spread(cells, cell as usize);
+            let Some(cell) = self.buckets[self.settled as usize % RING].pop() else {
+                // All costs up to this are known, and no move costs as much as there are buckets: the next may be reused.
+                self.settled += 1;
+                continue;
+            };
+            self.waiting -= 1;
+            let from = cell as usize;
+            if self.costs[from] != self.settled {
+                // It was reached more cheaply after it had been put here.
+                continue;
+            }
+            let mask = cells.moves.values()[from];
+            for (k, (rows, cols)) in MOVES.into_iter().enumerate() {
+                if mask & (1 << k) != 0 {
+                    let to = from.wrapping_add_signed(rows * cells.moves.cols() as isize + cols);
+                    let cost = self.settled + if rows == 0 || cols == 0 { MOVE_COSTS.0 } else { MOVE_COSTS.1 };
+                    if cost < self.costs[to] {
+                        self.reach(to, cost);
                     }
                 }
-                None => self.settled += 1,
             }
         }
         self.costs[index]
-    }
-
-    fn spread(&mut self, cells: &WalkableCells, from: usize) {
-        let mask = cells.moves.values()[from];
-        for (k, (rows, cols)) in MOVES.into_iter().enumerate() {
-            if mask & (1 << k) != 0 {
-                let to = from.wrapping_add_signed(rows * cells.moves.cols() as isize + cols);
-                let cost = self.settled + if rows == 0 || cols == 0 { MOVE_COSTS.0 } else { MOVE_COSTS.1 };
-                if cost < self.costs[to] {
-                    self.reach(to, cost);
-                }
-            }
-        }
     }
 
     fn reach(&mut self, cell: usize, cost: u32) {

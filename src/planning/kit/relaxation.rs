@@ -7,7 +7,7 @@ use crate::collision::LEAST_CLEARANCE_M;
 pub struct Stage<E> {
     /// Share of the wanted clearance.
     pub share: f64,
-    /// What the attempt may take, in the terms of whoever makes it.
+    /// The means of the attempt, in the terms of whoever makes it.
     pub effort: E,
 }
 

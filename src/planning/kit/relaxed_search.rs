@@ -16,13 +16,11 @@ use crate::planning::{Found, FoundBy, Goal, PlanFailure};
 use crate::rng::Xoshiro256PlusPlus;
 use crate::vehicle::{Path, Segment};
 
-use super::best_first::{
-    AnalyticExpansion, Candidate, Ending, Never, Node, PoseSearch, Reached, SearchOf, SearchSpace,
-};
+use super::best_first::{AnalyticExpansion, Candidate, Ending, Never, Node, PoseSearch, SearchOf, SearchSpace};
 use super::clearance_profile::ClearanceProfile;
 use super::closed_set::ClosedSet;
 use super::ends::{explain_failure, free_ends, free_poses};
-use super::floods::{FloodSearch, Floods, LATTICES};
+use super::floods::{FloodQuery, FloodSearch, Floods, LATTICES};
 use super::heuristic::Heuristic;
 use super::holonomic::{HolonomicHeuristic, WalkableCells};
 use super::lattice::Lattice;
@@ -106,7 +104,7 @@ pub struct RelaxedSearch {
     walks: [HolonomicHeuristic; 2],
     shortcutter: Shortcutter,
     floods: FloodSearch,
-    /// Where every query begins to draw its shortcuts.
+    /// The state from which every query draws its shortcuts.
     rng: Xoshiro256PlusPlus,
     expansions: u32,
 }
@@ -298,7 +296,7 @@ impl RelaxedSearch {
 
     fn flood(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Result<Path, Ending> {
         let budget = self.settings.max_expansions - self.expansions;
-        let (path, spent) = self.floods.find_within(budget, FLOODS, start, goal, observer);
+        let (path, spent) = self.floods.find_within(&FloodQuery { start, goal, budget, lattices: FLOODS }, observer);
         self.expansions += spent;
         path.map_err(|_| Ending::Exhausted)
     }
@@ -340,8 +338,10 @@ impl SearchSpace for LatticeSpace<'_> {
     }
 
     fn estimate(&mut self, node: &mut Node<Self::Mark>) -> Option<f64> {
-        let value = self.heuristic.value(node.pose, node.reverse, self.goal, self.walk, self.cells);
-        (node.cost_to_go, node.mark) = (value.cost_to_go, value.expansion);
+        // The steering bounds the way from below, and so do the bushes: the greater of both counts.
+        let value = self.heuristic.without_bushes(node.pose, node.reverse, self.goal);
+        let walked = self.walk.cost_to_go_m(self.cells, self.goal.position_of(node.pose, self.checker.body()));
+        (node.cost_to_go, node.mark) = (value.cost_to_go.max(walked), value.expansion);
         value.expansion.map(|expansion| expansion.cost)
     }
 
@@ -357,7 +357,7 @@ impl SearchSpace for LatticeSpace<'_> {
         self.profile.motion_is_free(self.checker, from, motion)
     }
 
-    fn take(&mut self, _: &mut SearchOf<Self>, _: Candidate<Never>, own: Never) -> Option<Reached> {
+    fn take(&mut self, _: &mut SearchOf<Self>, _: Candidate<Never>, own: Never) -> Option<u32> {
         match own {}
     }
 }

@@ -18,7 +18,7 @@ const PIECE: f64 = 0.5;
 /// But in no more pieces than this.
 const MOST_PIECES: f64 = 200.0;
 
-/// Which map says how near bushes are, and how much that counts.
+/// The map that says how near bushes are, and its weight.
 ///
 /// The zones of the map `cost` are those of [`TwoZones`]; only their ratios to `max_cost` matter. Their defaults are
 /// made for cells of 5 m: on a tenth of bushes hardly a cell is farther than six from one, so that the 12 cells of a
@@ -53,7 +53,7 @@ impl Default for SafetySettings {
     }
 }
 
-/// Where `s` comes from.
+/// The source of `s`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SafetyMap {
@@ -65,7 +65,7 @@ pub enum SafetyMap {
     Cost,
 }
 
-/// Where the outer zone of the map `cost` begins to fall.
+/// The place at which the outer zone of the map `cost` begins to fall.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SafetyForm {
@@ -99,7 +99,7 @@ impl SafetySettings {
         format!(" For safety a metre costs 1 + {} times s, s being {nearness}.", self.weight)
     }
 
-    /// `s` of the map `cost` at so many cells from the nearest bush.
+    /// Returns `s` of the map `cost` at this number of cells from the nearest bush.
     pub fn nearness(&self, cells: u16) -> f64 {
         self.zones().cost(cells) / self.max_cost
     }
@@ -119,7 +119,7 @@ impl SafetySettings {
     }
 }
 
-/// What places of one field cost.
+/// The costs of places on one field.
 #[derive(Clone, Debug)]
 pub struct Safety {
     frame: FieldFrame,
@@ -149,7 +149,7 @@ impl Safety {
         Some(Self { frame, surcharge })
     }
 
-    /// Bytes that it takes on a field, and bytes on top of that while it is worked out; none if all places cost the
+    /// Returns the bytes that it takes on a field, and bytes on top of that while it is worked out; none if all places cost the
     /// same.
     pub fn bytes(frame: &FieldFrame, settings: &SafetySettings) -> [u64; 2] {
         let cells = frame.cell_count() as u64;
@@ -158,13 +158,13 @@ impl Safety {
         [cells * value, cells * value]
     }
 
-    /// What a metre at this place costs more than 1; outside the field nothing.
+    /// Returns what a metre at this place costs more than 1; outside the field nothing.
     pub fn surcharge_at(&self, place: DVec2) -> f64 {
         let cell = self.frame.cell_at(place);
         cell.map_or(0.0, |cell| self.surcharge[(cell.row.into(), cell.col.into())])
     }
 
-    /// What a way of so many metres costs more than its length; `at` gives the place after a share of it.
+    /// Returns what a way of this length costs more than that; `at` gives the place after a share of it.
     pub fn surcharge_along(&self, length_m: f64, at: impl Fn(f64) -> DVec2) -> f64 {
         let pieces = (length_m / (PIECE * self.frame.cell_m)).ceil().clamp(1.0, MOST_PIECES);
         let sum: f64 = (0..pieces as u32).map(|k| self.surcharge_at(at((f64::from(k) + 0.5) / pieces))).sum();

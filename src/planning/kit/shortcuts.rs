@@ -1,6 +1,6 @@
 //! Makes a drivable path cheaper: Reeds-Shepp shortcuts that keep the turning radius and the clearance.
 //!
-//! What a path costs is its length and a price for every cusp, cusps between an old part and a new one included. A
+//! A path costs its length and a price for every cusp, cusps between an old part and a new one included. A
 //! shortcut counts only if it makes the whole path cheaper; whether it is free is asked last. First the path is
 //! shortened from knot to knot, then between random places. After R. Geraerts, M. H. Overmars, "Creating high-quality
 //! paths for motion planning", IJRR 26(8), 2007, section 4, with Reeds-Shepp curves in place of straight lines.

@@ -28,7 +28,7 @@ pub fn walk(
 ) -> Walk {
     let WalkQuery { lattice, start, goals, centre } = *query;
     let octile = |from: DVec2, to: DVec2| octile(lattice, costs.steps, from, to);
-    // Octile distance obeys the triangle inequality: what the farthest point of reach is short of the centre,
+    // The triangle inequality holds for octile distance: what the farthest point of reach is short of the centre,
     // taken off the distance to the centre, bounds the distance to each point of reach from below.
     let short = goals.iter().map(|&goal| octile(lattice.position(goal), centre)).fold(0.0, f64::max);
     let estimate = |point: usize, parent: usize| match estimate {

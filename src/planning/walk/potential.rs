@@ -7,18 +7,18 @@ use super::query::{Walk, WalkCosts, WalkQuery};
 use super::wavefront;
 use crate::planning::{PlanningObserver, SearchPhase};
 
-/// How a Wumpus is drawn to its goal and pushed off bushes; distances are lattice steps.
+/// The forces that draw a Wumpus to its goal and push it off bushes; distances are lattice steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PotentialSettings {
     pub attraction: Attraction,
     /// The attraction is divided by its maximum over the lattice and multiplied by this; `None`: it is taken as it is.
     pub scale: Option<f64>,
     pub repulsion: Repulsion,
-    /// Whether a walk that is stuck goes on down the exact cost-to-go.
+    /// True if a walk that is stuck goes on down the exact cost-to-go.
     pub escapes: bool,
 }
 
-/// The potential over one lattice, but for the attraction of a goal.
+/// The potential over one lattice, without the attraction of a goal.
 #[derive(Clone, Debug)]
 pub struct PotentialField {
     settings: PotentialSettings,
@@ -50,32 +50,21 @@ impl PotentialField {
             let lowest = lowest.min_by(|&a, &b| potential.at(a).total_cmp(&potential.at(b)));
             let Some(next) = lowest.filter(|&next| potential.at(next) < potential.at(here)) else {
                 observer.looked_at(SearchPhase::Walk, &mut query.lines(&path));
-                return self.stuck(costs, query, path, expansions, observer);
+                if !self.settings.escapes {
+                    return Walk { minimum: Some(here), ..Walk::straight(Some(path), expansions) };
+                }
+                // The way on begins at the minimum, which is not to be there twice.
+                path.pop();
+                let onward = wavefront::walk(costs, &WalkQuery { start: here, ..*query }, observer);
+                path.extend(onward.path.iter().flatten());
+                let path = onward.path.is_some().then_some(path);
+                return Walk { minimum: Some(here), ..Walk::straight(path, expansions + onward.expansions) };
             };
             here = next;
             path.push(here);
         }
         observer.looked_at(SearchPhase::Walk, &mut query.lines(&path));
         Walk::straight(Some(path), expansions)
-    }
-
-    fn stuck(
-        &self,
-        costs: &WalkCosts,
-        query: &WalkQuery<'_>,
-        mut path: Vec<usize>,
-        expansions: u32,
-        observer: &mut dyn PlanningObserver,
-    ) -> Walk {
-        let minimum = path.pop().expect("a path holds its start");
-        if !self.settings.escapes {
-            path.push(minimum);
-            return Walk { minimum: Some(minimum), ..Walk::straight(Some(path), expansions) };
-        }
-        let onward = wavefront::walk(costs, &WalkQuery { start: minimum, ..*query }, observer);
-        path.extend(onward.path.iter().flatten());
-        let path = onward.path.is_some().then_some(path);
-        Walk { minimum: Some(minimum), ..Walk::straight(path, expansions + onward.expansions) }
     }
 
     /// The potential that leads to an query's goal.

@@ -1,4 +1,4 @@
-//! What a Wumpus's planner is asked, what it answers, and what steps cost it.
+//! Queries of a Wumpus's planner, their answers, and the costs of steps.
 
 use glam::DVec2;
 

@@ -32,7 +32,7 @@ pub struct Drive {
 impl Drive {
     /// Returns true if the planner had failed on the goal, and the reachability flood led to the drive.
     pub fn is_by_flood(&self) -> bool {
-        matches!(self.found_by, FoundBy::Reachability | FoundBy::BackingOut | FoundBy::WayHome)
+        self.found_by.is_after_failure()
     }
 }
 

@@ -66,7 +66,7 @@ pub struct Middle {
     pub turn: f64,
     /// A vector, of any length, at the angle from D to the heading at which the first arc ends.
     pub lean: DVec2,
-    /// Whether the last arc turns counter-clockwise, as the first does.
+    /// True if the last arc turns counter-clockwise, as the first does.
     pub turns_on: bool,
 }
 

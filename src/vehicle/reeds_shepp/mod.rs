@@ -6,18 +6,14 @@
 //! words, and `search` leaves out what cannot win.
 
 mod middle;
-mod price;
 mod search;
 mod word;
 
-pub use price::{CurvePrice, PricedCurve};
-pub use word::{Family, Word};
+pub use search::{CurvePrice, PricedCurve};
+pub use word::{Curve, Family, Word};
 
 use self::search::Pair;
 use crate::geometry::{Pose, ops};
-
-/// A way between two poses by one of the 48 words.
-pub type Curve = super::curve::Curve<Word>;
 
 /// The curves of a vehicle with this turning radius. Poses are finite and those of the rear axle.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -148,6 +148,9 @@ static LETTERS: [[Letter; MAX_LETTERS]; 12] = {
     letters
 };
 
+/// A way between two poses by one of the 48 words.
+pub type Curve = crate::vehicle::curve::Curve<Word>;
+
 /// One of the 48 words of Reeds and Shepp, printed as in `L+S+R-`: left, straight or right, forward or in reverse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Word {

@@ -16,6 +16,8 @@ use crate::planning::kit::lattice::{Lattice, motions};
 use crate::planning::memory::{BytesAfter, Growing, Held, MemoryMeter};
 use crate::vehicle::{Path, Segment};
 
+use super::CLEARANCE_M;
+
 /// The most poses that a flood holds.
 pub const MAX_POSES: usize = 3_000_000;
 /// The most bins that a flood holds; those of 5 m and 24 headings of a field of 5 km x 5 km fit in.
@@ -54,17 +56,11 @@ struct Found {
 type PackedCentre = Vec2;
 
 impl Flood {
-    pub fn new(
-        checker: &CollisionChecker,
-        memory: &MemoryMeter,
-        root: Pose,
-        lattice: Lattice,
-        clearance_m: f64,
-    ) -> Self {
+    pub fn new(checker: &CollisionChecker, memory: &MemoryMeter, root: Pose, lattice: Lattice) -> Self {
         let mut flood = Self {
             checker: checker.clone(),
             root,
-            profile: ClearanceProfile::from_start(clearance_m, root, checker.clearance(root)),
+            profile: ClearanceProfile::from_start(CLEARANCE_M, root, checker.clearance(root)),
             motions: motions(checker.body(), lattice.step_m),
             bins: BinPages::new(checker.field().frame(), lattice),
             found: Vec::new(),
@@ -151,20 +147,18 @@ impl Flood {
         let Some(pose) = self.frontier.pop_front() else { return false };
         let parent = self.next as u32;
         self.next += 1;
-        self.spread(pose, parent);
-        true
-    }
-
-    fn spread(&mut self, pose: Pose, parent: u32) {
         for (index, motion) in self.motions.into_iter().enumerate() {
             let end = motion.end(pose);
-            let is_new = self.found.len() < MAX_POSES
+            // What is cheap to ask comes first; the sweep costs most by far.
+            if self.found.len() < MAX_POSES
                 && self.checker.field().frame().border_distance(end.position()) > 0.0
-                && !self.bins.is_taken(end);
-            if is_new && self.profile.motion_is_free(&self.checker, pose, motion) {
+                && !self.bins.is_taken(end)
+                && self.profile.motion_is_free(&self.checker, pose, motion)
+            {
                 self.keep(end, parent, index as u8);
             }
         }
+        true
     }
 
     fn keep(&mut self, pose: Pose, parent: u32, motion: u8) {
@@ -216,7 +210,7 @@ struct BinPages {
     rows: usize,
     /// The index in `pages` at which each block begins.
     blocks: Vec<u32>,
-    /// Where each page begins in `poses`.
+    /// The index in `poses` at which each page begins.
     pages: Vec<u32>,
     poses: Vec<u32>,
     /// A bit for each of `poses`, set where it is one: small enough for the processor's cache, where `poses` is not,
@@ -345,11 +339,11 @@ fn bins_along(frame: &FieldFrame, lattice: Lattice) -> [usize; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::planning::kit::floods::{CLEARANCE_M, LATTICES};
+    use crate::planning::kit::floods::LATTICES;
     use crate::planning::test_fields::TestField;
 
     fn flood(field: &TestField, memory: &MemoryMeter, lattice: Lattice) -> Flood {
-        Flood::new(&field.checker, memory, field.start, lattice, CLEARANCE_M)
+        Flood::new(&field.checker, memory, field.start, lattice)
     }
 
     #[test]

@@ -10,7 +10,7 @@ mod passages;
 mod search;
 
 pub use flood::MAX_POSES;
-pub use search::{FloodSearch, Floods};
+pub use search::{FloodQuery, FloodSearch, Floods};
 
 use super::lattice::Lattice;
 

@@ -73,12 +73,30 @@ impl Floods {
     /// Returns the flood on a lattice, by its place among the [`LATTICES`].
     fn on(&mut self, place: usize) -> &mut Flood {
         let Self { checker, memory, root, floods, .. } = self;
-        floods[place].get_or_insert_with(|| Flood::new(checker, memory, *root, LATTICES[place], CLEARANCE_M))
+        floods[place].get_or_insert_with(|| Flood::new(checker, memory, *root, LATTICES[place]))
     }
 
     /// Says whether no way for the body's centre leads into a disc: proof that no lattice has one.
     fn exclude(&mut self, disc: GoalDisc) -> bool {
         self.passages.get_or_insert_with(|| Passages::new(&self.checker, &self.memory, self.root)).exclude(disc)
+    }
+}
+
+/// The question to floods.
+#[derive(Clone, Copy, Debug)]
+pub struct FloodQuery {
+    pub start: Pose,
+    pub goal: Goal,
+    /// The most poses that floods may spread from.
+    pub budget: u32,
+    /// The number of lattices that are tried, coarsest first.
+    pub lattices: usize,
+}
+
+impl FloodQuery {
+    /// Creates a query of all lattices without a budget.
+    pub fn new(start: Pose, goal: Goal) -> Self {
+        Self { start, goal, budget: u32::MAX, lattices: LATTICES.len() }
     }
 }
 
@@ -111,28 +129,19 @@ impl FloodSearch {
         }
     }
 
-    /// Finds a path by one of the first few lattices that spreads from no more than `budget` poses; also returns from
-    /// how many it did.
+    /// Finds a path within the budget; also returns how many poses the floods spread from.
     pub fn find_within(
         &mut self,
-        budget: u32,
-        lattices: usize,
-        start: Pose,
-        goal: Goal,
+        query: &FloodQuery,
         observer: &mut dyn PlanningObserver,
     ) -> (Result<Path, PlanFailure>, u32) {
-        self.left = budget;
-        let path = self.find(start, goal, lattices, observer);
-        (path, budget - self.left)
+        self.left = query.budget;
+        let path = self.find(query, observer);
+        (path, query.budget - self.left)
     }
 
-    fn find(
-        &mut self,
-        start: Pose,
-        goal: Goal,
-        lattices: usize,
-        observer: &mut dyn PlanningObserver,
-    ) -> Result<Path, PlanFailure> {
+    fn find(&mut self, query: &FloodQuery, observer: &mut dyn PlanningObserver) -> Result<Path, PlanFailure> {
+        let &FloodQuery { start, goal, lattices, .. } = query;
         let profile = ClearanceProfile::new(CLEARANCE_M, free_ends(&self.checker, start, goal)?);
         let kept = self.floods.take().filter(|floods| floods.root() == start);
         let mut floods = kept.unwrap_or_else(|| Floods::new(&self.checker, &self.memory, start));
@@ -210,8 +219,7 @@ mod tests {
     fn passages_exclude_nothing_that_the_flood_reaches() {
         for seed in 0..10 {
             let field = TestField::random(seed, 60);
-            let mut flood =
-                Flood::new(&field.checker, &MemoryMeter::unlimited(), field.start, LATTICES[1], CLEARANCE_M);
+            let mut flood = Flood::new(&field.checker, &MemoryMeter::unlimited(), field.start, LATTICES[1]);
             let passages = Passages::new(&field.checker, &MemoryMeter::unlimited(), field.start);
             for &centre in &field.bushes {
                 let goal = GoalDisc { centre, radius_m: 6.0 };

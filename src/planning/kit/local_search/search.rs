@@ -5,7 +5,7 @@ use glam::DVec2;
 use crate::collision::CollisionChecker;
 use crate::geometry::{Pose, ops};
 use crate::planning::kit::best_first::{
-    AnalyticExpansion, Candidate, Ending, Node, PoseSearch, Reached, SearchOf, SearchSpace, Step,
+    AnalyticExpansion, Candidate, Ending, Node, PoseSearch, SearchOf, SearchSpace, Step,
 };
 use crate::planning::kit::clearance_profile::ClearanceProfile;
 use crate::planning::kit::closed_set::ClosedSet;
@@ -328,7 +328,7 @@ impl SearchSpace for PrimitiveSpace<'_> {
     }
 
     /// Sweeps a turn and a straight, and keeps a node after each.
-    fn take(&mut self, search: &mut SearchOf<Self>, from: Candidate<Steered>, own: Steered) -> Option<Reached> {
+    fn take(&mut self, search: &mut SearchOf<Self>, from: Candidate<Steered>, own: Steered) -> Option<u32> {
         let TurnStraight { turn, straight, .. } = self.primitives.ways[own.way as usize];
         let start = *search.node(from.node);
         // The straight first: it is longer and farther from where the truck is known to fit.

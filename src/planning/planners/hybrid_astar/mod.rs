@@ -6,16 +6,15 @@
 
 mod settings;
 
-pub use settings::{HybridSettings, Maker};
+pub use settings::HybridSettings;
 
-use crate::collision::CollisionChecker;
 use crate::geometry::{FieldFrame, Pose};
 use crate::planning::kit::lattice::Lattice;
 use crate::planning::kit::relaxed_search::{RelaxedSearch, RelaxedSettings};
-use crate::planning::memory::{MemoryMeter, PlannerMemory};
+use crate::planning::memory::PlannerMemory;
 use crate::planning::observer::{PlanningObserver, PlanningWork};
+use crate::planning::registry::{Charge, MakePlanner, Site, TruckPlannerSettings, describe_charge};
 use crate::planning::{BuildReport, Effort, Goal, Plan, TruckPlanner};
-use crate::rng::Xoshiro256PlusPlus;
 
 /// The planner for one body on one field.
 #[derive(Debug)]
@@ -36,19 +35,10 @@ impl HybridSettings {
 }
 
 impl HybridAstar {
-    /// `rng` decides which shortcuts are tried; every query draws the same numbers.
-    pub fn build(
-        checker: &CollisionChecker,
-        memory: &MemoryMeter,
-        settings: &HybridSettings,
-        rng: Xoshiro256PlusPlus,
-    ) -> Self {
-        Self(RelaxedSearch::new(checker, memory, settings.search(), rng))
-    }
-
-    /// Bounds the bytes that it takes.
-    pub fn memory(frame: &FieldFrame, settings: &HybridSettings) -> PlannerMemory {
-        RelaxedSearch::memory(frame, settings.max_expansions)
+    /// The stream `shortcuts` decides which shortcuts are tried; every query draws the same numbers.
+    pub fn build(site: &Site<'_>) -> Self {
+        let settings = site.settings.hybrid.search();
+        Self(RelaxedSearch::new(site.checker, site.memory, settings, (site.stream)("shortcuts")))
     }
 }
 
@@ -65,11 +55,49 @@ impl TruckPlanner for HybridAstar {
     }
 }
 
+/// Makes planners of the name `hybrid-astar`.
+pub struct Maker;
+
+impl MakePlanner for Maker {
+    fn make(&self, site: &Site<'_>) -> Box<dyn TruckPlanner> {
+        Box::new(HybridAstar::build(site))
+    }
+
+    fn tables(&self) -> &'static [&'static str] {
+        &["hybrid"]
+    }
+
+    fn memory(&self, frame: &FieldFrame, _: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory {
+        RelaxedSearch::memory(frame, settings.hybrid.max_expansions)
+    }
+
+    fn charge(&self, settings: &TruckPlannerSettings<'_>) -> Charge {
+        Charge { roadmap_s: 0.0, local_s: settings.hybrid.seconds_per_expansion }
+    }
+
+    fn describe(&self, settings: &TruckPlannerSettings<'_>) -> String {
+        let hybrid = settings.hybrid;
+        format!(
+            "Hybrid A* with motions of {} m, bins of {} m and {} headings, Reeds-Shepp curves into the goal, {} m \
+             clear, a change of direction at the price of {} m, at most {} expansions, then {} shortcuts; {}.",
+            hybrid.step_m,
+            hybrid.bin_m,
+            hybrid.headings,
+            hybrid.clearance_m,
+            hybrid.cusp_cost,
+            hybrid.max_expansions,
+            hybrid.shortcuts,
+            describe_charge(hybrid.seconds_per_expansion)
+        )
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::collision::MOTION_TOLERANCE_M;
     use crate::planning::kit::holonomic::{HolonomicHeuristic, WalkableCells};
+    use crate::planning::registry::OwnedSettings;
     use crate::planning::test_fields::{
         TestField, assert_ends_in, drives_in_a_row, least_clearance, random_free_pose, random_pose, shut_court,
     };
@@ -79,12 +107,7 @@ mod tests {
     use glam::DVec2;
 
     fn planner(field: &TestField, seed: u64) -> HybridAstar {
-        HybridAstar::build(
-            &field.checker,
-            &MemoryMeter::unlimited(),
-            &HybridSettings::default(),
-            rng::stream(seed, "hybrid"),
-        )
+        field.make(&OwnedSettings::default(), seed, HybridAstar::build)
     }
 
     #[test]
@@ -140,8 +163,8 @@ mod tests {
         for goal in [Goal::Pose(court), Goal::Disc(GoalDisc { centre: court.position(), radius_m: 4.0 })] {
             assert_eq!(planner.plan(field.start, goal).path, Err(PlanFailure::Disconnected));
         }
-        let short = HybridSettings { max_expansions: 1, ..HybridSettings::default() };
-        let mut hasty = HybridAstar::build(&field.checker, &MemoryMeter::unlimited(), &short, rng::stream(1, "hybrid"));
+        let hybrid = HybridSettings { max_expansions: 1, ..HybridSettings::default() };
+        let mut hasty = field.make(&OwnedSettings { hybrid, ..OwnedSettings::default() }, 1, HybridAstar::build);
         let behind = Goal::Pose(Pose::new(88.0, 25.0, 1.0));
         let plan = hasty.plan(field.start, behind);
         assert_eq!((plan.path, plan.effort.local_expansions), (Err(PlanFailure::BudgetSpent), 1));

@@ -1,14 +1,10 @@
-//! Settings of the planner `hybrid-astar`, and what scenarios say about it.
+//! Settings of the planner `hybrid-astar`, and their ranges.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::HybridAstar;
 use crate::geometry::FieldFrame;
-use crate::planning::TruckPlanner;
 use crate::planning::kit::closed_set::check_bins;
-use crate::planning::memory::PlannerMemory;
-use crate::planning::registry::{Charge, MakePlanner, Site, TruckPlannerSettings, describe_charge};
 use crate::ranges::{OutOfRange, SettingsTable, check_range};
 
 /// Settings of the planner `hybrid-astar`. Lengths are metres.
@@ -64,43 +60,5 @@ impl SettingsTable for HybridSettings {
         check_range("max_expansions", self.max_expansions.into(), 1.0..=1e6)?;
         check_range("seconds_per_expansion", self.seconds_per_expansion, 0.0..=1e6)?;
         check_bins(self.bin_m, self.headings, frame)
-    }
-}
-
-/// Makes planners of the name `hybrid-astar`.
-pub struct Maker;
-
-impl MakePlanner for Maker {
-    fn make(&self, site: &Site<'_>) -> Box<dyn TruckPlanner> {
-        let shortcuts = (site.stream)("shortcuts");
-        Box::new(HybridAstar::build(site.checker, site.memory, site.settings.hybrid, shortcuts))
-    }
-
-    fn tables(&self) -> &'static [&'static str] {
-        &["hybrid"]
-    }
-
-    fn memory(&self, frame: &FieldFrame, _: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory {
-        HybridAstar::memory(frame, settings.hybrid)
-    }
-
-    fn charge(&self, settings: &TruckPlannerSettings<'_>) -> Charge {
-        Charge { roadmap_s: 0.0, local_s: settings.hybrid.seconds_per_expansion }
-    }
-
-    fn describe(&self, settings: &TruckPlannerSettings<'_>) -> String {
-        let hybrid = settings.hybrid;
-        format!(
-            "Hybrid A* with motions of {} m, bins of {} m and {} headings, Reeds-Shepp curves into the goal, {} m \
-             clear, a change of direction at the price of {} m, at most {} expansions, then {} shortcuts; {}.",
-            hybrid.step_m,
-            hybrid.bin_m,
-            hybrid.headings,
-            hybrid.clearance_m,
-            hybrid.cusp_cost,
-            hybrid.max_expansions,
-            hybrid.shortcuts,
-            describe_charge(hybrid.seconds_per_expansion)
-        )
     }
 }

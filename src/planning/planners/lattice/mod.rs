@@ -6,13 +6,13 @@
 
 mod settings;
 
-pub use settings::{LatticeSettings, Maker};
+pub use settings::LatticeSettings;
 
-use crate::collision::CollisionChecker;
 use crate::geometry::{FieldFrame, Pose};
-use crate::planning::kit::floods::{FloodSearch, Floods, LATTICES};
-use crate::planning::memory::{MemoryMeter, PlannerMemory};
+use crate::planning::kit::floods::{FloodQuery, FloodSearch, Floods, LATTICES};
+use crate::planning::memory::PlannerMemory;
 use crate::planning::observer::{PlanningObserver, PlanningWork};
+use crate::planning::registry::{Charge, MakePlanner, Site, TruckPlannerSettings, describe_charge};
 use crate::planning::{BuildReport, Effort, Found, FoundBy, Goal, Plan, TruckPlanner};
 
 /// The planner for one body on one field.
@@ -23,14 +23,9 @@ pub struct LatticePlanner {
 }
 
 impl LatticePlanner {
-    pub fn build(checker: &CollisionChecker, memory: &MemoryMeter, settings: &LatticeSettings) -> Self {
-        Self { search: FloodSearch::new(checker, memory), max_expansions: settings.max_expansions }
-    }
-
-    /// Bounds the bytes that it takes.
-    pub fn memory(frame: &FieldFrame, settings: &LatticeSettings) -> PlannerMemory {
-        let floods = Floods::most_bytes(frame, LATTICES.len(), settings.max_expansions);
-        PlannerMemory { floods, ..PlannerMemory::default() }
+    pub fn build(site: &Site<'_>) -> Self {
+        let search = FloodSearch::new(site.checker, site.memory);
+        Self { search, max_expansions: site.settings.lattice.max_expansions }
     }
 }
 
@@ -41,11 +36,44 @@ impl TruckPlanner for LatticePlanner {
 
     fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {
         observer.begins(Some(PlanningWork::Local));
-        let (budget, goal) = (self.max_expansions, goal.with_margin());
-        let (path, local_expansions) = self.search.find_within(budget, LATTICES.len(), start, goal, observer);
+        let query = FloodQuery { budget: self.max_expansions, ..FloodQuery::new(start, goal.with_margin()) };
+        let (path, local_expansions) = self.search.find_within(&query, observer);
         observer.begins(None);
         let found = path.map(|path| Found { path, by: FoundBy::Lattice });
         Plan::new(found, Effort { roadmap_expansions: 0, local_expansions })
+    }
+}
+
+/// Makes planners of the name `lattice`.
+pub struct Maker;
+
+impl MakePlanner for Maker {
+    fn make(&self, site: &Site<'_>) -> Box<dyn TruckPlanner> {
+        Box::new(LatticePlanner::build(site))
+    }
+
+    fn tables(&self) -> &'static [&'static str] {
+        &["lattice"]
+    }
+
+    fn memory(&self, frame: &FieldFrame, _: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory {
+        let floods = Floods::most_bytes(frame, LATTICES.len(), settings.lattice.max_expansions);
+        PlannerMemory { floods, ..PlannerMemory::default() }
+    }
+
+    fn charge(&self, settings: &TruckPlannerSettings<'_>) -> Charge {
+        Charge { roadmap_s: 0.0, local_s: settings.lattice.seconds_per_expansion }
+    }
+
+    fn describe(&self, settings: &TruckPlannerSettings<'_>) -> String {
+        let [coarse, middle, fine] =
+            LATTICES.map(|lattice| format!("{} m and {} headings", lattice.bin_m, lattice.headings));
+        format!(
+            "Flood over a lattice of poses: one pose in bins of {coarse}, where that fails of {middle}, then of \
+             {fine}; a query spreads from at most {} poses; {}.",
+            settings.lattice.max_expansions,
+            describe_charge(settings.lattice.seconds_per_expansion)
+        )
     }
 }
 
@@ -54,15 +82,19 @@ mod tests {
     use glam::DVec2;
 
     use super::*;
-    use crate::planning::planners::hybrid_astar::{HybridAstar, HybridSettings};
+    use crate::planning::registry::{OwnedSettings, TruckPlannerKind};
     use crate::planning::test_fields::{
         TestField, assert_ends_in, drives_in_a_row, least_clearance, random_free_pose, shut_court,
     };
     use crate::planning::{GoalDisc, PlanFailure};
-    use crate::rng;
 
     fn planner(field: &TestField) -> LatticePlanner {
-        LatticePlanner::build(&field.checker, &MemoryMeter::unlimited(), &LatticeSettings::default())
+        with_budget(field, LatticeSettings::default().max_expansions)
+    }
+
+    fn with_budget(field: &TestField, max_expansions: u32) -> LatticePlanner {
+        let lattice = LatticeSettings { max_expansions, ..LatticeSettings::default() };
+        field.make(&OwnedSettings { lattice, ..OwnedSettings::default() }, 0, LatticePlanner::build)
     }
 
     #[test]
@@ -77,12 +109,8 @@ mod tests {
         for seed in 0..6 {
             let mut field = TestField::random(seed, 40);
             let mut lattice = planner(&field);
-            let mut hybrid = HybridAstar::build(
-                &field.checker,
-                &MemoryMeter::unlimited(),
-                &HybridSettings::default(),
-                rng::stream(seed, "lattice"),
-            );
+            let other = TruckPlannerKind::HybridAstar.maker();
+            let mut hybrid = field.make(&OwnedSettings::default(), seed, |site| other.make(site));
             for _ in 0..10 {
                 let pose = random_free_pose(&mut field, 0.1);
                 let place = GoalDisc { centre: field.checker.body().body_centre(pose), radius_m: 0.0 };
@@ -142,8 +170,7 @@ mod tests {
             assert_eq!(reason(pose, Goal::Pose(field.start)), Some(PlanFailure::StartBlocked));
         }
         let behind = Goal::Pose(Pose::new(88.0, 25.0, 1.0));
-        let short = LatticeSettings { max_expansions: 3, ..LatticeSettings::default() };
-        let plan = LatticePlanner::build(&field.checker, &MemoryMeter::unlimited(), &short).plan(field.start, behind);
+        let plan = with_budget(&field, 3).plan(field.start, behind);
         assert_eq!((plan.path, plan.effort.local_expansions), (Err(PlanFailure::BudgetSpent), 3));
     }
 
@@ -157,10 +184,7 @@ mod tests {
             if ample.path.is_err() || spent == 0 {
                 continue;
             }
-            let with = |max_expansions| {
-                let settings = LatticeSettings { max_expansions, ..LatticeSettings::default() };
-                LatticePlanner::build(&field.checker, &MemoryMeter::unlimited(), &settings).plan(field.start, goal)
-            };
+            let with = |budget| with_budget(&field, budget).plan(field.start, goal);
             assert_eq!(with(spent).path, ample.path);
             // A curve from near the goal may still lead into it.
             let less = with(spent - 1);

@@ -3,23 +3,23 @@
 mod roadmap;
 mod settings;
 
-pub use settings::{ClearanceTo, Maker, PrmSettings, RoadmapGoal, RoadmapSearch};
+pub use settings::{ClearanceTo, PrmSettings, RoadmapGoal, RoadmapSearch};
 
 use std::sync::Arc;
 
 use glam::DVec2;
-use rand::Rng;
 
 use crate::collision::CollisionChecker;
 use crate::geometry::{FieldFrame, Pose};
 use crate::time::cpu::CpuStopwatch;
-use crate::vehicle::Path;
+use crate::vehicle::{Dimensions, Path};
 
 use crate::planning::kit::ends::{explain_failure, free_ends};
-use crate::planning::kit::local_search::{LocalSearch, PrimitiveSettings};
-use crate::planning::kit::safety::{Safety, SafetySettings};
-use crate::planning::memory::{MemoryMeter, PlannerMemory};
+use crate::planning::kit::local_search::LocalSearch;
+use crate::planning::kit::safety::Safety;
+use crate::planning::memory::PlannerMemory;
 use crate::planning::observer::{PlanningObserver, PlanningWork};
+use crate::planning::registry::{Charge, MakePlanner, RoadmapSize, Site, TruckPlannerSettings, describe_charge};
 use crate::planning::search_graph::SearchPhase;
 use crate::planning::{BuildReport, Effort, Found, FoundBy, Goal, GoalDisc, Plan, PlanFailure, TruckPlanner};
 use roadmap::{Roadmap, RoadmapScratch, Route};
@@ -42,20 +42,15 @@ pub struct PrmPrimitives {
 }
 
 impl PrmPrimitives {
-    /// Builds the roadmap for a field and a body; `rng` decides where the milestones lie. `safety` prices its edges and
-    /// the motions along them.
-    pub fn build(
-        checker: &CollisionChecker,
-        memory: &MemoryMeter,
-        prm: &PrmSettings,
-        primitives: &PrimitiveSettings,
-        safety: &SafetySettings,
-        rng: &mut impl Rng,
-    ) -> Self {
+    /// Builds the roadmap for a field and a body; the stream `prm` decides where the milestones lie.
+    pub fn build(site: &Site<'_>) -> Self {
+        let &Site { checker, memory, .. } = site;
+        let TruckPlannerSettings { prm, primitives, safety, .. } = *site.settings;
+        let mut rng = (site.stream)("prm");
         let mut watch = CpuStopwatch::start();
         let field = checker.field();
         let safety = Safety::new(*field.frame(), field.occupied(), safety).map(Arc::new);
-        let sampled = Roadmap::sampled(checker, prm, rng).priced_by(safety.clone());
+        let sampled = Roadmap::sampled(checker, prm, &mut rng).priced_by(safety.clone());
         let sampling = watch.lap();
         let roadmap = sampled.connected();
         let report = BuildReport {
@@ -81,24 +76,6 @@ impl PrmPrimitives {
 
     pub fn roadmap(&self) -> &Roadmap {
         &self.roadmap
-    }
-
-    /// Bounds the bytes that it takes.
-    pub fn memory(
-        frame: &FieldFrame,
-        prm: &PrmSettings,
-        primitives: &PrimitiveSettings,
-        safety: &SafetySettings,
-    ) -> PlannerMemory {
-        let [roadmap, joining] = Roadmap::most_bytes(prm);
-        let [surcharges, map] = Safety::bytes(frame, safety);
-        let edges = u64::from(prm.samples) * u64::from(prm.neighbours);
-        PlannerMemory {
-            held: roadmap + surcharges + RoadmapScratch::most_bytes(prm.samples.into(), edges),
-            making: joining.max(map),
-            floods: 0,
-            grows: LocalSearch::most_bytes(primitives),
-        }
     }
 
     fn find(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Result<Found, PlanFailure> {
@@ -192,16 +169,98 @@ impl TruckPlanner for PrmPrimitives {
     }
 }
 
+/// Makes planners of the name `prm+primitives`.
+pub struct Maker;
+
+impl MakePlanner for Maker {
+    fn make(&self, site: &Site<'_>) -> Box<dyn TruckPlanner> {
+        Box::new(PrmPrimitives::build(site))
+    }
+
+    fn tables(&self) -> &'static [&'static str] {
+        &["prm", "primitives", "safety"]
+    }
+
+    fn memory(&self, frame: &FieldFrame, _: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory {
+        let TruckPlannerSettings { prm, primitives, safety, .. } = *settings;
+        let [roadmap, joining] = Roadmap::most_bytes(prm);
+        let [surcharges, map] = Safety::bytes(frame, safety);
+        let edges = u64::from(prm.samples) * u64::from(prm.neighbours);
+        PlannerMemory {
+            held: roadmap + surcharges + RoadmapScratch::most_bytes(prm.samples.into(), edges),
+            making: joining.max(map),
+            floods: 0,
+            grows: LocalSearch::most_bytes(primitives),
+        }
+    }
+
+    fn charge(&self, settings: &TruckPlannerSettings<'_>) -> Charge {
+        Charge { roadmap_s: settings.prm.seconds_per_expansion, local_s: settings.primitives.seconds_per_expansion }
+    }
+
+    fn describe(&self, settings: &TruckPlannerSettings<'_>) -> String {
+        let TruckPlannerSettings { prm, primitives: local, safety, .. } = settings;
+        let search = match prm.search {
+            RoadmapSearch::Astar => "A*",
+            RoadmapSearch::Dijkstra => "Dijkstra's search",
+            RoadmapSearch::Greedy => "greedy search",
+        };
+        let goal = match prm.goal {
+            RoadmapGoal::InReach => "milestones from which the fire is in reach",
+            RoadmapGoal::NearestMilestone => "the milestone nearest to the fire, of those from which it is in reach",
+        };
+        let roadmap = format!(
+            "Roadmap of {} samples, {} neighbours each, edges up to {} m, {} m clear; {search} to {goal}; {}.",
+            prm.samples,
+            prm.neighbours,
+            prm.max_edge_m,
+            prm.clearance_m,
+            describe_charge(prm.seconds_per_expansion)
+        );
+        format!(
+            "{roadmap} Local search with motions of {} m, bins of {} m and {} headings, {} m clear, at most {} \
+             expansions; {}.{}",
+            local.step_m,
+            local.bin_m,
+            local.headings,
+            local.clearance_m,
+            local.max_expansions,
+            describe_charge(local.seconds_per_expansion),
+            safety.describe()
+        )
+    }
+
+    fn roadmap_size(&self, settings: &TruckPlannerSettings<'_>, _: usize) -> Option<RoadmapSize> {
+        let PrmSettings { samples, neighbours, max_edge_m, .. } = *settings.prm;
+        Some(RoadmapSize { milestones: samples.into(), neighbours, max_edge_m })
+    }
+
+    fn warning(&self, settings: &TruckPlannerSettings<'_>, body: &Dimensions, truck: &str) -> Option<String> {
+        let clearance_m = settings.prm.clearance_m;
+        (clearance_m < 0.5 * body.width_m).then(|| {
+            format!(
+                "The roadmap of {truck} keeps {clearance_m} m clear, less than half the truck's width: it may lead \
+                 where the truck cannot go."
+            )
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use rand::RngExt;
 
     use super::*;
+    use crate::planning::PrimitiveSettings;
+    use crate::planning::SafetySettings;
+    use crate::planning::Unobserved;
     use crate::planning::kit::ends::has_free_pose;
+    use crate::planning::kit::floods::{FloodQuery, FloodSearch};
     use crate::planning::kit::local_search::MotionCost;
     use crate::planning::kit::safety::SafetyMap;
-    use crate::planning::planners::lattice::{LatticePlanner, LatticeSettings};
+    use crate::planning::memory::MemoryMeter;
     use crate::planning::planners::prm_primitives::{ClearanceTo, RoadmapSearch};
+    use crate::planning::registry::OwnedSettings;
     use crate::planning::test_fields::{
         TestField, assert_drivable, assert_ends_in, drives_in_a_row, least_clearance, random_free_pose,
     };
@@ -209,15 +268,7 @@ mod tests {
 
     fn planner(field: &TestField, seed: u64) -> PrmPrimitives {
         let prm = PrmSettings { samples: 200, ..PrmSettings::default() };
-        let mut rng = rng::stream(seed, "prm");
-        PrmPrimitives::build(
-            &field.checker,
-            &MemoryMeter::unlimited(),
-            &prm,
-            &PrimitiveSettings::default(),
-            &SafetySettings::default(),
-            &mut rng,
-        )
+        field.make(&OwnedSettings { prm, ..OwnedSettings::default() }, seed, PrmPrimitives::build)
     }
 
     #[test]
@@ -251,15 +302,8 @@ mod tests {
             let mut field = TestField::random(seed, 40);
             let safety = SafetySettings { map: SafetyMap::Cost, weight: 4.0, ..SafetySettings::default() };
             let prm = PrmSettings { samples: 200, ..PrmSettings::default() };
-            let mut rng = rng::stream(seed, "prm");
-            let mut safe = PrmPrimitives::build(
-                &field.checker,
-                &MemoryMeter::unlimited(),
-                &prm,
-                &PrimitiveSettings::default(),
-                &safety,
-                &mut rng,
-            );
+            let settings = OwnedSettings { prm, safety, ..OwnedSettings::default() };
+            let mut safe = field.make(&settings, seed, PrmPrimitives::build);
             let mut plain = planner(&field, seed);
             for _ in 0..15 {
                 let goal = field.random_goal();
@@ -279,8 +323,7 @@ mod tests {
         for seed in 0..8 {
             let mut field = TestField::random(seed, 40);
             let mut planner = planner(&field, seed);
-            let mut oracle =
-                LatticePlanner::build(&field.checker, &MemoryMeter::unlimited(), &LatticeSettings::default());
+            let mut oracle = FloodSearch::new(&field.checker, &MemoryMeter::unlimited());
             for _ in 0..10 {
                 let (start, goal) = (field.start, Goal::Pose(random_free_pose(&mut field, 0.1)));
                 match planner.plan(start, goal).path {
@@ -289,7 +332,10 @@ mod tests {
                         assert!(least_clearance(&field.checker, &path) > 0.0);
                         solved += 1;
                     }
-                    Err(_) => missed += u32::from(oracle.plan(start, goal).path.is_ok()),
+                    Err(_) => {
+                        missed +=
+                            u32::from(oracle.find_within(&FloodQuery::new(start, goal), &mut Unobserved).0.is_ok())
+                    }
                 }
             }
         }
@@ -327,15 +373,8 @@ mod tests {
     fn a_small_budget_is_kept_and_reported() {
         let mut field = TestField::random(9, 45);
         let primitives = PrimitiveSettings { max_expansions: 10, ..PrimitiveSettings::default() };
-        let rng = &mut rng::stream(9, "prm");
-        let mut planner = PrmPrimitives::build(
-            &field.checker,
-            &MemoryMeter::unlimited(),
-            &PrmSettings::default(),
-            &primitives,
-            &SafetySettings::default(),
-            rng,
-        );
+        let settings = OwnedSettings { primitives, ..OwnedSettings::default() };
+        let mut planner = field.make(&settings, 9, PrmPrimitives::build);
         let mut spent = 0;
         for _ in 0..40 {
             let goal = field.random_goal();
@@ -374,15 +413,8 @@ mod tests {
     }
 
     fn planner_of((prm, primitives): &(PrmSettings, PrimitiveSettings), field: &TestField, seed: u64) -> PrmPrimitives {
-        let mut rng = rng::stream(seed, "prm");
-        PrmPrimitives::build(
-            &field.checker,
-            &MemoryMeter::unlimited(),
-            prm,
-            primitives,
-            &SafetySettings::default(),
-            &mut rng,
-        )
+        let (prm, primitives) = (prm.clone(), primitives.clone());
+        field.make(&OwnedSettings { prm, primitives, ..OwnedSettings::default() }, seed, PrmPrimitives::build)
     }
 
     #[test]

@@ -1,17 +1,12 @@
-//! Settings of the planner `prm+primitives`, and what scenarios say about it.
+//! Settings of the planner `prm+primitives`, and their ranges.
 //!
 //! Defaults are those of the scenario `contest`. Lengths are metres.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::PrmPrimitives;
 use crate::geometry::FieldFrame;
-use crate::planning::TruckPlanner;
-use crate::planning::memory::PlannerMemory;
-use crate::planning::registry::{Charge, MakePlanner, RoadmapSize, Site, TruckPlannerSettings, describe_charge};
 use crate::ranges::{OutOfRange, SettingsTable, check_range};
-use crate::vehicle::Dimensions;
 
 /// The probabilistic roadmap over the truck's body centre.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -85,75 +80,5 @@ impl SettingsTable for PrmSettings {
         check_range("max_edge_m", self.max_edge_m, 0.01..=1e6)?;
         check_range("clearance_m", self.clearance_m, 0.0..=1000.0)?;
         check_range("seconds_per_expansion", self.seconds_per_expansion, 0.0..=1e6)
-    }
-}
-
-/// Makes planners of the name `prm+primitives`.
-pub struct Maker;
-
-impl MakePlanner for Maker {
-    fn make(&self, site: &Site<'_>) -> Box<dyn TruckPlanner> {
-        let TruckPlannerSettings { prm, primitives, safety, .. } = site.settings;
-        let mut rng = (site.stream)("prm");
-        Box::new(PrmPrimitives::build(site.checker, site.memory, prm, primitives, safety, &mut rng))
-    }
-
-    fn tables(&self) -> &'static [&'static str] {
-        &["prm", "primitives", "safety"]
-    }
-
-    fn memory(&self, frame: &FieldFrame, _: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory {
-        PrmPrimitives::memory(frame, settings.prm, settings.primitives, settings.safety)
-    }
-
-    fn charge(&self, settings: &TruckPlannerSettings<'_>) -> Charge {
-        Charge { roadmap_s: settings.prm.seconds_per_expansion, local_s: settings.primitives.seconds_per_expansion }
-    }
-
-    fn describe(&self, settings: &TruckPlannerSettings<'_>) -> String {
-        let TruckPlannerSettings { prm, primitives: local, safety, .. } = settings;
-        let search = match prm.search {
-            RoadmapSearch::Astar => "A*",
-            RoadmapSearch::Dijkstra => "Dijkstra's search",
-            RoadmapSearch::Greedy => "greedy search",
-        };
-        let goal = match prm.goal {
-            RoadmapGoal::InReach => "milestones from which the fire is in reach",
-            RoadmapGoal::NearestMilestone => "the milestone nearest to the fire, of those from which it is in reach",
-        };
-        let roadmap = format!(
-            "Roadmap of {} samples, {} neighbours each, edges up to {} m, {} m clear; {search} to {goal}; {}.",
-            prm.samples,
-            prm.neighbours,
-            prm.max_edge_m,
-            prm.clearance_m,
-            describe_charge(prm.seconds_per_expansion)
-        );
-        format!(
-            "{roadmap} Local search with motions of {} m, bins of {} m and {} headings, {} m clear, at most {} \
-             expansions; {}.{}",
-            local.step_m,
-            local.bin_m,
-            local.headings,
-            local.clearance_m,
-            local.max_expansions,
-            describe_charge(local.seconds_per_expansion),
-            safety.describe()
-        )
-    }
-
-    fn roadmap_size(&self, settings: &TruckPlannerSettings<'_>, _: usize) -> Option<RoadmapSize> {
-        let PrmSettings { samples, neighbours, max_edge_m, .. } = *settings.prm;
-        Some(RoadmapSize { milestones: samples.into(), neighbours, max_edge_m })
-    }
-
-    fn warning(&self, settings: &TruckPlannerSettings<'_>, body: &Dimensions, truck: &str) -> Option<String> {
-        let clearance_m = settings.prm.clearance_m;
-        (clearance_m < 0.5 * body.width_m).then(|| {
-            format!(
-                "The roadmap of {truck} keeps {clearance_m} m clear, less than half the truck's width: it may lead \
-                 where the truck cannot go."
-            )
-        })
     }
 }

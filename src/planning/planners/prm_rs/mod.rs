@@ -20,17 +20,18 @@ mod sample;
 mod search;
 mod settings;
 
-pub use settings::{Maker, PrmRsSettings};
+pub use settings::PrmRsSettings;
 
 use crate::collision::CollisionChecker;
 use crate::geometry::{FieldFrame, Pose};
 use crate::planning::kit::clearance_profile::ClearanceProfile;
 use crate::planning::kit::ends::free_ends;
 use crate::planning::kit::heuristic::Heuristic;
-use crate::planning::kit::relaxed_search::{RelaxedSearch, RelaxedSettings};
+use crate::planning::kit::relaxed_search::RelaxedSearch;
 use crate::planning::kit::shortcuts::Shortcutter;
-use crate::planning::memory::{MemoryMeter, PlannerMemory};
+use crate::planning::memory::PlannerMemory;
 use crate::planning::observer::{PlanningObserver, PlanningWork};
+use crate::planning::registry::{Charge, MakePlanner, RoadmapSize, Site, TruckPlannerSettings, describe_charge};
 use crate::planning::search_graph::SearchPhase;
 use crate::planning::{BuildReport, Effort, Found, FoundBy, Goal, Plan, TruckPlanner};
 use crate::rng::Xoshiro256PlusPlus;
@@ -53,23 +54,18 @@ pub struct PrmRs {
     roadmap: Roadmap,
     search: RoadmapSearch,
     shortcutter: Shortcutter,
-    /// Where every query begins to draw its shortcuts.
+    /// The state from which every query draws its shortcuts.
     rng: Xoshiro256PlusPlus,
     fallback: RelaxedSearch,
     report: BuildReport,
 }
 
 impl PrmRs {
-    /// `rng` decides where the roadmap's poses lie, `shortcuts` which shortcuts are tried; `fallback` is what takes over
-    /// where the roadmap does not serve.
-    pub fn build(
-        checker: &CollisionChecker,
-        memory: &MemoryMeter,
-        settings: &PrmRsSettings,
-        fallback: RelaxedSettings,
-        mut rng: Xoshiro256PlusPlus,
-        shortcuts: Xoshiro256PlusPlus,
-    ) -> Self {
+    /// The stream `prm-rs` decides where the roadmap's poses lie, `shortcuts` which shortcuts are tried.
+    pub fn build(site: &Site<'_>) -> Self {
+        let &Site { checker, memory, .. } = site;
+        let TruckPlannerSettings { prm_rs: settings, hybrid, .. } = *site.settings;
+        let (mut rng, shortcuts) = ((site.stream)("prm-rs"), (site.stream)("shortcuts"));
         let mut watch = CpuStopwatch::start();
         let mut sampler = Sampler::new(checker, settings.clearance_m, &mut rng);
         let mut poses = sampler.draw(settings.samples);
@@ -97,28 +93,8 @@ impl PrmRs {
             roadmap,
             shortcutter: Shortcutter::new(checker, settings.cusp_cost),
             rng: shortcuts.clone(),
-            fallback: RelaxedSearch::new(checker, memory, fallback, shortcuts),
+            fallback: RelaxedSearch::new(checker, memory, hybrid.search(), shortcuts),
             report,
-        }
-    }
-
-    /// Bounds the bytes that it takes on a field whose bushes have up to this number of corners.
-    pub fn memory(
-        frame: &FieldFrame,
-        corners: u64,
-        settings: &PrmRsSettings,
-        fallback: &RelaxedSettings,
-    ) -> PlannerMemory {
-        let drawn = u64::from(settings.samples) + Sampler::most_corner_samples(corners, settings.corner_places);
-        let nodes = drawn + u64::from(BRIDGE_ROUNDS) * Sampler::most_near(MAX_MINOR as u64);
-        let edges = nodes * u64::from(settings.neighbours);
-        let fallback = RelaxedSearch::memory(frame, fallback.max_expansions);
-        let at_work = RoadmapSearch::most_bytes_at_work(nodes, edges);
-        PlannerMemory {
-            held: fallback.held + Roadmap::most_bytes(frame, nodes, edges) + RoadmapSearch::bytes(nodes),
-            making: Sampler::most_bytes(drawn),
-            grows: fallback.grows + Roadmap::most_bytes_of_curves(edges) + at_work,
-            ..fallback
         }
     }
 
@@ -150,8 +126,7 @@ impl PrmRs {
             let path = self.search.run(&query, &mut self.roadmap);
             observer.looked_at(SearchPhase::Query, &mut self.search.lines(false));
             observer.looked_at(SearchPhase::Local, &mut self.search.lines(true));
-            let (roadmap_expansions, local_expansions) = self.search.expansions();
-            *effort += Effort { roadmap_expansions, local_expansions };
+            *effort += self.search.effort();
             if let Ok(path) = path {
                 let by = match self.search.used_roadmap() {
                     _ if stage.is_relaxed() => FoundBy::Relaxed,
@@ -209,12 +184,69 @@ impl PlanningObserver for ConnectionsOnly<'_> {
     }
 }
 
+/// Makes planners of the name `prm-rs`.
+pub struct Maker;
+
+impl MakePlanner for Maker {
+    fn make(&self, site: &Site<'_>) -> Box<dyn TruckPlanner> {
+        Box::new(PrmRs::build(site))
+    }
+
+    fn tables(&self) -> &'static [&'static str] {
+        &["prm_rs", "hybrid"]
+    }
+
+    fn memory(&self, frame: &FieldFrame, corners: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory {
+        let prm_rs = settings.prm_rs;
+        let drawn = u64::from(prm_rs.samples) + Sampler::most_corner_samples(corners, prm_rs.corner_places);
+        let nodes = drawn + u64::from(BRIDGE_ROUNDS) * Sampler::most_near(MAX_MINOR as u64);
+        let edges = nodes * u64::from(prm_rs.neighbours);
+        let fallback = RelaxedSearch::memory(frame, settings.hybrid.max_expansions);
+        let at_work = RoadmapSearch::most_bytes_at_work(nodes, edges);
+        PlannerMemory {
+            held: fallback.held + Roadmap::most_bytes(frame, nodes, edges) + RoadmapSearch::bytes(nodes),
+            making: Sampler::most_bytes(drawn),
+            grows: fallback.grows + Roadmap::most_bytes_of_curves(edges) + at_work,
+            ..fallback
+        }
+    }
+
+    fn charge(&self, settings: &TruckPlannerSettings<'_>) -> Charge {
+        Charge { roadmap_s: settings.prm_rs.seconds_per_expansion, local_s: settings.hybrid.seconds_per_expansion }
+    }
+
+    fn describe(&self, settings: &TruckPlannerSettings<'_>) -> String {
+        let TruckPlannerSettings { prm_rs, hybrid, .. } = settings;
+        format!(
+            "Roadmap of {} poses, and {} places at every corner of a bush, each joined to {} others within {} m by \
+             Reeds-Shepp curves, {} m clear, a change of direction at the price of {} m, then {} shortcuts; where it \
+             does not serve, hybrid A* with at most {} expansions; {}.",
+            prm_rs.samples,
+            prm_rs.corner_places,
+            prm_rs.neighbours,
+            prm_rs.max_edge_m,
+            prm_rs.clearance_m,
+            prm_rs.cusp_cost,
+            prm_rs.shortcuts,
+            hybrid.max_expansions,
+            describe_charge(prm_rs.seconds_per_expansion)
+        )
+    }
+
+    fn roadmap_size(&self, settings: &TruckPlannerSettings<'_>, bushes: usize) -> Option<RoadmapSize> {
+        let PrmRsSettings { samples, corner_places, neighbours, max_edge_m, .. } = *settings.prm_rs;
+        let at_corners = 4 * bushes as u64 * u64::from(corner_places);
+        Some(RoadmapSize { milestones: u64::from(samples) + at_corners, neighbours, max_edge_m })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::collision::MOTION_TOLERANCE_M;
-    use crate::planning::planners::hybrid_astar::HybridSettings;
+    use crate::planning::memory::MemoryMeter;
     use crate::planning::reachability::Reachability;
+    use crate::planning::registry::OwnedSettings;
     use crate::planning::test_fields::{
         TestField, assert_ends_in, drives_in_a_row, least_clearance, random_free_pose, random_pose, shut_court,
     };
@@ -223,16 +255,8 @@ mod tests {
     use crate::vehicle::{Dimensions, ReedsShepp};
 
     fn planner(field: &TestField, seed: u64) -> PrmRs {
-        let settings = PrmRsSettings { samples: 100, ..PrmRsSettings::default() };
-        let streams = (rng::stream(seed, "prm-rs"), rng::stream(seed, "shortcuts"));
-        PrmRs::build(
-            &field.checker,
-            &MemoryMeter::unlimited(),
-            &settings,
-            HybridSettings::default().search(),
-            streams.0,
-            streams.1,
-        )
+        let prm_rs = PrmRsSettings { samples: 100, ..PrmRsSettings::default() };
+        field.make(&OwnedSettings { prm_rs, ..OwnedSettings::default() }, seed, PrmRs::build)
     }
 
     #[test]
@@ -329,16 +353,8 @@ mod tests {
     #[test]
     fn without_a_roadmap_motions_and_the_lattice_search_do_it() {
         let mut field = TestField::random(5, 25);
-        let settings = PrmRsSettings { samples: 0, corner_places: 0, ..PrmRsSettings::default() };
-        let streams = (rng::stream(5, "prm-rs"), rng::stream(5, "shortcuts"));
-        let mut bare = PrmRs::build(
-            &field.checker,
-            &MemoryMeter::unlimited(),
-            &settings,
-            HybridSettings::default().search(),
-            streams.0,
-            streams.1,
-        );
+        let prm_rs = PrmRsSettings { samples: 0, corner_places: 0, ..PrmRsSettings::default() };
+        let mut bare = field.make(&OwnedSettings { prm_rs, ..OwnedSettings::default() }, 5, PrmRs::build);
         for _ in 0..10 {
             let goal = field.random_goal();
             let plan = bare.plan(field.start, goal.into());

@@ -61,7 +61,7 @@ struct Edge {
     nodes: [u32; 2],
     /// Index of the curve, once it is known.
     way: Option<u32>,
-    /// Whether it keeps each of the clearances, where that is known.
+    /// True where it keeps each of the clearances, where that is known.
     is_free: [Option<bool>; LEVELS],
 }
 

@@ -2,15 +2,15 @@ use glam::DVec2;
 
 use crate::collision::CollisionChecker;
 use crate::geometry::Pose;
-use crate::planning::Goal;
 use crate::planning::kit::best_first::{
-    AnalyticExpansion, Candidate, Ending, NO_MOTION, Node, PoseSearch, ROOT, Reached, SearchOf, SearchSpace, Step,
+    AnalyticExpansion, Candidate, Ending, NO_MOTION, Node, PoseSearch, ROOT, SearchOf, SearchSpace, Step,
 };
 use crate::planning::kit::clearance_profile::ClearanceProfile;
 use crate::planning::kit::closed_set::ClosedSet;
 use crate::planning::kit::heuristic::Heuristic;
 use crate::planning::kit::lattice::Lattice;
 use crate::planning::memory::{BytesAfter, MemoryMeter};
+use crate::planning::{Effort, Goal};
 use crate::vehicle::reeds_shepp::PricedCurve;
 use crate::vehicle::{Dimensions, Path, Segment};
 
@@ -39,7 +39,7 @@ pub struct RoadmapQuery<'a> {
     pub goal: Goal,
 }
 
-/// How a pose was reached, and its analytic expansion.
+/// The way by which a pose was reached, and its analytic expansion.
 #[derive(Clone, Copy, Debug)]
 struct Mark {
     via: Via,
@@ -80,7 +80,7 @@ struct State {
 
 /// A* over the milestones of a roadmap, each in both directions of driving, and over motions about the start.
 ///
-/// What is known of the roadmap's edges from earlier searches saves time and changes no answer: candidates are ordered by
+/// Knowledge of the roadmap's edges from earlier searches saves time and changes no answer: candidates are ordered by
 /// what holds for an edge whether it is known or not.
 #[derive(Debug)]
 pub struct RoadmapSearch {
@@ -88,7 +88,7 @@ pub struct RoadmapSearch {
     notes: Notes,
 }
 
-/// What a search remembers besides poses.
+/// The memory of a search besides poses.
 #[derive(Debug)]
 struct Notes {
     /// Two for each milestone.
@@ -96,14 +96,12 @@ struct Notes {
     generation: u64,
     curves: Vec<PricedCurve>,
     expansions: Vec<AnalyticExpansion>,
-    /// Whether a way leads to the goal from a milestone, where that was asked.
+    /// True if a way leads to the goal from a milestone, where that was asked.
     roadmap_serves: Option<bool>,
-    /// Whether the path that was found leads over a milestone.
+    /// True if the path that was found leads over a milestone.
     used_roadmap: bool,
     near: Vec<(f64, u32)>,
-    /// Milestones, and poses off the roadmap, that were expanded.
-    roadmap_expansions: u32,
-    local_expansions: u32,
+    effort: Effort,
 }
 
 impl RoadmapSearch {
@@ -116,8 +114,7 @@ impl RoadmapSearch {
             roadmap_serves: None,
             used_roadmap: false,
             near: Vec::new(),
-            roadmap_expansions: 0,
-            local_expansions: 0,
+            effort: Effort::default(),
         };
         Self { search: PoseSearch::new(body, LATTICE, memory), notes }
     }
@@ -134,8 +131,8 @@ impl RoadmapSearch {
     }
 
     /// Returns the milestones, and the poses off the roadmap, that the last search expanded.
-    pub fn expansions(&self) -> (u32, u32) {
-        (self.notes.roadmap_expansions, self.notes.local_expansions)
+    pub fn effort(&self) -> Effort {
+        self.notes.effort
     }
 
     /// Says whether the path that the last search found leads over a milestone.
@@ -172,7 +169,7 @@ impl Notes {
         self.expansions.clear();
         self.roadmap_serves = None;
         self.used_roadmap = false;
-        (self.roadmap_expansions, self.local_expansions) = (0, 0);
+        self.effort = Effort::default();
     }
 
     fn is_closed(&self, node: u32, reverse: bool) -> bool {
@@ -297,7 +294,7 @@ impl RoadmapSpace<'_> {
             return;
         }
         self.notes.states[index as usize].is_closed = true;
-        self.notes.roadmap_expansions += 1;
+        self.notes.effort.roadmap_expansions += 1;
         let node = index / 2;
         let reached = search.add(Node {
             pose: self.roadmap.pose(node),
@@ -369,8 +366,8 @@ impl SearchSpace for RoadmapSpace<'_> {
         if parent == ROOT {
             self.offer_milestones(search, from);
         }
-        if self.notes.local_expansions < MAX_LOCAL_EXPANSIONS && cost < LOCAL_M {
-            self.notes.local_expansions += 1;
+        if self.notes.effort.local_expansions < MAX_LOCAL_EXPANSIONS && cost < LOCAL_M {
+            self.notes.effort.local_expansions += 1;
             let cusp_m = self.roadmap.curves().1.cusp_m;
             search.offer_motions(from.node, cusp_m, WEIGHT);
         }
@@ -380,7 +377,7 @@ impl SearchSpace for RoadmapSpace<'_> {
         self.query.profile.motion_is_free(self.query.checker, from, motion)
     }
 
-    fn take(&mut self, search: &mut SearchOf<Self>, from: Candidate<Along>, own: Along) -> Option<Reached> {
+    fn take(&mut self, search: &mut SearchOf<Self>, from: Candidate<Along>, own: Along) -> Option<u32> {
         match own {
             Along::Curve { to } => self.work_out_curve(search, from, to),
             Along::Link { link } => self.work_out_link(search, from, link),

@@ -1,13 +1,9 @@
-//! Settings of the planner `prm-rs`, and what scenarios say about it.
+//! Settings of the planner `prm-rs`, and their ranges.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::PrmRs;
 use crate::geometry::FieldFrame;
-use crate::planning::TruckPlanner;
-use crate::planning::memory::PlannerMemory;
-use crate::planning::registry::{Charge, MakePlanner, RoadmapSize, Site, TruckPlannerSettings, describe_charge};
 use crate::ranges::{OutOfRange, SettingsTable, check_range};
 
 /// Settings of the planner `prm-rs`. Lengths are metres.
@@ -58,52 +54,5 @@ impl SettingsTable for PrmRsSettings {
         check_range("cusp_cost", self.cusp_cost, 0.0..=1e6)?;
         check_range("shortcuts", self.shortcuts.into(), 0.0..=1e6)?;
         check_range("seconds_per_expansion", self.seconds_per_expansion, 0.0..=1e6)
-    }
-}
-
-/// Makes planners of the name `prm-rs`.
-pub struct Maker;
-
-impl MakePlanner for Maker {
-    fn make(&self, site: &Site<'_>) -> Box<dyn TruckPlanner> {
-        let TruckPlannerSettings { prm_rs, hybrid, .. } = site.settings;
-        let (samples, shortcuts) = ((site.stream)("prm-rs"), (site.stream)("shortcuts"));
-        Box::new(PrmRs::build(site.checker, site.memory, prm_rs, hybrid.search(), samples, shortcuts))
-    }
-
-    fn tables(&self) -> &'static [&'static str] {
-        &["prm_rs", "hybrid"]
-    }
-
-    fn memory(&self, frame: &FieldFrame, corners: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory {
-        PrmRs::memory(frame, corners, settings.prm_rs, &settings.hybrid.search())
-    }
-
-    fn charge(&self, settings: &TruckPlannerSettings<'_>) -> Charge {
-        Charge { roadmap_s: settings.prm_rs.seconds_per_expansion, local_s: settings.hybrid.seconds_per_expansion }
-    }
-
-    fn describe(&self, settings: &TruckPlannerSettings<'_>) -> String {
-        let TruckPlannerSettings { prm_rs, hybrid, .. } = settings;
-        format!(
-            "Roadmap of {} poses, and {} places at every corner of a bush, each joined to {} others within {} m by \
-             Reeds-Shepp curves, {} m clear, a change of direction at the price of {} m, then {} shortcuts; where it \
-             does not serve, hybrid A* with at most {} expansions; {}.",
-            prm_rs.samples,
-            prm_rs.corner_places,
-            prm_rs.neighbours,
-            prm_rs.max_edge_m,
-            prm_rs.clearance_m,
-            prm_rs.cusp_cost,
-            prm_rs.shortcuts,
-            hybrid.max_expansions,
-            describe_charge(prm_rs.seconds_per_expansion)
-        )
-    }
-
-    fn roadmap_size(&self, settings: &TruckPlannerSettings<'_>, bushes: usize) -> Option<RoadmapSize> {
-        let PrmRsSettings { samples, corner_places, neighbours, max_edge_m, .. } = *settings.prm_rs;
-        let at_corners = 4 * bushes as u64 * u64::from(corner_places);
-        Some(RoadmapSize { milestones: u64::from(samples) + at_corners, neighbours, max_edge_m })
     }
 }

@@ -22,7 +22,7 @@ const GOAL_PLACE_RADIUS: f64 = 0.85;
 /// Goal places have the numbers from here on.
 const GOAL: u32 = u32::MAX - 1 - GOAL_PLACES;
 
-/// Stands for the start where a milestone's number is asked for.
+/// The start, where a milestone's number is asked for.
 const START: u32 = u32::MAX;
 
 /// Ways into the goal that one milestone may offer.
@@ -170,15 +170,39 @@ impl Query<'_> {
         self.link_start(scratch);
         while let Some(best) = scratch.open.pop() {
             if best.to >= GOAL {
+                // Its turn has come: only now is the line worth a sweep.
                 if self.line_is_free(best) {
                     return Some(self.route(best, scratch));
                 }
                 self.offer_other_places(best, scratch);
-            } else if self.close(best, scratch) {
-                if self.ends_at(best.to) {
-                    return Some(self.route(best, scratch));
+                continue;
+            }
+            // Links from the start are swept when their turn comes, so that `visit` does not know their costs.
+            let visit = scratch.visit(best.to);
+            let outdated = visit.closed || (best.from != START && best.cost > visit.cost);
+            if outdated || (best.from == START && !self.line_is_free(best)) {
+                continue;
+            }
+            // With A* and Dijkstra the cost is final: along an edge the estimate falls by no more than the edge costs.
+            *visit = Visit { closed: true, cost: best.cost, parent: best.from, ..*visit };
+            scratch.closed.push(best.to);
+            if self.ends_at(best.to) {
+                return Some(self.route(best, scratch));
+            }
+            scratch.expansions += 1;
+            for (_, Link { to, edge }) in self.roadmap.graph.links(best.to) {
+                let cost = best.cost + self.roadmap.costs[edge as usize];
+                let visit = scratch.visit(to);
+                if !visit.closed && cost < visit.cost {
+                    visit.cost = cost;
+                    let key = self.key(cost, to);
+                    scratch.open.push(LineCandidate { key, cost, to, from: best.to });
                 }
-                self.expand(best, scratch);
+            }
+            // A milestone that is no farther from the goal than edges are long offers a line into it.
+            let gap = self.position(best.to).distance(self.goal.centre) - self.goal.radius_m;
+            if self.end_milestone.is_none() && gap <= self.roadmap.settings.max_edge_m {
+                self.offer(GOAL, best.to, best.cost, scratch);
             }
         }
         None
@@ -200,35 +224,6 @@ impl Query<'_> {
             scratch.open.push(LineCandidate { key, cost, to: milestone, from: START });
         }
         scratch.near = near;
-    }
-
-    /// Takes a candidate's cost as final for its milestone, unless that has one or the line to it is not free.
-    fn close(&self, candidate: LineCandidate, scratch: &mut RoadmapScratch) -> bool {
-        let visit = scratch.visit(candidate.to);
-        let outdated = visit.closed || (candidate.from != START && candidate.cost > visit.cost);
-        if outdated || (candidate.from == START && !self.line_is_free(candidate)) {
-            return false;
-        }
-        *visit = Visit { closed: true, cost: candidate.cost, parent: candidate.from, ..*visit };
-        scratch.closed.push(candidate.to);
-        true
-    }
-
-    fn expand(&self, from: LineCandidate, scratch: &mut RoadmapScratch) {
-        scratch.expansions += 1;
-        for (_, Link { to, edge }) in self.roadmap.graph.links(from.to) {
-            let cost = from.cost + self.roadmap.costs[edge as usize];
-            let visit = scratch.visit(to);
-            if !visit.closed && cost < visit.cost {
-                visit.cost = cost;
-                let key = self.key(cost, to);
-                scratch.open.push(LineCandidate { key, cost, to, from: from.to });
-            }
-        }
-        let gap = self.position(from.to).distance(self.goal.centre) - self.goal.radius_m;
-        if self.end_milestone.is_none() && gap <= self.roadmap.settings.max_edge_m {
-            self.offer(GOAL, from.to, from.cost, scratch);
-        }
     }
 
     /// Offers the other places after the line straight into the goal was not free.
