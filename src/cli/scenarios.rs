@@ -22,7 +22,7 @@ const SCENARIO_HEAD: &str = "\
 /// Explains a scenario.
 pub fn check(arguments: &CheckArguments) -> Result<ExitCode, CliError> {
     let loaded = LoadedScenario::open(&arguments.scenario.source, &arguments.scenario.overrides)?;
-    terminal::print(&scenario::explain(&loaded, arguments.memory))?;
+    terminal::print(&scenario::explain(&loaded, arguments.memory).to_text())?;
     Ok(ExitCode::SUCCESS)
 }
 
