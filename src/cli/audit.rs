@@ -19,8 +19,8 @@ use crate::cli::args::parse_jobs;
 use crate::cli::error::{CliError, exit};
 use crate::cli::report::FormArguments;
 use crate::cli::{numbers, terminal};
-use crate::document::Document;
 use crate::document::number::count;
+use crate::document::{Block, Document};
 use crate::input_file::is_standard_stream;
 
 #[derive(Debug, Args)]
