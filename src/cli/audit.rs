@@ -164,7 +164,9 @@ impl From<&AuditReport> for Document {
         let mut document = Self::new(format!("Audit of {}", count(runs as usize, "run")));
         let hidden = report.violations.saturating_sub(LISTED_VIOLATIONS as u64);
         let hidden = (hidden > 0).then(|| format!("... and {hidden} more runs."));
-        document.add_list(report.listed.iter().cloned().chain(hidden).collect());
+        // One line each, however long it is: such lines are searched and sorted.
+        let listed: Vec<_> = report.listed.iter().cloned().chain(hidden).collect();
+        document = document.with((!listed.is_empty()).then(|| Block::Verbatim(listed.join("\n"))));
         document.add_list(report.sentences());
         document
     }
