@@ -162,6 +162,7 @@ mod tests {
     use crate::cli::command_lines::{parsed, said};
     use crate::cli::fuzz::text::{NUMBERS, mutated};
     use crate::cli::fuzz::{Case, Fuzzer, Law, below, one_of};
+    use crate::geometry::Pose;
 
     #[test]
     fn curves_and_pairs_take_anything() {

@@ -15,7 +15,7 @@ use crate::cli::numbers;
 use crate::cli::output_files::{self, Files, Format};
 use crate::cli::show::{Searches, ShowArguments, ShownRun, look, parse_seconds, parse_speed, shown_runs, time_within};
 use crate::picture::GifFilm;
-use crate::picture::film::{FrameRequest, Layer, RunView, ViewOptions, still};
+use crate::picture::film::{Layer, RunView};
 use crate::time::SimTime;
 
 #[derive(Debug, Args)]
