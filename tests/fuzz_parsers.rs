@@ -156,7 +156,7 @@ fn read_scenario(case: &mut Case<'_>, source: &str, changes: &[String]) -> Law {
             case.count("scenarios accepted");
             // It looks what roadmaps the trucks would have, which takes a hundred times as long as reading.
             if case.chance(5) {
-                explain(&loaded, MemoryLimit::default());
+                explain(&loaded, MemoryLimit::default()).to_text();
             }
             for (path, _) in loaded.values() {
                 loaded.is_given(&path);

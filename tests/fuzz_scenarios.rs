@@ -71,7 +71,7 @@ fn scenario_keeps_the_rules(case: &mut Case<'_>) -> Law {
             return refusal_names_its_place(&refusal);
         }
     };
-    explain(&loaded, MemoryLimit::default());
+    explain(&loaded, MemoryLimit::default()).to_text();
     loaded.values();
     scenario_comes_back(&loaded.scenario)?;
     let Some(scenario) = affordable(&loaded.scenario) else {

@@ -182,7 +182,7 @@ fn a_change_overrules_what_the_file_says_by_other_means() {
     let smoke = smoke.unwrap_or_else(|error| panic!("{error}"));
     assert_eq!((smoke.scenario.field.coverage, smoke.scenario.field.size_m), (0.05, 100.0));
     assert!(!smoke.is_given("field.coverage"));
-    let text = scenario::explain(&smoke, MemoryLimit::default());
+    let text = scenario::explain(&smoke, MemoryLimit::default()).to_text();
     assert!(text.contains("20 bushes, 5 % of the cells") && !text.contains("field.given"), "{text}");
 }
 

@@ -2,10 +2,12 @@
 
 use std::fs;
 use std::num::NonZeroUsize;
-use std::path::Path;
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::thread;
 
+use clap::Args;
 use serde::{Serialize, Serializer};
 
 use crate::audit::{Audited, SampleStep};
@@ -13,13 +15,44 @@ use crate::batch::{
     AuditReport, AuditSource, FinishedBatch, FinishedError, LISTED_VIOLATIONS, PROGRAM_VERSION, PlanError,
     RECORDINGS_FOLDER, audit_all, recordings_in,
 };
-use crate::cli::args::AuditArguments;
-use crate::cli::error::CliError;
+use crate::cli::args::parse_jobs;
+use crate::cli::error::{CliError, exit};
 use crate::cli::report::FormArguments;
-use crate::cli::{exit, terminal};
-use crate::document::Document;
+use crate::cli::{numbers, terminal};
 use crate::document::number::count;
+use crate::document::{Block, Document};
 use crate::input_file::is_standard_stream;
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  wildfire audit run.wildfire
+  wildfire audit runs/contest runs/dense --jobs 2
+
+It drives every leg once more in small steps, by other means than the planners', and
+exits with 4 if a rule is violated: it prints the first violation of every run, with
+time, place and rule.")]
+pub struct AuditArguments {
+    /// Recordings, folders with recordings, or folders of batches; what a batch did not record is simulated again from
+    /// its plan.
+    #[arg(value_name = "RUN|DIR", required = true)]
+    pub paths: Vec<PathBuf>,
+    /// Threads [default: as many as the machine runs at once].
+    #[arg(long, allow_hyphen_values = true, value_parser = parse_jobs)]
+    pub jobs: Option<NonZeroUsize>,
+    /// The most metres between two poses that are checked.
+    #[arg(long, value_name = "METRES", default_value_t = 0.02, allow_hyphen_values = true, value_parser = parse_audit_step)]
+    pub step: f64,
+    #[command(flatten)]
+    pub form: FormArguments,
+}
+
+/// The distances between checked poses that an audit takes, metres.
+const AUDIT_STEPS_M: RangeInclusive<f64> = 0.001..=1.0;
+
+fn parse_audit_step(text: &str) -> Result<f64, String> {
+    numbers::parse_within(text, &AUDIT_STEPS_M, "metres")
+}
 
 pub fn run(arguments: &AuditArguments, quiet: bool) -> Result<ExitCode, CliError> {
     let sources = arguments.paths.iter().map(|path| source(path, quiet)).collect::<Result<Vec<_>, _>>()?;
@@ -131,7 +164,9 @@ impl From<&AuditReport> for Document {
         let mut document = Self::new(format!("Audit of {}", count(runs as usize, "run")));
         let hidden = report.violations.saturating_sub(LISTED_VIOLATIONS as u64);
         let hidden = (hidden > 0).then(|| format!("... and {hidden} more runs."));
-        document.add_list(report.listed.iter().cloned().chain(hidden).collect());
+        // One line each, however long it is: such lines are searched and sorted.
+        let listed: Vec<_> = report.listed.iter().cloned().chain(hidden).collect();
+        document = document.with((!listed.is_empty()).then(|| Block::Verbatim(listed.join("\n"))));
         document.add_list(report.sentences());
         document
     }

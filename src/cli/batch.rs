@@ -7,17 +7,21 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::thread;
 
+use clap::Args;
 use serde::Serialize;
 
 use crate::batch::{
     Batch, BatchError, BatchPlan, BatchReport, BatchRequest, FinishedBatch, Found, OutputFolder, RUNS_FILE, RealDisk,
-    ReportError, RequestError, Slice, SliceState, Status, Variant, batch_status, shell_word, write_report,
+    Record, ReportError, RequestError, Seeds, SeedsError, Slice, SliceState, Status, Variant, batch_status, shell_word,
+    write_report,
 };
-use crate::cli::args::{BatchArguments, FolderArguments, StatusArguments};
-use crate::cli::error::CliError;
-use crate::cli::{exit, interrupt, terminal};
+use crate::cli::args::parse_jobs;
+use crate::cli::error::{CliError, exit};
+use crate::cli::report::FormArguments;
+use crate::cli::{interrupt, terminal};
 use crate::document::{Block, Document, Table};
-use crate::scenario::ScenarioText;
+use crate::input_file;
+use crate::scenario::{MemoryLimit, ScenarioText};
 
 /// The folder, in the current one, that holds a folder for each batch.
 const RUNS_FOLDER: &str = "runs";
@@ -27,6 +31,98 @@ const LISTED_VARIANTS: usize = 50;
 
 /// The most files that a note lists.
 const LISTED_FILES: usize = 10;
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  wildfire batch
+  wildfire batch contest --seeds 1..1000 --jobs 2
+  wildfire batch my.toml --seeds 1..50,99 --out runs/tuned --force --record all
+  wildfire batch --planner prm-rs,hybrid-astar --set field.coverage=0.05,0.10,0.20 --dry-run
+  wildfire batch --resume runs/contest
+  wildfire batch plan.toml --shard 2/5 --out runs/cluster")]
+pub struct BatchArguments {
+    /// Scenario files, or names of built-in scenarios [default: contest]; or one plan file.
+    #[arg(value_name = "SCENARIO|PLAN.toml")]
+    pub sources: Vec<String>,
+    /// Change a value of the scenarios; with several values between commas, run all of them with each. Sweeps of
+    /// several keys are multiplied; may be repeated.
+    #[arg(long = "set", value_name = "KEY=VALUE[,VALUE...]")]
+    pub set: Vec<String>,
+    /// Planners of the trucks: short for `--set unimog.planner=`.
+    #[arg(long, value_name = "NAME[,NAME...]", value_delimiter = ',')]
+    pub planner: Vec<String>,
+    /// Seeds: ranges with both ends, lists, or both, such as `1..5`, `1,5,9`, `1..100,200`; or `@FILE` that holds
+    /// them [default: 1..5].
+    #[arg(long, allow_hyphen_values = true, value_parser = parse_seeds)]
+    pub seeds: Option<SeedsArgument>,
+    /// Threads [default: as many as the machine runs at once].
+    #[arg(long, allow_hyphen_values = true, value_parser = parse_jobs)]
+    pub jobs: Option<NonZeroUsize>,
+    /// The memory that each run may take, such as `4GB`, `512MiB` or `4G`, which is 4 GB: one that would take more is a
+    /// failed row. As many runs as threads take place at once [default: 2GB].
+    #[arg(long, value_name = "SIZE")]
+    pub memory: Option<MemoryLimit>,
+    /// The folder for the results [default: runs/NAME, or the next free runs/NAME-2, runs/NAME-3 ...].
+    #[arg(long, value_name = "DIR", group = "shared_folder")]
+    pub out: Option<PathBuf>,
+    /// Overwrite the results in the folder given with --out, and run more than 100000 runs if asked to.
+    #[arg(long)]
+    pub force: bool,
+    /// Keep recordings of `all` runs, of `failed` ones, or of `none` [default: none]; failed means here that some agent
+    /// was stuck: a run whose status is failed has no timeline.
+    #[arg(long, value_name = "WHICH")]
+    pub record: Option<Record>,
+    /// List what would be run, and run nothing.
+    #[arg(long)]
+    pub dry_run: bool,
+    /// Also print where the CPU time went, by part.
+    #[arg(long)]
+    pub profile: bool,
+    /// Continue the batch in this folder, which was stopped.
+    #[arg(
+        long,
+        value_name = "DIR",
+        group = "shared_folder",
+        conflicts_with_all = ["sources", "set", "planner", "seeds", "memory", "out", "force", "record", "dry_run"]
+    )]
+    pub resume: Option<PathBuf>,
+    /// Run slice K of N of the plan only, in a folder that the slices share; `wildfire merge` puts them together.
+    #[arg(long, value_name = "K/N", requires = "shared_folder")]
+    pub shard: Option<Slice>,
+}
+
+/// The most bytes of a file of seeds; with the limit on their number it keeps the memory of reading them below 64 MiB.
+const MAX_SEEDS_BYTES: u64 = 8_000_000;
+
+/// Seeds, or the file that holds them.
+#[derive(Clone, Debug)]
+pub enum SeedsArgument {
+    Given(Seeds),
+    File(PathBuf),
+}
+
+impl SeedsArgument {
+    /// The seeds; in a file they are between commas, blanks and lines, and `#` begins a comment.
+    pub fn seeds(&self) -> Result<Seeds, CliError> {
+        let path = match self {
+            Self::Given(seeds) => return Ok(seeds.clone()),
+            Self::File(path) => path,
+        };
+        let text = input_file::read_text(path, MAX_SEEDS_BYTES).map_err(|error| CliError::unreadable(path, &error))?;
+        let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default());
+        let words = lines.flat_map(|line| line.split([',', ' ', '\t'])).filter(|word| !word.is_empty());
+        Seeds::from_parts(words).map_err(|error| CliError::bad_input(format_args!("{}: {error}", path.display()), None))
+    }
+}
+
+/// Seeds as they are, or `@FILE`.
+fn parse_seeds(text: &str) -> Result<SeedsArgument, String> {
+    match text.strip_prefix('@') {
+        Some(path) => Ok(SeedsArgument::File(path.into())),
+        None => text.parse().map(SeedsArgument::Given).map_err(|error: SeedsError| error.to_string()),
+    }
+}
 
 pub fn run(arguments: &BatchArguments, quiet: bool) -> Result<ExitCode, CliError> {
     let slice = arguments.shard.unwrap_or(Slice::WHOLE);
@@ -208,6 +304,23 @@ fn dry_run(plan: &BatchPlan) -> String {
     Document::new(title).with([Block::List(lines)]).to_text()
 }
 
+#[derive(Debug, Args)]
+pub struct StatusArguments {
+    /// The folder of a batch.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    #[command(flatten)]
+    pub form: FormArguments,
+}
+
+/// The folder of a batch.
+#[derive(Debug, Args)]
+pub struct FolderArguments {
+    /// The folder of a batch.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+}
+
 /// Writes the tables of a batch whose slices were run one by one.
 pub fn merge(arguments: &FolderArguments, quiet: bool) -> Result<ExitCode, CliError> {
     interrupt::set_resumable();
@@ -331,5 +444,21 @@ fn next_step(folder: &OutputFolder, slices: &[(Slice, SliceState)]) -> Option<St
         None if path.join(RUNS_FILE).exists() => Some("The tables are written.".into()),
         None if slices.len() == 1 => Some(format!("Write the tables with: {}", resume_command(path, slices[0].0))),
         None => Some(format!("Write the tables with: wildfire merge {}", path.display())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn seeds_of_a_file_stand_between_commas_blanks_and_lines() {
+        let scratch = tempfile::tempdir().expect("a scratch folder");
+        let path = scratch.path().join("seeds");
+        std::fs::write(&path, "# mine\n1..3, 7\n9 8 # two\n\n").expect("writable");
+        let argument = parse_seeds(&format!("@{}", path.display())).expect("any file will do");
+        assert_eq!(argument.seeds().expect("these seeds are fine").to_string(), "1..3,7,9,8");
+        std::fs::write(&path, "# none\n").expect("writable");
+        assert!(argument.seeds().is_err());
     }
 }

@@ -2,10 +2,10 @@
 
 use clap::{Command as ClapCommand, CommandFactory, Parser};
 
-use super::args::{Arguments, Command};
 use super::fuzz::text::mutated;
 use super::fuzz::{Case, Fuzzer, Law, below, one_of};
 use super::phrases::phrase;
+use super::{Arguments, Command};
 
 #[test]
 fn command_lines_take_anything() {

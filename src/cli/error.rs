@@ -9,10 +9,19 @@ use miette::{Diagnostic, Report};
 use thiserror::Error;
 
 use crate::batch::{AuditsError, BatchError, FinishedError, JournalError, PlanError, RequestError};
-use crate::cli::exit;
 use crate::map_files::{self, MapError};
 use crate::scenario::{Fault, ScenarioError};
 use crate::untrusted::visible;
+
+/// The program's exit codes; those of its arguments' own errors are clap's, which are the same.
+pub mod exit {
+    pub const RUN_FAILED: u8 = 1;
+    pub const BAD_INPUT: u8 = 2;
+    pub const ENVIRONMENT: u8 = 3;
+    pub const VIOLATION: u8 = 4;
+    pub const RESUMABLE: u8 = 75;
+    pub const INTERRUPTED: u8 = 130;
+}
 
 /// An error for people, and the exit code that goes with it.
 #[derive(Debug)]

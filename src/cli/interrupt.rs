@@ -10,7 +10,7 @@ use std::sync::{Arc, LazyLock};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
-use crate::cli::exit;
+use crate::cli::error::exit;
 
 /// True if the next signal ends the program with the code 130.
 static ENDS_INTERRUPTED: AtomicBool = AtomicBool::new(true);

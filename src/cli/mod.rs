@@ -32,21 +32,91 @@ mod terminal;
 use std::env;
 use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser};
+use clap::{CommandFactory, Parser, Subcommand};
+use clap_complete::Shell;
 
-use args::{Arguments, Command};
+use audit::AuditArguments;
+use batch::{BatchArguments, FolderArguments, StatusArguments};
+use compare::CompareArguments;
+use curve::CurveArguments;
 use error::CliError;
+use map::MapCommand;
+use plan::PlanArguments;
+use play::PlayArguments;
+use render::RenderArguments;
+use run::RunArguments;
+use scenarios::{CheckArguments, NewArguments, ScenariosArguments, SchemaArguments};
 
 use crate::untrusted::visible;
 
-/// The program's exit codes; those of its arguments' own errors are clap's, which are the same.
-mod exit {
-    pub const RUN_FAILED: u8 = 1;
-    pub const BAD_INPUT: u8 = 2;
-    pub const ENVIRONMENT: u8 = 3;
-    pub const VIOLATION: u8 = 4;
-    pub const RESUMABLE: u8 = 75;
-    pub const INTERRUPTED: u8 = 130;
+const EXAMPLES: &str = "\
+Examples:
+  wildfire batch                              the contest, five runs: two tables
+  wildfire batch contest --seeds 1..1000      a thousand runs
+  wildfire run contest --seed 7               one run: who won, what took time
+  wildfire run --set unimog.prm_rs.samples=1000  another roadmap
+  wildfire play contest --seed 7              watch it
+  wildfire render --seed 7 --gif film.gif     draw it
+  wildfire scenarios --show contest > my.toml && wildfire check my.toml
+  wildfire map brushfire map.png --png fire.png   distances to obstacles
+  wildfire plan field.json --planner prm-rs,hybrid-astar   compare planners
+
+Exit codes: 0 done, 1 some run failed, 2 bad input, 3 disk or other environment,
+4 an audit or a check found a violation, 75 stopped and resumable, 130 stopped.";
+
+/// A wildfire contest between planners: a Wumpus lights bushes, a fire truck puts them out.
+#[derive(Debug, Parser)]
+#[command(name = "wildfire", version, after_help = EXAMPLES, max_term_width = 100)]
+pub struct Arguments {
+    /// Print results and errors only: no progress, no notes.
+    #[arg(long, global = true)]
+    pub quiet: bool,
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run a scenario once and print who won.
+    Run(RunArguments),
+    /// Watch a run in a window, or two runs side by side.
+    Play(PlayArguments),
+    /// Draw a run without a screen: a still, a GIF, an MP4.
+    Render(RenderArguments),
+    /// Run scenarios with many seeds and print the tables of the contest.
+    Batch(BatchArguments),
+    /// Show how far a batch is.
+    Status(StatusArguments),
+    /// Put the slices of a batch together: check that all are there, and write its tables.
+    Merge(FolderArguments),
+    /// Write a report of a batch: a web page, and its charts as SVG and PNG.
+    Report(FolderArguments),
+    /// Compare batches, or scenarios and planners inside one, in pairs by seed.
+    Compare(CompareArguments),
+    /// Check finished runs against the rules: recordings, and all runs of batches.
+    Audit(AuditArguments),
+    /// Write a template with comments: a scenario, or the plan of a batch.
+    New(NewArguments),
+    /// Print what a file may say, or what columns mean, as JSON Schema.
+    Schema(SchemaArguments),
+    /// Explain what a scenario means, its defaults, and its terrain.
+    Check(CheckArguments),
+    /// List the built-in scenarios, or print one.
+    Scenarios(ScenariosArguments),
+    /// Compute a grid map: occupancy, brushfire, cost, wavefront, potential fields, gradient descent.
+    Map {
+        #[command(subcommand)]
+        command: MapCommand,
+    },
+    /// Compute the shortest curves of a turning radius between two poses: Reeds-Shepp and Dubins.
+    Curve(CurveArguments),
+    /// Plan drives of the truck: any planners, on fields of yours or of a scenario, with figures and paths to check.
+    Plan(PlanArguments),
+    /// Print the script that completes this program's arguments in a shell.
+    Completions {
+        /// The shell.
+        shell: Shell,
+    },
 }
 
 /// Reads the arguments of the process and does what they say.
@@ -92,5 +162,15 @@ fn dispatch(arguments: &Arguments) -> Result<ExitCode, CliError> {
             terminal::print(&String::from_utf8(script).expect("scripts are text"))?;
             Ok(ExitCode::SUCCESS)
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn arguments_are_defined_without_contradictions() {
+        Arguments::command().debug_assert();
     }
 }

@@ -65,7 +65,8 @@ pub fn run(arguments: &PlayArguments, quiet: bool) -> Result<ExitCode, CliError>
 #[cfg(not(feature = "view"))]
 pub fn run(_: &PlayArguments, _: bool) -> Result<ExitCode, CliError> {
     use crate::batch::shell_word;
-    use crate::cli::{exit, terminal};
+    use crate::cli::error::exit;
+    use crate::cli::terminal;
 
     let given = std::env::args_os().skip(1).map(|word| shell_word(&word.to_string_lossy())).collect::<Vec<_>>();
     let given = given.join(" ");

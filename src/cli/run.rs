@@ -5,12 +5,15 @@ use std::panic;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use clap::Args;
 use serde::{Serialize, Serializer};
 
 use crate::batch::{RunLabel, RunObject, RunResult, RunRow, Status, file_name_of, notes};
-use crate::cli::args::RunArguments;
+use crate::cli::args::{MemoryArguments, ScenarioArguments, parse_seed};
 use crate::cli::error::CliError;
+use crate::cli::numbers;
 use crate::cli::output_files::{self, Files, Format, Words};
+use crate::cli::report::FormArguments;
 use crate::document::number::{percent, rounded};
 use crate::document::{Block, Document, Table};
 use crate::scenario::{self, Scenario};
@@ -19,6 +22,45 @@ use crate::time::wall::WallStopwatch;
 use crate::timeline::export::{ExportError, FINEST_STEP_S, write_events, write_trace};
 use crate::timeline::{AgentOutcome, Outcome, Timeline, Winner, file};
 use crate::whole_file::WholeFile;
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  wildfire run --seed 7
+  wildfire run report-2024 --seed 7 --json
+  wildfire run --seed 7 --out run.wildfire --events events.csv
+  wildfire run --seed 7 --trace trace.csv --step 0.1")]
+pub struct RunArguments {
+    #[command(flatten)]
+    pub scenario: ScenarioArguments,
+    #[command(flatten)]
+    pub memory: MemoryArguments,
+    /// The seed of everything random in the run.
+    #[arg(long, default_value_t = 1, allow_hyphen_values = true, value_parser = parse_seed)]
+    pub seed: u64,
+    #[command(flatten)]
+    pub form: FormArguments,
+    /// Write a recording of the run, into this file or folder.
+    #[arg(long, value_name = "FILE_OR_DIR")]
+    pub out: Option<PathBuf>,
+    /// Record the searches too, so that they can be shown; the recording becomes about five times as large.
+    #[arg(long, requires = "out")]
+    pub record_searches: bool,
+    /// Write what happened: t_s,event,agent,col,row,detail.
+    #[arg(long, value_name = "FILE.csv")]
+    pub events: Option<PathBuf>,
+    /// Write where every agent was: t_s,agent,x_m,y_m,heading_rad,speed_mps,activity.
+    #[arg(long, value_name = "FILE.csv")]
+    pub trace: Option<PathBuf>,
+    /// Simulated seconds between two rows of the trace.
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.1, requires = "trace", allow_hyphen_values = true, value_parser = parse_trace_step)]
+    pub step: f64,
+}
+
+/// Reads the step of a trace; its writer decides how fine it may be.
+fn parse_trace_step(text: &str) -> Result<f64, String> {
+    numbers::parse(text).ok_or_else(|| "expected a number of seconds".to_owned())
+}
 
 pub fn run(arguments: &RunArguments, quiet: bool) -> Result<ExitCode, CliError> {
     let scenario = scenario::load(&arguments.scenario.source, &arguments.scenario.overrides)?;

@@ -2,27 +2,74 @@
 
 use std::fs::File;
 use std::io::{ErrorKind, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use clap::{Args, ValueEnum};
+
 use crate::batch::{PLAN_TEMPLATE, TableOfRows, plan_schema, row_schema};
-use crate::cli::args::{CheckArguments, NewArguments, NewFile, ScenariosArguments, SchemaArguments, SchemaOf};
+use crate::cli::args::ScenarioArguments;
 use crate::cli::error::CliError;
 use crate::cli::output_files::{Files, Format};
 use crate::cli::terminal;
 use crate::document::{Block, Document};
 use crate::input_file::is_standard_stream;
-use crate::scenario::{self, BUILT_IN, LoadedScenario};
+use crate::scenario::{self, BUILT_IN, LoadedScenario, MemoryLimit};
 
 const SCENARIO_HEAD: &str = "\
 # A scenario of your own. Every value is spelled out, as the built-in scenario `contest` has it; what is left out has
 # that value too. `wildfire check FILE` says what it means, scenarios/README.md what each choice does.
 ";
 
+#[derive(Debug, Args)]
+pub struct NewArguments {
+    /// The kind of file.
+    pub what: NewFile,
+    /// The file to write, which must not be there yet [default: print it].
+    pub file: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum NewFile {
+    Scenario,
+    Plan,
+}
+
+#[derive(Debug, Args)]
+pub struct SchemaArguments {
+    /// Files, or tables that a batch writes.
+    pub of: SchemaOf,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum SchemaOf {
+    Scenario,
+    Plan,
+    Runs,
+    PlannerCalls,
+    States,
+}
+
+#[derive(Debug, Args)]
+pub struct CheckArguments {
+    #[command(flatten)]
+    pub scenario: ScenarioArguments,
+    /// The memory limit that the estimate is compared with [default: 2GB].
+    #[arg(long, value_name = "SIZE", default_value_t, hide_default_value = true)]
+    pub memory: MemoryLimit,
+}
+
+#[derive(Debug, Args)]
+pub struct ScenariosArguments {
+    /// Print the file of this built-in scenario.
+    #[arg(long, value_name = "NAME")]
+    pub show: Option<String>,
+}
+
 /// Explains a scenario.
 pub fn check(arguments: &CheckArguments) -> Result<ExitCode, CliError> {
     let loaded = LoadedScenario::open(&arguments.scenario.source, &arguments.scenario.overrides)?;
-    terminal::print(&scenario::explain(&loaded, arguments.memory))?;
+    terminal::print(&scenario::explain(&loaded, arguments.memory).to_text())?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -56,7 +56,8 @@ pub struct Table {
     pub rows: Vec<Vec<String>>,
     /// The rows that have a line above them, besides the first.
     pub rules_before: Vec<usize>,
-    /// How many columns, from the left, hold words, which are aligned left; all others hold numbers, aligned right.
+    /// The number of columns, from the left, that hold words and are aligned left; all others hold numbers, aligned
+    /// right.
     pub text_columns: usize,
 }
 

@@ -6,63 +6,41 @@ use super::load::LoadedScenario;
 use super::rules::describe_ignitions;
 use super::warnings::warnings;
 use super::{MemoryEstimate, MemoryLimit, MemoryPart, Scenario, Terrain, bytes_text};
+use crate::document::{Block, Document, WIDTH};
 use crate::geometry::Cell;
 
-/// The widest line, in characters.
-const WIDTH: usize = 80;
-
 /// Explains a scenario: its rules and agents in sentences with units, the values left to defaults, the field of seed 1
-/// with a map, the memory that a run takes beside its limit, and warnings. No line is wider than 80 characters.
-pub fn explain(loaded: &LoadedScenario, limit: MemoryLimit) -> String {
+/// with a map, the memory that a run takes beside its limit, and warnings. No line is wider than a terminal.
+pub fn explain(loaded: &LoadedScenario, limit: MemoryLimit) -> Document {
     let scenario = &loaded.scenario;
-    let mut text = format!("{}: {} s of simulated time at most.\n", scenario.name, scenario.duration_s);
-    add_section(&mut text, "Field", [scenario.field.describe()]);
-    add_section(&mut text, "Fire", [scenario.fire.describe()]);
-    add_section(&mut text, "Suppression", [scenario.suppression.describe()]);
-    add_section(&mut text, "Score", [scenario.score.describe()]);
+    let section = |title: &str, lines: Vec<String>| [Block::Heading(title.into()), Block::List(lines)];
+    let title = format!("{}: {} s of simulated time at most.", scenario.name, scenario.duration_s);
+    let mut document = Document::new(title)
+        .with(section("Field", vec![scenario.field.describe()]))
+        .with(section("Fire", vec![scenario.fire.describe()]))
+        .with(section("Suppression", vec![scenario.suppression.describe()]))
+        .with(section("Score", vec![scenario.score.describe()]));
     for agents in scenario.kinds() {
         let numbered = agents.describe().into_iter().enumerate().map(|(number, words)| format!("{number}: {words}"));
         let nobody = (agents.len() == 0).then(|| "None.".to_owned());
-        add_section(&mut text, agents.title(), numbered.chain(nobody));
+        document = document.with(section(agents.title(), numbered.chain(nobody).collect()));
     }
     if !scenario.ignition.is_empty() {
-        add_section(&mut text, "Ignitions", [describe_ignitions(&scenario.ignition)]);
+        document = document.with(section("Ignitions", vec![describe_ignitions(&scenario.ignition)]));
     }
-    add_section(&mut text, "Values", [list_defaults(loaded)]);
+    document = document.with(section("Values", vec![list_defaults(loaded)]));
     let terrain = Terrain::from_scenario(scenario, SHOWN_SEED);
-    match &terrain {
-        Ok(terrain) => text += &describe_terrain(scenario, terrain),
-        Err(error) => {
-            add_section(&mut text, &format!("Field of seed {SHOWN_SEED}"), [format!("There is none: {error}.")]);
-        }
-    }
-    text += &list_memory(scenario, limit);
+    let field = match &terrain {
+        Ok(terrain) => describe_terrain(scenario, terrain),
+        Err(error) => vec![Block::Text(format!("There is none: {error}."))],
+    };
+    document = document.with([Block::Heading(format!("Field of seed {SHOWN_SEED}"))]).with(field);
+    document = document.with([Block::Heading("Memory of a run, at most".into())]).with(list_memory(scenario, limit));
     let warnings = warnings(scenario, terrain.as_ref().ok());
     if !warnings.is_empty() {
-        add_section(&mut text, "Warnings", warnings);
+        document = document.with(section("Warnings", warnings));
     }
-    text
-}
-
-fn add_section(text: &mut String, title: &str, paragraphs: impl IntoIterator<Item = String>) {
-    *text += &format!("\n{title}\n");
-    for paragraph in paragraphs {
-        *text += &wrapped(&paragraph);
-    }
-}
-
-/// Wraps a paragraph: its first line is indented by two spaces, further lines by four.
-fn wrapped(paragraph: &str) -> String {
-    let (mut text, mut line) = (String::new(), String::from(" "));
-    for word in paragraph.split_whitespace() {
-        if line.chars().count() + 1 + word.chars().count() > WIDTH && line.trim() != "" {
-            text += &format!("{line}\n");
-            line = "   ".into();
-        }
-        line += " ";
-        line += word;
-    }
-    text + &line + "\n"
+    document
 }
 
 fn list_defaults(loaded: &LoadedScenario) -> String {
@@ -91,40 +69,39 @@ fn path_of_all_agents(path: &str, scenario: &Scenario, is_left: impl Fn(&str) ->
     (0..agents).all(|number| is_left(&format!("{list}.{number}.{field}"))).then(|| format!("{list}.{field}"))
 }
 
-fn describe_terrain(scenario: &Scenario, terrain: &Terrain) -> String {
+fn describe_terrain(scenario: &Scenario, terrain: &Terrain) -> Vec<Block> {
     let bushes = terrain.bushes.len();
     let share = percent(bushes as f64 / terrain.frame.cell_count() as f64);
     let pieces = match &scenario.field.given {
         Some(_) => String::new(),
         None => format!("{} pieces, ", scenario.field.wanted_pieces()),
     };
-    let drawing = draw_sketch(terrain, scenario);
-    format!("\nField of seed {SHOWN_SEED}\n  {pieces}{bushes} bushes, {share} % of the cells.\n{drawing}")
+    let sentence = format!("{pieces}{bushes} bushes, {share} % of the cells.");
+    vec![Block::Text(sentence), Block::Verbatim(draw_sketch(terrain, scenario))]
 }
 
 /// Lists the memory that a run needs, part by part, what can be added as it goes on, and whether the limit allows it.
-fn list_memory(scenario: &Scenario, limit: MemoryLimit) -> String {
+fn list_memory(scenario: &Scenario, limit: MemoryLimit) -> Vec<Block> {
     let estimate = MemoryEstimate::new(scenario);
     let needed = MemoryPart { name: format!("in all, of {limit} that a run may take"), bytes: estimate.needed() };
     // A part that is tiny beside the others is not worth a line.
     let parts = estimate.parts.iter().filter(|part| part.bytes >= estimate.needed() / 100);
-    let line = |part: &MemoryPart| format!("  {:>8}  {}\n", bytes_text(part.bytes), part.name);
-    let lines: String = parts.chain([&needed]).map(line).collect();
-    let mut text = format!("\nMemory of a run, at most\n{lines}");
-    if estimate.meter(limit).is_err() {
-        return text + &wrapped("No run takes place: that is more than the limit, and --memory sets another.");
-    }
-    let grown = match estimate.grows {
-        0 => "What the timeline holds comes on top of it".into(),
-        grows => {
-            let most = bytes_text(grows);
-            format!(
-                "Searches, floods and curves can add up to {most} where drives are hard, and the timeline what it holds"
-            )
+    let term = |part: &MemoryPart| (format!("{:>8}", bytes_text(part.bytes)), part.name.clone());
+    let terms = Block::Terms(parts.chain([&needed]).map(term).collect());
+    let sentence = match estimate.grows {
+        _ if estimate.meter(limit).is_err() => {
+            "No run takes place: that is more than the limit, and --memory sets another.".to_owned()
         }
+        0 => "What the timeline holds comes on top of it; that is counted as it grows, and a run that comes to the \
+              limit fails."
+            .to_owned(),
+        grows => format!(
+            "Searches, floods and curves can add up to {} where drives are hard, and the timeline what it holds; that \
+             is counted as it grows, and a run that comes to the limit fails.",
+            bytes_text(grows)
+        ),
     };
-    text += &wrapped(&format!("{grown}; that is counted as it grows, and a run that comes to the limit fails."));
-    text
+    vec![terms, Block::Text(sentence)]
 }
 
 /// The indent of the map of a field.
@@ -164,7 +141,8 @@ mod tests {
 
     fn explained(source: &str, changes: &[&str]) -> String {
         let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
-        explain(&LoadedScenario::open(source, &changes).expect("this scenario is right"), MemoryLimit::default())
+        let loaded = LoadedScenario::open(source, &changes).expect("this scenario is right");
+        explain(&loaded, MemoryLimit::default()).to_text()
     }
 
     fn in_one_line(text: &str) -> String {

@@ -59,7 +59,7 @@ fn damaged_runs_end_in_exit_code_4_and_words() {
         ("2", "out/recordings", "out/recordings/seed-2.wildfire: at "),
     ] {
         let answer = story.tell(&["audit", path, "--jobs", jobs]).expect_code(4);
-        assert!(answer.stdout.starts_with(name), "{}", answer.stdout);
+        assert!(answer.stdout.starts_with(&format!("Audit of 3 runs\n\n{name}")), "{}", answer.stdout);
         assert!(answer.stdout.contains("unimog/0: a leg begins 0.010000 m"), "{}", answer.stdout);
         assert!(answer.stdout.contains("Violations: 1 of 3 runs have one."), "{}", answer.stdout);
     }
@@ -82,7 +82,7 @@ fn row_that_says_something_else_is_a_violation() {
     story.file("out/runs.csv", &lines.collect::<String>());
     let answer = story.tell(&["audit", "out"]).expect_code(4);
     assert!(
-        answer.stdout.starts_with("out, seed 2: its row says extinguished 999, its run gives "),
+        answer.stdout.starts_with("Audit of 3 runs\n\nout, seed 2: its row says extinguished 999, its run gives "),
         "{}",
         answer.stdout
     );
@@ -115,7 +115,11 @@ fn recording_of_another_run_is_a_violation() {
     let of = |seed: u64| story.path(&format!("out/recordings/seed-{seed}.wildfire"));
     fs::copy(of(1), of(2)).expect("the folder is writable");
     let answer = story.tell(&["audit", "out"]).expect_code(4);
-    assert!(answer.stdout.starts_with("out, seed 2: its recording is of smoke, seed 1"), "{}", answer.stdout);
+    assert!(
+        answer.stdout.starts_with("Audit of 2 runs\n\nout, seed 2: its recording is of smoke, seed 1"),
+        "{}",
+        answer.stdout
+    );
 }
 
 #[test]

@@ -101,7 +101,7 @@ fn torn_journal_is_said_and_gone_on_with() {
     story.tell(&["batch", "smoke", "--out", "out"]).expect_code(0);
     let journal = story.read("out/runs.journal");
     story.file("out/runs.journal", &journal[..journal.len() - 100]);
-    story.tell(&["batch", "--resume", "out"]).expect_code(0).expect_complaint(&["torn"]);
+    story.tell(&["batch", "--resume", "out"]).expect_code(0).expect_complaint(&["was incomplete"]);
     story.file("out/runs.journal", &journal.replacen("\"seed\":1", "\"seed\":2", 1));
     story.tell(&["batch", "--resume", "out"]).expect_code(2).expect_complaint(&["runs.journal is damaged in line"]);
 }
@@ -136,7 +136,7 @@ fn first_interrupt_stops_a_batch_and_names_the_command_that_resumes_it() {
     let answer = crate::story::Answer::of(&output).expect_code(75);
     answer.expect_complaint(&["stopping", "the batch was stopped", "resume with: wildfire batch --resume out"]);
     let status = story.tell(&["status", "out"]).expect_code(0).stdout;
-    assert!(status.contains("Go on with: wildfire batch --resume out"), "{status}");
+    assert!(status.contains("Continue with: wildfire batch --resume out"), "{status}");
 }
 
 #[test]

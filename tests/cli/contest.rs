@@ -104,7 +104,7 @@ fn agents_that_can_do_nothing_are_told_by_the_check_the_run_and_the_batch() {
         assert!(run.contains("Note: ") && run.contains(note), "{run}");
         let json: serde_json::Value = serde_json::from_str(&tell(&["run", "--json"])).expect("one JSON object");
         assert!(json["notes"][0].as_str().is_some_and(|said| said.contains(note)), "{json}");
-        let batch = tell(&["batch", "--seeds", "1..3"]);
+        let batch = joined(&tell(&["batch", "--seeds", "1..3"]));
         assert!(batch.contains("In 3 of 3 runs an agent could do next to nothing; seed 1:"), "{batch}");
         assert!(batch.contains(note), "{batch}");
     }

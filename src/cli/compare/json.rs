@@ -87,7 +87,7 @@ struct Failed {
     in_both: usize,
 }
 
-/// What does not exist is null.
+/// Members that do not exist are null.
 #[derive(Serialize)]
 struct MetricObject<'a> {
     metric: &'a str,

@@ -11,19 +11,15 @@ use clap::{ArgGroup, Args};
 
 pub use tables::poses_along;
 
-use report::CurveReport;
+use report::{CurveReport, End};
+use tables::COORDINATES;
 
 use crate::cli::error::CliError;
 use crate::cli::output_files::{self, Files, Format};
 use crate::cli::report::FormArguments;
 use crate::cli::{numbers, terminal};
-use crate::geometry::Pose;
 use crate::input_file::is_standard_stream;
 use crate::vehicle::CurvePrice;
-
-/// The range of coordinates in metres, and of headings in degrees or radians. Within this and [`RADII_M`] a curve ends
-/// within 1e-8 m and 1e-11 turning radii of its goal.
-const COORDINATES: RangeInclusive<f64> = -1e6..=1e6;
 
 /// The range of turning radii in metres.
 const RADII_M: RangeInclusive<f64> = 1e-3..=1e6;
@@ -85,14 +81,6 @@ pub struct CurveArguments {
     pub form: FormArguments,
 }
 
-/// A pose as it was given.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct End {
-    pub x: f64,
-    pub y: f64,
-    pub heading_deg: f64,
-}
-
 impl CurveArguments {
     /// The prices, if any was given.
     pub fn price(&self) -> Option<CurvePrice> {
@@ -101,13 +89,6 @@ impl CurveArguments {
             reverse_factor: self.reverse_factor.unwrap_or(reverse_factor),
             cusp_m: self.cusp_m.unwrap_or(cusp_m),
         })
-    }
-}
-
-impl End {
-    /// Full turns are taken off before the degrees become radians, so that they change nothing.
-    pub fn pose(self) -> Pose {
-        Pose::new(self.x, self.y, (self.heading_deg % 360.0).to_radians())
     }
 }
 
@@ -155,7 +136,7 @@ fn write_lengths(pairs: &Path, csv: &Path, radius_m: f64, quiet: bool) -> Result
 fn report_curves(from: End, to: End, arguments: &CurveArguments, quiet: bool) -> Result<(), CliError> {
     let files = Files { form: arguments.form, ..Files::default() };
     let words = files.writing([(Format::Csv, &arguments.csv), (Format::Png, &arguments.png)]).check()?;
-    let report = CurveReport::new(from, to, arguments);
+    let report = CurveReport::new(from, to, arguments.radius, arguments.price());
     if arguments.csv.is_some() {
         tables::check_samples(&report.curves, arguments.step)?;
     }
@@ -177,10 +158,11 @@ mod tests {
     use std::fs;
 
     use super::*;
-    use crate::cli::args::Command;
+    use crate::cli::Command;
     use crate::cli::command_lines::{parsed, said};
     use crate::cli::fuzz::text::{NUMBERS, mutated};
     use crate::cli::fuzz::{Case, Fuzzer, Law, below, one_of};
+    use crate::geometry::Pose;
 
     #[test]
     fn curves_and_pairs_take_anything() {
@@ -208,7 +190,7 @@ mod tests {
         let Some(Command::Curve(arguments)) = parsed(case, "curve", words)? else { return Ok(()) };
         let (Some(from), Some(to)) = (arguments.from, arguments.to) else { return Err("a pose is missing".into()) };
         case.count("poses accepted");
-        let report = CurveReport::new(from, to, &arguments);
+        let report = CurveReport::new(from, to, arguments.radius, arguments.price());
         for curve in &report.curves {
             let (end, goal) = (curve.path.end(), to.pose());
             let missed_m = end.position().distance(goal.position());

@@ -3,13 +3,27 @@
 use serde::{Serialize, Serializer};
 
 use crate::batch::PROGRAM_VERSION;
-use crate::cli::curve::{CurveArguments, End};
 use crate::document::number::{count, rounded, short};
 use crate::document::{Block, Document, Table};
 use crate::geometry::Pose;
 use crate::picture::{CurveScene, Picture, draw_curves};
 use crate::vehicle::curve::Letters;
 use crate::vehicle::{CurvePrice, Dimensions, Dubins, Path, ReedsShepp, Segment, reeds_shepp};
+
+/// A pose as it was given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct End {
+    pub x: f64,
+    pub y: f64,
+    pub heading_deg: f64,
+}
+
+impl End {
+    /// Full turns are taken off before the degrees become radians, so that they change nothing.
+    pub fn pose(self) -> Pose {
+        Pose::new(self.x, self.y, (self.heading_deg % 360.0).to_radians())
+    }
+}
 
 /// The least extent of the picture, in turning radii.
 const LEAST_RADII: f64 = 1e-3;
@@ -43,15 +57,14 @@ pub struct FoundCurve {
 
 impl CurveReport {
     /// Computes the curves between two poses.
-    pub fn new(from: End, to: End, arguments: &CurveArguments) -> Self {
-        let radius_m = arguments.radius;
+    pub fn new(from: End, to: End, radius_m: f64, price: Option<CurvePrice>) -> Self {
         let (start, goal) = (from.pose(), to.pose());
         let reeds_shepp = ReedsShepp { radius_m };
         let mut curves = vec![
             reeds_shepp_curve("reeds_shepp", "Reeds-Shepp", &reeds_shepp.shortest(start, goal), start),
             dubins_curve(&Dubins { radius_m }, start, goal),
         ];
-        if let Some(price) = arguments.price() {
+        if let Some(price) = price {
             let cheapest = reeds_shepp.cheapest(start, goal, &price);
             let curve = reeds_shepp_curve("cheapest_reeds_shepp", "Cheapest Reeds-Shepp", &cheapest.curve, start);
             curves.push(FoundCurve { price: Some((price, cheapest.price)), ..curve });
@@ -167,7 +180,7 @@ struct PoseObject {
     heading_deg: f64,
 }
 
-/// What does not apply is null.
+/// Members that do not apply are null.
 #[derive(Serialize)]
 struct CurveObject<'a> {
     curve: &'static str,

@@ -3,11 +3,11 @@
 //! Numbers are the shortest decimals that read back as the same `f64`.
 
 use std::io::{self, BufRead, BufReader, ErrorKind, Read, Write};
+use std::ops::RangeInclusive;
 use std::path::Path as FilePath;
 
 use thiserror::Error;
 
-use crate::cli::curve::COORDINATES;
 use crate::cli::curve::report::{FoundCurve, direction};
 use crate::cli::error::CliError;
 use crate::cli::numbers;
@@ -15,6 +15,10 @@ use crate::geometry::Pose;
 use crate::input_file::{self, InputFile};
 use crate::vehicle::{Dubins, Path, ReedsShepp};
 use crate::whole_file::WholeFile;
+
+/// The range of coordinates in metres, and of headings in degrees or radians. Within this and the range of turning radii a curve ends
+/// within 1e-8 m and 1e-11 turning radii of its goal.
+pub const COORDINATES: RangeInclusive<f64> = -1e6..=1e6;
 
 /// Columns that are written after all that are there.
 const ADDED: [&str; 4] = ["reeds_shepp_m", "reeds_shepp_word", "dubins_m", "dubins_word"];

@@ -6,23 +6,18 @@ mod options;
 mod report;
 mod timing;
 
-use std::path::Path;
 use std::process::ExitCode;
-use std::time::Duration;
 
 pub use args::MapCommand;
 
 use args::Computation;
-use options::ReadingArguments;
 use report::{MapReport, with_scene};
 
 use crate::cli::error::CliError;
 use crate::cli::output_files::{self, Files, Words};
 use crate::cli::terminal;
-use crate::grid::occupancy;
-use crate::map_files::{self, MapFile, write_path};
+use crate::map_files::write_path;
 use crate::picture::{draw_map, draw_overlay, draw_surface};
-use crate::time::cpu::CpuStopwatch;
 
 pub fn run(command: &MapCommand, quiet: bool) -> Result<ExitCode, CliError> {
     match command {
@@ -36,7 +31,7 @@ fn compute_and_report(computation: &Computation, quiet: bool) -> Result<(), CliE
     computation.check_parameters().map_err(|problem| CliError::bad_input(problem, None))?;
     let words = check_files(computation)?;
     let (input, output) = (&computation.files().input, &computation.files().output);
-    let (map, cpu_read) = read(&input.map, &input.reading)?;
+    let (map, cpu_read) = input.reading.read(&input.map)?;
     let computed = compute::compute(computation, &map.occupied)
         .map_err(|problem| CliError::bad_input(format_args!("{}: {problem}", input.map.display()), None))?;
     let report = MapReport::new(computation, &map, &computed, cpu_read);
@@ -77,21 +72,16 @@ fn write_files(report: &MapReport, quiet: bool) -> Result<(), CliError> {
     )
 }
 
-/// The map in a file without its edges, and the CPU time that it took.
-fn read(path: &Path, reading: &ReadingArguments) -> Result<(MapFile, Duration), CliError> {
-    let mut stopwatch = CpuStopwatch::start();
-    let mut map = map_files::read(path, reading.tolerance())?;
-    occupancy::remove_edges(&mut map.occupied, reading.remove_edges);
-    Ok((map, stopwatch.lap()))
-}
-
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
     use super::*;
-    use crate::cli::args::Command;
+    use crate::cli::Command;
     use crate::cli::command_lines::{drawn_words, parsed, said};
     use crate::cli::fuzz::{Case, Fuzzer, Law, below, one_of};
     use crate::grid::Grid;
+    use crate::map_files::MapFile;
 
     #[test]
     fn maps_take_any_parameters() {

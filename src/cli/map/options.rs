@@ -1,17 +1,20 @@
 //! Options that several commands of `wildfire map` share, and what they mean to the algorithms.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use clap::{ArgGroup, Args, ValueEnum};
 use serde::Serialize;
 
+use crate::cli::error::CliError;
 use crate::cli::numbers;
 use crate::cli::output_files::Format;
 use crate::cli::report::FormArguments;
 use crate::grid::parameter::BadParameter;
-use crate::grid::{Connectivity, CornerCutting, Place, TieOrder, potential};
-use crate::map_files::MAX_SIDE;
+use crate::grid::{Connectivity, CornerCutting, Place, TieOrder, occupancy, potential};
+use crate::map_files::{self, MAX_SIDE, MapFile};
 use crate::picture::ColourMap;
+use crate::time::cpu::CpuStopwatch;
 
 /// The map to read.
 #[derive(Debug, Args)]
@@ -41,6 +44,14 @@ impl ReadingArguments {
 
     pub fn tolerance(&self) -> u8 {
         self.tolerance.unwrap_or(Self::TOLERANCE)
+    }
+
+    /// Reads the map in a file, without its edges, and says how much CPU time that took.
+    pub fn read(&self, path: &Path) -> Result<(MapFile, Duration), CliError> {
+        let mut stopwatch = CpuStopwatch::start();
+        let mut map = map_files::read(path, self.tolerance())?;
+        occupancy::remove_edges(&mut map.occupied, self.remove_edges);
+        Ok((map, stopwatch.lap()))
     }
 }
 
@@ -302,12 +313,11 @@ pub fn parse_place(text: &str) -> Result<Place, String> {
 }
 
 fn parse_grey(text: &str) -> Result<u8, String> {
-    numbers::parse(text).ok_or_else(|| "expected a grey value, a whole number from 0 to 255".to_owned())
+    numbers::parse_within(text, &(0..=u8::MAX), "a grey value, a whole number")
 }
 
 fn parse_edge(text: &str) -> Result<usize, String> {
-    let width = numbers::parse(text).filter(|&width| width <= MAX_SIDE);
-    width.ok_or_else(|| format!("expected a number of rows and columns, from 0 to {MAX_SIDE}"))
+    numbers::parse_within(text, &(0..=MAX_SIDE), "a number of rows and columns")
 }
 
 pub fn parse_distance(text: &str) -> Result<u16, String> {

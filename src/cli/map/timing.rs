@@ -8,7 +8,6 @@ use serde::Serialize;
 use crate::batch::PROGRAM_VERSION;
 use crate::cli::error::CliError;
 use crate::cli::map::args::TimingArguments;
-use crate::cli::map::read;
 use crate::cli::terminal;
 use crate::document::number::optional;
 use crate::document::{Block, Document, Table};
@@ -43,7 +42,7 @@ struct Timings {
 pub fn run(arguments: &TimingArguments, quiet: bool) -> Result<(), CliError> {
     let mut timings = Vec::new();
     for path in &arguments.maps {
-        let (map, _) = read(path, &arguments.reading)?;
+        let (map, _) = arguments.reading.read(path)?;
         if !quiet {
             let doubts = map.doubts(arguments.reading.tolerance());
             map.notes.iter().chain(&doubts).for_each(|note| terminal::note(&format!("{}: {note}", path.display())));

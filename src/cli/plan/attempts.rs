@@ -1,11 +1,10 @@
-//! What every planner report to every goal, and what that costs.
+//! Every planner asked for every goal, with the cost of its answer.
 
 use std::sync::Arc;
 use std::time::Duration;
 
 use crate::cli::plan::drive::{Drive, Judge};
 use crate::collision::{ClearanceField, CollisionChecker};
-use crate::planning::memory::MemoryMeter;
 use crate::planning::{PlanFailure, TruckPlannerKind};
 use crate::scenario::{MemoryEstimate, MemoryExceeded, MemoryLimit, Problem, Unimog};
 use crate::time::cpu::CpuStopwatch;
@@ -44,36 +43,28 @@ pub fn attempts<'a>(
     let checker = CollisionChecker::new(field, problem.truck.vehicle);
     let field_time = stopwatch.lap();
     let judge = Judge::new(problem, &checker);
-    let mut all = Vec::new();
+    let mut by_planner = Vec::new();
     for &planner in planners {
-        // Each planner is gone when the next is made.
         let memory = estimate.meter(limit)?;
-        all.push(attempts_by(planner, problem, (&checker, &memory), field_time, &judge, seed).into_iter());
+        let truck = Unimog { planner, ..problem.truck.clone() };
+        let mut stopwatch = CpuStopwatch::start();
+        let mut prepared = truck.build_planner(&checker, &memory, seed, 0);
+        let build = field_time + stopwatch.lap();
+        let mut attempts = Vec::new();
+        for (goal, &target) in problem.goals.iter().enumerate() {
+            // What was measured of the last path is not part of this query.
+            stopwatch.lap();
+            let plan = prepared.plan(problem.start, target);
+            let query = stopwatch.lap();
+            let expansions = u64::from(plan.effort.roadmap_expansions) + u64::from(plan.effort.local_expansions);
+            let drive = plan.path.map(|path| judge.drive(target, path));
+            attempts.push(Attempt { problem, goal, planner, build, query, expansions, drive });
+        }
+        by_planner.push(attempts.into_iter());
+        // Each planner is gone when the next is made: its memory is no longer taken.
+        drop(prepared);
         estimate.overrun(&memory, limit).map_or(Ok(()), Err)?;
     }
-    let in_turn = |_| all.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>();
-    Ok((0..problem.goals.len()).flat_map(in_turn).collect())
-}
-
-fn attempts_by<'a>(
-    planner: TruckPlannerKind,
-    problem: &'a Problem,
-    (checker, memory): (&CollisionChecker, &MemoryMeter),
-    field_time: Duration,
-    judge: &Judge,
-    seed: u64,
-) -> Vec<Attempt<'a>> {
-    let truck = Unimog { planner, ..problem.truck.clone() };
-    let mut stopwatch = CpuStopwatch::start();
-    let mut prepared = truck.build_planner(checker, memory, seed, 0);
-    let build = field_time + stopwatch.lap();
-    let attempt = |(goal, &target)| {
-        stopwatch.lap();
-        let plan = prepared.plan(problem.start, target);
-        let query = stopwatch.lap();
-        let expansions = u64::from(plan.effort.roadmap_expansions) + u64::from(plan.effort.local_expansions);
-        let drive = plan.path.map(|path| judge.drive(target, path));
-        Attempt { problem, goal, planner, build, query, expansions, drive }
-    };
-    problem.goals.iter().enumerate().map(attempt).collect()
+    let next_of_each = |_| by_planner.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>();
+    Ok((0..problem.goals.len()).flat_map(next_of_each).collect())
 }

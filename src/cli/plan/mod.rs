@@ -13,17 +13,18 @@ use std::process::ExitCode;
 use clap::Args;
 
 use attempts::attempts;
+use problems::ProblemArguments;
 use report::{PlanReport, Summary};
 
 use crate::batch::file_name_of;
-use crate::cli::args::{MemoryArguments, parse_seed};
-use crate::cli::error::CliError;
+use crate::cli::args::MemoryArguments;
+use crate::cli::error::{CliError, exit};
 use crate::cli::output_files::{self, Files, Format};
 use crate::cli::report::FormArguments;
-use crate::cli::{exit, numbers, terminal};
+use crate::cli::terminal;
 use crate::input_file::is_standard_stream;
 use crate::planning::TruckPlannerKind;
-use crate::scenario::{LoadedScenario, MAX_GOALS, Problem};
+use crate::scenario::{LoadedScenario, Problem};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -36,15 +37,11 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = format!("Planners: {}.\n\n{EXAMPLES}", TruckPlannerKind::names()))]
 pub struct PlanArguments {
-    /// Field files: JSON with bushes, start and goals [default: the field of the scenario, drawn with the seed].
-    #[arg(value_name = "FIELD.json")]
-    pub fields: Vec<PathBuf>,
+    #[command(flatten)]
+    pub problems: ProblemArguments,
     /// The planner; several names, with commas or repeated, are compared [default: the scenario's].
     #[arg(long = "planner", value_name = "NAME", value_delimiter = ',')]
     pub planners: Vec<TruckPlannerKind>,
-    /// The seed of everything random.
-    #[arg(long, default_value_t = 1, allow_hyphen_values = true, value_parser = parse_seed)]
-    pub seed: u64,
     /// The scenario whose first truck's settings planners have: a file, or a built-in name.
     #[arg(long, value_name = "SCENARIO", default_value = "contest")]
     pub scenario: String,
@@ -53,13 +50,6 @@ pub struct PlanArguments {
     pub overrides: Vec<String>,
     #[command(flatten)]
     pub memory: MemoryArguments,
-    /// The number of random free poses of the scenario's field to drive to [default: 50].
-    #[arg(help_heading = "Goals", long, value_name = "N", conflicts_with = "fields", value_parser = goal_count)]
-    pub goals: Option<usize>,
-    /// The number of random bushes of each field to drive to instead: near enough to put out a fire there
-    /// (`suppression.reach_m`), at any heading.
-    #[arg(help_heading = "Goals", long, value_name = "N", conflicts_with = "goals", value_parser = goal_count)]
-    pub cells: Option<usize>,
     #[command(flatten)]
     pub form: FormArguments,
     /// Write a row for each goal and planner.
@@ -76,19 +66,15 @@ pub struct PlanArguments {
     pub png: Option<PathBuf>,
 }
 
-fn goal_count(text: &str) -> Result<usize, String> {
-    numbers::parse_within(text, &(1..=MAX_GOALS), "a whole number")
-}
-
 pub fn run(arguments: &PlanArguments, quiet: bool) -> Result<ExitCode, CliError> {
     let loaded = LoadedScenario::open(&arguments.scenario, &arguments.overrides)?;
-    let problems = problems::load(arguments, &loaded.scenario)?;
+    let problems = arguments.problems.load(&loaded.scenario)?;
     let planners = planners(arguments, &problems);
     let pictures = pictures(arguments, &problems);
     let words = files(arguments, &pictures).check()?;
     let mut all = Vec::new();
     for problem in &problems {
-        let attempts = attempts(problem, &planners, arguments.seed, arguments.memory.limit());
+        let attempts = attempts(problem, &planners, arguments.problems.seed, arguments.memory.limit());
         let exceeded =
             |exceeded| CliError::run_failed(format_args!("planning on the field {}: {exceeded}", problem.name));
         all.extend(attempts.map_err(exceeded)?);
@@ -97,7 +83,7 @@ pub fn run(arguments: &PlanArguments, quiet: bool) -> Result<ExitCode, CliError>
     let report = PlanReport {
         loaded: &loaded,
         changes: &arguments.overrides,
-        seed: arguments.seed,
+        seed: arguments.problems.seed,
         problems: &problems,
         planners: &planners,
         attempts: all,
@@ -138,7 +124,8 @@ fn pictures(arguments: &PlanArguments, problems: &[Problem]) -> Vec<PathBuf> {
 }
 
 fn files<'a>(arguments: &'a PlanArguments, pictures: &'a [PathBuf]) -> Files<'a> {
-    let inputs = arguments.fields.iter().map(PathBuf::as_path).chain([Path::new(&arguments.scenario)]).collect();
+    let inputs =
+        arguments.problems.fields.iter().map(PathBuf::as_path).chain([Path::new(&arguments.scenario)]).collect();
     let outputs = pictures.iter().map(|picture| (Format::Png, picture.as_path())).collect();
     let (csv, paths, ompl) = (&arguments.csv, &arguments.paths, &arguments.ompl);
     let tables = [(Format::Csv, csv), (Format::Csv, paths), (Format::OmplLog, ompl)];

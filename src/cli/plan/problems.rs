@@ -1,18 +1,21 @@
 //! The planning problems: from files, or on the field of a scenario.
 
 use std::f64::consts::TAU;
+use std::path::PathBuf;
 use std::sync::Arc;
 
+use clap::Args;
 use rand::RngExt;
 use rand::seq::SliceRandom;
 
+use crate::cli::args::parse_seed;
 use crate::cli::error::CliError;
-use crate::cli::plan::PlanArguments;
+use crate::cli::numbers;
 use crate::collision::{ClearanceField, CollisionChecker};
 use crate::geometry::Pose;
 use crate::planning::{Goal, GoalDisc};
 use crate::rng;
-use crate::scenario::{Problem, Scenario, Unimog};
+use crate::scenario::{MAX_GOALS, Problem, Scenario, Unimog};
 
 /// Goal poses on a scenario's field, unless a number is given.
 const GOALS: usize = 50;
@@ -23,26 +26,47 @@ const GOAL_CLEARANCE_M: f64 = 0.5;
 /// Poses drawn for one that is free, until the field counts as full.
 const DRAWS_A_GOAL: usize = 10_000;
 
-/// The problems of the files, or the one of the scenario; each has a name of its own and at least one goal.
-pub fn load(arguments: &PlanArguments, scenario: &Scenario) -> Result<Vec<Problem>, CliError> {
-    let truck = scenario.unimog.first().ok_or_else(|| no_truck(scenario))?;
-    let mut problems = if arguments.fields.is_empty() {
-        vec![on_the_scenario(arguments, scenario)?]
-    } else {
-        from_files(arguments, truck)?
-    };
-    if let Some(count) = arguments.cells {
-        let reach_m = scenario.suppression.reach_m.ok_or_else(no_reach)?;
-        problems.iter_mut().for_each(|problem| problem.goals = bushes(problem, count, reach_m, arguments.seed));
-    }
-    match problems.iter().find(|problem| problem.goals.is_empty()) {
-        None => Ok(problems),
-        Some(problem) => {
-            let (what, help) = match arguments.cells {
-                Some(_) => ("bushes", "leave out --cells, to drive to poses"),
-                None => ("goals", "list `goals`, or drive to bushes with --cells"),
-            };
-            Err(CliError::bad_input(format_args!("the field `{}` has no {what}", problem.name), Some(help)))
+/// The fields to plan on, and the goals there.
+#[derive(Debug, Args)]
+pub struct ProblemArguments {
+    /// Field files: JSON with bushes, start and goals [default: the field of the scenario, drawn with the seed].
+    #[arg(value_name = "FIELD.json")]
+    pub fields: Vec<PathBuf>,
+    /// The seed of everything random.
+    #[arg(long, default_value_t = 1, allow_hyphen_values = true, value_parser = parse_seed)]
+    pub seed: u64,
+    /// The number of random free poses of the scenario's field to drive to [default: 50].
+    #[arg(help_heading = "Goals", long, value_name = "N", conflicts_with = "fields", value_parser = goal_count)]
+    pub goals: Option<usize>,
+    /// The number of random bushes of each field to drive to instead: near enough to put out a fire there
+    /// (`suppression.reach_m`), at any heading.
+    #[arg(help_heading = "Goals", long, value_name = "N", conflicts_with = "goals", value_parser = goal_count)]
+    pub cells: Option<usize>,
+}
+
+fn goal_count(text: &str) -> Result<usize, String> {
+    numbers::parse_within(text, &(1..=MAX_GOALS), "a whole number")
+}
+
+impl ProblemArguments {
+    /// Returns the problems of the files, or the one of the scenario; each has a name of its own and at least one goal.
+    pub fn load(&self, scenario: &Scenario) -> Result<Vec<Problem>, CliError> {
+        let truck = scenario.unimog.first().ok_or_else(|| no_truck(scenario))?;
+        let mut problems =
+            if self.fields.is_empty() { vec![on_the_scenario(self, scenario)?] } else { from_files(self, truck)? };
+        if let Some(count) = self.cells {
+            let reach_m = scenario.suppression.reach_m.ok_or_else(no_reach)?;
+            problems.iter_mut().for_each(|problem| problem.goals = bushes(problem, count, reach_m, self.seed));
+        }
+        match problems.iter().find(|problem| problem.goals.is_empty()) {
+            None => Ok(problems),
+            Some(problem) => {
+                let (what, help) = match self.cells {
+                    Some(_) => ("bushes", "leave out --cells, to drive to poses"),
+                    None => ("goals", "list `goals`, or drive to bushes with --cells"),
+                };
+                Err(CliError::bad_input(format_args!("the field `{}` has no {what}", problem.name), Some(help)))
+            }
         }
     }
 }
@@ -58,7 +82,7 @@ fn no_reach() -> CliError {
     CliError::bad_input("--cells needs a reach, and `suppression.reach_m` is \"none\"", None)
 }
 
-fn from_files(arguments: &PlanArguments, truck: &Unimog) -> Result<Vec<Problem>, CliError> {
+fn from_files(arguments: &ProblemArguments, truck: &Unimog) -> Result<Vec<Problem>, CliError> {
     let mut problems: Vec<Problem> = Vec::new();
     for path in &arguments.fields {
         let problem = Problem::open(path, truck)?;
@@ -74,7 +98,7 @@ fn from_files(arguments: &PlanArguments, truck: &Unimog) -> Result<Vec<Problem>,
     Ok(problems)
 }
 
-fn on_the_scenario(arguments: &PlanArguments, scenario: &Scenario) -> Result<Problem, CliError> {
+fn on_the_scenario(arguments: &ProblemArguments, scenario: &Scenario) -> Result<Problem, CliError> {
     let problem = Problem::from_scenario(scenario, arguments.seed).map_err(|error| CliError::bad_input(error, None))?;
     let mut problem = problem.ok_or_else(|| no_truck(scenario))?;
     if arguments.cells.is_none() {

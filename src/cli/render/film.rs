@@ -6,15 +6,32 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use indicatif::ProgressBar;
 
 use super::mp4_file::Mp4File;
-use super::{RenderArguments, Scene};
 use crate::cli::error::CliError;
 use crate::cli::{interrupt, terminal};
-use crate::picture::film::FrameRenderer;
+use crate::picture::film::{FrameRenderer, FrameRequest, RunView, ViewOptions, still};
 use crate::picture::{ColourCounts, GifFilm, Palette};
 use crate::time::SimTime;
 
 /// Frames whose colours make the palette of a GIF.
 const SAMPLED_FRAMES: u64 = 32;
+
+/// The runs and the view of them, without the moment.
+pub struct Scene<'a> {
+    pub runs: &'a [&'a RunView],
+    pub options: ViewOptions,
+    pub size: (u32, u32),
+}
+
+impl Scene<'_> {
+    pub fn request(&self, time: SimTime) -> FrameRequest<'_> {
+        FrameRequest { runs: self.runs, time, options: &self.options }
+    }
+
+    pub fn write_still(&self, time: SimTime, path: &Path) -> Result<(), CliError> {
+        let picture = still(&self.request(time), self.size);
+        picture.write_png(path).map_err(|error| CliError::unwritable(path, &error))
+    }
+}
 
 /// The most frames of a film: at twenty a second, an hour and a half.
 pub const MOST_FRAMES: u64 = 100_000;
@@ -65,15 +82,22 @@ impl Moments {
     }
 }
 
+/// The files that a film goes into.
+#[derive(Clone, Copy, Debug)]
+pub struct FilmFiles<'a> {
+    pub gif: Option<&'a Path>,
+    pub mp4: Option<&'a Path>,
+}
+
 /// Writes the films that were asked for; they appear whole, both or none.
-pub fn write_films(scene: &Scene, moments: Moments, arguments: &RenderArguments, quiet: bool) -> Result<(), CliError> {
+pub fn write_films(scene: &Scene, moments: Moments, files: FilmFiles<'_>, quiet: bool) -> Result<(), CliError> {
     let watch = interrupt::watch();
     let stop = watch.stop();
-    let mut mp4 = arguments.mp4.as_deref().map(|path| Mp4File::create(path, scene.size, moments.fps)).transpose()?;
-    let sampled = if arguments.gif.is_some() { moments.sample(SAMPLED_FRAMES).count() as u64 } else { 0 };
+    let mut mp4 = files.mp4.map(|path| Mp4File::create(path, scene.size, moments.fps)).transpose()?;
+    let sampled = if files.gif.is_some() { moments.sample(SAMPLED_FRAMES).count() as u64 } else { 0 };
     let bar = terminal::progress_bar(sampled + moments.count(), "frames", quiet);
     let mut film = FilmFrames { scene, moments, renderer: FrameRenderer::new(scene.size, scene.runs.len()), bar, stop };
-    let mut gif = arguments.gif.as_deref().map(|path| film.begin_gif(path)).transpose()?;
+    let mut gif = files.gif.map(|path| film.begin_gif(path)).transpose()?;
     for frame in 0..moments.count() {
         let pixels = film.paint(frame)?;
         if let Some((path, gif)) = &mut gif {

@@ -8,14 +8,14 @@ use std::process::ExitCode;
 
 use clap::{ArgGroup, Args};
 
-use film::{MOST_FRAMES, Moments, write_films};
+use film::{FilmFiles, MOST_FRAMES, Moments, Scene, write_films};
 
 use crate::cli::error::CliError;
 use crate::cli::numbers;
 use crate::cli::output_files::{self, Files, Format};
 use crate::cli::show::{Searches, ShowArguments, ShownRun, look, parse_seconds, parse_speed, shown_runs, time_within};
 use crate::picture::GifFilm;
-use crate::picture::film::{FrameRequest, Layer, RunView, ViewOptions, still};
+use crate::picture::film::{Layer, RunView};
 use crate::time::SimTime;
 
 #[derive(Debug, Args)]
@@ -79,29 +79,11 @@ pub fn run(arguments: &RenderArguments, quiet: bool) -> Result<ExitCode, CliErro
         output_files::note_written(path, quiet);
     }
     if arguments.gif.is_some() || arguments.mp4.is_some() {
-        write_films(&scene, moments, arguments, quiet)?;
-        let films = [&arguments.gif, &arguments.mp4].into_iter().flatten();
-        films.for_each(|path| output_files::note_written(path, quiet));
+        let files = FilmFiles { gif: arguments.gif.as_deref(), mp4: arguments.mp4.as_deref() };
+        write_films(&scene, moments, files, quiet)?;
+        [files.gif, files.mp4].into_iter().flatten().for_each(|path| output_files::note_written(path, quiet));
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// The runs and the view of them, without the moment.
-struct Scene<'a> {
-    runs: &'a [&'a RunView],
-    options: ViewOptions,
-    size: (u32, u32),
-}
-
-impl Scene<'_> {
-    fn request(&self, time: SimTime) -> FrameRequest<'_> {
-        FrameRequest { runs: self.runs, time, options: &self.options }
-    }
-
-    fn write_still(&self, time: SimTime, path: &Path) -> Result<(), CliError> {
-        let picture = still(&self.request(time), self.size);
-        picture.write_png(path).map_err(|error| CliError::unwritable(path, &error))
-    }
 }
 
 /// Checks what can be checked before anything is simulated.
