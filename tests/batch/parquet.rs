@@ -153,7 +153,7 @@ fn column_is_required_unless_some_run_has_no_value() {
     let states = scratch.path().join("states.parquet");
     assert_eq!(columns(&states, |column| !is_required(column)), ["planner"]);
     let calls = scratch.path().join("planner_calls.parquet");
-    let optional = ["planner", "solution_length_m", "solution_segments", "cusps", "drive_s", "by_lattice"];
+    let optional = ["planner", "solution_length_m", "solution_segments", "cusps", "drive_s", "by_lattice", "found_by"];
     assert_eq!(columns(&calls, |column| !is_required(column)), optional);
 }
 

@@ -40,14 +40,45 @@ pub struct Solution {
     pub segments: u32,
     pub cusps: u32,
     pub duration_s: f64,
-    /// True if the reachability flood made it, after the planner had failed.
-    pub by_lattice: bool,
+    /// The means that found it; `None` of a Wumpus's.
+    pub found_by: Option<FoundBy>,
+}
+
+impl Solution {
+    /// Says whether the reachability flood led to it, after the planner had failed.
+    pub fn by_lattice(&self) -> bool {
+        self.found_by.is_some_and(FoundBy::is_after_failure)
+    }
 }
 
 /// A call as a journal holds it, where there are hundreds in every line: agent (twice its number, one more for a
 /// truck), nanoseconds, column, row, failure (from 1; 0 of a plan), expansions in roadmap and local search, and of a
-/// plan metres, segments, cusps, seconds, and whether it is the flood's.
-type CallFields = (u32, u64, u16, u16, usize, u32, u32, Option<(f64, u32, u32, f64, bool)>);
+/// plan metres, segments, cusps, seconds, and what found it.
+type CallFields = (u32, u64, u16, u16, usize, u32, u32, Option<(f64, u32, u32, f64, FoundByField)>);
+
+/// The means that found a plan, as a journal names them.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum FoundByField {
+    Named(FoundBy),
+    /// Of a Wumpus's plan false. Journals in which no means are named say of every plan whether the flood led to it.
+    Flood(bool),
+}
+
+impl From<FoundByField> for Option<FoundBy> {
+    fn from(field: FoundByField) -> Self {
+        match field {
+            FoundByField::Named(found_by) => Some(found_by),
+            FoundByField::Flood(by_flood) => by_flood.then_some(FoundBy::Reachability),
+        }
+    }
+}
+
+impl From<Option<FoundBy>> for FoundByField {
+    fn from(found_by: Option<FoundBy>) -> Self {
+        found_by.map_or(Self::Flood(false), Self::Named)
+    }
+}
 
 impl TryFrom<CallFields> for PlannerCall {
     type Error = &'static str;
@@ -55,15 +86,10 @@ impl TryFrom<CallFields> for PlannerCall {
     fn try_from(fields: CallFields) -> Result<Self, &'static str> {
         let (agent, nanos, col, row, failure, roadmap_expansions, local_expansions, plan) = fields;
         let number = u16::try_from(agent / 2).map_err(|_| "its agent has too large a number")?;
-        let solution = |(length_m, segments, cusps, duration_s, by_lattice)| Solution {
-            length_m,
-            segments,
-            cusps,
-            duration_s,
-            by_lattice,
-        };
         let answer = match (failure, plan) {
-            (0, Some(plan)) => Ok(solution(plan)),
+            (0, Some((length_m, segments, cusps, duration_s, found_by))) => {
+                Ok(Solution { length_m, segments, cusps, duration_s, found_by: found_by.into() })
+            }
             (number, None) => {
                 let failure = number.checked_sub(1).and_then(|index| PlanFailure::ALL.get(index));
                 Err(*failure.ok_or("a call has a plan, or a reason why not")?)
@@ -86,7 +112,7 @@ impl From<PlannerCall> for CallFields {
         let place_of = |failure| PlanFailure::ALL.iter().position(|known| *known == failure);
         let failure = call.answer.err().map_or(0, |failure| 1 + place_of(failure).expect("all failures are listed"));
         let plan = call.answer.ok();
-        let plan = plan.map(|plan| (plan.length_m, plan.segments, plan.cusps, plan.duration_s, plan.by_lattice));
+        let plan = plan.map(|plan| (plan.length_m, plan.segments, plan.cusps, plan.duration_s, plan.found_by.into()));
         let Effort { roadmap_expansions, local_expansions } = call.effort;
         let (col, row) = call.goal;
         (agent, call.time.as_nanos(), col, row, failure, roadmap_expansions, local_expansions, plan)
@@ -136,7 +162,7 @@ fn call_of(event: &Event) -> Option<PlannerCall> {
                 segments: trajectory.pieces().iter().filter(|piece| piece.segment().is_some()).count() as u32,
                 cusps: trajectory.cusps(),
                 duration_s: trajectory.duration_s(),
-                by_lattice: found_by.is_some_and(FoundBy::is_after_failure),
+                found_by: *found_by,
             };
             let goal = (goal.col, goal.row);
             Some(PlannerCall { agent: *agent, time, goal, answer: Ok(solution), effort: *effort })
@@ -209,5 +235,17 @@ mod tests {
         let detail = RunDetail::new(&RunIndex::new(&smoke()));
         let json = serde_json::to_string(&detail).expect("numbers and words are JSON");
         assert_eq!(serde_json::from_str::<RunDetail>(&json).expect("it was just written"), detail);
+    }
+
+    #[test]
+    fn journals_that_name_no_means_say_whether_the_flood_led_to_a_plan() {
+        let found_by = |field: &str| {
+            let call = format!("[1,0,2,3,0,4,5,[6.5,7,8,9.5,{field}]]");
+            let call: PlannerCall = serde_json::from_str(&call).expect("it is a call");
+            call.answer.expect("it has a plan").found_by
+        };
+        assert_eq!(found_by("true"), Some(FoundBy::Reachability));
+        assert_eq!(found_by("false"), None);
+        assert_eq!(found_by("\"way-home\""), Some(FoundBy::WayHome));
     }
 }

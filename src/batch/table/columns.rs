@@ -314,7 +314,10 @@ pub const CALL_COLUMNS: &[CallColumn] = columns! { CallColumn, call;
     roadmap_expansions: Count None "nodes expanded in the roadmap" = call.effort.roadmap_expansions;
     local_expansions: Count None "nodes expanded in the local search" = call.effort.local_expansions;
     by_lattice: optional Flag None "whether the reachability flood found it after the planner had failed"
-        = call.answer.ok().map(|plan| plan.by_lattice);
+        = call.answer.ok().map(|plan| plan.by_lattice());
+    found_by: optional Text None
+        "what found the plan of a truck: straight, roadmap, search, relaxed, lattice, reachability, backing-out or way-home"
+        = call.answer.ok().and_then(|plan| plan.found_by).map(|found_by| found_by.to_string());
 };
 
 /// The columns of `states.parquet`, in their order, after those of the run.

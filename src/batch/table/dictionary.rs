@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value as Json, json};
 
-use crate::batch::table::column::{FileColumn, Kind, Unit};
+use crate::batch::table::column::{Column, FileColumn, Kind, Unit};
 use crate::batch::table::columns::{CALL_COLUMNS, COLUMNS_BEFORE_SWEPT, RUN_COLUMNS, STATE_COLUMNS};
 
 /// A table of a batch.
@@ -16,11 +16,11 @@ pub enum TableOfRows {
 impl TableOfRows {
     /// Returns the columns of the table's file, with those of what is swept.
     pub fn columns(self, swept: &[FileColumn]) -> Vec<FileColumn> {
-        let label = RUN_COLUMNS[..COLUMNS_BEFORE_SWEPT].iter().map(|column| column.described());
+        let label = RUN_COLUMNS[..COLUMNS_BEFORE_SWEPT].iter().map(Column::described);
         let own: Vec<FileColumn> = match self {
-            Self::Runs => RUN_COLUMNS[COLUMNS_BEFORE_SWEPT..].iter().map(|column| column.described()).collect(),
-            Self::PlannerCalls => CALL_COLUMNS.iter().map(|column| column.described()).collect(),
-            Self::States => STATE_COLUMNS.iter().map(|column| column.described()).collect(),
+            Self::Runs => RUN_COLUMNS[COLUMNS_BEFORE_SWEPT..].iter().map(Column::described).collect(),
+            Self::PlannerCalls => CALL_COLUMNS.iter().map(Column::described).collect(),
+            Self::States => STATE_COLUMNS.iter().map(Column::described).collect(),
         };
         label.chain(swept.iter().cloned()).chain(own).collect()
     }

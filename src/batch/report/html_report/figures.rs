@@ -122,7 +122,7 @@ fn bars(title: &str, quantities: &[Quantity], panels: &[Facet], values: &[Values
             x: String::new(),
             y: quantities.first().map_or("", |quantity| quantity.axis()).into(),
         },
-        groups: quantities.iter().map(|quantity| quantity.name().to_owned()).collect(),
+        groups: quantities.iter().map(|quantity| quantity.label().to_owned()).collect(),
         panels: panels
             .iter()
             .map(|panel| BarPanel { name: panel.name.clone(), series: panel.series.iter().map(of_series).collect() })
@@ -167,7 +167,7 @@ fn state_styles() -> [Style; STATES.len()] {
 
 fn state_curves(curves: &StateCurves) -> Vec<Curve> {
     let curve = |((state, style), points): ((&Quantity, Style), &Vec<_>)| Curve {
-        name: state.name().into(),
+        name: state.label().into(),
         style,
         points: points.clone(),
     };

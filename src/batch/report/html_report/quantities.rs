@@ -49,15 +49,15 @@ impl Quantity {
         self.about().name
     }
 
-    pub fn name(self) -> &'static str {
+    pub fn label(self) -> &'static str {
         self.about().title
     }
 
     /// Returns its name outside of a chart of several.
     pub fn title(self) -> String {
         match self.about().unit {
-            Unit::Cells => format!("{} at the end of a run", self.name()),
-            _ => self.name().into(),
+            Unit::Cells => format!("{} at the end of a run", self.label()),
+            _ => self.label().into(),
         }
     }
 
