@@ -152,7 +152,7 @@ mod tests {
 
     #[test]
     fn keys_that_take_their_values_together_are_one_group() {
-        let settings = |text: &str| text.split(',').map(crate::batch::Setting::parse).collect::<Vec<_>>();
+        let settings = |text: &str| text.split(',').map(crate::batch::plan::Setting::parse).collect::<Vec<_>>();
         let columns = vec![("field.coverage".into(), settings("0.05,0.1")), ("duration_s".into(), settings("60,90"))];
         let plan = plan(&["smoke"], vec![Sweep::together(columns).expect("pairs")]);
         let labels = Labels::new(&plan);
