@@ -6,7 +6,7 @@ pub const WIDTH: f64 = 0.5;
 /// Buckets in use at one time.
 const RING: usize = 8;
 
-/// How far a priority may lie above the last one handed out.
+/// The most by which a priority may lie above the last one handed out.
 pub const REACH: f64 = WIDTH * (RING - 2) as f64;
 
 /// A priority queue that hands out the smallest first, of equals the latest.
@@ -23,7 +23,7 @@ pub struct BucketQueue<T> {
 }
 
 impl<T> BucketQueue<T> {
-    /// With its first entry, whose priority is not negative.
+    /// Makes a queue with its first entry, whose priority is not negative.
     pub fn new(priority: f64, entry: T) -> Self {
         let mut queue = Self { buckets: Default::default(), turn: bucket(priority), len: 0 };
         queue.push(priority, entry);

@@ -3,7 +3,7 @@
 use super::wavefront::{descend_wavefront, wavefront};
 use super::{BadPlace, Connectivity, CornerCutting, Grid, Place, Route, TieOrder, place};
 
-/// Where a descent ended.
+/// The end of a descent.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Descent {
     /// Cells from the start to the goal, both included.

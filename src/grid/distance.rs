@@ -96,7 +96,8 @@ pub fn squared_vertex_distances(occupied: &Grid<bool>, factor: usize, mut take: 
     }
 }
 
-/// For each cell, the lattice row of the lower edge of the nearest occupied cell above it; far away if there is none.
+/// Computes for each cell the lattice row of the lower edge of the nearest occupied cell above it; far away if there is
+/// none.
 fn edges_above(occupied: &Grid<bool>, factor: i32) -> Grid<i32> {
     let (rows, cols) = (occupied.rows(), occupied.cols());
     let mut edges = Grid::filled(rows, cols, 2 * FAR);

@@ -144,7 +144,7 @@ mod tests {
         map.values().iter().filter(|&&occupied| !occupied).count()
     }
 
-    /// How many free cells four-neighbour steps reach from `start`, itself included.
+    /// Returns how many free cells four-neighbour steps reach from `start`, itself included.
     fn reached_from(map: &Grid<bool>, start: Place) -> usize {
         let mut open = map.clone();
         open[start] = true;

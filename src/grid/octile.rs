@@ -8,7 +8,7 @@ use crate::grid::open_list::{OpenList, Ranked};
 use crate::grid::wavefront::{descend_wavefront, wavefront};
 use crate::grid::{BadPlace, Connectivity, CornerCutting, Grid, Place, Route, TieOrder, place};
 
-/// For every cell a mask of the legal [`MOVES`].
+/// Computes a mask of the legal [`MOVES`] for every cell.
 pub fn legal_moves(occupied: &Grid<bool>, connectivity: Connectivity, corners: CornerCutting) -> Grid<u8> {
     let mut moves = Grid::filled(occupied.rows(), occupied.cols(), 0u8);
     for row in 0..occupied.rows() {

@@ -7,7 +7,7 @@
 use super::parameter::BadParameter;
 use super::{Grid, Place};
 
-/// What attraction grows with.
+/// The distance that attraction grows with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Attraction {
     /// Half the square of the Euclidean distance in cells, times `zeta`.
@@ -16,7 +16,7 @@ pub enum Attraction {
     Manhattan,
 }
 
-/// What repulsion falls with; `q` is the distance at which it ends, `eta` its strength.
+/// The parameters of repulsion; `q` is the distance at which it ends, `eta` its strength.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Repulsion {
     pub q: f64,

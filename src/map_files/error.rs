@@ -1,4 +1,4 @@
-//! What can be wrong with a map's file.
+//! Faults of map files.
 
 use std::io;
 use std::path::PathBuf;

@@ -30,7 +30,7 @@ pub(super) fn read(mut source: impl BufRead, bytes: u64) -> Result<(Grid<u8>, Op
     Ok((Grid::from_values(rows, cols, values), header.note()))
 }
 
-/// Whether a file begins as a Netpbm image does: a P, a digit from 1 to 6, white space.
+/// Returns whether a file begins as a Netpbm image does: a P, a digit from 1 to 6, white space.
 pub(super) fn is_start(start: &[u8]) -> bool {
     matches!(start, [b'P', b'1'..=b'6', next, ..] if next.is_ascii_whitespace() || *next == b'#')
 }

@@ -24,7 +24,7 @@ pub struct MapFile {
     pub occupied: Grid<bool>,
     /// The grey values of an image, 0 black to 255 white.
     pub grey: Option<Grid<u8>>,
-    /// What was changed on reading, in sentences.
+    /// Changes made on reading, in sentences.
     pub notes: Vec<String>,
 }
 
@@ -153,7 +153,7 @@ enum SequentialFormat {
     Text,
 }
 
-/// How files begin that people may take for maps.
+/// The first bytes of files that people may take for maps.
 const FOREIGN: &[(&[u8], &str)] = &[
     (b"\xFF\xD8\xFF", "a JPEG image"),
     (b"GIF8", "a GIF image"),

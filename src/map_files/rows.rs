@@ -45,7 +45,7 @@ pub(super) fn read_rows<R: BufRead>(
     map.finish(declared)
 }
 
-/// About as many cells as the text holds if all its lines are like the first one.
+/// Guesses how many cells the text holds, which is right if all its lines are like the first one.
 fn guessed_cells(line: &[u8], bytes: u64) -> usize {
     let commas = line.iter().filter(|&&byte| byte == b',').count();
     let cols = if commas > 0 { commas + 1 } else { line.len() };

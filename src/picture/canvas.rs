@@ -23,7 +23,7 @@ pub struct Ink {
     pub opacity: f32,
 }
 
-/// What lines are drawn with; their ends are cut off straight, so that lines that follow each other do not overlap.
+/// A pen for lines; their ends are cut off straight, so that lines that follow each other do not overlap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pen {
     pub ink: Ink,

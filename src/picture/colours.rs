@@ -7,7 +7,7 @@ use crate::fire::BushStateKind;
 /// Red, green and blue, 0 to 255.
 pub type Rgb = [u8; 3];
 
-/// How values become colours.
+/// A map from values to colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ColourMap {
     /// Perceptually uniform, readable in grey and by the colour-blind (van der Walt and Smith, matplotlib, 2015).

@@ -72,7 +72,7 @@ fn draw_ways(canvas: &mut Canvas, frame: &WorldFrame, lines: &[Vec<WayRun>]) {
     }
 }
 
-/// Where each run but the first begins.
+/// Returns the places where all runs but the first begin.
 fn cusps(runs: &[WayRun]) -> impl Iterator<Item = &(f64, f64)> {
     runs.iter().skip(1).map(|run| &run.places[0])
 }

@@ -41,7 +41,7 @@ pub fn face_colour(face: BlockFace, scale: Option<&ValueScale>) -> Rgb {
     }
 }
 
-/// What has no value and what is marked, as far as it is present.
+/// Lists what has no value and what is marked, as far as it is present.
 pub fn key<'a>(scene: &MapScene<'a>) -> Vec<(Symbol, &'a str)> {
     let obstacle = scene.has_obstacles().then_some((Symbol::Cell(OBSTACLE), "obstacle"));
     let colourless = scene.colourless_name().map(|name| (Symbol::Cell(WITHOUT_VALUE), name));
@@ -57,17 +57,17 @@ pub fn marks_key<'a>(scene: &MapScene<'a>) -> impl Iterator<Item = (Symbol, &'a 
 const TITLE: f32 = 13.0;
 const MARGIN: f32 = 24.0;
 const GAP: f32 = 12.0;
-/// How far marks may reach beyond the map, and so how far texts keep from it.
+/// The distance by which marks may reach beyond the map, and which texts keep from it.
 const OVERHANG: f32 = 10.0;
-/// How long the longer side of a map is drawn before texts grow with it, in pixels.
+/// The longer side of a map from which on texts grow with it, in pixels.
 const USUAL_LENGTH: f32 = 1000.0;
 
 pub struct Plate<'a> {
     scene: &'a MapScene<'a>,
     zoom: Zoom,
-    /// How much larger than usual texts and marks are.
+    /// The factor by which texts and marks are larger than usual.
     unit: f32,
-    /// Where the map's upper left corner is.
+    /// The place of the map's upper left corner.
     corner: Point,
     canvas: Canvas,
 }

@@ -8,7 +8,7 @@ use crate::picture::png::Picture;
 use crate::picture::scene::{MapScene, Zones};
 use crate::picture::zoom::{BlockFace, CellBlock};
 
-/// How much of the colour of a free cell is the map's; the rest is the input's.
+/// The share of the map in the colour of a free cell; the rest is the input's.
 const OPACITY: f64 = 0.6;
 /// The same of obstacles, which in grey input are dark already.
 const OBSTACLE_OPACITY: f64 = 0.8;

@@ -8,7 +8,7 @@ use crate::picture::font::{CAPITAL, Glyph, PenPoint, glyph};
 
 /// Width of the pen in units of the font.
 pub const PEN: f32 = 1.15;
-/// What an advance leaves between the pen's lines of two characters, in units of the font.
+/// The gap that an advance leaves between the pen's lines of two characters, in units of the font.
 const GAP: f32 = 2.5;
 
 /// Which part of a line of text stands at the place that is given.
@@ -19,8 +19,8 @@ pub enum Align {
     Right,
 }
 
-/// How far a line of text reaches from the left edge of its first character to the right edge of its last, in pixels,
-/// if its capitals are `height` pixels high.
+/// Returns how far a line of text reaches from the left edge of its first character to the right edge of its last, in
+/// pixels, if its capitals are `height` pixels high.
 pub fn measure_text(text: &str, height: f32) -> f32 {
     let advances: f32 = text.chars().map(|letter| glyph(letter).advance).sum();
     ((advances - GAP + PEN) * height / CAPITAL).max(0.0)

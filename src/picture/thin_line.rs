@@ -51,7 +51,7 @@ mod tests {
     use super::*;
     use crate::picture::colours::{INK, PAPER};
 
-    /// How much ink a line leaves on paper, in whole pixels of it.
+    /// Returns how much ink a line leaves on paper, in whole pixels of it.
     fn area(lines: &[[Point; 2]], width: f32) -> f64 {
         let mut canvas = Canvas::new(60, 50, PAPER);
         for &[from, to] in lines {

@@ -31,14 +31,14 @@ pub use window::{insert_resources, play, window};
 use crate::picture::film::{RunView, ViewOptions};
 use crate::time::SimTime;
 
-/// What a window shows first, and where it gets the rest from.
+/// The configuration of a window: what it shows first, and where it gets further runs from.
 pub struct ViewerConfig {
     /// One run or two, each with its loader; a recording has none.
     pub runs: Vec<(RunView, Option<Box<dyn RunLoader>>)>,
     pub options: ViewOptions,
     /// Simulated seconds for a second, from [`Player::SLOWEST`] to [`Player::FASTEST`].
     pub speed: f64,
-    /// Where the clock stands first; beyond the end of all runs it stands there.
+    /// The first time shown; one beyond the end of all runs becomes that end.
     pub start: SimTime,
     pub is_paused: bool,
     /// Width and height in pixels.

@@ -100,13 +100,13 @@ impl<T: StepCount> DistanceRow<T> {
     }
 }
 
-/// How many steps it is to an obstacle, or that none is known.
+/// The number of steps to an obstacle, or that none is known.
 pub trait StepCount: Copy + Ord {
     const ZERO: Self;
     /// More than any count.
     const UNKNOWN: Self;
 
-    /// So many steps more; [`UNKNOWN`](Self::UNKNOWN) if that is too many.
+    /// Adds steps; [`UNKNOWN`](Self::UNKNOWN) if that is too many.
     fn plus(self, steps: u8) -> Self;
 
     fn from_count(count: u16) -> Self;

@@ -1,4 +1,4 @@
-//! What a flood has found out about the cells of a tile, one byte a cell.
+//! The codes of a tile's cells after a flood, one byte a cell.
 
 use crate::grid::wavefront::GOAL;
 use crate::grid::wavefront::cells::{CellSet, SIDE};
@@ -18,7 +18,7 @@ pub type CodeRows = [[u8; SIDE]; SIDE];
 const REACHED: u8 = 0x80;
 
 impl Codes {
-    /// What a window found out.
+    /// Encodes the cells that a window reached.
     pub fn new(window: &Window, free: CellSet) -> Self {
         let mut planes = [CellSet::NONE; 8];
         planes[..window.planes.len()].copy_from_slice(&window.planes);

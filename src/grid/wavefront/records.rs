@@ -1,4 +1,4 @@
-//! What is known of the tiles while the wave runs.
+//! The records of all tiles while the wave runs.
 
 use std::array;
 

@@ -19,7 +19,7 @@ pub struct Tiles<'a> {
     source: Place,
 }
 
-/// For a tile whose cells were reached in levels too far apart for one window; it is flooded again for its values.
+/// Marks a tile whose cells were reached in levels too far apart for one window; it is flooded again for its values.
 const OFTEN: i32 = i32::MAX;
 
 /// The codes of a window in a column of tiles.

@@ -19,13 +19,13 @@ pub use drawing::Drawing;
 pub use strips::{Strip, StripChart, StripPanel};
 pub use style::{STYLES, Style};
 
-/// What is written around a chart.
+/// The words around a chart.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Titles {
     pub title: String,
-    /// How the chart is to be read, in one line.
+    /// One line on how to read the chart.
     pub note: String,
-    /// What the axes show, with units.
+    /// Names of the axes, with units.
     pub x: String,
     pub y: String,
 }

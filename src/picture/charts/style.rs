@@ -1,4 +1,4 @@
-//! How series look: colour, hatching, dashes, mark.
+//! Styles of series: colour, hatching, dashes, mark.
 
 use super::drawing::Drawing;
 use crate::geometry::ops;
@@ -6,7 +6,7 @@ use crate::picture::canvas::Point;
 use crate::picture::colours::{INK, PAPER, Rgb};
 use crate::picture::marks::to_f32;
 
-/// How a series looks; no two differ in colour alone.
+/// The style of a series; no two differ in colour alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Style {
     pub colour: Rgb,

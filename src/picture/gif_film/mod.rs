@@ -42,7 +42,7 @@ impl GifFilm {
     /// The shortest time that a frame may stand, in hundredths of a second; viewers take less for something else.
     pub const LEAST_DELAY: u16 = 2;
 
-    /// For frames of that width and height in pixels.
+    /// Begins a file of frames of that width and height in pixels.
     pub fn create(path: &Path, (width, height): (u32, u32), palette: Palette) -> io::Result<Self> {
         let side =
             |pixels| u16::try_from(pixels).map_err(|_| io::Error::other("a GIF has at most 65535 pixels a side"));

@@ -11,7 +11,7 @@ const MOST_COLOURS: usize = 255;
 /// One for each colour of three bytes.
 const COLOURS: usize = 1 << 24;
 
-/// How often colours occur in a film.
+/// The frequencies of colours in a film.
 pub struct ColourCounts {
     counts: Vec<u32>,
 }

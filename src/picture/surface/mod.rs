@@ -28,7 +28,7 @@ const MARGIN: f32 = 24.0;
 /// The largest width and height of the drawn box.
 const BOX: Point = (760.0, 560.0);
 const FINER: f32 = 2.0;
-/// How much darker the sides of tiles are than their tops: towards the lower left, towards the lower right.
+/// The part by which the sides of tiles are darker than their tops: towards the lower left, towards the lower right.
 const SHADE: (f64, f64) = (0.25, 0.45);
 /// Tiles whose sides reach this far, in pixels, are outlined.
 const OUTLINED: f32 = 5.0;

@@ -16,11 +16,11 @@ const MARK: f32 = 7.0;
 const STEP: f32 = 2.0;
 const DOT: f32 = 1.2;
 const DOTS_APART: f32 = 6.0;
-/// How far the surface must rise above the line of sight to hide what is behind, as a share of the highest level; the
-/// path lies on the surface and must not hide itself.
+/// The height by which the surface must rise above the line of sight to hide what is behind, as a share of the highest
+/// level; the path lies on the surface and must not hide itself.
 const TOLERANCE: f32 = 0.02;
 
-/// What a path is drawn on.
+/// The surface that a path is drawn on.
 pub struct SurfaceTrack<'a> {
     pub scene: &'a MapScene<'a>,
     pub relief: &'a Relief,

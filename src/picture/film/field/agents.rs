@@ -16,10 +16,10 @@ use crate::vehicle::Dimensions;
 const LEAST_WUMPUS: f32 = 13.0;
 const LEAST_UNIMOG: f32 = 18.0;
 
-/// What the sprites are drawn for, in metres.
+/// The size of the truck that the sprites are drawn for, in metres.
 const DRAWN_LENGTH_M: f64 = 4.9;
 const DRAWN_WIDTH_M: f64 = 2.2;
-/// Of a wheel's middle from the middle of its axle, as a share of the body's half width.
+/// The distance of a wheel's middle from the middle of its axle, as a share of the body's half width.
 const WHEEL_AT: f64 = 0.78;
 
 pub fn agent_colour(agent: AgentId) -> Rgb {

@@ -14,7 +14,7 @@ pub const LEAST_SPRITE: f32 = 8.0;
 /// Burning cells with shorter sides than this, in pixels, are drawn a pixel larger to all sides, so that one finds them.
 const LEAST_FIRE: f32 = 3.0;
 
-/// How much of the colour of its state the square of a bush has, which is what bodies may not touch.
+/// The share of its state's colour in the square of a bush, the area that bodies may not touch.
 const TINT: f64 = 0.45;
 
 /// Differently turned drawings of a bush.
@@ -39,7 +39,7 @@ pub fn draw_bushes(canvas: &mut Canvas, pane: &Pane, kinds: &[BushStateKind], st
     }
 }
 
-/// Where several cells share a pixel, what burns is seen, some pixels wide at least.
+/// Draws bushes as flat cells. Where several cells share a pixel, burning ones win and are some pixels wide at least.
 fn draw_flat_cells(canvas: &mut Canvas, pane: &Pane, kinds: &[BushStateKind]) {
     for is_burning in [false, true] {
         let bushes = pane.setting().bushes.iter().zip(kinds);
@@ -58,7 +58,7 @@ fn draw_bush_squares(canvas: &mut Canvas, pane: &Pane, kinds: &[BushStateKind]) 
     }
 }
 
-/// From north to south, so that what sticks out of a cell lies over what is behind it.
+/// Draws sprites from north to south, so that what sticks out of a cell lies over what is behind it.
 fn draw_bush_sprites(canvas: &mut Canvas, pane: &Pane, kinds: &[BushStateKind], stamps: &mut Stamps) {
     let side = pane.cell_side();
     for (&cell, &kind) in pane.setting().bushes.iter().zip(kinds).rev() {

@@ -1,4 +1,4 @@
-//! What burns: flames on burning cells and how long these have burned, rings about cells that spread their fire.
+//! Flames on burning cells, the time that these have burned, and rings about cells that spread their fire.
 
 use crate::geometry::Cell;
 use crate::picture::canvas::{Canvas, Ink, Pen, Point};
@@ -28,7 +28,7 @@ const LEAST_AGE: f32 = 22.0;
 const TONGUES: [(Point, f32); 4] =
     [((0.02, 0.02), 0.78), ((-0.27, -0.2), 0.66), ((0.27, -0.24), 0.6), ((0.02, -0.4), 0.74)];
 
-/// By how much a tongue is longer than it is at rest, and how far it leans to the right, in each picture.
+/// The part by which a tongue is longer than at rest, and its lean to the right, in each picture.
 const STRETCH: [f32; FRAMES] = [0.0, 0.10, 0.16, 0.06, -0.06, -0.12, -0.04, 0.08];
 const LEAN: [f32; FRAMES] = [0.0, 0.08, 0.14, 0.16, 0.06, -0.06, -0.14, -0.08];
 
@@ -87,7 +87,7 @@ fn draw_age(canvas: &mut Canvas, (x, y): Point, side: f32, age_s: f64) {
     draw_text(canvas, &label, (x, base), Align::Centre, height, PAPER);
 }
 
-/// How long a ring grows and fades: a few frames of a run that is played 50 times as fast.
+/// The time in which a ring grows and fades: a few frames of a run that is played 50 times as fast.
 const RING_LASTS: SimTime = SimTime::from_nanos(5_000_000_000);
 const RING_WIDTH: f32 = 3.0;
 const SPREAD_LINE: Rgb = [158, 50, 0];
@@ -117,7 +117,7 @@ fn draw_spread(canvas: &mut Canvas, pane: &Pane, spread: &Spread, share: f32) {
     }
 }
 
-/// As the rules have it, or else as far as the farthest cell that caught fire.
+/// Returns the radius of the rules, or where these are unknown the distance of the farthest cell that caught fire.
 fn radius_m(pane: &Pane, spread: &Spread) -> f64 {
     let setting = pane.setting();
     let distance_m = |cell| (setting.frame.centre(cell) - setting.frame.centre(spread.from)).length();

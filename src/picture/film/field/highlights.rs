@@ -1,4 +1,4 @@
-//! What is highlighted: bushes that differ from the other run, and what the viewer selected with the mouse.
+//! Highlights: bushes that differ from the other run, and what the viewer selected with the mouse.
 
 use crate::geometry::Cell;
 use crate::picture::canvas::{Canvas, Ink, Pen, Point};
@@ -104,8 +104,8 @@ fn draw_halo(canvas: &mut Canvas, at: Point, (radius, unit): (f32, f32)) {
 /// Agents are hit from so many pixels beyond their bodies.
 const GENEROUS: f32 = 6.0;
 
-/// What is drawn at a place of a run's pane, `size` in pixels: the nearest agent, if its body is no more than a few
-/// pixels away, or else a bush.
+/// Returns what is drawn at a place of a run's pane, `size` in pixels: the nearest agent, if its body is no more than a
+/// few pixels away, or else a bush.
 pub fn pick(run: &RunView, state: &State, options: &ViewOptions, size: (u32, u32), at: (f64, f64)) -> Option<Selected> {
     let moment = FieldView { run, state, rival: None, run_index: 0, options };
     let pane = Pane { moment: &moment, projection: Projection::from_options(run, state, options, size), size };

@@ -13,7 +13,7 @@ const BEYOND: f64 = 16.0;
 pub struct Dashes {
     pub length: f64,
     pub gap: f64,
-    /// How far into the pattern the line begins.
+    /// The place in the pattern where the line begins.
     pub offset: f64,
 }
 
@@ -49,7 +49,7 @@ pub fn draw_visible_line(
 }
 
 impl Dashes {
-    /// Where dashes begin and end between two places of the pattern.
+    /// Returns where dashes begin and end between two places of the pattern.
     fn between(self, first: f64, last: f64) -> impl Iterator<Item = (f64, f64)> {
         let period = self.length + self.gap;
         let count = |at: f64| (at / period).floor();
@@ -63,8 +63,8 @@ impl Dashes {
     }
 }
 
-/// Where a piece enters a pane and leaves it, as shares of its length (Liang and Barsky, "A New Concept and Method for
-/// Line Clipping", ACM Transactions on Graphics 3(1), 1984).
+/// Returns where a piece enters a pane and leaves it, as shares of its length (Liang and Barsky, "A New Concept and
+/// Method for Line Clipping", ACM Transactions on Graphics 3(1), 1984).
 fn clip(from: DVec2, to: DVec2, (width, height): (u32, u32)) -> Option<(f64, f64)> {
     let most = DVec2::new(f64::from(width), f64::from(height)) + BEYOND;
     let (mut first, mut last) = (0.0_f64, 1.0_f64);

@@ -99,7 +99,7 @@ impl FieldRenderer {
         self.draw_moment(&pane)
     }
 
-    /// What is kept of the moment.
+    /// Draws the part of the pane that is kept from frame to frame.
     fn draw_ground(&mut self, pane: &Pane) {
         let searches = shown_searches(pane);
         let key = Backdrop {
@@ -119,7 +119,7 @@ impl FieldRenderer {
         });
     }
 
-    /// What changes from frame to frame, on what is kept.
+    /// Draws what changes from frame to frame over what is kept.
     fn draw_moment(&mut self, pane: &Pane) -> &Canvas {
         let ground = self.ground.last().expect("it was drawn just now");
         self.sheet.take_if(|sheet| (sheet.width(), sheet.height()) != pane.size);
@@ -207,7 +207,7 @@ impl<'a> Pane<'a> {
         (self.size.0.min(self.size.1) as f32 / ORDINARY_SIDE).max(1.0)
     }
 
-    /// Of a cell, in pixels.
+    /// Returns the side of a cell in pixels.
     fn cell_side(&self) -> f32 {
         self.projection.length(self.frame().cell_m)
     }
@@ -224,7 +224,7 @@ impl<'a> Pane<'a> {
         (north_west, south_east)
     }
 
-    /// Whether anything within `reach` pixels about a place is in the pane.
+    /// Returns whether anything within `reach` pixels about a place is in the pane.
     fn is_near(&self, (x, y): Point, reach: f32) -> bool {
         let within = |at: f32, side: u32| (-reach..=side as f32 + reach).contains(&at);
         within(x, self.size.0) && within(y, self.size.1)

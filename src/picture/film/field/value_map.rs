@@ -34,7 +34,7 @@ pub struct ValueMap {
     pub scale: ValueScale,
     /// Not a number where there is no value.
     values: Grid<f64>,
-    /// Of a square with one value.
+    /// The side of a square with one value.
     side_m: f64,
     /// East and north of the field's corner, of the first square's corner.
     corner_m: f64,
@@ -145,7 +145,7 @@ fn clearances(setting: &Setting) -> (Grid<f64>, f64) {
     (values, step_m)
 }
 
-/// Of the two zones' default, and none of bushes; 0 everywhere on a field without any.
+/// Computes the costs of the two zones' default, without any in bushes; 0 everywhere on a field without bushes.
 fn costs(setting: &Setting) -> Grid<f64> {
     let occupied = occupied(setting);
     let distances = brushfire(&occupied, Connectivity::Four);

@@ -10,7 +10,7 @@ use crate::time::SimTime;
 use crate::trajectory::Trajectory;
 use crate::vehicle::Segment;
 
-/// What was driven fades away in so many steps.
+/// The number of steps in which what was driven fades away.
 const FADING_STEPS: u64 = 12;
 const FADING_STEP: SimTime = SimTime::from_nanos(10_000_000_000);
 const FRESH: f32 = 0.8;
@@ -94,7 +94,7 @@ fn draw_goal(canvas: &mut Canvas, pane: &Pane, goal: Cell, colour: Rgb) {
     }
 }
 
-/// What a leg drives between two marks, in metres from its beginning, sampled for so many pixels a metre.
+/// Returns the part of a leg between two marks, in metres from its beginning, sampled for that many pixels a metre.
 fn stretches(leg: &Trajectory, [from_m, to_m]: [f64; 2], pixels_per_metre: f64) -> Vec<Stretch> {
     let mut stretches: Vec<Stretch> = Vec::new();
     let mut begins_m = 0.0;

@@ -1,4 +1,4 @@
-//! What the panel tells, block by block.
+//! The blocks of the panel.
 
 use crate::fire::BushStateKind;
 use crate::picture::Rgb;
@@ -19,7 +19,7 @@ pub fn panel_blocks(moment: &HudView) -> Vec<PanelBlock> {
     blocks
 }
 
-/// Where the first of two values ends in front of the second, in heights of text.
+/// The distance between the ends of two values of a line, in heights of text.
 const FIRST_VALUE: f32 = 7.6;
 
 /// Values at the right of a line: one a run.
@@ -63,7 +63,7 @@ pub fn clock_block(moment: &HudView) -> PanelBlock {
     PanelBlock::new(0, [time, PanelLine::new(below)].into_iter().chain(follows).collect())
 }
 
-/// Where a name begins behind its sign, and where a count ends in front of its share.
+/// Distances at which a name begins behind its sign, and a count ends in front of its share.
 const STATE_NAME: f32 = 2.3;
 const COUNT: f32 = 6.0;
 
@@ -132,7 +132,7 @@ fn cpu_line(moment: &HudView) -> Option<PanelLine> {
     })
 }
 
-/// Who has more points.
+/// Returns the name of the side that has more points.
 fn leader([wumpus, unimog]: [f64; 2]) -> Option<&'static str> {
     if wumpus > unimog { Some("Wumpus") } else { (unimog > wumpus).then_some("Unimog") }
 }
@@ -155,7 +155,7 @@ fn shares([wumpus, unimog]: [f64; 2]) -> Vec<(f64, Rgb)> {
     if all > 0.0 { vec![(wumpus / all, WUMPUS), (unimog / all, UNIMOG)] } else { vec![(1.0, FAINT_INK)] }
 }
 
-/// Where the second layer of a line begins, and a name behind its key.
+/// Distances at which the second layer of a line begins, and a name behind its key.
 const SECOND: f32 = 11.8;
 const LAYER_NAME: f32 = 1.9;
 
@@ -173,7 +173,7 @@ pub fn switches_block(moment: &HudView) -> Option<PanelBlock> {
     Some(PanelBlock::new(13, lines.chain(note).chain([help]).collect()))
 }
 
-/// Whether something shall be shown that no run has.
+/// Returns whether a layer of searches is switched on although no run has any.
 fn lacks_searches(moment: &HudView) -> bool {
     let shown = Layer::ALL.into_iter().filter(|&layer| moment.options.layers.contains(layer));
     shown.into_iter().any(Layer::needs_searches) && !moment.runs.iter().any(|run| run.has_searches())

@@ -42,7 +42,7 @@ pub fn draw_help(pen: &mut TextPen, layout: &FrameLayout) {
     }
 }
 
-/// Of the two columns of a table, in heights of text.
+/// Returns the widths of the two columns of a table, in heights of text.
 fn widths(table: &KeyTable) -> (f32, f32) {
     let widest = |texts: &mut dyn Iterator<Item = &String>| {
         texts.map(|text| measure_text(text, TextFace::PLAIN.size)).fold(0.0, f32::max)

@@ -1,4 +1,5 @@
-//! What stands around the fields: clock, counts, scores, legend, stories; the curves over time, which are the timeline.
+//! The head-up display around the fields: clock, counts, scores, legend, stories, and the curves over time, which are
+//! the timeline.
 
 mod blocks;
 mod chart;

@@ -29,7 +29,7 @@ pub fn draw_run_names(pen: &mut TextPen, layout: &FrameLayout, moment: &HudView)
     }
 }
 
-/// In the middle of the lower part of the panes, above what measures them.
+/// Draws a message in the middle of the lower part of the panes, above the length bar.
 pub fn draw_message(pen: &mut TextPen, layout: &FrameLayout, message: &str) {
     let (Some(first), Some(last)) = (layout.fields.first(), layout.fields.last()) else { return };
     let (left, right) = (first.left as f32, last.right() as f32);

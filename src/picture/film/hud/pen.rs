@@ -8,7 +8,7 @@ use crate::picture::film::field::draw_sign;
 use crate::picture::film::lettering::{LetterStyle, Lettering};
 use crate::picture::text::{Align, measure_text};
 
-/// How text looks.
+/// The style of text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextFace {
     /// Height of capitals in heights of ordinary text.
@@ -28,7 +28,7 @@ impl TextFace {
     }
 }
 
-/// What draws on a sheet.
+/// A pen for text and small shapes on a canvas.
 pub struct TextPen<'a> {
     pub sheet: &'a mut Canvas,
     pub lettering: &'a mut Lettering,

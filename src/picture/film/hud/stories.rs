@@ -1,4 +1,4 @@
-//! What each agent does and did, and the story of a bush or an agent that the viewer asked about.
+//! Stories: what each agent does and did, and what happened to the bush or agent that the viewer selected.
 
 use crate::geometry::Cell;
 use crate::picture::film::field::agent_colour;
@@ -38,7 +38,7 @@ fn agent_mark(agent: AgentId) -> LineMark {
     LineMark::left(agent.to_string(), TextFace { colour: agent_colour(agent), ..TextFace::STRONG })
 }
 
-/// What an agent did with the bushes.
+/// Returns the word for what an agent does with bushes.
 pub fn cells_word(agent: AgentId) -> &'static str {
     if agent.role.lights() { "lit" } else { "put out" }
 }
@@ -118,7 +118,7 @@ fn story_heading(moment: &HudView, run_index: usize, selected: Selected) -> Pane
     PanelLine::new(marks)
 }
 
-/// What happened to a bush and when; what is yet to come is faint.
+/// Tells what happened to a bush and when; what is yet to come is faint.
 fn bush_story(run: &RunView, cell: Cell, now: SimTime) -> Option<Vec<PanelLine>> {
     let bush = run.timeline().setting.bush_index(cell)?;
     let mut burns_since = None;
@@ -157,7 +157,7 @@ fn change_text(fact: &Fact, burned_before: bool) -> String {
     }
 }
 
-/// For how long a fire burned that ends with this event.
+/// Tells for how long a fire burned that ends with this event.
 fn burned_for(event: &Event, since: Option<SimTime>) -> Option<String> {
     let ends = matches!(event.fact, Fact::Fire(FireFact::Extinguished { .. }) | Fact::Fire(FireFact::BurnedOut { .. }));
     since.filter(|_| ends).map(|since| format!("after {:.1} s", event.time.since(since).as_seconds()))

@@ -17,7 +17,7 @@ use crate::picture::text::Align;
 use crate::picture::ticks::ticks;
 use crate::time::SimTime;
 
-/// How much of its colour that keeps which lies ahead.
+/// The share of its colour that the time ahead keeps.
 const AHEAD: f64 = 0.35;
 
 /// Draws the chart of a request; keeps it as long as the runs are the same.
@@ -133,15 +133,15 @@ fn draw_cursor(sheet: &mut Canvas, layout: &FrameLayout, x: u32, runs: usize) {
 /// RowRange of the chart: the first, and how many.
 pub type RowRange = (u32, u32);
 
-/// Where one run's counts lie.
+/// The rows of one run's counts.
 #[derive(Clone, Debug)]
 pub struct RunStrip {
-    /// For marks of events; left out where there is too little room.
+    /// Rows for marks of events; left out where there is too little room.
     pub lanes: Option<RowRange>,
     pub area: RowRange,
 }
 
-/// Where the parts of a chart lie.
+/// The places of a chart's parts.
 #[derive(Clone, Debug)]
 pub struct ChartPlan {
     /// Height of ordinary text.
@@ -149,9 +149,9 @@ pub struct ChartPlan {
     /// The columns of the canvas between the start and the end of time: the first, and how many.
     pub columns: (u32, u32),
     pub strips: Vec<RunStrip>,
-    /// For the difference of two runs; left out where there is too little room.
+    /// Rows for the difference of two runs; left out where there is too little room.
     pub difference: Option<RowRange>,
-    /// From where to where the cursor reaches.
+    /// The first row of the cursor, and the one after its last.
     pub cursor: (u32, u32),
     /// The base line of the words under the time axis.
     pub axis_base: u32,

@@ -1,4 +1,5 @@
-//! What a chart shows over time: the four counts stacked, marks of events above them, and how the counts of two runs differ.
+//! The strips of a chart over time: the four counts stacked, marks of events above them, and how the counts of two runs
+//! differ.
 
 use crate::fire::BushStateKind;
 use crate::picture::Rgb;
@@ -13,7 +14,7 @@ use crate::picture::ticks::round_step;
 use crate::time::SimTime;
 use crate::timeline::{AgentFact, Fact, FireFact};
 
-/// From the bottom up: what is lost, what burns, what was saved, what nothing happened to.
+/// The parts from the bottom up: what is lost, what burns, what was saved, what nothing happened to.
 const STACKED: [BushStateKind; 4] =
     [BushStateKind::BurnedOut, BushStateKind::Burning, BushStateKind::Extinguished, BushStateKind::Intact];
 
@@ -41,7 +42,7 @@ pub fn column_time(column: u32, width: u32, end: SimTime) -> SimTime {
     SimTime::from_seconds(end.as_seconds() * (f64::from(column) + 0.5) / f64::from(width))
 }
 
-/// How far down the upper edge of each part lies, in rows.
+/// Returns how far down the upper edge of each part lies, in rows.
 fn edges(counts: &BushCounts, height: u32) -> [f64; 4] {
     let (mut below, height) = (0, f64::from(height));
     STACKED.map(|kind| {
@@ -129,7 +130,7 @@ fn draw_marks(canvas: &mut Canvas, plan: &ChartPlan, (top, bottom): (u32, u32), 
     }
 }
 
-/// What is compared.
+/// A count that is compared.
 struct CountCurve {
     name: &'static str,
     colour: Rgb,
@@ -165,14 +166,14 @@ pub fn draw_differences(
     draw_key(canvas, lettering, plan, top);
 }
 
-/// In the middle of each column.
+/// Returns the difference in the middle of each column.
 fn differences(plan: &ChartPlan, (one, other): (&RunView, &RunView), of: fn(&BushCounts) -> u32) -> Vec<f64> {
     let (width, end) = (plan.columns.1, RunView::last_end(&[one, other]));
     let times = (0..width).map(|column| column_time(column, width, end));
     times.map(|time| f64::from(of(&one.counts_at(time))) - f64::from(of(&other.counts_at(time)))).collect()
 }
 
-/// What the curves are, above them.
+/// Draws the names of the curves above them.
 fn draw_key(canvas: &mut Canvas, lettering: &mut Lettering, plan: &ChartPlan, top: f32) {
     let style = LetterStyle { height: 0.85 * plan.text as f32, is_bold: true, colour: INK };
     let (mut x, base) = (plan.columns.0 as f32, top - plan.length(0.6));
