@@ -1,6 +1,5 @@
 //! Flames on burning cells, the time that these have burned, and rings about cells that spread their fire.
 
-use crate::geometry::Cell;
 use crate::picture::canvas::{Canvas, Ink, Pen, Point};
 use crate::picture::colours::{BURNING, INK, PAPER, Rgb};
 use crate::picture::film::courses::Spread;
@@ -16,7 +15,7 @@ use crate::timeline::BushState;
 const FRAMES: usize = 8;
 const FRAMES_PER_SECOND: f64 = 8.0;
 
-/// A young fire grows in so many steps, in so many seconds.
+/// The number of sizes in which a young fire grows, and the seconds that it takes.
 const SIZES: usize = 6;
 const GROWS_FOR_S: f64 = 4.0;
 const SMALLEST: f32 = 0.45;
@@ -38,7 +37,7 @@ pub fn draw_flames(canvas: &mut Canvas, pane: &Pane, stamps: &mut Stamps) {
     if side < LEAST_SPRITE {
         return;
     }
-    let state = pane.moment.state;
+    let state = pane.view.state;
     let mut ages = Vec::new();
     let shows_ages = pane.shows(Layer::Ages) && side >= LEAST_AGE;
     for (&cell, bush) in pane.setting().bushes.iter().zip(&state.bushes).rev() {
@@ -48,25 +47,24 @@ pub fn draw_flames(canvas: &mut Canvas, pane: &Pane, stamps: &mut Stamps) {
             continue;
         }
         let age_s = state.time.since(since).as_seconds();
-        draw_fire(canvas, stamps, cell, at, (state.time, age_s));
+        // Neighbours flicker out of step, and half of them are mirrored.
+        let offset = scatter(cell) as usize;
+        let frame = ((state.time.as_seconds() * FRAMES_PER_SECOND) as usize).wrapping_add(offset) % FRAMES;
+        let is_mirrored = (offset / FRAMES).is_multiple_of(2);
+        let size = ((age_s / GROWS_FOR_S * (SIZES - 1) as f64) as usize).min(SIZES - 1);
+        let grown = SMALLEST + (1.0 - SMALLEST) * size as f32 / (SIZES - 1) as f32;
+        let number = BUSH_STAMPS + (frame * SIZES + size) * 2 + usize::from(is_mirrored);
+        stamps.lay(canvas, at, number, |canvas, at, side| {
+            let side_of_tongues = if is_mirrored { -side } else { side };
+            draw_tongues(canvas, at, (grown * side_of_tongues, grown * side), frame);
+        });
         ages.extend(shows_ages.then_some((at, age_s)));
     }
+    // Over all flames, since those of the cell in front would hide them.
     ages.into_iter().for_each(|(at, age_s)| draw_age(canvas, at, side, age_s));
 }
 
-fn draw_fire(canvas: &mut Canvas, stamps: &mut Stamps, cell: Cell, at: Point, (time, age_s): (SimTime, f64)) {
-    let offset = scatter(cell) as usize;
-    let frame = ((time.as_seconds() * FRAMES_PER_SECOND) as usize).wrapping_add(offset) % FRAMES;
-    let size = ((age_s / GROWS_FOR_S * (SIZES - 1) as f64) as usize).min(SIZES - 1);
-    let is_mirrored = (offset / FRAMES).is_multiple_of(2);
-    let number = BUSH_STAMPS + (frame * SIZES + size) * 2 + usize::from(is_mirrored);
-    let grown = SMALLEST + (1.0 - SMALLEST) * size as f32 / (SIZES - 1) as f32;
-    stamps.lay(canvas, at, number, |canvas, at, side| {
-        let side_of_tongues = if is_mirrored { -side } else { side };
-        draw_tongues(canvas, at, (grown * side_of_tongues, grown * side), frame);
-    });
-}
-
+/// Draws the tongues of a fire about a place, scaled across and up, in one of its pictures.
 pub fn draw_tongues(canvas: &mut Canvas, (x, y): Point, (across, up): (f32, f32), frame: usize) {
     for (index, &((right, above), height)) in TONGUES.iter().enumerate() {
         let (stretch, lean) = (STRETCH[(frame + 3 * index) % FRAMES], LEAN[(frame + 5 * index) % FRAMES]);
@@ -94,8 +92,8 @@ const SPREAD_LINE: Rgb = [158, 50, 0];
 
 /// Draws what spread lately.
 pub fn draw_spreads(canvas: &mut Canvas, pane: &Pane) {
-    let now = pane.moment.state.time;
-    for spread in pane.moment.run.courses().spreads_between(now.since(RING_LASTS), now) {
+    let now = pane.view.state.time;
+    for spread in pane.view.run.courses().spreads_between(now.since(RING_LASTS), now) {
         let share = (now.since(spread.time).as_seconds() / RING_LASTS.as_seconds()) as f32;
         draw_spread(canvas, pane, spread, share);
     }

@@ -1,7 +1,7 @@
-//! Long lines in pixels: what of them is in the pane, and dashes along them.
+//! Long lines in pixels: the part of them that is in the pane, and dashes along them.
 
 use crate::geometry::DVec2;
-use crate::picture::canvas::{Canvas, Ink, Point};
+use crate::picture::canvas::{Canvas, Pen, Point};
 use crate::picture::film::field::Pane;
 use crate::picture::thin_line::draw_line;
 
@@ -18,13 +18,7 @@ pub struct Dashes {
 }
 
 /// Draws a line through places in the pane, as far as it can be seen there.
-pub fn draw_visible_line(
-    canvas: &mut Canvas,
-    pane: &Pane,
-    line: &[DVec2],
-    (width, ink): (f32, Ink),
-    dashes: Option<Dashes>,
-) {
+pub fn draw_visible_line(canvas: &mut Canvas, pane: &Pane, line: &[DVec2], pen: Pen, dashes: Option<Dashes>) {
     let mut passed = 0.0;
     for pair in line.windows(2) {
         let step = pair[1] - pair[0];
@@ -32,7 +26,7 @@ pub fn draw_visible_line(
         if let Some((first, last)) = clip(pair[0], pair[1], pane.size) {
             let mut draw = |from: f64, to: f64| {
                 let at = |share: f64| -> Point { (pair[0] + step * share).as_vec2().into() };
-                draw_line(canvas, at(from), at(to), width, ink);
+                draw_line(canvas, at(from), at(to), pen.width, pen.ink);
             };
             match dashes {
                 None => draw(first, last),

@@ -59,7 +59,7 @@ pub struct FieldView<'a> {
 /// A moment, and where it is drawn.
 #[derive(Clone, Copy)]
 struct Pane<'a> {
-    moment: &'a FieldView<'a>,
+    view: &'a FieldView<'a>,
     projection: Projection,
     size: (u32, u32),
 }
@@ -89,14 +89,14 @@ struct Backdrop {
 
 impl FieldRenderer {
     /// The pane, `size` in pixels.
-    pub fn paint(&mut self, moment: &FieldView, size: (u32, u32)) -> &Canvas {
-        self.begin(moment.run);
-        let projection = Projection::from_options(moment.run, moment.state, moment.options, size);
-        let pane = Pane { moment, projection, size };
+    pub fn paint(&mut self, view: &FieldView, size: (u32, u32)) -> &Canvas {
+        self.begin(view.run);
+        let projection = Projection::from_options(view.run, view.state, view.options, size);
+        let pane = Pane { view, projection, size };
         self.find_values(&pane);
         self.stamps.begin(pane.cell_side());
         self.draw_ground(&pane);
-        self.draw_moment(&pane)
+        self.draw_view(&pane)
     }
 
     /// Draws the part of the pane that is kept from frame to frame.
@@ -105,13 +105,13 @@ impl FieldRenderer {
         let key = Backdrop {
             projection: pane.projection,
             size: pane.size,
-            layers: pane.moment.options.layers,
+            layers: pane.view.options.layers,
             values: FieldQuantity::shown(pane),
             searches: searches.iter().map(|search| search.fact).collect(),
         };
         let values = self.values.as_ref();
         let backdrop = self.backdrop.get(key.clone(), |_| draw_backdrop(pane, values, &searches));
-        let kinds = pane.moment.state.bushes.iter().copied().map(BushState::kind).collect();
+        let kinds = pane.view.state.bushes.iter().copied().map(BushState::kind).collect();
         self.ground.get((key, kinds), |(_, kinds)| {
             let mut ground = backdrop.clone();
             draw_bushes(&mut ground, pane, kinds, &mut self.stamps);
@@ -120,7 +120,7 @@ impl FieldRenderer {
     }
 
     /// Draws what changes from frame to frame over what is kept.
-    fn draw_moment(&mut self, pane: &Pane) -> &Canvas {
+    fn draw_view(&mut self, pane: &Pane) -> &Canvas {
         let ground = self.ground.last().expect("it was drawn just now");
         self.sheet.take_if(|sheet| (sheet.width(), sheet.height()) != pane.size);
         let sheet = self.sheet.get_or_insert_with(|| ground.clone());
@@ -148,7 +148,7 @@ impl FieldRenderer {
     fn find_values(&mut self, pane: &Pane) {
         let wanted = FieldQuantity::shown(pane);
         if self.values.as_ref().map(|values| values.quantity) != wanted {
-            self.values = wanted.and_then(|quantity| ValueMap::new(pane.moment.run, quantity));
+            self.values = wanted.and_then(|quantity| ValueMap::new(pane.view.run, quantity));
         }
     }
 
@@ -191,7 +191,7 @@ fn draw_grid_lines(canvas: &mut Canvas, pane: &Pane) {
 
 impl<'a> Pane<'a> {
     fn setting(&self) -> &'a Setting {
-        &self.moment.run.timeline().setting
+        &self.view.run.timeline().setting
     }
 
     fn frame(&self) -> &'a FieldFrame {
@@ -199,7 +199,7 @@ impl<'a> Pane<'a> {
     }
 
     fn shows(&self, layer: Layer) -> bool {
-        self.moment.options.layers.contains(layer)
+        self.view.options.layers.contains(layer)
     }
 
     /// The width of a thin line in pixels; all lines, letters and signs grow with it.

@@ -65,7 +65,7 @@ pub struct ShownSearch<'a> {
 
 /// The searches that the layers ask for, all agents'.
 pub fn shown_searches<'a>(pane: &Pane<'a>) -> Vec<ShownSearch<'a>> {
-    let (run, time) = (pane.moment.run, pane.moment.state.time);
+    let (run, time) = (pane.view.run, pane.view.state.time);
     let styles = STYLES.iter().filter(|style| pane.shows(style.layer));
     let searches = styles.flat_map(|style| {
         (0..pane.setting().agents.len()).filter_map(move |agent| {

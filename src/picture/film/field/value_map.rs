@@ -43,7 +43,7 @@ pub struct ValueMap {
 impl FieldQuantity {
     /// The last one in the order of the layers that is shown and known.
     pub fn shown(pane: &Pane) -> Option<Self> {
-        let goal = || truck(pane).and_then(|index| pane.moment.state.agents[index].goal);
+        let goal = || truck(pane).and_then(|index| pane.view.state.agents[index].goal);
         let wavefront = pane.shows(Layer::Wavefront).then(goal).flatten().map(Self::Wavefront);
         let cost_map = || pane.shows(Layer::CostMap).then_some(Self::CostMap);
         let clearance = || pane.shows(Layer::Clearance).then_some(Self::Clearance);
@@ -61,9 +61,9 @@ impl FieldQuantity {
 
 /// The truck whose goal matters: the one that is followed, or selected, or the first.
 fn truck(pane: &Pane) -> Option<usize> {
-    let options = pane.moment.options;
+    let options = pane.view.options;
     let selected =
-        options.selected.filter(|(run_index, _)| *run_index == pane.moment.run_index).and_then(|(_, selected)| {
+        options.selected.filter(|(run_index, _)| *run_index == pane.view.run_index).and_then(|(_, selected)| {
             match selected {
                 Selected::Agent(agent) => Some(agent),
                 Selected::Bush(_) => None,

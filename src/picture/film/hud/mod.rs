@@ -37,15 +37,15 @@ impl HudRenderer {
     /// `states` are those of the runs at the request's time.
     pub fn paint(&mut self, sheet: &mut Canvas, layout: &FrameLayout, request: &FrameRequest, states: &[State]) {
         self.chart.paint(sheet, &mut self.lettering, layout, request);
-        let moment = HudView::new(request, states);
+        let view = HudView::new(request, states);
         let mut pen =
             TextPen { sheet, lettering: &mut self.lettering, signs: &mut self.signs, text: layout.text as f32 };
         match layout.panel {
-            Some(panel) => draw_panel(&mut pen, panel, panel_blocks(&moment)),
-            None => draw_headline(&mut pen, layout, &moment),
+            Some(panel) => draw_panel(&mut pen, panel, panel_blocks(&view)),
+            None => draw_headline(&mut pen, layout, &view),
         }
-        if moment.is_comparison() {
-            draw_run_names(&mut pen, layout, &moment);
+        if view.is_comparison() {
+            draw_run_names(&mut pen, layout, &view);
         }
         if let Some(message) = request.options.status.as_ref().and_then(|status| status.message.as_ref()) {
             draw_message(&mut pen, layout, message);

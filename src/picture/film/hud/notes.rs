@@ -16,11 +16,11 @@ const OUTSIDE: f32 = 0.8;
 const NOTE_HEIGHT: f32 = 2.2;
 
 /// The run's name in the corner of each pane of a comparison.
-pub fn draw_run_names(pen: &mut TextPen, layout: &FrameLayout, moment: &HudView) {
-    for (run_index, (pane, run)) in layout.fields.iter().zip(moment.runs).enumerate() {
+pub fn draw_run_names(pen: &mut TextPen, layout: &FrameLayout, view: &HudView) {
+    for (run_index, (pane, run)) in layout.fields.iter().zip(view.runs).enumerate() {
         let (seed, end) = (run.timeline().setting.seed, run.end_time());
         let mut name = format!("{}  {}, seed {seed}", words::run_name(run_index), run.title());
-        if moment.time >= end {
+        if view.time >= end {
             name.push_str(&format!(", ended at {}", format_clock(end)));
         }
         let outside = pen.length(OUTSIDE);
@@ -60,14 +60,14 @@ fn draw_note(pen: &mut TextPen, text: &str, (left, top): Point, face: TextFace) 
 const HEADLINE_CLOCK: TextFace = TextFace { size: 1.3, ..TextFace::TITLE };
 
 /// The clock, and as many of the counts as there is room for; of a comparison both runs'.
-pub fn draw_headline(pen: &mut TextPen, layout: &FrameLayout, moment: &HudView) {
+pub fn draw_headline(pen: &mut TextPen, layout: &FrameLayout, view: &HudView) {
     let base = layout.chart.top as f32 + pen.length(2.1);
     let mut x = pen.length(1.0);
-    pen.write(&format_clock(moment.time), (x, base), Align::Left, HEADLINE_CLOCK);
-    x += pen.measure(&format_clock(moment.time), HEADLINE_CLOCK) + pen.length(1.5);
+    pen.write(&format_clock(view.time), (x, base), Align::Left, HEADLINE_CLOCK);
+    x += pen.measure(&format_clock(view.time), HEADLINE_CLOCK) + pen.length(1.5);
     let (sign, right) = (pen.length(1.5), layout.width as f32 - pen.length(1.0));
     for kind in [BushStateKind::Burning, BushStateKind::BurnedOut, BushStateKind::Extinguished, BushStateKind::Intact] {
-        let counts: Vec<String> = moment.counts.iter().map(|counts| counts.count(kind).to_string()).collect();
+        let counts: Vec<String> = view.counts.iter().map(|counts| counts.count(kind).to_string()).collect();
         let counts = counts.join(" : ");
         let width = sign + pen.length(0.5) + pen.measure(&counts, TextFace::STRONG);
         if x + width > right {
