@@ -99,6 +99,7 @@ pub fn descend_wavefront(
     let mut path = vec![start];
     let mut here = start;
     while values[here] != GOAL {
+        // A wave reaches a cell from one whose value is one less, over a step that can be made back.
         let next_value = values[here] - 1;
         let steps = order.steps(connectivity).iter();
         here = steps
@@ -121,6 +122,7 @@ pub fn fill_by_queue(
         *value = if is_occupied { OBSTACLE } else { UNREACHED };
     }
     values[goal] = GOAL;
+    // First in, first out: levels follow one another, so the first value that a cell gets is its least.
     let mut front = VecDeque::from([goal]);
     while let Some(from) = front.pop_front() {
         for &offset in TieOrder::CrossFirst.steps(connectivity) {

@@ -59,6 +59,7 @@ impl Lettering {
         let mut at = left.round();
         for letter in text.chars() {
             let letter = if letter.is_ascii() { letter } else { '?' };
+            // Rounded to quarters of a pixel: finer places look the same and would need more stamps.
             let (column, place) = split(at);
             case.stamp(letter, place).print(canvas, (column, whole(base)), style.colour);
             at += glyph(letter).advance * unit;
@@ -85,6 +86,7 @@ impl Case {
 }
 
 impl Stamp {
+    /// Strokes a character in white on black, so that a channel of each pixel is its coverage.
     fn cut(letter: char, place: usize, height: f32, is_bold: bool) -> Self {
         let unit = height / CAPITAL;
         let pen = (if is_bold { BOLD_PEN } else { PEN } * unit).max(LEAST_PEN);

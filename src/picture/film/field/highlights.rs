@@ -29,6 +29,7 @@ pub fn draw_differences(canvas: &mut Canvas, pane: &Pane) {
     let frame = pane.frame();
     let mut differs = vec![false; frame.cell_count()];
     differing.iter().for_each(|&cell| differs[frame.index(cell)] = true);
+    // A side between two differing bushes is inside of an area and stays free.
     let is_outside = |cell: Cell, (cols, rows): (i32, i32)| {
         !frame.offset(cell, cols, rows).is_some_and(|other| differs[frame.index(other)])
     };

@@ -41,7 +41,7 @@ fn fit(mut blocks: Vec<PanelBlock>, columns: usize, room: f32) -> (Vec<PanelBloc
         if let Some(places) = places(&blocks, columns, room) {
             return (blocks, places);
         }
-        // The last one of the highest rank.
+        // The last one of the highest rank: `max_by_key` takes the last of equals.
         let dropped = (0..blocks.len()).max_by_key(|&index| blocks[index].rank).expect("no blocks always fit");
         blocks.remove(dropped);
     }
