@@ -12,7 +12,7 @@ pub const REACH: f64 = WIDTH * (RING - 2) as f64;
 /// A priority queue that hands out the smallest first, of equals the latest.
 ///
 /// A priority must be equal to the last one handed out, or at least [`WIDTH`] and at most [`REACH`] above it. Then
-/// entries can be thrown into buckets as they come, and a bucket sorted when its turn comes: what still joins it is
+/// entries can be put into buckets as they come, and a bucket sorted when its turn comes: what still joins it is
 /// equal to its smallest. After Denardo and Fox, "Shortest-route methods: 1. Reaching, pruning, and buckets"
 /// (Operations Research 27, 1979), whose buckets are as wide as the shortest arc.
 pub struct BucketQueue<T> {

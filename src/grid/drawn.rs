@@ -1,6 +1,6 @@
 //! Maps drawn by rule, for examples, tests and benchmarks.
 //!
-//! Occupied cells are `true`. Everything is reckoned in integers from the draws of the given generator, so a seed names
+//! Occupied cells are `true`. Everything is computed in integers from the draws of the given generator, so a seed names
 //! the same map on every machine.
 
 use std::ops::{Range, RangeInclusive};

@@ -6,7 +6,7 @@ use crate::grid::Grid;
 use crate::map_files::error::{check_size, with_room};
 use crate::map_files::{Fault, MAX_CELLS, MAX_SIDE};
 
-/// A cell that is none: its column, what stands there, and what was expected.
+/// A wrong cell: its column, what was found there, and what was expected.
 pub(super) struct BadCell {
     pub col: usize,
     pub found: String,

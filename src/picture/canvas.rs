@@ -1,6 +1,6 @@
 //! A sheet of pixels and the few ways to draw on it.
 //!
-//! Pixel (0, 0) is at the upper left; pixel (x, y) covers x to x + 1 and y to y + 1. All drawing is opaque, but for
+//! Pixel (0, 0) is at the upper left; pixel (x, y) covers x to x + 1 and y to y + 1. All drawing is opaque, except
 //! [`Canvas::fill_through`], for what takes an [`Ink`] or a [`Pen`], and for sheets laid over others.
 
 use tiny_skia::{

@@ -95,8 +95,8 @@ impl<'a> MapScene<'a> {
 
     /// Returns the name of free cells without the colour of a value; `None` if there are none.
     pub(super) fn colourless_name(&self) -> Option<&'a str> {
-        let has_colour = |place| self.free_name.is_none() && self.value_at(place).is_some();
-        let is_present = self.places().any(|place| !self.occupied[place] && !has_colour(place));
+        let mut free = self.places().filter(|&place| !self.occupied[place]);
+        let is_present = free.any(|place| self.free_name.is_some() || self.value_at(place).is_none());
         is_present.then_some(self.free_name.unwrap_or("unreached"))
     }
 }

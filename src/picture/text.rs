@@ -11,7 +11,7 @@ pub const PEN: f32 = 1.15;
 /// The gap that an advance leaves between the pen's lines of two characters, in units of the font.
 const GAP: f32 = 2.5;
 
-/// Which part of a line of text stands at the place that is given.
+/// The part of a line of text that is at the given place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Align {
     Left,

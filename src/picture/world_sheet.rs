@@ -57,7 +57,7 @@ impl WorldFrame {
         }
     }
 
-    /// Shows the rectangle from the origin so many metres east and north, both positive, and no more.
+    /// Shows the rectangle that reaches from the origin that many metres east and north, both positive, and no more.
     pub fn from_size(east_m: f64, north_m: f64) -> Self {
         let pixels_per_m = LONGER_SIDE / east_m.max(north_m);
         Self { low: (0.0, 0.0), high: (east_m, north_m), pixels_per_m, corner: (0.0, 0.0) }

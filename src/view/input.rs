@@ -77,7 +77,7 @@ pub enum Command {
     TogglePause,
     NextEvent,
     PreviousEvent,
-    /// By so many seconds, back where they are negative.
+    /// Moves the clock by that many seconds, back where they are negative.
     Seek(f64),
     Faster,
     Slower,

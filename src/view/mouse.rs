@@ -14,7 +14,7 @@ type At = (f64, f64);
 pub enum Gesture {
     /// To a share of the whole time, 0 to 1.
     Scrub(f64),
-    /// Shift the fields by so many pixels.
+    /// Shifts the fields by that many pixels.
     Pan(At),
     /// A click in the pane of a run, at a place in that pane.
     Click { run_index: usize, at: At },
@@ -38,7 +38,7 @@ enum Held {
 }
 
 impl Mouse {
-    /// Returns whether it has hold of the timeline, so that the clock stands.
+    /// Returns whether it has hold of the timeline, so that the clock is held.
     pub fn scrubs(&self) -> bool {
         matches!(self.held, Some(Held::Timeline { .. }))
     }

@@ -29,12 +29,12 @@ impl<T: StepCount> DistanceRow<T> {
         &mut self.cells[LANES..][..self.width]
     }
 
-    /// The cells so many columns to the west of each cell.
+    /// The cells that many columns to the west of each cell.
     pub fn west(&self, steps: usize) -> &[T] {
         &self.cells[LANES - steps..][..self.width]
     }
 
-    /// The cells so many columns to the east of each cell.
+    /// The cells that many columns to the east of each cell.
     pub fn east(&self, steps: usize) -> &[T] {
         &self.cells[LANES + steps..][..self.width]
     }

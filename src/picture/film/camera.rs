@@ -34,7 +34,7 @@ impl Camera {
         zoomed.moved(frame, under - Projection::new(frame, zoomed, pane).world(at))
     }
 
-    /// Moved so that what is seen moves by so many pixels to the right and down. The middle of the pane always shows a
+    /// Moves the camera so that what is seen moves by that many pixels to the right and down. The middle of the pane always shows a
     /// point of the field.
     #[must_use]
     pub fn panned(self, frame: &FieldFrame, pane: (f64, f64), (right, down): (f64, f64)) -> Self {

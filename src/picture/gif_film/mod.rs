@@ -39,7 +39,7 @@ struct Changed {
 }
 
 impl GifFilm {
-    /// The shortest time that a frame may stand, in hundredths of a second; viewers take less for something else.
+    /// The shortest time that a frame is shown, in hundredths of a second; viewers give less another meaning.
     pub const LEAST_DELAY: u16 = 2;
 
     /// Begins a file of frames of that width and height in pixels.
@@ -54,7 +54,7 @@ impl GifFilm {
         Ok(Self { encoder, width, palette, shown: vec![TRANSPARENT; pixels], next: vec![TRANSPARENT; pixels] })
     }
 
-    /// Adds a frame that stands for some hundredths of a second. Its pixels are red, green, blue and opacity, row by
+    /// Adds a frame that is shown for some hundredths of a second. Its pixels are red, green, blue and opacity, row by
     /// row; the fourth is not looked at.
     pub fn add(&mut self, pixels: &[u8], hundredths: u16) -> io::Result<()> {
         let (pixels, _) = pixels.as_chunks::<4>();

@@ -77,7 +77,7 @@ pub fn draw_bush(canvas: &mut Canvas, kind: BushStateKind, variant: usize, at: P
     sprite(kind).draw(canvas, Placement::leaning(at, (mirrored, side), lean));
 }
 
-/// First number of stamps that are none of bushes.
+/// The first number of stamps that do not show bushes.
 pub const BUSH_STAMPS: usize = 4 * VARIANTS;
 
 /// A number that tells a cell from its neighbours: the mixing step of MurmurHash3 (Austin Appleby, 2011) on its place.
@@ -91,7 +91,7 @@ pub fn scatter(cell: Cell) -> u32 {
 /// Cells with longer sides than this, in pixels, are few: their sprites are drawn where they are.
 const MOST_STAMP_SIDE: f32 = 96.0;
 
-/// A stamp is so many sides of a cell wide, so that what sticks out of its cell is on it.
+/// The width of a stamp in sides of a cell, so that what sticks out of its cell is on it.
 const STAMP_WIDTH: f32 = 1.8;
 
 /// Drawings on small sheets, all for cells of one size.

@@ -118,7 +118,9 @@ fn draw_spread(canvas: &mut Canvas, pane: &Pane, spread: &Spread, share: f32) {
 /// Returns the radius of the rules, or where these are unknown the distance of the farthest cell that caught fire.
 fn radius_m(pane: &Pane, spread: &Spread) -> f64 {
     let setting = pane.setting();
-    let distance_m = |cell| (setting.frame.centre(cell) - setting.frame.centre(spread.from)).length();
-    let farthest_m = || spread.caught.iter().map(|&cell| distance_m(cell)).fold(0.0, f64::max);
-    setting.rules.fire.map_or_else(farthest_m, |fire| fire.spread_radius_m)
+    if let Some(fire) = setting.rules.fire {
+        return fire.spread_radius_m;
+    }
+    let from = setting.frame.centre(spread.from);
+    spread.caught.iter().map(|&cell| (setting.frame.centre(cell) - from).length()).fold(0.0, f64::max)
 }

@@ -46,8 +46,7 @@ impl Dashes {
     /// Returns where dashes begin and end between two places of the pattern.
     fn between(self, first: f64, last: f64) -> impl Iterator<Item = (f64, f64)> {
         let period = self.length + self.gap;
-        let count = |at: f64| (at / period).floor();
-        let numbers = std::iter::successors(Some(count(first)), move |number| Some(number + 1.0));
+        let numbers = std::iter::successors(Some((first / period).floor()), move |number| Some(number + 1.0));
         let numbers = numbers.take(((last - first) / period) as usize + 2);
         numbers.filter_map(move |number| {
             let begins = number * period;

@@ -41,13 +41,17 @@ pub struct ValueMap {
 }
 
 impl FieldQuantity {
-    /// The last one in the order of the layers that is shown and known.
+    /// Returns the last one in the order of the layers that is shown and known.
     pub fn shown(pane: &Pane) -> Option<Self> {
-        let goal = || truck(pane).and_then(|index| pane.view.state.agents[index].goal);
-        let wavefront = pane.shows(Layer::Wavefront).then(goal).flatten().map(Self::Wavefront);
-        let cost_map = || pane.shows(Layer::CostMap).then_some(Self::CostMap);
-        let clearance = || pane.shows(Layer::Clearance).then_some(Self::Clearance);
-        wavefront.or_else(cost_map).or_else(clearance)
+        if pane.shows(Layer::Wavefront)
+            && let Some(goal) = truck(pane).and_then(|index| pane.view.state.agents[index].goal)
+        {
+            return Some(Self::Wavefront(goal));
+        }
+        if pane.shows(Layer::CostMap) {
+            return Some(Self::CostMap);
+        }
+        pane.shows(Layer::Clearance).then_some(Self::Clearance)
     }
 
     pub fn name(self) -> &'static str {

@@ -76,7 +76,7 @@ fn whole(at: f32) -> i32 {
     at.round() as i32
 }
 
-/// A sheet is so many times wider than its bush, so that flames have room.
+/// The width of a sign's canvas in widths of its bush, so that flames have room.
 const SIGN_ROOM: f32 = 1.4;
 /// Smaller signs, in pixels, are flat, as cells are that are small.
 const LEAST_DRAWN: f32 = 11.0;

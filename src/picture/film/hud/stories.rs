@@ -93,7 +93,7 @@ fn compared_agent_lines(view: &HudView, id: AgentId) -> Vec<PanelLine> {
     ]
 }
 
-/// The last changes of a bush that are told, those to come included.
+/// The number of last changes of a bush that are listed, those to come included.
 const MOST_CHANGES: usize = 6;
 
 pub fn story_block(view: &HudView) -> Option<PanelBlock> {

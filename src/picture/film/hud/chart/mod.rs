@@ -41,13 +41,10 @@ impl ChartRenderer {
         layout: &FrameLayout,
         request: &FrameRequest,
     ) {
-        let is_right = |drawn: &Drawn| {
-            drawn.layout == *layout && drawn.runs.iter().copied().eq(request.runs.iter().map(|run| run.id()))
-        };
-        if !self.drawn.as_ref().is_some_and(is_right) {
-            self.drawn = Some(Drawn::new(request.runs, layout, lettering));
-        }
-        let Some(drawn) = &self.drawn else { return };
+        self.drawn.take_if(|drawn| {
+            drawn.layout != *layout || drawn.runs.iter().copied().ne(request.runs.iter().map(|run| run.id()))
+        });
+        let drawn = self.drawn.get_or_insert_with(|| Drawn::new(request.runs, layout, lettering));
         let x = cursor_x(layout, request.time, RunView::last_end(request.runs));
         let at = (layout.chart.left, layout.chart.top);
         sheet.copy_from(&drawn.ahead, at);
