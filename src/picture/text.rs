@@ -47,7 +47,8 @@ pub fn draw_text(canvas: &mut Canvas, text: &str, (x, base): (f32, f32), align: 
     canvas.stroke(path, PEN * unit, colour);
 }
 
-/// Adds the strokes of a character whose left end of the base line lies at a place; `unit` is pixels a unit of the font.
+/// Adds the strokes of a character whose left end of the base line lies at a place; `unit` is pixels a unit of the
+/// font.
 pub fn push_glyph(path: &mut PathBuilder, glyph: &Glyph, (x, y): (f32, f32), unit: f32) {
     let place = |point: &PenPoint| (x + point.x * unit, y - point.y * unit);
     for stroke in glyph.strokes.iter().filter(|stroke| !stroke.is_empty()) {

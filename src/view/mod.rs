@@ -3,9 +3,9 @@
 //! It shows finished timelines and knows no simulation: the command line hands it loaders of runs. Nothing in it can
 //! change an outcome.
 //!
-//! What a window shows is drawn by [`crate::picture::film`] on the processor, one buffer of pixels a frame, as it is for
-//! stills and films; the window hands the buffer to the graphics adapter as one texture. So [`PlayerPlugin`] holds all
-//! that the window does with time, keys, mouse and further runs, and needs neither display nor adapter;
+//! What a window shows is drawn by [`crate::picture::film`] on the processor, one buffer of pixels a frame, as it is
+//! for stills and films; the window hands the buffer to the graphics adapter as one texture. So [`PlayerPlugin`] holds
+//! all that the window does with time, keys, mouse and further runs, and needs neither display nor adapter;
 //! [`ScreenPlugin`] adds those. A frame first lets the time pass, then does what was asked, then draws.
 
 mod controls;

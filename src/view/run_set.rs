@@ -75,8 +75,8 @@ impl RunSet {
         self.pending.is_some()
     }
 
-    /// Requests the next run of every loader on a thread and returns a sentence about it; the present runs stay until those
-    /// are there.
+    /// Requests the next run of every loader on a thread and returns a sentence about it; the present runs stay until
+    /// those are there.
     ///
     /// # Errors
     /// A sentence that says why there are no other runs.

@@ -100,8 +100,8 @@ fn transpose_bytes(words: &mut [[u64; 4]; 8]) {
     exchange(words, 4, 32, 0x0000_0000_ffff_ffff);
 }
 
-/// Exchanges the bits of words without `bit` in their number, `shift` above those of the mask, with the bits of the mask
-/// in the words with it.
+/// Exchanges the bits of words without `bit` in their number, `shift` above those of the mask, with the bits of the
+/// mask in the words with it.
 #[inline(always)]
 fn exchange(words: &mut [[u64; 4]; 8], bit: usize, shift: u32, mask: u64) {
     for low in (0..8).filter(|number| number & bit == 0) {

@@ -46,8 +46,8 @@ impl<'a> Tiles<'a> {
 
     /// Lets the tiles exchange what their sides know until nothing improves.
     ///
-    /// All that a side ever holds is the length of some path, and lengths only fall, so the order in which tiles come does
-    /// not matter. That the tile with the earliest improvement comes first only saves work: most tiles come once.
+    /// All that a side ever holds is the length of some path, and lengths only fall, so the order in which tiles come
+    /// does not matter. That the tile with the earliest improvement comes first only saves work: most tiles come once.
     pub fn settle<M: Moves>(&mut self) {
         let mut agenda = TileQueue::new(self.first.len());
         let (row, col) = self.source_tile();

@@ -25,7 +25,8 @@ enum Hatch {
     Level,
 }
 
-/// Looks of series in their order; the colours are seven of Okabe and Ito's eight, whose yellow is too faint for a line.
+/// Looks of series in their order; the colours are seven of Okabe and Ito's eight, whose yellow is too faint for a
+/// line.
 pub const STYLES: [Style; 7] = [
     Style { colour: [0, 114, 178], hatch: Hatch::None, dashes: &[], corners: 0 },
     Style { colour: [213, 94, 0], hatch: Hatch::Rising, dashes: &[8.0, 4.0], corners: 4 },

@@ -34,8 +34,8 @@ impl Camera {
         zoomed.moved(frame, under - Projection::new(frame, zoomed, pane).world(at))
     }
 
-    /// Moves the camera so that what is seen moves by that many pixels to the right and down. The middle of the pane always shows a
-    /// point of the field.
+    /// Moves the camera so that what is seen moves by that many pixels to the right and down. The middle of the pane
+    /// always shows a point of the field.
     #[must_use]
     pub fn panned(self, frame: &FieldFrame, pane: (f64, f64), (right, down): (f64, f64)) -> Self {
         let pixels_per_metre = Projection::new(frame, self, pane).pixels_per_metre;
@@ -97,8 +97,8 @@ impl Projection {
         Self::new(&setting.frame, camera, (f64::from(width), f64::from(height)))
     }
 
-    /// The pixels of a cell: the first ones, and those after the last. Cells side by side leave no gap between them, and
-    /// each has one pixel at least.
+    /// The pixels of a cell: the first ones, and those after the last. Cells side by side leave no gap between them,
+    /// and each has one pixel at least.
     pub fn cell(&self, frame: &FieldFrame, cell: Cell) -> ((i32, i32), (i32, i32)) {
         let corner = |col: u16, row: u16| {
             let place = self.place(DVec2::new(f64::from(col), f64::from(row)) * frame.cell_m);

@@ -49,8 +49,8 @@ impl FrameRenderer {
         self.shown.as_ref().is_some_and(|shown| shown.matches(request))
     }
 
-    /// Red, green, blue and opacity of every pixel of the frame, row by row. What is shown follows from the request alone,
-    /// whatever was drawn before.
+    /// Red, green, blue and opacity of every pixel of the frame, row by row. What is shown follows from the request
+    /// alone, whatever was drawn before.
     pub fn paint(&mut self, request: &FrameRequest) -> &[u8] {
         if !self.shows(request) {
             self.draw(request);

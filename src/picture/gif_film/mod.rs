@@ -1,7 +1,7 @@
 //! Films as GIF files.
 //!
-//! All frames share one palette. Of a frame only the rectangle that changed is written, and what did not change in it is
-//! transparent, so that the frame before shows through; that packs small. (GIF89a Specification, CompuServe, 1990;
+//! All frames share one palette. Of a frame only the rectangle that changed is written, and what did not change in it
+//! is transparent, so that the frame before shows through; that packs small. (GIF89a Specification, CompuServe, 1990;
 //! loops as Netscape's application extension defines them.)
 
 mod palette;

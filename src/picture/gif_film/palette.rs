@@ -114,8 +114,8 @@ impl Group {
         Self { members, widest: widest.expect("there are three channels") }
     }
 
-    /// Parts it at the mean of the channel in which its colours differ most; both halves have members, since colours that
-    /// differ lie on both sides of their mean.
+    /// Parts it at the mean of the channel in which its colours differ most; both halves have members, since colours
+    /// that differ lie on both sides of their mean.
     fn halves(self) -> [Self; 2] {
         let channel = self.widest.0;
         let mean = mean(&self.members, channel);
@@ -133,9 +133,8 @@ impl Group {
 
 /// Splits colours into groups of alike ones, at most [`MOST_COLOURS`].
 ///
-/// The group whose colours differ most is parted, again and again, so that each cut takes off as much of the error as one
-/// cut can.
-/// (Wan, Wong and Prusinkiewicz, "An Algorithm for Multidimensional Data Clustering", 1988, section 3.)
+/// The group whose colours differ most is parted, again and again, so that each cut takes off as much of the error as
+/// one cut can. (Wan, Wong and Prusinkiewicz, "An Algorithm for Multidimensional Data Clustering", 1988, section 3.)
 fn split(colours: Vec<Weighted>) -> Vec<Group> {
     let mut groups = if colours.is_empty() { Vec::new() } else { vec![Group::new(colours)] };
     while groups.len() < MOST_COLOURS {

@@ -52,7 +52,8 @@ impl SurfaceTrack<'_> {
         Spot { x, y, level }
     }
 
-    /// Divides the path into small steps, since a part of a step between cells may be hidden; shorter steps are left out.
+    /// Divides the path into small steps, since a part of a step between cells may be hidden; shorter steps are left
+    /// out.
     fn line(&self) -> Vec<(Point, Spot)> {
         let mut line: Vec<(Point, Spot)> = Vec::new();
         for &place in self.scene.path {

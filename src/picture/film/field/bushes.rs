@@ -11,7 +11,8 @@ use crate::picture::film::field::sprite::{BURNED_SPRITE, BUSH_SPRITE, EMBERS_SPR
 /// Cells with shorter sides than this, in pixels, are flat.
 pub const LEAST_SPRITE: f32 = 8.0;
 
-/// Burning cells with shorter sides than this, in pixels, are drawn a pixel larger to all sides, so that one finds them.
+/// Burning cells with shorter sides than this, in pixels, are drawn a pixel larger to all sides, so that one finds
+/// them.
 const LEAST_FIRE: f32 = 3.0;
 
 /// The share of its state's colour in the square of a bush, the area that bodies may not touch.
@@ -109,7 +110,8 @@ impl Stamps {
         }
     }
 
-    /// Lays down what `draw` draws about a place, for cells of the present side; `number` tells one drawing from others.
+    /// Lays down what `draw` draws about a place, for cells of the present side; `number` tells one drawing from
+    /// others.
     pub fn lay(&mut self, canvas: &mut Canvas, (x, y): Point, number: usize, draw: impl Fn(&mut Canvas, Point, f32)) {
         if self.side > MOST_STAMP_SIDE {
             return draw(canvas, (x, y), self.side);

@@ -1,7 +1,7 @@
 //! The pane of a field: bushes, fires, agents, and the layers that are switched on.
 //!
-//! What seldom changes is kept: the backdrop (ground and layers), and on it the bushes by state. Flames, ways, agents and
-//! what fire does are drawn on a copy of these for every frame. In both, later things lie over earlier ones.
+//! What seldom changes is kept: the backdrop (ground and layers), and on it the bushes by state. Flames, ways, agents
+//! and what fire does are drawn on a copy of these for every frame. In both, later things lie over earlier ones.
 
 mod agents;
 mod bushes;

@@ -40,8 +40,8 @@ struct SpriteShape {
 pub struct Placement(Transform);
 
 impl Placement {
-    /// Its origin at a place, its x axis to the right; pixels a unit along x and along y. The y axis leans to the right by
-    /// that many units of x for one of y.
+    /// Its origin at a place, its x axis to the right; pixels a unit along x and along y. The y axis leans to the right
+    /// by that many units of x for one of y.
     pub fn leaning((x, y): Point, (along, up): (f32, f32), lean: f32) -> Self {
         Self(Transform::from_row(along, 0.0, lean * along, -up, x, y))
     }

@@ -1,6 +1,7 @@
 //! Counts of bushes over the whole run, stacked, with marks of events above; of two runs, also how they differ.
 //!
-//! What lies ahead of the request's time is paler than what has passed. Both are drawn once and put together by columns.
+//! What lies ahead of the request's time is paler than what has passed. Both are drawn once and put together by
+//! columns.
 
 mod strips;
 
