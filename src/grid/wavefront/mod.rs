@@ -68,7 +68,7 @@ pub fn wavefront_into(
     }
     match (connectivity, corners) {
         _ if occupied.rows().min(occupied.cols()) < SIDE => {
-            fill_by_queue(occupied, goal, connectivity, corners, values)
+            fill_by_queue(occupied, goal, connectivity, corners, values);
         }
         (Connectivity::Four, _) => fill_by_tiles::<Straight>(occupied, goal, values),
         (Connectivity::Eight, CornerCutting::Allowed) => fill_by_tiles::<AnyDiagonal>(occupied, goal, values),

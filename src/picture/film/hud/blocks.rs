@@ -76,7 +76,7 @@ pub fn counts_block(view: &HudView) -> PanelBlock {
         match view.counts.as_slice() {
             [counts] => marks.extend(count_and_share(counts, kind)),
             counts => {
-                marks.extend(values(counts.iter().map(|counts| counts.count(kind).to_string()), TextFace::STRONG))
+                marks.extend(values(counts.iter().map(|counts| counts.count(kind).to_string()), TextFace::STRONG));
             }
         }
         PanelLine::new(marks)

@@ -130,7 +130,7 @@ impl PanelLine {
                     pen.write(&fitted(text, pen.height(*face), room), (x, base), Align::Left, *face);
                 }
                 LineMark::Right { to, text, face } => {
-                    pen.write(text, (right - pen.length(*to), base), Align::Right, *face)
+                    pen.write(text, (right - pen.length(*to), base), Align::Right, *face);
                 }
                 LineMark::Sign(kind) => {
                     let side = pen.length(SIGN);
