@@ -3,7 +3,6 @@
 
 mod blocks;
 mod chart;
-mod help;
 mod notes;
 mod panel;
 mod pen;
@@ -14,8 +13,7 @@ pub use words::format_clock;
 
 use blocks::panel_blocks;
 use chart::ChartRenderer;
-use help::draw_help;
-use notes::{draw_headline, draw_message, draw_run_names};
+use notes::{draw_headline, draw_help, draw_message, draw_run_names};
 use panel::draw_panel;
 use pen::{Signs, TextPen};
 
