@@ -10,7 +10,7 @@ use crate::grid::open_list::{OpenList, Ranked};
 /// The eight moves as (row, column) steps; the first four are orthogonal. Bit `k` of a move mask stands for move `k`.
 pub const MOVES: [(isize, isize); 8] = [(0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (1, -1), (-1, -1), (-1, 1)];
 
-/// Whether move `k` of [`MOVES`] is diagonal.
+/// Returns whether move `k` of [`MOVES`] is diagonal.
 pub fn is_diagonal(k: usize) -> bool {
     k >= 4
 }
@@ -65,7 +65,7 @@ pub struct AStar {
 }
 
 impl AStar {
-    /// For lattices of `points` points.
+    /// Makes a search over lattices of `points` points.
     pub fn new(points: usize) -> Self {
         let unseen = LatticeNode { query: 0, closed: false, cost: 0.0, parent: 0 };
         Self { nodes: vec![unseen; points], open: OpenList::default(), query: 0, settled: Vec::new() }

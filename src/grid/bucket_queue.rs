@@ -6,13 +6,13 @@ pub const WIDTH: f64 = 0.5;
 /// Buckets in use at one time.
 const RING: usize = 8;
 
-/// How far a priority may lie above the last one handed out.
+/// The most by which a priority may lie above the last one handed out.
 pub const REACH: f64 = WIDTH * (RING - 2) as f64;
 
 /// A priority queue that hands out the smallest first, of equals the latest.
 ///
 /// A priority must be equal to the last one handed out, or at least [`WIDTH`] and at most [`REACH`] above it. Then
-/// entries can be thrown into buckets as they come, and a bucket sorted when its turn comes: what still joins it is
+/// entries can be put into buckets as they come, and a bucket sorted when its turn comes: what still joins it is
 /// equal to its smallest. After Denardo and Fox, "Shortest-route methods: 1. Reaching, pruning, and buckets"
 /// (Operations Research 27, 1979), whose buckets are as wide as the shortest arc.
 pub struct BucketQueue<T> {
@@ -23,7 +23,7 @@ pub struct BucketQueue<T> {
 }
 
 impl<T> BucketQueue<T> {
-    /// With its first entry, whose priority is not negative.
+    /// Makes a queue with its first entry, whose priority is not negative.
     pub fn new(priority: f64, entry: T) -> Self {
         let mut queue = Self { buckets: Default::default(), turn: bucket(priority), len: 0 };
         queue.push(priority, entry);

@@ -5,7 +5,7 @@
 use super::Grid;
 use super::parameter::BadParameter;
 
-/// How cost falls with the city-block distance from the nearest obstacle, in cells.
+/// The parameters of a cost that falls with the city-block distance from the nearest obstacle, in cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwoZones {
     pub form: Form,
@@ -21,7 +21,7 @@ pub struct TwoZones {
     pub cost_rate: f64,
 }
 
-/// Where the outer zone begins to fall.
+/// The place from which cost falls in the outer zone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
     /// At the obstacle, as the report's formula has it: cost jumps at the edge of the safety zone.

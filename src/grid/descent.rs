@@ -3,7 +3,7 @@
 use super::wavefront::{descend_wavefront, wavefront};
 use super::{BadPlace, Connectivity, CornerCutting, Grid, Place, Route, TieOrder, place};
 
-/// Where a descent ended.
+/// The end of a descent.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Descent {
     /// Cells from the start to the goal, both included.
@@ -31,6 +31,7 @@ pub fn descend(
     let mut path = vec![start];
     let mut here = start;
     while here != goal {
+        // Strictly lower: of equals the first in order stays, and a plain is a local minimum.
         let mut lowest = here;
         for &offset in TieOrder::WestFirst.steps(connectivity) {
             if let Some(to) = place::step(occupied, here, offset, corners)
@@ -80,6 +81,7 @@ pub fn descend_or_escape(
         Descent::Stuck(path) => path,
     };
     let minimum = *descent.last().expect("a descent holds its start");
+    // Only now, since most descents need no wavefront, which looks at all of the map.
     let values = wavefront(occupied, goal, connectivity, corners)?;
     Ok(match descend_wavefront(&values, minimum, connectivity, corners, TieOrder::CrossFirst) {
         Route::Found(wavefront) => Escape::HandedOver { descent, wavefront },

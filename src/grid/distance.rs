@@ -25,6 +25,7 @@ pub fn squared_distances(occupied: &Grid<bool>) -> Option<Grid<i32>> {
     if !occupied.values().contains(&true) {
         return None;
     }
+    // Down and up again: the nearest occupied cell of a column lies above or below.
     let mut vertical = Grid::filled(rows, cols, FAR);
     for row in 0..rows {
         step_from_neighbour(&mut vertical, occupied, row, row.checked_sub(1));
@@ -79,6 +80,7 @@ pub fn squared_vertex_distances(occupied: &Grid<bool>, factor: usize, mut take: 
         for step in 0..rows_of_cell {
             let vertex_row = row * factor + step;
             let y = vertex_row as i32;
+            // Inside an occupied cell nothing is nearer, whatever lies above and below it.
             for (col, column) in columns.iter_mut().enumerate() {
                 let gap = (y - below[col]).min(above[(row, col)] - y).min(FAR);
                 *column = if occupied[(row, col)] { 0 } else { gap };
@@ -96,7 +98,8 @@ pub fn squared_vertex_distances(occupied: &Grid<bool>, factor: usize, mut take: 
     }
 }
 
-/// For each cell, the lattice row of the lower edge of the nearest occupied cell above it; far away if there is none.
+/// Computes for each cell the lattice row of the lower edge of the nearest occupied cell above it; far away if there is
+/// none.
 fn edges_above(occupied: &Grid<bool>, factor: i32) -> Grid<i32> {
     let (rows, cols) = (occupied.rows(), occupied.cols());
     let mut edges = Grid::filled(rows, cols, 2 * FAR);
@@ -146,37 +149,33 @@ impl Envelope {
     fn lower(&mut self, heights: &[i32], spacing: usize, squares: &mut [i32]) {
         self.arcs.clear();
         let end = squares.len() as i64;
-        for (index, &height) in heights.iter().enumerate() {
-            if height < FAR {
-                self.push((index * spacing) as i64, i64::from(height) * i64::from(height), end);
+        for (index, &height) in heights.iter().enumerate().filter(|(_, height)| **height < FAR) {
+            let site = (index * spacing) as i64;
+            let square = i64::from(height) * i64::from(height);
+            // Two parabolas of one shape cross once, so the new one is the lower from some vertex on. Where that is not
+            // beyond the beginning of the last arc, it hides all of that arc, which goes for good.
+            let from = loop {
+                let Some(top) = self.arcs.last() else { break 0 };
+                let numerator = (site * site + square) - (top.site * top.site + top.square);
+                let denominator = 2 * (site - top.site);
+                if numerator > top.from * denominator {
+                    break (numerator as u64).div_ceil(denominator as u64) as i64;
+                }
+                self.arcs.pop();
+            };
+            if from < end {
+                self.arcs.push(Arc { site, square, from });
             }
         }
         for (index, arc) in self.arcs.iter().enumerate() {
             let until = self.arcs.get(index + 1).map_or(end, |next| next.from);
             let (site, square) = (arc.site as i32, arc.square as i32);
             let first = arc.from as i32 - site;
+            // Lowered and not set: a vertex inside a column may have a nearer cell straight above or below it.
             for (offset, value) in (first..).zip(&mut squares[arc.from as usize..until as usize]) {
                 *value = (*value).min(offset * offset + square);
             }
         }
-    }
-
-    /// Adds the next site to the east, dropping the arcs that it hides.
-    fn push(&mut self, site: i64, square: i64, end: i64) {
-        while let Some(top) = self.arcs.last() {
-            // The new arc is no higher from this quotient on.
-            let numerator = (site * site + square) - (top.site * top.site + top.square);
-            let denominator = 2 * (site - top.site);
-            if numerator > top.from * denominator {
-                let from = (numerator as u64).div_ceil(denominator as u64) as i64;
-                if from < end {
-                    self.arcs.push(Arc { site, square, from });
-                }
-                return;
-            }
-            self.arcs.pop();
-        }
-        self.arcs.push(Arc { site, square, from: 0 });
     }
 }
 

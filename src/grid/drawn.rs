@@ -1,6 +1,6 @@
 //! Maps drawn by rule, for examples, tests and benchmarks.
 //!
-//! Occupied cells are `true`. Everything is reckoned in integers from the draws of the given generator, so a seed names
+//! Occupied cells are `true`. Everything is computed in integers from the draws of the given generator, so a seed names
 //! the same map on every machine.
 
 use std::ops::{Range, RangeInclusive};
@@ -144,7 +144,7 @@ mod tests {
         map.values().iter().filter(|&&occupied| !occupied).count()
     }
 
-    /// How many free cells four-neighbour steps reach from `start`, itself included.
+    /// Returns how many free cells four-neighbour steps reach from `start`, itself included.
     fn reached_from(map: &Grid<bool>, start: Place) -> usize {
         let mut open = map.clone();
         open[start] = true;

@@ -8,7 +8,7 @@ use crate::grid::open_list::{OpenList, Ranked};
 use crate::grid::wavefront::{descend_wavefront, wavefront};
 use crate::grid::{BadPlace, Connectivity, CornerCutting, Grid, Place, Route, TieOrder, place};
 
-/// For every cell a mask of the legal [`MOVES`].
+/// Computes a mask of the legal [`MOVES`] for every cell.
 pub fn legal_moves(occupied: &Grid<bool>, connectivity: Connectivity, corners: CornerCutting) -> Grid<u8> {
     let mut moves = Grid::filled(occupied.rows(), occupied.cols(), 0u8);
     for row in 0..occupied.rows() {
@@ -24,8 +24,8 @@ pub fn legal_moves(occupied: &Grid<bool>, connectivity: Connectivity, corners: C
 
 /// A shortest path, orthogonal steps 1 and diagonal ones the square root of 2.
 ///
-/// Of several, the one whose steps come first in [`TieOrder::CrossFirst`], the first step counting most. Memory: 8 bytes
-/// a cell, which the system hands out where the search comes along, and 16 for every cell of its front; with four
+/// Of several, the one whose steps come first in [`TieOrder::CrossFirst`], the first step counting most. Memory: 8
+/// bytes a cell, which the system hands out where the search comes along, and 16 for every cell of its front; with four
 /// neighbours what [`wavefront`] takes. A goal outside or in an obstacle is an error, and so is a start outside.
 pub fn shortest_path(
     occupied: &Grid<bool>,
@@ -71,9 +71,9 @@ fn by_way_of(place: Place, (straight, diagonal): StepLength, start: Place) -> St
 
 /// A* from the goal to the start, so that its lengths tell the way when walking forwards.
 ///
-/// Hart, Nilsson, Raphael, "A formal basis for the heuristic determination of minimum cost paths" (1968), with the octile
-/// distance as the estimate. Along a step, length plus estimate stay the same or grow by at least 2 - sqrt 2 and at most
-/// 2 sqrt 2, which lets [`BucketQueue`] do the work of a heap.
+/// Hart, Nilsson, Raphael, "A formal basis for the heuristic determination of minimum cost paths" (1968), with the
+/// octile distance as the estimate. Along a step, length plus estimate stay the same or grow by at least 2 - sqrt 2 and
+/// at most 2 sqrt 2, which lets [`BucketQueue`] do the work of a heap.
 fn search_backwards(occupied: &Grid<bool>, corners: CornerCutting, start: Place, goal: Place) -> Route {
     let steps = TieOrder::CrossFirst.steps(Connectivity::Eight);
     let mut to_go = Grid::filled(occupied.rows(), occupied.cols(), UNSEEN);

@@ -13,7 +13,7 @@ pub trait Ranked {
     /// Cost so far; of equal priorities the largest comes first, because it is nearer to the goal.
     fn cost(&self) -> f64;
 
-    /// What decides between equals, the smallest first.
+    /// Decides between equals, the smallest first.
     fn tie(&self) -> Self::Tie;
 }
 

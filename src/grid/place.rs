@@ -18,7 +18,7 @@ pub enum BadPlace {
     Occupied { place: Place },
 }
 
-/// What came of looking for a way to the goal.
+/// The answer to a search for a way to the goal.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Route {
     /// Cells from start to goal, both included.
@@ -82,7 +82,7 @@ pub fn octile_length(path: &[Place]) -> f64 {
     straight as f64 + diagonal as f64 * SQRT_2
 }
 
-/// With how many neighbours a cell is connected.
+/// The number of neighbours that a cell is connected with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Connectivity {
     /// Those that share a side.
@@ -91,7 +91,7 @@ pub enum Connectivity {
     Eight,
 }
 
-/// Whether a diagonal step may pass an occupied cell.
+/// The rule for diagonal steps past an occupied cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CornerCutting {
     /// A diagonal step asks of its two ends only that they are free.

@@ -1,13 +1,13 @@
 //! Potential fields: attraction to a goal, repulsion from obstacles, and their sum.
 //!
-//! The laws are those of Khatib, "Real-time obstacle avoidance for manipulators and mobile robots" (1986), but that
-//! repulsion is reckoned from the brushfire value. That, the scale and the defaults are from Akram and López Musito,
+//! The laws are those of Khatib, "Real-time obstacle avoidance for manipulators and mobile robots" (1986), except that
+//! repulsion is computed from the brushfire value. That, the scale and the defaults are from Akram and López Musito,
 //! "Autonomous Systems, Lab 2" (Universitat de Girona, 2024), sections 2.2, 3.2 and 3.4.
 
 use super::parameter::BadParameter;
 use super::{Grid, Place};
 
-/// What attraction grows with.
+/// The distance that attraction grows with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Attraction {
     /// Half the square of the Euclidean distance in cells, times `zeta`.
@@ -16,7 +16,7 @@ pub enum Attraction {
     Manhattan,
 }
 
-/// What repulsion falls with; `q` is the distance at which it ends, `eta` its strength.
+/// The parameters of repulsion; `q` is the distance at which it ends, `eta` its strength.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Repulsion {
     pub q: f64,
@@ -24,7 +24,7 @@ pub struct Repulsion {
     pub distance: RepulsionDistance,
 }
 
-/// The distance that repulsion is reckoned from.
+/// The distance that repulsion is computed from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RepulsionDistance {
     /// The brushfire value, 1 on obstacles.
@@ -54,7 +54,7 @@ impl Attraction {
         scale.map_or(Ok(()), |scale| BadParameter::unless_amount("the scale", scale))
     }
 
-    /// Attraction at a distance of so many rows and columns from the goal.
+    /// Returns the attraction at a distance of that many rows and columns from the goal.
     pub fn at(&self, rows: usize, cols: usize) -> f64 {
         let (rows, cols) = (rows as f64, cols as f64);
         match *self {

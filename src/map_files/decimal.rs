@@ -96,8 +96,8 @@ struct Decimal {
 impl Decimal {
     /// Rounds a value from 1e-11 to 1e12 by one exact product; `None` of most others.
     ///
-    /// A normal value is m 2^q with whole m. Times ten to the k, with k such that 12 digits stand before the point, it is
-    /// a whole 128-bit number shifted right, whose rounding is exact.
+    /// A normal value is m 2^q with whole m. Times ten to the k, with k such that 12 digits stand before the point, it
+    /// is a whole 128-bit number shifted right, whose rounding is exact.
     fn of_product(value: f64) -> Option<Self> {
         let bits = value.to_bits();
         let mantissa = u128::from(bits & ((1 << 52) - 1) | (1 << 52));

@@ -1,4 +1,4 @@
-//! What can be wrong with a map's file.
+//! Faults of map files.
 
 use std::io;
 use std::path::PathBuf;
@@ -71,14 +71,14 @@ pub(super) fn check_size(rows: usize, cols: usize) -> Result<(), Fault> {
     }
 }
 
-/// An empty list with room for so many values, if the memory has it.
+/// Makes an empty list with room for that many values, if the memory has it.
 pub(super) fn with_room<T>(values: usize) -> Result<Vec<T>, Fault> {
     let mut list = Vec::new();
     list.try_reserve_exact(values).map_err(|_| Fault::Memory { cells: values })?;
     Ok(list)
 }
 
-/// The first letter of some bytes, in quotes, or what stands in its place.
+/// Returns the first letter of some bytes, in quotes, or a description of what is there instead.
 pub(super) fn shown_letter(bytes: &[u8]) -> String {
     let start = &bytes[..bytes.len().min(4)];
     match String::from_utf8_lossy(start).chars().next() {

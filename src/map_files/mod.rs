@@ -17,9 +17,8 @@ pub use error::{Fault, MapError};
 pub use read::{MapFile, NEAR_TOLERANCE, read};
 pub use write::{MapValue, write_csv, write_npy, write_path, write_png, write_text};
 
-pub use crate::grid::brushfire::MAX_SIDE;
-
 /// The most rows and the most columns of a map.
+pub use crate::grid::brushfire::MAX_SIDE;
 
 /// The most cells of a map: step counts within it fit 32 bits, and the maps about it fit the memory of a laptop.
 pub const MAX_CELLS: usize = 1 << 28;

@@ -1,6 +1,6 @@
 //! Grey values of pixels that are not 8-bit grey already.
 
-/// How a pixel is stored: its channels, and the value that stands for white or opaque.
+/// The layout of a pixel: its channels, and the value that stands for white or opaque.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PixelLayout {
     pub colour: bool,
@@ -40,7 +40,7 @@ impl PixelLayout {
         u8::try_from((over_white * 255 + whole / 2) / whole).expect("no sample exceeds the maximum")
     }
 
-    /// What was done to an image of this kind, such as "2-bit grey"; `None` if nothing was.
+    /// Says what was converted in an image of this kind, such as "2-bit grey"; `None` if nothing was.
     pub fn note(self, kind: &str) -> Option<String> {
         let alpha = self.alpha.then(|| "laid over white".to_owned());
         let colour = self.colour.then(|| "grey = 0.299 R + 0.587 G + 0.114 B".to_owned());

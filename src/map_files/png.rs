@@ -97,7 +97,7 @@ fn layout_of(colour_type: ColorType) -> PixelLayout {
     PixelLayout { colour: colour_type.has_color(), alpha: colour_type.has_alpha(), max }
 }
 
-/// The header chunk, which stands first in every PNG file.
+/// The header chunk, which comes first in every PNG file.
 ///
 /// Source: "Portable Network Graphics (PNG) Specification", W3C, 2003, section 11.2.2.
 struct PngHeader {

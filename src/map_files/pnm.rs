@@ -15,7 +15,7 @@ const PIXELS_PER_BYTE: usize = 8;
 
 /// Reads a Netpbm image from a file of `bytes` bytes, and says how it was converted to 8-bit grey.
 ///
-/// The file ends with the image, but for white space.
+/// The file ends with the image, apart from white space.
 pub(super) fn read(mut source: impl BufRead, bytes: u64) -> Result<(Grid<u8>, Option<String>), Fault> {
     let header = PnmHeader::read(&mut source)?;
     let PnmHeader { rows, cols, layout, .. } = header;
@@ -30,7 +30,7 @@ pub(super) fn read(mut source: impl BufRead, bytes: u64) -> Result<(Grid<u8>, Op
     Ok((Grid::from_values(rows, cols, values), header.note()))
 }
 
-/// Whether a file begins as a Netpbm image does: a P, a digit from 1 to 6, white space.
+/// Returns whether a file begins as a Netpbm image does: a P, a digit from 1 to 6, white space.
 pub(super) fn is_start(start: &[u8]) -> bool {
     matches!(start, [b'P', b'1'..=b'6', next, ..] if next.is_ascii_whitespace() || *next == b'#')
 }
@@ -149,8 +149,11 @@ impl<R: BufRead> Raster<R> {
             return Err(Fault::Ends { row, col, rows, cols });
         }
         if encoding == Encoding::Bits {
-            let bit = |col: usize| bytes[col / PIXELS_PER_BYTE] >> (7 - col % PIXELS_PER_BYTE) & 1;
-            self.samples.extend((0..cols).map(|col| u16::from(1 - bit(col))));
+            // The leftmost pixel is the highest bit, and 1 is black.
+            self.samples.extend((0..cols).map(|col| {
+                let bit = bytes[col / PIXELS_PER_BYTE] >> (7 - col % PIXELS_PER_BYTE) & 1;
+                u16::from(1 - bit)
+            }));
         } else if layout.max > 255 {
             self.samples.extend(bytes.chunks_exact(2).map(|pair| u16::from_be_bytes([pair[0], pair[1]])));
         } else {

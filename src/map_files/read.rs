@@ -24,7 +24,7 @@ pub struct MapFile {
     pub occupied: Grid<bool>,
     /// The grey values of an image, 0 black to 255 white.
     pub grey: Option<Grid<u8>>,
-    /// What was changed on reading, in sentences.
+    /// Changes made on reading, in sentences.
     pub notes: Vec<String>,
 }
 
@@ -63,7 +63,7 @@ impl MapFile {
 
 /// Reads a map; pixels of images are occupied where their grey value is at most `tolerance`.
 ///
-/// The format is told by the content, never by the name: PNG; Netpbm images (P1 to P6); rows of 0 (free) and 1
+/// The format is recognised by the content, never by the name: PNG; Netpbm images (P1 to P6); rows of 0 (free) and 1
 /// (occupied); the same with commas; Moving AI maps, where `.` and `G` are free and everything else is occupied, swamp
 /// (`S`) and water (`W`) too. Images that are not 8-bit grey are converted, which a note says: alpha over white,
 /// colours by their luma, other ranges of values scaled to 0 to 255.
@@ -72,13 +72,14 @@ impl MapFile {
 /// If the file is no such map, or breaks off, or is larger than [`MAX_SIDE`](super::MAX_SIDE) or
 /// [`MAX_CELLS`](super::MAX_CELLS) allow. What a header declares is checked before any memory is taken for it.
 pub fn read(path: &Path, tolerance: u8) -> Result<MapFile, MapError> {
-    let read = || match input_file::open(path).map_err(not_opened)? {
+    let opened = input_file::open(path).map_err(not_opened);
+    let read = opened.and_then(|input| match input {
         InputFile::Regular(_, 0) => Err(Fault::Empty),
         InputFile::Regular(_, bytes) if bytes > MAX_BYTES => Err(Fault::TooLarge { bytes }),
         InputFile::Regular(file, bytes) => read_file(BufReader::with_capacity(BUFFER_BYTES, file), bytes, tolerance),
         stream => read_stream(stream, tolerance),
-    };
-    read().map_err(|fault| MapError { path: path.to_owned(), fault })
+    });
+    read.map_err(|fault| MapError { path: path.to_owned(), fault })
 }
 
 fn not_opened(error: std::io::Error) -> Fault {
@@ -153,7 +154,7 @@ enum SequentialFormat {
     Text,
 }
 
-/// How files begin that people may take for maps.
+/// The first bytes of files that people may take for maps.
 const FOREIGN: &[(&[u8], &str)] = &[
     (b"\xFF\xD8\xFF", "a JPEG image"),
     (b"GIF8", "a GIF image"),

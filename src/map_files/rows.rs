@@ -6,7 +6,7 @@ use crate::grid::Grid;
 use crate::map_files::error::{check_size, with_room};
 use crate::map_files::{Fault, MAX_CELLS, MAX_SIDE};
 
-/// A cell that is none: its column, what stands there, and what was expected.
+/// A wrong cell: its column, what was found there, and what was expected.
 pub(super) struct BadCell {
     pub col: usize,
     pub found: String,
@@ -45,7 +45,7 @@ pub(super) fn read_rows<R: BufRead>(
     map.finish(declared)
 }
 
-/// About as many cells as the text holds if all its lines are like the first one.
+/// Guesses how many cells the text holds, which is right if all its lines are like the first one.
 fn guessed_cells(line: &[u8], bytes: u64) -> usize {
     let commas = line.iter().filter(|&&byte| byte == b',').count();
     let cols = if commas > 0 { commas + 1 } else { line.len() };

@@ -1,6 +1,6 @@
 //! A sheet of pixels and the few ways to draw on it.
 //!
-//! Pixel (0, 0) is at the upper left; pixel (x, y) covers x to x + 1 and y to y + 1. All drawing is opaque, but for
+//! Pixel (0, 0) is at the upper left; pixel (x, y) covers x to x + 1 and y to y + 1. All drawing is opaque, except
 //! [`Canvas::fill_through`], for what takes an [`Ink`] or a [`Pen`], and for sheets laid over others.
 
 use tiny_skia::{
@@ -23,7 +23,7 @@ pub struct Ink {
     pub opacity: f32,
 }
 
-/// What lines are drawn with; their ends are cut off straight, so that lines that follow each other do not overlap.
+/// A pen for lines; their ends are cut off straight, so that lines that follow each other do not overlap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pen {
     pub ink: Ink,

@@ -7,7 +7,7 @@ use crate::fire::BushStateKind;
 /// Red, green and blue, 0 to 255.
 pub type Rgb = [u8; 3];
 
-/// How values become colours.
+/// A map from values to colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ColourMap {
     /// Perceptually uniform, readable in grey and by the colour-blind (van der Walt and Smith, matplotlib, 2015).
@@ -68,8 +68,7 @@ impl ColourMap {
 /// MATLAB's `jet`: each channel is a trapezium 1 high, a quarter wide at the top and three quarters at the foot; blue,
 /// green and red follow a quarter apart ("colormap", MATLAB Reference).
 fn jet(fraction: f64) -> Rgb {
-    let trapezium = |centre: f64| (1.5 - (4.0 * fraction - centre).abs()).clamp(0.0, 1.0);
-    [3.0, 2.0, 1.0].map(|centre| channel(255.0 * trapezium(centre)))
+    [3.0, 2.0, 1.0].map(|centre: f64| channel(255.0 * (1.5 - (4.0 * fraction - centre).abs()).clamp(0.0, 1.0)))
 }
 
 /// `over` at an opacity of `share`, 0 to 1, on `under`.

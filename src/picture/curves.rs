@@ -1,14 +1,12 @@
-//! Ways of a vehicle as lines of points, and what they are drawn with: lines in both directions, cusps, arrows at poses.
-
-use crate::picture::way_lines::{WayRun, way_runs};
-use crate::picture::world_sheet::{WorldFrame, WorldSheet};
+//! Ways between two poses, drawn to scale as on a map: north is up.
 
 use crate::geometry::Pose;
 use crate::picture::canvas::{Canvas, Point};
 use crate::picture::colours::{INK, PAPER, Rgb, WAYS};
 use crate::picture::legend::Symbol;
 use crate::picture::png::Picture;
-use crate::picture::way_lines::{PoseMark, draw_cusp, draw_run};
+use crate::picture::way_lines::{PoseMark, WayRun, draw_cusp, draw_run, way_runs};
+use crate::picture::world_sheet::{WorldFrame, WorldSheet};
 use crate::vehicle::{Dimensions, Path};
 
 const MARK: f32 = 10.0;
@@ -72,7 +70,7 @@ fn draw_ways(canvas: &mut Canvas, frame: &WorldFrame, lines: &[Vec<WayRun>]) {
     }
 }
 
-/// Where each run but the first begins.
+/// Returns the places where all runs but the first begin.
 fn cusps(runs: &[WayRun]) -> impl Iterator<Item = &(f64, f64)> {
     runs.iter().skip(1).map(|run| &run.places[0])
 }

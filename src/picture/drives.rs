@@ -43,7 +43,8 @@ pub struct DrivenWays<'a> {
     pub paths: Vec<&'a Path>,
 }
 
-/// The drives to scale, reverse dashed, with bushes, start, goals, cusps, a key, and metres east and north along the edges.
+/// The drives to scale, reverse dashed, with bushes, start, goals, cusps, a key, and metres east and north along the
+/// edges.
 ///
 /// The field's longer side takes 720 pixels.
 pub fn draw_drives(scene: &DriveScene) -> Picture {

@@ -6,13 +6,13 @@ const SOURCE: &str = include_str!("../../assets/font.txt");
 const FIRST: char = ' ';
 const LAST: char = '~';
 
-/// How high capitals and figures are, in units of the font.
+/// The height of capitals and figures in units of the font.
 pub const CAPITAL: f32 = 10.0;
 
 /// A character in units of the font, x to the right from its left edge, y up from the base line.
 #[derive(Clone, Debug, Default)]
 pub struct Glyph {
-    /// From this character's left edge to the next one's.
+    /// The distance from this character's left edge to the next one's.
     pub advance: f32,
     pub strokes: Vec<Vec<PenPoint>>,
 }
@@ -22,7 +22,7 @@ pub struct Glyph {
 pub struct PenPoint {
     pub x: f32,
     pub y: f32,
-    /// Whether it only bends the line from the point before it to the point after it, as the control point of a
+    /// True if it only bends the line from the point before it to the point after it, as the control point of a
     /// quadratic curve.
     pub bends: bool,
 }

@@ -1,4 +1,4 @@
-//! What stands beside a picture: the bar of colours with its values, and the key of everything else.
+//! The legend beside a picture: the bar of colours with its values, and the key of everything else.
 
 use crate::picture::canvas::{Canvas, Point};
 use crate::picture::colours::{FAINT_INK, INK, Rgb};
@@ -29,7 +29,7 @@ pub struct Bar<'a> {
     pub scale: &'a ValueScale,
 }
 
-/// What an entry of the key explains.
+/// The symbol of an entry of the key.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Symbol {
     Cell(Rgb),

@@ -1,15 +1,16 @@
-//! A map from above, its values as colours, with title, numbers of rows and columns, and legend.
+//! Maps from above, by themselves or laid over their input, with title, numbers of rows and columns, and legend.
 //!
 //! Sizes follow from the texts, so that nothing overlaps or is cut off whatever the shape of the map; where the map is
 //! drawn more than 1000 pixels long, texts and marks grow with it.
 
+use crate::grid::Grid;
 use crate::picture::canvas::{Canvas, Point};
-use crate::picture::colours::{FAINT_INK, INK, OBSTACLE, PAPER, Rgb, WITHOUT_VALUE};
+use crate::picture::colours::{FAINT_INK, INK, OBSTACLE, PAPER, Rgb, WITHOUT_VALUE, ZONES, blend};
 use crate::picture::legend::{Bar, Legend, Symbol, TEXT};
 use crate::picture::marks;
 use crate::picture::marks::scene_marks;
 use crate::picture::png::Picture;
-use crate::picture::scene::MapScene;
+use crate::picture::scene::{MapScene, Zones};
 use crate::picture::text::{Align, draw_text, measure_text};
 use crate::picture::ticks::indices;
 use crate::picture::values::ValueScale;
@@ -41,7 +42,7 @@ pub fn face_colour(face: BlockFace, scale: Option<&ValueScale>) -> Rgb {
     }
 }
 
-/// What has no value and what is marked, as far as it is present.
+/// Lists what has no value and what is marked, as far as it is present.
 pub fn key<'a>(scene: &MapScene<'a>) -> Vec<(Symbol, &'a str)> {
     let obstacle = scene.has_obstacles().then_some((Symbol::Cell(OBSTACLE), "obstacle"));
     let colourless = scene.colourless_name().map(|name| (Symbol::Cell(WITHOUT_VALUE), name));
@@ -57,17 +58,17 @@ pub fn marks_key<'a>(scene: &MapScene<'a>) -> impl Iterator<Item = (Symbol, &'a 
 const TITLE: f32 = 13.0;
 const MARGIN: f32 = 24.0;
 const GAP: f32 = 12.0;
-/// How far marks may reach beyond the map, and so how far texts keep from it.
+/// The distance by which marks may reach beyond the map, and which texts keep from it.
 const OVERHANG: f32 = 10.0;
-/// How long the longer side of a map is drawn before texts grow with it, in pixels.
+/// The longer side of a map from which on texts grow with it, in pixels.
 const USUAL_LENGTH: f32 = 1000.0;
 
 pub struct Plate<'a> {
     scene: &'a MapScene<'a>,
     zoom: Zoom,
-    /// How much larger than usual texts and marks are.
+    /// The factor by which texts and marks are larger than usual.
     unit: f32,
-    /// Where the map's upper left corner is.
+    /// The place of the map's upper left corner.
     corner: Point,
     canvas: Canvas,
 }
@@ -154,4 +155,79 @@ impl<'a> Plate<'a> {
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "corners lie on whole pixels of the sheet")]
 fn whole(length: f32) -> usize {
     length as usize
+}
+
+/// The share of the map in the colour of a free cell; the rest is the input's.
+const OPACITY: f64 = 0.6;
+/// The same of obstacles, which in grey input are dark already.
+const OBSTACLE_OPACITY: f64 = 0.8;
+
+/// The map's zones, or its values if it has none, in translucent colours over the input: over its grey values where it
+/// was an image, else over white.
+///
+/// Size and memory are those of [`super::draw_map`]; where a pixel stands for several cells, it shows the first zone
+/// among them and the darkest grey.
+pub fn draw_overlay(scene: &MapScene, grey: Option<&Grid<u8>>) -> Picture {
+    match scene.zones {
+        Some(zones) => draw_overlaid_zones(scene, &zones, grey),
+        None => draw_overlaid_values(scene, grey),
+    }
+}
+
+fn draw_overlaid_zones(scene: &MapScene, zones: &Zones, grey: Option<&Grid<u8>>) -> Picture {
+    let present = present_zones(scene, zones);
+    let colour = |zone: usize| ZONES[zone % ZONES.len()];
+    let names = zones.names.iter().enumerate().filter(|&(zone, _)| present[zone]);
+    let names = names.map(|(zone, name)| (Symbol::Cell(blend(PAPER, colour(zone), OPACITY)), *name));
+    let legend = Legend { values: None, key: obstacle_key(scene).chain(names).chain(marks_key(scene)).collect() };
+    paint_over(scene, &legend, grey, &|block, _| {
+        block.places().map(|place| zones.zone_at(place)).min().map_or(WITHOUT_VALUE, colour)
+    })
+}
+
+fn draw_overlaid_values(scene: &MapScene, grey: Option<&Grid<u8>>) -> Picture {
+    let scale = scene.scale();
+    let shown = scale.as_ref().map(|scale| scale.on(PAPER, OPACITY));
+    let colourless = scene.colourless_name().map(|name| (Symbol::Cell(blend(PAPER, WITHOUT_VALUE, OPACITY)), name));
+    let key = obstacle_key(scene).chain(colourless).chain(marks_key(scene)).collect();
+    let legend = Legend { values: bar(scene, shown.as_ref()), key };
+    paint_over(scene, &legend, grey, &|_, face| face_colour(face, scale.as_ref()))
+}
+
+/// Lays the colours of blocks without obstacles over the input.
+fn paint_over(
+    scene: &MapScene,
+    legend: &Legend,
+    grey: Option<&Grid<u8>>,
+    colour: &dyn Fn(&CellBlock, BlockFace) -> Rgb,
+) -> Picture {
+    let mut plate = Plate::around(scene, legend);
+    plate.paint(&|block| {
+        let ground = grey.map_or(PAPER, |grey| darkest(grey, block));
+        match block.face(scene) {
+            BlockFace::Obstacle => blend(ground, OBSTACLE, if grey.is_some() { OBSTACLE_OPACITY } else { 1.0 }),
+            face => blend(ground, colour(block, face), OPACITY),
+        }
+    });
+    plate.mark();
+    plate.finish()
+}
+
+fn darkest(grey: &Grid<u8>, block: &CellBlock) -> Rgb {
+    let values = block.places().filter_map(|(row, col)| grey.get(row, col));
+    [*values.min().unwrap_or(&255); 3]
+}
+
+fn obstacle_key<'a>(scene: &MapScene) -> impl Iterator<Item = (Symbol, &'a str)> + use<'a> {
+    scene.has_obstacles().then_some((Symbol::Cell(OBSTACLE), "obstacle")).into_iter()
+}
+
+fn present_zones(scene: &MapScene, zones: &Zones) -> Vec<bool> {
+    let mut present = vec![false; zones.names.len()];
+    for place in scene.places().filter(|&place| !scene.occupied[place]) {
+        if let Some(zone) = present.get_mut(zones.zone_at(place)) {
+            *zone = true;
+        }
+    }
+    present
 }

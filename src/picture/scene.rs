@@ -1,4 +1,4 @@
-//! What a picture of a grid map shows.
+//! Scenes: what a picture of a grid map shows.
 
 use crate::grid::{Grid, Place};
 
@@ -13,15 +13,15 @@ use super::values::ValueScale;
 pub struct MapScene<'a> {
     /// Such as "Brushfire, 8 neighbours".
     pub title: &'a str,
-    /// What the values are, in a word or two, such as "cost"; it stands at the colour bar and at the height axis.
+    /// The name of the values in a word or two, such as "cost"; it is written at the colour bar and at the height axis.
     pub value_name: &'a str,
     pub occupied: &'a Grid<bool>,
     /// The value of a cell; `None` where the map has none: unreached cells, obstacles of a wavefront. Obstacles may
     /// have values: the view from above does not show them, a surface stands that high there. Infinite values are
     /// drawn as the highest or lowest finite one, NaN as none.
     pub value: &'a dyn Fn(Place) -> Option<f64>,
-    /// What free cells are called where the map says no more of them: they share a neutral colour then, and the key
-    /// takes the place of the bar of colours.
+    /// The name of free cells where the map says no more of them: they share a neutral colour then, and the key takes
+    /// the place of the bar of colours.
     pub free_name: Option<&'a str>,
     /// Zones that an overlay shows in place of values.
     pub zones: Option<Zones<'a>>,
@@ -93,10 +93,10 @@ impl<'a> MapScene<'a> {
         self.occupied.values().contains(&true)
     }
 
-    /// What free cells without the colour of a value are called; `None` if there are none.
+    /// Returns the name of free cells without the colour of a value; `None` if there are none.
     pub(super) fn colourless_name(&self) -> Option<&'a str> {
-        let has_colour = |place| self.free_name.is_none() && self.value_at(place).is_some();
-        let is_present = self.places().any(|place| !self.occupied[place] && !has_colour(place));
+        let mut free = self.places().filter(|&place| !self.occupied[place]);
+        let is_present = free.any(|place| self.free_name.is_some() || self.value_at(place).is_none());
         is_present.then_some(self.free_name.unwrap_or("unreached"))
     }
 }

@@ -8,10 +8,10 @@ use crate::picture::font::{CAPITAL, Glyph, PenPoint, glyph};
 
 /// Width of the pen in units of the font.
 pub const PEN: f32 = 1.15;
-/// What an advance leaves between the pen's lines of two characters, in units of the font.
+/// The gap that an advance leaves between the pen's lines of two characters, in units of the font.
 const GAP: f32 = 2.5;
 
-/// Which part of a line of text stands at the place that is given.
+/// The part of a line of text that is at the given place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Align {
     Left,
@@ -19,8 +19,8 @@ pub enum Align {
     Right,
 }
 
-/// How far a line of text reaches from the left edge of its first character to the right edge of its last, in pixels,
-/// if its capitals are `height` pixels high.
+/// Returns how far a line of text reaches from the left edge of its first character to the right edge of its last, in
+/// pixels, if its capitals are `height` pixels high.
 pub fn measure_text(text: &str, height: f32) -> f32 {
     let advances: f32 = text.chars().map(|letter| glyph(letter).advance).sum();
     ((advances - GAP + PEN) * height / CAPITAL).max(0.0)
@@ -47,7 +47,8 @@ pub fn draw_text(canvas: &mut Canvas, text: &str, (x, base): (f32, f32), align: 
     canvas.stroke(path, PEN * unit, colour);
 }
 
-/// Adds the strokes of a character whose left end of the base line lies at a place; `unit` is pixels a unit of the font.
+/// Adds the strokes of a character whose left end of the base line lies at a place; `unit` is pixels a unit of the
+/// font.
 pub fn push_glyph(path: &mut PathBuilder, glyph: &Glyph, (x, y): (f32, f32), unit: f32) {
     let place = |point: &PenPoint| (x + point.x * unit, y - point.y * unit);
     for stroke in glyph.strokes.iter().filter(|stroke| !stroke.is_empty()) {

@@ -26,10 +26,12 @@ fn sweep(from: Point, to: Point, width: f32, room: (usize, usize), put: &mut imp
     let (from, to) = if from.0 <= to.0 { (from, to) } else { (to, from) };
     let slope = (to.1 - from.1) / (to.0 - from.0);
     let half = 0.5 * width * (1.0 + slope * slope).sqrt();
+    // A column of pixels at a time: a line that is not steep covers few pixels of each.
     let (first, last) = (from.0.max(0.0), to.0.min(room.0 as f32));
     for along in first as usize..last.ceil().max(0.0) as usize {
         let (begins, ends) = (first.max(along as f32), last.min(along as f32 + 1.0));
         let middle = from.1 + slope * (0.5 * (begins + ends) - from.0);
+        // The line counts as level within a column, at its height in the middle.
         let (low, high) = (middle - half, middle + half);
         for across in low.max(0.0) as usize..(high.ceil().max(0.0) as usize).min(room.1) {
             let covered = high.min(across as f32 + 1.0) - low.max(across as f32);
@@ -51,7 +53,7 @@ mod tests {
     use super::*;
     use crate::picture::colours::{INK, PAPER};
 
-    /// How much ink a line leaves on paper, in whole pixels of it.
+    /// Returns how much ink a line leaves on paper, in whole pixels of it.
     fn area(lines: &[[Point; 2]], width: f32) -> f64 {
         let mut canvas = Canvas::new(60, 50, PAPER);
         for &[from, to] in lines {

@@ -1,6 +1,6 @@
 //! Round numbers along an axis.
 
-/// How far a value may lie outside the range, in steps, and count as its end: steps such as 0.1 are not exact.
+/// The distance, in steps, within which a value outside the range counts as its end: steps such as 0.1 are not exact.
 const ROUNDING: f64 = 1e-9;
 /// The most digits of a number that are shown.
 const MOST_DIGITS: i32 = 6;
@@ -32,7 +32,7 @@ pub fn ticks(low: f64, high: f64, most: usize, least: f64) -> Vec<Tick> {
     ticks
 }
 
-/// Where no round values fit between, the ends are shown.
+/// Returns the ends, which are shown where no round values fit between.
 fn ends(low: f64, high: f64) -> Vec<Tick> {
     let tick = |value: f64| Tick { value, label: shortest(value) };
     if low == high { vec![tick(low)] } else { vec![tick(low), tick(high)] }
@@ -62,7 +62,7 @@ fn power_of_ten(exponent: i32) -> f64 {
     format!("1e{exponent}").parse().expect("a power of ten is a number")
 }
 
-/// As many digits as the step needs; with an exponent if plain digits would be many.
+/// Writes a value with as many digits as the step needs, and with an exponent if plain digits would be many.
 fn label(value: f64, step: f64, largest: f64) -> String {
     let (finest, first) = (exponent(step), exponent(largest));
     let count = |digits: i32| usize::try_from(digits).unwrap_or(0);

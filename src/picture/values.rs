@@ -1,9 +1,9 @@
-//! From values to fractions of their range and to colours.
+//! Scales from values to fractions of their range and to colours.
 
 use super::colours::{ColourMap, Rgb, blend};
 use super::ticks::{Tick, ticks};
 
-/// How finely the range is divided into colours.
+/// The number of colours that the range is divided into.
 const SHADES: usize = 1024;
 
 /// The range of a map's values, and a colour for each.
@@ -11,13 +11,13 @@ const SHADES: usize = 1024;
 pub struct ValueScale {
     pub low: f64,
     pub high: f64,
-    /// Whether all values are whole numbers.
+    /// True if all values are whole numbers.
     pub is_whole: bool,
     shades: Vec<Rgb>,
 }
 
 impl ValueScale {
-    /// From the lowest to the highest finite value; `None` if there is none.
+    /// Makes a scale from the lowest to the highest finite value; `None` if there is none.
     pub fn from_values(values: impl Iterator<Item = f64>, colours: ColourMap) -> Option<Self> {
         let mut values = values.filter(|value| value.is_finite());
         let first = values.next()?;
@@ -41,8 +41,8 @@ impl ValueScale {
         ticks(self.low, self.high, most, if self.is_whole { 1.0 } else { 0.0 })
     }
 
-    /// Where a value lies in the range, 0 to 1; values outside count as its nearest end, and where all values are
-    /// equal they lie in the middle.
+    /// Returns where a value lies in the range, 0 to 1; values outside count as its nearest end, and where all values
+    /// are equal they lie in the middle.
     pub fn fraction(&self, value: f64) -> f64 {
         if self.half_span() <= 0.0 {
             return 0.5;

@@ -1,4 +1,5 @@
-//! Ways of a vehicle as lines of points, and what they are drawn with: lines in both directions, cusps, arrows at poses.
+//! Ways of a vehicle as lines of points, and what they are drawn with: lines in both directions, cusps, arrows at
+//! poses.
 
 use crate::geometry::{Pose, ops};
 use crate::picture::canvas::{Canvas, Point};

@@ -13,7 +13,7 @@ const NORTH: &str = "north, m";
 const LONGER_SIDE: f64 = 720.0;
 /// The shorter side is at least this part of the longer one.
 const SLENDEREST: f64 = 0.4;
-/// What is left free around all that is shown, as a part of the longer side.
+/// The rim left free around all that is shown, as a part of the longer side.
 const RIM: f64 = 0.06;
 /// Pixels between numbers, at least.
 const APART: f32 = 70.0;
@@ -27,11 +27,11 @@ pub struct WorldFrame {
     /// North-east corner.
     high: (f64, f64),
     pixels_per_m: f64,
-    /// Where the north-west corner lies on the sheet.
+    /// The place of the north-west corner on the sheet.
     corner: Point,
 }
 
-/// What numbers and names need around a frame, in pixels.
+/// The room that numbers and names need around a frame, in pixels.
 pub struct FrameRoom {
     pub left: f32,
     pub above: f32,
@@ -57,7 +57,7 @@ impl WorldFrame {
         }
     }
 
-    /// Shows the rectangle from the origin so many metres east and north, both positive, and no more.
+    /// Shows the rectangle that reaches from the origin that many metres east and north, both positive, and no more.
     pub fn from_size(east_m: f64, north_m: f64) -> Self {
         let pixels_per_m = LONGER_SIDE / east_m.max(north_m);
         Self { low: (0.0, 0.0), high: (east_m, north_m), pixels_per_m, corner: (0.0, 0.0) }
@@ -74,7 +74,7 @@ impl WorldFrame {
         (side(self.low.0, self.high.0), side(self.low.1, self.high.1))
     }
 
-    /// Where a place of the world lies on the sheet.
+    /// Returns where a place of the world lies on the sheet.
     pub fn at(&self, (x, y): (f64, f64)) -> Point {
         let (east, south) = (x - self.low.0, self.high.1 - y);
         (self.corner.0 + to_f32(east * self.pixels_per_m), self.corner.1 + to_f32(south * self.pixels_per_m))
@@ -127,7 +127,7 @@ impl WorldFrame {
     }
 }
 
-/// How many numbers fit along so many pixels.
+/// Returns how many numbers fit along a length in pixels.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a side has some hundred pixels")]
 fn fitting(pixels: f32) -> usize {
     (pixels / APART).max(2.0) as usize
@@ -138,7 +138,7 @@ const MARGIN: f32 = 24.0;
 
 pub struct WorldSheet {
     pub canvas: Canvas,
-    /// Where the part of the world lies on it.
+    /// The place of the part of the world on it.
     pub frame: WorldFrame,
 }
 

@@ -1,12 +1,12 @@
-//! How many pixels a cell takes, or how many cells a pixel stands for: always a whole number, so that cells are
-//! squares of one size.
+//! The number of pixels that a cell takes, or of cells that a pixel stands for: always a whole number, so that cells
+//! are squares of one size.
 
 use std::ops::Range;
 
 use crate::grid::Place;
 use crate::picture::scene::MapScene;
 
-/// How long the longer side of a small map is to be drawn, about, in pixels.
+/// The approximate length in pixels at which the longer side of a small map is drawn.
 const USUAL_SIDE: usize = 800;
 /// The longest side of a map drawn, in pixels.
 pub const LONGEST_SIDE: usize = 4096;
@@ -25,7 +25,7 @@ pub struct CellBlock {
     pub cols: Range<usize>,
 }
 
-/// What a block of cells is drawn as.
+/// The drawn face of a block of cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BlockFace {
     Obstacle,
@@ -48,17 +48,17 @@ impl Zoom {
         cells.div_ceil(self.cells)
     }
 
-    /// How many pixels a side of that many cells takes.
+    /// Returns how many pixels a side of that many cells takes.
     pub fn length(self, cells: usize) -> usize {
         self.blocks(cells) * self.pixels
     }
 
-    /// How many pixels a cell takes; less than 1 in maps drawn smaller.
+    /// Returns how many pixels a cell takes; less than 1 in maps drawn smaller.
     pub fn cell(self) -> f32 {
         self.pixels as f32 / self.cells as f32
     }
 
-    /// Where the centre of a row or column lies, in pixels from the map's edge.
+    /// Returns where the centre of a row or column lies, in pixels from the map's edge.
     pub fn centre(self, index: usize) -> f32 {
         (index as f32 + 0.5) * self.cell()
     }

@@ -14,10 +14,10 @@ use crate::view::mouse::Gesture;
 use crate::view::run_set::SeedStep;
 use crate::view::{Command, FrameBuffer, Player, RunSet, Viewer};
 
-/// How many times larger a notch of the wheel shows the field, as a logarithm.
+/// The logarithm of the factor by which a notch of the wheel magnifies the field.
 const NOTCH: f64 = 0.2;
 
-/// All that keys and mouse change.
+/// The resources that keys and mouse change.
 #[derive(SystemParam)]
 pub struct Controls<'w> {
     player: ResMut<'w, Player>,

@@ -8,7 +8,7 @@ use std::panic::{self, AssertUnwindSafe};
 
 use thiserror::Error;
 
-/// What the window loads when it starts (Debian's names).
+/// The libraries that the window loads when it starts (Debian's names).
 const LIBRARIES: &str = "libx11-6 libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0";
 
 /// Why there is no window.
@@ -45,7 +45,7 @@ pub fn display() -> Result<String, ViewError> {
 }
 
 impl ViewError {
-    /// Of what bevy's windows panicked with.
+    /// Explains what bevy's windows panicked with.
     pub fn from_window_panic(report: String, display: String) -> Self {
         if report.contains("XOpenDisplay") || report.contains("ConnectionRefused") {
             Self::DeadDisplay { display }

@@ -1,4 +1,4 @@
-//! What happens in one frame, without the screen, and what the viewer has chosen to see.
+//! The steps of one frame, without the screen, and what the viewer has chosen to see.
 
 use bevy::app::{App, Plugin, Update};
 use bevy::prelude::{
@@ -90,7 +90,7 @@ fn draw_frame(runs: Res<RunSet>, player: Res<Player>, viewer: Res<Viewer>, mut f
     frame_buffer.paint(&request);
 }
 
-/// What the viewer has chosen to see, and what they are told.
+/// The viewer's choices, and the message shown to them.
 #[derive(Clone, Debug, PartialEq, Resource)]
 pub struct Viewer {
     /// Without a status, which follows from the player.

@@ -12,13 +12,13 @@ pub struct FrameBuffer {
     runs: usize,
     /// Pixels of the frame for one of the window's own.
     scale: f64,
-    /// Whether nothing was painted on it since it got its size.
+    /// True if nothing was painted on it since it got its size.
     is_blank: bool,
     painted: Option<Vec<u8>>,
 }
 
 impl FrameBuffer {
-    /// Of a width and height in pixels, as far as the picture goes, of one run or two.
+    /// Makes a buffer of a width and height in pixels, within the limits of frames, for one run or two.
     pub fn new(size: (u32, u32), runs: usize) -> Self {
         let size = within_limits(size);
         Self { renderer: FrameRenderer::new(size, runs), size, runs, scale: 1.0, is_blank: true, painted: None }
@@ -55,7 +55,7 @@ impl FrameBuffer {
         self.painted = Some(self.renderer.paint(request).to_vec());
     }
 
-    /// What was painted since this was last asked: red, green, blue and opacity of every pixel, row by row.
+    /// Takes what was drawn since this was last asked: red, green, blue and opacity of every pixel, row by row.
     pub fn take_painted(&mut self) -> Option<Vec<u8>> {
         self.painted.take()
     }

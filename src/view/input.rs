@@ -71,13 +71,13 @@ fn notches(wheel: &MouseWheel) -> f64 {
     })
 }
 
-/// What a viewer asks for with one key.
+/// The commands of keys.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Command {
     TogglePause,
     NextEvent,
     PreviousEvent,
-    /// By so many seconds, back where they are negative.
+    /// Moves the clock by that many seconds, back where they are negative.
     Seek(f64),
     Faster,
     Slower,
@@ -97,7 +97,7 @@ pub enum Command {
 }
 
 impl Command {
-    /// What a key asks for; letters in either case, signs wherever the layout of the keyboard has them.
+    /// Returns the command of a key; letters in either case, signs wherever the layout of the keyboard has them.
     pub fn from_key(key: &Key, is_shifted: bool) -> Option<Self> {
         let step = if is_shifted { 60.0 } else { 10.0 };
         match key {
@@ -112,7 +112,7 @@ impl Command {
         }
     }
 
-    /// Whether a key that is held down asks for it again and again; what is switched is switched once.
+    /// Returns whether a key that is held down asks for it again and again; what is switched is switched once.
     pub fn repeats(self) -> bool {
         matches!(self, Self::NextEvent | Self::PreviousEvent | Self::Seek(_) | Self::Faster | Self::Slower)
     }

@@ -3,9 +3,9 @@
 //! It shows finished timelines and knows no simulation: the command line hands it loaders of runs. Nothing in it can
 //! change an outcome.
 //!
-//! What a window shows is drawn by [`crate::picture::film`] on the processor, one buffer of pixels a frame, as it is for
-//! stills and films; the window hands the buffer to the graphics adapter as one texture. So [`PlayerPlugin`] holds all
-//! that the window does with time, keys, mouse and further runs, and needs neither display nor adapter;
+//! What a window shows is drawn by [`crate::picture::film`] on the processor, one buffer of pixels a frame, as it is
+//! for stills and films; the window hands the buffer to the graphics adapter as one texture. So [`PlayerPlugin`] holds
+//! all that the window does with time, keys, mouse and further runs, and needs neither display nor adapter;
 //! [`ScreenPlugin`] adds those. A frame first lets the time pass, then does what was asked, then draws.
 
 mod controls;
@@ -31,14 +31,14 @@ pub use window::{insert_resources, play, window};
 use crate::picture::film::{RunView, ViewOptions};
 use crate::time::SimTime;
 
-/// What a window shows first, and where it gets the rest from.
+/// The configuration of a window: what it shows first, and where it gets further runs from.
 pub struct ViewerConfig {
     /// One run or two, each with its loader; a recording has none.
     pub runs: Vec<(RunView, Option<Box<dyn RunLoader>>)>,
     pub options: ViewOptions,
     /// Simulated seconds for a second, from [`Player::SLOWEST`] to [`Player::FASTEST`].
     pub speed: f64,
-    /// Where the clock stands first; beyond the end of all runs it stands there.
+    /// The first time shown; one beyond the end of all runs becomes that end.
     pub start: SimTime,
     pub is_paused: bool,
     /// Width and height in pixels.

@@ -1,28 +1,28 @@
-//! What the mouse asks for: places and distances in pixels of the frame.
+//! Gestures of the mouse: places and distances in pixels of the frame.
 
 use bevy::prelude::Resource;
 
 use crate::picture::film::{FrameLayout, FramePart};
 
-/// How far, in pixels, a pressed mouse goes before that is a drag and no click.
+/// The distance in pixels from which on the way of a pressed mouse is a drag and no click.
 const CLICK: f64 = 4.0;
 
 type At = (f64, f64);
 
-/// What a viewer asks for with the mouse.
+/// The gestures of the mouse.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Gesture {
     /// To a share of the whole time, 0 to 1.
     Scrub(f64),
-    /// Shift the fields by so many pixels.
+    /// Shifts the fields by that many pixels.
     Pan(At),
     /// A click in the pane of a run, at a place in that pane.
     Click { run_index: usize, at: At },
-    /// So many notches towards a place in the pane of a run, away where they are negative.
+    /// Notches towards a place in the pane of a run, away from it where they are negative.
     Zoom { run_index: usize, at: At, notches: f64 },
 }
 
-/// Where the mouse is, and what it has hold of.
+/// The mouse: its place, and what it holds.
 #[derive(Debug, Default, Resource)]
 pub struct Mouse {
     at: At,
@@ -38,7 +38,7 @@ enum Held {
 }
 
 impl Mouse {
-    /// Whether it has hold of the timeline, so that the clock stands.
+    /// Returns whether it has hold of the timeline, so that the clock is held.
     pub fn scrubs(&self) -> bool {
         matches!(self.held, Some(Held::Timeline { .. }))
     }

@@ -74,7 +74,7 @@ impl Player {
         self.clock = time.min(self.end);
     }
 
-    /// Sets the clock so many seconds forward, or back where they are negative.
+    /// Sets the clock that many seconds forward, or back where they are negative.
     pub fn seek_by(&mut self, seconds: f64) {
         let span = SimTime::from_seconds(seconds.abs());
         self.seek(if seconds < 0.0 { self.clock.since(span) } else { self.clock + span });

@@ -8,7 +8,7 @@ use bevy::prelude::Resource;
 use crate::picture::film::RunView;
 use crate::time::SimTime;
 
-/// Where a window gets further runs from.
+/// A source of further runs for a window.
 pub trait RunLoader: Send + Sync {
     /// The run of a seed, simulated or read; takes as long as that takes.
     ///
@@ -36,7 +36,7 @@ pub struct RunSet {
     pending: Option<(SeedStep, JoinHandle<LoadResult>)>,
 }
 
-/// What a thread brings: a run in place of each that has a loader.
+/// The result of a thread: a run in place of each that has a loader.
 type LoadResult = Result<Vec<Option<RunView>>, String>;
 
 struct LoadedRun {
@@ -55,7 +55,7 @@ impl RunSet {
         self.runs.iter().map(|run| &run.view).collect()
     }
 
-    /// When the longest run ends.
+    /// Returns when the longest run ends.
     pub fn end(&self) -> SimTime {
         RunView::last_end(&self.runs())
     }
@@ -70,13 +70,13 @@ impl RunSet {
         self.runs.iter().filter_map(|run| run.view.index().previous_event(time)).max()
     }
 
-    /// Whether other runs are on their way.
+    /// Returns whether other runs are on their way.
     pub fn is_waiting(&self) -> bool {
         self.pending.is_some()
     }
 
-    /// Requests the next run of every loader on a thread and returns a sentence about it; the present runs stay until those
-    /// are there.
+    /// Requests the next run of every loader on a thread and returns a sentence about it; the present runs stay until
+    /// those are there.
     ///
     /// # Errors
     /// A sentence that says why there are no other runs.
@@ -126,7 +126,7 @@ fn fetch(request: Option<LoadRequest>) -> Result<Option<RunView>, String> {
 }
 
 impl LoadedRun {
-    /// What to get next; nothing for a recording.
+    /// Returns the next run to request; nothing for a recording.
     fn next_request(&self, step: SeedStep) -> Result<Option<LoadRequest>, String> {
         let Some(loader) = &self.loader else { return Ok(None) };
         let seed = neighbour(self.view.timeline().setting.seed, loader.seeds(), step)?;

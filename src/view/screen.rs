@@ -75,7 +75,7 @@ fn show_frame(
     image.data = Some(pixels);
 }
 
-/// What stands still costs no time.
+/// Lets a window in which nothing moves take no processor time.
 fn set_pace(mut settings: ResMut<WinitSettings>, player: Res<Player>, runs: Res<RunSet>, time: Res<Time<Real>>) {
     let rests = player.is_paused() && !runs.is_waiting() && time.elapsed() > WARM_UP;
     let mode = if rests { UpdateMode::reactive_low_power(IDLE) } else { UpdateMode::Continuous };

@@ -63,7 +63,7 @@ pub fn brushfire_into(occupied: &Grid<bool>, connectivity: Connectivity, values:
     is_known
 }
 
-/// The rows that are at hand while the sweeps go over a map.
+/// The working memory of the two sweeps over a map.
 struct BandSweep<'a, T> {
     occupied: &'a Grid<bool>,
     connectivity: Connectivity,

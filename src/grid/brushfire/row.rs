@@ -29,12 +29,12 @@ impl<T: StepCount> DistanceRow<T> {
         &mut self.cells[LANES..][..self.width]
     }
 
-    /// The cells so many columns to the west of each cell.
+    /// The cells that many columns to the west of each cell.
     pub fn west(&self, steps: usize) -> &[T] {
         &self.cells[LANES - steps..][..self.width]
     }
 
-    /// The cells so many columns to the east of each cell.
+    /// The cells that many columns to the east of each cell.
     pub fn east(&self, steps: usize) -> &[T] {
         &self.cells[LANES + steps..][..self.width]
     }
@@ -100,13 +100,13 @@ impl<T: StepCount> DistanceRow<T> {
     }
 }
 
-/// How many steps it is to an obstacle, or that none is known.
+/// The number of steps to an obstacle, or that none is known.
 pub trait StepCount: Copy + Ord {
     const ZERO: Self;
     /// More than any count.
     const UNKNOWN: Self;
 
-    /// So many steps more; [`UNKNOWN`](Self::UNKNOWN) if that is too many.
+    /// Adds steps; [`UNKNOWN`](Self::UNKNOWN) if that is too many.
     fn plus(self, steps: u8) -> Self;
 
     fn from_count(count: u16) -> Self;

@@ -13,7 +13,7 @@ use crate::grid::brushfire::row::{DistanceRow, LANES};
 /// Cells that are left out together: fewer would be bookkeeping, more would keep near cells waiting for far ones.
 const SEGMENT: usize = 16 * LANES;
 
-/// What is at hand while steps are taken within a row.
+/// The working memory of steps within a row.
 pub struct Sideways<T> {
     /// For each segment the greatest distance in it; zero for one that is finished and in both rows.
     farthest: Vec<T>,
@@ -41,7 +41,7 @@ impl<T: StepCount> Sideways<T> {
         !self.farthest.contains(&T::UNKNOWN)
     }
 
-    /// Whether a cell can be lowered by one at least `steps` columns away.
+    /// Returns whether a cell can be lowered by one at least `steps` columns away.
     fn has_farther_than(&self, steps: u8) -> bool {
         self.farthest.iter().any(|&far| far > T::ZERO.plus(steps))
     }

@@ -1,4 +1,4 @@
-//! What a flood has found out about the cells of a tile, one byte a cell.
+//! The codes of a tile's cells after a flood, one byte a cell.
 
 use crate::grid::wavefront::GOAL;
 use crate::grid::wavefront::cells::{CellSet, SIDE};
@@ -18,7 +18,7 @@ pub type CodeRows = [[u8; SIDE]; SIDE];
 const REACHED: u8 = 0x80;
 
 impl Codes {
-    /// What a window found out.
+    /// Encodes the cells that a window reached.
     pub fn new(window: &Window, free: CellSet) -> Self {
         let mut planes = [CellSet::NONE; 8];
         planes[..window.planes.len()].copy_from_slice(&window.planes);
@@ -100,8 +100,8 @@ fn transpose_bytes(words: &mut [[u64; 4]; 8]) {
     exchange(words, 4, 32, 0x0000_0000_ffff_ffff);
 }
 
-/// Exchanges the bits of words without `bit` in their number, `shift` above those of the mask, with the bits of the mask
-/// in the words with it.
+/// Exchanges the bits of words without `bit` in their number, `shift` above those of the mask, with the bits of the
+/// mask in the words with it.
 #[inline(always)]
 fn exchange(words: &mut [[u64; 4]; 8], bit: usize, shift: u32, mask: u64) {
     for low in (0..8).filter(|number| number & bit == 0) {

@@ -14,8 +14,8 @@ pub type Sides = [[i32; SIDE]; 4];
 
 /// Levels that are recorded together: as many as the bit planes can count, less the last four.
 ///
-/// Four, because the levels run in fours; less, because the place for other arrivals in [`TileFlood::sow`] makes the table
-/// of a full 64 too long for the fast way to clear it.
+/// Four, because the levels run in fours; less, because the place for other arrivals in [`TileFlood::sow`] makes the
+/// table of a full 64 too long for the fast way to clear it.
 pub const SPAN: usize = (1 << PLANES) - 4;
 const PLANES: usize = 6;
 
@@ -89,8 +89,8 @@ impl<'a> TileFlood<'a> {
         Some(Window { first, reached, planes })
     }
 
-    /// Puts border cells at places 1 to `SPAN` by the level, from `first` on, at which arrivals come there, and tells the
-    /// last such place.
+    /// Puts border cells at places 1 to `SPAN` by the level, from `first` on, at which arrivals come there, and tells
+    /// the last such place.
     #[inline(always)]
     fn sow(&self, first: i32, seeds: &mut [CellSet; SPAN + 1]) -> usize {
         // Arrivals at other levels go to place 0, so that nothing branches.

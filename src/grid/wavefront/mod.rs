@@ -6,10 +6,11 @@
 //! A queue of cells would spend its time on guesses and on memory. Here a map is cut into tiles of 16 x 16 cells
 //! ([`tiles`]). Inside a tile the wave moves all cells of a level at once, as bits ([`cells`], [`moves`], [`flood`]);
 //! between tiles only the steps at the cells along their sides count. A tile comes again when a neighbour has found
-//! shorter ways to its sides, the earliest first ([`agenda`]; the buckets are those of Meyer, Sanders, "Delta-stepping: a
-//! parallelizable shortest path algorithm", Journal of Algorithms 49, 2003, section 2). In the open each tile comes once,
-//! among obstacles twice or so. What its last flood found out about its cells is kept as a byte for each ([`codes`]), in
-//! the memory of the result ([`records`]). When nothing improves any more, the values are written in the order of memory.
+//! shorter ways to its sides, the earliest first ([`tile_queue`]; the buckets are those of Meyer, Sanders, "Delta-stepping:
+//! a parallelizable shortest path algorithm", Journal of Algorithms 49, 2003, section 2). In the open each tile comes
+//! once, among obstacles twice or so. What its last flood found out about its cells is kept as a byte for each
+//! ([`codes`]), in the memory of the result ([`records`]). When nothing improves any more, the values are written in
+//! the order of memory.
 
 mod cells;
 mod codes;
@@ -67,7 +68,7 @@ pub fn wavefront_into(
     }
     match (connectivity, corners) {
         _ if occupied.rows().min(occupied.cols()) < SIDE => {
-            fill_by_queue(occupied, goal, connectivity, corners, values)
+            fill_by_queue(occupied, goal, connectivity, corners, values);
         }
         (Connectivity::Four, _) => fill_by_tiles::<Straight>(occupied, goal, values),
         (Connectivity::Eight, CornerCutting::Allowed) => fill_by_tiles::<AnyDiagonal>(occupied, goal, values),
@@ -99,6 +100,7 @@ pub fn descend_wavefront(
     let mut path = vec![start];
     let mut here = start;
     while values[here] != GOAL {
+        // A wave reaches a cell from one whose value is one less, over a step that can be made back.
         let next_value = values[here] - 1;
         let steps = order.steps(connectivity).iter();
         here = steps
@@ -121,6 +123,7 @@ pub fn fill_by_queue(
         *value = if is_occupied { OBSTACLE } else { UNREACHED };
     }
     values[goal] = GOAL;
+    // First in, first out: levels follow one another, so the first value that a cell gets is its least.
     let mut front = VecDeque::from([goal]);
     while let Some(from) = front.pop_front() {
         for &offset in TieOrder::CrossFirst.steps(connectivity) {

@@ -1,4 +1,4 @@
-//! What is known of the tiles while the wave runs.
+//! The records of all tiles while the wave runs.
 
 use std::array;
 
@@ -20,7 +20,8 @@ pub struct TileRecord<T>(T);
 /// The records of all tiles, and the codes of all cells after the last flood of their tile.
 ///
 /// The codes are kept in the grid that the values will be written to: the 16 rows of values that a row of tiles covers
-/// have room for its codes, four to a value. Where fewer than 16 rows are left at the end of the map, a vector has them.
+/// have room for its codes, four to a value. Where fewer than 16 rows are left at the end of the map, a vector has
+/// them.
 pub struct TileRecords<'a> {
     values: &'a mut Grid<u32>,
     last_row: Vec<u32>,

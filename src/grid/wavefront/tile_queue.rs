@@ -1,15 +1,4 @@
-//! Wavefront: how many steps every cell is from the goal, and paths that walk down its values.
-//!
-//! The values are those of NF1 (Barraquand, Langlois, Latombe, "Numerical potential field techniques for robot path
-//! planning", IEEE Transactions on Systems, Man, and Cybernetics 22(2), 1992), that is, of a breadth-first search.
-//!
-//! A queue of cells would spend its time on guesses and on memory. Here a map is cut into tiles of 16 x 16 cells
-//! ([`tiles`]). Inside a tile the wave moves all cells of a level at once, as bits ([`cells`], [`moves`], [`flood`]);
-//! between tiles only the steps at the cells along their sides count. A tile comes again when a neighbour has found
-//! shorter ways to its sides, the earliest first ([`agenda`]; the buckets are those of Meyer, Sanders, "Delta-stepping: a
-//! parallelizable shortest path algorithm", Journal of Algorithms 49, 2003, section 2). In the open each tile comes once,
-//! among obstacles twice or so. What its last flood found out about its cells is kept as a byte for each ([`codes`]), in
-//! the memory of the result ([`records`]). When nothing improves any more, the values are written in the order of memory.
+//! The queue of tiles that wait for their turn.
 
 use std::collections::VecDeque;
 use std::mem;

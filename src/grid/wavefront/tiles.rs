@@ -19,7 +19,7 @@ pub struct Tiles<'a> {
     source: Place,
 }
 
-/// For a tile whose cells were reached in levels too far apart for one window; it is flooded again for its values.
+/// Marks a tile whose cells were reached in levels too far apart for one window; it is flooded again for its values.
 const OFTEN: i32 = i32::MAX;
 
 /// The codes of a window in a column of tiles.
@@ -46,8 +46,8 @@ impl<'a> Tiles<'a> {
 
     /// Lets the tiles exchange what their sides know until nothing improves.
     ///
-    /// All that a side ever holds is the length of some path, and lengths only fall, so the order in which tiles come does
-    /// not matter. That the tile with the earliest improvement comes first only saves work: most tiles come once.
+    /// All that a side ever holds is the length of some path, and lengths only fall, so the order in which tiles come
+    /// does not matter. That the tile with the earliest improvement comes first only saves work: most tiles come once.
     pub fn settle<M: Moves>(&mut self) {
         let mut agenda = TileQueue::new(self.first.len());
         let (row, col) = self.source_tile();

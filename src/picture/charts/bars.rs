@@ -18,7 +18,7 @@ const PANEL_HEIGHT: f32 = 120.0;
 const GRID: PanelGrid = PanelGrid { columns: 1, left: LEFT, below: 44.0 };
 /// The most panels on a sheet.
 const PANELS: usize = 4;
-/// What of a group's room its bars take.
+/// The share of a group's room that its bars take.
 const BARS: f32 = 0.78;
 const WIDEST: f32 = 64.0;
 
@@ -97,7 +97,7 @@ impl BarChart {
     }
 }
 
-/// Where the bar, or its whisker, ends on the top is returned.
+/// Draws a bar and returns the height at which it, or its whisker, ends.
 fn draw_bar(
     drawing: &mut Drawing,
     plot: &Plot,

@@ -38,12 +38,12 @@ pub struct CurvePanel {
     pub curves: Vec<Curve>,
 }
 
-/// How intervals are shown.
+/// The ways to show intervals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Spread {
-    /// Of many points: a band.
+    /// A band, for many points.
     Bands,
-    /// Of few points, which are marked.
+    /// Whiskers on marked points, for few of them.
     Whiskers,
 }
 

@@ -159,7 +159,7 @@ fn joined(lengths: &[f32]) -> String {
     lengths.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
 }
 
-/// To a hundredth of a unit, without zeros at the end.
+/// Rounds to a hundredth of a unit, so that no zeros stand at the end.
 fn rounded(value: f32) -> f32 {
     (value * 100.0).round() / 100.0 + 0.0
 }

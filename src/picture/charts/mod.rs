@@ -1,8 +1,8 @@
 //! Charts: bars, curves and distributions, each with its uncertainty.
 //!
 //! A chart becomes a [`Drawing`], a list of marks, which is written as SVG and painted as a picture: one geometry for
-//! both. Series differ in colour, and in hatching, dashes or the shape of their marks too, so that charts can be read in
-//! grey print; the colours are those of Okabe and Ito ("Color Universal Design", 2008), chosen for the colour-blind.
+//! both. Series differ in colour, and in hatching, dashes or the shape of their marks too, so that charts can be read
+//! in grey print; the colours are those of Okabe and Ito ("Color Universal Design", 2008), chosen for the colour-blind.
 //! What does not fit into one pair of axes is shown in several, small multiples of one scale, on as many sheets as they
 //! take.
 
@@ -19,13 +19,13 @@ pub use drawing::Drawing;
 pub use strips::{Strip, StripChart, StripPanel};
 pub use style::{STYLES, Style};
 
-/// What is written around a chart.
+/// The words around a chart.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Titles {
     pub title: String,
-    /// How the chart is to be read, in one line.
+    /// One line on how to read the chart.
     pub note: String,
-    /// What the axes show, with units.
+    /// Names of the axes, with units.
     pub x: String,
     pub y: String,
 }

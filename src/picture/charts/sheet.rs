@@ -17,10 +17,10 @@ const WIDTH: f32 = 720.0;
 const MARGIN: f32 = 18.0;
 const LINE: f32 = 19.0;
 const SWATCH: f32 = 26.0;
-/// What common fonts take, which SVG is shown in, to what the project's own takes.
+/// The width of common fonts, in which SVG is shown, divided by that of the project's own.
 const FONTS: f32 = 1.12;
 
-/// Where values are drawn, in units from the upper left corner of the sheet.
+/// The area in which values are drawn, in units from the upper left corner of the sheet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plot {
     pub left: f32,
@@ -102,7 +102,7 @@ pub fn draw_panel_name(drawing: &mut Drawing, part: &Plot, name: &str) {
     drawing.text(&name, (part.left, part.top - 6.0), Align::Left, LABEL, INK);
 }
 
-/// How a series is shown in the key.
+/// The sign of a series in the key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Swatch {
     Bar,
@@ -110,7 +110,7 @@ pub enum Swatch {
     MarkedLine,
 }
 
-/// What a sheet has besides its plot.
+/// The parts of a sheet besides its plot.
 pub struct SheetLayout<'a> {
     pub titles: &'a Titles,
     pub swatch: Swatch,
@@ -188,7 +188,7 @@ fn entry_width(name: &str) -> f32 {
     SWATCH + 6.0 + width_of(&key_name(name), LABEL) + 16.0
 }
 
-/// How far a text reaches at most, in whatever font.
+/// Returns the greatest width of a text, whatever the font.
 pub fn width_of(text: &str, height: f32) -> f32 {
     FONTS * measure_text(text, height)
 }
@@ -214,7 +214,7 @@ pub fn rule(drawing: &mut Drawing, plot: &Plot, y: f32) {
     drawing.line(vec![(plot.left, y), (plot.right, y)], 1.0, FAINT_INK);
 }
 
-/// What a tick keeps for itself, in units.
+/// The room that a tick keeps for itself along x and y, in units.
 const TICK_ROOM: [f32; 2] = [64.0, 40.0];
 
 /// Values along a side of a plot.

@@ -13,7 +13,7 @@ use crate::picture::text::Align;
 const ROW: f32 = 74.0;
 const ONE_ROW: f32 = 150.0;
 const QUANTILES: f32 = 16.0;
-/// What a row keeps free above its columns, for a number.
+/// The room above the columns of a row, for a number.
 const ABOVE: f32 = 16.0;
 const MOST_COLUMNS: usize = 48;
 const WIDEST_NAME: f32 = 210.0;
@@ -132,7 +132,7 @@ fn draw_quantiles(drawing: &mut Drawing, y: f32, [p5, p25, p50, p75, p95]: [f32;
     drawing.rect((p50 - 1.5, y - 4.0), (p50 + 1.5, y + 4.0), PAPER);
 }
 
-/// About twice as many as the square root of the number of values.
+/// Returns the number of columns: about twice the square root of the number of values.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small number")]
 fn columns(values: usize) -> usize {
     ((2.0 * (values as f64).sqrt()) as usize).clamp(8, MOST_COLUMNS)

@@ -1,4 +1,4 @@
-//! How series look: colour, hatching, dashes, mark.
+//! Styles of series: colour, hatching, dashes, mark.
 
 use super::drawing::Drawing;
 use crate::geometry::ops;
@@ -6,7 +6,7 @@ use crate::picture::canvas::Point;
 use crate::picture::colours::{INK, PAPER, Rgb};
 use crate::picture::marks::to_f32;
 
-/// How a series looks; no two differ in colour alone.
+/// The style of a series; no two differ in colour alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Style {
     pub colour: Rgb,
@@ -25,7 +25,8 @@ enum Hatch {
     Level,
 }
 
-/// Looks of series in their order; the colours are seven of Okabe and Ito's eight, whose yellow is too faint for a line.
+/// Looks of series in their order; the colours are seven of Okabe and Ito's eight, whose yellow is too faint for a
+/// line.
 pub const STYLES: [Style; 7] = [
     Style { colour: [0, 114, 178], hatch: Hatch::None, dashes: &[], corners: 0 },
     Style { colour: [213, 94, 0], hatch: Hatch::Rising, dashes: &[8.0, 4.0], corners: 4 },

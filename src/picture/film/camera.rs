@@ -23,7 +23,7 @@ impl Camera {
     pub const LEAST_ZOOM: f64 = 0.5;
     pub const MOST_ZOOM: f64 = 200.0;
 
-    /// About an agent that is followed no more than this is seen, along the field's longer side.
+    /// The most that is seen about an agent that is followed, along the field's longer side.
     const FOLLOWED_M: f64 = 100.0;
 
     /// Zoomed in by a factor (out, if below 1) in a pane of that size; the point at a place of the pane stays there.
@@ -34,8 +34,8 @@ impl Camera {
         zoomed.moved(frame, under - Projection::new(frame, zoomed, pane).world(at))
     }
 
-    /// Moved so that what is seen moves by so many pixels to the right and down. The middle of the pane always shows a
-    /// point of the field.
+    /// Moves the camera so that what is seen moves by that many pixels to the right and down. The middle of the pane
+    /// always shows a point of the field.
     #[must_use]
     pub fn panned(self, frame: &FieldFrame, pane: (f64, f64), (right, down): (f64, f64)) -> Self {
         let pixels_per_metre = Projection::new(frame, self, pane).pixels_per_metre;
@@ -47,7 +47,7 @@ impl Camera {
         Self { centre: centre.clamp(DVec2::ZERO, DVec2::ONE), ..self }
     }
 
-    /// About a point, near enough to see an agent there.
+    /// Returns the camera about a point, near enough to see an agent there.
     fn following(self, frame: &FieldFrame, point: DVec2) -> Self {
         let near = frame.width_m().max(frame.height_m()) / Self::FOLLOWED_M;
         Self {
@@ -63,7 +63,7 @@ impl Default for Camera {
     }
 }
 
-/// Where the points of a field lie in a pane, in pixels to the right and down from the pane's upper left corner.
+/// A map from points of a field to places in a pane, in pixels to the right and down from the pane's upper left corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Projection {
     pub pixels_per_metre: f64,
@@ -72,10 +72,10 @@ pub struct Projection {
 }
 
 impl Projection {
-    /// Around the field, where it just fits its pane, there stays a margin of this many pixels.
+    /// The margin in pixels around a field that just fits its pane.
     const MARGIN: f64 = 8.0;
 
-    /// Of a pane of that width and height in pixels.
+    /// Computes the projection to a pane of that width and height in pixels.
     pub fn new(frame: &FieldFrame, camera: Camera, (width, height): (f64, f64)) -> Self {
         let room = |side: f64| (side - 2.0 * Self::MARGIN).max(1.0);
         let fitting = (room(width) / frame.width_m()).min(room(height) / frame.height_m());
@@ -85,8 +85,8 @@ impl Projection {
         Self { pixels_per_metre, origin }
     }
 
-    /// What a pane of that width and height in pixels shows of a run with those options: about the agent that is followed,
-    /// if it is there, else as the camera says.
+    /// Computes the projection to a pane of that width and height in pixels for a run seen with those options: about
+    /// the agent that is followed, if it is there, else as the camera says.
     pub fn from_options(run: &RunView, state: &State, options: &ViewOptions, (width, height): (u32, u32)) -> Self {
         let setting = &run.timeline().setting;
         let followed = options.follows.and_then(|agent| setting.agent_index(agent));
@@ -97,8 +97,8 @@ impl Projection {
         Self::new(&setting.frame, camera, (f64::from(width), f64::from(height)))
     }
 
-    /// The pixels of a cell: the first ones, and those after the last. Cells side by side leave no gap between them, and
-    /// each has one pixel at least.
+    /// The pixels of a cell: the first ones, and those after the last. Cells side by side leave no gap between them,
+    /// and each has one pixel at least.
     pub fn cell(&self, frame: &FieldFrame, cell: Cell) -> ((i32, i32), (i32, i32)) {
         let corner = |col: u16, row: u16| {
             let place = self.place(DVec2::new(f64::from(col), f64::from(row)) * frame.cell_m);

@@ -1,11 +1,11 @@
-//! What the keys and the mouse do where frames are played, told once for help, documents and tests.
+//! Keys and mouse of the player, listed once for help, documents and tests.
 
 use super::Layer;
 
 /// A key, or a few, and what they do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Binding {
-    /// As it is written: names of keys with spaces between them.
+    /// The names of keys with spaces between them.
     pub keys: &'static str,
     pub does: &'static str,
 }

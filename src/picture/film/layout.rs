@@ -1,4 +1,4 @@
-//! Where the parts of a frame lie on its sheet.
+//! The places of a frame's parts.
 
 use crate::picture::marks::to_f32;
 
@@ -26,12 +26,12 @@ impl PixelRect {
     }
 }
 
-/// Where the parts of a frame lie.
+/// The places of a frame's parts.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FrameLayout {
     pub width: u32,
     pub height: u32,
-    /// How high capitals of ordinary text are; all else grows with it.
+    /// The height of capitals of ordinary text; all else grows with it.
     pub text: u32,
     /// The panes of the fields, one a run.
     pub fields: Vec<PixelRect>,
@@ -43,7 +43,7 @@ pub struct FrameLayout {
     pub timeline: PixelRect,
 }
 
-/// What lies at a place of the sheet.
+/// The part of a frame at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FramePart {
     /// In the pane of a run's field, pixels from the pane's upper left corner.
@@ -72,7 +72,7 @@ impl FrameLayout {
     pub const LEAST_HEIGHT: u32 = 240;
     pub const MOST_SIDE: u32 = 8192;
 
-    /// For one run or two; the panel goes where it leaves the larger panes.
+    /// Lays out a frame of one run or two; the panel goes where it leaves the larger panes.
     ///
     /// # Panics
     /// If a side is not within the limits, or there are no runs.
@@ -85,7 +85,7 @@ impl FrameLayout {
         if best.least_side() < LEAST_PANE * text { Self::with_panel(size, runs, text, (0, 0)) } else { best }
     }
 
-    /// With a panel as wide as `beside` right of the panes, or as high as `below` under them.
+    /// Lays out a frame with a panel as wide as `beside` right of the panes, or as high as `below` under them.
     fn with_panel((width, height): (u32, u32), runs: usize, text: u32, (beside, below): (u32, u32)) -> Self {
         let chart_text = if runs == 1 { CHART_OF_ONE } else { CHART_OF_TWO };
         let chart_height = (chart_text * text).min(height * if runs == 1 { 33 } else { 40 } / 100);
@@ -124,7 +124,7 @@ impl FrameLayout {
         FramePart::Elsewhere
     }
 
-    /// How far to the right a share of the run's duration, 0 to 1, lies on the timeline, in pixels.
+    /// Returns how far to the right a share of the run's duration, 0 to 1, lies on the timeline, in pixels.
     pub fn timeline_x(&self, share: f64) -> f64 {
         f64::from(self.timeline.left) + share * f64::from(self.timeline.width)
     }

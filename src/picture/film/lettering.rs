@@ -5,10 +5,10 @@ use crate::picture::colours::Rgb;
 use crate::picture::font::{CAPITAL, glyph};
 use crate::picture::text::{Align, PEN, measure_text, push_glyph};
 
-/// How a line of text looks.
+/// The style of a line of text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LetterStyle {
-    /// How high capitals are, in pixels.
+    /// The height of capitals in pixels.
     pub height: f32,
     pub is_bold: bool,
     pub colour: Rgb,
@@ -22,7 +22,7 @@ const LEAST_PEN: f32 = 1.1;
 const PLACES: usize = 4;
 const LETTERS: usize = 128;
 
-/// How much of each pixel a character covers.
+/// The share of each pixel that a character covers.
 #[derive(Debug)]
 struct Stamp {
     /// Of the upper left pixel from where the character begins on the base line.
@@ -59,6 +59,7 @@ impl Lettering {
         let mut at = left.round();
         for letter in text.chars() {
             let letter = if letter.is_ascii() { letter } else { '?' };
+            // Rounded to quarters of a pixel: finer places look the same and would need more stamps.
             let (column, place) = split(at);
             case.stamp(letter, place).print(canvas, (column, whole(base)), style.colour);
             at += glyph(letter).advance * unit;
@@ -85,6 +86,7 @@ impl Case {
 }
 
 impl Stamp {
+    /// Strokes a character in white on black, so that a channel of each pixel is its coverage.
     fn cut(letter: char, place: usize, height: f32, is_bold: bool) -> Self {
         let unit = height / CAPITAL;
         let pen = (if is_bold { BOLD_PEN } else { PEN } * unit).max(LEAST_PEN);
@@ -121,7 +123,7 @@ fn print_row(pixels: &mut [[u8; 4]], left: i32, coverage: &[u8], colour: Rgb) {
     }
 }
 
-/// In whole numbers, as this is done for every pixel of every frame's text.
+/// Mixes in whole numbers, as this is done for every pixel of every frame's text.
 fn mixed(under: u8, over: u8, covered: u8) -> u8 {
     let [under, over, covered] = [under, over, covered].map(u16::from);
     ((under * (255 - covered) + over * covered + 127) / 255) as u8

@@ -1,32 +1,32 @@
-//! How a viewer looks at runs: camera, layers, what is followed and selected.
+//! The viewer's options: camera, layers, what is followed and selected.
 
 use crate::geometry::Cell;
 use crate::picture::film::Camera;
 use crate::timeline::AgentId;
 
-/// What the viewer asked about.
+/// The bush or agent that the viewer selected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Selected {
     Bush(Cell),
     Agent(AgentId),
 }
 
-/// How a viewer looks at runs: all of a picture that does not follow from the runs and the time.
+/// The viewer's options: all of a picture that does not follow from the runs and the time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ViewOptions {
     pub camera: Camera,
     /// The agent that the camera goes with, in place of its own centre.
     pub follows: Option<AgentId>,
     pub layers: Layers,
-    /// What is told the story of, and in which of the runs.
+    /// The bush or agent whose story is told, and the run that it belongs to.
     pub selected: Option<(usize, Selected)>,
-    /// Whether all keys are shown, over everything else.
+    /// True if all keys are shown, over everything else.
     pub shows_help: bool,
-    /// What a player says about itself; a still says nothing.
+    /// The state of the player; a still has none.
     pub status: Option<Status>,
 }
 
-/// What a player says about itself.
+/// The state of a player.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Status {
     pub is_paused: bool,
@@ -49,11 +49,11 @@ pub enum Layer {
     Ages,
     GridLines,
     Roadmap,
-    /// What the last query of the roadmap looked at.
+    /// The edges that the last query of the roadmap examined.
     Query,
-    /// What the last local search of a truck expanded.
+    /// The poses that the last local search of a truck expanded.
     LocalSearch,
-    /// What the last search of a Wumpus expanded.
+    /// The cells that the last search of a Wumpus expanded.
     WumpusSearch,
     /// Distance to the nearest bush or the field's edge.
     Clearance,
@@ -78,7 +78,7 @@ impl Layer {
         Self::Wavefront,
     ];
 
-    /// As the command line writes it, and the legend.
+    /// Returns its name on the command line and in the legend.
     pub fn name(self) -> &'static str {
         match self {
             Self::Paths => "paths",
@@ -96,7 +96,7 @@ impl Layer {
         }
     }
 
-    /// Whether it shows what only a run with recorded searches holds.
+    /// Returns whether only a run with recorded searches has what it shows.
     pub fn needs_searches(self) -> bool {
         matches!(self, Self::Roadmap | Self::Query | Self::LocalSearch | Self::WumpusSearch)
     }

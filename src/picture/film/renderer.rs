@@ -22,14 +22,14 @@ pub struct FrameRequest<'a> {
 pub struct FrameRenderer {
     layout: FrameLayout,
     sheet: Canvas,
-    /// What is on the sheet.
+    /// The request that was drawn last.
     shown: Option<DrawnRequest>,
     fields: Vec<FieldRenderer>,
     hud: HudRenderer,
 }
 
 impl FrameRenderer {
-    /// For frames of that width and height in pixels, of one run or two.
+    /// Makes a renderer of frames of that width and height in pixels, of one run or two.
     pub fn new((width, height): (u32, u32), runs: usize) -> Self {
         Self {
             layout: FrameLayout::new((width, height), runs),
@@ -44,13 +44,13 @@ impl FrameRenderer {
         &self.layout
     }
 
-    /// Whether the frame that was drawn last is this one.
+    /// Returns whether the frame that was drawn last is this one.
     pub fn shows(&self, request: &FrameRequest) -> bool {
         self.shown.as_ref().is_some_and(|shown| shown.matches(request))
     }
 
-    /// Red, green, blue and opacity of every pixel of the frame, row by row. What is shown follows from the request alone,
-    /// whatever was drawn before.
+    /// Red, green, blue and opacity of every pixel of the frame, row by row. What is shown follows from the request
+    /// alone, whatever was drawn before.
     pub fn paint(&mut self, request: &FrameRequest) -> &[u8] {
         if !self.shows(request) {
             self.draw(request);

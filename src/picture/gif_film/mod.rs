@@ -1,7 +1,7 @@
 //! Films as GIF files.
 //!
-//! All frames share one palette. Of a frame only the rectangle that changed is written, and what did not change in it is
-//! transparent, so that the frame before shows through; that packs small. (GIF89a Specification, CompuServe, 1990;
+//! All frames share one palette. Of a frame only the rectangle that changed is written, and what did not change in it
+//! is transparent, so that the frame before shows through; that packs small. (GIF89a Specification, CompuServe, 1990;
 //! loops as Netscape's application extension defines them.)
 
 mod palette;
@@ -39,10 +39,10 @@ struct Changed {
 }
 
 impl GifFilm {
-    /// The shortest time that a frame may stand, in hundredths of a second; viewers take less for something else.
+    /// The shortest time that a frame is shown, in hundredths of a second; viewers give less another meaning.
     pub const LEAST_DELAY: u16 = 2;
 
-    /// For frames of that width and height in pixels.
+    /// Begins a file of frames of that width and height in pixels.
     pub fn create(path: &Path, (width, height): (u32, u32), palette: Palette) -> io::Result<Self> {
         let side =
             |pixels| u16::try_from(pixels).map_err(|_| io::Error::other("a GIF has at most 65535 pixels a side"));
@@ -54,7 +54,7 @@ impl GifFilm {
         Ok(Self { encoder, width, palette, shown: vec![TRANSPARENT; pixels], next: vec![TRANSPARENT; pixels] })
     }
 
-    /// Adds a frame that stands for some hundredths of a second. Its pixels are red, green, blue and opacity, row by
+    /// Adds a frame that is shown for some hundredths of a second. Its pixels are red, green, blue and opacity, row by
     /// row; the fourth is not looked at.
     pub fn add(&mut self, pixels: &[u8], hundredths: u16) -> io::Result<()> {
         let (pixels, _) = pixels.as_chunks::<4>();

@@ -11,7 +11,7 @@ const MOST_COLOURS: usize = 255;
 /// One for each colour of three bytes.
 const COLOURS: usize = 1 << 24;
 
-/// How often colours occur in a film.
+/// The frequencies of colours in a film.
 pub struct ColourCounts {
     counts: Vec<u32>,
 }
@@ -69,6 +69,7 @@ impl Palette {
         if known != TRANSPARENT {
             return known;
         }
+        // Asked once for each colour of the film: a frame repeats those of the frames before.
         let places = (1..=u8::MAX).zip(&self.colours).min_by_key(|&(_, &other)| squared_distance(colour, other));
         let place = places.map_or(TRANSPARENT, |(place, _)| place);
         self.nearest[number(colour)] = place;
@@ -113,7 +114,8 @@ impl Group {
         Self { members, widest: widest.expect("there are three channels") }
     }
 
-    /// Parts it at the mean of the channel in which its colours differ most.
+    /// Parts it at the mean of the channel in which its colours differ most; both halves have members, since colours
+    /// that differ lie on both sides of their mean.
     fn halves(self) -> [Self; 2] {
         let channel = self.widest.0;
         let mean = mean(&self.members, channel);
@@ -129,13 +131,16 @@ impl Group {
     }
 }
 
-/// Groups of alike colours, at most [`MOST_COLOURS`]: the group whose colours differ most is parted, again and again.
-/// (Wan, Wong and Prusinkiewicz, "An Algorithm for Multidimensional Data Clustering", 1988, section 3.)
+/// Splits colours into groups of alike ones, at most [`MOST_COLOURS`].
+///
+/// The group whose colours differ most is parted, again and again, so that each cut takes off as much of the error as
+/// one cut can. (Wan, Wong and Prusinkiewicz, "An Algorithm for Multidimensional Data Clustering", 1988, section 3.)
 fn split(colours: Vec<Weighted>) -> Vec<Group> {
     let mut groups = if colours.is_empty() { Vec::new() } else { vec![Group::new(colours)] };
     while groups.len() < MOST_COLOURS {
         let widest = (0..groups.len()).max_by(|&one, &other| groups[one].widest.1.total_cmp(&groups[other].widest.1));
         let Some(widest) = widest.filter(|&widest| groups[widest].widest.1 > 0.0) else { break };
+        // Of equals the last one is parted; the order of groups decides nothing else but places in the palette.
         let halves = groups.swap_remove(widest).halves();
         groups.extend(halves);
     }

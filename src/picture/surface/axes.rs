@@ -17,7 +17,7 @@ const GAP: f32 = 12.0;
 /// The least distance between numbers of rows or columns, in widths of the widest.
 const SPACING: f32 = 1.5;
 
-/// How far numbers and names reach beyond the box.
+/// The room that numbers and names take beyond the box.
 pub struct AxesRoom {
     pub left: f32,
     pub right: f32,

@@ -1,14 +1,14 @@
-//! From places above a map to places in the picture.
+//! The projection from places above a map to places in the picture.
 
 use crate::geometry::ops;
 use crate::picture::canvas::Point;
 use crate::picture::marks::to_f32;
 
-/// How far the view is turned from looking north, in degrees: the viewer stands south-east of the map.
+/// The angle of the view from looking north, in degrees: the viewer stands south-east of the map.
 const TURN_DEG: f64 = 30.0;
-/// How steeply the viewer looks down, in degrees.
+/// The angle at which the viewer looks down, in degrees.
 const PITCH_DEG: f64 = 42.0;
-/// How high the highest value stands, for a longer side of 1.
+/// The height of the highest value, for a longer side of 1.
 const RELIEF: f32 = 0.36;
 /// A map's shorter side is drawn at least this long, for a longer side of 1.
 const NARROWEST: f32 = 0.25;
@@ -34,7 +34,7 @@ pub struct SurfaceCamera {
     pitch: Point,
     /// Pixels for a length of 1.
     scale: f32,
-    /// Where the origin falls in the picture.
+    /// The place of the origin in the picture.
     origin: Point,
 }
 

@@ -28,7 +28,7 @@ const MARGIN: f32 = 24.0;
 /// The largest width and height of the drawn box.
 const BOX: Point = (760.0, 560.0);
 const FINER: f32 = 2.0;
-/// How much darker the sides of tiles are than their tops: towards the lower left, towards the lower right.
+/// The part by which the sides of tiles are darker than their tops: towards the lower left, towards the lower right.
 const SHADE: (f64, f64) = (0.25, 0.45);
 /// Tiles whose sides reach this far, in pixels, are outlined.
 const OUTLINED: f32 = 5.0;
@@ -64,7 +64,7 @@ pub fn draw_surface(scene: &MapScene) -> Picture {
     canvas.finish()
 }
 
-/// Walls and tiles, drawn finer than they are returned.
+/// Draws walls and tiles, finer than they are returned.
 fn draw_relief(
     relief: &Relief,
     camera: &SurfaceCamera,
@@ -74,6 +74,7 @@ fn draw_relief(
 ) -> Canvas {
     let mut canvas = Canvas::sized(right.ceil() * FINER, bottom.ceil() * FINER, PAPER);
     axes::draw_walls(&mut canvas, camera, heights, FINER);
+    // From north to south and west to east, which is from back to front for a viewer in the south-east.
     for row in 0..relief.tiles.rows() {
         for col in 0..relief.tiles.cols() {
             let colour = face_colour(relief.tiles[(row, col)].face, scale);
@@ -83,7 +84,7 @@ fn draw_relief(
     canvas.halved()
 }
 
-/// The sides of a tile that the viewer can see, and its top.
+/// Draws the sides of a tile that the viewer can see, and its top.
 fn draw_tile(canvas: &mut Canvas, camera: &SurfaceCamera, relief: &Relief, (row, col): (usize, usize), colour: Rgb) {
     let (north, south) = (relief.row_edge(row), relief.row_edge(row + 1));
     let (west, east) = (relief.col_edge(col), relief.col_edge(col + 1));
@@ -92,6 +93,7 @@ fn draw_tile(canvas: &mut Canvas, camera: &SurfaceCamera, relief: &Relief, (row,
     let below = if is_last.0 { [GROUND; 4] } else { relief.corners((row + 1, col)) };
     let beside = if is_last.1 { [GROUND; 4] } else { relief.corners((row, col + 1)) };
 
+    // Only the sides to the south and the east can be seen, and only as far as they stand out above the next tile.
     if sw > below[0] || se > below[1] {
         let side = [(west, sw), (east, se), (east, below[1]), (west, below[0])];
         canvas.fill_hard(&side.map(|(x, level)| camera.at(x, south, level)), blend(colour, INK, SHADE.0));

@@ -56,7 +56,7 @@ impl Relief {
         }
     }
 
-    /// Where the boundary before a row or column of tiles lies, 0 to 1.
+    /// Returns where the boundary before a row or column of tiles lies, 0 to 1.
     pub fn row_edge(&self, row: usize) -> f32 {
         (row * self.cells).min(self.size.0) as f32 / self.size.0 as f32
     }
@@ -65,7 +65,7 @@ impl Relief {
         (col * self.cells).min(self.size.1) as f32 / self.size.1 as f32
     }
 
-    /// Where the centre of a cell lies, 0 to 1 along columns and rows.
+    /// Returns where the centre of a cell lies, 0 to 1 along columns and rows.
     pub fn centre(&self, (row, col): Place) -> (f32, f32) {
         ((col as f32 + 0.5) / self.size.1 as f32, (row as f32 + 0.5) / self.size.0 as f32)
     }

@@ -16,11 +16,11 @@ const MARK: f32 = 7.0;
 const STEP: f32 = 2.0;
 const DOT: f32 = 1.2;
 const DOTS_APART: f32 = 6.0;
-/// How far the surface must rise above the line of sight to hide what is behind, as a share of the highest level; the
-/// path lies on the surface and must not hide itself.
+/// The height by which the surface must rise above the line of sight to hide what is behind, as a share of the highest
+/// level; the path lies on the surface and must not hide itself.
 const TOLERANCE: f32 = 0.02;
 
-/// What a path is drawn on.
+/// The surface that a path is drawn on.
 pub struct SurfaceTrack<'a> {
     pub scene: &'a MapScene<'a>,
     pub relief: &'a Relief,
@@ -41,7 +41,7 @@ impl SurfaceTrack<'_> {
         }
     }
 
-    /// The centre of a cell, on the surface; at its own value where its tile is drawn as something else.
+    /// Returns the centre of a cell, on the surface; at its own value where its tile is drawn as something else.
     fn cell(&self, place: Place) -> Spot {
         let (x, y) = self.relief.centre(place);
         let own = self.scene.value_at(place).zip(self.heights).map(|(value, heights)| to_f32(heights.fraction(value)));
@@ -52,7 +52,8 @@ impl SurfaceTrack<'_> {
         Spot { x, y, level }
     }
 
-    /// The path in small steps: long ones between cells are divided, short ones are left out.
+    /// Divides the path into small steps, since a part of a step between cells may be hidden; shorter steps are left
+    /// out.
     fn line(&self) -> Vec<(Point, Spot)> {
         let mut line: Vec<(Point, Spot)> = Vec::new();
         for &place in self.scene.path {
@@ -62,6 +63,7 @@ impl SurfaceTrack<'_> {
                 line.push((at, spot));
                 continue;
             };
+            // Where cells are smaller than a step, points are skipped until one is far enough from the last.
             let steps = (distance(last_at, at) / STEP).floor();
             let mut step = 1.0;
             while step <= steps {
@@ -73,7 +75,7 @@ impl SurfaceTrack<'_> {
         line
     }
 
-    /// A spot on the way between two cells, on the surface if both are.
+    /// Returns a spot on the way between two cells, on the surface if both are.
     fn between(&self, from: Spot, to: Spot, share: f32) -> Spot {
         let along = |from: f32, to: f32| from + (to - from) * share;
         let (x, y, level) = (along(from.x, to.x), along(from.y, to.y), along(from.level, to.level));
@@ -83,7 +85,9 @@ impl SurfaceTrack<'_> {
         }
     }
 
+    /// Returns whether the surface rises above the line of sight from a spot to the viewer.
     fn is_hidden(&self, spot: Spot) -> bool {
+        // Less than half a tile, so that no tile between spot and viewer is stepped over.
         let step = 0.4 / self.relief.tiles.rows().max(self.relief.tiles.cols()) as f32;
         let mut above = self.camera.towards_viewer(spot, step);
         above.any(|above| self.relief.level_at(above.x, above.y) > above.level + TOLERANCE)

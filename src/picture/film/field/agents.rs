@@ -16,10 +16,10 @@ use crate::vehicle::Dimensions;
 const LEAST_WUMPUS: f32 = 13.0;
 const LEAST_UNIMOG: f32 = 18.0;
 
-/// What the sprites are drawn for, in metres.
+/// The size of the truck that the sprites are drawn for, in metres.
 const DRAWN_LENGTH_M: f64 = 4.9;
 const DRAWN_WIDTH_M: f64 = 2.2;
-/// Of a wheel's middle from the middle of its axle, as a share of the body's half width.
+/// The distance of a wheel's middle from the middle of its axle, as a share of the body's half width.
 const WHEEL_AT: f64 = 0.78;
 
 pub fn agent_colour(agent: AgentId) -> Rgb {
@@ -37,14 +37,16 @@ pub fn draw_agents(canvas: &mut Canvas, pane: &Pane) {
 }
 
 fn draw_agent(canvas: &mut Canvas, pane: &Pane, index: usize) {
-    let (start, state) = (&pane.setting().agents[index], &pane.moment.state.agents[index]);
+    let (start, state) = (&pane.setting().agents[index], &pane.view.state.agents[index]);
     let (at, unit) = (pane.at(start.body.centre(state.pose)), pane.unit());
     let length = drawn_length(pane, &start.body);
     if !pane.is_near(at, length) {
         return;
     }
     if length > true_length(pane, &start.body) {
-        draw_ring(canvas, at, 0.62 * length + 2.0 * unit, (unit, agent_colour(start.id)));
+        let radius = 0.62 * length + 2.0 * unit;
+        canvas.ring(at, radius, &Pen::opaque(PAPER, 4.0 * unit));
+        canvas.ring(at, radius, &Pen::opaque(agent_colour(start.id), 2.0 * unit));
     }
     match start.body {
         Body::Square { .. } => {
@@ -52,9 +54,9 @@ fn draw_agent(canvas: &mut Canvas, pane: &Pane, index: usize) {
         }
         Body::Truck(body) => {
             let scale = f64::from(length) / body.length_m;
-            let leg = pane.moment.run.index().leg_at(index, pane.moment.state.time);
-            let leg = leg.map(|leg| leg.trajectory(pane.moment.run.timeline()));
-            let curvature = leg.map_or(0.0, |leg| curvature_at(leg, pane.moment.state.time));
+            let leg = pane.view.run.index().leg_at(index, pane.view.state.time);
+            let leg = leg.map(|leg| leg.trajectory(pane.view.run.timeline()));
+            let curvature = leg.map_or(0.0, |leg| curvature_at(leg, pane.view.state.time));
             draw_truck(canvas, at, state.pose, &body, scale, curvature);
         }
     }
@@ -77,11 +79,6 @@ fn true_length(pane: &Pane, body: &Body) -> f32 {
         Body::Square { size_m } => *size_m,
         Body::Truck(body) => body.length_m,
     })
-}
-
-fn draw_ring(canvas: &mut Canvas, at: Point, radius: f32, (unit, colour): (f32, Rgb)) {
-    canvas.ring(at, radius, &Pen::opaque(PAPER, 4.0 * unit));
-    canvas.ring(at, radius, &Pen::opaque(colour, 2.0 * unit));
 }
 
 /// `scale` in pixels a metre, `curvature` of the way of the rear axle.

@@ -11,10 +11,11 @@ use crate::picture::film::field::sprite::{BURNED_SPRITE, BUSH_SPRITE, EMBERS_SPR
 /// Cells with shorter sides than this, in pixels, are flat.
 pub const LEAST_SPRITE: f32 = 8.0;
 
-/// Burning cells with shorter sides than this, in pixels, are drawn a pixel larger to all sides, so that one finds them.
+/// Burning cells with shorter sides than this, in pixels, are drawn a pixel larger to all sides, so that one finds
+/// them.
 const LEAST_FIRE: f32 = 3.0;
 
-/// How much of the colour of its state the square of a bush has, which is what bodies may not touch.
+/// The share of its state's colour in the square of a bush, the area that bodies may not touch.
 const TINT: f64 = 0.45;
 
 /// Differently turned drawings of a bush.
@@ -39,7 +40,7 @@ pub fn draw_bushes(canvas: &mut Canvas, pane: &Pane, kinds: &[BushStateKind], st
     }
 }
 
-/// Where several cells share a pixel, what burns is seen, some pixels wide at least.
+/// Draws bushes as flat cells. Where several cells share a pixel, burning ones win and are some pixels wide at least.
 fn draw_flat_cells(canvas: &mut Canvas, pane: &Pane, kinds: &[BushStateKind]) {
     for is_burning in [false, true] {
         let bushes = pane.setting().bushes.iter().zip(kinds);
@@ -58,7 +59,7 @@ fn draw_bush_squares(canvas: &mut Canvas, pane: &Pane, kinds: &[BushStateKind]) 
     }
 }
 
-/// From north to south, so that what sticks out of a cell lies over what is behind it.
+/// Draws sprites from north to south, so that what sticks out of a cell lies over what is behind it.
 fn draw_bush_sprites(canvas: &mut Canvas, pane: &Pane, kinds: &[BushStateKind], stamps: &mut Stamps) {
     let side = pane.cell_side();
     for (&cell, &kind) in pane.setting().bushes.iter().zip(kinds).rev() {
@@ -77,7 +78,7 @@ pub fn draw_bush(canvas: &mut Canvas, kind: BushStateKind, variant: usize, at: P
     sprite(kind).draw(canvas, Placement::leaning(at, (mirrored, side), lean));
 }
 
-/// First number of stamps that are none of bushes.
+/// The first number of stamps that do not show bushes.
 pub const BUSH_STAMPS: usize = 4 * VARIANTS;
 
 /// A number that tells a cell from its neighbours: the mixing step of MurmurHash3 (Austin Appleby, 2011) on its place.
@@ -91,7 +92,7 @@ pub fn scatter(cell: Cell) -> u32 {
 /// Cells with longer sides than this, in pixels, are few: their sprites are drawn where they are.
 const MOST_STAMP_SIDE: f32 = 96.0;
 
-/// A stamp is so many sides of a cell wide, so that what sticks out of its cell is on it.
+/// The width of a stamp in sides of a cell, so that what sticks out of its cell is on it.
 const STAMP_WIDTH: f32 = 1.8;
 
 /// Drawings on small sheets, all for cells of one size.
@@ -109,7 +110,8 @@ impl Stamps {
         }
     }
 
-    /// Lays down what `draw` draws about a place, for cells of the present side; `number` tells one drawing from others.
+    /// Lays down what `draw` draws about a place, for cells of the present side; `number` tells one drawing from
+    /// others.
     pub fn lay(&mut self, canvas: &mut Canvas, (x, y): Point, number: usize, draw: impl Fn(&mut Canvas, Point, f32)) {
         if self.side > MOST_STAMP_SIDE {
             return draw(canvas, (x, y), self.side);

@@ -1,6 +1,5 @@
-//! What burns: flames on burning cells and how long these have burned, rings about cells that spread their fire.
+//! Flames on burning cells, the time that these have burned, and rings about cells that spread their fire.
 
-use crate::geometry::Cell;
 use crate::picture::canvas::{Canvas, Ink, Pen, Point};
 use crate::picture::colours::{BURNING, INK, PAPER, Rgb};
 use crate::picture::film::field::bushes::{BUSH_STAMPS, LEAST_SPRITE, Stamps, scatter};
@@ -15,7 +14,7 @@ use crate::timeline::{BushState, SpreadMoment};
 const FRAMES: usize = 8;
 const FRAMES_PER_SECOND: f64 = 8.0;
 
-/// A young fire grows in so many steps, in so many seconds.
+/// The number of sizes in which a young fire grows, and the seconds that it takes.
 const SIZES: usize = 6;
 const GROWS_FOR_S: f64 = 4.0;
 const SMALLEST: f32 = 0.45;
@@ -27,7 +26,7 @@ const LEAST_AGE: f32 = 22.0;
 const TONGUES: [(Point, f32); 4] =
     [((0.02, 0.02), 0.78), ((-0.27, -0.2), 0.66), ((0.27, -0.24), 0.6), ((0.02, -0.4), 0.74)];
 
-/// By how much a tongue is longer than it is at rest, and how far it leans to the right, in each picture.
+/// The part by which a tongue is longer than at rest, and its lean to the right, in each picture.
 const STRETCH: [f32; FRAMES] = [0.0, 0.10, 0.16, 0.06, -0.06, -0.12, -0.04, 0.08];
 const LEAN: [f32; FRAMES] = [0.0, 0.08, 0.14, 0.16, 0.06, -0.06, -0.14, -0.08];
 
@@ -37,7 +36,7 @@ pub fn draw_flames(canvas: &mut Canvas, pane: &Pane, stamps: &mut Stamps) {
     if side < LEAST_SPRITE {
         return;
     }
-    let state = pane.moment.state;
+    let state = pane.view.state;
     let mut ages = Vec::new();
     let shows_ages = pane.shows(Layer::Ages) && side >= LEAST_AGE;
     for (&cell, bush) in pane.setting().bushes.iter().zip(&state.bushes).rev() {
@@ -47,25 +46,24 @@ pub fn draw_flames(canvas: &mut Canvas, pane: &Pane, stamps: &mut Stamps) {
             continue;
         }
         let age_s = state.time.since(since).as_seconds();
-        draw_fire(canvas, stamps, cell, at, (state.time, age_s));
+        // Neighbours flicker out of step, and half of them are mirrored.
+        let offset = scatter(cell) as usize;
+        let frame = ((state.time.as_seconds() * FRAMES_PER_SECOND) as usize).wrapping_add(offset) % FRAMES;
+        let is_mirrored = (offset / FRAMES).is_multiple_of(2);
+        let size = ((age_s / GROWS_FOR_S * (SIZES - 1) as f64) as usize).min(SIZES - 1);
+        let grown = SMALLEST + (1.0 - SMALLEST) * size as f32 / (SIZES - 1) as f32;
+        let number = BUSH_STAMPS + (frame * SIZES + size) * 2 + usize::from(is_mirrored);
+        stamps.lay(canvas, at, number, |canvas, at, side| {
+            let side_of_tongues = if is_mirrored { -side } else { side };
+            draw_tongues(canvas, at, (grown * side_of_tongues, grown * side), frame);
+        });
         ages.extend(shows_ages.then_some((at, age_s)));
     }
+    // Over all flames, since those of the cell in front would hide them.
     ages.into_iter().for_each(|(at, age_s)| draw_age(canvas, at, side, age_s));
 }
 
-fn draw_fire(canvas: &mut Canvas, stamps: &mut Stamps, cell: Cell, at: Point, (time, age_s): (SimTime, f64)) {
-    let offset = scatter(cell) as usize;
-    let frame = ((time.as_seconds() * FRAMES_PER_SECOND) as usize).wrapping_add(offset) % FRAMES;
-    let size = ((age_s / GROWS_FOR_S * (SIZES - 1) as f64) as usize).min(SIZES - 1);
-    let is_mirrored = (offset / FRAMES).is_multiple_of(2);
-    let number = BUSH_STAMPS + (frame * SIZES + size) * 2 + usize::from(is_mirrored);
-    let grown = SMALLEST + (1.0 - SMALLEST) * size as f32 / (SIZES - 1) as f32;
-    stamps.lay(canvas, at, number, |canvas, at, side| {
-        let side_of_tongues = if is_mirrored { -side } else { side };
-        draw_tongues(canvas, at, (grown * side_of_tongues, grown * side), frame);
-    });
-}
-
+/// Draws the tongues of a fire about a place, scaled across and up, in one of its pictures.
 pub fn draw_tongues(canvas: &mut Canvas, (x, y): Point, (across, up): (f32, f32), frame: usize) {
     for (index, &((right, above), height)) in TONGUES.iter().enumerate() {
         let (stretch, lean) = (STRETCH[(frame + 3 * index) % FRAMES], LEAN[(frame + 5 * index) % FRAMES]);
@@ -86,15 +84,15 @@ fn draw_age(canvas: &mut Canvas, (x, y): Point, side: f32, age_s: f64) {
     draw_text(canvas, &label, (x, base), Align::Centre, height, PAPER);
 }
 
-/// How long a ring grows and fades: a few frames of a run that is played 50 times as fast.
+/// The time in which a ring grows and fades: a few frames of a run that is played 50 times as fast.
 const RING_LASTS: SimTime = SimTime::from_nanos(5_000_000_000);
 const RING_WIDTH: f32 = 3.0;
 const SPREAD_LINE: Rgb = [158, 50, 0];
 
 /// Draws what spread lately.
 pub fn draw_spreads(canvas: &mut Canvas, pane: &Pane) {
-    let now = pane.moment.state.time;
-    for spread in pane.moment.run.index().spreads_between(now.since(RING_LASTS), now) {
+    let now = pane.view.state.time;
+    for spread in pane.view.run.index().spreads_between(now.since(RING_LASTS), now) {
         let share = (now.since(spread.time).as_seconds() / RING_LASTS.as_seconds()) as f32;
         draw_spread(canvas, pane, spread, share);
     }
@@ -116,10 +114,12 @@ fn draw_spread(canvas: &mut Canvas, pane: &Pane, spread: &SpreadMoment, share: f
     }
 }
 
-/// As the rules have it, or else as far as the farthest cell that caught fire.
+/// Returns the radius of the rules, or where these are unknown the distance of the farthest cell that caught fire.
 fn radius_m(pane: &Pane, spread: &SpreadMoment) -> f64 {
     let setting = pane.setting();
-    let distance_m = |cell| (setting.frame.centre(cell) - setting.frame.centre(spread.from)).length();
-    let farthest_m = || spread.caught.iter().map(|&cell| distance_m(cell)).fold(0.0, f64::max);
-    setting.rules.fire.map_or_else(farthest_m, |fire| fire.spread_radius_m)
+    if let Some(fire) = setting.rules.fire {
+        return fire.spread_radius_m;
+    }
+    let from = setting.frame.centre(spread.from);
+    spread.caught.iter().map(|&cell| (setting.frame.centre(cell) - from).length()).fold(0.0, f64::max)
 }

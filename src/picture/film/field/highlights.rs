@@ -1,7 +1,7 @@
-//! What is highlighted: bushes that differ from the other run, and what the viewer selected with the mouse.
+//! Highlights: bushes that differ from the other run, and what the viewer selected with the mouse.
 
 use crate::geometry::Cell;
-use crate::picture::canvas::{Canvas, Ink, Pen, Point};
+use crate::picture::canvas::{Canvas, Ink, Pen};
 use crate::picture::colours::{INK, PAPER, Rgb};
 use crate::picture::film::camera::Projection;
 use crate::picture::film::field::agents::drawn_length;
@@ -29,6 +29,7 @@ pub fn draw_differences(canvas: &mut Canvas, pane: &Pane) {
     let frame = pane.frame();
     let mut differs = vec![false; frame.cell_count()];
     differing.iter().for_each(|&cell| differs[frame.index(cell)] = true);
+    // A side between two differing bushes is inside of an area and stays free.
     let is_outside = |cell: Cell, (cols, rows): (i32, i32)| {
         !frame.offset(cell, cols, rows).is_some_and(|other| differs[frame.index(other)])
     };
@@ -44,18 +45,18 @@ pub fn draw_differences(canvas: &mut Canvas, pane: &Pane) {
 }
 
 fn differing(pane: &Pane) -> Vec<Cell> {
-    let moment = pane.moment;
-    let Some((rival, rival_state)) = moment.rival else { return Vec::new() };
+    let view = pane.view;
+    let Some((rival, rival_state)) = view.rival else { return Vec::new() };
     let (setting, other) = (pane.setting(), &rival.timeline().setting);
     if (setting.frame, &setting.bushes) != (other.frame, &other.bushes) {
         return Vec::new();
     }
-    let kinds = moment.state.bushes.iter().zip(&rival_state.bushes);
+    let kinds = view.state.bushes.iter().zip(&rival_state.bushes);
     let cells = setting.bushes.iter().zip(kinds);
     cells.filter(|(_, (here, there))| here.kind() != there.kind()).map(|(&cell, _)| cell).collect()
 }
 
-/// A side of a cell, by the direction to the neighbour there, in a line from so many pixels outside the cell to so many.
+/// Draws a side of a cell, by the direction to the neighbour there, as a band between two distances outside the cell.
 fn draw_side(canvas: &mut Canvas, pane: &Pane, (cell, side): (Cell, (i32, i32)), (from, to): (f32, f32), colour: Rgb) {
     let ((left, top), (right, bottom)) = pane.projection.cell(pane.frame(), cell);
     let [left, top, right, bottom] = [left, top, right, bottom].map(|at| at as f32);
@@ -71,44 +72,39 @@ fn draw_side(canvas: &mut Canvas, pane: &Pane, (cell, side): (Cell, (i32, i32)),
 
 /// Draws a frame about the bush, or a ring about the agent, that the viewer asked about.
 pub fn draw_selected(canvas: &mut Canvas, pane: &Pane) {
-    let selected = pane.moment.options.selected.filter(|(run_index, _)| *run_index == pane.moment.run_index);
+    let selected = pane.view.options.selected.filter(|(run_index, _)| *run_index == pane.view.run_index);
+    let (halo, outline) = (Pen::opaque(PAPER, 6.0 * pane.unit()), Pen::opaque(INK, 3.0 * pane.unit()));
     match selected {
         Some((_, Selected::Bush(cell))) => {
             let half = 0.5 * pane.cell_side() + 4.0 * pane.unit();
-            draw_frame(canvas, pane.cell_centre(cell), (half, pane.unit()));
+            let (x, y) = pane.cell_centre(cell);
+            let corners = [(x - half, y - half), (x + half, y - half), (x + half, y + half), (x - half, y + half)];
+            // Once around and along the first side again, so that the first corner is joined too.
+            let line = [corners[0], corners[1], corners[2], corners[3], corners[0], corners[1]];
+            canvas.trace(&line, &halo);
+            canvas.trace(&line, &outline);
         }
         Some((_, Selected::Agent(agent))) => {
             if let Some(index) = pane.setting().agent_index(agent) {
-                let (start, state) = (&pane.setting().agents[index], &pane.moment.state.agents[index]);
+                let (start, state) = (&pane.setting().agents[index], &pane.view.state.agents[index]);
                 let at = pane.at(start.body.centre(state.pose));
                 let radius = 0.6 * drawn_length(pane, &start.body) + 7.0 * pane.unit();
-                draw_halo(canvas, at, (radius, pane.unit()));
+                canvas.ring(at, radius, &halo);
+                canvas.ring(at, radius, &outline);
             }
         }
         None => {}
     }
 }
 
-fn draw_frame(canvas: &mut Canvas, (x, y): Point, (half, unit): (f32, f32)) {
-    let corners = [(x - half, y - half), (x + half, y - half), (x + half, y + half), (x - half, y + half)];
-    let line = [corners[0], corners[1], corners[2], corners[3], corners[0], corners[1]];
-    canvas.trace(&line, &Pen::opaque(PAPER, 6.0 * unit));
-    canvas.trace(&line, &Pen::opaque(INK, 3.0 * unit));
-}
-
-fn draw_halo(canvas: &mut Canvas, at: Point, (radius, unit): (f32, f32)) {
-    canvas.ring(at, radius, &Pen::opaque(PAPER, 6.0 * unit));
-    canvas.ring(at, radius, &Pen::opaque(INK, 3.0 * unit));
-}
-
-/// Agents are hit from so many pixels beyond their bodies.
+/// The number of pixels beyond an agent's body from which it is hit.
 const GENEROUS: f32 = 6.0;
 
-/// What is drawn at a place of a run's pane, `size` in pixels: the nearest agent, if its body is no more than a few
-/// pixels away, or else a bush.
+/// Returns what is drawn at a place of a run's pane, `size` in pixels: the nearest agent, if its body is no more than a
+/// few pixels away, or else a bush.
 pub fn pick(run: &RunView, state: &State, options: &ViewOptions, size: (u32, u32), at: (f64, f64)) -> Option<Selected> {
-    let moment = FieldView { run, state, rival: None, run_index: 0, options };
-    let pane = Pane { moment: &moment, projection: Projection::from_options(run, state, options, size), size };
+    let view = FieldView { run, state, rival: None, run_index: 0, options };
+    let pane = Pane { view: &view, projection: Projection::from_options(run, state, options, size), size };
     agent_at(&pane, at).or_else(|| {
         let cell = pane.frame().cell_at(pane.projection.world(at))?;
         pane.setting().bush_index(cell).map(|_| Selected::Bush(cell))
@@ -116,7 +112,7 @@ pub fn pick(run: &RunView, state: &State, options: &ViewOptions, size: (u32, u32
 }
 
 fn agent_at(pane: &Pane, (x, y): (f64, f64)) -> Option<Selected> {
-    let agents = pane.setting().agents.iter().zip(&pane.moment.state.agents);
+    let agents = pane.setting().agents.iter().zip(&pane.view.state.agents);
     let hit = agents.filter_map(|(start, state)| {
         let (agent_x, agent_y) = pane.at(start.body.centre(state.pose));
         let (right, down) = (x - f64::from(agent_x), y - f64::from(agent_y));

@@ -1,7 +1,7 @@
-//! Long lines in pixels: what of them is in the pane, and dashes along them.
+//! Long lines in pixels: the part of them that is in the pane, and dashes along them.
 
 use crate::geometry::DVec2;
-use crate::picture::canvas::{Canvas, Ink, Point};
+use crate::picture::canvas::{Canvas, Pen, Point};
 use crate::picture::film::field::Pane;
 use crate::picture::thin_line::draw_line;
 
@@ -13,18 +13,12 @@ const BEYOND: f64 = 16.0;
 pub struct Dashes {
     pub length: f64,
     pub gap: f64,
-    /// How far into the pattern the line begins.
+    /// The place in the pattern where the line begins.
     pub offset: f64,
 }
 
 /// Draws a line through places in the pane, as far as it can be seen there.
-pub fn draw_visible_line(
-    canvas: &mut Canvas,
-    pane: &Pane,
-    line: &[DVec2],
-    (width, ink): (f32, Ink),
-    dashes: Option<Dashes>,
-) {
+pub fn draw_visible_line(canvas: &mut Canvas, pane: &Pane, line: &[DVec2], pen: Pen, dashes: Option<Dashes>) {
     let mut passed = 0.0;
     for pair in line.windows(2) {
         let step = pair[1] - pair[0];
@@ -32,7 +26,7 @@ pub fn draw_visible_line(
         if let Some((first, last)) = clip(pair[0], pair[1], pane.size) {
             let mut draw = |from: f64, to: f64| {
                 let at = |share: f64| -> Point { (pair[0] + step * share).as_vec2().into() };
-                draw_line(canvas, at(from), at(to), width, ink);
+                draw_line(canvas, at(from), at(to), pen.width, pen.ink);
             };
             match dashes {
                 None => draw(first, last),
@@ -49,11 +43,10 @@ pub fn draw_visible_line(
 }
 
 impl Dashes {
-    /// Where dashes begin and end between two places of the pattern.
+    /// Returns where dashes begin and end between two places of the pattern.
     fn between(self, first: f64, last: f64) -> impl Iterator<Item = (f64, f64)> {
         let period = self.length + self.gap;
-        let count = |at: f64| (at / period).floor();
-        let numbers = std::iter::successors(Some(count(first)), move |number| Some(number + 1.0));
+        let numbers = std::iter::successors(Some((first / period).floor()), move |number| Some(number + 1.0));
         let numbers = numbers.take(((last - first) / period) as usize + 2);
         numbers.filter_map(move |number| {
             let begins = number * period;
@@ -63,8 +56,8 @@ impl Dashes {
     }
 }
 
-/// Where a piece enters a pane and leaves it, as shares of its length (Liang and Barsky, "A New Concept and Method for
-/// Line Clipping", ACM Transactions on Graphics 3(1), 1984).
+/// Returns where a piece enters a pane and leaves it, as shares of its length (Liang and Barsky, "A New Concept and
+/// Method for Line Clipping", ACM Transactions on Graphics 3(1), 1984).
 fn clip(from: DVec2, to: DVec2, (width, height): (u32, u32)) -> Option<(f64, f64)> {
     let most = DVec2::new(f64::from(width), f64::from(height)) + BEYOND;
     let (mut first, mut last) = (0.0_f64, 1.0_f64);

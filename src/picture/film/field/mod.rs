@@ -1,7 +1,7 @@
 //! The pane of a field: bushes, fires, agents, and the layers that are switched on.
 //!
-//! What seldom changes is kept: the backdrop (ground and layers), and on it the bushes by state. Flames, ways, agents and
-//! what fire does are drawn on a copy of these for every frame. In both, later things lie over earlier ones.
+//! What seldom changes is kept: the backdrop (ground and layers), and on it the bushes by state. Flames, ways, agents
+//! and what fire does are drawn on a copy of these for every frame. In both, later things lie over earlier ones.
 
 mod agents;
 mod bushes;
@@ -59,7 +59,7 @@ pub struct FieldView<'a> {
 /// A moment, and where it is drawn.
 #[derive(Clone, Copy)]
 struct Pane<'a> {
-    moment: &'a FieldView<'a>,
+    view: &'a FieldView<'a>,
     projection: Projection,
     size: (u32, u32),
 }
@@ -89,29 +89,29 @@ struct Backdrop {
 
 impl FieldRenderer {
     /// The pane, `size` in pixels.
-    pub fn paint(&mut self, moment: &FieldView, size: (u32, u32)) -> &Canvas {
-        self.begin(moment.run);
-        let projection = Projection::from_options(moment.run, moment.state, moment.options, size);
-        let pane = Pane { moment, projection, size };
+    pub fn paint(&mut self, view: &FieldView, size: (u32, u32)) -> &Canvas {
+        self.begin(view.run);
+        let projection = Projection::from_options(view.run, view.state, view.options, size);
+        let pane = Pane { view, projection, size };
         self.find_values(&pane);
         self.stamps.begin(pane.cell_side());
         self.draw_ground(&pane);
-        self.draw_moment(&pane)
+        self.draw_view(&pane)
     }
 
-    /// What is kept of the moment.
+    /// Draws the part of the pane that is kept from frame to frame.
     fn draw_ground(&mut self, pane: &Pane) {
         let searches = shown_searches(pane);
         let key = Backdrop {
             projection: pane.projection,
             size: pane.size,
-            layers: pane.moment.options.layers,
+            layers: pane.view.options.layers,
             values: FieldQuantity::shown(pane),
             searches: searches.iter().map(|search| search.fact).collect(),
         };
         let values = self.values.as_ref();
         let backdrop = self.backdrop.get(key.clone(), |_| draw_backdrop(pane, values, &searches));
-        let kinds = pane.moment.state.bushes.iter().copied().map(BushState::kind).collect();
+        let kinds = pane.view.state.bushes.iter().copied().map(BushState::kind).collect();
         self.ground.get((key, kinds), |(_, kinds)| {
             let mut ground = backdrop.clone();
             draw_bushes(&mut ground, pane, kinds, &mut self.stamps);
@@ -119,8 +119,8 @@ impl FieldRenderer {
         });
     }
 
-    /// What changes from frame to frame, on what is kept.
-    fn draw_moment(&mut self, pane: &Pane) -> &Canvas {
+    /// Draws what changes from frame to frame over what is kept.
+    fn draw_view(&mut self, pane: &Pane) -> &Canvas {
         let ground = self.ground.last().expect("it was drawn just now");
         self.sheet.take_if(|sheet| (sheet.width(), sheet.height()) != pane.size);
         let sheet = self.sheet.get_or_insert_with(|| ground.clone());
@@ -148,7 +148,7 @@ impl FieldRenderer {
     fn find_values(&mut self, pane: &Pane) {
         let wanted = FieldQuantity::shown(pane);
         if self.values.as_ref().map(|values| values.quantity) != wanted {
-            self.values = wanted.and_then(|quantity| ValueMap::new(pane.moment.run, quantity));
+            self.values = wanted.and_then(|quantity| ValueMap::new(pane.view.run, quantity));
         }
     }
 
@@ -191,7 +191,7 @@ fn draw_grid_lines(canvas: &mut Canvas, pane: &Pane) {
 
 impl<'a> Pane<'a> {
     fn setting(&self) -> &'a Setting {
-        &self.moment.run.timeline().setting
+        &self.view.run.timeline().setting
     }
 
     fn frame(&self) -> &'a FieldFrame {
@@ -199,7 +199,7 @@ impl<'a> Pane<'a> {
     }
 
     fn shows(&self, layer: Layer) -> bool {
-        self.moment.options.layers.contains(layer)
+        self.view.options.layers.contains(layer)
     }
 
     /// The width of a thin line in pixels; all lines, letters and signs grow with it.
@@ -207,7 +207,7 @@ impl<'a> Pane<'a> {
         (self.size.0.min(self.size.1) as f32 / ORDINARY_SIDE).max(1.0)
     }
 
-    /// Of a cell, in pixels.
+    /// Returns the side of a cell in pixels.
     fn cell_side(&self) -> f32 {
         self.projection.length(self.frame().cell_m)
     }
@@ -224,7 +224,7 @@ impl<'a> Pane<'a> {
         (north_west, south_east)
     }
 
-    /// Whether anything within `reach` pixels about a place is in the pane.
+    /// Returns whether anything within `reach` pixels about a place is in the pane.
     fn is_near(&self, (x, y): Point, reach: f32) -> bool {
         let within = |at: f32, side: u32| (-reach..=side as f32 + reach).contains(&at);
         within(x, self.size.0) && within(y, self.size.1)

@@ -1,4 +1,4 @@
-//! What lengths and colours mean: a bar in metres, and the bar of the values that are shown.
+//! Scales: a bar in metres, and the bar of the values that are shown.
 
 use crate::picture::canvas::{Canvas, Point};
 use crate::picture::colours::{INK, PAPER};

@@ -1,4 +1,4 @@
-//! What planners looked at: roadmaps, and the last search of each agent, as far as these were recorded.
+//! Searches of planners: roadmaps, and the last search of each agent, as far as these were recorded.
 
 use crate::picture::canvas::{Canvas, Ink, Point};
 use crate::picture::colours::{Rgb, blend};
@@ -6,11 +6,11 @@ use crate::picture::film::field::{Layer, Pane};
 use crate::picture::thin_line::draw_line;
 use crate::planning::{SearchGraph, SearchPhase};
 
-/// How a layer shows searches of one phase.
+/// The style in which a layer shows searches of one phase.
 struct SearchStyle {
     layer: Layer,
     phase: SearchPhase,
-    /// Of the first line and of the last one.
+    /// The colours of the first line and of the last one.
     colours: [Rgb; 2],
     /// In pixels.
     width: f32,
@@ -65,7 +65,7 @@ pub struct ShownSearch<'a> {
 
 /// The searches that the layers ask for, all agents'.
 pub fn shown_searches<'a>(pane: &Pane<'a>) -> Vec<ShownSearch<'a>> {
-    let (run, time) = (pane.moment.run, pane.moment.state.time);
+    let (run, time) = (pane.view.run, pane.view.state.time);
     let styles = STYLES.iter().filter(|style| pane.shows(style.layer));
     let searches = styles.flat_map(|style| {
         (0..pane.setting().agents.len()).filter_map(move |agent| {
@@ -95,7 +95,7 @@ pub fn draw_searches(canvas: &mut Canvas, pane: &Pane, searches: &[ShownSearch])
     }
 }
 
-/// Whether the two ends do not lie beyond the same side of the pane.
+/// Returns whether the two ends do not lie beyond the same side of the pane.
 fn may_be_seen(pane: &Pane, [a, b]: &[Point; 2]) -> bool {
     let (width, height) = (pane.size.0 as f32, pane.size.1 as f32);
     let overlaps = |a: f32, b: f32, most: f32| a.max(b) >= 0.0 && a.min(b) <= most;

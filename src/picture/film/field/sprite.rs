@@ -31,17 +31,17 @@ pub struct Sprite {
 struct SpriteShape {
     path: Path,
     ink: Ink,
-    /// Of a line; none fills the path.
+    /// The width of a line; `None` fills the path.
     width: Option<f32>,
 }
 
-/// Where a sprite lies on a sheet.
+/// The place, size and direction of a sprite on a canvas.
 #[derive(Clone, Copy, Debug)]
 pub struct Placement(Transform);
 
 impl Placement {
-    /// Its origin at a place, its x axis to the right; pixels a unit along x and along y. The y axis leans to the right by
-    /// so many units of x for one of y.
+    /// Its origin at a place, its x axis to the right; pixels a unit along x and along y. The y axis leans to the right
+    /// by that many units of x for one of y.
     pub fn leaning((x, y): Point, (along, up): (f32, f32), lean: f32) -> Self {
         Self(Transform::from_row(along, 0.0, lean * along, -up, x, y))
     }
@@ -195,7 +195,8 @@ fn read_asset(text: &str) -> Sprite {
 mod tests {
     use super::*;
 
-    /// How many pixels of a sheet of 40 x 40 a sprite leaves its first colour on, 10 pixels a unit about the middle.
+    /// Returns how many pixels of a sheet of 40 x 40 a sprite leaves its first colour on, 10 pixels a unit about the
+    /// middle.
     fn covered(text: &str) -> usize {
         let mut canvas = Canvas::new(40, 40, PAPER);
         Sprite::read(text).expect("a sprite").draw(&mut canvas, Placement::leaning((20.0, 20.0), (10.0, 10.0), 0.0));

@@ -23,7 +23,7 @@ const CHORDS: f64 = 60.0;
 
 /// Draws reach, jet and progress of every truck that suppresses.
 pub fn draw_suppressions(canvas: &mut Canvas, pane: &Pane) {
-    let (run, state) = (pane.moment.run, pane.moment.state);
+    let (run, state) = (pane.view.run, pane.view.state);
     for (index, agent) in state.agents.iter().enumerate() {
         let stop = run.index().stop_at(index, state.time).filter(|_| agent.activity == Activity::Suppressing);
         let (Some((since, cell)), Body::Truck(body)) = (stop, pane.setting().agents[index].body) else { continue };
@@ -49,11 +49,11 @@ fn draw_jet(canvas: &mut Canvas, pane: &Pane, from: DVec2, cell: Cell) {
     let short = 0.4 * pane.frame().cell_m / (to - from).length();
     let line = [from, to - (to - from) * short.min(1.0)].map(|point| pane.projection.place(point));
     let width = pane.projection.length(JET_M).max(LEAST_JET * pane.unit());
-    let flown = pane.moment.state.time.as_seconds() * DROPS_PER_SECOND % (2.0 * DROP);
+    let flown = pane.view.state.time.as_seconds() * DROPS_PER_SECOND % (2.0 * DROP);
     let drops = Dashes { length: DROP, gap: DROP, offset: 2.0 * DROP - flown };
-    draw_visible_line(canvas, pane, &line, (width + 2.0, Ink::opaque(REACH)), None);
-    draw_visible_line(canvas, pane, &line, (width, Ink::opaque(EXTINGUISHED)), None);
-    draw_visible_line(canvas, pane, &line, (width, Ink::opaque(PAPER)), Some(drops));
+    draw_visible_line(canvas, pane, &line, Pen::opaque(REACH, width + 2.0), None);
+    draw_visible_line(canvas, pane, &line, Pen::opaque(EXTINGUISHED, width), None);
+    draw_visible_line(canvas, pane, &line, Pen::opaque(PAPER, width), Some(drops));
 }
 
 /// A ring that fills clockwise from the top.

@@ -34,20 +34,24 @@ pub struct ValueMap {
     pub scale: ValueScale,
     /// Not a number where there is no value.
     values: Grid<f64>,
-    /// Of a square with one value.
+    /// The side of a square with one value.
     side_m: f64,
     /// East and north of the field's corner, of the first square's corner.
     corner_m: f64,
 }
 
 impl FieldQuantity {
-    /// The last one in the order of the layers that is shown and known.
+    /// Returns the last one in the order of the layers that is shown and known.
     pub fn shown(pane: &Pane) -> Option<Self> {
-        let goal = || truck(pane).and_then(|index| pane.moment.state.agents[index].goal);
-        let wavefront = pane.shows(Layer::Wavefront).then(goal).flatten().map(Self::Wavefront);
-        let cost_map = || pane.shows(Layer::CostMap).then_some(Self::CostMap);
-        let clearance = || pane.shows(Layer::Clearance).then_some(Self::Clearance);
-        wavefront.or_else(cost_map).or_else(clearance)
+        if pane.shows(Layer::Wavefront)
+            && let Some(goal) = truck(pane).and_then(|index| pane.view.state.agents[index].goal)
+        {
+            return Some(Self::Wavefront(goal));
+        }
+        if pane.shows(Layer::CostMap) {
+            return Some(Self::CostMap);
+        }
+        pane.shows(Layer::Clearance).then_some(Self::Clearance)
     }
 
     pub fn name(self) -> &'static str {
@@ -61,9 +65,9 @@ impl FieldQuantity {
 
 /// The truck whose goal matters: the one that is followed, or selected, or the first.
 fn truck(pane: &Pane) -> Option<usize> {
-    let options = pane.moment.options;
+    let options = pane.view.options;
     let selected =
-        options.selected.filter(|(run_index, _)| *run_index == pane.moment.run_index).and_then(|(_, selected)| {
+        options.selected.filter(|(run_index, _)| *run_index == pane.view.run_index).and_then(|(_, selected)| {
             match selected {
                 Selected::Agent(agent) => Some(agent),
                 Selected::Bush(_) => None,
@@ -145,7 +149,7 @@ fn clearances(setting: &Setting) -> (Grid<f64>, f64) {
     (values, step_m)
 }
 
-/// Of the two zones' default, and none of bushes; 0 everywhere on a field without any.
+/// Computes the costs of the two zones' default, without any in bushes; 0 everywhere on a field without bushes.
 fn costs(setting: &Setting) -> Grid<f64> {
     let occupied = occupied(setting);
     let distances = brushfire(&occupied, Connectivity::Four);

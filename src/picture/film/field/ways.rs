@@ -10,7 +10,7 @@ use crate::time::SimTime;
 use crate::trajectory::Trajectory;
 use crate::vehicle::Segment;
 
-/// What was driven fades away in so many steps.
+/// The number of steps in which what was driven fades away.
 const FADING_STEPS: u64 = 12;
 const FADING_STEP: SimTime = SimTime::from_nanos(10_000_000_000);
 const FRESH: f32 = 0.8;
@@ -44,7 +44,7 @@ pub fn draw_ways(canvas: &mut Canvas, pane: &Pane) {
 
 /// The oldest part first, each step of age more faded.
 fn draw_driven(canvas: &mut Canvas, pane: &Pane, agent: usize) {
-    let (run, now) = (pane.moment.run, pane.moment.state.time);
+    let (run, now) = (pane.view.run, pane.view.state.time);
     let width = WIDTH * pane.unit();
     let colour = agent_colour(pane.setting().agents[agent].id);
     for step in (0..FADING_STEPS).rev() {
@@ -56,7 +56,7 @@ fn draw_driven(canvas: &mut Canvas, pane: &Pane, agent: usize) {
             let window = [from.max(leg.from), to.min(leg.until)].map(|time| trajectory.distance_m(time));
             for stretch in stretches(trajectory, window, pane.projection.pixels_per_metre) {
                 let dashes = stretch.is_reverse.then_some(REVERSE);
-                draw_stretch(canvas, pane, &stretch, (width, Ink { colour, opacity }), dashes);
+                draw_stretch(canvas, pane, &stretch, Pen { ink: Ink { colour, opacity }, width }, dashes);
             }
         }
     }
@@ -64,7 +64,7 @@ fn draw_driven(canvas: &mut Canvas, pane: &Pane, agent: usize) {
 
 /// Dashes stay where they are on the ground while the agent comes along.
 fn draw_planned(canvas: &mut Canvas, pane: &Pane, agent: usize) {
-    let (run, state) = (pane.moment.run, pane.moment.state);
+    let (run, state) = (pane.view.run, pane.view.state);
     let colour = agent_colour(pane.setting().agents[agent].id);
     if let Some(goal) = state.agents[agent].goal {
         draw_goal(canvas, pane, goal, colour);
@@ -75,8 +75,9 @@ fn draw_planned(canvas: &mut Canvas, pane: &Pane, agent: usize) {
         for stretch in stretches(trajectory, window, pane.projection.pixels_per_metre) {
             let dashes = if stretch.is_reverse { REVERSE } else { FORWARD };
             let width = WIDTH * pane.unit();
-            draw_stretch(canvas, pane, &stretch, (2.0 * width, Ink { colour: PAPER, opacity: 0.75 }), None);
-            draw_stretch(canvas, pane, &stretch, (width, Ink::opaque(colour)), Some(dashes));
+            let halo = Pen { ink: Ink { colour: PAPER, opacity: 0.75 }, width: 2.0 * width };
+            draw_stretch(canvas, pane, &stretch, halo, None);
+            draw_stretch(canvas, pane, &stretch, Pen::opaque(colour, width), Some(dashes));
         }
     }
 }
@@ -94,7 +95,7 @@ fn draw_goal(canvas: &mut Canvas, pane: &Pane, goal: Cell, colour: Rgb) {
     }
 }
 
-/// What a leg drives between two marks, in metres from its beginning, sampled for so many pixels a metre.
+/// Returns the part of a leg between two marks, in metres from its beginning, sampled for that many pixels a metre.
 fn stretches(leg: &Trajectory, [from_m, to_m]: [f64; 2], pixels_per_metre: f64) -> Vec<Stretch> {
     let mut stretches: Vec<Stretch> = Vec::new();
     let mut begins_m = 0.0;
@@ -138,7 +139,7 @@ fn sample(
 }
 
 /// Dashes are counted from the beginning of the leg.
-fn draw_stretch(canvas: &mut Canvas, pane: &Pane, stretch: &Stretch, pen: (f32, Ink), pattern: Option<(f64, f64)>) {
+fn draw_stretch(canvas: &mut Canvas, pane: &Pane, stretch: &Stretch, pen: Pen, pattern: Option<(f64, f64)>) {
     let projection = &pane.projection;
     let line: Vec<DVec2> = stretch.points.iter().map(|&point| projection.place(point)).collect();
     let (offset, unit) = (stretch.from_m * projection.pixels_per_metre, f64::from(pane.unit()));

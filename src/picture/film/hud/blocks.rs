@@ -1,4 +1,4 @@
-//! What the panel tells, block by block.
+//! The blocks of the panel.
 
 use crate::fire::BushStateKind;
 use crate::picture::Rgb;
@@ -12,15 +12,15 @@ use crate::picture::film::{Layer, ViewOptions};
 use crate::timeline::BushCounts;
 
 /// All blocks in the order in which they are shown.
-pub fn panel_blocks(moment: &HudView) -> Vec<PanelBlock> {
-    let mut blocks = vec![title_block(moment), clock_block(moment), counts_block(moment), scores_block(moment)];
-    blocks.extend(story_block(moment));
-    blocks.extend(agent_blocks(moment));
-    blocks.extend(switches_block(moment));
+pub fn panel_blocks(view: &HudView) -> Vec<PanelBlock> {
+    let mut blocks = vec![title_block(view), clock_block(view), counts_block(view), scores_block(view)];
+    blocks.extend(story_block(view));
+    blocks.extend(agent_blocks(view));
+    blocks.extend(switches_block(view));
     blocks
 }
 
-/// Where the first of two values ends in front of the second, in heights of text.
+/// The distance between the ends of two values of a line, in heights of text.
 const FIRST_VALUE: f32 = 7.6;
 
 /// Values at the right of a line: one a run.
@@ -32,15 +32,15 @@ pub fn values(texts: impl IntoIterator<Item = String>, face: TextFace) -> Vec<Li
 }
 
 /// Above the values of the runs of a comparison: what they are of, and the names of the runs.
-pub fn heading(moment: &HudView, name: LineMark) -> PanelLine {
-    let names = values((0..moment.runs.len()).map(|run_index| words::run_name(run_index).to_owned()), TextFace::STRONG);
+pub fn heading(view: &HudView, name: LineMark) -> PanelLine {
+    let names = values((0..view.runs.len()).map(|run_index| words::run_name(run_index).to_owned()), TextFace::STRONG);
     PanelLine::new([name].into_iter().chain(names).collect())
 }
 
-pub fn title_block(moment: &HudView) -> PanelBlock {
-    let lines = moment.runs.iter().enumerate().flat_map(|(run_index, run)| {
+pub fn title_block(view: &HudView) -> PanelBlock {
+    let lines = view.runs.iter().enumerate().flat_map(|(run_index, run)| {
         let (name, changes) = run.title().split_once(", ").unwrap_or((run.title(), ""));
-        let (name, face) = if moment.is_comparison() {
+        let (name, face) = if view.is_comparison() {
             (format!("{}  {name}", words::run_name(run_index)), TextFace::STRONG)
         } else {
             (name.to_owned(), TextFace::TITLE)
@@ -53,36 +53,36 @@ pub fn title_block(moment: &HudView) -> PanelBlock {
     PanelBlock::new(3, lines.collect())
 }
 
-pub fn clock_block(moment: &HudView) -> PanelBlock {
-    let time = PanelLine { height: 3.0, marks: vec![LineMark::left(format_clock(moment.time), TextFace::CLOCK)] };
-    let mut below = vec![LineMark::left(format!("of {}", format_clock(moment.end)), TextFace::faint())];
-    if let Some(status) = &moment.options.status {
+pub fn clock_block(view: &HudView) -> PanelBlock {
+    let time = PanelLine { height: 3.0, marks: vec![LineMark::left(format_clock(view.time), TextFace::CLOCK)] };
+    let mut below = vec![LineMark::left(format!("of {}", format_clock(view.end)), TextFace::faint())];
+    if let Some(status) = &view.options.status {
         let pace = if status.is_paused { "paused".to_owned() } else { format!("{} x", status.speed) };
         below.push(LineMark::right(pace, TextFace::STRONG));
     }
-    let follows = moment.options.follows.map(|agent| PanelLine::pair("follows", agent.to_string()));
+    let follows = view.options.follows.map(|agent| PanelLine::pair("follows", agent.to_string()));
     PanelBlock::new(0, [time, PanelLine::new(below)].into_iter().chain(follows).collect())
 }
 
-/// Where a name begins behind its sign, and where a count ends in front of its share.
+/// Distances at which a name begins behind its sign, and a count ends in front of its share.
 const STATE_NAME: f32 = 2.3;
 const COUNT: f32 = 6.0;
 
-pub fn counts_block(moment: &HudView) -> PanelBlock {
+pub fn counts_block(view: &HudView) -> PanelBlock {
     let counts = BushStateKind::ALL.map(|kind| {
         let mut marks = vec![
             LineMark::Sign(kind),
             LineMark::Left { from: STATE_NAME, text: kind.name().into(), face: TextFace::PLAIN },
         ];
-        match moment.counts.as_slice() {
+        match view.counts.as_slice() {
             [counts] => marks.extend(count_and_share(counts, kind)),
             counts => {
-                marks.extend(values(counts.iter().map(|counts| counts.count(kind).to_string()), TextFace::STRONG))
+                marks.extend(values(counts.iter().map(|counts| counts.count(kind).to_string()), TextFace::STRONG));
             }
         }
         PanelLine::new(marks)
     });
-    let names = moment.is_comparison().then(|| heading(moment, LineMark::left("bushes", TextFace::faint())));
+    let names = view.is_comparison().then(|| heading(view, LineMark::left("bushes", TextFace::faint())));
     PanelBlock::new(1, names.into_iter().chain(counts).collect())
 }
 
@@ -94,11 +94,11 @@ fn count_and_share(counts: &BushCounts, kind: BushStateKind) -> [LineMark; 2] {
     ]
 }
 
-pub fn scores_block(moment: &HudView) -> PanelBlock {
-    let scores: Vec<[f64; 2]> = moment
+pub fn scores_block(view: &HudView) -> PanelBlock {
+    let scores: Vec<[f64; 2]> = view
         .runs
         .iter()
-        .zip(&moment.counts)
+        .zip(&view.counts)
         .map(|(run, counts)| {
             let rules = &run.timeline().setting.rules;
             [counts.wumpus_score(rules), counts.truck_score(rules)]
@@ -114,18 +114,18 @@ pub fn scores_block(moment: &HudView) -> PanelBlock {
         lines.push(PanelLine { height: 1.2, marks: vec![LineMark::Bar(shares(score))] });
         lines.push(PanelLine::new(vec![LineMark::left(lead_text(score), TextFace::PLAIN)]));
     } else {
-        lines.insert(0, heading(moment, LineMark::left("points", TextFace::faint())));
+        lines.insert(0, heading(view, LineMark::left("points", TextFace::faint())));
         let mut marks = vec![LineMark::left("leads", TextFace::faint())];
         marks.extend(values(scores.iter().map(|&score| leader(score).unwrap_or("-").to_owned()), TextFace::PLAIN));
         lines.push(PanelLine::new(marks));
     }
-    lines.extend(cpu_line(moment));
+    lines.extend(cpu_line(view));
     PanelBlock::new(2, lines)
 }
 
 /// CPU time of all decisions so far, where it is known of a run.
-fn cpu_line(moment: &HudView) -> Option<PanelLine> {
-    let known: Vec<_> = moment.runs.iter().map(|run| run.cpu_until(moment.time)).collect();
+fn cpu_line(view: &HudView) -> Option<PanelLine> {
+    let known: Vec<_> = view.runs.iter().map(|run| run.cpu_until(view.time)).collect();
     known.iter().any(Option::is_some).then(|| {
         let mut marks = vec![LineMark::left("CPU for plans", TextFace::faint())];
         marks.extend(values(known.iter().map(|cpu| cpu.map_or("-".to_owned(), format_cpu)), TextFace::PLAIN));
@@ -133,7 +133,7 @@ fn cpu_line(moment: &HudView) -> Option<PanelLine> {
     })
 }
 
-/// Who has more points.
+/// Returns the name of the side that has more points.
 fn leader([wumpus, unimog]: [f64; 2]) -> Option<&'static str> {
     if wumpus > unimog { Some("Wumpus") } else { (unimog > wumpus).then_some("Unimog") }
 }
@@ -156,28 +156,28 @@ fn shares([wumpus, unimog]: [f64; 2]) -> Vec<(f64, Rgb)> {
     if all > 0.0 { vec![(wumpus / all, WUMPUS), (unimog / all, UNIMOG)] } else { vec![(1.0, FAINT_INK)] }
 }
 
-/// Where the second layer of a line begins, and a name behind its key.
+/// Distances at which the second layer of a line begins, and a name behind its key.
 const SECOND: f32 = 11.8;
 const LAYER_NAME: f32 = 1.9;
 
-pub fn switches_block(moment: &HudView) -> Option<PanelBlock> {
-    moment.options.status.as_ref()?;
+pub fn switches_block(view: &HudView) -> Option<PanelBlock> {
+    view.options.status.as_ref()?;
     let (first, second) = Layer::ALL.split_at(Layer::ALL.len().div_ceil(2));
     let lines = (0..first.len()).map(|row| {
-        let mut marks = switch(moment.options, first[row], 0.0).to_vec();
-        marks.extend(second.get(row).into_iter().flat_map(|&layer| switch(moment.options, layer, SECOND)));
+        let mut marks = switch(view.options, first[row], 0.0).to_vec();
+        marks.extend(second.get(row).into_iter().flat_map(|&layer| switch(view.options, layer, SECOND)));
         PanelLine::new(marks)
     });
-    let note = lacks_searches(moment)
+    let note = lacks_searches(view)
         .then(|| PanelLine::new(vec![LineMark::left("no searches in the recording", TextFace::PLAIN)]));
     let help = PanelLine::new(vec![LineMark::left("?  all keys", TextFace::PLAIN)]);
     Some(PanelBlock::new(13, lines.chain(note).chain([help]).collect()))
 }
 
-/// Whether something shall be shown that no run has.
-fn lacks_searches(moment: &HudView) -> bool {
-    let shown = Layer::ALL.into_iter().filter(|&layer| moment.options.layers.contains(layer));
-    shown.into_iter().any(Layer::needs_searches) && !moment.runs.iter().any(|run| run.index().has_searches())
+/// Returns whether a layer of searches is switched on although no run has any.
+fn lacks_searches(view: &HudView) -> bool {
+    let shown = Layer::ALL.into_iter().filter(|&layer| view.options.layers.contains(layer));
+    shown.into_iter().any(Layer::needs_searches) && !view.runs.iter().any(|run| run.index().has_searches())
 }
 
 fn switch(options: &ViewOptions, layer: Layer, from: f32) -> [LineMark; 2] {

@@ -1,8 +1,8 @@
-//! What stands around the fields: clock, counts, scores, legend, stories; the curves over time, which are the timeline.
+//! The head-up display around the fields: clock, counts, scores, legend, stories, and the curves over time, which are
+//! the timeline.
 
 mod blocks;
 mod chart;
-mod help;
 mod notes;
 mod panel;
 mod pen;
@@ -13,8 +13,7 @@ pub use words::format_clock;
 
 use blocks::panel_blocks;
 use chart::ChartRenderer;
-use help::draw_help;
-use notes::{draw_headline, draw_message, draw_run_names};
+use notes::{draw_headline, draw_help, draw_message, draw_run_names};
 use panel::draw_panel;
 use pen::{Signs, TextPen};
 
@@ -36,15 +35,15 @@ impl HudRenderer {
     /// `states` are those of the runs at the request's time.
     pub fn paint(&mut self, sheet: &mut Canvas, layout: &FrameLayout, request: &FrameRequest, states: &[State]) {
         self.chart.paint(sheet, &mut self.lettering, layout, request);
-        let moment = HudView::new(request, states);
+        let view = HudView::new(request, states);
         let mut pen =
             TextPen { sheet, lettering: &mut self.lettering, signs: &mut self.signs, text: layout.text as f32 };
         match layout.panel {
-            Some(panel) => draw_panel(&mut pen, panel, panel_blocks(&moment)),
-            None => draw_headline(&mut pen, layout, &moment),
+            Some(panel) => draw_panel(&mut pen, panel, panel_blocks(&view)),
+            None => draw_headline(&mut pen, layout, &view),
         }
-        if moment.is_comparison() {
-            draw_run_names(&mut pen, layout, &moment);
+        if view.is_comparison() {
+            draw_run_names(&mut pen, layout, &view);
         }
         if let Some(message) = request.options.status.as_ref().and_then(|status| status.message.as_ref()) {
             draw_message(&mut pen, layout, message);

@@ -41,7 +41,7 @@ fn fit(mut blocks: Vec<PanelBlock>, columns: usize, room: f32) -> (Vec<PanelBloc
         if let Some(places) = places(&blocks, columns, room) {
             return (blocks, places);
         }
-        // The last one of the highest rank.
+        // The last one of the highest rank: `max_by_key` takes the last of equals.
         let dropped = (0..blocks.len()).max_by_key(|&index| blocks[index].rank).expect("no blocks always fit");
         blocks.remove(dropped);
     }
@@ -67,7 +67,7 @@ fn places(blocks: &[PanelBlock], columns: usize, room: f32) -> Option<Vec<(usize
 /// Lines that belong together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PanelBlock {
-    /// Where there is too little room, blocks of the highest rank are left out first.
+    /// The block's rank: where there is too little room, the highest are left out first.
     pub rank: u8,
     pub lines: Vec<PanelLine>,
 }
@@ -80,7 +80,7 @@ pub struct PanelLine {
     pub marks: Vec<LineMark>,
 }
 
-/// What stands in a line; distances from the column's edges in heights of text.
+/// The parts of a line; distances from the column's edges in heights of text.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LineMark {
     /// Cut short where the next text begins.
@@ -115,7 +115,7 @@ impl PanelLine {
         Self { height: Self::HEIGHT, marks }
     }
 
-    /// What is told, and its value.
+    /// Makes a line of a name and its value.
     pub fn pair(name: &str, value: impl Into<String>) -> Self {
         Self::new(vec![LineMark::left(name, TextFace::faint()), LineMark::right(value, TextFace::PLAIN)])
     }
@@ -130,7 +130,7 @@ impl PanelLine {
                     pen.write(&fitted(text, pen.height(*face), room), (x, base), Align::Left, *face);
                 }
                 LineMark::Right { to, text, face } => {
-                    pen.write(text, (right - pen.length(*to), base), Align::Right, *face)
+                    pen.write(text, (right - pen.length(*to), base), Align::Right, *face);
                 }
                 LineMark::Sign(kind) => {
                     let side = pen.length(SIGN);
@@ -141,7 +141,7 @@ impl PanelLine {
         }
     }
 
-    /// Where text that begins at `x` must have ended.
+    /// Returns where text that begins at `x` must have ended.
     fn next_text(&self, pen: &TextPen, (left, right): (f32, f32), x: f32) -> f32 {
         let starts = self.marks.iter().filter_map(|mark| match mark {
             LineMark::Left { from, .. } => Some(left + pen.length(*from)),

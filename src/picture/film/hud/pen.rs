@@ -8,7 +8,7 @@ use crate::picture::film::field::draw_sign;
 use crate::picture::film::lettering::{LetterStyle, Lettering};
 use crate::picture::text::{Align, measure_text};
 
-/// How text looks.
+/// The style of text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextFace {
     /// Height of capitals in heights of ordinary text.
@@ -28,7 +28,7 @@ impl TextFace {
     }
 }
 
-/// What draws on a sheet.
+/// A pen for text and small shapes on a canvas.
 pub struct TextPen<'a> {
     pub sheet: &'a mut Canvas,
     pub lettering: &'a mut Lettering,
@@ -76,7 +76,7 @@ fn whole(at: f32) -> i32 {
     at.round() as i32
 }
 
-/// A sheet is so many times wider than its bush, so that flames have room.
+/// The width of a sign's canvas in widths of its bush, so that flames have room.
 const SIGN_ROOM: f32 = 1.4;
 /// Smaller signs, in pixels, are flat, as cells are that are small.
 const LEAST_DRAWN: f32 = 11.0;

@@ -1,4 +1,4 @@
-//! What each agent does and did, and the story of a bush or an agent that the viewer asked about.
+//! Stories: what each agent does and did, and what happened to the bush or agent that the viewer selected.
 
 use crate::geometry::Cell;
 use crate::picture::film::field::agent_colour;
@@ -16,16 +16,16 @@ const FIRST_AGENT_RANK: u8 = 10;
 /// No panel has room for more.
 const MOST_AGENTS: usize = 64;
 
-pub fn agent_blocks(moment: &HudView) -> Vec<PanelBlock> {
-    if let (&[run], [state]) = (moment.runs, moment.states) {
-        let tell = |(index, agent)| PanelBlock::new(agent_rank(index), agent_lines(run, index, agent, moment.time));
+pub fn agent_blocks(view: &HudView) -> Vec<PanelBlock> {
+    if let (&[run], [state]) = (view.runs, view.states) {
+        let tell = |(index, agent)| PanelBlock::new(agent_rank(index), agent_lines(run, index, agent, view.time));
         state.agents.iter().take(MOST_AGENTS).enumerate().map(tell).collect()
     } else {
-        agent_ids(moment)
+        agent_ids(view)
             .into_iter()
             .take(MOST_AGENTS)
             .enumerate()
-            .map(|(index, id)| PanelBlock::new(agent_rank(index), compared_agent_lines(moment, id)))
+            .map(|(index, id)| PanelBlock::new(agent_rank(index), compared_agent_lines(view, id)))
             .collect()
     }
 }
@@ -38,7 +38,7 @@ fn agent_mark(agent: AgentId) -> LineMark {
     LineMark::left(agent.to_string(), TextFace { colour: agent_colour(agent), ..TextFace::STRONG })
 }
 
-/// What an agent did with the bushes.
+/// Returns the word for what an agent does with bushes.
 pub fn cells_word(agent: AgentId) -> &'static str {
     if agent.role.lights() { "lit" } else { "put out" }
 }
@@ -63,18 +63,18 @@ fn agent_lines(run: &RunView, index: usize, agent: &AgentState, time: SimTime) -
 }
 
 /// The agents of all runs, each once.
-fn agent_ids(moment: &HudView) -> Vec<AgentId> {
-    let mut ids: Vec<AgentId> = moment.states.iter().flat_map(|state| &state.agents).map(|agent| agent.id).collect();
+fn agent_ids(view: &HudView) -> Vec<AgentId> {
+    let mut ids: Vec<AgentId> = view.states.iter().flat_map(|state| &state.agents).map(|agent| agent.id).collect();
     ids.sort_unstable();
     ids.dedup();
     ids
 }
 
-fn compared_agent_lines(moment: &HudView, id: AgentId) -> Vec<PanelLine> {
-    let runs = moment.runs.iter().zip(moment.states);
+fn compared_agent_lines(view: &HudView, id: AgentId) -> Vec<PanelLine> {
+    let runs = view.runs.iter().zip(view.states);
     let known = runs.map(|(run, state)| {
         let index = run.timeline().setting.agent_index(id)?;
-        Some((state.agents[index].activity, run.stats_at(index, moment.time)))
+        Some((state.agents[index].activity, run.stats_at(index, view.time)))
     });
     let known: Vec<Option<(Activity, AgentStats)>> = known.collect();
     let line = |name: &str, tell: &dyn Fn(Activity, &AgentStats) -> String| {
@@ -86,39 +86,39 @@ fn compared_agent_lines(moment: &HudView, id: AgentId) -> Vec<PanelLine> {
         PanelLine::new(marks.collect())
     };
     vec![
-        heading(moment, agent_mark(id)),
+        heading(view, agent_mark(id)),
         line("does", &|activity, _| activity_name(id, activity).to_owned()),
         line(cells_word(id), &|_, did| did.cells.to_string()),
         line("plans, failed", &|_, did| format!("{}, {}", did.plans, did.failures)),
     ]
 }
 
-/// The last changes of a bush that are told, those to come included.
+/// The number of last changes of a bush that are listed, those to come included.
 const MOST_CHANGES: usize = 6;
 
-pub fn story_block(moment: &HudView) -> Option<PanelBlock> {
-    let (run_index, selected) = moment.options.selected?;
-    let (run, state) = (*moment.runs.get(run_index)?, moment.states.get(run_index)?);
+pub fn story_block(view: &HudView) -> Option<PanelBlock> {
+    let (run_index, selected) = view.options.selected?;
+    let (run, state) = (*view.runs.get(run_index)?, view.states.get(run_index)?);
     let lines = match selected {
-        Selected::Bush(cell) => bush_story(run, cell, moment.time)?,
-        Selected::Agent(id) => agent_story(run, state, id, moment.time)?,
+        Selected::Bush(cell) => bush_story(run, cell, view.time)?,
+        Selected::Agent(id) => agent_story(run, state, id, view.time)?,
     };
-    Some(PanelBlock::new(4, [story_heading(moment, run_index, selected)].into_iter().chain(lines).collect()))
+    Some(PanelBlock::new(4, [story_heading(view, run_index, selected)].into_iter().chain(lines).collect()))
 }
 
-fn story_heading(moment: &HudView, run_index: usize, selected: Selected) -> PanelLine {
+fn story_heading(view: &HudView, run_index: usize, selected: Selected) -> PanelLine {
     let (name, colour) = match selected {
         Selected::Bush(cell) => (format!("bush {cell}"), TextFace::STRONG.colour),
         Selected::Agent(id) => (id.to_string(), agent_colour(id)),
     };
     let mut marks = vec![LineMark::left(name, TextFace { colour, ..TextFace::STRONG })];
-    if moment.is_comparison() {
+    if view.is_comparison() {
         marks.push(LineMark::right(format!("in {}", words::run_name(run_index)), TextFace::faint()));
     }
     PanelLine::new(marks)
 }
 
-/// What happened to a bush and when; what is yet to come is faint.
+/// Tells what happened to a bush and when; what is yet to come is faint.
 fn bush_story(run: &RunView, cell: Cell, now: SimTime) -> Option<Vec<PanelLine>> {
     let bush = run.timeline().setting.bush_index(cell)?;
     let mut burns_since = None;
@@ -157,7 +157,7 @@ fn change_text(fact: &Fact, burned_before: bool) -> String {
     }
 }
 
-/// For how long a fire burned that ends with this event.
+/// Tells for how long a fire burned that ends with this event.
 fn burned_for(event: &Event, since: Option<SimTime>) -> Option<String> {
     let ends = matches!(event.fact, Fact::Fire(FireFact::Extinguished { .. }) | Fact::Fire(FireFact::BurnedOut { .. }));
     since.filter(|_| ends).map(|since| format!("after {:.1} s", event.time.since(since).as_seconds()))

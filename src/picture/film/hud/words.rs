@@ -1,4 +1,4 @@
-//! How times, shares and names are written.
+//! The written form of times, shares and names.
 
 use std::time::Duration;
 
@@ -28,7 +28,7 @@ pub fn format_cpu(time: Duration) -> String {
     }
 }
 
-/// What an agent is doing; a Wumpus has no wheels.
+/// Returns the name of what an agent is doing; one without wheels walks.
 pub fn activity_name(agent: AgentId, activity: Activity) -> &'static str {
     if activity == Activity::Driving && !agent.role.drives() { "walking" } else { activity.name() }
 }

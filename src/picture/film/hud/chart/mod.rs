@@ -1,6 +1,7 @@
 //! Counts of bushes over the whole run, stacked, with marks of events above; of two runs, also how they differ.
 //!
-//! What lies ahead of the request's time is paler than what has passed. Both are drawn once and put together by columns.
+//! What lies ahead of the request's time is paler than what has passed. Both are drawn once and put together by
+//! columns.
 
 mod strips;
 
@@ -17,7 +18,7 @@ use crate::picture::text::Align;
 use crate::picture::ticks::ticks;
 use crate::time::SimTime;
 
-/// How much of its colour that keeps which lies ahead.
+/// The share of its colour that the time ahead keeps.
 const AHEAD: f64 = 0.35;
 
 /// Draws the chart of a request; keeps it as long as the runs are the same.
@@ -41,13 +42,10 @@ impl ChartRenderer {
         layout: &FrameLayout,
         request: &FrameRequest,
     ) {
-        let is_right = |drawn: &Drawn| {
-            drawn.layout == *layout && drawn.runs.iter().copied().eq(request.runs.iter().map(|run| run.id()))
-        };
-        if !self.drawn.as_ref().is_some_and(is_right) {
-            self.drawn = Some(Drawn::new(request.runs, layout, lettering));
-        }
-        let Some(drawn) = &self.drawn else { return };
+        self.drawn.take_if(|drawn| {
+            drawn.layout != *layout || drawn.runs.iter().copied().ne(request.runs.iter().map(|run| run.id()))
+        });
+        let drawn = self.drawn.get_or_insert_with(|| Drawn::new(request.runs, layout, lettering));
         let x = cursor_x(layout, request.time, RunView::last_end(request.runs));
         let at = (layout.chart.left, layout.chart.top);
         sheet.copy_from(&drawn.ahead, at);
@@ -58,9 +56,26 @@ impl ChartRenderer {
 
 impl Drawn {
     fn new(runs: &[&RunView], layout: &FrameLayout, lettering: &mut Lettering) -> Self {
-        let mut draw = |share: f64| draw_chart(runs, layout, lettering, &|colour| blend(PAPER, colour, share));
-        let (past, ahead) = (draw(1.0), draw(AHEAD));
+        let past = draw_chart(runs, layout, lettering, 1.0);
+        let ahead = draw_chart(runs, layout, lettering, AHEAD);
         Self { layout: layout.clone(), runs: runs.iter().map(|run| run.id()).collect(), past, ahead }
+    }
+}
+
+/// A canvas on which a chart is drawn, and all that its parts have in common.
+struct ChartPen<'a> {
+    canvas: Canvas,
+    lettering: &'a mut Lettering,
+    plan: ChartPlan,
+    /// The end of the time axis.
+    end: SimTime,
+    /// The share of their colour that counts and events get.
+    colourfulness: f64,
+}
+
+impl ChartPen<'_> {
+    fn shade(&self, colour: Rgb) -> Rgb {
+        blend(PAPER, colour, self.colourfulness)
     }
 }
 
@@ -71,46 +86,30 @@ fn cursor_x(layout: &FrameLayout, time: SimTime, end: SimTime) -> u32 {
     layout.timeline_x(share).round() as u32
 }
 
-fn draw_chart(
-    runs: &[&RunView],
-    layout: &FrameLayout,
-    lettering: &mut Lettering,
-    shade: &dyn Fn(Rgb) -> Rgb,
-) -> Canvas {
-    let mut canvas = Canvas::new(layout.chart.width, layout.chart.height, PAPER);
+fn draw_chart(runs: &[&RunView], layout: &FrameLayout, lettering: &mut Lettering, colourfulness: f64) -> Canvas {
+    let canvas = Canvas::new(layout.chart.width, layout.chart.height, PAPER);
     let plan = ChartPlan::new(layout, runs.len());
-    let end = RunView::last_end(runs);
-    canvas.fill_rect(0.0, 0.0, layout.chart.width as f32, 1.0, FAINT_INK);
-    for (run_index, (run, strip)) in runs.iter().zip(&plan.strips).enumerate() {
-        draw_strip(&mut canvas, lettering, &plan, (run, strip), end, shade);
+    let (strips, difference) = (plan.strips.clone(), plan.difference);
+    let mut pen = ChartPen { canvas, lettering, plan, end: RunView::last_end(runs), colourfulness };
+    pen.canvas.fill_rect(0.0, 0.0, layout.chart.width as f32, 1.0, FAINT_INK);
+    for (run_index, (run, strip)) in runs.iter().zip(&strips).enumerate() {
+        if let Some(rows) = strip.lanes {
+            draw_event_lanes(&mut pen, rows, run);
+        }
+        draw_stacked_counts(&mut pen, strip.area, run);
+        draw_value_axis(&mut pen, strip.area, (0.0, f64::from(run.counts_at(SimTime::ZERO).bushes())));
         if runs.len() > 1 {
-            draw_run_name(&mut canvas, lettering, &plan, strip, run_index);
+            draw_run_name(&mut pen, strip, run_index);
         }
     }
-    if let (&[one, other], Some(rows)) = (runs, plan.difference) {
-        draw_differences(&mut canvas, lettering, &plan, rows, (one, other), shade);
+    if let (&[one, other], Some(rows)) = (runs, difference) {
+        draw_differences(&mut pen, rows, (one, other));
     }
-    draw_time_axis(&mut canvas, lettering, &plan, end);
-    canvas
+    draw_time_axis(&mut pen);
+    pen.canvas
 }
 
-fn draw_strip(
-    canvas: &mut Canvas,
-    lettering: &mut Lettering,
-    plan: &ChartPlan,
-    (run, strip): (&RunView, &RunStrip),
-    end: SimTime,
-    shade: &dyn Fn(Rgb) -> Rgb,
-) {
-    if let Some(rows) = strip.lanes {
-        draw_event_lanes(canvas, lettering, plan, rows, (run, end), shade);
-    }
-    draw_stacked_counts(canvas, plan, strip.area, (run, end), shade);
-    let bushes = f64::from(run.counts_at(SimTime::ZERO).bushes());
-    draw_value_axis(canvas, lettering, plan, strip.area, (0.0, bushes));
-}
-
-/// A line through all of the chart with a handle at its upper end.
+/// Draws a line through all of the chart with a handle at its upper end.
 fn draw_cursor(sheet: &mut Canvas, layout: &FrameLayout, x: u32, runs: usize) {
     let plan = ChartPlan::new(layout, runs);
     let (top, bottom) = plan.cursor;
@@ -130,35 +129,35 @@ fn draw_cursor(sheet: &mut Canvas, layout: &FrameLayout, x: u32, runs: usize) {
     }
 }
 
-/// RowRange of the chart: the first, and how many.
-pub type RowRange = (u32, u32);
+/// Rows of the chart: the first, and how many.
+type RowRange = (u32, u32);
 
-/// Where one run's counts lie.
+/// The rows of one run's counts.
 #[derive(Clone, Debug)]
-pub struct RunStrip {
-    /// For marks of events; left out where there is too little room.
-    pub lanes: Option<RowRange>,
-    pub area: RowRange,
+struct RunStrip {
+    /// Rows for marks of events; left out where there is too little room.
+    lanes: Option<RowRange>,
+    area: RowRange,
 }
 
-/// Where the parts of a chart lie.
+/// The places of a chart's parts.
 #[derive(Clone, Debug)]
-pub struct ChartPlan {
+struct ChartPlan {
     /// Height of ordinary text.
-    pub text: u32,
+    text: u32,
     /// The columns of the canvas between the start and the end of time: the first, and how many.
-    pub columns: (u32, u32),
-    pub strips: Vec<RunStrip>,
-    /// For the difference of two runs; left out where there is too little room.
-    pub difference: Option<RowRange>,
-    /// From where to where the cursor reaches.
-    pub cursor: (u32, u32),
+    columns: (u32, u32),
+    strips: Vec<RunStrip>,
+    /// Rows for the difference of two runs; left out where there is too little room.
+    difference: Option<RowRange>,
+    /// The first row of the cursor, and the one after its last.
+    cursor: (u32, u32),
     /// The base line of the words under the time axis.
-    pub axis_base: u32,
+    axis_base: u32,
 }
 
 impl ChartPlan {
-    pub fn new(layout: &FrameLayout, runs: usize) -> Self {
+    fn new(layout: &FrameLayout, runs: usize) -> Self {
         let text = layout.text;
         let part = |tenths: u32| tenths * text / 10;
         // Where there is no panel, a line above the strips tells the most important of it.
@@ -193,12 +192,12 @@ impl ChartPlan {
         }
     }
 
-    pub fn length(&self, texts: f32) -> f32 {
+    fn length(&self, texts: f32) -> f32 {
         (texts * self.text as f32).round()
     }
 }
 
-/// Longer runs are told in minutes, in seconds.
+/// Runs of at least this many seconds have their axis in minutes.
 const MINUTES_FROM_S: f64 = 300.0;
 const SECONDS_PER_MINUTE: f64 = 60.0;
 /// Distances between numbers, in heights of text.
@@ -209,9 +208,9 @@ fn axis_style(plan: &ChartPlan) -> LetterStyle {
     LetterStyle { height: 0.85 * plan.text as f32, is_bold: false, colour: INK }
 }
 
-/// Times under the chart.
+/// Draws times under the chart.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few dozen numbers")]
-pub fn draw_time_axis(canvas: &mut Canvas, lettering: &mut Lettering, plan: &ChartPlan, end: SimTime) {
+fn draw_time_axis(ChartPen { canvas, lettering, plan, end, .. }: &mut ChartPen) {
     let (unit, unit_s) = if end.as_seconds() < MINUTES_FROM_S { ("s", 1.0) } else { ("min", SECONDS_PER_MINUTE) };
     let last = end.as_seconds() / unit_s;
     let (left, width) = (plan.columns.0 as f32, plan.columns.1 as f32);
@@ -226,12 +225,10 @@ pub fn draw_time_axis(canvas: &mut Canvas, lettering: &mut Lettering, plan: &Cha
     lettering.draw(canvas, unit, (left - plan.length(1.5), base), Align::Right, axis_style(plan));
 }
 
-/// Numbers left of some rows, the lowest at their lower edge; lines where there are numbers, but not on them.
+/// Draws numbers left of some rows, the lowest at their lower edge; lines where there are numbers, but not on them.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few dozen numbers")]
-pub fn draw_value_axis(
-    canvas: &mut Canvas,
-    lettering: &mut Lettering,
-    plan: &ChartPlan,
+fn draw_value_axis(
+    ChartPen { canvas, lettering, plan, .. }: &mut ChartPen,
     (top, height): RowRange,
     (low, high): (f64, f64),
 ) {
@@ -248,14 +245,8 @@ pub fn draw_value_axis(
     }
 }
 
-/// The name of a run of a comparison beside its counts.
-pub fn draw_run_name(
-    canvas: &mut Canvas,
-    lettering: &mut Lettering,
-    plan: &ChartPlan,
-    strip: &RunStrip,
-    run_index: usize,
-) {
+/// Draws the name of a run of a comparison beside its counts.
+fn draw_run_name(ChartPen { canvas, lettering, plan, .. }: &mut ChartPen, strip: &RunStrip, run_index: usize) {
     let (top, height) = strip.area;
     let style = LetterStyle { height: 1.4 * plan.text as f32, is_bold: true, colour: INK };
     let base = top as f32 + 0.5 * height as f32 + 0.5 * style.height;

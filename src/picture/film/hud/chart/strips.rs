@@ -1,47 +1,42 @@
-//! What a chart shows over time: the four counts stacked, marks of events above them, and how the counts of two runs differ.
+//! The strips of a chart over time: the four counts stacked, marks of events above them, and how the counts of two runs
+//! differ.
 
 use crate::fire::BushStateKind;
 use crate::picture::Rgb;
 use crate::picture::canvas::{Canvas, Point};
 use crate::picture::colours::{BURNING, EXTINGUISHED, FAINT_INK, INK, PAPER, blend, bush_colour};
 use crate::picture::film::RunView;
-use crate::picture::film::hud::chart::{ChartPlan, RowRange, draw_value_axis};
-use crate::picture::film::lettering::{LetterStyle, Lettering};
+use crate::picture::film::hud::chart::{ChartPen, ChartPlan, RowRange, draw_value_axis};
+use crate::picture::film::lettering::LetterStyle;
 use crate::picture::marks::to_f32;
 use crate::picture::text::{Align, measure_text};
 use crate::picture::ticks::round_step;
 use crate::time::SimTime;
 use crate::timeline::{AgentFact, BushCounts, Fact, FireFact};
 
-/// From the bottom up: what is lost, what burns, what was saved, what nothing happened to.
+/// The parts from the bottom up: what is lost, what burns, what was saved, what nothing happened to.
 const STACKED: [BushStateKind; 4] =
     [BushStateKind::BurnedOut, BushStateKind::Burning, BushStateKind::Extinguished, BushStateKind::Intact];
 
-/// Every column shows the counts at its middle.
-pub fn draw_stacked_counts(
-    canvas: &mut Canvas,
-    plan: &ChartPlan,
-    (top, height): RowRange,
-    (run, end): (&RunView, SimTime),
-    shade: &dyn Fn(Rgb) -> Rgb,
-) {
-    let colours = STACKED.map(|kind| shade(bush_colour(kind)));
-    let (left, width) = plan.columns;
+/// Draws the four counts one over the other; every column shows those at its middle.
+pub fn draw_stacked_counts(pen: &mut ChartPen, (top, height): RowRange, run: &RunView) {
+    let colours = STACKED.map(|kind| pen.shade(bush_colour(kind)));
+    let (left, width) = pen.plan.columns;
     for column in 0..width {
-        let edges = edges(&run.counts_at(column_time(column, width, end)), height);
+        let edges = edges(&run.counts_at(column_time(column, width, pen.end)), height);
         for row in 0..height {
             let [red, green, blue] = row_colour(row, &edges, &colours);
-            canvas.row_from((left + column) as usize, (top + row) as usize)[0] = [red, green, blue, 255];
+            pen.canvas.row_from((left + column) as usize, (top + row) as usize)[0] = [red, green, blue, 255];
         }
     }
 }
 
-/// The time in the middle of a column.
-pub fn column_time(column: u32, width: u32, end: SimTime) -> SimTime {
+/// Returns the time in the middle of a column.
+fn column_time(column: u32, width: u32, end: SimTime) -> SimTime {
     SimTime::from_seconds(end.as_seconds() * (f64::from(column) + 0.5) / f64::from(width))
 }
 
-/// How far down the upper edge of each part lies, in rows.
+/// Returns how far down the upper edge of each part lies, in rows.
 fn edges(counts: &BushCounts, height: u32) -> [f64; 4] {
     let (mut below, height) = (0, f64::from(height));
     STACKED.map(|kind| {
@@ -50,7 +45,7 @@ fn edges(counts: &BushCounts, height: u32) -> [f64; 4] {
     })
 }
 
-/// A row shows the parts that it cuts by how much it has of each.
+/// Mixes the colours of the parts that a row cuts by how much it has of each.
 fn row_colour(row: u32, edges: &[f64; 4], colours: &[Rgb; 4]) -> Rgb {
     let (above, below) = (f64::from(row), f64::from(row) + 1.0);
     let mut colour = colours[3];
@@ -83,18 +78,14 @@ const LANES: [Lane; 3] = [
 /// Names are written where a lane is at least this high, in pixels.
 const NAMED: u32 = 8;
 
-pub fn draw_event_lanes(
-    canvas: &mut Canvas,
-    lettering: &mut Lettering,
-    plan: &ChartPlan,
-    (top, height): RowRange,
-    (run, end): (&RunView, SimTime),
-    shade: &dyn Fn(Rgb) -> Rgb,
-) {
+/// Draws one lane for each kind of events, and one mark in a column however many of them fall on it.
+pub fn draw_event_lanes(pen: &mut ChartPen, (top, height): RowRange, run: &RunView) {
     for (index, lane) in (0..).zip(&LANES) {
         let pitch = height / LANES.len() as u32;
         let (top, bottom) = (top + index * pitch, top + (index + 1) * pitch - 1);
-        draw_marks(canvas, plan, (top, bottom), &event_columns(run, plan.columns.1, end, lane), shade(lane.colour));
+        let colour = pen.shade(lane.colour);
+        let ChartPen { canvas, lettering, plan, end, .. } = &mut *pen;
+        draw_marks(canvas, plan, (top, bottom), &event_columns(run, plan.columns.1, *end, lane), colour);
         if bottom - top >= NAMED {
             let style = LetterStyle { height: 0.75 * plan.text as f32, is_bold: false, colour: blend(PAPER, INK, 0.7) };
             let at = (plan.columns.0 as f32 - plan.length(0.6), bottom as f32);
@@ -103,7 +94,7 @@ pub fn draw_event_lanes(
     }
 }
 
-/// The columns in which such an event happens, ascending.
+/// Returns the columns in which such an event happens, ascending.
 fn event_columns(run: &RunView, width: u32, end: SimTime, lane: &Lane) -> Vec<u32> {
     let events = run.timeline().events.iter().filter(|event| event.time <= end && (lane.belongs)(&event.fact));
     let mut columns: Vec<u32> = events.map(|event| column_of(event.time, width, end)).collect();
@@ -129,51 +120,49 @@ fn draw_marks(canvas: &mut Canvas, plan: &ChartPlan, (top, bottom): (u32, u32), 
     }
 }
 
-/// What is compared.
+/// A count that is compared.
 struct CountCurve {
     name: &'static str,
     colour: Rgb,
-    of: fn(&BushCounts) -> u32,
+    count: fn(&BushCounts) -> u32,
 }
 
 const CURVES: [CountCurve; 2] = [
-    CountCurve { name: "burned", colour: BURNING, of: BushCounts::burned },
-    CountCurve { name: "extinguished", colour: EXTINGUISHED, of: |counts| counts.count(BushStateKind::Extinguished) },
+    CountCurve { name: "burned", colour: BURNING, count: BushCounts::burned },
+    CountCurve {
+        name: "extinguished",
+        colour: EXTINGUISHED,
+        count: |counts| counts.count(BushStateKind::Extinguished),
+    },
 ];
 
-pub fn draw_differences(
-    canvas: &mut Canvas,
-    lettering: &mut Lettering,
-    plan: &ChartPlan,
-    rows: RowRange,
-    runs: (&RunView, &RunView),
-    shade: &dyn Fn(Rgb) -> Rgb,
-) {
-    let curves = CURVES.map(|curve| (shade(curve.colour), differences(plan, runs, curve.of)));
+/// Draws how much larger the counts of the first run are than those of the second.
+pub fn draw_differences(pen: &mut ChartPen, rows: RowRange, runs: (&RunView, &RunView)) {
+    let curves = CURVES.map(|curve| (pen.shade(curve.colour), differences(pen, runs, curve.count)));
     let largest = curves.iter().flat_map(|(_, values)| values).map(|value| value.abs()).fold(1.0, f64::max);
     let largest = round_step(largest);
-    draw_value_axis(canvas, lettering, plan, rows, (-largest, largest));
+    draw_value_axis(pen, rows, (-largest, largest));
     let (top, height) = (rows.0 as f32, rows.1 as f32);
-    let (left, width) = (plan.columns.0 as f32, plan.columns.1 as f32);
-    canvas.fill_rect(left, top + 0.5 * height, width, 1.0, FAINT_INK);
+    let (left, width) = (pen.plan.columns.0 as f32, pen.plan.columns.1 as f32);
+    pen.canvas.fill_rect(left, top + 0.5 * height, width, 1.0, FAINT_INK);
     for (colour, values) in &curves {
         let y = |value: f64| top + 0.5 * height * (1.0 - to_f32(value / largest));
         let points: Vec<Point> =
             values.iter().zip(0_u16..).map(|(&value, x)| (left + f32::from(x) + 0.5, y(value))).collect();
-        canvas.polyline(&points, plan.length(0.18).max(1.5), *colour);
+        pen.canvas.polyline(&points, pen.plan.length(0.18).max(1.5), *colour);
     }
-    draw_key(canvas, lettering, plan, top);
+    draw_key(pen, top);
 }
 
-/// In the middle of each column.
-fn differences(plan: &ChartPlan, (one, other): (&RunView, &RunView), of: fn(&BushCounts) -> u32) -> Vec<f64> {
-    let (width, end) = (plan.columns.1, RunView::last_end(&[one, other]));
-    let times = (0..width).map(|column| column_time(column, width, end));
-    times.map(|time| f64::from(of(&one.counts_at(time))) - f64::from(of(&other.counts_at(time)))).collect()
+/// Returns the difference in the middle of each column.
+fn differences(pen: &ChartPen, (one, other): (&RunView, &RunView), count: fn(&BushCounts) -> u32) -> Vec<f64> {
+    let width = pen.plan.columns.1;
+    let times = (0..width).map(|column| column_time(column, width, pen.end));
+    times.map(|time| f64::from(count(&one.counts_at(time))) - f64::from(count(&other.counts_at(time)))).collect()
 }
 
-/// What the curves are, above them.
-fn draw_key(canvas: &mut Canvas, lettering: &mut Lettering, plan: &ChartPlan, top: f32) {
+/// Draws the names of the curves above them.
+fn draw_key(ChartPen { canvas, lettering, plan, .. }: &mut ChartPen, top: f32) {
     let style = LetterStyle { height: 0.85 * plan.text as f32, is_bold: true, colour: INK };
     let (mut x, base) = (plan.columns.0 as f32, top - plan.length(0.6));
     for (name, colour) in [("A - B", INK)].into_iter().chain(CURVES.map(|curve| (curve.name, curve.colour))) {
