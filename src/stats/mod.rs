@@ -15,7 +15,7 @@
 //! | paired differences by rank | [`SignedRanks`] | - | Wilcoxon |
 //! | times, some of them cut off | [`SurvivalCurve`] | Greenwood, on the log-log scale | - |
 //! | means under several conditions | - | - | [`RepeatedMeasures`], that they are equal |
-//! | several tests at once | - | - | [`holm`] |
+//! | several tests at once | - | - | [`holm()`] |
 
 mod answers;
 mod bootstrap;
