@@ -46,8 +46,8 @@ impl Viewer<'_> {
                 self.options.camera = Camera { centre, zoom: [0.5, 1.0, 1.7, 3.0, 6.0, 200.0][rng.random_range(0..6)] };
             }
             7 => {
-                self.options.follows =
-                    [None, Some(AgentId::unimog(0)), Some(AgentId::unimog(9))][rng.random_range(0..3)]
+                let followed = [None, Some(AgentId::unimog(0)), Some(AgentId::unimog(9))];
+                self.options.follows = followed[rng.random_range(0..3)];
             }
             8 => self.options.selected = self.selected(),
             9 => self.options.shows_help = !self.options.shows_help,

@@ -32,8 +32,8 @@ fn names() -> Vec<(String, String)> {
 
 /// Whether a comment stands above a line, attributes between them left out.
 fn is_documented(lines: &[String], index: usize) -> bool {
-    let above = lines[..index].iter().rev().map(|line| line.trim_start());
-    above.skip_while(|line| line.starts_with("#[")).next().is_some_and(|line| line.starts_with("///"))
+    let mut above = lines[..index].iter().rev().map(|line| line.trim_start());
+    above.find(|line| !line.starts_with("#[")).is_some_and(|line| line.starts_with("///"))
 }
 
 /// What is open inside the item that begins at a line, and is not documented: fields, variants, methods.

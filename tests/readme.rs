@@ -170,7 +170,10 @@ fn hold(page: &str, largest_picture: usize) {
     let mut replacements = Vec::new();
     for block in blocks(&text) {
         if block.is(&["sh"]) {
-            answer = block.commands().iter().map(|command| run(command, folder.path())).last();
+            answer = None;
+            for command in block.commands() {
+                answer = Some(run(&command, folder.path()));
+            }
         } else if block.is(&["text"]) || block.is(&["text", "times"]) {
             let answer: &String = answer
                 .as_ref()

@@ -182,6 +182,7 @@ fn one_cause_of_an_output_has_one_exit_code_in_all_commands() {
 #[test]
 #[cfg(unix)]
 fn what_may_not_be_read_or_written_is_the_environment_in_all_commands() {
+    use std::io::ErrorKind;
     use std::os::unix::fs::{MetadataExt, PermissionsExt};
     use std::os::unix::process::CommandExt;
     use std::path::Path;
@@ -204,7 +205,14 @@ fn what_may_not_be_read_or_written_is_the_environment_in_all_commands() {
         if is_root {
             command.uid(NOBODY).gid(NOBODY);
         }
-        Answer::of(&command.output().expect("the program can be started"))
+        // A program that another test started while the copy was written holds it open until it is itself begun.
+        let output = loop {
+            match command.output() {
+                Err(error) if error.kind() == ErrorKind::ExecutableFileBusy => std::thread::yield_now(),
+                output => break output,
+            }
+        };
+        Answer::of(&output.expect("the program can be started"))
     };
     story.file("secret", "precious");
     story.file("secret.wildfire", "precious");

@@ -333,8 +333,8 @@ mod tests {
                         solved += 1;
                     }
                     Err(_) => {
-                        missed +=
-                            u32::from(oracle.find_within(&FloodQuery::new(start, goal), &mut Unobserved).0.is_ok())
+                        let (found, _) = oracle.find_within(&FloodQuery::new(start, goal), &mut Unobserved);
+                        missed += u32::from(found.is_ok());
                     }
                 }
             }
