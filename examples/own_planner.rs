@@ -45,6 +45,20 @@ impl ThroughOnePose {
         let mut draw = || self.rng.random::<f64>();
         Pose::new(draw() * frame.width_m(), draw() * frame.height_m(), (draw() - 0.5) * TAU)
     }
+
+    /// Returns the pose that is the goal, or draws one whose body's centre lies in the disc that is the goal.
+    fn draw_end(&mut self, goal: Goal) -> Pose {
+        match goal {
+            Goal::Pose(end) => end,
+            Goal::Disc(disc) => {
+                let mut direction = || Pose::new(0.0, 0.0, (self.rng.random::<f64>() - 0.5) * TAU);
+                let (out, end) = (direction(), direction());
+                let from_centre = self.checker.body().body_centre(end);
+                let centre = disc.centre + out.direction() * (disc.radius_m * self.rng.random::<f64>());
+                Pose::new(centre.x - from_centre.x, centre.y - from_centre.y, end.heading)
+            }
+        }
+    }
 }
 
 impl TruckPlanner for ThroughOnePose {
@@ -53,12 +67,12 @@ impl TruckPlanner for ThroughOnePose {
     }
 
     fn plan_observed(&mut self, start: Pose, goal: Goal, _observer: &mut dyn PlanningObserver) -> Plan {
-        let Goal::Pose(end) = goal else { unimplemented!("this example drives to poses only") };
         let mut effort = Effort::default();
+        let end = self.draw_end(goal);
         let mut found = self.free_curve(start, end).map(|path| Found { path, by: FoundBy::Straight });
         while found.is_none() && effort.local_expansions < MAX_DRAWS {
             effort.local_expansions += 1;
-            let via = self.draw_pose();
+            let (via, end) = (self.draw_pose(), self.draw_end(goal));
             let halves = self.free_curve(start, via).zip(self.free_curve(via, end));
             found = halves.map(|(mut path, rest)| {
                 path.segments.extend(rest.segments);
