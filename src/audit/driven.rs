@@ -29,7 +29,7 @@ struct Leg<'a> {
 struct Stand {
     since: SimTime,
     pose: Pose,
-    /// How far from there the next leg may begin.
+    /// The distance from there within which the next leg has to begin.
     tolerance: Tolerance,
 }
 

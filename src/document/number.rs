@@ -3,7 +3,7 @@
 //! Files and JSON have the shortest decimals that read back as the same `f64`; those need no help. Everything that is
 //! printed for people is rounded here.
 
-/// A number with so many decimals, zero without a sign.
+/// Writes a number with this count of decimals, zero without a sign.
 pub fn rounded(number: f64, decimals: usize) -> String {
     let text = format!("{number:.decimals$}");
     let is_zero = text.chars().all(|letter| "-0.".contains(letter));

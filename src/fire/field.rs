@@ -6,7 +6,7 @@ use super::FireChange;
 use crate::geometry::{Cell, FieldFrame};
 use crate::time::SimTime;
 
-/// What has become of a bush.
+/// The state of a bush.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum BushState {
     Intact,

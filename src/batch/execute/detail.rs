@@ -61,7 +61,7 @@ type CallFields = (u32, u64, u16, u16, usize, u32, u32, Option<(f64, u32, u32, f
 #[serde(untagged)]
 enum FoundByField {
     Named(FoundBy),
-    /// Of a Wumpus's plan false. Journals in which no means are named say of every plan whether the flood led to it.
+    /// Says whether the flood led to the plan, as journals do that name no means; false for plans of a Wumpus.
     Flood(bool),
 }
 

@@ -73,7 +73,7 @@ pub fn schema() -> schemars::Schema {
 /// A text is a plan if it has one of the keys of plans at its top, which no scenario has.
 fn read(source: &ScenarioText) -> Result<Option<BatchRequest>, PlanFileError> {
     let is_plan = |table: &Table| KEYS.iter().any(|key| table.contains_key(*key));
-    // What nests too deep is no plan either; reading it as a scenario says so.
+    // Text that nests too deep is left to the reader of scenarios, who refuses it with its place.
     if first_too_deep(&source.text).is_some() || !toml::from_str(&source.text).is_ok_and(|table: Table| is_plan(&table))
     {
         return Ok(None);

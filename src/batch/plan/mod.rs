@@ -93,7 +93,7 @@ pub struct PlannedRun<'a> {
     pub variant: &'a Variant,
 }
 
-/// Which run of a batch this is.
+/// Names a run of a batch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunLabel {
     /// From 1, in the order of the plan.

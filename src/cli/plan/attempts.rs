@@ -52,7 +52,7 @@ pub fn attempts<'a>(
         let build = field_time + stopwatch.lap();
         let mut attempts = Vec::new();
         for (goal, &target) in problem.goals.iter().enumerate() {
-            // What was measured of the last path is not part of this query.
+            // The time spent on measuring the last path is not part of this query.
             stopwatch.lap();
             let plan = prepared.plan(problem.start, target);
             let query = stopwatch.lap();

@@ -23,7 +23,7 @@ pub static CPU_PARTS: [Quantity; 7] = [
     quantity("cpu_wumpus_s"),
 ];
 
-/// What else differs from run to run.
+/// Further quantities that differ from run to run.
 pub static MEASURES: [Quantity; 4] = [
     quantity("mean_response_s"),
     quantity("truck_distance_m"),
