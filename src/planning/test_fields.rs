@@ -5,11 +5,11 @@ use std::sync::Arc;
 use glam::DVec2;
 use rand::{Rng, RngExt};
 
-use crate::collision::{ClearanceField, CollisionChecker};
+use crate::collision::{ClearanceField, CollisionChecker, MOTION_TOLERANCE_M};
 use crate::geometry::{FieldFrame, Pose, ops};
 use crate::grid::Grid;
 use crate::rng::{self, Xoshiro256PlusPlus};
-use crate::vehicle::{Dimensions, Path};
+use crate::vehicle::{Dimensions, Path, ReedsShepp};
 
 use super::memory::MemoryMeter;
 use super::reachability::Reachability;
@@ -183,4 +183,45 @@ pub fn drives_in_a_row(fields: u64, walks: u32, planner: impl Fn(&TestField, u64
         }
     }
     drives
+}
+
+/// Counts the solved ones of `each` drives from the start to free poses, on each of `fields` random fields.
+///
+/// # Panics
+/// If a path does not lead from start to end, turns too sharply, meets a bush, or is shorter than on an empty field.
+pub fn drives_to_poses(fields: u64, each: u32, planner: impl Fn(&TestField, u64) -> Box<dyn TruckPlanner>) -> u32 {
+    let mut solved = 0;
+    for seed in 0..fields {
+        let mut field = TestField::random(seed, 40);
+        let curves = ReedsShepp { radius_m: field.checker.body().turning_radius_m };
+        let mut planner = planner(&field, seed);
+        for _ in 0..each {
+            let (start, end) = (field.start, random_free_pose(&mut field, 0.3));
+            let Ok(path) = planner.plan(start, Goal::Pose(end)).path else { continue };
+            assert_eq!(path.start, start);
+            assert_ends_in(&field.checker, &path, Goal::Pose(end));
+            assert!(path.segments.iter().all(|segment| segment.curvature.abs() <= 1.0 / curves.radius_m));
+            assert!(least_clearance(&field.checker, &path) > 0.0);
+            assert!(path.length_m() >= curves.length_m(start, end) - 1e-9);
+            solved += 1;
+        }
+    }
+    solved
+}
+
+/// Counts the paths that keep a clearance among those to forty random poses of which some have it.
+pub fn paths_that_keep(clearance_m: f64, planner: impl Fn(&TestField, u64) -> Box<dyn TruckPlanner>) -> u32 {
+    let field = TestField::random(4, 15);
+    let mut planner = planner(&field, 4);
+    let mut rng = rng::stream(4, "goals");
+    let mut kept = 0;
+    for _ in 0..40 {
+        let goal = random_pose(&mut rng, 150.0);
+        if field.checker.pose_is_free(goal, 1.0)
+            && let Ok(path) = planner.plan(field.start, Goal::Pose(goal)).path
+        {
+            kept += u32::from(least_clearance(&field.checker, &path) > clearance_m - MOTION_TOLERANCE_M);
+        }
+    }
+    kept
 }

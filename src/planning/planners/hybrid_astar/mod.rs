@@ -95,15 +95,10 @@ impl MakePlanner for Maker {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::collision::MOTION_TOLERANCE_M;
     use crate::planning::kit::holonomic::{HolonomicHeuristic, WalkableCells};
     use crate::planning::registry::OwnedSettings;
-    use crate::planning::test_fields::{
-        TestField, assert_ends_in, drives_in_a_row, least_clearance, random_free_pose, random_pose, shut_court,
-    };
+    use crate::planning::test_fields::{TestField, drives_in_a_row, drives_to_poses, paths_that_keep, shut_court};
     use crate::planning::{GoalDisc, PlanFailure};
-    use crate::rng;
-    use crate::vehicle::{Dimensions, ReedsShepp};
     use glam::DVec2;
 
     fn planner(field: &TestField, seed: u64) -> HybridAstar {
@@ -120,38 +115,13 @@ mod tests {
 
     #[test]
     fn drives_to_poses_end_there_and_are_no_shorter_than_on_an_empty_field() {
-        let curves = ReedsShepp { radius_m: Dimensions::default().turning_radius_m };
-        let mut solved = 0;
-        for seed in 0..8 {
-            let mut field = TestField::random(seed, 40);
-            let mut planner = planner(&field, seed);
-            for _ in 0..10 {
-                let (start, end) = (field.start, random_free_pose(&mut field, 0.3));
-                let Ok(path) = planner.plan(start, Goal::Pose(end)).path else { continue };
-                assert_ends_in(&field.checker, &path, Goal::Pose(end));
-                assert!(path.segments.iter().all(|segment| segment.curvature.abs() <= 1.0 / curves.radius_m));
-                assert!(least_clearance(&field.checker, &path) > 0.0);
-                assert!(path.length_m() >= curves.length_m(start, end) - 1e-9);
-                solved += 1;
-            }
-        }
+        let solved = drives_to_poses(8, 10, |field, seed| Box::new(planner(field, seed)));
         assert!(solved >= 76, "{solved} of 80");
     }
 
     #[test]
     fn the_wanted_clearance_is_kept_where_start_and_goal_have_it() {
-        let field = TestField::random(4, 15);
-        let mut planner = planner(&field, 4);
-        let mut rng = rng::stream(4, "goals");
-        let mut kept = 0;
-        for _ in 0..40 {
-            let goal = random_pose(&mut rng, 150.0);
-            if field.checker.pose_is_free(goal, 1.0)
-                && let Ok(path) = planner.plan(field.start, Goal::Pose(goal)).path
-            {
-                kept += u32::from(least_clearance(&field.checker, &path) > 0.75 - MOTION_TOLERANCE_M);
-            }
-        }
+        let kept = paths_that_keep(0.75, |field, seed| Box::new(planner(field, seed)));
         assert!(kept > 15, "{kept} paths keep it");
     }
 

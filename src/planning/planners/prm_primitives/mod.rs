@@ -280,22 +280,6 @@ mod tests {
     }
 
     #[test]
-    fn a_drive_can_begin_anywhere_on_another() {
-        let mut field = TestField::random(4, 25);
-        let mut planner = planner(&field, 4);
-        let mut pose = field.start;
-        for _ in 0..60 {
-            let goal = field.random_goal();
-            let path = planner.plan(pose, goal.into()).path.expect("an open field");
-            assert_drivable(&field.checker, &path, pose, goal);
-            // Stop on the way, where the first segment is half driven.
-            if let Some(first) = path.segments.first() {
-                pose = first.pose_at(pose, 0.5 * first.length_m);
-            }
-        }
-    }
-
-    #[test]
     fn drives_that_pay_for_nearness_to_bushes_are_drivable_and_found_as_often() {
         let (mut plain_found, mut safe_found) = (0, 0);
         for seed in 0..4 {
