@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use thiserror::Error;
 
-use crate::cli::plan::drive::{Drive, Judge};
+use crate::cli::plan::drive::{Drive, SecondOpinion};
 use crate::collision::{ClearanceField, CollisionChecker};
 use crate::planning::{MakeError, PlanFailure, PlannerName, Planners};
 use crate::scenario::{MemoryEstimate, MemoryExceeded, MemoryLimit, PlannerContext, Problem, Programs, Unimog};
@@ -63,7 +63,7 @@ pub fn attempts<'a>(problem: &'a Problem, question: &Question<'_>) -> Result<Vec
     let field = Arc::new(ClearanceField::new(problem.terrain.frame, &problem.terrain.occupied));
     let checker = CollisionChecker::new(field, problem.truck.vehicle);
     let field_time = stopwatch.lap();
-    let judge = Judge::new(problem, &checker);
+    let opinion = SecondOpinion::new(problem, &checker);
     let mut by_planner = Vec::new();
     for planner in planners {
         let memory = estimate.meter(limit)?;
@@ -81,7 +81,7 @@ pub fn attempts<'a>(problem: &'a Problem, question: &Question<'_>) -> Result<Vec
             let spent = stopwatch.lap();
             let query = plan.cpu.map_or(spent, |cpu| cpu.time);
             let expansions = u64::from(plan.effort.roadmap_expansions) + u64::from(plan.effort.local_expansions);
-            let drive = plan.path.map(|path| judge.drive(target, path));
+            let drive = plan.path.map(|path| opinion.drive(target, path));
             let (planner, message) = (planner.clone(), plan.message);
             attempts.push(Attempt { problem, goal, planner, build, query, expansions, drive, message });
         }
