@@ -236,7 +236,7 @@ pub fn run(py: Python<'_>, scenario: Option<ScenarioLike<'_>>, seed: u64, record
     let scenario = scenario.unwrap_or_else(|| ScenarioLike::Named("contest".into())).load(py, Vec::new())?;
     let library = scenario.get().library();
     let mut stopwatch = CpuStopwatch::start();
-    let mut simulation = py.detach(|| Simulation::with(library, seed, RunOptions::default())).map_err(error)?;
+    let mut simulation = py.detach(|| Simulation::with(library, seed, &RunOptions::default())).map_err(error)?;
     // The clock jumps, and into which slices the time is cut changes nothing: between them Python may be interrupted.
     let slices = (1..).map(|slice| f64::from(slice) * SLICE_S).take_while(|&time_s| time_s < library.duration_s);
     for time_s in slices {
