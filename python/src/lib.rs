@@ -10,6 +10,7 @@ mod columns;
 mod errors;
 mod literal;
 mod path;
+mod planner;
 mod query;
 mod run;
 mod scenario;
@@ -24,7 +25,7 @@ mod _core {
     #[pymodule_export]
     use crate::path::{Path, dubins_length, reeds_shepp_length};
     #[pymodule_export]
-    use crate::query::{Query, Vehicle};
+    use crate::query::{Query, Site, Vehicle};
     #[pymodule_export]
     use crate::run::{Run, run};
     #[pymodule_export]
