@@ -70,7 +70,8 @@ impl Factories {
             let (name, factory) = item.extract::<(String, Bound<'_, PyAny>)>()?;
             if !factory.is_callable() {
                 let kind = factory.get_type().name()?;
-                let sentence = format!("the planner `{name}` is a {kind}; expected what makes one from a Site, such as a class");
+                let sentence =
+                    format!("the planner `{name}` is a {kind}; expected what makes one from a Site, such as a class");
                 return Err(pyo3::exceptions::PyTypeError::new_err(sentence));
             }
             factories.push((name, factory.unbind()));

@@ -1,7 +1,6 @@
 //! One run, and what is asked of it.
 
 use std::borrow::Cow;
-use std::fmt;
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
@@ -11,7 +10,8 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping};
 use wildfire::batch::{
-    FileColumn, Kind, PLANNER_KEY, RUN_COLUMNS, RunDetail, RunLabel, RunObject, RunResult, RunRow, Unit, Value, is_measured,
+    FileColumn, Kind, PLANNER_KEY, RUN_COLUMNS, RunDetail, RunLabel, RunObject, RunResult, RunRow, Unit, Value,
+    is_measured,
 };
 use wildfire::picture::film::{FrameLayout, FrameRenderer, FrameRequest, RunView, ViewOptions};
 use wildfire::scenario as library;
@@ -256,10 +256,8 @@ pub fn run(
     scenario.get().expect_known(&factories)?;
     let library = scenario.get().library();
     let interruption = Arc::default();
-    let options = RunOptions {
-        planners: factories.planners(py, &interruption).map_err(error)?,
-        ..RunOptions::default()
-    };
+    let options =
+        RunOptions { planners: factories.planners(py, &interruption).map_err(error)?, ..RunOptions::default() };
     // Between two slices Python may be interrupted.
     let check = || Python::attach(|py| py.check_signals()).map_err(|exception| interruption.set(exception));
     let run = py.detach(|| simulate(library, seed, &options, || check().is_err() || interruption.is_set()));
@@ -275,46 +273,24 @@ pub fn run(
 /// Simulated seconds between two looks at whether the run is to stop.
 const SLICE_S: f64 = 10.0;
 
-/// Why there is no run.
-#[derive(Debug)]
-pub enum NoRun {
-    Stopped,
-    Failed(RunError),
-}
-
-impl From<RunError> for NoRun {
-    fn from(error: RunError) -> Self {
-        Self::Failed(error)
-    }
-}
-
-impl fmt::Display for NoRun {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Stopped => f.write_str("the run was stopped"),
-            Self::Failed(error) => error.fmt(f),
-        }
-    }
-}
-
 /// Runs a scenario with a seed, unless it is to stop before the end. Into which slices its time is cut changes nothing.
 pub fn simulate(
     scenario: &library::Scenario,
     seed: u64,
     options: &RunOptions,
     mut is_to_stop: impl FnMut() -> bool,
-) -> Result<library_sim::Run, NoRun> {
+) -> Result<library_sim::Run, RunError> {
     let mut stopwatch = CpuStopwatch::start();
     let mut simulation = Simulation::with(scenario, seed, options)?;
     let slices = (1..).map(|slice| f64::from(slice) * SLICE_S).take_while(|&time_s| time_s < scenario.duration_s);
     for time in slices.map(SimTime::from_seconds).chain([SimTime::MAX]) {
         if is_to_stop() {
-            return Err(NoRun::Stopped);
+            return Err(RunError::Stopped);
         }
         simulation.advance_to(time);
     }
     if is_to_stop() {
-        return Err(NoRun::Stopped);
+        return Err(RunError::Stopped);
     }
     simulation.expect_within_memory()?;
     let mut run = simulation.finish();

@@ -66,7 +66,7 @@ impl Scenario {
 
 /// The change that gives a planner an empty table.
 fn table_of(name: &str) -> String {
-    format!("planner.\"{name}\"={{}}")
+    format!("planner.\"{name}\".command=[]")
 }
 
 /// Returns the name of a planner that is not known, if that is what is wrong.

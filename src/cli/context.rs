@@ -15,7 +15,7 @@ pub struct CommandContext {
 impl CommandContext {
     /// Adds to the changes of a scenario that the planners that were handed in are known.
     pub fn with_own_names(&self, changes: &[String]) -> Vec<String> {
-        let declared = self.planners.own_names().map(|name| format!("planner.{name}.command=[]"));
+        let declared = self.planners.own_names().map(|name| format!("planner.\"{name}\".command=[]"));
         declared.chain(changes.iter().cloned()).collect()
     }
 

@@ -31,10 +31,19 @@ pub enum FoundSpan {
 }
 
 impl FieldPath {
-    /// Parses a path whose steps are separated by dots; a number is an index into a list.
+    /// Parses a path whose steps are separated by dots; a number is an index into a list, and a key in double quotes may
+    /// hold dots.
     pub fn parse(dotted: &str) -> Self {
-        let step = |part: &str| part.parse().map_or_else(|_| PathStep::Key(part.to_owned()), PathStep::Index);
-        Self(dotted.split('.').filter(|part| !part.is_empty()).map(step).collect())
+        let step = |part: &str| match part.strip_prefix('"').and_then(|part| part.strip_suffix('"')) {
+            Some(key) => PathStep::key(key),
+            None => part.parse().map_or_else(|_| PathStep::key(part), PathStep::Index),
+        };
+        let mut is_quoted = false;
+        let is_end = |letter: char| {
+            is_quoted ^= letter == '"';
+            letter == '.' && !is_quoted
+        };
+        Self(dotted.split(is_end).filter(|part| !part.is_empty()).map(step).collect())
     }
 
     pub fn from_serde(path: &serde_path_to_error::Path) -> Self {
@@ -102,10 +111,33 @@ impl fmt::Display for FieldPath {
                 f.write_str(".")?;
             }
             match step {
+                PathStep::Key(key) if key.contains('.') => write!(f, "\"{key}\"")?,
                 PathStep::Key(key) => f.write_str(key)?,
                 PathStep::Index(index) => write!(f, "{index}")?,
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_in_quotes_may_hold_dots() {
+        let steps = |path: FieldPath| {
+            path.0
+                .into_iter()
+                .map(|step| match step {
+                    PathStep::Key(key) => key,
+                    PathStep::Index(index) => index.to_string(),
+                })
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(steps(FieldPath::parse("unimog.0.prm")), ["unimog", "0", "prm"]);
+        assert_eq!(steps(FieldPath::parse("planner.\"a.b\".command")), ["planner", "a.b", "command"]);
+        assert_eq!(FieldPath::parse("planner.\"a.b\".command").to_string(), "planner.\"a.b\".command");
+        assert_eq!(steps(FieldPath::parse("planner.\"a.b")), ["planner", "\"a.b"]);
     }
 }

@@ -22,6 +22,7 @@ pub(super) use csv_files::CsvFiles;
 pub use dictionary::{TableOfRows, row_schema};
 pub(super) use finished::FinishedRows;
 pub use finished::{FinishedBatch, FinishedError, recordings_in};
+pub use parquet::swept_columns;
 pub(super) use parquet::{ParquetFiles, ParquetReader, RowGroup};
 pub use reader::{TableError, TableReader};
 pub use record::RunRecord;
