@@ -5,8 +5,11 @@
 //! poses at once. Nothing here needs the lock for its own sake.
 
 mod arrays;
+mod audit;
+mod batch;
 mod checker;
 mod columns;
+mod compare;
 mod errors;
 mod literal;
 mod path;
@@ -21,7 +24,13 @@ mod _core {
     use pyo3::prelude::*;
 
     #[pymodule_export]
+    use crate::audit::{Offence, audit};
+    #[pymodule_export]
+    use crate::batch::{Batch, batch};
+    #[pymodule_export]
     use crate::checker::Checker;
+    #[pymodule_export]
+    use crate::compare::compare;
     #[pymodule_export]
     use crate::path::{Path, dubins_length, reeds_shepp_length};
     #[pymodule_export]

@@ -149,6 +149,11 @@ impl Run {
 }
 
 impl Run {
+    /// Names the run by its scenario and its seed.
+    pub fn name(&self) -> String {
+        format!("{}, seed {}", self.row.label.scenario, self.row.label.seed)
+    }
+
     fn new(label: RunLabel, run: library_sim::Run) -> Self {
         let index = RunIndex::new(&run.timeline);
         let detail = RunDetail::new(&index);

@@ -65,7 +65,7 @@ impl Scenario {
 }
 
 /// The change that gives a planner an empty table.
-fn table_of(name: &str) -> String {
+pub fn table_of(name: &str) -> String {
     format!("planner.\"{name}\".command=[]")
 }
 

@@ -31,9 +31,9 @@ pub use plan::{
     Sweep, SweepError, Value, Variant, plan_schema, shell_word,
 };
 pub use report::{
-    AuditOptions, AuditReport, AuditSource, AuditsError, BatchReport, LISTED_VIOLATIONS, Merged, ReportError,
-    RunObject, SHOWN_RUNS, Tables, Tally, VariantReport, WrittenReport, audit_all, merge, notes, read_rows,
-    write_report,
+    AuditOptions, AuditReport, AuditSource, AuditsError, BatchReport, LISTED_VIOLATIONS, ListedViolation, Merged,
+    ReportError, RunObject, SHOWN_RUNS, Tables, Tally, VariantReport, WrittenReport, audit_all, merge, notes,
+    read_rows, write_report,
 };
 pub use table::{
     AGENT_COLUMNS, AgentColumn, AgentRow, CALL_COLUMNS, COLUMNS_BEFORE_SWEPT, CallColumn, Column, FileColumn,
