@@ -151,18 +151,6 @@ pub struct Limits {
     pub lateral_mps2: Option<f64>,
 }
 
-/// Chooses the burning cell that a truck goes for. Distances run from its body's centre to the cell's; ties go to the
-/// lower cell index.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum TruckGoal {
-    NearestBurning,
-    /// The fire that has burned longest.
-    Oldest,
-    /// The nearest fire of the largest group of burning cells that touch, sides or corners.
-    LargestCluster,
-}
-
 /// Says when a truck that is driving chooses its goal anew.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]

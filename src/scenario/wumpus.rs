@@ -141,15 +141,6 @@ impl Wumpus {
     }
 }
 
-/// Chooses the intact cell that a Wumpus goes for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum WumpusGoal {
-    RandomIntact,
-    NearestIntact,
-    FarthestFromTruck,
-}
-
 /// The planner by which a Wumpus finds its way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]

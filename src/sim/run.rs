@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::scenario::{MemoryExceeded, MemoryLimit, TerrainError};
+use super::policies::Policies;
 use crate::timeline::{AgentId, CpuSample, Timeline};
 
 /// CPU time of one agent's planning over a run. What does not concern its kind is zero.
@@ -62,6 +63,8 @@ pub struct RunOptions {
     /// True if the timeline also holds what the searches looked at, as
     /// [`AgentFact::Searched`](crate::timeline::AgentFact::Searched). CPU times include recording it.
     pub records_searches: bool,
+    /// The policies by name.
+    pub policies: Policies,
     /// The limit of memory. A run that would take more does not take place, or ends early, as [`RunError::Memory`].
     pub memory: MemoryLimit,
 }
@@ -73,6 +76,8 @@ pub enum RunError {
     Memory(#[from] MemoryExceeded),
     #[error(transparent)]
     Terrain(#[from] TerrainError),
+    #[error("the policy `{name}` could not be made: {reason}")]
+    NoPolicy { name: PlannerName, reason: MakeError },
     #[error("{agent} cannot start: no free place was found for it on this field")]
     NoFreeStart { agent: AgentId },
 }

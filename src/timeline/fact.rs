@@ -37,6 +37,8 @@ pub enum RestReason {
     NothingReachable,
     /// A Wumpus that descends into a local minimum from where it stands, whichever cell it goes for.
     LocalMinima,
+    /// Its policy wants it to wait though there is something to go for; it stands, and is not stuck.
+    Chosen,
 }
 
 impl fmt::Display for RestReason {
@@ -46,6 +48,7 @@ impl fmt::Display for RestReason {
             Self::NothingBurns => "nothing burns that is not another truck's",
             Self::NothingReachable => "nothing reachable",
             Self::LocalMinima => "local minima wherever it goes",
+            Self::Chosen => "its policy waits",
         })
     }
 }

@@ -64,8 +64,13 @@ mod piece {
 }
 
 // Words are written as their places in these lists, which only grow at the end.
-const REST_REASONS: [RestReason; 4] =
-    [RestReason::NothingLeftToLight, RestReason::NothingBurns, RestReason::NothingReachable, RestReason::LocalMinima];
+const REST_REASONS: [RestReason; 5] = [
+    RestReason::NothingLeftToLight,
+    RestReason::NothingBurns,
+    RestReason::NothingReachable,
+    RestReason::LocalMinima,
+    RestReason::Chosen,
+];
 const END_REASONS: [EndReason; 2] = [EndReason::Duration, EndReason::NothingLeft];
 const FAILURES: [PlanFailure; 5] = [
     PlanFailure::StartBlocked,
