@@ -75,23 +75,23 @@ impl Episode {
         &self.asked
     }
 
-    /// Carries out answers and goes on to the next question. Whoever is asked and not answered for waits.
+    /// Carries out answers, in the order of [`Self::asked`] as far as they go, and goes on to the next question. Whoever
+    /// is left out is asked again, but for the first, who waits.
     ///
     /// # Errors
     /// If the contest comes to the limit of its memory.
     pub fn answer(&mut self, choices: &[(AgentId, Choice)]) -> Result<(), RunError> {
         let now = self.simulation.now();
-        let chosen = |agent: AgentId| {
-            let choice = choices.iter().find(|&&(of, _)| of == agent);
-            choice.map_or(Choice::Wait, |&(_, choice)| choice)
-        };
-        let mut pending: Vec<(AgentId, Choice)> =
-            self.asked.iter().map(|asked| (asked.agent, chosen(asked.agent))).collect();
+        let mut pending = choices.to_vec();
         let mut is_first = true;
         loop {
             let Some(next) = self.asked.first() else { return Ok(()) };
-            let Some(place) = pending.iter().position(|&(agent, _)| agent == next.agent) else { return Ok(()) };
-            let (agent, choice) = pending.swap_remove(place);
+            let place = pending.iter().position(|&(agent, _)| agent == next.agent);
+            let (agent, choice) = match place {
+                Some(place) => pending.swap_remove(place),
+                None if is_first => (next.agent, Choice::Wait),
+                None => return Ok(()),
+            };
             // What another one took since is asked about again; what never was an option lets the agent wait.
             let is_gone = matches!(choice, Choice::Go(cell) if !next.options.contains(&cell));
             if is_gone && !is_first {

@@ -26,6 +26,7 @@ use crate::time::SimTime;
 use crate::timeline::{Activity, AgentId};
 
 pub use following::{Following, Follows, Inquiry, Question};
+pub use largest_cluster::cluster_sizes;
 pub use registry::{BuiltIn, MakePolicy, NamedPolicy, Policies, PolicyNameError, PolicySite};
 
 /// What an agent is to do.
