@@ -49,6 +49,7 @@
 //! simulation. What trucks do about each other ([`replan_around`], [`find_yield_pose`]) changes a path and not what found
 //! it.
 
+pub mod judge;
 pub mod kit;
 #[cfg(test)]
 mod laws;
@@ -63,6 +64,8 @@ mod test_fields;
 mod traffic;
 pub mod walk;
 
+pub use judge::lower_bound_m;
+pub use kit::ends::free_poses;
 pub use kit::local_search::{MotionCost, PrimitiveSettings};
 pub use kit::safety::{Safety, SafetyForm, SafetyMap, SafetySettings};
 pub use observer::{PlanningObserver, PlanningWork, QueryMonitor, QueryTime, Unobserved};
@@ -81,7 +84,7 @@ use std::time::Duration;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use crate::geometry::Pose;
+use crate::geometry::{Pose, ops};
 use crate::vehicle::{Dimensions, Path};
 
 /// The disc in which a drive ends: the body's centre within `radius_m` of `centre`, at any heading.
@@ -118,7 +121,40 @@ impl From<GoalDisc> for Goal {
     }
 }
 
+impl From<Pose> for Goal {
+    fn from(pose: Pose) -> Self {
+        Self::Pose(pose)
+    }
+}
+
+/// A drive to a pose may end this far from it, in metres and radians.
+pub const END_M: f64 = 1e-3;
+pub const END_RAD: f64 = 1e-3;
+
+/// The body's centre may be this far outside of a disc, in metres: rounding, which a disc of radius 0 needs.
+const DISC_ROUNDING_M: f64 = 1e-6;
+
 impl Goal {
+    /// Says whether a drive that ends in this pose of the rear axle has reached the goal: within [`END_M`] and
+    /// [`END_RAD`] of a pose, or with the body's centre in the disc.
+    pub fn is_met(&self, pose: Pose, body: &Dimensions) -> bool {
+        let (gap_m, turn_rad) = self.gap(pose, body);
+        match self {
+            Self::Pose(_) => gap_m <= END_M && turn_rad <= END_RAD,
+            Self::Disc(disc) => gap_m <= disc.radius_m + DISC_ROUNDING_M,
+        }
+    }
+
+    /// Returns metres and radians from a pose to the goal's, or metres from the body's centre to that of the disc.
+    fn gap(&self, pose: Pose, body: &Dimensions) -> (f64, f64) {
+        match *self {
+            Self::Pose(end) => {
+                (pose.position().distance(end.position()), ops::wrap_angle(pose.heading - end.heading).abs())
+            }
+            Self::Disc(disc) => (body.body_centre(pose).distance(disc.centre), 0.0),
+        }
+    }
+
     /// Returns the goal that planners aim at, smaller by a margin for rounding.
     fn with_margin(self) -> Self {
         match self {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::cli::plan::drive::{Drive, Judge};
+use crate::cli::plan::drive::{Drive, SecondOpinion};
 use crate::collision::{ClearanceField, CollisionChecker};
 use crate::planning::{PlanFailure, TruckPlannerKind};
 use crate::scenario::{MemoryEstimate, MemoryExceeded, MemoryLimit, Problem, Unimog};
@@ -42,7 +42,7 @@ pub fn attempts<'a>(
     let field = Arc::new(ClearanceField::new(problem.terrain.frame, &problem.terrain.occupied));
     let checker = CollisionChecker::new(field, problem.truck.vehicle);
     let field_time = stopwatch.lap();
-    let judge = Judge::new(problem, &checker);
+    let opinion = SecondOpinion::new(problem, &checker);
     let mut by_planner = Vec::new();
     for &planner in planners {
         let memory = estimate.meter(limit)?;
@@ -57,7 +57,7 @@ pub fn attempts<'a>(
             let plan = prepared.plan(problem.start, target);
             let query = stopwatch.lap();
             let expansions = u64::from(plan.effort.roadmap_expansions) + u64::from(plan.effort.local_expansions);
-            let drive = plan.path.map(|path| judge.drive(target, path));
+            let drive = plan.path.map(|path| opinion.drive(target, path));
             attempts.push(Attempt { problem, goal, planner, build, query, expansions, drive });
         }
         by_planner.push(attempts.into_iter());

@@ -79,7 +79,7 @@ impl Summary {
         let queries = sorted(own.iter().map(|attempt| attempt.query.as_secs_f64()));
         let builds = own.iter().filter(|attempt| attempt.goal == 0).map(|attempt| attempt.build.as_secs_f64());
         let first = own.iter().filter(|attempt| attempt.goal < FIRST_GOALS);
-        let first = first.filter_map(|attempt| attempt.drive.as_ref().ok()?.lower_bound_ratio);
+        let first = first.filter_map(|attempt| attempt.drive.as_ref().ok()?.figures.lower_bound_ratio);
         Self {
             planner,
             goals: own.len(),
@@ -88,11 +88,11 @@ impl Summary {
             cpu_query_p95_s: quantile(&queries, 0.95).unwrap_or(0.0),
             cpu_query_max_s: quantile(&queries, 1.0).unwrap_or(0.0),
             cpu_build_median_s: quantile(&sorted(builds), 0.5).unwrap_or(0.0),
-            lower_bound_ratio_mean: mean(drives.iter().filter_map(|drive| drive.lower_bound_ratio)),
+            lower_bound_ratio_mean: mean(drives.iter().filter_map(|drive| drive.figures.lower_bound_ratio)),
             first_lower_bound_ratio_mean: mean(first),
-            min_clearance_median_m: quantile(&sorted(drives.iter().map(|drive| drive.min_clearance_m)), 0.5),
-            cusps_mean: mean(drives.iter().map(|drive| drive.cusps.into())),
-            drive_mean_s: mean(drives.iter().map(|drive| drive.drive_s)),
+            min_clearance_median_m: quantile(&sorted(drives.iter().map(|drive| drive.figures.min_clearance_m)), 0.5),
+            cusps_mean: mean(drives.iter().map(|drive| drive.figures.cusps.into())),
+            drive_mean_s: mean(drives.iter().map(|drive| drive.figures.drive_s)),
             violations: drives.iter().filter(|drive| drive.violation.is_some()).count(),
         }
     }
@@ -259,11 +259,11 @@ fn rows(report: &PlanReport) -> Table {
         ("Goal", |row| row.goal.to_string()),
         ("Query\nms", |row| milliseconds(row.query.as_secs_f64())),
         ("Expan-\nsions", |row| row.expansions.to_string()),
-        ("Length\nm", |row| drive_cell(row, |drive| Some(drive.length_m), 2)),
-        ("Len./\nbound", |row| drive_cell(row, |drive| drive.lower_bound_ratio, 3)),
-        ("Clear.\nm", |row| drive_cell(row, |drive| Some(drive.min_clearance_m), 2)),
-        ("Cusps", |row| drive_cell(row, |drive| Some(drive.cusps.into()), 0)),
-        ("Drive\ns", |row| drive_cell(row, |drive| Some(drive.drive_s), 1)),
+        ("Length\nm", |row| drive_cell(row, |drive| Some(drive.figures.length_m), 2)),
+        ("Len./\nbound", |row| drive_cell(row, |drive| drive.figures.lower_bound_ratio, 3)),
+        ("Clear.\nm", |row| drive_cell(row, |drive| Some(drive.figures.min_clearance_m), 2)),
+        ("Cusps", |row| drive_cell(row, |drive| Some(drive.figures.cusps.into()), 0)),
+        ("Drive\ns", |row| drive_cell(row, |drive| Some(drive.figures.drive_s), 1)),
     ]);
     table(&columns, &report.attempts)
 }

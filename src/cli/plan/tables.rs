@@ -43,11 +43,11 @@ impl<'a> Row<'a> {
             reason: drive.err().map(ToString::to_string),
             cpu_build_s: attempt.build.as_secs_f64(),
             cpu_query_s: attempt.query.as_secs_f64(),
-            length_m: drive.ok().map(|drive| drive.length_m),
-            lower_bound_ratio: drive.ok().and_then(|drive| drive.lower_bound_ratio),
-            min_clearance_m: drive.ok().map(|drive| drive.min_clearance_m),
-            cusps: drive.ok().map(|drive| drive.cusps),
-            drive_s: drive.ok().map(|drive| drive.drive_s),
+            length_m: drive.ok().map(|drive| drive.figures.length_m),
+            lower_bound_ratio: drive.ok().and_then(|drive| drive.figures.lower_bound_ratio),
+            min_clearance_m: drive.ok().map(|drive| drive.figures.min_clearance_m),
+            cusps: drive.ok().map(|drive| drive.figures.cusps),
+            drive_s: drive.ok().map(|drive| drive.figures.drive_s),
             expansions: attempt.expansions,
         }
     }
