@@ -12,6 +12,17 @@ use super::check::{Check, TablePath};
 use super::program::Programs;
 use crate::planning::PlannerName;
 
+/// Describes what the policy of this name chooses, and where that comes from.
+pub fn describe_choice(name: &PlannerName, policies: &Programs) -> String {
+    match policies.get(name) {
+        Some(program) if !program.command.is_empty() => format!(
+            "what the policy `{name}` chooses (a program that only runs where it is trusted: {})",
+            program.command.join(" ")
+        ),
+        _ => format!("what the policy `{name}` chooses, which is handed in by whoever runs the scenario,"),
+    }
+}
+
 macro_rules! goals {
     ($(#[$doc:meta])* $Goal:ident; $($(#[$about:meta])* $Rule:ident, $name:literal;)+) => {
         $(#[$doc])*

@@ -297,7 +297,10 @@ impl Turn<'_> {
                 }
             }
             _ if options.is_empty() => self.stand(ready, fires),
-            _ => agent.wait(self.entity, self.now, choice.until(), self.queue, self.recorder),
+            _ => {
+                let (entity, now) = (self.entity, self.now);
+                self.agent.wait(entity, now, choice.until(), self.queue, self.recorder);
+            }
         }
         cpu_log.add(self.now, self.agent.id, self.agent.cost.total() - cpu);
     }
