@@ -102,7 +102,8 @@ mod tests {
     fn kinds_of_columns_are_those_of_their_values() {
         let label = |planner: &str| {
             let (scenario, planner) = (String::new(), planner.to_owned());
-            RunLabel { run: 1, scenario, seed: 0, planner, swept: Vec::new() }
+            let policies = vec![(AgentId::unimog(0), "oldest".to_owned())];
+            RunLabel { run: 1, scenario, seed: 0, planner, policies, swept: Vec::new() }
         };
         // Between them they have a value in every column, except for times of what need not happen.
         let done = RunRow::done(label(""), RunResult::new(Outcome::default(), RunCost::default()), Duration::ZERO);
