@@ -10,7 +10,6 @@
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use crate::collision::CollisionChecker;
 use crate::geometry::Pose;
 use crate::time::cpu::CpuStopwatch;
 use crate::vehicle::Path;
@@ -28,7 +27,9 @@ const CURVATURE_ROUNDING: f64 = 1e-6;
 pub struct Gated {
     planner: Box<dyn TruckPlanner>,
     report: BuildReport,
-    checker: CollisionChecker,
+    judge: Judge,
+    /// The sharpest curvature of the truck, 1/m.
+    sharpest: f64,
 }
 
 impl Gated {
@@ -42,14 +43,15 @@ impl Gated {
         let making = stopwatch.lap();
         let report = planner.build_report();
         let report = BuildReport { connecting: report.connecting + making, ..report };
-        Ok(Self { planner, report, checker: site.checker.clone() })
+        let (judge, sharpest) = (Judge::new(site.checker.clone()), site.body.max_curvature());
+        Ok(Self { planner, report, judge, sharpest })
     }
 
     /// Lets a plan pass, or says why its path must not be driven.
     fn judged(&self, start: Pose, goal: Goal, mut plan: Plan) -> Plan {
         let Ok(path) = &mut plan.path else { return plan };
         self.forgive_rounding(path);
-        match Judge::new(self.checker.clone()).check(start, goal, path) {
+        match self.judge.check(start, goal, path) {
             Ok(()) => plan,
             Err(bad) => {
                 Plan { path: Err(PlanFailure::BadAnswer), found_by: None, message: Some(bad.to_string()), ..plan }
@@ -59,11 +61,10 @@ impl Gated {
 
     /// Sets curvatures that exceed the truck's by rounding to the truck's.
     fn forgive_rounding(&self, path: &mut Path) {
-        let sharpest = self.checker.body().max_curvature();
         for segment in &mut path.segments {
             let curvature = segment.curvature.abs();
-            if curvature > sharpest && curvature <= sharpest * (1.0 + CURVATURE_ROUNDING) {
-                segment.curvature = sharpest.copysign(segment.curvature);
+            if curvature > self.sharpest && curvature <= self.sharpest * (1.0 + CURVATURE_ROUNDING) {
+                segment.curvature = self.sharpest.copysign(segment.curvature);
             }
         }
     }

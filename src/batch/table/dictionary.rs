@@ -71,7 +71,7 @@ mod tests {
     use crate::batch::plan::{RunLabel, Value};
     use crate::batch::table::record::RunRecord;
     use crate::sim::RunCost;
-    use crate::timeline::Outcome;
+    use crate::timeline::{AgentId, Outcome};
 
     #[test]
     fn every_column_has_words_and_a_name_of_its_own() {
