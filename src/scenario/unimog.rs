@@ -11,8 +11,8 @@ use serde_json::Value;
 
 use super::agents::{AgentList, AgentsMemory, FieldMeasures, SHOWN_SEED, ScenarioField, SketchedStart};
 use super::check::{Check, ROUNDING_M, TablePath};
-use super::or_none;
 use super::goal::{TruckGoal, describe_choice};
+use super::or_none;
 use super::program::{Program, Programs};
 use super::{MemoryPart, Scenario};
 use crate::collision::CollisionChecker;

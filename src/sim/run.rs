@@ -6,9 +6,9 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::policies::Policies;
 use crate::planning::{CpuSource, MakeError, PlannerName, Planners, QueryCpu};
 use crate::scenario::{MemoryExceeded, MemoryLimit, TerrainError};
-use super::policies::Policies;
 use crate::timeline::{AgentId, CpuSample, Timeline};
 
 /// CPU time of one agent's planning over a run. What does not concern its kind is zero.

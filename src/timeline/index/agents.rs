@@ -8,8 +8,8 @@ use crate::planning::{Effort, FoundBy, PlanFailure};
 use crate::time::SimTime;
 use crate::timeline::replay::BushChange;
 use crate::timeline::{
-    Activity, AgentFact, AgentOutcome, AgentStart, AgentState, BushState, Event, Fact, FireFact, RestReason,
-    Setting, Timeline,
+    Activity, AgentFact, AgentOutcome, AgentStart, AgentState, BushState, Event, Fact, FireFact, RestReason, Setting,
+    Timeline,
 };
 use crate::trajectory::{Piece, Trajectory};
 
