@@ -3,8 +3,8 @@
 //! Agents that are *played* are asked where the policy that their scenario names would be asked; all others follow the
 //! scenario. A step carries out the answers of one question and lasts until the next. Answers are carried out one agent
 //! after the other, as those of a rule for one agent are: if an answer is no option any more once those before it have
-//! acted, or a plan fails, the agents are asked again at the same instant. So whoever answers as the built-in rule does
-//! plays the built-in rule's run, fact by fact.
+//! acted, if there is something new to choose from, or a plan fails, the agents are asked again at the same instant. So
+//! whoever answers as the built-in rule does plays the built-in rule's run, fact by fact.
 
 use super::policies::{AgentView, Choice, Observation, Policy};
 use super::{RunError, RunOptions, Simulation};
@@ -29,6 +29,15 @@ pub struct Asked {
     pub agent: AgentId,
     /// What it may go for, by cell index.
     pub options: Vec<Cell>,
+}
+
+impl Asked {
+    /// Says whether it may go for nothing now that it could not go for before.
+    fn adds_nothing_to(&self, before: &Self) -> bool {
+        // Both come in one order.
+        let mut known = before.options.iter();
+        self.options.iter().all(|cell| known.any(|other| other == cell))
+    }
 }
 
 /// Points of both sides, by the scenario's rules.
@@ -83,6 +92,7 @@ impl Episode {
     pub fn answer(&mut self, choices: &[(AgentId, Choice)]) -> Result<(), RunError> {
         let now = self.simulation.now();
         let mut pending = choices.to_vec();
+        let shown = self.asked.clone();
         let mut is_first = true;
         loop {
             let Some(next) = self.asked.first() else { return Ok(()) };
@@ -94,7 +104,9 @@ impl Episode {
             };
             // What another one took since is asked about again; what never was an option lets the agent wait.
             let is_gone = matches!(choice, Choice::Go(cell) if !next.options.contains(&cell));
-            if is_gone && !is_first {
+            if !is_first
+                && (is_gone || !shown.iter().any(|before| before.agent == agent && next.adds_nothing_to(before)))
+            {
                 return Ok(());
             }
             is_first = false;
