@@ -132,6 +132,31 @@ pub struct RunOptions {
     pub memory: MemoryLimit,
 }
 
+/// Planners and policies that were handed in, beside the built-in ones.
+#[derive(Clone, Debug, Default)]
+pub struct Entrants {
+    pub planners: Planners,
+    pub policies: Policies,
+}
+
+impl From<Planners> for Entrants {
+    fn from(planners: Planners) -> Self {
+        Self { planners, ..Self::default() }
+    }
+}
+
+impl From<Policies> for Entrants {
+    fn from(policies: Policies) -> Self {
+        Self { policies, ..Self::default() }
+    }
+}
+
+impl From<Entrants> for RunOptions {
+    fn from(Entrants { planners, policies }: Entrants) -> Self {
+        Self { planners, policies, ..Self::default() }
+    }
+}
+
 /// Why a run could not take place.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum RunError {
