@@ -36,6 +36,6 @@ pub use report::{
 };
 pub use table::{
     AGENT_COLUMNS, AgentColumn, AgentRow, CALL_COLUMNS, COLUMNS_BEFORE_SWEPT, CallColumn, Column, FileColumn,
-    FinishedBatch, FinishedError, Kind, RUN_COLUMNS, RunColumn, RunRecord, STATE_COLUMNS, StateColumn, TableError,
-    TableOfRows, TableReader, Unit, is_measured, recordings_in, row_schema, run_column,
+    FinishedBatch, FinishedError, Kind, QueryTally, RUN_COLUMNS, RunColumn, RunRecord, STATE_COLUMNS, StateColumn,
+    TableError, TableOfRows, TableReader, Unit, is_measured, recordings_in, row_schema, run_column,
 };
