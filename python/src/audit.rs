@@ -99,8 +99,8 @@ fn source(path: PathBuf) -> PyResult<AuditSource> {
 
 fn audit_source(py: Python<'_>, source: &AuditSource, factories: &Factories, jobs: usize) -> PyResult<Vec<Offence>> {
     let interruption: Arc<Interruption> = Arc::default();
-    let planners = factories.planners(py, &interruption).map_err(error)?;
-    let options = AuditOptions { jobs, step: SampleStep::default(), planners: &planners, listed: usize::MAX };
+    let entrants = factories.entrants(py, &interruption);
+    let options = AuditOptions { jobs, step: SampleStep::default(), entrants: &entrants, listed: usize::MAX };
     let report = py.detach(|| audit_all(std::slice::from_ref(source), &options, || {}));
     if let Some(exception) = interruption.take() {
         return Err(exception);

@@ -317,8 +317,7 @@ fn work_off(
         move |scenario: &wildfire::scenario::Scenario, seed| {
             // The thread is known to Python for the whole run, so that a query need not introduce it.
             let run = Python::try_attach(|py| {
-                let planners = factories.planners(py, &interruption).expect("the names were checked before");
-                let options = RunOptions { planners, memory, ..RunOptions::default() };
+                let options = RunOptions { memory, ..factories.entrants(py, &interruption).into() };
                 py.detach(|| simulate(scenario, seed, &options, || interruption.is_set()))
             });
             run.unwrap_or(Err(RunError::Stopped))

@@ -16,6 +16,7 @@ use wildfire::collision::CollisionChecker;
 use wildfire::geometry::Pose;
 use wildfire::planning::judge::MOST_SEGMENTS;
 use wildfire::planning::{self, Goal, MakeError, NameError, Plan, PlanFailure, Planners, TruckPlanner};
+use wildfire::sim::Entrants;
 use wildfire::vehicle::{Path, Segment};
 
 use crate::arrays::{described, is_sane_pose, pose};
@@ -86,11 +87,13 @@ impl Factories {
         self.0.iter().any(|(known, _)| known == name)
     }
 
-    /// Returns the planners of one run.
-    ///
-    /// # Errors
-    /// If one of them cannot have its name.
-    pub fn planners(&self, py: Python<'_>, interruption: &Arc<Interruption>) -> Result<Planners, NameError> {
+    /// Returns what was handed in, for one run.
+    pub fn entrants(&self, py: Python<'_>, interruption: &Arc<Interruption>) -> Entrants {
+        let planners = self.planners(py, interruption).expect("the names were checked before");
+        Entrants { planners, ..Entrants::default() }
+    }
+
+    fn planners(&self, py: Python<'_>, interruption: &Arc<Interruption>) -> Result<Planners, NameError> {
         let has_printed = Arc::new(AtomicBool::new(false));
         self.0.iter().try_fold(Planners::default(), |planners, (name, factory)| {
             let maker = Maker {

@@ -261,8 +261,7 @@ pub fn run(
     scenario.get().expect_known(&factories)?;
     let library = scenario.get().library();
     let interruption = Arc::default();
-    let options =
-        RunOptions { planners: factories.planners(py, &interruption).map_err(error)?, ..RunOptions::default() };
+    let options = RunOptions::from(factories.entrants(py, &interruption));
     // Between two slices Python may be interrupted.
     let check = || Python::attach(|py| py.check_signals()).map_err(|exception| interruption.set(exception));
     let run = py.detach(|| simulate(library, seed, &options, || check().is_err() || interruption.is_set()));

@@ -37,6 +37,6 @@ pub use report::{
 };
 pub use table::{
     AGENT_COLUMNS, AgentColumn, AgentRow, CALL_COLUMNS, COLUMNS_BEFORE_SWEPT, CallColumn, Column, FileColumn,
-    FinishedBatch, FinishedError, Kind, RUN_COLUMNS, RunColumn, RunRecord, STATE_COLUMNS, StateColumn, TableError,
-    TableOfRows, TableReader, Unit, is_measured, recordings_in, row_schema, run_column, swept_columns,
+    FinishedBatch, FinishedError, Kind, QueryTally, RUN_COLUMNS, RunColumn, RunRecord, STATE_COLUMNS, StateColumn,
+    TableError, TableOfRows, TableReader, Unit, is_measured, recordings_in, row_schema, run_column, swept_columns,
 };

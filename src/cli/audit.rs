@@ -61,11 +61,8 @@ pub fn run(arguments: &AuditArguments, context: &CommandContext) -> Result<ExitC
     let jobs = arguments.jobs.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
     let step = SampleStep { metres: arguments.step, ..SampleStep::default() };
     let bar = terminal::progress_bar(sources.iter().map(AuditSource::count).sum(), "runs", quiet);
-    let report = audit_all(
-        &sources,
-        &AuditOptions { jobs, step, planners: &context.planners, listed: LISTED_VIOLATIONS },
-        || bar.inc(1),
-    );
+    let options = AuditOptions { jobs, step, entrants: &context.entrants, listed: LISTED_VIOLATIONS };
+    let report = audit_all(&sources, &options, || bar.inc(1));
     bar.finish_and_clear();
     conclude(&report?, arguments.form)
 }

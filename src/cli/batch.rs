@@ -252,7 +252,7 @@ fn run_with_progress(
     let (held, mut not_done) = batch.progress().held();
     let lost = batch.found().lost_recordings.len() as u64;
     let bar = terminal::progress_bar(batch.progress().count() + lost, "runs", context.quiet).with_position(held);
-    let done = batch.run(&context.planners, jobs, stop, |status| {
+    let done = batch.run(&context.entrants, jobs, stop, |status| {
         if status != Status::Done {
             not_done += 1;
             bar.set_message(format!("({not_done} failed)"));

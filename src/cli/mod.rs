@@ -49,7 +49,7 @@ use render::RenderArguments;
 use run::RunArguments;
 use scenarios::{CheckArguments, NewArguments, ScenariosArguments, SchemaArguments};
 
-use crate::planning::Planners;
+use crate::sim::Entrants;
 use crate::untrusted::visible;
 
 const EXAMPLES: &str = "\
@@ -124,15 +124,15 @@ pub enum Command {
 
 /// Reads the arguments of the process and does what they say.
 pub fn main() -> ExitCode {
-    main_with(Planners::default())
+    main_with(Entrants::default())
 }
 
-/// Does the same with planners of one's own besides the built-in ones: the whole program, and they are known by their
-/// names wherever a planner's name may stand.
-pub fn main_with(planners: Planners) -> ExitCode {
+/// Does the same with planners, or planners and policies, of one's own besides the built-in ones: the whole program, and
+/// they are known by their names wherever a name may stand.
+pub fn main_with(entrants: impl Into<Entrants>) -> ExitCode {
     interrupt::install();
     let arguments = Arguments::try_parse().unwrap_or_else(|error| refuse(&error));
-    let context = CommandContext { quiet: arguments.quiet, planners };
+    let context = CommandContext { quiet: arguments.quiet, entrants: entrants.into() };
     dispatch(&arguments, &context).unwrap_or_else(CliError::print)
 }
 

@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use clap::Args;
 use serde::{Serialize, Serializer};
 
-use crate::batch::{RunLabel, RunObject, RunResult, RunRow, Status, file_name_of, notes};
+use crate::batch::{RunLabel, RunObject, RunRecord, RunResult, RunRow, Status, file_name_of, notes};
 use crate::cli::args::{MemoryArguments, ScenarioArguments, parse_seed};
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
@@ -22,6 +22,7 @@ use crate::sim;
 use crate::time::wall::WallStopwatch;
 use crate::timeline::export::{ExportError, FINEST_STEP_S, write_events, write_trace};
 use crate::timeline::{AgentOutcome, Outcome, Timeline, Winner, file};
+use crate::untrusted::visible;
 use crate::whole_file::WholeFile;
 
 #[derive(Debug, Args)]
@@ -185,7 +186,9 @@ impl From<&RunReport> for Document {
         let Some(result) = &row.result else { return Self::new(row.message.clone()) };
         let (label, outcome) = (&row.label, &result.outcome);
         let ended_s = rounded(outcome.ended_s, 1);
+        let said = (!row.message.is_empty()).then(|| format!("About failed queries: {}", visible(&row.message)));
         let notes = notes(result).into_iter().map(|note| format!("Note: {note}"));
+        let notes = notes.chain(RunRecord::from_row(row).queries().sentences(&label.planner)).chain(said);
         Self::new(format!("{}, seed {}: ended after {ended_s} s", label.scenario, label.seed)).with([
             states(outcome).into(),
             Block::List([fires(outcome), verdict(result)].into_iter().chain(notes).collect()),

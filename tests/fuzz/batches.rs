@@ -11,8 +11,8 @@ use wildfire::batch::{
     Append, Batch, BatchPlan, BatchRequest, Disk, FinishedBatch, JournalIndex, OutputFolder, PLAN_FILE, PLAN_TEMPLATE,
     PlanError, RUNS_FILE, STATES_PARQUET, Slice, Sweep, Whole, batch_status, merge, run_column, write_report,
 };
-use wildfire::planning::Planners;
 use wildfire::scenario::ScenarioText;
+use wildfire::sim::Entrants;
 
 use super::fuzz::text::mutated;
 use super::fuzz::{Case, Law, below, chance, one_of};
@@ -44,7 +44,7 @@ fn sample(options: &[&str], seeds: &str) -> Sample {
     let scratch = tempfile::tempdir().expect("a scratch folder");
     let folder = OutputFolder::named(&scratch.path().join("batch"), false).expect("a new folder");
     let mut batch = Batch::begin(plan.clone(), folder).expect("it begins");
-    batch.run(&Planners::default(), 1, &Arc::new(AtomicBool::new(false)), |_| {}).expect("all runs take place");
+    batch.run(&Entrants::default(), 1, &Arc::new(AtomicBool::new(false)), |_| {}).expect("all runs take place");
     batch.finish(&AtomicBool::new(false)).expect("its tables are written");
     let read = |name: &str| fs::read(scratch.path().join("batch").join(name)).expect("it was written");
     Sample {

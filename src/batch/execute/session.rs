@@ -13,9 +13,8 @@ use crate::batch::execute::journal::{JournalError, LockedJournal, OpenJournal, R
 use crate::batch::execute::workers::{Task, Work, work_off};
 use crate::batch::execute::{BatchError, Disk, JournalIndex, OutputFolder, RUNS_FILE, RealDisk, RunScenario, Status};
 use crate::batch::plan::{BatchPlan, PLAN_FILE, PlanError, Record, Slice};
-use crate::planning::Planners;
 use crate::scenario::Scenario;
-use crate::sim::{self, RunOptions};
+use crate::sim::{self, Entrants, RunOptions};
 use crate::timeline::file::{self, FileError};
 use crate::whole_file::sync_folder_of;
 
@@ -151,12 +150,12 @@ impl Batch {
     /// of them the batch can be resumed.
     pub fn run(
         &mut self,
-        planners: &Planners,
+        entrants: &Entrants,
         jobs: usize,
         stop: &Arc<AtomicBool>,
         on_run: impl FnMut(Status),
     ) -> Result<(), BatchError> {
-        let options = RunOptions { planners: planners.clone(), memory: self.plan.memory, ..RunOptions::default() };
+        let options = RunOptions { memory: self.plan.memory, ..entrants.clone().into() };
         let run = move |scenario: &Scenario, seed| sim::run_with_options(scenario, seed, &options);
         self.run_with(Box::new(run), jobs, stop, on_run)
     }

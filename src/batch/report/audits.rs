@@ -13,8 +13,7 @@ use crate::batch::execute::{BatchError, RUNS_FILE, RunResult, RunRow, Status, pa
 use crate::batch::plan::PlannedRun;
 use crate::batch::table::{FinishedBatch, FinishedError, RunRecord};
 use crate::document::number::rounded;
-use crate::planning::Planners;
-use crate::sim::{self, RunCost, RunOptions};
+use crate::sim::{self, Entrants, RunCost, RunOptions};
 use crate::timeline::{Outcome, Timeline, file};
 
 /// Runs between two looks at the results, per worker.
@@ -114,8 +113,8 @@ pub struct AuditOptions<'a> {
     /// Threads.
     pub jobs: usize,
     pub step: SampleStep,
-    /// The planners of runs that are made again.
-    pub planners: &'a Planners,
+    /// The planners and policies of runs that are made again.
+    pub entrants: &'a Entrants,
     /// The most runs with a violation that are listed.
     pub listed: usize,
 }
@@ -166,7 +165,7 @@ impl Subject<'_> {
     }
 
     fn look(&self, options: &AuditOptions<'_>) -> Finding {
-        let &AuditOptions { step, planners, .. } = options;
+        let &AuditOptions { step, entrants, .. } = options;
         match self {
             Self::Recording(path) => look_at_file(path, step, |_| None),
             Self::Run { batch, run, row } => match batch.recording(run) {
@@ -176,7 +175,7 @@ impl Subject<'_> {
                 }),
                 None => {
                     let memory = batch.plan().memory;
-                    let options = RunOptions { planners: planners.clone(), memory, ..RunOptions::default() };
+                    let options = RunOptions { memory, ..entrants.clone().into() };
                     look_again(run, &options, row.as_ref(), step)
                 }
             },
@@ -191,7 +190,7 @@ fn look_at_file(path: &Path, step: SampleStep, difference: impl Fn(&Timeline) ->
     }
 }
 
-/// Makes a run once more, within the memory that it had and with the planners.
+/// Makes a run once more, within the memory that it had and with the same planners and policies.
 fn look_again(run: &PlannedRun<'_>, options: &RunOptions, row: Option<&RunRecord>, step: SampleStep) -> Finding {
     match panics::catch(|| sim::run_with_options(&run.variant.scenario, run.seed, options)) {
         Ok(Ok(again)) => {

@@ -77,7 +77,7 @@ pub fn run(arguments: &PlanArguments, context: &CommandContext) -> Result<ExitCo
     for problem in &problems {
         let question = Question {
             planners: &planners,
-            makers: &context.planners,
+            makers: &context.entrants.planners,
             programs: &loaded.scenario.planner,
             seed: arguments.problems.seed,
             limit: arguments.memory.limit(),
