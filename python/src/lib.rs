@@ -13,7 +13,9 @@ mod compare;
 mod errors;
 mod literal;
 mod path;
+mod plan;
 mod planner;
+mod program;
 mod query;
 mod run;
 mod scenario;
@@ -33,6 +35,10 @@ mod _core {
     use crate::compare::compare;
     #[pymodule_export]
     use crate::path::{Path, dubins_length, reeds_shepp_length};
+    #[pymodule_export]
+    use crate::plan::plan;
+    #[pymodule_export]
+    use crate::program::command_line;
     #[pymodule_export]
     use crate::query::{Query, Site, Vehicle};
     #[pymodule_export]
