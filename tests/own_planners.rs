@@ -345,7 +345,7 @@ fn curvatures_of_single_precision_pass_and_sharper_ones_do_not() {
         let run = sim::run_with(&driven_by("bent", "smoke", &[]), 3, &bent).expect("it takes place");
         let refused = failures(&run.timeline).contains(&PlanFailure::BadAnswer);
         assert_eq!(!refused, passes, "{excess}: {}", run.messages);
-        assert!(passes || run.messages.to_string().contains("curvature"), "{}", run.messages);
+        assert!(passes || run.messages.to_string().contains("a turn of radius"), "{}", run.messages);
         assert!(audit_timeline(&run.timeline, Default::default()).violation.is_none());
     }
 }
