@@ -11,7 +11,7 @@ use wildfire::planning::{
     TruckPlanner,
 };
 use wildfire::scenario::{self, PlannerContext, Scenario, Unimog};
-use wildfire::sim::{self, RunError};
+use wildfire::sim::{self, Entrants, RunError};
 use wildfire::timeline::{AgentFact, Fact, Outcome, RestReason, Timeline};
 use wildfire::vehicle::{Path, ReedsShepp, Segment};
 use wildfire::{Pose, rng};
@@ -114,7 +114,8 @@ fn a_batch_runs_planners_of_ones_own_and_its_rows_are_those_of_single_runs() {
     let mut batch = Batch::begin(plan, folder).expect("it begins");
     let planners = planners("own", short_curves);
     let never = Arc::new(AtomicBool::new(false));
-    batch.run(&planners, 2, &never, |_| {}).expect("all runs take place");
+    let entrants = Entrants { planners: planners.clone(), ..Entrants::default() };
+    batch.run(&entrants, 2, &never, |_| {}).expect("all runs take place");
     batch.finish(&never).expect("it is written");
     let finished = FinishedBatch::open(&scratch.path().join("own")).expect("it is finished");
     let runs: Vec<_> = finished.runs().collect();
