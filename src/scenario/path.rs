@@ -31,19 +31,23 @@ pub enum FoundSpan {
 }
 
 impl FieldPath {
-    /// Parses a path whose steps are separated by dots; a number is an index into a list, and a key in double quotes may
-    /// hold dots.
+    /// Parses a path whose steps are separated by dots; a number is an index into a list, and a step in double quotes is a
+    /// key whatever it holds.
     pub fn parse(dotted: &str) -> Self {
-        let step = |part: &str| match part.strip_prefix('"').and_then(|part| part.strip_suffix('"')) {
-            Some(key) => PathStep::key(key),
-            None => part.parse().map_or_else(|_| PathStep::key(part), PathStep::Index),
-        };
-        let mut is_quoted = false;
-        let is_end = |letter: char| {
-            is_quoted ^= letter == '"';
-            letter == '.' && !is_quoted
-        };
-        Self(dotted.split(is_end).filter(|part| !part.is_empty()).map(step).collect())
+        let (mut steps, mut rest) = (Vec::new(), dotted);
+        while !rest.is_empty() {
+            if let Some((key, after)) = rest.strip_prefix('"').and_then(|quoted| quoted.split_once('"')) {
+                steps.push(PathStep::key(key));
+                rest = after.strip_prefix('.').unwrap_or(after);
+                continue;
+            }
+            let (part, after) = rest.split_once('.').unwrap_or((rest, ""));
+            if !part.is_empty() {
+                steps.push(part.parse().map_or_else(|_| PathStep::key(part), PathStep::Index));
+            }
+            rest = after;
+        }
+        Self(steps)
     }
 
     pub fn from_serde(path: &serde_path_to_error::Path) -> Self {
@@ -125,19 +129,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn keys_in_quotes_may_hold_dots() {
-        let steps = |path: FieldPath| {
-            path.0
-                .into_iter()
-                .map(|step| match step {
-                    PathStep::Key(key) => key,
-                    PathStep::Index(index) => index.to_string(),
-                })
-                .collect::<Vec<_>>()
-        };
-        assert_eq!(steps(FieldPath::parse("unimog.0.prm")), ["unimog", "0", "prm"]);
-        assert_eq!(steps(FieldPath::parse("planner.\"a.b\".command")), ["planner", "a.b", "command"]);
-        assert_eq!(FieldPath::parse("planner.\"a.b\".command").to_string(), "planner.\"a.b\".command");
-        assert_eq!(steps(FieldPath::parse("planner.\"a.b")), ["planner", "\"a.b"]);
+    fn steps_are_divided_by_dots_outside_of_quotes() {
+        let key = PathStep::key;
+        for (dotted, steps, written) in [
+            ("unimog.0.prm", vec![key("unimog"), PathStep::Index(0), key("prm")], "unimog.0.prm"),
+            (
+                "planner.\"rrt-2.1\".command",
+                vec![key("planner"), key("rrt-2.1"), key("command")],
+                "planner.\"rrt-2.1\".command",
+            ),
+            ("planner.\"rrt\"", vec![key("planner"), key("rrt")], "planner.rrt"),
+            ("a..b.", vec![key("a"), key("b")], "a.b"),
+            ("\"a", vec![key("\"a")], "\"a"),
+            ("", vec![], ""),
+        ] {
+            let path = FieldPath::parse(dotted);
+            assert_eq!(path.0, steps, "{dotted}");
+            assert_eq!(path.to_string(), written);
+        }
     }
 }
