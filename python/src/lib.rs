@@ -7,8 +7,10 @@
 mod arrays;
 mod checker;
 mod columns;
+mod envs;
 mod errors;
 mod literal;
+mod observation;
 mod path;
 mod query;
 mod run;
@@ -21,6 +23,8 @@ mod _core {
 
     #[pymodule_export]
     use crate::checker::Checker;
+    #[pymodule_export]
+    use crate::envs::{Contests, named_agents};
     #[pymodule_export]
     use crate::path::{Path, dubins_length, reeds_shepp_length};
     #[pymodule_export]
