@@ -137,7 +137,8 @@ struct PythonPolicy {
 impl Policy for PythonPolicy {
     fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
         let Some(&agent) = asked.first() else { return Vec::new() };
-        let answer = (!self.interruption.is_set()).then(|| Python::try_attach(|py| self.ask(py, seen, agent))).flatten();
+        let answer =
+            (!self.interruption.is_set()).then(|| Python::try_attach(|py| self.ask(py, seen, agent))).flatten();
         vec![(agent, answer.unwrap_or_else(|| self.layout.waiting(seen.now)))]
     }
 }
@@ -172,12 +173,8 @@ impl PythonPolicy {
         let (mut agents, mut time_s) = (vec![0.0; layout.agents * AGENT_NUMBERS], [0.0; 2]);
         let (mut mask, mut candidates) = (vec![0; layout.actions()], vec![0.0; layout.candidate_numbers()]);
         let sight = Sight { now: seen.now, fires: seen.fires, bushes: &self.bushes, agents: seen.agents };
-        let mut shared = SharedArrays {
-            cells: &mut cells,
-            burning_s: &mut burning_s,
-            agents: &mut agents,
-            time_s: &mut time_s,
-        };
+        let mut shared =
+            SharedArrays { cells: &mut cells, burning_s: &mut burning_s, agents: &mut agents, time_s: &mut time_s };
         sight.write(layout, |id| id == agent, &mut shared);
         let mut own = OwnArrays { action_mask: &mut mask, candidates: &mut candidates };
         let targets = sight.write_own(layout, Some((agent, options)), &mut own);
