@@ -23,6 +23,7 @@ mod pipes;
 mod plan;
 mod plan_guide;
 mod plan_ompl;
+mod rank;
 mod render;
 mod report;
 #[cfg(target_os = "linux")]

@@ -7,6 +7,7 @@
 
 mod difference;
 mod file;
+mod free;
 mod frozen;
 mod recorded;
 mod request;
@@ -17,6 +18,7 @@ mod value;
 
 pub use difference::value_differences;
 pub use file::{PLAN_TEMPLATE, schema as plan_schema};
+pub use free::{FreeKeys, FreeKeysError};
 pub use frozen::{PLAN_FILE, PlanError};
 pub use recorded::{RecordedPlan, RecordedVariant};
 pub use request::{BatchRequest, MAX_VARIANTS, RUNS_WITHOUT_FORCE, RequestError};
@@ -46,6 +48,9 @@ const MAX_CHANGES: usize = 1_000;
 
 /// The key of a scenario's planners, whose values have a column of their own.
 pub const PLANNER_KEY: &str = "unimog.planner";
+
+/// The column that names whose entry a run is of, in batches of several.
+pub const ENTRY_COLUMN: &str = "entry";
 
 /// Which runs leave a recording of their timeline.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

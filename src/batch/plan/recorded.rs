@@ -8,6 +8,7 @@ use serde_json::Value as Json;
 use super::frozen::{PLAN_FORMAT, open, read_head, read_json};
 use super::{BatchPlan, PROGRAM_VERSION, PlanError, Variant, planner_of};
 use super::{PLAN_FILE, Value};
+use crate::scenario::MemoryLimit;
 
 /// The longest plan of another version that is read: unlike this version's, its values are not known beforehand, and
 /// each may take some dozen times the memory of its text.
@@ -17,6 +18,8 @@ const MAX_BYTES_OF_OTHERS: u64 = 4 << 20;
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecordedPlan {
     pub program_version: String,
+    /// The memory that each run might take.
+    pub memory: MemoryLimit,
     pub swept_keys: Vec<String>,
     pub variants: Vec<RecordedVariant>,
 }
@@ -37,6 +40,9 @@ pub struct RecordedVariant {
 
 #[derive(Deserialize)]
 struct Body {
+    /// Plans that were written before runs had a limit do not say it.
+    #[serde(default)]
+    memory_bytes: MemoryLimit,
     swept_keys: Vec<String>,
     variants: Vec<OtherVariant>,
 }
@@ -59,9 +65,9 @@ impl RecordedPlan {
         let head = read_head(&path, &file)?;
         let program_version = head.program_version;
         if head.format == PLAN_FORMAT && program_version == PROGRAM_VERSION {
-            let BatchPlan { swept_keys, variants, .. } = BatchPlan::read(folder)?;
+            let BatchPlan { swept_keys, variants, memory, .. } = BatchPlan::read(folder)?;
             let variants = variants.into_iter().map(RecordedVariant::from).collect();
-            return Ok(Self { program_version, swept_keys, variants });
+            return Ok(Self { program_version, memory, swept_keys, variants });
         }
         let bytes = file.metadata().map_err(|source| PlanError::Unreadable { path: path.clone(), source })?.len();
         if bytes > MAX_BYTES_OF_OTHERS {
@@ -69,8 +75,9 @@ impl RecordedPlan {
                 format!("version {program_version} wrote it, of which at most {MAX_BYTES_OF_OTHERS} bytes are read");
             return Err(PlanError::NotAPlan { path, reason });
         }
-        let Body { swept_keys, variants } = read_json(&path, &file)?;
-        Ok(Self { program_version, swept_keys, variants: variants.into_iter().map(RecordedVariant::from).collect() })
+        let Body { memory_bytes: memory, swept_keys, variants } = read_json(&path, &file)?;
+        let variants = variants.into_iter().map(RecordedVariant::from).collect();
+        Ok(Self { program_version, memory, swept_keys, variants })
     }
 }
 
