@@ -351,29 +351,17 @@ fn what_is_no_batch_or_no_metric_is_refused() {
 #[test]
 fn programs_that_are_kept_from_run_to_run_are_refused() {
     let scratch = Scratch::new();
-    let a = scratch.batch("a", &runs("prm-rs", 1..=5, |seed| Some(noise(seed))));
-    // A plan of another version is read as it is, so that one with programs can be written here.
-    let plan = fs::read_to_string(a.join("plan.json")).expect("it is there");
-    let version = format!("\"program_version\": \"{}\"", env!("CARGO_PKG_VERSION"));
-    let with_table = |table: &str| {
-        let plan = plan.replacen(&version, "\"program_version\": \"0.0.1\"", 1);
-        let plan = plan.replacen("\"planner\": \"prm-rs\"", "\"planner\": \"mine\"", 1);
-        plan.replacen("\"duration_s\"", &format!("\"planner\": {{ \"mine\": {table} }}, \"duration_s\""), 1)
+    let entry = |name: &str, table: &[&str]| {
+        let options = [&["planner.mine.command=[\"a\"]"], table].concat();
+        scratch.batch_of(name, &runs("mine", 1..=5, |seed| Some(noise(seed))), &["mine"], &options)
     };
-    let entry = |name: &str, table: &str| {
-        let folder = scratch.batch(name, &runs("prm-rs", 1..=5, |seed| Some(noise(seed))));
-        let text = fs::read_to_string(folder.join("runs.csv")).expect("it is there").replace("prm-rs", "mine");
-        fs::write(folder.join("runs.csv"), text).expect("writable");
-        fs::write(folder.join("plan.json"), with_table(table)).expect("writable");
-        folder
-    };
-    let kept = entry("kept", "{ \"command\": [\"a\"], \"reuse\": true }");
+    let kept = entry("kept", &["planner.mine.reuse=true"]);
     let said = refusal(&[&kept], &request("saved"));
     assert!(said.starts_with("mine has `reuse = true` in [planner.mine]"), "{said}");
     // Limits of programs are rules, commands are not.
-    let one = entry("one", "{ \"command\": [\"a\"], \"query_cpu_s\": 1.0 }");
-    let two = entry("two", "{ \"command\": [\"b\"], \"query_cpu_s\": 1.0 }");
-    let three = entry("three", "{ \"command\": [\"b\"], \"query_cpu_s\": 2.0 }");
+    let one = entry("one", &["planner.mine.query_cpu_s=1"]);
+    let two = entry("two", &["planner.mine.query_cpu_s=1", "planner.mine.settings={ range_m = 3 }"]);
+    let three = entry("three", &["planner.mine.query_cpu_s=2"]);
     assert_eq!(ranked(&[&one, &two], "saved").entries.len(), 2);
     let said = refusal(&[&one, &two, &three], &request("saved"));
     assert!(said.ends_with("planner.*.query_cpu_s of their programs is 1.0 and 2.0"), "{said}");

@@ -45,6 +45,7 @@ pub use fire::{Fire, SpreadFrom};
 pub use given::{GivenField, MAX_CELLS_A_SIDE, MapError};
 pub use load::{LoadedScenario, load};
 pub use memory::{MemoryEstimate, MemoryExceeded, MemoryLimit, bytes_text};
+pub use path::{FieldPath, PathStep};
 pub use problem::{MAX_GOALS, Problem};
 pub use program::{Program, Programs};
 pub use rules::{Extinguishes, Ignition, IgnitionCells, Score, Suppression};
