@@ -77,6 +77,7 @@ fn variant_of_run(plan: &RecordedPlan, table: &RunsTable, run: usize) -> Result<
     let value_of = |variant: &RecordedVariant, column: &str| match column {
         "scenario" => Some(variant.name.clone()),
         "planner" => Some(variant.planner.clone()),
+        "policy" => Some(variant.policy.clone()),
         key => {
             let place = plan.swept_keys.iter().position(|swept| swept == key)?;
             Some(variant.swept.get(place)?.to_string())

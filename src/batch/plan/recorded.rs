@@ -6,7 +6,7 @@ use serde::Deserialize;
 use serde_json::Value as Json;
 
 use super::frozen::{PLAN_FORMAT, open, read_head, read_json};
-use super::{BatchPlan, PROGRAM_VERSION, PlanError, Variant, planner_of};
+use super::{BatchPlan, PROGRAM_VERSION, PlanError, RunLabel, Variant};
 use super::{PLAN_FILE, Value};
 use crate::scenario::MemoryLimit;
 
@@ -33,6 +33,8 @@ pub struct RecordedVariant {
     pub name: String,
     /// The planners of the trucks, as the column has them: a `;` is between those of trucks that differ.
     pub planner: String,
+    /// The policies of the trucks, likewise.
+    pub policy: String,
     /// The scenario with all values filled in, as compact JSON: the tree takes ten times as much memory, and few are
     /// needed at once.
     pub scenario: String,
@@ -83,17 +85,23 @@ impl RecordedPlan {
 
 impl From<Variant> for RecordedVariant {
     fn from(Variant { swept, scenario, .. }: Variant) -> Self {
+        let label = RunLabel::from_scenario(&scenario, 0);
         let json = serde_json::to_string(&scenario).expect("scenarios hold names, numbers and lists only");
-        Self { swept, planner: planner_of(&scenario), name: scenario.name, scenario: json }
+        let RunLabel { scenario: name, planner, .. } = &label;
+        Self { swept, planner: planner.clone(), policy: label.policy(), name: name.clone(), scenario: json }
     }
 }
 
 impl From<OtherVariant> for RecordedVariant {
     fn from(OtherVariant { swept, scenario }: OtherVariant) -> Self {
         let trucks = scenario["unimog"].as_array().map_or(&[][..], Vec::as_slice);
-        let mut planners: Vec<&str> = trucks.iter().filter_map(|truck| truck["planner"].as_str()).collect();
-        planners.dedup();
+        let names = |key: &str| {
+            let mut names: Vec<&str> = trucks.iter().filter_map(|truck| truck[key].as_str()).collect();
+            names.dedup();
+            names.join(";")
+        };
+        let (planner, policy) = (names("planner"), names("goal"));
         let name = scenario["name"].as_str().unwrap_or_default().to_owned();
-        Self { swept, name, planner: planners.join(";"), scenario: scenario.to_string() }
+        Self { swept, name, planner, policy, scenario: scenario.to_string() }
     }
 }

@@ -1,5 +1,6 @@
 //! A ranking as a document.
 
+use crate::batch::QueryTally;
 use crate::batch::comparison::{Better, Contrast, RankedEntry, RankedPair, Ranking, p_words};
 use crate::document::number::{count, optional, percent, probability, rounded, two_digits};
 use crate::document::{Document, Table};
@@ -77,8 +78,8 @@ fn decimals(ranking: &Ranking) -> usize {
 /// The entries, best first, each with its difference from the first.
 fn table(ranking: &Ranking) -> Table {
     let has_failed = ranking.entries.iter().any(|entry| entry.failed > 0);
-    let has_failed_queries = ranking.entries.iter().any(|entry| entry.queries.is_some_and(|it| it.failed > 0.0));
-    let has_rescued = ranking.entries.iter().any(|entry| entry.queries.is_some_and(|it| it.rescued > 0.0));
+    let has_failed_queries = ranking.entries.iter().any(|entry| entry.queries.failed > 0);
+    let has_rescued = ranking.entries.iter().any(|entry| entry.queries.rescued > 0);
     let has_groups = ranking.entries.len() > 1 && ranking.entries.iter().all(|entry| entry.groups.is_some());
     let decimals = decimals(ranking);
     let mut headings = vec!["Entry", "Rank"];
@@ -86,7 +87,7 @@ fn table(ranking: &Ranking) -> Table {
     headings.extend(["Mean", "less\nfirst", "95%\nlow", "95%\nhigh"]);
     headings.extend(has_failed.then_some("Failed\nruns %"));
     headings.extend(has_failed_queries.then_some("Failed\nqueries %"));
-    headings.extend(has_rescued.then_some("Rescued\n%"));
+    headings.extend(has_rescued.then_some("Rescued\ndrives %"));
     let row = |(place, entry): (usize, &RankedEntry)| {
         let against_first = ranking.pair(0, place).map(|pair| &pair.contrast);
         let interval = against_first.and_then(|contrast| contrast.interval);
@@ -99,12 +100,10 @@ fn table(ranking: &Ranking) -> Table {
             optional(interval.map(|it| it.high), decimals),
         ]);
         cells.extend(has_failed.then(|| percent(entry.failed as f64 / ranking.runs as f64)));
-        let share = |part: f64, all: f64| if all > 0.0 { percent(part / all) } else { "-".into() };
-        let of_queries = |part: fn(&crate::batch::comparison::Queries) -> f64| {
-            entry.queries.map_or_else(|| "-".into(), |queries| share(part(&queries), queries.all))
-        };
-        cells.extend(has_failed_queries.then(|| of_queries(|queries| queries.failed)));
-        cells.extend(has_rescued.then(|| of_queries(|queries| queries.rescued)));
+        let share = |part: u64, all: u64| if all > 0 { percent(part as f64 / all as f64) } else { "-".into() };
+        let queries = &entry.queries;
+        cells.extend(has_failed_queries.then(|| share(queries.failed, queries.drives + queries.failed)));
+        cells.extend(has_rescued.then(|| share(queries.rescued, queries.drives)));
         cells
     };
     Table::new(&headings, ranking.entries.iter().enumerate().map(row).collect())
@@ -122,11 +121,8 @@ fn remarks(ranking: &Ranking) -> Vec<String> {
         let runs = count(entry.without_value, "run");
         format!("{}: {runs} that did not fail without a value of {metric}", name(entry))
     }));
-    let timed_out = |entry: &RankedEntry| entry.queries.map_or(0.0, |queries| queries.timed_out);
-    lines.extend(ranking.entries.iter().filter(|entry| timed_out(entry) > 0.0).map(|entry| {
-        let queries = count(timed_out(entry) as usize, "query").replace("querys", "queries");
-        format!("{}: outcomes depend on this machine: {queries} timed out", name(entry))
-    }));
+    let clocked = ranking.entries.iter().filter(|entry| entry.queries.timed_out > 0);
+    lines.extend(clocked.flat_map(|entry| QueryTally { rescued: 0, ..entry.queries }.sentences(&name(entry))));
     if ranking.entries.iter().any(|entry| entry.groups.is_none()) {
         lines.push("More groups than letters: see the ranks, or the pairs in --json".into());
     }

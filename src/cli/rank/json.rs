@@ -2,8 +2,8 @@
 
 use serde::{Serialize, Serializer};
 
-use crate::batch::PROGRAM_VERSION;
 use crate::batch::comparison::{Better, Contrast, RankedEntry, RankedPair, Ranking};
+use crate::batch::{PROGRAM_VERSION, QueryTally};
 use crate::cli::compare::method_name;
 use crate::stats::CONFIDENCE;
 
@@ -35,15 +35,7 @@ struct EntryObject<'a> {
     less_first: Option<Difference>,
     failed: usize,
     without_value: usize,
-    queries: Option<QueriesObject>,
-}
-
-#[derive(Serialize)]
-struct QueriesObject {
-    all: f64,
-    failed: f64,
-    rescued: f64,
-    timed_out: f64,
+    queries: QueryTally,
 }
 
 #[derive(Serialize)]
@@ -93,12 +85,6 @@ fn difference(contrast: &Contrast) -> Difference {
 }
 
 fn entry<'a>(ranking: &'a Ranking, place: usize, entry: &'a RankedEntry) -> EntryObject<'a> {
-    let queries = entry.queries.map(|queries| QueriesObject {
-        all: queries.all,
-        failed: queries.failed,
-        rescued: queries.rescued,
-        timed_out: queries.timed_out,
-    });
     EntryObject {
         entry: &entry.name,
         description: &entry.description,
@@ -110,7 +96,7 @@ fn entry<'a>(ranking: &'a Ranking, place: usize, entry: &'a RankedEntry) -> Entr
         less_first: ranking.pair(0, place).map(|pair| difference(&pair.contrast)),
         failed: entry.failed,
         without_value: entry.without_value,
-        queries,
+        queries: entry.queries,
     }
 }
 

@@ -28,10 +28,10 @@ struct EntryRow<'a> {
     runs: usize,
     failed_runs: usize,
     runs_without_value: usize,
-    queries: Option<f64>,
-    failed_queries: Option<f64>,
-    rescued_queries: Option<f64>,
-    timed_out_queries: Option<f64>,
+    drives: u64,
+    failed_queries: u64,
+    rescued_drives: u64,
+    timed_out_queries: u64,
 }
 
 pub fn write(path: &Path, ranking: &Ranking) -> io::Result<()> {
@@ -55,10 +55,10 @@ pub fn write(path: &Path, ranking: &Ranking) -> io::Result<()> {
             runs: ranking.runs,
             failed_runs: entry.failed,
             runs_without_value: entry.without_value,
-            queries: entry.queries.map(|queries| queries.all),
-            failed_queries: entry.queries.map(|queries| queries.failed),
-            rescued_queries: entry.queries.map(|queries| queries.rescued),
-            timed_out_queries: entry.queries.map(|queries| queries.timed_out),
+            drives: entry.queries.drives,
+            failed_queries: entry.queries.failed,
+            rescued_drives: entry.queries.rescued,
+            timed_out_queries: entry.queries.timed_out,
         })?;
     }
     writer.into_inner().map_err(csv::IntoInnerError::into_error)?.finish()

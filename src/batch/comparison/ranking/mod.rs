@@ -23,12 +23,12 @@ pub use groups::MAX_ENTRIES;
 
 use crate::batch::comparison::contrast::{contrast_of_pairs, lifetime, number_of};
 use crate::batch::comparison::metric::{Better, Metric, MetricKind};
-use crate::batch::comparison::runs_table::{self, Field, RunsTable};
+use crate::batch::comparison::runs_table::{self, RunsTable};
 use crate::batch::comparison::settings::{KnownSettings, seed_words};
 use crate::batch::comparison::sides::Selection;
 use crate::batch::comparison::{Contrast, LEVEL, adjusted};
 use crate::batch::plan::FreeKeys;
-use crate::batch::table::{RUN_COLUMNS, TableReader};
+use crate::batch::table::QueryTally;
 use crate::stats::Series;
 use entries::{Entries, EntryRuns};
 use groups::ToldApart;
@@ -100,18 +100,8 @@ pub struct RankedEntry {
     pub failed: usize,
     /// Runs that are done and have no value of the metric.
     pub without_value: usize,
-    pub queries: Option<Queries>,
-}
-
-/// Queries of an entry's trucks, over all of its runs that are done.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Queries {
-    pub all: f64,
-    pub failed: f64,
-    /// Those that the reachability flood answered after the planner had failed.
-    pub rescued: f64,
-    /// Those that a clock ended.
-    pub timed_out: f64,
+    /// Over all of its runs that are done.
+    pub queries: QueryTally,
 }
 
 /// Two entries set against each other.
@@ -152,9 +142,8 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
     let better = request.better.or_else(|| metric.better());
     let better = better.ok_or_else(|| RankingError::WhichIsBetter { metric: metric.name.clone() })?;
     let of_metric = metric.fields();
-    let of_queries = QueryColumns::find(&files, of_metric.len());
-    let fields: Vec<Field> = of_metric.iter().cloned().chain(of_queries.fields()).collect();
-    let tables = files.into_iter().map(|file| RunsTable::read(file, &fields)).collect::<Result<Vec<RunsTable>, _>>()?;
+    let tables =
+        files.into_iter().map(|file| RunsTable::read(file, &of_metric)).collect::<Result<Vec<RunsTable>, _>>()?;
     let settings = |table: &RunsTable| {
         let known = KnownSettings::read(table);
         known.map_err(|reason| RankingError::RulesUnknown { path: table.path.clone(), reason })
@@ -194,7 +183,7 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
             mean: means[index],
             failed,
             without_value: without_value(entry, &metric, of_metric.len()) - failed,
-            queries: of_queries.sums(entry),
+            queries: queries_of(entry),
         }
     });
     let first = &entries.entries[0];
@@ -209,6 +198,12 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
         pairs,
         metric,
     })
+}
+
+fn queries_of(entry: &EntryRuns<'_>) -> QueryTally {
+    let mut queries = QueryTally::default();
+    entry.runs.iter().for_each(|run| queries += entry.table.queries[run.index]);
+    queries
 }
 
 fn failed(entry: &EntryRuns<'_>) -> usize {
@@ -273,46 +268,4 @@ fn pairs(order: &[usize], numbers: &[Vec<f64>], metric: &Metric) -> Vec<RankedPa
     pairs
         .map(|((places, contrast), p)| RankedPair { places, contrast, p_adjusted: p.expect("all pairs have one") })
         .collect()
-}
-
-/// The places, among the values that are read, of columns that count queries.
-struct QueryColumns {
-    names: Vec<&'static str>,
-    first: usize,
-}
-
-impl QueryColumns {
-    /// Finds the columns that all tables have; none if one has no count of all queries.
-    fn find(tables: &[TableReader], first: usize) -> Self {
-        let is_counted =
-            |name: &str| name == "truck_plans" || name == "truck_lattice_plans" || name.starts_with("truck_failed_");
-        let names = RUN_COLUMNS.iter().map(|column| column.name).filter(|name| is_counted(name));
-        let in_all = |name: &&str| tables.iter().all(|table| table.place(name).is_some());
-        let names: Vec<&str> = names.filter(in_all).collect();
-        Self { names: if names.contains(&"truck_plans") { names } else { Vec::new() }, first }
-    }
-
-    fn fields(&self) -> impl Iterator<Item = Field> {
-        self.names.iter().map(|&name| Field::Number(name.to_owned()))
-    }
-
-    fn sums(&self, entry: &EntryRuns<'_>) -> Option<Queries> {
-        if self.names.is_empty() {
-            return None;
-        }
-        let mut queries = Queries::default();
-        for (place, &name) in self.names.iter().enumerate() {
-            let values = &entry.table.values[self.first + place];
-            let sum: f64 = entry.runs.iter().map(|run| values[run.index]).filter(|value| !value.is_nan()).sum();
-            match name {
-                "truck_plans" => queries.all += sum,
-                "truck_lattice_plans" => queries.rescued += sum,
-                _ => queries.failed += sum,
-            }
-            if name == "truck_failed_timed_out" {
-                queries.timed_out += sum;
-            }
-        }
-        Some(queries)
-    }
 }
