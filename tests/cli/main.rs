@@ -8,6 +8,7 @@ mod batch_plans;
 mod commands;
 mod compare;
 mod contest;
+mod course;
 mod curve;
 mod curve_pairs;
 mod errors;

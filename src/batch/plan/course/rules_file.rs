@@ -73,8 +73,8 @@ impl ProgramLimits {
         let wall = self.query_cpu_s.map(|cpu_s| (WALL_OF_CPU * cpu_s).min(LONGEST_WALL_S));
         let limits = [
             ("start_limit_s", self.start_limit_s, true),
-            ("query_limit_s", self.query_limit_s.or(wall), true),
             ("query_cpu_s", self.query_cpu_s, true),
+            ("query_limit_s", self.query_limit_s.or(wall), true),
             ("memory_limit_mb", self.memory_limit_mb, true),
             ("seconds_per_expansion", self.seconds_per_expansion, false),
             ("restarts", self.restarts, true),
