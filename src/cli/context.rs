@@ -15,8 +15,8 @@ impl CommandContext {
     /// Adds to the changes of a scenario that the planners and policies that were handed in are known.
     pub fn with_own_names(&self, changes: &[String]) -> Vec<String> {
         let Entrants { planners, policies } = &self.entrants;
-        let declared = planners.own_names().map(|name| format!("planner.{name}.command=[]"));
-        let declared = declared.chain(policies.own_names().map(|name| format!("policy.{name}.command=[]")));
+        let declared = planners.own_names().map(|name| format!("planner.\"{name}\".command=[]"));
+        let declared = declared.chain(policies.own_names().map(|name| format!("policy.\"{name}\".command=[]")));
         declared.chain(changes.iter().cloned()).collect()
     }
 

@@ -82,7 +82,7 @@ impl AgentFile {
         }
         let Some(key) = leaf.key() else {
             return Err(format!(
-                "`{written}` is no key of a scenario: expected letters, digits, `-`, `+` and `_` in it"
+                "`{written}` is no key of a scenario: expected letters, digits, `-`, `+`, `_` and `.` in its steps"
             ));
         };
         let is_of_program = TABLES_OF_PROGRAMS.contains(&steps[0]) && steps.len() == 3;
@@ -119,7 +119,8 @@ impl AgentFile {
                 let at = Leaf { keys: vec![list.into(), name.clone()], value: TomlValue::Boolean(true) };
                 let line = at.line_in(&self.text);
                 let Some(key) = at.key() else {
-                    let message = format!("`{name}` cannot name a planner or policy of a course: it has a dot");
+                    let message =
+                        format!("`{name}` is no name: expected 1 to 40 of a-z 0-9 + - _ . with a letter first");
                     return Err(fault(&self.path, Some(line), &message));
                 };
                 let folder = own.join(table.get("folder").and_then(TomlValue::as_str).unwrap_or_default());

@@ -190,10 +190,17 @@ struct Leaf {
 impl Leaf {
     /// The key as `--set` takes it; `None` if one of its steps cannot be written so.
     fn key(&self) -> Option<String> {
-        let is_step = |key: &String| {
-            !key.is_empty() && key.chars().all(|letter| letter.is_alphanumeric() || "_-+".contains(letter))
+        let step = |key: &String| {
+            let is_plain = |letter: char| letter.is_alphanumeric() || "_-+".contains(letter);
+            match key {
+                key if key.is_empty() => None,
+                key if key.chars().all(is_plain) => Some(key.clone()),
+                // Names of planners and policies may have dots.
+                key if key.chars().all(|letter| is_plain(letter) || letter == '.') => Some(format!("\"{key}\"")),
+                _ => None,
+            }
         };
-        self.keys.iter().all(is_step).then(|| self.keys.join("."))
+        Some(self.keys.iter().map(step).collect::<Option<Vec<_>>>()?.join("."))
     }
 
     fn line_in(&self, text: &str) -> usize {
