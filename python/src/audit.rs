@@ -73,8 +73,8 @@ pub enum Audited<'py> {
 /// what : Run, Batch or path, or several of them
 ///     A path is that of a recording, a folder of recordings, or the folder of a batch. Runs of a batch that were not
 ///     recorded are simulated again.
-/// planners : mapping
-///     Planners of one's own that such runs had, by the same names.
+/// planners, policies : mapping
+///     Planners and policies of one's own that such runs had, by the same names.
 /// jobs : int
 ///     Threads.
 ///
@@ -136,6 +136,9 @@ fn source(path: PathBuf) -> PyResult<AuditSource> {
 fn audit_source(py: Python<'_>, source: &AuditSource, factories: &Factories, jobs: usize) -> PyResult<Vec<Offence>> {
     let interruption: Arc<Interruption> = Arc::default();
     let entrants = factories.entrants(py, &interruption);
+    if let AuditSource::Batch(batch) = source {
+        batch.expect_entrants(&entrants).map_err(error)?;
+    }
     let options = AuditOptions { jobs, step: SampleStep::default(), entrants: &entrants, listed: usize::MAX };
     let report = py.detach(|| audit_all(std::slice::from_ref(source), &options, || {}));
     if let Some(exception) = interruption.take() {

@@ -153,8 +153,8 @@ struct Request<'a, 'py> {
 ///     ``"1..50,99"`` or numbers; 1 to 5 if it is left out.
 /// planner : str or sequence of str
 ///     Planners of the trucks, to be compared.
-/// planners : mapping
-///     Planners of one's own, as in `run`.
+/// planners, policies : mapping
+///     Planners and policies of one's own, as in `run`.
 /// sweep : mapping
 ///     Values that keys of the scenario take, such as ``{"field.coverage": [0.05, 0.1]}``.
 /// jobs : int

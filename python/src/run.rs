@@ -307,6 +307,8 @@ fn trace(timeline: &Timeline, step_s: f64) -> TableBuilder {
 ///     The planner of all trucks, in place of the scenario's.
 /// planners : mapping
 ///     Planners of one's own: what makes one from a `Site`, by name.
+/// policies : mapping
+///     Policies of one's own by name, see `wildfire_contest.policies`.
 /// record : path
 ///     The file of a recording to be written.
 ///
