@@ -13,6 +13,7 @@ from wildfire_contest.planners import Disc, Planner, Pose
 _PathLike: TypeAlias = str | PathLike[str]
 _ScenarioLike: TypeAlias = Scenario | _PathLike
 _Planners: TypeAlias = Mapping[str, Callable[[Site], Planner]]
+_Policies: TypeAlias = Mapping[str, Any]
 _OnePose: TypeAlias = tuple[float, float, float]
 _Goal: TypeAlias = Disc | Pose | _OnePose
 
@@ -189,6 +190,55 @@ class Path:
     def __len__(self) -> int: ...
     def __eq__(self, other: object, /) -> bool: ...
 
+@final
+class Contests:
+    def __new__(
+        cls,
+        scenario: _ScenarioLike,
+        lanes: int,
+        play: Sequence[str],
+        *,
+        together: bool,
+        nearest: int | None,
+        wait_s: float,
+        threads: int,
+    ) -> Contests: ...
+    @property
+    def agents_named(self) -> list[str]: ...
+    @property
+    def shape(self) -> tuple[int, int]: ...
+    @property
+    def actions(self) -> int: ...
+    @property
+    def cells(self) -> NDArray[np.uint8]: ...
+    @property
+    def burning_s(self) -> NDArray[np.float32]: ...
+    @property
+    def agents(self) -> NDArray[np.float32]: ...
+    @property
+    def time_s(self) -> NDArray[np.float32]: ...
+    @property
+    def action_mask(self) -> NDArray[np.int8]: ...
+    @property
+    def candidates(self) -> NDArray[np.float32]: ...
+    @property
+    def asked(self) -> NDArray[np.bool_]: ...
+    @property
+    def reward(self) -> NDArray[np.float64]: ...
+    @property
+    def illegal(self) -> NDArray[np.bool_]: ...
+    @property
+    def dt_s(self) -> NDArray[np.float64]: ...
+    @property
+    def turn(self) -> NDArray[np.int64]: ...
+    @property
+    def ended(self) -> NDArray[np.bool_]: ...
+    def reset(self, resets: Sequence[tuple[int, int]]) -> None: ...
+    def step(self, actions: NDArray[np.int64], resets: Sequence[tuple[int, int]]) -> None: ...
+    def picture(self, lane: int, size: tuple[int, int]) -> NDArray[np.uint8]: ...
+    def facts(self, lane: int) -> int: ...
+
+def agents_of(scenario: _ScenarioLike, /) -> list[str]: ...
 def scenario(source: _ScenarioLike | None = None, changes: Mapping[str, object] | None = None) -> Scenario: ...
 def run(
     scenario: _ScenarioLike | None = None,
@@ -196,6 +246,7 @@ def run(
     *,
     planner: str | None = None,
     planners: _Planners | None = None,
+    policies: _Policies | None = None,
     record: _PathLike | None = None,
 ) -> Run: ...
 def batch(
@@ -204,6 +255,7 @@ def batch(
     *,
     planner: str | Sequence[str] | None = None,
     planners: _Planners | None = None,
+    policies: _Policies | None = None,
     sweep: Mapping[str, Sequence[object]] | None = None,
     jobs: int = 1,
     out: _PathLike | None = None,
@@ -214,6 +266,7 @@ def plan(
     *,
     planner: str | Sequence[str] | None = None,
     planners: _Planners | None = None,
+    policies: _Policies | None = None,
     seed: int = 1,
     goals: int | None = None,
     cells: int | None = None,
@@ -230,6 +283,7 @@ def audit(
     what: Run | Batch | _PathLike | Sequence[Run | Batch | _PathLike],
     *,
     planners: _Planners | None = None,
+    policies: _Policies | None = None,
     jobs: int = 1,
 ) -> list[Offence]: ...
 def reeds_shepp_length(a: ArrayLike, b: ArrayLike, radius: float) -> Any: ...
