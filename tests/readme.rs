@@ -248,6 +248,7 @@ hold! {
     grid_maps: "docs/grid-maps.md", pictures below 100_000;
     output_files: "docs/output-files.md", pictures below 0;
     planning_drives: "docs/planning-drives.md", pictures below 100_000;
+    python: "docs/python.md", pictures below 0;
     scenarios: "docs/scenarios.md", pictures below 0;
     watch: "docs/watch.md", pictures below 3_000_000;
     words: "docs/words.md", pictures below 0;
