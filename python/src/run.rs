@@ -123,7 +123,7 @@ impl Run {
     fn trace<'py>(&self, py: Python<'py>, step_s: f64) -> PyResult<Bound<'py, PyAny>> {
         let end = self.timeline.end_time();
         let rows = end.as_seconds() / step_s * self.timeline.setting.agents.len() as f64;
-        if !(step_s >= FINEST_STEP_S && rows <= MAX_TRACE_ROWS) {
+        if !(step_s.is_finite() && step_s >= FINEST_STEP_S && rows <= MAX_TRACE_ROWS) {
             let sentence = format!(
                 "step_s is {step_s}; expected seconds, at least {FINEST_STEP_S}, and at most {MAX_TRACE_ROWS:e} rows"
             );

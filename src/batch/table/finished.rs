@@ -87,10 +87,10 @@ impl FinishedBatch {
 
     /// Refuses a batch of which a run would have to be made again and cannot, see [`BatchPlan::expect_entrants`].
     pub fn expect_entrants(&self, entrants: &Entrants) -> Result<(), FinishedError> {
-        if self.runs().all(|run| self.recording(&run).is_some()) {
-            return Ok(());
+        match self.plan.expect_entrants(entrants, &self.folder) {
+            Err(_) if self.runs().all(|run| self.recording(&run).is_some()) => Ok(()),
+            known => Ok(known?),
         }
-        Ok(self.plan.expect_entrants(entrants, &self.folder)?)
     }
 
     /// Opens the rows of the runs; `None` where the batch did not come to write them.
