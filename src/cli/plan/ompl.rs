@@ -53,7 +53,7 @@ const PROPERTIES: [Property; 13] = [
 pub fn write_log(path: &Path, report: &PlanReport) -> io::Result<()> {
     let mut log = WholeFile::create(path)?;
     write_head(&mut log, report)?;
-    for &planner in report.planners {
+    for planner in report.planners {
         writeln!(log, "{}", planner.name())?;
         let settings = planner_settings(planner, report.loaded);
         writeln!(log, "{} common properties", settings.len())?;
@@ -61,7 +61,7 @@ pub fn write_log(path: &Path, report: &PlanReport) -> io::Result<()> {
         writeln!(log, "{} properties for each run", PROPERTIES.len() + 1)?;
         PROPERTIES.iter().try_for_each(|(name, _)| writeln!(log, "{name}"))?;
         writeln!(log, "status ENUM")?;
-        let runs: Vec<_> = report.attempts.iter().filter(|attempt| attempt.planner == planner).collect();
+        let runs: Vec<_> = report.attempts.iter().filter(|attempt| attempt.planner == *planner).collect();
         writeln!(log, "{} runs", runs.len())?;
         runs.into_iter().try_for_each(|run| write_run(&mut log, run, report))?;
         writeln!(log, ".")?;
@@ -107,9 +107,10 @@ fn status(run: &Attempt) -> usize {
         Ok(_) => "Exact solution",
         Err(PlanFailure::StartBlocked) => "Invalid start",
         Err(PlanFailure::GoalBlocked) => "Invalid goal",
-        Err(PlanFailure::BudgetSpent) => "Timeout",
+        Err(PlanFailure::BudgetSpent | PlanFailure::TimedOut) => "Timeout",
         Err(PlanFailure::Disconnected) => "Infeasible",
-        Err(PlanFailure::LocalMinimum) => "Unknown status",
+        Err(PlanFailure::Crashed) => "Crash",
+        Err(PlanFailure::LocalMinimum | PlanFailure::BadAnswer) => "Unknown status",
     };
     STATUSES.iter().position(|status| *status == word).expect("every word is one of them")
 }
