@@ -8,12 +8,14 @@ mod batch;
 #[cfg(test)]
 mod command_lines;
 mod compare;
+mod csv_rows;
 mod curve;
 mod error;
 #[cfg(test)]
 #[path = "../../tests/fuzz/mod.rs"]
 mod fuzz;
 mod interrupt;
+mod judge;
 mod map;
 mod numbers;
 mod output_files;
@@ -40,6 +42,7 @@ use batch::{BatchArguments, FolderArguments, StatusArguments};
 use compare::CompareArguments;
 use curve::CurveArguments;
 use error::CliError;
+use judge::JudgeArguments;
 use map::MapCommand;
 use plan::PlanArguments;
 use play::PlayArguments;
@@ -112,6 +115,8 @@ pub enum Command {
     Curve(CurveArguments),
     /// Plan drives of the truck: any planners, on fields of yours or of a scenario, with figures and paths to check.
     Plan(PlanArguments),
+    /// Judge paths that were computed anywhere as the program judges its own, also beside planners of its own.
+    Judge(JudgeArguments),
     /// Print the script that completes this program's arguments in a shell.
     Completions {
         /// The shell.
@@ -156,6 +161,7 @@ fn dispatch(arguments: &Arguments) -> Result<ExitCode, CliError> {
         Command::Map { command } => map::run(command, arguments.quiet),
         Command::Curve(curve) => curve::run(curve, arguments.quiet),
         Command::Plan(plan) => plan::run(plan, arguments.quiet),
+        Command::Judge(judge) => judge::run(judge, arguments.quiet),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(*shell, &mut Arguments::command(), "wildfire", &mut script);

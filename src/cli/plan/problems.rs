@@ -38,7 +38,7 @@ pub struct ProblemArguments {
     pub cells: Option<usize>,
 }
 
-fn goal_count(text: &str) -> Result<usize, String> {
+pub fn goal_count(text: &str) -> Result<usize, String> {
     numbers::parse_within(text, &(1..=MAX_GOALS), "a whole number")
 }
 
