@@ -256,3 +256,46 @@ fn judge_recording(
     let title = format!("Run of `{}`, seed {}: {}", shortened(field), setting.seed, count(drives.len(), "drive"));
     conclude(&JudgeReport::new(title, &judged, &names, rows))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::command_lines::said;
+    use crate::cli::fuzz::text::mutated;
+    use crate::cli::fuzz::{Case, Fuzzer, Law};
+    use crate::scenario::Unimog;
+
+    #[test]
+    fn tables_of_paths_take_anything() {
+        Fuzzer { name: "tables_of_paths", target: "--lib", law: table_of_paths }.run(2000);
+    }
+
+    /// Checks that a table of paths is judged, with a verdict on each path, or refused in words.
+    fn table_of_paths(case: &mut Case<'_>) -> Law {
+        const FIELD: &str = "{\"field\": \"mine\", \"n\": 20, \"cell_m\": 5, \"cells_cr\": [[10, 4]],\n\
+                             \"start\": [20, 22.5, 0], \"goals\": [{\"pose\": [21, 22.5, 0]}, {\"disc\": [52.5, 22.5, 10]}]}";
+        const TABLES: &[&str] = &[
+            "field,goal,planner,x_m,y_m,heading_rad,direction\nmine,0,one,20,22.5,0,forward\n\
+             mine,0,one,20.5,22.5,0,forward\nmine,0,one,21,22.5,0,forward\nmine,1,two,20,22.5,0,reverse\n\
+             mine,1,two,19.6,22.49,0.02,reverse\nmine,1,two,19.9,22.5,0.01,forward\n",
+            "goal,direction,x_m,y_m,heading_rad\n0,forward,20,22.5,0\n0,forward,20,22.5,0\n\"1\",forward,20,22.5,-0\n",
+        ];
+        let words =
+            ["mine", "forward", "reverse", ",", "\"", "20.0000001", "3.1415926535897931", "1e6", "5e-324", "\u{FEFF}"];
+        case.input = mutated(&mut case.dice, TABLES, &words);
+        let paths = case.write("paths.csv", &case.input);
+        let field = case.write("mine.json", FIELD.as_bytes());
+        let problems = [Problem::open(&field, &Unimog::default()).map_err(|error| error.to_string())?];
+        match judge_paths(&paths, &problems) {
+            Ok((planners, verdicts)) => {
+                case.count("tables of paths accepted");
+                let is_sane = |(figures, _): &(DriveFigures, _)| figures.length_m >= 0.0 && figures.drive_s.is_finite();
+                if planners.is_empty() || verdicts.is_empty() || !verdicts.values().all(is_sane) {
+                    return Err(format!("{planners:?} have {verdicts:?}"));
+                }
+                Ok(())
+            }
+            Err(refusal) => said(&refusal.sentence()),
+        }
+    }
+}

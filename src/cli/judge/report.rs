@@ -257,8 +257,8 @@ const LEGEND: [&str; 3] = [
 ];
 
 const COMPARED: &str = "\
-Differences are of means over goals that both reached, of success over all goals, with 95 % intervals; p is adjusted by \
-Holm's method over all that is compared.";
+Differences are the first less the second, of means over goals that both reached, of success over all goals, with 95 % \
+intervals; p is adjusted by Holm's method over all that is compared.";
 
 impl From<&JudgeReport<'_>> for Document {
     /// A row for each goal if they are not too many, a row for each planner, what is wrong, and differences.
