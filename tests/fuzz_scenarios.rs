@@ -88,7 +88,12 @@ fn scenario_keeps_the_rules(case: &mut Case<'_>) -> Law {
             case.count("ran");
             run_keeps_the_rules(case, &scenario, seed, &run)
         }
-        Err(RunError::Terrain(_) | RunError::NoFreeStart { .. } | RunError::NoPlanner { .. }) => {
+        Err(
+            RunError::Terrain(_)
+            | RunError::NoFreeStart { .. }
+            | RunError::NoPlanner { .. }
+            | RunError::NoPolicy { .. },
+        ) => {
             case.count("did not begin");
             Ok(())
         }
@@ -96,6 +101,7 @@ fn scenario_keeps_the_rules(case: &mut Case<'_>) -> Law {
             case.count("would take more memory than it may");
             Ok(())
         }
+        Err(RunError::Stopped) => Err("it was stopped, which nobody asked for".to_owned()),
     }
 }
 

@@ -29,7 +29,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("timeline", &["glam", "csv", "crc32fast", "miniz_oxide", "postcard"]),
     ("picture", &["colorous", "gif", "glam", "image", "tiny_skia"]),
     ("audit", &["glam", "rapier2d"]),
-    ("sim", &["glam", "bevy"]),
+    ("sim", &["glam", "bevy", "serde_json"]),
     ("stats", &["statrs"]),
     ("batch", &["crc32fast", "csv", "parquet", "rayon", "serde_json", "sha2", "toml"]),
     ("view", &["bevy", "glam"]),

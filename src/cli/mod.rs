@@ -8,6 +8,7 @@ mod batch;
 #[cfg(test)]
 mod command_lines;
 mod compare;
+mod context;
 mod csv_rows;
 mod curve;
 mod error;
@@ -32,6 +33,7 @@ mod show;
 mod terminal;
 
 use std::env;
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
@@ -40,6 +42,7 @@ use clap_complete::Shell;
 use audit::AuditArguments;
 use batch::{BatchArguments, FolderArguments, StatusArguments};
 use compare::CompareArguments;
+use context::CommandContext;
 use curve::CurveArguments;
 use error::CliError;
 use judge::JudgeArguments;
@@ -50,6 +53,7 @@ use render::RenderArguments;
 use run::RunArguments;
 use scenarios::{CheckArguments, NewArguments, ScenariosArguments, SchemaArguments};
 
+use crate::sim::Entrants;
 use crate::untrusted::visible;
 
 const EXAMPLES: &str = "\
@@ -126,42 +130,69 @@ pub enum Command {
 
 /// Reads the arguments of the process and does what they say.
 pub fn main() -> ExitCode {
+    main_with(Entrants::default())
+}
+
+/// Does the same with planners, or planners and policies, of one's own besides the built-in ones: the whole program, and
+/// they are known by their names wherever a name may stand.
+pub fn main_with(entrants: impl Into<Entrants>) -> ExitCode {
+    main_from(env::args_os().collect(), entrants)
+}
+
+/// Does the same with other words than the arguments of the process; the first is the program's name.
+pub fn main_from(words: Vec<OsString>, entrants: impl Into<Entrants>) -> ExitCode {
     interrupt::install();
-    let arguments = Arguments::try_parse().unwrap_or_else(|error| refuse(&error));
-    dispatch(&arguments).unwrap_or_else(CliError::print)
+    let arguments = Arguments::try_parse_from(&words).unwrap_or_else(|error| refuse(&words, &error));
+    let context = CommandContext { quiet: arguments.quiet, entrants: entrants.into() };
+    dispatch(&arguments, &context).unwrap_or_else(CliError::print)
+}
+
+/// Returns the object that `wildfire plan --json` prints for these words after `plan`, and prints and writes nothing.
+///
+/// # Errors
+/// A sentence that says why there is no such object.
+pub fn plan_object(words: &[String], entrants: impl Into<Entrants>) -> Result<String, String> {
+    let words = ["wildfire", "plan"].into_iter().chain(words.iter().map(String::as_str));
+    let Arguments { command: Command::Plan(arguments), .. } =
+        Arguments::try_parse_from(words).map_err(|error| error.to_string())?
+    else {
+        return Err("expected arguments of `plan`".to_owned());
+    };
+    let context = CommandContext { quiet: true, entrants: entrants.into() };
+    plan::object(&arguments, &context).map_err(|error| error.sentence())
 }
 
 /// Says what is wrong with the arguments, or prints what they ask for instead of a command, and ends the process.
 ///
 /// The message quotes arguments. So that nothing in them acts on the terminal, it is made once more from arguments in
 /// which that is escaped, and which are wrong for the same reason.
-fn refuse(error: &clap::Error) -> ! {
-    let words = env::args_os().map(|word| visible(&word.to_string_lossy()).into_owned());
+fn refuse(words: &[OsString], error: &clap::Error) -> ! {
+    let words = words.iter().map(|word| visible(&word.to_string_lossy()).into_owned());
     match Arguments::try_parse_from(words) {
         Err(same) if same.kind() == error.kind() => same.exit(),
         _ => error.exit(),
     }
 }
 
-fn dispatch(arguments: &Arguments) -> Result<ExitCode, CliError> {
+fn dispatch(arguments: &Arguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     match &arguments.command {
-        Command::Run(run) => run::run(run, arguments.quiet),
-        Command::Play(play) => play::run(play, arguments.quiet),
-        Command::Render(render) => render::run(render, arguments.quiet),
-        Command::Batch(batch) => batch::run(batch, arguments.quiet),
+        Command::Run(run) => run::run(run, context),
+        Command::Play(play) => play::run(play, context),
+        Command::Render(render) => render::run(render, context),
+        Command::Batch(batch) => batch::run(batch, context),
         Command::Report(folder) => batch::report(folder, arguments.quiet),
         Command::Compare(compare) => compare::run(compare),
-        Command::Audit(audit) => audit::run(audit, arguments.quiet),
+        Command::Audit(audit) => audit::run(audit, context),
         Command::Status(folder) => batch::status(folder),
         Command::Merge(folder) => batch::merge(folder, arguments.quiet),
         Command::New(new) => scenarios::new(new),
         Command::Schema(schema) => scenarios::schema(schema),
-        Command::Check(check) => scenarios::check(check),
+        Command::Check(check) => scenarios::check(check, context),
         Command::Scenarios(scenarios) => scenarios::list_or_show(scenarios),
         Command::Map { command } => map::run(command, arguments.quiet),
         Command::Curve(curve) => curve::run(curve, arguments.quiet),
-        Command::Plan(plan) => plan::run(plan, arguments.quiet),
-        Command::Judge(judge) => judge::run(judge, arguments.quiet),
+        Command::Plan(plan) => plan::run(plan, context),
+        Command::Judge(judge) => judge::run(judge, context),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(*shell, &mut Arguments::command(), "wildfire", &mut script);

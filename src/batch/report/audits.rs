@@ -1,19 +1,19 @@
 //! Audits of many runs on several threads: recordings, and runs of batches, which are simulated again where they were
 //! not recorded.
 
+use std::fmt;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use rayon::prelude::*;
 
-use crate::audit::{Audited, SampleStep, Verdict, audit_timeline};
+use crate::audit::{Audited, SampleStep, Verdict, Violation, audit_timeline};
 use crate::batch::execute::{BatchError, RUNS_FILE, RunResult, RunRow, Status, panics};
 use crate::batch::plan::PlannedRun;
 use crate::batch::table::{FinishedBatch, FinishedError, RunRecord};
 use crate::document::number::rounded;
-use crate::scenario::MemoryLimit;
-use crate::sim::{self, RunCost, RunOptions};
+use crate::sim::{self, Entrants, RunCost, RunOptions};
 use crate::timeline::{Outcome, Timeline, file};
 
 /// Runs between two looks at the results, per worker.
@@ -53,10 +53,26 @@ pub struct AuditReport {
     pub audited: Audited,
     /// Runs with a violation, and the first of them in words.
     pub violations: u64,
-    pub listed: Vec<String>,
+    pub listed: Vec<ListedViolation>,
     /// The reason for which the first file could not be read, and the number of such files.
     pub first_unreadable: Option<(String, ErrorKind)>,
     pub unreadable: u64,
+}
+
+/// A run with a violation, or whose row says something else than it gives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ListedViolation {
+    /// The recording, or the run of a batch, by its name.
+    pub run: String,
+    /// The first violation; `None` if only the row is wrong.
+    pub violation: Option<Violation>,
+    pub words: String,
+}
+
+impl fmt::Display for ListedViolation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.run, self.words)
+    }
 }
 
 /// One run to be audited.
@@ -91,7 +107,19 @@ impl AuditSource {
     }
 }
 
-/// Audits all runs of all sources on `jobs` threads; what is reported is in their order, whatever the number of
+/// How runs are audited.
+#[derive(Clone, Copy, Debug)]
+pub struct AuditOptions<'a> {
+    /// Threads.
+    pub jobs: usize,
+    pub step: SampleStep,
+    /// The planners and policies of runs that are made again.
+    pub entrants: &'a Entrants,
+    /// The most runs with a violation that are listed.
+    pub listed: usize,
+}
+
+/// Audits all runs of all sources on some threads; what is reported is in their order, whatever the number of
 /// threads.
 ///
 /// `on_run` is called from the workers after each run, in any order.
@@ -100,14 +128,14 @@ impl AuditSource {
 /// Rows that do not go with their plan, or threads that cannot be started.
 pub fn audit_all(
     sources: &[AuditSource],
-    jobs: usize,
-    step: SampleStep,
+    options: &AuditOptions<'_>,
     on_run: impl Fn() + Sync,
 ) -> Result<AuditReport, AuditsError> {
+    let &AuditOptions { jobs, .. } = options;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
     let pool = pool.map_err(|error| BatchError::NoWorkers { jobs, reason: error.to_string() })?;
     let mut report = AuditReport::default();
-    let look = |subject: &Subject<'_>| (subject.name(), subject.look(step));
+    let look = |subject: &Subject<'_>| (subject.name(), subject.look(options));
     for source in sources {
         let mut subjects = source.subjects()?;
         loop {
@@ -118,7 +146,7 @@ pub fn audit_all(
             let findings: Vec<_> =
                 pool.install(|| round.par_iter().with_max_len(1).map(look).inspect(|_| on_run()).collect());
             report.without_row += round.iter().filter(|subject| subject.lacks_its_row()).count() as u64;
-            findings.into_iter().for_each(|(name, finding)| report.add(&name, finding));
+            findings.into_iter().for_each(|(name, finding)| report.add(name, finding, options.listed));
         }
     }
     Ok(report)
@@ -136,7 +164,8 @@ impl Subject<'_> {
         matches!(self, Self::Run { row: None, .. })
     }
 
-    fn look(&self, step: SampleStep) -> Finding {
+    fn look(&self, options: &AuditOptions<'_>) -> Finding {
+        let &AuditOptions { step, entrants, .. } = options;
         match self {
             Self::Recording(path) => look_at_file(path, step, |_| None),
             Self::Run { batch, run, row } => match batch.recording(run) {
@@ -144,7 +173,11 @@ impl Subject<'_> {
                     let difference = || difference(run, row.as_ref(), timeline, RunCost::default());
                     other_run(run, timeline).or_else(difference)
                 }),
-                None => look_again(run, batch.plan().memory, row.as_ref(), step),
+                None => {
+                    let memory = batch.plan().memory;
+                    let options = RunOptions { memory, ..entrants.clone().into() };
+                    look_again(run, &options, row.as_ref(), step)
+                }
             },
         }
     }
@@ -157,10 +190,9 @@ fn look_at_file(path: &Path, step: SampleStep, difference: impl Fn(&Timeline) ->
     }
 }
 
-/// Makes a run once more, within the memory that it had.
-fn look_again(run: &PlannedRun<'_>, memory: MemoryLimit, row: Option<&RunRecord>, step: SampleStep) -> Finding {
-    let options = RunOptions { memory, ..RunOptions::default() };
-    match panics::catch(|| sim::run_with_options(&run.variant.scenario, run.seed, &options)) {
+/// Makes a run once more, within the memory that it had and with the same planners and policies.
+fn look_again(run: &PlannedRun<'_>, options: &RunOptions, row: Option<&RunRecord>, step: SampleStep) -> Finding {
+    match panics::catch(|| sim::run_with_options(&run.variant.scenario, run.seed, options)) {
         Ok(Ok(again)) => {
             let difference = difference(run, row, &again.timeline, again.cost);
             Finding::Simulated(audit_timeline(&again.timeline, step), difference)
@@ -197,7 +229,7 @@ impl AuditReport {
         self.recorded + self.simulated
     }
 
-    fn add(&mut self, name: &str, finding: Finding) {
+    fn add(&mut self, run: String, finding: Finding, most: usize) {
         let (verdict, difference) = match finding {
             Finding::Recorded(verdict, difference) => {
                 self.recorded += 1;
@@ -224,8 +256,9 @@ impl AuditReport {
         }
         let words = violation.map(|violation| violation.to_string()).or(difference);
         self.violations += u64::from(words.is_some());
-        self.listed
-            .extend(words.filter(|_| self.listed.len() < LISTED_VIOLATIONS).map(|words| format!("{name}: {words}")));
+        if let Some(words) = words.filter(|_| self.listed.len() < most) {
+            self.listed.push(ListedViolation { run, violation, words });
+        }
     }
 }
 

@@ -16,6 +16,7 @@ use path_table::{Fault, GivenPath, PathTable};
 use report::{JudgeReport, Row, write_rows};
 
 use crate::cli::args::{MemoryArguments, parse_seed};
+use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::output_files::{self, Files, Format};
 use crate::cli::plan::{Attempt, ProblemArguments, Question, attempts, goal_count, shortened};
@@ -78,18 +79,18 @@ pub struct JudgeArguments {
     pub csv: Option<PathBuf>,
 }
 
-pub fn run(arguments: &JudgeArguments, quiet: bool) -> Result<ExitCode, CliError> {
+pub fn run(arguments: &JudgeArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     let mut inputs: Vec<&Path> = arguments.files.iter().chain(&arguments.recording).map(PathBuf::as_path).collect();
     inputs.push(Path::new(&arguments.scenario));
     let files = Files { inputs, form: arguments.form, ..Files::default() };
     let words = files.writing([(Format::Csv, &arguments.csv)]).check()?;
-    let loaded = LoadedScenario::open(&arguments.scenario, &arguments.overrides)?;
-    let asked = Asked::new(arguments, &loaded)?;
+    let loaded = LoadedScenario::open(&arguments.scenario, &context.with_own_names(&arguments.overrides))?;
+    let asked = Asked::new(arguments, &loaded, &context.entrants.planners)?;
     let conclude = |report: &JudgeReport| {
         let printed = words.print(&arguments.form.render(report));
         // Whatever cannot be written, all else is kept.
         let write = |path: &Path| write_rows(path, &report.rows);
-        let written = output_files::write_all(&[(arguments.csv.as_deref(), &write)], quiet);
+        let written = output_files::write_all(&[(arguments.csv.as_deref(), &write)], context.quiet);
         printed.and(written)?;
         Ok(if report.has_violations() { ExitCode::from(exit::VIOLATION) } else { ExitCode::SUCCESS })
     };
@@ -105,12 +106,11 @@ struct Asked<'a> {
     arguments: &'a JudgeArguments,
     loaded: &'a LoadedScenario,
     planners: Vec<PlannerName>,
-    makers: Planners,
+    makers: &'a Planners,
 }
 
 impl<'a> Asked<'a> {
-    fn new(arguments: &'a JudgeArguments, loaded: &'a LoadedScenario) -> Result<Self, CliError> {
-        let makers = Planners::default();
+    fn new(arguments: &'a JudgeArguments, loaded: &'a LoadedScenario, makers: &'a Planners) -> Result<Self, CliError> {
         let mut planners: Vec<PlannerName> = Vec::new();
         for name in &arguments.against {
             if !makers.knows(name) {
@@ -140,7 +140,7 @@ impl<'a> Asked<'a> {
         }
         let question = Question {
             planners: &self.planners,
-            makers: &self.makers,
+            makers: self.makers,
             programs: &self.loaded.scenario.planner,
             seed: self.arguments.seed,
             limit: self.arguments.memory.limit(),

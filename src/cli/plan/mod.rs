@@ -21,12 +21,13 @@ use report::{PlanReport, Summary};
 
 use crate::batch::file_name_of;
 use crate::cli::args::MemoryArguments;
+use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::output_files::{self, Files, Format};
 use crate::cli::report::FormArguments;
 use crate::cli::terminal;
 use crate::input_file::is_standard_stream;
-use crate::planning::{PlannerName, Planners, TruckPlannerKind};
+use crate::planning::{PlannerName, TruckPlannerKind};
 use crate::scenario::{LoadedScenario, Problem};
 
 const EXAMPLES: &str = "\
@@ -69,17 +70,42 @@ pub struct PlanArguments {
     pub png: Option<PathBuf>,
 }
 
-pub fn run(arguments: &PlanArguments, quiet: bool) -> Result<ExitCode, CliError> {
-    let loaded = LoadedScenario::open(&arguments.scenario, &arguments.overrides)?;
+pub fn run(arguments: &PlanArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
+    let loaded = LoadedScenario::open(&arguments.scenario, &context.with_own_names(&arguments.overrides))?;
     let problems = arguments.problems.load(&loaded.scenario)?;
     let planners = planners(arguments, &problems);
     let pictures = pictures(arguments, &problems);
     let words = files(arguments, &pictures).check()?;
+    let report = report(arguments, context, &loaded, (&problems, &planners))?;
+    let printed = words.print(&arguments.form.render(&report));
+    // Whatever cannot be written, all else is kept.
+    let written = write_files(arguments, &report, &pictures, context.quiet);
+    printed.and(written)?;
+    let is_clean = report.summaries.iter().all(|summary| summary.violations == 0);
+    Ok(if is_clean { ExitCode::SUCCESS } else { ExitCode::from(exit::VIOLATION) })
+}
+
+/// Returns the report as an object, and writes nothing.
+pub fn object(arguments: &PlanArguments, context: &CommandContext) -> Result<String, CliError> {
+    let loaded = LoadedScenario::open(&arguments.scenario, &context.with_own_names(&arguments.overrides))?;
+    let problems = arguments.problems.load(&loaded.scenario)?;
+    let planners = planners(arguments, &problems);
+    let report = report(arguments, context, &loaded, (&problems, &planners))?;
+    Ok(FormArguments { json: true, ..FormArguments::default() }.render(&report))
+}
+
+/// Asks all planners on all problems.
+fn report<'a>(
+    arguments: &'a PlanArguments,
+    context: &CommandContext,
+    loaded: &'a LoadedScenario,
+    (problems, planners): (&'a [Problem], &'a [PlannerName]),
+) -> Result<PlanReport<'a>, CliError> {
     let mut all = Vec::new();
-    for problem in &problems {
+    for problem in problems {
         let question = Question {
-            planners: &planners,
-            makers: &Planners::default(),
+            planners,
+            makers: &context.entrants.planners,
             programs: &loaded.scenario.planner,
             seed: arguments.problems.seed,
             limit: arguments.memory.limit(),
@@ -88,21 +114,15 @@ pub fn run(arguments: &PlanArguments, quiet: bool) -> Result<ExitCode, CliError>
         all.extend(attempts(problem, &question).map_err(failed)?);
     }
     let summaries = planners.iter().map(|planner| Summary::new(planner, &all)).collect();
-    let report = PlanReport {
-        loaded: &loaded,
+    Ok(PlanReport {
+        loaded,
         changes: &arguments.overrides,
         seed: arguments.problems.seed,
-        problems: &problems,
-        planners: &planners,
+        problems,
+        planners,
         attempts: all,
         summaries,
-    };
-    let printed = words.print(&arguments.form.render(&report));
-    // Whatever cannot be written, all else is kept.
-    let written = write_files(arguments, &report, &pictures, quiet);
-    printed.and(written)?;
-    let is_clean = report.summaries.iter().all(|summary| summary.violations == 0);
-    Ok(if is_clean { ExitCode::SUCCESS } else { ExitCode::from(exit::VIOLATION) })
+    })
 }
 
 /// The planners that were named, each once, or else the truck's own.

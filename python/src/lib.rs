@@ -1,0 +1,53 @@
+//! The compiled half of the Python package `wildfire-contest`: simulation, planning and collision checks as Python sees
+//! them. Its other half, `wildfire_contest/`, has what reads better in Python.
+//!
+//! The interpreter's lock is released while something is simulated, planned by built-in planners, or checked for many
+//! poses at once. Nothing here needs the lock for its own sake.
+
+mod arrays;
+mod audit;
+mod batch;
+mod checker;
+mod columns;
+mod compare;
+mod errors;
+mod literal;
+mod path;
+mod plan;
+mod planner;
+mod program;
+mod query;
+mod run;
+mod scenario;
+mod tables;
+
+#[pyo3::pymodule(gil_used = false)]
+mod _core {
+    use pyo3::prelude::*;
+
+    #[pymodule_export]
+    use crate::audit::{Offence, audit};
+    #[pymodule_export]
+    use crate::batch::{Batch, batch};
+    #[pymodule_export]
+    use crate::checker::Checker;
+    #[pymodule_export]
+    use crate::compare::compare;
+    #[pymodule_export]
+    use crate::path::{Path, dubins_length, reeds_shepp_length};
+    #[pymodule_export]
+    use crate::plan::plan;
+    #[pymodule_export]
+    use crate::program::command_line;
+    #[pymodule_export]
+    use crate::query::{Query, Site, Vehicle};
+    #[pymodule_export]
+    use crate::run::{Run, run};
+    #[pymodule_export]
+    use crate::scenario::{Scenario, scenario};
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", wildfire::batch::PROGRAM_VERSION)
+    }
+}

@@ -1,0 +1,158 @@
+//! Scenarios: built-in ones, files, and changes of them.
+
+use std::path::PathBuf;
+
+use pyo3::prelude::*;
+use pyo3::types::PyMapping;
+use wildfire::scenario::{self as library, Fault, LoadedScenario, ScenarioError, ScenarioText};
+
+use crate::errors::{error, scenario_error};
+use crate::literal;
+use crate::planner::Factories;
+
+/// A scenario that is complete and checked. It never changes.
+#[pyclass(frozen, module = "wildfire_contest")]
+pub struct Scenario {
+    text: ScenarioText,
+    /// The changes that were asked for.
+    changes: Vec<String>,
+    /// Names of planners that nobody knows yet, each with what is wrong if nobody brings one.
+    missing: Vec<Missing>,
+    loaded: LoadedScenario,
+}
+
+/// A planner that is neither built in nor has a table.
+struct Missing {
+    name: String,
+    refusal: Box<ScenarioError>,
+}
+
+impl Scenario {
+    /// Loads a scenario. Planners that it does not know may be brought when it is run; until then each has an empty
+    /// table.
+    fn load(text: ScenarioText, changes: Vec<String>) -> PyResult<Self> {
+        let mut missing: Vec<Missing> = Vec::new();
+        loop {
+            let tables = missing.iter().map(|missing| table_of(&missing.name));
+            let all: Vec<_> = changes.iter().cloned().chain(tables).collect();
+            match LoadedScenario::from_text(&text, &all) {
+                Ok(loaded) => return Ok(Self { text, changes, missing, loaded }),
+                Err(refusal) => match unknown_planner(&refusal.fault) {
+                    Some(name) if missing.iter().all(|missing| missing.name != name) => {
+                        missing.push(Missing { name: name.to_owned(), refusal });
+                    }
+                    _ => return Err(scenario_error(&refusal)),
+                },
+            }
+        }
+    }
+
+    pub fn library(&self) -> &library::Scenario {
+        &self.loaded.scenario
+    }
+
+    /// Returns the scenario's text, and the changes to it that make the scenario.
+    pub fn parts(&self) -> (&ScenarioText, Vec<String>) {
+        let tables = self.missing.iter().map(|missing| table_of(&missing.name));
+        (&self.text, self.changes.iter().cloned().chain(tables).collect())
+    }
+
+    /// Refuses a scenario with a planner that nobody has brought.
+    pub fn expect_known(&self, factories: &Factories) -> PyResult<()> {
+        let missing = self.missing.iter().find(|missing| !factories.knows(&missing.name));
+        missing.map_or(Ok(()), |missing| Err(scenario_error(&missing.refusal)))
+    }
+}
+
+/// The change that gives a planner an empty table.
+pub fn table_of(name: &str) -> String {
+    format!("planner.\"{name}\".command=[]")
+}
+
+/// Returns the name of a planner that is not known, if that is what is wrong.
+fn unknown_planner(fault: &Fault) -> Option<&str> {
+    match fault {
+        Fault::UnknownName { kind: "planner", found, .. } => Some(found),
+        _ => None,
+    }
+}
+
+#[pymethods]
+impl Scenario {
+    #[staticmethod]
+    #[pyo3(signature = (text, /))]
+    fn from_toml(text: String) -> PyResult<Self> {
+        let source = ScenarioText::from_bytes("<text>", Ok(text.into_bytes()));
+        Self::load(source.map_err(|refusal| scenario_error(&refusal))?, Vec::new())
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        &self.library().name
+    }
+
+    #[getter]
+    fn duration_s(&self) -> f64 {
+        self.library().duration_s
+    }
+
+    fn to_toml(&self) -> PyResult<String> {
+        toml::to_string(self.library()).map_err(error)
+    }
+
+    #[pyo3(signature = (changes, /))]
+    fn with_(&self, changes: &Bound<'_, PyMapping>) -> PyResult<Self> {
+        let changes = self.changes.iter().cloned().chain(literal::changes(changes)?).collect();
+        Self::load(self.text.clone(), changes)
+    }
+
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        other.cast::<Self>().is_ok_and(|other| self.library() == other.get().library())
+    }
+
+    fn __repr__(&self) -> String {
+        let changes: String = self.changes.iter().map(|change| format!(", {change}")).collect();
+        format!("<Scenario {}{changes}>", self.library().name)
+    }
+}
+
+/// Whatever names a scenario: itself, the name of a built-in one, or a path.
+#[derive(FromPyObject)]
+pub enum ScenarioLike<'py> {
+    Loaded(Bound<'py, Scenario>),
+    Named(PathBuf),
+}
+
+impl ScenarioLike<'_> {
+    /// Returns the contest where nothing is named.
+    pub fn or_contest(given: Option<Self>) -> Self {
+        given.unwrap_or_else(|| Self::Named("contest".into()))
+    }
+
+    /// Returns the scenario, loaded if need be, and with changes if there are some.
+    pub fn load(&self, py: Python<'_>, changes: Vec<String>) -> PyResult<Py<Scenario>> {
+        match self {
+            Self::Loaded(scenario) if changes.is_empty() => Ok(scenario.clone().unbind()),
+            Self::Loaded(scenario) => {
+                let scenario = scenario.get();
+                let changes = scenario.changes.iter().cloned().chain(changes).collect();
+                Py::new(py, Scenario::load(scenario.text.clone(), changes)?)
+            }
+            Self::Named(path) => {
+                let text = ScenarioText::open(&path.to_string_lossy()).map_err(|refusal| scenario_error(&refusal))?;
+                Py::new(py, Scenario::load(text, changes)?)
+            }
+        }
+    }
+}
+
+#[pyfunction]
+#[pyo3(signature = (source = None, changes = None))]
+pub fn scenario(
+    py: Python<'_>,
+    source: Option<ScenarioLike<'_>>,
+    changes: Option<&Bound<'_, PyMapping>>,
+) -> PyResult<Py<Scenario>> {
+    let changes = changes.map_or(Ok(Vec::new()), literal::changes)?;
+    ScenarioLike::or_contest(source).load(py, changes)
+}
