@@ -1,5 +1,5 @@
-//! The judge of paths against the audit, which shares no code with it: what the judge lets through, the audit does not
-//! fault, however a path came about.
+//! The gate, and the judge in it, against those who know better: what it lets pass, the audit does not fault, however a
+//! path came about; and it refuses no path of a built-in planner.
 
 use std::sync::Arc;
 
@@ -8,9 +8,10 @@ use wildfire::audit::{AuditField, MotionLimits, Outline, SampleStep, audit_leg};
 use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::{Pose, ops};
 use wildfire::planning::judge::{BadPath, Judge};
-use wildfire::planning::{Goal, GoalDisc};
+use wildfire::planning::memory::MemoryMeter;
+use wildfire::planning::{Goal, GoalDisc, MakeError, Planners, Site, TruckPlanner, TruckPlannerKind, free_poses};
 use wildfire::rng;
-use wildfire::scenario::{self, Terrain};
+use wildfire::scenario::{self, PlannerContext, Problem, Programs, Terrain, Unimog};
 use wildfire::sim;
 use wildfire::time::SimTime;
 use wildfire::timeline::{AgentFact, Body, Fact};
@@ -20,14 +21,14 @@ use wildfire::vehicle::{Dimensions, Path, Segment};
 const MUTATED_PATHS: usize = 100_000;
 
 /// A field and the drives that were planned on it.
-struct Site {
+struct DrivenField {
     judge: Judge,
     audit_field: AuditField,
     body: Dimensions,
     drives: Vec<(Path, Goal)>,
 }
 
-impl Site {
+impl DrivenField {
     /// The field of a scenario's run, and all drives that its trucks' planners found.
     fn new(name: &str, changes: &[&str], seed: u64) -> Self {
         let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
@@ -138,10 +139,10 @@ fn change(Query { start, goal, path }: &mut Query, rng: &mut impl Rng) {
 #[expect(clippy::print_stdout, reason = "says how many of the paths were refused")]
 fn no_mutated_path_passes_that_the_audit_faults() {
     let sites = [
-        Site::new("contest", &[], 1),
-        Site::new("contest", &["unimog.planner=hybrid-astar"], 2),
-        Site::new("dense", &[], 3),
-        Site::new("fleet", &[], 4),
+        DrivenField::new("contest", &[], 1),
+        DrivenField::new("contest", &["unimog.planner=hybrid-astar"], 2),
+        DrivenField::new("dense", &[], 3),
+        DrivenField::new("fleet", &[], 4),
     ];
     let limits = [
         SpeedLimits::new(8.0, 8.0),
@@ -152,7 +153,7 @@ fn no_mutated_path_passes_that_the_audit_faults() {
             ..SpeedLimits::new(8.0, 3.0)
         },
     ];
-    let mut rng = rng::stream(1, "tests/judge");
+    let mut rng = rng::stream(1, "tests/gate");
     let (mut passed, mut refused, mut faulted) = (0_u32, [0_u32; 7], 0_u32);
     for number in 0..MUTATED_PATHS {
         let site = &sites[number % sites.len()];
@@ -203,11 +204,75 @@ fn kind(verdict: &Result<(), BadPath>) -> usize {
 #[test]
 fn every_drive_of_a_run_passes() {
     for (name, seed) in [("contest", 5), ("dense", 6), ("fleet", 7)] {
-        let site = Site::new(name, &[], seed);
+        let site = DrivenField::new(name, &[], seed);
         for (path, goal) in &site.drives {
             let verdict = site.judge.check(path.start, *goal, path).map_err(|bad| bad.to_string());
             assert_eq!(verdict, Ok(()), "{name}, seed {seed}, to {goal:?}: {path:?}");
         }
         assert!(site.drives.len() > 20, "{} drives", site.drives.len());
+    }
+}
+
+/// The truck of a scenario's run, with a planner of this name.
+struct Asked {
+    problem: Problem,
+    checker: CollisionChecker,
+    seed: u64,
+}
+
+impl Asked {
+    /// A field with as many goals as asked for: every other one a pose, the others the reach of a bush.
+    fn new(name: &str, seed: u64, goals: usize) -> Self {
+        let scenario = scenario::load(name, &[]).expect("built-in scenarios load");
+        let mut problem = Problem::from_scenario(&scenario, seed).expect("there is room").expect("there is a truck");
+        let field = ClearanceField::new(problem.terrain.frame, &problem.terrain.occupied);
+        let checker = CollisionChecker::new(Arc::new(field), problem.truck.vehicle);
+        let mut rng = rng::stream(seed, "tests/gate/goals");
+        let poses: Vec<Pose> = free_poses(&checker, 0.3, &mut rng).take(goals.div_ceil(2)).collect();
+        let bushes = &problem.terrain.bushes;
+        let disc = |centre| GoalDisc { centre, radius_m: 10.0 };
+        let discs = (0..goals / 2).map(|_| bushes[rng.random_range(0..bushes.len())]);
+        let discs: Vec<Goal> = discs.map(|cell| disc(problem.terrain.frame.centre(cell)).into()).collect();
+        problem.goals = poses.into_iter().map(Goal::from).chain(discs).collect();
+        Self { problem, checker, seed }
+    }
+
+    fn planner(&self, name: &str, planners: &Planners) -> Box<dyn TruckPlanner> {
+        let truck = Unimog { planner: name.parse().expect("a name"), ..self.problem.truck.clone() };
+        let (memory, programs) = (MemoryMeter::unlimited(), Programs::new());
+        let context = PlannerContext {
+            truck: 0,
+            seed: self.seed,
+            checker: &self.checker,
+            memory: &memory,
+            planners,
+            programs: &programs,
+        };
+        truck.make_planner(&context).expect("it can be built")
+    }
+}
+
+#[test]
+#[expect(clippy::print_stdout, reason = "says how many paths passed")]
+fn no_path_of_a_built_in_planner_is_refused_or_changed() {
+    let fields = [("contest", 1, 50), ("contest", 2, 50), ("dense", 3, 50), ("dense", 4, 50), ("fleet", 5, 50)];
+    let fields = fields.map(|(name, seed, goals)| Asked::new(name, seed, goals));
+    for kind in TruckPlannerKind::ALL {
+        let inside = move |site: &Site<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> { Ok(kind.maker().make(site)) };
+        let planners = Planners::default().with("inside", inside).expect("the name is free");
+        let (mut found, mut failed) = (0, 0);
+        for field in &fields {
+            let mut bare = field.planner(kind.name(), &planners);
+            let mut gated = field.planner("inside", &planners);
+            for &goal in &field.problem.goals {
+                let start = field.problem.start;
+                let [alone, passed] = [bare.plan(start, goal), gated.plan(start, goal)];
+                assert_eq!(passed.path, alone.path, "{kind} to {goal:?}: {:?}", passed.message);
+                if passed.path.is_ok() { found += 1 } else { failed += 1 }
+            }
+        }
+        println!("{kind}: {found} paths pass the gate as they are, {failed} goals without a path");
+        assert_eq!(found + failed, 250);
+        assert!(found > 200, "{kind}: {found} paths");
     }
 }
