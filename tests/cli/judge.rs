@@ -127,7 +127,7 @@ fn a_path_of_anybodys_is_judged_with_its_figures() {
     story.file("paths.csv", &table);
     let answer = story.tell(&["judge", "mine.json", "paths.csv"]).expect_code(0).stdout;
     assert!(answer.starts_with("Field `mine`, 3 goals: paths of 1 planner\n"), "{answer}");
-    assert!(answer.contains("paths      0  20.00 1.000   6.05     0   2.5   sound"), "{answer}");
+    assert!(answer.contains("paths      0  20.00 1.000   5.49     0   2.5   sound"), "{answer}");
     assert!(answer.contains("paths: no path 2 times, first on field mine, goal 1."), "{answer}");
     assert!(answer.contains(" 1/3 ") && widest(&answer) <= 80, "{answer}");
 
@@ -254,6 +254,9 @@ fn the_drives_of_a_recorded_run_are_judged() {
     story.tell(&["run", "contest", "--set", "duration_s=120", "--out", "short.wildfire"]).expect_code(0);
     let answer = story.tell(&["judge", "--recording", "short.wildfire", "--against", "hybrid-astar"]).expect_code(0);
     assert!(answer.stdout.contains("unimog/0 against hybrid-astar"), "{}", answer.stdout);
+    let nobody = ["judge", "--recording", "short.wildfire", "--against", "prm-rs", "--scenario", "nobody.toml"];
+    story.file("nobody.toml", "unimog = []\n");
+    refuse(&story, &nobody, &["has no truck"]);
     refuse(&story, &["judge", "--recording", "none.wildfire"], &["none.wildfire"]);
     story.file("broken.wildfire", "no recording");
     refuse(&story, &["judge", "--recording", "broken.wildfire"], &["broken.wildfire"]);

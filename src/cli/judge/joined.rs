@@ -30,6 +30,9 @@ const TURN_ROUNDING_RAD: f64 = 1e-9;
 const SLIP_SHARE: f64 = 1e-3;
 const SLIP_ROUNDING_M: f64 = 1e-3;
 
+/// Ways of less than this are none, metres: nothing can be computed with them.
+const STANDING_M: f64 = 1e-12;
+
 /// Turns of less than this are straight on, radians.
 const STRAIGHT_RAD: f64 = 1e-12;
 
@@ -60,7 +63,7 @@ impl Arc {
         let along = Pose { heading: from.pose.heading + 0.5 * turn, ..from.pose }.direction();
         let step = to.pose.position() - from.pose.position();
         let sense = if to.is_reverse { -1.0 } else { 1.0 };
-        let ahead_m = sense * step.dot(along);
+        let ahead_m = Some(sense * step.dot(along)).filter(|ahead_m| ahead_m.abs() > STANDING_M).unwrap_or(0.0);
         let half_turn = 0.5 * turn.abs();
         let is_straight = turn.abs() < STRAIGHT_RAD;
         let arc_over_chord = if is_straight { 1.0 } else { half_turn / ops::sin(half_turn) };

@@ -19,7 +19,7 @@ use crate::cli::args::{MemoryArguments, parse_seed};
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::output_files::{self, Files, Format};
-use crate::cli::plan::{Attempt, ProblemArguments, Question, attempts, goal_count, shortened};
+use crate::cli::plan::{Attempt, ProblemArguments, Question, attempts, goal_count, no_truck, shortened};
 use crate::cli::report::FormArguments;
 use crate::document::number::count;
 use crate::planning::judge::DriveFigures;
@@ -127,8 +127,12 @@ impl<'a> Asked<'a> {
     /// Returns the names that they have in the report: those that have computed paths too say that they were asked.
     fn names(&self, judged: &[String]) -> Vec<String> {
         let name = |planner: &PlannerName| match planner.to_string() {
-            taken if judged.contains(&taken) => format!("{taken} (asked)"),
-            free => free,
+            mut name => {
+                while judged.contains(&name) {
+                    name += " (asked)";
+                }
+                name
+            }
         };
         self.planners.iter().map(name).collect()
     }
@@ -246,7 +250,8 @@ fn judge_recording(
         let row = Row::with_path((field, number, truck), drive.figures, drive.violation.clone());
         rows.push(if drive.is_dropped { row.broken_off(DROPPED.into()) } else { row });
         if !asked.planners.is_empty() {
-            let problem = recorded::problem(setting, drive, &asked.loaded.scenario.unimog[0]);
+            let truck = asked.loaded.scenario.unimog.first().ok_or_else(|| no_truck(&asked.loaded.scenario))?;
+            let problem = recorded::problem(setting, drive, truck);
             let attempts = asked.attempts(&problem)?;
             rows.extend(
                 attempts.iter().zip(&names).map(|(attempt, name)| row_of_attempt(attempt, (field, number, name))),

@@ -14,7 +14,7 @@ use clap::Args;
 
 pub use attempts::{Attempt, Question, attempts};
 pub use drive::missed;
-pub use problems::{ProblemArguments, goal_count};
+pub use problems::{ProblemArguments, goal_count, no_truck};
 pub use report::{mean, quantile, shortened};
 
 use report::{PlanReport, Summary};
