@@ -126,13 +126,12 @@ impl<'a> Asked<'a> {
 
     /// Returns the names that they have in the report: those that have computed paths too say that they were asked.
     fn names(&self, judged: &[String]) -> Vec<String> {
-        let name = |planner: &PlannerName| match planner.to_string() {
-            mut name => {
-                while judged.contains(&name) {
-                    name += " (asked)";
-                }
-                name
+        let name = |planner: &PlannerName| {
+            let mut name = planner.to_string();
+            while judged.contains(&name) {
+                name += " (asked)";
             }
+            name
         };
         self.planners.iter().map(name).collect()
     }
