@@ -68,7 +68,7 @@ fn agents_run_with_the_seeds_and_rules_of_the_course_and_are_ranked() {
     let again = story.tell(&command.iter().map(String::as_str).collect::<Vec<_>>()).expect_code(0).stdout;
     let again: Value = serde_json::from_str(&again).expect("it is JSON");
     let row = rows.iter().find(|row| row[entry] == "ben" && row[seed] == "4").expect("it was run");
-    assert_eq!(again["outcome"]["extinguished"].to_string(), row[column("extinguished")]);
+    assert_eq!(again["run"]["extinguished"].to_string(), row[column("extinguished")]);
     // A course that is over can be resumed, and asks for nothing more.
     story.tell(&["batch", "--resume", "course"]).expect_code(0);
     assert_eq!(outcomes(&story.path("course/runs.csv")), rows);
