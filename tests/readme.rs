@@ -238,6 +238,7 @@ macro_rules! hold {
 hold! {
     readme: "README.md", pictures below 0;
     overview: "docs/README.md", pictures below 0;
+    assignment: "docs/assignment.md", pictures below 0;
     audit: "docs/audit.md", pictures below 0;
     batches: "docs/batches.md", pictures below 0;
     command_line: "docs/command-line.md", pictures below 0;
