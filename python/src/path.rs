@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use wildfire::geometry::Pose;
 use wildfire::vehicle::{self, Dubins, ReedsShepp, Segment};
 
-use crate::arrays::{LARGEST, Poses, is_sane, is_sane_pose, rows};
+use crate::arrays::{LARGEST, Poses, described, is_sane, is_sane_pose, rows};
 
 /// The most poses of a path, of which there can be no more in a file either.
 const MAX_SAMPLES: f64 = 1e7;
@@ -24,15 +24,20 @@ pub struct Path(pub vehicle::Path);
 #[pymethods]
 impl Path {
     #[new]
-    fn new(start: Poses, segments: PyArrayLike2<'_, f64, AllowTypeChange>) -> PyResult<Self> {
+    fn new(start: Poses, segments: &Bound<'_, PyAny>) -> PyResult<Self> {
         let start = one(start, "start")?;
-        let segments = segments.as_array();
-        if segments.nrows() > 0 && segments.ncols() != 2 {
-            let shape = segments.shape();
-            return Err(PyValueError::new_err(format!("segments have the shape {shape:?}; expected (n, 2)")));
+        // An empty list has no columns.
+        if segments.len().is_ok_and(|length| length == 0) {
+            return Ok(Self(vehicle::Path::standing(start)));
         }
-        let rows = segments.rows().into_iter().filter(|row| row.len() == 2);
-        let segments: Vec<_> = rows.map(|row| Segment { curvature: row[0], length_m: row[1] }).collect();
+        let rows = segments.extract::<PyArrayLike2<'_, f64, AllowTypeChange>>().ok();
+        let Some(rows) = rows.filter(|rows| rows.as_array().ncols() == 2) else {
+            let sentence = format!("expected segments of the shape (n, 2), found {}", described(segments));
+            return Err(PyValueError::new_err(sentence));
+        };
+        let rows = rows.as_array();
+        let segments: Vec<_> =
+            rows.rows().into_iter().map(|row| Segment { curvature: row[0], length_m: row[1] }).collect();
         match segments.iter().position(|segment| !is_sane(segment.curvature) || !is_sane(segment.length_m)) {
             Some(index) => Err(PyValueError::new_err(format!("segment {index} is not made of finite, sane numbers"))),
             None => Ok(Self(vehicle::Path { start, segments })),

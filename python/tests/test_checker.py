@@ -173,6 +173,9 @@ def test_paths_have_the_figures_that_one_can_reckon() -> None:
     again = wf.Path(path.start, path.segments)
     assert again == path and (again.segments == path.segments).all()
     assert wf.Path((1, 2, 3), []).length == 0 and wf.Path((1, 2, 3), np.empty((0, 2))).poses().shape == (1, 4)
+    for wrong in ([[1, 2, 3]], [1, 2], "a path", [[1], [2, 3]]):
+        with pytest.raises(ValueError, match="expected segments"):
+            wf.Path((0, 0, 0), wrong)  # type: ignore[arg-type]
     for step in (0.0, -1.0, float("nan"), 1e-300):
         with pytest.raises(ValueError, match="step is"):
             path.poses(step)

@@ -12,7 +12,7 @@ import wildfire_contest as wf
 
 def test_a_scenario_is_written_and_read_back() -> None:
     for name in ("contest", "smoke", "fleet", "dense"):
-        scenario = wf.scenario(name, {"unimog.prm.samples": 500})
+        scenario = wf.scenario(name, {"unimog.prm.samples": 501})
         assert wf.Scenario.from_toml(scenario.to_toml()) == scenario
         assert scenario != wf.scenario(name)
 

@@ -17,6 +17,30 @@ _Policies: TypeAlias = Mapping[str, Any]
 _OnePose: TypeAlias = tuple[float, float, float]
 _Goal: TypeAlias = Disc | Pose | _OnePose
 
+__all__ = [
+    "Batch",
+    "Checker",
+    "Contests",
+    "Offence",
+    "Path",
+    "Query",
+    "Run",
+    "Scenario",
+    "Site",
+    "Vehicle",
+    "__version__",
+    "agents_of",
+    "audit",
+    "batch",
+    "command_line",
+    "compare",
+    "dubins_length",
+    "plan",
+    "reeds_shepp_length",
+    "run",
+    "scenario",
+]
+
 __version__: str
 
 @final
@@ -56,7 +80,7 @@ class Run:
     @property
     def events(self) -> Columns: ...
     def trace(self, step_s: float = 0.1) -> Columns: ...
-    def picture(self, at_s: float | None = None, size: tuple[int, int] = (1000, 1000)) -> NDArray[np.uint8]: ...
+    def picture(self, at_s: float | None = None, size: tuple[int, int] = ...) -> NDArray[np.uint8]: ...
     def to_dict(self) -> dict[str, Any]: ...
     def write(self, path: _PathLike) -> None: ...
 
@@ -266,7 +290,6 @@ def plan(
     *,
     planner: str | Sequence[str] | None = None,
     planners: _Planners | None = None,
-    policies: _Policies | None = None,
     seed: int = 1,
     goals: int | None = None,
     cells: int | None = None,
