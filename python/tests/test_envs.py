@@ -105,7 +105,7 @@ def test_who_fails_to_answer_waits(capfd):
     assert run.outcome["extinguished"] == 0
     assert run.outcome["truck_stuck_s"] == 0
     assert len(calls) > 3
-    assert capfd.readouterr().err.count("no idea") == 1, "the first is printed whole"
+    assert capfd.readouterr().err.count("RuntimeError: no idea") == 1, "the first is printed whole"
     nonsense = wf.run(scenario, 1, policies={"mine": lambda _: 10**9})
     assert nonsense.outcome["extinguished"] == 0
 
