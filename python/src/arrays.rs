@@ -27,7 +27,8 @@ impl<'py> FromPyObject<'_, 'py> for Poses {
             return Ok(Self::One(pose(x, y, heading)));
         }
         // No poses at all can be read as an array of any dimension.
-        let one = given.extract::<PyArrayLike1<'_, f64, AllowTypeChange>>().ok().filter(|one| !one.as_array().is_empty());
+        let one =
+            given.extract::<PyArrayLike1<'_, f64, AllowTypeChange>>().ok().filter(|one| !one.as_array().is_empty());
         if let Some(one) = one {
             let [x, y, heading] = one.as_array().to_vec()[..] else { return Err(wrong_shape(&given)) };
             return Ok(Self::One(pose(x, y, heading)));
