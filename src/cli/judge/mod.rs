@@ -185,6 +185,8 @@ fn judge_table(
     let mut rows = Vec::new();
     for (index, problem) in problems.iter().enumerate() {
         let attempts = asked.attempts(problem)?;
+        // As many to each goal as planners were asked, in their order.
+        let mut answers = attempts.chunks(names.len().max(1));
         let field = problem.name.as_str();
         for goal in 0..problem.goals.len() {
             for (planner, name) in judged.iter().enumerate() {
@@ -193,8 +195,8 @@ fn judge_table(
                     None => Row::without_path(field, goal, name, NO_PATH.into()),
                 });
             }
-            let own = attempts.iter().filter(|attempt| attempt.goal == goal);
-            rows.extend(own.zip(&names).map(|(attempt, name)| row_of_attempt(attempt, (field, goal, name))));
+            let answers = answers.next().unwrap_or_default().iter().zip(&names);
+            rows.extend(answers.map(|(attempt, name)| row_of_attempt(attempt, (field, goal, name))));
         }
     }
     let title = match &problems[..] {
