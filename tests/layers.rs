@@ -30,6 +30,8 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("picture", &["colorous", "gif", "glam", "image", "tiny_skia"]),
     ("audit", &["glam", "rapier2d"]),
     ("sim", &["glam", "bevy"]),
+    // Processes and what they cost are the system's to tell.
+    ("programs", &["glam", "nix", "serde_json", "serde_path_to_error", "sha2", "signal_hook"]),
     ("stats", &["statrs"]),
     ("batch", &["crc32fast", "csv", "parquet", "rayon", "serde_json", "sha2", "toml"]),
     ("view", &["bevy", "glam"]),

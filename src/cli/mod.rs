@@ -47,6 +47,8 @@ use render::RenderArguments;
 use run::RunArguments;
 use scenarios::{CheckArguments, NewArguments, ScenariosArguments, SchemaArguments};
 
+#[cfg(unix)]
+use crate::programs::supervisor;
 use crate::untrusted::visible;
 
 const EXAMPLES: &str = "\
@@ -121,6 +123,10 @@ pub enum Command {
 
 /// Reads the arguments of the process and does what they say.
 pub fn main() -> ExitCode {
+    #[cfg(unix)]
+    if let Some(code) = supervisor::run_if_asked(&env::args_os().skip(1).collect::<Vec<_>>()) {
+        return ExitCode::from(code);
+    }
     interrupt::install();
     let arguments = Arguments::try_parse().unwrap_or_else(|error| refuse(&error));
     dispatch(&arguments).unwrap_or_else(CliError::print)

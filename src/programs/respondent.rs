@@ -1,0 +1,169 @@
+//! A program that is asked for as long as a run lasts: greeted, shown its field, started anew when it fails.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::process::{Allowance, Process, Program, Trouble, TroubleKind};
+use super::protocol::{FromProgram, ToProgram, VERSION};
+use crate::time::wall::WallStopwatch;
+
+/// A program on a field, through failures and new starts.
+#[derive(Debug)]
+pub struct Respondent {
+    program: Arc<Program>,
+    /// The line that shows it the field.
+    field: Vec<u8>,
+    /// `None` after a failure, until the next query.
+    session: Option<Session>,
+    restarts_left: u32,
+    queries: u64,
+    /// CPU time up to the first `ready`.
+    pub built: Option<Duration>,
+}
+
+/// A program that has said hello.
+#[derive(Debug)]
+pub struct Session {
+    process: Process,
+    /// Its CPU time that has been counted for something.
+    counted: Duration,
+}
+
+/// What came of a query.
+#[derive(Debug)]
+pub struct Reply {
+    pub answer: Result<FromProgram, Trouble>,
+    /// CPU time of its processes since the answer before, if the system tells.
+    pub cpu: Option<Duration>,
+}
+
+impl Respondent {
+    /// Starts a program and shows it a field, or shows it to one that has played before.
+    pub fn new(
+        program: Arc<Program>,
+        restarts: u32,
+        field: &ToProgram<'_>,
+        before: Option<Session>,
+    ) -> Result<Self, Trouble> {
+        let field = field.line();
+        let mut session = match before {
+            Some(mut session) => {
+                session.process.begin_run();
+                session.show(&program, &field, WallStopwatch::start())?;
+                session
+            }
+            None => Session::start(&program, &field)?,
+        };
+        let built = session.lap();
+        Ok(Self { program, field, session: Some(session), restarts_left: restarts, queries: 0, built })
+    }
+
+    /// Asks a query, which is told its number. A program that failed before is started anew first.
+    pub fn ask(&mut self, query: impl FnOnce(u64) -> Vec<u8>) -> Reply {
+        let mut session = match self.running() {
+            Ok(session) => session,
+            Err(trouble) => return Reply { answer: Err(trouble), cpu: None },
+        };
+        self.queries += 1;
+        let Program { query_limit: wall, query_cpu: cpu, .. } = *self.program;
+        let allowance = Allowance { wall, cpu, answer: "answer" };
+        let answer = session.process.exchange(&query(self.queries), allowance);
+        let answer = answer.and_then(|line| {
+            let refuse = |words: &str| Err(Trouble::bad_answer(&line, words));
+            match FromProgram::parse(&line) {
+                Err(words) => refuse(&words),
+                Ok(answer) => match answer.id() {
+                    Some(id) if id == self.queries => Ok(answer),
+                    Some(id) => refuse(&format!("`id` is {id}; expected {}", self.queries)),
+                    None => refuse("its type answers no query"),
+                },
+            }
+        });
+        // Of what cannot be understood the next line cannot be trusted to answer the next query.
+        if answer.is_err() {
+            session.process.kill();
+        }
+        let cpu = session.lap();
+        if answer.is_ok() {
+            self.session = Some(session);
+        }
+        Reply { answer, cpu }
+    }
+
+    /// Takes the program, to use it or to start it anew.
+    fn running(&mut self) -> Result<Session, Trouble> {
+        if let Some(session) = self.session.take() {
+            return Ok(session);
+        }
+        match self.restarts_left.checked_sub(1) {
+            Some(left) => self.restarts_left = left,
+            None => return Err(Trouble::crashed("failed more often than it may be started anew")),
+        }
+        Session::start(&self.program, &self.field).map_err(|trouble| {
+            let words = format!("did not start anew: {}", trouble.words);
+            Trouble { kind: TroubleKind::Crashed, words }
+        })
+    }
+
+    /// Gives the program away, to play in another run, if it has not failed.
+    pub fn into_session(mut self) -> Option<Session> {
+        self.session.take()
+    }
+}
+
+impl Drop for Respondent {
+    fn drop(&mut self) {
+        if let Some(session) = self.session.take() {
+            session.end();
+        }
+    }
+}
+
+impl Session {
+    fn start(program: &Program, field: &[u8]) -> Result<Self, Trouble> {
+        let watch = WallStopwatch::start();
+        let mut session = Self { process: Process::start(program)?, counted: Duration::ZERO };
+        let hello = ToProgram::Hello { protocol: VERSION, program: concat!("wildfire ", env!("CARGO_PKG_VERSION")).into() };
+        let line = session.process.exchange(&hello.line(), at_start(program, watch, "`hello`"))?;
+        let words = match FromProgram::parse(&line) {
+            Ok(FromProgram::Hello(hello)) if hello.protocol == VERSION => None,
+            Ok(FromProgram::Hello(hello)) => Some(format!("`protocol` is {}; expected {VERSION}", hello.protocol)),
+            Ok(_) => Some("expected the type `hello`".to_owned()),
+            Err(words) => Some(words),
+        };
+        match words {
+            Some(words) => Err(Trouble::bad_answer(&line, &words)),
+            None => session.show(program, field, watch).map(|()| session),
+        }
+    }
+
+    /// Shows it a field, and waits until it is ready.
+    fn show(&mut self, program: &Program, field: &[u8], since: WallStopwatch) -> Result<(), Trouble> {
+        let line = self.process.exchange(field, at_start(program, since, "`ready`"))?;
+        let words = match FromProgram::parse(&line) {
+            Ok(FromProgram::Ready) => return Ok(()),
+            Ok(FromProgram::Error(error)) => return Err(Trouble::refused(&error.message)),
+            Ok(_) => "expected the type `ready` or `error`".to_owned(),
+            Err(words) => words,
+        };
+        Err(Trouble::bad_answer(&line, &words))
+    }
+
+    /// Returns its CPU time since the last lap.
+    fn lap(&mut self) -> Option<Duration> {
+        let now = self.process.cpu()?;
+        let lap = now.saturating_sub(self.counted);
+        self.counted = now;
+        Some(lap)
+    }
+
+    /// Says goodbye, and waits until nothing of it is left.
+    pub fn end(self) {
+        self.process.end(&ToProgram::End.line());
+    }
+}
+
+/// What a program may take until it is ready, from its start on.
+fn at_start<'a>(program: &Program, since: WallStopwatch, answer: &'a str) -> Allowance<'a> {
+    Allowance { wall: program.start_limit.saturating_sub(since.elapsed()), cpu: None, answer }
+}
