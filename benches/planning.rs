@@ -61,7 +61,16 @@ fn run_field(coverage: f64, seed: u64, builds: &mut Builds, short: &mut Drives, 
     let mut rng = rng::stream(seed, "bench");
     let truck = Unimog::default();
     let (memory, settings, stream) = (MemoryMeter::unlimited(), truck.planner_settings(), |_: &str| rng.clone());
-    let site = Site { checker: &checker, memory: &memory, settings: &settings, stream: &stream };
+    let site = Site {
+        truck: 0,
+        body: checker.body(),
+        limits: &truck.speed_limits(),
+        checker: &checker,
+        own: &serde_json::Value::Null,
+        stream: &stream,
+        memory: &memory,
+        settings: &settings,
+    };
     let mut planner = PrmPrimitives::build(&site);
     builds.take(planner.build_report());
     if seed <= FLOODED_FIELDS {

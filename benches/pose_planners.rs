@@ -96,7 +96,16 @@ fn measure_planner(kind: TruckPlannerKind, problems: &[Problem], truck: &Unimog)
         let checker = CollisionChecker::new(field, *problem.checker.body());
         let stream = |name: &str| rng::stream(1, &format!("bench/{name}"));
         let (memory, settings) = (MemoryMeter::unlimited(), truck.planner_settings());
-        let site = Site { checker: &checker, memory: &memory, settings: &settings, stream: &stream };
+        let site = Site {
+            truck: 0,
+            body: checker.body(),
+            limits: &truck.speed_limits(),
+            checker: &checker,
+            own: &serde_json::Value::Null,
+            stream: &stream,
+            memory: &memory,
+            settings: &settings,
+        };
         let mut planner = kind.maker().make(&site);
         builds.push(watch.lap().as_secs_f64() * 1e3);
         let curves = ReedsShepp { radius_m: checker.body().turning_radius_m };

@@ -13,10 +13,7 @@ use std::sync::Arc;
 use rand::RngExt;
 use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::Pose;
-use wildfire::planning::memory::MemoryMeter;
-use wildfire::planning::{
-    BuildReport, Effort, Found, FoundBy, Goal, Plan, PlanFailure, PlanningObserver, TruckPlanner,
-};
+use wildfire::planning::{Effort, Found, FoundBy, Goal, Plan, PlanFailure, TruckPlanner};
 use wildfire::rng::{self, Xoshiro256PlusPlus};
 use wildfire::scenario::{Terrain, load};
 use wildfire::vehicle::{Path, ReedsShepp};
@@ -62,11 +59,7 @@ impl ThroughOnePose {
 }
 
 impl TruckPlanner for ThroughOnePose {
-    fn build_report(&self) -> BuildReport {
-        BuildReport::default()
-    }
-
-    fn plan_observed(&mut self, start: Pose, goal: Goal, _observer: &mut dyn PlanningObserver) -> Plan {
+    fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
         let mut effort = Effort::default();
         let end = self.draw_end(goal);
         let mut found = self.free_curve(start, end).map(|path| Found { path, by: FoundBy::Straight });
@@ -90,7 +83,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let field = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
     let checker = CollisionChecker::new(field, truck.vehicle);
     let mut own = ThroughOnePose { checker: checker.clone(), rng: rng::stream(1, "own-planner") };
-    let mut built_in = truck.build_planner(&checker, &MemoryMeter::unlimited(), 1, 0);
+    let mut built_in = truck.build_planner(&checker, 1)?;
 
     println!("goal                 own planner          {}", truck.planner);
     let start = truck.start.pose();

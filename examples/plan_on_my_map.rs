@@ -14,7 +14,6 @@ use wildfire::geometry::{FieldFrame, Pose};
 use wildfire::grid::Grid;
 use wildfire::picture::{DriveScene, DrivenWays, draw_drives};
 use wildfire::planning::Goal;
-use wildfire::planning::memory::MemoryMeter;
 use wildfire::scenario::{Terrain, Unimog};
 
 const CELL_M: f64 = 5.0;
@@ -43,7 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let truck = Unimog::default();
     let field = Arc::new(ClearanceField::new(frame, &terrain.occupied));
     let checker = CollisionChecker::new(field, truck.vehicle);
-    let mut planner = truck.build_planner(&checker, &MemoryMeter::unlimited(), 1, 0);
+    let mut planner = truck.build_planner(&checker, 1)?;
 
     // From the south-west corner to the middle of the field, and to the north-east corner.
     let (width_m, height_m) = (frame.width_m(), frame.height_m());

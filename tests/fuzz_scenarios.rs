@@ -88,7 +88,7 @@ fn scenario_keeps_the_rules(case: &mut Case<'_>) -> Law {
             case.count("ran");
             run_keeps_the_rules(case, &scenario, seed, &run)
         }
-        Err(RunError::Terrain(_) | RunError::NoFreeStart { .. }) => {
+        Err(RunError::Terrain(_) | RunError::NoFreeStart { .. } | RunError::NoPlanner { .. }) => {
             case.count("did not begin");
             Ok(())
         }

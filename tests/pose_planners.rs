@@ -58,7 +58,16 @@ impl FieldFile {
         let checker = CollisionChecker::new(field, Dimensions::default());
         let (truck, memory) = (Unimog::default(), MemoryMeter::unlimited());
         let (settings, stream) = (truck.planner_settings(), |name: &str| rng::stream(1, name));
-        kind.maker().make(&Site { checker: &checker, memory: &memory, settings: &settings, stream: &stream })
+        kind.maker().make(&Site {
+            truck: 0,
+            body: checker.body(),
+            limits: &truck.speed_limits(),
+            checker: &checker,
+            own: &serde_json::Value::Null,
+            stream: &stream,
+            memory: &memory,
+            settings: &settings,
+        })
     }
 }
 

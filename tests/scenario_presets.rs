@@ -4,8 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use wildfire::scenario::{
-    self, BUILT_IN, Field, Fire, LoadedScenario, MemoryLimit, Scenario, Score, SpreadFrom, Suppression, Terrain,
-    Unimog, Wumpus,
+    self, BUILT_IN, Field, Fire, LoadedScenario, MemoryLimit, Programs, Scenario, Score, SpreadFrom, Suppression,
+    Terrain, Unimog, Wumpus,
 };
 
 fn built_in(name: &str) -> Scenario {
@@ -72,6 +72,8 @@ fn contest_spells_out_every_value_and_each_is_the_default() {
         wumpus: vec![Wumpus::default()],
         unimog: vec![Unimog::default()],
         ignition: Vec::new(),
+        planner: Programs::new(),
+        policy: Programs::new(),
     };
     assert_eq!(contest.scenario, defaults);
 }

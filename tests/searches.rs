@@ -20,7 +20,7 @@ fn contest() -> Scenario {
 
 fn driven_by(planner: TruckPlannerKind) -> Scenario {
     let mut scenario = contest();
-    scenario.unimog[0].planner = planner;
+    scenario.unimog[0].planner = planner.into();
     scenario.field.coverage = 0.2;
     scenario
 }
@@ -29,7 +29,7 @@ fn driven_by(planner: TruckPlannerKind) -> Scenario {
 fn crowd() -> Scenario {
     let mut scenario = contest();
     scenario.unimog.push(Unimog {
-        planner: TruckPlannerKind::PrmPrimitives,
+        planner: TruckPlannerKind::PrmPrimitives.into(),
         start: StartPose { x_m: 60.0, y_m: 200.0, heading_deg: 90.0 },
         ..Unimog::default()
     });

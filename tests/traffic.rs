@@ -199,7 +199,7 @@ fn who_gives_way(nimble_first: bool) -> Vec<AgentId> {
     let (map, [west, east]) = corridor();
     let mut scenario = drill(&map, 1.0, &trucks, &[(1.0, west), (1.0, east)]);
     for truck in &mut scenario.unimog {
-        truck.planner = wildfire::planning::TruckPlannerKind::HybridAstar;
+        truck.planner = wildfire::planning::TruckPlannerKind::HybridAstar.into();
     }
     let timeline = run(&scenario, 1);
     assert_goes_well(&timeline);

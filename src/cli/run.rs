@@ -1,7 +1,7 @@
 //! `wildfire run`: one run, its report, and the files that were asked for.
 
 use std::io::{self, Write};
-use std::panic;
+use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -81,10 +81,14 @@ pub fn run(arguments: &RunArguments, quiet: bool) -> Result<ExitCode, CliError> 
 
 fn run_once(scenario: &Scenario, arguments: &RunArguments) -> Result<(RunRow, Option<Timeline>), CliError> {
     let seed = arguments.seed;
-    let options = RunOptions { records_searches: arguments.record_searches, memory: arguments.memory.limit() };
+    let options = RunOptions {
+        records_searches: arguments.record_searches,
+        memory: arguments.memory.limit(),
+        ..RunOptions::default()
+    };
     let stopwatch = WallStopwatch::start();
     // The panic has been printed by then, with a backtrace if one was asked for.
-    let caught = panic::catch_unwind(|| sim::run_with(scenario, seed, options));
+    let caught = panic::catch_unwind(AssertUnwindSafe(|| sim::run_with_options(scenario, seed, &options)));
     let (wall, label) = (stopwatch.elapsed(), RunLabel::from_scenario(scenario, seed));
     match caught.map_err(|_| CliError::run_failed("the run panicked: this is a fault of the program"))? {
         Ok(run) => {

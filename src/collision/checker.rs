@@ -7,7 +7,7 @@ use glam::DVec2;
 
 use super::rectangle::Rectangle;
 use super::{ClearanceField, sweep};
-use crate::geometry::{OrientedRect, Pose, ops};
+use crate::geometry::{Cell, OrientedRect, Pose, ops};
 use crate::vehicle::{Dimensions, Segment};
 
 /// The clearance that a body keeps in any case, in metres, however little is asked for.
@@ -42,6 +42,16 @@ pub struct CollisionChecker {
     cover_radius: f64,
     /// Other bodies that stand on the field.
     obstacles: Vec<Rectangle>,
+}
+
+/// The thing that a body has too little clearance from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Obstacle {
+    Bush(Cell),
+    /// The field's border.
+    Border,
+    /// Another body that stands on the field.
+    Body,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -120,6 +130,43 @@ impl CollisionChecker {
             self.excess(&motion, travelled, min_clearance)
         });
         if prefix == motion.length_m { segment.length_m.abs() } else { prefix }
+    }
+
+    /// Returns how many metres along a segment [`CollisionChecker::motion_is_free`] refuses it; `None` if it does not.
+    ///
+    /// That is the first place beyond what is proven to be free; of a motion that comes too near only by less than the
+    /// tolerance it is the place that was looked at first.
+    pub fn refused_at(&self, start: Pose, segment: Segment, min_clearance: f64) -> Option<f64> {
+        let motion = SweptMotion::new(start, segment, &self.body);
+        let (min_clearance, tolerance) = clearance_and_tolerance(min_clearance);
+        let mut refused = None;
+        let is_free = sweep::holds_everywhere(motion.length_m, motion.rate, tolerance, |travelled| {
+            let excess = self.excess(&motion, travelled, min_clearance);
+            refused = refused.or(excess.is_none().then_some(travelled));
+            excess
+        });
+        if is_free {
+            return None;
+        }
+        let prefix = self.motion_prefix_free(start, segment, min_clearance);
+        Some(if prefix < motion.length_m { prefix } else { refused.unwrap_or(prefix) })
+    }
+
+    /// Returns what is nearest to the body, and how far away it is in metres; not positive on contact. Beyond the reach
+    /// of exact distances it is the border.
+    pub fn nearest_obstacle(&self, pose: Pose) -> (Obstacle, f64) {
+        let rectangle = self.place(pose);
+        let frame = self.field.frame();
+        let half_cell = 0.5 * frame.cell_m;
+        let near = self.field.bushes_near(rectangle.centre, rectangle.half_box() + DVec2::splat(EXACT_REACH_M));
+        let bushes = near.filter_map(|centre| {
+            let squared = rectangle.squared_gap_to_square(centre, half_cell, EXACT_REACH_M * EXACT_REACH_M);
+            let is_near = squared < EXACT_REACH_M * EXACT_REACH_M;
+            is_near.then_some((Obstacle::Bush(frame.cell_at(centre)?), squared.sqrt()))
+        });
+        let bodies = self.obstacles.iter().map(|other| (Obstacle::Body, rectangle.gap_to(other)));
+        let border = (Obstacle::Border, rectangle.border_gap(frame));
+        bodies.chain(bushes).fold(border, |nearest, other| if other.1 < nearest.1 { other } else { nearest })
     }
 
     #[inline]

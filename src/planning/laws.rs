@@ -103,7 +103,7 @@ fn observers_see_where_searches_look_and_change_no_answer() {
         let (mut seen, mut unseen) = (planner(kind, &field, 6), planner(kind, &field, 6));
         for goal in goals {
             let mut monitor = QueryMonitor::new(true);
-            let Plan { path, found_by, effort } = seen.plan_observed(field.start, goal, &mut monitor);
+            let Plan { path, found_by, effort, .. } = seen.plan_observed(field.start, goal, &mut monitor);
             let (_, searched) = monitor.finish();
             let plan = unseen.plan(field.start, goal);
             assert_eq!((&path, found_by, effort), (&plan.path, plan.found_by, plan.effort));

@@ -6,7 +6,8 @@
 //!
 //! # Rooms
 //! [`kit`] has the parts that several planners are made of, [`planners`] the planners, which import the kit and never each
-//! other. The [`registry`] lists them by name. [`reachability`] answers whether the truck can get somewhere at all,
+//! other. The [`registry`] lists them by name, together with those that somebody else handed in; round these stands the
+//! [`gate`], which lets no path pass that the truck could not drive. [`reachability`] answers whether the truck can get somewhere at all,
 //! [`memory`] counts what grows while a run goes on, and [`find_yield_pose`] and [`replan_around`] are for trucks that meet.
 //!
 //! # The tower of fallbacks
@@ -49,6 +50,8 @@
 //! simulation. What trucks do about each other ([`replan_around`], [`find_yield_pose`]) changes a path and not what found
 //! it.
 
+pub mod gate;
+pub mod judge;
 pub mod kit;
 #[cfg(test)]
 mod laws;
@@ -63,6 +66,8 @@ mod test_fields;
 mod traffic;
 pub mod walk;
 
+pub use judge::lower_bound_m;
+pub use kit::ends::free_poses;
 pub use kit::local_search::{MotionCost, PrimitiveSettings};
 pub use kit::safety::{Safety, SafetyForm, SafetyMap, SafetySettings};
 pub use observer::{PlanningObserver, PlanningWork, QueryMonitor, QueryTime, Unobserved};
@@ -70,7 +75,9 @@ pub use planners::hybrid_astar::{HybridAstar, HybridSettings};
 pub use planners::lattice::{LatticePlanner, LatticeSettings};
 pub use planners::prm_primitives::{ClearanceTo, PrmPrimitives, PrmSettings, RoadmapGoal, RoadmapSearch};
 pub use planners::prm_rs::{PrmRs, PrmRsSettings, count_convex_corners};
-pub use registry::{Site, TruckPlannerKind, TruckPlannerSettings};
+pub use registry::{
+    MakeError, MakePlanner, NameError, PlannerName, Planners, Site, TruckPlannerKind, TruckPlannerSettings,
+};
 pub use search_graph::{MAX_SEARCH_EDGES, SearchGraph, SearchPhase, SearchRecorder, Searched};
 pub use traffic::{find_yield_pose, replan_around};
 
@@ -81,7 +88,7 @@ use std::time::Duration;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use crate::geometry::Pose;
+use crate::geometry::{Pose, ops};
 use crate::vehicle::{Dimensions, Path};
 
 /// The disc in which a drive ends: the body's centre within `radius_m` of `centre`, at any heading.
@@ -118,7 +125,40 @@ impl From<GoalDisc> for Goal {
     }
 }
 
+impl From<Pose> for Goal {
+    fn from(pose: Pose) -> Self {
+        Self::Pose(pose)
+    }
+}
+
+/// A drive to a pose may end this far from it, in metres and radians.
+pub const END_M: f64 = 1e-3;
+pub const END_RAD: f64 = 1e-3;
+
+/// The body's centre may be this far outside of a disc, in metres: rounding, which a disc of radius 0 needs.
+const DISC_ROUNDING_M: f64 = 1e-6;
+
 impl Goal {
+    /// Says whether a drive that ends in this pose of the rear axle has reached the goal: within [`END_M`] and
+    /// [`END_RAD`] of a pose, or with the body's centre in the disc.
+    pub fn is_met(&self, pose: Pose, body: &Dimensions) -> bool {
+        let (gap_m, turn_rad) = self.gap(pose, body);
+        match self {
+            Self::Pose(_) => gap_m <= END_M && turn_rad <= END_RAD,
+            Self::Disc(disc) => gap_m <= disc.radius_m + DISC_ROUNDING_M,
+        }
+    }
+
+    /// Returns metres and radians from a pose to the goal's, or metres from the body's centre to that of the disc.
+    fn gap(&self, pose: Pose, body: &Dimensions) -> (f64, f64) {
+        match *self {
+            Self::Pose(end) => {
+                (pose.position().distance(end.position()), ops::wrap_angle(pose.heading - end.heading).abs())
+            }
+            Self::Disc(disc) => (body.body_centre(pose).distance(disc.centre), 0.0),
+        }
+    }
+
     /// Returns the goal that planners aim at, smaller by a margin for rounding.
     fn with_margin(self) -> Self {
         match self {
@@ -158,12 +198,26 @@ pub enum PlanFailure {
     BudgetSpent,
     /// A Wumpus's descent: no step leads downhill from where it is, and the goal is not in reach.
     LocalMinimum,
+    /// A planner that is not built in did not answer within its limit of time.
+    TimedOut,
+    /// A planner that is not built in ended, or failed in a way of its own.
+    Crashed,
+    /// A planner that is not built in gave an answer that is no path, or one that the truck must not drive.
+    BadAnswer,
 }
 
 impl PlanFailure {
     /// All reasons, in the order of the columns of tables.
-    pub const ALL: [Self; 5] =
-        [Self::StartBlocked, Self::GoalBlocked, Self::Disconnected, Self::BudgetSpent, Self::LocalMinimum];
+    pub const ALL: [Self; 8] = [
+        Self::StartBlocked,
+        Self::GoalBlocked,
+        Self::Disconnected,
+        Self::BudgetSpent,
+        Self::LocalMinimum,
+        Self::TimedOut,
+        Self::Crashed,
+        Self::BadAnswer,
+    ];
 }
 
 impl fmt::Display for PlanFailure {
@@ -174,6 +228,9 @@ impl fmt::Display for PlanFailure {
             Self::Disconnected => "disconnected",
             Self::BudgetSpent => "budget spent",
             Self::LocalMinimum => "local minimum",
+            Self::TimedOut => "timed out",
+            Self::Crashed => "crashed",
+            Self::BadAnswer => "bad answer",
         })
     }
 }
@@ -270,6 +327,40 @@ pub struct Plan {
     pub found_by: Option<FoundBy>,
     /// Nodes expanded.
     pub effort: Effort,
+    /// CPU time of the query, if somebody else than the caller measured it; `None`: what the caller's own clock says.
+    pub cpu: Option<QueryCpu>,
+    /// What there is to say about a failure besides its reason.
+    pub message: Option<String>,
+}
+
+/// CPU time of a query, and who says so.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct QueryCpu {
+    pub time: Duration,
+    pub source: CpuSource,
+}
+
+/// Where a CPU time comes from; the more a reader may trust it, the earlier it stands here.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CpuSource {
+    /// The clock of the thread that asked.
+    Thread,
+    /// The clock of the planner's own processes.
+    Process,
+    /// The planner itself.
+    Reported,
+}
+
+impl CpuSource {
+    /// Returns the name, as tables write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Thread => "thread",
+            Self::Process => "process",
+            Self::Reported => "reported",
+        }
+    }
 }
 
 impl Plan {
@@ -279,7 +370,19 @@ impl Plan {
             Ok(Found { path, by }) => (Ok(path), Some(by)),
             Err(failure) => (Err(failure), None),
         };
-        Self { path, found_by, effort }
+        Self { path, found_by, effort, cpu: None, message: None }
+    }
+
+    /// Creates the answer of a planner that failed, with words about it.
+    pub fn failed(failure: PlanFailure, message: impl Into<String>) -> Self {
+        Self { message: Some(message.into()), ..Self::from(Err(failure)) }
+    }
+}
+
+impl From<Result<Path, PlanFailure>> for Plan {
+    /// Creates an answer that does not say how much was searched, nor how; a path counts as found by a search.
+    fn from(path: Result<Path, PlanFailure>) -> Self {
+        Self::new(path.map(|path| Found { path, by: FoundBy::Search }), Effort::default())
     }
 }
 
@@ -307,18 +410,20 @@ pub fn is_hardly_connected(milestones: u32, components: u32) -> bool {
 
 /// A planner made for one body on one field.
 pub trait TruckPlanner: Send + Sync {
+    /// Finds a path from a pose of the rear axle to a goal, or says why there is none. Answers should not depend on
+    /// earlier ones: whoever audits a run by simulating it again relies on it.
+    fn plan(&mut self, start: Pose, goal: Goal) -> Plan;
+
+    /// Does the same and shows an observer the work. The answer does not depend on the observer.
+    fn plan_observed(&mut self, start: Pose, goal: Goal, _observer: &mut dyn PlanningObserver) -> Plan {
+        self.plan(start, goal)
+    }
+
     /// Returns what building it took and gave.
-    fn build_report(&self) -> BuildReport;
+    fn build_report(&self) -> BuildReport {
+        BuildReport::default()
+    }
 
     /// Shows an observer the edges of the roadmap that can be driven, if the planner has one.
     fn show_roadmap(&mut self, _observer: &mut dyn PlanningObserver) {}
-
-    /// Finds a path from a pose of the rear axle to a goal, or says why there is none. Answers do not depend on earlier
-    /// ones, nor on the observer.
-    fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan;
-
-    /// Finds a path without being observed.
-    fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
-        self.plan_observed(start, goal, &mut Unobserved)
-    }
 }

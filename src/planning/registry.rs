@@ -1,29 +1,37 @@
 //! The planners of trucks by their names in scenarios: the only place that lists them.
 //!
-//! A planner is a folder of `planners` with its code, its settings and a [`MakePlanner`], and a line in
+//! A built-in planner is a folder of `planners` with its code, its settings and a [`BuiltInPlanner`], and a line in
 //! [`TruckPlannerKind`] below. If it has a table of settings of its own, that is a line in [`TruckPlannerSettings`], and
 //! a field of `scenario::Unimog`. Scenarios ask the maker for everything else that they say about a planner.
+//!
+//! Other planners come from whoever runs the program: [`Planners`] knows them by name, and puts the
+//! [gate](super::gate) round each that it makes.
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
+use std::sync::Arc;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
 use crate::collision::CollisionChecker;
 use crate::geometry::FieldFrame;
 use crate::ranges::SettingsTable;
 use crate::rng::Xoshiro256PlusPlus;
+use crate::trajectory::SpeedLimits;
 use crate::vehicle::Dimensions;
 
 use super::TruckPlanner;
+use super::gate::Gated;
 use super::kit::local_search::PrimitiveSettings;
 use super::kit::safety::SafetySettings;
 use super::memory::{MemoryMeter, PlannerMemory};
 use super::planners::{hybrid_astar, lattice, prm_primitives, prm_rs};
 
-/// Makes the planners of one name, and knows what scenarios say about them.
-pub trait MakePlanner: Sync {
+/// Makes the built-in planners of one name, and knows what scenarios say about them.
+pub trait BuiltInPlanner: Sync {
     /// Makes a planner for one truck on one field.
     fn make(&self, site: &Site<'_>) -> Box<dyn TruckPlanner>;
 
@@ -52,13 +60,185 @@ pub trait MakePlanner: Sync {
 
 /// The truck and the field that a planner is made for.
 pub struct Site<'a> {
+    /// Its number among the trucks, from 0.
+    pub truck: u16,
+    /// Its body, which `checker` has too.
+    pub body: &'a Dimensions,
+    /// How fast it drives.
+    pub limits: &'a SpeedLimits,
     /// The field, and the truck's body on it.
     pub checker: &'a CollisionChecker,
-    /// The planner reports to it what it holds as it grows.
-    pub memory: &'a MemoryMeter,
-    pub settings: &'a TruckPlannerSettings<'a>,
-    /// Returns the truck's own random stream of a name.
+    /// The `settings` of the scenario's table `[planner.NAME]`, for a planner that is not built in; else null.
+    pub own: &'a serde_json::Value,
+    /// Returns the truck's own random stream of a name, which is the same in every run of the seed.
     pub stream: &'a dyn Fn(&str) -> Xoshiro256PlusPlus,
+    /// Built-in planners report to it what they hold as they grow.
+    pub memory: &'a MemoryMeter,
+    /// The scenario's tables of settings of the built-in planners.
+    pub settings: &'a TruckPlannerSettings<'a>,
+}
+
+/// Makes planners of one name. A closure from a [`Site`] to a planner is one.
+pub trait MakePlanner: Send + Sync {
+    /// Makes a planner for one truck on one field.
+    ///
+    /// # Errors
+    /// If it cannot be built; the run does not take place then.
+    fn make(&self, site: &Site<'_>) -> Result<Box<dyn TruckPlanner>, MakeError>;
+}
+
+impl<F> MakePlanner for F
+where
+    F: Fn(&Site<'_>) -> Result<Box<dyn TruckPlanner>, MakeError> + Send + Sync,
+{
+    fn make(&self, site: &Site<'_>) -> Result<Box<dyn TruckPlanner>, MakeError> {
+        self(site)
+    }
+}
+
+/// Why a planner could not be built, in words that read well after "its planner could not be built: ".
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{0}")]
+pub struct MakeError(String);
+
+impl MakeError {
+    /// Creates an error with these words.
+    pub fn new(words: impl Into<String>) -> Self {
+        Self(words.into())
+    }
+}
+
+/// The name of a planner: 1 to 40 of `a-z 0-9 + - _ .`, a letter first.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(try_from = "String", into = "String")]
+pub struct PlannerName(String);
+
+impl PlannerName {
+    /// The most characters of a name.
+    pub const MOST: usize = 40;
+
+    /// Checks a name.
+    ///
+    /// # Errors
+    /// If it is not of the form above.
+    pub fn new(name: &str) -> Result<Self, NameError> {
+        let is_known = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || "+-_.".contains(c);
+        let fits = name.len() <= Self::MOST && name.starts_with(|c: char| c.is_ascii_lowercase());
+        if fits && name.chars().all(is_known) { Ok(Self(name.to_owned())) } else { Err(NameError::Malformed) }
+    }
+
+    /// Returns the name.
+    pub fn name(&self) -> &str {
+        &self.0
+    }
+
+    /// Returns the built-in planner of this name, if there is one.
+    pub fn built_in(&self) -> Option<TruckPlannerKind> {
+        self.0.parse().ok()
+    }
+}
+
+impl TryFrom<String> for PlannerName {
+    type Error = NameError;
+
+    fn try_from(name: String) -> Result<Self, NameError> {
+        Self::new(&name)
+    }
+}
+
+impl FromStr for PlannerName {
+    type Err = NameError;
+
+    fn from_str(name: &str) -> Result<Self, NameError> {
+        Self::new(name)
+    }
+}
+
+impl From<PlannerName> for String {
+    fn from(name: PlannerName) -> Self {
+        name.0
+    }
+}
+
+impl From<TruckPlannerKind> for PlannerName {
+    fn from(kind: TruckPlannerKind) -> Self {
+        Self(kind.name().to_owned())
+    }
+}
+
+impl fmt::Display for PlannerName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(&self.0)
+    }
+}
+
+/// Why a planner cannot have a name.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum NameError {
+    /// It has another form.
+    #[error("a name is 1 to 40 of `a-z 0-9 + - _ .`, a letter first")]
+    Malformed,
+    /// A built-in planner has it.
+    #[error("`{0}` is the name of a built-in planner")]
+    BuiltIn(TruckPlannerKind),
+    /// Another planner has it.
+    #[error("two planners cannot both be called `{0}`")]
+    Taken(String),
+}
+
+/// Planners by name: the built-in ones, and those that were handed in.
+#[derive(Clone, Default)]
+pub struct Planners {
+    own: BTreeMap<PlannerName, Arc<dyn MakePlanner>>,
+}
+
+impl Planners {
+    /// Adds a planner.
+    ///
+    /// # Errors
+    /// If it cannot have this name.
+    pub fn with(mut self, name: &str, maker: impl MakePlanner + 'static) -> Result<Self, NameError> {
+        let name = PlannerName::new(name)?;
+        match name.built_in() {
+            Some(kind) => Err(NameError::BuiltIn(kind)),
+            None if self.own.contains_key(&name) => Err(NameError::Taken(name.into())),
+            None => {
+                self.own.insert(name, Arc::new(maker));
+                Ok(self)
+            }
+        }
+    }
+
+    /// Says whether there is a planner of this name.
+    pub fn knows(&self, name: &PlannerName) -> bool {
+        name.built_in().is_some() || self.own.contains_key(name)
+    }
+
+    /// Lists the names of those that are not built in.
+    pub fn own_names(&self) -> impl Iterator<Item = &PlannerName> {
+        self.own.keys()
+    }
+
+    /// Makes a planner, inside the gate unless it is built in.
+    ///
+    /// # Errors
+    /// If nobody of this name is known, or it cannot be built.
+    pub fn make(&self, name: &PlannerName, site: &Site<'_>) -> Result<Box<dyn TruckPlanner>, MakeError> {
+        if let Some(kind) = name.built_in() {
+            return Ok(kind.maker().make(site));
+        }
+        let Some(maker) = self.own.get(name) else {
+            let words = format!("`{name}` is not built in, was not handed in, and its table has no `command`");
+            return Err(MakeError(words));
+        };
+        Ok(Box::new(Gated::build(maker.as_ref(), site)?))
+    }
+}
+
+impl fmt::Debug for Planners {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_set().entries(TruckPlannerKind::ALL).entries(self.own.keys()).finish()
+    }
 }
 
 /// Simulated planning time of one expansion, in seconds, during which the truck stands still.
@@ -95,7 +275,7 @@ macro_rules! truck_planners {
             }
 
             /// Returns what makes these planners.
-            pub fn maker(self) -> &'static dyn MakePlanner {
+            pub fn maker(self) -> &'static dyn BuiltInPlanner {
                 match self {
                     $(Self::$kind => &$maker,)+
                 }
@@ -209,6 +389,23 @@ mod tests {
             assert_eq!(serde_json::to_value(kind).expect("a name is JSON"), kind.name());
             assert_eq!(kind.name().parse(), Ok(kind));
         }
+    }
+
+    #[test]
+    fn names_are_short_plain_and_nobody_elses() {
+        for name in ["a", "rrt", "rrt-connect_2.1+x", &"a".repeat(40)] {
+            assert_eq!(PlannerName::new(name).expect("it has the form").name(), name);
+        }
+        for name in ["", "1a", "-a", "A", "rrt star", "rrt*", "é", &"a".repeat(41)] {
+            assert_eq!(PlannerName::new(name), Err(NameError::Malformed), "{name:?}");
+        }
+        let maker = |_: &Site<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> { Err(MakeError::new("no")) };
+        let planners = Planners::default().with("mine", maker).expect("it is free");
+        assert_eq!(planners.clone().with("mine", maker).err(), Some(NameError::Taken("mine".into())));
+        let taken = Planners::default().with("prm-rs", maker).err();
+        assert_eq!(taken, Some(NameError::BuiltIn(TruckPlannerKind::PrmRs)));
+        let known = |name: &str| planners.knows(&PlannerName::new(name).expect("it has the form"));
+        assert!(known("mine") && known("lattice") && !known("other"));
     }
 
     #[test]

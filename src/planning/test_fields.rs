@@ -9,6 +9,7 @@ use crate::collision::{ClearanceField, CollisionChecker, MOTION_TOLERANCE_M};
 use crate::geometry::{FieldFrame, Pose, ops};
 use crate::grid::Grid;
 use crate::rng::{self, Xoshiro256PlusPlus};
+use crate::trajectory::SpeedLimits;
 use crate::vehicle::{Dimensions, Path, ReedsShepp};
 
 use super::memory::MemoryMeter;
@@ -66,7 +67,16 @@ impl TestField {
     pub fn make<T>(&self, settings: &OwnedSettings, seed: u64, make: impl FnOnce(&Site<'_>) -> T) -> T {
         let stream = |name: &str| rng::stream(seed, name);
         let memory = MemoryMeter::unlimited();
-        make(&Site { checker: &self.checker, memory: &memory, settings: &settings.all(), stream: &stream })
+        make(&Site {
+            truck: 0,
+            body: self.checker.body(),
+            limits: &SpeedLimits::new(8.0, 8.0),
+            checker: &self.checker,
+            own: &serde_json::Value::Null,
+            stream: &stream,
+            memory: &memory,
+            settings: &settings.all(),
+        })
     }
 
     /// The disc about a random bush from which a truck with a reach of 10 m puts it out.

@@ -26,7 +26,7 @@ pub trait AgentList {
     fn check(&self, scenario: &Scenario) -> Check;
 
     /// Describes each agent in sentences.
-    fn describe(&self) -> Vec<String>;
+    fn describe(&self, scenario: &Scenario) -> Vec<String>;
 
     /// Adds warnings that need no field.
     fn warn(&self, scenario: &Scenario, found: &mut Vec<String>);

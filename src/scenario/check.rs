@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use super::error::Fault;
+use super::error::{Fault, nearest_name};
 use super::path::{FieldPath, PathStep};
 use super::wording::shortened;
 use crate::geometry::{DVec2, FieldFrame};
@@ -25,13 +25,29 @@ pub fn check_name(field: &str, name: &str) -> Check {
 pub struct Refusal {
     pub path: FieldPath,
     found: String,
-    expected: String,
+    expected: Expected,
+}
+
+/// What should be there instead.
+enum Expected {
+    Words(String),
+    /// One of the names that are known of a kind: planner, policy.
+    Name {
+        kind: &'static str,
+        known: Vec<String>,
+    },
 }
 
 impl Refusal {
     pub fn fault(&self) -> Fault {
-        let (found, expected) = (self.found.clone(), self.expected.clone());
-        Fault::Value { field: self.path.to_string(), found, expected }
+        let (field, found) = (self.path.to_string(), self.found.clone());
+        match &self.expected {
+            Expected::Words(expected) => Fault::Value { field, found, expected: expected.clone() },
+            Expected::Name { kind, known } => {
+                let nearest = nearest_name(&found, known.iter().map(String::as_str));
+                Fault::UnknownName { kind, field, found: shortened(&found), known: known.clone(), nearest }
+            }
+        }
     }
 }
 
@@ -40,8 +56,9 @@ pub type Check = Result<(), Box<Refusal>>;
 
 /// Checks the number that a path leads to.
 pub fn check_number(path: FieldPath, number: f64, range: RangeInclusive<f64>) -> Check {
-    check_range("", number, range)
-        .map_err(|OutOfRange { found, expected, .. }| Box::new(Refusal { path, found, expected }))
+    check_range("", number, range).map_err(|OutOfRange { found, expected, .. }| {
+        Box::new(Refusal { path, found, expected: Expected::Words(expected) })
+    })
 }
 
 /// The path of a table of the scenario, to name values in faults.
@@ -90,6 +107,12 @@ impl TablePath {
     }
 
     pub fn refuse_step(&self, step: PathStep, found: String, expected: String) -> Check {
-        Err(Box::new(Refusal { path: self.0.join(step), found, expected }))
+        Err(Box::new(Refusal { path: self.0.join(step), found, expected: Expected::Words(expected) }))
+    }
+
+    /// Refuses a name that nobody of this kind has.
+    pub fn refuse_name(&self, kind: &'static str, found: &str, known: Vec<String>) -> Check {
+        let path = self.0.join(PathStep::key(kind));
+        Err(Box::new(Refusal { path, found: found.to_owned(), expected: Expected::Name { kind, known } }))
     }
 }

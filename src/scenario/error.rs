@@ -46,6 +46,8 @@ pub enum Fault {
     MissingField { name: String, table: String },
     #[error("`{field}` cannot be `{found}`: one of {} is expected", listed(.known))]
     UnknownWord { field: String, found: String, known: Vec<String>, nearest: Option<String> },
+    #[error("`{field}` is `{found}`, and no {kind} of this name is known")]
+    UnknownName { kind: &'static str, field: String, found: String, known: Vec<String>, nearest: Option<String> },
     #[error("`{field}` is {found}; expected {expected}")]
     Value { field: String, found: String, expected: String },
     #[error("{message}")]
@@ -108,6 +110,11 @@ impl Fault {
                 Some(format!("{}known here are {}", did_you_mean(nearest.as_deref()), known.join(", ")))
             }
             Self::UnknownWord { nearest: Some(nearest), .. } => Some(format!("did you mean `{nearest}`?")),
+            Self::UnknownName { kind, nearest, known, .. } => Some(format!(
+                "{}known are {}; a table [{kind}.NAME] makes another one known, as does --command NAME='PROGRAM ...'",
+                did_you_mean(nearest.as_deref()),
+                known.join(", ")
+            )),
             _ => None,
         }
     }

@@ -21,7 +21,8 @@ pub fn explain(loaded: &LoadedScenario, limit: MemoryLimit) -> Document {
         .with(section("Suppression", vec![scenario.suppression.describe()]))
         .with(section("Score", vec![scenario.score.describe()]));
     for agents in scenario.kinds() {
-        let numbered = agents.describe().into_iter().enumerate().map(|(number, words)| format!("{number}: {words}"));
+        let numbered =
+            agents.describe(scenario).into_iter().enumerate().map(|(number, words)| format!("{number}: {words}"));
         let nobody = (agents.len() == 0).then(|| "None.".to_owned());
         document = document.with(section(agents.title(), numbered.chain(nobody).collect()));
     }

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::agents::{AgentList, AgentsMemory, FieldMeasures, MemoryPart};
-use super::{Problem, Scenario, TruckPlannerKind, Unimog};
+use super::{PlannerName, Problem, Scenario, Unimog};
 use crate::collision::ClearanceField;
 use crate::fire::FireField;
 use crate::geometry::Cell;
@@ -139,14 +139,14 @@ impl MemoryEstimate {
     }
 
     /// Adds up what planning the drives of a problem takes, by these planners one after the other.
-    pub fn from_problem(problem: &Problem, planners: &[TruckPlannerKind]) -> Self {
+    pub fn from_problem(problem: &Problem, planners: &[PlannerName]) -> Self {
         let terrain = &problem.terrain;
         let (bushes, corners) = (terrain.bushes.len() as u64, count_convex_corners(&terrain.occupied));
         let field = FieldMeasures { frame: terrain.frame, bushes, corners };
         let [held, laying] = field.terrain();
         let own = [("the program", PROGRAM_BYTES), ("the field", held)];
-        let by_planner = planners.iter().map(|&planner| {
-            let truck = Unimog { planner, ..problem.truck.clone() };
+        let by_planner = planners.iter().map(|planner| {
+            let truck = Unimog { planner: planner.clone(), ..problem.truck.clone() };
             Self::add_up(own, laying, [vec![truck].memory(&field, 0.0)])
         });
         by_planner.max_by_key(Self::needed).unwrap_or_else(|| Self::add_up(own, laying, []))
@@ -209,7 +209,7 @@ impl FieldMeasures {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{BUILT_IN, load};
+    use crate::scenario::{BUILT_IN, TruckPlannerKind, load};
 
     fn estimate(source: &str, changes: &[&str]) -> MemoryEstimate {
         let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();

@@ -26,6 +26,7 @@ mod memory;
 mod or_none;
 mod path;
 mod problem;
+mod program;
 mod rules;
 mod source;
 mod terrain;
@@ -45,15 +46,17 @@ pub use given::{GivenField, MAX_CELLS_A_SIDE, MapError};
 pub use load::{LoadedScenario, load};
 pub use memory::{MemoryEstimate, MemoryExceeded, MemoryLimit, bytes_text};
 pub use problem::{MAX_GOALS, Problem};
+pub use program::{Program, Programs};
 pub use rules::{Extinguishes, Ignition, IgnitionCells, Score, Suppression};
 pub use source::{MAX_MAP_BYTES, MAX_SCENARIO_BYTES, ScenarioText, can_be_read_again, first_too_deep, toml_value};
 pub use terrain::{Terrain, TerrainError};
 pub use tetromino::Shape;
-pub use unimog::{Limits, Retarget, StartPose, TruckGoal, Unimog};
+pub use unimog::{Limits, PlannerContext, Rescue, Retarget, StartPose, TruckGoal, Unimog};
 pub use wumpus::{Escape, StepCost, StepTime, Wumpus, WumpusGoal, WumpusHeuristic, WumpusPlanner, WumpusPotential};
 
 use agents::AgentList;
 use check::{Check, TablePath, check_name};
+use program::check_programs;
 use rules::check_ignitions;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -61,8 +64,8 @@ use serde::{Deserialize, Serialize};
 use crate::geometry::DVec2;
 use crate::input_file::list_of_at_most;
 pub use crate::planning::{
-    ClearanceTo, HybridSettings, LatticeSettings, MotionCost, PrimitiveSettings, PrmRsSettings, PrmSettings,
-    RoadmapGoal, RoadmapSearch, SafetyForm, SafetyMap, SafetySettings, TruckPlannerKind,
+    ClearanceTo, HybridSettings, LatticeSettings, MotionCost, PlannerName, PrimitiveSettings, PrmRsSettings,
+    PrmSettings, RoadmapGoal, RoadmapSearch, SafetyForm, SafetyMap, SafetySettings, TruckPlannerKind,
 };
 use crate::ranges::number_text;
 
@@ -110,6 +113,12 @@ pub struct Scenario {
     /// Bushes that catch fire by themselves.
     #[serde(default, deserialize_with = "list_of_at_most::<100_000, _, _>")]
     pub ignition: Vec<Ignition>,
+    /// Planners that are not built in, by their names.
+    #[serde(default, skip_serializing_if = "Programs::is_empty")]
+    pub planner: Programs,
+    /// Policies that are not built in, by their names.
+    #[serde(default, skip_serializing_if = "Programs::is_empty")]
+    pub policy: Programs,
 }
 
 impl Scenario {
@@ -133,6 +142,8 @@ impl Scenario {
         top.inner("suppression").settings(&self.suppression, &frame)?;
         self.check_stops()?;
         top.inner("score").settings(&self.score, &frame)?;
+        check_programs("planner", &self.planner)?;
+        check_programs("policy", &self.policy)?;
         for agents in self.kinds() {
             top.count(agents.key(), agents.len(), MAX_AGENTS)?;
         }

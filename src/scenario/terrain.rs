@@ -145,7 +145,7 @@ impl PieceLayout {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{Field, Fire, GivenField, Score, Suppression, Unimog, Wumpus};
+    use crate::scenario::{Field, Fire, GivenField, Programs, Score, Suppression, Unimog, Wumpus};
 
     fn scenario(field: Field) -> Scenario {
         Scenario {
@@ -158,6 +158,8 @@ mod tests {
             wumpus: vec![Wumpus::default()],
             unimog: vec![Unimog::default()],
             ignition: Vec::new(),
+            planner: Programs::new(),
+            policy: Programs::new(),
         }
     }
 

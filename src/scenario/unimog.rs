@@ -1,22 +1,28 @@
 //! Fire trucks in a scenario: their settings, ranges, description, warnings and memory.
 
+use std::borrow::Cow;
+use std::fmt;
 use std::sync::Arc;
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::{Error, Unexpected, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::Value;
 
 use super::agents::{AgentList, AgentsMemory, FieldMeasures, SHOWN_SEED, ScenarioField, SketchedStart};
 use super::check::{Check, ROUNDING_M, TablePath};
 use super::or_none;
+use super::program::{Program, Programs};
 use super::{MemoryPart, Scenario};
 use crate::collision::CollisionChecker;
 use crate::geometry::{DVec2, FieldFrame, Pose, ops};
 use crate::planning::memory::{MemoryMeter, PlannerMemory};
 use crate::planning::reachability::Reachability;
-use crate::planning::registry::RoadmapSize;
+use crate::planning::registry::{BuiltInPlanner, Charge, RoadmapSize};
 use crate::planning::{
-    BuildReport, HybridSettings, LatticeSettings, PrimitiveSettings, PrmRsSettings, PrmSettings, RoadmapGoal,
-    SafetySettings, Site, TruckPlanner, TruckPlannerKind, TruckPlannerSettings, is_hardly_connected,
+    BuildReport, HybridSettings, LatticeSettings, MakeError, PlannerName, Planners, PrimitiveSettings, PrmRsSettings,
+    PrmSettings, RoadmapGoal, SafetySettings, Site, TruckPlanner, TruckPlannerKind, TruckPlannerSettings,
+    is_hardly_connected,
 };
 use crate::rng;
 use crate::trajectory::SpeedLimits;
@@ -42,7 +48,8 @@ pub struct Unimog {
     pub limits: Limits,
     pub goal: TruckGoal,
     pub retarget: Retarget,
-    pub planner: TruckPlannerKind,
+    pub planner: PlannerName,
+    pub rescue: Rescue,
     pub prm: PrmSettings,
     pub primitives: PrimitiveSettings,
     pub prm_rs: PrmRsSettings,
@@ -61,7 +68,8 @@ impl Default for Unimog {
             limits: Limits::default(),
             goal: TruckGoal::NearestBurning,
             retarget: Retarget::Never,
-            planner: TruckPlannerKind::PrmRs,
+            planner: TruckPlannerKind::PrmRs.into(),
+            rescue: Rescue::Auto,
             prm: PrmSettings::default(),
             primitives: PrimitiveSettings::default(),
             prm_rs: PrmRsSettings::default(),
@@ -73,17 +81,63 @@ impl Default for Unimog {
 }
 
 impl Unimog {
-    /// Builds its planner for a field as the run of a seed does; it reports to `memory` what it holds as it grows.
-    /// `number` is its place among the trucks.
-    pub fn build_planner(
-        &self,
-        checker: &CollisionChecker,
-        memory: &MemoryMeter,
-        seed: u64,
-        number: usize,
-    ) -> Box<dyn TruckPlanner> {
-        let stream = |name: &str| rng::stream(seed, &format!("truck/{number}/{name}"));
-        self.planner.maker().make(&Site { checker, memory, settings: &self.planner_settings(), stream: &stream })
+    /// Makes its planner for a field as the run of a seed does.
+    ///
+    /// # Errors
+    /// If nobody of its name is among the planners of the context, or it cannot be built.
+    pub fn make_planner(&self, context: &PlannerContext<'_>) -> Result<Box<dyn TruckPlanner>, MakeError> {
+        let &PlannerContext { truck, seed, checker, memory, planners, programs } = context;
+        let own = programs.get(&self.planner).map(|program| Value::Object(program.settings.clone()));
+        planners.make(
+            &self.planner,
+            &Site {
+                truck,
+                body: &self.vehicle,
+                limits: &self.speed_limits(),
+                checker,
+                own: own.as_ref().unwrap_or(&Value::Null),
+                stream: &|name: &str| rng::stream(seed, &format!("truck/{truck}/{name}")),
+                memory,
+                settings: &self.planner_settings(),
+            },
+        )
+    }
+
+    /// Makes its planner alone, as that of a run's first truck: a built-in one, without a limit of memory.
+    ///
+    /// # Errors
+    /// If it is not built in.
+    pub fn build_planner(&self, checker: &CollisionChecker, seed: u64) -> Result<Box<dyn TruckPlanner>, MakeError> {
+        self.make_planner(&PlannerContext {
+            truck: 0,
+            seed,
+            checker,
+            memory: &MemoryMeter::unlimited(),
+            planners: &Planners::default(),
+            programs: &Programs::new(),
+        })
+    }
+
+    /// Returns the simulated time that its planner's expansions cost.
+    pub fn planning_charge(&self, programs: &Programs) -> Charge {
+        match self.planner.built_in() {
+            Some(kind) => kind.maker().charge(&self.planner_settings()),
+            None => programs.get(&self.planner).map_or(Charge { roadmap_s: 0.0, local_s: 0.0 }, Program::charge),
+        }
+    }
+
+    /// Says whether goals that its planner fails on are driven by the reachability flood.
+    pub fn is_rescued(&self) -> bool {
+        match self.rescue {
+            Rescue::Auto => self.planner.built_in().is_some(),
+            Rescue::Always => true,
+            Rescue::Never => false,
+        }
+    }
+
+    /// Returns what makes its planner, if that is built in.
+    fn built_in(&self) -> Option<&'static dyn BuiltInPlanner> {
+        self.planner.built_in().map(TruckPlannerKind::maker)
     }
 
     /// Returns the tables of planners' settings.
@@ -112,6 +166,77 @@ impl Unimog {
     /// Returns the centre of its body at the start.
     pub fn start_centre(&self) -> DVec2 {
         self.vehicle.body_centre(self.start.pose())
+    }
+}
+
+/// What a truck's planner is made from, besides the truck itself.
+#[derive(Clone, Copy)]
+pub struct PlannerContext<'a> {
+    /// Its number among the trucks.
+    pub truck: u16,
+    pub seed: u64,
+    pub checker: &'a CollisionChecker,
+    /// Built-in planners report to it what they hold as they grow.
+    pub memory: &'a MemoryMeter,
+    pub planners: &'a Planners,
+    /// The scenario's tables of planners.
+    pub programs: &'a Programs,
+}
+
+/// Says whether a truck drives by the reachability flood to fires that its planner fails on: `"auto"`, true or false.
+/// `"auto"` is true for built-in planners and false for others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Rescue {
+    #[default]
+    Auto,
+    Always,
+    Never,
+}
+
+impl Serialize for Rescue {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Auto => serializer.serialize_str("auto"),
+            Self::Always => serializer.serialize_bool(true),
+            Self::Never => serializer.serialize_bool(false),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Rescue {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct AutoOrBool;
+
+        impl Visitor<'_> for AutoOrBool {
+            type Value = Rescue;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("\"auto\", true or false")
+            }
+
+            fn visit_bool<E: Error>(self, always: bool) -> Result<Rescue, E> {
+                Ok(if always { Rescue::Always } else { Rescue::Never })
+            }
+
+            fn visit_str<E: Error>(self, word: &str) -> Result<Rescue, E> {
+                if word == "auto" { Ok(Rescue::Auto) } else { Err(E::invalid_value(Unexpected::Str(word), &self)) }
+            }
+        }
+        deserializer.deserialize_any(AutoOrBool)
+    }
+}
+
+impl JsonSchema for Rescue {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        "Rescue".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "anyOf": [{ "const": "auto" }, { "type": "boolean" }] })
     }
 }
 
@@ -196,11 +321,15 @@ impl AgentList for Vec<Unimog> {
     fn check(&self, scenario: &Scenario) -> Check {
         let frame = scenario.field.frame();
         let mut numbered = self.iter().enumerate();
-        numbered.try_for_each(|(number, truck)| check_unimog(&TablePath::entry(self.key(), number), truck, &frame))
+        numbered.try_for_each(|(number, truck)| {
+            let table = TablePath::entry(self.key(), number);
+            check_planner_name(&table, &truck.planner, &scenario.planner)?;
+            check_unimog(&table, truck, &frame)
+        })
     }
 
-    fn describe(&self) -> Vec<String> {
-        self.iter().map(describe_truck).collect()
+    fn describe(&self, scenario: &Scenario) -> Vec<String> {
+        self.iter().map(|truck| describe_truck(truck, &scenario.planner)).collect()
     }
 
     fn warn(&self, scenario: &Scenario, found: &mut Vec<String>) {
@@ -231,10 +360,12 @@ impl AgentList for Vec<Unimog> {
 
     /// Adds up what trucks take, those of one planner together.
     fn memory(&self, field: &FieldMeasures, _: f64) -> AgentsMemory {
-        let memory =
-            |truck: &Unimog| truck.planner.maker().memory(&field.frame, field.corners, &truck.planner_settings());
-        let trucks: Vec<(TruckPlannerKind, PlannerMemory)> =
-            self.iter().map(|truck| (truck.planner, memory(truck))).collect();
+        // What planners that are not built in take is theirs.
+        let memory = |truck: &Unimog| {
+            let planner = truck.planner.built_in()?;
+            Some((planner, planner.maker().memory(&field.frame, field.corners, &truck.planner_settings())))
+        };
+        let trucks: Vec<(TruckPlannerKind, PlannerMemory)> = self.iter().filter_map(memory).collect();
         let mut parts = Vec::new();
         for kind in TruckPlannerKind::ALL {
             let own = || trucks.iter().filter(|(planner, _)| *planner == kind).map(|(_, memory)| memory);
@@ -268,6 +399,15 @@ fn check_unimog(table: &TablePath, unimog: &Unimog, frame: &FieldFrame) -> Check
     check_planner_settings(table, unimog, frame)?;
     table.inner("start").number("heading_deg", unimog.start.heading_deg, -360.0..=360.0)?;
     table.inside("start", &unimog.vehicle.footprint(unimog.start.pose()).corners(), frame)
+}
+
+fn check_planner_name(table: &TablePath, planner: &PlannerName, programs: &Programs) -> Check {
+    if planner.built_in().is_some() || programs.contains_key(planner) {
+        return Ok(());
+    }
+    let own = programs.keys().map(PlannerName::name);
+    let known = TruckPlannerKind::ALL.map(TruckPlannerKind::name).into_iter().chain(own);
+    table.refuse_name("planner", planner.name(), known.map(str::to_owned).collect())
 }
 
 /// Checks that the first truck's planners can work on a field that may not be the one of their scenario.
@@ -304,7 +444,7 @@ pub fn check_vehicle(table: &TablePath, body: &Dimensions) -> Check {
 }
 
 /// Describes what a truck is and does.
-fn describe_truck(truck: &Unimog) -> String {
+fn describe_truck(truck: &Unimog, programs: &Programs) -> String {
     let body = &truck.vehicle;
     let goal = match truck.goal {
         TruckGoal::NearestBurning => "the nearest fire",
@@ -330,8 +470,23 @@ fn describe_truck(truck: &Unimog) -> String {
         truck.reverse_speed_mps,
         describe_limits(truck),
         describe_turning(truck),
-        truck.planner.maker().describe(&truck.planner_settings())
+        describe_planner(truck, programs)
     )
+}
+
+/// Describes its planner, and what happens to goals that it fails on where that is not the usual thing.
+fn describe_planner(truck: &Unimog, programs: &Programs) -> String {
+    let planner = match truck.built_in() {
+        Some(maker) => maker.describe(&truck.planner_settings()),
+        None => {
+            programs.get(&truck.planner).map_or(String::new(), |program| program.describe("planner", &truck.planner))
+        }
+    };
+    match (truck.is_rescued(), truck.rescue) {
+        (true, Rescue::Auto) => planner,
+        (true, _) => format!("{planner} Fires that it fails on are driven to by the reachability flood."),
+        (false, _) => format!("{planner} Fires that it fails on are left alone: nobody else plans for it."),
+    }
 }
 
 fn describe_limits(truck: &Unimog) -> String {
@@ -369,11 +524,12 @@ fn warn_of_truck(number: usize, unimog: &Unimog, found: &mut Vec<String>) {
              the {LATERAL_GRIP_MPS2} m/s2 that loose ground holds; `limits.lateral_mps2` would slow it in curves."
         ));
     }
-    let (planner, settings) = (unimog.planner.maker(), unimog.planner_settings());
-    for table in settings.tables().filter(|table| !table.is_default && !planner.tables().contains(&table.name)) {
+    let (planner, settings) = (unimog.built_in(), unimog.planner_settings());
+    let used = planner.map_or(&[][..], BuiltInPlanner::tables);
+    for table in settings.tables().filter(|table| !table.is_default && !used.contains(&table.name)) {
         found.push(format!("The `{}` of truck {number} does nothing: its planner does not use it.", table.name));
     }
-    found.extend(planner.warning(&settings, &unimog.vehicle, &format!("truck {number}")));
+    found.extend(planner.and_then(|own| own.warning(&settings, &unimog.vehicle, &format!("truck {number}"))));
 }
 
 fn warn_of_shared_starts(trucks: &[Unimog], found: &mut Vec<String>) {
@@ -391,14 +547,23 @@ fn warn_of_roadmaps(trucks: &[Unimog], field: &ScenarioField<'_>, found: &mut Ve
     let terrain = field.terrain;
     let mut edges = 0.0;
     for (number, unimog) in trucks.iter().enumerate() {
-        let size = unimog.planner.maker().roadmap_size(&unimog.planner_settings(), terrain.bushes.len());
+        let Some(maker) = unimog.built_in() else { continue };
+        let size = maker.roadmap_size(&unimog.planner_settings(), terrain.bushes.len());
         let Some(RoadmapSize { milestones, neighbours, max_edge_m }) = size else { continue };
         edges += milestones as f64 * f64::from(neighbours);
         if edges > MAX_EDGES_TRIED {
             return;
         }
         let checker = CollisionChecker::new(Arc::clone(&field.clearance), unimog.vehicle);
-        let planner = unimog.build_planner(&checker, &MemoryMeter::unlimited(), SHOWN_SEED, number);
+        let context = PlannerContext {
+            truck: number as u16,
+            seed: SHOWN_SEED,
+            checker: &checker,
+            memory: &MemoryMeter::unlimited(),
+            planners: &Planners::default(),
+            programs: &Programs::new(),
+        };
+        let Ok(planner) = unimog.make_planner(&context) else { continue };
         let BuildReport { samples, components, .. } = planner.build_report();
         if samples == 0 {
             found.push(format!("On the field of seed {SHOWN_SEED} the roadmap of truck {number} has no milestones."));

@@ -274,7 +274,7 @@ impl AgentList for Vec<Wumpus> {
         Ok(())
     }
 
-    fn describe(&self) -> Vec<String> {
+    fn describe(&self, _: &Scenario) -> Vec<String> {
         self.iter().map(describe_wumpus).collect()
     }
 

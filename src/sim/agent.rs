@@ -7,6 +7,7 @@ use glam::DVec2;
 
 use crate::collision::ClearanceField;
 use crate::geometry::{Cell, Pose};
+use crate::planning::Planners;
 use crate::planning::memory::MemoryMeter;
 use crate::scenario::{Scenario, Terrain};
 use crate::time::SimTime;
@@ -157,6 +158,7 @@ pub struct Arena<'a> {
     pub terrain: &'a Terrain,
     pub field: &'a Arc<ClearanceField>,
     pub memory: &'a MemoryMeter,
+    pub planners: &'a Planners,
 }
 
 /// Brings an agent into the world, with what its kind has besides, and lets it decide at time 0.

@@ -24,16 +24,19 @@ mod truck;
 mod wake;
 mod wumpus;
 
+use std::time::Duration;
+
 use bevy::ecs::schedule::Schedules;
 use bevy::prelude::*;
 
+use crate::planning::Planners;
 use crate::planning::memory::MemoryMeter;
 use crate::scenario::{MemoryEstimate, MemoryLimit, Scenario};
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
 use crate::timeline::{AgentId, Setting, Timeline};
 
-pub use run::{AgentCost, Run, RunCost, RunError, RunOptions};
+pub use run::{AgentCost, FailureMessages, Run, RunCost, RunError, RunOptions};
 
 use agent::{Agent, Roster};
 use end::Ended;
@@ -45,22 +48,31 @@ use schedule::Pass;
 
 /// Runs a scenario with a seed to its end.
 pub fn run(scenario: &Scenario, seed: u64) -> Result<Run, RunError> {
-    run_with(scenario, seed, RunOptions::default())
+    run_with_options(scenario, seed, &RunOptions::default())
 }
 
 /// Does the same as [`run`], and the timeline also holds what the searches looked at.
 pub fn run_recording_searches(scenario: &Scenario, seed: u64) -> Result<Run, RunError> {
-    run_with(scenario, seed, RunOptions { records_searches: true, ..RunOptions::default() })
+    run_with_options(scenario, seed, &RunOptions { records_searches: true, ..RunOptions::default() })
+}
+
+/// Does the same as [`run`] with planners of one's own, whose names the scenario may give to its trucks.
+///
+/// # Errors
+/// As [`run`], and if a truck's planner is not known or cannot be built.
+pub fn run_with(scenario: &Scenario, seed: u64, planners: &Planners) -> Result<Run, RunError> {
+    run_with_options(scenario, seed, &RunOptions { planners: planners.clone(), ..RunOptions::default() })
 }
 
 /// Does the same as [`run`], with other options.
-pub fn run_with(scenario: &Scenario, seed: u64, options: RunOptions) -> Result<Run, RunError> {
+pub fn run_with_options(scenario: &Scenario, seed: u64, options: &RunOptions) -> Result<Run, RunError> {
     let mut stopwatch = CpuStopwatch::start();
     let mut simulation = Simulation::with(scenario, seed, options)?;
     simulation.advance_to(SimTime::MAX);
     simulation.expect_within_memory()?;
     let mut run = simulation.finish();
-    run.cost.total = stopwatch.lap();
+    let elsewhere: Duration = run.cost.agents.iter().map(|agent| agent.elsewhere).sum();
+    run.cost.total = stopwatch.lap() + elsewhere;
     Ok(run)
 }
 
@@ -85,23 +97,31 @@ struct Memory {
 impl Simulation {
     /// Creates the world at time 0, before anything happened.
     pub fn new(scenario: &Scenario, seed: u64) -> Result<Self, RunError> {
-        Self::with(scenario, seed, RunOptions::default())
+        Self::with(scenario, seed, &RunOptions::default())
     }
 
     /// Creates the same world, which also records what searches looked at.
     pub fn recording_searches(scenario: &Scenario, seed: u64) -> Result<Self, RunError> {
-        Self::with(scenario, seed, RunOptions { records_searches: true, ..RunOptions::default() })
+        Self::with(scenario, seed, &RunOptions { records_searches: true, ..RunOptions::default() })
+    }
+
+    /// Creates the same world with planners of one's own.
+    ///
+    /// # Errors
+    /// As [`Self::new`], and if a truck's planner is not known or cannot be built.
+    pub fn with_planners(scenario: &Scenario, seed: u64, planners: &Planners) -> Result<Self, RunError> {
+        Self::with(scenario, seed, &RunOptions { planners: planners.clone(), ..RunOptions::default() })
     }
 
     /// Creates the same world with other options.
     ///
     /// # Errors
     /// If it cannot be, or would take more memory than the limit; then nothing was allocated for it.
-    pub fn with(scenario: &Scenario, seed: u64, options: RunOptions) -> Result<Self, RunError> {
+    pub fn with(scenario: &Scenario, seed: u64, options: &RunOptions) -> Result<Self, RunError> {
         let estimate = MemoryEstimate::new(scenario);
         let meter = estimate.meter(options.memory)?;
         let mut app = app();
-        let (setting, cost) = setup::fill(app.world_mut(), scenario, seed, &meter, options.records_searches)?;
+        let (setting, cost) = setup::fill(app.world_mut(), scenario, seed, &meter, options)?;
         let mut world = std::mem::take(app.world_mut());
         let schedules = world.remove_resource::<Schedules>().and_then(|mut schedules| schedules.remove(Pass));
         let schedule = schedules.expect("a plugin made the schedule");
@@ -168,9 +188,10 @@ impl Simulation {
     pub fn finish(mut self) -> Run {
         let agents = self.world.resource::<Roster>().0.iter().filter_map(|&entity| self.world.get::<Agent>(entity));
         self.cost.agents = agents.map(|agent| agent.cost.clone()).collect();
-        let events = std::mem::take(&mut self.world.resource_mut::<Recorder>().events);
+        let mut recorder = self.world.resource_mut::<Recorder>();
+        let (events, messages) = (std::mem::take(&mut recorder.events), std::mem::take(&mut recorder.messages));
         let cpu_samples = std::mem::take(&mut self.world.resource_mut::<CpuLog>().0);
-        Run { timeline: Timeline { setting: self.setting, events }, cost: self.cost, cpu_samples }
+        Run { timeline: Timeline { setting: self.setting, events }, cost: self.cost, cpu_samples, messages }
     }
 }
 

@@ -4,10 +4,12 @@ use std::time::Duration;
 
 use bevy::prelude::*;
 
-use crate::planning::Searched;
 use crate::planning::memory::{BytesAfter, Growing, Held, MemoryMeter};
+use crate::planning::{PlanFailure, Searched};
 use crate::time::SimTime;
 use crate::timeline::{AgentFact, AgentId, CpuSample, Event, Fact, FireFact};
+
+use super::run::FailureMessages;
 
 /// Places and edges of all searches of a run together; what searches look at after that is not kept, so that the run
 /// fits the memory and a recording.
@@ -17,6 +19,8 @@ const MAX_RECORDED: usize = 4_000_000;
 #[derive(Resource, Debug)]
 pub struct Recorder {
     pub events: Vec<Event>,
+    /// What there is to say about failed queries.
+    pub messages: FailureMessages,
     /// True if searches are to be recorded.
     pub records_searches: bool,
     /// Places and edges of searches.
@@ -29,7 +33,8 @@ pub struct Recorder {
 impl Recorder {
     pub fn new(memory: &MemoryMeter, records_searches: bool) -> Self {
         let memory = memory.holder(Growing::Timeline);
-        Self { events: Vec::new(), records_searches, searched: 0, beside: 0, memory }
+        let messages = FailureMessages::default();
+        Self { events: Vec::new(), messages, records_searches, searched: 0, beside: 0, memory }
     }
 
     /// Adds a fact. If there is no memory for it, it is left out and the run is over.
@@ -47,6 +52,13 @@ impl Recorder {
 
     pub fn record_fire(&mut self, time: SimTime, fact: FireFact) {
         self.record(time, Fact::Fire(fact));
+    }
+
+    /// Keeps what there is to say about a failed query, if anything.
+    pub fn note_failure(&mut self, time: SimTime, agent: AgentId, failure: PlanFailure, message: Option<&str>) {
+        if let Some(message) = message {
+            self.messages.add(&format!("{agent} at {:.1} s: {failure}: {message}", time.as_seconds()));
+        }
     }
 
     /// Adds what the searches of a plan looked at.

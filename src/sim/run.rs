@@ -1,10 +1,12 @@
 //! What goes into a run beside its scenario, and what comes out of it.
 
+use std::fmt;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::planning::{CpuSource, MakeError, PlannerName, Planners, QueryCpu};
 use crate::scenario::{MemoryExceeded, MemoryLimit, TerrainError};
 use crate::timeline::{AgentId, CpuSample, Timeline};
 
@@ -20,13 +22,37 @@ pub struct AgentCost {
     pub local_search: Duration,
     /// Reachability floods and the lattice searches that follow them.
     pub reachability: Duration,
+    /// The part of the above that no thread of this program spent: a planner's own processes did.
+    #[serde(default)]
+    pub elsewhere: Duration,
+    /// Where the times of a truck's queries come from; of several sources the least trusted.
+    #[serde(default)]
+    pub source: Option<CpuSource>,
 }
 
 impl AgentCost {
     /// Creates the account of an agent that has not planned anything.
     pub fn new(agent: AgentId) -> Self {
         let zero = Duration::ZERO;
-        Self { agent, sampling: zero, connecting: zero, roadmap_search: zero, local_search: zero, reachability: zero }
+        Self {
+            agent,
+            sampling: zero,
+            connecting: zero,
+            roadmap_search: zero,
+            local_search: zero,
+            reachability: zero,
+            elsewhere: zero,
+            source: None,
+        }
+    }
+
+    /// Adds the time of a query that was not measured here, or not only.
+    pub fn add_query(&mut self, cpu: QueryCpu) {
+        self.local_search += cpu.time;
+        if cpu.source != CpuSource::Thread {
+            self.elsewhere += cpu.time;
+        }
+        self.source = self.source.max(Some(cpu.source));
     }
 
     pub fn total(&self) -> Duration {
@@ -54,11 +80,48 @@ pub struct Run {
     /// The same by decision, in order of time: first one entry an agent for building its planner, then one for every
     /// decision that took some.
     pub cpu_samples: Vec<CpuSample>,
+    /// What planners that are not built in had to say about failed queries, or the gate about their paths.
+    pub messages: FailureMessages,
 }
 
-/// The options of a run. They change nothing that happens in it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// Messages about failed queries: the first, and how many there were.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct FailureMessages {
+    pub first: Vec<String>,
+    pub count: u64,
+}
+
+impl FailureMessages {
+    /// The messages that are kept.
+    const KEPT: usize = 20;
+
+    /// The most characters of a message that are kept.
+    const LONGEST: usize = 600;
+
+    pub fn add(&mut self, message: &str) {
+        self.count += 1;
+        if self.first.len() < Self::KEPT {
+            self.first.push(message.chars().take(Self::LONGEST).collect());
+        }
+    }
+}
+
+impl fmt::Display for FailureMessages {
+    /// Writes them one after the other, and how many more there were.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.first.join("; "))?;
+        match self.count - self.first.len() as u64 {
+            0 => Ok(()),
+            more => write!(f, "; and {more} more"),
+        }
+    }
+}
+
+/// The options of a run. Apart from what the planners do that are handed in, they change nothing that happens in it.
+#[derive(Clone, Debug, Default)]
 pub struct RunOptions {
+    /// The planners by name.
+    pub planners: Planners,
     /// True if the timeline also holds what the searches looked at, as
     /// [`AgentFact::Searched`](crate::timeline::AgentFact::Searched). CPU times include recording it.
     pub records_searches: bool,
@@ -75,4 +138,6 @@ pub enum RunError {
     Terrain(#[from] TerrainError),
     #[error("{agent} cannot start: no free place was found for it on this field")]
     NoFreeStart { agent: AgentId },
+    #[error("{agent} has no planner: `{name}` could not be built: {reason}")]
+    NoPlanner { agent: AgentId, name: PlannerName, reason: MakeError },
 }

@@ -19,7 +19,7 @@ use super::fire::{Fires, Ignitions};
 use super::policies::Policies;
 use super::queue::{Due, SimClock, SimQueue};
 use super::recorder::{CpuLog, Recorder};
-use super::run::{RunCost, RunError};
+use super::run::{RunCost, RunError, RunOptions};
 use super::{truck, wumpus};
 
 /// Puts everything into the world and everybody at the start, with the first decisions due. Returns what the timeline
@@ -29,7 +29,7 @@ pub fn fill(
     scenario: &Scenario,
     seed: u64,
     memory: &MemoryMeter,
-    records_searches: bool,
+    options: &RunOptions,
 ) -> Result<(Setting, RunCost), RunError> {
     let mut cost = RunCost::default();
     let mut stopwatch = CpuStopwatch::start();
@@ -49,13 +49,13 @@ pub fn fill(
     }
     queue.push(SimTime::from_seconds(scenario.duration_s), Due::End);
     world.insert_resource(queue);
-    world.insert_resource(Recorder::new(memory, records_searches));
+    world.insert_resource(Recorder::new(memory, options.records_searches));
     world.init_resource::<SimClock>();
     world.init_resource::<CpuLog>();
     world.init_resource::<Roster>();
     world.init_resource::<Policies>();
 
-    let arena = Arena { scenario, seed, terrain: &terrain, field: &field, memory };
+    let arena = Arena { scenario, seed, terrain: &terrain, field: &field, memory, planners: &options.planners };
     let mut starts = Vec::new();
     for (number, settings) in scenario.wumpus.iter().enumerate() {
         starts.push(wumpus::spawn(world, &arena, number as u16, settings)?);

@@ -37,6 +37,10 @@ pub enum RestReason {
     NothingReachable,
     /// A Wumpus that descends into a local minimum from where it stands, whichever cell it goes for.
     LocalMinima,
+    /// A truck whose planner failed on all that burns, where nobody else plans for it.
+    NoPlan,
+    /// An agent that its policy lets wait.
+    Chosen,
 }
 
 impl fmt::Display for RestReason {
@@ -46,6 +50,8 @@ impl fmt::Display for RestReason {
             Self::NothingBurns => "nothing burns that is not another truck's",
             Self::NothingReachable => "nothing reachable",
             Self::LocalMinima => "local minima wherever it goes",
+            Self::NoPlan => "no plan for anything that burns",
+            Self::Chosen => "its policy lets it wait",
         })
     }
 }

@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use wildfire::batch::{Batch, BatchError, BatchPlan, OutputFolder, Record, RunScenario, VariantReport, is_measured};
 use wildfire::geometry::{Cell, FieldFrame, Pose};
-use wildfire::scenario::{Field, Fire, Scenario, Score, Suppression, Unimog, Wumpus};
-use wildfire::sim::{AgentCost, Run, RunCost, RunError};
+use wildfire::scenario::{Field, Fire, Programs, Scenario, Score, Suppression, Unimog, Wumpus};
+use wildfire::sim::{AgentCost, FailureMessages, Run, RunCost, RunError};
 use wildfire::time::SimTime;
 use wildfire::timeline::{
     AgentId, AgentStart, Body, Cause, EndReason, Event, Fact, FireFact, Rules, Setting, Timeline,
@@ -24,6 +24,8 @@ fn scenario() -> Scenario {
         wumpus: vec![Wumpus::default()],
         unimog: vec![Unimog::default()],
         ignition: Vec::new(),
+        planner: Programs::new(),
+        policy: Programs::new(),
     }
 }
 
@@ -88,6 +90,7 @@ pub fn made_up_run(_: &Scenario, seed: u64) -> Result<Run, RunError> {
         roadmap_search: part,
         local_search: part,
         reachability: part,
+        ..AgentCost::new(agent)
     };
     let cost = RunCost {
         terrain: part,
@@ -95,7 +98,7 @@ pub fn made_up_run(_: &Scenario, seed: u64) -> Result<Run, RunError> {
         agents: vec![cost(AgentId::wumpus(0)), cost(AgentId::unimog(0))],
         total: part * 20,
     };
-    Ok(Run { timeline: made_up_timeline(seed), cost, cpu_samples: Vec::new() })
+    Ok(Run { timeline: made_up_timeline(seed), cost, cpu_samples: Vec::new(), messages: FailureMessages::default() })
 }
 
 pub fn run(folder: &Path, seeds: &str, jobs: usize) -> VariantReport {

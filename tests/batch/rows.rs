@@ -86,8 +86,8 @@ fn failed_run_is_a_row_with_its_reason_and_without_numbers() {
     assert_eq!((report.tally.done, report.tally.failed, report.tally.panicked), (2, 1, 0));
     let (_, rows) = rows(&scratch.path().join("runs.csv"));
     let reason = RunError::NoFreeStart { agent: AgentId::wumpus(0) }.to_string();
-    let planner = Unimog::default().planner.name();
-    assert_eq!(rows[1][..6], ["made-up", "8", "2", planner, "failed", &reason]);
+    let planner = Unimog::default().planner;
+    assert_eq!(rows[1][..6], ["made-up", "8", "2", planner.name(), "failed", &reason]);
     let (numbers, wall) = rows[1][6..].split_at(rows[1].len() - 7);
     assert!(numbers.iter().all(String::is_empty));
     assert!(!wall[0].is_empty(), "the time that it took is known");

@@ -86,6 +86,7 @@ mod tests {
             roadmap_search: part(3),
             local_search: part(4),
             reachability: part(5),
+            ..AgentCost::new(agent)
         }
     }
 

@@ -150,7 +150,7 @@ impl Batch {
     /// of them the batch can be resumed.
     pub fn run(&mut self, jobs: usize, stop: &Arc<AtomicBool>, on_run: impl FnMut(Status)) -> Result<(), BatchError> {
         let options = RunOptions { memory: self.plan.memory, ..RunOptions::default() };
-        let run = move |scenario: &Scenario, seed| sim::run_with(scenario, seed, options);
+        let run = move |scenario: &Scenario, seed| sim::run_with_options(scenario, seed, &options);
         self.run_with(Box::new(run), jobs, stop, on_run)
     }
 

@@ -159,7 +159,7 @@ impl Work {
         match caught {
             Ok(Ok((outcome, detail, done))) => {
                 let row = RunRow::done(run.label(), RunResult::new(outcome, done.cost), wall);
-                (RunRow { detail, ..row }, Some(done.timeline))
+                (RunRow { detail, message: done.messages.to_string(), ..row }, Some(done.timeline))
             }
             Ok(Err(error)) => not_done(Status::Failed, error.to_string()),
             Err(panic) => {

@@ -160,7 +160,7 @@ fn look_at_file(path: &Path, step: SampleStep, difference: impl Fn(&Timeline) ->
 /// Makes a run once more, within the memory that it had.
 fn look_again(run: &PlannedRun<'_>, memory: MemoryLimit, row: Option<&RunRecord>, step: SampleStep) -> Finding {
     let options = RunOptions { memory, ..RunOptions::default() };
-    match panics::catch(|| sim::run_with(&run.variant.scenario, run.seed, options)) {
+    match panics::catch(|| sim::run_with_options(&run.variant.scenario, run.seed, &options)) {
         Ok(Ok(again)) => {
             let difference = difference(run, row, &again.timeline, again.cost);
             Finding::Simulated(audit_timeline(&again.timeline, step), difference)

@@ -9,7 +9,7 @@
 use crate::batch::execute::{CpuSplit, PlannerCall, RunRow, StateCount};
 use crate::batch::plan::{RunLabel, Value};
 use crate::batch::table::column::{Column, Kind, Phrase, Unit};
-use crate::sim::AgentCost;
+use crate::sim::{AgentCost, RunCost};
 use crate::timeline::{AgentOutcome, Outcome, Winner};
 
 /// A column of `runs.csv`.
@@ -50,7 +50,7 @@ pub fn is_measured(name: &str) -> bool {
     name.starts_with("cpu_") || name.starts_with("wall_")
 }
 
-/// Without trucks there is no planner, and a run that is done has no message.
+/// Without trucks there is no planner, and most runs that are done have no message.
 fn unless_empty(text: &str) -> Option<String> {
     (!text.is_empty()).then(|| text.to_owned())
 }
@@ -85,6 +85,11 @@ fn wumpuses_longest(row: &RunRow, value: impl Fn(&AgentOutcome) -> f64) -> Value
 
 fn cpu(row: &RunRow, value: impl Fn(&CpuSplit) -> f64) -> Value {
     row.result.as_ref().map(|result| value(&result.cpu)).into()
+}
+
+fn cpu_source(cost: &RunCost) -> Option<String> {
+    let least_trusted = cost.agents.iter().filter_map(|agent| agent.source).max();
+    least_trusted.map(|source| source.name().to_owned())
 }
 
 fn winner(outcome: &Outcome) -> String {
@@ -132,7 +137,8 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     planner: optional Text None "planner of the trucks; `;` between those of trucks that differ"
         = unless_empty(&row.label.planner);
     status: Text None "done, failed or panicked" = row.status.to_string();
-    message: optional Text None "why a run is not done" = unless_empty(&row.message);
+    message: optional Text None "why a run is not done, or what its planners had to say about failed queries"
+        = unless_empty(&row.message);
     obstacles: optional Count Cells "bush cells of the field" = outcome(row, |o| o.obstacles);
     intact: optional Count Cells "cells that never burned, at the end"
         = outcome(row, |o| o.intact), with_title("Intact");
@@ -182,6 +188,12 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
         = trucks_count(row, |a| a.failures[2].into());
     truck_failed_budget_spent: optional Count None "failed queries: the budget of expansions ran out"
         = trucks_count(row, |a| a.failures[3].into());
+    truck_failed_timed_out: optional Count None "failed queries: a planner that is not built in did not answer in time"
+        = trucks_count(row, |a| a.failures[5].into());
+    truck_failed_crashed: optional Count None "failed queries: a planner that is not built in ended or failed"
+        = trucks_count(row, |a| a.failures[6].into());
+    truck_failed_bad_answer: optional Count None "failed queries: an answer that is no path, or must not be driven"
+        = trucks_count(row, |a| a.failures[7].into());
     truck_lattice_plans: optional Count None "plans that the reachability flood found after the planner had failed"
         = trucks_count(row, |a| a.lattice_plans.into());
     truck_roadmap_samples: optional Count None "milestones of the roadmaps"
@@ -245,6 +257,9 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
         = cpu(row, |c| c.reachability_s), with_title("Reachability");
     cpu_terrain_s: optional Real Seconds "CPU time: drawing the field" = cpu(row, |c| c.terrain_s);
     cpu_run_s: optional Real Seconds "CPU time: the whole run" = cpu(row, |c| c.run_s);
+    cpu_source: optional Text None
+        "who measured queries of planners that are not built in: thread, process, reported; the least trusted of them"
+        = row.result.as_ref().and_then(|result| cpu_source(&result.cost));
     wall_run_s: Real Seconds "real time: the whole run" = row.wall.as_secs_f64();
 };
 
@@ -263,6 +278,12 @@ pub const AGENT_COLUMNS: &[AgentColumn] = columns! { AgentColumn, row;
     failed_disconnected: Count None "failed queries: start and goal are not connected" = row.outcome.failures[2];
     failed_budget_spent: Count None "failed queries: the budget of expansions ran out" = row.outcome.failures[3];
     failed_local_minimum: Count None "failed queries: a descent ended in a local minimum" = row.outcome.failures[4];
+    failed_timed_out: Count None "failed queries: a planner that is not built in did not answer in time"
+        = row.outcome.failures[5];
+    failed_crashed: Count None "failed queries: a planner that is not built in ended or failed"
+        = row.outcome.failures[6];
+    failed_bad_answer: Count None "failed queries: an answer that is no path, or must not be driven"
+        = row.outcome.failures[7];
     lattice_plans: Count None "plans that the reachability flood found after the planner had failed"
         = row.outcome.lattice_plans;
     local_minima: Count None "local minima that descents on a potential field met" = row.outcome.local_minima;
@@ -294,6 +315,9 @@ pub const AGENT_COLUMNS: &[AgentColumn] = columns! { AgentColumn, row;
         = row.cost.map(|cost| cost.local_search.as_secs_f64());
     cpu_reachability_s: optional Real Seconds "CPU time: reachability floods and the searches in them"
         = row.cost.map(|cost| cost.reachability.as_secs_f64());
+    cpu_source: optional Text None
+        "who measured queries of a planner that is not built in: thread, process, reported; the least trusted of them"
+        = row.cost.and_then(|cost| cost.source).map(|source| source.name().to_owned());
 };
 
 /// The columns of `planner_calls.parquet`, in their order, after those of the run.

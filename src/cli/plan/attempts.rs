@@ -3,10 +3,12 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::cli::plan::drive::{Drive, Judge};
+use thiserror::Error;
+
+use crate::cli::plan::drive::{Drive, SecondOpinion};
 use crate::collision::{ClearanceField, CollisionChecker};
-use crate::planning::{PlanFailure, TruckPlannerKind};
-use crate::scenario::{MemoryEstimate, MemoryExceeded, MemoryLimit, Problem, Unimog};
+use crate::planning::{MakeError, PlanFailure, PlannerName, Planners};
+use crate::scenario::{MemoryEstimate, MemoryExceeded, MemoryLimit, PlannerContext, Problem, Programs, Unimog};
 use crate::time::cpu::CpuStopwatch;
 
 /// A planner's answer to one goal of a problem.
@@ -15,13 +17,36 @@ pub struct Attempt<'a> {
     pub problem: &'a Problem,
     /// Its place in the problem's list.
     pub goal: usize,
-    pub planner: TruckPlannerKind,
+    pub planner: PlannerName,
     /// CPU time of the clearance field and of the planner's own preparation, the same for all goals of a problem.
     pub build: Duration,
     /// CPU time of the query.
     pub query: Duration,
     pub expansions: u64,
     pub drive: Result<Drive, PlanFailure>,
+    /// What there is to say about a failure besides its reason.
+    pub message: Option<String>,
+}
+
+/// Who is asked, and how.
+#[derive(Clone, Copy)]
+pub struct Question<'a> {
+    pub planners: &'a [PlannerName],
+    /// What makes those that are not built in.
+    pub makers: &'a Planners,
+    /// The tables of those.
+    pub programs: &'a Programs,
+    pub seed: u64,
+    pub limit: MemoryLimit,
+}
+
+/// Why nobody was asked.
+#[derive(Debug, Error)]
+pub enum AttemptError {
+    #[error(transparent)]
+    Memory(#[from] MemoryExceeded),
+    #[error("the planner `{name}` could not be built: {reason}")]
+    NoPlanner { name: PlannerName, reason: MakeError },
 }
 
 /// All planners on all goals of a problem, goal by goal.
@@ -29,41 +54,41 @@ pub struct Attempt<'a> {
 /// Random streams have the names that a run's first truck has, so that both plan alike.
 ///
 /// # Errors
-/// If they would take more memory than the limit.
-pub fn attempts<'a>(
-    problem: &'a Problem,
-    planners: &[TruckPlannerKind],
-    seed: u64,
-    limit: MemoryLimit,
-) -> Result<Vec<Attempt<'a>>, MemoryExceeded> {
+/// If they would take more memory than the limit, or one of them cannot be built.
+pub fn attempts<'a>(problem: &'a Problem, question: &Question<'_>) -> Result<Vec<Attempt<'a>>, AttemptError> {
+    let &Question { planners, makers, programs, seed, limit } = question;
     let estimate = MemoryEstimate::from_problem(problem, planners);
     estimate.meter(limit)?;
     let mut stopwatch = CpuStopwatch::start();
     let field = Arc::new(ClearanceField::new(problem.terrain.frame, &problem.terrain.occupied));
     let checker = CollisionChecker::new(field, problem.truck.vehicle);
     let field_time = stopwatch.lap();
-    let judge = Judge::new(problem, &checker);
+    let opinion = SecondOpinion::new(problem, &checker);
     let mut by_planner = Vec::new();
-    for &planner in planners {
+    for planner in planners {
         let memory = estimate.meter(limit)?;
-        let truck = Unimog { planner, ..problem.truck.clone() };
+        let truck = Unimog { planner: planner.clone(), ..problem.truck.clone() };
         let mut stopwatch = CpuStopwatch::start();
-        let mut prepared = truck.build_planner(&checker, &memory, seed, 0);
+        let context = PlannerContext { truck: 0, seed, checker: &checker, memory: &memory, planners: makers, programs };
+        let no_planner = |reason| AttemptError::NoPlanner { name: planner.clone(), reason };
+        let mut prepared = truck.make_planner(&context).map_err(no_planner)?;
         let build = field_time + stopwatch.lap();
         let mut attempts = Vec::new();
         for (goal, &target) in problem.goals.iter().enumerate() {
             // The time spent on measuring the last path is not part of this query.
             stopwatch.lap();
             let plan = prepared.plan(problem.start, target);
-            let query = stopwatch.lap();
+            let spent = stopwatch.lap();
+            let query = plan.cpu.map_or(spent, |cpu| cpu.time);
             let expansions = u64::from(plan.effort.roadmap_expansions) + u64::from(plan.effort.local_expansions);
-            let drive = plan.path.map(|path| judge.drive(target, path));
-            attempts.push(Attempt { problem, goal, planner, build, query, expansions, drive });
+            let drive = plan.path.map(|path| opinion.drive(target, path));
+            let (planner, message) = (planner.clone(), plan.message);
+            attempts.push(Attempt { problem, goal, planner, build, query, expansions, drive, message });
         }
         by_planner.push(attempts.into_iter());
         // Each planner is gone when the next is made: its memory is no longer taken.
         drop(prepared);
-        estimate.overrun(&memory, limit).map_or(Ok(()), Err)?;
+        estimate.overrun(&memory, limit).map_or(Ok(()), |exceeded| Err(AttemptError::from(exceeded)))?;
     }
     let next_of_each = |_| by_planner.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>();
     Ok((0..problem.goals.len()).flat_map(next_of_each).collect())

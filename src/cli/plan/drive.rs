@@ -1,65 +1,46 @@
-//! Figures of a path, and a check of the rules.
+//! Paths with their figures, and a check of the rules by other shapes.
 
 use crate::audit::{AuditField, MotionLimits, Outline, SampleStep, audit_leg};
 use crate::collision::CollisionChecker;
 use crate::geometry::{Pose, ops};
-use crate::planning::Goal;
+use crate::planning::judge::{DriveFigures, Judge};
+use crate::planning::{END_M, END_RAD, Goal};
 use crate::scenario::Problem;
 use crate::time::SimTime;
 use crate::timeline::Body;
 use crate::trajectory::{SpeedLimits, Trajectory};
-use crate::vehicle::{Dimensions, Path, ReedsShepp};
-
-/// Spacing of the poses whose clearance is looked at, metres.
-const SPACING_M: f64 = 0.02;
-
-/// The tolerances of the end of a path, metres and radians.
-const END_M: f64 = 1e-3;
-const END_RAD: f64 = 1e-3;
+use crate::vehicle::{Dimensions, Path};
 
 /// A path, its figures, and what is wrong with it.
 #[derive(Debug)]
 pub struct Drive {
     pub path: Path,
-    pub length_m: f64,
-    /// Over what no path can be shorter than; `None` where that is 0.
-    pub lower_bound_ratio: Option<f64>,
-    /// The least of the poses every 2 cm, border included; exact below a metre, no more than the truth above.
-    pub min_clearance_m: f64,
-    pub cusps: u32,
-    /// From standstill to standstill.
-    pub drive_s: f64,
+    pub figures: DriveFigures,
     /// The first violation, in words.
     pub violation: Option<String>,
 }
 
 /// Measures paths from the start of one problem and checks them by shapes that planners do not use.
-pub struct Judge<'a> {
+pub struct SecondOpinion<'a> {
     start: Pose,
     checker: &'a CollisionChecker,
+    judge: Judge,
     audit_field: AuditField,
     limits: SpeedLimits,
 }
 
-impl<'a> Judge<'a> {
+impl<'a> SecondOpinion<'a> {
     pub fn new(problem: &Problem, checker: &'a CollisionChecker) -> Self {
         let outline = Outline::new(&Body::Truck(problem.truck.vehicle));
         let audit_field = AuditField::new(problem.terrain.frame, &problem.terrain.bushes, outline);
-        Self { start: problem.start, checker, audit_field, limits: problem.truck.speed_limits() }
+        let judge = Judge::new(checker.clone());
+        Self { start: problem.start, checker, judge, audit_field, limits: problem.truck.speed_limits() }
     }
 
     pub fn drive(&self, goal: Goal, path: Path) -> Drive {
         let trajectory = Trajectory::from_path(&path, SimTime::ZERO, self.limits);
-        // The sum of no segments is -0.
-        let length_m = path.length_m() + 0.0;
-        let bound_m = lower_bound_m(self.start, goal, self.checker.body());
-        let clearances = path.samples(SPACING_M).map(|(_, pose)| self.checker.clearance(pose));
         Drive {
-            length_m,
-            lower_bound_ratio: (bound_m > 0.0).then(|| length_m / bound_m),
-            min_clearance_m: clearances.fold(f64::INFINITY, f64::min),
-            cusps: path.cusps(),
-            drive_s: trajectory.duration_s(),
+            figures: self.judge.figures(self.start, goal, &path, self.limits),
             violation: self.violation(goal, &trajectory),
             path,
         }
@@ -90,18 +71,6 @@ fn missed(goal: Goal, pose: Pose, body: &Dimensions) -> Option<String> {
     (!is_met).then(|| format!("{gap_m:.4} m and {:.4} rad", turn.abs()))
 }
 
-/// Bounds the length of paths from below: the length of the Reeds-Shepp curve, or the way of the body's centre into the disc
-/// over how much farther it can move than the rear axle.
-pub fn lower_bound_m(start: Pose, goal: Goal, body: &Dimensions) -> f64 {
-    match goal {
-        Goal::Pose(goal) => ReedsShepp { radius_m: body.turning_radius_m }.length_m(start, goal),
-        Goal::Disc(disc) => {
-            let gap_m = body.body_centre(start).distance(disc.centre) - disc.radius_m;
-            gap_m.max(0.0) / ops::hypot(1.0, body.centre_offset_m() * body.max_curvature())
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
@@ -130,7 +99,7 @@ mod tests {
         let terrain = Terrain::from_occupied(frame, occupied);
         let truck = Unimog::default();
         let problem = Problem { name: "test".into(), terrain, truck, start: START, goals: vec![goal] };
-        Judge::new(&problem, &checker).drive(goal, path)
+        SecondOpinion::new(&problem, &checker).drive(goal, path)
     }
 
     fn pose(x: f64) -> Goal {
@@ -140,11 +109,15 @@ mod tests {
     #[test]
     fn a_straight_drive_has_the_figures_that_one_can_reckon() {
         let drive = judged(pose(45.0), straight(25.0));
-        assert_eq!((drive.violation, drive.cusps, drive.length_m), (None, 0, 25.0));
-        assert!((drive.lower_bound_ratio.expect("it is not there yet") - 1.0).abs() < 1e-12);
-        assert!((drive.drive_s - 25.0 / Unimog::default().speed_mps).abs() < 1e-9);
+        assert_eq!((drive.violation, drive.figures.cusps, drive.figures.length_m), (None, 0, 25.0));
+        assert!((drive.figures.lower_bound_ratio.expect("it is not there yet") - 1.0).abs() < 1e-12);
+        assert!((drive.figures.drive_s - 25.0 / Unimog::default().speed_mps).abs() < 1e-9);
         // The front bumper is 3.95 m ahead of the rear axle.
-        assert!((drive.min_clearance_m - (50.0 - 45.0 - 3.95)).abs() < 0.1, "{}", drive.min_clearance_m);
+        assert!(
+            (drive.figures.min_clearance_m - (50.0 - 45.0 - 3.95)).abs() < 0.1,
+            "{}",
+            drive.figures.min_clearance_m
+        );
     }
 
     #[test]
@@ -165,18 +138,6 @@ mod tests {
     fn nothing_bounds_a_drive_that_is_there_already() {
         let disc = Goal::Disc(GoalDisc { centre: DVec2::new(25.0, 25.0), radius_m: 10.0 });
         let drive = judged(disc, Path::standing(START));
-        assert_eq!((drive.violation, drive.lower_bound_ratio, drive.drive_s), (None, None, 0.0));
-    }
-
-    #[test]
-    fn no_drive_into_a_disc_is_shorter_than_its_bound() {
-        let body = Dimensions::default();
-        // Round in a circle, the body's centre moves farther than the rear axle.
-        for metres in [1.0, 5.0, 20.0] {
-            let path =
-                Path { start: START, segments: vec![Segment { curvature: body.max_curvature(), length_m: metres }] };
-            let disc = GoalDisc { centre: body.body_centre(path.end()), radius_m: 0.0 };
-            assert!(lower_bound_m(START, Goal::Disc(disc), &body) <= metres);
-        }
+        assert_eq!((drive.violation, drive.figures.lower_bound_ratio, drive.figures.drive_s), (None, None, 0.0));
     }
 }

@@ -12,7 +12,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 
-use attempts::attempts;
+use attempts::{Question, attempts};
 use problems::ProblemArguments;
 use report::{PlanReport, Summary};
 
@@ -23,7 +23,7 @@ use crate::cli::output_files::{self, Files, Format};
 use crate::cli::report::FormArguments;
 use crate::cli::terminal;
 use crate::input_file::is_standard_stream;
-use crate::planning::TruckPlannerKind;
+use crate::planning::{PlannerName, Planners, TruckPlannerKind};
 use crate::scenario::{LoadedScenario, Problem};
 
 const EXAMPLES: &str = "\
@@ -41,7 +41,7 @@ pub struct PlanArguments {
     pub problems: ProblemArguments,
     /// The planner; several names, with commas or repeated, are compared [default: the scenario's].
     #[arg(long = "planner", value_name = "NAME", value_delimiter = ',')]
-    pub planners: Vec<TruckPlannerKind>,
+    pub planners: Vec<PlannerName>,
     /// The scenario whose first truck's settings planners have: a file, or a built-in name.
     #[arg(long, value_name = "SCENARIO", default_value = "contest")]
     pub scenario: String,
@@ -74,12 +74,17 @@ pub fn run(arguments: &PlanArguments, quiet: bool) -> Result<ExitCode, CliError>
     let words = files(arguments, &pictures).check()?;
     let mut all = Vec::new();
     for problem in &problems {
-        let attempts = attempts(problem, &planners, arguments.problems.seed, arguments.memory.limit());
-        let exceeded =
-            |exceeded| CliError::run_failed(format_args!("planning on the field {}: {exceeded}", problem.name));
-        all.extend(attempts.map_err(exceeded)?);
+        let question = Question {
+            planners: &planners,
+            makers: &Planners::default(),
+            programs: &loaded.scenario.planner,
+            seed: arguments.problems.seed,
+            limit: arguments.memory.limit(),
+        };
+        let failed = |error| CliError::run_failed(format_args!("planning on the field {}: {error}", problem.name));
+        all.extend(attempts(problem, &question).map_err(failed)?);
     }
-    let summaries = planners.iter().map(|&planner| Summary::new(planner, &all)).collect();
+    let summaries = planners.iter().map(|planner| Summary::new(planner, &all)).collect();
     let report = PlanReport {
         loaded: &loaded,
         changes: &arguments.overrides,
@@ -98,9 +103,9 @@ pub fn run(arguments: &PlanArguments, quiet: bool) -> Result<ExitCode, CliError>
 }
 
 /// The planners that were named, each once, or else the truck's own.
-fn planners(arguments: &PlanArguments, problems: &[Problem]) -> Vec<TruckPlannerKind> {
-    let own = problems.iter().take(1).map(|problem| problem.truck.planner);
-    let named = arguments.planners.iter().copied();
+fn planners(arguments: &PlanArguments, problems: &[Problem]) -> Vec<PlannerName> {
+    let own = problems.iter().take(1).map(|problem| problem.truck.planner.clone());
+    let named = arguments.planners.iter().cloned();
     let mut planners = Vec::new();
     for planner in named.chain(own.filter(|_| arguments.planners.is_empty())) {
         if !planners.contains(&planner) {

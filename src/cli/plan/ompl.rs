@@ -36,14 +36,14 @@ const PROPERTIES: [Property; 13] = [
     ("approximate solution BOOLEAN", |_, _| boolean(false)),
     ("build time REAL", |attempt, _| Some(attempt.build.as_secs_f64().to_string())),
     ("correct solution BOOLEAN", |attempt, _| boolean(attempt.drive.as_ref().is_ok_and(|d| d.violation.is_none()))),
-    ("cusps INTEGER", |attempt, _| figure(attempt, |drive| Some(drive.cusps.into()))),
-    ("drive time REAL", |attempt, _| figure(attempt, |drive| Some(drive.drive_s))),
+    ("cusps INTEGER", |attempt, _| figure(attempt, |drive| Some(drive.figures.cusps.into()))),
+    ("drive time REAL", |attempt, _| figure(attempt, |drive| Some(drive.figures.drive_s))),
     ("expansions INTEGER", |attempt, _| Some(attempt.expansions.to_string())),
     ("goal INTEGER", |attempt, _| Some(attempt.goal.to_string())),
-    ("lower bound ratio REAL", |attempt, _| figure(attempt, |drive| drive.lower_bound_ratio)),
+    ("lower bound ratio REAL", |attempt, _| figure(attempt, |drive| drive.figures.lower_bound_ratio)),
     ("problem INTEGER", |attempt, report| Some(report.number_of(attempt.problem).to_string())),
-    ("solution clearance REAL", |attempt, _| figure(attempt, |drive| Some(drive.min_clearance_m))),
-    ("solution length REAL", |attempt, _| figure(attempt, |drive| Some(drive.length_m))),
+    ("solution clearance REAL", |attempt, _| figure(attempt, |drive| Some(drive.figures.min_clearance_m))),
+    ("solution length REAL", |attempt, _| figure(attempt, |drive| Some(drive.figures.length_m))),
     ("solved BOOLEAN", |attempt, _| boolean(attempt.drive.is_ok())),
     ("time REAL", |attempt, _| Some(attempt.query.as_secs_f64().to_string())),
 ];
@@ -53,7 +53,7 @@ const PROPERTIES: [Property; 13] = [
 pub fn write_log(path: &Path, report: &PlanReport) -> io::Result<()> {
     let mut log = WholeFile::create(path)?;
     write_head(&mut log, report)?;
-    for &planner in report.planners {
+    for planner in report.planners {
         writeln!(log, "{}", planner.name())?;
         let settings = planner_settings(planner, report.loaded);
         writeln!(log, "{} common properties", settings.len())?;
@@ -61,7 +61,7 @@ pub fn write_log(path: &Path, report: &PlanReport) -> io::Result<()> {
         writeln!(log, "{} properties for each run", PROPERTIES.len() + 1)?;
         PROPERTIES.iter().try_for_each(|(name, _)| writeln!(log, "{name}"))?;
         writeln!(log, "status ENUM")?;
-        let runs: Vec<_> = report.attempts.iter().filter(|attempt| attempt.planner == planner).collect();
+        let runs: Vec<_> = report.attempts.iter().filter(|attempt| attempt.planner == *planner).collect();
         writeln!(log, "{} runs", runs.len())?;
         runs.into_iter().try_for_each(|run| write_run(&mut log, run, report))?;
         writeln!(log, ".")?;
@@ -107,9 +107,10 @@ fn status(run: &Attempt) -> usize {
         Ok(_) => "Exact solution",
         Err(PlanFailure::StartBlocked) => "Invalid start",
         Err(PlanFailure::GoalBlocked) => "Invalid goal",
-        Err(PlanFailure::BudgetSpent) => "Timeout",
+        Err(PlanFailure::BudgetSpent | PlanFailure::TimedOut) => "Timeout",
         Err(PlanFailure::Disconnected) => "Infeasible",
-        Err(PlanFailure::LocalMinimum) => "Unknown status",
+        Err(PlanFailure::Crashed) => "Crash",
+        Err(PlanFailure::LocalMinimum | PlanFailure::BadAnswer) => "Unknown status",
     };
     STATUSES.iter().position(|status| *status == word).expect("every word is one of them")
 }

@@ -1,19 +1,16 @@
 //! The planning problems: from files, or on the field of a scenario.
 
-use std::f64::consts::TAU;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args;
-use rand::RngExt;
 use rand::seq::SliceRandom;
 
 use crate::cli::args::parse_seed;
 use crate::cli::error::CliError;
 use crate::cli::numbers;
 use crate::collision::{ClearanceField, CollisionChecker};
-use crate::geometry::Pose;
-use crate::planning::{Goal, GoalDisc};
+use crate::planning::{Goal, GoalDisc, free_poses};
 use crate::rng;
 use crate::scenario::{MAX_GOALS, Problem, Scenario, Unimog};
 
@@ -22,9 +19,6 @@ const GOALS: usize = 50;
 
 /// The clearance of random goal poses from bushes and border, metres.
 const GOAL_CLEARANCE_M: f64 = 0.5;
-
-/// Poses drawn for one that is free, until the field counts as full.
-const DRAWS_A_GOAL: usize = 10_000;
 
 /// The fields to plan on, and the goals there.
 #[derive(Debug, Args)]
@@ -102,23 +96,20 @@ fn on_the_scenario(arguments: &ProblemArguments, scenario: &Scenario) -> Result<
     let problem = Problem::from_scenario(scenario, arguments.seed).map_err(|error| CliError::bad_input(error, None))?;
     let mut problem = problem.ok_or_else(|| no_truck(scenario))?;
     if arguments.cells.is_none() {
-        problem.goals = free_poses(&problem, arguments.goals.unwrap_or(GOALS), arguments.seed)?;
+        problem.goals = goal_poses(&problem, arguments.goals.unwrap_or(GOALS), arguments.seed)?;
     }
     Ok(problem)
 }
 
-fn free_poses(problem: &Problem, count: usize, seed: u64) -> Result<Vec<Goal>, CliError> {
-    let frame = problem.terrain.frame;
-    let field = Arc::new(ClearanceField::new(frame, &problem.terrain.occupied));
+fn goal_poses(problem: &Problem, count: usize, seed: u64) -> Result<Vec<Goal>, CliError> {
+    let field = Arc::new(ClearanceField::new(problem.terrain.frame, &problem.terrain.occupied));
     let checker = CollisionChecker::new(field, problem.truck.vehicle);
     let mut rng = rng::stream(seed, "plan/goals");
-    let mut draw = || {
-        let (x, y) = (rng.random_range(0.0..frame.width_m()), rng.random_range(0.0..frame.height_m()));
-        Pose::new(x, y, rng.random_range(0.0..TAU))
-    };
-    let mut free = || (0..DRAWS_A_GOAL).map(|_| draw()).find(|pose| checker.pose_is_free(*pose, GOAL_CLEARANCE_M));
-    let full = || CliError::bad_input(format_args!("the field `{}` has no room for goals", problem.name), None);
-    (0..count).map(|_| free().map(Goal::Pose).ok_or_else(full)).collect()
+    let goals: Vec<Goal> = free_poses(&checker, GOAL_CLEARANCE_M, &mut rng).take(count).map(Goal::Pose).collect();
+    if goals.len() < count {
+        return Err(CliError::bad_input(format_args!("the field `{}` has no room for goals", problem.name), None));
+    }
+    Ok(goals)
 }
 
 /// Discs about random bushes, no bush twice.

@@ -11,7 +11,7 @@ use crate::cli::plan::tables::Row;
 use crate::document::number::{count, optional, rounded};
 use crate::document::{Block, Document, Table};
 use crate::picture::{DriveScene, DrivenWays, Picture, draw_drives};
-use crate::planning::{Goal, PlanFailure, TruckPlannerKind};
+use crate::planning::{Goal, PlanFailure, PlannerName, TruckPlannerKind};
 use crate::scenario::{LoadedScenario, Problem};
 use crate::vehicle::Path;
 
@@ -33,7 +33,7 @@ pub struct PlanReport<'a> {
     pub changes: &'a [String],
     pub seed: u64,
     pub problems: &'a [Problem],
-    pub planners: &'a [TruckPlannerKind],
+    pub planners: &'a [PlannerName],
     /// Problem by problem, goal by goal, planner by planner.
     pub attempts: Vec<Attempt<'a>>,
     /// In the order of the planners.
@@ -52,7 +52,7 @@ impl PlanReport<'_> {
 /// A quantile is the value of the rank nearest to it.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
-    pub planner: TruckPlannerKind,
+    pub planner: PlannerName,
     pub goals: usize,
     pub reached: usize,
     pub cpu_query_median_s: f64,
@@ -73,26 +73,26 @@ pub struct Summary {
 
 impl Summary {
     /// The figures of a planner that was asked at least once.
-    pub fn new(planner: TruckPlannerKind, attempts: &[Attempt]) -> Self {
-        let own: Vec<&Attempt> = attempts.iter().filter(|attempt| attempt.planner == planner).collect();
+    pub fn new(planner: &PlannerName, attempts: &[Attempt]) -> Self {
+        let own: Vec<&Attempt> = attempts.iter().filter(|attempt| attempt.planner == *planner).collect();
         let drives: Vec<&Drive> = own.iter().filter_map(|attempt| attempt.drive.as_ref().ok()).collect();
         let queries = sorted(own.iter().map(|attempt| attempt.query.as_secs_f64()));
         let builds = own.iter().filter(|attempt| attempt.goal == 0).map(|attempt| attempt.build.as_secs_f64());
         let first = own.iter().filter(|attempt| attempt.goal < FIRST_GOALS);
-        let first = first.filter_map(|attempt| attempt.drive.as_ref().ok()?.lower_bound_ratio);
+        let first = first.filter_map(|attempt| attempt.drive.as_ref().ok()?.figures.lower_bound_ratio);
         Self {
-            planner,
+            planner: planner.clone(),
             goals: own.len(),
             reached: drives.len(),
             cpu_query_median_s: quantile(&queries, 0.5).unwrap_or(0.0),
             cpu_query_p95_s: quantile(&queries, 0.95).unwrap_or(0.0),
             cpu_query_max_s: quantile(&queries, 1.0).unwrap_or(0.0),
             cpu_build_median_s: quantile(&sorted(builds), 0.5).unwrap_or(0.0),
-            lower_bound_ratio_mean: mean(drives.iter().filter_map(|drive| drive.lower_bound_ratio)),
+            lower_bound_ratio_mean: mean(drives.iter().filter_map(|drive| drive.figures.lower_bound_ratio)),
             first_lower_bound_ratio_mean: mean(first),
-            min_clearance_median_m: quantile(&sorted(drives.iter().map(|drive| drive.min_clearance_m)), 0.5),
-            cusps_mean: mean(drives.iter().map(|drive| drive.cusps.into())),
-            drive_mean_s: mean(drives.iter().map(|drive| drive.drive_s)),
+            min_clearance_median_m: quantile(&sorted(drives.iter().map(|drive| drive.figures.min_clearance_m)), 0.5),
+            cusps_mean: mean(drives.iter().map(|drive| drive.figures.cusps.into())),
+            drive_mean_s: mean(drives.iter().map(|drive| drive.figures.drive_s)),
             violations: drives.iter().filter(|drive| drive.violation.is_some()).count(),
         }
     }
@@ -115,12 +115,18 @@ fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
     Some(sorted[(last as f64 * share).round() as usize])
 }
 
-/// The values of a planner's settings of the first truck, by names such as `hybrid.shortcuts`.
-pub fn planner_settings(planner: TruckPlannerKind, loaded: &LoadedScenario) -> Vec<(String, String)> {
+/// The values of a planner's settings of the first truck, by names such as `hybrid.shortcuts`; of one that is not built
+/// in, those of its table.
+pub fn planner_settings(planner: &PlannerName, loaded: &LoadedScenario) -> Vec<(String, String)> {
+    let tables = planner.built_in().map_or(&[][..], |kind| TruckPlannerKind::maker(kind).tables());
+    let of_program = format!("planner.{planner}.");
     let own = |name: String| {
+        if let Some(setting) = name.strip_prefix(&of_program) {
+            return Some(setting.to_owned());
+        }
         let name = name.strip_prefix("unimog.0.")?;
         let table = name.split_once('.')?.0;
-        planner.maker().tables().contains(&table).then(|| name.to_owned())
+        tables.contains(&table).then(|| name.to_owned())
     };
     loaded.values().into_iter().filter_map(|(name, value)| Some((own(name)?, value))).collect()
 }
@@ -129,7 +135,7 @@ pub fn planner_settings(planner: TruckPlannerKind, loaded: &LoadedScenario) -> V
 const BUDGETS: [&str; 3] = ["max_expansions", "samples", "shortcuts"];
 
 /// The settings that bound a planner's effort, as text.
-fn budget(planner: TruckPlannerKind, loaded: &LoadedScenario) -> String {
+fn budget(planner: &PlannerName, loaded: &LoadedScenario) -> String {
     let is_budget = |name: &str| BUDGETS.iter().any(|budget| name.rsplit('.').next() == Some(budget));
     let budgets = planner_settings(planner, loaded).into_iter().filter(|(name, _)| is_budget(name));
     let budgets: Vec<_> = budgets.map(|(name, value)| format!("{name}={value}")).collect();
@@ -143,7 +149,7 @@ struct Object<'a> {
     scenario: &'a str,
     seed: u64,
     /// By planner.
-    settings: BTreeMap<&'static str, BTreeMap<String, String>>,
+    settings: BTreeMap<&'a str, BTreeMap<String, String>>,
     fields: Vec<Field<'a>>,
     rows: Vec<Row<'a>>,
     #[serde(rename = "offences")]
@@ -170,21 +176,20 @@ enum GoalMember {
 struct Violation<'a> {
     field: &'a str,
     goal: usize,
-    planner: &'static str,
+    planner: &'a str,
     #[serde(rename = "offence")]
     violation: &'a str,
 }
 
 impl Serialize for PlanReport<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let settings = |&planner: &TruckPlannerKind| {
-            (planner.name(), planner_settings(planner, self.loaded).into_iter().collect())
-        };
         let object = Object {
             program_version: PROGRAM_VERSION,
             scenario: &self.loaded.scenario.name,
             seed: self.seed,
-            settings: self.planners.iter().map(settings).collect(),
+            settings: (self.planners.iter())
+                .map(|planner| (planner.name(), planner_settings(planner, self.loaded).into_iter().collect()))
+                .collect(),
             fields: self.problems.iter().map(field).collect(),
             rows: self.attempts.iter().map(Row::new).collect(),
             violations: self.attempts.iter().filter_map(violation).collect(),
@@ -219,7 +224,7 @@ impl From<&PlanReport<'_>> for Document {
         let goals = count(report.problems.iter().map(|problem| problem.goals.len()).sum(), "goal");
         let changes: String = report.changes.iter().map(|change| format!(", {change}")).collect();
         let settings = format!("Settings of the scenario `{}`{changes}.", report.loaded.scenario.name);
-        let budget = |&planner: &TruckPlannerKind| format!("Budget of {planner}: {}.", budget(planner, report.loaded));
+        let budget = |planner: &PlannerName| format!("Budget of {planner}: {}.", budget(planner, report.loaded));
         let settings = std::iter::once(settings).chain(report.planners.iter().map(budget)).collect();
         let mut document = Self::new(format!("{fields}, {goals}, seed {}", report.seed)).with([Block::List(settings)]);
         if report.attempts.len() <= SHOWN_ROWS {
@@ -259,11 +264,11 @@ fn rows(report: &PlanReport) -> Table {
         ("Goal", |row| row.goal.to_string()),
         ("Query\nms", |row| milliseconds(row.query.as_secs_f64())),
         ("Expan-\nsions", |row| row.expansions.to_string()),
-        ("Length\nm", |row| drive_cell(row, |drive| Some(drive.length_m), 2)),
-        ("Len./\nbound", |row| drive_cell(row, |drive| drive.lower_bound_ratio, 3)),
-        ("Clear.\nm", |row| drive_cell(row, |drive| Some(drive.min_clearance_m), 2)),
-        ("Cusps", |row| drive_cell(row, |drive| Some(drive.cusps.into()), 0)),
-        ("Drive\ns", |row| drive_cell(row, |drive| Some(drive.drive_s), 1)),
+        ("Length\nm", |row| drive_cell(row, |drive| Some(drive.figures.length_m), 2)),
+        ("Len./\nbound", |row| drive_cell(row, |drive| drive.figures.lower_bound_ratio, 3)),
+        ("Clear.\nm", |row| drive_cell(row, |drive| Some(drive.figures.min_clearance_m), 2)),
+        ("Cusps", |row| drive_cell(row, |drive| Some(drive.figures.cusps.into()), 0)),
+        ("Drive\ns", |row| drive_cell(row, |drive| Some(drive.figures.drive_s), 1)),
     ]);
     table(&columns, &report.attempts)
 }
@@ -292,9 +297,9 @@ fn summary(summaries: &[Summary]) -> Table {
 
 /// A sentence for each planner and reason.
 fn failures(report: &PlanReport) -> impl Iterator<Item = String> {
-    let kinds = report.planners.iter().flat_map(|&planner| PlanFailure::ALL.map(|reason| (planner, reason)));
+    let kinds = report.planners.iter().flat_map(|planner| PlanFailure::ALL.map(|reason| (planner, reason)));
     kinds.filter_map(|(planner, reason)| {
-        let is_one = |attempt: &&Attempt| attempt.planner == planner && attempt.drive.as_ref().err() == Some(&reason);
+        let is_one = |attempt: &&Attempt| attempt.planner == *planner && attempt.drive.as_ref().err() == Some(&reason);
         let failed: Vec<&Attempt> = report.attempts.iter().filter(is_one).collect();
         let place = place(failed.first()?);
         Some(match failed.len() {
@@ -333,8 +338,8 @@ impl PlanReport<'_> {
     /// Draws the paths of all planners on one field.
     pub fn draw(&self, problem: &Problem) -> Picture {
         let own: Vec<&Attempt> = self.attempts.iter().filter(|a| std::ptr::eq(a.problem, problem)).collect();
-        let by = |planner: TruckPlannerKind| {
-            let paths = own.iter().filter(|attempt| attempt.planner == planner);
+        let by = |planner: &PlannerName| {
+            let paths = own.iter().filter(|attempt| attempt.planner == *planner);
             let paths: Vec<&Path> = paths.filter_map(|attempt| Some(&attempt.drive.as_ref().ok()?.path)).collect();
             DrivenWays { name: format!("{planner}, {} of {}", paths.len(), problem.goals.len()), paths }
         };
@@ -345,7 +350,7 @@ impl PlanReport<'_> {
             bushes: &problem.terrain.bushes,
             start: problem.start,
             goals: &problem.goals.iter().enumerate().map(|(n, &goal)| (goal, is_reached(n))).collect::<Vec<_>>(),
-            ways: &self.planners.iter().map(|&planner| by(planner)).collect::<Vec<_>>(),
+            ways: &self.planners.iter().map(by).collect::<Vec<_>>(),
         })
     }
 }

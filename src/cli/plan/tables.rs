@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::cli::curve;
 use crate::cli::plan::attempts::Attempt;
-use crate::planning::TruckPlannerKind;
+use crate::planning::PlannerName;
 use crate::untrusted::spreadsheet_cell;
 use crate::whole_file::WholeFile;
 
@@ -18,7 +18,7 @@ use crate::whole_file::WholeFile;
 pub struct Row<'a> {
     field: Cow<'a, str>,
     goal: usize,
-    planner: TruckPlannerKind,
+    planner: &'a PlannerName,
     success: bool,
     /// The reason why there is no path.
     reason: Option<String>,
@@ -33,27 +33,27 @@ pub struct Row<'a> {
 }
 
 impl<'a> Row<'a> {
-    pub fn new(attempt: &Attempt<'a>) -> Self {
+    pub fn new(attempt: &'a Attempt<'a>) -> Self {
         let drive = attempt.drive.as_ref();
         Self {
             field: Cow::Borrowed(&attempt.problem.name),
             goal: attempt.goal,
-            planner: attempt.planner,
+            planner: &attempt.planner,
             success: drive.is_ok(),
             reason: drive.err().map(ToString::to_string),
             cpu_build_s: attempt.build.as_secs_f64(),
             cpu_query_s: attempt.query.as_secs_f64(),
-            length_m: drive.ok().map(|drive| drive.length_m),
-            lower_bound_ratio: drive.ok().and_then(|drive| drive.lower_bound_ratio),
-            min_clearance_m: drive.ok().map(|drive| drive.min_clearance_m),
-            cusps: drive.ok().map(|drive| drive.cusps),
-            drive_s: drive.ok().map(|drive| drive.drive_s),
+            length_m: drive.ok().map(|drive| drive.figures.length_m),
+            lower_bound_ratio: drive.ok().and_then(|drive| drive.figures.lower_bound_ratio),
+            min_clearance_m: drive.ok().map(|drive| drive.figures.min_clearance_m),
+            cusps: drive.ok().map(|drive| drive.figures.cusps),
+            drive_s: drive.ok().map(|drive| drive.figures.drive_s),
             expansions: attempt.expansions,
         }
     }
 
     /// Makes the same row for a CSV file, where the name of the field is a cell.
-    fn in_table(attempt: &Attempt<'a>) -> Self {
+    fn in_table(attempt: &'a Attempt<'a>) -> Self {
         Self { field: spreadsheet_cell(&attempt.problem.name), ..Self::new(attempt) }
     }
 }
@@ -80,7 +80,7 @@ const STEP_M: f64 = 0.0499;
 struct PathRow<'a> {
     field: Cow<'a, str>,
     goal: usize,
-    planner: TruckPlannerKind,
+    planner: &'a PlannerName,
     /// Metres driven so far, forward and reverse alike.
     s_m: f64,
     x_m: f64,
@@ -101,7 +101,7 @@ fn path_rows<'a>(attempt: &'a Attempt) -> impl Iterator<Item = PathRow<'a>> {
     samples.map(move |(s_m, pose, direction)| PathRow {
         field: field.clone(),
         goal: attempt.goal,
-        planner: attempt.planner,
+        planner: &attempt.planner,
         s_m,
         x_m: pose.x,
         y_m: pose.y,

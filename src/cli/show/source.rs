@@ -1,7 +1,7 @@
 //! Sources of the runs that are shown.
 
 use std::iter;
-use std::panic;
+use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 
 use crate::batch::{FinishedBatch, PlannedRun};
@@ -190,9 +190,9 @@ fn recorded(path: &Path, timeline: Result<Timeline, FileError>) -> Result<ShownR
 }
 
 fn simulated(scenario: &Scenario, seed: u64, searches: Searches, memory: MemoryLimit) -> Result<ShownRun, CliError> {
-    let options = RunOptions { records_searches: searches == Searches::Recorded, memory };
+    let options = RunOptions { records_searches: searches == Searches::Recorded, memory, ..RunOptions::default() };
     // The panic has been printed by then, with a backtrace if one was asked for.
-    let caught = panic::catch_unwind(|| sim::run_with(scenario, seed, options));
+    let caught = panic::catch_unwind(AssertUnwindSafe(|| sim::run_with_options(scenario, seed, &options)));
     let run = caught.map_err(|_| CliError::run_failed("the run panicked: this is a fault of the program"))?;
     let run = run.map_err(CliError::run_failed)?;
     Ok(ShownRun { title: scenario.name.clone(), timeline: run.timeline, cpu_samples: Some(run.cpu_samples) })

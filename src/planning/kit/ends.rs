@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use glam::DVec2;
+use rand::{Rng, RngExt};
 
 use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M};
 use crate::geometry::{Pose, ops};
@@ -42,7 +43,7 @@ const HEADINGS: u32 = 24;
 
 /// Says whether the body fits somewhere in a disc, centre inside: on rings of places half a metre apart in a disc of 10 m.
 pub fn has_free_pose(checker: &CollisionChecker, disc: GoalDisc) -> bool {
-    free_poses(checker, disc, RINGS, LEAST_CLEARANCE_M).next().is_some()
+    free_poses_in(checker, disc, RINGS, LEAST_CLEARANCE_M).next().is_some()
 }
 
 /// Returns the reason of a failure: where the body fits nowhere in a goal disc, that is the reason.
@@ -54,7 +55,7 @@ pub fn explain_failure(checker: &CollisionChecker, goal: Goal, failure: PlanFail
 }
 
 /// Returns poses that keep a clearance with the body's centre in a disc: at places on rings and in the middle.
-pub fn free_poses(
+pub fn free_poses_in(
     checker: &CollisionChecker,
     disc: GoalDisc,
     rings: u32,
@@ -79,4 +80,17 @@ pub fn free_poses(
         })
     });
     poses.filter(move |&pose| checker.pose_is_free(pose, clearance_m))
+}
+
+/// Poses drawn for one that is free, until the field counts as full.
+const DRAWS_A_POSE: usize = 10_000;
+
+/// Draws poses all over the field, heading anywhere, that keep a clearance. It ends where the field has no room.
+pub fn free_poses(checker: &CollisionChecker, clearance_m: f64, rng: &mut impl Rng) -> impl Iterator<Item = Pose> {
+    let frame = checker.field().frame();
+    let mut draw = || {
+        let (x, y) = (rng.random_range(0.0..frame.width_m()), rng.random_range(0.0..frame.height_m()));
+        Pose::new(x, y, rng.random_range(0.0..TAU))
+    };
+    std::iter::from_fn(move || (0..DRAWS_A_POSE).map(|_| draw()).find(|pose| checker.pose_is_free(*pose, clearance_m)))
 }

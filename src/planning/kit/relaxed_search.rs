@@ -19,7 +19,7 @@ use crate::vehicle::{Path, Segment};
 use super::best_first::{AnalyticExpansion, Candidate, Ending, Never, Node, PoseSearch, SearchOf, SearchSpace};
 use super::clearance_profile::ClearanceProfile;
 use super::closed_set::ClosedSet;
-use super::ends::{explain_failure, free_ends, free_poses};
+use super::ends::{explain_failure, free_ends, free_poses_in};
 use super::floods::{FloodQuery, FloodSearch, Floods, LATTICES};
 use super::heuristic::Heuristic;
 use super::holonomic::{HolonomicHeuristic, WalkableCells};
@@ -195,7 +195,7 @@ impl RelaxedSearch {
                     let starts_behind: Vec<Pose> = match goal {
                         _ if backward == 0 => Vec::new(),
                         Goal::Pose(end) => vec![end],
-                        Goal::Disc(disc) => free_poses(&self.checker, disc, START_RINGS, min_clearance_m).collect(),
+                        Goal::Disc(disc) => free_poses_in(&self.checker, disc, START_RINGS, min_clearance_m).collect(),
                     };
                     let path = self.search(lattice, [forward, backward], drive, &profile, &starts_behind);
                     self.show(lattice, backward > 0, observer);

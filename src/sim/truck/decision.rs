@@ -67,7 +67,7 @@ impl Truck {
         let is_blocked = |cell: &Cell| blocked.iter().any(|blocked| blocked.drive.goal == *cell);
         let untried: Vec<Cell> =
             unclaimed.clone().filter(|cell| !self.failed_goals.contains(cell) && !is_blocked(cell)).collect();
-        if !untried.is_empty() || !blocked.is_empty() {
+        if !untried.is_empty() || !blocked.is_empty() || !self.is_rescued {
             return untried;
         }
         // Only goals that failed are left: those that the flood reaches can be driven to all the same.
@@ -197,9 +197,15 @@ impl Fleet<'_, '_> {
     /// Nothing is left to try: the truck looks for a way round those in its way, waits for them, or rests.
     fn stop_looking(&mut self, entity: Entity, fires: &FireField) -> Conclusion {
         let nothing_burns = self.unclaimed(entity, fires).is_empty();
-        let rests = if nothing_burns { RestReason::NothingBurns } else { RestReason::NothingReachable };
         let (now, reservations) = (self.now(), self.reservations());
-        let Ok((mut agent, mut truck)) = self.trucks.get_mut(entity) else { return Conclusion::Rests(rests) };
+        let Ok((mut agent, mut truck)) = self.trucks.get_mut(entity) else {
+            return Conclusion::Rests(RestReason::NothingBurns);
+        };
+        let rests = match (nothing_burns, truck.is_rescued) {
+            (true, _) => RestReason::NothingBurns,
+            (false, true) => RestReason::NothingReachable,
+            (false, false) => RestReason::NoPlan,
+        };
         let begun = truck.deliberation.as_mut();
         let (blocked, before) = begun.map_or_else(Default::default, |begun| {
             (std::mem::take(&mut begun.blocked), begun.before.first().map(Blocked::reason))

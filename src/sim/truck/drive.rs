@@ -2,7 +2,7 @@
 
 use super::Truck;
 use crate::geometry::{Cell, FieldFrame, Pose};
-use crate::planning::{Effort, FoundBy, GoalDisc, PlanFailure, QueryMonitor, replan_around};
+use crate::planning::{CpuSource, Effort, FoundBy, GoalDisc, PlanFailure, QueryMonitor, replan_around};
 use crate::sim::recorder::Recorder;
 use crate::sim::run::AgentCost;
 use crate::sim::traffic::Traffic;
@@ -78,8 +78,13 @@ impl Truck {
         let mut monitor = QueryMonitor::new(recorder.records_searches);
         let plan = self.planner.plan_observed(outset.pose, self.disc(outset.frame, goal).into(), &mut monitor);
         let (time, searched) = monitor.finish();
-        cost.roadmap_search += time.roadmap;
-        cost.local_search += time.local;
+        match plan.cpu {
+            Some(cpu) => cost.add_query(cpu),
+            None => {
+                cost.roadmap_search += time.roadmap;
+                cost.local_search += time.local;
+            }
+        }
         *spent += plan.effort;
         recorder.record_searches(outset.now, cost.agent, searched);
         match plan.path {
@@ -87,19 +92,23 @@ impl Truck {
                 let found_by = plan.found_by.expect("a plan with a path says what found it");
                 Ok(Drive { goal, path, back_m: 0.0, effort: *spent, found_by })
             }
-            Err(reason) => Err((reason, std::mem::take(spent))),
+            Err(reason) => {
+                recorder.note_failure(outset.now, cost.agent, reason, plan.message.as_deref());
+                Err((reason, std::mem::take(spent)))
+            }
         }
     }
 
     /// Finds a drive to a goal that the planner failed on; `None` if the reachability flood does not get there.
     pub fn plan_by_flood(&mut self, goal: Cell, outset: Outset<'_>, cost: &mut AgentCost) -> Option<Drive> {
         let mut stopwatch = CpuStopwatch::start();
-        let drive = self.find_by_flood(goal, outset);
+        let drive = self.find_by_flood(goal, outset, cost);
         cost.reachability += stopwatch.lap();
         drive
     }
 
-    fn find_by_flood(&mut self, goal: Cell, Outset { pose, frame, .. }: Outset<'_>) -> Option<Drive> {
+    fn find_by_flood(&mut self, goal: Cell, outset: Outset<'_>, cost: &mut AgentCost) -> Option<Drive> {
+        let Outset { pose, frame, .. } = outset;
         let disc = self.disc(frame, goal);
         let near = if disc.radius_m.is_finite() { disc } else { GoalDisc { radius_m: REACH_WITHOUT_RULE_M, ..disc } };
         if !self.reachability.reaches(near) {
@@ -116,6 +125,10 @@ impl Truck {
         for legs in 1..=self.tracks.legs().min(BACKED_OUT_LEGS) {
             let plan = self.planner.plan(self.tracks.start_of_last(legs), disc.into());
             effort += plan.effort;
+            // What this thread did is in the time of the whole.
+            if let Some(cpu) = plan.cpu.filter(|cpu| cpu.source != CpuSource::Thread) {
+                cost.add_query(cpu);
+            }
             if let Ok(path) = plan.path {
                 let (path, back_m) = self.tracks.lead_back(pose, legs, path);
                 return Some(Drive { goal, path, back_m, effort, found_by: FoundBy::BackingOut });

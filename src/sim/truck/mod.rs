@@ -1,6 +1,7 @@
 //! The fire truck: the drive to a fire, and the dwell that puts it out.
 //!
-//! A goal whose plan fails is tried again only when nothing else is left. Then the reachability flood answers, and where
+//! A goal whose plan fails is set aside while it burns. If the scenario lets the truck be rescued, it is tried again when
+//! nothing else is left: then the reachability flood answers, and where
 //! it says yes the truck gets there: by a large lattice search from where it stands, by backing out the way it came
 //! until its planner finds a path, or, if both fail, back along all its tracks to its start and from there by the
 //! flood's own path.
@@ -52,6 +53,8 @@ pub struct Truck {
     extinguishes_all: bool,
     charge: Charge,
     planner: Box<dyn TruckPlanner>,
+    /// Whether goals that the planner failed on are driven by what the flood knows.
+    is_rescued: bool,
     reachability: Reachability,
     /// Goals that the planner failed on, while they burn.
     failed_goals: Vec<Cell>,

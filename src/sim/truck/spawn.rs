@@ -10,7 +10,7 @@ use crate::collision::CollisionChecker;
 use crate::geometry::{FieldFrame, Pose};
 use crate::planning::reachability::Reachability;
 use crate::planning::{BuildReport, QueryMonitor};
-use crate::scenario::{self, Extinguishes, Retarget};
+use crate::scenario::{self, Extinguishes, PlannerContext, Retarget};
 use crate::sim::agent::{Agent, Arena, enlist};
 use crate::sim::policies::{BuiltIn, Policies};
 use crate::sim::recorder::Recorder;
@@ -43,12 +43,21 @@ pub fn spawn(
             && parked.iter().all(|(body, other)| keep_apart((&settings.vehicle, *pose), (body, *other)))
     };
     let start = nearest_free_pose(arena.field.frame(), wanted, is_free).ok_or(RunError::NoFreeStart { agent: id })?;
-    let mut recorder = world.resource_mut::<Recorder>();
     if start != wanted {
-        recorder.record_agent(SimTime::ZERO, id, AgentFact::StartMoved { from: wanted });
+        world.resource_mut::<Recorder>().record_agent(SimTime::ZERO, id, AgentFact::StartMoved { from: wanted });
     }
-    let mut planner = settings.build_planner(&checker, arena.memory, arena.seed, number.into());
+    let context = PlannerContext {
+        truck: number,
+        seed: arena.seed,
+        checker: &checker,
+        memory: arena.memory,
+        planners: arena.planners,
+        programs: &arena.scenario.planner,
+    };
+    let no_planner = |reason| RunError::NoPlanner { agent: id, name: settings.planner.clone(), reason };
+    let mut planner = settings.make_planner(&context).map_err(no_planner)?;
     let BuildReport { samples, edges, components, sampling, connecting, .. } = planner.build_report();
+    let mut recorder = world.resource_mut::<Recorder>();
     if samples > 0 {
         recorder.record_agent(SimTime::ZERO, id, AgentFact::RoadmapBuilt { samples, edges, components });
     }
@@ -63,8 +72,9 @@ pub fn spawn(
         reach_m: suppression.reach_m.unwrap_or(f64::INFINITY),
         dwell: SimTime::from_seconds(suppression.dwell_s),
         extinguishes_all: suppression.extinguishes == Extinguishes::AllInReach,
-        charge: settings.planner.maker().charge(&settings.planner_settings()),
+        charge: settings.planning_charge(&arena.scenario.planner),
         planner,
+        is_rescued: settings.is_rescued(),
         reachability: Reachability::new(&checker, arena.memory, start),
         failed_goals: Vec::new(),
         out_of_reach: Vec::new(),

@@ -64,15 +64,24 @@ mod piece {
 }
 
 // Words are written as their places in these lists, which only grow at the end.
-const REST_REASONS: [RestReason; 4] =
-    [RestReason::NothingLeftToLight, RestReason::NothingBurns, RestReason::NothingReachable, RestReason::LocalMinima];
+const REST_REASONS: [RestReason; 6] = [
+    RestReason::NothingLeftToLight,
+    RestReason::NothingBurns,
+    RestReason::NothingReachable,
+    RestReason::LocalMinima,
+    RestReason::NoPlan,
+    RestReason::Chosen,
+];
 const END_REASONS: [EndReason; 2] = [EndReason::Duration, EndReason::NothingLeft];
-const FAILURES: [PlanFailure; 5] = [
+const FAILURES: [PlanFailure; 8] = [
     PlanFailure::StartBlocked,
     PlanFailure::GoalBlocked,
     PlanFailure::Disconnected,
     PlanFailure::BudgetSpent,
     PlanFailure::LocalMinimum,
+    PlanFailure::TimedOut,
+    PlanFailure::Crashed,
+    PlanFailure::BadAnswer,
 ];
 const PHASES: [SearchPhase; 4] = [SearchPhase::Roadmap, SearchPhase::Query, SearchPhase::Local, SearchPhase::Walk];
 const FOUND_BY: [Option<FoundBy>; 9] = [

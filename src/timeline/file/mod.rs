@@ -43,8 +43,9 @@ use crate::whole_file::write_whole;
 ///
 /// Since version 2 there are local minima, since version 3 the limits of every agent's speed, the rules of fire,
 /// whether a stop puts out one fire or all in reach, and trucks that wait for each other, since version 4 what searches
-/// looked at, since version 5 what found each plan; fires that spread at one instant are one record.
-pub const FORMAT: u16 = 5;
+/// looked at, since version 5 what found each plan, and fires that spread at one instant are one record; since version 6
+/// there are the failures of planners that are not built in, and trucks that rest because of them or by choice.
+pub const FORMAT: u16 = 6;
 
 /// The first format with a [`Supplement`].
 const SUPPLEMENTED: u16 = 3;

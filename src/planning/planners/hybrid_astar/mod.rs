@@ -12,8 +12,8 @@ use crate::geometry::{FieldFrame, Pose};
 use crate::planning::kit::lattice::Lattice;
 use crate::planning::kit::relaxed_search::{RelaxedSearch, RelaxedSettings};
 use crate::planning::memory::PlannerMemory;
-use crate::planning::observer::{PlanningObserver, PlanningWork};
-use crate::planning::registry::{Charge, MakePlanner, Site, TruckPlannerSettings, describe_charge};
+use crate::planning::observer::{PlanningObserver, PlanningWork, Unobserved};
+use crate::planning::registry::{BuiltInPlanner, Charge, Site, TruckPlannerSettings, describe_charge};
 use crate::planning::{BuildReport, Effort, Goal, Plan, TruckPlanner};
 
 /// The planner for one body on one field.
@@ -47,6 +47,10 @@ impl TruckPlanner for HybridAstar {
         BuildReport::default()
     }
 
+    fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
+        self.plan_observed(start, goal, &mut Unobserved)
+    }
+
     fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {
         observer.begins(Some(PlanningWork::Local));
         let found = self.0.find(start, goal.with_margin(), observer);
@@ -58,7 +62,7 @@ impl TruckPlanner for HybridAstar {
 /// Makes planners of the name `hybrid-astar`.
 pub struct Maker;
 
-impl MakePlanner for Maker {
+impl BuiltInPlanner for Maker {
     fn make(&self, site: &Site<'_>) -> Box<dyn TruckPlanner> {
         Box::new(HybridAstar::build(site))
     }

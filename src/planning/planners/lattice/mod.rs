@@ -11,8 +11,8 @@ pub use settings::LatticeSettings;
 use crate::geometry::{FieldFrame, Pose};
 use crate::planning::kit::floods::{FloodQuery, FloodSearch, Floods, LATTICES};
 use crate::planning::memory::PlannerMemory;
-use crate::planning::observer::{PlanningObserver, PlanningWork};
-use crate::planning::registry::{Charge, MakePlanner, Site, TruckPlannerSettings, describe_charge};
+use crate::planning::observer::{PlanningObserver, PlanningWork, Unobserved};
+use crate::planning::registry::{BuiltInPlanner, Charge, Site, TruckPlannerSettings, describe_charge};
 use crate::planning::{BuildReport, Effort, Found, FoundBy, Goal, Plan, TruckPlanner};
 
 /// The planner for one body on one field.
@@ -34,6 +34,10 @@ impl TruckPlanner for LatticePlanner {
         BuildReport::default()
     }
 
+    fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
+        self.plan_observed(start, goal, &mut Unobserved)
+    }
+
     fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {
         observer.begins(Some(PlanningWork::Local));
         let query = FloodQuery { budget: self.max_expansions, ..FloodQuery::new(start, goal.with_margin()) };
@@ -47,7 +51,7 @@ impl TruckPlanner for LatticePlanner {
 /// Makes planners of the name `lattice`.
 pub struct Maker;
 
-impl MakePlanner for Maker {
+impl BuiltInPlanner for Maker {
     fn make(&self, site: &Site<'_>) -> Box<dyn TruckPlanner> {
         Box::new(LatticePlanner::build(site))
     }

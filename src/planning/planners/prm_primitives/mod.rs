@@ -18,8 +18,8 @@ use crate::planning::kit::ends::{explain_failure, free_ends};
 use crate::planning::kit::local_search::LocalSearch;
 use crate::planning::kit::safety::Safety;
 use crate::planning::memory::PlannerMemory;
-use crate::planning::observer::{PlanningObserver, PlanningWork};
-use crate::planning::registry::{Charge, MakePlanner, RoadmapSize, Site, TruckPlannerSettings, describe_charge};
+use crate::planning::observer::{PlanningObserver, PlanningWork, Unobserved};
+use crate::planning::registry::{BuiltInPlanner, Charge, RoadmapSize, Site, TruckPlannerSettings, describe_charge};
 use crate::planning::search_graph::SearchPhase;
 use crate::planning::{BuildReport, Effort, Found, FoundBy, Goal, GoalDisc, Plan, PlanFailure, TruckPlanner};
 use roadmap::{Roadmap, RoadmapScratch, Route};
@@ -160,6 +160,10 @@ impl TruckPlanner for PrmPrimitives {
         observer.looked_at(SearchPhase::Roadmap, &mut self.roadmap.lines());
     }
 
+    fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
+        self.plan_observed(start, goal, &mut Unobserved)
+    }
+
     fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {
         self.scratch.expansions = 0;
         self.local.begin();
@@ -172,7 +176,7 @@ impl TruckPlanner for PrmPrimitives {
 /// Makes planners of the name `prm+primitives`.
 pub struct Maker;
 
-impl MakePlanner for Maker {
+impl BuiltInPlanner for Maker {
     fn make(&self, site: &Site<'_>) -> Box<dyn TruckPlanner> {
         Box::new(PrmPrimitives::build(site))
     }
@@ -253,7 +257,6 @@ mod tests {
     use super::*;
     use crate::planning::PrimitiveSettings;
     use crate::planning::SafetySettings;
-    use crate::planning::Unobserved;
     use crate::planning::kit::ends::has_free_pose;
     use crate::planning::kit::floods::{FloodQuery, FloodSearch};
     use crate::planning::kit::local_search::MotionCost;

@@ -30,8 +30,8 @@ use crate::planning::kit::heuristic::Heuristic;
 use crate::planning::kit::relaxed_search::RelaxedSearch;
 use crate::planning::kit::shortcuts::Shortcutter;
 use crate::planning::memory::PlannerMemory;
-use crate::planning::observer::{PlanningObserver, PlanningWork};
-use crate::planning::registry::{Charge, MakePlanner, RoadmapSize, Site, TruckPlannerSettings, describe_charge};
+use crate::planning::observer::{PlanningObserver, PlanningWork, Unobserved};
+use crate::planning::registry::{BuiltInPlanner, Charge, RoadmapSize, Site, TruckPlannerSettings, describe_charge};
 use crate::planning::search_graph::SearchPhase;
 use crate::planning::{BuildReport, Effort, Found, FoundBy, Goal, Plan, TruckPlanner};
 use crate::rng::Xoshiro256PlusPlus;
@@ -149,6 +149,10 @@ impl TruckPlanner for PrmRs {
         observer.looked_at(SearchPhase::Roadmap, &mut self.roadmap.free_lines());
     }
 
+    fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
+        self.plan_observed(start, goal, &mut Unobserved)
+    }
+
     fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {
         observer.begins(Some(PlanningWork::Roadmap));
         let goal = goal.with_margin();
@@ -187,7 +191,7 @@ impl PlanningObserver for ConnectionsOnly<'_> {
 /// Makes planners of the name `prm-rs`.
 pub struct Maker;
 
-impl MakePlanner for Maker {
+impl BuiltInPlanner for Maker {
     fn make(&self, site: &Site<'_>) -> Box<dyn TruckPlanner> {
         Box::new(PrmRs::build(site))
     }

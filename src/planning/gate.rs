@@ -1,0 +1,110 @@
+//! The gate between somebody else's path and the truck.
+//!
+//! A planner that is not built in may be wrong in any way. Whatever it answers, the truck only drives a path that the
+//! [`Judge`] lets pass: one that begins where the truck stands, keeps the least clearance of all paths, turns no sharper
+//! than the truck can, and ends in the goal. What does not pass is a failed query, with words that say where it is wrong.
+//!
+//! The gate also measures: the CPU time of the planner is what the thread's clock says around the call, unless the
+//! planner says where else it was spent; the gate's own time is in neither.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use crate::geometry::Pose;
+use crate::time::cpu::CpuStopwatch;
+use crate::vehicle::Path;
+
+use super::judge::Judge;
+use super::observer::PlanningObserver;
+use super::registry::{MakeError, MakePlanner, Site};
+use super::{BuildReport, CpuSource, Effort, Goal, Plan, PlanFailure, QueryCpu, TruckPlanner, Unobserved};
+
+/// The share by which a curvature may exceed the truck's before it counts as sharper: what single precision loses. It is
+/// set to the truck's own.
+const CURVATURE_ROUNDING: f64 = 1e-6;
+
+/// A planner inside the gate.
+pub struct Gated {
+    planner: Box<dyn TruckPlanner>,
+    report: BuildReport,
+    judge: Judge,
+    /// The sharpest curvature of the truck, 1/m.
+    sharpest: f64,
+}
+
+impl Gated {
+    /// Makes a planner and measures what that takes.
+    ///
+    /// # Errors
+    /// If it cannot be built.
+    pub fn build(maker: &dyn MakePlanner, site: &Site<'_>) -> Result<Self, MakeError> {
+        let mut stopwatch = CpuStopwatch::start();
+        let planner = maker.make(site)?;
+        let making = stopwatch.lap();
+        let report = planner.build_report();
+        let report = BuildReport { connecting: report.connecting + making, ..report };
+        let (judge, sharpest) = (Judge::new(site.checker.clone()), site.body.max_curvature());
+        Ok(Self { planner, report, judge, sharpest })
+    }
+
+    /// Lets a plan pass, or says why its path must not be driven.
+    fn judged(&self, start: Pose, goal: Goal, mut plan: Plan) -> Plan {
+        let Ok(path) = &mut plan.path else { return plan };
+        self.forgive_rounding(path);
+        match self.judge.check(start, goal, path) {
+            Ok(()) => plan,
+            Err(bad) => {
+                Plan { path: Err(PlanFailure::BadAnswer), found_by: None, message: Some(bad.to_string()), ..plan }
+            }
+        }
+    }
+
+    /// Sets curvatures that exceed the truck's by rounding to the truck's.
+    fn forgive_rounding(&self, path: &mut Path) {
+        for segment in &mut path.segments {
+            let curvature = segment.curvature.abs();
+            if curvature > self.sharpest && curvature <= self.sharpest * (1.0 + CURVATURE_ROUNDING) {
+                segment.curvature = self.sharpest.copysign(segment.curvature);
+            }
+        }
+    }
+}
+
+impl TruckPlanner for Gated {
+    fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
+        self.plan_observed(start, goal, &mut Unobserved)
+    }
+
+    fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {
+        let mut stopwatch = CpuStopwatch::start();
+        // A planner of somebody else's costs a query when it panics, and never a run.
+        let asked = catch_unwind(AssertUnwindSafe(|| self.planner.plan_observed(start, goal, observer)));
+        let mut plan = asked.unwrap_or_else(|panic| Plan::failed(PlanFailure::Crashed, words_of_panic(&*panic)));
+        let time = stopwatch.lap();
+        plan.cpu.get_or_insert(QueryCpu { time, source: CpuSource::Thread });
+        // What it says of its effort is charged and added up: a lie must not overflow.
+        plan.effort = Effort { roadmap_expansions: 0, local_expansions: total_expansions(plan.effort) };
+        self.judged(start, goal, plan)
+    }
+
+    fn build_report(&self) -> BuildReport {
+        self.report
+    }
+
+    fn show_roadmap(&mut self, observer: &mut dyn PlanningObserver) {
+        self.planner.show_roadmap(observer);
+    }
+}
+
+fn words_of_panic(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().copied();
+    let words = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+    format!("it panicked: {}", words.unwrap_or("without words"))
+}
+
+/// The most expansions of one query that are believed.
+const MOST_EXPANSIONS: u32 = 1_000_000_000;
+
+fn total_expansions(effort: Effort) -> u32 {
+    effort.roadmap_expansions.saturating_add(effort.local_expansions).min(MOST_EXPANSIONS)
+}
