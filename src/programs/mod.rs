@@ -9,8 +9,15 @@ pub mod protocol;
 #[cfg(unix)]
 mod family;
 #[cfg(unix)]
+mod planner;
+#[cfg(unix)]
+mod pool;
+#[cfg(unix)]
 pub mod process;
 #[cfg(unix)]
-pub mod respondent;
+mod respondent;
 #[cfg(unix)]
 pub mod supervisor;
+
+#[cfg(unix)]
+pub use pool::{ProgramPool, ProgramRun};

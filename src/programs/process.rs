@@ -38,7 +38,7 @@ const MOST_QUOTED: usize = 200;
 
 /// A program: what starts it, and what it may take.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Program {
+pub struct Launch {
     /// Stands before its lines on stderr.
     pub name: String,
     /// The executable, absolute or from PATH, and its arguments.
@@ -51,6 +51,8 @@ pub struct Program {
     pub query_limit: Duration,
     /// CPU time of all its processes in a query.
     pub query_cpu: Option<Duration>,
+    /// How often it is started anew in a run.
+    pub restarts: u32,
     pub limits: Limits,
 }
 
@@ -139,7 +141,7 @@ struct Fate {
 
 impl Process {
     /// Starts a program. Whether that succeeds shows when it is asked something.
-    pub fn start(program: &Program) -> Result<Self, Trouble> {
+    pub fn start(program: &Launch) -> Result<Self, Trouble> {
         let cannot = |error: io::Error| Trouble::crashed(format!("cannot be started: {error}"));
         let (reader, to) = io::pipe().map_err(cannot)?;
         let (from, writer) = io::pipe().map_err(cannot)?;

@@ -3,14 +3,18 @@
 //! Metres, radians counter-clockwise from east, world frame; poses are `[x, y, heading]` of the middle of the rear axle.
 //! Numbers are written so that they read back to the same f64. Members of other names are ignored on both sides.
 
+use std::fmt;
+use std::marker::PhantomData;
 use std::ops::RangeInclusive;
 
 use schemars::{JsonSchema, Schema, schema_for};
+use serde::de::{IgnoredAny, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 
 use crate::input_file::list_of_at_most;
 use crate::planning::MAX_SEARCH_EDGES;
+use crate::planning::judge::MOST_SEGMENTS;
 
 /// The version of the protocol, which both sides say in their first message.
 pub const VERSION: u32 = 1;
@@ -18,8 +22,8 @@ pub const VERSION: u32 = 1;
 /// The most bytes of a line, its end included.
 pub const MOST_BYTES: usize = 16_000_000;
 
-/// The most segments, or poses, of a path.
-pub const MOST_SEGMENTS: usize = 10_000;
+/// What is kept of the segments, or poses, of a path: one more than may pass the gate.
+const KEPT_SEGMENTS: usize = MOST_SEGMENTS + 1;
 
 /// The most choices of an answer: as many as a scenario has agents.
 const MOST_CHOICES: usize = 10_000;
@@ -59,9 +63,9 @@ pub struct FieldMessage<'a> {
     /// For the program's own chance: below 2^53, and another one for each run.
     pub seed: u64,
     /// Cells from west to east.
-    pub cols: u32,
+    pub cols: u16,
     /// Cells from south to north.
-    pub rows: u32,
+    pub rows: u16,
     /// The side of a cell.
     pub cell_m: f64,
     /// Column and row of each bush, from the south-west corner.
@@ -215,10 +219,10 @@ pub struct PathAnswer {
     pub id: u64,
     /// Curvature in 1/m, positive to the left, and length in metres, negative in reverse: of each segment from the start
     /// on.
-    #[serde(default, deserialize_with = "list::<MOST_SEGMENTS, _, _>")]
+    #[serde(default, deserialize_with = "first_of::<KEPT_SEGMENTS, _, _>")]
     pub segments: Option<Vec<[f64; 2]>>,
     /// Poses after the start, joined by shortest Reeds-Shepp curves.
-    #[serde(default, deserialize_with = "list::<MOST_SEGMENTS, _, _>")]
+    #[serde(default, deserialize_with = "first_of::<KEPT_SEGMENTS, _, _>")]
     pub poses: Option<Vec<[f64; 3]>>,
     /// Nodes that were expanded: charged as simulated time if the scenario says so, and a column of tables.
     #[serde(default, deserialize_with = "given")]
@@ -227,7 +231,7 @@ pub struct PathAnswer {
     #[serde(default, deserialize_with = "given")]
     pub cpu_s: Option<f64>,
     /// Lines that the search looked at, x0, y0, x1, y1, to be drawn.
-    #[serde(default, deserialize_with = "list::<MAX_SEARCH_EDGES, _, _>")]
+    #[serde(default, deserialize_with = "first_of::<MAX_SEARCH_EDGES, _, _>")]
     pub searched: Option<Vec<[f64; 4]>>,
 }
 
@@ -244,7 +248,7 @@ pub struct NoneAnswer {
     #[serde(default, deserialize_with = "given")]
     pub cpu_s: Option<f64>,
     /// Lines that the search looked at.
-    #[serde(default, deserialize_with = "list::<MAX_SEARCH_EDGES, _, _>")]
+    #[serde(default, deserialize_with = "first_of::<MAX_SEARCH_EDGES, _, _>")]
     pub searched: Option<Vec<[f64; 4]>>,
 }
 
@@ -284,11 +288,32 @@ fn given<'de, T: Deserialize<'de>, D: Deserializer<'de>>(deserializer: D) -> Res
     T::deserialize(deserializer).map(Some)
 }
 
-/// Reads a list that may be left out, and may not be null or longer than `MOST`.
-fn list<'de, const MOST: usize, T: Deserialize<'de>, D: Deserializer<'de>>(
+/// Reads a list that may be left out, and may not be null, and passes over what comes after its first `KEPT` items.
+fn first_of<'de, const KEPT: usize, T: Deserialize<'de>, D: Deserializer<'de>>(
     deserializer: D,
 ) -> Result<Option<Vec<T>>, D::Error> {
-    list_of_at_most::<MOST, T, D>(deserializer).map(Some)
+    struct FirstOf<const KEPT: usize, T>(PhantomData<T>);
+
+    impl<'de, const KEPT: usize, T: Deserialize<'de>> Visitor<'de> for FirstOf<KEPT, T> {
+        type Value = Vec<T>;
+
+        fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+            f.write_str("a list")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Vec<T>, A::Error> {
+            let mut items = Vec::new();
+            while items.len() < KEPT {
+                match seq.next_element()? {
+                    Some(item) => items.push(item),
+                    None => return Ok(items),
+                }
+            }
+            while seq.next_element::<IgnoredAny>()?.is_some() {}
+            Ok(items)
+        }
+    }
+    deserializer.deserialize_seq(FirstOf::<KEPT, T>(PhantomData)).map(Some)
 }
 
 impl ToProgram<'_> {
@@ -475,11 +500,11 @@ mod tests {
     }
 
     #[test]
-    fn long_lists_are_refused_before_they_are_kept() {
-        let pairs = vec!["[0,1]"; MOST_SEGMENTS + 1].join(",");
+    fn of_long_lists_the_beginning_is_kept() {
+        let pairs = vec!["[0,1]"; 2 * MOST_SEGMENTS].join(",");
         let line = format!("{{\"type\":\"path\",\"id\":1,\"segments\":[{pairs}]}}");
-        let said = FromProgram::parse(line.as_bytes()).expect_err("it is too long");
-        assert!(said.contains("more than 10000 entries"), "{said}");
+        let Ok(FromProgram::Path(path)) = FromProgram::parse(line.as_bytes()) else { panic!("it is a path") };
+        assert_eq!(path.segments.map(|segments| segments.len()), Some(KEPT_SEGMENTS), "which the gate refuses");
     }
 
     #[test]

@@ -3,14 +3,14 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::process::{Allowance, Process, Program, Trouble, TroubleKind};
+use super::process::{Allowance, Launch, Process, Trouble, TroubleKind};
 use super::protocol::{FromProgram, ToProgram, VERSION};
 use crate::time::wall::WallStopwatch;
 
 /// A program on a field, through failures and new starts.
 #[derive(Debug)]
 pub struct Respondent {
-    program: Arc<Program>,
+    program: Arc<Launch>,
     /// The line that shows it the field.
     field: Vec<u8>,
     /// `None` after a failure, until the next query.
@@ -39,43 +39,41 @@ pub struct Reply {
 
 impl Respondent {
     /// Starts a program and shows it a field, or shows it to one that has played before.
-    pub fn new(
-        program: Arc<Program>,
-        restarts: u32,
-        field: &ToProgram<'_>,
-        before: Option<Session>,
-    ) -> Result<Self, Trouble> {
+    pub fn new(program: Arc<Launch>, field: &ToProgram<'_>, before: Option<Session>) -> Result<Self, Trouble> {
         let field = field.line();
-        let mut session = match before {
-            Some(mut session) => {
-                session.process.begin_run();
-                session.show(&program, &field, WallStopwatch::start())?;
-                session
-            }
-            None => Session::start(&program, &field)?,
-        };
+        // One that played before and cannot go on costs this run nothing but the time of finding out.
+        let again = before.and_then(|session| session.play_again(&program, &field));
+        let mut session = again.map_or_else(|| Session::start(&program, &field), Ok)?;
         let built = session.lap();
-        Ok(Self { program, field, session: Some(session), restarts_left: restarts, queries: 0, built })
+        let restarts_left = program.restarts;
+        Ok(Self { program, field, session: Some(session), restarts_left, queries: 0, built })
     }
 
-    /// Asks a query, which is told its number. A program that failed before is started anew first.
-    pub fn ask(&mut self, query: impl FnOnce(u64) -> Vec<u8>) -> Reply {
+    /// Asks a query, which is told its number, and checks that the answer is of a type that fits. A program that failed
+    /// before is started anew first.
+    pub fn ask(
+        &mut self,
+        query: impl FnOnce(u64) -> Vec<u8>,
+        check: impl FnOnce(&FromProgram) -> Result<(), &'static str>,
+    ) -> Reply {
         let mut session = match self.running() {
             Ok(session) => session,
             Err(trouble) => return Reply { answer: Err(trouble), cpu: None },
         };
         self.queries += 1;
-        let Program { query_limit: wall, query_cpu: cpu, .. } = *self.program;
+        let Launch { query_limit: wall, query_cpu: cpu, .. } = *self.program;
         let allowance = Allowance { wall, cpu, answer: "answer" };
         let answer = session.process.exchange(&query(self.queries), allowance);
         let answer = answer.and_then(|line| {
             let refuse = |words: &str| Err(Trouble::bad_answer(&line, words));
             match FromProgram::parse(&line) {
                 Err(words) => refuse(&words),
-                Ok(answer) => match answer.id() {
-                    Some(id) if id == self.queries => Ok(answer),
-                    Some(id) => refuse(&format!("`id` is {id}; expected {}", self.queries)),
-                    None => refuse("its type answers no query"),
+                Ok(answer) => match (check(&answer), answer.id()) {
+                    (Err(words), _) => refuse(words),
+                    (Ok(()), Some(id)) if id != self.queries => {
+                        refuse(&format!("`id` is {id}; expected {}", self.queries))
+                    }
+                    _ => Ok(answer),
                 },
             }
         });
@@ -106,8 +104,9 @@ impl Respondent {
     }
 
     /// Gives the program away, to play in another run, if it has not failed.
-    pub fn into_session(mut self) -> Option<Session> {
-        self.session.take()
+    pub fn into_session(mut self) -> Option<(Arc<Launch>, Session)> {
+        let session = self.session.take()?;
+        Some((Arc::clone(&self.program), session))
     }
 }
 
@@ -120,7 +119,7 @@ impl Drop for Respondent {
 }
 
 impl Session {
-    fn start(program: &Program, field: &[u8]) -> Result<Self, Trouble> {
+    fn start(program: &Launch, field: &[u8]) -> Result<Self, Trouble> {
         let watch = WallStopwatch::start();
         let mut session = Self { process: Process::start(program)?, counted: Duration::ZERO };
         let hello = ToProgram::Hello { protocol: VERSION, program: concat!("wildfire ", env!("CARGO_PKG_VERSION")).into() };
@@ -137,8 +136,15 @@ impl Session {
         }
     }
 
+    /// Shows the field of another run to a program that has played before.
+    fn play_again(mut self, program: &Launch, field: &[u8]) -> Option<Self> {
+        self.process.begin_run();
+        self.show(program, field, WallStopwatch::start()).ok()?;
+        Some(self)
+    }
+
     /// Shows it a field, and waits until it is ready.
-    fn show(&mut self, program: &Program, field: &[u8], since: WallStopwatch) -> Result<(), Trouble> {
+    fn show(&mut self, program: &Launch, field: &[u8], since: WallStopwatch) -> Result<(), Trouble> {
         let line = self.process.exchange(field, at_start(program, since, "`ready`"))?;
         let words = match FromProgram::parse(&line) {
             Ok(FromProgram::Ready) => return Ok(()),
@@ -164,6 +170,6 @@ impl Session {
 }
 
 /// What a program may take until it is ready, from its start on.
-fn at_start<'a>(program: &Program, since: WallStopwatch, answer: &'a str) -> Allowance<'a> {
+fn at_start<'a>(program: &Launch, since: WallStopwatch, answer: &'a str) -> Allowance<'a> {
     Allowance { wall: program.start_limit.saturating_sub(since.elapsed()), cpu: None, answer }
 }
