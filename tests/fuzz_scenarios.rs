@@ -88,7 +88,12 @@ fn scenario_keeps_the_rules(case: &mut Case<'_>) -> Law {
             case.count("ran");
             run_keeps_the_rules(case, &scenario, seed, &run)
         }
-        Err(RunError::Terrain(_) | RunError::NoFreeStart { .. } | RunError::NoPlanner { .. }) => {
+        Err(
+            RunError::Terrain(_)
+            | RunError::NoFreeStart { .. }
+            | RunError::NoPlanner { .. }
+            | RunError::NoPolicy { .. },
+        ) => {
             case.count("did not begin");
             Ok(())
         }

@@ -29,7 +29,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("timeline", &["glam", "csv", "crc32fast", "miniz_oxide", "postcard"]),
     ("picture", &["colorous", "gif", "glam", "image", "tiny_skia"]),
     ("audit", &["glam", "rapier2d"]),
-    ("sim", &["glam", "bevy"]),
+    ("sim", &["glam", "bevy", "serde_json"]),
     // Processes and what they cost are the system's to tell.
     ("programs", &["glam", "nix", "serde_json", "serde_path_to_error", "sha2", "signal_hook"]),
     ("stats", &["statrs"]),

@@ -31,11 +31,11 @@ pub use plan::{
     SweepError, Value, Variant, plan_schema, shell_word,
 };
 pub use report::{
-    AuditReport, AuditSource, AuditsError, BatchReport, LISTED_VIOLATIONS, Merged, ReportError, RunObject, SHOWN_RUNS,
-    Tables, Tally, VariantReport, WrittenReport, audit_all, merge, notes, write_report,
+    AuditOptions, AuditReport, AuditSource, AuditsError, BatchReport, LISTED_VIOLATIONS, Merged, ReportError,
+    RunObject, SHOWN_RUNS, Tables, Tally, VariantReport, WrittenReport, audit_all, merge, notes, write_report,
 };
 pub use table::{
     AGENT_COLUMNS, AgentColumn, AgentRow, CALL_COLUMNS, COLUMNS_BEFORE_SWEPT, CallColumn, Column, FileColumn,
-    FinishedBatch, FinishedError, Kind, RUN_COLUMNS, RunColumn, RunRecord, STATE_COLUMNS, StateColumn, TableError,
-    TableOfRows, TableReader, Unit, is_measured, recordings_in, row_schema, run_column,
+    FinishedBatch, FinishedError, Kind, QueryTally, RUN_COLUMNS, RunColumn, RunRecord, STATE_COLUMNS, StateColumn,
+    TableError, TableOfRows, TableReader, Unit, is_measured, recordings_in, row_schema, run_column,
 };

@@ -12,10 +12,11 @@ use serde::{Serialize, Serializer};
 
 use crate::audit::{Audited, SampleStep};
 use crate::batch::{
-    AuditReport, AuditSource, FinishedBatch, FinishedError, LISTED_VIOLATIONS, PROGRAM_VERSION, PlanError,
-    RECORDINGS_FOLDER, audit_all, recordings_in,
+    AuditOptions, AuditReport, AuditSource, FinishedBatch, FinishedError, LISTED_VIOLATIONS, PROGRAM_VERSION,
+    PlanError, RECORDINGS_FOLDER, audit_all, recordings_in,
 };
 use crate::cli::args::parse_jobs;
+use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::report::FormArguments;
 use crate::cli::{numbers, terminal};
@@ -54,12 +55,13 @@ fn parse_audit_step(text: &str) -> Result<f64, String> {
     numbers::parse_within(text, &AUDIT_STEPS_M, "metres")
 }
 
-pub fn run(arguments: &AuditArguments, quiet: bool) -> Result<ExitCode, CliError> {
+pub fn run(arguments: &AuditArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
+    let quiet = context.quiet;
     let sources = arguments.paths.iter().map(|path| source(path, quiet)).collect::<Result<Vec<_>, _>>()?;
     let jobs = arguments.jobs.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
     let step = SampleStep { metres: arguments.step, ..SampleStep::default() };
     let bar = terminal::progress_bar(sources.iter().map(AuditSource::count).sum(), "runs", quiet);
-    let report = audit_all(&sources, jobs, step, || bar.inc(1));
+    let report = audit_all(&sources, &AuditOptions { jobs, step, entrants: &context.entrants }, || bar.inc(1));
     bar.finish_and_clear();
     conclude(&report?, arguments.form)
 }

@@ -16,6 +16,7 @@ use crate::batch::{
     write_report,
 };
 use crate::cli::args::parse_jobs;
+use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::report::FormArguments;
 use crate::cli::{interrupt, terminal};
@@ -124,7 +125,7 @@ fn parse_seeds(text: &str) -> Result<SeedsArgument, String> {
     }
 }
 
-pub fn run(arguments: &BatchArguments, quiet: bool) -> Result<ExitCode, CliError> {
+pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     let slice = arguments.shard.unwrap_or(Slice::WHOLE);
     let mut batch = match &arguments.resume {
         Some(folder) => {
@@ -132,7 +133,7 @@ pub fn run(arguments: &BatchArguments, quiet: bool) -> Result<ExitCode, CliError
             Batch::resume(OutputFolder::existing(folder)?, slice)?
         }
         None => {
-            let plan = plan(arguments)?;
+            let plan = plan(arguments, context)?;
             if arguments.dry_run {
                 terminal::print(&dry_run(&plan))?;
                 return Ok(ExitCode::SUCCESS);
@@ -142,14 +143,14 @@ pub fn run(arguments: &BatchArguments, quiet: bool) -> Result<ExitCode, CliError
             batch
         }
     };
-    if !quiet {
+    if !context.quiet {
         note_repairs(batch.found());
     }
     let resume = resume_command(batch.folder().path(), slice);
     let from_batch = |error| CliError::from_batch_error(error, &resume);
     let jobs = arguments.jobs.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
     let watch = interrupt::watch();
-    run_with_progress(&mut batch, jobs, watch.stop(), quiet).map_err(from_batch)?;
+    run_with_progress(&mut batch, jobs, watch.stop(), context).map_err(from_batch)?;
     if !batch.progress().slice().is_whole() {
         drop(watch);
         terminal::print(&slice_summary(&batch))?;
@@ -165,8 +166,9 @@ pub fn run(arguments: &BatchArguments, quiet: bool) -> Result<ExitCode, CliError
 }
 
 /// Makes the plan, from options, or from a plan file and options that change it.
-fn plan(arguments: &BatchArguments) -> Result<BatchPlan, CliError> {
+fn plan(arguments: &BatchArguments, context: &CommandContext) -> Result<BatchPlan, CliError> {
     let mut request = request_from(&arguments.sources)?;
+    request.changes = context.with_own_names(&request.changes);
     let options = arguments.set.iter().try_for_each(|option| request.add_option(option));
     options.and_then(|()| request.add_planners(&arguments.planner)).map_err(RequestError::from)?;
     if let Some(seeds) = &arguments.seeds {
@@ -241,11 +243,16 @@ fn list(things: impl ExactSizeIterator<Item = String>) -> Option<String> {
     }
 }
 
-fn run_with_progress(batch: &mut Batch, jobs: usize, stop: &Arc<AtomicBool>, quiet: bool) -> Result<(), BatchError> {
+fn run_with_progress(
+    batch: &mut Batch,
+    jobs: usize,
+    stop: &Arc<AtomicBool>,
+    context: &CommandContext,
+) -> Result<(), BatchError> {
     let (held, mut not_done) = batch.progress().held();
     let lost = batch.found().lost_recordings.len() as u64;
-    let bar = terminal::progress_bar(batch.progress().count() + lost, "runs", quiet).with_position(held);
-    let done = batch.run(jobs, stop, |status| {
+    let bar = terminal::progress_bar(batch.progress().count() + lost, "runs", context.quiet).with_position(held);
+    let done = batch.run(&context.entrants, jobs, stop, |status| {
         if status != Status::Done {
             not_done += 1;
             bar.set_message(format!("({not_done} failed)"));

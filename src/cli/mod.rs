@@ -8,6 +8,7 @@ mod batch;
 #[cfg(test)]
 mod command_lines;
 mod compare;
+mod context;
 mod curve;
 mod error;
 #[cfg(test)]
@@ -38,6 +39,7 @@ use clap_complete::Shell;
 use audit::AuditArguments;
 use batch::{BatchArguments, FolderArguments, StatusArguments};
 use compare::CompareArguments;
+use context::CommandContext;
 use curve::CurveArguments;
 use error::CliError;
 use map::MapCommand;
@@ -49,6 +51,7 @@ use scenarios::{CheckArguments, NewArguments, ScenariosArguments, SchemaArgument
 
 #[cfg(unix)]
 use crate::programs::supervisor;
+use crate::sim::Entrants;
 use crate::untrusted::visible;
 
 const EXAMPLES: &str = "\
@@ -123,13 +126,20 @@ pub enum Command {
 
 /// Reads the arguments of the process and does what they say.
 pub fn main() -> ExitCode {
+    main_with(Entrants::default())
+}
+
+/// Does the same with planners, or planners and policies, of one's own besides the built-in ones: the whole program, and
+/// they are known by their names wherever a name may stand.
+pub fn main_with(entrants: impl Into<Entrants>) -> ExitCode {
     #[cfg(unix)]
     if let Some(code) = supervisor::run_if_asked(&env::args_os().skip(1).collect::<Vec<_>>()) {
         return ExitCode::from(code);
     }
     interrupt::install();
     let arguments = Arguments::try_parse().unwrap_or_else(|error| refuse(&error));
-    dispatch(&arguments).unwrap_or_else(CliError::print)
+    let context = CommandContext { quiet: arguments.quiet, entrants: entrants.into() };
+    dispatch(&arguments, &context).unwrap_or_else(CliError::print)
 }
 
 /// Says what is wrong with the arguments, or prints what they ask for instead of a command, and ends the process.
@@ -144,24 +154,24 @@ fn refuse(error: &clap::Error) -> ! {
     }
 }
 
-fn dispatch(arguments: &Arguments) -> Result<ExitCode, CliError> {
+fn dispatch(arguments: &Arguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     match &arguments.command {
-        Command::Run(run) => run::run(run, arguments.quiet),
-        Command::Play(play) => play::run(play, arguments.quiet),
-        Command::Render(render) => render::run(render, arguments.quiet),
-        Command::Batch(batch) => batch::run(batch, arguments.quiet),
+        Command::Run(run) => run::run(run, context),
+        Command::Play(play) => play::run(play, context),
+        Command::Render(render) => render::run(render, context),
+        Command::Batch(batch) => batch::run(batch, context),
         Command::Report(folder) => batch::report(folder, arguments.quiet),
         Command::Compare(compare) => compare::run(compare),
-        Command::Audit(audit) => audit::run(audit, arguments.quiet),
+        Command::Audit(audit) => audit::run(audit, context),
         Command::Status(folder) => batch::status(folder),
         Command::Merge(folder) => batch::merge(folder, arguments.quiet),
         Command::New(new) => scenarios::new(new),
         Command::Schema(schema) => scenarios::schema(schema),
-        Command::Check(check) => scenarios::check(check),
+        Command::Check(check) => scenarios::check(check, context),
         Command::Scenarios(scenarios) => scenarios::list_or_show(scenarios),
         Command::Map { command } => map::run(command, arguments.quiet),
         Command::Curve(curve) => curve::run(curve, arguments.quiet),
-        Command::Plan(plan) => plan::run(plan, arguments.quiet),
+        Command::Plan(plan) => plan::run(plan, context),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(*shell, &mut Arguments::command(), "wildfire", &mut script);

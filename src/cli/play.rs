@@ -4,6 +4,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 
+use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::cli::show::{ShowArguments, parse_seconds, parse_speed};
 
@@ -33,12 +34,12 @@ pub struct PlayArguments {
 }
 
 #[cfg(feature = "view")]
-pub fn run(arguments: &PlayArguments, quiet: bool) -> Result<ExitCode, CliError> {
+pub fn run(arguments: &PlayArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     use crate::cli::show::{Searches, look, shown_runs, time_within};
     use crate::picture::film::RunView;
     use crate::view::{RunLoader, ViewerConfig, play};
 
-    let shown = shown_runs(&arguments.show, Searches::Recorded, quiet)?;
+    let shown = shown_runs(&arguments.show, Searches::Recorded, context)?;
     let runs = shown.into_iter().map(|shown| {
         let run = shown.run.into_view();
         let loader: Option<Box<dyn RunLoader>> = match shown.source {
@@ -63,7 +64,7 @@ pub fn run(arguments: &PlayArguments, quiet: bool) -> Result<ExitCode, CliError>
 
 /// Says how to build the program with its window.
 #[cfg(not(feature = "view"))]
-pub fn run(_: &PlayArguments, _: bool) -> Result<ExitCode, CliError> {
+pub fn run(_: &PlayArguments, _: &CommandContext) -> Result<ExitCode, CliError> {
     use crate::batch::shell_word;
     use crate::cli::error::exit;
     use crate::cli::terminal;

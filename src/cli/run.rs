@@ -8,8 +8,9 @@ use std::process::ExitCode;
 use clap::Args;
 use serde::{Serialize, Serializer};
 
-use crate::batch::{RunLabel, RunObject, RunResult, RunRow, Status, file_name_of, notes};
+use crate::batch::{RunLabel, RunObject, RunRecord, RunResult, RunRow, Status, file_name_of, notes};
 use crate::cli::args::{MemoryArguments, ScenarioArguments, parse_seed};
+use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::cli::numbers;
 use crate::cli::output_files::{self, Files, Format, Words};
@@ -17,10 +18,11 @@ use crate::cli::report::FormArguments;
 use crate::document::number::{percent, rounded};
 use crate::document::{Block, Document, Table};
 use crate::scenario::{self, Scenario};
-use crate::sim::{self, RunOptions};
+use crate::sim;
 use crate::time::wall::WallStopwatch;
 use crate::timeline::export::{ExportError, FINEST_STEP_S, write_events, write_trace};
 use crate::timeline::{AgentOutcome, Outcome, Timeline, Winner, file};
+use crate::untrusted::visible;
 use crate::whole_file::WholeFile;
 
 #[derive(Debug, Args)]
@@ -62,16 +64,16 @@ fn parse_trace_step(text: &str) -> Result<f64, String> {
     numbers::parse(text).ok_or_else(|| "expected a number of seconds".to_owned())
 }
 
-pub fn run(arguments: &RunArguments, quiet: bool) -> Result<ExitCode, CliError> {
-    let scenario = scenario::load(&arguments.scenario.source, &arguments.scenario.overrides)?;
+pub fn run(arguments: &RunArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
+    let scenario = scenario::load(&arguments.scenario.source, &context.with_own_names(&arguments.scenario.overrides))?;
     let (outputs, words) = Outputs::checked(arguments, &scenario)?;
-    let (row, timeline) = run_once(&scenario, arguments)?;
+    let (row, timeline) = run_once(&scenario, arguments, context)?;
     let report = RunReport { row };
     // A run that failed is an object too, but says nothing to people besides its error.
     let is_printed = arguments.form.json || report.row.result.is_some();
     let printed = if is_printed { words.print(&arguments.form.render(&report)) } else { Ok(()) };
     // Whatever cannot be written, all else of the run is kept.
-    let written = timeline.map_or(Ok(()), |timeline| outputs.write(&timeline, quiet));
+    let written = timeline.map_or(Ok(()), |timeline| outputs.write(&timeline, context.quiet));
     printed.and(written)?;
     match report.row.result {
         Some(_) => Ok(ExitCode::SUCCESS),
@@ -79,13 +81,13 @@ pub fn run(arguments: &RunArguments, quiet: bool) -> Result<ExitCode, CliError> 
     }
 }
 
-fn run_once(scenario: &Scenario, arguments: &RunArguments) -> Result<(RunRow, Option<Timeline>), CliError> {
+fn run_once(
+    scenario: &Scenario,
+    arguments: &RunArguments,
+    context: &CommandContext,
+) -> Result<(RunRow, Option<Timeline>), CliError> {
     let seed = arguments.seed;
-    let options = RunOptions {
-        records_searches: arguments.record_searches,
-        memory: arguments.memory.limit(),
-        ..RunOptions::default()
-    };
+    let options = context.run_options(arguments.record_searches, arguments.memory.limit());
     let stopwatch = WallStopwatch::start();
     // The panic has been printed by then, with a backtrace if one was asked for.
     let caught = panic::catch_unwind(AssertUnwindSafe(|| sim::run_with_options(scenario, seed, &options)));
@@ -93,7 +95,8 @@ fn run_once(scenario: &Scenario, arguments: &RunArguments) -> Result<(RunRow, Op
     match caught.map_err(|_| CliError::run_failed("the run panicked: this is a fault of the program"))? {
         Ok(run) => {
             let result = RunResult::new(Outcome::new(&run.timeline), run.cost);
-            Ok((RunRow::done(label, result, wall), Some(run.timeline)))
+            let row = RunRow { message: run.messages.to_string(), ..RunRow::done(label, result, wall) };
+            Ok((row, Some(run.timeline)))
         }
         Err(error) => Ok((RunRow::not_done(label, Status::Failed, error.to_string(), wall), None)),
     }
@@ -183,7 +186,9 @@ impl From<&RunReport> for Document {
         let Some(result) = &row.result else { return Self::new(row.message.clone()) };
         let (label, outcome) = (&row.label, &result.outcome);
         let ended_s = rounded(outcome.ended_s, 1);
+        let said = (!row.message.is_empty()).then(|| format!("About failed queries: {}", visible(&row.message)));
         let notes = notes(result).into_iter().map(|note| format!("Note: {note}"));
+        let notes = notes.chain(RunRecord::from_row(row).queries().sentences(&label.planner)).chain(said);
         Self::new(format!("{}, seed {}: ended after {ended_s} s", label.scenario, label.seed)).with([
             states(outcome).into(),
             Block::List([fires(outcome), verdict(result)].into_iter().chain(notes).collect()),

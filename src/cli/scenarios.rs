@@ -9,6 +9,7 @@ use clap::{Args, ValueEnum};
 
 use crate::batch::{PLAN_TEMPLATE, TableOfRows, plan_schema, row_schema};
 use crate::cli::args::ScenarioArguments;
+use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::cli::output_files::{Files, Format};
 use crate::cli::terminal;
@@ -67,8 +68,9 @@ pub struct ScenariosArguments {
 }
 
 /// Explains a scenario.
-pub fn check(arguments: &CheckArguments) -> Result<ExitCode, CliError> {
-    let loaded = LoadedScenario::open(&arguments.scenario.source, &arguments.scenario.overrides)?;
+pub fn check(arguments: &CheckArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
+    let loaded =
+        LoadedScenario::open(&arguments.scenario.source, &context.with_own_names(&arguments.scenario.overrides))?;
     terminal::print(&scenario::explain(&loaded, arguments.memory).to_text())?;
     Ok(ExitCode::SUCCESS)
 }

@@ -110,9 +110,9 @@ impl TablePath {
         Err(Box::new(Refusal { path: self.0.join(step), found, expected: Expected::Words(expected) }))
     }
 
-    /// Refuses a name that nobody of this kind has.
-    pub fn refuse_name(&self, kind: &'static str, found: &str, known: Vec<String>) -> Check {
-        let path = self.0.join(PathStep::key(kind));
+    /// Refuses a name that nobody of this kind, planner or policy, has.
+    pub fn refuse_name(&self, key: &str, kind: &'static str, found: &str, known: Vec<String>) -> Check {
+        let path = self.0.join(PathStep::key(key));
         Err(Box::new(Refusal { path, found: found.to_owned(), expected: Expected::Name { kind, known } }))
     }
 }

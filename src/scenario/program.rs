@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::check::{Check, TablePath};
+use super::goal::{TruckGoal, WumpusGoal};
 use super::or_none;
 use crate::input_file::list_of_at_most;
 use crate::planning::PlannerName;
@@ -97,6 +98,10 @@ pub(super) fn check_programs(kind: &str, programs: &Programs) -> Check {
     for (name, program) in programs {
         if kind == "planner" && name.built_in().is_some() {
             let expected = "a name of its own: this one is a built-in planner's".to_owned();
+            return all.refuse(name.name(), "a table".into(), expected);
+        }
+        if kind == "policy" && (TruckGoal::is_built_in(name.name()) || WumpusGoal::is_built_in(name.name())) {
+            let expected = "a name of its own: this one is a built-in policy's".to_owned();
             return all.refuse(name.name(), "a table".into(), expected);
         }
         let table = all.inner(name.name());

@@ -11,6 +11,7 @@ use serde_json::Value;
 
 use super::agents::{AgentList, AgentsMemory, FieldMeasures, SHOWN_SEED, ScenarioField, SketchedStart};
 use super::check::{Check, ROUNDING_M, TablePath};
+use super::goal::{TruckGoal, describe_choice};
 use super::or_none;
 use super::program::{Program, Programs};
 use super::{MemoryPart, Scenario};
@@ -276,18 +277,6 @@ pub struct Limits {
     pub lateral_mps2: Option<f64>,
 }
 
-/// Chooses the burning cell that a truck goes for. Distances run from its body's centre to the cell's; ties go to the
-/// lower cell index.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum TruckGoal {
-    NearestBurning,
-    /// The fire that has burned longest.
-    Oldest,
-    /// The nearest fire of the largest group of burning cells that touch, sides or corners.
-    LargestCluster,
-}
-
 /// Says when a truck that is driving chooses its goal anew.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
@@ -324,12 +313,13 @@ impl AgentList for Vec<Unimog> {
         numbered.try_for_each(|(number, truck)| {
             let table = TablePath::entry(self.key(), number);
             check_planner_name(&table, &truck.planner, &scenario.planner)?;
+            truck.goal.check(&table, &scenario.policy)?;
             check_unimog(&table, truck, &frame)
         })
     }
 
     fn describe(&self, scenario: &Scenario) -> Vec<String> {
-        self.iter().map(|truck| describe_truck(truck, &scenario.planner)).collect()
+        self.iter().map(|truck| describe_truck(truck, scenario)).collect()
     }
 
     fn warn(&self, scenario: &Scenario, found: &mut Vec<String>) {
@@ -407,7 +397,7 @@ fn check_planner_name(table: &TablePath, planner: &PlannerName, programs: &Progr
     }
     let own = programs.keys().map(PlannerName::name);
     let known = TruckPlannerKind::ALL.map(TruckPlannerKind::name).into_iter().chain(own);
-    table.refuse_name("planner", planner.name(), known.map(str::to_owned).collect())
+    table.refuse_name("planner", "planner", planner.name(), known.map(str::to_owned).collect())
 }
 
 /// Checks that the first truck's planners can work on a field that may not be the one of their scenario.
@@ -444,12 +434,13 @@ pub fn check_vehicle(table: &TablePath, body: &Dimensions) -> Check {
 }
 
 /// Describes what a truck is and does.
-fn describe_truck(truck: &Unimog, programs: &Programs) -> String {
+fn describe_truck(truck: &Unimog, scenario: &Scenario) -> String {
     let body = &truck.vehicle;
-    let goal = match truck.goal {
-        TruckGoal::NearestBurning => "the nearest fire",
-        TruckGoal::Oldest => "the oldest fire",
-        TruckGoal::LargestCluster => "the nearest fire of the largest burning group",
+    let goal = match &truck.goal {
+        TruckGoal::NearestBurning => "the nearest fire".to_owned(),
+        TruckGoal::Oldest => "the oldest fire".to_owned(),
+        TruckGoal::LargestCluster => "the nearest fire of the largest burning group".to_owned(),
+        TruckGoal::Policy(name) => describe_choice(name, &scenario.policy),
     };
     let retarget = match truck.retarget {
         Retarget::Never => "keeps it until it is out",
@@ -470,7 +461,7 @@ fn describe_truck(truck: &Unimog, programs: &Programs) -> String {
         truck.reverse_speed_mps,
         describe_limits(truck),
         describe_turning(truck),
-        describe_planner(truck, programs)
+        describe_planner(truck, &scenario.planner)
     )
 }
 

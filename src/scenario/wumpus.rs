@@ -7,7 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use super::agents::{AgentList, AgentsMemory, FieldMeasures, SHOWN_SEED, ScenarioField, SketchedStart};
 use super::check::{Check, TablePath};
+use super::goal::{WumpusGoal, describe_choice};
 use super::or_none;
+use super::program::Programs;
 use super::{MemoryPart, Scenario, Terrain};
 use crate::geometry::{Cell, DVec2, FieldFrame};
 use crate::grid::potential::{Attraction, Repulsion, RepulsionDistance};
@@ -141,15 +143,6 @@ impl Wumpus {
     }
 }
 
-/// Chooses the intact cell that a Wumpus goes for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum WumpusGoal {
-    RandomIntact,
-    NearestIntact,
-    FarthestFromTruck,
-}
-
 /// The planner by which a Wumpus finds its way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
@@ -253,6 +246,7 @@ impl AgentList for Vec<Wumpus> {
         for (number, wumpus) in self.iter().enumerate() {
             let table = TablePath::entry(self.key(), number);
             check_wumpus(&table, wumpus, &frame)?;
+            wumpus.goal.check(&table, &scenario.policy)?;
             let pitch_m = wumpus.lattice_m.unwrap_or(frame.cell_m);
             let own_points = (frame.width_m() / pitch_m).max(1.0) * (frame.height_m() / pitch_m).max(1.0);
             points += own_points;
@@ -274,8 +268,8 @@ impl AgentList for Vec<Wumpus> {
         Ok(())
     }
 
-    fn describe(&self, _: &Scenario) -> Vec<String> {
-        self.iter().map(describe_wumpus).collect()
+    fn describe(&self, scenario: &Scenario) -> Vec<String> {
+        self.iter().map(|wumpus| describe_wumpus(wumpus, &scenario.policy)).collect()
     }
 
     fn warn(&self, _: &Scenario, found: &mut Vec<String>) {
@@ -324,11 +318,12 @@ impl SettingsTable for WumpusPotential {
 }
 
 /// Describes what a Wumpus is and does.
-fn describe_wumpus(wumpus: &Wumpus) -> String {
-    let goal = match wumpus.goal {
-        WumpusGoal::RandomIntact => "a random intact bush",
-        WumpusGoal::NearestIntact => "the nearest intact bush",
-        WumpusGoal::FarthestFromTruck => "the intact bush farthest from all trucks",
+fn describe_wumpus(wumpus: &Wumpus, policies: &Programs) -> String {
+    let goal = match &wumpus.goal {
+        WumpusGoal::RandomIntact => "a random intact bush".to_owned(),
+        WumpusGoal::NearestIntact => "the nearest intact bush".to_owned(),
+        WumpusGoal::FarthestFromTruck => "the intact bush farthest from all trucks".to_owned(),
+        WumpusGoal::Policy(name) => describe_choice(name, policies),
     };
     let keep = if wumpus.keep_goal { "which it never gives up" } else { "which it drops when it is no longer intact" };
     let lattice = wumpus.lattice_m.map_or("cell centres".into(), |m| format!("a lattice of {m} m from its start on"));

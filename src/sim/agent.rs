@@ -11,21 +11,23 @@ use crate::planning::Planners;
 use crate::planning::memory::MemoryMeter;
 use crate::scenario::{Scenario, Terrain};
 use crate::time::SimTime;
-use crate::timeline::{AgentFact, AgentId, AgentStart, Body, CpuSample, RestReason};
+use crate::timeline::{self, AgentFact, AgentId, AgentStart, Body, CpuSample, RestReason};
 use crate::trajectory::{SpeedLimits, Trajectory};
 
+use super::policies::AgentView;
 use super::queue::{AgentEvent, SimQueue, Wake};
 use super::recorder::{CpuLog, Recorder};
 use super::run::AgentCost;
+
+/// The shortest time for which a policy lets an agent wait: no answer may keep a run at one instant.
+const SHORTEST_WAIT: SimTime = SimTime::from_nanos(100_000_000);
 
 /// What an agent is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Activity {
     /// It stands and is about to decide.
     Idle,
-    /// It stands because its policy wants it to.
-    Waiting,
-    /// It stands without a goal until something wakes it.
+    /// It stands without a goal until something wakes it, or because its policy wants it to.
     Resting(RestReason),
     /// It stands because others are in the way to all that it could go for.
     Blocked,
@@ -67,9 +69,16 @@ impl Agent {
         self.body.centre(self.trajectory.pose_at(now))
     }
 
+    /// Returns what policies see of it.
+    pub fn view(&self, now: SimTime) -> AgentView {
+        let pose = self.trajectory.pose_at(now);
+        let place = self.body.centre(pose);
+        AgentView { id: self.id, place, pose, activity: self.shown_activity(now), goal: self.goal }
+    }
+
     /// Returns true if it stands and is free to go for something.
     pub fn is_free(&self) -> bool {
-        matches!(self.activity, Activity::Idle | Activity::Waiting | Activity::Resting(_) | Activity::Blocked)
+        matches!(self.activity, Activity::Idle | Activity::Resting(_) | Activity::Blocked)
     }
 
     pub fn is_under_way(&self) -> bool {
@@ -140,10 +149,31 @@ impl Agent {
         }
     }
 
-    /// Stands without a word, because its policy wants it to wait.
-    pub fn wait(&mut self) {
-        self.revision += 1;
-        self.activity = Activity::Waiting;
+    /// Rests because its policy wants it to, and decides again at a time if nothing wakes it before.
+    pub fn wait(
+        &mut self,
+        entity: Entity,
+        now: SimTime,
+        until: Option<SimTime>,
+        queue: &mut SimQueue,
+        recorder: &mut Recorder,
+    ) {
+        self.rest(now, RestReason::Chosen, recorder);
+        if let Some(until) = until {
+            queue.push_for(until.max(now + SHORTEST_WAIT), AgentEvent::Decision, self.wake(entity));
+        }
+    }
+
+    /// Returns what it is doing in the words of timelines.
+    pub fn shown_activity(&self, now: SimTime) -> timeline::Activity {
+        match self.activity {
+            Activity::Idle | Activity::Resting(_) => timeline::Activity::Standing,
+            Activity::Blocked => timeline::Activity::Waiting,
+            Activity::Planning => timeline::Activity::Planning,
+            Activity::Moving if now < self.trajectory.sets_out_at() => timeline::Activity::Waiting,
+            Activity::Moving => timeline::Activity::Driving,
+            Activity::Suppressing => timeline::Activity::Suppressing,
+        }
     }
 }
 

@@ -11,6 +11,7 @@
 
 mod agent;
 mod end;
+mod episode;
 mod fire;
 pub mod policies;
 mod queue;
@@ -29,19 +30,21 @@ use std::time::Duration;
 use bevy::ecs::schedule::Schedules;
 use bevy::prelude::*;
 
+use crate::fire::FireField;
 use crate::planning::Planners;
 use crate::planning::memory::MemoryMeter;
 use crate::scenario::{MemoryEstimate, MemoryLimit, Scenario};
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
-use crate::timeline::{AgentId, Setting, Timeline};
+use crate::timeline::{AgentId, Event, Setting, Timeline};
 
-pub use run::{AgentCost, FailureMessages, Run, RunCost, RunError, RunOptions};
+pub use episode::{Asked, Episode, Points};
+pub use run::{AgentCost, Entrants, FailureMessages, Run, RunCost, RunError, RunOptions};
 
 use agent::{Agent, Roster};
 use end::Ended;
 use fire::Fires;
-use policies::{Choice, Observation, Policies, Policy, Question};
+use policies::{AgentView, Choice, Following, Observation, Policy, Question};
 use queue::{SimClock, SimQueue};
 use recorder::{CpuLog, Recorder};
 use schedule::Pass;
@@ -68,7 +71,10 @@ pub fn run_with(scenario: &Scenario, seed: u64, planners: &Planners) -> Result<R
 pub fn run_with_options(scenario: &Scenario, seed: u64, options: &RunOptions) -> Result<Run, RunError> {
     let mut stopwatch = CpuStopwatch::start();
     let mut simulation = Simulation::with(scenario, seed, options)?;
-    simulation.advance_to(SimTime::MAX);
+    // Whoever leaves an answer to somebody outside waits: nobody is there.
+    while let Some(asked) = simulation.advance_to_question(SimTime::MAX).map(<[_]>::to_vec) {
+        simulation.answer(asked.into_iter().map(|agent| (agent, Choice::Wait)).collect());
+    }
     simulation.expect_within_memory()?;
     let mut run = simulation.finish();
     let elsewhere: Duration = run.cost.agents.iter().map(|agent| agent.elsewhere).sum();
@@ -133,7 +139,7 @@ impl Simulation {
 
     /// Lets agents follow a policy of one's own from now on.
     pub fn follow(&mut self, agents: &[AgentId], policy: Box<dyn Policy>) {
-        let follows = self.world.resource_mut::<Policies>().add(policy);
+        let follows = self.world.resource_mut::<Following>().add(policy);
         for &entity in &self.world.resource::<Roster>().0.clone() {
             if self.world.get::<Agent>(entity).is_some_and(|agent| agents.contains(&agent.id)) {
                 self.world.entity_mut(entity).insert(follows);
@@ -152,7 +158,7 @@ impl Simulation {
     pub fn advance_to(&mut self, target: SimTime) {
         while !self.world.resource::<Ended>().0
             && self.memory.meter.overrun().is_none()
-            && self.world.resource::<Policies>().question.is_none()
+            && self.world.resource::<Following>().question.is_none()
         {
             let next = if self.has_begun { self.world.resource::<SimQueue>().next_time() } else { Some(SimTime::ZERO) };
             let Some(next) = next.filter(|&next| next <= target) else { break };
@@ -166,12 +172,12 @@ impl Simulation {
     /// if a policy leaves it to somebody outside. Until then the world stands still at that instant.
     pub fn advance_to_question(&mut self, target: SimTime) -> Option<&[AgentId]> {
         self.advance_to(target);
-        self.world.resource::<Policies>().question.as_ref().map(|question| &question.asked[..])
+        self.world.resource::<Following>().question.as_ref().map(|question| &question.asked[..])
     }
 
     /// Lets somebody outside look at the world as a policy would who is asked what waits for an answer.
     pub fn observe<T>(&self, look: impl FnOnce(&Observation<'_>, &[AgentId]) -> T) -> Option<T> {
-        let Question { asked, agents, options } = self.world.resource::<Policies>().question.as_ref()?;
+        let Question { asked, agents, options } = self.world.resource::<Following>().question.as_ref()?;
         let options_of = |agent| asked.iter().position(|&id| id == agent).map_or(Vec::new(), |i| options[i].clone());
         let (now, fires) = (self.world.resource::<SimClock>().0, &self.world.resource::<Fires>().field);
         Some(look(&Observation { now, fires, agents, options_of: &options_of }, asked))
@@ -179,9 +185,40 @@ impl Simulation {
 
     /// Answers for agents that wait; whoever is left out is asked again. What is no option lets an agent wait.
     pub fn answer(&mut self, choices: Vec<(AgentId, Choice)>) {
-        let mut policies = self.world.resource_mut::<Policies>();
-        policies.question = None;
-        policies.answer = choices;
+        let mut following = self.world.resource_mut::<Following>();
+        following.question = None;
+        following.answer = choices;
+    }
+
+    /// Returns the instant at which the world stands.
+    pub fn now(&self) -> SimTime {
+        self.world.resource::<SimClock>().0
+    }
+
+    /// Returns true if the run is over.
+    pub fn has_ended(&self) -> bool {
+        self.world.resource::<Ended>().0
+    }
+
+    /// Returns the state of every bush.
+    pub fn fires(&self) -> &FireField {
+        &self.world.resource::<Fires>().field
+    }
+
+    /// Returns what policies see of the agents, by name.
+    pub fn agents(&self) -> Vec<AgentView> {
+        let agents = self.world.resource::<Roster>().0.iter().filter_map(|&entity| self.world.get::<Agent>(entity));
+        agents.map(|agent| agent.view(self.now())).collect()
+    }
+
+    /// Returns the setting that the facts belong to.
+    pub fn setting(&self) -> &Setting {
+        &self.setting
+    }
+
+    /// Returns what has happened so far.
+    pub fn facts(&self) -> &[Event] {
+        &self.world.resource::<Recorder>().events
     }
 
     /// Returns the facts so far and the cost of getting there.
@@ -218,7 +255,7 @@ mod tests {
     use crate::geometry::Cell;
     use crate::scenario;
     use crate::timeline::{AgentFact, Fact, FireFact, Role};
-    use policies::BuiltIn;
+    use policies::NamedPolicy;
     use schedule::SimSystems;
 
     fn load(name: &str, duration_s: f64) -> Scenario {
@@ -257,9 +294,12 @@ mod tests {
             let mut simulation = Simulation::new(&scenario, 5).expect("it takes place");
             let agents: Vec<AgentId> = at_once.setting.agents.iter().map(|agent| agent.id).collect();
             simulation.follow(&agents, Box::new(Elsewhere));
-            let make = |policy: BuiltIn| policy.make(&at_once.setting.bushes, 5);
-            let mut wumpus = make(BuiltIn::Wumpus(scenario.wumpus[0].goal));
-            let mut truck = make(BuiltIn::Truck(scenario.unimog[0].goal));
+            let make = |policy: NamedPolicy<'_>| match policy {
+                NamedPolicy::BuiltIn(rule) => rule.make(&at_once.setting.bushes, 5),
+                NamedPolicy::Own(name) => panic!("{name} is not built in"),
+            };
+            let mut wumpus = make((&scenario.wumpus[0].goal).into());
+            let mut truck = make((&scenario.unimog[0].goal).into());
             let mut questions = 0;
             while let Some(asked) = simulation.advance_to_question(SimTime::MAX).map(<[_]>::to_vec) {
                 let facts = simulation.world.resource::<Recorder>().events.len();

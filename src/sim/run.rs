@@ -6,6 +6,7 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::policies::Policies;
 use crate::planning::{CpuSource, MakeError, PlannerName, Planners, QueryCpu};
 use crate::scenario::{MemoryExceeded, MemoryLimit, TerrainError};
 use crate::timeline::{AgentId, CpuSample, Timeline};
@@ -125,8 +126,35 @@ pub struct RunOptions {
     /// True if the timeline also holds what the searches looked at, as
     /// [`AgentFact::Searched`](crate::timeline::AgentFact::Searched). CPU times include recording it.
     pub records_searches: bool,
+    /// The policies by name.
+    pub policies: Policies,
     /// The limit of memory. A run that would take more does not take place, or ends early, as [`RunError::Memory`].
     pub memory: MemoryLimit,
+}
+
+/// Planners and policies that were handed in, beside the built-in ones.
+#[derive(Clone, Debug, Default)]
+pub struct Entrants {
+    pub planners: Planners,
+    pub policies: Policies,
+}
+
+impl From<Planners> for Entrants {
+    fn from(planners: Planners) -> Self {
+        Self { planners, ..Self::default() }
+    }
+}
+
+impl From<Policies> for Entrants {
+    fn from(policies: Policies) -> Self {
+        Self { policies, ..Self::default() }
+    }
+}
+
+impl From<Entrants> for RunOptions {
+    fn from(Entrants { planners, policies }: Entrants) -> Self {
+        Self { planners, policies, ..Self::default() }
+    }
 }
 
 /// Why a run could not take place.
@@ -136,6 +164,8 @@ pub enum RunError {
     Memory(#[from] MemoryExceeded),
     #[error(transparent)]
     Terrain(#[from] TerrainError),
+    #[error("the policy `{name}` could not be made: {reason}")]
+    NoPolicy { name: PlannerName, reason: MakeError },
     #[error("{agent} cannot start: no free place was found for it on this field")]
     NoFreeStart { agent: AgentId },
     #[error("{agent} has no planner: `{name}` could not be built: {reason}")]

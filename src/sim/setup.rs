@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 use rand::seq::SliceRandom;
+use serde_json::Value;
 
 use crate::collision::ClearanceField;
 use crate::fire::FireField;
@@ -12,11 +13,11 @@ use crate::rng;
 use crate::scenario::{Extinguishes, Scenario, Terrain};
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
-use crate::timeline::{AgentStart, Rules, Setting};
+use crate::timeline::{AgentId, AgentStart, Rules, Setting};
 
 use super::agent::{Arena, Roster};
 use super::fire::{Fires, Ignitions};
-use super::policies::Policies;
+use super::policies::{Following, NamedPolicy, Policies, PolicySite};
 use super::queue::{Due, SimClock, SimQueue};
 use super::recorder::{CpuLog, Recorder};
 use super::run::{RunCost, RunError, RunOptions};
@@ -53,7 +54,7 @@ pub fn fill(
     world.init_resource::<SimClock>();
     world.init_resource::<CpuLog>();
     world.init_resource::<Roster>();
-    world.init_resource::<Policies>();
+    world.insert_resource(policies(scenario, seed, &terrain, &options.policies)?);
 
     let arena = Arena { scenario, seed, terrain: &terrain, field: &field, memory, planners: &options.planners };
     let mut starts = Vec::new();
@@ -64,6 +65,43 @@ pub fn fill(
         starts.push(truck::spawn(world, &arena, number as u16, settings)?);
     }
     Ok((setting(scenario, seed, &terrain, starts), cost))
+}
+
+/// Makes the policies of a run: one for all agents of a name.
+fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, known: &Policies) -> Result<Following, RunError> {
+    let wumpuses = scenario.wumpus.iter().map(|wumpus| NamedPolicy::from(&wumpus.goal));
+    let trucks = scenario.unimog.iter().map(|truck| NamedPolicy::from(&truck.goal));
+    let ids = (0..).map(AgentId::wumpus).zip(wumpuses).chain((0..).map(AgentId::unimog).zip(trucks));
+    let (agents, named): (Vec<AgentId>, Vec<NamedPolicy>) = ids.unzip();
+    let mut following = Following::default();
+    for (first, policy) in named.iter().enumerate() {
+        if named[..first].contains(policy) {
+            continue;
+        }
+        let is_meant = |agent: &usize| named[*agent] == *policy;
+        let plays: Vec<AgentId> = (0..agents.len()).filter(is_meant).map(|agent| agents[agent]).collect();
+        let made = match *policy {
+            NamedPolicy::BuiltIn(rule) => rule.make(&terrain.bushes, seed),
+            NamedPolicy::Own(name) => {
+                let own = scenario.policy.get(name).map(|program| Value::Object(program.settings.clone()));
+                let site = PolicySite {
+                    name,
+                    scenario: &scenario.name,
+                    seed,
+                    duration: SimTime::from_seconds(scenario.duration_s),
+                    frame: terrain.frame,
+                    bushes: &terrain.bushes,
+                    agents: &agents,
+                    plays: &plays,
+                    own: own.as_ref().unwrap_or(&Value::Null),
+                    stream: &|stream: &str| rng::stream(seed, &format!("policy/{name}/{stream}")),
+                };
+                known.make(&site).map_err(|reason| RunError::NoPolicy { name: name.clone(), reason })?
+            }
+        };
+        following.add_for(&plays, made);
+    }
+    Ok(following)
 }
 
 fn setting(scenario: &Scenario, seed: u64, terrain: &Terrain, agents: Vec<AgentStart>) -> Setting {

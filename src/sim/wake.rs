@@ -4,6 +4,7 @@ use bevy::prelude::*;
 
 use crate::fire::{FireChange, FireField};
 use crate::geometry::Cell;
+use crate::timeline::RestReason;
 
 use super::agent::{Activity, Agent, Roster};
 use super::fire::{FireChanges, Fires};
@@ -74,7 +75,7 @@ impl Trigger {
                 (matches!(agent.activity, Activity::Resting(_)), AgentEvent::LookAgain)
             }
             (Self::ChangeWhileWaiting, News::Ignition(_) | News::FireOver(_)) => {
-                (agent.activity == Activity::Waiting, AgentEvent::LookAgain)
+                (agent.activity == Activity::Resting(RestReason::Chosen), AgentEvent::LookAgain)
             }
             _ => return None,
         };

@@ -25,7 +25,7 @@ use crate::vehicle::Segment;
 
 use super::agent::{Activity, Agent, Arena, enlist};
 use super::fire::Fires;
-use super::policies::{AgentView, BuiltIn, Choice, Follows, Inquiry, Policies};
+use super::policies::{AgentView, Choice, Following, Follows, Inquiry};
 use super::queue::{AgentEvent, BushEvent, Due, SimClock, SimQueue};
 use super::recorder::{CpuLog, Recorder};
 use super::run::RunError;
@@ -176,8 +176,7 @@ pub fn spawn(
     };
     let mut triggers = vec![Trigger::FuelWhileResting, Trigger::ChangeWhileWaiting];
     triggers.extend((!settings.keep_goal).then_some(Trigger::GoalIgnited));
-    let policy = BuiltIn::Wumpus(settings.goal);
-    let follows = world.resource_mut::<Policies>().follow(policy, &terrain.bushes, arena.seed);
+    let follows = world.resource::<Following>().policy_of(id);
     let agent = Agent::standing(id, Body::Square { size_m: settings.size_m }, Pose::new(here.x, here.y, 0.0));
     Ok(enlist(world, agent, SpeedLimits::new(fastest, 0.0), (wumpus, WokenBy(triggers), follows)))
 }
@@ -298,7 +297,10 @@ impl Turn<'_> {
                 }
             }
             _ if options.is_empty() => self.stand(ready, fires),
-            _ => agent.wait(),
+            _ => {
+                let (entity, now) = (self.entity, self.now);
+                self.agent.wait(entity, now, choice.until(), self.queue, self.recorder);
+            }
         }
         cpu_log.add(self.now, self.agent.id, self.agent.cost.total() - cpu);
     }
@@ -361,7 +363,7 @@ fn decide(
     clock: Res<SimClock>,
     fires: Res<Fires>,
     (mut queue, mut recorder, mut cpu_log): (ResMut<SimQueue>, ResMut<Recorder>, ResMut<CpuLog>),
-    mut policies: ResMut<Policies>,
+    mut following: ResMut<Following>,
     mut wumpuses: Query<(&mut Agent, &mut Wumpus, &Follows)>,
     others: Query<&Agent, Without<Wumpus>>,
 ) {
@@ -384,12 +386,12 @@ fn decide(
             let own = wumpuses.iter().map(|(agent, wumpus, _)| {
                 let is_asked = asked.iter().any(|&(id, _)| id == agent.id);
                 let place = if is_asked { wumpus.lattice.position(wumpus.point) } else { agent.centre(now) };
-                AgentView { id: agent.id, place }
+                AgentView { place, ..agent.view(now) }
             });
-            let others = others.iter().map(|agent| AgentView { id: agent.id, place: agent.centre(now) });
+            let others = others.iter().map(|agent| agent.view(now));
             let options_of = |entity| wumpuses.get(entity).map_or(Vec::new(), |(_, wumpus, _)| wumpus.options(fires));
             let inquiry = Inquiry { now, fires, agents: own.chain(others).collect(), asked };
-            policies.ask(policy, inquiry, &options_of)
+            following.ask(policy, inquiry, &options_of)
         };
         if choices.is_empty() {
             return;

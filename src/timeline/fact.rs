@@ -39,7 +39,7 @@ pub enum RestReason {
     LocalMinima,
     /// A truck whose planner failed on all that burns, where nobody else plans for it.
     NoPlan,
-    /// An agent that its policy lets wait.
+    /// Its policy wants it to wait though there is something to go for; it stands, and is not stuck.
     Chosen,
 }
 

@@ -12,6 +12,7 @@ use wildfire::batch::{
     PlanError, RUNS_FILE, STATES_PARQUET, Slice, Sweep, Whole, batch_status, merge, run_column, write_report,
 };
 use wildfire::scenario::ScenarioText;
+use wildfire::sim::Entrants;
 
 use super::fuzz::text::mutated;
 use super::fuzz::{Case, Law, below, chance, one_of};
@@ -43,7 +44,7 @@ fn sample(options: &[&str], seeds: &str) -> Sample {
     let scratch = tempfile::tempdir().expect("a scratch folder");
     let folder = OutputFolder::named(&scratch.path().join("batch"), false).expect("a new folder");
     let mut batch = Batch::begin(plan.clone(), folder).expect("it begins");
-    batch.run(1, &Arc::new(AtomicBool::new(false)), |_| {}).expect("all runs take place");
+    batch.run(&Entrants::default(), 1, &Arc::new(AtomicBool::new(false)), |_| {}).expect("all runs take place");
     batch.finish(&AtomicBool::new(false)).expect("its tables are written");
     let read = |name: &str| fs::read(scratch.path().join("batch").join(name)).expect("it was written");
     Sample {

@@ -36,6 +36,7 @@ pub use published::{BesideReport, PublishedState, PublishedTime};
 pub use settings::{Difference, SettingsDifference};
 pub use sides::{MAX_SIDES, Selection};
 
+use crate::batch::table::QueryTally;
 use crate::document::number::probability;
 use crate::stats::{RepeatedMeasures, holm};
 use runs_table::RunsTable;
@@ -64,6 +65,14 @@ pub struct SideSummary {
     pub description: String,
     pub runs: usize,
     pub failed: usize,
+    pub queries: QueryTally,
+}
+
+impl SideSummary {
+    /// Says whose planner was rescued, or stopped by a clock.
+    pub fn notes(&self) -> Vec<String> {
+        self.queries.sentences(&self.letter.to_string())
+    }
 }
 
 /// A side set against A.
@@ -169,7 +178,15 @@ fn read(paths: &[PathBuf], names: &[String]) -> Result<(Vec<Metric>, Vec<RunsTab
 }
 
 fn summary(side: &Side<'_>) -> SideSummary {
-    SideSummary { letter: side.letter, description: side.description(), runs: side.runs.len(), failed: side.failed() }
+    let mut queries = QueryTally::default();
+    side.runs.iter().for_each(|&run| queries += side.table.queries[run]);
+    SideSummary {
+        letter: side.letter,
+        description: side.description(),
+        runs: side.runs.len(),
+        failed: side.failed(),
+        queries,
+    }
 }
 
 /// Adjusts the p-values of all contrasts together, and those of all strata.

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::batch::comparison::error::ComparisonError;
 use crate::batch::execute::{RUNS_FILE, expect_files};
 use crate::batch::plan::MAX_RUNS;
-use crate::batch::table::{TableError, TableReader};
+use crate::batch::table::{QueryTally, TableError, TableReader};
 
 /// Numbers of larger size could overflow in sums of squares.
 const LARGEST: f64 = 1e100;
@@ -43,6 +43,8 @@ pub struct RunsTable {
     pub conditions: Vec<Condition>,
     /// For each field that was asked for, the value of every run; NaN where there is none.
     pub values: Vec<Vec<f64>>,
+    /// The queries of each run's trucks, as far as the table tells.
+    pub queries: Vec<QueryTally>,
 }
 
 /// A condition under which runs were made: scenario, planner, or a key that a batch sweeps.
@@ -92,12 +94,16 @@ impl RunsTable {
             }
         }
         let (mut seeds, mut done, mut values) = (Vec::new(), Vec::new(), vec![Vec::new(); fields.len()]);
+        let mut queries = Vec::new();
         while table.next_row()? {
             if seeds.len() as u64 == MAX_RUNS {
                 return Err(ComparisonError::TooManyRows { path: table.path().to_owned(), limit: MAX_RUNS });
             }
             seeds.push(table.count(seed, "a seed")?);
             done.push(table.bytes(status) == b"done");
+            // Other versions of the program may lack these columns, and nothing else is made of them.
+            let count = |column: &str| table.place(column).and_then(|place| table.count(place, "").ok());
+            queries.push(QueryTally::from_columns(|column| count(column).unwrap_or(0)));
             for (place, condition, known) in &mut conditions {
                 let level = table.bytes(*place);
                 if level.len() > MAX_LEVEL_BYTES || known.len() > MAX_LEVELS {
@@ -123,7 +129,7 @@ impl RunsTable {
             return Err(ComparisonError::NoRows { path: table.path().to_owned() });
         }
         let conditions = conditions.into_iter().map(|(_, condition, _)| condition).collect();
-        Ok(Self { path: table.path().to_owned(), seeds, done, conditions, values })
+        Ok(Self { path: table.path().to_owned(), seeds, done, conditions, values, queries })
     }
 }
 

@@ -14,7 +14,7 @@ use crate::batch::execute::workers::{Task, Work, work_off};
 use crate::batch::execute::{BatchError, Disk, JournalIndex, OutputFolder, RUNS_FILE, RealDisk, RunScenario, Status};
 use crate::batch::plan::{BatchPlan, PLAN_FILE, PlanError, Record, Slice};
 use crate::scenario::Scenario;
-use crate::sim::{self, RunOptions};
+use crate::sim::{self, Entrants, RunOptions};
 use crate::timeline::file::{self, FileError};
 use crate::whole_file::sync_folder_of;
 
@@ -148,8 +148,14 @@ impl Batch {
     /// [`BatchError::Stopped`] if `stop` was set before the last run; all other errors are those of the disk, or of
     /// starting the threads, and [`BatchError::OtherOutcome`] if a run that is made again ends differently. After any
     /// of them the batch can be resumed.
-    pub fn run(&mut self, jobs: usize, stop: &Arc<AtomicBool>, on_run: impl FnMut(Status)) -> Result<(), BatchError> {
-        let options = RunOptions { memory: self.plan.memory, ..RunOptions::default() };
+    pub fn run(
+        &mut self,
+        entrants: &Entrants,
+        jobs: usize,
+        stop: &Arc<AtomicBool>,
+        on_run: impl FnMut(Status),
+    ) -> Result<(), BatchError> {
+        let options = RunOptions { memory: self.plan.memory, ..entrants.clone().into() };
         let run = move |scenario: &Scenario, seed| sim::run_with_options(scenario, seed, &options);
         self.run_with(Box::new(run), jobs, stop, on_run)
     }

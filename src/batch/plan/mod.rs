@@ -33,6 +33,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::input_file::list_of_at_most;
 use crate::scenario::{MemoryLimit, Scenario};
+use crate::timeline::AgentId;
 
 /// The version of this program, as every file that it writes names it.
 pub const PROGRAM_VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -43,6 +44,8 @@ pub(super) const PROGRAM: &str = "wildfire";
 /// The most keys that a batch sweeps, and the most changes of a scenario.
 pub const MAX_SWEPT_KEYS: usize = 100;
 const MAX_CHANGES: usize = 1_000;
+/// The most agents of a run.
+const MAX_AGENTS: usize = 200;
 
 /// The key of a scenario's planners, whose values have a column of their own.
 pub const PLANNER_KEY: &str = "unimog.planner";
@@ -102,16 +105,27 @@ pub struct RunLabel {
     pub seed: u64,
     /// The planner of the trucks; empty without any.
     pub planner: String,
+    /// Who chooses where each agent goes, in the order of timelines' agents.
+    #[serde(default, deserialize_with = "list_of_at_most::<MAX_AGENTS, _, _>")]
+    pub policies: Vec<(AgentId, String)>,
     /// A value for each key that the batch sweeps.
     #[serde(deserialize_with = "list_of_at_most::<MAX_SWEPT_KEYS, _, _>")]
     pub swept: Vec<Value>,
 }
 
 impl RunLabel {
+    /// Returns the policy of the trucks, with `;` between those of trucks that differ; empty without any.
+    pub fn policy(&self) -> String {
+        let trucks = self.policies.iter().filter(|(agent, _)| agent.role.suppresses());
+        let mut names: Vec<&str> = trucks.map(|(_, name)| name.as_str()).collect();
+        names.dedup();
+        names.join(";")
+    }
+
     /// Names a run that belongs to no batch.
     pub fn from_scenario(scenario: &Scenario, seed: u64) -> Self {
-        let planner = planner_of(scenario);
-        Self { run: 1, scenario: scenario.name.clone(), seed, planner, swept: Vec::new() }
+        let (planner, policies) = (planner_of(scenario), policies_of(scenario));
+        Self { run: 1, scenario: scenario.name.clone(), seed, planner, policies, swept: Vec::new() }
     }
 }
 
@@ -166,8 +180,8 @@ impl PlannedRun<'_> {
     /// Returns what is known of the run before it takes place.
     pub fn label(&self) -> RunLabel {
         let Variant { scenario, swept, .. } = self.variant;
-        let planner = planner_of(scenario);
-        RunLabel { run: self.number, scenario: scenario.name.clone(), seed: self.seed, planner, swept: swept.clone() }
+        let named = RunLabel::from_scenario(scenario, self.seed);
+        RunLabel { run: self.number, swept: swept.clone(), ..named }
     }
 
     /// The command that shows the run again.
@@ -185,6 +199,13 @@ pub fn planner_of(scenario: &Scenario) -> String {
     let mut names: Vec<&str> = scenario.unimog.iter().map(|truck| truck.planner.name()).collect();
     names.dedup();
     names.join(";")
+}
+
+/// Lists the policies of a scenario's agents.
+fn policies_of(scenario: &Scenario) -> Vec<(AgentId, String)> {
+    let wumpuses = scenario.wumpus.iter().zip(0..).map(|(own, number)| (AgentId::wumpus(number), own.goal.name()));
+    let trucks = scenario.unimog.iter().zip(0..).map(|(own, number)| (AgentId::unimog(number), own.goal.name()));
+    wumpuses.chain(trucks).map(|(agent, name)| (agent, name.to_owned())).collect()
 }
 
 impl Record {

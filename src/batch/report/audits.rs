@@ -12,8 +12,7 @@ use crate::batch::execute::{BatchError, RUNS_FILE, RunResult, RunRow, Status, pa
 use crate::batch::plan::PlannedRun;
 use crate::batch::table::{FinishedBatch, FinishedError, RunRecord};
 use crate::document::number::rounded;
-use crate::scenario::MemoryLimit;
-use crate::sim::{self, RunCost, RunOptions};
+use crate::sim::{self, Entrants, RunCost, RunOptions};
 use crate::timeline::{Outcome, Timeline, file};
 
 /// Runs between two looks at the results, per worker.
@@ -91,7 +90,17 @@ impl AuditSource {
     }
 }
 
-/// Audits all runs of all sources on `jobs` threads; what is reported is in their order, whatever the number of
+/// How runs are audited.
+#[derive(Clone, Copy, Debug)]
+pub struct AuditOptions<'a> {
+    /// Threads.
+    pub jobs: usize,
+    pub step: SampleStep,
+    /// The planners and policies of runs that are made again.
+    pub entrants: &'a Entrants,
+}
+
+/// Audits all runs of all sources on some threads; what is reported is in their order, whatever the number of
 /// threads.
 ///
 /// `on_run` is called from the workers after each run, in any order.
@@ -100,14 +109,14 @@ impl AuditSource {
 /// Rows that do not go with their plan, or threads that cannot be started.
 pub fn audit_all(
     sources: &[AuditSource],
-    jobs: usize,
-    step: SampleStep,
+    options: &AuditOptions<'_>,
     on_run: impl Fn() + Sync,
 ) -> Result<AuditReport, AuditsError> {
+    let &AuditOptions { jobs, .. } = options;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
     let pool = pool.map_err(|error| BatchError::NoWorkers { jobs, reason: error.to_string() })?;
     let mut report = AuditReport::default();
-    let look = |subject: &Subject<'_>| (subject.name(), subject.look(step));
+    let look = |subject: &Subject<'_>| (subject.name(), subject.look(options));
     for source in sources {
         let mut subjects = source.subjects()?;
         loop {
@@ -136,7 +145,8 @@ impl Subject<'_> {
         matches!(self, Self::Run { row: None, .. })
     }
 
-    fn look(&self, step: SampleStep) -> Finding {
+    fn look(&self, options: &AuditOptions<'_>) -> Finding {
+        let &AuditOptions { step, entrants, .. } = options;
         match self {
             Self::Recording(path) => look_at_file(path, step, |_| None),
             Self::Run { batch, run, row } => match batch.recording(run) {
@@ -144,7 +154,11 @@ impl Subject<'_> {
                     let difference = || difference(run, row.as_ref(), timeline, RunCost::default());
                     other_run(run, timeline).or_else(difference)
                 }),
-                None => look_again(run, batch.plan().memory, row.as_ref(), step),
+                None => {
+                    let memory = batch.plan().memory;
+                    let options = RunOptions { memory, ..entrants.clone().into() };
+                    look_again(run, &options, row.as_ref(), step)
+                }
             },
         }
     }
@@ -157,10 +171,9 @@ fn look_at_file(path: &Path, step: SampleStep, difference: impl Fn(&Timeline) ->
     }
 }
 
-/// Makes a run once more, within the memory that it had.
-fn look_again(run: &PlannedRun<'_>, memory: MemoryLimit, row: Option<&RunRecord>, step: SampleStep) -> Finding {
-    let options = RunOptions { memory, ..RunOptions::default() };
-    match panics::catch(|| sim::run_with_options(&run.variant.scenario, run.seed, &options)) {
+/// Makes a run once more, within the memory that it had and with the same planners and policies.
+fn look_again(run: &PlannedRun<'_>, options: &RunOptions, row: Option<&RunRecord>, step: SampleStep) -> Finding {
+    match panics::catch(|| sim::run_with_options(&run.variant.scenario, run.seed, options)) {
         Ok(Ok(again)) => {
             let difference = difference(run, row, &again.timeline, again.cost);
             Finding::Simulated(audit_timeline(&again.timeline, step), difference)

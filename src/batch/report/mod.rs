@@ -10,7 +10,7 @@ mod summary;
 mod tables;
 mod tally;
 
-pub use audits::{AuditReport, AuditSource, AuditsError, LISTED_VIOLATIONS, audit_all};
+pub use audits::{AuditOptions, AuditReport, AuditSource, AuditsError, LISTED_VIOLATIONS, audit_all};
 pub use finish::{Merged, merge};
 pub use html_report::{ReportError, WrittenReport, write_report};
 pub use json::RunObject;

@@ -1,10 +1,12 @@
 //! What a batch adds up to: how many runs went well, who won, who was stuck.
 
 use std::cmp::Ordering;
+use std::collections::BTreeMap;
 
 use crate::batch::execute::Status;
-use crate::batch::table::{RunRecord, run_column};
+use crate::batch::table::{QueryTally, RunRecord, run_column};
 
+const PLANNER: usize = run_column("planner");
 const WINNER: usize = run_column("winner");
 const WUMPUS_SCORE: usize = run_column("wumpus_score");
 const TRUCK_SCORE: usize = run_column("truck_score");
@@ -33,6 +35,8 @@ pub struct Tally {
     pub noted_runs: u64,
     /// Seed and notes of the first of them.
     pub first_notes: Option<(u64, Vec<String>)>,
+    /// The queries of runs that are done, by their planners.
+    pub queries: BTreeMap<String, QueryTally>,
 }
 
 impl Tally {
@@ -46,6 +50,10 @@ impl Tally {
         if !run.is_done() {
             self.first_failure.get_or_insert_with(|| (run.seed(), run.message().to_owned()));
             return;
+        }
+        let planner = run.text(PLANNER);
+        if !planner.is_empty() {
+            *self.queries.entry(planner.to_owned()).or_default() += run.queries();
         }
         let number = |column| run.number(column).unwrap_or(0.0);
         if is_contest {
@@ -76,10 +84,12 @@ impl Tally {
 }
 
 impl Tally {
-    /// Says who won, which runs went wrong, who was stuck, who could do next to nothing: a sentence for each.
+    /// Says who won, which runs went wrong, who was stuck, who could do next to nothing, whose planner was rescued or
+    /// stopped by a clock: a sentence for each.
     pub fn sentences(&self) -> Vec<String> {
         let sentences = [self.champion(), Some(self.runs()), self.reason(), self.stuck(), self.note()];
-        sentences.into_iter().flatten().collect()
+        let queries = self.queries.iter().flat_map(|(planner, queries)| queries.sentences(planner));
+        sentences.into_iter().flatten().chain(queries).collect()
     }
 
     fn runs(&self) -> String {

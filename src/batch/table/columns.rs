@@ -33,6 +33,11 @@ pub struct AgentRow<'a> {
 }
 
 impl<'a> AgentRow<'a> {
+    fn policy(&self) -> Option<&'a str> {
+        let own = self.label.policies.iter().find(|(agent, _)| *agent == self.outcome.agent);
+        own.map(|(_, name)| name.as_str())
+    }
+
     /// The agents of a run, in the order of its timeline; none of a run that is not done.
     pub fn from_run(row: &'a RunRow) -> impl Iterator<Item = Self> {
         row.result.iter().flat_map(move |result| {
@@ -126,7 +131,7 @@ macro_rules! about {
 }
 
 /// The number of columns of [`RUN_COLUMNS`] that come before those of what a batch sweeps.
-pub const COLUMNS_BEFORE_SWEPT: usize = 4;
+pub const COLUMNS_BEFORE_SWEPT: usize = 5;
 
 /// The columns of `runs.csv`, in their order, without those of what a batch sweeps.
 #[rustfmt::skip]
@@ -136,6 +141,8 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     run: Count None "number of the run in the plan, from 1" = row.label.run;
     planner: optional Text None "planner of the trucks; `;` between those of trucks that differ"
         = unless_empty(&row.label.planner);
+    policy: optional Text None "policy that chooses where the trucks go; `;` between those of trucks that differ"
+        = unless_empty(&row.label.policy());
     status: Text None "done, failed or panicked" = row.status.to_string();
     message: optional Text None "why a run is not done, or what its planners had to say about failed queries"
         = unless_empty(&row.message);
@@ -270,6 +277,7 @@ pub const AGENT_COLUMNS: &[AgentColumn] = columns! { AgentColumn, row;
     seed: Count None "seed from which all that is random in the run follows" = row.label.seed;
     run: Count None "number of the run in the plan, from 1" = row.label.run;
     agent: Text None "unimog/0, wumpus/0 ..." = row.outcome.agent.to_string();
+    policy: optional Text None "policy that chooses where it goes" = row.policy().map(str::to_owned);
     cells: Count Cells "cells that a Wumpus lit, or a truck put out" = row.outcome.cells;
     plans: Count None "queries for a plan, failed ones included" = row.outcome.plans;
     failed_start_blocked: Count None "failed queries: the agent's own pose is not free" = row.outcome.failures[0];

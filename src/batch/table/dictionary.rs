@@ -71,7 +71,7 @@ mod tests {
     use crate::batch::plan::{RunLabel, Value};
     use crate::batch::table::record::RunRecord;
     use crate::sim::RunCost;
-    use crate::timeline::Outcome;
+    use crate::timeline::{AgentId, Outcome};
 
     #[test]
     fn every_column_has_words_and_a_name_of_its_own() {
@@ -102,7 +102,8 @@ mod tests {
     fn kinds_of_columns_are_those_of_their_values() {
         let label = |planner: &str| {
             let (scenario, planner) = (String::new(), planner.to_owned());
-            RunLabel { run: 1, scenario, seed: 0, planner, swept: Vec::new() }
+            let policies = vec![(AgentId::unimog(0), "oldest".to_owned())];
+            RunLabel { run: 1, scenario, seed: 0, planner, policies, swept: Vec::new() }
         };
         // Between them they have a value in every column, except for times of what need not happen.
         let done = RunRow::done(label(""), RunResult::new(Outcome::default(), RunCost::default()), Duration::ZERO);

@@ -9,6 +9,7 @@ mod csv_files;
 mod dictionary;
 mod finished;
 mod parquet;
+mod query_tally;
 mod reader;
 mod record;
 
@@ -23,5 +24,6 @@ pub use dictionary::{TableOfRows, row_schema};
 pub(super) use finished::FinishedRows;
 pub use finished::{FinishedBatch, FinishedError, recordings_in};
 pub(super) use parquet::{ParquetFiles, ParquetReader, RowGroup};
+pub use query_tally::QueryTally;
 pub use reader::{TableError, TableReader};
 pub use record::RunRecord;

@@ -2,6 +2,7 @@
 
 use crate::batch::execute::{RunRow, Status};
 use crate::batch::plan::Value;
+use crate::batch::table::QueryTally;
 use crate::batch::table::columns::{RUN_COLUMNS, is_measured, run_column};
 
 const SEED: usize = run_column("seed");
@@ -61,6 +62,17 @@ impl RunRecord {
 
     pub fn is_done(&self) -> bool {
         self.status() == Status::Done
+    }
+
+    /// Counts the queries of its trucks.
+    pub fn queries(&self) -> QueryTally {
+        QueryTally::from_columns(|name| {
+            let column = RUN_COLUMNS.iter().position(|column| column.name == name);
+            match column.map(|column| &self.0[column]) {
+                Some(Value::Count(count)) => *count,
+                _ => 0,
+            }
+        })
     }
 
     pub fn message(&self) -> &str {

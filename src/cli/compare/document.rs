@@ -26,7 +26,7 @@ impl From<&Comparison> for Document {
     /// Says what the sides differ in first, then the verdicts, then the figures behind them.
     fn from(comparison: &Comparison) -> Self {
         let mut document = Self::new("Runs compared in pairs of the same seed");
-        document.add_list(comparison.sides.iter().map(side).collect());
+        document.add_list(comparison.sides.iter().flat_map(|of| [side(of)].into_iter().chain(of.notes())).collect());
         for against in &comparison.against_a {
             let AgainstA { letter, settings, pairs, judged } = against;
             document.add(Block::Heading(format!("{letter} against A")));
@@ -55,7 +55,7 @@ impl From<&Comparison> for Document {
 }
 
 fn side(side: &SideSummary) -> String {
-    let SideSummary { letter, description, runs, failed } = side;
+    let SideSummary { letter, description, runs, failed, .. } = side;
     let failed = if *failed == 0 { String::new() } else { format!(", {failed} of them failed") };
     format!("{letter}: {description}: {runs} runs{failed}")
 }

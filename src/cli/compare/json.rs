@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 
 use serde::{Serialize, Serializer};
 
-use crate::batch::PROGRAM_VERSION;
 use crate::batch::comparison::{
     AgainstA as Against, Comparison, Contrast, JudgedContrast, JudgedStrata, Method, Pairs, SettingsDifference, Verdict,
 };
+use crate::batch::{PROGRAM_VERSION, QueryTally};
 use crate::stats::CONFIDENCE;
 
 /// The members in their order.
@@ -25,6 +25,7 @@ struct Side<'a> {
     description: &'a str,
     runs: usize,
     failed: usize,
+    queries: QueryTally,
 }
 
 #[derive(Serialize)]
@@ -152,6 +153,7 @@ impl Serialize for Comparison {
             description: &side.description,
             runs: side.runs,
             failed: side.failed,
+            queries: side.queries,
         });
         let comparisons = self.against_a.iter().map(|against| {
             let missing = self.missing.iter().filter(|(letter, _)| *letter == against.letter);

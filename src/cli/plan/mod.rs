@@ -18,12 +18,13 @@ use report::{PlanReport, Summary};
 
 use crate::batch::file_name_of;
 use crate::cli::args::MemoryArguments;
+use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::output_files::{self, Files, Format};
 use crate::cli::report::FormArguments;
 use crate::cli::terminal;
 use crate::input_file::is_standard_stream;
-use crate::planning::{PlannerName, Planners, TruckPlannerKind};
+use crate::planning::{PlannerName, TruckPlannerKind};
 use crate::scenario::{LoadedScenario, Problem};
 
 const EXAMPLES: &str = "\
@@ -66,8 +67,8 @@ pub struct PlanArguments {
     pub png: Option<PathBuf>,
 }
 
-pub fn run(arguments: &PlanArguments, quiet: bool) -> Result<ExitCode, CliError> {
-    let loaded = LoadedScenario::open(&arguments.scenario, &arguments.overrides)?;
+pub fn run(arguments: &PlanArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
+    let loaded = LoadedScenario::open(&arguments.scenario, &context.with_own_names(&arguments.overrides))?;
     let problems = arguments.problems.load(&loaded.scenario)?;
     let planners = planners(arguments, &problems);
     let pictures = pictures(arguments, &problems);
@@ -76,7 +77,7 @@ pub fn run(arguments: &PlanArguments, quiet: bool) -> Result<ExitCode, CliError>
     for problem in &problems {
         let question = Question {
             planners: &planners,
-            makers: &Planners::default(),
+            makers: &context.entrants.planners,
             programs: &loaded.scenario.planner,
             seed: arguments.problems.seed,
             limit: arguments.memory.limit(),
@@ -96,7 +97,7 @@ pub fn run(arguments: &PlanArguments, quiet: bool) -> Result<ExitCode, CliError>
     };
     let printed = words.print(&arguments.form.render(&report));
     // Whatever cannot be written, all else is kept.
-    let written = write_files(arguments, &report, &pictures, quiet);
+    let written = write_files(arguments, &report, &pictures, context.quiet);
     printed.and(written)?;
     let is_clean = report.summaries.iter().all(|summary| summary.violations == 0);
     Ok(if is_clean { ExitCode::SUCCESS } else { ExitCode::from(exit::VIOLATION) })

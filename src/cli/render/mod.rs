@@ -10,6 +10,7 @@ use clap::{ArgGroup, Args};
 
 use film::{FilmFiles, MOST_FRAMES, Moments, Scene, write_films};
 
+use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::cli::numbers;
 use crate::cli::output_files::{self, Files, Format};
@@ -68,9 +69,10 @@ fn parse_fps(text: &str) -> Result<f64, String> {
     numbers::parse_within(text, &(1.0..=100.0 / f64::from(GifFilm::LEAST_DELAY)), "a number")
 }
 
-pub fn run(arguments: &RenderArguments, quiet: bool) -> Result<ExitCode, CliError> {
+pub fn run(arguments: &RenderArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
+    let quiet = context.quiet;
     check(arguments)?;
-    let runs: Vec<RunView> = run_views(arguments, quiet)?;
+    let runs: Vec<RunView> = run_views(arguments, context)?;
     let runs: Vec<&RunView> = runs.iter().collect();
     let scene = Scene { runs: &runs, options: look(&arguments.show, &runs)?, size: arguments.show.size.into() };
     let (still_time, moments) = (still_time(arguments, &runs)?, moments(arguments, &runs)?);
@@ -101,10 +103,10 @@ fn check(arguments: &RenderArguments) -> Result<(), CliError> {
     Ok(())
 }
 
-fn run_views(arguments: &RenderArguments, quiet: bool) -> Result<Vec<RunView>, CliError> {
+fn run_views(arguments: &RenderArguments, context: &CommandContext) -> Result<Vec<RunView>, CliError> {
     let needs_searches = |&layer: &Layer| layer.needs_searches() && arguments.show.layers().contains(layer);
     let searches = if Layer::ALL.iter().any(needs_searches) { Searches::Recorded } else { Searches::LeftOut };
-    let shown = shown_runs(&arguments.show, searches, quiet)?;
+    let shown = shown_runs(&arguments.show, searches, context)?;
     let run = |run: ShownRun| if arguments.cpu { run } else { ShownRun { cpu_samples: None, ..run } };
     Ok(shown.into_iter().map(|shown| run(shown.run).into_view()).collect())
 }

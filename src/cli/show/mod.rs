@@ -9,6 +9,7 @@ pub use source::{Searches, ShownRun};
 
 use source::{Named, Source};
 
+use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::cli::terminal;
 use crate::picture::film::{Layer, Layers, RunView};
@@ -22,10 +23,14 @@ pub struct Shown {
 }
 
 /// The runs that are asked for, one or two.
-pub fn shown_runs(arguments: &ShowArguments, searches: Searches, quiet: bool) -> Result<Vec<Shown>, CliError> {
+pub fn shown_runs(
+    arguments: &ShowArguments,
+    searches: Searches,
+    context: &CommandContext,
+) -> Result<Vec<Shown>, CliError> {
     let named = Named::open(&arguments.source)?;
-    let source = Source::new(&named, &arguments.overrides, arguments.memory.memory)?;
-    let second = second_source(arguments, &named)?;
+    let source = Source::new(&named, &arguments.overrides, arguments.memory.memory, context)?;
+    let second = second_source(arguments, &named, context)?;
     let run = source.run(arguments.seed, searches)?;
     let seed = run.timeline.setting.seed;
     let mut shown = vec![Shown { source, run }];
@@ -35,10 +40,10 @@ pub fn shown_runs(arguments: &ShowArguments, searches: Searches, quiet: bool) ->
         shown.push(Shown { source, run });
         tell_apart(&mut shown, arguments);
     }
-    if !quiet {
+    if !context.quiet {
         shown.iter().flat_map(|shown| shown.notes(arguments.layers())).for_each(|note| terminal::note(&note));
     }
-    terminal::note_unknown_letters(shown.iter().map(|shown| shown.run.title.as_str()), quiet);
+    terminal::note_unknown_letters(shown.iter().map(|shown| shown.run.title.as_str()), context.quiet);
     Ok(shown)
 }
 
@@ -53,14 +58,18 @@ fn tell_apart(shown: &mut [Shown], arguments: &ShowArguments) {
     }
 }
 
-fn second_source(arguments: &ShowArguments, first: &Named) -> Result<Option<Source>, CliError> {
+fn second_source(
+    arguments: &ShowArguments,
+    first: &Named,
+    context: &CommandContext,
+) -> Result<Option<Source>, CliError> {
     let (changes, memory) = (&arguments.with_overrides, arguments.memory.memory);
     match &arguments.with {
-        Some(name) => Source::new(&Named::open(name)?, changes, memory).map(Some),
+        Some(name) => Source::new(&Named::open(name)?, changes, memory, context).map(Some),
         None if changes.is_empty() && arguments.with_seed.is_none() => Ok(None),
         None => {
             let all = arguments.overrides.iter().chain(changes).cloned().collect::<Vec<_>>();
-            Source::new(first, &all, memory).map(Some)
+            Source::new(first, &all, memory, context).map(Some)
         }
     }
 }
@@ -120,7 +129,9 @@ mod tests {
 
     fn titles(words: &str) -> Vec<String> {
         let command = Command::parse_from(["show"].into_iter().chain(words.split(' ')));
-        let shown = shown_runs(&command.show, Searches::LeftOut, true).expect("both runs take place");
+        let shown =
+            shown_runs(&command.show, Searches::LeftOut, &CommandContext { quiet: true, ..CommandContext::default() })
+                .expect("both runs take place");
         shown.into_iter().map(|shown| shown.run.title).collect()
     }
 

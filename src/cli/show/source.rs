@@ -5,6 +5,7 @@ use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 
 use crate::batch::{FinishedBatch, PlannedRun};
+use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::input_file;
 use crate::picture::film::RunView;
@@ -88,22 +89,31 @@ pub enum Source {
     /// One run, and the bytes of its file: a pipe gives them once.
     Recording { path: PathBuf, bytes: Vec<u8> },
     /// The runs of a batch's first variant, as they were recorded; what was not is simulated.
-    Batch { batch: Box<FinishedBatch>, seeds: Vec<u64>, title: String, memory: MemoryLimit },
+    Batch { batch: Box<FinishedBatch>, seeds: Vec<u64>, title: String, options: RunOptions },
     /// Any seed is simulated; the title names what was changed.
-    Scenario { scenario: Box<Scenario>, title: String, memory: MemoryLimit },
+    Scenario { scenario: Box<Scenario>, title: String, options: RunOptions },
 }
 
 impl Source {
     /// Opens the thing that a name leads to, with changes to its values if it is a scenario. Runs that are simulated
     /// may take `memory`, or what their batch allows them.
-    pub fn new(named: &Named, overrides: &[String], memory: Option<MemoryLimit>) -> Result<Self, CliError> {
+    pub fn new(
+        named: &Named,
+        overrides: &[String],
+        memory: Option<MemoryLimit>,
+        context: &CommandContext,
+    ) -> Result<Self, CliError> {
         let source = match named {
             Named::Scenario(text) => {
-                let scenario = Box::new(LoadedScenario::from_text(text, overrides)?.scenario);
+                let scenario = Box::new(LoadedScenario::from_text(text, &context.with_own_names(overrides))?.scenario);
                 let title = iter::once(&scenario.name).chain(overrides).map(String::as_str).collect::<Vec<_>>();
-                return Ok(Self::Scenario { title: title.join(", "), scenario, memory: memory.unwrap_or_default() });
+                return Ok(Self::Scenario {
+                    title: title.join(", "),
+                    scenario,
+                    options: context.run_options(false, memory.unwrap_or_default()),
+                });
             }
-            Named::Batch(folder) => Self::from_batch(folder, memory)?,
+            Named::Batch(folder) => Self::from_batch(folder, memory, context)?,
             Named::Recording { path, bytes } => Self::Recording { path: path.clone(), bytes: bytes.clone() },
         };
         if overrides.is_empty() {
@@ -114,7 +124,7 @@ impl Source {
         Err(CliError::bad_input(sentence, None))
     }
 
-    fn from_batch(folder: &Path, memory: Option<MemoryLimit>) -> Result<Self, CliError> {
+    fn from_batch(folder: &Path, memory: Option<MemoryLimit>, context: &CommandContext) -> Result<Self, CliError> {
         if !FinishedBatch::is_there(folder) {
             let sentence = format!("{} holds no plan of a batch", folder.display());
             return Err(CliError::bad_input(sentence, Some("name one of the recordings in it, if there are any")));
@@ -122,8 +132,8 @@ impl Source {
         let batch = Box::new(FinishedBatch::open(folder)?);
         let seeds = batch.plan().seeds.iter().collect();
         let title = batch.plan().title(&batch.plan().variants[0]);
-        let memory = memory.unwrap_or(batch.plan().memory);
-        Ok(Self::Batch { batch, seeds, title, memory })
+        let options = context.run_options(false, memory.unwrap_or(batch.plan().memory));
+        Ok(Self::Batch { batch, seeds, title, options })
     }
 
     /// Gives the runs that are still to come another title; a recording has none of these.
@@ -156,15 +166,15 @@ impl Source {
                 let sentence = format!("{} is one run, which has its seed; expected no seed", path.display());
                 Err(CliError::bad_input(sentence, None))
             }
-            (Self::Batch { batch, seeds, title, memory }, seed) => {
+            (Self::Batch { batch, seeds, title, options }, seed) => {
                 let run = planned_run(batch, seeds, seed)?;
                 let recording = batch.recording(&run);
-                let simulated = || simulated(&run.variant.scenario, run.seed, searches, *memory);
+                let simulated = || simulated(&run.variant.scenario, run.seed, searches, options);
                 let run = recording.map_or_else(simulated, |path| recorded(&path, file::read(&path)))?;
                 Ok(ShownRun { title: title.clone(), ..run })
             }
-            (Self::Scenario { scenario, title, memory }, seed) => {
-                let run = simulated(scenario, seed.unwrap_or(FIRST_SEED), searches, *memory)?;
+            (Self::Scenario { scenario, title, options }, seed) => {
+                let run = simulated(scenario, seed.unwrap_or(FIRST_SEED), searches, options)?;
                 Ok(ShownRun { title: title.clone(), ..run })
             }
         }
@@ -189,8 +199,8 @@ fn recorded(path: &Path, timeline: Result<Timeline, FileError>) -> Result<ShownR
     Ok(ShownRun { title: timeline.setting.scenario.clone(), timeline, cpu_samples: None })
 }
 
-fn simulated(scenario: &Scenario, seed: u64, searches: Searches, memory: MemoryLimit) -> Result<ShownRun, CliError> {
-    let options = RunOptions { records_searches: searches == Searches::Recorded, memory, ..RunOptions::default() };
+fn simulated(scenario: &Scenario, seed: u64, searches: Searches, options: &RunOptions) -> Result<ShownRun, CliError> {
+    let options = RunOptions { records_searches: searches == Searches::Recorded, ..options.clone() };
     // The panic has been printed by then, with a backtrace if one was asked for.
     let caught = panic::catch_unwind(AssertUnwindSafe(|| sim::run_with_options(scenario, seed, &options)));
     let run = caught.map_err(|_| CliError::run_failed("the run panicked: this is a fault of the program"))?;

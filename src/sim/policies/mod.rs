@@ -6,25 +6,28 @@
 //! [handed in](crate::sim::Simulation::answer). Planning and driving are not its business; when an agent fails to plan
 //! its way to what was chosen, the policy is asked again without that option. Rules that know one agent at a time are
 //! policies by [`OneByOne`].
+//!
+//! Policies have names, which scenarios give their agents. [`Policies`] knows them: the built-in rules, and what
+//! whoever runs the program hands in.
 
+mod following;
 mod largest_cluster;
 mod nearest;
 mod random_intact;
+mod registry;
 
 use std::fmt;
 
-use bevy::prelude::*;
 use glam::DVec2;
 
 use crate::fire::FireField;
-use crate::geometry::Cell;
-use crate::scenario::{TruckGoal, WumpusGoal};
+use crate::geometry::{Cell, Pose};
 use crate::time::SimTime;
-use crate::timeline::AgentId;
+use crate::timeline::{Activity, AgentId};
 
-use largest_cluster::LargestCluster;
-use nearest::{FarthestFromTruck, Nearest, Oldest};
-use random_intact::RandomIntact;
+pub use following::{Following, Follows, Inquiry, Question};
+pub use largest_cluster::cluster_sizes;
+pub use registry::{BuiltIn, MakePolicy, NamedPolicy, Policies, PolicyNameError, PolicySite};
 
 /// What an agent is to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,6 +36,19 @@ pub enum Choice {
     Go(Cell),
     /// It stays where it is, or keeps its goal, until something wakes it.
     Wait,
+    /// It does the same, but decides again at this time at the latest; of an agent that has a goal, until something wakes
+    /// it. An instant that is not at least a tenth of a second ahead is put off to there.
+    WaitUntil(SimTime),
+}
+
+impl Choice {
+    /// Returns when an agent that waits decides again, if nothing wakes it before.
+    pub fn until(self) -> Option<SimTime> {
+        match self {
+            Self::WaitUntil(time) => Some(time),
+            Self::Go(_) | Self::Wait => None,
+        }
+    }
 }
 
 /// An agent as policies see it.
@@ -41,6 +57,11 @@ pub struct AgentView {
     pub id: AgentId,
     /// The middle of its body, in metres.
     pub place: DVec2,
+    /// Of a truck's rear axle; of a Wumpus the middle of its body, and where it faces.
+    pub pose: Pose,
+    pub activity: Activity,
+    /// The cell that it goes for.
+    pub goal: Option<Cell>,
 }
 
 /// What a policy may look at: the state at one instant.
@@ -91,103 +112,5 @@ impl<R: Rule> Policy for OneByOne<R> {
             (agent.id, best.map_or(Choice::Wait, Choice::Go))
         });
         choice.into_iter().collect()
-    }
-}
-
-/// The built-in policies, by what scenarios call them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BuiltIn {
-    Truck(TruckGoal),
-    Wumpus(WumpusGoal),
-}
-
-impl BuiltIn {
-    /// Makes the policy for the field with these bushes in the run of a seed.
-    pub fn make(self, bushes: &[Cell], seed: u64) -> Box<dyn Policy> {
-        match self {
-            Self::Truck(TruckGoal::NearestBurning) | Self::Wumpus(WumpusGoal::NearestIntact) => {
-                Box::new(OneByOne(Nearest))
-            }
-            Self::Truck(TruckGoal::Oldest) => Box::new(OneByOne(Oldest)),
-            Self::Truck(TruckGoal::LargestCluster) => Box::new(OneByOne(LargestCluster)),
-            Self::Wumpus(WumpusGoal::RandomIntact) => Box::new(OneByOne(RandomIntact::new(bushes.to_vec(), seed))),
-            Self::Wumpus(WumpusGoal::FarthestFromTruck) => Box::new(OneByOne(FarthestFromTruck)),
-        }
-    }
-}
-
-/// Which of the run's policies an agent follows.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Follows(usize);
-
-/// What a policy is asked, and what it may look at.
-pub struct Inquiry<'a> {
-    pub now: SimTime,
-    pub fires: &'a FireField,
-    /// All agents of the run, in any order.
-    pub agents: Vec<AgentView>,
-    pub asked: Vec<(AgentId, Entity)>,
-}
-
-/// Agents that wait for an answer, and what there is to be seen meanwhile.
-#[derive(Debug)]
-pub struct Question {
-    pub asked: Vec<AgentId>,
-    pub agents: Vec<AgentView>,
-    /// Of those that are asked, in the same order.
-    pub options: Vec<Vec<Cell>>,
-}
-
-/// The policies of a run, and the question that waits for an answer from outside.
-#[derive(Resource, Default)]
-pub struct Policies {
-    built_in: Vec<(BuiltIn, Follows)>,
-    known: Vec<Box<dyn Policy>>,
-    pub question: Option<Question>,
-    /// Choices from outside that have not been carried out.
-    pub answer: Vec<(AgentId, Choice)>,
-}
-
-impl Policies {
-    pub fn add(&mut self, policy: Box<dyn Policy>) -> Follows {
-        self.known.push(policy);
-        Follows(self.known.len() - 1)
-    }
-
-    /// Returns the place of a built-in policy, and makes it if nobody followed it yet.
-    pub fn follow(&mut self, built_in: BuiltIn, bushes: &[Cell], seed: u64) -> Follows {
-        if let Some(&(_, follows)) = self.built_in.iter().find(|(known, _)| *known == built_in) {
-            return follows;
-        }
-        let follows = self.add(built_in.make(bushes, seed));
-        self.built_in.push((built_in, follows));
-        follows
-    }
-
-    /// Asks a policy, or takes what was answered from outside. If the answer comes later nothing is returned, and the
-    /// question is kept.
-    pub fn ask(
-        &mut self,
-        policy: Follows,
-        inquiry: Inquiry<'_>,
-        options_of: &dyn Fn(Entity) -> Vec<Cell>,
-    ) -> Vec<(Entity, Choice)> {
-        let Inquiry { now, fires, mut agents, asked } = inquiry;
-        agents.sort_by_key(|agent| agent.id);
-        let entity_of = |id: AgentId| asked.iter().find(|&&(known, _)| known == id).map(|&(_, entity)| entity);
-        let ids: Vec<AgentId> = asked.iter().map(|&(id, _)| id).collect();
-        let mut choices = std::mem::take(&mut self.answer);
-        if choices.is_empty() {
-            let options_of = |id| entity_of(id).map_or(Vec::new(), options_of);
-            let seen = Observation { now, fires, agents: &agents, options_of: &options_of };
-            choices = self.known[policy.0].choose(&seen, &ids);
-        }
-        choices.retain(|(id, _)| ids.contains(id));
-        if choices.is_empty() {
-            let options = asked.iter().map(|&(_, entity)| options_of(entity)).collect();
-            self.question = Some(Question { asked: ids, agents, options });
-            return Vec::new();
-        }
-        choices.into_iter().filter_map(|(id, choice)| Some((entity_of(id)?, choice))).collect()
     }
 }

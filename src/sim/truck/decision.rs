@@ -12,10 +12,11 @@ use crate::geometry::Cell;
 use crate::planning::Effort;
 use crate::sim::agent::{Activity, Agent};
 use crate::sim::fire::Fires;
-use crate::sim::policies::{AgentView, Choice, Follows, Inquiry, Policies};
+use crate::sim::policies::{Choice, Following, Follows, Inquiry};
 use crate::sim::queue::AgentEvent;
 use crate::sim::recorder::CpuLog;
 use crate::sim::traffic::Traffic;
+use crate::time::SimTime;
 use crate::timeline::{AgentFact, RestReason};
 use crate::trajectory::{Piece, Trajectory};
 use crate::vehicle::Path;
@@ -48,8 +49,8 @@ enum Conclusion {
     /// Others are in its way; never empty.
     Waits(Vec<Blocked>),
     Rests(RestReason),
-    /// Its policy wants it to stay where it is.
-    Stays,
+    /// Its policy wants it to stay where it is, until something wakes it or until this time.
+    Stays(Option<SimTime>),
 }
 
 impl Truck {
@@ -127,7 +128,7 @@ impl Fleet<'_, '_> {
         let conclusion = match goal {
             Some(goal) => self.try_goal(entity, goal, fires),
             None if options.is_empty() => Some(self.stop_looking(entity, fires)),
-            None => Some(Conclusion::Stays),
+            None => Some(Conclusion::Stays(choice.until())),
         };
         if let Some(conclusion) = conclusion {
             self.conclude(entity, conclusion, cpu_log);
@@ -233,7 +234,7 @@ impl Fleet<'_, '_> {
             Conclusion::SetsOut(drive, leg) => self.set_out(entity, drive, leg),
             Conclusion::Thinks => {}
             Conclusion::Rests(reason) => agent.rest(now, reason, &mut self.recorder),
-            Conclusion::Stays => agent.wait(),
+            Conclusion::Stays(until) => agent.wait(entity, now, until, &mut self.queue, &mut self.recorder),
             Conclusion::Waits(blocked) => {
                 let (goal, by) = blocked[0].reason();
                 if begun.before.first().map(Blocked::reason) != Some((goal, by)) {
@@ -256,7 +257,7 @@ impl Fleet<'_, '_> {
 pub fn decide(
     mut fleet: Fleet,
     fires: Res<Fires>,
-    mut policies: ResMut<Policies>,
+    mut following: ResMut<Following>,
     mut cpu_log: ResMut<CpuLog>,
     followers: Query<&Follows, With<Truck>>,
     others: Query<&Agent, Without<Truck>>,
@@ -282,10 +283,9 @@ pub fn decide(
                     asked.push(who);
                 }
             }
-            let view = |agent: &Agent| AgentView { id: agent.id, place: agent.centre(now) };
-            let trucks = fleet.trucks.iter().map(|(agent, _)| view(agent));
-            let agents = trucks.chain(others.iter().map(view)).collect();
-            policies.ask(policy, Inquiry { now, fires, agents, asked }, &|entity| fleet.options(entity, fires))
+            let trucks = fleet.trucks.iter().map(|(agent, _)| agent.view(now));
+            let agents = trucks.chain(others.iter().map(|agent| agent.view(now))).collect();
+            following.ask(policy, Inquiry { now, fires, agents, asked }, &|entity| fleet.options(entity, fires))
         };
         if choices.is_empty() {
             return;

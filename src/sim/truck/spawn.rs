@@ -12,7 +12,7 @@ use crate::planning::reachability::Reachability;
 use crate::planning::{BuildReport, QueryMonitor};
 use crate::scenario::{self, Extinguishes, PlannerContext, Retarget};
 use crate::sim::agent::{Agent, Arena, enlist};
-use crate::sim::policies::{BuiltIn, Policies};
+use crate::sim::policies::Following;
 use crate::sim::recorder::Recorder;
 use crate::sim::run::RunError;
 use crate::sim::traffic::keep_apart;
@@ -90,8 +90,7 @@ pub fn spawn(
         Trigger::ChangeWhileWaiting,
     ];
     triggers.extend((settings.retarget == Retarget::OnEvent).then_some(Trigger::IgnitionUnderWay));
-    let policy = BuiltIn::Truck(settings.goal);
-    let follows = world.resource_mut::<Policies>().follow(policy, &arena.terrain.bushes, arena.seed);
+    let follows = world.resource::<Following>().policy_of(id);
     let mut agent = Agent::standing(id, Body::Truck(settings.vehicle), start);
     (agent.cost.sampling, agent.cost.connecting) = (sampling, connecting);
     Ok(enlist(world, agent, settings.speed_limits(), (truck, WokenBy(triggers), follows)))

@@ -8,7 +8,8 @@ use crate::planning::{Effort, FoundBy, PlanFailure};
 use crate::time::SimTime;
 use crate::timeline::replay::BushChange;
 use crate::timeline::{
-    Activity, AgentFact, AgentOutcome, AgentStart, AgentState, BushState, Event, Fact, FireFact, Setting, Timeline,
+    Activity, AgentFact, AgentOutcome, AgentStart, AgentState, BushState, Event, Fact, FireFact, RestReason, Setting,
+    Timeline,
 };
 use crate::trajectory::{Piece, Trajectory};
 
@@ -170,6 +171,8 @@ pub(super) struct AgentReader<'a> {
     out_of_reach: Vec<bool>,
     burning_out_of_reach: u32,
     lightable_out_of_reach: u32,
+    /// Whether it rests because its policy wants it to.
+    rests_by_choice: bool,
     stuck: SimTime,
     idle: SimTime,
     longest_idle: SimTime,
@@ -185,6 +188,7 @@ impl<'a> AgentReader<'a> {
             out_of_reach: vec![false; timeline.setting.bushes.len()],
             burning_out_of_reach: 0,
             lightable_out_of_reach: 0,
+            rests_by_choice: false,
             stuck: SimTime::ZERO,
             idle: SimTime::ZERO,
             longest_idle: SimTime::ZERO,
@@ -223,6 +227,11 @@ impl<'a> AgentReader<'a> {
                 return;
             }
             Fact::Ended { .. } => return,
+        };
+        self.rests_by_choice = match fact {
+            AgentFact::Rested { reason } => *reason == RestReason::Chosen,
+            AgentFact::OutOfReach { .. } | AgentFact::Searched { .. } => self.rests_by_choice,
+            _ => false,
         };
         match fact {
             AgentFact::RoadmapBuilt { samples, edges, components } => {
@@ -271,7 +280,7 @@ impl<'a> AgentReader<'a> {
     pub fn account(&mut self, span: SimTime, activity: Activity, counts: &BushCounts, others_goals: &[usize]) {
         let (anything, in_reach) = self.left_to_do(counts, others_goals);
         let stands = activity == Activity::Standing;
-        if stands && in_reach {
+        if stands && in_reach && !self.rests_by_choice {
             self.stuck += span;
         }
         self.idle = if stands && anything { self.idle + span } else { SimTime::ZERO };

@@ -1,0 +1,190 @@
+//! Poses in and out: one as three numbers, or many as an array of three columns.
+//!
+//! A pose is `(x, y, heading)` of the middle of the rear axle: metres east and north from the field's south-west corner,
+//! radians counter-clockwise from east.
+
+use numpy::{AllowTypeChange, Element, IntoPyArray, PyArray1, PyArrayLike1, PyArrayLike2};
+use pyo3::IntoPyObjectExt;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use wildfire::geometry::Pose;
+
+/// The largest coordinates, lengths and angles that are taken: beyond, squares lose the millimetres.
+pub const LARGEST: f64 = 1e6;
+
+/// One pose or many; the answer has the same form.
+pub enum Poses {
+    One(Pose),
+    Many(Vec<Pose>),
+}
+
+impl<'py> FromPyObject<'_, 'py> for Poses {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        // Three numbers are taken without a way through numpy.
+        if let Ok((x, y, heading)) = given.extract::<(f64, f64, f64)>() {
+            return Ok(Self::One(pose(x, y, heading)));
+        }
+        if let Ok(one) = given.extract::<PyArrayLike1<'_, f64, AllowTypeChange>>() {
+            let [x, y, heading] = one.as_array().to_vec()[..] else { return Err(wrong_shape(&given)) };
+            return Ok(Self::One(pose(x, y, heading)));
+        }
+        let many = given.extract::<PyArrayLike2<'_, f64, AllowTypeChange>>().map_err(|_| wrong_shape(&given))?;
+        let many = many.as_array();
+        if many.ncols() != 3 {
+            return Err(wrong_shape(&given));
+        }
+        Ok(Self::Many(many.rows().into_iter().map(|row| pose(row[0], row[1], row[2])).collect()))
+    }
+}
+
+fn wrong_shape(given: &Bound<'_, PyAny>) -> PyErr {
+    PyValueError::new_err(format!("expected poses of the shape (3,) or (n, 3), found {}", described(given)))
+}
+
+/// Describes what was given instead of an array: its shape, or its type.
+pub fn described(given: &Bound<'_, PyAny>) -> String {
+    let numpy = given.py().import("numpy").and_then(|numpy| numpy.call_method1("shape", (given,)));
+    match numpy.and_then(|shape| shape.extract::<Vec<usize>>()) {
+        Ok(shape) if !shape.is_empty() => format!("the shape {shape:?}").replace('[', "(").replace(']', ")"),
+        _ => given.get_type().name().map_or_else(|_| "something else".to_owned(), |name| format!("a {name}")),
+    }
+}
+
+/// Keeps what is not finite as it is: wrapping a heading would lose it in a loop of rounding.
+pub fn pose(x: f64, y: f64, heading: f64) -> Pose {
+    if is_sane(heading) { Pose::new(x, y, heading) } else { Pose { x, y, heading } }
+}
+
+/// Says whether a number is finite and small enough to be computed with.
+pub fn is_sane(number: f64) -> bool {
+    number.abs() <= LARGEST
+}
+
+/// Says whether all numbers of a pose are finite and small enough to be computed with.
+pub fn is_sane_pose(pose: &Pose) -> bool {
+    is_sane(pose.x) && is_sane(pose.y) && is_sane(pose.heading)
+}
+
+impl Poses {
+    fn len(&self) -> Option<usize> {
+        match self {
+            Self::One(_) => None,
+            Self::Many(poses) => Some(poses.len()),
+        }
+    }
+
+    fn get(&self, index: usize) -> Pose {
+        match self {
+            Self::One(pose) => *pose,
+            Self::Many(poses) => poses[index],
+        }
+    }
+
+    /// Answers for each pose, without the interpreter's lock where there are many.
+    pub fn answer<'py, T>(self, py: Python<'py>, ask: impl Fn(Pose) -> T + Send + Sync) -> PyResult<Bound<'py, PyAny>>
+    where
+        T: Element + Send + IntoPyObject<'py>,
+    {
+        match self {
+            Self::One(pose) => ask(pose).into_bound_py_any(py),
+            Self::Many(poses) => {
+                let answers: Vec<T> = py.detach(|| poses.into_iter().map(ask).collect());
+                Ok(answers.into_pyarray(py).into_any())
+            }
+        }
+    }
+
+    /// Answers for each pair of poses; one pose goes with all of the others.
+    pub fn answer_pairs<'py, T>(
+        self,
+        other: Self,
+        py: Python<'py>,
+        ask: impl Fn(Pose, Pose) -> T + Send + Sync,
+    ) -> PyResult<Bound<'py, PyAny>>
+    where
+        T: Element + Send + IntoPyObject<'py>,
+    {
+        let count = match (self.len(), other.len()) {
+            (None, None) => return ask(self.get(0), other.get(0)).into_bound_py_any(py),
+            (Some(one), Some(two)) if one != two => {
+                let sentence = format!("{one} poses do not go with {two}: expected as many, or one");
+                return Err(PyValueError::new_err(sentence));
+            }
+            (one, two) => one.or(two).unwrap_or_default(),
+        };
+        let answers: Vec<T> = py.detach(|| (0..count).map(|index| ask(self.get(index), other.get(index))).collect());
+        Ok(answers.into_pyarray(py).into_any())
+    }
+}
+
+/// One number for all poses, or one for each.
+pub enum Numbers {
+    One(f64),
+    Many(Vec<f64>),
+}
+
+impl<'py> FromPyObject<'_, 'py> for Numbers {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(number) = given.extract::<f64>() {
+            return Ok(Self::One(number));
+        }
+        let wrong = |_| {
+            PyValueError::new_err(format!(
+                "expected a number, or numbers of the shape (n,), found {}",
+                described(&given)
+            ))
+        };
+        let many = given.extract::<PyArrayLike1<'_, f64, AllowTypeChange>>().map_err(wrong)?;
+        Ok(Self::Many(many.as_array().to_vec()))
+    }
+}
+
+impl Numbers {
+    /// Refuses another number of numbers than of poses.
+    pub fn expect(&self, count: usize, name: &str) -> PyResult<()> {
+        match self {
+            Self::Many(numbers) if numbers.len() != count => {
+                let found = numbers.len();
+                Err(PyValueError::new_err(format!(
+                    "{name} has {found} numbers for {count} poses; expected as many, or one"
+                )))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    pub fn len(&self) -> Option<usize> {
+        match self {
+            Self::One(_) => None,
+            Self::Many(numbers) => Some(numbers.len()),
+        }
+    }
+
+    pub fn get(&self, index: usize) -> f64 {
+        match self {
+            Self::One(number) => *number,
+            Self::Many(numbers) => numbers[index],
+        }
+    }
+}
+
+impl Poses {
+    /// Lists the poses, a single one as often as the numbers that go with it want.
+    pub fn listed(self, wanted: Option<usize>) -> (Vec<Pose>, bool) {
+        match (self, wanted) {
+            (Self::One(pose), None) => (vec![pose], true),
+            (Self::One(pose), Some(count)) => (vec![pose; count], false),
+            (Self::Many(poses), _) => (poses, false),
+        }
+    }
+}
+
+/// Makes an array of rows of some columns.
+pub fn rows<'py, const N: usize>(py: Python<'py>, rows: &[[f64; N]]) -> PyResult<Bound<'py, PyAny>> {
+    let flat: Bound<'py, PyArray1<f64>> = rows.as_flattened().to_vec().into_pyarray(py);
+    flat.call_method1("reshape", ((rows.len(), N),))
+}

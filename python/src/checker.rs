@@ -1,0 +1,185 @@
+//! The collision core, for one pose or for many.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use numpy::{AllowTypeChange, IntoPyArray, PyArray1, PyArrayLike2};
+use pyo3::IntoPyObjectExt;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use wildfire::collision::{ClearanceField, CollisionChecker};
+use wildfire::geometry::{DVec2, FieldFrame, Pose, ops};
+use wildfire::grid::Grid;
+use wildfire::planning::kit::halton::radical_inverse;
+use wildfire::planning::{Goal, GoalDisc};
+use wildfire::scenario::MAX_CELLS_A_SIDE;
+use wildfire::vehicle::{Dimensions, ReedsShepp, Segment};
+
+use crate::arrays::{Numbers, Poses, is_sane, is_sane_pose, rows};
+use crate::query::{GoalLike, Vehicle};
+
+/// The most poses that are asked for in a goal.
+const MAX_GOAL_POSES: usize = 100_000;
+
+/// Answers for one body on one field.
+#[pyclass(frozen, module = "wildfire_contest")]
+pub struct Checker(pub Arc<CollisionChecker>);
+
+impl Checker {
+    pub fn new(checker: CollisionChecker) -> Self {
+        Self(Arc::new(checker))
+    }
+}
+
+#[pymethods]
+impl Checker {
+    #[new]
+    #[pyo3(signature = (occupied, cell_m = 5.0, vehicle = None))]
+    fn from_occupied(
+        occupied: PyArrayLike2<'_, bool, AllowTypeChange>,
+        cell_m: f64,
+        vehicle: Option<Vehicle>,
+    ) -> PyResult<Self> {
+        let occupied = occupied.as_array();
+        let side = |cells: usize| u16::try_from(cells).ok().filter(|side| (1..=MAX_CELLS_A_SIDE).contains(side));
+        let (Some(rows), Some(cols)) = (side(occupied.nrows()), side(occupied.ncols())) else {
+            let shape = occupied.shape();
+            let sentence = format!("occupied has the shape {shape:?}; expected 1 to {MAX_CELLS_A_SIDE} cells a side");
+            return Err(PyValueError::new_err(sentence));
+        };
+        if !(0.01..=1000.0).contains(&cell_m) {
+            return Err(PyValueError::new_err(format!("cell_m is {cell_m}; expected 0.01 to 1000 metres")));
+        }
+        let frame = FieldFrame { cols, rows, cell_m };
+        let cells = Grid::from_values(rows.into(), cols.into(), occupied.iter().copied().collect());
+        let body = vehicle.map_or_else(|| Ok(Dimensions::default()), |vehicle| vehicle.checked_body())?;
+        Ok(Self::new(CollisionChecker::new(Arc::new(ClearanceField::new(frame, &cells)), body)))
+    }
+
+    #[getter]
+    fn size_m(&self) -> (f64, f64) {
+        let frame = self.0.field().frame();
+        (frame.width_m(), frame.height_m())
+    }
+
+    #[getter]
+    fn cell_m(&self) -> f64 {
+        self.0.field().frame().cell_m
+    }
+
+    #[getter]
+    fn vehicle(&self) -> Vehicle {
+        Vehicle::from_body(self.0.body())
+    }
+
+    #[getter]
+    fn occupied<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let occupied = self.0.field().occupied();
+        let flat: Bound<'py, PyArray1<bool>> = occupied.values().to_vec().into_pyarray(py);
+        flat.call_method1("reshape", ((occupied.rows(), occupied.cols()),))
+    }
+
+    #[pyo3(signature = (poses, clearance = 0.0))]
+    fn pose_is_free<'py>(&self, py: Python<'py>, poses: Poses, clearance: f64) -> PyResult<Bound<'py, PyAny>> {
+        let clearance = checked_clearance(clearance)?;
+        poses.answer(py, |pose| is_sane_pose(&pose) && self.0.pose_is_free(pose, clearance))
+    }
+
+    fn clearance<'py>(&self, py: Python<'py>, poses: Poses) -> PyResult<Bound<'py, PyAny>> {
+        poses.answer(py, |pose| if is_sane_pose(&pose) { self.0.clearance(pose) } else { f64::NAN })
+    }
+
+    #[pyo3(signature = (poses, curvature, length, clearance = 0.0))]
+    fn motion_is_free<'py>(
+        &self,
+        py: Python<'py>,
+        poses: Poses,
+        curvature: Numbers,
+        length: Numbers,
+        clearance: f64,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let clearance = checked_clearance(clearance)?;
+        let (poses, is_one) = poses.listed(curvature.len().or(length.len()));
+        curvature.expect(poses.len(), "curvature")?;
+        length.expect(poses.len(), "length")?;
+        let ask = |(index, &pose): (usize, &Pose)| {
+            let (curvature, length_m) = (curvature.get(index), length.get(index));
+            let is_sane = is_sane_pose(&pose) && is_sane(curvature) && is_sane(length_m);
+            is_sane && self.0.motion_is_free(pose, Segment { curvature, length_m }, clearance)
+        };
+        let answers: Vec<bool> = py.detach(|| poses.iter().enumerate().map(ask).collect());
+        if is_one { answers[0].into_bound_py_any(py) } else { Ok(answers.into_pyarray(py).into_any()) }
+    }
+
+    #[pyo3(signature = (a, b, clearance = 0.0))]
+    fn curve_is_free<'py>(&self, py: Python<'py>, a: Poses, b: Poses, clearance: f64) -> PyResult<Bound<'py, PyAny>> {
+        let clearance = checked_clearance(clearance)?;
+        let curves = ReedsShepp { radius_m: self.0.body().turning_radius_m };
+        a.answer_pairs(b, py, |from, to| {
+            let is_sane = is_sane_pose(&from) && is_sane_pose(&to);
+            let is_free = |from: Pose| {
+                let path = curves.shortest(from, to).path(from);
+                path.segments.is_empty() && self.0.pose_is_free(from, clearance)
+                    || !path.segments.is_empty()
+                        && path.legs().all(|(pose, segment)| self.0.motion_is_free(pose, segment, clearance))
+            };
+            is_sane && is_free(from)
+        })
+    }
+
+    #[pyo3(signature = (goal, n = 24, clearance = 0.1))]
+    fn goal_poses<'py>(
+        &self,
+        py: Python<'py>,
+        goal: GoalLike,
+        n: usize,
+        clearance: f64,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let clearance = checked_clearance(clearance)?;
+        if n > MAX_GOAL_POSES {
+            return Err(PyValueError::new_err(format!("n is {n}; expected at most {MAX_GOAL_POSES}")));
+        }
+        let found = py.detach(|| goal_poses(&self.0, goal.0, n, clearance));
+        let found: Vec<_> = found.into_iter().map(|pose| [pose.x, pose.y, pose.heading]).collect();
+        rows(py, &found)
+    }
+
+    fn __repr__(&self) -> String {
+        let frame = self.0.field().frame();
+        format!("<Checker of {} x {} m>", frame.width_m(), frame.height_m())
+    }
+}
+
+fn checked_clearance(clearance: f64) -> PyResult<f64> {
+    if is_sane(clearance) {
+        return Ok(clearance);
+    }
+    Err(PyValueError::new_err(format!("clearance is {clearance}; expected metres")))
+}
+
+/// Poses tried for each that is wanted, until the goal counts as full.
+const TRIES: usize = 64;
+
+/// The share of a disc's radius within which poses are looked for, so that rounding leaves none outside.
+const WITHIN: f64 = 0.98;
+
+/// Finds up to `count` free poses in a goal, spread evenly over the disc and over all headings by Halton's sequence.
+/// Nothing is drawn, so that the same goal has the same poses.
+fn goal_poses(checker: &CollisionChecker, goal: Goal, count: usize, clearance_m: f64) -> Vec<Pose> {
+    let is_free = |pose: &Pose| is_sane_pose(pose) && checker.pose_is_free(*pose, clearance_m);
+    let GoalDisc { centre, radius_m } = match goal {
+        Goal::Pose(pose) => return Some(pose).filter(|_| count > 0).filter(is_free).into_iter().collect(),
+        Goal::Disc(disc) => disc,
+    };
+    let pose = |index: u32| {
+        let [out, turn, heading] = [2, 3, 5].map(|base| radical_inverse(base, index));
+        // The root makes places as dense at the rim as in the middle.
+        let (out_m, (sin, cos)) = (WITHIN * radius_m * out.sqrt(), ops::sin_cos(TAU * turn));
+        let heading = ops::wrap_angle(TAU * heading);
+        let from_axle = checker.body().body_centre(Pose { x: 0.0, y: 0.0, heading });
+        let axle = centre + DVec2::new(cos, sin) * out_m - from_axle;
+        Pose::new(axle.x, axle.y, heading)
+    };
+    let most = u32::try_from(TRIES * count).unwrap_or(u32::MAX);
+    (1..=most).map(pose).filter(is_free).take(count).collect()
+}

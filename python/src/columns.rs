@@ -1,0 +1,103 @@
+//! Tables as columns of numpy arrays.
+//!
+//! Whole numbers are `int64` (or `uint64` where the table says so), reals `float64`, flags `bool`, texts objects of
+//! `str`. A missing real is nan, a missing text None; a column of whole numbers or flags in which a value is missing is a
+//! masked array.
+
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyDict, PyList};
+use wildfire::batch::{FileColumn, Kind, Value};
+
+/// A column in the making.
+struct ColumnBuilder {
+    about: FileColumn,
+    values: Vec<Value>,
+}
+
+/// A table in the making, row by row.
+pub struct TableBuilder(Vec<ColumnBuilder>);
+
+impl TableBuilder {
+    pub fn new(columns: impl IntoIterator<Item = FileColumn>) -> Self {
+        Self(columns.into_iter().map(|about| ColumnBuilder { about, values: Vec::new() }).collect())
+    }
+
+    /// Adds a row, which has a value for each column.
+    pub fn push(&mut self, row: impl IntoIterator<Item = Value>) {
+        let mut row = row.into_iter();
+        for column in &mut self.0 {
+            column.values.push(row.next().unwrap_or(Value::Missing));
+        }
+    }
+
+    /// Makes Python's `Columns`.
+    pub fn finish(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
+        let (arrays, units, words) = (PyDict::new(py), PyDict::new(py), PyDict::new(py));
+        for ColumnBuilder { about, values } in self.0 {
+            let name = about.name.as_ref();
+            arrays.set_item(name, array(py, about.kind, &values)?)?;
+            units.set_item(name, about.unit.symbol())?;
+            words.set_item(name, about.words.as_ref())?;
+        }
+        columns_class(py)?.call1((arrays, units, words))
+    }
+}
+
+fn columns_class(py: Python<'_>) -> PyResult<&Bound<'_, PyAny>> {
+    static CLASS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let class = CLASS
+        .get_or_try_init(py, || PyResult::Ok(py.import("wildfire_contest.columns")?.getattr("Columns")?.unbind()))?;
+    Ok(class.bind(py))
+}
+
+fn array<'py>(py: Python<'py>, kind: Kind, values: &[Value]) -> PyResult<Bound<'py, PyAny>> {
+    let mask = || values.iter().map(|value| *value == Value::Missing).collect::<Vec<_>>();
+    match kind {
+        Kind::Count => masked(PyArray1::from_iter(py, values.iter().map(signed)).into_any(), mask()),
+        Kind::LargeCount => masked(PyArray1::from_iter(py, values.iter().map(unsigned)).into_any(), mask()),
+        Kind::Flag => {
+            let flags = values.iter().map(|value| matches!(value, Value::Flag(true)));
+            masked(PyArray1::from_iter(py, flags).into_any(), mask())
+        }
+        Kind::Real => Ok(PyArray1::from_iter(py, values.iter().map(real)).into_any()),
+        Kind::Text => {
+            let texts = PyList::new(py, values.iter().map(text))?;
+            let array = py.import("numpy")?.call_method1("empty", (values.len(), "O"))?;
+            array.set_item(pyo3::types::PySlice::full(py), texts)?;
+            Ok(array)
+        }
+    }
+}
+
+/// Masks the values that are missing, if there are any.
+fn masked<'py>(array: Bound<'py, PyAny>, mask: Vec<bool>) -> PyResult<Bound<'py, PyAny>> {
+    if !mask.contains(&true) {
+        return Ok(array);
+    }
+    let py = array.py();
+    let mask = PyArray1::from_vec(py, mask);
+    py.import("numpy.ma")?.call_method1("MaskedArray", (array, mask))
+}
+
+fn signed(value: &Value) -> i64 {
+    i64::try_from(unsigned(value)).unwrap_or(i64::MAX)
+}
+
+fn unsigned(value: &Value) -> u64 {
+    if let Value::Count(count) = value { *count } else { 0 }
+}
+
+/// A column that was swept may hold whole numbers and reals.
+fn real(value: &Value) -> f64 {
+    match value {
+        Value::Count(count) => *count as f64,
+        Value::Real(number) => *number,
+        Value::Missing | Value::Text(_) | Value::Flag(_) => f64::NAN,
+    }
+}
+
+fn text(value: &Value) -> Option<String> {
+    (*value != Value::Missing).then(|| value.to_string())
+}

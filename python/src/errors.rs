@@ -1,0 +1,29 @@
+//! Errors of the library as Python's exceptions, with the sentences of the command line.
+
+use pyo3::import_exception;
+use pyo3::prelude::*;
+use wildfire::scenario;
+
+import_exception!(wildfire_contest.errors, ScenarioError);
+import_exception!(wildfire_contest.errors, WildfireError);
+
+/// Makes an error whose text is a sentence of the library.
+pub fn error(sentence: impl ToString) -> PyErr {
+    WildfireError::new_err(sentence.to_string())
+}
+
+/// Makes the error of a scenario that is refused, with its place, and with what the command line advises.
+pub fn scenario_error(refusal: &scenario::ScenarioError) -> PyErr {
+    let advice = miette::Diagnostic::help(refusal).map(|help| help.to_string());
+    let location = refusal.location.as_ref();
+    let place = location.map(ToString::to_string);
+    let sentence = match &place {
+        Some(place) => format!("{place}: {refusal}"),
+        None => refusal.to_string(),
+    };
+    let sentence = advice.map_or(sentence.clone(), |advice| format!("{sentence} ({advice})"));
+    let (line, column) = location.map(scenario::SourceLocation::line_and_column).unzip();
+    // A place is written FILE:LINE:COLUMN, and the file's name may hold colons.
+    let file = place.map(|place| place.rsplitn(3, ':').nth(2).unwrap_or_default().to_owned());
+    ScenarioError::new_err((sentence, file, line, column))
+}

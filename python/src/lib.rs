@@ -1,0 +1,37 @@
+//! The compiled half of the Python package `wildfire-contest`: simulation, planning and collision checks as Python sees
+//! them. Its other half, `wildfire_contest/`, has what reads better in Python.
+//!
+//! The interpreter's lock is released while something is simulated, planned by built-in planners, or checked for many
+//! poses at once. Nothing here needs the lock for its own sake.
+
+mod arrays;
+mod checker;
+mod columns;
+mod errors;
+mod literal;
+mod path;
+mod query;
+mod run;
+mod scenario;
+mod tables;
+
+#[pyo3::pymodule(gil_used = false)]
+mod _core {
+    use pyo3::prelude::*;
+
+    #[pymodule_export]
+    use crate::checker::Checker;
+    #[pymodule_export]
+    use crate::path::{Path, dubins_length, reeds_shepp_length};
+    #[pymodule_export]
+    use crate::query::{Query, Vehicle};
+    #[pymodule_export]
+    use crate::run::{Run, run};
+    #[pymodule_export]
+    use crate::scenario::{Scenario, scenario};
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", wildfire::batch::PROGRAM_VERSION)
+    }
+}

@@ -1,0 +1,256 @@
+//! One run, and what is asked of it.
+
+use std::borrow::Cow;
+use std::path::PathBuf;
+use std::sync::OnceLock;
+use std::time::Duration;
+
+use numpy::IntoPyArray;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use wildfire::batch::{
+    FileColumn, Kind, RUN_COLUMNS, RunDetail, RunLabel, RunObject, RunResult, RunRow, Unit, Value, is_measured,
+};
+use wildfire::picture::film::{FrameLayout, FrameRenderer, FrameRequest, RunView, ViewOptions};
+use wildfire::sim::{RunOptions, Simulation};
+use wildfire::time::SimTime;
+use wildfire::time::cpu::CpuStopwatch;
+use wildfire::timeline::export::{FINEST_STEP_S, write_events};
+use wildfire::timeline::{Outcome, Replay, RunIndex, Timeline, file};
+
+use crate::columns::TableBuilder;
+use crate::errors::error;
+use crate::scenario::ScenarioLike;
+use crate::tables::Table;
+
+/// The most rows of a trace.
+const MAX_TRACE_ROWS: f64 = 1e7;
+
+/// A finished run.
+#[pyclass(frozen, module = "wildfire_contest")]
+pub struct Run {
+    pub timeline: Timeline,
+    row: RunRow,
+    /// Made when the first picture is asked for.
+    view: OnceLock<RunView>,
+}
+
+#[pymethods]
+impl Run {
+    #[getter]
+    fn scenario(&self) -> &str {
+        &self.row.label.scenario
+    }
+
+    #[getter]
+    fn seed(&self) -> u64 {
+        self.row.label.seed
+    }
+
+    #[getter]
+    fn outcome<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let values = self.values(py, |name| !is_measured(name))?;
+        py.import("wildfire_contest.outcome")?.getattr("Outcome")?.call1((values,))
+    }
+
+    #[getter]
+    fn measured<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        self.values(py, is_measured)
+    }
+
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.row.result.as_ref().map(wildfire::batch::notes).unwrap_or_default()
+    }
+
+    #[getter]
+    fn agents<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        Table::Agents.of_run(py, &self.row)
+    }
+
+    #[getter]
+    fn calls<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        Table::Calls.of_run(py, &self.row)
+    }
+
+    #[getter]
+    fn states<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        Table::States.of_run(py, &self.row)
+    }
+
+    #[getter]
+    fn events<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        events(&self.timeline).map_err(error)?.finish(py)
+    }
+
+    #[pyo3(signature = (step_s = 0.1))]
+    fn trace<'py>(&self, py: Python<'py>, step_s: f64) -> PyResult<Bound<'py, PyAny>> {
+        let end = self.timeline.end_time();
+        let rows = end.as_seconds() / step_s * self.timeline.setting.agents.len() as f64;
+        if !(step_s >= FINEST_STEP_S && rows <= MAX_TRACE_ROWS) {
+            let sentence = format!(
+                "step_s is {step_s}; expected seconds, at least {FINEST_STEP_S}, and at most {MAX_TRACE_ROWS:e} rows"
+            );
+            return Err(PyValueError::new_err(sentence));
+        }
+        py.detach(|| trace(&self.timeline, step_s)).finish(py)
+    }
+
+    #[pyo3(signature = (at_s = None, size = (1000, 1000)))]
+    fn picture<'py>(&self, py: Python<'py>, at_s: Option<f64>, size: (u32, u32)) -> PyResult<Bound<'py, PyAny>> {
+        let (width, height) = size;
+        let most = FrameLayout::MOST_SIDE;
+        let (least_width, least_height) = (FrameLayout::LEAST_WIDTH, FrameLayout::LEAST_HEIGHT);
+        if !(least_width..=most).contains(&width) || !(least_height..=most).contains(&height) {
+            let sentence = format!(
+                "size is {size:?}; expected width and height in pixels from {least_width} x {least_height} to {most} x {most}"
+            );
+            return Err(PyValueError::new_err(sentence));
+        }
+        let end_s = self.timeline.end_time().as_seconds();
+        let at_s = at_s.unwrap_or(end_s);
+        if !(0.0..=end_s).contains(&at_s) {
+            return Err(PyValueError::new_err(format!("at_s is {at_s}; expected 0 to {end_s}, the end of the run")));
+        }
+        let pixels = py.detach(|| {
+            let view = self.view.get_or_init(|| RunView::new(self.timeline.clone(), None));
+            let options = ViewOptions::default();
+            let request = FrameRequest { runs: &[view], time: SimTime::from_seconds(at_s), options: &options };
+            FrameRenderer::new(size, 1).paint(&request).to_vec()
+        });
+        pixels.into_pyarray(py).call_method1("reshape", ((height, width, 4),))
+    }
+
+    /// Returns the object that `wildfire run --json` prints.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let json = serde_json::to_string(&RunObject::new(&self.row)).map_err(error)?;
+        py.import("json")?.call_method1("loads", (json,))
+    }
+
+    fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        py.detach(|| file::write(&self.timeline, &path))
+            .map_err(|refusal| error(format_args!("cannot write {}: {refusal}", path.display())))
+    }
+
+    fn __repr__(&self) -> String {
+        let ended_s = self.timeline.end_time().as_seconds();
+        format!("<Run of {}, seed {}: ended after {ended_s} s>", self.row.label.scenario, self.row.label.seed)
+    }
+}
+
+impl Run {
+    fn new(label: RunLabel, run: wildfire::sim::Run) -> Self {
+        let index = RunIndex::new(&run.timeline);
+        let detail = RunDetail::new(&index);
+        let result = RunResult::new(Outcome::new(&run.timeline), run.cost);
+        let row = RunRow { detail, ..RunRow::done(label, result, Duration::ZERO) };
+        Self { timeline: run.timeline, row, view: OnceLock::new() }
+    }
+
+    /// Returns the values of the columns of a run that are wanted.
+    fn values<'py>(&self, py: Python<'py>, is_wanted: impl Fn(&str) -> bool) -> PyResult<Bound<'py, PyDict>> {
+        let values = PyDict::new(py);
+        for column in RUN_COLUMNS.iter().filter(|column| is_wanted(column.name)) {
+            match (column.value)(&self.row) {
+                Value::Missing => values.set_item(column.name, py.None())?,
+                Value::Count(count) => values.set_item(column.name, count)?,
+                Value::Real(number) => values.set_item(column.name, number)?,
+                Value::Text(text) => values.set_item(column.name, text)?,
+                Value::Flag(flag) => values.set_item(column.name, flag)?,
+            }
+        }
+        Ok(values)
+    }
+}
+
+fn column(name: &'static str, kind: Kind, unit: Unit, words: &'static str) -> FileColumn {
+    FileColumn { name: Cow::Borrowed(name), words: Cow::Borrowed(words), unit, kind, is_required: false }
+}
+
+/// Reads back the table that `wildfire run --events` writes.
+fn events(timeline: &Timeline) -> Result<TableBuilder, Box<dyn std::error::Error>> {
+    let mut bytes = Vec::new();
+    write_events(timeline, &mut bytes)?;
+    let mut table = TableBuilder::new([
+        column("t_s", Kind::Real, Unit::Seconds, "simulated time"),
+        column("event", Kind::Text, Unit::None, "kind of what happened"),
+        column("agent", Kind::Text, Unit::None, "who did it"),
+        column("col", Kind::Count, Unit::None, "column of the cell, from the west"),
+        column("row", Kind::Count, Unit::None, "row of the cell, from the south"),
+        column("detail", Kind::Text, Unit::None, "pairs key=value between semicolons"),
+    ]);
+    let mut reader = csv::Reader::from_reader(bytes.as_slice());
+    for line in reader.records() {
+        let line = line?;
+        let text = |place: usize| Some(line[place].to_owned()).filter(|text| !text.is_empty());
+        let count = |place: usize| text(place).and_then(|digits| digits.parse::<u64>().ok());
+        let time: f64 = line[0].parse()?;
+        table.push([
+            time.into(),
+            text(1).into(),
+            text(2).into(),
+            count(3).into(),
+            count(4).into(),
+            line[5].to_owned().into(),
+        ]);
+    }
+    Ok(table)
+}
+
+/// Does what `wildfire run --trace` writes.
+fn trace(timeline: &Timeline, step_s: f64) -> TableBuilder {
+    let mut table = TableBuilder::new([
+        column("t_s", Kind::Real, Unit::Seconds, "simulated time"),
+        column("agent", Kind::Text, Unit::None, "who"),
+        column("x_m", Kind::Real, Unit::Metres, "east of the south-west corner; of a truck its rear axle"),
+        column("y_m", Kind::Real, Unit::Metres, "north of the south-west corner; of a truck its rear axle"),
+        column("heading_rad", Kind::Real, Unit::None, "counter-clockwise from east"),
+        column("speed_mps", Kind::Real, Unit::None, "never negative"),
+        column("activity", Kind::Text, Unit::None, "what it does"),
+    ]);
+    let end = timeline.end_time();
+    let mut replay = Replay::new(timeline);
+    let multiples = (0_u64..).map(|step| SimTime::from_seconds(step as f64 * step_s)).take_while(|&time| time < end);
+    for time in multiples.chain([end]) {
+        replay.seek(time);
+        for agent in 0..timeline.setting.agents.len() {
+            let state = replay.agent(agent);
+            table.push([
+                time.as_seconds().into(),
+                state.id.to_string().into(),
+                state.pose.x.into(),
+                state.pose.y.into(),
+                state.pose.heading.into(),
+                state.speed_mps.into(),
+                state.activity.name().to_owned().into(),
+            ]);
+        }
+    }
+    table
+}
+
+#[pyfunction]
+#[pyo3(signature = (scenario = None, seed = 1, *, record = None))]
+pub fn run(py: Python<'_>, scenario: Option<ScenarioLike<'_>>, seed: u64, record: Option<PathBuf>) -> PyResult<Run> {
+    let scenario = scenario.unwrap_or_else(|| ScenarioLike::Named("contest".into())).load(py, Vec::new())?;
+    let library = scenario.get().library();
+    let mut stopwatch = CpuStopwatch::start();
+    let mut simulation = py.detach(|| Simulation::with(library, seed, &RunOptions::default())).map_err(error)?;
+    // The clock jumps, and into which slices the time is cut changes nothing: between them Python may be interrupted.
+    let slices = (1..).map(|slice| f64::from(slice) * SLICE_S).take_while(|&time_s| time_s < library.duration_s);
+    for time_s in slices {
+        py.detach(|| simulation.advance_to(SimTime::from_seconds(time_s)));
+        py.check_signals()?;
+    }
+    py.detach(|| simulation.advance_to(SimTime::MAX));
+    simulation.expect_within_memory().map_err(error)?;
+    let mut run = py.detach(|| simulation.finish());
+    run.cost.total = stopwatch.lap();
+    let run = py.detach(|| Run::new(RunLabel::from_scenario(library, seed), run));
+    record.map_or(Ok(()), |path| run.write(py, path))?;
+    Ok(run)
+}
+
+/// Simulated seconds between two looks for Ctrl-C.
+const SLICE_S: f64 = 10.0;

@@ -1,0 +1,46 @@
+"""The outcome of one run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+
+class Outcome(Mapping[str, Any]):
+    """The outcome of a run: the columns of ``runs.csv`` that are not measured, by name or as attributes.
+
+    The same scenario and seed give the same outcome on every machine. A value that does not exist is None.
+
+    >>> import wildfire_contest as wf
+    >>> outcome = wf.run("smoke", seed=1).outcome
+    >>> outcome.obstacles == outcome.intact + outcome.burning + outcome.burned_out + outcome.extinguished
+    True
+    >>> outcome["status"]
+    'done'
+    """
+
+    def __init__(self, values: Mapping[str, Any]) -> None:
+        self._values = dict(values)
+
+    def __getitem__(self, name: str) -> Any:
+        return self._values[name]
+
+    def __getattr__(self, name: str) -> Any:
+        # Copying and unpickling ask for names before there are values.
+        values: dict[str, Any] = self.__dict__.get("_values", {})
+        if name in values:
+            return values[name]
+        raise AttributeError(f"an outcome has no {name!r}; its names are {', '.join(values)}")
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._values)
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self._values]
+
+    def __repr__(self) -> str:
+        shown = ("scenario", "seed", "planner", "obstacles", "intact", "extinguished", "winner")
+        return f"Outcome({', '.join(f'{name}={self._values.get(name)!r}' for name in shown)}, ...)"

@@ -1,0 +1,85 @@
+//! How the trucks' queries of some runs went, as far as it tells whether a planner's figures are its own: drives to which
+//! the reachability flood led after the planner had failed, and queries that a clock ended.
+
+use std::ops::AddAssign;
+
+use serde::Serialize;
+
+use crate::document::number::percent;
+
+/// Counts of drives and queries of trucks over some runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct QueryTally {
+    /// Plans that trucks got, from whomever.
+    pub drives: u64,
+    /// Those of them to which the reachability flood led after the planner had failed.
+    pub rescued: u64,
+    /// Queries that ended because a planner took too long by the clock.
+    pub timed_out: u64,
+}
+
+impl QueryTally {
+    /// Counts by the numbers in columns of `runs.csv`; 0 where there is none.
+    pub fn from_columns(number: impl Fn(&str) -> u64) -> Self {
+        const FAILED: [&str; 7] = [
+            "truck_failed_start_blocked",
+            "truck_failed_goal_blocked",
+            "truck_failed_disconnected",
+            "truck_failed_budget_spent",
+            "truck_failed_timed_out",
+            "truck_failed_crashed",
+            "truck_failed_bad_answer",
+        ];
+        let failed = FAILED.iter().map(|column| number(column)).fold(0, u64::saturating_add);
+        Self {
+            drives: number("truck_plans").saturating_sub(failed),
+            rescued: number("truck_lattice_plans"),
+            timed_out: number("truck_failed_timed_out"),
+        }
+    }
+
+    /// Says what a reader must know of these figures: nothing where nobody was rescued and no clock decided.
+    pub fn sentences(&self, planner: &str) -> Vec<String> {
+        let rescued = (self.rescued > 0).then(|| {
+            let share = percent(self.rescued as f64 / self.drives.max(1) as f64);
+            format!("Rescued: {share} % of the drives of {planner}.")
+        });
+        let timed_out = (self.timed_out > 0).then(|| {
+            let queries =
+                if self.timed_out == 1 { "1 query".to_owned() } else { format!("{} queries", self.timed_out) };
+            format!("Outcomes depend on this machine: {queries} of {planner} timed out.")
+        });
+        rescued.into_iter().chain(timed_out).collect()
+    }
+}
+
+impl AddAssign for QueryTally {
+    fn add_assign(&mut self, other: Self) {
+        self.drives = self.drives.saturating_add(other.drives);
+        self.rescued = self.rescued.saturating_add(other.rescued);
+        self.timed_out = self.timed_out.saturating_add(other.timed_out);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_was_rescued_and_whom_a_clock_stopped_is_said() {
+        let number = |column: &str| match column {
+            "truck_plans" => 120,
+            "truck_failed_disconnected" | "truck_failed_timed_out" => 10,
+            "truck_lattice_plans" => 12,
+            _ => 0,
+        };
+        let mut tally = QueryTally::from_columns(number);
+        assert_eq!(tally, QueryTally { drives: 100, rescued: 12, timed_out: 10 });
+        tally += QueryTally { drives: 100, ..QueryTally::default() };
+        assert_eq!(
+            tally.sentences("rrt"),
+            ["Rescued: 6.0 % of the drives of rrt.", "Outcomes depend on this machine: 10 queries of rrt timed out."]
+        );
+        assert!(QueryTally { drives: 9, ..QueryTally::default() }.sentences("rrt").is_empty());
+    }
+}

@@ -1,0 +1,189 @@
+//! Policies by name: the built-in rules, and what whoever runs the program hands in.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::Arc;
+
+use thiserror::Error;
+
+use super::largest_cluster::LargestCluster;
+use super::nearest::{FarthestFromTruck, Nearest, Oldest};
+use super::random_intact::RandomIntact;
+use super::{OneByOne, Policy};
+use crate::geometry::{Cell, FieldFrame};
+use crate::planning::{MakeError, PlannerName};
+use crate::rng::Xoshiro256PlusPlus;
+use crate::scenario::{TruckGoal, WumpusGoal};
+use crate::time::SimTime;
+use crate::timeline::AgentId;
+
+/// What a policy is made for: the agents that follow it in one run.
+pub struct PolicySite<'a> {
+    pub name: &'a PlannerName,
+    /// The scenario's name.
+    pub scenario: &'a str,
+    pub seed: u64,
+    /// When the run ends at the latest.
+    pub duration: SimTime,
+    pub frame: FieldFrame,
+    /// The cells on which a bush grows, by cell index.
+    pub bushes: &'a [Cell],
+    /// All agents of the run, by name.
+    pub agents: &'a [AgentId],
+    /// Those that follow the policy, by name.
+    pub plays: &'a [AgentId],
+    /// The `settings` of the scenario's table `[policy.NAME]`, or null.
+    pub own: &'a serde_json::Value,
+    /// Returns the policy's own random stream of a name, which is the same in every run of the seed.
+    pub stream: &'a dyn Fn(&str) -> Xoshiro256PlusPlus,
+}
+
+/// Makes policies of one name. A closure from a [`PolicySite`] to a policy is one.
+pub trait MakePolicy: Send + Sync {
+    /// Makes a policy for one run.
+    ///
+    /// # Errors
+    /// If it cannot be made; the run does not take place then.
+    fn make(&self, site: &PolicySite<'_>) -> Result<Box<dyn Policy>, MakeError>;
+}
+
+impl<F> MakePolicy for F
+where
+    F: Fn(&PolicySite<'_>) -> Result<Box<dyn Policy>, MakeError> + Send + Sync,
+{
+    fn make(&self, site: &PolicySite<'_>) -> Result<Box<dyn Policy>, MakeError> {
+        self(site)
+    }
+}
+
+/// The built-in policies, by what scenarios call them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BuiltIn {
+    NearestBurning,
+    Oldest,
+    LargestCluster,
+    RandomIntact,
+    NearestIntact,
+    FarthestFromTruck,
+}
+
+/// The policy that a scenario names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NamedPolicy<'a> {
+    BuiltIn(BuiltIn),
+    Own(&'a PlannerName),
+}
+
+impl<'a> From<&'a TruckGoal> for NamedPolicy<'a> {
+    fn from(goal: &'a TruckGoal) -> Self {
+        match goal {
+            TruckGoal::NearestBurning => Self::BuiltIn(BuiltIn::NearestBurning),
+            TruckGoal::Oldest => Self::BuiltIn(BuiltIn::Oldest),
+            TruckGoal::LargestCluster => Self::BuiltIn(BuiltIn::LargestCluster),
+            TruckGoal::Policy(name) => Self::Own(name),
+        }
+    }
+}
+
+impl<'a> From<&'a WumpusGoal> for NamedPolicy<'a> {
+    fn from(goal: &'a WumpusGoal) -> Self {
+        match goal {
+            WumpusGoal::RandomIntact => Self::BuiltIn(BuiltIn::RandomIntact),
+            WumpusGoal::NearestIntact => Self::BuiltIn(BuiltIn::NearestIntact),
+            WumpusGoal::FarthestFromTruck => Self::BuiltIn(BuiltIn::FarthestFromTruck),
+            WumpusGoal::Policy(name) => Self::Own(name),
+        }
+    }
+}
+
+impl BuiltIn {
+    /// Makes the policy for the field with these bushes in the run of a seed.
+    pub fn make(self, bushes: &[Cell], seed: u64) -> Box<dyn Policy> {
+        match self {
+            Self::NearestBurning | Self::NearestIntact => Box::new(OneByOne(Nearest)),
+            Self::Oldest => Box::new(OneByOne(Oldest)),
+            Self::LargestCluster => Box::new(OneByOne(LargestCluster)),
+            Self::RandomIntact => Box::new(OneByOne(RandomIntact::new(bushes.to_vec(), seed))),
+            Self::FarthestFromTruck => Box::new(OneByOne(FarthestFromTruck)),
+        }
+    }
+}
+
+/// Why a policy cannot have a name.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum PolicyNameError {
+    /// It has another form.
+    #[error("a name is 1 to 40 of `a-z 0-9 + - _ .`, a letter first")]
+    Malformed,
+    /// A built-in policy of trucks or of Wumpuses has it.
+    #[error("`{0}` is the name of a built-in policy")]
+    BuiltIn(String),
+    /// Another policy has it.
+    #[error("two policies cannot both be called `{0}`")]
+    Taken(String),
+}
+
+/// Policies by name, beside the built-in ones, which are always known.
+#[derive(Clone, Default)]
+pub struct Policies {
+    own: BTreeMap<PlannerName, Arc<dyn MakePolicy>>,
+}
+
+impl Policies {
+    /// Adds a policy.
+    ///
+    /// # Errors
+    /// If it cannot have this name.
+    pub fn with(mut self, name: &str, maker: impl MakePolicy + 'static) -> Result<Self, PolicyNameError> {
+        let name = PlannerName::new(name).map_err(|_| PolicyNameError::Malformed)?;
+        if TruckGoal::is_built_in(name.name()) || WumpusGoal::is_built_in(name.name()) {
+            return Err(PolicyNameError::BuiltIn(name.into()));
+        }
+        if self.own.contains_key(&name) {
+            return Err(PolicyNameError::Taken(name.into()));
+        }
+        self.own.insert(name, Arc::new(maker));
+        Ok(self)
+    }
+
+    /// Lists the names of those that are not built in.
+    pub fn own_names(&self) -> impl Iterator<Item = &PlannerName> {
+        self.own.keys()
+    }
+
+    /// Makes a policy that is not built in.
+    ///
+    /// # Errors
+    /// If nobody of this name is known, or it cannot be made.
+    pub fn make(&self, site: &PolicySite<'_>) -> Result<Box<dyn Policy>, MakeError> {
+        let name = site.name;
+        let unknown =
+            || MakeError::new(format!("`{name}` is not built in, was not handed in, and its table has no `command`"));
+        self.own.get(name).ok_or_else(unknown)?.make(site)
+    }
+}
+
+impl fmt::Debug for Policies {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_set().entries(TruckGoal::BUILT_IN).entries(WumpusGoal::BUILT_IN).entries(self.own.keys()).finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_short_plain_and_nobody_elses() {
+        let maker = |_: &PolicySite<'_>| -> Result<Box<dyn Policy>, MakeError> { Err(MakeError::new("no")) };
+        let mine = Policies::default().with("mine", maker).expect("it is free");
+        assert_eq!(mine.own_names().map(PlannerName::name).collect::<Vec<_>>(), ["mine"]);
+        let refusal = |name: &str| mine.clone().with(name, maker).err().map(|error| error.to_string());
+        assert_eq!(refusal("other"), None);
+        assert_eq!(refusal("mine").as_deref(), Some("two policies cannot both be called `mine`"));
+        for name in ["oldest", "random-intact"] {
+            assert_eq!(refusal(name), Some(format!("`{name}` is the name of a built-in policy")));
+        }
+        assert_eq!(refusal("Über"), Some(PolicyNameError::Malformed.to_string()));
+    }
+}
