@@ -13,7 +13,7 @@ use serde::{Serialize, Serializer};
 use crate::audit::{Audited, SampleStep};
 use crate::batch::{
     AuditOptions, AuditReport, AuditSource, FinishedBatch, FinishedError, LISTED_VIOLATIONS, PROGRAM_VERSION,
-    PlanError, RECORDINGS_FOLDER, audit_all, recordings_in,
+    PlanError, RECORDINGS_FOLDER, Record, audit_all, recordings_in,
 };
 use crate::cli::args::parse_jobs;
 use crate::cli::context::CommandContext;
@@ -44,6 +44,9 @@ pub struct AuditArguments {
     /// The most metres between two poses that are checked.
     #[arg(long, value_name = "METRES", default_value_t = 0.02, allow_hyphen_values = true, value_parser = parse_audit_step)]
     pub step: f64,
+    /// Run the programs that plans of batches name, where runs are simulated again.
+    #[arg(long)]
+    pub trust: bool,
     #[command(flatten)]
     pub form: FormArguments,
 }
@@ -58,6 +61,13 @@ fn parse_audit_step(text: &str) -> Result<f64, String> {
 pub fn run(arguments: &AuditArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     let quiet = context.quiet;
     let sources = arguments.paths.iter().map(|path| source(path, quiet)).collect::<Result<Vec<_>, _>>()?;
+    for source in &sources {
+        if let AuditSource::Batch(batch) = source
+            && batch.plan().record != Record::All
+        {
+            context.expect_trusted_plan(batch.plan())?;
+        }
+    }
     let jobs = arguments.jobs.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
     let step = SampleStep { metres: arguments.step, ..SampleStep::default() };
     let bar = terminal::progress_bar(sources.iter().map(AuditSource::count).sum(), "runs", quiet);

@@ -138,7 +138,7 @@ pub fn main_with(entrants: impl Into<Entrants>) -> ExitCode {
     }
     interrupt::install();
     let arguments = Arguments::try_parse().unwrap_or_else(|error| refuse(&error));
-    let context = CommandContext { quiet: arguments.quiet, entrants: entrants.into() };
+    let context = CommandContext::new(arguments.quiet, entrants.into());
     dispatch(&arguments, &context).unwrap_or_else(CliError::print)
 }
 
@@ -156,22 +156,22 @@ fn refuse(error: &clap::Error) -> ! {
 
 fn dispatch(arguments: &Arguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     match &arguments.command {
-        Command::Run(run) => run::run(run, context),
-        Command::Play(play) => play::run(play, context),
-        Command::Render(render) => render::run(render, context),
-        Command::Batch(batch) => batch::run(batch, context),
+        Command::Run(run) => run::run(run, &context.with_programs(&run.scenario.programs)),
+        Command::Play(play) => play::run(play, &context.with_programs(&play.show.programs)),
+        Command::Render(render) => render::run(render, &context.with_programs(&render.show.programs)),
+        Command::Batch(batch) => batch::run(batch, &context.with_programs(&batch.programs)),
         Command::Report(folder) => batch::report(folder, arguments.quiet),
         Command::Compare(compare) => compare::run(compare),
-        Command::Audit(audit) => audit::run(audit, context),
+        Command::Audit(audit) => audit::run(audit, &context.with_trust(audit.trust)),
         Command::Status(folder) => batch::status(folder),
         Command::Merge(folder) => batch::merge(folder, arguments.quiet),
         Command::New(new) => scenarios::new(new),
         Command::Schema(schema) => scenarios::schema(schema),
-        Command::Check(check) => scenarios::check(check, context),
+        Command::Check(check) => scenarios::check(check, &context.with_programs(&check.scenario.programs)),
         Command::Scenarios(scenarios) => scenarios::list_or_show(scenarios),
         Command::Map { command } => map::run(command, arguments.quiet),
         Command::Curve(curve) => curve::run(curve, arguments.quiet),
-        Command::Plan(plan) => plan::run(plan, context),
+        Command::Plan(plan) => plan::run(plan, &context.with_programs(&plan.programs)),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(*shell, &mut Arguments::command(), "wildfire", &mut script);

@@ -11,6 +11,8 @@ mod family;
 #[cfg(unix)]
 mod planner;
 #[cfg(unix)]
+mod policy;
+#[cfg(unix)]
 mod pool;
 #[cfg(unix)]
 pub mod process;
@@ -20,4 +22,4 @@ mod respondent;
 pub mod supervisor;
 
 #[cfg(unix)]
-pub use pool::{ProgramPool, ProgramRun};
+pub use pool::{ProgramPool, Trust};

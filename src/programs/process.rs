@@ -93,7 +93,10 @@ impl Trouble {
         let beginning = String::from_utf8_lossy(&answer[..answer.len().min(4 * MOST_QUOTED)]);
         let quoted: String = beginning.chars().take(MOST_QUOTED).collect();
         let more = if beginning.chars().nth(MOST_QUOTED).is_some() { "…" } else { "" };
-        Self { kind: TroubleKind::BadAnswer, words: format!("answered `{}{more}`: {words}", visible(quoted.trim_end())) }
+        Self {
+            kind: TroubleKind::BadAnswer,
+            words: format!("answered `{}{more}`: {words}", visible(quoted.trim_end())),
+        }
     }
 }
 
@@ -441,7 +444,7 @@ impl Fate {
 }
 
 /// Hands on a line of a program's stderr.
-fn say(name: &str, line: &str) {
+pub fn say(name: &str, line: &str) {
     // A line that nobody can read is no reason to stop.
     let _ = writeln!(io::stderr(), "{name}: {}", visible(line));
 }

@@ -332,9 +332,9 @@ impl FromProgram {
     /// Returns the number of the query that it answers.
     pub fn id(&self) -> Option<u64> {
         match self {
-            Self::Path(PathAnswer { id, .. }) | Self::None(NoneAnswer { id, .. }) | Self::Answer(PolicyAnswer { id, .. }) => {
-                Some(*id)
-            }
+            Self::Path(PathAnswer { id, .. })
+            | Self::None(NoneAnswer { id, .. })
+            | Self::Answer(PolicyAnswer { id, .. }) => Some(*id),
             Self::Hello(_) | Self::Ready | Self::Error(_) => None,
         }
     }
@@ -371,7 +371,9 @@ impl FromProgram {
                 match (&path.segments, &path.poses) {
                     (None, None) => Err("a path has `segments` or `poses`".to_owned()),
                     (Some(_), Some(_)) => Err("a path has either `segments` or `poses`, not both".to_owned()),
-                    _ => check_cpu(path.cpu_s).and_then(|()| check_poses(path.poses.as_deref())).map(|()| Self::Path(path)),
+                    _ => check_cpu(path.cpu_s)
+                        .and_then(|()| check_poses(path.poses.as_deref()))
+                        .map(|()| Self::Path(path)),
                 }
             }
             Kind::None => {
@@ -483,7 +485,10 @@ mod tests {
             (b"{\"type\":\"path\",\"id\":1,\"segments\":[],\"poses\":[]}", "not both"),
             (b"{\"type\":\"path\",\"segments\":[]}", "missing field `id`"),
             (b"{\"type\":\"path\",\"id\":\"1\",\"segments\":[]}", "`id`: invalid type: string"),
-            (b"{\"type\":\"path\",\"id\":1,\"segments\":[[null,1]]}", "`segments[0][0]`: invalid type: null, expected a number"),
+            (
+                b"{\"type\":\"path\",\"id\":1,\"segments\":[[null,1]]}",
+                "`segments[0][0]`: invalid type: null, expected a number",
+            ),
             (b"{\"type\":\"path\",\"id\":1,\"segments\":[[NaN,1]]}", "NaN and Infinity are no numbers"),
             (b"{\"type\":\"path\",\"id\":1,\"segments\":[[1e999,1]]}", "number out of range"),
             (b"{\"type\":\"path\",\"id\":1,\"segments\":[[1]]}", "`segments[0]`: invalid length 1"),

@@ -49,6 +49,11 @@ impl Respondent {
         Ok(Self { program, field, session: Some(session), restarts_left, queries: 0, built })
     }
 
+    /// Returns what stands before its lines on stderr.
+    pub fn name(&self) -> &str {
+        &self.program.name
+    }
+
     /// Asks a query, which is told its number, and checks that the answer is of a type that fits. A program that failed
     /// before is started anew first.
     pub fn ask(
@@ -122,7 +127,8 @@ impl Session {
     fn start(program: &Launch, field: &[u8]) -> Result<Self, Trouble> {
         let watch = WallStopwatch::start();
         let mut session = Self { process: Process::start(program)?, counted: Duration::ZERO };
-        let hello = ToProgram::Hello { protocol: VERSION, program: concat!("wildfire ", env!("CARGO_PKG_VERSION")).into() };
+        let hello =
+            ToProgram::Hello { protocol: VERSION, program: concat!("wildfire ", env!("CARGO_PKG_VERSION")).into() };
         let line = session.process.exchange(&hello.line(), at_start(program, watch, "`hello`"))?;
         let words = match FromProgram::parse(&line) {
             Ok(FromProgram::Hello(hello)) if hello.protocol == VERSION => None,

@@ -147,7 +147,8 @@ pub struct Limits {
 /// Returns the command that starts a supervisor of a program, with its arguments.
 pub fn command(limits: Limits, program: &[OsString]) -> io::Result<Command> {
     if env::var_os(MARK).is_some() {
-        let reason = "this is a supervisor already; the command that starts supervisors does not know its first argument";
+        let reason =
+            "this is a supervisor already; the command that starts supervisors does not know its first argument";
         return Err(io::Error::other(reason));
     }
     let start = match COMMAND.get() {

@@ -40,7 +40,9 @@ fn thinking_between_queries_counts_for_the_next() {
 
 #[test]
 fn what_it_says_counts_if_it_is_more() {
-    let says = |cpu_s: &str| format!("echo \"{{\\\"type\\\":\\\"path\\\",\\\"id\\\":$id,\\\"segments\\\":[[0,10]],\\\"cpu_s\\\":{cpu_s}}}\"");
+    let says = |cpu_s: &str| {
+        format!("echo \"{{\\\"type\\\":\\\"path\\\",\\\"id\\\":$id,\\\"segments\\\":[[0,10]],\\\"cpu_s\\\":{cpu_s}}}\"")
+    };
     assert_eq!(cpu(&says("1000.5")), QueryCpu { time: Duration::from_millis(1_000_500), source: CpuSource::Reported });
     assert_eq!(cpu(&says("0")).source, CpuSource::Process);
 }

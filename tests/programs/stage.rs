@@ -11,7 +11,7 @@ use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::{DVec2, Pose};
 use wildfire::planning::memory::MemoryMeter;
 use wildfire::planning::{Goal, GoalDisc, Plan, Planners, TruckPlanner};
-use wildfire::programs::{ProgramPool, ProgramRun, supervisor};
+use wildfire::programs::{ProgramPool, Trust, supervisor};
 use wildfire::scenario::{PlannerContext, Scenario, Terrain, load};
 
 /// The first messages of a program that is ready.
@@ -25,7 +25,9 @@ pub const AHEAD: &str = r#"echo "{\"type\":\"path\",\"id\":$id,\"segments\":[[0,
 
 /// A script that does `body` for each query, whose number is `$id`.
 pub fn script(body: &str) -> String {
-    format!("{GREETING}\nid=0\nwhile read -r line; do\ncase $line in *'\"type\":\"end\"'*) exit 0;; esac\nid=$((id+1))\n{body}\ndone\n")
+    format!(
+        "{GREETING}\nid=0\nwhile read -r line; do\ncase $line in *'\"type\":\"end\"'*) exit 0;; esac\nid=$((id+1))\n{body}\ndone\n"
+    )
 }
 
 /// A scratch folder with a script and a scenario that names it.
@@ -60,7 +62,7 @@ impl Stage {
         let file = folder.path().join("stage.toml");
         fs::write(&file, text).expect("the scratch folder is writable");
         let scenario = load(&file.display().to_string(), &[]).expect("it is a scenario");
-        Self { folder, scenario, pool: ProgramPool::default() }
+        Self { folder, scenario, pool: ProgramPool::new(Trust::All) }
     }
 
     pub fn path(&self) -> &Path {
@@ -70,8 +72,7 @@ impl Stage {
     /// Starts the script as the planner of the truck, or says why it does not start.
     pub fn planner(&self) -> Result<Box<dyn TruckPlanner>, String> {
         let (scenario, seed) = (&self.scenario, 7);
-        let run = ProgramRun { scenario, seed, folder: self.path() };
-        let planners = self.pool.planners_of(run, Planners::default()).expect("its name is free");
+        let planners = self.pool.planners_of(scenario, seed, Planners::default()).expect("its name is free");
         let terrain = Terrain::from_scenario(scenario, seed).expect("it is empty");
         let field = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
         let truck = &scenario.unimog[0];
@@ -94,7 +95,8 @@ impl Stage {
             works_in == self.path() || String::from_utf8_lossy(&command).contains(&self.path().display().to_string())
         };
         let entries = fs::read_dir("/proc").expect("this is Linux").flatten().map(|entry| entry.path());
-        let found = entries.filter(|folder| folder.join("exe").exists() || folder.join("status").exists()).filter(marks);
+        let found =
+            entries.filter(|folder| folder.join("exe").exists() || folder.join("status").exists()).filter(marks);
         found.filter_map(|folder| folder.file_name()?.to_str()?.parse().ok()).collect()
     }
 

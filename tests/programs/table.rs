@@ -44,7 +44,8 @@ fn program_that_does_not_start_says_why() {
     expect_no_start("echo hello", "", &["answered `hello`", "no JSON object"]);
     expect_no_start("echo '{\"type\":\"hello\",\"protocol\":2}'", "", &["`protocol` is 2; expected 1"]);
     expect_no_start("echo '{\"type\":\"ready\"}'", "", &["expected the type `hello`"]);
-    let refuses = "echo '{\"type\":\"hello\",\"protocol\":1}'; echo '{\"type\":\"error\",\"message\":\"too small\"}'; cat";
+    let refuses =
+        "echo '{\"type\":\"hello\",\"protocol\":1}'; echo '{\"type\":\"error\",\"message\":\"too small\"}'; cat";
     expect_no_start(refuses, "", &["refuses the field: too small"]);
     let stage = Stage::new("", "");
     std::fs::remove_file(stage.path().join("script.sh")).expect("it is there");
@@ -101,7 +102,12 @@ fn program_that_takes_too_much_is_killed() {
     let crashed = PlanFailure::Crashed;
     let forks = "for i in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20; do sleep 100 & done; wait";
     expect_failure(forks, "", crashed, &["processes and was killed"]);
-    expect_failure("head -c 400000000 /dev/zero | tail", "memory_limit_mb = 60", crashed, &["MB of memory and was killed"]);
+    expect_failure(
+        "head -c 400000000 /dev/zero | tail",
+        "memory_limit_mb = 60",
+        crashed,
+        &["MB of memory and was killed"],
+    );
 }
 
 #[test]
@@ -147,12 +153,8 @@ esac"#;
     let path = plan.path.expect("it is free");
     assert!((path.end().x - 50.0).abs() < 1e-9 && (path.length_m() - 10.0).abs() < 1e-9);
     assert_eq!(plan.effort.local_expansions, 12);
-    let reasons = [
-        PlanFailure::GoalBlocked,
-        PlanFailure::StartBlocked,
-        PlanFailure::BudgetSpent,
-        PlanFailure::Disconnected,
-    ];
+    let reasons =
+        [PlanFailure::GoalBlocked, PlanFailure::StartBlocked, PlanFailure::BudgetSpent, PlanFailure::Disconnected];
     for reason in reasons {
         let plan = ask(planner.as_mut());
         assert_eq!((plan.path.err(), plan.message), (Some(reason), None));

@@ -1,6 +1,6 @@
 //! Nothing of a program is left, however it and we end.
 
-use wildfire::programs::ProgramPool;
+use wildfire::programs::{ProgramPool, Trust};
 
 use crate::stage::{AHEAD, GREETING, Stage, ask, pause, script};
 
@@ -24,7 +24,8 @@ fn program_that_ignores_its_end_is_killed() {
 
 #[test]
 fn children_of_a_program_end_with_it_wherever_they_moved() {
-    let stage = Stage::new(&script("sleep 300 &\n(setsid sleep 300 &)\n(setsid sh -c 'sleep 300 & wait' &)\nexit 1"), "");
+    let stage =
+        Stage::new(&script("sleep 300 &\n(setsid sleep 300 &)\n(setsid sh -c 'sleep 300 & wait' &)\nexit 1"), "");
     let mut planner = stage.planner().expect("it starts");
     assert!(ask(planner.as_mut()).path.is_err());
     assert_eq!(stage.processes(), [0; 0], "they were killed with it");
@@ -50,9 +51,11 @@ fn supervisor_that_is_killed_takes_the_program_along() {
 #[test]
 fn program_that_may_play_again_does() {
     let mut stage = Stage::new(
-        &format!("{GREETING}\necho x >> starts\nwhile read -r line; do case $line in\n\
+        &format!(
+            "{GREETING}\necho x >> starts\nwhile read -r line; do case $line in\n\
                   *'\"type\":\"end\"'*) exit 0;;\n*'\"type\":\"field\"'*) id=0; echo '{{\"type\":\"ready\"}}';;\n\
-                  *) id=$((id+1)); {AHEAD};;\nesac; done"),
+                  *) id=$((id+1)); {AHEAD};;\nesac; done"
+        ),
         "reuse = true",
     );
     for _ in 0..4 {
@@ -62,6 +65,6 @@ fn program_that_may_play_again_does() {
     let starts = std::fs::read_to_string(stage.path().join("starts")).expect("it was started");
     assert_eq!(starts.lines().count(), 1);
     assert!(!stage.processes().is_empty(), "it waits for the next run");
-    stage.pool = ProgramPool::default();
+    stage.pool = ProgramPool::new(Trust::All);
     assert_eq!(stage.processes(), [0; 0], "it was waited for");
 }

@@ -17,7 +17,7 @@ use problems::ProblemArguments;
 use report::{PlanReport, Summary};
 
 use crate::batch::file_name_of;
-use crate::cli::args::MemoryArguments;
+use crate::cli::args::{MemoryArguments, ProgramArguments};
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::output_files::{self, Files, Format};
@@ -50,6 +50,8 @@ pub struct PlanArguments {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub overrides: Vec<String>,
     #[command(flatten)]
+    pub programs: ProgramArguments,
+    #[command(flatten)]
     pub memory: MemoryArguments,
     #[command(flatten)]
     pub form: FormArguments,
@@ -71,13 +73,15 @@ pub fn run(arguments: &PlanArguments, context: &CommandContext) -> Result<ExitCo
     let loaded = LoadedScenario::open(&arguments.scenario, &context.with_own_names(&arguments.overrides))?;
     let problems = arguments.problems.load(&loaded.scenario)?;
     let planners = planners(arguments, &problems);
+    context.expect_trusted_planners(&loaded.scenario, &planners)?;
+    let makers = context.planners_of(&loaded.scenario, arguments.problems.seed)?;
     let pictures = pictures(arguments, &problems);
     let words = files(arguments, &pictures).check()?;
     let mut all = Vec::new();
     for problem in &problems {
         let question = Question {
             planners: &planners,
-            makers: &context.entrants.planners,
+            makers: &makers,
             programs: &loaded.scenario.planner,
             seed: arguments.problems.seed,
             limit: arguments.memory.limit(),
