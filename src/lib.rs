@@ -17,9 +17,43 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! # A planner of one's own
+//!
+//! Whoever implements [`TruckPlanner`] enters the contest with it, under a name that scenarios give to their trucks. Its
+//! paths are checked before they are driven, and its CPU time is measured. [`own_planner`] has what that takes.
+//!
+//! ```
+//! use wildfire::own_planner::{MakeError, Planners, ReedsShepp, Site, run_with};
+//! use wildfire::{CollisionChecker, Goal, Plan, PlanFailure, Pose, TruckPlanner};
+//!
+//! /// Drives the shortest curve to the fire, if that is free.
+//! struct Bold(CollisionChecker);
+//!
+//! impl TruckPlanner for Bold {
+//!     fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
+//!         let Goal::Disc(disc) = goal else { return Plan::from(Err(PlanFailure::GoalBlocked)) };
+//!         let ahead = (disc.centre - start.position()).normalize_or_zero() * (disc.radius_m - 3.0);
+//!         let end = Pose::new(disc.centre.x - ahead.x, disc.centre.y - ahead.y, start.heading);
+//!         let curves = ReedsShepp { radius_m: self.0.body().turning_radius_m };
+//!         let path = curves.shortest(start, end).path(start);
+//!         let is_free = path.legs().all(|(pose, segment)| self.0.motion_is_free(pose, segment, 0.1));
+//!         Plan::from(if is_free { Ok(path) } else { Err(PlanFailure::Disconnected) })
+//!     }
+//! }
+//!
+//! let make = |site: &Site<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> { Ok(Box::new(Bold(site.checker.clone()))) };
+//! let planners = Planners::default().with("bold", make)?;
+//! let changes = ["planner.bold.command=[]", "unimog.planner=bold"].map(str::to_owned);
+//! let run = run_with(&wildfire::load("contest", &changes)?, 7, &planners)?;
+//! assert!(wildfire::Outcome::new(&run.timeline).extinguished > 0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! The whole program with one planner more is [`own_planner::main_with`], in a `main.rs` of five lines.
+//!
 //! # What is for users, and what is not
 //!
-//! The names on this page are. They are documented in full, and a change of them is an entry in the changelog. The
+//! The names on this page and in [`own_planner`] are. They are documented in full, and a change of them is an entry in the changelog. The
 //! modules behind them are open because the tests, benchmarks and examples of this package use them; they may change
 //! with every version and are left out of this documentation. `RUSTDOCFLAGS='--cfg internals' cargo doc` includes them.
 //!
@@ -98,3 +132,17 @@ pub use time::SimTime;
 pub use timeline::file::read as read_recording;
 pub use timeline::{Fact, Outcome, Timeline};
 pub use vehicle::{Dimensions, Path};
+
+/// What it takes to enter the contest with a planner of one's own.
+///
+/// A planner implements [`TruckPlanner`]. [`Planners`] knows it by its name, together with the built-in ones, and makes one
+/// for every truck of every run that asks for it. The scenario has a table `[planner.NAME]`, which may be empty, and gives
+/// the name to its trucks as `unimog.planner`. Runs, batches and the whole command line take planners: [`run_with`],
+/// [`main_with`]. The [`Judge`] tells beforehand whether a path would be driven.
+pub mod own_planner {
+    pub use crate::cli::main_with;
+    pub use crate::planning::judge::{BadPath, Judge};
+    pub use crate::planning::{MakeError, MakePlanner, NameError, PlannerName, Planners, Site};
+    pub use crate::sim::run_with;
+    pub use crate::vehicle::{ReedsShepp, Segment};
+}

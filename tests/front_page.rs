@@ -16,12 +16,14 @@ fn lines(path: &Path) -> Vec<String> {
     fs::read_to_string(path).expect("readable").lines().map(str::to_owned).collect()
 }
 
-/// What `lib.rs` re-exports: each name where it is defined, with the module that it comes from.
-fn names() -> Vec<(String, String)> {
+/// What `lib.rs` re-exports: each name where it is defined, with the module that it comes from; those of the page itself
+/// begin their line, those of its modules do not.
+fn names(indent: &str) -> Vec<(String, String)> {
     let front = lines(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs"));
-    let uses = front.iter().filter_map(|line| line.strip_prefix("pub use ")).map(|line| line.trim_end_matches(';'));
+    let begin = format!("{indent}pub use ");
+    let uses = front.iter().filter_map(|line| line.strip_prefix(&begin)).map(|line| line.trim_end_matches(';'));
     uses.flat_map(|path| {
-        let (module, names) = path.rsplit_once("::").expect("a path");
+        let (module, names) = path.trim_start_matches("crate::").rsplit_once("::").expect("a path");
         let names = names.trim_matches(['{', '}']).split(", ");
         names
             .map(|name| (name.split(" as ").next().unwrap_or(name).to_owned(), module.replace("::", "/")))
@@ -56,19 +58,20 @@ fn undocumented_inside(lines: &[String], index: usize) -> Vec<String> {
 
 #[test]
 fn front_page_is_short_and_the_rest_is_hidden() {
-    let names = names();
+    let names = names("");
     assert!((10..=MOST_NAMES).contains(&names.len()), "{names:?}");
     let front = lines(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs"));
     for (index, line) in front.iter().enumerate().filter(|(_, line)| line.starts_with("pub mod ")) {
         let above = front[..index].iter().rev().take_while(|line| line.starts_with("#["));
-        assert!(above.clone().any(|line| line.contains("doc(hidden)")), "`{line}` is neither hidden nor documented");
+        let is_hidden = above.clone().any(|line| line.contains("doc(hidden)"));
+        assert!(is_hidden || is_documented(&front, index), "`{line}` is neither hidden nor documented");
     }
 }
 
 #[test]
 fn all_of_the_front_page_is_documented() {
     let mut missing = Vec::new();
-    for (name, module) in names() {
+    for (name, module) in names("").into_iter().chain(names("    ")) {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src").join(module);
         let files: Vec<_> = sources(&folder).iter().map(|path| lines(path)).collect();
         let begins = |line: &str| {

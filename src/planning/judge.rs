@@ -45,6 +45,7 @@ pub struct PathPlace {
 /// The reason why a path is refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BadPath {
+    /// More than [`MOST_SEGMENTS`].
     TooManySegments {
         found: usize,
     },
@@ -59,6 +60,7 @@ pub enum BadPath {
         what: &'static str,
         found: f64,
     },
+    /// More than [`MOST_FIELDS_LONG`] times the sum of the field's sides.
     TooLong {
         found_m: f64,
         most_m: f64,
@@ -92,6 +94,7 @@ pub enum BadPath {
 impl std::error::Error for BadPath {}
 
 impl Judge {
+    /// Creates the judge of a truck, whose body the checker has, on a field.
     pub fn new(checker: CollisionChecker) -> Self {
         Self { checker }
     }

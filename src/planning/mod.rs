@@ -37,7 +37,8 @@
 //!    stages of `hybrid-astar`; and everything that the planner `lattice` finds, which floods three lattices in turn
 //!    ([`kit::floods`]).
 //!
-//! If all this fails on every goal that burns, the simulation asks [`reachability`], which floods from the truck's start:
+//! If all this fails on every goal that burns, and the scenario lets the truck be rescued (`unimog.rescue`: by default those
+//! with a built-in planner), the simulation asks [`reachability`], which floods from the truck's start:
 //!
 //! 5. **`reachability`**: the flood says that the goal is in reach, and a large search from where the truck stands finds
 //!    a path there, on two lattices in turn, with 3 cm of clearance;
