@@ -247,6 +247,7 @@ hold! {
     fallbacks: "docs/fallbacks.md", pictures below 0;
     grid_maps: "docs/grid-maps.md", pictures below 100_000;
     output_files: "docs/output-files.md", pictures below 0;
+    own_planner: "docs/own-planner.md", pictures below 0;
     planning_drives: "docs/planning-drives.md", pictures below 100_000;
     scenarios: "docs/scenarios.md", pictures below 0;
     watch: "docs/watch.md", pictures below 3_000_000;

@@ -89,15 +89,7 @@ impl Stage {
 
     /// Numbers of the processes that run in the scratch folder, or name it.
     pub fn processes(&self) -> Vec<u32> {
-        let marks = |folder: &PathBuf| {
-            let command = fs::read(folder.join("cmdline")).unwrap_or_default();
-            let works_in = fs::read_link(folder.join("cwd")).unwrap_or_default();
-            works_in == self.path() || String::from_utf8_lossy(&command).contains(&self.path().display().to_string())
-        };
-        let entries = fs::read_dir("/proc").expect("this is Linux").flatten().map(|entry| entry.path());
-        let found =
-            entries.filter(|folder| folder.join("exe").exists() || folder.join("status").exists()).filter(marks);
-        found.filter_map(|folder| folder.file_name()?.to_str()?.parse().ok()).collect()
+        processes_in(self.path())
     }
 
     /// Waits until none is left.
@@ -110,6 +102,17 @@ impl Stage {
         }
         panic!("processes are left: {:?}", self.processes());
     }
+}
+
+/// Numbers of the processes that run in a folder, or name it; of dead ones nothing is known.
+pub fn processes_in(folder: &Path) -> Vec<u32> {
+    let is_marked = |process: &PathBuf| {
+        let command = fs::read(process.join("cmdline")).unwrap_or_default();
+        let works_in = fs::read_link(process.join("cwd")).unwrap_or_default();
+        works_in == folder || String::from_utf8_lossy(&command).contains(&folder.display().to_string())
+    };
+    let found = fs::read_dir("/proc").expect("this is Linux").flatten().map(|entry| entry.path()).filter(is_marked);
+    found.filter_map(|process| process.file_name()?.to_str()?.parse().ok()).collect()
 }
 
 #[expect(clippy::disallowed_methods, reason = "other processes live in real time")]

@@ -4,6 +4,7 @@ mod attempts;
 mod drive;
 mod ompl;
 mod problems;
+mod repeat;
 mod report;
 mod tables;
 
@@ -14,6 +15,7 @@ use clap::Args;
 
 use attempts::{Question, attempts};
 use problems::ProblemArguments;
+use repeat::Repeat;
 use report::{PlanReport, Summary};
 
 use crate::batch::file_name_of;
@@ -51,6 +53,9 @@ pub struct PlanArguments {
     pub overrides: Vec<String>,
     #[command(flatten)]
     pub programs: ProgramArguments,
+    /// Ask all planners twice, programs in another process, and say whether their answers repeat bit for bit.
+    #[arg(long)]
+    pub repeat: bool,
     #[command(flatten)]
     pub memory: MemoryArguments,
     #[command(flatten)]
@@ -74,11 +79,11 @@ pub fn run(arguments: &PlanArguments, context: &CommandContext) -> Result<ExitCo
     let problems = arguments.problems.load(&loaded.scenario)?;
     let planners = planners(arguments, &problems);
     context.expect_trusted_planners(&loaded.scenario, &planners)?;
-    let makers = context.planners_of(&loaded.scenario, arguments.problems.seed)?;
     let pictures = pictures(arguments, &problems);
     let words = files(arguments, &pictures).check()?;
-    let mut all = Vec::new();
-    for problem in &problems {
+    let ask = || {
+        // Programs start anew each time, those too that could play on.
+        let makers = context.planners_of(&loaded.scenario, arguments.problems.seed)?;
         let question = Question {
             planners: &planners,
             makers: &makers,
@@ -86,9 +91,16 @@ pub fn run(arguments: &PlanArguments, context: &CommandContext) -> Result<ExitCo
             seed: arguments.problems.seed,
             limit: arguments.memory.limit(),
         };
-        let failed = |error| CliError::run_failed(format_args!("planning on the field {}: {error}", problem.name));
-        all.extend(attempts(problem, &question).map_err(failed)?);
-    }
+        let mut all = Vec::new();
+        for problem in &problems {
+            let failed = |error| CliError::run_failed(format_args!("planning on the field {}: {error}", problem.name));
+            all.extend(attempts(problem, &question).map_err(failed)?);
+        }
+        Ok::<_, CliError>(all)
+    };
+    let all = ask()?;
+    let again = if arguments.repeat { Some(ask()?) } else { None };
+    let repeats = again.map(|again| planners.iter().map(|planner| Repeat::new(planner, &all, &again)).collect());
     let summaries = planners.iter().map(|planner| Summary::new(planner, &all)).collect();
     let report = PlanReport {
         loaded: &loaded,
@@ -97,6 +109,7 @@ pub fn run(arguments: &PlanArguments, context: &CommandContext) -> Result<ExitCo
         problems: &problems,
         planners: &planners,
         attempts: all,
+        repeats,
         summaries,
     };
     let printed = words.print(&arguments.form.render(&report));
