@@ -1,4 +1,5 @@
-//! A planner of one's own, compared with a built-in one on the same queries: `cargo run --example own_planner`.
+//! A planner of one's own, compared with a built-in one on the same queries and in the contest:
+//! `cargo run --example own_planner`.
 //!
 //! It drives the shortest Reeds-Shepp curve if that is free, and else joins two curves at a pose that it draws; a plan
 //! for somebody's own first try. Everything it asks of the field it asks [`CollisionChecker`], as the built-in planners
@@ -13,9 +14,12 @@ use std::sync::Arc;
 use rand::RngExt;
 use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::Pose;
+use wildfire::own_planner::{MakeError, Planners, Site, run_with};
 use wildfire::planning::{Effort, Found, FoundBy, Goal, Plan, PlanFailure, TruckPlanner};
 use wildfire::rng::{self, Xoshiro256PlusPlus};
 use wildfire::scenario::{Terrain, load};
+use wildfire::sim::RunError;
+use wildfire::timeline::Outcome;
 use wildfire::vehicle::{Path, ReedsShepp};
 
 /// What the body keeps from bushes and border, in metres.
@@ -77,6 +81,12 @@ impl TruckPlanner for ThroughOnePose {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
+    compare_queries()?;
+    enter_the_contest()
+}
+
+/// Asks both planners the same.
+fn compare_queries() -> Result<(), Box<dyn Error>> {
     let scenario = load("contest", &[])?;
     let truck = &scenario.unimog[0];
     let terrain = Terrain::from_scenario(&scenario, 1)?;
@@ -100,6 +110,31 @@ fn main() -> Result<(), Box<dyn Error>> {
         };
         let (own, built_in) = (own.plan(start, Goal::Pose(goal)), built_in.plan(start, Goal::Pose(goal)));
         println!("({:5.1}, {:5.1}) m   {:20} {}", goal.x, goal.y, answer(own), answer(built_in));
+    }
+    Ok(())
+}
+
+/// Plays the contest with both planners on the same fields. Neither is rescued: what a planner fails on burns.
+fn enter_the_contest() -> Result<(), Box<dyn Error>> {
+    let make = |site: &Site<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> {
+        Ok(Box::new(ThroughOnePose { checker: site.checker.clone(), rng: (site.stream)("own-planner") }))
+    };
+    let planners = Planners::default().with("through-one-pose", make)?;
+    println!("\nbushes saved of all, planner by planner");
+    for name in ["through-one-pose", "prm-rs"] {
+        let changes = [
+            "planner.through-one-pose.command=[]".to_owned(),
+            format!("unimog.planner={name}"),
+            "unimog.rescue=false".to_owned(),
+        ];
+        let scenario = load("contest", &changes)?;
+        let outcomes = (1..=5).map(|seed| Ok(Outcome::new(&run_with(&scenario, seed, &planners)?.timeline)));
+        let outcomes = outcomes.collect::<Result<Vec<_>, RunError>>()?;
+        let saved: Vec<String> = outcomes
+            .iter()
+            .map(|outcome| format!("{}/{}", outcome.obstacles - outcome.burned(), outcome.obstacles))
+            .collect();
+        println!("{name:20} {}", saved.join("  "));
     }
     Ok(())
 }

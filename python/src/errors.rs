@@ -4,6 +4,7 @@ use pyo3::import_exception;
 use pyo3::prelude::*;
 use wildfire::scenario;
 
+import_exception!(wildfire_contest.errors, NoPath);
 import_exception!(wildfire_contest.errors, ScenarioError);
 import_exception!(wildfire_contest.errors, WildfireError);
 

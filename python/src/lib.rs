@@ -5,11 +5,17 @@
 //! poses at once. Nothing here needs the lock for its own sake.
 
 mod arrays;
+mod audit;
+mod batch;
 mod checker;
 mod columns;
+mod compare;
 mod errors;
 mod literal;
 mod path;
+mod plan;
+mod planner;
+mod program;
 mod query;
 mod run;
 mod scenario;
@@ -20,11 +26,21 @@ mod _core {
     use pyo3::prelude::*;
 
     #[pymodule_export]
+    use crate::audit::{Offence, audit};
+    #[pymodule_export]
+    use crate::batch::{Batch, batch};
+    #[pymodule_export]
     use crate::checker::Checker;
+    #[pymodule_export]
+    use crate::compare::compare;
     #[pymodule_export]
     use crate::path::{Path, dubins_length, reeds_shepp_length};
     #[pymodule_export]
-    use crate::query::{Query, Vehicle};
+    use crate::plan::plan;
+    #[pymodule_export]
+    use crate::program::command_line;
+    #[pymodule_export]
+    use crate::query::{Query, Site, Vehicle};
     #[pymodule_export]
     use crate::run::{Run, run};
     #[pymodule_export]

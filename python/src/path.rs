@@ -131,7 +131,7 @@ pub fn through(start: Pose, poses: &[Pose], radius_m: f64) -> vehicle::Path {
         path.segments.extend(curves.shortest(from, to).segments());
         from = to;
     }
-    path.joined()
+    path
 }
 
 #[pyfunction]

@@ -4,7 +4,8 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use wildfire::geometry::{DVec2, Pose};
-use wildfire::planning::{Goal, GoalDisc};
+use wildfire::planning::{self, Goal, GoalDisc};
+use wildfire::trajectory::SpeedLimits;
 use wildfire::vehicle::Dimensions;
 
 use crate::arrays::{Poses, is_sane, is_sane_pose, pose};
@@ -66,6 +67,62 @@ impl Vehicle {
             "Vehicle(length={length}, width={width}, wheelbase={wheelbase}, rear_overhang={rear_overhang}, \
              min_turn_radius={min_turn_radius})"
         )
+    }
+}
+
+/// One truck on one field, as a factory is told of it.
+#[pyclass(frozen, module = "wildfire_contest")]
+pub struct Site {
+    truck: u16,
+    seed: u64,
+    settings: Py<PyAny>,
+    vehicle: Vehicle,
+    speeds: SpeedLimits,
+    checker: Py<Checker>,
+}
+
+impl Site {
+    pub fn new(site: &planning::Site<'_>, seed: u64, settings: Py<PyAny>, checker: Py<Checker>) -> Self {
+        let vehicle = Vehicle::from_body(site.body);
+        Self { truck: site.truck, seed, settings, vehicle, speeds: *site.limits, checker }
+    }
+}
+
+#[pymethods]
+impl Site {
+    #[getter]
+    fn truck(&self) -> u16 {
+        self.truck
+    }
+
+    #[getter]
+    fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    #[getter]
+    fn settings(&self, py: Python<'_>) -> Py<PyAny> {
+        self.settings.clone_ref(py)
+    }
+
+    #[getter]
+    fn vehicle(&self) -> Vehicle {
+        self.vehicle.clone()
+    }
+
+    /// Speeds forward and in reverse, in metres a second.
+    #[getter]
+    fn speeds(&self) -> (f64, f64) {
+        (self.speeds.forward_mps, self.speeds.reverse_mps)
+    }
+
+    #[getter]
+    fn checker(&self, py: Python<'_>) -> Py<Checker> {
+        self.checker.clone_ref(py)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<Site of truck {}, seed {}>", self.truck, self.seed)
     }
 }
 
@@ -140,25 +197,11 @@ impl Query {
     fn meets<'py>(&self, py: Python<'py>, poses: Poses) -> PyResult<Bound<'py, PyAny>> {
         let checker = self.checker.get();
         let body = checker.0.body();
-        poses.answer(py, |pose| is_sane_pose(&pose) && is_met(self.goal, pose, body))
+        poses.answer(py, |pose| is_sane_pose(&pose) && self.goal.is_met(pose, body))
     }
 
     fn __repr__(&self) -> String {
         let Pose { x, y, heading } = self.start;
         format!("<Query from ({x}, {y}, {heading}) to {:?}>", self.goal)
-    }
-}
-
-/// The tolerances of the gate, metres and radians.
-const GOAL_M: f64 = 1e-3;
-const GOAL_RAD: f64 = 1e-3;
-
-fn is_met(goal: Goal, pose: Pose, body: &Dimensions) -> bool {
-    match goal {
-        Goal::Disc(disc) => body.body_centre(pose).distance(disc.centre) <= disc.radius_m,
-        Goal::Pose(end) => {
-            let turn = wildfire::geometry::ops::wrap_angle(pose.heading - end.heading);
-            pose.position().distance(end.position()) <= GOAL_M && turn.abs() <= GOAL_RAD
-        }
     }
 }

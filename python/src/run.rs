@@ -2,18 +2,20 @@
 
 use std::borrow::Cow;
 use std::path::PathBuf;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use numpy::IntoPyArray;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyMapping};
 use wildfire::batch::{
-    FileColumn, Kind, RUN_COLUMNS, RunDetail, RunLabel, RunObject, RunResult, RunRow, Unit, Value, is_measured,
+    FileColumn, Kind, PLANNER_KEY, RUN_COLUMNS, RunDetail, RunLabel, RunObject, RunResult, RunRow, Unit, Value,
+    is_measured,
 };
 use wildfire::picture::film::{FrameLayout, FrameRenderer, FrameRequest, RunView, ViewOptions};
-use wildfire::sim::{RunOptions, Simulation};
+use wildfire::scenario as library;
+use wildfire::sim::{self as library_sim, RunError, RunOptions, Simulation};
 use wildfire::time::SimTime;
 use wildfire::time::cpu::CpuStopwatch;
 use wildfire::timeline::export::{FINEST_STEP_S, write_events};
@@ -21,6 +23,7 @@ use wildfire::timeline::{Outcome, Replay, RunIndex, Timeline, file};
 
 use crate::columns::TableBuilder;
 use crate::errors::error;
+use crate::planner::Factories;
 use crate::scenario::ScenarioLike;
 use crate::tables::Table;
 
@@ -34,6 +37,7 @@ pub struct Run {
     row: RunRow,
     /// Made when the first picture is asked for.
     view: OnceLock<RunView>,
+    messages: Vec<String>,
 }
 
 #[pymethods]
@@ -62,6 +66,11 @@ impl Run {
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.row.result.as_ref().map(wildfire::batch::notes).unwrap_or_default()
+    }
+
+    #[getter]
+    fn messages(&self) -> Vec<String> {
+        self.messages.clone()
     }
 
     #[getter]
@@ -140,12 +149,18 @@ impl Run {
 }
 
 impl Run {
-    fn new(label: RunLabel, run: wildfire::sim::Run) -> Self {
+    /// Names the run by its scenario and its seed.
+    pub fn name(&self) -> String {
+        format!("{}, seed {}", self.row.label.scenario, self.row.label.seed)
+    }
+
+    fn new(label: RunLabel, run: library_sim::Run) -> Self {
         let index = RunIndex::new(&run.timeline);
         let detail = RunDetail::new(&index);
         let result = RunResult::new(Outcome::new(&run.timeline), run.cost);
-        let row = RunRow { detail, ..RunRow::done(label, result, Duration::ZERO) };
-        Self { timeline: run.timeline, row, view: OnceLock::new() }
+        let message = run.messages.to_string();
+        let row = RunRow { detail, message, ..RunRow::done(label, result, Duration::ZERO) };
+        Self { timeline: run.timeline, row, view: OnceLock::new(), messages: run.messages.first }
     }
 
     /// Returns the values of the columns of a run that are wanted.
@@ -231,26 +246,58 @@ fn trace(timeline: &Timeline, step_s: f64) -> TableBuilder {
 }
 
 #[pyfunction]
-#[pyo3(signature = (scenario = None, seed = 1, *, record = None))]
-pub fn run(py: Python<'_>, scenario: Option<ScenarioLike<'_>>, seed: u64, record: Option<PathBuf>) -> PyResult<Run> {
-    let scenario = scenario.unwrap_or_else(|| ScenarioLike::Named("contest".into())).load(py, Vec::new())?;
+#[pyo3(signature = (scenario = None, seed = 1, *, planner = None, planners = None, record = None))]
+pub fn run(
+    py: Python<'_>,
+    scenario: Option<ScenarioLike<'_>>,
+    seed: u64,
+    planner: Option<String>,
+    planners: Option<&Bound<'_, PyMapping>>,
+    record: Option<PathBuf>,
+) -> PyResult<Run> {
+    let changes = planner.map(|name| format!("{PLANNER_KEY}={name}"));
+    let scenario = ScenarioLike::or_contest(scenario).load(py, changes.into_iter().collect())?;
+    let factories = Factories::new(planners)?;
+    scenario.get().expect_known(&factories)?;
     let library = scenario.get().library();
-    let mut stopwatch = CpuStopwatch::start();
-    let mut simulation = py.detach(|| Simulation::with(library, seed, &RunOptions::default())).map_err(error)?;
-    // The clock jumps, and into which slices the time is cut changes nothing: between them Python may be interrupted.
-    let slices = (1..).map(|slice| f64::from(slice) * SLICE_S).take_while(|&time_s| time_s < library.duration_s);
-    for time_s in slices {
-        py.detach(|| simulation.advance_to(SimTime::from_seconds(time_s)));
-        py.check_signals()?;
+    let interruption = Arc::default();
+    let options = RunOptions::from(factories.entrants(py, &interruption));
+    // Between two slices Python may be interrupted.
+    let check = || Python::attach(|py| py.check_signals()).map_err(|exception| interruption.set(exception));
+    let run = py.detach(|| simulate(library, seed, &options, || check().is_err() || interruption.is_set()));
+    if let Some(exception) = interruption.take() {
+        return Err(exception);
     }
-    py.detach(|| simulation.advance_to(SimTime::MAX));
-    simulation.expect_within_memory().map_err(error)?;
-    let mut run = py.detach(|| simulation.finish());
-    run.cost.total = stopwatch.lap();
+    let run = run.map_err(error)?;
     let run = py.detach(|| Run::new(RunLabel::from_scenario(library, seed), run));
     record.map_or(Ok(()), |path| run.write(py, path))?;
     Ok(run)
 }
 
-/// Simulated seconds between two looks for Ctrl-C.
+/// Simulated seconds between two looks at whether the run is to stop.
 const SLICE_S: f64 = 10.0;
+
+/// Runs a scenario with a seed, unless it is to stop before the end. Into which slices its time is cut changes nothing.
+pub fn simulate(
+    scenario: &library::Scenario,
+    seed: u64,
+    options: &RunOptions,
+    mut is_to_stop: impl FnMut() -> bool,
+) -> Result<library_sim::Run, RunError> {
+    let mut stopwatch = CpuStopwatch::start();
+    let mut simulation = Simulation::with(scenario, seed, options)?;
+    let slices = (1..).map(|slice| f64::from(slice) * SLICE_S).take_while(|&time_s| time_s < scenario.duration_s);
+    for time in slices.map(SimTime::from_seconds).chain([SimTime::MAX]) {
+        if is_to_stop() {
+            return Err(RunError::Stopped);
+        }
+        simulation.advance_to(time);
+    }
+    if is_to_stop() {
+        return Err(RunError::Stopped);
+    }
+    simulation.expect_within_memory()?;
+    let mut run = simulation.finish();
+    run.cost.total = stopwatch.lap();
+    Ok(run)
+}

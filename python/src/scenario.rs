@@ -1,31 +1,79 @@
 //! Scenarios: built-in ones, files, and changes of them.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::PyMapping;
-use wildfire::scenario::{self as library, LoadedScenario, ScenarioText};
+use wildfire::scenario::{self as library, Fault, LoadedScenario, ScenarioError, ScenarioText};
 
 use crate::errors::{error, scenario_error};
 use crate::literal;
+use crate::planner::Factories;
 
 /// A scenario that is complete and checked. It never changes.
 #[pyclass(frozen, module = "wildfire_contest")]
 pub struct Scenario {
     text: ScenarioText,
+    /// The changes that were asked for.
     changes: Vec<String>,
-    loaded: Arc<LoadedScenario>,
+    /// Names of planners that nobody knows yet, each with what is wrong if nobody brings one.
+    missing: Vec<Missing>,
+    loaded: LoadedScenario,
+}
+
+/// A planner that is neither built in nor has a table.
+struct Missing {
+    name: String,
+    refusal: Box<ScenarioError>,
 }
 
 impl Scenario {
+    /// Loads a scenario. Planners that it does not know may be brought when it is run; until then each has an empty
+    /// table.
     fn load(text: ScenarioText, changes: Vec<String>) -> PyResult<Self> {
-        let loaded = LoadedScenario::from_text(&text, &changes).map_err(|refusal| scenario_error(&refusal))?;
-        Ok(Self { text, changes, loaded: Arc::new(loaded) })
+        let mut missing: Vec<Missing> = Vec::new();
+        loop {
+            let tables = missing.iter().map(|missing| table_of(&missing.name));
+            let all: Vec<_> = changes.iter().cloned().chain(tables).collect();
+            match LoadedScenario::from_text(&text, &all) {
+                Ok(loaded) => return Ok(Self { text, changes, missing, loaded }),
+                Err(refusal) => match unknown_planner(&refusal.fault) {
+                    Some(name) if missing.iter().all(|missing| missing.name != name) => {
+                        missing.push(Missing { name: name.to_owned(), refusal });
+                    }
+                    _ => return Err(scenario_error(&refusal)),
+                },
+            }
+        }
     }
 
     pub fn library(&self) -> &library::Scenario {
         &self.loaded.scenario
+    }
+
+    /// Returns the scenario's text, and the changes to it that make the scenario.
+    pub fn parts(&self) -> (&ScenarioText, Vec<String>) {
+        let tables = self.missing.iter().map(|missing| table_of(&missing.name));
+        (&self.text, self.changes.iter().cloned().chain(tables).collect())
+    }
+
+    /// Refuses a scenario with a planner that nobody has brought.
+    pub fn expect_known(&self, factories: &Factories) -> PyResult<()> {
+        let missing = self.missing.iter().find(|missing| !factories.knows(&missing.name));
+        missing.map_or(Ok(()), |missing| Err(scenario_error(&missing.refusal)))
+    }
+}
+
+/// The change that gives a planner an empty table.
+pub fn table_of(name: &str) -> String {
+    format!("planner.\"{name}\".command=[]")
+}
+
+/// Returns the name of a planner that is not known, if that is what is wrong.
+fn unknown_planner(fault: &Fault) -> Option<&str> {
+    match fault {
+        Fault::UnknownName { kind: "planner", found, .. } => Some(found),
+        _ => None,
     }
 }
 
@@ -34,7 +82,7 @@ impl Scenario {
     #[staticmethod]
     #[pyo3(signature = (text, /))]
     fn from_toml(text: String) -> PyResult<Self> {
-        let source = ScenarioText::from_bytes("scenario.toml", Ok(text.into_bytes()));
+        let source = ScenarioText::from_bytes("<text>", Ok(text.into_bytes()));
         Self::load(source.map_err(|refusal| scenario_error(&refusal))?, Vec::new())
     }
 
@@ -76,6 +124,11 @@ pub enum ScenarioLike<'py> {
 }
 
 impl ScenarioLike<'_> {
+    /// Returns the contest where nothing is named.
+    pub fn or_contest(given: Option<Self>) -> Self {
+        given.unwrap_or_else(|| Self::Named("contest".into()))
+    }
+
     /// Returns the scenario, loaded if need be, and with changes if there are some.
     pub fn load(&self, py: Python<'_>, changes: Vec<String>) -> PyResult<Py<Scenario>> {
         match self {
@@ -101,5 +154,5 @@ pub fn scenario(
     changes: Option<&Bound<'_, PyMapping>>,
 ) -> PyResult<Py<Scenario>> {
     let changes = changes.map_or(Ok(Vec::new()), literal::changes)?;
-    source.unwrap_or_else(|| ScenarioLike::Named("contest".into())).load(py, changes)
+    ScenarioLike::or_contest(source).load(py, changes)
 }

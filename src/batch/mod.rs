@@ -26,16 +26,17 @@ pub use execute::{
     Solution, StateCount, Status, StrangeEntry, TABLES_FILE, Whole, batch_status, file_name_of,
 };
 pub use plan::{
-    BatchPlan, BatchRequest, MAX_RUNS, MAX_VARIANTS, PLAN_FILE, PLAN_TEMPLATE, PROGRAM_VERSION, PlanError, PlannedRun,
-    RUNS_WITHOUT_FORCE, Record, RequestError, RunLabel, Seeds, SeedsError, Setting, Slice, SliceError, Sweep,
-    SweepError, Value, Variant, plan_schema, shell_word,
+    BatchPlan, BatchRequest, MAX_RUNS, MAX_VARIANTS, PLAN_FILE, PLAN_TEMPLATE, PLANNER_KEY, PROGRAM_VERSION, PlanError,
+    PlannedRun, RUNS_WITHOUT_FORCE, Record, RequestError, RunLabel, Seeds, SeedsError, Setting, Slice, SliceError,
+    Sweep, SweepError, Value, Variant, plan_schema, shell_word,
 };
 pub use report::{
-    AuditOptions, AuditReport, AuditSource, AuditsError, BatchReport, LISTED_VIOLATIONS, Merged, ReportError,
-    RunObject, SHOWN_RUNS, Tables, Tally, VariantReport, WrittenReport, audit_all, merge, notes, write_report,
+    AuditOptions, AuditReport, AuditSource, AuditsError, BatchReport, LISTED_VIOLATIONS, ListedViolation, Merged,
+    ReportError, RunObject, SHOWN_RUNS, Tables, Tally, VariantReport, WrittenReport, audit_all, merge, notes,
+    read_rows, write_report,
 };
 pub use table::{
     AGENT_COLUMNS, AgentColumn, AgentRow, CALL_COLUMNS, COLUMNS_BEFORE_SWEPT, CallColumn, Column, FileColumn,
     FinishedBatch, FinishedError, Kind, QueryTally, RUN_COLUMNS, RunColumn, RunRecord, STATE_COLUMNS, StateColumn,
-    TableError, TableOfRows, TableReader, Unit, is_measured, recordings_in, row_schema, run_column,
+    TableError, TableOfRows, TableReader, Unit, is_measured, recordings_in, row_schema, run_column, swept_columns,
 };

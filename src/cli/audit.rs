@@ -71,7 +71,8 @@ pub fn run(arguments: &AuditArguments, context: &CommandContext) -> Result<ExitC
     let jobs = arguments.jobs.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
     let step = SampleStep { metres: arguments.step, ..SampleStep::default() };
     let bar = terminal::progress_bar(sources.iter().map(AuditSource::count).sum(), "runs", quiet);
-    let report = audit_all(&sources, &AuditOptions { jobs, step, entrants: &context.entrants }, || bar.inc(1));
+    let options = AuditOptions { jobs, step, entrants: &context.entrants, listed: LISTED_VIOLATIONS };
+    let report = audit_all(&sources, &options, || bar.inc(1));
     bar.finish_and_clear();
     conclude(&report?, arguments.form)
 }
@@ -131,7 +132,7 @@ fn conclude(report: &AuditReport, form: FormArguments) -> Result<ExitCode, CliEr
 
 /// The members in their order.
 #[derive(Serialize)]
-struct Object<'a> {
+struct Object {
     program_version: &'static str,
     recorded: u64,
     simulated: u64,
@@ -144,7 +145,7 @@ struct Object<'a> {
     metres: f64,
     extinctions: u64,
     violations: u64,
-    first_violations: &'a [String],
+    first_violations: Vec<String>,
 }
 
 impl Serialize for AuditReport {
@@ -163,7 +164,7 @@ impl Serialize for AuditReport {
             metres,
             extinctions,
             violations: self.violations,
-            first_violations: &self.listed,
+            first_violations: self.listed.iter().map(ToString::to_string).collect(),
         };
         object.serialize(serializer)
     }
@@ -177,7 +178,7 @@ impl From<&AuditReport> for Document {
         let hidden = report.violations.saturating_sub(LISTED_VIOLATIONS as u64);
         let hidden = (hidden > 0).then(|| format!("... and {hidden} more runs."));
         // One line each, however long it is: such lines are searched and sorted.
-        let listed: Vec<_> = report.listed.iter().cloned().chain(hidden).collect();
+        let listed: Vec<_> = report.listed.iter().map(ToString::to_string).chain(hidden).collect();
         document = document.with((!listed.is_empty()).then(|| Block::Verbatim(listed.join("\n"))));
         document.add_list(report.sentences());
         document

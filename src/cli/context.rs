@@ -43,12 +43,12 @@ impl CommandContext {
     /// the command line.
     pub fn with_own_names(&self, changes: &[String]) -> Vec<String> {
         let Entrants { planners, policies, .. } = &self.entrants;
-        let declared = planners.own_names().map(|name| format!("planner.{name}.command=[]"));
-        let declared = declared.chain(policies.own_names().map(|name| format!("policy.{name}.command=[]")));
+        let declared = planners.own_names().map(|name| format!("planner.\"{name}\".command=[]"));
+        let declared = declared.chain(policies.own_names().map(|name| format!("policy.\"{name}\".command=[]")));
         let commands = self.programs.commands.iter().map(|NamedCommand { name, words }| {
             // A list of texts is the same in JSON and in TOML.
             let words = serde_json::to_string(words).expect("texts are JSON");
-            format!("planner.{name}.command={words}")
+            format!("planner.\"{name}\".command={words}")
         });
         declared.chain(commands).chain(changes.iter().cloned()).collect()
     }

@@ -101,7 +101,6 @@ impl CliError {
     }
 
     /// The message without help and without its colours.
-    #[cfg(any(feature = "view", test))]
     pub fn sentence(&self) -> String {
         self.report.to_string()
     }

@@ -31,6 +31,7 @@ mod show;
 mod terminal;
 
 use std::env;
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
@@ -132,22 +133,42 @@ pub fn main() -> ExitCode {
 /// Does the same with planners, or planners and policies, of one's own besides the built-in ones: the whole program, and
 /// they are known by their names wherever a name may stand.
 pub fn main_with(entrants: impl Into<Entrants>) -> ExitCode {
+    main_from(env::args_os().collect(), entrants)
+}
+
+/// Does the same with other words than the arguments of the process; the first is the program's name.
+pub fn main_from(words: Vec<OsString>, entrants: impl Into<Entrants>) -> ExitCode {
     #[cfg(unix)]
-    if let Some(code) = supervisor::run_if_asked(&env::args_os().skip(1).collect::<Vec<_>>()) {
+    if let Some(code) = supervisor::run_if_asked(words.get(1..).unwrap_or_default()) {
         return ExitCode::from(code);
     }
     interrupt::install();
-    let arguments = Arguments::try_parse().unwrap_or_else(|error| refuse(&error));
+    let arguments = Arguments::try_parse_from(&words).unwrap_or_else(|error| refuse(&words, &error));
     let context = CommandContext::new(arguments.quiet, entrants.into());
     dispatch(&arguments, &context).unwrap_or_else(CliError::print)
+}
+
+/// Returns the object that `wildfire plan --json` prints for these words after `plan`, and prints and writes nothing.
+///
+/// # Errors
+/// A sentence that says why there is no such object.
+pub fn plan_object(words: &[String], entrants: impl Into<Entrants>) -> Result<String, String> {
+    let words = ["wildfire", "plan"].into_iter().chain(words.iter().map(String::as_str));
+    let Arguments { command: Command::Plan(arguments), .. } =
+        Arguments::try_parse_from(words).map_err(|error| error.to_string())?
+    else {
+        return Err("expected arguments of `plan`".to_owned());
+    };
+    let context = CommandContext::new(true, entrants.into());
+    plan::object(&arguments, &context).map_err(|error| error.sentence())
 }
 
 /// Says what is wrong with the arguments, or prints what they ask for instead of a command, and ends the process.
 ///
 /// The message quotes arguments. So that nothing in them acts on the terminal, it is made once more from arguments in
 /// which that is escaped, and which are wrong for the same reason.
-fn refuse(error: &clap::Error) -> ! {
-    let words = env::args_os().map(|word| visible(&word.to_string_lossy()).into_owned());
+fn refuse(words: &[OsString], error: &clap::Error) -> ! {
+    let words = words.iter().map(|word| visible(&word.to_string_lossy()).into_owned());
     match Arguments::try_parse_from(words) {
         Err(same) if same.kind() == error.kind() => same.exit(),
         _ => error.exit(),

@@ -46,49 +46,21 @@ pub struct PathPlace {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BadPath {
     /// More than [`MOST_SEGMENTS`].
-    TooManySegments {
-        found: usize,
-    },
+    TooManySegments { found: usize },
     /// It begins elsewhere than at the truck.
-    OtherStart {
-        found: Pose,
-        truck: Pose,
-    },
+    OtherStart { found: Pose, truck: Pose },
     /// A curvature or a length that is not a finite number, or too small to be computed with.
-    NotANumber {
-        place: PathPlace,
-        what: &'static str,
-        found: f64,
-    },
+    NotANumber { place: PathPlace, what: &'static str, found: f64 },
     /// More than [`MOST_FIELDS_LONG`] times the sum of the field's sides.
-    TooLong {
-        found_m: f64,
-        most_m: f64,
-    },
+    TooLong { found_m: f64, most_m: f64 },
     /// A turn that the truck cannot make.
-    TooSharp {
-        place: PathPlace,
-        found: f64,
-        most: f64,
-    },
+    TooSharp { place: PathPlace, found: f64, most: f64 },
     /// Less than [`LEAST_CLEARANCE_M`] from something; not above 0 on contact.
-    TooNear {
-        place: PathPlace,
-        obstacle: Obstacle,
-        found_m: f64,
-    },
+    TooNear { place: PathPlace, obstacle: Obstacle, found_m: f64 },
     /// The body's centre ends outside of the disc.
-    MissesDisc {
-        along_m: f64,
-        centre: DVec2,
-        disc: GoalDisc,
-    },
+    MissesDisc { along_m: f64, centre: DVec2, disc: GoalDisc },
     /// The rear axle ends too far from the pose.
-    MissesPose {
-        along_m: f64,
-        end: Pose,
-        goal: Pose,
-    },
+    MissesPose { along_m: f64, end: Pose, goal: Pose },
 }
 
 impl std::error::Error for BadPath {}

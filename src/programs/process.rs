@@ -104,9 +104,17 @@ impl Trouble {
 #[derive(Clone, Copy, Debug)]
 pub struct Allowance<'a> {
     pub wall: Duration,
-    pub cpu: Option<Duration>,
+    pub cpu: Option<CpuAllowance>,
     /// Names the answer, for messages.
     pub answer: &'a str,
+}
+
+/// CPU time that a program may take.
+#[derive(Clone, Copy, Debug)]
+pub struct CpuAllowance {
+    pub limit: Duration,
+    /// What the program had taken in all when it began to count.
+    pub from: Duration,
 }
 
 /// A program that was started. Dropped, it is killed.
@@ -196,7 +204,6 @@ impl Process {
 
     fn try_exchange(&mut self, message: &[u8], allowance: Allowance<'_>) -> Result<Vec<u8>, Trouble> {
         let watch = WallStopwatch::start();
-        let cpu_before = allowance.cpu.and_then(|_| self.cpu());
         let mut unsent = message;
         let mut output_closed: Option<WallStopwatch> = None;
         let mut is_writable = true;
@@ -226,8 +233,10 @@ impl Process {
                 }
                 wait = wait.min(LAST_BREATH);
             }
-            if let (Some(limit), Some(before), Some(now)) = (allowance.cpu, cpu_before, self.cpu()) {
-                let left = limit.saturating_sub(now - before);
+            if let Some(CpuAllowance { limit, from }) = allowance.cpu
+                && let Some(now) = self.cpu()
+            {
+                let left = limit.saturating_sub(now.saturating_sub(from));
                 if left.is_zero() {
                     let (answer, limit) = (allowance.answer, limit.as_secs_f64());
                     return Err(Trouble::timed_out(format!("gave no {answer} within {limit} s of CPU time")));

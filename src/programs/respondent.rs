@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::process::{Allowance, Launch, Process, Trouble, TroubleKind};
+use super::process::{Allowance, CpuAllowance, Launch, Process, Trouble, TroubleKind};
 use super::protocol::{FromProgram, ToProgram, VERSION};
 use crate::time::wall::WallStopwatch;
 
@@ -61,12 +61,14 @@ impl Respondent {
         query: impl FnOnce(u64) -> Vec<u8>,
         check: impl FnOnce(&FromProgram) -> Result<(), &'static str>,
     ) -> Reply {
-        let mut session = match self.running() {
-            Ok(session) => session,
+        let (mut session, started) = match self.running() {
+            Ok(running) => running,
             Err(trouble) => return Reply { answer: Err(trouble), cpu: None },
         };
         self.queries += 1;
-        let Launch { query_limit: wall, query_cpu: cpu, .. } = *self.program;
+        let Launch { query_limit: wall, query_cpu, .. } = *self.program;
+        // What it thought since its last answer counts for this one.
+        let cpu = query_cpu.map(|limit| CpuAllowance { limit, from: session.counted });
         let allowance = Allowance { wall, cpu, answer: "answer" };
         let answer = session.process.exchange(&query(self.queries), allowance);
         let answer = answer.and_then(|line| {
@@ -86,26 +88,28 @@ impl Respondent {
         if answer.is_err() {
             session.process.kill();
         }
-        let cpu = session.lap();
+        let cpu = session.lap().map(|lap| lap + started);
         if answer.is_ok() {
             self.session = Some(session);
         }
         Reply { answer, cpu }
     }
 
-    /// Takes the program, to use it or to start it anew.
-    fn running(&mut self) -> Result<Session, Trouble> {
+    /// Takes the program, or starts it anew; returns the CPU time of that too.
+    fn running(&mut self) -> Result<(Session, Duration), Trouble> {
         if let Some(session) = self.session.take() {
-            return Ok(session);
+            return Ok((session, Duration::ZERO));
         }
         match self.restarts_left.checked_sub(1) {
             Some(left) => self.restarts_left = left,
             None => return Err(Trouble::crashed("failed more often than it may be started anew")),
         }
-        Session::start(&self.program, &self.field).map_err(|trouble| {
+        let mut session = Session::start(&self.program, &self.field).map_err(|trouble| {
             let words = format!("did not start anew: {}", trouble.words);
             Trouble { kind: TroubleKind::Crashed, words }
-        })
+        })?;
+        let started = session.lap().unwrap_or_default();
+        Ok((session, started))
     }
 
     /// Gives the program away, to play in another run, if it has not failed.

@@ -31,10 +31,23 @@ pub enum FoundSpan {
 }
 
 impl FieldPath {
-    /// Parses a path whose steps are separated by dots; a number is an index into a list.
+    /// Parses a path whose steps are separated by dots; a number is an index into a list, and a step in double quotes is a
+    /// key whatever it holds.
     pub fn parse(dotted: &str) -> Self {
-        let step = |part: &str| part.parse().map_or_else(|_| PathStep::Key(part.to_owned()), PathStep::Index);
-        Self(dotted.split('.').filter(|part| !part.is_empty()).map(step).collect())
+        let (mut steps, mut rest) = (Vec::new(), dotted);
+        while !rest.is_empty() {
+            if let Some((key, after)) = rest.strip_prefix('"').and_then(|quoted| quoted.split_once('"')) {
+                steps.push(PathStep::key(key));
+                rest = after.strip_prefix('.').unwrap_or(after);
+                continue;
+            }
+            let (part, after) = rest.split_once('.').unwrap_or((rest, ""));
+            if !part.is_empty() {
+                steps.push(part.parse().map_or_else(|_| PathStep::key(part), PathStep::Index));
+            }
+            rest = after;
+        }
+        Self(steps)
     }
 
     pub fn from_serde(path: &serde_path_to_error::Path) -> Self {
@@ -102,10 +115,37 @@ impl fmt::Display for FieldPath {
                 f.write_str(".")?;
             }
             match step {
+                PathStep::Key(key) if key.contains('.') => write!(f, "\"{key}\"")?,
                 PathStep::Key(key) => f.write_str(key)?,
                 PathStep::Index(index) => write!(f, "{index}")?,
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_are_divided_by_dots_outside_of_quotes() {
+        let key = PathStep::key;
+        for (dotted, steps, written) in [
+            ("unimog.0.prm", vec![key("unimog"), PathStep::Index(0), key("prm")], "unimog.0.prm"),
+            (
+                "planner.\"rrt-2.1\".command",
+                vec![key("planner"), key("rrt-2.1"), key("command")],
+                "planner.\"rrt-2.1\".command",
+            ),
+            ("planner.\"rrt\"", vec![key("planner"), key("rrt")], "planner.rrt"),
+            ("a..b.", vec![key("a"), key("b")], "a.b"),
+            ("\"a", vec![key("\"a")], "\"a"),
+            ("", vec![], ""),
+        ] {
+            let path = FieldPath::parse(dotted);
+            assert_eq!(path.0, steps, "{dotted}");
+            assert_eq!(path.to_string(), written);
+        }
     }
 }

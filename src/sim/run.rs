@@ -204,6 +204,9 @@ pub enum RunError {
     NoPrograms { reason: MakeError },
     #[error("{agent} cannot start: no free place was found for it on this field")]
     NoFreeStart { agent: AgentId },
+    /// Whoever ran it asked for an end before its own. Nothing is known of such a run: it is made again.
+    #[error("the run was stopped before its end")]
+    Stopped,
     #[error("{agent} has no planner: `{name}` could not be built: {reason}")]
     NoPlanner { agent: AgentId, name: PlannerName, reason: MakeError },
 }

@@ -18,7 +18,7 @@ fn moody() -> String {
     )
 }
 
-const TABLE: &str = "duration_s = 300.0\n[field]\nsize_m = 100.0\ncoverage = 0.1\n[[wumpus]]\n[[unimog]]\n\
+const TABLE: &str = "duration_s = 300.0\n[field]\nsize_m = 100.0\ncoverage = 0.1\n[[wumpus]]\nstart_m = [2.5, 2.5]\n[[unimog]]\n\
                      planner = \"moody\"\n[planner.moody]\ncommand = [\"sh\", \"moody.sh\"]\nquery_limit_s = 0.1\nrestarts = 2\n";
 
 #[test]

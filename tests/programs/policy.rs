@@ -34,7 +34,8 @@ for line in sys.stdin:
     print(json.dumps(answer), flush=True)
 "#;
 
-const TABLE: &str = "duration_s = 600.0\n[field]\nsize_m = 150.0\ncoverage = 0.1\n[[wumpus]]\n[[unimog]]\ngoal = \"own\"\n";
+const TABLE: &str =
+    "duration_s = 600.0\n[field]\nsize_m = 150.0\ncoverage = 0.1\n[[wumpus]]\nstart_m = [2.5, 2.5]\n[[unimog]]\ngoal = \"own\"\n";
 
 fn result(shell: &Shell, arguments: &[&str]) -> serde_json::Value {
     let said = shell.run(&[&["run"], arguments, &["--json"]].concat(), &[0]);
@@ -65,7 +66,8 @@ fn policy_that_answers_as_the_rule_does_plays_the_rules_run() {
 
 #[test]
 fn agents_of_a_policy_that_fails_wait() {
-    for body in ["exit 1", "echo nonsense", "echo \"{\\\"type\\\":\\\"answer\\\",\\\"id\\\":$id,\\\"choices\\\":[]}\""] {
+    for body in ["exit 1", "echo nonsense", "echo \"{\\\"type\\\":\\\"answer\\\",\\\"id\\\":$id,\\\"choices\\\":[]}\""]
+    {
         let shell = Shell::new();
         shell.file("own.sh", &script(body));
         shell.file("own.toml", &format!("{TABLE}[policy.own]\ncommand = [\"sh\", \"own.sh\"]\n"));

@@ -9,7 +9,7 @@ fn scene() -> Shell {
     shell.file("mine.sh", &format!(": > touched\n{}", script(AHEAD)));
     shell.file(
         "mine.toml",
-        "duration_s = 120.0\n[field]\nsize_m = 100.0\ncoverage = 0.05\n[[wumpus]]\n[[unimog]]\nplanner = \"mine\"\n\
+        "duration_s = 120.0\n[field]\nsize_m = 100.0\ncoverage = 0.05\n[[wumpus]]\nstart_m = [2.5, 2.5]\n[[unimog]]\nplanner = \"mine\"\n\
          [planner.mine]\ncommand = [\"sh\", \"mine.sh\", \"a b\"]\nfiles = [\"notes.txt\"]\n",
     );
     shell.file("notes.txt", "one\n");
@@ -48,7 +48,8 @@ fn program_of_the_command_line_is_trusted_and_works_in_the_current_folder() {
     let with = |first: &[&'static str]| first.iter().copied().chain(own).collect::<Vec<_>>();
     shell.run(&with(&["run", "smoke"]), &[0]);
     assert_eq!(std::fs::read_to_string(shell.path("told")).expect("it was started"), "a  b\n");
-    let planners = ["batch", "smoke", "--seeds", "1..2", "--out", "out", "--planner", "own,prm-rs", "--command", command];
+    let planners =
+        ["batch", "smoke", "--seeds", "1..2", "--out", "out", "--planner", "own,prm-rs", "--command", command];
     shell.run(&planners, &[0]);
     let rows = std::fs::read_to_string(shell.path("out/runs.csv")).expect("it was written");
     assert_eq!(rows.lines().filter(|row| row.contains("own")).count(), 2, "{rows}");
@@ -73,7 +74,10 @@ fn batch_is_resumed_with_the_same_files_and_with_trust_only() {
     shell.refuse(&["batch", "--resume", "out"], &["planner `mine`", "--trust"]);
     shell.run(&["batch", "--resume", "out", "--trust"], &[0]);
     shell.file("notes.txt", "two\n");
-    shell.refuse(&["batch", "--resume", "out", "--trust"], &["has changed since the batch began", "notes.txt has other"]);
+    shell.refuse(
+        &["batch", "--resume", "out", "--trust"],
+        &["has changed since the batch began", "notes.txt has other"],
+    );
     std::fs::remove_file(shell.path("notes.txt")).expect("it is there");
     shell.refuse(&["batch", "--resume", "out", "--trust"], &["notes.txt"]);
     shell.refuse(&["run", "mine.toml", "--trust"], &["notes.txt"]);

@@ -111,7 +111,7 @@ fn start_workers(work: &Arc<Work>, jobs: usize) -> Result<Receiver<Message>, Bat
 impl Work {
     fn work_off(&self, sender: &SyncSender<Message>) {
         while let Some(task) = self.next_task() {
-            let message = self.perform(task);
+            let Some(message) = self.perform(task) else { break };
             let is_last = message.is_err();
             if sender.send(message).is_err() || is_last {
                 break;
@@ -126,25 +126,26 @@ impl Work {
         self.tasks.lock().unwrap_or_else(PoisonError::into_inner).next()
     }
 
-    fn perform(&self, task: Task) -> Message {
+    /// Returns nothing of a run that was stopped before its end.
+    fn perform(&self, task: Task) -> Option<Message> {
         match task {
             Task::Run(number) => {
                 let run = self.plan.run(number);
-                let row = match self.run_one(&run) {
-                    (row, Some(timeline)) => self.recorded(&run, row, &timeline)?,
-                    (row, None) => row,
+                let row = match self.run_one(&run)? {
+                    (row, Some(timeline)) => self.recorded(&run, row, &timeline),
+                    (row, None) => Ok(row),
                 };
-                Ok(Finished::Run { run: number, status: row.status, line: encode_row(&row) })
+                Some(row.map(|row| Finished::Run { run: number, status: row.status, line: encode_row(&row) }))
             }
             Task::RecordAgain(number) => {
-                let made = Box::new(self.run_one(&self.plan.run(number)));
-                Ok(Finished::Again { run: number, made })
+                let made = Box::new(self.run_one(&self.plan.run(number))?);
+                Some(Ok(Finished::Again { run: number, made }))
             }
         }
     }
 
-    /// Makes a run; returns its row, and its timeline if it is done.
-    fn run_one(&self, run: &PlannedRun<'_>) -> (RunRow, Option<Timeline>) {
+    /// Makes a run; returns its row, and its timeline if it is done. Returns nothing of one that was stopped.
+    fn run_one(&self, run: &PlannedRun<'_>) -> Option<(RunRow, Option<Timeline>)> {
         let stopwatch = WallStopwatch::start();
         let scenario = &run.variant.scenario;
         let caught = panics::catch(|| {
@@ -156,17 +157,18 @@ impl Work {
         });
         let wall = stopwatch.elapsed();
         let not_done = |status, message| (RunRow::not_done(run.label(), status, message, wall), None);
-        match caught {
+        Some(match caught {
             Ok(Ok((outcome, detail, done))) => {
                 let row = RunRow::done(run.label(), RunResult::new(outcome, done.cost), wall);
                 (RunRow { detail, message: done.messages.to_string(), ..row }, Some(done.timeline))
             }
+            Ok(Err(RunError::Stopped)) => return None,
             Ok(Err(error)) => not_done(Status::Failed, error.to_string()),
             Err(panic) => {
                 let message = format!("panicked: {panic}; see it again: {}", run.repeating_command());
                 not_done(Status::Panicked, message)
             }
-        }
+        })
     }
 
     /// Writes the recording of a run if the plan asks for it; the row says so if the run cannot be recorded. An error

@@ -1,13 +1,14 @@
 //! Audits of many runs on several threads: recordings, and runs of batches, which are simulated again where they were
 //! not recorded.
 
+use std::fmt;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use rayon::prelude::*;
 
-use crate::audit::{Audited, SampleStep, Verdict, audit_timeline};
+use crate::audit::{Audited, SampleStep, Verdict, Violation, audit_timeline};
 use crate::batch::execute::{BatchError, RUNS_FILE, RunResult, RunRow, Status, panics};
 use crate::batch::plan::PlannedRun;
 use crate::batch::table::{FinishedBatch, FinishedError, RunRecord};
@@ -52,10 +53,26 @@ pub struct AuditReport {
     pub audited: Audited,
     /// Runs with a violation, and the first of them in words.
     pub violations: u64,
-    pub listed: Vec<String>,
+    pub listed: Vec<ListedViolation>,
     /// The reason for which the first file could not be read, and the number of such files.
     pub first_unreadable: Option<(String, ErrorKind)>,
     pub unreadable: u64,
+}
+
+/// A run with a violation, or whose row says something else than it gives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ListedViolation {
+    /// The recording, or the run of a batch, by its name.
+    pub run: String,
+    /// The first violation; `None` if only the row is wrong.
+    pub violation: Option<Violation>,
+    pub words: String,
+}
+
+impl fmt::Display for ListedViolation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.run, self.words)
+    }
 }
 
 /// One run to be audited.
@@ -98,6 +115,8 @@ pub struct AuditOptions<'a> {
     pub step: SampleStep,
     /// The planners and policies of runs that are made again.
     pub entrants: &'a Entrants,
+    /// The most runs with a violation that are listed.
+    pub listed: usize,
 }
 
 /// Audits all runs of all sources on some threads; what is reported is in their order, whatever the number of
@@ -127,7 +146,7 @@ pub fn audit_all(
             let findings: Vec<_> =
                 pool.install(|| round.par_iter().with_max_len(1).map(look).inspect(|_| on_run()).collect());
             report.without_row += round.iter().filter(|subject| subject.lacks_its_row()).count() as u64;
-            findings.into_iter().for_each(|(name, finding)| report.add(&name, finding));
+            findings.into_iter().for_each(|(name, finding)| report.add(name, finding, options.listed));
         }
     }
     Ok(report)
@@ -210,7 +229,7 @@ impl AuditReport {
         self.recorded + self.simulated
     }
 
-    fn add(&mut self, name: &str, finding: Finding) {
+    fn add(&mut self, run: String, finding: Finding, most: usize) {
         let (verdict, difference) = match finding {
             Finding::Recorded(verdict, difference) => {
                 self.recorded += 1;
@@ -237,8 +256,9 @@ impl AuditReport {
         }
         let words = violation.map(|violation| violation.to_string()).or(difference);
         self.violations += u64::from(words.is_some());
-        self.listed
-            .extend(words.filter(|_| self.listed.len() < LISTED_VIOLATIONS).map(|words| format!("{name}: {words}")));
+        if let Some(words) = words.filter(|_| self.listed.len() < most) {
+            self.listed.push(ListedViolation { run, violation, words });
+        }
     }
 }
 

@@ -64,6 +64,21 @@ fn write_markdown(folder: &OutputFolder, disk: &dyn Disk, report: &BatchReport) 
     write().map_err(|source| BatchError::unwritable(&path, source))
 }
 
+/// Reads the rows of a batch that is over, in the order of the plan, from its journals.
+///
+/// # Errors
+/// If it is not over, or a journal is gone or damaged.
+pub fn read_rows(plan: &BatchPlan, folder: &OutputFolder, mut on_row: impl FnMut(&RunRow)) -> Result<(), BatchError> {
+    let journals = complete_journals(plan, folder)?;
+    let mut rows = journals.iter().map(ReadJournal::rows).collect::<Result<Vec<_>, _>>()?;
+    let of = rows.len() as u64;
+    for run in 1..=plan.count() {
+        let slice = usize::try_from((run - 1) % of).expect("there are few slices");
+        on_row(&rows[slice].row(run)?);
+    }
+    Ok(())
+}
+
 /// A batch whose slices were put together.
 #[derive(Debug)]
 pub struct Merged {
@@ -76,16 +91,7 @@ pub struct Merged {
 /// Puts the slices of a batch together: all must be complete, and nobody at work on them.
 pub fn merge(folder: &OutputFolder, disk: &dyn Disk, stop: &AtomicBool) -> Result<Merged, BatchError> {
     let plan = BatchPlan::read(folder.path())?;
-    let slices = slices_of(folder)?;
-    let journals: Result<Vec<_>, _> = slices.iter().map(|&slice| ReadJournal::open(folder, slice, &plan)).collect();
-    let journals = journals?;
-    for journal in &journals {
-        if !journal.index.is_complete() {
-            let (held, _) = journal.index.held();
-            let missing = journal.index.count() - held;
-            return Err(BatchError::Incomplete { slice: journal.index.slice(), missing, of: journal.index.count() });
-        }
-    }
+    let journals = complete_journals(&plan, folder)?;
     let leftovers = folder.remove_leftovers()?;
     let mut rows = journals.iter().map(ReadJournal::rows).collect::<Result<Vec<_>, _>>()?;
     let of = rows.len() as u64;
@@ -95,6 +101,21 @@ pub fn merge(folder: &OutputFolder, disk: &dyn Disk, stop: &AtomicBool) -> Resul
     })?;
     drop(rows);
     Ok(Merged { plan, report, leftovers })
+}
+
+/// Opens the journals of all slices, each of which must be complete.
+fn complete_journals(plan: &BatchPlan, folder: &OutputFolder) -> Result<Vec<ReadJournal>, BatchError> {
+    let slices = slices_of(folder)?;
+    let journals: Result<Vec<_>, _> = slices.iter().map(|&slice| ReadJournal::open(folder, slice, plan)).collect();
+    let journals = journals?;
+    for journal in &journals {
+        if !journal.index.is_complete() {
+            let (held, _) = journal.index.held();
+            let missing = journal.index.count() - held;
+            return Err(BatchError::Incomplete { slice: journal.index.slice(), missing, of: journal.index.count() });
+        }
+    }
+    Ok(journals)
 }
 
 /// The slices that a folder has journals of: all of one number.

@@ -10,8 +10,8 @@ mod summary;
 mod tables;
 mod tally;
 
-pub use audits::{AuditOptions, AuditReport, AuditSource, AuditsError, LISTED_VIOLATIONS, audit_all};
-pub use finish::{Merged, merge};
+pub use audits::{AuditOptions, AuditReport, AuditSource, AuditsError, LISTED_VIOLATIONS, ListedViolation, audit_all};
+pub use finish::{Merged, merge, read_rows};
 pub use html_report::{ReportError, WrittenReport, write_report};
 pub use json::RunObject;
 pub use notes::notes;

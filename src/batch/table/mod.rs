@@ -23,6 +23,7 @@ pub(super) use csv_files::CsvFiles;
 pub use dictionary::{TableOfRows, row_schema};
 pub(super) use finished::FinishedRows;
 pub use finished::{FinishedBatch, FinishedError, recordings_in};
+pub use parquet::swept_columns;
 pub(super) use parquet::{ParquetFiles, ParquetReader, RowGroup};
 pub use query_tally::QueryTally;
 pub use reader::{TableError, TableReader};

@@ -78,21 +78,46 @@ pub fn run(arguments: &PlanArguments, context: &CommandContext) -> Result<ExitCo
     let loaded = LoadedScenario::open(&arguments.scenario, &context.with_own_names(&arguments.overrides))?;
     let problems = arguments.problems.load(&loaded.scenario)?;
     let planners = planners(arguments, &problems);
-    context.expect_trusted_planners(&loaded.scenario, &planners)?;
     let pictures = pictures(arguments, &problems);
     let words = files(arguments, &pictures).check()?;
+    let report = report(arguments, context, &loaded, (&problems, &planners))?;
+    let printed = words.print(&arguments.form.render(&report));
+    // Whatever cannot be written, all else is kept.
+    let written = write_files(arguments, &report, &pictures, context.quiet);
+    printed.and(written)?;
+    let is_clean = report.summaries.iter().all(|summary| summary.violations == 0);
+    Ok(if is_clean { ExitCode::SUCCESS } else { ExitCode::from(exit::VIOLATION) })
+}
+
+/// Returns the report as an object, and writes nothing.
+pub fn object(arguments: &PlanArguments, context: &CommandContext) -> Result<String, CliError> {
+    let loaded = LoadedScenario::open(&arguments.scenario, &context.with_own_names(&arguments.overrides))?;
+    let problems = arguments.problems.load(&loaded.scenario)?;
+    let planners = planners(arguments, &problems);
+    let report = report(arguments, context, &loaded, (&problems, &planners))?;
+    Ok(FormArguments { json: true, ..FormArguments::default() }.render(&report))
+}
+
+/// Asks all planners on all problems.
+fn report<'a>(
+    arguments: &'a PlanArguments,
+    context: &CommandContext,
+    loaded: &'a LoadedScenario,
+    (problems, planners): (&'a [Problem], &'a [PlannerName]),
+) -> Result<PlanReport<'a>, CliError> {
+    context.expect_trusted_planners(&loaded.scenario, planners)?;
     let ask = || {
         // Programs start anew each time, those too that could play on.
         let makers = context.planners_of(&loaded.scenario, arguments.problems.seed)?;
         let question = Question {
-            planners: &planners,
+            planners,
             makers: &makers,
             programs: &loaded.scenario.planner,
             seed: arguments.problems.seed,
             limit: arguments.memory.limit(),
         };
         let mut all = Vec::new();
-        for problem in &problems {
+        for problem in problems {
             let failed = |error| CliError::run_failed(format_args!("planning on the field {}: {error}", problem.name));
             all.extend(attempts(problem, &question).map_err(failed)?);
         }
@@ -102,22 +127,16 @@ pub fn run(arguments: &PlanArguments, context: &CommandContext) -> Result<ExitCo
     let again = if arguments.repeat { Some(ask()?) } else { None };
     let repeats = again.map(|again| planners.iter().map(|planner| Repeat::new(planner, &all, &again)).collect());
     let summaries = planners.iter().map(|planner| Summary::new(planner, &all)).collect();
-    let report = PlanReport {
-        loaded: &loaded,
+    Ok(PlanReport {
+        loaded,
         changes: &arguments.overrides,
         seed: arguments.problems.seed,
-        problems: &problems,
-        planners: &planners,
+        problems,
+        planners,
         attempts: all,
         repeats,
         summaries,
-    };
-    let printed = words.print(&arguments.form.render(&report));
-    // Whatever cannot be written, all else is kept.
-    let written = write_files(arguments, &report, &pictures, context.quiet);
-    printed.and(written)?;
-    let is_clean = report.summaries.iter().all(|summary| summary.violations == 0);
-    Ok(if is_clean { ExitCode::SUCCESS } else { ExitCode::from(exit::VIOLATION) })
+    })
 }
 
 /// The planners that were named, each once, or else the truck's own.

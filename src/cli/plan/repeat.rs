@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::cli::plan::attempts::Attempt;
 use crate::document::number::count;
-use crate::planning::PlannerName;
+use crate::planning::{PlanFailure, PlannerName};
 
 /// How the second answers of a planner compare with the first.
 #[derive(Clone, Debug, Serialize)]
@@ -41,11 +41,11 @@ impl Repeat {
 
 /// Says whether two answers are equal, bit for bit, apart from what they cost.
 fn is_same(one: &Attempt<'_>, other: &Attempt<'_>) -> bool {
-    let bits = |attempt: &Attempt<'_>| {
-        let segments = attempt.drive.as_ref().map(|drive| drive.path.segments.clone());
-        segments.map(|segments| {
-            segments.iter().flat_map(|it| [it.curvature.to_bits(), it.length_m.to_bits()]).collect::<Vec<_>>()
-        })
-    };
     one.expansions == other.expansions && bits(one) == bits(other)
+}
+
+/// Returns the numbers of an answer's path as they are stored, or why there is none.
+fn bits<'a>(attempt: &'a Attempt<'_>) -> Result<Vec<u64>, &'a PlanFailure> {
+    let segments = attempt.drive.as_ref().map(|drive| drive.path.segments.iter());
+    segments.map(|segments| segments.flat_map(|it| [it.curvature.to_bits(), it.length_m.to_bits()]).collect())
 }

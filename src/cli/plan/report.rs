@@ -6,8 +6,8 @@ use serde::{Serialize, Serializer};
 
 use crate::batch::PROGRAM_VERSION;
 use crate::cli::plan::attempts::Attempt;
-use crate::cli::plan::repeat::Repeat;
 use crate::cli::plan::drive::Drive;
+use crate::cli::plan::repeat::Repeat;
 use crate::cli::plan::tables::Row;
 use crate::document::number::{count, optional, rounded};
 use crate::document::{Block, Document, Table};

@@ -130,9 +130,8 @@ mod tests {
 
     fn titles(words: &str) -> Vec<String> {
         let command = Command::parse_from(["show"].into_iter().chain(words.split(' ')));
-        let shown =
-            shown_runs(&command.show, Searches::LeftOut, &CommandContext::new(true, Entrants::default()))
-                .expect("both runs take place");
+        let shown = shown_runs(&command.show, Searches::LeftOut, &CommandContext::new(true, Entrants::default()))
+            .expect("both runs take place");
         shown.into_iter().map(|shown| shown.run.title).collect()
     }
 

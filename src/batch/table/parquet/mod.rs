@@ -40,8 +40,7 @@ impl ParquetFiles {
     pub fn create(folder: &OutputFolder, disk: &dyn Disk, plan: &BatchPlan) -> Result<Self, BatchError> {
         let content_sha256 = plan.content_sha256();
         let largest_seed = plan.seeds.iter().max().expect("a plan has seeds");
-        let swept = plan.swept_keys.iter().enumerate();
-        let swept: Vec<_> = swept.map(|(index, key)| FileColumn::swept(key, swept_kind(plan, index))).collect();
+        let swept = swept_columns(plan);
         let create = |name, table: TableOfRows, rows_a_group| {
             let mut columns = table.columns(&swept);
             let seed = columns.iter_mut().find(|column| column.name == "seed").expect("every run has a seed");
@@ -81,6 +80,12 @@ impl ParquetFiles {
         self.states.finish()?;
         self.runs.finish()
     }
+}
+
+/// Returns the columns of the keys that a batch sweeps.
+pub fn swept_columns(plan: &BatchPlan) -> Vec<FileColumn> {
+    let swept = plan.swept_keys.iter().enumerate();
+    swept.map(|(index, key)| FileColumn::swept(key, swept_kind(plan, index))).collect()
 }
 
 /// The kind that holds all values of a swept key.

@@ -1,0 +1,114 @@
+//! The second opinion: runs, recordings and batches held against the rules.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+use pyo3::types::PyMapping;
+use wildfire::audit::{SampleStep, Violation, audit_timeline};
+use wildfire::batch::{
+    AuditOptions, AuditSource, FinishedBatch, ListedViolation, RECORDINGS_FOLDER, audit_all, recordings_in,
+};
+
+use crate::batch::{Batch, OneOrMore};
+use crate::errors::error;
+use crate::planner::{Factories, Interruption};
+use crate::run::Run;
+
+/// A run with a violation.
+#[pyclass(frozen, get_all, module = "wildfire_contest")]
+pub struct Offence {
+    run: String,
+    text: String,
+    time_s: Option<f64>,
+    agent: Option<String>,
+    place: Option<(f64, f64)>,
+}
+
+impl Offence {
+    fn new(run: String, text: String, violation: Option<Violation>) -> Self {
+        Self {
+            run,
+            text,
+            time_s: violation.map(|violation| violation.time.as_seconds()),
+            agent: violation.and_then(|violation| violation.agent).map(|agent| agent.to_string()),
+            place: violation.map(|violation| (violation.place.x, violation.place.y)),
+        }
+    }
+}
+
+#[pymethods]
+impl Offence {
+    fn __repr__(&self) -> String {
+        format!("<Offence {}: {}>", self.run, self.text)
+    }
+}
+
+/// What can be audited.
+#[derive(FromPyObject)]
+pub enum Audited<'py> {
+    Run(Bound<'py, Run>),
+    Batch(Bound<'py, Batch>),
+    Path(PathBuf),
+}
+
+#[pyfunction]
+#[pyo3(signature = (what, *, planners = None, jobs = 1))]
+pub fn audit(
+    py: Python<'_>,
+    what: OneOrMore<Audited<'_>>,
+    planners: Option<&Bound<'_, PyMapping>>,
+    jobs: usize,
+) -> PyResult<Vec<Offence>> {
+    let factories = Factories::new(planners)?;
+    let mut offences = Vec::new();
+    for audited in what.into_vec() {
+        match audited {
+            Audited::Run(run) => {
+                let (run, timeline) = (run.get(), &run.get().timeline);
+                let verdict = py.detach(|| audit_timeline(timeline, SampleStep::default()));
+                offences.extend(
+                    verdict.violation.map(|violation| Offence::new(run.name(), violation.to_string(), Some(violation))),
+                );
+            }
+            Audited::Batch(batch) => {
+                let source = source(batch.get().path().to_owned())?;
+                offences.extend(audit_source(py, &source, &factories, jobs)?);
+            }
+            Audited::Path(path) => offences.extend(audit_source(py, &source(path)?, &factories, jobs)?),
+        }
+    }
+    Ok(offences)
+}
+
+/// Finds out what is at a path: a recording, a folder of recordings, or a batch.
+fn source(path: PathBuf) -> PyResult<AuditSource> {
+    if !path.is_dir() {
+        return Ok(AuditSource::Recordings(vec![path]));
+    }
+    if FinishedBatch::is_there(&path) {
+        return Ok(AuditSource::Batch(Box::new(FinishedBatch::open(&path).map_err(error)?)));
+    }
+    let recordings = recordings_in(&path).map_err(error)?;
+    if recordings.is_empty() {
+        let place = path.display();
+        return Err(error(format_args!("{place} holds no recordings, no {RECORDINGS_FOLDER} and no plan of a batch")));
+    }
+    Ok(AuditSource::Recordings(recordings))
+}
+
+fn audit_source(py: Python<'_>, source: &AuditSource, factories: &Factories, jobs: usize) -> PyResult<Vec<Offence>> {
+    let interruption: Arc<Interruption> = Arc::default();
+    let entrants = factories.entrants(py, &interruption);
+    let options = AuditOptions { jobs, step: SampleStep::default(), entrants: &entrants, listed: usize::MAX };
+    let report = py.detach(|| audit_all(std::slice::from_ref(source), &options, || {}));
+    if let Some(exception) = interruption.take() {
+        return Err(exception);
+    }
+    let report = report.map_err(error)?;
+    if let Some((reason, _)) = report.first_unreadable {
+        return Err(error(reason));
+    }
+    let offence = |ListedViolation { run, violation, words }| Offence::new(run, words, violation);
+    Ok(report.listed.into_iter().map(offence).collect())
+}

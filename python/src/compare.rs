@@ -1,0 +1,119 @@
+//! Batches, or parts of one, in pairs by seed.
+
+use std::borrow::Cow;
+use std::path::PathBuf;
+
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+use wildfire::batch::comparison::{Method, Selection, Verdict, compare as library_compare};
+use wildfire::batch::{FileColumn, Kind, Unit};
+
+use crate::batch::{Batch, OneOrMore};
+use crate::columns::TableBuilder;
+use crate::errors::error;
+
+/// A column that divides a batch, or such a column with the values that are compared.
+#[derive(FromPyObject)]
+pub enum By {
+    Column(String),
+    Values(String, Vec<String>),
+}
+
+#[pyfunction]
+#[pyo3(signature = (*batches, by = None, r#where = None, metric = None))]
+pub fn compare<'py>(
+    py: Python<'py>,
+    batches: &Bound<'py, PyTuple>,
+    by: Option<By>,
+    r#where: Option<Vec<(String, String)>>,
+    metric: Option<OneOrMore<String>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let path = |batch: Bound<'_, PyAny>| match batch.cast::<Batch>() {
+        Ok(batch) => Ok(batch.get().path().to_owned()),
+        Err(_) => batch.extract::<PathBuf>(),
+    };
+    let paths = batches.iter().map(path).collect::<PyResult<Vec<_>>>()?;
+    if paths.is_empty() {
+        return Err(error("no batch; expected at least one"));
+    }
+    let by = by.map(|by| match by {
+        By::Column(column) => (column, Vec::new()),
+        By::Values(column, values) => (column, values),
+    });
+    let selection = Selection { by, only: r#where.unwrap_or_default() };
+    let metrics = metric.map_or_else(Vec::new, OneOrMore::into_vec);
+    let comparison = py.detach(|| library_compare(&paths, &selection, &metrics)).map_err(error)?;
+    let mut table = TableBuilder::new(columns());
+    for against in &comparison.against_a {
+        let side = comparison.sides.iter().find(|side| side.letter == against.letter);
+        let words = side.map(|side| side.description.clone());
+        for judged in &against.judged {
+            let contrast = &judged.contrast;
+            table.push([
+                against.letter.to_string().into(),
+                words.clone().into(),
+                contrast.metric.name.clone().into(),
+                (contrast.pairs as u64).into(),
+                contrast.means[0].into(),
+                contrast.means[1].into(),
+                contrast.difference.into(),
+                contrast.interval.map(|interval| interval.low).into(),
+                contrast.interval.map(|interval| interval.high).into(),
+                contrast.p_value.into(),
+                judged.p_adjusted.into(),
+                contrast.effect_dz.into(),
+                method(contrast.method).to_owned().into(),
+                verdict(judged.verdict).to_owned().into(),
+                judged.sentence(against.letter).into(),
+            ]);
+        }
+    }
+    table.finish(py)
+}
+
+fn columns() -> Vec<FileColumn> {
+    let column = |(name, kind, words): (&'static str, Kind, &'static str)| FileColumn {
+        name: Cow::Borrowed(name),
+        words: Cow::Borrowed(words),
+        unit: Unit::None,
+        kind,
+        is_required: false,
+    };
+    [
+        ("side", Kind::Text, "the side that is compared with A"),
+        ("description", Kind::Text, "which runs these are"),
+        ("metric", Kind::Text, "what is compared"),
+        ("pairs", Kind::Count, "pairs of runs that have it on both sides"),
+        ("mean_a", Kind::Real, "mean of side A over the pairs"),
+        ("mean", Kind::Real, "mean of the other side"),
+        ("difference", Kind::Real, "the other side's mean less A's"),
+        ("low", Kind::Real, "lower end of the 95 % interval of the difference"),
+        ("high", Kind::Real, "upper end of the 95 % interval of the difference"),
+        ("p_value", Kind::Real, "probability of such a difference by chance"),
+        ("p_adjusted", Kind::Real, "the same by Holm's method over all that is compared"),
+        ("cohens_dz", Kind::Real, "difference in standard deviations of the difference"),
+        ("method", Kind::Text, "method behind interval and p-value"),
+        ("verdict", Kind::Text, "difference, no-evidence, no-evidence-among-several-tests or equal"),
+        ("sentence", Kind::Text, "the verdict in words"),
+    ]
+    .map(column)
+    .into()
+}
+
+fn verdict(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Difference => "difference",
+        Verdict::NoEvidence => "no-evidence",
+        Verdict::NotAmongSoMany => "no-evidence-among-several-tests",
+        Verdict::Equal => "equal",
+    }
+}
+
+fn method(method: Method) -> &'static str {
+    match method {
+        Method::StudentisedBootstrap => "studentised-bootstrap",
+        Method::StudentsT => "students-t",
+        Method::Ranks => "wilcoxon",
+        Method::Answers => "mcnemar",
+    }
+}
