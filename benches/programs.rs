@@ -59,7 +59,8 @@ mod unix {
             };
             let mut planner = truck.make_planner(&context).expect("there is a shell");
             // A start outside of the field: the gate refuses a path that leaves it at once, whatever it is.
-            let (start, goal) = (Pose::new(-50.0, -50.0, 0.0), GoalDisc { centre: DVec2::new(10.0, 10.0), radius_m: 5.0 });
+            let (start, goal) =
+                (Pose::new(-50.0, -50.0, 0.0), GoalDisc { centre: DVec2::new(10.0, 10.0), radius_m: 5.0 });
             for _ in 0..100 {
                 planner.plan(start, Goal::Disc(goal));
             }

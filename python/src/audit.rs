@@ -53,14 +53,15 @@ pub enum Audited<'py> {
 }
 
 #[pyfunction]
-#[pyo3(signature = (what, *, planners = None, jobs = 1))]
+#[pyo3(signature = (what, *, planners = None, policies = None, jobs = 1))]
 pub fn audit(
     py: Python<'_>,
     what: OneOrMore<Audited<'_>>,
     planners: Option<&Bound<'_, PyMapping>>,
+    policies: Option<&Bound<'_, PyMapping>>,
     jobs: usize,
 ) -> PyResult<Vec<Offence>> {
-    let factories = Factories::new(planners)?;
+    let factories = Factories::new(planners, policies)?;
     let mut offences = Vec::new();
     for audited in what.into_vec() {
         match audited {

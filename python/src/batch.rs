@@ -21,7 +21,7 @@ use crate::errors::{error, scenario_error};
 use crate::literal::literal;
 use crate::planner::{Factories, Interruption};
 use crate::run::simulate;
-use crate::scenario::{Scenario, ScenarioLike};
+use crate::scenario::{Scenario, ScenarioLike, table_of};
 use crate::tables::Table;
 
 /// The most threads of a batch.
@@ -129,7 +129,8 @@ struct Request<'a, 'py> {
 
 #[pyfunction]
 #[pyo3(signature = (
-    scenarios = None, seeds = None, *, planner = None, planners = None, sweep = None, jobs = 1, out = None, record = None
+    scenarios = None, seeds = None, *, planner = None, planners = None, policies = None, sweep = None, jobs = 1, out = None,
+    record = None
 ))]
 #[expect(clippy::too_many_arguments, reason = "each is a keyword of Python")]
 pub fn batch(
@@ -138,6 +139,7 @@ pub fn batch(
     seeds: Option<&Bound<'_, PyAny>>,
     planner: Option<OneOrMore<String>>,
     planners: Option<&Bound<'_, PyMapping>>,
+    policies: Option<&Bound<'_, PyMapping>>,
     sweep: Option<&Bound<'_, PyMapping>>,
     jobs: usize,
     out: Option<PathBuf>,
@@ -157,7 +159,7 @@ pub fn batch(
             .parse()
             .map_err(|words: String| PyValueError::new_err(format!("record: {words}")))?,
     };
-    let factories = Factories::new(planners)?;
+    let factories = Factories::new(planners, policies)?;
     let plan = request.plan(&factories)?;
     let (path, scratch) = match out {
         Some(path) => (path, None),
@@ -195,12 +197,12 @@ impl Request<'_, '_> {
             match request.resolve(true) {
                 Ok(plan) => return Ok(plan),
                 Err(RequestError::Scenario(refusal)) => match &refusal.fault {
-                    // A planner that was handed in has no table yet.
-                    Fault::UnknownName { kind: "planner", found, .. }
-                        if factories.knows(found) && !declared.contains(found) =>
+                    // What was handed in has no table yet.
+                    Fault::UnknownName { kind, found, .. }
+                        if factories.knows(kind, found) && !declared.contains(&table_of(kind, found)) =>
                     {
-                        changes.push(crate::scenario::table_of(found));
-                        declared.push(found.clone());
+                        changes.push(table_of(kind, found));
+                        declared.push(table_of(kind, found));
                     }
                     _ => return Err(scenario_error(&refusal)),
                 },

@@ -10,11 +10,14 @@ mod batch;
 mod checker;
 mod columns;
 mod compare;
+mod envs;
 mod errors;
 mod literal;
+mod observation;
 mod path;
 mod plan;
 mod planner;
+mod policy;
 mod program;
 mod query;
 mod run;
@@ -33,6 +36,8 @@ mod _core {
     use crate::checker::Checker;
     #[pymodule_export]
     use crate::compare::compare;
+    #[pymodule_export]
+    use crate::envs::{Contests, named_agents};
     #[pymodule_export]
     use crate::path::{Path, dubins_length, reeds_shepp_length};
     #[pymodule_export]

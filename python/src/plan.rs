@@ -50,7 +50,7 @@ pub fn plan<'py>(
     scenario: Option<PathBuf>,
     changes: Option<&Bound<'py, PyMapping>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let factories = Factories::new(planners)?;
+    let factories = Factories::new(planners, None)?;
     let mut words = vec![format!("--seed={seed}")];
     let changes = changes.map_or_else(|| Ok(Vec::new()), literal::changes)?;
     words.extend(changes.into_iter().map(|change| format!("--set={change}")));

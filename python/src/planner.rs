@@ -23,10 +23,11 @@ use crate::arrays::{described, is_sane_pose, pose};
 use crate::checker::Checker;
 use crate::errors::{NoPath, error};
 use crate::path;
+use crate::policy::GivenPolicies;
 use crate::query::{Query, Site};
 
 /// Bits of a seed: all whole numbers below 2^53 are also floats.
-const SEED_BITS: u32 = 53;
+pub const SEED_BITS: u32 = 53;
 
 /// The wish to end, raised inside of a callback: nothing of Python is asked any more.
 #[derive(Default)]
@@ -57,15 +58,18 @@ impl Interruption {
     }
 }
 
-/// The factories that were handed in, by name.
-pub struct Factories(Vec<(String, Py<PyAny>)>);
+/// What was handed in, by name: factories of planners, and policies.
+pub struct Factories {
+    planners: Vec<(String, Py<PyAny>)>,
+    policies: GivenPolicies,
+}
 
 impl Factories {
-    /// Takes Python's mapping of names to factories.
+    /// Takes Python's mappings of names to factories and to policies.
     ///
     /// # Errors
-    /// If a planner cannot have its name, or what makes it cannot be called.
-    pub fn new(given: Option<&Bound<'_, PyMapping>>) -> PyResult<Self> {
+    /// If a planner or a policy cannot have its name, or is none.
+    pub fn new(given: Option<&Bound<'_, PyMapping>>, policies: Option<&Bound<'_, PyMapping>>) -> PyResult<Self> {
         let mut factories = Vec::new();
         for item in given.map(|given| given.items()).transpose()?.iter().flatten() {
             let (name, factory) = item.extract::<(String, Bound<'_, PyAny>)>()?;
@@ -77,25 +81,33 @@ impl Factories {
             }
             factories.push((name, factory.unbind()));
         }
-        let factories = Self(factories);
+        let factories = Self { planners: factories, policies: GivenPolicies::new(policies)? };
         // Names are checked now, before anything runs.
-        Python::attach(|py| factories.planners(py, &Arc::default())).map_err(error)?;
+        Python::attach(|py| {
+            factories.planners(py, &Arc::default()).map_err(error)?;
+            factories.policies.policies(py, &Arc::default()).map_err(error)
+        })?;
         Ok(factories)
     }
 
-    pub fn knows(&self, name: &str) -> bool {
-        self.0.iter().any(|(known, _)| known == name)
+    /// Says whether a planner or a policy, as `kind` says, of this name was handed in.
+    pub fn knows(&self, kind: &str, name: &str) -> bool {
+        match kind {
+            "planner" => self.planners.iter().any(|(known, _)| known == name),
+            _ => self.policies.knows(name),
+        }
     }
 
     /// Returns what was handed in, for one run.
     pub fn entrants(&self, py: Python<'_>, interruption: &Arc<Interruption>) -> Entrants {
         let planners = self.planners(py, interruption).expect("the names were checked before");
-        Entrants { planners, ..Entrants::default() }
+        let policies = self.policies.policies(py, interruption).expect("the names were checked before");
+        Entrants { planners, policies }
     }
 
     fn planners(&self, py: Python<'_>, interruption: &Arc<Interruption>) -> Result<Planners, NameError> {
         let has_printed = Arc::new(AtomicBool::new(false));
-        self.0.iter().try_fold(Planners::default(), |planners, (name, factory)| {
+        self.planners.iter().try_fold(Planners::default(), |planners, (name, factory)| {
             let maker = Maker {
                 name: name.clone(),
                 factory: factory.clone_ref(py),
@@ -261,7 +273,7 @@ fn is_an_end(py: Python<'_>, exception: &PyErr) -> bool {
 }
 
 /// Passes on an exception that is meant to end the program; of others the first of a run is printed whole.
-fn settle(py: Python<'_>, exception: PyErr, interruption: &Interruption, has_printed: &AtomicBool) {
+pub fn settle(py: Python<'_>, exception: PyErr, interruption: &Interruption, has_printed: &AtomicBool) {
     if is_an_end(py, &exception) {
         interruption.set(exception);
     } else if !has_printed.swap(true, Ordering::Relaxed) {
@@ -270,7 +282,7 @@ fn settle(py: Python<'_>, exception: PyErr, interruption: &Interruption, has_pri
 }
 
 /// Returns the last line of an exception's traceback.
-fn words(py: Python<'_>, exception: &PyErr) -> String {
+pub fn words(py: Python<'_>, exception: &PyErr) -> String {
     let lines = || {
         let lines = py.import("traceback")?.call_method1("format_exception_only", (exception.value(py),))?;
         lines.extract::<Vec<String>>()

@@ -246,18 +246,19 @@ fn trace(timeline: &Timeline, step_s: f64) -> TableBuilder {
 }
 
 #[pyfunction]
-#[pyo3(signature = (scenario = None, seed = 1, *, planner = None, planners = None, record = None))]
+#[pyo3(signature = (scenario = None, seed = 1, *, planner = None, planners = None, policies = None, record = None))]
 pub fn run(
     py: Python<'_>,
     scenario: Option<ScenarioLike<'_>>,
     seed: u64,
     planner: Option<String>,
     planners: Option<&Bound<'_, PyMapping>>,
+    policies: Option<&Bound<'_, PyMapping>>,
     record: Option<PathBuf>,
 ) -> PyResult<Run> {
     let changes = planner.map(|name| format!("{PLANNER_KEY}={name}"));
     let scenario = ScenarioLike::or_contest(scenario).load(py, changes.into_iter().collect())?;
-    let factories = Factories::new(planners)?;
+    let factories = Factories::new(planners, policies)?;
     scenario.get().expect_known(&factories)?;
     let library = scenario.get().library();
     let interruption = Arc::default();

@@ -16,30 +16,34 @@ pub struct Scenario {
     text: ScenarioText,
     /// The changes that were asked for.
     changes: Vec<String>,
-    /// Names of planners that nobody knows yet, each with what is wrong if nobody brings one.
+    /// Names of planners and policies that nobody knows yet, each with what is wrong if nobody brings one.
     missing: Vec<Missing>,
     loaded: LoadedScenario,
 }
 
-/// A planner that is neither built in nor has a table.
+/// A planner or a policy that is neither built in nor has a table.
 struct Missing {
+    /// The word for it in scenarios.
+    kind: &'static str,
     name: String,
     refusal: Box<ScenarioError>,
 }
 
 impl Scenario {
-    /// Loads a scenario. Planners that it does not know may be brought when it is run; until then each has an empty
+    /// Loads a scenario. Planners and policies that it does not know may be brought when it is run; until then each has an empty
     /// table.
     fn load(text: ScenarioText, changes: Vec<String>) -> PyResult<Self> {
         let mut missing: Vec<Missing> = Vec::new();
         loop {
-            let tables = missing.iter().map(|missing| table_of(&missing.name));
+            let tables = missing.iter().map(|missing| table_of(missing.kind, &missing.name));
             let all: Vec<_> = changes.iter().cloned().chain(tables).collect();
             match LoadedScenario::from_text(&text, &all) {
                 Ok(loaded) => return Ok(Self { text, changes, missing, loaded }),
-                Err(refusal) => match unknown_planner(&refusal.fault) {
-                    Some(name) if missing.iter().all(|missing| missing.name != name) => {
-                        missing.push(Missing { name: name.to_owned(), refusal });
+                Err(refusal) => match unknown_name(&refusal.fault) {
+                    Some((kind, name))
+                        if missing.iter().all(|missing| (missing.kind, missing.name.as_str()) != (kind, name)) =>
+                    {
+                        missing.push(Missing { kind, name: name.to_owned(), refusal });
                     }
                     _ => return Err(scenario_error(&refusal)),
                 },
@@ -53,26 +57,26 @@ impl Scenario {
 
     /// Returns the scenario's text, and the changes to it that make the scenario.
     pub fn parts(&self) -> (&ScenarioText, Vec<String>) {
-        let tables = self.missing.iter().map(|missing| table_of(&missing.name));
+        let tables = self.missing.iter().map(|missing| table_of(missing.kind, &missing.name));
         (&self.text, self.changes.iter().cloned().chain(tables).collect())
     }
 
-    /// Refuses a scenario with a planner that nobody has brought.
+    /// Refuses a scenario with a planner or a policy that nobody has brought.
     pub fn expect_known(&self, factories: &Factories) -> PyResult<()> {
-        let missing = self.missing.iter().find(|missing| !factories.knows(&missing.name));
+        let missing = self.missing.iter().find(|missing| !factories.knows(missing.kind, &missing.name));
         missing.map_or(Ok(()), |missing| Err(scenario_error(&missing.refusal)))
     }
 }
 
-/// The change that gives a planner an empty table.
-pub fn table_of(name: &str) -> String {
-    format!("planner.\"{name}\".command=[]")
+/// The change that gives a planner or a policy an empty table.
+pub fn table_of(kind: &str, name: &str) -> String {
+    format!("{kind}.\"{name}\".command=[]")
 }
 
-/// Returns the name of a planner that is not known, if that is what is wrong.
-fn unknown_planner(fault: &Fault) -> Option<&str> {
+/// Returns the kind and the name of a planner or a policy that is not known, if that is what is wrong.
+fn unknown_name(fault: &Fault) -> Option<(&'static str, &str)> {
     match fault {
-        Fault::UnknownName { kind: "planner", found, .. } => Some(found),
+        Fault::UnknownName { kind, found, .. } => Some((kind, found)),
         _ => None,
     }
 }

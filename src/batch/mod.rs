@@ -26,9 +26,10 @@ pub use execute::{
     Solution, StateCount, Status, StrangeEntry, TABLES_FILE, Whole, batch_status, file_name_of,
 };
 pub use plan::{
-    BatchPlan, BatchRequest, MAX_RUNS, MAX_VARIANTS, PLAN_FILE, PLAN_TEMPLATE, PLANNER_KEY, PROGRAM_VERSION, PlanError,
-    PlannedRun, RUNS_WITHOUT_FORCE, Record, RequestError, RunLabel, Seeds, SeedsError, Setting, Slice, SliceError,
-    Sweep, SweepError, Value, Variant, plan_schema, shell_word,
+    BatchPlan, BatchRequest, CourseError, CoursePlan, CourseRefusal, CourseRequest, MAX_RUNS, MAX_SEEDS_BYTES,
+    MAX_VARIANTS, PLAN_FILE, PLAN_TEMPLATE, PLANNER_KEY, PROGRAM_VERSION, PlanError, PlannedRun, RUNS_WITHOUT_FORCE,
+    Record, RequestError, RunLabel, Seeds, SeedsError, Setting, Slice, SliceError, Sweep, SweepError, Value, Variant,
+    plan_schema, rules_schema, shell_word,
 };
 pub use report::{
     AuditOptions, AuditReport, AuditSource, AuditsError, BatchReport, LISTED_VIOLATIONS, ListedViolation, Merged,

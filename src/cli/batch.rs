@@ -11,9 +11,9 @@ use clap::Args;
 use serde::Serialize;
 
 use crate::batch::{
-    Batch, BatchError, BatchPlan, BatchReport, BatchRequest, FinishedBatch, Found, OutputFolder, RUNS_FILE, RealDisk,
-    Record, ReportError, RequestError, Seeds, SeedsError, Slice, SliceState, Status, Variant, batch_status, shell_word,
-    write_report,
+    Batch, BatchError, BatchPlan, BatchReport, BatchRequest, CoursePlan, CourseRefusal, CourseRequest, FinishedBatch,
+    Found, MAX_SEEDS_BYTES, OutputFolder, RUNS_FILE, RealDisk, Record, ReportError, RequestError, Seeds, SeedsError,
+    Slice, SliceState, Status, Variant, batch_status, shell_word, write_report,
 };
 use crate::cli::args::{ProgramArguments, parse_jobs};
 use crate::cli::context::CommandContext;
@@ -41,6 +41,7 @@ Examples:
   wildfire batch my.toml --seeds 1..50,99 --out runs/tuned --force --record all
   wildfire batch --planner prm-rs,hybrid-astar --set field.coverage=0.05,0.10,0.20 --dry-run
   wildfire batch --resume runs/contest
+  wildfire batch --rules official.toml --agent anna.toml ben.toml --out runs/course
   wildfire batch plan.toml --shard 2/5 --out runs/cluster")]
 pub struct BatchArguments {
     /// Scenario files, or names of built-in scenarios [default: contest]; or one plan file.
@@ -55,6 +56,20 @@ pub struct BatchArguments {
     /// Planners of the trucks: short for `--set unimog.planner=`.
     #[arg(long, value_name = "NAME[,NAME...]", value_delimiter = ',')]
     pub planner: Vec<String>,
+    /// The rules of a course, which fix everything but what they free for agents.
+    #[arg(
+        long,
+        value_name = "FILE.toml",
+        requires = "agent",
+        conflicts_with_all = ["sources", "set", "planner", "memory", "shard"]
+    )]
+    pub rules: Option<PathBuf>,
+    /// Files of agents: what the rules leave free. All of them run with the same seeds, in turn.
+    #[arg(long, value_name = "FILE.toml", num_args = 1.., requires = "rules")]
+    pub agent: Vec<PathBuf>,
+    /// Leave agents out whose files are refused, and run the others; the exit code is then 1.
+    #[arg(long, requires = "rules")]
+    pub skip_refused: bool,
     /// Seeds: ranges with both ends, lists, or both, such as `1..5`, `1,5,9`, `1..100,200`; or `@FILE` that holds
     /// them [default: 1..5].
     #[arg(long, allow_hyphen_values = true, value_parser = parse_seeds)]
@@ -87,16 +102,13 @@ pub struct BatchArguments {
         long,
         value_name = "DIR",
         group = "shared_folder",
-        conflicts_with_all = ["sources", "set", "planner", "seeds", "memory", "out", "force", "record", "dry_run", "commands"]
+        conflicts_with_all = ["sources", "set", "planner", "rules", "seeds", "memory", "out", "force", "record", "dry_run", "commands"]
     )]
     pub resume: Option<PathBuf>,
     /// Run slice K of N of the plan only, in a folder that the slices share; `wildfire merge` puts them together.
     #[arg(long, value_name = "K/N", requires = "shared_folder")]
     pub shard: Option<Slice>,
 }
-
-/// The most bytes of a file of seeds; with the limit on their number it keeps the memory of reading them below 64 MiB.
-const MAX_SEEDS_BYTES: u64 = 8_000_000;
 
 /// Seeds, or the file that holds them.
 #[derive(Clone, Debug)]
@@ -113,9 +125,8 @@ impl SeedsArgument {
             Self::File(path) => path,
         };
         let text = input_file::read_text(path, MAX_SEEDS_BYTES).map_err(|error| CliError::unreadable(path, &error))?;
-        let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default());
-        let words = lines.flat_map(|line| line.split([',', ' ', '\t'])).filter(|word| !word.is_empty());
-        Seeds::from_parts(words).map_err(|error| CliError::bad_input(format_args!("{}: {error}", path.display()), None))
+        Seeds::from_file_text(&text)
+            .map_err(|error| CliError::bad_input(format_args!("{}: {error}", path.display()), None))
     }
 }
 
@@ -129,6 +140,7 @@ fn parse_seeds(text: &str) -> Result<SeedsArgument, String> {
 
 pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     let slice = arguments.shard.unwrap_or(Slice::WHOLE);
+    let mut left_out = 0;
     let mut batch = match &arguments.resume {
         Some(folder) => {
             interrupt::set_resumable();
@@ -137,11 +149,19 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
             Batch::resume(folder, slice)?
         }
         None => {
-            let plan = plan(arguments, context)?;
+            let plan = match &arguments.rules {
+                Some(rules) => {
+                    let course = plan_of_course(arguments, rules)?;
+                    course.left_out.iter().for_each(|fault| terminal::note(&format!("left out: {fault}")));
+                    left_out = course.left_out.len() as u64;
+                    course.plan
+                }
+                None => plan(arguments, context)?,
+            };
             context.expect_trusted_plan(&plan)?;
             if arguments.dry_run {
                 terminal::print(&dry_run(&plan))?;
-                return Ok(ExitCode::SUCCESS);
+                return Ok(exit_code(left_out));
             }
             let batch = begin(arguments, plan, slice)?;
             interrupt::set_resumable();
@@ -167,7 +187,32 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
     if arguments.profile {
         terminal::print(&format!("\n{}", report.profile().to_text()))?;
     }
-    Ok(exit_code(report.not_done()))
+    Ok(exit_code(report.not_done() + left_out))
+}
+
+/// Makes the plan of a course.
+fn plan_of_course(arguments: &BatchArguments, rules: &Path) -> Result<CoursePlan, CliError> {
+    let request = CourseRequest {
+        rules: rules.to_owned(),
+        agents: arguments.agent.clone(),
+        seeds: arguments.seeds.as_ref().map(SeedsArgument::seeds).transpose()?,
+        record: arguments.record,
+        skips_refused: arguments.skip_refused,
+    };
+    request.resolve(arguments.force).map_err(|refusal| match refusal {
+        CourseRefusal::Request(refusal) => refusal.into(),
+        CourseRefusal::Agents(faults) => {
+            let [first, others @ ..] = &faults[..] else { unreachable!("there is an agent, and it is refused") };
+            others.iter().rev().for_each(|fault| terminal::note(&fault.to_string()));
+            let help = if arguments.agent.len() > 1 { Some("--skip-refused runs the other agents") } else { None };
+            CliError::bad_input(first, help)
+        }
+        CourseRefusal::Rules(fault) => match fault.unreadable {
+            Some(kind) => CliError::from_input_error(fault, kind),
+            None => CliError::bad_input(fault, None),
+        },
+        refusal @ CourseRefusal::TooManyAgents { .. } => CliError::bad_input(refusal, None),
+    })
 }
 
 /// Makes the plan, from options, or from a plan file and options that change it.

@@ -84,7 +84,8 @@ impl CommandContext {
         if self.trust().includes(kind, name) {
             return Ok(());
         }
-        let folder = if table.folder.as_os_str().is_empty() { ".".into() } else { table.folder.display().to_string() };
+        let folder =
+            if table.works_in.as_os_str().is_empty() { ".".into() } else { table.works_in.display().to_string() };
         let command = table.command_line();
         let sentence = format!(
             "the {kind} `{name}` is a program that a file names, and was not started; it would have run, in {folder}: {command}"

@@ -23,6 +23,7 @@ mod output_files;
 mod phrases;
 mod plan;
 mod play;
+mod rank;
 mod render;
 mod report;
 mod run;
@@ -46,6 +47,7 @@ use error::CliError;
 use map::MapCommand;
 use plan::PlanArguments;
 use play::PlayArguments;
+use rank::RankArguments;
 use render::RenderArguments;
 use run::RunArguments;
 use scenarios::{CheckArguments, NewArguments, ScenariosArguments, SchemaArguments};
@@ -99,6 +101,8 @@ pub enum Command {
     Report(FolderArguments),
     /// Compare batches, or scenarios and planners inside one, in pairs by seed.
     Compare(CompareArguments),
+    /// Rank entries, all against all: batches, or planners and policies inside them.
+    Rank(RankArguments),
     /// Check finished runs against the rules: recordings, and all runs of batches.
     Audit(AuditArguments),
     /// Write a template with comments: a scenario, or the plan of a batch.
@@ -183,6 +187,7 @@ fn dispatch(arguments: &Arguments, context: &CommandContext) -> Result<ExitCode,
         Command::Batch(batch) => batch::run(batch, &context.with_programs(&batch.programs)),
         Command::Report(folder) => batch::report(folder, arguments.quiet),
         Command::Compare(compare) => compare::run(compare),
+        Command::Rank(rank) => rank::run(rank, arguments.quiet),
         Command::Audit(audit) => audit::run(audit, &context.with_trust(audit.trust)),
         Command::Status(folder) => batch::status(folder),
         Command::Merge(folder) => batch::merge(folder, arguments.quiet),

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 
-use crate::batch::{PLAN_TEMPLATE, TableOfRows, plan_schema, row_schema};
+use crate::batch::{PLAN_TEMPLATE, TableOfRows, plan_schema, row_schema, rules_schema};
 use crate::cli::args::ScenarioArguments;
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
@@ -56,6 +56,7 @@ pub struct SchemaArguments {
 pub enum SchemaOf {
     Scenario,
     Plan,
+    Rules,
     Runs,
     PlannerCalls,
     States,
@@ -172,6 +173,7 @@ pub fn schema(arguments: &SchemaArguments) -> Result<ExitCode, CliError> {
     let schema = match arguments.of {
         SchemaOf::Scenario => of_file(scenario::schema()),
         SchemaOf::Plan => of_file(plan_schema()),
+        SchemaOf::Rules => of_file(rules_schema()),
         SchemaOf::Runs => row_schema(TableOfRows::Runs),
         SchemaOf::PlannerCalls => row_schema(TableOfRows::PlannerCalls),
         SchemaOf::States => row_schema(TableOfRows::States),

@@ -240,7 +240,7 @@ fn limits(limits: &SpeedLimits) -> LimitsMessage {
 
 /// Returns what starts the program of a table, and what it may take.
 fn launch(name: &PlannerName, table: &Program) -> Launch {
-    let folder = if table.folder.as_os_str().is_empty() { Path::new(".") } else { &table.folder };
+    let folder = if table.works_in.as_os_str().is_empty() { Path::new(".") } else { &table.works_in };
     Launch {
         name: name.to_string(),
         command: table.command.iter().map(Into::into).collect(),

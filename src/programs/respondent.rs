@@ -16,7 +16,6 @@ pub struct Respondent {
     /// `None` after a failure, until the next query.
     session: Option<Session>,
     restarts_left: u32,
-    queries: u64,
     /// CPU time up to the first `ready`.
     pub built: Option<Duration>,
 }
@@ -25,6 +24,8 @@ pub struct Respondent {
 #[derive(Debug)]
 pub struct Session {
     process: Process,
+    /// Queries so far: they are numbered from 1 on, so that a program may count them itself.
+    queries: u64,
     /// Its CPU time that has been counted for something.
     counted: Duration,
 }
@@ -46,7 +47,7 @@ impl Respondent {
         let mut session = again.map_or_else(|| Session::start(&program, &field), Ok)?;
         let built = session.lap();
         let restarts_left = program.restarts;
-        Ok(Self { program, field, session: Some(session), restarts_left, queries: 0, built })
+        Ok(Self { program, field, session: Some(session), restarts_left, built })
     }
 
     /// Returns what stands before its lines on stderr.
@@ -65,21 +66,20 @@ impl Respondent {
             Ok(running) => running,
             Err(trouble) => return Reply { answer: Err(trouble), cpu: None },
         };
-        self.queries += 1;
+        session.queries += 1;
+        let number = session.queries;
         let Launch { query_limit: wall, query_cpu, .. } = *self.program;
         // What it thought since its last answer counts for this one.
         let cpu = query_cpu.map(|limit| CpuAllowance { limit, from: session.counted });
         let allowance = Allowance { wall, cpu, answer: "answer" };
-        let answer = session.process.exchange(&query(self.queries), allowance);
+        let answer = session.process.exchange(&query(number), allowance);
         let answer = answer.and_then(|line| {
             let refuse = |words: &str| Err(Trouble::bad_answer(&line, words));
             match FromProgram::parse(&line) {
                 Err(words) => refuse(&words),
                 Ok(answer) => match (check(&answer), answer.id()) {
                     (Err(words), _) => refuse(words),
-                    (Ok(()), Some(id)) if id != self.queries => {
-                        refuse(&format!("`id` is {id}; expected {}", self.queries))
-                    }
+                    (Ok(()), Some(id)) if id != number => refuse(&format!("`id` is {id}; expected {number}")),
                     _ => Ok(answer),
                 },
             }
@@ -130,7 +130,7 @@ impl Drop for Respondent {
 impl Session {
     fn start(program: &Launch, field: &[u8]) -> Result<Self, Trouble> {
         let watch = WallStopwatch::start();
-        let mut session = Self { process: Process::start(program)?, counted: Duration::ZERO };
+        let mut session = Self { process: Process::start(program)?, queries: 0, counted: Duration::ZERO };
         let hello =
             ToProgram::Hello { protocol: VERSION, program: concat!("wildfire ", env!("CARGO_PKG_VERSION")).into() };
         let line = session.process.exchange(&hello.line(), at_start(program, watch, "`hello`"))?;

@@ -100,7 +100,8 @@ impl Fault {
         Box::new(ScenarioError { fault: self, location: Some(location) })
     }
 
-    fn advice(&self) -> Option<String> {
+    /// Returns what may help: the nearest name, or the names that are known.
+    pub fn advice(&self) -> Option<String> {
         match self {
             Self::NotFound { nearest, .. } => {
                 let names: Vec<_> = BUILT_IN.iter().map(|(name, _)| *name).collect();
@@ -138,6 +139,11 @@ impl SourceLocation {
     /// Returns line and column of the first byte, both from 1; columns count characters.
     pub fn line_and_column(&self) -> (usize, usize) {
         self.line_and_column
+    }
+
+    /// Says whether this is a place in the given text.
+    pub fn is_in(&self, text: &str) -> bool {
+        *self.source.inner() == visible_lines(text)
     }
 
     /// Returns the part of the span that is shown: no more than its first line, and of a long line the beginning.

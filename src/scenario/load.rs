@@ -182,7 +182,8 @@ impl WrittenScenario<'_> {
                 let folder = if changed { Path::new("") } else { &self.source.folder };
                 program.fill_in(folder).map_err(|(index, error)| {
                     let path = table.join(PathStep::key("files")).join(PathStep::Index(index));
-                    unreadable(&folder.join(&program.files[index]), &error).at(self.location(&path, KeyOrValue::Value))
+                    unreadable(&program.works_in.join(&program.files[index]), &error)
+                        .at(self.location(&path, KeyOrValue::Value))
                 })?;
             }
         }

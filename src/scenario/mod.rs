@@ -47,6 +47,7 @@ pub use given::{GivenField, MAX_CELLS_A_SIDE, MapError};
 pub use goal::{TruckGoal, WumpusGoal};
 pub use load::{LoadedScenario, load};
 pub use memory::{MemoryEstimate, MemoryExceeded, MemoryLimit, bytes_text};
+pub use path::{FieldPath, PathStep};
 pub use problem::{MAX_GOALS, Problem};
 pub use program::{Program, Programs, UsedProgram};
 pub use rules::{Extinguishes, Ignition, IgnitionCells, Score, Suppression};

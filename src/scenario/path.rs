@@ -82,6 +82,15 @@ impl FieldPath {
         table.get(first).is_some_and(walk)
     }
 
+    /// Returns the line of a TOML text, from 1, in which the key that this path leads to is; or the last table on the way.
+    pub fn line_in(&self, text: &str) -> usize {
+        let span = match self.locate(text) {
+            FoundSpan::Whole { key, .. } => key,
+            FoundSpan::Part(span) => span,
+        };
+        1 + text.bytes().take(span.start).filter(|&byte| byte == b'\n').count()
+    }
+
     /// Finds the bytes of a TOML text that this path leads to.
     pub fn locate(&self, text: &str) -> FoundSpan {
         let Ok(root) = DeTable::parse(text) else { return FoundSpan::Part(0..0) };

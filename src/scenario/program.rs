@@ -39,6 +39,9 @@ pub struct Program {
     /// scenario's folder, which is also the program's working folder.
     #[serde(deserialize_with = "list_of_at_most::<MAX_WORDS, _, _>")]
     pub command: Vec<String>,
+    /// The folder that takes the place of the scenario's, for the command and its files; relative to the scenario's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub folder: Option<PathBuf>,
     /// Files whose contents belong to a batch's plan; those that `command` names always do.
     #[serde(deserialize_with = "list_of_at_most::<MAX_WORDS, _, _>")]
     pub files: Vec<PathBuf>,
@@ -60,10 +63,10 @@ pub struct Program {
     pub restarts: u32,
     /// One process for all runs of a worker instead of one for each run.
     pub reuse: bool,
-    /// The folder in which it works, as loading finds it.
+    /// The folder in which it works, as loading finds it; empty for the current one.
     #[serde(skip_serializing_if = "is_empty")]
     #[schemars(skip)]
-    pub folder: PathBuf,
+    pub works_in: PathBuf,
     /// The files that belong to it with the SHA-256 of their contents, as loading finds them.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     #[schemars(skip)]
@@ -71,7 +74,7 @@ pub struct Program {
 }
 
 /// Fields of a table that loading fills in.
-pub(super) const FILLED_IN: [&str; 2] = ["folder", "sha256"];
+pub(super) const FILLED_IN: [&str; 2] = ["sha256", "works_in"];
 
 fn is_empty(path: &Path) -> bool {
     path.as_os_str().is_empty()
@@ -81,6 +84,7 @@ impl Default for Program {
     fn default() -> Self {
         Self {
             command: Vec::new(),
+            folder: None,
             files: Vec::new(),
             settings: Map::new(),
             start_limit_s: 30.0,
@@ -90,7 +94,7 @@ impl Default for Program {
             seconds_per_expansion: 0.0,
             restarts: 3,
             reuse: false,
-            folder: PathBuf::new(),
+            works_in: PathBuf::new(),
             sha256: BTreeMap::new(),
         }
     }
@@ -112,12 +116,12 @@ impl Program {
         self.command.iter().map(quoted).collect::<Vec<_>>().join(" ")
     }
 
-    /// Fills in its folder, and the hashes of the files that belong to it.
+    /// Fills in where it works, given the scenario's folder, and the hashes of the files that belong to it.
     ///
     /// # Errors
     /// If one of [`Self::files`] cannot be read: its place in the list, and why.
     pub(super) fn fill_in(&mut self, folder: &Path) -> Result<(), (usize, io::Error)> {
-        folder.clone_into(&mut self.folder);
+        self.works_in = self.folder.as_ref().map_or_else(|| folder.to_owned(), |own| folder.join(own));
         self.sha256 = self.hashes()?;
         Ok(())
     }
@@ -131,12 +135,12 @@ impl Program {
         for word in &self.command {
             // A program without a slash is found by PATH.
             let is_named = self.command.first() != Some(word) || word.contains('/');
-            if let (true, Ok(Some(hash))) = (is_named, hash_of(&self.folder.join(word))) {
+            if let (true, Ok(Some(hash))) = (is_named, hash_of(&self.works_in.join(word))) {
                 hashes.insert(word.clone(), hash);
             }
         }
         for (index, file) in self.files.iter().enumerate() {
-            let hash = hash_of(&self.folder.join(file)).map_err(|error| (index, error))?;
+            let hash = hash_of(&self.works_in.join(file)).map_err(|error| (index, error))?;
             let hash = hash.ok_or_else(|| (index, io::Error::new(ErrorKind::InvalidInput, "it is no file")))?;
             hashes.insert(file.display().to_string(), hash);
         }
@@ -145,7 +149,7 @@ impl Program {
 
     /// Lists in words the files that are no longer what they were when the scenario was loaded.
     fn changed_files(&self) -> Vec<String> {
-        let changed = self.sha256.iter().filter_map(|(name, before)| match hash_of(&self.folder.join(name)) {
+        let changed = self.sha256.iter().filter_map(|(name, before)| match hash_of(&self.works_in.join(name)) {
             Ok(Some(now)) if now == *before => None,
             Ok(Some(_)) => Some(format!("{name} has other contents")),
             Ok(None) => Some(format!("{name} is no file")),

@@ -8,6 +8,7 @@ mod batch_plans;
 mod commands;
 mod compare;
 mod contest;
+mod course;
 mod curve;
 mod curve_pairs;
 mod errors;
@@ -23,6 +24,7 @@ mod pipes;
 mod plan;
 mod plan_guide;
 mod plan_ompl;
+mod rank;
 mod render;
 mod report;
 #[cfg(target_os = "linux")]

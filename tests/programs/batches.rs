@@ -48,6 +48,7 @@ fn batch_that_is_killed_leaves_no_process() {
         let mut batch = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts");
         // The batch, its supervisors and their programs all work in the folder.
         while processes_in(shell.folder()).len() < 4 {
+            assert!(batch.try_wait().expect("it can be asked").is_none(), "it ended by itself");
             pause();
         }
         let id = batch.id().to_string();

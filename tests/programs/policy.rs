@@ -34,8 +34,7 @@ for line in sys.stdin:
     print(json.dumps(answer), flush=True)
 "#;
 
-const TABLE: &str =
-    "duration_s = 600.0\n[field]\nsize_m = 150.0\ncoverage = 0.1\n[[wumpus]]\nstart_m = [2.5, 2.5]\n[[unimog]]\ngoal = \"own\"\n";
+const TABLE: &str = "duration_s = 600.0\n[field]\nsize_m = 150.0\ncoverage = 0.1\n[[wumpus]]\nstart_m = [2.5, 2.5]\n[[unimog]]\ngoal = \"own\"\n";
 
 fn result(shell: &Shell, arguments: &[&str]) -> serde_json::Value {
     let said = shell.run(&[&["run"], arguments, &["--json"]].concat(), &[0]);

@@ -82,8 +82,8 @@ fn batch_is_resumed_with_the_same_files_and_with_trust_only() {
     shell.refuse(&["batch", "--resume", "out", "--trust"], &["notes.txt"]);
     shell.refuse(&["run", "mine.toml", "--trust"], &["notes.txt"]);
     // What is filled in cannot be written.
-    shell.file("hidden.toml", "wumpus = []\n[[unimog]]\n[planner.a]\ncommand = [\"sh\"]\nfolder = \"/\"\n");
-    shell.refuse(&["check", "hidden.toml"], &["folder"]);
+    shell.file("hidden.toml", "wumpus = []\n[[unimog]]\n[planner.a]\ncommand = [\"sh\"]\nworks_in = \"/\"\n");
+    shell.refuse(&["check", "hidden.toml"], &["works_in"]);
     shell.expect_nobody();
 }
 

@@ -96,15 +96,21 @@ impl Contrast {
 /// Returns the metric of both runs of a pair; yes is 1, no is 0; times beyond the horizon count as the horizon. `None`
 /// if it is missing on either side.
 fn numbers_of(metric: &Metric, rows: &[Vec<f64>; 2], horizon: f64) -> Option<[f64; 2]> {
-    let numbers = rows.each_ref().map(|row| match metric.kind {
-        MetricKind::Sum(_) => row.iter().sum(),
-        MetricKind::Answer { .. } => row[0],
-        MetricKind::Time { .. } => lifetime(row).map_or(f64::NAN, |lifetime| lifetime.time.min(horizon)),
-    });
+    let numbers = rows.each_ref().map(|row| number_of(metric, row, horizon));
     numbers.iter().all(|number| !number.is_nan()).then_some(numbers)
 }
 
-fn contrast_of_pairs(metric: &Metric, letter: char, pairs: &[[f64; 2]]) -> Option<Contrast> {
+/// Returns the metric of a run from the values of its columns; NaN where there is none.
+pub(super) fn number_of(metric: &Metric, row: &[f64], horizon: f64) -> f64 {
+    match metric.kind {
+        MetricKind::Sum(_) => row.iter().sum(),
+        MetricKind::Answer { .. } => row[0],
+        MetricKind::Time { .. } => lifetime(row).map_or(f64::NAN, |lifetime| lifetime.time.min(horizon)),
+    }
+}
+
+/// Contrasts the numbers of pairs; `None` if there are none.
+pub(super) fn contrast_of_pairs(metric: &Metric, letter: char, pairs: &[[f64; 2]]) -> Option<Contrast> {
     match metric.kind {
         MetricKind::Answer { .. } => {
             contrast_answers(metric, pairs.iter().map(|[ours, theirs]| (*ours > 0.0, *theirs > 0.0)))
@@ -139,7 +145,7 @@ fn by_stratum(metric: &Metric, letter: char, pairs: &Pairs, seeds: &[u64], numbe
 }
 
 /// From the time of the event, the end of the run, and when the event became possible.
-fn lifetime(row: &[f64]) -> Option<Lifetime> {
+pub(super) fn lifetime(row: &[f64]) -> Option<Lifetime> {
     let &[event, end, begun] = row else { unreachable!("a time has three columns") };
     let is_cut_off = event.is_nan();
     let time = if is_cut_off { end } else { event };

@@ -29,6 +29,45 @@ pub enum MetricKind {
 const DEFAULTS: &[&str] =
     &["saved", "truck_won", "all_out_s", "mean_response_s", "burning_cell_s", "cpu_unimog_total_s"];
 
+/// The side on which a metric's better values are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Better {
+    Higher,
+    Lower,
+}
+
+/// The metrics and columns of which a higher value is better for the trucks.
+const HIGHER_IS_BETTER: &[&str] =
+    &["saved", "truck_won", "intact", "extinguished", "intact_ratio", "extinguished_ratio", "truck_score"];
+
+/// Those of which a lower value is, besides columns that begin like these.
+const LOWER_IS_BETTER: &[&str] = &[
+    "burned",
+    "wumpus_won",
+    "all_out_s",
+    "burning",
+    "burned_out",
+    "burned_ratio",
+    "caught_by_spread",
+    "burning_cell_s",
+    "peak_burning",
+    "mean_response_s",
+    "wumpus_score",
+    "truck_stuck_s",
+    "truck_lattice_plans",
+    "truck_planning_s",
+    "truck_standing_s",
+    "truck_longest_idle_s",
+    "truck_cusps",
+    "truck_distance_m",
+    "truck_wasted_drives",
+    "truck_waiting_s",
+    "truck_deadlocks",
+    "truck_roadmap_expansions",
+    "truck_local_expansions",
+];
+const LOWER_IS_BETTER_FROM: &[&str] = &["truck_failed_", "cpu_", "wall_"];
+
 /// A metric that is not just a column.
 pub struct NamedMetric {
     pub name: &'static str,
@@ -106,6 +145,17 @@ impl Metric {
             Find::Time { event, end, begun } => MetricKind::Time { event, end, begun },
         };
         Self { name: name.to_owned(), kind, phrase: Some(metric.phrase) }
+    }
+
+    /// Returns the side of the better values, from where the trucks stand; `None` if the metric does not say it.
+    pub fn better(&self) -> Option<Better> {
+        let name = self.name.as_str();
+        match () {
+            () if HIGHER_IS_BETTER.contains(&name) => Some(Better::Higher),
+            () if LOWER_IS_BETTER.contains(&name) => Some(Better::Lower),
+            () if LOWER_IS_BETTER_FROM.iter().any(|start| name.starts_with(start)) => Some(Better::Lower),
+            () => None,
+        }
     }
 
     fn columns(&self) -> Vec<&str> {

@@ -21,6 +21,7 @@ mod error;
 mod metric;
 mod pairs;
 mod published;
+mod ranking;
 mod runs_table;
 mod settings;
 mod sides;
@@ -30,9 +31,12 @@ use std::path::PathBuf;
 
 pub use contrast::{ByStratum, Contrast, CutOff, Method};
 pub use error::ComparisonError;
-pub use metric::{Metric, MetricKind, NAMED_METRICS};
+pub use metric::{Better, Metric, MetricKind, NAMED_METRICS};
 pub use pairs::{Pairs, Stratum};
 pub use published::{BesideReport, PublishedState, PublishedTime};
+pub use ranking::{
+    MAX_ENTRIES, RankedEntry, RankedPair, Ranking, RankingError, RankingRequest, USUAL_METRIC, USUALLY_FREE, rank,
+};
 pub use settings::{Difference, SettingsDifference};
 pub use sides::{MAX_SIDES, Selection};
 

@@ -43,6 +43,7 @@ pub struct Difference {
 }
 
 /// A plan and the scenario of each run of a table.
+#[derive(Debug)]
 pub struct KnownSettings {
     plan: RecordedPlan,
     variant_of: Vec<usize>,
@@ -76,6 +77,7 @@ fn variant_of_run(plan: &RecordedPlan, table: &RunsTable, run: usize) -> Result<
     let value_of = |variant: &RecordedVariant, column: &str| match column {
         "scenario" => Some(variant.name.clone()),
         "planner" => Some(variant.planner.clone()),
+        "policy" => Some(variant.policy.clone()),
         key => {
             let place = plan.swept_keys.iter().position(|swept| swept == key)?;
             Some(variant.swept.get(place)?.to_string())
@@ -91,6 +93,17 @@ fn variant_of_run(plan: &RecordedPlan, table: &RunsTable, run: usize) -> Result<
         return Err(format!("{PLAN_FILE} has several scenarios for the same runs of {}", shown_path(table)));
     }
     Ok(first)
+}
+
+impl KnownSettings {
+    pub fn plan(&self) -> &RecordedPlan {
+        &self.plan
+    }
+
+    /// Returns the index of the variant of a run of the table.
+    pub fn variant_of(&self, run: usize) -> usize {
+        self.variant_of[run]
+    }
 }
 
 fn shown_path(table: &RunsTable) -> String {
@@ -188,7 +201,8 @@ impl SettingsDifference {
     }
 }
 
-fn value_words(value: &Option<Json>) -> String {
+/// Words a value that a scenario may not have.
+pub(super) fn value_words(value: &Option<Json>) -> String {
     match value {
         None => "nothing".into(),
         Some(Json::String(word)) => word.clone(),
@@ -198,7 +212,12 @@ fn value_words(value: &Option<Json>) -> String {
 
 /// Lists the seeds of a side, each once, consecutive ones as ranges.
 fn seeds_of(side: &Side<'_>) -> String {
-    let seeds: BTreeSet<u64> = side.runs.iter().map(|&run| side.table.seeds[run]).collect();
+    seed_words(side.runs.iter().map(|&run| side.table.seeds[run]))
+}
+
+/// Lists seeds, each once, consecutive ones as ranges: `1..5,9`.
+pub(super) fn seed_words(seeds: impl Iterator<Item = u64>) -> String {
+    let seeds: BTreeSet<u64> = seeds.collect();
     let seeds: Vec<u64> = seeds.into_iter().collect();
     let ranges = seeds.chunk_by(|one, next| one + 1 == *next).map(|range| match range {
         [one] => one.to_string(),
@@ -239,7 +258,7 @@ fn differences(ours: &KnownSettings, theirs: &KnownSettings, pairs: &Pairs) -> V
 }
 
 /// Returns the differences of two scenarios; one that all agents of a list share is given once, for the list.
-fn merged(scenarios: [&Json; 2]) -> Vec<(String, [Option<Json>; 2])> {
+pub(super) fn merged(scenarios: [&Json; 2]) -> Vec<(String, [Option<Json>; 2])> {
     let all = value_differences(scenarios[0], scenarios[1]);
     let mut merged: Vec<(String, [Option<Json>; 2])> = Vec::new();
     for difference in &all {

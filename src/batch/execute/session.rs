@@ -12,7 +12,7 @@ use crate::batch::execute::entries::journal_name;
 use crate::batch::execute::journal::{JournalError, LockedJournal, OpenJournal, RowReader};
 use crate::batch::execute::workers::{Task, Work, work_off};
 use crate::batch::execute::{BatchError, Disk, JournalIndex, OutputFolder, RUNS_FILE, RealDisk, RunScenario, Status};
-use crate::batch::plan::{BatchPlan, PLAN_FILE, PlanError, Record, Slice};
+use crate::batch::plan::{BatchPlan, ENTRY_COLUMN, PLAN_FILE, PlanError, Record, Slice};
 use crate::scenario::Scenario;
 use crate::sim::{self, Entrants, RunOptions};
 use crate::timeline::file::{self, FileError};
@@ -169,7 +169,7 @@ impl Batch {
         on_run: impl FnMut(Status),
     ) -> Result<(), BatchError> {
         let lost: Vec<u64> = self.found.lost_recordings.iter().map(|lost| lost.run).collect();
-        let missing = self.journal.index().missing();
+        let missing = in_turn(&self.plan, self.journal.index().missing());
         let work = Work {
             plan: Arc::clone(&self.plan),
             folder: self.folder.clone(),
@@ -191,6 +191,21 @@ impl Batch {
     pub(in crate::batch) fn rows(&self) -> Result<RowReader<'_>, JournalError> {
         self.journal.rows()
     }
+}
+
+/// Puts runs into the order in which they are begun: that of the plan, but entries of a course take turns, seed by seed,
+/// so that all of them meet the machine as busy as the others do.
+fn in_turn(
+    plan: &BatchPlan,
+    missing: impl Iterator<Item = u64> + Send + 'static,
+) -> Box<dyn Iterator<Item = u64> + Send> {
+    if !plan.swept_keys.iter().any(|key| key == ENTRY_COLUMN) {
+        return Box::new(missing);
+    }
+    let seeds = plan.seeds.count();
+    let mut runs: Vec<u64> = missing.collect();
+    runs.sort_by_key(|run| ((run - 1) % seeds, *run));
+    Box::new(runs.into_iter())
 }
 
 /// Says of a folder without a plan whether a batch was about to begin there.

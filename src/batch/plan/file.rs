@@ -58,7 +58,7 @@ struct PlanFile {
 /// A text such as `1..1000` or `1,5,9`, ranges with both ends; or a list of numbers.
 #[derive(Deserialize, JsonSchema)]
 #[serde(untagged, expecting = "expected seeds as a text such as \"1..1000\", or as a list of whole numbers")]
-enum SeedList {
+pub(super) enum SeedList {
     Text(String),
     Numbers(Vec<u64>),
 }
@@ -124,7 +124,7 @@ impl PlanFile {
         if scenarios.is_empty() {
             return Err(Fault::Wrong("`scenarios` is empty; expected at least one name or path".into()));
         }
-        let seeds = self.seeds.map(SeedList::parse).transpose().map_err(Fault::Seeds)?;
+        let seeds = self.seeds.as_ref().map(SeedList::parse).transpose().map_err(Fault::Seeds)?;
         let changes = leaves(self.set).into_iter().map(|(key, value)| format!("{key}={value}")).collect();
         let sweeps = self.sweep.into_iter().map(sweep_of).collect::<Result<_, _>>()?;
         let scenarios = scenarios.iter().map(|name| located(name, folder)).collect();
@@ -137,7 +137,7 @@ impl PlanFile {
 }
 
 impl SeedList {
-    fn parse(self) -> Result<Seeds, SeedsError> {
+    pub(super) fn parse(&self) -> Result<Seeds, SeedsError> {
         match self {
             Self::Text(text) => text.parse(),
             Self::Numbers(numbers) => numbers.iter().map(u64::to_string).collect::<Vec<_>>().join(",").parse(),
@@ -150,7 +150,7 @@ fn wrong_memory(size: &str, reason: String) -> Fault {
 }
 
 /// A built-in scenario's name as it is, a path from the plan's folder.
-fn located(name: &str, folder: &Path) -> String {
+pub(super) fn located(name: &str, folder: &Path) -> String {
     let is_built_in = BUILT_IN.iter().any(|(known, _)| *known == name);
     if is_built_in { name.to_owned() } else { folder.join(name).to_string_lossy().into_owned() }
 }

@@ -5,8 +5,10 @@
 //! from the plan alone, and runs of different variants with one seed are pairs: they have the same field as far as
 //! the variants let it be the same.
 
+mod course;
 mod difference;
 mod file;
+mod free;
 mod frozen;
 mod recorded;
 mod request;
@@ -15,12 +17,14 @@ mod slice;
 mod sweep;
 mod value;
 
+pub use course::{CourseError, CoursePlan, CourseRefusal, CourseRequest, rules_schema};
 pub use difference::value_differences;
 pub use file::{PLAN_TEMPLATE, schema as plan_schema};
+pub use free::{FreeKeys, FreeKeysError};
 pub use frozen::{PLAN_FILE, PlanError};
 pub use recorded::{RecordedPlan, RecordedVariant};
 pub use request::{BatchRequest, MAX_VARIANTS, RUNS_WITHOUT_FORCE, RequestError};
-pub use seeds::{MAX_RUNS, Seeds, SeedsError};
+pub use seeds::{MAX_RUNS, MAX_SEEDS_BYTES, Seeds, SeedsError};
 pub use slice::{Slice, SliceError};
 pub use sweep::{Setting, Sweep, SweepError};
 pub use value::Value;
@@ -49,6 +53,9 @@ const MAX_AGENTS: usize = 200;
 
 /// The key of a scenario's planners, whose values have a column of their own.
 pub const PLANNER_KEY: &str = "unimog.planner";
+
+/// The column that names whose entry a run is of, in batches of several.
+pub const ENTRY_COLUMN: &str = "entry";
 
 /// Which runs leave a recording of their timeline.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

@@ -6,8 +6,9 @@ use serde::Deserialize;
 use serde_json::Value as Json;
 
 use super::frozen::{PLAN_FORMAT, open, read_head, read_json};
-use super::{BatchPlan, PROGRAM_VERSION, PlanError, Variant, planner_of};
+use super::{BatchPlan, PROGRAM_VERSION, PlanError, RunLabel, Variant};
 use super::{PLAN_FILE, Value};
+use crate::scenario::MemoryLimit;
 
 /// The longest plan of another version that is read: unlike this version's, its values are not known beforehand, and
 /// each may take some dozen times the memory of its text.
@@ -17,6 +18,8 @@ const MAX_BYTES_OF_OTHERS: u64 = 4 << 20;
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecordedPlan {
     pub program_version: String,
+    /// The memory that each run might take.
+    pub memory: MemoryLimit,
     pub swept_keys: Vec<String>,
     pub variants: Vec<RecordedVariant>,
 }
@@ -30,6 +33,8 @@ pub struct RecordedVariant {
     pub name: String,
     /// The planners of the trucks, as the column has them: a `;` is between those of trucks that differ.
     pub planner: String,
+    /// The policies of the trucks, likewise.
+    pub policy: String,
     /// The scenario with all values filled in, as compact JSON: the tree takes ten times as much memory, and few are
     /// needed at once.
     pub scenario: String,
@@ -37,6 +42,9 @@ pub struct RecordedVariant {
 
 #[derive(Deserialize)]
 struct Body {
+    /// Plans that were written before runs had a limit do not say it.
+    #[serde(default)]
+    memory_bytes: MemoryLimit,
     swept_keys: Vec<String>,
     variants: Vec<OtherVariant>,
 }
@@ -59,9 +67,9 @@ impl RecordedPlan {
         let head = read_head(&path, &file)?;
         let program_version = head.program_version;
         if head.format == PLAN_FORMAT && program_version == PROGRAM_VERSION {
-            let BatchPlan { swept_keys, variants, .. } = BatchPlan::read(folder)?;
+            let BatchPlan { swept_keys, variants, memory, .. } = BatchPlan::read(folder)?;
             let variants = variants.into_iter().map(RecordedVariant::from).collect();
-            return Ok(Self { program_version, swept_keys, variants });
+            return Ok(Self { program_version, memory, swept_keys, variants });
         }
         let bytes = file.metadata().map_err(|source| PlanError::Unreadable { path: path.clone(), source })?.len();
         if bytes > MAX_BYTES_OF_OTHERS {
@@ -69,24 +77,31 @@ impl RecordedPlan {
                 format!("version {program_version} wrote it, of which at most {MAX_BYTES_OF_OTHERS} bytes are read");
             return Err(PlanError::NotAPlan { path, reason });
         }
-        let Body { swept_keys, variants } = read_json(&path, &file)?;
-        Ok(Self { program_version, swept_keys, variants: variants.into_iter().map(RecordedVariant::from).collect() })
+        let Body { memory_bytes: memory, swept_keys, variants } = read_json(&path, &file)?;
+        let variants = variants.into_iter().map(RecordedVariant::from).collect();
+        Ok(Self { program_version, memory, swept_keys, variants })
     }
 }
 
 impl From<Variant> for RecordedVariant {
     fn from(Variant { swept, scenario, .. }: Variant) -> Self {
+        let label = RunLabel::from_scenario(&scenario, 0);
         let json = serde_json::to_string(&scenario).expect("scenarios hold names, numbers and lists only");
-        Self { swept, planner: planner_of(&scenario), name: scenario.name, scenario: json }
+        let RunLabel { scenario: name, planner, .. } = &label;
+        Self { swept, planner: planner.clone(), policy: label.policy(), name: name.clone(), scenario: json }
     }
 }
 
 impl From<OtherVariant> for RecordedVariant {
     fn from(OtherVariant { swept, scenario }: OtherVariant) -> Self {
         let trucks = scenario["unimog"].as_array().map_or(&[][..], Vec::as_slice);
-        let mut planners: Vec<&str> = trucks.iter().filter_map(|truck| truck["planner"].as_str()).collect();
-        planners.dedup();
+        let names = |key: &str| {
+            let mut names: Vec<&str> = trucks.iter().filter_map(|truck| truck[key].as_str()).collect();
+            names.dedup();
+            names.join(";")
+        };
+        let (planner, policy) = (names("planner"), names("goal"));
         let name = scenario["name"].as_str().unwrap_or_default().to_owned();
-        Self { swept, name, planner: planners.join(";"), scenario: scenario.to_string() }
+        Self { swept, name, planner, policy, scenario: scenario.to_string() }
     }
 }

@@ -9,6 +9,9 @@ use thiserror::Error;
 /// The most runs of one batch.
 pub const MAX_RUNS: u64 = 10_000_000;
 
+/// The most bytes of a file of seeds; with the limit on their number it keeps the memory of reading them below 64 MiB.
+pub const MAX_SEEDS_BYTES: u64 = 8_000_000;
+
 /// The most seeds and ranges that are listed one by one; consecutive seeds are one range.
 const MAX_PARTS: usize = 750_000;
 
@@ -25,6 +28,8 @@ pub struct Seeds {
 pub enum SeedsError {
     #[error("`{found}` is not a seed: expected whole numbers from 0 to {}, such as `7`, `1..5` or `1,5,9`", u64::MAX)]
     NotANumber { found: String },
+    #[error("there are no seeds: expected whole numbers, such as `7`, `1..5` or `1,5,9`")]
+    Nothing,
     #[error("the range `{found}` is empty: its first seed must not be greater than its last")]
     Backwards { found: String },
     #[error("seed {seed} is asked for twice")]
@@ -74,6 +79,16 @@ impl FromStr for Seeds {
 }
 
 impl Seeds {
+    /// Takes the text of a file of seeds: they are between commas, blanks and lines, and `#` begins a comment.
+    ///
+    /// # Errors
+    /// Fails as [`Self::from_parts`] does.
+    pub fn from_file_text(text: &str) -> Result<Self, SeedsError> {
+        let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default());
+        let words = lines.flat_map(|line| line.split([',', ' ', '\t'])).filter(|word| !word.is_empty());
+        Self::from_parts(words)
+    }
+
     /// Takes seeds and ranges one after the other.
     ///
     /// # Errors
@@ -87,7 +102,7 @@ impl Seeds {
             ranges.push(parse_range(part)?);
         }
         if ranges.is_empty() {
-            return Err(SeedsError::NotANumber { found: String::new() });
+            return Err(SeedsError::Nothing);
         }
         let count = ranges.iter().map(|range| u128::from(range.end() - range.start()) + 1).sum();
         if count > u128::from(MAX_RUNS) {

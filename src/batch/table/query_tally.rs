@@ -12,7 +12,9 @@ use crate::document::number::percent;
 pub struct QueryTally {
     /// Plans that trucks got, from whomever.
     pub drives: u64,
-    /// Those of them to which the reachability flood led after the planner had failed.
+    /// Queries that the planner failed on and nobody answered.
+    pub failed: u64,
+    /// Drives to which the reachability flood led after the planner had failed.
     pub rescued: u64,
     /// Queries that ended because a planner took too long by the clock.
     pub timed_out: u64,
@@ -33,6 +35,7 @@ impl QueryTally {
         let failed = FAILED.iter().map(|column| number(column)).fold(0, u64::saturating_add);
         Self {
             drives: number("truck_plans").saturating_sub(failed),
+            failed,
             rescued: number("truck_lattice_plans"),
             timed_out: number("truck_failed_timed_out"),
         }
@@ -56,6 +59,7 @@ impl QueryTally {
 impl AddAssign for QueryTally {
     fn add_assign(&mut self, other: Self) {
         self.drives = self.drives.saturating_add(other.drives);
+        self.failed = self.failed.saturating_add(other.failed);
         self.rescued = self.rescued.saturating_add(other.rescued);
         self.timed_out = self.timed_out.saturating_add(other.timed_out);
     }
@@ -74,7 +78,7 @@ mod tests {
             _ => 0,
         };
         let mut tally = QueryTally::from_columns(number);
-        assert_eq!(tally, QueryTally { drives: 100, rescued: 12, timed_out: 10 });
+        assert_eq!(tally, QueryTally { drives: 100, failed: 20, rescued: 12, timed_out: 10 });
         tally += QueryTally { drives: 100, ..QueryTally::default() };
         assert_eq!(
             tally.sentences("rrt"),

@@ -278,7 +278,8 @@ fn verdict(verdict: Verdict) -> &'static str {
     }
 }
 
-fn method(method: Method) -> &'static str {
+/// Returns the name of a method in objects.
+pub fn method(method: Method) -> &'static str {
     match method {
         Method::StudentisedBootstrap => "studentised-bootstrap",
         Method::StudentsT => "students-t",

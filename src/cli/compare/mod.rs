@@ -4,6 +4,8 @@ mod document;
 mod json;
 mod published;
 
+pub use json::method as method_name;
+
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -80,7 +82,8 @@ fn parse_by(text: &str) -> Result<(String, Vec<String>), String> {
     }
 }
 
-fn parse_where(text: &str) -> Result<(String, String), String> {
+/// Reads a column and the value that runs must have in it.
+pub fn parse_where(text: &str) -> Result<(String, String), String> {
     let (column, value) = text.split_once('=').ok_or("expected COLUMN=VALUE, such as `planner=prm-rs`")?;
     Ok((column.to_owned(), value.to_owned()))
 }

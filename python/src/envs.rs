@@ -1,0 +1,486 @@
+//! Contests for learning: many side by side, one call for a step of all, arrays that stay.
+
+use std::thread;
+
+use numpy::{Element, PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadwriteArray1};
+use pyo3::exceptions::{PyIndexError, PyValueError};
+use pyo3::prelude::*;
+use wildfire::geometry::Cell;
+use wildfire::picture::film::{FrameRenderer, FrameRequest, RunView, ViewOptions};
+use wildfire::scenario::{Scenario, TruckGoal, WumpusGoal};
+use wildfire::sim::{Episode, Points, RunError, RunOptions};
+use wildfire::time::SimTime;
+use wildfire::timeline::AgentId;
+
+use crate::errors::error;
+use crate::observation::{AGENT_NUMBERS, Layout, OwnArrays, SharedArrays, Sight};
+use crate::scenario::ScenarioLike;
+
+/// The most contests side by side.
+const MOST_LANES: usize = 4096;
+
+/// One contest of those side by side.
+#[derive(Default)]
+struct Lane {
+    episode: Option<Episode>,
+    /// By seat, the cells that its candidates are.
+    candidates: Vec<Vec<Cell>>,
+    points: Points,
+    time: SimTime,
+}
+
+/// The parts of the arrays that are one lane's.
+struct Board<'a> {
+    shared: SharedArrays<'a>,
+    action_mask: &'a mut [i8],
+    candidates: &'a mut [f32],
+    asked: &'a mut [bool],
+    reward: &'a mut [f64],
+    illegal: &'a mut [bool],
+    dt_s: &'a mut f64,
+    turn: &'a mut i64,
+    ended: &'a mut bool,
+}
+
+/// What is to become of a lane.
+#[derive(Clone, Copy)]
+enum Task<'a> {
+    Stay,
+    Reset(u64),
+    Step(&'a [i64]),
+}
+
+/// What lanes have in common.
+struct Rules {
+    scenario: Scenario,
+    played: Vec<AgentId>,
+    layout: Layout,
+    /// Whether all who are asked answer together, each with a seat of its own; else one answers at a time.
+    together: bool,
+}
+
+impl Rules {
+    fn seats(&self) -> usize {
+        if self.together { self.played.len() } else { 1 }
+    }
+
+    fn carry_out(&self, lane: &mut Lane, task: Task<'_>, board: &mut Board<'_>) -> Result<(), RunError> {
+        match task {
+            Task::Stay => return Ok(()),
+            Task::Reset(seed) => {
+                lane.episode = None;
+                let episode = Episode::new(&self.scenario, seed, &RunOptions::default(), &self.played)?;
+                (lane.points, lane.time) = (episode.points(), episode.now());
+                board.shared.cells.fill(0);
+                board.shared.burning_s.fill(0.0);
+                board.action_mask.fill(0);
+                board.illegal.fill(false);
+                lane.episode = Some(episode);
+            }
+            Task::Step(actions) => {
+                let Some(episode) = &mut lane.episode else { return Ok(()) };
+                let mut choices = Vec::with_capacity(episode.asked().len());
+                for asked in episode.asked() {
+                    let Some(seat) = self.seat_of(asked.agent) else { continue };
+                    let own = lane.candidates.get(seat).map_or(&[][..], Vec::as_slice);
+                    let action = usize::try_from(actions[seat]).unwrap_or(0);
+                    let choice = self.layout.choice(action, episode.now(), &asked.options, own);
+                    board.illegal[seat] = choice.is_none();
+                    choices.push((asked.agent, choice.unwrap_or_else(|| self.layout.waiting(episode.now()))));
+                    if !self.together {
+                        break;
+                    }
+                }
+                episode.answer(&choices)?;
+            }
+        }
+        self.observe(lane, board);
+        Ok(())
+    }
+
+    fn seat_of(&self, agent: AgentId) -> Option<usize> {
+        if self.together { self.played.iter().position(|&played| played == agent) } else { Some(0) }
+    }
+
+    fn observe(&self, lane: &mut Lane, board: &mut Board<'_>) {
+        let Some(episode) = &lane.episode else { return };
+        let asked = if self.together { episode.asked() } else { &episode.asked()[..episode.asked().len().min(1)] };
+        let sight = Sight {
+            now: episode.now(),
+            fires: episode.fires(),
+            bushes: &episode.setting().bushes,
+            agents: episode.agents(),
+        };
+        sight.write(&self.layout, |id| asked.iter().any(|asked| asked.agent == id), &mut board.shared);
+        lane.candidates.resize(self.seats(), Vec::new());
+        let (actions, numbers) = (self.layout.actions(), self.layout.candidate_numbers());
+        for seat in 0..self.seats() {
+            let own = asked.iter().find(|asked| self.seat_of(asked.agent) == Some(seat));
+            board.asked[seat] = own.is_some();
+            let mut arrays = OwnArrays {
+                action_mask: &mut board.action_mask[seat * actions..(seat + 1) * actions],
+                candidates: &mut board.candidates[seat * numbers..(seat + 1) * numbers],
+            };
+            let options = own.map(|asked| (asked.agent, asked.options.as_slice()));
+            lane.candidates[seat] = sight.write_own(&self.layout, options, &mut arrays);
+            let viewer = self.played[seat];
+            board.reward[seat] = episode.points().lead_of(viewer) - lane.points.lead_of(viewer);
+        }
+        let first = asked.first().and_then(|asked| self.played.iter().position(|&played| played == asked.agent));
+        *board.turn = first.map_or(-1, |place| place as i64);
+        *board.dt_s = episode.now().since(lane.time).as_seconds();
+        *board.ended = episode.asked().is_empty();
+        (lane.points, lane.time) = (episode.points(), episode.now());
+    }
+}
+
+/// Arrays of all lanes, one after the other.
+struct Arrays {
+    cells: Py<PyArray1<u8>>,
+    burning_s: Py<PyArray1<f32>>,
+    agents: Py<PyArray1<f32>>,
+    time_s: Py<PyArray1<f32>>,
+    action_mask: Py<PyArray1<i8>>,
+    candidates: Py<PyArray1<f32>>,
+    asked: Py<PyArray1<bool>>,
+    reward: Py<PyArray1<f64>>,
+    illegal: Py<PyArray1<bool>>,
+    dt_s: Py<PyArray1<f64>>,
+    turn: Py<PyArray1<i64>>,
+    ended: Py<PyArray1<bool>>,
+}
+
+fn zeros<T: Element>(py: Python<'_>, length: usize) -> Py<PyArray1<T>> {
+    PyArray1::zeros(py, length, false).unbind()
+}
+
+/// Contests of one scenario side by side, played from outside. What they show is in arrays that stay.
+#[pyclass(module = "wildfire_contest")]
+pub struct Contests {
+    rules: Rules,
+    lanes: Vec<Lane>,
+    threads: usize,
+    arrays: Arrays,
+}
+
+#[pymethods]
+impl Contests {
+    #[new]
+    #[pyo3(signature = (scenario, lanes, play, *, together, nearest, wait_s, threads))]
+    fn new(
+        py: Python<'_>,
+        scenario: ScenarioLike<'_>,
+        lanes: usize,
+        play: Vec<String>,
+        together: bool,
+        nearest: Option<usize>,
+        wait_s: f64,
+        threads: usize,
+    ) -> PyResult<Self> {
+        let scenario = scenario.load(py, Vec::new())?;
+        let mut scenario = scenario.get().library().clone();
+        if !(1..=MOST_LANES).contains(&lanes) {
+            return Err(PyValueError::new_err(format!("n is {lanes}; expected 1 to {MOST_LANES}")));
+        }
+        if threads == 0 {
+            return Err(PyValueError::new_err("threads is 0; expected 1 or more"));
+        }
+        if !(0.1..=1e6).contains(&wait_s) {
+            return Err(PyValueError::new_err(format!("wait_s is {wait_s}; expected 0.1 to 1e6")));
+        }
+        if nearest.is_some_and(|most| !(1..=1000).contains(&most)) {
+            return Err(PyValueError::new_err("k is outside of its range; expected 1 to 1000"));
+        }
+        let all = agents_of(&scenario);
+        let played = play.iter().map(|name| agent_named(&all, name)).collect::<PyResult<Vec<AgentId>>>()?;
+        if played.is_empty() {
+            return Err(PyValueError::new_err("nobody is played; expected some of the scenario's agents"));
+        }
+        // Whoever is played follows nobody else.
+        for &AgentId { role, number } in &played {
+            if role.lights() {
+                scenario.wumpus[usize::from(number)].goal = WumpusGoal::RandomIntact;
+            } else {
+                scenario.unimog[usize::from(number)].goal = TruckGoal::NearestBurning;
+            }
+        }
+        let layout = Layout {
+            frame: scenario.field.frame(),
+            agents: all.len(),
+            nearest,
+            wait: SimTime::from_seconds(wait_s),
+            duration: SimTime::from_seconds(scenario.duration_s),
+        };
+        let rules = Rules { scenario, played, layout, together };
+        let (cells, seats) = (lanes * rules.layout.frame.cell_count(), lanes * rules.seats());
+        let arrays = Arrays {
+            cells: zeros(py, cells),
+            burning_s: zeros(py, cells),
+            agents: zeros(py, lanes * rules.layout.agents * AGENT_NUMBERS),
+            time_s: zeros(py, lanes * 2),
+            action_mask: zeros(py, seats * rules.layout.actions()),
+            candidates: zeros(py, seats * rules.layout.candidate_numbers()),
+            asked: zeros(py, seats),
+            reward: zeros(py, seats),
+            illegal: zeros(py, seats),
+            dt_s: zeros(py, lanes),
+            turn: zeros(py, lanes),
+            ended: zeros(py, lanes),
+        };
+        let lanes = (0..lanes).map(|_| Lane::default()).collect();
+        Ok(Self { rules, lanes, threads, arrays })
+    }
+
+    /// Names the agents of the scenario, those that are not played too.
+    #[getter]
+    fn agents_named(&self) -> Vec<String> {
+        agents_of(&self.rules.scenario).into_iter().map(name_of).collect()
+    }
+
+    #[getter]
+    fn shape(&self) -> (u16, u16) {
+        (self.rules.layout.frame.rows, self.rules.layout.frame.cols)
+    }
+
+    #[getter]
+    fn actions(&self) -> usize {
+        self.rules.layout.actions()
+    }
+
+    #[getter]
+    fn cells(&self, py: Python<'_>) -> Py<PyArray1<u8>> {
+        self.arrays.cells.clone_ref(py)
+    }
+
+    #[getter]
+    fn burning_s(&self, py: Python<'_>) -> Py<PyArray1<f32>> {
+        self.arrays.burning_s.clone_ref(py)
+    }
+
+    #[getter]
+    fn agents(&self, py: Python<'_>) -> Py<PyArray1<f32>> {
+        self.arrays.agents.clone_ref(py)
+    }
+
+    #[getter]
+    fn time_s(&self, py: Python<'_>) -> Py<PyArray1<f32>> {
+        self.arrays.time_s.clone_ref(py)
+    }
+
+    #[getter]
+    fn action_mask(&self, py: Python<'_>) -> Py<PyArray1<i8>> {
+        self.arrays.action_mask.clone_ref(py)
+    }
+
+    #[getter]
+    fn candidates(&self, py: Python<'_>) -> Py<PyArray1<f32>> {
+        self.arrays.candidates.clone_ref(py)
+    }
+
+    #[getter]
+    fn asked(&self, py: Python<'_>) -> Py<PyArray1<bool>> {
+        self.arrays.asked.clone_ref(py)
+    }
+
+    #[getter]
+    fn reward(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
+        self.arrays.reward.clone_ref(py)
+    }
+
+    #[getter]
+    fn illegal(&self, py: Python<'_>) -> Py<PyArray1<bool>> {
+        self.arrays.illegal.clone_ref(py)
+    }
+
+    #[getter]
+    fn dt_s(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
+        self.arrays.dt_s.clone_ref(py)
+    }
+
+    /// Holds, by contest, the place among those played of who is next to answer, or -1.
+    #[getter]
+    fn turn(&self, py: Python<'_>) -> Py<PyArray1<i64>> {
+        self.arrays.turn.clone_ref(py)
+    }
+
+    #[getter]
+    fn ended(&self, py: Python<'_>) -> Py<PyArray1<bool>> {
+        self.arrays.ended.clone_ref(py)
+    }
+
+    /// Begins contests anew, each with a seed; the others stay as they are.
+    fn reset(&mut self, py: Python<'_>, resets: Vec<(usize, u64)>) -> PyResult<()> {
+        let tasks = self.tasks(&resets, |_| Task::Stay)?;
+        self.carry_out(py, tasks)
+    }
+
+    /// Takes a step in all contests, but begins some anew instead. `actions` has a number for each seat.
+    fn step(&mut self, py: Python<'_>, actions: PyReadonlyArray1<'_, i64>, resets: Vec<(usize, u64)>) -> PyResult<()> {
+        let (actions, seats) = (actions.as_slice()?.to_vec(), self.rules.seats());
+        if actions.len() != self.lanes.len() * seats {
+            let (found, expected) = (actions.len(), self.lanes.len() * seats);
+            return Err(PyValueError::new_err(format!("found {found} actions, expected {expected}")));
+        }
+        let is_action =
+            |&action: &i64| usize::try_from(action).is_ok_and(|action| action < self.rules.layout.actions());
+        if let Some(wrong) = actions.iter().find(|action| !is_action(action)) {
+            let most = self.rules.layout.actions() - 1;
+            return Err(PyValueError::new_err(format!("the action {wrong} is none; expected 0 to {most}")));
+        }
+        let tasks = self.tasks(&resets, |lane| Task::Step(&actions[lane * seats..(lane + 1) * seats]))?;
+        self.carry_out(py, tasks)
+    }
+
+    /// Draws a contest as it is now: an array of height, width and red, green, blue.
+    fn picture<'py>(&self, py: Python<'py>, lane: usize, size: (u32, u32)) -> PyResult<Bound<'py, PyAny>> {
+        let none = || PyIndexError::new_err("there is no contest to draw: call reset first");
+        let episode = self.lanes.get(lane).and_then(|lane| lane.episode.as_ref()).ok_or_else(none)?;
+        let pixels = py.detach(|| {
+            let view = RunView::new(episode.timeline(), None);
+            let options = ViewOptions::default();
+            let request = FrameRequest { runs: &[&view], time: episode.now(), options: &options };
+            let mut renderer = FrameRenderer::new(size, 1);
+            let rgba = renderer.paint(&request);
+            rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect::<Vec<u8>>()
+        });
+        PyArray1::from_vec(py, pixels).call_method1("reshape", ((size.1, size.0, 3),))
+    }
+
+    /// Returns the number of facts so far, which tells contests apart in tests.
+    fn facts(&self, lane: usize) -> usize {
+        self.lanes.get(lane).and_then(|lane| lane.episode.as_ref()).map_or(0, |episode| episode.facts().len())
+    }
+}
+
+impl Contests {
+    fn tasks<'a>(&self, resets: &[(usize, u64)], otherwise: impl Fn(usize) -> Task<'a>) -> PyResult<Vec<Task<'a>>> {
+        let mut tasks: Vec<Task<'a>> = (0..self.lanes.len()).map(otherwise).collect();
+        for &(lane, seed) in resets {
+            let none = || PyIndexError::new_err(format!("there is no contest {lane}"));
+            *tasks.get_mut(lane).ok_or_else(none)? = Task::Reset(seed);
+        }
+        Ok(tasks)
+    }
+
+    fn carry_out(&mut self, py: Python<'_>, tasks: Vec<Task<'_>>) -> PyResult<()> {
+        let Self { rules, lanes, threads, arrays } = self;
+        let mut open = OpenArrays::new(py, arrays);
+        let boards = open.boards(rules, lanes.len())?;
+        let mut work: Vec<_> = lanes.iter_mut().zip(boards).zip(tasks).collect();
+        let rules = &*rules;
+        let done = py.detach(|| {
+            let all = |work: &mut [((&mut Lane, Board<'_>), Task<'_>)]| {
+                work.iter_mut().try_for_each(|((lane, board), task)| rules.carry_out(lane, *task, board))
+            };
+            let share = work.len().div_ceil(*threads);
+            if *threads == 1 || work.len() == 1 {
+                return all(&mut work);
+            }
+            thread::scope(|scope| {
+                let running: Vec<_> = work.chunks_mut(share).map(|part| scope.spawn(move || all(part))).collect();
+                running.into_iter().try_for_each(|thread| thread.join().expect("a contest does not panic"))
+            })
+        });
+        done.map_err(error)
+    }
+}
+
+/// The arrays while they are written to.
+struct OpenArrays<'py> {
+    cells: PyReadwriteArray1<'py, u8>,
+    burning_s: PyReadwriteArray1<'py, f32>,
+    agents: PyReadwriteArray1<'py, f32>,
+    time_s: PyReadwriteArray1<'py, f32>,
+    action_mask: PyReadwriteArray1<'py, i8>,
+    candidates: PyReadwriteArray1<'py, f32>,
+    asked: PyReadwriteArray1<'py, bool>,
+    reward: PyReadwriteArray1<'py, f64>,
+    illegal: PyReadwriteArray1<'py, bool>,
+    dt_s: PyReadwriteArray1<'py, f64>,
+    turn: PyReadwriteArray1<'py, i64>,
+    ended: PyReadwriteArray1<'py, bool>,
+}
+
+impl<'py> OpenArrays<'py> {
+    fn new(py: Python<'py>, arrays: &Arrays) -> Self {
+        Self {
+            cells: arrays.cells.bind(py).readwrite(),
+            burning_s: arrays.burning_s.bind(py).readwrite(),
+            agents: arrays.agents.bind(py).readwrite(),
+            time_s: arrays.time_s.bind(py).readwrite(),
+            action_mask: arrays.action_mask.bind(py).readwrite(),
+            candidates: arrays.candidates.bind(py).readwrite(),
+            asked: arrays.asked.bind(py).readwrite(),
+            reward: arrays.reward.bind(py).readwrite(),
+            illegal: arrays.illegal.bind(py).readwrite(),
+            dt_s: arrays.dt_s.bind(py).readwrite(),
+            turn: arrays.turn.bind(py).readwrite(),
+            ended: arrays.ended.bind(py).readwrite(),
+        }
+    }
+
+    /// Divides the arrays among the lanes.
+    fn boards(&mut self, rules: &Rules, lanes: usize) -> PyResult<Vec<Board<'_>>> {
+        let (layout, seats) = (&rules.layout, rules.seats());
+        let cells = layout.frame.cell_count();
+        let mut cell_codes = self.cells.as_slice_mut()?.chunks_exact_mut(cells);
+        let mut burning_s = self.burning_s.as_slice_mut()?.chunks_exact_mut(cells);
+        let mut agents = self.agents.as_slice_mut()?.chunks_exact_mut(layout.agents * AGENT_NUMBERS);
+        let mut time_s = self.time_s.as_slice_mut()?.chunks_exact_mut(2);
+        let mut action_mask = self.action_mask.as_slice_mut()?.chunks_exact_mut(seats * layout.actions());
+        // There may be no candidates, and no chunk is empty.
+        let mut candidates =
+            self.candidates.as_slice_mut()?.chunks_exact_mut((seats * layout.candidate_numbers()).max(1));
+        let mut asked = self.asked.as_slice_mut()?.chunks_exact_mut(seats);
+        let mut reward = self.reward.as_slice_mut()?.chunks_exact_mut(seats);
+        let mut illegal = self.illegal.as_slice_mut()?.chunks_exact_mut(seats);
+        let mut dt_s = self.dt_s.as_slice_mut()?.iter_mut();
+        let mut turn = self.turn.as_slice_mut()?.iter_mut();
+        let mut ended = self.ended.as_slice_mut()?.iter_mut();
+        let boards = (0..lanes).map_while(|_| {
+            Some(Board {
+                shared: SharedArrays {
+                    cells: cell_codes.next()?,
+                    burning_s: burning_s.next()?,
+                    agents: agents.next()?,
+                    time_s: time_s.next()?,
+                },
+                action_mask: action_mask.next()?,
+                candidates: candidates.next().unwrap_or_default(),
+                asked: asked.next()?,
+                reward: reward.next()?,
+                illegal: illegal.next()?,
+                dt_s: dt_s.next()?,
+                turn: turn.next()?,
+                ended: ended.next()?,
+            })
+        });
+        Ok(boards.collect())
+    }
+}
+
+/// Names the agents of a scenario as environments do.
+#[pyfunction]
+#[pyo3(name = "agents_of", signature = (scenario, /))]
+pub fn named_agents(py: Python<'_>, scenario: ScenarioLike<'_>) -> PyResult<Vec<String>> {
+    let scenario = scenario.load(py, Vec::new())?;
+    Ok(agents_of(scenario.get().library()).into_iter().map(name_of).collect())
+}
+
+/// Lists the agents of a scenario, by name.
+fn agents_of(scenario: &Scenario) -> Vec<AgentId> {
+    let wumpuses = (0..scenario.wumpus.len()).map(|number| AgentId::wumpus(number as u16));
+    wumpuses.chain((0..scenario.unimog.len()).map(|number| AgentId::unimog(number as u16))).collect()
+}
+
+/// Returns the name of an agent in environments, where a slash would read as a folder.
+fn name_of(agent: AgentId) -> String {
+    format!("{}_{}", agent.role.name(), agent.number)
+}
+
+fn agent_named(all: &[AgentId], name: &str) -> PyResult<AgentId> {
+    all.iter().copied().find(|&agent| name_of(agent) == name).ok_or_else(|| {
+        let known: Vec<String> = all.iter().copied().map(name_of).collect();
+        PyValueError::new_err(format!("{name:?} is no agent of this scenario; they are {}", known.join(", ")))
+    })
+}

@@ -1,0 +1,182 @@
+//! What a policy sees, as arrays, and what it answers, as a number.
+//!
+//! Row 0 of the field is in the south. An action is 0, which waits, or 1 and more: by default the place of a cell, row by
+//! row; of a policy that chooses among the nearest, the place of a candidate.
+
+use wildfire::fire::BushState;
+use wildfire::fire::FireField;
+use wildfire::geometry::{Cell, FieldFrame};
+use wildfire::sim::policies::{AgentView, Choice, cluster_sizes};
+use wildfire::time::SimTime;
+use wildfire::timeline::{Activity, AgentId};
+
+/// Numbers of an agent: x, y, sine and cosine of the heading, x and y of the goal, activity, asked.
+pub const AGENT_NUMBERS: usize = 8;
+
+/// Numbers of a candidate: dx, dy, distance, seconds since ignition, size of its cluster, free.
+pub const CANDIDATE_NUMBERS: usize = 6;
+
+/// What arrays of a contest look like.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    pub frame: FieldFrame,
+    pub agents: usize,
+    /// How many of the nearest cells a policy chooses from, if not from all.
+    pub nearest: Option<usize>,
+    /// How long an agent waits at most.
+    pub wait: SimTime,
+    pub duration: SimTime,
+}
+
+impl Layout {
+    /// Returns the number of actions.
+    pub fn actions(&self) -> usize {
+        1 + self.nearest.unwrap_or(self.frame.cell_count())
+    }
+
+    pub fn candidate_numbers(&self) -> usize {
+        self.nearest.unwrap_or(0) * CANDIDATE_NUMBERS
+    }
+}
+
+/// The state at one instant.
+pub struct Sight<'a> {
+    pub now: SimTime,
+    pub fires: &'a FireField,
+    /// The cells on which a bush grows.
+    pub bushes: &'a [Cell],
+    /// All agents, by name.
+    pub agents: &'a [AgentView],
+}
+
+/// The arrays that all who look at a contest share.
+pub struct SharedArrays<'a> {
+    pub cells: &'a mut [u8],
+    pub burning_s: &'a mut [f32],
+    pub agents: &'a mut [f32],
+    pub time_s: &'a mut [f32],
+}
+
+/// The arrays of one who is asked, or could be.
+pub struct OwnArrays<'a> {
+    pub action_mask: &'a mut [i8],
+    /// Empty where there is a choice of all cells.
+    pub candidates: &'a mut [f32],
+}
+
+impl Sight<'_> {
+    /// Writes the state of all bushes and agents. Cells without a bush are left as they are, which is 0.
+    pub fn write(&self, layout: &Layout, asked: impl Fn(AgentId) -> bool, arrays: &mut SharedArrays<'_>) {
+        for &cell in self.bushes {
+            let index = layout.frame.index(cell);
+            let (code, burning_s) = match self.fires.state(cell) {
+                None => (0, 0.0),
+                Some(BushState::Intact) => (1, 0.0),
+                Some(BushState::Burning { since }) => (2, self.now.since(since).as_seconds() as f32),
+                Some(BushState::Extinguished) => (3, 0.0),
+                Some(BushState::BurnedOut) => (4, 0.0),
+            };
+            (arrays.cells[index], arrays.burning_s[index]) = (code, burning_s);
+        }
+        for (agent, numbers) in self.agents.iter().zip(arrays.agents.chunks_exact_mut(AGENT_NUMBERS)) {
+            let (sin, cos) = (agent.pose.direction().y, agent.pose.direction().x);
+            let goal = agent.goal.map_or([-1.0, -1.0], |cell| layout.frame.centre(cell).to_array());
+            let activity = match agent.activity {
+                Activity::Standing => 0.0,
+                Activity::Planning => 1.0,
+                Activity::Driving => 2.0,
+                Activity::Suppressing => 3.0,
+                Activity::Waiting => 4.0,
+            };
+            let asked = f64::from(u8::from(asked(agent.id)));
+            let all = [agent.place.x, agent.place.y, sin, cos, goal[0], goal[1], activity, asked];
+            for (number, value) in numbers.iter_mut().zip(all) {
+                *number = value as f32;
+            }
+        }
+        let left = layout.duration.since(self.now);
+        arrays.time_s.copy_from_slice(&[self.now, left].map(|time| time.as_seconds() as f32));
+    }
+
+    /// Writes what an agent may choose; nobody, or one who is not asked, may only wait. Returns the cells that the
+    /// candidates are, if it chooses among the nearest.
+    pub fn write_own(
+        &self,
+        layout: &Layout,
+        asked: Option<(AgentId, &[Cell])>,
+        arrays: &mut OwnArrays<'_>,
+    ) -> Vec<Cell> {
+        arrays.candidates.fill(0.0);
+        if let Some(most) = layout.nearest {
+            arrays.action_mask.fill(0);
+            arrays.action_mask[0] = 1;
+            let own = asked.and_then(|(id, _)| self.agents.iter().find(|agent| agent.id == id));
+            let (Some(agent), Some((_, options))) = (own, asked) else { return Vec::new() };
+            return self.write_candidates(layout, most, agent, options, arrays);
+        }
+        for &cell in self.bushes {
+            arrays.action_mask[1 + layout.frame.index(cell)] = 0;
+        }
+        arrays.action_mask[0] = 1;
+        for &cell in asked.map_or(&[][..], |(_, options)| options) {
+            arrays.action_mask[1 + layout.frame.index(cell)] = 1;
+        }
+        Vec::new()
+    }
+
+    fn write_candidates(
+        &self,
+        layout: &Layout,
+        most: usize,
+        agent: &AgentView,
+        options: &[Cell],
+        arrays: &mut OwnArrays<'_>,
+    ) -> Vec<Cell> {
+        let (frame, suppresses) = (&layout.frame, agent.id.role.suppresses());
+        let distance_m = |cell: Cell| (frame.centre(cell) - agent.place).length();
+        let mut nearest: Vec<(f64, usize, Cell)> = if suppresses {
+            self.fires.burning().map(|cell| (distance_m(cell), frame.index(cell), cell)).collect()
+        } else {
+            self.fires.flammable().map(|cell| (distance_m(cell), frame.index(cell), cell)).collect()
+        };
+        nearest.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        nearest.truncate(most);
+        let sizes = if suppresses { cluster_sizes(self.fires) } else { Vec::new() };
+        for (place, &(distance_m, index, cell)) in nearest.iter().enumerate() {
+            let is_free = options.binary_search_by_key(&index, |&option| frame.index(option)).is_ok();
+            arrays.action_mask[1 + place] = i8::from(is_free);
+            let away = frame.centre(cell) - agent.place;
+            let burning_s = match self.fires.state(cell) {
+                Some(BushState::Burning { since }) => self.now.since(since).as_seconds(),
+                _ => 0.0,
+            };
+            let cluster = f64::from(sizes.get(index).copied().unwrap_or(0));
+            let all = [away.x, away.y, distance_m, burning_s, cluster, f64::from(u8::from(is_free))];
+            let numbers = &mut arrays.candidates[place * CANDIDATE_NUMBERS..(place + 1) * CANDIDATE_NUMBERS];
+            for (number, value) in numbers.iter_mut().zip(all) {
+                *number = value as f32;
+            }
+        }
+        nearest.into_iter().map(|(.., cell)| cell).collect()
+    }
+}
+
+impl Layout {
+    /// Returns what an action below [`Self::actions`] means to an agent who may choose these, or `None` if it must not
+    /// be chosen. `candidates` are the cells that [`Sight::write_own`] returned.
+    pub fn choice(&self, action: usize, now: SimTime, options: &[Cell], candidates: &[Cell]) -> Option<Choice> {
+        let Some(index) = action.checked_sub(1) else { return Some(self.waiting(now)) };
+        let cell = match self.nearest {
+            Some(_) => *candidates.get(index)?,
+            None => self.frame.cell(index),
+        };
+        let index = self.frame.index(cell);
+        let is_option = options.binary_search_by_key(&index, |&option| self.frame.index(option)).is_ok();
+        is_option.then_some(Choice::Go(cell))
+    }
+
+    /// Returns the choice to wait.
+    pub fn waiting(&self, now: SimTime) -> Choice {
+        Choice::WaitUntil(now + self.wait)
+    }
+}

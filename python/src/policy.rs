@@ -1,0 +1,197 @@
+//! Policies of Python in a run: what environments show goes in, an action comes out.
+//!
+//! Whoever fails to answer, by an exception or by what is no action, waits; the first exception of a run is printed.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use numpy::{Element, PyArray1, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyMapping};
+use rand::Rng;
+use wildfire::geometry::Cell;
+use wildfire::planning::MakeError;
+use wildfire::sim::policies::{Choice, Observation, Policies, Policy, PolicyNameError, PolicySite};
+use wildfire::time::SimTime;
+use wildfire::timeline::AgentId;
+
+use crate::observation::{AGENT_NUMBERS, CANDIDATE_NUMBERS, Layout, OwnArrays, SharedArrays, Sight};
+use crate::planner::{Interruption, SEED_BITS, settle, words};
+
+/// What Python says of a policy.
+struct Given {
+    name: String,
+    act: Py<PyAny>,
+    nearest: Option<usize>,
+    wait_s: f64,
+    per_run: bool,
+}
+
+/// The policies that were handed in.
+pub struct GivenPolicies(Vec<Given>);
+
+impl GivenPolicies {
+    /// Takes Python's mapping of names to policies.
+    ///
+    /// # Errors
+    /// If one is no policy.
+    pub fn new(given: Option<&Bound<'_, PyMapping>>) -> PyResult<Self> {
+        let mut policies = Vec::new();
+        for item in given.map(|given| given.items()).transpose()?.iter().flatten() {
+            let (name, policy) = item.extract::<(String, Bound<'_, PyAny>)>()?;
+            let as_policy = item.py().import("wildfire_contest.policies")?.getattr("as_policy")?;
+            let policy = as_policy.call1((policy,))?;
+            policies.push(Given {
+                name,
+                act: policy.getattr("act")?.unbind(),
+                nearest: policy.getattr("nearest")?.extract()?,
+                wait_s: policy.getattr("wait_s")?.extract()?,
+                per_run: policy.getattr("per_run")?.extract()?,
+            });
+        }
+        Ok(Self(policies))
+    }
+
+    pub fn knows(&self, name: &str) -> bool {
+        self.0.iter().any(|given| given.name == name)
+    }
+
+    /// Returns what was handed in, for one run.
+    ///
+    /// # Errors
+    /// If a policy cannot have its name.
+    pub fn policies(&self, py: Python<'_>, interruption: &Arc<Interruption>) -> Result<Policies, PolicyNameError> {
+        let has_printed = Arc::new(AtomicBool::new(false));
+        self.0.iter().try_fold(Policies::default(), |policies, given| {
+            let maker = Maker {
+                given: Given { name: given.name.clone(), act: given.act.clone_ref(py), ..*given },
+                interruption: Arc::clone(interruption),
+                has_printed: Arc::clone(&has_printed),
+            };
+            policies.with(&given.name, move |site: &PolicySite<'_>| maker.make(site))
+        })
+    }
+}
+
+/// Makes policies of one name.
+struct Maker {
+    given: Given,
+    interruption: Arc<Interruption>,
+    /// True if an exception of this run was printed whole.
+    has_printed: Arc<AtomicBool>,
+}
+
+impl Maker {
+    fn make(&self, site: &PolicySite<'_>) -> Result<Box<dyn Policy>, MakeError> {
+        let made = Python::try_attach(|py| {
+            self.act(py, site).map_err(|exception| {
+                let words = words(py, &exception);
+                settle(py, exception, &self.interruption, &self.has_printed);
+                MakeError::new(words)
+            })
+        });
+        let act = made.unwrap_or_else(|| Err(MakeError::new("Python has ended")))?;
+        let layout = Layout {
+            frame: site.frame,
+            agents: site.agents.len(),
+            nearest: self.given.nearest,
+            wait: SimTime::from_seconds(self.given.wait_s),
+            duration: site.duration,
+        };
+        Ok(Box::new(PythonPolicy {
+            act,
+            layout,
+            bushes: site.bushes.to_vec(),
+            interruption: Arc::clone(&self.interruption),
+            has_printed: Arc::clone(&self.has_printed),
+        }))
+    }
+
+    /// Returns what is called in this run.
+    fn act(&self, py: Python<'_>, site: &PolicySite<'_>) -> PyResult<Py<PyAny>> {
+        if !self.given.per_run {
+            return Ok(self.given.act.clone_ref(py));
+        }
+        let named = |agents: &[AgentId]| agents.iter().map(ToString::to_string).collect::<Vec<_>>();
+        let told = PyDict::new(py);
+        told.set_item("scenario", site.scenario)?;
+        told.set_item("seed", site.seed)?;
+        told.set_item("agents", named(site.agents))?;
+        told.set_item("plays", named(site.plays))?;
+        let settings = if site.own.is_null() { "{}".to_owned() } else { site.own.to_string() };
+        told.set_item("settings", py.import("json")?.call_method1("loads", (settings,))?)?;
+        told.set_item("draw", (site.stream)(&self.given.name).next_u64() >> (u64::BITS - SEED_BITS))?;
+        Ok(self.given.act.bind(py).call1((told,))?.unbind())
+    }
+}
+
+/// A policy that Python has.
+struct PythonPolicy {
+    act: Py<PyAny>,
+    layout: Layout,
+    bushes: Vec<Cell>,
+    interruption: Arc<Interruption>,
+    has_printed: Arc<AtomicBool>,
+}
+
+impl Policy for PythonPolicy {
+    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
+        let Some(&agent) = asked.first() else { return Vec::new() };
+        let answer =
+            (!self.interruption.is_set()).then(|| Python::try_attach(|py| self.ask(py, seen, agent))).flatten();
+        vec![(agent, answer.unwrap_or_else(|| self.layout.waiting(seen.now)))]
+    }
+}
+
+impl PythonPolicy {
+    fn ask(&self, py: Python<'_>, seen: &Observation<'_>, agent: AgentId) -> Choice {
+        let options = seen.options(agent);
+        let choice = self.shown(py, seen, agent, &options).and_then(|(observation, candidates)| {
+            let action = self.act.bind(py).call1((observation,))?.extract::<i64>()?;
+            let action = usize::try_from(action).unwrap_or(usize::MAX);
+            let is_action = action < self.layout.actions();
+            Ok(is_action.then(|| self.layout.choice(action, seen.now, &options, &candidates)).flatten())
+        });
+        choice
+            .unwrap_or_else(|exception| {
+                settle(py, exception, &self.interruption, &self.has_printed);
+                None
+            })
+            .unwrap_or_else(|| self.layout.waiting(seen.now))
+    }
+
+    /// Makes the arrays that an environment would show.
+    fn shown<'py>(
+        &self,
+        py: Python<'py>,
+        seen: &Observation<'_>,
+        agent: AgentId,
+        options: &[Cell],
+    ) -> PyResult<(Bound<'py, PyDict>, Vec<Cell>)> {
+        let (layout, cell_count) = (&self.layout, self.layout.frame.cell_count());
+        let (mut cells, mut burning_s) = (vec![0; cell_count], vec![0.0; cell_count]);
+        let (mut agents, mut time_s) = (vec![0.0; layout.agents * AGENT_NUMBERS], [0.0; 2]);
+        let (mut mask, mut candidates) = (vec![0; layout.actions()], vec![0.0; layout.candidate_numbers()]);
+        let sight = Sight { now: seen.now, fires: seen.fires, bushes: &self.bushes, agents: seen.agents };
+        let mut shared =
+            SharedArrays { cells: &mut cells, burning_s: &mut burning_s, agents: &mut agents, time_s: &mut time_s };
+        sight.write(layout, |id| id == agent, &mut shared);
+        let mut own = OwnArrays { action_mask: &mut mask, candidates: &mut candidates };
+        let targets = sight.write_own(layout, Some((agent, options)), &mut own);
+        let observation = PyDict::new(py);
+        let field = (usize::from(layout.frame.rows), usize::from(layout.frame.cols));
+        observation.set_item("cells", shaped(py, cells, field)?)?;
+        observation.set_item("burning_s", shaped(py, burning_s, field)?)?;
+        observation.set_item("agents", shaped(py, agents, (layout.agents, AGENT_NUMBERS))?)?;
+        observation.set_item("time_s", PyArray1::from_slice(py, &time_s))?;
+        observation.set_item("action_mask", PyArray1::from_vec(py, mask))?;
+        if let Some(most) = layout.nearest {
+            observation.set_item("candidates", shaped(py, candidates, (most, CANDIDATE_NUMBERS))?)?;
+        }
+        Ok((observation, targets))
+    }
+}
+
+fn shaped<T: Element>(py: Python<'_>, values: Vec<T>, shape: (usize, usize)) -> PyResult<Bound<'_, PyAny>> {
+    Ok(PyArray1::from_vec(py, values).reshape([shape.0, shape.1])?.into_any())
+}

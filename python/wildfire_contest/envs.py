@@ -1,0 +1,189 @@
+"""Environments for reinforcement learning: the contest, one decision after the other.
+
+An agent is asked when it has something to choose from and its built-in rule would choose. A step carries out the
+answer and lasts until the next agent that is played is asked; planning and driving are the scenario's.
+
+Needs gymnasium, and pettingzoo for several agents: ``pip install wildfire-contest[envs]``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+
+from wildfire_contest import _core
+from wildfire_contest.policies import Policy
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ["TEST_SEEDS", "TRAINING_SEEDS", "Policy", "TruckEnv", "contest_v0", "nearest", "random_seed"]
+
+TEST_SEEDS = range(0, 2**32)
+"""Seeds to test with: those that people write, such as 1 to 1000. Training without a seed never meets them."""
+
+TRAINING_SEEDS = range(2**32, 2**53)
+"""Seeds that ``reset()`` without a seed draws from."""
+
+PICTURE_SIZE = (800, 800)
+"""Width and height of pictures, in pixels."""
+
+
+def random_seed(generator: np.random.Generator) -> int:
+    """Draw the seed of a contest to train in, one of `TRAINING_SEEDS`."""
+    return int(generator.integers(TRAINING_SEEDS.start, TRAINING_SEEDS.stop))
+
+
+def make_contests(
+    scenario: Any,
+    lanes: int,
+    play: Sequence[str] | None,
+    *,
+    together: bool,
+    actions: str,
+    k: int,
+    wait_s: float,
+    threads: int = 1,
+) -> tuple[_core.Contests, list[str]]:
+    """Make contests side by side, and name those who are played: by default all trucks."""
+    if actions not in ("cells", "nearest"):
+        msg = f'actions is {actions!r}; expected "cells" or "nearest"'
+        raise ValueError(msg)
+    if play is None:
+        play = [name for name in _core.agents_of(scenario) if name.startswith("unimog")]
+    nearest_k = k if actions == "nearest" else None
+    contests = _core.Contests(
+        scenario, lanes, list(play), together=together, nearest=nearest_k, wait_s=wait_s, threads=threads
+    )
+    return contests, list(play)
+
+
+def observation_space(contests: _core.Contests, k: int | None) -> spaces.Dict:
+    """Return the space of what is seen; `k` is the number of candidates, if there are some."""
+    rows, cols = contests.shape
+    agents = len(contests.agents_named)
+    parts: dict[str, spaces.Space[Any]] = {
+        "cells": spaces.Box(0, 4, (rows, cols), np.uint8),
+        "burning_s": spaces.Box(0, np.inf, (rows, cols), np.float32),
+        "agents": spaces.Box(-np.inf, np.inf, (agents, 8), np.float32),
+        "time_s": spaces.Box(0, np.inf, (2,), np.float32),
+        "action_mask": spaces.Box(0, 1, (contests.actions,), np.int8),
+    }
+    if k is not None:
+        parts["candidates"] = spaces.Box(-np.inf, np.inf, (k, 6), np.float32)
+    return spaces.Dict(parts)
+
+
+def shared_arrays(contests: _core.Contests, lanes: int) -> dict[str, NDArray[Any]]:
+    """Return what all see, by lane. The arrays stay: steps write into them."""
+    rows, cols = contests.shape
+    return {
+        "cells": contests.cells.reshape(lanes, rows, cols),
+        "burning_s": contests.burning_s.reshape(lanes, rows, cols),
+        "agents": contests.agents.reshape(lanes, -1, 8),
+        "time_s": contests.time_s.reshape(lanes, 2),
+    }
+
+
+def own_arrays(contests: _core.Contests, lanes: int, seats: int, k: int | None) -> dict[str, NDArray[Any]]:
+    """Return what is somebody's own, by lane and seat."""
+    arrays: dict[str, NDArray[Any]] = {"action_mask": contests.action_mask.reshape(lanes, seats, -1)}
+    if k is not None:
+        arrays["candidates"] = contests.candidates.reshape(lanes, seats, k, 6)
+    return arrays
+
+
+class TruckEnv(gymnasium.Env[dict[str, Any], np.int64]):
+    """The contest as an environment of Gymnasium, ``wildfire/Truck-v0``.
+
+    Parameters
+    ----------
+    scenario : str, path or Scenario
+        What is played.
+    play : sequence of str, optional
+        Who is played: by default all trucks, one at a time (``observation["agents"][:, 7]`` says whose turn it is).
+    actions : {"cells", "nearest"}
+        ``"cells"``: 0 waits, 1 + row * columns + column goes to a cell. ``"nearest"``: 0 waits, 1 + i goes to
+        candidate i of the `k` nearest.
+    k : int
+        Candidates of ``actions="nearest"``.
+    wait_s : float
+        The longest wait: action 0 lasts until a bush changes, or so long.
+    render_mode : {None, "rgb_array"}
+    """
+
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 4}  # noqa: RUF012
+
+    def __init__(
+        self,
+        scenario: Any = "contest",
+        *,
+        play: Sequence[str] | None = None,
+        actions: str = "cells",
+        k: int = 16,
+        wait_s: float = 10.0,
+        render_mode: str | None = None,
+    ) -> None:
+        if render_mode not in (None, "rgb_array"):
+            msg = f'render_mode is {render_mode!r}; expected None or "rgb_array"'
+            raise ValueError(msg)
+        self._contests, self.played = make_contests(
+            scenario, 1, play, together=False, actions=actions, k=k, wait_s=wait_s
+        )
+        if len({name.rsplit("_", 1)[0] for name in self.played}) > 1:
+            msg = f"play is {self.played}; expected agents of one side, or an environment of several agents"
+            raise ValueError(msg)
+        own_k = k if actions == "nearest" else None
+        self.observation_space = observation_space(self._contests, own_k)
+        self.action_space = spaces.Discrete(self._contests.actions)
+        self.render_mode = render_mode
+        views = {name: array[0] for name, array in shared_arrays(self._contests, 1).items()}
+        views |= {name: array[0, 0] for name, array in own_arrays(self._contests, 1, 1, own_k).items()}
+        self._views = views
+        self._reward, self._dt_s = self._contests.reward, self._contests.dt_s
+        self._illegal, self._ended = self._contests.illegal, self._contests.ended
+        self._action = np.zeros(1, np.int64)
+
+    def _seen(self) -> dict[str, Any]:
+        return {name: view.copy() for name, view in self._views.items()}
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Begin a contest: that of `seed`, or the next of a stream that the last seed began."""
+        super().reset(seed=seed, options=options)
+        self._contests.reset([(0, random_seed(self.np_random) if seed is None else seed)])
+        return self._seen(), {"dt_s": 0.0, "illegal": 0}
+
+    def step(self, action: np.int64 | int) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
+        """Carry out an action, and go on to the next question.
+
+        A masked action waits, and ``info["illegal"]`` is 1; one outside of the space is a `ValueError`.
+        ``info["dt_s"]`` is the simulated time that the step took.
+        """
+        self._action[0] = action
+        self._contests.step(self._action, [])
+        info = {"dt_s": float(self._dt_s[0]), "illegal": int(self._illegal[0])}
+        return self._seen(), float(self._reward[0]), bool(self._ended[0]), False, info
+
+    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+        """Return a picture of the contest as it is now, of the shape (height, width, 3)."""
+        return None if self.render_mode is None else self._contests.picture(0, PICTURE_SIZE)
+
+
+def nearest(observation: dict[str, Any]) -> int:
+    """Choose as the built-in rule of the nearest does, from an observation of ``actions="nearest"``.
+
+    Candidates come by distance, so that is the first that is free.
+    """
+    free = np.flatnonzero(observation["action_mask"][1:])
+    return int(free[0]) + 1 if free.size else 0
+
+
+from wildfire_contest import contest_v0  # noqa: E402  it needs what is above
+
+gymnasium.register(id="wildfire/Truck-v0", entry_point="wildfire_contest.envs:TruckEnv")
+
+Act = Callable[[dict[str, Any]], int]

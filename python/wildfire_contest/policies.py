@@ -1,0 +1,57 @@
+"""Policies of one's own: who goes where, by name, as planners have names."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+
+class Policy:
+    """A policy that sees what environments show, for ``policies={"net": Policy(act, ...)}``.
+
+    Parameters
+    ----------
+    act : callable
+        From an observation, as `wildfire_contest.envs.TruckEnv` shows it, to an action. Where trucks and Wumpuses
+        follow the policy it is asked about both; the agent whose turn it is has ``observation["agents"][:, 7]`` 1.
+    actions, k, wait_s
+        As for `TruckEnv`.
+    per_run : bool
+        `act` makes the callable instead: it is called once in every run with a dictionary of ``scenario``, ``seed``,
+        ``agents``, ``plays``, ``settings`` and ``draw``, a seed of the policy's own.
+    """
+
+    def __init__(
+        self,
+        act: Callable[[Any], Any],
+        *,
+        actions: str = "cells",
+        k: int = 16,
+        wait_s: float = 10.0,
+        per_run: bool = False,
+    ) -> None:
+        if not callable(act):
+            msg = f"a policy is a {type(act).__name__}; expected what can be called with an observation"
+            raise TypeError(msg)
+        if actions not in ("cells", "nearest"):
+            msg = f'actions is {actions!r}; expected "cells" or "nearest"'
+            raise ValueError(msg)
+        if actions == "nearest" and not 1 <= k <= 1000:
+            msg = f"k is {k}; expected 1 to 1000"
+            raise ValueError(msg)
+        if not 0.1 <= wait_s <= 1e6:
+            msg = f"wait_s is {wait_s}; expected 0.1 to 1e6"
+            raise ValueError(msg)
+        self.act = act
+        self.nearest = k if actions == "nearest" else None
+        self.wait_s = wait_s
+        self.per_run = per_run
+
+
+Policies = Mapping[str, "Policy | Callable[[dict[str, Any]], int]"]
+"""Policies by names; a callable is a `Policy` of all cells."""
+
+
+def as_policy(given: Policy | Callable[[Any], Any]) -> Policy:
+    """Return a policy; a callable becomes one."""
+    return given if isinstance(given, Policy) else Policy(given)

@@ -1,0 +1,126 @@
+"""Many contests in one call, into arrays that stay."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from gymnasium import spaces
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+
+from wildfire_contest import envs
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ["TruckVectorEnv"]
+
+AUTORESET = {"next-step": AutoresetMode.NEXT_STEP, "same-step": AutoresetMode.SAME_STEP}
+
+
+class TruckVectorEnv(VectorEnv[dict[str, Any], "NDArray[np.int64]", "NDArray[Any]"]):
+    """`n` contests, each as in `wildfire_contest.envs.TruckEnv`, advanced together without the interpreter's lock.
+
+    What `reset` and `step` return are the same arrays every time: copy what is to be kept.
+
+    Parameters
+    ----------
+    n : int
+        Contests side by side.
+    scenario, play, actions, k, wait_s
+        As for `TruckEnv`.
+    threads : int
+        Threads among which a step is divided; they change no result.
+    autoreset : {"next-step", "same-step"}
+        When a contest that has ended begins anew: in the next step, which ignores its action, or in the same one;
+        then ``infos["final_obs"]`` has what was seen last.
+    """
+
+    def __init__(
+        self,
+        n: int,
+        scenario: Any = "contest",
+        *,
+        threads: int = 1,
+        autoreset: str = "next-step",
+        play: Sequence[str] | None = None,
+        actions: str = "cells",
+        k: int = 16,
+        wait_s: float = 10.0,
+    ) -> None:
+        if autoreset not in AUTORESET:
+            msg = f'autoreset is {autoreset!r}; expected "next-step" or "same-step"'
+            raise ValueError(msg)
+        self._contests, self.played = envs.make_contests(
+            scenario, n, play, together=False, actions=actions, k=k, wait_s=wait_s, threads=threads
+        )
+        if len({name.rsplit("_", 1)[0] for name in self.played}) > 1:
+            msg = f"play is {self.played}; expected agents of one side"
+            raise ValueError(msg)
+        own_k = k if actions == "nearest" else None
+        self.num_envs = n
+        self.metadata = {"autoreset_mode": AUTORESET[autoreset]}
+        self.single_observation_space = envs.observation_space(self._contests, own_k)
+        self.single_action_space = spaces.Discrete(self._contests.actions)
+        self.observation_space = batch_space(self.single_observation_space, n)
+        self.action_space = batch_space(self.single_action_space, n)
+        self._seen = envs.shared_arrays(self._contests, n)
+        self._seen |= {name: array[:, 0] for name, array in envs.own_arrays(self._contests, n, 1, own_k).items()}
+        self._same_step = autoreset == "same-step"
+        self._waiting: list[int] = []
+        self._truncated = np.zeros(n, np.bool_)
+        self._all = np.ones(n, np.bool_)
+
+    def _draw(self) -> int:
+        return envs.random_seed(self.np_random)
+
+    def reset(
+        self,
+        *,
+        seed: int | Sequence[int | None] | None = None,
+        options: dict[str, Any] | None = None,
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Begin all contests anew: of the seeds `seed`, `seed` + 1 ..., of a list of seeds, or drawn ones."""
+        if seed is None:
+            seeds: list[int | None] = [None] * self.num_envs
+        elif isinstance(seed, (int, np.integer)):
+            super().reset(seed=int(seed))
+            seeds = [int(seed) + lane for lane in range(self.num_envs)]
+        else:
+            seeds = list(seed)
+            if len(seeds) != self.num_envs:
+                msg = f"found {len(seeds)} seeds for {self.num_envs} contests"
+                raise ValueError(msg)
+            if isinstance(seeds[0], (int, np.integer)):
+                super().reset(seed=int(seeds[0]))
+        drawn = [self._draw() if own is None else int(own) for own in seeds]
+        self._contests.reset(list(enumerate(drawn)))
+        self._waiting = []
+        return self._seen, self._infos()
+
+    def _infos(self) -> dict[str, Any]:
+        return {"dt_s": self._contests.dt_s, "_dt_s": self._all, "illegal": self._contests.illegal, "_illegal": self._all}
+
+    def step(
+        self, actions: NDArray[np.int64]
+    ) -> tuple[dict[str, Any], NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
+        """Carry out an action in each contest."""
+        contests = self._contests
+        resets = [(lane, self._draw()) for lane in self._waiting]
+        contests.step(np.ascontiguousarray(actions, np.int64), resets)
+        ended = contests.ended
+        self._waiting = np.flatnonzero(ended).tolist() if ended.any() else []
+        infos = self._infos()
+        if not (self._same_step and self._waiting):
+            return self._seen, contests.reward, ended, self._truncated, infos
+        reward, ended = contests.reward.copy(), ended.copy()
+        infos = {name: array.copy() for name, array in infos.items()}
+        final = np.full(self.num_envs, None, object)
+        for lane in self._waiting:
+            final[lane] = {name: array[lane].copy() for name, array in self._seen.items()}
+        contests.reset([(lane, self._draw()) for lane in self._waiting])
+        self._waiting = []
+        infos |= {"final_obs": final, "_final_obs": ended, "final_info": {"dt_s": infos["dt_s"]}, "_final_info": ended}
+        return self._seen, reward, ended, self._truncated, infos

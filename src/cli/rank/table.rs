@@ -1,0 +1,65 @@
+//! A ranking as a CSV file: a row for each entry.
+
+use std::borrow::Cow;
+use std::io;
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::batch::comparison::Ranking;
+use crate::untrusted::spreadsheet_cell;
+use crate::whole_file::WholeFile;
+
+/// The columns in their order; those of the difference from the first are empty in its own row.
+#[derive(Serialize)]
+struct EntryRow<'a> {
+    place: usize,
+    entry: Cow<'a, str>,
+    planner: Cow<'a, str>,
+    rank_from: usize,
+    rank_to: usize,
+    groups: &'a str,
+    metric: Cow<'a, str>,
+    mean: f64,
+    less_first: Option<f64>,
+    less_first_low: Option<f64>,
+    less_first_high: Option<f64>,
+    p_adjusted: Option<f64>,
+    runs: usize,
+    failed_runs: usize,
+    runs_without_value: usize,
+    drives: u64,
+    failed_queries: u64,
+    rescued_drives: u64,
+    timed_out_queries: u64,
+}
+
+pub fn write(path: &Path, ranking: &Ranking) -> io::Result<()> {
+    let mut writer = csv::Writer::from_writer(WholeFile::create(path)?);
+    for (place, entry) in ranking.entries.iter().enumerate() {
+        let pair = ranking.pair(0, place);
+        let interval = pair.and_then(|pair| pair.contrast.interval);
+        writer.serialize(EntryRow {
+            place: place + 1,
+            entry: spreadsheet_cell(&entry.name),
+            planner: spreadsheet_cell(&entry.planner),
+            rank_from: entry.ranks[0],
+            rank_to: entry.ranks[1],
+            groups: entry.groups.as_deref().unwrap_or_default(),
+            metric: spreadsheet_cell(&ranking.metric.name),
+            mean: entry.mean,
+            less_first: pair.map(|pair| pair.contrast.difference),
+            less_first_low: interval.map(|interval| interval.low),
+            less_first_high: interval.map(|interval| interval.high),
+            p_adjusted: pair.map(|pair| pair.p_adjusted),
+            runs: ranking.runs,
+            failed_runs: entry.failed,
+            runs_without_value: entry.without_value,
+            drives: entry.queries.drives,
+            failed_queries: entry.queries.failed,
+            rescued_drives: entry.queries.rescued,
+            timed_out_queries: entry.queries.timed_out,
+        })?;
+    }
+    writer.into_inner().map_err(csv::IntoInnerError::into_error)?.finish()
+}

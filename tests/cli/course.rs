@@ -1,0 +1,221 @@
+//! Courses: `wildfire batch --rules --agent`, and the ranking of what it leaves.
+
+use std::fs;
+
+use serde_json::Value;
+
+use crate::story::{Story, outcomes, refuse};
+
+const RULES: &str = "\
+free = [\"unimog.planner\", \"unimog.lattice\", \"planner.*\"]
+seeds = \"@secret/seeds.txt\"
+
+[limits]
+query_cpu_s = 2
+restarts = 1
+
+[scenario]
+from = \"smoke\"
+fire.relight = true
+";
+
+/// A folder with rules, seeds and three agents.
+fn course() -> Story {
+    let story = Story::begin();
+    fs::create_dir(story.path("secret")).expect("writable");
+    story.file("secret/seeds.txt", "3..5 # three\n11, 12\n");
+    story.file("rules.toml", RULES);
+    story.file("anna.toml", "unimog.planner = \"prm+primitives\"\n");
+    story.file("ben.toml", "[unimog]\nplanner = \"lattice\"\n[unimog.lattice]\nmax_expansions = 5000\n");
+    story.file("cem.toml", "[unimog]\nplanner = \"prm+primitives\"\n");
+    story
+}
+
+const BATCH: [&str; 7] = ["batch", "--rules", "rules.toml", "--agent", "anna.toml", "ben.toml", "cem.toml"];
+
+fn with<'a>(arguments: &[&'a str]) -> Vec<&'a str> {
+    [&BATCH[..], arguments].concat()
+}
+
+#[test]
+fn agents_run_with_the_seeds_and_rules_of_the_course_and_are_ranked() {
+    let story = course();
+    story.tell(&with(&["--out", "course", "--jobs", "1"])).expect_code(0);
+    let rows = outcomes(&story.path("course/runs.csv"));
+    let column = |name: &str| rows[0].iter().position(|found| found == name).expect("there is such a column");
+    let (entry, seed) = (column("entry"), column("seed"));
+    let found: Vec<_> = rows[1..].iter().map(|row| (row[entry].as_str(), row[seed].as_str())).collect();
+    let seeds = ["3", "4", "5", "11", "12"];
+    let expected: Vec<_> = ["anna", "ben", "cem"].iter().flat_map(|name| seeds.map(|seed| (*name, seed))).collect();
+    assert_eq!(found, expected);
+    let ranking: Value =
+        serde_json::from_str(&story.tell(&["rank", "course", "--json"]).expect_code(0).stdout).expect("it is JSON");
+    let entries = ranking["entries"].as_array().expect("a list");
+    let names: Vec<_> = entries.iter().filter_map(|entry| entry["entry"].as_str()).collect();
+    assert_eq!(names, ["anna", "cem", "ben"], "copies are in the order of their names");
+    assert_eq!(entries[0]["groups"], entries[1]["groups"]);
+    // Each run can be repeated by what the plan says of it.
+    let plan: Value = serde_json::from_str(&story.read("course/plan.json")).expect("it is JSON");
+    let ben = &plan["variants"][1];
+    assert_eq!(
+        (&ben["scenario"]["fire"]["relight"], &ben["scenario"]["unimog"][0]["planner"]),
+        (&true.into(), &"lattice".into())
+    );
+    let mut command = vec!["run".to_owned(), "smoke".to_owned(), "--seed".into(), "4".into(), "--json".into()];
+    for change in ben["changes"].as_array().expect("a list") {
+        command.extend(["--set".to_owned(), change.as_str().expect("a text").to_owned()]);
+    }
+    let again = story.tell(&command.iter().map(String::as_str).collect::<Vec<_>>()).expect_code(0).stdout;
+    let again: Value = serde_json::from_str(&again).expect("it is JSON");
+    let row = rows.iter().find(|row| row[entry] == "ben" && row[seed] == "4").expect("it was run");
+    assert_eq!(again["extinguished"].to_string(), row[column("extinguished")]);
+    // A course that is over can be resumed, and asks for nothing more.
+    story.tell(&["batch", "--resume", "course"]).expect_code(0);
+    assert_eq!(outcomes(&story.path("course/runs.csv")), rows);
+}
+
+#[test]
+fn entries_take_turns() {
+    let story = course();
+    story.tell(&with(&["--out", "course", "--jobs", "1"])).expect_code(0);
+    let journal = fs::read(story.path("course/runs.journal")).expect("it is there");
+    let journal = String::from_utf8_lossy(&journal);
+    // One worker leaves its lines in the order in which it ran.
+    let places: Vec<usize> =
+        ["anna", "ben", "cem"].iter().filter_map(|name| journal.find(&format!("\"{name}\""))).collect();
+    let second_of_anna = journal.match_indices("\"anna\"").nth(1).map(|(at, _)| at).expect("five runs");
+    assert!(places.len() == 3 && places.iter().all(|&place| place < second_of_anna), "{places:?} {second_of_anna}");
+}
+
+#[test]
+fn what_the_rules_fix_is_refused_by_name_and_line() {
+    let story = course();
+    let refused = |text: &str, words: &[&str]| {
+        story.file("ben.toml", text);
+        refuse(&story, &with(&["--out", "course"]), words);
+    };
+    refused(
+        "[unimog]\nplanner = \"lattice\"\nspeed_mps = 20\n",
+        &["ben.toml:3: `unimog.speed_mps` is fixed by the rules in rules.toml"],
+    );
+    refused("[field]\ncoverage = 0.01\n", &["ben.toml:2: `field.coverage` is fixed"]);
+    refused("duration_s = 1\n[unimog]\nplanner = \"lattice\"\n", &["ben.toml:1: `duration_s` is fixed"]);
+    refused(
+        "[[unimog]]\nplanner = \"lattice\"\n",
+        &["ben.toml:1: `unimog` is a list of tables; expected a table [unimog]"],
+    );
+    refused("[unimog]\nplanner = \"latice\"\n", &["ben.toml:2:", "latice", "lattice"]);
+    refused("[unimog.lattice]\nsamples = 1\n", &["ben.toml:2: unknown field `samples`"]);
+    refused("[unimog]\nplanner = [\n", &["ben.toml:"]);
+    refused("", &["ben.toml: it is empty"]);
+    let program = "[unimog]\nplanner = \"mine\"\n[planner.mine]\ncommand = [\"true\"]\n";
+    refused(
+        &format!("{program}reuse = true\n"),
+        &["ben.toml:5: `planner.mine.reuse` is true; in a course every run has a process of its own"],
+    );
+    refused(
+        &format!("{program}query_cpu_s = 3\n"),
+        &["ben.toml:5: `planner.mine.query_cpu_s` is 3; the rules allow at most 2"],
+    );
+    refused(&format!("{program}query_cpu_s = \"none\"\n"), &["the rules allow at most 2"]);
+    refused(
+        &format!("{program}query_limit_s = 21\n"),
+        &["ben.toml:5: `planner.mine.query_limit_s` is 21; the rules allow at most 20"],
+    );
+    fs::remove_file(story.path("ben.toml")).expect("it is there");
+    refuse(&story, &with(&["--out", "course"]), &["ben.toml: there is no such file"]);
+    refuse(&story, &["batch", "--rules", "rules.toml", "--agent", "anna.toml", "anna.toml"], &["it is given twice"]);
+}
+
+#[test]
+fn programs_have_the_limits_of_the_rules_and_the_folder_of_their_file() {
+    let story = course();
+    fs::create_dir(story.path("dora")).expect("writable");
+    story.file(
+        "dora/agent.toml",
+        "[unimog]\nplanner = \"mine\"\n[planner.mine]\ncommand = [\"./mine.sh\"]\nquery_cpu_s = 0.5\n",
+    );
+    let arguments = ["batch", "--rules", "rules.toml", "--agent", "dora/agent.toml", "--dry-run"];
+    story.tell(&arguments).expect_code(0);
+}
+
+#[test]
+fn others_run_where_refused_agents_are_left_out() {
+    let story = course();
+    story.file("ben.toml", "[field]\ncoverage = 0.01\n");
+    let answer = story.tell(&with(&["--out", "course", "--skip-refused"])).expect_code(1);
+    answer.expect_complaint(&["left out: ben.toml:2: `field.coverage` is fixed by the rules"]);
+    assert!(story.tell(&["rank", "course"]).expect_code(0).stdout.starts_with("2 entries by saved"));
+    story.file("anna.toml", "");
+    story.file("cem.toml", "");
+    refuse(&story, &with(&["--out", "none", "--skip-refused"]), &["anna.toml: it is empty"]);
+}
+
+#[test]
+fn rules_that_cannot_be_used_are_refused() {
+    let story = course();
+    let refused = |from: &str, to: &str, words: &[&str]| {
+        assert!(RULES.contains(from), "{from}");
+        story.file("rules.toml", &RULES.replacen(from, to, 1));
+        refuse(&story, &with(&["--out", "course"]), words);
+    };
+    refused(
+        "free = [\"unimog.planner\", \"unimog.lattice\", \"planner.*\"]",
+        "free = []",
+        &["rules.toml:1: `free` is empty"],
+    );
+    refused("\"planner.*\"", "\"*\"", &["rules.toml:1: `*` would free everything"]);
+    refused("\"planner.*\"", "\"planner..x\"", &["rules.toml:1: `planner..x` is no key"]);
+    refused("\"planner.*\"", "\"fire.*\"", &["rules.toml:10: `fire.relight` is set by [scenario] and free too"]);
+    refused("restarts = 1", "restart = 1", &["rules.toml:6: unknown field `restart`"]);
+    refused("restarts = 1", "restarts = 1.5", &["rules.toml:6: `restarts` is 1.5"]);
+    refused("query_cpu_s = 2", "query_cpu_s = -2", &["rules.toml:5: `query_cpu_s` is -2"]);
+    refused("fire.relight", "fire.relit", &["rules.toml:10: unknown field `relit`"]);
+    refused("\"smoke\"", "\"smok\"", &["rules.toml:9: there is no file and no built-in scenario"]);
+    refused("\"smoke\"", "7", &["rules.toml:9: `from` is 7; expected a name or a path"]);
+    refused("\"@secret/seeds.txt\"", "\"5..1\"", &["rules.toml:2: the range `5..1` is empty"]);
+    refused("seeds = \"@secret/seeds.txt\"", "", &["missing field `seeds`"]);
+    refused(
+        "\"@secret/seeds.txt\"",
+        "\"@nowhere.txt\"",
+        &["rules.toml: its seeds in nowhere.txt cannot be read", "--seeds takes others"],
+    );
+    story.file("rules.toml", RULES);
+    story.file("secret/seeds.txt", "# nothing\n");
+    refuse(&story, &with(&["--out", "course"]), &["secret/seeds.txt: there are no seeds"]);
+    story.file("secret/seeds.txt", &"1 ".repeat(4_000_001));
+    refuse(&story, &with(&["--out", "course"]), &["cannot be read"]);
+    story.file("secret/seeds.txt", "1..1000000");
+    refuse(&story, &with(&["--out", "course"]), &["3000000 runs are many"]);
+    // A student who does not have the seeds takes others.
+    fs::remove_dir_all(story.path("secret")).expect("it is there");
+    story.tell(&with(&["--seeds", "1..2", "--dry-run"])).expect_code(0);
+    refuse(&story, &["batch", "--agent", "anna.toml"], &["--rules"]);
+    refuse(&story, &["batch", "--rules", "rules.toml"], &["--agent"]);
+    refuse(&story, &with(&["--set", "fire.relight=true"]), &["cannot be used with"]);
+    fs::remove_file(story.path("rules.toml")).expect("it is there");
+    refuse(&story, &with(&["--out", "course"]), &["rules.toml: there is no such file"]);
+}
+
+#[test]
+fn whole_scenarios_of_rules_have_nothing_of_others() {
+    let story = course();
+    let smoke = story.tell(&["scenarios", "--show", "smoke"]).expect_code(0).stdout;
+    let smoke = smoke
+        .replace("[[", "[[scenario.")
+        .replace("\n[", "\n[scenario.")
+        .replace("[scenario.[scenario.", "[[scenario.");
+    let lines: Vec<&str> = smoke.lines().filter(|line| !line.starts_with('#')).collect();
+    let rules = format!("free = ['unimog.planner']\nseeds = '1..3'\n[scenario]\n{}\n", lines.join("\n"));
+    story.file("rules.toml", &rules);
+    story.tell(&["batch", "--rules", "rules.toml", "--agent", "anna.toml", "--out", "whole"]).expect_code(0);
+    story.tell(&["batch", "smoke", "--planner", "prm+primitives", "--seeds", "1..3", "--out", "plain"]).expect_code(0);
+    let without_entry = |folder: &str| {
+        let rows = outcomes(&story.path(&format!("{folder}/runs.csv")));
+        let entry = rows[0].iter().position(|name| name == "entry");
+        rows.into_iter()
+            .map(|row| row.into_iter().enumerate().filter(|(at, _)| Some(*at) != entry).map(|(_, cell)| cell).collect())
+            .collect::<Vec<Vec<String>>>()
+    };
+    assert_eq!(without_entry("whole"), without_entry("plain"));
+}
