@@ -160,11 +160,10 @@ impl Process {
         for fd in [to.as_fd(), from.as_fd(), control.as_fd()] {
             fcntl(fd, FcntlArg::F_SETFL(OFlag::O_NONBLOCK)).map_err(|error| cannot(error.into()))?;
         }
-        let mut command = supervisor::command(program.limits, &program.command).map_err(cannot)?;
-        command.current_dir(&program.folder).stdin(reader).stdout(writer).stderr(OwnedFd::from(other_end));
+        let mut command = supervisor::command(program.limits, &program.folder, &program.command).map_err(cannot)?;
+        command.stdin(reader).stdout(writer).stderr(OwnedFd::from(other_end));
         let supervisor = command.spawn().map_err(|error| {
-            let executable = command.get_program().to_string_lossy();
-            Trouble::crashed(format!("has no supervisor: {executable} in {}: {error}", program.folder.display()))
+            Trouble::crashed(format!("has no supervisor: {}: {error}", command.get_program().to_string_lossy()))
         })?;
         Ok(Self {
             name: program.name.clone(),

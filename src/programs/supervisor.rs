@@ -14,6 +14,7 @@ use std::io::{self, BufRead, BufReader, ErrorKind, Read, Write};
 use std::os::fd::AsFd;
 use std::os::unix::net::UnixStream;
 use std::os::unix::process::CommandExt;
+use std::path::Path;
 use std::process::{ChildStderr, Command, Stdio};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::thread;
@@ -144,8 +145,8 @@ pub struct Limits {
     pub processes: usize,
 }
 
-/// Returns the command that starts a supervisor of a program, with its arguments.
-pub fn command(limits: Limits, program: &[OsString]) -> io::Result<Command> {
+/// Returns the command that starts a supervisor of a program, which is to work in this folder, with its arguments.
+pub fn command(limits: Limits, folder: &Path, program: &[OsString]) -> io::Result<Command> {
     if env::var_os(MARK).is_some() {
         let reason =
             "this is a supervisor already; the command that starts supervisors does not know its first argument";
@@ -157,7 +158,8 @@ pub fn command(limits: Limits, program: &[OsString]) -> io::Result<Command> {
     };
     let (executable, arguments) = start.split_first().ok_or_else(|| io::Error::other("its command is empty"))?;
     let mut command = Command::new(executable);
-    command.args(arguments).arg(WORD).args([limits.memory_mb.to_string(), limits.processes.to_string()]).args(program);
+    command.args(arguments).arg(WORD).args([limits.memory_mb.to_string(), limits.processes.to_string()]);
+    command.arg(folder).args(program);
     // Its own group, so that Ctrl-C at the terminal ends us first and the program by our end.
     command.env(MARK, "1").process_group(0);
     Ok(command)
@@ -179,19 +181,21 @@ pub fn run_if_asked(arguments: &[OsString]) -> Option<u8> {
 
 struct Task<'a> {
     limits: Limits,
+    folder: &'a Path,
     program: &'a OsString,
     arguments: &'a [OsString],
 }
 
 impl<'a> Task<'a> {
     fn from_arguments(arguments: &'a [OsString]) -> io::Result<Self> {
-        let [memory_mb, processes, program, arguments @ ..] = arguments else {
-            return Err(io::Error::other("expected limits and a program"));
+        let [memory_mb, processes, folder, program, arguments @ ..] = arguments else {
+            return Err(io::Error::other("expected limits, a folder and a program"));
         };
         let number = |word: &OsString| word.to_str().and_then(|word| word.parse().ok());
         let limits = number(memory_mb).zip(number(processes));
         let (memory_mb, processes) = limits.ok_or_else(|| io::Error::other("expected two numbers"))?;
-        Ok(Self { limits: Limits { memory_mb, processes: processes as usize }, program, arguments })
+        let limits = Limits { memory_mb, processes: processes as usize };
+        Ok(Self { limits, folder: Path::new(folder), program, arguments })
     }
 }
 
@@ -207,13 +211,15 @@ fn supervise(task: &Task<'_>) -> io::Result<()> {
     pipe::register(SIGCHLD, handler)?;
 
     let mut command = Command::new(task.program);
-    command.args(task.arguments).env_remove(MARK).process_group(0);
+    command.args(task.arguments).current_dir(task.folder).env_remove(MARK).process_group(0);
     let spawned = command.stdin(Stdio::inherit()).stdout(Stdio::inherit()).stderr(Stdio::piped()).spawn();
     let mut child = match spawned {
         Ok(child) => child,
         Err(error) => {
-            outbox.send(&Report::NotStarted { reason: error.to_string() });
-            return Ok(outbox.empty());
+            let (program, folder) = (task.program.to_string_lossy(), task.folder.display());
+            outbox.send(&Report::NotStarted { reason: format!("{program}, in {folder}: {error}") });
+            outbox.empty();
+            return Ok(());
         }
     };
     let pid = Pid::from_raw(child.id() as i32);
@@ -245,7 +251,8 @@ fn supervise(task: &Task<'_>) -> io::Result<()> {
     {
         let _ = reader.join();
     }
-    Ok(outbox.empty())
+    outbox.empty();
+    Ok(())
 }
 
 /// Limits that the program has from its first moment on. Where the system refuses one, looking has to do.
