@@ -4,6 +4,7 @@
 mod batches;
 mod cost;
 mod policy;
+mod same;
 mod shell;
 mod stage;
 mod table;
