@@ -238,6 +238,7 @@ macro_rules! hold {
 hold! {
     readme: "README.md", pictures below 0;
     overview: "docs/README.md", pictures below 0;
+    assignment: "docs/assignment.md", pictures below 0;
     audit: "docs/audit.md", pictures below 0;
     batches: "docs/batches.md", pictures below 0;
     command_line: "docs/command-line.md", pictures below 0;
@@ -246,6 +247,7 @@ hold! {
     curves: "docs/curves.md", pictures below 60_000;
     fallbacks: "docs/fallbacks.md", pictures below 0;
     grid_maps: "docs/grid-maps.md", pictures below 100_000;
+    judge: "docs/judge.md", pictures below 0;
     output_files: "docs/output-files.md", pictures below 0;
     own_planner: "docs/own-planner.md", pictures below 0;
     planning_drives: "docs/planning-drives.md", pictures below 100_000;

@@ -89,6 +89,18 @@ fn presets_differ_from_contest_only_in_what_they_are_for() {
     let places = "unimog.planner=prm+primitives";
     assert_eq!(built_in("report-2024"), from_contest(&[places, "fire.burn_out_s=none"], "report-2024"));
     assert_eq!(built_in("dense"), from_contest(&["field.coverage=0.2"], "dense"));
+    let arena = [
+        "field.coverage=0.15",
+        "fire.burn_out_s=40",
+        "unimog.limits={ acceleration_mps2 = 1.5, braking_mps2 = 3.0, lateral_mps2 = 3.0 }",
+        "unimog.rescue=false",
+        "unimog.prm.seconds_per_expansion=0.0005",
+        "unimog.primitives.seconds_per_expansion=0.0005",
+        "unimog.prm_rs.seconds_per_expansion=0.0005",
+        "unimog.hybrid.seconds_per_expansion=0.0005",
+        "unimog.lattice.seconds_per_expansion=0.0005",
+    ];
+    assert_eq!(built_in("arena"), from_contest(&arena, "arena"));
     assert_eq!(built_in("wumpus-alone"), from_contest(&["unimog=[]"], "wumpus-alone"));
     let cautious = [places, "unimog.safety.map=cost", "unimog.safety.weight=4"];
     assert_eq!(built_in("cautious"), from_contest(&cautious, "cautious"));

@@ -9,12 +9,14 @@ mod batch;
 mod command_lines;
 mod compare;
 mod context;
+mod csv_rows;
 mod curve;
 mod error;
 #[cfg(test)]
 #[path = "../../tests/fuzz/mod.rs"]
 mod fuzz;
 mod interrupt;
+mod judge;
 mod map;
 mod numbers;
 mod output_files;
@@ -44,6 +46,7 @@ use compare::CompareArguments;
 use context::CommandContext;
 use curve::CurveArguments;
 use error::CliError;
+use judge::JudgeArguments;
 use map::MapCommand;
 use plan::PlanArguments;
 use play::PlayArguments;
@@ -122,6 +125,8 @@ pub enum Command {
     Curve(CurveArguments),
     /// Plan drives of the truck: any planners, on fields of yours or of a scenario, with figures and paths to check.
     Plan(PlanArguments),
+    /// Judge paths that were computed anywhere as the program judges its own, also beside planners of its own.
+    Judge(JudgeArguments),
     /// Print the script that completes this program's arguments in a shell.
     Completions {
         /// The shell.
@@ -198,6 +203,7 @@ fn dispatch(arguments: &Arguments, context: &CommandContext) -> Result<ExitCode,
         Command::Map { command } => map::run(command, arguments.quiet),
         Command::Curve(curve) => curve::run(curve, arguments.quiet),
         Command::Plan(plan) => plan::run(plan, &context.with_programs(&plan.programs)),
+        Command::Judge(judge) => judge::run(judge, &context.with_programs(&judge.programs)),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(*shell, &mut Arguments::command(), "wildfire", &mut script);

@@ -21,7 +21,7 @@ pub const MOST_SEGMENTS: usize = 10_000;
 pub const MOST_FIELDS_LONG: f64 = 100.0;
 
 /// Spacing of the poses whose clearance is looked at, metres.
-const SPACING_M: f64 = 0.02;
+pub const SPACING_M: f64 = 0.02;
 
 /// Judges paths of one truck on one field.
 #[derive(Clone, Debug)]
@@ -32,7 +32,7 @@ pub struct Judge {
 /// A place on a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathPlace {
-    /// The number of the segment, the first is 1.
+    /// The number of the segment, the first is 1; 0 of a path that has none.
     pub segment: usize,
     /// The number of segments of the path.
     pub segments: usize,
@@ -116,7 +116,17 @@ impl Judge {
             }
             along_m += segment.length_m.abs();
         }
+        if path.segments.is_empty() {
+            return self.check_standing(path.start);
+        }
         Ok(())
+    }
+
+    /// A truck may stay where it has less than the least clearance, but not where it touches something.
+    fn check_standing(&self, pose: Pose) -> Result<(), BadPath> {
+        let (obstacle, found_m) = self.checker.nearest_obstacle(pose);
+        let place = PathPlace { segment: 0, segments: 0, along_m: 0.0, at: pose.position() };
+        if found_m > 0.0 { Ok(()) } else { Err(BadPath::TooNear { place, obstacle, found_m }) }
     }
 
     fn check_end(&self, goal: Goal, end: Pose, along_m: f64) -> Result<(), BadPath> {
@@ -135,14 +145,18 @@ impl Judge {
         // The sum of no segments is -0.
         let length_m = path.length_m() + 0.0;
         let bound_m = lower_bound_m(start, goal, self.checker.body());
-        let clearances = path.samples(SPACING_M).map(|(_, pose)| self.checker.clearance(pose));
         DriveFigures {
             length_m,
             lower_bound_ratio: (bound_m > 0.0).then(|| length_m / bound_m),
-            min_clearance_m: clearances.fold(f64::INFINITY, f64::min),
+            min_clearance_m: self.min_clearance_m(path.samples(SPACING_M).map(|(_, pose)| pose)),
             cusps: path.cusps(),
             drive_s: Trajectory::from_path(path, SimTime::ZERO, limits).duration_s(),
         }
+    }
+
+    /// Returns the least clearance of poses, as [`CollisionChecker::clearance`] knows it.
+    pub fn min_clearance_m(&self, poses: impl Iterator<Item = Pose>) -> f64 {
+        poses.map(|pose| self.checker.clearance(pose)).fold(f64::INFINITY, f64::min)
     }
 }
 
@@ -192,6 +206,9 @@ fn check_numbers(path: &Path) -> Result<(), BadPath> {
 impl fmt::Display for PathPlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { segment, segments, along_m, at } = *self;
+        if segments == 0 {
+            return write!(f, "where it stays, at ({:.2}, {:.2})", at.x, at.y);
+        }
         write!(f, "segment {segment} of {segments}, {along_m:.2} m along, at ({:.2}, {:.2})", at.x, at.y)
     }
 }
@@ -406,6 +423,8 @@ mod tests {
             words.expect_err("it begins outside").to_string(),
             "segment 1 of 1, 0.00 m along, at (0.50, 22.50): 450 mm outside of the field, the least is 10 mm"
         );
+        let words = judge().check(outside, outside.into(), &Path::standing(outside)).expect_err("it stands outside");
+        assert!(words.to_string().starts_with("where it stays, at (0.50, 22.50): 450 mm outside"), "{words}");
         let inside = Pose { x: 52.0, ..START };
         let words = judge().check(inside, START.into(), &Path { start: inside, segments: vec![segment(0.0, 9.0)] });
         assert!(

@@ -6,6 +6,7 @@ pub const BUILT_IN: &[(&str, &str)] = &[
     ("report-2024", include_str!("../../scenarios/report-2024.toml")),
     ("coursework-2025", include_str!("../../scenarios/coursework-2025.toml")),
     ("original-2024", include_str!("../../scenarios/original-2024.toml")),
+    ("arena", include_str!("../../scenarios/arena.toml")),
     ("dense", include_str!("../../scenarios/dense.toml")),
     ("cautious", include_str!("../../scenarios/cautious.toml")),
     ("wumpus-alone", include_str!("../../scenarios/wumpus-alone.toml")),

@@ -68,10 +68,25 @@ fn agents_run_with_the_seeds_and_rules_of_the_course_and_are_ranked() {
     let again = story.tell(&command.iter().map(String::as_str).collect::<Vec<_>>()).expect_code(0).stdout;
     let again: Value = serde_json::from_str(&again).expect("it is JSON");
     let row = rows.iter().find(|row| row[entry] == "ben" && row[seed] == "4").expect("it was run");
-    assert_eq!(again["extinguished"].to_string(), row[column("extinguished")]);
+    assert_eq!(again["run"]["extinguished"].to_string(), row[column("extinguished")]);
     // A course that is over can be resumed, and asks for nothing more.
     story.tell(&["batch", "--resume", "course"]).expect_code(0);
     assert_eq!(outcomes(&story.path("course/runs.csv")), rows);
+}
+
+#[test]
+fn entries_may_differ_in_whatever_the_rules_free() {
+    let story = course();
+    story.file("rules.toml", "free = [\"wumpus.goal\"]\nseeds = \"1..3\"\nscenario.from = \"smoke\"\n");
+    for (name, goal) in [("anna", "random-intact"), ("ben", "nearest-intact")] {
+        story.file(&format!("{name}.toml"), &format!("[wumpus]\ngoal = \"{goal}\"\n"));
+    }
+    let rules = ["batch", "--rules", "rules.toml", "--agent", "anna.toml", "ben.toml", "--out", "course"];
+    story.tell(&rules).expect_code(0);
+    story.tell(&["rank", "course", "--metric", "wumpus_score", "--better", "higher"]).expect_code(0);
+    // Who did not play by these rules may not differ in it.
+    story.tell(&["batch", "smoke", "--seeds", "1..3", "--out", "other"]).expect_code(0);
+    refuse(&story, &["rank", "course", "other"], &["wumpus.goal is random-intact and nearest-intact"]);
 }
 
 #[test]

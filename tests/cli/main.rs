@@ -14,6 +14,7 @@ mod curve_pairs;
 mod errors;
 mod files_named;
 mod guide;
+mod judge;
 mod map_answers;
 mod map_errors;
 mod map_files;

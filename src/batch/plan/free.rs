@@ -3,9 +3,11 @@
 use serde_json::Value as Json;
 use thiserror::Error;
 
+use super::MAX_FREE_KEYS;
+
 /// The most steps of a pattern, and the most patterns.
 const MAX_STEPS: usize = 8;
-const MAX_PATTERNS: usize = 100;
+const MAX_PATTERNS: usize = 2 * MAX_FREE_KEYS;
 
 /// Patterns of keys. A key matches if it begins with the steps of a pattern; `*` is any one step. Numbers of agents may
 /// be left out, so that `unimog.planner` is the planner of every truck.
@@ -141,6 +143,6 @@ mod tests {
             assert!(matches!(FreeKeys::parse(&[pattern]), Err(FreeKeysError::NoKey { .. })), "{pattern}");
         }
         assert!(matches!(FreeKeys::parse(&["*"]), Err(FreeKeysError::Everything { .. })));
-        assert!(matches!(FreeKeys::parse(&vec!["a"; 101]), Err(FreeKeysError::TooMany { count: 101 })));
+        assert!(matches!(FreeKeys::parse(&vec!["a"; 201]), Err(FreeKeysError::TooMany { count: 201 })));
     }
 }

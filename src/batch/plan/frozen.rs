@@ -12,7 +12,7 @@ use thiserror::Error;
 
 use super::difference::{differences, differences_of_scenarios};
 use super::request::{MAX_PLAN_BYTES, MAX_VARIANTS};
-use super::{BatchPlan, MAX_SWEPT_KEYS, PROGRAM, PROGRAM_VERSION, Record, Variant};
+use super::{BatchPlan, MAX_FREE_KEYS, MAX_SWEPT_KEYS, PROGRAM, PROGRAM_VERSION, Record, Variant};
 use super::{Seeds, SeedsError, Value};
 use crate::input_file::{self, InputFile, list_of_at_most};
 use crate::scenario::{self, Fault, MemoryLimit, Scenario};
@@ -67,6 +67,8 @@ struct Frozen<'a> {
     runs: u64,
     record: Record,
     memory_bytes: MemoryLimit,
+    #[serde(skip_serializing_if = "is_none_free")]
+    free: &'a [String],
     swept_keys: &'a [String],
     variants: &'a [Variant],
 }
@@ -87,6 +89,8 @@ struct Body {
     /// Plans that were written before runs had a limit do not say it.
     #[serde(default)]
     memory_bytes: MemoryLimit,
+    #[serde(default, deserialize_with = "list_of_at_most::<MAX_FREE_KEYS, _, _>")]
+    free: Vec<String>,
     #[serde(deserialize_with = "list_of_at_most::<MAX_SWEPT_KEYS, _, _>")]
     swept_keys: Vec<String>,
     #[serde(deserialize_with = "variants_within_limit")]
@@ -158,6 +162,7 @@ impl BatchPlan {
             runs: self.count(),
             record: self.record,
             memory_bytes: self.memory,
+            free: &self.free,
             swept_keys: &self.swept_keys,
             variants: &self.variants,
         };
@@ -254,9 +259,9 @@ impl BatchPlan {
 
 impl Body {
     fn into_plan(self) -> Result<BatchPlan, SeedsError> {
-        let Self { seeds, record, memory_bytes: memory, swept_keys, variants, .. } = self;
+        let Self { seeds, record, memory_bytes: memory, free, swept_keys, variants, .. } = self;
         let seeds: Seeds = seeds.parse()?;
-        Ok(BatchPlan { variants, swept_keys, seeds, record, memory })
+        Ok(BatchPlan { variants, swept_keys, seeds, record, memory, free })
     }
 }
 
@@ -268,6 +273,10 @@ pub(super) fn read_head(path: &Path, file: &File) -> Result<Head, PlanError> {
     }
     let reason = format!("its program is `{}`, expected `{PROGRAM}`", head.program);
     Err(PlanError::NotAPlan { path: path.to_owned(), reason })
+}
+
+fn is_none_free(free: &[String]) -> bool {
+    free.is_empty()
 }
 
 fn is_usual(limit: &MemoryLimit) -> bool {

@@ -54,6 +54,9 @@ const MAX_AGENTS: usize = 200;
 /// The key of a scenario's planners, whose values have a column of their own.
 pub const PLANNER_KEY: &str = "unimog.planner";
 
+/// The most keys that a course frees.
+const MAX_FREE_KEYS: usize = 100;
+
 /// The column that names whose entry a run is of, in batches of several.
 pub const ENTRY_COLUMN: &str = "entry";
 
@@ -78,6 +81,8 @@ pub struct BatchPlan {
     pub record: Record,
     /// The memory that each run may take.
     pub memory: MemoryLimit,
+    /// The keys in which entries of a course may differ; none of other batches.
+    pub free: Vec<String>,
 }
 
 /// A scenario as it is run.
@@ -140,7 +145,14 @@ impl BatchPlan {
     /// The plan of one scenario with nothing swept.
     pub fn from_scenario(source: &str, changes: &[String], scenario: Scenario, seeds: Seeds, record: Record) -> Self {
         let variant = Variant { source: source.into(), changes: changes.to_vec(), swept: Vec::new(), scenario };
-        Self { variants: vec![variant], swept_keys: Vec::new(), seeds, record, memory: MemoryLimit::default() }
+        Self {
+            variants: vec![variant],
+            swept_keys: Vec::new(),
+            seeds,
+            record,
+            memory: MemoryLimit::default(),
+            free: Vec::new(),
+        }
     }
 
     /// Number of runs.

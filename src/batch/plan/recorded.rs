@@ -6,8 +6,9 @@ use serde::Deserialize;
 use serde_json::Value as Json;
 
 use super::frozen::{PLAN_FORMAT, open, read_head, read_json};
-use super::{BatchPlan, PROGRAM_VERSION, PlanError, RunLabel, Variant};
+use super::{BatchPlan, MAX_FREE_KEYS, PROGRAM_VERSION, PlanError, RunLabel, Variant};
 use super::{PLAN_FILE, Value};
+use crate::input_file::list_of_at_most;
 use crate::scenario::MemoryLimit;
 
 /// The longest plan of another version that is read: unlike this version's, its values are not known beforehand, and
@@ -20,6 +21,8 @@ pub struct RecordedPlan {
     pub program_version: String,
     /// The memory that each run might take.
     pub memory: MemoryLimit,
+    /// The keys in which entries of a course might differ.
+    pub free: Vec<String>,
     pub swept_keys: Vec<String>,
     pub variants: Vec<RecordedVariant>,
 }
@@ -45,6 +48,8 @@ struct Body {
     /// Plans that were written before runs had a limit do not say it.
     #[serde(default)]
     memory_bytes: MemoryLimit,
+    #[serde(default, deserialize_with = "list_of_at_most::<MAX_FREE_KEYS, _, _>")]
+    free: Vec<String>,
     swept_keys: Vec<String>,
     variants: Vec<OtherVariant>,
 }
@@ -67,9 +72,9 @@ impl RecordedPlan {
         let head = read_head(&path, &file)?;
         let program_version = head.program_version;
         if head.format == PLAN_FORMAT && program_version == PROGRAM_VERSION {
-            let BatchPlan { swept_keys, variants, memory, .. } = BatchPlan::read(folder)?;
+            let BatchPlan { swept_keys, variants, memory, free, .. } = BatchPlan::read(folder)?;
             let variants = variants.into_iter().map(RecordedVariant::from).collect();
-            return Ok(Self { program_version, memory, swept_keys, variants });
+            return Ok(Self { program_version, memory, free, swept_keys, variants });
         }
         let bytes = file.metadata().map_err(|source| PlanError::Unreadable { path: path.clone(), source })?.len();
         if bytes > MAX_BYTES_OF_OTHERS {
@@ -77,9 +82,9 @@ impl RecordedPlan {
                 format!("version {program_version} wrote it, of which at most {MAX_BYTES_OF_OTHERS} bytes are read");
             return Err(PlanError::NotAPlan { path, reason });
         }
-        let Body { memory_bytes: memory, swept_keys, variants } = read_json(&path, &file)?;
+        let Body { memory_bytes: memory, free, swept_keys, variants } = read_json(&path, &file)?;
         let variants = variants.into_iter().map(RecordedVariant::from).collect();
-        Ok(Self { program_version, memory, swept_keys, variants })
+        Ok(Self { program_version, memory, free, swept_keys, variants })
     }
 }
 

@@ -2,17 +2,17 @@
 //!
 //! Numbers are the shortest decimals that read back as the same `f64`.
 
-use std::io::{self, BufRead, BufReader, ErrorKind, Read, Write};
+use std::io::{self, ErrorKind, Write};
 use std::ops::RangeInclusive;
 use std::path::Path as FilePath;
 
 use thiserror::Error;
 
+use crate::cli::csv_rows::{CsvRows, LONGEST_LINE, RowFault, fields};
 use crate::cli::curve::report::{FoundCurve, direction};
 use crate::cli::error::CliError;
 use crate::cli::numbers;
 use crate::geometry::Pose;
-use crate::input_file::{self, InputFile};
 use crate::vehicle::{Dubins, Path, ReedsShepp};
 use crate::whole_file::WholeFile;
 
@@ -53,11 +53,8 @@ fn write_row(table: &mut WholeFile, row: &[u8], added: std::fmt::Arguments) -> i
 
 /// Columns that are read, by their names in the header: metres and radians.
 const COLUMNS: [&str; 6] = ["x0", "y0", "th0", "x1", "y1", "th1"];
-/// The most bytes of a line: a broken file must not fill the memory.
-const LONGEST_LINE: usize = 1 << 16;
 /// The most characters that are shown of a field that is no number.
 const SHOWN: usize = 40;
-const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
 /// A fault of a table of pairs: a sentence to follow its path. Lines are counted from 1.
 #[derive(Debug, Error)]
@@ -90,14 +87,18 @@ impl Fault {
     }
 }
 
+impl From<RowFault> for Fault {
+    fn from(fault: RowFault) -> Self {
+        match fault {
+            RowFault::Unreadable(error) => Self::Unreadable(error),
+            RowFault::TooLong { line } => Self::TooLong { line },
+        }
+    }
+}
+
 /// A table of pairs, of which one row is kept at a time.
-///
-/// Fields stand between commas; those in double quotes may hold commas, but no line ends. Blank lines are passed over.
 struct PairTable {
-    source: BufReader<InputFile>,
-    /// The last line that was read, without its end.
-    row: Vec<u8>,
-    line: u64,
+    rows: CsvRows,
     /// The number of columns of the header.
     width: usize,
     /// The index of each of [`COLUMNS`] in a row.
@@ -107,13 +108,12 @@ struct PairTable {
 impl PairTable {
     /// Reads the header, which must have all of [`COLUMNS`] and none of `taken`.
     fn open(path: &FilePath, taken: &[&'static str]) -> Result<Self, Fault> {
-        let source = BufReader::new(input_file::open(path)?);
-        let mut table = Self { source, row: Vec::new(), line: 0, width: 0, places: [0; COLUMNS.len()] };
-        if !table.read_row()? {
+        let mut table = Self { rows: CsvRows::open(path)?, width: 0, places: [0; COLUMNS.len()] };
+        if !table.rows.advance()? {
             return Err(Fault::Empty);
         }
-        table.width = fields(&table.row).count();
-        let line = table.line;
+        table.width = fields(table.row()).count();
+        let line = table.rows.line();
         if let Some(&column) = taken.iter().find(|column| !table.named(column).is_empty()) {
             return Err(Fault::Taken { line, column });
         }
@@ -129,17 +129,17 @@ impl PairTable {
 
     /// The line that was read last, as it is in the file.
     fn row(&self) -> &[u8] {
-        &self.row
+        self.rows.row()
     }
 
     /// The poses of the next row; `None` at the end of the file.
     fn next(&mut self) -> Result<Option<(Pose, Pose)>, Fault> {
-        if !self.read_row()? {
+        if !self.rows.advance()? {
             return Ok(None);
         }
         let mut numbers = [None; COLUMNS.len()];
         let mut found = 0;
-        for (place, field) in fields(&self.row).enumerate() {
+        for (place, field) in fields(self.row()).enumerate() {
             found += 1;
             if let Some(index) = self.places.iter().position(|&column| column == place) {
                 numbers[index] = Some(self.number(field, COLUMNS[index])?);
@@ -149,59 +149,24 @@ impl PairTable {
             [Some(x0), Some(y0), Some(th0), Some(x1), Some(y1), Some(th1)] if found == self.width => {
                 Ok(Some((Pose::new(x0, y0, th0), Pose::new(x1, y1, th1))))
             }
-            _ => Err(Fault::Ragged { line: self.line, found, expected: self.width }),
+            _ => Err(Fault::Ragged { line: self.rows.line(), found, expected: self.width }),
         }
     }
 
     /// Returns the indices of the columns of that name.
     fn named(&self, column: &str) -> Vec<usize> {
-        let names = fields(&self.row).enumerate().filter(|(_, name)| *name == column.as_bytes());
+        let names = fields(self.row()).enumerate().filter(|(_, name)| *name == column.as_bytes());
         names.map(|(place, _)| place).collect()
     }
 
     fn number(&self, field: &[u8], column: &'static str) -> Result<f64, Fault> {
         let number = std::str::from_utf8(field).ok().and_then(numbers::parse);
         number.filter(|number| COORDINATES.contains(number)).ok_or_else(|| Fault::Number {
-            line: self.line,
+            line: self.rows.line(),
             column,
             found: String::from_utf8_lossy(field).chars().take(SHOWN).collect(),
         })
     }
-
-    /// Reads the next line that is not blank; whether there is one.
-    fn read_row(&mut self) -> Result<bool, Fault> {
-        loop {
-            self.row.clear();
-            let mut limited = self.source.by_ref().take(LONGEST_LINE as u64 + 1);
-            if limited.read_until(b'\n', &mut self.row)? == 0 {
-                return Ok(false);
-            }
-            self.line += 1;
-            if self.row.len() > LONGEST_LINE {
-                return Err(Fault::TooLong { line: self.line });
-            }
-            if self.line == 1 && self.row.starts_with(BYTE_ORDER_MARK) {
-                self.row.drain(..BYTE_ORDER_MARK.len());
-            }
-            self.row.truncate(self.row.trim_ascii_end().len());
-            if !self.row.is_empty() {
-                return Ok(true);
-            }
-        }
-    }
-}
-
-/// The fields of a row, without spaces and double quotes around them.
-fn fields(row: &[u8]) -> impl Iterator<Item = &[u8]> {
-    let mut is_quoted = false;
-    let fields = row.split(move |&byte| {
-        is_quoted ^= byte == b'"';
-        byte == b',' && !is_quoted
-    });
-    fields.map(|field| {
-        let field = field.trim_ascii();
-        field.strip_prefix(b"\"").and_then(|field| field.strip_suffix(b"\"")).unwrap_or(field)
-    })
 }
 
 /// The most rows of a table.
@@ -243,16 +208,4 @@ pub fn poses_along(path: &Path, step_m: f64) -> impl Iterator<Item = (f64, Pose,
         leg.samples(step_m).skip(1).map(|(s, pose)| (before_m + s, pose, direction)).collect::<Vec<_>>()
     });
     std::iter::once(first).chain(legs)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn fields_in_quotes_hold_commas() {
-        let found: Vec<&[u8]> = fields(b"1, 2 ,\"a,\"\"b\",,\"3\"").collect();
-        assert_eq!(found, [b"1".as_slice(), b"2", b"a,\"\"b", b"", b"3"]);
-        assert_eq!(fields(b"\"never closed,1,2").count(), 1);
-    }
 }

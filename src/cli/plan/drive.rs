@@ -62,7 +62,7 @@ impl<'a> SecondOpinion<'a> {
 }
 
 /// Returns by how much a pose misses the goal; `None` if it is met.
-fn missed(goal: Goal, pose: Pose, body: &Dimensions) -> Option<String> {
+pub fn missed(goal: Goal, pose: Pose, body: &Dimensions) -> Option<String> {
     let (gap_m, turn) = match goal {
         Goal::Pose(goal) => (pose.position().distance(goal.position()), ops::wrap_angle(pose.heading - goal.heading)),
         Goal::Disc(disc) => (body.body_centre(pose).distance(disc.centre) - disc.radius_m, 0.0),

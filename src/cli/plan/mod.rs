@@ -13,8 +13,11 @@ use std::process::ExitCode;
 
 use clap::Args;
 
-use attempts::{Question, attempts};
-use problems::ProblemArguments;
+pub use attempts::{Attempt, Question, attempts};
+pub use drive::missed;
+pub use problems::{ProblemArguments, goal_count, no_truck};
+pub use report::{mean, quantile, shortened};
+
 use repeat::Repeat;
 use report::{PlanReport, Summary};
 

@@ -38,7 +38,7 @@ pub struct ProblemArguments {
     pub cells: Option<usize>,
 }
 
-fn goal_count(text: &str) -> Result<usize, String> {
+pub fn goal_count(text: &str) -> Result<usize, String> {
     numbers::parse_within(text, &(1..=MAX_GOALS), "a whole number")
 }
 
@@ -65,7 +65,8 @@ impl ProblemArguments {
     }
 }
 
-fn no_truck(scenario: &Scenario) -> CliError {
+/// Returns the error of a scenario that has nobody to plan for.
+pub fn no_truck(scenario: &Scenario) -> CliError {
     CliError::bad_input(
         format_args!("the scenario `{}` has no truck", scenario.name),
         Some("planners take their settings from its first [[unimog]]"),

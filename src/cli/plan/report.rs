@@ -101,7 +101,8 @@ impl Summary {
     }
 }
 
-fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+/// Returns the mean, if there is a value.
+pub fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
     let (count, sum) = values.fold((0_u32, 0.0), |(count, sum), value| (count + 1, sum + value));
     (count > 0).then(|| sum / f64::from(count))
 }
@@ -112,8 +113,9 @@ fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
     values
 }
 
+/// Returns the value of the nearest rank.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a rank is a place in the list")]
-fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
+pub fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
     let last = sorted.len().checked_sub(1)?;
     Some(sorted[(last as f64 * share).round() as usize])
 }
@@ -336,7 +338,8 @@ fn milliseconds(seconds: f64) -> String {
     rounded(milliseconds, if milliseconds < 100.0 { 2 } else { 0 })
 }
 
-fn shortened(name: &str) -> String {
+/// Returns the beginning of a field's name, for tables and sentences.
+pub fn shortened(name: &str) -> String {
     if name.chars().count() <= LONGEST_NAME {
         return name.to_owned();
     }

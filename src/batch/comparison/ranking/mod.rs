@@ -134,8 +134,6 @@ impl Ranking {
 /// # Errors
 /// If one cannot be read, or if entries had other seeds or rules than others.
 pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, RankingError> {
-    let patterns: Vec<&str> = USUALLY_FREE.into_iter().chain(request.free.iter().map(String::as_str)).collect();
-    let free = FreeKeys::parse(&patterns)?;
     let files = paths.iter().map(|path| runs_table::open(path)).collect::<Result<Vec<_>, _>>()?;
     let name = request.metric.clone().unwrap_or_else(|| USUAL_METRIC.into());
     let metric = Metric::choose(&[name], &files)?.remove(0);
@@ -149,6 +147,11 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
         known.map_err(|reason| RankingError::RulesUnknown { path: table.path.clone(), reason })
     };
     let settings = tables.iter().map(settings).collect::<Result<Vec<_>, _>>()?;
+    // What the rules of a course free, all of its entries may differ in; who did not play by them may not.
+    let of_courses =
+        settings[0].plan().free.iter().filter(|key| settings.iter().all(|it| it.plan().free.contains(key)));
+    let asked = request.free.iter().chain(of_courses).map(String::as_str);
+    let free = FreeKeys::parse(&USUALLY_FREE.into_iter().chain(asked).collect::<Vec<_>>())?;
     let selection = Selection { by: None, only: request.only.clone() };
     let entries = Entries::new(&tables, &settings, &selection, &free)?;
 

@@ -135,7 +135,10 @@ impl CourseRequest {
         }
         let record = self.record.or(course.record).unwrap_or_default();
         let swept_keys = vec![ENTRY_COLUMN.to_owned()];
-        Ok(CoursePlan { plan: BatchPlan { variants, swept_keys, seeds, record, memory: course.memory }, left_out })
+        Ok(CoursePlan {
+            plan: BatchPlan { variants, swept_keys, seeds, record, memory: course.memory, free: course.free_keys },
+            left_out,
+        })
     }
 
     /// Names the agents: by their files' names without the ending, or by their paths where those are not distinct.

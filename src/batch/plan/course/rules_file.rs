@@ -9,7 +9,7 @@ use toml::{Table, Value as TomlValue};
 use super::{CourseError, Leaf, fault, leaves, message_of, read_toml, syntax};
 use crate::batch::plan::file::{SeedList, located};
 use crate::batch::plan::seeds::MAX_SEEDS_BYTES;
-use crate::batch::plan::{FreeKeys, Record, Seeds};
+use crate::batch::plan::{FreeKeys, MAX_FREE_KEYS, Record, Seeds};
 use crate::input_file;
 use crate::scenario::{FieldPath, LoadedScenario, MemoryLimit, Scenario, ScenarioError, ScenarioText};
 
@@ -90,6 +90,8 @@ impl ProgramLimits {
 pub struct Course {
     pub path: PathBuf,
     pub free: FreeKeys,
+    /// The same as they are written.
+    pub free_keys: Vec<String>,
     pub limits: ProgramLimits,
     pub record: Option<Record>,
     pub memory: MemoryLimit,
@@ -117,6 +119,10 @@ impl Course {
         let at = |key: &str, message: &str| fault(path, Some(FieldPath::parse(key).line_in(&text)), message);
         if file.free.is_empty() {
             return Err(at("free", "`free` is empty, so that no agent could set anything; expected at least one key"));
+        }
+        if file.free.len() > MAX_FREE_KEYS {
+            let message = format!("{} keys are free; expected at most {MAX_FREE_KEYS}", file.free.len());
+            return Err(at("free", &message));
         }
         let free = FreeKeys::parse(&file.free).map_err(|error| at("free", &error.to_string()))?;
         for limit in file.limits.given() {
@@ -150,7 +156,8 @@ impl Course {
             changes.push(leaf.change(&key));
         }
         let (limits, record) = (file.limits, file.record);
-        let course = Self { path: path.to_owned(), free, limits, record, memory, changes, base, seeds };
+        let course =
+            Self { path: path.to_owned(), free, free_keys: file.free, limits, record, memory, changes, base, seeds };
         course.scenario(&course.changes).map_err(|error| {
             let changed = course.changes.iter().zip(&rules);
             let is_it = |change: &String| error.location.as_ref().is_some_and(|place| place.is_in(change));

@@ -1,0 +1,309 @@
+//! `wildfire judge`: paths that were computed anywhere, judged like those of the program's own planners.
+
+mod joined;
+mod path_table;
+mod recorded;
+mod report;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+
+use joined::PathJudge;
+use path_table::{Fault, GivenPath, PathTable};
+use report::{JudgeReport, Row, write_rows};
+
+use crate::cli::args::{MemoryArguments, ProgramArguments, parse_seed};
+use crate::cli::context::CommandContext;
+use crate::cli::error::{CliError, exit};
+use crate::cli::output_files::{self, Files, Format};
+use crate::cli::plan::{Attempt, ProblemArguments, Question, attempts, goal_count, no_truck, shortened};
+use crate::cli::report::FormArguments;
+use crate::document::number::count;
+use crate::planning::judge::DriveFigures;
+use crate::planning::{PlannerName, Planners};
+use crate::scenario::{LoadedScenario, Problem};
+use crate::timeline::file::{self, FileError};
+
+/// The reason of a goal without rows in a table of paths, and of one that a recorded truck gave up.
+const NO_PATH: &str = "no path";
+const DROPPED: &str = "dropped";
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+PATHS.csv has a row for each pose of the rear axle, in the order in which they are
+driven: field,goal,planner,x_m,y_m,heading_rad,direction, as `wildfire plan --paths`
+writes them. Poses in a row are at most 0.5 m apart and are joined by arcs.
+
+It exits with 4 if anything is wrong with a path.
+
+Examples:
+  wildfire judge field.json paths.csv
+  wildfire judge field_*.json paths.csv --against prm-rs,hybrid-astar
+  wildfire judge paths.csv --scenario dense --seed 7 --cells 50
+  wildfire judge --recording run.wildfire --csv drives.csv")]
+pub struct JudgeArguments {
+    /// Field files, then the paths on them; without field files, paths on the field of the scenario, drawn with the
+    /// seed.
+    #[arg(value_name = "FIELD.json|PATHS.csv", required_unless_present = "recording")]
+    pub files: Vec<PathBuf>,
+    /// Judge the drives of a recorded run, each as a path towards its goal.
+    #[arg(long, value_name = "RUN", conflicts_with_all = ["files", "goals", "cells"])]
+    pub recording: Option<PathBuf>,
+    /// A planner to set the paths beside: it is asked for the same goals; several names with commas or repeated.
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub against: Vec<PlannerName>,
+    /// The seed of everything random.
+    #[arg(long, default_value_t = 1, allow_hyphen_values = true, value_parser = parse_seed)]
+    pub seed: u64,
+    /// The number of random free poses that were the goals on the scenario's field, as in `wildfire plan` [default: 50].
+    #[arg(help_heading = "Goals", long, value_name = "N", value_parser = goal_count)]
+    pub goals: Option<usize>,
+    /// The number of random bushes of each field that were the goals instead, as in `wildfire plan`.
+    #[arg(help_heading = "Goals", long, value_name = "N", conflicts_with = "goals", value_parser = goal_count)]
+    pub cells: Option<usize>,
+    /// The scenario whose first truck drives, with its planners' settings: a file, or a built-in name.
+    #[arg(long, value_name = "SCENARIO", default_value = "contest")]
+    pub scenario: String,
+    /// Change a value of the scenario, such as `unimog.vehicle.turning_radius_m=8`; may be repeated.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub overrides: Vec<String>,
+    #[command(flatten)]
+    pub programs: ProgramArguments,
+    #[command(flatten)]
+    pub memory: MemoryArguments,
+    #[command(flatten)]
+    pub form: FormArguments,
+    /// Write a row for each goal and planner.
+    #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
+    pub csv: Option<PathBuf>,
+}
+
+pub fn run(arguments: &JudgeArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
+    let mut inputs: Vec<&Path> = arguments.files.iter().chain(&arguments.recording).map(PathBuf::as_path).collect();
+    inputs.push(Path::new(&arguments.scenario));
+    let files = Files { inputs, form: arguments.form, ..Files::default() };
+    let words = files.writing([(Format::Csv, &arguments.csv)]).check()?;
+    let loaded = LoadedScenario::open(&arguments.scenario, &context.with_own_names(&arguments.overrides))?;
+    context.expect_trusted_planners(&loaded.scenario, &arguments.against)?;
+    let makers = context.planners_of(&loaded.scenario, arguments.seed)?;
+    let asked = Asked::new(arguments, &loaded, &makers)?;
+    let conclude = |report: &JudgeReport| {
+        let printed = words.print(&arguments.form.render(report));
+        // Whatever cannot be written, all else is kept.
+        let write = |path: &Path| write_rows(path, &report.rows);
+        let written = output_files::write_all(&[(arguments.csv.as_deref(), &write)], context.quiet);
+        printed.and(written)?;
+        Ok(if report.has_violations() { ExitCode::from(exit::VIOLATION) } else { ExitCode::SUCCESS })
+    };
+    match (&arguments.recording, arguments.files.split_last()) {
+        (Some(recording), _) => judge_recording(recording, &asked, conclude),
+        (None, Some((paths, fields))) => judge_table(fields, paths, &asked, conclude),
+        (None, None) => unreachable!("the arguments require files or --recording"),
+    }
+}
+
+/// The planners that the paths are set beside, and what they are asked with.
+struct Asked<'a> {
+    arguments: &'a JudgeArguments,
+    loaded: &'a LoadedScenario,
+    planners: Vec<PlannerName>,
+    makers: &'a Planners,
+}
+
+impl<'a> Asked<'a> {
+    fn new(arguments: &'a JudgeArguments, loaded: &'a LoadedScenario, makers: &'a Planners) -> Result<Self, CliError> {
+        let mut planners: Vec<PlannerName> = Vec::new();
+        for name in &arguments.against {
+            if !makers.knows(name) {
+                let help = format!("known are {makers:?}");
+                return Err(CliError::bad_input(format_args!("there is no planner `{name}`"), Some(&help)));
+            }
+            if !planners.contains(name) {
+                planners.push(name.clone());
+            }
+        }
+        Ok(Self { arguments, loaded, planners, makers })
+    }
+
+    /// Returns the names that they have in the report: those that have computed paths too say that they were asked.
+    fn names(&self, judged: &[String]) -> Vec<String> {
+        let name = |planner: &PlannerName| {
+            let mut name = planner.to_string();
+            while judged.contains(&name) {
+                name += " (asked)";
+            }
+            name
+        };
+        self.planners.iter().map(name).collect()
+    }
+
+    /// Asks all of them for all goals of a problem.
+    fn attempts<'p>(&self, problem: &'p Problem) -> Result<Vec<Attempt<'p>>, CliError> {
+        if self.planners.is_empty() {
+            return Ok(Vec::new());
+        }
+        let question = Question {
+            planners: &self.planners,
+            makers: self.makers,
+            programs: &self.loaded.scenario.planner,
+            seed: self.arguments.seed,
+            limit: self.arguments.memory.limit(),
+        };
+        let failed =
+            |error| CliError::run_failed(format_args!("planning on the field {}: {error}", shortened(&problem.name)));
+        attempts(problem, &question).map_err(failed)
+    }
+}
+
+/// Returns the row of an attempt.
+fn row_of_attempt<'a>(attempt: &Attempt, place: (&'a str, usize, &'a str)) -> Row<'a> {
+    let (field, goal, planner) = place;
+    match &attempt.drive {
+        Ok(drive) => Row::with_path(place, drive.figures, drive.violation.clone()),
+        Err(reason) => Row::without_path(field, goal, planner, reason.to_string()),
+    }
+}
+
+fn judge_table(
+    fields: &[PathBuf],
+    paths: &Path,
+    asked: &Asked,
+    conclude: impl Fn(&JudgeReport) -> Result<ExitCode, CliError>,
+) -> Result<ExitCode, CliError> {
+    let &JudgeArguments { seed, goals, cells, .. } = asked.arguments;
+    if paths.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json")) {
+        let sentence = format!("{} is named as a field file; expected the table of paths last", paths.display());
+        return Err(CliError::bad_input(sentence, Some("wildfire judge FIELD.json PATHS.csv")));
+    }
+    if goals.is_some() && !fields.is_empty() {
+        let sentence = "--goals draws goals on the scenario's field; expected no field files with it";
+        return Err(CliError::bad_input(sentence, Some("field files list their goals")));
+    }
+    let problems = ProblemArguments { fields: fields.to_vec(), seed, goals, cells };
+    let problems = problems.load(&asked.loaded.scenario)?;
+    let (judged, mut verdicts) = judge_paths(paths, &problems)?;
+    let names = asked.names(&judged);
+    let mut rows = Vec::new();
+    for (index, problem) in problems.iter().enumerate() {
+        let attempts = asked.attempts(problem)?;
+        let field = problem.name.as_str();
+        for goal in 0..problem.goals.len() {
+            for (planner, name) in judged.iter().enumerate() {
+                rows.push(match verdicts.remove(&(planner, index, goal)) {
+                    Some((figures, violation)) => Row::with_path((field, goal, name), figures, violation),
+                    None => Row::without_path(field, goal, name, NO_PATH.into()),
+                });
+            }
+            let own = attempts.iter().filter(|attempt| attempt.goal == goal);
+            rows.extend(own.zip(&names).map(|(attempt, name)| row_of_attempt(attempt, (field, goal, name))));
+        }
+    }
+    let title = match &problems[..] {
+        [only] => format!("Field `{}`", shortened(&only.name)),
+        several => format!("{} fields", several.len()),
+    };
+    let goals = count(problems.iter().map(|problem| problem.goals.len()).sum(), "goal");
+    let title = format!("{title}, {goals}: paths of {}", count(judged.len(), "planner"));
+    conclude(&JudgeReport::new(title, &judged, &names, rows))
+}
+
+/// What was found of the paths, by planner, field and goal.
+type Verdicts = BTreeMap<(usize, usize, usize), (DriveFigures, Option<String>)>;
+
+/// Judges all paths of a table, one after the other; returns who computed them too.
+fn judge_paths(paths: &Path, problems: &[Problem]) -> Result<(Vec<String>, Verdicts), CliError> {
+    let bad = |fault: Fault| CliError::from_input_error(format_args!("{}: {fault}", paths.display()), fault.kind());
+    let mut table = PathTable::open(paths, problems).map_err(bad)?;
+    let mut verdicts = Verdicts::new();
+    let mut judge: Option<(usize, PathJudge)> = None;
+    while let Some(GivenPath { planner, problem, goal, poses }) = table.next().map_err(bad)? {
+        // Tables go through fields one by one, so one of them is enough to be kept.
+        let own = judge.take_if(|(index, _)| *index == problem).map(|(_, judge)| judge);
+        let own = own.unwrap_or_else(|| PathJudge::new(&problems[problem]));
+        verdicts.insert((planner, problem, goal), own.judge(problems[problem].goals[goal], &poses));
+        judge = Some((problem, own));
+    }
+    Ok((table.into_planners(), verdicts))
+}
+
+fn judge_recording(
+    recording: &Path,
+    asked: &Asked,
+    conclude: impl Fn(&JudgeReport) -> Result<ExitCode, CliError>,
+) -> Result<ExitCode, CliError> {
+    let unreadable =
+        |error: FileError| CliError::from_input_error(format_args!("{}: {error}", recording.display()), error.kind());
+    let timeline = file::read(recording).map_err(unreadable)?;
+    let drives = recorded::recorded_drives(&timeline);
+    let setting = &timeline.setting;
+    if drives.is_empty() {
+        let sentence = format!("{}: no truck drives to anything in this run", recording.display());
+        return Err(CliError::bad_input(sentence, None));
+    }
+    let mut judged: Vec<String> = drives.iter().map(|drive| drive.truck.to_string()).collect();
+    judged.dedup();
+    let names = asked.names(&judged);
+    let field = setting.scenario.as_str();
+    let mut rows = Vec::new();
+    for (number, drive) in drives.iter().enumerate() {
+        let truck = judged.iter().find(|name| **name == drive.truck.to_string()).expect("it is in the list");
+        let row = Row::with_path((field, number, truck), drive.figures, drive.violation.clone());
+        rows.push(if drive.is_dropped { row.broken_off(DROPPED.into()) } else { row });
+        if !asked.planners.is_empty() {
+            let truck = asked.loaded.scenario.unimog.first().ok_or_else(|| no_truck(&asked.loaded.scenario))?;
+            let problem = recorded::problem(setting, drive, truck);
+            let attempts = asked.attempts(&problem)?;
+            rows.extend(
+                attempts.iter().zip(&names).map(|(attempt, name)| row_of_attempt(attempt, (field, number, name))),
+            );
+        }
+    }
+    let title = format!("Run of `{}`, seed {}: {}", shortened(field), setting.seed, count(drives.len(), "drive"));
+    conclude(&JudgeReport::new(title, &judged, &names, rows))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::command_lines::said;
+    use crate::cli::fuzz::text::mutated;
+    use crate::cli::fuzz::{Case, Fuzzer, Law};
+    use crate::scenario::Unimog;
+
+    #[test]
+    fn tables_of_paths_take_anything() {
+        Fuzzer { name: "tables_of_paths", target: "--lib", law: table_of_paths }.run(2000);
+    }
+
+    /// Checks that a table of paths is judged, with a verdict on each path, or refused in words.
+    fn table_of_paths(case: &mut Case<'_>) -> Law {
+        const FIELD: &str = "{\"field\": \"mine\", \"n\": 20, \"cell_m\": 5, \"cells_cr\": [[10, 4]],\n\
+                             \"start\": [20, 22.5, 0], \"goals\": [{\"pose\": [21, 22.5, 0]}, {\"disc\": [52.5, 22.5, 10]}]}";
+        const TABLES: &[&str] = &[
+            "field,goal,planner,x_m,y_m,heading_rad,direction\nmine,0,one,20,22.5,0,forward\n\
+             mine,0,one,20.5,22.5,0,forward\nmine,0,one,21,22.5,0,forward\nmine,1,two,20,22.5,0,reverse\n\
+             mine,1,two,19.6,22.49,0.02,reverse\nmine,1,two,19.9,22.5,0.01,forward\n",
+            "goal,direction,x_m,y_m,heading_rad\n0,forward,20,22.5,0\n0,forward,20,22.5,0\n\"1\",forward,20,22.5,-0\n",
+        ];
+        let words =
+            ["mine", "forward", "reverse", ",", "\"", "20.0000001", "3.1415926535897931", "1e6", "5e-324", "\u{FEFF}"];
+        case.input = mutated(&mut case.dice, TABLES, &words);
+        let paths = case.write("paths.csv", &case.input);
+        let field = case.write("mine.json", FIELD.as_bytes());
+        let problems = [Problem::open(&field, &Unimog::default()).map_err(|error| error.to_string())?];
+        match judge_paths(&paths, &problems) {
+            Ok((planners, verdicts)) => {
+                case.count("tables of paths accepted");
+                let is_sane = |(figures, _): &(DriveFigures, _)| figures.length_m >= 0.0 && figures.drive_s.is_finite();
+                if planners.is_empty() || verdicts.is_empty() || !verdicts.values().all(is_sane) {
+                    return Err(format!("{planners:?} have {verdicts:?}"));
+                }
+                Ok(())
+            }
+            Err(refusal) => said(&refusal.sentence()),
+        }
+    }
+}

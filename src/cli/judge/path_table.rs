@@ -1,0 +1,318 @@
+//! Tables of paths, as `wildfire plan --paths` writes them and others can: read path by path.
+//!
+//! A row is a pose of the rear axle, with the gear in which the truck arrives there. A path is the rows of one field, goal
+//! and planner, one after the other. Whatever is no such table is refused with its line.
+
+use std::borrow::Cow;
+use std::collections::BTreeSet;
+use std::io::{self, ErrorKind};
+use std::ops::RangeInclusive;
+use std::path::Path;
+
+use thiserror::Error;
+
+use crate::cli::csv_rows::{CsvRows, LONGEST_LINE, RowFault, fields};
+use crate::cli::numbers;
+use crate::geometry::{Pose, ops};
+use crate::scenario::Problem;
+use crate::untrusted::{bytes_of_cell, visible_start};
+
+/// Two poses in a row are no farther apart than this, metres.
+pub const MOST_APART_M: f64 = 0.5;
+
+/// Decimals of coordinates may make a step longer by so much, metres.
+const ROUNDING_M: f64 = 1e-6;
+
+/// A pose may be this far on the wrong side of the one before it, metres: rounding.
+const MOST_BACKWARDS_M: f64 = 1e-3;
+
+/// The range of coordinates in metres, and of headings in radians.
+const NUMBERS: RangeInclusive<f64> = -1e6..=1e6;
+
+/// The most poses of a path, and planners of a table.
+const MOST_POSES: usize = 1_000_000;
+const MOST_PLANNERS: usize = 50;
+
+/// The most characters of a planner's name.
+const LONGEST_NAME: usize = 100;
+
+/// The name of who computed the paths of a table that does not say.
+const NO_NAME: &str = "paths";
+
+/// The columns that are read, by their names in the header.
+const COLUMNS: [&str; 7] = ["field", "goal", "planner", "x_m", "y_m", "heading_rad", "direction"];
+const FIELD: usize = 0;
+const GOAL: usize = 1;
+const PLANNER: usize = 2;
+const X: usize = 3;
+const Y: usize = 4;
+const HEADING: usize = 5;
+const DIRECTION: usize = 6;
+
+/// A fault of a table of paths: a sentence to follow its path. Lines are counted from 1.
+#[derive(Debug, Error)]
+pub enum Fault {
+    #[error("cannot be read: {0}")]
+    Unreadable(#[from] io::Error),
+    #[error("the file is empty; expected a header with the columns {}", COLUMNS.join(","))]
+    Empty,
+    #[error("the file has no row after its header; expected the poses of at least one path")]
+    NoRows,
+    #[error("line {line}: the column {column} is missing; expected a header with {}", COLUMNS.join(","))]
+    Missing { line: u64, column: &'static str },
+    #[error("line {line}: the column field is missing, which tells {fields} fields apart")]
+    NoField { line: u64, fields: usize },
+    #[error("line {line}: the column {column} is there twice; expected it once")]
+    Twice { line: u64, column: &'static str },
+    #[error("line {line}: it is longer than {LONGEST_LINE} bytes; expected a pose")]
+    TooLong { line: u64 },
+    #[error("line {line}: found {found} columns, expected {expected} as in the header")]
+    Ragged { line: u64, found: usize, expected: usize },
+    #[error("line {line}, column {column}: found {found:?}, expected a number {}", numbers::range_words(&NUMBERS))]
+    Number { line: u64, column: &'static str, found: String },
+    #[error("line {line}, column field: found {found:?}, expected {expected}")]
+    Field { line: u64, found: String, expected: String },
+    #[error(
+        "line {line}, column goal: found {found:?}, expected a whole number from 0 to {last}, a goal of the field {field}"
+    )]
+    Goal { line: u64, found: String, field: String, last: usize },
+    #[error("line {line}, column planner: found {found:?}, expected a name of 1 to {LONGEST_NAME} characters")]
+    Planner { line: u64, found: String },
+    #[error("line {line}: it is of planner number {}; expected at most {MOST_PLANNERS}", MOST_PLANNERS + 1)]
+    TooManyPlanners { line: u64 },
+    #[error("line {line}, column direction: found {found:?}, expected forward or reverse")]
+    Direction { line: u64, found: String },
+    #[error("line {line}: it is {metres:.3} m from the pose of line {before}; expected at most {MOST_APART_M} m")]
+    Apart { line: u64, before: u64, metres: f64 },
+    #[error(
+        "line {line}: it is {metres:.3} m {found} the pose of line {before}, and its direction is {direction}; expected \
+         poses in the order in which they are driven, each with the gear in which the truck arrives there"
+    )]
+    WrongSide { line: u64, before: u64, metres: f64, found: &'static str, direction: &'static str },
+    #[error(
+        "line {line}: the path of {planner} to goal {goal} of the field {field} begins again; expected its rows together"
+    )]
+    Again { line: u64, planner: String, goal: usize, field: String },
+    #[error("line {line}: the path has more than {MOST_POSES} poses; expected fewer")]
+    TooManyPoses { line: u64 },
+}
+
+impl Fault {
+    /// Returns the kind of error of an input that has this fault.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Unreadable(error) => error.kind(),
+            _ => ErrorKind::InvalidData,
+        }
+    }
+}
+
+impl From<RowFault> for Fault {
+    fn from(fault: RowFault) -> Self {
+        match fault {
+            RowFault::Unreadable(error) => Self::Unreadable(error),
+            RowFault::TooLong { line } => Self::TooLong { line },
+        }
+    }
+}
+
+/// A pose of the rear axle, and the line that says so.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GivenPose {
+    pub line: u64,
+    pub pose: Pose,
+    /// The gear in which the truck arrives there.
+    pub is_reverse: bool,
+}
+
+/// A path to a goal, with at least one pose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GivenPath {
+    /// Who computed it: a place in [`PathTable::planners`].
+    pub planner: usize,
+    /// The place of its field in the list.
+    pub problem: usize,
+    pub goal: usize,
+    pub poses: Vec<GivenPose>,
+}
+
+/// Planner, problem and goal of a row.
+type Key = (usize, usize, usize);
+
+/// A table of paths, of which one path is kept at a time.
+pub struct PathTable<'a> {
+    rows: CsvRows,
+    problems: &'a [Problem],
+    /// Those that had a row, in the order of their first.
+    planners: Vec<String>,
+    /// The number of columns of the header.
+    width: usize,
+    /// The index of each of [`COLUMNS`] in a row, if it is there.
+    places: [Option<usize>; COLUMNS.len()],
+    /// The first row of the next path, if it has been read.
+    next: Option<(Key, GivenPose)>,
+    /// All paths that have begun.
+    begun: BTreeSet<Key>,
+}
+
+impl<'a> PathTable<'a> {
+    /// Reads the header of a table of paths on these fields.
+    pub fn open(path: &Path, problems: &'a [Problem]) -> Result<Self, Fault> {
+        let mut rows = CsvRows::open(path)?;
+        if !rows.advance()? {
+            return Err(Fault::Empty);
+        }
+        let line = rows.line();
+        let mut places = [None; COLUMNS.len()];
+        for (index, column) in COLUMNS.into_iter().enumerate() {
+            let named = fields(rows.row()).enumerate().filter(|(_, name)| *name == column.as_bytes());
+            places[index] = match named.map(|(place, _)| place).collect::<Vec<_>>()[..] {
+                [place] => Some(place),
+                [] if index == PLANNER || index == FIELD && problems.len() == 1 => None,
+                [] if index == FIELD && fields(rows.row()).any(|name| name == b"goal") => {
+                    return Err(Fault::NoField { line, fields: problems.len() });
+                }
+                [] => return Err(Fault::Missing { line, column }),
+                _ => return Err(Fault::Twice { line, column }),
+            };
+        }
+        let width = fields(rows.row()).count();
+        Ok(Self { rows, problems, planners: Vec::new(), width, places, next: None, begun: BTreeSet::new() })
+    }
+
+    /// Returns the planners that had a row so far.
+    pub fn into_planners(self) -> Vec<String> {
+        self.planners
+    }
+
+    /// Reads the next path; `None` at the end of the file.
+    pub fn next(&mut self) -> Result<Option<GivenPath>, Fault> {
+        let first = match self.next.take() {
+            Some(row) => Some(row),
+            None => self.read_row()?,
+        };
+        let Some((key, pose)) = first else {
+            return if self.begun.is_empty() { Err(Fault::NoRows) } else { Ok(None) };
+        };
+        let (planner, problem, goal) = key;
+        if !self.begun.insert(key) {
+            let (name, field) = (visible_start(&self.planners[planner]), visible_start(&self.problems[problem].name));
+            return Err(Fault::Again { line: pose.line, planner: name, goal, field });
+        }
+        let mut poses = vec![pose];
+        while let Some((found, pose)) = self.read_row()? {
+            if found != key {
+                self.next = Some((found, pose));
+                break;
+            }
+            check_step(&poses[poses.len() - 1], &pose)?;
+            if poses.len() == MOST_POSES {
+                return Err(Fault::TooManyPoses { line: pose.line });
+            }
+            poses.push(pose);
+        }
+        Ok(Some(GivenPath { planner, problem, goal, poses }))
+    }
+
+    fn read_row(&mut self) -> Result<Option<(Key, GivenPose)>, Fault> {
+        if !self.rows.advance()? {
+            return Ok(None);
+        }
+        let line = self.rows.line();
+        let mut cells: [&[u8]; COLUMNS.len()] = [b""; COLUMNS.len()];
+        let mut found = 0;
+        for (place, cell) in fields(self.rows.row()).enumerate() {
+            found += 1;
+            if let Some(index) = self.places.iter().position(|&column| column == Some(place)) {
+                cells[index] = cell;
+            }
+        }
+        if found != self.width {
+            return Err(Fault::Ragged { line, found, expected: self.width });
+        }
+        let number = |index: usize| {
+            let number = std::str::from_utf8(cells[index]).ok().and_then(numbers::parse);
+            let refused = || Fault::Number { line, column: COLUMNS[index], found: shown(cells[index]) };
+            number.filter(|number| NUMBERS.contains(number)).ok_or_else(refused)
+        };
+        let pose = Pose::new(number(X)?, number(Y)?, number(HEADING)?);
+        let is_reverse = match cells[DIRECTION] {
+            b"forward" => false,
+            b"reverse" => true,
+            other => return Err(Fault::Direction { line, found: shown(other) }),
+        };
+        let problem = if self.places[FIELD].is_some() { problem(self.problems, line, cells[FIELD])? } else { 0 };
+        let goals = self.problems[problem].goals.len();
+        let goal = std::str::from_utf8(cells[GOAL]).ok().and_then(numbers::parse).filter(|&goal| goal < goals);
+        let goal = goal.ok_or_else(|| Fault::Goal {
+            line,
+            found: shown(cells[GOAL]),
+            field: visible_start(&self.problems[problem].name),
+            last: goals - 1,
+        })?;
+        let name = if self.places[PLANNER].is_some() { text(cells[PLANNER]) } else { Cow::Borrowed(NO_NAME) };
+        let planner = planner(&mut self.planners, line, &name)?;
+        Ok(Some(((planner, problem, goal), GivenPose { line, pose, is_reverse })))
+    }
+}
+
+fn problem(problems: &[Problem], line: u64, cell: &[u8]) -> Result<usize, Fault> {
+    let name = text(cell);
+    problems.iter().position(|problem| problem.name == name).ok_or_else(|| {
+        let expected = match problems {
+            [only] => visible_start(&only.name),
+            [first, .., last] => {
+                format!("a field of those given, {} to {}", visible_start(&first.name), visible_start(&last.name))
+            }
+            [] => "a field".into(),
+        };
+        Fault::Field { line, found: shown(cell), expected }
+    })
+}
+
+/// Returns the place of a planner's name in the list, to which a new one is added.
+fn planner(planners: &mut Vec<String>, line: u64, name: &str) -> Result<usize, Fault> {
+    if let Some(known) = planners.iter().rposition(|planner| planner == name) {
+        return Ok(known);
+    }
+    if name.is_empty() || name.chars().count() > LONGEST_NAME {
+        return Err(Fault::Planner { line, found: visible_start(name) });
+    }
+    if planners.len() == MOST_PLANNERS {
+        return Err(Fault::TooManyPlanners { line });
+    }
+    planners.push(name.to_owned());
+    Ok(planners.len() - 1)
+}
+
+/// Returns the text of a cell: double quotes in it are written twice, and a sign may keep spreadsheets from computing it.
+fn text(cell: &[u8]) -> Cow<'_, str> {
+    let text = String::from_utf8_lossy(bytes_of_cell(cell));
+    if text.contains("\"\"") { text.replace("\"\"", "\"").into() } else { text }
+}
+
+/// Returns the beginning of a cell for a message.
+fn shown(cell: &[u8]) -> String {
+    visible_start(&String::from_utf8_lossy(cell))
+}
+
+/// Refuses two poses that nothing can be said to have happened between.
+fn check_step(from: &GivenPose, to: &GivenPose) -> Result<(), Fault> {
+    let (line, before) = (to.line, from.line);
+    let step = to.pose.position() - from.pose.position();
+    let metres = step.length();
+    if metres > MOST_APART_M + ROUNDING_M {
+        return Err(Fault::Apart { line, before, metres });
+    }
+    let turn = ops::wrap_angle(to.pose.heading - from.pose.heading);
+    let ahead_m = step.dot(Pose { heading: from.pose.heading + 0.5 * turn, ..from.pose }.direction());
+    match to.is_reverse {
+        false if ahead_m < -MOST_BACKWARDS_M => {
+            Err(Fault::WrongSide { line, before, metres: -ahead_m, found: "behind", direction: "forward" })
+        }
+        true if ahead_m > MOST_BACKWARDS_M => {
+            Err(Fault::WrongSide { line, before, metres: ahead_m, found: "ahead of", direction: "reverse" })
+        }
+        _ => Ok(()),
+    }
+}
