@@ -146,6 +146,8 @@ struct Fate {
     exceeded: Option<Exceeded>,
     ending: Option<Ending>,
     last_said: Option<String>,
+    /// It closed its output and did not end.
+    has_lived_on: bool,
     /// The supervisor is gone, and with it all that it held.
     is_gone: bool,
 }
@@ -226,6 +228,7 @@ impl Process {
             if self.has_closed_output {
                 let since = *output_closed.get_or_insert_with(WallStopwatch::start);
                 if self.fate.is_over() || since.elapsed() > LAST_BREATH {
+                    self.fate.has_lived_on = !self.fate.is_over();
                     // Its supervisor knows how it ended, and what its last words were.
                     self.kill();
                     return Err(Trouble::crashed(self.fate.words()));
@@ -432,7 +435,8 @@ impl Fate {
 
     /// Words what happened to the program.
     fn words(&self) -> String {
-        let what = match (&self.not_started, self.exceeded, self.ending) {
+        let ending = self.ending.filter(|_| !self.has_lived_on);
+        let what = match (&self.not_started, self.exceeded, ending) {
             (Some(reason), ..) => return format!("cannot be started: {reason}"),
             (_, Some(Exceeded::MemoryMb(found)), _) => format!("took {found} MB of memory and was killed"),
             (_, Some(Exceeded::Processes(found)), _) => format!("ran {found} processes and was killed"),
@@ -441,7 +445,9 @@ impl Fate {
                 Ok(name) => format!("was ended by the signal {name}"),
                 Err(_) => format!("was ended by the signal {signal}"),
             },
-            (None, None, None) if self.pid.is_none() => "cannot be started: its supervisor has ended".to_owned(),
+            (None, None, None) if self.pid.is_none() && !self.has_lived_on => {
+                "cannot be started: its supervisor has ended".to_owned()
+            }
             (None, None, None) => "closed its output".to_owned(),
         };
         match &self.last_said {

@@ -24,7 +24,7 @@ pub struct Respondent {
 #[derive(Debug)]
 pub struct Session {
     process: Process,
-    /// Queries so far: they are numbered from 1 on, so that a program may count them itself.
+    /// Queries on this field: they are numbered from 1 on, so that a program may count them itself.
     queries: u64,
     /// Its CPU time that has been counted for something.
     counted: Duration,
@@ -155,6 +155,7 @@ impl Session {
 
     /// Shows it a field, and waits until it is ready.
     fn show(&mut self, program: &Launch, field: &[u8], since: WallStopwatch) -> Result<(), Trouble> {
+        self.queries = 0;
         let line = self.process.exchange(field, at_start(program, since, "`ready`"))?;
         let words = match FromProgram::parse(&line) {
             Ok(FromProgram::Ready) => return Ok(()),

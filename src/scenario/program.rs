@@ -39,6 +39,9 @@ pub struct Program {
     /// scenario's folder, which is also the program's working folder.
     #[serde(deserialize_with = "list_of_at_most::<MAX_WORDS, _, _>")]
     pub command: Vec<String>,
+    /// The folder that takes the place of the scenario's, for the command and its files; relative to the scenario's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub folder: Option<PathBuf>,
     /// Files whose contents belong to a batch's plan; those that `command` names always do.
     #[serde(deserialize_with = "list_of_at_most::<MAX_WORDS, _, _>")]
     pub files: Vec<PathBuf>,
@@ -81,6 +84,7 @@ impl Default for Program {
     fn default() -> Self {
         Self {
             command: Vec::new(),
+            folder: None,
             files: Vec::new(),
             settings: Map::new(),
             start_limit_s: 30.0,

@@ -25,7 +25,7 @@ fn program_of_a_file_is_shown_and_not_started() {
     shell.refuse(&["batch", "mine.toml", "--out", "out"], &words);
     shell.refuse(&["batch", "mine.toml", "--dry-run"], &words);
     shell.refuse(&["plan", "--scenario", "mine.toml"], &words);
-    shell.refuse(&["render", "mine.toml", "--png", "still.png"], &words);
+    shell.refuse(&["render", "mine.toml", "--out", "still.png"], &words);
     // What only reads never starts anything, trusted or not.
     shell.run(&["check", "mine.toml"], &[0]);
     shell.run(&["check", "mine.toml", "--trust"], &[0]);
