@@ -76,6 +76,7 @@ impl Shell {
 }
 
 /// Says whether a program is on the machine; if not, which test is left out.
+#[expect(clippy::print_stdout, reason = "whoever reads the test's output is to know")]
 pub fn has(program: &str, argument: &str) -> bool {
     let found = Command::new(program).arg(argument).stdout(Stdio::null()).stderr(Stdio::null()).status();
     let is_there = found.is_ok_and(|status| status.success());
