@@ -144,9 +144,11 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
     let mut batch = match &arguments.resume {
         Some(folder) => {
             interrupt::set_resumable();
-            let folder = OutputFolder::existing(folder)?;
-            context.expect_trusted_plan(&BatchPlan::read(folder.path()).map_err(BatchError::from)?)?;
-            Batch::resume(folder, slice)?
+            let path = OutputFolder::existing(folder)?;
+            context.expect_trusted_plan(&BatchPlan::read(path.path()).map_err(BatchError::from)?)?;
+            let batch = Batch::resume(path, slice)?;
+            batch.plan().expect_entrants(&context.entrants, folder).map_err(BatchError::from)?;
+            batch
         }
         None => {
             let plan = match &arguments.rules {
