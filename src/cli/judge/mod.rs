@@ -15,7 +15,7 @@ use joined::PathJudge;
 use path_table::{Fault, GivenPath, PathTable};
 use report::{JudgeReport, Row, write_rows};
 
-use crate::cli::args::{MemoryArguments, parse_seed};
+use crate::cli::args::{MemoryArguments, ProgramArguments, parse_seed};
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::output_files::{self, Files, Format};
@@ -71,6 +71,8 @@ pub struct JudgeArguments {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub overrides: Vec<String>,
     #[command(flatten)]
+    pub programs: ProgramArguments,
+    #[command(flatten)]
     pub memory: MemoryArguments,
     #[command(flatten)]
     pub form: FormArguments,
@@ -85,7 +87,9 @@ pub fn run(arguments: &JudgeArguments, context: &CommandContext) -> Result<ExitC
     let files = Files { inputs, form: arguments.form, ..Files::default() };
     let words = files.writing([(Format::Csv, &arguments.csv)]).check()?;
     let loaded = LoadedScenario::open(&arguments.scenario, &context.with_own_names(&arguments.overrides))?;
-    let asked = Asked::new(arguments, &loaded, &context.entrants.planners)?;
+    context.expect_trusted_planners(&loaded.scenario, &arguments.against)?;
+    let makers = context.planners_of(&loaded.scenario, arguments.seed)?;
+    let asked = Asked::new(arguments, &loaded, &makers)?;
     let conclude = |report: &JudgeReport| {
         let printed = words.print(&arguments.form.render(report));
         // Whatever cannot be written, all else is kept.
