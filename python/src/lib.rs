@@ -10,6 +10,7 @@ mod batch;
 mod checker;
 mod columns;
 mod compare;
+mod drive;
 mod envs;
 mod errors;
 mod literal;
@@ -36,6 +37,8 @@ mod _core {
     use crate::checker::Checker;
     #[pymodule_export]
     use crate::compare::compare;
+    #[pymodule_export]
+    use crate::drive::Driver;
     #[pymodule_export]
     use crate::envs::{Contests, named_agents};
     #[pymodule_export]

@@ -159,6 +159,7 @@ class ContestAEC(AECEnv[str, dict[str, Any], int]):
         self.render_mode = render_mode
         self.possible_agents = list(self._contest.played)
         self.agents: list[str] = []
+        self._asked: str | None = None
         self._action_space = {name: spaces.Discrete(self._contest.contests.actions) for name in self.possible_agents}
         self._observation_space = dict.fromkeys(self.possible_agents, self._contest.space)
 

@@ -21,7 +21,7 @@ from wildfire_contest.policies import Policy
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["TEST_SEEDS", "TRAINING_SEEDS", "Policy", "TruckEnv", "contest_v0", "nearest", "random_seed"]
+__all__ = ["TEST_SEEDS", "TRAINING_SEEDS", "DriveEnv", "Policy", "TruckEnv", "contest_v0", "nearest", "random_seed"]
 
 TEST_SEEDS = range(0, 2**32)
 """Seeds to test with: those that people write, such as 1 to 1000. Training without a seed never meets them."""
@@ -182,8 +182,51 @@ def nearest(observation: dict[str, Any]) -> int:
     return int(free[0]) + 1 if free.size else 0
 
 
+class DriveEnv(gymnasium.Env[dict[str, Any], "NDArray[np.float32]"]):
+    """Steering the truck to a goal, ``wildfire/Drive-v0``.
+
+    The action is the share of the sharpest curvature, positive to the left, and that of the highest speed, negative in
+    reverse; a step is half a second of simulated time. ``clearance`` has tens of metres to the nearest bush or border,
+    on 64 x 64 points half a metre apart about the truck: row 0 is 15.75 m to its right, column 0 as far behind. ``goal``
+    is what is left to drive, ahead and to the left, and the radius of the goal, in metres.
+
+    The reward is metres nearer to the goal, 10 on arrival and -10 on contact; either ends the drive. Not every goal can
+    be reached; ``gymnasium.make`` ends a drive after 1000 steps.
+    """
+
+    metadata = {"render_modes": []}  # noqa: RUF012
+
+    def __init__(self, scenario: Any = "contest", *, truck: int = 0) -> None:
+        self._driver = _core.Driver(scenario, truck)
+        self.observation_space = spaces.Dict(
+            {
+                "clearance": spaces.Box(-1, 10, (64, 64), np.float32),
+                "goal": spaces.Box(-np.inf, np.inf, (3,), np.float32),
+            }
+        )
+        self.action_space = spaces.Box(-1, 1, (2,), np.float32)
+        self.render_mode = None
+
+    def _seen(self) -> dict[str, Any]:
+        clearance, goal = self._driver.seen()
+        return {"clearance": clearance, "goal": goal}
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Begin a drive on the field of `seed`, or of the next of a stream that the last seed began."""
+        super().reset(seed=seed, options=options)
+        self._driver.reset(random_seed(self.np_random) if seed is None else seed)
+        return self._seen(), {}
+
+    def step(self, action: NDArray[np.float32]) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
+        """Drive for half a second."""
+        nearer, arrived, touched = self._driver.step(float(action[0]), float(action[1]))
+        reward = nearer + 10.0 * arrived - 10.0 * touched
+        return self._seen(), reward, arrived or touched, False, {"arrived": arrived}
+
+
 from wildfire_contest import contest_v0  # noqa: E402  it needs what is above
 
 gymnasium.register(id="wildfire/Truck-v0", entry_point="wildfire_contest.envs:TruckEnv")
+gymnasium.register(id="wildfire/Drive-v0", entry_point="wildfire_contest.envs:DriveEnv", max_episode_steps=1000)
 
 Act = Callable[[dict[str, Any]], int]

@@ -1,11 +1,11 @@
 //! Ignition, spread, burn-out and extinction.
 //!
-//! Whatever is to become of a bush goes through the queue as a [`BushEvent`], and [`change_bush`] carries out one of
-//! them in a pass. So the agents whom a change concerns hear of it before the next bush changes.
+//! Whatever is to become of a bush goes through the queue as a [`BushEvent`]. [`change_bushes`] carries them out until one
+//! concerns an agent, who then acts before the next bush changes.
 
 use bevy::prelude::*;
 
-use crate::fire::{FireChange, FireEvent, FireField, FireModel, Spread};
+use crate::fire::{FireEvent, FireField, FireModel, Spread};
 use crate::geometry::Cell;
 use crate::scenario::IgnitionCells;
 use crate::time::SimTime;
@@ -14,6 +14,7 @@ use crate::timeline::{Cause, FireFact};
 use super::queue::{BushEvent, Due, Rank, SimClock, SimQueue};
 use super::recorder::Recorder;
 use super::schedule::{Pass, SimSystems};
+use super::wake::Listeners;
 
 /// Bushes burn.
 #[derive(Debug)]
@@ -21,8 +22,7 @@ pub struct FirePlugin;
 
 impl Plugin for FirePlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<FireChanges>();
-        app.add_systems(Pass, (burn_out, spread, light_scheduled, change_bush).chain().in_set(SimSystems::Fire));
+        app.add_systems(Pass, (burn_out, spread, light_scheduled, change_bushes).chain().in_set(SimSystems::Fire));
     }
 }
 
@@ -32,10 +32,6 @@ pub struct Fires {
     pub field: FireField,
     pub model: Box<dyn FireModel>,
 }
-
-/// What has changed in this pass.
-#[derive(Resource, Debug, Default)]
-pub struct FireChanges(pub Vec<FireChange>);
 
 /// The scenario's own ignitions.
 #[derive(Resource, Debug)]
@@ -96,13 +92,13 @@ fn light_scheduled(
     }
 }
 
-/// Changes one bush, if it can be changed so, and lets the model of the fire say what follows.
-fn change_bush(
+/// Changes bushes, if they can be changed so, and lets the model of the fire say what follows, until an agent is woken.
+fn change_bushes(
     clock: Res<SimClock>,
     mut queue: ResMut<SimQueue>,
     mut fires: ResMut<Fires>,
-    mut changes: ResMut<FireChanges>,
     mut recorder: ResMut<Recorder>,
+    listeners: Listeners,
 ) {
     let now = clock.0;
     let Fires { field, model } = &mut *fires;
@@ -122,8 +118,9 @@ fn change_bush(
         let mut expected = Vec::new();
         model.follow(field, now, change, &mut expected);
         expect(&mut queue, expected);
-        changes.0.push(change);
-        return;
+        if listeners.hear_of(change, now, field, &mut queue) {
+            return;
+        }
     }
 }
 

@@ -13,9 +13,9 @@ pub struct Pass;
 /// What the systems of a pass are about, in their order.
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub enum SimSystems {
-    /// Bushes ignite, burn out and are extinguished, one at a time.
+    /// Bushes ignite, burn out and are extinguished, until an agent hears of what concerns it.
     Fire,
-    /// Agents hear of what concerns them.
+    /// Agents who heard of something look again.
     Wake,
     Wumpus,
     Truck,

@@ -1,13 +1,14 @@
 //! Who hears of what: changes of the fire wake the agents whom they concern.
 
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use crate::fire::{FireChange, FireField};
 use crate::geometry::Cell;
+use crate::time::SimTime;
 use crate::timeline::RestReason;
 
 use super::agent::{Activity, Agent, Roster};
-use super::fire::{FireChanges, Fires};
 use super::queue::{AgentEvent, Due, SimClock, SimQueue};
 use super::schedule::{Pass, SimSystems};
 
@@ -17,7 +18,7 @@ pub struct WakePlugin;
 
 impl Plugin for WakePlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(Pass, (wake, drop_void_events, look_again, finish_planning).chain().in_set(SimSystems::Wake));
+        app.add_systems(Pass, (drop_void_events, look_again, finish_planning).chain().in_set(SimSystems::Wake));
     }
 }
 
@@ -83,24 +84,27 @@ impl Trigger {
     }
 }
 
-/// Wakes whom the changes of this pass concern, in the order of their names.
-fn wake(
-    clock: Res<SimClock>,
-    mut queue: ResMut<SimQueue>,
-    fires: Res<Fires>,
-    mut changes: ResMut<FireChanges>,
-    roster: Res<Roster>,
-    agents: Query<(&Agent, &WokenBy)>,
-) {
-    for change in changes.0.drain(..) {
-        for news in News::of_change(change, &fires.field) {
-            for &entity in &roster.0 {
-                let Ok((agent, WokenBy(triggers))) = agents.get(entity) else { continue };
+/// All who hear of changes.
+#[derive(SystemParam)]
+pub struct Listeners<'w, 's> {
+    roster: Res<'w, Roster>,
+    agents: Query<'w, 's, (&'static Agent, &'static WokenBy)>,
+}
+
+impl Listeners<'_, '_> {
+    /// Wakes whom a change concerns, in the order of their names; returns false if that is nobody.
+    pub fn hear_of(&self, change: FireChange, now: SimTime, fires: &FireField, queue: &mut SimQueue) -> bool {
+        let mut is_heard = false;
+        for news in News::of_change(change, fires) {
+            for &entity in &self.roster.0 {
+                let Ok((agent, WokenBy(triggers))) = self.agents.get(entity) else { continue };
                 if let Some(event) = triggers.iter().find_map(|trigger| trigger.wakes(agent, news)) {
-                    queue.push_for(clock.0, event, agent.wake(entity));
+                    queue.push_for(now, event, agent.wake(entity));
+                    is_heard = true;
                 }
             }
         }
+        is_heard
     }
 }
 

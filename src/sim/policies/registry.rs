@@ -157,8 +157,11 @@ impl Policies {
     /// If nobody of this name is known, or it cannot be made.
     pub fn make(&self, site: &PolicySite<'_>) -> Result<Box<dyn Policy>, MakeError> {
         let name = site.name;
-        let unknown =
-            || MakeError::new(format!("`{name}` is not built in, was not handed in, and its table has no `command`"));
+        let unknown = || {
+            MakeError::new(format!(
+                "`{name}` is not built in, was not handed in, and is no program that may be started"
+            ))
+        };
         self.own.get(name).ok_or_else(unknown)?.make(site)
     }
 }
@@ -171,7 +174,72 @@ impl fmt::Debug for Policies {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Mutex;
+
     use super::*;
+    use crate::scenario::{self, Scenario, ScenarioError};
+    use crate::sim::{self, RunError, RunOptions};
+
+    fn load(name: &str, changes: &[&str]) -> Result<Scenario, Box<ScenarioError>> {
+        scenario::load(name, &changes.iter().map(|&change| change.to_owned()).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn all_agents_of_a_name_follow_one_policy_and_play_as_it_does() {
+        let sites = Arc::new(Mutex::new(Vec::new()));
+        let seen = Arc::clone(&sites);
+        let maker = move |site: &PolicySite<'_>| -> Result<Box<dyn Policy>, MakeError> {
+            seen.lock().expect("nobody panicked").push((site.plays.to_vec(), site.own.to_string(), site.agents.len()));
+            Ok(Box::new(OneByOne(Nearest)))
+        };
+        let policies = Policies::default().with("mine", maker).expect("it is free");
+        let options = RunOptions { policies, ..RunOptions::default() };
+        let short = "duration_s=300";
+        let rule = load("fleet", &[short, "wumpus.0.goal=nearest-intact"]).expect("it loads");
+        let own =
+            ["policy.mine.settings={ depth = 3 }", "wumpus.0.goal=mine", "unimog.0.goal=mine", "unimog.2.goal=mine"];
+        let own = load("fleet", &[&own[..], &[short]].concat()).expect("it loads");
+        let played = sim::run_with_options(&own, 4, &options).expect("it takes place").timeline;
+        assert_eq!(played, sim::run(&rule, 4).expect("it takes place").timeline);
+        let plays = vec![AgentId::wumpus(0), AgentId::unimog(0), AgentId::unimog(2)];
+        assert_eq!(*sites.lock().expect("nobody panicked"), [(plays, "{\"depth\":3}".to_owned(), 5)]);
+        let missing = sim::run(&own, 4).map(drop);
+        assert!(matches!(&missing, Err(RunError::NoPolicy { name, .. }) if name.name() == "mine"), "{missing:?}");
+    }
+
+    #[test]
+    fn a_policy_that_nobody_answers_for_waits() {
+        struct Silent;
+        impl Policy for Silent {
+            fn choose(
+                &mut self,
+                _: &crate::sim::policies::Observation<'_>,
+                _: &[AgentId],
+            ) -> Vec<(AgentId, crate::sim::policies::Choice)> {
+                Vec::new()
+            }
+        }
+        let maker = |_: &PolicySite<'_>| -> Result<Box<dyn Policy>, MakeError> { Ok(Box::new(Silent)) };
+        let options = RunOptions {
+            policies: Policies::default().with("silent", maker).expect("it is free"),
+            ..RunOptions::default()
+        };
+        let scenario = load("smoke", &["policy.silent.command=[]", "unimog.goal=silent"]).expect("it loads");
+        let timeline = sim::run_with_options(&scenario, 1, &options).expect("it takes place").timeline;
+        assert_eq!(timeline.end_time(), SimTime::from_seconds(scenario.duration_s));
+        let outcome = crate::Outcome::new(&timeline);
+        assert_eq!((outcome.extinguished, outcome.truck_stuck_s), (0, 0.0));
+    }
+
+    #[test]
+    fn names_that_nobody_has_and_rules_of_the_other_kind_are_refused_with_their_place() {
+        let refusal = |changes: &[&str]| load("smoke", changes).expect_err("nobody knows it").to_string();
+        let said = refusal(&["unimog.goal=oldes"]);
+        assert!(said.contains("unimog.0.goal") && said.contains("no policy of this name is known"), "{said}");
+        assert!(refusal(&["unimog.goal=random-intact"]).contains("random-intact"));
+        assert!(refusal(&["wumpus.goal=oldest"]).contains("wumpus.0.goal"));
+        assert!(refusal(&["policy.oldest.command=['x']"]).contains("policy"));
+    }
 
     #[test]
     fn names_are_short_plain_and_nobody_elses() {

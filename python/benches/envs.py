@@ -1,0 +1,91 @@
+"""Steps per CPU second of the environments, and of others where they are installed: ``python envs.py [STEPS]``."""
+
+import importlib.util
+import sys
+import time
+
+import numpy as np
+
+from wildfire_contest import envs
+from wildfire_contest.vector import TruckVectorEnv
+
+CHANGED = {"prm-rs": {}, "prm+primitives": {"unimog.planner": "prm+primitives"}}
+
+
+def single(scenario, actions, steps):
+    """Steps of one contest after the other, each choosing the nearest fire."""
+    env = envs.TruckEnv(scenario, actions=actions)
+    seen, _ = env.reset(seed=1)
+    begun = time.process_time()
+    for _ in range(steps):
+        seen, _, ended, _, _ = env.step(choice(seen, actions))
+        if ended:
+            seen, _ = env.reset()
+    return steps / (time.process_time() - begun)
+
+
+def choice(seen, actions):
+    if actions == "nearest":
+        return envs.nearest(seen)
+    options = np.flatnonzero(seen["action_mask"])
+    return options[-1] if options.size > 1 else 0
+
+
+def side_by_side(scenario, steps, threads=1, n=64):
+    env = TruckVectorEnv(n, scenario, actions="nearest", threads=threads)
+    seen, _ = env.reset(seed=1)
+    calls = max(steps // n, 1)
+    begun = time.process_time()
+    for _ in range(calls):
+        # Candidates come by distance: the first that is free is the nearest.
+        seen, *_ = env.step(np.argmax(seen["action_mask"][:, 1:], axis=1) + seen["action_mask"][:, 1:].any(axis=1))
+    return calls * n / (time.process_time() - begun)
+
+
+def pyrorl(steps):
+    """PyroRL 1.1 on its own 50 x 50 field, where nobody drives."""
+    import gymnasium
+    import pyrorl  # noqa: F401
+
+    populated = np.array([[1, 2], [4, 8], [6, 4], [8, 7]])
+    paths = np.array([[[1, 0], [1, 1]], [[2, 2], [3, 2], [4, 2], [4, 1], [4, 0]], [[5, 8], [6, 8], [6, 9]], [[5, 7], [6, 7], [7, 7], [8, 7]]], dtype=object)
+    env = gymnasium.make(
+        "pyrorl/PyroRL-v0",
+        num_rows=50,
+        num_cols=50,
+        populated_areas=populated,
+        paths=paths,
+        paths_to_pops={0: [[0]], 1: [[1]], 2: [[2]], 3: [[3]]},
+    ).unwrapped
+    env.reset()
+    env.step(0)
+    begun = time.process_time()
+    for _ in range(steps):
+        _, _, ended, *_ = env.step(0)
+        if ended:
+            env.reset()
+    return steps / (time.process_time() - begun)
+
+
+def main():
+    import wildfire_contest as wf
+
+    steps = int(sys.argv[1]) if len(sys.argv) > 1 else 20_000
+    ours = 0.0
+    for planner, changes in CHANGED.items():
+        scenario = wf.scenario("contest", changes)
+        for actions in ("cells", "nearest"):
+            print(f"TruckEnv, {planner}, {actions}: {single(scenario, actions, steps):8.0f} steps a CPU second")
+        found = side_by_side(scenario, 4 * steps)
+        ours = ours or found
+        print(f"TruckVectorEnv(64), {planner}: {found:8.0f}")
+        print(f"TruckVectorEnv(64, threads=2), {planner}: {side_by_side(scenario, 4 * steps, 2):8.0f}")
+    if importlib.util.find_spec("pyrorl"):
+        theirs = pyrorl(min(steps, 5000))
+        print(f"PyroRL, 50 x 50, nobody drives: {theirs:8.0f}; TruckVectorEnv(64) does {ours / theirs:.1f} times as many")
+    else:
+        print("PyroRL is not installed")
+
+
+if __name__ == "__main__":
+    main()

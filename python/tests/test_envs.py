@@ -1,0 +1,252 @@
+"""Environments: the tests of Gymnasium and PettingZoo, and whole episodes."""
+
+import numpy as np
+import pytest
+
+import wildfire_contest as wf
+
+gymnasium = pytest.importorskip("gymnasium")
+pytest.importorskip("pettingzoo")
+
+from gymnasium.utils.env_checker import check_env  # noqa: E402
+from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test, seed_test  # noqa: E402
+
+from wildfire_contest import envs  # noqa: E402
+from wildfire_contest.vector import TruckVectorEnv  # noqa: E402
+
+# Every bush that a Wumpus could light is asked for as the nearest, so that rules without chance play all of it.
+NEAREST = {"wumpus.goal": "nearest-intact"}
+
+
+def lead(outcome):
+    """Points of the trucks, less the Wumpuses'."""
+    return outcome["truck_score"] - outcome["wumpus_score"]
+
+
+def same_events(one, other):
+    return all(np.array_equal(one.events[name], other.events[name]) for name in one.events)
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("actions", ["cells", "nearest"])
+def test_gymnasium_accepts_the_environment(actions):
+    check_env(gymnasium.make("wildfire/Truck-v0", scenario="smoke", actions=actions).unwrapped, skip_render_check=True)
+    check_env(envs.TruckEnv("smoke", actions=actions, render_mode="rgb_array"))
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_pettingzoo_accepts_the_environments():
+    parallel_api_test(envs.contest_v0.parallel_env("smoke"), num_cycles=300)
+    parallel_seed_test(lambda: envs.contest_v0.parallel_env("smoke"), num_cycles=50)
+    api_test(envs.contest_v0.env("smoke"), num_cycles=300)
+    seed_test(lambda: envs.contest_v0.env("smoke"), num_cycles=50)
+
+
+@pytest.mark.parametrize("scenario", ["smoke", "fleet"])
+def test_who_plays_the_nearest_plays_the_rules_run(scenario):
+    scenario = wf.scenario(scenario, NEAREST | {"duration_s": 600})
+    expected = lead(wf.run(scenario, 3).outcome)
+    env = envs.TruckEnv(scenario, actions="nearest", k=200)
+    seen, _ = env.reset(seed=3)
+    gained, passed_s, ended = 0.0, 0.0, False
+    while not ended:
+        assert seen in env.observation_space
+        assert seen["agents"][:, 7].sum() == 1, "one is asked"
+        assert seen["action_mask"][1:].any(), "there is something to choose from"
+        seen, reward, ended, truncated, info = env.step(envs.nearest(seen))
+        assert not truncated
+        assert info["illegal"] == 0
+        gained, passed_s = gained + reward, passed_s + info["dt_s"]
+    # The points of the Wumpuses before the first question are nobody's reward.
+    first, _ = env.reset(seed=3)
+    assert gained + 0.0 == pytest.approx(expected + float((first["cells"] > 1).sum()))
+    assert passed_s + first["time_s"][0] == pytest.approx(seen["time_s"][0], abs=1e-3)
+    assert seen["action_mask"].sum() == 1
+
+
+@pytest.mark.parametrize("goal", ["unimog", "wumpus"])
+def test_a_policy_that_answers_as_the_rule_does_plays_the_rules_run(goal):
+    rule = wf.scenario("fleet", NEAREST | {"duration_s": 400})
+    own = rule.with_({f"{goal}.goal": "mine"})
+    policy = envs.Policy(envs.nearest, actions="nearest", k=300)
+    expected, played = wf.run(rule, 5), wf.run(own, 5, policies={"mine": policy})
+    assert same_events(expected, played)
+    assert list(played.agents["policy"]).count("mine") == (3 if goal == "unimog" else 2)
+    batch = wf.batch(own, "5..6", policies={"mine": policy})
+    assert batch.runs["truck_score"][0] == expected.outcome["truck_score"]
+    with pytest.raises(wf.ScenarioError, match="no policy of this name is known"):
+        wf.run(own, 5)
+
+
+def test_all_cells_are_the_same_choice():
+    def act(seen):
+        row = int(np.flatnonzero(seen["agents"][:, 7])[0])
+        x, y = seen["agents"][row, :2].astype(float)
+        rows, cols = seen["cells"].shape
+        options = np.flatnonzero(seen["action_mask"][1:])
+        far = np.hypot((options % cols + 0.5) * 5 - x, (options // cols + 0.5) * 5 - y)
+        assert set(seen["cells"].reshape(-1)[options]) == {2}
+        return 1 + options[np.argmin(far)]
+
+    rule = wf.scenario("smoke", NEAREST)
+    played = wf.run(rule.with_({"unimog.goal": "mine"}), 2, policies={"mine": act})
+    assert same_events(wf.run(rule, 2), played)
+
+
+def test_who_fails_to_answer_waits(capfd):
+    calls = []
+
+    def broken(_):
+        calls.append(1)
+        raise RuntimeError("no idea")
+
+    scenario = wf.scenario("smoke", {"unimog.goal": "mine"})
+    run = wf.run(scenario, 1, policies={"mine": broken})
+    assert run.outcome["extinguished"] == 0
+    assert run.outcome["truck_stuck_s"] == 0
+    assert len(calls) > 3
+    assert capfd.readouterr().err.count("RuntimeError: no idea") == 1, "the first is printed whole"
+    nonsense = wf.run(scenario, 1, policies={"mine": lambda _: 10**9})
+    assert nonsense.outcome["extinguished"] == 0
+
+    def end(_):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        wf.run(scenario, 1, policies={"mine": end})
+
+
+def test_a_policy_is_made_once_in_every_run():
+    made = []
+
+    def make(site):
+        made.append(site)
+        return lambda _: 0
+
+    scenario = wf.scenario("fleet", {"unimog.0.goal": "mine", "unimog.2.goal": "mine", "duration_s": 60})
+    scenario = scenario.with_({"policy.mine.settings.depth": 3})
+    batch = wf.batch(scenario, "1..3", policies={"mine": envs.Policy(make, per_run=True)})
+    assert list(batch.runs["policy"]) == ["mine;nearest-burning;mine"] * 3
+    assert [site["plays"] for site in made] == [["unimog/0", "unimog/2"]] * 3
+    assert [site["settings"] for site in made] == [{"depth": 3}] * 3
+    assert len({site["draw"] for site in made}) == 3
+
+
+def test_masked_actions_wait_and_others_are_refused():
+    env = envs.TruckEnv("smoke")
+    seen, _ = env.reset(seed=1)
+    wrong = int(np.flatnonzero(seen["action_mask"] == 0)[0])
+    after, _, _, _, info = env.step(wrong)
+    assert info["illegal"] == 1
+    assert 0 < info["dt_s"] <= 10.0 + 1e-6
+    env.reset(seed=1)
+    waited, _, _, _, info = env.step(0)
+    assert info["illegal"] == 0
+    assert all(np.array_equal(after[name], waited[name]) for name in seen)
+    for outside in (-1, env.action_space.n):
+        with pytest.raises(ValueError, match="expected 0 to"):
+            env.step(outside)
+    with pytest.raises(ValueError, match="unimog_0"):
+        envs.TruckEnv("smoke", play=["unimog_7"])
+
+
+def test_seeds_to_train_and_to_test_with_do_not_meet():
+    assert set(range(1, 1001)) <= set(envs.TEST_SEEDS[1:1001])
+    assert envs.TEST_SEEDS.stop <= envs.TRAINING_SEEDS.start
+    one, other = envs.TruckEnv("smoke"), envs.TruckEnv("smoke")
+    one.reset(seed=4)
+    other.reset(seed=4)
+    for _ in range(3):
+        drawn = [env.reset()[0] for env in (one, other)]
+        assert np.array_equal(drawn[0]["cells"], drawn[1]["cells"])
+    generator = np.random.default_rng(0)
+    assert all(envs.random_seed(generator) in envs.TRAINING_SEEDS for _ in range(1000))
+
+
+@pytest.mark.parametrize("actions", ["cells", "nearest"])
+def test_contests_side_by_side_are_those_of_one(actions):
+    n, steps = 5, 60
+    vectors = [TruckVectorEnv(n, "smoke", actions=actions, threads=threads) for threads in (1, 3)]
+    single = [envs.TruckEnv("smoke", actions=actions) for _ in range(n)]
+    for vector in vectors:
+        vector.reset(seed=7)
+    alone = [env.reset(seed=7 + lane)[0] for lane, env in enumerate(single)]
+    over = np.zeros(n, bool)
+    dice = np.random.default_rng(1)
+    for _ in range(steps):
+        masks = vectors[0]._seen["action_mask"]
+        chosen = np.array([dice.choice(np.flatnonzero(mask)) for mask in masks])
+        results = [vector.step(chosen) for vector in vectors]
+        for name in results[0][0]:
+            assert np.array_equal(results[0][0][name], results[1][0][name]), "threads change nothing"
+        for lane in np.flatnonzero(~over):
+            seen, reward, ended, _, info = single[lane].step(chosen[lane])
+            alone[lane] = seen
+            assert all(np.array_equal(seen[name], results[0][0][name][lane]) for name in seen)
+            assert (reward, ended) == (results[0][1][lane], results[0][2][lane])
+            assert info["dt_s"] == results[0][4]["dt_s"][lane]
+            over[lane] = ended
+
+
+@pytest.mark.parametrize("autoreset", ["next-step", "same-step"])
+def test_contests_that_ended_begin_anew(autoreset):
+    vector = TruckVectorEnv(3, "smoke", autoreset=autoreset, actions="nearest")
+    seen, _ = vector.reset(seed=1)
+    ends, before = 0, np.zeros(3, bool)
+    for _ in range(400):
+        chosen = np.array([envs.nearest({"action_mask": mask}) for mask in seen["action_mask"]])
+        seen, reward, ended, truncated, infos = vector.step(chosen)
+        assert not truncated.any()
+        if autoreset == "next-step":
+            assert (reward[before] == 0).all()
+            assert (seen["time_s"][before, 0] < 60).all()
+        elif ended.any():
+            assert (seen["time_s"][ended, 0] < 60).all()
+            assert all(infos["final_obs"][lane]["action_mask"].sum() == 1 for lane in np.flatnonzero(ended))
+        ends, before = ends + ended.sum(), ended.copy()
+    assert ends >= 3
+
+
+def test_whole_episodes_of_several_agents():
+    scenario = wf.scenario("fleet", NEAREST | {"duration_s": 500})
+    expected = lead(wf.run(scenario, 2).outcome)
+    env = envs.contest_v0.parallel_env(scenario, actions="nearest", k=300)
+    seen, infos = env.reset(seed=2)
+    before = env._contest.contests.facts(0)
+    sums = dict.fromkeys(env.possible_agents, 0.0)
+    while env.agents:
+        asked = {name for name in env.agents if seen[name]["action_mask"][1:].any()}
+        assert asked, "somebody is asked"
+        assert set(seen) == set(infos) == set(env.possible_agents)
+        # Who is not asked is not listened to.
+        chosen = {name: envs.nearest(seen[name]) if name in asked else 1 for name in env.agents}
+        seen, rewards, ends, cuts, infos = env.step(chosen)
+        assert all(seen[name] in env.observation_space(name) for name in seen)
+        assert all(infos[name]["illegal"] == 0 for name in infos)
+        assert not any(cuts.values())
+        assert len(set(ends.values())) == 1
+        for name, reward in rewards.items():
+            sums[name] += reward
+    assert env._contest.contests.facts(0) > before
+    trucks = {sums[name] for name in sums if name.startswith("unimog")}
+    assert trucks == {expected}
+    assert {sums[name] for name in sums if name.startswith("wumpus")} == {-expected}
+
+    turns = envs.contest_v0.env(scenario, actions="nearest", k=300)
+    turns.reset(seed=2)
+    totals = dict.fromkeys(turns.possible_agents, 0.0)
+    for name in turns.agent_iter():
+        seen, reward, ended, _, _ = turns.last()
+        totals[name] += reward
+        turns.step(None if ended else envs.nearest(seen))
+    assert totals == sums
+
+
+def test_pictures_have_three_colours():
+    env = envs.TruckEnv("smoke", render_mode="rgb_array")
+    env.reset(seed=1)
+    picture = env.render()
+    assert picture.shape == (800, 800, 3)
+    assert picture.dtype == np.uint8
+    assert picture.std() > 5
+    assert envs.TruckEnv("smoke").render() is None
