@@ -250,6 +250,7 @@ hold! {
     judge: "docs/judge.md", pictures below 0;
     output_files: "docs/output-files.md", pictures below 0;
     planning_drives: "docs/planning-drives.md", pictures below 100_000;
+    python: "docs/python.md", pictures below 0;
     scenarios: "docs/scenarios.md", pictures below 0;
     watch: "docs/watch.md", pictures below 3_000_000;
     words: "docs/words.md", pictures below 0;

@@ -26,7 +26,10 @@ impl<'py> FromPyObject<'_, 'py> for Poses {
         if let Ok((x, y, heading)) = given.extract::<(f64, f64, f64)>() {
             return Ok(Self::One(pose(x, y, heading)));
         }
-        if let Ok(one) = given.extract::<PyArrayLike1<'_, f64, AllowTypeChange>>() {
+        // No poses at all can be read as an array of any dimension.
+        let one =
+            given.extract::<PyArrayLike1<'_, f64, AllowTypeChange>>().ok().filter(|one| !one.as_array().is_empty());
+        if let Some(one) = one {
             let [x, y, heading] = one.as_array().to_vec()[..] else { return Err(wrong_shape(&given)) };
             return Ok(Self::One(pose(x, y, heading)));
         }

@@ -15,13 +15,27 @@ use crate::errors::error;
 use crate::planner::{Factories, Interruption};
 use crate::run::Run;
 
-/// A run with a violation.
+/// A run that violates a rule, or whose row says something else than it gives.
+///
+/// Attributes
+/// ----------
+/// run : str
+///     The run, or the file of its recording.
+/// text : str
+///     What is wrong, where and when.
+/// time_s, agent, place : float, str, (float, float)
+///     The time of the first violation in seconds, who, and where in metres; None where only the row is wrong.
 #[pyclass(frozen, get_all, module = "wildfire_contest")]
 pub struct Offence {
+    /// The run, or the file of its recording.
     run: String,
+    /// What is wrong, where and when.
     text: String,
+    /// When, in simulated seconds.
     time_s: Option<f64>,
+    /// Who.
     agent: Option<String>,
+    /// Where, metres east and north.
     place: Option<(f64, f64)>,
 }
 
@@ -52,6 +66,27 @@ pub enum Audited<'py> {
     Path(PathBuf),
 }
 
+/// Holds finished runs against the rules, by other means than the planners': a second opinion.
+///
+/// Parameters
+/// ----------
+/// what : Run, Batch or path, or several of them
+///     A path is that of a recording, a folder of recordings, or the folder of a batch. Runs of a batch that were not
+///     recorded are simulated again.
+/// planners, policies : mapping
+///     Planners and policies of one's own that such runs had, by the same names.
+/// jobs : int
+///     Threads.
+///
+/// Returns
+/// -------
+/// list of Offence
+///     The first violation of each run that has one.
+///
+/// Raises
+/// ------
+/// WildfireError
+///     Something cannot be read.
 #[pyfunction]
 #[pyo3(signature = (what, *, planners = None, policies = None, jobs = 1))]
 pub fn audit(
@@ -101,6 +136,9 @@ fn source(path: PathBuf) -> PyResult<AuditSource> {
 fn audit_source(py: Python<'_>, source: &AuditSource, factories: &Factories, jobs: usize) -> PyResult<Vec<Offence>> {
     let interruption: Arc<Interruption> = Arc::default();
     let entrants = factories.entrants(py, &interruption);
+    if let AuditSource::Batch(batch) = source {
+        batch.expect_entrants(&entrants).map_err(error)?;
+    }
     let options = AuditOptions { jobs, step: SampleStep::default(), entrants: &entrants, listed: usize::MAX };
     let report = py.detach(|| audit_all(std::slice::from_ref(source), &options, || {}));
     if let Some(exception) = interruption.take() {

@@ -30,7 +30,9 @@ const MAX_JOBS: usize = 1024;
 /// The time between two looks for Ctrl-C.
 const POLL: Duration = Duration::from_millis(50);
 
-/// A batch that is over.
+/// A batch that is over. Its tables are read when they are asked for.
+///
+/// Made by `batch`.
 #[pyclass(frozen, module = "wildfire_contest")]
 pub struct Batch {
     plan: BatchPlan,
@@ -42,36 +44,43 @@ pub struct Batch {
 
 #[pymethods]
 impl Batch {
+    /// Returns a row a run, with the columns of ``runs.csv`` in the order of the plan.
     #[getter]
     fn runs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.table(py, Table::Runs)
     }
 
+    /// Returns a row an agent of a run, with the columns of ``agents.csv``.
     #[getter]
     fn agents<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.table(py, Table::Agents)
     }
 
+    /// Returns a row a query to a planner, with the columns of ``planner_calls.parquet``.
     #[getter]
     fn calls<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.table(py, Table::Calls)
     }
 
+    /// Returns the number of bushes in each state over time, with the columns of ``states.parquet``.
     #[getter]
     fn states<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.table(py, Table::States)
     }
 
+    /// Returns the tables of the contest as text, as the command line prints them.
     #[getter]
     fn tables(&self) -> String {
         self.report.to_document().to_text()
     }
 
+    /// Returns the folder with the files of the batch; None if none was asked for.
     #[getter]
     fn folder(&self) -> Option<PathBuf> {
         self.scratch.is_none().then(|| self.folder.path().to_owned())
     }
 
+    /// Returns the number of runs that failed.
     #[getter]
     fn not_done(&self) -> u64 {
         self.report.not_done()
@@ -132,6 +141,38 @@ struct Request<'a, 'py> {
     scenarios = None, seeds = None, *, planner = None, planners = None, policies = None, sweep = None, jobs = 1, out = None,
     record = None
 ))]
+/// Runs scenarios with many seeds.
+///
+/// Everything is multiplied: scenarios, planners, what is swept, seeds. Runs that fail are rows with a reason.
+///
+/// Parameters
+/// ----------
+/// scenarios : str, path or Scenario, or several of them
+///     `contest` if it is left out.
+/// seeds : str, int or iterable of int
+///     ``"1..50,99"`` or numbers; 1 to 5 if it is left out.
+/// planner : str or sequence of str
+///     Planners of the trucks, to be compared.
+/// planners, policies : mapping
+///     Planners and policies of one's own, as in `run`.
+/// sweep : mapping
+///     Values that keys of the scenario take, such as ``{"field.coverage": [0.05, 0.1]}``.
+/// jobs : int
+///     Threads. Planners of Python take turns where the interpreter has a lock.
+/// out : path
+///     The folder for all files; one that goes with the batch if it is left out. A batch that was stopped there goes on
+///     when the same is asked for again.
+/// record : str
+///     Which runs leave a recording in that folder: ``"all"``, ``"failed"`` or ``"none"``.
+///
+/// Raises
+/// ------
+/// ScenarioError
+///     A scenario is refused.
+/// WildfireError
+///     The seeds or the folder are refused, or the disk is full.
+/// KeyboardInterrupt
+///     Ctrl-C, or a planner raised it: what is in `out` can be resumed.
 #[expect(clippy::too_many_arguments, reason = "each is a keyword of Python")]
 pub fn batch(
     py: Python<'_>,

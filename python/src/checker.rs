@@ -21,7 +21,20 @@ use crate::query::{GoalLike, Vehicle};
 /// The most poses that are asked for in a goal.
 const MAX_GOAL_POSES: usize = 100_000;
 
-/// Answers for one body on one field.
+/// The collision core: one body on one field.
+///
+/// A pose is ``(x, y, heading)`` of the middle of the rear axle: metres east and north from the field's south-west corner,
+/// radians counter-clockwise from east. Where poses are taken, one is of shape (3,) and has a scalar for an answer, many
+/// are of shape (n, 3) and have an array of shape (n,). What is not made of finite numbers is never free.
+///
+/// Parameters
+/// ----------
+/// occupied : array of shape (rows, cols), bool
+///     Which cells hold a bush, row 0 in the south.
+/// cell_m : float
+///     Side of a cell.
+/// vehicle : Vehicle
+///     The contest's Unimog if it is left out.
 #[pyclass(frozen, module = "wildfire_contest")]
 pub struct Checker(pub Arc<CollisionChecker>);
 
@@ -56,22 +69,26 @@ impl Checker {
         Ok(Self::new(CollisionChecker::new(Arc::new(ClearanceField::new(frame, &cells)), body)))
     }
 
+    /// Returns width and height of the field, in metres.
     #[getter]
     fn size_m(&self) -> (f64, f64) {
         let frame = self.0.field().frame();
         (frame.width_m(), frame.height_m())
     }
 
+    /// Returns the side of a cell, in metres.
     #[getter]
     fn cell_m(&self) -> f64 {
         self.0.field().frame().cell_m
     }
 
+    /// Returns the body.
     #[getter]
     fn vehicle(&self) -> Vehicle {
         Vehicle::from_body(self.0.body())
     }
 
+    /// Returns which cells hold a bush: shape (rows, cols), bool, row 0 in the south.
     #[getter]
     fn occupied<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let occupied = self.0.field().occupied();
@@ -79,16 +96,59 @@ impl Checker {
         flat.call_method1("reshape", ((occupied.rows(), occupied.cols()),))
     }
 
+    /// Says whether the body keeps `clearance` metres from bushes and border, and 1 cm in any case.
+    ///
+    /// Parameters
+    /// ----------
+    /// poses : array of shape (3,) or (n, 3)
+    /// clearance : float
+    ///     Metres.
+    ///
+    /// Returns
+    /// -------
+    /// bool or array of shape (n,), bool
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     `poses` has another shape.
     #[pyo3(signature = (poses, clearance = 0.0))]
     fn pose_is_free<'py>(&self, py: Python<'py>, poses: Poses, clearance: f64) -> PyResult<Bound<'py, PyAny>> {
         let clearance = checked_clearance(clearance)?;
         poses.answer(py, |pose| is_sane_pose(&pose) && self.0.pose_is_free(pose, clearance))
     }
 
+    /// Returns metres from the body to the nearest bush or border.
+    ///
+    /// Exact below one metre, never more than the truth above; not positive on contact, nan of what is no pose.
+    ///
+    /// Parameters
+    /// ----------
+    /// poses : array of shape (3,) or (n, 3)
+    ///
+    /// Returns
+    /// -------
+    /// float or array of shape (n,), float64
     fn clearance<'py>(&self, py: Python<'py>, poses: Poses) -> PyResult<Bound<'py, PyAny>> {
         poses.answer(py, |pose| if is_sane_pose(&pose) { self.0.clearance(pose) } else { f64::NAN })
     }
 
+    /// Says whether the body keeps `clearance` metres, and 1 cm in any case, all along a motion of constant curvature.
+    ///
+    /// What keeps it everywhere is accepted; what is accepted keeps it less 3 cm everywhere, and touches nothing.
+    ///
+    /// Parameters
+    /// ----------
+    /// poses : array of shape (3,) or (n, 3)
+    ///     Where motions begin.
+    /// curvature : float or array of shape (n,)
+    ///     1/m, positive to the left.
+    /// length : float or array of shape (n,)
+    ///     Metres, negative in reverse.
+    ///
+    /// Returns
+    /// -------
+    /// bool or array of shape (n,), bool
     #[pyo3(signature = (poses, curvature, length, clearance = 0.0))]
     fn motion_is_free<'py>(
         &self,
@@ -111,6 +171,16 @@ impl Checker {
         if is_one { answers[0].into_bound_py_any(py) } else { Ok(answers.into_pyarray(py).into_any()) }
     }
 
+    /// Says whether the shortest Reeds-Shepp curve of the vehicle's turning radius is free from `a` to `b`.
+    ///
+    /// Parameters
+    /// ----------
+    /// a, b : array of shape (3,) or (n, 3)
+    ///     One pose goes with all of the others.
+    ///
+    /// Returns
+    /// -------
+    /// bool or array of shape (n,), bool
     #[pyo3(signature = (a, b, clearance = 0.0))]
     fn curve_is_free<'py>(&self, py: Python<'py>, a: Poses, b: Poses, clearance: f64) -> PyResult<Bound<'py, PyAny>> {
         let clearance = checked_clearance(clearance)?;
@@ -127,6 +197,14 @@ impl Checker {
         })
     }
 
+    /// Returns up to `n` free poses in a goal.
+    ///
+    /// In a disc they are spread evenly over places and headings, the same every time. Of a pose it is the pose itself.
+    ///
+    /// Returns
+    /// -------
+    /// array of shape (m, 3), float64
+    ///     m is at most n, and 0 where the body has no room.
     #[pyo3(signature = (goal, n = 24, clearance = 0.1))]
     fn goal_poses<'py>(
         &self,

@@ -19,6 +19,29 @@ pub enum By {
     Values(String, Vec<String>),
 }
 
+/// Compares batches, or the parts of one, in pairs by seed.
+///
+/// Parameters
+/// ----------
+/// batches : Batch or path
+///     Each is compared with the first; of a single one, its parts are compared.
+/// by : str, or (str, sequence of str)
+///     The column that divides runs: scenario, planner or a swept key; and its values, if not all.
+/// where : sequence of (str, str)
+///     Take only runs with these values in these columns.
+/// metric : str or sequence of str
+///     Columns of numbers in ``runs.csv``, and ``saved``, ``burned``, ``truck_won``, ``wumpus_won``; the usual ones if it
+///     is left out.
+///
+/// Returns
+/// -------
+/// Columns
+///     A row a metric and side: means, their difference with a 95 % interval, p-values, and the verdict in words.
+///
+/// Raises
+/// ------
+/// WildfireError
+///     Something cannot be read, or does not go together.
 #[pyfunction]
 #[pyo3(signature = (*batches, by = None, r#where = None, metric = None))]
 pub fn compare<'py>(

@@ -6,33 +6,53 @@ use pyo3::prelude::*;
 use wildfire::geometry::Pose;
 use wildfire::vehicle::{self, Dubins, ReedsShepp, Segment};
 
-use crate::arrays::{LARGEST, Poses, is_sane, is_sane_pose, rows};
+use crate::arrays::{LARGEST, Poses, described, is_sane, is_sane_pose, rows};
 
 /// The most poses of a path, of which there can be no more in a file either.
 const MAX_SAMPLES: f64 = 1e7;
 
-/// A path of the rear axle.
+/// A path of the rear axle: a pose, and segments of constant curvature from there on.
+///
+/// Parameters
+/// ----------
+/// start : array of shape (3,)
+/// segments : array of shape (n, 2)
+///     Curvature (1/m, positive to the left) and length (m, negative in reverse).
 #[pyclass(frozen, module = "wildfire_contest", name = "Path")]
 pub struct Path(pub vehicle::Path);
 
 #[pymethods]
 impl Path {
     #[new]
-    fn new(start: Poses, segments: PyArrayLike2<'_, f64, AllowTypeChange>) -> PyResult<Self> {
+    fn new(start: Poses, segments: &Bound<'_, PyAny>) -> PyResult<Self> {
         let start = one(start, "start")?;
-        let segments = segments.as_array();
-        if segments.nrows() > 0 && segments.ncols() != 2 {
-            let shape = segments.shape();
-            return Err(PyValueError::new_err(format!("segments have the shape {shape:?}; expected (n, 2)")));
+        // An empty list has no columns.
+        if segments.len().is_ok_and(|length| length == 0) {
+            return Ok(Self(vehicle::Path::standing(start)));
         }
-        let rows = segments.rows().into_iter().filter(|row| row.len() == 2);
-        let segments: Vec<_> = rows.map(|row| Segment { curvature: row[0], length_m: row[1] }).collect();
+        let rows = segments.extract::<PyArrayLike2<'_, f64, AllowTypeChange>>().ok();
+        let Some(rows) = rows.filter(|rows| rows.as_array().ncols() == 2) else {
+            let sentence = format!("expected segments of the shape (n, 2), found {}", described(segments));
+            return Err(PyValueError::new_err(sentence));
+        };
+        let rows = rows.as_array();
+        let segments: Vec<_> =
+            rows.rows().into_iter().map(|row| Segment { curvature: row[0], length_m: row[1] }).collect();
         match segments.iter().position(|segment| !is_sane(segment.curvature) || !is_sane(segment.length_m)) {
             Some(index) => Err(PyValueError::new_err(format!("segment {index} is not made of finite, sane numbers"))),
             None => Ok(Self(vehicle::Path { start, segments })),
         }
     }
 
+    /// Joins poses by the shortest Reeds-Shepp curves of a turning radius.
+    ///
+    /// Parameters
+    /// ----------
+    /// start : array of shape (3,)
+    /// poses : array of shape (3,) or (n, 3)
+    ///     In their order, without the start.
+    /// radius : float
+    ///     Metres.
     #[staticmethod]
     fn through(start: Poses, poses: Poses, radius: f64) -> PyResult<Self> {
         let start = one(start, "start")?;
@@ -44,32 +64,48 @@ impl Path {
         }
     }
 
+    /// Returns the pose in which it begins.
     #[getter]
     fn start(&self) -> (f64, f64, f64) {
         triple(self.0.start)
     }
 
+    /// Returns the pose in which it ends.
     #[getter]
     fn end(&self) -> (f64, f64, f64) {
         triple(self.0.end())
     }
 
+    /// Returns curvature and signed length of each segment: shape (n, 2), 1/m and metres.
     #[getter]
     fn segments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let segments: Vec<_> = self.0.segments.iter().map(|segment| [segment.curvature, segment.length_m]).collect();
         rows(py, &segments)
     }
 
+    /// Returns the driven distance in metres, forward and reverse alike.
     #[getter]
     fn length(&self) -> f64 {
         self.0.length_m()
     }
 
+    /// Returns the number of changes between forward and reverse.
     #[getter]
     fn cusps(&self) -> u32 {
         self.0.cusps()
     }
 
+    /// Returns poses along the way.
+    ///
+    /// Parameters
+    /// ----------
+    /// step : float
+    ///     The most metres between two of them. Start, end and all joints are among them.
+    ///
+    /// Returns
+    /// -------
+    /// array of shape (n, 4), float64
+    ///     x, y, heading, and the direction in which the truck arrives there: 1 forward, -1 in reverse.
     #[pyo3(signature = (step = 0.5))]
     fn poses<'py>(&self, py: Python<'py>, step: f64) -> PyResult<Bound<'py, PyAny>> {
         if !(step > 0.0 && self.0.length_m() / step <= MAX_SAMPLES) {
@@ -134,6 +170,19 @@ pub fn through(start: Pose, poses: &[Pose], radius_m: f64) -> vehicle::Path {
     path
 }
 
+/// Returns the length of the shortest curve for a vehicle that drives forward and in reverse.
+///
+/// Parameters
+/// ----------
+/// a, b : array of shape (3,) or (n, 3)
+///     One pose goes with all of the others.
+/// radius : float
+///     The turning radius in metres.
+///
+/// Returns
+/// -------
+/// float or array of shape (n,), float64
+///     Metres; nan of what is no pose.
 #[pyfunction]
 #[pyo3(signature = (a, b, radius))]
 pub fn reeds_shepp_length<'py>(py: Python<'py>, a: Poses, b: Poses, radius: f64) -> PyResult<Bound<'py, PyAny>> {
@@ -141,6 +190,7 @@ pub fn reeds_shepp_length<'py>(py: Python<'py>, a: Poses, b: Poses, radius: f64)
     a.answer_pairs(b, py, |from, to| length(from, to, |from, to| curves.length_m(from, to)))
 }
 
+/// Returns the length of the shortest curve for a vehicle that drives forward only; see `reeds_shepp_length`.
 #[pyfunction]
 #[pyo3(signature = (a, b, radius))]
 pub fn dubins_length<'py>(py: Python<'py>, a: Poses, b: Poses, radius: f64) -> PyResult<Bound<'py, PyAny>> {

@@ -38,6 +38,34 @@ const COLUMNS: [(&str, Kind, Unit, &str); 14] = [
 #[pyo3(signature = (
     field = None, *, planner = None, planners = None, seed = 1, goals = None, cells = None, scenario = None, changes = None
 ))]
+/// Plans drives of the truck by any planners: the rows of ``wildfire plan``.
+///
+/// Parameters
+/// ----------
+/// field : path or sequence of paths
+///     Field files; the scenario's field if it is left out.
+/// planner : str or sequence of str
+///     Who is asked.
+/// planners : mapping
+///     Planners of one's own, as in `run`.
+/// seed : int
+///     Everything random follows from it.
+/// goals, cells : int
+///     The number of random poses, or of random bushes, to drive to; 50 poses if both are left out.
+/// scenario : str or path
+///     Whose first truck drives; `contest` if it is left out.
+/// changes : mapping
+///     Changes of the scenario, as in `scenario`.
+///
+/// Returns
+/// -------
+/// Columns
+///     A row for each goal and planner.
+///
+/// Raises
+/// ------
+/// WildfireError
+///     A field or a planner is refused.
 #[expect(clippy::too_many_arguments, reason = "each is a keyword of Python")]
 pub fn plan<'py>(
     py: Python<'py>,

@@ -11,14 +11,19 @@ use wildfire::vehicle::Dimensions;
 use crate::arrays::{Poses, is_sane, is_sane_pose, pose};
 use crate::checker::Checker;
 
-/// The body of a truck, in metres.
+/// The body of a truck with Ackermann steering, in metres. The default is the contest's Unimog.
 #[pyclass(frozen, from_py_object, get_all, module = "wildfire_contest")]
 #[derive(Clone)]
 pub struct Vehicle {
+    /// Overall length, bumper to bumper.
     length: f64,
+    /// Overall width.
     width: f64,
+    /// Distance between the axles.
     wheelbase: f64,
+    /// From the rear axle to the rear bumper.
     rear_overhang: f64,
+    /// Smallest radius that the middle of the rear axle can drive.
     min_turn_radius: f64,
 }
 
@@ -70,7 +75,7 @@ impl Vehicle {
     }
 }
 
-/// One truck on one field, as a factory is told of it.
+/// One truck on one field: what a factory makes a planner for.
 #[pyclass(frozen, module = "wildfire_contest")]
 pub struct Site {
     truck: u16,
@@ -90,32 +95,37 @@ impl Site {
 
 #[pymethods]
 impl Site {
+    /// Returns the number of the truck, from 0.
     #[getter]
     fn truck(&self) -> u16 {
         self.truck
     }
 
+    /// Returns a seed for the planner's own chance, below 2**53: another one for each run, truck and name.
     #[getter]
     fn seed(&self) -> u64 {
         self.seed
     }
 
+    /// Returns the ``settings`` of the scenario's table ``[planner.NAME]``.
     #[getter]
     fn settings(&self, py: Python<'_>) -> Py<PyAny> {
         self.settings.clone_ref(py)
     }
 
+    /// Returns the body.
     #[getter]
     fn vehicle(&self) -> Vehicle {
         self.vehicle.clone()
     }
 
-    /// Speeds forward and in reverse, in metres a second.
+    /// Returns the highest speeds forward and in reverse, in metres a second.
     #[getter]
     fn speeds(&self) -> (f64, f64) {
         (self.speeds.forward_mps, self.speeds.reverse_mps)
     }
 
+    /// Returns the collision checker of the truck's body on the field.
     #[getter]
     fn checker(&self, py: Python<'_>) -> Py<Checker> {
         self.checker.clone_ref(py)
@@ -164,7 +174,7 @@ pub fn goal_object(py: Python<'_>, goal: Goal) -> PyResult<Bound<'_, PyAny>> {
     }
 }
 
-/// A query to a planner.
+/// A query to a planner: from where, to where, among what.
 #[pyclass(frozen, module = "wildfire_contest")]
 pub struct Query {
     pub start: Pose,
@@ -179,21 +189,35 @@ impl Query {
         Self { start: pose(start.0, start.1, start.2), goal: goal.0, checker }
     }
 
+    /// Returns the pose in which the drive begins.
     #[getter]
     fn start(&self) -> (f64, f64, f64) {
         (self.start.x, self.start.y, self.start.heading)
     }
 
+    /// Returns where it is to end: a `Disc` for the centre of the body, or a `Pose`.
     #[getter]
     fn goal<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         goal_object(py, self.goal)
     }
 
+    /// Returns the collision checker of the truck's body on the field.
     #[getter]
     fn checker(&self, py: Python<'_>) -> Py<Checker> {
         self.checker.clone_ref(py)
     }
 
+    /// Says whether a drive that ends in these poses has reached the goal.
+    ///
+    /// The centre of the body is in the disc, or the pose is within 1 mm and 0.001 rad.
+    ///
+    /// Parameters
+    /// ----------
+    /// poses : array of shape (3,) or (n, 3)
+    ///
+    /// Returns
+    /// -------
+    /// bool or array of shape (n,), bool
     fn meets<'py>(&self, py: Python<'py>, poses: Poses) -> PyResult<Bound<'py, PyAny>> {
         let checker = self.checker.get();
         let body = checker.0.body();

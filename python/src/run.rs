@@ -30,7 +30,9 @@ use crate::tables::Table;
 /// The most rows of a trace.
 const MAX_TRACE_ROWS: f64 = 1e7;
 
-/// A finished run.
+/// A finished run: its outcome, its tables, its pictures.
+///
+/// Tables are `Columns`. Made by `run`.
 #[pyclass(frozen, module = "wildfire_contest")]
 pub struct Run {
     pub timeline: Timeline,
@@ -42,62 +44,86 @@ pub struct Run {
 
 #[pymethods]
 impl Run {
+    /// Returns the name of the scenario.
     #[getter]
     fn scenario(&self) -> &str {
         &self.row.label.scenario
     }
 
+    /// Returns the seed.
     #[getter]
     fn seed(&self) -> u64 {
         self.row.label.seed
     }
 
+    /// Returns the outcome: the columns of ``runs.csv`` that are not measured.
+    ///
+    /// The same scenario and seed have the same on every machine.
     #[getter]
     fn outcome<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let values = self.values(py, |name| !is_measured(name))?;
         py.import("wildfire_contest.outcome")?.getattr("Outcome")?.call1((values,))
     }
 
+    /// Returns what was measured: CPU and real times in seconds, by column. They are never the same twice.
     #[getter]
     fn measured<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         self.values(py, is_measured)
     }
 
+    /// Returns sentences on what a reader should know of the run.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.row.result.as_ref().map(wildfire::batch::notes).unwrap_or_default()
     }
 
+    /// Returns the first 20 messages on failed queries of planners that are not built in, such as why a path must not be
+    /// driven.
     #[getter]
     fn messages(&self) -> Vec<String> {
         self.messages.clone()
     }
 
+    /// Returns a row an agent, with the columns of ``agents.csv``.
     #[getter]
     fn agents<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         Table::Agents.of_run(py, &self.row)
     }
 
+    /// Returns a row a query to a planner, with the columns that ``wildfire schema planner-calls`` prints.
     #[getter]
     fn calls<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         Table::Calls.of_run(py, &self.row)
     }
 
+    /// Returns the number of bushes in each state, every sixtieth of the duration.
     #[getter]
     fn states<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         Table::States.of_run(py, &self.row)
     }
 
+    /// Returns a row for each thing that happened: ``t_s, event, agent, col, row, detail``.
     #[getter]
     fn events<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         events(&self.timeline).map_err(error)?.finish(py)
     }
 
+    /// Returns where every agent was: ``t_s, agent, x_m, y_m, heading_rad, speed_mps, activity``.
+    ///
+    /// Parameters
+    /// ----------
+    /// step_s : float
+    ///     Simulated seconds between two rows of an agent; the last is at the end of the run.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     The step is below a millisecond, or there would be more than ten million rows.
     #[pyo3(signature = (step_s = 0.1))]
     fn trace<'py>(&self, py: Python<'py>, step_s: f64) -> PyResult<Bound<'py, PyAny>> {
         let end = self.timeline.end_time();
         let rows = end.as_seconds() / step_s * self.timeline.setting.agents.len() as f64;
-        if !(step_s >= FINEST_STEP_S && rows <= MAX_TRACE_ROWS) {
+        if !(step_s.is_finite() && step_s >= FINEST_STEP_S && rows <= MAX_TRACE_ROWS) {
             let sentence = format!(
                 "step_s is {step_s}; expected seconds, at least {FINEST_STEP_S}, and at most {MAX_TRACE_ROWS:e} rows"
             );
@@ -106,6 +132,24 @@ impl Run {
         py.detach(|| trace(&self.timeline, step_s)).finish(py)
     }
 
+    /// Draws the run at a time.
+    ///
+    /// Parameters
+    /// ----------
+    /// at_s : float
+    ///     Simulated seconds; the end of the run if it is left out.
+    /// size : tuple of int
+    ///     Width and height in pixels.
+    ///
+    /// Returns
+    /// -------
+    /// array of shape (height, width, 4), uint8
+    ///     Red, green, blue and opacity of each pixel, the first row on top.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     The run has no such time, or a picture no such size.
     #[pyo3(signature = (at_s = None, size = (1000, 1000)))]
     fn picture<'py>(&self, py: Python<'py>, at_s: Option<f64>, size: (u32, u32)) -> PyResult<Bound<'py, PyAny>> {
         let (width, height) = size;
@@ -131,12 +175,18 @@ impl Run {
         pixels.into_pyarray(py).call_method1("reshape", ((height, width, 4),))
     }
 
-    /// Returns the object that `wildfire run --json` prints.
+    /// Returns the object that ``wildfire run --json`` prints.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let json = serde_json::to_string(&RunObject::new(&self.row)).map_err(error)?;
         py.import("json")?.call_method1("loads", (json,))
     }
 
+    /// Writes a recording of the run, which ``wildfire play``, ``render`` and ``audit`` read.
+    ///
+    /// Raises
+    /// ------
+    /// WildfireError
+    ///     The file cannot be written.
     fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         py.detach(|| file::write(&self.timeline, &path))
             .map_err(|refusal| error(format_args!("cannot write {}: {refusal}", path.display())))
@@ -245,6 +295,29 @@ fn trace(timeline: &Timeline, step_s: f64) -> TableBuilder {
     table
 }
 
+/// Runs a scenario with a seed.
+///
+/// Parameters
+/// ----------
+/// scenario : str, path or Scenario
+///     `contest` if it is left out.
+/// seed : int
+///     From 0 to 2**64 - 1: everything random follows from it.
+/// planner : str
+///     The planner of all trucks, in place of the scenario's.
+/// planners : mapping
+///     Planners of one's own: what makes one from a `Site`, by name.
+/// policies : mapping
+///     Policies of one's own by name, see `wildfire_contest.policies`.
+/// record : path
+///     The file of a recording to be written.
+///
+/// Raises
+/// ------
+/// ScenarioError
+///     The scenario is refused.
+/// WildfireError
+///     The run cannot take place: no room, too much memory, a planner that cannot be built.
 #[pyfunction]
 #[pyo3(signature = (scenario = None, seed = 1, *, planner = None, planners = None, policies = None, record = None))]
 pub fn run(
@@ -286,7 +359,12 @@ pub fn simulate(
     mut is_to_stop: impl FnMut() -> bool,
 ) -> Result<library_sim::Run, RunError> {
     let mut stopwatch = CpuStopwatch::start();
-    let mut simulation = Simulation::with(scenario, seed, options)?;
+    let begun = Simulation::with(scenario, seed, options);
+    // A planner that ends the program while it is built is no reason for a run to fail.
+    if is_to_stop() {
+        return Err(RunError::Stopped);
+    }
+    let mut simulation = begun?;
     let slices = (1..).map(|slice| f64::from(slice) * SLICE_S).take_while(|&time_s| time_s < scenario.duration_s);
     for time in slices.map(SimTime::from_seconds).chain([SimTime::MAX]) {
         if is_to_stop() {

@@ -1,16 +1,21 @@
 //! Scenarios: built-in ones, files, and changes of them.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::PyMapping;
-use wildfire::scenario::{self as library, Fault, LoadedScenario, ScenarioError, ScenarioText};
+use wildfire::collision::{ClearanceField, CollisionChecker};
+use wildfire::scenario::{self as library, Fault, LoadedScenario, ScenarioError, ScenarioText, Terrain};
 
+use crate::checker::Checker;
 use crate::errors::{error, scenario_error};
 use crate::literal;
 use crate::planner::Factories;
 
 /// A scenario that is complete and checked. It never changes.
+///
+/// Made by `scenario`, `Scenario.from_toml` and `Scenario.with_`.
 #[pyclass(frozen, module = "wildfire_contest")]
 pub struct Scenario {
     text: ScenarioText,
@@ -83,6 +88,12 @@ fn unknown_name(fault: &Fault) -> Option<(&'static str, &str)> {
 
 #[pymethods]
 impl Scenario {
+    /// Reads a scenario from the text of a file.
+    ///
+    /// Raises
+    /// ------
+    /// ScenarioError
+    ///     It is refused; the file is called ``<text>``.
     #[staticmethod]
     #[pyo3(signature = (text, /))]
     fn from_toml(text: String) -> PyResult<Self> {
@@ -90,24 +101,46 @@ impl Scenario {
         Self::load(source.map_err(|refusal| scenario_error(&refusal))?, Vec::new())
     }
 
+    /// Returns what tables call it.
     #[getter]
     fn name(&self) -> &str {
         &self.library().name
     }
 
+    /// Returns when a run ends at the latest, in simulated seconds.
     #[getter]
     fn duration_s(&self) -> f64 {
         self.library().duration_s
     }
 
+    /// Writes all values, defaults included, as the text of a scenario file.
     fn to_toml(&self) -> PyResult<String> {
         toml::to_string(self.library()).map_err(error)
     }
 
+    /// Returns the scenario with more changes; see `scenario`.
     #[pyo3(signature = (changes, /))]
     fn with_(&self, changes: &Bound<'_, PyMapping>) -> PyResult<Self> {
         let changes = self.changes.iter().cloned().chain(literal::changes(changes)?).collect();
         Self::load(self.text.clone(), changes)
+    }
+
+    /// Returns the collision checker of a truck on the field of a seed, without a run.
+    ///
+    /// Raises
+    /// ------
+    /// WildfireError
+    ///     There is no such truck, or the field cannot be drawn.
+    #[pyo3(signature = (seed = 1, truck = 0))]
+    fn checker(&self, py: Python<'_>, seed: u64, truck: usize) -> PyResult<Checker> {
+        let scenario = self.library();
+        let trucks = scenario.unimog.len();
+        let Some(unimog) = scenario.unimog.get(truck) else {
+            return Err(error(format_args!("there is no truck {truck}: the scenario has {trucks}, counted from 0")));
+        };
+        let terrain = py.detach(|| Terrain::from_scenario(scenario, seed)).map_err(error)?;
+        let field = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
+        Ok(Checker::new(CollisionChecker::new(field, unimog.vehicle)))
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
@@ -150,6 +183,20 @@ impl ScenarioLike<'_> {
     }
 }
 
+/// Loads a scenario: a built-in one by its name, or a file by its path.
+///
+/// Parameters
+/// ----------
+/// source : str, path or Scenario
+///     `contest` if it is left out.
+/// changes : mapping
+///     Values by keys such as ``"fire.burn_out_s"``, ``"unimog.prm_rs.samples"`` (all trucks) or ``"unimog.0.speed_mps"``
+///     (the first); None is the word `none`. A planner that is not built in may be named: it is brought to the run.
+///
+/// Raises
+/// ------
+/// ScenarioError
+///     It is refused, with file, line and column.
 #[pyfunction]
 #[pyo3(signature = (source = None, changes = None))]
 pub fn scenario(

@@ -1,14 +1,34 @@
-"""A wildfire contest between motion planners, with planners and policies of your own."""
+"""A wildfire contest between motion planners, with planners and policies of your own.
 
+>>> import wildfire_contest as wf
+>>> run = wf.run("contest", seed=7)
+>>> run.outcome.winner
+'unimog'
+>>> batch = wf.batch("smoke", seeds="1..20", planner=["prm-rs", "hybrid-astar"])
+>>> float(batch.runs["extinguished"].mean())  # doctest: +SKIP
+
+Lengths are metres, times seconds, angles radians counter-clockwise from east. x points east and y north, from the
+field's south-west corner. A pose is that of the middle of the rear axle. Cells are counted from the south-west corner,
+and arrays of cells have row 0 in the south.
+"""
+
+from wildfire_contest import ompl
 from wildfire_contest._core import (
+    Batch,
     Checker,
+    Offence,
     Path,
     Query,
     Run,
     Scenario,
+    Site,
     Vehicle,
     __version__,
+    audit,
+    batch,
+    compare,
     dubins_length,
+    plan,
     reeds_shepp_length,
     run,
     scenario,
@@ -17,13 +37,16 @@ from wildfire_contest.columns import Columns
 from wildfire_contest.errors import NoPath, ScenarioError, WildfireError
 from wildfire_contest.outcome import Outcome
 from wildfire_contest.planners import Disc, Factory, Planner, Planners, Pose
+from wildfire_contest.program import main
 
 __all__ = [
+    "Batch",
     "Checker",
     "Columns",
     "Disc",
     "Factory",
     "NoPath",
+    "Offence",
     "Outcome",
     "Path",
     "Planner",
@@ -33,10 +56,17 @@ __all__ = [
     "Run",
     "Scenario",
     "ScenarioError",
+    "Site",
     "Vehicle",
     "WildfireError",
     "__version__",
+    "audit",
+    "batch",
+    "compare",
     "dubins_length",
+    "main",
+    "ompl",
+    "plan",
     "reeds_shepp_length",
     "run",
     "scenario",

@@ -56,11 +56,10 @@ fn parse_audit_step(text: &str) -> Result<f64, String> {
 }
 
 pub fn run(arguments: &AuditArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
-    let quiet = context.quiet;
-    let sources = arguments.paths.iter().map(|path| source(path, quiet)).collect::<Result<Vec<_>, _>>()?;
+    let sources = arguments.paths.iter().map(|path| source(path, context)).collect::<Result<Vec<_>, _>>()?;
     let jobs = arguments.jobs.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
     let step = SampleStep { metres: arguments.step, ..SampleStep::default() };
-    let bar = terminal::progress_bar(sources.iter().map(AuditSource::count).sum(), "runs", quiet);
+    let bar = terminal::progress_bar(sources.iter().map(AuditSource::count).sum(), "runs", context.quiet);
     let options = AuditOptions { jobs, step, entrants: &context.entrants, listed: LISTED_VIOLATIONS };
     let report = audit_all(&sources, &options, || bar.inc(1));
     bar.finish_and_clear();
@@ -68,7 +67,7 @@ pub fn run(arguments: &AuditArguments, context: &CommandContext) -> Result<ExitC
 }
 
 /// Finds out what is at a path: a recording, a folder of recordings, or a batch.
-fn source(path: &Path, quiet: bool) -> Result<AuditSource, CliError> {
+fn source(path: &Path, context: &CommandContext) -> Result<AuditSource, CliError> {
     let is_folder = match fs::metadata(path) {
         _ if is_standard_stream(path) => false,
         Ok(found) => found.is_dir(),
@@ -81,9 +80,12 @@ fn source(path: &Path, quiet: bool) -> Result<AuditSource, CliError> {
         return recordings(path, "no recordings and no plan of a batch");
     }
     match FinishedBatch::open(path) {
-        Ok(batch) => Ok(AuditSource::Batch(Box::new(batch))),
+        Ok(batch) => {
+            batch.expect_entrants(&context.entrants)?;
+            Ok(AuditSource::Batch(Box::new(batch)))
+        }
         Err(error @ FinishedError::Plan(PlanError::OtherVersion { .. })) => {
-            if !quiet {
+            if !context.quiet {
                 terminal::note(&format!("{error}: only what was recorded is audited"));
             }
             recordings(&path.join(RECORDINGS_FOLDER), "no recordings, and nothing else can be audited")

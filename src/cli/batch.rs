@@ -142,7 +142,9 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
     let mut batch = match &arguments.resume {
         Some(folder) => {
             interrupt::set_resumable();
-            Batch::resume(OutputFolder::existing(folder)?, slice)?
+            let batch = Batch::resume(OutputFolder::existing(folder)?, slice)?;
+            batch.plan().expect_entrants(&context.entrants, folder).map_err(BatchError::from)?;
+            batch
         }
         None => {
             let plan = match &arguments.rules {

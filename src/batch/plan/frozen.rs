@@ -15,7 +15,9 @@ use super::request::{MAX_PLAN_BYTES, MAX_VARIANTS};
 use super::{BatchPlan, MAX_FREE_KEYS, MAX_SWEPT_KEYS, PROGRAM, PROGRAM_VERSION, Record, Variant};
 use super::{Seeds, SeedsError, Value};
 use crate::input_file::{self, InputFile, list_of_at_most};
-use crate::scenario::{self, Fault, MemoryLimit, Scenario};
+use crate::planning::PlannerName;
+use crate::scenario::{self, Fault, MemoryLimit, Programs, Scenario, TruckGoal, WumpusGoal};
+use crate::sim::Entrants;
 
 pub const PLAN_FILE: &str = "plan.json";
 
@@ -30,6 +32,12 @@ const MAX_FILE_BYTES: u64 = MAX_PLAN_BYTES + 1_000_000;
 pub enum PlanError {
     #[error("{} holds no {PLAN_FILE}; expected the folder of a batch", folder.display())]
     Missing { folder: PathBuf },
+    #[error(
+        "{} has the {kind} `{name}`, which was handed in from Rust or Python: resume and audit the batch from there, with \
+         the same names",
+        path.display()
+    )]
+    HandedIn { path: PathBuf, kind: &'static str, name: PlannerName },
     #[error("cannot read {}: {source}", path.display())]
     Unreadable { path: PathBuf, source: io::Error },
     #[error("{} is no plan of a batch: {reason}", path.display())]
@@ -234,6 +242,31 @@ impl BatchPlan {
             return Ok(());
         }
         Err(PlanError::Differs { path: folder.join(PLAN_FILE), differences })
+    }
+
+    /// Refuses a batch whose runs cannot be made here: a planner or a policy of them was handed in, and nobody has handed
+    /// in one of that name.
+    pub fn expect_entrants(&self, entrants: &Entrants, folder: &Path) -> Result<(), PlanError> {
+        let is_program = |table: &Programs, name| table.get(name).is_some_and(|program| !program.command.is_empty());
+        for Variant { scenario, .. } in &self.variants {
+            let planners = scenario.unimog.iter().map(|truck| ("planner", &truck.planner));
+            let trucks = scenario.unimog.iter().filter_map(|truck| match &truck.goal {
+                TruckGoal::Policy(name) => Some(("policy", name)),
+                _ => None,
+            });
+            let wumpuses = scenario.wumpus.iter().filter_map(|wumpus| match &wumpus.goal {
+                WumpusGoal::Policy(name) => Some(("policy", name)),
+                _ => None,
+            });
+            let missing = planners.chain(trucks).chain(wumpuses).find(|&(kind, name)| match kind {
+                "planner" => !entrants.planners.knows(name) && !is_program(&scenario.planner, name),
+                _ => !entrants.policies.own_names().any(|own| own == name) && !is_program(&scenario.policy, name),
+            });
+            if let Some((kind, name)) = missing {
+                return Err(PlanError::HandedIn { path: folder.to_owned(), kind, name: name.clone() });
+            }
+        }
+        Ok(())
     }
 
     /// Refuses to go on with scenarios that are no longer what they were when the plan was made. A scenario whose

@@ -11,6 +11,7 @@ use crate::batch::plan::{BatchPlan, PLAN_FILE, PlanError, PlannedRun};
 use crate::batch::table::columns::{RUN_COLUMNS, RunColumn};
 use crate::batch::table::reader::{TableError, TableReader};
 use crate::batch::table::record::RunRecord;
+use crate::sim::Entrants;
 
 /// A reason for which a folder cannot be read as a batch that is over. Messages are sentences that name the file.
 #[derive(Debug, Error)]
@@ -82,6 +83,14 @@ impl FinishedBatch {
     pub fn recording(&self, run: &PlannedRun<'_>) -> Option<PathBuf> {
         let path = OutputFolder::recording_in(&self.folder, &self.plan.recording_name(run));
         path.exists().then_some(path)
+    }
+
+    /// Refuses a batch of which a run would have to be made again and cannot, see [`BatchPlan::expect_entrants`].
+    pub fn expect_entrants(&self, entrants: &Entrants) -> Result<(), FinishedError> {
+        match self.plan.expect_entrants(entrants, &self.folder) {
+            Err(_) if self.runs().all(|run| self.recording(&run).is_some()) => Ok(()),
+            known => Ok(known?),
+        }
     }
 
     /// Opens the rows of the runs; `None` where the batch did not come to write them.

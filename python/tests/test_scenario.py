@@ -1,0 +1,84 @@
+"""Scenarios: changes, texts, and what is wrong with them."""
+
+from __future__ import annotations
+
+import pathlib
+
+import numpy as np
+import pytest
+
+import wildfire_contest as wf
+
+
+def test_a_scenario_is_written_and_read_back() -> None:
+    for name in ("contest", "smoke", "fleet", "dense"):
+        scenario = wf.scenario(name, {"unimog.prm.samples": 501})
+        assert wf.Scenario.from_toml(scenario.to_toml()) == scenario
+        assert scenario != wf.scenario(name)
+
+
+def test_changes_are_python_values() -> None:
+    changed = wf.scenario(
+        "smoke",
+        {
+            "name": 'of "mine"',
+            "duration_s": np.float64(60),
+            "fire.relight": True,
+            "unimog.prm.samples": np.int64(300),
+            "field.shapes": ("I", "O"),
+        },
+    )
+    assert changed.name == 'of "mine"' and changed.duration_s == 60
+    text = changed.to_toml()
+    assert "relight = true" in text and "samples = 300" in text and '["I", "O"]' in text
+    assert changed.with_({"duration_s": 30}).duration_s == 30 and changed.duration_s == 60
+
+
+def test_a_path_names_a_scenario(tmp_path: pathlib.Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(wf.scenario("smoke").to_toml())
+    assert wf.scenario(path).to_toml() == wf.scenario("smoke").to_toml()
+
+
+def test_refusals_have_a_place(tmp_path: pathlib.Path) -> None:
+    path = tmp_path / "wrong.toml"
+    path.write_text("duration_s = 60\n[fire]\nburn_out_s = -1\n[[wumpus]]\n[[unimog]]\n")
+    with pytest.raises(wf.ScenarioError, match="burn_out_s") as refusal:
+        wf.scenario(path)
+    assert (refusal.value.file, refusal.value.line) == (str(path), 3)
+    with pytest.raises(wf.ScenarioError, match="did you mean `contest`") as refusal:
+        wf.scenario("contst")
+    assert refusal.value.line is None
+    with pytest.raises(wf.ScenarioError, match="burn_out_s") as refusal:
+        wf.scenario("smoke", {"fire.burn_out_s": -1})
+    assert (refusal.value.file, refusal.value.line) == ("--set", 1)
+    assert isinstance(refusal.value, wf.WildfireError)
+
+
+@pytest.mark.parametrize("value", [object(), float("nan"), {1: 2}, b"bytes"])
+def test_values_of_another_kind_are_refused(value: object) -> None:
+    with pytest.raises((TypeError, wf.ScenarioError)):
+        wf.scenario("smoke", {"fire.burn_out_s": value})
+    with pytest.raises(ValueError, match="no key"):
+        wf.scenario("smoke", {"a=b": 1})
+
+
+def test_a_list_in_itself_is_refused() -> None:
+    endless: list[object] = []
+    endless.append(endless)
+    with pytest.raises(TypeError, match="too deep"):
+        wf.scenario("smoke", {"field.shapes": endless})
+
+
+def test_planners_that_nobody_brings_are_refused_with_the_nearest_name() -> None:
+    scenario = wf.scenario("smoke", {"unimog.planner": "prm-r"})
+    with pytest.raises(wf.ScenarioError, match="prm-rs"):
+        wf.run(scenario)
+    with pytest.raises(wf.ScenarioError, match="prm-rs"):
+        wf.batch("smoke", seeds=1, planner="prm-r")
+
+
+def test_a_scenario_gives_the_checker_of_its_field() -> None:
+    checker = wf.scenario("contest").checker(seed=7)
+    assert checker.size_m == (250.0, 250.0) and checker.occupied.shape == (50, 50)
+    assert int(checker.occupied.sum()) == wf.run("contest", 7).outcome.obstacles
