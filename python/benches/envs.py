@@ -43,7 +43,7 @@ def side_by_side(scenario, steps, threads=1, n=64):
 
 
 def pyrorl(steps):
-    """PyroRL 1.1 on its own 50 x 50 field, where nobody drives."""
+    """PyroRL on its own 50 x 50 field, where nobody drives."""
     import gymnasium
     import pyrorl  # noqa: F401
 
