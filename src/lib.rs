@@ -62,7 +62,7 @@
 //! Imports point downwards only. Each layer may use those above it in this list:
 //! `time`, `geometry`, `rng`, `event_queue`, `input_file`, `ranges`, `untrusted`, `whole_file`; `document`; `grid`;
 //! `map_files`; `vehicle`; `trajectory`; `collision`; `planning`; `fire`; `scenario`; `timeline`; `picture`; `audit`;
-//! `sim`; `stats`; `batch`; `view`; `cli`.
+//! `sim`; `programs`; `stats`; `batch`; `view`; `cli`.
 
 // What fuzzers share is also part of the tests in `tests/`, where this crate has its name.
 #[cfg(test)]
@@ -94,6 +94,8 @@ pub mod map_files;
 pub mod picture;
 #[cfg_attr(not(internals), doc(hidden))]
 pub mod planning;
+#[cfg_attr(not(internals), doc(hidden))]
+pub mod programs;
 #[cfg_attr(not(internals), doc(hidden))]
 pub mod ranges;
 #[cfg_attr(not(internals), doc(hidden))]

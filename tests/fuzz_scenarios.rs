@@ -92,6 +92,7 @@ fn scenario_keeps_the_rules(case: &mut Case<'_>) -> Law {
             RunError::Terrain(_)
             | RunError::NoFreeStart { .. }
             | RunError::NoPlanner { .. }
+            | RunError::NoPrograms { .. }
             | RunError::NoPolicy { .. },
         ) => {
             case.count("did not begin");

@@ -25,11 +25,13 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("planning", &["glam", "kiddo", "petgraph"]),
     ("fire", &["glam"]),
     // A scenario's errors know their place in the file, which is what a miette diagnostic is.
-    ("scenario", &["glam", "toml", "toml_parser", "serde_json", "serde_path_to_error", "strsim", "miette"]),
+    ("scenario", &["glam", "toml", "toml_parser", "serde_json", "serde_path_to_error", "sha2", "strsim", "miette"]),
     ("timeline", &["glam", "csv", "crc32fast", "miniz_oxide", "postcard"]),
     ("picture", &["colorous", "gif", "glam", "image", "tiny_skia"]),
     ("audit", &["glam", "rapier2d"]),
     ("sim", &["glam", "bevy", "serde_json"]),
+    // Processes and what they cost are the system's to tell.
+    ("programs", &["glam", "nix", "serde_json", "serde_path_to_error", "sha2", "signal_hook"]),
     ("stats", &["statrs"]),
     ("batch", &["crc32fast", "csv", "parquet", "rayon", "serde_json", "sha2", "toml"]),
     ("view", &["bevy", "glam"]),

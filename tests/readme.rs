@@ -249,6 +249,7 @@ hold! {
     grid_maps: "docs/grid-maps.md", pictures below 100_000;
     judge: "docs/judge.md", pictures below 0;
     output_files: "docs/output-files.md", pictures below 0;
+    own_planner: "docs/own-planner.md", pictures below 0;
     planning_drives: "docs/planning-drives.md", pictures below 100_000;
     python: "docs/python.md", pictures below 0;
     scenarios: "docs/scenarios.md", pictures below 0;

@@ -5,6 +5,7 @@ use std::num::NonZeroUsize;
 use clap::Args;
 
 use crate::cli::numbers;
+use crate::planning::{NameError, PlannerName};
 use crate::scenario::MemoryLimit;
 
 /// A scenario and changes to it.
@@ -17,6 +18,72 @@ pub struct ScenarioArguments {
     /// `unimog.0.speed_mps=6` (the first); may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub overrides: Vec<String>,
+    #[command(flatten)]
+    pub programs: ProgramArguments,
+}
+
+/// Programs that plan.
+#[derive(Clone, Debug, Default, Args)]
+pub struct ProgramArguments {
+    /// Let a program of yours plan under this name, such as `rrt='python3 rrt.py'`: a table `[planner.NAME]` with this
+    /// command, split into words as a shell does; no shell is run. May be repeated.
+    #[arg(help_heading = "Programs", long = "command", value_name = "NAME=COMMAND", value_parser = parse_command)]
+    pub commands: Vec<NamedCommand>,
+    /// Run the programs that tables of scenario files name.
+    #[arg(help_heading = "Programs", long)]
+    pub trust: bool,
+}
+
+/// A planner that is a program: its name, and the words of its command.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NamedCommand {
+    pub name: PlannerName,
+    pub words: Vec<String>,
+}
+
+fn parse_command(text: &str) -> Result<NamedCommand, String> {
+    let (name, command) = text.split_once('=').ok_or("expected NAME=COMMAND, such as rrt='python3 rrt.py'")?;
+    let name = PlannerName::new(name).map_err(|error| format!("`{name}`: {error}"))?;
+    if let Some(kind) = name.built_in() {
+        return Err(NameError::BuiltIn(kind).to_string());
+    }
+    let words = shell_words(command)?;
+    if words.first().is_none_or(String::is_empty) {
+        return Err("expected a program after NAME=".to_owned());
+    }
+    Ok(NamedCommand { name, words })
+}
+
+/// Splits a command into words as a POSIX shell does: at blanks, but not within quotes or after a backslash. Nothing else
+/// has a meaning.
+fn shell_words(command: &str) -> Result<Vec<String>, String> {
+    let (mut words, mut word, mut quote) = (Vec::new(), None::<String>, None);
+    let mut letters = command.chars();
+    while let Some(letter) = letters.next() {
+        match (quote, letter) {
+            (None, ' ' | '\t' | '\n') => words.extend(word.take()),
+            (Some(open), _) if letter == open => quote = None,
+            (None, '\'' | '"') => {
+                quote = Some(letter);
+                word.get_or_insert_default();
+            }
+            (None | Some('"'), '\\') => {
+                let next = letters.next().ok_or("a backslash ends the command; expected a letter after it")?;
+                let word = word.get_or_insert_default();
+                // Within double quotes it only has a meaning before these.
+                if quote.is_some() && !matches!(next, '"' | '\\' | '$' | '`') {
+                    word.push(letter);
+                }
+                word.push(next);
+            }
+            _ => word.get_or_insert_default().push(letter),
+        }
+    }
+    words.extend(word);
+    match quote {
+        Some(open) => Err(format!("a {open} is not closed")),
+        None => Ok(words),
+    }
 }
 
 /// Arguments of every command that simulates.
@@ -44,4 +111,42 @@ pub fn parse_jobs(text: &str) -> Result<NonZeroUsize, String> {
 
 pub fn parse_seed(text: &str) -> Result<u64, String> {
     numbers::parse_within(text, &(0..=u64::MAX), "a whole number")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn commands_are_split_as_a_shell_does() {
+        for (command, words) in [
+            ("python3 rrt.py  --range 12", &["python3", "rrt.py", "--range", "12"][..]),
+            (r#"a 'b c' "d \"e\" \x" f\ g ''"#, &["a", "b c", r#"d "e" \x"#, "f g", ""]),
+            ("a|b ; $c 'it'\\''s'", &["a|b", ";", "$c", "it's"]),
+        ] {
+            assert_eq!(
+                shell_words(command).as_deref(),
+                Ok(&words.iter().map(ToString::to_string).collect::<Vec<_>>()[..])
+            );
+        }
+        for wrong in ["'a", "a \"b", "a\\"] {
+            assert!(shell_words(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn command_has_a_name_of_its_own_and_a_program() {
+        let named = parse_command("rrt=./a=b c").expect("it is one");
+        assert_eq!((named.name.name(), named.words), ("rrt", vec!["./a=b".to_owned(), "c".to_owned()]));
+        for (wrong, words) in [
+            ("rrt", "expected NAME=COMMAND"),
+            ("rrt=", "expected a program"),
+            ("rrt=''", "expected a program"),
+            ("RRT=a", "a letter first"),
+            ("prm-rs=a", "built-in"),
+        ] {
+            let said = parse_command(wrong).expect_err("it is wrong");
+            assert!(said.contains(words), "{wrong}: {said}");
+        }
+    }
 }

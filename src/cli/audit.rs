@@ -13,7 +13,7 @@ use serde::{Serialize, Serializer};
 use crate::audit::{Audited, SampleStep};
 use crate::batch::{
     AuditOptions, AuditReport, AuditSource, FinishedBatch, FinishedError, LISTED_VIOLATIONS, PROGRAM_VERSION,
-    PlanError, RECORDINGS_FOLDER, audit_all, recordings_in,
+    PlanError, RECORDINGS_FOLDER, Record, audit_all, recordings_in,
 };
 use crate::cli::args::parse_jobs;
 use crate::cli::context::CommandContext;
@@ -44,6 +44,9 @@ pub struct AuditArguments {
     /// The most metres between two poses that are checked.
     #[arg(long, value_name = "METRES", default_value_t = 0.02, allow_hyphen_values = true, value_parser = parse_audit_step)]
     pub step: f64,
+    /// Run the programs that plans of batches name, where runs are simulated again.
+    #[arg(long)]
+    pub trust: bool,
     #[command(flatten)]
     pub form: FormArguments,
 }
@@ -82,6 +85,9 @@ fn source(path: &Path, context: &CommandContext) -> Result<AuditSource, CliError
     match FinishedBatch::open(path) {
         Ok(batch) => {
             batch.expect_entrants(&context.entrants)?;
+            if batch.plan().record != Record::All {
+                context.expect_trusted_plan(batch.plan())?;
+            }
             Ok(AuditSource::Batch(Box::new(batch)))
         }
         Err(error @ FinishedError::Plan(PlanError::OtherVersion { .. })) => {

@@ -15,7 +15,7 @@ use crate::batch::{
     Found, MAX_SEEDS_BYTES, OutputFolder, RUNS_FILE, RealDisk, Record, ReportError, RequestError, Seeds, SeedsError,
     Slice, SliceState, Status, Variant, batch_status, shell_word, write_report,
 };
-use crate::cli::args::parse_jobs;
+use crate::cli::args::{ProgramArguments, parse_jobs};
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::report::FormArguments;
@@ -51,6 +51,8 @@ pub struct BatchArguments {
     /// several keys are multiplied; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE[,VALUE...]")]
     pub set: Vec<String>,
+    #[command(flatten)]
+    pub programs: ProgramArguments,
     /// Planners of the trucks: short for `--set unimog.planner=`.
     #[arg(long, value_name = "NAME[,NAME...]", value_delimiter = ',')]
     pub planner: Vec<String>,
@@ -100,7 +102,7 @@ pub struct BatchArguments {
         long,
         value_name = "DIR",
         group = "shared_folder",
-        conflicts_with_all = ["sources", "set", "planner", "rules", "seeds", "memory", "out", "force", "record", "dry_run"]
+        conflicts_with_all = ["sources", "set", "planner", "rules", "seeds", "memory", "out", "force", "record", "dry_run", "commands"]
     )]
     pub resume: Option<PathBuf>,
     /// Run slice K of N of the plan only, in a folder that the slices share; `wildfire merge` puts them together.
@@ -142,7 +144,9 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
     let mut batch = match &arguments.resume {
         Some(folder) => {
             interrupt::set_resumable();
-            let batch = Batch::resume(OutputFolder::existing(folder)?, slice)?;
+            let path = OutputFolder::existing(folder)?;
+            context.expect_trusted_plan(&BatchPlan::read(path.path()).map_err(BatchError::from)?)?;
+            let batch = Batch::resume(path, slice)?;
             batch.plan().expect_entrants(&context.entrants, folder).map_err(BatchError::from)?;
             batch
         }
@@ -156,6 +160,7 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
                 }
                 None => plan(arguments, context)?,
             };
+            context.expect_trusted_plan(&plan)?;
             if arguments.dry_run {
                 terminal::print(&dry_run(&plan))?;
                 return Ok(exit_code(left_out));

@@ -1,6 +1,12 @@
 //! What commands have besides their arguments: whether to be quiet, and the planners and policies that were handed in.
 
-use crate::scenario::MemoryLimit;
+use crate::batch::BatchPlan;
+use crate::cli::args::{NamedCommand, ProgramArguments};
+use crate::cli::error::CliError;
+use crate::planning::{PlannerName, Planners};
+#[cfg(unix)]
+use crate::programs::{ProgramPool, Trust};
+use crate::scenario::{MemoryLimit, Scenario, UsedProgram};
 use crate::sim::{Entrants, RunOptions};
 
 /// What commands have besides their arguments.
@@ -9,19 +15,100 @@ pub struct CommandContext {
     pub quiet: bool,
     /// Planners and policies by name.
     pub entrants: Entrants,
+    /// The programs of the command line, and whether those of files are trusted.
+    programs: ProgramArguments,
 }
 
 impl CommandContext {
-    /// Adds to the changes of a scenario that the planners and policies that were handed in are known.
+    pub fn new(quiet: bool, entrants: Entrants) -> Self {
+        Self { quiet, entrants, programs: ProgramArguments::default() }
+    }
+
+    /// Returns the same with the programs that the arguments of a command name or trust.
+    pub fn with_programs(&self, programs: &ProgramArguments) -> Self {
+        let mut context = Self { programs: programs.clone(), ..self.clone() };
+        #[cfg(unix)]
+        if context.entrants.programs.is_none() {
+            context.entrants.programs = Some(std::sync::Arc::new(ProgramPool::new(context.trust())));
+        }
+        context
+    }
+
+    /// Returns the same, with or without trust in the programs of files.
+    pub fn with_trust(&self, trust: bool) -> Self {
+        self.with_programs(&ProgramArguments { commands: Vec::new(), trust })
+    }
+
+    /// Adds to the changes of a scenario that the planners and policies that were handed in are known, and the programs of
+    /// the command line.
     pub fn with_own_names(&self, changes: &[String]) -> Vec<String> {
-        let Entrants { planners, policies } = &self.entrants;
+        let Entrants { planners, policies, .. } = &self.entrants;
         let declared = planners.own_names().map(|name| format!("planner.\"{name}\".command=[]"));
         let declared = declared.chain(policies.own_names().map(|name| format!("policy.\"{name}\".command=[]")));
-        declared.chain(changes.iter().cloned()).collect()
+        let commands = self.programs.commands.iter().map(|NamedCommand { name, words }| {
+            // A list of texts is the same in JSON and in TOML.
+            let words = serde_json::to_string(words).expect("texts are JSON");
+            format!("planner.\"{name}\".command={words}")
+        });
+        declared.chain(commands).chain(changes.iter().cloned()).collect()
     }
 
     /// Returns the options of a run.
     pub fn run_options(&self, records_searches: bool, memory: MemoryLimit) -> RunOptions {
         RunOptions { records_searches, memory, ..self.entrants.clone().into() }
+    }
+
+    /// Refuses a scenario whose runs would start a program that is not trusted.
+    pub fn expect_trusted(&self, scenario: &Scenario) -> Result<(), CliError> {
+        scenario.used_programs().iter().try_for_each(|used| self.expect_trusted_program(used))
+    }
+
+    /// Refuses a plan with such a scenario.
+    pub fn expect_trusted_plan(&self, plan: &BatchPlan) -> Result<(), CliError> {
+        plan.variants.iter().try_for_each(|variant| self.expect_trusted(&variant.scenario))
+    }
+
+    /// Refuses planners that are programs which are not trusted.
+    pub fn expect_trusted_planners(&self, scenario: &Scenario, asked: &[PlannerName]) -> Result<(), CliError> {
+        let tables = asked.iter().filter_map(|name| Some((name, scenario.planner.get(name)?)));
+        let programs = tables.filter(|(_, table)| !table.command.is_empty());
+        let mut used = programs.map(|(name, table)| UsedProgram { kind: "planner", name, table });
+        used.try_for_each(|used| self.expect_trusted_program(&used))
+    }
+
+    fn expect_trusted_program(&self, used: &UsedProgram<'_>) -> Result<(), CliError> {
+        let UsedProgram { kind, name, table } = used;
+        #[cfg(not(unix))]
+        return Err(CliError::environment(format_args!("the {kind} `{name}` is a program: these run on Unix only")));
+        #[cfg(unix)]
+        if self.trust().includes(kind, name) {
+            return Ok(());
+        }
+        let folder =
+            if table.works_in.as_os_str().is_empty() { ".".into() } else { table.works_in.display().to_string() };
+        let command = table.command_line();
+        let sentence = format!(
+            "the {kind} `{name}` is a program that a file names, and was not started; it would have run, in {folder}: {command}"
+        );
+        Err(CliError::bad_input(sentence, Some("if you trust whoever wrote the file, say so with --trust")))
+    }
+
+    /// Returns the planners that are known on a field of this scenario's run.
+    pub fn planners_of(&self, scenario: &Scenario, seed: u64) -> Result<Planners, CliError> {
+        let planners = self.entrants.planners.clone();
+        #[cfg(unix)]
+        return ProgramPool::new(self.trust())
+            .planners_of(scenario, seed, planners)
+            .map_err(|error| CliError::bad_input(error, None));
+        #[cfg(not(unix))]
+        Ok(planners)
+    }
+
+    #[cfg(unix)]
+    fn trust(&self) -> Trust {
+        match self.programs.trust {
+            true => Trust::All,
+            false => Trust::Only(self.programs.commands.iter().map(|own| ("planner", own.name.clone())).collect()),
+        }
     }
 }

@@ -55,6 +55,8 @@ use render::RenderArguments;
 use run::RunArguments;
 use scenarios::{CheckArguments, NewArguments, ScenariosArguments, SchemaArguments};
 
+#[cfg(unix)]
+use crate::programs::supervisor;
 use crate::sim::Entrants;
 use crate::untrusted::visible;
 
@@ -145,9 +147,13 @@ pub fn main_with(entrants: impl Into<Entrants>) -> ExitCode {
 
 /// Does the same with other words than the arguments of the process; the first is the program's name.
 pub fn main_from(words: Vec<OsString>, entrants: impl Into<Entrants>) -> ExitCode {
+    #[cfg(unix)]
+    if let Some(code) = supervisor::run_if_asked(words.get(1..).unwrap_or_default()) {
+        return ExitCode::from(code);
+    }
     interrupt::install();
     let arguments = Arguments::try_parse_from(&words).unwrap_or_else(|error| refuse(&words, &error));
-    let context = CommandContext { quiet: arguments.quiet, entrants: entrants.into() };
+    let context = CommandContext::new(arguments.quiet, entrants.into());
     dispatch(&arguments, &context).unwrap_or_else(CliError::print)
 }
 
@@ -162,7 +168,7 @@ pub fn plan_object(words: &[String], entrants: impl Into<Entrants>) -> Result<St
     else {
         return Err("expected arguments of `plan`".to_owned());
     };
-    let context = CommandContext { quiet: true, entrants: entrants.into() };
+    let context = CommandContext::new(true, entrants.into());
     plan::object(&arguments, &context).map_err(|error| error.sentence())
 }
 
@@ -180,24 +186,24 @@ fn refuse(words: &[OsString], error: &clap::Error) -> ! {
 
 fn dispatch(arguments: &Arguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     match &arguments.command {
-        Command::Run(run) => run::run(run, context),
-        Command::Play(play) => play::run(play, context),
-        Command::Render(render) => render::run(render, context),
-        Command::Batch(batch) => batch::run(batch, context),
+        Command::Run(run) => run::run(run, &context.with_programs(&run.scenario.programs)),
+        Command::Play(play) => play::run(play, &context.with_programs(&play.show.programs)),
+        Command::Render(render) => render::run(render, &context.with_programs(&render.show.programs)),
+        Command::Batch(batch) => batch::run(batch, &context.with_programs(&batch.programs)),
         Command::Report(folder) => batch::report(folder, arguments.quiet),
         Command::Compare(compare) => compare::run(compare),
         Command::Rank(rank) => rank::run(rank, arguments.quiet),
-        Command::Audit(audit) => audit::run(audit, context),
+        Command::Audit(audit) => audit::run(audit, &context.with_trust(audit.trust)),
         Command::Status(folder) => batch::status(folder),
         Command::Merge(folder) => batch::merge(folder, arguments.quiet),
         Command::New(new) => scenarios::new(new),
         Command::Schema(schema) => scenarios::schema(schema),
-        Command::Check(check) => scenarios::check(check, context),
+        Command::Check(check) => scenarios::check(check, &context.with_programs(&check.scenario.programs)),
         Command::Scenarios(scenarios) => scenarios::list_or_show(scenarios),
         Command::Map { command } => map::run(command, arguments.quiet),
         Command::Curve(curve) => curve::run(curve, arguments.quiet),
-        Command::Plan(plan) => plan::run(plan, context),
-        Command::Judge(judge) => judge::run(judge, context),
+        Command::Plan(plan) => plan::run(plan, &context.with_programs(&plan.programs)),
+        Command::Judge(judge) => judge::run(judge, &context.with_programs(&judge.programs)),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(*shell, &mut Arguments::command(), "wildfire", &mut script);

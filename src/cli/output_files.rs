@@ -24,6 +24,8 @@ pub enum Format {
     OmplLog,
     Recording,
     Toml,
+    /// The source text of a program.
+    Source,
 }
 
 impl Format {
@@ -37,6 +39,7 @@ impl Format {
             Self::OmplLog => "a log",
             Self::Recording => "a recording",
             Self::Toml => "TOML",
+            Self::Source => "a planner's source text",
         }
     }
 
@@ -51,6 +54,7 @@ impl Format {
             Self::OmplLog => &["log", "txt"],
             Self::Recording => &["wildfire"],
             Self::Toml => &["toml"],
+            Self::Source => &["py", "cpp", "rs"],
         }
     }
 

@@ -21,7 +21,7 @@ It shows recordings as they are and simulates scenarios first. In the window, ? 
 all keys.")]
 pub struct PlayArguments {
     #[command(flatten)]
-    show: ShowArguments,
+    pub show: ShowArguments,
     /// Simulated seconds for a second, from 0.1 to 1000.
     #[arg(long, value_name = "X", default_value_t = 10.0, allow_hyphen_values = true, value_parser = parse_speed)]
     speed: f64,

@@ -15,6 +15,7 @@ use crate::cli::output_files::{Files, Format};
 use crate::cli::terminal;
 use crate::document::{Block, Document};
 use crate::input_file::is_standard_stream;
+use crate::programs::protocol;
 use crate::scenario::{self, BUILT_IN, LoadedScenario, MemoryLimit};
 
 const SCENARIO_HEAD: &str = "\
@@ -22,11 +23,19 @@ const SCENARIO_HEAD: &str = "\
 # that value too. `wildfire check FILE` says what it means, scenarios/README.md what each choice does.
 ";
 
+/// Planners to begin with, by the ending of their file.
+const PLANNER_TEMPLATES: [(&str, &str); 3] = [
+    ("py", include_str!("../../assets/planners/planner.py")),
+    ("cpp", include_str!("../../assets/planners/planner.cpp")),
+    ("rs", include_str!("../../assets/planners/planner.rs")),
+];
+
 #[derive(Debug, Args)]
 pub struct NewArguments {
     /// The kind of file.
     pub what: NewFile,
-    /// The file to write, which must not be there yet [default: print it].
+    /// The file to write, which must not be there yet [default: print it]. A planner is one in Python, C++ or Rust, as the
+    /// file's ending says: `.py`, `.cpp` or `.rs`.
     pub file: Option<PathBuf>,
 }
 
@@ -34,6 +43,7 @@ pub struct NewArguments {
 pub enum NewFile {
     Scenario,
     Plan,
+    Planner,
 }
 
 #[derive(Debug, Args)]
@@ -50,6 +60,7 @@ pub enum SchemaOf {
     Runs,
     PlannerCalls,
     States,
+    PlannerProtocol,
 }
 
 #[derive(Debug, Args)]
@@ -111,15 +122,29 @@ fn first_sentence(text: &str) -> String {
 
 /// Writes a template with comments, to begin with.
 pub fn new(arguments: &NewArguments) -> Result<ExitCode, CliError> {
-    let text = match arguments.what {
-        NewFile::Scenario => scenario_template(),
-        NewFile::Plan => PLAN_TEMPLATE.to_owned(),
+    let file = arguments.file.as_deref().filter(|path| !is_standard_stream(path));
+    let (format, text) = match arguments.what {
+        NewFile::Scenario => (Format::Toml, scenario_template()),
+        NewFile::Plan => (Format::Toml, PLAN_TEMPLATE.to_owned()),
+        NewFile::Planner => (Format::Source, planner_template(file)?),
     };
-    match &arguments.file {
-        Some(path) if !is_standard_stream(path) => write_new(path, &text)?,
-        _ => terminal::print(&text)?,
+    match file {
+        Some(path) => write_new(path, format, &text)?,
+        None => terminal::print(&text)?,
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The planner in the language of the file's ending, with the file's name in its opening comment.
+fn planner_template(file: Option<&Path>) -> Result<String, CliError> {
+    let file = file.unwrap_or(Path::new("planner.py"));
+    let ending = file.extension().unwrap_or_default();
+    let Some((_, text)) = PLANNER_TEMPLATES.iter().find(|(known, _)| ending == *known) else {
+        let sentence = format!("{}: expected a name that ends in .py, .cpp or .rs", file.display());
+        return Err(CliError::bad_input(sentence, Some("the ending says in which language the planner begins")));
+    };
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    Ok(text.replace("FILE", &name))
 }
 
 /// The contest under another name and with another opening comment.
@@ -130,8 +155,8 @@ fn scenario_template() -> String {
 }
 
 /// Writes a file that is not there yet.
-fn write_new(path: &Path, text: &str) -> Result<(), CliError> {
-    Files { outputs: vec![(Format::Toml, path)], ..Files::default() }.check()?;
+fn write_new(path: &Path, format: Format, text: &str) -> Result<(), CliError> {
+    Files { outputs: vec![(format, path)], ..Files::default() }.check()?;
     let written = File::create_new(path).and_then(|mut file| file.write_all(text.as_bytes()));
     written.map_err(|error| match error.kind() {
         ErrorKind::AlreadyExists => {
@@ -152,6 +177,7 @@ pub fn schema(arguments: &SchemaArguments) -> Result<ExitCode, CliError> {
         SchemaOf::Runs => row_schema(TableOfRows::Runs),
         SchemaOf::PlannerCalls => row_schema(TableOfRows::PlannerCalls),
         SchemaOf::States => row_schema(TableOfRows::States),
+        SchemaOf::PlannerProtocol => of_file(protocol::schema()),
     };
     terminal::print(&format!("{schema}\n"))?;
     Ok(ExitCode::SUCCESS)
@@ -172,7 +198,7 @@ mod tests {
     fn scenario_template_is_the_contest_under_another_name() {
         let scratch = tempfile::tempdir().expect("a scratch folder");
         let path = scratch.path().join("mine.toml");
-        write_new(&path, &scenario_template()).expect("writable");
+        write_new(&path, Format::Toml, &scenario_template()).expect("writable");
         let mine = scenario::load(&path.display().to_string(), &[]).expect("it is a scenario");
         let contest = scenario::load("contest", &[]).expect("it is built in");
         assert_eq!(mine, scenario::Scenario { name: "mine".into(), ..contest });

@@ -175,9 +175,11 @@ pub struct DriveFigures {
 }
 
 /// Bounds the length of paths from below: the length of the Reeds-Shepp curve, or the way of the body's centre into the disc
-/// over how much farther it can move than the rear axle.
+/// over how much farther it can move than the rear axle; 0 where a pose is not a number.
 pub fn lower_bound_m(start: Pose, goal: Goal, body: &Dimensions) -> f64 {
+    let is_finite = |pose: Pose| pose.position().is_finite() && pose.heading.is_finite();
     match goal {
+        Goal::Pose(goal) if !is_finite(start) || !is_finite(goal) => 0.0,
         Goal::Pose(goal) => ReedsShepp { radius_m: body.turning_radius_m }.length_m(start, goal),
         Goal::Disc(disc) => {
             let gap_m = body.body_centre(start).distance(disc.centre) - disc.radius_m;
@@ -502,6 +504,10 @@ mod tests {
             let path = path(&[segment(body.max_curvature(), metres)]);
             let disc = GoalDisc { centre: body.body_centre(path.end()), radius_m: 0.0 };
             assert!(lower_bound_m(START, Goal::Disc(disc), &body) <= metres);
+        }
+        let nowhere = Pose { heading: f64::NAN, ..START };
+        for (start, goal) in [(nowhere, START), (START, nowhere)] {
+            assert_eq!(lower_bound_m(start, goal.into(), &body), 0.0);
         }
     }
 

@@ -7,7 +7,7 @@
 //! # Rooms
 //! [`kit`] has the parts that several planners are made of, [`planners`] the planners, which import the kit and never each
 //! other. The [`registry`] lists them by name, together with those that somebody else handed in; round these stands the
-//! [`gate`], which lets no path pass that the truck could not drive. [`reachability`] answers whether the truck can get somewhere at all,
+//! [`gate`], which lets no path pass that the truck could not drive: the [`judge`] says which. [`reachability`] answers whether the truck can get somewhere at all,
 //! [`memory`] counts what grows while a run goes on, and [`find_yield_pose`] and [`replan_around`] are for trucks that meet.
 //!
 //! # The tower of fallbacks

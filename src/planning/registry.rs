@@ -228,7 +228,7 @@ impl Planners {
             return Ok(kind.maker().make(site));
         }
         let Some(maker) = self.own.get(name) else {
-            let words = format!("`{name}` is not built in, was not handed in, and its table has no `command`");
+            let words = format!("`{name}` is not built in, was not handed in, and is no program that may be started");
             return Err(MakeError(words));
         };
         Ok(Box::new(Gated::build(maker.as_ref(), site)?))

@@ -1,11 +1,14 @@
 //! Loading: from a name or a path to a scenario that is complete and checked.
 
+use std::path::Path;
+
 use toml::{Table, Value};
 
 use super::change::Change;
 use super::error::{Fault, ScenarioError, SourceLocation};
 use super::path::{FieldPath, FoundSpan, PathStep};
-use super::source::{MAX_MAP_BYTES, ScenarioText, first_too_deep, read_text, too_deep_message};
+use super::program::FILLED_IN;
+use super::source::{MAX_MAP_BYTES, ScenarioText, first_too_deep, read_text, too_deep_message, unreadable};
 use super::wording::{self, KeyOrValue};
 use super::{GivenField, Scenario};
 
@@ -53,6 +56,12 @@ impl LoadedScenario {
         let mut table = Table::try_from(&self.scenario).expect("every part of a scenario can be written as TOML");
         if let (true, Some(Value::Table(field))) = (self.scenario.field.given.is_some(), table.get_mut("field")) {
             field.retain(|name, _| name != "given" && !GENERATED_ONLY.contains(&name));
+        }
+        for kind in ["planner", "policy"] {
+            let tables = table.get_mut(kind).and_then(Value::as_table_mut).into_iter().flat_map(Table::iter_mut);
+            for (_, program) in tables {
+                program.as_table_mut().expect("it is a table").retain(|name, _| !FILLED_IN.contains(&name));
+            }
         }
         leaves(Value::Table(table), &FieldPath::default())
     }
@@ -117,6 +126,7 @@ impl WrittenScenario<'_> {
         }
         self.refuse_conflicts(written)?;
         self.load_map(&mut scenario)?;
+        self.find_files(&mut scenario)?;
         scenario
             .check_values()
             .map_err(|refusal| refusal.fault().at(self.location(&refusal.path, KeyOrValue::Value)))?;
@@ -144,10 +154,38 @@ impl WrittenScenario<'_> {
             let (field, expected) = (path.to_string(), "a finite number".to_owned());
             return Err(Fault::Value { field, found, expected }.at(self.location(&path, KeyOrValue::Value)));
         }
-        let given = FieldPath::parse("field.given");
-        if given.leads_to(written) {
-            let fault = wording::unknown_field("given", &FieldPath::parse("field"), Vec::new());
-            return Err(fault.at(self.location(&given, KeyOrValue::Key)));
+        let given = (FieldPath::parse("field"), "given");
+        let tables = ["planner", "policy"].into_iter().filter_map(|kind| Some((kind, written.get(kind)?.as_table()?)));
+        let tables = tables.flat_map(|(kind, tables)| tables.keys().map(move |name| (kind, name.clone())));
+        let of_programs = tables.flat_map(|(kind, name)| {
+            let table = FieldPath(vec![PathStep::key(kind), PathStep::Key(name)]);
+            FILLED_IN.map(|field| (table.clone(), field))
+        });
+        for (table, name) in std::iter::once(given).chain(of_programs) {
+            let path = table.join(PathStep::key(name));
+            if path.leads_to(written) {
+                let fault = wording::unknown_field(name, &table, Vec::new());
+                return Err(fault.at(self.location(&path, KeyOrValue::Key)));
+            }
+        }
+        Ok(())
+    }
+
+    /// Looks for the files of programs, from the scenario's folder, or from the current one where a change of the
+    /// command line names the program.
+    fn find_files(&self, scenario: &mut Scenario) -> Result<(), Box<ScenarioError>> {
+        for (kind, programs) in [("planner", &mut scenario.planner), ("policy", &mut scenario.policy)] {
+            for (name, program) in programs.iter_mut().filter(|(_, program)| !program.command.is_empty()) {
+                let table = FieldPath(vec![PathStep::key(kind), PathStep::key(name.name())]);
+                let command = table.join(PathStep::key("command"));
+                let changed = self.changes.iter().any(|change| change.set.contains(&command));
+                let folder = if changed { Path::new("") } else { &self.source.folder };
+                program.fill_in(folder).map_err(|(index, error)| {
+                    let path = table.join(PathStep::key("files")).join(PathStep::Index(index));
+                    unreadable(&program.works_in.join(&program.files[index]), &error)
+                        .at(self.location(&path, KeyOrValue::Value))
+                })?;
+            }
         }
         Ok(())
     }

@@ -49,7 +49,7 @@ pub use load::{LoadedScenario, load};
 pub use memory::{MemoryEstimate, MemoryExceeded, MemoryLimit, bytes_text};
 pub use path::{FieldPath, PathStep};
 pub use problem::{MAX_GOALS, Problem};
-pub use program::{Program, Programs};
+pub use program::{Program, Programs, UsedProgram};
 pub use rules::{Extinguishes, Ignition, IgnitionCells, Score, Suppression};
 pub use source::{MAX_MAP_BYTES, MAX_SCENARIO_BYTES, ScenarioText, can_be_read_again, first_too_deep, toml_value};
 pub use terrain::{Terrain, TerrainError};

@@ -5,12 +5,16 @@
 //! a scenario never starts anything.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Read};
+use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
+use sha2::{Digest, Sha256};
 
+use super::Scenario;
 use super::check::{Check, TablePath};
 use super::goal::{TruckGoal, WumpusGoal};
 use super::or_none;
@@ -35,6 +39,9 @@ pub struct Program {
     /// scenario's folder, which is also the program's working folder.
     #[serde(deserialize_with = "list_of_at_most::<MAX_WORDS, _, _>")]
     pub command: Vec<String>,
+    /// The folder that takes the place of the scenario's, for the command and its files; relative to the scenario's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub folder: Option<PathBuf>,
     /// Files whose contents belong to a batch's plan; those that `command` names always do.
     #[serde(deserialize_with = "list_of_at_most::<MAX_WORDS, _, _>")]
     pub files: Vec<PathBuf>,
@@ -56,12 +63,28 @@ pub struct Program {
     pub restarts: u32,
     /// One process for all runs of a worker instead of one for each run.
     pub reuse: bool,
+    /// The folder in which it works, as loading finds it; empty for the current one.
+    #[serde(skip_serializing_if = "is_empty")]
+    #[schemars(skip)]
+    pub works_in: PathBuf,
+    /// The files that belong to it with the SHA-256 of their contents, as loading finds them.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    #[schemars(skip)]
+    pub sha256: BTreeMap<String, String>,
+}
+
+/// Fields of a table that loading fills in.
+pub(super) const FILLED_IN: [&str; 2] = ["sha256", "works_in"];
+
+fn is_empty(path: &Path) -> bool {
+    path.as_os_str().is_empty()
 }
 
 impl Default for Program {
     fn default() -> Self {
         Self {
             command: Vec::new(),
+            folder: None,
             files: Vec::new(),
             settings: Map::new(),
             start_limit_s: 30.0,
@@ -71,6 +94,8 @@ impl Default for Program {
             seconds_per_expansion: 0.0,
             restarts: 3,
             reuse: false,
+            works_in: PathBuf::new(),
+            sha256: BTreeMap::new(),
         }
     }
 }
@@ -81,13 +106,115 @@ impl Program {
         Charge { roadmap_s: self.seconds_per_expansion, local_s: self.seconds_per_expansion }
     }
 
+    /// Returns its command as a line that a shell would read.
+    pub fn command_line(&self) -> String {
+        let quoted = |word: &String| {
+            let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "-_./=:,+@%".contains(letter);
+            let is_whole = !word.is_empty() && word.chars().all(is_plain);
+            if is_whole { word.clone() } else { format!("'{}'", word.replace('\'', "'\\''")) }
+        };
+        self.command.iter().map(quoted).collect::<Vec<_>>().join(" ")
+    }
+
+    /// Fills in where it works, given the scenario's folder, and the hashes of the files that belong to it.
+    ///
+    /// # Errors
+    /// If one of [`Self::files`] cannot be read: its place in the list, and why.
+    pub(super) fn fill_in(&mut self, folder: &Path) -> Result<(), (usize, io::Error)> {
+        self.works_in = self.folder.as_ref().map_or_else(|| folder.to_owned(), |own| folder.join(own));
+        self.sha256 = self.hashes()?;
+        Ok(())
+    }
+
+    /// Computes the hashes of the files that belong to it, as they are now.
+    fn hashes(&self) -> Result<BTreeMap<String, String>, (usize, io::Error)> {
+        let mut hashes = BTreeMap::new();
+        if self.command.is_empty() {
+            return Ok(hashes);
+        }
+        for word in &self.command {
+            // A program without a slash is found by PATH.
+            let is_named = self.command.first() != Some(word) || word.contains('/');
+            if let (true, Ok(Some(hash))) = (is_named, hash_of(&self.works_in.join(word))) {
+                hashes.insert(word.clone(), hash);
+            }
+        }
+        for (index, file) in self.files.iter().enumerate() {
+            let hash = hash_of(&self.works_in.join(file)).map_err(|error| (index, error))?;
+            let hash = hash.ok_or_else(|| (index, io::Error::new(ErrorKind::InvalidInput, "it is no file")))?;
+            hashes.insert(file.display().to_string(), hash);
+        }
+        Ok(hashes)
+    }
+
+    /// Lists in words the files that are no longer what they were when the scenario was loaded.
+    fn changed_files(&self) -> Vec<String> {
+        let changed = self.sha256.iter().filter_map(|(name, before)| match hash_of(&self.works_in.join(name)) {
+            Ok(Some(now)) if now == *before => None,
+            Ok(Some(_)) => Some(format!("{name} has other contents")),
+            Ok(None) => Some(format!("{name} is no file")),
+            Err(error) => Some(format!("{name}: {error}")),
+        });
+        changed.collect()
+    }
+
     /// Describes it in a sentence; `kind` is planner or policy.
     pub(super) fn describe(&self, kind: &str, name: &PlannerName) -> String {
         if self.command.is_empty() {
             format!("Its {kind} `{name}` is handed in by whoever runs the scenario.")
         } else {
-            format!("Its {kind} `{name}` is a program that only runs where it is trusted: {}.", self.command.join(" "))
+            format!("Its {kind} `{name}` is a program that only runs where it is trusted: {}.", self.command_line())
         }
+    }
+}
+
+/// Returns the SHA-256 of a file's contents in hexadecimal; `None` of what is no file.
+fn hash_of(path: &Path) -> io::Result<Option<String>> {
+    // To open a pipe would be to wait for whoever writes to it.
+    if !fs::metadata(path)?.is_file() {
+        return Ok(None);
+    }
+    let mut file = File::open(path)?;
+    let mut hash = Sha256::new();
+    let mut bytes = vec![0; 1 << 16];
+    loop {
+        match file.read(&mut bytes) {
+            Ok(0) => break,
+            Ok(count) => hash.update(&bytes[..count]),
+            Err(error) if error.kind() == ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(Some(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()))
+}
+
+/// A program that a scenario starts.
+#[derive(Clone, Copy, Debug)]
+pub struct UsedProgram<'a> {
+    /// `planner` or `policy`.
+    pub kind: &'static str,
+    pub name: &'a PlannerName,
+    pub table: &'a Program,
+}
+
+impl Scenario {
+    /// Lists the programs that a run of it starts.
+    pub fn used_programs(&self) -> Vec<UsedProgram<'_>> {
+        let planners = self.planner.iter().filter(|(name, _)| self.unimog.iter().any(|truck| truck.planner == **name));
+        let follows = |name: &PlannerName| {
+            let trucks = self.unimog.iter().any(|truck| truck.goal.name() == name.name());
+            trucks || self.wumpus.iter().any(|wumpus| wumpus.goal.name() == name.name())
+        };
+        let policies = self.policy.iter().filter(|(name, _)| follows(name));
+        let planners = planners.map(|(name, table)| UsedProgram { kind: "planner", name, table });
+        let policies = policies.map(|(name, table)| UsedProgram { kind: "policy", name, table });
+        planners.chain(policies).filter(|used| !used.table.command.is_empty()).collect()
+    }
+
+    /// Lists in words the files of its programs that are no longer what they were when it was loaded.
+    pub fn changed_program_files(&self) -> Vec<String> {
+        let tables = self.planner.values().chain(self.policy.values());
+        tables.flat_map(Program::changed_files).collect()
     }
 }
 

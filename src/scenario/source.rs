@@ -129,7 +129,8 @@ pub(super) fn read_text(path: &Path, most: u64) -> Result<String, Fault> {
     input_file::read_text(path, most).map_err(|error| unreadable(path, &error))
 }
 
-fn unreadable(path: &Path, error: &io::Error) -> Fault {
+/// Words why something at a path cannot be read.
+pub(super) fn unreadable(path: &Path, error: &io::Error) -> Fault {
     Fault::Unreadable { path: path.display().to_string(), kind: error.kind(), reason: error.to_string() }
 }
 

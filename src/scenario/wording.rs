@@ -4,7 +4,7 @@ use super::error::{Fault, nearest_name};
 use super::path::{FieldPath, PathStep};
 
 /// Fields that loading fills in; messages do not suggest them.
-const HIDDEN: [&str; 1] = ["given"];
+const HIDDEN: [&str; 3] = ["given", "sha256", "works_in"];
 
 /// The most characters of a text that a message quotes.
 const LONGEST_QUOTE: usize = 60;

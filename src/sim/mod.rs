@@ -39,7 +39,7 @@ use crate::time::cpu::CpuStopwatch;
 use crate::timeline::{AgentId, Event, Setting, Timeline};
 
 pub use episode::{Asked, Episode, Points};
-pub use run::{AgentCost, Entrants, FailureMessages, Run, RunCost, RunError, RunOptions};
+pub use run::{AgentCost, Entrants, FailureMessages, Run, RunCost, RunError, RunOptions, StartPrograms};
 
 use agent::{Agent, Roster};
 use end::Ended;

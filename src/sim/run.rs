@@ -1,6 +1,7 @@
 //! What goes into a run beside its scenario, and what comes out of it.
 
 use std::fmt;
+use std::sync::Arc;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
@@ -8,7 +9,7 @@ use thiserror::Error;
 
 use super::policies::Policies;
 use crate::planning::{CpuSource, MakeError, PlannerName, Planners, QueryCpu};
-use crate::scenario::{MemoryExceeded, MemoryLimit, TerrainError};
+use crate::scenario::{MemoryExceeded, MemoryLimit, Scenario, TerrainError};
 use crate::timeline::{AgentId, CpuSample, Timeline};
 
 /// CPU time of one agent's planning over a run. What does not concern its kind is zero.
@@ -128,6 +129,8 @@ pub struct RunOptions {
     pub records_searches: bool,
     /// The policies by name.
     pub policies: Policies,
+    /// Who starts the programs that a scenario names; nobody does if there is none.
+    pub programs: Option<Arc<dyn StartPrograms>>,
     /// The limit of memory. A run that would take more does not take place, or ends early, as [`RunError::Memory`].
     pub memory: MemoryLimit,
 }
@@ -137,6 +140,23 @@ pub struct RunOptions {
 pub struct Entrants {
     pub planners: Planners,
     pub policies: Policies,
+    /// Who starts the programs that a scenario names; nobody does if there is none.
+    pub programs: Option<Arc<dyn StartPrograms>>,
+}
+
+/// Makes planners and policies of the programs that a scenario's tables name.
+pub trait StartPrograms: fmt::Debug + Send + Sync {
+    /// Adds the planners and policies of a scenario's tables, for the run of a seed, to those that are known otherwise.
+    ///
+    /// # Errors
+    /// If a name is taken, or somebody does not want a program to run; in words.
+    fn add(
+        &self,
+        scenario: &Scenario,
+        seed: u64,
+        planners: Planners,
+        policies: Policies,
+    ) -> Result<(Planners, Policies), MakeError>;
 }
 
 impl From<Planners> for Entrants {
@@ -151,9 +171,23 @@ impl From<Policies> for Entrants {
     }
 }
 
+impl RunOptions {
+    /// Returns the planners and policies of a run, those of programs among them.
+    pub(super) fn entrants_of(&self, scenario: &Scenario, seed: u64) -> Result<(Planners, Policies), RunError> {
+        let (planners, policies) = (self.planners.clone(), self.policies.clone());
+        match &self.programs {
+            Some(programs) => {
+                let added = programs.add(scenario, seed, planners, policies);
+                added.map_err(|reason| RunError::NoPrograms { reason })
+            }
+            None => Ok((planners, policies)),
+        }
+    }
+}
+
 impl From<Entrants> for RunOptions {
-    fn from(Entrants { planners, policies }: Entrants) -> Self {
-        Self { planners, policies, ..Self::default() }
+    fn from(Entrants { planners, policies, programs }: Entrants) -> Self {
+        Self { planners, policies, programs, ..Self::default() }
     }
 }
 
@@ -166,6 +200,8 @@ pub enum RunError {
     Terrain(#[from] TerrainError),
     #[error("the policy `{name}` could not be made: {reason}")]
     NoPolicy { name: PlannerName, reason: MakeError },
+    #[error("its programs could not be used: {reason}")]
+    NoPrograms { reason: MakeError },
     #[error("{agent} cannot start: no free place was found for it on this field")]
     NoFreeStart { agent: AgentId },
     /// Whoever ran it asked for an end before its own. Nothing is known of such a run: it is made again.

@@ -32,6 +32,7 @@ pub fn fill(
     memory: &MemoryMeter,
     options: &RunOptions,
 ) -> Result<(Setting, RunCost), RunError> {
+    let (planners, known_policies) = options.entrants_of(scenario, seed)?;
     let mut cost = RunCost::default();
     let mut stopwatch = CpuStopwatch::start();
     let terrain = Terrain::from_scenario(scenario, seed)?;
@@ -54,9 +55,9 @@ pub fn fill(
     world.init_resource::<SimClock>();
     world.init_resource::<CpuLog>();
     world.init_resource::<Roster>();
-    world.insert_resource(policies(scenario, seed, &terrain, &options.policies)?);
+    world.insert_resource(policies(scenario, seed, &terrain, &known_policies)?);
 
-    let arena = Arena { scenario, seed, terrain: &terrain, field: &field, memory, planners: &options.planners };
+    let arena = Arena { scenario, seed, terrain: &terrain, field: &field, memory, planners: &planners };
     let mut starts = Vec::new();
     for (number, settings) in scenario.wumpus.iter().enumerate() {
         starts.push(wumpus::spawn(world, &arena, number as u16, settings)?);

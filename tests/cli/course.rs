@@ -142,16 +142,48 @@ fn what_the_rules_fix_is_refused_by_name_and_line() {
     refuse(&story, &["batch", "--rules", "rules.toml", "--agent", "anna.toml", "anna.toml"], &["it is given twice"]);
 }
 
+/// A program of the shell that has no path for anybody, and whose greeting is in a file beside it.
+#[cfg(unix)]
+const SILENT: &str = "\
+read hello; cat greeting.json
+read field; echo '{\"type\":\"ready\"}'
+while read -r line; do
+  case $line in *'\"end\"'*) exit;; esac
+  id=${line#*\"id\":}; id=${id%%,*}
+  echo \"{\\\"type\\\":\\\"none\\\",\\\"id\\\":$id,\\\"reason\\\":\\\"disconnected\\\"}\"
+done
+";
+
+#[cfg(unix)]
 #[test]
-fn programs_have_the_limits_of_the_rules_and_the_folder_of_their_file() {
+fn programs_work_in_the_folder_of_their_entry_within_the_limits_of_the_rules() {
     let story = course();
     fs::create_dir(story.path("dora")).expect("writable");
-    story.file(
-        "dora/agent.toml",
-        "[unimog]\nplanner = \"mine\"\n[planner.mine]\ncommand = [\"./mine.sh\"]\nquery_cpu_s = 0.5\n",
+    story.file("dora/silent.sh", SILENT);
+    story.file("dora/greeting.json", "{\"type\":\"hello\",\"protocol\":1,\"name\":\"silent\",\"version\":\"1\"}\n");
+    let own = "[unimog]\nplanner = \"mine\"\n[planner.mine]\ncommand = [\"sh\", \"silent.sh\"]\nquery_cpu_s = 0.5\n";
+    story.file("dora/dora.toml", own);
+    let batch = ["batch", "--rules", "rules.toml", "--agent", "anna.toml", "dora/dora.toml", "--seeds", "1..2"];
+    let with = |more: &[&'static str]| [&batch[..], &["--out", "course"], more].concat();
+    refuse(&story, &with(&[]), &["planner `mine`", "sh silent.sh", "--trust"]);
+    story.tell(&with(&["--trust"])).expect_code(0);
+    let plan: Value = serde_json::from_str(&story.read("course/plan.json")).expect("it is JSON");
+    let table = &plan["variants"][1]["scenario"]["planner"]["mine"];
+    assert_eq!(
+        (&table["query_cpu_s"], &table["query_limit_s"], &table["restarts"]),
+        (&0.5.into(), &20.0.into(), &1.into())
     );
-    let arguments = ["batch", "--rules", "rules.toml", "--agent", "dora/agent.toml", "--dry-run"];
-    story.tell(&arguments).expect_code(0);
+    let ranking = story.tell(&["rank", "course", "--json", "--metric", "extinguished"]);
+    refuse(&story, &["rank", "course"], &["unimog.rescue is true and false"]);
+    assert_eq!(ranking.code, Some(2), "who is rescued and who is not did not play by the same rules");
+    // Without rescue for anybody they did.
+    story.file("rules.toml", &RULES.replace("fire.relight = true", "unimog.rescue = false"));
+    story.tell(&with(&["--trust", "--force"])).expect_code(0);
+    let ranking = story.tell(&["rank", "course", "--json", "--metric", "extinguished"]).expect_code(0).stdout;
+    let ranking: Value = serde_json::from_str(&ranking).expect("it is JSON");
+    let last = &ranking["entries"][1];
+    assert_eq!((&last["entry"], &last["mean"], &last["failed"]), (&"dora".into(), &0.0.into(), &0.into()));
+    assert!(last["queries"]["failed"].as_u64() > Some(0), "{last}");
 }
 
 #[test]

@@ -345,3 +345,17 @@ fn files_that_are_not_there_or_in_the_wrong_place_are_refused() {
     refuse(&story, &["judge", "mine.json", "paths.csv", "--recording", "run.wildfire"], &["--recording"]);
     refuse(&story, &["judge", "paths.csv", "--scenario", "nowhere"], &["nowhere"]);
 }
+
+#[test]
+fn starts_and_goals_that_are_no_numbers_are_missed() {
+    let story = Story::begin();
+    for (start, goal) in [("[null, 22.5, 0]", "[20, 22.5, 0]"), ("[20, 22.5, 0]", "[20, 22.5, null]")] {
+        let field = format!(
+            "{{\"field\": \"mine\", \"n\": 20, \"cell_m\": 5, \"cells_cr\": [[10, 4]], \"start\": {start}, \"goals\": [{{\"pose\": {goal}}}]}}"
+        );
+        story.file("odd.json", &field);
+        story.file("paths.csv", &format!("{HEADER}\nmine,0,theirs,20,22.5,0,forward\n"));
+        let answer = story.tell(&["judge", "odd.json", "paths.csv", "--against", "prm-rs"]).expect_code(4).stdout;
+        assert!(answer.contains("violation on field mine, goal 0: line 2: it "), "{answer}");
+    }
+}

@@ -273,6 +273,10 @@ impl BatchPlan {
     /// file is not there, or was a pipe, or is not a scenario now, is taken as the plan has it.
     pub fn expect_unchanged_sources(&self) -> Result<(), PlanError> {
         for variant in &self.variants {
+            let differences = variant.scenario.changed_program_files();
+            if !differences.is_empty() {
+                return Err(PlanError::SourceChanged { scenario: variant.source.clone(), differences });
+            }
             if !scenario::can_be_read_again(&variant.source) {
                 continue;
             }

@@ -209,6 +209,9 @@ impl PlannedRun<'_> {
         for change in &self.variant.changes {
             write!(command, " --set {}", shell_word(change)).expect("a string takes any text");
         }
+        if !self.variant.scenario.used_programs().is_empty() {
+            command += " --trust";
+        }
         command
     }
 }

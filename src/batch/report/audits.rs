@@ -213,7 +213,10 @@ fn other_run(run: &PlannedRun<'_>, timeline: &Timeline) -> Option<String> {
 fn difference(run: &PlannedRun<'_>, row: Option<&RunRecord>, timeline: &Timeline, cost: RunCost) -> Option<String> {
     let row = row.filter(|row| row.is_done() || file::encode(timeline).is_ok())?;
     let result = RunResult::new(Outcome::new(timeline), cost);
-    row.difference(&RunRecord::from_row(&RunRow::done(run.label(), result, Duration::ZERO)))
+    // What planners had to say is in no recording, and is no part of the outcome.
+    let message = row.message().to_owned();
+    let again = RunRow { message, ..RunRow::done(run.label(), result, Duration::ZERO) };
+    row.difference(&RunRecord::from_row(&again))
 }
 
 /// In words, that a row has a result which its run does not give.

@@ -15,7 +15,7 @@ use joined::PathJudge;
 use path_table::{Fault, GivenPath, PathTable};
 use report::{JudgeReport, Row, write_rows};
 
-use crate::cli::args::{MemoryArguments, parse_seed};
+use crate::cli::args::{MemoryArguments, ProgramArguments, parse_seed};
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::output_files::{self, Files, Format};
@@ -71,6 +71,8 @@ pub struct JudgeArguments {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub overrides: Vec<String>,
     #[command(flatten)]
+    pub programs: ProgramArguments,
+    #[command(flatten)]
     pub memory: MemoryArguments,
     #[command(flatten)]
     pub form: FormArguments,
@@ -85,7 +87,9 @@ pub fn run(arguments: &JudgeArguments, context: &CommandContext) -> Result<ExitC
     let files = Files { inputs, form: arguments.form, ..Files::default() };
     let words = files.writing([(Format::Csv, &arguments.csv)]).check()?;
     let loaded = LoadedScenario::open(&arguments.scenario, &context.with_own_names(&arguments.overrides))?;
-    let asked = Asked::new(arguments, &loaded, &context.entrants.planners)?;
+    context.expect_trusted_planners(&loaded.scenario, &arguments.against)?;
+    let makers = context.planners_of(&loaded.scenario, arguments.seed)?;
+    let asked = Asked::new(arguments, &loaded, &makers)?;
     let conclude = |report: &JudgeReport| {
         let printed = words.print(&arguments.form.render(report));
         // Whatever cannot be written, all else is kept.
@@ -185,6 +189,8 @@ fn judge_table(
     let mut rows = Vec::new();
     for (index, problem) in problems.iter().enumerate() {
         let attempts = asked.attempts(problem)?;
+        // As many to each goal as planners were asked, in their order.
+        let mut answers = attempts.chunks(names.len().max(1));
         let field = problem.name.as_str();
         for goal in 0..problem.goals.len() {
             for (planner, name) in judged.iter().enumerate() {
@@ -193,8 +199,8 @@ fn judge_table(
                     None => Row::without_path(field, goal, name, NO_PATH.into()),
                 });
             }
-            let own = attempts.iter().filter(|attempt| attempt.goal == goal);
-            rows.extend(own.zip(&names).map(|(attempt, name)| row_of_attempt(attempt, (field, goal, name))));
+            let answers = answers.next().unwrap_or_default().iter().zip(&names);
+            rows.extend(answers.map(|(attempt, name)| row_of_attempt(attempt, (field, goal, name))));
         }
     }
     let title = match &problems[..] {

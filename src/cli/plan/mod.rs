@@ -4,6 +4,7 @@ mod attempts;
 mod drive;
 mod ompl;
 mod problems;
+mod repeat;
 mod report;
 mod tables;
 
@@ -17,10 +18,11 @@ pub use drive::missed;
 pub use problems::{ProblemArguments, goal_count, no_truck};
 pub use report::{mean, quantile, shortened};
 
+use repeat::Repeat;
 use report::{PlanReport, Summary};
 
 use crate::batch::file_name_of;
-use crate::cli::args::MemoryArguments;
+use crate::cli::args::{MemoryArguments, ProgramArguments};
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::output_files::{self, Files, Format};
@@ -52,6 +54,11 @@ pub struct PlanArguments {
     /// Change a value of the scenario, such as `unimog.hybrid.clearance_m=1`; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub overrides: Vec<String>,
+    #[command(flatten)]
+    pub programs: ProgramArguments,
+    /// Ask all planners twice, programs in another process, and say whether their answers repeat bit for bit.
+    #[arg(long)]
+    pub repeat: bool,
     #[command(flatten)]
     pub memory: MemoryArguments,
     #[command(flatten)]
@@ -101,18 +108,27 @@ fn report<'a>(
     loaded: &'a LoadedScenario,
     (problems, planners): (&'a [Problem], &'a [PlannerName]),
 ) -> Result<PlanReport<'a>, CliError> {
-    let mut all = Vec::new();
-    for problem in problems {
+    context.expect_trusted_planners(&loaded.scenario, planners)?;
+    let ask = || {
+        // Programs start anew each time, those too that could play on.
+        let makers = context.planners_of(&loaded.scenario, arguments.problems.seed)?;
         let question = Question {
             planners,
-            makers: &context.entrants.planners,
+            makers: &makers,
             programs: &loaded.scenario.planner,
             seed: arguments.problems.seed,
             limit: arguments.memory.limit(),
         };
-        let failed = |error| CliError::run_failed(format_args!("planning on the field {}: {error}", problem.name));
-        all.extend(attempts(problem, &question).map_err(failed)?);
-    }
+        let mut all = Vec::new();
+        for problem in problems {
+            let failed = |error| CliError::run_failed(format_args!("planning on the field {}: {error}", problem.name));
+            all.extend(attempts(problem, &question).map_err(failed)?);
+        }
+        Ok::<_, CliError>(all)
+    };
+    let all = ask()?;
+    let again = if arguments.repeat { Some(ask()?) } else { None };
+    let repeats = again.map(|again| planners.iter().map(|planner| Repeat::new(planner, &all, &again)).collect());
     let summaries = planners.iter().map(|planner| Summary::new(planner, &all)).collect();
     Ok(PlanReport {
         loaded,
@@ -121,6 +137,7 @@ fn report<'a>(
         problems,
         planners,
         attempts: all,
+        repeats,
         summaries,
     })
 }

@@ -7,6 +7,7 @@ use serde::{Serialize, Serializer};
 use crate::batch::PROGRAM_VERSION;
 use crate::cli::plan::attempts::Attempt;
 use crate::cli::plan::drive::Drive;
+use crate::cli::plan::repeat::Repeat;
 use crate::cli::plan::tables::Row;
 use crate::document::number::{count, optional, rounded};
 use crate::document::{Block, Document, Table};
@@ -36,6 +37,8 @@ pub struct PlanReport<'a> {
     pub planners: &'a [PlannerName],
     /// Problem by problem, goal by goal, planner by planner.
     pub attempts: Vec<Attempt<'a>>,
+    /// Whether answers repeat, in the order of the planners, if they were asked twice.
+    pub repeats: Option<Vec<Repeat>>,
     /// In the order of the planners.
     pub summaries: Vec<Summary>,
 }
@@ -157,6 +160,8 @@ struct Object<'a> {
     #[serde(rename = "offences")]
     violations: Vec<Violation<'a>>,
     summary: &'a [Summary],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    repeats: Option<&'a [Repeat]>,
 }
 
 #[derive(Serialize)]
@@ -196,6 +201,7 @@ impl Serialize for PlanReport<'_> {
             rows: self.attempts.iter().map(Row::new).collect(),
             violations: self.attempts.iter().filter_map(violation).collect(),
             summary: &self.summaries,
+            repeats: self.repeats.as_deref(),
         };
         object.serialize(serializer)
     }
@@ -233,7 +239,8 @@ impl From<&PlanReport<'_>> for Document {
             document.add(rows(report));
         }
         document.add(summary(&report.summaries));
-        document.add_list(failures(report).chain(violations(report)).collect());
+        let repeats = report.repeats.iter().flatten().map(Repeat::sentence);
+        document.add_list(failures(report).chain(violations(report)).chain(repeats).collect());
         document.with([Block::List(LEGEND.map(str::to_owned).to_vec())])
     }
 }
@@ -303,10 +310,12 @@ fn failures(report: &PlanReport) -> impl Iterator<Item = String> {
     kinds.filter_map(|(planner, reason)| {
         let is_one = |attempt: &&Attempt| attempt.planner == *planner && attempt.drive.as_ref().err() == Some(&reason);
         let failed: Vec<&Attempt> = report.attempts.iter().filter(is_one).collect();
-        let place = place(failed.first()?);
+        let first = failed.first()?;
+        let place = place(first);
+        let message = first.message.as_ref().map_or(String::new(), |message| format!(": {message}"));
         Some(match failed.len() {
-            1 => format!("{planner}: {reason} {place}."),
-            times => format!("{planner}: {reason} {times} times, first {place}."),
+            1 => format!("{planner}: {reason} {place}{message}."),
+            times => format!("{planner}: {reason} {times} times, first {place}{message}."),
         })
     })
 }

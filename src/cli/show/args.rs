@@ -5,7 +5,7 @@ use std::str::FromStr;
 use clap::Args;
 use glam::DVec2;
 
-use crate::cli::args::{MemoryArguments, parse_seed};
+use crate::cli::args::{MemoryArguments, ProgramArguments, parse_seed};
 use crate::cli::error::CliError;
 use crate::cli::numbers;
 use crate::geometry::Cell;
@@ -21,6 +21,8 @@ pub struct ShowArguments {
     /// Change a value of the scenario, such as `unimog.planner=hybrid-astar`; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub overrides: Vec<String>,
+    #[command(flatten)]
+    pub programs: ProgramArguments,
     #[command(flatten)]
     pub memory: MemoryArguments,
     /// The seed of the run [default: 1, or the first of the batch].

@@ -120,6 +120,7 @@ mod tests {
 
     use super::*;
     use crate::scenario::BUILT_IN;
+    use crate::sim::Entrants;
 
     #[derive(Parser)]
     struct Command {
@@ -129,9 +130,8 @@ mod tests {
 
     fn titles(words: &str) -> Vec<String> {
         let command = Command::parse_from(["show"].into_iter().chain(words.split(' ')));
-        let shown =
-            shown_runs(&command.show, Searches::LeftOut, &CommandContext { quiet: true, ..CommandContext::default() })
-                .expect("both runs take place");
+        let shown = shown_runs(&command.show, Searches::LeftOut, &CommandContext::new(true, Entrants::default()))
+            .expect("both runs take place");
         shown.into_iter().map(|shown| shown.run.title).collect()
     }
 

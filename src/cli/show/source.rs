@@ -4,7 +4,7 @@ use std::iter;
 use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 
-use crate::batch::{FinishedBatch, PlannedRun};
+use crate::batch::{FinishedBatch, PlannedRun, Record};
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::input_file;
@@ -106,6 +106,7 @@ impl Source {
         let source = match named {
             Named::Scenario(text) => {
                 let scenario = Box::new(LoadedScenario::from_text(text, &context.with_own_names(overrides))?.scenario);
+                context.expect_trusted(&scenario)?;
                 let title = iter::once(&scenario.name).chain(overrides).map(String::as_str).collect::<Vec<_>>();
                 return Ok(Self::Scenario {
                     title: title.join(", "),
@@ -132,6 +133,9 @@ impl Source {
         let batch = Box::new(FinishedBatch::open(folder)?);
         let seeds = batch.plan().seeds.iter().collect();
         let title = batch.plan().title(&batch.plan().variants[0]);
+        if batch.plan().record != Record::All {
+            context.expect_trusted_plan(batch.plan())?;
+        }
         let options = context.run_options(false, memory.unwrap_or(batch.plan().memory));
         Ok(Self::Batch { batch, seeds, title, options })
     }

@@ -157,8 +157,11 @@ impl Policies {
     /// If nobody of this name is known, or it cannot be made.
     pub fn make(&self, site: &PolicySite<'_>) -> Result<Box<dyn Policy>, MakeError> {
         let name = site.name;
-        let unknown =
-            || MakeError::new(format!("`{name}` is not built in, was not handed in, and its table has no `command`"));
+        let unknown = || {
+            MakeError::new(format!(
+                "`{name}` is not built in, was not handed in, and is no program that may be started"
+            ))
+        };
         self.own.get(name).ok_or_else(unknown)?.make(site)
     }
 }

@@ -3,8 +3,7 @@
 //! Possible ranks: whoever is told apart from `b` better entries and `w` worse ones among `n` has a rank from `b + 1` to
 //! `n - w`. If all pairs are tested together so that no true equality is denied with 95 % probability, all these ranges
 //! hold the true ranks with that probability (Mogstad, Romano, Shaikh, Wilhelm, "Inference for ranks with applications to
-//! mobility across neighbourhoods and academic achievement across countries", Review of Economic Studies 91, 2024,
-//! section 3).
+//! mobility across neighbourhoods and academic achievement across countries", Review of Economic Studies 91, 2024).
 //!
 //! Groups: the compact letter display of Piepho ("An algorithm for a letter-based representation of all-pairwise
 //! comparisons", Journal of Computational and Graphical Statistics 13, 2004), by inserting and absorbing. Two entries
@@ -103,7 +102,7 @@ mod tests {
         assert_eq!(letters(3, &[(0, 2)]), ["a", "ab", "b"]);
         // The middle one is noisy: the best is told apart from the second and not from the third.
         assert_eq!(letters(3, &[(0, 1)]), ["a", "b", "ab"]);
-        // Piepho's own example has four treatments, of which 1-3, 1-4 and 2-4 differ... in this order.
+        // Neighbours are alike, all others are told apart.
         assert_eq!(letters(4, &[(0, 2), (0, 3), (1, 3)]), ["a", "ab", "bc", "c"]);
     }
 

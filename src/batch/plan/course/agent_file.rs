@@ -1,5 +1,6 @@
 //! The file of an agent: the part of a scenario that the rules leave free.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use toml::{Table, Value as TomlValue};
@@ -68,13 +69,11 @@ impl AgentFile {
     ) -> Result<Option<String>, String> {
         let written = leaf.keys.join(".");
         let steps: Vec<&str> = leaf.keys.iter().map(String::as_str).collect();
-        if let (TomlValue::Array(list), false) = (&leaf.value, free.has(&steps)) {
-            if list.iter().any(TomlValue::is_table) {
-                let kind = &leaf.keys[0];
-                return Err(format!(
-                    "`{written}` is a list of tables; expected a table [{kind}], which is of all agents"
-                ));
-            }
+        if let (TomlValue::Array(list), false) = (&leaf.value, free.has(&steps))
+            && list.iter().any(TomlValue::is_table)
+        {
+            let kind = &leaf.keys[0];
+            return Err(format!("`{written}` is a list of tables; expected a table [{kind}], which is of all agents"));
         }
         if !free.has(&steps) {
             return Err(format!("`{written}` is fixed by the rules in {}", rules.display()));
@@ -89,6 +88,8 @@ impl AgentFile {
             Some(&"reuse") if is_of_program && leaf.value.as_bool() != Some(false) => {
                 return Err(format!("`{written}` is {}; in a course every run has a process of its own", leaf.value));
             }
+            // It is made a path that holds wherever the batch is resumed.
+            Some(&"folder") if is_of_program && leaf.value.is_str() => return Ok(None),
             Some(last) if is_of_program => {
                 let limit = limits.given().into_iter().find(|limit| limit.key == *last);
                 if let Some(limit) = limit {
@@ -105,8 +106,9 @@ impl AgentFile {
         Ok(Some(leaf.change(&key)))
     }
 
-    /// What every program of it has besides what the file says: the limits that it does not ask for.
+    /// What every program of it has besides what the file says: the limits that it does not ask for, and its folder.
     fn changes_of_programs(&self, limits: &ProgramLimits) -> Result<Vec<Change>, CourseError> {
+        let own = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let mut changes = Vec::new();
         for list in TABLES_OF_PROGRAMS {
             let tables = self.table.get(list).and_then(TomlValue::as_table).into_iter().flatten();
@@ -119,6 +121,12 @@ impl AgentFile {
                         format!("`{name}` is no name: expected 1 to 40 of a-z 0-9 + - _ . with a letter first");
                     return Err(fault(&self.path, Some(line), &message));
                 };
+                let folder = own.join(table.get("folder").and_then(TomlValue::as_str).unwrap_or_default());
+                let folder = fs::canonicalize(&folder).map_err(|error| {
+                    fault(&self.path, Some(line), &format!("its folder {}: {error}", folder.display()))
+                })?;
+                let folder = TomlValue::String(folder.to_string_lossy().into_owned());
+                changes.push(Change { option: format!("{key}.folder={folder}"), line });
                 for limit in limits.given().into_iter().filter(|limit| !table.contains_key(limit.key)) {
                     changes.push(Change { option: format!("{key}.{}={}", limit.key, limit.value), line });
                 }

@@ -1,0 +1,186 @@
+//! A program that is asked for as long as a run lasts: greeted, shown its field, started anew when it fails.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::process::{Allowance, CpuAllowance, Launch, Process, Trouble, TroubleKind};
+use super::protocol::{FromProgram, ToProgram, VERSION};
+use crate::time::wall::WallStopwatch;
+
+/// A program on a field, through failures and new starts.
+#[derive(Debug)]
+pub struct Respondent {
+    program: Arc<Launch>,
+    /// The line that shows it the field.
+    field: Vec<u8>,
+    /// `None` after a failure, until the next query.
+    session: Option<Session>,
+    restarts_left: u32,
+    /// CPU time up to the first `ready`.
+    pub built: Option<Duration>,
+}
+
+/// A program that has said hello.
+#[derive(Debug)]
+pub struct Session {
+    process: Process,
+    /// Queries on this field: they are numbered from 1 on, so that a program may count them itself.
+    queries: u64,
+    /// Its CPU time that has been counted for something.
+    counted: Duration,
+}
+
+/// What came of a query.
+#[derive(Debug)]
+pub struct Reply {
+    pub answer: Result<FromProgram, Trouble>,
+    /// CPU time of its processes since the answer before, if the system tells.
+    pub cpu: Option<Duration>,
+}
+
+impl Respondent {
+    /// Starts a program and shows it a field, or shows it to one that has played before.
+    pub fn new(program: Arc<Launch>, field: &ToProgram<'_>, before: Option<Session>) -> Result<Self, Trouble> {
+        let field = field.line();
+        // One that played before and cannot go on costs this run nothing but the time of finding out.
+        let again = before.and_then(|session| session.play_again(&program, &field));
+        let mut session = again.map_or_else(|| Session::start(&program, &field), Ok)?;
+        let built = session.lap();
+        let restarts_left = program.restarts;
+        Ok(Self { program, field, session: Some(session), restarts_left, built })
+    }
+
+    /// Returns what stands before its lines on stderr.
+    pub fn name(&self) -> &str {
+        &self.program.name
+    }
+
+    /// Asks a query, which is told its number, and checks that the answer is of a type that fits. A program that failed
+    /// before is started anew first.
+    pub fn ask(
+        &mut self,
+        query: impl FnOnce(u64) -> Vec<u8>,
+        check: impl FnOnce(&FromProgram) -> Result<(), &'static str>,
+    ) -> Reply {
+        let (mut session, started) = match self.running() {
+            Ok(running) => running,
+            Err(trouble) => return Reply { answer: Err(trouble), cpu: None },
+        };
+        session.queries += 1;
+        let number = session.queries;
+        let Launch { query_limit: wall, query_cpu, .. } = *self.program;
+        // What it thought since its last answer counts for this one.
+        let cpu = query_cpu.map(|limit| CpuAllowance { limit, from: session.counted });
+        let allowance = Allowance { wall, cpu, answer: "answer" };
+        let answer = session.process.exchange(&query(number), allowance);
+        let answer = answer.and_then(|line| {
+            let refuse = |words: &str| Err(Trouble::bad_answer(&line, words));
+            match FromProgram::parse(&line) {
+                Err(words) => refuse(&words),
+                Ok(answer) => match (check(&answer), answer.id()) {
+                    (Err(words), _) => refuse(words),
+                    (Ok(()), Some(id)) if id != number => refuse(&format!("`id` is {id}; expected {number}")),
+                    _ => Ok(answer),
+                },
+            }
+        });
+        // Of what cannot be understood the next line cannot be trusted to answer the next query.
+        if answer.is_err() {
+            session.process.kill();
+        }
+        let cpu = session.lap().map(|lap| lap + started);
+        if answer.is_ok() {
+            self.session = Some(session);
+        }
+        Reply { answer, cpu }
+    }
+
+    /// Takes the program, or starts it anew; returns the CPU time of that too.
+    fn running(&mut self) -> Result<(Session, Duration), Trouble> {
+        if let Some(session) = self.session.take() {
+            return Ok((session, Duration::ZERO));
+        }
+        match self.restarts_left.checked_sub(1) {
+            Some(left) => self.restarts_left = left,
+            None => return Err(Trouble::crashed("failed more often than it may be started anew")),
+        }
+        let mut session = Session::start(&self.program, &self.field).map_err(|trouble| {
+            let words = format!("did not start anew: {}", trouble.words);
+            Trouble { kind: TroubleKind::Crashed, words }
+        })?;
+        let started = session.lap().unwrap_or_default();
+        Ok((session, started))
+    }
+
+    /// Gives the program away, to play in another run, if it has not failed.
+    pub fn into_session(mut self) -> Option<(Arc<Launch>, Session)> {
+        let session = self.session.take()?;
+        Some((Arc::clone(&self.program), session))
+    }
+}
+
+impl Drop for Respondent {
+    fn drop(&mut self) {
+        if let Some(session) = self.session.take() {
+            session.end();
+        }
+    }
+}
+
+impl Session {
+    fn start(program: &Launch, field: &[u8]) -> Result<Self, Trouble> {
+        let watch = WallStopwatch::start();
+        let mut session = Self { process: Process::start(program)?, queries: 0, counted: Duration::ZERO };
+        let hello =
+            ToProgram::Hello { protocol: VERSION, program: concat!("wildfire ", env!("CARGO_PKG_VERSION")).into() };
+        let line = session.process.exchange(&hello.line(), at_start(program, watch, "`hello`"))?;
+        let words = match FromProgram::parse(&line) {
+            Ok(FromProgram::Hello(hello)) if hello.protocol == VERSION => None,
+            Ok(FromProgram::Hello(hello)) => Some(format!("`protocol` is {}; expected {VERSION}", hello.protocol)),
+            Ok(_) => Some("expected the type `hello`".to_owned()),
+            Err(words) => Some(words),
+        };
+        match words {
+            Some(words) => Err(Trouble::bad_answer(&line, &words)),
+            None => session.show(program, field, watch).map(|()| session),
+        }
+    }
+
+    /// Shows the field of another run to a program that has played before.
+    fn play_again(mut self, program: &Launch, field: &[u8]) -> Option<Self> {
+        self.process.begin_run();
+        self.show(program, field, WallStopwatch::start()).ok()?;
+        Some(self)
+    }
+
+    /// Shows it a field, and waits until it is ready.
+    fn show(&mut self, program: &Launch, field: &[u8], since: WallStopwatch) -> Result<(), Trouble> {
+        self.queries = 0;
+        let line = self.process.exchange(field, at_start(program, since, "`ready`"))?;
+        let words = match FromProgram::parse(&line) {
+            Ok(FromProgram::Ready) => return Ok(()),
+            Ok(FromProgram::Error(error)) => return Err(Trouble::refused(&error.message)),
+            Ok(_) => "expected the type `ready` or `error`".to_owned(),
+            Err(words) => words,
+        };
+        Err(Trouble::bad_answer(&line, &words))
+    }
+
+    /// Returns its CPU time since the last lap.
+    fn lap(&mut self) -> Option<Duration> {
+        let now = self.process.cpu()?;
+        let lap = now.saturating_sub(self.counted);
+        self.counted = now;
+        Some(lap)
+    }
+
+    /// Says goodbye, and waits until nothing of it is left.
+    pub fn end(self) {
+        self.process.end(&ToProgram::End.line());
+    }
+}
+
+/// What a program may take until it is ready, from its start on.
+fn at_start<'a>(program: &Launch, since: WallStopwatch, answer: &'a str) -> Allowance<'a> {
+    Allowance { wall: program.start_limit.saturating_sub(since.elapsed()), cpu: None, answer }
+}

@@ -1,0 +1,13 @@
+//! Programs as planners and policies: what they may do wrong, what they cost, and that nothing of them is left.
+#![cfg(target_os = "linux")]
+
+mod batches;
+mod cost;
+mod policy;
+mod same;
+mod shell;
+mod stage;
+mod table;
+mod templates;
+mod traces;
+mod trust;

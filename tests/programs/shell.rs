@@ -1,0 +1,87 @@
+//! A scratch folder in which `wildfire` is told to do things.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use tempfile::TempDir;
+
+use crate::stage::{pause, processes_in};
+
+/// A scratch folder.
+pub struct Shell {
+    folder: TempDir,
+}
+
+impl Shell {
+    pub fn new() -> Self {
+        Self { folder: tempfile::tempdir().expect("a scratch folder") }
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    pub fn file(&self, name: &str, text: &str) {
+        fs::write(self.path(name), text).expect("the scratch folder is writable");
+    }
+
+    pub fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_wildfire"));
+        command.args(arguments).current_dir(self.folder.path()).stdin(Stdio::null());
+        command
+    }
+
+    /// Runs the program and expects one of these exit codes.
+    pub fn run(&self, arguments: &[&str], codes: &[i32]) -> Output {
+        let output = self.command(arguments).output().expect("the program can be started");
+        let (stdout, stderr) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+        let code = output.status.code().expect("it ends by itself");
+        assert!(codes.contains(&code), "{arguments:?} ended with {code}\nstdout:\n{stdout}\nstderr:\n{stderr}");
+        output
+    }
+
+    /// Runs the program, expects that it refuses what it is asked, and that stderr has these words.
+    pub fn refuse(&self, arguments: &[&str], words: &[&str]) {
+        let before = self.entries();
+        let said = String::from_utf8_lossy(&self.run(arguments, &[2]).stderr).into_owned();
+        let flat: Vec<&str> = said.split(|c: char| c.is_whitespace() || c == '│').filter(|it| !it.is_empty()).collect();
+        for word in words {
+            assert!(flat.join(" ").contains(word), "`{word}` is missing:\n{said}");
+        }
+        assert_eq!(self.entries(), before, "{arguments:?} wrote something");
+    }
+
+    pub fn entries(&self) -> Vec<PathBuf> {
+        let mut entries: Vec<PathBuf> =
+            fs::read_dir(self.folder.path()).expect("readable").map(|entry| entry.expect("readable").path()).collect();
+        entries.sort();
+        entries
+    }
+
+    /// Waits until no process works in the folder.
+    pub fn expect_nobody(&self) {
+        for _ in 0..600 {
+            if processes_in(self.folder.path()).is_empty() {
+                return;
+            }
+            pause();
+        }
+        panic!("processes are left: {:?}", processes_in(self.folder.path()));
+    }
+
+    pub fn folder(&self) -> &Path {
+        self.folder.path()
+    }
+}
+
+/// Says whether a program is on the machine; if not, which test is left out.
+#[expect(clippy::print_stdout, reason = "whoever reads the test's output is to know")]
+pub fn has(program: &str, argument: &str) -> bool {
+    let found = Command::new(program).arg(argument).stdout(Stdio::null()).stderr(Stdio::null()).status();
+    let is_there = found.is_ok_and(|status| status.success());
+    if !is_there {
+        println!("left out: there is no {program} on this machine");
+    }
+    is_there
+}
