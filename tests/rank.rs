@@ -365,6 +365,8 @@ fn programs_that_are_kept_from_run_to_run_are_refused() {
     assert_eq!(ranked(&[&one, &two], "saved").entries.len(), 2);
     let said = refusal(&[&one, &two, &three], &request("saved"));
     assert!(said.ends_with("planner.*.query_cpu_s of their programs is 1.0 and 2.0"), "{said}");
+    let freed = RankingRequest { free: vec!["planner.*".into()], ..request("saved") };
+    assert_eq!(rank(&[one, two, three], &freed).expect("limits may differ").entries.len(), 3);
 }
 
 #[test]

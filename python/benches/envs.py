@@ -43,19 +43,17 @@ def side_by_side(scenario, steps, threads=1, n=64):
 
 
 def pyrorl(steps):
-    """PyroRL 1.1 on its own 50 x 50 field, where nobody drives."""
+    """PyroRL on its own 50 x 50 field, where nobody drives."""
     import gymnasium
     import pyrorl  # noqa: F401
 
-    populated = np.array([[1, 2], [4, 8], [6, 4], [8, 7]])
-    paths = np.array([[[1, 0], [1, 1]], [[2, 2], [3, 2], [4, 2], [4, 1], [4, 0]], [[5, 8], [6, 8], [6, 9]], [[5, 7], [6, 7], [7, 7], [8, 7]]], dtype=object)
     env = gymnasium.make(
         "pyrorl/PyroRL-v0",
         num_rows=50,
         num_cols=50,
-        populated_areas=populated,
-        paths=paths,
-        paths_to_pops={0: [[0]], 1: [[1]], 2: [[2]], 3: [[3]]},
+        populated_areas=np.array([[10, 10], [30, 40]]),
+        paths=np.array([[[row, 10] for row in range(10)], [[30, col] for col in range(41, 50)]], dtype=object),
+        paths_to_pops={0: [[10, 10]], 1: [[30, 40]]},
     ).unwrapped
     env.reset()
     env.step(0)

@@ -15,6 +15,8 @@ from wildfire_contest import envs
 from wildfire_contest.vector import TruckVectorEnv
 
 SCENARIO = "fleet"
+# Training plays the first quarter of an hour, which is as telling and four times as fast.
+TRAINING = {"duration_s": 900}
 K = 16
 LANES = 64
 STEP, NOISE = 0.15, 0.15
@@ -65,7 +67,7 @@ def play(env, weights, seeds):
 def train(generations):
     """Return the mean of the weights over the last third of the generations."""
     dice = np.random.default_rng(1)
-    env = TruckVectorEnv(LANES, SCENARIO, actions="nearest", k=K, threads=2)
+    env = TruckVectorEnv(LANES, wf.scenario(SCENARIO, TRAINING), actions="nearest", k=K, threads=2)
     # It begins as the rule of the nearest.
     weights = np.zeros(len(FEATURES))
     weights[0] = -1.0

@@ -242,6 +242,29 @@ def test_whole_episodes_of_several_agents():
     assert totals == sums
 
 
+def test_a_truck_is_steered_to_its_goal_or_into_something():
+    env = gymnasium.make("wildfire/Drive-v0")
+    check_env(env.unwrapped, skip_render_check=True)
+    seen, _ = env.reset(seed=3)
+    again, _ = env.reset(seed=3)
+    assert all(np.array_equal(seen[name], again[name]) for name in seen)
+    far = float(np.hypot(*seen["goal"][:2]))
+    assert far > 30
+    assert seen["clearance"][31:33, 31:33].min() > 0, "the truck stands where nothing is"
+    nearer, steps, ended = 0.0, 0, False
+    while not ended:
+        bearing = np.arctan2(seen["goal"][1], seen["goal"][0])
+        seen, reward, ended, cut, info = env.step(np.array([np.clip(bearing, -1, 1), 1.0], np.float32))
+        assert not cut
+        steps += 1
+        last = 0.0 if not ended else 10.0 if info["arrived"] else -10.0
+        nearer += reward - last
+        assert far - nearer == pytest.approx(np.hypot(*seen["goal"][:2]), abs=1e-3)
+    assert steps > 2
+    with pytest.raises(ValueError, match="from -1 to 1"):
+        env.unwrapped.step(np.array([2.0, 0.0], np.float32))
+
+
 def test_pictures_have_three_colours():
     env = envs.TruckEnv("smoke", render_mode="rgb_array")
     env.reset(seed=1)

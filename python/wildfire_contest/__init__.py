@@ -12,6 +12,9 @@ field's south-west corner. A pose is that of the middle of the rear axle. Cells 
 and arrays of cells have row 0 in the south.
 """
 
+from importlib import import_module
+from types import ModuleType
+
 from wildfire_contest import ompl
 from wildfire_contest._core import (
     Batch,
@@ -71,3 +74,11 @@ __all__ = [
     "run",
     "scenario",
 ]
+
+
+def __getattr__(name: str) -> ModuleType:
+    """Import the environments when they are first asked for: they need gymnasium and pettingzoo."""
+    if name in ("envs", "vector"):
+        return import_module(f"wildfire_contest.{name}")
+    msg = f"module 'wildfire_contest' has no attribute {name!r}"
+    raise AttributeError(msg)

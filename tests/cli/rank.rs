@@ -86,6 +86,6 @@ fn nothing_in_a_name_acts_on_a_page_or_a_terminal() {
         let arguments = [&["rank", hostile, "ben"], form].concat();
         let printed = story.tell(&arguments).expect_code(0).stdout;
         assert!(!printed.contains('\u{1b}'), "{form:?}: {printed}");
-        assert!(!["--html", "--md"].contains(&form.first().unwrap_or(&"")) || !printed.contains("<b>"), "{printed}");
+        assert!(!["--html", "--md"].contains(form.first().unwrap_or(&"")) || !printed.contains("<b>"), "{printed}");
     }
 }

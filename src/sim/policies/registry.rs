@@ -178,6 +178,7 @@ mod tests {
 
     use super::*;
     use crate::scenario::{self, Scenario, ScenarioError};
+    use crate::sim::policies::{Choice, Observation};
     use crate::sim::{self, RunError, RunOptions};
 
     fn load(name: &str, changes: &[&str]) -> Result<Scenario, Box<ScenarioError>> {
@@ -211,11 +212,7 @@ mod tests {
     fn a_policy_that_nobody_answers_for_waits() {
         struct Silent;
         impl Policy for Silent {
-            fn choose(
-                &mut self,
-                _: &crate::sim::policies::Observation<'_>,
-                _: &[AgentId],
-            ) -> Vec<(AgentId, crate::sim::policies::Choice)> {
+            fn choose(&mut self, _: &Observation<'_>, _: &[AgentId]) -> Vec<(AgentId, Choice)> {
                 Vec::new()
             }
         }

@@ -49,6 +49,14 @@ pub struct Run {
     pub index: usize,
 }
 
+/// What entries may differ in.
+pub struct Freedom {
+    /// Keys of scenarios.
+    pub keys: FreeKeys,
+    /// Limits of programs, by their keys.
+    pub limits: FreeKeys,
+}
+
 /// Entries that may be ranked together.
 #[derive(Debug)]
 pub struct Entries<'a> {
@@ -66,8 +74,9 @@ impl<'a> Entries<'a> {
         tables: &'a [RunsTable],
         settings: &'a [KnownSettings],
         selection: &Selection,
-        free: &FreeKeys,
+        freedom: &Freedom,
     ) -> Result<Self, RankingError> {
+        let free = &freedom.keys;
         let mut entries = Vec::new();
         for (table, settings) in tables.iter().zip(settings) {
             entries.extend(divided(table, settings, selection, free)?);
@@ -82,7 +91,7 @@ impl<'a> Entries<'a> {
         let found = Self { entries, columns, strata };
         found.refuse_other_runs()?;
         found.refuse_reuse()?;
-        found.refuse_other_rules(free)?;
+        found.refuse_other_rules(freedom)?;
         Ok(found)
     }
 
@@ -123,15 +132,15 @@ impl<'a> Entries<'a> {
     }
 
     /// All entries ran by the same program, under the same limits, in scenarios that differ only in what is free.
-    fn refuse_other_rules(&self, free: &FreeKeys) -> Result<(), RankingError> {
+    fn refuse_other_rules(&self, freedom: &Freedom) -> Result<(), RankingError> {
         let [first, others @ ..] = &self.entries[..] else { unreachable!("there is a table, and it has runs") };
-        let ours = first.rules(self.strata, free);
-        let limits = first.limits_of_programs().into_iter();
+        let ours = first.rules(self.strata, &freedom.keys);
+        let limits = first.limits_of_programs(&freedom.limits).into_iter();
         let mut limits: BTreeMap<_, _> = limits.map(|(key, found)| (key, (first.name.clone(), found))).collect();
         for other in others {
             let names = [first, other].map(|entry| entry.name.clone());
             let mut differences = program_differences([first, other].map(|entry| entry.settings.plan()));
-            for (one, theirs) in ours.iter().zip(other.rules(self.strata, free)) {
+            for (one, theirs) in ours.iter().zip(other.rules(self.strata, &freedom.keys)) {
                 for (key, values) in merged([one, &theirs]) {
                     let [one, theirs] = values.map(|value| visible_start(&value_words(&value)));
                     differences.push(format!("{} is {one} and {theirs}", visible_start(&key)));
@@ -145,7 +154,7 @@ impl<'a> Entries<'a> {
                 return Err(RankingError::OtherRules { names, differences: differences.join("; ") });
             }
             // Those without programs have no limits, so each is held against the first that has some.
-            for (key, found) in other.limits_of_programs() {
+            for (key, found) in other.limits_of_programs(&freedom.limits) {
                 let (name, known) = limits.entry(key.clone()).or_insert_with(|| (other.name.clone(), found.clone()));
                 if *known != found {
                     let [one, theirs] = [&*known, &found].map(|value| visible_start(&value.to_string()));
@@ -216,12 +225,12 @@ impl EntryRuns<'_> {
         variants.into_iter().flatten().map(rules).collect()
     }
 
-    /// The limits of the programs that play for it.
-    fn limits_of_programs(&self) -> BTreeMap<String, Json> {
+    /// The limits of the programs that play for it, except those that are free.
+    fn limits_of_programs(&self, free: &FreeKeys) -> BTreeMap<String, Json> {
         let mut limits = BTreeMap::new();
         for scenario in self.scenarios() {
-            for (list, _, table) in programs_of(&scenario) {
-                for key in LIMITS {
+            for (list, name, table) in programs_of(&scenario) {
+                for key in LIMITS.into_iter().filter(|key| !free.has(&[list, name, key])) {
                     limits.entry(format!("{list}.*.{key}")).or_insert_with(|| table[key].clone());
                 }
             }

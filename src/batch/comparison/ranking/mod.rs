@@ -30,7 +30,7 @@ use crate::batch::comparison::{Contrast, LEVEL, adjusted};
 use crate::batch::plan::FreeKeys;
 use crate::batch::table::QueryTally;
 use crate::stats::Series;
-use entries::{Entries, EntryRuns};
+use entries::{Entries, EntryRuns, Freedom};
 use groups::ToldApart;
 
 /// The metric by which entries are ranked unless another is asked for.
@@ -150,10 +150,11 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
     // What the rules of a course free, all of its entries may differ in; who did not play by them may not.
     let of_courses =
         settings[0].plan().free.iter().filter(|key| settings.iter().all(|it| it.plan().free.contains(key)));
-    let asked = request.free.iter().chain(of_courses).map(String::as_str);
-    let free = FreeKeys::parse(&USUALLY_FREE.into_iter().chain(asked).collect::<Vec<_>>())?;
+    let asked: Vec<&str> = request.free.iter().chain(of_courses).map(String::as_str).collect();
+    let keys = FreeKeys::parse(&USUALLY_FREE.into_iter().chain(asked.iter().copied()).collect::<Vec<_>>())?;
+    let freedom = Freedom { keys, limits: FreeKeys::parse(&asked)? };
     let selection = Selection { by: None, only: request.only.clone() };
-    let entries = Entries::new(&tables, &settings, &selection, &free)?;
+    let entries = Entries::new(&tables, &settings, &selection, &freedom)?;
 
     let (numbers, worst) = numbers(&entries.entries, &metric, of_metric.len(), better)?;
     let mean = |index: usize| Series::from_values(&numbers[index]).mean().expect("every entry has runs");
