@@ -102,7 +102,7 @@ impl Factories {
     pub fn entrants(&self, py: Python<'_>, interruption: &Arc<Interruption>) -> Entrants {
         let planners = self.planners(py, interruption).expect("the names were checked before");
         let policies = self.policies.policies(py, interruption).expect("the names were checked before");
-        Entrants { planners, policies }
+        Entrants { planners, policies, ..Entrants::default() }
     }
 
     fn planners(&self, py: Python<'_>, interruption: &Arc<Interruption>) -> Result<Planners, NameError> {
