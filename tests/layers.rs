@@ -22,7 +22,8 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("vehicle", &["glam"]),
     ("trajectory", &["glam"]),
     ("collision", &["glam"]),
-    ("planning", &["glam", "kiddo", "petgraph"]),
+    // Settings of planners that are not built in are handed on as JSON.
+    ("planning", &["glam", "kiddo", "petgraph", "serde_json"]),
     ("fire", &["glam"]),
     // A scenario's errors know their place in the file, which is what a miette diagnostic is.
     ("scenario", &["glam", "toml", "toml_parser", "serde_json", "serde_path_to_error", "sha2", "strsim", "miette"]),

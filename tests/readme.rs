@@ -251,6 +251,7 @@ hold! {
     output_files: "docs/output-files.md", pictures below 0;
     own_planner: "docs/own-planner.md", pictures below 0;
     planning_drives: "docs/planning-drives.md", pictures below 100_000;
+    policies: "docs/policies.md", pictures below 0;
     python: "docs/python.md", pictures below 0;
     scenarios: "docs/scenarios.md", pictures below 0;
     watch: "docs/watch.md", pictures below 3_000_000;
@@ -272,7 +273,8 @@ fn blocks_are_of_a_kind_that_is_known() {
             let words: Vec<_> = block.words.iter().map(String::as_str).collect();
             assert!(
                 matches!(words.as_slice(), ["sh" | "text"] | ["sh" | "text", "measured"] | ["text", "times"] | ["sql"])
-                    || words.len() <= 2 && ["toml", "csv", "json"].contains(&words[0]),
+                    || words.len() <= 2
+                        && ["toml", "csv", "json", "python", "pycon", "rust", "shell"].contains(&words[0]),
                 "{place}: {words:?}"
             );
             if block.is_measured() {

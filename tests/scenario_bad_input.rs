@@ -130,7 +130,7 @@ fn wrong_types_say_what_is_expected() {
     assert_refused(&format!("{wumpus}start_m = [1]"), "3:11", &["is a list of 1; expected a list of two numbers"]);
     assert_refused(&format!("{wumpus}start_m = 3"), "3:11", &["is 3; expected a list of two numbers"]);
     assert_refused(&format!("{wumpus}start_m = [1, \"x\"]"), "3:15", &["`wumpus.0.start_m.1`", "expected a number"]);
-    assert_refused(&format!("{wumpus}goal = \"nearest\""), "3:8", &["cannot be `nearest`", "`nearest-intact`"]);
+    assert_refused(&format!("{wumpus}goal = \"nearest\""), "3:8", &["is `nearest`", "no policy of this name"]);
     assert_refused(&format!("{wumpus}goal = 4"), "3:8", &["expected a text in quotes"]);
     let bare = "wumpus = []\nunimog = []\n";
     assert_refused(&format!("{bare}field = 3"), "3:9", &["`field` is 3; expected a table"]);

@@ -63,6 +63,10 @@ fn collect(root: &Value, schema: &Value, value: &Value, pointer: &str, found: &m
             reference.strip_prefix('#').and_then(|place| root.pointer(place)).expect("references lead somewhere");
         return collect(root, target, value, pointer, found);
     }
+    // Planners and policies that nobody handed in.
+    if schema["additionalProperties"].is_object() {
+        return;
+    }
     if let Some(properties) = schema["properties"].as_object() {
         for (name, inner) in properties {
             collect(root, inner, &value[name], &format!("{pointer}/{name}"), found);
@@ -89,6 +93,9 @@ fn values(root: &Value, schema: &Value) -> Option<Values> {
     if let Some(words) = words(schema) {
         return Some(Values::Listed(words));
     }
+    if schema["anyOf"] == json!([{ "const": "auto" }, { "type": "boolean" }]) {
+        return Some(Values::Listed(vec![json!("auto"), json!(true), json!(false)]));
+    }
     if schema["anyOf"] == json!([{ "type": "number" }, { "const": "none" }]) {
         return Some(Values::NumberOrNone);
     }
@@ -113,6 +120,9 @@ fn values(root: &Value, schema: &Value) -> Option<Values> {
 fn words(schema: &Value) -> Option<Vec<Value>> {
     if let Some(listed) = schema["enum"].as_array() {
         return Some(listed.clone());
+    }
+    if let Some(choices) = schema["anyOf"].as_array() {
+        return choices.iter().find_map(|choice| choice["enum"].as_array().cloned());
     }
     let variants = schema["oneOf"].as_array()?;
     let of_variant = |variant: &Value| variant.get("const").map(|word| vec![word.clone()]).or_else(|| words(variant));

@@ -21,6 +21,7 @@ __all__ = [
     "Batch",
     "Checker",
     "Contests",
+    "Driver",
     "Offence",
     "Path",
     "Query",

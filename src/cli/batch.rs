@@ -145,7 +145,10 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
         Some(folder) => {
             interrupt::set_resumable();
             let path = OutputFolder::existing(folder)?;
-            context.expect_trusted_plan(&BatchPlan::read(path.path()).map_err(BatchError::from)?)?;
+            // What is wrong with the folder itself, resuming says better.
+            if let Ok(plan) = BatchPlan::read(path.path()) {
+                context.expect_trusted_plan(&plan)?;
+            }
             let batch = Batch::resume(path, slice)?;
             batch.plan().expect_entrants(&context.entrants, folder).map_err(BatchError::from)?;
             batch

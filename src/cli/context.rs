@@ -3,10 +3,10 @@
 use crate::batch::BatchPlan;
 use crate::cli::args::{NamedCommand, ProgramArguments};
 use crate::cli::error::CliError;
-use crate::planning::{PlannerName, Planners};
+use crate::planning::{PlannerName, Planners, TruckPlannerKind};
 #[cfg(unix)]
 use crate::programs::{ProgramPool, Trust};
-use crate::scenario::{MemoryLimit, Scenario, UsedProgram};
+use crate::scenario::{MemoryLimit, Scenario, UsedProgram, nearest_name};
 use crate::sim::{Entrants, RunOptions};
 
 /// What commands have besides their arguments.
@@ -66,6 +66,21 @@ impl CommandContext {
     /// Refuses a plan with such a scenario.
     pub fn expect_trusted_plan(&self, plan: &BatchPlan) -> Result<(), CliError> {
         plan.variants.iter().try_for_each(|variant| self.expect_trusted(&variant.scenario))
+    }
+
+    /// Refuses names that no planner has: none that is built in or was handed in, and no table of the scenario.
+    pub fn expect_known_planners(&self, scenario: &Scenario, asked: &[PlannerName]) -> Result<(), CliError> {
+        let is_known = |name: &PlannerName| self.entrants.planners.knows(name) || scenario.planner.contains_key(name);
+        let Some(unknown) = asked.iter().find(|name| !is_known(name)) else { return Ok(()) };
+        let tables = scenario.planner.keys().map(PlannerName::name);
+        let known: Vec<&str> = TruckPlannerKind::ALL.map(TruckPlannerKind::name).into_iter().chain(tables).collect();
+        let nearest = nearest_name(unknown.name(), known.iter().copied());
+        let nearest = nearest.map_or(String::new(), |nearest| format!("did you mean `{nearest}`? "));
+        let help = format!("{nearest}known are {}; --command {unknown}='PROGRAM ...' makes it known", known.join(", "));
+        Err(CliError::bad_input(
+            format_args!("--planner names `{unknown}`, and no planner of this name is known"),
+            Some(&help),
+        ))
     }
 
     /// Refuses planners that are programs which are not trusted.

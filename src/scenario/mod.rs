@@ -145,8 +145,10 @@ impl Scenario {
         top.inner("suppression").settings(&self.suppression, &frame)?;
         self.check_stops()?;
         top.inner("score").settings(&self.score, &frame)?;
-        check_programs("planner", &self.planner)?;
-        check_programs("policy", &self.policy)?;
+        check_programs("planner", &self.planner, |name| name.built_in().is_some())?;
+        check_programs("policy", &self.policy, |name| {
+            TruckGoal::is_built_in(name.name()) || WumpusGoal::is_built_in(name.name())
+        })?;
         for agents in self.kinds() {
             top.count(agents.key(), agents.len(), MAX_AGENTS)?;
         }

@@ -16,7 +16,6 @@ use sha2::{Digest, Sha256};
 
 use super::Scenario;
 use super::check::{Check, TablePath};
-use super::goal::{TruckGoal, WumpusGoal};
 use super::or_none;
 use crate::input_file::list_of_at_most;
 use crate::planning::PlannerName;
@@ -218,17 +217,13 @@ impl Scenario {
     }
 }
 
-/// Checks the tables of one kind, `planner` or `policy`.
-pub(super) fn check_programs(kind: &str, programs: &Programs) -> Check {
+/// Checks the tables of one kind, `planner` or `policy`, some of whose names are taken.
+pub(super) fn check_programs(kind: &str, programs: &Programs, is_built_in: impl Fn(&PlannerName) -> bool) -> Check {
     let all = TablePath::named(kind);
     TablePath::named("").count(kind, programs.len(), MAX_PROGRAMS)?;
     for (name, program) in programs {
-        if kind == "planner" && name.built_in().is_some() {
-            let expected = "a name of its own: this one is a built-in planner's".to_owned();
-            return all.refuse(name.name(), "a table".into(), expected);
-        }
-        if kind == "policy" && (TruckGoal::is_built_in(name.name()) || WumpusGoal::is_built_in(name.name())) {
-            let expected = "a name of its own: this one is a built-in policy's".to_owned();
+        if is_built_in(name) {
+            let expected = format!("a name of its own: this one is a built-in {kind}'s");
             return all.refuse(name.name(), "a table".into(), expected);
         }
         let table = all.inner(name.name());

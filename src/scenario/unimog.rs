@@ -49,6 +49,7 @@ pub struct Unimog {
     pub limits: Limits,
     pub goal: TruckGoal,
     pub retarget: Retarget,
+    #[schemars(schema_with = "planner_schema")]
     pub planner: PlannerName,
     pub rescue: Rescue,
     pub prm: PrmSettings,
@@ -168,6 +169,12 @@ impl Unimog {
     pub fn start_centre(&self) -> DVec2 {
         self.vehicle.body_centre(self.start.pose())
     }
+}
+
+/// Describes the names of planners: the built-in ones, or any other that is known.
+fn planner_schema(generator: &mut SchemaGenerator) -> Schema {
+    let built_in = TruckPlannerKind::ALL.map(TruckPlannerKind::name);
+    json_schema!({ "anyOf": [{ "enum": built_in }, generator.subschema_for::<PlannerName>()] })
 }
 
 /// What a truck's planner is made from, besides the truck itself.

@@ -183,6 +183,7 @@ impl Episode {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::timeline::Outcome;
     use crate::{scenario, sim};
 
     fn load(name: &str, changes: &[&str]) -> Scenario {
@@ -222,7 +223,7 @@ mod tests {
             }
             assert!(episode.has_ended());
             assert!(name == "smoke" || together > 1, "all who are free answer together");
-            let outcome = crate::Outcome::new(&expected);
+            let outcome = Outcome::new(&expected);
             assert_eq!(episode.points(), Points { wumpuses: outcome.wumpus_score, trucks: outcome.truck_score });
             assert_eq!(episode.timeline(), expected, "{name}");
         }
@@ -245,10 +246,10 @@ mod tests {
             assert!(episode.now() >= least || episode.has_ended());
             assert!(steps % 2 == 0 || episode.now() <= until || episode.asked().is_empty());
         }
-        let outcome = crate::Outcome::new(&episode.timeline());
+        let outcome = Outcome::new(&episode.timeline());
         assert_eq!((outcome.extinguished, outcome.truck_stuck_s), (0, 0.0));
         assert!(steps > 10 && outcome.agents[1].standing_s > 100.0 && outcome.agents[1].longest_idle_s > 10.0);
-        assert!(crate::audit_timeline(&episode.timeline(), Default::default()).violation.is_none());
+        assert!(crate::audit::audit_timeline(&episode.timeline(), Default::default()).violation.is_none());
         let recorded = crate::timeline::file::encode(&episode.timeline()).expect("it fits");
         assert_eq!(crate::timeline::file::decode(&recorded).expect("it was just written"), episode.timeline());
     }

@@ -82,8 +82,8 @@ fn swept_keys_are_columns_of_all_three() {
     assert_eq!(table(&scratch.path().join("runs.parquet")), rows(&scratch.path().join("runs.csv")));
     for (file, next) in [("planner_calls.parquet", "agent"), ("states.parquet", "t_s")] {
         let names = table(&scratch.path().join(file)).0;
-        let expected = ["scenario", "seed", "run", "planner", "field.coverage", "fire.burn_out_s", next];
-        assert_eq!(names[..7], expected, "{file}");
+        let expected = ["scenario", "seed", "run", "planner", "policy", "field.coverage", "fire.burn_out_s", next];
+        assert_eq!(names[..8], expected, "{file}");
     }
 }
 
@@ -151,9 +151,10 @@ fn column_is_required_unless_some_run_has_no_value() {
         assert!(texts.into_iter().all(|value| *value != Field::Str(String::new())), "nothing is null, not empty");
     }
     let states = scratch.path().join("states.parquet");
-    assert_eq!(columns(&states, |column| !is_required(column)), ["planner"]);
+    assert_eq!(columns(&states, |column| !is_required(column)), ["planner", "policy"]);
     let calls = scratch.path().join("planner_calls.parquet");
-    let optional = ["planner", "solution_length_m", "solution_segments", "cusps", "drive_s", "by_lattice", "found_by"];
+    let optional =
+        ["planner", "policy", "solution_length_m", "solution_segments", "cusps", "drive_s", "by_lattice", "found_by"];
     assert_eq!(columns(&calls, |column| !is_required(column)), optional);
 }
 

@@ -60,7 +60,7 @@ fn measured_columns_stand_last() {
 
 #[test]
 fn first_columns_are_those_that_readers_rely_on() {
-    let promised = "scenario,seed,run,planner,status,message,obstacles,intact,burning,burned_out,extinguished,intact_ratio,\
+    let promised = "scenario,seed,run,planner,policy,status,message,obstacles,intact,burning,burned_out,extinguished,intact_ratio,\
                     burned_ratio,extinguished_ratio,lit_by_wumpus,caught_by_spread,truck_stuck_s,wumpus_stuck_s";
     let names: Vec<_> = RUN_COLUMNS.iter().map(|column| column.name).collect();
     assert!(names.join(",").starts_with(promised));
@@ -87,8 +87,8 @@ fn failed_run_is_a_row_with_its_reason_and_without_numbers() {
     let (_, rows) = rows(&scratch.path().join("runs.csv"));
     let reason = RunError::NoFreeStart { agent: AgentId::wumpus(0) }.to_string();
     let planner = Unimog::default().planner;
-    assert_eq!(rows[1][..6], ["made-up", "8", "2", planner.name(), "failed", &reason]);
-    let (numbers, wall) = rows[1][6..].split_at(rows[1].len() - 7);
+    assert_eq!(rows[1][..7], ["made-up", "8", "2", planner.name(), "nearest-burning", "failed", &reason]);
+    let (numbers, wall) = rows[1][7..].split_at(rows[1].len() - 8);
     assert!(numbers.iter().all(String::is_empty));
     assert!(!wall[0].is_empty(), "the time that it took is known");
     let agents = self::rows(&scratch.path().join("agents.csv")).1;
@@ -102,8 +102,8 @@ fn panic_is_a_row_that_ends_with_the_command_that_shows_it_again() {
     assert_eq!((report.tally.done, report.tally.panicked), (4, 1));
     let (_, rows) = rows(&scratch.path().join("runs.csv"));
     assert_eq!(rows.len(), 5);
-    assert_eq!(rows[2][4], "panicked");
-    let message = &rows[2][5];
+    assert_eq!(rows[2][5], "panicked");
+    let message = &rows[2][6];
     assert!(message.starts_with("panicked: thirteen, \"unlucky\" (tests"), "{message}");
     assert!(message.ends_with("wildfire run 'my file.toml' --seed 13 --set fire.relight=true"), "{message}");
 }
@@ -214,9 +214,9 @@ fn run_that_cannot_be_recorded_is_a_row_with_the_reason() {
     let tally = report.expect("the disk is fine").tally;
     assert_eq!((tally.done, tally.failed), (2, 1));
     let (_, rows) = rows(&scratch.path().join("runs.csv"));
-    let statuses: Vec<_> = rows.iter().map(|row| row[4].as_str()).collect();
+    let statuses: Vec<_> = rows.iter().map(|row| row[5].as_str()).collect();
     assert_eq!(statuses, ["done", "failed", "done"]);
-    assert!(rows[1][5].starts_with("cannot be recorded: not a possible run: "), "{}", rows[1][5]);
+    assert!(rows[1][6].starts_with("cannot be recorded: not a possible run: "), "{}", rows[1][6]);
     let recorded = [1, 2, 3].map(|seed| scratch.path().join(format!("recordings/seed-{seed}.wildfire")).is_file());
     assert_eq!(recorded, [true, false, true]);
 }

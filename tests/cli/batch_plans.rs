@@ -25,7 +25,7 @@ fn everything_that_is_swept_has_a_column_and_seeds_are_paired() {
         assert!(answer.stdout.contains(words), "`{words}` is missing:\n{}", answer.stdout);
     }
     let header = &outcomes(&story.path("out/runs.csv"))[0];
-    assert_eq!(header[..6], ["scenario", "seed", "run", "planner", "field.coverage", "status"]);
+    assert_eq!(header[..7], ["scenario", "seed", "run", "planner", "policy", "field.coverage", "status"]);
     assert_eq!(column(&story, "run"), ["1", "2", "3", "4", "5", "6", "7", "8"]);
     assert_eq!(column(&story, "seed"), ["3", "1"].repeat(4));
     assert_eq!(column(&story, "planner"), [["prm+primitives"; 4], ["hybrid-astar"; 4]].concat());
@@ -63,7 +63,7 @@ fn plans_that_make_no_sense_are_refused() {
     let both = ["--planner", "prm+primitives,hybrid-astar", "--set", "unimog.0.planner=hybrid-astar"];
     refuse(&story, &batch(&both), &["contradict"]);
     refuse(&story, &batch(&["--seeds", "1..100001"]), &["100001 runs are many", "--force"]);
-    refuse(&story, &batch(&["--seeds", "@none"]), &["none", "not a seed"]);
+    refuse(&story, &batch(&["--seeds", "@none"]), &["none", "there are no seeds"]);
     refuse(&story, &batch(&["smoke"]), &["are the same scenario"]);
     refuse(&story, &batch(&["plan.toml"]), &["plan.toml is a plan", "alone"]);
     refuse(&story, &["batch", "wrong.toml"], &["wrong.toml:2", "planers", "planners"]);

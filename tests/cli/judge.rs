@@ -255,7 +255,7 @@ fn the_drives_of_a_recorded_run_are_judged() {
     let answer = story.tell(&["judge", "--recording", "short.wildfire", "--against", "hybrid-astar"]).expect_code(0);
     assert!(answer.stdout.contains("unimog/0 against hybrid-astar"), "{}", answer.stdout);
     let nobody = ["judge", "--recording", "short.wildfire", "--against", "prm-rs", "--scenario", "nobody.toml"];
-    story.file("nobody.toml", "unimog = []\n");
+    story.file("nobody.toml", "wumpus = []\nunimog = []\n");
     refuse(&story, &nobody, &["has no truck"]);
     refuse(&story, &["judge", "--recording", "none.wildfire"], &["none.wildfire"]);
     story.file("broken.wildfire", "no recording");

@@ -158,7 +158,9 @@ impl Grammar {
         let default = &schema["default"];
         let schema = self.resolved(schema);
         if let Some(choices) = ["anyOf", "oneOf"].iter().find_map(|of| schema[*of].as_array()) {
-            let choice = one_of(dice, choices);
+            // Names of one's own are seldom known.
+            let is_named = choices[0]["enum"].is_array() && chance(dice, 95);
+            let choice = if is_named { &choices[0] } else { one_of(dice, choices) };
             return self.value(dice, choice, path);
         }
         if let Some(word) = schema["const"].as_str() {
@@ -244,6 +246,13 @@ impl Grammar {
             let resolved = self.resolved(inner);
             let items = self.resolved(&resolved["items"]);
             match (resolved["type"].as_str(), items["type"].as_str()) {
+                // Tables whose keys are names: one of them.
+                (Some("object"), _) if resolved["additionalProperties"].is_object() => {
+                    let entry = [path.as_slice(), &["rrt".to_owned()]].concat();
+                    self.keys_of(&resolved["additionalProperties"], &entry, found);
+                }
+                // Settings that are handed on as they are.
+                (Some("object"), _) if !resolved["properties"].is_object() => {}
                 (Some("object"), _) => self.keys_of(resolved, &path, found),
                 (Some("array"), Some("object")) => self.keys_of(items, &path, found),
                 _ => found.push(Key { path, schema: inner.clone() }),

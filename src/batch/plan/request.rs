@@ -270,7 +270,7 @@ mod tests {
             other => panic!("{other:?}"),
         };
         let fault = refusal(&[], &["prm+primitives", "hybrid-astr"]);
-        assert!(matches!(fault, Fault::UnknownWord { nearest: Some(name), .. } if name == "hybrid-astar"));
+        assert!(matches!(fault, Fault::UnknownName { nearest: Some(name), .. } if name == "hybrid-astar"));
         let fault = refusal(&["field.covrage=0.1,0.2"], &[]);
         assert!(matches!(fault, Fault::UnknownField { nearest: Some(name), .. } if name == "coverage"));
     }

@@ -5,7 +5,7 @@ use std::ops::AddAssign;
 
 use serde::Serialize;
 
-use crate::document::number::percent;
+use crate::document::number::rounded;
 
 /// Counts of drives and queries of trucks over some runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -44,7 +44,8 @@ impl QueryTally {
     /// Says what a reader must know of these figures: nothing where nobody was rescued and no clock decided.
     pub fn sentences(&self, planner: &str) -> Vec<String> {
         let rescued = (self.rescued > 0).then(|| {
-            let share = percent(self.rescued as f64 / self.drives.max(1) as f64);
+            let share = 100.0 * self.rescued as f64 / self.drives.max(1) as f64;
+            let share = if share < 0.05 { "under 0.1".to_owned() } else { rounded(share, 1) };
             format!("Rescued: {share} % of the drives of {planner}.")
         });
         let timed_out = (self.timed_out > 0).then(|| {

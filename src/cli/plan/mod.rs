@@ -108,6 +108,7 @@ fn report<'a>(
     loaded: &'a LoadedScenario,
     (problems, planners): (&'a [Problem], &'a [PlannerName]),
 ) -> Result<PlanReport<'a>, CliError> {
+    context.expect_known_planners(&loaded.scenario, planners)?;
     context.expect_trusted_planners(&loaded.scenario, planners)?;
     let ask = || {
         // Programs start anew each time, those too that could play on.

@@ -224,7 +224,7 @@ mod tests {
         let scenario = load("smoke", &["policy.silent.command=[]", "unimog.goal=silent"]).expect("it loads");
         let timeline = sim::run_with_options(&scenario, 1, &options).expect("it takes place").timeline;
         assert_eq!(timeline.end_time(), SimTime::from_seconds(scenario.duration_s));
-        let outcome = crate::Outcome::new(&timeline);
+        let outcome = crate::timeline::Outcome::new(&timeline);
         assert_eq!((outcome.extinguished, outcome.truck_stuck_s), (0, 0.0));
     }
 

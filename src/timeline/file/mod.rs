@@ -479,7 +479,7 @@ mod tests {
         let mut bytes = encode(&sample::by_hand()).expect("it is a possible run");
         bytes[8..10].copy_from_slice(&(FORMAT + 1).to_le_bytes());
         let newer = decode(&bytes).expect_err("the format is unknown");
-        assert_eq!(newer.to_string(), "written by a newer wildfire: format 6, this program reads up to 5");
+        assert_eq!(newer.to_string(), "written by a newer wildfire: format 7, this program reads up to 6");
         let foreign = decode(b"\x89PNG\r\n\x1a\n and so on").expect_err("it is a picture");
         assert_eq!(foreign.to_string(), "not a wildfire recording");
     }
