@@ -274,7 +274,7 @@ fn blocks_are_of_a_kind_that_is_known() {
             assert!(
                 matches!(words.as_slice(), ["sh" | "text"] | ["sh" | "text", "measured"] | ["text", "times"] | ["sql"])
                     || words.len() <= 2
-                        && ["toml", "csv", "json", "python", "pycon", "rust", "shell"].contains(&words[0]),
+                        && ["toml", "csv", "json", "python", "pycon", "rust", "shell", "console"].contains(&words[0]),
                 "{place}: {words:?}"
             );
             if block.is_measured() {
