@@ -186,6 +186,14 @@ impl Process {
     /// Reads the CPU time that it and its descendants have taken so far; `None` where the system does not tell.
     pub fn cpu(&mut self) -> Option<Duration> {
         self.take_reports();
+        let watch = WallStopwatch::start();
+        // It may answer before its supervisor has said which process it is.
+        while self.clock.is_none() && !self.fate.is_over() && watch.elapsed() < LAST_BREATH {
+            let mut report = [PollFd::new(self.control.as_fd(), PollFlags::POLLIN)];
+            let left = LAST_BREATH.saturating_sub(watch.elapsed()).as_millis() + 1;
+            let _ = poll(&mut report, PollTimeout::from(u16::try_from(left).unwrap_or(u16::MAX)));
+            self.take_reports();
+        }
         self.clock.as_mut()?.total()
     }
 
