@@ -136,7 +136,6 @@ fn change(Query { start, goal, path }: &mut Query, rng: &mut impl Rng) {
 }
 
 #[test]
-#[expect(clippy::print_stdout, reason = "says how many of the paths were refused")]
 fn no_mutated_path_passes_that_the_audit_faults() {
     let sites = [
         DrivenField::new("contest", &[], 1),
@@ -253,7 +252,6 @@ impl Asked {
 }
 
 #[test]
-#[expect(clippy::print_stdout, reason = "says how many paths passed")]
 fn no_path_of_a_built_in_planner_is_refused_or_changed() {
     let fields = [("contest", 1, 50), ("contest", 2, 50), ("dense", 3, 50), ("dense", 4, 50), ("fleet", 5, 50)];
     let fields = fields.map(|(name, seed, goals)| Asked::new(name, seed, goals));
