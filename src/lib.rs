@@ -135,10 +135,11 @@ pub use vehicle::{Dimensions, Path};
 
 /// What it takes to enter the contest with a planner of one's own.
 ///
-/// A planner implements [`TruckPlanner`]. [`Planners`] knows it by its name, together with the built-in ones, and makes one
-/// for every truck of every run that asks for it. The scenario has a table `[planner.NAME]`, which may be empty, and gives
-/// the name to its trucks as `unimog.planner`. Runs, batches and the whole command line take planners: [`run_with`],
-/// [`main_with`]. The [`Judge`] tells beforehand whether a path would be driven.
+/// A planner implements [`TruckPlanner`]. [`Planners`](own_planner::Planners) knows it by its name, together with the
+/// built-in ones, and makes one for every truck of every run that asks for it. The scenario has a table `[planner.NAME]`,
+/// which may be empty, and gives the name to its trucks as `unimog.planner`. Runs, batches and the whole command line take
+/// planners: [`run_with`](own_planner::run_with), [`main_with`](own_planner::main_with). The [`Judge`](own_planner::Judge)
+/// tells beforehand whether a path would be driven.
 pub mod own_planner {
     pub use crate::cli::main_with;
     pub use crate::planning::judge::{BadPath, Judge};
