@@ -6,18 +6,17 @@ Needs numpy and ompl. Prints a table in Markdown; intervals are Student's t, at 
 """
 
 import sys
+from statistics import NormalDist
 
 import numpy as np
 import wildfire_contest as wf
 
 BUILT_IN = ["prm-rs", "hybrid-astar", "prm+primitives", "lattice"]
-USUAL = ["RRTConnect=20000", "RRTstar=200", "BITstar=200"]
+USUAL = ["RRTConnect=20000", "RRTstar=200", "BITstar=20"]
 
 
 def interval(values: np.ndarray, decimals: int) -> str:
     """Write a mean and its half interval."""
-    from statistics import NormalDist
-
     count = len(values)
     # Cornish and Fisher's expansion of Student's quantile.
     z = NormalDist().inv_cdf(0.975)
@@ -44,7 +43,8 @@ def main() -> None:
     for name in [*BUILT_IN, *ompl]:
         cells = []
         for rescue in (False, True):
-            chosen = (runs["planner"] == name) & (runs["unimog.rescue"] == (str(rescue).lower() if runs["unimog.rescue"].dtype.kind in "UO" else rescue))
+            swept = np.array([str(value).lower() for value in runs["unimog.rescue"]])
+            chosen = (runs["planner"] == name) & (swept == str(rescue).lower())
             cells.append(interval((runs["intact"] + runs["extinguished"])[chosen].astype(float), 1))
             if not rescue:
                 failed = sum(runs[column][chosen].sum() for column in runs if column.startswith("truck_failed_"))
