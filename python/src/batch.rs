@@ -258,7 +258,7 @@ impl Request<'_, '_> {
             let settings = values.iter().map(|value| Ok(Setting::parse(&literal(value)?)));
             Sweep::together(vec![(key, settings.collect::<PyResult<_>>()?)]).map_err(error)
         };
-        let items = self.sweep.map(|sweep| sweep.items()).transpose()?;
+        let items = self.sweep.map(PyMappingMethods::items).transpose()?;
         Ok(BatchRequest {
             scenarios: vec![text.source.clone()],
             texts: vec![text.clone()],
@@ -325,7 +325,7 @@ fn run_to_its_end(
                 // Whoever waits has not gone away.
                 let _ = sender.send(result);
             };
-            thread::Builder::new().spawn_scoped(scope, work).map_err(|source| error(source))?;
+            thread::Builder::new().spawn_scoped(scope, work).map_err(error)?;
             loop {
                 match ended.recv_timeout(POLL) {
                     Ok(result) => return Ok(result),
@@ -333,7 +333,8 @@ fn run_to_its_end(
                         return Err(PyRuntimeError::new_err("the batch ended without a result"));
                     }
                     Err(RecvTimeoutError::Timeout) => {
-                        Python::attach(|py| py.check_signals()).unwrap_or_else(|exception| interruption.set(exception));
+                        Python::attach(|py| -> PyResult<()> { py.check_signals() })
+                            .unwrap_or_else(|exception| interruption.set(exception));
                     }
                 }
             }

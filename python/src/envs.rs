@@ -167,6 +167,7 @@ pub struct Contests {
 impl Contests {
     #[new]
     #[pyo3(signature = (scenario, lanes, play, *, together, nearest, wait_s, threads))]
+    #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
     fn new(
         py: Python<'_>,
         scenario: ScenarioLike<'_>,

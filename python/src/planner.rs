@@ -71,7 +71,7 @@ impl Factories {
     /// If a planner or a policy cannot have its name, or is none.
     pub fn new(given: Option<&Bound<'_, PyMapping>>, policies: Option<&Bound<'_, PyMapping>>) -> PyResult<Self> {
         let mut factories = Vec::new();
-        for item in given.map(|given| given.items()).transpose()?.iter().flatten() {
+        for item in given.map(PyMappingMethods::items).transpose()?.iter().flatten() {
             let (name, factory) = item.extract::<(String, Bound<'_, PyAny>)>()?;
             if !factory.is_callable() {
                 let kind = factory.get_type().name()?;

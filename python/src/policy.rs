@@ -37,7 +37,7 @@ impl GivenPolicies {
     /// If one is no policy.
     pub fn new(given: Option<&Bound<'_, PyMapping>>) -> PyResult<Self> {
         let mut policies = Vec::new();
-        for item in given.map(|given| given.items()).transpose()?.iter().flatten() {
+        for item in given.map(PyMappingMethods::items).transpose()?.iter().flatten() {
             let (name, policy) = item.extract::<(String, Bound<'_, PyAny>)>()?;
             let as_policy = item.py().import("wildfire_contest.policies")?.getattr("as_policy")?;
             let policy = as_policy.call1((policy,))?;

@@ -337,7 +337,8 @@ pub fn run(
     let interruption = Arc::default();
     let options = RunOptions::from(factories.entrants(py, &interruption));
     // Between two slices Python may be interrupted.
-    let check = || Python::attach(|py| py.check_signals()).map_err(|exception| interruption.set(exception));
+    let check =
+        || Python::attach(|py| -> PyResult<()> { py.check_signals() }).map_err(|exception| interruption.set(exception));
     let run = py.detach(|| simulate(library, seed, &options, || check().is_err() || interruption.is_set()));
     if let Some(exception) = interruption.take() {
         return Err(exception);
