@@ -37,7 +37,7 @@ impl fmt::Display for Status {
 pub struct RunRow {
     pub label: RunLabel,
     pub status: Status,
-    /// Why a run is not done, or what planners that are not built in had to say about failed queries.
+    /// The reason why a run is not done, or messages of planners that are not built in about failed queries.
     pub message: String,
     /// The numbers of a run that is done.
     pub result: Option<RunResult>,

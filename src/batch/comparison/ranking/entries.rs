@@ -23,7 +23,7 @@ const TABLES_OF_PROGRAMS: [&str; 2] = ["planner", "policy"];
 const LIMITS: [&str; 6] =
     ["start_limit_s", "query_limit_s", "query_cpu_s", "memory_limit_mb", "seconds_per_expansion", "restarts"];
 
-/// What simulated time an expansion costs is a rule, wherever it is said.
+/// The key of the simulated time that an expansion costs: it is a rule, in whichever table it is.
 const CHARGE: &str = "seconds_per_expansion";
 
 /// The most differences that a refusal names.
@@ -49,7 +49,7 @@ pub struct Run {
     pub index: usize,
 }
 
-/// What entries may differ in.
+/// The keys in which entries may differ.
 pub struct Freedom {
     /// Keys of scenarios.
     pub keys: FreeKeys,
@@ -182,7 +182,7 @@ fn program_differences(plans: [&RecordedPlan; 2]) -> Vec<String> {
 }
 
 impl EntryRuns<'_> {
-    /// What its runs have in common, such as `runs/a/runs.csv, planner prm-rs`.
+    /// Returns the conditions that its runs have in common, such as `runs/a/runs.csv, planner prm-rs`.
     pub fn description(&self) -> String {
         let path = visible_start(&self.table.path.display().to_string());
         let levels =

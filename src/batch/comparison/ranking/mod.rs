@@ -147,7 +147,7 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
         known.map_err(|reason| RankingError::RulesUnknown { path: table.path.clone(), reason })
     };
     let settings = tables.iter().map(settings).collect::<Result<Vec<_>, _>>()?;
-    // What the rules of a course free, all of its entries may differ in; who did not play by them may not.
+    // Entries may differ in a key that the rules of a course free, if all of them played by such rules.
     let of_courses =
         settings[0].plan().free.iter().filter(|key| settings.iter().all(|it| it.plan().free.contains(key)));
     let asked: Vec<&str> = request.free.iter().chain(of_courses).map(String::as_str).collect();

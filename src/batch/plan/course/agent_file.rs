@@ -106,7 +106,7 @@ impl AgentFile {
         Ok(Some(leaf.change(&key)))
     }
 
-    /// What every program of it has besides what the file says: the limits that it does not ask for, and its folder.
+    /// Returns the changes that complete its programs: the limits that the file does not ask for, and its folder.
     fn changes_of_programs(&self, limits: &ProgramLimits) -> Result<Vec<Change>, CourseError> {
         let own = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let mut changes = Vec::new();

@@ -41,10 +41,10 @@ const MAX_AGENTS: usize = 100;
 #[error("{}: {message}", Place(path, *line))]
 pub struct CourseError {
     pub path: PathBuf,
-    /// From 1; `None` if the fault is none of a line.
+    /// Counted from 1; `None` if the fault is not in a line.
     pub line: Option<usize>,
     pub message: String,
-    /// How a file could not be read.
+    /// The kind of error, if a file could not be read.
     pub unreadable: Option<ErrorKind>,
 }
 
