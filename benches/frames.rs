@@ -1,7 +1,8 @@
 //! What it costs to draw frames of runs, on the thread's CPU clock: stills, and frames that follow one another as in a
 //! window that plays.
 //!
-//! `cargo bench --bench frames` draws sheets of 1000 x 1000 pixels with the usual layers, from 600 s on.
+//! `cargo bench --bench frames` draws sheets of 1000 x 1000 pixels with the usual layers, from 600 s on; and a fire on a
+//! million cells of grass, from an hour on.
 
 use wildfire::picture::film::{FrameRenderer, FrameRequest, RunView, ViewOptions, still};
 use wildfire::time::SimTime;
@@ -16,26 +17,44 @@ const STEPS_S: [f64; 2] = [0.05, 2.5];
 
 fn main() {
     print(format_args!("{:28} {:>9} {:>14} {:>14}", "ms, medians (p95)", "a still", "1 x", "50 x"));
-    report("contest", &[run("contest", 1)]);
-    report("fleet", &[run("fleet", 1)]);
-    report("contest, two runs", &[run("contest", 1), run("contest", 2)]);
-    report("report-2024", &[run("report-2024", 1)]);
+    report("contest", &[run("contest", 1)], FROM_S);
+    report("fleet", &[run("fleet", 1)], FROM_S);
+    report("contest, two runs", &[run("contest", 1), run("contest", 2)], FROM_S);
+    report("report-2024", &[run("report-2024", 1)], FROM_S);
+    report("1000 x 1000 cells of grass", &[changed_run("contest", &GRASS, 1)], 3600.0);
 }
 
+/// Twenty fires on 25 square kilometres, without agents.
+const GRASS: [&str; 8] = [
+    "field.size_m=5000",
+    "field.coverage=0.005",
+    "fire.model=rothermel",
+    "wumpus=[]",
+    "unimog=[]",
+    "duration_s=7200",
+    "ignition=[{at_s=0,random=20}]",
+    "wind=[{at_s=0,speed_mps=5,toward_deg=20}]",
+];
+
 fn run(name: &str, seed: u64) -> RunView {
-    let scenario = scenario::load(name, &[]).expect("it is built in");
+    changed_run(name, &[], seed)
+}
+
+fn changed_run(name: &str, changes: &[&str], seed: u64) -> RunView {
+    let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
+    let scenario = scenario::load(name, &changes).expect("it is built in");
     RunView::new(sim::run(&scenario, seed).expect("it takes place").timeline, None)
 }
 
-fn report(name: &str, runs: &[RunView]) {
+fn report(name: &str, runs: &[RunView], from_s: f64) {
     let runs: Vec<&RunView> = runs.iter().collect();
     let options = ViewOptions::default();
     let request = |time_s: f64| FrameRequest { runs: &runs, time: SimTime::from_seconds(time_s), options: &options };
-    let stills = timed(20, |_| drop(still(&request(FROM_S), SIZE)));
+    let stills = timed(20, |_| drop(still(&request(from_s), SIZE)));
     let playing = STEPS_S.map(|step_s| {
         let mut renderer = FrameRenderer::new(SIZE, runs.len());
         timed(FRAMES, |frame| {
-            renderer.paint(&request(FROM_S + step_s * f64::from(frame)));
+            renderer.paint(&request(from_s + step_s * f64::from(frame)));
         })
     });
     let [once, fast] = playing.map(|times| format!("{:.2} ({:.2})", quantile(&times, 0.5), quantile(&times, 0.95)));

@@ -16,13 +16,23 @@ const FNV_PRIME: u64 = 0x0000_0100_0000_01b3;
 
 /// The stream called `name` of the run with this seed.
 pub fn stream(seed: u64, name: &str) -> Xoshiro256PlusPlus {
-    let name_hash = name.bytes().fold(FNV_OFFSET, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(FNV_PRIME));
-    let mut mix = split_mix(&mut { seed }) ^ name_hash;
+    let mut mix = key(seed, name);
     let mut state = [0u8; 32];
     for word in state.chunks_exact_mut(8) {
         word.copy_from_slice(&split_mix(&mut mix).to_le_bytes());
     }
     Xoshiro256PlusPlus::from_seed(state)
+}
+
+/// Combines a seed and a name: the number that a stream begins with.
+pub fn key(seed: u64, name: &str) -> u64 {
+    let name_hash = name.bytes().fold(FNV_OFFSET, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(FNV_PRIME));
+    mixed(seed) ^ name_hash
+}
+
+/// Returns the output of SplitMix64 that follows on this state.
+pub fn mixed(mut state: u64) -> u64 {
+    split_mix(&mut state)
 }
 
 fn split_mix(state: &mut u64) -> u64 {

@@ -57,3 +57,9 @@ fn every_other_preset_passes_the_audit() {
         audit(name, 1..=2);
     }
 }
+
+#[test]
+fn a_front_that_reaches_two_cells_at_one_instant_passes_the_audit() {
+    // Cell (79, 33) of seed 49 catches fire between two cells at the instant at which the later of them does.
+    audit_changed("landscape", &["unimog=[]".to_owned()], 49..=49);
+}

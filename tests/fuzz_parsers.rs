@@ -48,6 +48,8 @@ const PARSERS: &[(usize, &str, Feed)] = &[
     (250, "words of the command line", words),
     (150, "recordings", recordings::recording),
     (150, "map files", maps::map_file),
+    (100, "rasters", maps::raster_file),
+    (40, "files of landscapes and weather", maps::landscape_files),
     (100, "given fields", maps::given_field),
     (100, "problem files", maps::problem_file),
     (80, "journals", batches::journal),

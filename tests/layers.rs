@@ -18,7 +18,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("whole_file", &[]),
     ("document", &[]),
     ("grid", &[]),
-    ("map_files", &["image"]),
+    ("map_files", &["image", "tiff"]),
     ("vehicle", &["glam"]),
     ("trajectory", &["glam"]),
     ("collision", &["glam"]),
@@ -26,7 +26,20 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("planning", &["glam", "kiddo", "petgraph", "serde_json"]),
     ("fire", &["glam"]),
     // A scenario's errors know their place in the file, which is what a miette diagnostic is.
-    ("scenario", &["glam", "toml", "toml_parser", "serde_json", "serde_path_to_error", "sha2", "strsim", "miette"]),
+    (
+        "scenario",
+        &[
+            "glam",
+            "miniz_oxide",
+            "toml",
+            "toml_parser",
+            "serde_json",
+            "serde_path_to_error",
+            "sha2",
+            "strsim",
+            "miette",
+        ],
+    ),
     ("timeline", &["glam", "csv", "crc32fast", "miniz_oxide", "postcard"]),
     ("picture", &["colorous", "gif", "glam", "image", "tiny_skia"]),
     ("audit", &["glam", "rapier2d"]),
@@ -51,6 +64,7 @@ const ROOMS: &[(&str, &str, &[&str], &str)] = &[
     ("batch", "execute", &["plan"], "a run leaves its numbers in a journal, whatever is made of them later"),
     ("batch", "table", &["plan", "execute"], "tables are read by other tools too, which have no use for reports"),
     ("batch", "report", &["plan", "execute", "table"], "a report is of one batch, a comparison of several"),
+    ("batch", "maps", &["plan", "execute", "table"], "maps are of runs, which are read or made again, not of reports"),
     (
         "batch",
         "comparison",

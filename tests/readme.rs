@@ -246,8 +246,13 @@ hold! {
     costs: "docs/costs.md", pictures below 0;
     curves: "docs/curves.md", pictures below 60_000;
     fallbacks: "docs/fallbacks.md", pictures below 0;
+    fire_behavior: "docs/fire-behavior.md", pictures below 0;
+    fire_spread: "docs/fire-spread.md", pictures below 200_000;
+    fire_validation: "docs/fire-validation.md", pictures below 0;
     grid_maps: "docs/grid-maps.md", pictures below 100_000;
     judge: "docs/judge.md", pictures below 0;
+    landscapes: "docs/landscapes.md", pictures below 0;
+    maps_of_fire: "docs/maps-of-fire.md", pictures below 300_000;
     output_files: "docs/output-files.md", pictures below 0;
     own_planner: "docs/own-planner.md", pictures below 0;
     planning_drives: "docs/planning-drives.md", pictures below 100_000;

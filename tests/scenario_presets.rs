@@ -72,6 +72,10 @@ fn contest_spells_out_every_value_and_each_is_the_default() {
         wumpus: vec![Wumpus::default()],
         unimog: vec![Unimog::default()],
         ignition: Vec::new(),
+        wind: Vec::new(),
+        wind_file: None,
+        weather: None,
+        landscape: None,
         planner: Programs::new(),
         policy: Programs::new(),
     };
@@ -234,4 +238,18 @@ fn reference_fields_are_read_as_they_are_listed() {
         by_index.dedup();
         assert_eq!(terrain.bushes.iter().map(|bush| (bush.row, bush.col)).collect::<Vec<_>>(), by_index);
     }
+}
+
+#[test]
+fn trucks_do_not_change_the_landscape_or_where_lightning_strikes() {
+    let fleet = built_in("landscape");
+    let nobody = changed("landscape", &["unimog=[]"]);
+    assert!(!fleet.unimog.is_empty() && nobody.unimog.is_empty());
+    let first = Terrain::from_scenario(&fleet, 1).expect("there is room");
+    for seed in 1..6 {
+        assert_eq!(Terrain::from_scenario(&fleet, seed).expect("there is room"), first, "seed {seed}");
+        assert_eq!(Terrain::from_scenario(&nobody, seed).expect("there is room"), first, "seed {seed}, nobody");
+        assert_eq!(scenario::weather(&fleet, seed), scenario::weather(&nobody, seed));
+    }
+    assert_ne!(scenario::weather(&fleet, 1), scenario::weather(&fleet, 2));
 }

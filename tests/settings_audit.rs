@@ -107,13 +107,25 @@ fn values(root: &Value, schema: &Value) -> Option<Values> {
         Some("string") => Some(Values::Fixed),
         Some("array") => match words(resolved(root, &schema["items"])) {
             Some(words) => Some(Values::SomeOf(words)),
-            // Places.
-            None => (schema["items"]["type"] == "number").then_some(Values::Fixed),
+            // Places, and lists of tables that the scenario leaves empty.
+            None => {
+                let items = resolved(root, &schema["items"]);
+                (items["type"] == "number" || items["type"] == "object").then_some(Values::Fixed)
+            }
         },
+        // Tables that may be left out: models that the scenario does not choose.
+        None if is_optional_table(root, schema) => Some(Values::Fixed),
         // Settings that may be left out: a map, a count instead of a share.
         None if schema["type"].as_array()?.contains(&json!("null")) => Some(Values::Fixed),
         _ => None,
     }
+}
+
+/// Says whether a schema is that of a table, or of nothing.
+fn is_optional_table(root: &Value, schema: &Value) -> bool {
+    let choices = schema["anyOf"].as_array().map_or(&[][..], Vec::as_slice);
+    choices.iter().any(|choice| choice["type"] == "null")
+        && choices.iter().any(|choice| resolved(root, choice)["type"] == "object")
 }
 
 /// The words of an enumeration.

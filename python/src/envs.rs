@@ -105,12 +105,7 @@ impl Rules {
     fn observe(&self, lane: &mut Lane, board: &mut Board<'_>) {
         let Some(episode) = &lane.episode else { return };
         let asked = if self.together { episode.asked() } else { &episode.asked()[..episode.asked().len().min(1)] };
-        let sight = Sight {
-            now: episode.now(),
-            fires: episode.fires(),
-            bushes: &episode.setting().bushes,
-            agents: episode.agents(),
-        };
+        let sight = Sight { now: episode.now(), fires: episode.fires(), agents: episode.agents() };
         sight.write(&self.layout, |id| asked.iter().any(|asked| asked.agent == id), &mut board.shared);
         lane.candidates.resize(self.seats(), Vec::new());
         let (actions, numbers) = (self.layout.actions(), self.layout.candidate_numbers());

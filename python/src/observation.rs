@@ -43,8 +43,6 @@ impl Layout {
 pub struct Sight<'a> {
     pub now: SimTime,
     pub fires: &'a FireField,
-    /// The cells on which a bush grows.
-    pub bushes: &'a [Cell],
     /// All agents, by name.
     pub agents: &'a [AgentView],
 }
@@ -65,9 +63,9 @@ pub struct OwnArrays<'a> {
 }
 
 impl Sight<'_> {
-    /// Writes the state of all bushes and agents. Cells without a bush are left as they are, which is 0.
+    /// Writes the state of all that can burn and of all agents. Other cells are left as they are, which is 0.
     pub fn write(&self, layout: &Layout, asked: impl Fn(AgentId) -> bool, arrays: &mut SharedArrays<'_>) {
-        for &cell in self.bushes {
+        for cell in self.fires.with_fuel() {
             let index = layout.frame.index(cell);
             let (code, burning_s) = match self.fires.state(cell) {
                 None => (0, 0.0),
@@ -114,7 +112,7 @@ impl Sight<'_> {
             let (Some(agent), Some((_, options))) = (own, asked) else { return Vec::new() };
             return self.write_candidates(layout, most, agent, options, arrays);
         }
-        for &cell in self.bushes {
+        for cell in self.fires.with_fuel() {
             arrays.action_mask[1 + layout.frame.index(cell)] = 0;
         }
         arrays.action_mask[0] = 1;

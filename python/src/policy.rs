@@ -101,7 +101,6 @@ impl Maker {
         Ok(Box::new(PythonPolicy {
             act,
             layout,
-            bushes: site.bushes.to_vec(),
             interruption: Arc::clone(&self.interruption),
             has_printed: Arc::clone(&self.has_printed),
         }))
@@ -129,7 +128,6 @@ impl Maker {
 struct PythonPolicy {
     act: Py<PyAny>,
     layout: Layout,
-    bushes: Vec<Cell>,
     interruption: Arc<Interruption>,
     has_printed: Arc<AtomicBool>,
 }
@@ -172,7 +170,7 @@ impl PythonPolicy {
         let (mut cells, mut burning_s) = (vec![0; cell_count], vec![0.0; cell_count]);
         let (mut agents, mut time_s) = (vec![0.0; layout.agents * AGENT_NUMBERS], [0.0; 2]);
         let (mut mask, mut candidates) = (vec![0; layout.actions()], vec![0.0; layout.candidate_numbers()]);
-        let sight = Sight { now: seen.now, fires: seen.fires, bushes: &self.bushes, agents: seen.agents };
+        let sight = Sight { now: seen.now, fires: seen.fires, agents: seen.agents };
         let mut shared =
             SharedArrays { cells: &mut cells, burning_s: &mut burning_s, agents: &mut agents, time_s: &mut time_s };
         sight.write(layout, |id| id == agent, &mut shared);

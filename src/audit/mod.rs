@@ -9,18 +9,24 @@
 //! - legs join, and what was broken off was driven as planned until then;
 //! - no two trucks overlap, at any time;
 //! - fires go out beside a truck that stands within reach for the whole dwell, and Wumpuses light where they arrived;
-//! - only what can burn catches fire, only what burns goes out, and fire keeps to its own times and distances.
+//! - only what can burn catches fire, only what burns goes out, and fire keeps to its own times and distances;
+//! - fire that goes over ground comes to each cell when it is due there from the cells around, and to no other one.
 //!
 //! World frame, metres, seconds. It shares no code with `collision` and `planning`. Wumpuses walk axis-parallel squares
 //! and block nobody.
 
+mod arrival;
+mod automaton;
+mod cell_log;
 mod driven;
+mod ember;
 mod field;
 mod fires;
 mod leg;
 mod meeting;
 mod pace;
 mod run;
+mod spread;
 mod suppression;
 mod tolerance;
 mod violation;

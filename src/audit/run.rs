@@ -5,6 +5,7 @@ use super::field::{AuditField, Outline};
 use super::fires::audit_fires;
 use super::leg::{MotionLimits, SampleStep, audit_leg, work_of_pose};
 use super::meeting::{Driver, audit_meetings};
+use super::spread::audit_spread;
 use super::suppression::audit_acts;
 use super::{Audited, Violation, ViolationKind};
 use crate::time::SimTime;
@@ -34,7 +35,7 @@ pub fn audit_timeline(timeline: &Timeline, step: SampleStep) -> Verdict {
     let mut drivers = Vec::new();
     for (agent, driven) in setting.agents.iter().zip(&all_driven) {
         let outline = Outline::new(&agent.body);
-        let field = AuditField::new(setting.frame, &setting.bushes, outline);
+        let field = AuditField::new(setting.frame, &setting.obstacles(), outline);
         violations.push(driven.audit().err());
         violations.push(audit_legs(driven, &field, &motion(agent), step, &mut audited).err());
         if let Body::Truck(_) = agent.body {
@@ -42,12 +43,13 @@ pub fn audit_timeline(timeline: &Timeline, step: SampleStep) -> Verdict {
         }
     }
     violations.push(audit_meetings(&drivers, timeline.end_time(), step).err());
-    violations.push(audit_fires(timeline).err());
+    violations.push(if setting.spread.is_some() { audit_spread(timeline) } else { audit_fires(timeline) }.err());
     match audit_acts(timeline) {
         Ok(extinctions) => audited.extinctions += extinctions,
         Err(violation) => violations.push(Some(violation)),
     }
-    let knows_limits = setting.rules.fire.is_some() && setting.agents.iter().all(|agent| agent.limits.is_some());
+    let knows_fire = setting.rules.fire.is_some() || setting.spread.is_some();
+    let knows_limits = knows_fire && setting.agents.iter().all(|agent| agent.limits.is_some());
     Verdict {
         audited,
         violation: violations.into_iter().flatten().min_by_key(|violation| violation.time),
@@ -154,6 +156,8 @@ mod tests {
             program_version: "0".into(),
             frame: FieldFrame { cols: 20, rows: 20, cell_m: 5.0 },
             bushes: vec![NEAR, FAR],
+            blocked: Vec::new(),
+            spread: None,
             agents: vec![truck(TRUCK, start()), truck(SECOND, Pose::new(10.0, 10.0, 0.0))],
             rules: Rules {
                 duration: seconds(100.0),
@@ -177,7 +181,7 @@ mod tests {
     }
 
     fn run(events: Vec<Event>) -> Verdict {
-        audit_timeline(&Timeline { setting: setting(), events }, SampleStep::default())
+        audit_timeline(&Timeline { setting: setting(), events, ground: Vec::new() }, SampleStep::default())
     }
 
     /// To a place south of the bush in 3 s, 5 s beside it, a drive that is dropped under way, another one.
@@ -272,7 +276,7 @@ mod tests {
     fn ten_metres_are_within_reach_and_ten_centimetres_more_are_not() {
         for (metres, is_within) in [(10.0, true), (10.1, false)] {
             let events = vec![ignited(1.0, NEAR, Cause::Scheduled), extinguished(50.0)];
-            let mut timeline = Timeline { setting: setting(), events };
+            let mut timeline = Timeline { setting: setting(), events, ground: Vec::new() };
             // The body's centre is 1.5 m ahead of the rear axle, west of the bush's centre.
             timeline.setting.agents[0].pose = Pose::new(52.5 - metres - 1.5, 52.5, 0.0);
             let violation = audit_timeline(&timeline, SampleStep::default()).violation;
@@ -284,7 +288,7 @@ mod tests {
 
     #[test]
     fn one_dwell_puts_out_one_fire() {
-        let mut timeline = Timeline { setting: setting(), events: proper_run() };
+        let mut timeline = Timeline { setting: setting(), events: proper_run(), ground: Vec::new() };
         let beside = Cell { col: 9, row: 10 };
         timeline.setting.bushes.insert(0, beside);
         timeline.events.insert(1, ignited(0.5, beside, Cause::Scheduled));
@@ -332,7 +336,7 @@ mod tests {
         assert!(matches!(too_far, ViolationKind::TooFarToSpread { metres: 40.0, .. }), "{too_far:?}");
         assert_eq!(kind(vec![lit(), spread(59.0)]), ViolationKind::NoSource { cell: FAR, from: NEAR });
         assert_eq!(kind(vec![spread(60.0)]), ViolationKind::NoSource { cell: FAR, from: NEAR });
-        let mut wide = Timeline { setting: setting(), events: vec![lit()] };
+        let mut wide = Timeline { setting: setting(), events: vec![lit()], ground: Vec::new() };
         wide.setting.rules.fire.as_mut().expect("it is set").spread_radius_m = 40.1;
         let spared = audit_timeline(&wide, SampleStep::default()).violation.expect("it should have caught fire");
         assert_eq!(
@@ -346,7 +350,7 @@ mod tests {
     #[test]
     fn without_rules_of_fire_its_times_are_its_own() {
         let events = vec![ignited(1.0, NEAR, Cause::Scheduled), ignited(2.0, FAR, Cause::Spread(NEAR))];
-        let mut timeline = Timeline { setting: setting(), events };
+        let mut timeline = Timeline { setting: setting(), events, ground: Vec::new() };
         timeline.setting.rules.fire = None;
         let verdict = audit_timeline(&timeline, SampleStep::default());
         assert_eq!((verdict.violation, verdict.knows_limits), (None, false));
@@ -380,8 +384,11 @@ mod tests {
     #[test]
     fn trucks_that_meet_are_found_when_they_do() {
         let past = |offset_m: f64| {
-            let mut timeline =
-                Timeline { setting: setting(), events: vec![planned(0.0, drive(2.0, start(), &[24.0]))] };
+            let mut timeline = Timeline {
+                setting: setting(),
+                events: vec![planned(0.0, drive(2.0, start(), &[24.0]))],
+                ground: Vec::new(),
+            };
             timeline.setting.agents[1].pose = Pose::new(44.0, 46.0 + offset_m, 1.57);
             audit_timeline(&timeline, SampleStep::default()).violation
         };
@@ -397,7 +404,9 @@ mod tests {
     fn trucks_that_start_on_one_place_overlap() {
         let mut setting = setting();
         setting.agents[1].pose = Pose::new(21.0, 46.0, 3.0);
-        let violation = audit_timeline(&Timeline { setting, events: Vec::new() }, SampleStep::default()).violation;
+        let violation =
+            audit_timeline(&Timeline { setting, events: Vec::new(), ground: Vec::new() }, SampleStep::default())
+                .violation;
         assert!(violation.is_some_and(|violation| violation.time == SimTime::ZERO));
     }
 }

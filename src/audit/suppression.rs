@@ -1,11 +1,11 @@
-//! Who acts on bushes, and from where: fires go out beside a truck that stands, and Wumpuses light where they arrived.
+//! Who acts on bushes and on ground, and from where: fires go out beside a truck that stands, and Wumpuses light where they arrived.
 
 use super::field::{Outline, Stance};
 use super::tolerance::SAME_POSE;
 use super::{Violation, ViolationKind};
 use crate::geometry::{Cell, Pose};
 use crate::time::SimTime;
-use crate::timeline::{AgentId, AgentStart, Cause, Event, Fact, FireFact, Setting, Timeline};
+use crate::timeline::{AgentId, AgentStart, Cause, Event, Fact, FireFact, GroundEvent, GroundFact, Setting, Timeline};
 
 /// An agent that comes to a stand where its last leg ends.
 struct Actor {
@@ -22,9 +22,14 @@ struct Actor {
 pub fn audit_acts(timeline: &Timeline) -> Result<u64, Violation> {
     let mut actors: Vec<Actor> = timeline.setting.agents.iter().map(Actor::new).collect();
     let mut extinctions = 0;
+    let place = |cell| timeline.setting.frame.centre(cell);
+    let mut ground = timeline.ground.iter().filter(|event| event.agent().is_some()).peekable();
     for event in &timeline.events {
+        // A stop ends before its truck sets out again, at the same time.
+        while let Some(event) = ground.next_if(|ground| ground.time <= event.time) {
+            extinctions += u64::from(act_on_ground(&mut actors, &timeline.setting, event)?);
+        }
         let Some(id) = event.fact.agent() else { continue };
-        let place = |cell| timeline.setting.frame.centre(cell);
         let Some(actor) = actors.iter_mut().find(|actor| actor.id == id) else {
             let place = event.fact.cell().map(place).unwrap_or_default();
             return Err(Violation { time: event.time, agent: Some(id), place, kind: ViolationKind::WrongAgent });
@@ -42,7 +47,28 @@ pub fn audit_acts(timeline: &Timeline) -> Result<u64, Violation> {
             _ => actor.follow(event),
         }
     }
+    for event in ground {
+        extinctions += u64::from(act_on_ground(&mut actors, &timeline.setting, event)?);
+    }
     Ok(extinctions)
+}
+
+/// Checks what an agent did to ground; returns true if it put it out.
+fn act_on_ground(actors: &mut [Actor], setting: &Setting, event: &GroundEvent) -> Result<bool, Violation> {
+    let &GroundEvent { time, cell, fact } = event;
+    let id = event.agent();
+    let Some(actor) = actors.iter_mut().find(|actor| Some(actor.id) == id) else {
+        let place = setting.frame.centre(cell);
+        return Err(Violation { time, agent: id, place, kind: ViolationKind::WrongAgent });
+    };
+    let place = actor.pose.position();
+    let acted = match fact {
+        GroundFact::Ignited(_) => actor.light(cell, time),
+        GroundFact::Extinguished { .. } => actor.extinguish(setting, cell, time),
+        GroundFact::Wetted { .. } => actor.wet(setting, cell, time),
+    };
+    acted.map_err(|kind| Violation { time, agent: id, place, kind })?;
+    Ok(matches!(fact, GroundFact::Extinguished { .. }))
 }
 
 impl Actor {
@@ -68,22 +94,47 @@ impl Actor {
         if !self.id.role.suppresses() {
             return Err(ViolationKind::WrongAgent);
         }
-        let (rules, dwell) = (&setting.rules, setting.rules.suppression_dwell);
-        let is_same_stop = self.served == Some(time) && dwell > SimTime::ZERO;
-        if is_same_stop && rules.extinguishes_all == Some(false) {
+        let rules = &setting.rules;
+        if self.is_same_stop(rules.suppression_dwell, time) && rules.extinguishes_all == Some(false) {
             return Err(ViolationKind::SecondFire { cell });
         }
-        let since =
-            if is_same_stop { self.stands_since } else { self.stands_since.max(self.served.unwrap_or_default()) };
-        if since + dwell > time {
-            return Err(ViolationKind::NotStanding { cell, since });
-        }
+        self.check_dwell(rules.suppression_dwell, cell, time)?;
         self.served = Some(time);
-        let metres = (self.outline.centre(Stance::new(self.pose)) - setting.frame.centre(cell)).length();
-        let is_within = |reach_m: f64| metres <= reach_m + SAME_POSE;
-        match rules.suppression_reach_m {
-            Some(reach_m) if !is_within(reach_m) => Err(ViolationKind::OutOfReach { cell, metres, reach_m }),
-            _ => Ok(()),
+        match self.beyond_reach(setting, cell) {
+            Some((metres, reach_m)) => Err(ViolationKind::OutOfReach { cell, metres, reach_m }),
+            None => Ok(()),
         }
+    }
+
+    /// A stop that puts fires out wets what it reaches, at its end.
+    fn wet(&self, setting: &Setting, cell: Cell, time: SimTime) -> Result<(), ViolationKind> {
+        if !self.id.role.suppresses() {
+            return Err(ViolationKind::WrongAgent);
+        }
+        self.check_dwell(setting.rules.suppression_dwell, cell, time)?;
+        match self.beyond_reach(setting, cell) {
+            Some((metres, reach_m)) => Err(ViolationKind::WaterFromAfar { cell, metres, reach_m }),
+            None => Ok(()),
+        }
+    }
+
+    fn is_same_stop(&self, dwell: SimTime, time: SimTime) -> bool {
+        self.served == Some(time) && dwell > SimTime::ZERO
+    }
+
+    fn check_dwell(&self, dwell: SimTime, cell: Cell, time: SimTime) -> Result<(), ViolationKind> {
+        let since = if self.is_same_stop(dwell, time) {
+            self.stands_since
+        } else {
+            self.stands_since.max(self.served.unwrap_or_default())
+        };
+        if since + dwell > time { Err(ViolationKind::NotStanding { cell, since }) } else { Ok(()) }
+    }
+
+    /// Returns how far away a cell is that is beyond reach, and the reach.
+    fn beyond_reach(&self, setting: &Setting, cell: Cell) -> Option<(f64, f64)> {
+        let metres = (self.outline.centre(Stance::new(self.pose)) - setting.frame.centre(cell)).length();
+        let reach_m = setting.rules.suppression_reach_m.filter(|reach_m| metres > reach_m + SAME_POSE)?;
+        Some((metres, reach_m))
     }
 }

@@ -106,6 +106,26 @@ pub enum ViolationKind {
         cell: Cell,
         from: Cell,
     },
+    /// Fire came to a cell at another time than from the cells around it.
+    WrongArrival {
+        cell: Cell,
+        due: Option<SimTime>,
+    },
+    /// A cell did not catch fire when fire came to it from the cells around.
+    SparedByFront {
+        cell: Cell,
+        due: SimTime,
+    },
+    /// Water on a cell that has nothing left to burn, or for another time than the rules say.
+    WrongWater {
+        cell: Cell,
+    },
+    /// Water came to a cell from a truck that is not there, or not for long enough.
+    WaterFromAfar {
+        cell: Cell,
+        metres: f64,
+        reach_m: f64,
+    },
     /// A fire ended, or went on, against its time of burning out.
     WrongBurnOut {
         cell: Cell,
@@ -126,6 +146,11 @@ pub struct Violation {
     /// The agent's place, or the centre of the cell, in metres.
     pub place: DVec2,
     pub kind: ViolationKind,
+}
+
+/// Returns the first of these in time; of those at one time, the one that was found first.
+pub fn first_violation(found: impl Iterator<Item = Result<(), Violation>>) -> Result<(), Violation> {
+    found.filter_map(Result::err).min_by_key(|violation| violation.time).map_or(Ok(()), Err)
 }
 
 impl fmt::Display for Violation {
@@ -204,6 +229,21 @@ impl fmt::Display for ViolationKind {
             }
             Self::SparedBySpread { cell, from } => {
                 write!(f, "cell {cell} does not catch fire from cell {from}, which spreads it there")
+            }
+            Self::WrongArrival { cell, due: Some(due) } => {
+                write!(f, "cell {cell} catches fire at another time than fire comes there, at {} ns", due.as_nanos())
+            }
+            Self::WrongArrival { cell, due: None } => {
+                write!(f, "cell {cell} catches fire where none comes from the cells around it")
+            }
+            Self::SparedByFront { cell, due } => {
+                write!(f, "cell {cell} does not catch fire at {} ns, when fire comes there", due.as_nanos())
+            }
+            Self::WrongWater { cell } => {
+                write!(f, "water comes to cell {cell}, which has nothing left to burn or is wet for another time")
+            }
+            Self::WaterFromAfar { cell, metres, reach_m } => {
+                write!(f, "water comes to cell {cell}, {metres:.3} m away, beyond the reach of {reach_m} m")
             }
             Self::WrongBurnOut { cell, due: Some(due) } => {
                 write!(f, "the fire at cell {cell} does not burn out when it should, at {due}")

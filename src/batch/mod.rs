@@ -6,15 +6,17 @@
 //! workers, on slices or on interruptions, except for its `cpu_` and `wall_` columns. A run that fails, or panics, is a
 //! row like the others, with the reason.
 //!
-//! Four rooms, each of which imports those before it only, and a fifth beside the last:
+//! Four rooms, each of which imports those before it only, and two more beside the last:
 //! - `plan`: which runs there are, frozen in `plan.json`;
 //! - `execute`: workers, the journal, and the folder that it is in; a run leaves a [`RunRow`];
 //! - `table`: the columns, the files that are written from them, and the reader of these files;
 //! - `report`: what is said of one batch, from its summary to its page of charts, and its audit;
+//! - `maps`: what the runs of a batch leave on every cell of the field;
 //! - [`comparison`]: batches set against each other, those of other versions of the program among them.
 
 pub mod comparison;
 mod execute;
+mod maps;
 mod plan;
 mod report;
 mod table;
@@ -25,6 +27,7 @@ pub use execute::{
     RUNS_PARQUET, RealDisk, RunDetail, RunResult, RunRow, RunScenario, STATE_STEPS, STATES_PARQUET, SliceState,
     Solution, StateCount, Status, StrangeEntry, TABLES_FILE, Whole, batch_status, file_name_of,
 };
+pub use maps::{BatchMaps, BatchQuantity, BatchSide, MapDifference, MapSource, MapsError, MapsOptions, map_batches};
 pub use plan::{
     BatchPlan, BatchRequest, CourseError, CoursePlan, CourseRefusal, CourseRequest, MAX_RUNS, MAX_SEEDS_BYTES,
     MAX_VARIANTS, PLAN_FILE, PLAN_TEMPLATE, PLANNER_KEY, PROGRAM_VERSION, PlanError, PlannedRun, RUNS_WITHOUT_FORCE,

@@ -12,12 +12,15 @@ mod context;
 mod csv_rows;
 mod curve;
 mod error;
+mod fire;
 #[cfg(test)]
 #[path = "../../tests/fuzz/mod.rs"]
 mod fuzz;
 mod interrupt;
 mod judge;
 mod map;
+mod map_of;
+mod number_table;
 mod numbers;
 mod output_files;
 #[cfg(test)]
@@ -46,8 +49,10 @@ use compare::CompareArguments;
 use context::CommandContext;
 use curve::CurveArguments;
 use error::CliError;
+use fire::FireCommand;
 use judge::JudgeArguments;
 use map::MapCommand;
+use map_of::MapOfArguments;
 use plan::PlanArguments;
 use play::PlayArguments;
 use rank::RankArguments;
@@ -70,6 +75,8 @@ Examples:
   wildfire render --seed 7 --gif film.gif     draw it
   wildfire scenarios --show contest > my.toml && wildfire check my.toml
   wildfire map brushfire map.png --png fire.png   distances to obstacles
+  wildfire fire behavior --fuel GR2 --wind 5   how fast grass burns
+  wildfire map-of runs/contest --burn-probability --png probability.png
   wildfire plan field.json --planner prm-rs,hybrid-astar   compare planners
 
 Exit codes: 0 done, 1 some run failed, 2 bad input, 3 disk or other environment,
@@ -121,8 +128,15 @@ pub enum Command {
         #[command(subcommand)]
         command: MapCommand,
     },
+    /// Map what runs leave on every cell: when fire came, how strong, how often over a batch, and what trucks change.
+    MapOf(MapOfArguments),
     /// Compute the shortest curves of a turning radius between two poses: Reeds-Shepp and Dubins.
     Curve(CurveArguments),
+    /// Compute how fire behaves and spreads on the ground, by fuel, wind, slope and moisture, without any truck.
+    Fire {
+        #[command(subcommand)]
+        command: FireCommand,
+    },
     /// Plan drives of the truck: any planners, on fields of yours or of a scenario, with figures and paths to check.
     Plan(PlanArguments),
     /// Judge paths that were computed anywhere as the program judges its own, also beside planners of its own.
@@ -201,7 +215,9 @@ fn dispatch(arguments: &Arguments, context: &CommandContext) -> Result<ExitCode,
         Command::Check(check) => scenarios::check(check, &context.with_programs(&check.scenario.programs)),
         Command::Scenarios(scenarios) => scenarios::list_or_show(scenarios),
         Command::Map { command } => map::run(command, arguments.quiet),
+        Command::MapOf(map) => map_of::run(map, &context.with_programs(&map.programs)),
         Command::Curve(curve) => curve::run(curve, arguments.quiet),
+        Command::Fire { command } => fire::run(command, arguments.quiet),
         Command::Plan(plan) => plan::run(plan, &context.with_programs(&plan.programs)),
         Command::Judge(judge) => judge::run(judge, &context.with_programs(&judge.programs)),
         Command::Completions { shell } => {

@@ -21,7 +21,7 @@ use crate::scenario::{self, Scenario};
 use crate::sim;
 use crate::time::wall::WallStopwatch;
 use crate::timeline::export::{ExportError, FINEST_STEP_S, write_events, write_trace};
-use crate::timeline::{AgentOutcome, Outcome, Timeline, Winner, file};
+use crate::timeline::{AgentOutcome, GroundOutcome, Outcome, Timeline, Winner, file};
 use crate::untrusted::visible;
 use crate::whole_file::WholeFile;
 
@@ -192,7 +192,9 @@ impl From<&RunReport> for Document {
         let notes = notes.chain(RunRecord::from_row(row).queries().sentences(&label.planner)).chain(said);
         Self::new(format!("{}, seed {}: ended after {ended_s} s", label.scenario, label.seed)).with([
             states(outcome).into(),
-            Block::List([fires(outcome), verdict(result)].into_iter().chain(notes).collect()),
+            Block::List(
+                [fires(outcome)].into_iter().chain(ground(outcome)).chain([verdict(result)]).chain(notes).collect(),
+            ),
             agents(outcome).into(),
             cpu_times(result).into(),
             Block::Text(cpu_per_plan(result)),
@@ -222,6 +224,18 @@ fn fires(outcome: &Outcome) -> String {
         first.unwrap_or_default(),
         response.unwrap_or_default()
     )
+}
+
+/// Tells of the ground, where there is some that burns.
+fn ground(outcome: &Outcome) -> Option<String> {
+    let GroundOutcome { cells, burned, extinguished, spotted, burned_ha, reached_edge_s, .. } = outcome.ground?;
+    let embers = if spotted > 0 { format!(", {spotted} fires by embers") } else { String::new() };
+    let edge = reached_edge_s.map(|edge_s| format!("; at the edge of the field after {} s", rounded(edge_s, 1)));
+    Some(format!(
+        "Ground: {burned} of {cells} cells caught fire, with bushes {} ha; {extinguished} put out{embers}{}.",
+        rounded(burned_ha, 2),
+        edge.unwrap_or_default()
+    ))
 }
 
 fn verdict(result: &RunResult) -> String {

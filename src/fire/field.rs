@@ -1,12 +1,15 @@
-//! The bushes of a field and what has become of them.
+//! All that can burn on a field, and what has become of it.
+
+use std::collections::BTreeMap;
 
 use serde::Serialize;
 
 use super::FireChange;
+use super::cell_set::CellSet;
 use crate::geometry::{Cell, FieldFrame};
 use crate::time::SimTime;
 
-/// The state of a bush.
+/// The state of a bush, or of a cell of ground that burns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum BushState {
     Intact,
@@ -57,70 +60,141 @@ impl BushStateKind {
     }
 }
 
+/// A cell that can burn or could once, and what has become of it.
 #[derive(Clone, Copy, Debug)]
-struct Bush {
-    /// `None` where no bush grows.
-    state: Option<BushState>,
+struct FieldCell {
+    /// When it last caught fire.
+    ignited: SimTime,
     /// How often it has caught fire.
     episode: u32,
-    /// Position in the list of what can burn.
-    slot: u32,
+    /// `None` where nothing grows that burns.
+    kind: Option<BushStateKind>,
+    is_bush: bool,
 }
 
-/// The bushes of a field.
+/// All that can burn on a field: bushes, and where there is a landscape, the ground between them.
 #[derive(Clone, Debug)]
 pub struct FireField {
     frame: FieldFrame,
-    /// Whether extinguished bushes can burn again.
+    /// Whether what was extinguished can burn again.
     relight: bool,
     /// By cell index.
-    bushes: Vec<Bush>,
-    /// Cell indices of what can burn, in no order.
-    flammable: Vec<u32>,
-    /// Cell indices of what burns, ascending.
-    burning: Vec<u32>,
+    cells: Vec<FieldCell>,
+    /// All that can burn or could once.
+    fuel: CellSet,
+    /// Intact, or extinguished where that can burn again; wet or not.
+    flammable: CellSet,
+    burning: CellSet,
+    /// Cell indices of what is wet, and until when. Trucks wet a few cells at a time.
+    wet: BTreeMap<u32, SimTime>,
 }
 
 impl FireField {
-    /// Creates a field on which all `bushes` are intact.
+    /// Creates a field on which all `bushes` are intact, and nothing else burns.
     pub fn new(frame: FieldFrame, bushes: &[Cell], relight: bool) -> Self {
-        let bare = Bush { state: None, episode: 0, slot: 0 };
-        let mut cells = vec![bare; frame.cell_count()];
-        let mut flammable = Vec::with_capacity(bushes.len());
+        let bare = FieldCell { ignited: SimTime::ZERO, episode: 0, kind: None, is_bush: false };
+        let count = frame.cell_count();
+        let mut field = Self {
+            frame,
+            relight,
+            cells: vec![bare; count],
+            fuel: CellSet::new(count),
+            flammable: CellSet::new(count),
+            burning: CellSet::new(count),
+            wet: BTreeMap::new(),
+        };
         for &cell in bushes {
-            let index = frame.index(cell);
-            cells[index] = Bush { state: Some(BushState::Intact), slot: flammable.len() as u32, ..bare };
-            flammable.push(index as u32);
+            field.add(cell, true);
         }
-        Self { frame, relight, bushes: cells, flammable, burning: Vec::new() }
+        field
     }
 
-    /// Returns the most bytes that it takes with this number of bushes.
-    pub fn most_bytes(frame: &FieldFrame, bushes: u64) -> u64 {
-        // Both lists of bushes may have doubled just before their end.
-        frame.cell_count() as u64 * size_of::<Bush>() as u64 + bushes * 4 * size_of::<u32>() as u64
+    /// Adds ground that burns, in cells without a bush; cells with one stay bushes.
+    #[must_use]
+    pub fn with_ground(mut self, ground: impl IntoIterator<Item = Cell>) -> Self {
+        for cell in ground {
+            self.add(cell, false);
+        }
+        self
+    }
+
+    fn add(&mut self, cell: Cell, is_bush: bool) {
+        let index = self.frame.index(cell);
+        if self.cells[index].kind.is_none() {
+            self.cells[index].kind = Some(BushStateKind::Intact);
+            self.cells[index].is_bush = is_bush;
+            self.fuel.insert(index);
+            self.flammable.insert(index);
+        }
+    }
+
+    /// Returns the most bytes that it takes.
+    pub fn most_bytes(frame: &FieldFrame) -> u64 {
+        let cells = frame.cell_count() as u64;
+        cells * size_of::<FieldCell>() as u64 + 3 * CellSet::bytes(cells)
     }
 
     pub fn frame(&self) -> &FieldFrame {
         &self.frame
     }
 
-    /// Returns what has become of the bush in a cell; `None` if no bush grows there.
+    /// Returns what has become of a cell; `None` if nothing grows there that burns.
     pub fn state(&self, cell: Cell) -> Option<BushState> {
-        self.bushes[self.frame.index(cell)].state
+        let FieldCell { kind, ignited, .. } = self.cells[self.frame.index(cell)];
+        Some(match kind? {
+            BushStateKind::Intact => BushState::Intact,
+            BushStateKind::Burning => BushState::Burning { since: ignited },
+            BushStateKind::BurnedOut => BushState::BurnedOut,
+            BushStateKind::Extinguished => BushState::Extinguished,
+        })
+    }
+
+    /// Returns what has become of a cell, without its time.
+    pub fn kind(&self, cell: Cell) -> Option<BushStateKind> {
+        self.cells[self.frame.index(cell)].kind
+    }
+
+    /// Returns true if a bush grows in the cell, false on ground, burning or bare.
+    pub fn is_bush(&self, cell: Cell) -> bool {
+        self.cells[self.frame.index(cell)].is_bush
+    }
+
+    /// Returns when a cell that burns or has burned out caught fire.
+    pub fn ignited_at(&self, cell: Cell) -> Option<SimTime> {
+        let FieldCell { kind, ignited, .. } = self.cells[self.frame.index(cell)];
+        matches!(kind, Some(BushStateKind::Burning | BushStateKind::BurnedOut)).then_some(ignited)
     }
 
     pub fn can_burn(&self, cell: Cell) -> bool {
-        self.state(cell).is_some_and(|state| state.can_be_lit(self.relight))
+        let can_be_lit = match self.kind(cell) {
+            Some(BushStateKind::Intact) => true,
+            Some(BushStateKind::Extinguished) => self.relight,
+            _ => false,
+        };
+        can_be_lit && !self.is_wet(cell)
     }
 
     pub fn is_burning(&self, cell: Cell) -> bool {
-        self.state(cell).is_some_and(BushState::burns)
+        self.kind(cell) == Some(BushStateKind::Burning)
+    }
+
+    pub fn is_wet(&self, cell: Cell) -> bool {
+        !self.wet.is_empty() && self.wet.contains_key(&(self.frame.index(cell) as u32))
+    }
+
+    /// Returns until when a cell is wet, if it is.
+    pub fn wet_until(&self, cell: Cell) -> Option<SimTime> {
+        self.wet.get(&(self.frame.index(cell) as u32)).copied()
+    }
+
+    /// Returns true if what was extinguished can burn again.
+    pub fn relights(&self) -> bool {
+        self.relight
     }
 
     /// Returns the number that tells a cell's last burning from its earlier ones.
     pub fn episode(&self, cell: Cell) -> u32 {
-        self.bushes[self.frame.index(cell)].episode
+        self.cells[self.frame.index(cell)].episode
     }
 
     /// Returns true if that very burning still goes on.
@@ -128,14 +202,19 @@ impl FireField {
         self.is_burning(cell) && self.episode(cell) == episode
     }
 
-    /// Iterates over burning cells by cell index.
-    pub fn burning(&self) -> impl ExactSizeIterator<Item = Cell> + '_ {
-        self.burning.iter().map(|&index| self.frame.cell(index as usize))
+    /// Iterates by cell index over all that can burn or could once: bushes, and ground with fuel.
+    pub fn with_fuel(&self) -> impl ExactSizeIterator<Item = Cell> + '_ {
+        self.fuel.iter().map(|index| self.frame.cell(index))
     }
 
-    /// Iterates over the cells that can burn, in no order.
+    /// Iterates over burning cells by cell index.
+    pub fn burning(&self) -> impl ExactSizeIterator<Item = Cell> + '_ {
+        self.burning.iter().map(|index| self.frame.cell(index))
+    }
+
+    /// Iterates by cell index over what is left to burn, wet or dry.
     pub fn flammable(&self) -> impl ExactSizeIterator<Item = Cell> + '_ {
-        self.flammable.iter().map(|&index| self.frame.cell(index as usize))
+        self.flammable.iter().map(|index| self.frame.cell(index))
     }
 
     /// Sets a cell on fire; `lit` by somebody, or caught from another cell. Returns `None` if it cannot burn.
@@ -144,45 +223,58 @@ impl FireField {
             return None;
         }
         let index = self.frame.index(cell);
-        self.remove_flammable(index);
-        let position = self.burning.partition_point(|&other| other < index as u32);
-        self.burning.insert(position, index as u32);
-        let bush = &mut self.bushes[index];
-        bush.state = Some(BushState::Burning { since: now });
-        bush.episode += 1;
+        self.flammable.remove(index);
+        self.burning.insert(index);
+        let burning = &mut self.cells[index];
+        burning.kind = Some(BushStateKind::Burning);
+        burning.ignited = now;
+        burning.episode += 1;
         Some(FireChange::Ignited { cell, lit })
     }
 
     /// Ends a fire by suppression.
     pub fn extinguish(&mut self, cell: Cell) -> FireChange {
-        self.end_burning(cell, BushState::Extinguished);
+        self.end_burning(cell, BushStateKind::Extinguished);
         if self.relight {
-            let index = self.frame.index(cell);
-            self.bushes[index].slot = self.flammable.len() as u32;
-            self.flammable.push(index as u32);
+            self.flammable.insert(self.frame.index(cell));
         }
         FireChange::Extinguished { cell }
     }
 
     /// Ends a fire because nothing is left to burn.
     pub fn burn_out(&mut self, cell: Cell) -> FireChange {
-        self.end_burning(cell, BushState::BurnedOut);
+        self.end_burning(cell, BushStateKind::BurnedOut);
         FireChange::BurnedOut { cell }
     }
 
-    fn end_burning(&mut self, cell: Cell, state: BushState) {
-        let index = self.frame.index(cell);
-        let position = self.burning.binary_search(&(index as u32)).expect("only a burning cell stops burning");
-        self.burning.remove(position);
-        self.bushes[index].state = Some(state);
+    /// Wets a cell that is left to burn. Returns `None` for others, and where that would end no later than before.
+    pub fn wet(&mut self, cell: Cell, until: SimTime) -> Option<FireChange> {
+        let is_left = match self.kind(cell) {
+            Some(BushStateKind::Intact) => true,
+            Some(BushStateKind::Extinguished) => self.relight,
+            _ => false,
+        };
+        if !is_left || self.wet_until(cell).is_some_and(|so_far| so_far >= until) {
+            return None;
+        }
+        self.wet.insert(self.frame.index(cell) as u32, until);
+        Some(FireChange::Wetted { cell, until })
     }
 
-    fn remove_flammable(&mut self, index: usize) {
-        let slot = self.bushes[index].slot as usize;
-        self.flammable.swap_remove(slot);
-        if let Some(&moved) = self.flammable.get(slot) {
-            self.bushes[moved as usize].slot = slot as u32;
-        }
+    /// Dries a cell at the time at which its wetness ends. Returns `None` if it was wetted again meanwhile.
+    pub fn dry(&mut self, cell: Cell, now: SimTime) -> Option<FireChange> {
+        let index = self.frame.index(cell) as u32;
+        (self.wet.get(&index) == Some(&now)).then(|| {
+            self.wet.remove(&index);
+            FireChange::Dried { cell }
+        })
+    }
+
+    fn end_burning(&mut self, cell: Cell, kind: BushStateKind) {
+        let index = self.frame.index(cell);
+        assert!(self.is_burning(cell), "only a burning cell stops burning");
+        self.burning.remove(index);
+        self.cells[index].kind = Some(kind);
     }
 }
 
@@ -217,5 +309,23 @@ mod tests {
         let mut fires = FireField::new(frame, &[Cell { col: 1, row: 1 }], false);
         assert_eq!(fires.ignite(Cell { col: 0, row: 0 }, SimTime::ZERO, true), None);
         assert_eq!(fires.state(Cell { col: 0, row: 0 }), None);
+    }
+
+    #[test]
+    fn a_wet_cell_cannot_burn_until_it_is_dry() {
+        let frame = FieldFrame { cols: 3, rows: 1, cell_m: 5.0 };
+        let (bush, ground, bare) = (Cell { col: 0, row: 0 }, Cell { col: 1, row: 0 }, Cell { col: 2, row: 0 });
+        let mut fires = FireField::new(frame, &[bush], false).with_ground([ground]);
+        assert!(fires.is_bush(bush) && !fires.is_bush(ground));
+        let (soon, later) = (SimTime::from_seconds(10.0), SimTime::from_seconds(20.0));
+        assert_eq!(fires.wet(bare, soon), None);
+        assert_eq!(fires.wet(ground, soon), Some(FireChange::Wetted { cell: ground, until: soon }));
+        assert_eq!(fires.wet(ground, soon), None, "it is wet for as long already");
+        assert!(fires.wet(ground, later).is_some());
+        assert_eq!(fires.ignite(ground, SimTime::ZERO, false), None);
+        assert_eq!(fires.dry(ground, soon), None, "it was wetted again");
+        assert_eq!(fires.dry(ground, later), Some(FireChange::Dried { cell: ground }));
+        assert!(fires.ignite(ground, later, false).is_some());
+        assert_eq!(fires.wet(ground, SimTime::from_seconds(30.0)), None, "water on a fire is a matter of dwelling");
     }
 }

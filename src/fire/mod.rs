@@ -1,18 +1,28 @@
-//! What burns: the state of every bush, and models of how fire goes from one to the next.
+//! What burns: the state of every cell that can burn, and models of how fire goes from one to the next.
 //!
-//! A [`FireField`] holds what has become of the bushes. A [`FireModel`] says what follows: after each change of a bush
+//! A [`FireField`] holds what has become of bushes and ground. A [`FireModel`] says what follows: after each change of a cell
 //! it forecasts arrivals of the fire and burn-outs, and when an arrival is due it says what catches fire. Neither keeps
 //! the time. The caller applies changes one after the other, lets the model follow each, and comes back with what was
 //! forecast when it is due; what has become void by then is recognised by its episode or revision and changes nothing.
 
+mod cell_set;
+pub mod chance;
+pub mod embers;
 mod field;
+pub mod fuel;
+mod landscape;
+pub mod lone;
 pub mod models;
+pub mod surface;
+mod weather;
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
 pub use field::{BushState, BushStateKind, FireField};
+pub use landscape::{Landscape, Relief};
+pub use weather::{Weather, WeatherInterval, WeatherTableError};
 
 use crate::geometry::Cell;
 use crate::time::SimTime;
@@ -33,7 +43,7 @@ pub struct FireRules {
     pub relight: bool,
 }
 
-/// A change of one bush.
+/// A change of one cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FireChange {
     /// It caught fire; `lit` by somebody, or else from another cell.
@@ -47,12 +57,25 @@ pub enum FireChange {
     BurnedOut {
         cell: Cell,
     },
+    /// A truck wets it, so that it cannot burn until then.
+    Wetted {
+        cell: Cell,
+        until: SimTime,
+    },
+    /// It is wet no longer.
+    Dried {
+        cell: Cell,
+    },
 }
 
 impl FireChange {
     pub fn cell(self) -> Cell {
         match self {
-            Self::Ignited { cell, .. } | Self::Extinguished { cell } | Self::BurnedOut { cell } => cell,
+            Self::Ignited { cell, .. }
+            | Self::Extinguished { cell }
+            | Self::BurnedOut { cell }
+            | Self::Wetted { cell, .. }
+            | Self::Dried { cell } => cell,
         }
     }
 }
@@ -74,6 +97,17 @@ pub enum FireEvent {
     Arrival(Arrival),
     /// The cell is burned out if that burning still goes on, see [`FireField::goes_on`].
     BurnOut { cell: Cell, episode: u32 },
+    /// The cell is dry if it has not been wetted again, see [`FireField::dry`].
+    Dry { cell: Cell },
+}
+
+/// The way by which fire gets from one cell to another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SpreadBy {
+    /// The front of the fire.
+    Front,
+    /// An ember that the wind has carried.
+    Ember,
 }
 
 /// A cell that catches fire from another one.
@@ -81,9 +115,10 @@ pub enum FireEvent {
 pub struct Spread {
     pub cell: Cell,
     pub from: Cell,
+    pub by: SpreadBy,
 }
 
-/// How fire goes from bush to bush.
+/// A rule of how fire goes from cell to cell.
 ///
 /// A model draws chance, if it does, from the run's seed, the cell and its episode, so that the order of events at one
 /// instant cannot matter.
@@ -101,6 +136,12 @@ pub trait FireModel: fmt::Debug + Send + Sync {
         arrival: Arrival,
         expected: &mut Vec<(SimTime, FireEvent)>,
     ) -> Vec<Spread>;
+
+    /// Returns true if fire may still get somewhere though nothing burns: a front between the cells that it has left and
+    /// those that it has not reached.
+    fn is_under_way(&self) -> bool {
+        false
+    }
 }
 
 #[cfg(test)]
@@ -167,7 +208,7 @@ mod tests {
         ) -> Vec<Spread> {
             let (revision, plan) = self.plans[usize::from(arrival.cell.col)];
             let (_, from) = plan.filter(|_| revision == arrival.revision).unzip();
-            from.map(|from| Spread { cell: arrival.cell, from }).into_iter().collect()
+            from.map(|from| Spread { cell: arrival.cell, from, by: SpreadBy::Front }).into_iter().collect()
         }
     }
 
@@ -195,7 +236,9 @@ mod tests {
                     let spread = model.arrive(&fires, now, arrival, &mut expected);
                     spread.into_iter().filter_map(|spread| fires.ignite(spread.cell, now, false)).collect()
                 }
-                Act::Forecast(FireEvent::BurnOut { .. }) => unreachable!("these fires burn for ever"),
+                Act::Forecast(FireEvent::BurnOut { .. } | FireEvent::Dry { .. }) => {
+                    unreachable!("these fires burn for ever, and nobody wets them")
+                }
             };
             for change in changes {
                 if let FireChange::Ignited { cell, .. } = change {

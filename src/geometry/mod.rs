@@ -4,9 +4,10 @@
 //! Angles: radians, counter-clockwise, in (-pi, pi]. All arithmetic is `f64`.
 
 mod cell;
+pub mod compass;
 pub mod ops;
 mod pose;
 
 pub use cell::{Cell, FieldFrame};
-pub use glam::DVec2;
+pub use glam::{DVec2, DVec3};
 pub use pose::{OrientedRect, Pose};

@@ -1,4 +1,4 @@
-//! The one home of trigonometry, of the exponential function and of the logarithm.
+//! The one home of trigonometry, of powers, of the exponential function and of the logarithm.
 //!
 //! The standard library's functions differ between platforms and optimisation levels; these come from the
 //! `libm` crate and give the same bits everywhere. `clippy.toml` bans the others.
@@ -42,6 +42,11 @@ pub fn exp(exponent: f64) -> f64 {
 /// Natural logarithm.
 pub fn ln(number: f64) -> f64 {
     libm::log(number)
+}
+
+/// The base, zero or more, to the power of the exponent.
+pub fn pow(base: f64, exponent: f64) -> f64 {
+    libm::pow(base, exponent)
 }
 
 pub fn hypot(x: f64, y: f64) -> f64 {

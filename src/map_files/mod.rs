@@ -2,17 +2,20 @@
 //!
 //! The first line of a file is row 0, its first cell column 0; errors count as everything here does, from 0.
 
+mod colours;
 mod decimal;
 mod error;
 mod moving_ai;
 mod pixel;
 mod png;
 mod pnm;
+pub mod raster;
 mod read;
 mod rows;
 mod text;
 mod write;
 
+pub use colours::read_colours;
 pub use error::{Fault, MapError};
 pub use read::{MapFile, NEAR_TOLERANCE, read};
 pub use write::{MapValue, write_csv, write_npy, write_path, write_png, write_text};

@@ -1,4 +1,4 @@
-//! Pictures drawn on the CPU: grid maps, their legends, surfaces; ways of a vehicle, drives on a field;
+//! Pictures drawn on the CPU: grid maps, their legends, surfaces; maps of values over a field, with contour lines; ways of a vehicle, drives on a field;
 //! [`charts`]; frames of runs, [`film`], and GIFs of them.
 //!
 //! The same scene gives the same picture on every machine, byte for byte: drawing uses only arithmetic that is exact to
@@ -7,11 +7,14 @@
 mod canvas;
 pub mod charts;
 mod colours;
+mod contours;
 mod curves;
 mod drives;
+mod field_map;
 pub mod film;
 mod font;
 mod gif_film;
+mod ground;
 mod legend;
 mod map;
 mod marks;
@@ -27,10 +30,13 @@ mod world_sheet;
 mod zoom;
 
 pub use colours::{ColourMap, Rgb, bush_colour};
+pub use contours::{ContourLine, contour_lines};
 pub use curves::{CurveScene, draw_curves};
 pub use drives::{DriveScene, DrivenWays, draw_drives};
+pub use field_map::{FieldMap, MapQuantity, MapScale, draw_field_maps};
 pub use font::has_all_of as font_has_all_of;
 pub use gif_film::{ColourCounts, GifFilm, Palette};
+pub use ground::{GroundCover, bush_covers, ground_covers};
 pub use map::{draw_map, draw_overlay};
 pub use png::Picture;
 pub use scene::{MapScene, Zones};

@@ -29,7 +29,26 @@ pub fn measure_text(text: &str, height: f32) -> f32 {
 /// Draws a line of text on a base line; capitals are `height` pixels high, tails reach 0.3 of that below.
 ///
 /// The text is shifted by less than a pixel, so that its stems and bars fall on whole pixels as far as may be.
-pub fn draw_text(canvas: &mut Canvas, text: &str, (x, base): (f32, f32), align: Align, height: f32, colour: Rgb) {
+pub fn draw_text(canvas: &mut Canvas, text: &str, at: (f32, f32), align: Align, height: f32, colour: Rgb) {
+    canvas.stroke(text_path(text, at, align, height), PEN * height / CAPITAL, colour);
+}
+
+/// Draws a line of text as [`draw_text`] does, in the first colour, with an edge in the second one that lifts it off what is
+/// below.
+pub fn draw_text_on(
+    canvas: &mut Canvas,
+    text: &str,
+    at: (f32, f32),
+    align: Align,
+    height: f32,
+    (colour, edge): (Rgb, Rgb),
+) {
+    let (path, pen) = (text_path(text, at, align, height), PEN * height / CAPITAL);
+    canvas.stroke(path.clone(), pen + 0.4 * height, edge);
+    canvas.stroke(path, pen, colour);
+}
+
+fn text_path(text: &str, (x, base): (f32, f32), align: Align, height: f32) -> PathBuilder {
     let unit = height / CAPITAL;
     let width = measure_text(text, height);
     let left = match align {
@@ -44,7 +63,7 @@ pub fn draw_text(canvas: &mut Canvas, text: &str, (x, base): (f32, f32), align: 
         push_glyph(&mut path, glyph, pen, unit);
         pen.0 += glyph.advance * unit;
     }
-    canvas.stroke(path, PEN * unit, colour);
+    path
 }
 
 /// Adds the strokes of a character whose left end of the base line lies at a place; `unit` is pixels a unit of the

@@ -37,11 +37,21 @@ pub enum BlockFace {
 impl Zoom {
     /// Up by a whole factor to sides of about 800 pixels, down by a whole factor to 4096.
     pub fn fit(rows: usize, cols: usize) -> Self {
+        Self::fit_to(rows, cols, USUAL_SIDE, LONGEST_SIDE)
+    }
+
+    /// Up by a whole factor to sides of about `usual` pixels, down by a whole factor to `longest`.
+    pub fn fit_to(rows: usize, cols: usize, usual: usize, longest: usize) -> Self {
         let longer = rows.max(cols).max(1);
-        if longer > LONGEST_SIDE {
-            return Self { cells: longer.div_ceil(LONGEST_SIDE), pixels: 1 };
+        if longer > longest {
+            return Self { cells: longer.div_ceil(longest), pixels: 1 };
         }
-        Self { cells: 1, pixels: ((USUAL_SIDE + longer / 2) / longer).max(1) }
+        Self { cells: 1, pixels: ((usual + longer / 2) / longer).max(1) }
+    }
+
+    /// Returns the row or column in the middle of a block, of `end` of them.
+    pub fn middle(self, index: usize, end: usize) -> usize {
+        (index * self.cells + self.cells / 2).min(end - 1)
     }
 
     pub fn blocks(self, cells: usize) -> usize {

@@ -20,8 +20,6 @@ pub struct ProgramPolicy {
     pub(super) respondent: Option<Respondent>,
     /// Where the program goes when the run is over, if it plays in other runs.
     pub(super) idle: Option<Arc<Idle>>,
-    /// Column and row of each bush.
-    pub(super) cells: Vec<[u16; 2]>,
     /// Failures that were reported.
     pub(super) complaints: u32,
 }
@@ -30,7 +28,7 @@ impl Policy for ProgramPolicy {
     fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
         let options: Vec<(AgentId, Vec<Cell>)> = asked.iter().map(|&agent| (agent, seen.options(agent))).collect();
         let respondent = self.respondent.as_mut().expect("it is given back when this is dropped");
-        let query = |id| question(id, seen, &self.cells, &options);
+        let query = |id| question(id, seen, &options);
         let reply = respondent.ask(query, |answer| match answer {
             FromProgram::Answer(_) => Ok(()),
             _ => Err("expected the type `answer`"),
@@ -65,14 +63,17 @@ impl Drop for ProgramPolicy {
 }
 
 /// Writes the state that a policy sees, and what it is asked, as a line.
-fn question(id: u64, seen: &Observation<'_>, cells: &[[u16; 2]], options: &[(AgentId, Vec<Cell>)]) -> Vec<u8> {
+fn question(id: u64, seen: &Observation<'_>, options: &[(AgentId, Vec<Cell>)]) -> Vec<u8> {
     let (mut burning, mut intact, mut extinguished, mut burned_out) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    for &[col, row] in cells {
-        match seen.fires.state(Cell { col, row }) {
-            Some(BushState::Burning { since }) => burning.push((col, row, seen.now.since(since).as_seconds())),
-            Some(BushState::Intact) => intact.push([col, row]),
-            Some(BushState::Extinguished) => extinguished.push([col, row]),
-            Some(BushState::BurnedOut) => burned_out.push([col, row]),
+    for cell in seen.fires.with_fuel() {
+        let place = [cell.col, cell.row];
+        match seen.fires.state(cell) {
+            Some(BushState::Burning { since }) => {
+                burning.push((cell.col, cell.row, seen.now.since(since).as_seconds()));
+            }
+            Some(BushState::Intact) => intact.push(place),
+            Some(BushState::Extinguished) => extinguished.push(place),
+            Some(BushState::BurnedOut) => burned_out.push(place),
             None => {}
         }
     }

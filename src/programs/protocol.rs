@@ -148,9 +148,9 @@ pub struct AskQuery<'a> {
     pub t_s: f64,
     /// The agents that are asked.
     pub agents: Vec<String>,
-    /// Column and row of each burning bush, and the seconds since it began.
+    /// Column and row of each cell that burns, bush or ground, and the seconds since it began.
     pub burning: &'a [(u16, u16, f64)],
-    /// Column and row of bushes that nothing has happened to.
+    /// Column and row of cells with fuel that nothing has happened to.
     pub intact: &'a [[u16; 2]],
     /// Those that were put out.
     pub extinguished: &'a [[u16; 2]],

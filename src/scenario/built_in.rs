@@ -13,5 +13,10 @@ pub const BUILT_IN: &[(&str, &str)] = &[
     ("local-minima", include_str!("../../scenarios/local-minima.toml")),
     ("unimog-alone", include_str!("../../scenarios/unimog-alone.toml")),
     ("fleet", include_str!("../../scenarios/fleet.toml")),
+    ("windy", include_str!("../../scenarios/windy.toml")),
+    ("hill", include_str!("../../scenarios/hill.toml")),
+    ("river", include_str!("../../scenarios/river.toml")),
+    ("landscape", include_str!("../../scenarios/landscape.toml")),
+    ("automaton", include_str!("../../scenarios/automaton.toml")),
     ("smoke", include_str!("../../scenarios/smoke.toml")),
 ];

@@ -77,6 +77,11 @@ impl TablePath {
         Self(self.0.join(PathStep::key(name)))
     }
 
+    /// The entry of a list whose path this is.
+    pub fn item(&self, number: usize) -> Self {
+        Self(self.0.join(PathStep::Index(number)))
+    }
+
     pub fn number(&self, name: &str, value: f64, range: RangeInclusive<f64>) -> Check {
         check_number(self.0.join(PathStep::key(name)), value, range)
     }

@@ -2,10 +2,12 @@
 
 use super::agents::SHOWN_SEED;
 use super::field::percent;
+use super::ground_report::{describe_fires, describe_ground, describe_weather};
+use super::landscape::is_bare;
 use super::load::LoadedScenario;
 use super::rules::describe_ignitions;
 use super::warnings::warnings;
-use super::{MemoryEstimate, MemoryLimit, MemoryPart, Scenario, Terrain, bytes_text};
+use super::{FireModelName, MemoryEstimate, MemoryLimit, MemoryPart, Scenario, Terrain, bytes_text, weather};
 use crate::document::{Block, Document, WIDTH};
 use crate::geometry::Cell;
 
@@ -20,6 +22,9 @@ pub fn explain(loaded: &LoadedScenario, limit: MemoryLimit) -> Document {
         .with(section("Fire", vec![scenario.fire.describe()]))
         .with(section("Suppression", vec![scenario.suppression.describe()]))
         .with(section("Score", vec![scenario.score.describe()]));
+    if scenario.fire.model != FireModelName::Radius {
+        document = document.with(section("Weather", describe_weather(scenario)));
+    }
     for agents in scenario.kinds() {
         let numbered =
             agents.describe(scenario).into_iter().enumerate().map(|(number, words)| format!("{number}: {words}"));
@@ -36,6 +41,15 @@ pub fn explain(loaded: &LoadedScenario, limit: MemoryLimit) -> Document {
         Err(error) => vec![Block::Text(format!("There is none: {error}."))],
     };
     document = document.with([Block::Heading(format!("Field of seed {SHOWN_SEED}"))]).with(field);
+    if let Ok(terrain) = &terrain
+        && terrain.landscape.is_some()
+    {
+        document = document.with(section("Ground", describe_ground(scenario, terrain)));
+        let fires = describe_fires(scenario, terrain, &weather(scenario, SHOWN_SEED));
+        if !fires.is_empty() {
+            document = document.with(section("Fire on level ground in the first weather", fires));
+        }
+    }
     document = document.with([Block::Heading("Memory of a run, at most".into())]).with(list_memory(scenario, limit));
     let warnings = warnings(scenario, terrain.as_ref().ok());
     if !warnings.is_empty() {
@@ -108,7 +122,8 @@ fn list_memory(scenario: &Scenario, limit: MemoryLimit) -> Vec<Block> {
 /// The indent of the map of a field.
 const INDENT: &str = "  ";
 
-/// Draws a map of a field, north above: `.` free, `#` a bush, `W` and `U` where a Wumpus and a truck start.
+/// Draws a map of a field, north above: `.` free, `~` water and what else nobody can cross, `=` ground that does not burn
+/// and carries trucks, `#` a bush, `W` and `U` where a Wumpus and a truck start.
 ///
 /// On fields that are too wide a character is a square of cells, and is `#` if any of them is a bush.
 fn draw_sketch(terrain: &Terrain, scenario: &Scenario) -> String {
@@ -118,6 +133,17 @@ fn draw_sketch(terrain: &Terrain, scenario: &Scenario) -> String {
     let mut mark = |cell: Cell, character| {
         rows[usize::from(cell.row) / cells_a_character][usize::from(cell.col) / cells_a_character] = character;
     };
+    for &cell in &terrain.blocked {
+        mark(cell, '~');
+    }
+    // Roads on top of water, so that bridges are seen where a character stands for several cells.
+    let fuels = terrain.landscape.iter().flat_map(|landscape| landscape.fuel.iter().enumerate());
+    for (index, _) in fuels.filter(|(_, fuel)| is_bare(**fuel)) {
+        let cell = terrain.frame.cell(index);
+        if !terrain.occupied[(cell.row.into(), cell.col.into())] {
+            mark(cell, '=');
+        }
+    }
     for &bush in &terrain.bushes {
         mark(bush, '#');
     }
@@ -153,7 +179,9 @@ mod tests {
     #[test]
     fn no_line_is_wider_than_eighty_characters() {
         for (name, _) in BUILT_IN {
-            for size in ["250", "1000", "2000"] {
+            // The places of `landscape` lie all over its two kilometres.
+            let sizes = if *name == "landscape" { &["2000"][..] } else { &["250", "1000", "2000"] };
+            for size in sizes {
                 let text = explained(name, &[format!("field.size_m={size}").as_str()]);
                 let widest = text.lines().map(|line| line.chars().count()).max();
                 assert!(widest <= Some(WIDTH), "{name}: {widest:?}\n{text}");

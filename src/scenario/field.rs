@@ -39,6 +39,10 @@ pub struct Field {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(skip)]
     pub given: Option<GivenField>,
+    /// The frame of a landscape's rasters or image. Loading fills it in.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(skip)]
+    pub raster_frame: Option<FieldFrame>,
 }
 
 impl Default for Field {
@@ -53,6 +57,7 @@ impl Default for Field {
             start_clearance_m: 10.0,
             map: None,
             given: None,
+            raster_frame: None,
         }
     }
 }
@@ -68,10 +73,10 @@ pub enum Overlaps {
 }
 
 impl Field {
-    /// Returns the frame of the field's cells in the world: that of the map, or a square of whole cells.
+    /// Returns the frame of the field's cells in the world: that of the map or of rasters, or a square of whole cells.
     pub fn frame(&self) -> FieldFrame {
-        if let Some(given) = &self.given {
-            return given.frame;
+        if let Some(frame) = self.given.as_ref().map(|given| given.frame).or(self.raster_frame) {
+            return frame;
         }
         let side = (self.size_m / self.cell_m).round() as u16;
         FieldFrame { cols: side, rows: side, cell_m: self.cell_m }
@@ -95,7 +100,16 @@ impl Field {
         }
         let side = self.size_m / self.cell_m;
         let is_whole = (side - side.round()).abs() <= 1e-9 * side;
-        if !(is_whole && (1.0..=f64::from(MAX_CELLS_A_SIDE)).contains(&side.round())) {
+        let sides_fit = |frame: &FieldFrame| {
+            let fits = |side| (1..=MAX_CELLS_A_SIDE).contains(&side);
+            fits(frame.cols) && fits(frame.rows) && frame.cell_m == self.cell_m
+        };
+        if let Some(frame) = &self.raster_frame {
+            if !sides_fit(frame) {
+                let expected = format!("1 to {MAX_CELLS_A_SIDE} cells of {} m a side", self.cell_m);
+                return table.refuse("raster_frame", format!("{frame:?}"), expected);
+            }
+        } else if !(is_whole && (1.0..=f64::from(MAX_CELLS_A_SIDE)).contains(&side.round())) {
             let expected = format!("1 to {MAX_CELLS_A_SIDE} whole cells of {} m", self.cell_m);
             return table.refuse("size_m", number_text(self.size_m), expected);
         }

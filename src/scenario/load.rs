@@ -1,19 +1,29 @@
 //! Loading: from a name or a path to a scenario that is complete and checked.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use toml::{Table, Value};
 
 use super::change::Change;
 use super::error::{Fault, ScenarioError, SourceLocation};
+use super::fuel_image::FuelImage;
+use super::layers::{LayerKind, LayerReader, Weights};
 use super::path::{FieldPath, FoundSpan, PathStep};
 use super::program::FILLED_IN;
 use super::source::{MAX_MAP_BYTES, ScenarioText, first_too_deep, read_text, too_deep_message, unreadable};
+use super::weather_csv::{read_samples, read_wind};
 use super::wording::{self, KeyOrValue};
-use super::{GivenField, Scenario};
+use super::{GivenField, IgnitionCells, Scenario};
+use crate::geometry::FieldFrame;
 
 /// Options of `[field]` that say how to generate one, and so contradict a map.
 const GENERATED_ONLY: [&str; 6] = ["size_m", "coverage", "pieces", "shapes", "overlaps", "start_clearance_m"];
+
+/// Why the size of a field cannot be given beside rasters.
+const RASTER_SIZE: &str = "a raster says itself how large the field and its cells are";
+
+/// Why deviations cannot be given beside rows.
+const ONE_CHANCE: &str = "each says how uncertain the weather is";
 
 /// A scenario, with what its author wrote, so that defaults can be told apart.
 #[derive(Clone, Debug)]
@@ -54,8 +64,22 @@ impl LoadedScenario {
     /// With a map, what only a generated field has is left out.
     pub fn values(&self) -> Vec<(String, String)> {
         let mut table = Table::try_from(&self.scenario).expect("every part of a scenario can be written as TOML");
-        if let (true, Some(Value::Table(field))) = (self.scenario.field.given.is_some(), table.get_mut("field")) {
-            field.retain(|name, _| name != "given" && !GENERATED_ONLY.contains(&name));
+        if let Some(Value::Table(field)) = table.get_mut("field") {
+            let has_map = self.scenario.field.given.is_some();
+            field.retain(|name, _| {
+                name != "given" && name != "raster_frame" && !(has_map && GENERATED_ONLY.contains(&name))
+            });
+        }
+        for (name, hidden) in [("landscape", "given"), ("weather", "rows")] {
+            if let Some(inner) = table.get_mut(name).and_then(Value::as_table_mut) {
+                inner.remove(hidden);
+            }
+        }
+        for entry in table.get_mut("ignition").and_then(Value::as_array_mut).into_iter().flatten() {
+            entry.as_table_mut().expect("it is a table").remove("weights");
+        }
+        if self.scenario.wind_file.is_some() {
+            table.remove("wind");
         }
         for kind in ["planner", "policy"] {
             let tables = table.get_mut(kind).and_then(Value::as_table_mut).into_iter().flat_map(Table::iter_mut);
@@ -124,8 +148,12 @@ impl WrittenScenario<'_> {
         if scenario.name.is_empty() {
             scenario.name.clone_from(&self.source.stem);
         }
+        scenario.fire.fill_in_model();
         self.refuse_conflicts(written)?;
+        self.load_landscape(&mut scenario)?;
         self.load_map(&mut scenario)?;
+        self.load_weather(&mut scenario)?;
+        self.load_densities(&mut scenario)?;
         self.find_files(&mut scenario)?;
         scenario
             .check_values()
@@ -154,14 +182,15 @@ impl WrittenScenario<'_> {
             let (field, expected) = (path.to_string(), "a finite number".to_owned());
             return Err(Fault::Value { field, found, expected }.at(self.location(&path, KeyOrValue::Value)));
         }
-        let given = (FieldPath::parse("field"), "given");
+        let hidden = [("field", "given"), ("field", "raster_frame"), ("landscape", "given"), ("weather", "rows")];
+        let hidden = hidden.map(|(table, name)| (FieldPath::parse(table), name));
         let tables = ["planner", "policy"].into_iter().filter_map(|kind| Some((kind, written.get(kind)?.as_table()?)));
         let tables = tables.flat_map(|(kind, tables)| tables.keys().map(move |name| (kind, name.clone())));
         let of_programs = tables.flat_map(|(kind, name)| {
             let table = FieldPath(vec![PathStep::key(kind), PathStep::Key(name)]);
             FILLED_IN.map(|field| (table.clone(), field))
         });
-        for (table, name) in std::iter::once(given).chain(of_programs) {
+        for (table, name) in hidden.into_iter().chain(of_programs) {
             let path = table.join(PathStep::key(name));
             if path.leads_to(written) {
                 let fault = wording::unknown_field(name, &table, Vec::new());
@@ -190,6 +219,86 @@ impl WrittenScenario<'_> {
         Ok(())
     }
 
+    /// Reads the files of a landscape, and gives the field their frame.
+    fn load_landscape(&self, scenario: &mut Scenario) -> Result<(), Box<ScenarioError>> {
+        let mut reader = LayerReader::default();
+        if let Some(settings) = &scenario.fire.rothermel {
+            for (kind, key, file) in [
+                (LayerKind::Fuel, "fuel_map", &settings.fuel_map),
+                (LayerKind::Elevation, "elevation", &settings.elevation),
+                (LayerKind::Slope, "slope", &settings.slope),
+                (LayerKind::Aspect, "aspect", &settings.aspect),
+            ] {
+                let path = FieldPath::parse("fire.rothermel").join(PathStep::key(key));
+                if let Some(file) = file {
+                    let read = reader.read(kind, &self.file(&path, file));
+                    read.map_err(|message| self.rule(&path, message))?;
+                }
+            }
+        }
+        let mut layers = reader.finish();
+        if let Some((image, legend)) = scenario.landscape.as_ref().and_then(|it| Some((it.image.as_ref()?, &it.legend)))
+        {
+            let path = FieldPath::parse("landscape.image");
+            let fuel =
+                FuelImage::read(&self.file(&path, image), legend).map_err(|message| self.rule(&path, message))?;
+            let with_image = fuel.onto(layers, scenario.field.cell_m).map_err(|message| self.rule(&path, message))?;
+            layers = Some(with_image);
+        }
+        let Some(layers) = layers else { return Ok(()) };
+        let field = &mut scenario.field;
+        field.cell_m = layers.frame.cell_m;
+        field.size_m = layers.frame.width_m().max(layers.frame.height_m());
+        field.raster_frame = Some(layers.frame);
+        scenario.landscape.get_or_insert_default().given = Some(layers);
+        Ok(())
+    }
+
+    fn load_densities(&self, scenario: &mut Scenario) -> Result<(), Box<ScenarioError>> {
+        let frame = scenario.field.frame();
+        let layers = scenario.landscape.as_ref().and_then(|landscape| landscape.given.as_ref());
+        for (number, ignition) in scenario.ignition.iter_mut().enumerate() {
+            let list = FieldPath(vec![PathStep::key("ignition"), PathStep::Index(number)]);
+            let IgnitionCells::Density(density) = &mut ignition.cells else { continue };
+            if density.weights.is_some() {
+                let path = list.join(PathStep::key("weights"));
+                return Err(
+                    wording::unknown_field("weights", &list, Vec::new()).at(self.location(&path, KeyOrValue::Key))
+                );
+            }
+            let path = list.join(PathStep::key("density"));
+            let weights = Weights::read(&self.file(&path, &density.file), &frame, layers);
+            density.weights = Some(weights.map_err(|message| self.rule(&path, message))?);
+        }
+        Ok(())
+    }
+
+    fn load_weather(&self, scenario: &mut Scenario) -> Result<(), Box<ScenarioError>> {
+        if let Some(file) = &scenario.wind_file {
+            let path = FieldPath::parse("wind_file");
+            scenario.wind = read_wind(&self.file(&path, file)).map_err(|message| self.rule(&path, message))?;
+        }
+        if let Some(settings) = &mut scenario.weather
+            && let Some(file) = &settings.samples
+        {
+            let path = FieldPath::parse("weather.samples");
+            settings.rows = read_samples(&self.file(&path, file)).map_err(|message| self.rule(&path, message))?;
+        }
+        Ok(())
+    }
+
+    /// Returns the path of a file that a value names: from the scenario's folder, or from the current one where a change of
+    /// the command line names it.
+    fn file(&self, path: &FieldPath, file: &Path) -> PathBuf {
+        let changed = self.changes.iter().any(|change| change.set.contains(path));
+        if changed { file.to_owned() } else { self.source.folder.join(file) }
+    }
+
+    /// Words a fault of a value.
+    fn rule(&self, path: &FieldPath, message: String) -> Box<ScenarioError> {
+        Fault::Rule { message }.at(self.location(path, KeyOrValue::Value))
+    }
+
     fn refuse_conflicts(&self, written: &Table) -> Result<(), Box<ScenarioError>> {
         let field = FieldPath::parse("field");
         let given = |name: &str| field.join(PathStep::key(name)).leads_to(written);
@@ -200,17 +309,59 @@ impl WrittenScenario<'_> {
         if given("pieces") && given("coverage") {
             return conflict("pieces", "coverage", "each says how many bushes there are");
         }
-        match GENERATED_ONLY.iter().find(|name| given("map") && given(name)) {
-            Some(name) => conflict(name, "map", "a map says itself where the bushes are"),
-            None => Ok(()),
+        if let Some(name) = GENERATED_ONLY.iter().find(|name| given("map") && given(name)) {
+            return conflict(name, "map", "a map says itself where the bushes are");
         }
+        self.refuse_conflicts_of_landscape(written)
+    }
+
+    fn refuse_conflicts_of_landscape(&self, written: &Table) -> Result<(), Box<ScenarioError>> {
+        let given = |dotted: &str| FieldPath::parse(dotted).leads_to(written);
+        let conflicts = [
+            ("fire.rothermel.fuel_map", "landscape.image", "each says what grows where"),
+            ("fire.rothermel.ground", "fire.rothermel.fuel_map", "a map of fuels says itself what grows"),
+            ("fire.rothermel.ground", "landscape.image", "an image says itself what grows"),
+            ("fire.rothermel.elevation", "fire.rothermel.slope", "each says how steep the ground is"),
+            ("fire.rothermel.elevation", "fire.rothermel.aspect", "each says how steep the ground is"),
+            ("fire.rothermel.slope_deg", "fire.rothermel.elevation", "each says how steep the ground is"),
+            ("fire.rothermel.slope_deg", "fire.rothermel.slope", "each says how steep the ground is"),
+            ("landscape.hills", "fire.rothermel.elevation", "each says how steep the ground is"),
+            ("landscape.hills", "fire.rothermel.slope", "each says how steep the ground is"),
+            ("landscape.hills", "fire.rothermel.slope_deg", "each says how steep the ground is"),
+            ("wind", "wind_file", "each says how the wind changes"),
+            ("weather.samples", "weather.speed_sd_mps", ONE_CHANCE),
+            ("weather.samples", "weather.toward_sd_deg", ONE_CHANCE),
+            ("weather.samples", "weather.moisture_sd", ONE_CHANCE),
+            ("weather.samples", "weather.moisture", "a row of it holds for the whole run"),
+            ("field.size_m", "fire.rothermel.fuel_map", RASTER_SIZE),
+            ("field.size_m", "fire.rothermel.elevation", RASTER_SIZE),
+            ("field.size_m", "fire.rothermel.slope", RASTER_SIZE),
+            ("field.size_m", "landscape.image", "an image has a pixel for each cell"),
+            ("field.cell_m", "fire.rothermel.fuel_map", RASTER_SIZE),
+            ("field.cell_m", "fire.rothermel.elevation", RASTER_SIZE),
+            ("field.cell_m", "fire.rothermel.slope", RASTER_SIZE),
+        ];
+        if let Some(&(one, other, reason)) = conflicts.iter().find(|(one, other, _)| given(one) && given(other)) {
+            let fault = Fault::Conflict { one: one.to_owned(), other: other.to_owned(), reason };
+            return Err(fault.at(self.location(&FieldPath::parse(one), KeyOrValue::Key)));
+        }
+        for (one, other) in [
+            ("fire.rothermel.slope", "fire.rothermel.aspect"),
+            ("fire.rothermel.aspect", "fire.rothermel.slope"),
+            ("landscape.image", "landscape.legend"),
+        ] {
+            if given(one) && !given(other) {
+                let message = format!("`{one}` needs `{other}` beside it");
+                return Err(self.rule(&FieldPath::parse(one), message));
+            }
+        }
+        Ok(())
     }
 
     fn load_map(&self, scenario: &mut Scenario) -> Result<(), Box<ScenarioError>> {
         let Some(map) = &scenario.field.map else { return Ok(()) };
         let path = FieldPath::parse("field.map");
-        let changed = self.changes.iter().any(|change| change.set.contains(&path));
-        let file = if changed { map.clone() } else { self.source.folder.join(map) };
+        let file = self.file(&path, map);
         let text =
             read_text(&file, MAX_MAP_BYTES).map_err(|fault| fault.at(self.location(&path, KeyOrValue::Value)))?;
         let field = &mut scenario.field;
@@ -218,6 +369,14 @@ impl WrittenScenario<'_> {
             let place = SourceLocation::new(&file.display().to_string(), &text, error.span.clone());
             Fault::from(error.fault).at(place)
         })?;
+        if let Some(frame) = field.raster_frame.filter(|&frame| frame != given.frame) {
+            let FieldFrame { cols, rows, .. } = given.frame;
+            let message = format!(
+                "`field.map` has {cols} x {rows} cells of {} m; expected {} x {} of {} m, as the landscape has",
+                given.frame.cell_m, frame.cols, frame.rows, frame.cell_m
+            );
+            return Err(self.rule(&path, message));
+        }
         field.cell_m = given.frame.cell_m;
         field.size_m = given.frame.width_m().max(given.frame.height_m());
         field.coverage = given.coverage();

@@ -12,50 +12,72 @@
 //! frame of [`crate::geometry`]. The format is described in `scenarios/README.md`.
 
 mod agents;
+mod alexandridis;
 mod built_in;
 mod change;
 mod check;
 mod error;
 mod explain;
+mod features;
 mod field;
 mod fire;
+mod fuel_image;
+mod fuel_name;
 mod given;
 mod goal;
+mod ground_report;
 mod json_location;
+mod landscape;
+mod layers;
 mod load;
 mod memory;
 mod or_none;
 mod path;
 mod problem;
 mod program;
+mod rothermel;
 mod rules;
 mod source;
 mod terrain;
 mod tetromino;
 mod unimog;
 mod warnings;
+mod weather;
+mod weather_csv;
+mod wind;
 mod wording;
 mod wumpus;
 
 pub use agents::MemoryPart;
+pub use alexandridis::AlexandridisSettings;
 pub use built_in::BUILT_IN;
 pub use error::{Fault, MapFault, ScenarioError, SourceLocation, nearest_name};
 pub use explain::explain;
+pub use features::{Hill, Patches, River, Road, Runs};
 pub use field::{Field, MAX_COVERAGE, Overlaps};
-pub use fire::{Fire, SpreadFrom};
+pub use fire::{Fire, FireModelName, SpreadFrom};
+pub use fuel_name::FuelName;
 pub use given::{GivenField, MAX_CELLS_A_SIDE, MapError};
 pub use goal::{TruckGoal, WumpusGoal};
+pub use landscape::LandscapeSettings;
+pub use layers::{GivenLayers, LayerKind, LayerReader, Weights};
 pub use load::{LoadedScenario, load};
 pub use memory::{MemoryEstimate, MemoryExceeded, MemoryLimit, bytes_text};
 pub use path::{FieldPath, PathStep};
 pub use problem::{MAX_GOALS, Problem};
 pub use program::{Program, Programs, UsedProgram};
-pub use rules::{Extinguishes, Ignition, IgnitionCells, Score, Suppression};
+pub use rothermel::RothermelSettings;
+pub use rules::{Extinguishes, Ignition, IgnitionCells, IgnitionDensity, Score, Suppression};
 pub use source::{MAX_MAP_BYTES, MAX_SCENARIO_BYTES, ScenarioText, can_be_read_again, first_too_deep, toml_value};
 pub use terrain::{Terrain, TerrainError};
 pub use tetromino::Shape;
 pub use unimog::{Limits, PlannerContext, Rescue, Retarget, StartPose, Unimog};
+pub use weather::{MoistureChange, WeatherSettings, weather};
+pub use weather_csv::WeatherSample;
+pub use wind::WindChange;
 pub use wumpus::{Escape, StepCost, StepTime, Wumpus, WumpusHeuristic, WumpusPlanner, WumpusPotential};
+
+use std::path::PathBuf;
 
 use agents::AgentList;
 use check::{Check, TablePath, check_name};
@@ -63,6 +85,7 @@ use program::check_programs;
 use rules::check_ignitions;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use weather::check_wind;
 
 use crate::geometry::DVec2;
 use crate::input_file::list_of_at_most;
@@ -116,6 +139,18 @@ pub struct Scenario {
     /// Bushes that catch fire by themselves.
     #[serde(default, deserialize_with = "list_of_at_most::<100_000, _, _>")]
     pub ignition: Vec<Ignition>,
+    /// Changes of the wind, in order of time; before the first one the air is calm.
+    #[serde(default, deserialize_with = "list_of_at_most::<100_000, _, _>", skip_serializing_if = "Vec::is_empty")]
+    pub wind: Vec<WindChange>,
+    /// Changes of the wind in a CSV file, `t_s,speed_mps,from_deg` with compass azimuths, instead of `[[wind]]`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wind_file: Option<PathBuf>,
+    /// Moisture in the course of a run, and how uncertain the weather is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub weather: Option<WeatherSettings>,
+    /// A landscape that is drawn or generated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub landscape: Option<LandscapeSettings>,
     /// Planners that are not built in, by their names.
     #[serde(default, skip_serializing_if = "Programs::is_empty")]
     pub planner: Programs,
@@ -141,7 +176,10 @@ impl Scenario {
         top.number("duration_s", self.duration_s, 0.001..=1e6)?;
         self.field.check(&top.inner("field"))?;
         let frame = self.field.frame();
-        top.inner("fire").settings(&self.fire, &frame)?;
+        self.fire.check_tables(&top.inner("fire"), &frame)?;
+        check_wind(&self.wind)?;
+        self.weather.as_ref().map_or(Ok(()), |weather| weather.check(&top.inner("weather"), &frame))?;
+        self.landscape.as_ref().map_or(Ok(()), |landscape| landscape.check(&top.inner("landscape"), &frame))?;
         top.inner("suppression").settings(&self.suppression, &frame)?;
         self.check_stops()?;
         top.inner("score").settings(&self.score, &frame)?;
@@ -154,6 +192,11 @@ impl Scenario {
         }
         self.kinds().iter().try_for_each(|agents| agents.check(self))?;
         check_ignitions(&self.ignition, &frame)
+    }
+
+    /// Returns the layers that files give, with their place on earth.
+    pub fn layers(&self) -> Option<&GivenLayers> {
+        self.landscape.as_ref().and_then(|landscape| landscape.given.as_ref())
     }
 
     /// Bounds the work of fires that can be put out again and again.

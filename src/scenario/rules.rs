@@ -1,15 +1,19 @@
 //! The other rules of a scenario: suppression, scores, and what ignites by itself.
 
 use std::borrow::Cow;
+use std::path::PathBuf;
 
+use rand::RngExt;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
 
 use super::check::{Check, TablePath};
+use super::layers::Weights;
 use super::or_none;
 use super::path::PathStep;
-use crate::geometry::{Cell, FieldFrame};
+use crate::geometry::{Cell, FieldFrame, ops};
 use crate::ranges::{OutOfRange, SettingsTable, check_range};
+use crate::rng;
 
 /// The most `[[ignition]]` entries, and the most cells that they name in all.
 const MAX_IGNITIONS: usize = 10_000;
@@ -110,6 +114,33 @@ pub enum IgnitionCells {
     Cells(Vec<Cell>),
     /// This number of bush cells, drawn from the stream `ignition`.
     Random(u32),
+    Density(Box<IgnitionDensity>),
+}
+
+/// A number of cells, drawn by weights that a raster gives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IgnitionDensity {
+    pub file: PathBuf,
+    pub count: u32,
+    /// What the file says; loading fills it in.
+    pub weights: Option<Weights>,
+}
+
+impl IgnitionDensity {
+    /// Returns all cells with a weight in the order in which they are drawn in the run with this seed.
+    ///
+    /// The least of `-ln(u) / weight` comes first, u being drawn for every cell: each time one of those left, in proportion
+    /// to the weights (Efraimidis and Spirakis, "Weighted random sampling with a reservoir", Information Processing Letters
+    /// 97, 2006). `number` is that of the entry, which has a stream of its own.
+    pub fn order(&self, frame: &FieldFrame, seed: u64, number: usize) -> Vec<Cell> {
+        let weights = self.weights.as_ref().and_then(|weights| weights.by_cell(frame)).unwrap_or_default();
+        let mut rng = rng::stream(seed, &format!("ignition/density/{number}"));
+        let key = |weight: f32| -ops::ln(1.0 - rng.random::<f64>()) / f64::from(weight);
+        let keys: Vec<f64> = weights.iter().copied().map(key).collect();
+        let mut order: Vec<usize> = (0..weights.len()).filter(|&index| weights[index] > 0.0).collect();
+        order.sort_by(|&one, &other| keys[one].total_cmp(&keys[other]).then(one.cmp(&other)));
+        order.into_iter().map(|index| frame.cell(index)).collect()
+    }
 }
 
 impl JsonSchema for Ignition {
@@ -132,15 +163,29 @@ struct IgnitionEntry {
     cells: Option<Vec<Cell>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     random: Option<u32>,
+    /// A raster of weights, by which the `random` cells are drawn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    density: Option<PathBuf>,
+    /// What the file at `density` says. Loading fills it in.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(skip)]
+    weights: Option<Weights>,
 }
 
 impl TryFrom<IgnitionEntry> for Ignition {
     type Error = &'static str;
 
     fn try_from(entry: IgnitionEntry) -> Result<Self, Self::Error> {
-        let cells = match (entry.cells, entry.random) {
-            (Some(cells), None) => IgnitionCells::Cells(cells),
-            (None, Some(count)) => IgnitionCells::Random(count),
+        if entry.weights.is_some() && entry.density.is_none() {
+            return Err("`weights` is unknown; a raster of weights is `density`");
+        }
+        let cells = match (entry.cells, entry.random, entry.density) {
+            (Some(cells), None, None) => IgnitionCells::Cells(cells),
+            (None, Some(count), None) => IgnitionCells::Random(count),
+            (None, Some(count), Some(file)) => {
+                IgnitionCells::Density(Box::new(IgnitionDensity { file, count, weights: entry.weights }))
+            }
+            (None, None, Some(_)) => return Err("`density` needs `random` beside it: how many cells it lights"),
             _ => return Err("an ignition needs either `cells` or `random`"),
         };
         Ok(Self { at_s: entry.at_s, cells })
@@ -149,11 +194,16 @@ impl TryFrom<IgnitionEntry> for Ignition {
 
 impl From<Ignition> for IgnitionEntry {
     fn from(ignition: Ignition) -> Self {
-        let (cells, random) = match ignition.cells {
-            IgnitionCells::Cells(cells) => (Some(cells), None),
-            IgnitionCells::Random(count) => (None, Some(count)),
-        };
-        Self { at_s: ignition.at_s, cells, random }
+        let mut entry = Self { at_s: ignition.at_s, cells: None, random: None, density: None, weights: None };
+        match ignition.cells {
+            IgnitionCells::Cells(cells) => entry.cells = Some(cells),
+            IgnitionCells::Random(count) => entry.random = Some(count),
+            IgnitionCells::Density(density) => {
+                let IgnitionDensity { file, count, weights } = *density;
+                (entry.random, entry.density, entry.weights) = (Some(count), Some(file), weights);
+            }
+        }
+        entry
     }
 }
 
@@ -168,6 +218,12 @@ pub(super) fn check_ignitions(ignitions: &[Ignition], frame: &FieldFrame) -> Che
         match &ignition.cells {
             IgnitionCells::Random(count) => {
                 table.number("random", (*count).into(), 1.0..=frame.cell_count() as f64)?;
+            }
+            IgnitionCells::Density(density) => {
+                table.number("random", density.count.into(), 1.0..=frame.cell_count() as f64)?;
+                if density.weights.as_ref().is_some_and(|weights| weights.by_cell(frame).is_none()) {
+                    return table.refuse("density", "damaged".into(), "a weight for each cell of the field".into());
+                }
             }
             IgnitionCells::Cells(cells) => {
                 named += cells.len();
@@ -190,15 +246,17 @@ pub(super) fn check_ignitions(ignitions: &[Ignition], frame: &FieldFrame) -> Che
 
 /// Sums up all entries of `[[ignition]]`; there is one at least.
 pub(super) fn describe_ignitions(ignitions: &[Ignition]) -> String {
-    let (mut random, mut named) = (0_u64, 0);
+    let (mut random, mut named, mut drawn) = (0_u64, 0, 0_u64);
     for ignition in ignitions {
         match &ignition.cells {
             IgnitionCells::Random(count) => random += u64::from(*count),
             IgnitionCells::Cells(cells) => named += cells.len(),
+            IgnitionCells::Density(density) => drawn += u64::from(density.count),
         }
     }
     let times = ignitions.iter().map(|ignition| ignition.at_s);
     let (first, last) = (times.clone().fold(f64::INFINITY, f64::min), times.fold(0.0, f64::max));
     let count = ignitions.len();
-    format!("{count} from {first} s to {last} s: {random} random bushes and {named} named cells.")
+    let by_density = if drawn > 0 { format!(", and {drawn} drawn from maps of weights") } else { String::new() };
+    format!("{count} from {first} s to {last} s: {random} random bushes and {named} named cells{by_density}.")
 }

@@ -7,12 +7,17 @@
 //! A placement is drawn by rejection, which is uniform over the legal ones by construction and takes a few tries on a
 //! field of usual coverage. After as many misses as the field has cells the legal placements are listed instead.
 
+use std::sync::Arc;
+
 use glam::DVec2;
 use rand::{Rng, RngExt};
 use thiserror::Error;
 
+use super::landscape::{Ground, NoRiver, cover, ground, is_bare};
 use super::tetromino::{Piece, extent};
 use super::{Overlaps, Scenario, Shape};
+use crate::fire::Landscape;
+use crate::fire::fuel::FuelModel;
 use crate::geometry::{Cell, FieldFrame};
 use crate::grid::Grid;
 use crate::rng;
@@ -21,10 +26,14 @@ use crate::rng;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Terrain {
     pub frame: FieldFrame,
-    /// A value per cell, row 0 at the south edge.
+    /// True where neither truck nor Wumpus can be: a value per cell, row 0 at the south edge.
     pub occupied: Grid<bool>,
-    /// The occupied cells by index.
+    /// The cells with a bush by index, all of them occupied.
     pub bushes: Vec<Cell>,
+    /// The occupied cells without a bush by index.
+    pub blocked: Vec<Cell>,
+    /// What burns between the bushes; `None` where nothing does.
+    pub landscape: Option<Arc<Landscape>>,
 }
 
 /// The reason why a run has no field.
@@ -32,26 +41,57 @@ pub struct Terrain {
 pub enum TerrainError {
     #[error("no placement left for piece {piece} of {wanted}")]
     NoPlacementLeft { piece: u32, wanted: u32 },
+    #[error("no place for the river that keeps `start_clearance_m` away from every start")]
+    NoRiver,
 }
 
 impl Terrain {
-    /// Collects the bushes from the occupied cells.
+    /// Makes a field on which all occupied cells are bushes, and nothing else burns.
     pub fn from_occupied(frame: FieldFrame, occupied: Grid<bool>) -> Self {
         let cells = occupied.values().iter().enumerate();
         let bushes = cells.filter(|(_, occupied)| **occupied).map(|(index, _)| frame.cell(index)).collect();
-        Self { frame, occupied, bushes }
+        Self { frame, occupied, bushes, blocked: Vec::new(), landscape: None }
     }
 
-    /// Returns the field of the run with this seed: the given one, or pieces drawn from the stream `terrain`.
+    /// Iterates by index over the cells whose fuel burns, those with a bush and those without.
+    pub fn with_fuel(&self) -> impl Iterator<Item = Cell> + '_ {
+        let fuels = self.landscape.iter().flat_map(|landscape| landscape.fuel.iter().enumerate());
+        let burns = |&(_, &fuel): &(usize, &u8)| FuelModel::by_number(fuel).is_some_and(FuelModel::burns);
+        fuels.filter(burns).map(|(index, _)| self.frame.cell(index))
+    }
+
+    /// Returns what Wumpuses and random ignitions may light, by index: the bushes, and all that burns if `ground` may be lit.
+    pub fn lightable(&self, ground: bool) -> Vec<Cell> {
+        if ground && self.landscape.is_some() { self.with_fuel().collect() } else { self.bushes.clone() }
+    }
+
+    /// Returns the field of the run with this seed: the given one, or pieces drawn from the stream `terrain`, which keep off
+    /// water and roads.
     ///
     /// # Errors
-    /// Fails if some piece of a generated field has no legal placement left.
+    /// Fails if some piece of a generated field has no legal placement left, or a generated river no place.
     pub fn from_scenario(scenario: &Scenario, seed: u64) -> Result<Self, TerrainError> {
+        let seed = scenario.landscape.as_ref().and_then(|landscape| landscape.seed).unwrap_or(seed);
+        let cover = cover(scenario, seed, &scenario.field.frame()).map_err(|NoRiver| TerrainError::NoRiver)?;
+        let bushes = Self::bushes_of(scenario, seed, cover.as_deref().unwrap_or_default())?;
+        let Some(cover) = cover else { return Ok(bushes) };
+        let Ground { landscape, blocked } = ground(scenario, seed, bushes.frame, cover, &bushes.occupied);
+        let mut occupied = bushes.occupied;
+        for cell in &blocked {
+            occupied[(cell.row.into(), cell.col.into())] = true;
+        }
+        Ok(Self { occupied, blocked, landscape: Some(Arc::new(landscape)), ..bushes })
+    }
+
+    fn bushes_of(scenario: &Scenario, seed: u64, cover: &[u8]) -> Result<Self, TerrainError> {
         if let Some(given) = &scenario.field.given {
             return Ok(Self::from_occupied(given.frame, given.occupied.clone()));
         }
         let field = &scenario.field;
         let mut layout = PieceLayout::new(field.frame(), field.overlaps);
+        for (closed, &fuel) in layout.closed.values_mut().iter_mut().zip(cover) {
+            *closed = is_bare(fuel);
+        }
         for centre in scenario.start_centres() {
             layout.keep_free(centre, field.start_clearance_m);
         }
@@ -158,6 +198,10 @@ mod tests {
             wumpus: vec![Wumpus::default()],
             unimog: vec![Unimog::default()],
             ignition: Vec::new(),
+            wind: Vec::new(),
+            wind_file: None,
+            weather: None,
+            landscape: None,
             planner: Programs::new(),
             policy: Programs::new(),
         }

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use super::agents::ScenarioField;
-use super::{IgnitionCells, Scenario, Terrain};
+use super::agents::{SHOWN_SEED, ScenarioField};
+use super::ground_report::warn_of_ground;
+use super::{FireModelName, IgnitionCells, Scenario, Terrain, weather};
 use crate::collision::ClearanceField;
 
 /// Collects the warnings about a scenario, and about the field of the seed that is shown if it has one.
@@ -15,6 +16,7 @@ pub fn warnings(scenario: &Scenario, terrain: Option<&Terrain>) -> Vec<String> {
         agents.warn(scenario, &mut found);
     }
     if let Some(terrain) = terrain {
+        warn_of_ground(scenario, terrain, &weather(scenario, SHOWN_SEED), &mut found);
         let clearance = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
         let field = ScenarioField { terrain, clearance };
         let blocked: Vec<String> = scenario.kinds().iter().rev().flat_map(|kind| kind.blocked_starts(&field)).collect();
@@ -33,6 +35,15 @@ fn warn_of_rules(scenario: &Scenario, found: &mut Vec<String>) {
         found.push("Nothing ever burns: there is no Wumpus and no [[ignition]].".into());
     }
     scenario.fire.warn(&scenario.field.frame(), found);
+    if scenario.fire.model == FireModelName::Radius {
+        let tables = [("landscape", scenario.landscape.is_some()), ("weather", scenario.weather.is_some())];
+        for (table, _) in tables.iter().filter(|(_, is_given)| *is_given) {
+            found.push(format!("The table `{table}` does nothing: fire of the model `radius` knows bushes only."));
+        }
+        if !scenario.wind.is_empty() {
+            found.push("The wind does nothing: fire of the model `radius` has none.".into());
+        }
+    }
 }
 
 fn warn_of_ignitions(scenario: &Scenario, terrain: Option<&Terrain>, found: &mut Vec<String>) {
@@ -43,7 +54,7 @@ fn warn_of_ignitions(scenario: &Scenario, terrain: Option<&Terrain>, found: &mut
     let (Some(terrain), Some(_)) = (terrain, &scenario.field.given) else { return };
     let named = scenario.ignition.iter().filter_map(|ignition| match &ignition.cells {
         IgnitionCells::Cells(cells) => Some(cells),
-        IgnitionCells::Random(_) => None,
+        IgnitionCells::Random(_) | IgnitionCells::Density(_) => None,
     });
     let bare = named.flatten().filter(|cell| !terrain.occupied[(cell.row.into(), cell.col.into())]).count();
     if bare > 0 {

@@ -4,7 +4,7 @@ use super::error::{Fault, nearest_name};
 use super::path::{FieldPath, PathStep};
 
 /// Fields that loading fills in; messages do not suggest them.
-const HIDDEN: [&str; 3] = ["given", "sha256", "works_in"];
+const HIDDEN: [&str; 6] = ["given", "raster_frame", "rows", "sha256", "weights", "works_in"];
 
 /// The most characters of a text that a message quotes.
 const LONGEST_QUOTE: usize = 60;

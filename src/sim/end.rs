@@ -41,6 +41,7 @@ fn end(
     } else {
         let is_over = queue.next_time() > Some(now)
             && fires.field.burning().len() == 0
+            && !fires.model.is_under_way()
             && ignitions.pending == 0
             && wumpuses.iter().all(|(agent, wumpus)| {
                 matches!(agent.activity, Activity::Resting(_)) && !wumpus.has_something_to_light(&fires.field)

@@ -176,7 +176,11 @@ impl Episode {
 
     /// Returns the timeline so far.
     pub fn timeline(&self) -> Timeline {
-        Timeline { setting: self.setting().clone(), events: self.facts().to_vec() }
+        Timeline {
+            setting: self.setting().clone(),
+            events: self.facts().to_vec(),
+            ground: self.simulation.ground().to_vec(),
+        }
     }
 }
 

@@ -36,7 +36,7 @@ use crate::planning::memory::MemoryMeter;
 use crate::scenario::{MemoryEstimate, MemoryLimit, Scenario};
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
-use crate::timeline::{AgentId, Event, Setting, Timeline};
+use crate::timeline::{AgentId, Event, GroundEvent, Setting, Timeline};
 
 pub use episode::{Asked, Episode, Points};
 pub use run::{AgentCost, Entrants, FailureMessages, Run, RunCost, RunError, RunOptions, StartPrograms};
@@ -221,14 +221,20 @@ impl Simulation {
         &self.world.resource::<Recorder>().events
     }
 
+    /// Returns what has become of the ground so far.
+    pub fn ground(&self) -> &[GroundEvent] {
+        &self.world.resource::<Recorder>().ground
+    }
+
     /// Returns the facts so far and the cost of getting there.
     pub fn finish(mut self) -> Run {
         let agents = self.world.resource::<Roster>().0.iter().filter_map(|&entity| self.world.get::<Agent>(entity));
         self.cost.agents = agents.map(|agent| agent.cost.clone()).collect();
         let mut recorder = self.world.resource_mut::<Recorder>();
         let (events, messages) = (std::mem::take(&mut recorder.events), std::mem::take(&mut recorder.messages));
+        let ground = std::mem::take(&mut recorder.ground);
         let cpu_samples = std::mem::take(&mut self.world.resource_mut::<CpuLog>().0);
-        Run { timeline: Timeline { setting: self.setting, events }, cost: self.cost, cpu_samples, messages }
+        Run { timeline: Timeline { setting: self.setting, events, ground }, cost: self.cost, cpu_samples, messages }
     }
 }
 

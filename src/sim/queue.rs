@@ -16,6 +16,7 @@ pub enum Rank {
     Change,
     Extinction,
     BurnOut,
+    Drying,
     Spread,
     Ignition,
     Arrival,
@@ -52,19 +53,21 @@ pub enum AgentEvent {
     Standoff,
 }
 
-/// What is to become of a bush at once, if it can.
+/// What is to become of a cell at once, if it can.
 #[derive(Clone, Copy, Debug)]
-pub enum BushEvent {
+pub enum CellEvent {
     Ignite { cell: Cell, cause: Cause },
     Extinguish { cell: Cell, by: AgentId },
     BurnOut { cell: Cell },
+    Wet { cell: Cell, until: SimTime, by: AgentId },
+    Dry { cell: Cell },
 }
 
 /// Something that is due at a time.
 #[derive(Clone, Copy, Debug)]
 pub enum Due {
     Agent(AgentEvent, Wake),
-    Bush(BushEvent),
+    Cell(CellEvent),
     /// What the model of the fire expects.
     Fire(FireEvent),
     /// The scenario's ignition of this number.
@@ -76,9 +79,10 @@ impl Due {
     fn rank(&self) -> Rank {
         match self {
             Self::Agent(AgentEvent::LookAgain | AgentEvent::GoalLost, _) => Rank::Woken,
-            Self::Bush(_) => Rank::Change,
+            Self::Cell(_) => Rank::Change,
             Self::Agent(AgentEvent::DwellEnd, _) => Rank::Extinction,
             Self::Fire(FireEvent::BurnOut { .. }) => Rank::BurnOut,
+            Self::Fire(FireEvent::Dry { .. }) => Rank::Drying,
             Self::Fire(FireEvent::Arrival(_)) => Rank::Spread,
             Self::Scheduled(_) | Self::Agent(AgentEvent::Lighting, _) => Rank::Ignition,
             Self::Agent(AgentEvent::Arrival, _) => Rank::Arrival,

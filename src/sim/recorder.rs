@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use crate::planning::memory::{BytesAfter, Growing, Held, MemoryMeter};
 use crate::planning::{PlanFailure, Searched};
 use crate::time::SimTime;
-use crate::timeline::{AgentFact, AgentId, CpuSample, Event, Fact, FireFact};
+use crate::timeline::{AgentFact, AgentId, CpuSample, Event, Fact, FireFact, GroundEvent};
 
 use super::run::FailureMessages;
 
@@ -19,6 +19,7 @@ const MAX_RECORDED: usize = 4_000_000;
 #[derive(Resource, Debug)]
 pub struct Recorder {
     pub events: Vec<Event>,
+    pub ground: Vec<GroundEvent>,
     /// What there is to say about failed queries.
     pub messages: FailureMessages,
     /// True if searches are to be recorded.
@@ -34,13 +35,13 @@ impl Recorder {
     pub fn new(memory: &MemoryMeter, records_searches: bool) -> Self {
         let memory = memory.holder(Growing::Timeline);
         let messages = FailureMessages::default();
-        Self { events: Vec::new(), messages, records_searches, searched: 0, beside: 0, memory }
+        Self { events: Vec::new(), ground: Vec::new(), messages, records_searches, searched: 0, beside: 0, memory }
     }
 
     /// Adds a fact. If there is no memory for it, it is left out and the run is over.
     pub fn record(&mut self, time: SimTime, fact: Fact) {
         let beside = self.beside + bytes_beside(&fact);
-        if self.memory.cover(self.events.bytes_after(1) + beside) {
+        if self.memory.cover(self.events.bytes_after(1) + self.ground.bytes_after(0) + beside) {
             self.beside = beside;
             self.events.push(Event { time, fact });
         }
@@ -52,6 +53,13 @@ impl Recorder {
 
     pub fn record_fire(&mut self, time: SimTime, fact: FireFact) {
         self.record(time, Fact::Fire(fact));
+    }
+
+    /// Adds what became of a cell of ground, on the same terms.
+    pub fn record_ground(&mut self, event: GroundEvent) {
+        if self.memory.cover(self.events.bytes_after(0) + self.ground.bytes_after(1) + self.beside) {
+            self.ground.push(event);
+        }
     }
 
     /// Keeps what there is to say about a failed query, if anything.

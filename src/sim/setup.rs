@@ -8,15 +8,17 @@ use serde_json::Value;
 
 use crate::collision::ClearanceField;
 use crate::fire::FireField;
+use crate::fire::models::Radius;
+use crate::geometry::Cell;
 use crate::planning::memory::MemoryMeter;
 use crate::rng;
-use crate::scenario::{Extinguishes, Scenario, Terrain};
+use crate::scenario::{self, Extinguishes, Ignition, IgnitionCells, Scenario, Terrain};
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
-use crate::timeline::{AgentId, AgentStart, Rules, Setting};
+use crate::timeline::{AgentId, AgentStart, Rules, Setting, SpreadSetting};
 
 use super::agent::{Arena, Roster};
-use super::fire::{Fires, Ignitions};
+use super::fire::{Fires, Ignitions, ScheduledIgnition};
 use super::policies::{Following, NamedPolicy, Policies, PolicySite};
 use super::queue::{Due, SimClock, SimQueue};
 use super::recorder::{CpuLog, Recorder};
@@ -40,9 +42,13 @@ pub fn fill(
     let field = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
     cost.clearance_field = stopwatch.lap();
 
+    let spread = spread_setting(scenario, seed, &terrain);
     world.insert_resource(Fires {
-        field: FireField::new(terrain.frame, &terrain.bushes, scenario.fire.relight),
-        model: scenario.fire.model(&terrain.frame),
+        field: FireField::new(terrain.frame, &terrain.bushes, scenario.fire.relight).with_ground(terrain.with_fuel()),
+        model: match &spread {
+            Some(spread) => spread.model(seed),
+            None => Box::new(Radius::new(&terrain.frame, scenario.fire.rules())),
+        },
     });
     world.insert_resource(ignitions(scenario, &terrain, seed));
     let mut queue = SimQueue::default();
@@ -65,7 +71,7 @@ pub fn fill(
     for (number, settings) in scenario.unimog.iter().enumerate() {
         starts.push(truck::spawn(world, &arena, number as u16, settings)?);
     }
-    Ok((setting(scenario, seed, &terrain, starts), cost))
+    Ok((setting(scenario, seed, &terrain, starts, spread), cost))
 }
 
 /// Makes the policies of a run: one for all agents of a name.
@@ -74,6 +80,7 @@ fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, known: &Policies)
     let trucks = scenario.unimog.iter().map(|truck| NamedPolicy::from(&truck.goal));
     let ids = (0..).map(AgentId::wumpus).zip(wumpuses).chain((0..).map(AgentId::unimog).zip(trucks));
     let (agents, named): (Vec<AgentId>, Vec<NamedPolicy>) = ids.unzip();
+    let lightable = terrain.lightable(scenario.fire.lights_ground());
     let mut following = Following::default();
     for (first, policy) in named.iter().enumerate() {
         if named[..first].contains(policy) {
@@ -82,7 +89,7 @@ fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, known: &Policies)
         let is_meant = |agent: &usize| named[*agent] == *policy;
         let plays: Vec<AgentId> = (0..agents.len()).filter(is_meant).map(|agent| agents[agent]).collect();
         let made = match *policy {
-            NamedPolicy::BuiltIn(rule) => rule.make(&terrain.bushes, seed),
+            NamedPolicy::BuiltIn(rule) => rule.make(&lightable, seed),
             NamedPolicy::Own(name) => {
                 let own = scenario.policy.get(name).map(|program| Value::Object(program.settings.clone()));
                 let site = PolicySite {
@@ -105,13 +112,31 @@ fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, known: &Policies)
     Ok(following)
 }
 
-fn setting(scenario: &Scenario, seed: u64, terrain: &Terrain, agents: Vec<AgentStart>) -> Setting {
+/// Returns how fire goes over the ground of a run, where it does.
+fn spread_setting(scenario: &Scenario, seed: u64, terrain: &Terrain) -> Option<SpreadSetting> {
+    let (landscape, weather) = (terrain.landscape.clone()?, Arc::new(scenario::weather(scenario, seed)));
+    if let Some(rules) = scenario.fire.rothermel_rules(seed) {
+        return Some(SpreadSetting::Rothermel { landscape, weather, rules });
+    }
+    let rules = scenario.fire.alexandridis_rules()?;
+    Some(SpreadSetting::Alexandridis { landscape, weather, rules })
+}
+
+fn setting(
+    scenario: &Scenario,
+    seed: u64,
+    terrain: &Terrain,
+    agents: Vec<AgentStart>,
+    spread: Option<SpreadSetting>,
+) -> Setting {
     Setting {
         scenario: scenario.name.clone(),
         seed,
         program_version: env!("CARGO_PKG_VERSION").into(),
         frame: terrain.frame,
         bushes: terrain.bushes.clone(),
+        blocked: terrain.blocked.clone(),
+        spread,
         agents,
         rules: Rules {
             duration: SimTime::from_seconds(scenario.duration_s),
@@ -128,8 +153,17 @@ fn setting(scenario: &Scenario, seed: u64, terrain: &Terrain, agents: Vec<AgentS
 }
 
 fn ignitions(scenario: &Scenario, terrain: &Terrain, seed: u64) -> Ignitions {
-    let entries: Vec<_> = scenario.ignition.iter().map(|entry| entry.cells.clone()).collect();
-    let mut permutation = terrain.bushes.clone();
+    let mut permutation = terrain.lightable(scenario.fire.lights_ground() || terrain.bushes.is_empty());
     permutation.shuffle(&mut rng::stream(seed, "ignition"));
-    Ignitions { pending: entries.len(), entries, permutation }
+    let permutation: Arc<[Cell]> = permutation.into();
+    let scheduled = |(number, entry): (usize, &Ignition)| match &entry.cells {
+        IgnitionCells::Cells(cells) => ScheduledIgnition::Named(cells.clone()),
+        IgnitionCells::Random(count) => ScheduledIgnition::FirstOf { order: permutation.clone(), count: *count },
+        IgnitionCells::Density(density) => {
+            let order = density.order(&terrain.frame, seed, number).into();
+            ScheduledIgnition::FirstOf { order, count: density.count }
+        }
+    };
+    let entries: Vec<_> = scenario.ignition.iter().enumerate().map(scheduled).collect();
+    Ignitions { pending: entries.len(), entries }
 }

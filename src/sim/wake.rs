@@ -44,6 +44,8 @@ pub enum Trigger {
 enum News {
     Ignition(Cell),
     FireOver(Cell),
+    /// It cannot be lit as long as it is wet.
+    Water(Cell),
     Fuel,
 }
 
@@ -51,12 +53,14 @@ impl News {
     /// First comes what happened, then what it makes possible.
     fn of_change(change: FireChange, fires: &FireField) -> impl Iterator<Item = Self> {
         let (first, then) = match change {
-            FireChange::Ignited { cell, .. } => (Self::Ignition(cell), None),
+            FireChange::Ignited { cell, .. } => (Some(Self::Ignition(cell)), None),
             FireChange::Extinguished { cell } | FireChange::BurnedOut { cell } => {
-                (Self::FireOver(cell), fires.can_burn(cell).then_some(Self::Fuel))
+                (Some(Self::FireOver(cell)), fires.can_burn(cell).then_some(Self::Fuel))
             }
+            FireChange::Wetted { cell, .. } => (Some(Self::Water(cell)), None),
+            FireChange::Dried { cell } => (None, fires.can_burn(cell).then_some(Self::Fuel)),
         };
-        std::iter::once(first).chain(then)
+        first.into_iter().chain(then)
     }
 }
 
@@ -64,9 +68,8 @@ impl Trigger {
     /// Returns what the agent is to do about the news, if they wake it.
     fn wakes(self, agent: &Agent, news: News) -> Option<AgentEvent> {
         let (is_woken, event) = match (self, news) {
-            (Self::GoalIgnited, News::Ignition(cell)) | (Self::GoalBurnsNoMore, News::FireOver(cell)) => {
-                (agent.goal == Some(cell), AgentEvent::GoalLost)
-            }
+            (Self::GoalIgnited, News::Ignition(cell) | News::Water(cell))
+            | (Self::GoalBurnsNoMore, News::FireOver(cell)) => (agent.goal == Some(cell), AgentEvent::GoalLost),
             (Self::IgnitionWhileFree, News::Ignition(_)) => (agent.is_free(), AgentEvent::LookAgain),
             (Self::IgnitionUnderWay, News::Ignition(_)) => (agent.is_under_way(), AgentEvent::LookAgain),
             (Self::FireOverWhileBlocked, News::FireOver(_)) => {

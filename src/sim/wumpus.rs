@@ -26,7 +26,7 @@ use crate::vehicle::Segment;
 use super::agent::{Activity, Agent, Arena, enlist};
 use super::fire::Fires;
 use super::policies::{AgentView, Choice, Following, Follows, Inquiry};
-use super::queue::{AgentEvent, BushEvent, Due, SimClock, SimQueue};
+use super::queue::{AgentEvent, CellEvent, Due, SimClock, SimQueue};
 use super::recorder::{CpuLog, Recorder};
 use super::run::RunError;
 use super::schedule::{Pass, SimSystems};
@@ -149,8 +149,9 @@ pub fn spawn(
         recorder.record_agent(SimTime::ZERO, id, AgentFact::StartMoved { from });
     }
     let reached = lattice.reachable_from(point);
+    let lightable = terrain.lightable(arena.scenario.fire.lights_ground());
     let (targets, walled_in): (Vec<Cell>, Vec<Cell>) =
-        terrain.bushes.iter().partition(|&&cell| lattice.points_of_reach(cell, settings.reach_m).any(|p| reached[p]));
+        lightable.iter().partition(|&&cell| lattice.points_of_reach(cell, settings.reach_m).any(|p| reached[p]));
     if !walled_in.is_empty() {
         recorder.record_agent(SimTime::ZERO, id, AgentFact::OutOfReach { cells: walled_in });
     }
@@ -353,7 +354,7 @@ fn light(
             Turn { entity, agent, wumpus, now, queue: &mut queue, recorder: &mut recorder }.give_up(goal);
         } else {
             agent.reconsider(wake.agent, clock.0, &mut queue);
-            queue.push(clock.0, Due::Bush(BushEvent::Ignite { cell: goal, cause: Cause::Lit(agent.id) }));
+            queue.push(clock.0, Due::Cell(CellEvent::Ignite { cell: goal, cause: Cause::Lit(agent.id) }));
         }
     }
 }

@@ -7,7 +7,7 @@ use std::io::{self, Write};
 
 use thiserror::Error;
 
-use super::{AgentFact, Cause, Fact, FireFact, Replay, Timeline};
+use super::{AgentFact, Cause, Event, Fact, FireFact, GroundEvent, GroundFact, Replay, Timeline};
 use crate::geometry::Cell;
 use crate::planning::{Effort, FoundBy};
 use crate::time::SimTime;
@@ -35,18 +35,48 @@ impl From<csv::Error> for ExportError {
 
 /// Writes one line a fact, in order: `t_s,event,agent,col,row,detail`.
 ///
-/// `agent` and `col,row` are empty where the fact concerns no agent or no single cell; for plans the cell is the goal.
+/// What happens to ground is among them, at one instant before the others; its events are `ground-ignited`,
+/// `ground-extinguished` and `wetted`, which may be a bush. `agent` and `col,row` are empty where the fact concerns no agent or no single cell; for plans the cell is the goal.
 /// `detail` holds `key=value` pairs separated by `; `, cells in it as `col:row`.
 pub fn write_events(timeline: &Timeline, to: impl Write) -> Result<(), ExportError> {
     let mut table = csv::Writer::from_writer(to);
     table.write_record(["t_s", "event", "agent", "col", "row", "detail"])?;
+    let mut ground = &timeline.ground[..];
     for event in &timeline.events {
-        let fact = &event.fact;
-        let agent = fact.agent().map_or_else(String::new, |agent| agent.to_string());
-        let (col, row) = fact.cell().map_or_else(Default::default, |c| (c.col.to_string(), c.row.to_string()));
-        table.write_record([&seconds(event.time), name(fact), &agent, &col, &row, &detail(fact)])?;
+        let earlier = ground.partition_point(|ground| ground.time <= event.time);
+        ground[..earlier].iter().try_for_each(|event| write_ground_event(&mut table, event))?;
+        ground = &ground[earlier..];
+        write_event(&mut table, event)?;
     }
+    ground.iter().try_for_each(|event| write_ground_event(&mut table, event))?;
     Ok(table.flush()?)
+}
+
+fn write_event(table: &mut csv::Writer<impl Write>, event: &Event) -> Result<(), csv::Error> {
+    let fact = &event.fact;
+    let agent = fact.agent().map_or_else(String::new, |agent| agent.to_string());
+    let (col, row) = fact.cell().map_or_else(Default::default, |c| (c.col.to_string(), c.row.to_string()));
+    table.write_record([&seconds(event.time), name(fact), &agent, &col, &row, &detail(fact)])
+}
+
+fn write_ground_event(table: &mut csv::Writer<impl Write>, event: &GroundEvent) -> Result<(), csv::Error> {
+    let agent = event.agent().map_or_else(String::new, |agent| agent.to_string());
+    let (col, row) = (event.cell.col.to_string(), event.cell.row.to_string());
+    let (name, detail) = match event.fact {
+        GroundFact::Ignited(cause) => ("ground-ignited", words_of(cause)),
+        GroundFact::Extinguished { .. } => ("ground-extinguished", String::new()),
+        GroundFact::Wetted { until, .. } => ("wetted", format!("until_s={}", seconds(until))),
+    };
+    table.write_record([&seconds(event.time), name, &agent, &col, &row, &detail])
+}
+
+fn words_of(cause: Cause) -> String {
+    match cause {
+        Cause::Lit(_) => "cause=lit".into(),
+        Cause::Spread(from) => format!("cause=spread; from={}", short(from)),
+        Cause::Spotted(from) => format!("cause=ember; from={}", short(from)),
+        Cause::Scheduled => "cause=schedule".into(),
+    }
 }
 
 /// Writes where every agent is at 0, `step_s`, 2 `step_s` and so on, and at the end of the run:
@@ -120,11 +150,7 @@ fn detail(fact: &Fact) -> String {
             let cells: Vec<_> = cells.iter().map(|&cell| short(cell)).collect();
             format!("cells={}", cells.join(" "))
         }
-        Fact::Fire(FireFact::Ignited { cause, .. }) => match cause {
-            Cause::Lit(_) => "cause=lit".into(),
-            Cause::Spread(from) => format!("cause=spread; from={}", short(*from)),
-            Cause::Scheduled => "cause=schedule".into(),
-        },
+        Fact::Fire(FireFact::Ignited { cause, .. }) => words_of(*cause),
         Fact::Agent(_, AgentFact::Planned { trajectory, effort, found_by, .. }) => {
             let by_lattice = found_by.is_some_and(FoundBy::is_after_failure);
             let found_by = found_by.map_or_else(String::new, |found_by| format!("; found_by={found_by}"));

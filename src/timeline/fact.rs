@@ -22,6 +22,8 @@ pub enum Cause {
     /// comes due first; of those due at one instant, the one that was scheduled first, which is the one that itself
     /// caught fire earlier. Recordings of every format hold it.
     Spread(Cell),
+    /// The burning cell whose ember came down here.
+    Spotted(Cell),
     /// An `[[ignition]]` of the scenario.
     Scheduled,
 }
@@ -93,6 +95,40 @@ pub enum FireFact {
     BurnedOut { cell: Cell },
     /// A truck puts it out.
     Extinguished { cell: Cell, by: AgentId },
+}
+
+/// A change of a cell of ground, or water on any cell.
+///
+/// Ground burns in far greater numbers than bushes, and what follows from an ignition by the rules alone is not recorded:
+/// when it burns out, and when something wet is dry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GroundEvent {
+    pub time: SimTime,
+    pub cell: Cell,
+    pub fact: GroundFact,
+}
+
+impl GroundEvent {
+    /// The agent that did this, if any: it lit the cell, put it out, or wetted it.
+    pub fn agent(&self) -> Option<AgentId> {
+        match self.fact {
+            GroundFact::Ignited(Cause::Lit(by)) | GroundFact::Extinguished { by } | GroundFact::Wetted { by, .. } => {
+                Some(by)
+            }
+            GroundFact::Ignited(_) => None,
+        }
+    }
+}
+
+/// A change of a cell of ground.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GroundFact {
+    /// It catches fire.
+    Ignited(Cause),
+    /// A truck puts it out.
+    Extinguished { by: AgentId },
+    /// A truck wets the cell, bush or ground, so that it cannot burn before `until`.
+    Wetted { until: SimTime, by: AgentId },
 }
 
 /// A thing that an agent did or that its planner found.
@@ -177,12 +213,27 @@ impl Fact {
         }
     }
 
+    /// The bush that catches fire with this fact, and the cause.
+    pub fn ignition(&self) -> Option<(Cell, Cause)> {
+        if let Self::Fire(FireFact::Ignited { cell, cause }) = *self { Some((cell, cause)) } else { None }
+    }
+
     /// The one cell that this concerns: what changed, or the agent's goal.
     pub fn cell(&self) -> Option<Cell> {
         match self {
             Self::Agent(_, fact) => fact.cell(),
             Self::Fire(fact) => Some(fact.cell()),
             Self::Ended { .. } => None,
+        }
+    }
+}
+
+impl Cause {
+    /// Returns the burning cell that the fire came from, if it came from one.
+    pub fn parent(self) -> Option<Cell> {
+        match self {
+            Self::Spread(from) | Self::Spotted(from) => Some(from),
+            Self::Lit(_) | Self::Scheduled => None,
         }
     }
 }

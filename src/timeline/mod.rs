@@ -4,6 +4,7 @@
 //! instant stand in the order in which they happened, and a state or a count at a time is that after all of its facts.
 
 mod agent_id;
+mod burn_map;
 mod cpu;
 pub mod export;
 mod fact;
@@ -13,17 +14,20 @@ mod outcome;
 mod progress;
 mod replay;
 #[cfg(test)]
-mod sample;
+pub(crate) mod sample;
 mod setting;
 
 pub use agent_id::{AgentId, Role};
+pub use burn_map::{BurnMap, FireBehavior};
 pub use cpu::{CpuHistory, CpuSample};
-pub use fact::{AgentFact, Cause, EndReason, Event, Fact, FireFact, RestReason};
-pub use index::{AgentStats, BushCounts, FollowedLeg, RunIndex, SpreadMoment};
-pub use outcome::{AgentOutcome, Outcome, Winner};
+pub use fact::{AgentFact, Cause, EndReason, Event, Fact, FireFact, GroundEvent, GroundFact, RestReason};
+pub use index::{
+    AgentStats, Burning, BushCounts, FollowedLeg, GroundCounts, GroundIndex, RunIndex, SpreadMoment, Wetting,
+};
+pub use outcome::{AgentOutcome, GroundOutcome, Outcome, Winner};
 pub use progress::Activity;
 pub use replay::{AgentState, Replay, State};
-pub use setting::{AgentStart, Body, Rules, Setting};
+pub use setting::{AgentStart, Body, FlamingTimes, Rules, Setting, SpreadSetting};
 
 pub use crate::fire::BushState;
 use crate::time::SimTime;
@@ -35,6 +39,8 @@ pub struct Timeline {
     pub setting: Setting,
     /// Facts with their times, in the order in which they happened.
     pub events: Vec<Event>,
+    /// What became of the ground, in order of time; none where only bushes burn.
+    pub ground: Vec<GroundEvent>,
 }
 
 impl Timeline {

@@ -40,9 +40,9 @@ pub struct Outcome {
     pub peak_burning: u32,
     /// From ignition to extinction, over the extinctions; `None` without any.
     pub mean_response_s: Option<f64>,
-    /// When something first caught fire; `None` if nothing ever did.
+    /// When a bush first caught fire; `None` if none ever did.
     pub first_fire_s: Option<f64>,
-    /// When the last fire ended; `None` if something burned at the end, or nothing ever did.
+    /// When the last fire of a bush ended; `None` if a bush burned at the end, or none ever did.
     pub all_out_s: Option<f64>,
     /// Points for every ignition, by spread and schedule too, and for every burn-out.
     pub wumpus_score: f64,
@@ -50,6 +50,28 @@ pub struct Outcome {
     pub truck_score: f64,
     /// In the order of the timeline's agents.
     pub agents: Vec<AgentOutcome>,
+    /// The ground between the bushes; `None` where only bushes burn. All else counts bushes only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ground: Option<GroundOutcome>,
+}
+
+/// What became of the ground, and of bushes and ground together.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GroundOutcome {
+    /// Cells of ground that burn when fire comes to them.
+    pub cells: u32,
+    /// Cells of ground that caught fire.
+    pub burned: u32,
+    /// Cells of ground that trucks put out, and that do not burn again.
+    pub extinguished: u32,
+    /// Ignitions by embers, of bushes and of ground.
+    pub spotted: u32,
+    /// Area of all bushes and ground that caught fire, in hectares.
+    pub burned_ha: f64,
+    /// Most cells of ground that burned at once, after all that happened at an instant.
+    pub peak_burning: u32,
+    /// When a cell at the border of the field, bush or ground, first caught fire; `None` if none did.
+    pub reached_edge_s: Option<f64>,
 }
 
 /// The result of one agent in numbers. Fields that do not concern its role are zero.
@@ -84,7 +106,7 @@ pub struct AgentOutcome {
     pub waiting_s: f64,
     /// Part of the standing in which the agent had something to do.
     ///
-    /// For a truck: some cell burned that is neither in an `OutOfReach` fact of this truck so far nor another truck's
+    /// For a truck: some cell, bush or ground, burned that is neither in an `OutOfReach` fact of this truck so far nor another truck's
     /// goal. For a Wumpus: some cell could be lit (intact, or extinguished where the rules relight) that is not in an
     /// `OutOfReach` fact of this Wumpus so far. Having given up, `Rested`, counts.
     pub stuck_s: f64,
@@ -98,7 +120,7 @@ pub struct AgentOutcome {
     pub wasted_drives: u32,
     /// Times that a truck drove aside for another one that could not set out otherwise.
     pub deadlocks: u32,
-    /// Bushes in its `OutOfReach` facts: those that it cannot light, or found that it cannot put out.
+    /// Cells in its `OutOfReach` facts, bushes and ground: those that it cannot light, or found that it cannot put out.
     #[serde(default)]
     pub out_of_reach: u32,
 }
@@ -206,7 +228,7 @@ mod tests {
     use crate::timeline::{AgentFact, EndReason, Event, Fact, FireFact, RestReason};
 
     fn run(agents: &[AgentId], events: Vec<Event>) -> Timeline {
-        Timeline { setting: sample::small_setting(agents), events }
+        Timeline { setting: sample::small_setting(agents), events, ground: Vec::new() }
     }
 
     fn truck_rests(agent: AgentId) -> Fact {

@@ -83,6 +83,11 @@ impl<'a> AgentProgress<'a> {
         *self = Self { leg: Some(leg), planning_until: leg.start_time(), goal, ..Self::standing(self.start) };
     }
 
+    /// It lit a cell of ground, or put it out: its goal, or one of those that burn beside it.
+    pub fn change_ground(&mut self) {
+        self.give_up_goal();
+    }
+
     fn give_up_goal(&mut self) {
         self.goal = None;
         self.suppresses = false;

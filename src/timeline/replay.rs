@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::progress::{Activity, AgentProgress};
-use super::{AgentId, BushState, Event, Fact, FireFact, Timeline};
+use super::{AgentId, BushState, Event, Fact, FireFact, GroundEvent, GroundFact, Timeline};
 use crate::geometry::{Cell, Pose};
 use crate::time::SimTime;
 
@@ -50,7 +50,18 @@ pub(super) struct BushChange {
     pub to: BushState,
 }
 
-/// A cursor in a timeline: the state at one time, moved cheaply to later ones.
+/// The next thing that happens in a replay.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Happening<'a> {
+    /// A fact, and the change of a bush, if it is one.
+    Fact(&'a Event, Option<BushChange>),
+    /// An agent lights ground or puts it out. Of one instant, that comes before the facts: what an agent goes for next is
+    /// one of those.
+    Deed(&'a GroundEvent),
+}
+
+/// A cursor in a timeline: the state at one time, moved cheaply to later ones. For the ground itself see
+/// [`GroundIndex`](super::GroundIndex).
 ///
 /// Moving forward costs the facts in between; moving back begins again at the start.
 #[derive(Clone, Debug)]
@@ -60,6 +71,8 @@ pub struct Replay<'a> {
     time: SimTime,
     /// Index of the first fact that has not yet happened.
     next: usize,
+    /// From the next thing on that an agent did to ground.
+    ground: &'a [GroundEvent],
     bushes: Vec<BushState>,
     agents: Vec<AgentProgress<'a>>,
 }
@@ -80,6 +93,7 @@ impl<'a> Replay<'a> {
             end: timeline.end_time(),
             time: SimTime::ZERO,
             next: 0,
+            ground: from_next_deed(&timeline.ground),
             bushes: vec![BushState::Intact; setting.bushes.len()],
             agents: setting.agents.iter().map(|agent| AgentProgress::standing(agent.pose)).collect(),
         }
@@ -101,19 +115,30 @@ impl<'a> Replay<'a> {
         self.time = time;
     }
 
-    /// Lets the next fact happen if its time is not after `until`.
-    pub(super) fn step(&mut self, until: SimTime) -> Option<(&'a Event, Option<BushChange>)> {
-        let event = self.timeline.events.get(self.next).filter(|event| event.time <= until)?;
+    /// Lets what comes next happen if its time is not after `until`.
+    pub(super) fn step(&mut self, until: SimTime) -> Option<Happening<'a>> {
+        let event = self.timeline.events.get(self.next);
+        let is_first = |deed: &&GroundEvent| deed.time <= until && event.is_none_or(|event| deed.time <= event.time);
+        if let Some(deed) = self.ground.first().filter(is_first) {
+            self.ground = from_next_deed(&self.ground[1..]);
+            self.time = deed.time;
+            let agent = deed.agent().and_then(|agent| self.timeline.setting.agent_index(agent));
+            agent.into_iter().for_each(|agent| self.agents[agent].change_ground());
+            return Some(Happening::Deed(deed));
+        }
+        let event = event.filter(|event| event.time <= until)?;
         self.next += 1;
         self.time = event.time;
         self.apply_to_agent(event);
-        Some((event, self.apply_to_bush(event)))
+        Some(Happening::Fact(event, self.apply_to_bush(event)))
     }
 
-    /// The next time after the present one at which anything may change but poses: a fact, or an activity.
+    /// The next time after the present one at which anything may change but poses and the ground: a fact, something that
+    /// an agent does to ground, or an activity.
     pub(super) fn next_change(&self) -> Option<SimTime> {
         let fact = self.timeline.events.get(self.next).map(|event| event.time);
-        self.agents.iter().filter_map(|agent| agent.next_change(self.time)).chain(fact).min()
+        let deed = self.ground.first().map(|deed| deed.time);
+        self.agents.iter().filter_map(|agent| agent.next_change(self.time)).chain(fact).chain(deed).min()
     }
 
     pub fn time(&self) -> SimTime {
@@ -164,6 +189,12 @@ impl<'a> Replay<'a> {
         let from = std::mem::replace(&mut self.bushes[bush], to);
         Some(BushChange { bush, from, to })
     }
+}
+
+/// Passes over what happens to ground by itself, and over water.
+fn from_next_deed(ground: &[GroundEvent]) -> &[GroundEvent] {
+    let is_deed = |event: &GroundEvent| event.agent().is_some() && !matches!(event.fact, GroundFact::Wetted { .. });
+    &ground[ground.iter().position(is_deed).unwrap_or(ground.len())..]
 }
 
 #[cfg(test)]
@@ -298,7 +329,7 @@ mod tests {
             },
         );
         let events = vec![at(0.0, planned(TRUCK, A, leg(0.0, start, 8.0, &[80.0]))), at(3.0, failed)];
-        let state = Timeline { setting, events }.state_at(seconds(4.0)).agents[0];
+        let state = Timeline { setting, events, ground: Vec::new() }.state_at(seconds(4.0)).agents[0];
         assert_eq!((state.activity, state.goal), (Activity::Driving, Some(A)));
     }
 

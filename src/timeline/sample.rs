@@ -2,13 +2,17 @@
 
 use rand::RngExt;
 
+use std::sync::Arc;
+
 use super::{
-    AgentFact, AgentId, AgentStart, Body, BushState, Cause, EndReason, Event, Fact, FireFact, RestReason, Rules,
-    Setting, Timeline,
+    AgentFact, AgentId, AgentStart, Body, BushState, Cause, EndReason, Event, Fact, FireFact, GroundEvent, GroundFact,
+    RestReason, Rules, Setting, SpreadSetting, Timeline,
 };
 use crate::event_queue::EventQueue;
-use crate::fire::FireRules;
-use crate::geometry::{Cell, FieldFrame, Pose};
+use crate::fire::models::RothermelRules;
+use crate::fire::surface::FuelMoisture;
+use crate::fire::{FireRules, Landscape, Relief, Weather, WeatherInterval};
+use crate::geometry::{Cell, DVec2, FieldFrame, Pose};
 use crate::planning::{Effort, FoundBy, PlanFailure, SearchGraph, SearchPhase};
 use crate::rng::{self, Xoshiro256PlusPlus};
 use crate::time::SimTime;
@@ -86,6 +90,8 @@ pub fn small_setting(agents: &[AgentId]) -> Setting {
         program_version: "0.1.0".into(),
         frame: FieldFrame { cols: 10, rows: 10, cell_m: 5.0 },
         bushes: vec![A, B, C, D],
+        blocked: Vec::new(),
+        spread: None,
         agents: agents.iter().map(start).collect(),
         rules: Rules {
             duration: seconds(100.0),
@@ -153,7 +159,7 @@ pub fn by_hand() -> Timeline {
         at(85.0, Fact::Agent(TRUCK, AgentFact::SuppressionEnded { cell: C })),
         at(90.0, Fact::Ended { reason: EndReason::NothingLeft }),
     ];
-    Timeline { setting, events }
+    Timeline { setting, events, ground: Vec::new() }
 }
 
 /// A run of 30 s in which one truck waits for another, which gives way; `outcome` tests tell it in numbers.
@@ -172,7 +178,7 @@ pub fn meeting() -> Timeline {
         at(23.0, Fact::Fire(FireFact::Extinguished { cell: A, by: TRUCK })),
         at(30.0, Fact::Ended { reason: EndReason::Duration }),
     ];
-    Timeline { setting, events }
+    Timeline { setting, events, ground: Vec::new() }
 }
 
 /// A fire that spreads to two cells at one instant, and to a third one from another fire.
@@ -186,7 +192,101 @@ pub fn spreading() -> Timeline {
         at(11.0, Fact::Fire(FireFact::BurnedOut { cell: A })),
         at(21.0, spread(A, D)),
     ];
-    Timeline { setting: small_setting(&[WUMPUS, TRUCK]), events }
+    Timeline { setting: small_setting(&[WUMPUS, TRUCK]), events, ground: Vec::new() }
+}
+
+/// Grass on all cells of a field but those in its last column, on a slope; what burns does so for 20 s.
+pub fn grass(frame: FieldFrame) -> SpreadSetting {
+    let fuel = (0..frame.cell_count()).map(|index| if frame.cell(index).col + 1 == frame.cols { 0 } else { 102 });
+    let heights = (0..frame.cell_count()).map(|index| 300.0 + 0.25 * f32::from(frame.cell(index).row));
+    let landscape = Landscape { frame, fuel: fuel.collect(), relief: Relief::Elevation(heights.collect()) };
+    let interval =
+        |from_s, wind_mps| WeatherInterval { from: seconds(from_s), wind_mps, moisture: FuelMoisture::default() };
+    let weather = vec![interval(0.0, DVec2::new(3.0, 0.0)), interval(50.0, DVec2::new(0.0, -2.5))];
+    SpreadSetting::Rothermel {
+        landscape: Arc::new(landscape),
+        weather: Arc::new(Weather::new(weather).expect("it is in order")),
+        rules: RothermelRules { burn_out: Some(seconds(20.0)), ..RothermelRules::default() },
+    }
+}
+
+/// A run of 100 s on grass in which everything happens once that can happen to ground.
+pub fn on_ground() -> Timeline {
+    let mut setting = small_setting(&[WUMPUS, TRUCK]);
+    setting.spread = Some(grass(setting.frame));
+    setting.blocked = vec![Cell { col: 9, row: 3 }, Cell { col: 9, row: 4 }];
+    let pose = setting.agents[1].pose;
+    let cell = |col, row| Cell { col, row };
+    let fact = |time_s, cell, fact| GroundEvent { time: seconds(time_s), cell, fact };
+    let spread = |time_s, cell, from| fact(time_s, cell, GroundFact::Ignited(Cause::Spread(from)));
+    let (first, goal) = (cell(4, 4), cell(6, 4));
+    let ground = vec![
+        fact(1.0, first, GroundFact::Ignited(Cause::Scheduled)),
+        spread(11.25, cell(5, 4), first),
+        spread(12.5, goal, first),
+        spread(12.5, cell(7, 5), first),
+        spread(18.0, cell(4, 3), first),
+        spread(20.0, cell(4, 2), first),
+        fact(30.0, goal, GroundFact::Extinguished { by: TRUCK }),
+        fact(30.0, cell(6, 3), GroundFact::Wetted { until: seconds(60.0), by: TRUCK }),
+        fact(30.0, B, GroundFact::Wetted { until: seconds(60.0), by: TRUCK }),
+        fact(40.0, cell(0, 9), GroundFact::Ignited(Cause::Lit(WUMPUS))),
+        fact(44.0, cell(5, 9), GroundFact::Ignited(Cause::Spotted(cell(0, 9)))),
+        spread(50.0, goal, cell(7, 5)),
+        // Farther than directions reach, and out of the order of cell indices.
+        spread(60.0, cell(8, 9), cell(0, 9)),
+        spread(60.0, cell(1, 8), cell(0, 9)),
+    ];
+    let events = vec![
+        at(2.0, Fact::Agent(TRUCK, AgentFact::OutOfReach { cells: vec![A, cell(0, 9), first] })),
+        at(13.0, Fact::Fire(FireFact::Ignited { cell: B, cause: Cause::Spread(first) })),
+        at(13.0, planned(TRUCK, goal, leg(13.0, pose, 8.0, &[80.0]))),
+        at(25.0, Fact::Agent(TRUCK, AgentFact::Suppressing { cell: goal })),
+        at(30.0, Fact::Agent(TRUCK, AgentFact::Rested { reason: RestReason::NothingReachable })),
+        at(33.0, Fact::Fire(FireFact::BurnedOut { cell: B })),
+        at(45.0, Fact::Fire(FireFact::Ignited { cell: D, cause: Cause::Spotted(cell(0, 9)) })),
+    ];
+    Timeline { setting, events, ground }
+}
+
+/// The same contest as [`random`], with ground that catches fire here and there, goes out and burns again, and of which
+/// some cannot be reached.
+pub fn random_on_ground(seed: u64, duration: SimTime) -> Timeline {
+    let mut timeline = random(seed, duration);
+    let mut rng = rng::stream(seed, "timeline/sample/ground");
+    let frame = timeline.setting.frame;
+    timeline.setting.spread = Some(grass(frame));
+    let spread = timeline.setting.spread.clone().expect("it was just set").flaming_times();
+    let mut out: Vec<Option<SimTime>> = vec![Some(SimTime::ZERO); frame.cell_count()];
+    for _ in 0..duration.as_nanos() / 8_000_000_000 {
+        let (cell, time) =
+            (frame.cell(rng.random_range(0..frame.cell_count())), rng.random_range(0..duration.as_nanos()));
+        let time = SimTime::from_nanos(time);
+        if !timeline.setting.is_ground(cell) || out[frame.index(cell)].is_none_or(|out| time <= out) {
+            continue;
+        }
+        let from = frame.offset(cell, rng.random_range(-3..=3), rng.random_range(-3..=3)).unwrap_or(cell);
+        timeline.ground.push(GroundEvent { time, cell, fact: GroundFact::Ignited(Cause::Spread(from)) });
+        let burned_out = spread.burns_out_at(cell, time).expect("it burns for 20 s");
+        let extinguished = time + seconds(rng.random_range(0.0..40.0));
+        out[frame.index(cell)] = (extinguished < burned_out).then_some(extinguished);
+        if extinguished < burned_out {
+            timeline.ground.push(GroundEvent {
+                time: extinguished,
+                cell,
+                fact: GroundFact::Extinguished { by: TRUCK },
+            });
+        }
+        if rng.random_bool(0.3) {
+            let fact = Fact::Agent(TRUCK, AgentFact::OutOfReach { cells: vec![cell] });
+            timeline.events.push(Event { time: SimTime::from_nanos(rng.random_range(0..=time.as_nanos())), fact });
+        }
+    }
+    timeline.ground.sort_by_key(|event| event.time);
+    let end = timeline.end_time();
+    timeline.events.retain(|event| event.time <= end);
+    timeline.events.sort_by_key(|event| event.time);
+    timeline
 }
 
 /// A truck that builds a roadmap and plans once, and tells what it looked at.
@@ -208,7 +308,7 @@ pub fn searched() -> Timeline {
         at(10.0, planned(TRUCK, A, leg(10.0, start, 8.0, &[16.0]))),
         at(30.0, Fact::Ended { reason: EndReason::Duration }),
     ];
-    Timeline { setting, events }
+    Timeline { setting, events, ground: Vec::new() }
 }
 
 /// A contest of this length on a field of 50 x 50 cells between one Wumpus and one truck that drive at random and
@@ -254,7 +354,7 @@ impl World {
         setting.frame = frame;
         setting.rules.duration = duration;
         let vegetation = vec![BushState::Intact; setting.bushes.len()];
-        let timeline = Timeline { setting, events: Vec::new() };
+        let timeline = Timeline { setting, events: Vec::new(), ground: Vec::new() };
         let (queue, now) = (EventQueue::default(), SimTime::ZERO);
         let mut limits = SpeedLimits::new(8.0, 8.0);
         if seed % 2 == 1 {

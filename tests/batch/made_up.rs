@@ -24,6 +24,10 @@ fn scenario() -> Scenario {
         wumpus: vec![Wumpus::default()],
         unimog: vec![Unimog::default()],
         ignition: Vec::new(),
+        wind: Vec::new(),
+        wind_file: None,
+        weather: None,
+        landscape: None,
         planner: Programs::new(),
         policy: Programs::new(),
     }
@@ -56,6 +60,8 @@ fn made_up_timeline(seed: u64) -> Timeline {
             program_version: "0".into(),
             frame: FieldFrame { cols: 50, rows: 50, cell_m: 5.0 },
             bushes,
+            blocked: Vec::new(),
+            spread: None,
             agents: vec![
                 start(wumpus, 200.0, Body::Square { size_m: 3.0 }),
                 start(truck, 50.0, Body::Truck(wildfire::vehicle::Dimensions::default())),
@@ -73,6 +79,7 @@ fn made_up_timeline(seed: u64) -> Timeline {
             },
         },
         events,
+        ground: Vec::new(),
     }
 }
 

@@ -1,12 +1,14 @@
 //! Map files of every format, and given fields.
 
 use std::path::Path;
+use std::sync::LazyLock;
 
 use arbitrary::Unstructured;
 use miniz_oxide::deflate;
 use wildfire::grid::Grid;
+use wildfire::map_files::raster::{self, Raster};
 use wildfire::map_files::{self, MapValue};
-use wildfire::scenario::{GivenField, Problem, Unimog};
+use wildfire::scenario::{self, GivenField, Problem, Unimog};
 
 use super::fuzz::text::{NUMBERS, mutated};
 use super::fuzz::{Case, Law, below, chance, one_of};
@@ -56,6 +58,88 @@ pub fn map_file(case: &mut Case<'_>) -> Law {
         }
     }
     Ok(())
+}
+
+const GRIDS: &[&str] = &[
+    "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 5\nNODATA_value -9999\n102 102 98\n145 -9999 99\n",
+    "NCOLS 4 NROWS 3 XLLCENTER 2.5 YLLCENTER 2.5 CELLSIZE 5 1 2 3 4 5 6 7 8 9 10 11 12",
+    "ncols 20\nnrows 20\nxllcorner 1\nyllcorner 2\ndx 5\ndy 5\nnan 1e3 -2.5\n",
+];
+
+const GRID_WORDS: &[&str] =
+    &["ncols ", "nrows ", "cellsize ", "NODATA_value ", "xllcenter ", "nan ", "1e39 ", "-9999 ", "65536 ", "102 "];
+
+static GEOTIFF: LazyLock<Vec<u8>> = LazyLock::new(|| {
+    let folder = tempfile::tempdir().expect("a scratch folder");
+    let (values, crs) = ((0..300).map(|index| 0.25 * index as f32).collect(), None);
+    let raster =
+        Raster { rows: 15, cols: 20, west_m: 10.0, south_m: 20.0, cell_m: 5.0, values, nodata: Some(-1.0), crs };
+    let path = folder.path().join("raster.tif");
+    raster::write_geotiff(&path, &raster).expect("the scratch folder takes files");
+    std::fs::read(path).expect("it was written")
+});
+
+/// Draws a raster, mostly a damaged one.
+fn drawn_raster(case: &mut Case<'_>) -> Vec<u8> {
+    if case.chance(50) {
+        mutated(&mut case.dice, &[GEOTIFF.as_slice()], &["II*\0", "MM\0*", "II+\0"])
+    } else {
+        mutated(&mut case.dice, GRIDS, GRID_WORDS)
+    }
+}
+
+/// Checks that a raster is read or refused, and that its values are the same when they are written and read again.
+pub fn raster_file(case: &mut Case<'_>) -> Law {
+    case.input = drawn_raster(case);
+    let path = case.write("raster", &case.input);
+    let read = match raster::read(&path) {
+        Ok(read) => read,
+        Err(refusal) => return said(&refusal.to_string()),
+    };
+    case.count("rasters accepted");
+    let again = case.folder.join("again");
+    let bits = |raster: &Raster| raster.values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+    // Text has one word for what is no number, and none for what is beyond all numbers.
+    let is_plain = read.values.iter().all(|value| value.is_finite());
+    for write in [raster::write_asc, raster::write_geotiff] {
+        write(&again, &read).map_err(|error| error.to_string())?;
+        let back = raster::read(&again);
+        if is_plain
+            && back.map(|back| bits(&back)).map_err(|error| format!("what was written is refused: {error}"))?
+                != bits(&read)
+        {
+            return Err("other values come back".into());
+        }
+    }
+    Ok(())
+}
+
+/// Checks that the files of a landscape and of its weather are taken or refused at a place of the scenario.
+pub fn landscape_files(case: &mut Case<'_>) -> Law {
+    const WINDS: &[&str] = &["t_s,speed_mps,from_deg\n0,5,270\n600,8.5,180\n", "from_deg,t_s,speed_mps\r\n1,2,3\r\n"];
+    const SAMPLES: &[&str] =
+        &["speed_mps,from_deg\n5,270\n6,280\n", "d1,d10,d100,herb,woody,speed_mps,from_deg\n.06,.07,.08,.6,.9,5,0\n"];
+    let raster = drawn_raster(case);
+    let wind = mutated(&mut case.dice, WINDS, &["t_s", ",", "1e9", "-1", "nan", "\n"]);
+    let samples = mutated(&mut case.dice, SAMPLES, &["d1", ",", "1e9", "-1", "nan", "\n"]);
+    let files = [("raster", &raster), ("wind.csv", &wind), ("samples.csv", &samples)];
+    let paths = files.map(|(name, bytes)| case.write(name, bytes).display().to_string());
+    case.input = [raster.as_slice(), &wind, &samples].concat();
+    let key = *one_of(&mut case.dice, &["fuel_map", "elevation", "fuel_map"]);
+    let mut changes = vec!["fire.model=rothermel".to_owned()];
+    match below(&mut case.dice, 4) {
+        0 => changes.push(format!("fire.rothermel.{key}={}", paths[0])),
+        1 => changes.push(format!("wind_file={}", paths[1])),
+        2 => changes.push(format!("weather={{ samples = \"{}\" }}", paths[2])),
+        _ => changes.push(format!("ignition=[{{ at_s = 1, random = 2, density = \"{}\" }}]", paths[0])),
+    }
+    match scenario::load("wumpus-alone", &changes) {
+        Ok(_) => {
+            case.count("landscapes accepted");
+            Ok(())
+        }
+        Err(refusal) => refusal_names_its_place(&refusal),
+    }
 }
 
 /// Checks that a refusal says something.

@@ -26,8 +26,9 @@ impl Kind {
 pub enum Unit {
     /// Names, numbers that name something, and plain counts.
     None,
-    /// Bush cells.
+    /// Bush cells, and in columns of the ground cells of ground.
     Cells,
+    Hectares,
     /// From 0 to 1.
     Share,
     Seconds,
@@ -44,6 +45,7 @@ impl Unit {
         match self {
             Self::None => "",
             Self::Cells => "cells",
+            Self::Hectares => "ha",
             Self::Share => "1",
             Self::Seconds => "s",
             Self::CellSeconds => "cells s",

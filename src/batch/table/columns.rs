@@ -10,7 +10,7 @@ use crate::batch::execute::{CpuSplit, PlannerCall, RunRow, StateCount};
 use crate::batch::plan::{RunLabel, Value};
 use crate::batch::table::column::{Column, Kind, Phrase, Unit};
 use crate::sim::{AgentCost, RunCost};
-use crate::timeline::{AgentOutcome, Outcome, Winner};
+use crate::timeline::{AgentOutcome, GroundOutcome, Outcome, Winner};
 
 /// A column of `runs.csv`.
 pub type RunColumn = Column<fn(&RunRow) -> Value>;
@@ -62,6 +62,11 @@ fn unless_empty(text: &str) -> Option<String> {
 
 fn outcome<T: Into<Value>>(row: &RunRow, value: impl Fn(&Outcome) -> T) -> Value {
     row.result.as_ref().map(|result| value(&result.outcome)).into()
+}
+
+/// A value of the ground; none of a run in which only bushes burn.
+fn ground<T: Into<Value>>(row: &RunRow, value: impl Fn(&GroundOutcome) -> T) -> Value {
+    row.result.as_ref().and_then(|result| result.outcome.ground.as_ref()).map(value).into()
 }
 
 fn trucks(row: &RunRow, value: impl Fn(&AgentOutcome) -> f64) -> Value {
@@ -147,39 +152,39 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     message: optional Text None "why a run is not done, or what its planners had to say about failed queries"
         = unless_empty(&row.message);
     obstacles: optional Count Cells "bush cells of the field" = outcome(row, |o| o.obstacles);
-    intact: optional Count Cells "cells that never burned, at the end"
+    intact: optional Count Cells "bush cells that never burned, at the end"
         = outcome(row, |o| o.intact), with_title("Intact");
-    burning: optional Count Cells "cells that burn at the end" = outcome(row, |o| o.burning), with_title("Burning");
-    burned_out: optional Count Cells "cells that burned out" = outcome(row, |o| o.burned_out), with_title("Burned out");
-    extinguished: optional Count Cells "cells that were put out"
+    burning: optional Count Cells "bush cells that burn at the end" = outcome(row, |o| o.burning), with_title("Burning");
+    burned_out: optional Count Cells "bush cells that burned out" = outcome(row, |o| o.burned_out), with_title("Burned out");
+    extinguished: optional Count Cells "bush cells that were put out"
         = outcome(row, |o| o.extinguished), with_title("Extinguished"),
         with_phrase(Phrase::new("extinguishes", "more obstacles per run", "fewer obstacles per run"));
     intact_ratio: optional Real Share "share of all bush cells" = outcome(row, Outcome::intact_ratio);
     burned_ratio: optional Real Share "share of all bush cells that burn or have burned out"
         = outcome(row, Outcome::burned_ratio);
     extinguished_ratio: optional Real Share "share of all bush cells" = outcome(row, Outcome::extinguished_ratio);
-    lit_by_wumpus: optional Count Cells "ignitions by Wumpuses; a cell that is lit again counts again"
+    lit_by_wumpus: optional Count Cells "ignitions of bushes by Wumpuses; one that is lit again counts again"
         = outcome(row, |o| o.lit_by_wumpus);
-    caught_by_spread: optional Count Cells "ignitions by spread" = outcome(row, |o| o.caught_by_spread);
+    caught_by_spread: optional Count Cells "ignitions of bushes by spread" = outcome(row, |o| o.caught_by_spread);
     truck_stuck_s: optional Real Seconds
         "time in which trucks did nothing though there was a fire that they could reach"
         = outcome(row, |o| o.truck_stuck_s), with_title("Time that trucks were stuck");
     wumpus_stuck_s: optional Real Seconds
         "time in which Wumpuses did nothing though there was something that they could light"
         = outcome(row, |o| o.wumpus_stuck_s);
-    lit_by_schedule: optional Count Cells "ignitions of the scenario" = outcome(row, |o| o.lit_by_schedule);
+    lit_by_schedule: optional Count Cells "ignitions of bushes by the scenario" = outcome(row, |o| o.lit_by_schedule);
     ended_s: optional Real Seconds "simulated time at the end" = outcome(row, |o| o.ended_s);
-    burning_cell_s: optional Real CellSeconds "number of burning cells integrated over time"
+    burning_cell_s: optional Real CellSeconds "number of burning bush cells integrated over time"
         = outcome(row, |o| o.burning_cell_s),
         with_phrase(Phrase::new(
             "has", "more seconds of a burning cell per run", "fewer seconds of a burning cell per run",
         ));
-    peak_burning: optional Count Cells "most cells that burned at once" = outcome(row, |o| o.peak_burning);
-    mean_response_s: optional Real Seconds "from ignition to extinction, mean over the extinctions"
+    peak_burning: optional Count Cells "most bush cells that burned at once" = outcome(row, |o| o.peak_burning);
+    mean_response_s: optional Real Seconds "from ignition to extinction, mean over the extinctions of bushes"
         = outcome(row, |o| o.mean_response_s), with_title("Time from ignition to extinction"),
         with_phrase(Phrase::new("puts a fire out", "s later", "s sooner"));
-    first_fire_s: optional Real Seconds "time of the first ignition" = outcome(row, |o| o.first_fire_s);
-    all_out_s: optional Real Seconds "end of the last fire, if nothing burned at the end"
+    first_fire_s: optional Real Seconds "time of the first ignition of a bush" = outcome(row, |o| o.first_fire_s);
+    all_out_s: optional Real Seconds "end of the last fire of a bush, if none burned at the end"
         = outcome(row, |o| o.all_out_s);
     wumpus_score: optional Real Points "points of the Wumpuses by the scenario's rules"
         = outcome(row, |o| o.wumpus_score);
@@ -241,6 +246,19 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     wumpus_standing_s: optional Real Seconds "time spent standing" = wumpuses(row, |a| a.standing_s);
     wumpus_longest_idle_s: optional Real Seconds "longest time in which a Wumpus stood while something could be lit"
         = wumpuses_longest(row, |a| a.longest_idle_s);
+    ground_cells: optional Count Cells "cells of ground that can burn; this and what follows only where ground burns"
+        = ground(row, |g| g.cells);
+    ground_burned: optional Count Cells "cells of ground that caught fire" = ground(row, |g| g.burned);
+    ground_extinguished: optional Count Cells "cells of ground that trucks put out"
+        = ground(row, |g| g.extinguished);
+    ground_peak_burning: optional Count Cells "most cells of ground that burned at once"
+        = ground(row, |g| g.peak_burning);
+    spotted: optional Count Cells "ignitions by embers, of bushes and of ground" = ground(row, |g| g.spotted);
+    burned_ha: optional Real Hectares "area of all bushes and ground that caught fire"
+        = ground(row, |g| g.burned_ha), with_title("Burned area"),
+        with_phrase(Phrase::new("burns", "more hectares per run", "fewer hectares per run"));
+    reached_edge_s: optional Real Seconds "when a cell at the border, bush or ground, first caught fire, if one did"
+        = ground(row, |g| g.reached_edge_s);
     cpu_sampling_s: optional Real Seconds "CPU time: drawing the roadmaps' samples"
         = cpu(row, |c| c.sampling_s), with_title("Sampling");
     cpu_map_generation_s: optional Real Seconds "CPU time: connecting them"
@@ -278,7 +296,7 @@ pub const AGENT_COLUMNS: &[AgentColumn] = columns! { AgentColumn, row;
     run: Count None "number of the run in the plan, from 1" = row.label.run;
     agent: Text None "unimog/0, wumpus/0 ..." = row.outcome.agent.to_string();
     policy: optional Text None "policy that chooses where it goes" = row.policy().map(str::to_owned);
-    cells: Count Cells "cells that a Wumpus lit, or a truck put out" = row.outcome.cells;
+    cells: Count Cells "bush cells that a Wumpus lit, or a truck put out" = row.outcome.cells;
     plans: Count None "queries for a plan, failed ones included" = row.outcome.plans;
     failed_start_blocked: Count None "failed queries: the agent's own pose is not free" = row.outcome.failures[0];
     failed_goal_blocked: Count None "failed queries: no free place from which the goal could be reached"

@@ -55,8 +55,8 @@ pub fn problem(setting: &Setting, drive: &RecordedDrive, truck: &Unimog) -> Prob
 
 fn occupied(setting: &Setting) -> Grid<bool> {
     let mut occupied = Grid::filled(setting.frame.rows.into(), setting.frame.cols.into(), false);
-    for bush in &setting.bushes {
-        occupied[(bush.row.into(), bush.col.into())] = true;
+    for cell in setting.obstacles() {
+        occupied[(cell.row.into(), cell.col.into())] = true;
     }
     occupied
 }
@@ -73,7 +73,7 @@ struct TruckJudge<'a> {
 impl<'a> TruckJudge<'a> {
     fn new(setting: &'a Setting, truck: AgentStart, body: Dimensions) -> Self {
         let field = ClearanceField::new(setting.frame, &occupied(setting));
-        let audit_field = AuditField::new(setting.frame, &setting.bushes, Outline::new(&truck.body));
+        let audit_field = AuditField::new(setting.frame, &setting.obstacles(), Outline::new(&truck.body));
         let judge = Judge::new(CollisionChecker::new(field.into(), body));
         Self { setting, truck, body, judge, audit_field }
     }

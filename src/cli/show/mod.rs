@@ -13,6 +13,7 @@ use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::cli::terminal;
 use crate::picture::film::{Layer, Layers, RunView};
+use crate::scenario::MemoryLimit;
 use crate::time::SimTime;
 use crate::timeline::{AgentFact, Fact};
 
@@ -56,6 +57,16 @@ fn tell_apart(shown: &mut [Shown], arguments: &ShowArguments) {
         first.rename(&arguments.source);
         second.rename(with);
     }
+}
+
+/// Opens a scenario or a recording, or the folder of a batch, by its name.
+pub fn source_of_runs(
+    name: &str,
+    overrides: &[String],
+    memory: Option<MemoryLimit>,
+    context: &CommandContext,
+) -> Result<Source, CliError> {
+    Source::new(&Named::open(name)?, overrides, memory, context)
 }
 
 fn second_source(

@@ -148,6 +148,15 @@ impl Source {
         }
     }
 
+    /// Returns the scenario of the runs; `None` of a recording, which does not hold it.
+    pub fn scenario(&self) -> Option<&Scenario> {
+        match self {
+            Self::Recording { .. } => None,
+            Self::Batch { batch, .. } => Some(&batch.plan().variants[0].scenario),
+            Self::Scenario { scenario, .. } => Some(scenario),
+        }
+    }
+
     pub fn has_one_run(&self) -> bool {
         matches!(self, Self::Recording { .. })
     }

@@ -1,7 +1,7 @@
 //! The contest's rule: a set time after it caught fire, and if it still burns, a cell sets on fire at once whatever can
 //! burn within a radius of its centre.
 
-use crate::fire::{Arrival, FireChange, FireEvent, FireField, FireModel, FireRules, Spread};
+use crate::fire::{Arrival, FireChange, FireEvent, FireField, FireModel, FireRules, Spread, SpreadBy};
 use crate::geometry::{Cell, FieldFrame};
 use crate::time::SimTime;
 
@@ -47,9 +47,7 @@ impl Radius {
                 let (cols, rows) = (f64::from(to.col) - f64::from(from.col), f64::from(to.row) - f64::from(from.row));
                 cols * cols + rows * rows <= limit
             };
-            let mut caught: Vec<Cell> = fires.flammable().filter(is_near).collect();
-            caught.sort_unstable_by_key(|&cell| frame.index(cell));
-            return caught;
+            return fires.flammable().filter(|cell| fires.can_burn(*cell)).filter(is_near).collect();
         }
         let neighbours = self.stencil.iter().filter_map(|&(cols, rows)| frame.offset(from, cols, rows));
         neighbours.filter(|&cell| fires.can_burn(cell)).collect()
@@ -91,7 +89,7 @@ impl FireModel for Radius {
         if !fires.goes_on(from, episode) {
             return Vec::new();
         }
-        self.within_reach(fires, from).into_iter().map(|cell| Spread { cell, from }).collect()
+        self.within_reach(fires, from).into_iter().map(|cell| Spread { cell, from, by: SpreadBy::Front }).collect()
     }
 }
 

@@ -52,6 +52,12 @@ impl Layer {
             Self::Clearance => '0',
             Self::CostMap => 'C',
             Self::Wavefront => 'W',
+            Self::Ground => 'G',
+            Self::Wet => 'T',
+            Self::Embers => 'E',
+            Self::Wind => 'V',
+            Self::Arrival => 'A',
+            Self::Intensity => 'I',
         }
     }
 }

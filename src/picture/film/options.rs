@@ -60,10 +60,22 @@ pub enum Layer {
     CostMap,
     /// Cost to go to a truck's goal.
     Wavefront,
+    /// What grows on the ground, and how steep it is.
+    Ground,
+    /// Ground and bushes that trucks have wetted.
+    Wet,
+    /// What embers have lit.
+    Embers,
+    /// Where the wind blows to, how fast, and where it comes from.
+    Wind,
+    /// Lines that the front reached at round times.
+    Arrival,
+    /// Burned ground in the colours of the intensity of its fire.
+    Intensity,
 }
 
 impl Layer {
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 18] = [
         Self::Paths,
         Self::Suppression,
         Self::Spread,
@@ -76,6 +88,12 @@ impl Layer {
         Self::Clearance,
         Self::CostMap,
         Self::Wavefront,
+        Self::Ground,
+        Self::Wet,
+        Self::Embers,
+        Self::Wind,
+        Self::Arrival,
+        Self::Intensity,
     ];
 
     /// Returns its name on the command line and in the legend.
@@ -93,7 +111,23 @@ impl Layer {
             Self::Clearance => "clearance",
             Self::CostMap => "cost-map",
             Self::Wavefront => "wavefront",
+            Self::Ground => "ground",
+            Self::Wet => "wet",
+            Self::Embers => "embers",
+            Self::Wind => "wind",
+            Self::Arrival => "arrival",
+            Self::Intensity => "intensity",
         }
+    }
+
+    /// The layers of a run: those of the ground only where there is some.
+    pub fn all_of(has_ground: bool) -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().filter(move |layer| has_ground || !layer.needs_ground())
+    }
+
+    /// Returns whether only a run with fire on the ground has what it shows.
+    pub fn needs_ground(self) -> bool {
+        matches!(self, Self::Ground | Self::Wet | Self::Embers | Self::Wind | Self::Arrival | Self::Intensity)
     }
 
     /// Returns whether only a run with recorded searches has what it shows.
@@ -104,7 +138,7 @@ impl Layer {
 
 /// A set of layers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Layers(u16);
+pub struct Layers(u32);
 
 impl Layers {
     pub const NONE: Self = Self(0);
@@ -125,7 +159,7 @@ impl Layers {
         self.0 & Self::bit(layer) != 0
     }
 
-    fn bit(layer: Layer) -> u16 {
+    fn bit(layer: Layer) -> u32 {
         1 << layer as u16
     }
 }
@@ -137,8 +171,9 @@ impl FromIterator<Layer> for Layers {
 }
 
 impl Default for Layers {
-    /// Paths and all that fire does.
+    /// Paths and all that fire does; the ground where there is some, and its wind.
     fn default() -> Self {
-        [Layer::Paths, Layer::Suppression, Layer::Spread, Layer::Ages].into_iter().collect()
+        let everywhere = [Layer::Paths, Layer::Suppression, Layer::Spread, Layer::Ages];
+        everywhere.into_iter().chain([Layer::Ground, Layer::Wet, Layer::Embers, Layer::Wind]).collect()
     }
 }

@@ -5,10 +5,10 @@ use bevy::prelude::*;
 use glam::DVec2;
 
 use super::{Drive, Truck};
-use crate::geometry::Cell;
+use crate::geometry::{Cell, FieldFrame};
 use crate::sim::agent::{Activity, Agent, Roster};
 use crate::sim::fire::Fires;
-use crate::sim::queue::{AgentEvent, BushEvent, Due, SimClock, SimQueue, Wake};
+use crate::sim::queue::{AgentEvent, CellEvent, Due, SimClock, SimQueue, Wake};
 use crate::sim::recorder::Recorder;
 use crate::sim::traffic::{Reservation, Traffic};
 use crate::time::SimTime;
@@ -126,8 +126,27 @@ pub fn lose_goal(mut fleet: Fleet) {
 struct Stop {
     by: AgentId,
     goal: Cell,
-    /// Where the truck's body centre is, and how far it reaches around it, if it puts out all in reach.
-    reaches: Option<(DVec2, f64)>,
+    /// Where the truck's body centre is, and how far it reaches around it.
+    centre: DVec2,
+    reach_m: f64,
+    extinguishes_all: bool,
+    wets: Option<SimTime>,
+}
+
+impl Stop {
+    fn is_in_reach(&self, frame: &FieldFrame, cell: Cell) -> bool {
+        (frame.centre(cell) - self.centre).length() <= self.reach_m
+    }
+
+    /// Iterates by index over the cells in reach, at most the whole field.
+    fn cells_in_reach<'a>(&'a self, frame: &'a FieldFrame) -> impl Iterator<Item = Cell> + 'a {
+        let index = |m: f64, cells: u16| (m / frame.cell_m).clamp(0.0, f64::from(cells) - 1.0) as u16;
+        let (low, high) = (self.centre - self.reach_m, self.centre + self.reach_m);
+        let rows = index(low.y, frame.rows)..=index(high.y, frame.rows);
+        let cols = index(low.x, frame.cols)..=index(high.x, frame.cols);
+        let cells = rows.flat_map(move |row| cols.clone().map(move |col| Cell { col, row }));
+        cells.filter(|&cell| self.is_in_reach(frame, cell))
+    }
 }
 
 /// Dwells that end put fires out. All that end at one instant count, even if one of them takes another's fire.
@@ -143,16 +162,26 @@ pub fn end_dwell(mut fleet: Fleet, fires: Res<Fires>) {
         agent.activity = Activity::Idle;
         agent.reconsider(wake.agent, now, &mut fleet.queue);
         let centre = truck.body.body_centre(agent.trajectory.end());
-        stops.push(Stop { by: agent.id, goal, reaches: truck.extinguishes_all.then_some((centre, truck.reach_m)) });
+        let Truck { reach_m, extinguishes_all, wets, .. } = *truck;
+        stops.push(Stop { by: agent.id, goal, centre, reach_m, extinguishes_all, wets });
     }
-    for Stop { by, goal, reaches } in stops {
+    let (field, frame) = (&fires.field, fires.field.frame());
+    for stop in &stops {
+        let (by, goal) = (stop.by, stop.goal);
         let mut put_out = vec![goal];
-        if let Some((centre, reach_m)) = reaches {
-            let in_reach = |cell: &Cell| (fires.field.frame().centre(*cell) - centre).length() <= reach_m;
-            put_out.extend(fires.field.burning().filter(|&cell| cell != goal).filter(in_reach));
+        if stop.extinguishes_all {
+            let others = field.burning().filter(|&cell| cell != goal && stop.is_in_reach(frame, cell));
+            put_out.extend(others);
         }
         for cell in put_out {
-            fleet.queue.push(now, Due::Bush(BushEvent::Extinguish { cell, by }));
+            fleet.queue.push(now, Due::Cell(CellEvent::Extinguish { cell, by }));
+        }
+    }
+    // What was burning when the water came is put out at best, and what is put out is wet for good.
+    for stop in &stops {
+        let Some(wets) = stop.wets else { continue };
+        for cell in stop.cells_in_reach(frame).filter(|&cell| !field.is_burning(cell)) {
+            fleet.queue.push(now, Due::Cell(CellEvent::Wet { cell, until: now + wets, by: stop.by }));
         }
     }
 }

@@ -51,6 +51,8 @@ pub struct Truck {
     reach_m: f64,
     dwell: SimTime,
     extinguishes_all: bool,
+    /// For how long a stop wets what does not burn in reach, if it does.
+    wets: Option<SimTime>,
     charge: Charge,
     planner: Box<dyn TruckPlanner>,
     /// Whether goals that the planner failed on are driven by what the flood knows.

@@ -72,6 +72,7 @@ pub fn spawn(
         reach_m: suppression.reach_m.unwrap_or(f64::INFINITY),
         dwell: SimTime::from_seconds(suppression.dwell_s),
         extinguishes_all: suppression.extinguishes == Extinguishes::AllInReach,
+        wets: arena.scenario.fire.wet(),
         charge: settings.planning_charge(&arena.scenario.planner),
         planner,
         is_rescued: settings.is_rescued(),

@@ -3,8 +3,15 @@
 //! Whether the facts make sense together is not asked here: an audit must be able to read a run that went wrong.
 
 use super::FileError;
+use crate::fire::fuel::FuelModel;
+use crate::fire::{Landscape, Relief, WeatherInterval};
 use crate::geometry::{Cell, FieldFrame, Pose};
-use crate::timeline::{AgentFact, AgentStart, Body, Event, Fact, FireFact, Rules, Setting, Timeline};
+use crate::ranges::{OutOfRange, SettingsTable};
+use crate::time::SimTime;
+use crate::timeline::{
+    AgentFact, AgentStart, Body, Event, Fact, FireFact, GroundEvent, GroundFact, Rules, Setting, SpreadSetting,
+    Timeline,
+};
 use crate::trajectory::{Piece, SpeedLimits, Trajectory};
 
 /// Cells along a side of the field.
@@ -19,12 +26,17 @@ pub const MAX_CELLS_OUT_OF_REACH: usize = 8_000_000;
 pub const MAX_SEARCH_PLACES: usize = 8_000_000;
 /// Edges of all `Searched` facts together.
 pub const MAX_SEARCH_EDGES: usize = 8_000_000;
+/// Facts about the ground: of every cell of the largest field, and as many again of cells that burn twice or get wet.
+pub const MAX_GROUND_FACTS: usize = 2 * MAX_SIDE * MAX_SIDE;
+/// Intervals of weather: a year by the hour.
+pub const MAX_WEATHER: usize = 10_000;
 pub const MAX_NAME_BYTES: usize = 4096;
 
 pub fn check(timeline: &Timeline) -> Result<(), FileError> {
     check_setting(&timeline.setting)?;
     limit("facts", timeline.events.len(), MAX_FACTS)?;
     require(timeline.events.is_sorted_by_key(|event| event.time), || "its facts are not in order of time".into())?;
+    check_ground(timeline)?;
     let (mut pieces, mut cells_out_of_reach) = (0, 0);
     let (mut search_places, mut search_edges) = (0, 0);
     for event in &timeline.events {
@@ -77,7 +89,78 @@ fn check_setting(setting: &Setting) -> Result<(), FileError> {
     require(ascend, || "its bushes are not in the order of their indices".into())?;
     require(setting.agents.is_sorted_by(|a, b| a.id < b.id), || "its agents are not in order".into())?;
     setting.agents.iter().try_for_each(check_agent)?;
+    require(setting.blocked.iter().all(|&cell| contains(&frame, cell)), || {
+        "a cell is blocked outside the field".into()
+    })?;
+    let ascend = setting.blocked.is_sorted_by(|a, b| frame.index(*a) < frame.index(*b));
+    require(ascend, || "its blocked cells are not in the order of their indices".into())?;
+    setting.spread.as_ref().map_or(Ok(()), |spread| check_spread(spread, frame))?;
     check_rules(&setting.rules)
+}
+
+fn check_spread(spread: &SpreadSetting, frame: FieldFrame) -> Result<(), FileError> {
+    let (landscape, weather) = (spread.landscape(), spread.weather());
+    check_landscape(landscape, frame)?;
+    limit("intervals of weather", weather.intervals().len(), MAX_WEATHER)?;
+    let is_weather = |WeatherInterval { wind_mps, moisture, .. }: &WeatherInterval| {
+        let moistures = [moisture.d1, moisture.d10, moisture.d100, moisture.herb, moisture.woody];
+        wind_mps.is_finite() && moistures.into_iter().all(|part| part.is_finite() && part >= 0.0)
+    };
+    require(weather.intervals().iter().all(is_weather), || "its weather is not finite".into())?;
+    match spread {
+        SpreadSetting::Rothermel { rules, .. } => {
+            let embers = rules.embers.map_or(Ok(()), |embers| embers.settings.check(&frame));
+            embers.map_err(|OutOfRange { name, found, expected }| {
+                FileError::Impossible(format!("its embers have {name} {found}, expected {expected}"))
+            })
+        }
+        SpreadSetting::Alexandridis { rules, .. } => {
+            let numbers = [rules.p0, rules.wind_c1, rules.wind_c2, rules.slope_a];
+            let is_possible = numbers.iter().all(|number| number.abs() <= 1.0) && rules.step > SimTime::ZERO;
+            require(is_possible, || "its automaton has a probability, a coefficient or a step that none has".into())
+        }
+    }
+}
+
+fn check_landscape(landscape: &Landscape, frame: FieldFrame) -> Result<(), FileError> {
+    let cells = frame.cell_count();
+    let (reliefs, is_finite) = match &landscape.relief {
+        Relief::Plane(gradient) => (cells, gradient.is_finite()),
+        Relief::Elevation(heights) => (heights.len(), heights.iter().all(|height| height.is_finite())),
+        Relief::Gradient(gradients) => (gradients.len(), gradients.iter().flatten().all(|part| part.is_finite())),
+    };
+    let is_of_field = landscape.frame == frame && landscape.fuel.len() == cells && reliefs == cells;
+    require(is_of_field, || "its landscape is not that of its field".into())?;
+    require(is_finite, || "its landscape is not finite".into())?;
+    let known: Vec<bool> = (0..=u8::MAX).map(|number| number == 0 || FuelModel::by_number(number).is_some()).collect();
+    let stranger = landscape.fuel.iter().find(|&&number| !known[usize::from(number)]);
+    stranger.map_or(Ok(()), |number| require(false, || format!("its landscape has fuel model {number}, which is none")))
+}
+
+fn check_ground(timeline: &Timeline) -> Result<(), FileError> {
+    let Timeline { setting, ground, .. } = timeline;
+    limit("facts about the ground", ground.len(), MAX_GROUND_FACTS)?;
+    require(ground.is_empty() || setting.spread.is_some(), || "its ground burns, and it has none".into())?;
+    let is_in_order = ground.is_sorted_by_key(|event| event.time);
+    require(is_in_order, || "its facts about the ground are not in order of time".into())?;
+    ground.iter().try_for_each(|event| check_ground_event(event, setting))
+}
+
+fn check_ground_event(event: &GroundEvent, setting: &Setting) -> Result<(), FileError> {
+    if let Some(by) = event.agent() {
+        require(setting.agent_index(by).is_some(), || format!("{by} is unknown in a fact at {}", event.time))?;
+    }
+    let is_inside = |cell: Cell| {
+        require(contains(&setting.frame, cell), || format!("{cell} is outside the field in a fact at {}", event.time))
+    };
+    is_inside(event.cell)?;
+    match event.fact {
+        GroundFact::Ignited(cause) => cause.parent().map_or(Ok(()), is_inside),
+        GroundFact::Wetted { until, .. } => {
+            require(until >= event.time, || format!("{} is dry before it is wet at {}", event.cell, event.time))
+        }
+        GroundFact::Extinguished { .. } => Ok(()),
+    }
 }
 
 fn check_agent(agent: &AgentStart) -> Result<(), FileError> {
@@ -119,17 +202,18 @@ fn check_event(event: &Event, setting: &Setting) -> Result<(), FileError> {
     for agent in event.fact.agent().into_iter().chain(other) {
         require(setting.agent_index(agent).is_some(), || format!("{agent} is unknown"))?;
     }
-    if let Some(cell) = event.fact.cell() {
-        check_bush(cell, setting)?;
+    match event.fact {
+        Fact::Fire(fact) => check_bush(fact.cell(), setting)?,
+        _ => event.fact.cell().map_or(Ok(()), |goal| check_cell(goal, setting))?,
     }
     match &event.fact {
         Fact::Agent(_, AgentFact::OutOfReach { cells, .. }) => {
-            cells.iter().try_for_each(|&cell| check_bush(cell, setting))
+            cells.iter().try_for_each(|&cell| check_cell(cell, setting))
         }
         Fact::Agent(_, AgentFact::StartMoved { from, .. }) => {
             require(is_finite(*from), || "a start is not finite".into())
         }
-        Fact::Fire(FireFact::Ignited { cause: crate::timeline::Cause::Spread(from), .. }) => check_bush(*from, setting),
+        Fact::Fire(FireFact::Ignited { cause, .. }) => cause.parent().map_or(Ok(()), |from| check_cell(from, setting)),
         Fact::Agent(_, AgentFact::PlanFailed { until, .. }) => {
             require(*until >= event.time, || "planning time ends before it begins".into())
         }
@@ -154,6 +238,12 @@ fn check_event(event: &Event, setting: &Setting) -> Result<(), FileError> {
 
 fn check_bush(cell: Cell, setting: &Setting) -> Result<(), FileError> {
     require(setting.bush_index(cell).is_some(), || format!("no bush stands at {cell}"))
+}
+
+/// A bush, or a cell of ground.
+fn check_cell(cell: Cell, setting: &Setting) -> Result<(), FileError> {
+    let is_ground = setting.spread.is_some() && contains(&setting.frame, cell);
+    if is_ground { Ok(()) } else { check_bush(cell, setting) }
 }
 
 /// A leg's end is finite only if all of its way is.

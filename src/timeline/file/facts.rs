@@ -1,7 +1,7 @@
 //! The facts of a run as recordings hold them.
 //!
 //! A fact is the number of its kind and its fields, as varints, in which agents and bushes are places in the setting's
-//! lists; then what does not fit a varint: a leg, a list of cells, a graph. Times are differences and numbers of legs
+//! lists, and cells without a bush, since format 7, count on after the bushes by their index; then what does not fit a varint: a leg, a list of cells, a graph. Times are differences and numbers of legs
 //! are streams of their own. What can be computed again is left out.
 //!
 //! Numbers of kinds are never given twice. A new kind takes the next one, in [`FactWriter`] and in [`FactReader`].
@@ -10,7 +10,7 @@ use super::FileError;
 use super::check::{MAX_CELLS_OUT_OF_REACH, MAX_PIECES, MAX_SEARCH_EDGES, MAX_SEARCH_PLACES, limit};
 use super::graphs::{append_graph, take_graph};
 use super::numbers::{NumberReader, NumberWriter};
-use super::{append, take};
+use super::{WITH_GROUND, append, take};
 use crate::geometry::{Cell, Pose};
 use crate::planning::{Effort, FoundBy, PlanFailure, SearchGraph, SearchPhase};
 use crate::time::SimTime;
@@ -41,6 +41,7 @@ mod kind {
     pub const SEARCHED: u32 = 18;
     /// Cells that catch fire from one cell at one instant, one fact after the other.
     pub const SPREAD_TOGETHER: u32 = 19;
+    pub const SPOTTED: u32 = 20;
 }
 
 /// The ways in which a leg begins.
@@ -99,10 +100,10 @@ const FOUND_BY: [Option<FoundBy>; 9] = [
 const FOUND_BY_FLOOD: [Option<FoundBy>; 2] = [None, Some(FoundBy::Reachability)];
 
 pub const NO_SUCH_BUSH: FileError = FileError::Damaged("it refers to a bush that it does not hold");
-const NO_SUCH_AGENT: FileError = FileError::Damaged("it refers to an agent that it does not hold");
+pub const NO_SUCH_AGENT: FileError = FileError::Damaged("it refers to an agent that it does not hold");
 const NO_SUCH_LEG: FileError = FileError::Damaged("it refers to a leg that it does not hold");
-const NO_SUCH_TIME: FileError = FileError::Damaged("it holds a time beyond all times");
-const NO_SUCH_WORD: FileError = FileError::Damaged("a record in it cannot be read");
+pub const NO_SUCH_TIME: FileError = FileError::Damaged("it holds a time beyond all times");
+pub const NO_SUCH_WORD: FileError = FileError::Damaged("a record in it cannot be read");
 
 fn number_of<T: PartialEq>(words: &[T], word: &T) -> u32 {
     words.iter().position(|known| known == word).expect("all words are listed") as u32
@@ -159,21 +160,22 @@ impl<'a> FactWriter<'a> {
 
     fn spread(&mut self, events: &[Event]) {
         let Cause::Spread(from) = cause(&events[0]).expect("it spreads") else { unreachable!("it spreads") };
-        self.record(kind::SPREAD_TOGETHER, &[self.bush(from), events.len() as u32]);
-        self.bush_steps(events.iter().filter_map(|event| event.fact.cell()));
+        self.record(kind::SPREAD_TOGETHER, &[self.cell(from), events.len() as u32]);
+        self.cell_steps(events.iter().filter_map(|event| event.fact.cell()));
     }
 
     fn fact(&mut self, fact: &'a Fact) {
         match fact {
             Fact::Agent(agent, fact) => self.agent_fact(self.agent(*agent), fact),
             Fact::Fire(FireFact::Ignited { cell, cause }) => match *cause {
-                Cause::Lit(agent) => self.record(kind::LIT, &[self.bush(*cell), self.agent(agent)]),
-                Cause::Spread(from) => self.record(kind::SPREAD, &[self.bush(*cell), self.bush(from)]),
-                Cause::Scheduled => self.record(kind::SCHEDULED, &[self.bush(*cell)]),
+                Cause::Lit(agent) => self.record(kind::LIT, &[self.cell(*cell), self.agent(agent)]),
+                Cause::Spread(from) => self.record(kind::SPREAD, &[self.cell(*cell), self.cell(from)]),
+                Cause::Spotted(from) => self.record(kind::SPOTTED, &[self.cell(*cell), self.cell(from)]),
+                Cause::Scheduled => self.record(kind::SCHEDULED, &[self.cell(*cell)]),
             },
-            Fact::Fire(FireFact::BurnedOut { cell }) => self.record(kind::BURNED_OUT, &[self.bush(*cell)]),
+            Fact::Fire(FireFact::BurnedOut { cell }) => self.record(kind::BURNED_OUT, &[self.cell(*cell)]),
             Fact::Fire(FireFact::Extinguished { cell, by }) => {
-                self.record(kind::EXTINGUISHED, &[self.bush(*cell), self.agent(*by)]);
+                self.record(kind::EXTINGUISHED, &[self.cell(*cell), self.agent(*by)]);
             }
             Fact::Ended { reason } => self.record(kind::ENDED, &[number_of(&END_REASONS, reason)]),
         }
@@ -190,35 +192,35 @@ impl<'a> FactWriter<'a> {
             }
             AgentFact::OutOfReach { cells } => {
                 self.record(kind::OUT_OF_REACH, &[agent, cells.len() as u32]);
-                self.bush_steps(cells.iter().copied());
+                self.cell_steps(cells.iter().copied());
             }
             AgentFact::Planned { goal, trajectory, effort, found_by } => {
                 let Effort { roadmap_expansions, local_expansions } = *effort;
                 let found_by = number_of(&FOUND_BY, found_by);
-                let fields = [agent, self.bush(*goal), roadmap_expansions, local_expansions, found_by];
+                let fields = [agent, self.cell(*goal), roadmap_expansions, local_expansions, found_by];
                 self.record(kind::PLANNED, &fields);
                 self.leg(agent, trajectory);
             }
             AgentFact::PlanFailed { goal, reason, effort, until } => {
                 let Effort { roadmap_expansions, local_expansions } = *effort;
                 let reason = number_of(&FAILURES, reason);
-                let fields = [agent, self.bush(*goal), reason, roadmap_expansions, local_expansions];
+                let fields = [agent, self.cell(*goal), reason, roadmap_expansions, local_expansions];
                 self.record(kind::PLAN_FAILED, &fields);
                 append(&mut self.records, &(*until - self.now).as_nanos());
             }
             AgentFact::Dropped { goal, trajectory } => {
-                self.record(kind::DROPPED, &[agent, self.bush(*goal)]);
+                self.record(kind::DROPPED, &[agent, self.cell(*goal)]);
                 self.leg(agent, trajectory);
             }
-            AgentFact::Suppressing { cell } => self.record(kind::SUPPRESSING, &[agent, self.bush(*cell)]),
-            AgentFact::SuppressionEnded { cell } => self.record(kind::SUPPRESSION_ENDED, &[agent, self.bush(*cell)]),
+            AgentFact::Suppressing { cell } => self.record(kind::SUPPRESSING, &[agent, self.cell(*cell)]),
+            AgentFact::SuppressionEnded { cell } => self.record(kind::SUPPRESSION_ENDED, &[agent, self.cell(*cell)]),
             AgentFact::Rested { reason } => self.record(kind::RESTED, &[agent, number_of(&REST_REASONS, reason)]),
             AgentFact::LocalMinimum { goal, x_m, y_m } => {
-                self.record(kind::LOCAL_MINIMUM, &[agent, self.bush(*goal)]);
+                self.record(kind::LOCAL_MINIMUM, &[agent, self.cell(*goal)]);
                 [*x_m, *y_m].into_iter().for_each(|number| self.numbers.push(number));
             }
             AgentFact::Blocked { goal, by } => {
-                self.record(kind::BLOCKED, &[agent, self.bush(*goal), self.agent(*by)]);
+                self.record(kind::BLOCKED, &[agent, self.cell(*goal), self.agent(*by)]);
             }
             AgentFact::GaveWay { to, trajectory } => {
                 self.record(kind::GAVE_WAY, &[agent, self.agent(*to)]);
@@ -236,16 +238,17 @@ impl<'a> FactWriter<'a> {
         self.setting.agent_index(id).expect("the timeline was checked") as u32
     }
 
-    fn bush(&self, cell: Cell) -> u32 {
-        self.setting.bush_index(cell).expect("the timeline was checked") as u32
+    fn cell(&self, cell: Cell) -> u32 {
+        let Setting { bushes, frame, .. } = self.setting;
+        self.setting.bush_index(cell).unwrap_or_else(|| bushes.len() + frame.index(cell)) as u32
     }
 
-    fn bush_steps(&mut self, cells: impl Iterator<Item = Cell>) {
+    fn cell_steps(&mut self, cells: impl Iterator<Item = Cell>) {
         let mut last = 0;
         for cell in cells {
-            let bush = self.bush(cell) as i32;
-            append(&mut self.records, &(bush - last));
-            last = bush;
+            let number = self.cell(cell) as i32;
+            append(&mut self.records, &(number - last));
+            last = number;
         }
     }
 
@@ -380,12 +383,12 @@ impl<'a> FactReader<'a> {
     }
 
     fn spread(&mut self, count: usize) -> Result<(), FileError> {
-        let cause = Cause::Spread(self.bush()?);
+        let cause = Cause::Spread(self.cell()?);
         let together = self.number()?;
         if together as usize > count - self.events.len() {
             return Err(FileError::Damaged("more fires spread in it than it has facts"));
         }
-        for cell in self.bushes(together)? {
+        for cell in self.cells(together)? {
             self.push(Fact::Fire(FireFact::Ignited { cell, cause }));
         }
         Ok(())
@@ -394,16 +397,20 @@ impl<'a> FactReader<'a> {
     fn fact(&mut self, kind: u32) -> Result<Fact, FileError> {
         Ok(match kind {
             kind::LIT => {
-                let cell = self.bush()?;
+                let cell = self.cell()?;
                 Fact::Fire(FireFact::Ignited { cell, cause: Cause::Lit(self.agent()?.1) })
             }
             kind::SPREAD => {
-                let cell = self.bush()?;
-                Fact::Fire(FireFact::Ignited { cell, cause: Cause::Spread(self.bush()?) })
+                let cell = self.cell()?;
+                Fact::Fire(FireFact::Ignited { cell, cause: Cause::Spread(self.cell()?) })
             }
-            kind::SCHEDULED => Fact::Fire(FireFact::Ignited { cell: self.bush()?, cause: Cause::Scheduled }),
-            kind::BURNED_OUT => Fact::Fire(FireFact::BurnedOut { cell: self.bush()? }),
-            kind::EXTINGUISHED => Fact::Fire(FireFact::Extinguished { cell: self.bush()?, by: self.agent()?.1 }),
+            kind::SPOTTED => {
+                let cell = self.cell()?;
+                Fact::Fire(FireFact::Ignited { cell, cause: Cause::Spotted(self.cell()?) })
+            }
+            kind::SCHEDULED => Fact::Fire(FireFact::Ignited { cell: self.cell()?, cause: Cause::Scheduled }),
+            kind::BURNED_OUT => Fact::Fire(FireFact::BurnedOut { cell: self.cell()? }),
+            kind::EXTINGUISHED => Fact::Fire(FireFact::Extinguished { cell: self.cell()?, by: self.agent()?.1 }),
             kind::ENDED => Fact::Ended { reason: word_of(&END_REASONS, self.number()?)? },
             kind => {
                 let (place, agent) = self.agent()?;
@@ -424,29 +431,29 @@ impl<'a> FactReader<'a> {
                 let count = self.number()?;
                 self.cells_out_of_reach += count as usize;
                 limit("cells out of reach", self.cells_out_of_reach, MAX_CELLS_OUT_OF_REACH)?;
-                AgentFact::OutOfReach { cells: self.bushes(count)? }
+                AgentFact::OutOfReach { cells: self.cells(count)? }
             }
             kind::PLANNED => {
-                let (goal, effort) = (self.bush()?, self.effort()?);
+                let (goal, effort) = (self.cell()?, self.effort()?);
                 let words = if self.format < 5 { &FOUND_BY_FLOOD[..] } else { &FOUND_BY };
                 let found_by = word_of(words, self.number()?)?;
                 AgentFact::Planned { goal, trajectory: self.leg(place)?, effort, found_by }
             }
             kind::PLAN_FAILED => {
-                let (goal, reason) = (self.bush()?, word_of(&FAILURES, self.number()?)?);
+                let (goal, reason) = (self.cell()?, word_of(&FAILURES, self.number()?)?);
                 let effort = self.effort()?;
                 let charged_ns = take(&mut self.records)?;
                 AgentFact::PlanFailed { goal, reason, effort, until: self.later(charged_ns)? }
             }
-            kind::DROPPED => AgentFact::Dropped { goal: self.bush()?, trajectory: self.leg(place)? },
-            kind::SUPPRESSING => AgentFact::Suppressing { cell: self.bush()? },
-            kind::SUPPRESSION_ENDED => AgentFact::SuppressionEnded { cell: self.bush()? },
+            kind::DROPPED => AgentFact::Dropped { goal: self.cell()?, trajectory: self.leg(place)? },
+            kind::SUPPRESSING => AgentFact::Suppressing { cell: self.cell()? },
+            kind::SUPPRESSION_ENDED => AgentFact::SuppressionEnded { cell: self.cell()? },
             kind::RESTED => AgentFact::Rested { reason: word_of(&REST_REASONS, self.number()?)? },
             kind::LOCAL_MINIMUM => {
-                let goal = self.bush()?;
+                let goal = self.cell()?;
                 AgentFact::LocalMinimum { goal, x_m: self.numbers.next()?, y_m: self.numbers.next()? }
             }
-            kind::BLOCKED => AgentFact::Blocked { goal: self.bush()?, by: self.agent()?.1 },
+            kind::BLOCKED => AgentFact::Blocked { goal: self.cell()?, by: self.agent()?.1 },
             kind::GAVE_WAY => AgentFact::GaveWay { to: self.agent()?.1, trajectory: self.leg(place)? },
             kind::SEARCHED => AgentFact::Searched { phase: word_of(&PHASES, self.number()?)?, graph: self.graph()? },
             _ => return Err(NO_SUCH_WORD),
@@ -467,17 +474,29 @@ impl<'a> FactReader<'a> {
         self.setting.agents.get(place).map(|agent| (place, agent.id)).ok_or(NO_SUCH_AGENT)
     }
 
-    fn bush(&mut self) -> Result<Cell, FileError> {
-        let place = self.number()?;
-        self.setting.bushes.get(place as usize).copied().ok_or(NO_SUCH_BUSH)
+    fn cell(&mut self) -> Result<Cell, FileError> {
+        let number = self.number()?;
+        self.cell_numbered(number)
     }
 
-    fn bushes(&mut self, count: u32) -> Result<Vec<Cell>, FileError> {
-        let mut place = 0_u32;
+    /// The bush at a place among all, or, counting on after the bushes, the cell of an index that has none.
+    fn cell_numbered(&self, number: u32) -> Result<Cell, FileError> {
+        let Setting { bushes, frame, .. } = self.setting;
+        let number = number as usize;
+        let ground = |index: usize| {
+            let cell = (index < frame.cell_count()).then(|| frame.cell(index));
+            cell.filter(|&cell| self.format >= WITH_GROUND && self.setting.bush_index(cell).is_none())
+        };
+        let bush = bushes.get(number).copied();
+        bush.or_else(|| ground(number - bushes.len())).ok_or(NO_SUCH_BUSH)
+    }
+
+    fn cells(&mut self, count: u32) -> Result<Vec<Cell>, FileError> {
+        let mut number = 0_u32;
         let mut cells = Vec::new();
         for _ in 0..count {
-            place = place.checked_add_signed(take(&mut self.records)?).ok_or(NO_SUCH_BUSH)?;
-            cells.push(self.setting.bushes.get(place as usize).copied().ok_or(NO_SUCH_BUSH)?);
+            number = number.checked_add_signed(take(&mut self.records)?).ok_or(NO_SUCH_BUSH)?;
+            cells.push(self.cell_numbered(number)?);
         }
         Ok(cells)
     }

@@ -19,10 +19,13 @@
 //! edges of the roadmap and 8,000 of 170 searches, two bytes each), with the planner `lattice` 215 KB.
 
 mod check;
+mod columns;
 mod facts;
 mod graphs;
+mod ground;
 mod numbers;
 mod setting;
+mod spread;
 
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
@@ -32,8 +35,10 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use facts::{FactReader, FactWriter};
+use ground::{GroundRecord, GroundWriter};
 use numbers::NumberReader;
 use setting::{SettingRecord, Supplement};
+use spread::GroundSetting;
 
 use super::Timeline;
 use crate::input_file;
@@ -44,20 +49,24 @@ use crate::whole_file::write_whole;
 /// Since version 2 there are local minima, since version 3 the limits of every agent's speed, the rules of fire,
 /// whether a stop puts out one fire or all in reach, and trucks that wait for each other, since version 4 what searches
 /// looked at, since version 5 what found each plan, and fires that spread at one instant are one record; since version 6
-/// there are the failures of planners that are not built in, and trucks that rest because of them or by choice.
-pub const FORMAT: u16 = 6;
+/// there are the failures of planners that are not built in, and trucks that rest because of them or by choice; since
+/// version 7 there is fire on the ground: what it runs over, its rules, its log, and cells of ground as goals.
+pub const FORMAT: u16 = 7;
 
 /// The first format with a [`Supplement`].
 const SUPPLEMENTED: u16 = 3;
+/// The first format with ground.
+const WITH_GROUND: u16 = 7;
 
 /// The bytes that every recording begins with.
 pub const MAGIC: &[u8; 8] = b"WILDFIRE";
 const HEADER_BYTES: usize = 18;
 /// The longest recording.
 pub const MAX_BYTES: u64 = (HEADER_BYTES + MAX_PAYLOAD_BYTES) as u64;
-/// Largest payload, deflated or not. With the limits on counts in [`check`] it keeps the memory of reading below a
+/// Largest payload, deflated or not: 32 MiB for facts, and for each cell of the largest field a fuel of its own, a
+/// gradient and two facts about it. With the limits on counts in [`check`] it keeps the memory of reading below a
 /// gigabyte, whatever the bytes say.
-const MAX_PAYLOAD_BYTES: usize = 32 << 20;
+const MAX_PAYLOAD_BYTES: usize = (32 << 20) + 32 * check::MAX_SIDE * check::MAX_SIDE;
 /// The level of deflation up to which an hour's recording takes less than a millisecond; beyond it files shrink by 4 %.
 const DEFLATE_LEVEL: u8 = 3;
 
@@ -169,6 +178,9 @@ fn encode_payload(timeline: &Timeline) -> Vec<u8> {
     append(&mut bytes, &SettingRecord::from(&timeline.setting));
     append(&mut bytes, &streams);
     append(&mut bytes, &Supplement::from(&timeline.setting));
+    append(&mut bytes, &GroundSetting::from(&timeline.setting));
+    let log = (!timeline.ground.is_empty()).then(|| GroundWriter::new(&timeline.setting, &timeline.ground));
+    append(&mut bytes, &log.as_ref().map(GroundWriter::record_of_all));
     bytes
 }
 
@@ -179,13 +191,21 @@ fn decode_payload(format: u16, mut bytes: &[u8]) -> Result<Timeline, FileError> 
     let count = streams.facts as usize;
     check::limit("facts", count, check::MAX_FACTS)?;
     let supplement = if format < SUPPLEMENTED { Supplement::default() } else { take(&mut bytes)? };
+    let (ground_setting, log) = if format < WITH_GROUND {
+        (GroundSetting::default(), None)
+    } else {
+        (take(&mut bytes)?, take::<Option<GroundRecord<'_>>>(&mut bytes)?)
+    };
     if !bytes.is_empty() {
         return Err(FileError::Damaged("more follows than its setting and its facts"));
     }
-    let setting = setting.into_setting(&supplement)?;
+    let mut setting = setting.into_setting(&supplement)?;
+    setting.blocked = ground_setting.blocked(setting.frame)?;
+    setting.spread = ground_setting.spread(setting.frame)?;
     let numbers = NumberReader::new(&streams.recurring_numbers, &streams.single_numbers, streams.number_references);
     let events = FactReader::new(format, &setting, streams.delays, streams.records, numbers).read(count)?;
-    Ok(Timeline { setting, events })
+    let ground = log.map_or(Ok(Vec::new()), |log| log.read(&setting))?;
+    Ok(Timeline { setting, events, ground })
 }
 
 /// Adds a value's bytes to others.
@@ -234,21 +254,27 @@ fn checked_payload(bytes: &[u8]) -> Result<(u16, &[u8]), FileError> {
 #[cfg(test)]
 mod tests {
     use std::fs;
+    use std::sync::Arc;
 
     use rand::{Rng, RngExt};
 
     use super::super::sample::{self, A, C, TRUCK, WUMPUS, at, leg, planned, seconds};
     use super::*;
-    use crate::geometry::{Cell, Pose};
+    use crate::fire::lone::LoneFire;
+    use crate::fire::models::RothermelRules;
+    use crate::fire::surface::FuelMoisture;
+    use crate::fire::{Landscape, Relief, Weather};
+    use crate::geometry::{Cell, DVec2, FieldFrame, Pose};
     use crate::planning::{FoundBy, PlanFailure};
     use crate::rng;
     use crate::time::SimTime;
-    use crate::timeline::{AgentFact, Event, Fact, Outcome};
+    use crate::time::cpu::CpuStopwatch;
+    use crate::timeline::{AgentFact, Cause, Event, Fact, GroundEvent, GroundFact, Outcome, SpreadSetting};
     use crate::trajectory::{Piece, SpeedLimits, Trajectory};
     use crate::vehicle::Segment;
 
     fn tiny(events: Vec<Event>) -> Timeline {
-        Timeline { setting: sample::small_setting(&[WUMPUS, TRUCK]), events }
+        Timeline { setting: sample::small_setting(&[WUMPUS, TRUCK]), events, ground: Vec::new() }
     }
 
     fn assert_comes_back(timeline: &Timeline) {
@@ -264,9 +290,11 @@ mod tests {
         assert_comes_back(&sample::meeting());
         assert_comes_back(&sample::searched());
         assert_comes_back(&sample::spreading());
+        assert_comes_back(&sample::on_ground());
         assert_comes_back(&tiny(vec![]));
         for seed in 0..10 {
             assert_comes_back(&sample::random(seed, seconds(200.0)));
+            assert_comes_back(&sample::random_on_ground(seed, seconds(2000.0)));
         }
     }
 
@@ -324,7 +352,7 @@ mod tests {
             let payload = encode_payload(timeline);
             (payload.len(), crc32fast::hash(&payload))
         };
-        assert_eq!(digest(&sample::by_hand()), (667, 2_435_668_242));
+        assert_eq!(digest(&sample::by_hand()), (670, 3_460_633_845));
     }
 
     #[test]
@@ -348,7 +376,8 @@ mod tests {
     fn a_payload_without_its_supplement_is_no_recording_of_today() {
         let payload = encode_payload(&sample::by_hand());
         let supplement = postcard::to_stdvec(&Supplement::from(&sample::by_hand().setting)).expect("it is plain data");
-        let bytes = sealed(&deflate::compress_to_vec(&payload[..payload.len() - supplement.len()], 1));
+        // Three bytes more say that there is no ground.
+        let bytes = sealed(&deflate::compress_to_vec(&payload[..payload.len() - 3 - supplement.len()], 1));
         assert!(matches!(decode(&bytes), Err(FileError::Damaged(_))));
     }
 
@@ -413,7 +442,8 @@ mod tests {
     #[test]
     fn a_payload_damaged_under_a_fitting_checksum_is_no_panic() {
         let today =
-            [sample::by_hand(), sample::searched(), sample::spreading()].map(|timeline| encode_payload(&timeline));
+            [sample::by_hand(), sample::searched(), sample::spreading(), sample::on_ground(), sample::on_ground()]
+                .map(|timeline| encode_payload(&timeline));
         let inflated = |bytes: &[u8]| inflate::decompress_to_vec(&bytes[HEADER_BYTES..]).expect("it was deflated");
         let older = OLDER.map(|(format, bytes)| (format, inflated(bytes)));
         let payloads: Vec<_> = today.into_iter().map(|payload| (FORMAT, payload)).chain(older).collect();
@@ -430,6 +460,7 @@ mod tests {
             match decode(&bytes) {
                 Ok(other) => {
                     Outcome::new(&other);
+                    encode(&other).expect("what was read can be written");
                     other.state_at(seconds(50.0));
                 }
                 Err(_) => refused += 1,
@@ -452,6 +483,8 @@ mod tests {
             let streams = Streams { facts, delays, records, recurring_numbers, single_numbers, number_references };
             append(&mut payload, &streams);
             append(&mut payload, &Supplement::from(&setting));
+            append(&mut payload, &GroundSetting::default());
+            append(&mut payload, &None::<GroundRecord<'_>>);
             decode(&sealed(&deflate::compress_to_vec(&payload, 1))).expect_err("its bytes hold nothing").to_string()
         };
         assert_eq!(refusal(u32::MAX, 0), "too large to record: places of searches beyond the limit of 8000000");
@@ -479,7 +512,7 @@ mod tests {
         let mut bytes = encode(&sample::by_hand()).expect("it is a possible run");
         bytes[8..10].copy_from_slice(&(FORMAT + 1).to_le_bytes());
         let newer = decode(&bytes).expect_err("the format is unknown");
-        assert_eq!(newer.to_string(), "written by a newer wildfire: format 7, this program reads up to 6");
+        assert_eq!(newer.to_string(), "written by a newer wildfire: format 8, this program reads up to 7");
         let foreign = decode(b"\x89PNG\r\n\x1a\n and so on").expect_err("it is a picture");
         assert_eq!(foreign.to_string(), "not a wildfire recording");
     }
@@ -516,9 +549,76 @@ mod tests {
             refused.to_string(),
             "not a possible run: a search leads to a place that it does not hold in a fact at 10.000 s"
         );
+        let mut barren = sample::on_ground();
+        barren.setting.spread = None;
+        let mut disorder = sample::on_ground();
+        disorder.ground.swap(0, 5);
+        let mut outside = sample::on_ground();
+        outside.ground[1].cell.col = 10;
+        let mut stranger = sample::on_ground();
+        stranger.ground[6].fact = GroundFact::Extinguished { by: sample::SECOND_TRUCK };
+        let mut dry_at_once = sample::on_ground();
+        dry_at_once.ground[7].fact = GroundFact::Wetted { until: seconds(29.0), by: TRUCK };
+        let mut other_field = sample::on_ground();
+        other_field.setting.spread = Some(sample::grass(FieldFrame { cols: 9, ..other_field.setting.frame }));
+        for run in [barren, disorder, outside, stranger, dry_at_once, other_field] {
+            assert!(matches!(encode(&run), Err(FileError::Impossible(_))));
+        }
         let mut vast = tiny(vec![]);
         vast.setting.frame.cols = 1001;
         assert!(matches!(encode(&vast), Err(FileError::TooLarge { .. })));
+    }
+
+    /// A fire by Rothermel's equations over a thousand by a thousand cells of two fuels in patches on a hill.
+    fn burned_over() -> Timeline {
+        let frame = FieldFrame { cols: 1000, rows: 1000, cell_m: 5.0 };
+        let mut setting = sample::small_setting(&[WUMPUS, TRUCK]);
+        (setting.frame, setting.bushes) = (frame, Vec::new());
+        let fuel = |index| {
+            let Cell { col, row } = frame.cell(index);
+            if (col / 37 + row / 23) % 2 == 0 { 102 } else { 101 }
+        };
+        let height = |index: usize| {
+            let [x, y] = [frame.cell(index).col, frame.cell(index).row].map(|at| (f32::from(at) - 500.0) / 200.0);
+            80.0 / (1.0 + x * x + y * y)
+        };
+        let cells = 0..frame.cell_count();
+        let relief = Relief::Elevation(cells.clone().map(height).collect());
+        let landscape = Arc::new(Landscape { frame, fuel: cells.map(fuel).collect(), relief });
+        let weather = Arc::new(Weather::constant(DVec2::new(3.0, 1.0), FuelMoisture::default()));
+        let rules = RothermelRules::default();
+        let start = (SimTime::ZERO, Cell { col: 300, row: 450 });
+        let mut fire = LoneFire::new(Arc::clone(&landscape), Arc::clone(&weather), rules, &[start]);
+        setting.rules.duration = seconds(1e6);
+        fire.burn_until(setting.rules.duration);
+        setting.spread = Some(SpreadSetting::Rothermel { landscape, weather, rules });
+        let ignition = |index| {
+            let cell = frame.cell(index);
+            let parent = fire.parent(cell)?;
+            let cause = if parent == cell { Cause::Scheduled } else { Cause::Spread(parent) };
+            Some(GroundEvent { time: fire.arrival(cell)?, cell, fact: GroundFact::Ignited(cause) })
+        };
+        let mut ground: Vec<GroundEvent> = (0..frame.cell_count()).filter_map(ignition).collect();
+        ground.sort_by_key(|event| event.time);
+        Timeline { setting, events: Vec::new(), ground }
+    }
+
+    #[test]
+    fn a_million_ignitions_take_at_most_eight_megabytes() {
+        let timeline = burned_over();
+        assert_eq!(timeline.ground.len(), 1_000_000);
+        let watch = CpuStopwatch::start();
+        let bytes = encode(&timeline).expect("it is a possible run");
+        let (written, mut watch) = (
+            {
+                let mut watch = watch;
+                watch.lap()
+            },
+            CpuStopwatch::start(),
+        );
+        let back = decode(&bytes).expect("it was just written");
+        println!("{} bytes, written in {written:?}, read in {:?} of CPU time", bytes.len(), watch.lap());
+        assert!(back == timeline && bytes.len() < 8_000_000, "{} bytes", bytes.len());
     }
 
     #[test]

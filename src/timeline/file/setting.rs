@@ -97,9 +97,6 @@ enum FireRecord {
 
 impl From<&Setting> for SettingRecord {
     fn from(setting: &Setting) -> Self {
-        let mut last = 0;
-        let indices = setting.bushes.iter().map(|&bush| setting.frame.index(bush) as u32);
-        let bush_steps = indices.map(|index| index - std::mem::replace(&mut last, index)).collect();
         let rules = &setting.rules;
         Self {
             scenario: setting.scenario.clone(),
@@ -108,7 +105,7 @@ impl From<&Setting> for SettingRecord {
             cols: setting.frame.cols,
             rows: setting.frame.rows,
             cell_m: setting.frame.cell_m,
-            bush_steps,
+            bush_steps: steps(setting.frame, &setting.bushes),
             agents: setting.agents.iter().map(AgentRecord::from).collect(),
             rules: RulesRecord {
                 duration_ns: rules.duration.as_nanos(),
@@ -177,7 +174,9 @@ impl SettingRecord {
             seed: self.seed,
             program_version: self.program_version,
             frame,
-            bushes: bushes(frame, &self.bush_steps)?,
+            bushes: cells(frame, &self.bush_steps)?,
+            blocked: Vec::new(),
+            spread: None,
             agents: agents.map(|(agent, limits)| agent.start(limits)).collect(),
             rules: Rules {
                 duration: SimTime::from_nanos(self.rules.duration_ns),
@@ -194,13 +193,21 @@ impl SettingRecord {
     }
 }
 
-fn bushes(frame: FieldFrame, steps: &[u32]) -> Result<Vec<Cell>, FileError> {
+/// Returns the index of each cell less that of the one before it.
+pub fn steps(frame: FieldFrame, cells: &[Cell]) -> Vec<u32> {
+    let mut last = 0;
+    let indices = cells.iter().map(|&cell| frame.index(cell) as u32);
+    indices.map(|index| index - std::mem::replace(&mut last, index)).collect()
+}
+
+/// Returns the cells with these steps between their indices.
+pub fn cells(frame: FieldFrame, steps: &[u32]) -> Result<Vec<Cell>, FileError> {
     let mut index = 0_usize;
-    let bush = |&step: &u32| {
+    let cell = |&step: &u32| {
         index = index.checked_add(step as usize).filter(|&index| index < frame.cell_count()).ok_or(NO_SUCH_BUSH)?;
         Ok(frame.cell(index))
     };
-    steps.iter().map(bush).collect()
+    steps.iter().map(cell).collect()
 }
 
 impl AgentRecord {

@@ -3,17 +3,20 @@
 //! Time is added up in whole nanoseconds and becomes seconds once, at the end. A distance is that of the legs before,
 //! and of the present one as far as it was followed.
 
+use std::collections::BTreeSet;
+
 use crate::geometry::Cell;
 use crate::planning::{Effort, FoundBy, PlanFailure};
 use crate::time::SimTime;
 use crate::timeline::replay::BushChange;
 use crate::timeline::{
-    Activity, AgentFact, AgentOutcome, AgentStart, AgentState, BushState, Event, Fact, FireFact, RestReason, Setting,
-    Timeline,
+    Activity, AgentFact, AgentOutcome, AgentStart, AgentState, BushState, Event, Fact, FireFact, GroundEvent,
+    RestReason, Setting, Timeline,
 };
 use crate::trajectory::{Piece, Trajectory};
 
 use super::bushes::BushCounts;
+use super::ground::GroundIndex;
 
 /// The numbers of an agent until some time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -161,6 +164,46 @@ struct OpenDrive {
     sets_out: SimTime,
 }
 
+/// What burns and who goes for it, during a stretch of time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Surroundings<'a> {
+    pub now: SimTime,
+    pub bushes: &'a BushCounts,
+    pub burning_ground: u32,
+    /// Places of the bushes that could be lit if they were not wet, which only matter to a Wumpus that stands.
+    pub wet_bushes: &'a [usize],
+    /// Burning cells that other trucks go for, which only matter to a truck that stands.
+    pub others_goals: &'a [Cell],
+}
+
+/// Cells of ground that an agent ruled out, and when how many of them burn from then on.
+#[derive(Debug, Default)]
+struct GroundOutOfReach {
+    /// In order of rows and columns.
+    cells: BTreeSet<(u16, u16)>,
+    /// Begins and ends of their burning, ascending.
+    begins: Vec<SimTime>,
+    ends: Vec<SimTime>,
+}
+
+impl GroundOutOfReach {
+    fn add(&mut self, cells: impl Iterator<Item = Cell>, ground: &GroundIndex) {
+        for cell in cells.filter(|&cell| ground.is_ground(cell)) {
+            if self.cells.insert((cell.row, cell.col)) {
+                self.begins.extend(ground.burnings_of(cell).iter().map(|burning| burning.ignited));
+                self.ends.extend(ground.burnings_of(cell).iter().map(|burning| burning.ends));
+            }
+        }
+        self.begins.sort_unstable();
+        self.ends.sort_unstable();
+    }
+
+    fn burning_at(&self, time: SimTime) -> u32 {
+        let so_far = |times: &[SimTime]| times.partition_point(|&happened| happened <= time);
+        (so_far(&self.begins) - so_far(&self.ends)) as u32
+    }
+}
+
 /// Follows one agent through a run.
 #[derive(Debug)]
 pub(super) struct AgentReader<'a> {
@@ -171,6 +214,8 @@ pub(super) struct AgentReader<'a> {
     out_of_reach: Vec<bool>,
     burning_out_of_reach: u32,
     lightable_out_of_reach: u32,
+    ground: Option<&'a GroundIndex>,
+    ground_out_of_reach: GroundOutOfReach,
     /// Whether it rests because its policy wants it to.
     rests_by_choice: bool,
     stuck: SimTime,
@@ -180,7 +225,7 @@ pub(super) struct AgentReader<'a> {
 }
 
 impl<'a> AgentReader<'a> {
-    pub fn new(start: &AgentStart, timeline: &'a Timeline) -> Self {
+    pub fn new(start: &AgentStart, timeline: &'a Timeline, ground: Option<&'a GroundIndex>) -> Self {
         Self {
             timeline,
             history: AgentHistory::new(),
@@ -188,6 +233,8 @@ impl<'a> AgentReader<'a> {
             out_of_reach: vec![false; timeline.setting.bushes.len()],
             burning_out_of_reach: 0,
             lightable_out_of_reach: 0,
+            ground,
+            ground_out_of_reach: GroundOutOfReach::default(),
             rests_by_choice: false,
             stuck: SimTime::ZERO,
             idle: SimTime::ZERO,
@@ -266,6 +313,11 @@ impl<'a> AgentReader<'a> {
         }
     }
 
+    /// Records that it lit a cell of ground, or put it out.
+    pub fn record_deed(&mut self, deed: &GroundEvent) {
+        self.drive = self.drive.take().filter(|drive| drive.goal != deed.cell);
+    }
+
     /// Records what the agent does from now on, and where it goes.
     pub fn turn_to(&mut self, now: SimTime, activity: Activity, goal: Option<Cell>) {
         let last = &self.history.steps[self.history.steps.len() - 1];
@@ -275,10 +327,9 @@ impl<'a> AgentReader<'a> {
         }
     }
 
-    /// Records a stretch of time; `others_goals` are burning bushes that other trucks go for, which only matter to a
-    /// truck that stands.
-    pub fn account(&mut self, span: SimTime, activity: Activity, counts: &BushCounts, others_goals: &[usize]) {
-        let (anything, in_reach) = self.left_to_do(counts, others_goals);
+    /// Records a stretch of time.
+    pub fn account(&mut self, span: SimTime, activity: Activity, around: &Surroundings<'_>) {
+        let (anything, in_reach) = self.left_to_do(around);
         let stands = activity == Activity::Standing;
         if stands && in_reach && !self.rests_by_choice {
             self.stuck += span;
@@ -304,7 +355,8 @@ impl<'a> AgentReader<'a> {
             waiting_s: spent_s(Activity::Waiting),
             stuck_s: self.stuck.as_seconds(),
             longest_idle_s: self.longest_idle.as_seconds(),
-            out_of_reach: self.out_of_reach.iter().filter(|&&ruled_out| ruled_out).count() as u32,
+            out_of_reach: self.out_of_reach.iter().filter(|&&ruled_out| ruled_out).count() as u32
+                + self.ground_out_of_reach.cells.len() as u32,
             ..self.outcome
         };
         (self.history, outcome)
@@ -323,20 +375,34 @@ impl<'a> AgentReader<'a> {
         self.outcome.wasted_drives += u32::from(set_out);
     }
 
-    /// Returns whether there is a bush to act on anywhere, and in this agent's reach.
-    fn left_to_do(&self, counts: &BushCounts, others_goals: &[usize]) -> (bool, bool) {
+    /// Returns whether there is something to act on anywhere, and in this agent's reach: for a Wumpus bushes, for a truck
+    /// whatever burns.
+    fn left_to_do(&self, around: &Surroundings<'_>) -> (bool, bool) {
         if !self.is_truck() {
-            let lightable = counts.lightable(self.timeline.setting.rules.relight);
-            return (lightable > 0, lightable > self.lightable_out_of_reach);
+            let lightable = around.bushes.lightable(self.timeline.setting.rules.relight);
+            let wet_in_reach = around.wet_bushes.iter().filter(|&&bush| !self.out_of_reach[bush]).count() as u32;
+            let dry = lightable - around.wet_bushes.len() as u32;
+            return (dry > 0, lightable > self.lightable_out_of_reach + wet_in_reach);
         }
-        let burning = counts.burning();
-        let taken_in_reach = others_goals.iter().filter(|&&bush| !self.out_of_reach[bush]).count() as u32;
-        let free = burning - others_goals.len() as u32;
-        let free_in_reach = burning - self.burning_out_of_reach - taken_in_reach;
+        let burning = around.bushes.burning() + around.burning_ground;
+        let taken_in_reach = around.others_goals.iter().filter(|&&goal| !self.is_out_of_reach(goal)).count() as u32;
+        let free = burning.saturating_sub(around.others_goals.len() as u32);
+        let out_of_reach = self.burning_out_of_reach + self.ground_out_of_reach.burning_at(around.now);
+        let free_in_reach = burning.saturating_sub(out_of_reach + taken_in_reach);
         (free > 0, free_in_reach > 0)
     }
 
+    fn is_out_of_reach(&self, cell: Cell) -> bool {
+        match self.timeline.setting.bush_index(cell) {
+            Some(bush) => self.out_of_reach[bush],
+            None => self.ground_out_of_reach.cells.contains(&(cell.row, cell.col)),
+        }
+    }
+
     fn rule_out(&mut self, cells: &[Cell], setting: &Setting, bushes: &[BushState]) {
+        if let Some(ground) = self.ground {
+            self.ground_out_of_reach.add(cells.iter().copied(), ground);
+        }
         for bush in cells.iter().filter_map(|&cell| setting.bush_index(cell)) {
             if !std::mem::replace(&mut self.out_of_reach[bush], true) {
                 self.burning_out_of_reach += u32::from(bushes[bush].burns());

@@ -174,7 +174,9 @@ impl BushReader {
     pub fn record_fact(&mut self, fact: &Fact) {
         match fact {
             Fact::Fire(FireFact::Ignited { cause: Cause::Lit(_), .. }) => self.outcome.lit_by_wumpus += 1,
-            Fact::Fire(FireFact::Ignited { cause: Cause::Spread(_), .. }) => self.outcome.caught_by_spread += 1,
+            Fact::Fire(FireFact::Ignited { cause: Cause::Spread(_) | Cause::Spotted(_), .. }) => {
+                self.outcome.caught_by_spread += 1;
+            }
             Fact::Fire(FireFact::Ignited { cause: Cause::Scheduled, .. }) => self.outcome.lit_by_schedule += 1,
             _ => {}
         }

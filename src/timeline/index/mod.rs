@@ -6,16 +6,19 @@
 
 mod agents;
 mod bushes;
+mod ground;
 
 use std::borrow::Cow;
 
 pub use agents::{AgentStats, FollowedLeg};
 pub use bushes::{BushCounts, SpreadMoment};
+pub use ground::{Burning, GroundCounts, GroundIndex, Wetting};
 
-use agents::{AgentHistory, AgentReader};
+use agents::{AgentHistory, AgentReader, Surroundings};
 use bushes::{BushHistory, BushReader};
 
-use super::{Activity, AgentFact, Event, Fact, Outcome, Replay, State, Timeline};
+use super::replay::Happening;
+use super::{Activity, AgentFact, BushState, Event, Fact, GroundEvent, Outcome, Replay, State, Timeline};
 use crate::geometry::Cell;
 use crate::planning::{SearchGraph, SearchPhase};
 use crate::time::SimTime;
@@ -33,6 +36,7 @@ pub struct RunIndex<'a> {
     bushes: BushHistory,
     spreads: Vec<SpreadMoment>,
     agents: Vec<AgentHistory>,
+    ground: Option<GroundIndex>,
     outcome: Outcome,
 }
 
@@ -42,9 +46,10 @@ impl<'a> RunIndex<'a> {
     }
 
     fn from_cow(timeline: Cow<'a, Timeline>) -> Self {
-        let Reading { moments, bushes, agents, outcome } = Reader::new(&timeline).read();
+        let ground = GroundIndex::new(&timeline);
+        let Reading { moments, bushes, agents, outcome } = Reader::new(&timeline, ground.as_ref()).read();
         let (end, spreads) = (timeline.end_time(), bushes::spread_moments(&timeline));
-        Self { timeline, end, moments, bushes, spreads, agents, outcome }
+        Self { timeline, end, moments, bushes, spreads, agents, ground, outcome }
     }
 
     pub fn timeline(&self) -> &Timeline {
@@ -73,6 +78,18 @@ impl<'a> RunIndex<'a> {
 
     pub fn counts_at(&self, time: SimTime) -> BushCounts {
         self.bushes.counts_at(time)
+    }
+
+    /// The ground at all times; `None` where only bushes burn.
+    pub fn ground(&self) -> Option<&GroundIndex> {
+        self.ground.as_ref()
+    }
+
+    /// What happened to the ground after `from` up to `to`.
+    pub fn ground_between(&self, from: SimTime, to: SimTime) -> &[GroundEvent] {
+        let log = &self.timeline.ground;
+        let before = |time: SimTime| log.partition_point(|event| event.time <= time.min(self.end));
+        &log[before(from)..before(to).max(before(from))]
     }
 
     /// Returns the numbers of an agent until a time.
@@ -123,7 +140,8 @@ impl<'a> RunIndex<'a> {
         self.agents.iter().any(|agent| !agent.searches.is_empty())
     }
 
-    /// The next time after `time` at which something happens; what a search looked at is no event.
+    /// The next time after `time` at which something happens; what a search looked at is no event, and fire that goes over
+    /// ground by itself is too many.
     pub fn next_event(&self, time: SimTime) -> Option<SimTime> {
         self.moments.get(self.moments.partition_point(|&moment| moment <= time)).copied()
     }
@@ -156,16 +174,21 @@ struct Reader<'a> {
     moments: Vec<SimTime>,
     bushes: BushReader,
     agents: Vec<AgentReader<'a>>,
+    ground: Option<&'a GroundIndex>,
+    /// When the number of burning cells of ground changes while it is so small that it matters to somebody which.
+    scarce: Vec<SimTime>,
 }
 
 impl<'a> Reader<'a> {
-    fn new(timeline: &'a Timeline) -> Self {
+    fn new(timeline: &'a Timeline, ground: Option<&'a GroundIndex>) -> Self {
         Self {
+            scarce: ground.map_or_else(Vec::new, |ground| scarce_times(timeline, ground)),
+            ground,
             timeline,
             replay: Replay::before_all(timeline),
             moments: Vec::new(),
             bushes: BushReader::new(&timeline.setting),
-            agents: timeline.setting.agents.iter().map(|start| AgentReader::new(start, timeline)).collect(),
+            agents: timeline.setting.agents.iter().map(|start| AgentReader::new(start, timeline, ground)).collect(),
         }
     }
 
@@ -174,7 +197,9 @@ impl<'a> Reader<'a> {
         loop {
             self.read_instant();
             let now = self.replay.time();
-            let until = self.replay.next_change().map_or(end, |change| change.min(end));
+            let scarce = self.scarce.get(self.scarce.partition_point(|&time| time <= now)).copied();
+            let until = self.replay.next_change().into_iter().chain(scarce).chain([end]).min().unwrap_or(end);
+            let until = until.min(end);
             if until <= now {
                 break;
             }
@@ -193,6 +218,7 @@ impl<'a> Reader<'a> {
             wumpus_stuck_s: stuck_s(false),
             ended_s: end.as_seconds(),
             agents: outcomes,
+            ground: self.ground.map(|ground| ground.outcome(self.timeline)),
             ..outcome
         };
         Reading { moments: self.moments, bushes, agents, outcome }
@@ -201,7 +227,14 @@ impl<'a> Reader<'a> {
     /// Lets all facts of the present instant happen; what agents do from then on is known after the last of them.
     fn read_instant(&mut self) {
         let now = self.replay.time();
-        while let Some((event, change)) = self.replay.step(now) {
+        while let Some(happening) = self.replay.step(now) {
+            let (event, change) = match happening {
+                Happening::Fact(event, change) => (event, change),
+                Happening::Deed(deed) => {
+                    self.record_deed(deed);
+                    continue;
+                }
+            };
             let fact = self.replay.facts_so_far() - 1;
             if !matches!(event.fact, Fact::Agent(_, AgentFact::Searched { .. })) && self.moments.last() != Some(&now) {
                 self.moments.push(now);
@@ -221,36 +254,92 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Records a stretch of time in which nothing changes.
+    /// Records what an agent did to ground.
+    fn record_deed(&mut self, deed: &GroundEvent) {
+        if self.moments.last() != Some(&deed.time) {
+            self.moments.push(deed.time);
+        }
+        if let Some(agent) = deed.agent().and_then(|id| self.timeline.setting.agent_index(id)) {
+            self.agents[agent].record_deed(deed);
+        }
+    }
+
+    /// Records a stretch of time in which nothing changes that matters.
     fn account(&mut self, now: SimTime, until: SimTime) {
         let span = until - now;
         self.bushes.account(span);
         for index in 0..self.agents.len() {
             let activity = self.replay.activity(index);
-            let matters = activity == Activity::Standing && self.agents[index].is_truck();
+            let stands = activity == Activity::Standing;
+            let matters = stands && self.agents[index].is_truck();
+            let wet_bushes = if stands && !matters { self.wet_bushes(now) } else { Vec::new() };
             let others_goals = if matters { self.burning_goals_of_other_trucks(index) } else { Vec::new() };
-            self.agents[index].account(span, activity, self.bushes.counts(), &others_goals);
+            let ground = self.ground.filter(|_| matters);
+            let burning_ground = ground.map_or(0, |ground| ground.counts_at(now).burning);
+            let around = Surroundings {
+                now,
+                bushes: self.bushes.counts(),
+                burning_ground,
+                wet_bushes: &wet_bushes,
+                others_goals: &others_goals,
+            };
+            self.agents[index].account(span, activity, &around);
         }
     }
 
-    /// Burning bushes that other trucks go for, each once.
-    fn burning_goals_of_other_trucks(&self, agent: usize) -> Vec<usize> {
-        let mut goals: Vec<usize> = (0..self.agents.len())
+    /// Places of bushes that could be lit if they were not wet, each once.
+    fn wet_bushes(&self, now: SimTime) -> Vec<usize> {
+        let wettings = self.ground.map_or(&[][..], GroundIndex::wettings);
+        let wet = wettings.iter().filter(|wetting| wetting.from <= now && now < wetting.until);
+        let (setting, bushes) = (&self.timeline.setting, self.replay.bushes());
+        let can_be_lit = |&bush: &usize| bushes[bush].can_be_lit(setting.rules.relight);
+        let mut places: Vec<usize> =
+            wet.filter_map(|wetting| setting.bush_index(wetting.cell)).filter(can_be_lit).collect();
+        places.dedup();
+        places
+    }
+
+    /// Burning cells that other trucks go for, each once.
+    fn burning_goals_of_other_trucks(&self, agent: usize) -> Vec<Cell> {
+        let burns = |cell: Cell| match self.timeline.setting.bush_index(cell) {
+            Some(bush) => self.replay.bushes()[bush].burns(),
+            None => {
+                let state = self.ground.and_then(|ground| ground.state_at(cell, self.replay.time()));
+                state.is_some_and(BushState::burns)
+            }
+        };
+        let mut goals: Vec<Cell> = (0..self.agents.len())
             .filter(|&other| other != agent && self.agents[other].is_truck())
-            .filter_map(|other| self.timeline.setting.bush_index(self.replay.goal(other)?))
-            .filter(|&bush| self.replay.bushes()[bush].burns())
+            .filter_map(|other| self.replay.goal(other))
+            .filter(|&cell| burns(cell))
             .collect();
-        goals.sort_unstable();
+        goals.sort_unstable_by_key(|goal| (goal.row, goal.col));
         goals.dedup();
         goals
     }
+}
+
+/// Returns the times at which the number of burning cells of ground changes while there are so few that all of them may
+/// be another truck's or out of reach. Between others, each truck has something to go for, whichever cells burn.
+fn scarce_times(timeline: &Timeline, ground: &GroundIndex) -> Vec<SimTime> {
+    let ruled_out = timeline.events.iter().map(|event| match &event.fact {
+        Fact::Agent(_, AgentFact::OutOfReach { cells }) => cells.iter().filter(|&&cell| ground.is_ground(cell)).count(),
+        _ => 0,
+    });
+    let enough = ruled_out.sum::<usize>() + timeline.setting.agents.len();
+    let mut before = 0;
+    let changes = ground.burning_counts().filter(|&(_, burning)| {
+        let fewest = burning.min(std::mem::replace(&mut before, burning));
+        fewest as usize <= enough
+    });
+    changes.map(|(time, _)| time).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::sample::{self, A, B, C, D, TRUCK, at, ignited, leg, planned, seconds};
     use super::*;
-    use crate::timeline::{AgentId, BushState, Cause, FireFact};
+    use crate::timeline::{AgentId, Cause, FireFact};
 
     /// All times at which facts, legs or charged planning begin or end, the end of the run last.
     fn instants(timeline: &Timeline) -> Vec<SimTime> {
@@ -270,52 +359,76 @@ mod tests {
 
     #[test]
     fn the_outcome_agrees_with_a_look_at_every_state() {
-        let mut total_stuck_s = 0.0;
-        for seed in 0..4 {
-            let timeline = sample::random(seed, seconds(400.0));
-            let outcome = Outcome::new(&timeline);
-            total_stuck_s += outcome.truck_stuck_s;
-            let ruled_out = |agent: AgentId, bush: usize, now: SimTime| {
-                let cell = timeline.setting.bushes[bush];
-                timeline.events.iter().take_while(|event| event.time <= now).any(|event| match &event.fact {
-                    Fact::Agent(of, AgentFact::OutOfReach { cells }) => *of == agent && cells.contains(&cell),
-                    _ => false,
+        let stuck_s: f64 = (0..4).map(|seed| check_outcome(&sample::random(seed, seconds(400.0)))).sum();
+        assert!(stuck_s > 0.0, "these runs cannot tell");
+    }
+
+    #[test]
+    fn burning_ground_is_something_to_do_for_trucks() {
+        for seed in 0..6 {
+            let timeline = sample::random_on_ground(seed, seconds(900.0));
+            let stuck_s = check_outcome(&timeline);
+            let without = Timeline { ground: Vec::new(), ..timeline };
+            assert!(stuck_s > Outcome::new(&without).truck_stuck_s, "this run cannot tell");
+        }
+    }
+
+    /// Holds an outcome against the states at all times; returns how long trucks were stuck.
+    fn check_outcome(timeline: &Timeline) -> f64 {
+        let outcome = Outcome::new(timeline);
+        let ruled_out = |agent: AgentId, cell: Cell, now: SimTime| {
+            timeline.events.iter().take_while(|event| event.time <= now).any(|event| match &event.fact {
+                Fact::Agent(of, AgentFact::OutOfReach { cells }) => *of == agent && cells.contains(&cell),
+                _ => false,
+            })
+        };
+        let ground = GroundIndex::new(timeline);
+        let (mut stuck_s, mut idle_s) = ([0.0; 2], [0.0_f64; 2]);
+        let (mut longest_idle_s, mut burning_cell_s, mut peak) = ([0.0_f64; 2], 0.0, 0);
+        let mut instants = instants(timeline);
+        let end = timeline.end_time();
+        instants.extend(ground.iter().flat_map(GroundIndex::burning_counts).map(|(time, _)| time));
+        instants.retain(|&time| time <= end);
+        instants.sort_unstable();
+        instants.dedup();
+        for pair in instants.windows(2) {
+            let (state, span_s) = (timeline.state_at(pair[0]), (pair[1] - pair[0]).as_seconds());
+            let burning = state.bushes.iter().filter(|bush| bush.burns()).count();
+            burning_cell_s += burning as f64 * span_s;
+            peak = peak.max(burning);
+            let bushes = || timeline.setting.bushes.iter().copied().zip(state.bushes.iter().copied());
+            let burning_ground: Vec<Cell> = timeline
+                .ground
+                .iter()
+                .map(|event| event.cell)
+                .filter(|&cell| {
+                    let state = ground.as_ref().and_then(|ground| ground.state_at(cell, pair[0]));
+                    state.is_some_and(BushState::burns)
                 })
-            };
-            let (mut stuck_s, mut idle_s) = ([0.0; 2], [0.0_f64; 2]);
-            let (mut longest_idle_s, mut burning_cell_s, mut peak) = ([0.0_f64; 2], 0.0, 0);
-            for pair in instants(&timeline).windows(2) {
-                let (state, span_s) = (timeline.state_at(pair[0]), (pair[1] - pair[0]).as_seconds());
-                let burning = state.bushes.iter().filter(|bush| bush.burns()).count();
-                burning_cell_s += burning as f64 * span_s;
-                peak = peak.max(burning);
-                for (index, agent) in state.agents.iter().enumerate() {
-                    let wanted: Vec<_> = (0..state.bushes.len())
-                        .filter(|&bush| {
-                            if agent.id.role.suppresses() {
-                                state.bushes[bush].burns()
-                            } else {
-                                state.bushes[bush] == BushState::Intact
-                            }
-                        })
-                        .collect();
-                    let stands = agent.activity == Activity::Standing;
-                    if stands && wanted.iter().any(|&bush| !ruled_out(agent.id, bush, pair[0])) {
-                        stuck_s[index] += span_s;
-                    }
-                    idle_s[index] = if stands && !wanted.is_empty() { idle_s[index] + span_s } else { 0.0 };
-                    longest_idle_s[index] = longest_idle_s[index].max(idle_s[index]);
+                .collect();
+            for (index, agent) in state.agents.iter().enumerate() {
+                let wanted: Vec<Cell> = if agent.id.role.suppresses() {
+                    let burning = bushes().filter(|(_, bush)| bush.burns()).map(|(cell, _)| cell);
+                    burning.chain(burning_ground.iter().copied()).collect()
+                } else {
+                    bushes().filter(|(_, bush)| *bush == BushState::Intact).map(|(cell, _)| cell).collect()
+                };
+                let stands = agent.activity == Activity::Standing;
+                if stands && wanted.iter().any(|&cell| !ruled_out(agent.id, cell, pair[0])) {
+                    stuck_s[index] += span_s;
                 }
-            }
-            let close = |a: f64, b: f64| (a - b).abs() < 1e-6 * (1.0 + b);
-            assert!(close(outcome.burning_cell_s, burning_cell_s), "{} {burning_cell_s}", outcome.burning_cell_s);
-            assert_eq!(outcome.peak_burning as usize, peak);
-            for (index, agent) in outcome.agents.iter().enumerate() {
-                assert!(close(agent.stuck_s, stuck_s[index]), "{agent:?} {stuck_s:?}");
-                assert!(close(agent.longest_idle_s, longest_idle_s[index]), "{agent:?} {longest_idle_s:?}");
+                idle_s[index] = if stands && !wanted.is_empty() { idle_s[index] + span_s } else { 0.0 };
+                longest_idle_s[index] = longest_idle_s[index].max(idle_s[index]);
             }
         }
-        assert!(total_stuck_s > 0.0, "these runs cannot tell");
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-6 * (1.0 + b);
+        assert!(close(outcome.burning_cell_s, burning_cell_s), "{} {burning_cell_s}", outcome.burning_cell_s);
+        assert_eq!(outcome.peak_burning as usize, peak);
+        for (index, agent) in outcome.agents.iter().enumerate() {
+            assert!(close(agent.stuck_s, stuck_s[index]), "{agent:?} {stuck_s:?}");
+            assert!(close(agent.longest_idle_s, longest_idle_s[index]), "{agent:?} {longest_idle_s:?}");
+        }
+        outcome.truck_stuck_s
     }
 
     #[test]
@@ -384,7 +497,7 @@ mod tests {
     }
 
     fn run(events: Vec<Event>) -> Timeline {
-        Timeline { setting: sample::small_setting(&[TRUCK]), events }
+        Timeline { setting: sample::small_setting(&[TRUCK]), events, ground: Vec::new() }
     }
 
     #[test]

@@ -6,6 +6,7 @@
 mod agents;
 mod bushes;
 mod fires;
+mod ground;
 mod highlights;
 mod lines;
 mod scales;
@@ -14,20 +15,23 @@ mod sprite;
 mod suppression;
 mod value_map;
 mod ways;
+mod wind;
 
 pub use agents::agent_colour;
 pub use bushes::draw_sign;
 pub use highlights::pick;
 
 use agents::draw_agents;
-use bushes::{Stamps, draw_bushes};
+use bushes::{LEAST_SPRITE, Stamps, draw_bushes};
 use fires::{draw_flames, draw_spreads};
+use ground::{GroundView, draw_wet};
 use highlights::{draw_differences, draw_selected};
-use scales::{draw_length_bar, draw_value_bar};
+use scales::{ValueBar, draw_length_bar, draw_value_bar};
 use searches::{ShownSearch, draw_searches, shown_searches};
 use suppression::draw_suppressions;
 use value_map::{FieldQuantity, ValueMap};
 use ways::draw_ways;
+use wind::draw_wind;
 
 use crate::fire::BushStateKind;
 use crate::geometry::{Cell, DVec2, FieldFrame};
@@ -70,6 +74,8 @@ pub struct FieldRenderer {
     /// The run that all else is of.
     run: Option<RunViewId>,
     values: Option<ValueMap>,
+    /// Ground that burns, if the run has some.
+    landscape: Option<GroundView>,
     backdrop: Kept<Backdrop>,
     ground: Kept<(Backdrop, Vec<BushStateKind>)>,
     sheet: Option<Canvas>,
@@ -109,8 +115,8 @@ impl FieldRenderer {
             values: FieldQuantity::shown(pane),
             searches: searches.iter().map(|search| search.fact).collect(),
         };
-        let values = self.values.as_ref();
-        let backdrop = self.backdrop.get(key.clone(), |_| draw_backdrop(pane, values, &searches));
+        let (values, landscape) = (self.values.as_ref(), self.landscape.as_ref());
+        let backdrop = self.backdrop.get(key.clone(), |_| draw_backdrop(pane, landscape, values, &searches));
         let kinds = pane.view.state.bushes.iter().copied().map(BushState::kind).collect();
         self.ground.get((key, kinds), |(_, kinds)| {
             let mut ground = backdrop.clone();
@@ -125,6 +131,28 @@ impl FieldRenderer {
         self.sheet.take_if(|sheet| (sheet.width(), sheet.height()) != pane.size);
         let sheet = self.sheet.get_or_insert_with(|| ground.clone());
         sheet.copy_from(ground, (0, 0));
+        if let Some(landscape) = &self.landscape {
+            // Sprites stick out of their cells, so that bushes are drawn once more over what burns beside them; flat ones
+            // do not, and fire on the ground leaves them alone.
+            let has_sprites = pane.cell_side() >= LEAST_SPRITE;
+            if let Some(backdrop) = self.backdrop.last().filter(|_| has_sprites) {
+                sheet.copy_from(backdrop, (0, 0));
+            }
+            landscape.draw_fire(sheet, pane);
+            if pane.shows(Layer::Wet) {
+                draw_wet(sheet, pane);
+            }
+            if has_sprites {
+                let kinds: Vec<BushStateKind> = pane.view.state.bushes.iter().copied().map(BushState::kind).collect();
+                draw_bushes(sheet, pane, &kinds, &mut self.stamps);
+            }
+            if pane.shows(Layer::Arrival) {
+                landscape.draw_arrival_lines(sheet, pane);
+            }
+            if pane.shows(Layer::Embers) {
+                landscape.draw_embers(sheet, pane);
+            }
+        }
         if pane.shows(Layer::Paths) {
             draw_ways(sheet, pane);
         }
@@ -139,8 +167,13 @@ impl FieldRenderer {
         draw_agents(sheet, pane);
         draw_selected(sheet, pane);
         draw_length_bar(sheet, pane);
+        if pane.shows(Layer::Wind) {
+            draw_wind(sheet, pane);
+        }
         if let Some(values) = &self.values {
-            draw_value_bar(sheet, pane, values);
+            draw_value_bar(sheet, pane, &ValueBar::from_values(values));
+        } else if let Some(intensity) = self.landscape.as_ref().and_then(|landscape| landscape.intensity(pane)) {
+            draw_value_bar(sheet, pane, &ValueBar::from_scale(&intensity.scale));
         }
         sheet
     }
@@ -155,16 +188,24 @@ impl FieldRenderer {
     /// Forgets what was drawn of another run.
     fn begin(&mut self, run: &RunView) {
         if self.run != Some(run.id()) {
-            *self = Self { run: Some(run.id()), ..Self::default() };
+            *self = Self { run: Some(run.id()), landscape: GroundView::new(run), ..Self::default() };
         }
     }
 }
 
-fn draw_backdrop(pane: &Pane, values: Option<&ValueMap>, searches: &[ShownSearch]) -> Canvas {
+fn draw_backdrop(
+    pane: &Pane,
+    landscape: Option<&GroundView>,
+    values: Option<&ValueMap>,
+    searches: &[ShownSearch],
+) -> Canvas {
     let mut canvas = Canvas::new(pane.size.0, pane.size.1, OUTSIDE);
     let (from, to) = pane.field_box();
     canvas.fill_pixels((from.0 - 2, from.1 - 2), (to.0 + 2, to.1 + 2), BORDER);
     canvas.fill_pixels(from, to, FIELD);
+    if let Some(landscape) = landscape.filter(|_| pane.shows(Layer::Ground)) {
+        landscape.draw_covers(&mut canvas, pane);
+    }
     if let Some(values) = values {
         values.draw(&mut canvas, pane);
     }
@@ -281,6 +322,8 @@ pub(super) mod tests {
             program_version: "0".into(),
             frame: FieldFrame { cols: 10, rows: 10, cell_m: 5.0 },
             bushes: Vec::new(),
+            blocked: Vec::new(),
+            spread: None,
             agents: Vec::new(),
             rules: Rules {
                 duration: seconds(100.0),
@@ -327,7 +370,7 @@ pub(super) mod tests {
             at(0.0, Fact::Agent(truck, AgentFact::Planned { goal, trajectory, effort, found_by: None })),
             at(8.0, Fact::Agent(truck, AgentFact::Suppressing { cell: goal })),
         ];
-        Timeline { setting, events }
+        Timeline { setting, events, ground: Vec::new() }
     }
 
     #[test]

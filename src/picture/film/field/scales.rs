@@ -1,7 +1,8 @@
 //! Scales: a bar in metres, and the bar of the values that are shown.
 
 use crate::picture::canvas::{Canvas, Point};
-use crate::picture::colours::{INK, PAPER};
+use crate::picture::colours::{INK, PAPER, Rgb};
+use crate::picture::field_map::MapScale;
 use crate::picture::film::field::Pane;
 use crate::picture::film::field::value_map::ValueMap;
 use crate::picture::marks::to_f32;
@@ -50,40 +51,61 @@ fn round_length(most: f64) -> f64 {
     format!("{length:.0e}").parse().unwrap_or(length)
 }
 
+/// What a bar of colours shows.
+pub struct ValueBar<'a> {
+    name: &'a str,
+    /// Labels, and where they are, as shares of the bar from below.
+    labels: Vec<(f64, String)>,
+    /// The colour at a share of the bar.
+    shade: Box<dyn Fn(f64) -> Rgb + 'a>,
+}
+
+impl<'a> ValueBar<'a> {
+    pub fn from_values(map: &'a ValueMap) -> Self {
+        let scale = &map.scale;
+        let labels = scale.ticks(5).into_iter().map(|tick| (scale.fraction(tick.value), tick.label));
+        let shade = |share: f64| scale.colour(scale.low * (1.0 - share) + scale.high * share);
+        Self { name: map.quantity.name(), labels: labels.collect(), shade: Box::new(shade) }
+    }
+
+    pub fn from_scale(scale: &'a MapScale) -> Self {
+        let labels = scale.ticks.iter().map(|tick| (scale.fraction(tick.value), tick.label.clone()));
+        Self { name: &scale.name, labels: labels.collect(), shade: Box::new(|share| scale.shade(share)) }
+    }
+}
+
 /// A bar of colours with round values, at the lower right.
-pub fn draw_value_bar(canvas: &mut Canvas, pane: &Pane, map: &ValueMap) {
+pub fn draw_value_bar(canvas: &mut Canvas, pane: &Pane, bar: &ValueBar) {
     let unit = pane.unit();
     let [margin, text, padding] = [MARGIN, TEXT, PADDING].map(|length| length * unit);
     let [bar_width, bar_height, mark] = [BAR_WIDTH, BAR_HEIGHT, TICK].map(|length| (length * unit).round());
-    let ticks = map.scale.ticks(5);
-    let name = map.quantity.name();
-    let labels = ticks.iter().map(|tick| measure_text(&tick.label, text)).fold(0.0, f32::max);
+    let name = bar.name;
+    let labels = bar.labels.iter().map(|(_, label)| measure_text(label, text)).fold(0.0, f32::max);
     let width = measure_text(name, text).max(bar_width + 2.0 * mark + labels) + 2.0 * padding;
     let height = bar_height + 2.0 * text + 4.0 * padding;
     let (right, bottom) = (pane.size.0 as f32 - margin, pane.size.1 as f32 - margin);
     draw_plate(canvas, (right - width, bottom - height), (width, height));
     let (left, top) = ((right - width + padding).round(), (bottom - padding - 0.5 * text - bar_height).round());
     draw_text(canvas, name, (left, bottom - height + padding + text), Align::Left, text, INK);
-    draw_shades(canvas, map, (left, top), (bar_width, bar_height));
-    for tick in ticks {
-        let y = top + bar_height * (1.0 - to_f32(map.scale.fraction(tick.value)));
+    draw_shades(canvas, bar, (left, top), (bar_width, bar_height));
+    for (share, label) in &bar.labels {
+        let y = top + bar_height * (1.0 - to_f32(*share));
         canvas.fill_rect(left + bar_width, y - 0.5 * unit, mark, unit, INK);
         let at = (left + bar_width + 2.0 * mark, y + 0.5 * text);
-        draw_text(canvas, &tick.label, at, Align::Left, text, INK);
+        draw_text(canvas, label, at, Align::Left, text, INK);
     }
 }
 
-fn draw_shades(canvas: &mut Canvas, map: &ValueMap, (left, top): Point, (width, height): (f32, f32)) {
+fn draw_shades(canvas: &mut Canvas, bar: &ValueBar, (left, top): Point, (width, height): (f32, f32)) {
     let rows = height as i32;
     for row in 0..rows {
         let share = 1.0 - (f64::from(row) + 0.5) / f64::from(rows);
-        let value = map.scale.low * (1.0 - share) + map.scale.high * share;
         let (x, y) = (left as i32, top as i32 + row);
-        canvas.fill_pixels((x, y), (x + width as i32, y + 1), map.scale.colour(value));
+        canvas.fill_pixels((x, y), (x + width as i32, y + 1), (bar.shade)(share));
     }
 }
 
-fn draw_plate(canvas: &mut Canvas, (left, top): Point, (width, height): (f32, f32)) {
+pub fn draw_plate(canvas: &mut Canvas, (left, top): Point, (width, height): (f32, f32)) {
     let (right, bottom) = (left + width, top + height);
     canvas.fill_through(&[(left, top), (right, top), (right, bottom), (left, bottom)], PAPER, 0.85);
 }

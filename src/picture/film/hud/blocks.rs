@@ -9,7 +9,7 @@ use crate::picture::film::hud::stories::{agent_blocks, story_block};
 use crate::picture::film::hud::words::{format_clock, format_cpu, format_percent};
 use crate::picture::film::hud::{HudView, words};
 use crate::picture::film::{Layer, ViewOptions};
-use crate::timeline::BushCounts;
+use crate::timeline::{BushCounts, GroundCounts};
 
 /// All blocks in the order in which they are shown.
 pub fn panel_blocks(view: &HudView) -> Vec<PanelBlock> {
@@ -83,7 +83,29 @@ pub fn counts_block(view: &HudView) -> PanelBlock {
         PanelLine::new(marks)
     });
     let names = view.is_comparison().then(|| heading(view, LineMark::left("bushes", TextFace::faint())));
-    PanelBlock::new(1, names.into_iter().chain(counts).collect())
+    PanelBlock::new(1, names.into_iter().chain(counts).chain(ground_lines(view)).collect())
+}
+
+/// How much ground burns and has burned, in hectares, where some can.
+fn ground_lines(view: &HudView) -> Vec<PanelLine> {
+    if !view.has_ground() {
+        return Vec::new();
+    }
+    let hectares = |cells: fn(&GroundCounts) -> u32| {
+        view.runs.iter().map(move |run| {
+            let Some(ground) = run.index().ground() else { return "-".to_owned() };
+            let cell_m = run.timeline().setting.frame.cell_m;
+            format!("{:.2}", f64::from(cells(&ground.counts_at(view.time))) * cell_m * cell_m / 1e4)
+        })
+    };
+    let line = |name: &str, texts: Vec<String>| {
+        let name = LineMark::Left { from: STATE_NAME, text: name.into(), face: TextFace::PLAIN };
+        PanelLine::new([name].into_iter().chain(values(texts, TextFace::STRONG)).collect())
+    };
+    vec![
+        line("ground on fire, ha", hectares(|counts| counts.burning).collect()),
+        line("ground burned, ha", hectares(|counts| counts.cells - counts.intact()).collect()),
+    ]
 }
 
 fn count_and_share(counts: &BushCounts, kind: BushStateKind) -> [LineMark; 2] {
@@ -162,7 +184,8 @@ const LAYER_NAME: f32 = 1.9;
 
 pub fn switches_block(view: &HudView) -> Option<PanelBlock> {
     view.options.status.as_ref()?;
-    let (first, second) = Layer::ALL.split_at(Layer::ALL.len().div_ceil(2));
+    let layers: Vec<Layer> = Layer::all_of(view.has_ground()).collect();
+    let (first, second) = layers.split_at(layers.len().div_ceil(2));
     let lines = (0..first.len()).map(|row| {
         let mut marks = switch(view.options, first[row], 0.0).to_vec();
         marks.extend(second.get(row).into_iter().flat_map(|&layer| switch(view.options, layer, SECOND)));

@@ -49,7 +49,7 @@ impl HudRenderer {
             draw_message(&mut pen, layout, message);
         }
         if request.options.shows_help {
-            draw_help(&mut pen, layout);
+            draw_help(&mut pen, layout, view.has_ground());
         }
     }
 }
@@ -71,6 +71,11 @@ impl<'a> HudView<'a> {
         let time = request.time.min(end);
         let counts = request.runs.iter().map(|run| run.counts_at(time)).collect();
         Self { runs: request.runs, options: request.options, time, end, states, counts }
+    }
+
+    /// Says whether ground burns in one of the runs.
+    pub fn has_ground(&self) -> bool {
+        self.runs.iter().any(|run| run.index().ground().is_some())
     }
 
     pub fn is_comparison(&self) -> bool {

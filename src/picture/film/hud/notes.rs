@@ -89,10 +89,10 @@ const HEADING: f32 = 3.2;
 /// Keys and what they do, one below the other.
 type KeyTable = Vec<(String, String)>;
 
-pub fn draw_help(pen: &mut TextPen, layout: &FrameLayout) {
+pub fn draw_help(pen: &mut TextPen, layout: &FrameLayout, has_ground: bool) {
     let tables = [
         BINDINGS.iter().map(|binding| (binding.keys.to_owned(), binding.does.to_owned())).collect::<KeyTable>(),
-        Layer::ALL.iter().map(|layer| (layer.key().to_string(), layer.name().to_owned())).collect::<KeyTable>(),
+        Layer::all_of(has_ground).map(|layer| (layer.key().to_string(), layer.name().to_owned())).collect::<KeyTable>(),
     ];
     let widths = tables.each_ref().map(widths);
     let width = widths.iter().map(|(keys, does)| keys + BETWEEN + does).sum::<f32>() + 3.0 * HELP_MARGIN;

@@ -149,6 +149,7 @@ fn change_text(fact: &Fact, burned_before: bool) -> String {
             match cause {
                 Cause::Lit(agent) => format!("lit{again} by {agent}"),
                 Cause::Spread(from) => format!("caught fire{again} from {from}"),
+                Cause::Spotted(from) => format!("caught fire{again} from an ember of {from}"),
                 Cause::Scheduled => format!("lit{again} by schedule"),
             }
         }

@@ -1,0 +1,247 @@
+//! `wildfire fire spread --model alexandridis`: many fires of the automaton, and how much they burn.
+
+use std::io::{self, Write};
+use std::num::NonZeroUsize;
+use std::path::Path;
+use std::sync::Arc;
+use std::thread;
+
+use serde::{Serialize, Serializer};
+
+use super::automaton_arguments::AutomatonArguments;
+use super::options::WindStep;
+use super::spread::SpreadArguments;
+use crate::batch::PROGRAM_VERSION;
+use crate::cli::error::CliError;
+use crate::cli::output_files::{self, Files, Format};
+use crate::document::number::{count, rounded, short};
+use crate::document::{Document, Table};
+use crate::fire::models::{Alexandridis, AlexandridisRules, Density, Vegetation};
+use crate::fire::surface::FuelMoisture;
+use crate::fire::{FireField, Landscape, Relief, Weather, WeatherInterval};
+use crate::geometry::{Cell, FieldFrame, compass, ops};
+use crate::stats::{Series, quantile};
+use crate::time::SimTime;
+use crate::whole_file::WholeFile;
+
+/// What became of one fire.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Burned {
+    area: usize,
+    last_step: u32,
+}
+
+pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
+    let files = Files { form: arguments.form, ..Files::default() };
+    let words = files.writing([(Format::Csv, &arguments.automaton.areas)]).check()?;
+    let (frame, lit) = arguments.field()?;
+    let report = AutomatonReport::new(arguments, frame, lit);
+    let printed = words.print(&arguments.form.render(&report));
+    let areas = arguments.automaton.areas.as_deref();
+    printed.and(output_files::write_all(&[(areas, &|path| write_areas(path, &report.fires))], quiet))
+}
+
+fn write_areas(path: &Path, fires: &[Burned]) -> io::Result<()> {
+    let mut table = WholeFile::create(path)?;
+    writeln!(table, "run,area,last_step")?;
+    for (run, Burned { area, last_step }) in fires.iter().enumerate() {
+        writeln!(table, "{run},{area},{last_step}")?;
+    }
+    table.finish()
+}
+
+/// Fires of the automaton under one set of conditions.
+struct AutomatonReport<'a> {
+    arguments: &'a SpreadArguments,
+    rules: AlexandridisRules,
+    frame: FieldFrame,
+    lit: Vec<Cell>,
+    /// In the order of their seeds.
+    fires: Vec<Burned>,
+}
+
+impl<'a> AutomatonReport<'a> {
+    fn new(arguments: &'a SpreadArguments, frame: FieldFrame, lit: Vec<Cell>) -> Self {
+        let AutomatonArguments { slope_deg, uphill_deg, seed, .. } = arguments.automaton;
+        let rules = arguments.automaton.rules();
+        let uphill = compass::unit_toward(uphill_deg) * ops::tan(slope_deg.to_radians());
+        let fuel = 102;
+        let landscape = Landscape { relief: Relief::Plane(uphill), ..Landscape::uniform(frame, fuel) };
+        let automaton = Alexandridis::new(Arc::new(landscape), Arc::new(weather(arguments)), rules, seed);
+        let fires = burn_all(&automaton, &frame, &lit, &arguments.automaton);
+        Self { arguments, rules, frame, lit, fires }
+    }
+
+    fn areas(&self) -> Vec<f64> {
+        let mut areas: Vec<f64> = self.fires.iter().map(|fire| fire.area as f64).collect();
+        areas.sort_unstable_by(f64::total_cmp);
+        areas
+    }
+}
+
+fn weather(arguments: &SpreadArguments) -> Weather {
+    let calm = [WindStep { from: SimTime::ZERO, speed_mps: 0.0, from_deg: 0.0 }];
+    let steps = arguments.wind.as_ref().map_or(&calm[..], |wind| &wind.0);
+    let interval = |step: &WindStep| WeatherInterval {
+        from: step.from,
+        wind_mps: step.wind_mps(),
+        // The automaton knows no moisture.
+        moisture: FuelMoisture::default(),
+    };
+    Weather::new(steps.iter().map(interval).collect()).expect("winds begin at 0 and rise in time")
+}
+
+/// Burns all fires on a few threads, in the order of their seeds whatever thread has burned which.
+fn burn_all(automaton: &Alexandridis, frame: &FieldFrame, lit: &[Cell], arguments: &AutomatonArguments) -> Vec<Burned> {
+    let &AutomatonArguments { runs, seed, steps, jobs, .. } = arguments;
+    let cells = || (0..frame.cell_count()).map(|index| frame.cell(index));
+    let fuel = FireField::new(*frame, &[], false).with_ground(cells());
+    let burn = |run: u32| {
+        let mut fires = fuel.clone();
+        let automaton = automaton.with_seed(seed.wrapping_add(run.into()));
+        let last_step = automaton.burn_alone(&mut fires, lit, steps.unwrap_or(u32::MAX));
+        // All that was lit has burned or burns; what is left could still be lit.
+        Burned { area: frame.cell_count() - fires.flammable().len(), last_step }
+    };
+    let jobs = jobs.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get) as u32;
+    let mut fires = vec![Burned { area: 0, last_step: 0 }; runs as usize];
+    let share = runs.div_ceil(jobs.min(runs)) as usize;
+    thread::scope(|scope| {
+        for (job, fires) in fires.chunks_mut(share).enumerate() {
+            let burn = &burn;
+            scope.spawn(move || {
+                for (place, fire) in fires.iter_mut().enumerate() {
+                    *fire = burn((job * share + place) as u32);
+                }
+            });
+        }
+    });
+    fires
+}
+
+/// The shares of fires whose areas are printed.
+const SHARES: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
+
+impl From<&AutomatonReport<'_>> for Document {
+    fn from(report: &AutomatonReport<'_>) -> Self {
+        let AutomatonReport { rules, frame, .. } = report;
+        let arguments = &report.arguments.automaton;
+        let mut document = Self::new(format!("{} of the automaton", count(report.fires.len(), "fire")));
+        let wind = report.arguments.wind.as_ref().map_or_else(
+            || "no wind".to_owned(),
+            |wind| {
+                let step = |step: &WindStep| {
+                    let WindStep { from, speed_mps, from_deg } = *step;
+                    format!("from {} s on {} m/s from {}", short(from.as_seconds()), short(speed_mps), short(from_deg))
+                };
+                format!("wind {}", wind.0.iter().map(step).collect::<Vec<_>>().join(", "))
+            },
+        );
+        let slope = match arguments.slope_deg {
+            0.0 => "level ground".to_owned(),
+            slope => format!("slope of {} degrees, uphill to {}", short(slope), short(arguments.uphill_deg)),
+        };
+        document.add_list(vec![
+            format!("{} rows of {} cells; {} lit", frame.rows, frame.cols, count(report.lit.len(), "cell")),
+            format!("Probability of spread {}; {wind}; {slope}", short(rules.p0)),
+        ]);
+        let areas = report.areas();
+        let series = Series::from_values(&areas);
+        let decimals = |number: Option<f64>| number.map_or_else(|| "-".to_owned(), |number| rounded(number, 1));
+        let last_step = report.fires.iter().map(|fire| f64::from(fire.last_step)).collect::<Vec<_>>();
+        let mut row = vec![decimals(series.mean()), decimals(series.standard_deviation())];
+        row.extend(SHARES.map(|share| decimals(quantile(&areas, share))));
+        row.push(decimals(Series::from_values(&last_step).mean()));
+        let headings =
+            ["Cells burned,\nmean", "Standard\ndeviation", "5 %", "25 %", "50 %", "75 %", "95 %", "Last step,\nmean"];
+        document.add(Table { text_columns: 0, ..Table::new(&headings, vec![row]) });
+        document
+    }
+}
+
+/// The members in their order.
+#[derive(Serialize)]
+struct AutomatonObject {
+    program_version: &'static str,
+    model: &'static str,
+    rows: u16,
+    cols: u16,
+    cell_m: f64,
+    p0: f64,
+    wind_c1: f64,
+    wind_c2: f64,
+    slope_a: f64,
+    vegetation: Vegetation,
+    density: Density,
+    slope_deg: f64,
+    uphill_deg: f64,
+    step_s: f64,
+    steps: Option<u32>,
+    runs: u32,
+    seed: u64,
+    wind: Vec<WindObject>,
+    /// Row from the south and column of each cell that was lit.
+    lit: Vec<[u16; 2]>,
+    area_mean: Option<f64>,
+    area_sd: Option<f64>,
+    area_sem: Option<f64>,
+    area_quantiles: Vec<QuantileObject>,
+    last_step_mean: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct WindObject {
+    at_s: f64,
+    speed_mps: f64,
+    from_deg: f64,
+}
+
+#[derive(Serialize)]
+struct QuantileObject {
+    share: f64,
+    area: Option<f64>,
+}
+
+impl Serialize for AutomatonReport<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let arguments = &self.arguments.automaton;
+        let AlexandridisRules { p0, wind_c1, wind_c2, slope_a, vegetation, density, step } = self.rules;
+        let areas = self.areas();
+        let series = Series::from_values(&areas);
+        let last_steps: Vec<f64> = self.fires.iter().map(|fire| f64::from(fire.last_step)).collect();
+        let wind = self.arguments.wind.iter().flat_map(|wind| &wind.0);
+        let object = AutomatonObject {
+            program_version: PROGRAM_VERSION,
+            model: "alexandridis",
+            rows: self.frame.rows,
+            cols: self.frame.cols,
+            cell_m: self.frame.cell_m,
+            p0,
+            wind_c1,
+            wind_c2,
+            slope_a,
+            vegetation,
+            density,
+            slope_deg: arguments.slope_deg,
+            uphill_deg: arguments.uphill_deg,
+            step_s: step.as_seconds(),
+            steps: arguments.steps,
+            runs: arguments.runs,
+            seed: arguments.seed,
+            wind: wind
+                .map(|&WindStep { from, speed_mps, from_deg }| WindObject {
+                    at_s: from.as_seconds(),
+                    speed_mps,
+                    from_deg,
+                })
+                .collect(),
+            lit: self.lit.iter().map(|cell| [cell.row, cell.col]).collect(),
+            area_mean: series.mean(),
+            area_sd: series.standard_deviation(),
+            area_sem: series.standard_error(),
+            area_quantiles: SHARES.map(|share| QuantileObject { share, area: quantile(&areas, share) }).into(),
+            last_step_mean: Series::from_values(&last_steps).mean(),
+        };
+        object.serialize(serializer)
+    }
+}

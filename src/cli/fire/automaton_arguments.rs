@@ -1,0 +1,99 @@
+//! Arguments of `wildfire fire spread --model alexandridis` alone.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::options::{MOST_SECONDS, azimuth, choice};
+use crate::cli::args::{parse_jobs, parse_seed};
+use crate::cli::numbers;
+use crate::fire::models::{AlexandridisRules, Density, Vegetation};
+use crate::time::SimTime;
+
+const HEADING: &str = "Automaton (--model alexandridis)";
+
+/// Settings of the automaton alone; the field, the wind and the cells that are lit are those of every lone fire.
+#[derive(Debug, Args)]
+pub struct AutomatonArguments {
+    /// The probability that a burning cell sets a neighbour on fire, without wind and slope.
+    #[arg(help_heading = HEADING, long, value_name = "SHARE", default_value = "0.58", value_parser = share)]
+    pub p0: f64,
+    /// The factor of a wind V at an angle t is exp(V (c1 + c2 (cos t - 1))).
+    #[arg(help_heading = HEADING, long, value_name = "C1", default_value = "0.045", value_parser = coefficient)]
+    pub wind_c1: f64,
+    /// The other number of that factor.
+    #[arg(help_heading = HEADING, long, value_name = "C2", default_value = "0.131", value_parser = coefficient)]
+    pub wind_c2: f64,
+    /// The factor of a slope s in degrees is exp(a s).
+    #[arg(help_heading = HEADING, long, value_name = "A", default_value = "0.078", value_parser = coefficient)]
+    pub slope_a: f64,
+    /// The kind of vegetation, which makes spread less likely by 0.3, as likely, or more likely by 0.4.
+    #[arg(help_heading = HEADING, long, value_name = "NAME", default_value = "thickets", value_parser = choice::<Vegetation>(&["agricultural", "thickets", "pine"]))]
+    pub vegetation: Vegetation,
+    /// Its density, which makes spread less likely by 0.4, as likely, or more likely by 0.3.
+    #[arg(help_heading = HEADING, long, value_name = "NAME", default_value = "normal", value_parser = choice::<Density>(&["sparse", "normal", "dense"]))]
+    pub density: Density,
+    /// The slope of the whole field, in degrees.
+    #[arg(help_heading = HEADING, long, value_name = "DEGREES", default_value = "0", value_parser = slope_deg)]
+    pub slope_deg: f64,
+    /// The azimuth of the way up.
+    #[arg(help_heading = HEADING, long, value_name = "AZIMUTH", default_value = "0", allow_hyphen_values = true, value_parser = azimuth)]
+    pub uphill_deg: f64,
+    /// The most steps of a fire [default: until it goes out].
+    #[arg(help_heading = HEADING, long, value_name = "N", value_parser = steps)]
+    pub steps: Option<u32>,
+    /// The length of a step in seconds, which matters where the wind changes.
+    #[arg(help_heading = HEADING, long, value_name = "SECONDS", default_value = "10", value_parser = seconds)]
+    pub step_s: f64,
+    /// The number of fires, each with a seed of its own, one after the other.
+    #[arg(help_heading = HEADING, long, value_name = "N", default_value = "1", value_parser = runs)]
+    pub runs: u32,
+    /// The seed of the first fire.
+    #[arg(help_heading = HEADING, long, value_name = "N", default_value = "1", value_parser = parse_seed)]
+    pub seed: u64,
+    /// The number of threads; results do not depend on it [default: the cores of the machine].
+    #[arg(help_heading = HEADING, long, value_name = "N", value_parser = parse_jobs)]
+    pub jobs: Option<NonZeroUsize>,
+    /// Write the cells that burned in each fire, and the last step in which one caught fire: run,area,last_step.
+    #[arg(help_heading = HEADING, long, value_name = "FILE.csv")]
+    pub areas: Option<PathBuf>,
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    numbers::parse_within(text, &(0.0..=1.0), "a probability")
+}
+
+fn coefficient(text: &str) -> Result<f64, String> {
+    numbers::parse_within(text, &(0.0..=1.0), "a number")
+}
+
+fn slope_deg(text: &str) -> Result<f64, String> {
+    numbers::parse_within(text, &(0.0..=60.0), "degrees")
+}
+
+fn steps(text: &str) -> Result<u32, String> {
+    numbers::parse_within(text, &(0..=1_000_000), "a whole number")
+}
+
+fn runs(text: &str) -> Result<u32, String> {
+    numbers::parse_within(text, &(1..=1_000_000), "a whole number")
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    numbers::parse_within(text, &(0.001..=MOST_SECONDS), "seconds")
+}
+
+impl AutomatonArguments {
+    pub fn rules(&self) -> AlexandridisRules {
+        AlexandridisRules {
+            p0: self.p0,
+            wind_c1: self.wind_c1,
+            wind_c2: self.wind_c2,
+            slope_a: self.slope_a,
+            vegetation: self.vegetation,
+            density: self.density,
+            step: SimTime::from_seconds(self.step_s),
+        }
+    }
+}

@@ -1,0 +1,476 @@
+//! `wildfire fire behavior`: what a fire does under one set of conditions, or under many from a table.
+
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+
+use clap::{ArgGroup, Args, ValueEnum};
+use serde::{Serialize, Serializer};
+
+use super::conditions;
+use super::direction::Direction;
+use super::options::{ChoiceArguments, SlopeArguments, azimuth, fuel, moisture, wind};
+use crate::batch::PROGRAM_VERSION;
+use crate::cli::error::CliError;
+use crate::cli::output_files::{Files, Format};
+use crate::cli::report::FormArguments;
+use crate::cli::terminal;
+use crate::document::number::{count, percent, rounded, short};
+use crate::document::{Block, Document, Table};
+use crate::fire::fuel::{FUEL_MODELS, FuelModel};
+use crate::fire::surface::{
+    FuelBed, FuelMoisture, FuelState, SurfaceFire, SurfaceOptions, flame_length_m, twenty_foot_wind,
+    unsheltered_adjustment,
+};
+use crate::geometry::compass;
+use crate::input_file::is_standard_stream;
+
+/// The range of the number of azimuths.
+const AZIMUTHS: RangeInclusive<usize> = 1..=3600;
+
+#[derive(Debug, Args)]
+#[command(
+    group = ArgGroup::new("what").args(["fuel", "conditions", "list_fuels"]).required(true),
+    after_help = "\
+Directions are compass azimuths: degrees clockwise from north. A wind from 270 \
+blows to the east; a slope of aspect 180 goes up to the north. Rates are along \
+the slope.
+
+IN.csv has the columns number,m_1h,m_10h,m_100h,m_live_herb,m_live_woody,\
+wind_midflame_mps,wind_from_deg,slope_rise_run,aspect_deg in any order among \
+others, and may have wind_limit: 1 for rothermel-1972, 0 for none. OUT.csv has \
+all columns of IN.csv and then r0_m_min,i0_kw_m,r_m_min,azimuth_deg,\
+intensity_kw_m,flame_m,length_to_width,eccentricity; with --azimuths a row for \
+each of them, with azimuth_of_deg,front_normal_m_min,ray_m_min,\
+ray_horizontal_m_min.
+
+Examples:
+  wildfire fire behavior --fuel GR2 --wind 5 --wind-from 270
+  wildfire fire behavior --fuel SH5 --wind 12 --wind-height 10m --slope 0.3 --json
+  wildfire fire behavior --fuel 102 --wind 3 --azimuths 0,45,...
+  wildfire fire behavior --conditions in.csv --csv out.csv --combine flat
+  wildfire fire behavior --list-fuels"
+)]
+pub struct BehaviorArguments {
+    /// The code or number of a fuel model.
+    #[arg(long, value_name = "NAME", value_parser = fuel)]
+    pub fuel: Option<&'static FuelModel>,
+    /// Moistures as fractions of the dry weight: dead 1-h, 10-h and 100-h, live herbaceous, live woody.
+    #[arg(
+        long,
+        value_name = "D1,D10,D100,HERB,WOODY",
+        default_value = "0.06,0.07,0.08,0.60,0.90",
+        allow_hyphen_values = true,
+        value_parser = moisture
+    )]
+    pub moisture: FuelMoisture,
+    /// The speed of the wind in metres per second, at the height of the middle of the flames unless --wind-height says
+    /// otherwise.
+    #[arg(long, value_name = "M/S", default_value = "0", allow_hyphen_values = true, value_parser = wind)]
+    pub wind: f64,
+    /// The azimuth that the wind comes from.
+    #[arg(long, value_name = "AZIMUTH", default_value = "270", allow_hyphen_values = true, value_parser = azimuth)]
+    pub wind_from: f64,
+    /// The height of --wind. That of 20 ft or 10 m is brought down to the flames for ground that nothing shelters.
+    #[arg(long, value_enum, value_name = "HEIGHT", default_value = "midflame")]
+    pub wind_height: WindHeight,
+    #[command(flatten)]
+    pub slope: SlopeArguments,
+    /// Azimuths to give rates for, such as 0,90,200; three points go on in equal steps to the whole turn: 0,5,...
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, value_parser = azimuths)]
+    pub azimuths: Option<Azimuths>,
+    #[command(flatten)]
+    pub choices: ChoiceArguments,
+    /// Conditions of many fires, for --csv.
+    #[arg(
+        long,
+        value_name = "IN.csv",
+        requires = "csv",
+        conflicts_with_all = ["report_form", "moisture", "wind", "wind_from", "wind_height", "slope", "aspect"]
+    )]
+    pub conditions: Option<PathBuf>,
+    /// Write the conditions and the fires that follow from them.
+    #[arg(help_heading = "Output", long, value_name = "OUT.csv", requires = "conditions")]
+    pub csv: Option<PathBuf>,
+    /// Print the fuel models.
+    #[arg(long)]
+    pub list_fuels: bool,
+    #[command(flatten)]
+    pub form: FormArguments,
+}
+
+/// The height at which a wind is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum WindHeight {
+    /// The middle of the flames.
+    Midflame,
+    /// 20 ft above the vegetation, as fire weather stations measure.
+    #[value(name = "20ft")]
+    TwentyFeet,
+    /// 10 m above the ground, as other weather stations measure.
+    #[value(name = "10m")]
+    TenMetres,
+}
+
+impl WindHeight {
+    /// Returns the part of such a wind that the flames of a fuel feel.
+    fn factor(self, model: &FuelModel) -> f64 {
+        match self {
+            Self::Midflame => 1.0,
+            Self::TwentyFeet => unsheltered_adjustment(model.depth_ft),
+            Self::TenMetres => unsheltered_adjustment(model.depth_ft) * twenty_foot_wind(1.0),
+        }
+    }
+}
+
+/// Azimuths in degrees.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Azimuths(Vec<f64>);
+
+/// Reads azimuths; `0,5,...` goes on from 5 in steps of 5 until less than 360 are passed.
+fn azimuths(text: &str) -> Result<Azimuths, String> {
+    let (given, goes_on) = match text.strip_suffix(",...") {
+        Some(given) => (given, true),
+        None => (text, false),
+    };
+    let mut degrees = given.split(',').map(azimuth).collect::<Result<Vec<f64>, String>>()?;
+    if goes_on {
+        let (first, &[.., before, last]) = (degrees[0], &degrees[..]) else {
+            return Err("expected two azimuths before the three points, such as 0,5,...".to_owned());
+        };
+        let step = last - before;
+        if step.is_nan() || step < 0.1 {
+            return Err("expected azimuths that rise by 0.1 degrees or more before the three points".to_owned());
+        }
+        let more = (1..=*AZIMUTHS.end()).map(|steps| last + step * steps as f64);
+        degrees.extend(more.take_while(|degrees| degrees - first < 360.0 - 1e-9));
+    }
+    if !AZIMUTHS.contains(&degrees.len()) {
+        return Err(format!("found {} azimuths, expected at most {}", degrees.len(), AZIMUTHS.end()));
+    }
+    Ok(Azimuths(degrees))
+}
+
+pub fn run(arguments: &BehaviorArguments, quiet: bool) -> Result<(), CliError> {
+    match (arguments.fuel, &arguments.conditions, &arguments.csv) {
+        (_, Some(conditions), Some(csv)) => write_fires(conditions, csv, arguments, quiet),
+        (Some(model), ..) => terminal::print(&arguments.form.render(&BehaviorReport::new(model, arguments))),
+        _ => terminal::print(&arguments.form.render(&FuelList)),
+    }
+}
+
+fn write_fires(input: &Path, csv: &Path, arguments: &BehaviorArguments, quiet: bool) -> Result<(), CliError> {
+    Files { inputs: vec![input], outputs: vec![(Format::Csv, csv)], ..Files::default() }.check()?;
+    let azimuths = arguments.azimuths.as_ref().map_or(&[][..], |azimuths| &azimuths.0);
+    let [rows, without_fire] = conditions::write_fires(input, csv, &arguments.choices.options(), azimuths)?;
+    if !quiet && !is_standard_stream(csv) {
+        let out = if without_fire == 0 { String::new() } else { format!("; in {without_fire} of them fire goes out") };
+        terminal::note(&format!("wrote {}: conditions of {rows} fires{out}", csv.display()));
+    }
+    Ok(())
+}
+
+/// A fire under one set of conditions.
+struct BehaviorReport {
+    model: &'static FuelModel,
+    moisture: FuelMoisture,
+    wind_midflame_mps: f64,
+    wind_from_deg: f64,
+    slope: SlopeArguments,
+    options: SurfaceOptions,
+    bed: FuelBed,
+    fire: SurfaceFire,
+    directions: Vec<Direction>,
+}
+
+impl BehaviorReport {
+    fn new(model: &'static FuelModel, arguments: &BehaviorArguments) -> Self {
+        let options = arguments.choices.options();
+        let bed = FuelBed::new(model, &arguments.moisture, options.curing);
+        let wind_midflame_mps = arguments.wind * arguments.wind_height.factor(model);
+        let wind = compass::unit_from(arguments.wind_from) * wind_midflame_mps;
+        let fire = bed.behavior(wind, arguments.slope.gradient(), &options);
+        let azimuths = arguments.azimuths.iter().flat_map(|azimuths| &azimuths.0);
+        Self {
+            model,
+            moisture: arguments.moisture,
+            wind_midflame_mps,
+            wind_from_deg: arguments.wind_from,
+            slope: arguments.slope,
+            options,
+            bed,
+            fire,
+            directions: azimuths.map(|&azimuth| Direction::new(&fire, azimuth)).collect(),
+        }
+    }
+
+    fn conditions(&self) -> Vec<String> {
+        let FuelMoisture { d1, d10, d100, herb, woody } = self.moisture;
+        let [d1, d10, d100, herb, woody] = [d1, d10, d100, herb, woody].map(|part| short(100.0 * part));
+        let wind = match self.wind_midflame_mps {
+            0.0 => "No wind".to_owned(),
+            speed => format!("Wind of {} m/s at the flames, from {}", short(speed), short(self.wind_from_deg)),
+        };
+        let slope = match self.slope.slope {
+            0.0 => "level ground".to_owned(),
+            slope => format!("slope of {} %, uphill to {}", short(100.0 * slope), short(self.uphill_deg())),
+        };
+        vec![
+            format!("{wind}; {slope}"),
+            format!("Moisture of dead fuel {d1}, {d10} and {d100} %, of live grass {herb} %, of live wood {woody} %"),
+        ]
+    }
+
+    fn uphill_deg(&self) -> f64 {
+        compass::azimuth_deg(self.slope.gradient())
+    }
+
+    /// Says why nothing burns, or what its numbers leave out.
+    fn remarks(&self) -> Vec<String> {
+        if !self.model.burns() {
+            return vec!["Nothing burns: there is no fuel".to_owned()];
+        }
+        let states = [("dead", self.bed.dead), ("live", self.bed.live)];
+        let wet = states.iter().filter_map(|&(name, state)| {
+            let FuelState { moisture, extinction } = state.filter(|state| state.moisture >= state.extinction)?;
+            let [moisture, extinction] = [moisture, extinction].map(percent);
+            Some(format!("the {name} fuel holds {moisture} % of water, and from {extinction} % on it does not burn"))
+        });
+        let wet = wet.collect::<Vec<_>>().join("; ");
+        let mut remarks = Vec::new();
+        match (self.bed.burns(), wet.is_empty()) {
+            (false, _) => remarks.push(format!("The fire goes out: {wet}")),
+            (true, false) => remarks.push(format!("Part of the fuel is too wet: {wet}")),
+            (true, true) => {}
+        }
+        if self.bed.burns() && self.fire.wind_is_limited {
+            let most = short((self.fire.effective_wind_mps * 100.0).round() / 100.0);
+            remarks.push(format!("Wind and slope count as {most} m/s at the flames, the limit of this fuel"));
+        }
+        remarks
+    }
+}
+
+impl From<&BehaviorReport> for Document {
+    fn from(report: &BehaviorReport) -> Self {
+        let BehaviorReport { model, fire, .. } = report;
+        let title = format!("{} ({}): {}", model.code, model.number, model.name.to_lowercase());
+        let mut document = Self::new(title);
+        document.add_list(report.conditions());
+        document.add_list(report.remarks());
+        if !report.bed.burns() {
+            return document;
+        }
+        let row = |name: &str, azimuth: Option<f64>, rate_mps: f64| {
+            let intensity = fire.intensity_kw_m(rate_mps);
+            let azimuth = azimuth.map_or_else(|| "-".to_owned(), |azimuth| rounded(azimuth, 1));
+            let numbers = [(rate_mps * 60.0, 2), (intensity, 0), (flame_length_m(intensity), 2)];
+            let numbers = numbers.map(|(number, decimals)| rounded(number, decimals));
+            [vec![name.to_owned(), azimuth], numbers.to_vec()].concat()
+        };
+        let head = compass::azimuth_deg(fire.heading.truncate());
+        let has_head = fire.length_to_width > 1.0;
+        let mut rows = vec![row("Head", Some(head).filter(|_| has_head), fire.rate_mps)];
+        if has_head {
+            rows.push(row("Back", Some(compass::azimuth_deg(-fire.heading.truncate())), fire.back_rate_mps()));
+        }
+        rows.push(row("Without wind and slope", None, fire.r0_mps));
+        document.add(Table::new(&["Fire", "To\nazimuth", "Rate\nm/min", "Intensity\nkW/m", "Flames\nm"], rows));
+        document.add_list(vec![
+            format!(
+                "{} times as long as wide, eccentricity {}",
+                rounded(fire.length_to_width, 2),
+                rounded(fire.eccentricity, 3)
+            ),
+            format!(
+                "A point flames for {} s and gives off {} kJ/m2",
+                rounded(fire.residence_s, 1),
+                rounded(fire.heat_kj_m2(), 0)
+            ),
+        ]);
+        if !report.directions.is_empty() {
+            document.add(Block::Table(directions_table(&report.directions)));
+            document.add(Block::Text(
+                "Front: the rate of a piece of the front that faces there. Ray: the rate along a line from the \
+                 ignition, in the slope and on the map."
+                    .to_owned(),
+            ));
+        }
+        document
+    }
+}
+
+fn directions_table(directions: &[Direction]) -> Table {
+    let row = |direction: &Direction| {
+        let Direction { azimuth_of_deg, front_normal_m_min, ray_m_min, ray_horizontal_m_min } = *direction;
+        let rates = [front_normal_m_min, ray_m_min, ray_horizontal_m_min].map(|rate| rounded(rate, 3));
+        [vec![short(azimuth_of_deg)], rates.to_vec()].concat()
+    };
+    let headings = ["Azimuth", "Front\nm/min", "Ray\nm/min", "On the map\nm/min"];
+    Table { text_columns: 0, ..Table::new(&headings, directions.iter().map(row).collect()) }
+}
+
+/// The members in their order; the names are those of the columns of tables.
+#[derive(Serialize)]
+struct BehaviorObject<'a> {
+    program_version: &'static str,
+    fuel: &'static str,
+    number: u8,
+    m_1h: f64,
+    m_10h: f64,
+    m_100h: f64,
+    m_live_herb: f64,
+    m_live_woody: f64,
+    wind_midflame_mps: f64,
+    wind_from_deg: f64,
+    slope_rise_run: f64,
+    aspect_deg: f64,
+    options: SurfaceOptions,
+    /// Whether a fire spreads; if not, all rates are zero.
+    burns: bool,
+    r0_m_min: f64,
+    i0_kw_m: f64,
+    r_m_min: f64,
+    azimuth_deg: f64,
+    intensity_kw_m: f64,
+    flame_m: f64,
+    length_to_width: f64,
+    eccentricity: f64,
+    back_m_min: f64,
+    effective_wind_mps: f64,
+    wind_is_limited: bool,
+    reaction_intensity_kw_m2: f64,
+    residence_s: f64,
+    heat_kj_m2: f64,
+    dead: Option<StateObject>,
+    live: Option<StateObject>,
+    remarks: Vec<String>,
+    directions: &'a [Direction],
+}
+
+#[derive(Serialize)]
+struct StateObject {
+    moisture: f64,
+    extinction: f64,
+}
+
+impl Serialize for BehaviorReport {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let fire = &self.fire;
+        let intensity_kw_m = fire.intensity_kw_m(fire.rate_mps);
+        let state = |FuelState { moisture, extinction }| StateObject { moisture, extinction };
+        let object = BehaviorObject {
+            program_version: PROGRAM_VERSION,
+            fuel: self.model.code,
+            number: self.model.number,
+            m_1h: self.moisture.d1,
+            m_10h: self.moisture.d10,
+            m_100h: self.moisture.d100,
+            m_live_herb: self.moisture.herb,
+            m_live_woody: self.moisture.woody,
+            wind_midflame_mps: self.wind_midflame_mps,
+            wind_from_deg: self.wind_from_deg,
+            slope_rise_run: self.slope.slope,
+            aspect_deg: self.slope.aspect,
+            options: self.options,
+            burns: self.bed.burns(),
+            r0_m_min: fire.r0_mps * 60.0,
+            i0_kw_m: fire.intensity_kw_m(fire.r0_mps),
+            r_m_min: fire.rate_mps * 60.0,
+            azimuth_deg: compass::azimuth_deg(fire.heading.truncate()),
+            intensity_kw_m,
+            flame_m: flame_length_m(intensity_kw_m),
+            length_to_width: fire.length_to_width,
+            eccentricity: fire.eccentricity,
+            back_m_min: fire.back_rate_mps() * 60.0,
+            effective_wind_mps: fire.effective_wind_mps,
+            wind_is_limited: fire.wind_is_limited,
+            reaction_intensity_kw_m2: fire.reaction_intensity_kw_m2,
+            residence_s: fire.residence_s,
+            heat_kj_m2: fire.heat_kj_m2(),
+            dead: self.bed.dead.map(state),
+            live: self.bed.live.map(state),
+            remarks: self.remarks(),
+            directions: &self.directions,
+        };
+        object.serialize(serializer)
+    }
+}
+
+/// All fuel models, as a table.
+struct FuelList;
+
+/// Tons per acre in lb/ft2.
+const TONS_PER_ACRE: f64 = 43560.0 / 2000.0;
+
+impl From<&FuelList> for Document {
+    fn from(_: &FuelList) -> Self {
+        let row = |model: &FuelModel| {
+            let words = vec![model.number.to_string(), model.code.to_owned(), model.name.to_owned()];
+            let loads =
+                model.loads.map(|load| if load > 0.0 { rounded(load * TONS_PER_ACRE, 2) } else { "-".to_owned() });
+            let bed = match model.burns() {
+                true => [rounded(model.depth_ft, 1), rounded(100.0 * model.dead_extinction, 0)],
+                false => ["-", "-"].map(str::to_owned),
+            };
+            [words, loads.to_vec(), bed.to_vec()].concat()
+        };
+        let headings =
+            ["Number", "Code", "Fuel", "1-h", "10-h", "100-h", "Live\ngrass", "Live\nwood", "Depth\nft", "Out at\n%"];
+        let rows = FUEL_MODELS.iter().map(row).collect();
+        Self::new(count(FUEL_MODELS.len(), "fuel model"))
+            .with([Block::Table(Table { text_columns: 3, ..Table::new(&headings, rows) })])
+            .with([Block::Text(
+                "Loads are in short tons per acre. Out at: the moisture from which on dead fuel does not burn. 1 to 13: \
+                 Anderson, 1982; 91 to 99, without fuel, and 101 to 204: Scott and Burgan, 2005."
+                    .to_owned(),
+            )])
+    }
+}
+
+#[derive(Serialize)]
+struct FuelObject {
+    number: u8,
+    code: &'static str,
+    name: &'static str,
+    /// In lb/ft2: dead 1-h, 10-h and 100-h, live herbaceous, live woody.
+    loads_lb_ft2: [f64; 5],
+    /// In 1/ft, of the same.
+    savs_per_ft: [f64; 5],
+    depth_ft: f64,
+    dead_extinction: f64,
+    heat_btu_lb: f64,
+    dynamic: bool,
+}
+
+impl Serialize for FuelList {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(FUEL_MODELS.iter().map(|model| FuelObject {
+            number: model.number,
+            code: model.code,
+            name: model.name,
+            loads_lb_ft2: model.loads,
+            savs_per_ft: model.savs,
+            depth_ft: model.depth_ft,
+            dead_extinction: model.dead_extinction,
+            heat_btu_lb: model.heat_btu_lb,
+            dynamic: model.is_dynamic(),
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn azimuths_go_on_to_a_whole_turn() {
+        let read = |text: &str| azimuths(text).map(|azimuths| azimuths.0);
+        assert_eq!(read("0,200, 90"), Ok(vec![0.0, 200.0, 90.0]));
+        assert_eq!(read("0,90,..."), Ok(vec![0.0, 90.0, 180.0, 270.0]));
+        assert_eq!(read("10,15,...").map(|all| (all.len(), all[71])), Ok((72, 365.0)));
+        assert_eq!(read("-360,-359.9,...").map(|all| all.len()), Ok(3600));
+        for wrong in ["", "0,...", "5,5,...", "5,4,...", "0,0.01,...", "a", "0,,1", "400", "...", "0..."] {
+            assert!(read(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! `wildfire fire spread` by Rothermel's equations: burns, writes the files, reports.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::spread::SpreadArguments;
+use super::spread_report::SpreadReport;
+use crate::cli::error::CliError;
+use crate::cli::output_files::{self, Files, Format};
+use crate::fire::lone::LoneFire;
+use crate::fire::models::RothermelRules;
+use crate::geometry::{Cell, FieldFrame};
+use crate::grid::Grid;
+use crate::map_files::raster::{self, Raster};
+use crate::map_files::write_npy;
+use crate::picture::{FieldMap, MapQuantity, draw_field_maps, ground_covers};
+use crate::time::SimTime;
+use crate::time::cpu::CpuStopwatch;
+
+/// The value of cells of the arrival raster that did not burn.
+const NOT_BURNED: f32 = -9999.0;
+
+/// Lets a fire spread by Rothermel's equations.
+pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
+    let files = Files {
+        inputs: arguments.rasters()?.into_iter().map(|(_, path)| path).collect(),
+        form: arguments.form,
+        ..Files::default()
+    };
+    let format = arguments.arrival_format();
+    let words = files.writing([(format, &arguments.arrival), (Format::Png, &arguments.png)]).check()?;
+    let ground = arguments.ground()?;
+    let ignitions = arguments.ignitions(&ground.landscape)?;
+    let weather = arguments.weather();
+    let rules = RothermelRules {
+        options: arguments.choices.options(),
+        neighbours: arguments.neighbours,
+        ..RothermelRules::default()
+    };
+    let landscape = Arc::new(ground.landscape);
+    let mut fire = LoneFire::new(Arc::clone(&landscape), Arc::new(weather), rules, &ignitions);
+    let mut stopwatch = CpuStopwatch::start();
+    fire.burn_until(SimTime::from_seconds(arguments.duration));
+    let cpu = stopwatch.lap();
+    let report = SpreadReport::new(arguments, &landscape, &fire, &ignitions, cpu);
+    let arrivals = || {
+        let seconds = |cell| fire.arrival(cell).map_or(f64::NAN, SimTime::as_seconds);
+        (0..landscape.frame.cell_count()).map(|index| seconds(landscape.frame.cell(index))).collect::<Vec<f64>>()
+    };
+    let write_arrivals = |path: &Path| {
+        if format == Format::Npy {
+            return write_npy(path, &array(landscape.frame, &arrivals()));
+        }
+        let value = |&seconds: &f64| if seconds.is_nan() { NOT_BURNED } else { seconds as f32 };
+        let raster = Raster {
+            rows: landscape.frame.rows.into(),
+            cols: landscape.frame.cols.into(),
+            west_m: ground.west_m,
+            south_m: ground.south_m,
+            cell_m: landscape.frame.cell_m,
+            values: arrivals().iter().map(value).collect(),
+            nodata: Some(NOT_BURNED),
+            crs: ground.crs.clone(),
+        };
+        if format == Format::Tif { raster::write_geotiff(path, &raster) } else { raster::write_asc(path, &raster) }
+    };
+    let draw = |path: &Path| {
+        let lit: Vec<Cell> = ignitions.iter().map(|&(_, cell)| cell).collect();
+        let map = FieldMap {
+            title: &report.title(),
+            frame: landscape.frame,
+            quantity: MapQuantity::ArrivalTime,
+            values: &arrivals(),
+            without_value: "not burned",
+            covers: &ground_covers(&landscape),
+            landscape: Some(&landscape),
+            ignitions: &lit,
+            has_contours: true,
+        };
+        draw_field_maps("", &[map]).write_png(path)
+    };
+    let printed = words.print(&arguments.form.render(&report));
+    let written = output_files::write_all(
+        &[(arguments.arrival.as_deref(), &write_arrivals), (arguments.png.as_deref(), &draw)],
+        quiet,
+    );
+    printed.and(written)
+}
+
+/// The values with the north row first.
+fn array(frame: FieldFrame, values: &[f64]) -> Grid<f64> {
+    let rows = values.chunks_exact(frame.cols.into()).rev().flatten().copied();
+    Grid::from_values(frame.rows.into(), frame.cols.into(), rows.collect())
+}

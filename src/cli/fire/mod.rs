@@ -1,0 +1,45 @@
+//! `wildfire fire`: fire on the ground by itself, without agents.
+//!
+//! Every direction on these command lines and in their files is a compass azimuth, and winds are named by where they come
+//! from, as in weather reports.
+
+mod automaton;
+mod automaton_arguments;
+mod behavior;
+mod conditions;
+mod direction;
+mod lone;
+mod options;
+mod spread;
+mod spread_report;
+
+use std::process::ExitCode;
+
+use clap::Subcommand;
+
+use behavior::BehaviorArguments;
+use spread::{ModelName, SpreadArguments};
+
+use crate::cli::error::CliError;
+
+#[derive(Debug, Subcommand)]
+pub enum FireCommand {
+    /// Compute rate, intensity, flame length and shape of a fire, by Rothermel's equations.
+    Behavior(BehaviorArguments),
+    /// Let a fire spread over a landscape without agents: when it reaches which cell.
+    Spread(SpreadArguments),
+}
+
+pub fn run(command: &FireCommand, quiet: bool) -> Result<ExitCode, CliError> {
+    match command {
+        FireCommand::Behavior(arguments) => behavior::run(arguments, quiet)?,
+        FireCommand::Spread(arguments) => {
+            arguments.check_model()?;
+            match arguments.model {
+                ModelName::Rothermel => lone::run(arguments, quiet)?,
+                ModelName::Alexandridis => automaton::run(arguments, quiet)?,
+            }
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,316 @@
+//! `wildfire fire spread`: a fire on a landscape, without agents: when it reaches which cell.
+
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+
+use super::automaton_arguments::AutomatonArguments;
+use super::options::{
+    ChoiceArguments, MOST_SECONDS, SlopeArguments, WindStep, WindSteps, cell, moisture, no_such_fuel, wind_steps,
+};
+use crate::cli::error::CliError;
+use crate::cli::numbers;
+use crate::cli::output_files::Format;
+use crate::cli::report::FormArguments;
+use crate::fire::fuel::FuelModel;
+use crate::fire::models::Neighbours;
+use crate::fire::surface::FuelMoisture;
+use crate::fire::{Landscape, Relief, Weather, WeatherInterval};
+use crate::geometry::{Cell, FieldFrame};
+use crate::map_files::raster::GeoKeys;
+use crate::scenario::{LayerKind, LayerReader};
+use crate::time::SimTime;
+
+/// The ranges of sides of a field in cells, of sides of cells in metres, and of times in seconds.
+const SIDES: RangeInclusive<u16> = 1..=4000;
+const CELLS_M: RangeInclusive<f64> = 0.01..=10_000.0;
+const TIMES_S: RangeInclusive<f64> = 0.0..=MOST_SECONDS;
+
+/// The sides of a field that neither a raster nor an option gives.
+const USUAL_SIDE: u16 = 201;
+const USUAL_CELL_M: f64 = 5.0;
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Rows count from the south, columns from the west, both from 0. Directions are \
+compass azimuths: degrees clockwise from north. A wind from 270 blows to the \
+east; a slope of aspect 180 goes up to the north. Winds are those at 10 m; \
+nothing shelters the ground from them.
+
+Fire goes from cell to cell along straight lines to 8, 16 or 32 neighbours, and \
+from between two burned cells. Roads and water (fuels 91 to 99) stop it, and so \
+do chains of such cells that touch at corners.
+
+Examples:
+  wildfire fire spread --rows 201 --cols 201 --cell 5 --fuel GR2 --ignite 100,40 \
+--wind 2.8@270 --duration 6600 --png arrival.png
+  wildfire fire spread --rows 201 --cols 201 --cell 5 --fuel 102 --ignite 50,50 \
+--wind 0:2.22@270,4800:2.22@180 --duration 9600 --arrival arrival.asc
+  wildfire fire spread --fuel fuel.tif --elevation dem.tif --wind 4@250 \
+--ignite 120,80 --ignite 300,90@600 --duration 7200 --json
+  wildfire fire spread --model alexandridis --rows 121 --cols 121 --steps 40 --runs 1000
+  wildfire fire spread --model alexandridis --p0 0.3 --wind 8@270 --areas areas.csv")]
+pub struct SpreadArguments {
+    /// The rule by which fire goes on.
+    #[arg(long, value_enum, value_name = "NAME", default_value = "rothermel")]
+    pub model: ModelName,
+    /// The code or number of a fuel model, or a raster of numbers: ESRI ASCII (.asc) or GeoTIFF (.tif).
+    #[arg(long, value_name = "NAME|FILE")]
+    pub fuel: Option<String>,
+    /// Rows of the field; rasters have their own [default: 201].
+    #[arg(long, value_name = "N", value_parser = side)]
+    pub rows: Option<u16>,
+    /// Columns of the field; rasters have their own [default: 201].
+    #[arg(long, value_name = "N", value_parser = side)]
+    pub cols: Option<u16>,
+    /// Side of a cell in metres; rasters have their own [default: 5].
+    #[arg(long, value_name = "METRES", allow_hyphen_values = true, value_parser = cell_m)]
+    pub cell: Option<f64>,
+    /// A raster of elevations in metres, instead of --slope.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["slope", "aspect"])]
+    pub elevation: Option<PathBuf>,
+    #[command(flatten)]
+    pub slope: SlopeArguments,
+    /// Moistures as fractions of the dry weight: dead 1-h, 10-h and 100-h, live herbaceous, live woody.
+    #[arg(
+        long,
+        value_name = "D1,D10,D100,HERB,WOODY",
+        default_value = "0.06,0.07,0.08,0.60,0.90",
+        allow_hyphen_values = true,
+        value_parser = moisture
+    )]
+    pub moisture: FuelMoisture,
+    /// The wind at 10 m above the ground: from some second on, its speed in m/s and the azimuth that it comes from, such
+    /// as 0:2.5@270,4800:2.5@180 [default: none].
+    #[arg(long, value_name = "SECONDS:M/S@FROM,...", allow_hyphen_values = true, value_parser = wind_steps)]
+    pub wind: Option<WindSteps>,
+    /// A cell that is lit, at the start or some seconds later; may be given several times [default: the one in the middle].
+    #[arg(long, value_name = "ROW,COL[@SECONDS]", allow_hyphen_values = true, value_parser = ignition)]
+    pub ignite: Vec<LitCell>,
+    /// How long the fire burns, in seconds.
+    #[arg(long, value_name = "SECONDS", default_value = "3600", allow_hyphen_values = true, value_parser = time_s)]
+    pub duration: f64,
+    /// Cells that fire goes to from a cell in a straight line: 8, 16 or 32.
+    #[arg(long, value_name = "N", default_value = "32", value_parser = neighbours)]
+    pub neighbours: Neighbours,
+    #[command(flatten)]
+    pub choices: ChoiceArguments,
+    #[command(flatten)]
+    pub automaton: AutomatonArguments,
+    /// Write when each cell caught fire, in seconds, -9999 where nothing burned; the name ends in .asc, .tif or .npy.
+    #[arg(help_heading = "Output", long, value_name = "FILE")]
+    pub arrival: Option<PathBuf>,
+    /// Draw when each cell caught fire, with contour lines.
+    #[arg(help_heading = "Output", long, value_name = "FILE.png")]
+    pub png: Option<PathBuf>,
+    #[command(flatten)]
+    pub form: FormArguments,
+}
+
+/// The models by their names in scenarios.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ModelName {
+    /// A front at the rates of Rothermel's equations.
+    Rothermel,
+    /// The automaton of Alexandridis and others, 2008.
+    Alexandridis,
+}
+
+/// A cell that is lit after some seconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LitCell {
+    pub cell: Cell,
+    pub seconds: f64,
+}
+
+fn side(text: &str) -> Result<u16, String> {
+    numbers::parse_within(text, &SIDES, "cells")
+}
+
+fn cell_m(text: &str) -> Result<f64, String> {
+    numbers::parse_within(text, &CELLS_M, "metres")
+}
+
+fn time_s(text: &str) -> Result<f64, String> {
+    numbers::parse_within(text, &TIMES_S, "seconds")
+}
+
+fn neighbours(text: &str) -> Result<Neighbours, String> {
+    let count = text.trim().parse::<u8>().ok().and_then(|count| Neighbours::try_from(count).ok());
+    count.ok_or_else(|| "expected 8, 16 or 32".to_owned())
+}
+
+fn ignition(text: &str) -> Result<LitCell, String> {
+    let (place, seconds) = match text.split_once('@') {
+        Some((place, seconds)) => (place, time_s(seconds)?),
+        None => (text, 0.0),
+    };
+    let cell = cell(place).map_err(|expected| expected + ", or 100,40@600 for one that is lit after 600 s")?;
+    Ok(LitCell { cell, seconds })
+}
+
+/// A landscape with its place in the coordinate system of its files.
+pub struct Ground {
+    pub landscape: Landscape,
+    pub west_m: f64,
+    pub south_m: f64,
+    pub crs: Option<GeoKeys>,
+}
+
+impl SpreadArguments {
+    /// The fuel model of the whole field, or the raster of fuel models.
+    pub fn fuel(&self) -> Result<Result<&'static FuelModel, &Path>, CliError> {
+        let Some(name) = &self.fuel else {
+            let help = "such as --fuel GR2; wildfire fire behavior --list-fuels prints all fuel models";
+            return Err(CliError::bad_input("--fuel is missing: what burns?", Some(help)));
+        };
+        if let Some(model) = FuelModel::by_name(name.trim()) {
+            return Ok(Ok(model));
+        }
+        let path = Path::new(name);
+        if path.extension().is_some() || path.exists() {
+            return Ok(Err(path));
+        }
+        let expected = no_such_fuel(name);
+        let sentence = format!("--fuel {name}: expected {expected}, or a raster (.asc, .tif)");
+        Err(CliError::bad_input(sentence, Some("wildfire fire behavior --list-fuels prints all fuel models")))
+    }
+
+    pub fn rasters(&self) -> Result<Vec<(LayerKind, &Path)>, CliError> {
+        let fuel = self.fuel()?.err().map(|path| (LayerKind::Fuel, path));
+        Ok(fuel.into_iter().chain(self.elevation.as_deref().map(|path| (LayerKind::Elevation, path))).collect())
+    }
+
+    pub fn ground(&self) -> Result<Ground, CliError> {
+        let refused = |sentence: String| CliError::bad_input(sentence, None);
+        let mut layers = LayerReader::default();
+        for (kind, path) in self.rasters()? {
+            layers.read(kind, path).map_err(refused)?;
+        }
+        let plane = || Relief::Plane(self.slope.gradient());
+        let Some(layers) = layers.finish() else {
+            let model = self.fuel()?.expect("there is no raster");
+            let landscape = Landscape::uniform(self.frame(), model.number);
+            let landscape = Landscape { relief: plane(), ..landscape };
+            return Ok(Ground { landscape, west_m: 0.0, south_m: 0.0, crs: None });
+        };
+        let frame = layers.frame;
+        let given = [self.rows.map(f64::from), self.cols.map(f64::from), self.cell];
+        let own = [frame.rows.into(), frame.cols.into(), frame.cell_m];
+        for ((name, given), own) in ["--rows", "--cols", "--cell"].into_iter().zip(given).zip(own) {
+            if given.is_some_and(|given| given != own) {
+                return Err(refused(format!("{name} is {}, expected {own} as in the raster", given.unwrap_or(own))));
+            }
+        }
+        let fuel = layers.fuel().unwrap_or_else(|| {
+            let number = self.fuel().ok().and_then(Result::ok).map_or(0, |model| model.number);
+            vec![number; frame.cell_count()]
+        });
+        let relief = layers.relief().unwrap_or_else(plane);
+        let (west_m, south_m) = (layers.west_m, layers.south_m);
+        Ok(Ground { landscape: Landscape { frame, fuel, relief }, west_m, south_m, crs: layers.crs })
+    }
+
+    /// The field, where no raster gives it.
+    pub fn frame(&self) -> FieldFrame {
+        let [rows, cols] = [self.rows, self.cols].map(|side| side.unwrap_or(USUAL_SIDE));
+        FieldFrame { cols, rows, cell_m: self.cell.unwrap_or(USUAL_CELL_M) }
+    }
+
+    /// Returns the cells that are lit, the one in the middle if none is named, with their seconds.
+    pub fn lit(&self, frame: FieldFrame) -> Result<Vec<LitCell>, CliError> {
+        if self.ignite.is_empty() {
+            return Ok(vec![LitCell { cell: Cell { col: frame.cols / 2, row: frame.rows / 2 }, seconds: 0.0 }]);
+        }
+        match self.ignite.iter().find(|lit| lit.cell.col >= frame.cols || lit.cell.row >= frame.rows) {
+            Some(LitCell { cell: Cell { col, row }, .. }) => {
+                let expected = format!("expected a row below {} and a column below {}", frame.rows, frame.cols);
+                Err(CliError::bad_input(format!("--ignite {row},{col}: there is no such cell; {expected}"), None))
+            }
+            None => Ok(self.ignite.clone()),
+        }
+    }
+
+    /// Returns the field of the automaton and the cells that are lit on it.
+    pub fn field(&self) -> Result<(FieldFrame, Vec<Cell>), CliError> {
+        let frame = self.frame();
+        let lit = self.lit(frame)?;
+        if let Some(late) = lit.iter().find(|lit| lit.seconds > 0.0) {
+            let Cell { col, row } = late.cell;
+            let sentence = format!("--ignite {row},{col}@{}: the automaton is lit at 0 s only", late.seconds);
+            return Err(CliError::bad_input(sentence, None));
+        }
+        Ok((frame, lit.into_iter().map(|lit| lit.cell).collect()))
+    }
+
+    /// Returns what is lit when, if it burns.
+    pub fn ignitions(&self, landscape: &Landscape) -> Result<Vec<(SimTime, Cell)>, CliError> {
+        let ignition = |lit: LitCell| {
+            let fuel = landscape.fuel_number(lit.cell);
+            if FuelModel::by_number(fuel).is_some_and(FuelModel::burns) {
+                return Ok((SimTime::from_seconds(lit.seconds), lit.cell));
+            }
+            let Cell { col, row } = lit.cell;
+            let sentence = format!("--ignite {row},{col}: nothing burns there, its fuel is {fuel}");
+            Err(CliError::bad_input(sentence, Some("rows count from the south, from 0")))
+        };
+        self.lit(landscape.frame)?.into_iter().map(ignition).collect()
+    }
+
+    /// Returns the winds, none if none were given.
+    pub fn winds(&self) -> Vec<WindStep> {
+        let calm = WindStep { from: SimTime::ZERO, speed_mps: 0.0, from_deg: 0.0 };
+        self.wind.as_ref().map_or_else(|| vec![calm], |wind| wind.0.clone())
+    }
+
+    pub fn weather(&self) -> Weather {
+        let interval =
+            |step: WindStep| WeatherInterval { from: step.from, wind_mps: step.wind_mps(), moisture: self.moisture };
+        let intervals = self.winds().into_iter().map(interval).collect();
+        Weather::new(intervals).expect("winds begin at 0 and rise in time")
+    }
+
+    /// Refuses options of the other model.
+    pub fn check_model(&self) -> Result<(), CliError> {
+        let (given, model) = match self.model {
+            ModelName::Rothermel => {
+                let AutomatonArguments { areas, steps, .. } = &self.automaton;
+                (vec![("--areas", areas.is_some()), ("--steps", steps.is_some())], "alexandridis")
+            }
+            ModelName::Alexandridis => {
+                let rasters = [("--fuel", self.fuel.is_some()), ("--elevation", self.elevation.is_some())];
+                let outputs = [("--arrival", self.arrival.is_some()), ("--png", self.png.is_some())];
+                ([rasters, outputs].concat(), "rothermel")
+            }
+        };
+        match given.iter().find(|(_, is_given)| *is_given) {
+            Some((name, _)) => Err(CliError::bad_input(format!("{name} is an option of --model {model}"), None)),
+            None => Ok(()),
+        }
+    }
+
+    pub fn arrival_format(&self) -> Format {
+        let ending = self.arrival.as_deref().and_then(Path::extension).unwrap_or_default().to_ascii_lowercase();
+        match ending.to_str() {
+            Some("tif" | "tiff") => Format::Tif,
+            Some("npy") => Format::Npy,
+            _ => Format::Asc,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ignitions_are_rows_before_columns_with_or_without_a_time() {
+        let lit = |row, col, seconds| LitCell { cell: Cell { col, row }, seconds };
+        assert_eq!(ignition("100,40"), Ok(lit(100, 40, 0.0)));
+        assert_eq!(ignition("3, 5@12.5"), Ok(lit(3, 5, 12.5)));
+        for wrong in ["", "3", "3,", "-1,4", "3,4@", "3,4@-1", "70000,1", "1,2,3", "1.5,2"] {
+            assert!(ignition(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,255 @@
+//! A fire's extent after some time: an object and a document.
+
+use std::time::Duration;
+
+use serde::Serialize;
+
+use super::spread::SpreadArguments;
+use crate::batch::PROGRAM_VERSION;
+use crate::document::number::{count, percent, rounded, short};
+use crate::document::{Document, Table};
+use crate::fire::Landscape;
+use crate::fire::fuel::FuelModel;
+use crate::fire::lone::LoneFire;
+use crate::fire::surface::{FuelBed, FuelMoisture, SurfaceOptions};
+use crate::geometry::{Cell, compass};
+use crate::time::SimTime;
+
+/// What is said of a fire.
+#[derive(Debug, Serialize)]
+pub struct SpreadReport {
+    program_version: &'static str,
+    rows: u16,
+    cols: u16,
+    cell_m: f64,
+    /// Codes of the fuels and the cells that have them, the most frequent first.
+    fuels: Vec<FuelShare>,
+    /// Codes of fuels that are too wet to burn.
+    too_wet: Vec<&'static str>,
+    moisture: FuelMoisture,
+    winds: Vec<WindRow>,
+    #[serde(flatten)]
+    options: SurfaceOptions,
+    neighbours: u8,
+    duration_s: f64,
+    ignitions: Vec<IgnitionRow>,
+    burned_cells: usize,
+    burned_ha: f64,
+    /// When the first cell at the border of the field caught fire.
+    reached_edge_s: Option<f64>,
+    /// When the last cell did.
+    last_arrival_s: Option<f64>,
+    /// The cell that is farthest from the nearest ignition.
+    farthest: Option<Farthest>,
+    /// Along the sides of cells, inner borders included.
+    perimeter_m: f64,
+    cpu_s: f64,
+    cpu_us_per_burned_cell: Option<f64>,
+}
+
+#[derive(Debug, Serialize)]
+struct FuelShare {
+    number: u8,
+    code: &'static str,
+    cells: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct WindRow {
+    from_s: f64,
+    speed_mps: f64,
+    from_deg: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct IgnitionRow {
+    row: u16,
+    col: u16,
+    at_s: f64,
+}
+
+/// How far a fire came.
+#[derive(Debug, Serialize)]
+struct Farthest {
+    row: u16,
+    col: u16,
+    distance_m: f64,
+    toward_deg: f64,
+    arrival_s: f64,
+    /// The distance by the time since the ignition.
+    mean_rate_m_min: f64,
+}
+
+impl SpreadReport {
+    pub fn new(
+        arguments: &SpreadArguments,
+        landscape: &Landscape,
+        fire: &LoneFire,
+        ignitions: &[(SimTime, Cell)],
+        cpu: Duration,
+    ) -> Self {
+        let frame = landscape.frame;
+        let cells = || (0..frame.cell_count()).map(|index| frame.cell(index));
+        let burned = || cells().filter_map(|cell| Some((cell, fire.arrival(cell)?)));
+        let burned_cells = burned().count();
+        let is_border =
+            |cell: Cell| cell.col == 0 || cell.row == 0 || cell.col + 1 == frame.cols || cell.row + 1 == frame.rows;
+        let reached_edge = burned().filter(|&(cell, _)| is_border(cell)).map(|(_, time)| time).min();
+        let sides = burned().map(|(cell, _)| {
+            let beside = [(1, 0), (-1, 0), (0, 1), (0, -1)].map(|(cols, rows)| frame.offset(cell, cols, rows));
+            beside.iter().filter(|beside| beside.is_none_or(|beside| fire.arrival(beside).is_none())).count()
+        });
+        let options = arguments.choices.options();
+        let fuels = shares(landscape);
+        let too_wet = fuels
+            .iter()
+            .filter_map(|share| FuelModel::by_number(share.number))
+            .filter(|model| model.burns() && !FuelBed::new(model, &arguments.moisture, options.curing).burns());
+        Self {
+            program_version: PROGRAM_VERSION,
+            rows: frame.rows,
+            cols: frame.cols,
+            cell_m: frame.cell_m,
+            too_wet: too_wet.map(|model| model.code).collect(),
+            fuels,
+            moisture: arguments.moisture,
+            winds: (arguments.winds().iter())
+                .map(|wind| WindRow {
+                    from_s: wind.from.as_seconds(),
+                    speed_mps: wind.speed_mps,
+                    from_deg: wind.from_deg,
+                })
+                .collect(),
+            options,
+            neighbours: arguments.neighbours.into(),
+            duration_s: arguments.duration,
+            ignitions: (ignitions.iter())
+                .map(|&(time, cell)| IgnitionRow { row: cell.row, col: cell.col, at_s: time.as_seconds() })
+                .collect(),
+            burned_cells,
+            burned_ha: burned_cells as f64 * frame.cell_m * frame.cell_m / 10_000.0,
+            reached_edge_s: reached_edge.map(SimTime::as_seconds),
+            last_arrival_s: burned().map(|(_, time)| time).max().map(SimTime::as_seconds),
+            farthest: farthest(fire, burned(), ignitions),
+            perimeter_m: sides.sum::<usize>() as f64 * frame.cell_m,
+            cpu_s: cpu.as_secs_f64(),
+            cpu_us_per_burned_cell: (burned_cells > 0).then(|| cpu.as_secs_f64() * 1e6 / burned_cells as f64),
+        }
+    }
+
+    /// The title of the report and of the picture.
+    pub fn title(&self) -> String {
+        let fuel = match &self.fuels[..] {
+            [only] => only.code.to_owned(),
+            fuels => count(fuels.len(), "fuel"),
+        };
+        format!("Fire in {fuel}, {}", minutes(self.duration_s))
+    }
+
+    fn conditions(&self) -> Vec<String> {
+        let FuelMoisture { d1, d10, d100, herb, woody } = self.moisture;
+        let [d1, d10, d100, herb, woody] = [d1, d10, d100, herb, woody].map(percent);
+        let field = format!("{} rows and {} columns of {} m", self.rows, self.cols, short(self.cell_m));
+        let fuels = self.fuels.iter().take(6).map(|share| format!("{} {}", share.code, share.cells));
+        let fuels = fuels.collect::<Vec<_>>().join(", ");
+        let more = if self.fuels.len() > 6 { format!(" and {} more", self.fuels.len() - 6) } else { String::new() };
+        let mut lines = vec![
+            field,
+            format!("Cells by fuel: {fuels}{more}"),
+            format!("Moisture of dead fuel {d1}, {d10} and {d100} %, of live grass {herb} %, of live wood {woody} %"),
+        ];
+        if !self.too_wet.is_empty() {
+            lines.push(format!("Too wet to burn, so that fire goes out in it: {}", self.too_wet.join(", ")));
+        }
+        let winds = self.winds.iter().take(5).map(|wind| {
+            let blows = match wind.speed_mps {
+                0.0 => "none".to_owned(),
+                speed => format!("{} m/s from {}", short(speed), short(wind.from_deg)),
+            };
+            if wind.from_s > 0.0 { format!("{blows} after {}", minutes(wind.from_s)) } else { blows }
+        });
+        let winds = winds.collect::<Vec<_>>().join(", ");
+        let more =
+            if self.winds.len() > 5 { format!(" and {} changes more", self.winds.len() - 5) } else { String::new() };
+        lines.push(format!("Wind at 10 m: {winds}{more}"));
+        lines
+    }
+}
+
+/// Counts the cells of each fuel.
+fn shares(landscape: &Landscape) -> Vec<FuelShare> {
+    let mut cells = [0; 256];
+    for &number in &landscape.fuel {
+        cells[usize::from(number)] += 1;
+    }
+    let there = (0..=u8::MAX).filter(|&number| cells[usize::from(number)] > 0);
+    let mut shares: Vec<FuelShare> = there
+        .map(|number| {
+            let code = FuelModel::by_number(number).map_or("none", |model| model.code);
+            FuelShare { number, code, cells: cells[usize::from(number)] }
+        })
+        .collect();
+    shares.sort_by_key(|share| (std::cmp::Reverse(share.cells), share.number));
+    shares
+}
+
+fn farthest(
+    fire: &LoneFire,
+    burned: impl Iterator<Item = (Cell, SimTime)>,
+    ignitions: &[(SimTime, Cell)],
+) -> Option<Farthest> {
+    let frame = fire.fires().frame();
+    let reached = burned.filter_map(|(cell, time)| {
+        let from = |&(lit, start): &(SimTime, Cell)| (frame.centre(cell) - frame.centre(start), lit);
+        let lit = ignitions.iter().filter(|&&(lit, _)| lit <= time).map(from);
+        let (way, lit) = lit.min_by(|(a, _), (b, _)| a.length_squared().total_cmp(&b.length_squared()))?;
+        Some((cell, time, way, lit))
+    });
+    let (cell, time, way, lit) =
+        reached.max_by(|(_, _, a, _), (_, _, b, _)| a.length_squared().total_cmp(&b.length_squared()))?;
+    (way.length_squared() > 0.0).then(|| Farthest {
+        row: cell.row,
+        col: cell.col,
+        distance_m: way.length(),
+        toward_deg: compass::azimuth_deg(way),
+        arrival_s: time.as_seconds(),
+        mean_rate_m_min: 60.0 * way.length() / time.since(lit).as_seconds(),
+    })
+}
+
+/// Seconds as people say them.
+fn minutes(seconds: f64) -> String {
+    if seconds < 120.0 { format!("{} s", short(seconds)) } else { format!("{} min", rounded(seconds / 60.0, 1)) }
+}
+
+impl From<&SpreadReport> for Document {
+    fn from(report: &SpreadReport) -> Self {
+        let mut document = Self::new(report.title());
+        document.add_list(report.conditions());
+        let row = |name: &str, value: String| vec![name.to_owned(), value];
+        let mut rows = vec![
+            row("Burned cells", report.burned_cells.to_string()),
+            row("Burned ha", rounded(report.burned_ha, 2)),
+            row("Perimeter m", rounded(report.perimeter_m, 0)),
+        ];
+        if let Some(farthest) = &report.farthest {
+            rows.push(row("Farthest from an ignition m", rounded(farthest.distance_m, 0)));
+            rows.push(row("  to azimuth", rounded(farthest.toward_deg, 0)));
+            rows.push(row("  after", minutes(farthest.arrival_s)));
+            rows.push(row("  on average m/min", rounded(farthest.mean_rate_m_min, 2)));
+        }
+        let edge = report.reached_edge_s.map_or_else(|| "no".to_owned(), |time| format!("after {}", minutes(time)));
+        rows.push(row("Reached the edge", edge));
+        document.add(Table::new(&["Fire", "Value"], rows));
+        let mut remarks = Vec::new();
+        if report.reached_edge_s.is_some() {
+            remarks
+                .push("What would burn beyond the edge is not known, nor what would come back from there".to_owned());
+        }
+        if let Some(cost) = report.cpu_us_per_burned_cell {
+            remarks.push(format!("CPU time {} s, {} us a burned cell", rounded(report.cpu_s, 3), rounded(cost, 2)));
+        }
+        document.add_list(remarks);
+        document
+    }
+}

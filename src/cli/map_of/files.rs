@@ -1,0 +1,268 @@
+//! The files of a map.
+
+use std::io;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+use clap::Args;
+
+use crate::batch::{BatchMaps, BatchQuantity};
+use crate::cli::error::CliError;
+use crate::cli::output_files::{Format, Output, write_all};
+use crate::geometry::Cell;
+use crate::grid::Grid;
+use crate::input_file::is_standard_stream;
+use crate::map_files::raster::{GeoKeys, Raster, write_asc, write_geotiff};
+use crate::map_files::write_npy;
+use crate::picture::{FieldMap, MapQuantity, bush_covers, draw_field_maps, ground_covers};
+use crate::scenario::Scenario;
+use crate::timeline::{Setting, SpreadSetting};
+
+/// The value of a raster's cells that have none.
+const NODATA: f32 = -9999.0;
+
+/// The files that are asked for.
+#[derive(Debug, Args)]
+pub struct FileArguments {
+    /// Write an ESRI ASCII grid.
+    #[arg(help_heading = "Output", long, value_name = "FILE.asc")]
+    asc: Option<PathBuf>,
+    /// Write a GeoTIFF.
+    #[arg(help_heading = "Output", long, value_name = "FILE.tif")]
+    tif: Option<PathBuf>,
+    /// Write a NumPy array.
+    #[arg(help_heading = "Output", long, value_name = "FILE.npy")]
+    npy: Option<PathBuf>,
+    /// Draw the map.
+    #[arg(help_heading = "Output", long, value_name = "FILE.png")]
+    png: Option<PathBuf>,
+    /// A heading above the picture.
+    #[arg(help_heading = "Output", long, value_name = "TEXT", requires = "png")]
+    title: Option<String>,
+}
+
+/// A map, and how it is drawn.
+pub struct Panel {
+    pub title: String,
+    pub quantity: MapQuantity,
+    /// What goes into files, by cell index, each with what its files' names end in; none of a map that is only drawn.
+    pub values: Vec<(String, Vec<f64>)>,
+    /// What is drawn, if that is not the first of these.
+    pub shown: Vec<f64>,
+    pub without_value: &'static str,
+    pub ignitions: Vec<Cell>,
+    /// By cell index, of a batch: something there can burn, in some run.
+    pub burnable: Option<Rc<Vec<bool>>>,
+    pub setting: Setting,
+    pub place: MapPlace,
+}
+
+/// The place of the field on earth, as the files of its landscape have it: its south-west corner in metres, and in which
+/// coordinate system these are.
+#[derive(Clone, Debug, Default)]
+pub struct MapPlace {
+    west_m: f64,
+    south_m: f64,
+    crs: Option<GeoKeys>,
+}
+
+impl MapPlace {
+    /// The origin of coordinates, without a name of their system, where no file says more.
+    pub fn new(scenario: Option<&Scenario>) -> Self {
+        scenario.and_then(Scenario::layers).map_or_else(Self::default, |layers| Self {
+            west_m: layers.west_m,
+            south_m: layers.south_m,
+            crs: layers.crs.clone(),
+        })
+    }
+}
+
+/// Where the map is to be written.
+pub struct MapFiles<'a> {
+    asc: Option<&'a Path>,
+    tif: Option<&'a Path>,
+    npy: Option<&'a Path>,
+    png: Option<&'a Path>,
+    heading: &'a str,
+    endings: &'static [&'static str],
+}
+
+impl Panel {
+    /// The maps of a batch, or of two and their difference, from left to right.
+    pub fn over_batch(quantity: BatchQuantity, maps: BatchMaps, place: &MapPlace) -> Vec<Self> {
+        let (own, of_difference, without_value) = match quantity {
+            BatchQuantity::BurnProbability => {
+                (MapQuantity::Probability, MapQuantity::ProbabilityDifference, "never burned")
+            }
+            BatchQuantity::MeanArrival => (MapQuantity::ArrivalTime, MapQuantity::TimeDifference, "never burned"),
+            BatchQuantity::MeanIntensity => (MapQuantity::Intensity, MapQuantity::IntensityDifference, "no front came"),
+        };
+        let BatchMaps { mut setting, sides, difference, can_burn, is_same_ground, .. } = maps;
+        if !is_same_ground {
+            // No ground is that of all runs: what can burn in some is all that can be shown.
+            setting.spread = None;
+        }
+        let burnable = Some(Rc::new(can_burn));
+        // Ground that never burned is shown as such, not as burning with no probability.
+        let shown = |values: &[f64]| values.iter().map(|&value| if value == 0.0 { f64::NAN } else { value }).collect();
+        let mut panels: Vec<Self> = sides
+            .into_iter()
+            .map(|side| Self {
+                title: last_name(&side.title),
+                quantity: own,
+                shown: if quantity == BatchQuantity::BurnProbability { shown(&side.values) } else { Vec::new() },
+                values: vec![(String::new(), side.values)],
+                without_value,
+                ignitions: Vec::new(),
+                burnable: burnable.clone(),
+                setting: setting.clone(),
+                place: place.clone(),
+            })
+            .collect();
+        if let Some(difference) = difference {
+            // From what is taken off to what it is taken off from.
+            panels.reverse();
+            let burned: Vec<bool> = (0..difference.mean.len())
+                .map(|index| panels.iter().any(|panel| panel.values[0].1[index] > 0.0))
+                .collect();
+            let shown = difference.mean.iter().zip(burned);
+            let shown = shown.map(|(&mean, burned)| if burned { mean } else { f64::NAN }).collect();
+            panels.iter_mut().for_each(Self::keep_drawing_only);
+            let values = [("", difference.mean), ("-lower", difference.lower), ("-upper", difference.upper)];
+            panels.push(Self {
+                title: format!("{} less {}", panels[1].title, panels[0].title),
+                quantity: of_difference,
+                values: values.map(|(ending, values)| (ending.to_owned(), values)).into(),
+                shown,
+                without_value,
+                ignitions: Vec::new(),
+                burnable,
+                setting,
+                place: place.clone(),
+            });
+        }
+        panels
+    }
+
+    /// Takes from a map what would go into files.
+    fn keep_drawing_only(&mut self) {
+        let values = std::mem::take(&mut self.values);
+        if self.shown.is_empty() {
+            self.shown = values.into_iter().next().map(|(_, values)| values).unwrap_or_default();
+        }
+    }
+
+    fn can_burn(&self, cell: Cell) -> bool {
+        match &self.burnable {
+            Some(burnable) => burnable[self.setting.frame.index(cell)],
+            None => self.setting.bush_index(cell).is_some(),
+        }
+    }
+
+    fn shown(&self) -> &[f64] {
+        if self.shown.is_empty() { &self.values[0].1 } else { &self.shown }
+    }
+}
+
+/// The last name of a path, and what stands after the folder of a batch.
+fn last_name(title: &str) -> String {
+    title.rsplit('/').next().unwrap_or(title).to_owned()
+}
+
+impl<'a> MapFiles<'a> {
+    /// `has_difference` says whether the last map is the difference of two, with its interval.
+    pub fn new(arguments: &'a FileArguments, has_difference: bool) -> Self {
+        Self {
+            asc: arguments.asc.as_deref(),
+            tif: arguments.tif.as_deref(),
+            npy: arguments.npy.as_deref(),
+            png: arguments.png.as_deref(),
+            heading: arguments.title.as_deref().unwrap_or_default(),
+            endings: if has_difference { &["", "-lower", "-upper"] } else { &[""] },
+        }
+    }
+
+    /// Lists all files that will be written.
+    pub fn every_path(&self) -> Vec<(Format, PathBuf)> {
+        let rasters = [(Format::Asc, self.asc), (Format::Tif, self.tif), (Format::Npy, self.npy)];
+        let rasters = rasters.into_iter().filter_map(|(format, path)| Some((format, path?)));
+        let rasters =
+            rasters.flat_map(|(format, path)| self.endings.iter().map(move |end| (format, with_end(path, end))));
+        rasters.chain(self.png.map(|path| (Format::Png, path.to_owned()))).collect()
+    }
+
+    /// Writes the last map to rasters and arrays, and draws all of them.
+    pub fn write(&self, panels: &[Panel], quiet: bool) -> Result<(), CliError> {
+        let last = panels.last().expect("there is a map");
+        for (end, values) in &last.values {
+            let raster = || raster(last, values);
+            let paths = [self.asc, self.tif, self.npy].map(|path| path.map(|path| with_end(path, end)));
+            let [asc, tif, npy] = paths.each_ref().map(Option::as_deref);
+            let outputs: [Output<'_>; 3] = [
+                (asc, &|path| write_asc(path, &raster())),
+                (tif, &|path| write_geotiff(path, &raster())),
+                (npy, &|path| write_npy(path, &array(&last.setting, values))),
+            ];
+            write_all(&outputs, quiet)?;
+        }
+        write_all(&[(self.png, &|path| self.draw(panels, path))], quiet)
+    }
+
+    fn draw(&self, panels: &[Panel], path: &Path) -> io::Result<()> {
+        let setting = &panels[0].setting;
+        let landscape = setting.spread.as_ref().map(SpreadSetting::landscape);
+        let bushes = || (0..setting.frame.cell_count()).map(|index| setting.frame.cell(index));
+        let covers = landscape.map_or_else(
+            || bush_covers(&setting.frame, &bushes().filter(|&cell| panels[0].can_burn(cell)).collect::<Vec<_>>()),
+            ground_covers,
+        );
+        let maps: Vec<FieldMap<'_>> = panels
+            .iter()
+            .map(|panel| FieldMap {
+                title: &panel.title,
+                frame: setting.frame,
+                quantity: panel.quantity,
+                values: panel.shown(),
+                without_value: panel.without_value,
+                covers: &covers,
+                landscape,
+                ignitions: &panel.ignitions,
+                // Bushes are islands, too small for lines.
+                has_contours: panel.quantity == MapQuantity::ArrivalTime && landscape.is_some(),
+            })
+            .collect();
+        draw_field_maps(self.heading, &maps).write_png(path)
+    }
+}
+
+/// The path with an end to its name, before the ending that shows the format; stdout stays stdout.
+fn with_end(path: &Path, end: &str) -> PathBuf {
+    if end.is_empty() || is_standard_stream(path) {
+        return path.to_owned();
+    }
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let ending = path.extension().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!("{stem}{end}.{ending}"))
+}
+
+fn raster(panel: &Panel, values: &[f64]) -> Raster {
+    let Panel { setting, place, .. } = panel;
+    #[expect(clippy::cast_possible_truncation, reason = "rasters hold single precision")]
+    let value = |&value: &f64| if value.is_nan() { NODATA } else { value as f32 };
+    Raster {
+        rows: setting.frame.rows.into(),
+        cols: setting.frame.cols.into(),
+        west_m: place.west_m,
+        south_m: place.south_m,
+        cell_m: setting.frame.cell_m,
+        values: values.iter().map(value).collect(),
+        nodata: Some(NODATA),
+        crs: place.crs.clone(),
+    }
+}
+
+/// The values with the north row first.
+fn array(setting: &Setting, values: &[f64]) -> Grid<f64> {
+    let rows = values.chunks_exact(setting.frame.cols.into()).rev().flatten().copied();
+    Grid::from_values(setting.frame.rows.into(), setting.frame.cols.into(), rows.collect())
+}

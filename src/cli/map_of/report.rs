@@ -1,0 +1,292 @@
+//! What is said of a map: how much burned, and how sure that is.
+
+use serde::Serialize;
+
+use crate::batch::{BatchMaps, BatchQuantity, BatchSide};
+use crate::document::number::{count, optional, rounded, two_digits};
+use crate::document::{Block, Document, Table};
+use crate::picture::MapQuantity;
+use crate::stats::MeanEstimate;
+use crate::timeline::{BurnMap, Setting};
+
+/// The quantity of a map of one run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RunQuantity {
+    Arrival,
+    Intensity,
+    FlameLength,
+    Direction,
+}
+
+impl RunQuantity {
+    pub fn in_picture(self) -> MapQuantity {
+        match self {
+            Self::Arrival => MapQuantity::ArrivalTime,
+            Self::Intensity => MapQuantity::Intensity,
+            Self::FlameLength => MapQuantity::FlameLength,
+            Self::Direction => MapQuantity::Direction,
+        }
+    }
+}
+
+/// The map of one run in figures; members in their order.
+#[derive(Debug, Serialize)]
+pub struct RunMapReport {
+    run: String,
+    seed: u64,
+    quantity: &'static str,
+    unit: &'static str,
+    burned_cells: usize,
+    burned_ha: f64,
+    burned_bushes: usize,
+    bushes: usize,
+    /// Cells with a value, and the least, the mean and the greatest of these.
+    cells: usize,
+    least: Option<f64>,
+    mean: Option<f64>,
+    most: Option<f64>,
+}
+
+impl RunMapReport {
+    pub fn new(run: &str, quantity: RunQuantity, map: &BurnMap<'_>, setting: &Setting, values: &[f64]) -> Self {
+        let (name, unit) = match quantity {
+            RunQuantity::Arrival => ("arrival", "s"),
+            RunQuantity::Intensity => ("fireline intensity", "kW/m"),
+            RunQuantity::FlameLength => ("flame length", "m"),
+            RunQuantity::Direction => ("direction of spread", "degrees"),
+        };
+        let found: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
+        let [least, most] = [f64::min as fn(f64, f64) -> f64, f64::max].map(|pick| found.iter().copied().reduce(pick));
+        let has_mean = quantity != RunQuantity::Direction && !found.is_empty();
+        Self {
+            run: run.to_owned(),
+            seed: setting.seed,
+            quantity: name,
+            unit,
+            burned_cells: map.burned(),
+            burned_ha: map.burned() as f64 * hectares(setting),
+            burned_bushes: map.burned_bushes(),
+            bushes: setting.bushes.len(),
+            cells: found.len(),
+            least,
+            mean: has_mean.then(|| found.iter().sum::<f64>() / found.len() as f64),
+            most,
+        }
+    }
+}
+
+fn hectares(setting: &Setting) -> f64 {
+    setting.frame.cell_m * setting.frame.cell_m / 10_000.0
+}
+
+/// A number with three digits that count.
+fn short(number: f64) -> String {
+    let digits = two_digits(number);
+    rounded(number, if number.abs() < 100.0 { digits + usize::from(digits < 9) } else { 0 })
+}
+
+impl From<&RunMapReport> for Document {
+    fn from(report: &RunMapReport) -> Self {
+        let mut quantity = report.quantity.to_owned();
+        quantity[..1].make_ascii_uppercase();
+        let mut lines = vec![format!(
+            "Burned: {}, {} ha; {} of {}.",
+            count(report.burned_cells, "cell"),
+            short(report.burned_ha),
+            report.burned_bushes,
+            if report.bushes == 1 { "1 bush".to_owned() } else { format!("{} bushes", report.bushes) },
+        )];
+        if let (Some(least), Some(most)) = (report.least, report.most) {
+            let mean = report.mean.map_or(String::new(), |mean| format!(", mean {} {}", short(mean), report.unit));
+            lines.push(format!("{quantity}: {} to {} {}{mean}.", short(least), short(most), report.unit));
+        }
+        let mut document = Self::new(format!("{quantity}: {}, seed {}", report.run, report.seed));
+        document.add_list(lines);
+        document
+    }
+}
+
+/// Maps over batches in figures; members in their order.
+#[derive(Debug, Serialize)]
+pub struct BatchMapReport {
+    quantity: &'static str,
+    unit: &'static str,
+    runs: u64,
+    recorded: u64,
+    simulated: u64,
+    not_run: u64,
+    unpaired: u64,
+    is_same_ground: bool,
+    sides: Vec<SideObject>,
+    difference: Option<DifferenceObject>,
+}
+
+#[derive(Debug, Serialize)]
+struct SideObject {
+    batch: String,
+    burned_cells: EstimateObject,
+    burned_ha: EstimateObject,
+    burned_bushes: EstimateObject,
+    lost_bushes: EstimateObject,
+    /// Cells with a value above zero, and the greatest value.
+    cells: usize,
+    most: Option<f64>,
+}
+
+#[derive(Debug, Serialize)]
+struct DifferenceObject {
+    burned_cells: EstimateObject,
+    burned_ha: EstimateObject,
+    burned_bushes: EstimateObject,
+    lost_bushes: EstimateObject,
+    /// Cells whose interval lies below zero, and above it.
+    cells_below: usize,
+    cells_above: usize,
+    least: Option<f64>,
+    most: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, Serialize)]
+struct EstimateObject {
+    mean: f64,
+    low: Option<f64>,
+    high: Option<f64>,
+}
+
+impl From<&MeanEstimate> for EstimateObject {
+    fn from(estimate: &MeanEstimate) -> Self {
+        let (low, high) = estimate.interval.map(|interval| (interval.low, interval.high)).unzip();
+        Self { mean: estimate.mean, low, high }
+    }
+}
+
+impl EstimateObject {
+    /// The mean and the ends of its interval in the cells of a table.
+    fn cells(&self) -> Vec<String> {
+        let decimals = if self.mean.abs() < 100.0 { 2 } else { 1 };
+        vec![rounded(self.mean, decimals), optional(self.low, decimals), optional(self.high, decimals)]
+    }
+}
+
+impl From<&BatchSide> for SideObject {
+    fn from(side: &BatchSide) -> Self {
+        Self {
+            batch: side.title.clone(),
+            burned_cells: (&side.burned_cells).into(),
+            burned_ha: (&side.burned_ha).into(),
+            burned_bushes: (&side.burned_bushes).into(),
+            lost_bushes: (&side.lost_bushes).into(),
+            cells: side.values.iter().filter(|value| **value > 0.0).count(),
+            most: side.values.iter().copied().filter(|value| value.is_finite()).reduce(f64::max),
+        }
+    }
+}
+
+impl BatchMapReport {
+    pub fn new(quantity: BatchQuantity, maps: &BatchMaps) -> Self {
+        let (name, unit) = match quantity {
+            BatchQuantity::BurnProbability => ("burn probability", ""),
+            BatchQuantity::MeanArrival => ("mean arrival", "s"),
+            BatchQuantity::MeanIntensity => ("mean fireline intensity", "kW/m"),
+        };
+        let difference = maps.difference.as_ref().map(|difference| {
+            let found = || difference.mean.iter().copied().filter(|mean| mean.is_finite());
+            DifferenceObject {
+                burned_cells: (&difference.burned_cells).into(),
+                burned_ha: (&difference.burned_ha).into(),
+                burned_bushes: (&difference.burned_bushes).into(),
+                lost_bushes: (&difference.lost_bushes).into(),
+                cells_below: difference.upper.iter().filter(|upper| **upper < 0.0).count(),
+                cells_above: difference.lower.iter().filter(|lower| **lower > 0.0).count(),
+                least: found().reduce(f64::min),
+                most: found().reduce(f64::max),
+            }
+        });
+        Self {
+            quantity: name,
+            unit,
+            runs: maps.runs,
+            recorded: maps.recorded,
+            simulated: maps.simulated,
+            not_run: maps.not_run,
+            unpaired: maps.unpaired,
+            is_same_ground: maps.is_same_ground,
+            sides: maps.sides.iter().map(SideObject::from).collect(),
+            difference,
+        }
+    }
+
+    fn sentences(&self) -> Vec<String> {
+        let things = if self.difference.is_some() { "pair" } else { "run" };
+        let mut lines = vec![format!(
+            "{}: {} recorded, {} simulated again from their plan.",
+            count(self.runs as usize, things),
+            self.recorded,
+            self.simulated
+        )];
+        if self.not_run > 0 {
+            lines.push(format!("{} more could not take place.", count(self.not_run as usize, things)));
+        }
+        if self.unpaired > 0 {
+            lines.push(format!(
+                "{} without a partner on the other side left out.",
+                count(self.unpaired as usize, "seed")
+            ));
+        }
+        if !self.is_same_ground {
+            lines.push(
+                "Water and roads are not the same in all runs: each cell is a mean over different grounds.".to_owned(),
+            );
+        }
+        let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
+        for side in &self.sides {
+            if let Some(most) = side.most {
+                let name = &side.batch;
+                lines.push(format!(
+                    "{name}: {} burned in some run; greatest {}: {}{unit}.",
+                    count(side.cells, "cell"),
+                    self.quantity,
+                    short(most)
+                ));
+            }
+        }
+        if let Some(DifferenceObject { cells_below, cells_above, least: Some(least), most: Some(most), .. }) =
+            &self.difference
+        {
+            lines.push(format!("Difference: {} to {}{unit}.", short(*least), short(*most)));
+            lines.push(format!(
+                "Cells whose 95 % interval does not hold zero: {cells_below} below it, {cells_above} above it."
+            ));
+        }
+        lines
+    }
+}
+
+impl From<&BatchMapReport> for Document {
+    fn from(report: &BatchMapReport) -> Self {
+        let mut quantity = report.quantity.to_owned();
+        quantity[..1].make_ascii_uppercase();
+        let names: Vec<&str> = report.sides.iter().map(|side| side.batch.as_str()).collect();
+        let mut document = Self::new(format!("{quantity}: {}", names.join(" less ")));
+        document.add_list(report.sentences());
+        let mut rows = Vec::new();
+        let mut add = |name: &str, [cells, ha, bushes, lost]: [&EstimateObject; 4]| {
+            for (quantity, estimate) in
+                [("burned cells", cells), ("burned area, ha", ha), ("burned bushes", bushes), ("lost bushes", lost)]
+            {
+                let name = if quantity == "burned cells" { name } else { "" };
+                rows.push([vec![name.to_owned(), quantity.to_owned()], estimate.cells()].concat());
+            }
+        };
+        for side in &report.sides {
+            add(&side.batch, [&side.burned_cells, &side.burned_ha, &side.burned_bushes, &side.lost_bushes]);
+        }
+        if let Some(less) = &report.difference {
+            add("difference", [&less.burned_cells, &less.burned_ha, &less.burned_bushes, &less.lost_bushes]);
+        }
+        let table = Table { text_columns: 2, ..Table::new(&["Batch", "", "mean", "95% low", "95% high"], rows) };
+        let table =
+            table.with_caption("Expected loss: means over runs; lost bushes are burned and nobody put them out");
+        document.with([Block::from(table)])
+    }
+}

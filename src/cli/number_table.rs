@@ -1,0 +1,171 @@
+//! Tables of numbers from other programs, whose columns are found by their names, in any order among others.
+
+use std::io::{self, ErrorKind};
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use crate::cli::csv_rows::{CsvRows, LONGEST_LINE, RowFault, fields};
+use crate::cli::error::CliError;
+use crate::cli::numbers;
+
+/// The most characters that are shown of a field that is no number.
+const SHOWN: usize = 40;
+
+/// A column that is read.
+#[derive(Clone, Debug)]
+pub struct Column {
+    pub name: &'static str,
+    pub range: RangeInclusive<f64>,
+    /// What rows hold where the table has no such column; `None` if it must have it.
+    pub without: Option<f64>,
+}
+
+/// The columns of a kind of table, what a row is called, and the columns that are written after those that are there.
+#[derive(Debug)]
+pub struct Columns<'a, const N: usize> {
+    pub read: [Column; N],
+    pub row: &'static str,
+    pub added: &'a [&'static str],
+}
+
+/// A fault of a table: a sentence to follow its path. Lines are counted from 1.
+#[derive(Debug, Error)]
+pub enum TableFault {
+    #[error("cannot be read: {0}")]
+    Unreadable(#[from] io::Error),
+    #[error("the file is empty; expected a header with the columns {expected}")]
+    Empty { expected: String },
+    #[error("line {line}: the column {column} is missing; expected a header with {expected}")]
+    Missing { line: u64, column: &'static str, expected: String },
+    #[error("line {line}: the column {column} is there twice; expected it once")]
+    Twice { line: u64, column: &'static str },
+    #[error("line {line}: the column {column} is there already; expected a table without the columns that are added")]
+    Taken { line: u64, column: &'static str },
+    #[error("line {line}: it is longer than {LONGEST_LINE} bytes; expected {row}")]
+    TooLong { line: u64, row: &'static str },
+    #[error("line {line}: found {found} columns, expected {expected} as in the header")]
+    Ragged { line: u64, found: usize, expected: usize },
+    #[error("line {line}, column {column}: found {found:?}, expected {expected}")]
+    Number { line: u64, column: &'static str, found: String, expected: String },
+}
+
+impl TableFault {
+    /// Returns the kind of error of an input that has this fault.
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Unreadable(error) => error.kind(),
+            _ => ErrorKind::InvalidData,
+        }
+    }
+}
+
+/// A table of numbers, of which one row is kept at a time.
+pub struct NumberTable<'a, const N: usize> {
+    path: PathBuf,
+    rows: CsvRows,
+    columns: Columns<'a, N>,
+    /// The number of columns of the header.
+    width: usize,
+    /// The place of each column in a row.
+    places: [Option<usize>; N],
+}
+
+impl<'a, const N: usize> NumberTable<'a, N> {
+    /// Reads the header, which must have all columns that rows cannot do without, and none of those that are added.
+    pub fn open(path: &Path, columns: Columns<'a, N>) -> Result<Self, CliError> {
+        let rows = CsvRows::open(path).map_err(|error| refused(path, TableFault::Unreadable(error)))?;
+        let mut table = Self { path: path.to_owned(), rows, columns, width: 0, places: [None; N] };
+        table.read_header().map_err(|fault| refused(path, fault))?;
+        Ok(table)
+    }
+
+    fn read_header(&mut self) -> Result<(), TableFault> {
+        let needed = self.columns.read.iter().filter(|column| column.without.is_none()).map(|column| column.name);
+        let expected = needed.collect::<Vec<_>>().join(",");
+        if !self.advance()? {
+            return Err(TableFault::Empty { expected });
+        }
+        self.width = fields(self.row()).count();
+        let line = self.rows.line();
+        if let Some(&column) = self.columns.added.iter().find(|column| !self.named(column).is_empty()) {
+            return Err(TableFault::Taken { line, column });
+        }
+        for index in 0..N {
+            let Column { name: column, without, .. } = self.columns.read[index];
+            self.places[index] = match self.named(column)[..] {
+                [place] => Some(place),
+                [] if without.is_some() => None,
+                [] => return Err(TableFault::Missing { line, column, expected }),
+                _ => return Err(TableFault::Twice { line, column }),
+            };
+        }
+        Ok(())
+    }
+
+    /// The line that was read last, as it is in the file.
+    pub fn row(&self) -> &[u8] {
+        self.rows.row()
+    }
+
+    /// The numbers of the next row, in the order of the columns that are read; `None` at the end of the file.
+    pub fn next(&mut self) -> Result<Option<[f64; N]>, CliError> {
+        self.next_numbers().map_err(|fault| refused(&self.path, fault))
+    }
+
+    fn next_numbers(&mut self) -> Result<Option<[f64; N]>, TableFault> {
+        if !self.advance()? {
+            return Ok(None);
+        }
+        let mut numbers = [f64::NAN; N];
+        for (number, column) in numbers.iter_mut().zip(&self.columns.read) {
+            *number = column.without.unwrap_or(f64::NAN);
+        }
+        let mut found = 0;
+        for (place, field) in fields(self.row()).enumerate() {
+            found += 1;
+            if let Some(index) = self.places.iter().position(|&column| column == Some(place)) {
+                numbers[index] = self.number(field, &self.columns.read[index])?;
+            }
+        }
+        if found != self.width {
+            return Err(TableFault::Ragged { line: self.rows.line(), found, expected: self.width });
+        }
+        Ok(Some(numbers))
+    }
+
+    /// Says that a number of the row that was read last is none of those that may be there.
+    pub fn refuse(&self, index: usize, expected: String) -> CliError {
+        let field = self.places[index].and_then(|place| fields(self.row()).nth(place)).unwrap_or_default();
+        refused(&self.path, self.fault(field, self.columns.read[index].name, expected))
+    }
+
+    fn advance(&mut self) -> Result<bool, TableFault> {
+        self.rows.advance().map_err(|fault| match fault {
+            RowFault::Unreadable(error) => TableFault::Unreadable(error),
+            RowFault::TooLong { line } => TableFault::TooLong { line, row: self.columns.row },
+        })
+    }
+
+    /// Returns the places of the columns of that name.
+    fn named(&self, column: &str) -> Vec<usize> {
+        let names = fields(self.row()).enumerate().filter(|(_, name)| *name == column.as_bytes());
+        names.map(|(place, _)| place).collect()
+    }
+
+    fn number(&self, field: &[u8], column: &Column) -> Result<f64, TableFault> {
+        let number = std::str::from_utf8(field).ok().and_then(numbers::parse);
+        let expected = || format!("a number {}", numbers::range_words(&column.range));
+        number.filter(|number| column.range.contains(number)).ok_or_else(|| self.fault(field, column.name, expected()))
+    }
+
+    fn fault(&self, field: &[u8], column: &'static str, expected: String) -> TableFault {
+        let found = String::from_utf8_lossy(field).chars().take(SHOWN).collect();
+        TableFault::Number { line: self.rows.line(), column, found, expected }
+    }
+}
+
+fn refused(path: &Path, fault: TableFault) -> CliError {
+    CliError::from_input_error(format_args!("{}: {fault}", path.display()), fault.kind())
+}

@@ -1,0 +1,55 @@
+//! Faults of rasters.
+
+use std::io;
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use super::{MAX_RASTER_CELLS, MAX_RASTER_SIDE};
+
+/// Why a file could not be read as a raster: a sentence that begins with its path.
+#[derive(Debug, Error)]
+#[error("{}: {fault}", path.display())]
+pub struct RasterError {
+    pub path: PathBuf,
+    pub fault: RasterFault,
+}
+
+/// The fault itself. Rows and columns are those of the file, from 0 at its north-west corner.
+#[derive(Debug, Error)]
+pub enum RasterFault {
+    #[error("cannot be read: {0}")]
+    Unreadable(#[from] io::Error),
+    #[error("the file is empty; an ESRI ASCII grid or a GeoTIFF is expected")]
+    Empty,
+    #[error("this is no raster; expected an ESRI ASCII grid, which begins with `ncols`, or a GeoTIFF")]
+    Foreign,
+    #[error(
+        "the raster has {rows} rows and {cols} columns; expected 1 to {MAX_RASTER_SIDE} each, and at most {MAX_RASTER_CELLS} cells"
+    )]
+    Size { rows: u64, cols: u64 },
+    #[error("a cell of {found} is no cell; expected a side above 0 m and up to 1e9 m")]
+    CellSize { found: f64 },
+    #[error("cells of {x} by {y} are not square; gdalwarp -tr SIDE SIDE makes them so")]
+    NotSquare { x: f64, y: f64 },
+    #[error("its south-west corner is at ({west_m}, {south_m}), which is no place in metres")]
+    Place { west_m: f64, south_m: f64 },
+    #[error("line {line}: {message}")]
+    Header { line: usize, message: String },
+    #[error("the header lacks `{key}`")]
+    NoKey { key: &'static str },
+    #[error("row {row}, column {col}: found {found}, expected a number")]
+    Cell { row: usize, col: usize, found: String },
+    #[error("row {row}, column {col}: the file ends; its header declares {rows} rows and {cols} columns")]
+    Ends { row: usize, col: usize, rows: usize, cols: usize },
+    #[error("after row {row}, column {col}: the file goes on; its header declares {rows} rows and {cols} columns")]
+    GoesOn { row: usize, col: usize, rows: usize, cols: usize },
+    #[error("the TIFF image is damaged: {message}")]
+    Damaged { message: String },
+    #[error("the TIFF image cannot be used: {message}")]
+    Unfit { message: String },
+    #[error("{bytes} bytes cannot hold {rows} rows and {cols} columns: the file is cut off, or its header is wrong")]
+    TooShort { bytes: usize, rows: usize, cols: usize },
+    #[error("a raster of {cells} cells does not fit into the memory")]
+    Memory { cells: usize },
+}

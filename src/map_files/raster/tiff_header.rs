@@ -1,0 +1,161 @@
+//! The head of a TIFF image, checked before a decoder sees it.
+//!
+//! A decoder multiplies and allocates what a head says. This reads the few tags that sizes follow from, in classic TIFF
+//! and in BigTIFF, and refuses what no raster of ours can be.
+//!
+//! Source: Adobe Developers Association, "TIFF Revision 6.0", 1992, section 2.
+
+use super::{RasterFault, check_size};
+
+const WIDTH: u16 = 256;
+const LENGTH: u16 = 257;
+const BITS: u16 = 258;
+const PHOTOMETRIC: u16 = 262;
+const SAMPLES: u16 = 277;
+const ROWS_PER_STRIP: u16 = 278;
+const PLANAR: u16 = 284;
+const TILE_WIDTH: u16 = 322;
+const TILE_LENGTH: u16 = 323;
+
+/// The number of a palette among the photometric interpretations, and of grey values.
+const PALETTE: u64 = 3;
+const GREY: u8 = 1;
+
+/// The longest side of a tile.
+const MAX_TILE_SIDE: u64 = 1 << 14;
+
+/// Most bytes that one packed byte can stand for, by any of the ways of packing that are read: LZW with codes of at
+/// least 9 bits for strings of at most 4096 bytes.
+const MAX_RATIO: usize = 4096;
+
+/// The most tags of a head.
+const MAX_TAGS: u64 = 4096;
+
+/// Says whether a file is a TIFF image.
+pub(super) fn is_start(bytes: &[u8]) -> bool {
+    [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|signature| bytes.starts_with(*signature))
+}
+
+/// Rows and columns of an image that a decoder may have.
+pub(super) struct TiffSize {
+    pub rows: usize,
+    pub cols: usize,
+}
+
+/// Checks the head of the first image, and makes a palette of colours grey: colours are for showing, the numbers are what
+/// counts.
+pub(super) fn check(bytes: &mut [u8]) -> Result<TiffSize, RasterFault> {
+    let head = TiffHead::find(bytes).ok_or_else(cut_off)?;
+    let number = |tag| head.number(bytes, tag);
+    let required = |tag, name: &str| {
+        number(tag)?.ok_or_else(|| RasterFault::Damaged { message: format!("its head does not say its {name}") })
+    };
+    let (rows, cols) = (required(LENGTH, "length")?, required(WIDTH, "width")?);
+    check_size(rows, cols)?;
+    let bands = number(SAMPLES)?.unwrap_or(1);
+    if bands != 1 {
+        let message = format!("it has {bands} bands, expected one; gdal_translate -b NUMBER takes one out");
+        return Err(RasterFault::Unfit { message });
+    }
+    if number(PLANAR)?.is_some_and(|planar| planar > 2) || number(ROWS_PER_STRIP)? == Some(0) {
+        return Err(RasterFault::Damaged {
+            message: "its head says how it is laid out in numbers that none has".into(),
+        });
+    }
+    for tag in [TILE_WIDTH, TILE_LENGTH] {
+        if number(tag)?.is_some_and(|side| !(1..=MAX_TILE_SIDE).contains(&side)) {
+            let message = format!("a side of its tiles is not 1 to {MAX_TILE_SIDE} cells");
+            return Err(RasterFault::Damaged { message });
+        }
+    }
+    if let (Some(width), Some(length)) = (number(TILE_WIDTH)?, number(TILE_LENGTH)?)
+        && width * length > super::MAX_RASTER_CELLS as u64
+    {
+        return Err(RasterFault::Damaged { message: format!("tiles of {width} x {length} cells are too large") });
+    }
+    let (rows, cols) = (rows as usize, cols as usize);
+    let bits = number(BITS)?.unwrap_or(1).min(64) as usize;
+    if rows * (cols * bits).div_ceil(8) / MAX_RATIO > bytes.len() {
+        return Err(RasterFault::TooShort { bytes: bytes.len(), rows, cols });
+    }
+    if number(PHOTOMETRIC)? == Some(PALETTE) {
+        let low_byte = head.entry(bytes, PHOTOMETRIC).expect("it was found").low_byte;
+        bytes[low_byte] = GREY;
+    }
+    Ok(TiffSize { rows, cols })
+}
+
+fn cut_off() -> RasterFault {
+    RasterFault::Damaged { message: "the file ends within its head".into() }
+}
+
+/// The place of the first list of tags.
+struct TiffHead {
+    is_little: bool,
+    is_big_tiff: bool,
+    first: usize,
+    tags: usize,
+}
+
+/// A tag of numbers: the first of them, and the place of its lowest byte.
+struct TiffEntry {
+    value: Option<u64>,
+    low_byte: usize,
+}
+
+impl TiffHead {
+    fn find(bytes: &[u8]) -> Option<Self> {
+        let is_little = bytes.starts_with(b"II");
+        let is_big_tiff = bytes.get(2..4)?.contains(&b'+');
+        let mut head = Self { is_little, is_big_tiff, first: 0, tags: 0 };
+        let (offset, count_size) =
+            if is_big_tiff { (head.read(bytes, 8, 8)?, 8) } else { (head.read(bytes, 4, 4)?, 2) };
+        let offset = usize::try_from(offset).ok().filter(|&offset| offset < bytes.len())?;
+        let tags = head.read(bytes, offset, count_size)?;
+        if tags > MAX_TAGS {
+            return None;
+        }
+        head.first = offset + count_size;
+        head.tags = tags as usize;
+        (head.first + head.tags * head.entry_size() <= bytes.len()).then_some(head)
+    }
+
+    fn entry_size(&self) -> usize {
+        if self.is_big_tiff { 20 } else { 12 }
+    }
+
+    fn read(&self, bytes: &[u8], at: usize, size: usize) -> Option<u64> {
+        let word = bytes.get(at..at.checked_add(size)?)?;
+        let join = |number: u64, byte: &u8| number << 8 | u64::from(*byte);
+        Some(if self.is_little { word.iter().rev().fold(0, join) } else { word.iter().fold(0, join) })
+    }
+
+    /// Finds a tag; of two with one number a decoder takes the last.
+    fn entry(&self, bytes: &[u8], tag: u16) -> Option<TiffEntry> {
+        let places = (0..self.tags).rev().map(|index| self.first + index * self.entry_size());
+        let at = places.into_iter().find(|&at| self.read(bytes, at, 2) == Some(tag.into()))?;
+        let size = match self.read(bytes, at + 2, 2)? {
+            1 => 1,
+            3 => 2,
+            4 | 13 => 4,
+            16 | 18 => 8,
+            _ => 0,
+        };
+        let (count_size, inline) = if self.is_big_tiff { (8, 8) } else { (4, 4) };
+        let count = self.read(bytes, at + 4, count_size)?;
+        let field = at + 4 + count_size;
+        let is_inline = count.checked_mul(size).is_some_and(|bytes| bytes <= inline);
+        let value_at =
+            if is_inline { field } else { usize::try_from(self.read(bytes, field, inline as usize)?).ok()? };
+        let value = if size == 0 || count == 0 { None } else { self.read(bytes, value_at, size as usize) };
+        let low_byte = if self.is_little { value_at } else { value_at + (size as usize).saturating_sub(1) };
+        Some(TiffEntry { value, low_byte })
+    }
+
+    /// Returns the first number of a tag, `None` if there is no such tag.
+    fn number(&self, bytes: &[u8], tag: u16) -> Result<Option<u64>, RasterFault> {
+        let Some(entry) = self.entry(bytes, tag) else { return Ok(None) };
+        let damaged = || RasterFault::Damaged { message: format!("its tag {tag} holds no whole number") };
+        entry.value.map(Some).ok_or_else(damaged)
+    }
+}

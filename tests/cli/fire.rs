@@ -1,0 +1,165 @@
+//! `wildfire fire behavior`, and `wildfire fire spread` of the automaton: fires without agents.
+
+use serde_json::Value;
+
+use crate::story::{Story, refuse, widest};
+
+const HEADER: &str = "number,m_1h,m_10h,m_100h,m_live_herb,m_live_woody,wind_midflame_mps,wind_from_deg,\
+                      slope_rise_run,aspect_deg";
+
+fn object(arguments: &[&str]) -> Value {
+    let answer = Story::begin().tell(arguments).expect_code(0);
+    serde_json::from_str(&answer.stdout).expect("it is JSON")
+}
+
+#[test]
+fn one_fire_is_the_same_in_every_form() {
+    let arguments = ["fire", "behavior", "--fuel", "GR2", "--wind", "5", "--wind-from", "270", "--slope", "0.3"];
+    let text = Story::begin().tell(&arguments).expect_code(0).stdout;
+    assert!(text.starts_with("GR2 (102): low load, dry climate grass") && widest(&text) <= 80, "{text}");
+    let fire = object(&[&arguments[..], &["--json"]].concat());
+    let number = |name: &str| fire[name].as_f64().unwrap_or_else(|| panic!("no {name}"));
+    assert!(text.contains(&format!("{:.2}", number("r_m_min"))), "{text}");
+    assert_eq!((number("wind_midflame_mps"), number("m_live_herb"), number("aspect_deg")), (5.0, 0.6, 180.0));
+    assert_eq!(fire["burns"], true);
+    // The table of one row says the same, to the last digit.
+    let story = Story::begin();
+    story.file("in.csv", &format!("name,{HEADER}\na fire,102,0.06,0.07,0.08,0.6,0.9,5,270,0.3,180\n"));
+    story.tell(&["fire", "behavior", "--conditions", "in.csv", "--csv", "out.csv"]).expect_code(0);
+    let written = story.read("out.csv");
+    let rows: Vec<Vec<&str>> = written.lines().map(|line| line.split(',').collect()).collect();
+    for (name, value) in rows[0].iter().zip(&rows[1]).skip(1) {
+        assert_eq!(value.parse(), Ok(number(name)), "{name}");
+    }
+    assert_eq!(rows[1][0], "a fire");
+}
+
+#[test]
+fn azimuths_make_a_row_each() {
+    let fire = object(&["fire", "behavior", "--fuel", "102", "--wind", "3", "--azimuths", "0,90,...", "--json"]);
+    let directions = fire["directions"].as_array().expect("a list");
+    let rates = |name: &str| directions.iter().map(|one| one[name].as_f64().expect("a number")).collect::<Vec<_>>();
+    assert_eq!(rates("azimuth_of_deg"), [0.0, 90.0, 180.0, 270.0]);
+    // The wind blows to the east: head and back have one rate each, the flanks two.
+    let [front, ray] = ["front_normal_m_min", "ray_m_min"].map(rates);
+    assert!((front[1] - ray[1]).abs() < 1e-9 && (front[3] - ray[3]).abs() < 1e-9 && front[0] > 1.5 * ray[0]);
+    assert_eq!((front[0], ray[0]), (front[2], ray[2]));
+    let story = Story::begin();
+    story.file("in.csv", &format!("{HEADER},wind_limit\n102,0.06,0.07,0.08,0.6,0.9,3,270,0,0,0\n"));
+    let arguments = ["fire", "behavior", "--conditions", "in.csv", "--csv", "out.csv", "--azimuths", "0,5,..."];
+    story.tell(&arguments).expect_code(0);
+    let written = story.read("out.csv");
+    assert_eq!(written.lines().count(), 1 + 72);
+    assert!(
+        written
+            .lines()
+            .next()
+            .expect("a header")
+            .ends_with(",eccentricity,azimuth_of_deg,front_normal_m_min,ray_m_min,ray_horizontal_m_min")
+    );
+}
+
+#[test]
+fn wind_at_another_height_is_brought_down() {
+    let wind = |height: &str| {
+        let fire = object(&["fire", "behavior", "--fuel", "GR2", "--wind", "10", "--wind-height", height, "--json"]);
+        fire["wind_midflame_mps"].as_f64().expect("a number")
+    };
+    // A foot of grass that nothing shelters.
+    let factor = 1.83 / wildfire::geometry::ops::ln(20.36 / 0.13);
+    assert_eq!(wind("midflame"), 10.0);
+    assert!((wind("20ft") - 10.0 * factor).abs() < 1e-9 && (wind("10m") - 10.0 * factor / 1.15).abs() < 1e-9);
+}
+
+#[test]
+fn fire_that_goes_out_is_an_answer_and_says_why() {
+    let arguments = ["fire", "behavior", "--fuel", "1", "--moisture", "0.13,0.1,0.1,1,1"];
+    let answer = Story::begin().tell(&arguments).expect_code(0);
+    assert!(answer.stdout.contains("The fire goes out: the dead fuel holds 13.0 %"), "{}", answer.stdout);
+    let fire = object(&[&arguments[..], &["--json"]].concat());
+    assert_eq!((&fire["burns"], fire["r_m_min"].as_f64()), (&Value::Bool(false), Some(0.0)));
+    let answer = Story::begin().tell(&["fire", "behavior", "--fuel", "NB8"]).expect_code(0);
+    assert!(answer.stdout.contains("Nothing burns: there is no fuel"), "{}", answer.stdout);
+}
+
+#[test]
+fn all_fuels_are_listed() {
+    let text = Story::begin().tell(&["fire", "behavior", "--list-fuels"]).expect_code(0).stdout;
+    assert!(["R01", "GR2", "SB4", "NB9"].iter().all(|code| text.contains(code)), "{text}");
+    assert_eq!(object(&["fire", "behavior", "--list-fuels", "--json"]).as_array().map(Vec::len), Some(58));
+}
+
+#[test]
+fn conditions_that_cannot_be_are_refused() {
+    let story = Story::begin();
+    for (wrong, words) in [
+        (&["--fuel", "GR10"][..], "the nearest is GR9 (109)"),
+        (&["--fuel", "14"], "the nearest is R13 (13) or NB1 (91)"),
+        (&["--fuel", "grass"], "--list-fuels prints all"),
+        (&["--fuel", "1", "--slope", "30"], "30 percent is 0.3"),
+        (&["--fuel", "1", "--moisture", "6,7,8,60,90"], "6 percent is 0.06"),
+        (&["--fuel", "1", "--moisture", "0.06,0.07,0.08,0.6"], "expected D1,D10,D100,HERB,WOODY"),
+        (&["--fuel", "1", "--wind", "-1"], "metres per second from 0 to 100"),
+        (&["--fuel", "1", "--wind-from", "west"], "degrees clockwise from north"),
+        (&["--fuel", "1", "--azimuths", "0,..."], "two azimuths before the three points"),
+        (&[], "--list-fuels"),
+        (&["--conditions", "in.csv"], "--csv"),
+    ] {
+        refuse(&story, &[&["fire", "behavior"], wrong].concat(), &[words]);
+    }
+}
+
+#[test]
+fn broken_tables_of_conditions_are_refused_with_line_and_column() {
+    let story = Story::begin();
+    let row = "102,0.06,0.07,0.08,0.6,0.9,5,270,0.3,180";
+    for (text, words) in [
+        (String::new(), "the file is empty; expected a header with the columns number,m_1h"),
+        ("number\n102\n".to_owned(), "line 1: the column m_1h is missing"),
+        (format!("{HEADER},number\n"), "line 1: the column number is there twice"),
+        (format!("{HEADER},flame_m\n"), "line 1: the column flame_m is there already"),
+        (format!("{HEADER}\n{row}\n{row},1\n"), "line 3: found 11 columns, expected 10"),
+        (format!("{HEADER}\n100{}\n", &row[3..]), "line 2, column number: found \"100\", expected the code or number"),
+        (format!("{HEADER}\n102.5{}\n", &row[3..]), "line 2, column number: found \"102.5\""),
+        (format!("{HEADER}\n102,6{}\n", &row[8..]), "line 2, column m_1h: found \"6\", expected a number from 0 to 1"),
+        (format!("{HEADER}\n{}30,180\n", &row[..33]), "line 2, column slope_rise_run: found \"30\""),
+        (format!("{HEADER},wind_limit\n{row},0.5\n"), "line 2, column wind_limit: found \"0.5\", expected 1"),
+        (format!("{HEADER}\n{row}\n\n{}\n", row.replace("270", "nan")), "line 4, column wind_from_deg: found \"nan\""),
+    ] {
+        story.file("in.csv", &text);
+        let arguments = ["fire", "behavior", "--conditions", "in.csv", "--csv", "out.csv"];
+        refuse(&story, &arguments, &["in.csv: ", words]);
+    }
+}
+
+#[test]
+fn automaton_burns_the_same_with_any_number_of_threads() {
+    let burn = |jobs: &str| {
+        let story = Story::begin();
+        let field = ["fire", "spread", "--model", "alexandridis", "--rows", "41", "--cols", "31", "--ignite", "20,15"];
+        let runs = ["--p0", "0.3", "--wind", "4@225", "--runs", "37", "--seed", "5", "--areas", "areas.csv"];
+        let answer = story.tell(&[&field[..], &runs, &["--jobs", jobs, "--json"]].concat()).expect_code(0);
+        (answer.stdout, story.read("areas.csv"))
+    };
+    let (object, areas) = burn("1");
+    assert_eq!((object.clone(), areas.clone()), burn("4"));
+    assert_eq!((object.clone(), areas.clone()), burn("64"));
+    let object: Value = serde_json::from_str(&object).expect("it is JSON");
+    let rows: Vec<f64> = areas
+        .lines()
+        .skip(1)
+        .map(|row| row.split(',').nth(1).and_then(|area| area.parse().ok()).expect("an area"))
+        .collect();
+    assert_eq!((areas.lines().next(), rows.len()), (Some("run,area,last_step"), 37));
+    let mean = rows.iter().sum::<f64>() / 37.0;
+    assert!((object["area_mean"].as_f64().expect("a mean") - mean).abs() < 1e-9);
+    // A run is that of its seed alone.
+    let story = Story::begin();
+    let field = ["fire", "spread", "--model", "alexandridis", "--rows", "41", "--cols", "31", "--ignite", "20,15"];
+    let runs = ["--p0", "0.3", "--wind", "4@225", "--runs", "1", "--seed", "15", "--areas", "areas.csv"];
+    story.tell(&[&field[..], &runs].concat()).expect_code(0);
+    assert_eq!(
+        story.read("areas.csv").lines().nth(1),
+        areas.lines().nth(11).map(|row| row.replace("10,", "0,")).as_deref()
+    );
+}

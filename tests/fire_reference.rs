@@ -1,0 +1,374 @@
+//! Conformance of fire behavior: what independent programs answered to the same questions, row by row.
+//!
+//! The answers are no part of this package. They are looked for beside it, in `../shared/reference/fire`, or where the
+//! variable `WILDFIRE_REFERENCE` says; where there are none the tests say so and pass. With `--nocapture` they print
+//! the tables of `docs/fire-validation.md`.
+//!
+//! Columns that begin with `s_` and `t_` come from a second implementation of the same equations, with loads rounded in
+//! lb/ft2 and exact in tons per acre; those with `p_` from pyretechnics in 64 bits, those with `b_` from BEHAVE.
+
+#![expect(clippy::print_stdout, reason = "prints the tables of the page on validation")]
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use glam::DVec2;
+use wildfire::fire::fuel::{FUEL_MODELS, FuelModel};
+use wildfire::fire::models::{Alexandridis, AlexandridisRules};
+use wildfire::fire::surface::{
+    Combine, Curing, FuelBed, FuelMoisture, SurfaceFire, SurfaceOptions, WindLimit, flame_length_m,
+    sheltered_adjustment, unsheltered_adjustment,
+};
+use wildfire::fire::{FireField, Landscape, Relief, Weather};
+use wildfire::geometry::{Cell, FieldFrame, compass, ops};
+use wildfire::time::SimTime;
+
+/// A table of numbers by the names of its columns; words are NaN.
+struct Numbers {
+    columns: BTreeMap<String, usize>,
+    rows: Vec<Vec<f64>>,
+}
+
+impl Numbers {
+    /// Reads a file of the reference; `None`, after saying so, where it is not.
+    fn read(name: &str) -> Option<Self> {
+        let root = std::env::var_os("WILDFIRE_REFERENCE")
+            .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/reference"), PathBuf::from);
+        let path = root.join("fire").join(name);
+        if !path.is_file() {
+            println!("{name} is not there: nothing compared");
+            return None;
+        }
+        let mut reader = csv::Reader::from_path(path).expect("it can be read");
+        let header = reader.headers().expect("a header").clone();
+        let columns = header.iter().enumerate().map(|(place, name)| (name.to_owned(), place)).collect();
+        let row = |row: Result<csv::StringRecord, csv::Error>| {
+            row.expect("a row").iter().map(|cell| cell.parse().unwrap_or(f64::NAN)).collect()
+        };
+        Some(Self { columns, rows: reader.records().map(row).collect() })
+    }
+
+    fn rows(&self) -> impl Iterator<Item = Row<'_>> {
+        self.rows.iter().map(|numbers| Row { columns: &self.columns, numbers })
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Row<'t> {
+    columns: &'t BTreeMap<String, usize>,
+    numbers: &'t [f64],
+}
+
+impl Row<'_> {
+    fn get(&self, column: &str) -> f64 {
+        self.numbers[*self.columns.get(column).unwrap_or_else(|| panic!("no column {column}"))]
+    }
+
+    fn model(&self) -> &'static FuelModel {
+        FuelModel::by_number(self.get("number") as u8).expect("it is a standard model")
+    }
+
+    fn moisture(&self) -> FuelMoisture {
+        FuelMoisture {
+            d1: self.get("m_1h"),
+            d10: self.get("m_10h"),
+            d100: self.get("m_100h"),
+            herb: self.get("m_live_herb"),
+            woody: self.get("m_live_woody"),
+        }
+    }
+
+    fn fire(&self, model: &FuelModel, options: SurfaceOptions) -> SurfaceFire {
+        let wind = compass::unit_from(self.get("wind_from_deg")) * self.get("wind_midflame_mps");
+        FuelBed::new(model, &self.moisture(), options.curing).behavior(wind, self.uphill(), &options)
+    }
+
+    fn uphill(&self) -> DVec2 {
+        compass::unit_from(self.get("aspect_deg")) * self.get("slope_rise_run")
+    }
+
+    fn wind_limit(&self) -> WindLimit {
+        if self.get("wind_limit") == 1.0 { WindLimit::Rothermel1972 } else { WindLimit::None }
+    }
+}
+
+/// The largest difference of each quantity, and of how many it is the largest.
+#[derive(Default)]
+struct Worst(BTreeMap<&'static str, (f64, usize)>);
+
+impl Worst {
+    fn note(&mut self, what: &'static str, difference: f64) {
+        assert!(!difference.is_nan(), "{what} is no number");
+        let (worst, count) = self.0.entry(what).or_default();
+        *worst = worst.max(difference);
+        *count += 1;
+    }
+
+    fn note_relative(&mut self, what: &'static str, ours: f64, theirs: f64) {
+        self.note(what, if ours == theirs { 0.0 } else { (ours - theirs).abs() / ours.abs().max(theirs.abs()) });
+    }
+
+    /// Prints a line of the page's table for each quantity, and fails if one is above its bound.
+    fn expect(&self, title: &str, bounds: &[(&str, f64)]) {
+        for (what, bound) in bounds {
+            let (worst, count) = self.0.get(what).copied().unwrap_or_else(|| panic!("{title}: no {what} was compared"));
+            println!("| {title} | {what} | {count} | {worst:.1e} | {bound:.0e} |");
+            assert!(worst <= *bound, "{title}: {what} differs by {worst:e}, expected at most {bound:e}");
+        }
+        assert_eq!(bounds.len(), self.0.len(), "{title}: every quantity has a bound");
+    }
+}
+
+fn angle_between(a_deg: f64, b_deg: f64) -> f64 {
+    let difference = (a_deg - b_deg).rem_euclid(360.0);
+    difference.min(360.0 - difference)
+}
+
+fn heading_deg(fire: &SurfaceFire) -> f64 {
+    compass::azimuth_deg(fire.heading.truncate())
+}
+
+/// Reads the 53 models with rounded loads.
+fn rounded_models() -> Option<Vec<FuelModel>> {
+    let table = Numbers::read("fuel_models_lb.csv")?;
+    let model = |row: Row<'_>| FuelModel {
+        loads: ["w_1h_lb_ft2", "w_10h", "w_100h", "w_live_herb", "w_live_woody"].map(|column| row.get(column)),
+        savs: ["sav_1h_per_ft", "sav_10h", "sav_100h", "sav_live_herb", "sav_live_woody"].map(|column| row.get(column)),
+        depth_ft: row.get("depth_ft"),
+        dead_extinction: row.get("mx_dead"),
+        heat_btu_lb: row.get("heat_btu_lb"),
+        ..*row.model()
+    };
+    Some(table.rows().map(model).collect())
+}
+
+#[test]
+fn fuel_models_are_those_of_the_table() {
+    let Some(table) = Numbers::read("fuel_models.csv") else { return };
+    let burning: Vec<&FuelModel> = FUEL_MODELS.iter().filter(|model| model.burns()).collect();
+    assert_eq!(burning.len(), table.rows.len());
+    let columns = ["w_1h_tons_acre", "w_10h", "w_100h", "w_live_herb", "w_live_woody"];
+    let savs = ["sav_1h_per_ft", "sav_10h", "sav_100h", "sav_live_herb", "sav_live_woody"];
+    for row in table.rows() {
+        let model = row.model();
+        for class in 0..5 {
+            let load = row.get(columns[class]) * 2000.0 / 43560.0;
+            assert!((model.loads[class] - load).abs() <= 1e-9 * load, "{}: {}", model.code, columns[class]);
+            assert!(load == 0.0 || model.savs[class] == row.get(savs[class]), "{}: {}", model.code, savs[class]);
+        }
+        assert_eq!(
+            (model.depth_ft, model.dead_extinction, model.heat_btu_lb, f64::from(u8::from(model.is_dynamic()))),
+            (row.get("depth_ft"), row.get("mx_dead"), row.get("heat_btu_lb"), row.get("dynamic")),
+            "{}",
+            model.code
+        );
+    }
+}
+
+/// Compares a head fire with the columns of one answer, `s` for example.
+fn compare_heads(worst: &mut Worst, row: Row<'_>, fire: &SurfaceFire, by: &str) {
+    let theirs = |column: &str| row.get(&format!("{by}_{column}"));
+    let intensity = fire.intensity_kw_m(fire.rate_mps);
+    worst.note_relative("rate", fire.rate_mps * 60.0, theirs("r_m_min"));
+    worst.note_relative("intensity", intensity, theirs("intensity_kw_m"));
+    worst.note_relative("flame length", flame_length_m(intensity), theirs("flame_m"));
+    if fire.rate_mps > 0.0 {
+        let ratio = theirs("length_to_width");
+        worst.note_relative("length to width", fire.length_to_width, ratio);
+        // Beside a circle the root of a rounding error is all that is left of the eccentricity.
+        let difference = (fire.eccentricity - theirs("eccentricity")).abs();
+        worst.note("eccentricity", if ratio < 1.0 + 1e-9 { 0.0 } else { difference });
+    }
+    // Where wind and slope do nothing together, all directions are equal.
+    if fire.rate_mps > 1.001 * fire.r0_mps {
+        worst.note("heading, degrees", angle_between(heading_deg(fire), theirs("azimuth_deg")));
+    }
+}
+
+#[test]
+fn head_fires_are_those_of_a_second_implementation_and_of_pyretechnics() {
+    let (Some(table), Some(rounded)) = (Numbers::read("surface_public.csv"), rounded_models()) else { return };
+    let [mut second, mut exact_loads, mut pyretechnics] = [(); 3].map(|()| Worst::default());
+    for row in table.rows() {
+        let options = SurfaceOptions { wind_limit: row.wind_limit(), ..SurfaceOptions::default() };
+        let model = rounded.iter().find(|model| model.number == row.model().number).expect("it is one of 53");
+        let fire = row.fire(model, options);
+        for (by, worst) in [("s", &mut second), ("p", &mut pyretechnics)] {
+            compare_heads(worst, row, &fire, by);
+            worst.note_relative("rate alone", fire.r0_mps * 60.0, row.get(&format!("{by}_r0_m_min")));
+            let alone = fire.intensity_kw_m(fire.r0_mps);
+            worst.note_relative("intensity alone", alone, row.get(&format!("{by}_i0_kw_m")));
+        }
+        compare_heads(&mut exact_loads, row, &row.fire(row.model(), options), "t");
+    }
+    let same = [("rate", 1e-9), ("intensity", 1e-9), ("flame length", 1e-9), ("length to width", 1e-9)];
+    let alone = [("rate alone", 1e-9), ("intensity alone", 1e-9)];
+    let shape = [("eccentricity", 1e-9), ("heading, degrees", 1e-6)];
+    second.expect("second implementation, rounded loads", &[&same[..], &alone, &shape].concat());
+    exact_loads.expect("second implementation, exact loads", &[&same[..], &shape].concat());
+    let theirs = same.into_iter().chain(alone).map(|(what, _)| (what, 3e-4));
+    let shape = [("eccentricity", 1e-4), ("heading, degrees", 0.05)];
+    pyretechnics.expect("pyretechnics", &theirs.chain(shape).collect::<Vec<_>>());
+}
+
+/// Says whether the fire would go out with a little more water in the fuel, where rates are sensitive to everything.
+fn is_near_extinction(bed: &FuelBed) -> bool {
+    [bed.dead, bed.live].into_iter().flatten().all(|state| state.moisture > 0.9 * state.extinction)
+}
+
+#[test]
+fn head_fires_are_those_of_behave() {
+    let (Some(table), Some(behave)) = (Numbers::read("surface_public.csv"), Numbers::read("surface_behave.csv")) else {
+        return;
+    };
+    let [mut same, mut other_ratio, mut exact, mut near] = [(); 4].map(|()| Worst::default());
+    for (row, answer) in table.rows().zip(behave.rows()) {
+        assert_eq!(row.get("id"), answer.get("id"));
+        // BEHAVE always has the limit.
+        if row.wind_limit() == WindLimit::None {
+            continue;
+        }
+        let model = row.model();
+        let options = SurfaceOptions { combine: Combine::Flat, curing: Curing::Behave, ..SurfaceOptions::default() };
+        let compare = |worst: &mut Worst, fire: &SurfaceFire| {
+            let intensity = fire.intensity_kw_m(fire.rate_mps);
+            worst.note_relative("rate", fire.rate_mps * 60.0, answer.get("b_r_m_min"));
+            worst.note_relative("intensity", intensity, answer.get("b_intensity_kw_m"));
+            worst.note_relative("flame length", flame_length_m(intensity), answer.get("b_flame_m"));
+            // Where the slope alone is above the limit, BEHAVE takes from the slope before it adds the wind.
+            let slope_alone =
+                FuelBed::new(model, &row.moisture(), Curing::Behave).behavior(DVec2::ZERO, row.uphill(), &options);
+            if fire.rate_mps > 1.001 * fire.r0_mps && !slope_alone.wind_is_limited {
+                let difference = angle_between(heading_deg(fire), answer.get("b_azimuth_deg"));
+                worst.note("heading, degrees", difference);
+            }
+        };
+        // Of model 7 BEHAVE has another surface-area-to-volume ratio.
+        compare(if model.number == 7 { &mut other_ratio } else { &mut same }, &row.fire(model, options));
+        if model.is_dynamic() {
+            let options = SurfaceOptions { curing: Curing::Exact, ..options };
+            let bed = FuelBed::new(model, &row.moisture(), Curing::Exact);
+            compare(if is_near_extinction(&bed) { &mut near } else { &mut exact }, &row.fire(model, options));
+        }
+    }
+    let bounds = |bound: f64| {
+        [("rate", bound), ("intensity", bound), ("flame length", 1e-6_f64.max(bound)), ("heading, degrees", 0.5)]
+    };
+    same.expect("BEHAVE, its curing", &bounds(1e-9));
+    // The intensity follows from the rate and from the reaction, and both feel such differences.
+    let differing = |bound: f64| {
+        let [rate, _, flame, heading] = bounds(bound);
+        [rate, ("intensity", 1.5 * bound), flame, heading]
+    };
+    other_ratio.expect("BEHAVE, model 7", &differing(0.02));
+    exact.expect("BEHAVE, exact curing", &differing(0.02));
+    near.expect("BEHAVE, exact curing, near extinction", &differing(0.08));
+}
+
+#[test]
+fn rates_in_all_directions_are_those_of_others() {
+    let (Some(cases), Some(rates), Some(rounded)) =
+        (Numbers::read("azimuth_cases.csv"), Numbers::read("azimuth.csv"), rounded_models())
+    else {
+        return;
+    };
+    let [mut second, mut pyretechnics] = [(); 2].map(|()| Worst::default());
+    for row in rates.rows() {
+        let case = cases.rows().find(|case| case.get("case") == row.get("case")).expect("the case is there");
+        let model = rounded.iter().find(|model| model.number == case.model().number).expect("it is one of 53");
+        let fire = case.fire(model, SurfaceOptions::default());
+        let direction = compass::unit_toward(row.get("azimuth_deg"));
+        let horizontal = 60.0 / fire.ellipse().travel_s(direction);
+        second.note_relative("along rays", fire.ray_rate_mps(direction) * 60.0, row.get("s_ray_m_min"));
+        second.note_relative("along rays, horizontal", horizontal, row.get("s_ray_horizontal_m_min"));
+        let normal = fire.front_normal_rate_mps(direction) * 60.0;
+        second.note_relative("normal to the front", normal, row.get("s_front_normal_m_min"));
+        pyretechnics.note_relative("normal to the front", normal, row.get("p_front_normal_m_min"));
+    }
+    let bounds = [("along rays", 1e-9), ("along rays, horizontal", 1e-9), ("normal to the front", 1e-9)];
+    second.expect("second implementation, 72 directions", &bounds);
+    pyretechnics.expect("pyretechnics, 72 directions", &[("normal to the front", 3e-4)]);
+}
+
+#[test]
+fn wind_adjustment_is_that_of_pyretechnics() {
+    let Some(table) = Numbers::read("wind_adjustment.csv") else { return };
+    let mut worst = Worst::default();
+    for row in table.rows() {
+        let sheltered = sheltered_adjustment(row.get("canopy_height_ft"), row.get("canopy_cover"));
+        let (what, ours) = match sheltered {
+            Some(factor) => ("sheltered", factor),
+            None => ("unsheltered", unsheltered_adjustment(row.get("depth_ft"))),
+        };
+        worst.note_relative(what, ours, row.get("p_waf"));
+    }
+    worst.expect("pyretechnics, wind adjustment", &[("sheltered", 1e-9), ("unsheltered", 1e-9)]);
+}
+
+/// Burned areas of runs of one case of the automaton.
+fn areas(case: Row<'_>, runs: u64) -> Vec<f64> {
+    let cells = case.get("cells") as u16;
+    let frame = FieldFrame { cols: cells, rows: cells, cell_m: 30.0 };
+    let uphill = compass::unit_toward(case.get("uphill_deg")) * ops::tan(case.get("slope_deg").to_radians());
+    let landscape = Arc::new(Landscape { relief: Relief::Plane(uphill), ..Landscape::uniform(frame, 102) });
+    let wind = compass::unit_toward(case.get("wind_to_deg")) * case.get("wind_mps");
+    let weather = Arc::new(Weather::constant(wind, FuelMoisture::default()));
+    let rules = AlexandridisRules { p0: case.get("p0"), ..AlexandridisRules::default() };
+    let automaton = Alexandridis::new(landscape, weather, rules, 1);
+    let lit = Cell { col: case.get("ignition_col") as u16, row: case.get("ignition_row") as u16 };
+    let columns = ["p_sw", "p_s", "p_se", "p_w", "p_e", "p_nw", "p_n", "p_ne"];
+    for (direction, to) in automaton.neighbours(lit) {
+        let p = automaton.probability(lit, direction, to, SimTime::ZERO);
+        assert!((p - case.get(columns[direction])).abs() < 1e-6, "{}: {p}", columns[direction]);
+    }
+    let all: Vec<Cell> = (0..frame.cell_count()).map(|index| frame.cell(index)).collect();
+    let fuel = FireField::new(frame, &[], false).with_ground(all.iter().copied());
+    let area = |seed| {
+        let mut fires = fuel.clone();
+        automaton.with_seed(seed).burn_alone(&mut fires, &[lit], case.get("steps") as u32);
+        all.iter().filter(|&&cell| fires.ignited_at(cell).is_some()).count() as f64
+    };
+    (1..=runs).map(area).collect()
+}
+
+/// The probability of two samples at least as different, if they come from one distribution (Kolmogorov and Smirnov).
+fn kolmogorov_smirnov(mut a: Vec<f64>, mut b: Vec<f64>) -> f64 {
+    a.sort_unstable_by(f64::total_cmp);
+    b.sort_unstable_by(f64::total_cmp);
+    let share = |sample: &[f64], most: f64| sample.partition_point(|&one| one <= most) as f64 / sample.len() as f64;
+    let distance = a.iter().chain(&b).map(|&at| (share(&a, at) - share(&b, at)).abs()).fold(0.0, f64::max);
+    let size = (a.len() * b.len()) as f64 / (a.len() + b.len()) as f64;
+    let x = distance * (size.sqrt() + 0.12 + 0.11 / size.sqrt());
+    if x < 0.2 {
+        return 1.0;
+    }
+    let term = |k: i32| 2.0 * f64::from(1 - 2 * ((k + 1) % 2)) * ops::exp(-2.0 * f64::from(k * k) * x * x);
+    (1..=100).map(term).sum::<f64>().clamp(0.0, 1.0)
+}
+
+#[test]
+fn burned_areas_of_the_automaton_are_those_of_another_implementation() {
+    let (Some(cases), Some(their_runs)) =
+        (Numbers::read("alexandridis_stats.csv"), Numbers::read("alexandridis_areas.csv"))
+    else {
+        return;
+    };
+    let their_areas: Vec<f64> = their_runs.rows().map(|row| row.get("area")).collect();
+    println!("| case | mean | theirs | standard deviation | theirs | p |");
+    // The runs of the cases follow one another in their order.
+    for (case, theirs) in cases.rows().zip(their_areas.chunks(1000)) {
+        let ours = areas(case, 1000);
+        let count = ours.len() as f64;
+        let mean = ours.iter().sum::<f64>() / count;
+        let sd = (ours.iter().map(|area| (area - mean) * (area - mean)).sum::<f64>() / (count - 1.0)).sqrt();
+        let (their_mean, their_sd) = (case.get("area_mean"), case.get("area_sd"));
+        let p = kolmogorov_smirnov(ours, theirs.to_vec());
+        let title = format!("p0 {}, wind {} m/s", case.get("p0"), case.get("wind_mps"));
+        println!("| {title} | {mean:.1} | {their_mean:.1} | {sd:.1} | {their_sd:.1} | {p:.3} |");
+        let error = (case.get("area_sem") * case.get("area_sem") + sd * sd / count).sqrt();
+        assert!((mean - their_mean).abs() <= 4.0 * error, "{title}: mean {mean}, expected {their_mean}");
+        assert!((sd / their_sd - 1.0).abs() <= 0.1, "{title}: standard deviation {sd}, expected {their_sd}");
+        assert!(p > 0.001, "{title}: the areas differ, p = {p}");
+    }
+}
