@@ -40,8 +40,7 @@ pub fn audit_automaton(
 impl Automaton<'_> {
     /// Checks how a cell caught fire, each time, and what it set on fire.
     fn check_cell(&self, changes: &[Change], end: SimTime) -> Result<(), Violation> {
-        let ignitions = changes.iter().filter(|change| matches!(change.what, What::Ignited(_)));
-        for (change, episode) in ignitions.zip(1..) {
+        for (change, episode, later) in ignitions(changes) {
             if let What::Ignited(Cause::Spread(from)) = change.what
                 && !self.spreads(from, change)
             {
@@ -49,10 +48,8 @@ impl Automaton<'_> {
                 return Err(change.violation(self.setting, kind));
             }
             let due = change.time + self.rules.step;
-            let is_put_out = changes.iter().any(|later| {
-                matches!(later.what, What::Extinguished { .. }) && (change.time..=due).contains(&later.time)
-            });
-            if due >= end || is_put_out {
+            // What is put out at the very instant may have been so before its tries.
+            if due >= end || is_put_out(later, |time| time <= due) {
                 continue;
             }
             let neighbours = self.neighbours(change.cell);
@@ -77,15 +74,11 @@ impl Automaton<'_> {
     /// Says whether a cell burned for a step by then, and its try succeeds.
     fn spreads(&self, from: Cell, caught: &Change) -> bool {
         let Some((direction, to)) = self.neighbours(from).find(|&(_, to)| to == caught.cell) else { return false };
-        let changes = self.log.of_cell(from);
-        let ignitions = changes.iter().filter(|change| matches!(change.what, What::Ignited(_))).zip(1..);
-        let mut begun = ignitions.filter(|(change, _)| change.time + self.rules.step == caught.time);
-        let Some((begun, episode)) = begun.next() else { return false };
-        let is_put_out = changes.iter().any(|change| {
-            let is_between = begun.time <= change.time && change.time < caught.time;
-            matches!(change.what, What::Extinguished { .. }) && is_between
-        });
-        !is_put_out && self.succeeds(from, episode, direction, to, caught.time)
+        ignitions(self.log.of_cell(from)).any(|(begun, episode, later)| {
+            begun.time + self.rules.step == caught.time
+                && !is_put_out(later, |time| time < caught.time)
+                && self.succeeds(from, episode, direction, to, caught.time)
+        })
     }
 
     fn succeeds(&self, from: Cell, episode: u32, direction: u32, to: Cell, time: SimTime) -> bool {
@@ -104,4 +97,17 @@ impl Automaton<'_> {
         let gradient = (self.landscape.gradient(from) + self.landscape.gradient(to)) / 2.0;
         gradient.x * way.x + gradient.y * way.y
     }
+}
+
+/// Iterates over the times that a cell caught fire, each with its number from 1 and the changes of the cell after it.
+fn ignitions(changes: &[Change]) -> impl Iterator<Item = (&Change, u32, &[Change])> {
+    let with_later = changes.iter().enumerate().map(|(index, change)| (change, &changes[index + 1..]));
+    let ignitions = with_later.filter(|(change, _)| matches!(change.what, What::Ignited(_)));
+    ignitions.zip(1..).map(|((change, later), episode)| (change, episode, later))
+}
+
+/// Says whether a fire ends by water at a time that counts. It is of the changes after its beginning: at one instant a cell
+/// may be put out and catch fire again.
+fn is_put_out(later: &[Change], counts: impl Fn(SimTime) -> bool) -> bool {
+    later.iter().any(|change| matches!(change.what, What::Extinguished { .. }) && counts(change.time))
 }
