@@ -10,6 +10,9 @@ use crate::geometry::{DVec2, FieldFrame};
 /// The seed whose field is shown, and looked at for warnings.
 pub const SHOWN_SEED: u64 = 1;
 
+/// Agents that differ in their starts alone and are warned of: what holds for these holds for the others.
+pub const SHOWN_ALIKE: usize = 3;
+
 /// The agents of one kind in a scenario.
 pub trait AgentList {
     /// Returns the name of the list in scenarios.

@@ -1,6 +1,6 @@
 //! Explains a scenario in plain sentences, for `wildfire check`.
 
-use super::agents::SHOWN_SEED;
+use super::agents::{AgentList, SHOWN_SEED};
 use super::field::percent;
 use super::ground_report::{describe_fires, describe_ground, describe_weather};
 use super::landscape::is_bare;
@@ -26,10 +26,7 @@ pub fn explain(loaded: &LoadedScenario, limit: MemoryLimit) -> Document {
         document = document.with(section("Weather", describe_weather(scenario)));
     }
     for agents in scenario.kinds() {
-        let numbered =
-            agents.describe(scenario).into_iter().enumerate().map(|(number, words)| format!("{number}: {words}"));
-        let nobody = (agents.len() == 0).then(|| "None.".to_owned());
-        document = document.with(section(agents.title(), numbered.chain(nobody).collect()));
+        document = document.with(section(agents.title(), describe_agents(agents, loaded)));
     }
     if !scenario.ignition.is_empty() {
         document = document.with(section("Ignitions", vec![describe_ignitions(&scenario.ignition)]));
@@ -56,6 +53,28 @@ pub fn explain(loaded: &LoadedScenario, limit: MemoryLimit) -> Document {
         document = document.with(section("Warnings", warnings));
     }
     document
+}
+
+/// Describes the agents of a kind, those of one entry once.
+fn describe_agents(agents: &dyn AgentList, loaded: &LoadedScenario) -> Vec<String> {
+    if agents.len() == 0 {
+        return vec!["None.".to_owned()];
+    }
+    let (kind, copies) = (agents.key(), &loaded.copies);
+    let mut lines = Vec::new();
+    for (number, words) in agents.describe(&loaded.scenario).into_iter().enumerate() {
+        if copies.is_copy(kind, number) {
+            continue;
+        }
+        lines.push(format!("{number}: {words}"));
+        let last = (number + 1..agents.len()).take_while(|&other| copies.is_copy(kind, other)).last();
+        if let (Some(last), Some(entry)) = (last, copies.entry(kind, number)) {
+            let numbers = if last == number + 1 { last.to_string() } else { format!("{} to {last}", number + 1) };
+            let places = if last == number + 1 { "a place" } else { "places" };
+            lines.push(format!("{numbers}: like {number}, at {places} drawn from the stream `starts/{kind}/{entry}`."));
+        }
+    }
+    lines
 }
 
 fn list_defaults(loaded: &LoadedScenario) -> String {

@@ -110,4 +110,8 @@ goals! {
     RandomIntact, "random-intact";
     NearestIntact, "nearest-intact";
     FarthestFromTruck, "farthest-from-truck";
+    /// The cell with most to burn in reach of its fire, per metre of way.
+    Densest, "densest";
+    /// The same, kept apart from other Wumpuses, their goals and trucks.
+    DensestApart, "densest-apart";
 }

@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 use super::change::Change;
+use super::check::Refusal;
+use super::copies::Copies;
 use super::error::{Fault, ScenarioError, SourceLocation};
 use super::fuel_image::FuelImage;
 use super::layers::{LayerKind, LayerReader, Weights};
@@ -30,6 +32,7 @@ const ONE_CHANCE: &str = "each says how uncertain the weather is";
 pub struct LoadedScenario {
     pub scenario: Scenario,
     written: Table,
+    pub(super) copies: Copies,
 }
 
 impl LoadedScenario {
@@ -53,10 +56,10 @@ impl LoadedScenario {
         let mut written = parse(source)?;
         let changes = changes.iter().map(|option| Change::make(option, &mut written)).collect::<Result<Vec<_>, _>>()?;
         written.iter_mut().for_each(|(_, value)| drop_sign_of_zero(value));
-        let text = WrittenScenario { source, changes };
+        let mut text = WrittenScenario { source, changes, copies: Copies::default() };
         text.drop_overruled(&mut written);
         let scenario = text.resolve(&written)?;
-        Ok(Self { scenario, written })
+        Ok(Self { scenario, written, copies: text.copies })
     }
 
     /// Lists every value of the scenario with its path, defaults included.
@@ -90,9 +93,11 @@ impl LoadedScenario {
         leaves(Value::Table(table), &FieldPath::default())
     }
 
-    /// Says whether the file or a change gives the value at this path, such as `unimog.0.prm.samples`.
+    /// Says whether the file or a change gives the value at this path, such as `unimog.0.prm.samples`. The starts of agents
+    /// that an entry has by their number are given by it.
     pub fn is_given(&self, dotted: &str) -> bool {
-        FieldPath::parse(dotted).leads_to(&self.written)
+        let path = FieldPath::parse(dotted);
+        self.copies.is_drawn(&path) || self.copies.written(&path).leads_to(&self.written)
     }
 }
 
@@ -134,17 +139,20 @@ fn parse(source: &ScenarioText) -> Result<Table, Box<ScenarioError>> {
 struct WrittenScenario<'a> {
     source: &'a ScenarioText,
     changes: Vec<Change>,
+    /// The entries that agents are written in, once they are known.
+    copies: Copies,
 }
 
 impl WrittenScenario<'_> {
-    fn resolve(&self, written: &Table) -> Result<Scenario, Box<ScenarioError>> {
+    fn resolve(&mut self, written: &Table) -> Result<Scenario, Box<ScenarioError>> {
         self.refuse_hidden_and_infinite(written)?;
-        let mut scenario: Scenario =
-            serde_path_to_error::deserialize(Value::Table(written.clone())).map_err(|error| {
-                let path = FieldPath::from_serde(error.path());
-                let (fault, path, side) = wording::fault_from_message(error.inner().message(), path);
-                fault.at(self.location(&path, side))
-            })?;
+        let mut expanded = written.clone();
+        self.copies = Copies::expand(&mut expanded).map_err(|refusal| self.refuse_entry(&refusal))?;
+        let mut scenario: Scenario = serde_path_to_error::deserialize(Value::Table(expanded)).map_err(|error| {
+            let path = FieldPath::from_serde(error.path());
+            let (fault, path, side) = wording::fault_from_message(error.inner().message(), path);
+            fault.at(self.location(&path, side))
+        })?;
         if scenario.name.is_empty() {
             scenario.name.clone_from(&self.source.stem);
         }
@@ -158,7 +166,13 @@ impl WrittenScenario<'_> {
         scenario
             .check_values()
             .map_err(|refusal| refusal.fault().at(self.location(&refusal.path, KeyOrValue::Value)))?;
+        self.copies.place(&mut scenario).map_err(|refusal| self.refuse_entry(&refusal))?;
         Ok(scenario)
+    }
+
+    /// Words the refusal of a value of an entry, whose path has the entry's number in it and no agent's.
+    fn refuse_entry(&self, refusal: &Refusal) -> Box<ScenarioError> {
+        refusal.fault().at(self.location_as_written(&refusal.path, KeyOrValue::Value))
     }
 
     /// Removes from the table the values of the file that a change of another value replaces.
@@ -386,6 +400,10 @@ impl WrittenScenario<'_> {
 
     /// Returns the location where a value was written last: in a change of it or of a part of it, or in the file.
     fn location(&self, path: &FieldPath, side: KeyOrValue) -> SourceLocation {
+        self.location_as_written(&self.copies.written(path), side)
+    }
+
+    fn location_as_written(&self, path: &FieldPath, side: KeyOrValue) -> SourceLocation {
         let related = |set: &&FieldPath| path.starts_with(set) || set.starts_with(path);
         for change in self.changes.iter().rev() {
             if let Some(set) = change.set.iter().find(related) {

@@ -16,6 +16,7 @@ mod alexandridis;
 mod built_in;
 mod change;
 mod check;
+mod copies;
 mod error;
 mod explain;
 mod features;
@@ -103,7 +104,22 @@ const MAX_STOPS: f64 = 1e6;
 
 /// Builds the JSON Schema of scenario files.
 pub fn schema() -> schemars::Schema {
-    schemars::schema_for!(Scenario)
+    let mut schema = schemars::schema_for!(Scenario);
+    // Files may say how many agents an entry is; once they are loaded each agent has an entry.
+    for (kind, agent) in [("Wumpus", "Wumpuses"), ("Unimog", "trucks")] {
+        let count = schemars::json_schema!({
+            "description": format!("The number of {agent} that the entry is. The first starts where it says, the others \
+                                    at places that are drawn, the same in every run."),
+            "type": "integer",
+            "minimum": 0,
+            "maximum": copies::MOST_COPIES,
+            "default": 1,
+        });
+        let properties = schema.pointer_mut(&format!("/$defs/{kind}/properties"));
+        let properties = properties.and_then(serde_json::Value::as_object_mut).expect("agents are tables");
+        properties.insert("count".into(), count.to_value());
+    }
+    schema
 }
 
 /// A contest: where, under which rules, between whom, for how long.

@@ -9,7 +9,7 @@ use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value;
 
-use super::agents::{AgentList, AgentsMemory, FieldMeasures, SHOWN_SEED, ScenarioField, SketchedStart};
+use super::agents::{AgentList, AgentsMemory, FieldMeasures, SHOWN_ALIKE, SHOWN_SEED, ScenarioField, SketchedStart};
 use super::check::{Check, ROUNDING_M, TablePath};
 use super::goal::{TruckGoal, describe_choice};
 use super::or_none;
@@ -331,6 +331,10 @@ impl AgentList for Vec<Unimog> {
 
     fn warn(&self, scenario: &Scenario, found: &mut Vec<String>) {
         for (number, truck) in self.iter().enumerate() {
+            let is_like = |other: &Unimog| Unimog { start: truck.start, ..other.clone() } == *truck;
+            if self[..number].iter().filter(|other| is_like(other)).count() >= SHOWN_ALIKE {
+                continue;
+            }
             warn_of_truck(number, truck, found);
             if scenario.suppression.reach_m.is_none() && truck.prm.goal == RoadmapGoal::InReach {
                 found.push(format!(

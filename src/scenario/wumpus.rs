@@ -5,7 +5,7 @@ use std::iter;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::agents::{AgentList, AgentsMemory, FieldMeasures, SHOWN_SEED, ScenarioField, SketchedStart};
+use super::agents::{AgentList, AgentsMemory, FieldMeasures, SHOWN_ALIKE, SHOWN_SEED, ScenarioField, SketchedStart};
 use super::check::{Check, TablePath};
 use super::goal::{WumpusGoal, describe_choice};
 use super::or_none;
@@ -274,7 +274,10 @@ impl AgentList for Vec<Wumpus> {
 
     fn warn(&self, _: &Scenario, found: &mut Vec<String>) {
         for (number, wumpus) in self.iter().enumerate() {
-            warn_of_wumpus(number, wumpus, found);
+            let is_like = |other: &Wumpus| Wumpus { start_m: wumpus.start_m, ..other.clone() } == *wumpus;
+            if self[..number].iter().filter(|other| is_like(other)).count() < SHOWN_ALIKE {
+                warn_of_wumpus(number, wumpus, found);
+            }
         }
     }
 
@@ -323,6 +326,10 @@ fn describe_wumpus(wumpus: &Wumpus, policies: &Programs) -> String {
         WumpusGoal::RandomIntact => "a random intact bush".to_owned(),
         WumpusGoal::NearestIntact => "the nearest intact bush".to_owned(),
         WumpusGoal::FarthestFromTruck => "the intact bush farthest from all trucks".to_owned(),
+        WumpusGoal::Densest => "the bush with most to burn around it, for the way".to_owned(),
+        WumpusGoal::DensestApart => {
+            "the bush with most to burn around it, for the way, away from other Wumpuses and trucks".to_owned()
+        }
         WumpusGoal::Policy(name) => describe_choice(name, policies),
     };
     let keep = if wumpus.keep_goal { "which it never gives up" } else { "which it drops when it is no longer intact" };

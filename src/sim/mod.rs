@@ -261,7 +261,7 @@ mod tests {
     use crate::geometry::Cell;
     use crate::scenario;
     use crate::timeline::{AgentFact, Fact, FireFact, Role};
-    use policies::NamedPolicy;
+    use policies::{NamedPolicy, RuleSite};
     use schedule::SimSystems;
 
     fn load(name: &str, duration_s: f64) -> Scenario {
@@ -300,8 +300,10 @@ mod tests {
             let mut simulation = Simulation::new(&scenario, 5).expect("it takes place");
             let agents: Vec<AgentId> = at_once.setting.agents.iter().map(|agent| agent.id).collect();
             simulation.follow(&agents, Box::new(Elsewhere));
+            let setting = &at_once.setting;
+            let site = RuleSite { frame: &setting.frame, lightable: &setting.bushes, spread_m: 30.0, seed: 5 };
             let make = |policy: NamedPolicy<'_>| match policy {
-                NamedPolicy::BuiltIn(rule) => rule.make(&at_once.setting.bushes, 5),
+                NamedPolicy::BuiltIn(rule) => rule.make(&site),
                 NamedPolicy::Own(name) => panic!("{name} is not built in"),
             };
             let mut wumpus = make((&scenario.wumpus[0].goal).into());

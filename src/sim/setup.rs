@@ -19,7 +19,7 @@ use crate::timeline::{AgentId, AgentStart, Rules, Setting, SpreadSetting};
 
 use super::agent::{Arena, Roster};
 use super::fire::{Fires, Ignitions, ScheduledIgnition};
-use super::policies::{Following, NamedPolicy, Policies, PolicySite};
+use super::policies::{Following, NamedPolicy, Policies, PolicySite, RuleSite};
 use super::queue::{Due, SimClock, SimQueue};
 use super::recorder::{CpuLog, Recorder};
 use super::run::{RunCost, RunError, RunOptions};
@@ -81,6 +81,8 @@ fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, known: &Policies)
     let ids = (0..).map(AgentId::wumpus).zip(wumpuses).chain((0..).map(AgentId::unimog).zip(trucks));
     let (agents, named): (Vec<AgentId>, Vec<NamedPolicy>) = ids.unzip();
     let lightable = terrain.lightable(scenario.fire.lights_ground());
+    let spread_m = scenario.fire.spread_radius_m;
+    let rule_site = RuleSite { frame: &terrain.frame, lightable: &lightable, spread_m, seed };
     let mut following = Following::default();
     for (first, policy) in named.iter().enumerate() {
         if named[..first].contains(policy) {
@@ -89,7 +91,7 @@ fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, known: &Policies)
         let is_meant = |agent: &usize| named[*agent] == *policy;
         let plays: Vec<AgentId> = (0..agents.len()).filter(is_meant).map(|agent| agents[agent]).collect();
         let made = match *policy {
-            NamedPolicy::BuiltIn(rule) => rule.make(&lightable, seed),
+            NamedPolicy::BuiltIn(rule) => rule.make(&rule_site),
             NamedPolicy::Own(name) => {
                 let own = scenario.policy.get(name).map(|program| Value::Object(program.settings.clone()));
                 let site = PolicySite {

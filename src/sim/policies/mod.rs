@@ -10,6 +10,7 @@
 //! Policies have names, which scenarios give their agents. [`Policies`] knows them: the built-in rules, and what
 //! whoever runs the program hands in.
 
+mod densest;
 mod following;
 mod largest_cluster;
 mod nearest;
@@ -27,7 +28,7 @@ use crate::timeline::{Activity, AgentId};
 
 pub use following::{Following, Follows, Inquiry, Question};
 pub use largest_cluster::cluster_sizes;
-pub use registry::{BuiltIn, MakePolicy, NamedPolicy, Policies, PolicyNameError, PolicySite};
+pub use registry::{BuiltIn, MakePolicy, NamedPolicy, Policies, PolicyNameError, PolicySite, RuleSite};
 
 /// What an agent is to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

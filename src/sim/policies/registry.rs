@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
+use super::densest::Densest;
 use super::largest_cluster::LargestCluster;
 use super::nearest::{FarthestFromTruck, Nearest, Oldest};
 use super::random_intact::RandomIntact;
@@ -56,6 +57,17 @@ where
     }
 }
 
+/// What built-in policies are made for.
+#[derive(Clone, Copy, Debug)]
+pub struct RuleSite<'a> {
+    pub frame: &'a FieldFrame,
+    /// The cells that Wumpuses may light, by cell index.
+    pub lightable: &'a [Cell],
+    /// How far fire goes from a bush, metres.
+    pub spread_m: f64,
+    pub seed: u64,
+}
+
 /// The built-in policies, by what scenarios call them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BuiltIn {
@@ -65,6 +77,8 @@ pub enum BuiltIn {
     RandomIntact,
     NearestIntact,
     FarthestFromTruck,
+    Densest,
+    DensestApart,
 }
 
 /// The policy that a scenario names.
@@ -91,20 +105,25 @@ impl<'a> From<&'a WumpusGoal> for NamedPolicy<'a> {
             WumpusGoal::RandomIntact => Self::BuiltIn(BuiltIn::RandomIntact),
             WumpusGoal::NearestIntact => Self::BuiltIn(BuiltIn::NearestIntact),
             WumpusGoal::FarthestFromTruck => Self::BuiltIn(BuiltIn::FarthestFromTruck),
+            WumpusGoal::Densest => Self::BuiltIn(BuiltIn::Densest),
+            WumpusGoal::DensestApart => Self::BuiltIn(BuiltIn::DensestApart),
             WumpusGoal::Policy(name) => Self::Own(name),
         }
     }
 }
 
 impl BuiltIn {
-    /// Makes the policy for the field with these bushes in the run of a seed.
-    pub fn make(self, bushes: &[Cell], seed: u64) -> Box<dyn Policy> {
+    /// Makes the policy for a run.
+    pub fn make(self, site: &RuleSite<'_>) -> Box<dyn Policy> {
+        let &RuleSite { frame, lightable, spread_m, seed } = site;
         match self {
             Self::NearestBurning | Self::NearestIntact => Box::new(OneByOne(Nearest)),
             Self::Oldest => Box::new(OneByOne(Oldest)),
             Self::LargestCluster => Box::new(OneByOne(LargestCluster)),
-            Self::RandomIntact => Box::new(OneByOne(RandomIntact::new(bushes.to_vec(), seed))),
+            Self::RandomIntact => Box::new(OneByOne(RandomIntact::new(lightable.to_vec(), seed))),
             Self::FarthestFromTruck => Box::new(OneByOne(FarthestFromTruck)),
+            Self::Densest => Box::new(OneByOne(Densest::new(frame, spread_m, false))),
+            Self::DensestApart => Box::new(OneByOne(Densest::new(frame, spread_m, true))),
         }
     }
 }
