@@ -74,7 +74,7 @@ impl WayOut {
             let passing = MovingBody { body: &truck.body, trajectory: &wish };
             let way = way_aside(other, &reservations, place, passing, now)?;
             // The next one to leave finds this one where it goes.
-            reservations[place].leg = way.clone();
+            reservations[place].set_leg(way.clone());
             making_way.push((entity, way));
         }
         let leg = Traffic::new(&reservations, first).departure_within(SimTime::MAX, &truck.body, &wish).ok()?;
@@ -108,6 +108,6 @@ fn way_aside(
         let stand = MovingBody { body: &own.body, trajectory: &stand };
         first_conflict(passing, stand, now, MARGIN_M).is_none()
     };
-    let path = find_yield_pose(&traffic.with_others_standing(&truck.checker), own.leg.end(), leaves_free)?;
+    let path = find_yield_pose(&traffic.with_others_standing(&truck.checker), own.leg().end(), leaves_free)?;
     traffic.departure(&own.body, &Trajectory::from_path(&path, now, truck.speed)).ok()
 }

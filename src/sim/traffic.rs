@@ -10,6 +10,7 @@
 //!   ([`standoff`](super::standoff)).
 
 use bevy::prelude::Entity;
+use glam::DVec2;
 
 use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M, MovingBody, first_conflict, gap_between};
 use crate::geometry::{OrientedRect, Pose};
@@ -33,24 +34,93 @@ const STOP_STEP_S: f64 = 0.25;
 /// The number of steps that are tried: where a truck is so slow that they do not suffice, they are longer.
 const MOST_STEPS: f64 = 1000.0;
 
+/// Boxes of two motions that are this far from each other prove that the bodies keep [`MARGIN_M`]: a gap may be taken for
+/// smaller than it is by the square root of 2, see [`first_conflict`].
+const SURELY_APART_M: f64 = 2.0 * MARGIN_M;
+
+/// A box with sides along x and y that a body does not leave, metres.
+#[derive(Clone, Copy, Debug)]
+struct SweptBox {
+    low: DVec2,
+    high: DVec2,
+}
+
+impl SweptBox {
+    /// Bounds where a body is on all of its motion.
+    fn new(MovingBody { body, trajectory }: MovingBody<'_>) -> Self {
+        let at_start = trajectory.start().position();
+        let mut rear_axle = Self { low: at_start, high: at_start };
+        for (start, piece) in trajectory.pieces_with_starts() {
+            let Some(segment) = piece.segment() else { continue };
+            // An arc leaves its chord by its sagitta, at most curvature times length squared over 8 and half its length.
+            let length_m = segment.length_m.abs();
+            let aside_m = (segment.curvature.abs() * length_m * length_m / 8.0).min(0.5 * length_m);
+            let (from, to) = (start.position(), segment.end(start).position());
+            rear_axle.low = rear_axle.low.min(from.min(to) - aside_m);
+            rear_axle.high = rear_axle.high.max(from.max(to) + aside_m);
+        }
+        rear_axle.widened(farthest_point_m(body))
+    }
+
+    fn standing(body: &Dimensions, pose: Pose) -> Self {
+        Self { low: pose.position(), high: pose.position() }.widened(farthest_point_m(body))
+    }
+
+    fn widened(self, metres: f64) -> Self {
+        Self { low: self.low - metres, high: self.high + metres }
+    }
+
+    fn is_near(&self, other: &Self) -> bool {
+        // A place that is not a number is near to everything.
+        !((self.low - other.high).max(other.low - self.high).max_element() > SURELY_APART_M)
+    }
+}
+
+/// Returns the distance of a body's farthest point from its rear axle, metres.
+fn farthest_point_m(body: &Dimensions) -> f64 {
+    let lengthwise = body.rear_overhang_m.max(body.length_m - body.rear_overhang_m);
+    (lengthwise * lengthwise + 0.25 * body.width_m * body.width_m).sqrt()
+}
+
 /// Where a truck is and will be.
 #[derive(Clone, Debug)]
 pub struct Reservation {
     pub entity: Entity,
     pub id: AgentId,
     pub body: Dimensions,
-    pub leg: Trajectory,
+    leg: Trajectory,
     /// Whether it stands and will not leave by itself.
     pub is_idle: bool,
+    /// Where it is on all of its leg.
+    swept: SweptBox,
 }
 
 impl Reservation {
+    pub fn new((entity, id): (Entity, AgentId), body: Dimensions, leg: Trajectory, is_idle: bool) -> Self {
+        let swept = SweptBox::new(MovingBody { body: &body, trajectory: &leg });
+        Self { entity, id, body, leg, is_idle, swept }
+    }
+
+    pub fn leg(&self) -> &Trajectory {
+        &self.leg
+    }
+
+    /// Gives the truck another leg.
+    pub fn set_leg(&mut self, leg: Trajectory) {
+        self.swept = SweptBox::new(MovingBody { body: &self.body, trajectory: &leg });
+        self.leg = leg;
+    }
+
     fn moving(&self) -> MovingBody<'_> {
         MovingBody { body: &self.body, trajectory: &self.leg }
     }
 
-    /// Returns when a motion first conflicts with this truck in its last place, as if it stood there all the time.
-    fn first_conflict_at_end(&self, motion: MovingBody<'_>) -> Option<SimTime> {
+    /// Returns when a motion first conflicts with this truck in its last place, as if it stood there all the time. `swept`
+    /// is the box of the motion.
+    fn first_conflict_at_end(&self, motion: MovingBody<'_>, swept: &SweptBox) -> Option<SimTime> {
+        if !SweptBox::standing(&self.body, self.leg.end()).is_near(swept) {
+            return None;
+        }
         let stand = Trajectory::new(SimTime::ZERO, self.leg.end(), Vec::new());
         let stand = MovingBody { body: &self.body, trajectory: &stand };
         first_conflict(motion, stand, motion.trajectory.start_time(), MARGIN_M)
@@ -75,17 +145,23 @@ impl<'a> Traffic<'a> {
 
     /// Returns the first of the others that a motion comes too near from `from` on.
     fn first_in_conflict(self, motion: MovingBody<'_>, from: SimTime) -> Option<&'a Reservation> {
-        self.others().find(|other| first_conflict(motion, other.moving(), from, MARGIN_M).is_some())
+        let swept = SweptBox::new(motion);
+        let mut near = self.others().filter(|other| other.swept.is_near(&swept));
+        near.find(|other| first_conflict(motion, other.moving(), from, MARGIN_M).is_some())
     }
 
     /// Iterates over the others whose last place is on the way of a leg, whenever it is driven.
     pub fn standing_on(self, body: &Dimensions, leg: &Trajectory) -> impl Iterator<Item = &'a Reservation> {
-        self.others().filter(move |other| other.first_conflict_at_end(MovingBody { body, trajectory: leg }).is_some())
+        let swept = SweptBox::new(MovingBody { body, trajectory: leg });
+        self.others()
+            .filter(move |other| other.first_conflict_at_end(MovingBody { body, trajectory: leg }, &swept).is_some())
     }
 
     /// Returns the metres of a leg before the first of the others that stands on it in its last place, if any does.
     pub fn free_m(self, body: &Dimensions, leg: &Trajectory) -> Option<f64> {
-        let times = self.others().filter_map(|other| other.first_conflict_at_end(MovingBody { body, trajectory: leg }));
+        let motion = MovingBody { body, trajectory: leg };
+        let swept = SweptBox::new(motion);
+        let times = self.others().filter_map(|other| other.first_conflict_at_end(motion, &swept));
         times.map(|time| leg.distance_m(time)).min_by(f64::total_cmp)
     }
 
@@ -159,6 +235,7 @@ mod tests {
     use crate::trajectory::SpeedLimits;
     use crate::vehicle::{Path, Segment};
     use bevy::prelude::World;
+    use rand::RngExt;
 
     fn straight(start_s: f64, start: Pose, metres: f64) -> Trajectory {
         let path = Path { start, segments: vec![Segment { curvature: 0.0, length_m: metres }] };
@@ -172,7 +249,7 @@ mod tests {
         let north = Pose::new(0.0, -24.0, std::f64::consts::FRAC_PI_2);
         let leg = straight(passes_s - 3.0, north, 80.0);
         let body = Dimensions::default();
-        let reservation = Reservation { entity: other, id: AgentId::unimog(1), body, leg, is_idle: false };
+        let reservation = Reservation::new((other, AgentId::unimog(1)), body, leg, false);
         (straight(0.0, Pose::new(-40.0, 0.0, 0.0), 100.0), reservation, entity)
     }
 
@@ -205,11 +282,44 @@ mod tests {
     #[test]
     fn a_truck_that_stands_in_the_way_for_good_is_named() {
         let (leg, mut other, entity) = crossing(5.0);
-        other.leg = straight(0.0, Pose::new(0.0, -30.0, std::f64::consts::FRAC_PI_2), 29.0);
+        other.set_leg(straight(0.0, Pose::new(0.0, -30.0, std::f64::consts::FRAC_PI_2), 29.0));
         let (body, others) = (Dimensions::default(), [other]);
         let traffic = Traffic::new(&others, entity);
         assert_eq!(traffic.departure(&body, &leg), Err(AgentId::unimog(1)));
         let free_m = traffic.free_m(&body, &leg).expect("it stands on the way");
         assert!(free_m > 33.0 && free_m < 35.0, "{free_m}");
+    }
+
+    /// Boxes only save looks: where they are far apart, so are the bodies at every instant.
+    #[test]
+    fn boxes_that_are_apart_prove_that_bodies_are() {
+        let mut rng = crate::rng::stream(3, "boxes");
+        let mut draw = |low: f64, high: f64| rng.random_range(low..high);
+        let body = Dimensions::default();
+        let mut apart = 0;
+        for _ in 0..400 {
+            let mut leg = || {
+                let start = Pose::new(draw(0.0, 120.0), draw(0.0, 120.0), draw(-3.1, 3.1));
+                let segments = (0..3)
+                    .map(|_| Segment { curvature: draw(-1.0 / 13.0, 1.0 / 13.0), length_m: draw(-30.0, 60.0) })
+                    .collect();
+                Trajectory::from_path(&Path { start, segments }, SimTime::ZERO, SpeedLimits::new(8.0, 8.0))
+            };
+            let (one, other) = (leg(), leg());
+            let moving = |leg| MovingBody { body: &body, trajectory: leg };
+            let (swept, other_swept) = (SweptBox::new(moving(&one)), SweptBox::new(moving(&other)));
+            for step in 0..=40 {
+                let time = SimTime::from_seconds(one.duration_s() * f64::from(step) / 40.0);
+                for corner in body.footprint(one.pose_at(time)).corners() {
+                    let inside = corner.cmpge(swept.low - 1e-9).all() && corner.cmple(swept.high + 1e-9).all();
+                    assert!(inside, "{corner} is outside of {swept:?}");
+                }
+            }
+            if !swept.is_near(&other_swept) {
+                apart += 1;
+                assert_eq!(first_conflict(moving(&one), moving(&other), SimTime::ZERO, MARGIN_M), None);
+            }
+        }
+        assert!(apart > 50, "{apart} pairs are apart");
     }
 }

@@ -50,7 +50,7 @@ impl Fleet<'_, '_> {
         let trucks = self.roster.0.iter().filter_map(|&entity| {
             let (agent, truck) = self.trucks.get(entity).ok()?;
             let is_idle = matches!(agent.activity, Activity::Resting(_) | Activity::Blocked);
-            Some(Reservation { entity, id: agent.id, body: truck.body, leg: agent.trajectory.clone(), is_idle })
+            Some(Reservation::new((entity, agent.id), truck.body, agent.trajectory.clone(), is_idle))
         });
         if self.trucks.iter().len() > 1 { trucks.collect() } else { Vec::new() }
     }
