@@ -10,6 +10,7 @@
 //! Policies have names, which scenarios give their agents. [`Policies`] knows them: the built-in rules, and what
 //! whoever runs the program hands in.
 
+pub mod dispatch;
 mod following;
 mod largest_cluster;
 mod nearest;
