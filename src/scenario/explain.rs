@@ -1,6 +1,7 @@
 //! Explains a scenario in plain sentences, for `wildfire check`.
 
 use super::agents::SHOWN_SEED;
+use super::dispatch::describe_team;
 use super::field::percent;
 use super::ground_report::{describe_fires, describe_ground, describe_weather};
 use super::landscape::is_bare;
@@ -30,6 +31,10 @@ pub fn explain(loaded: &LoadedScenario, limit: MemoryLimit) -> Document {
             agents.describe(scenario).into_iter().enumerate().map(|(number, words)| format!("{number}: {words}"));
         let nobody = (agents.len() == 0).then(|| "None.".to_owned());
         document = document.with(section(agents.title(), numbered.chain(nobody).collect()));
+    }
+    let team = describe_team(scenario);
+    if !team.is_empty() {
+        document = document.with(section("Dispatch", team));
     }
     if !scenario.ignition.is_empty() {
         document = document.with(section("Ignitions", vec![describe_ignitions(&scenario.ignition)]));

@@ -230,6 +230,7 @@ impl Simulation {
     pub fn finish(mut self) -> Run {
         let agents = self.world.resource::<Roster>().0.iter().filter_map(|&entity| self.world.get::<Agent>(entity));
         self.cost.agents = agents.map(|agent| agent.cost.clone()).collect();
+        self.cost.dispatch = self.world.resource::<Following>().team_cpu;
         let mut recorder = self.world.resource_mut::<Recorder>();
         let (events, messages) = (std::mem::take(&mut recorder.events), std::mem::take(&mut recorder.messages));
         let ground = std::mem::take(&mut recorder.ground);
