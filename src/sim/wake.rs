@@ -26,6 +26,13 @@ impl Plugin for WakePlugin {
 #[derive(Component, Clone, Debug)]
 pub struct WokenBy(pub Vec<Trigger>);
 
+impl WokenBy {
+    /// Returns what wakes a truck in a team.
+    pub fn truck_in_team(replans: bool) -> Self {
+        Self(vec![Trigger::GoalBurnsNoMore, Trigger::ChangeForTeam { replans }])
+    }
+}
+
 /// A reason to wake an agent: a change of a bush, and what the agent is about when it happens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trigger {

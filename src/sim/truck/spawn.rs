@@ -88,7 +88,7 @@ pub fn spawn(
     let following = world.resource::<Following>();
     let follows = following.policy_of(id);
     let triggers = match following.asking(follows) {
-        Asking::Team { replans } => vec![Trigger::GoalBurnsNoMore, Trigger::ChangeForTeam { replans }],
+        Asking::Team { replans } => WokenBy::truck_in_team(replans).0,
         Asking::Each => {
             let under_way = (settings.retarget == Retarget::OnEvent).then_some(Trigger::IgnitionUnderWay);
             let standing = [Trigger::IgnitionWhileFree, Trigger::FireOverWhileBlocked, Trigger::ChangeWhileWaiting];

@@ -194,7 +194,11 @@ impl<'a> Known<'a> {
             // How long ground burns is not a rule of the team's.
             let burn_out = self.site.rules.burn_out.filter(|_| self.fires.is_bush(cell));
             let burns_out = burn_out.map_or(SimTime::MAX, |burn_out| since + burn_out);
-            (self.sees(place) && !stops.contains(&cell)).then_some(Fire { cell, place, since, burns_out })
+            let rules = &self.site.rules;
+            let spreads = rules.spread.filter(|_| rules.caught_spreads || self.fires.was_lit(cell));
+            let spreads_at = spreads.map(|(_, delay)| since + delay).filter(|&time| time > self.now);
+            let spreads_at = spreads_at.unwrap_or(SimTime::MAX);
+            (self.sees(place) && !stops.contains(&cell)).then_some(Fire { cell, place, since, burns_out, spreads_at })
         };
         self.fires.burning().filter_map(fire).collect()
     }
