@@ -71,6 +71,8 @@ fn contest_spells_out_every_value_and_each_is_the_default() {
         score: Score::default(),
         wumpus: vec![Wumpus::default()],
         unimog: vec![Unimog::default()],
+        dispatch: None,
+        sight: None,
         ignition: Vec::new(),
         wind: Vec::new(),
         wind_file: None,

@@ -48,7 +48,10 @@ impl<'a> DrivenLegs<'a> {
         let mut legs: Vec<Leg<'a>> = Vec::new();
         for event in timeline.events.iter().filter(|event| event.fact.agent() == Some(agent.id)) {
             match (&event.fact, legs.last_mut()) {
-                (Fact::Agent(_, AgentFact::Dropped { trajectory, .. }), Some(leg)) => {
+                (
+                    Fact::Agent(_, AgentFact::Dropped { trajectory, .. } | AgentFact::Halted { trajectory }),
+                    Some(leg),
+                ) => {
                     leg.versions.push((event.time, trajectory));
                 }
                 (fact, _) => legs.extend(fact.trajectory().map(|leg| Leg::new(event.time, leg))),

@@ -70,6 +70,8 @@ struct FieldCell {
     /// `None` where nothing grows that burns.
     kind: Option<BushStateKind>,
     is_bush: bool,
+    /// Whether somebody lit it when it last caught fire.
+    is_lit: bool,
 }
 
 /// All that can burn on a field: bushes, and where there is a landscape, the ground between them.
@@ -92,7 +94,7 @@ pub struct FireField {
 impl FireField {
     /// Creates a field on which all `bushes` are intact, and nothing else burns.
     pub fn new(frame: FieldFrame, bushes: &[Cell], relight: bool) -> Self {
-        let bare = FieldCell { ignited: SimTime::ZERO, episode: 0, kind: None, is_bush: false };
+        let bare = FieldCell { ignited: SimTime::ZERO, episode: 0, kind: None, is_bush: false, is_lit: false };
         let count = frame.cell_count();
         let mut field = Self {
             frame,
@@ -192,6 +194,11 @@ impl FireField {
         self.relight
     }
 
+    /// Returns true if somebody lit the cell when it last caught fire, and it did not catch fire from another one.
+    pub fn was_lit(&self, cell: Cell) -> bool {
+        self.cells[self.frame.index(cell)].is_lit
+    }
+
     /// Returns the number that tells a cell's last burning from its earlier ones.
     pub fn episode(&self, cell: Cell) -> u32 {
         self.cells[self.frame.index(cell)].episode
@@ -228,6 +235,7 @@ impl FireField {
         let burning = &mut self.cells[index];
         burning.kind = Some(BushStateKind::Burning);
         burning.ignited = now;
+        burning.is_lit = lit;
         burning.episode += 1;
         Some(FireChange::Ignited { cell, lit })
     }

@@ -77,6 +77,11 @@ impl TablePath {
         Self(self.0.join(PathStep::key(name)))
     }
 
+    /// Returns the path of a value of the table.
+    pub fn key(&self, name: &str) -> FieldPath {
+        self.0.join(PathStep::key(name))
+    }
+
     /// The entry of a list whose path this is.
     pub fn item(&self, number: usize) -> Self {
         Self(self.0.join(PathStep::Index(number)))

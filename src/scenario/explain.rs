@@ -1,6 +1,7 @@
 //! Explains a scenario in plain sentences, for `wildfire check`.
 
 use super::agents::{AgentList, SHOWN_SEED};
+use super::dispatch::describe_team;
 use super::field::percent;
 use super::ground_report::{describe_fires, describe_ground, describe_weather};
 use super::landscape::is_bare;
@@ -27,6 +28,10 @@ pub fn explain(loaded: &LoadedScenario, limit: MemoryLimit) -> Document {
     }
     for agents in scenario.kinds() {
         document = document.with(section(agents.title(), describe_agents(agents, loaded)));
+    }
+    let team = describe_team(scenario);
+    if !team.is_empty() {
+        document = document.with(section("Dispatch", team));
     }
     if !scenario.ignition.is_empty() {
         document = document.with(section("Ignitions", vec![describe_ignitions(&scenario.ignition)]));

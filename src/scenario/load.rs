@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 use super::change::Change;
-use super::check::Refusal;
+use super::check::{Refusal, TablePath};
 use super::copies::Copies;
 use super::error::{Fault, ScenarioError, SourceLocation};
 use super::fuel_image::FuelImage;
@@ -177,6 +177,7 @@ impl WrittenScenario<'_> {
 
     /// Removes from the table the values of the file that a change of another value replaces.
     fn drop_overruled(&self, written: &mut Table) {
+        self.drop_overruled_goals(written);
         let Some(field) = written.get_mut("field").and_then(Value::as_table_mut) else { return };
         let changed = |name: &str| {
             let path = FieldPath::parse("field").join(PathStep::key(name));
@@ -188,6 +189,28 @@ impl WrittenScenario<'_> {
             _ => changed("map") && GENERATED_ONLY.contains(&name),
         };
         field.retain(|name, _| changed(name) || !overruled(name));
+    }
+
+    /// Removes the goals of trucks where a change dispatches them, or the table `dispatch` where one gives a truck a goal.
+    fn drop_overruled_goals(&self, written: &mut Table) {
+        let dispatch = FieldPath::parse("dispatch");
+        let changed = |path: &FieldPath| {
+            self.changes
+                .iter()
+                .any(|change| change.set.iter().any(|set| set.starts_with(path) || path.starts_with(set)))
+        };
+        let goal_of = |number| TablePath::entry("unimog", number).key("goal");
+        let count = written.get("unimog").and_then(Value::as_array).map_or(0, Vec::len);
+        let (is_dispatched, has_goal) = (changed(&dispatch), (0..count).any(|number| changed(&goal_of(number))));
+        if has_goal && !is_dispatched {
+            written.remove("dispatch");
+        }
+        if is_dispatched && let Some(trucks) = written.get_mut("unimog").and_then(Value::as_array_mut) {
+            let overruled = trucks.iter_mut().enumerate().filter(|(number, _)| !changed(&goal_of(*number)));
+            for truck in overruled.filter_map(|(_, truck)| truck.as_table_mut()) {
+                truck.remove("goal");
+            }
+        }
     }
 
     /// Refuses fields that only loading may fill in, and numbers that are infinite or NaN.
@@ -326,7 +349,20 @@ impl WrittenScenario<'_> {
         if let Some(name) = GENERATED_ONLY.iter().find(|name| given("map") && given(name)) {
             return conflict(name, "map", "a map says itself where the bushes are");
         }
+        self.refuse_goals_of_dispatched(written)?;
         self.refuse_conflicts_of_landscape(written)
+    }
+
+    /// Refuses a goal of a truck beside the table `dispatch`.
+    fn refuse_goals_of_dispatched(&self, written: &Table) -> Result<(), Box<ScenarioError>> {
+        let trucks = written.get("unimog").and_then(Value::as_array).map_or(0, Vec::len);
+        let mut goals = (0..trucks).map(|number| TablePath::entry("unimog", number).key("goal"));
+        let Some(goal) = goals.find(|goal| written.contains_key("dispatch") && goal.leads_to(written)) else {
+            return Ok(());
+        };
+        let reason = "each says where trucks go";
+        let fault = Fault::Conflict { one: goal.to_string(), other: "dispatch".into(), reason };
+        Err(fault.at(self.location_as_written(&goal, KeyOrValue::Key)))
     }
 
     fn refuse_conflicts_of_landscape(&self, written: &Table) -> Result<(), Box<ScenarioError>> {

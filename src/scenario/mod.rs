@@ -17,6 +17,7 @@ mod built_in;
 mod change;
 mod check;
 mod copies;
+mod dispatch;
 mod error;
 mod explain;
 mod features;
@@ -52,6 +53,7 @@ mod wumpus;
 pub use agents::MemoryPart;
 pub use alexandridis::AlexandridisSettings;
 pub use built_in::BUILT_IN;
+pub use dispatch::{Dispatch, DispatchPolicy, IdleRule, Sight, SightOfField};
 pub use error::{Fault, MapFault, ScenarioError, SourceLocation, nearest_name};
 pub use explain::explain;
 pub use features::{Hill, Patches, River, Road, Runs};
@@ -152,6 +154,12 @@ pub struct Scenario {
     /// The fire trucks.
     #[serde(deserialize_with = "list_of_at_most::<1_000, _, _>")]
     pub unimog: Vec<Unimog>,
+    /// How the trucks are sent to fires, all together; without it each follows its `goal`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dispatch: Option<Dispatch>,
+    /// What a dispatched team sees; without it everything but the Wumpuses.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sight: Option<Sight>,
     /// Bushes that catch fire by themselves.
     #[serde(default, deserialize_with = "list_of_at_most::<100_000, _, _>")]
     pub ignition: Vec<Ignition>,
@@ -199,6 +207,8 @@ impl Scenario {
         top.inner("suppression").settings(&self.suppression, &frame)?;
         self.check_stops()?;
         top.inner("score").settings(&self.score, &frame)?;
+        self.dispatch.as_ref().map_or(Ok(()), |dispatch| top.inner("dispatch").settings(dispatch, &frame))?;
+        self.sight.as_ref().map_or(Ok(()), |sight| top.inner("sight").settings(sight, &frame))?;
         check_programs("planner", &self.planner, |name| name.built_in().is_some())?;
         check_programs("policy", &self.policy, |name| {
             TruckGoal::is_built_in(name.name()) || WumpusGoal::is_built_in(name.name())

@@ -197,6 +197,8 @@ mod tests {
             score: Score::default(),
             wumpus: vec![Wumpus::default()],
             unimog: vec![Unimog::default()],
+            dispatch: None,
+            sight: None,
             ignition: Vec::new(),
             wind: Vec::new(),
             wind_file: None,

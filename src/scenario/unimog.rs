@@ -447,19 +447,10 @@ pub fn check_vehicle(table: &TablePath, body: &Dimensions) -> Check {
 /// Describes what a truck is and does.
 fn describe_truck(truck: &Unimog, scenario: &Scenario) -> String {
     let body = &truck.vehicle;
-    let goal = match &truck.goal {
-        TruckGoal::NearestBurning => "the nearest fire".to_owned(),
-        TruckGoal::Oldest => "the oldest fire".to_owned(),
-        TruckGoal::LargestCluster => "the nearest fire of the largest burning group".to_owned(),
-        TruckGoal::Policy(name) => describe_choice(name, &scenario.policy),
-    };
-    let retarget = match truck.retarget {
-        Retarget::Never => "keeps it until it is out",
-        Retarget::OnEvent => "thinks again whenever something ignites",
-    };
+    let goal = describe_goal(truck, scenario);
     format!(
         "starts with its rear axle at ({}, {}) m, heading {} degrees. {} x {} m, wheelbase {} m, turning radius {} m \
-         (steering to {:.1} degrees). {} m/s forward, {} m/s in reverse; {}. {} It goes for {goal} and {retarget}. {}",
+         (steering to {:.1} degrees). {} m/s forward, {} m/s in reverse; {}. {} {goal} {}",
         truck.start.x_m,
         truck.start.y_m,
         truck.start.heading_deg,
@@ -474,6 +465,24 @@ fn describe_truck(truck: &Unimog, scenario: &Scenario) -> String {
         describe_turning(truck),
         describe_planner(truck, &scenario.planner)
     )
+}
+
+/// Describes what a truck goes for, in a sentence.
+fn describe_goal(truck: &Unimog, scenario: &Scenario) -> String {
+    if scenario.dispatch.is_some() {
+        return "It goes where it is dispatched.".into();
+    }
+    let goal = match &truck.goal {
+        TruckGoal::NearestBurning => "the nearest fire".to_owned(),
+        TruckGoal::Oldest => "the oldest fire".to_owned(),
+        TruckGoal::LargestCluster => "the nearest fire of the largest burning group".to_owned(),
+        TruckGoal::Policy(name) => describe_choice(name, &scenario.policy),
+    };
+    let retarget = match truck.retarget {
+        Retarget::Never => "keeps it until it is out",
+        Retarget::OnEvent => "thinks again whenever something ignites",
+    };
+    format!("It goes for {goal} and {retarget}.")
 }
 
 /// Describes its planner, and what happens to goals that it fails on where that is not the usual thing.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::agents::{SHOWN_SEED, ScenarioField};
+use super::dispatch::warn_of_team;
 use super::ground_report::warn_of_ground;
 use super::{FireModelName, IgnitionCells, Scenario, Terrain, weather};
 use crate::collision::ClearanceField;
@@ -11,6 +12,7 @@ use crate::collision::ClearanceField;
 pub fn warnings(scenario: &Scenario, terrain: Option<&Terrain>) -> Vec<String> {
     let mut found = Vec::new();
     warn_of_rules(scenario, &mut found);
+    warn_of_team(scenario, &mut found);
     warn_of_ignitions(scenario, terrain, &mut found);
     for agents in scenario.kinds() {
         agents.warn(scenario, &mut found);

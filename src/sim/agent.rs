@@ -46,6 +46,12 @@ pub struct Agent {
     pub revision: u32,
     pub activity: Activity,
     pub goal: Option<Cell>,
+    /// The place that its policy sent it to, until it is sent elsewhere.
+    pub post: Option<DVec2>,
+    /// Whether something happened on its way that it has not been asked about.
+    pub is_called: bool,
+    /// When its stop at a fire, or the planning time of a plan that failed, is over.
+    pub busy_until: SimTime,
     /// The last leg: it moves along it, or stands at its end.
     pub trajectory: Trajectory,
     pub cost: AgentCost,
@@ -59,6 +65,9 @@ impl Agent {
             revision: 0,
             activity: Activity::Idle,
             goal: None,
+            post: None,
+            is_called: false,
+            busy_until: SimTime::ZERO,
             trajectory: Trajectory::new(SimTime::ZERO, pose, Vec::new()),
             cost: AgentCost::new(id),
         }
@@ -73,7 +82,22 @@ impl Agent {
     pub fn view(&self, now: SimTime) -> AgentView {
         let pose = self.trajectory.pose_at(now);
         let place = self.body.centre(pose);
-        AgentView { id: self.id, place, pose, activity: self.shown_activity(now), goal: self.goal }
+        let (free_at, free_place) = self.free_from(now, place);
+        let (id, activity) = (self.id, self.shown_activity(now));
+        AgentView { id, place, pose, activity, goal: self.goal, post: self.post, free_at, free_place }
+    }
+
+    /// Returns when and where it can set out for something else; it is at `place` now.
+    fn free_from(&self, now: SimTime, place: DVec2) -> (SimTime, DVec2) {
+        match self.activity {
+            Activity::Suppressing => (self.busy_until, place),
+            Activity::Planning if self.goal.is_none() => (self.busy_until, place),
+            // It comes to a stop, or drives aside.
+            Activity::Moving if self.goal.is_none() && self.post.is_none() => {
+                (self.trajectory.end_time().max(now), self.body.centre(self.trajectory.end()))
+            }
+            _ => (now, place),
+        }
     }
 
     /// Returns true if it stands and is free to go for something.
@@ -83,6 +107,16 @@ impl Agent {
 
     pub fn is_under_way(&self) -> bool {
         matches!(self.activity, Activity::Moving | Activity::Planning) && self.goal.is_some()
+    }
+
+    /// Returns true if it drives to a place where it is to wait.
+    pub fn is_relocating(&self, now: SimTime) -> bool {
+        self.activity == Activity::Moving && self.goal.is_none() && self.post.is_some() && !self.stands(now)
+    }
+
+    /// Returns true if it has come to the end of its last leg.
+    pub fn stands(&self, now: SimTime) -> bool {
+        self.trajectory.end_time() <= now
     }
 
     pub fn wake(&self, agent: Entity) -> Wake {
@@ -122,7 +156,7 @@ impl Agent {
         queue: &mut SimQueue,
     ) {
         self.revision += 1;
-        self.goal = Some(goal);
+        (self.goal, self.post) = (Some(goal), None);
         self.activity = Activity::Moving;
         if trajectory.start_time() > now {
             self.activity = Activity::Planning;
@@ -132,9 +166,34 @@ impl Agent {
         self.trajectory = trajectory;
     }
 
+    /// Sets out for a place where it is to wait, and decides again when it is there.
+    pub fn relocate(&mut self, entity: Entity, place: DVec2, leg: Trajectory, queue: &mut SimQueue) {
+        (self.post, self.activity) = (Some(place), Activity::Moving);
+        self.reconsider(entity, leg.end_time(), queue);
+        self.trajectory = leg;
+    }
+
+    /// Is called off on the way to such a place; the leg as it is really driven is `cut`, and the next decision falls at
+    /// its end.
+    pub fn halt(
+        &mut self,
+        entity: Entity,
+        now: SimTime,
+        cut: Trajectory,
+        queue: &mut SimQueue,
+        recorder: &mut Recorder,
+    ) {
+        recorder.record_agent(now, self.id, AgentFact::Halted { trajectory: cut.clone() });
+        let stands_at = cut.end_time().max(now);
+        self.activity = if stands_at > now { Activity::Moving } else { Activity::Idle };
+        (self.post, self.trajectory) = (None, cut);
+        self.reconsider(entity, stands_at, queue);
+    }
+
     /// Stands for the planning time of a plan that failed, and decides again.
     pub fn wait_until(&mut self, entity: Entity, time: SimTime, queue: &mut SimQueue) {
         self.revision += 1;
+        self.busy_until = time;
         self.activity = Activity::Planning;
         queue.push_for(time, AgentEvent::PlanningDone, self.wake(entity));
     }
@@ -170,6 +229,7 @@ impl Agent {
             Activity::Idle | Activity::Resting(_) => timeline::Activity::Standing,
             Activity::Blocked => timeline::Activity::Waiting,
             Activity::Planning => timeline::Activity::Planning,
+            Activity::Moving if now < self.trajectory.start_time() => timeline::Activity::Planning,
             Activity::Moving if now < self.trajectory.sets_out_at() => timeline::Activity::Waiting,
             Activity::Moving => timeline::Activity::Driving,
             Activity::Suppressing => timeline::Activity::Suppressing,

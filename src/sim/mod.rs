@@ -44,10 +44,11 @@ pub use run::{AgentCost, Entrants, FailureMessages, Run, RunCost, RunError, RunO
 use agent::{Agent, Roster};
 use end::Ended;
 use fire::Fires;
-use policies::{AgentView, Choice, Following, Observation, Policy, Question};
+use policies::{AgentView, Asking, Choice, Following, Observation, Policy, Question};
 use queue::{SimClock, SimQueue};
 use recorder::{CpuLog, Recorder};
 use schedule::Pass;
+use wake::WokenBy;
 
 /// Runs a scenario with a seed to its end.
 pub fn run(scenario: &Scenario, seed: u64) -> Result<Run, RunError> {
@@ -139,10 +140,18 @@ impl Simulation {
 
     /// Lets agents follow a policy of one's own from now on.
     pub fn follow(&mut self, agents: &[AgentId], policy: Box<dyn Policy>) {
+        let asking = policy.asking();
         let follows = self.world.resource_mut::<Following>().add(policy);
         for &entity in &self.world.resource::<Roster>().0.clone() {
-            if self.world.get::<Agent>(entity).is_some_and(|agent| agents.contains(&agent.id)) {
-                self.world.entity_mut(entity).insert(follows);
+            let Some(agent) = self.world.get::<Agent>(entity).filter(|agent| agents.contains(&agent.id)) else {
+                continue;
+            };
+            let is_truck = agent.id.role.suppresses();
+            self.world.entity_mut(entity).insert(follows);
+            if let Asking::Team { replans } = asking
+                && is_truck
+            {
+                self.world.entity_mut(entity).insert(WokenBy::truck_in_team(replans));
             }
         }
     }
@@ -230,6 +239,7 @@ impl Simulation {
     pub fn finish(mut self) -> Run {
         let agents = self.world.resource::<Roster>().0.iter().filter_map(|&entity| self.world.get::<Agent>(entity));
         self.cost.agents = agents.map(|agent| agent.cost.clone()).collect();
+        self.cost.dispatch = self.world.resource::<Following>().team_cpu;
         let mut recorder = self.world.resource_mut::<Recorder>();
         let (events, messages) = (std::mem::take(&mut recorder.events), std::mem::take(&mut recorder.messages));
         let ground = std::mem::take(&mut recorder.ground);

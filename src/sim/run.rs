@@ -67,6 +67,9 @@ impl AgentCost {
 pub struct RunCost {
     pub terrain: Duration,
     pub clearance_field: Duration,
+    /// Decisions of policies for whole teams of trucks.
+    #[serde(default)]
+    pub dispatch: Duration,
     /// In the order of the timeline's agents.
     pub agents: Vec<AgentCost>,
     pub total: Duration,

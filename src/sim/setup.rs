@@ -19,7 +19,7 @@ use crate::timeline::{AgentId, AgentStart, Rules, Setting, SpreadSetting};
 
 use super::agent::{Arena, Roster};
 use super::fire::{Fires, Ignitions, ScheduledIgnition};
-use super::policies::{Following, NamedPolicy, Policies, PolicySite, RuleSite};
+use super::policies::{Following, NamedPolicy, Policies, PolicySite, RuleSite, dispatch};
 use super::queue::{Due, SimClock, SimQueue};
 use super::recorder::{CpuLog, Recorder};
 use super::run::{RunCost, RunError, RunOptions};
@@ -84,11 +84,13 @@ fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, known: &Policies)
     let spread_m = scenario.fire.spread_radius_m;
     let rule_site = RuleSite { frame: &terrain.frame, lightable: &lightable, spread_m, seed };
     let mut following = Following::default();
+    let of_team = dispatch::make(scenario, terrain);
+    let is_dispatched = |agent: &usize| of_team.is_some() && agents[*agent].role.suppresses();
     for (first, policy) in named.iter().enumerate() {
-        if named[..first].contains(policy) {
+        let is_meant = |agent: &usize| named[*agent] == *policy && !is_dispatched(agent);
+        if !is_meant(&first) || (0..first).any(|agent| is_meant(&agent)) {
             continue;
         }
-        let is_meant = |agent: &usize| named[*agent] == *policy;
         let plays: Vec<AgentId> = (0..agents.len()).filter(is_meant).map(|agent| agents[agent]).collect();
         let made = match *policy {
             NamedPolicy::BuiltIn(rule) => rule.make(&rule_site),
@@ -110,6 +112,10 @@ fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, known: &Policies)
             }
         };
         following.add_for(&plays, made);
+    }
+    if let Some(of_team) = of_team {
+        let trucks: Vec<AgentId> = agents.iter().copied().filter(|agent| agent.role.suppresses()).collect();
+        following.add_for(&trucks, of_team);
     }
     Ok(following)
 }

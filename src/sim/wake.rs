@@ -26,6 +26,13 @@ impl Plugin for WakePlugin {
 #[derive(Component, Clone, Debug)]
 pub struct WokenBy(pub Vec<Trigger>);
 
+impl WokenBy {
+    /// Returns what wakes a truck in a team.
+    pub fn truck_in_team(replans: bool) -> Self {
+        Self(vec![Trigger::GoalBurnsNoMore, Trigger::ChangeForTeam { replans }])
+    }
+}
+
 /// A reason to wake an agent: a change of a bush, and what the agent is about when it happens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trigger {
@@ -37,6 +44,11 @@ pub enum Trigger {
     /// A fire is over, and its bush can be lit again.
     FuelWhileResting,
     ChangeWhileWaiting,
+    /// Of a truck in a team: whatever it is about, unless it suppresses or comes to a stop.
+    ChangeForTeam {
+        /// True if trucks that are under way to a fire are asked too.
+        replans: bool,
+    },
 }
 
 /// What there is to hear of a change.
@@ -66,7 +78,7 @@ impl News {
 
 impl Trigger {
     /// Returns what the agent is to do about the news, if they wake it.
-    fn wakes(self, agent: &Agent, news: News) -> Option<AgentEvent> {
+    fn wakes(self, agent: &Agent, news: News, now: SimTime) -> Option<AgentEvent> {
         let (is_woken, event) = match (self, news) {
             (Self::GoalIgnited, News::Ignition(cell) | News::Water(cell))
             | (Self::GoalBurnsNoMore, News::FireOver(cell)) => (agent.goal == Some(cell), AgentEvent::GoalLost),
@@ -80,6 +92,10 @@ impl Trigger {
             }
             (Self::ChangeWhileWaiting, News::Ignition(_) | News::FireOver(_)) => {
                 (agent.activity == Activity::Resting(RestReason::Chosen), AgentEvent::LookAgain)
+            }
+            (Self::ChangeForTeam { replans }, News::Ignition(_) | News::FireOver(_)) => {
+                let is_woken = agent.is_free() || agent.is_relocating(now) || replans && agent.is_under_way();
+                (is_woken, AgentEvent::LookAgain)
             }
             _ => return None,
         };
@@ -101,7 +117,7 @@ impl Listeners<'_, '_> {
         for news in News::of_change(change, fires) {
             for &entity in &self.roster.0 {
                 let Ok((agent, WokenBy(triggers))) = self.agents.get(entity) else { continue };
-                if let Some(event) = triggers.iter().find_map(|trigger| trigger.wakes(agent, news)) {
+                if let Some(event) = triggers.iter().find_map(|trigger| trigger.wakes(agent, news, now)) {
                     queue.push_for(now, event, agent.wake(entity));
                     is_heard = true;
                 }
@@ -126,7 +142,10 @@ fn look_again(clock: Res<SimClock>, mut queue: ResMut<SimQueue>, mut agents: Que
     while let Some(wake) = queue.take_for(clock.0, AgentEvent::LookAgain, |_| true) {
         match agents.get_mut(wake.agent) {
             Ok(mut agent) if agent.is_free() => agent.reconsider(wake.agent, clock.0, &mut queue),
-            Ok(agent) => queue.push_for(clock.0, AgentEvent::Decision, agent.wake(wake.agent)),
+            Ok(mut agent) => {
+                agent.is_called = true;
+                queue.push_for(clock.0, AgentEvent::Decision, agent.wake(wake.agent));
+            }
             Err(_) => {}
         }
     }

@@ -134,6 +134,9 @@ fn name(fact: &Fact) -> &'static str {
         Fact::Agent(_, AgentFact::LocalMinimum { .. }) => "local-minimum",
         Fact::Agent(_, AgentFact::Blocked { .. }) => "blocked",
         Fact::Agent(_, AgentFact::GaveWay { .. }) => "gave-way",
+        Fact::Agent(_, AgentFact::Relocated { .. }) => "relocated",
+        Fact::Agent(_, AgentFact::Halted { .. }) => "halted",
+        Fact::Agent(_, AgentFact::RelocationFailed { .. }) => "relocation-failed",
         Fact::Ended { .. } => "ended",
     }
 }
@@ -165,6 +168,16 @@ fn detail(fact: &Fact) -> String {
         }
         Fact::Agent(_, AgentFact::Blocked { by, .. }) => format!("by={by}"),
         Fact::Agent(_, AgentFact::GaveWay { to, trajectory, .. }) => format!("to={to}; {}", leg(trajectory)),
+        Fact::Agent(_, AgentFact::Relocated { x_m, y_m, trajectory, effort, found_by }) => {
+            let (leg, expansions) = (leg(trajectory), expansions(*effort));
+            format!("x_m={x_m}; y_m={y_m}; {leg}; {expansions}; found_by={found_by}")
+        }
+        Fact::Agent(_, AgentFact::Halted { trajectory }) => leg(trajectory),
+        Fact::Agent(_, AgentFact::RelocationFailed { x_m, y_m, reason, effort, until }) => {
+            let reason = reason.map_or_else(|| "in-the-way".to_owned(), |reason| reason.to_string());
+            let (expansions, until) = (expansions(*effort), seconds(*until));
+            format!("x_m={x_m}; y_m={y_m}; reason={reason}; {expansions}; until_s={until}")
+        }
         Fact::Agent(_, AgentFact::Rested { reason, .. }) => format!("reason={reason}"),
         Fact::Agent(_, AgentFact::LocalMinimum { x_m, y_m, .. }) => format!("x_m={x_m}; y_m={y_m}"),
         Fact::Ended { reason } => format!("reason={reason}"),

@@ -182,6 +182,15 @@ pub enum AgentFact {
     Blocked { goal: Cell, by: AgentId },
     /// A truck that had no goal, or was blocked itself, drives aside so that `to` can set out: a deadlock is broken.
     GaveWay { to: AgentId, trajectory: Trajectory },
+    /// A truck without a fire to go for sets out for a place where its policy wants it to wait, in metres in the frame of
+    /// the field; its leg ends near there. It may be called off on the way.
+    Relocated { x_m: f64, y_m: f64, trajectory: Trajectory, effort: Effort, found_by: FoundBy },
+    /// A truck on its way to such a place is called off. `trajectory` is the leg as it is really driven, as that of
+    /// [`Self::Dropped`].
+    Halted { trajectory: Trajectory },
+    /// A truck stays where it is because there is no way to the place where its policy wants it to wait, or, without a
+    /// reason, because other trucks are in the way. Planning time is charged until `until`.
+    RelocationFailed { x_m: f64, y_m: f64, reason: Option<PlanFailure>, effort: Effort, until: SimTime },
 }
 
 /// A fact and its time.
@@ -251,9 +260,11 @@ impl AgentFact {
     /// The leg that begins, or is cut short, with this fact.
     pub fn trajectory(&self) -> Option<&Trajectory> {
         match self {
-            Self::Planned { trajectory, .. } | Self::Dropped { trajectory, .. } | Self::GaveWay { trajectory, .. } => {
-                Some(trajectory)
-            }
+            Self::Planned { trajectory, .. }
+            | Self::Dropped { trajectory, .. }
+            | Self::GaveWay { trajectory, .. }
+            | Self::Relocated { trajectory, .. }
+            | Self::Halted { trajectory } => Some(trajectory),
             _ => None,
         }
     }

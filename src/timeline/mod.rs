@@ -24,7 +24,7 @@ pub use fact::{AgentFact, Cause, EndReason, Event, Fact, FireFact, GroundEvent, 
 pub use index::{
     AgentStats, Burning, BushCounts, FollowedLeg, GroundCounts, GroundIndex, RunIndex, SpreadMoment, Wetting,
 };
-pub use outcome::{AgentOutcome, GroundOutcome, Outcome, Winner};
+pub use outcome::{AgentOutcome, FLOCK_M, GroundOutcome, Outcome, Winner};
 pub use progress::Activity;
 pub use replay::{AgentState, Replay, State};
 pub use setting::{AgentStart, Body, FlamingTimes, Rules, Setting, SpreadSetting};

@@ -120,10 +120,30 @@ pub struct AgentOutcome {
     pub wasted_drives: u32,
     /// Times that a truck drove aside for another one that could not set out otherwise.
     pub deadlocks: u32,
+    /// The part of a truck's wasted drives whose fire had to burn out, when the drive was planned, before the truck could
+    /// have put it out.
+    #[serde(default)]
+    pub hopeless_drives: u32,
+    /// Plans of a truck that led to a drive to a fire, or to a stop where it stood.
+    #[serde(default)]
+    pub goals: u32,
+    /// The part of them with another truck's goal within [`FLOCK_M`] at that time.
+    #[serde(default)]
+    pub flocked_goals: u32,
+    /// Time in which a truck had nothing to go for, or its policy wanted it to wait or to be elsewhere: from its coming to
+    /// rest for one of these reasons, or its setting out for a place, until it is sent to a fire.
+    #[serde(default)]
+    pub idle_s: f64,
+    /// Drives of a truck to places where its policy wants it to wait.
+    #[serde(default)]
+    pub relocations: u32,
     /// Cells in its `OutOfReach` facts, bushes and ground: those that it cannot light, or found that it cannot put out.
     #[serde(default)]
     pub out_of_reach: u32,
 }
+
+/// Trucks whose goals are nearer to each other than this, in metres between the cells' centres, are a flock.
+pub const FLOCK_M: f64 = 60.0;
 
 impl AgentOutcome {
     /// Returns the outcome of an agent that has done nothing yet.
@@ -151,6 +171,11 @@ impl AgentOutcome {
             cusps: 0,
             wasted_drives: 0,
             deadlocks: 0,
+            hopeless_drives: 0,
+            goals: 0,
+            flocked_goals: 0,
+            idle_s: 0.0,
+            relocations: 0,
             out_of_reach: 0,
         }
     }

@@ -62,11 +62,14 @@ impl<'a> AgentProgress<'a> {
         };
         match fact {
             AgentFact::Planned { goal, trajectory, .. } => self.follow(trajectory, Some(*goal)),
-            AgentFact::Dropped { trajectory, .. } | AgentFact::GaveWay { trajectory, .. } => {
-                self.follow(trajectory, None);
-            }
+            AgentFact::Dropped { trajectory, .. }
+            | AgentFact::GaveWay { trajectory, .. }
+            | AgentFact::Relocated { trajectory, .. }
+            | AgentFact::Halted { trajectory } => self.follow(trajectory, None),
             AgentFact::Blocked { .. } => self.is_blocked = true,
-            AgentFact::PlanFailed { until, .. } => self.planning_until = *until,
+            AgentFact::PlanFailed { until, .. } | AgentFact::RelocationFailed { until, .. } => {
+                self.planning_until = *until
+            }
             AgentFact::Suppressing { .. } => self.suppresses = true,
             AgentFact::SuppressionEnded { .. } | AgentFact::Rested { .. } | AgentFact::LocalMinimum { .. } => {
                 self.give_up_goal();

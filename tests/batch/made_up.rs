@@ -23,6 +23,8 @@ fn scenario() -> Scenario {
         score: Score::default(),
         wumpus: vec![Wumpus::default()],
         unimog: vec![Unimog::default()],
+        dispatch: None,
+        sight: None,
         ignition: Vec::new(),
         wind: Vec::new(),
         wind_file: None,

@@ -19,6 +19,8 @@ pub struct CpuSplit {
     pub local_search_s: f64,
     /// The trucks' reachability floods and the searches that follow them.
     pub reachability_s: f64,
+    /// Decisions of the policy that dispatches the trucks.
+    pub dispatch_s: f64,
     /// All that the Wumpuses' planning took.
     pub wumpus_s: f64,
     pub run_s: f64,
@@ -35,6 +37,7 @@ impl CpuSplit {
             roadmap_search_s: trucks(|agent| agent.roadmap_search),
             local_search_s: trucks(|agent| agent.local_search),
             reachability_s: trucks(|agent| agent.reachability),
+            dispatch_s: cost.dispatch.as_secs_f64(),
             wumpus_s: sum_over(cost, |id| !is_truck(id), all_phases),
             run_s: cost.total.as_secs_f64(),
         }
@@ -47,7 +50,7 @@ impl CpuSplit {
 
     /// All that the trucks' planning took.
     pub fn unimog_total_s(&self) -> f64 {
-        self.prm_total_s() + self.local_search_s + self.reachability_s
+        self.prm_total_s() + self.local_search_s + self.reachability_s + self.dispatch_s
     }
 
     pub fn planners_s(&self) -> f64 {
@@ -95,6 +98,7 @@ mod tests {
         let cost = RunCost {
             terrain: Duration::from_millis(7),
             clearance_field: Duration::from_millis(11),
+            dispatch: Duration::from_millis(3),
             agents: vec![
                 agent_cost(AgentId::wumpus(0), 100),
                 agent_cost(AgentId::unimog(0), 10),
@@ -107,7 +111,7 @@ mod tests {
         close(split.sampling_s, 11.0);
         close(split.local_search_s, 44.0);
         close(split.prm_total_s(), 11.0 + 11.0 + 22.0 + 33.0);
-        close(split.unimog_total_s(), 11.0 + 165.0);
+        close(split.unimog_total_s(), 11.0 + 165.0 + 3.0);
         close(split.wumpus_s, 1500.0);
         close(split.terrain_s + split.planners_s() + split.rest_s(), 2000.0);
     }

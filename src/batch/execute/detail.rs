@@ -3,9 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use crate::fire::BushStateKind;
+use crate::geometry::{DVec2, FieldFrame};
 use crate::planning::{Effort, FoundBy, PlanFailure};
 use crate::time::SimTime;
 use crate::timeline::{AgentFact, AgentId, Event, Fact, RunIndex};
+use crate::trajectory::Trajectory;
 
 /// Steps between the times at which bushes are counted, which are the first and the last of the scenario too.
 pub const STATE_STEPS: u64 = 60;
@@ -45,6 +47,16 @@ pub struct Solution {
 }
 
 impl Solution {
+    fn new(leg: &Trajectory, found_by: Option<FoundBy>) -> Self {
+        Self {
+            length_m: leg.distance_m(SimTime::MAX),
+            segments: leg.pieces().iter().filter(|piece| piece.segment().is_some()).count() as u32,
+            cusps: leg.cusps(),
+            duration_s: leg.duration_s(),
+            found_by,
+        }
+    }
+
     /// Says whether the reachability flood led to it, after the planner had failed.
     pub fn by_lattice(&self) -> bool {
         self.found_by.is_some_and(FoundBy::is_after_failure)
@@ -147,32 +159,30 @@ impl RunDetail {
         let timeline = run.timeline();
         Self {
             facts: timeline.events.len() as u64,
-            calls: timeline.events.iter().filter_map(call_of).collect(),
+            calls: timeline.events.iter().filter_map(|event| call_of(event, &timeline.setting.frame)).collect(),
             states: states_of(run),
         }
     }
 }
 
-fn call_of(event: &Event) -> Option<PlannerCall> {
-    let time = event.time;
-    match &event.fact {
-        Fact::Agent(agent, AgentFact::Planned { goal, trajectory, effort, found_by }) => {
-            let solution = Solution {
-                length_m: trajectory.distance_m(SimTime::MAX),
-                segments: trajectory.pieces().iter().filter(|piece| piece.segment().is_some()).count() as u32,
-                cusps: trajectory.cusps(),
-                duration_s: trajectory.duration_s(),
-                found_by: *found_by,
-            };
-            let goal = (goal.col, goal.row);
-            Some(PlannerCall { agent: *agent, time, goal, answer: Ok(solution), effort: *effort })
+/// Returns the query that a fact is the answer to. A drive to a place goes for the cell there.
+fn call_of(event: &Event, frame: &FieldFrame) -> Option<PlannerCall> {
+    let Fact::Agent(agent, fact) = &event.fact else { return None };
+    let cell_at = |x_m: f64, y_m: f64| frame.cell_at(DVec2::new(x_m, y_m));
+    let (goal, answer, effort) = match fact {
+        AgentFact::Planned { goal, trajectory, effort, found_by } => {
+            (*goal, Ok(Solution::new(trajectory, *found_by)), *effort)
         }
-        Fact::Agent(agent, AgentFact::PlanFailed { goal, reason, effort, .. }) => {
-            let goal = (goal.col, goal.row);
-            Some(PlannerCall { agent: *agent, time, goal, answer: Err(*reason), effort: *effort })
+        AgentFact::Relocated { x_m, y_m, trajectory, effort, found_by } => {
+            (cell_at(*x_m, *y_m)?, Ok(Solution::new(trajectory, Some(*found_by))), *effort)
         }
-        _ => None,
-    }
+        AgentFact::PlanFailed { goal, reason, effort, .. } => (*goal, Err(*reason), *effort),
+        AgentFact::RelocationFailed { x_m, y_m, reason: Some(reason), effort, .. } => {
+            (cell_at(*x_m, *y_m)?, Err(*reason), *effort)
+        }
+        _ => return None,
+    };
+    Some(PlannerCall { agent: *agent, time: event.time, goal: (goal.col, goal.row), answer, effort })
 }
 
 /// Beyond the end of a run its bushes stay as they are.

@@ -36,7 +36,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::input_file::list_of_at_most;
-use crate::scenario::{MemoryLimit, Scenario};
+use crate::scenario::{Dispatch, MemoryLimit, Scenario, Unimog};
 use crate::timeline::AgentId;
 
 /// The version of this program, as every file that it writes names it.
@@ -226,8 +226,10 @@ pub fn planner_of(scenario: &Scenario) -> String {
 /// Lists the policies of a scenario's agents.
 fn policies_of(scenario: &Scenario) -> Vec<(AgentId, String)> {
     let wumpuses = scenario.wumpus.iter().zip(0..).map(|(own, number)| (AgentId::wumpus(number), own.goal.name()));
-    let trucks = scenario.unimog.iter().zip(0..).map(|(own, number)| (AgentId::unimog(number), own.goal.name()));
-    wumpuses.chain(trucks).map(|(agent, name)| (agent, name.to_owned())).collect()
+    let dispatched = scenario.dispatch.as_ref().map(Dispatch::label);
+    let policy_of = |own: &Unimog| dispatched.clone().unwrap_or_else(|| own.goal.name().to_owned());
+    let trucks = scenario.unimog.iter().zip(0..).map(|(own, number)| (AgentId::unimog(number), policy_of(own)));
+    wumpuses.map(|(agent, name)| (agent, name.to_owned())).chain(trucks).collect()
 }
 
 impl Record {

@@ -2,6 +2,7 @@
 
 mod audits;
 mod finish;
+mod fleets;
 mod html_report;
 mod json;
 mod notes;

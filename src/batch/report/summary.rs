@@ -1,6 +1,7 @@
 //! What a finished batch says besides its files: tables and tally of each variant, and means of all.
 
 use crate::batch::execute::RunRow;
+use crate::batch::report::fleets::{Fleet, fleets_table};
 use crate::batch::report::notes::notes;
 use crate::batch::report::profile::Profile;
 use crate::batch::report::tables::Tables;
@@ -28,6 +29,8 @@ pub struct VariantReport {
     /// A series for each of [`MEANS`].
     means: [Series; MEANS.len()],
     profile: Profile,
+    /// Of a scenario with more than one truck.
+    fleet: Option<Fleet>,
 }
 
 /// A mean that the overview of several variants shows, over runs that are done.
@@ -50,13 +53,14 @@ impl VariantReport {
     /// The report of a variant, without any run yet.
     pub fn new(title: String, scenario: &Scenario) -> Self {
         let is_contest = !scenario.wumpus.is_empty() && !scenario.unimog.is_empty();
-        Self { title, is_contest, ..Self::default() }
+        Self { title, is_contest, fleet: Fleet::new(scenario), ..Self::default() }
     }
 
     /// Adds the next run of the plan.
     pub fn add(&mut self, run: &RunRecord) {
         self.tables.add(run);
         self.tally.add(run, self.is_contest);
+        self.fleet.iter_mut().for_each(|fleet| fleet.add(run));
         for (series, mean) in self.means.iter_mut().zip(&MEANS) {
             run.number(mean.column).into_iter().for_each(|number| series.add(number * mean.scale));
         }
@@ -101,6 +105,12 @@ impl BatchReport {
         let headings: Vec<&str> = counts.into_iter().chain(MEANS.iter().map(|mean| mean.heading)).collect();
         let variants = self.variants.iter().enumerate();
         Table::new(&headings, variants.map(|(index, variant)| variant.overview_row(name(index))).collect())
+    }
+
+    /// Returns how the fleets worked, of variants that have one.
+    pub fn fleets_table(&self) -> Option<Table> {
+        let variants = self.variants.iter();
+        fleets_table(variants.filter_map(|variant| Some((variant.title.as_str(), variant.fleet.as_ref()?))))
     }
 
     /// Returns what there is to note of any variant, by its number.

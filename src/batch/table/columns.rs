@@ -6,7 +6,7 @@
 //! begins with `cpu_` or `wall_`, and is after them. A number is written with the fewest digits that read back as the
 //! same f64; a value that does not exist is an empty field.
 
-use crate::batch::execute::{CpuSplit, PlannerCall, RunRow, StateCount};
+use crate::batch::execute::{CpuSplit, PlannerCall, RunResult, RunRow, StateCount};
 use crate::batch::plan::{RunLabel, Value};
 use crate::batch::table::column::{Column, Kind, Phrase, Unit};
 use crate::sim::{AgentCost, RunCost};
@@ -79,6 +79,12 @@ fn trucks_count(row: &RunRow, value: impl Fn(&AgentOutcome) -> u64) -> Value {
 
 fn trucks_longest(row: &RunRow, value: impl Fn(&AgentOutcome) -> f64) -> Value {
     row.result.as_ref().map(|result| result.trucks().map(value).fold(0.0, f64::max)).into()
+}
+
+fn flock_ratio(result: &RunResult) -> Option<f64> {
+    let (flocked, goals) =
+        result.trucks().fold((0, 0), |(flocked, goals), truck| (flocked + truck.flocked_goals, goals + truck.goals));
+    (goals > 0).then(|| f64::from(flocked) / f64::from(goals))
 }
 
 fn wumpuses(row: &RunRow, value: impl Fn(&AgentOutcome) -> f64) -> Value {
@@ -259,6 +265,18 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
         with_phrase(Phrase::new("burns", "more hectares per run", "fewer hectares per run"));
     reached_edge_s: optional Real Seconds "when a cell at the border, bush or ground, first caught fire, if one did"
         = ground(row, |g| g.reached_edge_s);
+    truck_idle_s: optional Real Seconds
+        "time in which trucks had nothing to go for, or their policy wanted them to wait or be elsewhere"
+        = trucks(row, |a| a.idle_s);
+    truck_relocations: optional Count None "drives of trucks to places where they wait"
+        = trucks_count(row, |a| a.relocations.into());
+    truck_hopeless_drives: optional Count None
+        "wasted drives whose fire had to burn out before the truck could have put it out"
+        = trucks_count(row, |a| a.hopeless_drives.into());
+    truck_goals: optional Count None "plans of trucks that led to a fire" = trucks_count(row, |a| a.goals.into());
+    truck_flock_ratio: optional Real Share
+        "share of these goals that had another truck's goal within 60 m; none without goals"
+        = row.result.as_ref().and_then(flock_ratio);
     cpu_sampling_s: optional Real Seconds "CPU time: drawing the roadmaps' samples"
         = cpu(row, |c| c.sampling_s), with_title("Sampling");
     cpu_map_generation_s: optional Real Seconds "CPU time: connecting them"
@@ -280,6 +298,8 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
         = cpu(row, |c| c.clearance_field_s), with_title("Clearance field");
     cpu_reachability_s: optional Real Seconds "CPU time: reachability floods and the searches in them"
         = cpu(row, |c| c.reachability_s), with_title("Reachability");
+    cpu_dispatch_s: optional Real Seconds "CPU time: decisions of the policy that dispatches the trucks"
+        = cpu(row, |c| c.dispatch_s), with_title("Dispatch");
     cpu_terrain_s: optional Real Seconds "CPU time: drawing the field" = cpu(row, |c| c.terrain_s);
     cpu_run_s: optional Real Seconds "CPU time: the whole run" = cpu(row, |c| c.run_s);
     cpu_source: optional Text None
@@ -331,6 +351,14 @@ pub const AGENT_COLUMNS: &[AgentColumn] = columns! { AgentColumn, row;
     wasted_drives: Count None "drives that ended without an extinction" = row.outcome.wasted_drives;
     waiting_s: Real Seconds "time spent on waiting for other trucks" = row.outcome.waiting_s;
     deadlocks: Count None "deadlocks that this agent broke" = row.outcome.deadlocks;
+    idle_s: Real Seconds
+        "time in which a truck had nothing to go for, or its policy wanted it to wait or be elsewhere"
+        = row.outcome.idle_s;
+    relocations: Count None "drives of a truck to places where it waits" = row.outcome.relocations;
+    hopeless_drives: Count None "wasted drives whose fire had to burn out before the truck could have put it out"
+        = row.outcome.hopeless_drives;
+    goals: Count None "plans of a truck that led to a fire" = row.outcome.goals;
+    flocked_goals: Count None "those of them that had another truck's goal within 60 m" = row.outcome.flocked_goals;
     cpu_sampling_s: optional Real Seconds "CPU time: drawing the roadmap's samples"
         = row.cost.map(|cost| cost.sampling.as_secs_f64());
     cpu_map_generation_s: optional Real Seconds "CPU time: connecting them"

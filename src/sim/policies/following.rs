@@ -1,8 +1,10 @@
 //! Whom the agents of one run follow, and the question that waits for an answer from outside.
 
+use std::time::Duration;
+
 use bevy::prelude::*;
 
-use super::{AgentView, Choice, Observation, Policy};
+use super::{AgentView, Asking, Choice, Observation, Policy};
 use crate::fire::FireField;
 use crate::geometry::Cell;
 use crate::time::SimTime;
@@ -38,6 +40,8 @@ pub struct Following {
     pub question: Option<Question>,
     /// Choices from outside that have not been carried out.
     pub answer: Vec<(AgentId, Choice)>,
+    /// CPU time of the policies of teams.
+    pub team_cpu: Duration,
 }
 
 impl Following {
@@ -56,6 +60,16 @@ impl Following {
     pub fn policy_of(&self, agent: AgentId) -> Follows {
         let of_agent = self.of_agents.iter().find(|&&(known, _)| known == agent);
         of_agent.expect("policies are made for all agents before these").1
+    }
+
+    /// Says whom a policy is asked about.
+    pub fn asking(&self, policy: Follows) -> Asking {
+        self.policies[policy.0].asking()
+    }
+
+    /// Returns the simulated time that a policy's last choice costs.
+    pub fn charge(&self, policy: Follows) -> SimTime {
+        self.policies[policy.0].charge()
     }
 
     /// Asks a policy, or takes what was answered from outside. If the answer comes later nothing is returned, and the

@@ -11,6 +11,7 @@
 //! whoever runs the program hands in.
 
 mod densest;
+pub mod dispatch;
 mod following;
 mod largest_cluster;
 mod nearest;
@@ -31,10 +32,13 @@ pub use largest_cluster::cluster_sizes;
 pub use registry::{BuiltIn, MakePolicy, NamedPolicy, Policies, PolicyNameError, PolicySite, RuleSite};
 
 /// What an agent is to do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Choice {
     /// It goes for this cell, which is one of its options.
     Go(Cell),
+    /// A truck of a [team](Asking::Team) drives to this place, in metres in the frame of the field, and waits there; it may
+    /// be called off on the way. One that has a goal drops it. Any other agent waits.
+    Move(DVec2),
     /// It stays where it is, or keeps its goal, until something wakes it.
     Wait,
     /// It does the same, but decides again at this time at the latest; of an agent that has a goal, until something wakes
@@ -47,7 +51,7 @@ impl Choice {
     pub fn until(self) -> Option<SimTime> {
         match self {
             Self::WaitUntil(time) => Some(time),
-            Self::Go(_) | Self::Wait => None,
+            Self::Go(_) | Self::Move(_) | Self::Wait => None,
         }
     }
 }
@@ -63,6 +67,12 @@ pub struct AgentView {
     pub activity: Activity,
     /// The cell that it goes for.
     pub goal: Option<Cell>,
+    /// The place that it was sent to, if it is on its way there or waits there.
+    pub post: Option<DVec2>,
+    /// When it can set out for something else: now, unless it has to end something first.
+    pub free_at: SimTime,
+    /// Where the middle of its body is then.
+    pub free_place: DVec2,
 }
 
 /// What a policy may look at: the state at one instant.
@@ -89,10 +99,33 @@ impl Observation<'_> {
     }
 }
 
+/// Whom a policy is asked about, and when.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Asking {
+    /// Agents that have something to choose from, as soon as one of them is free.
+    Each,
+    /// All trucks of a team that are free or on their way to a place, whenever a fire begins or ends, also if nothing is
+    /// left to go for. Their options are not those that the others had, but those that the others keep.
+    Team {
+        /// True if trucks that are under way to a fire are asked too.
+        replans: bool,
+    },
+}
+
 /// Chooses where agents go.
 pub trait Policy: Send + Sync {
     /// Chooses for some or all of the agents that are `asked`, or for none if the answer comes later.
     fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)>;
+
+    /// Says whom it is asked about.
+    fn asking(&self) -> Asking {
+        Asking::Each
+    }
+
+    /// Returns the simulated time that its last choice costs the trucks of a team which set out because of it.
+    fn charge(&self) -> SimTime {
+        SimTime::ZERO
+    }
 }
 
 /// Chooses for one agent at a time.

@@ -3,16 +3,18 @@
 
 use std::time::Duration;
 
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
+use glam::DVec2;
 
 use super::drive::{Blocked, Outset};
 use super::{Drive, Fleet, Truck};
 use crate::fire::FireField;
 use crate::geometry::Cell;
-use crate::planning::Effort;
+use crate::planning::{Effort, FoundBy};
 use crate::sim::agent::{Activity, Agent};
 use crate::sim::fire::Fires;
-use crate::sim::policies::{Choice, Following, Follows, Inquiry};
+use crate::sim::policies::{Asking, Choice, Following, Follows, Inquiry};
 use crate::sim::queue::AgentEvent;
 use crate::sim::recorder::CpuLog;
 use crate::sim::traffic::Traffic;
@@ -34,16 +36,19 @@ pub struct Deliberation {
     /// The drives that were blocked when it decided last; it has not moved since.
     before: Vec<Blocked>,
     /// The drives that are blocked now, best first.
-    blocked: Vec<Blocked>,
+    pub blocked: Vec<Blocked>,
     /// Effort of plans that other trucks were in the way of.
     spent: Effort,
     /// What the agent's plans had cost before.
     cpu: Duration,
+    /// Planning time of its team that it waits for before it sets out.
+    pub delay: SimTime,
 }
 
 /// What comes of a choice.
-enum Conclusion {
+pub enum Conclusion {
     SetsOut(Drive, Trajectory),
+    Relocates(Relocation),
     /// Planning time is charged for a plan that failed.
     Thinks,
     /// Others are in its way; never empty.
@@ -51,6 +56,33 @@ enum Conclusion {
     Rests(RestReason),
     /// Its policy wants it to stay where it is, until something wakes it or until this time.
     Stays(Option<SimTime>),
+}
+
+/// A drive to a place where a truck is to wait.
+#[derive(Debug)]
+pub struct Relocation {
+    pub place: DVec2,
+    pub leg: Trajectory,
+    pub effort: Effort,
+    pub found_by: FoundBy,
+}
+
+/// How a decision has ended.
+pub struct Concluded {
+    /// Whether it set out, or plans on.
+    pub has_new_plans: bool,
+    /// What it did before the decision, and does now.
+    pub was: Activity,
+    pub is: Activity,
+}
+
+/// What decisions are made with, besides the trucks and the fires.
+#[derive(SystemParam)]
+pub struct DecisionBooks<'w, 's> {
+    pub following: ResMut<'w, Following>,
+    pub cpu_log: ResMut<'w, CpuLog>,
+    pub followers: Query<'w, 's, &'static Follows, With<Truck>>,
+    pub others: Query<'w, 's, &'static Agent, Without<Truck>>,
 }
 
 impl Truck {
@@ -83,19 +115,20 @@ fn driven(trajectory: &Trajectory) -> Option<Path> {
 }
 
 impl Fleet<'_, '_> {
-    /// Lists what no other truck has as its goal of what burns.
-    fn unclaimed(&self, entity: Entity, fires: &FireField) -> Vec<Cell> {
-        let claimed = self.claimed(entity);
+    /// Lists what burns and is the goal of none but some trucks.
+    fn unclaimed(&self, except: &[Entity], fires: &FireField) -> Vec<Cell> {
+        let claimed = self.claimed(except);
         fires.burning().filter(|cell| !claimed.contains(cell)).collect()
     }
 
-    fn options(&self, entity: Entity, fires: &FireField) -> Vec<Cell> {
+    /// Lists what a truck may go for; the goals of `askers`, it among them, are nobody's.
+    pub fn options(&self, entity: Entity, askers: &[Entity], fires: &FireField) -> Vec<Cell> {
         let Ok((agent, truck)) = self.trucks.get(entity) else { return Vec::new() };
-        truck.options(agent, self.unclaimed(entity, fires).into_iter())
+        truck.options(agent, self.unclaimed(askers, fires).into_iter())
     }
 
     /// Begins a decision, unless it has begun.
-    fn deliberate(&mut self, entity: Entity, fires: &FireField) {
+    pub fn deliberate(&mut self, entity: Entity, fires: &FireField) {
         let now = self.now();
         let Ok((mut agent, mut truck)) = self.trucks.get_mut(entity) else { return };
         if truck.deliberation.as_ref().is_some_and(|begun| begun.revision == agent.revision) {
@@ -109,13 +142,14 @@ impl Fleet<'_, '_> {
         let before = std::mem::take(&mut truck.blocked);
         let (blocked, spent, cpu) = (Vec::new(), Effort::default(), agent.cost.total());
         let (revision, activity) = (agent.revision, agent.activity);
-        truck.deliberation = Some(Deliberation { revision, activity, before, blocked, spent, cpu });
+        let delay = SimTime::ZERO;
+        truck.deliberation = Some(Deliberation { revision, activity, before, blocked, spent, cpu, delay });
     }
 
     /// Carries out what the policy of a truck chose. If that fails it is asked again, with what it learned in mind.
     fn act(&mut self, entity: Entity, choice: Choice, fires: &FireField, cpu_log: &mut CpuLog) {
         self.deliberate(entity, fires);
-        let options = self.options(entity, fires);
+        let options = self.options(entity, &[entity], fires);
         let goal = match choice {
             Choice::Go(cell) if options.contains(&cell) => Some(cell),
             _ => None,
@@ -130,8 +164,9 @@ impl Fleet<'_, '_> {
             None if options.is_empty() => Some(self.stop_looking(entity, fires)),
             None => Some(Conclusion::Stays(choice.until())),
         };
-        if let Some(conclusion) = conclusion {
-            self.conclude(entity, conclusion, cpu_log);
+        let concluded = conclusion.and_then(|conclusion| self.conclude(entity, conclusion, cpu_log));
+        if concluded.is_some_and(|concluded| concluded.has_new_plans || concluded.is != concluded.was) {
+            self.wake_blocked(entity);
         }
     }
 
@@ -147,13 +182,14 @@ impl Fleet<'_, '_> {
     }
 
     /// Plans a drive to a goal and sets out for it. Returns `None` if that fails and another goal is to be tried.
-    fn try_goal(&mut self, entity: Entity, goal: Cell, fires: &FireField) -> Option<Conclusion> {
+    pub fn try_goal(&mut self, entity: Entity, goal: Cell, fires: &FireField) -> Option<Conclusion> {
         let (now, reservations) = (self.now(), self.reservations());
         let (mut agent, mut truck) = self.trucks.get_mut(entity).ok()?;
         let (agent, truck) = (&mut *agent, &mut *truck);
         let mut begun = truck.deliberation.take()?;
         let traffic = Traffic::new(&reservations, entity);
-        let outset = Outset { now, pose: agent.trajectory.start(), frame: fires.frame(), traffic };
+        let (pose, delay) = (agent.trajectory.start(), begun.delay);
+        let outset = Outset { now, pose, frame: fires.frame(), traffic, delay };
         let by_flood = truck.failed_goals.contains(&goal);
         let known = begun.before.iter().map(|blocked| &blocked.drive);
         let known = known.filter(|drive| drive.is_by_flood() == by_flood).find(|drive| drive.goal == goal);
@@ -196,8 +232,8 @@ impl Fleet<'_, '_> {
     }
 
     /// Nothing is left to try: the truck looks for a way round those in its way, waits for them, or rests.
-    fn stop_looking(&mut self, entity: Entity, fires: &FireField) -> Conclusion {
-        let nothing_burns = self.unclaimed(entity, fires).is_empty();
+    pub fn stop_looking(&mut self, entity: Entity, fires: &FireField) -> Conclusion {
+        let nothing_burns = self.unclaimed(&[entity], fires).is_empty();
         let (now, reservations) = (self.now(), self.reservations());
         let Ok((mut agent, mut truck)) = self.trucks.get_mut(entity) else {
             return Conclusion::Rests(RestReason::NothingBurns);
@@ -208,14 +244,15 @@ impl Fleet<'_, '_> {
             (false, false) => RestReason::NoPlan,
         };
         let begun = truck.deliberation.as_mut();
-        let (blocked, before) = begun.map_or_else(Default::default, |begun| {
-            (std::mem::take(&mut begun.blocked), begun.before.first().map(Blocked::reason))
+        let (blocked, before, delay) = begun.map_or_else(Default::default, |begun| {
+            (std::mem::take(&mut begun.blocked), begun.before.first().map(Blocked::reason), begun.delay)
         });
         let Some(first) = blocked.first() else { return Conclusion::Rests(rests) };
         // Looking for a way round is expensive: once for every truck that is in the way.
         if before != Some(first.reason()) {
             let traffic = Traffic::new(&reservations, entity);
-            let outset = Outset { now, pose: agent.trajectory.start(), frame: fires.frame(), traffic };
+            let (pose, frame) = (agent.trajectory.start(), fires.frame());
+            let outset = Outset { now, pose, frame, traffic, delay };
             if let Some((drive, leg)) = truck.replan_around(&first.drive, outset, &mut agent.cost) {
                 return Conclusion::SetsOut(drive, leg);
             }
@@ -223,15 +260,23 @@ impl Fleet<'_, '_> {
         Conclusion::Waits(blocked)
     }
 
-    /// Ends a decision, and wakes the trucks whom it concerns.
-    fn conclude(&mut self, entity: Entity, conclusion: Conclusion, cpu_log: &mut CpuLog) {
+    /// Ends a decision, unless there is none.
+    pub fn conclude(&mut self, entity: Entity, conclusion: Conclusion, cpu_log: &mut CpuLog) -> Option<Concluded> {
         let now = self.now();
-        let Ok((mut agent, mut truck)) = self.trucks.get_mut(entity) else { return };
-        let Some(begun) = truck.deliberation.take() else { return };
+        let (mut agent, mut truck) = self.trucks.get_mut(entity).ok()?;
+        let begun = truck.deliberation.take()?;
         cpu_log.add(now, agent.id, agent.cost.total() - begun.cpu);
-        let has_new_plans = matches!(conclusion, Conclusion::SetsOut(..) | Conclusion::Thinks);
+        let has_new_plans =
+            matches!(conclusion, Conclusion::SetsOut(..) | Conclusion::Relocates(_) | Conclusion::Thinks);
         match conclusion {
             Conclusion::SetsOut(drive, leg) => self.set_out(entity, drive, leg),
+            Conclusion::Relocates(Relocation { place, leg, effort, found_by }) => {
+                truck.tracks.set_out(0.0);
+                let (x_m, y_m) = (place.x, place.y);
+                let fact = AgentFact::Relocated { x_m, y_m, trajectory: leg.clone(), effort, found_by };
+                self.recorder.record_agent(now, agent.id, fact);
+                agent.relocate(entity, place, leg, &mut self.queue);
+            }
             Conclusion::Thinks => {}
             Conclusion::Rests(reason) => agent.rest(now, reason, &mut self.recorder),
             Conclusion::Stays(until) => agent.wait(entity, now, until, &mut self.queue, &mut self.recorder),
@@ -246,32 +291,31 @@ impl Fleet<'_, '_> {
                 self.queue.push_for(now, AgentEvent::Standoff, agent.wake(entity));
             }
         }
-        let stands_as_before = self.trucks.get(entity).is_ok_and(|(agent, _)| agent.activity == begun.activity);
-        if has_new_plans || !stands_as_before {
-            self.wake_blocked(entity);
-        }
+        let (agent, _) = self.trucks.get(entity).ok()?;
+        Some(Concluded { has_new_plans, was: begun.activity, is: agent.activity })
     }
 }
 
 /// Trucks whose turn it is go where their policies say, keep the goals that they have, wait for other trucks, or rest.
-pub fn decide(
-    mut fleet: Fleet,
-    fires: Res<Fires>,
-    mut following: ResMut<Following>,
-    mut cpu_log: ResMut<CpuLog>,
-    followers: Query<&Follows, With<Truck>>,
-    others: Query<&Agent, Without<Truck>>,
-) {
+pub fn decide(mut fleet: Fleet, fires: Res<Fires>, mut books: DecisionBooks) {
     let (now, fires) = (fleet.now(), &fires.field);
     while let Some(wake) = fleet.queue.next_for(now, AgentEvent::Decision, |entity| fleet.trucks.contains(entity)) {
-        let (Ok((agent, _)), Ok(&policy)) = (fleet.trucks.get(wake.agent), followers.get(wake.agent)) else { return };
+        let (Ok((agent, _)), Ok(&policy)) = (fleet.trucks.get(wake.agent), books.followers.get(wake.agent)) else {
+            return;
+        };
         // Something may have ignited just as it arrived.
         if agent.revision != wake.revision || agent.activity == Activity::Suppressing {
             fleet.queue.drop_next();
             continue;
         }
+        if matches!(books.following.asking(policy), Asking::Team { .. }) {
+            if !fleet.decide_for_team(policy, fires, &mut books) {
+                return;
+            }
+            continue;
+        }
         fleet.deliberate(wake.agent, fires);
-        let choices = if fleet.options(wake.agent, fires).is_empty() {
+        let choices = if fleet.options(wake.agent, &[wake.agent], fires).is_empty() {
             vec![(wake.agent, Choice::Wait)]
         } else {
             let mut asked = Vec::new();
@@ -279,13 +323,14 @@ pub fn decide(
                 let Ok((agent, _)) = fleet.trucks.get(due.agent) else { continue };
                 let is_meant = agent.revision == due.revision && agent.activity != Activity::Suppressing;
                 let who = (agent.id, due.agent);
-                if is_meant && followers.get(due.agent) == Ok(&policy) && !asked.contains(&who) {
+                if is_meant && books.followers.get(due.agent) == Ok(&policy) && !asked.contains(&who) {
                     asked.push(who);
                 }
             }
             let trucks = fleet.trucks.iter().map(|(agent, _)| agent.view(now));
-            let agents = trucks.chain(others.iter().map(|agent| agent.view(now))).collect();
-            following.ask(policy, Inquiry { now, fires, agents, asked }, &|entity| fleet.options(entity, fires))
+            let agents = trucks.chain(books.others.iter().map(|agent| agent.view(now))).collect();
+            let inquiry = Inquiry { now, fires, agents, asked };
+            books.following.ask(policy, inquiry, &|entity| fleet.options(entity, &[entity], fires))
         };
         if choices.is_empty() {
             return;
@@ -296,7 +341,7 @@ pub fn decide(
                 // It may be called several times at one instant without changing its mind.
                 fleet.queue.drop_next();
             }
-            fleet.act(entity, choice, fires, &mut cpu_log);
+            fleet.act(entity, choice, fires, &mut books.cpu_log);
         }
     }
 }

@@ -57,6 +57,8 @@ pub struct Outset<'a> {
     pub pose: Pose,
     pub frame: &'a FieldFrame,
     pub traffic: Traffic<'a>,
+    /// Planning time of its team that it waits for before it sets out.
+    pub delay: SimTime,
 }
 
 impl Truck {
@@ -75,8 +77,22 @@ impl Truck {
         cost: &mut AgentCost,
         recorder: &mut Recorder,
     ) -> Result<Drive, (PlanFailure, Effort)> {
+        let disc = self.disc(outset.frame, goal);
+        let (path, found_by) = self.query(disc, outset, spent, cost, recorder)?;
+        Ok(Drive { goal, path, back_m: 0.0, effort: *spent, found_by })
+    }
+
+    /// Asks the planner for a path to a disc, on the same terms.
+    pub fn query(
+        &mut self,
+        disc: GoalDisc,
+        outset: Outset<'_>,
+        spent: &mut Effort,
+        cost: &mut AgentCost,
+        recorder: &mut Recorder,
+    ) -> Result<(Path, FoundBy), (PlanFailure, Effort)> {
         let mut monitor = QueryMonitor::new(recorder.records_searches);
-        let plan = self.planner.plan_observed(outset.pose, self.disc(outset.frame, goal).into(), &mut monitor);
+        let plan = self.planner.plan_observed(outset.pose, disc.into(), &mut monitor);
         let (time, searched) = monitor.finish();
         match plan.cpu {
             Some(cpu) => cost.add_query(cpu),
@@ -88,10 +104,7 @@ impl Truck {
         *spent += plan.effort;
         recorder.record_searches(outset.now, cost.agent, searched);
         match plan.path {
-            Ok(path) => {
-                let found_by = plan.found_by.expect("a plan with a path says what found it");
-                Ok(Drive { goal, path, back_m: 0.0, effort: *spent, found_by })
-            }
+            Ok(path) => Ok((path, plan.found_by.expect("a plan with a path says what found it"))),
             Err(reason) => {
                 recorder.note_failure(outset.now, cost.agent, reason, plan.message.as_deref());
                 Err((reason, std::mem::take(spent)))
@@ -141,7 +154,7 @@ impl Truck {
 
     /// Returns the drive with its leg, as soon as the other trucks allow.
     pub fn depart(&self, drive: Drive, outset: Outset<'_>) -> Result<(Drive, Trajectory), Blocked> {
-        let ready = outset.now + self.charge(&drive.effort);
+        let ready = outset.now + outset.delay + self.charge(&drive.effort);
         let leg = Trajectory::from_path(&drive.path, ready, self.speed);
         match outset.traffic.departure(&self.body, &leg) {
             Ok(leg) => Ok((drive, leg)),

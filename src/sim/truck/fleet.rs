@@ -39,9 +39,9 @@ impl Fleet<'_, '_> {
         self.trucks.get(entity).ok().map(|(agent, _)| agent.id)
     }
 
-    /// Lists the goals of the other trucks.
-    pub fn claimed(&self, except: Entity) -> Vec<Cell> {
-        let others = self.roster.0.iter().filter(|&&entity| entity != except);
+    /// Lists the goals of all trucks but some.
+    pub fn claimed(&self, except: &[Entity]) -> Vec<Cell> {
+        let others = self.roster.0.iter().filter(|entity| !except.contains(entity));
         others.filter_map(|&entity| self.trucks.get(entity).ok()?.0.goal).collect()
     }
 
@@ -91,10 +91,19 @@ impl Fleet<'_, '_> {
         truck.blocked.clear();
         let fact = AgentFact::GaveWay { to, trajectory: way.clone() };
         self.recorder.record_agent(self.clock.0, agent.id, fact);
-        agent.activity = Activity::Moving;
+        (agent.activity, agent.post) = (Activity::Moving, None);
         agent.trajectory = way;
         let arrives = agent.trajectory.end_time();
         agent.reconsider(entity, arrives, &mut self.queue);
+    }
+
+    /// Lets a truck on its way to a place stop where it is in nobody's way.
+    pub fn halt(&mut self, entity: Entity) {
+        let reservations = self.reservations();
+        let Ok((mut agent, truck)) = self.trucks.get_mut(entity) else { return };
+        let traffic = Traffic::new(&reservations, entity);
+        let cut = traffic.stopping(&truck.body, &agent.trajectory, self.clock.0, truck.speed.braking_mps2);
+        agent.halt(entity, self.clock.0, cut, &mut self.queue, &mut self.recorder);
     }
 
     /// Lets a truck drop its goal and stop where it is in nobody's way.
@@ -197,6 +206,7 @@ pub fn arrive(mut fleet: Fleet) {
         agent.activity = Activity::Suppressing;
         let cell = agent.goal.expect("a truck drives to a goal");
         fleet.recorder.record_agent(now, agent.id, AgentFact::Suppressing { cell });
+        agent.busy_until = now + truck.dwell;
         fleet.queue.push_for(now + truck.dwell, AgentEvent::DwellEnd, agent.wake(wake.agent));
     }
 }

@@ -10,6 +10,7 @@ mod decision;
 mod drive;
 mod fleet;
 mod spawn;
+mod team;
 mod tracks;
 
 use bevy::prelude::*;
@@ -29,6 +30,7 @@ pub use spawn::spawn;
 
 use super::schedule::{Pass, SimSystems};
 use decision::Deliberation;
+use team::ClosedPost;
 use tracks::Tracks;
 
 /// Trucks drive and put fires out.
@@ -67,6 +69,8 @@ pub struct Truck {
     /// What it would do if other trucks were not in the way, best first. Plans are kept, because it stands where it is.
     pub blocked: Vec<Blocked>,
     deliberation: Option<Deliberation>,
+    /// Places that it found no way to.
+    closed_posts: Vec<ClosedPost>,
 }
 
 impl Truck {

@@ -12,7 +12,7 @@ use crate::planning::reachability::Reachability;
 use crate::planning::{BuildReport, QueryMonitor};
 use crate::scenario::{self, Extinguishes, PlannerContext, Retarget};
 use crate::sim::agent::{Agent, Arena, enlist};
-use crate::sim::policies::Following;
+use crate::sim::policies::{Asking, Following};
 use crate::sim::recorder::Recorder;
 use crate::sim::run::RunError;
 use crate::sim::traffic::keep_apart;
@@ -83,15 +83,18 @@ pub fn spawn(
         checker,
         blocked: Vec::new(),
         deliberation: None,
+        closed_posts: Vec::new(),
     };
-    let mut triggers = vec![
-        Trigger::GoalBurnsNoMore,
-        Trigger::IgnitionWhileFree,
-        Trigger::FireOverWhileBlocked,
-        Trigger::ChangeWhileWaiting,
-    ];
-    triggers.extend((settings.retarget == Retarget::OnEvent).then_some(Trigger::IgnitionUnderWay));
-    let follows = world.resource::<Following>().policy_of(id);
+    let following = world.resource::<Following>();
+    let follows = following.policy_of(id);
+    let triggers = match following.asking(follows) {
+        Asking::Team { replans } => WokenBy::truck_in_team(replans).0,
+        Asking::Each => {
+            let under_way = (settings.retarget == Retarget::OnEvent).then_some(Trigger::IgnitionUnderWay);
+            let standing = [Trigger::IgnitionWhileFree, Trigger::FireOverWhileBlocked, Trigger::ChangeWhileWaiting];
+            [Trigger::GoalBurnsNoMore].into_iter().chain(standing).chain(under_way).collect()
+        }
+    };
     let mut agent = Agent::standing(id, Body::Truck(settings.vehicle), start);
     (agent.cost.sampling, agent.cost.connecting) = (sampling, connecting);
     Ok(enlist(world, agent, settings.speed_limits(), (truck, WokenBy(triggers), follows)))

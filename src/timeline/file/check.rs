@@ -42,17 +42,12 @@ pub fn check(timeline: &Timeline) -> Result<(), FileError> {
     for event in &timeline.events {
         check_event(event, &timeline.setting).map_err(|error| at_fact(error, event))?;
         match &event.fact {
-            Fact::Agent(_, AgentFact::Planned { trajectory, .. })
-            | Fact::Agent(_, AgentFact::Dropped { trajectory, .. })
-            | Fact::Agent(_, AgentFact::GaveWay { trajectory, .. }) => {
-                pieces += trajectory.pieces().len();
-            }
             Fact::Agent(_, AgentFact::OutOfReach { cells, .. }) => cells_out_of_reach += cells.len(),
             Fact::Agent(_, AgentFact::Searched { graph, .. }) => {
                 search_places += graph.places.len();
                 search_edges += graph.edges.len();
             }
-            _ => {}
+            fact => pieces += fact.trajectory().map_or(0, |leg| leg.pieces().len()),
         }
     }
     limit("pieces of legs", pieces, MAX_PIECES)?;
@@ -214,16 +209,27 @@ fn check_event(event: &Event, setting: &Setting) -> Result<(), FileError> {
             require(is_finite(*from), || "a start is not finite".into())
         }
         Fact::Fire(FireFact::Ignited { cause, .. }) => cause.parent().map_or(Ok(()), |from| check_cell(from, setting)),
-        Fact::Agent(_, AgentFact::PlanFailed { until, .. }) => {
+        Fact::Agent(_, AgentFact::Relocated { x_m, y_m, .. } | AgentFact::RelocationFailed { x_m, y_m, .. })
+            if !(x_m.is_finite() && y_m.is_finite()) =>
+        {
+            require(false, || "a truck is sent nowhere".into())
+        }
+        Fact::Agent(_, AgentFact::PlanFailed { until, .. } | AgentFact::RelocationFailed { until, .. }) => {
             require(*until >= event.time, || "planning time ends before it begins".into())
         }
-        Fact::Agent(_, AgentFact::Planned { trajectory, .. })
-        | Fact::Agent(_, AgentFact::GaveWay { trajectory, .. }) => {
+        Fact::Agent(
+            _,
+            AgentFact::Planned { trajectory, .. }
+            | AgentFact::GaveWay { trajectory, .. }
+            | AgentFact::Relocated { trajectory, .. },
+        ) => {
             let sets_out_later = trajectory.start_time() >= event.time;
             require(sets_out_later, || "a leg sets out before it is planned".into())?;
             check_leg(trajectory)
         }
-        Fact::Agent(_, AgentFact::Dropped { trajectory, .. }) => check_leg(trajectory),
+        Fact::Agent(_, AgentFact::Dropped { trajectory, .. } | AgentFact::Halted { trajectory }) => {
+            check_leg(trajectory)
+        }
         Fact::Agent(_, AgentFact::Searched { graph, .. }) => {
             let holds = |place: u32| (place as usize) < graph.places.len();
             let leads_somewhere = graph.edges.iter().all(|&(from, to)| holds(from) && holds(to));

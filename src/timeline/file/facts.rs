@@ -42,6 +42,9 @@ mod kind {
     /// Cells that catch fire from one cell at one instant, one fact after the other.
     pub const SPREAD_TOGETHER: u32 = 19;
     pub const SPOTTED: u32 = 20;
+    pub const RELOCATED: u32 = 21;
+    pub const HALTED: u32 = 22;
+    pub const RELOCATION_FAILED: u32 = 23;
 }
 
 /// The ways in which a leg begins.
@@ -225,6 +228,25 @@ impl<'a> FactWriter<'a> {
             AgentFact::GaveWay { to, trajectory } => {
                 self.record(kind::GAVE_WAY, &[agent, self.agent(*to)]);
                 self.leg(agent, trajectory);
+            }
+            AgentFact::Relocated { x_m, y_m, trajectory, effort, found_by } => {
+                let Effort { roadmap_expansions, local_expansions } = *effort;
+                let found_by = number_of(&FOUND_BY, &Some(*found_by));
+                self.record(kind::RELOCATED, &[agent, roadmap_expansions, local_expansions, found_by]);
+                [*x_m, *y_m].into_iter().for_each(|number| self.numbers.push(number));
+                self.leg(agent, trajectory);
+            }
+            AgentFact::Halted { trajectory } => {
+                self.record(kind::HALTED, &[agent]);
+                self.leg(agent, trajectory);
+            }
+            AgentFact::RelocationFailed { x_m, y_m, reason, effort, until } => {
+                let Effort { roadmap_expansions, local_expansions } = *effort;
+                let reason = reason.map_or(0, |reason| 1 + number_of(&FAILURES, &reason));
+                let fields = [agent, reason, roadmap_expansions, local_expansions];
+                self.record(kind::RELOCATION_FAILED, &fields);
+                append(&mut self.records, &(*until - self.now).as_nanos());
+                [*x_m, *y_m].into_iter().for_each(|number| self.numbers.push(number));
             }
             AgentFact::Searched { phase, graph } => {
                 let (places, edges) = (graph.places.len() as u32, graph.edges.len() as u32);
@@ -455,6 +477,21 @@ impl<'a> FactReader<'a> {
             }
             kind::BLOCKED => AgentFact::Blocked { goal: self.cell()?, by: self.agent()?.1 },
             kind::GAVE_WAY => AgentFact::GaveWay { to: self.agent()?.1, trajectory: self.leg(place)? },
+            kind::RELOCATED => {
+                let effort = self.effort()?;
+                let found_by = word_of(&FOUND_BY, self.number()?)?.ok_or(NO_SUCH_WORD)?;
+                let (x_m, y_m) = (self.numbers.next()?, self.numbers.next()?);
+                AgentFact::Relocated { x_m, y_m, trajectory: self.leg(place)?, effort, found_by }
+            }
+            kind::HALTED => AgentFact::Halted { trajectory: self.leg(place)? },
+            kind::RELOCATION_FAILED => {
+                let reason = self.number()?.checked_sub(1).map(|number| word_of(&FAILURES, number)).transpose()?;
+                let effort = self.effort()?;
+                let charged_ns = take(&mut self.records)?;
+                let until = self.later(charged_ns)?;
+                let (x_m, y_m) = (self.numbers.next()?, self.numbers.next()?);
+                AgentFact::RelocationFailed { x_m, y_m, reason, effort, until }
+            }
             kind::SEARCHED => AgentFact::Searched { phase: word_of(&PHASES, self.number()?)?, graph: self.graph()? },
             _ => return Err(NO_SUCH_WORD),
         })

@@ -50,8 +50,9 @@ use crate::whole_file::write_whole;
 /// whether a stop puts out one fire or all in reach, and trucks that wait for each other, since version 4 what searches
 /// looked at, since version 5 what found each plan, and fires that spread at one instant are one record; since version 6
 /// there are the failures of planners that are not built in, and trucks that rest because of them or by choice; since
-/// version 7 there is fire on the ground: what it runs over, its rules, its log, and cells of ground as goals.
-pub const FORMAT: u16 = 7;
+/// version 7 there is fire on the ground: what it runs over, its rules, its log, and cells of ground as goals; since
+/// version 8 trucks drive to places where they wait.
+pub const FORMAT: u16 = 8;
 
 /// The first format with a [`Supplement`].
 const SUPPLEMENTED: u16 = 3;
@@ -512,7 +513,7 @@ mod tests {
         let mut bytes = encode(&sample::by_hand()).expect("it is a possible run");
         bytes[8..10].copy_from_slice(&(FORMAT + 1).to_le_bytes());
         let newer = decode(&bytes).expect_err("the format is unknown");
-        assert_eq!(newer.to_string(), "written by a newer wildfire: format 8, this program reads up to 7");
+        assert_eq!(newer.to_string(), "written by a newer wildfire: format 9, this program reads up to 8");
         let foreign = decode(b"\x89PNG\r\n\x1a\n and so on").expect_err("it is a picture");
         assert_eq!(foreign.to_string(), "not a wildfire recording");
     }

@@ -162,6 +162,7 @@ impl Step {
 struct OpenDrive {
     goal: Cell,
     sets_out: SimTime,
+    is_hopeless: bool,
 }
 
 /// What burns and who goes for it, during a stretch of time.
@@ -218,6 +219,9 @@ pub(super) struct AgentReader<'a> {
     ground_out_of_reach: GroundOutOfReach,
     /// Whether it rests because its policy wants it to.
     rests_by_choice: bool,
+    /// Whether it has nothing to go for, or is on its way to where it waits.
+    has_nothing_to_do: bool,
+    without_work: SimTime,
     stuck: SimTime,
     idle: SimTime,
     longest_idle: SimTime,
@@ -236,6 +240,8 @@ impl<'a> AgentReader<'a> {
             ground,
             ground_out_of_reach: GroundOutOfReach::default(),
             rests_by_choice: false,
+            has_nothing_to_do: false,
+            without_work: SimTime::ZERO,
             stuck: SimTime::ZERO,
             idle: SimTime::ZERO,
             longest_idle: SimTime::ZERO,
@@ -277,7 +283,17 @@ impl<'a> AgentReader<'a> {
         };
         self.rests_by_choice = match fact {
             AgentFact::Rested { reason } => *reason == RestReason::Chosen,
-            AgentFact::OutOfReach { .. } | AgentFact::Searched { .. } => self.rests_by_choice,
+            AgentFact::OutOfReach { .. } | AgentFact::Searched { .. } | AgentFact::RelocationFailed { .. } => {
+                self.rests_by_choice
+            }
+            _ => false,
+        };
+        self.has_nothing_to_do = match fact {
+            AgentFact::Rested { reason } => matches!(reason, RestReason::Chosen | RestReason::NothingBurns),
+            AgentFact::Relocated { .. } | AgentFact::Halted { .. } => true,
+            AgentFact::OutOfReach { .. } | AgentFact::Searched { .. } | AgentFact::RelocationFailed { .. } => {
+                self.has_nothing_to_do
+            }
             _ => false,
         };
         match fact {
@@ -292,14 +308,31 @@ impl<'a> AgentReader<'a> {
                 self.outcome.lattice_plans += u32::from(found_by.is_some_and(FoundBy::is_after_failure));
                 self.end_drive(now);
                 let drives = self.is_truck() && !trajectory.pieces().is_empty();
-                self.drive = drives.then_some(OpenDrive { goal: *goal, sets_out: trajectory.sets_out_at() });
+                let is_hopeless = drives && self.is_hopeless(*goal, trajectory.end_time(), bushes);
+                let sets_out = trajectory.sets_out_at();
+                self.drive = drives.then_some(OpenDrive { goal: *goal, sets_out, is_hopeless });
+                self.outcome.goals += u32::from(self.is_truck());
+            }
+            AgentFact::Relocated { effort, .. } => {
+                self.count_plan(now, *effort);
+                self.end_drive(now);
+                self.outcome.relocations += 1;
+            }
+            AgentFact::RelocationFailed { reason, effort, .. } => {
+                self.count_plan(now, *effort);
+                // A place that others are in the way to is no failure of the planner.
+                if let Some(reason) = reason {
+                    let stats = &mut self.history.step(now).stats;
+                    stats.failures += 1;
+                    stats.last_failure = Some(index);
+                    self.count_failure(*reason);
+                }
             }
             AgentFact::PlanFailed { reason, effort, .. } => {
                 stats.failures += 1;
                 stats.last_failure = Some(index);
                 self.count_plan(now, *effort);
-                let place = PlanFailure::ALL.iter().position(|known| known == reason);
-                self.outcome.failures[place.expect("all reasons are listed")] += 1;
+                self.count_failure(*reason);
             }
             AgentFact::LocalMinimum { .. } => self.outcome.local_minima += 1,
             AgentFact::Dropped { .. } => self.end_drive(now),
@@ -309,6 +342,7 @@ impl<'a> AgentReader<'a> {
             AgentFact::StartMoved { .. }
             | AgentFact::SuppressionEnded { .. }
             | AgentFact::Rested { .. }
+            | AgentFact::Halted { .. }
             | AgentFact::Blocked { .. } => {}
         }
     }
@@ -334,6 +368,9 @@ impl<'a> AgentReader<'a> {
         if stands && in_reach && !self.rests_by_choice {
             self.stuck += span;
         }
+        if self.has_nothing_to_do && self.is_truck() {
+            self.without_work += span;
+        }
         self.idle = if stands && anything { self.idle + span } else { SimTime::ZERO };
         self.longest_idle = self.longest_idle.max(self.idle);
     }
@@ -355,6 +392,7 @@ impl<'a> AgentReader<'a> {
             waiting_s: spent_s(Activity::Waiting),
             stuck_s: self.stuck.as_seconds(),
             longest_idle_s: self.longest_idle.as_seconds(),
+            idle_s: self.without_work.as_seconds(),
             out_of_reach: self.out_of_reach.iter().filter(|&&ruled_out| ruled_out).count() as u32
                 + self.ground_out_of_reach.cells.len() as u32,
             ..self.outcome
@@ -371,8 +409,32 @@ impl<'a> AgentReader<'a> {
 
     /// Counts the present drive as wasted if it has set out.
     fn end_drive(&mut self, now: SimTime) {
-        let set_out = self.drive.take().is_some_and(|drive| drive.sets_out < now);
-        self.outcome.wasted_drives += u32::from(set_out);
+        let Some(drive) = self.drive.take().filter(|drive| drive.sets_out < now) else { return };
+        self.outcome.wasted_drives += 1;
+        self.outcome.hopeless_drives += u32::from(drive.is_hopeless);
+    }
+
+    /// Returns true if a bush burns out before a truck that arrives at this time could have put it out.
+    fn is_hopeless(&self, goal: Cell, arrives: SimTime, bushes: &[BushState]) -> bool {
+        let Setting { rules, .. } = &self.timeline.setting;
+        let bush = self.timeline.setting.bush_index(goal).map(|bush| bushes[bush]);
+        match (bush, rules.fire.and_then(|fire| fire.burn_out)) {
+            // What is due at the same instant is put out first.
+            (Some(BushState::Burning { since }), Some(burn_out)) => {
+                arrives + rules.suppression_dwell > since + burn_out
+            }
+            _ => false,
+        }
+    }
+
+    /// Records that another truck's goal is near the one that it has just chosen.
+    pub fn record_flock(&mut self) {
+        self.outcome.flocked_goals += 1;
+    }
+
+    fn count_failure(&mut self, reason: PlanFailure) {
+        let place = PlanFailure::ALL.iter().position(|known| *known == reason);
+        self.outcome.failures[place.expect("all reasons are listed")] += 1;
     }
 
     /// Returns whether there is something to act on anywhere, and in this agent's reach: for a Wumpus bushes, for a truck

@@ -18,7 +18,7 @@ use agents::{AgentHistory, AgentReader, Surroundings};
 use bushes::{BushHistory, BushReader};
 
 use super::replay::Happening;
-use super::{Activity, AgentFact, BushState, Event, Fact, GroundEvent, Outcome, Replay, State, Timeline};
+use super::{Activity, AgentFact, BushState, Event, FLOCK_M, Fact, GroundEvent, Outcome, Replay, State, Timeline};
 use crate::geometry::Cell;
 use crate::planning::{SearchGraph, SearchPhase};
 use crate::time::SimTime;
@@ -246,12 +246,25 @@ impl<'a> Reader<'a> {
             }
             if let Some(agent) = event.fact.agent().and_then(|id| self.timeline.setting.agent_index(id)) {
                 self.agents[agent].record_fact(fact, event, self.replay.bushes());
+                if let Fact::Agent(_, AgentFact::Planned { goal, .. }) = event.fact
+                    && self.is_near_another_goal(agent, goal)
+                {
+                    self.agents[agent].record_flock();
+                }
             }
         }
         self.bushes.end_instant();
         for (index, agent) in self.agents.iter_mut().enumerate() {
             agent.turn_to(now, self.replay.activity(index), self.replay.goal(index));
         }
+    }
+
+    /// Says whether a truck's new goal is near the goal that another truck has.
+    fn is_near_another_goal(&self, agent: usize, goal: Cell) -> bool {
+        let frame = &self.timeline.setting.frame;
+        let is_near = |other: Cell| (frame.centre(other) - frame.centre(goal)).length() <= FLOCK_M;
+        let mut others = (0..self.agents.len()).filter(|&other| other != agent && self.agents[other].is_truck());
+        self.agents[agent].is_truck() && others.any(|other| self.replay.goal(other).is_some_and(is_near))
     }
 
     /// Records what an agent did to ground.

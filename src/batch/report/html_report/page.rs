@@ -22,6 +22,7 @@ pub fn page(batch: &FinishedBatch, collected: &Collected, figures: &Figures) -> 
     let sections = [
         ("Means", charts(figures, Section::Means)),
         ("Tables", tables(collected)),
+        ("Fleets", fleets(collected)),
         ("Distributions", charts(figures, Section::Distributions)),
         ("States over time", charts(figures, Section::OverTime)),
         ("Sweeps", charts(figures, Section::Sweeps)),
@@ -68,6 +69,14 @@ fn tables(collected: &Collected) -> Vec<Block> {
             blocks
         }
     }
+}
+
+fn fleets(collected: &Collected) -> Vec<Block> {
+    let Some(table) = collected.report.fleets_table() else { return Vec::new() };
+    let words = "Means of the runs that are done, over all trucks of a run. A drive is wasted if it ends without an \
+                 extinction, and hopeless if its fire had to burn out before; the flock ratio is the share of goals with \
+                 another truck's goal within 60 m.";
+    vec![Block::Table(table), Block::Text(words.into())]
 }
 
 fn charts(figures: &Figures, section: Section) -> Vec<Block> {

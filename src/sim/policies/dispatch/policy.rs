@@ -1,0 +1,223 @@
+//! A rule of dispatch as a policy: what the trucks see becomes a [`Team`], its goals and posts become choices.
+
+use std::sync::Arc;
+
+use glam::DVec2;
+
+use super::team::{Assignment, Fire, Intact, Positioning, Team, TeamRules, TeamTruck};
+use crate::fire::{BushState, FireField};
+use crate::geometry::{Cell, FieldFrame};
+use crate::scenario::{Sight, SightOfField};
+use crate::sim::policies::{AgentView, Asking, Choice, Observation, Policy};
+use crate::time::SimTime;
+use crate::timeline::{Activity, AgentId};
+
+/// What a team is made of and knows throughout a run.
+#[derive(Clone, Debug)]
+pub struct TeamSite {
+    /// When the run ends at the latest.
+    pub end: SimTime,
+    pub frame: FieldFrame,
+    pub rules: TeamRules,
+    pub sight: Sight,
+    /// The cells on which a bush grows, by cell index.
+    pub bushes: Arc<[Cell]>,
+    /// By number.
+    pub trucks: Vec<TruckSite>,
+}
+
+/// What a team knows of one of its trucks throughout a run.
+#[derive(Clone, Copy, Debug)]
+pub struct TruckSite {
+    pub id: AgentId,
+    pub speed_mps: f64,
+    /// Where the middle of its body is before the run.
+    pub start: DVec2,
+}
+
+/// A rule that says who goes to which fire, and another one that says where the others wait.
+pub struct DispatchPolicy {
+    site: TeamSite,
+    assignment: Box<dyn Assignment>,
+    /// Trucks stay where they are if there is none.
+    positioning: Option<Box<dyn Positioning>>,
+    /// Simulated time for each pair of a truck and a fire that is looked at, or for each rollout.
+    seconds_per_evaluation: f64,
+    charge: SimTime,
+}
+
+impl DispatchPolicy {
+    pub fn new(
+        site: TeamSite,
+        assignment: Box<dyn Assignment>,
+        positioning: Option<Box<dyn Positioning>>,
+        seconds_per_evaluation: f64,
+    ) -> Self {
+        Self { site, assignment, positioning, seconds_per_evaluation, charge: SimTime::ZERO }
+    }
+}
+
+impl Policy for DispatchPolicy {
+    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
+        let mut effort = 0;
+        let known = Known::new(&self.site, seen);
+        let team = known.team(asked);
+        let goals = assign(self.assignment.as_mut(), &team, seen, &mut effort);
+        let goal_of = |id: AgentId| goals.iter().find(|&&(truck, _)| truck == id).map(|&(_, cell)| cell);
+        let free = team.trucks.iter().filter(|truck| truck.is_asked && goal_of(truck.id).is_none());
+        let idle: Vec<AgentId> = free.map(|truck| truck.id).collect();
+        let posts = match &mut self.positioning {
+            Some(positioning) if !idle.is_empty() => positioning.post(&team, &idle),
+            _ => Vec::new(),
+        };
+        let choice = |id: AgentId| {
+            let truck = team.trucks.iter().find(|truck| truck.id == id)?;
+            let post = posts.iter().find(|(idle, _)| *idle == id).map(|&(_, place)| place);
+            let choice = match (goal_of(id), post, truck.goal) {
+                (Some(cell), _, _) => Choice::Go(cell),
+                (None, Some(place), _) => Choice::Move(place),
+                // What it went for is not worth it any more.
+                (None, None, Some(_)) => Choice::Move(truck.place),
+                (None, None, None) => Choice::Wait,
+            };
+            Some((id, choice))
+        };
+        let choices = asked.iter().filter_map(|&id| choice(id)).collect();
+        self.charge = SimTime::from_seconds(self.seconds_per_evaluation * effort as f64);
+        choices
+    }
+
+    fn asking(&self) -> Asking {
+        Asking::Team { replans: self.assignment.replans() }
+    }
+
+    fn charge(&self) -> SimTime {
+        self.charge
+    }
+}
+
+/// Returns goals of trucks that are asked: fires that they may go for, and each fire for one truck.
+fn assign(
+    assignment: &mut dyn Assignment,
+    team: &Team<'_>,
+    seen: &Observation<'_>,
+    effort: &mut u64,
+) -> Vec<(AgentId, Cell)> {
+    let kept: Vec<Cell> = team.trucks.iter().filter(|truck| !truck.is_asked).filter_map(|truck| truck.goal).collect();
+    let mut goals: Vec<(AgentId, Cell)> = Vec::new();
+    let mut barred = Vec::new();
+    for (truck, cell) in assignment.assign(team, effort) {
+        let is_taken = kept.contains(&cell) || goals.iter().any(|&(_, other)| other == cell);
+        let is_asked = team.trucks.iter().any(|own| own.id == truck && own.is_asked);
+        if !is_asked || is_taken {
+            continue;
+        }
+        if seen.options(truck).contains(&cell) { goals.push((truck, cell)) } else { barred.push(truck) }
+    }
+    // A truck that cannot get to the fire that was meant for it takes one that it can get to, of those that are left.
+    for truck in barred {
+        let options = seen.options(truck);
+        let is_left = |fire: &Fire| {
+            let is_taken = kept.contains(&fire.cell) || goals.iter().any(|&(_, other)| other == fire.cell);
+            options.contains(&fire.cell) && !is_taken
+        };
+        let own = |own: &TeamTruck| TeamTruck { is_asked: own.id == truck, ..*own };
+        let rest = Team {
+            fires: team.fires.iter().copied().filter(is_left).collect(),
+            trucks: team.trucks.iter().map(own).collect(),
+            ..team.clone()
+        };
+        let found = assignment.assign(&rest, effort).into_iter();
+        goals.extend(found.filter(|&(id, cell)| id == truck && rest.fires.iter().any(|fire| fire.cell == cell)));
+    }
+    goals
+}
+
+/// What the team knows at one instant. Rules of dispatch get nothing else of the state of the field.
+struct Known<'a> {
+    site: &'a TeamSite,
+    now: SimTime,
+    fires: &'a FireField,
+    agents: &'a [AgentView],
+    /// Where the trucks are.
+    eyes: Vec<DVec2>,
+}
+
+impl<'a> Known<'a> {
+    fn new(site: &'a TeamSite, seen: &Observation<'a>) -> Self {
+        let trucks = seen.agents.iter().filter(|agent| agent.id.role.suppresses());
+        let eyes = trucks.map(|truck| truck.place).collect();
+        Self { site, now: seen.now, fires: seen.fires, agents: seen.agents, eyes }
+    }
+
+    fn sees(&self, place: DVec2) -> bool {
+        let Sight { field, radius_m, .. } = self.site.sight;
+        field != SightOfField::Radius
+            || self.eyes.iter().any(|eye| (place - *eye).length_squared() <= radius_m * radius_m)
+    }
+
+    fn team(&self, asked: &[AgentId]) -> Team<'_> {
+        let TeamSite { end, frame, rules, sight, trucks, .. } = self.site;
+        let wumpuses = self.agents.iter().filter(|agent| sight.wumpuses && agent.id.role.lights());
+        let trucks = trucks.iter().filter_map(|own| {
+            let view = self.agents.iter().find(|agent| agent.id == own.id)?;
+            Some(TeamTruck {
+                id: own.id,
+                place: view.free_place,
+                free_at: view.free_at,
+                speed_mps: own.speed_mps,
+                goal: view.goal,
+                post: view.post,
+                start: own.start,
+                is_asked: asked.contains(&own.id),
+            })
+        });
+        Team {
+            now: self.now,
+            end: *end,
+            frame: *frame,
+            rules: *rules,
+            fires: self.seen_fires(),
+            trucks: trucks.collect(),
+            intact: self,
+            wumpuses: wumpuses.map(|wumpus| wumpus.place).filter(|&place| self.sees(place)).collect(),
+        }
+    }
+
+    /// Lists what burns, is seen, and has no truck that puts it out.
+    fn seen_fires(&self) -> Vec<Fire> {
+        let stops = self.agents.iter().filter(|agent| agent.activity == Activity::Suppressing);
+        let stops: Vec<Cell> = stops.filter_map(|agent| agent.goal).collect();
+        let fire = |cell: Cell| {
+            let place = self.site.frame.centre(cell);
+            let Some(BushState::Burning { since }) = self.fires.state(cell) else { return None };
+            // How long ground burns is not a rule of the team's.
+            let burn_out = self.site.rules.burn_out.filter(|_| self.fires.is_bush(cell));
+            let burns_out = burn_out.map_or(SimTime::MAX, |burn_out| since + burn_out);
+            let rules = &self.site.rules;
+            let spreads = rules.spread.filter(|_| rules.caught_spreads || self.fires.was_lit(cell));
+            let spreads_at = spreads.map(|(_, delay)| since + delay).filter(|&time| time > self.now);
+            let spreads_at = spreads_at.unwrap_or(SimTime::MAX);
+            (self.sees(place) && !stops.contains(&cell)).then_some(Fire { cell, place, since, burns_out, spreads_at })
+        };
+        self.fires.burning().filter_map(fire).collect()
+    }
+}
+
+impl Intact for Known<'_> {
+    fn is_intact(&self, cell: Cell) -> bool {
+        if !self.fires.is_bush(cell) {
+            return false;
+        }
+        match self.site.sight.field {
+            SightOfField::Everything => self.fires.can_burn(cell),
+            SightOfField::Burning => !self.fires.is_burning(cell),
+            // Of what is out of sight there is the map.
+            SightOfField::Radius => !self.sees(self.site.frame.centre(cell)) || self.fires.can_burn(cell),
+        }
+    }
+
+    fn bushes(&self) -> Arc<[Cell]> {
+        Arc::clone(&self.site.bushes)
+    }
+}
