@@ -73,6 +73,7 @@ fn contest_spells_out_every_value_and_each_is_the_default() {
         unimog: vec![Unimog::default()],
         dispatch: None,
         sight: None,
+        traffic: None,
         ignition: Vec::new(),
         wind: Vec::new(),
         wind_file: None,

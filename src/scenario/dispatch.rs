@@ -5,7 +5,7 @@ use std::fmt;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Scenario;
+use super::{Scenario, TrafficRules};
 use crate::geometry::FieldFrame;
 use crate::ranges::{OutOfRange, SettingsTable, check_range};
 
@@ -215,7 +215,8 @@ impl SettingsTable for Sight {
 /// Describes how trucks are sent and what they see, where the scenario says so.
 pub(super) fn describe_team(scenario: &Scenario) -> Vec<String> {
     let dispatch = scenario.dispatch.iter().map(Dispatch::describe);
-    dispatch.chain(scenario.sight.iter().map(Sight::describe)).collect()
+    let sight = scenario.sight.iter().map(Sight::describe);
+    dispatch.chain(sight).chain(scenario.traffic.iter().map(TrafficRules::describe)).collect()
 }
 
 /// Warns of values that do nothing.

@@ -42,6 +42,7 @@ mod rules;
 mod source;
 mod terrain;
 mod tetromino;
+mod traffic;
 mod unimog;
 mod warnings;
 mod weather;
@@ -74,6 +75,7 @@ pub use rules::{Extinguishes, Ignition, IgnitionCells, IgnitionDensity, Score, S
 pub use source::{MAX_MAP_BYTES, MAX_SCENARIO_BYTES, ScenarioText, can_be_read_again, first_too_deep, toml_value};
 pub use terrain::{Terrain, TerrainError};
 pub use tetromino::Shape;
+pub use traffic::{Detours, TrafficRules};
 pub use unimog::{Limits, PlannerContext, Rescue, Retarget, StartPose, Unimog};
 pub use weather::{MoistureChange, WeatherSettings, weather};
 pub use weather_csv::WeatherSample;
@@ -160,6 +162,9 @@ pub struct Scenario {
     /// What a dispatched team sees; without it everything but the Wumpuses.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sight: Option<Sight>,
+    /// What trucks do about others that are in their way.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub traffic: Option<TrafficRules>,
     /// Bushes that catch fire by themselves.
     #[serde(default, deserialize_with = "list_of_at_most::<100_000, _, _>")]
     pub ignition: Vec<Ignition>,
@@ -209,6 +214,7 @@ impl Scenario {
         top.inner("score").settings(&self.score, &frame)?;
         self.dispatch.as_ref().map_or(Ok(()), |dispatch| top.inner("dispatch").settings(dispatch, &frame))?;
         self.sight.as_ref().map_or(Ok(()), |sight| top.inner("sight").settings(sight, &frame))?;
+        self.traffic.as_ref().map_or(Ok(()), |traffic| top.inner("traffic").settings(traffic, &frame))?;
         check_programs("planner", &self.planner, |name| name.built_in().is_some())?;
         check_programs("policy", &self.policy, |name| {
             TruckGoal::is_built_in(name.name()) || WumpusGoal::is_built_in(name.name())

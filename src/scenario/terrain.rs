@@ -199,6 +199,7 @@ mod tests {
             unimog: vec![Unimog::default()],
             dispatch: None,
             sight: None,
+            traffic: None,
             ignition: Vec::new(),
             wind: Vec::new(),
             wind_file: None,

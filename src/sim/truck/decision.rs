@@ -12,6 +12,7 @@ use super::{Drive, Fleet, Truck};
 use crate::fire::FireField;
 use crate::geometry::Cell;
 use crate::planning::{Effort, FoundBy};
+use crate::scenario::Detours;
 use crate::sim::agent::{Activity, Agent};
 use crate::sim::fire::Fires;
 use crate::sim::policies::{Asking, Choice, Following, Follows, Inquiry};
@@ -22,9 +23,6 @@ use crate::time::SimTime;
 use crate::timeline::{AgentFact, RestReason};
 use crate::trajectory::{Piece, Trajectory};
 use crate::vehicle::Path;
-
-/// Goals that a truck looks at in one decision though others are in the way to them.
-const MOST_BLOCKED: usize = 3;
 
 /// A decision that is not yet made.
 #[derive(Clone, Debug)]
@@ -94,7 +92,7 @@ impl Truck {
         }
         let begun = self.deliberation.as_ref().filter(|begun| begun.revision == agent.revision);
         let blocked = begun.map_or(&[][..], |begun| &begun.blocked);
-        if blocked.len() >= MOST_BLOCKED {
+        if blocked.len() >= self.traffic.goals as usize {
             return Vec::new();
         }
         let is_blocked = |cell: &Cell| blocked.iter().any(|blocked| blocked.drive.goal == *cell);
@@ -223,8 +221,17 @@ impl Fleet<'_, '_> {
             Some(Ok((drive, leg))) => Some(Conclusion::SetsOut(drive, leg)),
             Some(Err(blocked)) if by_flood => Some(Conclusion::Waits(vec![blocked])),
             Some(Err(blocked)) => {
-                begun.blocked.push(blocked);
-                None
+                // Looking for a way round is expensive: once for every truck that is in the way.
+                let is_new = !begun.before.iter().any(|before| before.reason() == blocked.reason());
+                let detour = if truck.traffic.detours == Detours::Each && is_new {
+                    truck.replan_around(&blocked.drive, outset, &mut agent.cost)
+                } else {
+                    None
+                };
+                if detour.is_none() {
+                    begun.blocked.push(blocked);
+                }
+                detour.map(|(drive, leg)| Conclusion::SetsOut(drive, leg))
             }
         };
         truck.deliberation = Some(begun);
@@ -248,8 +255,7 @@ impl Fleet<'_, '_> {
             (std::mem::take(&mut begun.blocked), begun.before.first().map(Blocked::reason), begun.delay)
         });
         let Some(first) = blocked.first() else { return Conclusion::Rests(rests) };
-        // Looking for a way round is expensive: once for every truck that is in the way.
-        if before != Some(first.reason()) {
+        if truck.traffic.detours == Detours::First && before != Some(first.reason()) {
             let traffic = Traffic::new(&reservations, entity);
             let (pose, frame) = (agent.trajectory.start(), fires.frame());
             let outset = Outset { now, pose, frame, traffic, delay };

@@ -20,6 +20,7 @@ use crate::geometry::Cell;
 use crate::planning::reachability::Reachability;
 use crate::planning::registry::Charge;
 use crate::planning::{Effort, TruckPlanner};
+use crate::scenario::TrafficRules;
 use crate::time::SimTime;
 use crate::trajectory::SpeedLimits;
 use crate::vehicle::Dimensions;
@@ -66,6 +67,8 @@ pub struct Truck {
     out_of_reach: Vec<Cell>,
     tracks: Tracks,
     pub checker: CollisionChecker,
+    /// What it tries before it waits for others.
+    traffic: TrafficRules,
     /// What it would do if other trucks were not in the way, best first. Plans are kept, because it stands where it is.
     pub blocked: Vec<Blocked>,
     deliberation: Option<Deliberation>,

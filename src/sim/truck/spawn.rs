@@ -81,6 +81,7 @@ pub fn spawn(
         out_of_reach: Vec::new(),
         tracks: Tracks::default(),
         checker,
+        traffic: arena.scenario.traffic.clone().unwrap_or_default(),
         blocked: Vec::new(),
         deliberation: None,
         closed_posts: Vec::new(),
