@@ -21,6 +21,8 @@ pub struct Fire {
     pub since: SimTime,
     /// When it burns out; `SimTime::MAX` if it never does.
     pub burns_out: SimTime,
+    /// When it sets on fire what grows around it, if it still burns then; `SimTime::MAX` if it has done so or never does.
+    pub spreads_at: SimTime,
 }
 
 /// A truck of the team.
@@ -53,6 +55,8 @@ pub struct TeamRules {
     pub extinguishes_all: bool,
     /// How far fire goes from a burning bush, once, and after which time; `None` where another model says so.
     pub spread: Option<(f64, SimTime)>,
+    /// True if what caught fire from another bush spreads too, and not only what was lit.
+    pub caught_spreads: bool,
     /// How long a bush burns; `None` if for ever.
     pub burn_out: Option<SimTime>,
 }
