@@ -1,6 +1,19 @@
 //! Policies for a whole team of trucks: who goes to which fire, and where those wait who go to none.
+//!
+//! A decision is a pure function of a [`Team`], and of a policy's own memory, which holds no more than counts of bushes: no
+//! clock, no chance. Distances are straight and drives a factor longer; roads, bodies and traffic are the business of
+//! planners. Ties go to less time, then to the smaller cell index, then to the smaller number of a truck.
+//!
+//! | rule | decides | for whom |
+//! |---|---|---|
+//! | [`NearestSavable`] | always the pair that is done first, hopeless fires left alone | free trucks |
+//! | [`Hungarian`] | the least sum of times and losses | free trucks |
+//! | [`ThreatFirst`] | the most threatening fire, by the nearest truck | free trucks |
+//! | [`Auction`] | routes of several fires, won one by one | all that may change their minds |
+//! | [`Rollout`] | whichever loses least in forecasts | all that may change their minds |
 
 mod auction;
+mod forecast;
 mod hungarian;
 mod idle;
 #[cfg(test)]
@@ -8,6 +21,7 @@ mod model;
 mod nearest_savable;
 mod open_fires;
 mod place_index;
+mod rollout;
 #[cfg(test)]
 mod samples;
 mod team;
@@ -18,40 +32,44 @@ pub use auction::Auction;
 pub use hungarian::Hungarian;
 pub use idle::{Centroids, Regions, RegionsFirst, Stay};
 pub use nearest_savable::NearestSavable;
+pub use rollout::Rollout;
 pub use team::{Assignment, Fire, Intact, Positioning, Team, TeamRules, TeamTruck, WAY_FACTOR};
 pub use threat_first::ThreatFirst;
 
-#[cfg(test)]
-mod lab {
-    use super::*;
-    use super::model::*;
-    fn run(name: &str, contest: Contest, seeds: u64, make: impl Fn() -> (Box<dyn Assignment>, Box<dyn Positioning>)) -> f64 {
-        let t = std::time::Instant::now();
-        let (mut lost, mut wasted, mut dec, mut km) = (0.0, 0, 0, 0.0);
-        for seed in 1..=seeds {
-            let (mut a, mut p) = make();
-            let s = play(contest, seed, &mut *a, &mut *p);
-            lost += s.lost / seeds as f64; wasted += s.wasted; dec += s.decisions; km += s.driven_m / 1000.0;
-        }
-        println!("{name:28} lost {lost:6.1} wasted {:5} km {:6.1} dec {} ms/run {:.1}", wasted / seeds as u32, km / seeds as f64, dec / seeds as u32, t.elapsed().as_secs_f64()*1e3/seeds as f64);
-        lost
-    }
-    #[test]
-    fn table() {
-        let seeds = std::env::var("SEEDS").ok().and_then(|s| s.parse().ok()).unwrap_or(20);
-        for (trucks, wumpuses, field_m) in [(2, 1, 500.0), (4, 2, 500.0), (8, 4, 500.0)] {
-            let c = Contest { field_m, trucks, wumpuses };
-            println!("{c:?}");
-            run("nearest", c, seeds, || (Box::new(Nearest), Box::new(Stay)));
-            run("nearest-savable", c, seeds, || (Box::new(NearestSavable), Box::new(Stay)));
-            run("hungarian", c, seeds, || (Box::new(Hungarian), Box::new(Stay)));
-            run("threat-first", c, seeds, || (Box::new(ThreatFirst), Box::new(Stay)));
-            run("regions", c, seeds, || (Box::new(RegionsFirst(Box::new(NearestSavable))), Box::new(Regions::default())));
-            run("auction", c, seeds, || (Box::new(Auction), Box::new(Stay)));
-            run("nearest+centroids", c, seeds, || (Box::new(Nearest), Box::new(Centroids::default())));
-            run("threat+centroids", c, seeds, || (Box::new(ThreatFirst), Box::new(Centroids::default())));
-            run("auction+centroids", c, seeds, || (Box::new(Auction), Box::new(Centroids::default())));
-            run("auction+regions", c, seeds, || (Box::new(Auction), Box::new(Regions::default())));
-        }
+/// A rule of who goes to which fire.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AssignmentRule {
+    NearestSavable,
+    Hungarian,
+    ThreatFirst,
+    Auction,
+    /// With so many forecasts for a decision at most.
+    Rollout {
+        rollouts: u32,
+    },
+}
+
+/// A rule of where trucks wait that have nothing to go for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum IdleRule {
+    Stay,
+    Centroids,
+    /// Trucks also serve their own regions first.
+    Regions,
+}
+
+/// Makes the two halves of a team's policy, which are asked in turn for one run.
+pub fn make(rule: AssignmentRule, idle: IdleRule) -> (Box<dyn Assignment>, Box<dyn Positioning>) {
+    let assignment: Box<dyn Assignment> = match rule {
+        AssignmentRule::NearestSavable => Box::new(NearestSavable),
+        AssignmentRule::Hungarian => Box::new(Hungarian),
+        AssignmentRule::ThreatFirst => Box::new(ThreatFirst),
+        AssignmentRule::Auction => Box::new(Auction),
+        AssignmentRule::Rollout { rollouts } => Box::new(Rollout { rollouts }),
+    };
+    match idle {
+        IdleRule::Stay => (assignment, Box::new(Stay)),
+        IdleRule::Centroids => (assignment, Box::<Centroids>::default()),
+        IdleRule::Regions => (Box::new(RegionsFirst(assignment)), Box::<Regions>::default()),
     }
 }

@@ -23,7 +23,6 @@ const REACH_M: f64 = 10.0;
 const TRUCK_MPS: f64 = 8.0;
 const WUMPUS_MPS: f64 = 2.0;
 const WUMPUS_REACH_M: f64 = 6.25;
-const END: SimTime = SimTime::from_nanos(3_600_000_000_000);
 
 /// What is played.
 #[derive(Clone, Copy, Debug)]
@@ -31,6 +30,7 @@ pub struct Contest {
     pub field_m: f64,
     pub trucks: u16,
     pub wumpuses: u16,
+    pub duration: SimTime,
 }
 
 /// What came of it.
@@ -41,7 +41,6 @@ pub struct Score {
     /// Drives that ended at no extinction.
     pub wasted: u32,
     pub driven_m: f64,
-    pub decisions: u32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -112,6 +111,10 @@ impl Way {
         let (done, all) = (time.since(self.departs).as_seconds(), self.arrives.since(self.departs).as_seconds());
         if done >= all { self.to } else { self.from.lerp(self.to, done / all) }
     }
+
+    fn driven_m(&self, time: SimTime) -> f64 {
+        WAY_FACTOR * (self.place_at(time) - self.from).length()
+    }
 }
 
 /// Plays one contest to its end.
@@ -135,6 +138,7 @@ pub fn play(contest: Contest, seed: u64, assignment: &mut dyn Assignment, positi
 #[derive(Debug)]
 struct World {
     now: SimTime,
+    end: SimTime,
     field: Field,
     /// Cell indices.
     burning: BTreeSet<usize>,
@@ -150,7 +154,8 @@ impl World {
         let mut rng = rng::stream(seed, "model");
         let mut bushes = vec![None; frame.cell_count()];
         // Pieces of four cells in a row or in a square, as the fields of the contest are made of.
-        let shapes = [[(0, 0), (1, 0), (2, 0), (3, 0)], [(0, 0), (0, 1), (0, 2), (0, 3)], [(0, 0), (0, 1), (1, 0), (1, 1)]];
+        let shapes =
+            [[(0, 0), (1, 0), (2, 0), (3, 0)], [(0, 0), (0, 1), (0, 2), (0, 3)], [(0, 0), (0, 1), (1, 0), (1, 1)]];
         let mut left = (COVERAGE * frame.cell_count() as f64) as usize / 4;
         while left > 0 {
             let (at, shape) = (frame.cell(rng.random_range(0..frame.cell_count())), shapes[rng.random_range(0..3)]);
@@ -173,6 +178,7 @@ impl World {
         let truck = |&start: &DVec2| Truck { way: Way::stand(start), goal: None, post: None, stops_until: None, start };
         let mut world = Self {
             now: SimTime::ZERO,
+            end: contest.duration,
             arsonists: stands.iter().enumerate().map(arsonist).collect(),
             trucks: starts.iter().map(truck).collect(),
             field: Field { frame, cells: Arc::clone(&cells), bushes },
@@ -217,7 +223,7 @@ impl World {
             (None, Some(_)) => Some(truck.way.arrives),
             (None, None) => None,
         });
-        fires.chain(wumpuses).chain(trucks).filter(|&time| time > self.now && time <= END).min()
+        fires.chain(wumpuses).chain(trucks).filter(|&time| time > self.now && time <= self.end).min()
     }
 
     /// Lets all happen that is due now; says whether fires changed and whether a truck became free.
@@ -234,6 +240,7 @@ impl World {
                     self.score.wasted += 1;
                 }
                 (truck.stops_until, truck.goal, freed) = (None, None, true);
+                self.score.driven_m += truck.way.driven_m(now);
                 truck.way = Way::stand(truck.way.to);
             }
         }
@@ -271,6 +278,7 @@ impl World {
             if !self.burning.contains(&self.field.frame.index(goal)) {
                 // It has burned out or another truck has put it out.
                 self.score.wasted += 1;
+                self.score.driven_m += truck.way.driven_m(now);
                 truck.way = Way::stand(truck.way.place_at(now));
                 (truck.goal, truck.stops_until, freed) = (None, None, true);
             } else if truck.stops_until.is_none() && truck.way.arrives <= now {
@@ -315,7 +323,7 @@ impl World {
         });
         let team = Team {
             now,
-            end: END,
+            end: self.end,
             frame: self.field.frame,
             rules: TeamRules {
                 reach_m: Some(REACH_M),
@@ -333,7 +341,6 @@ impl World {
         if team.asked().next().is_none() {
             return;
         }
-        self.score.decisions += 1;
         let goals = assignment.assign(&team, &mut 0);
         let goal_of = |id: AgentId| goals.iter().find(|(asked, _)| *asked == id).map(|&(_, cell)| cell);
         let idle: Vec<AgentId> = team.asked().map(|truck| truck.id).filter(|&id| goal_of(id).is_none()).collect();
@@ -347,11 +354,10 @@ impl World {
         for (number, goal, post) in orders {
             let truck = &mut self.trucks[number];
             let place = truck.way.place_at(now);
-            let driven_m = (place - truck.way.from).length() * WAY_FACTOR;
             if goal != truck.goal {
                 self.score.wasted += u32::from(truck.goal.is_some());
                 truck.goal = goal;
-                self.score.driven_m += driven_m;
+                self.score.driven_m += truck.way.driven_m(now);
                 truck.way = Way::stand(place);
                 truck.post = None;
                 if let Some(goal) = goal {
@@ -362,7 +368,7 @@ impl World {
                 }
             }
             if let Some(post) = post {
-                self.score.driven_m += driven_m;
+                self.score.driven_m += truck.way.driven_m(now);
                 truck.post = Some(post);
                 truck.way = Way::new(now, place, post, (0.0, TRUCK_MPS));
             }
@@ -390,5 +396,121 @@ impl Assignment for Nearest {
 
     fn replans(&self) -> bool {
         false
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{
+        Auction, Centroids, Hungarian, NearestSavable, Regions, RegionsFirst, Rollout, Stay, ThreatFirst,
+    };
+    use super::*;
+
+    /// Eight trucks against four Wumpuses: fires outnumber trucks.
+    const DUEL: Contest =
+        Contest { field_m: 500.0, trucks: 8, wumpuses: 4, duration: SimTime::from_nanos(1_500_000_000_000) };
+
+    fn mean(seeds: std::ops::Range<u64>, assignment: &dyn Fn() -> Box<dyn Assignment>, waits: bool) -> Score {
+        let count = seeds.end - seeds.start;
+        let mut mean = Score::default();
+        for seed in seeds {
+            let mut idle: Box<dyn Positioning> = if waits { Box::new(Centroids::default()) } else { Box::new(Stay) };
+            let score = play(DUEL, seed, &mut *assignment(), &mut *idle);
+            mean.lost += score.lost / count as f64;
+            mean.driven_m += score.driven_m / count as f64;
+            mean.wasted += score.wasted;
+        }
+        mean
+    }
+
+    /// Losses in the order that fleets were measured to have: what leaves hopeless fires alone loses less than what does not,
+    /// routes with deadlines lose less than single fires, and who waits in a good place loses less again.
+    #[test]
+    fn policies_rank_as_they_should() {
+        let seeds = || 1..21;
+        let nearest = mean(seeds(), &|| Box::new(Nearest), false);
+        let savable = mean(seeds(), &|| Box::new(NearestSavable), false);
+        let auction = mean(seeds(), &|| Box::new(Auction), false);
+        let both = mean(seeds(), &|| Box::new(Auction), true);
+        println!("{nearest:?}\n{savable:?}\n{auction:?}\n{both:?}");
+        assert!(savable.lost < 0.85 * nearest.lost, "{savable:?}, {nearest:?}");
+        assert!(auction.lost < 0.5 * savable.lost, "{auction:?}, {savable:?}");
+        assert!(both.lost < 0.5 * auction.lost, "{both:?}, {auction:?}");
+        assert!(savable.driven_m < 0.9 * nearest.driven_m, "{savable:?}, {nearest:?}");
+        assert_eq!(savable.wasted, 0, "in a world without roads no drive to a savable fire is in vain");
+    }
+
+    #[test]
+    fn the_same_seed_is_the_same_contest() {
+        for rule in 0..6 {
+            let make = || -> Box<dyn Assignment> {
+                match rule {
+                    0 => Box::new(NearestSavable),
+                    1 => Box::new(Hungarian),
+                    2 => Box::new(ThreatFirst),
+                    3 => Box::new(Auction),
+                    4 => Box::new(RegionsFirst(Box::new(NearestSavable))),
+                    _ => Box::new(Rollout { rollouts: 5 }),
+                }
+            };
+            let short = Contest { duration: SimTime::from_nanos(300_000_000_000), ..DUEL };
+            let play = || play(short, 3, &mut *make(), &mut Regions::default());
+            assert_eq!((play().lost, play().driven_m), (play().lost, play().driven_m));
+        }
+    }
+
+    /// Prints the table of policies: `cargo test --release --lib table_of_policies -- --ignored --nocapture`, with the
+    /// number of seeds in `SEEDS`.
+    #[test]
+    #[ignore = "it prints figures, and takes minutes"]
+    fn table_of_policies() {
+        let seeds: u64 = std::env::var("SEEDS").map_or(40, |seeds| seeds.parse().expect("a number of seeds"));
+        type MakeBoth = fn() -> (Box<dyn Assignment>, Box<dyn Positioning>);
+        let policies: [(&str, MakeBoth); 14] = [
+            ("nearest", || (Box::new(Nearest), Box::new(Stay))),
+            ("nearest-savable", || (Box::new(NearestSavable), Box::new(Stay))),
+            ("hungarian", || (Box::new(Hungarian), Box::new(Stay))),
+            ("threat-first", || (Box::new(ThreatFirst), Box::new(Stay))),
+            ("auction", || (Box::new(Auction), Box::new(Stay))),
+            ("rollout", || (Box::new(Rollout { rollouts: 40 }), Box::new(Stay))),
+            ("nearest + centroids", || (Box::new(Nearest), Box::<Centroids>::default())),
+            ("nearest-savable + centroids", || (Box::new(NearestSavable), Box::<Centroids>::default())),
+            ("threat-first + centroids", || (Box::new(ThreatFirst), Box::<Centroids>::default())),
+            ("auction + centroids", || (Box::new(Auction), Box::<Centroids>::default())),
+            ("rollout + centroids", || (Box::new(Rollout { rollouts: 40 }), Box::<Centroids>::default())),
+            ("nearest-savable + regions", || {
+                (Box::new(RegionsFirst(Box::new(NearestSavable))), Box::<Regions>::default())
+            }),
+            ("auction + regions", || (Box::new(RegionsFirst(Box::new(Auction))), Box::<Regions>::default())),
+            ("auction anywhere + regions", || (Box::new(Auction), Box::<Regions>::default())),
+        ];
+        let duration = SimTime::from_nanos(3_600_000_000_000);
+        for (trucks, wumpuses, field_m) in [(2, 1, 500.0), (4, 2, 500.0), (8, 4, 500.0), (8, 4, 1000.0)] {
+            println!("{trucks} trucks, {wumpuses} Wumpuses, {field_m} m, {seeds} seeds");
+            let contest = Contest { field_m, trucks, wumpuses, duration };
+            let mut base: Vec<f64> = Vec::new();
+            for (name, make) in &policies {
+                let scores: Vec<Score> = (1..=seeds)
+                    .map(|seed| {
+                        let (mut assignment, mut idle) = make();
+                        play(contest, seed, &mut *assignment, &mut *idle)
+                    })
+                    .collect();
+                let lost: Vec<f64> = scores.iter().map(|score| score.lost).collect();
+                base = if base.is_empty() { lost.clone() } else { base };
+                let mean = |values: &[f64]| values.iter().sum::<f64>() / seeds as f64;
+                let gains: Vec<f64> = lost.iter().zip(&base).map(|(lost, base)| lost - base).collect();
+                let squares: Vec<f64> =
+                    gains.iter().map(|gain| (gain - mean(&gains)) * (gain - mean(&gains))).collect();
+                println!(
+                    "{name:28} lost {:6.1}  less nearest {:+7.1} ± {:4.1}  in vain {:4}  km {:6.1}",
+                    mean(&lost),
+                    mean(&gains),
+                    1.96 * (mean(&squares) / seeds as f64).sqrt(),
+                    scores.iter().map(|score| score.wasted).sum::<u32>() / seeds as u32,
+                    scores.iter().map(|score| score.driven_m).sum::<f64>() / 1000.0 / seeds as f64,
+                );
+            }
+        }
     }
 }

@@ -71,12 +71,13 @@ mod tests {
                 .fires
                 .iter()
                 .map(|fire| {
-                    let lights = |by: &Fire, bush: Cell| {
-                        (team.frame.centre(bush) - by.place).length() <= radius_m && burns(&by)
-                    };
+                    let lights =
+                        |by: &Fire, bush: Cell| (team.frame.centre(bush) - by.place).length() <= radius_m && burns(&by);
                     let alone = |bush: &&Cell| {
                         let others = team.fires.iter().filter(|other| other.cell != fire.cell);
-                        team.intact.is_intact(**bush) && lights(fire, **bush) && !others.clone().any(|o| lights(o, **bush))
+                        team.intact.is_intact(**bush)
+                            && lights(fire, **bush)
+                            && !others.clone().any(|o| lights(o, **bush))
                     };
                     team.intact.bushes().iter().filter(alone).count() as u32
                 })

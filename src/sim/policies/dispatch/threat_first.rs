@@ -78,7 +78,8 @@ mod tests {
             let threats = threats(&team, &open.fires);
             let goals = ThreatFirst.assign(&team, &mut 0);
             for truck in team.asked() {
-                let stops = |fire: usize| open.prospect(truck, fire).is_some_and(|p| p.out_at <= open.fires[fire].spreads_at);
+                let stops =
+                    |fire: usize| open.prospect(truck, fire).is_some_and(|p| p.out_at <= open.fires[fire].spreads_at);
                 let goal = goals.iter().find(|(id, _)| *id == truck.id).map(|&(_, cell)| cell);
                 let goal = (0..open.fires.len()).find(|&fire| Some(open.fires[fire].cell) == goal);
                 let own = goal.map_or(0, |fire| if stops(fire) { threats[fire] } else { 0 });

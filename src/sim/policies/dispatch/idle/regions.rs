@@ -104,10 +104,7 @@ mod tests {
         let assign = |sample: &Sample| RegionsFirst(Box::new(NearestSavable)).assign(&sample.team(), &mut 0);
         assert_eq!(assign(&sample), [(AgentId::unimog(1), (30, 21).into())]);
         sample.burn((33, 30));
-        assert_eq!(assign(&sample), [
-            (AgentId::unimog(0), (30, 21).into()),
-            (AgentId::unimog(1), (33, 30).into()),
-        ]);
+        assert_eq!(assign(&sample), [(AgentId::unimog(0), (30, 21).into()), (AgentId::unimog(1), (33, 30).into()),]);
     }
 
     #[test]
