@@ -82,7 +82,7 @@ fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, known: &Policies)
     let (agents, named): (Vec<AgentId>, Vec<NamedPolicy>) = ids.unzip();
     let lightable = terrain.lightable(scenario.fire.lights_ground());
     let mut following = Following::default();
-    let of_team = dispatch::make(scenario, terrain, seed);
+    let of_team = dispatch::policy_of(scenario, terrain, seed);
     let is_dispatched = |agent: &usize| of_team.is_some() && agents[*agent].role.suppresses();
     for (first, policy) in named.iter().enumerate() {
         let is_meant = |agent: &usize| named[*agent] == *policy && !is_dispatched(agent);
