@@ -84,7 +84,7 @@ fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, known: &Policies)
     let spread_m = scenario.fire.spread_radius_m;
     let rule_site = RuleSite { frame: &terrain.frame, lightable: &lightable, spread_m, seed };
     let mut following = Following::default();
-    let of_team = dispatch::make(scenario, terrain);
+    let of_team = dispatch::policy_of(scenario, terrain);
     let is_dispatched = |agent: &usize| of_team.is_some() && agents[*agent].role.suppresses();
     for (first, policy) in named.iter().enumerate() {
         let is_meant = |agent: &usize| named[*agent] == *policy && !is_dispatched(agent);

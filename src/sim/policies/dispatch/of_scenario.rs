@@ -1,19 +1,19 @@
-//! Rules of dispatch by the names that scenarios give them.
+//! The policy of a team as its scenario asks for it.
 
-use super::nearest::NearestByNumber;
 use super::policy::{DispatchPolicy, TeamSite, TruckSite};
 use super::team::{Assignment, Positioning, TeamRules};
-use crate::scenario::{self, Extinguishes, FireModelName, IdleRule, Scenario, SightOfField, Terrain};
+use super::{AssignmentRule, IdleRule, make};
+use crate::scenario::{self, Extinguishes, FireModelName, Scenario, SightOfField, Terrain};
 use crate::sim::policies::nearest::Nearest;
 use crate::sim::policies::{OneByOne, Policy};
 use crate::time::SimTime;
 use crate::timeline::AgentId;
 
 /// Makes the policy of all trucks of a run, if the scenario dispatches them.
-pub fn make(scenario: &Scenario, terrain: &Terrain) -> Option<Box<dyn Policy>> {
+pub fn policy_of(scenario: &Scenario, terrain: &Terrain) -> Option<Box<dyn Policy>> {
     let dispatch = scenario.dispatch.as_ref()?;
     let sight = scenario.sight.clone().unwrap_or_default();
-    let is_plain = dispatch.idle == IdleRule::Stay && sight.field != SightOfField::Radius;
+    let is_plain = dispatch.idle == scenario::IdleRule::Stay && sight.field != SightOfField::Radius;
     if dispatch.policy == scenario::DispatchPolicy::Nearest && is_plain && dispatch.seconds_per_evaluation == 0.0 {
         return Some(Box::new(OneByOne(Nearest)));
     }
@@ -25,8 +25,8 @@ pub fn make(scenario: &Scenario, terrain: &Terrain) -> Option<Box<dyn Policy>> {
         bushes: terrain.bushes.clone().into(),
         trucks: (0..).map(AgentId::unimog).zip(&scenario.unimog).map(truck_site).collect(),
     };
-    let policy =
-        DispatchPolicy::new(site, assignment(dispatch), positioning(dispatch), dispatch.seconds_per_evaluation);
+    let (assignment, positioning) = halves(dispatch);
+    let policy = DispatchPolicy::new(site, assignment, positioning, dispatch.seconds_per_evaluation);
     Some(Box::new(policy))
 }
 
@@ -47,19 +47,21 @@ fn rules(scenario: &Scenario) -> TeamRules {
     }
 }
 
-fn assignment(dispatch: &scenario::Dispatch) -> Box<dyn Assignment> {
-    match dispatch.policy {
-        scenario::DispatchPolicy::Nearest
-        | scenario::DispatchPolicy::NearestSavable
-        | scenario::DispatchPolicy::Hungarian
-        | scenario::DispatchPolicy::ThreatFirst
-        | scenario::DispatchPolicy::Auction
-        | scenario::DispatchPolicy::Rollout => Box::new(NearestByNumber),
-    }
-}
-
-fn positioning(dispatch: &scenario::Dispatch) -> Option<Box<dyn Positioning>> {
-    match dispatch.idle {
-        IdleRule::Stay | IdleRule::Centroids | IdleRule::Regions => None,
-    }
+/// Makes what the scenario names: who goes where, and where the others wait if they do not stay where they are.
+fn halves(dispatch: &scenario::Dispatch) -> (Box<dyn Assignment>, Option<Box<dyn Positioning>>) {
+    let idle = match dispatch.idle {
+        scenario::IdleRule::Stay => IdleRule::Stay,
+        scenario::IdleRule::Centroids => IdleRule::Centroids,
+        scenario::IdleRule::Regions => IdleRule::Regions,
+    };
+    let rule = match dispatch.policy {
+        scenario::DispatchPolicy::Nearest => AssignmentRule::Nearest,
+        scenario::DispatchPolicy::NearestSavable => AssignmentRule::NearestSavable,
+        scenario::DispatchPolicy::Hungarian => AssignmentRule::Hungarian,
+        scenario::DispatchPolicy::ThreatFirst => AssignmentRule::ThreatFirst,
+        scenario::DispatchPolicy::Auction => AssignmentRule::Auction,
+        scenario::DispatchPolicy::Rollout => AssignmentRule::Rollout { rollouts: dispatch.rollouts },
+    };
+    let (assignment, positioning) = make(rule, idle);
+    (assignment, (idle != IdleRule::Stay).then_some(positioning))
 }

@@ -1,0 +1,88 @@
+//! Idle trucks spread over the bushes that are intact, each at the centroid of those to which it is the nearest.
+//!
+//! In the literature of initial attack prepositioning is the main lever (Haight and Fried, "Deploying wildland fire
+//! suppression resources with a scenario-based standard response model", INFOR 45(1), 2007): who is near when a fire begins
+//! stops it before it spreads.
+
+use glam::DVec2;
+
+use super::super::hungarian::least_total;
+use super::super::team::{Positioning, Team, TeamTruck};
+use super::spread_out::{Census, spread_out};
+use crate::timeline::AgentId;
+
+/// A truck goes to a new place only if it is at least this far from where it is, or was sent before: a shorter way gains less
+/// than the drive disturbs.
+const WORTH_M: f64 = 25.0;
+
+/// Sends idle trucks to centroids of what is intact, the whole team by the least sum of squared ways.
+#[derive(Clone, Debug, Default)]
+pub struct Centroids {
+    census: Census,
+}
+
+impl Positioning for Centroids {
+    fn post(&mut self, team: &Team<'_>, idle: &[AgentId]) -> Vec<(AgentId, DVec2)> {
+        let trucks: Vec<&TeamTruck> = team.trucks.iter().filter(|truck| idle.contains(&truck.id)).collect();
+        let mut sites: Vec<DVec2> = trucks.iter().map(|truck| waits_at(truck)).collect();
+        spread_out(self.census.blocks(team), &mut sites);
+        posts(&trucks, &sites)
+    }
+}
+
+/// The place at which a truck waits, or to which it has been sent to wait.
+pub fn waits_at(truck: &TeamTruck) -> DVec2 {
+    truck.post.unwrap_or(truck.place)
+}
+
+/// Gives each truck a site of its own and returns those that are worth a drive. There are as many sites as trucks.
+pub fn posts(trucks: &[&TeamTruck], sites: &[DVec2]) -> Vec<(AgentId, DVec2)> {
+    // Squares prefer two ways of middle length to a short one and a long one, which takes longer until all are there.
+    let site_of =
+        least_total(trucks.len(), sites.len(), |truck, site| (trucks[truck].place - sites[site]).length_squared());
+    let moves = trucks.iter().zip(site_of).filter(|(truck, site)| (waits_at(truck) - sites[*site]).length() >= WORTH_M);
+    moves.map(|(truck, site)| (truck.id, sites[site])).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::samples::Sample;
+    use super::*;
+
+    fn grown() -> Sample {
+        let mut sample = Sample::with_trucks(&[(20.0, 20.0), (21.0, 20.0), (230.0, 20.0), (22.0, 21.0)]);
+        let cells: Vec<(u16, u16)> = (0..50).flat_map(|col| (0..50).map(move |row| (col, row))).collect();
+        sample.grow(&cells);
+        sample
+    }
+
+    #[test]
+    fn trucks_spread_over_the_field_and_then_stay() {
+        let mut sample = grown();
+        let idle: Vec<AgentId> = sample.trucks.iter().map(|truck| truck.id).collect();
+        let posts = Centroids::default().post(&sample.team(), &idle);
+        assert_eq!(posts.len(), 4, "a quarter of the field for each");
+        for (number, (id, post)) in posts.iter().enumerate() {
+            assert_eq!(*id, idle[number]);
+            sample.trucks[number].post = Some(*post);
+            for (_, other) in &posts[..number] {
+                assert!((*post - *other).length() > 80.0, "{post} and {other} are one place");
+            }
+        }
+        // Under way, and when they are there, nobody is sent anywhere else.
+        assert_eq!(Centroids::default().post(&sample.team(), &idle), []);
+        for truck in &mut sample.trucks {
+            truck.place = truck.post.expect("each has one");
+        }
+        assert_eq!(Centroids::default().post(&sample.team(), &idle), []);
+    }
+
+    #[test]
+    fn only_idle_trucks_are_sent() {
+        let sample = grown();
+        let posts = Centroids::default().post(&sample.team(), &[AgentId::unimog(2)]);
+        let [(id, post)] = posts[..] else { panic!("one truck is idle: {posts:?}") };
+        assert_eq!(id, AgentId::unimog(2));
+        assert!((post - DVec2::splat(125.0)).length() < 1e-6, "alone it waits in the middle: {post}");
+    }
+}
