@@ -5,6 +5,7 @@
 
 mod agent_id;
 mod burn_map;
+mod clairvoyant;
 mod cpu;
 pub mod export;
 mod fact;

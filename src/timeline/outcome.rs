@@ -50,6 +50,11 @@ pub struct Outcome {
     pub truck_score: f64,
     /// In the order of the timeline's agents.
     pub agents: Vec<AgentOutcome>,
+    /// The least that could have burned or been burning at the end, had the trucks known from the start where and when
+    /// everything would be lit: a bound, below what the best could do. `None` where the rules of fire are others than that of
+    /// the radius, or let what was put out burn again.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub least_burned: Option<u32>,
     /// The ground between the bushes; `None` where only bushes burn. All else counts bushes only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ground: Option<GroundOutcome>,
@@ -213,6 +218,11 @@ impl Outcome {
     /// Burning or burned out.
     pub fn burned(&self) -> u32 {
         self.burning + self.burned_out
+    }
+
+    /// Burned beyond [`Outcome::least_burned`]: no more than this could have been saved by another dispatcher.
+    pub fn regret(&self) -> Option<u32> {
+        self.least_burned.map(|least| self.burned().saturating_sub(least))
     }
 
     /// Share of the bushes that never burned; like the other ratios 0 where nothing grows.

@@ -196,6 +196,10 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
         = outcome(row, |o| o.wumpus_score);
     truck_score: optional Real Points "points of the trucks by the scenario's rules" = outcome(row, |o| o.truck_score);
     winner: optional Text None "wumpus, unimog or tie" = outcome(row, winner);
+    least_burned: optional Count Cells "bush cells that would burn whatever the trucks did, at least"
+        = outcome(row, |o| o.least_burned);
+    regret: optional Count Cells "bush cells burned that trucks which know what will be lit might have saved, at most"
+        = outcome(row, Outcome::regret), with_title("Regret");
     truck_plans: optional Count None "queries of trucks for a plan, failed ones included"
         = trucks_count(row, |a| a.plans.into());
     truck_failed_start_blocked: optional Count None "failed queries: the truck's own pose is not free"

@@ -17,6 +17,7 @@ pub use ground::{Burning, GroundCounts, GroundIndex, Wetting};
 use agents::{AgentHistory, AgentReader, Surroundings};
 use bushes::{BushHistory, BushReader};
 
+use super::clairvoyant;
 use super::replay::Happening;
 use super::{Activity, AgentFact, BushState, Event, FLOCK_M, Fact, GroundEvent, Outcome, Replay, State, Timeline};
 use crate::geometry::Cell;
@@ -218,6 +219,7 @@ impl<'a> Reader<'a> {
             wumpus_stuck_s: stuck_s(false),
             ended_s: end.as_seconds(),
             agents: outcomes,
+            least_burned: clairvoyant::least_loss(self.timeline),
             ground: self.ground.map(|ground| ground.outcome(self.timeline)),
             ..outcome
         };
