@@ -1,28 +1,32 @@
 //! `wildfire batch` and what follows it: `status`, `merge` and `report`, which take the folder of a batch.
 
+mod folder;
+mod keeping;
+mod slurm;
+
+pub use folder::{FolderArguments, MergeArguments, StatusArguments, merge, report, status};
+
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use std::thread;
 
 use clap::Args;
-use serde::Serialize;
 
 use crate::batch::{
-    Batch, BatchError, BatchPlan, BatchReport, BatchRequest, CoursePlan, CourseRefusal, CourseRequest, FinishedBatch,
-    Found, MAX_SEEDS_BYTES, OutputFolder, RUNS_FILE, RealDisk, Record, ReportError, RequestError, Seeds, SeedsError,
-    Slice, SliceState, Status, Variant, batch_status, shell_word, write_report,
+    Batch, BatchError, BatchPlan, BatchReport, BatchRequest, CoursePlan, CourseRefusal, CourseRequest, Found,
+    MAX_SEEDS_BYTES, OutputFolder, Record, RequestError, Seeds, SeedsError, Slice, Status, Variant, shell_word,
 };
-use crate::cli::args::{ProgramArguments, parse_jobs};
+use crate::cli::args::{ProgramArguments, jobs_or_usual, limit_threads, parse_jobs};
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
-use crate::cli::report::FormArguments;
 use crate::cli::{interrupt, terminal};
-use crate::document::{Block, Document, Table};
+use crate::document::{Block, Document};
 use crate::input_file;
 use crate::scenario::{MemoryLimit, ScenarioText};
+use keeping::{KeepingArguments, LockArguments};
+use slurm::SlurmArguments;
 
 /// The folder, in the current one, that holds a folder for each batch.
 const RUNS_FOLDER: &str = "runs";
@@ -42,7 +46,8 @@ Examples:
   wildfire batch --planner prm-rs,hybrid-astar --set field.coverage=0.05,0.10,0.20 --dry-run
   wildfire batch --resume runs/contest
   wildfire batch --rules official.toml --agent anna.toml ben.toml --out runs/course
-  wildfire batch plan.toml --shard 2/5 --out runs/cluster")]
+  wildfire batch plan.toml --shard 2/5 --out runs/cluster
+  wildfire batch plan.toml --out runs/cluster --slurm > fleet.sh && bash fleet.sh")]
 pub struct BatchArguments {
     /// Scenario files, or names of built-in scenarios [default: contest]; or one plan file.
     #[arg(value_name = "SCENARIO|PLAN.toml")]
@@ -74,7 +79,7 @@ pub struct BatchArguments {
     /// them [default: 1..5].
     #[arg(long, allow_hyphen_values = true, value_parser = parse_seeds)]
     pub seeds: Option<SeedsArgument>,
-    /// Threads [default: as many as the machine runs at once].
+    /// Threads [default: as many as the machine runs at once, or as Slurm gives the task, in SLURM_CPUS_PER_TASK].
     #[arg(long, allow_hyphen_values = true, value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
     /// The memory that each run may take, such as `4GB`, `512MiB` or `4G`, which is 4 GB: one that would take more is a
@@ -108,6 +113,10 @@ pub struct BatchArguments {
     /// Run slice K of N of the plan only, in a folder that the slices share; `wildfire merge` puts them together.
     #[arg(long, value_name = "K/N", requires = "shared_folder")]
     pub shard: Option<Slice>,
+    #[command(flatten)]
+    keeping: KeepingArguments,
+    #[command(flatten)]
+    slurm: SlurmArguments,
 }
 
 /// Seeds, or the file that holds them.
@@ -144,7 +153,7 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
     let mut batch = match &arguments.resume {
         Some(folder) => {
             interrupt::set_resumable();
-            let path = OutputFolder::existing(folder)?;
+            let path = OutputFolder::existing(folder)?.with_keeping(arguments.keeping.keeping());
             // What is wrong with the folder itself, resuming says better.
             if let Ok(plan) = BatchPlan::read(path.path()) {
                 context.expect_trusted_plan(&plan)?;
@@ -164,6 +173,10 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
                 None => plan(arguments, context)?,
             };
             context.expect_trusted_plan(&plan)?;
+            if arguments.slurm.is_asked_for() {
+                terminal::print(&slurm::script(arguments, &plan, context)?)?;
+                return Ok(ExitCode::SUCCESS);
+            }
             if arguments.dry_run {
                 terminal::print(&dry_run(&plan))?;
                 return Ok(exit_code(left_out));
@@ -176,16 +189,17 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
     if !context.quiet {
         note_repairs(batch.found());
     }
-    let resume = resume_command(batch.folder().path(), slice);
+    let resume = resume_command(batch.folder().path(), slice) + &arguments.keeping.words();
     let from_batch = |error| CliError::from_batch_error(error, &resume);
-    let jobs = arguments.jobs.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
-    let watch = interrupt::watch();
+    let jobs = jobs_or_usual(arguments.jobs);
+    let watch = interrupt::watch(arguments.keeping.longest_tidying());
     run_with_progress(&mut batch, jobs, watch.stop(), context).map_err(from_batch)?;
     if !batch.progress().slice().is_whole() {
         drop(watch);
-        terminal::print(&slice_summary(&batch))?;
+        terminal::print(&slice_summary(&batch, &arguments.keeping.lock))?;
         return Ok(exit_code(batch.progress().held().1));
     }
+    limit_threads(jobs);
     let report = batch.finish(watch.stop()).map_err(from_batch)?;
     drop(watch);
     terminal::print(&summary(batch.plan(), batch.folder(), &report))?;
@@ -253,14 +267,13 @@ fn request_from(sources: &[String]) -> Result<BatchRequest, CliError> {
 
 fn begin(arguments: &BatchArguments, plan: BatchPlan, slice: Slice) -> Result<Batch, CliError> {
     let name = &plan.variants[0].scenario.name;
-    Ok(match &arguments.out {
-        Some(path) if slice.is_whole() => Batch::begin(plan, OutputFolder::named(path, arguments.force)?)?,
-        Some(path) => Batch::join(plan, OutputFolder::shared(path)?, slice)?,
-        None => {
-            let folder = OutputFolder::next_free(Path::new(RUNS_FOLDER), name)?;
-            Batch::begin(plan, folder)?
-        }
-    })
+    let folder = match &arguments.out {
+        Some(path) if slice.is_whole() => OutputFolder::named(path, arguments.force)?,
+        Some(path) => OutputFolder::shared(path)?,
+        None => OutputFolder::next_free(Path::new(RUNS_FOLDER), name)?,
+    };
+    let folder = folder.with_keeping(arguments.keeping.keeping());
+    Ok(if slice.is_whole() { Batch::begin(plan, folder)? } else { Batch::join(plan, folder, slice)? })
 }
 
 /// Returns the exit code of a batch with this many failed runs.
@@ -274,6 +287,7 @@ fn note_repairs(found: &Found) {
         terminal::note("the last line of the journal was incomplete; it was dropped, and its run is repeated");
     }
     note_leftovers(&found.leftovers);
+    note_repeated(found.repeated);
     let lost = found.lost_recordings.iter().map(|lost| format!("{} ({})", lost.path.display(), lost.reason));
     if let Some(list) = list(lost) {
         terminal::note(&format!("runs whose recordings are lost are repeated: {list}"));
@@ -284,6 +298,16 @@ fn note_repairs(found: &Found) {
 fn note_leftovers(leftovers: &[PathBuf]) {
     if let Some(list) = list(leftovers.iter().map(|path| path.display().to_string())) {
         terminal::note(&format!("removed files that a killed process had left: {list}"));
+    }
+}
+
+/// Says that two processes made the same runs.
+fn note_repeated(repeated: u64) {
+    if repeated > 0 {
+        terminal::note(&format!(
+            "{repeated} rows are there twice and are taken once: two processes worked on one slice, and their rows are \
+             equal in all that is not measured"
+        ));
     }
 }
 
@@ -343,10 +367,10 @@ fn summary(plan: &BatchPlan, folder: &OutputFolder, report: &BatchReport) -> Str
     document.to_text()
 }
 
-fn slice_summary(batch: &Batch) -> String {
+fn slice_summary(batch: &Batch, lock: &LockArguments) -> String {
     let (slice, (held, not_done)) = (batch.progress().slice(), batch.progress().held());
     let folder = batch.folder().path().display().to_string();
-    let merge = format!("wildfire merge {}", shell_word(&folder));
+    let merge = format!("wildfire merge {}{}", shell_word(&folder), lock.words());
     format!("Slice {slice}: {held} runs, {not_done} not done. When all slices are done: {merge}\n")
 }
 
@@ -364,149 +388,6 @@ fn dry_run(plan: &BatchPlan) -> String {
     }
     lines.push(format!("plan {}", plan.content_sha256()));
     Document::new(title).with([Block::List(lines)]).to_text()
-}
-
-#[derive(Debug, Args)]
-pub struct StatusArguments {
-    /// The folder of a batch.
-    #[arg(value_name = "DIR")]
-    pub folder: PathBuf,
-    #[command(flatten)]
-    pub form: FormArguments,
-}
-
-/// The folder of a batch.
-#[derive(Debug, Args)]
-pub struct FolderArguments {
-    /// The folder of a batch.
-    #[arg(value_name = "DIR")]
-    pub folder: PathBuf,
-}
-
-/// Writes the tables of a batch whose slices were run one by one.
-pub fn merge(arguments: &FolderArguments, quiet: bool) -> Result<ExitCode, CliError> {
-    interrupt::set_resumable();
-    let folder = OutputFolder::existing(&arguments.folder)?;
-    let watch = interrupt::watch();
-    let merged = crate::batch::merge(&folder, &RealDisk, watch.stop()).map_err(|error| merge_error(error, &folder))?;
-    drop(watch);
-    if !quiet {
-        note_leftovers(&merged.leftovers);
-    }
-    terminal::print(&summary(&merged.plan, &folder, &merged.report))?;
-    Ok(exit_code(merged.report.not_done()))
-}
-
-fn merge_error(error: BatchError, folder: &OutputFolder) -> CliError {
-    let missing = match &error {
-        BatchError::Incomplete { slice, .. } | BatchError::NotBegun { slice, .. } => Some(*slice),
-        _ => None,
-    };
-    match missing {
-        Some(slice) => {
-            let command = resume_command(folder.path(), slice);
-            CliError::bad_input(error, Some(&format!("run it with: {command}")))
-        }
-        None => CliError::from_batch_error(error, &format!("wildfire merge {}", folder.path().display())),
-    }
-}
-
-/// Writes the page on a batch, and its charts.
-pub fn report(arguments: &FolderArguments, quiet: bool) -> Result<ExitCode, CliError> {
-    let batch = FinishedBatch::open(&arguments.folder)?;
-    let written = write_report(&batch).map_err(report_error)?;
-    let (page, charts) = (written.page.display(), written.charts_folder.display());
-    let mut document = Document::new(format!("{page}, and {} charts as SVG and PNG in {charts}", written.charts));
-    document.add_list(written.refused);
-    terminal::print(&document.to_text())?;
-    terminal::note_unknown_letters(written.unknown_letters.as_deref(), quiet);
-    Ok(ExitCode::SUCCESS)
-}
-
-fn report_error(error: ReportError) -> CliError {
-    match error {
-        ReportError::Finished(error) => error.into(),
-        ReportError::Unfinished { folder } => {
-            let help = format!("finish it with: wildfire batch --resume {}", folder.display());
-            CliError::bad_input(ReportError::Unfinished { folder }, Some(&help))
-        }
-        ReportError::Unwritable { path, source } => CliError::unwritable(&path, &source),
-    }
-}
-
-/// Shows how far a batch is, and how to continue it.
-pub fn status(arguments: &StatusArguments) -> Result<ExitCode, CliError> {
-    let folder = OutputFolder::existing(&arguments.folder)?;
-    let status = batch_status(&folder)?;
-    let report = StatusReport {
-        folder: folder.path().display().to_string(),
-        variants: status.plan.variants.len(),
-        seeds: status.plan.seeds.to_string(),
-        runs: status.plan.count(),
-        slices: status.slices.iter().map(SliceRow::new).collect(),
-        next_step: next_step(&folder, &status.slices),
-    };
-    terminal::print(&arguments.form.render(&report))?;
-    Ok(ExitCode::SUCCESS)
-}
-
-/// The members in their order.
-#[derive(Serialize)]
-struct StatusReport {
-    folder: String,
-    variants: usize,
-    seeds: String,
-    runs: u64,
-    slices: Vec<SliceRow>,
-    next_step: Option<String>,
-}
-
-#[derive(Serialize)]
-struct SliceRow {
-    slice: String,
-    runs: u64,
-    over: u64,
-    not_done: u64,
-    state: &'static str,
-}
-
-impl SliceRow {
-    fn new((slice, state): &(Slice, SliceState)) -> Self {
-        let word = match state {
-            SliceState { is_running: true, .. } => "running",
-            SliceState { runs, held, .. } if runs == held => "complete",
-            SliceState { held: 0, .. } => "not begun",
-            _ => "stopped",
-        };
-        let slice = if slice.is_whole() { "whole".to_owned() } else { slice.to_string() };
-        Self { slice, runs: state.runs, over: state.held, not_done: state.not_done, state: word }
-    }
-}
-
-impl From<&StatusReport> for Document {
-    fn from(report: &StatusReport) -> Self {
-        let StatusReport { folder, variants, seeds, runs, slices, next_step } = report;
-        let row = |slice: &SliceRow| {
-            let SliceRow { slice, runs, over, not_done, state } = slice;
-            vec![slice.clone(), runs.to_string(), over.to_string(), not_done.to_string(), (*state).to_owned()]
-        };
-        let table = Table::new(&["Slice", "Runs", "Over", "Not done", "State"], slices.iter().map(row).collect());
-        Self::new(format!("{folder}: {variants} variants, seeds {seeds}, {runs} runs"))
-            .with([table])
-            .with(next_step.iter().map(|step| Block::Verbatim(step.clone())))
-    }
-}
-
-fn next_step(folder: &OutputFolder, slices: &[(Slice, SliceState)]) -> Option<String> {
-    let path: &Path = folder.path();
-    let waiting = slices.iter().find(|(_, state)| state.held < state.runs && !state.is_running);
-    match waiting {
-        Some((slice, _)) => Some(format!("Continue with: {}", resume_command(path, *slice))),
-        None if slices.iter().any(|(_, state)| state.is_running) => None,
-        None if path.join(RUNS_FILE).exists() => Some("The tables are written.".into()),
-        None if slices.len() == 1 => Some(format!("Write the tables with: {}", resume_command(path, slices[0].0))),
-        None => Some(format!("Write the tables with: wildfire merge {}", path.display())),
-    }
 }
 
 #[cfg(test)]
