@@ -118,14 +118,6 @@ pub fn jobs_or_usual(asked: Option<NonZeroUsize>) -> usize {
     given.map_or(1, NonZeroUsize::get)
 }
 
-/// Makes this many threads those of all work that is cut into parts. Only the first call has an effect, and none has one
-/// after such work has begun.
-pub fn limit_threads(jobs: usize) {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs);
-    // The threads that are there already will do.
-    let _ = pool.build_global();
-}
-
 pub fn parse_seed(text: &str) -> Result<u64, String> {
     numbers::parse_within(text, &(0..=u64::MAX), "a whole number")
 }

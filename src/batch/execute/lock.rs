@@ -89,32 +89,24 @@ impl LockFile {
     }
 
     fn take_with(journal: &Path, patience: Duration) -> Result<Self, LockFileError> {
-        let path = path_of(journal);
-        let lock = Self { path, owner: own_name(), beats: 0, last_beat: Some(WallStopwatch::start()) };
+        let (path, owner) = (path_of(journal), own_name());
         loop {
-            let made = OpenOptions::new().write(true).create_new(true).open(&lock.path);
-            match made.and_then(|mut file| file.write_all(lock.text().as_bytes()).and_then(|()| file.sync_all())) {
-                Ok(()) => return Ok(lock),
+            let made = OpenOptions::new().write(true).create_new(true).open(&path);
+            let written = made.and_then(|mut file| {
+                file.write_all(text_with(&owner, 0).as_bytes())?;
+                file.sync_all()
+            });
+            match written {
+                Ok(()) => return Ok(Self { path, owner, beats: 0, last_beat: Some(WallStopwatch::start()) }),
                 Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
                 Err(error) => return Err(LockFileError::Io(error)),
             }
-            let Some(text) = text_of(&lock.path).map_err(LockFileError::Io)? else { continue };
-            if !is_given_up(&lock.path, &text, patience) {
+            let Some(text) = text_of(&path).map_err(LockFileError::Io)? else { continue };
+            if !is_given_up(&path, &text, patience) {
                 return Err(LockFileError::Held(owner_in(&text)));
             }
-            lock.remove_that_of_another(&text).map_err(LockFileError::Io)?;
+            remove_given_up(&path, &text).map_err(LockFileError::Io)?;
         }
-    }
-
-    /// Removes a lock file that was given up, unless somebody else has taken it over meanwhile.
-    fn remove_that_of_another(&self, text: &str) -> io::Result<()> {
-        let aside = self.path.with_extension(format!("lock.{}.part", process::id()));
-        match fs::rename(&self.path, &aside) {
-            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
-            renamed => renamed?,
-        }
-        // Another process may have been faster, and what was moved be its new lock: it goes back to its place.
-        if text_of(&aside)?.as_deref() == Some(text) { fs::remove_file(&aside) } else { fs::rename(&aside, &self.path) }
     }
 
     /// Writes the file anew if it is time; to be called every now and then.
@@ -135,8 +127,23 @@ impl LockFile {
     }
 
     fn text(&self) -> String {
-        format!("{} {}\n", self.owner, self.beats)
+        text_with(&self.owner, self.beats)
     }
+}
+
+fn text_with(owner: &str, beats: u64) -> String {
+    format!("{owner} {beats}\n")
+}
+
+/// Removes a lock file with this text, unless somebody else has taken it over meanwhile.
+fn remove_given_up(path: &Path, text: &str) -> io::Result<()> {
+    let aside = path.with_extension(format!("lock.{}.part", process::id()));
+    match fs::rename(path, &aside) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
+        renamed => renamed?,
+    }
+    // Another process may have been faster, and what was moved be its new lock: it goes back to its place.
+    if text_of(&aside)?.as_deref() == Some(text) { fs::remove_file(&aside) } else { fs::rename(&aside, path) }
 }
 
 impl Drop for LockFile {

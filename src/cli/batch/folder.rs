@@ -14,9 +14,9 @@ use super::keeping::LockArguments;
 use super::{exit_code, list, note_leftovers, note_repeated, resume_command, summary};
 use crate::batch::{
     BatchError, BatchPlan, FinishedBatch, JournalError, MissingRuns, OutputFolder, PlanError, RUNS_FILE, RealDisk,
-    ReportError, Slice, SliceState, Survey, batch_status, write_report,
+    ReportError, Slice, SliceState, Survey, batch_status, limit_threads, write_report,
 };
-use crate::cli::args::{jobs_or_usual, limit_threads, parse_jobs};
+use crate::cli::args::{jobs_or_usual, parse_jobs};
 use crate::cli::error::CliError;
 use crate::cli::report::FormArguments;
 use crate::cli::{interrupt, numbers, terminal};

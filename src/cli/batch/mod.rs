@@ -1,151 +1,36 @@
 //! `wildfire batch` and what follows it: `status`, `merge` and `report`, which take the folder of a batch.
 
+mod args;
 mod folder;
 mod keeping;
 mod slurm;
 
+pub use args::BatchArguments;
 pub use folder::{FolderArguments, MergeArguments, StatusArguments, merge, report, status};
 
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use clap::Args;
-
 use crate::batch::{
     Batch, BatchError, BatchPlan, BatchReport, BatchRequest, CoursePlan, CourseRefusal, CourseRequest, Found,
-    MAX_SEEDS_BYTES, OutputFolder, Record, RequestError, Seeds, SeedsError, Slice, Status, Variant, shell_word,
+    OutputFolder, RequestError, Slice, Status, Variant, limit_threads, shell_word,
 };
-use crate::cli::args::{ProgramArguments, jobs_or_usual, limit_threads, parse_jobs};
+use crate::cli::args::jobs_or_usual;
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::{interrupt, terminal};
 use crate::document::{Block, Document};
-use crate::input_file;
-use crate::scenario::{MemoryLimit, ScenarioText};
-use keeping::{KeepingArguments, LockArguments};
-use slurm::SlurmArguments;
-
-/// The folder, in the current one, that holds a folder for each batch.
-const RUNS_FOLDER: &str = "runs";
+use crate::scenario::ScenarioText;
+use args::{RUNS_FOLDER, SeedsArgument};
+use keeping::LockArguments;
 
 /// The most variants that a dry run lists.
 const LISTED_VARIANTS: usize = 50;
 
 /// The most files that a note lists.
 const LISTED_FILES: usize = 10;
-
-#[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  wildfire batch
-  wildfire batch contest --seeds 1..1000 --jobs 2
-  wildfire batch my.toml --seeds 1..50,99 --out runs/tuned --force --record all
-  wildfire batch --planner prm-rs,hybrid-astar --set field.coverage=0.05,0.10,0.20 --dry-run
-  wildfire batch --resume runs/contest
-  wildfire batch --rules official.toml --agent anna.toml ben.toml --out runs/course
-  wildfire batch plan.toml --shard 2/5 --out runs/cluster
-  wildfire batch plan.toml --out runs/cluster --slurm > fleet.sh && bash fleet.sh")]
-pub struct BatchArguments {
-    /// Scenario files, or names of built-in scenarios [default: contest]; or one plan file.
-    #[arg(value_name = "SCENARIO|PLAN.toml")]
-    pub sources: Vec<String>,
-    /// Change a value of the scenarios; with several values between commas, run all of them with each. Sweeps of
-    /// several keys are multiplied; may be repeated.
-    #[arg(long = "set", value_name = "KEY=VALUE[,VALUE...]")]
-    pub set: Vec<String>,
-    #[command(flatten)]
-    pub programs: ProgramArguments,
-    /// Planners of the trucks: short for `--set unimog.planner=`.
-    #[arg(long, value_name = "NAME[,NAME...]", value_delimiter = ',')]
-    pub planner: Vec<String>,
-    /// The rules of a course, which fix everything but what they free for agents.
-    #[arg(
-        long,
-        value_name = "FILE.toml",
-        requires = "agent",
-        conflicts_with_all = ["sources", "set", "planner", "memory", "shard"]
-    )]
-    pub rules: Option<PathBuf>,
-    /// Files of agents: what the rules leave free. All of them run with the same seeds, in turn.
-    #[arg(long, value_name = "FILE.toml", num_args = 1.., requires = "rules")]
-    pub agent: Vec<PathBuf>,
-    /// Leave agents out whose files are refused, and run the others; the exit code is then 1.
-    #[arg(long, requires = "rules")]
-    pub skip_refused: bool,
-    /// Seeds: ranges with both ends, lists, or both, such as `1..5`, `1,5,9`, `1..100,200`; or `@FILE` that holds
-    /// them [default: 1..5].
-    #[arg(long, allow_hyphen_values = true, value_parser = parse_seeds)]
-    pub seeds: Option<SeedsArgument>,
-    /// Threads [default: as many as the machine runs at once, or as Slurm gives the task, in SLURM_CPUS_PER_TASK].
-    #[arg(long, allow_hyphen_values = true, value_parser = parse_jobs)]
-    pub jobs: Option<NonZeroUsize>,
-    /// The memory that each run may take, such as `4GB`, `512MiB` or `4G`, which is 4 GB: one that would take more is a
-    /// failed row. As many runs as threads take place at once [default: 2GB].
-    #[arg(long, value_name = "SIZE")]
-    pub memory: Option<MemoryLimit>,
-    /// The folder for the results [default: runs/NAME, or the next free runs/NAME-2, runs/NAME-3 ...].
-    #[arg(long, value_name = "DIR", group = "shared_folder")]
-    pub out: Option<PathBuf>,
-    /// Overwrite the results in the folder given with --out, and run more than 100000 runs if asked to.
-    #[arg(long)]
-    pub force: bool,
-    /// Keep recordings of `all` runs, of `failed` ones, or of `none` [default: none]; failed means here that some agent
-    /// was stuck: a run whose status is failed has no timeline.
-    #[arg(long, value_name = "WHICH")]
-    pub record: Option<Record>,
-    /// List what would be run, and run nothing.
-    #[arg(long)]
-    pub dry_run: bool,
-    /// Also print where the CPU time went, by part.
-    #[arg(long)]
-    pub profile: bool,
-    /// Continue the batch in this folder, which was stopped.
-    #[arg(
-        long,
-        value_name = "DIR",
-        group = "shared_folder",
-        conflicts_with_all = ["sources", "set", "planner", "rules", "seeds", "memory", "out", "force", "record", "dry_run", "commands"]
-    )]
-    pub resume: Option<PathBuf>,
-    /// Run slice K of N of the plan only, in a folder that the slices share; `wildfire merge` puts them together.
-    #[arg(long, value_name = "K/N", requires = "shared_folder")]
-    pub shard: Option<Slice>,
-    #[command(flatten)]
-    keeping: KeepingArguments,
-    #[command(flatten)]
-    slurm: SlurmArguments,
-}
-
-/// Seeds, or the file that holds them.
-#[derive(Clone, Debug)]
-pub enum SeedsArgument {
-    Given(Seeds),
-    File(PathBuf),
-}
-
-impl SeedsArgument {
-    /// The seeds; in a file they are between commas, blanks and lines, and `#` begins a comment.
-    pub fn seeds(&self) -> Result<Seeds, CliError> {
-        let path = match self {
-            Self::Given(seeds) => return Ok(seeds.clone()),
-            Self::File(path) => path,
-        };
-        let text = input_file::read_text(path, MAX_SEEDS_BYTES).map_err(|error| CliError::unreadable(path, &error))?;
-        Seeds::from_file_text(&text)
-            .map_err(|error| CliError::bad_input(format_args!("{}: {error}", path.display()), None))
-    }
-}
-
-/// Seeds as they are, or `@FILE`.
-fn parse_seeds(text: &str) -> Result<SeedsArgument, String> {
-    match text.strip_prefix('@') {
-        Some(path) => Ok(SeedsArgument::File(path.into())),
-        None => text.parse().map(SeedsArgument::Given).map_err(|error: SeedsError| error.to_string()),
-    }
-}
 
 pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     let slice = arguments.shard.unwrap_or(Slice::WHOLE);
@@ -163,6 +48,9 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
             batch
         }
         None => {
+            if arguments.slurm.slurm {
+                slurm::refuse_pipes(arguments)?;
+            }
             let plan = match &arguments.rules {
                 Some(rules) => {
                     let course = plan_of_course(arguments, rules)?;
@@ -173,7 +61,7 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
                 None => plan(arguments, context)?,
             };
             context.expect_trusted_plan(&plan)?;
-            if arguments.slurm.is_asked_for() {
+            if arguments.slurm.slurm {
                 terminal::print(&slurm::script(arguments, &plan, context)?)?;
                 return Ok(ExitCode::SUCCESS);
             }
@@ -388,20 +276,4 @@ fn dry_run(plan: &BatchPlan) -> String {
     }
     lines.push(format!("plan {}", plan.content_sha256()));
     Document::new(title).with([Block::List(lines)]).to_text()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn seeds_of_a_file_stand_between_commas_blanks_and_lines() {
-        let scratch = tempfile::tempdir().expect("a scratch folder");
-        let path = scratch.path().join("seeds");
-        std::fs::write(&path, "# mine\n1..3, 7\n9 8 # two\n\n").expect("writable");
-        let argument = parse_seeds(&format!("@{}", path.display())).expect("any file will do");
-        assert_eq!(argument.seeds().expect("these seeds are fine").to_string(), "1..3,7,9,8");
-        std::fs::write(&path, "# none\n").expect("writable");
-        assert!(argument.seeds().is_err());
-    }
 }

@@ -8,46 +8,12 @@ use std::env;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use clap::Args;
-
-use super::{BatchArguments, RUNS_FOLDER, SeedsArgument};
+use super::args::{BatchArguments, RUNS_FOLDER, SeedsArgument, SlurmArguments};
 use crate::batch::{BatchPlan, OutputFolder, Pilot, file_name_of, shell_word};
 use crate::cli::args::NamedCommand;
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
-use crate::cli::{numbers, terminal};
-
-/// The tasks of a batch on a cluster.
-#[derive(Debug, Args)]
-pub struct SlurmArguments {
-    /// Print a script that runs the batch on a cluster with Slurm, and run nothing but a pilot, which sizes the tasks.
-    #[arg(
-        help_heading = "Slurm",
-        long,
-        conflicts_with_all = ["resume", "shard", "rules", "dry_run", "profile"]
-    )]
-    slurm: bool,
-    /// The time that a task is to take.
-    #[arg(help_heading = "Slurm", long, value_name = "MINUTES", default_value = "30", requires = "slurm", value_parser = parse_minutes)]
-    target_minutes: f64,
-    /// The most tasks; where they would have to be more, each takes longer.
-    #[arg(help_heading = "Slurm", long, value_name = "N", default_value = "200", requires = "slurm", value_parser = parse_tasks)]
-    max_tasks: u64,
-}
-
-fn parse_minutes(text: &str) -> Result<f64, String> {
-    numbers::parse_within(text, &(0.1..=10_000.0), "minutes")
-}
-
-fn parse_tasks(text: &str) -> Result<u64, String> {
-    numbers::parse_within(text, &(2..=10_000), "a whole number")
-}
-
-impl SlurmArguments {
-    pub fn is_asked_for(&self) -> bool {
-        self.slurm
-    }
-}
+use crate::cli::terminal;
 
 /// The tasks that a batch is cut into.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,7 +43,6 @@ impl Tasks {
 
 /// Writes the script of a batch, whose runs the pilot has measured.
 pub fn script(arguments: &BatchArguments, plan: &BatchPlan, context: &CommandContext) -> Result<String, CliError> {
-    refuse_pipes(arguments)?;
     if !context.quiet {
         terminal::note("a pilot of some runs, at most a minute or one run long, sizes the tasks");
     }
@@ -101,8 +66,8 @@ pub fn script(arguments: &BatchArguments, plan: &BatchPlan, context: &CommandCon
     Ok(script.text(arguments, plan, &pilot))
 }
 
-/// Refuses what only this process can read.
-fn refuse_pipes(arguments: &BatchArguments) -> Result<(), CliError> {
+/// Refuses what only this process can read; to be called before it is read.
+pub fn refuse_pipes(arguments: &BatchArguments) -> Result<(), CliError> {
     let is_stdin = |path: &str| path == "-";
     let seeds = arguments.seeds.as_ref().is_some_and(|seeds| match seeds {
         SeedsArgument::File(path) => is_stdin(&path.to_string_lossy()),

@@ -35,14 +35,14 @@ pub enum JournalError {
     OtherPlan { path: PathBuf, found: String, expected: String },
     #[error("{} was changed by another program: {change}", path.display())]
     Changed { path: PathBuf, change: String },
-    #[error("another process is working on {}{}", path.display(), words_of(.owner))]
+    #[error("another process is working on {}{}", path.display(), words_of(.owner.as_deref()))]
     Locked { path: PathBuf, owner: Option<String> },
     #[error("cannot lock {}: {source}", path.display())]
     NoLock { path: PathBuf, source: io::Error },
 }
 
-fn words_of(owner: &Option<String>) -> String {
-    owner.as_ref().map_or(String::new(), |owner| format!(": {owner}"))
+fn words_of(owner: Option<&str>) -> String {
+    owner.map_or(String::new(), |owner| format!(": {owner}"))
 }
 
 impl JournalError {

@@ -201,3 +201,57 @@ pub fn count_lines(path: &Path, from: u64) -> Result<(u64, u64), JournalError> {
     };
     count().map_err(|source| JournalError::unreadable(path, source))
 }
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::super::line::{encode, encode_row};
+    use super::*;
+    use crate::batch::execute::Status;
+    use crate::batch::plan::{BatchPlan, BatchRequest};
+
+    /// Rows that failed, of the first of two slices of nine runs, in this order of their places.
+    fn journal(folder: &OutputFolder, plan: &BatchPlan, places: &[u64]) {
+        let slice = Slice::new(1, 2).expect("a slice");
+        let mut bytes = encode(&Head::new(&plan.content_sha256(), slice));
+        for &place in places {
+            let label = plan.run(slice.run_at(place)).label();
+            bytes.extend(encode_row(&RunRow::not_done(label, Status::Failed, "why".into(), Duration::ZERO)));
+        }
+        std::fs::write(folder.journal(slice), bytes).expect("writable");
+    }
+
+    #[test]
+    fn lines_in_any_order_are_read_in_that_of_the_plan_with_room_for_early_ones_or_without() {
+        let scratch = tempfile::tempdir().expect("a scratch folder");
+        let folder = OutputFolder::shared(scratch.path()).expect("a scratch folder");
+        let request =
+            BatchRequest { scenarios: vec!["smoke".into()], seeds: "1..9".parse().ok(), ..Default::default() };
+        let plan = request.resolve(false).expect("a small batch");
+        let sha256 = plan.content_sha256();
+        for places in [[0, 1, 2, 3, 4], [4, 3, 2, 1, 0], [2, 0, 4, 1, 3], [1, 0, 3, 2, 4]] {
+            journal(&folder, &plan, &places);
+            for early_bytes in [0, 500, 1_000_000] {
+                for at_once in 1..=6 {
+                    let budget = StreamBudget { plan_sha256: &sha256, runs: 9, early_bytes };
+                    let mut stream =
+                        RowStream::open(&folder, Slice::new(1, 2).expect("a slice"), budget).expect("it is whole");
+                    let mut runs = Vec::new();
+                    for begin in (0..5).step_by(at_once) {
+                        let rows = stream.rows(begin..begin + at_once as u64).expect("all are there");
+                        runs.extend(rows.iter().map(|row| row.label.run));
+                    }
+                    assert_eq!(runs, [1, 3, 5, 7, 9], "{places:?}, {early_bytes} bytes, {at_once} at once");
+                    assert_eq!(stream.room, early_bytes, "what waited was given back");
+                }
+            }
+        }
+        journal(&folder, &plan, &[4, 0, 2]);
+        let budget = StreamBudget { plan_sha256: &sha256, runs: 9, early_bytes: 0 };
+        let mut stream = RowStream::open(&folder, Slice::new(1, 2).expect("a slice"), budget).expect("it is whole");
+        assert_eq!(stream.rows(0..1).expect("it is there").len(), 1);
+        let refusal = stream.rows(1..2).expect_err("it is missing");
+        assert!(matches!(refusal, BatchError::Incomplete { missing: 2, of: 5, .. }), "{refusal}");
+    }
+}
