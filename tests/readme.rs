@@ -241,6 +241,7 @@ hold! {
     assignment: "docs/assignment.md", pictures below 0;
     audit: "docs/audit.md", pictures below 0;
     batches: "docs/batches.md", pictures below 0;
+    cluster: "docs/cluster.md", pictures below 0;
     command_line: "docs/command-line.md", pictures below 0;
     compare_and_report: "docs/compare-and-report.md", pictures below 0;
     costs: "docs/costs.md", pictures below 0;

@@ -1,6 +1,7 @@
 //! Arguments that several commands share.
 
 use std::num::NonZeroUsize;
+use std::{env, thread};
 
 use clap::Args;
 
@@ -107,6 +108,14 @@ const MAX_JOBS: usize = 1024;
 pub fn parse_jobs(text: &str) -> Result<NonZeroUsize, String> {
     let jobs = numbers::parse_within(text, &(1..=MAX_JOBS), "a whole number")?;
     Ok(NonZeroUsize::new(jobs).expect("the range begins at 1"))
+}
+
+/// Returns the threads that are asked for, or those that this process is given: by Slurm, where it says so, as a task
+/// that is not bound to its processors sees all of its machine; else by the machine.
+pub fn jobs_or_usual(asked: Option<NonZeroUsize>) -> usize {
+    let of_task = || parse_jobs(&env::var("SLURM_CPUS_PER_TASK").ok()?).ok();
+    let given = asked.or_else(of_task).or_else(|| thread::available_parallelism().ok());
+    given.map_or(1, NonZeroUsize::get)
 }
 
 pub fn parse_seed(text: &str) -> Result<u64, String> {

@@ -201,6 +201,10 @@ impl From<BatchError> for CliError {
             BatchError::Plan(PlanError::SourceChanged { .. }) => {
                 Some("undo the change to go on with this batch, or begin a new one")
             }
+            BatchError::Journal(JournalError::NoLock { .. }) => Some(
+                "this file system has no such lock: --lock file takes a file for a lock, --lock none takes none, for whoever \
+                 sees to it that nobody else works there",
+            ),
             BatchError::Journal(JournalError::Damaged { .. }) => {
                 Some("delete that line and all behind it to run those runs again")
             }
@@ -218,7 +222,9 @@ impl From<BatchError> for CliError {
             | BatchError::Unrecordable { .. }
             | BatchError::NoWorkers { .. }
             | BatchError::OtherOutcome { .. }
-            | BatchError::Journal(JournalError::Locked { .. } | JournalError::Changed { .. }) => exit::ENVIRONMENT,
+            | BatchError::Journal(
+                JournalError::Locked { .. } | JournalError::NoLock { .. } | JournalError::Changed { .. },
+            ) => exit::ENVIRONMENT,
             BatchError::Stopped => exit::RESUMABLE,
             _ => exit::BAD_INPUT,
         };

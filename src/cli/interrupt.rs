@@ -6,6 +6,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, LazyLock};
+use std::time::Duration;
 
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
@@ -72,11 +73,14 @@ pub struct Watch {
     is_resumable: bool,
 }
 
-/// Begins to watch for the first signal.
-pub fn watch() -> Watch {
+/// The longest time that the program may tidy up: a batch needs less than two seconds.
+pub const USUAL_TIDYING: Duration = Duration::from_secs(5);
+
+/// Begins to watch for the first signal, after which tidying up may take some time.
+pub fn watch(longest_tidying: Duration) -> Watch {
     let is_resumable = ENDS_RESUMABLE.load(Ordering::SeqCst);
     #[cfg(unix)]
-    announcer::start(if is_resumable { exit::RESUMABLE } else { exit::INTERRUPTED });
+    announcer::start(if is_resumable { exit::RESUMABLE } else { exit::INTERRUPTED }, longest_tidying);
     ENDS_RESUMABLE.store(false, Ordering::SeqCst);
     ENDS_INTERRUPTED.store(false, Ordering::SeqCst);
     Watch { stop: Arc::clone(&STOP), is_resumable }
@@ -115,18 +119,15 @@ mod announcer {
     use super::ending_signals;
     use crate::cli::terminal;
 
-    /// The longest time that the program may tidy up: a batch needs less than two seconds.
-    const LONGEST_TIDYING: Duration = Duration::from_secs(5);
-
     /// Starts the thread; if the system gives none, only the announcement is missing.
-    pub fn start(code: u8) {
+    pub fn start(code: u8, longest_tidying: Duration) {
         let Ok(mut signals) = Signals::new(ending_signals()) else { return };
         let wait = move || {
             if signals.forever().next().is_some() {
                 // On a thread of its own: stderr may be the very thing that is stuck.
                 let _ = thread::Builder::new().spawn(|| terminal::note("stopping; Ctrl-C once more to stop at once"));
                 #[expect(clippy::disallowed_methods, reason = "a program that is stuck is stuck in real time")]
-                thread::sleep(LONGEST_TIDYING);
+                thread::sleep(longest_tidying);
                 low_level::exit(code.into());
             }
         };

@@ -44,7 +44,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 
 use audit::AuditArguments;
-use batch::{BatchArguments, FolderArguments, StatusArguments};
+use batch::{BatchArguments, FolderArguments, MergeArguments, StatusArguments};
 use compare::CompareArguments;
 use context::CommandContext;
 use curve::CurveArguments;
@@ -106,7 +106,7 @@ pub enum Command {
     /// Show how far a batch is.
     Status(StatusArguments),
     /// Put the slices of a batch together: check that all are there, and write its tables.
-    Merge(FolderArguments),
+    Merge(MergeArguments),
     /// Write a report of a batch: a web page, and its charts as SVG and PNG.
     Report(FolderArguments),
     /// Compare batches, or scenarios and planners inside one, in pairs by seed.

@@ -8,4 +8,5 @@ mod parquet;
 mod recordings;
 mod resume;
 mod rows;
+mod shared;
 mod slices;

@@ -106,7 +106,10 @@ fn damage_before_the_end_is_named_with_its_line() {
     assert_eq!(refusal(&[lines[0], lines[1], lines[2], &changed]), (4, "its checksum is wrong".into()));
     assert_eq!(refusal(&[lines[0], lines[1], "", lines[3]]), (3, "it does not begin with a checksum".into()));
     assert_eq!(refusal(&[lines[0], lines[1], &lines[2][..50], lines[3]]).0, 3);
-    assert_eq!(refusal(&[lines[0], lines[2], lines[2]]), (3, "run 2 was there before".into()));
+    let forged = lines[2][9..].replacen("\"intact\":", "\"intact\":1", 1);
+    let forged = format!("{:08x} {forged}", crc32fast::hash(forged.as_bytes()));
+    let (line, reason) = refusal(&[lines[0], lines[2], &forged]);
+    assert!(line == 3 && reason.starts_with("run 2 was there before and ended otherwise: its row says "), "{reason}");
     assert_eq!(refusal(&[lines[1], lines[2]]).0, 1);
     assert_eq!(refusal(&[lines[0], lines[0]]).0, 2);
 }

@@ -2,6 +2,8 @@
 
 mod audit;
 #[cfg(unix)]
+#[cfg(unix)]
+mod batch_cluster;
 mod batch_folder;
 mod batch_kill;
 mod batch_plans;

@@ -3,13 +3,14 @@
 use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use serde::Deserialize;
 
 use crate::batch::execute::entries::{
     FILES, is_chart, is_leftover, is_recording, journal_name, named, slice_of_journal,
 };
-use crate::batch::execute::{BatchError, CHARTS_FOLDER, RECORDINGS_FOLDER, expect_files};
+use crate::batch::execute::{BatchError, CHARTS_FOLDER, Lock, RECORDINGS_FOLDER, expect_files};
 use crate::batch::plan::{PLAN_FILE, PROGRAM, Slice};
 use crate::whole_file::sync_folder_of;
 
@@ -20,6 +21,24 @@ const MAX_NUMBERED: u32 = 100_000;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OutputFolder {
     path: PathBuf,
+    keeping: JournalKeeping,
+}
+
+/// How the journals of a folder are kept: what is right for it depends on its file system.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct JournalKeeping {
+    pub lock: Lock,
+    /// The longest time that a line waits to be brought to the disk.
+    pub sync_every: Duration,
+    /// A folder on a disk of this machine, in which a journal is written until its process ends; in its place it is
+    /// brought then.
+    pub local_folder: Option<PathBuf>,
+}
+
+impl Default for JournalKeeping {
+    fn default() -> Self {
+        Self { lock: Lock::default(), sync_every: Duration::from_secs(1), local_folder: None }
+    }
 }
 
 impl OutputFolder {
@@ -27,18 +46,44 @@ impl OutputFolder {
     ///
     /// The name is made fit for files by [`file_name_of`].
     pub fn next_free(parent: &Path, name: &str) -> Result<Self, BatchError> {
-        let name = file_name_of(name);
         create_folder(parent)?;
-        for number in 1..=MAX_NUMBERED {
-            let path = parent.join(if number == 1 { name.clone() } else { format!("{name}-{number}") });
+        for path in Self::numbered(parent, name) {
             match fs::create_dir(&path).and_then(|()| sync_folder_of(&path)) {
-                Ok(()) => return Ok(Self { path }),
+                Ok(()) => return Ok(Self::at(path)),
                 Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
                 Err(error) => return Err(BatchError::unwritable(&path, error)),
             }
         }
+        let name = file_name_of(name);
         let full = io::Error::other(format!("{name} to {name}-{MAX_NUMBERED} exist already"));
         Err(BatchError::unwritable(parent, full))
+    }
+
+    /// Returns the path of which [`Self::next_free`] would make a folder now, and makes none.
+    pub fn next_free_path(parent: &Path, name: &str) -> PathBuf {
+        let free = Self::numbered(parent, name).find(|path| !path.exists());
+        free.unwrap_or_else(|| parent.join(file_name_of(name)))
+    }
+
+    /// Lists `parent/name`, `parent/name-2`, `parent/name-3` ...
+    fn numbered(parent: &Path, name: &str) -> impl Iterator<Item = PathBuf> {
+        let name = file_name_of(name);
+        (1..=MAX_NUMBERED)
+            .map(move |number| parent.join(if number == 1 { name.clone() } else { format!("{name}-{number}") }))
+    }
+
+    fn at(path: PathBuf) -> Self {
+        Self { path, keeping: JournalKeeping::default() }
+    }
+
+    /// Returns the same folder with journals that are kept like this.
+    #[must_use]
+    pub fn with_keeping(self, keeping: JournalKeeping) -> Self {
+        Self { keeping, ..self }
+    }
+
+    pub fn keeping(&self) -> &JournalKeeping {
+        &self.keeping
     }
 
     /// Takes a folder that was asked for by name, and creates it if need be.
@@ -71,7 +116,7 @@ impl OutputFolder {
         }
         expect_files(path)?;
         create_folder(path)?;
-        Ok(Self { path: path.to_owned() })
+        Ok(Self::at(path.to_owned()))
     }
 
     /// Takes a folder of a batch that is there.
@@ -79,7 +124,7 @@ impl OutputFolder {
         match fs::metadata(path) {
             Ok(found) if found.is_dir() => {
                 expect_files(path)?;
-                Ok(Self { path: path.to_owned() })
+                Ok(Self::at(path.to_owned()))
             }
             Ok(_) => Err(BatchError::NotAFolder { path: path.to_owned() }),
             Err(source) => Err(BatchError::Unreadable { path: path.to_owned(), source }),

@@ -65,6 +65,12 @@ impl RunRow {
         Self { label, status, message, result: None, wall, detail: RunDetail::default() }
     }
 
+    /// Says in what that is not measured another row of the same run differs from this one; `None` if in nothing.
+    pub fn outcome_difference(&self, again: &Self) -> Option<String> {
+        let is_other_detail = || (self.detail != again.detail).then(|| "its planner calls or states differ".to_owned());
+        self.difference(again).or_else(is_other_detail)
+    }
+
     /// Says in which outcome another run of the same seed differs from this one; `None` if all are the same.
     pub fn difference(&self, again: &Self) -> Option<String> {
         let outcomes = [self, again].map(|row| {

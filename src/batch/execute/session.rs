@@ -34,6 +34,8 @@ pub struct Found {
     pub has_torn_line: bool,
     /// Files that were being written; they were removed.
     pub leftovers: Vec<PathBuf>,
+    /// Lines of runs that the journal held before, equal in all that is not measured; two processes made them.
+    pub repeated: u64,
     /// Recordings of runs in the journal that are missing or damaged; their runs are made again.
     pub lost_recordings: Vec<LostRecording>,
 }
@@ -116,7 +118,8 @@ impl Batch {
         let journal = journal.open(&plan, slice, disk.as_ref())?;
         let (_, has_torn_line) = journal.index().end();
         let lost_recordings = lost_recordings(&plan, &folder, journal.index())?;
-        let found = Found { has_torn_line, leftovers, lost_recordings };
+        let repeated = journal.index().repeated();
+        let found = Found { has_torn_line, leftovers, repeated, lost_recordings };
         Ok(Self { plan: Arc::new(plan), folder, journal, disk, found })
     }
 
@@ -177,7 +180,11 @@ impl Batch {
             stop: Arc::clone(stop),
             tasks: Mutex::new(Box::new(lost.into_iter().map(Task::RecordAgain).chain(missing.map(Task::Run)))),
         };
-        let recorded_again = work_off(work, jobs, &mut self.journal, on_run)?;
+        let worked_off = work_off(work, jobs, &mut self.journal, on_run);
+        // Whatever ended the work, the runs that are over are to be kept.
+        let brought = self.journal.bring_home();
+        let recorded_again = worked_off?;
+        brought?;
         let is_over = self.journal.index().is_complete() && recorded_again == self.found.lost_recordings.len();
         if is_over { Ok(()) } else { Err(BatchError::Stopped) }
     }

@@ -31,6 +31,14 @@ const WAITING_ROWS: usize = 4;
 /// A way to run a scenario with a seed.
 pub type RunScenario = dyn Fn(&Scenario, u64) -> Result<Run, RunError> + Send + Sync;
 
+/// Makes this many threads those of all work that is cut into parts. Only the first call has an effect, and none has one
+/// after such work has begun.
+pub fn limit_threads(jobs: usize) {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs);
+    // The threads that are there already will do.
+    let _ = pool.build_global();
+}
+
 /// The work of a batch, which all workers share.
 pub struct Work {
     pub plan: Arc<BatchPlan>,

@@ -34,6 +34,11 @@ impl Slice {
         self == Self::WHOLE
     }
 
+    /// Returns which of the slices it is, from 1.
+    pub fn number(self) -> u64 {
+        self.number
+    }
+
     /// Returns the number of slices that the plan is cut into.
     pub fn of(self) -> u64 {
         self.of

@@ -1,12 +1,18 @@
 //! `runs.csv` and `agents.csv` as they grow, row by row, with cells that no spreadsheet computes.
 
+use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use crate::batch::execute::{AGENTS_FILE, BatchError, Disk, OutputFolder, RUNS_FILE, RunRow, Whole};
+use rayon::prelude::*;
+
+use crate::batch::execute::{AGENTS_FILE, BatchError, Disk, OutputFolder, RUNS_FILE, Whole};
 use crate::batch::plan::Value;
 use crate::batch::table::columns::{AGENT_COLUMNS, AgentRow, COLUMNS_BEFORE_SWEPT, RUN_COLUMNS, RunColumn};
-use crate::batch::table::record::RunRecord;
+use crate::batch::table::record::RecordedRow;
 use crate::untrusted::spreadsheet_cell;
+
+/// Rows whose lines are made at once, by one of several threads.
+const ROWS_OF_A_PART: usize = 64;
 
 /// Both files of rows; they appear when finished.
 pub struct CsvFiles {
@@ -26,12 +32,12 @@ impl CsvFiles {
         Ok(Self { runs, agents })
     }
 
-    /// Adds a run, whose record this is, and its agents.
-    pub fn add(&mut self, row: &RunRow, record: &RunRecord) -> Result<(), BatchError> {
-        let (label, rest) = record.values().split_at(COLUMNS_BEFORE_SWEPT);
-        self.runs.add(label.iter().chain(&row.label.swept).chain(rest).map(Value::to_string))?;
-        for agent in AgentRow::from_run(row) {
-            self.agents.add(AGENT_COLUMNS.iter().map(|column| (column.value)(&agent).to_string()))?;
+    /// Adds runs and their agents.
+    pub fn add(&mut self, rows: &[RecordedRow]) -> Result<(), BatchError> {
+        let parts: Vec<[Vec<u8>; 2]> = rows.par_chunks(ROWS_OF_A_PART).map(lines_of).collect();
+        for [runs, agents] in parts {
+            self.runs.append(&runs)?;
+            self.agents.append(&agents)?;
         }
         Ok(())
     }
@@ -42,27 +48,76 @@ impl CsvFiles {
     }
 }
 
+/// Returns the lines of runs, and those of their agents.
+fn lines_of(rows: &[RecordedRow]) -> [Vec<u8>; 2] {
+    let mut lines = [Lines::default(), Lines::default()];
+    let [runs, agents] = &mut lines;
+    for recorded in rows {
+        let (label, rest) = recorded.values();
+        label.chain(rest).for_each(|value| runs.add_field(value));
+        runs.end();
+        for agent in AgentRow::from_run(&recorded.row) {
+            AGENT_COLUMNS.iter().for_each(|column| agents.add_field(&(column.value)(&agent)));
+            agents.end();
+        }
+    }
+    lines.map(|lines| lines.writer.into_inner().expect("memory takes everything"))
+}
+
+/// Lines of a file in memory.
+struct Lines {
+    writer: csv::Writer<Vec<u8>>,
+    field: String,
+}
+
+impl Default for Lines {
+    fn default() -> Self {
+        Self { writer: csv::Writer::from_writer(Vec::new()), field: String::new() }
+    }
+}
+
+impl Lines {
+    fn add_field(&mut self, value: &Value) {
+        // Numbers are no formulas, whatever they begin with.
+        let written = match value {
+            Value::Text(text) => self.writer.write_field(spreadsheet_cell(text).as_bytes()),
+            Value::Missing => self.writer.write_field(b""),
+            Value::Count(_) | Value::Real(_) | Value::Flag(_) => {
+                self.field.clear();
+                write!(self.field, "{value}").expect("a string takes any text");
+                self.writer.write_field(&self.field)
+            }
+        };
+        written.expect("memory takes everything");
+    }
+
+    fn end(&mut self) {
+        self.writer.write_record(None::<&[u8]>).expect("memory takes everything");
+    }
+}
+
 struct CsvFile {
-    writer: csv::Writer<Box<dyn Whole>>,
+    file: Box<dyn Whole>,
     path: PathBuf,
 }
 
 impl CsvFile {
     fn create(path: PathBuf, disk: &dyn Disk, header: impl Iterator<Item = String>) -> Result<Self, BatchError> {
         let file = disk.whole_file(&path).map_err(|source| BatchError::unwritable(&path, source))?;
-        let mut file = Self { writer: csv::Writer::from_writer(file), path };
-        file.add(header)?;
+        let mut lines = Lines::default();
+        header.for_each(|name| lines.add_field(&Value::Text(name)));
+        lines.end();
+        let mut file = Self { file, path };
+        file.append(&lines.writer.into_inner().expect("memory takes everything"))?;
         Ok(file)
     }
 
-    fn add(&mut self, fields: impl Iterator<Item = String>) -> Result<(), BatchError> {
-        self.writer
-            .write_record(fields.map(|field| spreadsheet_cell(&field).into_owned()))
-            .map_err(|error| BatchError::unwritable(&self.path, error.into()))
+    fn append(&mut self, lines: &[u8]) -> Result<(), BatchError> {
+        self.file.write_all(lines).map_err(|source| BatchError::unwritable(&self.path, source))
     }
 
     fn finish(self) -> Result<(), BatchError> {
-        let file = self.writer.into_inner().map_err(|error| BatchError::unwritable(&self.path, error.into_error()))?;
-        file.finish().map_err(|source| BatchError::unwritable(&self.path, source))
+        let Self { file, path } = self;
+        file.finish().map_err(|source| BatchError::unwritable(&path, source))
     }
 }

@@ -27,4 +27,5 @@ pub use parquet::swept_columns;
 pub(super) use parquet::{ParquetFiles, ParquetReader, RowGroup};
 pub use query_tally::QueryTally;
 pub use reader::{TableError, TableReader};
+pub(super) use record::RecordedRow;
 pub use record::RunRecord;

@@ -3,7 +3,7 @@
 use crate::batch::execute::{RunRow, Status};
 use crate::batch::plan::Value;
 use crate::batch::table::QueryTally;
-use crate::batch::table::columns::{RUN_COLUMNS, is_measured, run_column};
+use crate::batch::table::columns::{COLUMNS_BEFORE_SWEPT, RUN_COLUMNS, is_measured, run_column};
 
 const SEED: usize = run_column("seed");
 const RUN: usize = run_column("run");
@@ -13,6 +13,25 @@ const MESSAGE: usize = run_column("message");
 /// A value for each of [`RUN_COLUMNS`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunRecord(Vec<Value>);
+
+/// A row of a batch and its record.
+#[derive(Debug)]
+pub struct RecordedRow {
+    pub row: RunRow,
+    pub record: RunRecord,
+}
+
+impl RecordedRow {
+    pub fn new(row: RunRow) -> Self {
+        Self { record: RunRecord::from_row(&row), row }
+    }
+
+    /// Returns the values that say which run it is, with those of what the batch sweeps, and all others.
+    pub fn values(&self) -> (impl Iterator<Item = &Value> + Clone, &[Value]) {
+        let (label, rest) = self.record.values().split_at(COLUMNS_BEFORE_SWEPT);
+        (label.iter().chain(&self.row.label.swept), rest)
+    }
+}
 
 impl RunRecord {
     pub fn from_row(row: &RunRow) -> Self {

@@ -91,7 +91,7 @@ pub struct FilmFiles<'a> {
 
 /// Writes the films that were asked for; they appear whole, both or none.
 pub fn write_films(scene: &Scene, moments: Moments, files: FilmFiles<'_>, quiet: bool) -> Result<(), CliError> {
-    let watch = interrupt::watch();
+    let watch = interrupt::watch(interrupt::USUAL_TIDYING);
     let stop = watch.stop();
     let mut mp4 = files.mp4.map(|path| Mp4File::create(path, scene.size, moments.fps)).transpose()?;
     let sampled = if files.gif.is_some() { moments.sample(SAMPLED_FRAMES).count() as u64 } else { 0 };

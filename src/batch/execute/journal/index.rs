@@ -12,6 +12,9 @@ use crate::batch::plan::{BatchPlan, Slice};
 /// The longest line; that of a run with a hundred agents and thousands of plans has some megabytes.
 const MAX_LINE_BYTES: u64 = 1 << 25;
 
+/// Bytes that are read at once: few, since of the journals that are merged each is read some lines at a time.
+const BUFFERED_BYTES: usize = 1 << 14;
+
 /// The runs that a journal holds, eight bytes each.
 #[derive(Clone, Debug)]
 pub struct JournalIndex {
@@ -27,58 +30,91 @@ pub struct JournalIndex {
     end: u64,
     /// True if something follows the last whole line.
     torn: bool,
+    /// Lines of runs that were there before.
+    repeated: u64,
+}
+
+/// What a line of a run is to an index.
+enum Place {
+    Free(usize),
+    /// The run has a line already, which begins here.
+    Taken(u64),
 }
 
 impl JournalIndex {
     /// The index of a journal without a line.
     fn empty(slice: Slice, runs: u64) -> Self {
         let places = usize::try_from(slice.count(runs)).expect("the runs of a batch are counted in memory");
-        Self { slice, offsets: vec![0; places], held: 0, not_done: 0, recorded: Vec::new(), end: 0, torn: false }
+        Self {
+            slice,
+            offsets: vec![0; places],
+            held: 0,
+            not_done: 0,
+            recorded: Vec::new(),
+            end: 0,
+            torn: false,
+            repeated: 0,
+        }
     }
 
     /// Reads the journal of a slice of a plan; one without a whole first line is empty.
     ///
     /// # Errors
-    /// If a line is damaged, belongs to another plan or slice, or names a run that was named before.
+    /// If a line is damaged, belongs to another plan or slice, or names a run that was named before and ended otherwise.
     pub fn read(path: &Path, file: &File, plan: &BatchPlan, slice: Slice) -> Result<Self, JournalError> {
         let mut index = Self::empty(slice, plan.count());
-        let mut lines = Lines::new(path, file)?;
+        let mut lines = Lines::from(path, file, LineStart::default())?;
         let damaged = |line: u64, reason: String| JournalError::Damaged { path: path.to_owned(), line, reason };
-        while let Some((number, offset)) = lines.next()? {
-            if number == 1 {
+        while let Some(LineStart { number, offset }) = lines.next()? {
+            if number == 0 {
                 check_head(path, &lines.line, &Head::new(&plan.content_sha256(), slice))?;
-            } else {
-                let entry: Entry = decode(&lines.line).map_err(|reason| damaged(number, reason))?;
-                index.add(entry.label.run, entry.status, offset).map_err(|reason| damaged(number, reason))?;
-                index.recorded.extend(entry.is_recorded(plan.record).then_some(entry.label.run));
+                continue;
+            }
+            let damaged = |reason: String| damaged(number + 1, reason);
+            let entry: Entry = decode(&lines.line).map_err(damaged)?;
+            match index.place_of(entry.label.run).map_err(damaged)? {
+                Place::Free(place) => {
+                    index.add(place, entry.status, offset);
+                    index.recorded.extend(entry.is_recorded(plan.record).then_some(entry.label.run));
+                }
+                Place::Taken(first) => {
+                    expect_same_row(path, first, &lines.line).map_err(damaged)?;
+                    index.repeated += 1;
+                }
             }
         }
         index.recorded.sort_unstable();
-        index.end = lines.end;
-        index.torn = lines.torn;
+        (index.end, index.torn) = (lines.start.offset, lines.torn);
         Ok(index)
     }
 
-    /// Takes a run whose line begins at `offset`.
-    fn add(&mut self, run: u64, status: Status, offset: u64) -> Result<(), String> {
-        let place = self.slice.place_of(run).and_then(|place| self.offsets.get_mut(usize::try_from(place).ok()?));
-        let Some(place) = place else {
-            return Err(format!("run {run} is not in slice {}", self.slice));
-        };
-        if *place != 0 {
-            return Err(format!("run {run} was there before"));
+    /// Finds the place of a run in the slice.
+    fn place_of(&self, run: u64) -> Result<Place, String> {
+        let place = self.slice.place_of(run).and_then(|place| usize::try_from(place).ok());
+        match place.and_then(|place| Some((place, *self.offsets.get(place)?))) {
+            Some((place, 0)) => Ok(Place::Free(place)),
+            Some((_, first)) => Ok(Place::Taken(first)),
+            None => Err(format!("run {run} is not in slice {}", self.slice)),
         }
-        *place = offset;
+    }
+
+    /// Takes a run whose line begins at `offset`.
+    fn add(&mut self, place: usize, status: Status, offset: u64) {
+        self.offsets[place] = offset;
         self.held += 1;
         self.not_done += u64::from(status != Status::Done);
-        Ok(())
     }
 
     /// Takes the line of a run that was written at the end.
     pub fn append(&mut self, run: u64, status: Status, bytes: usize) {
-        let offset = self.end;
-        self.add(run, status, offset).expect("only missing runs are run");
+        let Ok(Place::Free(place)) = self.place_of(run) else { unreachable!("only missing runs are run") };
+        self.add(place, status, self.end);
         self.end += bytes as u64;
+    }
+
+    /// Takes note that a line was torn before the journal came to where it was read.
+    pub fn note_torn(&mut self, was_torn: bool) {
+        self.torn |= was_torn;
     }
 
     /// Takes the first line, which was written.
@@ -119,6 +155,11 @@ impl JournalIndex {
     pub fn end(&self) -> (u64, bool) {
         (self.end, self.torn)
     }
+
+    /// Lines of runs that were there before, with rows that are equal in all that is not measured.
+    pub fn repeated(&self) -> u64 {
+        self.repeated
+    }
 }
 
 /// Reads the rows of a journal that is complete.
@@ -157,7 +198,29 @@ impl<'a> RowReader<'a> {
     }
 }
 
-fn check_head(path: &Path, line: &[u8], expected: &Head) -> Result<(), JournalError> {
+/// Refuses the line of a run that ended otherwise in the line that begins at `first`.
+pub(super) fn expect_same_row(path: &Path, first: u64, line: &[u8]) -> Result<(), String> {
+    let row: RunRow = decode(line)?;
+    let read = File::open(path).and_then(|file| read_line_at(&file, first));
+    let first = read.map_err(|error| format!("its run was there before and cannot be read: {error}"))?;
+    let first: RunRow = decode(&first)?;
+    match first.outcome_difference(&row) {
+        None => Ok(()),
+        Some(difference) => Err(format!("run {} was there before and ended otherwise: {difference}", row.label.run)),
+    }
+}
+
+/// Reads the line that begins at a byte, without its newline.
+pub(super) fn read_line_at(file: &File, offset: u64) -> io::Result<Vec<u8>> {
+    let mut reader = BufReader::with_capacity(BUFFERED_BYTES, file);
+    reader.seek(SeekFrom::Start(offset))?;
+    let mut line = Vec::new();
+    reader.take(MAX_LINE_BYTES).read_until(b'\n', &mut line)?;
+    line.pop();
+    Ok(line)
+}
+
+pub(super) fn check_head(path: &Path, line: &[u8], expected: &Head) -> Result<(), JournalError> {
     let damaged = |reason: String| JournalError::Damaged { path: path.to_owned(), line: 1, reason };
     let head: Head = decode(line).map_err(damaged)?;
     if head.plan_sha256 != expected.plan_sha256 {
@@ -167,39 +230,49 @@ fn check_head(path: &Path, line: &[u8], expected: &Head) -> Result<(), JournalEr
     if head == *expected { Ok(()) } else { Err(damaged("it is the journal of another slice, or format".into())) }
 }
 
+/// Where a line begins.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct LineStart {
+    /// Lines before it.
+    pub number: u64,
+    /// Bytes before it.
+    pub offset: u64,
+}
+
 /// The whole lines of a file.
-struct Lines<'a> {
+pub(super) struct Lines<'a> {
     path: &'a Path,
     reader: BufReader<&'a File>,
-    line: Vec<u8>,
-    number: u64,
-    end: u64,
-    torn: bool,
+    pub line: Vec<u8>,
+    /// The next line's.
+    pub start: LineStart,
+    /// True if what follows the last whole line was reached, and is something.
+    pub torn: bool,
 }
 
 impl<'a> Lines<'a> {
-    fn new(path: &'a Path, file: &'a File) -> Result<Self, JournalError> {
-        let mut reader = BufReader::new(file);
-        reader.seek(SeekFrom::Start(0)).map_err(|source| JournalError::unreadable(path, source))?;
-        Ok(Self { path, reader, line: Vec::new(), number: 0, end: 0, torn: false })
+    /// Reads on from a line.
+    pub fn from(path: &'a Path, file: &'a File, start: LineStart) -> Result<Self, JournalError> {
+        let mut reader = BufReader::with_capacity(BUFFERED_BYTES, file);
+        reader.seek(SeekFrom::Start(start.offset)).map_err(|source| JournalError::unreadable(path, source))?;
+        Ok(Self { path, reader, line: Vec::new(), start, torn: false })
     }
 
-    /// Reads the next line into `line`; its number, from 1, and where it begins.
-    fn next(&mut self) -> Result<Option<(u64, u64)>, JournalError> {
+    /// Reads the next line into `line`, without its newline, and returns its start.
+    pub fn next(&mut self) -> Result<Option<LineStart>, JournalError> {
         self.line.clear();
         let read = self.reader.by_ref().take(MAX_LINE_BYTES).read_until(b'\n', &mut self.line);
         let bytes = read.map_err(|source| JournalError::unreadable(self.path, source))? as u64;
+        let start = self.start;
         if self.line.pop() != Some(b'\n') {
             if bytes == MAX_LINE_BYTES {
                 let reason = format!("it has more than {} MB", MAX_LINE_BYTES >> 20);
-                return Err(JournalError::Damaged { path: self.path.to_owned(), line: self.number + 1, reason });
+                return Err(JournalError::Damaged { path: self.path.to_owned(), line: start.number + 1, reason });
             }
             self.torn = bytes > 0;
             return Ok(None);
         }
-        let offset = self.end;
-        self.number += 1;
-        self.end += bytes;
-        Ok(Some((self.number, offset)))
+        self.start = LineStart { number: start.number + 1, offset: start.offset + bytes };
+        Ok(Some(start))
     }
 }

@@ -70,9 +70,27 @@ pub fn encode(content: &impl Serialize) -> Vec<u8> {
     line
 }
 
+/// Returns the number of the run of a line with a right checksum, reading no more of it than need be.
+pub fn run_of(line: &[u8]) -> Result<u64, String> {
+    /// The beginning of a line that this program wrote.
+    const START: &[u8] = b"{\"label\":{\"run\":";
+    let json = checked(line)?;
+    let digits = json.strip_prefix(START).and_then(|rest| {
+        let end = rest.iter().position(|byte| !byte.is_ascii_digit())?;
+        std::str::from_utf8(&rest[..end]).ok()?.parse().ok()
+    });
+    match digits {
+        Some(run) => Ok(run),
+        None => from_json::<Entry>(json).map(|entry| entry.label.run),
+    }
+}
+
 /// Reads a line, without its newline, or says what is wrong with it.
 pub fn decode<'a, T: Deserialize<'a>>(line: &'a [u8]) -> Result<T, String> {
-    let json = checked(line)?;
+    from_json(checked(line)?)
+}
+
+fn from_json<'a, T: Deserialize<'a>>(json: &'a [u8]) -> Result<T, String> {
     serde_json::from_slice(json).map_err(|error| format!("its contents are not those of a journal: {error}"))
 }
 
@@ -109,6 +127,20 @@ mod tests {
             assert!(decode::<Head>(&changed).is_err(), "byte {at}");
             assert!(decode::<Head>(&line[..at]).is_err(), "cut at {at}");
         }
+    }
+
+    #[test]
+    fn run_of_a_line_is_found_wherever_it_is_named() {
+        for json in [
+            serde_json::json!({ "label": { "run": 12, "seed": 7 }, "status": "done" }),
+            serde_json::json!({ "status": "failed", "label": { "seed": 7, "run": 12 } }),
+        ] {
+            let line = encode(&json);
+            assert_eq!(run_of(&line[..line.len() - 1]), Ok(12));
+            assert!(run_of(&line[..line.len() - 2]).is_err(), "the checksum is wrong");
+        }
+        let nameless = encode(&serde_json::json!({ "label": {}, "status": "done" }));
+        assert!(run_of(&nameless[..nameless.len() - 1]).is_err());
     }
 
     #[test]

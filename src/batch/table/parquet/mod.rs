@@ -17,12 +17,12 @@ mod writer;
 
 pub use reader::{ParquetReader, RowGroup};
 
-use crate::batch::execute::{BatchError, CALLS_PARQUET, Disk, OutputFolder, RUNS_PARQUET, RunRow, STATES_PARQUET};
+use crate::batch::execute::{BatchError, CALLS_PARQUET, Disk, OutputFolder, RUNS_PARQUET, STATES_PARQUET};
 use crate::batch::plan::{BatchPlan, PROGRAM_VERSION, Value};
 use crate::batch::table::column::{FileColumn, Kind};
-use crate::batch::table::columns::{CALL_COLUMNS, COLUMNS_BEFORE_SWEPT, STATE_COLUMNS};
+use crate::batch::table::columns::{CALL_COLUMNS, STATE_COLUMNS};
 use crate::batch::table::dictionary::{TableOfRows, schema_of};
-use crate::batch::table::record::RunRecord;
+use crate::batch::table::record::RecordedRow;
 use writer::ParquetWriter;
 
 /// Rows that are held in memory, of some seventy columns and of some fifteen.
@@ -59,20 +59,31 @@ impl ParquetFiles {
         })
     }
 
-    /// Adds a run, whose record this is, with its planner calls and states.
-    pub fn add(&mut self, row: &RunRow, record: &RunRecord) -> Result<(), BatchError> {
-        let (label, rest) = record.values().split_at(COLUMNS_BEFORE_SWEPT);
-        let label = || label.iter().chain(&row.label.swept);
-        self.runs.add(label().chain(rest))?;
-        for call in &row.detail.calls {
-            let own: Vec<Value> = CALL_COLUMNS.iter().map(|column| (column.value)(call)).collect();
-            self.calls.add(label().chain(&own))?;
-        }
-        for state in &row.detail.states {
-            let own: Vec<Value> = STATE_COLUMNS.iter().map(|column| (column.value)(state)).collect();
-            self.states.add(label().chain(&own))?;
-        }
-        Ok(())
+    /// Adds runs with their planner calls and states.
+    pub fn add(&mut self, rows: &[RecordedRow]) -> Result<(), BatchError> {
+        let Self { runs, calls, states } = self;
+        let add_runs = || {
+            rows.iter().try_for_each(|recorded| {
+                let (label, rest) = recorded.values();
+                runs.add(label.chain(rest))
+            })
+        };
+        let add_calls = || {
+            rows.iter().try_for_each(|recorded| {
+                let made = &recorded.row.detail.calls;
+                let own = |row: usize, column: usize| (CALL_COLUMNS[column].value)(&made[row]);
+                calls.add_alike(recorded.values().0, made.len(), own)
+            })
+        };
+        let add_states = || {
+            rows.iter().try_for_each(|recorded| {
+                let counted = &recorded.row.detail.states;
+                let own = |row: usize, column: usize| (STATE_COLUMNS[column].value)(&counted[row]);
+                states.add_alike(recorded.values().0, counted.len(), own)
+            })
+        };
+        let (runs, (calls, states)) = rayon::join(add_runs, || rayon::join(add_calls, add_states));
+        runs.and(calls).and(states)
     }
 
     pub fn finish(self) -> Result<(), BatchError> {

@@ -1,6 +1,7 @@
 //! A Parquet file of named columns, written some thousand rows at a time.
 
 use std::io;
+use std::iter;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -69,13 +70,46 @@ impl ParquetWriter {
         let mut columns = self.columns.iter().zip(&mut self.buffers);
         for (value, (column, buffer)) in values.into_iter().zip(columns.by_ref()) {
             if !buffer.push(column, value) {
-                let reason = format!("{value:?} is no value of the column `{}`, {:?}", column.name, column.kind);
-                return Err(BatchError::unwritable(&self.path, io::Error::other(reason)));
+                return Err(refuse(&self.path, column, value));
             }
         }
         assert!(columns.next().is_none(), "a row has a value for each column");
         self.rows += 1;
         if self.rows < self.rows_a_group { Ok(()) } else { self.write_group() }
+    }
+
+    /// Takes rows that begin with the same values, column by column, which costs a fraction of taking them one by one;
+    /// `own` gives the value of each row in each column behind these.
+    pub fn add_alike<'a>(
+        &mut self,
+        shared: impl Iterator<Item = &'a Value> + Clone,
+        rows: usize,
+        own: impl Fn(usize, usize) -> Value,
+    ) -> Result<(), BatchError> {
+        let mut begin = 0;
+        while begin < rows {
+            let end = rows.min(begin + self.rows_a_group - self.rows);
+            let mut columns = self.columns.iter().zip(&mut self.buffers);
+            for (value, (column, buffer)) in shared.clone().zip(columns.by_ref()) {
+                if !buffer.push_times(column, value, end - begin) {
+                    return Err(refuse(&self.path, column, value));
+                }
+            }
+            for (number, (column, buffer)) in columns.enumerate() {
+                for row in begin..end {
+                    let value = own(row, number);
+                    if !buffer.push(column, &value) {
+                        return Err(refuse(&self.path, column, &value));
+                    }
+                }
+            }
+            self.rows += end - begin;
+            begin = end;
+            if self.rows == self.rows_a_group {
+                self.write_group()?;
+            }
+        }
+        Ok(())
     }
 
     pub fn finish(mut self) -> Result<(), BatchError> {
@@ -91,6 +125,11 @@ impl ParquetWriter {
         let written = write_columns(&mut self.writer, &mut self.buffers);
         written.map_err(|error| unwritable(&self.path, error))
     }
+}
+
+fn refuse(path: &Path, column: &FileColumn, value: &Value) -> BatchError {
+    let reason = format!("{value:?} is no value of the column `{}`, {:?}", column.name, column.kind);
+    BatchError::unwritable(path, io::Error::other(reason))
 }
 
 /// Sets compression and metadata. Dictionaries are for text only: of numbers they cost more than they save.
@@ -171,6 +210,25 @@ impl Buffer {
         true
     }
 
+    /// Takes a value for as many rows, at least one, unless the column cannot hold it.
+    fn push_times(&mut self, column: &FileColumn, value: &Value, rows: usize) -> bool {
+        if !self.push(column, value) {
+            return false;
+        }
+        let level = *self.levels.last().expect("a value was pushed");
+        self.levels.resize(self.levels.len() + rows - 1, level);
+        if level == 1 {
+            match &mut self.values {
+                ColumnValues::Whole(values) => repeat_last(values, rows),
+                ColumnValues::Real(values) => repeat_last(values, rows),
+                // Equal texts share their letters.
+                ColumnValues::Text(values) => repeat_last(values, rows),
+                ColumnValues::Flag(values) => repeat_last(values, rows),
+            }
+        }
+        true
+    }
+
     /// Writes all rows and forgets them.
     fn write(&mut self, writer: &mut SerializedColumnWriter<'_>) -> Result<(), ParquetError> {
         match &mut self.values {
@@ -182,6 +240,12 @@ impl Buffer {
         self.levels.clear();
         Ok(())
     }
+}
+
+/// Makes the last value the last of so many that are the same.
+fn repeat_last<T: Clone>(values: &mut Vec<T>, times: usize) {
+    let last = values.last().expect("a value was pushed").clone();
+    values.extend(iter::repeat_n(last, times - 1));
 }
 
 fn write_values<T: DataType>(
@@ -233,6 +297,44 @@ mod tests {
             assert!(refusal.is_none_or(names_it));
             assert_eq!(Kind::holding_up_to(number) == Kind::Count, number <= largest);
         }
+    }
+
+    #[test]
+    fn rows_that_begin_alike_are_those_that_are_taken_one_by_one() {
+        let scratch = tempfile::tempdir().expect("a scratch folder");
+        let columns = || {
+            vec![
+                column("text", Kind::Text, true),
+                column("none", Kind::Real, false),
+                column("flag", Kind::Flag, true),
+                column("own", Kind::Count, false),
+                column("other", Kind::Real, true),
+            ]
+        };
+        let shared = [Value::Text("one".into()), Value::Missing, Value::Flag(true)];
+        let own = |row: usize, number: usize| match number {
+            0 if row.is_multiple_of(3) => Value::Missing,
+            0 => Value::Count(row as u64),
+            _ => Value::Real(row as f64 / 2.0),
+        };
+        let write = |name: &str, is_alike: bool| {
+            let path = scratch.path().join(name);
+            // Groups of seven rows end within those that begin alike.
+            let mut table = ParquetWriter::create(path.clone(), &RealDisk, columns(), &[], 7).expect("writable");
+            for rows in [0, 1, 6, 25, 3] {
+                if is_alike {
+                    table.add_alike(shared.iter(), rows, own).expect("they are values of their columns");
+                } else {
+                    for row in 0..rows {
+                        let own = [own(row, 0), own(row, 1)];
+                        table.add(shared.iter().chain(&own)).expect("they are values of their columns");
+                    }
+                }
+            }
+            table.finish().expect("writable");
+            std::fs::read(path).expect("it was just written")
+        };
+        assert!(write("alike.parquet", true) == write("single.parquet", false));
     }
 
     #[test]

@@ -1,0 +1,169 @@
+//! The arguments of `wildfire batch`.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::keeping::KeepingArguments;
+use crate::batch::{MAX_SEEDS_BYTES, Record, Seeds, SeedsError, Slice};
+use crate::cli::args::{ProgramArguments, parse_jobs};
+use crate::cli::error::CliError;
+use crate::cli::numbers;
+use crate::input_file;
+use crate::scenario::MemoryLimit;
+
+/// The folder, in the current one, that holds a folder for each batch.
+pub const RUNS_FOLDER: &str = "runs";
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  wildfire batch
+  wildfire batch contest --seeds 1..1000 --jobs 2
+  wildfire batch my.toml --seeds 1..50,99 --out runs/tuned --force --record all
+  wildfire batch --planner prm-rs,hybrid-astar --set field.coverage=0.05,0.10,0.20 --dry-run
+  wildfire batch --resume runs/contest
+  wildfire batch --rules official.toml --agent anna.toml ben.toml --out runs/course
+  wildfire batch plan.toml --shard 2/5 --out runs/cluster
+  wildfire batch plan.toml --out runs/cluster --slurm > fleet.sh && bash fleet.sh")]
+pub struct BatchArguments {
+    /// Scenario files, or names of built-in scenarios [default: contest]; or one plan file.
+    #[arg(value_name = "SCENARIO|PLAN.toml")]
+    pub sources: Vec<String>,
+    /// Change a value of the scenarios; with several values between commas, run all of them with each. Sweeps of
+    /// several keys are multiplied; may be repeated.
+    #[arg(long = "set", value_name = "KEY=VALUE[,VALUE...]")]
+    pub set: Vec<String>,
+    #[command(flatten)]
+    pub programs: ProgramArguments,
+    /// Planners of the trucks: short for `--set unimog.planner=`.
+    #[arg(long, value_name = "NAME[,NAME...]", value_delimiter = ',')]
+    pub planner: Vec<String>,
+    /// The rules of a course, which fix everything but what they free for agents.
+    #[arg(
+        long,
+        value_name = "FILE.toml",
+        requires = "agent",
+        conflicts_with_all = ["sources", "set", "planner", "memory", "shard"]
+    )]
+    pub rules: Option<PathBuf>,
+    /// Files of agents: what the rules leave free. All of them run with the same seeds, in turn.
+    #[arg(long, value_name = "FILE.toml", num_args = 1.., requires = "rules")]
+    pub agent: Vec<PathBuf>,
+    /// Leave agents out whose files are refused, and run the others; the exit code is then 1.
+    #[arg(long, requires = "rules")]
+    pub skip_refused: bool,
+    /// Seeds: ranges with both ends, lists, or both, such as `1..5`, `1,5,9`, `1..100,200`; or `@FILE` that holds
+    /// them [default: 1..5].
+    #[arg(long, allow_hyphen_values = true, value_parser = parse_seeds)]
+    pub seeds: Option<SeedsArgument>,
+    /// Threads [default: as many as the machine runs at once, or as Slurm gives the task, in SLURM_CPUS_PER_TASK].
+    #[arg(long, allow_hyphen_values = true, value_parser = parse_jobs)]
+    pub jobs: Option<NonZeroUsize>,
+    /// The memory that each run may take, such as `4GB`, `512MiB` or `4G`, which is 4 GB: one that would take more is a
+    /// failed row. As many runs as threads take place at once [default: 2GB].
+    #[arg(long, value_name = "SIZE")]
+    pub memory: Option<MemoryLimit>,
+    /// The folder for the results [default: runs/NAME, or the next free runs/NAME-2, runs/NAME-3 ...].
+    #[arg(long, value_name = "DIR", group = "shared_folder")]
+    pub out: Option<PathBuf>,
+    /// Overwrite the results in the folder given with --out, and run more than 100000 runs if asked to.
+    #[arg(long)]
+    pub force: bool,
+    /// Keep recordings of `all` runs, of `failed` ones, or of `none` [default: none]; failed means here that some agent
+    /// was stuck: a run whose status is failed has no timeline.
+    #[arg(long, value_name = "WHICH")]
+    pub record: Option<Record>,
+    /// List what would be run, and run nothing.
+    #[arg(long)]
+    pub dry_run: bool,
+    /// Also print where the CPU time went, by part.
+    #[arg(long)]
+    pub profile: bool,
+    /// Continue the batch in this folder, which was stopped.
+    #[arg(
+        long,
+        value_name = "DIR",
+        group = "shared_folder",
+        conflicts_with_all = ["sources", "set", "planner", "rules", "seeds", "memory", "out", "force", "record", "dry_run", "commands"]
+    )]
+    pub resume: Option<PathBuf>,
+    /// Run slice K of N of the plan only, in a folder that the slices share; `wildfire merge` puts them together.
+    #[arg(long, value_name = "K/N", requires = "shared_folder")]
+    pub shard: Option<Slice>,
+    #[command(flatten)]
+    pub keeping: KeepingArguments,
+    #[command(flatten)]
+    pub slurm: SlurmArguments,
+}
+
+/// Seeds, or the file that holds them.
+#[derive(Clone, Debug)]
+pub enum SeedsArgument {
+    Given(Seeds),
+    File(PathBuf),
+}
+
+impl SeedsArgument {
+    /// The seeds; in a file they are between commas, blanks and lines, and `#` begins a comment.
+    pub fn seeds(&self) -> Result<Seeds, CliError> {
+        let path = match self {
+            Self::Given(seeds) => return Ok(seeds.clone()),
+            Self::File(path) => path,
+        };
+        let text = input_file::read_text(path, MAX_SEEDS_BYTES).map_err(|error| CliError::unreadable(path, &error))?;
+        Seeds::from_file_text(&text)
+            .map_err(|error| CliError::bad_input(format_args!("{}: {error}", path.display()), None))
+    }
+}
+
+/// Seeds as they are, or `@FILE`.
+fn parse_seeds(text: &str) -> Result<SeedsArgument, String> {
+    match text.strip_prefix('@') {
+        Some(path) => Ok(SeedsArgument::File(path.into())),
+        None => text.parse().map(SeedsArgument::Given).map_err(|error: SeedsError| error.to_string()),
+    }
+}
+
+/// The tasks of a batch on a cluster.
+#[derive(Debug, Args)]
+pub struct SlurmArguments {
+    /// Print a script that runs the batch on a cluster with Slurm, and run nothing but a pilot, which sizes the tasks.
+    #[arg(
+        help_heading = "Slurm",
+        long,
+        conflicts_with_all = ["resume", "shard", "rules", "dry_run", "profile"]
+    )]
+    pub slurm: bool,
+    /// The time that a task is to take.
+    #[arg(help_heading = "Slurm", long, value_name = "MINUTES", default_value = "30", requires = "slurm", value_parser = parse_minutes)]
+    pub target_minutes: f64,
+    /// The most tasks; where they would have to be more, each takes longer.
+    #[arg(help_heading = "Slurm", long, value_name = "N", default_value = "200", requires = "slurm", value_parser = parse_tasks)]
+    pub max_tasks: u64,
+}
+
+fn parse_minutes(text: &str) -> Result<f64, String> {
+    numbers::parse_within(text, &(0.01..=10_000.0), "minutes")
+}
+
+fn parse_tasks(text: &str) -> Result<u64, String> {
+    numbers::parse_within(text, &(2..=10_000), "a whole number")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn seeds_of_a_file_stand_between_commas_blanks_and_lines() {
+        let scratch = tempfile::tempdir().expect("a scratch folder");
+        let path = scratch.path().join("seeds");
+        std::fs::write(&path, "# mine\n1..3, 7\n9 8 # two\n\n").expect("writable");
+        let argument = parse_seeds(&format!("@{}", path.display())).expect("any file will do");
+        assert_eq!(argument.seeds().expect("these seeds are fine").to_string(), "1..3,7,9,8");
+        std::fs::write(&path, "# none\n").expect("writable");
+        assert!(argument.seeds().is_err());
+    }
+}

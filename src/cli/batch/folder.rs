@@ -1,0 +1,356 @@
+//! Commands on the folder of a batch: `status`, `merge` and `report`.
+
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
+
+use clap::Args;
+use serde::Serialize;
+
+use super::keeping::LockArguments;
+use super::{exit_code, list, note_leftovers, note_repeated, resume_command, summary};
+use crate::batch::{
+    BatchError, BatchPlan, FinishedBatch, JournalError, MissingRuns, OutputFolder, PlanError, RUNS_FILE, RealDisk,
+    ReportError, Slice, SliceState, Survey, batch_status, limit_threads, write_report,
+};
+use crate::cli::args::{jobs_or_usual, parse_jobs};
+use crate::cli::error::CliError;
+use crate::cli::report::FormArguments;
+use crate::cli::{interrupt, numbers, terminal};
+use crate::document::{Block, Document, Table};
+use crate::time::wall::WallStopwatch;
+
+#[derive(Debug, Args)]
+pub struct StatusArguments {
+    /// The folder of a batch.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    #[command(flatten)]
+    lock: LockArguments,
+    #[command(flatten)]
+    pub form: FormArguments,
+}
+
+/// The folder of a batch.
+#[derive(Debug, Args)]
+pub struct FolderArguments {
+    /// The folder of a batch.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  wildfire merge runs/big
+  wildfire merge runs/big --wait --jobs 4")]
+pub struct MergeArguments {
+    /// The folder of a batch.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Wait for slices that are not complete, until none has got a run for this time [default: 300].
+    #[arg(
+        long,
+        value_name = "SECONDS",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "300",
+        value_parser = parse_wait
+    )]
+    pub wait: Option<u64>,
+    /// Threads [default: as many as the machine runs at once, or as Slurm gives the task, in SLURM_CPUS_PER_TASK].
+    #[arg(long, allow_hyphen_values = true, value_parser = parse_jobs)]
+    pub jobs: Option<NonZeroUsize>,
+    #[command(flatten)]
+    lock: LockArguments,
+}
+
+fn parse_wait(text: &str) -> Result<u64, String> {
+    numbers::parse_within(text, &(0..=1_000_000), "whole seconds")
+}
+
+/// Writes the tables of a batch whose slices were run one by one.
+pub fn merge(arguments: &MergeArguments, quiet: bool) -> Result<ExitCode, CliError> {
+    interrupt::set_resumable();
+    let folder = OutputFolder::existing(&arguments.folder)?.with_keeping(arguments.lock.keeping());
+    let watch = interrupt::watch(interrupt::USUAL_TIDYING);
+    let mut waiting = arguments.wait.map(|seconds| Waiting::new(&folder, Duration::from_secs(seconds), quiet));
+    limit_threads(jobs_or_usual(arguments.jobs));
+    let merged = loop {
+        let error = match crate::batch::merge(&folder, &RealDisk, watch.stop()) {
+            Ok(merged) => break merged,
+            Err(error) => error,
+        };
+        let goes_on = match &mut waiting {
+            Some(waiting) if is_unfinished(&error) => waiting.until_it_is_worth_it(watch.stop())?,
+            _ => false,
+        };
+        if !goes_on {
+            return Err(merge_error(error, &folder, &arguments.lock));
+        }
+    };
+    drop(watch);
+    if !quiet {
+        note_leftovers(&merged.leftovers);
+        note_repeated(merged.repeated);
+    }
+    terminal::print(&summary(&merged.plan, &folder, &merged.report))?;
+    Ok(exit_code(merged.report.not_done()))
+}
+
+/// Says whether a batch may be merged later, when others have gone on with it.
+fn is_unfinished(error: &BatchError) -> bool {
+    matches!(
+        error,
+        BatchError::Incomplete { .. }
+            | BatchError::NotBegun { .. }
+            | BatchError::NoJournal { .. }
+            | BatchError::Plan(PlanError::Missing { .. })
+            | BatchError::Journal(JournalError::Locked { .. } | JournalError::Changed { .. })
+    )
+}
+
+/// A wait for the runs of other processes.
+struct Waiting<'a> {
+    folder: &'a OutputFolder,
+    patience: Duration,
+    quiet: bool,
+    survey: Option<Survey>,
+    since_last_run: WallStopwatch,
+}
+
+impl<'a> Waiting<'a> {
+    /// The time between two looks.
+    const LOOK: Duration = Duration::from_secs(1);
+
+    fn new(folder: &'a OutputFolder, patience: Duration, quiet: bool) -> Self {
+        Self { folder, patience, quiet, survey: None, since_last_run: WallStopwatch::start() }
+    }
+
+    /// Waits until no line of a run is missing, and says whether that came before the patience ended. That no line is
+    /// missing may be wrong, as after a kill, and somebody may be at work yet: so each time takes one look at least.
+    fn until_it_is_worth_it(&mut self, stop: &AtomicBool) -> Result<bool, CliError> {
+        let mut missing = self.look()?;
+        if let (Some(missing), false) = (&missing, self.quiet) {
+            terminal::note(&format!("waiting for {}", words_for(missing, &self.number_of_slices())));
+        }
+        loop {
+            if self.since_last_run.elapsed() > self.patience {
+                return Ok(false);
+            }
+            if stop.load(Ordering::Relaxed) {
+                return Err(BatchError::Stopped.into());
+            }
+            #[expect(clippy::disallowed_methods, reason = "other processes work in real time")]
+            thread::sleep(Self::LOOK);
+            if missing.as_ref().is_some_and(Vec::is_empty) {
+                return Ok(true);
+            }
+            missing = self.look()?;
+        }
+    }
+
+    /// Looks for runs that are missing; none if there is no plan or no journal yet.
+    fn look(&mut self) -> Result<Option<Vec<MissingRuns>>, BatchError> {
+        if self.survey.is_none() {
+            let plan = match BatchPlan::read(self.folder.path()) {
+                Err(PlanError::Missing { .. }) => return Ok(None),
+                plan => plan?,
+            };
+            self.survey = match Survey::new(self.folder, &plan) {
+                Err(BatchError::NoJournal { .. }) => return Ok(None),
+                survey => Some(survey?),
+            };
+        }
+        let Some(survey) = &mut self.survey else { return Ok(None) };
+        if survey.update()? > 0 {
+            self.since_last_run = WallStopwatch::start();
+        }
+        Ok(Some(survey.missing()))
+    }
+
+    fn number_of_slices(&self) -> String {
+        self.survey.as_ref().map_or("the".into(), |survey| survey.number_of_slices().to_string())
+    }
+}
+
+/// Words what is missing, as `slices that lack runs, of 40: 3 lacks 12 of 150`.
+fn words_for(missing: &[MissingRuns], of: &str) -> String {
+    let lacking = missing.iter().map(|slice| match slice {
+        MissingRuns { slice, missing, of } if missing == of => format!("{} has not begun", slice.number()),
+        MissingRuns { slice, missing, of } => format!("{} lacks {missing} of {of}", slice.number()),
+    });
+    match list(lacking) {
+        Some(list) => format!("{} of {of} slices that lack runs: {list}", missing.len()),
+        None => "a process that is at work on a slice".into(),
+    }
+}
+
+fn merge_error(error: BatchError, folder: &OutputFolder, lock: &LockArguments) -> CliError {
+    let first = match &error {
+        BatchError::Incomplete { slice, .. } | BatchError::NotBegun { slice, .. } => *slice,
+        _ => {
+            let merge = format!("wildfire merge {}{}", folder.path().display(), lock.words());
+            return CliError::from_batch_error(error, &merge);
+        }
+    };
+    let survey = BatchPlan::read(folder.path()).map_err(BatchError::from).and_then(|plan| Survey::new(folder, &plan));
+    let missing = survey.and_then(|mut survey| survey.update().map(|_| survey.missing())).unwrap_or_default();
+    let command = resume_command(folder.path(), first) + &lock.words();
+    if missing.len() < 2 {
+        return CliError::bad_input(error, Some(&format!("run it with: {command}")));
+    }
+    let numbers: Vec<u64> = missing.iter().map(|slice| slice.slice.number()).collect();
+    let help = format!(
+        "run the first with: {command}; as an array of Slurm all of them, with the script that was submitted: sbatch \
+         --array={} SCRIPT",
+        ranges_of(&numbers)
+    );
+    CliError::bad_input(words_for(&missing, &first.of().to_string()), Some(&help))
+}
+
+/// Writes rising numbers as ranges, as `1,3-5`.
+fn ranges_of(numbers: &[u64]) -> String {
+    let follows = |one: &u64, next: &u64| one + 1 == *next;
+    let ranges = numbers.chunk_by(follows).map(|range| match range {
+        [one] => one.to_string(),
+        [first, .., last] => format!("{first}-{last}"),
+        [] => String::new(),
+    });
+    ranges.collect::<Vec<_>>().join(",")
+}
+
+/// Writes the page on a batch, and its charts.
+pub fn report(arguments: &FolderArguments, quiet: bool) -> Result<ExitCode, CliError> {
+    let batch = FinishedBatch::open(&arguments.folder)?;
+    let written = write_report(&batch).map_err(report_error)?;
+    let (page, charts) = (written.page.display(), written.charts_folder.display());
+    let mut document = Document::new(format!("{page}, and {} charts as SVG and PNG in {charts}", written.charts));
+    document.add_list(written.refused);
+    terminal::print(&document.to_text())?;
+    terminal::note_unknown_letters(written.unknown_letters.as_deref(), quiet);
+    Ok(ExitCode::SUCCESS)
+}
+
+fn report_error(error: ReportError) -> CliError {
+    match error {
+        ReportError::Finished(error) => error.into(),
+        ReportError::Unfinished { folder } => {
+            let help = format!("finish it with: wildfire batch --resume {}", folder.display());
+            CliError::bad_input(ReportError::Unfinished { folder }, Some(&help))
+        }
+        ReportError::Unwritable { path, source } => CliError::unwritable(&path, &source),
+    }
+}
+
+/// Shows how far a batch is, and how to continue it.
+pub fn status(arguments: &StatusArguments) -> Result<ExitCode, CliError> {
+    let folder = OutputFolder::existing(&arguments.folder)?.with_keeping(arguments.lock.keeping());
+    let status = batch_status(&folder)?;
+    let report = StatusReport {
+        folder: folder.path().display().to_string(),
+        variants: status.plan.variants.len(),
+        seeds: status.plan.seeds.to_string(),
+        runs: status.plan.count(),
+        slices: status.slices.iter().map(SliceRow::new).collect(),
+        next_step: next_step(&folder, &status.slices, &arguments.lock),
+    };
+    terminal::print(&arguments.form.render(&report))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The members in their order.
+#[derive(Serialize)]
+struct StatusReport {
+    folder: String,
+    variants: usize,
+    seeds: String,
+    runs: u64,
+    slices: Vec<SliceRow>,
+    next_step: Option<String>,
+}
+
+#[derive(Serialize)]
+struct SliceRow {
+    slice: String,
+    runs: u64,
+    over: u64,
+    not_done: u64,
+    /// Rows that are there twice.
+    repeated: u64,
+    state: &'static str,
+}
+
+impl SliceRow {
+    fn new((slice, state): &(Slice, SliceState)) -> Self {
+        let word = match state {
+            SliceState { is_running: true, .. } => "running",
+            SliceState { runs, held, .. } if runs == held => "complete",
+            SliceState { held: 0, .. } => "not begun",
+            _ => "stopped",
+        };
+        let slice = if slice.is_whole() { "whole".to_owned() } else { slice.to_string() };
+        let SliceState { runs, held: over, not_done, repeated, .. } = *state;
+        Self { slice, runs, over, not_done, repeated, state: word }
+    }
+}
+
+/// The most slices that are listed one by one.
+const LISTED_SLICES: usize = 60;
+
+impl From<&StatusReport> for Document {
+    fn from(report: &StatusReport) -> Self {
+        let StatusReport { folder, variants, seeds, runs, slices, next_step } = report;
+        // Of many slices those count that are not as they should be in the end.
+        let is_listed = |slice: &&SliceRow| slices.len() <= LISTED_SLICES || slice.state != "complete";
+        let row = |slice: &SliceRow| {
+            let SliceRow { slice, runs, over, not_done, state, .. } = slice;
+            vec![slice.clone(), runs.to_string(), over.to_string(), not_done.to_string(), (*state).to_owned()]
+        };
+        let rows: Vec<_> = slices.iter().filter(is_listed).take(LISTED_SLICES).map(row).collect();
+        let listed = rows.len();
+        let table = (listed > 0).then(|| Table::new(&["Slice", "Runs", "Over", "Not done", "State"], rows));
+        let mut sentences = Vec::new();
+        if listed < slices.len() {
+            let complete = slices.iter().filter(|slice| slice.state == "complete").count();
+            let over: u64 = slices.iter().map(|slice| slice.over).sum();
+            sentences.push(format!("{complete} of {} slices are complete, {over} of {runs} runs over.", slices.len()));
+        }
+        let repeated: u64 = slices.iter().map(|slice| slice.repeated).sum();
+        if repeated > 0 {
+            sentences.push(format!("{repeated} rows are there twice, equal in all that is not measured."));
+        }
+        Self::new(format!("{folder}: {variants} variants, seeds {seeds}, {runs} runs"))
+            .with(table)
+            .with((!sentences.is_empty()).then_some(Block::List(sentences)))
+            .with(next_step.iter().map(|step| Block::Verbatim(step.clone())))
+    }
+}
+
+fn next_step(folder: &OutputFolder, slices: &[(Slice, SliceState)], lock: &LockArguments) -> Option<String> {
+    let path: &Path = folder.path();
+    let waiting = slices.iter().find(|(_, state)| state.held < state.runs && !state.is_running);
+    match waiting {
+        Some((slice, _)) => Some(format!("Continue with: {}", resume_command(path, *slice) + &lock.words())),
+        None if slices.iter().any(|(_, state)| state.is_running) => None,
+        None if path.join(RUNS_FILE).exists() => Some("The tables are written.".into()),
+        None if slices.len() == 1 => {
+            Some(format!("Write the tables with: {}", resume_command(path, slices[0].0) + &lock.words()))
+        }
+        None => Some(format!("Write the tables with: wildfire merge {}{}", path.display(), lock.words())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_written_as_slurm_reads_them() {
+        assert_eq!(ranges_of(&[1, 3, 4, 5, 9, 10]), "1,3-5,9-10");
+        assert_eq!(ranges_of(&[7]), "7");
+    }
+}

@@ -1,0 +1,279 @@
+//! `wildfire batch` and what follows it: `status`, `merge` and `report`, which take the folder of a batch.
+
+mod args;
+mod folder;
+mod keeping;
+mod slurm;
+
+pub use args::BatchArguments;
+pub use folder::{FolderArguments, MergeArguments, StatusArguments, merge, report, status};
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use crate::batch::{
+    Batch, BatchError, BatchPlan, BatchReport, BatchRequest, CoursePlan, CourseRefusal, CourseRequest, Found,
+    OutputFolder, RequestError, Slice, Status, Variant, limit_threads, shell_word,
+};
+use crate::cli::args::jobs_or_usual;
+use crate::cli::context::CommandContext;
+use crate::cli::error::{CliError, exit};
+use crate::cli::{interrupt, terminal};
+use crate::document::{Block, Document};
+use crate::scenario::ScenarioText;
+use args::{RUNS_FOLDER, SeedsArgument};
+use keeping::LockArguments;
+
+/// The most variants that a dry run lists.
+const LISTED_VARIANTS: usize = 50;
+
+/// The most files that a note lists.
+const LISTED_FILES: usize = 10;
+
+pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
+    let slice = arguments.shard.unwrap_or(Slice::WHOLE);
+    let mut left_out = 0;
+    let mut batch = match &arguments.resume {
+        Some(folder) => {
+            interrupt::set_resumable();
+            let path = OutputFolder::existing(folder)?.with_keeping(arguments.keeping.keeping());
+            // What is wrong with the folder itself, resuming says better.
+            if let Ok(plan) = BatchPlan::read(path.path()) {
+                context.expect_trusted_plan(&plan)?;
+            }
+            let batch = Batch::resume(path, slice)?;
+            batch.plan().expect_entrants(&context.entrants, folder).map_err(BatchError::from)?;
+            batch
+        }
+        None => {
+            if arguments.slurm.slurm {
+                slurm::refuse_pipes(arguments)?;
+            }
+            let plan = match &arguments.rules {
+                Some(rules) => {
+                    let course = plan_of_course(arguments, rules)?;
+                    course.left_out.iter().for_each(|fault| terminal::note(&format!("left out: {fault}")));
+                    left_out = course.left_out.len() as u64;
+                    course.plan
+                }
+                None => plan(arguments, context)?,
+            };
+            context.expect_trusted_plan(&plan)?;
+            if arguments.slurm.slurm {
+                terminal::print(&slurm::script(arguments, &plan, context)?)?;
+                return Ok(ExitCode::SUCCESS);
+            }
+            if arguments.dry_run {
+                terminal::print(&dry_run(&plan))?;
+                return Ok(exit_code(left_out));
+            }
+            let batch = begin(arguments, plan, slice)?;
+            interrupt::set_resumable();
+            batch
+        }
+    };
+    if !context.quiet {
+        note_repairs(batch.found());
+    }
+    let resume = resume_command(batch.folder().path(), slice) + &arguments.keeping.words();
+    let from_batch = |error| CliError::from_batch_error(error, &resume);
+    let jobs = jobs_or_usual(arguments.jobs);
+    let watch = interrupt::watch(arguments.keeping.longest_tidying());
+    run_with_progress(&mut batch, jobs, watch.stop(), context).map_err(from_batch)?;
+    if !batch.progress().slice().is_whole() {
+        drop(watch);
+        terminal::print(&slice_summary(&batch, &arguments.keeping.lock))?;
+        return Ok(exit_code(batch.progress().held().1));
+    }
+    limit_threads(jobs);
+    let report = batch.finish(watch.stop()).map_err(from_batch)?;
+    drop(watch);
+    terminal::print(&summary(batch.plan(), batch.folder(), &report))?;
+    if arguments.profile {
+        terminal::print(&format!("\n{}", report.profile().to_text()))?;
+    }
+    Ok(exit_code(report.not_done() + left_out))
+}
+
+/// Makes the plan of a course.
+fn plan_of_course(arguments: &BatchArguments, rules: &Path) -> Result<CoursePlan, CliError> {
+    let request = CourseRequest {
+        rules: rules.to_owned(),
+        agents: arguments.agent.clone(),
+        seeds: arguments.seeds.as_ref().map(SeedsArgument::seeds).transpose()?,
+        record: arguments.record,
+        skips_refused: arguments.skip_refused,
+    };
+    request.resolve(arguments.force).map_err(|refusal| match refusal {
+        CourseRefusal::Request(refusal) => refusal.into(),
+        CourseRefusal::Agents(faults) => {
+            let [first, others @ ..] = &faults[..] else { unreachable!("there is an agent, and it is refused") };
+            others.iter().rev().for_each(|fault| terminal::note(&fault.to_string()));
+            let help = if arguments.agent.len() > 1 { Some("--skip-refused runs the other agents") } else { None };
+            CliError::bad_input(first, help)
+        }
+        CourseRefusal::Rules(fault) => match fault.unreadable {
+            Some(kind) => CliError::from_input_error(fault, kind),
+            None => CliError::bad_input(fault, None),
+        },
+        refusal @ CourseRefusal::TooManyAgents { .. } => CliError::bad_input(refusal, None),
+    })
+}
+
+/// Makes the plan, from options, or from a plan file and options that change it.
+fn plan(arguments: &BatchArguments, context: &CommandContext) -> Result<BatchPlan, CliError> {
+    let mut request = request_from(&arguments.sources)?;
+    request.changes = context.with_own_names(&request.changes);
+    let options = arguments.set.iter().try_for_each(|option| request.add_option(option));
+    options.and_then(|()| request.add_planners(&arguments.planner)).map_err(RequestError::from)?;
+    if let Some(seeds) = &arguments.seeds {
+        request.seeds = Some(seeds.seeds()?);
+    }
+    request.record = arguments.record.or(request.record);
+    request.memory = arguments.memory.or(request.memory);
+    Ok(request.resolve(arguments.force)?)
+}
+
+fn request_from(sources: &[String]) -> Result<BatchRequest, CliError> {
+    let mut texts = Vec::new();
+    for source in sources {
+        let text = ScenarioText::open(source)?;
+        match BatchRequest::from_text(&text)? {
+            Some(request) if sources.len() == 1 => return Ok(request),
+            Some(_) => {
+                let sentence = format!("{source} is a plan; expected it alone, as it names its scenarios itself");
+                return Err(CliError::bad_input(sentence, None));
+            }
+            None => texts.push(text),
+        }
+    }
+    let scenarios = if sources.is_empty() { vec!["contest".to_owned()] } else { sources.to_vec() };
+    Ok(BatchRequest { scenarios, texts, ..BatchRequest::default() })
+}
+
+fn begin(arguments: &BatchArguments, plan: BatchPlan, slice: Slice) -> Result<Batch, CliError> {
+    let name = &plan.variants[0].scenario.name;
+    let folder = match &arguments.out {
+        Some(path) if slice.is_whole() => OutputFolder::named(path, arguments.force)?,
+        Some(path) => OutputFolder::shared(path)?,
+        None => OutputFolder::next_free(Path::new(RUNS_FOLDER), name)?,
+    };
+    let folder = folder.with_keeping(arguments.keeping.keeping());
+    Ok(if slice.is_whole() { Batch::begin(plan, folder)? } else { Batch::join(plan, folder, slice)? })
+}
+
+/// Returns the exit code of a batch with this many failed runs.
+fn exit_code(not_done: u64) -> ExitCode {
+    if not_done == 0 { ExitCode::SUCCESS } else { ExitCode::from(exit::RUN_FAILED) }
+}
+
+/// Notes what was found damaged and has been repaired.
+fn note_repairs(found: &Found) {
+    if found.has_torn_line {
+        terminal::note("the last line of the journal was incomplete; it was dropped, and its run is repeated");
+    }
+    note_leftovers(&found.leftovers);
+    note_repeated(found.repeated);
+    let lost = found.lost_recordings.iter().map(|lost| format!("{} ({})", lost.path.display(), lost.reason));
+    if let Some(list) = list(lost) {
+        terminal::note(&format!("runs whose recordings are lost are repeated: {list}"));
+    }
+}
+
+/// Says which files were removed that were only half written.
+fn note_leftovers(leftovers: &[PathBuf]) {
+    if let Some(list) = list(leftovers.iter().map(|path| path.display().to_string())) {
+        terminal::note(&format!("removed files that a killed process had left: {list}"));
+    }
+}
+
+/// Says that two processes made the same runs.
+fn note_repeated(repeated: u64) {
+    if repeated > 0 {
+        terminal::note(&format!(
+            "{repeated} rows are there twice and are taken once: two processes worked on one slice, and their rows are \
+             equal in all that is not measured"
+        ));
+    }
+}
+
+/// The first things of many; `None` if there are none.
+fn list(things: impl ExactSizeIterator<Item = String>) -> Option<String> {
+    let more = things.len().saturating_sub(LISTED_FILES);
+    let listed = things.take(LISTED_FILES).collect::<Vec<_>>().join(", ");
+    match more {
+        _ if listed.is_empty() => None,
+        0 => Some(listed),
+        more => Some(format!("{listed} and {more} more")),
+    }
+}
+
+fn run_with_progress(
+    batch: &mut Batch,
+    jobs: usize,
+    stop: &Arc<AtomicBool>,
+    context: &CommandContext,
+) -> Result<(), BatchError> {
+    let (held, mut not_done) = batch.progress().held();
+    let lost = batch.found().lost_recordings.len() as u64;
+    let bar = terminal::progress_bar(batch.progress().count() + lost, "runs", context.quiet).with_position(held);
+    let done = batch.run(&context.entrants, jobs, stop, |status| {
+        if status != Status::Done {
+            not_done += 1;
+            bar.set_message(format!("({not_done} failed)"));
+        }
+        bar.inc(1);
+    });
+    bar.finish_and_clear();
+    done
+}
+
+/// The command that goes on with a slice of the batch in a folder.
+fn resume_command(folder: &Path, slice: Slice) -> String {
+    let folder = shell_word(&folder.display().to_string());
+    let shard = if slice.is_whole() { String::new() } else { format!(" --shard {slice}") };
+    format!("wildfire batch --resume {folder}{shard}")
+}
+
+/// Words the result of a finished batch.
+fn summary(plan: &BatchPlan, folder: &OutputFolder, report: &BatchReport) -> String {
+    let files = format!("Files: {}", folder.path().display());
+    let document = match report.variants.as_slice() {
+        [one] => {
+            let sentences = one.tally.sentences().into_iter().chain([files]).collect();
+            let title = format!("{}, seeds {}", one.title, plan.seeds);
+            Document::new(title).with(one.tables.blocks()).with([Block::List(sentences)])
+        }
+        _ => {
+            let sentences = report.notes().into_iter().chain([files]).collect();
+            let title = format!("Seeds {} of each variant", plan.seeds);
+            Document::new(title).with(report.overview()).with([Block::List(sentences)])
+        }
+    };
+    document.to_text()
+}
+
+fn slice_summary(batch: &Batch, lock: &LockArguments) -> String {
+    let (slice, (held, not_done)) = (batch.progress().slice(), batch.progress().held());
+    let folder = batch.folder().path().display().to_string();
+    let merge = format!("wildfire merge {}{}", shell_word(&folder), lock.words());
+    format!("Slice {slice}: {held} runs, {not_done} not done. When all slices are done: {merge}\n")
+}
+
+/// Lists what a plan would run.
+fn dry_run(plan: &BatchPlan) -> String {
+    let (variants, seeds) = (plan.variants.len(), plan.seeds.count());
+    let title = format!("{variants} variants x {seeds} seeds ({}) = {} runs", plan.seeds, plan.count());
+    let line = |(index, variant): (usize, &Variant)| {
+        let first = index as u64 * seeds + 1;
+        format!("runs {first} to {}: {}", first + seeds - 1, plan.title(variant))
+    };
+    let mut lines: Vec<String> = plan.variants.iter().enumerate().take(LISTED_VARIANTS).map(line).collect();
+    if variants > LISTED_VARIANTS {
+        lines.push(format!("and {} more", variants - LISTED_VARIANTS));
+    }
+    lines.push(format!("plan {}", plan.content_sha256()));
+    Document::new(title).with([Block::List(lines)]).to_text()
+}

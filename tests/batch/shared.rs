@@ -1,0 +1,272 @@
+//! Batches on file systems that several machines share: locks, two writers, journals that are written elsewhere, and
+//! journals in any order.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use rand::seq::SliceRandom;
+use wildfire::batch::{
+    Batch, BatchError, BatchPlan, JournalError, JournalKeeping, Lock, Merged, OutputFolder, RealDisk, Record, Slice,
+    Survey, batch_status, merge, read_rows,
+};
+
+use crate::made_up::{made_up_run, outcomes, plan, run};
+
+const SEEDS: &str = "1..23,100..111";
+
+fn keeping(lock: Lock) -> JournalKeeping {
+    JournalKeeping { lock, ..JournalKeeping::default() }
+}
+
+fn join(path: &Path, number: u64, of: u64, keeping: JournalKeeping) -> Result<Batch, BatchError> {
+    let folder = OutputFolder::shared(path).expect("a scratch folder").with_keeping(keeping);
+    Batch::join(plan(SEEDS, Record::None), folder, Slice::new(number, of).expect("a slice"))
+}
+
+fn work_off(batch: &mut Batch) -> Result<(), BatchError> {
+    batch.run_with(Box::new(made_up_run), 2, &Arc::default(), |_| {})
+}
+
+fn run_slices(path: &Path, of: u64) {
+    for number in 1..=of {
+        work_off(&mut join(path, number, of, JournalKeeping::default()).expect("it is free"))
+            .expect("the disk is fine");
+    }
+}
+
+fn existing(path: &Path) -> OutputFolder {
+    OutputFolder::existing(path).expect("it is there")
+}
+
+fn merged(path: &Path) -> Result<Merged, BatchError> {
+    merge(&existing(path), &RealDisk, &AtomicBool::new(false))
+}
+
+fn assert_like_the_whole(path: &Path) {
+    let whole = tempfile::tempdir().expect("a scratch folder");
+    run(whole.path(), SEEDS, 1);
+    for file in ["runs.csv", "agents.csv"] {
+        assert_eq!(outcomes(&path.join(file)), outcomes(&whole.path().join(file)), "{file}");
+    }
+}
+
+fn lines(journal: &Path) -> Vec<String> {
+    fs::read_to_string(journal).expect("it is there").lines().map(str::to_owned).collect()
+}
+
+fn write_lines(journal: &Path, lines: &[String]) {
+    fs::write(journal, lines.join("\n") + "\n").expect("writable");
+}
+
+#[test]
+fn rows_that_two_processes_made_are_taken_once() {
+    let scratch = tempfile::tempdir().expect("a scratch folder");
+    let (one, other) = (scratch.path().join("one"), scratch.path().join("other"));
+    run_slices(&one, 2);
+    run_slices(&other, 2);
+    // What is measured differs: the lines are not the same, and what they say of the runs is.
+    let journal = one.join("runs-1-of-2.journal");
+    let twice = [lines(&journal), lines(&other.join("runs-1-of-2.journal")).split_off(1)].concat();
+    write_lines(&journal, &twice);
+    let batch = join(&one, 1, 2, JournalKeeping::default()).expect("it is no damage");
+    assert_eq!((batch.found().repeated, batch.progress().is_complete()), (18, true));
+    drop(batch);
+    let status = batch_status(&existing(&one)).expect("it is readable");
+    assert_eq!((status.slices[0].1.held, status.slices[0].1.repeated, status.slices[1].1.repeated), (18, 18, 0));
+    assert_eq!(merged(&one).expect("all runs are there").repeated, 18);
+    assert_like_the_whole(&one);
+}
+
+#[test]
+fn rows_of_one_run_that_differ_are_damage() {
+    let scratch = tempfile::tempdir().expect("a scratch folder");
+    run_slices(scratch.path(), 2);
+    let journal = scratch.path().join("runs-1-of-2.journal");
+    let mut all = lines(&journal);
+    let forged = all[1][9..].replacen("\"intact\":", "\"intact\":1", 1);
+    assert_ne!(forged, all[1][9..]);
+    all.push(format!("{:08x} {forged}", crc32fast::hash(forged.as_bytes())));
+    write_lines(&journal, &all);
+    let refusals = [
+        join(scratch.path(), 1, 2, JournalKeeping::default()).map(drop).expect_err("it is damaged"),
+        merged(scratch.path()).expect_err("it is damaged"),
+        batch_status(&existing(scratch.path())).map(drop).expect_err("it is damaged"),
+    ];
+    for refusal in refusals {
+        let words = refusal.to_string();
+        assert!(words.contains("damaged in line 20: run 1 was there before and ended otherwise"), "{words}");
+        assert!(words.contains("intact"), "{words}");
+    }
+}
+
+#[test]
+fn second_writer_without_a_lock_is_found_and_nothing_is_lost() {
+    let scratch = tempfile::tempdir().expect("a scratch folder");
+    let mut one = join(scratch.path(), 1, 2, keeping(Lock::None)).expect("there is no lock");
+    let mut other = join(scratch.path(), 1, 2, keeping(Lock::None)).expect("there is no lock");
+    work_off(&mut one).expect("the disk is fine");
+    match work_off(&mut other) {
+        Err(BatchError::Journal(JournalError::Changed { change, .. })) => {
+            assert!(change.contains("that were written"), "{change}");
+        }
+        ended => panic!("{ended:?}"),
+    }
+    drop((one, other));
+    work_off(&mut join(scratch.path(), 2, 2, JournalKeeping::default()).expect("it is free"))
+        .expect("the disk is fine");
+    merged(scratch.path()).expect("all runs are there");
+    assert_like_the_whole(scratch.path());
+}
+
+#[test]
+fn lock_file_keeps_others_out_and_goes_with_its_process() {
+    let scratch = tempfile::tempdir().expect("a scratch folder");
+    let path = scratch.path();
+    let mut first = join(path, 1, 2, keeping(Lock::File)).expect("it is free");
+    match join(path, 1, 2, keeping(Lock::File)).map(drop) {
+        Err(BatchError::Journal(JournalError::Locked { owner: Some(owner), .. })) => {
+            assert!(owner.contains(&std::process::id().to_string()), "{owner}");
+        }
+        other => panic!("{other:?}"),
+    }
+    let mut second = join(path, 2, 2, keeping(Lock::File)).expect("it is another slice");
+    let folder = || existing(path).with_keeping(keeping(Lock::File));
+    let status = batch_status(&folder()).expect("it is readable");
+    assert!(status.slices.iter().all(|(_, state)| state.is_running));
+    work_off(&mut first).expect("the disk is fine");
+    work_off(&mut second).expect("the disk is fine");
+    let refusal = merge(&folder(), &RealDisk, &AtomicBool::new(false)).expect_err("they are not over");
+    assert!(refusal.to_string().contains("another process is working on"), "{refusal}");
+    drop((first, second));
+    assert!(
+        fs::read_dir(path)
+            .expect("it is there")
+            .all(|entry| { !entry.expect("readable").file_name().to_string_lossy().ends_with(".lock") })
+    );
+    merge(&folder(), &RealDisk, &AtomicBool::new(false)).expect("all runs are there");
+    assert_like_the_whole(path);
+}
+
+/// Journals of slices in a folder of their own on a local disk.
+fn local(path: &Path) -> JournalKeeping {
+    JournalKeeping { local_folder: Some(path.to_owned()), sync_every: Duration::ZERO, ..JournalKeeping::default() }
+}
+
+fn files_in(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).expect("it is there");
+    entries.map(|entry| entry.expect("readable").path()).collect()
+}
+
+#[test]
+fn journal_on_a_local_disk_is_brought_to_its_place_when_the_process_ends_or_is_stopped() {
+    let scratch = tempfile::tempdir().expect("a scratch folder");
+    let (out, disk) = (scratch.path().join("out"), scratch.path().join("disk"));
+    let stop = Arc::new(AtomicBool::new(false));
+    let home = out.join("runs-1-of-2.journal");
+    let mut over = 0;
+    let mut batch = join(&out, 1, 2, local(&disk)).expect("it is free");
+    let ended = batch.run_with(Box::new(made_up_run), 1, &stop, |_| {
+        over += 1;
+        assert_eq!(fs::metadata(&home).expect("it is there").len(), 0, "lines are written elsewhere");
+        stop.store(over == 5, Ordering::Relaxed);
+    });
+    assert!(matches!(ended, Err(BatchError::Stopped)), "{ended:?}");
+    drop(batch);
+    let held = lines(&home).len() as u64 - 1;
+    assert!(held >= 5 && files_in(&disk).is_empty(), "{held} rows are in their place");
+    let mut batch = join(&out, 1, 2, local(&disk)).expect("it is free");
+    assert_eq!(batch.progress().held().0, held);
+    work_off(&mut batch).expect("the disk is fine");
+    drop(batch);
+    work_off(&mut join(&out, 2, 2, local(&disk)).expect("it is free")).expect("the disk is fine");
+    assert!(files_in(&disk).is_empty());
+    merged(&out).expect("all runs are there");
+    assert_like_the_whole(&out);
+}
+
+#[test]
+fn local_journal_of_a_process_that_was_killed_is_gone_on_with() {
+    let scratch = tempfile::tempdir().expect("a scratch folder");
+    let (out, disk) = (scratch.path().join("out"), scratch.path().join("disk"));
+    // Opened and not run: the local file has its first line, and the place none.
+    drop(join(&out, 1, 2, local(&disk)).expect("it is free"));
+    let [left] = &files_in(&disk)[..] else { panic!("one journal is expected") };
+    let elsewhere = scratch.path().join("elsewhere");
+    run_slices(&elsewhere, 2);
+    let mut all = lines(&elsewhere.join("runs-1-of-2.journal"));
+    all.truncate(8);
+    write_lines(left, &all);
+    // A second file of that name that has nothing to do with what is in its place is replaced.
+    let mut batch = join(&out, 1, 2, local(&disk)).expect("it is free");
+    assert_eq!(batch.progress().held().0, 7);
+    work_off(&mut batch).expect("the disk is fine");
+    drop(batch);
+    assert_eq!(lines(&out.join("runs-1-of-2.journal")).len(), 19);
+    fs::write(left, "something else").expect("writable");
+    let batch = join(&out, 1, 2, local(&disk)).expect("it is replaced");
+    assert!(batch.progress().is_complete());
+}
+
+#[test]
+fn lines_in_any_order_are_merged_into_the_order_of_the_plan() {
+    let scratch = tempfile::tempdir().expect("a scratch folder");
+    run_slices(scratch.path(), 3);
+    let mut rng = wildfire::rng::stream(1, "order");
+    for number in 1..=3 {
+        let journal = scratch.path().join(format!("runs-{number}-of-3.journal"));
+        let mut all = lines(&journal);
+        all[1..].shuffle(&mut rng);
+        write_lines(&journal, &all);
+    }
+    merged(scratch.path()).expect("all runs are there");
+    assert_like_the_whole(scratch.path());
+    let (mut runs, plan) = (Vec::new(), BatchPlan::read(scratch.path()).expect("it is there"));
+    read_rows(&plan, &existing(scratch.path()), |row| runs.push(row.label.run)).expect("all runs are there");
+    assert_eq!(runs, (1..=35).collect::<Vec<_>>());
+}
+
+#[test]
+fn more_slices_than_runs_are_merged() {
+    let scratch = tempfile::tempdir().expect("a scratch folder");
+    run_slices(scratch.path(), 40);
+    merged(scratch.path()).expect("all runs are there");
+    assert_like_the_whole(scratch.path());
+}
+
+#[test]
+fn damage_behind_the_last_run_is_found() {
+    let scratch = tempfile::tempdir().expect("a scratch folder");
+    run_slices(scratch.path(), 2);
+    let journal = scratch.path().join("runs-2-of-2.journal");
+    let mut all = lines(&journal);
+    all.push("00000000 {}".into());
+    write_lines(&journal, &all);
+    let words = merged(scratch.path()).expect_err("it is damaged").to_string();
+    assert!(words.contains("runs-2-of-2.journal is damaged in line 19: its checksum is wrong"), "{words}");
+    assert!(!scratch.path().join("runs.csv").exists());
+}
+
+#[test]
+fn survey_says_what_is_missing_and_what_is_new() {
+    let scratch = tempfile::tempdir().expect("a scratch folder");
+    let path = scratch.path();
+    drop(join(path, 1, 3, JournalKeeping::default()).expect("it is free"));
+    let plan = BatchPlan::read(path).expect("it was just written");
+    let mut survey = Survey::new(&existing(path), &plan).expect("a slice has begun");
+    let missing = |survey: &Survey| -> Vec<(u64, u64, u64)> {
+        survey.missing().iter().map(|slice| (slice.slice.number(), slice.missing, slice.of)).collect()
+    };
+    assert_eq!(survey.update().expect("readable"), 1);
+    assert_eq!(missing(&survey), [(1, 12, 12), (2, 12, 12), (3, 11, 11)]);
+    let mut second = join(path, 2, 3, JournalKeeping::default()).expect("it is free");
+    work_off(&mut second).expect("the disk is fine");
+    assert_eq!(survey.update().expect("readable"), 13);
+    assert_eq!(missing(&survey), [(1, 12, 12), (3, 11, 11)]);
+    let journal = path.join("runs-1-of-3.journal");
+    let torn = [fs::read(&journal).expect("it is there"), b"half a line".to_vec()].concat();
+    fs::write(&journal, torn).expect("writable");
+    assert_eq!(survey.update().expect("readable"), 0, "half a line is none");
+}
