@@ -155,8 +155,9 @@ impl RelaxedSearch {
         let kinds = [LatticeKind::Coarse, LatticeKind::Fine];
         let searches: u64 = kinds.into_iter().map(|kind| most(kind, 0) + most(kind, BACKWARD)).sum();
         let flood = Floods::most_bytes(frame, FLOODS, max_expansions);
-        let walks = 2 * HolonomicHeuristic::most_bytes(frame);
-        PlannerMemory { grows: searches + flood + walks, ..PlannerMemory::default() }
+        let walks = 2 * HolonomicHeuristic::most_bytes_spread(frame);
+        let held = 2 * HolonomicHeuristic::bytes(frame);
+        PlannerMemory { held, grows: searches + flood + walks, ..PlannerMemory::default() }
     }
 
     /// Returns the nodes that the last query expanded.

@@ -50,6 +50,9 @@ const BRIDGE_ROUNDS: u32 = 2;
 /// Fields up to this size have one roadmap, built at once; on larger ones it grows where drives lead. Square metres.
 const LARGEST_WHOLE_M2: f64 = 500.0 * 500.0;
 
+/// A roadmap that grows forgets everything before a query once it has more milestones than this: some 20 MB.
+const MAX_REMEMBERED: usize = 40_000;
+
 /// The planner for one body on one field.
 #[derive(Debug)]
 pub struct PrmRs {
@@ -183,7 +186,7 @@ impl TruckPlanner for PrmRs {
 
     fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {
         observer.begins(Some(PlanningWork::Roadmap));
-        self.roadmap.forget();
+        self.roadmap.forget_beyond(MAX_REMEMBERED);
         let goal = goal.with_margin();
         let mut effort = Effort::default();
         let found = self.find(start, goal, &mut effort, observer);
@@ -306,6 +309,43 @@ mod tests {
             let drives = drives_in_a_row(8, walks, |field, seed| Box::new(planner(field, seed)));
             assert!(drives.solved >= 140 && drives.missed == 0, "{walks} walks: {drives:?}");
         }
+    }
+
+    /// The planner as it is on a large field.
+    fn growing(field: &TestField, seed: u64) -> PrmRs {
+        field.make(&OwnedSettings::default(), seed, |site| PrmRs::with(site, growing_roadmap(site)))
+    }
+
+    #[test]
+    fn on_a_growing_roadmap_drives_are_drivable_and_fail_only_where_the_flood_says_no() {
+        for walks in [25, 45] {
+            let drives = drives_in_a_row(8, walks, |field, seed| Box::new(growing(field, seed)));
+            assert!(drives.solved >= 140 && drives.missed == 0, "{walks} walks: {drives:?}");
+        }
+    }
+
+    #[test]
+    fn a_growing_roadmap_answers_the_same_whatever_was_asked_before() {
+        let mut field = TestField::random(3, 40);
+        let goals: Vec<GoalDisc> = (0..12).map(|_| field.random_goal()).collect();
+        let mut kept = growing(&field, 3);
+        for &goal in goals.iter().chain(goals.iter().rev()) {
+            let (one, two) = (kept.plan(field.start, goal.into()), growing(&field, 3).plan(field.start, goal.into()));
+            assert_eq!((one.path, one.found_by, one.effort), (two.path, two.found_by, two.effort));
+            kept.roadmap.forget_beyond(300);
+        }
+    }
+
+    #[test]
+    fn small_fields_have_one_roadmap_and_large_ones_none_until_a_drive_needs_it() {
+        let frame = |cells| FieldFrame { cols: cells, rows: cells, cell_m: 5.0 };
+        assert!(is_whole(&frame(100)) && !is_whole(&frame(101)));
+        let field = TestField::random(1, 40);
+        let mut planner = growing(&field, 1);
+        assert_eq!((planner.roadmap.node_count(), planner.build_report().samples), (0, 0));
+        let far = field.bushes.iter().copied().max_by(|a, b| a.x.total_cmp(&b.x)).expect("there are bushes");
+        assert!(planner.plan(field.start, GoalDisc { centre: far, radius_m: 10.0 }.into()).path.is_ok());
+        assert!(planner.roadmap.node_count() > 0);
     }
 
     #[test]

@@ -27,10 +27,6 @@ pub const MAX_MINOR: usize = 100;
 /// Nodes between which the field is tighter than this half way are not joined.
 const HOPELESS_M: f64 = 0.5;
 
-/// A roadmap that grows forgets everything before a query once it has more nodes than this, some 20 MB: what it draws and
-/// joins anew is the same.
-const MAX_REMEMBERED: usize = 40_000;
-
 /// Poses, and Reeds-Shepp curves between them that may be driven both ways.
 ///
 /// Curves are worked out and swept when they are asked for, and remembered. A roadmap is either made of poses that are
@@ -192,10 +188,10 @@ impl Roadmap {
         matches!(self.links, Links::Growing(_))
     }
 
-    /// Forgets what grew, if that has become much.
-    pub fn forget(&mut self) {
+    /// Forgets what grew if that is more nodes than this. What is drawn and joined anew is the same.
+    pub fn forget_beyond(&mut self, most: usize) {
         if let (Index::Growing(tiles), Links::Growing(links)) = (&mut self.index, &mut self.links)
-            && self.nodes.len() > MAX_REMEMBERED
+            && self.nodes.len() > most
         {
             tiles.clear();
             (*links, self.nodes, self.edges, self.ways) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
@@ -496,6 +492,70 @@ mod tests {
             }
         }
         assert!(free > 300, "{free} are free");
+    }
+
+    fn growing(field: &TestField) -> Roadmap {
+        Roadmap::growing(&field.checker, &MemoryMeter::unlimited(), &PrmRsSettings::default(), 7)
+    }
+
+    #[test]
+    fn a_growing_roadmap_joins_a_node_to_those_that_the_estimate_says_are_nearest() {
+        for seed in 0..3 {
+            let field = TestField::random(seed, 30);
+            let (mut all, mut roadmap) = (growing(&field), growing(&field));
+            let mut near = Vec::new();
+            all.near(DVec2::splat(75.0), f64::INFINITY, &mut near);
+            roadmap.near(field.start.position(), 20.0, &mut near);
+            assert!(near.len() > 3 && roadmap.node_count() < all.node_count());
+            for (_, node) in near {
+                roadmap.grow_from(node);
+                let here = roadmap.nodes[node as usize];
+                let mut others: Vec<(f64, Pose)> = Vec::new();
+                for there in &all.nodes {
+                    let metres = here.pose.position().distance(there.pose.position());
+                    let middle = here.pose.position().lerp(there.pose.position(), 0.5);
+                    let is_shut = field.checker.field().lower_bound(middle) < HOPELESS_M;
+                    if there.pose != here.pose && metres <= 40.0 && !is_shut {
+                        others.push((all.estimate_m(&here, there, metres), there.pose));
+                    }
+                }
+                others.sort_by(|a, b| a.0.total_cmp(&b.0));
+                let estimate = |to: u32| {
+                    let there = &roadmap.nodes[to as usize];
+                    roadmap.estimate_m(&here, there, here.pose.position().distance(there.pose.position()))
+                };
+                let found: Vec<f64> = roadmap.links(node).map(|(_, link)| estimate(link.to)).collect();
+                let wanted: Vec<f64> = others.iter().take(32).map(|&(metres, _)| metres).collect();
+                assert_eq!(found, wanted);
+            }
+        }
+    }
+
+    #[test]
+    fn what_a_roadmap_grows_does_not_depend_on_what_grew_before() {
+        let field = TestField::random(4, 30);
+        let mut rng = rng::stream(4, "growing");
+        let mut kept = growing(&field);
+        for _ in 0..30 {
+            let place = DVec2::new(rng.random_range(0.0..150.0), rng.random_range(0.0..150.0));
+            let mut fresh = growing(&field);
+            let [one, two] = [&mut kept, &mut fresh].map(|roadmap| {
+                let mut near = Vec::new();
+                roadmap.near(place, 30.0, &mut near);
+                let poses = |roadmap: &Roadmap, nodes: &mut dyn Iterator<Item = u32>| -> Vec<Pose> {
+                    nodes.map(|node| roadmap.pose(node)).collect()
+                };
+                let about = poses(roadmap, &mut near.iter().map(|&(_, node)| node));
+                let first = near.first().map_or(Vec::new(), |&(_, node)| {
+                    roadmap.grow_from(node);
+                    poses(roadmap, &mut roadmap.links(node).map(|(_, link)| link.to))
+                });
+                (about, first)
+            });
+            assert_eq!(one, two);
+            kept.forget_beyond(400);
+            assert!(kept.node_count() <= 400);
+        }
     }
 
     #[test]
