@@ -3,7 +3,7 @@
 use crate::geometry::FieldFrame;
 use crate::ranges::{OutOfRange, check_range, number_text};
 
-const SQUARE_METRES_PER_HECTARE: f64 = 10_000.0;
+pub const SQUARE_METRES_PER_HECTARE: f64 = 10_000.0;
 
 /// The most samples that a field may come to have.
 const MAX_SAMPLES: f64 = 10_000_000.0;

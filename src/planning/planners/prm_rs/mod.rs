@@ -19,7 +19,6 @@ mod roadmap;
 mod sample;
 mod search;
 mod settings;
-mod tiles;
 
 pub use settings::PrmRsSettings;
 
@@ -28,6 +27,7 @@ use crate::geometry::{FieldFrame, Pose};
 use crate::planning::kit::clearance_profile::ClearanceProfile;
 use crate::planning::kit::ends::free_ends;
 use crate::planning::kit::heuristic::Heuristic;
+use crate::planning::kit::milestone_tiles::is_small;
 use crate::planning::kit::relaxed_search::RelaxedSearch;
 use crate::planning::kit::shortcuts::Shortcutter;
 use crate::planning::memory::PlannerMemory;
@@ -46,9 +46,6 @@ use search::{RoadmapQuery, RoadmapSearch};
 
 /// The number of times that more poses are tried about minor components.
 const BRIDGE_ROUNDS: u32 = 2;
-
-/// Fields up to this size have one roadmap, built at once; on larger ones it grows where drives lead. Square metres.
-const LARGEST_WHOLE_M2: f64 = 500.0 * 500.0;
 
 /// A roadmap that grows forgets everything before a query once it has more milestones than this: some 20 MB.
 const MAX_REMEMBERED: usize = 40_000;
@@ -71,7 +68,7 @@ pub struct PrmRs {
 impl PrmRs {
     /// The stream `prm-rs` decides where the roadmap's poses lie, `shortcuts` which shortcuts are tried.
     pub fn build(site: &Site<'_>) -> Self {
-        let roadmap = if is_whole(site.checker.field().frame()) { whole_roadmap(site) } else { growing_roadmap(site) };
+        let roadmap = if is_small(site.checker.field().frame()) { whole_roadmap(site) } else { growing_roadmap(site) };
         Self::with(site, roadmap)
     }
 
@@ -132,11 +129,6 @@ impl PrmRs {
         }
         None
     }
-}
-
-/// Says whether a field has one roadmap, built at once.
-fn is_whole(frame: &FieldFrame) -> bool {
-    frame.width_m() * frame.height_m() <= LARGEST_WHOLE_M2
 }
 
 /// Builds the roadmap of a whole field.
@@ -239,7 +231,7 @@ impl BuiltInPlanner for Maker {
         let edges = nodes * u64::from(prm_rs.neighbours);
         let fallback = RelaxedSearch::memory(frame, settings.hybrid.max_expansions);
         let at_work = RoadmapSearch::most_bytes_at_work(nodes, edges);
-        if !is_whole(frame) {
+        if !is_small(frame) {
             let edges = 2 * edges;
             let roadmap = Roadmap::most_bytes_growing(frame, nodes, edges) + RoadmapSearch::bytes(nodes);
             let grows = fallback.grows + roadmap + Roadmap::most_bytes_of_curves(edges) + at_work;
@@ -285,7 +277,7 @@ impl BuiltInPlanner for Maker {
         let PrmRsSettings { corner_places, neighbours, max_edge_m, .. } = *settings.prm_rs;
         let samples = u64::from(settings.prm_rs.samples_on(frame));
         let at_corners = 4 * bushes as u64 * u64::from(corner_places);
-        is_whole(frame).then_some(RoadmapSize { milestones: samples + at_corners, neighbours, max_edge_m })
+        is_small(frame).then_some(RoadmapSize { milestones: samples + at_corners, neighbours, max_edge_m })
     }
 }
 
@@ -339,7 +331,7 @@ mod tests {
     #[test]
     fn small_fields_have_one_roadmap_and_large_ones_none_until_a_drive_needs_it() {
         let frame = |cells| FieldFrame { cols: cells, rows: cells, cell_m: 5.0 };
-        assert!(is_whole(&frame(100)) && !is_whole(&frame(101)));
+        assert!(is_small(&frame(100)) && !is_small(&frame(101)));
         let field = TestField::random(1, 40);
         let mut planner = growing(&field, 1);
         assert_eq!((planner.roadmap.node_count(), planner.build_report().samples), (0, 0));

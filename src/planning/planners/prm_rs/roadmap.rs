@@ -7,11 +7,13 @@ use super::PrmRsSettings;
 use crate::collision::CollisionChecker;
 use crate::geometry::{FieldFrame, Pose, ops};
 use crate::planning::memory::{BytesAfter, Growing, Held, MemoryMeter};
+use crate::rng::Xoshiro256PlusPlus;
 use crate::vehicle::reeds_shepp::PricedCurve;
 use crate::vehicle::{CurvePrice, ReedsShepp, Segment};
 
 use super::near::Places;
-use super::tiles::{TileSampling, Tiles};
+use super::sample::Sampler;
+use crate::planning::kit::milestone_tiles::{CellBlock, DrawnMilestones, Tiles};
 use crate::planning::kit::relaxation::Stage;
 use crate::planning::kit::roadmap_graph::{Link, RoadmapGraph};
 
@@ -55,13 +57,13 @@ pub struct Roadmap {
 }
 
 #[derive(Clone, Copy, Debug)]
-pub struct Milestone {
-    pub pose: Pose,
+struct Milestone {
+    pose: Pose,
     direction: DVec2,
 }
 
 impl Milestone {
-    pub fn new(pose: Pose) -> Self {
+    fn new(pose: Pose) -> Self {
         Self { pose, direction: pose.direction() }
     }
 }
@@ -71,7 +73,42 @@ enum Index {
     /// All nodes there are.
     Whole(Places),
     /// Those of the tiles that searches came near.
-    Growing(Tiles),
+    Growing(Tiles, TileSampling),
+}
+
+/// What is drawn in a tile.
+#[derive(Clone, Copy, Debug)]
+struct TileSampling {
+    /// Poses drawn evenly, on average.
+    samples_per_hectare: f64,
+    corner_places: u32,
+    clearance_m: f64,
+}
+
+/// The nodes, while they are drawn by tiles.
+struct Drawing<'a> {
+    checker: &'a CollisionChecker,
+    sampling: TileSampling,
+    nodes: &'a mut Vec<Milestone>,
+}
+
+impl DrawnMilestones for Drawing<'_> {
+    fn draw(&mut self, block: CellBlock, mut rng: Xoshiro256PlusPlus) {
+        let TileSampling { samples_per_hectare, corner_places, clearance_m } = self.sampling;
+        let wanted = block.hectares(self.checker.field().frame().cell_m) * samples_per_hectare;
+        let mut sampler = Sampler::of_block(self.checker, clearance_m, block, &mut rng);
+        let mut poses = sampler.draw_about(wanted, &mut rng);
+        poses.extend(sampler.corner_samples(corner_places));
+        self.nodes.extend(poses.into_iter().map(Milestone::new));
+    }
+
+    fn count(&self) -> usize {
+        self.nodes.len()
+    }
+
+    fn position(&self, milestone: u32) -> DVec2 {
+        self.nodes[milestone as usize].pose.position()
+    }
 }
 
 #[derive(Debug)]
@@ -110,12 +147,11 @@ impl Roadmap {
     pub fn growing(checker: &CollisionChecker, memory: &MemoryMeter, settings: &PrmRsSettings, key: u64) -> Self {
         let frame = checker.field().frame();
         let sampling = TileSampling {
-            key,
             samples_per_hectare: settings.samples_per_hectare_on(frame),
             corner_places: settings.corner_places,
             clearance_m: settings.clearance_m,
         };
-        let index = Index::Growing(Tiles::new(frame, sampling));
+        let index = Index::Growing(Tiles::new(frame, key), sampling);
         Self::with(index, Links::Growing(Vec::new()), (checker, memory, settings))
     }
 
@@ -167,7 +203,7 @@ impl Roadmap {
     pub fn has_memory_for(&mut self, ways: usize) -> bool {
         let ways = self.ways.bytes_after(ways);
         let grown = match (&self.index, &self.links) {
-            (Index::Growing(tiles), Links::Growing(links)) => {
+            (Index::Growing(tiles, _), Links::Growing(links)) => {
                 self.nodes.bytes_after(0) + self.edges.bytes_after(0) + links.bytes_after(0) + tiles.bytes()
             }
             _ => 0,
@@ -190,7 +226,7 @@ impl Roadmap {
 
     /// Forgets what grew if that is more nodes than this. What is drawn and joined anew is the same.
     pub fn forget_beyond(&mut self, most: usize) {
-        if let (Index::Growing(tiles), Links::Growing(links)) = (&mut self.index, &mut self.links)
+        if let (Index::Growing(tiles, _), Links::Growing(links)) = (&mut self.index, &mut self.links)
             && self.nodes.len() > most
         {
             tiles.clear();
@@ -270,7 +306,10 @@ impl Roadmap {
     fn within(&mut self, place: DVec2, reach_m: f64, found: &mut Vec<(f64, u32)>) {
         match &mut self.index {
             Index::Whole(places) => places.within(place, reach_m, found),
-            Index::Growing(tiles) => tiles.within(&self.checker, &mut self.nodes, (place, reach_m), found),
+            Index::Growing(tiles, sampling) => {
+                let mut nodes = Drawing { checker: &self.checker, sampling: *sampling, nodes: &mut self.nodes };
+                tiles.within(&mut nodes, (place, reach_m), found);
+            }
         }
     }
 
@@ -282,7 +321,7 @@ impl Roadmap {
     fn rank(&self, node: u32) -> u64 {
         match &self.index {
             Index::Whole(_) => node.into(),
-            Index::Growing(tiles) => tiles.rank(node),
+            Index::Growing(tiles, _) => tiles.rank(node),
         }
     }
 

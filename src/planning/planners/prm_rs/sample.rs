@@ -1,5 +1,4 @@
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
-use std::ops::Range;
 
 use glam::DVec2;
 use rand::{Rng, RngExt};
@@ -9,6 +8,7 @@ use crate::geometry::{Pose, ops};
 use crate::grid::Grid;
 use crate::planning::kit::halton::radical_inverse;
 use crate::planning::kit::lattice::motions;
+use crate::planning::kit::milestone_tiles::CellBlock;
 
 /// Draws stop after this number for each wanted pose, so that a full field cannot hold the planner up.
 const MAX_DRAWS_PER_SAMPLE: u32 = 100;
@@ -18,23 +18,8 @@ const ALONG_M: f64 = 6.0;
 const PROBE_M: f64 = 0.5;
 /// Other poses are tried this far from those of minor components.
 const NEAR_M: f64 = 6.0;
-const SQUARE_METRES_PER_HECTARE: f64 = 10_000.0;
 /// Poses at corners keep this much more than the clearance, so that curves through them do too.
 const CORNER_SPARE_M: f64 = 0.1;
-
-/// A part of a field: cells, row 0 at the south edge.
-#[derive(Clone, Debug)]
-pub struct CellBlock {
-    pub rows: Range<usize>,
-    pub cols: Range<usize>,
-}
-
-impl CellBlock {
-    /// Returns its area, for cells of this side.
-    pub fn hectares(&self, cell_m: f64) -> f64 {
-        self.rows.len() as f64 * self.cols.len() as f64 * cell_m * cell_m / SQUARE_METRES_PER_HECTARE
-    }
-}
 
 /// Draws poses that keep a clearance, on a field or a part of it.
 #[derive(Debug)]
@@ -102,13 +87,7 @@ impl<'a> Sampler<'a> {
 
     fn pose(&self, number: u32) -> Pose {
         let share = |axis: usize, base| (radical_inverse(base, number) + self.shift[axis]).fract();
-        let cell_m = self.checker.field().frame().cell_m;
-        let metres = |cells: usize| cells as f64 * cell_m;
-        let CellBlock { rows, cols } = &self.block;
-        let place = DVec2::new(
-            metres(cols.start) + share(0, 2) * metres(cols.len()),
-            metres(rows.start) + share(1, 3) * metres(rows.len()),
-        );
+        let place = self.block.position(share(0, 2), share(1, 3), self.checker.field().frame().cell_m);
         let turn = share(2, 5);
         let heading = match along_nearest_bush(self.checker.field(), place) {
             // Either way along it.
