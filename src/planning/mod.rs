@@ -176,6 +176,14 @@ impl Goal {
         }
     }
 
+    /// Returns its middle.
+    fn position(self) -> DVec2 {
+        match self {
+            Self::Pose(end) => end.position(),
+            Self::Disc(disc) => disc.centre,
+        }
+    }
+
     /// Returns the position of a truck that counts for this goal.
     fn position_of(self, pose: Pose, body: &Dimensions) -> DVec2 {
         match self {

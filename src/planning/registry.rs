@@ -47,8 +47,13 @@ pub trait BuiltInPlanner: Sync {
     /// Describes in sentences how the planner finds its way.
     fn describe(&self, settings: &TruckPlannerSettings<'_>) -> String;
 
-    /// Returns the size of the roadmap that it builds on a field with this number of bushes, if it builds one.
-    fn roadmap_size(&self, _settings: &TruckPlannerSettings<'_>, _bushes: usize) -> Option<RoadmapSize> {
+    /// Returns the size of the roadmap that it builds at once on a field with this number of bushes, if it does.
+    fn roadmap_size(
+        &self,
+        _settings: &TruckPlannerSettings<'_>,
+        _frame: &FieldFrame,
+        _bushes: usize,
+    ) -> Option<RoadmapSize> {
         None
     }
 

@@ -27,6 +27,19 @@ const RASTER_SIZE: &str = "a raster says itself how large the field and its cell
 /// Why deviations cannot be given beside rows.
 const ONE_CHANCE: &str = "each says how uncertain the weather is";
 
+/// Tables of a truck that say how many samples its roadmap has,
+const ROADMAP_TABLES: [&str; 2] = ["prm", "prm_rs"];
+/// by a number of them
+const SAMPLES: &str = "samples";
+/// or by a density.
+const DENSITY: &str = "samples_per_hectare";
+
+/// Returns the paths of the number and of the density of samples in a table of a truck.
+fn sample_paths(truck: usize, table: &'static str) -> [FieldPath; 2] {
+    let steps = [PathStep::key("unimog"), PathStep::Index(truck), PathStep::key(table)];
+    [SAMPLES, DENSITY].map(|name| FieldPath(steps.iter().cloned().chain([PathStep::key(name)]).collect()))
+}
+
 /// A scenario, with what its author wrote, so that defaults can be told apart.
 #[derive(Clone, Debug)]
 pub struct LoadedScenario {
@@ -178,6 +191,7 @@ impl WrittenScenario<'_> {
     /// Removes from the table the values of the file that a change of another value replaces.
     fn drop_overruled(&self, written: &mut Table) {
         self.drop_overruled_goals(written);
+        self.drop_overruled_samples(written);
         let Some(field) = written.get_mut("field").and_then(Value::as_table_mut) else { return };
         let changed = |name: &str| {
             let path = FieldPath::parse("field").join(PathStep::key(name));
@@ -211,6 +225,38 @@ impl WrittenScenario<'_> {
                 truck.remove("goal");
             }
         }
+    }
+
+    /// Does so with the samples of roadmaps: of a number and a density the changed one stays.
+    fn drop_overruled_samples(&self, written: &mut Table) {
+        let trucks = written.get_mut("unimog").and_then(Value::as_array_mut).into_iter().flatten();
+        for (truck, settings) in trucks.enumerate() {
+            for table in ROADMAP_TABLES {
+                let Some(settings) = settings.get_mut(table).and_then(Value::as_table_mut) else { continue };
+                let is_changed = |path: FieldPath| {
+                    self.changes.iter().any(|change| change.set.iter().any(|set| path.starts_with(set)))
+                };
+                match sample_paths(truck, table).map(is_changed) {
+                    [true, false] => settings.remove(DENSITY),
+                    [false, true] => settings.remove(SAMPLES),
+                    _ => None,
+                };
+            }
+        }
+    }
+
+    /// Refuses a number of samples beside a density of them.
+    fn refuse_two_numbers_of_samples(&self, written: &Table) -> Result<(), Box<ScenarioError>> {
+        let trucks = written.get("unimog").and_then(Value::as_array).map_or(0, Vec::len);
+        let tables = (0..trucks).flat_map(|truck| ROADMAP_TABLES.map(|table| sample_paths(truck, table)));
+        for [number, density] in tables {
+            if number.leads_to(written) && density.leads_to(written) {
+                let (one, other) = (density.to_string(), number.to_string());
+                let fault = Fault::Conflict { one, other, reason: "each says how many samples there are" };
+                return Err(fault.at(self.location_as_written(&density, KeyOrValue::Key)));
+            }
+        }
+        Ok(())
     }
 
     /// Refuses fields that only loading may fill in, and numbers that are infinite or NaN.
@@ -350,6 +396,7 @@ impl WrittenScenario<'_> {
             return conflict(name, "map", "a map says itself where the bushes are");
         }
         self.refuse_goals_of_dispatched(written)?;
+        self.refuse_two_numbers_of_samples(written)?;
         self.refuse_conflicts_of_landscape(written)
     }
 

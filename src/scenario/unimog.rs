@@ -1,6 +1,7 @@
 //! Fire trucks in a scenario: their settings, ranges, description, warnings and memory.
 
 use std::borrow::Cow;
+use std::f64::consts::PI;
 use std::fmt;
 use std::sync::Arc;
 
@@ -34,6 +35,11 @@ const MAX_STEERING_DEG: f64 = 60.0;
 
 /// Sideways acceleration that a laden truck can take on loose ground, m/s2; about 0.4 g.
 const LATERAL_GRIP_MPS2: f64 = 4.0;
+
+/// The number of neighbours that points of a plane have on average where the largest component of those that are joined
+/// begins to span it (M. D. Penrose, "Random geometric graphs", 2003, section 10.6: 4.51). On a field bushes cut lines off
+/// besides.
+const PERCOLATION_DEGREE: f64 = 4.5;
 
 /// The most milestones times neighbours, over all roadmaps, that [`warn_of_roadmaps`] builds: a tenth of a second.
 const MAX_EDGES_TRIED: f64 = 2e5;
@@ -553,17 +559,26 @@ fn warn_of_shared_starts(trucks: &[Unimog], found: &mut Vec<String>) {
     }
 }
 
-/// Warns of roadmaps that lead almost nowhere, among those that are quickly built.
+/// Warns of roadmaps that lead almost nowhere: those that are quickly built are built, of others it is estimated.
 fn warn_of_roadmaps(trucks: &[Unimog], field: &ScenarioField<'_>, found: &mut Vec<String>) {
     let terrain = field.terrain;
     let mut edges = 0.0;
     for (number, unimog) in trucks.iter().enumerate() {
         let Some(maker) = unimog.built_in() else { continue };
-        let size = maker.roadmap_size(&unimog.planner_settings(), terrain.bushes.len());
+        let size = maker.roadmap_size(&unimog.planner_settings(), &terrain.frame, terrain.bushes.len());
         let Some(RoadmapSize { milestones, neighbours, max_edge_m }) = size else { continue };
         edges += milestones as f64 * f64::from(neighbours);
         if edges > MAX_EDGES_TRIED {
-            return;
+            let area_m2 = terrain.frame.width_m() * terrain.frame.height_m();
+            let others = milestones as f64 / area_m2 * PI * max_edge_m * max_edge_m;
+            if others < PERCOLATION_DEGREE {
+                found.push(format!(
+                    "The roadmap of truck {number} will fall apart: a milestone has {others:.1} others within \
+                     `max_edge_m`, {max_edge_m} m, on average, and below {PERCOLATION_DEGREE} no component spans the \
+                     field. More samples mend it, or `samples_per_hectare`."
+                ));
+            }
+            continue;
         }
         let checker = CollisionChecker::new(Arc::clone(&field.clearance), unimog.vehicle);
         let context = PlannerContext {

@@ -6,7 +6,7 @@
 //!   motions cost.
 //! - [`clearance_profile`] says what room a drive keeps, [`relaxation`] what is asked for in turn, [`ends`] whether there
 //!   is room at all.
-//! - [`halton`] and [`roadmap_graph`] are for roadmaps; [`shortcuts`] make paths shorter.
+//! - [`halton`], [`sample_density`], [`milestone_tiles`] and [`roadmap_graph`] are for roadmaps; [`shortcuts`] make paths shorter.
 
 pub mod best_first;
 pub mod clearance_profile;
@@ -18,10 +18,12 @@ pub mod heuristic;
 pub mod holonomic;
 pub mod lattice;
 pub mod local_search;
+pub mod milestone_tiles;
 pub mod motion_price;
 pub mod relaxation;
 pub mod relaxed_search;
 pub mod roadmap_graph;
 pub mod safety;
+pub mod sample_density;
 pub mod shortcuts;
 pub mod turn_straight;

@@ -22,7 +22,7 @@ use super::closed_set::ClosedSet;
 use super::ends::{explain_failure, free_ends, free_poses_in};
 use super::floods::{FloodQuery, FloodSearch, Floods, LATTICES};
 use super::heuristic::Heuristic;
-use super::holonomic::{HolonomicHeuristic, WalkableCells};
+use super::holonomic::HolonomicHeuristic;
 use super::lattice::Lattice;
 use super::relaxation::Stage;
 use super::shortcuts::Shortcutter;
@@ -95,7 +95,6 @@ pub struct RelaxedSearch {
     checker: CollisionChecker,
     settings: RelaxedSettings,
     memory: MemoryMeter,
-    cells: WalkableCells,
     heuristic: Heuristic,
     /// From the start and from the goal.
     coarse: [LatticeSearch; 2],
@@ -132,11 +131,10 @@ impl RelaxedSearch {
         Self {
             checker: checker.clone(),
             memory: memory.clone(),
-            cells: WalkableCells::new(checker),
             heuristic: Heuristic::new(settings.cusp_cost, body),
             coarse: [(); 2].map(|()| PoseSearch::new(body, settings.lattice, memory)),
             fine: None,
-            walks: Default::default(),
+            walks: [(); 2].map(|()| HolonomicHeuristic::new(memory)),
             shortcutter: Shortcutter::new(checker, settings.cusp_cost),
             floods: FloodSearch::new(checker, memory),
             rng,
@@ -157,8 +155,9 @@ impl RelaxedSearch {
         let kinds = [LatticeKind::Coarse, LatticeKind::Fine];
         let searches: u64 = kinds.into_iter().map(|kind| most(kind, 0) + most(kind, BACKWARD)).sum();
         let flood = Floods::most_bytes(frame, FLOODS, max_expansions);
-        let cells = WalkableCells::bytes(frame) + 2 * HolonomicHeuristic::most_bytes(frame);
-        PlannerMemory { held: cells, grows: searches + flood, ..PlannerMemory::default() }
+        let walks = 2 * HolonomicHeuristic::most_bytes_spread(frame);
+        let held = 2 * HolonomicHeuristic::bytes(frame);
+        PlannerMemory { held, grows: searches + flood + walks, ..PlannerMemory::default() }
     }
 
     /// Returns the nodes that the last query expanded.
@@ -184,8 +183,9 @@ impl RelaxedSearch {
     /// Goes through the schedule until a stage succeeds. The last one tells why not.
     fn relax(&mut self, drive: &Drive<'_>, observer: &mut dyn PlanningObserver) -> Result<Found, PlanFailure> {
         let &Drive { start, goal, ends } = drive;
-        self.walks[0].begin(&self.cells, goal);
-        self.walks[1].begin(&self.cells, Goal::Pose(start));
+        let (field, body) = (self.checker.field(), self.checker.body());
+        self.walks[0].begin(field, goal, goal.position_of(start, body));
+        self.walks[1].begin(field, Goal::Pose(start), goal.position());
         let mut ending = Ending::Exhausted;
         for stage in SCHEDULE {
             let min_clearance_m = stage.min_clearance_m(self.settings.clearance_m, f64::INFINITY);
@@ -233,17 +233,17 @@ impl RelaxedSearch {
         starts_behind: &[Pose],
     ) -> Result<Path, Ending> {
         let &Drive { start, goal, .. } = drive;
-        let Self { checker, settings, memory, cells, heuristic, coarse, fine, walks: [to_goal, to_start], .. } = self;
+        let Self { checker, settings, memory, heuristic, coarse, fine, walks: [to_goal, to_start], .. } = self;
         let [forward, backward] = match lattice {
             LatticeKind::Coarse => coarse,
             LatticeKind::Fine => fine.get_or_insert_with(|| {
                 [(); 2].map(|()| PoseSearch::new(checker.body(), LATTICES[LATTICES.len() - 1], memory))
             }),
         };
-        let (checker, heuristic, cells) = (&*checker, &*heuristic, &*cells);
-        let mut ahead = LatticeSpace { checker, heuristic, profile, goal, cells, walk: to_goal, settings };
+        let (checker, heuristic) = (&*checker, &*heuristic);
+        let mut ahead = LatticeSpace { checker, heuristic, profile, goal, walk: to_goal, settings };
         let back = Goal::Pose(start);
-        let mut behind = LatticeSpace { checker, heuristic, profile, goal: back, cells, walk: to_start, settings };
+        let mut behind = LatticeSpace { checker, heuristic, profile, goal: back, walk: to_start, settings };
         forward.begin(&mut ahead, [start], None);
         if budgets[BACKWARD] > 0 {
             backward.begin(&mut behind, starts_behind.iter().copied(), None);
@@ -317,7 +317,6 @@ struct LatticeSpace<'a> {
     heuristic: &'a Heuristic,
     profile: &'a ClearanceProfile,
     goal: Goal,
-    cells: &'a WalkableCells,
     /// Towards the goal.
     walk: &'a mut HolonomicHeuristic,
     settings: &'a RelaxedSettings,
@@ -340,7 +339,8 @@ impl SearchSpace for LatticeSpace<'_> {
     fn estimate(&mut self, node: &mut Node<Self::Mark>) -> Option<f64> {
         // The steering bounds the way from below, and so do the bushes: the greater of both counts.
         let value = self.heuristic.without_bushes(node.pose, node.reverse, self.goal);
-        let walked = self.walk.cost_to_go_m(self.cells, self.goal.position_of(node.pose, self.checker.body()));
+        let walked =
+            self.walk.cost_to_go_m(self.checker.field(), self.goal.position_of(node.pose, self.checker.body()));
         (node.cost_to_go, node.mark) = (value.cost_to_go.max(walked), value.expansion);
         value.expansion.map(|expansion| expansion.cost)
     }

@@ -1,5 +1,7 @@
 //! The graph of a roadmap: which edges lead from a milestone, whatever milestones and edges are.
 
+use std::ops::Range;
+
 /// An edge as it looks from one of its milestones.
 #[derive(Clone, Copy, Debug)]
 pub struct Link {
@@ -42,8 +44,12 @@ impl RoadmapGraph {
 
     /// Returns the links of a milestone, each with its number.
     pub fn links(&self, milestone: u32) -> impl Iterator<Item = (u32, Link)> + '_ {
-        let range = self.first[milestone as usize]..self.first[milestone as usize + 1];
-        range.map(|link| (link, self.links[link as usize]))
+        self.numbers(milestone).map(|link| (link, self.links[link as usize]))
+    }
+
+    /// Returns the numbers of the links of a milestone.
+    pub fn numbers(&self, milestone: u32) -> Range<u32> {
+        self.first[milestone as usize]..self.first[milestone as usize + 1]
     }
 
     pub fn link(&self, number: u32) -> Link {

@@ -99,7 +99,8 @@ impl BuiltInPlanner for Maker {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::planning::kit::holonomic::{HolonomicHeuristic, WalkableCells};
+    use crate::planning::kit::holonomic::HolonomicHeuristic;
+    use crate::planning::memory::MemoryMeter;
     use crate::planning::registry::OwnedSettings;
     use crate::planning::test_fields::{TestField, drives_in_a_row, drives_to_poses, paths_that_keep, shut_court};
     use crate::planning::{GoalDisc, PlanFailure};
@@ -151,10 +152,10 @@ mod tests {
             let mut planner = planner(&field, seed);
             for _ in 0..8 {
                 let disc = field.random_goal();
-                let cells = WalkableCells::new(&field.checker);
-                let mut walk = HolonomicHeuristic::default();
-                walk.begin(&cells, Goal::Disc(disc));
-                let promised = walk.cost_to_go_m(&cells, field.checker.body().body_centre(field.start));
+                let start = field.checker.body().body_centre(field.start);
+                let mut walk = HolonomicHeuristic::new(&MemoryMeter::unlimited());
+                walk.begin(field.checker.field(), Goal::Disc(disc), start);
+                let promised = walk.cost_to_go_m(field.checker.field(), start);
                 if let Ok(path) = planner.plan(field.start, disc.into()).path {
                     assert!(promised <= path.length_m() + 1e-9, "{promised} m, but {} m", path.length_m());
                 }

@@ -187,11 +187,12 @@ impl BuiltInPlanner for Maker {
 
     fn memory(&self, frame: &FieldFrame, _: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory {
         let TruckPlannerSettings { prm, primitives, safety, .. } = *settings;
-        let [roadmap, joining] = Roadmap::most_bytes(prm);
+        let [roadmap, joining] = Roadmap::most_bytes(frame, prm);
         let [surcharges, map] = Safety::bytes(frame, safety);
-        let edges = u64::from(prm.samples) * u64::from(prm.neighbours);
+        let samples = u64::from(prm.samples_on(frame));
+        let edges = samples * u64::from(prm.neighbours);
         PlannerMemory {
-            held: roadmap + surcharges + RoadmapScratch::most_bytes(prm.samples.into(), edges),
+            held: roadmap + surcharges + RoadmapScratch::most_bytes(samples, edges),
             making: joining.max(map),
             floods: 0,
             grows: LocalSearch::most_bytes(primitives),
@@ -214,8 +215,8 @@ impl BuiltInPlanner for Maker {
             RoadmapGoal::NearestMilestone => "the milestone nearest to the fire, of those from which it is in reach",
         };
         let roadmap = format!(
-            "Roadmap of {} samples, {} neighbours each, edges up to {} m, {} m clear; {search} to {goal}; {}.",
-            prm.samples,
+            "Roadmap of {}, {} neighbours each, edges up to {} m, {} m clear; {search} to {goal}; {}.",
+            prm.samples_in_words(),
             prm.neighbours,
             prm.max_edge_m,
             prm.clearance_m,
@@ -234,9 +235,9 @@ impl BuiltInPlanner for Maker {
         )
     }
 
-    fn roadmap_size(&self, settings: &TruckPlannerSettings<'_>, _: usize) -> Option<RoadmapSize> {
-        let PrmSettings { samples, neighbours, max_edge_m, .. } = *settings.prm;
-        Some(RoadmapSize { milestones: samples.into(), neighbours, max_edge_m })
+    fn roadmap_size(&self, settings: &TruckPlannerSettings<'_>, frame: &FieldFrame, _: usize) -> Option<RoadmapSize> {
+        let PrmSettings { neighbours, max_edge_m, .. } = *settings.prm;
+        Some(RoadmapSize { milestones: settings.prm.samples_on(frame).into(), neighbours, max_edge_m })
     }
 
     fn warning(&self, settings: &TruckPlannerSettings<'_>, body: &Dimensions, truck: &str) -> Option<String> {

@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::geometry::FieldFrame;
+use crate::planning::kit::sample_density::{check_density, samples_on};
 use crate::ranges::{OutOfRange, SettingsTable, check_range};
 
 /// The probabilistic roadmap over the truck's body centre.
@@ -14,6 +15,9 @@ use crate::ranges::{OutOfRange, SettingsTable, check_range};
 pub struct PrmSettings {
     /// Milestones to draw.
     pub samples: u32,
+    /// Milestones to draw for every hectare, in place of `samples`: as dense a roadmap on fields of all sizes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub samples_per_hectare: Option<f64>,
     /// The number of nearest milestones to which each is joined, those to which the straight line is free.
     pub neighbours: u32,
     /// The longest edge.
@@ -31,6 +35,7 @@ impl Default for PrmSettings {
     fn default() -> Self {
         Self {
             samples: 500,
+            samples_per_hectare: None,
             neighbours: 10,
             max_edge_m: 30.0,
             clearance_m: 1.75,
@@ -73,9 +78,25 @@ pub enum RoadmapGoal {
     NearestMilestone,
 }
 
+impl PrmSettings {
+    /// Returns how many milestones to draw on a field.
+    pub(super) fn samples_on(&self, frame: &FieldFrame) -> u32 {
+        self.samples_per_hectare.map_or(self.samples, |density| samples_on(frame, density))
+    }
+
+    /// Describes how many milestones are drawn.
+    pub(super) fn samples_in_words(&self) -> String {
+        match self.samples_per_hectare {
+            Some(density) => format!("{density} samples a hectare"),
+            None => format!("{} samples", self.samples),
+        }
+    }
+}
+
 impl SettingsTable for PrmSettings {
-    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
+    fn check(&self, frame: &FieldFrame) -> Result<(), OutOfRange> {
         check_range("samples", self.samples.into(), 0.0..=100_000.0)?;
+        check_density(self.samples_per_hectare, frame)?;
         check_range("neighbours", self.neighbours.into(), 1.0..=100.0)?;
         check_range("max_edge_m", self.max_edge_m, 0.01..=1e6)?;
         check_range("clearance_m", self.clearance_m, 0.0..=1000.0)?;

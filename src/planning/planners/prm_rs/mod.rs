@@ -27,6 +27,7 @@ use crate::geometry::{FieldFrame, Pose};
 use crate::planning::kit::clearance_profile::ClearanceProfile;
 use crate::planning::kit::ends::free_ends;
 use crate::planning::kit::heuristic::Heuristic;
+use crate::planning::kit::milestone_tiles::is_small;
 use crate::planning::kit::relaxed_search::RelaxedSearch;
 use crate::planning::kit::shortcuts::Shortcutter;
 use crate::planning::memory::PlannerMemory;
@@ -37,6 +38,7 @@ use crate::planning::{BuildReport, Effort, Found, FoundBy, Goal, Plan, TruckPlan
 use crate::rng::Xoshiro256PlusPlus;
 use crate::time::cpu::CpuStopwatch;
 use glam::DVec2;
+use rand::Rng;
 use roadmap::{MAX_MINOR, Roadmap, SCHEDULE};
 use sample::Sampler;
 pub use sample::count_convex_corners;
@@ -44,6 +46,9 @@ use search::{RoadmapQuery, RoadmapSearch};
 
 /// The number of times that more poses are tried about minor components.
 const BRIDGE_ROUNDS: u32 = 2;
+
+/// A roadmap that grows forgets everything before a query once it has more milestones than this: some 20 MB.
+const MAX_REMEMBERED: usize = 40_000;
 
 /// The planner for one body on one field.
 #[derive(Debug)]
@@ -63,28 +68,14 @@ pub struct PrmRs {
 impl PrmRs {
     /// The stream `prm-rs` decides where the roadmap's poses lie, `shortcuts` which shortcuts are tried.
     pub fn build(site: &Site<'_>) -> Self {
+        let roadmap = if is_small(site.checker.field().frame()) { whole_roadmap(site) } else { growing_roadmap(site) };
+        Self::with(site, roadmap)
+    }
+
+    fn with(site: &Site<'_>, (roadmap, report): (Roadmap, BuildReport)) -> Self {
         let &Site { checker, memory, .. } = site;
         let TruckPlannerSettings { prm_rs: settings, hybrid, .. } = *site.settings;
-        let (mut rng, shortcuts) = ((site.stream)("prm-rs"), (site.stream)("shortcuts"));
-        let mut watch = CpuStopwatch::start();
-        let mut sampler = Sampler::new(checker, settings.clearance_m, &mut rng);
-        let mut poses = sampler.draw(settings.samples);
-        poses.extend(sampler.corner_samples(settings.corner_places));
-        let sampling = watch.lap();
-        let mut roadmap = Roadmap::new(checker, memory, settings);
-        roadmap.add_milestones(poses);
-        for _ in 0..BRIDGE_ROUNDS {
-            roadmap.add_milestones(sampler.expand_near(&roadmap.minor_components()));
-        }
-        roadmap.build_graph();
-        let report = BuildReport {
-            samples: roadmap.node_count() as u32,
-            draws: sampler.draws,
-            edges: roadmap.edge_count() as u32,
-            components: roadmap.components(),
-            sampling,
-            connecting: watch.lap(),
-        };
+        let shortcuts = (site.stream)("shortcuts");
         Self {
             checker: checker.clone(),
             shortcuts: settings.shortcuts,
@@ -140,6 +131,38 @@ impl PrmRs {
     }
 }
 
+/// Builds the roadmap of a whole field.
+fn whole_roadmap(site: &Site<'_>) -> (Roadmap, BuildReport) {
+    let (checker, settings) = (site.checker, site.settings.prm_rs);
+    let mut rng = (site.stream)("prm-rs");
+    let mut watch = CpuStopwatch::start();
+    let mut sampler = Sampler::new(checker, settings.clearance_m, &mut rng);
+    let mut poses = sampler.draw(settings.samples_on(checker.field().frame()));
+    poses.extend(sampler.corner_samples(settings.corner_places));
+    let sampling = watch.lap();
+    let mut roadmap = Roadmap::new(checker, site.memory, settings);
+    roadmap.add_milestones(poses);
+    for _ in 0..BRIDGE_ROUNDS {
+        roadmap.add_milestones(sampler.expand_near(&roadmap.minor_components()));
+    }
+    roadmap.build_graph();
+    let report = BuildReport {
+        samples: roadmap.node_count() as u32,
+        draws: sampler.draws,
+        edges: roadmap.edge_count() as u32,
+        components: roadmap.components(),
+        sampling,
+        connecting: watch.lap(),
+    };
+    (roadmap, report)
+}
+
+/// Prepares a roadmap that grows; there is nothing to report of it yet.
+fn growing_roadmap(site: &Site<'_>) -> (Roadmap, BuildReport) {
+    let key = (site.stream)("prm-rs").next_u64();
+    (Roadmap::growing(site.checker, site.memory, site.settings.prm_rs, key), BuildReport::default())
+}
+
 impl TruckPlanner for PrmRs {
     fn build_report(&self) -> BuildReport {
         self.report
@@ -155,6 +178,7 @@ impl TruckPlanner for PrmRs {
 
     fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {
         observer.begins(Some(PlanningWork::Roadmap));
+        self.roadmap.forget_beyond(MAX_REMEMBERED);
         let goal = goal.with_margin();
         let mut effort = Effort::default();
         let found = self.find(start, goal, &mut effort, observer);
@@ -202,11 +226,17 @@ impl BuiltInPlanner for Maker {
 
     fn memory(&self, frame: &FieldFrame, corners: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory {
         let prm_rs = settings.prm_rs;
-        let drawn = u64::from(prm_rs.samples) + Sampler::most_corner_samples(corners, prm_rs.corner_places);
+        let drawn = u64::from(prm_rs.samples_on(frame)) + Sampler::most_corner_samples(corners, prm_rs.corner_places);
         let nodes = drawn + u64::from(BRIDGE_ROUNDS) * Sampler::most_near(MAX_MINOR as u64);
         let edges = nodes * u64::from(prm_rs.neighbours);
         let fallback = RelaxedSearch::memory(frame, settings.hybrid.max_expansions);
         let at_work = RoadmapSearch::most_bytes_at_work(nodes, edges);
+        if !is_small(frame) {
+            let edges = 2 * edges;
+            let roadmap = Roadmap::most_bytes_growing(frame, nodes, edges) + RoadmapSearch::bytes(nodes);
+            let grows = fallback.grows + roadmap + Roadmap::most_bytes_of_curves(edges) + at_work;
+            return PlannerMemory { grows, ..fallback };
+        }
         PlannerMemory {
             held: fallback.held + Roadmap::most_bytes(frame, nodes, edges) + RoadmapSearch::bytes(nodes),
             making: Sampler::most_bytes(drawn),
@@ -222,10 +252,10 @@ impl BuiltInPlanner for Maker {
     fn describe(&self, settings: &TruckPlannerSettings<'_>) -> String {
         let TruckPlannerSettings { prm_rs, hybrid, .. } = settings;
         format!(
-            "Roadmap of {} poses, and {} places at every corner of a bush, each joined to {} others within {} m by \
+            "Roadmap of {}, and {} places at every corner of a bush, each joined to {} others within {} m by \
              Reeds-Shepp curves, {} m clear, a change of direction at the price of {} m, then {} shortcuts; where it \
              does not serve, hybrid A* with at most {} expansions; {}.",
-            prm_rs.samples,
+            prm_rs.samples_in_words(),
             prm_rs.corner_places,
             prm_rs.neighbours,
             prm_rs.max_edge_m,
@@ -237,10 +267,17 @@ impl BuiltInPlanner for Maker {
         )
     }
 
-    fn roadmap_size(&self, settings: &TruckPlannerSettings<'_>, bushes: usize) -> Option<RoadmapSize> {
-        let PrmRsSettings { samples, corner_places, neighbours, max_edge_m, .. } = *settings.prm_rs;
+    /// A roadmap that grows has no size of its own.
+    fn roadmap_size(
+        &self,
+        settings: &TruckPlannerSettings<'_>,
+        frame: &FieldFrame,
+        bushes: usize,
+    ) -> Option<RoadmapSize> {
+        let PrmRsSettings { corner_places, neighbours, max_edge_m, .. } = *settings.prm_rs;
+        let samples = u64::from(settings.prm_rs.samples_on(frame));
         let at_corners = 4 * bushes as u64 * u64::from(corner_places);
-        Some(RoadmapSize { milestones: u64::from(samples) + at_corners, neighbours, max_edge_m })
+        is_small(frame).then_some(RoadmapSize { milestones: samples + at_corners, neighbours, max_edge_m })
     }
 }
 
@@ -264,6 +301,43 @@ mod tests {
             let drives = drives_in_a_row(8, walks, |field, seed| Box::new(planner(field, seed)));
             assert!(drives.solved >= 140 && drives.missed == 0, "{walks} walks: {drives:?}");
         }
+    }
+
+    /// The planner as it is on a large field.
+    fn growing(field: &TestField, seed: u64) -> PrmRs {
+        field.make(&OwnedSettings::default(), seed, |site| PrmRs::with(site, growing_roadmap(site)))
+    }
+
+    #[test]
+    fn on_a_growing_roadmap_drives_are_drivable_and_fail_only_where_the_flood_says_no() {
+        for walks in [25, 45] {
+            let drives = drives_in_a_row(8, walks, |field, seed| Box::new(growing(field, seed)));
+            assert!(drives.solved >= 140 && drives.missed == 0, "{walks} walks: {drives:?}");
+        }
+    }
+
+    #[test]
+    fn a_growing_roadmap_answers_the_same_whatever_was_asked_before() {
+        let mut field = TestField::random(3, 40);
+        let goals: Vec<GoalDisc> = (0..12).map(|_| field.random_goal()).collect();
+        let mut kept = growing(&field, 3);
+        for &goal in goals.iter().chain(goals.iter().rev()) {
+            let (one, two) = (kept.plan(field.start, goal.into()), growing(&field, 3).plan(field.start, goal.into()));
+            assert_eq!((one.path, one.found_by, one.effort), (two.path, two.found_by, two.effort));
+            kept.roadmap.forget_beyond(300);
+        }
+    }
+
+    #[test]
+    fn small_fields_have_one_roadmap_and_large_ones_none_until_a_drive_needs_it() {
+        let frame = |cells| FieldFrame { cols: cells, rows: cells, cell_m: 5.0 };
+        assert!(is_small(&frame(100)) && !is_small(&frame(101)));
+        let field = TestField::random(1, 40);
+        let mut planner = growing(&field, 1);
+        assert_eq!((planner.roadmap.node_count(), planner.build_report().samples), (0, 0));
+        let far = field.bushes.iter().copied().max_by(|a, b| a.x.total_cmp(&b.x)).expect("there are bushes");
+        assert!(planner.plan(field.start, GoalDisc { centre: far, radius_m: 10.0 }.into()).path.is_ok());
+        assert!(planner.roadmap.node_count() > 0);
     }
 
     #[test]

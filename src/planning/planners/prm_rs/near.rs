@@ -40,14 +40,7 @@ impl Places {
         self.places.push(place);
     }
 
-    /// Replaces what `found` holds by the places within `reach_m` of one, with their distances, nearest first, ties by
-    /// number.
-    pub fn near(&self, place: DVec2, reach_m: f64, found: &mut Vec<(f64, u32)>) {
-        self.within(place, reach_m, found);
-        found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    }
-
-    /// The same in no particular order.
+    /// Replaces what `found` holds by the places within `reach_m` of one, with their distances, in no particular order.
     pub fn within(&self, place: DVec2, reach_m: f64, found: &mut Vec<(f64, u32)>) {
         found.clear();
         let range = |middle: f64, count: usize| {
@@ -91,7 +84,8 @@ mod tests {
             let distances = all.iter().zip(0..).map(|(place, number)| (place.distance(here), number));
             let mut wanted: Vec<(f64, u32)> = distances.filter(|&(distance, _)| distance <= reach_m).collect();
             wanted.sort_by(|a, b| a.0.total_cmp(&b.0));
-            places.near(here, reach_m, &mut found);
+            places.within(here, reach_m, &mut found);
+            found.sort_by(|a, b| a.0.total_cmp(&b.0));
             assert_eq!(found, wanted);
         }
     }

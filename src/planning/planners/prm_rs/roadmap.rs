@@ -7,10 +7,13 @@ use super::PrmRsSettings;
 use crate::collision::CollisionChecker;
 use crate::geometry::{FieldFrame, Pose, ops};
 use crate::planning::memory::{BytesAfter, Growing, Held, MemoryMeter};
+use crate::rng::Xoshiro256PlusPlus;
 use crate::vehicle::reeds_shepp::PricedCurve;
 use crate::vehicle::{CurvePrice, ReedsShepp, Segment};
 
 use super::near::Places;
+use super::sample::Sampler;
+use crate::planning::kit::milestone_tiles::{CellBlock, DrawnMilestones, Tiles};
 use crate::planning::kit::relaxation::Stage;
 use crate::planning::kit::roadmap_graph::{Link, RoadmapGraph};
 
@@ -28,7 +31,10 @@ const HOPELESS_M: f64 = 0.5;
 
 /// Poses, and Reeds-Shepp curves between them that may be driven both ways.
 ///
-/// Curves are worked out and swept when they are asked for, and remembered.
+/// Curves are worked out and swept when they are asked for, and remembered. A roadmap is either made of poses that are
+/// added to it, each joined to the nearest before it, or it grows: its poses are drawn by tiles of the field that
+/// searches come near, and joined to the nearest of all about them when a search leaves them. What a search finds
+/// does not depend on the searches before it.
 #[derive(Debug)]
 pub struct Roadmap {
     checker: CollisionChecker,
@@ -37,11 +43,12 @@ pub struct Roadmap {
     clearances_m: [f64; LEVELS],
     neighbours: usize,
     max_edge_m: f64,
-    nodes: Vec<Node>,
-    places: Places,
+    nodes: Vec<Milestone>,
+    /// Tells which nodes are near.
+    index: Index,
     edges: Vec<Edge>,
     ways: Vec<PricedCurve>,
-    graph: RoadmapGraph,
+    links: Links,
     /// The sets of nodes joined by edges that keep the wanted clearance.
     joined: UnionFind<u32>,
     components: u32,
@@ -50,9 +57,66 @@ pub struct Roadmap {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Node {
+struct Milestone {
     pose: Pose,
     direction: DVec2,
+}
+
+impl Milestone {
+    fn new(pose: Pose) -> Self {
+        Self { pose, direction: pose.direction() }
+    }
+}
+
+#[derive(Debug)]
+enum Index {
+    /// All nodes there are.
+    Whole(Places),
+    /// Those of the tiles that searches came near.
+    Growing(Tiles, TileSampling),
+}
+
+/// What is drawn in a tile.
+#[derive(Clone, Copy, Debug)]
+struct TileSampling {
+    /// Poses drawn evenly, on average.
+    samples_per_hectare: f64,
+    corner_places: u32,
+    clearance_m: f64,
+}
+
+/// The nodes, while they are drawn by tiles.
+struct Drawing<'a> {
+    checker: &'a CollisionChecker,
+    sampling: TileSampling,
+    nodes: &'a mut Vec<Milestone>,
+}
+
+impl DrawnMilestones for Drawing<'_> {
+    fn draw(&mut self, block: CellBlock, mut rng: Xoshiro256PlusPlus) {
+        let TileSampling { samples_per_hectare, corner_places, clearance_m } = self.sampling;
+        let wanted = block.hectares(self.checker.field().frame().cell_m) * samples_per_hectare;
+        let mut sampler = Sampler::of_block(self.checker, clearance_m, block, &mut rng);
+        let mut poses = sampler.draw_about(wanted, &mut rng);
+        poses.extend(sampler.corner_samples(corner_places));
+        self.nodes.extend(poses.into_iter().map(Milestone::new));
+    }
+
+    fn count(&self) -> usize {
+        self.nodes.len()
+    }
+
+    fn position(&self, milestone: u32) -> DVec2 {
+        self.nodes[milestone as usize].pose.position()
+    }
+}
+
+#[derive(Debug)]
+enum Links {
+    Whole(RoadmapGraph),
+    /// Of a node that a search left: the first of its links and the one after the last. Links have the numbers of their
+    /// edges, each of which belongs to the node that it begins at.
+    Growing(Vec<Option<(u32, u32)>>),
 }
 
 /// A curve from one node to another.
@@ -75,6 +139,27 @@ pub struct Bridge {
 
 impl Roadmap {
     pub fn new(checker: &CollisionChecker, memory: &MemoryMeter, settings: &PrmRsSettings) -> Self {
+        let index = Index::Whole(Places::new(checker.field().frame()));
+        Self::with(index, Links::Whole(RoadmapGraph::default()), (checker, memory, settings))
+    }
+
+    /// Creates a roadmap that grows; `key` is the number that decides where its poses lie.
+    pub fn growing(checker: &CollisionChecker, memory: &MemoryMeter, settings: &PrmRsSettings, key: u64) -> Self {
+        let frame = checker.field().frame();
+        let sampling = TileSampling {
+            samples_per_hectare: settings.samples_per_hectare_on(frame),
+            corner_places: settings.corner_places,
+            clearance_m: settings.clearance_m,
+        };
+        let index = Index::Growing(Tiles::new(frame, key), sampling);
+        Self::with(index, Links::Growing(Vec::new()), (checker, memory, settings))
+    }
+
+    fn with(
+        index: Index,
+        links: Links,
+        (checker, memory, settings): (&CollisionChecker, &MemoryMeter, &PrmRsSettings),
+    ) -> Self {
         Self {
             checker: checker.clone(),
             curves: ReedsShepp { radius_m: checker.body().turning_radius_m },
@@ -83,10 +168,10 @@ impl Roadmap {
             neighbours: settings.neighbours as usize,
             max_edge_m: settings.max_edge_m,
             nodes: Vec::new(),
-            places: Places::new(checker.field().frame()),
+            index,
             edges: Vec::new(),
             ways: Vec::new(),
-            graph: RoadmapGraph::default(),
+            links,
             joined: UnionFind::new_empty(),
             components: 0,
             memory: memory.holder(Growing::Curves),
@@ -96,9 +181,15 @@ impl Roadmap {
     /// Bounds the bytes that these numbers of nodes and edges take, without the curves, in lists that double.
     pub fn most_bytes(frame: &FieldFrame, nodes: u64, edges: u64) -> u64 {
         // A node has a number in a set, a place where its links begin, and a place among those near another.
-        let node = size_of::<Node>() + 5 * size_of::<u32>() + size_of::<(f64, u32)>();
+        let node = size_of::<Milestone>() + 5 * size_of::<u32>() + size_of::<(f64, u32)>();
         let edge = size_of::<Edge>() + size_of::<Link>();
         2 * (nodes * node as u64 + edges * edge as u64) + Places::most_bytes(frame, nodes)
+    }
+
+    /// Bounds the bytes that these numbers of nodes and edges take, without the curves, of a roadmap that grows.
+    pub fn most_bytes_growing(frame: &FieldFrame, nodes: u64, edges: u64) -> u64 {
+        let node = size_of::<Milestone>() + size_of::<Option<(u32, u32)>>();
+        2 * (nodes * node as u64 + edges * size_of::<Edge>() as u64) + Tiles::most_bytes(frame, nodes)
     }
 
     /// Bounds the bytes that the curves of this number of edges take, in a list that doubles.
@@ -107,13 +198,67 @@ impl Roadmap {
     }
 
     /// Says whether there is memory for this number of further curves that are worked out.
+    ///
+    /// A roadmap that grows counts all that it holds.
     pub fn has_memory_for(&mut self, ways: usize) -> bool {
-        self.memory.cover(self.ways.bytes_after(ways))
+        let ways = self.ways.bytes_after(ways);
+        let grown = match (&self.index, &self.links) {
+            (Index::Growing(tiles, _), Links::Growing(links)) => {
+                self.nodes.bytes_after(0) + self.edges.bytes_after(0) + links.bytes_after(0) + tiles.bytes()
+            }
+            _ => 0,
+        };
+        self.memory.cover(ways + grown)
     }
 
     /// Returns the most links that any node has.
     pub fn most_links(&self) -> usize {
-        self.graph.most_links()
+        match &self.links {
+            Links::Whole(graph) => graph.most_links(),
+            Links::Growing(_) => self.neighbours_growing(),
+        }
+    }
+
+    /// Says whether it grows with the searches.
+    pub fn is_growing(&self) -> bool {
+        matches!(self.links, Links::Growing(_))
+    }
+
+    /// Forgets what grew if that is more nodes than this. What is drawn and joined anew is the same.
+    pub fn forget_beyond(&mut self, most: usize) {
+        if let (Index::Growing(tiles, _), Links::Growing(links)) = (&mut self.index, &mut self.links)
+            && self.nodes.len() > most
+        {
+            tiles.clear();
+            (*links, self.nodes, self.edges, self.ways) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+            self.memory = self.memory.beside();
+        }
+    }
+
+    /// Joins a node to the nearest about it, unless it was joined before or the roadmap does not grow.
+    pub fn grow_from(&mut self, node: u32) {
+        let Links::Growing(known) = &self.links else { return };
+        if known.get(node as usize).copied().flatten().is_some() {
+            return;
+        }
+        let here = self.nodes[node as usize];
+        let mut near = Vec::new();
+        self.within(here.pose.position(), self.max_edge_m, &mut near);
+        near.retain(|&(_, other)| other != node);
+        self.keep_nearest(&here, self.neighbours_growing(), &mut near);
+        let first = self.edges.len() as u32;
+        let edges = near.iter().map(|&(_, to)| Edge { nodes: [node, to], way: None, is_free: [None; LEVELS] });
+        self.edges.extend(edges);
+        if let Links::Growing(known) = &mut self.links {
+            known.resize(self.nodes.len(), None);
+            known[node as usize] = Some((first, self.edges.len() as u32));
+        }
+    }
+
+    /// The number of others that a node of a growing roadmap is joined to: as many as it would have on average in both
+    /// directions if each were joined to those before it.
+    fn neighbours_growing(&self) -> usize {
+        2 * self.neighbours
     }
 
     pub fn node_count(&self) -> usize {
@@ -152,8 +297,32 @@ impl Roadmap {
     }
 
     /// Replaces what `found` holds by the nodes within `reach_m` of a place, with their distances, nearest first.
-    pub fn near(&self, place: DVec2, reach_m: f64, found: &mut Vec<(f64, u32)>) {
-        self.places.near(place, reach_m, found);
+    pub fn near(&mut self, place: DVec2, reach_m: f64, found: &mut Vec<(f64, u32)>) {
+        self.within(place, reach_m, found);
+        self.put_in_order(found);
+    }
+
+    /// Does the same in no particular order.
+    fn within(&mut self, place: DVec2, reach_m: f64, found: &mut Vec<(f64, u32)>) {
+        match &mut self.index {
+            Index::Whole(places) => places.within(place, reach_m, found),
+            Index::Growing(tiles, sampling) => {
+                let mut nodes = Drawing { checker: &self.checker, sampling: *sampling, nodes: &mut self.nodes };
+                tiles.within(&mut nodes, (place, reach_m), found);
+            }
+        }
+    }
+
+    /// Puts nodes in the order of the numbers beside them, ties by what does not depend on earlier searches.
+    fn put_in_order(&self, found: &mut [(f64, u32)]) {
+        found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then_with(|| self.rank(a.1).cmp(&self.rank(b.1))));
+    }
+
+    fn rank(&self, node: u32) -> u64 {
+        match &self.index {
+            Index::Whole(_) => node.into(),
+            Index::Growing(tiles, _) => tiles.rank(node),
+        }
     }
 
     /// Adds poses, each with edges to the nearest ones before it.
@@ -163,16 +332,18 @@ impl Roadmap {
             if !self.has_memory_for(self.neighbours) {
                 return;
             }
-            let node = Node { pose, direction: pose.direction() };
+            let node = Milestone::new(pose);
             let number = self.nodes.len() as u32;
-            self.places.within(pose.position(), self.max_edge_m, &mut near);
-            self.keep_nearest(&node, &mut near);
+            self.within(pose.position(), self.max_edge_m, &mut near);
+            self.keep_nearest(&node, self.neighbours, &mut near);
             self.edges.extend(near.iter().map(|&(_, other)| Edge {
                 nodes: [other, number],
                 way: None,
                 is_free: [None; LEVELS],
             }));
-            self.places.add(pose.position());
+            if let Index::Whole(places) = &mut self.index {
+                places.add(pose.position());
+            }
             self.nodes.push(node);
             self.joined.new_set();
             self.components += 1;
@@ -191,9 +362,8 @@ impl Roadmap {
         }
     }
 
-    /// Keeps the nodes that a truck gets to soonest, as an estimate says.
-    fn keep_nearest(&self, node: &Node, near: &mut Vec<(f64, u32)>) {
-        let by_estimate = |a: &(f64, u32), b: &(f64, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+    /// Keeps this number of the nodes, those that a truck gets to soonest, as an estimate says.
+    fn keep_nearest(&self, node: &Milestone, count: usize, near: &mut Vec<(f64, u32)>) {
         for (metres, other) in near.iter_mut() {
             let there = &self.nodes[*other as usize];
             let middle = node.pose.position().lerp(there.pose.position(), 0.5);
@@ -201,16 +371,18 @@ impl Roadmap {
             *metres = if is_hopeless { f64::INFINITY } else { self.estimate_m(node, there, *metres) };
         }
         near.retain(|&(metres, _)| metres < f64::INFINITY);
-        if near.len() > self.neighbours {
-            near.select_nth_unstable_by(self.neighbours, by_estimate);
-            near.truncate(self.neighbours);
+        if near.len() > count {
+            let order =
+                |a: &(f64, u32), b: &(f64, u32)| a.0.total_cmp(&b.0).then_with(|| self.rank(a.1).cmp(&self.rank(b.1)));
+            near.select_nth_unstable_by(count, order);
+            near.truncate(count);
         }
-        near.sort_unstable_by(by_estimate);
+        self.put_in_order(near);
     }
 
     /// Estimates how long the curve between two nodes is: the straight line, what turning into it and out of it costs, and no
     /// less than what turning from one heading to the other takes.
-    fn estimate_m(&self, a: &Node, b: &Node, distance: f64) -> f64 {
+    fn estimate_m(&self, a: &Milestone, b: &Milestone, distance: f64) -> f64 {
         let radius = self.curves.radius_m;
         let line = (b.pose.position() - a.pose.position()) / distance.max(1e-9);
         let turn_m = |direction: DVec2| {
@@ -224,16 +396,24 @@ impl Roadmap {
 
     /// Makes the edges ready for queries.
     pub fn build_graph(&mut self) {
-        self.graph = RoadmapGraph::from_edges(self.nodes.len(), self.edges.iter().map(|edge| edge.nodes));
+        let graph = RoadmapGraph::from_edges(self.nodes.len(), self.edges.iter().map(|edge| edge.nodes));
+        self.links = Links::Whole(graph);
     }
 
-    /// Returns the links of a node, each with its number.
+    /// Returns the links of a node, each with its number; of a roadmap that grows, of a node that it has grown from.
     pub fn links(&self, node: u32) -> impl Iterator<Item = (u32, Link)> + '_ {
-        self.graph.links(node)
+        let numbers = match &self.links {
+            Links::Whole(graph) => graph.numbers(node),
+            Links::Growing(known) => known[node as usize].map_or(0..0, |(first, end)| first..end),
+        };
+        numbers.map(|number| (number, self.link(number)))
     }
 
     pub fn link(&self, link: u32) -> Link {
-        self.graph.link(link)
+        match &self.links {
+            Links::Whole(graph) => graph.link(link),
+            Links::Growing(_) => Link { to: self.edges[link as usize].nodes[1], edge: link },
+        }
     }
 
     /// Returns what no way between two nodes is shorter than.
@@ -351,6 +531,70 @@ mod tests {
             }
         }
         assert!(free > 300, "{free} are free");
+    }
+
+    fn growing(field: &TestField) -> Roadmap {
+        Roadmap::growing(&field.checker, &MemoryMeter::unlimited(), &PrmRsSettings::default(), 7)
+    }
+
+    #[test]
+    fn a_growing_roadmap_joins_a_node_to_those_that_the_estimate_says_are_nearest() {
+        for seed in 0..3 {
+            let field = TestField::random(seed, 30);
+            let (mut all, mut roadmap) = (growing(&field), growing(&field));
+            let mut near = Vec::new();
+            all.near(DVec2::splat(75.0), f64::INFINITY, &mut near);
+            roadmap.near(field.start.position(), 20.0, &mut near);
+            assert!(near.len() > 3 && roadmap.node_count() < all.node_count());
+            for (_, node) in near {
+                roadmap.grow_from(node);
+                let here = roadmap.nodes[node as usize];
+                let mut others: Vec<(f64, Pose)> = Vec::new();
+                for there in &all.nodes {
+                    let metres = here.pose.position().distance(there.pose.position());
+                    let middle = here.pose.position().lerp(there.pose.position(), 0.5);
+                    let is_shut = field.checker.field().lower_bound(middle) < HOPELESS_M;
+                    if there.pose != here.pose && metres <= 40.0 && !is_shut {
+                        others.push((all.estimate_m(&here, there, metres), there.pose));
+                    }
+                }
+                others.sort_by(|a, b| a.0.total_cmp(&b.0));
+                let estimate = |to: u32| {
+                    let there = &roadmap.nodes[to as usize];
+                    roadmap.estimate_m(&here, there, here.pose.position().distance(there.pose.position()))
+                };
+                let found: Vec<f64> = roadmap.links(node).map(|(_, link)| estimate(link.to)).collect();
+                let wanted: Vec<f64> = others.iter().take(32).map(|&(metres, _)| metres).collect();
+                assert_eq!(found, wanted);
+            }
+        }
+    }
+
+    #[test]
+    fn what_a_roadmap_grows_does_not_depend_on_what_grew_before() {
+        let field = TestField::random(4, 30);
+        let mut rng = rng::stream(4, "growing");
+        let mut kept = growing(&field);
+        for _ in 0..30 {
+            let place = DVec2::new(rng.random_range(0.0..150.0), rng.random_range(0.0..150.0));
+            let mut fresh = growing(&field);
+            let [one, two] = [&mut kept, &mut fresh].map(|roadmap| {
+                let mut near = Vec::new();
+                roadmap.near(place, 30.0, &mut near);
+                let poses = |roadmap: &Roadmap, nodes: &mut dyn Iterator<Item = u32>| -> Vec<Pose> {
+                    nodes.map(|node| roadmap.pose(node)).collect()
+                };
+                let about = poses(roadmap, &mut near.iter().map(|&(_, node)| node));
+                let first = near.first().map_or(Vec::new(), |&(_, node)| {
+                    roadmap.grow_from(node);
+                    poses(roadmap, &mut roadmap.links(node).map(|(_, link)| link.to))
+                });
+                (about, first)
+            });
+            assert_eq!(one, two);
+            kept.forget_beyond(400);
+            assert!(kept.node_count() <= 400);
+        }
     }
 
     #[test]

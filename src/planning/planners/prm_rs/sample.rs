@@ -8,6 +8,7 @@ use crate::geometry::{Pose, ops};
 use crate::grid::Grid;
 use crate::planning::kit::halton::radical_inverse;
 use crate::planning::kit::lattice::motions;
+use crate::planning::kit::milestone_tiles::CellBlock;
 
 /// Draws stop after this number for each wanted pose, so that a full field cannot hold the planner up.
 const MAX_DRAWS_PER_SAMPLE: u32 = 100;
@@ -20,11 +21,12 @@ const NEAR_M: f64 = 6.0;
 /// Poses at corners keep this much more than the clearance, so that curves through them do too.
 const CORNER_SPARE_M: f64 = 0.1;
 
-/// Draws poses that keep a clearance.
+/// Draws poses that keep a clearance, on a field or a part of it.
 #[derive(Debug)]
 pub struct Sampler<'a> {
     checker: &'a CollisionChecker,
     clearance_m: f64,
+    block: CellBlock,
     /// The beginning of each axis's sequence, as a share: x, y, heading.
     shift: [f64; 3],
     pub draws: u32,
@@ -32,7 +34,20 @@ pub struct Sampler<'a> {
 
 impl<'a> Sampler<'a> {
     pub fn new(checker: &'a CollisionChecker, clearance_m: f64, rng: &mut impl Rng) -> Self {
-        Self { checker, clearance_m, shift: std::array::from_fn(|_| rng.random()), draws: 0 }
+        let occupied = checker.field().occupied();
+        let block = CellBlock { rows: 0..occupied.rows(), cols: 0..occupied.cols() };
+        Self::of_block(checker, clearance_m, block, rng)
+    }
+
+    /// Creates a sampler of a part of the field.
+    pub fn of_block(checker: &'a CollisionChecker, clearance_m: f64, block: CellBlock, rng: &mut impl Rng) -> Self {
+        Self { checker, clearance_m, block, shift: std::array::from_fn(|_| rng.random()), draws: 0 }
+    }
+
+    /// Draws this number of free poses, on average: the next lower or the next higher whole number of them.
+    pub fn draw_about(&mut self, wanted: f64, rng: &mut impl Rng) -> Vec<Pose> {
+        let more = rng.random_bool(wanted.fract());
+        self.draw(wanted as u32 + u32::from(more))
     }
 
     /// Draws `wanted` free poses, less if the draws run out. Places cover the field evenly; headings lead along the
@@ -72,8 +87,7 @@ impl<'a> Sampler<'a> {
 
     fn pose(&self, number: u32) -> Pose {
         let share = |axis: usize, base| (radical_inverse(base, number) + self.shift[axis]).fract();
-        let frame = self.checker.field().frame();
-        let place = DVec2::new(share(0, 2) * frame.width_m(), share(1, 3) * frame.height_m());
+        let place = self.block.position(share(0, 2), share(1, 3), self.checker.field().frame().cell_m);
         let turn = share(2, 5);
         let heading = match along_nearest_bush(self.checker.field(), place) {
             // Either way along it.
@@ -104,7 +118,7 @@ impl<'a> Sampler<'a> {
     pub fn corner_samples(&mut self, places: u32) -> Vec<Pose> {
         let abeam_m = 0.5 * self.checker.body().width_m + self.clearance_m + CORNER_SPARE_M;
         let mut poses = Vec::new();
-        for (corner, outwards) in convex_corners(self.checker.field()) {
+        for (corner, outwards) in convex_corners(self.checker.field(), &self.block) {
             for place in 0..places {
                 let spread = (2.0 * f64::from(place) + 1.0) / f64::from(places) - 1.0;
                 let bearing = outwards + spread * FRAC_PI_4;
@@ -133,23 +147,29 @@ fn along_nearest_bush(field: &ClearanceField, place: DVec2) -> Option<f64> {
     (away != DVec2::ZERO).then(|| ops::atan2(away.x, -away.y))
 }
 
-/// Returns the corners that stick out of the bushes, each with the bearing that halves the free angle about it.
-fn convex_corners(field: &ClearanceField) -> impl Iterator<Item = (DVec2, f64)> + '_ {
+/// Returns the corners that stick out of the bushes, each with the bearing that halves the free angle about it: those in
+/// a block, its west and south edges included.
+fn convex_corners<'a>(field: &'a ClearanceField, block: &'a CellBlock) -> impl Iterator<Item = (DVec2, f64)> + 'a {
     // The bush lies at 225 degrees from the corner, or at 315, 45 or 135.
     let outwards = |only: usize| FRAC_PI_4 + 2.0 * FRAC_PI_4 * only as f64;
     let place = |row: usize, col: usize| DVec2::new(col as f64, row as f64) * field.frame().cell_m;
-    corners_of_one(field.occupied()).map(move |(row, col, only)| (place(row, col), outwards(only)))
+    corners_of_one(field.occupied(), block).map(move |(row, col, only)| (place(row, col), outwards(only)))
 }
 
 /// Counts the corners that stick out of bushes; `occupied` has a value per cell.
 pub fn count_convex_corners(occupied: &Grid<bool>) -> u64 {
-    corners_of_one(occupied).count() as u64
+    let block = CellBlock { rows: 0..occupied.rows(), cols: 0..occupied.cols() };
+    corners_of_one(occupied, &block).count() as u64
 }
 
-/// Lists the corners of cells inside the field at which one of four cells is a bush, and says which of them.
-fn corners_of_one(occupied: &Grid<bool>) -> impl Iterator<Item = (usize, usize, usize)> + '_ {
-    (1..occupied.rows()).flat_map(move |row| {
-        (1..occupied.cols()).filter_map(move |col| {
+/// Lists the south-west corners of a block's cells that lie inside the field and at which one of four cells is a bush,
+/// and says which of them.
+fn corners_of_one<'a>(
+    occupied: &'a Grid<bool>,
+    block: &'a CellBlock,
+) -> impl Iterator<Item = (usize, usize, usize)> + 'a {
+    (block.rows.start.max(1)..block.rows.end).flat_map(move |row| {
+        (block.cols.start.max(1)..block.cols.end).filter_map(move |col| {
             let around = [(row - 1, col - 1), (row - 1, col), (row, col), (row, col - 1)];
             let mut bushes = (0..4).filter(|&k| occupied[around[k]]);
             let (only, None) = (bushes.next()?, bushes.next()) else { return None };

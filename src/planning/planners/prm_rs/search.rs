@@ -25,6 +25,14 @@ const WEIGHT: f64 = 1.2;
 /// Poses off the roadmap that are expanded, and how far from the start at most.
 const MAX_LOCAL_EXPANSIONS: u32 = 50;
 const LOCAL_M: f64 = 30.0;
+/// On a roadmap that grows, a search stays where the ways from the start and to the goal together are no longer than
+/// this share of the straight line and these metres more,
+const FARTHEST_SHARE: f64 = 1.3;
+const FARTHEST_MORE_M: f64 = 200.0;
+/// and enters no more milestones than this, and this number for every metre of the straight line: several times what
+/// drives take that succeed.
+const MOST_ENTERED: f64 = 300.0;
+const MOST_ENTERED_A_METRE: f64 = 1.0;
 /// The lattice of poses about the start.
 const LATTICE: Lattice = Lattice { bin_m: 2.5, headings: 24, step_m: 4.0 };
 
@@ -125,7 +133,14 @@ impl RoadmapSearch {
     /// The reason why there is none.
     pub fn run(&mut self, query: &RoadmapQuery<'_>, roadmap: &mut Roadmap) -> Result<Path, Ending> {
         self.notes.begin();
-        let mut space = RoadmapSpace { query, roadmap, notes: &mut self.notes };
+        let straight_m = query.start.position().distance(query.goal.position());
+        let (most_m, most_entered) = if roadmap.is_growing() {
+            let entered = MOST_ENTERED + MOST_ENTERED_A_METRE * straight_m;
+            (FARTHEST_SHARE * straight_m + FARTHEST_MORE_M, entered as u32)
+        } else {
+            (f64::INFINITY, u32::MAX)
+        };
+        let mut space = RoadmapSpace { query, roadmap, notes: &mut self.notes, most_m, most_entered };
         self.search.begin(&mut space, [query.start], Mark { via: Via::Motion, expansion: None });
         self.search.run(&mut space, u32::MAX)
     }
@@ -172,6 +187,13 @@ impl Notes {
         self.effort = Effort::default();
     }
 
+    /// Makes room for the milestones that a roadmap has come to have.
+    fn know(&mut self, roadmap: &Roadmap) {
+        if self.states.len() < 2 * roadmap.node_count() {
+            self.states.resize(2 * roadmap.node_count(), State::default());
+        }
+    }
+
     fn is_closed(&self, node: u32, reverse: bool) -> bool {
         let state = &self.states[state_of(node, reverse) as usize];
         state.generation == self.generation && state.is_closed
@@ -188,6 +210,9 @@ struct RoadmapSpace<'a> {
     query: &'a RoadmapQuery<'a>,
     roadmap: &'a mut Roadmap,
     notes: &'a mut Notes,
+    /// The longest that straight lines from the start to a milestone and on to the goal may be together.
+    most_m: f64,
+    most_entered: u32,
 }
 
 impl RoadmapSpace<'_> {
@@ -212,6 +237,13 @@ impl RoadmapSpace<'_> {
         }
     }
 
+    /// Says whether a milestone is too far out of the way.
+    fn is_far(&self, node: u32) -> bool {
+        let place = self.roadmap.pose(node).position();
+        let ends = [self.query.start.position(), self.query.goal.position()];
+        ends.into_iter().map(|end| place.distance(end)).sum::<f64>() > self.most_m
+    }
+
     fn cusp_cost(&self, here: &Node<Mark>, departs_reverse: bool) -> f64 {
         if here.turns_back(departs_reverse) { self.roadmap.curves().1.cusp_m } else { 0.0 }
     }
@@ -220,6 +252,7 @@ impl RoadmapSpace<'_> {
     fn offer_milestones(&mut self, search: &mut SearchOf<Self>, from: Candidate<Along>) {
         let start = self.query.start;
         self.roadmap.near(start.position(), LINK_M, &mut self.notes.near);
+        self.notes.know(self.roadmap);
         for &(_, to) in &self.notes.near {
             let pose = self.roadmap.pose(to);
             let cost = least_length_m(self.query.checker.body().turning_radius_m, start, pose);
@@ -230,7 +263,7 @@ impl RoadmapSpace<'_> {
 
     /// Says whether a free way leads to the goal from a milestone about it.
     fn leads_to_goal(&mut self) -> bool {
-        let Self { query, roadmap, notes } = self;
+        let Self { query, roadmap, notes, .. } = self;
         let (position, reach_m) = match query.goal {
             Goal::Pose(pose) => (pose.position(), LINK_M),
             Goal::Disc(disc) => (disc.centre, disc.radius_m + LINK_M),
@@ -309,8 +342,13 @@ impl RoadmapSpace<'_> {
             let key = from.cost + WEIGHT * self.notes.expansions[expansion as usize].cost;
             search.push(key, from.cost, reached, Step::Arrive);
         }
+        self.roadmap.grow_from(node);
+        self.notes.know(self.roadmap);
         for (number, link) in self.roadmap.links(node) {
             if self.notes.is_closed(link.to, false) && self.notes.is_closed(link.to, true) {
+                continue;
+            }
+            if self.roadmap.is_growing() && self.is_far(link.to) {
                 continue;
             }
             // What a link costs at least holds whether its curve is known or not.
@@ -336,12 +374,17 @@ impl SearchSpace for RoadmapSpace<'_> {
     type Mark = Mark;
     type Own = Along;
 
-    /// One step adds a pose, a curve, two expansions, and what is offered from there.
+    /// One step adds a pose, a curve, two expansions, and what is offered from there. A search that has entered as many
+    /// milestones as it may ends as one without memory does, and the planner asks for less.
     fn has_room(&mut self, search: &mut SearchOf<Self>) -> bool {
         let Self { roadmap, notes, .. } = self;
+        if notes.effort.roadmap_expansions >= self.most_entered {
+            return false;
+        }
         let offered = search.motions.len().max(roadmap.most_links());
         let lists = notes.curves.bytes_after(1) + notes.expansions.bytes_after(2) + notes.near.bytes_after(0);
-        let bytes = search.bytes_after(1, offered) + lists;
+        let states = if roadmap.is_growing() { notes.states.bytes_after(0) } else { 0 };
+        let bytes = search.bytes_after(1, offered) + lists + states;
         roadmap.has_memory_for(1) && search.may_hold(bytes)
     }
 

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::geometry::FieldFrame;
+use crate::planning::kit::sample_density::{check_density, hectares, samples_on};
 use crate::ranges::{OutOfRange, SettingsTable, check_range};
 
 /// Settings of the planner `prm-rs`. Lengths are metres.
@@ -12,6 +13,9 @@ use crate::ranges::{OutOfRange, SettingsTable, check_range};
 pub struct PrmRsSettings {
     /// Poses to draw, besides those at the corners of bushes.
     pub samples: u32,
+    /// Poses to draw for every hectare, in place of `samples`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub samples_per_hectare: Option<f64>,
     /// Places around every convex corner of a bush at which the truck may pass it, in either direction.
     pub corner_places: u32,
     /// The number of nearest earlier poses to which each is joined.
@@ -33,6 +37,7 @@ impl Default for PrmRsSettings {
     fn default() -> Self {
         Self {
             samples: 200,
+            samples_per_hectare: None,
             corner_places: 2,
             neighbours: 16,
             max_edge_m: 40.0,
@@ -44,9 +49,30 @@ impl Default for PrmRsSettings {
     }
 }
 
+impl PrmRsSettings {
+    /// Returns how many poses to draw on a field.
+    pub(super) fn samples_on(&self, frame: &FieldFrame) -> u32 {
+        self.samples_per_hectare.map_or(self.samples, |density| samples_on(frame, density))
+    }
+
+    /// Returns how many poses to draw for every hectare of a field.
+    pub(super) fn samples_per_hectare_on(&self, frame: &FieldFrame) -> f64 {
+        self.samples_per_hectare.unwrap_or(f64::from(self.samples) / hectares(frame))
+    }
+
+    /// Describes how many poses are drawn.
+    pub(super) fn samples_in_words(&self) -> String {
+        match self.samples_per_hectare {
+            Some(density) => format!("{density} poses a hectare"),
+            None => format!("{} poses", self.samples),
+        }
+    }
+}
+
 impl SettingsTable for PrmRsSettings {
-    fn check(&self, _: &FieldFrame) -> Result<(), OutOfRange> {
+    fn check(&self, frame: &FieldFrame) -> Result<(), OutOfRange> {
         check_range("samples", self.samples.into(), 0.0..=100_000.0)?;
+        check_density(self.samples_per_hectare, frame)?;
         check_range("corner_places", self.corner_places.into(), 0.0..=10.0)?;
         check_range("neighbours", self.neighbours.into(), 1.0..=100.0)?;
         check_range("max_edge_m", self.max_edge_m, 0.01..=1e6)?;

@@ -23,6 +23,7 @@ use petgraph::unionfind::UnionFind;
 use rand::{Rng, RngExt};
 
 use crate::collision::CollisionChecker;
+use crate::geometry::FieldFrame;
 use crate::planning::kit::halton::radical_inverse;
 use crate::planning::kit::roadmap_graph::RoadmapGraph;
 use crate::planning::kit::safety::Safety;
@@ -56,7 +57,7 @@ impl Roadmap {
     /// There are fewer than wanted when the draws run out (see [`MAX_DRAWS_PER_SAMPLE`]).
     pub fn sampled(checker: &CollisionChecker, settings: &PrmSettings, rng: &mut impl Rng) -> Self {
         let space = FreeSpace::new(checker, settings);
-        let (milestones, draws) = draw_milestones(&space, settings.samples, rng);
+        let (milestones, draws) = draw_milestones(&space, settings.samples_on(checker.field().frame()), rng);
         Self {
             settings: settings.clone(),
             space,
@@ -90,8 +91,8 @@ impl Roadmap {
     }
 
     /// Bounds the bytes that it takes for good, and on top of that while it is made.
-    pub fn most_bytes(settings: &PrmSettings) -> [u64; 2] {
-        let (milestones, neighbours) = (u64::from(settings.samples), u64::from(settings.neighbours));
+    pub fn most_bytes(frame: &FieldFrame, settings: &PrmSettings) -> [u64; 2] {
+        let (milestones, neighbours) = (u64::from(settings.samples_on(frame)), u64::from(settings.neighbours));
         let edges = milestones * neighbours;
         // The tree has a milestone's place and number once more, in leaves that need not be full.
         let milestone = 3 * size_of::<DVec2>() + 2 * size_of::<u64>();
