@@ -8,6 +8,7 @@ use thiserror::Error;
 
 use super::largest_cluster::LargestCluster;
 use super::nearest::{FarthestFromTruck, Nearest, Oldest};
+use super::nearest_intact::NearestIntact;
 use super::random_intact::RandomIntact;
 use super::{OneByOne, Policy};
 use crate::geometry::{Cell, FieldFrame};
@@ -100,10 +101,11 @@ impl BuiltIn {
     /// Makes the policy for the field with these bushes in the run of a seed.
     pub fn make(self, bushes: &[Cell], seed: u64) -> Box<dyn Policy> {
         match self {
-            Self::NearestBurning | Self::NearestIntact => Box::new(OneByOne(Nearest)),
+            Self::NearestBurning => Box::new(OneByOne(Nearest)),
+            Self::NearestIntact => Box::new(NearestIntact),
             Self::Oldest => Box::new(OneByOne(Oldest)),
             Self::LargestCluster => Box::new(OneByOne(LargestCluster)),
-            Self::RandomIntact => Box::new(OneByOne(RandomIntact::new(bushes.to_vec(), seed))),
+            Self::RandomIntact => Box::new(RandomIntact::new(bushes.to_vec(), seed)),
             Self::FarthestFromTruck => Box::new(OneByOne(FarthestFromTruck)),
         }
     }

@@ -285,7 +285,7 @@ pub fn decide(
             }
             let trucks = fleet.trucks.iter().map(|(agent, _)| agent.view(now));
             let agents = trucks.chain(others.iter().map(|agent| agent.view(now))).collect();
-            following.ask(policy, Inquiry { now, fires, agents, asked }, &|entity| fleet.options(entity, fires))
+            following.ask(policy, Inquiry { now, fires, agents, asked }, &|entity: Entity| fleet.options(entity, fires))
         };
         if choices.is_empty() {
             return;
