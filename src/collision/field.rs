@@ -202,9 +202,13 @@ impl ClearanceField {
                 }
             }
         }
-        let least_m2 = least_m2 * (1.0 - LACKING);
-        let exact = Interpolated { distance_m: least_m2.sqrt() * (1.0 - ROUNDED_DOWN), spread_m2: 0.0, least_m2 };
-        if is_exact { exact } else { Interpolated { least_m2, ..by_lattice } }
+        let distance_m = least_m2.sqrt() * (1.0 - ROUNDED_DOWN);
+        let least_m2 = distance_m * distance_m;
+        if is_exact {
+            Interpolated { distance_m, spread_m2: 0.0, least_m2 }
+        } else {
+            Interpolated { least_m2, ..by_lattice }
+        }
     }
 
     #[inline]

@@ -5,7 +5,7 @@
 //! (deeper first), then by the smaller index, so that the same problem always has the same answer.
 
 use crate::grid::Grid;
-use crate::grid::open_list::{OpenList, Ranked};
+use crate::grid::layered_queue::{LayeredQueue, Waiting};
 
 /// The eight moves as (row, column) steps; the first four are orthogonal. Bit `k` of a move mask stands for move `k`.
 pub const MOVES: [(isize, isize); 8] = [(0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (1, -1), (-1, -1), (-1, 1)];
@@ -24,29 +24,6 @@ pub struct LatticePath {
 }
 
 #[derive(Clone, Copy)]
-struct Open {
-    priority: f64,
-    cost: f64,
-    index: u32,
-}
-
-impl Ranked for Open {
-    type Tie = u32;
-
-    fn priority(&self) -> f64 {
-        self.priority
-    }
-
-    fn cost(&self) -> f64 {
-        self.cost
-    }
-
-    fn tie(&self) -> u32 {
-        self.index
-    }
-}
-
-#[derive(Clone, Copy)]
 struct LatticeNode {
     /// Infinite before the point is reached.
     cost: f64,
@@ -59,16 +36,23 @@ struct LatticeNode {
 /// A query on a large lattice that stays near its start neither clears nor holds more than what it touches.
 #[derive(Default)]
 struct Pages {
-    /// By page of the lattice: its place in `nodes`, counted from 1 in pages; 0 if no point of it was reached.
+    /// By page of the lattice: its number among those that are used, from 1; 0 if no point of it was reached.
     directory: Vec<u32>,
-    nodes: Vec<LatticeNode>,
-    /// The pages that the last query touched.
-    touched: Vec<u32>,
+    /// The pages that are used, then those that earlier queries left.
+    pages: Vec<Box<[LatticeNode; Self::POINTS]>>,
+    /// Where in the directory the pages that are used stand.
+    used: Vec<u32>,
 }
 
 impl Pages {
     /// Points in a page. Lattices are wide, so that a page is a short piece of one row.
     const POINTS: usize = 64;
+
+    const UNSEEN: [LatticeNode; Self::POINTS] =
+        [LatticeNode { cost: f64::INFINITY, parent: 0, closed: false }; Self::POINTS];
+
+    /// Bytes for each point of a lattice, lists that double included.
+    const BYTES_A_POINT: usize = size_of::<LatticeNode>() + 1;
 
     fn new(points: usize) -> Self {
         assert!(u32::try_from(points).is_ok(), "a lattice of {points} points has too many for their numbers");
@@ -77,33 +61,34 @@ impl Pages {
 
     /// Forgets all nodes and keeps their memory.
     fn clear(&mut self) {
-        for page in self.touched.drain(..) {
-            self.directory[page as usize] = 0;
+        for place in self.used.drain(..) {
+            self.directory[place as usize] = 0;
         }
-        self.nodes.clear();
     }
 
     fn node(&self, index: usize) -> &LatticeNode {
-        let page = self.directory[index / Self::POINTS] as usize;
-        &self.nodes[(page - 1) * Self::POINTS + index % Self::POINTS]
+        let number = self.directory[index / Self::POINTS] as usize;
+        &self.pages[number - 1][index % Self::POINTS]
     }
 
     fn node_mut(&mut self, index: usize) -> &mut LatticeNode {
-        let page = &mut self.directory[index / Self::POINTS];
-        if *page == 0 {
-            const UNSEEN: LatticeNode = LatticeNode { cost: f64::INFINITY, parent: 0, closed: false };
-            self.nodes.extend([UNSEEN; Self::POINTS]);
-            *page = (self.nodes.len() / Self::POINTS) as u32;
-            self.touched.push((index / Self::POINTS) as u32);
+        let number = &mut self.directory[index / Self::POINTS];
+        if *number == 0 {
+            self.used.push((index / Self::POINTS) as u32);
+            *number = self.used.len() as u32;
+            match self.pages.get_mut(self.used.len() - 1) {
+                Some(page) => **page = Self::UNSEEN,
+                None => self.pages.push(Box::new(Self::UNSEEN)),
+            }
         }
-        &mut self.nodes[(*page as usize - 1) * Self::POINTS + index % Self::POINTS]
+        &mut self.pages[*number as usize - 1][index % Self::POINTS]
     }
 }
 
 /// A search with its memory, kept from query to query.
 pub struct AStar {
     pages: Pages,
-    open: OpenList<Open>,
+    open: LayeredQueue,
     /// Points that the last search settled, in order.
     settled: Vec<u32>,
 }
@@ -114,12 +99,12 @@ impl AStar {
     /// # Panics
     /// If their numbers do not fit into 32 bits.
     pub fn new(points: usize) -> Self {
-        Self { pages: Pages::new(points), open: OpenList::default(), settled: Vec::new() }
+        Self { pages: Pages::new(points), open: LayeredQueue::default(), settled: Vec::new() }
     }
 
-    /// Bytes for each point of a lattice: the point and its place among the settled, in lists that double, and two
-    /// entries that wait, which is more than searches with an estimate came to.
-    pub const BYTES_A_POINT: usize = 2 * (size_of::<LatticeNode>() + size_of::<u32>()) + 2 * size_of::<Open>();
+    /// Bytes for each point of a lattice: the point, its place among the settled in a list that doubles, and half an entry
+    /// that waits in a list that doubles, which is more than searches with an estimate came to.
+    pub const BYTES_A_POINT: usize = Pages::BYTES_A_POINT + 2 * size_of::<u32>() + LayeredQueue::ENTRY_BYTES;
 
     /// A cheapest path from `start` to any point that `is_goal`.
     ///
@@ -134,11 +119,17 @@ impl AStar {
         estimate: impl Fn(usize, usize) -> f64,
     ) -> LatticePath {
         self.pages.clear();
-        self.open.clear();
+        // A layer is a fraction of a step: it holds what is alike, and a search goes through few layers without entries.
+        let any_move = moves.values()[start].trailing_zeros() as usize;
+        let step = MOVES.get(any_move).map_or(1.0, |&(row_step, col_step)| {
+            let next = start.wrapping_add_signed(row_step * moves.cols() as isize + col_step);
+            step_costs.cost(any_move, start, next)
+        });
+        self.open.clear(0.25 * step);
         self.settled.clear();
         self.reach(start, start, 0.0, estimate(start, start));
         let mut expansions = 0;
-        while let Some(Open { index, cost, .. }) = self.open.pop() {
+        while let Some(Waiting { index, cost, .. }) = self.open.pop() {
             let index = index as usize;
             let node = self.pages.node_mut(index);
             // An older entry, with a higher cost, of a point that was expanded since.
@@ -175,7 +166,7 @@ impl AStar {
 
     fn reach(&mut self, index: usize, parent: usize, cost: f64, estimate: f64) {
         *self.pages.node_mut(index) = LatticeNode { cost, parent: parent as u32, closed: false };
-        self.open.push(Open { priority: cost + estimate, cost, index: index as u32 });
+        self.open.push(Waiting { priority: cost + estimate, cost, index: index as u32 });
     }
 
     fn path(&self, start: usize, goal: usize) -> Vec<usize> {

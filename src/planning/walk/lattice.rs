@@ -148,8 +148,9 @@ impl WalkLattice {
     }
 
     pub fn position(&self, point: usize) -> DVec2 {
-        let cols = self.moves.cols();
-        self.origin + DVec2::new((point % cols) as f64, (point / cols) as f64) * self.step_m
+        // Points have numbers of 32 bits, which are divided in half the time of larger ones.
+        let (point, cols) = (point as u32, self.moves.cols() as u32);
+        self.origin + DVec2::new(f64::from(point % cols), f64::from(point / cols)) * self.step_m
     }
 
     /// Returns row and column of the point nearest to a place, free or not.
