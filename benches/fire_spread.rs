@@ -99,7 +99,7 @@ fn main() {
                     .sum();
                 let micros = stopwatch.lap().as_secs_f64() * 1e6 / burned as f64;
                 let cells = frame.cell_count() as u64;
-                let bytes = (Rothermel::most_bytes(cells) + FireField::most_bytes(&frame)) as f64 / cells as f64;
+                let bytes = (Rothermel::most_bytes(cells) + FireField::most_bytes(&frame, cells)) as f64 / cells as f64;
                 let count = neighbours.count();
                 println!("{side:6}  {count:10}  {kind:8}  {:8}  {micros:7.3}  {bytes:10.1}", burned / times);
             }

@@ -8,8 +8,10 @@
 //! number generators", OOPSLA 2014), and four outputs of SplitMix64 from there are the state of xoshiro256++
 //! (Blackman, Vigna, "Scrambled linear pseudorandom number generators", ACM TOMS 2021).
 
-use rand::SeedableRng;
+use std::fmt;
+
 pub use rand::rngs::Xoshiro256PlusPlus;
+use rand::{RngExt, SeedableRng};
 
 const FNV_OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
 const FNV_PRIME: u64 = 0x0000_0100_0000_01b3;
@@ -35,6 +37,81 @@ pub fn mixed(mut state: u64) -> u64 {
     split_mix(&mut state)
 }
 
+/// The beginning of the permutation that [`rand::seq::SliceRandom::shuffle`] makes of the numbers below a length.
+///
+/// Step `i` of a shuffle (Durstenfeld, "Algorithm 235: Random permutation", Communications of the ACM 7(7), 1964) swaps
+/// place `i` with a random place that is not behind it. Before that step place `i` still holds `i`, and later steps read
+/// no place below `i`, so the places of a prefix need no others: all draws are made, and only what falls into the prefix
+/// is kept. The prefix is made longer when a place behind it is asked for, from the stream's first draw on.
+pub struct ShuffledPrefix {
+    length: usize,
+    stream: Box<dyn Fn() -> Xoshiro256PlusPlus + Send + Sync>,
+    prefix: Vec<u32>,
+}
+
+impl ShuffledPrefix {
+    /// The first prefix; each that follows is so many times longer.
+    const FIRST: usize = 256;
+    const LONGER: usize = 8;
+
+    /// Prepares a shuffle of `length` numbers with the draws of a stream, which is made anew for every prefix.
+    ///
+    /// # Panics
+    /// If there are more than 32 bits can number.
+    pub fn new(length: usize, stream: impl Fn() -> Xoshiro256PlusPlus + Send + Sync + 'static) -> Self {
+        assert!(u32::try_from(length).is_ok(), "{length} is too long to be shuffled");
+        Self { length, stream: Box::new(stream), prefix: Vec::new() }
+    }
+
+    /// Returns the number at a place of the permutation.
+    ///
+    /// # Panics
+    /// If the place is not below the length.
+    pub fn at(&mut self, place: usize) -> usize {
+        if place >= self.prefix.len() {
+            let longer = Self::FIRST.max(Self::LONGER * self.prefix.len()).max(place + 1);
+            self.shuffle(longer.min(self.length));
+        }
+        self.prefix[place] as usize
+    }
+
+    /// Shuffles with the draws of `rand`, which takes several places from one number as long as they fit into 32 bits.
+    fn shuffle(&mut self, kept: usize) {
+        self.prefix = (0..kept as u32).collect();
+        let mut stream = (self.stream)();
+        let (mut chunk, mut left) = (0u32, 1u32);
+        for place in 0..self.length as u32 {
+            let places = place + 1;
+            if left == 0 {
+                let mut bound = places;
+                while let Some(product) = bound.checked_mul(places + left + 1) {
+                    bound = product;
+                    left += 1;
+                }
+                left += 1;
+                chunk = stream.random_range(..bound);
+            }
+            left -= 1;
+            let other = if left == 0 { chunk } else { chunk % places };
+            chunk = if left == 0 { chunk } else { chunk / places };
+            if (place as usize) < kept {
+                self.prefix.swap(place as usize, other as usize);
+            } else if (other as usize) < kept {
+                self.prefix[other as usize] = place;
+            }
+        }
+    }
+}
+
+impl fmt::Debug for ShuffledPrefix {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("ShuffledPrefix")
+            .field("length", &self.length)
+            .field("prefix", &self.prefix)
+            .finish_non_exhaustive()
+    }
+}
+
 fn split_mix(state: &mut u64) -> u64 {
     *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let mut z = *state;
@@ -46,8 +123,24 @@ fn split_mix(state: &mut u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use rand::Rng;
+    use rand::seq::SliceRandom;
 
     use super::*;
+
+    #[test]
+    fn a_prefix_is_the_beginning_of_the_shuffle() {
+        for length in (0..40).chain([255, 256, 257, 1000, 3000, 70_000, 100_000]) {
+            let mut shuffled: Vec<usize> = (0..length).collect();
+            shuffled.shuffle(&mut stream(7, "shuffle"));
+            let mut prefix = ShuffledPrefix::new(length, || stream(7, "shuffle"));
+            assert_eq!((0..length).map(|place| prefix.at(place)).collect::<Vec<_>>(), shuffled, "{length}");
+            if length > 0 {
+                let mut at_once = ShuffledPrefix::new(length, || stream(7, "shuffle"));
+                assert_eq!(at_once.at(length / 2), shuffled[length / 2]);
+                assert!(at_once.prefix.len() <= ShuffledPrefix::FIRST.max(length / 2 + 1));
+            }
+        }
+    }
 
     /// Reckoned by a separate program from the rule in the module's text.
     #[test]

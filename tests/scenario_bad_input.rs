@@ -153,8 +153,8 @@ fn numbers_that_cannot_be_are_refused() {
         ("field", "size_m = -250", 10, "`field.size_m` is -250"),
         ("field", "size_m = 0", 10, "`field.size_m` is 0"),
         ("field", "size_m = 252", 10, "whole cells of 5 m"),
-        ("field", "size_m = 5005", 10, "1 to 1000 whole cells of 5 m"),
-        ("field", "size_m = 1e300", 10, "1 to 1000 whole cells of 5 m"),
+        ("field", "size_m = 20485", 10, "1 to 4096 whole cells of 5 m"),
+        ("field", "size_m = 1e300", 10, "1 to 4096 whole cells of 5 m"),
         ("field", "cell_m = 0", 10, "`field.cell_m` is 0"),
         ("field", "cell_m = -5", 10, "`field.cell_m` is -5"),
         ("field", "coverage = 0.41", 12, "`field.coverage` is 0.41; expected a number from 0 to 0.4"),
@@ -175,7 +175,6 @@ fn numbers_that_cannot_be_are_refused() {
         ("[wumpus]", "size_m = -3", 10, "`wumpus.0.size_m` is -3"),
         ("[wumpus]", "speed_mps = 0", 13, "`wumpus.0.speed_mps` is 0"),
         ("[wumpus]", "reach_m = -1", 11, "`wumpus.0.reach_m` is -1"),
-        ("[wumpus]", "lattice_m = 0.1", 13, "lattices of at most 4e6 points"),
         ("[wumpus]", "heuristic_weight = -1", 20, "`wumpus.0.heuristic_weight` is -1"),
         ("[wumpus]", "seconds_per_expansion = -1", 25, "`wumpus.0.seconds_per_expansion` is -1"),
         ("[wumpus]", "potential = { q = 0 }", 19, "`wumpus.0.potential.q` is 0; expected a number from 0.1"),
@@ -241,12 +240,12 @@ fn numbers_that_cannot_be_are_refused() {
 fn work_without_bounds_is_refused() {
     let text = "wumpus = []\nunimog = []\n[field]\nsize_m = 5000\n[fire]\nspread_radius_m = 5000\n";
     assert_refused(text, "6:19", &["`fire.spread_radius_m` is 5000", "pairs"]);
-    let lattices = "[[wumpus]]\nlattice_m = 0.2\n".repeat(3);
-    assert_refused(&format!("unimog = []\n{lattices}"), "7:13", &["`wumpus.2.lattice_m` is 0.2", "over all Wumpuses"]);
+    let lattice = "unimog = []\n[field]\nsize_m = 5000\n[[wumpus]]\nlattice_m = 0.01\n";
+    assert_refused(lattice, "5:13", &["`wumpus.0.lattice_m` is 0.01", "at most 4e9 points", "it would have 2.50e11"]);
     let endless = "duration_s = 1e6\nwumpus = []\n[fire]\nrelight = true\n[suppression]\ndwell_s = 0.1\n[[unimog]]\n";
     assert_refused(endless, "6:11", &["`suppression.dwell_s` is 0.1", "1e6 stops of all trucks"]);
-    let trucks = "[[unimog]]\n".repeat(101);
-    assert_refused(&format!("wumpus = []\n{trucks}"), "2:1", &["`unimog` is 101; expected at most 100"]);
+    let trucks = "[[unimog]]\n".repeat(1001);
+    assert_refused(&format!("wumpus = []\n{trucks}"), "2:1", &["`unimog` is 1001; expected at most 1000"]);
     let ignitions = "[[ignition]]\nat_s = 1\nrandom = 1\n".repeat(10_001);
     assert_refused(&format!("wumpus = []\nunimog = []\n{ignitions}"), "3:1", &["`ignition` is 10001"]);
 }
@@ -291,7 +290,7 @@ fn faults_in_maps_are_placed_in_the_map() {
         ("...\n.a.\n", "2:2", "`a` is no cell"),
         ("{\"n\": 3,\n \"cells_cr\": [[0, 3]]}", "2:21", "[0, 3] lies outside a field of 3 x 3 cells"),
         ("{\"n\": 3,\n \"cells_cr\": [[0, 3}", "2:20", "expected `,` or `]`"),
-        ("{\"n\": 2000, \"cells_cr\": []}", "1:1", "at most 1000 are expected"),
+        ("{\"n\": 5000, \"cells_cr\": []}", "1:1", "at most 4096 are expected"),
     ] {
         let file = folder.write("field.txt", map);
         let error = refused(&scenario, &[]);

@@ -7,10 +7,10 @@ use crate::geometry::FieldFrame;
 use crate::grid::Grid;
 use crate::grid::distance::{MAX_STEPS, squared_vertex_distances};
 
-/// Vertices of the lattice are no farther apart than this, in metres, unless the field is huge.
+/// Vertices of a fine lattice are no farther apart than this, in metres.
 const SPACING_M: f64 = 0.5;
 
-/// About as many vertices as a field may have (4 bytes each); beyond, the lattice gets coarser.
+/// The most vertices of a fine lattice (4 bytes each); a field that would need more has a coarse one.
 const MAX_VERTICES: usize = 1 << 23;
 
 /// Stored where there is no bush at all: farther than any field is wide, and its square is still exact enough.
@@ -29,8 +29,12 @@ const LINE_SLACK_M: f64 = 0.02;
 /// A lower bound of the distance from any point to the nearest bush or to the field's border.
 ///
 /// Exact distances to the closed squares of the bushes are stored at the vertices of a lattice that divides every cell
-/// side into equal steps of at most 0.5 m (coarser on huge fields), as single-precision numbers rounded down. The
-/// border needs no table.
+/// side into equal steps of at most 0.5 m, as single-precision numbers rounded down. The border needs no table.
+///
+/// A field on which these would be more than some eight million, such as one of 5 km, has a coarse lattice instead: the
+/// corners of cells. There the nine cells about a point are looked at as well. A bush among them has its exact distance,
+/// and all others are farther away than the nearest edge of the nine: so close to bushes, where bodies pass, the bound
+/// is better than that of a fine lattice, and it takes neither memory nor time beforehand.
 ///
 /// # Why the bound holds
 /// Let `p` lie in a lattice square of side `h`, at the fractions `t` and `u` of its sides, and let `w_v` be the
@@ -50,20 +54,25 @@ pub struct ClearanceField {
     lattice: Grid<f32>,
     spacing_m: f64,
     steps_per_m: f64,
+    /// True if the lattice is coarse, so that cells about a point are looked at.
+    looks_at_cells: bool,
 }
 
-/// The lattice's knowledge of the distance from a point to the nearest bush: `B` and `V` of [`ClearanceField`].
+/// What is known of the distance from a point to the nearest bush: `B` and `V` of [`ClearanceField`], and what the cells
+/// about the point say.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Interpolated {
     distance_m: f64,
     spread_m2: f64,
+    /// Another lower bound of the squared distance.
+    least_m2: f64,
 }
 
 impl Interpolated {
     /// A lower bound of the squared distance; it may be negative.
     #[inline]
     pub fn least_squared(self) -> f64 {
-        self.distance_m * self.distance_m - self.spread_m2
+        (self.distance_m * self.distance_m - self.spread_m2).max(self.least_m2)
     }
 
     /// An upper bound of the distance.
@@ -98,7 +107,8 @@ impl ClearanceField {
                 *metres = (square as f32).sqrt() * scale;
             }
         });
-        Self { frame, occupied: occupied.clone(), lattice, spacing_m, steps_per_m: 1.0 / spacing_m }
+        let (steps_per_m, looks_at_cells) = (1.0 / spacing_m, spacing_m > SPACING_M);
+        Self { frame, occupied: occupied.clone(), lattice, spacing_m, steps_per_m, looks_at_cells }
     }
 
     /// Bytes that it takes on a field, and bytes on top of that while it is worked out.
@@ -156,9 +166,53 @@ impl ClearanceField {
         sweep::holds_everywhere(length, 1.0, LINE_SLACK_M, excess)
     }
 
-    /// Reads the lattice at a point of the field; beyond it, at the nearest lattice square.
+    /// Reads the lattice at a point of the field; beyond it, at the nearest lattice square. Of a coarse lattice it looks at
+    /// the cells about the point too.
     #[inline]
     pub(super) fn interpolate(&self, point: DVec2) -> Interpolated {
+        let interpolated = self.read_lattice(point);
+        if self.looks_at_cells { self.look_at_cells(point, interpolated) } else { interpolated }
+    }
+
+    /// Makes what the lattice says of a point better by the cell that holds it and the eight round it; of a point outside,
+    /// by what is nearest inside.
+    fn look_at_cells(&self, point: DVec2, by_lattice: Interpolated) -> Interpolated {
+        let (rows, cols) = (self.occupied.rows(), self.occupied.cols());
+        let cell_m = self.frame.cell_m;
+        let (col, row) = (((point.x / cell_m) as usize).min(cols - 1), ((point.y / cell_m) as usize).min(rows - 1));
+        let (west, south) = (point.x - col as f64 * cell_m, point.y - row as f64 * cell_m);
+        // A point that is outside, or so by rounding, has no distances to the sides of its cell: the lattice will do.
+        if west.min(south) < 0.0 || west.max(south) > cell_m {
+            return by_lattice;
+        }
+        // Metres to the columns and rows before, of and after the cell.
+        let (across, along) = ([west, 0.0, cell_m - west], [south, 0.0, cell_m - south]);
+        let beyond = cell_m + across[0].min(across[2]).min(along[0]).min(along[2]);
+        let mut least_m2 = beyond * beyond;
+        let mut is_exact = false;
+        for (step, gap_y) in along.into_iter().enumerate() {
+            let Some(line) = (row + step).checked_sub(1).filter(|&row| row < rows).map(|row| self.occupied.row(row))
+            else {
+                continue;
+            };
+            for (step, gap_x) in across.into_iter().enumerate() {
+                let squared = gap_x * gap_x + gap_y * gap_y;
+                if squared < least_m2 && (col + step).checked_sub(1).and_then(|col| line.get(col)) == Some(&true) {
+                    (least_m2, is_exact) = (squared, true);
+                }
+            }
+        }
+        let distance_m = least_m2.sqrt() * (1.0 - ROUNDED_DOWN);
+        let least_m2 = distance_m * distance_m;
+        if is_exact {
+            Interpolated { distance_m, spread_m2: 0.0, least_m2 }
+        } else {
+            Interpolated { least_m2, ..by_lattice }
+        }
+    }
+
+    #[inline]
+    fn read_lattice(&self, point: DVec2) -> Interpolated {
         let (x, y) = (point.x * self.steps_per_m, point.y * self.steps_per_m);
         let col = (x as usize).min(self.lattice.cols() - 2);
         let row = (y as usize).min(self.lattice.rows() - 2);
@@ -172,6 +226,7 @@ impl ClearanceField {
         Interpolated {
             distance_m: low + u * (high - low),
             spread_m2: self.spacing_m * self.spacing_m * (t * (1.0 - t) + u * (1.0 - u)),
+            least_m2: f64::NEG_INFINITY,
         }
     }
 
@@ -190,12 +245,12 @@ impl ClearanceField {
     }
 }
 
-/// Lattice steps per cell side: at most [`SPACING_M`] each as long as the lattice stays within its limits.
+/// Lattice steps per cell side: at most [`SPACING_M`] each, or one where that would be too many.
 fn steps_per_cell(frame: &FieldFrame) -> usize {
-    let wanted = (frame.cell_m / SPACING_M).ceil().max(1.0) as usize;
-    let affordable = ((MAX_VERTICES / frame.cell_count().max(1)) as f64).sqrt() as usize;
-    let longest = MAX_STEPS / usize::from(frame.cols.max(frame.rows).max(1));
-    wanted.min(affordable).min(longest).max(1)
+    let wanted = (frame.cell_m / SPACING_M).ceil().max(1.0);
+    let vertices = wanted * wanted * frame.cell_count() as f64;
+    let longest = wanted * f64::from(frame.cols.max(frame.rows));
+    if vertices <= MAX_VERTICES as f64 && longest <= MAX_STEPS as f64 { wanted as usize } else { 1 }
 }
 
 #[cfg(test)]
@@ -278,14 +333,55 @@ mod tests {
     }
 
     #[test]
-    fn huge_fields_get_a_coarser_lattice_and_stay_sound() {
+    fn huge_fields_have_a_coarse_lattice_and_stay_sound() {
         let frame = FieldFrame { cols: 1000, rows: 1000, cell_m: 100.0 };
         let mut occupied = Grid::filled(1000, 1000, false);
         occupied[(500, 500)] = true;
         let field = ClearanceField::new(frame, &occupied);
-        assert!(field.lattice.values().len() <= MAX_VERTICES + MAX_VERTICES / 8);
+        assert_eq!(field.lattice.values().len(), 1001 * 1001);
         let point = DVec2::new(50_000.0 - 37.0, 50_050.0);
         assert!(field.lower_bound(point) <= 37.0);
         assert!((field.distance(point) - 37.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn on_a_coarse_lattice_what_is_within_a_cell_is_exact_and_all_else_is_sound() {
+        let mut rng = rng::stream(4, "collision/field");
+        let (mut near, mut far) = (0, 0);
+        for round in 0..60 {
+            // Cells so large that the wanted vertices are too many for a few of them.
+            let cell_m = [4000.0, 1700.0][round % 2];
+            let test = RandomBushes::random(&mut rng, cell_m, [0.0, 0.02, 0.1, 0.4][round % 4]);
+            assert!(test.field.looks_at_cells);
+            let frame = *test.field.frame();
+            for sample in 0..1000 {
+                // Edges and corners of cells too.
+                let point = if sample % 10 == 0 {
+                    let corner =
+                        |cells: u16, rng: &mut rng::Xoshiro256PlusPlus| f64::from(rng.random_range(0..=cells)) * cell_m;
+                    let (x, y) = (corner(frame.cols, &mut rng), corner(frame.rows, &mut rng));
+                    DVec2::new(x, if sample % 20 == 0 { y } else { test.random_point(&mut rng).y })
+                } else {
+                    test.random_point(&mut rng)
+                };
+                let distance = test.point_distance(point);
+                let bound = test.field.lower_bound(point);
+                assert!(bound <= distance + 1e-9, "{point}: bound {bound}, distance {distance}");
+                let border = frame.border_distance(point);
+                if border > 0.0 {
+                    let known = test.field.interpolate(point);
+                    assert!(known.most().min(border) >= distance - 1e-9, "{point}: {known:?}, {distance}");
+                    assert!(!known.is_surely_below(distance) || distance >= border, "{point}: {known:?}, {distance}");
+                    assert!((test.field.distance(point) - distance).abs() < 1e-6, "{point}");
+                }
+                if distance < cell_m {
+                    assert!(bound >= distance * (1.0 - 1e-5), "{point}: bound {bound}, distance {distance}");
+                    near += 1;
+                } else {
+                    far += 1;
+                }
+            }
+        }
+        assert!(near > 1000 && far > 1000, "{near} near, {far} far");
     }
 }

@@ -42,6 +42,26 @@ impl CellSet {
         self.len -= 1;
     }
 
+    /// Says whether a cell is there.
+    pub fn contains(&self, cell: usize) -> bool {
+        self.words[cell / 64] & (1 << (cell % 64)) != 0
+    }
+
+    /// Iterates in ascending order over the cells that are not below `first`, up to the one before `end`.
+    pub fn within(&self, first: usize, end: usize) -> impl Iterator<Item = usize> + '_ {
+        let (from, to) = (first / 64, end.div_ceil(64).min(self.words.len()));
+        (from..to).flat_map(move |word| {
+            let below_first = if word == from { (1 << (first % 64)) - 1 } else { 0 };
+            let mut bits = self.words[word] & !below_first;
+            std::iter::from_fn(move || {
+                let cell = 64 * word + bits.trailing_zeros() as usize;
+                let is_there = bits != 0 && cell < end;
+                bits &= bits.wrapping_sub(1);
+                is_there.then_some(cell)
+            })
+        })
+    }
+
     /// Iterates over the cells in ascending order.
     pub fn iter(&self) -> CellSetIter<'_> {
         CellSetIter { set: self, next_summary: 0, words_left: 0, bits_left: 0, word: 0, left: self.len }
@@ -111,6 +131,12 @@ mod tests {
             }
             assert_eq!(set.iter().len(), model.len());
             assert!(set.iter().eq(model.iter().copied()));
+            for _ in 0..50 {
+                let first = rng.random_range(0..cells as u64) as usize;
+                let end = rng.random_range(first as u64..=cells as u64) as usize;
+                assert!(set.within(first, end).eq(model.range(first..end).copied()), "{first}..{end} of {cells}");
+                assert_eq!(set.contains(first), model.contains(&first));
+            }
         }
     }
 }

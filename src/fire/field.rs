@@ -1,6 +1,7 @@
 //! All that can burn on a field, and what has become of it.
 
 use std::collections::BTreeMap;
+use std::ops::{Index, IndexMut, RangeInclusive};
 
 use serde::Serialize;
 
@@ -74,14 +75,71 @@ struct FieldCell {
     is_lit: bool,
 }
 
+/// The cells on which something grows, found by their index in the field. A large field is mostly bare.
+#[derive(Clone, Debug)]
+struct FuelCells {
+    /// For every 64 cells of the field: which of them have fuel, and how many with fuel come before.
+    places: Vec<(u64, u32)>,
+    cells: Vec<FieldCell>,
+    bare: FieldCell,
+}
+
+impl FuelCells {
+    fn bare(bare: FieldCell) -> Self {
+        Self { places: Vec::new(), cells: Vec::new(), bare }
+    }
+
+    fn most_bytes_of_places(cells: u64) -> u64 {
+        2 * (cells / 64 + 1) * size_of::<(u64, u32)>() as u64
+    }
+
+    /// Makes room for all that has fuel; what had room keeps its state.
+    fn make_room(&mut self, fuel: &CellSet, cell_count: usize) {
+        let mut grown = Self::bare(self.bare);
+        grown.places = vec![(0, 0); cell_count.div_ceil(64)];
+        grown.cells = Vec::with_capacity(fuel.iter().len());
+        for index in fuel.iter() {
+            grown.places[index / 64].0 |= 1 << (index % 64);
+            grown.cells.push(self[index]);
+        }
+        let mut before = 0;
+        for (bits, first) in &mut grown.places {
+            *first = before;
+            before += bits.count_ones();
+        }
+        *self = grown;
+    }
+
+    fn place(&self, index: usize) -> Option<usize> {
+        let &(bits, first) = self.places.get(index / 64)?;
+        let bit = 1 << (index % 64);
+        (bits & bit != 0).then(|| first as usize + (bits & (bit - 1)).count_ones() as usize)
+    }
+}
+
+impl Index<usize> for FuelCells {
+    type Output = FieldCell;
+
+    fn index(&self, index: usize) -> &FieldCell {
+        self.place(index).map_or(&self.bare, |place| &self.cells[place])
+    }
+}
+
+impl IndexMut<usize> for FuelCells {
+    fn index_mut(&mut self, index: usize) -> &mut FieldCell {
+        let place = self.place(index).expect("only what can burn changes");
+        &mut self.cells[place]
+    }
+}
+
 /// All that can burn on a field: bushes, and where there is a landscape, the ground between them.
 #[derive(Clone, Debug)]
 pub struct FireField {
     frame: FieldFrame,
     /// Whether what was extinguished can burn again.
     relight: bool,
-    /// By cell index.
-    cells: Vec<FieldCell>,
+    /// By cell index; where nothing grows that burns it is nothing's.
+    cells: FuelCells,
     /// All that can burn or could once.
     fuel: CellSet,
     /// Intact, or extinguished where that can burn again; wet or not.
@@ -99,41 +157,50 @@ impl FireField {
         let mut field = Self {
             frame,
             relight,
-            cells: vec![bare; count],
+            cells: FuelCells::bare(bare),
             fuel: CellSet::new(count),
             flammable: CellSet::new(count),
             burning: CellSet::new(count),
             wet: BTreeMap::new(),
         };
-        for &cell in bushes {
-            field.add(cell, true);
-        }
+        field.add(bushes.iter().copied(), true);
         field
     }
 
     /// Adds ground that burns, in cells without a bush; cells with one stay bushes.
     #[must_use]
     pub fn with_ground(mut self, ground: impl IntoIterator<Item = Cell>) -> Self {
-        for cell in ground {
-            self.add(cell, false);
-        }
+        self.add(ground, false);
         self
     }
 
-    fn add(&mut self, cell: Cell, is_bush: bool) {
-        let index = self.frame.index(cell);
-        if self.cells[index].kind.is_none() {
+    /// Adds cells on which something grows, all intact; those that have something already stay as they are.
+    fn add(&mut self, cells: impl IntoIterator<Item = Cell>, are_bushes: bool) {
+        let mut added = Vec::new();
+        for cell in cells {
+            let index = self.frame.index(cell);
+            if !self.fuel.contains(index) {
+                self.fuel.insert(index);
+                self.flammable.insert(index);
+                added.push(index);
+            }
+        }
+        if added.is_empty() {
+            return;
+        }
+        self.cells.make_room(&self.fuel, self.frame.cell_count());
+        for index in added {
             self.cells[index].kind = Some(BushStateKind::Intact);
-            self.cells[index].is_bush = is_bush;
-            self.fuel.insert(index);
-            self.flammable.insert(index);
+            self.cells[index].is_bush = are_bushes;
         }
     }
 
-    /// Returns the most bytes that it takes.
-    pub fn most_bytes(frame: &FieldFrame) -> u64 {
+    /// Returns the most bytes that it takes with this number of cells on which something grows.
+    pub fn most_bytes(frame: &FieldFrame, with_fuel: u64) -> u64 {
         let cells = frame.cell_count() as u64;
-        cells * size_of::<FieldCell>() as u64 + 3 * CellSet::bytes(cells)
+        // Their list as they are added, which doubles, and the cells before and after there is room for more.
+        let of_fuel = 2 * (size_of::<usize>() + size_of::<FieldCell>()) as u64;
+        with_fuel * of_fuel + 3 * CellSet::bytes(cells) + FuelCells::most_bytes_of_places(cells)
     }
 
     pub fn frame(&self) -> &FieldFrame {
@@ -222,6 +289,13 @@ impl FireField {
     /// Iterates by cell index over what is left to burn, wet or dry.
     pub fn flammable(&self) -> impl ExactSizeIterator<Item = Cell> + '_ {
         self.flammable.iter().map(|index| self.frame.cell(index))
+    }
+
+    /// Iterates by cell index over what is left to burn, wet or dry, of a piece of a row of cells.
+    pub fn flammable_in_row(&self, row: u16, cols: RangeInclusive<u16>) -> impl Iterator<Item = Cell> + '_ {
+        let first = self.frame.index(Cell { col: *cols.start(), row });
+        let end = self.frame.index(Cell { col: *cols.end(), row }) + 1;
+        self.flammable.within(first, end).map(|index| self.frame.cell(index))
     }
 
     /// Sets a cell on fire; `lit` by somebody, or caught from another cell. Returns `None` if it cannot burn.

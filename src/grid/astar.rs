@@ -5,7 +5,7 @@
 //! (deeper first), then by the smaller index, so that the same problem always has the same answer.
 
 use crate::grid::Grid;
-use crate::grid::open_list::{OpenList, Ranked};
+use crate::grid::layered_queue::{LayeredQueue, Waiting};
 
 /// The eight moves as (row, column) steps; the first four are orthogonal. Bit `k` of a move mask stands for move `k`.
 pub const MOVES: [(isize, isize); 8] = [(0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (1, -1), (-1, -1), (-1, 1)];
@@ -24,56 +24,87 @@ pub struct LatticePath {
 }
 
 #[derive(Clone, Copy)]
-struct Open {
-    priority: f64,
-    cost: f64,
-    index: usize,
-}
-
-impl Ranked for Open {
-    type Tie = usize;
-
-    fn priority(&self) -> f64 {
-        self.priority
-    }
-
-    fn cost(&self) -> f64 {
-        self.cost
-    }
-
-    fn tie(&self) -> usize {
-        self.index
-    }
-}
-
-#[derive(Clone, Copy)]
 struct LatticeNode {
-    /// Query in which the other fields were written.
-    query: u32,
-    closed: bool,
+    /// Infinite before the point is reached.
     cost: f64,
-    parent: usize,
+    parent: u32,
+    closed: bool,
+}
+
+/// The nodes of one search, in pages of consecutive points that are made when the search comes to them.
+///
+/// A query on a large lattice that stays near its start neither clears nor holds more than what it touches.
+#[derive(Default)]
+struct Pages {
+    /// By page of the lattice: its number among those that are used, from 1; 0 if no point of it was reached.
+    directory: Vec<u32>,
+    /// The pages that are used, then those that earlier queries left.
+    pages: Vec<Box<[LatticeNode; Self::POINTS]>>,
+    /// Where in the directory the pages that are used stand.
+    used: Vec<u32>,
+}
+
+impl Pages {
+    /// Points in a page. Lattices are wide, so that a page is a short piece of one row.
+    const POINTS: usize = 64;
+
+    const UNSEEN: [LatticeNode; Self::POINTS] =
+        [LatticeNode { cost: f64::INFINITY, parent: 0, closed: false }; Self::POINTS];
+
+    /// Bytes for each point of a lattice, lists that double included.
+    const BYTES_A_POINT: usize = size_of::<LatticeNode>() + 1;
+
+    fn new(points: usize) -> Self {
+        assert!(u32::try_from(points).is_ok(), "a lattice of {points} points has too many for their numbers");
+        Self { directory: vec![0; points.div_ceil(Self::POINTS)], ..Self::default() }
+    }
+
+    /// Forgets all nodes and keeps their memory.
+    fn clear(&mut self) {
+        for place in self.used.drain(..) {
+            self.directory[place as usize] = 0;
+        }
+    }
+
+    fn node(&self, index: usize) -> &LatticeNode {
+        let number = self.directory[index / Self::POINTS] as usize;
+        &self.pages[number - 1][index % Self::POINTS]
+    }
+
+    fn node_mut(&mut self, index: usize) -> &mut LatticeNode {
+        let number = &mut self.directory[index / Self::POINTS];
+        if *number == 0 {
+            self.used.push((index / Self::POINTS) as u32);
+            *number = self.used.len() as u32;
+            match self.pages.get_mut(self.used.len() - 1) {
+                Some(page) => **page = Self::UNSEEN,
+                None => self.pages.push(Box::new(Self::UNSEEN)),
+            }
+        }
+        &mut self.pages[*number as usize - 1][index % Self::POINTS]
+    }
 }
 
 /// A search with its memory, kept from query to query.
 pub struct AStar {
-    nodes: Vec<LatticeNode>,
-    open: OpenList<Open>,
-    query: u32,
+    pages: Pages,
+    open: LayeredQueue,
     /// Points that the last search settled, in order.
-    settled: Vec<usize>,
+    settled: Vec<u32>,
 }
 
 impl AStar {
     /// Makes a search over lattices of `points` points.
+    ///
+    /// # Panics
+    /// If their numbers do not fit into 32 bits.
     pub fn new(points: usize) -> Self {
-        let unseen = LatticeNode { query: 0, closed: false, cost: 0.0, parent: 0 };
-        Self { nodes: vec![unseen; points], open: OpenList::default(), query: 0, settled: Vec::new() }
+        Self { pages: Pages::new(points), open: LayeredQueue::default(), settled: Vec::new() }
     }
 
-    /// Bytes for each point of a lattice: the point, its place among the settled, and two entries that wait, which is
-    /// more than searches with an estimate came to; lists double.
-    pub const BYTES_A_POINT: usize = size_of::<LatticeNode>() + 2 * size_of::<usize>() + 2 * size_of::<Open>();
+    /// Bytes for each point of a lattice: the point, its place among the settled in a list that doubles, and half an entry
+    /// that waits in a list that doubles, which is more than searches with an estimate came to.
+    pub const BYTES_A_POINT: usize = Pages::BYTES_A_POINT + 2 * size_of::<u32>() + LayeredQueue::ENTRY_BYTES;
 
     /// A cheapest path from `start` to any point that `is_goal`.
     ///
@@ -87,19 +118,26 @@ impl AStar {
         is_goal: impl Fn(usize) -> bool,
         estimate: impl Fn(usize, usize) -> f64,
     ) -> LatticePath {
-        self.query += 1;
-        self.open.clear();
+        self.pages.clear();
+        // A layer is a fraction of a step: it holds what is alike, and a search goes through few layers without entries.
+        let any_move = moves.values()[start].trailing_zeros() as usize;
+        let step = MOVES.get(any_move).map_or(1.0, |&(row_step, col_step)| {
+            let next = start.wrapping_add_signed(row_step * moves.cols() as isize + col_step);
+            step_costs.cost(any_move, start, next)
+        });
+        self.open.clear(0.25 * step);
         self.settled.clear();
         self.reach(start, start, 0.0, estimate(start, start));
         let mut expansions = 0;
-        while let Some(Open { index, cost, .. }) = self.open.pop() {
-            let node = &mut self.nodes[index];
+        while let Some(Waiting { index, cost, .. }) = self.open.pop() {
+            let index = index as usize;
+            let node = self.pages.node_mut(index);
             // An older entry, with a higher cost, of a point that was expanded since.
             if node.closed {
                 continue;
             }
             node.closed = true;
-            self.settled.push(index);
+            self.settled.push(index as u32);
             // Asked when a goal is expanded, not when it is reached: only now is no cheaper way to it left.
             if is_goal(index) {
                 return LatticePath { path: Some(self.path(start, index)), expansions };
@@ -109,9 +147,10 @@ impl AStar {
             for (k, &(row_step, col_step)) in MOVES.iter().enumerate() {
                 if mask & (1 << k) != 0 {
                     let next = index.wrapping_add_signed(row_step * moves.cols() as isize + col_step);
-                    let step = step_costs.cost(k, index, next);
-                    if self.is_worth(next, cost + step) {
-                        self.reach(next, index, cost + step, estimate(next, index));
+                    let to_next = cost + step_costs.cost(k, index, next);
+                    let node = self.pages.node_mut(next);
+                    if !node.closed && to_next < node.cost {
+                        self.reach(next, index, to_next, estimate(next, index));
                     }
                 }
             }
@@ -122,24 +161,19 @@ impl AStar {
     /// The points that the last search settled, in order, each after the one it was reached from; the start after
     /// itself.
     pub fn settled(&self) -> impl Iterator<Item = [usize; 2]> + '_ {
-        self.settled.iter().map(|&index| [self.nodes[index].parent, index])
-    }
-
-    fn is_worth(&self, index: usize, cost: f64) -> bool {
-        let node = &self.nodes[index];
-        node.query != self.query || (!node.closed && cost < node.cost)
+        self.settled.iter().map(|&index| [self.pages.node(index as usize).parent as usize, index as usize])
     }
 
     fn reach(&mut self, index: usize, parent: usize, cost: f64, estimate: f64) {
-        self.nodes[index] = LatticeNode { query: self.query, closed: false, cost, parent };
-        self.open.push(Open { priority: cost + estimate, cost, index });
+        *self.pages.node_mut(index) = LatticeNode { cost, parent: parent as u32, closed: false };
+        self.open.push(Waiting { priority: cost + estimate, cost, index: index as u32 });
     }
 
     fn path(&self, start: usize, goal: usize) -> Vec<usize> {
         let mut path = vec![goal];
         let mut index = goal;
         while index != start {
-            index = self.nodes[index].parent;
+            index = self.pages.node(index).parent as usize;
             path.push(index);
         }
         path.reverse();

@@ -9,6 +9,7 @@ pub mod cost_map;
 pub mod descent;
 pub mod distance;
 pub mod drawn;
+pub mod layered_queue;
 pub mod occupancy;
 pub mod octile;
 pub mod open_list;

@@ -14,8 +14,11 @@ use crate::geometry::FieldFrame;
 use crate::ranges::{OutOfRange, SettingsTable, check_range, number_text};
 use crate::time::SimTime;
 
-/// The most pairs of a burning cell and a neighbour in its radius.
+/// The most pairs of a burning cell and a piece of a row in its radius.
 const MAX_SPREAD_PAIRS: f64 = 1e9;
+
+/// Cells of a row that are looked at together.
+const PIECE_CELLS: f64 = 64.0;
 
 /// Rules by which fire spreads and ends.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -164,9 +167,9 @@ impl Fire {
     }
 
     /// Bounds the memory that the model takes on a field.
-    pub(super) fn most_bytes(&self, frame: &FieldFrame) -> u64 {
+    pub(super) fn most_bytes(&self, frame: &FieldFrame, with_fuel: u64) -> u64 {
         match self.model {
-            FireModelName::Radius => Radius::most_bytes(frame, self.spread_radius_m),
+            FireModelName::Radius => Radius::most_bytes(frame, self.spread_radius_m, with_fuel),
             FireModelName::Rothermel => Rothermel::most_bytes(frame.cell_count() as u64),
             // It keeps nothing but a few factors.
             FireModelName::Alexandridis => 0,
@@ -260,13 +263,18 @@ impl SettingsTable for Fire {
         check_range("spread_delay_s", self.spread_delay_s, 0.0..=1e6)?;
         check_range("spread_radius_m", self.spread_radius_m, 0.0..=1e6)?;
         self.burn_out_s.map_or(Ok(()), |burn_out_s| check_range("burn_out_s", burn_out_s, 0.001..=1e6))?;
-        // Spreading looks at every bush in the radius of every burning one.
+        // Spreading looks at every bush in the radius of every burning one, at up to 64 cells of a row at once.
         let cells = frame.cell_count() as f64;
         let across = 2.0 * self.spread_radius_m / frame.cell_m + 1.0;
-        if cells * (across * across).min(cells) <= MAX_SPREAD_PAIRS {
+        let rows = across.min(f64::from(frame.rows));
+        let pairs = cells * rows * (across.min(f64::from(frame.cols)) / PIECE_CELLS + 1.0);
+        if pairs <= MAX_SPREAD_PAIRS {
             return Ok(());
         }
-        let expected = format!("at most {MAX_SPREAD_PAIRS:e} pairs of a cell and a cell in its radius");
+        let expected = format!(
+            "at most {MAX_SPREAD_PAIRS:e} pairs of a cell and {PIECE_CELLS} cells in a row in its radius; here they are \
+             {pairs:.2e}"
+        );
         Err(OutOfRange { name: "spread_radius_m", found: number_text(self.spread_radius_m), expected })
     }
 }

@@ -20,7 +20,7 @@ use crate::grid::Grid;
 use crate::input_file::list_of_at_most;
 
 /// The most cells along a side of a field, generated or given.
-pub const MAX_CELLS_A_SIDE: u16 = 1000;
+pub const MAX_CELLS_A_SIDE: u16 = 4096;
 
 /// A field that a map gives.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -36,7 +36,7 @@ pub struct GivenField {
 #[serde(deny_unknown_fields)]
 struct MapRows {
     cell_m: f64,
-    #[serde(deserialize_with = "list_of_at_most::<2_000, _, _>")]
+    #[serde(deserialize_with = "list_of_at_most::<5_000, _, _>")]
     rows: Vec<String>,
 }
 
@@ -285,9 +285,9 @@ mod tests {
         assert_eq!(fault("..#\n\n..."), (MapFault::Ragged { found: 0, expected: 3 }, 4));
         assert_eq!(fault("..#\n.x."), (MapFault::UnknownCharacter { found: 'x' }, 5));
         assert_eq!(fault("..é"), (MapFault::UnknownCharacter { found: 'é' }, 2));
-        assert_eq!(fault(&".".repeat(1001)), (TOO_LARGE, 0));
-        assert_eq!(fault(&".\n".repeat(1001)), (TOO_LARGE, 2000));
-        assert!(GivenField::parse(&".\n".repeat(1000), 5.0).is_ok());
+        assert_eq!(fault(&".".repeat(4097)), (TOO_LARGE, 0));
+        assert_eq!(fault(&".\n".repeat(4097)), (TOO_LARGE, 8192));
+        assert!(GivenField::parse(&".\n".repeat(4096), 5.0).is_ok());
     }
 
     #[test]

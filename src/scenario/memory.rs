@@ -133,7 +133,8 @@ impl MemoryEstimate {
         let field = FieldMeasures { frame, bushes, corners };
         let [terrain, laying] = field.terrain();
         let ground = landscape::most_bytes(scenario, &frame);
-        let fires = FireField::most_bytes(&frame) + scenario.fire.most_bytes(&frame) + ground;
+        let burns = if ground > 0 { frame.cell_count() as u64 } else { bushes };
+        let fires = FireField::most_bytes(&frame, burns) + scenario.fire.most_bytes(&frame, burns) + ground;
         let own = [("the program", PROGRAM_BYTES), ("the field and its fires", terrain + fires)];
         let agents = scenario.kinds().map(|agents| agents.memory(&field, scenario.duration_s));
         Self::add_up(own, laying, agents)
@@ -201,9 +202,8 @@ impl FieldMeasures {
         let cells = self.frame.cell_count() as u64;
         // Bushes are in the terrain, in the timeline, and in the order in which ignitions light them.
         let held = cells * size_of::<bool>() as u64 + 3 * self.bushes * size_of::<Cell>() as u64;
-        // When hardly any places are left, all are listed, in a list that doubles, for up to four rotations of a piece.
-        let placements = 2 * 4 * cells * size_of::<(usize, Cell)>() as u64;
-        [held + clearance, working_out.max(placements + 2 * cells)]
+        // While pieces are laid: which cells are closed, beside those that are occupied.
+        [held + clearance, working_out.max(2 * cells)]
     }
 }
 

@@ -101,7 +101,7 @@ pub use crate::planning::{
 use crate::ranges::number_text;
 
 /// The most agents of a kind.
-const MAX_AGENTS: usize = 100;
+const MAX_AGENTS: usize = 1000;
 
 /// The most stops of all trucks in a run in which a cell can burn again and again; each adds to the timeline.
 const MAX_STOPS: f64 = 1e6;
@@ -151,10 +151,10 @@ pub struct Scenario {
     #[serde(default)]
     pub score: Score,
     /// The arsonists.
-    #[serde(deserialize_with = "list_of_at_most::<1_000, _, _>")]
+    #[serde(deserialize_with = "list_of_at_most::<2_000, _, _>")]
     pub wumpus: Vec<Wumpus>,
     /// The fire trucks.
-    #[serde(deserialize_with = "list_of_at_most::<1_000, _, _>")]
+    #[serde(deserialize_with = "list_of_at_most::<2_000, _, _>")]
     pub unimog: Vec<Unimog>,
     /// How the trucks are sent to fires, all together; without it each follows its `goal`.
     #[serde(default, skip_serializing_if = "Option::is_none")]

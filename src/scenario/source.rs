@@ -23,7 +23,7 @@ const MAX_BRACKETS: usize = 24_000;
 const MAX_NESTING: usize = 80;
 
 /// The longest map that is read.
-pub const MAX_MAP_BYTES: u64 = 16_000_000;
+pub const MAX_MAP_BYTES: u64 = 32_000_000;
 
 /// The text of a scenario and what to call it.
 #[derive(Clone, Debug, PartialEq)]

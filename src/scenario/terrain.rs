@@ -162,8 +162,10 @@ impl PieceLayout {
         }
         let corners = (0..self.frame.cell_count()).map(|index| self.frame.cell(index));
         let placements = corners.flat_map(|corner| rotations.iter().map(move |rotation| (rotation, corner)));
-        let legal: Vec<_> = placements.filter(|(rotation, corner)| self.is_legal(rotation, *corner)).collect();
-        (!legal.is_empty()).then(|| legal[rng.random_range(0..legal.len() as u32) as usize])
+        // Counted first and found afterwards: a list of all of them would take more memory than the rest of a large field.
+        let legal = || placements.clone().filter(|(rotation, corner)| self.is_legal(rotation, *corner));
+        let count = legal().count() as u32;
+        if count == 0 { None } else { legal().nth(rng.random_range(0..count) as usize) }
     }
 
     fn is_legal(&self, piece: &Piece, corner: Cell) -> bool {

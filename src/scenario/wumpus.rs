@@ -18,16 +18,22 @@ use crate::planning::walk::{Estimate, LatticeShape, PotentialSettings, WalkLatti
 use crate::planning::{SafetyMap, SafetySettings};
 use crate::ranges::{OutOfRange, SettingsTable, check_range, number_text};
 
-/// The most points of all Wumpuses' lattices: a walk may look at all of them.
-const MAX_LATTICE_POINTS: f64 = 4e6;
+/// The most points of a Wumpus's lattice: their numbers have to fit into 32 bits. Memory allows far fewer.
+const MAX_LATTICE_POINTS: f64 = 4e9;
 
 /// The most goals that Wumpuses may try in vain: all bushes from every point that they have time to reach. A try takes
 /// about 250 bytes of the timeline; runs stay far below the bound, because a Wumpus on which all goals fail stays where
 /// it is.
 const MAX_TRIES: f64 = 2.5e7;
 
-/// The most points of all lattices on which [`warn_of_idle_wumpuses`] looks for what can be lit: a tenth of a second.
-const MAX_POINTS_LOOKED_AT: f64 = 1e6;
+/// The most points of all lattices on which [`warn_of_idle_wumpuses`] looks for what can be lit: a fifth of a second.
+const MAX_POINTS_LOOKED_AT: f64 = 5e6;
+
+/// Points of a walk that a Wumpus's memory is estimated for; a walk across the largest field has as many.
+const MAX_POINTS_OF_WALKS: f64 = 2e4;
+
+/// The memory that a Wumpus takes beside its walk.
+const BYTES_OF_A_WUMPUS: u64 = 20_000;
 
 /// The most pairs of a bush and a place near it that the search for the nearest place looks at.
 const MAX_LOOKS: f64 = 1e7;
@@ -127,19 +133,64 @@ impl Wumpus {
         self.planner == WumpusPlanner::Potential && self.potential.escape == Escape::None
     }
 
-    /// Bounds the memory that it takes in a run of this length.
+    /// Returns the parts of the ground on which it walks, which Wumpuses share whose parts are equal.
+    fn ground(&self, frame: &FieldFrame) -> WalkGround {
+        WalkGround {
+            shape: self.lattice_shape(frame),
+            method: self.walk_method(),
+            step_cost: self.step_cost,
+            safety: self.safety.clone(),
+            reach_m: self.reach_m,
+        }
+    }
+
+    /// Bounds the memory that it alone takes in a run of this length.
     fn most_bytes(&self, field: &FieldMeasures, duration_s: f64) -> u64 {
         let shape = self.lattice_shape(&field.frame);
         let points = WalkLattice::point_count(&field.frame, &shape);
-        let has_factors = self.safety.map != SafetyMap::None;
-        let planner = WalkPlanner::most_bytes(points as u64, &self.walk_method(), has_factors);
-        // Its targets as they are drawn and kept, and those among which it chooses, in a list that doubles.
-        let targets = field.bushes * (4 * size_of::<Cell>() + 2 * size_of::<(f64, usize, usize)>()) as u64;
+        // Its place in the order of bushes, its walk as it is worked out and taken, and its own small things.
+        let own = 3 * points.min(MAX_POINTS_OF_WALKS) as u64 * size_of::<usize>() as u64 + BYTES_OF_A_WUMPUS;
         // Goals that it failed on, by the point it tried from: entries of a tree whose nodes may be half empty.
         let places = points.min(duration_s * self.speed_mps / shape.step_m + 1.0);
         let bytes_of_failures = field.bushes as f64 * places * 3.0 * size_of::<(usize, Cell)>() as f64;
         let failed = if self.gives_up_in_minima() { bytes_of_failures } else { 0.0 };
-        WalkLattice::most_bytes(&field.frame, points as u64) + planner + targets + failed as u64
+        own + failed as u64
+    }
+}
+
+/// What Wumpuses of equal bodies and rules share.
+struct WalkGround {
+    shape: LatticeShape,
+    method: WalkMethod,
+    step_cost: StepCost,
+    safety: SafetySettings,
+    reach_m: f64,
+}
+
+impl WalkGround {
+    fn has_lattice_of(&self, other: &Self) -> bool {
+        self.shape == other.shape
+    }
+
+    fn has_planner_of(&self, other: &Self) -> bool {
+        let rules = |ground: &Self| (ground.method, ground.step_cost);
+        self.has_lattice_of(other) && rules(self) == rules(other) && self.safety == other.safety
+    }
+
+    fn has_targets_of(&self, other: &Self) -> bool {
+        self.has_lattice_of(other) && self.reach_m == other.reach_m
+    }
+
+    /// Bounds the bytes of each part, if it is not shared: lattice, planner, targets.
+    fn bytes(&self, field: &FieldMeasures) -> [u64; 3] {
+        let points = WalkLattice::point_count(&field.frame, &self.shape) as u64;
+        let has_factors = self.safety.map != SafetyMap::None;
+        // Which connected part each point belongs to.
+        let lattice = WalkLattice::most_bytes(&field.frame, points) + points * size_of::<u32>() as u64;
+        let planner = WalkPlanner::most_bytes(points, &self.method, has_factors);
+        // Targets, and what is walled in, in lists that double; of what can be reached from two parts there are two.
+        let targets = 4 * field.bushes * size_of::<Cell>() as u64;
+        [lattice, planner, targets]
     }
 }
 
@@ -242,16 +293,17 @@ impl AgentList for Vec<Wumpus> {
     fn check(&self, scenario: &Scenario) -> Check {
         let frame = scenario.field.frame();
         let bushes = 4.0 * f64::from(scenario.field.wanted_pieces());
-        let (mut points, mut tries) = (0.0, 0.0);
+        let mut tries = 0.0;
         for (number, wumpus) in self.iter().enumerate() {
             let table = TablePath::entry(self.key(), number);
             check_wumpus(&table, wumpus, &frame)?;
             wumpus.goal.check(&table, &scenario.policy)?;
             let pitch_m = wumpus.lattice_m.unwrap_or(frame.cell_m);
             let own_points = (frame.width_m() / pitch_m).max(1.0) * (frame.height_m() / pitch_m).max(1.0);
-            points += own_points;
-            if points > MAX_LATTICE_POINTS {
-                let expected = format!("lattices of at most {MAX_LATTICE_POINTS:e} points, over all Wumpuses");
+            if own_points > MAX_LATTICE_POINTS {
+                let expected = format!(
+                    "a lattice of at most {MAX_LATTICE_POINTS:e} points; on this field it would have {own_points:.2e}"
+                );
                 return table.refuse("lattice_m", number_text(pitch_m), expected);
             }
             if wumpus.gives_up_in_minima() {
@@ -292,8 +344,27 @@ impl AgentList for Vec<Wumpus> {
     }
 
     fn memory(&self, field: &FieldMeasures, duration_s: f64) -> AgentsMemory {
-        let bytes = self.iter().map(|wumpus| wumpus.most_bytes(field, duration_s)).sum();
-        AgentsMemory { parts: vec![MemoryPart::new("the Wumpuses", bytes)], ..AgentsMemory::default() }
+        let grounds: Vec<WalkGround> = self.iter().map(|wumpus| wumpus.ground(&field.frame)).collect();
+        let is_first = |number: usize, is_shared: fn(&WalkGround, &WalkGround) -> bool| {
+            !grounds[..number].iter().any(|before| is_shared(&grounds[number], before))
+        };
+        let mut shared = [0, 0, 0];
+        for (number, ground) in grounds.iter().enumerate() {
+            let sharing = [WalkGround::has_lattice_of, WalkGround::has_planner_of, WalkGround::has_targets_of];
+            for ((sum, bytes), is_shared) in shared.iter_mut().zip(ground.bytes(field)).zip(sharing) {
+                *sum += if is_first(number, is_shared) { bytes } else { 0 };
+            }
+        }
+        let own = self.iter().map(|wumpus| wumpus.most_bytes(field, duration_s)).sum();
+        let [lattices, planners, targets] = shared;
+        let parts = [
+            ("the lattices of Wumpuses", lattices),
+            ("the planners of Wumpuses", planners),
+            ("what Wumpuses can light", targets),
+            ("the Wumpuses", own),
+        ];
+        let parts = parts.map(|(name, bytes)| MemoryPart::new(name, bytes)).to_vec();
+        AgentsMemory { parts, ..AgentsMemory::default() }
     }
 }
 
@@ -409,16 +480,25 @@ fn warn_of_wumpus(number: usize, wumpus: &Wumpus, found: &mut Vec<String>) {
 /// Warns of Wumpuses that can come nowhere within reach of a bush's centre.
 fn warn_of_idle_wumpuses(wumpuses: &[Wumpus], terrain: &Terrain, found: &mut Vec<String>) {
     let mut points = 0.0;
+    let mut known: Option<(LatticeShape, WalkLattice)> = None;
     for (number, wumpus) in wumpuses.iter().enumerate() {
         let shape = wumpus.lattice_shape(&terrain.frame);
-        points += WalkLattice::point_count(&terrain.frame, &shape);
-        if points > MAX_POINTS_LOOKED_AT {
-            return;
+        if known.as_ref().is_none_or(|(known, _)| *known != shape) {
+            points += WalkLattice::point_count(&terrain.frame, &shape);
+            if points > MAX_POINTS_LOOKED_AT {
+                return;
+            }
+            known = Some((shape, WalkLattice::new(terrain.frame, &terrain.occupied, shape)));
         }
-        let lattice = WalkLattice::new(terrain.frame, &terrain.occupied, shape);
+        let Some((_, lattice)) = &known else { continue };
         let Some(start) = lattice.nearest_free(wumpus.start_centre()) else { continue };
-        let reached = lattice.reachable_from(start);
+        // Most often a bush is near, and nobody has to know all that can be reached.
         let bushes = &terrain.bushes;
+        let is_beside = |&cell: &Cell| lattice.points_of_reach(cell, wumpus.reach_m).any(|point| point == start);
+        if bushes.iter().any(is_beside) {
+            continue;
+        }
+        let reached = lattice.reachable_from(start);
         let stands = |cell, reach_m| lattice.points_of_reach(cell, reach_m).filter(|&point| reached[point]);
         if bushes.is_empty() || bushes.iter().any(|&cell| stands(cell, wumpus.reach_m).next().is_some()) {
             continue;

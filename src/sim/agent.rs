@@ -9,7 +9,7 @@ use crate::collision::ClearanceField;
 use crate::geometry::{Cell, Pose};
 use crate::planning::Planners;
 use crate::planning::memory::MemoryMeter;
-use crate::scenario::{Scenario, Terrain};
+use crate::scenario::Scenario;
 use crate::time::SimTime;
 use crate::timeline::{self, AgentFact, AgentId, AgentStart, Body, CpuSample, RestReason};
 use crate::trajectory::{SpeedLimits, Trajectory};
@@ -245,7 +245,6 @@ pub struct Roster(pub Vec<Entity>);
 pub struct Arena<'a> {
     pub scenario: &'a Scenario,
     pub seed: u64,
-    pub terrain: &'a Terrain,
     pub field: &'a Arc<ClearanceField>,
     pub memory: &'a MemoryMeter,
     pub planners: &'a Planners,

@@ -23,6 +23,7 @@ mod standoff;
 mod traffic;
 mod truck;
 mod wake;
+mod walk_grounds;
 mod wumpus;
 
 use std::time::Duration;
@@ -187,7 +188,8 @@ impl Simulation {
     /// Lets somebody outside look at the world as a policy would who is asked what waits for an answer.
     pub fn observe<T>(&self, look: impl FnOnce(&Observation<'_>, &[AgentId]) -> T) -> Option<T> {
         let Question { asked, agents, options } = self.world.resource::<Following>().question.as_ref()?;
-        let options_of = |agent| asked.iter().position(|&id| id == agent).map_or(Vec::new(), |i| options[i].clone());
+        let options_of =
+            |agent: AgentId| asked.iter().position(|&id| id == agent).map_or(Vec::new(), |i| options[i].clone());
         let (now, fires) = (self.world.resource::<SimClock>().0, &self.world.resource::<Fires>().field);
         Some(look(&Observation { now, fires, agents, options_of: &options_of }, asked))
     }

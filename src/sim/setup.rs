@@ -1,6 +1,6 @@
 //! From a scenario and a seed to the world at time 0.
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use bevy::prelude::*;
 use rand::seq::SliceRandom;
@@ -23,6 +23,7 @@ use super::policies::{Following, NamedPolicy, Policies, PolicySite, RuleSite, di
 use super::queue::{Due, SimClock, SimQueue};
 use super::recorder::{CpuLog, Recorder};
 use super::run::{RunCost, RunError, RunOptions};
+use super::walk_grounds::WalkGrounds;
 use super::{truck, wumpus};
 
 /// Puts everything into the world and everybody at the start, with the first decisions due. Returns what the timeline
@@ -63,11 +64,13 @@ pub fn fill(
     world.init_resource::<Roster>();
     world.insert_resource(policies(scenario, seed, &terrain, &known_policies)?);
 
-    let arena = Arena { scenario, seed, terrain: &terrain, field: &field, memory, planners: &planners };
+    let arena = Arena { scenario, seed, field: &field, memory, planners: &planners };
     let mut starts = Vec::new();
+    let mut grounds = WalkGrounds::new(&terrain, terrain.lightable(scenario.fire.lights_ground()));
     for (number, settings) in scenario.wumpus.iter().enumerate() {
-        starts.push(wumpus::spawn(world, &arena, number as u16, settings)?);
+        starts.push(wumpus::spawn(world, &mut grounds, number as u16, settings)?);
     }
+    world.insert_resource(grounds.into_planners());
     for (number, settings) in scenario.unimog.iter().enumerate() {
         starts.push(truck::spawn(world, &arena, number as u16, settings)?);
     }
@@ -161,9 +164,11 @@ fn setting(
 }
 
 fn ignitions(scenario: &Scenario, terrain: &Terrain, seed: u64) -> Ignitions {
-    let mut permutation = terrain.lightable(scenario.fire.lights_ground() || terrain.bushes.is_empty());
-    permutation.shuffle(&mut rng::stream(seed, "ignition"));
-    let permutation: Arc<[Cell]> = permutation.into();
+    let permutation = LazyLock::new(|| -> Arc<[Cell]> {
+        let mut cells = terrain.lightable(scenario.fire.lights_ground() || terrain.bushes.is_empty());
+        cells.shuffle(&mut rng::stream(seed, "ignition"));
+        cells.into()
+    });
     let scheduled = |(number, entry): (usize, &Ignition)| match &entry.cells {
         IgnitionCells::Cells(cells) => ScheduledIgnition::Named(cells.clone()),
         IgnitionCells::Random(count) => ScheduledIgnition::FirstOf { order: permutation.clone(), count: *count },

@@ -7,6 +7,7 @@
 
 use std::collections::BTreeSet;
 use std::f64::consts::SQRT_2;
+use std::sync::Arc;
 use std::time::Duration;
 
 use bevy::prelude::*;
@@ -14,23 +15,24 @@ use glam::DVec2;
 
 use crate::fire::FireField;
 use crate::geometry::{Cell, Pose, ops};
-use crate::planning::walk::{Walk, WalkCosts, WalkLattice, WalkPlanner};
-use crate::planning::{Effort, PlanFailure, QueryMonitor, Safety};
-use crate::scenario::{self, StepCost, StepTime, Terrain};
+use crate::planning::walk::{Walk, WalkLattice};
+use crate::planning::{Effort, PlanFailure, QueryMonitor};
+use crate::scenario::{self, StepTime};
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
 use crate::timeline::{AgentFact, AgentId, AgentStart, Body, Cause, RestReason};
 use crate::trajectory::{Piece, SpeedLimits, Trajectory};
 use crate::vehicle::Segment;
 
-use super::agent::{Activity, Agent, Arena, enlist};
+use super::agent::{Activity, Agent, enlist};
 use super::fire::Fires;
-use super::policies::{AgentView, Choice, Following, Follows, Inquiry};
+use super::policies::{AgentView, Choice, Following, Follows, Inquiry, OptionsOf};
 use super::queue::{AgentEvent, CellEvent, Due, SimClock, SimQueue};
 use super::recorder::{CpuLog, Recorder};
 use super::run::RunError;
 use super::schedule::{Pass, SimSystems};
 use super::wake::{Trigger, WokenBy};
+use super::walk_grounds::{Footing, Targets, WalkGrounds, WalkPlannerId, WalkPlanners};
 
 /// Wumpuses walk and light bushes.
 #[derive(Debug)]
@@ -49,8 +51,8 @@ pub struct Wumpus {
     /// Seconds for an orthogonal step and for a diagonal one.
     step_times: (f64, f64),
     seconds_per_expansion: f64,
-    lattice: WalkLattice,
-    planner: WalkPlanner,
+    lattice: Arc<WalkLattice>,
+    planner: WalkPlannerId,
     /// The lattice point where it stands, or where its walk begins.
     point: usize,
     /// The walk's points, from `point` on.
@@ -59,8 +61,7 @@ pub struct Wumpus {
     is_stuck: bool,
     /// Points and the goals to which no descent leads from there.
     failed_goals: BTreeSet<(usize, Cell)>,
-    /// The cells that it can approach, by cell index.
-    targets: Vec<Cell>,
+    targets: Arc<Targets>,
     deliberation: Option<Deliberation>,
 }
 
@@ -76,15 +77,24 @@ struct Deliberation {
 }
 
 impl Wumpus {
-    /// Lists what it could light and has not failed to approach from here.
-    fn options(&self, fires: &FireField) -> Vec<Cell> {
-        let may_be_lit = |cell: &Cell| fires.can_burn(*cell) && !self.failed_goals.contains(&(self.point, *cell));
-        self.targets.iter().copied().filter(may_be_lit).collect()
+    /// Lists what it could light and has not failed to approach from here, by cell index.
+    fn options<'a>(&'a self, fires: &'a FireField) -> impl Iterator<Item = Cell> + 'a {
+        self.targets.cells.iter().copied().filter(|&cell| self.may_light(cell, fires))
+    }
+
+    /// Says whether a cell is one of its options.
+    fn is_option(&self, cell: Cell, fires: &FireField) -> bool {
+        self.may_light(cell, fires) && self.targets.contains(cell)
+    }
+
+    /// Says whether one of its targets can be lit, and it has not failed to approach it from here.
+    fn may_light(&self, target: Cell, fires: &FireField) -> bool {
+        fires.can_burn(target) && !self.failed_goals.contains(&(self.point, target))
     }
 
     /// Returns true if anything that it can approach can be lit.
     pub fn has_something_to_light(&self, fires: &FireField) -> bool {
-        self.targets.iter().any(|&cell| fires.can_burn(cell))
+        self.targets.cells.iter().any(|&cell| fires.can_burn(cell))
     }
 
     /// Returns the walk over lattice points as a trajectory; steps in one direction are one piece.
@@ -133,14 +143,14 @@ impl Wumpus {
 /// Puts a Wumpus on the free point of its lattice that is nearest to its start.
 pub fn spawn(
     world: &mut World,
-    arena: &Arena<'_>,
+    grounds: &mut WalkGrounds<'_>,
     number: u16,
     settings: &scenario::Wumpus,
 ) -> Result<AgentStart, RunError> {
-    let (id, terrain, start) = (AgentId::wumpus(number), arena.terrain, DVec2::from(settings.start_m));
-    let lattice = WalkLattice::new(terrain.frame, &terrain.occupied, settings.lattice_shape(&terrain.frame));
+    let (id, start) = (AgentId::wumpus(number), DVec2::from(settings.start_m));
+    let Footing { lattice, point, targets, planner } =
+        grounds.place(settings).ok_or(RunError::NoFreeStart { agent: id })?;
     let step_m = lattice.step_m();
-    let point = lattice.nearest_free(start).ok_or(RunError::NoFreeStart { agent: id })?;
     let here = lattice.position(point);
     let mut recorder = world.resource_mut::<Recorder>();
     // On cell centres a start anywhere in a cell means that cell; only a move to another one is worth a word.
@@ -148,14 +158,9 @@ pub fn spawn(
         let from = Pose::new(start.x, start.y, 0.0);
         recorder.record_agent(SimTime::ZERO, id, AgentFact::StartMoved { from });
     }
-    let reached = lattice.reachable_from(point);
-    let lightable = terrain.lightable(arena.scenario.fire.lights_ground());
-    let (targets, walled_in): (Vec<Cell>, Vec<Cell>) =
-        lightable.iter().partition(|&&cell| lattice.points_of_reach(cell, settings.reach_m).any(|p| reached[p]));
-    if !walled_in.is_empty() {
-        recorder.record_agent(SimTime::ZERO, id, AgentFact::OutOfReach { cells: walled_in });
+    if !targets.walled_in.is_empty() {
+        recorder.record_agent(SimTime::ZERO, id, AgentFact::OutOfReach { cells: targets.walled_in.clone() });
     }
-    let planner = WalkPlanner::new(&lattice, settings.walk_method(), walk_costs(settings, terrain, &lattice));
     let (orthogonal_s, diagonal_s) = (step_m / settings.speed_mps, step_m * SQRT_2 / settings.speed_mps);
     // Where diagonal steps take no longer than others, they are faster than its speed.
     let (step_times, fastest) = match settings.step_time {
@@ -182,17 +187,6 @@ pub fn spawn(
     Ok(enlist(world, agent, SpeedLimits::new(fastest, 0.0), (wumpus, WokenBy(triggers), follows)))
 }
 
-fn walk_costs(settings: &scenario::Wumpus, terrain: &Terrain, lattice: &WalkLattice) -> WalkCosts {
-    let step_m = lattice.step_m();
-    let steps = match settings.step_cost {
-        StepCost::Metres => (step_m, step_m * SQRT_2),
-        StepCost::Moves => (1.0, 1.0),
-    };
-    let factors = Safety::new(terrain.frame, &terrain.occupied, &settings.safety)
-        .map(|safety| (0..lattice.points()).map(|point| 1.0 + safety.surcharge_at(lattice.position(point))).collect());
-    WalkCosts { steps, factors }
-}
-
 /// One Wumpus while something is due for it.
 struct Turn<'a> {
     entity: Entity,
@@ -206,11 +200,12 @@ struct Turn<'a> {
 impl Turn<'_> {
     /// Walks to a goal, or fails to approach it; then it may choose again. `ready` is when it may set out, and is put
     /// off by what the plan takes. Returns true if it sets out.
-    fn try_goal(&mut self, goal: Cell, ready: &mut SimTime) -> bool {
+    fn try_goal(&mut self, goal: Cell, ready: &mut SimTime, planners: &mut WalkPlanners) -> bool {
         let Self { agent, wumpus, now, recorder, .. } = self;
         let mut stopwatch = CpuStopwatch::start();
         let mut monitor = QueryMonitor::new(recorder.records_searches);
-        let walk = wumpus.planner.plan(&wumpus.lattice, wumpus.point, (goal, wumpus.reach_m), &mut monitor);
+        let planner = planners.get_mut(wumpus.planner);
+        let walk = planner.plan(&wumpus.lattice, wumpus.point, (goal, wumpus.reach_m), &mut monitor);
         agent.cost.local_search += stopwatch.lap();
         *ready += wumpus.charge(walk.expansions);
         recorder.record_searches(*now, agent.id, monitor.finish().1);
@@ -284,20 +279,19 @@ impl Turn<'_> {
     }
 
     /// Carries out what its policy chose. If that fails it is asked again, with what it learned in mind.
-    fn act(mut self, choice: Choice, fires: &FireField, cpu_log: &mut CpuLog) {
+    fn act(mut self, choice: Choice, fires: &FireField, planners: &mut WalkPlanners, cpu_log: &mut CpuLog) {
         let Self { agent, wumpus, now, .. } = &mut self;
         let begun = wumpus.deliberation.take().filter(|begun| begun.revision == agent.revision);
         let Deliberation { mut ready, cpu, .. } =
             begun.unwrap_or(Deliberation { revision: agent.revision, ready: *now, cpu: agent.cost.total() });
-        let options = wumpus.options(fires);
         match choice {
-            Choice::Go(goal) if options.contains(&goal) => {
-                if !self.try_goal(goal, &mut ready) {
+            Choice::Go(goal) if wumpus.is_option(goal, fires) => {
+                if !self.try_goal(goal, &mut ready, planners) {
                     self.wumpus.deliberation = Some(Deliberation { revision: self.agent.revision, ready, cpu });
                     return;
                 }
             }
-            _ if options.is_empty() => self.stand(ready, fires),
+            _ if wumpus.options(fires).next().is_none() => self.stand(ready, fires),
             _ => {
                 let (entity, now) = (self.entity, self.now);
                 self.agent.wait(entity, now, choice.until(), self.queue, self.recorder);
@@ -359,12 +353,28 @@ fn light(
     }
 }
 
+/// The options of Wumpuses, who are found by their entities.
+struct OptionsOfWumpuses<'a, Find> {
+    find: Find,
+    fires: &'a FireField,
+}
+
+impl<'a, Find: Fn(Entity) -> Option<&'a Wumpus>> OptionsOf<Entity> for OptionsOfWumpuses<'a, Find> {
+    fn list(&self, entity: Entity) -> Vec<Cell> {
+        (self.find)(entity).map_or(Vec::new(), |wumpus| wumpus.options(self.fires).collect())
+    }
+
+    fn contains(&self, entity: Entity, cell: Cell) -> bool {
+        (self.find)(entity).is_some_and(|wumpus| wumpus.is_option(cell, self.fires))
+    }
+}
+
 /// Wumpuses whose turn it is go where their policies say, or rest.
 fn decide(
     clock: Res<SimClock>,
     fires: Res<Fires>,
     (mut queue, mut recorder, mut cpu_log): (ResMut<SimQueue>, ResMut<Recorder>, ResMut<CpuLog>),
-    mut following: ResMut<Following>,
+    (mut following, mut planners): (ResMut<Following>, ResMut<WalkPlanners>),
     mut wumpuses: Query<(&mut Agent, &mut Wumpus, &Follows)>,
     others: Query<&Agent, Without<Wumpus>>,
 ) {
@@ -375,7 +385,7 @@ fn decide(
             queue.drop_next();
             continue;
         }
-        let choices = if wumpus.options(fires).is_empty() {
+        let choices = if wumpus.options(fires).next().is_none() {
             vec![(wake.agent, Choice::Wait)]
         } else {
             let asked = queue.decisions(now).filter_map(|due| {
@@ -383,16 +393,18 @@ fn decide(
                 (agent.revision == due.revision && follows == policy).then_some((agent.id, due.agent))
             });
             let asked: Vec<_> = asked.collect();
+            let mut asked_ids: Vec<AgentId> = asked.iter().map(|&(id, _)| id).collect();
+            asked_ids.sort_unstable();
             // Who decides stands on a point of the lattice; of others only the trajectory is known.
             let own = wumpuses.iter().map(|(agent, wumpus, _)| {
-                let is_asked = asked.iter().any(|&(id, _)| id == agent.id);
+                let is_asked = asked_ids.binary_search(&agent.id).is_ok();
                 let place = if is_asked { wumpus.lattice.position(wumpus.point) } else { agent.centre(now) };
                 AgentView { place, ..agent.view(now) }
             });
             let others = others.iter().map(|agent| agent.view(now));
-            let options_of = |entity| wumpuses.get(entity).map_or(Vec::new(), |(_, wumpus, _)| wumpus.options(fires));
             let inquiry = Inquiry { now, fires, agents: own.chain(others).collect(), asked };
-            following.ask(policy, inquiry, &options_of)
+            let find = |entity| wumpuses.get(entity).ok().map(|(_, wumpus, _)| wumpus);
+            following.ask(policy, inquiry, &OptionsOfWumpuses { find, fires })
         };
         if choices.is_empty() {
             return;
@@ -401,7 +413,7 @@ fn decide(
             let Ok((mut agent, mut wumpus, _)) = wumpuses.get_mut(entity) else { continue };
             let (agent, wumpus) = (&mut *agent, &mut *wumpus);
             let turn = Turn { entity, agent, wumpus, now, queue: &mut queue, recorder: &mut recorder };
-            turn.act(choice, fires, &mut cpu_log);
+            turn.act(choice, fires, &mut planners, &mut cpu_log);
         }
     }
 }

@@ -116,6 +116,30 @@ fn no_run_holds_more_than_was_estimated() {
     }
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn a_hundred_equal_wumpuses_take_little_more_than_one() {
+    let story = Story::begin();
+    let write = |name: &str, count: usize, rest: &str| {
+        let mut text = "duration_s = 20\nunimog = []\n[field]\nsize_m = 4000\n".to_owned();
+        for number in 0..count {
+            text += &format!("[[wumpus]]\nstart_m = [{}, 2002.5]\n{rest}\n", 37.5 + 35.0 * number as f64);
+        }
+        story.file(name, &text);
+        estimated_bytes(&story, &[name])
+    };
+    let (one, hundred) = (write("one.toml", 1, ""), write("hundred.toml", 100, ""));
+    assert!(hundred < one + 60_000_000, "{one} for one, {hundred} for a hundred");
+    let (peak, run) = peak_bytes(story.command(&["run", "hundred.toml"]));
+    run.expect_code(0);
+    assert!(peak < hundred && peak > 5_000_000, "{peak} of {hundred}");
+    // Lattices that begin at their own starts are a hundred.
+    let own = write("own.toml", 100, "lattice_m = 5.0");
+    assert!(own > 20 * one, "{own} for a hundred lattices, {one} for one");
+    let refused = story.tell(&["run", "own.toml"]).expect_code(1);
+    refused.expect_complaint(&["for the planners of Wumpuses; the limit is 2 GB"]);
+}
+
 #[test]
 fn a_variant_that_needs_too_much_is_a_failed_row_and_the_others_are_done() {
     let story = Story::begin();

@@ -49,7 +49,7 @@ pub(super) const PROGRAM: &str = "wildfire";
 pub const MAX_SWEPT_KEYS: usize = 100;
 const MAX_CHANGES: usize = 1_000;
 /// The most agents of a run.
-const MAX_AGENTS: usize = 200;
+const MAX_AGENTS: usize = 2000;
 
 /// The key of a scenario's planners, whose values have a column of their own.
 pub const PLANNER_KEY: &str = "unimog.planner";

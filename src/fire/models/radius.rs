@@ -12,8 +12,8 @@ const RADIUS_TOLERANCE: f64 = 1e-9;
 #[derive(Clone, Debug)]
 pub struct Radius {
     rules: FireRules,
-    /// Column and row offsets within the radius in the order of cell index, the cell itself left out.
-    stencil: Vec<(i32, i32)>,
+    /// For every row from the southernmost on, how many columns to either side lie within the radius.
+    half_widths: Vec<u16>,
 }
 
 impl Radius {
@@ -21,36 +21,39 @@ impl Radius {
         let limit = squared_radius_in_cells(frame, rules.spread_radius_m);
         // No farther than the field is wide.
         let reach = limit.sqrt().floor();
-        let cols = reach.min(f64::from(frame.cols) - 1.0) as i32;
         let rows = reach.min(f64::from(frame.rows) - 1.0) as i32;
-        let offsets = (-rows..=rows).flat_map(|row| (-cols..=cols).map(move |col| (col, row)));
-        let is_near = |&(col, row): &(i32, i32)| (col, row) != (0, 0) && f64::from(col * col + row * row) <= limit;
-        Self { rules, stencil: offsets.filter(is_near).collect() }
+        let half_width = |row: i32| {
+            let left = limit - f64::from(row * row);
+            let about = left.sqrt().min(f64::from(frame.cols) - 1.0) as i32;
+            // The root may be off by rounding, the squares of whole numbers are not.
+            let fits = |cols: &i32| f64::from(cols * cols + row * row) <= limit;
+            (about - 1..=about + 1).rev().find(|cols| fits(cols)).unwrap_or(0) as u16
+        };
+        Self { rules, half_widths: (-rows..=rows).map(half_width).collect() }
     }
 
-    /// Returns the most bytes that it takes.
-    pub fn most_bytes(frame: &FieldFrame, spread_radius_m: f64) -> u64 {
+    /// Returns the most bytes that it takes on a field with this number of cells on which something grows.
+    pub fn most_bytes(frame: &FieldFrame, spread_radius_m: f64, with_fuel: u64) -> u64 {
         let reach = (spread_radius_m / frame.cell_m).min(f64::from(frame.cols.max(frame.rows)));
         let across = 2 * reach as u64 + 3;
-        // The stencil, in a list that doubles, and what one fire spreads to.
-        let neighbours = (across * across).min(4 * frame.cell_count() as u64);
-        3 * neighbours * size_of::<(i32, i32)>() as u64
+        // The rows, and what one fire spreads to, as cells and as it is told, in lists that double.
+        let neighbours = (across * across).min(with_fuel);
+        across * size_of::<u16>() as u64 + 2 * neighbours * (size_of::<Cell>() + size_of::<Spread>()) as u64
     }
 
     /// Returns what a burning cell would set on fire now, by cell index.
+    ///
+    /// Looks at 64 cells at once where none of them can burn, since a wide radius covers much of a field.
     fn within_reach(&self, fires: &FireField, from: Cell) -> Vec<Cell> {
         let frame = fires.frame();
-        // Late in a run few cells can still burn, and a wide radius reaches the whole field: take the shorter list.
-        if fires.flammable().len() < self.stencil.len() {
-            let limit = squared_radius_in_cells(frame, self.rules.spread_radius_m);
-            let is_near = |to: &Cell| {
-                let (cols, rows) = (f64::from(to.col) - f64::from(from.col), f64::from(to.row) - f64::from(from.row));
-                cols * cols + rows * rows <= limit
-            };
-            return fires.flammable().filter(|cell| fires.can_burn(*cell)).filter(is_near).collect();
+        let reach = (self.half_widths.len() / 2) as i32;
+        let mut found = Vec::new();
+        for (row, &half_width) in (i32::from(from.row) - reach..).zip(&self.half_widths) {
+            let Some(row) = u16::try_from(row).ok().filter(|&row| row < frame.rows) else { continue };
+            let cols = from.col.saturating_sub(half_width)..=from.col.saturating_add(half_width).min(frame.cols - 1);
+            found.extend(fires.flammable_in_row(row, cols).filter(|&cell| fires.can_burn(cell)));
         }
-        let neighbours = self.stencil.iter().filter_map(|&(cols, rows)| frame.offset(from, cols, rows));
-        neighbours.filter(|&cell| fires.can_burn(cell)).collect()
+        found
     }
 }
 

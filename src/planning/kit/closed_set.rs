@@ -110,19 +110,20 @@ fn find(slots: &[Slot], generation: u32, key: u64) -> usize {
     index
 }
 
-/// The most bins of a search: those of the field times headings.
-const MAX_BINS: f64 = 1e8;
+/// The most bins along a side of a field: their numbers have to fit into a key. The memory of a search follows what it
+/// reaches, not the field, and is counted as it grows.
+const MAX_BINS_A_SIDE: f64 = (1 << AXIS_BITS) as f64;
 
 /// Checks the size of the bins that a scenario asks for.
 ///
 /// # Errors
-/// Refuses `bin_m` if a field of this size would have too many bins.
-pub fn check_bins(bin_m: f64, headings: u32, frame: &FieldFrame) -> Result<(), OutOfRange> {
-    let bins = frame.width_m() / bin_m * frame.height_m() / bin_m;
-    if bins * f64::from(headings) <= MAX_BINS {
+/// Refuses `bin_m` if a field of this size would have too many bins along a side.
+pub fn check_bins(bin_m: f64, frame: &FieldFrame) -> Result<(), OutOfRange> {
+    let bins = frame.width_m().max(frame.height_m()) / bin_m;
+    if bins < MAX_BINS_A_SIDE {
         return Ok(());
     }
-    let expected = format!("a search of at most {MAX_BINS:e} bins, those of the field times headings");
+    let expected = format!("less than {MAX_BINS_A_SIDE} bins along a side of the field, which here has {bins:.0}");
     Err(OutOfRange { name: "bin_m", found: number_text(bin_m), expected })
 }
 

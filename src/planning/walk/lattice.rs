@@ -46,9 +46,8 @@ impl WalkLattice {
     /// Bounds the bytes that it takes on a field with this number of points, while it is made and asked what can be
     /// reached.
     pub fn most_bytes(frame: &FieldFrame, points: u64) -> u64 {
-        // A point's moves and whether it is free; free points, or those that wait, in a list that doubles; reached
-        // points.
-        let point = 2 * size_of::<u8>() + 2 * size_of::<usize>() + size_of::<bool>();
+        // A point's moves and whether it is free; those that wait, in a list that doubles; reached points.
+        let point = 2 * size_of::<u8>() + 2 * size_of::<u32>() + size_of::<bool>();
         points * point as u64 + OccupiedCount::bytes(frame)
     }
 
@@ -65,24 +64,40 @@ impl WalkLattice {
             moves: Grid::filled(rows, cols, 0),
             free: vec![false; rows * cols],
         };
-        lattice.open(&OccupiedCount::new(frame, occupied), 0.5 * shape.size_m);
+        lattice.open(&OccupiedCount::new(occupied), 0.5 * shape.size_m);
         lattice
     }
 
+    /// Finds where the body can stand, and from there which steps are legal.
     fn open(&mut self, occupied: &OccupiedCount, half: f64) {
-        let box_is_free = |a: DVec2, b: DVec2| occupied.is_free(a.min(b) - half, a.max(b) + half);
-        for index in 0..self.free.len() {
-            let here = self.position(index);
-            self.free[index] = box_is_free(here, here);
+        let (rows, cols) = (self.rows(), self.cols());
+        let cell_m = self.frame.cell_m;
+        let span = |at: f64, cells: u16| CellSpan::from_metres(at - half, at + half, cell_m, cells);
+        let across: Vec<CellSpan> = (0..cols).map(|col| span(self.position(col).x, self.frame.cols)).collect();
+        let along: Vec<CellSpan> = (0..rows).map(|row| span(self.position(row * cols).y, self.frame.rows)).collect();
+        for row in 0..rows {
+            for col in 0..cols {
+                self.free[row * cols + col] = occupied.is_free(across[col], along[row]);
+            }
         }
         // A step and the step back are legal together, so half of the moves are enough.
-        for index in (0..self.free.len()).filter(|&index| self.free[index]).collect::<Vec<_>>() {
-            let here = self.position(index);
-            for (k, back) in [(0, 2), (1, 3), (4, 6), (5, 7)] {
-                let Some(next) = self.neighbour(index, k) else { continue };
-                if self.free[next] && box_is_free(here, self.position(next)) {
-                    self.moves.values_mut()[index] |= 1 << k;
-                    self.moves.values_mut()[next] |= 1 << back;
+        for row in 0..rows {
+            for col in (0..cols).filter(|col| self.free[row * cols + col]).collect::<Vec<_>>() {
+                let index = row * cols + col;
+                for (k, back) in [(0, 2), (1, 3), (4, 6), (5, 7)] {
+                    let Some(next) = self.neighbour(index, k) else { continue };
+                    if !self.free[next] {
+                        continue;
+                    }
+                    let (next_row, next_col) = (next / cols, next % cols);
+                    let box_is_free = occupied.is_free(
+                        across[col.min(next_col)].to(across[col.max(next_col)]),
+                        along[row.min(next_row)].to(along[row.max(next_row)]),
+                    );
+                    if box_is_free {
+                        self.moves.values_mut()[index] |= 1 << k;
+                        self.moves.values_mut()[next] |= 1 << back;
+                    }
                 }
             }
         }
@@ -133,8 +148,9 @@ impl WalkLattice {
     }
 
     pub fn position(&self, point: usize) -> DVec2 {
-        let cols = self.moves.cols();
-        self.origin + DVec2::new((point % cols) as f64, (point / cols) as f64) * self.step_m
+        // Points have numbers of 32 bits, which are divided in half the time of larger ones.
+        let (point, cols) = (point as u32, self.moves.cols() as u32);
+        self.origin + DVec2::new(f64::from(point % cols), f64::from(point / cols)) * self.step_m
     }
 
     /// Returns row and column of the point nearest to a place, free or not.
@@ -144,25 +160,71 @@ impl WalkLattice {
     }
 
     /// Returns the free point nearest to a place, ties by index.
+    ///
+    /// Looks at rings of points about the place, one farther out than the other, until none of the next can be nearer.
     pub fn nearest_free(&self, place: DVec2) -> Option<usize> {
         let squared = |point: usize| (self.position(point) - place).length_squared();
-        (0..self.points()).filter(|&p| self.free[p]).min_by(|&a, &b| squared(a).total_cmp(&squared(b)))
+        let (row, col) = self.nearest(place);
+        // A place outside is farther from all rings, so the bound holds for the point of the lattice next to it too.
+        let least_squared = |ring: usize| {
+            let least = (ring as f64 - 0.5 - TOUCH) * self.step_m;
+            least.max(0.0) * least
+        };
+        let mut best: Option<usize> = None;
+        for ring in 0..self.rows().max(self.cols()) {
+            if best.is_some_and(|best| least_squared(ring) > squared(best)) {
+                break;
+            }
+            let nearest_of_ring = self
+                .ring((row, col), ring)
+                .filter(|&point| self.free[point])
+                .min_by(|&a, &b| squared(a).total_cmp(&squared(b)).then(a.cmp(&b)));
+            best = best
+                .into_iter()
+                .chain(nearest_of_ring)
+                .min_by(|&a, &b| squared(a).total_cmp(&squared(b)).then(a.cmp(&b)));
+        }
+        best
+    }
+
+    /// Returns the points of the lattice on the square ring of this many steps about a point.
+    fn ring(&self, (row, col): Place, ring: usize) -> impl Iterator<Item = usize> + '_ {
+        let (rows, cols) = (self.rows(), self.cols());
+        let (south, north) = (row.saturating_sub(ring), (row + ring).min(rows - 1));
+        let (west, east) = (col.saturating_sub(ring), (col + ring).min(cols - 1));
+        (south..=north).flat_map(move |r| {
+            let is_edge = r.abs_diff(row) == ring;
+            // Of a row between the northern and the southern edge only the ends belong to the ring.
+            let ends = [(ring <= col).then(|| col - ring), (col + ring < cols && ring > 0).then_some(col + ring)];
+            let whole = if is_edge { west..east + 1 } else { 0..0 };
+            let ends = ends.into_iter().flatten().filter(move |_| !is_edge);
+            whole.chain(ends).map(move |c| r * cols + c)
+        })
     }
 
     /// Returns for every point whether it can be walked to from `start`, itself included.
     pub fn reachable_from(&self, start: usize) -> Vec<bool> {
         let mut reached = vec![false; self.points()];
-        reached[start] = true;
-        let mut front = vec![start];
+        self.mark_part(start, &mut reached, true);
+        reached
+    }
+
+    /// Marks the points that can be walked to from `start`, itself included; none of them has the mark yet. Every step
+    /// can be walked back, so these are all that are connected with it.
+    pub fn mark_part<M: Copy + PartialEq>(&self, start: usize, marks: &mut [M], mark: M) {
+        marks[start] = mark;
+        let mut front = vec![start as u32];
         while let Some(point) = front.pop() {
-            for (_, next) in self.steps(point) {
-                if !reached[next] {
-                    reached[next] = true;
-                    front.push(next);
+            let point = point as usize;
+            let mask = self.moves.values()[point];
+            for (k, &(row_step, col_step)) in MOVES.iter().enumerate() {
+                let next = point.wrapping_add_signed(row_step * self.cols() as isize + col_step);
+                if mask & (1 << k) != 0 && marks[next] != mark {
+                    marks[next] = mark;
+                    front.push(next as u32);
                 }
             }
         }
-        reached
     }
 
     /// Returns free points within `reach_m` of a cell's centre, inclusive, by index.
@@ -194,24 +256,51 @@ impl WalkLattice {
     }
 }
 
+/// The cells, along one axis, that a span of metres overlaps: from the first, up to the one before the last; or none if
+/// the span leaves the field.
+#[derive(Clone, Copy, Debug)]
+struct CellSpan {
+    first: u32,
+    /// [`Self::OUTSIDE`] if the span leaves the field.
+    end: u32,
+}
+
+impl CellSpan {
+    const OUTSIDE: u32 = u32::MAX;
+
+    fn from_metres(low_m: f64, high_m: f64, cell_m: f64, cells: u16) -> Self {
+        let (low, high) = (low_m / cell_m + TOUCH, high_m / cell_m - TOUCH);
+        let is_inside = low >= 0.0 && high <= f64::from(cells);
+        Self { first: low as u32, end: if is_inside { high.ceil() as u32 } else { Self::OUTSIDE } }
+    }
+
+    /// Returns the span from this one to one that does not begin before it.
+    fn to(self, other: Self) -> Self {
+        let is_inside = self.end != Self::OUTSIDE && other.end != Self::OUTSIDE;
+        Self { first: self.first, end: if is_inside { other.end } else { Self::OUTSIDE } }
+    }
+}
+
 /// Counts occupied cells in any box in constant time (a summed-area table: Crow, "Summed-area tables for texture mapping",
 /// 1984).
 struct OccupiedCount {
-    frame: FieldFrame,
     /// (rows + 1) x (cols + 1): occupied cells south-west of each grid corner.
     sums: Grid<u32>,
 }
 
 impl OccupiedCount {
-    fn new(frame: FieldFrame, occupied: &Grid<bool>) -> Self {
-        let mut sums = Grid::filled(occupied.rows() + 1, occupied.cols() + 1, 0);
-        for row in 0..occupied.rows() {
-            for col in 0..occupied.cols() {
-                sums[(row + 1, col + 1)] =
-                    u32::from(occupied[(row, col)]) + sums[(row, col + 1)] + sums[(row + 1, col)] - sums[(row, col)];
+    fn new(occupied: &Grid<bool>) -> Self {
+        let (rows, cols) = (occupied.rows(), occupied.cols());
+        let mut sums = Grid::filled(rows + 1, cols + 1, 0);
+        for row in 0..rows {
+            let (above, here) = sums.values_mut()[row * (cols + 1)..(row + 2) * (cols + 1)].split_at_mut(cols + 1);
+            let mut in_row = 0;
+            for (col, &is_occupied) in occupied.row(row).iter().enumerate() {
+                in_row += u32::from(is_occupied);
+                here[col + 1] = above[col + 1] + in_row;
             }
         }
-        Self { frame, sums }
+        Self { sums }
     }
 
     /// Returns the bytes that it takes on a field.
@@ -220,22 +309,13 @@ impl OccupiedCount {
     }
 
     /// Says whether a box lies in the field and overlaps no occupied cell.
-    fn is_free(&self, low: DVec2, high: DVec2) -> bool {
-        let low = low / self.frame.cell_m + TOUCH;
-        let high = high / self.frame.cell_m - TOUCH;
-        let inside = low.x >= 0.0
-            && low.y >= 0.0
-            && high.x <= f64::from(self.frame.cols)
-            && high.y <= f64::from(self.frame.rows);
-        if !inside {
+    fn is_free(&self, across: CellSpan, along: CellSpan) -> bool {
+        if across.end == CellSpan::OUTSIDE || along.end == CellSpan::OUTSIDE {
             return false;
         }
-        // What is not negative rounds up faster through integers than by a call of `ceil`.
-        let round_up = |x: f64| x as usize + usize::from(x > (x as usize) as f64);
-        let (west, south) = (low.x as usize, low.y as usize);
-        let (east, north) = (round_up(high.x), round_up(high.y));
-        let sums = &self.sums;
-        sums[(north, east)] + sums[(south, west)] == sums[(north, west)] + sums[(south, east)]
+        let corner = |row: u32, col: u32| self.sums[(row as usize, col as usize)];
+        let (west, east, south, north) = (across.first, across.end, along.first, along.end);
+        corner(north, east) + corner(south, west) == corner(north, west) + corner(south, east)
     }
 }
 

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use bevy::prelude::*;
 
-use super::{AgentView, Asking, Choice, Observation, Policy};
+use super::{AgentView, Asking, Choice, Observation, OptionsOf, Policy};
 use crate::fire::FireField;
 use crate::geometry::Cell;
 use crate::time::SimTime;
@@ -21,6 +21,28 @@ pub struct Inquiry<'a> {
     /// All agents of the run, in any order.
     pub agents: Vec<AgentView>,
     pub asked: Vec<(AgentId, Entity)>,
+}
+
+/// The options of those who are asked, for policies, who know agents by their names.
+struct OptionsByName<'a> {
+    asked: &'a [(AgentId, Entity)],
+    options_of: &'a dyn OptionsOf<Entity>,
+}
+
+impl OptionsByName<'_> {
+    fn entity(&self, agent: AgentId) -> Option<Entity> {
+        self.asked.iter().find(|&&(known, _)| known == agent).map(|&(_, entity)| entity)
+    }
+}
+
+impl OptionsOf<AgentId> for OptionsByName<'_> {
+    fn list(&self, agent: AgentId) -> Vec<Cell> {
+        self.entity(agent).map_or(Vec::new(), |entity| self.options_of.list(entity))
+    }
+
+    fn contains(&self, agent: AgentId, cell: Cell) -> bool {
+        self.entity(agent).is_some_and(|entity| self.options_of.contains(entity, cell))
+    }
 }
 
 /// Agents that wait for an answer, and what there is to be seen meanwhile.
@@ -78,7 +100,7 @@ impl Following {
         &mut self,
         policy: Follows,
         inquiry: Inquiry<'_>,
-        options_of: &dyn Fn(Entity) -> Vec<Cell>,
+        options_of: &dyn OptionsOf<Entity>,
     ) -> Vec<(Entity, Choice)> {
         let Inquiry { now, fires, mut agents, asked } = inquiry;
         agents.sort_by_key(|agent| agent.id);
@@ -86,13 +108,13 @@ impl Following {
         let ids: Vec<AgentId> = asked.iter().map(|&(id, _)| id).collect();
         let mut choices = std::mem::take(&mut self.answer);
         if choices.is_empty() {
-            let options_of = |id| entity_of(id).map_or(Vec::new(), options_of);
-            let seen = Observation { now, fires, agents: &agents, options_of: &options_of };
+            let by_name = OptionsByName { asked: &asked, options_of };
+            let seen = Observation { now, fires, agents: &agents, options_of: &by_name };
             choices = self.policies[policy.0].choose(&seen, &ids);
         }
         choices.retain(|(id, _)| ids.contains(id));
         if choices.is_empty() {
-            let options = asked.iter().map(|&(_, entity)| options_of(entity)).collect();
+            let options = asked.iter().map(|&(_, entity)| options_of.list(entity)).collect();
             self.question = Some(Question { asked: ids, agents, options });
             return Vec::new();
         }

@@ -15,6 +15,7 @@ pub mod dispatch;
 mod following;
 mod largest_cluster;
 mod nearest;
+mod nearest_intact;
 mod random_intact;
 mod registry;
 
@@ -81,8 +82,25 @@ pub struct Observation<'a> {
     pub fires: &'a FireField,
     /// All agents of the run, by name.
     pub agents: &'a [AgentView],
-    /// Lists the options of an agent that is asked.
-    pub options_of: &'a dyn Fn(AgentId) -> Vec<Cell>,
+    /// Of agents that are asked.
+    pub options_of: &'a dyn OptionsOf<AgentId>,
+}
+
+/// Answers for the options of agents. A closure that lists them is one.
+pub trait OptionsOf<Id> {
+    /// Lists the options of an agent by cell index.
+    fn list(&self, agent: Id) -> Vec<Cell>;
+
+    /// Says whether a cell is one of them, without listing the others where there may be many.
+    fn contains(&self, agent: Id, cell: Cell) -> bool {
+        self.list(agent).contains(&cell)
+    }
+}
+
+impl<Id, List: Fn(Id) -> Vec<Cell>> OptionsOf<Id> for List {
+    fn list(&self, agent: Id) -> Vec<Cell> {
+        self(agent)
+    }
 }
 
 impl fmt::Debug for Observation<'_> {
@@ -95,7 +113,13 @@ impl Observation<'_> {
     /// Returns the cells that an agent who is asked may go for, by cell index: for a truck what burns, is not another
     /// truck's goal and is not known to be out of its reach; for a Wumpus what it can approach and light.
     pub fn options(&self, agent: AgentId) -> Vec<Cell> {
-        (self.options_of)(agent)
+        self.options_of.list(agent)
+    }
+
+    /// Says whether an agent who is asked may go for a cell of the field. Where it may go for most of a large field this
+    /// takes far less time than to list its options.
+    pub fn is_option(&self, agent: AgentId, cell: Cell) -> bool {
+        self.options_of.contains(agent, cell)
     }
 }
 

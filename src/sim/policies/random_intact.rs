@@ -3,14 +3,14 @@
 //! Each Wumpus goes through one permutation of all bushes, from its own random stream, and takes the first that is an
 //! option, from where it last found one. That is the law of a fresh draw, but two planners on one seed meet the same
 //! arsonist, and bushes that can burn again wait for their next turn.
+//!
+//! A Wumpus comes to few of the bushes of a large field, so that only the beginning of its permutation is kept.
 
 use std::collections::BTreeMap;
 
-use rand::seq::SliceRandom;
-
-use super::{AgentView, Observation, Rule};
+use super::{Choice, Observation, Policy};
 use crate::geometry::Cell;
-use crate::rng;
+use crate::rng::{self, ShuffledPrefix};
 use crate::timeline::AgentId;
 
 /// A random one of its options.
@@ -24,7 +24,7 @@ pub struct RandomIntact {
 /// The order of one Wumpus.
 #[derive(Debug)]
 struct Turns {
-    permutation: Vec<Cell>,
+    permutation: ShuffledPrefix,
     /// Where the next one is looked for first.
     next: usize,
 }
@@ -33,19 +33,26 @@ impl RandomIntact {
     pub fn new(bushes: Vec<Cell>, seed: u64) -> Self {
         Self { bushes, seed, turns: BTreeMap::new() }
     }
+
+    /// Returns the next of an agent's options.
+    fn draw(&mut self, seen: &Observation<'_>, agent: AgentId) -> Option<Cell> {
+        let (bushes, seed) = (&self.bushes, self.seed);
+        let Turns { permutation, next } = self.turns.entry(agent).or_insert_with(|| {
+            let stream = move || rng::stream(seed, &agent.to_string());
+            Turns { permutation: ShuffledPrefix::new(bushes.len(), stream), next: 0 }
+        });
+        let (place, bush) = (*next..bushes.len())
+            .chain(0..*next)
+            .map(|place| (place, bushes[permutation.at(place)]))
+            .find(|&(_, bush)| seen.is_option(agent, bush))?;
+        *next = place + 1;
+        Some(bush)
+    }
 }
 
-impl Rule for RandomIntact {
-    fn best(&mut self, seen: &Observation<'_>, agent: &AgentView, options: &[Cell]) -> Option<Cell> {
-        let Turns { permutation, next } = self.turns.entry(agent.id).or_insert_with(|| {
-            let mut permutation = self.bushes.clone();
-            permutation.shuffle(&mut rng::stream(self.seed, &agent.id.to_string()));
-            Turns { permutation, next: 0 }
-        });
-        let index = |cell: &Cell| seen.fires.frame().index(*cell);
-        let is_option = |cell: &Cell| options.binary_search_by_key(&index(cell), index).is_ok();
-        let place = (*next..permutation.len()).chain(0..*next).find(|&place| is_option(&permutation[place]))?;
-        *next = place + 1;
-        Some(permutation[place])
+impl Policy for RandomIntact {
+    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
+        let first = asked.first();
+        first.map(|&agent| (agent, self.draw(seen, agent).map_or(Choice::Wait, Choice::Go))).into_iter().collect()
     }
 }

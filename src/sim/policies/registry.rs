@@ -9,6 +9,7 @@ use thiserror::Error;
 use super::densest::Densest;
 use super::largest_cluster::LargestCluster;
 use super::nearest::{FarthestFromTruck, Nearest, Oldest};
+use super::nearest_intact::NearestIntact;
 use super::random_intact::RandomIntact;
 use super::{OneByOne, Policy};
 use crate::geometry::{Cell, FieldFrame};
@@ -117,10 +118,11 @@ impl BuiltIn {
     pub fn make(self, site: &RuleSite<'_>) -> Box<dyn Policy> {
         let &RuleSite { frame, lightable, spread_m, seed } = site;
         match self {
-            Self::NearestBurning | Self::NearestIntact => Box::new(OneByOne(Nearest)),
+            Self::NearestBurning => Box::new(OneByOne(Nearest)),
+            Self::NearestIntact => Box::new(NearestIntact),
             Self::Oldest => Box::new(OneByOne(Oldest)),
             Self::LargestCluster => Box::new(OneByOne(LargestCluster)),
-            Self::RandomIntact => Box::new(OneByOne(RandomIntact::new(lightable.to_vec(), seed))),
+            Self::RandomIntact => Box::new(RandomIntact::new(lightable.to_vec(), seed)),
             Self::FarthestFromTruck => Box::new(OneByOne(FarthestFromTruck)),
             Self::Densest => Box::new(OneByOne(Densest::new(frame, spread_m, false))),
             Self::DensestApart => Box::new(OneByOne(Densest::new(frame, spread_m, true))),

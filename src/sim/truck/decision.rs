@@ -336,7 +336,7 @@ pub fn decide(mut fleet: Fleet, fires: Res<Fires>, mut books: DecisionBooks) {
             let trucks = fleet.trucks.iter().map(|(agent, _)| agent.view(now));
             let agents = trucks.chain(books.others.iter().map(|agent| agent.view(now))).collect();
             let inquiry = Inquiry { now, fires, agents, asked };
-            books.following.ask(policy, inquiry, &|entity| fleet.options(entity, &[entity], fires))
+            books.following.ask(policy, inquiry, &|entity: Entity| fleet.options(entity, &[entity], fires))
         };
         if choices.is_empty() {
             return;

@@ -15,8 +15,10 @@ use crate::timeline::{
 use crate::trajectory::{Piece, SpeedLimits, Trajectory};
 
 /// Cells along a side of the field.
-pub const MAX_SIDE: usize = 1000;
-pub const MAX_AGENTS: usize = 200;
+pub const MAX_SIDE: usize = 4096;
+/// Cells of the largest field whose ground burns, as far as recordings hold it.
+pub const MAX_GROUND_CELLS: usize = 2048 * 2048;
+pub const MAX_AGENTS: usize = 2000;
 pub const MAX_FACTS: usize = 2_000_000;
 /// Pieces of all legs together.
 pub const MAX_PIECES: usize = 2_000_000;
@@ -26,8 +28,8 @@ pub const MAX_CELLS_OUT_OF_REACH: usize = 8_000_000;
 pub const MAX_SEARCH_PLACES: usize = 8_000_000;
 /// Edges of all `Searched` facts together.
 pub const MAX_SEARCH_EDGES: usize = 8_000_000;
-/// Facts about the ground: of every cell of the largest field, and as many again of cells that burn twice or get wet.
-pub const MAX_GROUND_FACTS: usize = 2 * MAX_SIDE * MAX_SIDE;
+/// Facts about the ground: of every cell of the largest such field, and as many again of cells that burn twice or get wet.
+pub const MAX_GROUND_FACTS: usize = 2 * MAX_GROUND_CELLS;
 /// Intervals of weather: a year by the hour.
 pub const MAX_WEATHER: usize = 10_000;
 pub const MAX_NAME_BYTES: usize = 4096;

@@ -173,8 +173,18 @@ pub(super) struct Surroundings<'a> {
     pub burning_ground: u32,
     /// Places of the bushes that could be lit if they were not wet, which only matter to a Wumpus that stands.
     pub wet_bushes: &'a [usize],
-    /// Burning cells that other trucks go for, which only matter to a truck that stands.
-    pub others_goals: &'a [Cell],
+    /// Burning cells that trucks go for, and how many do, which only matter to a truck that stands.
+    pub burning_goals: &'a [(Cell, u32)],
+    /// The cell that the agent goes for itself.
+    pub own_goal: Option<Cell>,
+}
+
+impl Surroundings<'_> {
+    /// Burning cells that other trucks go for, each once.
+    fn others_goals(&self) -> impl Iterator<Item = Cell> + '_ {
+        let others = |&(cell, trucks): &(Cell, u32)| (trucks > u32::from(self.own_goal == Some(cell))).then_some(cell);
+        self.burning_goals.iter().filter_map(others)
+    }
 }
 
 /// Cells of ground that an agent ruled out, and when how many of them burn from then on.
@@ -211,8 +221,8 @@ pub(super) struct AgentReader<'a> {
     timeline: &'a Timeline,
     pub history: AgentHistory,
     outcome: AgentOutcome,
-    /// By place among the bushes.
-    out_of_reach: Vec<bool>,
+    /// Places among the bushes. Most bushes of a large field are in everybody's reach.
+    out_of_reach: BTreeSet<usize>,
     burning_out_of_reach: u32,
     lightable_out_of_reach: u32,
     ground: Option<&'a GroundIndex>,
@@ -234,7 +244,7 @@ impl<'a> AgentReader<'a> {
             timeline,
             history: AgentHistory::new(),
             outcome: AgentOutcome::idle(start.id),
-            out_of_reach: vec![false; timeline.setting.bushes.len()],
+            out_of_reach: BTreeSet::new(),
             burning_out_of_reach: 0,
             lightable_out_of_reach: 0,
             ground,
@@ -254,7 +264,7 @@ impl<'a> AgentReader<'a> {
     }
 
     pub fn record_change(&mut self, BushChange { bush, from, to }: BushChange) {
-        if self.out_of_reach[bush] {
+        if self.out_of_reach.contains(&bush) {
             let relight = self.timeline.setting.rules.relight;
             self.burning_out_of_reach = self.burning_out_of_reach - u32::from(from.burns()) + u32::from(to.burns());
             self.lightable_out_of_reach =
@@ -393,8 +403,7 @@ impl<'a> AgentReader<'a> {
             stuck_s: self.stuck.as_seconds(),
             longest_idle_s: self.longest_idle.as_seconds(),
             idle_s: self.without_work.as_seconds(),
-            out_of_reach: self.out_of_reach.iter().filter(|&&ruled_out| ruled_out).count() as u32
-                + self.ground_out_of_reach.cells.len() as u32,
+            out_of_reach: self.out_of_reach.len() as u32 + self.ground_out_of_reach.cells.len() as u32,
             ..self.outcome
         };
         (self.history, outcome)
@@ -442,13 +451,20 @@ impl<'a> AgentReader<'a> {
     fn left_to_do(&self, around: &Surroundings<'_>) -> (bool, bool) {
         if !self.is_truck() {
             let lightable = around.bushes.lightable(self.timeline.setting.rules.relight);
-            let wet_in_reach = around.wet_bushes.iter().filter(|&&bush| !self.out_of_reach[bush]).count() as u32;
+            let wet_in_reach =
+                around.wet_bushes.iter().filter(|&bush| !self.out_of_reach.contains(bush)).count() as u32;
             let dry = lightable - around.wet_bushes.len() as u32;
             return (dry > 0, lightable > self.lightable_out_of_reach + wet_in_reach);
         }
         let burning = around.bushes.burning() + around.burning_ground;
-        let taken_in_reach = around.others_goals.iter().filter(|&&goal| !self.is_out_of_reach(goal)).count() as u32;
-        let free = burning.saturating_sub(around.others_goals.len() as u32);
+        let taken = around.others_goals().count() as u32;
+        let rules_nothing_out = self.out_of_reach.is_empty() && self.ground_out_of_reach.cells.is_empty();
+        let taken_in_reach = if rules_nothing_out {
+            taken
+        } else {
+            around.others_goals().filter(|&goal| !self.is_out_of_reach(goal)).count() as u32
+        };
+        let free = burning.saturating_sub(taken);
         let out_of_reach = self.burning_out_of_reach + self.ground_out_of_reach.burning_at(around.now);
         let free_in_reach = burning.saturating_sub(out_of_reach + taken_in_reach);
         (free > 0, free_in_reach > 0)
@@ -456,7 +472,7 @@ impl<'a> AgentReader<'a> {
 
     fn is_out_of_reach(&self, cell: Cell) -> bool {
         match self.timeline.setting.bush_index(cell) {
-            Some(bush) => self.out_of_reach[bush],
+            Some(bush) => self.out_of_reach.contains(&bush),
             None => self.ground_out_of_reach.cells.contains(&(cell.row, cell.col)),
         }
     }
@@ -466,7 +482,7 @@ impl<'a> AgentReader<'a> {
             self.ground_out_of_reach.add(cells.iter().copied(), ground);
         }
         for bush in cells.iter().filter_map(|&cell| setting.bush_index(cell)) {
-            if !std::mem::replace(&mut self.out_of_reach[bush], true) {
+            if self.out_of_reach.insert(bush) {
                 self.burning_out_of_reach += u32::from(bushes[bush].burns());
                 self.lightable_out_of_reach += u32::from(bushes[bush].can_be_lit(setting.rules.relight));
             }

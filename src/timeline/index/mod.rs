@@ -9,6 +9,7 @@ mod bushes;
 mod ground;
 
 use std::borrow::Cow;
+use std::cell::OnceCell;
 
 pub use agents::{AgentStats, FollowedLeg};
 pub use bushes::{BushCounts, SpreadMoment};
@@ -283,12 +284,12 @@ impl<'a> Reader<'a> {
     fn account(&mut self, now: SimTime, until: SimTime) {
         let span = until - now;
         self.bushes.account(span);
+        let burning_goals = OnceCell::new();
         for index in 0..self.agents.len() {
             let activity = self.replay.activity(index);
             let stands = activity == Activity::Standing;
             let matters = stands && self.agents[index].is_truck();
             let wet_bushes = if stands && !matters { self.wet_bushes(now) } else { Vec::new() };
-            let others_goals = if matters { self.burning_goals_of_other_trucks(index) } else { Vec::new() };
             let ground = self.ground.filter(|_| matters);
             let burning_ground = ground.map_or(0, |ground| ground.counts_at(now).burning);
             let around = Surroundings {
@@ -296,7 +297,8 @@ impl<'a> Reader<'a> {
                 bushes: self.bushes.counts(),
                 burning_ground,
                 wet_bushes: &wet_bushes,
-                others_goals: &others_goals,
+                burning_goals: if matters { burning_goals.get_or_init(|| self.burning_goals()) } else { &[] },
+                own_goal: self.replay.goal(index),
             };
             self.agents[index].account(span, activity, &around);
         }
@@ -314,8 +316,8 @@ impl<'a> Reader<'a> {
         places
     }
 
-    /// Burning cells that other trucks go for, each once.
-    fn burning_goals_of_other_trucks(&self, agent: usize) -> Vec<Cell> {
+    /// Burning cells that trucks go for, each once, and how many trucks do.
+    fn burning_goals(&self) -> Vec<(Cell, u32)> {
         let burns = |cell: Cell| match self.timeline.setting.bush_index(cell) {
             Some(bush) => self.replay.bushes()[bush].burns(),
             None => {
@@ -324,13 +326,12 @@ impl<'a> Reader<'a> {
             }
         };
         let mut goals: Vec<Cell> = (0..self.agents.len())
-            .filter(|&other| other != agent && self.agents[other].is_truck())
-            .filter_map(|other| self.replay.goal(other))
-            .filter(|&cell| burns(cell))
+            .filter(|&agent| self.agents[agent].is_truck())
+            .filter_map(|agent| self.replay.goal(agent))
             .collect();
         goals.sort_unstable_by_key(|goal| (goal.row, goal.col));
-        goals.dedup();
-        goals
+        let counted = goals.chunk_by(|a, b| a == b).map(|same| (same[0], same.len() as u32));
+        counted.filter(|&(cell, _)| burns(cell)).collect()
     }
 }
 

@@ -94,6 +94,6 @@ impl SettingsTable for PrimitiveSettings {
         check_range("waypoint_tolerance_m", self.waypoint_tolerance_m, 0.01..=1000.0)?;
         check_range("max_expansions", self.max_expansions.into(), 1.0..=1e6)?;
         check_range("seconds_per_expansion", self.seconds_per_expansion, 0.0..=1e6)?;
-        check_bins(self.bin_m, self.headings, frame)
+        check_bins(self.bin_m, frame)
     }
 }
