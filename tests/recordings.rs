@@ -12,13 +12,14 @@ struct Kept {
     searches: bool,
 }
 
-const KEPT: [Kept; 6] = [
+const KEPT: [Kept; 7] = [
     Kept { format: 1, scenario: "smoke", changes: &["duration_s=120"], searches: false },
     Kept { format: 2, scenario: "local-minima", changes: &["duration_s=300"], searches: false },
     Kept { format: 3, scenario: "fleet", changes: &["duration_s=300"], searches: false },
     Kept { format: 4, scenario: "smoke", changes: &["duration_s=120", "unimog.prm_rs.samples=40"], searches: true },
     Kept { format: 5, scenario: "fleet", changes: &["duration_s=300"], searches: false },
     Kept { format: 6, scenario: "fleet", changes: &["duration_s=300"], searches: false },
+    Kept { format: 7, scenario: "windy", changes: &["duration_s=300"], searches: false },
 ];
 
 /// The facts without what found the plans, which formats up to 4 do not say.

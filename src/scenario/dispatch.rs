@@ -255,3 +255,55 @@ pub(super) fn warn_of_team(scenario: &Scenario, found: &mut Vec<String>) {
         found.push("`sight.wumpuses` does nothing: there is no Wumpus.".into());
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::{LoadedScenario, MemoryLimit, explain};
+
+    fn explained(changes: &[&str]) -> String {
+        let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
+        let loaded = LoadedScenario::open("fleet", &changes).expect("this scenario is right");
+        let text = explain(&loaded, MemoryLimit::default()).to_text();
+        text.split_whitespace().collect::<Vec<_>>().join(" ")
+    }
+
+    #[test]
+    fn policies_and_sight_are_explained() {
+        let text = explained(&["dispatch.policy=rollout", "dispatch.rollouts=7", "sight.field=radius"]);
+        for words in [
+            "All trucks follow `rollout`: the assignment with the best futures is taken (7 rollouts a decision).",
+            "Those that have nothing to go for wait where they are.",
+            "The trucks see what is within 100 m of one of them. They do not see Wumpuses.",
+            "It goes where it is dispatched.",
+        ] {
+            assert!(text.contains(words), "`{words}` is not in {text}");
+        }
+        assert!(!explained(&[]).contains("Dispatch"));
+    }
+
+    #[test]
+    fn values_that_do_nothing_are_warned_of() {
+        for (changes, words) in [
+            (&["sight.wumpuses=true"][..], "The table `sight` does nothing"),
+            (&["dispatch.policy=auction", "dispatch.rollouts=7"], "`dispatch.rollouts` does nothing"),
+            (&["dispatch.policy=auction", "unimog.retarget=on-event"], "`unimog.retarget` does nothing"),
+            (&["dispatch.policy=auction", "sight.radius_m=7"], "`sight.radius_m` does nothing"),
+        ] {
+            let text = explained(changes);
+            assert!(text.contains(words), "`{words}` is not in {text}");
+        }
+        assert!(!explained(&["dispatch.policy=auction", "dispatch.idle=centroids"]).contains("does nothing"));
+    }
+
+    #[test]
+    fn every_name_reads_back() {
+        for policy in DispatchPolicy::ALL {
+            for idle in IdleRule::ALL {
+                let table = toml::from_str::<Dispatch>(&format!("policy = '{policy}'\nidle = '{idle}'"));
+                let dispatch = table.expect("these names are known");
+                assert_eq!((dispatch.policy, dispatch.idle), (policy, idle));
+            }
+        }
+    }
+}

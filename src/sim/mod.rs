@@ -147,12 +147,12 @@ impl Simulation {
             let Some(agent) = self.world.get::<Agent>(entity).filter(|agent| agents.contains(&agent.id)) else {
                 continue;
             };
-            let is_truck = agent.id.role.suppresses();
-            self.world.entity_mut(entity).insert(follows);
-            if let Asking::Team { replans } = asking
-                && is_truck
-            {
-                self.world.entity_mut(entity).insert(WokenBy::truck_in_team(replans));
+            let was_in_team = self.world.get::<WokenBy>(entity).is_some_and(WokenBy::is_in_team);
+            let is_in_team = asking != Asking::Each && agent.id.role.suppresses();
+            let mut followers = self.world.entity_mut(entity);
+            followers.insert(follows);
+            if is_in_team || was_in_team {
+                followers.insert(WokenBy::truck(asking, false));
             }
         }
     }

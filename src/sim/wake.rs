@@ -9,6 +9,7 @@ use crate::time::SimTime;
 use crate::timeline::RestReason;
 
 use super::agent::{Activity, Agent, Roster};
+use super::policies::Asking;
 use super::queue::{AgentEvent, Due, SimClock, SimQueue};
 use super::schedule::{Pass, SimSystems};
 
@@ -27,9 +28,23 @@ impl Plugin for WakePlugin {
 pub struct WokenBy(pub Vec<Trigger>);
 
 impl WokenBy {
-    /// Returns what wakes a truck in a team.
-    pub fn truck_in_team(replans: bool) -> Self {
-        Self(vec![Trigger::GoalBurnsNoMore, Trigger::ChangeForTeam { replans }])
+    /// Returns what wakes a truck whose policy is asked so, and that reconsiders its goal or not whenever something ignites.
+    pub fn truck(asking: Asking, reconsiders: bool) -> Self {
+        let triggers = match asking {
+            Asking::Team { replans } => vec![Trigger::GoalBurnsNoMore, Trigger::ChangeForTeam { replans }],
+            Asking::Each => {
+                let standing =
+                    [Trigger::IgnitionWhileFree, Trigger::FireOverWhileBlocked, Trigger::ChangeWhileWaiting];
+                let under_way = reconsiders.then_some(Trigger::IgnitionUnderWay);
+                [Trigger::GoalBurnsNoMore].into_iter().chain(standing).chain(under_way).collect()
+            }
+        };
+        Self(triggers)
+    }
+
+    /// Returns true if the agent is woken as one of a team.
+    pub fn is_in_team(&self) -> bool {
+        self.0.iter().any(|trigger| matches!(trigger, Trigger::ChangeForTeam { .. }))
     }
 }
 

@@ -331,6 +331,9 @@ mod tests {
             longest_idle_s: 49.0,
             cusps: 1,
             wasted_drives: 2,
+            goals: 3,
+            // Until the first fire.
+            idle_s: 10.0,
             out_of_reach: 1,
             ..AgentOutcome::idle(TRUCK)
         };
@@ -351,6 +354,7 @@ mod tests {
             // From 10 s until the other gives way at 14 s, and 3 s until that one is gone.
             waiting_s: 4.0 + 3.0,
             standing_s: 10.0 + 7.0,
+            goals: 1,
             ..AgentOutcome::idle(TRUCK)
         };
         assert_eq!(outcome.agents[0], waiter);
@@ -425,6 +429,50 @@ mod tests {
         assert_eq!(Outcome::new(&timeline).wumpus_stuck_s, 0.0);
         timeline.setting.rules.relight = true;
         assert_eq!(Outcome::new(&timeline).wumpus_stuck_s, 60.0);
+    }
+
+    #[test]
+    fn a_truck_that_is_sent_elsewhere_is_idle_until_it_is_sent_to_a_fire() {
+        let pose = sample::small_setting(&[TRUCK]).agents[0].pose;
+        let (x_m, y_m, found_by) = (42.0, 30.0, crate::planning::FoundBy::Straight);
+        let trajectory = leg(0.0, pose, 8.0, &[32.0]);
+        let halt = leg(0.0, pose, 8.0, &[16.0]);
+        let relocated = AgentFact::Relocated { x_m, y_m, trajectory, effort: sample::effort(1, 2), found_by };
+        let events = vec![
+            at(0.0, Fact::Agent(TRUCK, relocated)),
+            at(1.0, ignited(A)),
+            at(2.0, Fact::Agent(TRUCK, AgentFact::Halted { trajectory: halt.clone() })),
+            at(2.0, planned(TRUCK, A, leg(2.0, halt.end(), 8.0, &[-16.0]))),
+            at(4.0, Fact::Agent(TRUCK, AgentFact::Suppressing { cell: A })),
+            at(9.0, Fact::Fire(FireFact::Extinguished { cell: A, by: TRUCK })),
+            at(9.0, ignited(B)),
+            at(9.0, Fact::Agent(TRUCK, AgentFact::Rested { reason: RestReason::Chosen })),
+            at(20.0, Fact::Ended { reason: EndReason::Duration }),
+        ];
+        let truck = &Outcome::new(&run(&[TRUCK], events)).agents[0];
+        assert_eq!((truck.idle_s, truck.stuck_s, truck.longest_idle_s), (2.0 + 11.0, 0.0, 11.0));
+        assert_eq!((truck.relocations, truck.goals, truck.plans, truck.wasted_drives), (1, 1, 2, 0));
+        assert_eq!((truck.driving_s, truck.distance_m), (4.0, 32.0));
+    }
+
+    #[test]
+    fn drives_that_come_too_late_are_hopeless_and_goals_near_each_other_a_flock() {
+        let pose = sample::small_setting(&[TRUCK]).agents[0].pose;
+        let drive = |time_s: f64, metres: f64| leg(time_s, pose, 1.0, &[metres]);
+        // Both burn until 60 s, and a stop takes five.
+        let events = vec![
+            at(0.0, ignited(A)),
+            at(0.0, ignited(B)),
+            at(10.0, planned(TRUCK, A, drive(10.0, 45.0))),
+            at(10.0, planned(SECOND_TRUCK, B, drive(10.0, 45.1))),
+            at(60.0, Fact::Fire(FireFact::BurnedOut { cell: A })),
+            at(60.0, Fact::Fire(FireFact::BurnedOut { cell: B })),
+        ];
+        let outcome = Outcome::new(&run(&[TRUCK, SECOND_TRUCK], events));
+        let of_trucks = |of: fn(&AgentOutcome) -> u32| [of(&outcome.agents[0]), of(&outcome.agents[1])];
+        assert_eq!(of_trucks(|truck| truck.wasted_drives), [1, 1]);
+        assert_eq!(of_trucks(|truck| truck.hopeless_drives), [0, 1]);
+        assert_eq!(of_trucks(|truck| truck.flocked_goals), [0, 1]);
     }
 
     #[test]

@@ -12,11 +12,11 @@ use crate::planning::reachability::Reachability;
 use crate::planning::{BuildReport, QueryMonitor};
 use crate::scenario::{self, Extinguishes, PlannerContext, Retarget};
 use crate::sim::agent::{Agent, Arena, enlist};
-use crate::sim::policies::{Asking, Following};
+use crate::sim::policies::Following;
 use crate::sim::recorder::Recorder;
 use crate::sim::run::RunError;
 use crate::sim::traffic::keep_apart;
-use crate::sim::wake::{Trigger, WokenBy};
+use crate::sim::wake::WokenBy;
 use crate::time::SimTime;
 use crate::timeline::{AgentFact, AgentId, AgentStart, Body};
 
@@ -88,17 +88,10 @@ pub fn spawn(
     };
     let following = world.resource::<Following>();
     let follows = following.policy_of(id);
-    let triggers = match following.asking(follows) {
-        Asking::Team { replans } => WokenBy::truck_in_team(replans).0,
-        Asking::Each => {
-            let under_way = (settings.retarget == Retarget::OnEvent).then_some(Trigger::IgnitionUnderWay);
-            let standing = [Trigger::IgnitionWhileFree, Trigger::FireOverWhileBlocked, Trigger::ChangeWhileWaiting];
-            [Trigger::GoalBurnsNoMore].into_iter().chain(standing).chain(under_way).collect()
-        }
-    };
+    let woken_by = WokenBy::truck(following.asking(follows), settings.retarget == Retarget::OnEvent);
     let mut agent = Agent::standing(id, Body::Truck(settings.vehicle), start);
     (agent.cost.sampling, agent.cost.connecting) = (sampling, connecting);
-    Ok(enlist(world, agent, settings.speed_limits(), (truck, WokenBy(triggers), follows)))
+    Ok(enlist(world, agent, settings.speed_limits(), (truck, woken_by, follows)))
 }
 
 /// Returns the free pose nearest to a wanted one: places on rings half a metre apart, headings from the wanted one

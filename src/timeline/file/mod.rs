@@ -286,6 +286,28 @@ mod tests {
     }
 
     #[test]
+    fn drives_to_places_come_back() {
+        let pose = sample::small_setting(&[TRUCK]).agents[0].pose;
+        let (x_m, y_m, effort) = (12.5, 40.0, sample::effort(3, 9));
+        let trajectory = leg(5.0, pose, 8.0, &[24.0]);
+        let cut = leg(5.0, pose, 8.0, &[8.0]);
+        let failed = |reason| AgentFact::RelocationFailed { x_m, y_m, reason, effort, until: seconds(9.5) };
+        let facts = [
+            (4.0, AgentFact::Relocated { x_m, y_m, trajectory, effort, found_by: FoundBy::Roadmap }),
+            (5.5, AgentFact::Halted { trajectory: cut }),
+            (9.0, failed(None)),
+            (9.0, failed(Some(PlanFailure::GoalBlocked))),
+        ];
+        let timeline = tiny(facts.map(|(time_s, fact)| at(time_s, Fact::Agent(TRUCK, fact))).to_vec());
+        assert_comes_back(&timeline);
+        let mut nowhere = timeline;
+        if let Fact::Agent(_, AgentFact::Relocated { x_m, .. }) = &mut nowhere.events[0].fact {
+            *x_m = f64::NAN;
+        }
+        assert!(matches!(encode(&nowhere), Err(FileError::Impossible(_))));
+    }
+
+    #[test]
     fn timelines_come_back_bit_for_bit() {
         assert_comes_back(&sample::by_hand());
         assert_comes_back(&sample::meeting());

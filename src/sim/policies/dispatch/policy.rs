@@ -221,3 +221,123 @@ impl Intact for Known<'_> {
         Arc::clone(&self.site.bushes)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Mutex;
+
+    use super::*;
+    use crate::geometry::Pose;
+
+    const FRAME: FieldFrame = FieldFrame { cols: 40, rows: 10, cell_m: 5.0 };
+    const NEAR: Cell = Cell { col: 2, row: 2 };
+    const MIDDLE: Cell = Cell { col: 20, row: 2 };
+    const FAR: Cell = Cell { col: 38, row: 2 };
+
+    fn site(sight: Sight) -> TeamSite {
+        let burn_out = Some(SimTime::from_seconds(60.0));
+        let spread = Some((30.0, SimTime::from_seconds(10.0)));
+        let dwell = SimTime::from_seconds(5.0);
+        let rules =
+            TeamRules { reach_m: Some(10.0), dwell, extinguishes_all: false, spread, caught_spreads: false, burn_out };
+        let truck =
+            |number, x: f64| TruckSite { id: AgentId::unimog(number), speed_mps: 8.0, start: DVec2::new(x, 12.0) };
+        TeamSite {
+            end: SimTime::from_seconds(600.0),
+            frame: FRAME,
+            rules,
+            sight,
+            bushes: [NEAR, MIDDLE, FAR].into(),
+            trucks: vec![truck(0, 12.0), truck(1, 30.0)],
+        }
+    }
+
+    fn agent(id: AgentId, x: f64) -> AgentView {
+        let place = DVec2::new(x, 12.0);
+        let pose = Pose::new(x, 12.0, 0.0);
+        let (activity, free_at) = (Activity::Standing, SimTime::from_seconds(20.0));
+        AgentView { id, place, pose, activity, goal: None, post: None, free_at, free_place: place }
+    }
+
+    /// Keeps what it is shown, and sends every truck that is asked to the first fire.
+    #[derive(Clone, Default)]
+    struct Recording(Arc<Mutex<Vec<(Vec<Cell>, Vec<bool>, usize)>>>);
+
+    impl Assignment for Recording {
+        fn assign(&mut self, team: &Team<'_>, effort: &mut u64) -> Vec<(AgentId, Cell)> {
+            *effort += 3;
+            let intact = team.intact.bushes().iter().map(|&cell| team.intact.is_intact(cell)).collect();
+            let fires: Vec<Cell> = team.fires.iter().map(|fire| fire.cell).collect();
+            self.0.lock().expect("nobody panicked").push((fires.clone(), intact, team.wumpuses.len()));
+            let asked = team.trucks.iter().filter(|truck| truck.is_asked);
+            fires.first().map_or_else(Vec::new, |&fire| asked.map(|truck| (truck.id, fire)).collect())
+        }
+
+        fn replans(&self) -> bool {
+            true
+        }
+    }
+
+    /// Fires at the near and the far bush, and a Wumpus at 100 m.
+    fn choose(sight: Sight, options: impl Fn(AgentId) -> Vec<Cell>) -> (Vec<(AgentId, Choice)>, Recording, SimTime) {
+        let mut fires = FireField::new(FRAME, &[NEAR, MIDDLE, FAR], false);
+        for cell in [NEAR, FAR] {
+            fires.ignite(cell, SimTime::from_seconds(15.0), true).expect("it can burn");
+        }
+        let trucks = [AgentId::unimog(0), AgentId::unimog(1)];
+        let agents = [agent(AgentId::wumpus(0), 100.0), agent(trucks[0], 12.0), agent(trucks[1], 30.0)];
+        let recording = Recording::default();
+        let mut policy = DispatchPolicy::new(site(sight), Box::new(recording.clone()), None, 0.5);
+        let now = SimTime::from_seconds(20.0);
+        let seen = Observation { now, fires: &fires, agents: &agents, options_of: &options };
+        let choices = policy.choose(&seen, &trucks);
+        let charge = policy.charge();
+        (choices, recording, charge)
+    }
+
+    #[test]
+    fn a_team_knows_what_it_sees_and_nothing_else() {
+        let shown = |field, radius_m, wumpuses| {
+            let (_, recording, _) = choose(Sight { field, radius_m, wumpuses }, |_| vec![NEAR, FAR]);
+            let shown = recording.0.lock().expect("nobody panicked");
+            shown[0].clone()
+        };
+        use SightOfField::{Burning, Everything, Radius};
+        assert_eq!(shown(Everything, 1.0, false), (vec![NEAR, FAR], vec![false, true, false], 0));
+        assert_eq!(shown(Everything, 1.0, true).2, 1);
+        assert_eq!(shown(Burning, 1.0, false), (vec![NEAR, FAR], vec![false, true, false], 0));
+        // The far bush is on the map.
+        assert_eq!(shown(Radius, 50.0, true), (vec![NEAR], vec![false, true, true], 0));
+        assert_eq!(shown(Radius, 75.0, true).2, 1);
+        assert_eq!(shown(Radius, 0.0, false).0, []);
+    }
+
+    #[test]
+    fn what_burned_once_is_intact_to_those_who_see_fires_only() {
+        let mut fires = FireField::new(FRAME, &[NEAR, MIDDLE, FAR], false);
+        fires.ignite(NEAR, SimTime::ZERO, true).expect("it can burn");
+        fires.burn_out(NEAR);
+        let site = |field| site(Sight { field, ..Sight::default() });
+        let knows = |field| {
+            let (site, agents) = (site(field), [agent(AgentId::unimog(0), 12.0)]);
+            let seen = Observation { now: SimTime::ZERO, fires: &fires, agents: &agents, options_of: &|_| Vec::new() };
+            Known::new(&site, &seen).is_intact(NEAR)
+        };
+        assert_eq!(
+            [SightOfField::Everything, SightOfField::Burning, SightOfField::Radius].map(knows),
+            [false, true, false]
+        );
+    }
+
+    #[test]
+    fn a_fire_goes_to_one_truck_and_who_cannot_get_there_takes_another() {
+        let everything = Sight::default();
+        let (choices, _, charge) = choose(everything.clone(), |_| vec![NEAR, FAR]);
+        assert_eq!(choices, [(AgentId::unimog(0), Choice::Go(NEAR)), (AgentId::unimog(1), Choice::Wait)]);
+        assert_eq!(charge, SimTime::from_seconds(1.5));
+        let cannot = |id: AgentId| if id.number == 0 { vec![FAR] } else { vec![NEAR, FAR] };
+        let (choices, _, charge) = choose(everything, cannot);
+        assert_eq!(choices, [(AgentId::unimog(0), Choice::Go(FAR)), (AgentId::unimog(1), Choice::Go(NEAR))]);
+        assert_eq!(charge, SimTime::from_seconds(3.0), "the second look costs too");
+    }
+}
