@@ -6,8 +6,10 @@
 
 use glam::DVec2;
 
-use super::{AgentView, Observation, Rule};
+use super::nearest_intact::ring_around;
+use super::{AgentView, Choice, Observation, Policy};
 use crate::geometry::{Cell, FieldFrame};
+use crate::timeline::AgentId;
 
 /// Added to every way, in metres: ten seconds' walk of the usual Wumpus, the time after which a bush spreads its fire. Without
 /// it a lone bush at its feet would be worth more than any thicket.
@@ -50,8 +52,18 @@ impl Densest {
     }
 }
 
-impl Rule for Densest {
-    fn best(&mut self, seen: &Observation<'_>, agent: &AgentView, options: &[Cell]) -> Option<Cell> {
+impl Policy for Densest {
+    fn choose(&mut self, seen: &Observation<'_>, asked: &[AgentId]) -> Vec<(AgentId, Choice)> {
+        let first = asked.iter().find_map(|&id| seen.agents.iter().find(|agent| agent.id == id));
+        let choice = first.map(|agent| (agent.id, self.best(seen, agent).map_or(Choice::Wait, Choice::Go)));
+        choice.into_iter().collect()
+    }
+}
+
+impl Densest {
+    /// Returns the best of an agent's options. They are most of a field at first, so they are not listed: square rings of
+    /// cells about it are looked at, from the inside to the outside.
+    fn best(&self, seen: &Observation<'_>, agent: &AgentView) -> Option<Cell> {
         let frame = seen.fires.frame();
         let others: Vec<DVec2> = if self.keeps_apart {
             let others = seen.agents.iter().filter(|other| other.id != agent.id);
@@ -63,22 +75,25 @@ impl Rule for Densest {
             let nearest = others.iter().map(|other| (*other - place).length()).fold(f64::INFINITY, f64::min);
             (nearest / APART_M).clamp(LEAST_SHARE, 1.0)
         };
-        // Nearest first: once a way alone makes a cell worse than the best, all that follow are.
-        let way_m = |cell: &Cell| (frame.centre(*cell) - agent.place).length() + ADDED_M;
-        let mut by_way: Vec<(f64, Cell)> = options.iter().map(|cell| (way_m(cell), *cell)).collect();
-        by_way.sort_by(|one, other| one.0.total_cmp(&other.0));
+        let middle = (agent.place / frame.cell_m).floor();
+        let middle = (middle.x as i32, middle.y as i32);
         let mut best: Option<(f64, Cell)> = None;
-        for (way_m, cell) in by_way {
-            let is_too_far = |(worth, _): (f64, Cell)| self.reached.len() as f64 / way_m < worth;
-            if best.is_some_and(is_too_far) {
+        for ring in 0..i32::from(frame.cols.max(frame.rows)) {
+            // Were all in its reach to burn, no cell from here on would be worth more than this.
+            let least_way_m = (f64::from(ring) - 1.0).max(0.0) * frame.cell_m + ADDED_M;
+            if best.is_some_and(|(worth, _)| self.reached.len() as f64 / least_way_m < worth) {
                 break;
             }
-            let worth = self.thickness(seen, cell) as f64 * share(frame.centre(cell)) / way_m;
-            let is_better = |(most, so_far): (f64, Cell)| {
-                worth > most || (worth == most && frame.index(cell) < frame.index(so_far))
-            };
-            if best.is_none_or(is_better) {
-                best = Some((worth, cell));
+            for cell in ring_around(frame, middle, ring).filter(|&cell| seen.is_option(agent.id, cell)) {
+                let place = frame.centre(cell);
+                let way_m = (place - agent.place).length() + ADDED_M;
+                let worth = self.thickness(seen, cell) as f64 * share(place) / way_m;
+                let is_better = |(most, so_far): (f64, Cell)| {
+                    worth > most || (worth == most && frame.index(cell) < frame.index(so_far))
+                };
+                if best.is_none_or(is_better) {
+                    best = Some((worth, cell));
+                }
             }
         }
         best.map(|(_, cell)| cell)
@@ -91,7 +106,7 @@ mod tests {
     use crate::fire::FireField;
     use crate::geometry::Pose;
     use crate::time::SimTime;
-    use crate::timeline::{Activity, AgentId};
+    use crate::timeline::Activity;
 
     const FRAME: FieldFrame = FieldFrame { cols: 60, rows: 60, cell_m: 5.0 };
 
@@ -104,7 +119,7 @@ mod tests {
         let fires = FireField::new(FRAME, bushes, false);
         let options = bushes.to_vec();
         let seen = Observation { now: SimTime::ZERO, fires: &fires, agents, options_of: &|_: AgentId| options.clone() };
-        Densest::new(&FRAME, 30.0, keeps_apart).best(&seen, &agents[0], &options)
+        Densest::new(&FRAME, 30.0, keeps_apart).best(&seen, &agents[0])
     }
 
     /// A square of bushes with its south-west corner there, by cell index.

@@ -42,25 +42,29 @@ fn nearest_cell(frame: &FieldFrame, place: DVec2, is_wanted: impl Fn(Cell) -> bo
         if best.is_some_and(|(squared, _)| squared < least_m * least_m) {
             break;
         }
-        for r in (row - ring).max(0)..=(row + ring).min(rows - 1) {
-            // Of a row between the northern and the southern edge only the ends belong to the ring.
-            let stride = if (r - row).abs() == ring { 1 } else { 2 * ring };
-            for c in (col - ring..=col + ring).step_by(stride.max(1) as usize) {
-                if !(0..cols).contains(&c) {
-                    continue;
-                }
-                let cell = Cell { col: c as u16, row: r as u16 };
-                let squared = squared_m(cell);
-                let is_nearer = best.is_none_or(|(least, known)| {
-                    squared < least || (squared == least && frame.index(cell) < frame.index(known))
-                });
-                if is_nearer && is_wanted(cell) {
-                    best = Some((squared, cell));
-                }
+        for cell in ring_around(frame, (col, row), ring) {
+            let squared = squared_m(cell);
+            let is_nearer = best.is_none_or(|(least, known)| {
+                squared < least || (squared == least && frame.index(cell) < frame.index(known))
+            });
+            if is_nearer && is_wanted(cell) {
+                best = Some((squared, cell));
             }
         }
     }
     best.map(|(_, cell)| cell)
+}
+
+/// Iterates by index over the cells of the field on the square ring of a radius, in cells, about a column and row.
+pub fn ring_around(frame: &FieldFrame, (col, row): (i32, i32), ring: i32) -> impl Iterator<Item = Cell> + use<> {
+    let (cols, rows) = (i32::from(frame.cols), i32::from(frame.rows));
+    let ring_rows = (row - ring).max(0)..=(row + ring).min(rows - 1);
+    ring_rows.flat_map(move |r| {
+        // Of a row between the northern and the southern edge only the ends belong to the ring.
+        let stride = if (r - row).abs() == ring { 1 } else { 2 * ring };
+        let ring_cols = (col - ring..=col + ring).step_by(stride.max(1) as usize);
+        ring_cols.filter(move |c| (0..cols).contains(c)).map(move |c| Cell { col: c as u16, row: r as u16 })
+    })
 }
 
 #[cfg(test)]

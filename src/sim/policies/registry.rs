@@ -124,8 +124,8 @@ impl BuiltIn {
             Self::LargestCluster => Box::new(OneByOne(LargestCluster)),
             Self::RandomIntact => Box::new(RandomIntact::new(lightable.to_vec(), seed)),
             Self::FarthestFromTruck => Box::new(OneByOne(FarthestFromTruck)),
-            Self::Densest => Box::new(OneByOne(Densest::new(frame, spread_m, false))),
-            Self::DensestApart => Box::new(OneByOne(Densest::new(frame, spread_m, true))),
+            Self::Densest => Box::new(Densest::new(frame, spread_m, false)),
+            Self::DensestApart => Box::new(Densest::new(frame, spread_m, true)),
         }
     }
 }
