@@ -129,6 +129,41 @@ fn lock_files_and_local_journals_leave_the_folder_as_others_do() {
     assert!(names("disk").is_empty());
 }
 
+/// A file system that refuses `flock`, as far as this program can tell.
+#[test]
+#[cfg(target_os = "linux")]
+fn file_system_without_flock_is_named_and_a_lock_file_helps() {
+    let story = tiny();
+    story.file("shim.c", "#include <errno.h>\nint flock(int f, int o) { errno = ENOSYS; return -1; }\n");
+    let mut compiler = Command::new("cc");
+    compiler.args(["-shared", "-fPIC", "-o", "shim.so", "shim.c"]).current_dir(story.path(""));
+    let is_compiled = compiler.status().is_ok_and(|status| status.success());
+    if !is_compiled {
+        println!("left out: there is no compiler for C");
+        return;
+    }
+    let tell = |arguments: &[&str]| {
+        let mut command = story.command(arguments);
+        Answer::of(&command.env("LD_PRELOAD", story.path("shim.so")).output().expect("the program can be started"))
+    };
+    let slice = |number: &'static str, lock: &'static str| {
+        tell(&["batch", "tiny.toml", "--seeds", "1..60", "--out", "out", "--shard", number, "--lock", lock])
+    };
+    let hint = ["Function not implemented", "--lock file", "--lock none"];
+    slice("1/2", "flock").expect_code(3).expect_complaint(&hint);
+    for number in ["1/2", "2/2"] {
+        slice(number, "file").expect_code(0);
+    }
+    for command in ["status", "merge"] {
+        tell(&[command, "out"]).expect_code(3).expect_complaint(&hint);
+    }
+    let status = tell(&["status", "out", "--lock", "file"]).expect_code(0).stdout;
+    assert!(status.contains("Write the tables with: wildfire merge out --lock file"), "{status}");
+    tell(&["merge", "out", "--lock", "none"]).expect_code(0);
+    story.tell(&["batch", "tiny.toml", "--seeds", "1..60", "--out", "whole"]).expect_code(0);
+    assert_like_the_whole(&story, "out");
+}
+
 /// A program of the scratch folder that is found before others of its name.
 fn program(story: &Story, name: &str, text: &str) {
     fs::create_dir_all(story.path("bin")).expect("writable");
