@@ -142,6 +142,8 @@ impl Auctioneer<'_> {
         let (team, truck) = (self.open.team, route.truck);
         let places =
             std::iter::once(truck.place).chain(route.stops.iter().map(|stop| self.open.fires[stop.fire].place));
+        // From where the truck is, and a little less far from later stops; what is out of its range would be refused below.
+        let range_m = team.range_m(truck.speed_mps, self.open.last_due.since(team.sets_out_at(truck)));
         let mut near: Vec<usize> = Vec::new();
         for place in places {
             let is_free = |fire: usize| {
@@ -150,9 +152,7 @@ impl Auctioneer<'_> {
                     team.sets_out_at(truck) + drive <= team.due(&self.open.fires[fire])
                 }
             };
-            near.extend(
-                self.open.index.nearest(place, LOOKED_AT, f64::INFINITY, is_free).into_iter().map(|(_, fire)| fire),
-            );
+            near.extend(self.open.index.nearest(place, LOOKED_AT, range_m, is_free).into_iter().map(|(_, fire)| fire));
         }
         near.sort_unstable();
         near.dedup();

@@ -9,6 +9,7 @@ use std::collections::{BTreeSet, BinaryHeap};
 
 use glam::DVec2;
 
+use super::place_index::PlaceIndex;
 use super::team::Team;
 use super::threat::cells_within;
 use crate::geometry::Cell;
@@ -40,6 +41,8 @@ pub struct Forecast<'a> {
     /// Offsets of cells that a fire reaches.
     near: Vec<(i32, i32)>,
     fires: Vec<FutureFire>,
+    /// Of these fires, not of those that catch fire later.
+    index: PlaceIndex,
     end: SimTime,
 }
 
@@ -58,6 +61,8 @@ struct FutureTruck {
     place: DVec2,
     speed_mps: f64,
     is_free: bool,
+    /// It has found nothing to go for; what burned then only becomes less savable.
+    is_idle: bool,
     /// Its number among the fires.
     goal: Option<usize>,
 }
@@ -81,7 +86,8 @@ impl<'a> Forecast<'a> {
             is_claimed: false,
             burns: true,
         });
-        Self { team, near, fires: fires.collect(), end: team.end.min(team.now + HORIZON) }
+        let index = PlaceIndex::new(&team.frame, team.fires.iter().map(|fire| fire.place).collect());
+        Self { team, near, fires: fires.collect(), index, end: team.end.min(team.now + HORIZON) }
     }
 
     /// Plays on from now, with these cells as goals of trucks that are asked, named by their places in the team. An asked truck
@@ -90,6 +96,8 @@ impl<'a> Forecast<'a> {
         let mut future = Future {
             of: self,
             now: self.team.now,
+            burning: self.fires.len(),
+            seen: 0,
             fires: self.fires.clone(),
             trucks: Vec::with_capacity(self.team.trucks.len()),
             lit: BTreeSet::new(),
@@ -101,7 +109,7 @@ impl<'a> Forecast<'a> {
         let number = |cell: Cell| self.fires.binary_search_by_key(&index(cell), |fire| index(fire.cell)).ok();
         for (truck, known) in self.team.trucks.iter().enumerate() {
             let (place, speed_mps) = (known.place, known.speed_mps);
-            future.trucks.push(FutureTruck { place, speed_mps, is_free: known.is_asked, goal: None });
+            future.trucks.push(FutureTruck { place, speed_mps, is_free: known.is_asked, is_idle: false, goal: None });
             if !known.is_asked {
                 // It is free when it has put out what it goes for, or stands at.
                 let goal = known.goal.and_then(number);
@@ -123,6 +131,10 @@ struct Future<'a> {
     of: &'a Forecast<'a>,
     now: SimTime,
     fires: Vec<FutureFire>,
+    /// How many of them burn.
+    burning: usize,
+    /// How many of them idle trucks have looked at.
+    seen: usize,
     trucks: Vec<FutureTruck>,
     /// What has caught fire since the forecast began.
     lit: BTreeSet<Cell>,
@@ -140,14 +152,11 @@ impl Future<'_> {
             match due {
                 Due::TruckFree(truck) => {
                     if let Some(goal) = self.trucks[truck].goal.take() {
-                        self.fires[goal].burns = false;
+                        self.end_fire(goal);
                     }
                     self.trucks[truck].is_free = true;
                 }
-                Due::BurnOut(fire) => {
-                    self.loss.bushes += u32::from(self.fires[fire].burns);
-                    self.fires[fire].burns = false;
-                }
+                Due::BurnOut(fire) => self.loss.bushes += u32::from(self.end_fire(fire)),
                 Due::Spread(fire) if self.fires[fire].burns => self.spread(self.fires[fire].cell),
                 Due::Spread(_) => {}
             }
@@ -162,9 +171,15 @@ impl Future<'_> {
     }
 
     fn wait_until(&mut self, time: SimTime) {
-        let burning = self.fires.iter().filter(|fire| fire.burns).count();
-        self.loss.burning_s += time.since(self.now).as_seconds() * burning as f64;
+        self.loss.burning_s += time.since(self.now).as_seconds() * self.burning as f64;
         self.now = time;
+    }
+
+    /// Ends a fire and says whether it burned.
+    fn end_fire(&mut self, fire: usize) -> bool {
+        let burned = std::mem::replace(&mut self.fires[fire].burns, false);
+        self.burning -= usize::from(burned);
+        burned
     }
 
     /// Puts what follows on an ignition into the queue.
@@ -190,6 +205,7 @@ impl Future<'_> {
                 is_claimed: false,
                 burns: true,
             });
+            self.burning += 1;
             self.expect(self.fires.len() - 1);
         }
     }
@@ -198,31 +214,49 @@ impl Future<'_> {
         let FutureTruck { place, speed_mps, .. } = self.trucks[truck];
         let out_at = self.now + self.of.team.stop_time(speed_mps, place, self.fires[fire].place);
         self.fires[fire].is_claimed = true;
-        self.trucks[truck] = FutureTruck { place: self.fires[fire].place, speed_mps, is_free: false, goal: Some(fire) };
+        self.trucks[truck] =
+            FutureTruck { place: self.fires[fire].place, speed_mps, is_free: false, is_idle: false, goal: Some(fire) };
         self.due.push(Reverse((out_at, Due::TruckFree(truck))));
     }
 
-    /// Sends free trucks to the nearest fires that they can save, as [`super::NearestSavable`] does.
+    /// Sends free trucks to the nearest fires that they can save, always the truck first whose fire is out first.
     fn send_all(&mut self) {
-        let free: Vec<usize> = (0..self.trucks.len()).filter(|&truck| self.trucks[truck].is_free).collect();
-        let is_open = |fire: &FutureFire| fire.burns && !fire.is_claimed;
-        let mut bids: Vec<(SimTime, usize, usize)> = Vec::new();
-        for fire in (0..self.fires.len()).filter(|&fire| !free.is_empty() && is_open(&self.fires[fire])) {
-            let due = self.fires[fire].burns_out.min(self.of.team.end);
-            for &truck in &free {
-                let FutureTruck { place, speed_mps, .. } = self.trucks[truck];
-                let out_at = self.now + self.of.team.stop_time(speed_mps, place, self.fires[fire].place);
-                if out_at <= due {
-                    bids.push((out_at, fire, truck));
-                }
-            }
+        let mut bids: BinaryHeap<Reverse<(SimTime, usize, usize)>> = BinaryHeap::new();
+        for truck in (0..self.trucks.len()).filter(|&truck| self.trucks[truck].is_free) {
+            bids.extend(self.best_for(truck).map(Reverse));
         }
-        bids.sort_unstable();
-        for (_, fire, truck) in bids {
-            if self.trucks[truck].is_free && is_open(&self.fires[fire]) {
+        while let Some(Reverse((_, fire, truck))) = bids.pop() {
+            if self.fires[fire].is_claimed {
+                bids.extend(self.best_for(truck).map(Reverse));
+            } else {
                 self.send(truck, fire);
             }
         }
+        self.trucks.iter_mut().for_each(|truck| truck.is_idle = truck.is_free);
+        self.seen = self.fires.len();
+    }
+
+    /// Finds the fire that a truck has out first, when, and names the truck.
+    fn best_for(&self, truck: usize) -> Option<(SimTime, usize, usize)> {
+        let FutureTruck { place, speed_mps, is_idle, .. } = self.trucks[truck];
+        let team = self.of.team;
+        let out_at = |fire: usize| {
+            let FutureFire { place: goal, burns_out, is_claimed, burns, .. } = self.fires[fire];
+            let out_at = self.now + team.stop_time(speed_mps, place, goal);
+            (burns && !is_claimed && out_at <= burns_out.min(team.end)).then_some(out_at)
+        };
+        let known = self.of.fires.len();
+        let old = if is_idle {
+            None
+        } else {
+            // Nothing that burns at the start burns longer than this, if anything burns out at all.
+            let time = team.rules.burn_out.map_or(SimTime::MAX, |span| (team.now + span).since(self.now));
+            let found = self.of.index.nearest(place, 1, team.range_m(speed_mps, time), |fire| out_at(fire).is_some());
+            found.first().and_then(|&(_, fire)| Some((out_at(fire)?, fire, truck)))
+        };
+        let from = if is_idle { self.seen.max(known) } else { known };
+        let new = (from..self.fires.len()).filter_map(|fire| Some((out_at(fire)?, fire, truck)));
+        old.into_iter().chain(new).min()
     }
 }
 

@@ -28,6 +28,8 @@ pub struct OpenFires<'a> {
     pub team: &'a Team<'a>,
     pub fires: Vec<Fire>,
     pub index: PlaceIndex,
+    /// When the last of them is beyond saving.
+    pub last_due: SimTime,
 }
 
 impl<'a> OpenFires<'a> {
@@ -38,7 +40,8 @@ impl<'a> OpenFires<'a> {
         let is_open = |fire: &&Fire| claimed.binary_search(&fire.cell).is_err();
         let fires: Vec<Fire> = team.fires.iter().filter(is_open).copied().collect();
         let index = PlaceIndex::new(&team.frame, fires.iter().map(|fire| fire.place).collect());
-        Self { team, fires, index }
+        let last_due = fires.iter().map(|fire| team.due(fire)).max().unwrap_or_default();
+        Self { team, fires, index, last_due }
     }
 
     /// Returns the same fires, at the same places, with other times.
@@ -55,7 +58,8 @@ impl<'a> OpenFires<'a> {
         mut accept: impl FnMut(usize) -> bool,
     ) -> Vec<Prospect> {
         let is_savable = |fire: usize| accept(fire) && self.prospect(truck, fire).is_some();
-        let found = self.index.nearest(truck.place, count, f64::INFINITY, is_savable);
+        let left = self.last_due.since(self.team.sets_out_at(truck));
+        let found = self.index.nearest(truck.place, count, self.team.range_m(truck.speed_mps, left), is_savable);
         found.into_iter().filter_map(|(_, fire)| self.prospect(truck, fire)).collect()
     }
 
@@ -90,8 +94,9 @@ impl Team<'_> {
         if time < self.rules.dwell {
             return -1.0;
         }
-        let range_m = (time - self.rules.dwell).as_seconds() * speed_mps / WAY_FACTOR;
-        range_m + self.rules.reach_m.unwrap_or_default()
+        // Times are rounded to the nanosecond, and what just fits must not be missed.
+        let range_m = ((time - self.rules.dwell).as_seconds() + 1e-6) * speed_mps / WAY_FACTOR;
+        range_m + self.rules.reach_m.unwrap_or_default() + 1e-6
     }
 
     /// Lists the trucks that are asked, by number.
