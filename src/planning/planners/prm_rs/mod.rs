@@ -99,7 +99,9 @@ impl PrmRs {
         observer: &mut dyn PlanningObserver,
     ) -> Option<(Found, Option<ClearanceProfile>)> {
         let ends = free_ends(&self.checker, start, goal).ok()?;
-        for (level, stage) in SCHEDULE.iter().enumerate() {
+        // Where a growing roadmap does not serve at the wanted clearance, the lattice search asks for less sooner.
+        let levels = if self.roadmap.is_growing() { 1 } else { SCHEDULE.len() };
+        for (level, stage) in SCHEDULE.iter().enumerate().take(levels) {
             let profile = ClearanceProfile::new(self.roadmap.clearance_m(level), ends.iter().copied());
             if level == 0
                 && let Some(path) = self.heuristic.free_expansion(&self.checker, start, goal, &profile)
