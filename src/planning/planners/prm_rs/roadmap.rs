@@ -495,7 +495,6 @@ mod tests {
     use rand::RngExt;
 
     use super::*;
-    use crate::planning::planners::prm_rs::sample::Sampler;
     use crate::planning::test_fields::{TestField, least_clearance};
     use crate::rng;
     use crate::vehicle::Path;
