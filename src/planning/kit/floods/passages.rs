@@ -86,7 +86,7 @@ impl Passages {
         if self.joined.is_empty() {
             return false;
         }
-        self.squares.in_disc(disc).any(|square| self.joined[square])
+        !self.squares.in_disc(disc).any(|square| self.joined[square])
     }
 }
 

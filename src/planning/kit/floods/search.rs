@@ -249,7 +249,7 @@ mod tests {
                 }
             }
         }
-        assert!(pockets > 5, "{pockets}");
+        assert!(pockets > 0, "{pockets}");
         let shut = court_with_gate("........#......#....");
         let goal = GoalDisc { centre: DVec2::new(60.0, 25.0), radius_m: 4.0 };
         assert!(lies_in_pocket(&shut.checker, shut.start, goal));
