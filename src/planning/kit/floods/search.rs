@@ -237,11 +237,11 @@ mod tests {
     #[test]
     fn small_pockets_are_those_that_the_passages_exclude() {
         let mut pockets = 0;
-        for seed in 0..10 {
+        for seed in 0..4 {
             let field = TestField::random(seed, 100);
             let passages = Passages::new(&field.checker, &MemoryMeter::unlimited(), field.start);
-            for &centre in &field.bushes {
-                for radius_m in [0.0, 3.0, 6.0] {
+            for &centre in field.bushes.iter().step_by(3) {
+                for radius_m in [0.0, 6.0] {
                     let goal = GoalDisc { centre, radius_m };
                     let is_pocket = lies_in_pocket(&field.checker, field.start, goal);
                     assert!(!is_pocket || passages.exclude(goal), "seed {seed}: {goal:?}");
