@@ -2,7 +2,8 @@
 //!
 //! `WILDFIRE_GROWTH=short` measures less. `WILDFIRE_BEFORE=PROGRAM` puts the figures of another build of the program
 //! beside these, as far as its limits allow. CPU time of one thread. Exponents are those of a power of the side, or of
-//! the number of agents, through the first and the last figure of a column.
+//! the number of agents, through two figures of a column: from the first field on which drives of 500 m fit, or the first
+//! number, to the last.
 
 #![expect(clippy::print_stdout, reason = "a benchmark prints its figures")]
 
@@ -24,6 +25,8 @@ use wildfire::time::cpu::CpuStopwatch;
 
 /// Sides of fields, metres; the first two have a roadmap of the whole field.
 const SIDES_M: [f64; 6] = [250.0, 500.0, 1000.0, 2500.0, 5000.0, 10_000.0];
+/// The first side on which the farthest goals fit.
+const FITTING: usize = 2;
 const PLANNERS: [TruckPlannerKind; 3] =
     [TruckPlannerKind::HybridAstar, TruckPlannerKind::PrmRs, TruckPlannerKind::PrmPrimitives];
 /// Trucks on each field, and the drives of each from its start.
@@ -91,7 +94,7 @@ fn fields(is_short: bool, before: Option<&Path>) {
         for (number, &kind) in PLANNERS.iter().enumerate() {
             let figures = problem.measure(kind);
             let mut line = format!(
-                "{:15} {side_m:7} | {:9.2} {:7.3} {:7.3} {:7.3} {:7.1} {:3}/{} |",
+                "{:15} {side_m:7} | {:9.2} {:7.3} {:7.3} {:7.3} {:7.1} {:3}/{} {:9.1} |",
                 kind.name(),
                 figures.build_ms,
                 figures.mean(),
@@ -99,7 +102,8 @@ fn fields(is_short: bool, before: Option<&Path>) {
                 figures.quantile(0.95),
                 figures.quantile(1.0),
                 figures.solved,
-                figures.queries_ms.len()
+                figures.queries_ms.len(),
+                figures.megabytes
             );
             if let (Some(program), Some(files)) = (before, &file) {
                 match measure_before(program, files, kind) {
@@ -115,14 +119,14 @@ fn fields(is_short: bool, before: Option<&Path>) {
                     None => line.push_str("    refused"),
                 }
             }
-            println!("{line} {:6.1} MB", figures.megabytes);
+            println!("{line}");
             found[number].push(figures);
         }
     }
     for (kind, figures) in PLANNERS.iter().zip(&found) {
         let exponent = |of: fn(&Figures) -> f64| {
-            let (first, last) = (of(&figures[0]), of(&figures[figures.len() - 1]));
-            ops::ln(last / first) / ops::ln(sides[sides.len() - 1] / sides[0])
+            let (first, last) = (of(&figures[FITTING]), of(&figures[figures.len() - 1]));
+            ops::ln(last / first) / ops::ln(sides[sides.len() - 1] / sides[FITTING])
         };
         println!(
             "{kind}: exponents in the side: query mean {:.2}, median {:.2}; build {:.2}",

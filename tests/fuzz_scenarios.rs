@@ -184,6 +184,9 @@ fn affordable(scenario: &Scenario) -> Option<Scenario> {
         few(&mut truck.hybrid.max_expansions, MOST_EXPANSIONS);
         few(&mut truck.primitives.max_expansions, MOST_EXPANSIONS);
         few(&mut truck.lattice.max_expansions, 100 * MOST_EXPANSIONS);
+        for density in [&mut truck.prm.samples_per_hectare, &mut truck.prm_rs.samples_per_hectare] {
+            *density = density.map(|density| density.min(f64::from(MOST_SAMPLES) * 10_000.0 / area_m2));
+        }
         for (bin_m, headings) in
             [(&mut truck.hybrid.bin_m, truck.hybrid.headings), (&mut truck.primitives.bin_m, truck.primitives.headings)]
         {

@@ -60,6 +60,28 @@ fn broken_toml_is_placed() {
 }
 
 #[test]
+fn a_number_of_samples_and_a_density_contradict_each_other_unless_a_change_does_it() {
+    for table in ["prm", "prm_rs"] {
+        let text = format!("wumpus = []\n[[unimog]]\n[unimog.{table}]\nsamples = 100\nsamples_per_hectare = 80\n");
+        let words = format!("`unimog.0.{table}.samples_per_hectare` cannot go with `unimog.0.{table}.samples`");
+        assert_refused(&text, "5:1", &[&words]);
+        let change = |change: &str| {
+            scenario::load("contest", &[format!("unimog.{table}.{change}")]).expect("the change holds").unimog.remove(0)
+        };
+        let (dense, counted) = (change("samples_per_hectare=12.5"), change("samples=77"));
+        let settings = |truck: &scenario::Unimog| match table {
+            "prm" => (truck.prm.samples, truck.prm.samples_per_hectare),
+            _ => (truck.prm_rs.samples, truck.prm_rs.samples_per_hectare),
+        };
+        assert_eq!((settings(&dense).1, settings(&counted)), (Some(12.5), (77, None)));
+    }
+    let error = refused("contest", &["unimog.prm.samples=5", "unimog.prm.samples_per_hectare=5"]);
+    assert!(error.to_string().contains("each says how many samples there are"), "{error}");
+    let error = refused("contest", &["field.size_m=5000", "unimog.prm.samples_per_hectare=9999"]);
+    assert!(error.to_string().contains("at most 1e7 samples on the field, which has 2500 hectares"), "{error}");
+}
+
+#[test]
 fn unknown_fields_are_placed_at_their_key() {
     assert_refused(
         "wumpus = []\nunimog = []\n[fire]\nspread_dely_s = 3",

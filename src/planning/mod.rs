@@ -26,7 +26,8 @@
 //!    its own:
 //!    - the local search of `prm+primitives`: 1, 1/2, 1/10 of the wanted clearance, with 8, 15 and 27 percent of the
 //!      budget, along the route and then, if need be, without it;
-//!    - `prm-rs`: 1, 1/3, 1/25; then the whole of `hybrid-astar` follows, at that planner's settings;
+//!    - `prm-rs`: 1, 1/3, 1/25, on large fields 1 alone; then the whole of `hybrid-astar` follows, at that planner's
+//!      settings;
 //!    - `hybrid-astar` ([`kit::relaxed_search`]): 1, 2/3, 1/3, 1/25, the first from the start alone, the others from both
 //!      ends in turn.
 //!

@@ -104,6 +104,11 @@ mod tests {
                 vec!["field.size_m=2500", "unimog.prm.samples=500"],
                 "truck 0 is hardly connected: 500 milestones in 499 components. They are some 112 m apart",
             ),
+            (
+                "report-2024",
+                vec!["field.size_m=2500", "unimog.prm.samples=25000", "unimog.prm.max_edge_m=10"],
+                "The roadmap of truck 0 will fall apart: a milestone has 1.3 others within `max_edge_m`, 10 m",
+            ),
             ("contest", vec!["unimog.prm_rs.samples=0", "unimog.prm_rs.corner_places=0"], "truck 0 has no milestones"),
             (
                 "contest",
@@ -144,5 +149,7 @@ mod tests {
         assert_eq!(warned("wumpus-alone", &[]), "");
         assert_eq!(warned("fleet", &[]), "");
         assert!(!warned("original-2024", &[]).contains("never drives"), "there trucks drive to the nearest milestone");
+        let dense = ["field.size_m=2500", "unimog.planner=prm+primitives", "unimog.prm.samples_per_hectare=80"];
+        assert!(!warned("contest", &dense).contains("roadmap"), "it is as dense as on a small field");
     }
 }

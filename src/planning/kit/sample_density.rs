@@ -32,3 +32,27 @@ pub fn check_density(density: Option<f64>, frame: &FieldFrame) -> Result<(), Out
     let expected = format!("at most {MAX_SAMPLES:e} samples on the field, which has {:.0} hectares", hectares(frame));
     Err(OutOfRange { name: NAME, found: number_text(density), expected })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(cells: u16) -> FieldFrame {
+        FieldFrame { cols: cells, rows: cells, cell_m: 5.0 }
+    }
+
+    #[test]
+    fn a_density_gives_samples_in_proportion_to_the_area() {
+        assert_eq!((samples_on(&square(50), 80.0), samples_on(&square(500), 80.0)), (500, 50_000));
+        assert_eq!(samples_on(&square(50), 0.0), 0);
+    }
+
+    #[test]
+    fn a_density_is_refused_where_it_means_too_many_samples() {
+        assert_eq!(check_density(None, &square(2000)), Ok(()));
+        assert_eq!(check_density(Some(1000.0), &square(2000)), Ok(()));
+        let refusal = check_density(Some(1001.0), &square(2000)).expect_err("that is more than ten million");
+        assert!(refusal.expected.contains("10000 hectares"), "{}", refusal.expected);
+        assert!(check_density(Some(-1.0), &square(50)).is_err());
+    }
+}

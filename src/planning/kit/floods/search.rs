@@ -13,7 +13,7 @@ use crate::planning::{Goal, GoalDisc, PlanFailure};
 use crate::vehicle::Path;
 
 use super::flood::Flood;
-use super::passages::Passages;
+use super::passages::{Passages, lies_in_pocket};
 use super::{CLEARANCE_M, LATTICES};
 
 /// Curves into the goal begin no farther than this from it.
@@ -58,6 +58,12 @@ impl Floods {
 
     /// Returns the coarsest flood that has a pose in the disc, and that pose.
     fn pose_in(&mut self, disc: GoalDisc) -> Option<(usize, u32)> {
+        // Else all of a large field would be flooded before the finest lattice said no. A goal that the floods have
+        // come to already needs no such proof.
+        let is_known = self.floods[0].as_ref().is_some_and(|flood| flood.known_in(disc, u32::MAX).next().is_some());
+        if !is_known && lies_in_pocket(&self.checker, self.root, disc) {
+            return None;
+        }
         for place in 0..LATTICES.len() {
             // The finer floods are some ten times as costly each, so that a proof is worth its time first.
             if place == 1 && self.exclude(disc) {
@@ -226,5 +232,26 @@ mod tests {
                 assert!(!(passages.exclude(goal) && flood.pose_in(goal, u32::MAX).is_some()));
             }
         }
+    }
+
+    #[test]
+    fn small_pockets_are_those_that_the_passages_exclude() {
+        let mut pockets = 0;
+        for seed in 0..4 {
+            let field = TestField::random(seed, 100);
+            let passages = Passages::new(&field.checker, &MemoryMeter::unlimited(), field.start);
+            for &centre in field.bushes.iter().step_by(3) {
+                for radius_m in [0.0, 6.0] {
+                    let goal = GoalDisc { centre, radius_m };
+                    let is_pocket = lies_in_pocket(&field.checker, field.start, goal);
+                    assert!(!is_pocket || passages.exclude(goal), "seed {seed}: {goal:?}");
+                    pockets += u32::from(is_pocket && radius_m == 6.0);
+                }
+            }
+        }
+        assert!(pockets > 0, "{pockets}");
+        let shut = court_with_gate("........#......#....");
+        let goal = GoalDisc { centre: DVec2::new(60.0, 25.0), radius_m: 4.0 };
+        assert!(lies_in_pocket(&shut.checker, shut.start, goal));
     }
 }

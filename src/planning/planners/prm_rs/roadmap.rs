@@ -1,4 +1,5 @@
 use std::f64::consts::FRAC_PI_2;
+use std::ops::Range;
 
 use glam::DVec2;
 use petgraph::unionfind::UnionFind;
@@ -401,12 +402,17 @@ impl Roadmap {
     }
 
     /// Returns the links of a node, each with its number; of a roadmap that grows, of a node that it has grown from.
+    #[cfg(test)]
     pub fn links(&self, node: u32) -> impl Iterator<Item = (u32, Link)> + '_ {
-        let numbers = match &self.links {
+        self.link_numbers(node).map(|number| (number, self.link(number)))
+    }
+
+    /// Returns the numbers of the links of a node; of a roadmap that grows, of a node that it has grown from.
+    pub fn link_numbers(&self, node: u32) -> Range<u32> {
+        match &self.links {
             Links::Whole(graph) => graph.numbers(node),
             Links::Growing(known) => known[node as usize].map_or(0..0, |(first, end)| first..end),
-        };
-        numbers.map(|number| (number, self.link(number)))
+        }
     }
 
     pub fn link(&self, link: u32) -> Link {
@@ -489,7 +495,6 @@ mod tests {
     use rand::RngExt;
 
     use super::*;
-    use crate::planning::planners::prm_rs::sample::Sampler;
     use crate::planning::test_fields::{TestField, least_clearance};
     use crate::rng;
     use crate::vehicle::Path;

@@ -25,14 +25,12 @@ const WEIGHT: f64 = 1.2;
 /// Poses off the roadmap that are expanded, and how far from the start at most.
 const MAX_LOCAL_EXPANSIONS: u32 = 50;
 const LOCAL_M: f64 = 30.0;
-/// On a roadmap that grows, a search stays where the ways from the start and to the goal together are no longer than
-/// this share of the straight line and these metres more,
-const FARTHEST_SHARE: f64 = 1.3;
-const FARTHEST_MORE_M: f64 = 200.0;
-/// and enters no more milestones than this, and this number for every metre of the straight line: several times what
-/// drives take that succeed.
-const MOST_ENTERED: f64 = 300.0;
-const MOST_ENTERED_A_METRE: f64 = 1.0;
+/// A roadmap that grows is joined as it is searched, which costs more than searching: its searches are greedier,
+const WEIGHT_GROWING: f64 = 1.3;
+/// and enter no more milestones than this, and this number for every metre of the straight line. Most drives that it
+/// serves take less; others are served better by the lattice search.
+const MOST_ENTERED: f64 = 30.0;
+const MOST_ENTERED_A_METRE: f64 = 0.1;
 /// The lattice of poses about the start.
 const LATTICE: Lattice = Lattice { bin_m: 2.5, headings: 24, step_m: 4.0 };
 
@@ -133,14 +131,14 @@ impl RoadmapSearch {
     /// The reason why there is none.
     pub fn run(&mut self, query: &RoadmapQuery<'_>, roadmap: &mut Roadmap) -> Result<Path, Ending> {
         self.notes.begin();
-        let straight_m = query.start.position().distance(query.goal.position());
-        let (most_m, most_entered) = if roadmap.is_growing() {
-            let entered = MOST_ENTERED + MOST_ENTERED_A_METRE * straight_m;
-            (FARTHEST_SHARE * straight_m + FARTHEST_MORE_M, entered as u32)
+        let limits = if roadmap.is_growing() {
+            let straight_m = query.start.position().distance(query.goal.position());
+            let most_entered = (MOST_ENTERED + MOST_ENTERED_A_METRE * straight_m) as u32;
+            SearchLimits { weight: WEIGHT_GROWING, most_entered }
         } else {
-            (f64::INFINITY, u32::MAX)
+            SearchLimits { weight: WEIGHT, most_entered: u32::MAX }
         };
-        let mut space = RoadmapSpace { query, roadmap, notes: &mut self.notes, most_m, most_entered };
+        let mut space = RoadmapSpace { query, roadmap, notes: &mut self.notes, limits };
         self.search.begin(&mut space, [query.start], Mark { via: Via::Motion, expansion: None });
         self.search.run(&mut space, u32::MAX)
     }
@@ -210,8 +208,14 @@ struct RoadmapSpace<'a> {
     query: &'a RoadmapQuery<'a>,
     roadmap: &'a mut Roadmap,
     notes: &'a mut Notes,
-    /// The longest that straight lines from the start to a milestone and on to the goal may be together.
-    most_m: f64,
+    limits: SearchLimits,
+}
+
+/// The greed and the effort of a search.
+#[derive(Clone, Copy, Debug)]
+struct SearchLimits {
+    /// Costs-to-go are multiplied with this.
+    weight: f64,
     most_entered: u32,
 }
 
@@ -237,13 +241,6 @@ impl RoadmapSpace<'_> {
         }
     }
 
-    /// Says whether a milestone is too far out of the way.
-    fn is_far(&self, node: u32) -> bool {
-        let place = self.roadmap.pose(node).position();
-        let ends = [self.query.start.position(), self.query.goal.position()];
-        ends.into_iter().map(|end| place.distance(end)).sum::<f64>() > self.most_m
-    }
-
     fn cusp_cost(&self, here: &Node<Mark>, departs_reverse: bool) -> f64 {
         if here.turns_back(departs_reverse) { self.roadmap.curves().1.cusp_m } else { 0.0 }
     }
@@ -256,7 +253,7 @@ impl RoadmapSpace<'_> {
         for &(_, to) in &self.notes.near {
             let pose = self.roadmap.pose(to);
             let cost = least_length_m(self.query.checker.body().turning_radius_m, start, pose);
-            let key = cost + WEIGHT * self.least_cost_to_go(pose);
+            let key = cost + self.limits.weight * self.least_cost_to_go(pose);
             search.push(key.max(from.key), cost, from.node, Step::Own(Along::Curve { to }));
         }
     }
@@ -315,7 +312,7 @@ impl RoadmapSpace<'_> {
         }
         let state = &self.notes.states[index as usize];
         if !state.is_closed {
-            let key = (from.cost + WEIGHT * state.cost_to_go).max(from.key);
+            let key = (from.cost + self.limits.weight * state.cost_to_go).max(from.key);
             search.push(key, from.cost, from.node, Step::Own(Along::Enter { state: index, via }));
         }
     }
@@ -339,21 +336,19 @@ impl RoadmapSpace<'_> {
             mark: Mark { via, expansion },
         });
         if let Some(expansion) = expansion {
-            let key = from.cost + WEIGHT * self.notes.expansions[expansion as usize].cost;
+            let key = from.cost + self.limits.weight * self.notes.expansions[expansion as usize].cost;
             search.push(key, from.cost, reached, Step::Arrive);
         }
         self.roadmap.grow_from(node);
         self.notes.know(self.roadmap);
-        for (number, link) in self.roadmap.links(node) {
+        for number in self.roadmap.link_numbers(node) {
+            let link = self.roadmap.link(number);
             if self.notes.is_closed(link.to, false) && self.notes.is_closed(link.to, true) {
-                continue;
-            }
-            if self.roadmap.is_growing() && self.is_far(link.to) {
                 continue;
             }
             // What a link costs at least holds whether its curve is known or not.
             let cost = from.cost + self.roadmap.least_m(node, link.to);
-            let key = cost + WEIGHT * self.least_cost_to_go(self.roadmap.pose(link.to));
+            let key = cost + self.limits.weight * self.least_cost_to_go(self.roadmap.pose(link.to));
             search.push(key.max(from.key), cost, reached, Step::Own(Along::Link { link: number }));
         }
     }
@@ -378,7 +373,7 @@ impl SearchSpace for RoadmapSpace<'_> {
     /// milestones as it may ends as one without memory does, and the planner asks for less.
     fn has_room(&mut self, search: &mut SearchOf<Self>) -> bool {
         let Self { roadmap, notes, .. } = self;
-        if notes.effort.roadmap_expansions >= self.most_entered {
+        if notes.effort.roadmap_expansions >= self.limits.most_entered {
             return false;
         }
         let offered = search.motions.len().max(roadmap.most_links());
@@ -389,7 +384,7 @@ impl SearchSpace for RoadmapSpace<'_> {
     }
 
     fn weight(&self) -> f64 {
-        WEIGHT
+        self.limits.weight
     }
 
     fn estimate(&mut self, node: &mut Node<Mark>) -> Option<f64> {
@@ -412,7 +407,7 @@ impl SearchSpace for RoadmapSpace<'_> {
         if self.notes.effort.local_expansions < MAX_LOCAL_EXPANSIONS && cost < LOCAL_M {
             self.notes.effort.local_expansions += 1;
             let cusp_m = self.roadmap.curves().1.cusp_m;
-            search.offer_motions(from.node, cusp_m, WEIGHT);
+            search.offer_motions(from.node, cusp_m, self.limits.weight);
         }
     }
 
