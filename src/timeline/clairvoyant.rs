@@ -26,8 +26,11 @@ use crate::time::SimTime;
 const TOLERANCE_S: f64 = 1e-6;
 /// Distances between cell centres are exact multiples of the cell size; this absorbs the rounding of their product.
 const RADIUS_TOLERANCE: f64 = 1e-9;
-/// Of more ignitions than this only the first relaxation is asked: the second one takes time with the square of them.
+/// Of more ignitions than this the second relaxation only asks which of them no truck can reach: chains take time with the
+/// square of them.
 const MOST_CHAINED: usize = 400;
+/// And of more pairs of them than this for all trucks together.
+const MOST_PAIRS: usize = 1 << 23;
 /// Bushes that spreading looks at before it is left out.
 const MOST_LOOKED_AT: usize = 1 << 24;
 
@@ -236,7 +239,8 @@ impl<'a> Limits<'a> {
         let reachable: Vec<Job> =
             jobs.iter().copied().filter(|job| self.trucks.iter().any(|truck| can_begin(truck, job))).collect();
         let out_of_reach = (jobs.len() - reachable.len()) as u32;
-        if reachable.len() > MOST_CHAINED {
+        let pairs = reachable.len() * reachable.len() * self.trucks.len();
+        if reachable.len() > MOST_CHAINED || pairs > MOST_PAIRS {
             return out_of_reach;
         }
         let firsts: Vec<Vec<usize>> = self
