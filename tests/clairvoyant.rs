@@ -19,7 +19,16 @@ fn no_policy_loses_less_than_the_bound() {
         ("contest", &[short, "unimog.goal=oldest", "unimog.planner=hybrid-astar"]),
         // Too slow to be there in time: the bound is not zero.
         ("contest", &[short, "unimog.speed_mps=0.5", "unimog.reverse_speed_mps=0.5", "fire.burn_out_s=20"]),
-        ("contest", &[short, "unimog.goal=largest-cluster", "fire.spread_from=all", "unimog.speed_mps=1"]),
+        (
+            "contest",
+            &[
+                short,
+                "fire.spread_from=all",
+                "unimog.speed_mps=0.5",
+                "unimog.reverse_speed_mps=0.5",
+                "fire.burn_out_s=20",
+            ],
+        ),
         ("coursework-2025", &[short]),
         ("fleet", &[short]),
         ("fleet", &[short, "unimog.goal=largest-cluster", "suppression.extinguishes=all-in-reach"]),
@@ -28,7 +37,7 @@ fn no_policy_loses_less_than_the_bound() {
     let mut bounds = Vec::new();
     for (name, changes) in variants {
         let mut sum = 0;
-        for seed in 1..=6 {
+        for seed in 1..=4 {
             let outcome = outcome(name, changes, seed);
             let bound = outcome.least_burned.expect("the rules are those of the radius");
             assert!(bound <= outcome.burned(), "{name} {changes:?}, seed {seed}: {bound} > {}", outcome.burned());

@@ -26,8 +26,11 @@ use crate::time::SimTime;
 const TOLERANCE_S: f64 = 1e-6;
 /// Distances between cell centres are exact multiples of the cell size; this absorbs the rounding of their product.
 const RADIUS_TOLERANCE: f64 = 1e-9;
-/// Of more ignitions than this only the first relaxation is asked: the second one takes time with the square of them.
+/// Of more ignitions than this the second relaxation only asks which of them no truck can reach: chains take time with the
+/// square of them.
 const MOST_CHAINED: usize = 400;
+/// And of more pairs of them than this for all trucks together.
+const MOST_PAIRS: usize = 1 << 23;
 /// Bushes that spreading looks at before it is left out.
 const MOST_LOOKED_AT: usize = 1 << 24;
 
@@ -96,7 +99,8 @@ impl Job {
         self.burns_from_s == f64::INFINITY
     }
 
-    fn from_s(&self) -> f64 {
+    /// The earliest time at which it may burn, lit or caught.
+    fn first_burns_s(&self) -> f64 {
         self.burns_from_s.min(self.lit.as_seconds())
     }
 }
@@ -231,12 +235,13 @@ impl<'a> Limits<'a> {
     /// Counts the jobs that cannot all be covered by chains, one for each truck.
     fn left_uncovered(&self, jobs: &[Job]) -> u32 {
         let can_begin = |truck: &Reacher, job: &Job| {
-            self.arrival_s(truck, job.place).max(job.from_s()) + self.dwell_s <= job.due_s + TOLERANCE_S
+            self.arrival_s(truck, job.place).max(job.first_burns_s()) + self.dwell_s <= job.due_s + TOLERANCE_S
         };
         let reachable: Vec<Job> =
             jobs.iter().copied().filter(|job| self.trucks.iter().any(|truck| can_begin(truck, job))).collect();
         let out_of_reach = (jobs.len() - reachable.len()) as u32;
-        if reachable.len() > MOST_CHAINED {
+        let pairs = reachable.len() * reachable.len() * self.trucks.len();
+        if reachable.len() > MOST_CHAINED || pairs > MOST_PAIRS {
             return out_of_reach;
         }
         let firsts: Vec<Vec<usize>> = self
@@ -257,15 +262,15 @@ impl<'a> Limits<'a> {
         let done_s = |job: &Job| {
             if self.puts_out_all {
                 // The dwell may have begun for another fire.
-                job.from_s().max(job.arrival_s + self.dwell_s)
+                job.first_burns_s().max(job.arrival_s + self.dwell_s)
             } else {
-                job.from_s().max(job.arrival_s) + self.dwell_s
+                job.first_burns_s().max(job.arrival_s) + self.dwell_s
             }
         };
         let in_turn = |first: &Job, next: &Job| done_s(first) + way_s + self.dwell_s <= next.due_s + TOLERANCE_S;
         let at_once = self.puts_out_all
             && apart_m <= 0.0
-            && one.from_s().max(other.from_s()) <= one.due_s.min(other.due_s) + TOLERANCE_S;
+            && one.first_burns_s().max(other.first_burns_s()) <= one.due_s.min(other.due_s) + TOLERANCE_S;
         at_once || in_turn(one, other) || in_turn(other, one)
     }
 }

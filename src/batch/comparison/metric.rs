@@ -53,6 +53,7 @@ const LOWER_IS_BETTER: &[&str] = &[
     "peak_burning",
     "mean_response_s",
     "wumpus_score",
+    "regret",
     "truck_stuck_s",
     "truck_lattice_plans",
     "truck_planning_s",

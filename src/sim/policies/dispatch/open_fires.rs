@@ -39,14 +39,14 @@ impl<'a> OpenFires<'a> {
         claimed.sort_unstable();
         let is_open = |fire: &&Fire| claimed.binary_search(&fire.cell).is_err();
         let fires: Vec<Fire> = team.fires.iter().filter(is_open).copied().collect();
+        Self::with_fires(team, fires)
+    }
+
+    /// Takes these fires, whoever goes for them.
+    pub fn with_fires(team: &'a Team<'a>, fires: Vec<Fire>) -> Self {
         let index = PlaceIndex::new(&team.frame, fires.iter().map(|fire| fire.place).collect());
         let last_due = fires.iter().map(|fire| team.due(fire)).max().unwrap_or_default();
         Self { team, fires, index, last_due }
-    }
-
-    /// Returns the same fires, at the same places, with other times.
-    pub fn with_fires(&self, change: impl Fn(Fire) -> Fire) -> Self {
-        Self { fires: self.fires.iter().copied().map(change).collect(), ..self.clone() }
     }
 
     /// Finds the savable fires that are nearest to a truck, of those that are accepted, the nearest first, of equally near

@@ -127,9 +127,8 @@ impl Search<'_> {
             for place in 0..trucks {
                 let Some((_, best)) = &self.best else { return };
                 let (truck, old) = best[place];
-                let near =
-                    self.open.nearest_savable(&self.open.team.trucks[truck], TRIED + 1, |fire| Some(fire) != old);
-                let others = near.into_iter().take(TRIED).map(|prospect| Some(prospect.fire)).chain([None]);
+                let near = self.open.nearest_savable(&self.open.team.trucks[truck], TRIED, |fire| Some(fire) != old);
+                let others = near.into_iter().map(|prospect| Some(prospect.fire)).chain([None]);
                 for fire in others {
                     let Some((_, best)) = &self.best else { return };
                     let mut plan = best.clone();

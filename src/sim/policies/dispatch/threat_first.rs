@@ -18,16 +18,24 @@ impl Assignment for ThreatFirst {
     fn assign(&mut self, team: &Team<'_>, effort: &mut u64) -> Vec<(AgentId, Cell)> {
         let open = OpenFires::new(team);
         let threats = threats(team, &open.fires);
-        let urgent = open.with_fires(|fire| Fire { burns_out: fire.burns_out.min(fire.spreads_at), ..fire });
         let mut levels: Vec<u32> = threats.iter().copied().filter(|&threat| threat > 0).collect();
         levels.sort_unstable();
         levels.dedup();
         let mut free: Vec<usize> = (0..team.trucks.len()).filter(|&truck| team.trucks[truck].is_asked).collect();
         let mut pairs: Vec<(usize, usize)> = Vec::new();
         for level in levels.into_iter().rev() {
-            // Only fires of this level are to be had.
-            let mut taken: Vec<bool> = threats.iter().map(|&threat| threat != level).collect();
-            pairs.extend(nearest_first(&urgent, &free, &mut taken, effort));
+            if free.is_empty() {
+                break;
+            }
+            let of_level: Vec<usize> = (0..open.fires.len()).filter(|&fire| threats[fire] == level).collect();
+            // What counts is to be there before it spreads.
+            let urgent = of_level.iter().map(|&fire| {
+                let fire = open.fires[fire];
+                Fire { burns_out: fire.burns_out.min(fire.spreads_at), ..fire }
+            });
+            let urgent = OpenFires::with_fires(team, urgent.collect());
+            let found = nearest_first(&urgent, &free, &mut vec![false; of_level.len()], effort);
+            pairs.extend(found.into_iter().map(|(truck, fire)| (truck, of_level[fire])));
             free.retain(|truck| pairs.iter().all(|(gone, _)| gone != truck));
         }
         let mut taken = vec![false; open.fires.len()];

@@ -46,11 +46,14 @@ pub struct RegionsFirst(pub Box<dyn Assignment>);
 impl Assignment for RegionsFirst {
     fn assign(&mut self, team: &Team<'_>, effort: &mut u64) -> Vec<(AgentId, Cell)> {
         let starts = starts(team);
+        // Fires that somebody keeps whatever is decided, from whichever region.
+        let kept: Vec<Cell> =
+            team.trucks.iter().filter(|truck| !truck.is_asked).filter_map(|truck| truck.goal).collect();
         let mut goals: Vec<(AgentId, Cell)> = Vec::new();
         for region in 0..starts.len() {
             let mut own = team.clone();
-            own.fires.retain(|fire| region_of(&starts, fire.place) == region);
-            own.trucks.retain(|truck| region_of(&starts, truck.start) == region || is_bound_to_fire(truck));
+            own.fires.retain(|fire| region_of(&starts, fire.place) == region && !kept.contains(&fire.cell));
+            own.trucks.retain(|truck| region_of(&starts, truck.start) == region);
             goals.extend(self.0.assign(&own, effort));
         }
         let mut rest = team.clone();
@@ -64,11 +67,6 @@ impl Assignment for RegionsFirst {
     fn replans(&self) -> bool {
         self.0.replans()
     }
-}
-
-/// Says whether a truck keeps a fire whatever is decided, so that nobody else is to be sent there.
-fn is_bound_to_fire(truck: &TeamTruck) -> bool {
-    !truck.is_asked && truck.goal.is_some()
 }
 
 /// The places at which trucks start, each once, in the order of the trucks.
