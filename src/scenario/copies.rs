@@ -14,7 +14,7 @@ use super::check::{Check, Refusal, TablePath};
 use super::path::{FieldPath, PathStep};
 use super::wording::shortened;
 use super::{Scenario, StartPose, Terrain, Unimog, Wumpus};
-use crate::geometry::{Cell, DVec2, FieldFrame};
+use crate::geometry::{Cell, DVec2, FieldFrame, ops};
 use crate::rng;
 
 /// The kinds of agents that may be given by number.
@@ -114,21 +114,21 @@ impl Copies {
         let written = (0..agents.len()).filter(|&agent| !self.is_copy(kind, agent));
         let mut taken: Vec<(DVec2, f64)> = written.map(|agent| agents[agent].circle()).collect();
         let mut stream = None;
-        for agent in 0..agents.len() {
-            let entry = self.entry(kind, agent).unwrap_or(agent);
-            if !self.is_copy(kind, agent) {
+        for (number, agent) in agents.iter_mut().enumerate() {
+            let entry = self.entry(kind, number).unwrap_or(number);
+            if !self.is_copy(kind, number) {
                 stream = Some(rng::stream(SEED, &format!("starts/{kind}/{entry}")));
                 continue;
             }
             let stream = stream.as_mut().expect("the first agent of an entry comes before its copies");
-            let Some(placed) = best_candidate(&agents[agent], field, &taken, stream) else {
+            let Some(placed) = best_candidate(agent, field, &taken, stream) else {
                 let found = self.0.iter().zip(KINDS).find(|(_, known)| *known == kind);
                 let count = found.map_or(0, |(entries, _)| entries.iter().filter(|&&other| other == entry).count());
                 let expected = "no more agents than find a free place to start".to_owned();
                 return Err(refusal(kind, entry, count.to_string(), expected));
             };
             taken.push(placed.circle());
-            agents[agent] = placed;
+            *agent = placed;
         }
         Ok(())
     }
@@ -175,7 +175,7 @@ trait Placed: Sized {
 
 impl Placed for Unimog {
     fn circle(&self) -> (DVec2, f64) {
-        (self.start_centre(), 0.5 * (self.vehicle.length_m.powi(2) + self.vehicle.width_m.powi(2)).sqrt())
+        (self.start_centre(), 0.5 * ops::hypot(self.vehicle.length_m, self.vehicle.width_m))
     }
 
     /// Draws places in half metres and headings in degrees: they are easily copied.

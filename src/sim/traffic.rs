@@ -71,8 +71,9 @@ impl SweptBox {
     }
 
     fn is_near(&self, other: &Self) -> bool {
+        let apart_m = (self.low - other.high).max(other.low - self.high).max_element();
         // A place that is not a number is near to everything.
-        !((self.low - other.high).max(other.low - self.high).max_element() > SURELY_APART_M)
+        apart_m.is_nan() || apart_m <= SURELY_APART_M
     }
 }
 

@@ -8,7 +8,7 @@ use glam::DVec2;
 
 use super::nearest_intact::ring_around;
 use super::{AgentView, Choice, Observation, Policy};
-use crate::geometry::{Cell, FieldFrame};
+use crate::geometry::{Cell, FieldFrame, ops};
 use crate::timeline::AgentId;
 
 /// Added to every way, in metres: ten seconds' walk of the usual Wumpus, the time after which a bush spreads its fire. Without
@@ -38,7 +38,7 @@ impl Densest {
         let spread_m = spread_m.min(MOST_COUNTED_M);
         let cells = (spread_m / frame.cell_m).floor().min(f64::from(frame.cols.max(frame.rows))) as i32;
         let is_reached = |&(cols, rows): &(i32, i32)| {
-            (f64::from(cols).powi(2) + f64::from(rows).powi(2)).sqrt() * frame.cell_m <= spread_m
+            ops::hypot(f64::from(cols), f64::from(rows)) * frame.cell_m <= spread_m
         };
         let square = (-cells..=cells).flat_map(|rows| (-cells..=cells).map(move |cols| (cols, rows)));
         Self { reached: square.filter(is_reached).collect(), keeps_apart }
@@ -112,7 +112,8 @@ mod tests {
 
     fn agent(number: u16, place: DVec2) -> AgentView {
         let pose = Pose::new(place.x, place.y, 0.0);
-        AgentView { id: AgentId::wumpus(number), place, pose, activity: Activity::Standing, goal: None }
+        let (id, activity, free_at, free_place) = (AgentId::wumpus(number), Activity::Standing, SimTime::ZERO, place);
+        AgentView { id, place, pose, activity, goal: None, post: None, free_at, free_place }
     }
 
     fn chosen(bushes: &[Cell], agents: &[AgentView], keeps_apart: bool) -> Option<Cell> {
