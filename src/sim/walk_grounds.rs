@@ -194,7 +194,7 @@ mod tests {
     fn targets_are_the_cells_near_a_point_that_can_be_walked_to() {
         let frame = FieldFrame { cols: 40, rows: 30, cell_m: 5.0 };
         let mut rng = rng::stream(2, "walk grounds");
-        let cells = (0..frame.cell_count()).map(|_| rng.random_bool(0.4)).collect();
+        let cells = (0..frame.cell_count()).map(|_| rng.random_bool(0.55)).collect();
         let terrain = Terrain::from_occupied(frame, Grid::from_values(30, 40, cells));
         let mut grounds = WalkGrounds::new(&terrain, terrain.bushes.clone());
         for start in 0..60 {

@@ -349,6 +349,24 @@ mod tests {
     }
 
     #[test]
+    fn the_nearest_free_point_is_the_first_of_the_nearest_of_all() {
+        for (seed, share) in [(4, 0.3), (5, 0.97), (6, 1.0)] {
+            let occupied = field(seed, share);
+            for (anchor, step_m) in [(DVec2::splat(2.5), 5.0), (DVec2::new(60.0, 50.0), 2.0)] {
+                let lattice = WalkLattice::new(FRAME, &occupied, LatticeShape { anchor, step_m, size_m: 1.0 });
+                // On points and between them, where ties are, and outside.
+                for place in (0..60).flat_map(|x| (0..50).map(move |y| DVec2::new(f64::from(x), f64::from(y)) * 2.5)) {
+                    let place = place - DVec2::splat(10.0);
+                    let squared = |point: &usize| (lattice.position(*point) - place).length_squared();
+                    let free = (0..lattice.points()).filter(|&point| lattice.is_free(point));
+                    let expected = free.min_by(|a, b| squared(a).total_cmp(&squared(b)));
+                    assert_eq!(lattice.nearest_free(place), expected, "{place}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn no_step_sweeps_over_a_bush() {
         let occupied = field(2, 0.15);
         for (anchor, step_m) in [(DVec2::splat(2.5), 5.0), (DVec2::new(60.0, 50.0), 2.0), (DVec2::new(3.1, 7.7), 3.3)] {

@@ -588,7 +588,7 @@ mod tests {
             assert!(matches!(encode(&run), Err(FileError::Impossible(_))));
         }
         let mut vast = tiny(vec![]);
-        vast.setting.frame.cols = 1001;
+        vast.setting.frame.cols = 4097;
         assert!(matches!(encode(&vast), Err(FileError::TooLarge { .. })));
     }
 
