@@ -33,8 +33,7 @@ impl WokenBy {
         let triggers = match asking {
             Asking::Team { replans } => vec![Trigger::GoalBurnsNoMore, Trigger::ChangeForTeam { replans }],
             Asking::Each => {
-                let standing =
-                    [Trigger::IgnitionWhileFree, Trigger::FireOverWhileBlocked, Trigger::ChangeWhileWaiting];
+                let standing = [Trigger::IgnitionWhileFree, Trigger::FireOverWhileBlocked, Trigger::ChangeWhileWaiting];
                 let under_way = reconsiders.then_some(Trigger::IgnitionUnderWay);
                 [Trigger::GoalBurnsNoMore].into_iter().chain(standing).chain(under_way).collect()
             }
