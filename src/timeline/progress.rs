@@ -70,7 +70,7 @@ impl<'a> AgentProgress<'a> {
             }
             AgentFact::Blocked { .. } => self.is_blocked = true,
             AgentFact::PlanFailed { until, .. } | AgentFact::RelocationFailed { until, .. } => {
-                self.planning_until = *until
+                self.planning_until = *until;
             }
             AgentFact::Suppressing { .. } => self.suppresses = true,
             AgentFact::SuppressionEnded { .. } | AgentFact::Rested { .. } | AgentFact::LocalMinimum { .. } => {
