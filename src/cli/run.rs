@@ -275,6 +275,9 @@ fn agents(outcome: &Outcome) -> Table {
     Table::new(&headings, outcome.agents.iter().map(row).collect())
 }
 
+/// The phase that only runs with a dispatched team have.
+const DISPATCH: &str = "dispatch";
+
 fn cpu_times(result: &RunResult) -> Table {
     let cpu = &result.cpu;
     let parts = [
@@ -285,13 +288,16 @@ fn cpu_times(result: &RunResult) -> Table {
         ("roadmap search", cpu.roadmap_search_s),
         ("local search", cpu.local_search_s),
         ("reachability", cpu.reachability_s),
+        (DISPATCH, cpu.dispatch_s),
         ("Wumpus search", cpu.wumpus_s),
         ("everything else", cpu.rest_s()),
         ("whole run", cpu.run_s),
     ];
     let share = |seconds: f64| if cpu.run_s > 0.0 { percent(seconds / cpu.run_s) } else { "-".into() };
     let row = |(phase, seconds): (&str, f64)| vec![phase.to_owned(), rounded(seconds * 1e3, 3), share(seconds)];
-    let rows: Vec<_> = parts.into_iter().map(row).collect();
+    // Most trucks follow their own goals.
+    let shown = parts.into_iter().filter(|&(phase, seconds)| phase != DISPATCH || seconds > 0.0);
+    let rows: Vec<_> = shown.map(row).collect();
     Table { rules_before: vec![rows.len() - 1], ..Table::new(&["Phase", "CPU\nms", "%"], rows) }
 }
 

@@ -65,10 +65,12 @@ impl<'a> AgentProgress<'a> {
             AgentFact::Dropped { trajectory, .. }
             | AgentFact::GaveWay { trajectory, .. }
             | AgentFact::Relocated { trajectory, .. }
-            | AgentFact::Halted { trajectory } => self.follow(trajectory, None),
+            | AgentFact::Halted { trajectory } => {
+                self.follow(trajectory, None);
+            }
             AgentFact::Blocked { .. } => self.is_blocked = true,
             AgentFact::PlanFailed { until, .. } | AgentFact::RelocationFailed { until, .. } => {
-                self.planning_until = *until
+                self.planning_until = *until;
             }
             AgentFact::Suppressing { .. } => self.suppresses = true,
             AgentFact::SuppressionEnded { .. } | AgentFact::Rested { .. } | AgentFact::LocalMinimum { .. } => {

@@ -14,7 +14,10 @@ pub struct Profile {
     total_s: f64,
 }
 
-const PARTS: [&str; 9] = [
+/// The part that only runs with a dispatched team have.
+const DISPATCH: &str = "Dispatch";
+
+const PARTS: [&str; 10] = [
     "Drawing the field",
     "Clearance field",
     "Roadmap sampling",
@@ -22,6 +25,7 @@ const PARTS: [&str; 9] = [
     "Roadmap search",
     "Local search",
     "Reachability",
+    DISPATCH,
     "Wumpus",
     "Events, fire, rest",
 ];
@@ -38,6 +42,7 @@ impl Profile {
             cpu.roadmap_search_s,
             cpu.local_search_s,
             cpu.reachability_s,
+            cpu.dispatch_s,
             cpu.wumpus_s,
             cpu.rest_s(),
         ];
@@ -56,9 +61,11 @@ impl Profile {
             let (share, per_run_ms) = (seconds / self.total_s, 1e3 * seconds / self.runs as f64);
             vec![name.to_owned(), rounded(seconds, 3), percent(share), rounded(per_run_ms, 3)]
         };
-        let rows = PARTS.into_iter().zip(self.parts_s).chain([("Run", self.total_s)]).map(row).collect();
+        let parts = PARTS.into_iter().zip(self.parts_s).filter(|&(name, seconds)| name != DISPATCH || seconds > 0.0);
+        let rows: Vec<_> = parts.chain([("Run", self.total_s)]).map(row).collect();
+        let rule = rows.len() - 1;
         let table = Table::new(&["Part", "CPU s", "Share\n%", "ms per\nrun"], rows);
-        let table = Table { rules_before: vec![PARTS.len()], ..table }.with_caption(&format!("CPU time of {title}"));
+        let table = Table { rules_before: vec![rule], ..table }.with_caption(&format!("CPU time of {title}"));
         let (facts, per_second) = (self.facts, rounded(self.facts as f64 / self.total_s, 0));
         let facts = format!("{facts} events in {} runs, {per_second} per second of CPU time.", self.runs);
         vec![Block::Table(table), Block::Text(facts)]
