@@ -37,9 +37,8 @@ impl Densest {
     pub fn new(frame: &FieldFrame, spread_m: f64, keeps_apart: bool) -> Self {
         let spread_m = spread_m.min(MOST_COUNTED_M);
         let cells = (spread_m / frame.cell_m).floor().min(f64::from(frame.cols.max(frame.rows))) as i32;
-        let is_reached = |&(cols, rows): &(i32, i32)| {
-            ops::hypot(f64::from(cols), f64::from(rows)) * frame.cell_m <= spread_m
-        };
+        let is_reached =
+            |&(cols, rows): &(i32, i32)| ops::hypot(f64::from(cols), f64::from(rows)) * frame.cell_m <= spread_m;
         let square = (-cells..=cells).flat_map(|rows| (-cells..=cells).map(move |cols| (cols, rows)));
         Self { reached: square.filter(is_reached).collect(), keeps_apart }
     }
