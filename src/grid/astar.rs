@@ -38,7 +38,8 @@ struct LatticeNode {
 struct Pages {
     /// By page of the lattice: its number among those that are used, from 1; 0 if no point of it was reached.
     directory: Vec<u32>,
-    /// The pages that are used, then those that earlier queries left.
+    /// The pages that are used, then those that earlier queries left. They are boxed, so that a list that grows moves none.
+    #[expect(clippy::vec_box, reason = "a page is too large to be moved whenever the list grows")]
     pages: Vec<Box<[LatticeNode; Self::POINTS]>>,
     /// Where in the directory the pages that are used stand.
     used: Vec<u32>,

@@ -25,6 +25,7 @@ fn scenario() -> Scenario {
         unimog: vec![Unimog::default()],
         dispatch: None,
         sight: None,
+        traffic: None,
         ignition: Vec::new(),
         wind: Vec::new(),
         wind_file: None,
@@ -104,6 +105,7 @@ pub fn made_up_run(_: &Scenario, seed: u64) -> Result<Run, RunError> {
     let cost = RunCost {
         terrain: part,
         clearance_field: part,
+        dispatch: part,
         agents: vec![cost(AgentId::wumpus(0)), cost(AgentId::unimog(0))],
         total: part * 20,
     };

@@ -75,9 +75,9 @@ impl WalkLattice {
         let span = |at: f64, cells: u16| CellSpan::from_metres(at - half, at + half, cell_m, cells);
         let across: Vec<CellSpan> = (0..cols).map(|col| span(self.position(col).x, self.frame.cols)).collect();
         let along: Vec<CellSpan> = (0..rows).map(|row| span(self.position(row * cols).y, self.frame.rows)).collect();
-        for row in 0..rows {
-            for col in 0..cols {
-                self.free[row * cols + col] = occupied.is_free(across[col], along[row]);
+        for (row, &rows_covered) in self.free.chunks_exact_mut(cols.max(1)).zip(&along) {
+            for (free, &cols_covered) in row.iter_mut().zip(&across) {
+                *free = occupied.is_free(cols_covered, rows_covered);
             }
         }
         // A step and the step back are legal together, so half of the moves are enough.

@@ -147,7 +147,7 @@ mod tests {
     #[test]
     fn the_search_that_stops_early_finds_the_best_of_all() {
         for seed in 0..20_u64 {
-            let is_bush = |cell: &Cell| crate::rng::key(seed, &cell.to_string()) % 10 == 0;
+            let is_bush = |cell: &Cell| crate::rng::key(seed, &cell.to_string()).is_multiple_of(10);
             let cells = (0..FRAME.cell_count()).map(|index| FRAME.cell(index));
             let bushes: Vec<Cell> = cells.filter(is_bush).collect();
             let agents = [agent(0, DVec2::new(150.0, 120.0)), agent(1, DVec2::new(90.0, 200.0))];

@@ -259,9 +259,12 @@ mod tests {
         AgentView { id, place, pose, activity, goal: None, post: None, free_at, free_place: place }
     }
 
+    /// The cells that burn, which bushes are intact, and the number of Wumpuses that a team saw.
+    type Seen = (Vec<Cell>, Vec<bool>, usize);
+
     /// Keeps what it is shown, and sends every truck that is asked to the first fire.
     #[derive(Clone, Default)]
-    struct Recording(Arc<Mutex<Vec<(Vec<Cell>, Vec<bool>, usize)>>>);
+    struct Recording(Arc<Mutex<Vec<Seen>>>);
 
     impl Assignment for Recording {
         fn assign(&mut self, team: &Team<'_>, effort: &mut u64) -> Vec<(AgentId, Cell)> {
