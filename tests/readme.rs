@@ -246,6 +246,7 @@ hold! {
     compare_and_report: "docs/compare-and-report.md", pictures below 0;
     costs: "docs/costs.md", pictures below 0;
     curves: "docs/curves.md", pictures below 60_000;
+    dispatch: "docs/dispatch.md", pictures below 0;
     fallbacks: "docs/fallbacks.md", pictures below 0;
     fire_behavior: "docs/fire-behavior.md", pictures below 0;
     fire_spread: "docs/fire-spread.md", pictures below 200_000;
