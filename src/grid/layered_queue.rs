@@ -59,10 +59,10 @@ impl LayeredQueue {
     /// Bytes of an entry.
     pub const ENTRY_BYTES: usize = size_of::<Key>();
 
-    /// Forgets all entries. Layers have this height from now on, whatever it is: it changes the time, not the order.
+    /// Forgets all entries and gives their memory back: the next search has other layers. Layers have this height from now on, whatever it is: it changes the time, not the order.
     pub fn clear(&mut self, height: f64) {
         self.heap.clear();
-        self.above.iter_mut().for_each(Vec::clear);
+        self.above.clear();
         self.lowest = 0;
         self.height = if height > 0.0 { height } else { 1.0 };
     }

@@ -12,7 +12,7 @@ use crate::grid::Grid;
 use crate::input_file;
 
 /// The most bytes of an image file, and of its pixels.
-const MAX_IMAGE_BYTES: u64 = 64_000_000;
+const MAX_IMAGE_BYTES: u64 = 16_000_000;
 const MAX_PIXEL_BYTES: u64 = 80_000_000;
 
 /// Reads a PNG image as red, green and blue, row 0 at the upper edge; what is transparent lies over white.

@@ -17,7 +17,7 @@ use crate::trajectory::{Piece, SpeedLimits, Trajectory};
 /// Cells along a side of the field.
 pub const MAX_SIDE: usize = 4096;
 /// Cells of the largest field whose ground burns, as far as recordings hold it.
-pub const MAX_GROUND_CELLS: usize = 2048 * 2048;
+pub const MAX_GROUND_CELLS: usize = 1000 * 1000;
 pub const MAX_AGENTS: usize = 2000;
 pub const MAX_FACTS: usize = 2_000_000;
 /// Pieces of all legs together.

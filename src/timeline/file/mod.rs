@@ -66,7 +66,7 @@ const HEADER_BYTES: usize = 18;
 pub const MAX_BYTES: u64 = (HEADER_BYTES + MAX_PAYLOAD_BYTES) as u64;
 /// Largest payload, deflated or not: 32 MiB for facts, and for each cell of the largest field whose ground burns a fuel
 /// of its own, a gradient and two facts about it. With the limits on counts in [`check`] it keeps the memory of reading
-/// below two gigabytes, whatever the bytes say.
+/// below a gigabyte, whatever the bytes say.
 const MAX_PAYLOAD_BYTES: usize = (32 << 20) + 32 * check::MAX_GROUND_CELLS;
 /// The level of deflation up to which an hour's recording takes less than a millisecond; beyond it files shrink by 4 %.
 const DEFLATE_LEVEL: u8 = 3;
