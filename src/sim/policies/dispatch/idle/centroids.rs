@@ -13,7 +13,11 @@ use crate::timeline::AgentId;
 
 /// A truck goes to a new place only if it is at least this far from where it is, or was sent before: a shorter way gains less
 /// than the drive disturbs.
-const WORTH_M: f64 = 25.0;
+const LEAST_WORTH_M: f64 = 25.0;
+
+/// The same as a share of the room that each idle truck has, the side of its square of the field. Whenever one of them leaves
+/// for a fire or comes back, all places shift a little; to follow that would keep all trucks driving all the time.
+const WORTH_SHARE: f64 = 0.3;
 
 /// Sends idle trucks to centroids of what is intact, the whole team by the least sum of squared ways.
 #[derive(Clone, Debug, Default)]
@@ -26,8 +30,14 @@ impl Positioning for Centroids {
         let trucks: Vec<&TeamTruck> = team.trucks.iter().filter(|truck| idle.contains(&truck.id)).collect();
         let mut sites: Vec<DVec2> = trucks.iter().map(|truck| waits_at(truck)).collect();
         spread_out(self.census.blocks(team), &mut sites);
-        posts(&trucks, &sites)
+        posts(&trucks, &sites, worth_m(team, trucks.len()))
     }
+}
+
+/// Returns the shortest way that is worth a drive where this number of trucks share the field.
+pub fn worth_m(team: &Team<'_>, trucks: usize) -> f64 {
+    let room_m2 = team.frame.width_m() * team.frame.height_m() / trucks.max(1) as f64;
+    (WORTH_SHARE * room_m2.sqrt()).max(LEAST_WORTH_M)
 }
 
 /// The place at which a truck waits, or to which it has been sent to wait.
@@ -35,12 +45,12 @@ pub fn waits_at(truck: &TeamTruck) -> DVec2 {
     truck.post.unwrap_or(truck.place)
 }
 
-/// Gives each truck a site of its own and returns those that are worth a drive. There are as many sites as trucks.
-pub fn posts(trucks: &[&TeamTruck], sites: &[DVec2]) -> Vec<(AgentId, DVec2)> {
+/// Gives each truck a site of its own and returns those to which the way is worth a drive. There are as many sites as trucks.
+pub fn posts(trucks: &[&TeamTruck], sites: &[DVec2], worth_m: f64) -> Vec<(AgentId, DVec2)> {
     // Squares prefer two ways of middle length to a short one and a long one, which takes longer until all are there.
     let site_of =
         least_total(trucks.len(), sites.len(), |truck, site| (trucks[truck].place - sites[site]).length_squared());
-    let moves = trucks.iter().zip(site_of).filter(|(truck, site)| (waits_at(truck) - sites[*site]).length() >= WORTH_M);
+    let moves = trucks.iter().zip(site_of).filter(|(truck, site)| (waits_at(truck) - sites[*site]).length() >= worth_m);
     moves.map(|(truck, site)| (truck.id, sites[site])).collect()
 }
 

@@ -6,7 +6,7 @@
 use glam::DVec2;
 
 use super::super::team::{Assignment, Positioning, Team, TeamTruck};
-use super::centroids::{posts, waits_at};
+use super::centroids::{posts, waits_at, worth_m};
 use super::spread_out::{Block, Census, spread_out};
 use crate::geometry::Cell;
 use crate::timeline::AgentId;
@@ -33,7 +33,7 @@ impl Positioning for Regions {
             if own.is_empty() {
                 sites = trucks.iter().map(|truck| waits_at(truck)).collect();
             }
-            all.extend(posts(&trucks, &sites));
+            all.extend(posts(&trucks, &sites, worth_m(team, idle.len())));
         }
         all.sort_unstable_by_key(|&(id, _)| id);
         all
