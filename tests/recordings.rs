@@ -44,7 +44,15 @@ fn recordings_of_every_format_say_what_the_program_computes_anew() {
         let scenario = scenario::load(scenario, &changes).expect("it is built in");
         let run = if searches { sim::run_recording_searches } else { sim::run };
         let anew = run(&scenario, recorded.setting.seed).expect("it takes place").timeline;
-        assert_eq!(Outcome::new(&recorded), *RunIndex::new(&anew).outcome(), "format {format}");
+        let mut expected = RunIndex::new(&anew).outcome().clone();
+        if recorded.setting.rules != anew.setting.rules {
+            // Formats that do not say how long bushes burn leave open what could have been saved.
+            expected.least_burned = None;
+            for agent in &mut expected.agents {
+                agent.hopeless_drives = 0;
+            }
+        }
+        assert_eq!(Outcome::new(&recorded), expected, "format {format}");
         assert!(facts(&recorded.events) == facts(&anew.events), "the facts of format {format} are others");
         assert!(format < 5 || recorded.events == anew.events, "format 5 says what found each plan");
     }

@@ -68,7 +68,8 @@ fn collect(root: &Value, schema: &Value, value: &Value, pointer: &str, found: &m
         return;
     }
     if let Some(properties) = schema["properties"].as_object() {
-        for (name, inner) in properties {
+        // A complete scenario leaves out tables that it does not choose, and the `count` of agents, which loading carries out.
+        for (name, inner) in properties.iter().filter(|(name, _)| value.get(name).is_some()) {
             collect(root, inner, &value[name], &format!("{pointer}/{name}"), found);
         }
         return;
