@@ -153,7 +153,7 @@ def test_a_checker_of_a_map_of_ones_own() -> None:
     assert (checker.occupied == occupied).all()
     # From (30, 20) to (32, 22); the bumper is 3.2 m ahead of the rear axle.
     assert checker.clearance((26, 21, 0)) == pytest.approx(0.8)
-    for wrong in (np.zeros((0, 3), bool), np.zeros(3, bool), np.zeros((1, 2000), bool)):
+    for wrong in (np.zeros((0, 3), bool), np.zeros(3, bool), np.zeros((1, 5000), bool)):
         with pytest.raises((ValueError, TypeError)):
             wf.Checker(wrong)
     with pytest.raises(ValueError, match="no vehicle"):
