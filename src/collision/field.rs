@@ -58,7 +58,7 @@ pub struct ClearanceField {
     looks_at_cells: bool,
 }
 
-/// What is known of the distance from a point to the nearest bush: `B` and `V` of [`ClearanceField`], and what the cells
+/// Knowledge of the distance from a point to the nearest bush: `B` and `V` of [`ClearanceField`], and what the cells
 /// about the point say.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Interpolated {

@@ -71,7 +71,7 @@ struct FieldCell {
     /// `None` where nothing grows that burns.
     kind: Option<BushStateKind>,
     is_bush: bool,
-    /// Whether somebody lit it when it last caught fire.
+    /// True if somebody lit it when it last caught fire.
     is_lit: bool,
 }
 

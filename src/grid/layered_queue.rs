@@ -42,7 +42,7 @@ impl Waiting {
 pub struct LayeredQueue {
     /// The height of a layer.
     height: f64,
-    /// Of the lowest layer that may have entries; what is put in below it goes to the heap too.
+    /// The number of the lowest layer that may have entries; what is put in below it goes to the heap too.
     lowest: usize,
     heap: BinaryHeap<Key>,
     /// By layer; the lowest and those below it are empty.

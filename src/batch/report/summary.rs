@@ -29,7 +29,7 @@ pub struct VariantReport {
     /// A series for each of [`MEANS`].
     means: [Series; MEANS.len()],
     profile: Profile,
-    /// Of a scenario with more than one truck.
+    /// Present where a scenario has more than one truck.
     fleet: Option<Fleet>,
 }
 

@@ -67,8 +67,7 @@ pub struct Tiles {
     cols: usize,
     rows: usize,
     opened: BTreeMap<u32, Range<u32>>,
-    /// Of every milestone: its tile, and its place among those there. Numbers depend on what was asked before, ranks do
-    /// not.
+    /// The tile of every milestone, and its place among those there. Numbers depend on what was asked before, ranks do not.
     ranks: Vec<u64>,
 }
 

@@ -194,7 +194,7 @@ impl WalkLattice {
         let (west, east) = (col.saturating_sub(ring), (col + ring).min(cols - 1));
         (south..=north).flat_map(move |r| {
             let is_edge = r.abs_diff(row) == ring;
-            // Of a row between the northern and the southern edge only the ends belong to the ring.
+            // A row between the northern and the southern edge has only its ends on the ring.
             let ends = [(ring <= col).then(|| col - ring), (col + ring < cols && ring > 0).then_some(col + ring)];
             let whole = if is_edge { west..east + 1 } else { 0..0 };
             let ends = ends.into_iter().flatten().filter(move |_| !is_edge);

@@ -60,7 +60,7 @@ pub fn ring_around(frame: &FieldFrame, (col, row): (i32, i32), ring: i32) -> imp
     let (cols, rows) = (i32::from(frame.cols), i32::from(frame.rows));
     let ring_rows = (row - ring).max(0)..=(row + ring).min(rows - 1);
     ring_rows.flat_map(move |r| {
-        // Of a row between the northern and the southern edge only the ends belong to the ring.
+        // A row between the northern and the southern edge has only its ends on the ring.
         let stride = if (r - row).abs() == ring { 1 } else { 2 * ring };
         let ring_cols = (col - ring..=col + ring).step_by(stride.max(1) as usize);
         ring_cols.filter(move |c| (0..cols).contains(c)).map(move |c| Cell { col: c as u16, row: r as u16 })

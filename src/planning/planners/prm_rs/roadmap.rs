@@ -77,7 +77,7 @@ enum Index {
     Growing(Tiles, TileSampling),
 }
 
-/// What is drawn in a tile.
+/// The samples of a tile.
 #[derive(Clone, Copy, Debug)]
 struct TileSampling {
     /// Poses drawn evenly, on average.
@@ -115,8 +115,8 @@ impl DrawnMilestones for Drawing<'_> {
 #[derive(Debug)]
 enum Links {
     Whole(RoadmapGraph),
-    /// Of a node that a search left: the first of its links and the one after the last. Links have the numbers of their
-    /// edges, each of which belongs to the node that it begins at.
+    /// The first link of a node that a search left, and the one after its last. Links have the numbers of their edges, each
+    /// of which belongs to the node that it begins at.
     Growing(Vec<Option<(u32, u32)>>),
 }
 
