@@ -140,6 +140,11 @@ impl Agent {
     ) {
         let goal = self.goal.take().expect("only an agent with a goal drops one");
         recorder.record_agent(now, self.id, AgentFact::Dropped { goal, trajectory: cut.clone() });
+        self.come_to_a_stop(entity, now, cut, queue);
+    }
+
+    /// Follows what is left of a leg that is cut short, and decides again at its end.
+    fn come_to_a_stop(&mut self, entity: Entity, now: SimTime, cut: Trajectory, queue: &mut SimQueue) {
         let stands_at = cut.end_time().max(now);
         self.activity = if stands_at > now { Activity::Moving } else { Activity::Idle };
         self.trajectory = cut;
@@ -184,10 +189,8 @@ impl Agent {
         recorder: &mut Recorder,
     ) {
         recorder.record_agent(now, self.id, AgentFact::Halted { trajectory: cut.clone() });
-        let stands_at = cut.end_time().max(now);
-        self.activity = if stands_at > now { Activity::Moving } else { Activity::Idle };
-        (self.post, self.trajectory) = (None, cut);
-        self.reconsider(entity, stands_at, queue);
+        self.post = None;
+        self.come_to_a_stop(entity, now, cut, queue);
     }
 
     /// Stands for the planning time of a plan that failed, and decides again.
