@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::AgentId;
+use super::{AgentId, WaterRules};
 use crate::fire::fuel::FuelModel;
 use crate::fire::models::{Alexandridis, AlexandridisRules, Rothermel, RothermelRules};
 use crate::fire::surface::FuelBed;
@@ -152,6 +152,8 @@ pub struct Setting {
     pub rules: Rules,
     /// How fire goes over ground; `None` where only bushes burn.
     pub spread: Option<SpreadSetting>,
+    /// The tanks of trucks; `None` where water does not matter.
+    pub water: Option<WaterRules>,
 }
 
 impl Setting {

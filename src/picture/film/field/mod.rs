@@ -324,6 +324,7 @@ pub(super) mod tests {
             bushes: Vec::new(),
             blocked: Vec::new(),
             spread: None,
+            water: None,
             agents: Vec::new(),
             rules: Rules {
                 duration: seconds(100.0),
