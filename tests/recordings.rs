@@ -20,6 +20,7 @@ const KEPT: [Kept; 7] = [
     Kept { format: 5, scenario: "fleet", changes: &["duration_s=300"], searches: false },
     Kept { format: 6, scenario: "fleet", changes: &["duration_s=300"], searches: false },
     Kept { format: 7, scenario: "windy", changes: &["duration_s=300"], searches: false },
+    Kept { format: 8, scenario: "duel", changes: &["duration_s=300"], searches: false },
 ];
 
 /// The facts without what found the plans, which formats up to 4 do not say.

@@ -112,7 +112,7 @@ impl Water {
         for (number, place) in self.place.iter().enumerate() {
             if !has_room(&checker, &truck.vehicle, DVec2::new(place.x_m, place.y_m), self.reach_m) {
                 let WaterPlace { x_m, y_m } = place;
-                found.push(format!("`water.place[{number}]`: no truck finds room within {} m of ({x_m}, {y_m}).", self.reach_m));
+                found.push(format!("`water.place.{number}`: no truck finds room within {} m of ({x_m}, {y_m}).", self.reach_m));
             }
         }
     }
@@ -160,8 +160,8 @@ mod tests {
         for (change, words) in [
             ("water.stop_l=2001", "water.stop_l"),
             ("water.fill_lps=0", "water.fill_lps"),
-            ("water.place=[{x_m=-1,y_m=5}]", "water.place[0].x_m"),
-            ("water.place=[{x_m=1,y_m=5},{x_m=5,y_m=500}]", "water.place[1].y_m"),
+            ("water.place=[{x_m=-1,y_m=5}]", "water.place.0.x_m"),
+            ("water.place=[{x_m=1,y_m=5},{x_m=5,y_m=500}]", "water.place.1.y_m"),
         ] {
             let message = scenario(&[change]).expect_err("this is wrong");
             assert!(message.contains(words), "{change}: {message}");

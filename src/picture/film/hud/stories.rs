@@ -181,8 +181,14 @@ fn agent_story(run: &RunView, state: &State, id: AgentId, now: SimTime) -> Optio
         lines.push(PanelLine::pair("last failure", reason.to_string()));
         lines.push(PanelLine::pair("", format!("for {goal}")));
     }
-    let activities =
-        [Activity::Driving, Activity::Planning, Activity::Suppressing, Activity::Waiting, Activity::Standing];
+    let activities = [
+        Activity::Driving,
+        Activity::Planning,
+        Activity::Suppressing,
+        Activity::Refilling,
+        Activity::Waiting,
+        Activity::Standing,
+    ];
     let spent = activities.map(|activity| (activity, stats.spent(activity)));
     let told = spent.into_iter().filter(|(_, time)| *time > SimTime::ZERO);
     lines.extend(told.map(|(activity, time)| PanelLine::pair(activity_name(id, activity), format_clock(time))));
