@@ -257,6 +257,13 @@ impl Canvas {
         self.copy_columns(other, other.width(), (left, top));
     }
 
+    /// Copies a row of pixels of another sheet of the same size.
+    pub fn copy_row(&mut self, other: &Self, row: usize) {
+        let length = 4 * self.pixels.width() as usize;
+        let bytes = row * length..(row + 1) * length;
+        self.pixels.data_mut()[bytes.clone()].copy_from_slice(&other.pixels.data()[bytes]);
+    }
+
     /// Copies the first `columns` pixels of each row of another sheet to a place of this one, as far as they fit.
     pub fn copy_columns(&mut self, other: &Self, columns: u32, (left, top): (u32, u32)) {
         let (width, height) = (self.pixels.width(), self.pixels.height());

@@ -174,13 +174,26 @@ fn state_curves(curves: &StateCurves) -> Vec<Curve> {
     STATES.iter().zip(state_styles()).zip(&curves.0).map(curve).collect()
 }
 
-fn over_time(of: &str, panels: Vec<CurvePanel>) -> CurveChart {
+/// The curves of intact obstacles are left out where no other curve or band is higher than this.
+const LEAST_OF_HEIGHT: f64 = 0.2;
+
+fn over_time(of: &str, mut panels: Vec<CurvePanel>) -> CurveChart {
+    let intact = Quantity::label(STATES[0]);
+    let others = panels.iter().flat_map(|panel| &panel.curves).filter(|curve| curve.name != intact);
+    let ends = others
+        .flat_map(|curve| &curve.points)
+        .map(|(_, share)| share.interval.map_or(share.value, |(_, high)| high.max(share.value)));
+    let highest = ends.fold(0.0, f64::max);
+    let is_dwarfed = highest > 0.0 && highest <= LEAST_OF_HEIGHT;
+    if is_dwarfed {
+        panels.iter_mut().for_each(|panel| panel.curves.retain(|curve| curve.name != intact));
+    }
     CurveChart {
         titles: Titles {
             title: format!("Obstacle states over time{of}"),
             note: "Lines are means, bands the middle 80 % of runs.".into(),
             x: "simulated seconds".into(),
-            y: SHARE_AXIS.into(),
+            y: if is_dwarfed { format!("{SHARE_AXIS} (intact left out)") } else { SHARE_AXIS.into() },
         },
         spread: Spread::Bands,
         panels,

@@ -2,12 +2,13 @@
 //! equal arrival.
 //!
 //! What a frame needs of each cell lies in arrays by cell index, so that a pixel costs a look-up however many cells there are.
-//! Cells smaller than pixels are sampled in the pixels' middles, as values are.
+//! Cells smaller than pixels are sampled in the pixels' middles, as values are; those that burn are then drawn once more, each as
+//! a few pixels, so that none is passed over.
 
 use std::sync::OnceLock;
 
 use crate::fire::Landscape;
-use crate::geometry::DVec2;
+use crate::geometry::{DVec2, FieldFrame};
 use crate::grid::Grid;
 use crate::picture::canvas::{Canvas, Ink, Pen};
 use crate::picture::colours::{EXTINGUISHED, INK, PAPER, Rgb, blend};
@@ -56,6 +57,14 @@ pub struct GroundView {
     spotted: Vec<(SimTime, DVec2, DVec2)>,
     arrival: OnceLock<ArrivalLines>,
     intensity: OnceLock<Option<IntensityColours>>,
+    burnings: OnceLock<BurningTimes>,
+}
+
+/// When which cells of ground burn.
+struct BurningTimes {
+    /// When the fire begins and ends, in seconds, and the cell, in order of time.
+    spans: Vec<(f32, f32, usize)>,
+    longest_s: f32,
 }
 
 /// Lines of equal arrival, each with its label.
@@ -84,6 +93,7 @@ impl GroundView {
             spotted: Vec::new(),
             arrival: OnceLock::new(),
             intensity: OnceLock::new(),
+            burnings: OnceLock::new(),
         };
         for index in 0..frame.cell_count() {
             if let burnings @ [first, ..] = ground.burnings_of(frame.cell(index)) {
@@ -134,6 +144,23 @@ impl GroundView {
             let strength = intensity.and_then(|intensity| intensity.by_cell[cell]);
             *pixel = opaque(strength.unwrap_or(over([pixel[0], pixel[1], pixel[2]], colour)));
         });
+        if pane.cell_side() < 1.0 {
+            self.draw_small_fires(canvas, pane, index);
+        }
+    }
+
+    /// Draws every cell that burns as four pixels, the youngest fire last.
+    fn draw_small_fires(&self, canvas: &mut Canvas, pane: &Pane, index: &GroundIndex) {
+        let now_s = seconds(pane.view.state.time);
+        let BurningTimes { spans, longest_s } = self.burnings.get_or_init(|| BurningTimes::new(index, pane.frame()));
+        let first = spans.partition_point(|&(ignited_s, ..)| ignited_s < now_s - longest_s);
+        for &(ignited_s, ends_s, cell) in spans[first..].iter().take_while(|(ignited_s, ..)| *ignited_s <= now_s) {
+            if now_s < ends_s {
+                let (x, y) = pane.cell_centre(pane.frame().cell(cell));
+                let (left, top) = (x.round() as i32 - 1, y.round() as i32 - 1);
+                canvas.fill_pixels((left, top), (left + 2, top + 2), fire_colour(now_s - ignited_s, now_s - ends_s));
+            }
+        }
     }
 
     /// Returns how strongly cells burn, where that is shown.
@@ -207,6 +234,19 @@ pub fn draw_wet(canvas: &mut Canvas, pane: &Pane) {
         let ((left, top), (right, bottom)) = pane.projection.cell(pane.frame(), cell);
         let [left, top, right, bottom] = [left, top, right, bottom].map(|at| at as f32);
         canvas.fill_through(&[(left, top), (right, top), (right, bottom), (left, bottom)], WET, WET_OPACITY);
+    }
+}
+
+impl BurningTimes {
+    fn new(index: &GroundIndex, frame: &FieldFrame) -> Self {
+        let of_cell = |number: usize| {
+            let burnings = index.burnings_of(frame.cell(number)).iter();
+            burnings.map(move |burning| (seconds(burning.ignited), seconds(burning.ends), number))
+        };
+        let mut spans: Vec<(f32, f32, usize)> = (0..frame.cell_count()).flat_map(of_cell).collect();
+        spans.sort_by(|one, other| one.0.total_cmp(&other.0).then(one.2.cmp(&other.2)));
+        let longest_s = spans.iter().map(|(ignited_s, ends_s, _)| ends_s - ignited_s).fold(0.0, f32::max);
+        Self { spans, longest_s }
     }
 }
 

@@ -21,6 +21,14 @@ const WIDTH: f32 = 2.0;
 const FORWARD: (f64, f64) = (8.0, 5.0);
 const REVERSE: (f64, f64) = (2.0, 3.0);
 
+/// Planned ways of agents that are marks: width, opacity of a truck's and of a Wumpus's, dash and gap, and half the side of a
+/// goal's mark. They are many, and lie over fires and each other.
+const MARKED_WIDTH: f32 = 1.0;
+const MARKED_TRUCK: f32 = 0.9;
+const MARKED_WUMPUS: f32 = 0.35;
+const MARKED_DASHES: (f64, f64) = (4.0, 3.0);
+const MARKED_GOAL: f32 = 3.0;
+
 /// The chord of a drawn arc is nowhere farther from it than this, in pixels.
 const TOLERANCE: f64 = 0.1;
 /// Pieces of an arc, as far as that bound goes.
@@ -65,15 +73,25 @@ fn draw_driven(canvas: &mut Canvas, pane: &Pane, agent: usize) {
 /// Dashes stay where they are on the ground while the agent comes along.
 fn draw_planned(canvas: &mut Canvas, pane: &Pane, agent: usize) {
     let (run, state) = (pane.view.run, pane.view.state);
-    let colour = agent_colour(pane.setting().agents[agent].id);
+    let id = pane.setting().agents[agent].id;
+    let colour = agent_colour(id);
+    let opacity = if id.role.drives() { MARKED_TRUCK } else { MARKED_WUMPUS };
+    let marked = pane.has_marks().then(|| Pen { ink: Ink { colour, opacity }, width: MARKED_WIDTH * pane.unit() });
     if let Some(goal) = state.agents[agent].goal {
-        draw_goal(canvas, pane, goal, colour);
+        match &marked {
+            Some(pen) => draw_small_goal(canvas, pane, goal, pen),
+            None => draw_goal(canvas, pane, goal, colour),
+        }
     }
     if let Some(leg) = run.index().leg_at(agent, state.time) {
         let trajectory = leg.trajectory(run.timeline());
         let window = [trajectory.distance_m(state.time), trajectory.distance_m(SimTime::MAX)];
         for stretch in stretches(trajectory, window, pane.projection.pixels_per_metre) {
             let dashes = if stretch.is_reverse { REVERSE } else { FORWARD };
+            if let Some(pen) = marked {
+                draw_stretch(canvas, pane, &stretch, pen, Some(MARKED_DASHES));
+                continue;
+            }
             let width = WIDTH * pane.unit();
             let halo = Pen { ink: Ink { colour: PAPER, opacity: 0.75 }, width: 2.0 * width };
             draw_stretch(canvas, pane, &stretch, halo, None);
@@ -93,6 +111,14 @@ fn draw_goal(canvas: &mut Canvas, pane: &Pane, goal: Cell, colour: Rgb) {
         canvas.trace(&bracket, &Pen::opaque(PAPER, 4.0 * pane.unit()));
         canvas.trace(&bracket, &Pen::opaque(colour, 2.0 * pane.unit()));
     }
+}
+
+/// Marks the cell that an agent goes for with a small square.
+fn draw_small_goal(canvas: &mut Canvas, pane: &Pane, goal: Cell, pen: &Pen) {
+    let (x, y) = pane.cell_centre(goal);
+    let half = MARKED_GOAL * pane.unit();
+    let corners = [(x - half, y - half), (x + half, y - half), (x + half, y + half), (x - half, y + half)];
+    canvas.trace(&[corners[0], corners[1], corners[2], corners[3], corners[0]], pen);
 }
 
 /// Returns the part of a leg between two marks, in metres from its beginning, sampled for that many pixels a metre.
