@@ -335,8 +335,9 @@ fn each_pixel(canvas: &mut Canvas, pane: &Pane, mut paint: impl FnMut(usize, &mu
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::picture::film::field::FieldView;
     use crate::picture::film::field::tests::setting;
-    use crate::picture::film::{Camera, FrameRenderer, FrameRequest, Layers, ViewOptions};
+    use crate::picture::film::{Camera, FrameRenderer, FrameRequest, Layers, Projection, ViewOptions};
     use crate::timeline::{GroundEvent, Timeline, sample};
 
     const SIZE: (u32, u32) = (640, 480);
@@ -380,6 +381,38 @@ mod tests {
             let fresh = FrameRenderer::new(SIZE, 1).paint(&request).to_vec();
             assert!(renderer.paint(&request) == fresh, "step {step}, {time_s} s");
         }
+    }
+
+    #[test]
+    fn ground_that_burns_is_seen_however_small_its_cells_are() {
+        const SIDE: u32 = 20;
+        let mut burning = 0;
+        for seed in 1..4 {
+            let run = RunView::new(sample::random_on_ground(seed, SimTime::from_seconds(600.0)), None);
+            let ground = run.index().ground().expect("it has ground");
+            let landscape = GroundView::new(&run).expect("it has ground");
+            let options = ViewOptions::default();
+            for step in 0..60 {
+                let state = run.state_at(SimTime::from_seconds(9.7 * f64::from(step)));
+                let frame = run.timeline().setting.frame;
+                let view = FieldView { run: &run, state: &state, rival: None, run_index: 0, options: &options };
+                let projection = Projection::new(&frame, Camera::WHOLE, (f64::from(SIDE), f64::from(SIDE)));
+                let pane = Pane { view: &view, projection, size: (SIDE, SIDE) };
+                assert!(pane.cell_side() < 1.0);
+                let mut canvas = Canvas::new(SIDE, SIDE, PAPER);
+                landscape.draw_fire(&mut canvas, &pane);
+                let picture = canvas.finish();
+                for cell in (0..frame.cell_count()).map(|index| frame.cell(index)) {
+                    if let Some(BushState::Burning { .. }) = ground.state_at(cell, state.time) {
+                        let (x, y) = pane.cell_centre(cell);
+                        let [red, _, blue] = picture.pixel(x as u32, y as u32);
+                        assert!(red > blue + 90, "{cell} at {}", state.time);
+                        burning += 1;
+                    }
+                }
+            }
+        }
+        assert!(burning > 20, "these runs cannot tell: {burning}");
     }
 
     #[test]

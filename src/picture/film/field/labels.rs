@@ -4,11 +4,12 @@
 //! Wumpuses, each by number. A number takes the first free one of eight places about its agent. So numbers cover neither each
 //! other nor agents nor fires, and which are written follows from the frame alone.
 
-use crate::picture::canvas::{Canvas, Point};
+use crate::picture::canvas::{Canvas, Ink, Point};
 use crate::picture::colours::PAPER;
-use crate::picture::film::Selected;
 use crate::picture::film::field::Pane;
 use crate::picture::film::field::agents::{agent_colour, drawn_reach};
+use crate::picture::film::field::highlights::{is_selected, selected_reach};
+use crate::picture::film::field::scales::length_bar_room;
 use crate::picture::film::lettering::{LetterStyle, Lettering};
 use crate::picture::text::{Align, measure_text};
 use crate::timeline::{Activity, AgentId};
@@ -17,6 +18,8 @@ use crate::timeline::{Activity, AgentId};
 const TEXT: f32 = 8.0;
 const PADDING: f32 = 2.0;
 const GAP: f32 = 1.0;
+/// How much a plate hides.
+const PLATE: f32 = 0.8;
 
 /// Where a label lies about its agent, right and down, in the order in which places are tried: the corners first, since a label
 /// beside an agent hides more of where it goes to.
@@ -112,7 +115,9 @@ pub fn draw_labels(canvas: &mut Canvas, pane: &Pane, lettering: &mut Lettering, 
     let agents = pane.setting().agents.iter().zip(&pane.view.state.agents);
     let mut shown: Vec<(AgentId, Point, f32, Activity)> = agents
         .map(|(start, state)| {
-            (start.id, pane.at(start.body.centre(state.pose)), drawn_reach(pane, &start.body), state.activity)
+            let selected = selected_reach(pane, start).unwrap_or(0.0);
+            let reach = drawn_reach(pane, &start.body).max(selected);
+            (start.id, pane.at(start.body.centre(state.pose)), reach, state.activity)
         })
         .filter(|&(_, at, reach, _)| pane.is_near(at, reach))
         .collect();
@@ -120,6 +125,8 @@ pub fn draw_labels(canvas: &mut Canvas, pane: &Pane, lettering: &mut Lettering, 
         // The square in a disc of that radius: what is missing at its corners are edges.
         room.take(&LabelBox::about(at, 0.75 * reach));
     }
+    let (width, height) = length_bar_room(pane);
+    room.take(&LabelBox { left: 0.0, top: pane.size.1 as f32 - height, width, height });
     let fire = (0.5 * pane.cell_side()).max(2.0 * unit);
     fires.iter().for_each(|&at| room.take(&LabelBox::about(at, fire)));
     shown.sort_by_key(|&(id, _, _, activity)| (turn(pane, id, activity), id));
@@ -138,10 +145,8 @@ pub fn draw_labels(canvas: &mut Canvas, pane: &Pane, lettering: &mut Lettering, 
 
 /// The turn in which an agent gets a place for its number, the least first.
 fn turn(pane: &Pane, id: AgentId, activity: Activity) -> u8 {
-    let options = pane.view.options;
-    let is_selected = options.selected == Some((pane.view.run_index, Selected::Agent(id)));
     match activity {
-        _ if is_selected || options.followed_agent() == Some(id) => 0,
+        _ if is_selected(pane, id) || pane.view.options.followed_agent() == Some(id) => 0,
         Activity::Standing if id.role.suppresses() => 2,
         _ if id.role.suppresses() => 1,
         _ => 3,
@@ -149,13 +154,9 @@ fn turn(pane: &Pane, id: AgentId, activity: Activity) -> u8 {
 }
 
 fn draw_label(canvas: &mut Canvas, lettering: &mut Lettering, (id, label): (AgentId, LabelBox), unit: f32) {
-    let corners = [
-        (label.left, label.top),
-        (label.right(), label.top),
-        (label.right(), label.bottom()),
-        (label.left, label.bottom()),
-    ];
-    canvas.fill_through(&corners, PAPER, 0.8);
+    let whole = |at: f32| at.round() as i32;
+    let (from, to) = ((whole(label.left), whole(label.top)), (whole(label.right()), whole(label.bottom())));
+    canvas.tint_pixels(from, to, Ink { colour: PAPER, opacity: PLATE });
     let style = LetterStyle { height: TEXT * unit, is_bold: true, colour: agent_colour(id) };
     let at = (label.left + PADDING * unit, label.bottom() - PADDING * unit);
     lettering.draw(canvas, &id.number.to_string(), at, Align::Left, style);

@@ -188,13 +188,13 @@ impl FieldRenderer {
             draw_suppressions(sheet, pane);
         }
         draw_agents(sheet, pane);
-        if pane.is_heat_map() {
-            draw_fire_cores(sheet, pane, &fires);
-        }
         if is_crowded {
             draw_labels(sheet, pane, &mut self.lettering, &fires);
         }
         draw_selected(sheet, pane);
+        if pane.is_heat_map() {
+            draw_fire_cores(sheet, pane, &fires);
+        }
         draw_length_bar(sheet, pane);
         if pane.shows(Layer::Wind) {
             draw_wind(sheet, pane);

@@ -6,13 +6,15 @@ use crate::picture::colours::{PAPER, Rgb};
 use crate::picture::film::field::Pane;
 use crate::picture::film::field::agents::agent_colour;
 use crate::picture::film::field::lines::{Dashes, draw_visible_line};
+use crate::picture::thin_line::draw_line;
 use crate::time::SimTime;
 use crate::trajectory::Trajectory;
 use crate::vehicle::Segment;
 
-/// The number of steps in which what was driven fades away.
+/// The time in which what was driven fades away, and the number of steps: fewer of agents that are marks, which are many.
+const FADES_IN: SimTime = SimTime::from_nanos(120_000_000_000);
 const FADING_STEPS: u64 = 12;
-const FADING_STEP: SimTime = SimTime::from_nanos(10_000_000_000);
+const MARKED_FADING_STEPS: u64 = 4;
 const FRESH: f32 = 0.8;
 const STALE: f32 = 0.12;
 
@@ -55,10 +57,11 @@ fn draw_driven(canvas: &mut Canvas, pane: &Pane, agent: usize) {
     let (run, now) = (pane.view.run, pane.view.state.time);
     let width = WIDTH * pane.unit();
     let colour = agent_colour(pane.setting().agents[agent].id);
-    for step in (0..FADING_STEPS).rev() {
-        let ago = |steps: u64| now.since(SimTime::from_nanos(FADING_STEP.as_nanos() * steps));
+    let count = if pane.has_marks() { MARKED_FADING_STEPS } else { FADING_STEPS };
+    for step in (0..count).rev() {
+        let ago = |steps: u64| now.since(SimTime::from_nanos(FADES_IN.as_nanos() / count * steps));
         let (from, to) = (ago(step + 1), ago(step));
-        let opacity = FRESH + (STALE - FRESH) * step as f32 / (FADING_STEPS - 1) as f32;
+        let opacity = FRESH + (STALE - FRESH) * step as f32 / (count - 1) as f32;
         for leg in run.index().legs_between(agent, from, to) {
             let trajectory = leg.trajectory(run.timeline());
             let window = [from.max(leg.from), to.min(leg.until)].map(|time| trajectory.distance_m(time));
@@ -117,8 +120,12 @@ fn draw_goal(canvas: &mut Canvas, pane: &Pane, goal: Cell, colour: Rgb) {
 fn draw_small_goal(canvas: &mut Canvas, pane: &Pane, goal: Cell, pen: &Pen) {
     let (x, y) = pane.cell_centre(goal);
     let half = MARKED_GOAL * pane.unit();
-    let corners = [(x - half, y - half), (x + half, y - half), (x + half, y + half), (x - half, y + half)];
-    canvas.trace(&[corners[0], corners[1], corners[2], corners[3], corners[0]], pen);
+    if pane.is_near((x, y), half) {
+        let corners = [(x - half, y - half), (x + half, y - half), (x + half, y + half), (x - half, y + half)];
+        for (index, &corner) in corners.iter().enumerate() {
+            draw_line(canvas, corner, corners[(index + 1) % 4], pen.width, pen.ink);
+        }
+    }
 }
 
 /// Returns the part of a leg between two marks, in metres from its beginning, sampled for that many pixels a metre.

@@ -107,25 +107,17 @@ fn role_lines(view: &HudView, any: AgentId) -> Option<Vec<PanelLine>> {
         lines.push(line("driving elsewhere", |sums| sums.elsewhere));
         lines.push(line("standing", |sums| sums.standing));
         let late = values(sums.iter().map(|sums| sums.too_late.to_string()), TextFace::faint());
-        let name = LineMark::left("of them too late for their fire", TextFace::faint());
+        let name = LineMark::left("too late for their fire", TextFace::faint());
         lines.push(PanelLine::new([name].into_iter().chain(late).collect()));
     } else {
         lines.push(line("walking", |sums| sums.toward_goal + sums.elsewhere));
-        lines.push(line("planning", |sums| sums.planning));
-        lines.push(line("standing", |sums| sums.standing + sums.waiting));
+        lines.push(line("standing or planning", |sums| sums.standing + sums.waiting + sums.planning));
     }
-    lines.push(PanelLine::new(effort_marks(&sums)));
-    Some(lines)
-}
-
-fn effort_marks(sums: &[RoleSums]) -> Vec<LineMark> {
-    if let [sums] = sums {
+    if let [sums] = sums.as_slice() {
         let plans = format!("{} plans, {} failed", sums.plans, sums.failures);
-        return vec![LineMark::left(plans, TextFace::faint())];
+        lines.push(PanelLine::new(vec![LineMark::left(plans, TextFace::faint())]));
     }
-    let name = LineMark::left("plans, failed", TextFace::faint());
-    let told = sums.iter().map(|sums| format!("{}, {}", sums.plans, sums.failures));
-    [name].into_iter().chain(values(told, TextFace::PLAIN)).collect()
+    Some(lines)
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ use crate::picture::film::lettering::{LetterStyle, Lettering};
 use crate::picture::film::{FrameLayout, FrameRequest, RunView, RunViewId};
 use crate::picture::marks::to_f32;
 use crate::picture::text::Align;
-use crate::picture::ticks::ticks;
+use crate::picture::ticks::{round_step, ticks};
 use crate::time::SimTime;
 
 /// The share of its colour that the time ahead keeps.
@@ -102,7 +102,10 @@ impl CountScale {
         };
         let most = changed_and_all.iter().map(|&(changed, _)| changed).max().unwrap_or(0);
         if most > 0 && changed_and_all.iter().all(is_dwarfed) {
-            Self::WithoutIntact { most: f64::from(most) / FILLED }
+            // Round, since a strip of little height has no number but those at its ends.
+            let most = f64::from(most) / FILLED;
+            let step = round_step(most / 20.0);
+            Self::WithoutIntact { most: step * (most / step).ceil() }
         } else {
             Self::All
         }
@@ -315,9 +318,14 @@ mod tests {
 
     #[test]
     fn intact_bushes_are_left_out_where_they_would_take_most_of_the_height() {
-        for (bushes, lit, most) in
-            [(2000, 400, Some(500.0)), (2000, 401, None), (2000, 0, None), (999, 10, None), (1000, 8, Some(10.0))]
-        {
+        for (bushes, lit, most) in [
+            (2000, 400, Some(500.0)),
+            (2000, 401, None),
+            (2000, 0, None),
+            (999, 10, None),
+            (1000, 8, Some(10.0)),
+            (10_000, 1671, Some(2200.0)),
+        ] {
             let expected = most.map_or(CountScale::All, |most| CountScale::WithoutIntact { most });
             assert_eq!(CountScale::new(&[&run(bushes, lit)]), expected, "{lit} of {bushes}");
         }
