@@ -199,3 +199,31 @@ fn over_time(of: &str, mut panels: Vec<CurvePanel>) -> CurveChart {
         panels,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::picture::charts::Estimate;
+
+    /// A panel of curves whose states have those shares all the time, and bands of a tenth of that to either side.
+    fn panel(shares: [f64; STATES.len()]) -> CurvePanel {
+        let estimate = |value: f64| Estimate { value, interval: Some((0.9 * value, 1.1 * value)) };
+        let curves = shares.map(|share| vec![(0.0, estimate(share)), (60.0, estimate(share))]);
+        CurvePanel { name: String::new(), curves: state_curves(&StateCurves(curves)) }
+    }
+
+    #[test]
+    fn curves_of_intact_obstacles_are_left_out_where_these_dwarf_the_others() {
+        let (calm, wild) = ([0.8, 0.01, 0.18, 0.01], [0.7, 0.05, 0.24, 0.01]);
+        for (panels, expected) in [
+            (vec![panel(calm)], 3),
+            (vec![panel(wild)], 4),
+            (vec![panel(calm), panel(wild)], 4),
+            (vec![panel([1.0, 0.0, 0.0, 0.0])], 4),
+        ] {
+            let chart = over_time("", panels);
+            assert!(chart.panels.iter().all(|panel| panel.curves.len() == expected), "{:?}", chart.panels);
+            assert_eq!(chart.titles.y.contains("intact left out"), expected == 3);
+        }
+    }
+}
