@@ -43,7 +43,7 @@ pub struct ShowArguments {
     /// Width and height of the picture in pixels.
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1000x1000")]
     pub size: Size,
-    /// Keep an agent in the middle, such as `unimog/0`, or all trucks that do something in view.
+    /// Keep an agent in the middle, such as `unimog/0`; `fleet` keeps all trucks that do something in view.
     #[arg(long, value_name = "AGENT|fleet", value_parser = parse_followed, conflicts_with = "centre")]
     pub follow: Option<Followed>,
     /// The magnification, 1 where the whole field fits.
