@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::{AgentId, BushState};
+use super::AgentId;
 use crate::fire::fuel::FuelModel;
 use crate::fire::models::{Alexandridis, AlexandridisRules, Rothermel, RothermelRules};
 use crate::fire::surface::FuelBed;
-use crate::fire::{FireModel, FireRules, Landscape, Weather};
+use crate::fire::{BushState, FireModel, FireRules, Landscape, Weather};
 use crate::geometry::{Cell, DVec2, FieldFrame, Pose};
 use crate::time::SimTime;
 use crate::trajectory::SpeedLimits;
