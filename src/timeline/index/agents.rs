@@ -429,15 +429,8 @@ impl<'a> AgentReader<'a> {
 
     /// Returns true if a bush burns out before a truck that arrives at this time could have put it out.
     fn is_hopeless(&self, goal: Cell, arrives: SimTime, bushes: &[BushState]) -> bool {
-        let Setting { rules, .. } = &self.timeline.setting;
-        let bush = self.timeline.setting.bush_index(goal).map(|bush| bushes[bush]);
-        match (bush, rules.fire.and_then(|fire| fire.burn_out)) {
-            // What is due at the same instant is put out first.
-            (Some(BushState::Burning { since }), Some(burn_out)) => {
-                arrives + rules.suppression_dwell > since + burn_out
-            }
-            _ => false,
-        }
+        let setting = &self.timeline.setting;
+        setting.bush_index(goal).is_some_and(|bush| setting.rules.is_hopeless(bushes[bush], arrives))
     }
 
     /// Records that another truck's goal is near the one that it has just chosen.
