@@ -12,7 +12,7 @@ struct Kept {
     searches: bool,
 }
 
-const KEPT: [Kept; 7] = [
+const KEPT: [Kept; 8] = [
     Kept { format: 1, scenario: "smoke", changes: &["duration_s=120"], searches: false },
     Kept { format: 2, scenario: "local-minima", changes: &["duration_s=300"], searches: false },
     Kept { format: 3, scenario: "fleet", changes: &["duration_s=300"], searches: false },

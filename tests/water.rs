@@ -120,7 +120,7 @@ fn a_truck_without_a_way_to_water_rests() {
     let changes = [
         "duration_s=600",
         "unimog.start={x_m=10,y_m=10}",
-        "wumpus.start={x_m=140,y_m=10}",
+        "wumpus.start_m=[140,10]",
         "water.tank_l=100",
         "water.reach_m=3",
         "water.place=[{x_m=77.5,y_m=77.5}]",

@@ -22,6 +22,7 @@ struct RoleSums {
     /// For others that are in the way.
     waiting: u32,
     planning: u32,
+    refilling: u32,
     standing: u32,
     /// Goes for, or suppresses, a fire that ends by itself before.
     too_late: u32,
@@ -41,6 +42,7 @@ impl RoleSums {
                 (Activity::Suppressing, _) => &mut sums.suppressing,
                 (Activity::Waiting, _) => &mut sums.waiting,
                 (Activity::Planning, _) => &mut sums.planning,
+                (Activity::Refilling, _) => &mut sums.refilling,
                 (Activity::Standing, _) => &mut sums.standing,
             };
             *does += 1;
@@ -105,6 +107,9 @@ fn role_lines(view: &HudView, any: AgentId) -> Option<Vec<PanelLine>> {
         lines.push(line("waiting for others", |sums| sums.waiting));
         lines.push(line("planning", |sums| sums.planning));
         lines.push(line("driving elsewhere", |sums| sums.elsewhere));
+        if view.runs.iter().any(|run| run.timeline().setting.water.is_some()) {
+            lines.push(line("refilling", |sums| sums.refilling));
+        }
         lines.push(line("standing", |sums| sums.standing));
         let late = values(sums.iter().map(|sums| sums.too_late.to_string()), TextFace::faint());
         let name = LineMark::left("too late for their fire", TextFace::faint());
@@ -154,8 +159,9 @@ mod tests {
                 for role in [Role::Wumpus, Role::Unimog] {
                     let sums = RoleSums::new(&run, &state, role, state.time);
                     let all = state.agents.iter().filter(|agent| agent.id.role == role).count();
-                    let RoleSums { toward_goal, elsewhere, suppressing, waiting, planning, standing, .. } = sums;
-                    let counted = toward_goal + elsewhere + suppressing + waiting + planning + standing;
+                    let RoleSums { toward_goal, elsewhere, suppressing, waiting, .. } = sums;
+                    let RoleSums { planning, refilling, standing, .. } = sums;
+                    let counted = toward_goal + elsewhere + suppressing + waiting + planning + refilling + standing;
                     assert_eq!((counted, sums.agents), (all as u32, all as u32), "{role:?} at {time_s}: {sums:?}");
                     assert!(sums.too_late <= toward_goal + suppressing + waiting + planning + standing);
                     works += counted - standing;
