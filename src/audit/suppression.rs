@@ -6,7 +6,8 @@ use super::{Violation, ViolationKind};
 use crate::geometry::{Cell, Pose};
 use crate::time::SimTime;
 use crate::timeline::{
-    AgentFact, AgentId, AgentStart, Cause, Event, Fact, FireFact, GroundEvent, GroundFact, Setting, Timeline, WaterRules,
+    AgentFact, AgentId, AgentStart, Cause, Event, Fact, FireFact, GroundEvent, GroundFact, Setting, Timeline,
+    WaterRules,
 };
 
 /// An agent that comes to a stand where its last leg ends.
@@ -28,7 +29,8 @@ struct Actor {
 /// Checks that every fire that went out had its truck standing within reach for the whole dwell, one dwell for each
 /// stop, with water for it, and every bush that was lit a Wumpus that stood; returns the number of extinctions.
 pub fn audit_acts(timeline: &Timeline) -> Result<u64, Violation> {
-    let mut actors: Vec<Actor> = timeline.setting.agents.iter().map(|start| Actor::new(start, &timeline.setting)).collect();
+    let mut actors: Vec<Actor> =
+        timeline.setting.agents.iter().map(|start| Actor::new(start, &timeline.setting)).collect();
     let mut extinctions = 0;
     let place = |cell| timeline.setting.frame.centre(cell);
     let mut ground = timeline.ground.iter().filter(|event| event.agent().is_some()).peekable();

@@ -258,7 +258,10 @@ impl fmt::Display for ViolationKind {
             }
             Self::EmptyTank => write!(f, "it stops at a fire without water for it"),
             Self::NoWater { metres, reach_m } => {
-                write!(f, "it fills its tank {metres:.3} m from the nearest water, which reaches {reach_m} m, or under way")
+                write!(
+                    f,
+                    "it fills its tank {metres:.3} m from the nearest water, which reaches {reach_m} m, or under way"
+                )
             }
             Self::WrongRefill { due } => write!(f, "it fills its tank, which takes until {due}, for another time"),
             Self::WrongBurnOut { cell, due: Some(due) } => {

@@ -216,7 +216,11 @@ impl SettingsTable for Sight {
 pub(super) fn describe_team(scenario: &Scenario) -> Vec<String> {
     let dispatch = scenario.dispatch.iter().map(Dispatch::describe);
     let sight = scenario.sight.iter().map(Sight::describe);
-    dispatch.chain(sight).chain(scenario.traffic.iter().map(TrafficRules::describe)).chain(scenario.water.iter().map(Water::describe)).collect()
+    dispatch
+        .chain(sight)
+        .chain(scenario.traffic.iter().map(TrafficRules::describe))
+        .chain(scenario.water.iter().map(Water::describe))
+        .collect()
 }
 
 /// Warns of values that do nothing.

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Scenario, Unimog};
 use super::agents::ScenarioField;
 use super::check::{Check, TablePath};
+use super::{Scenario, Unimog};
 use crate::collision::CollisionChecker;
 use crate::geometry::{DVec2, FieldFrame, Pose};
 use crate::input_file::list_of_at_most;
@@ -112,7 +112,10 @@ impl Water {
         for (number, place) in self.place.iter().enumerate() {
             if !has_room(&checker, &truck.vehicle, DVec2::new(place.x_m, place.y_m), self.reach_m) {
                 let WaterPlace { x_m, y_m } = place;
-                found.push(format!("`water.place.{number}`: no truck finds room within {} m of ({x_m}, {y_m}).", self.reach_m));
+                found.push(format!(
+                    "`water.place.{number}`: no truck finds room within {} m of ({x_m}, {y_m}).",
+                    self.reach_m
+                ));
             }
         }
     }

@@ -127,7 +127,11 @@ impl<'a> AgentProgress<'a> {
     /// The first time after `time` at which the activity may change without a fact.
     pub fn next_change(&self, time: SimTime) -> Option<SimTime> {
         let leg = self.leg.map(|leg| [leg.start_time(), leg.sets_out_at(), leg.end_time()]);
-        leg.into_iter().flatten().chain([self.planning_until, self.refilling_until]).filter(|&change| change > time).min()
+        leg.into_iter()
+            .flatten()
+            .chain([self.planning_until, self.refilling_until])
+            .filter(|&change| change > time)
+            .min()
     }
 
     pub fn pose_and_speed(&self, time: SimTime) -> (Pose, f64) {

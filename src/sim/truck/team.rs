@@ -8,9 +8,9 @@
 use bevy::prelude::*;
 use glam::DVec2;
 
-use super::{Fleet, Truck};
 use super::decision::{Conclusion, DecisionBooks, Relocation};
 use super::drive::Outset;
+use super::{Fleet, Truck};
 use crate::fire::FireField;
 use crate::geometry::Pose;
 use crate::planning::{Effort, GoalDisc};

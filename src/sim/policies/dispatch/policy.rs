@@ -68,7 +68,8 @@ impl Policy for DispatchPolicy {
         let free = team.trucks.iter().filter(|truck| truck.is_asked && goal_of(truck.id).is_none());
         // Whoever has nothing to do fills up before anything else.
         let full_tank = self.site.water.as_ref().map_or(u32::MAX, |water| water.full_tank);
-        let (full, to_refill): (Vec<&TeamTruck>, Vec<&TeamTruck>) = free.partition(|truck| truck.stops_left >= full_tank);
+        let (full, to_refill): (Vec<&TeamTruck>, Vec<&TeamTruck>) =
+            free.partition(|truck| truck.stops_left >= full_tank);
         let idle: Vec<AgentId> = full.iter().map(|truck| truck.id).collect();
         let posts = match &mut self.positioning {
             Some(positioning) if !idle.is_empty() => positioning.post(&team, &idle),

@@ -70,7 +70,13 @@ impl Sample {
     /// Puts free trucks on a bare field.
     pub fn with_trucks(places: &[(f64, f64)]) -> Self {
         let trucks = places.iter().zip(0..).map(|(&(x, y), number)| truck_at(number, DVec2::new(x, y)));
-        Self { now_s: 0.0, trucks: trucks.collect(), fires: Vec::new(), intact: vec![false; FRAME.cell_count()], water: None }
+        Self {
+            now_s: 0.0,
+            trucks: trucks.collect(),
+            fires: Vec::new(),
+            intact: vec![false; FRAME.cell_count()],
+            water: None,
+        }
     }
 
     /// Lets intact bushes grow.
