@@ -1,27 +1,35 @@
 //! What it costs to draw frames of runs, on the thread's CPU clock: stills, and frames that follow one another as in a
 //! window that plays.
 //!
-//! `cargo bench --bench frames` draws sheets of 1000 x 1000 pixels with the usual layers, from 600 s on; and a fire on a
-//! million cells of grass, from an hour on.
+//! `cargo bench --bench frames` draws sheets of 1000 x 1000 pixels with the usual layers, from 600 s on; a hundred trucks on four
+//! million cells from half an hour on, the whole field and with the camera on the fleet; and a fire on a million cells of
+//! grass, from an hour on.
 
-use wildfire::picture::film::{FrameRenderer, FrameRequest, RunView, ViewOptions, still};
+use wildfire::picture::film::{Followed, FrameRenderer, FrameRequest, RunView, ViewOptions, still};
 use wildfire::time::SimTime;
 use wildfire::time::cpu::CpuStopwatch;
 use wildfire::{scenario, sim};
 
 const SIZE: (u32, u32) = (1000, 1000);
 const FROM_S: f64 = 600.0;
+const CROWD_FROM_S: f64 = 1800.0;
 const FRAMES: u32 = 300;
 /// Simulated seconds from frame to frame: at twenty frames a second, once and fifty times as fast as the clock.
 const STEPS_S: [f64; 2] = [0.05, 2.5];
 
 fn main() {
     print(format_args!("{:28} {:>9} {:>14} {:>14}", "ms, medians (p95)", "a still", "1 x", "50 x"));
-    report("contest", &[run("contest", 1)], FROM_S);
-    report("fleet", &[run("fleet", 1)], FROM_S);
-    report("contest, two runs", &[run("contest", 1), run("contest", 2)], FROM_S);
-    report("report-2024", &[run("report-2024", 1)], FROM_S);
-    report("1000 x 1000 cells of grass", &[changed_run("contest", &GRASS, 1)], 3600.0);
+    let whole = ViewOptions::default();
+    report("contest", &[run("contest", 1)], FROM_S, &whole);
+    report("fleet", &[run("fleet", 1)], FROM_S, &whole);
+    report("contest, two runs", &[run("contest", 1), run("contest", 2)], FROM_S, &whole);
+    report("report-2024", &[run("report-2024", 1)], FROM_S, &whole);
+    report("brigade", &[run("brigade", 1)], CROWD_FROM_S, &whole);
+    let county = [run("county", 1)];
+    report("county", &county, CROWD_FROM_S, &whole);
+    let fleet = ViewOptions { follows: Some(Followed::Fleet), ..whole.clone() };
+    report("county, fleet followed", &county, CROWD_FROM_S, &fleet);
+    report("1000 x 1000 cells of grass", &[changed_run("contest", &GRASS, 1)], 3600.0, &whole);
 }
 
 /// Twenty fires on 25 square kilometres, without agents.
@@ -46,10 +54,9 @@ fn changed_run(name: &str, changes: &[&str], seed: u64) -> RunView {
     RunView::new(sim::run(&scenario, seed).expect("it takes place").timeline, None)
 }
 
-fn report(name: &str, runs: &[RunView], from_s: f64) {
+fn report(name: &str, runs: &[RunView], from_s: f64, options: &ViewOptions) {
     let runs: Vec<&RunView> = runs.iter().collect();
-    let options = ViewOptions::default();
-    let request = |time_s: f64| FrameRequest { runs: &runs, time: SimTime::from_seconds(time_s), options: &options };
+    let request = |time_s: f64| FrameRequest { runs: &runs, time: SimTime::from_seconds(time_s), options };
     let stills = timed(20, |_| drop(still(&request(from_s), SIZE)));
     let playing = STEPS_S.map(|step_s| {
         let mut renderer = FrameRenderer::new(SIZE, runs.len());

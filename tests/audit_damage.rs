@@ -385,3 +385,34 @@ fn two_trucks_on_one_place_are_found() {
     let found = violation(&timeline);
     assert!(matches!(found.kind, ViolationKind::Overlap { .. }) && found.time == SimTime::ZERO, "{found}");
 }
+
+/// A truck whose tank suffices for three stops.
+fn with_water() -> Timeline {
+    run("contest", &["duration_s=1800", "water.tank_l=300", "water.place=[{x_m=125,y_m=20},{x_m=20,y_m=230}]"])
+}
+
+#[test]
+fn water_that_is_not_in_the_tank_is_found() {
+    let timeline = with_water();
+    audit(&timeline).expect("nothing is wrong yet");
+    let is_refill = |event: &Event| matches!(event.fact, Fact::Agent(TRUCK, AgentFact::Refilling { .. }));
+    let first = timeline.events.iter().position(is_refill).expect("it fills its tank");
+    let change_of_first = |change: &dyn Fn(&mut SimTime)| {
+        let mut damaged = timeline.clone();
+        if let Fact::Agent(_, AgentFact::Refilling { until }) = &mut damaged.events[first].fact {
+            change(until);
+        }
+        violation(&damaged).kind
+    };
+    let mut without = timeline.clone();
+    without.events.remove(first);
+    assert_eq!(violation(&without).kind, ViolationKind::EmptyTank);
+    let longer = change_of_first(&|until| *until = *until + SimTime::from_seconds(1.0));
+    assert!(matches!(longer, ViolationKind::WrongRefill { .. }), "{longer}");
+    let mut elsewhere = timeline.clone();
+    elsewhere.setting.water.as_mut().expect("there is water").places.iter_mut().for_each(|place| place.x += 15.0);
+    assert!(matches!(violation(&elsewhere).kind, ViolationKind::NoWater { .. }));
+    let mut fuller = timeline;
+    fuller.setting.water = None;
+    assert_eq!(violation(&fuller).kind, ViolationKind::WrongAgent);
+}

@@ -6,7 +6,7 @@ use flate2::Compression;
 use flate2::read::DeflateDecoder;
 use flate2::write::DeflateEncoder;
 use rand::{Rng, RngExt};
-use wildfire::picture::film::{FrameRenderer, FrameRequest, Layer, RunView, Selected, ViewOptions};
+use wildfire::picture::film::{Followed, FrameRenderer, FrameRequest, Layer, RunView, Selected, ViewOptions};
 use wildfire::time::SimTime;
 use wildfire::timeline::{Timeline, file};
 use wildfire::{rng, scenario, sim};
@@ -42,9 +42,13 @@ fn looks(timeline: &Timeline) -> Vec<ViewOptions> {
         selected: bush.map(|bush| (0, bush)),
         ..ViewOptions::default()
     };
-    let along =
-        |agent| ViewOptions { follows: Some(agent), selected: Some((0, Selected::Agent(agent))), ..all.clone() };
-    agents.take(2).map(along).chain([all.clone()]).collect()
+    let along = |agent| ViewOptions {
+        follows: Some(Followed::Agent(agent)),
+        selected: Some((0, Selected::Agent(agent))),
+        ..all.clone()
+    };
+    let fleet = ViewOptions { follows: Some(Followed::Fleet), ..all.clone() };
+    agents.take(2).map(along).chain([fleet, all.clone()]).collect()
 }
 
 fn show(timeline: Timeline, rng: &mut impl Rng) {

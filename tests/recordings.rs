@@ -12,7 +12,7 @@ struct Kept {
     searches: bool,
 }
 
-const KEPT: [Kept; 7] = [
+const KEPT: [Kept; 8] = [
     Kept { format: 1, scenario: "smoke", changes: &["duration_s=120"], searches: false },
     Kept { format: 2, scenario: "local-minima", changes: &["duration_s=300"], searches: false },
     Kept { format: 3, scenario: "fleet", changes: &["duration_s=300"], searches: false },
@@ -20,6 +20,12 @@ const KEPT: [Kept; 7] = [
     Kept { format: 5, scenario: "fleet", changes: &["duration_s=300"], searches: false },
     Kept { format: 6, scenario: "fleet", changes: &["duration_s=300"], searches: false },
     Kept { format: 7, scenario: "windy", changes: &["duration_s=300"], searches: false },
+    Kept {
+        format: 8,
+        scenario: "fleet",
+        changes: &["duration_s=300", "dispatch.policy=auction", "dispatch.idle=regions"],
+        searches: false,
+    },
 ];
 
 /// The facts without what found the plans, which formats up to 4 do not say.

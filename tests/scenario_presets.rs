@@ -74,6 +74,7 @@ fn contest_spells_out_every_value_and_each_is_the_default() {
         dispatch: None,
         sight: None,
         traffic: None,
+        water: None,
         ignition: Vec::new(),
         wind: Vec::new(),
         wind_file: None,

@@ -85,6 +85,7 @@ impl Sight<'_> {
                 Activity::Driving => 2.0,
                 Activity::Suppressing => 3.0,
                 Activity::Waiting => 4.0,
+                Activity::Refilling => 5.0,
             };
             let asked = f64::from(u8::from(asked(agent.id)));
             let all = [agent.place.x, agent.place.y, sin, cos, goal[0], goal[1], activity, asked];

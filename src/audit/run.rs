@@ -158,6 +158,7 @@ mod tests {
             bushes: vec![NEAR, FAR],
             blocked: Vec::new(),
             spread: None,
+            water: None,
             agents: vec![truck(TRUCK, start()), truck(SECOND, Pose::new(10.0, 10.0, 0.0))],
             rules: Rules {
                 duration: seconds(100.0),

@@ -345,6 +345,7 @@ mod tests {
             frame: FRAME,
             bushes,
             blocked: Vec::new(),
+            water: None,
             agents: vec![AgentStart {
                 id: TRUCK,
                 pose: crate::geometry::Pose::new(20.0, 20.0, 0.0),

@@ -5,7 +5,10 @@ use super::tolerance::SAME_POSE;
 use super::{Violation, ViolationKind};
 use crate::geometry::{Cell, Pose};
 use crate::time::SimTime;
-use crate::timeline::{AgentId, AgentStart, Cause, Event, Fact, FireFact, GroundEvent, GroundFact, Setting, Timeline};
+use crate::timeline::{
+    AgentFact, AgentId, AgentStart, Cause, Event, Fact, FireFact, GroundEvent, GroundFact, Setting, Timeline,
+    WaterRules,
+};
 
 /// An agent that comes to a stand where its last leg ends.
 struct Actor {
@@ -15,12 +18,19 @@ struct Actor {
     stands_since: SimTime,
     /// When this truck's last fire went out.
     served: Option<SimTime>,
+    /// The stops that its tank suffices for; `None` where water does not matter.
+    stops_left: Option<u32>,
+    /// Whether it has begun a stop where it stands, and put out nothing yet.
+    stops_here: bool,
+    /// When its tank is full, if it is being filled.
+    refilled: SimTime,
 }
 
 /// Checks that every fire that went out had its truck standing within reach for the whole dwell, one dwell for each
-/// stop, and every bush that was lit a Wumpus that stood; returns the number of extinctions.
+/// stop, with water for it, and every bush that was lit a Wumpus that stood; returns the number of extinctions.
 pub fn audit_acts(timeline: &Timeline) -> Result<u64, Violation> {
-    let mut actors: Vec<Actor> = timeline.setting.agents.iter().map(Actor::new).collect();
+    let mut actors: Vec<Actor> =
+        timeline.setting.agents.iter().map(|start| Actor::new(start, &timeline.setting)).collect();
     let mut extinctions = 0;
     let place = |cell| timeline.setting.frame.centre(cell);
     let mut ground = timeline.ground.iter().filter(|event| event.agent().is_some()).peekable();
@@ -44,7 +54,7 @@ pub fn audit_acts(timeline: &Timeline) -> Result<u64, Violation> {
             Fact::Fire(FireFact::Ignited { cell, cause: Cause::Lit(_) }) => {
                 actor.light(cell, event.time).map_err(violation)?;
             }
-            _ => actor.follow(event),
+            _ => actor.follow(&timeline.setting, event).map_err(violation)?,
         }
     }
     for event in ground {
@@ -72,15 +82,47 @@ fn act_on_ground(actors: &mut [Actor], setting: &Setting, event: &GroundEvent) -
 }
 
 impl Actor {
-    fn new(start: &AgentStart) -> Self {
+    fn new(start: &AgentStart, setting: &Setting) -> Self {
         let (outline, stands_since) = (Outline::new(&start.body), SimTime::ZERO);
-        Self { id: start.id, outline, pose: start.pose, stands_since, served: None }
+        let stops_left = setting.water.as_ref().map(|water| water.full_tank);
+        let (served, stops_here, refilled) = (None, false, SimTime::ZERO);
+        Self { id: start.id, outline, pose: start.pose, stands_since, served, stops_left, stops_here, refilled }
     }
 
-    fn follow(&mut self, event: &Event) {
+    fn follow(&mut self, setting: &Setting, event: &Event) -> Result<(), ViolationKind> {
         if let Some(leg) = event.fact.trajectory() {
-            (self.pose, self.stands_since) = (leg.end(), leg.end_time());
+            if leg.start_time() < self.refilled {
+                return Err(ViolationKind::WrongRefill { due: self.refilled });
+            }
+            (self.pose, self.stands_since, self.stops_here) = (leg.end(), leg.end_time(), false);
         }
+        match (&event.fact, &setting.water) {
+            (Fact::Agent(_, AgentFact::Suppressing { .. }), Some(_)) => self.take_water(),
+            (&Fact::Agent(_, AgentFact::Refilling { until }), Some(water)) => self.refill(water, event.time, until),
+            (Fact::Agent(_, AgentFact::Refilling { .. }), None) => Err(ViolationKind::WrongAgent),
+            _ => Ok(()),
+        }
+    }
+
+    /// A stop takes its water when it begins.
+    fn take_water(&mut self) -> Result<(), ViolationKind> {
+        let left = self.stops_left.unwrap_or_default();
+        self.stops_left = Some(left.checked_sub(1).ok_or(ViolationKind::EmptyTank)?);
+        self.stops_here = true;
+        Ok(())
+    }
+
+    fn refill(&mut self, water: &WaterRules, time: SimTime, until: SimTime) -> Result<(), ViolationKind> {
+        let centre = self.outline.centre(Stance::new(self.pose));
+        let metres = water.places.iter().map(|place| (*place - centre).length()).fold(f64::INFINITY, f64::min);
+        if metres > water.reach_m + SAME_POSE || self.stands_since > time {
+            return Err(ViolationKind::NoWater { metres, reach_m: water.reach_m });
+        }
+        let missing = water.full_tank - self.stops_left.unwrap_or_default();
+        let span_ns = water.fill_per_stop.as_nanos().saturating_mul(missing.into());
+        let due = time.max(self.refilled) + SimTime::from_nanos(span_ns);
+        (self.stops_left, self.refilled) = (Some(water.full_tank), due);
+        if until == due { Ok(()) } else { Err(ViolationKind::WrongRefill { due }) }
     }
 
     fn light(&self, cell: Cell, time: SimTime) -> Result<(), ViolationKind> {
@@ -99,6 +141,10 @@ impl Actor {
             return Err(ViolationKind::SecondFire { cell });
         }
         self.check_dwell(rules.suppression_dwell, cell, time)?;
+        let is_same_instant = self.served == Some(time);
+        if setting.water.is_some() && !is_same_instant && !std::mem::take(&mut self.stops_here) {
+            return Err(ViolationKind::EmptyTank);
+        }
         self.served = Some(time);
         match self.beyond_reach(setting, cell) {
             Some((metres, reach_m)) => Err(ViolationKind::OutOfReach { cell, metres, reach_m }),

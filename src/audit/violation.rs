@@ -126,6 +126,17 @@ pub enum ViolationKind {
         metres: f64,
         reach_m: f64,
     },
+    /// A stop at a fire began, or put one out, without water in the tank for it.
+    EmptyTank,
+    /// A truck filled its tank this far from the nearest water, or before it stood there.
+    NoWater {
+        metres: f64,
+        reach_m: f64,
+    },
+    /// A tank was not filled for as long as that takes.
+    WrongRefill {
+        due: SimTime,
+    },
     /// A fire ended, or went on, against its time of burning out.
     WrongBurnOut {
         cell: Cell,
@@ -245,6 +256,14 @@ impl fmt::Display for ViolationKind {
             Self::WaterFromAfar { cell, metres, reach_m } => {
                 write!(f, "water comes to cell {cell}, {metres:.3} m away, beyond the reach of {reach_m} m")
             }
+            Self::EmptyTank => write!(f, "it stops at a fire without water for it"),
+            Self::NoWater { metres, reach_m } => {
+                write!(
+                    f,
+                    "it fills its tank {metres:.3} m from the nearest water, which reaches {reach_m} m, or under way"
+                )
+            }
+            Self::WrongRefill { due } => write!(f, "it fills its tank, which takes until {due}, for another time"),
             Self::WrongBurnOut { cell, due: Some(due) } => {
                 write!(f, "the fire at cell {cell} does not burn out when it should, at {due}")
             }

@@ -108,6 +108,23 @@ impl Canvas {
         }
     }
 
+    /// Lays a colour over the pixels from (`left`, `top`) to before (`right`, `bottom`), as far as they are on the sheet; what is
+    /// below shows through. Cheaper than [`Canvas::fill_through`].
+    pub fn tint_pixels(&mut self, (left, top): (i32, i32), (right, bottom): (i32, i32), ink: Ink) {
+        let (width, height) = (self.width() as usize, self.height() as usize);
+        let place = |at: i32, most: usize| (at.max(0) as usize).min(most);
+        let (left, right) = (place(left, width), place(right, width).max(place(left, width)));
+        let weight = (256.0 * ink.opacity) as i32;
+        for row in place(top, height)..place(bottom, height) {
+            for pixel in &mut self.row_from(left, row)[..right - left] {
+                for (under, &over) in pixel.iter_mut().zip(&ink.colour) {
+                    let was = i32::from(*under);
+                    *under = (was + (((i32::from(over) - was) * weight) >> 8)) as u8;
+                }
+            }
+        }
+    }
+
     /// Fills the area inside a closed line.
     pub fn fill(&mut self, corners: &[Point], colour: Rgb) {
         if let Some(area) = closed(corners) {
@@ -255,6 +272,13 @@ impl Canvas {
     /// Copies another sheet to a place of this one, as far as it fits.
     pub fn copy_from(&mut self, other: &Self, (left, top): (u32, u32)) {
         self.copy_columns(other, other.width(), (left, top));
+    }
+
+    /// Copies a row of pixels of another sheet of the same size.
+    pub fn copy_row(&mut self, other: &Self, row: usize) {
+        let length = 4 * self.pixels.width() as usize;
+        let bytes = row * length..(row + 1) * length;
+        self.pixels.data_mut()[bytes.clone()].copy_from_slice(&other.pixels.data()[bytes]);
     }
 
     /// Copies the first `columns` pixels of each row of another sheet to a place of this one, as far as they fit.

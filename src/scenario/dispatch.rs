@@ -5,7 +5,7 @@ use std::fmt;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Scenario, TrafficRules};
+use super::{Scenario, TrafficRules, Water};
 use crate::geometry::FieldFrame;
 use crate::ranges::{OutOfRange, SettingsTable, check_range};
 
@@ -216,7 +216,11 @@ impl SettingsTable for Sight {
 pub(super) fn describe_team(scenario: &Scenario) -> Vec<String> {
     let dispatch = scenario.dispatch.iter().map(Dispatch::describe);
     let sight = scenario.sight.iter().map(Sight::describe);
-    dispatch.chain(sight).chain(scenario.traffic.iter().map(TrafficRules::describe)).collect()
+    dispatch
+        .chain(sight)
+        .chain(scenario.traffic.iter().map(TrafficRules::describe))
+        .chain(scenario.water.iter().map(Water::describe))
+        .collect()
 }
 
 /// Warns of values that do nothing.

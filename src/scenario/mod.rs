@@ -45,6 +45,7 @@ mod tetromino;
 mod traffic;
 mod unimog;
 mod warnings;
+mod water;
 mod weather;
 mod weather_csv;
 mod wind;
@@ -77,6 +78,7 @@ pub use terrain::{Terrain, TerrainError};
 pub use tetromino::Shape;
 pub use traffic::{Detours, TrafficRules};
 pub use unimog::{Limits, PlannerContext, Rescue, Retarget, StartPose, Unimog};
+pub use water::{Water, WaterPlace};
 pub use weather::{MoistureChange, WeatherSettings, weather};
 pub use weather_csv::WeatherSample;
 pub use wind::WindChange;
@@ -165,6 +167,9 @@ pub struct Scenario {
     /// What trucks do about others that are in their way.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub traffic: Option<TrafficRules>,
+    /// The tanks of trucks; without it water does not matter.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub water: Option<Water>,
     /// Bushes that catch fire by themselves.
     #[serde(default, deserialize_with = "list_of_at_most::<100_000, _, _>")]
     pub ignition: Vec<Ignition>,
@@ -215,6 +220,7 @@ impl Scenario {
         self.dispatch.as_ref().map_or(Ok(()), |dispatch| top.inner("dispatch").settings(dispatch, &frame))?;
         self.sight.as_ref().map_or(Ok(()), |sight| top.inner("sight").settings(sight, &frame))?;
         self.traffic.as_ref().map_or(Ok(()), |traffic| top.inner("traffic").settings(traffic, &frame))?;
+        self.water.as_ref().map_or(Ok(()), |water| water.check(&top.inner("water"), &frame))?;
         check_programs("planner", &self.planner, |name| name.built_in().is_some())?;
         check_programs("policy", &self.policy, |name| {
             TruckGoal::is_built_in(name.name()) || WumpusGoal::is_built_in(name.name())

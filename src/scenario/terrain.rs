@@ -202,6 +202,7 @@ mod tests {
             dispatch: None,
             sight: None,
             traffic: None,
+            water: None,
             ignition: Vec::new(),
             wind: Vec::new(),
             wind_file: None,

@@ -17,6 +17,9 @@ pub fn warnings(scenario: &Scenario, terrain: Option<&Terrain>) -> Vec<String> {
     for agents in scenario.kinds() {
         agents.warn(scenario, &mut found);
     }
+    let of_water = |field: Option<&ScenarioField<'_>>, found: &mut Vec<String>| {
+        scenario.water.iter().for_each(|water| water.warn(scenario, field, found));
+    };
     if let Some(terrain) = terrain {
         warn_of_ground(scenario, terrain, &weather(scenario, SHOWN_SEED), &mut found);
         let clearance = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
@@ -28,6 +31,9 @@ pub fn warnings(scenario: &Scenario, terrain: Option<&Terrain>) -> Vec<String> {
         for agents in scenario.kinds() {
             agents.warn_of_field(&field, &mut found);
         }
+        of_water(Some(&field), &mut found);
+    } else {
+        of_water(None, &mut found);
     }
     found
 }

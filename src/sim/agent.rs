@@ -11,7 +11,7 @@ use crate::planning::Planners;
 use crate::planning::memory::MemoryMeter;
 use crate::scenario::Scenario;
 use crate::time::SimTime;
-use crate::timeline::{self, AgentFact, AgentId, AgentStart, Body, CpuSample, RestReason};
+use crate::timeline::{self, AgentFact, AgentId, AgentStart, Body, CpuSample, RestReason, WaterRules};
 use crate::trajectory::{SpeedLimits, Trajectory};
 
 use super::policies::AgentView;
@@ -35,6 +35,8 @@ pub enum Activity {
     Planning,
     Moving,
     Suppressing,
+    /// It stands at water and fills its tank.
+    Refilling,
 }
 
 /// An agent of the contest.
@@ -50,7 +52,9 @@ pub struct Agent {
     pub post: Option<DVec2>,
     /// Whether something happened on its way that it has not been asked about.
     pub is_called: bool,
-    /// When its stop at a fire, or the planning time of a plan that failed, is over.
+    /// The stops that the water in its tank suffices for; `None` where water does not matter.
+    pub stops_left: Option<u32>,
+    /// When its stop at a fire, its filling up, or the planning time of a plan that failed, is over.
     pub busy_until: SimTime,
     /// The last leg: it moves along it, or stands at its end.
     pub trajectory: Trajectory,
@@ -67,6 +71,7 @@ impl Agent {
             goal: None,
             post: None,
             is_called: false,
+            stops_left: None,
             busy_until: SimTime::ZERO,
             trajectory: Trajectory::new(SimTime::ZERO, pose, Vec::new()),
             cost: AgentCost::new(id),
@@ -84,13 +89,14 @@ impl Agent {
         let place = self.body.centre(pose);
         let (free_at, free_place) = self.free_from(now, place);
         let (id, activity) = (self.id, self.shown_activity(now));
-        AgentView { id, place, pose, activity, goal: self.goal, post: self.post, free_at, free_place }
+        let (goal, post, stops_left) = (self.goal, self.post, self.stops_left);
+        AgentView { id, place, pose, activity, goal, post, stops_left, free_at, free_place }
     }
 
     /// Returns when and where it can set out for something else; it is at `place` now.
     fn free_from(&self, now: SimTime, place: DVec2) -> (SimTime, DVec2) {
         match self.activity {
-            Activity::Suppressing => (self.busy_until, place),
+            Activity::Suppressing | Activity::Refilling => (self.busy_until, place),
             Activity::Planning if self.goal.is_none() => (self.busy_until, place),
             // It comes to a stop, or drives aside.
             Activity::Moving if self.goal.is_none() && self.post.is_none() => {
@@ -201,6 +207,12 @@ impl Agent {
         queue.push_for(time, AgentEvent::PlanningDone, self.wake(entity));
     }
 
+    /// Fills its tank until then, and decides again.
+    pub fn refill(&mut self, entity: Entity, full_tank: u32, until: SimTime, queue: &mut SimQueue) {
+        self.wait_until(entity, until, queue);
+        (self.activity, self.stops_left) = (Activity::Refilling, Some(full_tank));
+    }
+
     /// Rests without a goal until something wakes it.
     pub fn rest(&mut self, now: SimTime, reason: RestReason, recorder: &mut Recorder) {
         self.revision += 1;
@@ -236,6 +248,7 @@ impl Agent {
             Activity::Moving if now < self.trajectory.sets_out_at() => timeline::Activity::Waiting,
             Activity::Moving => timeline::Activity::Driving,
             Activity::Suppressing => timeline::Activity::Suppressing,
+            Activity::Refilling => timeline::Activity::Refilling,
         }
     }
 }
@@ -249,6 +262,7 @@ pub struct Arena<'a> {
     pub scenario: &'a Scenario,
     pub seed: u64,
     pub field: &'a Arc<ClearanceField>,
+    pub water: &'a Option<Arc<WaterRules>>,
     pub memory: &'a MemoryMeter,
     pub planners: &'a Planners,
 }

@@ -15,7 +15,7 @@ use crate::rng;
 use crate::scenario::{self, Extinguishes, Ignition, IgnitionCells, Scenario, Terrain};
 use crate::time::SimTime;
 use crate::time::cpu::CpuStopwatch;
-use crate::timeline::{AgentId, AgentStart, Rules, Setting, SpreadSetting};
+use crate::timeline::{AgentId, AgentStart, Rules, Setting, SpreadSetting, WaterRules};
 
 use super::agent::{Arena, Roster};
 use super::fire::{Fires, Ignitions, ScheduledIgnition};
@@ -64,7 +64,8 @@ pub fn fill(
     world.init_resource::<Roster>();
     world.insert_resource(policies(scenario, seed, &terrain, &known_policies)?);
 
-    let arena = Arena { scenario, seed, field: &field, memory, planners: &planners };
+    let water = water_rules(scenario).map(Arc::new);
+    let arena = Arena { scenario, seed, field: &field, water: &water, memory, planners: &planners };
     let mut starts = Vec::new();
     let mut grounds = WalkGrounds::new(&terrain, terrain.lightable(scenario.fire.lights_ground()));
     for (number, settings) in scenario.wumpus.iter().enumerate() {
@@ -87,7 +88,7 @@ fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, known: &Policies)
     let spread_m = scenario.fire.spread_radius_m;
     let rule_site = RuleSite { frame: &terrain.frame, lightable: &lightable, spread_m, seed };
     let mut following = Following::default();
-    let of_team = dispatch::policy_of(scenario, terrain);
+    let of_team = dispatch::policy_of(scenario, terrain, water_rules(scenario));
     let is_dispatched = |agent: &usize| of_team.is_some() && agents[*agent].role.suppresses();
     for (first, policy) in named.iter().enumerate() {
         let is_meant = |agent: &usize| named[*agent] == *policy && !is_dispatched(agent);
@@ -123,6 +124,14 @@ fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, known: &Policies)
     Ok(following)
 }
 
+/// Returns the rules of water of a run, where there are any.
+pub fn water_rules(scenario: &Scenario) -> Option<WaterRules> {
+    let water = scenario.water.as_ref()?;
+    let places = water.places(scenario);
+    let (full_tank, fill_per_stop, reach_m) = (water.full_tank(), water.fill_per_stop(), water.reach_m);
+    (!places.is_empty()).then_some(WaterRules { full_tank, fill_per_stop, reach_m, places })
+}
+
 /// Returns how fire goes over the ground of a run, where it does.
 fn spread_setting(scenario: &Scenario, seed: u64, terrain: &Terrain) -> Option<SpreadSetting> {
     let (landscape, weather) = (terrain.landscape.clone()?, Arc::new(scenario::weather(scenario, seed)));
@@ -148,6 +157,7 @@ fn setting(
         bushes: terrain.bushes.clone(),
         blocked: terrain.blocked.clone(),
         spread,
+        water: water_rules(scenario),
         agents,
         rules: Rules {
             duration: SimTime::from_seconds(scenario.duration_s),

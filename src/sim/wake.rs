@@ -165,7 +165,7 @@ fn look_again(clock: Res<SimClock>, mut queue: ResMut<SimQueue>, mut agents: Que
     }
 }
 
-/// Charged planning time is over: the agent moves, or decides again if its plan had failed.
+/// Charged planning time is over: the agent moves, or decides again if its plan had failed or it filled its tank.
 fn finish_planning(clock: Res<SimClock>, mut queue: ResMut<SimQueue>, mut agents: Query<&mut Agent>) {
     while let Some(wake) = queue.take_for(clock.0, AgentEvent::PlanningDone, |_| true) {
         let Ok(mut agent) = agents.get_mut(wake.agent) else { continue };

@@ -137,6 +137,7 @@ fn name(fact: &Fact) -> &'static str {
         Fact::Agent(_, AgentFact::Relocated { .. }) => "relocated",
         Fact::Agent(_, AgentFact::Halted { .. }) => "halted",
         Fact::Agent(_, AgentFact::RelocationFailed { .. }) => "relocation-failed",
+        Fact::Agent(_, AgentFact::Refilling { .. }) => "refilling",
         Fact::Ended { .. } => "ended",
     }
 }
@@ -178,6 +179,7 @@ fn detail(fact: &Fact) -> String {
             let (expansions, until) = (expansions(*effort), seconds(*until));
             format!("x_m={x_m}; y_m={y_m}; reason={reason}; {expansions}; until_s={until}")
         }
+        Fact::Agent(_, AgentFact::Refilling { until }) => format!("until_s={}", seconds(*until)),
         Fact::Agent(_, AgentFact::Rested { reason, .. }) => format!("reason={reason}"),
         Fact::Agent(_, AgentFact::LocalMinimum { x_m, y_m, .. }) => format!("x_m={x_m}; y_m={y_m}"),
         Fact::Ended { reason } => format!("reason={reason}"),

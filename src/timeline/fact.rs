@@ -43,6 +43,8 @@ pub enum RestReason {
     NoPlan,
     /// Its policy wants it to wait though there is something to go for; it stands, and is not stuck.
     Chosen,
+    /// A truck whose tank does not suffice for a stop, and that finds no way to water from where it stands.
+    NoWater,
 }
 
 impl fmt::Display for RestReason {
@@ -54,6 +56,7 @@ impl fmt::Display for RestReason {
             Self::LocalMinima => "local minima wherever it goes",
             Self::NoPlan => "no plan for anything that burns",
             Self::Chosen => "its policy lets it wait",
+            Self::NoWater => "no way to water",
         })
     }
 }
@@ -182,8 +185,8 @@ pub enum AgentFact {
     Blocked { goal: Cell, by: AgentId },
     /// A truck that had no goal, or was blocked itself, drives aside so that `to` can set out: a deadlock is broken.
     GaveWay { to: AgentId, trajectory: Trajectory },
-    /// A truck without a fire to go for sets out for a place where its policy wants it to wait, in metres in the frame of
-    /// the field; its leg ends near there. It may be called off on the way.
+    /// A truck without a fire to go for sets out for a place where its policy wants it to wait, or where there is water, in
+    /// metres in the frame of the field; its leg ends near there. It may be called off on the way.
     Relocated { x_m: f64, y_m: f64, trajectory: Trajectory, effort: Effort, found_by: FoundBy },
     /// A truck on its way to such a place is called off. `trajectory` is the leg as it is really driven, as that of
     /// [`Self::Dropped`].
@@ -191,6 +194,8 @@ pub enum AgentFact {
     /// A truck stays where it is because there is no way to the place where its policy wants it to wait, or, without a
     /// reason, because other trucks are in the way. Planning time is charged until `until`.
     RelocationFailed { x_m: f64, y_m: f64, reason: Option<PlanFailure>, effort: Effort, until: SimTime },
+    /// A truck that stands at water fills its tank; it is full from now on, but the truck is busy until then.
+    Refilling { until: SimTime },
 }
 
 /// A fact and its time.

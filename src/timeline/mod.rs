@@ -17,6 +17,7 @@ mod replay;
 #[cfg(test)]
 pub(crate) mod sample;
 mod setting;
+mod water;
 
 pub use agent_id::{AgentId, Role};
 pub use burn_map::{BurnMap, FireBehavior};
@@ -29,6 +30,7 @@ pub use outcome::{AgentOutcome, FLOCK_M, GroundOutcome, Outcome, Winner};
 pub use progress::Activity;
 pub use replay::{AgentState, Replay, State};
 pub use setting::{AgentStart, Body, FlamingTimes, Rules, Setting, SpreadSetting};
+pub use water::WaterRules;
 
 pub use crate::fire::BushState;
 use crate::time::SimTime;

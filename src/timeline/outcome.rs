@@ -101,7 +101,7 @@ pub struct AgentOutcome {
     pub local_expansions: u64,
     /// Driven or walked until the end of the run, in metres.
     pub distance_m: f64,
-    /// Time by what it was spent on; the five add up to `ended_s`. A leg is driving from its start time to its end
+    /// Time by what it was spent on; the six add up to `ended_s`. A leg is driving from its start time to its end
     /// time, the braking after a dropped goal included, a wait at its beginning not; planning is charged time only.
     pub driving_s: f64,
     pub planning_s: f64,
@@ -142,6 +142,12 @@ pub struct AgentOutcome {
     /// Drives of a truck to places where its policy wants it to wait.
     #[serde(default)]
     pub relocations: u32,
+    /// Times that a truck filled its tank.
+    #[serde(default)]
+    pub refills: u32,
+    /// Time that this took it, a part of [`Self::idle_s`].
+    #[serde(default)]
+    pub refilling_s: f64,
     /// Cells in its `OutOfReach` facts, bushes and ground: those that it cannot light, or found that it cannot put out.
     #[serde(default)]
     pub out_of_reach: u32,
@@ -181,6 +187,8 @@ impl AgentOutcome {
             flocked_goals: 0,
             idle_s: 0.0,
             relocations: 0,
+            refills: 0,
+            refilling_s: 0.0,
             out_of_reach: 0,
         }
     }

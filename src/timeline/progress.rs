@@ -21,6 +21,8 @@ pub enum Activity {
     Suppressing,
     /// For another truck: after `Blocked` until the next plan or rest, and while a leg begins with a wait.
     Waiting,
+    /// It fills its tank.
+    Refilling,
 }
 
 impl Activity {
@@ -31,6 +33,7 @@ impl Activity {
             Self::Driving => "driving",
             Self::Suppressing => "suppressing",
             Self::Waiting => "waiting",
+            Self::Refilling => "refilling",
         }
     }
 }
@@ -41,6 +44,7 @@ pub struct AgentProgress<'a> {
     start: Pose,
     leg: Option<&'a Trajectory>,
     planning_until: SimTime,
+    refilling_until: SimTime,
     suppresses: bool,
     is_blocked: bool,
     pub goal: Option<Cell>,
@@ -48,8 +52,8 @@ pub struct AgentProgress<'a> {
 
 impl<'a> AgentProgress<'a> {
     pub fn standing(start: Pose) -> Self {
-        let planning_until = SimTime::ZERO;
-        Self { start, leg: None, planning_until, suppresses: false, is_blocked: false, goal: None }
+        let (planning_until, refilling_until) = (SimTime::ZERO, SimTime::ZERO);
+        Self { start, leg: None, planning_until, refilling_until, suppresses: false, is_blocked: false, goal: None }
     }
 
     /// Lets a fact of this agent's happen.
@@ -71,6 +75,10 @@ impl<'a> AgentProgress<'a> {
             AgentFact::Blocked { .. } => self.is_blocked = true,
             AgentFact::PlanFailed { until, .. } | AgentFact::RelocationFailed { until, .. } => {
                 self.planning_until = *until;
+            }
+            AgentFact::Refilling { until } => {
+                self.give_up_goal();
+                self.refilling_until = *until;
             }
             AgentFact::Suppressing { .. } => self.suppresses = true,
             AgentFact::SuppressionEnded { .. } | AgentFact::Rested { .. } | AgentFact::LocalMinimum { .. } => {
@@ -107,6 +115,8 @@ impl<'a> AgentProgress<'a> {
             if time < leg.sets_out_at() { Activity::Waiting } else { Activity::Driving }
         } else if time < self.planning_until {
             Activity::Planning
+        } else if time < self.refilling_until {
+            Activity::Refilling
         } else if self.is_blocked {
             Activity::Waiting
         } else {
@@ -117,7 +127,11 @@ impl<'a> AgentProgress<'a> {
     /// The first time after `time` at which the activity may change without a fact.
     pub fn next_change(&self, time: SimTime) -> Option<SimTime> {
         let leg = self.leg.map(|leg| [leg.start_time(), leg.sets_out_at(), leg.end_time()]);
-        leg.into_iter().flatten().chain([self.planning_until]).filter(|&change| change > time).min()
+        leg.into_iter()
+            .flatten()
+            .chain([self.planning_until, self.refilling_until])
+            .filter(|&change| change > time)
+            .min()
     }
 
     pub fn pose_and_speed(&self, time: SimTime) -> (Pose, f64) {

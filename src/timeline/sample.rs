@@ -92,6 +92,7 @@ pub fn small_setting(agents: &[AgentId]) -> Setting {
         bushes: vec![A, B, C, D],
         blocked: Vec::new(),
         spread: None,
+        water: None,
         agents: agents.iter().map(start).collect(),
         rules: Rules {
             duration: seconds(100.0),

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::AgentId;
+use super::{AgentId, WaterRules};
 use crate::fire::fuel::FuelModel;
 use crate::fire::models::{Alexandridis, AlexandridisRules, Rothermel, RothermelRules};
 use crate::fire::surface::FuelBed;
-use crate::fire::{FireModel, FireRules, Landscape, Weather};
+use crate::fire::{BushState, FireModel, FireRules, Landscape, Weather};
 use crate::geometry::{Cell, DVec2, FieldFrame, Pose};
 use crate::time::SimTime;
 use crate::trajectory::SpeedLimits;
@@ -59,6 +59,18 @@ pub struct Rules {
     pub score_wumpus_ignited: f64,
     pub score_wumpus_burned_out: f64,
     pub score_truck_extinguished: f64,
+}
+
+impl Rules {
+    /// Returns true if a bush burns out before a truck that arrives at this time could have put it out; false where the
+    /// recording does not say when bushes burn out.
+    pub fn is_hopeless(&self, bush: BushState, arrives: SimTime) -> bool {
+        match (bush, self.fire.and_then(|fire| fire.burn_out)) {
+            // What is due at the same instant is put out first.
+            (BushState::Burning { since }, Some(burn_out)) => arrives + self.suppression_dwell > since + burn_out,
+            _ => false,
+        }
+    }
 }
 
 /// How fire goes over ground: what an audit, a film and a map need to know of it.
@@ -152,6 +164,8 @@ pub struct Setting {
     pub rules: Rules,
     /// How fire goes over ground; `None` where only bushes burn.
     pub spread: Option<SpreadSetting>,
+    /// The tanks of trucks; `None` where water does not matter.
+    pub water: Option<WaterRules>,
 }
 
 impl Setting {

@@ -8,7 +8,7 @@ use bevy::prelude::{MessageWriter, ResMut};
 use glam::DVec2;
 
 use crate::geometry::{FieldFrame, ops};
-use crate::picture::film::{Camera, FrameRequest, Projection, RunView, pick, still};
+use crate::picture::film::{Camera, Followed, FrameRequest, Projection, RunView, pick, still};
 use crate::time::SimTime;
 use crate::view::mouse::Gesture;
 use crate::view::run_set::SeedStep;
@@ -87,7 +87,7 @@ impl Controls<'_> {
         }
     }
 
-    /// An agent that was followed is let go.
+    /// Who was followed is let go.
     fn pan(&mut self, by: (f64, f64)) {
         self.viewer.options.camera = self.camera().panned(&self.frame(0), size_of(self.pane(0)), by);
         self.viewer.options.follows = None;
@@ -96,9 +96,11 @@ impl Controls<'_> {
     fn zoom(&mut self, run_index: usize, at: (f64, f64), factor: f64) {
         self.viewer.options.camera =
             self.camera().zoomed(&self.frame(run_index), size_of(self.pane(run_index)), factor, at);
+        // A camera on the fleet has a zoom of its own.
+        self.viewer.options.follows.take_if(|followed| *followed == Followed::Fleet);
     }
 
-    /// The camera that shows what is seen now, even where an agent is followed.
+    /// The camera that shows what is seen now, whoever is followed.
     fn camera(&self) -> Camera {
         if self.viewer.options.follows.is_none() {
             return self.viewer.options.camera;

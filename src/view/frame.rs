@@ -6,9 +6,8 @@ use bevy::prelude::{
 };
 use bevy::window::WindowEvent;
 
-use crate::picture::film::{FrameRequest, RunView, Status, ViewOptions};
+use crate::picture::film::{Followed, FrameRequest, RunView, Status, ViewOptions};
 use crate::time::SimTime;
-use crate::timeline::AgentId;
 use crate::view::input::read_input;
 use crate::view::mouse::Mouse;
 use crate::view::run_set::SeedStep;
@@ -106,13 +105,18 @@ impl Viewer {
         ViewOptions { status: Some(status), ..self.options.clone() }
     }
 
-    /// Goes with the next agent of a run, and with none after the last.
+    /// Goes with the fleet of a run, if it has more than one truck, then with one agent after the other, and with none after
+    /// the last.
     pub fn follow_next(&mut self, run: &RunView) {
-        let agents: Vec<AgentId> = run.timeline().setting.agents.iter().map(|agent| agent.id).collect();
+        let agents = &run.timeline().setting.agents;
+        let is_fleet = agents.iter().filter(|agent| agent.id.role.suppresses()).count() > 1;
+        let fleet = is_fleet.then_some(Followed::Fleet);
+        let all: Vec<Followed> =
+            fleet.into_iter().chain(agents.iter().map(|agent| Followed::Agent(agent.id))).collect();
         let next = match self.options.follows {
             None => 0,
-            Some(followed) => agents.iter().position(|&agent| agent == followed).map_or(0, |at| at + 1),
+            Some(followed) => all.iter().position(|&other| other == followed).map_or(0, |at| at + 1),
         };
-        self.options.follows = agents.get(next).copied();
+        self.options.follows = all.get(next).copied();
     }
 }

@@ -26,6 +26,7 @@ fn scenario() -> Scenario {
         dispatch: None,
         sight: None,
         traffic: None,
+        water: None,
         ignition: Vec::new(),
         wind: Vec::new(),
         wind_file: None,
@@ -65,6 +66,7 @@ fn made_up_timeline(seed: u64) -> Timeline {
             bushes,
             blocked: Vec::new(),
             spread: None,
+            water: None,
             agents: vec![
                 start(wumpus, 200.0, Body::Square { size_m: 3.0 }),
                 start(truck, 50.0, Body::Truck(wildfire::vehicle::Dimensions::default())),

@@ -73,13 +73,14 @@ fn batch_shows_its_first_run_unless_told_another() {
 #[test]
 fn time_seed_and_second_run_change_the_picture() {
     let story = Story::begin();
-    let looks: [&[&str]; 6] = [
+    let looks: [&[&str]; 7] = [
         &["--at", "30"],
         &["--at", "60"],
         &["--at", "60", "--seed", "2"],
         &["--at", "60", "--with-seed", "2"],
         &["--at", "60", "--with-set", "unimog.planner=hybrid-astar"],
         &["--at", "60", "--zoom", "4", "--centre", "20,20"],
+        &["--at", "60", "--follow", "fleet"],
     ];
     let mut seen = Vec::new();
     for look in looks {
@@ -175,7 +176,7 @@ fn recording_has_its_own_seed_and_values() {
 #[test]
 fn looks_that_make_no_sense_are_refused() {
     let story = Story::begin();
-    let refused: [(&[&str], &[&str]); 16] = [
+    let refused: [(&[&str], &[&str]); 18] = [
         (&["--at", "1000000"], &["--at is 1000000", "ends at"]),
         (&["--at=-1"], &["--at", "at least 0"]),
         (&["--at", "nan"], &["--at", "seconds"]),
@@ -183,7 +184,9 @@ fn looks_that_make_no_sense_are_refused() {
         (&["--size", "1000000x1000000"], &["--size", "8192x8192"]),
         (&["--layers", "roads"], &["--layers", "wumpus-search"]),
         (&["--follow", "unimog/9"], &["--follow", "no unimog/9", "unimog/0"]),
-        (&["--follow", "somebody"], &["--follow", "such as unimog/0"]),
+        (&["--follow", "somebody"], &["--follow", "such as unimog/0", "fleet"]),
+        (&["--follow", "fleet", "--zoom", "3"], &["--zoom is 3", "--follow fleet"]),
+        (&["--follow", "fleet", "--set", "unimog=[]"], &["--follow fleet", "a truck"]),
         (&["--zoom", "0"], &["--zoom", "200"]),
         (&["--centre", "1"], &["--centre", "such as"]),
         (&["--centre", "5000,1"], &["--centre is 5000,1", "field"]),

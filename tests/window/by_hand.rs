@@ -10,12 +10,13 @@ use bevy::app::App;
 use bevy::ecs::entity::Entity;
 use bevy::input::ButtonState;
 use bevy::input::keyboard::{Key, KeyCode, KeyboardInput, NativeKeyCode};
-use bevy::input::mouse::{MouseButton, MouseButtonInput};
+use bevy::input::mouse::{MouseButton, MouseButtonInput, MouseScrollUnit, MouseWheel};
+use bevy::input::touch::TouchPhase;
 use bevy::math::Vec2;
 use bevy::time::TimeUpdateStrategy;
 use bevy::window::{CursorMoved, WindowEvent};
 use glam::DVec2;
-use wildfire::picture::film::{Layer, Projection, RunView, ViewOptions};
+use wildfire::picture::film::{Followed, Layer, Projection, RunView, ViewOptions};
 use wildfire::time::SimTime;
 use wildfire::timeline::Outcome;
 use wildfire::view::{FrameBuffer, Player, PlayerPlugin, RunLoader, RunSet, Viewer, ViewerConfig, insert_resources};
@@ -199,6 +200,52 @@ fn what_is_dragged_away_from_an_agent_stays_as_it_was_seen() {
     window.frames(1);
     assert!(seen(&window).distance(before + DVec2::new(8.0, -6.0)) < 1e-6);
     assert_eq!(window.app.world().resource::<Viewer>().options.follows, None);
+}
+
+#[test]
+fn following_begins_with_the_fleet_where_there_is_one_and_ends_after_the_last_agent() {
+    for (name, has_fleet) in [("fleet", true), ("contest", false)] {
+        let mut window = Window::open(one(name, 1), 50.0);
+        let agents = window.runs()[0].timeline().setting.agents.iter().map(|start| Followed::Agent(start.id));
+        let fleet = has_fleet.then_some(Followed::Fleet);
+        let all: Vec<Option<Followed>> = fleet.into_iter().chain(agents).map(Some).chain([None]).collect();
+        for expected in all {
+            window.type_letter("f");
+            window.frames(1);
+            assert_eq!(window.app.world().resource::<Viewer>().options.follows, expected, "{name}");
+        }
+    }
+}
+
+#[test]
+fn the_wheel_lets_the_fleet_go_and_zooms_from_what_was_seen() {
+    let mut window = Window::open(one("fleet", 1), 50.0);
+    window.frames(100);
+    window.press(Key::Space);
+    window.type_letter("f");
+    window.frames(1);
+    let pane = window.app.world().resource::<FrameBuffer>().layout().fields[0];
+    let seen = |window: &Window| {
+        let (run, options) = (window.runs()[0], &window.app.world().resource::<Viewer>().options);
+        let state = run.state_at(window.player().clock());
+        Projection::from_options(run, &state, options, (pane.width, pane.height))
+    };
+    let before = seen(&window);
+    let at = (f64::from(pane.width / 2), f64::from(pane.height / 2));
+    window.mouse_to(f64::from(pane.left) + at.0, f64::from(pane.top) + at.1);
+    let wheel = MouseWheel {
+        unit: MouseScrollUnit::Line,
+        x: 0.0,
+        y: 1.0,
+        window: Entity::PLACEHOLDER,
+        phase: TouchPhase::Moved,
+    };
+    window.app.world_mut().write_message(WindowEvent::MouseWheel(wheel));
+    window.frames(1);
+    let after = seen(&window);
+    assert_eq!(window.app.world().resource::<Viewer>().options.follows, None);
+    assert!(after.pixels_per_metre > before.pixels_per_metre);
+    assert!((after.world(at) - before.world(at)).length() < 1e-6);
 }
 
 #[test]

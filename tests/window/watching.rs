@@ -4,7 +4,9 @@ use glam::DVec2;
 use tempfile::TempDir;
 use wildfire::geometry::ops;
 use wildfire::picture::Picture;
-use wildfire::picture::film::{Camera, FrameLayout, Layer, Layers, Projection, RunView, Selected, ViewOptions};
+use wildfire::picture::film::{
+    Camera, Followed, FrameLayout, Layer, Layers, Projection, RunView, Selected, ViewOptions,
+};
 use wildfire::time::SimTime;
 use wildfire::time::wall::WallStopwatch;
 use wildfire::timeline::{self, BushState};
@@ -149,7 +151,7 @@ fn keys_and_mouse_do_what_help_says() {
     frame.wait_for(&window, scrubbed);
     window.press(&["Escape", "f"]);
     frame.options.selected = None;
-    frame.options.follows = Some(runs[0].timeline().setting.agents[0].id);
+    frame.options.follows = Some(Followed::Agent(runs[0].timeline().setting.agents[0].id));
     frame.wait_for(&window, scrubbed);
 
     window.press(&["question"]);

@@ -272,8 +272,11 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     truck_idle_s: optional Real Seconds
         "time in which trucks had nothing to go for, or their policy wanted them to wait or be elsewhere"
         = trucks(row, |a| a.idle_s);
-    truck_relocations: optional Count None "drives of trucks to places where they wait"
+    truck_relocations: optional Count None "drives of trucks to places where they wait, or to water"
         = trucks_count(row, |a| a.relocations.into());
+    truck_refills: optional Count None "times that trucks filled their tanks"
+        = trucks_count(row, |a| a.refills.into());
+    truck_refilling_s: optional Real Seconds "time that this took" = trucks(row, |a| a.refilling_s);
     truck_hopeless_drives: optional Count None
         "wasted drives whose fire had to burn out before the truck could have put it out"
         = trucks_count(row, |a| a.hopeless_drives.into());
@@ -358,7 +361,9 @@ pub const AGENT_COLUMNS: &[AgentColumn] = columns! { AgentColumn, row;
     idle_s: Real Seconds
         "time in which a truck had nothing to go for, or its policy wanted it to wait or be elsewhere"
         = row.outcome.idle_s;
-    relocations: Count None "drives of a truck to places where it waits" = row.outcome.relocations;
+    relocations: Count None "drives of a truck to places where it waits, or to water" = row.outcome.relocations;
+    refills: Count None "times that a truck filled its tank" = row.outcome.refills;
+    refilling_s: Real Seconds "time that this took it" = row.outcome.refilling_s;
     hopeless_drives: Count None "wasted drives whose fire had to burn out before the truck could have put it out"
         = row.outcome.hopeless_drives;
     goals: Count None "plans of a truck that led to a fire" = row.outcome.goals;

@@ -9,7 +9,7 @@ use crate::cli::args::{MemoryArguments, ProgramArguments, parse_seed};
 use crate::cli::error::CliError;
 use crate::cli::numbers;
 use crate::geometry::Cell;
-use crate::picture::film::{Camera, FrameLayout, Layer, Layers, RunView, Selected, ViewOptions};
+use crate::picture::film::{Camera, Followed, FrameLayout, Layer, Layers, RunView, Selected, ViewOptions};
 use crate::timeline::{AgentId, Setting};
 
 /// Options that name the runs to show and the view of them.
@@ -43,9 +43,9 @@ pub struct ShowArguments {
     /// Width and height of the picture in pixels.
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1000x1000")]
     pub size: Size,
-    /// Keep an agent in the middle, such as `unimog/0`.
-    #[arg(long, value_name = "AGENT", value_parser = parse_agent, conflicts_with = "centre")]
-    pub follow: Option<AgentId>,
+    /// Keep an agent in the middle, such as `unimog/0`; `fleet` keeps all trucks that do something in view.
+    #[arg(long, value_name = "AGENT|fleet", value_parser = parse_followed, conflicts_with = "centre")]
+    pub follow: Option<Followed>,
     /// The magnification, 1 where the whole field fits.
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, allow_hyphen_values = true, value_parser = parse_zoom)]
     pub zoom: f64,
@@ -73,8 +73,10 @@ impl ShowArguments {
 /// If an agent, a bush or a point is not in the first run.
 pub fn look(arguments: &ShowArguments, films: &[&RunView]) -> Result<ViewOptions, CliError> {
     let setting = &films[0].timeline().setting;
-    if let Some(agent) = arguments.follow {
-        check_agent("--follow", agent, setting)?;
+    match arguments.follow {
+        Some(Followed::Agent(agent)) => check_agent("--follow", agent, setting)?,
+        Some(Followed::Fleet) => check_fleet(arguments.zoom, setting)?,
+        None => {}
     }
     match arguments.select {
         Some(Selected::Agent(agent)) => check_agent("--select", agent, setting)?,
@@ -100,6 +102,19 @@ fn check_agent(option: &str, agent: AgentId, setting: &Setting) -> Result<(), Cl
     let known = setting.agents.iter().map(|start| start.id.to_string()).collect::<Vec<_>>();
     let known = if known.is_empty() { "nobody".into() } else { known.join(", ") };
     Err(CliError::bad_input(format_args!("{option}: there is no {agent} in this run, only {known}"), None))
+}
+
+/// The camera on a fleet needs a truck, and finds its zoom.
+fn check_fleet(zoom: f64, setting: &Setting) -> Result<(), CliError> {
+    if !setting.agents.iter().any(|start| start.id.role.suppresses()) {
+        return Err(CliError::bad_input("--follow fleet: expected a run with a truck, and this one has none", None));
+    }
+    if zoom != Camera::WHOLE.zoom {
+        let message =
+            format_args!("--zoom is {zoom}; expected none beside --follow fleet, which goes as near as all fit");
+        return Err(CliError::bad_input(message, None));
+    }
+    Ok(())
 }
 
 fn share_of_field(point: DVec2, setting: &Setting) -> Result<DVec2, CliError> {
@@ -178,6 +193,14 @@ fn parse_agent(text: &str) -> Result<AgentId, String> {
         _ => None,
     };
     agent.ok_or_else(|| "expected an agent, such as unimog/0 or wumpus/0".into())
+}
+
+fn parse_followed(text: &str) -> Result<Followed, String> {
+    if text == "fleet" {
+        return Ok(Followed::Fleet);
+    }
+    let agent = parse_agent(text).map(Followed::Agent);
+    agent.map_err(|_| "expected an agent, such as unimog/0 or wumpus/0, or fleet".into())
 }
 
 fn parse_selected(text: &str) -> Result<Selected, String> {

@@ -2,7 +2,8 @@
 
 use glam::DVec2;
 
-use super::{RunView, ViewOptions};
+use super::fleet_view::{FieldBox, fleet_box};
+use super::{Followed, RunView, ViewOptions};
 use crate::geometry::{Cell, FieldFrame};
 use crate::picture::canvas::Point;
 use crate::picture::marks::to_f32;
@@ -55,6 +56,21 @@ impl Camera {
             zoom: self.zoom.max(near).min(Self::MOST_ZOOM),
         }
     }
+
+    /// Returns the camera that holds a part of a field in a pane of that size, as near as that goes, and no more of what is
+    /// around the field than must be.
+    fn holding(frame: &FieldFrame, part: FieldBox, (width, height): (f64, f64)) -> Self {
+        let whole = Projection::new(frame, Self::WHOLE, (width, height)).pixels_per_metre;
+        let side = part.high - part.low;
+        let fitting = (Projection::room(width) / side.x).min(Projection::room(height) / side.y) / whole;
+        let near = frame.width_m().max(frame.height_m()) / Self::FOLLOWED_M;
+        let zoom = fitting.min(near).clamp(1.0, Self::MOST_ZOOM);
+        let field = DVec2::new(frame.width_m(), frame.height_m());
+        // The share of the field that is seen; where that is all of it, the middle of the field is in the middle.
+        let seen = (DVec2::new(width, height) / (whole * zoom * field)).min(DVec2::ONE);
+        let centre = (0.5 * (part.low + part.high) / field).max(0.5 * seen).min(1.0 - 0.5 * seen);
+        Self { centre, zoom }
+    }
 }
 
 impl Default for Camera {
@@ -77,24 +93,31 @@ impl Projection {
 
     /// Computes the projection to a pane of that width and height in pixels.
     pub fn new(frame: &FieldFrame, camera: Camera, (width, height): (f64, f64)) -> Self {
-        let room = |side: f64| (side - 2.0 * Self::MARGIN).max(1.0);
-        let fitting = (room(width) / frame.width_m()).min(room(height) / frame.height_m());
+        let fitting = (Self::room(width) / frame.width_m()).min(Self::room(height) / frame.height_m());
         let pixels_per_metre = fitting * camera.zoom;
         let centre = camera.centre * DVec2::new(frame.width_m(), frame.height_m());
         let origin = DVec2::new(0.5 * width - centre.x * pixels_per_metre, 0.5 * height + centre.y * pixels_per_metre);
         Self { pixels_per_metre, origin }
     }
 
+    /// Returns the pixels of a pane's side that a field may take.
+    fn room(side: f64) -> f64 {
+        (side - 2.0 * Self::MARGIN).max(1.0)
+    }
+
     /// Computes the projection to a pane of that width and height in pixels for a run seen with those options: about
-    /// the agent that is followed, if it is there, else as the camera says.
+    /// whom the camera follows, if they are there, else as the camera says.
     pub fn from_options(run: &RunView, state: &State, options: &ViewOptions, (width, height): (u32, u32)) -> Self {
         let setting = &run.timeline().setting;
-        let followed = options.follows.and_then(|agent| setting.agent_index(agent));
-        let camera = followed.map_or(options.camera, |index| {
-            let centre = setting.agents[index].body.centre(state.agents[index].pose);
-            options.camera.following(&setting.frame, centre)
+        let pane = (f64::from(width), f64::from(height));
+        let following = options.follows.and_then(|followed| match followed {
+            Followed::Agent(agent) => setting.agent_index(agent).map(|index| {
+                let centre = setting.agents[index].body.centre(state.agents[index].pose);
+                options.camera.following(&setting.frame, centre)
+            }),
+            Followed::Fleet => fleet_box(run, state.time).map(|part| Camera::holding(&setting.frame, part, pane)),
         });
-        Self::new(&setting.frame, camera, (f64::from(width), f64::from(height)))
+        Self::new(&setting.frame, following.unwrap_or(options.camera), pane)
     }
 
     /// The pixels of a cell: the first ones, and those after the last. Cells side by side leave no gap between them,

@@ -26,7 +26,7 @@ pub const BINDINGS: [Binding; 18] = [
     binding("wheel", "zoom about the mouse"),
     binding("drag", "move the field"),
     binding("Z", "the whole field"),
-    binding("F", "follow the next agent"),
+    binding("F", "follow the fleet, the next agent"),
     binding("click", "story of a bush or agent"),
     binding("Esc", "forget the story, close help"),
     binding("R", "run with the next seed"),

@@ -5,6 +5,7 @@
 
 mod camera;
 mod field;
+mod fleet_view;
 mod hud;
 mod keys;
 mod layout;
@@ -18,6 +19,6 @@ pub use field::pick;
 pub use hud::format_clock;
 pub use keys::{BINDINGS, Binding};
 pub use layout::{FrameLayout, FramePart, PixelRect};
-pub use options::{Layer, Layers, Selected, Status, ViewOptions};
+pub use options::{Followed, Layer, Layers, Selected, Status, ViewOptions};
 pub use renderer::{FrameRenderer, FrameRequest, still};
 pub use run::{RunView, RunViewId};

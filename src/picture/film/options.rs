@@ -1,5 +1,7 @@
 //! The viewer's options: camera, layers, what is followed and selected.
 
+use std::fmt;
+
 use crate::geometry::Cell;
 use crate::picture::film::Camera;
 use crate::timeline::AgentId;
@@ -11,12 +13,30 @@ pub enum Selected {
     Agent(AgentId),
 }
 
+/// The agents that the camera goes with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Followed {
+    /// One agent, in the middle.
+    Agent(AgentId),
+    /// All trucks that do something, as near as all of them are in view; the whole fleet while none does.
+    Fleet,
+}
+
+impl fmt::Display for Followed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Agent(agent) => agent.fmt(f),
+            Self::Fleet => f.write_str("fleet"),
+        }
+    }
+}
+
 /// The viewer's options: all of a picture that does not follow from the runs and the time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ViewOptions {
     pub camera: Camera,
-    /// The agent that the camera goes with, in place of its own centre.
-    pub follows: Option<AgentId>,
+    /// Whom the camera goes with, in place of its own centre; with the fleet, in place of its own zoom too.
+    pub follows: Option<Followed>,
     pub layers: Layers,
     /// The bush or agent whose story is told, and the run that it belongs to.
     pub selected: Option<(usize, Selected)>,
@@ -24,6 +44,16 @@ pub struct ViewOptions {
     pub shows_help: bool,
     /// The state of the player; a still has none.
     pub status: Option<Status>,
+}
+
+impl ViewOptions {
+    /// The one agent that the camera goes with.
+    pub fn followed_agent(&self) -> Option<AgentId> {
+        match self.follows {
+            Some(Followed::Agent(agent)) => Some(agent),
+            Some(Followed::Fleet) | None => None,
+        }
+    }
 }
 
 /// The state of a player.

@@ -4,7 +4,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use crate::time::SimTime;
-use crate::timeline::{AgentId, AgentStats, BushCounts, CpuHistory, CpuSample, Event, RunIndex, State, Timeline};
+use crate::timeline::{
+    AgentId, AgentState, AgentStats, BushCounts, CpuHistory, CpuSample, Event, RunIndex, State, Timeline,
+};
 
 /// Tells the runs shown by one process apart, those that are gone included; renderers know by it what they may keep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,6 +18,10 @@ impl RunViewId {
         Self(NEXT.fetch_add(1, Ordering::Relaxed))
     }
 }
+
+/// Runs with more agents than this are told of by sums, since a panel has no room for all of them one by one, and their numbers
+/// are written where there is room.
+const MOST_ONE_BY_ONE: usize = 8;
 
 /// A run prepared for being shown: what is asked of it at any time, its title, and what its decisions cost.
 #[derive(Debug)]
@@ -60,6 +66,11 @@ impl RunView {
         self.index.timeline()
     }
 
+    /// Returns whether it has more agents than can be told of one by one.
+    pub fn is_crowded(&self) -> bool {
+        self.timeline().setting.agents.len() > MOST_ONE_BY_ONE
+    }
+
     pub fn end_time(&self) -> SimTime {
         self.index.end_time()
     }
@@ -71,6 +82,11 @@ impl RunView {
 
     pub fn state_at(&self, time: SimTime) -> State {
         self.index.state_at(time)
+    }
+
+    /// The state of one agent, by its place in the setting.
+    pub fn agent_at(&self, agent: usize, time: SimTime) -> AgentState {
+        self.index.agent_at(agent, time)
     }
 
     pub fn counts_at(&self, time: SimTime) -> BushCounts {

@@ -40,6 +40,9 @@ pub enum Choice {
     /// A truck of a [team](Asking::Team) drives to this place, in metres in the frame of the field, and waits there; it may
     /// be called off on the way. One that has a goal drops it. Any other agent waits.
     Move(DVec2),
+    /// A truck fills its tank, or drives to water. One that has a goal drops it. Where water does not matter, and for any
+    /// other agent, it is [`Self::Wait`].
+    Refill,
     /// It stays where it is, or keeps its goal, until something wakes it.
     Wait,
     /// It does the same, but decides again at this time at the latest; of an agent that has a goal, until something wakes
@@ -52,7 +55,7 @@ impl Choice {
     pub fn until(self) -> Option<SimTime> {
         match self {
             Self::WaitUntil(time) => Some(time),
-            Self::Go(_) | Self::Move(_) | Self::Wait => None,
+            Self::Go(_) | Self::Move(_) | Self::Refill | Self::Wait => None,
         }
     }
 }
@@ -70,6 +73,8 @@ pub struct AgentView {
     pub goal: Option<Cell>,
     /// The place that it was sent to, if it is on its way there or waits there.
     pub post: Option<DVec2>,
+    /// The stops that the water in its tank suffices for; `None` where water does not matter.
+    pub stops_left: Option<u32>,
     /// When it can set out for something else: now, unless it has to end something first.
     pub free_at: SimTime,
     /// Where the middle of its body is then.

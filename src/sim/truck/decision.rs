@@ -54,6 +54,8 @@ pub enum Conclusion {
     Rests(RestReason),
     /// Its policy wants it to stay where it is, until something wakes it or until this time.
     Stays(Option<SimTime>),
+    /// It fills its tank until then.
+    Refills(SimTime),
 }
 
 /// A drive to a place where a truck is to wait.
@@ -86,6 +88,9 @@ pub struct DecisionBooks<'w, 's> {
 impl Truck {
     /// Lists what a truck may go for of the burning cells that no other truck has as its goal.
     fn options(&self, agent: &Agent, unclaimed: impl Iterator<Item = Cell> + Clone) -> Vec<Cell> {
+        if agent.stops_left == Some(0) {
+            return Vec::new();
+        }
         if agent.goal.is_some() {
             // The goal may itself be one that the planner had failed on and the flood reached.
             return unclaimed.filter(|cell| agent.goal == Some(*cell) || !self.failed_goals.contains(cell)).collect();
@@ -159,6 +164,7 @@ impl Fleet<'_, '_> {
         }
         let conclusion = match goal {
             Some(goal) => self.try_goal(entity, goal, fires),
+            None if choice == Choice::Refill || self.is_out_of_water(entity) => Some(self.refill(entity, fires)),
             None if options.is_empty() => Some(self.stop_looking(entity, fires)),
             None => Some(Conclusion::Stays(choice.until())),
         };
@@ -286,6 +292,11 @@ impl Fleet<'_, '_> {
             Conclusion::Thinks => {}
             Conclusion::Rests(reason) => agent.rest(now, reason, &mut self.recorder),
             Conclusion::Stays(until) => agent.wait(entity, now, until, &mut self.queue, &mut self.recorder),
+            Conclusion::Refills(until) => {
+                let full_tank = truck.water.as_ref().map_or(0, |water| water.full_tank);
+                self.recorder.record_agent(now, agent.id, AgentFact::Refilling { until });
+                agent.refill(entity, full_tank, until, &mut self.queue);
+            }
             Conclusion::Waits(blocked) => {
                 let (goal, by) = blocked[0].reason();
                 if begun.before.first().map(Blocked::reason) != Some((goal, by)) {

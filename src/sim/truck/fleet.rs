@@ -207,6 +207,7 @@ pub fn arrive(mut fleet: Fleet) {
         let cell = agent.goal.expect("a truck drives to a goal");
         fleet.recorder.record_agent(now, agent.id, AgentFact::Suppressing { cell });
         agent.busy_until = now + truck.dwell;
+        agent.stops_left = agent.stops_left.map(|stops| stops.saturating_sub(1));
         fleet.queue.push_for(now + truck.dwell, AgentEvent::DwellEnd, agent.wake(wake.agent));
     }
 }

@@ -12,6 +12,9 @@ mod fleet;
 mod spawn;
 mod team;
 mod tracks;
+mod water;
+
+use std::sync::Arc;
 
 use bevy::prelude::*;
 
@@ -22,6 +25,7 @@ use crate::planning::registry::Charge;
 use crate::planning::{Effort, TruckPlanner};
 use crate::scenario::TrafficRules;
 use crate::time::SimTime;
+use crate::timeline::WaterRules;
 use crate::trajectory::SpeedLimits;
 use crate::vehicle::Dimensions;
 
@@ -72,6 +76,8 @@ pub struct Truck {
     /// What it would do if other trucks were not in the way, best first. Plans are kept, because it stands where it is.
     pub blocked: Vec<Blocked>,
     deliberation: Option<Deliberation>,
+    /// The rules of water, if there are any.
+    water: Option<Arc<WaterRules>>,
     /// Places that it found no way to.
     closed_posts: Vec<ClosedPost>,
 }

@@ -84,12 +84,14 @@ pub fn spawn(
         traffic: arena.scenario.traffic.clone().unwrap_or_default(),
         blocked: Vec::new(),
         deliberation: None,
+        water: arena.water.clone(),
         closed_posts: Vec::new(),
     };
     let following = world.resource::<Following>();
     let follows = following.policy_of(id);
     let woken_by = WokenBy::truck(following.asking(follows), settings.retarget == Retarget::OnEvent);
     let mut agent = Agent::standing(id, Body::Truck(settings.vehicle), start);
+    agent.stops_left = arena.water.as_ref().map(|water| water.full_tank);
     (agent.cost.sampling, agent.cost.connecting) = (sampling, connecting);
     Ok(enlist(world, agent, settings.speed_limits(), (truck, woken_by, follows)))
 }

@@ -8,9 +8,9 @@
 use bevy::prelude::*;
 use glam::DVec2;
 
-use super::Fleet;
 use super::decision::{Conclusion, DecisionBooks, Relocation};
 use super::drive::Outset;
+use super::{Fleet, Truck};
 use crate::fire::FireField;
 use crate::geometry::Pose;
 use crate::planning::{Effort, GoalDisc};
@@ -162,7 +162,9 @@ impl Fleet<'_, '_> {
         let Ok((agent, _)) = self.trucks.get(entity) else { return false };
         match (agent.goal, agent.post, choice) {
             (Some(goal), _, Choice::Go(cell)) if cell != goal => self.drop_goal(entity),
-            (Some(_), _, Choice::Move(_)) => self.drop_goal(entity),
+            (Some(_), _, Choice::Move(_) | Choice::Refill) => self.drop_goal(entity),
+            // It is on its way to water.
+            (None, ..) if agent.stops_left == Some(0) => return false,
             (None, _, Choice::Go(_)) => self.halt(entity),
             (None, Some(post), Choice::Move(place)) if (place - post).length() > AS_GOOD_M => self.halt(entity),
             _ => return false,
@@ -174,6 +176,7 @@ impl Fleet<'_, '_> {
     fn carry_out(&mut self, entity: Entity, choice: Choice, fires: &FireField) -> Option<Conclusion> {
         let options = self.options(entity, &[entity], fires);
         match choice {
+            _ if self.is_out_of_water(entity) => Some(self.refill(entity, fires)),
             Choice::Go(cell) if options.contains(&cell) => {
                 let conclusion = self.try_goal(entity, cell, fires);
                 if conclusion.is_none()
@@ -184,10 +187,13 @@ impl Fleet<'_, '_> {
                 }
                 conclusion
             }
-            _ if options.is_empty() && !matches!(choice, Choice::Move(_)) || self.has_blocked_drives(entity) => {
+            _ if options.is_empty() && !matches!(choice, Choice::Move(_) | Choice::Refill)
+                || self.has_blocked_drives(entity) =>
+            {
                 Some(self.stop_looking(entity, fires))
             }
             Choice::Move(place) => Some(self.relocate(entity, place, fires)),
+            Choice::Refill => Some(self.refill(entity, fires)),
             _ => Some(Conclusion::Stays(choice.until())),
         }
     }
@@ -206,25 +212,30 @@ impl Fleet<'_, '_> {
         concluded.has_new_plans || waited(concluded.is) && !waited(concluded.was)
     }
 
-    /// Plans a truck's drive to a place where it is to wait.
+    /// Sends a truck to a place where it is to wait.
     fn relocate(&mut self, entity: Entity, place: DVec2, fires: &FireField) -> Conclusion {
+        let Ok((mut agent, truck)) = self.trucks.get_mut(entity) else { return Conclusion::Stays(None) };
+        if (truck.body.body_centre(agent.trajectory.start()) - place).length() <= AS_GOOD_M {
+            agent.post = Some(place);
+            return Conclusion::Stays(None);
+        }
+        self.drive_to(entity, GoalDisc { centre: place, radius_m: POST_RADIUS_M }, fires)
+    }
+
+    /// Plans a truck's drive to a place without a fire. It stays where it is if it finds no way or others are in it.
+    pub fn drive_to(&mut self, entity: Entity, disc: GoalDisc, fires: &FireField) -> Conclusion {
         let (now, reservations) = (self.now(), self.reservations());
         let Ok((mut agent, mut truck)) = self.trucks.get_mut(entity) else { return Conclusion::Stays(None) };
         let (agent, truck) = (&mut *agent, &mut *truck);
         let pose = agent.trajectory.start();
-        truck.closed_posts.retain(|closed| closed.from == pose && closed.until > now);
-        let is_closed = truck.closed_posts.iter().any(|closed| (closed.to - place).length() <= AS_GOOD_M);
-        let is_there = (truck.body.body_centre(pose) - place).length() <= AS_GOOD_M;
-        if is_there {
-            agent.post = Some(place);
-        }
-        if is_there || is_closed {
+        if truck.closed_until(pose, disc.centre, now).is_some() {
             return Conclusion::Stays(None);
         }
+        truck.closed_posts.retain(|closed| closed.from == pose && closed.until > now);
+        let place = disc.centre;
         let delay = truck.deliberation.as_ref().map_or(SimTime::ZERO, |begun| begun.delay);
         let traffic = Traffic::new(&reservations, entity);
         let outset = Outset { now, pose, frame: fires.frame(), traffic, delay };
-        let disc = GoalDisc { centre: place, radius_m: POST_RADIUS_M };
         let mut spent = Effort::default();
         let found = truck.query(disc, outset, &mut spent, &mut agent.cost, &mut self.recorder);
         let (reason, effort, until, tried_again) = match found {
@@ -246,5 +257,13 @@ impl Fleet<'_, '_> {
         }
         agent.wait_until(entity, until, &mut self.queue);
         Conclusion::Thinks
+    }
+}
+
+impl Truck {
+    /// Returns until when a truck does not try again to get from where it stands to a place, if it has tried.
+    pub fn closed_until(&self, from: Pose, to: DVec2, now: SimTime) -> Option<SimTime> {
+        let is_meant = |closed: &&ClosedPost| closed.from == from && (closed.to - to).length() <= AS_GOOD_M;
+        self.closed_posts.iter().filter(is_meant).map(|closed| closed.until).filter(|&until| until > now).max()
     }
 }

@@ -10,7 +10,7 @@ use crate::ranges::{OutOfRange, SettingsTable};
 use crate::time::SimTime;
 use crate::timeline::{
     AgentFact, AgentStart, Body, Event, Fact, FireFact, GroundEvent, GroundFact, Rules, Setting, SpreadSetting,
-    Timeline,
+    Timeline, WaterRules,
 };
 use crate::trajectory::{Piece, SpeedLimits, Trajectory};
 
@@ -92,7 +92,16 @@ fn check_setting(setting: &Setting) -> Result<(), FileError> {
     let ascend = setting.blocked.is_sorted_by(|a, b| frame.index(*a) < frame.index(*b));
     require(ascend, || "its blocked cells are not in the order of their indices".into())?;
     setting.spread.as_ref().map_or(Ok(()), |spread| check_spread(spread, frame))?;
+    setting.water.as_ref().map_or(Ok(()), check_water)?;
     check_rules(&setting.rules)
+}
+
+fn check_water(water: &WaterRules) -> Result<(), FileError> {
+    limit("places with water", water.places.len(), MAX_AGENTS)?;
+    let are_somewhere = !water.places.is_empty() && water.places.iter().all(|place| place.is_finite());
+    require(are_somewhere, || "its water is nowhere".into())?;
+    let is_tank = water.full_tank > 0 && is_size(water.reach_m);
+    require(is_tank, || "its tanks hold nothing, or cannot be filled".into())
 }
 
 fn check_spread(spread: &SpreadSetting, frame: FieldFrame) -> Result<(), FileError> {
@@ -218,6 +227,9 @@ fn check_event(event: &Event, setting: &Setting) -> Result<(), FileError> {
         }
         Fact::Agent(_, AgentFact::PlanFailed { until, .. } | AgentFact::RelocationFailed { until, .. }) => {
             require(*until >= event.time, || "planning time ends before it begins".into())
+        }
+        Fact::Agent(_, AgentFact::Refilling { until }) => {
+            require(*until >= event.time, || "a tank is full before it is filled".into())
         }
         Fact::Agent(
             _,

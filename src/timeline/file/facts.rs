@@ -45,6 +45,7 @@ mod kind {
     pub const RELOCATED: u32 = 21;
     pub const HALTED: u32 = 22;
     pub const RELOCATION_FAILED: u32 = 23;
+    pub const REFILLING: u32 = 24;
 }
 
 /// The ways in which a leg begins.
@@ -68,13 +69,14 @@ mod piece {
 }
 
 // Words are written as their places in these lists, which only grow at the end.
-const REST_REASONS: [RestReason; 6] = [
+const REST_REASONS: [RestReason; 7] = [
     RestReason::NothingLeftToLight,
     RestReason::NothingBurns,
     RestReason::NothingReachable,
     RestReason::LocalMinima,
     RestReason::NoPlan,
     RestReason::Chosen,
+    RestReason::NoWater,
 ];
 const END_REASONS: [EndReason; 2] = [EndReason::Duration, EndReason::NothingLeft];
 const FAILURES: [PlanFailure; 8] = [
@@ -247,6 +249,10 @@ impl<'a> FactWriter<'a> {
                 self.record(kind::RELOCATION_FAILED, &fields);
                 append(&mut self.records, &(*until - self.now).as_nanos());
                 [*x_m, *y_m].into_iter().for_each(|number| self.numbers.push(number));
+            }
+            AgentFact::Refilling { until } => {
+                self.record(kind::REFILLING, &[agent]);
+                append(&mut self.records, &(*until - self.now).as_nanos());
             }
             AgentFact::Searched { phase, graph } => {
                 let (places, edges) = (graph.places.len() as u32, graph.edges.len() as u32);
@@ -491,6 +497,10 @@ impl<'a> FactReader<'a> {
                 let until = self.later(charged_ns)?;
                 let (x_m, y_m) = (self.numbers.next()?, self.numbers.next()?);
                 AgentFact::RelocationFailed { x_m, y_m, reason, effort, until }
+            }
+            kind::REFILLING => {
+                let busy_ns = take(&mut self.records)?;
+                AgentFact::Refilling { until: self.later(busy_ns)? }
             }
             kind::SEARCHED => AgentFact::Searched { phase: word_of(&PHASES, self.number()?)?, graph: self.graph()? },
             _ => return Err(NO_SUCH_WORD),

@@ -37,10 +37,10 @@ use thiserror::Error;
 use facts::{FactReader, FactWriter};
 use ground::{GroundRecord, GroundWriter};
 use numbers::NumberReader;
-use setting::{SettingRecord, Supplement};
+use setting::{SettingRecord, Supplement, WaterRecord};
 use spread::GroundSetting;
 
-use super::Timeline;
+use super::{Timeline, WaterRules};
 use crate::input_file;
 use crate::whole_file::write_whole;
 
@@ -51,13 +51,15 @@ use crate::whole_file::write_whole;
 /// looked at, since version 5 what found each plan, and fires that spread at one instant are one record; since version 6
 /// there are the failures of planners that are not built in, and trucks that rest because of them or by choice; since
 /// version 7 there is fire on the ground: what it runs over, its rules, its log, and cells of ground as goals; since
-/// version 8 trucks drive to places where they wait.
-pub const FORMAT: u16 = 8;
+/// version 8 trucks drive to places where they wait, since version 9 they have tanks.
+pub const FORMAT: u16 = 9;
 
 /// The first format with a [`Supplement`].
 const SUPPLEMENTED: u16 = 3;
 /// The first format with ground.
 const WITH_GROUND: u16 = 7;
+/// The first format with water.
+const WITH_WATER: u16 = 9;
 
 /// The bytes that every recording begins with.
 pub const MAGIC: &[u8; 8] = b"WILDFIRE";
@@ -182,6 +184,7 @@ fn encode_payload(timeline: &Timeline) -> Vec<u8> {
     append(&mut bytes, &GroundSetting::from(&timeline.setting));
     let log = (!timeline.ground.is_empty()).then(|| GroundWriter::new(&timeline.setting, &timeline.ground));
     append(&mut bytes, &log.as_ref().map(GroundWriter::record_of_all));
+    append(&mut bytes, &timeline.setting.water.as_ref().map(WaterRecord::from));
     bytes
 }
 
@@ -197,12 +200,14 @@ fn decode_payload(format: u16, mut bytes: &[u8]) -> Result<Timeline, FileError> 
     } else {
         (take(&mut bytes)?, take::<Option<GroundRecord<'_>>>(&mut bytes)?)
     };
+    let water: Option<WaterRecord> = if format < WITH_WATER { None } else { take(&mut bytes)? };
     if !bytes.is_empty() {
         return Err(FileError::Damaged("more follows than its setting and its facts"));
     }
     let mut setting = setting.into_setting(&supplement)?;
     setting.blocked = ground_setting.blocked(setting.frame)?;
     setting.spread = ground_setting.spread(setting.frame)?;
+    setting.water = water.map(WaterRules::from);
     let numbers = NumberReader::new(&streams.recurring_numbers, &streams.single_numbers, streams.number_references);
     let events = FactReader::new(format, &setting, streams.delays, streams.records, numbers).read(count)?;
     let ground = log.map_or(Ok(Vec::new()), |log| log.read(&setting))?;
@@ -375,7 +380,7 @@ mod tests {
             let payload = encode_payload(timeline);
             (payload.len(), crc32fast::hash(&payload))
         };
-        assert_eq!(digest(&sample::by_hand()), (670, 3_460_633_845));
+        assert_eq!(digest(&sample::by_hand()), (671, 521_907_210));
     }
 
     #[test]
@@ -508,6 +513,7 @@ mod tests {
             append(&mut payload, &Supplement::from(&setting));
             append(&mut payload, &GroundSetting::default());
             append(&mut payload, &None::<GroundRecord<'_>>);
+            append(&mut payload, &None::<WaterRecord>);
             decode(&sealed(&deflate::compress_to_vec(&payload, 1))).expect_err("its bytes hold nothing").to_string()
         };
         assert_eq!(refusal(u32::MAX, 0), "too large to record: places of searches beyond the limit of 8000000");
@@ -535,7 +541,7 @@ mod tests {
         let mut bytes = encode(&sample::by_hand()).expect("it is a possible run");
         bytes[8..10].copy_from_slice(&(FORMAT + 1).to_le_bytes());
         let newer = decode(&bytes).expect_err("the format is unknown");
-        assert_eq!(newer.to_string(), "written by a newer wildfire: format 9, this program reads up to 8");
+        assert_eq!(newer.to_string(), "written by a newer wildfire: format 10, this program reads up to 9");
         let foreign = decode(b"\x89PNG\r\n\x1a\n and so on").expect_err("it is a picture");
         assert_eq!(foreign.to_string(), "not a wildfire recording");
     }

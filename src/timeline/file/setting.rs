@@ -10,9 +10,9 @@ use super::FileError;
 use super::check::{MAX_SIDE, limit};
 use super::facts::NO_SUCH_BUSH;
 use crate::fire::FireRules;
-use crate::geometry::{Cell, FieldFrame, Pose};
+use crate::geometry::{Cell, DVec2, FieldFrame, Pose};
 use crate::time::SimTime;
-use crate::timeline::{AgentId, AgentStart, Body, Role, Rules, Setting};
+use crate::timeline::{AgentId, AgentStart, Body, Role, Rules, Setting, WaterRules};
 use crate::trajectory::SpeedLimits;
 use crate::vehicle::Dimensions;
 
@@ -78,6 +78,31 @@ struct LimitsRecord {
     acceleration_mps2: Option<f64>,
     braking_mps2: Option<f64>,
     lateral_mps2: Option<f64>,
+}
+
+/// The tanks of trucks, which formats hold since the ninth.
+#[derive(Serialize, Deserialize)]
+pub struct WaterRecord {
+    full_tank: u32,
+    fill_per_stop_ns: u64,
+    reach_m: f64,
+    places: Vec<[f64; 2]>,
+}
+
+impl From<&WaterRules> for WaterRecord {
+    fn from(water: &WaterRules) -> Self {
+        let WaterRules { full_tank, fill_per_stop, reach_m, places } = water;
+        let places = places.iter().map(|place| place.to_array()).collect();
+        Self { full_tank: *full_tank, fill_per_stop_ns: fill_per_stop.as_nanos(), reach_m: *reach_m, places }
+    }
+}
+
+impl From<WaterRecord> for WaterRules {
+    fn from(record: WaterRecord) -> Self {
+        let WaterRecord { full_tank, fill_per_stop_ns, reach_m, places } = record;
+        let places = places.into_iter().map(DVec2::from_array).collect();
+        Self { full_tank, fill_per_stop: SimTime::from_nanos(fill_per_stop_ns), reach_m, places }
+    }
 }
 
 /// The model of fire with its numbers.
@@ -177,6 +202,7 @@ impl SettingRecord {
             bushes: cells(frame, &self.bush_steps)?,
             blocked: Vec::new(),
             spread: None,
+            water: None,
             agents: agents.map(|(agent, limits)| agent.start(limits)).collect(),
             rules: Rules {
                 duration: SimTime::from_nanos(self.rules.duration_ns),

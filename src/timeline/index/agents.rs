@@ -23,7 +23,7 @@ use super::ground::GroundIndex;
 pub struct AgentStats {
     pub activity: Activity,
     /// By activity, in the order of its variants.
-    spent: [SimTime; 5],
+    spent: [SimTime; 6],
     /// Queries for a plan, failed ones included.
     pub plans: u32,
     pub failures: u32,
@@ -92,7 +92,7 @@ impl AgentHistory {
     fn new() -> Self {
         let stats = AgentStats {
             activity: Activity::Standing,
-            spent: [SimTime::ZERO; 5],
+            spent: [SimTime::ZERO; 6],
             plans: 0,
             failures: 0,
             last_failure: None,
@@ -292,15 +292,17 @@ impl<'a> AgentReader<'a> {
             Fact::Ended { .. } => return,
         };
         self.rests_by_choice = match fact {
-            AgentFact::Rested { reason } => *reason == RestReason::Chosen,
+            AgentFact::Rested { reason } => matches!(reason, RestReason::Chosen | RestReason::NoWater),
             AgentFact::OutOfReach { .. } | AgentFact::Searched { .. } | AgentFact::RelocationFailed { .. } => {
                 self.rests_by_choice
             }
             _ => false,
         };
         self.has_nothing_to_do = match fact {
-            AgentFact::Rested { reason } => matches!(reason, RestReason::Chosen | RestReason::NothingBurns),
-            AgentFact::Relocated { .. } | AgentFact::Halted { .. } => true,
+            AgentFact::Rested { reason } => {
+                matches!(reason, RestReason::Chosen | RestReason::NothingBurns | RestReason::NoWater)
+            }
+            AgentFact::Relocated { .. } | AgentFact::Halted { .. } | AgentFact::Refilling { .. } => true,
             AgentFact::OutOfReach { .. } | AgentFact::Searched { .. } | AgentFact::RelocationFailed { .. } => {
                 self.has_nothing_to_do
             }
@@ -344,6 +346,7 @@ impl<'a> AgentReader<'a> {
                 self.count_plan(now, *effort);
                 self.count_failure(*reason);
             }
+            AgentFact::Refilling { .. } => self.outcome.refills += 1,
             AgentFact::LocalMinimum { .. } => self.outcome.local_minima += 1,
             AgentFact::Dropped { .. } => self.end_drive(now),
             AgentFact::GaveWay { .. } => self.outcome.deadlocks += 1,
@@ -400,6 +403,7 @@ impl<'a> AgentReader<'a> {
             suppressing_s: spent_s(Activity::Suppressing),
             standing_s: spent_s(Activity::Standing),
             waiting_s: spent_s(Activity::Waiting),
+            refilling_s: spent_s(Activity::Refilling),
             stuck_s: self.stuck.as_seconds(),
             longest_idle_s: self.longest_idle.as_seconds(),
             idle_s: self.without_work.as_seconds(),
@@ -425,15 +429,8 @@ impl<'a> AgentReader<'a> {
 
     /// Returns true if a bush burns out before a truck that arrives at this time could have put it out.
     fn is_hopeless(&self, goal: Cell, arrives: SimTime, bushes: &[BushState]) -> bool {
-        let Setting { rules, .. } = &self.timeline.setting;
-        let bush = self.timeline.setting.bush_index(goal).map(|bush| bushes[bush]);
-        match (bush, rules.fire.and_then(|fire| fire.burn_out)) {
-            // What is due at the same instant is put out first.
-            (Some(BushState::Burning { since }), Some(burn_out)) => {
-                arrives + rules.suppression_dwell > since + burn_out
-            }
-            _ => false,
-        }
+        let setting = &self.timeline.setting;
+        setting.bush_index(goal).is_some_and(|bush| setting.rules.is_hopeless(bushes[bush], arrives))
     }
 
     /// Records that another truck's goal is near the one that it has just chosen.

@@ -20,7 +20,9 @@ use bushes::{BushHistory, BushReader};
 
 use super::clairvoyant;
 use super::replay::Happening;
-use super::{Activity, AgentFact, BushState, Event, FLOCK_M, Fact, GroundEvent, Outcome, Replay, State, Timeline};
+use super::{
+    Activity, AgentFact, AgentState, BushState, Event, FLOCK_M, Fact, GroundEvent, Outcome, Replay, State, Timeline,
+};
 use crate::geometry::Cell;
 use crate::planning::{SearchGraph, SearchPhase};
 use crate::time::SimTime;
@@ -76,6 +78,11 @@ impl<'a> RunIndex<'a> {
         let agents = self.timeline.setting.agents.iter().zip(&self.agents);
         let agents = agents.map(|(start, agent)| agent.state_at(&self.timeline, start, time)).collect();
         State { time, bushes: self.bushes.states_at(time), agents }
+    }
+
+    /// The state of one agent at a time; cheaper than that of all and of the bushes.
+    pub fn agent_at(&self, agent: usize, time: SimTime) -> AgentState {
+        self.agents[agent].state_at(&self.timeline, &self.timeline.setting.agents[agent], time.min(self.end))
     }
 
     pub fn counts_at(&self, time: SimTime) -> BushCounts {

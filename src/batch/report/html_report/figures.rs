@@ -174,15 +174,56 @@ fn state_curves(curves: &StateCurves) -> Vec<Curve> {
     STATES.iter().zip(state_styles()).zip(&curves.0).map(curve).collect()
 }
 
-fn over_time(of: &str, panels: Vec<CurvePanel>) -> CurveChart {
+/// The curves of intact obstacles are left out where no other curve or band is higher than this.
+const LEAST_OF_HEIGHT: f64 = 0.2;
+
+fn over_time(of: &str, mut panels: Vec<CurvePanel>) -> CurveChart {
+    let intact = Quantity::label(STATES[0]);
+    let others = panels.iter().flat_map(|panel| &panel.curves).filter(|curve| curve.name != intact);
+    let ends = others
+        .flat_map(|curve| &curve.points)
+        .map(|(_, share)| share.interval.map_or(share.value, |(_, high)| high.max(share.value)));
+    let highest = ends.fold(0.0, f64::max);
+    let is_dwarfed = highest > 0.0 && highest <= LEAST_OF_HEIGHT;
+    if is_dwarfed {
+        panels.iter_mut().for_each(|panel| panel.curves.retain(|curve| curve.name != intact));
+    }
     CurveChart {
         titles: Titles {
             title: format!("Obstacle states over time{of}"),
             note: "Lines are means, bands the middle 80 % of runs.".into(),
             x: "simulated seconds".into(),
-            y: SHARE_AXIS.into(),
+            y: if is_dwarfed { format!("{SHARE_AXIS} (intact left out)") } else { SHARE_AXIS.into() },
         },
         spread: Spread::Bands,
         panels,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::picture::charts::Estimate;
+
+    /// A panel of curves whose states have those shares all the time, and bands of a tenth of that to either side.
+    fn panel(shares: [f64; STATES.len()]) -> CurvePanel {
+        let estimate = |value: f64| Estimate { value, interval: Some((0.9 * value, 1.1 * value)) };
+        let curves = shares.map(|share| vec![(0.0, estimate(share)), (60.0, estimate(share))]);
+        CurvePanel { name: String::new(), curves: state_curves(&StateCurves(curves)) }
+    }
+
+    #[test]
+    fn curves_of_intact_obstacles_are_left_out_where_these_dwarf_the_others() {
+        let (calm, wild) = ([0.8, 0.01, 0.18, 0.01], [0.7, 0.05, 0.24, 0.01]);
+        for (panels, expected) in [
+            (vec![panel(calm)], 3),
+            (vec![panel(wild)], 4),
+            (vec![panel(calm), panel(wild)], 4),
+            (vec![panel([1.0, 0.0, 0.0, 0.0])], 4),
+        ] {
+            let chart = over_time("", panels);
+            assert!(chart.panels.iter().all(|panel| panel.curves.len() == expected), "{:?}", chart.panels);
+            assert_eq!(chart.titles.y.contains("intact left out"), expected == 3);
+        }
     }
 }

@@ -8,13 +8,19 @@ use crate::picture::film::field::sprite::{Placement, UNIMOG_SPRITE, WHEEL_SPRITE
 use crate::picture::marks::to_f32;
 use crate::picture::text::{Align, draw_text, measure_text};
 use crate::time::SimTime;
-use crate::timeline::{AgentId, Body, Role};
+use crate::timeline::{Activity, AgentId, Body, Role};
 use crate::trajectory::{Piece, Trajectory};
 use crate::vehicle::Dimensions;
 
 /// Bodies shorter than this, in thin lines, are drawn this long, and a ring says so.
 const LEAST_WUMPUS: f32 = 13.0;
 const LEAST_UNIMOG: f32 = 18.0;
+
+/// Marks of agents that are too many to be drawn as bodies, in thin lines: the length of a truck's, which points where it is
+/// headed, the radius of a Wumpus's, and the width of the pale edge of both.
+const MARK_LENGTH: f32 = 11.0;
+const MARK_RADIUS: f32 = 3.4;
+const MARK_EDGE: f32 = 1.0;
 
 /// The size of the truck that the sprites are drawn for, in metres.
 const DRAWN_LENGTH_M: f64 = 4.9;
@@ -32,7 +38,46 @@ pub fn agent_colour(agent: AgentId) -> Rgb {
 /// Draws all agents, trucks over Wumpuses.
 pub fn draw_agents(canvas: &mut Canvas, pane: &Pane) {
     for index in 0..pane.setting().agents.len() {
-        draw_agent(canvas, pane, index);
+        if pane.has_marks() {
+            draw_mark(canvas, pane, index);
+        } else {
+            draw_agent(canvas, pane, index);
+        }
+    }
+}
+
+/// Draws an agent as a mark, which is hollow while it does nothing.
+fn draw_mark(canvas: &mut Canvas, pane: &Pane, index: usize) {
+    let (start, state) = (&pane.setting().agents[index], &pane.view.state.agents[index]);
+    let (at, unit) = (pane.at(start.body.centre(state.pose)), pane.unit());
+    if !pane.is_near(at, MARK_LENGTH * unit) {
+        return;
+    }
+    let (colour, edge) = (agent_colour(start.id), MARK_EDGE * unit);
+    let is_idle = state.activity == Activity::Standing;
+    if let Body::Square { .. } = start.body {
+        let radius = MARK_RADIUS * unit;
+        canvas.fill_disc(at, radius + edge, PAPER);
+        canvas.fill_disc(at, radius, colour);
+        if is_idle {
+            canvas.fill_disc(at, 0.55 * radius, PAPER);
+        }
+        return;
+    }
+    let (sin, cos) = ops::sin_cos(state.pose.heading);
+    let (sin, cos) = (to_f32(sin), to_f32(cos));
+    let arrow = |length: f32| {
+        let place = |(along, across): (f32, f32)| {
+            let (along, across) = (along * length, across * length);
+            (at.0 + along * cos - across * sin, at.1 - along * sin - across * cos)
+        };
+        [(0.58, 0.0), (-0.42, 0.36), (-0.24, 0.0), (-0.42, -0.36)].map(place)
+    };
+    let length = MARK_LENGTH * unit;
+    canvas.fill(&arrow(length + 4.0 * edge), PAPER);
+    canvas.fill(&arrow(length), colour);
+    if is_idle {
+        canvas.fill(&arrow(0.5 * length), PAPER);
     }
 }
 
@@ -44,7 +89,7 @@ fn draw_agent(canvas: &mut Canvas, pane: &Pane, index: usize) {
         return;
     }
     if length > true_length(pane, &start.body) {
-        let radius = 0.62 * length + 2.0 * unit;
+        let radius = ring_radius(length, unit);
         canvas.ring(at, radius, &Pen::opaque(PAPER, 4.0 * unit));
         canvas.ring(at, radius, &Pen::opaque(agent_colour(start.id), 2.0 * unit));
     }
@@ -60,13 +105,31 @@ fn draw_agent(canvas: &mut Canvas, pane: &Pane, index: usize) {
             draw_truck(canvas, at, state.pose, &body, scale, curvature);
         }
     }
-    if is_one_of_many(pane, start.id) {
+    if !pane.view.run.is_crowded() && is_one_of_many(pane, start.id) {
         draw_number(canvas, at, (length, unit), start.id);
     }
 }
 
-/// Pixels from end to end of a body as it is drawn.
+/// The radius of the ring about a body that is drawn larger than it is.
+fn ring_radius(length: f32, unit: f32) -> f32 {
+    0.62 * length + 2.0 * unit
+}
+
+/// Returns how far an agent reaches from its middle as it is drawn, its ring included, in pixels.
+pub fn drawn_reach(pane: &Pane, body: &Body) -> f32 {
+    let (length, unit) = (drawn_length(pane, body), pane.unit());
+    if pane.has_marks() || length <= true_length(pane, body) {
+        0.5 * length + unit
+    } else {
+        ring_radius(length, unit) + 2.0 * unit
+    }
+}
+
+/// Pixels from end to end of a body, or its mark, as it is drawn.
 pub fn drawn_length(pane: &Pane, body: &Body) -> f32 {
+    if pane.has_marks() {
+        return pane.unit() * if let Body::Square { .. } = body { 2.0 * MARK_RADIUS } else { MARK_LENGTH };
+    }
     let least = match body {
         Body::Square { .. } => LEAST_WUMPUS,
         Body::Truck(_) => LEAST_UNIMOG,

@@ -6,6 +6,7 @@ use crate::picture::canvas::{Canvas, Point};
 use crate::picture::colours::{FIELD, blend, bush_colour};
 use crate::picture::film::field::Pane;
 use crate::picture::film::field::fires::draw_tongues;
+use crate::picture::film::field::heat_map::HeatMap;
 use crate::picture::film::field::sprite::{BURNED_SPRITE, BUSH_SPRITE, EMBERS_SPRITE, Placement, Sprite, WET_SPRITE};
 
 /// Cells with shorter sides than this, in pixels, are flat.
@@ -32,7 +33,9 @@ fn sprite(kind: BushStateKind) -> &'static Sprite {
 
 /// Draws bushes, given in the order of the setting.
 pub fn draw_bushes(canvas: &mut Canvas, pane: &Pane, kinds: &[BushStateKind], stamps: &mut Stamps) {
-    if pane.cell_side() < LEAST_SPRITE {
+    if pane.is_heat_map() {
+        HeatMap::new(pane).draw(canvas, kinds);
+    } else if pane.cell_side() < LEAST_SPRITE {
         draw_flat_cells(canvas, pane, kinds);
     } else {
         draw_bush_squares(canvas, pane, kinds);

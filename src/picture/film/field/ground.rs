@@ -2,12 +2,13 @@
 //! equal arrival.
 //!
 //! What a frame needs of each cell lies in arrays by cell index, so that a pixel costs a look-up however many cells there are.
-//! Cells smaller than pixels are sampled in the pixels' middles, as values are.
+//! Cells smaller than pixels are sampled in the pixels' middles, as values are; those that burn are then drawn once more, each as
+//! a few pixels, so that none is passed over.
 
 use std::sync::OnceLock;
 
 use crate::fire::Landscape;
-use crate::geometry::DVec2;
+use crate::geometry::{DVec2, FieldFrame};
 use crate::grid::Grid;
 use crate::picture::canvas::{Canvas, Ink, Pen};
 use crate::picture::colours::{EXTINGUISHED, INK, PAPER, Rgb, blend};
@@ -56,6 +57,14 @@ pub struct GroundView {
     spotted: Vec<(SimTime, DVec2, DVec2)>,
     arrival: OnceLock<ArrivalLines>,
     intensity: OnceLock<Option<IntensityColours>>,
+    burnings: OnceLock<BurningTimes>,
+}
+
+/// When which cells of ground burn.
+struct BurningTimes {
+    /// When the fire begins and ends, in seconds, and the cell, in order of time.
+    spans: Vec<(f32, f32, usize)>,
+    longest_s: f32,
 }
 
 /// Lines of equal arrival, each with its label.
@@ -84,6 +93,7 @@ impl GroundView {
             spotted: Vec::new(),
             arrival: OnceLock::new(),
             intensity: OnceLock::new(),
+            burnings: OnceLock::new(),
         };
         for index in 0..frame.cell_count() {
             if let burnings @ [first, ..] = ground.burnings_of(frame.cell(index)) {
@@ -134,6 +144,23 @@ impl GroundView {
             let strength = intensity.and_then(|intensity| intensity.by_cell[cell]);
             *pixel = opaque(strength.unwrap_or(over([pixel[0], pixel[1], pixel[2]], colour)));
         });
+        if pane.cell_side() < 1.0 {
+            self.draw_small_fires(canvas, pane, index);
+        }
+    }
+
+    /// Draws every cell that burns as four pixels, the youngest fire last.
+    fn draw_small_fires(&self, canvas: &mut Canvas, pane: &Pane, index: &GroundIndex) {
+        let now_s = seconds(pane.view.state.time);
+        let BurningTimes { spans, longest_s } = self.burnings.get_or_init(|| BurningTimes::new(index, pane.frame()));
+        let first = spans.partition_point(|&(ignited_s, ..)| ignited_s < now_s - longest_s);
+        for &(ignited_s, ends_s, cell) in spans[first..].iter().take_while(|(ignited_s, ..)| *ignited_s <= now_s) {
+            if now_s < ends_s {
+                let (x, y) = pane.cell_centre(pane.frame().cell(cell));
+                let (left, top) = (x.round() as i32 - 1, y.round() as i32 - 1);
+                canvas.fill_pixels((left, top), (left + 2, top + 2), fire_colour(now_s - ignited_s, now_s - ends_s));
+            }
+        }
     }
 
     /// Returns how strongly cells burn, where that is shown.
@@ -207,6 +234,19 @@ pub fn draw_wet(canvas: &mut Canvas, pane: &Pane) {
         let ((left, top), (right, bottom)) = pane.projection.cell(pane.frame(), cell);
         let [left, top, right, bottom] = [left, top, right, bottom].map(|at| at as f32);
         canvas.fill_through(&[(left, top), (right, top), (right, bottom), (left, bottom)], WET, WET_OPACITY);
+    }
+}
+
+impl BurningTimes {
+    fn new(index: &GroundIndex, frame: &FieldFrame) -> Self {
+        let of_cell = |number: usize| {
+            let burnings = index.burnings_of(frame.cell(number)).iter();
+            burnings.map(move |burning| (seconds(burning.ignited), seconds(burning.ends), number))
+        };
+        let mut spans: Vec<(f32, f32, usize)> = (0..frame.cell_count()).flat_map(of_cell).collect();
+        spans.sort_by(|one, other| one.0.total_cmp(&other.0).then(one.2.cmp(&other.2)));
+        let longest_s = spans.iter().map(|(ignited_s, ends_s, _)| ends_s - ignited_s).fold(0.0, f32::max);
+        Self { spans, longest_s }
     }
 }
 
@@ -295,8 +335,9 @@ fn each_pixel(canvas: &mut Canvas, pane: &Pane, mut paint: impl FnMut(usize, &mu
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::picture::film::field::FieldView;
     use crate::picture::film::field::tests::setting;
-    use crate::picture::film::{Camera, FrameRenderer, FrameRequest, Layers, ViewOptions};
+    use crate::picture::film::{Camera, FrameRenderer, FrameRequest, Layers, Projection, ViewOptions};
     use crate::timeline::{GroundEvent, Timeline, sample};
 
     const SIZE: (u32, u32) = (640, 480);
@@ -340,6 +381,38 @@ mod tests {
             let fresh = FrameRenderer::new(SIZE, 1).paint(&request).to_vec();
             assert!(renderer.paint(&request) == fresh, "step {step}, {time_s} s");
         }
+    }
+
+    #[test]
+    fn ground_that_burns_is_seen_however_small_its_cells_are() {
+        const SIDE: u32 = 20;
+        let mut burning = 0;
+        for seed in 1..4 {
+            let run = RunView::new(sample::random_on_ground(seed, SimTime::from_seconds(600.0)), None);
+            let ground = run.index().ground().expect("it has ground");
+            let landscape = GroundView::new(&run).expect("it has ground");
+            let options = ViewOptions::default();
+            for step in 0..60 {
+                let state = run.state_at(SimTime::from_seconds(9.7 * f64::from(step)));
+                let frame = run.timeline().setting.frame;
+                let view = FieldView { run: &run, state: &state, rival: None, run_index: 0, options: &options };
+                let projection = Projection::new(&frame, Camera::WHOLE, (f64::from(SIDE), f64::from(SIDE)));
+                let pane = Pane { view: &view, projection, size: (SIDE, SIDE) };
+                assert!(pane.cell_side() < 1.0);
+                let mut canvas = Canvas::new(SIDE, SIDE, PAPER);
+                landscape.draw_fire(&mut canvas, &pane);
+                let picture = canvas.finish();
+                for cell in (0..frame.cell_count()).map(|index| frame.cell(index)) {
+                    if let Some(BushState::Burning { .. }) = ground.state_at(cell, state.time) {
+                        let (x, y) = pane.cell_centre(cell);
+                        let [red, _, blue] = picture.pixel(x as u32, y as u32);
+                        assert!(red > blue + 90, "{cell} at {}", state.time);
+                        burning += 1;
+                    }
+                }
+            }
+        }
+        assert!(burning > 20, "these runs cannot tell: {burning}");
     }
 
     #[test]

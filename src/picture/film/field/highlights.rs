@@ -8,7 +8,7 @@ use crate::picture::film::field::agents::drawn_length;
 use crate::picture::film::field::{FieldView, Pane};
 use crate::picture::film::{RunView, Selected, ViewOptions};
 use crate::picture::thin_line::draw_line;
-use crate::timeline::State;
+use crate::timeline::{AgentId, AgentStart, Body, State};
 
 /// Far from all colours of fire, bushes and agents.
 const DIFFERENT: Rgb = [255, 0, 220];
@@ -88,13 +88,28 @@ pub fn draw_selected(canvas: &mut Canvas, pane: &Pane) {
             if let Some(index) = pane.setting().agent_index(agent) {
                 let (start, state) = (&pane.setting().agents[index], &pane.view.state.agents[index]);
                 let at = pane.at(start.body.centre(state.pose));
-                let radius = 0.6 * drawn_length(pane, &start.body) + 7.0 * pane.unit();
+                let radius = ring_radius(pane, &start.body);
                 canvas.ring(at, radius, &halo);
                 canvas.ring(at, radius, &outline);
             }
         }
         None => {}
     }
+}
+
+/// The radius of the ring about a selected agent.
+fn ring_radius(pane: &Pane, body: &Body) -> f32 {
+    0.6 * drawn_length(pane, body) + 7.0 * pane.unit()
+}
+
+/// Returns whether the viewer asked about an agent of this run.
+pub fn is_selected(pane: &Pane, agent: AgentId) -> bool {
+    pane.view.options.selected == Some((pane.view.run_index, Selected::Agent(agent)))
+}
+
+/// Returns how far the ring about an agent reaches from its middle, in pixels, if the viewer asked about it.
+pub fn selected_reach(pane: &Pane, start: &AgentStart) -> Option<f32> {
+    is_selected(pane, start.id).then(|| ring_radius(pane, &start.body) + 3.0 * pane.unit())
 }
 
 /// The number of pixels beyond an agent's body from which it is hit.

@@ -7,7 +7,9 @@ mod agents;
 mod bushes;
 mod fires;
 mod ground;
+mod heat_map;
 mod highlights;
+mod labels;
 mod lines;
 mod scales;
 mod searches;
@@ -25,7 +27,9 @@ use agents::draw_agents;
 use bushes::{LEAST_SPRITE, Stamps, draw_bushes};
 use fires::{draw_flames, draw_spreads};
 use ground::{GroundView, draw_wet};
+use heat_map::{HeatMap, burning_places, draw_fire_cores, draw_fire_marks};
 use highlights::{draw_differences, draw_selected};
+use labels::draw_labels;
 use scales::{ValueBar, draw_length_bar, draw_value_bar};
 use searches::{ShownSearch, draw_searches, shown_searches};
 use suppression::draw_suppressions;
@@ -38,12 +42,18 @@ use crate::geometry::{Cell, DVec2, FieldFrame};
 use crate::picture::canvas::{Canvas, Point};
 use crate::picture::colours::{BORDER, FIELD, INK, OUTSIDE, blend};
 use crate::picture::film::camera::Projection;
+use crate::picture::film::lettering::Lettering;
 use crate::picture::film::{Layer, Layers, RunView, RunViewId, ViewOptions};
 use crate::picture::ticks;
 use crate::timeline::{BushState, Setting, State};
 
 /// Panes whose shorter side has more pixels than this get wider lines and larger letters.
 const ORDINARY_SIDE: f32 = 900.0;
+
+/// Fields whose cells have shorter sides than this, in pixels, are shown as heat maps if a side has this many cells: those of
+/// smaller fields are as small only on small sheets, where each can still be drawn.
+const LEAST_CELL: f32 = 3.0;
+const LEAST_CELLS: u16 = 100;
 
 /// Lines of the grid are at least this many pixels apart; where cells are smaller, some are left out.
 const GRID_LINES: f64 = 6.0;
@@ -80,6 +90,7 @@ pub struct FieldRenderer {
     ground: Kept<(Backdrop, Vec<BushStateKind>)>,
     sheet: Option<Canvas>,
     stamps: Stamps,
+    lettering: Lettering,
 }
 
 /// All that the backdrop follows from, except the run.
@@ -118,10 +129,16 @@ impl FieldRenderer {
         let (values, landscape) = (self.values.as_ref(), self.landscape.as_ref());
         let backdrop = self.backdrop.get(key.clone(), |_| draw_backdrop(pane, landscape, values, &searches));
         let kinds = pane.view.state.bushes.iter().copied().map(BushState::kind).collect();
-        self.ground.get((key, kinds), |(_, kinds)| {
-            let mut ground = backdrop.clone();
-            draw_bushes(&mut ground, pane, kinds, &mut self.stamps);
-            ground
+        self.ground.change((key, kinds), |last, (key, kinds)| match last {
+            Some(((last, before), mut ground)) if pane.is_heat_map() && last == *key => {
+                HeatMap::new(pane).redraw(&mut ground, backdrop, [&before, kinds]);
+                ground
+            }
+            _ => {
+                let mut ground = backdrop.clone();
+                draw_bushes(&mut ground, pane, kinds, &mut self.stamps);
+                ground
+            }
         });
     }
 
@@ -153,19 +170,31 @@ impl FieldRenderer {
                 landscape.draw_embers(sheet, pane);
             }
         }
+        let is_crowded = pane.view.run.is_crowded();
+        let fires = if pane.is_heat_map() || is_crowded { burning_places(pane) } else { Vec::new() };
         if pane.shows(Layer::Paths) {
             draw_ways(sheet, pane);
         }
         if pane.shows(Layer::Spread) {
             draw_spreads(sheet, pane);
         }
-        draw_flames(sheet, pane, &mut self.stamps);
+        if pane.is_heat_map() {
+            draw_fire_marks(sheet, pane, &fires);
+        } else {
+            draw_flames(sheet, pane, &mut self.stamps);
+        }
         draw_differences(sheet, pane);
         if pane.shows(Layer::Suppression) {
             draw_suppressions(sheet, pane);
         }
         draw_agents(sheet, pane);
+        if is_crowded {
+            draw_labels(sheet, pane, &mut self.lettering, &fires);
+        }
         draw_selected(sheet, pane);
+        if pane.is_heat_map() {
+            draw_fire_cores(sheet, pane, &fires);
+        }
         draw_length_bar(sheet, pane);
         if pane.shows(Layer::Wind) {
             draw_wind(sheet, pane);
@@ -253,6 +282,17 @@ impl<'a> Pane<'a> {
         self.projection.length(self.frame().cell_m)
     }
 
+    /// Returns whether cells are too small to be seen one by one.
+    fn is_heat_map(&self) -> bool {
+        let FieldFrame { cols, rows, .. } = *self.frame();
+        self.cell_side() < LEAST_CELL && cols.max(rows) >= LEAST_CELLS
+    }
+
+    /// Returns whether agents are marks, since bodies large enough to be seen would hide each other and the field.
+    fn has_marks(&self) -> bool {
+        self.is_heat_map() && self.view.run.is_crowded()
+    }
+
     fn cell_centre(&self, cell: Cell) -> Point {
         self.projection.at(self.frame().centre(cell))
     }
@@ -290,8 +330,13 @@ impl<K> Default for Kept<K> {
 impl<K: PartialEq> Kept<K> {
     /// The drawing of a key, drawn anew if it is not the last one.
     pub fn get(&mut self, key: K, draw: impl FnOnce(&K) -> Canvas) -> &Canvas {
+        self.change(key, |_, key| draw(key))
+    }
+
+    /// The drawing of a key; if it is not the last one, it is made of that one.
+    pub fn change(&mut self, key: K, change: impl FnOnce(Option<(K, Canvas)>, &K) -> Canvas) -> &Canvas {
         if self.drawn.as_ref().is_none_or(|(last, _)| *last != key) {
-            let canvas = draw(&key);
+            let canvas = change(self.drawn.take(), &key);
             self.drawn = Some((key, canvas));
         }
         self.last().expect("it was drawn just now")
@@ -307,7 +352,7 @@ pub(super) mod tests {
     use super::*;
     use crate::fire::FireRules;
     use crate::geometry::Pose;
-    use crate::picture::film::{Camera, FrameRenderer, FrameRequest};
+    use crate::picture::film::{Camera, Followed, FrameRenderer, FrameRequest};
     use crate::planning::Effort;
     use crate::time::SimTime;
     use crate::timeline::{AgentFact, AgentId, AgentStart, Body, Event, Fact, FireFact, Rules, Timeline};
@@ -324,6 +369,7 @@ pub(super) mod tests {
             bushes: Vec::new(),
             blocked: Vec::new(),
             spread: None,
+            water: None,
             agents: Vec::new(),
             rules: Rules {
                 duration: seconds(100.0),
@@ -380,7 +426,7 @@ pub(super) mod tests {
             let run = RunView::new(scaled(scale), None);
             for zoom in [Camera::LEAST_ZOOM, 1.0, Camera::MOST_ZOOM] {
                 let camera = Camera { zoom, ..Camera::WHOLE };
-                for follows in [None, Some(AgentId::unimog(0))] {
+                for follows in [None, Some(Followed::Agent(AgentId::unimog(0))), Some(Followed::Fleet)] {
                     let options = ViewOptions { camera, layers, follows, ..ViewOptions::default() };
                     for time_s in [0.0, 3.0, 10.0] {
                         let time = SimTime::from_seconds(time_s);

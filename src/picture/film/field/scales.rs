@@ -17,6 +17,13 @@ const BAR_WIDTH: f32 = 12.0;
 const BAR_HEIGHT: f32 = 110.0;
 const TICK: f32 = 4.0;
 
+/// The most that the plate of the length bar takes of a pane, its margin included: pixels from the left edge and from the lower.
+pub fn length_bar_room(pane: &Pane) -> (f32, f32) {
+    let unit = pane.unit();
+    let longest = to_f32(LONGEST) * unit;
+    (longest + (MARGIN + 2.0 * PADDING) * unit, (MARGIN + TEXT + 3.0 * PADDING) * unit)
+}
+
 /// A bar of a round length in metres, at the lower left.
 pub fn draw_length_bar(canvas: &mut Canvas, pane: &Pane) {
     let unit = pane.unit();

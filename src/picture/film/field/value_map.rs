@@ -75,7 +75,7 @@ fn truck(pane: &Pane) -> Option<usize> {
         });
     let is_truck = |agent: &AgentId| agent.role.suppresses();
     let agents = &pane.setting().agents;
-    let asked = [options.follows, selected].into_iter().flatten().find(is_truck);
+    let asked = [options.followed_agent(), selected].into_iter().flatten().find(is_truck);
     let asked = asked.and_then(|agent| pane.setting().agent_index(agent));
     asked.or_else(|| agents.iter().position(|agent| is_truck(&agent.id)))
 }

@@ -6,13 +6,15 @@ use crate::picture::colours::{PAPER, Rgb};
 use crate::picture::film::field::Pane;
 use crate::picture::film::field::agents::agent_colour;
 use crate::picture::film::field::lines::{Dashes, draw_visible_line};
+use crate::picture::thin_line::draw_line;
 use crate::time::SimTime;
 use crate::trajectory::Trajectory;
 use crate::vehicle::Segment;
 
-/// The number of steps in which what was driven fades away.
+/// The time in which what was driven fades away, and the number of steps: fewer of agents that are marks, which are many.
+const FADES_IN: SimTime = SimTime::from_nanos(120_000_000_000);
 const FADING_STEPS: u64 = 12;
-const FADING_STEP: SimTime = SimTime::from_nanos(10_000_000_000);
+const MARKED_FADING_STEPS: u64 = 4;
 const FRESH: f32 = 0.8;
 const STALE: f32 = 0.12;
 
@@ -20,6 +22,14 @@ const WIDTH: f32 = 2.0;
 /// Dash and gap in pixels, forward and in reverse.
 const FORWARD: (f64, f64) = (8.0, 5.0);
 const REVERSE: (f64, f64) = (2.0, 3.0);
+
+/// Planned ways of agents that are marks: width, opacity of a truck's and of a Wumpus's, dash and gap, and half the side of a
+/// goal's mark. They are many, and lie over fires and each other.
+const MARKED_WIDTH: f32 = 1.0;
+const MARKED_TRUCK: f32 = 0.9;
+const MARKED_WUMPUS: f32 = 0.35;
+const MARKED_DASHES: (f64, f64) = (4.0, 3.0);
+const MARKED_GOAL: f32 = 3.0;
 
 /// The chord of a drawn arc is nowhere farther from it than this, in pixels.
 const TOLERANCE: f64 = 0.1;
@@ -47,10 +57,11 @@ fn draw_driven(canvas: &mut Canvas, pane: &Pane, agent: usize) {
     let (run, now) = (pane.view.run, pane.view.state.time);
     let width = WIDTH * pane.unit();
     let colour = agent_colour(pane.setting().agents[agent].id);
-    for step in (0..FADING_STEPS).rev() {
-        let ago = |steps: u64| now.since(SimTime::from_nanos(FADING_STEP.as_nanos() * steps));
+    let count = if pane.has_marks() { MARKED_FADING_STEPS } else { FADING_STEPS };
+    for step in (0..count).rev() {
+        let ago = |steps: u64| now.since(SimTime::from_nanos(FADES_IN.as_nanos() / count * steps));
         let (from, to) = (ago(step + 1), ago(step));
-        let opacity = FRESH + (STALE - FRESH) * step as f32 / (FADING_STEPS - 1) as f32;
+        let opacity = FRESH + (STALE - FRESH) * step as f32 / (count - 1) as f32;
         for leg in run.index().legs_between(agent, from, to) {
             let trajectory = leg.trajectory(run.timeline());
             let window = [from.max(leg.from), to.min(leg.until)].map(|time| trajectory.distance_m(time));
@@ -65,15 +76,25 @@ fn draw_driven(canvas: &mut Canvas, pane: &Pane, agent: usize) {
 /// Dashes stay where they are on the ground while the agent comes along.
 fn draw_planned(canvas: &mut Canvas, pane: &Pane, agent: usize) {
     let (run, state) = (pane.view.run, pane.view.state);
-    let colour = agent_colour(pane.setting().agents[agent].id);
+    let id = pane.setting().agents[agent].id;
+    let colour = agent_colour(id);
+    let opacity = if id.role.drives() { MARKED_TRUCK } else { MARKED_WUMPUS };
+    let marked = pane.has_marks().then(|| Pen { ink: Ink { colour, opacity }, width: MARKED_WIDTH * pane.unit() });
     if let Some(goal) = state.agents[agent].goal {
-        draw_goal(canvas, pane, goal, colour);
+        match &marked {
+            Some(pen) => draw_small_goal(canvas, pane, goal, pen),
+            None => draw_goal(canvas, pane, goal, colour),
+        }
     }
     if let Some(leg) = run.index().leg_at(agent, state.time) {
         let trajectory = leg.trajectory(run.timeline());
         let window = [trajectory.distance_m(state.time), trajectory.distance_m(SimTime::MAX)];
         for stretch in stretches(trajectory, window, pane.projection.pixels_per_metre) {
             let dashes = if stretch.is_reverse { REVERSE } else { FORWARD };
+            if let Some(pen) = marked {
+                draw_stretch(canvas, pane, &stretch, pen, Some(MARKED_DASHES));
+                continue;
+            }
             let width = WIDTH * pane.unit();
             let halo = Pen { ink: Ink { colour: PAPER, opacity: 0.75 }, width: 2.0 * width };
             draw_stretch(canvas, pane, &stretch, halo, None);
@@ -92,6 +113,18 @@ fn draw_goal(canvas: &mut Canvas, pane: &Pane, goal: Cell, colour: Rgb) {
         let bracket = [(corner.0 - right * arm, corner.1), corner, (corner.0, corner.1 - down * arm)];
         canvas.trace(&bracket, &Pen::opaque(PAPER, 4.0 * pane.unit()));
         canvas.trace(&bracket, &Pen::opaque(colour, 2.0 * pane.unit()));
+    }
+}
+
+/// Marks the cell that an agent goes for with a small square.
+fn draw_small_goal(canvas: &mut Canvas, pane: &Pane, goal: Cell, pen: &Pen) {
+    let (x, y) = pane.cell_centre(goal);
+    let half = MARKED_GOAL * pane.unit();
+    if pane.is_near((x, y), half) {
+        let corners = [(x - half, y - half), (x + half, y - half), (x + half, y + half), (x - half, y + half)];
+        for (index, &corner) in corners.iter().enumerate() {
+            draw_line(canvas, corner, corners[(index + 1) % 4], pen.width, pen.ink);
+        }
     }
 }
 

@@ -60,7 +60,7 @@ pub fn clock_block(view: &HudView) -> PanelBlock {
         let pace = if status.is_paused { "paused".to_owned() } else { format!("{} x", status.speed) };
         below.push(LineMark::right(pace, TextFace::STRONG));
     }
-    let follows = view.options.follows.map(|agent| PanelLine::pair("follows", agent.to_string()));
+    let follows = view.options.follows.map(|followed| PanelLine::pair("follows", followed.to_string()));
     PanelBlock::new(0, [time, PanelLine::new(below)].into_iter().chain(follows).collect())
 }
 

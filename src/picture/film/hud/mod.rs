@@ -3,6 +3,7 @@
 
 mod blocks;
 mod chart;
+mod fleet;
 mod notes;
 mod panel;
 mod pen;

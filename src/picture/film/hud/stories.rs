@@ -3,6 +3,7 @@
 use crate::geometry::Cell;
 use crate::picture::film::field::agent_colour;
 use crate::picture::film::hud::blocks::{heading, values};
+use crate::picture::film::hud::fleet::fleet_blocks;
 use crate::picture::film::hud::panel::{LineMark, PanelBlock, PanelLine};
 use crate::picture::film::hud::pen::TextFace;
 use crate::picture::film::hud::words::{activity_name, format_clock, format_cpu};
@@ -12,18 +13,19 @@ use crate::time::SimTime;
 use crate::timeline::{Activity, AgentFact, AgentId, AgentState, AgentStats, Cause, Event, Fact, FireFact, State};
 
 /// Rank of the first agent; later ones give way first.
-const FIRST_AGENT_RANK: u8 = 10;
-/// No panel has room for more.
-const MOST_AGENTS: usize = 64;
+pub const FIRST_AGENT_RANK: u8 = 10;
 
+/// A block for each agent, or where these are many one for each role.
 pub fn agent_blocks(view: &HudView) -> Vec<PanelBlock> {
+    if view.runs.iter().any(|run| run.is_crowded()) {
+        return fleet_blocks(view);
+    }
     if let (&[run], [state]) = (view.runs, view.states) {
         let tell = |(index, agent)| PanelBlock::new(agent_rank(index), agent_lines(run, index, agent, view.time));
-        state.agents.iter().take(MOST_AGENTS).enumerate().map(tell).collect()
+        state.agents.iter().enumerate().map(tell).collect()
     } else {
         agent_ids(view)
             .into_iter()
-            .take(MOST_AGENTS)
             .enumerate()
             .map(|(index, id)| PanelBlock::new(agent_rank(index), compared_agent_lines(view, id)))
             .collect()
@@ -181,8 +183,14 @@ fn agent_story(run: &RunView, state: &State, id: AgentId, now: SimTime) -> Optio
         lines.push(PanelLine::pair("last failure", reason.to_string()));
         lines.push(PanelLine::pair("", format!("for {goal}")));
     }
-    let activities =
-        [Activity::Driving, Activity::Planning, Activity::Suppressing, Activity::Waiting, Activity::Standing];
+    let activities = [
+        Activity::Driving,
+        Activity::Planning,
+        Activity::Suppressing,
+        Activity::Refilling,
+        Activity::Waiting,
+        Activity::Standing,
+    ];
     let spent = activities.map(|activity| (activity, stats.spent(activity)));
     let told = spent.into_iter().filter(|(_, time)| *time > SimTime::ZERO);
     lines.extend(told.map(|(activity, time)| PanelLine::pair(activity_name(id, activity), format_clock(time))));

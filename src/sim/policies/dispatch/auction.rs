@@ -8,7 +8,8 @@
 //! ("The vehicle routing problem with time windows: minimizing route duration", ORSA J. on Computing 4(2), 1992).
 //!
 //! Trucks that cannot be given another goal bid too, from when they are free: what such a truck will do next is left to it.
-//! Each decision auctions all anew; only the first fire of a route becomes a goal.
+//! Each decision auctions all anew; only the first fire of a route becomes a goal. A route on which a tank runs dry leads to
+//! the nearest water before it goes on.
 
 use glam::DVec2;
 
@@ -181,26 +182,55 @@ impl Auctioneer<'_> {
         if out_at > team.due(&self.open.fires[fire]) {
             return None;
         }
-        let mut delay = SimTime::ZERO;
-        if let Some(next) = route.stops.get(at) {
-            let next_out_at = out_at + team.stop_time(truck.speed_mps, place, self.open.fires[next.fire].place);
-            delay = next_out_at.since(next.out_at);
-            if route.stops[at..].iter().any(|stop| stop.out_at + delay > stop.due) {
-                return None;
-            }
-        }
+        let delay = self.delay_of_rest(route, at, (place, out_at))?;
         let kept_s = if at == 0 && truck.goal == Some(self.open.fires[fire].cell) { KEPT_S } else { 0.0 };
         let bushes = bushes_saved(self.open, &self.threats, fire, out_at);
         let later_s = LATER_S * (out_at - team.now).as_seconds();
         Some(Bid { bushes, cost_s: (out_at - departs + delay).as_seconds() + later_s - kept_s, fire, at })
     }
 
+    /// Reckons by how much later the last stop of a route is over if another one, at this place and over at this time, comes
+    /// in between; `None` if that makes the truck late for one of them.
+    fn delay_of_rest(&self, route: &Route<'_>, at: usize, (place, out_at): (DVec2, SimTime)) -> Option<SimTime> {
+        let (team, truck) = (self.open.team, route.truck);
+        let mut delay = SimTime::ZERO;
+        let (mut from, mut departs) = (place, out_at);
+        for (number, stop) in (at + 1..).zip(&route.stops[at..]) {
+            if team.water.is_none() && number > at + 1 {
+                // What comes later is late by the same time.
+                if stop.out_at + delay > stop.due {
+                    return None;
+                }
+                continue;
+            }
+            (from, departs) = self.with_water(truck, number, (from, departs));
+            let place = self.open.fires[stop.fire].place;
+            departs += team.stop_time(truck.speed_mps, from, place);
+            from = place;
+            if departs > stop.due {
+                return None;
+            }
+            delay = departs.since(stop.out_at);
+        }
+        Some(delay)
+    }
+
     /// From where, and when, a truck sets out for a place in its route.
     fn before(&self, route: &Route<'_>, at: usize) -> (DVec2, SimTime) {
-        match at.checked_sub(1).map(|before| route.stops[before]) {
+        let from = match at.checked_sub(1).map(|before| route.stops[before]) {
             Some(stop) => (self.open.fires[stop.fire].place, stop.out_at),
             None => (route.truck.place, self.open.team.sets_out_at(route.truck)),
-        }
+        };
+        self.with_water(route.truck, at, from)
+    }
+
+    /// From where, and when, a truck goes on to a stop of this number that comes from here, by way of water if its tank is
+    /// empty by then.
+    fn with_water(&self, truck: &TeamTruck, number: usize, from: (DVec2, SimTime)) -> (DVec2, SimTime) {
+        let Some(water) = self.open.team.water else { return from };
+        let (left, full) = (truck.stops_left as usize, water.full_tank as usize);
+        let is_dry = number >= left && (number - left).is_multiple_of(full);
+        if is_dry { self.open.team.refilled(truck.speed_mps, from.0, from.1, 0) } else { from }
     }
 
     fn insert(&self, route: &mut Route<'_>, bid: Bid) {
@@ -223,6 +253,7 @@ impl Auctioneer<'_> {
 mod tests {
     use super::super::samples::Sample;
     use super::*;
+    use crate::timeline::WaterRules;
 
     #[test]
     fn goals_are_savable_open_and_given_once() {
@@ -346,6 +377,40 @@ mod tests {
             most += of_best;
         }
         assert!(saved * 20 >= most * 19, "{saved} of {most}");
+    }
+
+    #[test]
+    fn a_tank_that_runs_dry_is_filled_on_the_way() {
+        let drive = |stops_left: u32| {
+            let mut sample = Sample::with_trucks(&[(20.0, 52.5)]);
+            sample.trucks[0].stops_left = stops_left;
+            for col in [10, 15, 20] {
+                sample.burn((col, 10));
+            }
+            let fill_per_stop = SimTime::from_seconds(2.0);
+            let places = vec![DVec2::new(80.0, 62.5)];
+            sample.water = Some(WaterRules { full_tank: 2, fill_per_stop, reach_m: 10.0, places });
+            let team = sample.team();
+            let open = OpenFires::new(&team);
+            let stops = routes(&open, &mut 0).remove(0).stops;
+            stops.iter().map(|stop| (stop.fire, stop.out_at.as_seconds())).collect::<Vec<_>>()
+        };
+        // 22.5 m to within reach of the first fire, 15 m to the next ones; 4 s to fill a tank.
+        let to_first = 1.12 * 22.5 / 8.0 + 5.0;
+        let from_water = |col: f64| 1.12 * (f64::hypot(80.0 - col, 10.0) - 10.0) / 8.0 + 5.0;
+        let to_water = |col: f64| 1.12 * (f64::hypot(80.0 - col, 10.0) - 10.0) / 8.0 + 4.0;
+        let assert_near = |found: &[(usize, f64)], times: [f64; 3]| {
+            assert_eq!(found.iter().map(|(fire, _)| *fire).collect::<Vec<_>>(), [0, 1, 2]);
+            for ((_, found), time) in found.iter().zip(times) {
+                assert!((found - time).abs() < 1e-6, "{found} s instead of {time} s");
+            }
+        };
+        let next = 1.12 * 15.0 / 8.0 + 5.0;
+        let second = to_first + next;
+        assert_near(&drive(9), [to_first, second, second + next]);
+        assert_near(&drive(2), [to_first, second, second + to_water(77.5) + from_water(102.5)]);
+        let after = to_first + to_water(52.5) + from_water(77.5);
+        assert_near(&drive(1), [to_first, after, after + next]);
     }
 
     #[test]

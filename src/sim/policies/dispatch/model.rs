@@ -319,6 +319,7 @@ impl World {
                 post: truck.post,
                 start: truck.start,
                 is_asked,
+                stops_left: u32::MAX,
             }
         });
         let team = Team {
@@ -337,6 +338,7 @@ impl World {
             trucks: trucks.collect(),
             intact: &self.field,
             wumpuses: Vec::new(),
+            water: None,
         };
         if team.asked().next().is_none() {
             return;

@@ -7,10 +7,10 @@ use crate::scenario::{self, Extinguishes, FireModelName, Scenario, SightOfField,
 use crate::sim::policies::nearest::Nearest;
 use crate::sim::policies::{OneByOne, Policy};
 use crate::time::SimTime;
-use crate::timeline::AgentId;
+use crate::timeline::{AgentId, WaterRules};
 
 /// Makes the policy of all trucks of a run, if the scenario dispatches them.
-pub fn policy_of(scenario: &Scenario, terrain: &Terrain) -> Option<Box<dyn Policy>> {
+pub fn policy_of(scenario: &Scenario, terrain: &Terrain, water: Option<WaterRules>) -> Option<Box<dyn Policy>> {
     let dispatch = scenario.dispatch.as_ref()?;
     let sight = scenario.sight.clone().unwrap_or_default();
     let is_plain = dispatch.idle == scenario::IdleRule::Stay && sight.field != SightOfField::Radius;
@@ -22,6 +22,7 @@ pub fn policy_of(scenario: &Scenario, terrain: &Terrain) -> Option<Box<dyn Polic
         frame: terrain.frame,
         rules: rules(scenario),
         sight,
+        water,
         bushes: terrain.bushes.clone().into(),
         trucks: (0..).map(AgentId::unimog).zip(&scenario.unimog).map(truck_site).collect(),
     };

@@ -10,7 +10,7 @@ use crate::geometry::{Cell, FieldFrame};
 use crate::scenario::{Sight, SightOfField};
 use crate::sim::policies::{AgentView, Asking, Choice, Observation, Policy};
 use crate::time::SimTime;
-use crate::timeline::{Activity, AgentId};
+use crate::timeline::{Activity, AgentId, WaterRules};
 
 /// What a team is made of and knows throughout a run.
 #[derive(Clone, Debug)]
@@ -20,6 +20,7 @@ pub struct TeamSite {
     pub frame: FieldFrame,
     pub rules: TeamRules,
     pub sight: Sight,
+    pub water: Option<WaterRules>,
     /// The cells on which a bush grows, by cell index.
     pub bushes: Arc<[Cell]>,
     /// By number.
@@ -65,7 +66,11 @@ impl Policy for DispatchPolicy {
         let goals = assign(self.assignment.as_mut(), &team, seen, &mut effort);
         let goal_of = |id: AgentId| goals.iter().find(|&&(truck, _)| truck == id).map(|&(_, cell)| cell);
         let free = team.trucks.iter().filter(|truck| truck.is_asked && goal_of(truck.id).is_none());
-        let idle: Vec<AgentId> = free.map(|truck| truck.id).collect();
+        // Whoever has nothing to do fills up before anything else.
+        let full_tank = self.site.water.as_ref().map_or(u32::MAX, |water| water.full_tank);
+        let (full, to_refill): (Vec<&TeamTruck>, Vec<&TeamTruck>) =
+            free.partition(|truck| truck.stops_left >= full_tank);
+        let idle: Vec<AgentId> = full.iter().map(|truck| truck.id).collect();
         let posts = match &mut self.positioning {
             Some(positioning) if !idle.is_empty() => positioning.post(&team, &idle),
             _ => Vec::new(),
@@ -73,7 +78,9 @@ impl Policy for DispatchPolicy {
         let choice = |id: AgentId| {
             let truck = team.trucks.iter().find(|truck| truck.id == id)?;
             let post = posts.iter().find(|(idle, _)| *idle == id).map(|&(_, place)| place);
+            let refills = !truck.is_asked || to_refill.iter().any(|other| other.id == id);
             let choice = match (goal_of(id), post, truck.goal) {
+                (None, ..) if refills => Choice::Refill,
                 (Some(cell), _, _) => Choice::Go(cell),
                 (None, Some(place), _) => Choice::Move(place),
                 // What it went for is not worth it any more.
@@ -157,7 +164,7 @@ impl<'a> Known<'a> {
     }
 
     fn team(&self, asked: &[AgentId]) -> Team<'_> {
-        let TeamSite { end, frame, rules, sight, trucks, .. } = self.site;
+        let TeamSite { end, frame, rules, sight, water, trucks, .. } = self.site;
         let wumpuses = self.agents.iter().filter(|agent| sight.wumpuses && agent.id.role.lights());
         let trucks = trucks.iter().filter_map(|own| {
             let view = self.agents.iter().find(|agent| agent.id == own.id)?;
@@ -169,10 +176,11 @@ impl<'a> Known<'a> {
                 goal: view.goal,
                 post: view.post,
                 start: own.start,
-                is_asked: asked.contains(&own.id),
+                is_asked: asked.contains(&own.id) && view.stops_left != Some(0),
+                stops_left: view.stops_left.unwrap_or(u32::MAX),
             })
         });
-        Team {
+        let mut team = Team {
             now: self.now,
             end: *end,
             frame: *frame,
@@ -181,7 +189,18 @@ impl<'a> Known<'a> {
             trucks: trucks.collect(),
             intact: self,
             wumpuses: wumpuses.map(|wumpus| wumpus.place).filter(|&place| self.sees(place)).collect(),
+            water: water.as_ref(),
+        };
+        // A truck that is out of water is one that will be free when it has filled its tank.
+        for number in 0..team.trucks.len() {
+            let TeamTruck { speed_mps, place, free_at, stops_left, goal, .. } = team.trucks[number];
+            if stops_left == 0 && goal.is_none() {
+                let (place, free_at) = team.refilled(speed_mps, place, free_at, stops_left);
+                let stops_left = water.as_ref().map_or(u32::MAX, |water| water.full_tank);
+                team.trucks[number] = TeamTruck { place, free_at, stops_left, ..team.trucks[number] };
+            }
         }
+        team
     }
 
     /// Lists what burns, is seen, and has no truck that puts it out.
@@ -247,6 +266,7 @@ mod tests {
             frame: FRAME,
             rules,
             sight,
+            water: None,
             bushes: [NEAR, MIDDLE, FAR].into(),
             trucks: vec![truck(0, 12.0), truck(1, 30.0)],
         }
@@ -256,7 +276,7 @@ mod tests {
         let place = DVec2::new(x, 12.0);
         let pose = Pose::new(x, 12.0, 0.0);
         let (activity, free_at) = (Activity::Standing, SimTime::from_seconds(20.0));
-        AgentView { id, place, pose, activity, goal: None, post: None, free_at, free_place: place }
+        AgentView { id, place, pose, activity, goal: None, post: None, stops_left: None, free_at, free_place: place }
     }
 
     /// The cells that burn, which bushes are intact, and the number of Wumpuses that a team saw.

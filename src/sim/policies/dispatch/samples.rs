@@ -10,7 +10,7 @@ use super::team::{Fire, Intact, Team, TeamRules, TeamTruck};
 use crate::geometry::{Cell, FieldFrame};
 use crate::rng;
 use crate::time::SimTime;
-use crate::timeline::AgentId;
+use crate::timeline::{AgentId, WaterRules};
 
 const FRAME: FieldFrame = FieldFrame { cols: 50, rows: 50, cell_m: 5.0 };
 const SPREAD: (f64, SimTime) = (30.0, SimTime::from_nanos(10_000_000_000));
@@ -24,6 +24,7 @@ pub struct Sample {
     pub fires: Vec<Fire>,
     /// By cell index.
     intact: Vec<bool>,
+    pub water: Option<WaterRules>,
 }
 
 impl Sample {
@@ -69,7 +70,13 @@ impl Sample {
     /// Puts free trucks on a bare field.
     pub fn with_trucks(places: &[(f64, f64)]) -> Self {
         let trucks = places.iter().zip(0..).map(|(&(x, y), number)| truck_at(number, DVec2::new(x, y)));
-        Self { now_s: 0.0, trucks: trucks.collect(), fires: Vec::new(), intact: vec![false; FRAME.cell_count()] }
+        Self {
+            now_s: 0.0,
+            trucks: trucks.collect(),
+            fires: Vec::new(),
+            intact: vec![false; FRAME.cell_count()],
+            water: None,
+        }
     }
 
     /// Lets intact bushes grow.
@@ -111,6 +118,7 @@ impl Sample {
             trucks: self.trucks.clone(),
             intact: self,
             wumpuses: Vec::new(),
+            water: self.water.as_ref(),
         }
     }
 
@@ -148,5 +156,6 @@ fn truck_at(number: u16, place: DVec2) -> TeamTruck {
         post: None,
         start: place,
         is_asked: true,
+        stops_left: u32::MAX,
     }
 }

@@ -7,7 +7,7 @@ use glam::DVec2;
 
 use crate::geometry::{Cell, FieldFrame};
 use crate::time::SimTime;
-use crate::timeline::AgentId;
+use crate::timeline::{AgentId, WaterRules};
 
 /// A drive is longer than the straight line by this factor, on the fields of the contest.
 pub const WAY_FACTOR: f64 = 1.12;
@@ -31,7 +31,7 @@ pub struct TeamTruck {
     pub id: AgentId,
     /// The middle of its body when it is next free to set out.
     pub place: DVec2,
-    /// When it is: now, unless it has to end something first.
+    /// When it is: now, unless it has to end something first, or to fill its tank.
     pub free_at: SimTime,
     pub speed_mps: f64,
     /// The fire that it goes for or puts out.
@@ -40,8 +40,11 @@ pub struct TeamTruck {
     pub post: Option<DVec2>,
     /// Where it began the run.
     pub start: DVec2,
-    /// True if a decision may give it another goal: it is free, or it is under way and may change its mind.
+    /// True if a decision may give it another goal: it is free, or it is under way and may change its mind, and its tank
+    /// suffices for a stop.
     pub is_asked: bool,
+    /// The stops that its tank suffices for; `u32::MAX` where water does not matter.
+    pub stops_left: u32,
 }
 
 /// The rules that decide what can be saved.
@@ -77,6 +80,8 @@ pub struct Team<'a> {
     pub intact: &'a dyn Intact,
     /// The Wumpuses' places, where the team may see them.
     pub wumpuses: Vec<DVec2>,
+    /// The rules of water, if there are any.
+    pub water: Option<&'a WaterRules>,
 }
 
 /// What a team knows of bushes that do not burn.
@@ -95,6 +100,16 @@ impl std::fmt::Debug for dyn Intact + '_ {
 }
 
 impl Team<'_> {
+    /// Estimates where a truck that drives from here to water has a full tank, and when; it sets out at `time` with the water
+    /// for some stops.
+    pub fn refilled(&self, speed_mps: f64, from: DVec2, time: SimTime, stops_left: u32) -> (DVec2, SimTime) {
+        let Some(water) = self.water else { return (from, time) };
+        let place = water.nearest(from);
+        let metres = ((place - from).length() - water.reach_m).max(0.0);
+        let drive = SimTime::from_seconds(WAY_FACTOR * metres / speed_mps);
+        (place, time + drive + water.fill_time(stops_left))
+    }
+
     /// Estimates the time of a truck's drive between two places, to within reach of the second.
     pub fn drive_time(&self, speed_mps: f64, from: DVec2, to: DVec2) -> SimTime {
         let metres = ((to - from).length() - self.rules.reach_m.unwrap_or_default()).max(0.0);

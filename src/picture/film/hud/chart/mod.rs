@@ -5,8 +5,9 @@
 
 mod strips;
 
-use strips::{draw_differences, draw_event_lanes, draw_stacked_counts};
+use strips::{draw_differences, draw_event_lanes, draw_stacked_counts, draw_without_intact};
 
+use crate::fire::BushStateKind;
 use crate::picture::Rgb;
 use crate::picture::canvas::Canvas;
 use crate::picture::colours::{FAINT_INK, INK, PAPER, blend};
@@ -15,11 +16,18 @@ use crate::picture::film::lettering::{LetterStyle, Lettering};
 use crate::picture::film::{FrameLayout, FrameRequest, RunView, RunViewId};
 use crate::picture::marks::to_f32;
 use crate::picture::text::Align;
-use crate::picture::ticks::ticks;
+use crate::picture::ticks::{round_step, ticks};
 use crate::time::SimTime;
 
 /// The share of its colour that the time ahead keeps.
 const AHEAD: f64 = 0.35;
+
+/// The intact bushes are left out of a chart where they would never take less of its height than this many fifths, and where
+/// the bushes are so many that one of them is not seen: what one looks for would be a line at the lower edge.
+const MOST_FIFTHS: u32 = 4;
+const LEAST_BUSHES: u32 = 1000;
+/// The share of the height that what is left takes at most, so that the words above it have room.
+const FILLED: f64 = 0.8;
 
 /// Draws the chart of a request; keeps it as long as the runs are the same.
 #[derive(Default)]
@@ -67,10 +75,41 @@ struct ChartPen<'a> {
     canvas: Canvas,
     lettering: &'a mut Lettering,
     plan: ChartPlan,
+    scale: CountScale,
     /// The end of the time axis.
     end: SimTime,
     /// The share of their colour that counts and events get.
     colourfulness: f64,
+}
+
+/// The scale on which counts are stacked, the same for all runs of a chart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum CountScale {
+    /// All bushes of a run take the whole height.
+    All,
+    /// The intact ones are left out, and this many bushes take the whole height.
+    WithoutIntact { most: f64 },
+}
+
+impl CountScale {
+    fn new(runs: &[&RunView]) -> Self {
+        // A bush that was lit once is never intact again.
+        let counts = runs.iter().map(|run| run.counts_at(run.end_time()));
+        let changed_and_all: Vec<(u32, u32)> =
+            counts.map(|counts| (counts.bushes() - counts.count(BushStateKind::Intact), counts.bushes())).collect();
+        let is_dwarfed = |&(changed, all): &(u32, u32)| {
+            all >= LEAST_BUSHES && u64::from(changed) * 5 <= u64::from(all) * u64::from(5 - MOST_FIFTHS)
+        };
+        let most = changed_and_all.iter().map(|&(changed, _)| changed).max().unwrap_or(0);
+        if most > 0 && changed_and_all.iter().all(is_dwarfed) {
+            // Round, since a strip of little height has no number but those at its ends.
+            let most = f64::from(most) / FILLED;
+            let step = round_step(most / 20.0);
+            Self::WithoutIntact { most: step * (most / step).ceil() }
+        } else {
+            Self::All
+        }
+    }
 }
 
 impl ChartPen<'_> {
@@ -90,14 +129,22 @@ fn draw_chart(runs: &[&RunView], layout: &FrameLayout, lettering: &mut Lettering
     let canvas = Canvas::new(layout.chart.width, layout.chart.height, PAPER);
     let plan = ChartPlan::new(layout, runs.len());
     let (strips, difference) = (plan.strips.clone(), plan.difference);
-    let mut pen = ChartPen { canvas, lettering, plan, end: RunView::last_end(runs), colourfulness };
+    let scale = CountScale::new(runs);
+    let mut pen = ChartPen { canvas, lettering, plan, scale, end: RunView::last_end(runs), colourfulness };
     pen.canvas.fill_rect(0.0, 0.0, layout.chart.width as f32, 1.0, FAINT_INK);
     for (run_index, (run, strip)) in runs.iter().zip(&strips).enumerate() {
         if let Some(rows) = strip.lanes {
             draw_event_lanes(&mut pen, rows, run);
         }
         draw_stacked_counts(&mut pen, strip.area, run);
-        draw_value_axis(&mut pen, strip.area, (0.0, f64::from(run.counts_at(SimTime::ZERO).bushes())));
+        let most = match scale {
+            CountScale::All => f64::from(run.counts_at(SimTime::ZERO).bushes()),
+            CountScale::WithoutIntact { most } => most,
+        };
+        draw_value_axis(&mut pen, strip.area, (0.0, most));
+        if scale != CountScale::All {
+            draw_without_intact(&mut pen, strip.area, run);
+        }
         if runs.len() > 1 {
             draw_run_name(&mut pen, strip, run_index);
         }
@@ -251,4 +298,59 @@ fn draw_run_name(ChartPen { canvas, lettering, plan, .. }: &mut ChartPen, strip:
     let style = LetterStyle { height: 1.4 * plan.text as f32, is_bold: true, colour: INK };
     let base = top as f32 + 0.5 * height as f32 + 0.5 * style.height;
     lettering.draw(canvas, words::run_name(run_index), (plan.length(1.2), base), Align::Left, style);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Cell, FieldFrame};
+    use crate::timeline::{Timeline, sample};
+
+    /// A run with that many bushes, so many of which catch fire one after the other.
+    fn run(bushes: u16, lit: u16) -> RunView {
+        let mut setting = sample::small_setting(&[]);
+        setting.frame = FieldFrame { cols: 100, rows: 100, cell_m: 5.0 };
+        let cell = |index: u16| Cell { col: index % 100, row: index / 100 };
+        setting.bushes = (0..bushes).map(cell).collect();
+        let events = (0..lit).map(|index| sample::at(0.001 * f64::from(index), sample::ignited(cell(index)))).collect();
+        RunView::new(Timeline { setting, events, ground: Vec::new() }, None)
+    }
+
+    #[test]
+    fn intact_bushes_are_left_out_where_they_would_take_most_of_the_height() {
+        for (bushes, lit, most) in [
+            (2000, 400, Some(500.0)),
+            (2000, 401, None),
+            (2000, 0, None),
+            (999, 10, None),
+            (1000, 8, Some(10.0)),
+            (10_000, 1671, Some(2200.0)),
+        ] {
+            let expected = most.map_or(CountScale::All, |most| CountScale::WithoutIntact { most });
+            assert_eq!(CountScale::new(&[&run(bushes, lit)]), expected, "{lit} of {bushes}");
+        }
+        let (calm, wild) = (run(2000, 8), run(2000, 80));
+        assert_eq!(CountScale::new(&[&calm, &wild]), CountScale::WithoutIntact { most: 100.0 });
+        assert_eq!(CountScale::new(&[&calm, &run(2000, 1000)]), CountScale::All);
+    }
+
+    #[test]
+    fn what_is_not_intact_fills_the_chart_and_the_words_say_what_is_left_out() {
+        let layout = FrameLayout::new((1280, 800), 1);
+        let mut lettering = Lettering::default();
+        let picture = |run: &RunView, lettering: &mut Lettering| draw_chart(&[run], &layout, lettering, 1.0).finish();
+        let few = picture(&run(2000, 40), &mut lettering);
+        let (top, height) = ChartPlan::new(&layout, 1).strips[0].area;
+        let column = layout.timeline.left + layout.timeline.width - 2;
+        let colour_at = |picture: &crate::picture::Picture, share: f32| {
+            picture.pixel(column, top + (height as f32 * (1.0 - share)) as u32)
+        };
+        assert_eq!(colour_at(&few, 0.5), crate::picture::bush_colour(BushStateKind::Burning));
+        assert_eq!(colour_at(&few, 0.9), PAPER);
+        let is_written = (0..layout.timeline.width / 4)
+            .any(|x| (0..height / 5).any(|y| few.pixel(layout.timeline.left + x, top + y) != PAPER));
+        assert!(is_written);
+        let many = picture(&run(2000, 1000), &mut lettering);
+        assert_eq!(colour_at(&many, 0.9), crate::picture::bush_colour(BushStateKind::Intact));
+    }
 }

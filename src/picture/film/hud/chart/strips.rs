@@ -6,8 +6,8 @@ use crate::picture::Rgb;
 use crate::picture::canvas::{Canvas, Point};
 use crate::picture::colours::{BURNING, EXTINGUISHED, FAINT_INK, INK, PAPER, blend, bush_colour};
 use crate::picture::film::RunView;
-use crate::picture::film::hud::chart::{ChartPen, ChartPlan, RowRange, draw_value_axis};
-use crate::picture::film::lettering::LetterStyle;
+use crate::picture::film::hud::chart::{ChartPen, ChartPlan, CountScale, RowRange, draw_value_axis};
+use crate::picture::film::lettering::{LetterStyle, fitted};
 use crate::picture::marks::to_f32;
 use crate::picture::text::{Align, measure_text};
 use crate::picture::ticks::round_step;
@@ -18,12 +18,15 @@ use crate::timeline::{AgentFact, BushCounts, Fact, FireFact};
 const STACKED: [BushStateKind; 4] =
     [BushStateKind::BurnedOut, BushStateKind::Burning, BushStateKind::Extinguished, BushStateKind::Intact];
 
-/// Draws the four counts one over the other; every column shows those at its middle.
+/// Draws the four counts one over the other, or those that are not intact; every column shows those at its middle.
 pub fn draw_stacked_counts(pen: &mut ChartPen, (top, height): RowRange, run: &RunView) {
-    let colours = STACKED.map(|kind| pen.shade(bush_colour(kind)));
+    let mut colours = STACKED.map(|kind| pen.shade(bush_colour(kind)));
+    if pen.scale != CountScale::All {
+        colours[3] = PAPER;
+    }
     let (left, width) = pen.plan.columns;
     for column in 0..width {
-        let edges = edges(&run.counts_at(column_time(column, width, pen.end)), height);
+        let edges = edges(&run.counts_at(column_time(column, width, pen.end)), pen.scale, height);
         for row in 0..height {
             let [red, green, blue] = row_colour(row, &edges, &colours);
             pen.canvas.row_from((left + column) as usize, (top + row) as usize)[0] = [red, green, blue, 255];
@@ -37,12 +40,30 @@ fn column_time(column: u32, width: u32, end: SimTime) -> SimTime {
 }
 
 /// Returns how far down the upper edge of each part lies, in rows.
-fn edges(counts: &BushCounts, height: u32) -> [f64; 4] {
+fn edges(counts: &BushCounts, scale: CountScale, height: u32) -> [f64; 4] {
     let (mut below, height) = (0, f64::from(height));
+    let most = match scale {
+        CountScale::All => f64::from(counts.bushes().max(1)),
+        CountScale::WithoutIntact { most } => most,
+    };
     STACKED.map(|kind| {
         below += counts.count(kind);
-        height * (1.0 - f64::from(below) / f64::from(counts.bushes().max(1)))
+        height * (1.0 - f64::from(below) / most)
     })
+}
+
+/// Says that the intact bushes are left out, and how many there are.
+pub fn draw_without_intact(pen: &mut ChartPen, (top, height): RowRange, run: &RunView) {
+    let counts = run.counts_at(run.end_time());
+    let intact = counts.count(BushStateKind::Intact);
+    let words = format!("intact bushes left out: {intact} of {} at the end", counts.bushes());
+    let ChartPen { canvas, lettering, plan, .. } = pen;
+    let style = LetterStyle { height: 0.85 * plan.text as f32, is_bold: false, colour: blend(PAPER, INK, 0.7) };
+    let base = top as f32 + 1.3 * style.height;
+    if height as f32 > 3.0 * style.height {
+        let words = fitted(&words, style.height, plan.columns.1 as f32);
+        lettering.draw(canvas, &words, (plan.columns.0 as f32 + plan.length(0.6), base), Align::Left, style);
+    }
 }
 
 /// Mixes the colours of the parts that a row cuts by how much it has of each.

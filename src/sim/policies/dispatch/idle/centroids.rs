@@ -19,6 +19,14 @@ const LEAST_WORTH_M: f64 = 25.0;
 /// for a fire or comes back, all places shift a little; to follow that would keep all trucks driving all the time.
 const WORTH_SHARE: f64 = 0.3;
 
+/// A truck that is not there yet is sent elsewhere only if the way is at most this share of the one that is left to it. With
+/// every fire other trucks are idle, and the best places of three are far from those of four: who followed each turn of that
+/// would never arrive.
+const NEARER_SHARE: f64 = 0.5;
+
+/// A truck is where it was sent if it is this near.
+const THERE_M: f64 = 20.0;
+
 /// Sends idle trucks to centroids of what is intact, the whole team by the least sum of squared ways.
 #[derive(Clone, Debug, Default)]
 pub struct Centroids {
@@ -50,8 +58,14 @@ pub fn posts(trucks: &[&TeamTruck], sites: &[DVec2], worth_m: f64) -> Vec<(Agent
     // Squares prefer two ways of middle length to a short one and a long one, which takes longer until all are there.
     let site_of =
         least_total(trucks.len(), sites.len(), |truck, site| (trucks[truck].place - sites[site]).length_squared());
-    let moves = trucks.iter().zip(site_of).filter(|(truck, site)| (waits_at(truck) - sites[*site]).length() >= worth_m);
-    moves.map(|(truck, site)| (truck.id, sites[site])).collect()
+    let is_worth = |truck: &TeamTruck, site: DVec2| {
+        let left_m = (waits_at(truck) - truck.place).length();
+        let is_there = left_m <= THERE_M;
+        let is_nearer = (site - truck.place).length() <= NEARER_SHARE * left_m;
+        (waits_at(truck) - site).length() >= worth_m && (is_there || is_nearer)
+    };
+    let sent = trucks.iter().zip(site_of).filter(|(truck, site)| is_worth(truck, sites[*site]));
+    sent.map(|(truck, site)| (truck.id, sites[site])).collect()
 }
 
 #[cfg(test)]
@@ -85,6 +99,17 @@ mod tests {
             truck.place = truck.post.expect("each has one");
         }
         assert_eq!(Centroids::default().post(&sample.team(), &idle), []);
+    }
+
+    #[test]
+    fn a_truck_on_its_way_is_sent_to_a_place_that_is_much_nearer_or_goes_on() {
+        let mut truck = Sample::with_trucks(&[(20.0, 20.0)]).trucks[0];
+        truck.post = Some(DVec2::new(120.0, 20.0));
+        let sent = |site: DVec2| posts(&[&truck], &[site], 25.0).len();
+        assert_eq!(sent(DVec2::new(20.0, 71.0)), 0);
+        assert_eq!(sent(DVec2::new(20.0, 69.0)), 1);
+        let there = TeamTruck { place: DVec2::new(110.0, 20.0), ..truck };
+        assert_eq!(posts(&[&there], &[DVec2::new(20.0, 71.0)], 25.0).len(), 1);
     }
 
     #[test]
