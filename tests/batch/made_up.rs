@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
 use wildfire::batch::{Batch, BatchError, BatchPlan, OutputFolder, Record, RunScenario, VariantReport, is_measured};
@@ -112,6 +113,18 @@ pub fn made_up_run(_: &Scenario, seed: u64) -> Result<Run, RunError> {
         total: part * 20,
     };
     Ok(Run { timeline: made_up_timeline(seed), cost, cpu_samples: Vec::new(), messages: FailureMessages::default() })
+}
+
+/// Makes runs up, and stops the batch when so many have begun. The callback of rows would be too late: workers may have
+/// made all runs up before it is called.
+pub fn made_up_runs_until(most: u64, stop: &Arc<AtomicBool>) -> Box<RunScenario> {
+    let (begun, stop) = (AtomicU64::new(0), Arc::clone(stop));
+    Box::new(move |scenario: &Scenario, seed| {
+        if begun.fetch_add(1, Ordering::Relaxed) + 1 >= most {
+            stop.store(true, Ordering::Relaxed);
+        }
+        made_up_run(scenario, seed)
+    })
 }
 
 pub fn run(folder: &Path, seeds: &str, jobs: usize) -> VariantReport {

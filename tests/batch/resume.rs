@@ -3,11 +3,11 @@
 use std::fs;
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use wildfire::batch::{Batch, BatchError, JournalError, OutputFolder, PlanError, Record, Slice};
 
-use crate::made_up::{made_up_run, outcomes, plan, run};
+use crate::made_up::{made_up_run, made_up_runs_until, outcomes, plan, run};
 
 const SEEDS: &str = "1..60";
 
@@ -15,15 +15,11 @@ fn folder(path: &Path) -> OutputFolder {
     OutputFolder::shared(path).expect("a scratch folder")
 }
 
-/// Runs until so many runs are over.
+/// Runs until so many runs have begun, and these to their end.
 fn begin_and_stop(path: &Path, after: u64) {
     let stop = Arc::new(AtomicBool::new(false));
     let mut batch = Batch::begin(plan(SEEDS, Record::None), folder(path)).expect("the disk is fine");
-    let mut over = 0;
-    let stopped = batch.run_with(Box::new(made_up_run), 2, &stop, |_| {
-        over += 1;
-        stop.store(over >= after, Ordering::Relaxed);
-    });
+    let stopped = batch.run_with(made_up_runs_until(after, &stop), 2, &stop, |_| {});
     assert!(matches!(stopped, Err(BatchError::Stopped)), "{stopped:?}");
 }
 

@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use rand::seq::SliceRandom;
@@ -13,7 +13,7 @@ use wildfire::batch::{
     Survey, batch_status, merge, read_rows,
 };
 
-use crate::made_up::{made_up_run, outcomes, plan, run};
+use crate::made_up::{made_up_run, made_up_runs_until, outcomes, plan, run};
 
 const SEEDS: &str = "1..23,100..111";
 
@@ -167,17 +167,14 @@ fn journal_on_a_local_disk_is_brought_to_its_place_when_the_process_ends_or_is_s
     let (out, disk) = (scratch.path().join("out"), scratch.path().join("disk"));
     let stop = Arc::new(AtomicBool::new(false));
     let home = out.join("runs-1-of-2.journal");
-    let mut over = 0;
     let mut batch = join(&out, 1, 2, local(&disk)).expect("it is free");
-    let ended = batch.run_with(Box::new(made_up_run), 1, &stop, |_| {
-        over += 1;
+    let ended = batch.run_with(made_up_runs_until(5, &stop), 1, &stop, |_| {
         assert_eq!(fs::metadata(&home).expect("it is there").len(), 0, "lines are written elsewhere");
-        stop.store(over == 5, Ordering::Relaxed);
     });
     assert!(matches!(ended, Err(BatchError::Stopped)), "{ended:?}");
     drop(batch);
     let held = lines(&home).len() as u64 - 1;
-    assert!(held >= 5 && files_in(&disk).is_empty(), "{held} rows are in their place");
+    assert!(held == 5 && files_in(&disk).is_empty(), "{held} rows are in their place");
     let mut batch = join(&out, 1, 2, local(&disk)).expect("it is free");
     assert_eq!(batch.progress().held().0, held);
     work_off(&mut batch).expect("the disk is fine");
