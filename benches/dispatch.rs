@@ -74,6 +74,7 @@ fn team<'a>(bushes: &'a Bushes, trucks: u16, fires: usize, rng: &mut impl Rng) -
             post: None,
             start: place,
             is_asked: true,
+            stops_left: u32::MAX,
         }
     };
     Team {
@@ -92,6 +93,7 @@ fn team<'a>(bushes: &'a Bushes, trucks: u16, fires: usize, rng: &mut impl Rng) -
         trucks: (0..trucks).map(truck).collect(),
         intact: bushes,
         wumpuses: Vec::new(),
+        water: None,
     }
 }
 

@@ -407,7 +407,7 @@ fn water_that_is_not_in_the_tank_is_found() {
     let mut without = timeline.clone();
     without.events.remove(first);
     assert_eq!(violation(&without).kind, ViolationKind::EmptyTank);
-    let longer = change_of_first(&|until| *until = *until + SimTime::from_seconds(1.0));
+    let longer = change_of_first(&|until| *until += SimTime::from_seconds(1.0));
     assert!(matches!(longer, ViolationKind::WrongRefill { .. }), "{longer}");
     let mut elsewhere = timeline.clone();
     elsewhere.setting.water.as_mut().expect("there is water").places.iter_mut().for_each(|place| place.x += 15.0);

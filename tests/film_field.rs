@@ -15,6 +15,7 @@ use wildfire::timeline::{AgentId, Body, BushState, State};
 
 const SIZE: (u32, u32) = (560, 420);
 const DIFFERENT: [u8; 3] = [255, 0, 220];
+const WATER: [u8; 3] = [0, 114, 178];
 
 fn run(seed: u64, changes: &[&str]) -> RunView {
     let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
@@ -237,4 +238,23 @@ fn who_is_followed_is_in_the_middle() {
             assert!((x - 250.0).abs() < 0.01 && (y - 150.0).abs() < 0.01, "{agent} at {x}, {y}");
         }
     }
+}
+
+#[test]
+fn places_with_water_are_drops() {
+    let drops = |changes: &[&str]| {
+        let run = run(1, changes);
+        let seen = Seen::new(&[&run], seconds(0.0), &ViewOptions::default());
+        let places: Vec<DVec2> = run.timeline().setting.water.iter().flat_map(|water| water.places.clone()).collect();
+        let state = run.timeline().state_at(seconds(0.0));
+        let projection = projection(&run, &state, &ViewOptions::default(), seen.pane);
+        let at = places.iter().map(|&place| projection.at(place));
+        let drawn = at.filter(|&(x, y)| seen.pixel(x as u32, y as u32) == WATER).count();
+        (places.len(), drawn, seen.count(WATER))
+    };
+    assert_eq!(drops(&[]), (0, 0, 0));
+    let table = ["field.coverage=0.01", "water.tank_l=500", "water.place=[{x_m=40,y_m=60},{x_m=80,y_m=75}]"];
+    let (places, drawn, pixels) = drops(&table);
+    assert_eq!((places, drawn), (2, 2));
+    assert!(pixels > 100, "{pixels} pixels of water");
 }

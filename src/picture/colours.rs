@@ -47,6 +47,8 @@ pub fn bush_colour(state: BushStateKind) -> Rgb {
     }
 }
 
+/// Of jets, of how far they reach, and of places with water; darker than what was put out, so that it shows on the ground.
+pub const WATER: Rgb = [0, 114, 178];
 /// Of a field where nothing grows, of its border, and around it.
 pub const FIELD: Rgb = [240, 234, 216];
 pub const BORDER: Rgb = [104, 98, 86];

@@ -92,7 +92,7 @@ pub struct WaterRecord {
 impl From<&WaterRules> for WaterRecord {
     fn from(water: &WaterRules) -> Self {
         let WaterRules { full_tank, fill_per_stop, reach_m, places } = water;
-        let places = places.iter().map(|place| place.to_array()).collect();
+        let places = places.iter().map(DVec2::to_array).collect();
         Self { full_tank: *full_tank, fill_per_stop_ns: fill_per_stop.as_nanos(), reach_m: *reach_m, places }
     }
 }

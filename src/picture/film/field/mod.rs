@@ -16,6 +16,7 @@ mod searches;
 mod sprite;
 mod suppression;
 mod value_map;
+mod water;
 mod ways;
 mod wind;
 
@@ -34,6 +35,7 @@ use scales::{ValueBar, draw_length_bar, draw_value_bar};
 use searches::{ShownSearch, draw_searches, shown_searches};
 use suppression::draw_suppressions;
 use value_map::{FieldQuantity, ValueMap};
+use water::draw_water;
 use ways::draw_ways;
 use wind::draw_wind;
 
@@ -242,6 +244,7 @@ fn draw_backdrop(
         draw_grid_lines(&mut canvas, pane);
     }
     draw_searches(&mut canvas, pane, searches);
+    draw_water(&mut canvas, pane);
     canvas
 }
 

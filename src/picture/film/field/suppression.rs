@@ -4,14 +4,12 @@ use std::f64::consts::TAU;
 
 use crate::geometry::{Cell, DVec2, ops};
 use crate::picture::canvas::{Canvas, Ink, Pen, Point};
-use crate::picture::colours::{EXTINGUISHED, INK, PAPER, Rgb};
+use crate::picture::colours::{EXTINGUISHED, INK, PAPER, WATER};
 use crate::picture::film::field::Pane;
 use crate::picture::film::field::lines::{Dashes, draw_visible_line};
 use crate::picture::marks::to_f32;
 use crate::timeline::{Activity, Body};
 
-/// Darker than what was put out, so that it shows on the ground.
-const REACH: Rgb = [0, 114, 178];
 /// Drops of the jet, in pixels, and how fast they fly: pixels in a simulated second.
 const DROP: f64 = 7.0;
 const DROPS_PER_SECOND: f64 = 60.0;
@@ -38,8 +36,8 @@ pub fn draw_suppressions(canvas: &mut Canvas, pane: &Pane) {
 fn draw_reach(canvas: &mut Canvas, pane: &Pane, centre: DVec2) {
     if let Some(reach_m) = pane.setting().rules.suppression_reach_m {
         let (at, radius) = (pane.at(centre), pane.projection.length(reach_m));
-        canvas.fill_disc_with(at, radius, Ink { colour: REACH, opacity: 0.1 });
-        canvas.ring(at, radius, &Pen { ink: Ink { colour: REACH, opacity: 0.8 }, width: 1.5 * pane.unit() });
+        canvas.fill_disc_with(at, radius, Ink { colour: WATER, opacity: 0.1 });
+        canvas.ring(at, radius, &Pen { ink: Ink { colour: WATER, opacity: 0.8 }, width: 1.5 * pane.unit() });
     }
 }
 
@@ -51,7 +49,7 @@ fn draw_jet(canvas: &mut Canvas, pane: &Pane, from: DVec2, cell: Cell) {
     let width = pane.projection.length(JET_M).max(LEAST_JET * pane.unit());
     let flown = pane.view.state.time.as_seconds() * DROPS_PER_SECOND % (2.0 * DROP);
     let drops = Dashes { length: DROP, gap: DROP, offset: 2.0 * DROP - flown };
-    draw_visible_line(canvas, pane, &line, Pen::opaque(REACH, width + 2.0), None);
+    draw_visible_line(canvas, pane, &line, Pen::opaque(WATER, width + 2.0), None);
     draw_visible_line(canvas, pane, &line, Pen::opaque(EXTINGUISHED, width), None);
     draw_visible_line(canvas, pane, &line, Pen::opaque(PAPER, width), Some(drops));
 }
@@ -63,7 +61,7 @@ fn draw_progress(canvas: &mut Canvas, pane: &Pane, cell: Cell, share: f64) {
     let width = (0.2 * radius).max(3.5);
     canvas.ring(at, radius, &Pen::opaque(INK, width + 2.0));
     canvas.ring(at, radius, &Pen::opaque(PAPER, width));
-    canvas.trace(&arc(at, radius, share), &Pen::opaque(REACH, width));
+    canvas.trace(&arc(at, radius, share), &Pen::opaque(WATER, width));
 }
 
 fn arc((x, y): Point, radius: f32, share: f64) -> Vec<Point> {

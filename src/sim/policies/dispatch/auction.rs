@@ -397,8 +397,8 @@ mod tests {
         };
         // 22.5 m to within reach of the first fire, 15 m to the next ones; 4 s to fill a tank.
         let to_first = 1.12 * 22.5 / 8.0 + 5.0;
-        let from_water = |col: f64| 1.12 * (f64::hypot(80.0 - col, 10.0) - 10.0) / 8.0 + 5.0;
-        let to_water = |col: f64| 1.12 * (f64::hypot(80.0 - col, 10.0) - 10.0) / 8.0 + 4.0;
+        let from_water = |col: f64| 1.12 * (DVec2::new(80.0 - col, 10.0).length() - 10.0) / 8.0 + 5.0;
+        let to_water = |col: f64| 1.12 * (DVec2::new(80.0 - col, 10.0).length() - 10.0) / 8.0 + 4.0;
         let assert_near = |found: &[(usize, f64)], times: [f64; 3]| {
             assert_eq!(found.iter().map(|(fire, _)| *fire).collect::<Vec<_>>(), [0, 1, 2]);
             for ((_, found), time) in found.iter().zip(times) {
