@@ -15,6 +15,48 @@ pub fn is_diagonal(k: usize) -> bool {
     k >= 4
 }
 
+/// The number of the start's arrival, which no move led to.
+const NO_MOVE: usize = MOVES.len();
+
+/// By the move that led to a point, and by the mask of legal moves of the point it came from: the moves that need not be
+/// looked at, since that point has a shorter way to where they lead, and took it when it was expanded; and the move back.
+///
+/// So it is where all steps of a kind cost the same; see [`shares_shorter_ways`].
+static SHORTER_BEFORE: [[u8; 256]; NO_MOVE + 1] = shorter_before();
+
+const fn shorter_before() -> [[u8; 256]; NO_MOVE + 1] {
+    let mut table = [[0; 256]; NO_MOVE + 1];
+    let mut arrival = 0;
+    while arrival < MOVES.len() {
+        let mut k = 0;
+        while k < MOVES.len() {
+            let (rows, cols) = (MOVES[arrival].0 + MOVES[k].0, MOVES[arrival].1 + MOVES[k].1);
+            let mut mask = 0;
+            while mask < 256 {
+                let mut direct = 0;
+                while direct < MOVES.len() {
+                    if MOVES[direct].0 == rows && MOVES[direct].1 == cols && mask & (1 << direct) != 0 {
+                        table[arrival][mask] |= 1 << k;
+                    }
+                    direct += 1;
+                }
+                if rows == 0 && cols == 0 {
+                    table[arrival][mask] |= 1 << k;
+                }
+                mask += 1;
+            }
+            k += 1;
+        }
+        arrival += 1;
+    }
+    table
+}
+
+/// Returns whether a step is cheaper than every two that lead to the same place, by more than sums of costs are rounded.
+fn shares_shorter_ways((orthogonal, diagonal): (f64, f64)) -> bool {
+    orthogonal > 0.0 && diagonal > 0.1 * orthogonal && diagonal < 1.9 * orthogonal
+}
+
 /// The outcome of a search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LatticePath {
@@ -28,6 +70,8 @@ struct LatticeNode {
     /// Infinite before the point is reached.
     cost: f64,
     parent: u32,
+    /// The move that led here from the parent, or [`NO_MOVE`].
+    arrival: u8,
     closed: bool,
 }
 
@@ -50,7 +94,7 @@ impl Pages {
     const POINTS: usize = 64;
 
     const UNSEEN: [LatticeNode; Self::POINTS] =
-        [LatticeNode { cost: f64::INFINITY, parent: 0, closed: false }; Self::POINTS];
+        [LatticeNode { cost: f64::INFINITY, parent: 0, arrival: NO_MOVE as u8, closed: false }; Self::POINTS];
 
     /// Bytes for each point of a lattice, lists that double included.
     const BYTES_A_POINT: usize = size_of::<LatticeNode>() + 1;
@@ -128,7 +172,9 @@ impl AStar {
         });
         self.open.clear(0.25 * step);
         self.settled.clear();
-        self.reach(start, start, 0.0, estimate(start, start));
+        let has_shorter_ways = step_costs.even().is_some_and(shares_shorter_ways);
+        let offsets = MOVES.map(|(row_step, col_step)| row_step * moves.cols() as isize + col_step);
+        self.reach(start, (start, NO_MOVE), 0.0, estimate(start, start));
         let mut expansions = 0;
         while let Some(Waiting { index, cost, .. }) = self.open.pop() {
             let index = index as usize;
@@ -138,20 +184,24 @@ impl AStar {
                 continue;
             }
             node.closed = true;
+            let (parent, arrival) = (node.parent as usize, usize::from(node.arrival));
             self.settled.push(index as u32);
             // Asked when a goal is expanded, not when it is reached: only now is no cheaper way to it left.
             if is_goal(index) {
                 return LatticePath { path: Some(self.path(start, index)), expansions };
             }
             expansions += 1;
-            let mask = moves.values()[index];
-            for (k, &(row_step, col_step)) in MOVES.iter().enumerate() {
+            let mut mask = moves.values()[index];
+            if has_shorter_ways {
+                mask &= !SHORTER_BEFORE[arrival][usize::from(moves.values()[parent])];
+            }
+            for (k, &offset) in offsets.iter().enumerate() {
                 if mask & (1 << k) != 0 {
-                    let next = index.wrapping_add_signed(row_step * moves.cols() as isize + col_step);
+                    let next = index.wrapping_add_signed(offset);
                     let to_next = cost + step_costs.cost(k, index, next);
                     let node = self.pages.node_mut(next);
                     if !node.closed && to_next < node.cost {
-                        self.reach(next, index, to_next, estimate(next, index));
+                        self.reach(next, (index, k), to_next, estimate(next, index));
                     }
                 }
             }
@@ -165,8 +215,9 @@ impl AStar {
         self.settled.iter().map(|&index| [self.pages.node(index as usize).parent as usize, index as usize])
     }
 
-    fn reach(&mut self, index: usize, parent: usize, cost: f64, estimate: f64) {
-        *self.pages.node_mut(index) = LatticeNode { cost, parent: parent as u32, closed: false };
+    fn reach(&mut self, index: usize, (parent, arrival): (usize, usize), cost: f64, estimate: f64) {
+        let (parent, arrival) = (parent as u32, arrival as u8);
+        *self.pages.node_mut(index) = LatticeNode { cost, parent, arrival, closed: false };
         self.open.push(Waiting { priority: cost + estimate, cost, index: index as u32 });
     }
 
@@ -186,12 +237,21 @@ impl AStar {
 pub trait StepCosts {
     /// Returns the cost of move `k` of [`MOVES`], which leads between these points.
     fn cost(&self, k: usize, from: usize, to: usize) -> f64;
+
+    /// Returns the costs of all orthogonal moves and of all diagonal ones, if those of a kind are equal.
+    fn even(&self) -> Option<(f64, f64)> {
+        None
+    }
 }
 
 /// One cost for all orthogonal moves, one for all diagonal ones.
 impl StepCosts for (f64, f64) {
     fn cost(&self, k: usize, _: usize, _: usize) -> f64 {
         if is_diagonal(k) { self.1 } else { self.0 }
+    }
+
+    fn even(&self) -> Option<(f64, f64)> {
+        Some(*self)
     }
 }
 
@@ -260,6 +320,39 @@ mod tests {
         }
         assert!(solved > 20, "only {solved} of 60 problems have a path");
         assert!(astar_effort < dijkstra_effort);
+    }
+
+    /// Costs that do not say that they are even.
+    struct Uneven((f64, f64));
+
+    impl StepCosts for Uneven {
+        fn cost(&self, k: usize, from: usize, to: usize) -> f64 {
+            self.0.cost(k, from, to)
+        }
+    }
+
+    #[test]
+    fn moves_that_are_not_looked_at_change_nothing() {
+        let (rows, cols) = (23, 31);
+        for seed in 0..60 {
+            let moves = random_moves(rows, cols, seed);
+            let goal = rows * cols - 1 - seed as usize;
+            for costs in [(1.0, SQRT_2), (1.0, 1.0), (5.0, 9.0), (1.0, 3.0), (2.5, 0.1)] {
+                // Consistent, then one that is not.
+                for weight in [costs.1.min(costs.0), 3.0] {
+                    let answers = |step_costs: &dyn Fn(&mut AStar) -> LatticePath| {
+                        let mut search = AStar::new(rows * cols);
+                        let found = step_costs(&mut search);
+                        (found, search.settled().collect::<Vec<_>>())
+                    };
+                    let estimate = |index: usize, _: usize| weight * octile(cols, index, goal);
+                    let even = answers(&|search| search.search(&moves, 3, costs, |index| index == goal, estimate));
+                    let all =
+                        answers(&|search| search.search(&moves, 3, Uneven(costs), |index| index == goal, estimate));
+                    assert_eq!(even, all, "seed {seed}, steps {costs:?}, weight {weight}");
+                }
+            }
+        }
     }
 
     #[test]

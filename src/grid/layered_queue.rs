@@ -1,10 +1,10 @@
 //! The open list of a search over lattice points: in the order of [`OpenList`](super::open_list::OpenList), in less time.
 //!
 //! A best-first search takes out far fewer entries than it puts in, and those that it takes out next are much alike. So
-//! only the entries of the lowest layer of priorities are in a heap, which stays small; those of higher layers lie
-//! unsorted until it is their turn (Dial, "Algorithm 360: Shortest-path forest with topological ordering",
-//! Communications of the ACM 12(11), 1969, with a heap in place of the lowest bucket, so that costs need not be whole
-//! numbers).
+//! entries lie unsorted in layers of priorities until it is their layer's turn (Dial, "Algorithm 360: Shortest-path forest
+//! with topological ordering", Communications of the ACM 12(11), 1969). Then the layer is sorted, which takes less time
+//! than a heap of it. What is put into the lowest layer after that goes to a heap, which stays small: most of it comes out
+//! at once.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -44,6 +44,9 @@ pub struct LayeredQueue {
     height: f64,
     /// The number of the lowest layer that may have entries; what is put in below it goes to the heap too.
     lowest: usize,
+    /// What was in the lowest layer when its turn came, the best last.
+    sorted: Vec<Key>,
+    /// What was put in since.
     heap: BinaryHeap<Key>,
     /// By layer; the lowest and those below it are empty.
     above: Vec<Vec<Key>>,
@@ -51,7 +54,7 @@ pub struct LayeredQueue {
 
 impl Default for LayeredQueue {
     fn default() -> Self {
-        Self { height: 1.0, lowest: 0, heap: BinaryHeap::new(), above: Vec::new() }
+        Self { height: 1.0, lowest: 0, sorted: Vec::new(), heap: BinaryHeap::new(), above: Vec::new() }
     }
 }
 
@@ -61,6 +64,7 @@ impl LayeredQueue {
 
     /// Forgets all entries and gives their memory back: the next search has other layers. Layers have this height from now on, whatever it is: it changes the time, not the order.
     pub fn clear(&mut self, height: f64) {
+        self.sorted.clear();
         self.heap.clear();
         self.above.clear();
         self.lowest = 0;
@@ -82,13 +86,19 @@ impl LayeredQueue {
     }
 
     pub fn pop(&mut self) -> Option<Waiting> {
-        while self.heap.is_empty() {
+        while self.sorted.is_empty() && self.heap.is_empty() {
             let next = self.above.iter().skip(self.lowest + 1).position(|layer| !layer.is_empty())?;
             self.lowest += next + 1;
             // The memory goes with the entries: a search that goes on needs it elsewhere.
-            self.heap = BinaryHeap::from(std::mem::take(&mut self.above[self.lowest]));
+            self.sorted = std::mem::take(&mut self.above[self.lowest]);
+            self.sorted.sort_unstable();
         }
-        self.heap.pop().map(Waiting::from_key)
+        let is_sorted_better = match (self.sorted.last(), self.heap.peek()) {
+            (Some(sorted), Some(since)) => sorted > since,
+            (sorted, _) => sorted.is_some(),
+        };
+        let best = if is_sorted_better { self.sorted.pop() } else { self.heap.pop() };
+        best.map(Waiting::from_key)
     }
 }
 

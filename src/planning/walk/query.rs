@@ -70,4 +70,8 @@ impl StepCosts for &WalkCosts {
             Some(factors) => cost * (0.5 * (factors[from] + factors[to])),
         }
     }
+
+    fn even(&self) -> Option<(f64, f64)> {
+        self.factors.is_none().then_some(self.steps)
+    }
 }
