@@ -3,13 +3,14 @@
 //! All text that commands print comes through here or through [`CliError`]. Parts of it are names that users or
 //! strangers chose, so whatever could act on a terminal or turn the direction of writing is printed as an escape.
 
+use std::collections::BTreeSet;
 use std::io::{self, ErrorKind, Write};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::cli::error::CliError;
-use crate::picture::font_has_all_of;
+use crate::picture::unknown_letters;
 use crate::untrusted::{visible, visible_lines};
 
 /// Prints lines of text to stdout, their control characters as escapes. A reader that has closed its end, such as
@@ -30,12 +31,21 @@ pub fn note(text: &str) {
     let _ = writeln!(io::stderr(), "{}", visible(text));
 }
 
-/// Notes, once for all texts that a command draws into pictures, that the font lacks letters of one.
+/// Letters that are named, of those that a font lacks.
+const MOST_NAMED: usize = 8;
+
+/// Notes, once for all texts that a command draws into pictures, which letters of them the font lacks.
 pub fn note_unknown_letters<'a>(drawn: impl IntoIterator<Item = &'a str>, quiet: bool) {
-    let lacking = drawn.into_iter().find(|text| !font_has_all_of(text));
-    if let (Some(text), false) = (lacking, quiet) {
-        note(&format!("pictures show ? for letters of `{text}`: their font has those of ASCII only"));
+    let unknown: BTreeSet<char> = drawn.into_iter().flat_map(unknown_letters).collect();
+    if unknown.is_empty() || quiet {
+        return;
     }
+    let named = unknown.iter().take(MOST_NAMED).map(|&letter| format!("{letter} (U+{:04X})", u32::from(letter)));
+    let mut named = named.collect::<Vec<_>>().join(", ");
+    if let Some(more @ 1..) = unknown.len().checked_sub(MOST_NAMED) {
+        named.push_str(&format!(" and {more} more"));
+    }
+    note(&format!("pictures show boxes for {named}: their font has letters of Latin, Greek and Cyrillic"));
 }
 
 /// A bar on stderr that counts runs, or other things of this name; it shows on a terminal only.

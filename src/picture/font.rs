@@ -1,121 +1,252 @@
-//! The project's own font: pen strokes for the printable characters of ASCII, read from `assets/font.txt`.
+//! The font of pictures: Arimo, regular and bold, with letters of Latin, Greek and Cyrillic, punctuation, arrows and
+//! mathematical signs.
+//!
+//! Its letters are as wide as those of Arial and Helvetica, in which charts are shown as SVG. Outlines are fitted to whole
+//! pixels upwards only, so that small text is sharp and a line is as wide as its letters are by themselves.
 
+use std::collections::BTreeSet;
 use std::sync::LazyLock;
 
-const SOURCE: &str = include_str!("../../assets/font.txt");
-const FIRST: char = ' ';
-const LAST: char = '~';
+use skrifa::charmap::Charmap;
+use skrifa::instance::{LocationRef, Size};
+use skrifa::metrics::GlyphMetrics;
+use skrifa::outline::{
+    DrawSettings, Engine, GlyphStyles, HintingInstance, HintingOptions, OutlineGlyphCollection, OutlinePen, SmoothMode,
+    Target,
+};
+use skrifa::{FontRef, GlyphId, MetadataProvider};
+use tiny_skia::PathBuilder;
 
-/// The height of capitals and figures in units of the font.
-pub const CAPITAL: f32 = 10.0;
+use crate::picture::canvas::Point;
 
-/// A character in units of the font, x to the right from its left edge, y up from the base line.
-#[derive(Clone, Debug, Default)]
-pub struct Glyph {
-    /// The distance from this character's left edge to the next one's.
-    pub advance: f32,
-    pub strokes: Vec<Vec<PenPoint>>,
-}
-
-/// A point of a stroke.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PenPoint {
-    pub x: f32,
-    pub y: f32,
-    /// True if it only bends the line from the point before it to the point after it, as the control point of a
-    /// quadratic curve.
-    pub bends: bool,
-}
-
-static GLYPHS: LazyLock<Vec<Glyph>> = LazyLock::new(|| {
-    let mut glyphs = vec![Glyph::default(); LAST as usize - FIRST as usize + 1];
-    for line in SOURCE.lines().filter(|line| !line.is_empty() && !line.starts_with("//")) {
-        let (letter, glyph) = read_line(line).expect("the font is part of the program, and a test reads all of it");
-        glyphs[index(letter).expect("the font holds printable ASCII only")] = glyph;
-    }
-    glyphs
+static FACES: LazyLock<[Face; 2]> = LazyLock::new(|| {
+    [
+        include_bytes!("../../assets/fonts/Arimo-Regular.ttf").as_slice(),
+        include_bytes!("../../assets/fonts/Arimo-Bold.ttf"),
+    ]
+    .map(Face::new)
 });
 
-/// The strokes of a character; those that the font does not have are shown as a question mark.
-pub fn glyph(letter: char) -> &'static Glyph {
-    let index = index(letter).or(index('?')).expect("the question mark is a printable character");
-    &GLYPHS[index]
+/// The weight of letters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Weight {
+    Regular,
+    Bold,
 }
 
-/// Says whether the font has every character of a text, so that none is shown as a question mark.
-pub fn has_all_of(text: &str) -> bool {
-    text.chars().all(|letter| index(letter).is_some())
+/// One weight of the font.
+struct Face {
+    letters: Charmap<'static>,
+    outlines: OutlineGlyphCollection<'static>,
+    styles: GlyphStyles,
+    /// In units of the font.
+    metrics: GlyphMetrics<'static>,
+    /// Heights of capitals that an em has.
+    em: f32,
+    /// Heights of capitals that a unit of the font has.
+    unit: f32,
 }
 
-fn index(letter: char) -> Option<usize> {
-    (FIRST..=LAST).contains(&letter).then(|| letter as usize - FIRST as usize)
+impl Face {
+    fn new(file: &'static [u8]) -> Self {
+        let font = FontRef::new(file).expect("the font is part of the program");
+        let (size, location) = (Size::unscaled(), LocationRef::default());
+        let metrics = font.metrics(size, location);
+        let unit = 1.0 / metrics.cap_height.expect("the font says how high its capitals are");
+        let outlines = font.outline_glyphs();
+        Self {
+            letters: font.charmap(),
+            styles: GlyphStyles::new(&outlines),
+            outlines,
+            metrics: font.glyph_metrics(size, location),
+            em: f32::from(metrics.units_per_em) * unit,
+            unit,
+        }
+    }
+
+    fn of(weight: Weight) -> &'static Self {
+        &FACES[weight as usize]
+    }
+
+    /// Returns the drawing of a letter; of one that the font lacks, that of a box.
+    fn glyph(&self, letter: char) -> GlyphId {
+        self.letters.map(letter).unwrap_or(GlyphId::NOTDEF)
+    }
 }
 
-fn read_line(line: &str) -> Option<(char, Glyph)> {
-    let (name, rest) = line.split_once(' ')?;
-    let letter = if name == "space" { ' ' } else { name.parse().ok()? };
-    let (advance, strokes) = rest.split_once(' ').unwrap_or((rest, ""));
-    let strokes = strokes.split('|').map(|stroke| stroke.split_whitespace().map(read_point).collect());
-    let strokes: Option<Vec<Vec<PenPoint>>> = strokes.collect();
-    Some((letter, Glyph { advance: advance.parse().ok()?, strokes: strokes? }))
+/// Returns the place of a letter's drawing in the font: from 0 on, the box of unknown letters first.
+pub fn glyph_index(letter: char, weight: Weight) -> usize {
+    Face::of(weight).glyph(letter).to_u32() as usize
 }
 
-fn read_point(text: &str) -> Option<PenPoint> {
-    let inside = text.strip_prefix('(').and_then(|text| text.strip_suffix(')'));
-    let (x, y) = inside.unwrap_or(text).split_once(',')?;
-    Some(PenPoint { x: x.parse().ok()?, y: y.parse().ok()?, bends: inside.is_some() })
+/// Returns how far to the right of a letter the next one begins, in heights of capitals.
+pub fn advance(letter: char, weight: Weight) -> f32 {
+    let face = Face::of(weight);
+    face.metrics.advance_width(face.glyph(letter)).unwrap_or(0.0) * face.unit
+}
+
+/// Returns the letters of a text, each once, that the font lacks and that are drawn as boxes.
+pub fn unknown_letters(text: &str) -> BTreeSet<char> {
+    let face = Face::of(Weight::Regular);
+    text.chars().filter(|&letter| face.letters.map(letter).is_none()).collect()
+}
+
+/// Letters of one weight and height.
+pub struct SizedFace {
+    face: &'static Face,
+    fitting: HintingInstance,
+}
+
+impl SizedFace {
+    /// Letters whose capitals are `height` pixels high, to a whole pixel.
+    pub fn new(height: f32, weight: Weight) -> Self {
+        let face = Face::of(weight);
+        let upwards_only =
+            Target::Smooth { mode: SmoothMode::Light, symmetric_rendering: true, preserve_linear_metrics: true };
+        let options = HintingOptions { engine: Engine::Auto(Some(face.styles.clone())), target: upwards_only };
+        let size = Size::new(height * face.em);
+        let fitting = HintingInstance::new(&face.outlines, size, LocationRef::default(), options)
+            .expect("the font's outlines can be fitted at every size");
+        Self { face, fitting }
+    }
+
+    /// Adds the outline of a letter whose left end of the base line lies at a place.
+    pub fn push_letter(&self, path: &mut PathBuilder, letter: char, at: Point) {
+        let glyph =
+            self.face.outlines.get(self.face.glyph(letter)).expect("the font draws all that it maps letters to");
+        glyph
+            .draw(DrawSettings::hinted(&self.fitting, false), &mut PathPen { path, at })
+            .expect("the font's outlines are well formed, and a test draws all of them");
+    }
+}
+
+/// Turns outlines, y up, into a path on a sheet, y down.
+struct PathPen<'a> {
+    path: &'a mut PathBuilder,
+    at: Point,
+}
+
+impl PathPen<'_> {
+    fn place(&self, x: f32, y: f32) -> Point {
+        (self.at.0 + x, self.at.1 - y)
+    }
+}
+
+impl OutlinePen for PathPen<'_> {
+    fn move_to(&mut self, x: f32, y: f32) {
+        let (x, y) = self.place(x, y);
+        self.path.move_to(x, y);
+    }
+
+    fn line_to(&mut self, x: f32, y: f32) {
+        let (x, y) = self.place(x, y);
+        self.path.line_to(x, y);
+    }
+
+    fn quad_to(&mut self, control_x: f32, control_y: f32, x: f32, y: f32) {
+        let (control, end) = (self.place(control_x, control_y), self.place(x, y));
+        self.path.quad_to(control.0, control.1, end.0, end.1);
+    }
+
+    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
+        let (first, second, end) = (self.place(x1, y1), self.place(x2, y2), self.place(x, y));
+        self.path.cubic_to(first.0, first.1, second.0, second.1, end.0, end.1);
+    }
+
+    fn close(&mut self) {
+        self.path.close();
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn every_printable_character_is_drawn() {
-        for letter in '!'..=LAST {
-            let drawn = glyph(letter);
-            assert!(drawn.strokes.iter().all(|stroke| stroke.len() >= 2), "'{letter}' has a stroke without length");
-            assert!(!drawn.strokes.is_empty(), "'{letter}' has no strokes");
-        }
-        assert!(glyph(' ').advance > 0.0);
+    const WEIGHTS: [Weight; 2] = [Weight::Regular, Weight::Bold];
+
+    /// The edges of a letter in heights of capitals: left, bottom, right, top; `None` of one without ink.
+    fn edges(letter: char, weight: Weight, height: f32) -> Option<[f32; 4]> {
+        let mut path = PathBuilder::new();
+        SizedFace::new(height, weight).push_letter(&mut path, letter, (0.0, 0.0));
+        let bounds = path.finish()?.bounds();
+        Some([bounds.left(), -bounds.bottom(), bounds.right(), -bounds.top()].map(|edge| edge / height))
     }
 
     #[test]
-    fn characters_stay_within_their_line_and_their_advance() {
-        for letter in '!'..=LAST {
-            for point in glyph(letter).strokes.iter().flatten() {
-                assert!((-3.0..=CAPITAL + 1.5).contains(&point.y), "'{letter}' leaves its line at {point:?}");
-                assert!((-1.0..glyph(letter).advance).contains(&point.x), "'{letter}' is too wide at {point:?}");
+    fn latin_greek_and_cyrillic_have_letters() {
+        for text in
+            ["contest, field.coverage=0.1 ~", "Größe, Ærø, Çalı, Łódź, Đặng", "Πυρκαγιά Ωω", "Пожар, Київ, Ћуприја"]
+        {
+            assert_eq!(unknown_letters(text), BTreeSet::new(), "{text}");
+            for weight in WEIGHTS {
+                let inked = text.chars().filter(|&letter| letter != ' ');
+                assert!(inked.clone().all(|letter| edges(letter, weight, 10.0).is_some()), "{text}");
+            }
+        }
+        assert_eq!(unknown_letters("a → b, ≤ 3 m², −5 °C … “x” € № ½"), BTreeSet::new());
+    }
+
+    #[test]
+    fn the_font_knows_what_it_lacks() {
+        assert_eq!(unknown_letters("a\tb 模型 模"), BTreeSet::from(['\t', '模', '型']));
+        assert_eq!(unknown_letters(""), BTreeSet::new());
+    }
+
+    #[test]
+    fn unknown_letters_are_boxes() {
+        for weight in WEIGHTS {
+            assert_eq!(glyph_index('模', weight), 0);
+            let [left, bottom, right, top] = edges('模', weight, 10.0).expect("a box has edges");
+            assert!(right - left > 0.3 && top - bottom > 0.7);
+        }
+    }
+
+    #[test]
+    fn both_weights_have_the_same_letters() {
+        let [regular, bold] = WEIGHTS
+            .map(|weight| Face::of(weight).letters.mappings().map(|(letter, _)| letter).collect::<BTreeSet<u32>>());
+        assert_eq!(regular, bold);
+        assert!(regular.len() > 1000);
+    }
+
+    #[test]
+    fn every_letter_can_be_drawn() {
+        for weight in WEIGHTS {
+            for height in [4.0, 9.7, 200.0] {
+                let sized = SizedFace::new(height, weight);
+                let letters = Face::of(weight).letters.mappings().filter_map(|(letter, _)| char::from_u32(letter));
+                letters.for_each(|letter| sized.push_letter(&mut PathBuilder::new(), letter, (0.0, 0.0)));
             }
         }
     }
 
     #[test]
-    fn curves_are_bent_between_points() {
-        for letter in '!'..=LAST {
-            for stroke in &glyph(letter).strokes {
-                assert!(!stroke[0].bends && !stroke[stroke.len() - 1].bends, "'{letter}' ends in a control point");
-                assert!(!stroke.windows(2).any(|pair| pair[0].bends && pair[1].bends), "'{letter}' bends twice");
+    fn ordinary_letters_stay_within_their_line_and_their_advance() {
+        for weight in WEIGHTS {
+            for letter in ('!'..='~').chain('Α'..='Ρ').chain('А'..='я') {
+                let [left, bottom, right, top] = edges(letter, weight, 10.0).expect("it has ink");
+                assert!(bottom >= -0.35 && top <= 1.4, "'{letter}' leaves its line: {bottom} to {top}");
+                let after = right - advance(letter, weight);
+                assert!(left >= -0.1 && after <= 0.1, "'{letter}' leaves its advance: {left}, {after}");
+            }
+        }
+    }
+
+    #[test]
+    fn capitals_are_as_high_as_asked_for_to_the_pixel() {
+        for weight in WEIGHTS {
+            for height in [6.0, 7.0, 8.1, 9.0, 11.3, 14.0, 25.0] {
+                let [_, bottom, _, top] = edges('H', weight, height).expect("it has ink").map(|edge| edge * height);
+                assert_eq!(bottom, 0.0);
+                assert!((top - height).abs() <= 1.0 && top.fract() == 0.0, "{top} for {height}");
             }
         }
     }
 
     #[test]
     fn figures_are_equally_wide() {
-        assert!(('0'..='9').all(|figure| glyph(figure).advance == glyph('0').advance));
-    }
-
-    #[test]
-    fn the_font_knows_what_it_lacks() {
-        assert!(has_all_of("") && has_all_of("contest, field.coverage=0.1 ~"));
-        for text in ["Größe", "f\u{2026}", "a\tb", "\u{6a21}\u{578b}"] {
-            assert!(!has_all_of(text), "{text}");
+        for weight in WEIGHTS {
+            assert!(('0'..='9').all(|figure| advance(figure, weight) == advance('0', weight)));
         }
-    }
-
-    #[test]
-    fn unknown_characters_become_question_marks() {
-        assert_eq!(glyph('\n').strokes, glyph('?').strokes);
-        assert_eq!(glyph('\u{e9}').strokes, glyph('?').strokes);
     }
 }

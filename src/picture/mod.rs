@@ -34,7 +34,7 @@ pub use contours::{ContourLine, contour_lines};
 pub use curves::{CurveScene, draw_curves};
 pub use drives::{DriveScene, DrivenWays, draw_drives};
 pub use field_map::{FieldMap, MapQuantity, MapScale, draw_field_maps};
-pub use font::has_all_of as font_has_all_of;
+pub use font::unknown_letters;
 pub use gif_film::{ColourCounts, GifFilm, Palette};
 pub use ground::{GroundCover, bush_covers, ground_covers};
 pub use map::{draw_map, draw_overlay};

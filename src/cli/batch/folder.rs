@@ -231,7 +231,7 @@ pub fn report(arguments: &FolderArguments, quiet: bool) -> Result<ExitCode, CliE
     let mut document = Document::new(format!("{page}, and {} charts as SVG and PNG in {charts}", written.charts));
     document.add_list(written.refused);
     terminal::print(&document.to_text())?;
-    terminal::note_unknown_letters(written.unknown_letters.as_deref(), quiet);
+    terminal::note_unknown_letters([written.unknown_letters.as_str()], quiet);
     Ok(ExitCode::SUCCESS)
 }
 

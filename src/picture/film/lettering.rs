@@ -1,47 +1,45 @@
-//! Lines of text that are drawn over and over: every character is stroked once and stamped from then on.
+//! Lines of text that are drawn over and over: every letter is drawn once and stamped from then on.
 
-use crate::picture::canvas::{Canvas, Point};
+use tiny_skia::{PathBuilder, Transform};
+
+use crate::picture::canvas::{Canvas, Ink, Point};
 use crate::picture::colours::Rgb;
-use crate::picture::font::{CAPITAL, glyph};
-use crate::picture::text::{Align, PEN, measure_text, push_glyph};
+use crate::picture::font::{SizedFace, Weight, advance, glyph_index};
+use crate::picture::text::{Align, measure_weighted};
 
 /// The style of a line of text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LetterStyle {
     /// The height of capitals in pixels.
     pub height: f32,
-    pub is_bold: bool,
+    pub weight: Weight,
     pub colour: Rgb,
 }
 
-/// Width of the pen for bold text in units of the font.
-const BOLD_PEN: f32 = 1.9;
-/// Thinner lines would be too faint, in pixels.
-const LEAST_PEN: f32 = 1.1;
-/// Characters begin at whole pixels and this many places between.
+/// Letters begin at whole pixels and this many places between.
 const PLACES: usize = 4;
-const LETTERS: usize = 128;
 
-/// The share of each pixel that a character covers.
+/// The share of each pixel that a letter covers.
 #[derive(Debug)]
 struct Stamp {
-    /// Of the upper left pixel from where the character begins on the base line.
+    /// Of the upper left pixel from where the letter begins on the base line.
     left: i32,
     top: i32,
     width: usize,
     coverage: Vec<u8>,
 }
 
-/// Stamps of one height and pen, by letter and place between pixels.
-#[derive(Debug)]
+/// Stamps of one height and weight.
 struct Case {
     height: f32,
-    is_bold: bool,
+    weight: Weight,
+    face: SizedFace,
+    /// By the place of the letter's drawing in the font, then by place between pixels; as long as it had to be so far.
     stamps: Vec<Option<Stamp>>,
 }
 
 /// Draws lines of text; keeps the stamps.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct Lettering {
     cases: Vec<Case>,
 }
@@ -49,28 +47,21 @@ pub struct Lettering {
 impl Lettering {
     /// Draws a line of text on a base line.
     pub fn draw(&mut self, canvas: &mut Canvas, text: &str, (x, base): Point, align: Align, style: LetterStyle) {
-        let left = match align {
-            Align::Left => x,
-            Align::Centre => x - measure_text(text, style.height) / 2.0,
-            Align::Right => x - measure_text(text, style.height),
-        };
+        let mut at = align.left(x, measure_weighted(text, style.height, style.weight)).round();
         let case = self.case(style);
-        let unit = style.height / CAPITAL;
-        let mut at = left.round();
         for letter in text.chars() {
-            let letter = if letter.is_ascii() { letter } else { '?' };
             // Rounded to quarters of a pixel: finer places look the same and would need more stamps.
             let (column, place) = split(at);
             case.stamp(letter, place).print(canvas, (column, whole(base)), style.colour);
-            at += glyph(letter).advance * unit;
+            at += advance(letter, style.weight) * style.height;
         }
     }
 
     fn case(&mut self, style: LetterStyle) -> &mut Case {
-        let is_right = |case: &Case| case.height == style.height && case.is_bold == style.is_bold;
+        let is_right = |case: &Case| case.height == style.height && case.weight == style.weight;
         let index = self.cases.iter().position(is_right).unwrap_or_else(|| {
-            let stamps = (0..LETTERS * PLACES).map(|_| None).collect();
-            self.cases.push(Case { height: style.height, is_bold: style.is_bold, stamps });
+            let LetterStyle { height, weight, .. } = style;
+            self.cases.push(Case { height, weight, face: SizedFace::new(height, weight), stamps: Vec::new() });
             self.cases.len() - 1
         });
         &mut self.cases[index]
@@ -79,28 +70,27 @@ impl Lettering {
 
 impl Case {
     fn stamp(&mut self, letter: char, place: usize) -> &Stamp {
-        let (height, is_bold) = (self.height, self.is_bold);
-        let stamp = &mut self.stamps[letter as usize * PLACES + place];
-        stamp.get_or_insert_with(|| Stamp::cut(letter, place, height, is_bold))
+        let index = glyph_index(letter, self.weight) * PLACES + place;
+        if self.stamps.len() <= index {
+            self.stamps.resize_with(index + 1, || None);
+        }
+        self.stamps[index].get_or_insert_with(|| Stamp::cut(&self.face, letter, place))
     }
 }
 
 impl Stamp {
-    /// Strokes a character in white on black, so that a channel of each pixel is its coverage.
-    fn cut(letter: char, place: usize, height: f32, is_bold: bool) -> Self {
-        let unit = height / CAPITAL;
-        let pen = (if is_bold { BOLD_PEN } else { PEN } * unit).max(LEAST_PEN);
-        let margin = (2.0 * pen).ceil();
-        let above = (1.2 * height).ceil() + margin;
-        let width = (glyph(letter).advance * unit).ceil() + 2.0 * margin;
-        let mut canvas = Canvas::sized(width, above + (0.4 * height).ceil() + margin, [0; 3]);
-        let mut path = tiny_skia::PathBuilder::new();
-        let x = margin + place as f32 / PLACES as f32 + 0.5 * pen.max(1.0);
-        push_glyph(&mut path, glyph(letter), (x, above - 0.5), unit);
-        canvas.stroke(path, pen, [255; 3]);
+    /// Fills the outline of a letter in white on black, so that a channel of each pixel is its coverage.
+    fn cut(face: &SizedFace, letter: char, place: usize) -> Self {
+        let mut path = PathBuilder::new();
+        face.push_letter(&mut path, letter, (place as f32 / PLACES as f32, 0.0));
+        let Some(path) = path.finish() else { return Self { left: 0, top: 0, width: 1, coverage: Vec::new() } };
+        let bounds = path.bounds();
+        let (left, top) = (bounds.left().floor(), bounds.top().floor());
+        let mut canvas = Canvas::sized(bounds.right().ceil() - left, bounds.bottom().ceil() - top, [0; 3]);
+        canvas.fill_shape(&path, Transform::from_translate(-left, -top), Ink::opaque([255; 3]));
         let (pixels, _) = canvas.bytes().as_chunks::<4>();
         let coverage = pixels.iter().map(|pixel| pixel[0]).collect();
-        Self { left: -whole(margin), top: -whole(above), width: canvas.width() as usize, coverage }
+        Self { left: whole(left), top: whole(top), width: canvas.width() as usize, coverage }
     }
 
     fn print(&self, canvas: &mut Canvas, (x, base): (i32, i32), colour: Rgb) {
@@ -141,14 +131,14 @@ fn whole(value: f32) -> i32 {
 }
 
 /// The text, or as much of it as fits into a width, with dots for the rest.
-pub fn fitted(text: &str, height: f32, width: f32) -> String {
-    if measure_text(text, height) <= width {
+pub fn fitted(text: &str, (height, weight): (f32, Weight), width: f32) -> String {
+    if measure_weighted(text, height, weight) <= width {
         return text.to_owned();
     }
     let mut short = "...".to_owned();
     for (end, _) in text.char_indices() {
         let longer = text[..end].trim_end().to_owned() + "...";
-        if measure_text(&longer, height) > width {
+        if measure_weighted(&longer, height, weight) > width {
             break;
         }
         short = longer;
@@ -160,19 +150,21 @@ pub fn fitted(text: &str, height: f32, width: f32) -> String {
 mod tests {
     use super::*;
     use crate::picture::colours::{INK, PAPER};
-    use crate::picture::text::draw_text;
+    use crate::picture::text::{draw_text, measure_text};
 
-    const STYLE: LetterStyle = LetterStyle { height: 10.0, is_bold: false, colour: INK };
+    const STYLE: LetterStyle = LetterStyle { height: 10.0, weight: Weight::Regular, colour: INK };
+
+    const PLAIN: (f32, Weight) = (10.0, Weight::Regular);
 
     #[test]
-    fn stamped_text_looks_like_stroked_text() {
-        let (mut stamped, mut stroked) = (Canvas::new(300, 30, PAPER), Canvas::new(300, 30, PAPER));
+    fn stamped_text_looks_like_drawn_text() {
+        let (mut stamped, mut drawn) = (Canvas::new(300, 30, PAPER), Canvas::new(300, 30, PAPER));
         let line = "0:12:34.5 Wumpus leads by 17 (%)";
         Lettering::default().draw(&mut stamped, line, (5.0, 20.0), Align::Left, STYLE);
-        draw_text(&mut stroked, line, (5.0, 20.0), Align::Left, STYLE.height, STYLE.colour);
+        draw_text(&mut drawn, line, (5.0, 20.0), Align::Left, STYLE.height, STYLE.colour);
         let ink = |canvas: &Canvas| canvas.bytes().iter().map(|&byte| f64::from(255 - byte)).sum::<f64>();
-        let apart: f64 = stamped.bytes().iter().zip(stroked.bytes()).map(|(&a, &b)| f64::from(a.abs_diff(b))).sum();
-        assert!(apart < 0.2 * ink(&stroked), "{apart} of {}", ink(&stroked));
+        let apart: f64 = stamped.bytes().iter().zip(drawn.bytes()).map(|(&a, &b)| f64::from(a.abs_diff(b))).sum();
+        assert!(apart < 0.2 * ink(&drawn), "{apart} of {}", ink(&drawn));
     }
 
     #[test]
@@ -185,16 +177,16 @@ mod tests {
 
     #[test]
     fn long_text_is_cut_to_fit() {
-        assert_eq!(fitted("contest", 10.0, 500.0), "contest");
-        let short = fitted("a scenario with a rather long name", 10.0, 100.0);
+        assert_eq!(fitted("contest", PLAIN, 500.0), "contest");
+        let short = fitted("a scenario with a rather long name", PLAIN, 100.0);
         assert!(short.starts_with("a scen") && short.ends_with("..."), "{short}");
         assert!(measure_text(&short, 10.0) <= 100.0);
         let endless = "Wumpus".repeat(700);
-        let kept = fitted(&endless, 10.0, 100.0).len() - "...".len();
+        let kept = fitted(&endless, PLAIN, 100.0).len() - "...".len();
         assert!(
             measure_text(&format!("{}...", &endless[..=kept]), 10.0) > 100.0,
             "there was room for more than {kept}"
         );
-        assert_eq!(fitted(&endless, 10.0, 1.0), "...");
+        assert_eq!(fitted(&endless, PLAIN, 1.0), "...");
     }
 }

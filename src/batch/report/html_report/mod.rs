@@ -12,6 +12,7 @@ mod page;
 mod quantities;
 mod sweeps;
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -20,7 +21,7 @@ use thiserror::Error;
 
 use crate::batch::execute::{CHARTS_FOLDER, REPORT_FILE};
 use crate::batch::table::{FinishedBatch, FinishedError};
-use crate::picture::font_has_all_of;
+use crate::picture::unknown_letters;
 use crate::whole_file::WholeFile;
 use collected::Collected;
 use figures::{Figure, Figures};
@@ -34,8 +35,8 @@ pub struct WrittenReport {
     pub charts: usize,
     /// Charts that are not drawn since they would have too many panels: a sentence for each.
     pub refused: Vec<String>,
-    /// The first text in a chart that has letters which the font of pictures lacks.
-    pub unknown_letters: Option<String>,
+    /// Letters in charts that the font of pictures lacks.
+    pub unknown_letters: String,
 }
 
 /// A reason for which a batch has no report.
@@ -64,11 +65,15 @@ pub fn write_report(batch: &FinishedBatch) -> Result<WrittenReport, ReportError>
     let page = folder.join(REPORT_FILE);
     write_whole(&page, page::page(batch, &collected, &figures).to_html().as_bytes())?;
     let Figures { drawn, refused } = figures;
-    let unknown_letters = {
-        let mut texts = drawn.iter().flat_map(|figure| figure.drawing.texts());
-        texts.find(|text| !font_has_all_of(text)).map(str::to_owned)
-    };
-    Ok(WrittenReport { page, charts_folder, charts: drawn.len(), refused, unknown_letters })
+    let texts = drawn.iter().flat_map(|figure| figure.drawing.texts());
+    let unknown: BTreeSet<char> = texts.flat_map(unknown_letters).collect();
+    Ok(WrittenReport {
+        page,
+        charts_folder,
+        charts: drawn.len(),
+        refused,
+        unknown_letters: unknown.into_iter().collect(),
+    })
 }
 
 fn write_chart(folder: &Path, figure: &Figure) -> Result<(), ReportError> {

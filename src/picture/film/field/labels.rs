@@ -11,7 +11,8 @@ use crate::picture::film::field::agents::{agent_colour, drawn_reach};
 use crate::picture::film::field::highlights::{is_selected, selected_reach};
 use crate::picture::film::field::scales::length_bar_room;
 use crate::picture::film::lettering::{LetterStyle, Lettering};
-use crate::picture::text::{Align, measure_text};
+use crate::picture::font::Weight;
+use crate::picture::text::{Align, measure_weighted};
 use crate::timeline::{Activity, AgentId};
 
 /// All in thin lines: height of digits, what is around them on their plate, and between a plate and its agent.
@@ -131,7 +132,7 @@ pub fn draw_labels(canvas: &mut Canvas, pane: &Pane, lettering: &mut Lettering, 
     fires.iter().for_each(|&at| room.take(&LabelBox::about(at, fire)));
     shown.sort_by_key(|&(id, _, _, activity)| (turn(pane, id, activity), id));
     let size = |id: AgentId| {
-        let width = measure_text(&id.number.to_string(), TEXT * unit) + 2.0 * PADDING * unit;
+        let width = measure_weighted(&id.number.to_string(), TEXT * unit, Weight::Bold) + 2.0 * PADDING * unit;
         (width, (TEXT + 2.0 * PADDING) * unit)
     };
     let wanted: Vec<(Point, f32, (f32, f32))> =
@@ -157,7 +158,7 @@ fn draw_label(canvas: &mut Canvas, lettering: &mut Lettering, (id, label): (Agen
     let whole = |at: f32| at.round() as i32;
     let (from, to) = ((whole(label.left), whole(label.top)), (whole(label.right()), whole(label.bottom())));
     canvas.tint_pixels(from, to, Ink { colour: PAPER, opacity: PLATE });
-    let style = LetterStyle { height: TEXT * unit, is_bold: true, colour: agent_colour(id) };
+    let style = LetterStyle { height: TEXT * unit, weight: Weight::Bold, colour: agent_colour(id) };
     let at = (label.left + PADDING * unit, label.bottom() - PADDING * unit);
     lettering.draw(canvas, &id.number.to_string(), at, Align::Left, style);
 }

@@ -8,7 +8,7 @@ use crate::picture::film::hud::words::format_clock;
 use crate::picture::film::hud::{HudView, words};
 use crate::picture::film::lettering::fitted;
 use crate::picture::film::{BINDINGS, FrameLayout, Layer};
-use crate::picture::text::{Align, measure_text};
+use crate::picture::text::{Align, measure_weighted};
 
 // In heights of text.
 const INSIDE: f32 = 0.7;
@@ -45,7 +45,7 @@ pub fn draw_message(pen: &mut TextPen, layout: &FrameLayout, message: &str) {
 }
 
 fn shortened(pen: &TextPen, text: &str, width: f32) -> String {
-    fitted(text, pen.height(TextFace::STRONG), width - 2.0 * pen.length(INSIDE + OUTSIDE))
+    fitted(text, (pen.height(TextFace::STRONG), TextFace::STRONG.weight), width - 2.0 * pen.length(INSIDE + OUTSIDE))
 }
 
 /// A line of text in a box.
@@ -118,8 +118,9 @@ pub fn draw_help(pen: &mut TextPen, layout: &FrameLayout, has_ground: bool) {
 
 /// Returns the widths of the two columns of a table, in heights of text.
 fn widths(table: &KeyTable) -> (f32, f32) {
-    let widest = |texts: &mut dyn Iterator<Item = &String>| {
-        texts.map(|text| measure_text(text, TextFace::PLAIN.size)).fold(0.0, f32::max)
+    let widest = |texts: &mut dyn Iterator<Item = &String>, face: TextFace| {
+        texts.map(|text| measure_weighted(text, face.size, face.weight)).fold(0.0, f32::max)
     };
-    (widest(&mut table.iter().map(|row| &row.0)), widest(&mut table.iter().map(|row| &row.1)))
+    let (keys, does) = (&mut table.iter().map(|row| &row.0), &mut table.iter().map(|row| &row.1));
+    (widest(keys, TextFace::STRONG), widest(does, TextFace::PLAIN))
 }

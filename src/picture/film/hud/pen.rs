@@ -6,22 +6,23 @@ use crate::picture::canvas::{Canvas, Point};
 use crate::picture::colours::{INK, PAPER, blend, bush_colour};
 use crate::picture::film::field::draw_sign;
 use crate::picture::film::lettering::{LetterStyle, Lettering};
-use crate::picture::text::{Align, measure_text};
+use crate::picture::font::Weight;
+use crate::picture::text::{Align, measure_weighted};
 
 /// The style of text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextFace {
     /// Height of capitals in heights of ordinary text.
     pub size: f32,
-    pub is_bold: bool,
+    pub weight: Weight,
     pub colour: Rgb,
 }
 
 impl TextFace {
-    pub const PLAIN: Self = Self { size: 0.9, is_bold: false, colour: INK };
-    pub const STRONG: Self = Self { is_bold: true, ..Self::PLAIN };
-    pub const TITLE: Self = Self { size: 1.2, is_bold: true, colour: INK };
-    pub const CLOCK: Self = Self { size: 2.1, is_bold: true, colour: INK };
+    pub const PLAIN: Self = Self { size: 0.9, weight: Weight::Regular, colour: INK };
+    pub const STRONG: Self = Self { weight: Weight::Bold, ..Self::PLAIN };
+    pub const TITLE: Self = Self { size: 1.2, weight: Weight::Bold, colour: INK };
+    pub const CLOCK: Self = Self { size: 2.1, weight: Weight::Bold, colour: INK };
 
     pub fn faint() -> Self {
         Self { colour: blend(PAPER, INK, 0.6), ..Self::PLAIN }
@@ -48,11 +49,11 @@ impl TextPen<'_> {
     }
 
     pub fn measure(&self, text: &str, face: TextFace) -> f32 {
-        measure_text(text, self.height(face))
+        measure_weighted(text, self.height(face), face.weight)
     }
 
     pub fn write(&mut self, text: &str, at: Point, align: Align, face: TextFace) {
-        let style = LetterStyle { height: self.height(face), is_bold: face.is_bold, colour: face.colour };
+        let style = LetterStyle { height: self.height(face), weight: face.weight, colour: face.colour };
         self.lettering.draw(self.sheet, text, at, align, style);
     }
 

@@ -14,6 +14,7 @@ use crate::picture::colours::{FAINT_INK, INK, PAPER, blend};
 use crate::picture::film::hud::words;
 use crate::picture::film::lettering::{LetterStyle, Lettering};
 use crate::picture::film::{FrameLayout, FrameRequest, RunView, RunViewId};
+use crate::picture::font::Weight;
 use crate::picture::marks::to_f32;
 use crate::picture::text::Align;
 use crate::picture::ticks::{round_step, ticks};
@@ -252,7 +253,7 @@ const BETWEEN_TIMES: f32 = 7.0;
 const BETWEEN_VALUES: f32 = 3.0;
 
 fn axis_style(plan: &ChartPlan) -> LetterStyle {
-    LetterStyle { height: 0.85 * plan.text as f32, is_bold: false, colour: INK }
+    LetterStyle { height: 0.85 * plan.text as f32, weight: Weight::Regular, colour: INK }
 }
 
 /// Draws times under the chart.
@@ -295,7 +296,7 @@ fn draw_value_axis(
 /// Draws the name of a run of a comparison beside its counts.
 fn draw_run_name(ChartPen { canvas, lettering, plan, .. }: &mut ChartPen, strip: &RunStrip, run_index: usize) {
     let (top, height) = strip.area;
-    let style = LetterStyle { height: 1.4 * plan.text as f32, is_bold: true, colour: INK };
+    let style = LetterStyle { height: 1.4 * plan.text as f32, weight: Weight::Bold, colour: INK };
     let base = top as f32 + 0.5 * height as f32 + 0.5 * style.height;
     lettering.draw(canvas, words::run_name(run_index), (plan.length(1.2), base), Align::Left, style);
 }

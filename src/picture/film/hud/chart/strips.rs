@@ -8,8 +8,9 @@ use crate::picture::colours::{BURNING, EXTINGUISHED, FAINT_INK, INK, PAPER, blen
 use crate::picture::film::RunView;
 use crate::picture::film::hud::chart::{ChartPen, ChartPlan, CountScale, RowRange, draw_value_axis};
 use crate::picture::film::lettering::{LetterStyle, fitted};
+use crate::picture::font::Weight;
 use crate::picture::marks::to_f32;
-use crate::picture::text::{Align, measure_text};
+use crate::picture::text::{Align, measure_weighted};
 use crate::picture::ticks::round_step;
 use crate::time::SimTime;
 use crate::timeline::{AgentFact, BushCounts, Fact, FireFact};
@@ -58,10 +59,11 @@ pub fn draw_without_intact(pen: &mut ChartPen, (top, height): RowRange, run: &Ru
     let intact = counts.count(BushStateKind::Intact);
     let words = format!("intact bushes left out: {intact} of {} at the end", counts.bushes());
     let ChartPen { canvas, lettering, plan, .. } = pen;
-    let style = LetterStyle { height: 0.85 * plan.text as f32, is_bold: false, colour: blend(PAPER, INK, 0.7) };
+    let style =
+        LetterStyle { height: 0.85 * plan.text as f32, weight: Weight::Regular, colour: blend(PAPER, INK, 0.7) };
     let base = top as f32 + 1.3 * style.height;
     if height as f32 > 3.0 * style.height {
-        let words = fitted(&words, style.height, plan.columns.1 as f32);
+        let words = fitted(&words, (style.height, style.weight), plan.columns.1 as f32);
         lettering.draw(canvas, &words, (plan.columns.0 as f32 + plan.length(0.6), base), Align::Left, style);
     }
 }
@@ -108,7 +110,11 @@ pub fn draw_event_lanes(pen: &mut ChartPen, (top, height): RowRange, run: &RunVi
         let ChartPen { canvas, lettering, plan, end, .. } = &mut *pen;
         draw_marks(canvas, plan, (top, bottom), &event_columns(run, plan.columns.1, *end, lane), colour);
         if bottom - top >= NAMED {
-            let style = LetterStyle { height: 0.75 * plan.text as f32, is_bold: false, colour: blend(PAPER, INK, 0.7) };
+            let style = LetterStyle {
+                height: 0.75 * plan.text as f32,
+                weight: Weight::Regular,
+                colour: blend(PAPER, INK, 0.7),
+            };
             let at = (plan.columns.0 as f32 - plan.length(0.6), bottom as f32);
             lettering.draw(canvas, lane.name, at, Align::Right, style);
         }
@@ -184,10 +190,10 @@ fn differences(pen: &ChartPen, (one, other): (&RunView, &RunView), count: fn(&Bu
 
 /// Draws the names of the curves above them.
 fn draw_key(ChartPen { canvas, lettering, plan, .. }: &mut ChartPen, top: f32) {
-    let style = LetterStyle { height: 0.85 * plan.text as f32, is_bold: true, colour: INK };
+    let style = LetterStyle { height: 0.85 * plan.text as f32, weight: Weight::Bold, colour: INK };
     let (mut x, base) = (plan.columns.0 as f32, top - plan.length(0.6));
     for (name, colour) in [("A - B", INK)].into_iter().chain(CURVES.map(|curve| (curve.name, curve.colour))) {
         lettering.draw(canvas, name, (x, base), Align::Left, LetterStyle { colour, ..style });
-        x += measure_text(name, style.height) + plan.length(1.5);
+        x += measure_weighted(name, style.height, style.weight) + plan.length(1.5);
     }
 }
