@@ -75,7 +75,7 @@ fn push_table(text: &mut String, table: &Table) {
 }
 
 /// Escapes text for a page: nothing in it is a tag, acts on what surrounds it, or turns the direction of writing.
-fn escaped(text: &str) -> String {
+pub fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in visible_lines(text).chars() {
         match letter {

@@ -19,6 +19,7 @@ mod markdown;
 pub mod number;
 mod text;
 
+pub use html::escaped as escaped_html;
 pub use text::{WIDTH, wrapped};
 
 /// A title, and what follows it from top to bottom.

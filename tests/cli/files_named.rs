@@ -5,12 +5,13 @@ use std::fs;
 use crate::story::{Answer, Story, refuse};
 
 /// Every option of every command that writes a single file, how the file's name may end, and what it begins with.
-const OUTPUTS: [(&str, &str, &[u8]); 22] = [
+const OUTPUTS: [(&str, &str, &[u8]); 23] = [
     ("run smoke --out", "wildfire", b"WILDFIRE"),
     ("run smoke --events", "csv", b"t_s,event"),
     ("run smoke --trace", "csv", b"t_s,agent"),
     ("render smoke --size 320x240 -o", "png", b"\x89PNG"),
     ("render smoke --size 320x240 --to 60 --gif", "gif", b"GIF8"),
+    ("render smoke --html", "html", b"<!DOCTYPE html>"),
     ("map brushfire map.txt --csv", "csv", b"2,1"),
     ("map brushfire map.txt --npy", "npy", b"\x93NUMPY"),
     ("map brushfire map.txt --png", "png", b"\x89PNG"),
@@ -116,6 +117,7 @@ fn two_results_on_stdout_are_refused() {
         "plan field.json --json --csv -",
         "plan field.json --paths - --ompl -",
         "render smoke -o - --gif -",
+        "render smoke -o - --html -",
     ] {
         refuse(&story, &words(command), &["- is stdout; expected it as the place of one result"]);
     }

@@ -1,4 +1,4 @@
-//! `wildfire render`: stills and films from scenarios, recordings and batches.
+//! `wildfire render`: stills, films and pages from scenarios, recordings and batches.
 
 use std::fs::{self, File};
 use std::path::Path;
@@ -176,7 +176,7 @@ fn recording_has_its_own_seed_and_values() {
 #[test]
 fn looks_that_make_no_sense_are_refused() {
     let story = Story::begin();
-    let refused: [(&[&str], &[&str]); 18] = [
+    let refused: [(&[&str], &[&str]); 21] = [
         (&["--at", "1000000"], &["--at is 1000000", "ends at"]),
         (&["--at=-1"], &["--at", "at least 0"]),
         (&["--at", "nan"], &["--at", "seconds"]),
@@ -195,6 +195,9 @@ fn looks_that_make_no_sense_are_refused() {
         (&["--select", "wumpus/5"], &["--select", "no wumpus/5"]),
         (&["--seed", "x"], &["--seed"]),
         (&["--from", "5"], &["--gif"]),
+        (&["--html", "y.png"], &["y.png", "a page", ".html or .htm"]),
+        (&["--html", "x.html", "--at", "5000"], &["--at is 5000"]),
+        (&["--html", "nowhere/x.html"], &["nowhere/x.html", "no such folder"]),
     ];
     for (look, words) in refused {
         refuse(&story, &[&["render", "smoke", "-o", "x.png"], look].concat(), words);
@@ -203,9 +206,41 @@ fn looks_that_make_no_sense_are_refused() {
     refuse(&story, &["render", "smoke"], &["--out", "--gif", "--mp4"]);
     refuse(&story, &["render", "smoke", "-o", "x.gif"], &["x.gif", "PNG", "--gif"]);
     refuse(&story, &["render", "smoke", "--gif", "x", "--mp4", "x"], &["x cannot be two files"]);
+    refuse(&story, &["render", "nothing", "--html", "x.html"], &["nothing", "contest"]);
+    refuse(&story, &["render", "smoke", "--html", "x.html", "--from", "5"], &["--gif"]);
+    story.file("notes.wildfire", "no recording");
+    refuse(&story, &["render", "notes.wildfire", "--html", "x.html"], &["notes.wildfire"]);
+    refuse(&story, &["render", "notes.wildfire", "--html", "notes.wildfire"], &["cannot be two files"]);
     fs::create_dir(story.path("folder")).expect("the scratch folder is writable");
     refuse(&story, &["render", "folder", "-o", "x.png"], &["folder", "no plan of a batch"]);
     refuse(&story, &["render", "smoke", "-o", "nowhere/x.png"], &["nowhere/x.png", "no such folder"]);
+}
+
+#[test]
+fn page_of_a_scenario_is_that_of_its_recording_with_searches_and_takes_the_place_of_a_file() {
+    let story = Story::begin();
+    story.tell(&["run", "smoke", "--seed", "7", "--record-searches", "--out", "run.wildfire"]).expect_code(0);
+    story.file("recorded.html", "what was there before");
+    story.tell(&["render", "run.wildfire", "--html", "recorded.html"]).expect_code(0);
+    story.tell(&["render", "smoke", "--seed", "7", "--html", "simulated.html"]).expect_code(0);
+    let page = |name: &str| fs::read_to_string(story.path(name)).expect("it was written");
+    assert_eq!(page("recorded.html"), page("simulated.html"));
+    story.tell(&["render", "smoke", "--seed", "7", "--at", "30", "--html", "later.html"]).expect_code(0);
+    assert!(page("later.html") != page("simulated.html"), "the page does not begin later");
+    story.tell(&["render", "smoke", "--with-seed", "2", "--html", "two.html"]).expect_code(0);
+    assert!(page("two.html").contains("<title>smoke, seed 1 and smoke, seed 2</title>"));
+}
+
+#[test]
+fn page_holds_names_of_users_as_text() {
+    let story = Story::begin();
+    let name = "</script><b>&\u{202e}";
+    story.file("a.toml", &format!("name = '{name}'\nduration_s = 20\n[[wumpus]]\n[[unimog]]\n"));
+    story.tell(&["render", "a.toml", "--html", "a.html"]).expect_code(0);
+    let page = fs::read_to_string(story.path("a.html")).expect("it was written");
+    assert_eq!(page.matches("</script>").count(), 2, "the data and the script end once each");
+    assert!(page.contains("&lt;/script&gt;&lt;b&gt;&amp;"), "the name is not shown as it is");
+    assert!(!page.contains('\u{202e}'), "the name turns the direction of writing");
 }
 
 #[test]
@@ -345,7 +380,7 @@ fn a_name_with_letters_that_the_font_lacks_is_noted_once() {
         story.file(file, &format!("name = \"{name}\"\n{small}"));
     }
     let note =
-        "pictures show boxes for 災 (U+707D), 火 (U+706B): their font has letters of Latin, Greek and Cyrillic\n";
+        "pictures show boxes for 火 (U+706B), 災 (U+707D): their font has letters of Latin, Greek and Cyrillic\n";
     let commands: [&[&str]; 5] = [
         &["render", "a.toml", "--size", "320x240", "-o", "a.png", "--gif", "a.gif", "--to", "5"],
         &["render", "a.toml", "--with", "b.toml", "--size", "480x240", "-o", "a.png"],

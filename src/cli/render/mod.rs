@@ -1,4 +1,4 @@
-//! `wildfire render`: stills and films of runs, without a screen.
+//! `wildfire render`: stills, films and pages of runs, without a screen.
 
 mod film;
 mod mp4_file;
@@ -22,12 +22,14 @@ use crate::time::SimTime;
 #[derive(Debug, Args)]
 #[command(
     group = ArgGroup::new("film").args(["gif", "mp4"]).multiple(true),
-    group = ArgGroup::new("outputs").args(["out", "gif", "mp4"]).multiple(true).required(true),
+    group = ArgGroup::new("moment").args(["out", "html"]).multiple(true),
+    group = ArgGroup::new("outputs").args(["out", "gif", "mp4", "html"]).multiple(true).required(true),
     after_help = "\
 Examples:
   wildfire render --seed 7 --at 600 -o still.png
   wildfire render run.wildfire --gif film.gif --size 600x600
   wildfire render --mp4 film.mp4 --from 300 --to 900 --speed 30
+  wildfire render run.wildfire --html run.html
   wildfire render --with-set unimog.planner=hybrid-astar -o two.png --size 1400x900
   wildfire render --at 600 --follow unimog/0 --zoom 6 --layers local-search -o near.png
 
@@ -39,8 +41,8 @@ pub struct RenderArguments {
     /// Write a still, a PNG file.
     #[arg(short, long, value_name = "FILE.png")]
     pub out: Option<PathBuf>,
-    /// The simulated time of the still [default: the end of the run].
-    #[arg(long, value_name = "SECONDS", requires = "out", allow_hyphen_values = true, value_parser = parse_seconds)]
+    /// The simulated time of the still [default: the end of the run], and at which a page begins [default: 0].
+    #[arg(long, value_name = "SECONDS", requires = "moment", allow_hyphen_values = true, value_parser = parse_seconds)]
     pub at: Option<f64>,
     /// Write a film as GIF.
     #[arg(long, value_name = "FILE.gif")]
@@ -48,6 +50,9 @@ pub struct RenderArguments {
     /// Write a film as MP4; this needs the program ffmpeg.
     #[arg(long, value_name = "FILE.mp4")]
     pub mp4: Option<PathBuf>,
+    /// Write a page that plays the run in a browser, offline; --size does not matter for it.
+    #[arg(long, value_name = "FILE.html")]
+    pub html: Option<PathBuf>,
     /// The simulated time at which the film begins.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0, requires = "film", allow_hyphen_values = true, value_parser = parse_seconds)]
     pub from: f64,
@@ -75,9 +80,13 @@ pub fn run(arguments: &RenderArguments, context: &CommandContext) -> Result<Exit
     let runs: Vec<RunView> = run_views(arguments, context)?;
     let runs: Vec<&RunView> = runs.iter().collect();
     let scene = Scene { runs: &runs, options: look(&arguments.show, &runs)?, size: arguments.show.size.into() };
-    let (still_time, moments) = (still_time(arguments, &runs)?, moments(arguments, &runs)?);
+    let (at, moments) = (time_at(arguments, &runs)?, moments(arguments, &runs)?);
     if let Some(path) = &arguments.out {
-        scene.write_still(still_time, path)?;
+        scene.write_still(at.unwrap_or(RunView::last_end(&runs)), path)?;
+        output_files::note_written(path, quiet);
+    }
+    if let Some(path) = &arguments.html {
+        scene.write_page(at.unwrap_or(SimTime::ZERO), path)?;
         output_files::note_written(path, quiet);
     }
     if arguments.gif.is_some() || arguments.mp4.is_some() {
@@ -92,9 +101,9 @@ pub fn run(arguments: &RenderArguments, context: &CommandContext) -> Result<Exit
 fn check(arguments: &RenderArguments) -> Result<(), CliError> {
     let show = &arguments.show;
     let inputs = [Some(&show.source), show.with.as_ref()].into_iter().flatten().map(Path::new).collect();
-    let (still, gif, mp4) = (&arguments.out, &arguments.gif, &arguments.mp4);
+    let (still, gif, mp4, html) = (&arguments.out, &arguments.gif, &arguments.mp4, &arguments.html);
     let files = Files { inputs, ..Files::default() };
-    files.writing([(Format::Png, still), (Format::Gif, gif), (Format::Mp4, mp4)]).check()?;
+    files.writing([(Format::Png, still), (Format::Gif, gif), (Format::Mp4, mp4), (Format::Html, html)]).check()?;
     let (width, height) = (show.size.width, show.size.height);
     if arguments.mp4.is_some() && (width % 2 == 1 || height % 2 == 1) {
         let sentence = format!("--size is {width}x{height}; expected even numbers of pixels with --mp4");
@@ -105,14 +114,19 @@ fn check(arguments: &RenderArguments) -> Result<(), CliError> {
 
 fn run_views(arguments: &RenderArguments, context: &CommandContext) -> Result<Vec<RunView>, CliError> {
     let needs_searches = |&layer: &Layer| layer.needs_searches() && arguments.show.layers().contains(layer);
-    let searches = if Layer::ALL.iter().any(needs_searches) { Searches::Recorded } else { Searches::LeftOut };
+    // A page has the layers of searches to switch on, as the window has.
+    let searches = if arguments.html.is_some() || Layer::ALL.iter().any(needs_searches) {
+        Searches::Recorded
+    } else {
+        Searches::LeftOut
+    };
     let shown = shown_runs(&arguments.show, searches, context)?;
     let run = |run: ShownRun| if arguments.cpu { run } else { ShownRun { cpu_samples: None, ..run } };
     Ok(shown.into_iter().map(|shown| run(shown.run).into_view()).collect())
 }
 
-fn still_time(arguments: &RenderArguments, runs: &[&RunView]) -> Result<SimTime, CliError> {
-    arguments.at.map_or_else(|| Ok(RunView::last_end(runs)), |at| time_within("--at", at, runs))
+fn time_at(arguments: &RenderArguments, runs: &[&RunView]) -> Result<Option<SimTime>, CliError> {
+    arguments.at.map(|at| time_within("--at", at, runs)).transpose()
 }
 
 fn moments(arguments: &RenderArguments, runs: &[&RunView]) -> Result<Moments, CliError> {

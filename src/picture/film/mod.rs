@@ -11,6 +11,7 @@ mod keys;
 mod layout;
 mod lettering;
 mod options;
+mod page;
 mod renderer;
 mod run;
 
@@ -20,5 +21,6 @@ pub use hud::format_clock;
 pub use keys::{BINDINGS, Binding};
 pub use layout::{FrameLayout, FramePart, PixelRect};
 pub use options::{Followed, Layer, Layers, Selected, Status, ViewOptions};
+pub use page::page;
 pub use renderer::{FrameRenderer, FrameRequest, still};
 pub use run::{RunView, RunViewId};

@@ -121,6 +121,11 @@ impl AgentHistory {
         AgentState { id: start.id, pose, speed_mps, activity: stats.activity, goal }
     }
 
+    /// When something about it changed, the start included, ascending.
+    pub fn change_times(&self) -> impl Iterator<Item = SimTime> + '_ {
+        self.steps.iter().map(|step| step.time)
+    }
+
     fn last_step(&self, time: SimTime) -> &Step {
         &self.steps[self.steps.partition_point(|step| step.time <= time) - 1]
     }

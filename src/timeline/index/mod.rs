@@ -111,6 +111,21 @@ impl<'a> RunIndex<'a> {
         self.bushes.changes_of(bush).map(|fact| &self.timeline.events[fact])
     }
 
+    /// When an agent's numbers, goal or leg changed, the start included, ascending.
+    pub fn changes_of_agent(&self, agent: usize) -> impl Iterator<Item = SimTime> + '_ {
+        self.agents[agent].change_times()
+    }
+
+    /// When something happens, ascending, as [`Self::next_event`] goes through it.
+    pub fn moments(&self) -> &[SimTime] {
+        &self.moments
+    }
+
+    /// All moments of spreading, in order of time.
+    pub fn spreads(&self) -> &[SpreadMoment] {
+        &self.spreads
+    }
+
     /// Moments of spreading after `from` up to `to`.
     pub fn spreads_between(&self, from: SimTime, to: SimTime) -> &[SpreadMoment] {
         let before = |time: SimTime| self.spreads.partition_point(|spread| spread.time <= time);

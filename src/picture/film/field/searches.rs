@@ -7,20 +7,20 @@ use crate::picture::thin_line::draw_line;
 use crate::planning::{SearchGraph, SearchPhase};
 
 /// The style in which a layer shows searches of one phase.
-struct SearchStyle {
-    layer: Layer,
-    phase: SearchPhase,
+pub struct SearchStyle {
+    pub layer: Layer,
+    pub phase: SearchPhase,
     /// The colours of the first line and of the last one.
-    colours: [Rgb; 2],
+    pub colours: [Rgb; 2],
     /// In pixels.
-    width: f32,
-    opacity: f32,
+    pub width: f32,
+    pub opacity: f32,
     /// Radius of a disc at every place, in sides of a cell.
-    disc: f32,
+    pub disc: f32,
 }
 
 // Roadmaps have lines all over the field, one over the other: each is faint. Places of a Wumpus are cells.
-const STYLES: [SearchStyle; 4] = [
+pub const STYLES: [SearchStyle; 4] = [
     SearchStyle {
         layer: Layer::Roadmap,
         phase: SearchPhase::Roadmap,
@@ -64,7 +64,7 @@ pub struct ShownSearch<'a> {
 }
 
 /// The searches that the layers ask for, all agents'.
-pub fn shown_searches<'a>(pane: &Pane<'a>) -> Vec<ShownSearch<'a>> {
+pub(super) fn shown_searches<'a>(pane: &Pane<'a>) -> Vec<ShownSearch<'a>> {
     let (run, time) = (pane.view.run, pane.view.state.time);
     let styles = STYLES.iter().filter(|style| pane.shows(style.layer));
     let searches = styles.flat_map(|style| {
@@ -77,7 +77,7 @@ pub fn shown_searches<'a>(pane: &Pane<'a>) -> Vec<ShownSearch<'a>> {
 }
 
 /// Draws searches in the order in which places were looked at, from dark to light.
-pub fn draw_searches(canvas: &mut Canvas, pane: &Pane, searches: &[ShownSearch]) {
+pub(super) fn draw_searches(canvas: &mut Canvas, pane: &Pane, searches: &[ShownSearch]) {
     for ShownSearch { graph, style, .. } in searches {
         let width = style.width * pane.unit();
         let radius = style.disc * pane.cell_side();

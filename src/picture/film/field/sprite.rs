@@ -14,7 +14,7 @@
 
 use std::sync::LazyLock;
 
-use tiny_skia::{Path, PathBuilder, Transform};
+use tiny_skia::{Path, PathBuilder, PathSegment, Transform};
 
 use crate::geometry::ops;
 use crate::picture::canvas::{Canvas, Ink, Point, closed, open};
@@ -77,6 +77,11 @@ impl Sprite {
         }
     }
 
+    /// Its shapes, the lowest first: the path in the notation of SVG, its ink, and the width of a line.
+    pub fn shapes_as_svg(&self) -> impl Iterator<Item = (String, Ink, Option<f32>)> + '_ {
+        self.shapes.iter().map(|shape| (svg_path(&shape.path), shape.ink, shape.width))
+    }
+
     /// The largest distance of a point that it is drawn towards from its origin, along each axis, in its units.
     #[cfg(test)]
     pub fn reach(&self) -> (f32, f32) {
@@ -133,6 +138,24 @@ fn read_colour(name: &str) -> Option<Rgb> {
         "unimog" => UNIMOG,
         _ => return None,
     })
+}
+
+fn svg_path(path: &Path) -> String {
+    let point = |at: tiny_skia::Point| format!("{},{}", short(at.x), short(at.y));
+    let segment = |segment: PathSegment| match segment {
+        PathSegment::MoveTo(to) => format!("M{}", point(to)),
+        PathSegment::LineTo(to) => format!("L{}", point(to)),
+        PathSegment::QuadTo(by, to) => format!("Q{} {}", point(by), point(to)),
+        PathSegment::CubicTo(first, second, to) => format!("C{} {} {}", point(first), point(second), point(to)),
+        PathSegment::Close => "Z".to_owned(),
+    };
+    path.segments().map(segment).collect()
+}
+
+/// The number to a ten-thousandth, without what says nothing.
+fn short(number: f32) -> f32 {
+    // Adding 0 makes 0 of -0.
+    (number * 1e4).round() / 1e4 + 0.0
 }
 
 /// Quadratic curves from middle to middle of the sides, the points between being their control points.

@@ -2,13 +2,13 @@
 //! the timeline.
 
 mod blocks;
-mod chart;
+pub(super) mod chart;
 mod fleet;
 mod notes;
 mod panel;
 mod pen;
-mod stories;
-mod words;
+pub(super) mod stories;
+pub(super) mod words;
 
 pub use words::format_clock;
 

@@ -144,7 +144,8 @@ fn bush_story(run: &RunView, cell: Cell, now: SimTime) -> Option<Vec<PanelLine>>
     Some(lines.split_off(dropped))
 }
 
-fn change_text(fact: &Fact, burned_before: bool) -> String {
+/// Tells what changed a bush.
+pub fn change_text(fact: &Fact, burned_before: bool) -> String {
     match fact {
         Fact::Fire(FireFact::Ignited { cause, .. }) => {
             let again = if burned_before { " again" } else { "" };
@@ -161,7 +162,7 @@ fn change_text(fact: &Fact, burned_before: bool) -> String {
 }
 
 /// Tells for how long a fire burned that ends with this event.
-fn burned_for(event: &Event, since: Option<SimTime>) -> Option<String> {
+pub fn burned_for(event: &Event, since: Option<SimTime>) -> Option<String> {
     let ends = matches!(event.fact, Fact::Fire(FireFact::Extinguished { .. }) | Fact::Fire(FireFact::BurnedOut { .. }));
     since.filter(|_| ends).map(|since| format!("after {:.1} s", event.time.since(since).as_seconds()))
 }

@@ -85,7 +85,7 @@ struct ChartPen<'a> {
 
 /// The scale on which counts are stacked, the same for all runs of a chart.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum CountScale {
+pub enum CountScale {
     /// All bushes of a run take the whole height.
     All,
     /// The intact ones are left out, and this many bushes take the whole height.
@@ -93,7 +93,7 @@ enum CountScale {
 }
 
 impl CountScale {
-    fn new(runs: &[&RunView]) -> Self {
+    pub fn new(runs: &[&RunView]) -> Self {
         // A bush that was lit once is never intact again.
         let counts = runs.iter().map(|run| run.counts_at(run.end_time()));
         let changed_and_all: Vec<(u32, u32)> =
@@ -109,6 +109,14 @@ impl CountScale {
             Self::WithoutIntact { most: step * (most / step).ceil() }
         } else {
             Self::All
+        }
+    }
+
+    /// Returns how many bushes take the whole height, where the intact ones are left out.
+    pub fn most(self) -> Option<f64> {
+        match self {
+            Self::All => None,
+            Self::WithoutIntact { most } => Some(most),
         }
     }
 }

@@ -1,0 +1,240 @@
+// The curves over time, which are the timeline: bushes by state, one over the other, with marks of events above; of two runs
+// also how they differ. What lies ahead is paler.
+
+// All in pixels of the page.
+const CHART_LEFT = 64;
+const CHART_RIGHT = 14;
+const LANE = 11;
+const STRIP = 96;
+const DIFFERENCE = 64;
+const AXIS = 24;
+const GAP = 12;
+// The share of its colour that the time ahead keeps.
+const AHEAD = 0.35;
+// What is lost, what burns, what was saved, what nothing happened to: from the bottom up.
+const STACKED = [BURNED_OUT, BURNING, EXTINGUISHED, INTACT];
+
+// The least of 1, 2, 2.5 or 5 times a power of ten that is not less.
+function roundStep(least) {
+    const power = 10 ** Math.floor(Math.log10(least));
+    return [1, 2, 2.5, 5, 10].map((factor) => factor * power).find((step) => step >= least * (1 - 1e-9));
+}
+
+class Chart {
+    constructor(canvas, data, runs) {
+        Object.assign(this, { canvas, runs, colours: data.colours, stateColours: data.state_colours });
+        this.endNs = Math.max(...runs.map((run) => run.end_ns));
+        this.context = canvas.getContext("2d");
+        this.kept = ["past", "ahead"].map(() => document.createElement("canvas"));
+        this.keptKey = "";
+    }
+
+    // Its height in pixels of the page.
+    get height() {
+        const each = 3 * LANE + STRIP + GAP;
+        return this.runs.length * each + (this.runs.length > 1 ? DIFFERENCE + 2 * GAP : 0) + AXIS;
+    }
+
+    // The time at a place across, in pixels of the page.
+    timeAt(x) {
+        const width = this.canvas.clientWidth - CHART_LEFT - CHART_RIGHT;
+        return clamp((x - CHART_LEFT) / width, 0, 1) * this.endNs;
+    }
+
+    draw(ns, pixelRatio) {
+        const { canvas, context } = this;
+        const size = [canvas.clientWidth, this.height];
+        const theme = getComputedStyle(document.documentElement);
+        this.ink = theme.getPropertyValue("--ink").trim();
+        this.faint = theme.getPropertyValue("--faint").trim();
+        this.paper = theme.getPropertyValue("--paper").trim();
+        const key = [size, pixelRatio, this.ink].join("|");
+        if (key !== this.keptKey) {
+            this.keptKey = key;
+            Object.assign(canvas, { width: Math.round(size[0] * pixelRatio), height: Math.round(size[1] * pixelRatio) });
+            this.kept.forEach((kept, index) => this.drawKept(kept, size, pixelRatio, index === 0 ? 1 : AHEAD));
+        }
+        const x = CHART_LEFT + (Math.min(ns, this.endNs) / this.endNs) * (size[0] - CHART_LEFT - CHART_RIGHT);
+        const column = Math.round(x * pixelRatio);
+        context.setTransform(1, 0, 0, 1, 0, 0);
+        context.clearRect(0, 0, canvas.width, canvas.height);
+        context.drawImage(this.kept[1], 0, 0);
+        if (column > 0) {
+            context.clearRect(0, 0, column, canvas.height);
+            context.drawImage(this.kept[0], 0, 0, column, canvas.height, 0, 0, column, canvas.height);
+        }
+        this.drawCursor(x, size, pixelRatio);
+    }
+
+    drawCursor(x, [, height], pixelRatio) {
+        const { context } = this;
+        context.setTransform(pixelRatio, 0, 0, pixelRatio, 0, 0);
+        const bottom = height - AXIS + 4;
+        for (const [wider, colour] of [[1, this.paper], [0, this.ink]]) {
+            context.fillStyle = colour;
+            context.fillRect(x - 0.75 - wider, 0, 1.5 + 2 * wider, bottom);
+            context.beginPath();
+            const half = 6 + wider;
+            context.moveTo(x - half, 0);
+            context.lineTo(x + half, 0);
+            context.lineTo(x + half, 5);
+            context.lineTo(x, 12 + wider);
+            context.lineTo(x - half, 5);
+            context.fill();
+        }
+    }
+
+    // All but the cursor, with counts and events in a share of their colour.
+    drawKept(kept, [width, height], pixelRatio, share) {
+        Object.assign(kept, { width: this.canvas.width, height: this.canvas.height });
+        const context = kept.getContext("2d");
+        context.setTransform(pixelRatio, 0, 0, pixelRatio, 0, 0);
+        context.font = `12px ${FONT}`;
+        const area = { left: CHART_LEFT, width: width - CHART_LEFT - CHART_RIGHT };
+        let top = GAP;
+        this.runs.forEach((run, runIndex) => {
+            this.drawLanes(context, run, { ...area, top }, share);
+            const strip = { ...area, top: top + 3 * LANE, height: STRIP };
+            const most = run.without_intact ?? Math.max(1, run.bushCells.length);
+            this.drawStacked(context, run, strip, most, share, pixelRatio);
+            this.drawValues(context, strip, [0, most]);
+            if (run.without_intact !== null) this.note(context, this.withoutIntact(run), strip);
+            if (this.runs.length > 1) {
+                context.textAlign = "left";
+                context.font = `bold 18px ${FONT}`;
+                context.fillStyle = this.ink;
+                context.fillText("AB"[runIndex], 4, strip.top + 0.5 * STRIP + 6);
+                context.font = `12px ${FONT}`;
+            }
+            top += 3 * LANE + STRIP + GAP;
+        });
+        if (this.runs.length > 1) this.drawDifference(context, { ...area, top: top + GAP, height: DIFFERENCE }, share);
+        this.drawTimes(context, area, height - AXIS);
+    }
+
+    withoutIntact(run) {
+        const { bushes } = run.countsAt(run.end_ns);
+        return `intact bushes left out: ${bushes[INTACT]} of ${run.bushCells.length} at the end`;
+    }
+
+    note(context, text, { left, top }) {
+        context.textAlign = "left";
+        context.fillStyle = this.ink;
+        context.fillText(text, left + 6, top + 14);
+    }
+
+    drawLanes(context, run, { left, top, width }, share) {
+        const changes = (kind) => run.changes.times.filter((_, index) => run.changes.to[index] === kind);
+        const lanes = [
+            ["ignitions", this.colours.burning, changes(BURNING)],
+            ["put out", this.colours.extinguished, changes(EXTINGUISHED)],
+            ["failed", this.ink, run.failedPlans],
+        ];
+        lanes.forEach(([name, colour, times], index) => {
+            const laneTop = top + index * LANE;
+            context.globalAlpha = share;
+            context.fillStyle = colour;
+            for (const time of times) context.fillRect(left + (time / this.endNs) * width, laneTop + 1, 1, LANE - 3);
+            context.globalAlpha = 0.75;
+            context.textAlign = "right";
+            context.font = `10px ${FONT}`;
+            context.fillStyle = this.ink;
+            context.fillText(name, left - 6, laneTop + LANE - 2);
+            context.font = `12px ${FONT}`;
+            context.globalAlpha = 1;
+        });
+    }
+
+    // A column shows the counts at its middle.
+    drawStacked(context, run, { left, top, width, height }, most, share, pixelRatio) {
+        const columns = Math.round(width * pixelRatio);
+        context.globalAlpha = share;
+        for (let column = 0; column < columns; column++) {
+            const { bushes } = run.countsAt(((column + 0.5) / columns) * this.endNs);
+            let below = 0;
+            for (const kind of STACKED) {
+                if (kind === INTACT && run.without_intact !== null) continue;
+                const [from, to] = [below, below + bushes[kind]];
+                below = to;
+                if (from === to) continue;
+                context.fillStyle = this.stateColours[kind];
+                const y = top + height * (1 - to / most);
+                context.fillRect(left + column / pixelRatio, y, 1 / pixelRatio, (height * (to - from)) / most);
+                // Dark on dark paper, what burned out needs an edge.
+                if (kind !== BURNED_OUT) continue;
+                context.fillStyle = this.faint;
+                context.fillRect(left + column / pixelRatio, y - 0.5, 1 / pixelRatio, 1);
+            }
+        }
+        context.globalAlpha = 1;
+    }
+
+    drawValues(context, { left, top, height }, [low, high]) {
+        const step = Math.max(1, roundStep((high - low) / (height / 28)));
+        context.fillStyle = this.faint;
+        context.fillRect(left - 1, top, 1, height);
+        context.textAlign = "right";
+        for (let value = Math.ceil(low / step) * step; value <= high; value += step) {
+            const y = top + height * (1 - (value - low) / (high - low));
+            context.fillStyle = this.ink;
+            context.fillRect(left - 4, Math.min(y, top + height - 1), 3, 1);
+            context.fillText(`${value}`.replace("-", "\u2212"), left - 7, y + 4);
+        }
+    }
+
+    // How much larger the counts of the first run are than those of the second.
+    drawDifference(context, area, share) {
+        const { left, top, width, height } = area;
+        const burned = ({ bushes }) => bushes[BURNING] + bushes[BURNED_OUT];
+        const curves = [
+            ["burned", this.colours.burning, burned],
+            ["extinguished", this.colours.extinguished, ({ bushes }) => bushes[EXTINGUISHED]],
+        ];
+        const columns = Math.round(width);
+        const differences = curves.map(([, , count]) =>
+            Array.from({ length: columns }, (_, column) => {
+                const [one, other] = this.runs.map((run) => count(run.countsAt(((column + 0.5) / columns) * this.endNs)));
+                return one - other;
+            }),
+        );
+        const largest = roundStep(Math.max(1, ...differences.flat().map(Math.abs)));
+        this.drawValues(context, area, [-largest, largest]);
+        context.fillStyle = this.faint;
+        context.fillRect(left, top + 0.5 * height, width, 1);
+        let x = left;
+        context.textAlign = "left";
+        context.font = `bold 12px ${FONT}`;
+        [["A \u2212 B", this.ink], ...curves].forEach(([name, colour], index) => {
+            context.fillStyle = colour;
+            context.fillText(name, x, top - 6);
+            x += context.measureText(name).width + 14;
+            if (index === 0) return;
+            context.globalAlpha = share;
+            context.strokeStyle = colour;
+            context.lineWidth = 1.5;
+            context.beginPath();
+            differences[index - 1].forEach((value, column) => {
+                context.lineTo(left + column + 0.5, top + 0.5 * height * (1 - value / largest));
+            });
+            context.stroke();
+            context.globalAlpha = 1;
+        });
+        context.font = `12px ${FONT}`;
+    }
+
+    drawTimes(context, { left, width }, top) {
+        const seconds = this.endNs / NANOS;
+        const [unit, unitS] = seconds < 300 ? ["s", 1] : ["min", 60];
+        const last = seconds / unitS;
+        const step = roundStep(last / Math.max(1, width / 60));
+        context.fillStyle = this.ink;
+        context.textAlign = "center";
+        for (let index = 0; index * step <= last * (1 + 1e-9); index++) {
+            const x = left + ((index * step) / last) * width;
+            context.fillRect(x, top + 2, 1, 4);
+            context.fillText(`${Number((index * step).toPrecision(6))}`, x, top + 19);
+        }
+        context.textAlign = "right";
+        context.fillText(unit, left - 14, top + 19);
+    }
+}

@@ -1,0 +1,248 @@
+// Words and numbers beside the fields: clock, counts, scores, agents, and the story of what was selected. They are those of the
+// program's pictures.
+
+// Hours, minutes, seconds and tenths that have passed.
+function formatClock(ns) {
+    const tenths = Math.floor(ns / 1e8);
+    const seconds = Math.floor(tenths / 10);
+    const two = (number) => `${number}`.padStart(2, "0");
+    return `${Math.floor(seconds / 3600)}:${two(Math.floor(seconds / 60) % 60)}:${two(seconds % 60)}.${tenths % 10}`;
+}
+
+function formatPercent(part, whole) {
+    return `${((100 * part) / Math.max(1, whole)).toFixed(1)} %`;
+}
+
+// Points are whole numbers with ordinary rules.
+function formatPoints(score) {
+    return Number.isInteger(score) ? `${score}` : score.toFixed(1);
+}
+
+function element(name, text = "", className = "") {
+    const made = document.createElement(name);
+    made.textContent = text;
+    if (className !== "") made.className = className;
+    return made;
+}
+
+// Replaces the rows of a table where they are others; a row is its cells' texts, with a class before them.
+function setRows(table, rows) {
+    const key = JSON.stringify(rows);
+    if (table.dataset.rows === key) return;
+    table.dataset.rows = key;
+    table.replaceChildren(
+        ...rows.map(([className, ...texts]) => {
+            const row = element("tr", "", className);
+            row.append(...texts.map((text, index) => element(index === 0 ? "th" : "td", text)));
+            return row;
+        }),
+    );
+}
+
+class Panel {
+    constructor(data, runs) {
+        Object.assign(this, { runs, stateNames: data.state_names });
+        this.parts = Object.fromEntries(["counts", "scores", "story", "agents"].map((id) => [id, document.getElementById(id)]));
+        this.isComparison = runs.length > 1;
+        document.getElementById("panel").classList.toggle("two", this.isComparison);
+        this.endNs = Math.max(...runs.map((run) => run.end_ns));
+        this.drawSigns(data);
+    }
+
+    // A bush in each state, before its name.
+    drawSigns(data) {
+        this.signs = data.state_names.map((_, kind) => {
+            const canvas = document.createElement("canvas");
+            const side = 18 * Math.max(1, devicePixelRatio);
+            Object.assign(canvas, { width: 1.4 * side, height: 1.4 * side, className: "sign" });
+            const pane = new FieldPane(canvas, data, this.runs[0], 0);
+            const context = canvas.getContext("2d", { alpha: false });
+            context.fillStyle = data.colours.field;
+            context.fillRect(0, 0, canvas.width, canvas.height);
+            const middle = [0.5 * canvas.width, 0.5 * canvas.height];
+            pane.drawLeaning(context, pane.sprites[["bush", "embers", "burned", "wet"][kind]], middle, [side, side], -0.12);
+            if (kind === BURNING) pane.drawTongues(context, middle, [side, side], 0);
+            return canvas.toDataURL();
+        });
+    }
+
+    show(ns, view) {
+        const times = this.runs.map((run) => Math.min(ns, run.end_ns));
+        const counts = this.runs.map((run, index) => run.countsAt(times[index]));
+        this.showCounts(counts);
+        this.showScores(counts);
+        this.showAgents(times);
+        this.showStory(times, view.selected);
+    }
+
+    get heads() {
+        return this.isComparison ? ["A", "B"] : [];
+    }
+
+    showCounts(counts) {
+        const table = this.parts.counts;
+        const rows = this.stateNames.map((name, kind) => {
+            const numbers = counts.map(({ bushes }) => `${bushes[kind]}`);
+            const all = this.runs[0].bushCells.length;
+            const share = this.isComparison ? [] : [formatPercent(counts[0].bushes[kind], all)];
+            return [`state-${kind}`, name, ...numbers, ...share];
+        });
+        setRows(table, this.isComparison ? [["head", "bushes", "A", "B"], ...rows] : rows);
+        this.stateNames.forEach((_, kind) => {
+            const head = table.querySelector(`.state-${kind} th`);
+            if (head.querySelector("img") === null) {
+                const sign = element("img");
+                Object.assign(sign, { src: this.signs[kind], alt: "" });
+                head.prepend(sign);
+            }
+        });
+    }
+
+    showScores(counts) {
+        const points = (side) => counts.map((count) => formatPoints(count[side]));
+        const leader = ({ wumpus, truck }) => (wumpus > truck ? "Wumpus" : truck > wumpus ? "Unimog" : null);
+        const rows = [["wumpus", "Wumpus", ...points("wumpus")], ["unimog", "Unimog", ...points("truck")]];
+        if (this.isComparison) {
+            rows.unshift(["head", "points", ...this.heads]);
+            rows.push(["faint", "leads", ...counts.map((count) => leader(count) ?? "-")]);
+        }
+        setRows(this.parts.scores, rows);
+        const [bar, lead] = [document.getElementById("score-bar"), document.getElementById("lead")];
+        bar.hidden = lead.hidden = this.isComparison;
+        const { wumpus, truck } = counts[0];
+        const all = Math.max(0, wumpus) + Math.max(0, truck);
+        bar.style.setProperty("--share", all > 0 ? `${(100 * Math.max(0, wumpus)) / all}%` : "0%");
+        bar.classList.toggle("empty", all === 0);
+        const name = leader(counts[0]);
+        const by = formatPoints(Math.abs(wumpus - truck));
+        lead.textContent = name === null ? "nobody leads" : `${name} leads by ${by}`;
+    }
+
+    showAgents(times) {
+        const isCrowded = this.runs.some((run) => run.agents.length > MOST_ONE_BY_ONE);
+        setRows(this.parts.agents, isCrowded ? this.fleetRows(times) : this.agentRows(times));
+    }
+
+    agentRows(times) {
+        if (!this.isComparison) {
+            return this.runs[0].agents.flatMap((agent) => {
+                const [state, stats] = [agent.at(times[0]), agent.statsAt(times[0])];
+                const goal = state.goal < 0 ? "no goal" : `goal ${this.runs[0].cellName(state.goal)}`;
+                return [
+                    [agent.is_truck ? "unimog name" : "wumpus name", agent.id, agent.activities[state.activity]],
+                    ["faint", goal, `${stats.cells} ${agent.cells_word}`],
+                    ["faint", `${stats.plans} plans, ${stats.failures} failed`, `${stats.expansions} nodes`],
+                ];
+            });
+        }
+        const ids = [...new Set(this.runs.flatMap((run) => run.agents.map(({ id }) => id)))];
+        return ids.flatMap((id) => {
+            const known = this.runs.map((run, index) => {
+                const agent = run.agents.find((other) => other.id === id);
+                return agent && { agent, state: agent.at(times[index]), stats: agent.statsAt(times[index]) };
+            });
+            const one = known.find((run) => run !== undefined);
+            const tell = (name, text) => ["faint", name, ...known.map((run) => (run === undefined ? "-" : text(run)))];
+            return [
+                [one.agent.is_truck ? "unimog name" : "wumpus name", id, ...this.heads],
+                tell("does", ({ agent, state }) => agent.activities[state.activity]),
+                tell(one.agent.cells_word, ({ stats }) => `${stats.cells}`),
+                tell("plans, failed", ({ stats }) => `${stats.plans}, ${stats.failures}`),
+            ];
+        });
+    }
+
+    // Agents that are too many to be told of one by one: how many of each kind do what.
+    fleetRows(times) {
+        return [false, true].flatMap((isTruck) => {
+            const sums = this.runs.map((run, index) => this.sumsOf(run, times[index], isTruck));
+            if (sums.every(({ agents }) => agents === 0)) return [];
+            const line = (name, count, className = "") => [className, name, ...sums.map((sum) => `${count(sum)}`)];
+            const word = isTruck ? "trucks" : "Wumpuses";
+            const rows = [line(word, ({ agents }) => agents, isTruck ? "unimog name" : "wumpus name")];
+            rows.push(line(isTruck ? "put out" : "lit", ({ cells }) => cells));
+            if (isTruck) {
+                rows.push(line("driving to a fire", ({ toward }) => toward));
+                rows.push(line("suppressing", ({ does }) => does[SUPPRESSING]));
+                rows.push(line("waiting for others", ({ does }) => does[WAITING]));
+                rows.push(line("planning", ({ does }) => does[PLANNING]));
+                rows.push(line("driving elsewhere", ({ does, toward }) => does[DRIVING] - toward));
+                if (this.runs.some((run) => run.water !== null)) rows.push(line("refilling", ({ does }) => does[REFILLING]));
+                rows.push(line("standing", ({ does }) => does[STANDING]));
+                rows.push(line("too late for their fire", ({ late }) => late, "faint"));
+            } else {
+                rows.push(line("walking", ({ does }) => does[DRIVING]));
+                rows.push(line("standing or planning", ({ does }) => does[STANDING] + does[WAITING] + does[PLANNING]));
+            }
+            rows.push(line("plans, failed", ({ plans, failures }) => `${plans}, ${failures}`, "faint"));
+            return rows;
+        });
+    }
+
+    sumsOf(run, ns, isTruck) {
+        const sums = { agents: 0, does: [0, 0, 0, 0, 0, 0], toward: 0, late: 0, cells: 0, plans: 0, failures: 0 };
+        for (const agent of run.agents.filter(({ is_truck }) => is_truck === isTruck)) {
+            const [state, stats] = [agent.at(ns), agent.statsAt(ns)];
+            sums.agents += 1;
+            sums.does[state.activity] += 1;
+            if (state.activity === DRIVING && state.goal >= 0) sums.toward += 1;
+            sums.late += this.isTooLate(run, agent, state, ns) ? 1 : 0;
+            for (const name of ["cells", "plans", "failures"]) sums[name] += stats[name];
+        }
+        return sums;
+    }
+
+    // Whether the fire that a truck goes for, or suppresses, ends by itself before.
+    isTooLate(run, agent, state, ns) {
+        if (!agent.is_truck) return false;
+        const bush = run.bushOfCell.get(state.goal);
+        if (bush === undefined) return false;
+        const arrives = state.activity === SUPPRESSING ? agent.stopAt(ns).sinceNs : state.leg?.endNs;
+        return arrives !== undefined && run.isHopeless(bush, arrives);
+    }
+
+    showStory(times, selected) {
+        const { story } = this.parts;
+        story.parentElement.hidden = selected === null;
+        if (selected === null) return;
+        const [run, ns] = [this.runs[selected.run], times[selected.run]];
+        const suffix = this.isComparison ? ` in ${"AB"[selected.run]}` : "";
+        const heading = document.getElementById("story-heading");
+        if (selected.bush !== null) {
+            heading.textContent = `bush ${run.cellName(run.bushCells[selected.bush])}${suffix}`;
+            setRows(story, this.bushStory(run, selected.bush, ns));
+        } else {
+            heading.textContent = `${run.agents[selected.agent].id}${suffix}`;
+            setRows(story, this.agentStory(run, run.agents[selected.agent], ns));
+        }
+    }
+
+    // What happened to a bush and when; what is yet to come is faint.
+    bushStory(run, bush, ns) {
+        const rows = [["", "intact", formatClock(0)]];
+        run.changes.times.forEach((time, index) => {
+            if (run.changes.bushes[index] !== bush) return;
+            const className = time <= ns ? "" : "ahead";
+            rows.push([className, run.texts[run.changes.words[index]], formatClock(time)]);
+            const burned = run.changes.burned[index];
+            if (burned >= 0) rows.push([`${className} inner`, run.texts[burned], ""]);
+        });
+        return rows.slice(-12);
+    }
+
+    agentStory(run, agent, ns) {
+        const [state, stats] = [agent.at(ns), agent.statsAt(ns)];
+        const rows = [
+            ["", agent.activities[state.activity], `${state.speed.toFixed(1)} m/s`],
+            ["", "goal", state.goal < 0 ? "none" : run.cellName(state.goal)],
+            ["", "distance", `${stats.distanceM.toFixed(0)} m`],
+            ["", "cells", `${stats.cells} ${agent.cells_word}`],
+            ["", "plans", `${stats.plans} (${stats.failures} failed)`],
+        ];
+        if (stats.failure >= 0) rows.push(["faint", "last failure", run.texts[stats.failure]]);
+        for (const activity of [DRIVING, PLANNING, SUPPRESSING, REFILLING, WAITING, STANDING]) {
+            if (stats.spent[activity] > 0) rows.push(["faint", agent.activities[activity], formatClock(stats.spent[activity])]);
+        }
+        return rows;
+    }
+}

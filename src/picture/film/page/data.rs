@@ -1,0 +1,429 @@
+//! All that a page shows of its runs, found once and written as JSON that a script reads.
+//!
+//! A table is a list for each of its columns. Names of columns end in their unit; those of times, cells and bushes hold
+//! differences, each number less the one before it, which pack small. Lengths and angles are whole numbers in small units.
+
+use std::collections::HashMap;
+
+use serde::Serialize;
+
+use crate::fire::BushStateKind;
+use crate::geometry::{Cell, Pose};
+use crate::picture::Rgb;
+use crate::picture::film::RunView;
+use crate::picture::film::field::agent_colour;
+use crate::picture::film::field::searches::STYLES;
+use crate::picture::film::hud::chart::CountScale;
+use crate::picture::film::hud::stories::{burned_for, cells_word, change_text};
+use crate::picture::film::hud::words::activity_name;
+use crate::time::SimTime;
+use crate::timeline::{Activity, AgentFact, AgentStart, Body, Fact, FireFact, FollowedLeg, Role, Rules};
+use crate::trajectory::Piece;
+use crate::untrusted::visible;
+
+/// Parts of a metre in which places and lengths are written, of a radian, of a curvature of 1/m, and of m/s and m/s2.
+const PER_METRE: f64 = 1e4;
+const PER_RADIAN: f64 = 1e6;
+const PER_CURVATURE: f64 = 1e8;
+const PER_MPS: f64 = 1e6;
+
+/// Kinds of [`PieceTable::kind`].
+const DRIVE: u8 = 0;
+const TURN: u8 = 1;
+const WAIT: u8 = 2;
+
+/// A run.
+#[derive(Serialize)]
+pub struct RunData {
+    title: String,
+    seed: u64,
+    program: String,
+    end_ns: u64,
+    cols: u16,
+    rows: u16,
+    cell_m: f64,
+    /// Indices of the cells of bushes.
+    bush_cells: Vec<i64>,
+    dwell_ns: u64,
+    reach_m: Option<f64>,
+    spread_radius_m: Option<f64>,
+    burn_out_ns: Option<u64>,
+    /// The height of the curves in bushes, where the intact ones are left out.
+    without_intact: Option<f64>,
+    agents: Vec<AgentData>,
+    changes: ChangeTable,
+    counts: CountTable,
+    failed_plans_ns: Vec<i64>,
+    /// When something happens that one can step to.
+    moments_ns: Vec<i64>,
+    spreads: Vec<SpreadData>,
+    searches: Vec<SearchData>,
+    water: Option<WaterData>,
+    /// Sentences and words that tables name by their place here.
+    texts: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct AgentData {
+    id: String,
+    number: u16,
+    is_truck: bool,
+    colour: String,
+    /// What it does with bushes.
+    cells_word: &'static str,
+    /// The words for its activities.
+    activities: [&'static str; 6],
+    /// Of a truck: length, width, wheelbase, and from the rear axle to the body's middle; of others the side.
+    body_m: Vec<f64>,
+    start: [i64; 3],
+    steps: StepTable,
+    legs: LegTable,
+    stops: StopTable,
+}
+
+/// The numbers of an agent from a time on.
+#[derive(Default, Serialize)]
+struct StepTable {
+    time_ns: Vec<i64>,
+    activity: Vec<u8>,
+    /// Index of the cell that it goes for, or -1.
+    goal: Vec<i64>,
+    plans: Vec<i64>,
+    failures: Vec<i64>,
+    expansions: Vec<i64>,
+    cells: Vec<i64>,
+    /// Place of the last failure among the texts, or -1.
+    failure: Vec<i64>,
+}
+
+/// The legs of an agent, with their pieces one after the other.
+#[derive(Default, Serialize)]
+struct LegTable {
+    from_ns: Vec<i64>,
+    /// When it sets out at the earliest, after `from_ns`.
+    wait_ns: Vec<i64>,
+    x: Vec<i64>,
+    y: Vec<i64>,
+    heading: Vec<i64>,
+    /// Driven on legs before.
+    driven_m: Vec<i64>,
+    pieces: Vec<usize>,
+    piece: PieceTable,
+}
+
+#[derive(Default, Serialize)]
+struct PieceTable {
+    kind: Vec<u8>,
+    /// Metres along the way, negative in reverse; radians of a turn on the spot; nanoseconds of a wait.
+    amount: Vec<i64>,
+    curvature: Vec<i64>,
+    speed: Vec<i64>,
+    acceleration: Vec<i64>,
+}
+
+#[derive(Serialize)]
+struct StopTable {
+    time_ns: Vec<i64>,
+    cell: Vec<usize>,
+}
+
+/// Changes of bushes in order of time.
+#[derive(Default, Serialize)]
+struct ChangeTable {
+    time_ns: Vec<i64>,
+    bush: Vec<i64>,
+    to: Vec<u8>,
+    /// What happened, and for how long it had burned or -1, among the texts.
+    words: Vec<usize>,
+    burned: Vec<i64>,
+}
+
+#[derive(Default, Serialize)]
+struct CountTable {
+    time_ns: Vec<i64>,
+    /// By kind of state.
+    bushes: [Vec<i64>; 4],
+    wumpus_score: Vec<f64>,
+    truck_score: Vec<f64>,
+}
+
+#[derive(Serialize)]
+struct SpreadData {
+    time_ns: u64,
+    from: usize,
+    caught: Vec<usize>,
+}
+
+#[derive(Serialize)]
+struct SearchData {
+    time_ns: u64,
+    agent: usize,
+    style: usize,
+    /// In centimetres, x and y in turn, each less that of the place before.
+    places: Vec<i64>,
+    /// Ends of connections by place, in turn, each less the one before.
+    edges: Vec<i64>,
+}
+
+#[derive(Serialize)]
+struct WaterData {
+    reach_m: f64,
+    places_m: Vec<[f64; 2]>,
+}
+
+/// Texts by their place, each once.
+#[derive(Default)]
+struct Texts {
+    places: HashMap<String, usize>,
+    texts: Vec<String>,
+}
+
+impl Texts {
+    fn place(&mut self, text: String) -> usize {
+        *self.places.entry(text).or_insert_with_key(|text| {
+            self.texts.push(text.clone());
+            self.texts.len() - 1
+        })
+    }
+}
+
+impl RunData {
+    pub fn new(run: &RunView, scale: CountScale) -> Self {
+        let (timeline, index) = (run.timeline(), run.index());
+        let (setting, frame) = (&timeline.setting, timeline.setting.frame);
+        let mut texts = Texts::default();
+        let agents = setting.agents.iter().enumerate();
+        let agents = agents.map(|(agent, start)| agent_data(run, agent, start, &mut texts)).collect();
+        let changes = change_table(run, &mut texts);
+        let failed = timeline.events.iter().filter(|event| is_failed_plan(&event.fact)).map(|event| event.time);
+        let spread = |spread: &crate::timeline::SpreadMoment| SpreadData {
+            time_ns: spread.time.as_nanos(),
+            from: frame.index(spread.from),
+            caught: spread.caught.iter().map(|&cell| frame.index(cell)).collect(),
+        };
+        Self {
+            title: visible(run.title()).into_owned(),
+            seed: setting.seed,
+            program: setting.program_version.clone(),
+            end_ns: run.end_time().as_nanos(),
+            cols: frame.cols,
+            rows: frame.rows,
+            cell_m: frame.cell_m,
+            bush_cells: differences(setting.bushes.iter().map(|&bush| frame.index(bush) as i64)),
+            dwell_ns: setting.rules.suppression_dwell.as_nanos(),
+            reach_m: setting.rules.suppression_reach_m,
+            spread_radius_m: setting.rules.fire.map(|fire| fire.spread_radius_m),
+            burn_out_ns: setting.rules.fire.and_then(|fire| fire.burn_out).map(SimTime::as_nanos),
+            without_intact: scale.most(),
+            agents,
+            changes,
+            counts: count_table(run, &setting.rules),
+            failed_plans_ns: time_differences(failed),
+            moments_ns: time_differences(index.moments().iter().copied()),
+            spreads: index.spreads().iter().map(spread).collect(),
+            searches: searches(run),
+            water: setting.water.as_ref().map(|water| WaterData {
+                reach_m: water.reach_m,
+                places_m: water.places.iter().map(|place| [place.x, place.y]).collect(),
+            }),
+            texts: texts.texts,
+        }
+    }
+}
+
+fn is_failed_plan(fact: &Fact) -> bool {
+    matches!(fact, Fact::Agent(_, AgentFact::PlanFailed { .. }))
+}
+
+fn agent_data(run: &RunView, agent: usize, start: &AgentStart, texts: &mut Texts) -> AgentData {
+    let is_truck = start.id.role == Role::Unimog;
+    let [red, green, blue] = agent_colour(start.id);
+    let activities = [
+        Activity::Standing,
+        Activity::Planning,
+        Activity::Driving,
+        Activity::Suppressing,
+        Activity::Waiting,
+        Activity::Refilling,
+    ];
+    let steps = step_table(run, agent, texts);
+    AgentData {
+        id: start.id.to_string(),
+        number: start.id.number,
+        is_truck,
+        colour: hex([red, green, blue]),
+        cells_word: cells_word(start.id),
+        activities: activities.map(|activity| activity_name(start.id, activity)),
+        body_m: match start.body {
+            Body::Square { size_m } => vec![size_m],
+            Body::Truck(body) => vec![body.length_m, body.width_m, body.wheelbase_m, body.centre_offset_m()],
+        },
+        start: pose(start.pose),
+        steps,
+        legs: leg_table(run, agent),
+        stops: stop_table(run, agent),
+    }
+}
+
+fn step_table(run: &RunView, agent: usize, texts: &mut Texts) -> StepTable {
+    let (index, timeline) = (run.index(), run.timeline());
+    let mut table = StepTable::default();
+    for time in index.changes_of_agent(agent) {
+        let (state, stats) = (run.agent_at(agent, time), run.stats_at(agent, time));
+        let failure = stats.last_failure.map(|at| &timeline.events[at].fact);
+        table.time_ns.push(time.as_nanos() as i64);
+        table.activity.push(stats.activity as u8);
+        table.goal.push(state.goal.map_or(-1, |goal| timeline.setting.frame.index(goal) as i64));
+        table.plans.push(stats.plans.into());
+        table.failures.push(stats.failures.into());
+        table.expansions.push(stats.expansions as i64);
+        table.cells.push(stats.cells.into());
+        table.failure.push(match failure {
+            Some(Fact::Agent(_, AgentFact::PlanFailed { reason, goal, .. })) => {
+                texts.place(format!("{reason}, for {goal}")) as i64
+            }
+            _ => -1,
+        });
+    }
+    let StepTable { time_ns, goal, plans, failures, expansions, cells, .. } = &mut table;
+    for column in [time_ns, goal, plans, failures, expansions, cells] {
+        *column = differences(column.iter().copied());
+    }
+    table
+}
+
+fn leg_table(run: &RunView, agent: usize) -> LegTable {
+    let timeline = run.timeline();
+    let mut legs: Vec<FollowedLeg> = run.index().legs_between(agent, SimTime::ZERO, SimTime::MAX).collect();
+    legs.reverse();
+    let mut table = LegTable::default();
+    for leg in &legs {
+        let trajectory = leg.trajectory(timeline);
+        let [x, y, heading] = pose(trajectory.start());
+        // A leg that is cut short begins when the whole one did, which is before it is followed.
+        let driven_m = run.stats_at(agent, leg.from).distance_m;
+        table.from_ns.push(leg.from.as_nanos() as i64);
+        table.wait_ns.push(trajectory.start_time().as_nanos() as i64 - leg.from.as_nanos() as i64);
+        table.x.push(x);
+        table.y.push(y);
+        table.heading.push(heading);
+        table.driven_m.push(scaled(driven_m, PER_METRE));
+        table.pieces.push(trajectory.pieces().len());
+        trajectory.pieces().iter().for_each(|piece| push_piece(&mut table.piece, piece));
+    }
+    let LegTable { from_ns, x, y, driven_m, .. } = &mut table;
+    for column in [from_ns, x, y, driven_m] {
+        *column = differences(column.iter().copied());
+    }
+    table
+}
+
+fn push_piece(table: &mut PieceTable, piece: &Piece) {
+    let (kind, amount, motion) = match *piece {
+        Piece::Drive { segment, speed_mps, acceleration_mps2 } => (
+            DRIVE,
+            scaled(segment.length_m, PER_METRE),
+            [scaled(segment.curvature, PER_CURVATURE), scaled(speed_mps, PER_MPS), scaled(acceleration_mps2, PER_MPS)],
+        ),
+        Piece::Turn { heading } => (TURN, scaled(heading, PER_RADIAN), [0; 3]),
+        Piece::Wait { seconds } => (WAIT, scaled(seconds, 1e9), [0; 3]),
+    };
+    table.kind.push(kind);
+    table.amount.push(amount);
+    table.curvature.push(motion[0]);
+    table.speed.push(motion[1]);
+    table.acceleration.push(motion[2]);
+}
+
+fn stop_table(run: &RunView, agent: usize) -> StopTable {
+    let frame = run.timeline().setting.frame;
+    let mut stops: Vec<(SimTime, Cell)> =
+        run.index().changes_of_agent(agent).filter_map(|time| run.index().stop_at(agent, time)).collect();
+    stops.dedup();
+    StopTable {
+        time_ns: time_differences(stops.iter().map(|stop| stop.0)),
+        cell: stops.iter().map(|stop| frame.index(stop.1)).collect(),
+    }
+}
+
+fn change_table(run: &RunView, texts: &mut Texts) -> ChangeTable {
+    let (timeline, setting) = (run.timeline(), &run.timeline().setting);
+    let mut since: Vec<Option<SimTime>> = vec![None; setting.bushes.len()];
+    let mut table = ChangeTable::default();
+    for event in &timeline.events {
+        let Some((cell, state)) = event.bush_change() else { continue };
+        let Some(bush) = setting.bush_index(cell) else { continue };
+        table.time_ns.push(event.time.as_nanos() as i64);
+        table.bush.push(bush as i64);
+        table.to.push(state.kind() as u8);
+        table.words.push(texts.place(change_text(&event.fact, since[bush].is_some())));
+        table.burned.push(burned_for(event, since[bush]).map_or(-1, |text| texts.place(text) as i64));
+        if let Fact::Fire(FireFact::Ignited { .. }) = event.fact {
+            since[bush] = Some(event.time);
+        }
+    }
+    table.time_ns = differences(table.time_ns);
+    table.bush = differences(table.bush);
+    table
+}
+
+fn count_table(run: &RunView, rules: &Rules) -> CountTable {
+    let mut times: Vec<SimTime> = vec![SimTime::ZERO];
+    times.extend(run.timeline().events.iter().filter(|event| event.bush_change().is_some()).map(|event| event.time));
+    times.dedup();
+    let counts: Vec<_> = times.iter().map(|&time| run.counts_at(time)).collect();
+    CountTable {
+        time_ns: time_differences(times),
+        bushes: BushStateKind::ALL.map(|kind| differences(counts.iter().map(|counts| i64::from(counts.count(kind))))),
+        wumpus_score: counts.iter().map(|counts| counts.wumpus_score(rules)).collect(),
+        truck_score: counts.iter().map(|counts| counts.truck_score(rules)).collect(),
+    }
+}
+
+fn searches(run: &RunView) -> Vec<SearchData> {
+    let (timeline, setting) = (run.timeline(), &run.timeline().setting);
+    let searched = timeline.events.iter().filter_map(|event| {
+        let Fact::Agent(id, AgentFact::Searched { phase, graph }) = &event.fact else { return None };
+        Some(SearchData {
+            time_ns: event.time.as_nanos(),
+            agent: setting.agent_index(*id)?,
+            style: STYLES.iter().position(|style| style.phase == *phase)?,
+            places: pair_differences(graph.places.iter().map(|&(x, y)| [i64::from(x), i64::from(y)])),
+            edges: differences(graph.edges.iter().flat_map(|&(from, to)| [i64::from(from), i64::from(to)])),
+        })
+    });
+    searched.collect()
+}
+
+fn pose(pose: Pose) -> [i64; 3] {
+    [scaled(pose.x, PER_METRE), scaled(pose.y, PER_METRE), scaled(pose.heading, PER_RADIAN)]
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "fields have some kilometres, runs some hours")]
+fn scaled(value: f64, parts: f64) -> i64 {
+    (value * parts).round() as i64
+}
+
+fn time_differences(times: impl IntoIterator<Item = SimTime>) -> Vec<i64> {
+    differences(times.into_iter().map(|time| time.as_nanos() as i64))
+}
+
+/// Returns each number less the one before it.
+fn differences(values: impl IntoIterator<Item = i64>) -> Vec<i64> {
+    let mut last = 0;
+    values.into_iter().map(|value| value - std::mem::replace(&mut last, value)).collect()
+}
+
+fn pair_differences(pairs: impl IntoIterator<Item = [i64; 2]>) -> Vec<i64> {
+    let mut last = [0; 2];
+    let each = |pair: [i64; 2]| {
+        let [x, y] = std::mem::replace(&mut last, pair);
+        [pair[0] - x, pair[1] - y]
+    };
+    pairs.into_iter().flat_map(each).collect()
+}
+
+/// The colour in the notation of HTML.
+pub fn hex([red, green, blue]: Rgb) -> String {
+    format!("#{red:02x}{green:02x}{blue:02x}")
+}
