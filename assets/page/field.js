@@ -251,6 +251,7 @@ class FieldPane {
         this.drawGround();
         this.context.setTransform(1, 0, 0, 1, 0, 0);
         this.context.drawImage(this.ground, 0, 0);
+        if (this.run.ground !== null) this.drawGroundFire();
         if (this.shows("paths")) this.drawWays();
         if (this.shows("spread")) this.drawSpreads();
         if (this.isByShares) this.drawFireMarks(2.5);
@@ -262,6 +263,9 @@ class FieldPane {
         this.drawSelected();
         if (this.isByShares) this.drawFireMarks(1);
         this.drawLengthBar();
+        if (this.run.ground === null) return;
+        if (this.shows("wind")) this.drawWind();
+        if (this.shows("intensity") && this.run.ground.intensity !== null) this.drawIntensityBar();
     }
 
     // What is kept from frame to frame: the field, layers that lie on the ground, and the bushes by state.
@@ -269,7 +273,10 @@ class FieldPane {
         const { width, height } = this.canvas;
         const searches = this.shownSearches();
         const shown = searches.map(({ search }) => this.run.searches.indexOf(search));
-        const key = [this.projection.key(), width, height, [...this.view.layers], shown, this.run.changed].join("|");
+        // Sprites stick out of their cells, and are drawn over what burns beside them.
+        const isBelowFire = this.run.ground !== null && this.projection.cellSide >= LEAST_SPRITE;
+        const changed = isBelowFire ? 0 : this.run.changed;
+        const key = [this.projection.key(), width, height, [...this.view.layers], shown, changed].join("|");
         if (key === this.groundKey) return;
         this.groundKey = key;
         Object.assign(this.ground, { width, height });
@@ -282,10 +289,11 @@ class FieldPane {
         context.fillRect(left - 2, top - 2, right - left + 4, bottom - top + 4);
         context.fillStyle = this.colours.field;
         context.fillRect(left, top, right - left, bottom - top);
+        if (this.run.ground !== null && this.shows("ground")) this.layCells(context, this.run.ground.covers);
         if (this.shows("grid-lines")) this.drawGridLines(context, [left, top, right, bottom]);
         searches.forEach(({ search, style }) => this.drawSearch(context, search, style));
         this.drawWater(context);
-        this.drawBushes(context);
+        if (!isBelowFire) this.drawBushes(context);
     }
 
     drawGridLines(context, [left, top, right, bottom]) {
@@ -785,9 +793,11 @@ class FieldPane {
     write(text, [x, y], align, height, colour, isBold = false) {
         const { context } = this;
         context.font = this.font(height, isBold);
-        context.textAlign = align;
+        context.textAlign = "left";
         context.fillStyle = colour;
-        context.fillText(text, x, Math.round(y));
+        // A line begins at a whole pixel, as in pictures.
+        const left = align === "left" ? x : x - 0.5 * context.measureText(text).width;
+        context.fillText(text, Math.round(left), Math.round(y));
     }
 
     drawLeaning(context, sprite, [x, y], [across, up], lean) {

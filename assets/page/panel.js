@@ -69,7 +69,7 @@ class Panel {
     show(ns, view) {
         const times = this.runs.map((run) => Math.min(ns, run.end_ns));
         const counts = this.runs.map((run, index) => run.countsAt(times[index]));
-        this.showCounts(counts);
+        this.showCounts(counts, times);
         this.showScores(counts);
         this.showAgents(times);
         this.showStory(times, view.selected);
@@ -79,7 +79,7 @@ class Panel {
         return this.isComparison ? ["A", "B"] : [];
     }
 
-    showCounts(counts) {
+    showCounts(counts, times) {
         const table = this.parts.counts;
         const rows = this.stateNames.map((name, kind) => {
             const numbers = counts.map(({ bushes }) => `${bushes[kind]}`);
@@ -87,6 +87,11 @@ class Panel {
             const share = this.isComparison ? [] : [formatPercent(counts[0].bushes[kind], all)];
             return [`state-${kind}`, name, ...numbers, ...share];
         });
+        if (this.runs.some(({ ground }) => ground !== null)) {
+            const hectares = this.runs.map(({ ground }, index) => ground?.hectaresAt(times[index]));
+            const row = (name, which) => ["ground", name, ...hectares.map((known) => known?.[which].toFixed(2) ?? "-")];
+            rows.push(row("ground on fire, ha", "burning"), row("ground burned, ha", "burned"));
+        }
         setRows(table, this.isComparison ? [["head", "bushes", "A", "B"], ...rows] : rows);
         this.stateNames.forEach((_, kind) => {
             const head = table.querySelector(`.state-${kind} th`);

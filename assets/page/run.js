@@ -237,6 +237,7 @@ class Run {
         this.moments = sums(data.moments_ns);
         this.spreadTimes = Float64Array.from(this.spreads, (spread) => spread.time_ns);
         this.hasSearches = this.searches.length > 0;
+        this.ground = data.ground === null ? null : new Ground(this, data.ground);
         this.kinds = new Uint8Array(this.bushCells.length);
         this.since = new Float64Array(this.bushCells.length);
         this.changed = 0;

@@ -25,22 +25,22 @@ use crate::time::SimTime;
 use crate::timeline::{BurnMap, BushState, Cause, GroundFact, GroundIndex};
 
 /// Fire on the ground is bright at first, then burns darker; what is left goes from red to dark.
-const YOUNG: Rgb = [255, 240, 150];
-const FLAMING: Rgb = [246, 132, 24];
-const OLD: Rgb = [206, 64, 8];
-const EMBERS: Rgb = [150, 52, 24];
-const CHAR: Rgb = [78, 71, 66];
+pub const YOUNG: Rgb = [255, 240, 150];
+pub const FLAMING: Rgb = [246, 132, 24];
+pub const OLD: Rgb = [206, 64, 8];
+pub const EMBERS: Rgb = [150, 52, 24];
+pub const CHAR: Rgb = [78, 71, 66];
 /// Seconds until flames are no longer young, until they are old, and until what burned out is dark.
-const YOUNG_FOR_S: f32 = 20.0;
-const OLD_AFTER_S: f32 = 90.0;
-const GLOWS_FOR_S: f32 = 240.0;
+pub const YOUNG_FOR_S: f32 = 20.0;
+pub const OLD_AFTER_S: f32 = 90.0;
+pub const GLOWS_FOR_S: f32 = 240.0;
 /// The share of the colour of burned ground; through the rest one sees what grew there.
-const BURNED_OPACITY: f64 = 0.86;
+pub const BURNED_OPACITY: f64 = 0.86;
 
-const WET: Rgb = [40, 120, 200];
-const WET_OPACITY: f32 = 0.45;
+pub const WET: Rgb = [40, 120, 200];
+pub const WET_OPACITY: f32 = 0.45;
 
-const EMBER: Rgb = [255, 90, 160];
+pub const EMBER: Rgb = [255, 90, 160];
 /// The time for which the flight of an ember is shown after it has lit something.
 const FLIGHT_LASTS: SimTime = SimTime::from_nanos(60_000_000_000);
 
@@ -68,14 +68,14 @@ struct BurningTimes {
 }
 
 /// Lines of equal arrival, each with its label.
-struct ArrivalLines {
-    levels: Vec<(f64, String, Vec<ContourLine>)>,
+pub struct ArrivalLines {
+    pub levels: Vec<(f64, String, Vec<ContourLine>)>,
 }
 
 /// Colours by how strongly each cell burns.
 pub struct IntensityColours {
     pub scale: MapScale,
-    by_cell: Vec<Option<Rgb>>,
+    pub by_cell: Vec<Option<Rgb>>,
 }
 
 impl GroundView {
@@ -119,13 +119,23 @@ impl GroundView {
         Some(view)
     }
 
+    /// The colour of each cell without fire, by its index.
+    pub fn covers(&self) -> &[Rgb] {
+        &self.covers
+    }
+
+    /// What embers lit, in order of time: when, which cell, and where from.
+    pub fn spotted(&self) -> &[(SimTime, DVec2, DVec2)] {
+        &self.spotted
+    }
+
     /// Draws what grows where, before any fire.
-    pub fn draw_covers(&self, canvas: &mut Canvas, pane: &Pane) {
+    pub(super) fn draw_covers(&self, canvas: &mut Canvas, pane: &Pane) {
         each_pixel(canvas, pane, |index, pixel| *pixel = opaque(self.covers[index]));
     }
 
     /// Draws what burns and has burned on the ground; pixels of bushes stay.
-    pub fn draw_fire(&self, canvas: &mut Canvas, pane: &Pane) {
+    pub(super) fn draw_fire(&self, canvas: &mut Canvas, pane: &Pane) {
         let now = pane.view.state.time;
         let now_s = seconds(now);
         let Some(index) = pane.view.run.index().ground() else { return };
@@ -164,21 +174,16 @@ impl GroundView {
     }
 
     /// Returns how strongly cells burn, where that is shown.
-    pub fn intensity(&self, pane: &Pane) -> Option<&IntensityColours> {
+    pub(super) fn intensity(&self, pane: &Pane) -> Option<&IntensityColours> {
         if !pane.shows(Layer::Intensity) {
             return None;
         }
-        let found = self.intensity.get_or_init(|| {
-            let intensity = BurnMap::new(pane.view.run.timeline()).behavior()?.intensity_kw_m;
-            let scale = MapQuantity::Intensity.scale(intensity.iter().copied())?;
-            let colour = |&value: &f64| value.is_finite().then(|| scale.colour(value));
-            Some(IntensityColours { by_cell: intensity.iter().map(colour).collect(), scale })
-        });
+        let found = self.intensity.get_or_init(|| IntensityColours::new(pane.view.run));
         found.as_ref()
     }
 
     /// Draws the lines that the fire has reached so far, at round times.
-    pub fn draw_arrival_lines(&self, canvas: &mut Canvas, pane: &Pane) {
+    pub(super) fn draw_arrival_lines(&self, canvas: &mut Canvas, pane: &Pane) {
         let now_s = pane.view.state.time.as_seconds();
         let lines = self.arrival.get_or_init(|| ArrivalLines::new(pane.view.run));
         let cell_m = pane.frame().cell_m;
@@ -202,7 +207,7 @@ impl GroundView {
     }
 
     /// Marks what embers have lit, and for a while where they came from.
-    pub fn draw_embers(&self, canvas: &mut Canvas, pane: &Pane) {
+    pub(super) fn draw_embers(&self, canvas: &mut Canvas, pane: &Pane) {
         let (now, unit) = (pane.view.state.time, pane.unit());
         let begun = self.spotted.partition_point(|&(time, ..)| time <= now);
         for &(time, cell, from) in &self.spotted[..begun] {
@@ -222,7 +227,7 @@ impl GroundView {
 }
 
 /// Draws cells, bushes and ground, that are wet.
-pub fn draw_wet(canvas: &mut Canvas, pane: &Pane) {
+pub(super) fn draw_wet(canvas: &mut Canvas, pane: &Pane) {
     let now = pane.view.state.time;
     let Some(ground) = pane.view.run.index().ground() else { return };
     let is_wet = |from: SimTime, until: SimTime| from <= now && now < until;
@@ -250,8 +255,18 @@ impl BurningTimes {
     }
 }
 
+impl IntensityColours {
+    /// `None` of a run of which it is not known.
+    pub fn new(run: &RunView) -> Option<Self> {
+        let intensity = BurnMap::new(run.timeline()).behavior()?.intensity_kw_m;
+        let scale = MapQuantity::Intensity.scale(intensity.iter().copied())?;
+        let colour = |&value: &f64| value.is_finite().then(|| scale.colour(value));
+        Some(Self { by_cell: intensity.iter().map(colour).collect(), scale })
+    }
+}
+
 impl ArrivalLines {
-    fn new(run: &RunView) -> Self {
+    pub fn new(run: &RunView) -> Self {
         let timeline = run.timeline();
         let frame = timeline.setting.frame;
         let arrival = BurnMap::new(timeline).arrival_s();

@@ -6,7 +6,7 @@
 mod agents;
 mod bushes;
 mod fires;
-mod ground;
+pub(super) mod ground;
 mod heat_map;
 mod highlights;
 mod labels;

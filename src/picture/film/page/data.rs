@@ -7,6 +7,7 @@ use std::collections::HashMap;
 
 use serde::Serialize;
 
+use super::ground::GroundData;
 use crate::fire::BushStateKind;
 use crate::geometry::{Cell, Pose};
 use crate::picture::Rgb;
@@ -59,6 +60,7 @@ pub struct RunData {
     spreads: Vec<SpreadData>,
     searches: Vec<SearchData>,
     water: Option<WaterData>,
+    ground: Option<GroundData>,
     /// Sentences and words that tables name by their place here.
     texts: Vec<String>,
 }
@@ -226,6 +228,7 @@ impl RunData {
                 reach_m: water.reach_m,
                 places_m: water.places.iter().map(|place| [place.x, place.y]).collect(),
             }),
+            ground: GroundData::new(run),
             texts: texts.texts,
         }
     }
@@ -409,7 +412,7 @@ fn time_differences(times: impl IntoIterator<Item = SimTime>) -> Vec<i64> {
 }
 
 /// Returns each number less the one before it.
-fn differences(values: impl IntoIterator<Item = i64>) -> Vec<i64> {
+pub fn differences(values: impl IntoIterator<Item = i64>) -> Vec<i64> {
     let mut last = 0;
     values.into_iter().map(|value| value - std::mem::replace(&mut last, value)).collect()
 }

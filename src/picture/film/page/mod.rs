@@ -4,6 +4,7 @@
 //! the other modules of [`film`](super) do. Layers of values over the whole field are left out.
 
 mod data;
+mod ground;
 
 use std::collections::BTreeMap;
 
@@ -29,9 +30,10 @@ use crate::timeline::Setting;
 const TEMPLATE: &str = include_str!("../../../../assets/page/page.html");
 const STYLE: &str = include_str!("../../../../assets/page/page.css");
 /// Each part uses those before it.
-const SCRIPTS: [&str; 5] = [
+const SCRIPTS: [&str; 6] = [
     include_str!("../../../../assets/page/run.js"),
     include_str!("../../../../assets/page/field.js"),
+    include_str!("../../../../assets/page/ground.js"),
     include_str!("../../../../assets/page/chart.js"),
     include_str!("../../../../assets/page/panel.js"),
     include_str!("../../../../assets/page/player.js"),
@@ -160,7 +162,8 @@ impl SelectedData {
 fn shown_layers(runs: &[&RunView]) -> impl Iterator<Item = Layer> {
     let has_searches = runs.iter().any(|run| run.index().has_searches());
     let is_of_values = |layer: Layer| matches!(layer, Layer::Clearance | Layer::CostMap | Layer::Wavefront);
-    Layer::all_of(false).filter(move |&layer| !is_of_values(layer) && (has_searches || !layer.needs_searches()))
+    let has_ground = runs.iter().any(|run| run.index().ground().is_some());
+    Layer::all_of(has_ground).filter(move |&layer| !is_of_values(layer) && (has_searches || !layer.needs_searches()))
 }
 
 fn colours() -> BTreeMap<&'static str, String> {
