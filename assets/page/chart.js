@@ -9,6 +9,8 @@ const STRIP = 96;
 const DIFFERENCE = 64;
 const AXIS = 24;
 const GAP = 12;
+// Between the marks of events and the curves.
+const BELOW_LANES = 5;
 // The share of its colour that the time ahead keeps.
 const AHEAD = 0.35;
 // What is lost, what burns, what was saved, what nothing happened to: from the bottom up.
@@ -31,7 +33,7 @@ class Chart {
 
     // Its height in pixels of the page.
     get height() {
-        const each = 3 * LANE + STRIP + GAP;
+        const each = 3 * LANE + BELOW_LANES + STRIP + GAP;
         return this.runs.length * each + (this.runs.length > 1 ? DIFFERENCE + 2 * GAP : 0) + AXIS;
     }
 
@@ -94,7 +96,7 @@ class Chart {
         let top = GAP;
         this.runs.forEach((run, runIndex) => {
             this.drawLanes(context, run, { ...area, top }, share);
-            const strip = { ...area, top: top + 3 * LANE, height: STRIP };
+            const strip = { ...area, top: top + 3 * LANE + BELOW_LANES, height: STRIP };
             const most = run.without_intact ?? Math.max(1, run.bushCells.length);
             this.drawStacked(context, run, strip, most, share, pixelRatio);
             this.drawValues(context, strip, [0, most]);
@@ -106,7 +108,7 @@ class Chart {
                 context.fillText("AB"[runIndex], 4, strip.top + 0.5 * STRIP + 6);
                 context.font = `12px ${FONT}`;
             }
-            top += 3 * LANE + STRIP + GAP;
+            top += 3 * LANE + BELOW_LANES + STRIP + GAP;
         });
         if (this.runs.length > 1) this.drawDifference(context, { ...area, top: top + GAP, height: DIFFERENCE }, share);
         this.drawTimes(context, area, height - AXIS);

@@ -866,34 +866,46 @@ const EMPHASIS = 4;
 const LABEL_PLACES = [[1, -1], [-1, -1], [1, 1], [-1, 1], [1, 0], [-1, 0], [0, -1], [0, 1]];
 
 Object.assign(FieldPane.prototype, {
-    // Every pixel has the colour of the bushes that it covers, by shares, and the paler where they are few.
+    // Every pixel has the colour of the bushes that it covers, by shares, and the paler where they are few. A loop over numbers,
+    // since it goes through all pixels.
     drawShares(context) {
         const { run, projection } = this;
         const { width, height } = this.canvas;
-        const shares = [0, 1, 2, 3].map(() => new Float32Array(width * height));
+        const colours = this.stateColours.map(rgb);
         const side = projection.cellSide;
-        run.kinds.forEach((kind, bush) => {
-            const { col, row } = run.cell(run.bushCells[bush]);
-            const [left, bottom] = projection.at({ x: col * run.cell_m, y: row * run.cell_m });
+        // Of each pixel the sums of weights, and of weights times red, green and blue.
+        const mixed = new Float32Array(4 * width * height);
+        for (let bush = 0; bush < run.kinds.length; bush++) {
+            const cell = run.bushCells[bush];
+            const row = Math.floor(cell / run.cols);
+            const left = projection.left + (cell - row * run.cols) * side;
+            const bottom = projection.top - row * side;
             const [right, top] = [left + side, bottom - side];
-            if (right <= 0 || bottom <= 0 || left >= width || top >= height) return;
-            for (let y = Math.max(0, Math.floor(top)); y < Math.min(height, Math.ceil(bottom)); y++) {
-                const down = Math.min(bottom, y + 1) - Math.max(top, y);
-                for (let x = Math.max(0, Math.floor(left)); x < Math.min(width, Math.ceil(right)); x++) {
-                    shares[kind][y * width + x] += down * (Math.min(right, x + 1) - Math.max(left, x));
+            if (right <= 0 || bottom <= 0 || left >= width || top >= height) continue;
+            const kind = run.kinds[bush];
+            const [red, green, blue] = colours[kind];
+            const weight = kind === INTACT ? 1 : EMPHASIS;
+            const [lastX, lastY] = [Math.min(width, Math.ceil(right)), Math.min(height, Math.ceil(bottom))];
+            for (let y = Math.max(0, Math.floor(top)); y < lastY; y++) {
+                const down = weight * (Math.min(bottom, y + 1) - Math.max(top, y));
+                for (let x = Math.max(0, Math.floor(left)); x < lastX; x++) {
+                    const share = down * (Math.min(right, x + 1) - Math.max(left, x));
+                    const at = 4 * (y * width + x);
+                    mixed[at] += share * red;
+                    mixed[at + 1] += share * green;
+                    mixed[at + 2] += share * blue;
+                    mixed[at + 3] += share;
                 }
             }
-        });
-        const colours = this.stateColours.map(rgb);
+        }
         const picture = context.getImageData(0, 0, width, height);
-        for (let pixel = 0; pixel < width * height; pixel++) {
-            const weights = shares.map((share, kind) => (kind === INTACT ? 1 : EMPHASIS) * share[pixel]);
-            const all = weights[0] + weights[1] + weights[2] + weights[3];
+        const pixels = picture.data;
+        for (let at = 0; at < pixels.length; at += 4) {
+            const all = mixed[at + 3];
             if (all < 1e-4) continue;
             const opacity = Math.min(all, 1);
-            for (let channel = 0; channel < 3; channel++) {
-                const mixed = weights.reduce((sum, weight, kind) => sum + weight * colours[kind][channel], 0) / all;
-                picture.data[4 * pixel + channel] += (mixed - picture.data[4 * pixel + channel]) * opacity;
+            for (let channel = at; channel < at + 3; channel++) {
+                pixels[channel] += (mixed[channel] / all - pixels[channel]) * opacity;
             }
         }
         context.putImageData(picture, 0, 0);

@@ -3,7 +3,7 @@
 "use strict";
 
 const NANOS = 1e9;
-const PER_METRE = 1e4;
+const PER_METRE = 1e5;
 const PER_RADIAN = 1e6;
 const PER_CURVATURE = 1e8;
 const PER_MPS = 1e6;

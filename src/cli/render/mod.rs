@@ -16,7 +16,7 @@ use crate::cli::numbers;
 use crate::cli::output_files::{self, Files, Format};
 use crate::cli::show::{Searches, ShowArguments, ShownRun, look, parse_seconds, parse_speed, shown_runs, time_within};
 use crate::picture::GifFilm;
-use crate::picture::film::{Layer, RunView};
+use crate::picture::film::{Layer, MOST_GROUND_CELLS, RunView};
 use crate::time::SimTime;
 
 #[derive(Debug, Args)]
@@ -80,6 +80,9 @@ pub fn run(arguments: &RenderArguments, context: &CommandContext) -> Result<Exit
     let runs: Vec<RunView> = run_views(arguments, context)?;
     let runs: Vec<&RunView> = runs.iter().collect();
     let scene = Scene { runs: &runs, options: look(&arguments.show, &runs)?, size: arguments.show.size.into() };
+    if arguments.html.is_some() {
+        check_grounds(&runs)?;
+    }
     let (at, moments) = (time_at(arguments, &runs)?, moments(arguments, &runs)?);
     if let Some(path) = &arguments.out {
         scene.write_still(at.unwrap_or(RunView::last_end(&runs)), path)?;
@@ -123,6 +126,14 @@ fn run_views(arguments: &RenderArguments, context: &CommandContext) -> Result<Ve
     let shown = shown_runs(&arguments.show, searches, context)?;
     let run = |run: ShownRun| if arguments.cpu { run } else { ShownRun { cpu_samples: None, ..run } };
     Ok(shown.into_iter().map(|shown| run(shown.run).into_view()).collect())
+}
+
+/// Refuses runs with more ground than a page has room for.
+fn check_grounds(runs: &[&RunView]) -> Result<(), CliError> {
+    let cells = |run: &&RunView| run.index().ground().map_or(0, |_| run.timeline().setting.frame.cell_count());
+    let Some(cells) = runs.iter().map(cells).max().filter(|&cells| cells > MOST_GROUND_CELLS) else { return Ok(()) };
+    let sentence = format!("the field has {cells} cells of ground; expected at most {MOST_GROUND_CELLS} for a page");
+    Err(CliError::bad_input(sentence, Some("stills and films have room for it")))
 }
 
 fn time_at(arguments: &RenderArguments, runs: &[&RunView]) -> Result<Option<SimTime>, CliError> {

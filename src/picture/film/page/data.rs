@@ -23,7 +23,7 @@ use crate::trajectory::Piece;
 use crate::untrusted::visible;
 
 /// Parts of a metre in which places and lengths are written, of a radian, of a curvature of 1/m, and of m/s and m/s2.
-const PER_METRE: f64 = 1e4;
+const PER_METRE: f64 = 1e5;
 const PER_RADIAN: f64 = 1e6;
 const PER_CURVATURE: f64 = 1e8;
 const PER_MPS: f64 = 1e6;
@@ -429,4 +429,110 @@ fn pair_differences(pairs: impl IntoIterator<Item = [i64; 2]>) -> Vec<i64> {
 /// The colour in the notation of HTML.
 pub fn hex([red, green, blue]: Rgb) -> String {
     format!("#{red:02x}{green:02x}{blue:02x}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::timeline::sample;
+    use crate::trajectory::Trajectory;
+    use crate::vehicle::Segment;
+
+    fn run(seed: u64) -> RunView {
+        RunView::new(sample::random(seed, SimTime::from_seconds(300.0)), None)
+    }
+
+    fn data(run: &RunView) -> RunData {
+        RunData::new(run, CountScale::new(&[run]))
+    }
+
+    fn sums(differences: &[i64]) -> Vec<i64> {
+        let add = |sum: &mut i64, difference: &i64| {
+            *sum += difference;
+            Some(*sum)
+        };
+        differences.iter().scan(0, add).collect()
+    }
+
+    /// The place of the last time that is not after another.
+    fn last_at(times: &[i64], time: SimTime) -> Option<usize> {
+        times.partition_point(|&at| at <= time.as_nanos() as i64).checked_sub(1)
+    }
+
+    fn times() -> impl Iterator<Item = SimTime> {
+        (0..1000).map(|step| SimTime::from_seconds(0.3 * f64::from(step)))
+    }
+
+    #[test]
+    fn counts_and_states_are_those_of_the_run() {
+        for seed in 0..4 {
+            let run = run(seed);
+            let RunData { counts, changes, .. } = data(&run);
+            let (count_times, change_times, bushes) =
+                (sums(&counts.time_ns), sums(&changes.time_ns), sums(&changes.bush));
+            let kinds = counts.bushes.each_ref().map(|kind| sums(kind));
+            for time in times() {
+                let (expected, state) = (run.counts_at(time), run.state_at(time));
+                let step = last_at(&count_times, time).expect("the first is at zero");
+                for (kind, counts) in BushStateKind::ALL.into_iter().zip(&kinds) {
+                    assert_eq!(counts[step], i64::from(expected.count(kind)), "{kind:?} at {time}");
+                }
+                let mut states = vec![0; state.bushes.len()];
+                for change in 0..last_at(&change_times, time).map_or(0, |last| last + 1) {
+                    states[bushes[change] as usize] = changes.to[change];
+                }
+                let expected: Vec<u8> = state.bushes.iter().map(|bush| bush.kind() as u8).collect();
+                assert_eq!(states, expected, "at {time}");
+            }
+        }
+    }
+
+    /// The leg of a table, as the script of a page reads it.
+    fn leg(table: &LegTable, index: usize) -> Trajectory {
+        let (x, y) = (sums(&table.x)[index] as f64 / PER_METRE, sums(&table.y)[index] as f64 / PER_METRE);
+        let first: usize = table.pieces[..index].iter().sum();
+        let PieceTable { kind, amount, curvature, speed, acceleration } = &table.piece;
+        let piece = |at: usize| match kind[at] {
+            DRIVE => Piece::Drive {
+                segment: Segment {
+                    curvature: curvature[at] as f64 / PER_CURVATURE,
+                    length_m: amount[at] as f64 / PER_METRE,
+                },
+                speed_mps: speed[at] as f64 / PER_MPS,
+                acceleration_mps2: acceleration[at] as f64 / PER_MPS,
+            },
+            TURN => Piece::Turn { heading: amount[at] as f64 / PER_RADIAN },
+            _ => Piece::Wait { seconds: amount[at] as f64 / 1e9 },
+        };
+        let start_ns = sums(&table.from_ns)[index] + table.wait_ns[index];
+        let start = Pose { x, y, heading: table.heading[index] as f64 / PER_RADIAN };
+        let pieces = (first..first + table.pieces[index]).map(piece).collect();
+        Trajectory::new(SimTime::from_nanos(start_ns as u64), start, pieces)
+    }
+
+    #[test]
+    fn agents_are_where_their_legs_lead_and_do_what_their_steps_say() {
+        let mut moved = 0;
+        for seed in 0..4 {
+            let run = run(seed);
+            for (index, agent) in data(&run).agents.iter().enumerate() {
+                let (leg_times, step_times) = (sums(&agent.legs.from_ns), sums(&agent.steps.time_ns));
+                let (goals, cells) = (sums(&agent.steps.goal), sums(&agent.steps.cells));
+                let legs: Vec<Trajectory> = (0..leg_times.len()).map(|at| leg(&agent.legs, at)).collect();
+                for time in times() {
+                    let (state, stats) = (run.agent_at(index, time), run.stats_at(index, time));
+                    if let Some(leg) = last_at(&leg_times, time) {
+                        let apart_m = (legs[leg].pose_at(time).position() - state.pose.position()).length();
+                        assert!(apart_m < 0.01, "{} at {time}: {apart_m} m", agent.id);
+                        moved += 1;
+                    }
+                    let step = last_at(&step_times, time).expect("the first is at zero");
+                    assert_eq!(agent.steps.activity[step], state.activity as u8, "{} at {time}", agent.id);
+                    let goal = state.goal.map_or(-1, |goal| run.timeline().setting.frame.index(goal) as i64);
+                    assert_eq!((goals[step], cells[step]), (goal, i64::from(stats.cells)), "{} at {time}", agent.id);
+                }
+            }
+        }
+        assert!(moved > 1000, "these runs cannot tell");
+    }
 }

@@ -11,6 +11,8 @@ use std::collections::BTreeMap;
 use miniz_oxide::deflate::compress_to_vec_zlib;
 use serde::Serialize;
 
+pub use ground::MOST_GROUND_CELLS;
+
 use data::{RunData, hex};
 
 use crate::document::escaped_html;
