@@ -3,7 +3,7 @@
 "use strict";
 
 const NANOS = 1e9;
-const PER_METRE = 1e5;
+const PER_METRE = 1e4;
 const PER_RADIAN = 1e6;
 const PER_CURVATURE = 1e8;
 const PER_MPS = 1e6;
@@ -56,10 +56,6 @@ function along(pose, curvature, metres) {
     return { x: pose.x + right, y: pose.y + up, heading };
 }
 
-function speedAfter(speed, acceleration, metres) {
-    return Math.sqrt(Math.max(0, speed * speed + 2 * acceleration * metres));
-}
-
 // A leg: from where and when an agent goes, and its pieces, each with where and when it begins.
 class Leg {
     constructor(fromNs, startNs, drivenM, start, pieces) {
@@ -68,17 +64,12 @@ class Leg {
         for (const piece of pieces) {
             Object.assign(piece, { beginsS: seconds, beginsM: metres, start: pose });
             if (piece.kind === DRIVE) {
-                const { lengthM, curvature, speed, acceleration } = piece;
-                const distance = Math.abs(lengthM);
-                const atEnd = speedAfter(speed, acceleration, distance);
-                seconds += acceleration === 0 ? distance / speed : (2 * distance) / (speed + atEnd);
-                metres += distance;
-                pose = along(pose, curvature, lengthM);
+                metres += Math.abs(piece.lengthM);
+                pose = along(pose, piece.curvature, piece.lengthM);
             } else if (piece.kind === TURN) {
                 pose = { ...pose, heading: piece.heading };
-            } else {
-                seconds += piece.seconds;
             }
+            seconds += piece.lastsS;
             piece.endsS = seconds;
         }
         this.lengthM = metres;
@@ -161,12 +152,13 @@ class Agent {
     }
 
     static piece(table, index) {
-        const [kind, amount] = [table.kind[index], table.amount[index]];
-        if (kind === TURN) return { kind, heading: amount / PER_RADIAN };
-        if (kind !== DRIVE) return { kind, seconds: amount / NANOS };
+        const [kind, amount, lastsS] = [table.kind[index], table.amount[index], table.lasts[index] / 1e6];
+        if (kind === TURN) return { kind, lastsS, heading: amount / PER_RADIAN };
+        if (kind !== DRIVE) return { kind, lastsS };
         const speed = table.speed[index] / PER_MPS;
         const acceleration = table.acceleration[index] / PER_MPS;
-        return { kind, lengthM: amount / PER_METRE, curvature: table.curvature[index] / PER_CURVATURE, speed, acceleration };
+        const curvature = table.curvature[index] / PER_CURVATURE;
+        return { kind, lastsS, lengthM: amount / PER_METRE, curvature, speed, acceleration };
     }
 
     // Nanoseconds in each activity until the beginning of each step.

@@ -3,7 +3,7 @@
 //! A table is a list for each of its columns. Names of columns end in their unit; those of times, cells and bushes hold
 //! differences, each number less the one before it, which pack small. Lengths and angles are whole numbers in small units.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use serde::Serialize;
 
@@ -23,7 +23,7 @@ use crate::trajectory::Piece;
 use crate::untrusted::visible;
 
 /// Parts of a metre in which places and lengths are written, of a radian, of a curvature of 1/m, and of m/s and m/s2.
-const PER_METRE: f64 = 1e5;
+const PER_METRE: f64 = 1e4;
 const PER_RADIAN: f64 = 1e6;
 const PER_CURVATURE: f64 = 1e8;
 const PER_MPS: f64 = 1e6;
@@ -116,7 +116,10 @@ struct LegTable {
 #[derive(Default, Serialize)]
 struct PieceTable {
     kind: Vec<u8>,
-    /// Metres along the way, negative in reverse; radians of a turn on the spot; nanoseconds of a wait.
+    /// Microseconds: how long it takes. It follows from the others, but where a body brakes to a standstill these would have to be
+    /// very precise.
+    lasts: Vec<i64>,
+    /// Metres along the way, negative in reverse; radians of a turn on the spot.
     amount: Vec<i64>,
     curvature: Vec<i64>,
     speed: Vec<i64>,
@@ -176,7 +179,7 @@ struct WaterData {
 /// Texts by their place, each once.
 #[derive(Default)]
 struct Texts {
-    places: HashMap<String, usize>,
+    places: BTreeMap<String, usize>,
     texts: Vec<String>,
 }
 
@@ -329,9 +332,10 @@ fn push_piece(table: &mut PieceTable, piece: &Piece) {
             [scaled(segment.curvature, PER_CURVATURE), scaled(speed_mps, PER_MPS), scaled(acceleration_mps2, PER_MPS)],
         ),
         Piece::Turn { heading } => (TURN, scaled(heading, PER_RADIAN), [0; 3]),
-        Piece::Wait { seconds } => (WAIT, scaled(seconds, 1e9), [0; 3]),
+        Piece::Wait { .. } => (WAIT, 0, [0; 3]),
     };
     table.kind.push(kind);
+    table.lasts.push(scaled(piece.duration_s(), 1e6));
     table.amount.push(amount);
     table.curvature.push(motion[0]);
     table.speed.push(motion[1]);
@@ -435,7 +439,6 @@ pub fn hex([red, green, blue]: Rgb) -> String {
 mod tests {
     use super::*;
     use crate::timeline::sample;
-    use crate::trajectory::Trajectory;
     use crate::vehicle::Segment;
 
     fn run(seed: u64) -> RunView {
@@ -487,27 +490,58 @@ mod tests {
         }
     }
 
-    /// The leg of a table, as the script of a page reads it.
-    fn leg(table: &LegTable, index: usize) -> Trajectory {
-        let (x, y) = (sums(&table.x)[index] as f64 / PER_METRE, sums(&table.y)[index] as f64 / PER_METRE);
-        let first: usize = table.pieces[..index].iter().sum();
-        let PieceTable { kind, amount, curvature, speed, acceleration } = &table.piece;
-        let piece = |at: usize| match kind[at] {
-            DRIVE => Piece::Drive {
-                segment: Segment {
-                    curvature: curvature[at] as f64 / PER_CURVATURE,
-                    length_m: amount[at] as f64 / PER_METRE,
+    /// A leg as the script of a page reads it.
+    struct ReadLeg {
+        start_s: f64,
+        start: Pose,
+        /// Pieces, and the seconds that each lasts.
+        pieces: Vec<(f64, Piece)>,
+    }
+
+    impl ReadLeg {
+        fn new(table: &LegTable, index: usize) -> Self {
+            let (x, y) = (sums(&table.x)[index] as f64 / PER_METRE, sums(&table.y)[index] as f64 / PER_METRE);
+            let first: usize = table.pieces[..index].iter().sum();
+            let PieceTable { kind, lasts, amount, curvature, speed, acceleration } = &table.piece;
+            let piece = |at: usize| match kind[at] {
+                DRIVE => Piece::Drive {
+                    segment: Segment {
+                        curvature: curvature[at] as f64 / PER_CURVATURE,
+                        length_m: amount[at] as f64 / PER_METRE,
+                    },
+                    speed_mps: speed[at] as f64 / PER_MPS,
+                    acceleration_mps2: acceleration[at] as f64 / PER_MPS,
                 },
-                speed_mps: speed[at] as f64 / PER_MPS,
-                acceleration_mps2: acceleration[at] as f64 / PER_MPS,
-            },
-            TURN => Piece::Turn { heading: amount[at] as f64 / PER_RADIAN },
-            _ => Piece::Wait { seconds: amount[at] as f64 / 1e9 },
-        };
-        let start_ns = sums(&table.from_ns)[index] + table.wait_ns[index];
-        let start = Pose { x, y, heading: table.heading[index] as f64 / PER_RADIAN };
-        let pieces = (first..first + table.pieces[index]).map(piece).collect();
-        Trajectory::new(SimTime::from_nanos(start_ns as u64), start, pieces)
+                TURN => Piece::Turn { heading: amount[at] as f64 / PER_RADIAN },
+                _ => Piece::Wait { seconds: lasts[at] as f64 / 1e6 },
+            };
+            Self {
+                start_s: (sums(&table.from_ns)[index] + table.wait_ns[index]) as f64 / 1e9,
+                start: Pose { x, y, heading: table.heading[index] as f64 / PER_RADIAN },
+                pieces: (first..first + table.pieces[index]).map(|at| (lasts[at] as f64 / 1e6, piece(at))).collect(),
+            }
+        }
+
+        fn pose_at(&self, time: SimTime) -> Pose {
+            let (mut left_s, mut pose) = (time.as_seconds() - self.start_s, self.start);
+            for &(lasts_s, piece) in &self.pieces {
+                if left_s < 0.0 {
+                    break;
+                }
+                match piece {
+                    Piece::Drive { segment, speed_mps, acceleration_mps2 } => {
+                        let driven_s = left_s.min(lasts_s);
+                        let driven_m = driven_s * (speed_mps + 0.5 * acceleration_mps2 * driven_s);
+                        let driven_m = if left_s < lasts_s { driven_m } else { segment.length_m.abs() };
+                        pose = segment.pose_at(pose, driven_m.copysign(segment.length_m));
+                    }
+                    Piece::Turn { heading } => pose.heading = heading,
+                    Piece::Wait { .. } => {}
+                }
+                left_s -= lasts_s;
+            }
+            pose
+        }
     }
 
     #[test]
@@ -518,7 +552,7 @@ mod tests {
             for (index, agent) in data(&run).agents.iter().enumerate() {
                 let (leg_times, step_times) = (sums(&agent.legs.from_ns), sums(&agent.steps.time_ns));
                 let (goals, cells) = (sums(&agent.steps.goal), sums(&agent.steps.cells));
-                let legs: Vec<Trajectory> = (0..leg_times.len()).map(|at| leg(&agent.legs, at)).collect();
+                let legs: Vec<ReadLeg> = (0..leg_times.len()).map(|at| ReadLeg::new(&agent.legs, at)).collect();
                 for time in times() {
                     let (state, stats) = (run.agent_at(index, time), run.stats_at(index, time));
                     if let Some(leg) = last_at(&leg_times, time) {

@@ -1,6 +1,6 @@
 //! The ground of a run on a page: what grows there, when which cell burned or was wet, what embers lit, the wind.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use serde::Serialize;
 
@@ -185,7 +185,7 @@ impl GroundData {
 
 impl CellColours {
     fn new(colours: impl Iterator<Item = Option<Rgb>>) -> Self {
-        let mut places: HashMap<Rgb, i64> = HashMap::new();
+        let mut places: BTreeMap<Rgb, i64> = BTreeMap::new();
         let mut known = Vec::new();
         let mut place = |colour: Rgb| {
             *places.entry(colour).or_insert_with(|| {
