@@ -6,7 +6,7 @@ use flate2::Compression;
 use flate2::read::DeflateDecoder;
 use flate2::write::DeflateEncoder;
 use rand::{Rng, RngExt};
-use wildfire::picture::film::{Followed, FrameRenderer, FrameRequest, Layer, RunView, Selected, ViewOptions};
+use wildfire::picture::film::{Followed, FrameRenderer, FrameRequest, Layer, RunView, Selected, ViewOptions, page};
 use wildfire::time::SimTime;
 use wildfire::timeline::{Timeline, file};
 use wildfire::{rng, scenario, sim};
@@ -56,7 +56,9 @@ fn show(timeline: Timeline, rng: &mut impl Rng) {
     let looks = looks(run.timeline());
     let (options, time) =
         (&looks[rng.random_range(0..looks.len())], SimTime::from_seconds(rng.random_range(0.0..300.0)));
-    FrameRenderer::new((320, 240), 1).paint(&FrameRequest { runs: &[&run], time, options });
+    let request = FrameRequest { runs: &[&run], time, options };
+    FrameRenderer::new((320, 240), 1).paint(&request);
+    assert!(page(&request).ends_with("</html>\n"));
 }
 
 #[test]

@@ -40,6 +40,8 @@ const FRESH = 0.8;
 const STALE = 0.12;
 const FORWARD = [8, 5];
 const REVERSE = [2, 3];
+// Longer lines, in pixels, have no dashes, which would take a browser too long.
+const MOST_DASHED = 3e5;
 // Chord of a drawn arc to the arc, in pixels.
 const ARC_TOLERANCE = 0.1;
 
@@ -590,6 +592,7 @@ class FieldPane {
             const turn = Math.abs(piece.curvature * (last - first));
             const radius = this.projection.scale / Math.abs(piece.curvature);
             const arcs = turn === 0 ? 1 : clamp(Math.ceil(turn * Math.sqrt(radius / (8 * ARC_TOLERANCE))), 1, 2000);
+            stretch.toM = piece.beginsM + last;
             for (let arc = 1; arc <= arcs; arc++) stretch.points.push(place(first + ((last - first) * arc) / arcs));
         }
         return stretches;
@@ -597,7 +600,8 @@ class FieldPane {
 
     drawStretch(stretch, ink, width, dashes) {
         const { context } = this;
-        if (dashes !== null) {
+        const isEndless = (stretch.toM - stretch.fromM) * this.projection.scale > MOST_DASHED;
+        if (dashes !== null && !isEndless) {
             context.setLineDash(dashes.map((length) => length * this.unit));
             context.lineDashOffset = stretch.fromM * this.projection.scale;
         }

@@ -277,7 +277,7 @@ fn step_table(run: &RunView, agent: usize, texts: &mut Texts) -> StepTable {
     for time in index.changes_of_agent(agent) {
         let (state, stats) = (run.agent_at(agent, time), run.stats_at(agent, time));
         let failure = stats.last_failure.map(|at| &timeline.events[at].fact);
-        table.time_ns.push(time.as_nanos() as i64);
+        table.time_ns.push(nanos(time));
         table.activity.push(stats.activity as u8);
         table.goal.push(state.goal.map_or(-1, |goal| timeline.setting.frame.index(goal) as i64));
         table.plans.push(stats.plans.into());
@@ -308,8 +308,8 @@ fn leg_table(run: &RunView, agent: usize) -> LegTable {
         let [x, y, heading] = pose(trajectory.start());
         // A leg that is cut short begins when the whole one did, which is before it is followed.
         let driven_m = run.stats_at(agent, leg.from).distance_m;
-        table.from_ns.push(leg.from.as_nanos() as i64);
-        table.wait_ns.push(trajectory.start_time().as_nanos() as i64 - leg.from.as_nanos() as i64);
+        table.from_ns.push(nanos(leg.from));
+        table.wait_ns.push(nanos(trajectory.start_time()).saturating_sub(nanos(leg.from)));
         table.x.push(x);
         table.y.push(y);
         table.heading.push(heading);
@@ -360,7 +360,7 @@ fn change_table(run: &RunView, texts: &mut Texts) -> ChangeTable {
     for event in &timeline.events {
         let Some((cell, state)) = event.bush_change() else { continue };
         let Some(bush) = setting.bush_index(cell) else { continue };
-        table.time_ns.push(event.time.as_nanos() as i64);
+        table.time_ns.push(nanos(event.time));
         table.bush.push(bush as i64);
         table.to.push(state.kind() as u8);
         table.words.push(texts.place(change_text(&event.fact, since[bush].is_some())));
@@ -412,13 +412,18 @@ fn scaled(value: f64, parts: f64) -> i64 {
 }
 
 fn time_differences(times: impl IntoIterator<Item = SimTime>) -> Vec<i64> {
-    differences(times.into_iter().map(|time| time.as_nanos() as i64))
+    differences(times.into_iter().map(nanos))
+}
+
+/// Whole nanoseconds; of a time that no run reaches, but that a damaged recording may hold, the most.
+fn nanos(time: SimTime) -> i64 {
+    i64::try_from(time.as_nanos()).unwrap_or(i64::MAX)
 }
 
 /// Returns each number less the one before it.
 pub fn differences(values: impl IntoIterator<Item = i64>) -> Vec<i64> {
-    let mut last = 0;
-    values.into_iter().map(|value| value - std::mem::replace(&mut last, value)).collect()
+    let mut last = 0_i64;
+    values.into_iter().map(|value| value.saturating_sub(std::mem::replace(&mut last, value))).collect()
 }
 
 fn pair_differences(pairs: impl IntoIterator<Item = [i64; 2]>) -> Vec<i64> {
@@ -459,7 +464,7 @@ mod tests {
 
     /// The place of the last time that is not after another.
     fn last_at(times: &[i64], time: SimTime) -> Option<usize> {
-        times.partition_point(|&at| at <= time.as_nanos() as i64).checked_sub(1)
+        times.partition_point(|&at| at <= nanos(time)).checked_sub(1)
     }
 
     fn times() -> impl Iterator<Item = SimTime> {
