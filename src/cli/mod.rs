@@ -44,7 +44,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 
 use audit::AuditArguments;
-use batch::{BatchArguments, FolderArguments, MergeArguments, StatusArguments};
+use batch::{BatchArguments, MergeArguments, ReportArguments, StatusArguments};
 use compare::CompareArguments;
 use context::CommandContext;
 use curve::CurveArguments;
@@ -108,7 +108,7 @@ pub enum Command {
     /// Put the slices of a batch together: check that all are there, and write its tables.
     Merge(MergeArguments),
     /// Write a report of a batch: a web page, and its charts as SVG and PNG.
-    Report(FolderArguments),
+    Report(ReportArguments),
     /// Compare batches, or scenarios and planners inside one, in pairs by seed.
     Compare(CompareArguments),
     /// Rank entries, all against all: batches, or planners and policies inside them.
@@ -204,7 +204,7 @@ fn dispatch(arguments: &Arguments, context: &CommandContext) -> Result<ExitCode,
         Command::Play(play) => play::run(play, &context.with_programs(&play.show.programs)),
         Command::Render(render) => render::run(render, &context.with_programs(&render.show.programs)),
         Command::Batch(batch) => batch::run(batch, &context.with_programs(&batch.programs)),
-        Command::Report(folder) => batch::report(folder, arguments.quiet),
+        Command::Report(report) => batch::report(report, &context.with_programs(&report.programs)),
         Command::Compare(compare) => compare::run(compare),
         Command::Rank(rank) => rank::run(rank, arguments.quiet),
         Command::Audit(audit) => audit::run(audit, &context.with_trust(audit.trust)),

@@ -36,6 +36,12 @@ fn push_blocks(text: &mut String, blocks: &[Block]) {
                 let items: String = lines.iter().map(|line| format!("<li>{}</li>\n", escaped(line))).collect();
                 text.push_str(&format!("<ul>\n{items}</ul>\n"));
             }
+            Block::Links(links) => {
+                let item = |(line, file): &(String, String)| {
+                    format!("<li><a href=\"{}\">{}</a></li>\n", escaped(file), escaped(line))
+                };
+                text.push_str(&format!("<ul>\n{}</ul>\n", links.iter().map(item).collect::<String>()));
+            }
             Block::Terms(terms) => {
                 let term = |(name, meaning): &(String, String)| {
                     format!("<dt>{}</dt><dd>{}</dd>\n", escaped(name), escaped(meaning))
@@ -98,7 +104,7 @@ mod tests {
     fn nothing_from_a_file_becomes_a_tag() {
         let html = filled("<script>alert('x')</script> | *b* [c](d) & \"e\"").to_html();
         assert!(!html.contains("<script") && !html.contains("'x'"), "{html}");
-        assert_eq!(html.matches("&lt;script&gt;").count(), 14, "title twice, and once in each other place");
+        assert_eq!(html.matches("&lt;script&gt;").count(), 16, "title twice, and once in each other place");
         assert!(!html.contains("http"), "{html}");
     }
 }

@@ -22,6 +22,13 @@ fn push_blocks(text: &mut String, blocks: &[Block]) {
                 let items: String = lines.iter().map(|line| format!("  \\item {}\n", escaped(line))).collect();
                 text.push_str(&format!("\\begin{{itemize}}\n{items}\\end{{itemize}}\n"));
             }
+            Block::Links(links) => {
+                let item = |(line, file): &(String, String)| {
+                    format!("  \\item {}: \\texttt{{{}}}\n", escaped(line), escaped(file))
+                };
+                let items: String = links.iter().map(item).collect();
+                text.push_str(&format!("\\begin{{itemize}}\n{items}\\end{{itemize}}\n"));
+            }
             Block::Terms(terms) => {
                 let item = |(name, meaning): &(String, String)| {
                     format!("  \\item[{{{}}}] {}\n", escaped(name), escaped(meaning))

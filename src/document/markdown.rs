@@ -18,6 +18,11 @@ fn push_blocks(text: &mut String, blocks: &[Block]) {
             Block::Heading(line) => text.push_str(&format!("## {}\n", escaped(line))),
             Block::Text(line) => text.push_str(&format!("{}\n", escaped(line))),
             Block::List(lines) => lines.iter().for_each(|line| text.push_str(&format!("- {}\n", escaped(line)))),
+            Block::Links(links) => {
+                for (line, file) in links {
+                    text.push_str(&format!("- {}: {}\n", escaped(line), escaped(file)));
+                }
+            }
             Block::Terms(terms) => {
                 for (name, meaning) in terms {
                     text.push_str(&format!("- **{}**: {}\n", escaped(name), escaped(meaning)));

@@ -38,6 +38,8 @@ pub enum Block {
     Text(String),
     /// Sentences with a line each.
     List(Vec<String>),
+    /// Sentences with a line each, and the file that each is about, by its path from the document.
+    Links(Vec<(String, String)>),
     /// Names, and what each of them is.
     Terms(Vec<(String, String)>),
     Table(Table),
@@ -134,6 +136,7 @@ mod tests {
             Block::Heading(own()),
             Block::Text(own()),
             Block::List(vec![own()]),
+            Block::Links(vec![(own(), own())]),
             Block::Terms(vec![(own(), own())]),
             Block::Table(table),
             Block::Verbatim(own()),
@@ -155,7 +158,7 @@ mod tests {
     #[test]
     fn every_form_says_everything() {
         let document = filled("words");
-        let places = 14;
+        let places = 16;
         assert_eq!(document.to_text().matches("words").count(), places - 1, "a figure has one name");
         for printed in [document.to_markdown(), document.to_html(), document.to_latex()] {
             assert!(printed.matches("words").count() >= places - 1, "{printed}");

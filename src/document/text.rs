@@ -31,6 +31,9 @@ fn push_blocks(text: &mut String, blocks: &[Block]) {
                 wrapped(line, WIDTH).iter().for_each(|line| push_line(text, line));
             }
             Block::List(lines) => lines.iter().for_each(|line| push_wrapped(text, line)),
+            Block::Links(links) => {
+                links.iter().for_each(|(line, file)| push_wrapped(text, &format!("{line}: {file}")));
+            }
             Block::Terms(terms) => push_terms(text, terms),
             Block::Table(table) => {
                 if let Some(caption) = &table.caption {

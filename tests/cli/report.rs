@@ -51,6 +51,32 @@ fn report_is_one_page_with_every_table_and_chart() {
 }
 
 #[test]
+fn pages_play_the_runs_in_which_the_least_and_the_most_burned() {
+    let story = swept_batch();
+    let answer = story.tell(&["report", "a", "--pages"]).expect_code(0);
+    assert_eq!(answer.stderr.matches("wrote a/charts/").count(), 3, "{}", answer.stderr);
+    let report = story.read("a/report.html");
+    let rows = fs::File::open(story.path("a/runs.csv")).expect("it was written");
+    let mut rows = csv::Reader::from_reader(rows);
+    let column = rows.headers().expect("a table").iter().position(|name| name == "burned_ratio").expect("it is there");
+    let mut burned: Vec<f64> =
+        rows.records().map(|row| row.expect("a row")[column].parse().expect("a number")).collect();
+    burned.sort_by(f64::total_cmp);
+    for (word, ratio) in [("best", burned[0]), ("median", burned[9]), ("worst", burned[19])] {
+        let page = story.read(&format!("a/charts/{word}-run.html"));
+        assert!(page.starts_with("<!DOCTYPE html>") && page.contains("id=\"run-data\""), "{word}");
+        let link = format!("<a href=\"charts/{word}-run.html\">{word}: ");
+        let line = report.lines().find(|line| line.contains(&link)).expect(word);
+        assert!(line.contains(&format!(", {:.1} % of the bushes burned", 100.0 * ratio)), "{line}");
+    }
+    let best = story.read("a/charts/best-run.html");
+    story.tell(&["report", "a", "--pages"]).expect_code(0);
+    assert_eq!(story.read("a/charts/best-run.html"), best, "the same batch gives the same page");
+    story.tell(&["batch", "smoke", "--seeds", "1", "--out", "a", "--force"]).expect_code(0);
+    assert!(!story.path("a/charts/best-run.html").exists(), "what a batch wrote is removed with it");
+}
+
+#[test]
 fn every_variant_of_a_large_sweep_is_in_the_charts() {
     let story = Story::begin();
     let swept = ["--planner", "prm-rs,lattice", "--set", "fire.burn_out_s=30,35,40,45,50,55,60,65,70,75,80,85"];
@@ -116,6 +142,7 @@ fn report_needs_no_journal_and_does_not_change() {
     let story = swept_batch();
     let page = report(&story);
     let chart = fs::read(story.path("a/charts/states.png")).expect("the picture is there");
+    refuse(&story, &["report", "a", "--pages"], &["no table of runs yet"]);
     fs::remove_file(story.path("a/runs.journal")).expect("the journal is there");
     assert!(page == report(&story), "another page of the same batch");
     assert!(chart == fs::read(story.path("a/charts/states.png")).expect("the picture is there"));

@@ -316,7 +316,7 @@ pub fn report(case: &mut Case<'_>) -> Law {
         case.input = states;
     }
     let batch = FinishedBatch::open(case.folder).map_err(|error| error.to_string())?;
-    match write_report(&batch) {
+    match write_report(&batch, &[]) {
         Ok(_) => {
             case.count("reports written");
             Ok(())

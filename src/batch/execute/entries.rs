@@ -120,8 +120,9 @@ pub fn is_recording(name: &OsStr) -> bool {
     numbers.is_some_and(|numbers| numbers.iter().all(|number| number.parse::<u64>().is_ok()))
 }
 
+/// Says whether this is the name of a chart, or of a page that plays a run.
 pub fn is_chart(name: &OsStr) -> bool {
-    Path::new(name).extension().is_some_and(|ending| ending == "svg" || ending == "png")
+    Path::new(name).extension().is_some_and(|ending| ending == "svg" || ending == "png" || ending == "html")
 }
 
 /// Says whether this is the name under which a slice writes the plan before it renames it: `plan.json.JOURNAL`.

@@ -1,5 +1,6 @@
 //! Commands on the folder of a batch: `status`, `merge` and `report`.
 
+use std::fs;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -13,14 +14,18 @@ use serde::Serialize;
 use super::keeping::LockArguments;
 use super::{exit_code, list, note_leftovers, note_repeated, resume_command, summary};
 use crate::batch::{
-    BatchError, BatchPlan, FinishedBatch, JournalError, MissingRuns, OutputFolder, PlanError, RUNS_FILE, RealDisk,
-    ReportError, Slice, SliceState, Survey, batch_status, limit_threads, write_report,
+    BatchError, BatchPlan, FinishedBatch, JournalError, MissingRuns, NotableRun, OutputFolder, PlanError, RUNS_FILE,
+    RealDisk, ReportError, Slice, SliceState, Survey, batch_status, limit_threads, notable_runs, write_report,
 };
-use crate::cli::args::{jobs_or_usual, parse_jobs};
+use crate::cli::args::{ProgramArguments, jobs_or_usual, parse_jobs};
+use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::cli::report::FormArguments;
-use crate::cli::{interrupt, numbers, terminal};
+use crate::cli::show::{Searches, check_grounds, run_of_batch, write_page};
+use crate::cli::{interrupt, numbers, output_files, terminal};
 use crate::document::{Block, Document, Table};
+use crate::picture::film::{FrameRequest, ViewOptions};
+use crate::time::SimTime;
 use crate::time::wall::WallStopwatch;
 
 #[derive(Debug, Args)]
@@ -34,12 +39,17 @@ pub struct StatusArguments {
     pub form: FormArguments,
 }
 
-/// The folder of a batch.
 #[derive(Debug, Args)]
-pub struct FolderArguments {
+pub struct ReportArguments {
     /// The folder of a batch.
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
+    /// Also write pages that play the runs in which the least and the most burned, and the median; what was not recorded is
+    /// simulated again.
+    #[arg(long)]
+    pub pages: bool,
+    #[command(flatten)]
+    pub programs: ProgramArguments,
 }
 
 #[derive(Debug, Args)]
@@ -224,15 +234,41 @@ fn ranges_of(numbers: &[u64]) -> String {
 }
 
 /// Writes the page on a batch, and its charts.
-pub fn report(arguments: &FolderArguments, quiet: bool) -> Result<ExitCode, CliError> {
+pub fn report(arguments: &ReportArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
+    let quiet = context.quiet;
     let batch = FinishedBatch::open(&arguments.folder)?;
-    let written = write_report(&batch).map_err(report_error)?;
+    let playing = if arguments.pages { notable_runs(&batch).map_err(report_error)? } else { Vec::new() };
+    write_pages(&batch, &playing, context)?;
+    let written = write_report(&batch, &playing).map_err(report_error)?;
     let (page, charts) = (written.page.display(), written.charts_folder.display());
     let mut document = Document::new(format!("{page}, and {} charts as SVG and PNG in {charts}", written.charts));
     document.add_list(written.refused);
     terminal::print(&document.to_text())?;
     terminal::note_unknown_letters([written.unknown_letters.as_str()], quiet);
     Ok(ExitCode::SUCCESS)
+}
+
+/// Writes a page for each of some runs, all or none.
+fn write_pages(batch: &FinishedBatch, playing: &[NotableRun], context: &CommandContext) -> Result<(), CliError> {
+    let mut runs = Vec::new();
+    for notable in playing {
+        let run = batch.plan().run(notable.number);
+        if batch.recording(&run).is_none() {
+            context.expect_trusted(&run.variant.scenario)?;
+        }
+        let options = context.run_options(true, batch.plan().memory);
+        runs.push(run_of_batch(batch, &run, Searches::Recorded, &options)?.into_view());
+    }
+    runs.iter().try_for_each(|run| check_grounds(&[run]))?;
+    for (notable, run) in playing.iter().zip(&runs) {
+        let path = batch.folder().join(notable.page());
+        let folder = path.parent().unwrap_or(batch.folder());
+        fs::create_dir_all(folder).map_err(|error| CliError::unwritable(folder, &error))?;
+        let options = ViewOptions::default();
+        write_page(&FrameRequest { runs: &[run], time: SimTime::ZERO, options: &options }, &path)?;
+        output_files::note_written(&path, context.quiet);
+    }
+    Ok(())
 }
 
 fn report_error(error: ReportError) -> CliError {

@@ -6,7 +6,7 @@ mod keeping;
 mod slurm;
 
 pub use args::BatchArguments;
-pub use folder::{FolderArguments, MergeArguments, StatusArguments, merge, report, status};
+pub use folder::{MergeArguments, ReportArguments, StatusArguments, merge, report, status};
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

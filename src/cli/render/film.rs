@@ -1,6 +1,5 @@
 //! A film: its moments, and drawing them frame by frame into its files.
 
-use std::io::{self, Write};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -9,10 +8,9 @@ use indicatif::ProgressBar;
 use super::mp4_file::Mp4File;
 use crate::cli::error::CliError;
 use crate::cli::{interrupt, terminal};
-use crate::picture::film::{FrameRenderer, FrameRequest, RunView, ViewOptions, page, still};
+use crate::picture::film::{FrameRenderer, FrameRequest, RunView, ViewOptions, still};
 use crate::picture::{ColourCounts, GifFilm, Palette};
 use crate::time::SimTime;
-use crate::whole_file::WholeFile;
 
 /// Frames whose colours make the palette of a GIF.
 const SAMPLED_FRAMES: u64 = 32;
@@ -32,16 +30,6 @@ impl Scene<'_> {
     pub fn write_still(&self, time: SimTime, path: &Path) -> Result<(), CliError> {
         let picture = still(&self.request(time), self.size);
         picture.write_png(path).map_err(|error| CliError::unwritable(path, &error))
-    }
-
-    /// Writes a page that begins at a time.
-    pub fn write_page(&self, time: SimTime, path: &Path) -> Result<(), CliError> {
-        let write = || {
-            let mut file = WholeFile::create(path)?;
-            file.write_all(page(&self.request(time)).as_bytes())?;
-            file.finish()
-        };
-        write().map_err(|error: io::Error| CliError::unwritable(path, &error))
     }
 }
 

@@ -14,9 +14,12 @@ use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::cli::numbers;
 use crate::cli::output_files::{self, Files, Format};
-use crate::cli::show::{Searches, ShowArguments, ShownRun, look, parse_seconds, parse_speed, shown_runs, time_within};
+use crate::cli::show::{
+    Searches, ShowArguments, ShownRun, check_grounds, look, parse_seconds, parse_speed, shown_runs, time_within,
+    write_page,
+};
 use crate::picture::GifFilm;
-use crate::picture::film::{Layer, MOST_GROUND_CELLS, RunView};
+use crate::picture::film::{Layer, RunView};
 use crate::time::SimTime;
 
 #[derive(Debug, Args)]
@@ -89,7 +92,7 @@ pub fn run(arguments: &RenderArguments, context: &CommandContext) -> Result<Exit
         output_files::note_written(path, quiet);
     }
     if let Some(path) = &arguments.html {
-        scene.write_page(at.unwrap_or(SimTime::ZERO), path)?;
+        write_page(&scene.request(at.unwrap_or(SimTime::ZERO)), path)?;
         output_files::note_written(path, quiet);
     }
     if arguments.gif.is_some() || arguments.mp4.is_some() {
@@ -126,14 +129,6 @@ fn run_views(arguments: &RenderArguments, context: &CommandContext) -> Result<Ve
     let shown = shown_runs(&arguments.show, searches, context)?;
     let run = |run: ShownRun| if arguments.cpu { run } else { ShownRun { cpu_samples: None, ..run } };
     Ok(shown.into_iter().map(|shown| run(shown.run).into_view()).collect())
-}
-
-/// Refuses runs with more ground than a page has room for.
-fn check_grounds(runs: &[&RunView]) -> Result<(), CliError> {
-    let cells = |run: &&RunView| run.index().ground().map_or(0, |_| run.timeline().setting.frame.cell_count());
-    let Some(cells) = runs.iter().map(cells).max().filter(|&cells| cells > MOST_GROUND_CELLS) else { return Ok(()) };
-    let sentence = format!("the field has {cells} cells of ground; expected at most {MOST_GROUND_CELLS} for a page");
-    Err(CliError::bad_input(sentence, Some("stills and films have room for it")))
 }
 
 fn time_at(arguments: &RenderArguments, runs: &[&RunView]) -> Result<Option<SimTime>, CliError> {

@@ -2,10 +2,12 @@
 //! of them.
 
 mod args;
+mod page_file;
 mod source;
 
 pub use args::{ShowArguments, look, parse_seconds, parse_speed};
-pub use source::{Searches, ShownRun};
+pub use page_file::{check_grounds, write_page};
+pub use source::{Searches, ShownRun, run_of_batch};
 
 use source::{Named, Source};
 

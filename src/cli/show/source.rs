@@ -180,10 +180,7 @@ impl Source {
                 Err(CliError::bad_input(sentence, None))
             }
             (Self::Batch { batch, seeds, title, options }, seed) => {
-                let run = planned_run(batch, seeds, seed)?;
-                let recording = batch.recording(&run);
-                let simulated = || simulated(&run.variant.scenario, run.seed, searches, options);
-                let run = recording.map_or_else(simulated, |path| recorded(&path, file::read(&path)))?;
+                let run = run_of_batch(batch, &planned_run(batch, seeds, seed)?, searches, options)?;
                 Ok(ShownRun { title: title.clone(), ..run })
             }
             (Self::Scenario { scenario, title, options }, seed) => {
@@ -192,6 +189,18 @@ impl Source {
             }
         }
     }
+}
+
+/// A run of a batch as it was recorded, or else simulated again.
+pub fn run_of_batch(
+    batch: &FinishedBatch,
+    run: &PlannedRun<'_>,
+    searches: Searches,
+    options: &RunOptions,
+) -> Result<ShownRun, CliError> {
+    let simulated = || simulated(&run.variant.scenario, run.seed, searches, options);
+    let shown = batch.recording(run).map_or_else(simulated, |path| recorded(&path, file::read(&path)))?;
+    Ok(ShownRun { title: batch.plan().title(run.variant), ..shown })
 }
 
 /// The first run, or that of a seed.

@@ -7,6 +7,7 @@ mod collected;
 mod facets;
 mod figures;
 mod labels;
+mod notable;
 mod over_time;
 mod page;
 mod quantities;
@@ -18,6 +19,8 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
+
+pub use notable::{NotableRun, notable_runs};
 
 use crate::batch::execute::{CHARTS_FOLDER, REPORT_FILE};
 use crate::batch::table::{FinishedBatch, FinishedError};
@@ -50,8 +53,9 @@ pub enum ReportError {
     Unwritable { path: PathBuf, source: io::Error },
 }
 
-/// Reads a batch that is over, and writes `report.html` and a folder of charts beside its tables.
-pub fn write_report(batch: &FinishedBatch) -> Result<WrittenReport, ReportError> {
+/// Reads a batch that is over, and writes `report.html` and a folder of charts beside its tables. `playing` are the runs whose
+/// pages are there, for links to them.
+pub fn write_report(batch: &FinishedBatch, playing: &[NotableRun]) -> Result<WrittenReport, ReportError> {
     let folder = batch.folder();
     let rows = batch.rows()?.ok_or_else(|| ReportError::Unfinished { folder: folder.to_owned() })?;
     let collected = Collected::read(batch.plan(), rows)?;
@@ -63,7 +67,7 @@ pub fn write_report(batch: &FinishedBatch) -> Result<WrittenReport, ReportError>
         write_chart(&charts_folder, figure)?;
     }
     let page = folder.join(REPORT_FILE);
-    write_whole(&page, page::page(batch, &collected, &figures).to_html().as_bytes())?;
+    write_whole(&page, page::page(batch, &collected, &figures, playing).to_html().as_bytes())?;
     let Figures { drawn, refused } = figures;
     let texts = drawn.iter().flat_map(|figure| figure.drawing.texts());
     let unknown: BTreeSet<char> = texts.flat_map(unknown_letters).collect();

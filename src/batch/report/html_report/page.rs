@@ -2,6 +2,7 @@
 
 use super::collected::{Collected, ListedRun};
 use super::figures::{Figures, Section};
+use super::notable::NotableRun;
 use crate::batch::execute::CHARTS_FOLDER;
 use crate::batch::plan::{BatchPlan, PROGRAM_VERSION};
 use crate::batch::table::FinishedBatch;
@@ -13,13 +14,14 @@ const SHOWN_TABLES: usize = 50;
 /// The longest plan that is in the page.
 const LONGEST_PLAN: usize = 200_000;
 
-pub fn page(batch: &FinishedBatch, collected: &Collected, figures: &Figures) -> Document {
+pub fn page(batch: &FinishedBatch, collected: &Collected, figures: &Figures, playing: &[NotableRun]) -> Document {
     let plan = batch.plan();
     let name = batch.folder().canonicalize().ok();
     let name = name.as_deref().unwrap_or(batch.folder()).file_name();
     let title = format!("Batch {}", name.map_or_else(String::new, |name| name.to_string_lossy().into_owned()));
     let stuck_runs = collected.stuck_runs as u64;
     let sections = [
+        ("Runs to play", runs_to_play(plan, playing)),
         ("Means", charts(figures, Section::Means)),
         ("Tables", tables(collected)),
         ("Fleets", fleets(collected)),
@@ -53,6 +55,17 @@ fn summary(plan: &BatchPlan, collected: &Collected, figures: &Figures) -> Vec<Bl
         Block::Text("Means of the runs that are done.".into()),
     ];
     blocks.into_iter().chain(figures.refused.iter().cloned().map(Block::Text)).collect()
+}
+
+/// Links to the pages that play runs.
+fn runs_to_play(plan: &BatchPlan, playing: &[NotableRun]) -> Vec<Block> {
+    let link = |notable: &NotableRun| {
+        let run = plan.run(notable.number);
+        let (title, percent) = (plan.title(run.variant), 100.0 * notable.burned_ratio);
+        let text = format!("{}: {title}, seed {}, {percent:.1} % of the bushes burned", notable.word, run.seed);
+        (text, notable.page())
+    };
+    if playing.is_empty() { Vec::new() } else { vec![Block::Links(playing.iter().map(link).collect())] }
 }
 
 fn tables(collected: &Collected) -> Vec<Block> {

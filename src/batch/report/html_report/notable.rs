@@ -1,0 +1,49 @@
+//! Runs that are worth a look: that in which the least burned, the median, and that in which the most did.
+
+use super::ReportError;
+use crate::batch::execute::CHARTS_FOLDER;
+use crate::batch::table::{FinishedBatch, run_column};
+
+const BURNED_RATIO: usize = run_column("burned_ratio");
+
+/// A run that is worth a look.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NotableRun {
+    /// `best`, `median` or `worst`.
+    pub word: &'static str,
+    /// From 1, in the order of the plan.
+    pub number: u64,
+    /// The share of bushes that burned.
+    pub burned_ratio: f64,
+}
+
+impl NotableRun {
+    /// The path of its page in the folder of the batch.
+    pub fn page(&self) -> String {
+        format!("{CHARTS_FOLDER}/{}-run.html", self.word)
+    }
+}
+
+/// Finds the runs that are done in which the least and the most burned, and the one in the middle; of runs that are equal the
+/// first. A run that would be two of them is there once.
+pub fn notable_runs(batch: &FinishedBatch) -> Result<Vec<NotableRun>, ReportError> {
+    let unfinished = || ReportError::Unfinished { folder: batch.folder().to_owned() };
+    let mut rows = batch.rows()?.ok_or_else(unfinished)?;
+    let mut burned: Vec<(f64, u64)> = Vec::new();
+    for run in batch.runs() {
+        let row = rows.next(&run)?;
+        burned.extend(row.number(BURNED_RATIO).filter(|_| row.is_done()).map(|ratio| (ratio, run.number)));
+    }
+    burned.sort_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
+    let Some(last) = burned.len().checked_sub(1) else { return Ok(Vec::new()) };
+    let most = burned.partition_point(|run| run.0 < burned[last].0);
+    let mut notable: Vec<NotableRun> = Vec::new();
+    for (word, place) in [("best", 0), ("worst", most), ("median", last / 2)] {
+        let (burned_ratio, number) = burned[place];
+        if notable.iter().all(|run| run.number != number) {
+            notable.push(NotableRun { word, number, burned_ratio });
+        }
+    }
+    notable.sort_by(|one, other| one.burned_ratio.total_cmp(&other.burned_ratio).then(one.word.cmp(other.word)));
+    Ok(notable)
+}

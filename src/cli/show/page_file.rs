@@ -1,0 +1,26 @@
+//! Writing a page that plays runs.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use crate::cli::error::CliError;
+use crate::picture::film::{FrameRequest, MOST_GROUND_CELLS, RunView, page};
+use crate::whole_file::WholeFile;
+
+/// Refuses runs with more ground than a page has room for.
+pub fn check_grounds(runs: &[&RunView]) -> Result<(), CliError> {
+    let cells = |run: &&RunView| run.index().ground().map_or(0, |_| run.timeline().setting.frame.cell_count());
+    let Some(cells) = runs.iter().map(cells).max().filter(|&cells| cells > MOST_GROUND_CELLS) else { return Ok(()) };
+    let sentence = format!("the field has {cells} cells of ground; expected at most {MOST_GROUND_CELLS} for a page");
+    Err(CliError::bad_input(sentence, Some("stills and films have room for it")))
+}
+
+/// Writes a page that begins at the request's time, seen as its options say.
+pub fn write_page(request: &FrameRequest<'_>, path: &Path) -> Result<(), CliError> {
+    let write = || {
+        let mut file = WholeFile::create(path)?;
+        file.write_all(page(request).as_bytes())?;
+        file.finish()
+    };
+    write().map_err(|error: io::Error| CliError::unwritable(path, &error))
+}
