@@ -64,30 +64,30 @@ impl Face {
         }
     }
 
-    fn of(weight: Weight) -> &'static Self {
-        &FACES[weight as usize]
-    }
-
     /// Returns the drawing of a letter; of one that the font lacks, that of a box.
     fn glyph(&self, letter: char) -> GlyphId {
         self.letters.map(letter).unwrap_or(GlyphId::NOTDEF)
     }
 }
 
+fn face(weight: Weight) -> &'static Face {
+    &FACES[weight as usize]
+}
+
 /// Returns the place of a letter's drawing in the font: from 0 on, the box of unknown letters first.
 pub fn glyph_index(letter: char, weight: Weight) -> usize {
-    Face::of(weight).glyph(letter).to_u32() as usize
+    face(weight).glyph(letter).to_u32() as usize
 }
 
 /// Returns how far to the right of a letter the next one begins, in heights of capitals.
 pub fn advance(letter: char, weight: Weight) -> f32 {
-    let face = Face::of(weight);
+    let face = face(weight);
     face.metrics.advance_width(face.glyph(letter)).unwrap_or(0.0) * face.unit
 }
 
 /// Returns the letters of a text, each once, that the font lacks and that are drawn as boxes.
 pub fn unknown_letters(text: &str) -> BTreeSet<char> {
-    let face = Face::of(Weight::Regular);
+    let face = face(Weight::Regular);
     text.chars().filter(|&letter| face.letters.map(letter).is_none()).collect()
 }
 
@@ -100,7 +100,7 @@ pub struct SizedFace {
 impl SizedFace {
     /// Letters whose capitals are `height` pixels high, to a whole pixel.
     pub fn new(height: f32, weight: Weight) -> Self {
-        let face = Face::of(weight);
+        let face = face(weight);
         let upwards_only =
             Target::Smooth { mode: SmoothMode::Light, symmetric_rendering: true, preserve_linear_metrics: true };
         let options = HintingOptions { engine: Engine::Auto(Some(face.styles.clone())), target: upwards_only };
@@ -203,8 +203,8 @@ mod tests {
 
     #[test]
     fn both_weights_have_the_same_letters() {
-        let [regular, bold] = WEIGHTS
-            .map(|weight| Face::of(weight).letters.mappings().map(|(letter, _)| letter).collect::<BTreeSet<u32>>());
+        let [regular, bold] =
+            WEIGHTS.map(|weight| face(weight).letters.mappings().map(|(letter, _)| letter).collect::<BTreeSet<u32>>());
         assert_eq!(regular, bold);
         assert!(regular.len() > 1000);
     }
@@ -214,7 +214,7 @@ mod tests {
         for weight in WEIGHTS {
             for height in [4.0, 9.7, 200.0] {
                 let sized = SizedFace::new(height, weight);
-                let letters = Face::of(weight).letters.mappings().filter_map(|(letter, _)| char::from_u32(letter));
+                let letters = face(weight).letters.mappings().filter_map(|(letter, _)| char::from_u32(letter));
                 letters.for_each(|letter| sized.push_letter(&mut PathBuilder::new(), letter, (0.0, 0.0)));
             }
         }
