@@ -2,12 +2,13 @@
 
 use crate::collision::CollisionChecker;
 use crate::geometry::Pose;
-use crate::planning::Goal;
+use crate::planning::GoalDisc;
 use crate::vehicle::{CurvePrice, Dimensions, Path, ReedsShepp};
 
 use super::best_first::AnalyticExpansion;
 use super::clearance_profile::ClearanceProfile;
 use super::motion_price::MotionPrice;
+use super::target::Target;
 use super::turn_straight::TurnStraightSteering;
 
 /// An estimate by turn-straight steering exceeds the straight line by at most this, because reversing may know better.
@@ -45,24 +46,41 @@ impl Heuristic {
         }
     }
 
-    /// Returns the estimate for a truck that came to `pose` forward or in reverse, or stands there.
-    pub fn without_bushes(&self, pose: Pose, after_reverse: Option<bool>, goal: Goal) -> HeuristicValue {
-        match goal {
-            Goal::Pose(end) => {
+    /// Returns the estimate for a truck that came to `pose` forward or in reverse, or stands there: of several discs, for
+    /// the one with the least.
+    pub fn without_bushes(&self, pose: Pose, after_reverse: Option<bool>, target: Target<'_>) -> HeuristicValue {
+        match target {
+            Target::Pose(end) => {
                 let expansion = self.curve(pose, after_reverse, end);
                 HeuristicValue { cost_to_go: expansion.cost, expansion: Some(expansion) }
             }
-            Goal::Disc(disc) => {
-                let straight = self.body.body_centre(pose).distance(disc.centre) - disc.radius_m;
-                if straight <= 0.0 {
-                    return HeuristicValue { cost_to_go: 0.0, expansion: Some(AnalyticExpansion::new([], 0.0)) };
+            Target::Discs(discs) => {
+                let centre = self.body.body_centre(pose);
+                let mut best = HeuristicValue { cost_to_go: f64::INFINITY, expansion: None };
+                for &disc in discs {
+                    let straight = centre.distance(disc.centre) - disc.radius_m;
+                    // No way into the disc is shorter than the straight line.
+                    if straight < best.cost_to_go {
+                        let value = self.into_disc(pose, after_reverse, (disc, straight));
+                        if value.cost_to_go < best.cost_to_go {
+                            best = value;
+                        }
+                    }
                 }
-                let found = self.steering.best_into(pose, disc, after_reverse);
-                let expansion = found.map(|found| AnalyticExpansion::new(found.pieces(), found.cost));
-                let most = straight + DETOUR_CAP_M;
-                HeuristicValue { cost_to_go: expansion.map_or(most, |way| way.cost.min(most)), expansion }
+                best
             }
         }
+    }
+
+    /// Returns the estimate for one disc, whose rim is so far away in a straight line.
+    fn into_disc(&self, pose: Pose, after_reverse: Option<bool>, (disc, straight): (GoalDisc, f64)) -> HeuristicValue {
+        if straight <= 0.0 {
+            return HeuristicValue { cost_to_go: 0.0, expansion: Some(AnalyticExpansion::new([], 0.0)) };
+        }
+        let found = self.steering.best_into(pose, disc, after_reverse);
+        let expansion = found.map(|found| AnalyticExpansion::new(found.pieces(), found.cost));
+        let most = straight + DETOUR_CAP_M;
+        HeuristicValue { cost_to_go: expansion.map_or(most, |way| way.cost.min(most)), expansion }
     }
 
     /// Returns the way that an empty field would allow, if it keeps the clearance.
@@ -70,10 +88,10 @@ impl Heuristic {
         &self,
         checker: &CollisionChecker,
         start: Pose,
-        goal: Goal,
+        target: Target<'_>,
         profile: &ClearanceProfile,
     ) -> Option<Path> {
-        let expansion = self.without_bushes(start, None, goal).expansion?;
+        let expansion = self.without_bushes(start, None, target).expansion?;
         let is_free = profile.way_is_free(checker, start, expansion.segments());
         is_free.then(|| Path { start, segments: expansion.segments().collect() })
     }
@@ -83,10 +101,11 @@ impl Heuristic {
         &self,
         checker: &CollisionChecker,
         mut path: Path,
-        goal: Goal,
+        target: Target<'_>,
         profile: &ClearanceProfile,
     ) -> Path {
-        if let Goal::Disc(disc) = goal {
+        if let Target::Discs(discs) = target {
+            let disc = discs[target.disc_of(path.end(), &self.body)];
             self.steering.shorten_end(&mut path, disc, |pose, segment| profile.motion_is_free(checker, pose, segment));
         }
         path

@@ -13,7 +13,8 @@ use crate::vehicle::reeds_shepp::PricedCurve;
 use crate::vehicle::{CurvePrice, ReedsShepp, Segment};
 
 use super::near::Places;
-use super::sample::Sampler;
+use super::sample::{MOTIONS, Sampler, expand_near};
+use crate::planning::kit::clearance_profile::longest_first;
 use crate::planning::kit::milestone_tiles::{CellBlock, DrawnMilestones, Tiles};
 use crate::planning::kit::relaxation::Stage;
 use crate::planning::kit::roadmap_graph::{Link, RoadmapGraph};
@@ -25,6 +26,8 @@ pub const SCHEDULE: [Stage<()>; 3] =
 pub type Level = usize;
 pub const LEVELS: usize = SCHEDULE.len();
 
+/// The number of times that more poses are tried about minor components.
+pub const BRIDGE_ROUNDS: u32 = 2;
 /// The most nodes of minor components that are looked at in a round.
 pub const MAX_MINOR: usize = 100;
 /// Nodes between which the field is tighter than this half way are not joined.
@@ -53,6 +56,8 @@ pub struct Roadmap {
     /// The sets of nodes joined by edges that keep the wanted clearance.
     joined: UnionFind<u32>,
     components: u32,
+    /// The number of edges of which it is known whether they join components.
+    looked_at: usize,
     /// The memory of the ways.
     memory: Held,
 }
@@ -175,6 +180,7 @@ impl Roadmap {
             links,
             joined: UnionFind::new_empty(),
             components: 0,
+            looked_at: 0,
             memory: memory.holder(Growing::Curves),
         }
     }
@@ -274,13 +280,13 @@ impl Roadmap {
         self.edges.len()
     }
 
-    /// Returns the number of components that edges form which keep the wanted clearance.
+    /// Returns the number of components that edges form which keep the wanted clearance, once they were joined.
     pub fn components(&self) -> u32 {
         self.components
     }
 
     /// Returns the nodes outside the largest component, at most [`MAX_MINOR`] of them.
-    pub fn minor_components(&self) -> Vec<Pose> {
+    fn minor_components(&self) -> Vec<Pose> {
         let sets: Vec<u32> = (0..self.nodes.len() as u32).map(|node| self.joined.find(node)).collect();
         let mut sizes = vec![0u32; self.nodes.len()];
         sets.iter().for_each(|&set| sizes[set as usize] += 1);
@@ -326,7 +332,7 @@ impl Roadmap {
         }
     }
 
-    /// Adds poses, each with edges to the nearest ones before it.
+    /// Adds poses, each with edges to the nearest ones before it. Those edges wait until they are asked for.
     pub fn add_milestones(&mut self, poses: impl IntoIterator<Item = Pose>) {
         let mut near = Vec::new();
         for pose in poses {
@@ -348,13 +354,26 @@ impl Roadmap {
             self.nodes.push(node);
             self.joined.new_set();
             self.components += 1;
-            self.connect_components(near.len());
         }
     }
 
-    /// Sweeps those of the last edges that would join components; the others wait until a query needs them.
-    fn connect_components(&mut self, count: usize) {
-        for edge in self.edges.len() - count..self.edges.len() {
+    /// Sweeps those edges that join components, and adds poses about the small ones that are left, some
+    /// [`BRIDGE_ROUNDS`] times; returns how many poses were tried.
+    pub fn join_components(&mut self) -> u32 {
+        self.sweep_between_components();
+        let mut tried = 0;
+        for _ in 0..BRIDGE_ROUNDS {
+            let minor = self.minor_components();
+            tried += minor.len() as u32 * MOTIONS;
+            self.add_milestones(expand_near(&self.checker, self.clearances_m[0], &minor));
+            self.sweep_between_components();
+        }
+        tried
+    }
+
+    /// Sweeps those of the edges that were not looked at yet which would join components.
+    fn sweep_between_components(&mut self) {
+        for edge in std::mem::replace(&mut self.looked_at, self.edges.len())..self.edges.len() {
             let [a, b] = self.edges[edge].nodes;
             if !self.joined.equiv(a, b) && self.is_free(edge as u32, 0) {
                 self.joined.union(a, b);
@@ -454,12 +473,10 @@ impl Roadmap {
             return known;
         }
         let way = *self.way(edge);
-        let mut pose = self.pose(self.edges[edge as usize].nodes[0]);
-        let is_free = way.curve.segments().all(|segment| {
-            let from = pose;
-            pose = segment.end(from);
-            self.checker.motion_is_free(from, segment, self.clearances_m[level])
-        });
+        let start = self.pose(self.edges[edge as usize].nodes[0]);
+        let row = longest_first(start, way.curve.segments());
+        let clearance_m = self.clearances_m[level];
+        let is_free = row.into_iter().all(|(from, segment)| self.checker.motion_is_free(from, segment, clearance_m));
         self.edges[edge as usize].is_free[level] = Some(is_free);
         is_free
     }

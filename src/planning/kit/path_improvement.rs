@@ -1,10 +1,12 @@
-//! Makes a drivable path cheaper: Reeds-Shepp shortcuts that keep the turning radius and the clearance.
+//! Makes a drivable path cheaper, by Reeds-Shepp curves that keep the turning radius and the clearance.
 //!
-//! A path costs its length and a price for every cusp, cusps between an old part and a new one included. A
-//! shortcut counts only if it makes the whole path cheaper; whether it is free is asked last. First the path is
-//! shortened from knot to knot, then between random places. After R. Geraerts, M. H. Overmars, "Creating high-quality
-//! paths for motion planning", IJRR 26(8), 2007, section 4, with Reeds-Shepp curves in place of straight lines.
+//! A path costs its length and a price for every cusp, cusps between an old part and a new one included. A change
+//! counts only if it makes the whole path cheaper; whether it is free is asked last. First the path is shortened from knot
+//! to knot, then between random places, after R. Geraerts, M. H. Overmars, "Creating high-quality paths for motion
+//! planning", IJRR 26(8), 2007, section 4, with Reeds-Shepp curves in place of straight lines. Then its bends are pulled
+//! tight: a pose in the middle of each is moved to and fro, with the way about it, as long as that makes the path cheaper.
 
+use glam::DVec2;
 use rand::{Rng, RngExt};
 
 use crate::collision::CollisionChecker;
@@ -24,16 +26,35 @@ const PATIENCE: f64 = 0.5;
 /// A shortcut between joints begins up to this far before or behind the joint, half of the time.
 const JITTER_M: f64 = 5.0;
 
+/// A path that costs no more than this above the cheapest curve between its ends is left as it is, where bends are pulled.
+const NEAR_BEST_M: f64 = 0.05;
+/// How far the middle of a bend is moved to a side at first. What gains nothing is tried with half of it, down to the least.
+const FIRST_MOVE_M: f64 = 0.8;
+const LEAST_MOVE_M: f64 = 0.05;
+/// How much it is turned, for every metre that it would be moved.
+const TURN_PER_M: f64 = 0.12;
+/// The way is changed from this far before the middle of a bend to this far behind it.
+const REACH_M: f64 = 25.0;
+
+/// How much is tried on a path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Improvement {
+    /// Random shortcuts.
+    pub shortcuts: u32,
+    /// Rounds in which all bends are pulled.
+    pub pulls: u32,
+}
+
 /// Improves paths of one body on one field.
 #[derive(Clone, Debug)]
-pub struct Shortcutter {
+pub struct PathImprover {
     checker: CollisionChecker,
     curves: ReedsShepp,
     price: CurvePrice,
     spliced: Vec<Segment>,
 }
 
-impl Shortcutter {
+impl PathImprover {
     /// A cusp costs as much as `cusp_m` metres.
     pub fn new(checker: &CollisionChecker, cusp_m: f64) -> Self {
         Self {
@@ -44,15 +65,34 @@ impl Shortcutter {
         }
     }
 
-    /// Returns a path between the same poses that costs no more; where it is new, it keeps the clearance. `tries` bounds the random
-    /// shortcuts that are tried.
-    pub fn improve(&mut self, path: &Path, profile: &ClearanceProfile, tries: u32, rng: &mut impl Rng) -> Path {
+    /// Returns a path between the same poses that costs no more; where it is new, it keeps the clearance.
+    pub fn improve(
+        &mut self,
+        path: &Path,
+        profile: &ClearanceProfile,
+        improvement: Improvement,
+        rng: &mut impl Rng,
+    ) -> Path {
+        let Improvement { shortcuts, pulls } = improvement;
         let mut way = Way::new(path.start, path.segments.iter().copied());
-        if tries > 0 {
+        // Without pulls paths are those that shortcuts alone have always made.
+        let best_m = if pulls > 0 { self.least_cost(&way) + NEAR_BEST_M } else { f64::NEG_INFINITY };
+        let cusp_m = self.price.cusp_m;
+        if shortcuts > 0 && cost(way.segments(), cusp_m) > best_m {
             self.cut_between_knots(&mut way, profile);
-            self.cut_at_random(&mut way, profile, tries, rng);
+            if cost(way.segments(), cusp_m) > best_m {
+                self.cut_at_random(&mut way, profile, shortcuts, rng);
+            }
+        }
+        if cost(way.segments(), cusp_m) > best_m {
+            self.pull_bends(&mut way, profile, pulls);
         }
         way.into_path()
+    }
+
+    /// Returns the cost of the cheapest curve between the ends of a way, free or not.
+    fn least_cost(&self, way: &Way) -> f64 {
+        self.curves.cheapest(way.start(), way.pose_at(way.length_m()), &self.price).price
     }
 
     /// Cuts from every knot straight to the farthest that can be reached more cheaply.
@@ -82,6 +122,47 @@ impl Shortcutter {
         }
     }
 
+    /// Pulls all bends tight, in rounds.
+    fn pull_bends(&mut self, way: &mut Way, profile: &ClearanceProfile, rounds: u32) {
+        let mut move_m = FIRST_MOVE_M;
+        for _ in 0..rounds {
+            let mut is_cheaper = false;
+            // A bend that was pulled may have become several, which wait for the next round.
+            for bend in 0..way.segments().len() {
+                is_cheaper |= way.segments().get(bend).is_some_and(|segment| segment.curvature != 0.0)
+                    && self.pull(way, profile, bend, move_m);
+            }
+            if !is_cheaper {
+                move_m *= 0.5;
+                if move_m < LEAST_MOVE_M {
+                    return;
+                }
+            }
+        }
+    }
+
+    /// Moves the middle of a bend, with the way about it, if that makes the way cheaper and is free.
+    fn pull(&mut self, way: &mut Way, profile: &ClearanceProfile, bend: usize, move_m: f64) -> bool {
+        let middle_m = 0.5 * (way.joints[bend].1 + way.joints[bend + 1].1);
+        let (from_m, to_m) = ((middle_m - REACH_M).max(0.0), (middle_m + REACH_M).min(way.length_m()));
+        let limit = cost(way.segments(), self.price.cusp_m) - WORTH_M;
+        let bound = limit - from_m - (way.length_m() - to_m);
+        let (from, to) = (way.pose_at(from_m), way.pose_at(to_m));
+        for middle in moved(way.pose_at(middle_m), move_m) {
+            let Some(before) = self.curves.cheapest_below(from, middle, &self.price, bound) else { continue };
+            let Some(behind) = self.curves.cheapest_below(middle, to, &self.price, bound - before.price) else {
+                continue;
+            };
+            let changed = || before.curve.segments().chain(behind.curve.segments());
+            way.splice((from_m, to_m), changed(), &mut self.spliced);
+            if cost(&self.spliced, self.price.cusp_m) < limit && profile.way_is_free(&self.checker, from, changed()) {
+                *way = Way::new(way.start(), self.spliced.iter().copied());
+                return true;
+            }
+        }
+        false
+    }
+
     /// Replaces what lies between two places of a way by a curve, if that makes the way cheaper and is free.
     fn cut(&mut self, way: &mut Way, profile: &ClearanceProfile, from_m: f64, to_m: f64) -> bool {
         if from_m >= to_m {
@@ -99,6 +180,14 @@ impl Shortcutter {
         }
         is_better
     }
+}
+
+/// Returns the places to which the middle of a bend is moved.
+fn moved(middle: Pose, move_m: f64) -> [Pose; 4] {
+    let left = middle.direction().perp() * move_m;
+    let turn = TURN_PER_M * move_m;
+    [(left, 0.0), (-left, 0.0), (DVec2::ZERO, turn), (DVec2::ZERO, -turn)]
+        .map(|(by, turn)| Pose::new(middle.x + by.x, middle.y + by.y, middle.heading + turn))
 }
 
 /// Returns two places of a way, the first before the second: a kind has one at the start, at the end, both near joints, or both
@@ -221,6 +310,8 @@ mod tests {
     use crate::rng;
 
     const FLOOR_M: f64 = 0.3;
+    const SHORTCUTS: Improvement = Improvement { shortcuts: 200, pulls: 0 };
+    const PULLS: Improvement = Improvement { shortcuts: 200, pulls: 16 };
 
     /// A free path of many short arcs and straights, forward and reverse, from the field's start.
     fn random_path(field: &mut TestField, profile: &ClearanceProfile) -> Path {
@@ -239,24 +330,28 @@ mod tests {
 
     #[test]
     fn improved_paths_are_cheaper_keep_their_ends_and_the_floor() {
-        let (mut before_m, mut after_m) = (0.0, 0.0);
+        let (mut before, mut after) = (0.0, [0.0; 2]);
         for (seed, walks) in (0..12).zip([25, 25, 60].into_iter().cycle()) {
             let mut field = TestField::random(seed, walks);
             let profile = ClearanceProfile::new(FLOOR_M, []);
             let path = random_path(&mut field, &profile);
-            let mut improver = Shortcutter::new(&field.checker, 1.0);
-            let improved = improver.improve(&path, &profile, 200, &mut rng::stream(seed, "improve"));
-            assert_eq!(improved.start, path.start);
-            assert!(improved.end().position().distance(path.end().position()) < 1e-6);
-            assert!(ops::wrap_angle(improved.end().heading - path.end().heading).abs() < 1e-6);
-            assert!(cost(&improved.segments, 1.0) <= cost(&path.segments, 1.0));
-            let sharpest = field.checker.body().max_curvature();
-            assert!(improved.segments.iter().all(|segment| segment.curvature.abs() <= sharpest));
-            assert!(least_clearance(&field.checker, &improved) > FLOOR_M - MOTION_TOLERANCE_M - 1e-6);
-            before_m += path.length_m();
-            after_m += improved.length_m();
+            before += cost(&path.segments, 1.0);
+            let mut improver = PathImprover::new(&field.checker, 1.0);
+            for (after, improvement) in after.iter_mut().zip([SHORTCUTS, PULLS]) {
+                let improved = improver.improve(&path, &profile, improvement, &mut rng::stream(seed, "improve"));
+                assert_eq!(improved.start, path.start);
+                assert!(improved.end().position().distance(path.end().position()) < 1e-6);
+                assert!(ops::wrap_angle(improved.end().heading - path.end().heading).abs() < 1e-6);
+                assert!(cost(&improved.segments, 1.0) <= cost(&path.segments, 1.0));
+                let sharpest = field.checker.body().max_curvature();
+                assert!(improved.segments.iter().all(|segment| segment.curvature.abs() <= sharpest));
+                assert!(least_clearance(&field.checker, &improved) > FLOOR_M - MOTION_TOLERANCE_M - 1e-6);
+                *after += cost(&improved.segments, 1.0);
+            }
         }
-        assert!(after_m < 0.6 * before_m, "{after_m} of {before_m} m are left");
+        let [cut, pulled] = after;
+        assert!(cut < 0.6 * before, "{cut} of {before} m are left");
+        assert!(pulled < 0.995 * cut, "{pulled} of {cut} m are left");
     }
 
     #[test]
@@ -264,7 +359,12 @@ mod tests {
         let mut field = TestField::random(1, 25);
         let profile = ClearanceProfile::new(FLOOR_M, []);
         let path = random_path(&mut field, &profile);
-        let same = Shortcutter::new(&field.checker, 1.0).improve(&path, &profile, 0, &mut rng::stream(1, "improve"));
+        let same = PathImprover::new(&field.checker, 1.0).improve(
+            &path,
+            &profile,
+            Improvement { shortcuts: 0, pulls: 0 },
+            &mut rng::stream(1, "improve"),
+        );
         assert!((same.length_m() - path.length_m()).abs() < 1e-9 && same.cusps() == path.cusps());
     }
 
@@ -276,7 +376,7 @@ mod tests {
         for segments in [vec![], vec![straight]] {
             let path = Path { start: field.start, segments };
             let improved =
-                Shortcutter::new(&field.checker, 1.0).improve(&path, &profile, 50, &mut rng::stream(1, "improve"));
+                PathImprover::new(&field.checker, 1.0).improve(&path, &profile, PULLS, &mut rng::stream(1, "improve"));
             assert_eq!(improved, path);
         }
     }
