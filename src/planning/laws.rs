@@ -92,8 +92,8 @@ fn the_nearest_of_several_discs_is_hardly_farther_than_the_nearest_when_asked_fo
                 let singles = discs.map(|disc| planner.plan(start, disc.into()).path.ok());
                 let shortest = singles.iter().flatten().map(Path::length_m).min_by(f64::total_cmp);
                 let body = *field.checker.body();
-                let (index, plan) = plan_to_nearest(planner.as_mut(), &body, start, &discs, &mut Unobserved)
-                    .expect("there are discs");
+                let (index, plan) =
+                    plan_to_nearest(planner.as_mut(), &body, start, &discs, &mut Unobserved).expect("there are discs");
                 assert_eq!(plan.path.is_ok(), shortest.is_some(), "{kind}, seed {seed}");
                 if let (Ok(path), Some(shortest_m)) = (plan.path, shortest) {
                     assert_drivable(&field.checker, &path, start, discs[index]);

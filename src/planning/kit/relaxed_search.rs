@@ -174,7 +174,12 @@ impl RelaxedSearch {
     ///
     /// # Errors
     /// The reason why there is none.
-    pub fn find(&mut self, start: Pose, target: Target<'_>, observer: &mut dyn PlanningObserver) -> Result<Found, PlanFailure> {
+    pub fn find(
+        &mut self,
+        start: Pose,
+        target: Target<'_>,
+        observer: &mut dyn PlanningObserver,
+    ) -> Result<Found, PlanFailure> {
         self.expansions = 0;
         let ends = free_ends(&self.checker, start, target)?;
         let profile = ClearanceProfile::new(self.settings.clearance_m, ends.iter().copied());

@@ -279,8 +279,7 @@ impl Fleet<'_, '_> {
             let mut begun = truck.deliberation.take()?;
             let traffic = Traffic::new(&reservations, entity);
             let outset = Outset { now, pose, frame, traffic, delay: begun.delay };
-            let drive =
-                truck.plan_to_nearest(&nearest, outset, &mut begun.spent, &mut agent.cost, &mut self.recorder);
+            let drive = truck.plan_to_nearest(&nearest, outset, &mut begun.spent, &mut agent.cost, &mut self.recorder);
             let has_drive = drive.is_some();
             let conclusion = drive.and_then(|drive| depart_or_wait(agent, truck, drive, outset, &mut begun));
             truck.deliberation = Some(begun);

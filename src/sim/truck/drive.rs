@@ -95,8 +95,7 @@ impl Truck {
     ) -> Option<Drive> {
         let discs: Vec<GoalDisc> = goals.iter().map(|&goal| self.disc(outset.frame, goal)).collect();
         let mut monitor = QueryMonitor::new(recorder.records_searches);
-        let (index, plan) =
-            plan_to_nearest(self.planner.as_mut(), &self.body, outset.pose, &discs, &mut monitor)?;
+        let (index, plan) = plan_to_nearest(self.planner.as_mut(), &self.body, outset.pose, &discs, &mut monitor)?;
         let (path, found_by) = settle(plan, monitor, outset.now, spent, cost, recorder).ok()?;
         Some(Drive { goal: goals[index], path, back_m: 0.0, effort: *spent, found_by })
     }

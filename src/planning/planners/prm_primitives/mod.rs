@@ -15,9 +15,9 @@ use crate::time::cpu::CpuStopwatch;
 use crate::vehicle::{Dimensions, Path};
 
 use crate::planning::kit::ends::{explain_failure, free_ends};
-use crate::planning::kit::target::Target;
 use crate::planning::kit::local_search::LocalSearch;
 use crate::planning::kit::safety::Safety;
+use crate::planning::kit::target::Target;
 use crate::planning::memory::PlannerMemory;
 use crate::planning::observer::{PlanningObserver, PlanningWork, Unobserved};
 use crate::planning::registry::{BuiltInPlanner, Charge, RoadmapSize, Site, TruckPlannerSettings, describe_charge};

@@ -275,9 +275,7 @@ impl RoadmapSpace<'_> {
         };
         match query.target {
             Target::Pose(end) => leads_from_about(end.position(), LINK_M),
-            Target::Discs(discs) => {
-                discs.iter().any(|disc| leads_from_about(disc.centre, disc.radius_m + LINK_M))
-            }
+            Target::Discs(discs) => discs.iter().any(|disc| leads_from_about(disc.centre, disc.radius_m + LINK_M)),
         }
     }
 
