@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use rand::seq::IteratorRandom;
+use rand::seq::SliceRandom;
 
 use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::{DVec2, Pose};
@@ -90,8 +90,9 @@ fn ask_on_field(kind: TruckPlannerKind, seed: u64, [one, at_once, in_turn]: &mut
         let here = body.body_centre(start);
         let gap = |bush: &DVec2| bush.distance(here);
         let near = bushes.iter().copied().filter(|bush| (REACH_M..FAR_M).contains(&gap(bush)));
-        let drawn = near.sample(&mut rng, GOALS).into_iter();
-        let discs: Vec<GoalDisc> = drawn.map(|centre| GoalDisc { centre, radius_m: REACH_M }).collect();
+        let mut discs: Vec<GoalDisc> = near.map(|centre| GoalDisc { centre, radius_m: REACH_M }).collect();
+        discs.shuffle(&mut rng);
+        discs.truncate(GOALS);
         let nearest = discs.iter().min_by(|a, b| gap(&a.centre).total_cmp(&gap(&b.centre)));
         let Some(&nearest) = nearest else { continue };
         one.take(|| Some(planner.plan(start, nearest.into())));
