@@ -56,12 +56,14 @@ impl Heuristic {
             }
             Target::Discs(discs) => {
                 let centre = self.body.body_centre(pose);
-                let mut best = HeuristicValue { cost_to_go: f64::INFINITY, expansion: None };
-                for &disc in discs {
-                    let straight = centre.distance(disc.centre) - disc.radius_m;
+                let straight = |disc: &GoalDisc| centre.distance(disc.centre) - disc.radius_m;
+                let nearest = (0..discs.len()).min_by(|&a, &b| straight(&discs[a]).total_cmp(&straight(&discs[b])));
+                let nearest = nearest.expect("there is a disc");
+                let mut best = self.into_disc(pose, after_reverse, (discs[nearest], straight(&discs[nearest])));
+                for (index, disc) in discs.iter().enumerate() {
                     // No way into the disc is shorter than the straight line.
-                    if straight < best.cost_to_go {
-                        let value = self.into_disc(pose, after_reverse, (disc, straight));
+                    if index != nearest && straight(disc) < best.cost_to_go {
+                        let value = self.into_disc(pose, after_reverse, (*disc, straight(disc)));
                         if value.cost_to_go < best.cost_to_go {
                             best = value;
                         }

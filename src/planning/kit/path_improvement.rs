@@ -6,6 +6,8 @@
 //! planning", IJRR 26(8), 2007, section 4, with Reeds-Shepp curves in place of straight lines. Then its bends are pulled
 //! tight: a pose in the middle of each is moved to and fro, with the way about it, as long as that makes the path cheaper.
 
+use std::fmt;
+
 use glam::DVec2;
 use rand::{Rng, RngExt};
 
@@ -43,6 +45,14 @@ pub struct Improvement {
     pub shortcuts: u32,
     /// Rounds in which all bends are pulled.
     pub pulls: u32,
+}
+
+impl fmt::Display for Improvement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { shortcuts, pulls } = self;
+        write!(f, "{shortcuts} shortcuts")?;
+        if *pulls > 0 { write!(f, " and {pulls} rounds of pulling bends tight") } else { Ok(()) }
+    }
 }
 
 /// Improves paths of one body on one field.

@@ -23,6 +23,10 @@ use crate::planning::{BuildReport, Effort, Goal, GoalDisc, Plan, TruckPlanner};
 pub struct HybridAstar(RelaxedSearch);
 
 impl HybridSettings {
+    fn improvement(&self) -> Improvement {
+        Improvement { shortcuts: self.shortcuts, pulls: self.pulls }
+    }
+
     /// Returns what the search needs of the settings.
     pub fn search(&self) -> RelaxedSettings {
         RelaxedSettings {
@@ -30,7 +34,7 @@ impl HybridSettings {
             lattice: Lattice { bin_m: self.bin_m, headings: self.headings, step_m: self.step_m },
             cusp_cost: self.cusp_cost,
             heuristic_weight: self.heuristic_weight,
-            improvement: Improvement { shortcuts: self.shortcuts, pulls: self.pulls },
+            improvement: self.improvement(),
             max_expansions: self.max_expansions,
         }
     }
@@ -103,14 +107,14 @@ impl BuiltInPlanner for Maker {
         let hybrid = settings.hybrid;
         format!(
             "Hybrid A* with motions of {} m, bins of {} m and {} headings, Reeds-Shepp curves into the goal, {} m \
-             clear, a change of direction at the price of {} m, at most {} expansions, then {} shortcuts; {}.",
+             clear, a change of direction at the price of {} m, at most {} expansions, then {}; {}.",
             hybrid.step_m,
             hybrid.bin_m,
             hybrid.headings,
             hybrid.clearance_m,
             hybrid.cusp_cost,
             hybrid.max_expansions,
-            hybrid.shortcuts,
+            hybrid.improvement(),
             describe_charge(hybrid.seconds_per_expansion)
         )
     }

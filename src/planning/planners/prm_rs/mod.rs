@@ -82,7 +82,7 @@ impl PrmRs {
             is_unjoined: !roadmap.is_growing() && settings.join == Join::WhenNeeded,
             memory: memory.clone(),
             checker: checker.clone(),
-            improvement: Improvement { shortcuts: settings.shortcuts, pulls: settings.pulls },
+            improvement: improvement(settings),
             heuristic: Heuristic::new(settings.cusp_cost, checker.body()),
             search: RoadmapSearch::new(checker.body(), memory, &roadmap),
             roadmap,
@@ -155,6 +155,11 @@ impl PrmRs {
         }
         None
     }
+}
+
+/// Returns what is tried on paths that the roadmap gives.
+fn improvement(settings: &PrmRsSettings) -> Improvement {
+    Improvement { shortcuts: settings.shortcuts, pulls: settings.pulls }
 }
 
 /// Builds the roadmap of a whole field.
@@ -297,7 +302,7 @@ impl BuiltInPlanner for Maker {
         let TruckPlannerSettings { prm_rs, hybrid, .. } = settings;
         format!(
             "Roadmap of {}, and {} places at every corner of a bush, each joined to {} others within {} m by \
-             Reeds-Shepp curves, {} m clear, a change of direction at the price of {} m, then {} shortcuts; where it \
+             Reeds-Shepp curves, {} m clear, a change of direction at the price of {} m, then {}; where it \
              does not serve, hybrid A* with at most {} expansions; {}.",
             prm_rs.samples_in_words(),
             prm_rs.corner_places,
@@ -305,7 +310,7 @@ impl BuiltInPlanner for Maker {
             prm_rs.max_edge_m,
             prm_rs.clearance_m,
             prm_rs.cusp_cost,
-            prm_rs.shortcuts,
+            improvement(prm_rs),
             hybrid.max_expansions,
             describe_charge(prm_rs.seconds_per_expansion)
         )

@@ -375,7 +375,13 @@ impl Roadmap {
     fn sweep_between_components(&mut self) {
         for edge in std::mem::replace(&mut self.looked_at, self.edges.len())..self.edges.len() {
             let [a, b] = self.edges[edge].nodes;
-            if !self.joined.equiv(a, b) && self.is_free(edge as u32, 0) {
+            if self.joined.equiv(a, b) {
+                continue;
+            }
+            if !self.has_memory_for(1) {
+                return;
+            }
+            if self.is_free(edge as u32, 0) {
                 self.joined.union(a, b);
                 self.components -= 1;
             }
