@@ -206,4 +206,18 @@ mod tests {
         }
         assert!(both > 100 && one * 20 < both, "{both} both ways, {one} one way only");
     }
+
+    #[test]
+    fn the_longest_segment_comes_first_from_where_it_begins() {
+        let start = Pose::new(3.0, 4.0, 0.5);
+        let segments =
+            [1.0, -7.0, 3.0, 7.0].map(|length_m| Segment { curvature: 0.05 * f64::signum(length_m), length_m });
+        let row = longest_first(start, segments);
+        assert_eq!(row.iter().map(|(_, segment)| segment.length_m).collect::<Vec<_>>(), [-7.0, 7.0, 3.0, 1.0]);
+        let mut pose = start;
+        for segment in segments {
+            assert!(row.contains(&(pose, segment)), "{segment:?}");
+            pose = segment.end(pose);
+        }
+    }
 }
