@@ -18,13 +18,14 @@ pub fn is_diagonal(k: usize) -> bool {
 /// The number of the start's arrival, which no move led to.
 const NO_MOVE: usize = MOVES.len();
 
-/// By the move that led to a point, and by the mask of legal moves of the point it came from: the moves that need not be
-/// looked at, since that point has a shorter way to where they lead, and took it when it was expanded; and the move back.
+/// Moves that need not be looked at, by the move that led to a point and by the mask of legal moves of its parent: the move
+/// back, and those to where the parent has a cheaper move of its own, which it made when it was expanded.
 ///
-/// So it is where all steps of a kind cost the same; see [`shares_shorter_ways`].
-static SHORTER_BEFORE: [[u8; 256]; NO_MOVE + 1] = shorter_before();
+/// They are neighbours that D. Harabor, A. Grastien, "Online graph pruning for pathfinding on grid maps" (AAAI 2011) prune,
+/// without those whose two ways cost the same: which of these is first decides ties. They hold where [`can_prune`].
+static PRUNED: [[u8; 256]; NO_MOVE + 1] = pruned();
 
-const fn shorter_before() -> [[u8; 256]; NO_MOVE + 1] {
+const fn pruned() -> [[u8; 256]; NO_MOVE + 1] {
     let mut table = [[0; 256]; NO_MOVE + 1];
     let mut arrival = 0;
     while arrival < MOVES.len() {
@@ -52,8 +53,8 @@ const fn shorter_before() -> [[u8; 256]; NO_MOVE + 1] {
     table
 }
 
-/// Returns whether a step is cheaper than every two that lead to the same place, by more than sums of costs are rounded.
-fn shares_shorter_ways((orthogonal, diagonal): (f64, f64)) -> bool {
+/// Says whether a move is cheaper than every two that lead to the same place, by more than sums of costs are rounded.
+fn can_prune((orthogonal, diagonal): (f64, f64)) -> bool {
     orthogonal > 0.0 && diagonal > 0.1 * orthogonal && diagonal < 1.9 * orthogonal
 }
 
@@ -172,7 +173,7 @@ impl AStar {
         });
         self.open.clear(0.25 * step);
         self.settled.clear();
-        let has_shorter_ways = step_costs.even().is_some_and(shares_shorter_ways);
+        let prunes = step_costs.uniform().is_some_and(can_prune);
         let offsets = MOVES.map(|(row_step, col_step)| row_step * moves.cols() as isize + col_step);
         self.reach(start, (start, NO_MOVE), 0.0, estimate(start, start));
         let mut expansions = 0;
@@ -192,8 +193,8 @@ impl AStar {
             }
             expansions += 1;
             let mut mask = moves.values()[index];
-            if has_shorter_ways {
-                mask &= !SHORTER_BEFORE[arrival][usize::from(moves.values()[parent])];
+            if prunes {
+                mask &= !PRUNED[arrival][usize::from(moves.values()[parent])];
             }
             for (k, &offset) in offsets.iter().enumerate() {
                 if mask & (1 << k) != 0 {
@@ -239,7 +240,7 @@ pub trait StepCosts {
     fn cost(&self, k: usize, from: usize, to: usize) -> f64;
 
     /// Returns the costs of all orthogonal moves and of all diagonal ones, if those of a kind are equal.
-    fn even(&self) -> Option<(f64, f64)> {
+    fn uniform(&self) -> Option<(f64, f64)> {
         None
     }
 }
@@ -250,7 +251,7 @@ impl StepCosts for (f64, f64) {
         if is_diagonal(k) { self.1 } else { self.0 }
     }
 
-    fn even(&self) -> Option<(f64, f64)> {
+    fn uniform(&self) -> Option<(f64, f64)> {
         Some(*self)
     }
 }
@@ -322,17 +323,17 @@ mod tests {
         assert!(astar_effort < dijkstra_effort);
     }
 
-    /// Costs that do not say that they are even.
-    struct Uneven((f64, f64));
+    /// Costs that do not say that they are uniform, so that no neighbour is pruned.
+    struct Unpruned((f64, f64));
 
-    impl StepCosts for Uneven {
+    impl StepCosts for Unpruned {
         fn cost(&self, k: usize, from: usize, to: usize) -> f64 {
             self.0.cost(k, from, to)
         }
     }
 
     #[test]
-    fn moves_that_are_not_looked_at_change_nothing() {
+    fn pruned_neighbours_change_no_search() {
         let (rows, cols) = (23, 31);
         for seed in 0..60 {
             let moves = random_moves(rows, cols, seed);
@@ -346,10 +347,10 @@ mod tests {
                         (found, search.settled().collect::<Vec<_>>())
                     };
                     let estimate = |index: usize, _: usize| weight * octile(cols, index, goal);
-                    let even = answers(&|search| search.search(&moves, 3, costs, |index| index == goal, estimate));
+                    let pruned = answers(&|search| search.search(&moves, 3, costs, |index| index == goal, estimate));
                     let all =
-                        answers(&|search| search.search(&moves, 3, Uneven(costs), |index| index == goal, estimate));
-                    assert_eq!(even, all, "seed {seed}, steps {costs:?}, weight {weight}");
+                        answers(&|search| search.search(&moves, 3, Unpruned(costs), |index| index == goal, estimate));
+                    assert_eq!(pruned, all, "seed {seed}, steps {costs:?}, weight {weight}");
                 }
             }
         }

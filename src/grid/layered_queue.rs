@@ -44,9 +44,9 @@ pub struct LayeredQueue {
     height: f64,
     /// The number of the lowest layer that may have entries; what is put in below it goes to the heap too.
     lowest: usize,
-    /// What was in the lowest layer when its turn came, the best last.
+    /// The entries that were in the lowest layer when its turn came, the best last.
     sorted: Vec<Key>,
-    /// What was put in since.
+    /// Those that were put into it since.
     heap: BinaryHeap<Key>,
     /// By layer; the lowest and those below it are empty.
     above: Vec<Vec<Key>>,

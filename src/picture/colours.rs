@@ -47,7 +47,8 @@ pub fn bush_colour(state: BushStateKind) -> Rgb {
     }
 }
 
-/// Of jets, of how far they reach, and of places with water; darker than what was put out, so that it shows on the ground.
+/// Water: jets, how far they reach, and where tanks are filled; darker than bushes that were put out, so that it shows on the
+/// ground.
 pub const WATER: Rgb = [0, 114, 178];
 /// Of a field where nothing grows, of its border, and around it.
 pub const FIELD: Rgb = [240, 234, 216];

@@ -336,11 +336,7 @@ impl AgentList for Vec<Unimog> {
     }
 
     fn warn(&self, scenario: &Scenario, found: &mut Vec<String>) {
-        for (number, truck) in self.iter().enumerate() {
-            let is_like = |other: &Unimog| Unimog { start: truck.start, ..other.clone() } == *truck;
-            if self[..number].iter().filter(|other| is_like(other)).count() >= SHOWN_ALIKE {
-                continue;
-            }
+        for (number, truck) in first_of_their_kind(self) {
             warn_of_truck(number, truck, found);
             if scenario.suppression.reach_m.is_none() && truck.prm.goal == RoadmapGoal::InReach {
                 found.push(format!(
@@ -532,6 +528,14 @@ fn describe_turning(truck: &Unimog) -> String {
     }
 }
 
+/// Returns the trucks that are warned of, each with its number: of those that differ in their starts alone, the first few.
+fn first_of_their_kind(trucks: &[Unimog]) -> impl Iterator<Item = (usize, &Unimog)> {
+    trucks.iter().enumerate().filter(|&(number, truck)| {
+        let is_like = |other: &&Unimog| Unimog { start: truck.start, ..(*other).clone() } == *truck;
+        trucks[..number].iter().filter(is_like).count() < SHOWN_ALIKE
+    })
+}
+
 fn warn_of_truck(number: usize, unimog: &Unimog, found: &mut Vec<String>) {
     let (speed, radius_m) = (unimog.speed_mps.max(unimog.reverse_speed_mps), unimog.vehicle.turning_radius_m);
     let lateral = speed * speed / radius_m;
@@ -563,7 +567,7 @@ fn warn_of_shared_starts(trucks: &[Unimog], found: &mut Vec<String>) {
 fn warn_of_roadmaps(trucks: &[Unimog], field: &ScenarioField<'_>, found: &mut Vec<String>) {
     let terrain = field.terrain;
     let mut edges = 0.0;
-    for (number, unimog) in trucks.iter().enumerate() {
+    for (number, unimog) in first_of_their_kind(trucks) {
         let Some(maker) = unimog.built_in() else { continue };
         let size = maker.roadmap_size(&unimog.planner_settings(), &terrain.frame, terrain.bushes.len());
         let Some(RoadmapSize { milestones, neighbours, max_edge_m }) = size else { continue };

@@ -73,6 +73,7 @@ fn warn_of_ignitions(scenario: &Scenario, terrain: Option<&Terrain>, found: &mut
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scenario::agents::SHOWN_ALIKE;
     use crate::scenario::{GivenField, StartPose, load};
 
     fn warned(source: &str, changes: &[&str]) -> String {
@@ -148,6 +149,14 @@ mod tests {
         assert!(found.contains("1 of the cells that an ignition names are no bushes"), "{found}");
         scenario.wumpus[0].start_m = [18.6, 2.5];
         assert!(of(&scenario).contains("truck 0, Wumpus 0"));
+    }
+
+    #[test]
+    fn of_agents_that_are_alike_the_first_few_are_warned_of() {
+        let sparse = ["field.size_m=2500", "unimog.prm.samples=100", "unimog.count=5"];
+        let found = warned("report-2024", &sparse);
+        assert_eq!(found.matches("is hardly connected").count(), SHOWN_ALIKE, "{found}");
+        assert_eq!(found.matches("to the side").count(), SHOWN_ALIKE, "{found}");
     }
 
     #[test]

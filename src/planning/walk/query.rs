@@ -71,7 +71,7 @@ impl StepCosts for &WalkCosts {
         }
     }
 
-    fn even(&self) -> Option<(f64, f64)> {
+    fn uniform(&self) -> Option<(f64, f64)> {
         self.factors.is_none().then_some(self.steps)
     }
 }

@@ -15,6 +15,7 @@ use crate::fire::FireField;
 use crate::geometry::Pose;
 use crate::planning::{Effort, GoalDisc};
 use crate::sim::agent::{Activity, Agent};
+use crate::sim::policies::dispatch::AS_GOOD_M;
 use crate::sim::policies::{Choice, Follows, Inquiry};
 use crate::sim::traffic::Traffic;
 use crate::time::SimTime;
@@ -24,9 +25,6 @@ use crate::trajectory::Trajectory;
 
 /// How near to its place a truck that is sent there comes, in metres: that of the middle of its body.
 const POST_RADIUS_M: f64 = 10.0;
-
-/// A place this near to the one that a truck has is as good, in metres.
-const AS_GOOD_M: f64 = 20.0;
 
 /// How long a truck does not try again to set out for a place that others are in the way to.
 const PATIENCE: SimTime = SimTime::from_nanos(10_000_000_000);

@@ -4,15 +4,17 @@ use crate::picture::canvas::{Canvas, Ink, Pen};
 use crate::picture::colours::{PAPER, WATER};
 use crate::picture::film::field::Pane;
 
-/// Half the width of the drop in thin lines, and how far its tip is above the middle of its round part, in half widths.
+/// Half the width of the drop in thin lines, and of one that has to leave marks of agents to be seen.
 const DROP: f32 = 6.0;
+const SMALL_DROP: f32 = 2.5;
+/// How far its tip is above the middle of its round part, in half widths.
 const TIP: f32 = 2.2;
 
 /// Draws each place as a drop, with the circle in which the middle of a truck has to be.
 pub fn draw_water(canvas: &mut Canvas, pane: &Pane) {
     let Some(water) = &pane.setting().water else { return };
     let (unit, reach) = (pane.unit(), pane.projection.length(water.reach_m));
-    let half = DROP * unit;
+    let half = if pane.has_marks() { SMALL_DROP } else { DROP } * unit;
     for &place in &water.places {
         let at = pane.at(place);
         if !pane.is_near(at, reach.max(TIP * half)) {

@@ -40,7 +40,7 @@ pub use nearest_by_drive::NearestByDrive;
 pub use nearest_savable::NearestSavable;
 pub use of_scenario::policy_of;
 pub use rollout::Rollout;
-pub use team::{Assignment, Fire, Intact, Positioning, Team, TeamRules, TeamTruck, WAY_FACTOR};
+pub use team::{AS_GOOD_M, Assignment, Fire, Intact, Positioning, Team, TeamRules, TeamTruck, WAY_FACTOR};
 pub use threat_first::ThreatFirst;
 
 /// A rule of who goes to which fire.

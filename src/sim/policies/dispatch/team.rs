@@ -12,6 +12,9 @@ use crate::timeline::{AgentId, WaterRules};
 /// A drive is longer than the straight line by this factor, on the fields of the contest.
 pub const WAY_FACTOR: f64 = 1.12;
 
+/// A place to wait this near to where a truck is, or to where it was sent, is as good, in metres.
+pub const AS_GOOD_M: f64 = 20.0;
+
 /// A cell that burns, and that no truck stands at to put it out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fire {

@@ -7,7 +7,7 @@
 use glam::DVec2;
 
 use super::super::hungarian::least_total;
-use super::super::team::{Positioning, Team, TeamTruck};
+use super::super::team::{AS_GOOD_M, Positioning, Team, TeamTruck};
 use super::spread_out::{Census, spread_out};
 use crate::timeline::AgentId;
 
@@ -23,9 +23,6 @@ const WORTH_SHARE: f64 = 0.3;
 /// every fire other trucks are idle, and the best places of three are far from those of four: who followed each turn of that
 /// would never arrive.
 const NEARER_SHARE: f64 = 0.5;
-
-/// A truck is where it was sent if it is this near.
-const THERE_M: f64 = 20.0;
 
 /// Sends idle trucks to centroids of what is intact, the whole team by the least sum of squared ways.
 #[derive(Clone, Debug, Default)]
@@ -60,7 +57,7 @@ pub fn posts(trucks: &[&TeamTruck], sites: &[DVec2], worth_m: f64) -> Vec<(Agent
         least_total(trucks.len(), sites.len(), |truck, site| (trucks[truck].place - sites[site]).length_squared());
     let is_worth = |truck: &TeamTruck, site: DVec2| {
         let left_m = (waits_at(truck) - truck.place).length();
-        let is_there = left_m <= THERE_M;
+        let is_there = left_m <= AS_GOOD_M;
         let is_nearer = (site - truck.place).length() <= NEARER_SHARE * left_m;
         (waits_at(truck) - site).length() >= worth_m && (is_there || is_nearer)
     };
