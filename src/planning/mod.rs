@@ -70,6 +70,7 @@ mod traffic;
 pub mod walk;
 
 pub use judge::lower_bound_m;
+pub use kit::drive_cost::DriveCost;
 pub use kit::ends::free_poses;
 pub use kit::local_search::{MotionCost, PrimitiveSettings};
 pub use kit::safety::{Safety, SafetyForm, SafetyMap, SafetySettings};

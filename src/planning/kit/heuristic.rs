@@ -7,6 +7,7 @@ use crate::vehicle::{CurvePrice, Dimensions, Path, ReedsShepp};
 
 use super::best_first::AnalyticExpansion;
 use super::clearance_profile::ClearanceProfile;
+use super::drive_cost::CostModel;
 use super::motion_price::MotionPrice;
 use super::target::Target;
 use super::turn_straight::TurnStraightSteering;
@@ -30,20 +31,27 @@ pub struct HeuristicValue {
 #[derive(Clone, Debug)]
 pub struct Heuristic {
     body: Dimensions,
+    cost: CostModel,
     curves: ReedsShepp,
     price: CurvePrice,
     steering: TurnStraightSteering,
 }
 
 impl Heuristic {
-    /// `cusp_m` is what a change of direction costs.
-    pub fn new(cusp_m: f64, body: &Dimensions) -> Self {
+    pub fn new(cost: CostModel, body: &Dimensions) -> Self {
+        let price = cost.motion_price(body);
         Self {
             body: *body,
+            cost,
             curves: ReedsShepp { radius_m: body.turning_radius_m },
-            price: CurvePrice { reverse_factor: 1.0, cusp_m },
-            steering: TurnStraightSteering::new(body, MotionPrice::in_metres(cusp_m, body)),
+            price: price.curve_price(),
+            steering: TurnStraightSteering::new(body, price),
         }
+    }
+
+    /// Returns the prices of single motions.
+    pub fn motion_price(&self) -> &MotionPrice {
+        &self.steering.price
     }
 
     /// Returns the estimate for a truck that came to `pose` forward or in reverse, or stands there: of several discs, for
@@ -102,15 +110,16 @@ impl Heuristic {
     pub fn shorten_end(
         &self,
         checker: &CollisionChecker,
-        mut path: Path,
+        path: Path,
         target: Target<'_>,
         profile: &ClearanceProfile,
     ) -> Path {
-        if let Target::Discs(discs) = target {
-            let disc = discs[target.disc_of(path.end(), &self.body)];
-            self.steering.shorten_end(&mut path, disc, |pose, segment| profile.motion_is_free(checker, pose, segment));
-        }
-        path
+        let Target::Discs(discs) = target else { return path };
+        let disc = discs[target.disc_of(path.end(), &self.body)];
+        let mut shortened = path.clone();
+        self.steering.shorten_end(&mut shortened, disc, |pose, segment| profile.motion_is_free(checker, pose, segment));
+        // The steering knows prices of motions only, of which the time of a drive is no sum.
+        if self.cost.of(&shortened.segments) < self.cost.of(&path.segments) { shortened } else { path }
     }
 
     fn curve(&self, pose: Pose, after_reverse: Option<bool>, end: Pose) -> AnalyticExpansion {

@@ -12,6 +12,7 @@
 pub mod best_first;
 pub mod clearance_profile;
 pub mod closed_set;
+pub mod drive_cost;
 pub mod ends;
 pub mod floods;
 pub mod halton;

@@ -1,7 +1,7 @@
 //! Makes a drivable path cheaper, by Reeds-Shepp curves that keep the turning radius and the clearance.
 //!
-//! A path costs its length and a price for every cusp, cusps between an old part and a new one included. A change
-//! counts only if it makes the whole path cheaper; whether it is free is asked last. First the path is shortened from knot
+//! A path costs its length and a price for every cusp, cusps between an old part and a new one included, or the time that
+//! it takes ([`CostModel`]). A change counts only if it makes the whole path cheaper; whether it is free is asked last. First the path is shortened from knot
 //! to knot, then between random places, after R. Geraerts, M. H. Overmars, "Creating high-quality paths for motion
 //! planning", IJRR 26(8), 2007, section 4, with Reeds-Shepp curves in place of straight lines. Then its bends are pulled
 //! tight: a pose in the middle of each is moved to and fro, with the way about it, as long as that makes the path cheaper.
@@ -16,6 +16,7 @@ use crate::geometry::Pose;
 use crate::vehicle::{CurvePrice, Path, ReedsShepp, Segment};
 
 use super::clearance_profile::ClearanceProfile;
+use super::drive_cost::CostModel;
 
 /// Shorter pieces are rounding, and left out.
 const SHORTEST_M: f64 = 1e-9;
@@ -60,17 +61,19 @@ impl fmt::Display for Improvement {
 pub struct PathImprover {
     checker: CollisionChecker,
     curves: ReedsShepp,
+    cost: CostModel,
+    /// By which curves are chosen.
     price: CurvePrice,
     spliced: Vec<Segment>,
 }
 
 impl PathImprover {
-    /// A cusp costs as much as `cusp_m` metres.
-    pub fn new(checker: &CollisionChecker, cusp_m: f64) -> Self {
+    pub fn new(checker: &CollisionChecker, cost: CostModel) -> Self {
         Self {
             checker: checker.clone(),
             curves: ReedsShepp { radius_m: checker.body().turning_radius_m },
-            price: CurvePrice { reverse_factor: 1.0, cusp_m },
+            price: cost.motion_price(checker.body()).curve_price(),
+            cost,
             spliced: Vec::new(),
         }
     }
@@ -87,14 +90,13 @@ impl PathImprover {
         let mut way = Way::new(path.start, path.segments.iter().copied());
         // Without pulls paths are those that shortcuts alone have always made.
         let best_m = if pulls > 0 { self.least_cost(&way) + NEAR_BEST_M } else { f64::NEG_INFINITY };
-        let cusp_m = self.price.cusp_m;
-        if shortcuts > 0 && cost(way.segments(), cusp_m) > best_m {
+        if shortcuts > 0 && self.cost.of(way.segments()) > best_m {
             self.cut_between_knots(&mut way, profile);
-            if cost(way.segments(), cusp_m) > best_m {
+            if self.cost.of(way.segments()) > best_m {
                 self.cut_at_random(&mut way, profile, shortcuts, rng);
             }
         }
-        if cost(way.segments(), cusp_m) > best_m {
+        if self.cost.of(way.segments()) > best_m {
             self.pull_bends(&mut way, profile, pulls);
         }
         way.into_path()
@@ -155,8 +157,8 @@ impl PathImprover {
     fn pull(&mut self, way: &mut Way, profile: &ClearanceProfile, bend: usize, move_m: f64) -> bool {
         let middle_m = 0.5 * (way.joints[bend].1 + way.joints[bend + 1].1);
         let (from_m, to_m) = ((middle_m - REACH_M).max(0.0), (middle_m + REACH_M).min(way.length_m()));
-        let limit = cost(way.segments(), self.price.cusp_m) - WORTH_M;
-        let bound = limit - from_m - (way.length_m() - to_m);
+        let limit = self.cost.of(way.segments()) - WORTH_M;
+        let bound = self.bound_between(way, (from_m, to_m), limit);
         let (from, to) = (way.pose_at(from_m), way.pose_at(to_m));
         for middle in moved(way.pose_at(middle_m), move_m) {
             let Some(before) = self.curves.cheapest_below(from, middle, &self.price, bound) else { continue };
@@ -165,7 +167,7 @@ impl PathImprover {
             };
             let changed = || before.curve.segments().chain(behind.curve.segments());
             way.splice((from_m, to_m), changed(), &mut self.spliced);
-            if cost(&self.spliced, self.price.cusp_m) < limit && profile.way_is_free(&self.checker, from, changed()) {
+            if self.cost.of(&self.spliced) < limit && profile.way_is_free(&self.checker, from, changed()) {
                 *way = Way::new(way.start(), self.spliced.iter().copied());
                 return true;
             }
@@ -173,18 +175,25 @@ impl PathImprover {
         false
     }
 
+    /// Returns what a way must cost less than between two places for the whole to cost less than the limit: what remains of
+    /// that after the rest of the way at the least price.
+    fn bound_between(&self, way: &Way, (from_m, to_m): (f64, f64), limit: f64) -> f64 {
+        let least = self.cost.least_per_metre();
+        limit - least * from_m - least * (way.length_m() - to_m)
+    }
+
     /// Replaces what lies between two places of a way by a curve, if that makes the way cheaper and is free.
     fn cut(&mut self, way: &mut Way, profile: &ClearanceProfile, from_m: f64, to_m: f64) -> bool {
         if from_m >= to_m {
             return false;
         }
-        let limit = cost(way.segments(), self.price.cusp_m) - WORTH_M;
-        let bound = limit - from_m - (way.length_m() - to_m);
+        let limit = self.cost.of(way.segments()) - WORTH_M;
+        let bound = self.bound_between(way, (from_m, to_m), limit);
         let (from, to) = (way.pose_at(from_m), way.pose_at(to_m));
         let Some(best) = self.curves.cheapest_below(from, to, &self.price, bound) else { return false };
         way.splice((from_m, to_m), best.curve.segments(), &mut self.spliced);
-        let is_better = cost(&self.spliced, self.price.cusp_m) < limit
-            && profile.way_is_free(&self.checker, from, best.curve.segments());
+        let is_better =
+            self.cost.of(&self.spliced) < limit && profile.way_is_free(&self.checker, from, best.curve.segments());
         if is_better {
             *way = Way::new(way.start(), self.spliced.iter().copied());
         }
@@ -293,13 +302,6 @@ impl Way {
     }
 }
 
-/// Returns the metres, and `cusp_m` for every change of direction.
-fn cost(segments: &[Segment], cusp_m: f64) -> f64 {
-    let metres: f64 = segments.iter().map(|segment| segment.length_m.abs()).sum();
-    let cusps = segments.windows(2).filter(|pair| pair[0].is_reverse() != pair[1].is_reverse()).count();
-    metres + cusp_m * cusps as f64
-}
-
 fn append(segments: &mut Vec<Segment>, way: impl IntoIterator<Item = Segment>) {
     for segment in way.into_iter().filter(|segment| segment.length_m.abs() > SHORTEST_M) {
         match segments.last_mut() {
@@ -318,10 +320,20 @@ mod tests {
     use crate::geometry::ops;
     use crate::planning::test_fields::{TestField, least_clearance};
     use crate::rng;
+    use crate::trajectory::SpeedLimits;
 
     const FLOOR_M: f64 = 0.3;
     const SHORTCUTS: Improvement = Improvement { shortcuts: 200, pulls: 0 };
     const PULLS: Improvement = Improvement { shortcuts: 200, pulls: 16 };
+    /// A truck that takes its time to speed up and to stop, and is slow in reverse and in turns.
+    const LADEN: SpeedLimits = SpeedLimits {
+        forward_mps: 8.0,
+        reverse_mps: 4.0,
+        acceleration_mps2: Some(2.0),
+        braking_mps2: Some(4.0),
+        lateral_mps2: Some(3.0),
+    };
+    const METRES: CostModel = CostModel::Length { cusp_m: 1.0 };
 
     /// A free path of many short arcs and straights, forward and reverse, from the field's start.
     fn random_path(field: &mut TestField, profile: &ClearanceProfile) -> Path {
@@ -345,18 +357,18 @@ mod tests {
             let mut field = TestField::random(seed, walks);
             let profile = ClearanceProfile::new(FLOOR_M, []);
             let path = random_path(&mut field, &profile);
-            before += cost(&path.segments, 1.0);
-            let mut improver = PathImprover::new(&field.checker, 1.0);
+            before += METRES.of(&path.segments);
+            let mut improver = PathImprover::new(&field.checker, METRES);
             for (after, improvement) in after.iter_mut().zip([SHORTCUTS, PULLS]) {
                 let improved = improver.improve(&path, &profile, improvement, &mut rng::stream(seed, "improve"));
                 assert_eq!(improved.start, path.start);
                 assert!(improved.end().position().distance(path.end().position()) < 1e-6);
                 assert!(ops::wrap_angle(improved.end().heading - path.end().heading).abs() < 1e-6);
-                assert!(cost(&improved.segments, 1.0) <= cost(&path.segments, 1.0));
+                assert!(METRES.of(&improved.segments) <= METRES.of(&path.segments));
                 let sharpest = field.checker.body().max_curvature();
                 assert!(improved.segments.iter().all(|segment| segment.curvature.abs() <= sharpest));
                 assert!(least_clearance(&field.checker, &improved) > FLOOR_M - MOTION_TOLERANCE_M - 1e-6);
-                *after += cost(&improved.segments, 1.0);
+                *after += METRES.of(&improved.segments);
             }
         }
         let [cut, pulled] = after;
@@ -365,11 +377,35 @@ mod tests {
     }
 
     #[test]
+    fn where_time_counts_an_improved_drive_takes_no_longer() {
+        let (mut before_s, mut shorter_s, mut faster_s) = (0.0, 0.0, 0.0);
+        for (seed, walks) in (0..12).zip([25, 25, 60].into_iter().cycle()) {
+            let mut field = TestField::random(seed, walks);
+            let profile = ClearanceProfile::new(FLOOR_M, []);
+            let path = random_path(&mut field, &profile);
+            for improvement in [SHORTCUTS, PULLS] {
+                let mut improve = |cost| {
+                    let mut improver = PathImprover::new(&field.checker, cost);
+                    improver.improve(&path, &profile, improvement, &mut rng::stream(seed, "improve"))
+                };
+                let (shorter, faster) = (improve(METRES), improve(CostModel::Time { limits: LADEN }));
+                let [of_path, of_shorter, of_faster] =
+                    [&path, &shorter, &faster].map(|path| LADEN.drive_s(&path.segments));
+                assert!(of_faster <= of_path + 1e-9, "{of_faster} s, {of_path} s before");
+                assert!(faster.end().position().distance(path.end().position()) < 1e-6);
+                assert!(least_clearance(&field.checker, &faster) > FLOOR_M - MOTION_TOLERANCE_M - 1e-6);
+                (before_s, shorter_s, faster_s) = (before_s + of_path, shorter_s + of_shorter, faster_s + of_faster);
+            }
+        }
+        assert!(faster_s < 0.9 * shorter_s, "{faster_s} s, {shorter_s} s the shorter ones, {before_s} s before");
+    }
+
+    #[test]
     fn without_tries_a_path_stays_as_it_is() {
         let mut field = TestField::random(1, 25);
         let profile = ClearanceProfile::new(FLOOR_M, []);
         let path = random_path(&mut field, &profile);
-        let same = PathImprover::new(&field.checker, 1.0).improve(
+        let same = PathImprover::new(&field.checker, METRES).improve(
             &path,
             &profile,
             Improvement { shortcuts: 0, pulls: 0 },
@@ -385,8 +421,12 @@ mod tests {
         let straight = Segment { curvature: 0.0, length_m: 6.0 };
         for segments in [vec![], vec![straight]] {
             let path = Path { start: field.start, segments };
-            let improved =
-                PathImprover::new(&field.checker, 1.0).improve(&path, &profile, PULLS, &mut rng::stream(1, "improve"));
+            let improved = PathImprover::new(&field.checker, METRES).improve(
+                &path,
+                &profile,
+                PULLS,
+                &mut rng::stream(1, "improve"),
+            );
             assert_eq!(improved, path);
         }
     }

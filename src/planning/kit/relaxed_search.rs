@@ -19,6 +19,7 @@ use crate::vehicle::{Dimensions, Path, Segment};
 use super::best_first::{AnalyticExpansion, Candidate, Ending, Never, Node, PoseSearch, SearchOf, SearchSpace};
 use super::clearance_profile::ClearanceProfile;
 use super::closed_set::ClosedSet;
+use super::drive_cost::CostModel;
 use super::ends::{explain_failure, free_ends, free_poses_in};
 use super::floods::{FloodQuery, FloodSearch, Floods, LATTICES};
 use super::heuristic::Heuristic;
@@ -81,8 +82,8 @@ pub struct RelaxedSettings {
     pub clearance_m: f64,
     /// The lattice of all searches but the last.
     pub lattice: Lattice,
-    /// Cost of a change between forward and reverse.
-    pub cusp_cost: f64,
+    /// What paths are compared by.
+    pub cost: CostModel,
     pub heuristic_weight: f64,
     /// What is tried on the path found.
     pub improvement: Improvement,
@@ -132,11 +133,11 @@ impl RelaxedSearch {
         Self {
             checker: checker.clone(),
             memory: memory.clone(),
-            heuristic: Heuristic::new(settings.cusp_cost, body),
+            heuristic: Heuristic::new(settings.cost, body),
             coarse: [(); 2].map(|()| PoseSearch::new(body, settings.lattice, memory)),
             fine: None,
             walks: [(); 2].map(|()| HolonomicHeuristic::new(memory)),
-            improver: PathImprover::new(checker, settings.cusp_cost),
+            improver: PathImprover::new(checker, settings.cost),
             floods: FloodSearch::new(checker, memory),
             rng,
             expansions: 0,
@@ -370,7 +371,7 @@ impl SearchSpace for LatticeSpace<'_> {
     }
 
     fn offer_successors(&mut self, search: &mut SearchOf<Self>, from: Candidate<Never>) {
-        search.offer_motions(from.node, self.settings.cusp_cost, self.settings.heuristic_weight);
+        search.offer_motions(from.node, self.heuristic.motion_price(), self.settings.heuristic_weight);
     }
 
     fn motion_is_free(&self, from: Pose, motion: Segment) -> bool {

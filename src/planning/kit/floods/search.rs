@@ -4,6 +4,7 @@ use crate::collision::CollisionChecker;
 use crate::geometry::{FieldFrame, Pose};
 use crate::planning::kit::best_first::AnalyticExpansion;
 use crate::planning::kit::clearance_profile::ClearanceProfile;
+use crate::planning::kit::drive_cost::CostModel;
 use crate::planning::kit::ends::{explain_failure, free_ends};
 use crate::planning::kit::heuristic::Heuristic;
 use crate::planning::kit::target::Target;
@@ -130,7 +131,7 @@ impl FloodSearch {
         Self {
             checker: checker.clone(),
             memory: memory.clone(),
-            heuristic: Heuristic::new(0.0, checker.body()),
+            heuristic: Heuristic::new(CostModel::Length { cusp_m: 0.0 }, checker.body()),
             floods: None,
             left: 0,
         }

@@ -9,6 +9,7 @@ mod settings;
 pub use settings::HybridSettings;
 
 use crate::geometry::{FieldFrame, Pose};
+use crate::planning::kit::drive_cost::{CostModel, DriveCost};
 use crate::planning::kit::lattice::Lattice;
 use crate::planning::kit::path_improvement::Improvement;
 use crate::planning::kit::relaxed_search::{RelaxedSearch, RelaxedSettings};
@@ -17,6 +18,7 @@ use crate::planning::memory::PlannerMemory;
 use crate::planning::observer::{PlanningObserver, PlanningWork, Unobserved};
 use crate::planning::registry::{BuiltInPlanner, Charge, Site, TruckPlannerSettings, describe_charge};
 use crate::planning::{BuildReport, Effort, Goal, GoalDisc, Plan, TruckPlanner};
+use crate::trajectory::SpeedLimits;
 
 /// The planner for one body on one field.
 #[derive(Debug)]
@@ -27,12 +29,12 @@ impl HybridSettings {
         Improvement { shortcuts: self.shortcuts, pulls: self.pulls }
     }
 
-    /// Returns what the search needs of the settings.
-    pub fn search(&self) -> RelaxedSettings {
+    /// Returns what the search of a truck needs of the settings.
+    pub fn search(&self, cost: DriveCost, limits: &SpeedLimits) -> RelaxedSettings {
         RelaxedSettings {
             clearance_m: self.clearance_m,
             lattice: Lattice { bin_m: self.bin_m, headings: self.headings, step_m: self.step_m },
-            cusp_cost: self.cusp_cost,
+            cost: CostModel::new(cost, limits, self.cusp_cost),
             heuristic_weight: self.heuristic_weight,
             improvement: self.improvement(),
             max_expansions: self.max_expansions,
@@ -43,7 +45,7 @@ impl HybridSettings {
 impl HybridAstar {
     /// The stream `shortcuts` decides which shortcuts are tried; every query draws the same numbers.
     pub fn build(site: &Site<'_>) -> Self {
-        let settings = site.settings.hybrid.search();
+        let settings = site.settings.hybrid.search(site.cost, site.limits);
         Self(RelaxedSearch::new(site.checker, site.memory, settings, (site.stream)("shortcuts")))
     }
 }
@@ -93,6 +95,10 @@ impl BuiltInPlanner for Maker {
 
     fn tables(&self) -> &'static [&'static str] {
         &["hybrid"]
+    }
+
+    fn knows_time(&self) -> bool {
+        true
     }
 
     fn memory(&self, frame: &FieldFrame, _: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory {

@@ -26,6 +26,7 @@ pub use settings::{Join, PrmRsSettings};
 use crate::collision::CollisionChecker;
 use crate::geometry::{FieldFrame, Pose};
 use crate::planning::kit::clearance_profile::ClearanceProfile;
+use crate::planning::kit::drive_cost::CostModel;
 use crate::planning::kit::ends::free_ends;
 use crate::planning::kit::heuristic::Heuristic;
 use crate::planning::kit::milestone_tiles::is_small;
@@ -41,7 +42,7 @@ use crate::rng::Xoshiro256PlusPlus;
 use crate::time::cpu::CpuStopwatch;
 use glam::DVec2;
 use rand::Rng;
-use roadmap::{BRIDGE_ROUNDS, MAX_MINOR, Roadmap, SCHEDULE};
+use roadmap::{BRIDGE_ROUNDS, MAX_MINOR, Roadmap, RoadmapSite, SCHEDULE};
 use sample::Sampler;
 pub use sample::count_convex_corners;
 use search::{RoadmapQuery, RoadmapSearch};
@@ -77,18 +78,19 @@ impl PrmRs {
     fn with(site: &Site<'_>, (roadmap, report): (Roadmap, BuildReport)) -> Self {
         let &Site { checker, memory, .. } = site;
         let TruckPlannerSettings { prm_rs: settings, hybrid, .. } = *site.settings;
+        let cost = roadmap_site(site).cost;
         let shortcuts = (site.stream)("shortcuts");
         Self {
             is_unjoined: !roadmap.is_growing() && settings.join == Join::WhenNeeded,
             memory: memory.clone(),
             checker: checker.clone(),
             improvement: improvement(settings),
-            heuristic: Heuristic::new(settings.cusp_cost, checker.body()),
+            heuristic: Heuristic::new(cost, checker.body()),
             search: RoadmapSearch::new(checker.body(), memory, &roadmap),
             roadmap,
-            improver: PathImprover::new(checker, settings.cusp_cost),
+            improver: PathImprover::new(checker, cost),
             rng: shortcuts.clone(),
-            fallback: RelaxedSearch::new(checker, memory, hybrid.search(), shortcuts),
+            fallback: RelaxedSearch::new(checker, memory, hybrid.search(site.cost, site.limits), shortcuts),
             report,
         }
     }
@@ -157,6 +159,13 @@ impl PrmRs {
     }
 }
 
+/// Returns what the roadmap needs of the truck and the field.
+fn roadmap_site<'a>(site: &Site<'a>) -> RoadmapSite<'a> {
+    let settings = site.settings.prm_rs;
+    let cost = CostModel::new(site.cost, site.limits, settings.cusp_cost);
+    RoadmapSite { checker: site.checker, memory: site.memory, settings, cost }
+}
+
 /// Returns what is tried on paths that the roadmap gives.
 fn improvement(settings: &PrmRsSettings) -> Improvement {
     Improvement { shortcuts: settings.shortcuts, pulls: settings.pulls }
@@ -171,7 +180,7 @@ fn whole_roadmap(site: &Site<'_>) -> (Roadmap, BuildReport) {
     let mut poses = sampler.draw(settings.samples_on(checker.field().frame()));
     poses.extend(sampler.corner_samples(settings.corner_places));
     let sampling = watch.lap();
-    let mut roadmap = Roadmap::new(checker, site.memory, settings);
+    let mut roadmap = Roadmap::new(&roadmap_site(site));
     roadmap.add_milestones(poses);
     let (tried, components) = match settings.join {
         Join::AtOnce => (roadmap.join_components(), roadmap.components()),
@@ -192,7 +201,7 @@ fn whole_roadmap(site: &Site<'_>) -> (Roadmap, BuildReport) {
 /// Prepares a roadmap that grows; there is nothing to report of it yet.
 fn growing_roadmap(site: &Site<'_>) -> (Roadmap, BuildReport) {
     let key = (site.stream)("prm-rs").next_u64();
-    (Roadmap::growing(site.checker, site.memory, site.settings.prm_rs, key), BuildReport::default())
+    (Roadmap::growing(&roadmap_site(site), key), BuildReport::default())
 }
 
 impl TruckPlanner for PrmRs {
@@ -271,6 +280,10 @@ impl BuiltInPlanner for Maker {
 
     fn tables(&self) -> &'static [&'static str] {
         &["prm_rs", "hybrid"]
+    }
+
+    fn knows_time(&self) -> bool {
+        true
     }
 
     fn memory(&self, frame: &FieldFrame, corners: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory {

@@ -15,6 +15,7 @@ use crate::vehicle::{CurvePrice, ReedsShepp, Segment};
 use super::near::Places;
 use super::sample::{MOTIONS, Sampler, expand_near};
 use crate::planning::kit::clearance_profile::longest_first;
+use crate::planning::kit::drive_cost::CostModel;
 use crate::planning::kit::milestone_tiles::{CellBlock, DrawnMilestones, Tiles};
 use crate::planning::kit::relaxation::Stage;
 use crate::planning::kit::roadmap_graph::{Link, RoadmapGraph};
@@ -32,6 +33,15 @@ pub const BRIDGE_ROUNDS: u32 = 2;
 pub const MAX_MINOR: usize = 100;
 /// Nodes between which the field is tighter than this half way are not joined.
 const HOPELESS_M: f64 = 0.5;
+
+/// The truck and the field that a roadmap is made for.
+pub struct RoadmapSite<'a> {
+    pub checker: &'a CollisionChecker,
+    pub memory: &'a MemoryMeter,
+    pub settings: &'a PrmRsSettings,
+    /// What its curves are compared by.
+    pub cost: CostModel,
+}
 
 /// Poses, and Reeds-Shepp curves between them that may be driven both ways.
 ///
@@ -144,13 +154,14 @@ pub struct Bridge {
 }
 
 impl Roadmap {
-    pub fn new(checker: &CollisionChecker, memory: &MemoryMeter, settings: &PrmRsSettings) -> Self {
-        let index = Index::Whole(Places::new(checker.field().frame()));
-        Self::with(index, Links::Whole(RoadmapGraph::default()), (checker, memory, settings))
+    pub fn new(site: &RoadmapSite<'_>) -> Self {
+        let index = Index::Whole(Places::new(site.checker.field().frame()));
+        Self::with(index, Links::Whole(RoadmapGraph::default()), site)
     }
 
     /// Creates a roadmap that grows; `key` is the number that decides where its poses lie.
-    pub fn growing(checker: &CollisionChecker, memory: &MemoryMeter, settings: &PrmRsSettings, key: u64) -> Self {
+    pub fn growing(site: &RoadmapSite<'_>, key: u64) -> Self {
+        let &RoadmapSite { checker, settings, .. } = site;
         let frame = checker.field().frame();
         let sampling = TileSampling {
             samples_per_hectare: settings.samples_per_hectare_on(frame),
@@ -158,18 +169,15 @@ impl Roadmap {
             clearance_m: settings.clearance_m,
         };
         let index = Index::Growing(Tiles::new(frame, key), sampling);
-        Self::with(index, Links::Growing(Vec::new()), (checker, memory, settings))
+        Self::with(index, Links::Growing(Vec::new()), site)
     }
 
-    fn with(
-        index: Index,
-        links: Links,
-        (checker, memory, settings): (&CollisionChecker, &MemoryMeter, &PrmRsSettings),
-    ) -> Self {
+    fn with(index: Index, links: Links, site: &RoadmapSite<'_>) -> Self {
+        let &RoadmapSite { checker, memory, settings, cost } = site;
         Self {
             checker: checker.clone(),
             curves: ReedsShepp { radius_m: checker.body().turning_radius_m },
-            price: CurvePrice { reverse_factor: 1.0, cusp_m: settings.cusp_cost },
+            price: cost.motion_price(checker.body()).curve_price(),
             clearances_m: SCHEDULE.map(|stage| stage.min_clearance_m(settings.clearance_m, f64::INFINITY)),
             neighbours: settings.neighbours as usize,
             max_edge_m: settings.max_edge_m,
@@ -465,12 +473,15 @@ impl Roadmap {
     /// Works out the curve of a link, as it is driven along the link.
     pub fn bridge(&mut self, link: Link) -> Bridge {
         let is_back = link.to == self.edges[link.edge as usize].nodes[0];
+        let price = self.price;
         let way = self.way(link.edge);
+        // Driven back, what led forward leads in reverse.
+        let cost = if is_back { price.cost_back(&way.curve) } else { way.price };
         let mut segments = way.curve.segments();
         let first = segments.next().is_some_and(|segment| segment.is_reverse());
         let last = segments.last().map_or(first, |segment| segment.is_reverse());
         let (departs_reverse, arrives_reverse) = if is_back { (!last, !first) } else { (first, last) };
-        Bridge { cost: way.price, departs_reverse, arrives_reverse }
+        Bridge { cost, departs_reverse, arrives_reverse }
     }
 
     /// Says whether an edge keeps one of the clearances; it is swept the first time that this is asked.
@@ -525,7 +536,12 @@ mod tests {
     fn roadmap(field: &TestField) -> Roadmap {
         let settings = PrmRsSettings::default();
         let mut sampler = Sampler::new(&field.checker, settings.clearance_m, &mut rng::stream(1, "roadmap"));
-        let mut roadmap = Roadmap::new(&field.checker, &MemoryMeter::unlimited(), &settings);
+        let mut roadmap = Roadmap::new(&RoadmapSite {
+            checker: &field.checker,
+            memory: &MemoryMeter::unlimited(),
+            settings: &settings,
+            cost: CostModel::Length { cusp_m: settings.cusp_cost },
+        });
         roadmap.add_milestones(sampler.draw(100));
         roadmap.add_milestones(sampler.corner_samples(1));
         roadmap.build_graph();
@@ -562,7 +578,10 @@ mod tests {
     }
 
     fn growing(field: &TestField) -> Roadmap {
-        Roadmap::growing(&field.checker, &MemoryMeter::unlimited(), &PrmRsSettings::default(), 7)
+        let settings = PrmRsSettings::default();
+        let cost = CostModel::Length { cusp_m: settings.cusp_cost };
+        let memory = MemoryMeter::unlimited();
+        Roadmap::growing(&RoadmapSite { checker: &field.checker, memory: &memory, settings: &settings, cost }, 7)
     }
 
     #[test]

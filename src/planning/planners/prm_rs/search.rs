@@ -412,8 +412,7 @@ impl SearchSpace for RoadmapSpace<'_> {
         }
         if self.notes.effort.local_expansions < MAX_LOCAL_EXPANSIONS && cost < LOCAL_M {
             self.notes.effort.local_expansions += 1;
-            let cusp_m = self.roadmap.curves().1.cusp_m;
-            search.offer_motions(from.node, cusp_m, self.limits.weight);
+            search.offer_motions(from.node, self.query.heuristic.motion_price(), self.limits.weight);
         }
     }
 
