@@ -388,3 +388,18 @@ fn a_wrong_change_is_placed_in_the_option() {
         assert!(error.labels().is_some() && error.source_code().is_some());
     }
 }
+
+#[test]
+fn the_nearest_by_drive_is_looked_for_among_all_that_burns() {
+    for (table, at, words) in [
+        ("[dispatch]\npolicy = \"nearest-by-drive\"\nidle = \"regions\"\n", "3:8", "`stay` or `centroids`"),
+        (
+            "[dispatch]\npolicy = \"nearest-by-drive\"\n[sight]\nfield = \"radius\"\n",
+            "4:9",
+            "`everything` or `burning`",
+        ),
+    ] {
+        let text = format!("{table}[[wumpus]]\n[[unimog]]\n");
+        assert_refused(&text, at, &[words, "nearest-by-drive"]);
+    }
+}

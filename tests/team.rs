@@ -45,6 +45,33 @@ fn assert_is_sound(timeline: &Timeline) {
 }
 
 #[test]
+fn trucks_drive_to_the_fire_that_is_nearest_by_drive() {
+    let plain = load("contest", &["duration_s=900"]);
+    let by_drive = load("contest", &["duration_s=900", "dispatch.policy=nearest-by-drive"]);
+    let metres = |timeline: &Timeline| {
+        let outcome = Outcome::new(timeline);
+        let truck = outcome.agents.iter().find(|agent| agent.agent.role.suppresses()).expect("there is a truck");
+        truck.distance_m / f64::from(truck.plans)
+    };
+    let (mut straight_m, mut driven_m) = (0.0, 0.0);
+    for seed in 1..=6 {
+        let (one, other) = (run(&plain, seed), run(&by_drive, seed));
+        assert_is_sound(&other);
+        straight_m += metres(&one);
+        driven_m += metres(&other);
+    }
+    assert!(driven_m < straight_m, "{driven_m} m to the nearest by drive, {straight_m} m to the nearest by air");
+    for planner in ["hybrid-astar", "prm+primitives", "lattice"] {
+        let planner = format!("unimog.planner={planner}");
+        for idle in ["stay", "centroids"] {
+            let idle = format!("dispatch.idle={idle}");
+            let changes = ["duration_s=400", "dispatch.policy=nearest-by-drive", &idle, &planner];
+            assert_is_sound(&run(&load("fleet", &changes), 2));
+        }
+    }
+}
+
+#[test]
 fn the_nearest_fire_by_dispatch_is_the_nearest_fire_by_goal() {
     for (name, changes, seed) in [
         ("smoke", &[][..], 1),

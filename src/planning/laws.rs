@@ -10,7 +10,10 @@ use crate::vehicle::Path;
 
 use super::registry::{OwnedSettings, TruckPlannerKind};
 use super::test_fields::{TestField, assert_drivable, drives_in_a_row, drives_to_poses, random_free_pose, shut_court};
-use super::{Goal, GoalDisc, Plan, PlanFailure, PlanningObserver, QueryMonitor, SearchPhase, TruckPlanner};
+use super::{
+    Goal, GoalDisc, Plan, PlanFailure, PlanningObserver, QueryMonitor, SearchPhase, TruckPlanner, Unobserved,
+    plan_to_nearest,
+};
 
 fn planner(kind: TruckPlannerKind, field: &TestField, seed: u64) -> Box<dyn TruckPlanner> {
     field.make(&OwnedSettings::default(), seed, |site| kind.maker().make(site))
@@ -74,6 +77,41 @@ fn a_disc_without_extent_is_met_with_the_middle_of_the_body() {
         let end = path.expect("an open field").end();
         assert!(field.checker.body().body_centre(end).distance(centre) < 1e-5, "{kind}: {end:?}");
     });
+}
+
+#[test]
+fn the_nearest_of_several_discs_is_hardly_farther_than_the_nearest_when_asked_for_each() {
+    every_planner(|kind| {
+        let (mut together_m, mut apart_m) = (0.0, 0.0);
+        for seed in 0..4 {
+            let mut field = TestField::random(seed, 40);
+            for _ in 0..6 {
+                let discs = [(); 4].map(|()| field.random_goal());
+                let start = random_free_pose(&mut field, 0.3);
+                let mut planner = planner(kind, &field, seed);
+                let singles = discs.map(|disc| planner.plan(start, disc.into()).path.ok());
+                let shortest = singles.iter().flatten().map(Path::length_m).min_by(f64::total_cmp);
+                let body = *field.checker.body();
+                let (index, plan) =
+                    plan_to_nearest(planner.as_mut(), &body, start, &discs, &mut Unobserved).expect("there are discs");
+                assert_eq!(plan.path.is_ok(), shortest.is_some(), "{kind}, seed {seed}");
+                if let (Ok(path), Some(shortest_m)) = (plan.path, shortest) {
+                    assert_drivable(&field.checker, &path, start, discs[index]);
+                    together_m += path.length_m();
+                    apart_m += shortest_m;
+                }
+            }
+        }
+        assert!(together_m < 1.1 * apart_m, "{kind}: {together_m} m, {apart_m} m");
+    });
+}
+
+#[test]
+fn without_a_disc_none_is_the_nearest() {
+    let field = TestField::random(1, 25);
+    let mut planner = planner(TruckPlannerKind::Lattice, &field, 1);
+    let body = *field.checker.body();
+    assert!(plan_to_nearest(planner.as_mut(), &body, field.start, &[], &mut Unobserved).is_none());
 }
 
 #[test]

@@ -58,6 +58,7 @@ pub mod kit;
 #[cfg(test)]
 mod laws;
 pub mod memory;
+mod nearest_by_drive;
 pub mod observer;
 pub mod planners;
 pub mod reachability;
@@ -69,9 +70,11 @@ mod traffic;
 pub mod walk;
 
 pub use judge::lower_bound_m;
+pub use kit::drive_cost::DriveCost;
 pub use kit::ends::free_poses;
 pub use kit::local_search::{MotionCost, PrimitiveSettings};
 pub use kit::safety::{Safety, SafetyForm, SafetyMap, SafetySettings};
+pub use nearest_by_drive::plan_to_nearest;
 pub use observer::{PlanningObserver, PlanningWork, QueryMonitor, QueryTime, Unobserved};
 pub use planners::hybrid_astar::{HybridAstar, HybridSettings};
 pub use planners::lattice::{LatticePlanner, LatticeSettings};
@@ -174,22 +177,6 @@ impl Goal {
         match self {
             Self::Disc(disc) => disc,
             Self::Pose(end) => GoalDisc { centre: body.body_centre(end), radius_m: 0.0 },
-        }
-    }
-
-    /// Returns its middle.
-    fn position(self) -> DVec2 {
-        match self {
-            Self::Pose(end) => end.position(),
-            Self::Disc(disc) => disc.centre,
-        }
-    }
-
-    /// Returns the position of a truck that counts for this goal.
-    fn position_of(self, pose: Pose, body: &Dimensions) -> DVec2 {
-        match self {
-            Self::Pose(_) => pose.position(),
-            Self::Disc(_) => body.body_centre(pose),
         }
     }
 }
@@ -404,7 +391,7 @@ pub struct BuildReport {
     /// Points drawn to get them.
     pub draws: u32,
     pub edges: u32,
-    /// Connected components of the roadmap.
+    /// Connected components of the roadmap; 0 if they were not counted.
     pub components: u32,
     pub sampling: Duration,
     pub connecting: Duration,
@@ -427,6 +414,18 @@ pub trait TruckPlanner: Send + Sync {
     /// Does the same and shows an observer the work. The answer does not depend on the observer.
     fn plan_observed(&mut self, start: Pose, goal: Goal, _observer: &mut dyn PlanningObserver) -> Plan {
         self.plan(start, goal)
+    }
+
+    /// Finds a path into whichever of some discs is the nearest by drive, in one search; says which, by its place among
+    /// them. With no way into any of them the plan has the reason. A planner that knows one goal at a time answers `None`,
+    /// and is asked for one after the other.
+    fn plan_to_nearest(
+        &mut self,
+        _start: Pose,
+        _discs: &[GoalDisc],
+        _observer: &mut dyn PlanningObserver,
+    ) -> Option<(usize, Plan)> {
+        None
     }
 
     /// Returns what building it took and gave.

@@ -25,6 +25,7 @@ use crate::vehicle::Dimensions;
 
 use super::TruckPlanner;
 use super::gate::Gated;
+use super::kit::drive_cost::DriveCost;
 use super::kit::local_search::PrimitiveSettings;
 use super::kit::safety::SafetySettings;
 use super::memory::{MemoryMeter, PlannerMemory};
@@ -37,6 +38,11 @@ pub trait BuiltInPlanner: Sync {
 
     /// Names the tables of settings that the planner uses.
     fn tables(&self) -> &'static [&'static str];
+
+    /// Says whether the planner compares drives by their time where the truck asks for that.
+    fn knows_time(&self) -> bool {
+        false
+    }
 
     /// Bounds the memory that the planner takes on a field whose bushes have up to this number of convex corners.
     fn memory(&self, frame: &FieldFrame, corners: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory;
@@ -71,6 +77,8 @@ pub struct Site<'a> {
     pub body: &'a Dimensions,
     /// How fast it drives.
     pub limits: &'a SpeedLimits,
+    /// What its drives are compared by, where there is a choice.
+    pub cost: DriveCost,
     /// The field, and the truck's body on it.
     pub checker: &'a CollisionChecker,
     /// The `settings` of the scenario's table `[planner.NAME]`, for a planner that is not built in; else null.

@@ -15,7 +15,7 @@ use crate::vehicle::{Dimensions, Path, ReedsShepp};
 use super::memory::MemoryMeter;
 use super::reachability::Reachability;
 use super::registry::{OwnedSettings, Site};
-use super::{Goal, GoalDisc, TruckPlanner};
+use super::{DriveCost, Goal, GoalDisc, TruckPlanner};
 
 /// A field of 30 x 30 cells with walks of four cells about it, the truck on it, and places to drive to.
 pub struct TestField {
@@ -71,6 +71,7 @@ impl TestField {
             truck: 0,
             body: self.checker.body(),
             limits: &SpeedLimits::new(8.0, 8.0),
+            cost: DriveCost::Length,
             checker: &self.checker,
             own: &serde_json::Value::Null,
             stream: &stream,

@@ -37,6 +37,8 @@ impl Default for Dispatch {
 pub enum DispatchPolicy {
     /// Each truck to the nearest fire, one truck after the other in the order of their numbers.
     Nearest,
+    /// The same with the fire that is nearest by drive, as the planner finds.
+    NearestByDrive,
     /// The nearest fire that can still be put out, the truck that is there first before all others.
     NearestSavable,
     /// The assignment of free trucks to fires with the least cost in all.
@@ -51,13 +53,21 @@ pub enum DispatchPolicy {
 
 impl DispatchPolicy {
     /// All policies, in the order in which they are listed.
-    pub const ALL: [Self; 6] =
-        [Self::Nearest, Self::NearestSavable, Self::Hungarian, Self::ThreatFirst, Self::Auction, Self::Rollout];
+    pub const ALL: [Self; 7] = [
+        Self::Nearest,
+        Self::NearestByDrive,
+        Self::NearestSavable,
+        Self::Hungarian,
+        Self::ThreatFirst,
+        Self::Auction,
+        Self::Rollout,
+    ];
 
     /// Returns the name that scenarios and tables write.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Nearest => "nearest",
+            Self::NearestByDrive => "nearest-by-drive",
             Self::NearestSavable => "nearest-savable",
             Self::Hungarian => "hungarian",
             Self::ThreatFirst => "threat-first",
@@ -69,6 +79,7 @@ impl DispatchPolicy {
     const fn description(self) -> &'static str {
         match self {
             Self::Nearest => "each goes to the nearest fire that is not another's, the smaller number first",
+            Self::NearestByDrive => "each goes to the fire that is nearest by drive and not another's",
             Self::NearestSavable => "each goes to the nearest fire that it can still put out, and leaves hopeless ones",
             Self::Hungarian => "free trucks and fires are matched at the least cost in all",
             Self::ThreatFirst => "the fire that threatens the most bushes is served first",

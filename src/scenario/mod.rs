@@ -219,6 +219,7 @@ impl Scenario {
         top.inner("score").settings(&self.score, &frame)?;
         self.dispatch.as_ref().map_or(Ok(()), |dispatch| top.inner("dispatch").settings(dispatch, &frame))?;
         self.sight.as_ref().map_or(Ok(()), |sight| top.inner("sight").settings(sight, &frame))?;
+        self.check_nearest_by_drive()?;
         self.traffic.as_ref().map_or(Ok(()), |traffic| top.inner("traffic").settings(traffic, &frame))?;
         self.water.as_ref().map_or(Ok(()), |water| water.check(&top.inner("water"), &frame))?;
         check_programs("planner", &self.planner, |name| name.built_in().is_some())?;
@@ -235,6 +236,24 @@ impl Scenario {
     /// Returns the layers that files give, with their place on earth.
     pub fn layers(&self) -> Option<&GivenLayers> {
         self.landscape.as_ref().and_then(|landscape| landscape.given.as_ref())
+    }
+
+    /// Refuses rules that know other fires than a planner that looks for the nearest.
+    fn check_nearest_by_drive(&self) -> Check {
+        let Some(dispatch) = self.dispatch.as_ref().filter(|it| it.policy == DispatchPolicy::NearestByDrive) else {
+            return Ok(());
+        };
+        if dispatch.idle == IdleRule::Regions {
+            let expected = "`stay` or `centroids` with the policy `nearest-by-drive`";
+            return TablePath::named("dispatch").refuse("idle", dispatch.idle.to_string(), expected.into());
+        }
+        match &self.sight {
+            Some(sight) if sight.field == SightOfField::Radius => {
+                let expected = "`everything` or `burning` with the policy `nearest-by-drive`";
+                TablePath::named("sight").refuse("field", "radius".into(), expected.into())
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Bounds the work of fires that can be put out again and again.

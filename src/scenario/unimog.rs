@@ -22,9 +22,9 @@ use crate::planning::memory::{MemoryMeter, PlannerMemory};
 use crate::planning::reachability::Reachability;
 use crate::planning::registry::{BuiltInPlanner, Charge, RoadmapSize};
 use crate::planning::{
-    BuildReport, HybridSettings, LatticeSettings, MakeError, PlannerName, Planners, PrimitiveSettings, PrmRsSettings,
-    PrmSettings, RoadmapGoal, SafetySettings, Site, TruckPlanner, TruckPlannerKind, TruckPlannerSettings,
-    is_hardly_connected,
+    BuildReport, DriveCost, HybridSettings, LatticeSettings, MakeError, PlannerName, Planners, PrimitiveSettings,
+    PrmRsSettings, PrmSettings, RoadmapGoal, SafetySettings, Site, TruckPlanner, TruckPlannerKind,
+    TruckPlannerSettings, is_hardly_connected,
 };
 use crate::rng;
 use crate::trajectory::SpeedLimits;
@@ -53,6 +53,8 @@ pub struct Unimog {
     pub speed_mps: f64,
     pub reverse_speed_mps: f64,
     pub limits: Limits,
+    /// What drives are compared by: their length, or the time that they take.
+    pub cost: DriveCost,
     pub goal: TruckGoal,
     pub retarget: Retarget,
     #[schemars(schema_with = "planner_schema")]
@@ -74,6 +76,7 @@ impl Default for Unimog {
             speed_mps: 8.0,
             reverse_speed_mps: 8.0,
             limits: Limits::default(),
+            cost: DriveCost::default(),
             goal: TruckGoal::NearestBurning,
             retarget: Retarget::Never,
             planner: TruckPlannerKind::PrmRs.into(),
@@ -102,6 +105,7 @@ impl Unimog {
                 truck,
                 body: &self.vehicle,
                 limits: &self.speed_limits(),
+                cost: self.cost,
                 checker,
                 own: own.as_ref().unwrap_or(&Value::Null),
                 stream: &|name: &str| rng::stream(seed, &format!("truck/{truck}/{name}")),
@@ -452,7 +456,7 @@ fn describe_truck(truck: &Unimog, scenario: &Scenario) -> String {
     let goal = describe_goal(truck, scenario);
     format!(
         "starts with its rear axle at ({}, {}) m, heading {} degrees. {} x {} m, wheelbase {} m, turning radius {} m \
-         (steering to {:.1} degrees). {} m/s forward, {} m/s in reverse; {}. {} {goal} {}",
+         (steering to {:.1} degrees). {} m/s forward, {} m/s in reverse; {}. {} {goal} {}{}",
         truck.start.x_m,
         truck.start.y_m,
         truck.start.heading_deg,
@@ -465,7 +469,8 @@ fn describe_truck(truck: &Unimog, scenario: &Scenario) -> String {
         truck.reverse_speed_mps,
         describe_limits(truck),
         describe_turning(truck),
-        describe_planner(truck, &scenario.planner)
+        describe_planner(truck, &scenario.planner),
+        describe_cost(truck)
     )
 }
 
@@ -499,6 +504,16 @@ fn describe_planner(truck: &Unimog, programs: &Programs) -> String {
         (true, Rescue::Auto) => planner,
         (true, _) => format!("{planner} Fires that it fails on are driven to by the reachability flood."),
         (false, _) => format!("{planner} Fires that it fails on are left alone: nobody else plans for it."),
+    }
+}
+
+/// Describes what its drives are compared by, where that is not the usual thing.
+fn describe_cost(truck: &Unimog) -> &'static str {
+    match (truck.cost, truck.built_in()) {
+        (DriveCost::Time, Some(planner)) if planner.knows_time() => {
+            " Drives are compared by the time that they take, with no other price of a change of direction."
+        }
+        _ => "",
     }
 }
 
@@ -549,6 +564,12 @@ fn warn_of_truck(number: usize, unimog: &Unimog, found: &mut Vec<String>) {
     let used = planner.map_or(&[][..], BuiltInPlanner::tables);
     for table in settings.tables().filter(|table| !table.is_default && !used.contains(&table.name)) {
         found.push(format!("The `{}` of truck {number} does nothing: its planner does not use it.", table.name));
+    }
+    if unimog.cost == DriveCost::Time && planner.is_some_and(|own| !own.knows_time()) {
+        found.push(format!(
+            "`cost = \"time\"` of truck {number} does nothing: {} compares drives by its own costs.",
+            unimog.planner
+        ));
     }
     found.extend(planner.and_then(|own| own.warning(&settings, &unimog.vehicle, &format!("truck {number}"))));
 }

@@ -38,6 +38,11 @@ impl SpeedLimits {
             _ => speed,
         }
     }
+
+    /// Seconds that [`Trajectory::from_path`] takes for a path of these segments.
+    pub fn drive_s(&self, segments: &[Segment]) -> f64 {
+        fastest_pieces(segments, self).iter().map(Piece::duration_s).sum()
+    }
 }
 
 impl Trajectory {
@@ -45,16 +50,21 @@ impl Trajectory {
     ///
     /// Segments without length are left out.
     pub fn from_path(path: &Path, start_time: SimTime, limits: SpeedLimits) -> Self {
-        let segments: Vec<Segment> = path.segments.iter().copied().filter(|segment| segment.length_m != 0.0).collect();
-        let mut pieces = Vec::with_capacity(segments.len());
-        for stretch in segments.chunk_by(|a, b| a.is_reverse() == b.is_reverse()) {
-            let joints = joint_speeds(stretch, &limits);
-            for (segment, ends) in stretch.iter().zip(joints.windows(2)) {
-                pieces.extend(drive_segment(*segment, ends[0], ends[1], &limits));
-            }
-        }
-        Self::new(start_time, path.start, pieces)
+        Self::new(start_time, path.start, fastest_pieces(&path.segments, &limits))
     }
+}
+
+/// Returns the pieces of the fastest drive along segments.
+fn fastest_pieces(segments: &[Segment], limits: &SpeedLimits) -> Vec<Piece> {
+    let segments: Vec<Segment> = segments.iter().copied().filter(|segment| segment.length_m != 0.0).collect();
+    let mut pieces = Vec::with_capacity(segments.len());
+    for stretch in segments.chunk_by(|a, b| a.is_reverse() == b.is_reverse()) {
+        let joints = joint_speeds(stretch, limits);
+        for (segment, ends) in stretch.iter().zip(joints.windows(2)) {
+            pieces.extend(drive_segment(*segment, ends[0], ends[1], limits));
+        }
+    }
+    pieces
 }
 
 /// Speeds in m/s at both ends of a stretch without cusps, and where its segments meet.
@@ -210,6 +220,7 @@ pub(super) mod tests {
             assert!((drive.end().position() - path.end().position()).length() < 1e-9);
             assert!((drive.distance_m(SimTime::MAX) - path.length_m()).abs() < 1e-9);
             assert_eq!(drive.cusps(), path.cusps());
+            assert!((limits.drive_s(&path.segments) - drive.duration_s()).abs() < 1e-9);
         }
     }
 

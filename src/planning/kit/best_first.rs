@@ -18,6 +18,7 @@ use crate::vehicle::{Dimensions, Path, Segment};
 
 use super::closed_set::ClosedSet;
 use super::lattice::{Lattice, motions};
+use super::motion_price::MotionPrice;
 
 /// The parent of a start.
 pub const ROOT: u32 = u32::MAX;
@@ -33,7 +34,7 @@ pub const NO_MOTION: Segment = Segment { curvature: 0.0, length_m: 0.0 };
 pub struct AnalyticExpansion {
     segments: [Segment; MAX_SEGMENTS],
     count: usize,
-    /// Metres, and what changes of direction cost, the first after the drive so far included.
+    /// The price of its motions, and what changes of direction cost, the first after the drive so far included.
     pub cost: f64,
 }
 
@@ -279,16 +280,16 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
         self.sequence += 1;
     }
 
-    /// Offers the motions of the lattice from a node, at their metres and `cusp_m` for a cusp.
+    /// Offers the motions of the lattice from a node.
     ///
-    /// Their keys rest on the node's own cost-to-go, from which a motion takes off no more than its length: most are
+    /// Their keys rest on the node's own cost-to-go, from which a motion takes off no more than it costs: most are
     /// never swept, and none is worked out before.
-    pub fn offer_motions(&mut self, index: u32, cusp_m: f64, weight: f64) {
+    pub fn offer_motions(&mut self, index: u32, price: &MotionPrice, weight: f64) {
         let (node, motions) = (self.nodes[index as usize], self.motions);
         for (choice, motion) in motions.into_iter().enumerate().filter(|&(_, motion)| !node.is_undone_by(motion)) {
-            let step_m = motion.length_m.abs();
-            let cost = node.cost + step_m + if node.turns_back(motion.is_reverse()) { cusp_m } else { 0.0 };
-            let key = cost + weight * (node.cost_to_go - step_m).max(0.0);
+            let step = motion.length_m.abs() * price.rate(motion);
+            let cost = node.cost + step + if node.turns_back(motion.is_reverse()) { price.cusp() } else { 0.0 };
+            let key = cost + weight * (node.cost_to_go - step).max(0.0);
             self.push(key, cost, index, Step::Motion { index: choice as u8 });
         }
     }

@@ -72,12 +72,7 @@ impl ClearanceProfile {
         pose: Pose,
         segments: impl IntoIterator<Item = Segment>,
     ) -> bool {
-        let mut pose = pose;
-        segments.into_iter().all(|segment| {
-            let from = pose;
-            pose = segment.end(from);
-            self.motion_is_free(checker, from, segment)
-        })
+        longest_first(pose, segments).into_iter().all(|(from, segment)| self.motion_is_free(checker, from, segment))
     }
 
     fn pieces_are_free(&self, checker: &CollisionChecker, start: Pose, segment: Segment) -> bool {
@@ -128,6 +123,23 @@ impl ClearanceProfile {
         };
         self.tight.iter().map(gap).fold(f64::INFINITY, f64::min)
     }
+}
+
+/// Reeds-Shepp curves have no more segments.
+const MOST_OF_A_CURVE: usize = 5;
+
+/// Returns segments in a row from `pose`, each with the pose at which it begins, the longest first.
+///
+/// A long one is the likeliest to be in the way of something, so that a way that is not free is known sooner.
+pub fn longest_first(pose: Pose, segments: impl IntoIterator<Item = Segment>) -> Vec<(Pose, Segment)> {
+    let mut pose = pose;
+    let mut row: Vec<(Pose, Segment)> = Vec::with_capacity(MOST_OF_A_CURVE);
+    for segment in segments {
+        row.push((pose, segment));
+        pose = segment.end(pose);
+    }
+    row.sort_by(|(_, a), (_, b)| b.length_m.abs().total_cmp(&a.length_m.abs()));
+    row
 }
 
 #[cfg(test)]
@@ -193,5 +205,19 @@ mod tests {
             }
         }
         assert!(both > 100 && one * 20 < both, "{both} both ways, {one} one way only");
+    }
+
+    #[test]
+    fn the_longest_segment_comes_first_from_where_it_begins() {
+        let start = Pose::new(3.0, 4.0, 0.5);
+        let segments =
+            [1.0, -7.0, 3.0, 7.0].map(|length_m| Segment { curvature: 0.05 * f64::signum(length_m), length_m });
+        let row = longest_first(start, segments);
+        assert_eq!(row.iter().map(|(_, segment)| segment.length_m).collect::<Vec<_>>(), [-7.0, 7.0, 3.0, 1.0]);
+        let mut pose = start;
+        for segment in segments {
+            assert!(row.contains(&(pose, segment)), "{segment:?}");
+            pose = segment.end(pose);
+        }
     }
 }

@@ -8,22 +8,25 @@ use rand::{Rng, RngExt};
 use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M};
 use crate::geometry::{Pose, ops};
 
-use crate::planning::{Goal, GoalDisc, PlanFailure};
+use crate::planning::{GoalDisc, PlanFailure};
+
+use super::target::Target;
 
 /// Returns the poses that a drive must begin and end in, each with the clearance that the body has there: the start and, if it
-/// is a pose, the goal.
+/// is a pose, the target.
 ///
 /// # Errors
 /// The one of the two that has no room for the body, or is not on the field.
-pub fn free_ends(checker: &CollisionChecker, start: Pose, goal: Goal) -> Result<Vec<(Pose, f64)>, PlanFailure> {
+pub fn free_ends(checker: &CollisionChecker, start: Pose, target: Target<'_>) -> Result<Vec<(Pose, f64)>, PlanFailure> {
     let mut ends = vec![(start, free_clearance(checker, start).ok_or(PlanFailure::StartBlocked)?)];
-    match goal {
-        Goal::Pose(end) => ends.push((end, free_clearance(checker, end).ok_or(PlanFailure::GoalBlocked)?)),
-        Goal::Disc(disc) => {
+    match target {
+        Target::Pose(end) => ends.push((end, free_clearance(checker, end).ok_or(PlanFailure::GoalBlocked)?)),
+        Target::Discs(discs) => {
             let frame = checker.field().frame();
-            let nearest = disc.centre.clamp(DVec2::ZERO, DVec2::new(frame.width_m(), frame.height_m()));
-            let is_on_field = nearest.distance(disc.centre) <= disc.radius_m;
-            if !is_on_field {
+            let corner = DVec2::new(frame.width_m(), frame.height_m());
+            let is_on_field =
+                |disc: &GoalDisc| disc.centre.clamp(DVec2::ZERO, corner).distance(disc.centre) <= disc.radius_m;
+            if !discs.iter().any(is_on_field) {
                 return Err(PlanFailure::GoalBlocked);
             }
         }
@@ -46,10 +49,10 @@ pub fn has_free_pose(checker: &CollisionChecker, disc: GoalDisc) -> bool {
     free_poses_in(checker, disc, RINGS, LEAST_CLEARANCE_M).next().is_some()
 }
 
-/// Returns the reason of a failure: where the body fits nowhere in a goal disc, that is the reason.
-pub fn explain_failure(checker: &CollisionChecker, goal: Goal, failure: PlanFailure) -> PlanFailure {
-    match goal {
-        Goal::Disc(disc) if !has_free_pose(checker, disc) => PlanFailure::GoalBlocked,
+/// Returns the reason of a failure: where the body fits nowhere in any of the discs, that is the reason.
+pub fn explain_failure(checker: &CollisionChecker, target: Target<'_>, failure: PlanFailure) -> PlanFailure {
+    match target {
+        Target::Discs(discs) if !discs.iter().any(|&disc| has_free_pose(checker, disc)) => PlanFailure::GoalBlocked,
         _ => failure,
     }
 }

@@ -2,12 +2,14 @@
 
 use crate::collision::CollisionChecker;
 use crate::geometry::Pose;
-use crate::planning::Goal;
+use crate::planning::GoalDisc;
 use crate::vehicle::{CurvePrice, Dimensions, Path, ReedsShepp};
 
 use super::best_first::AnalyticExpansion;
 use super::clearance_profile::ClearanceProfile;
+use super::drive_cost::CostModel;
 use super::motion_price::MotionPrice;
+use super::target::Target;
 use super::turn_straight::TurnStraightSteering;
 
 /// An estimate by turn-straight steering exceeds the straight line by at most this, because reversing may know better.
@@ -29,40 +31,66 @@ pub struct HeuristicValue {
 #[derive(Clone, Debug)]
 pub struct Heuristic {
     body: Dimensions,
+    cost: CostModel,
     curves: ReedsShepp,
     price: CurvePrice,
     steering: TurnStraightSteering,
 }
 
 impl Heuristic {
-    /// `cusp_m` is what a change of direction costs.
-    pub fn new(cusp_m: f64, body: &Dimensions) -> Self {
+    pub fn new(cost: CostModel, body: &Dimensions) -> Self {
+        let price = cost.motion_price(body);
         Self {
             body: *body,
+            cost,
             curves: ReedsShepp { radius_m: body.turning_radius_m },
-            price: CurvePrice { reverse_factor: 1.0, cusp_m },
-            steering: TurnStraightSteering::new(body, MotionPrice::in_metres(cusp_m, body)),
+            price: price.curve_price(),
+            steering: TurnStraightSteering::new(body, price),
         }
     }
 
-    /// Returns the estimate for a truck that came to `pose` forward or in reverse, or stands there.
-    pub fn without_bushes(&self, pose: Pose, after_reverse: Option<bool>, goal: Goal) -> HeuristicValue {
-        match goal {
-            Goal::Pose(end) => {
+    /// Returns the prices of single motions.
+    pub fn motion_price(&self) -> &MotionPrice {
+        &self.steering.price
+    }
+
+    /// Returns the estimate for a truck that came to `pose` forward or in reverse, or stands there: of several discs, for
+    /// the one with the least.
+    pub fn without_bushes(&self, pose: Pose, after_reverse: Option<bool>, target: Target<'_>) -> HeuristicValue {
+        match target {
+            Target::Pose(end) => {
                 let expansion = self.curve(pose, after_reverse, end);
                 HeuristicValue { cost_to_go: expansion.cost, expansion: Some(expansion) }
             }
-            Goal::Disc(disc) => {
-                let straight = self.body.body_centre(pose).distance(disc.centre) - disc.radius_m;
-                if straight <= 0.0 {
-                    return HeuristicValue { cost_to_go: 0.0, expansion: Some(AnalyticExpansion::new([], 0.0)) };
+            Target::Discs(discs) => {
+                let centre = self.body.body_centre(pose);
+                let straight = |disc: &GoalDisc| centre.distance(disc.centre) - disc.radius_m;
+                let nearest = (0..discs.len()).min_by(|&a, &b| straight(&discs[a]).total_cmp(&straight(&discs[b])));
+                let nearest = nearest.expect("there is a disc");
+                let mut best = self.into_disc(pose, after_reverse, (discs[nearest], straight(&discs[nearest])));
+                for (index, disc) in discs.iter().enumerate() {
+                    // No way into the disc is shorter than the straight line.
+                    if index != nearest && straight(disc) < best.cost_to_go {
+                        let value = self.into_disc(pose, after_reverse, (*disc, straight(disc)));
+                        if value.cost_to_go < best.cost_to_go {
+                            best = value;
+                        }
+                    }
                 }
-                let found = self.steering.best_into(pose, disc, after_reverse);
-                let expansion = found.map(|found| AnalyticExpansion::new(found.pieces(), found.cost));
-                let most = straight + DETOUR_CAP_M;
-                HeuristicValue { cost_to_go: expansion.map_or(most, |way| way.cost.min(most)), expansion }
+                best
             }
         }
+    }
+
+    /// Returns the estimate for one disc, whose rim is so far away in a straight line.
+    fn into_disc(&self, pose: Pose, after_reverse: Option<bool>, (disc, straight): (GoalDisc, f64)) -> HeuristicValue {
+        if straight <= 0.0 {
+            return HeuristicValue { cost_to_go: 0.0, expansion: Some(AnalyticExpansion::new([], 0.0)) };
+        }
+        let found = self.steering.best_into(pose, disc, after_reverse);
+        let expansion = found.map(|found| AnalyticExpansion::new(found.pieces(), found.cost));
+        let most = straight + DETOUR_CAP_M;
+        HeuristicValue { cost_to_go: expansion.map_or(most, |way| way.cost.min(most)), expansion }
     }
 
     /// Returns the way that an empty field would allow, if it keeps the clearance.
@@ -70,10 +98,10 @@ impl Heuristic {
         &self,
         checker: &CollisionChecker,
         start: Pose,
-        goal: Goal,
+        target: Target<'_>,
         profile: &ClearanceProfile,
     ) -> Option<Path> {
-        let expansion = self.without_bushes(start, None, goal).expansion?;
+        let expansion = self.without_bushes(start, None, target).expansion?;
         let is_free = profile.way_is_free(checker, start, expansion.segments());
         is_free.then(|| Path { start, segments: expansion.segments().collect() })
     }
@@ -82,14 +110,16 @@ impl Heuristic {
     pub fn shorten_end(
         &self,
         checker: &CollisionChecker,
-        mut path: Path,
-        goal: Goal,
+        path: Path,
+        target: Target<'_>,
         profile: &ClearanceProfile,
     ) -> Path {
-        if let Goal::Disc(disc) = goal {
-            self.steering.shorten_end(&mut path, disc, |pose, segment| profile.motion_is_free(checker, pose, segment));
-        }
-        path
+        let Target::Discs(discs) = target else { return path };
+        let disc = discs[target.disc_of(path.end(), &self.body)];
+        let mut shortened = path.clone();
+        self.steering.shorten_end(&mut shortened, disc, |pose, segment| profile.motion_is_free(checker, pose, segment));
+        // The steering knows prices of motions only, of which the time of a drive is no sum.
+        if self.cost.of(&shortened.segments) < self.cost.of(&path.segments) { shortened } else { path }
     }
 
     fn curve(&self, pose: Pose, after_reverse: Option<bool>, end: Pose) -> AnalyticExpansion {

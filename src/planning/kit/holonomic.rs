@@ -4,8 +4,10 @@ use glam::DVec2;
 
 use crate::collision::ClearanceField;
 use crate::geometry::FieldFrame;
-use crate::planning::Goal;
+use crate::planning::GoalDisc;
 use crate::planning::memory::{BytesAfter, Growing, Held, MemoryMeter};
+
+use super::target::Target;
 
 /// A truck drives at least this share of a walk over cells, however it cuts the corners of the grid.
 const SHARE: f64 = 0.94;
@@ -147,8 +149,8 @@ impl HolonomicHeuristic {
         ((cols * rows + 1) * (2 * 3 * TILE * TILE + 2) * size_of::<u32>()) as u64
     }
 
-    /// Forgets everything and begins at the goal; the drive comes from `start`.
-    pub fn begin(&mut self, field: &ClearanceField, goal: Goal, start: DVec2) {
+    /// Forgets everything and begins at the target; the drive comes from `start`.
+    pub fn begin(&mut self, field: &ClearanceField, target: Target<'_>, start: DVec2) {
         let [cols, rows] = tiles_along(field.frame());
         if self.directory.len() != cols * rows || self.met.len() > KEPT_TILES {
             *self = Self::holding(self.memory.beside());
@@ -164,7 +166,9 @@ impl HolonomicHeuristic {
         self.waiting = 0;
         self.target = Place::nearest(field.frame(), start);
         self.goal_cells.clear();
-        self.goal_cells.extend(goal_cells(field, goal).map(|place| (GOAL_COST + place.walk_cost(self.target), place)));
+        for place in target_cells(field, target) {
+            self.goal_cells.push((GOAL_COST + place.walk_cost(self.target), place));
+        }
         self.goal_cells.sort_unstable_by(|a, b| b.cmp(a));
         for number in 0..self.goal_cells.len() {
             let slot = self.slot(field, self.goal_cells[number].1);
@@ -335,12 +339,22 @@ fn tiles_along(frame: &FieldFrame) -> [usize; 2] {
     [frame.cols, frame.rows].map(|cells| (usize::from(cells) + 2).div_ceil(TILE))
 }
 
+/// Returns the free cells that a target meets, each once.
+fn target_cells(field: &ClearanceField, target: Target<'_>) -> Vec<Place> {
+    match target {
+        Target::Pose(end) => goal_cells(field, GoalDisc { centre: end.position(), radius_m: 0.0 }).collect(),
+        Target::Discs(discs) => {
+            let mut cells: Vec<Place> = discs.iter().flat_map(|&disc| goal_cells(field, disc)).collect();
+            cells.sort_unstable();
+            cells.dedup();
+            cells
+        }
+    }
+}
+
 /// Returns the free cells that a goal touches.
-fn goal_cells(field: &ClearanceField, goal: Goal) -> impl Iterator<Item = Place> + '_ {
-    let (centre, radius_m) = match goal {
-        Goal::Pose(pose) => (pose.position(), 0.0),
-        Goal::Disc(disc) => (disc.centre, disc.radius_m),
-    };
+fn goal_cells(field: &ClearanceField, disc: GoalDisc) -> impl Iterator<Item = Place> + '_ {
+    let GoalDisc { centre, radius_m } = disc;
     let frame = field.frame();
     let range = move |middle: f64, count: u16| {
         let index = |metres: f64| (metres / frame.cell_m) as usize;
@@ -379,7 +393,7 @@ mod tests {
     }
 
     /// The lengths of shortest walks from all cells to the goal, by another search.
-    fn walks(field: &ClearanceField, goal: Goal) -> Grid<f64> {
+    fn walks(field: &ClearanceField, target: Target<'_>) -> Grid<f64> {
         let mut moves = legal_moves(field.occupied(), Connectivity::Eight, CornerCutting::Allowed);
         for mask in moves.values_mut() {
             for (k, beside) in BESIDE_DIAGONAL {
@@ -387,7 +401,7 @@ mod tests {
             }
         }
         let cols = usize::from(field.frame().cols);
-        let goals = goal_cells(field, goal).map(|place| (place.row() - 1) * cols + place.col() - 1);
+        let goals = target_cells(field, target).into_iter().map(|place| (place.row() - 1) * cols + place.col() - 1);
         cost_to_go(&moves, goals, (1.0, std::f64::consts::SQRT_2))
     }
 
@@ -395,10 +409,10 @@ mod tests {
     fn compare(
         walk: &mut HolonomicHeuristic,
         field: &ClearanceField,
-        goal: Goal,
+        target: Target<'_>,
         (asked, rng): (u32, &mut Xoshiro256PlusPlus),
     ) -> [u32; 2] {
-        let all = walks(field, goal);
+        let all = walks(field, target);
         let mut counts = [0; 2];
         for _ in 0..asked {
             let index = rng.random_range(0..all.values().len());
@@ -419,13 +433,15 @@ mod tests {
             let mut field = TestField::random(seed, 60);
             let mut rng = rng::stream(seed, "walks");
             let mut walk = HolonomicHeuristic::new(&MemoryMeter::unlimited());
-            for goal in [Goal::Disc(field.random_goal()), Goal::Pose(random_free_pose(&mut field, 0.1))] {
+            let discs = [(); 4].map(|()| field.random_goal());
+            let pose = random_free_pose(&mut field, 0.1);
+            for target in [Target::Discs(&discs[..1]), Target::Discs(&discs), Target::Pose(pose)] {
                 let start = DVec2::new(rng.random_range(-10.0..160.0), rng.random_range(-10.0..160.0));
-                walk.begin(field.checker.field(), goal, start);
-                reached += compare(&mut walk, field.checker.field(), goal, (200, &mut rng))[0];
+                walk.begin(field.checker.field(), target, start);
+                reached += compare(&mut walk, field.checker.field(), target, (200, &mut rng))[0];
             }
         }
-        assert!(reached > 1_000, "{reached}");
+        assert!(reached > 1_500, "{reached}");
     }
 
     /// A field of many tiles that bushes cut into pockets, large and small.
@@ -440,9 +456,9 @@ mod tests {
             let mut walk = HolonomicHeuristic::new(&MemoryMeter::unlimited());
             for radius_m in [0.0, 10.0, 90.0] {
                 let mut draw = || DVec2::new(rng.random_range(0.0..300.0), rng.random_range(0.0..220.0));
-                let (goal, start) = (Goal::Disc(GoalDisc { centre: draw(), radius_m }), draw());
-                walk.begin(&field, goal, start);
-                let found = compare(&mut walk, &field, goal, (300, &mut rng));
+                let (discs, start) = ([GoalDisc { centre: draw(), radius_m }], draw());
+                walk.begin(&field, Target::Discs(&discs), start);
+                let found = compare(&mut walk, &field, Target::Discs(&discs), (300, &mut rng));
                 counts = [counts[0] + found[0], counts[1] + found[1]];
             }
         }
@@ -457,7 +473,7 @@ mod tests {
         let field = ClearanceField::new(frame, &Grid::from_values(2000, 2000, occupied));
         let mut walk = HolonomicHeuristic::new(&MemoryMeter::unlimited());
         let (start, goal) = (DVec2::new(5002.5, 5002.5), Pose::new(5302.5, 5302.5, 0.0));
-        walk.begin(&field, Goal::Disc(GoalDisc { centre: goal.position(), radius_m: 10.0 }), start);
+        walk.begin(&field, Target::Discs(&[GoalDisc { centre: goal.position(), radius_m: 10.0 }]), start);
         assert!(walk.cost_to_go_m(&field, start).is_finite());
         assert!(walk.met.len() <= 16, "{} tiles", walk.met.len());
     }
@@ -467,7 +483,7 @@ mod tests {
         let field = TestField::random(1, 25);
         let memory = MemoryMeter::new(1000);
         let mut walk = HolonomicHeuristic::new(&memory);
-        walk.begin(field.checker.field(), Goal::Pose(field.start), DVec2::ZERO);
+        walk.begin(field.checker.field(), Target::Pose(field.start), DVec2::ZERO);
         assert_eq!(walk.cost_to_go_m(field.checker.field(), field.start.position()), f64::INFINITY);
         assert!(memory.overrun().is_some());
     }

@@ -7,6 +7,7 @@ use glam::DVec2;
 use super::local_search::{MotionCost, PrimitiveSettings};
 use super::safety::Safety;
 use crate::geometry::Pose;
+use crate::trajectory::SpeedLimits;
 use crate::vehicle::{CurvePrice, Dimensions, Segment};
 
 /// The price list of motions.
@@ -42,11 +43,38 @@ impl MotionPrice {
         Self { per_metre: 1.0, turn: 0.0, reverse: 0.0, cusp: cusp_m, safety: None, ahead_m: body.centre_offset_m() }
     }
 
+    /// Creates a list in metres at the greatest speed forward: each metre costs the time that it takes at the greatest
+    /// speed on it, a turn that of the tightest, and a cusp the time that is lost by stopping and setting out again.
+    pub fn in_time(limits: &SpeedLimits, body: &Dimensions) -> Self {
+        let pace =
+            |curvature: f64, length_m: f64| limits.forward_mps / limits.speed_on(&Segment { curvature, length_m });
+        // While a truck brakes from a speed or gains it, it drives half as far as it would at that speed.
+        let lost_s = |speed_mps: f64, limit: Option<f64>| limit.map_or(0.0, |mps2| 0.5 * speed_mps / mps2);
+        let lost_at = |speed_mps| lost_s(speed_mps, limits.braking_mps2) + lost_s(speed_mps, limits.acceleration_mps2);
+        // One side of a cusp is in reverse, the other forward.
+        let cusp_s = 0.5 * (lost_at(limits.forward_mps) + lost_at(limits.reverse_mps));
+        Self {
+            turn: pace(body.max_curvature(), 1.0) - 1.0,
+            reverse: pace(0.0, -1.0) - 1.0,
+            ..Self::in_metres(cusp_s * limits.forward_mps, body)
+        }
+    }
+
+    /// Returns what a metre of a segment costs, without what places cost.
+    pub fn rate(&self, segment: Segment) -> f64 {
+        let turn = if segment.curvature == 0.0 { 0.0 } else { self.turn };
+        self.per_metre * (1.0 + turn + if segment.is_reverse() { self.reverse } else { 0.0 })
+    }
+
+    /// Returns what a cusp costs.
+    pub fn cusp(&self) -> f64 {
+        self.cusp
+    }
+
     /// Returns the cost of a segment driven after another one, or from standstill, without what places cost.
     pub fn cost(&self, segment: Segment, after_reverse: Option<bool>) -> f64 {
         let reverse = segment.is_reverse();
-        let turn = if segment.curvature == 0.0 { 0.0 } else { self.turn };
-        let rate = self.per_metre * (1.0 + turn + if reverse { self.reverse } else { 0.0 });
+        let rate = self.rate(segment);
         let cusp = if after_reverse.is_some_and(|before| before != reverse) { self.cusp } else { 0.0 };
         segment.length_m.abs() * rate + cusp
     }

@@ -14,18 +14,20 @@ use crate::planning::observer::PlanningObserver;
 use crate::planning::search_graph::SearchPhase;
 use crate::planning::{Found, FoundBy, Goal, PlanFailure};
 use crate::rng::Xoshiro256PlusPlus;
-use crate::vehicle::{Path, Segment};
+use crate::vehicle::{Dimensions, Path, Segment};
 
 use super::best_first::{AnalyticExpansion, Candidate, Ending, Never, Node, PoseSearch, SearchOf, SearchSpace};
 use super::clearance_profile::ClearanceProfile;
 use super::closed_set::ClosedSet;
+use super::drive_cost::CostModel;
 use super::ends::{explain_failure, free_ends, free_poses_in};
 use super::floods::{FloodQuery, FloodSearch, Floods, LATTICES};
 use super::heuristic::Heuristic;
 use super::holonomic::HolonomicHeuristic;
 use super::lattice::Lattice;
+use super::path_improvement::{Improvement, PathImprover};
 use super::relaxation::Stage;
-use super::shortcuts::Shortcutter;
+use super::target::Target;
 
 /// Share of the wanted clearance that the last stages keep.
 const LEAST_SHARE: f64 = 0.04;
@@ -80,11 +82,11 @@ pub struct RelaxedSettings {
     pub clearance_m: f64,
     /// The lattice of all searches but the last.
     pub lattice: Lattice,
-    /// Cost of a change between forward and reverse.
-    pub cusp_cost: f64,
+    /// What paths are compared by.
+    pub cost: CostModel,
     pub heuristic_weight: f64,
-    /// Shortcuts tried on the path found.
-    pub shortcuts: u32,
+    /// What is tried on the path found.
+    pub improvement: Improvement,
     /// Nodes that one query may expand, over all its searches.
     pub max_expansions: u32,
 }
@@ -101,7 +103,7 @@ pub struct RelaxedSearch {
     fine: Option<[LatticeSearch; 2]>,
     /// Walks to the goal and to the start.
     walks: [HolonomicHeuristic; 2],
-    shortcutter: Shortcutter,
+    improver: PathImprover,
     floods: FloodSearch,
     /// The state from which every query draws its shortcuts.
     rng: Xoshiro256PlusPlus,
@@ -114,7 +116,7 @@ type LatticeSearch = PoseSearch<Option<AnalyticExpansion>, Never>;
 /// The drive that a query asks for.
 struct Drive<'a> {
     start: Pose,
-    goal: Goal,
+    target: Target<'a>,
     /// The poses that are given, with the body's clearances there.
     ends: &'a [(Pose, f64)],
 }
@@ -131,11 +133,11 @@ impl RelaxedSearch {
         Self {
             checker: checker.clone(),
             memory: memory.clone(),
-            heuristic: Heuristic::new(settings.cusp_cost, body),
+            heuristic: Heuristic::new(settings.cost, body),
             coarse: [(); 2].map(|()| PoseSearch::new(body, settings.lattice, memory)),
             fine: None,
             walks: [(); 2].map(|()| HolonomicHeuristic::new(memory)),
-            shortcutter: Shortcutter::new(checker, settings.cusp_cost),
+            improver: PathImprover::new(checker, settings.cost),
             floods: FloodSearch::new(checker, memory),
             rng,
             expansions: 0,
@@ -160,42 +162,52 @@ impl RelaxedSearch {
         PlannerMemory { held, grows: searches + flood + walks, ..PlannerMemory::default() }
     }
 
+    pub fn body(&self) -> &Dimensions {
+        self.checker.body()
+    }
+
     /// Returns the nodes that the last query expanded.
     pub fn expansions(&self) -> u32 {
         self.expansions
     }
 
-    /// Finds a path from a pose to a goal.
+    /// Finds a path from a pose to a target.
     ///
     /// # Errors
     /// The reason why there is none.
-    pub fn find(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Result<Found, PlanFailure> {
+    pub fn find(
+        &mut self,
+        start: Pose,
+        target: Target<'_>,
+        observer: &mut dyn PlanningObserver,
+    ) -> Result<Found, PlanFailure> {
         self.expansions = 0;
-        let ends = free_ends(&self.checker, start, goal)?;
+        let ends = free_ends(&self.checker, start, target)?;
         let profile = ClearanceProfile::new(self.settings.clearance_m, ends.iter().copied());
-        if let Some(path) = self.heuristic.free_expansion(&self.checker, start, goal, &profile) {
+        if let Some(path) = self.heuristic.free_expansion(&self.checker, start, target, &profile) {
             return Ok(Found { path, by: FoundBy::Straight });
         }
-        self.relax(&Drive { start, goal, ends: &ends }, observer)
-            .map_err(|failure| explain_failure(&self.checker, goal, failure))
+        self.relax(&Drive { start, target, ends: &ends }, observer)
+            .map_err(|failure| explain_failure(&self.checker, target, failure))
     }
 
     /// Goes through the schedule until a stage succeeds. The last one tells why not.
     fn relax(&mut self, drive: &Drive<'_>, observer: &mut dyn PlanningObserver) -> Result<Found, PlanFailure> {
-        let &Drive { start, goal, ends } = drive;
+        let &Drive { start, target, ends } = drive;
         let (field, body) = (self.checker.field(), self.checker.body());
-        self.walks[0].begin(field, goal, goal.position_of(start, body));
-        self.walks[1].begin(field, Goal::Pose(start), goal.position());
+        self.walks[0].begin(field, target, target.position_of(start, body));
+        self.walks[1].begin(field, Target::Pose(start), target.position());
         let mut ending = Ending::Exhausted;
         for stage in SCHEDULE {
             let min_clearance_m = stage.min_clearance_m(self.settings.clearance_m, f64::INFINITY);
             let profile = ClearanceProfile::new(min_clearance_m, ends.iter().copied());
             let (path, by) = match stage.effort {
                 Means::Searches { lattice, forward, backward } => {
-                    let starts_behind: Vec<Pose> = match goal {
+                    let free_poses = |&disc| free_poses_in(&self.checker, disc, START_RINGS, min_clearance_m);
+                    let starts_behind: Vec<Pose> = match target {
                         _ if backward == 0 => Vec::new(),
-                        Goal::Pose(end) => vec![end],
-                        Goal::Disc(disc) => free_poses_in(&self.checker, disc, START_RINGS, min_clearance_m).collect(),
+                        Target::Pose(end) => vec![end],
+                        Target::Discs(discs) => discs.iter().flat_map(free_poses).collect(),
                     };
                     let path = self.search(lattice, [forward, backward], drive, &profile, &starts_behind);
                     self.show(lattice, backward > 0, observer);
@@ -206,13 +218,13 @@ impl RelaxedSearch {
                     };
                     (path, by)
                 }
-                Means::Flood => (self.flood(start, goal, observer), FoundBy::Lattice),
+                Means::Flood => (self.flood(start, target, observer), FoundBy::Lattice),
             };
             match path {
                 Ok(path) => {
-                    let tries = self.settings.shortcuts;
-                    let path = self.shortcutter.improve(&path, &profile, tries, &mut self.rng.clone());
-                    return Ok(Found { path: self.heuristic.shorten_end(&self.checker, path, goal, &profile), by });
+                    let improvement = self.settings.improvement;
+                    let path = self.improver.improve(&path, &profile, improvement, &mut self.rng.clone());
+                    return Ok(Found { path: self.heuristic.shorten_end(&self.checker, path, target, &profile), by });
                 }
                 Err(failed) => ending = failed,
             }
@@ -232,7 +244,7 @@ impl RelaxedSearch {
         profile: &ClearanceProfile,
         starts_behind: &[Pose],
     ) -> Result<Path, Ending> {
-        let &Drive { start, goal, .. } = drive;
+        let &Drive { start, target, .. } = drive;
         let Self { checker, settings, memory, heuristic, coarse, fine, walks: [to_goal, to_start], .. } = self;
         let [forward, backward] = match lattice {
             LatticeKind::Coarse => coarse,
@@ -241,9 +253,9 @@ impl RelaxedSearch {
             }),
         };
         let (checker, heuristic) = (&*checker, &*heuristic);
-        let mut ahead = LatticeSpace { checker, heuristic, profile, goal, walk: to_goal, settings };
-        let back = Goal::Pose(start);
-        let mut behind = LatticeSpace { checker, heuristic, profile, goal: back, walk: to_start, settings };
+        let mut ahead = LatticeSpace { checker, heuristic, profile, target, walk: to_goal, settings };
+        let back = Target::Pose(start);
+        let mut behind = LatticeSpace { checker, heuristic, profile, target: back, walk: to_start, settings };
         forward.begin(&mut ahead, [start], None);
         if budgets[BACKWARD] > 0 {
             backward.begin(&mut behind, starts_behind.iter().copied(), None);
@@ -271,7 +283,7 @@ impl RelaxedSearch {
                     }
                     // From a disc only some poses were searched, and beyond the fine lattice there is nothing to try.
                     Err(Ending::Exhausted)
-                        if lattice == LatticeKind::Fine || (side == BACKWARD && matches!(goal, Goal::Disc(_))) =>
+                        if lattice == LatticeKind::Fine || (side == BACKWARD && matches!(target, Target::Discs(_))) =>
                     {
                         left[side] = 0;
                     }
@@ -294,11 +306,20 @@ impl RelaxedSearch {
         }
     }
 
-    fn flood(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Result<Path, Ending> {
-        let budget = self.settings.max_expansions - self.expansions;
-        let (path, spent) = self.floods.find_within(&FloodQuery { start, goal, budget, lattices: FLOODS }, observer);
-        self.expansions += spent;
-        path.map_err(|_| Ending::Exhausted)
+    /// Asks the flood for one disc after the other, since it has no order by cost.
+    fn flood(&mut self, start: Pose, target: Target<'_>, observer: &mut dyn PlanningObserver) -> Result<Path, Ending> {
+        let goals: Vec<Goal> = match target {
+            Target::Pose(end) => vec![end.into()],
+            Target::Discs(discs) => discs.iter().map(|&disc| disc.into()).collect(),
+        };
+        let found = goals.into_iter().find_map(|goal| {
+            let budget = self.settings.max_expansions - self.expansions;
+            let query = FloodQuery { start, goal, budget, lattices: FLOODS };
+            let (path, spent) = self.floods.find_within(&query, observer);
+            self.expansions += spent;
+            path.ok()
+        });
+        found.ok_or(Ending::Exhausted)
     }
 }
 
@@ -311,13 +332,13 @@ fn most_bytes_of_search(expansions: u32) -> u64 {
     LatticeSearch::most_bytes(nodes, entries) + ClosedSet::most_bytes(nodes)
 }
 
-/// A goal, and what leads there.
+/// A target, and what leads there.
 struct LatticeSpace<'a> {
     checker: &'a CollisionChecker,
     heuristic: &'a Heuristic,
     profile: &'a ClearanceProfile,
-    goal: Goal,
-    /// Towards the goal.
+    target: Target<'a>,
+    /// Towards the target.
     walk: &'a mut HolonomicHeuristic,
     settings: &'a RelaxedSettings,
 }
@@ -338,9 +359,9 @@ impl SearchSpace for LatticeSpace<'_> {
 
     fn estimate(&mut self, node: &mut Node<Self::Mark>) -> Option<f64> {
         // The steering bounds the way from below, and so do the bushes: the greater of both counts.
-        let value = self.heuristic.without_bushes(node.pose, node.reverse, self.goal);
+        let value = self.heuristic.without_bushes(node.pose, node.reverse, self.target);
         let walked =
-            self.walk.cost_to_go_m(self.checker.field(), self.goal.position_of(node.pose, self.checker.body()));
+            self.walk.cost_to_go_m(self.checker.field(), self.target.position_of(node.pose, self.checker.body()));
         (node.cost_to_go, node.mark) = (value.cost_to_go.max(walked), value.expansion);
         value.expansion.map(|expansion| expansion.cost)
     }
@@ -350,7 +371,7 @@ impl SearchSpace for LatticeSpace<'_> {
     }
 
     fn offer_successors(&mut self, search: &mut SearchOf<Self>, from: Candidate<Never>) {
-        search.offer_motions(from.node, self.settings.cusp_cost, self.settings.heuristic_weight);
+        search.offer_motions(from.node, self.heuristic.motion_price(), self.settings.heuristic_weight);
     }
 
     fn motion_is_free(&self, from: Pose, motion: Segment) -> bool {

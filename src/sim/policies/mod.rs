@@ -37,6 +37,9 @@ pub use registry::{BuiltIn, MakePolicy, NamedPolicy, Policies, PolicyNameError, 
 pub enum Choice {
     /// It goes for this cell, which is one of its options.
     Go(Cell),
+    /// A truck goes for whichever of its options is the nearest by drive, as its planner finds. One that has a goal keeps it,
+    /// and a Wumpus waits.
+    GoToNearest,
     /// A truck of a [team](Asking::Team) drives to this place, in metres in the frame of the field, and waits there; it may
     /// be called off on the way. One that has a goal drops it. Any other agent waits.
     Move(DVec2),
@@ -51,11 +54,20 @@ pub enum Choice {
 }
 
 impl Choice {
+    /// Says whether an agent that has these options goes for one of them.
+    pub fn is_one_of(self, options: &[Cell]) -> bool {
+        match self {
+            Self::Go(cell) => options.contains(&cell),
+            Self::GoToNearest => !options.is_empty(),
+            Self::Move(_) | Self::Refill | Self::Wait | Self::WaitUntil(_) => false,
+        }
+    }
+
     /// Returns when an agent that waits decides again, if nothing wakes it before.
     pub fn until(self) -> Option<SimTime> {
         match self {
             Self::WaitUntil(time) => Some(time),
-            Self::Go(_) | Self::Move(_) | Self::Refill | Self::Wait => None,
+            Self::Go(_) | Self::GoToNearest | Self::Move(_) | Self::Refill | Self::Wait => None,
         }
     }
 }

@@ -24,6 +24,9 @@ use crate::timeline::{AgentFact, RestReason};
 use crate::trajectory::{Piece, Trajectory};
 use crate::vehicle::Path;
 
+/// Of its options a truck that goes to the nearest by drive looks at this number of the nearest in a straight line.
+const MOST_GOALS: usize = 6;
+
 /// A decision that is not yet made.
 #[derive(Clone, Debug)]
 pub struct Deliberation {
@@ -117,6 +120,35 @@ fn driven(trajectory: &Trajectory) -> Option<Path> {
     (!segments.is_empty()).then(|| Path { start: trajectory.start(), segments })
 }
 
+/// Lets a truck set out on a drive, round those that are in its way if need be. Returns `None` if they stay in its way; the
+/// drive is kept then, and another goal is to be tried.
+fn depart_or_wait(
+    agent: &mut Agent,
+    truck: &mut Truck,
+    drive: Drive,
+    outset: Outset<'_>,
+    begun: &mut Deliberation,
+) -> Option<Conclusion> {
+    let by_flood = drive.is_by_flood();
+    match truck.depart(drive, outset) {
+        Ok((drive, leg)) => Some(Conclusion::SetsOut(drive, leg)),
+        Err(blocked) if by_flood => Some(Conclusion::Waits(vec![blocked])),
+        Err(blocked) => {
+            // Looking for a way round is expensive: once for every truck that is in the way.
+            let is_new = !begun.before.iter().any(|before| before.reason() == blocked.reason());
+            let detour = if truck.traffic.detours == Detours::Each && is_new {
+                truck.replan_around(&blocked.drive, outset, &mut agent.cost)
+            } else {
+                None
+            };
+            if detour.is_none() {
+                begun.blocked.push(blocked);
+            }
+            detour.map(|(drive, leg)| Conclusion::SetsOut(drive, leg))
+        }
+    }
+}
+
 impl Fleet<'_, '_> {
     /// Lists what burns and is the goal of none but some trucks.
     fn unclaimed(&self, except: &[Entity], fires: &FireField) -> Vec<Cell> {
@@ -164,6 +196,7 @@ impl Fleet<'_, '_> {
         }
         let conclusion = match goal {
             Some(goal) => self.try_goal(entity, goal, fires),
+            None if choice == Choice::GoToNearest && !options.is_empty() => self.try_nearest(entity, &options, fires),
             None if choice == Choice::Refill || self.is_out_of_water(entity) => Some(self.refill(entity, fires)),
             None if options.is_empty() => Some(self.stop_looking(entity, fires)),
             None => Some(Conclusion::Stays(choice.until())),
@@ -222,26 +255,39 @@ impl Fleet<'_, '_> {
                 }
             }
         };
-        let conclusion = match drive.map(|drive| truck.depart(drive, outset)) {
-            None => None,
-            Some(Ok((drive, leg))) => Some(Conclusion::SetsOut(drive, leg)),
-            Some(Err(blocked)) if by_flood => Some(Conclusion::Waits(vec![blocked])),
-            Some(Err(blocked)) => {
-                // Looking for a way round is expensive: once for every truck that is in the way.
-                let is_new = !begun.before.iter().any(|before| before.reason() == blocked.reason());
-                let detour = if truck.traffic.detours == Detours::Each && is_new {
-                    truck.replan_around(&blocked.drive, outset, &mut agent.cost)
-                } else {
-                    None
-                };
-                if detour.is_none() {
-                    begun.blocked.push(blocked);
-                }
-                detour.map(|(drive, leg)| Conclusion::SetsOut(drive, leg))
-            }
-        };
+        let conclusion = drive.and_then(|drive| depart_or_wait(agent, truck, drive, outset, &mut begun));
         truck.deliberation = Some(begun);
         conclusion
+    }
+
+    /// Plans a drive to the option that is the nearest by drive and sets out for it. Returns `None` if that fails and another
+    /// goal is to be tried.
+    pub fn try_nearest(&mut self, entity: Entity, options: &[Cell], fires: &FireField) -> Option<Conclusion> {
+        let (now, reservations) = (self.now(), self.reservations());
+        let (mut agent, mut truck) = self.trucks.get_mut(entity).ok()?;
+        let (agent, truck) = (&mut *agent, &mut *truck);
+        let (pose, frame) = (agent.trajectory.start(), fires.frame());
+        let from = truck.body.body_centre(pose);
+        let squared_m = |cell: &Cell| (frame.centre(*cell) - from).length_squared();
+        // By cell index, so that of equally near ones the first counts.
+        let mut nearest = options.to_vec();
+        nearest.sort_by(|a, b| squared_m(a).total_cmp(&squared_m(b)));
+        let first = *nearest.first()?;
+        nearest.truncate(MOST_GOALS);
+        nearest.retain(|cell| !truck.failed_goals.contains(cell));
+        if nearest.len() > 1 && truck.reach_m.is_finite() {
+            let mut begun = truck.deliberation.take()?;
+            let traffic = Traffic::new(&reservations, entity);
+            let outset = Outset { now, pose, frame, traffic, delay: begun.delay };
+            let drive = truck.plan_to_nearest(&nearest, outset, &mut begun.spent, &mut agent.cost, &mut self.recorder);
+            let has_drive = drive.is_some();
+            let conclusion = drive.and_then(|drive| depart_or_wait(agent, truck, drive, outset, &mut begun));
+            truck.deliberation = Some(begun);
+            if has_drive {
+                return conclusion;
+            }
+        }
+        self.try_goal(entity, first, fires)
     }
 
     /// Nothing is left to try: the truck looks for a way round those in its way, waits for them, or rests.

@@ -2,7 +2,9 @@
 
 use super::Truck;
 use crate::geometry::{Cell, FieldFrame, Pose};
-use crate::planning::{CpuSource, Effort, FoundBy, GoalDisc, PlanFailure, QueryMonitor, replan_around};
+use crate::planning::{
+    CpuSource, Effort, FoundBy, GoalDisc, Plan, PlanFailure, QueryMonitor, plan_to_nearest, replan_around,
+};
 use crate::sim::recorder::Recorder;
 use crate::sim::run::AgentCost;
 use crate::sim::traffic::Traffic;
@@ -82,6 +84,22 @@ impl Truck {
         Ok(Drive { goal, path, back_m: 0.0, effort: *spent, found_by })
     }
 
+    /// Plans a drive to whichever of some goals is the nearest by drive, on the same terms. `None` if there is no way to any.
+    pub fn plan_to_nearest(
+        &mut self,
+        goals: &[Cell],
+        outset: Outset<'_>,
+        spent: &mut Effort,
+        cost: &mut AgentCost,
+        recorder: &mut Recorder,
+    ) -> Option<Drive> {
+        let discs: Vec<GoalDisc> = goals.iter().map(|&goal| self.disc(outset.frame, goal)).collect();
+        let mut monitor = QueryMonitor::new(recorder.records_searches);
+        let (index, plan) = plan_to_nearest(self.planner.as_mut(), &self.body, outset.pose, &discs, &mut monitor)?;
+        let (path, found_by) = settle(plan, monitor, outset.now, spent, cost, recorder).ok()?;
+        Some(Drive { goal: goals[index], path, back_m: 0.0, effort: *spent, found_by })
+    }
+
     /// Asks the planner for a path to a disc, on the same terms.
     pub fn query(
         &mut self,
@@ -93,23 +111,7 @@ impl Truck {
     ) -> Result<(Path, FoundBy), (PlanFailure, Effort)> {
         let mut monitor = QueryMonitor::new(recorder.records_searches);
         let plan = self.planner.plan_observed(outset.pose, disc.into(), &mut monitor);
-        let (time, searched) = monitor.finish();
-        match plan.cpu {
-            Some(cpu) => cost.add_query(cpu),
-            None => {
-                cost.roadmap_search += time.roadmap;
-                cost.local_search += time.local;
-            }
-        }
-        *spent += plan.effort;
-        recorder.record_searches(outset.now, cost.agent, searched);
-        match plan.path {
-            Ok(path) => Ok((path, plan.found_by.expect("a plan with a path says what found it"))),
-            Err(reason) => {
-                recorder.note_failure(outset.now, cost.agent, reason, plan.message.as_deref());
-                Err((reason, std::mem::take(spent)))
-            }
-        }
+        settle(plan, monitor, outset.now, spent, cost, recorder).map_err(|reason| (reason, std::mem::take(spent)))
     }
 
     /// Finds a drive to a goal that the planner failed on; `None` if the reachability flood does not get there.
@@ -182,5 +184,33 @@ impl Truck {
         let mut effort = blocked.effort;
         effort += spent;
         self.depart(Drive { path: path?, effort, ..blocked.clone() }, outset).ok()
+    }
+}
+
+/// Books what a query took, and returns the path that it found.
+fn settle(
+    plan: Plan,
+    monitor: QueryMonitor,
+    now: SimTime,
+    spent: &mut Effort,
+    cost: &mut AgentCost,
+    recorder: &mut Recorder,
+) -> Result<(Path, FoundBy), PlanFailure> {
+    let (time, searched) = monitor.finish();
+    match plan.cpu {
+        Some(cpu) => cost.add_query(cpu),
+        None => {
+            cost.roadmap_search += time.roadmap;
+            cost.local_search += time.local;
+        }
+    }
+    *spent += plan.effort;
+    recorder.record_searches(now, cost.agent, searched);
+    match plan.path {
+        Ok(path) => Ok((path, plan.found_by.expect("a plan with a path says what found it"))),
+        Err(reason) => {
+            recorder.note_failure(now, cost.agent, reason, plan.message.as_deref());
+            Err(reason)
+        }
     }
 }

@@ -163,7 +163,7 @@ impl Fleet<'_, '_> {
             (Some(_), _, Choice::Move(_) | Choice::Refill) => self.drop_goal(entity),
             // It is on its way to water.
             (None, ..) if agent.stops_left == Some(0) => return false,
-            (None, _, Choice::Go(_)) => self.halt(entity),
+            (None, _, Choice::Go(_) | Choice::GoToNearest) => self.halt(entity),
             (None, Some(post), Choice::Move(place)) if (place - post).length() > AS_GOOD_M => self.halt(entity),
             _ => return false,
         }
@@ -175,8 +175,11 @@ impl Fleet<'_, '_> {
         let options = self.options(entity, &[entity], fires);
         match choice {
             _ if self.is_out_of_water(entity) => Some(self.refill(entity, fires)),
-            Choice::Go(cell) if options.contains(&cell) => {
-                let conclusion = self.try_goal(entity, cell, fires);
+            Choice::Go(_) | Choice::GoToNearest if choice.is_one_of(&options) => {
+                let conclusion = match choice {
+                    Choice::Go(cell) => self.try_goal(entity, cell, fires),
+                    _ => self.try_nearest(entity, &options, fires),
+                };
                 if conclusion.is_none()
                     && let Ok((mut agent, _)) = self.trucks.get_mut(entity)
                 {

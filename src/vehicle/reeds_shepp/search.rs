@@ -28,14 +28,24 @@ impl CurvePrice {
 
     /// Computes the cost of a curve.
     pub fn cost(&self, curve: &Curve) -> f64 {
+        self.cost_of(curve.segments().map(|segment| segment.length_m))
+    }
+
+    /// Computes the cost of a curve that is driven from its end to its start.
+    pub fn cost_back(&self, curve: &Curve) -> f64 {
+        self.cost_of(curve.segments().map(|segment| -segment.length_m))
+    }
+
+    fn cost_of(&self, lengths_m: impl Iterator<Item = f64>) -> f64 {
         let mut cost = 0.0;
         let mut reverse = None;
-        for segment in curve.segments() {
-            if reverse.is_some_and(|before| before != segment.is_reverse()) {
+        for length_m in lengths_m {
+            let is_reverse = length_m < 0.0;
+            if reverse.is_some_and(|before| before != is_reverse) {
                 cost += self.cusp_m;
             }
-            reverse = Some(segment.is_reverse());
-            cost += if segment.is_reverse() { -self.reverse_factor * segment.length_m } else { segment.length_m };
+            reverse = Some(is_reverse);
+            cost += if is_reverse { -self.reverse_factor * length_m } else { length_m };
         }
         cost
     }

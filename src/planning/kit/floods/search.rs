@@ -4,8 +4,10 @@ use crate::collision::CollisionChecker;
 use crate::geometry::{FieldFrame, Pose};
 use crate::planning::kit::best_first::AnalyticExpansion;
 use crate::planning::kit::clearance_profile::ClearanceProfile;
+use crate::planning::kit::drive_cost::CostModel;
 use crate::planning::kit::ends::{explain_failure, free_ends};
 use crate::planning::kit::heuristic::Heuristic;
+use crate::planning::kit::target::Target;
 use crate::planning::memory::MemoryMeter;
 use crate::planning::observer::PlanningObserver;
 use crate::planning::search_graph::SearchPhase;
@@ -129,7 +131,7 @@ impl FloodSearch {
         Self {
             checker: checker.clone(),
             memory: memory.clone(),
-            heuristic: Heuristic::new(0.0, checker.body()),
+            heuristic: Heuristic::new(CostModel::Length { cusp_m: 0.0 }, checker.body()),
             floods: None,
             left: 0,
         }
@@ -148,7 +150,7 @@ impl FloodSearch {
 
     fn find(&mut self, query: &FloodQuery, observer: &mut dyn PlanningObserver) -> Result<Path, PlanFailure> {
         let &FloodQuery { start, goal, lattices, .. } = query;
-        let profile = ClearanceProfile::new(CLEARANCE_M, free_ends(&self.checker, start, goal)?);
+        let profile = ClearanceProfile::new(CLEARANCE_M, free_ends(&self.checker, start, Target::from(&goal))?);
         let kept = self.floods.take().filter(|floods| floods.root() == start);
         let mut floods = kept.unwrap_or_else(|| Floods::new(&self.checker, &self.memory, start));
         let mut path = Err(PlanFailure::Disconnected);
@@ -170,7 +172,7 @@ impl FloodSearch {
             }
         }
         self.floods = Some(floods);
-        path.map_err(|failure| explain_failure(&self.checker, goal, failure))
+        path.map_err(|failure| explain_failure(&self.checker, Target::from(&goal), failure))
     }
 
     /// Finds a path by one flood.
@@ -192,7 +194,7 @@ impl FloodSearch {
         let near = GoalDisc { radius_m: disc.radius_m + NEAR_M, ..disc };
         let ways = flood.known_in(near, budget).filter_map(|index| {
             let pose = flood.path_to(index).end();
-            Some((index, pose, self.heuristic.without_bushes(pose, None, goal).expansion?))
+            Some((index, pose, self.heuristic.without_bushes(pose, None, Target::from(&goal)).expansion?))
         });
         let mut ways: Vec<(u32, Pose, AnalyticExpansion)> = ways.collect();
         ways.sort_by(|(index, _, one), (other, _, two)| one.cost.total_cmp(&two.cost).then(index.cmp(other)));

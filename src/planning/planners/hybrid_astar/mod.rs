@@ -9,26 +9,34 @@ mod settings;
 pub use settings::HybridSettings;
 
 use crate::geometry::{FieldFrame, Pose};
+use crate::planning::kit::drive_cost::{CostModel, DriveCost};
 use crate::planning::kit::lattice::Lattice;
+use crate::planning::kit::path_improvement::Improvement;
 use crate::planning::kit::relaxed_search::{RelaxedSearch, RelaxedSettings};
+use crate::planning::kit::target::Target;
 use crate::planning::memory::PlannerMemory;
 use crate::planning::observer::{PlanningObserver, PlanningWork, Unobserved};
 use crate::planning::registry::{BuiltInPlanner, Charge, Site, TruckPlannerSettings, describe_charge};
-use crate::planning::{BuildReport, Effort, Goal, Plan, TruckPlanner};
+use crate::planning::{BuildReport, Effort, Goal, GoalDisc, Plan, TruckPlanner};
+use crate::trajectory::SpeedLimits;
 
 /// The planner for one body on one field.
 #[derive(Debug)]
 pub struct HybridAstar(RelaxedSearch);
 
 impl HybridSettings {
-    /// Returns what the search needs of the settings.
-    pub fn search(&self) -> RelaxedSettings {
+    fn improvement(&self) -> Improvement {
+        Improvement { shortcuts: self.shortcuts, pulls: self.pulls }
+    }
+
+    /// Returns what the search of a truck needs of the settings.
+    pub fn search(&self, cost: DriveCost, limits: &SpeedLimits) -> RelaxedSettings {
         RelaxedSettings {
             clearance_m: self.clearance_m,
             lattice: Lattice { bin_m: self.bin_m, headings: self.headings, step_m: self.step_m },
-            cusp_cost: self.cusp_cost,
+            cost: CostModel::new(cost, limits, self.cusp_cost),
             heuristic_weight: self.heuristic_weight,
-            shortcuts: self.shortcuts,
+            improvement: self.improvement(),
             max_expansions: self.max_expansions,
         }
     }
@@ -37,7 +45,7 @@ impl HybridSettings {
 impl HybridAstar {
     /// The stream `shortcuts` decides which shortcuts are tried; every query draws the same numbers.
     pub fn build(site: &Site<'_>) -> Self {
-        let settings = site.settings.hybrid.search();
+        let settings = site.settings.hybrid.search(site.cost, site.limits);
         Self(RelaxedSearch::new(site.checker, site.memory, settings, (site.stream)("shortcuts")))
     }
 }
@@ -52,8 +60,26 @@ impl TruckPlanner for HybridAstar {
     }
 
     fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {
+        self.plan_into(start, Target::from(&goal.with_margin()), observer)
+    }
+
+    fn plan_to_nearest(
+        &mut self,
+        start: Pose,
+        discs: &[GoalDisc],
+        observer: &mut dyn PlanningObserver,
+    ) -> Option<(usize, Plan)> {
+        let discs: Vec<GoalDisc> = discs.iter().map(|disc| disc.with_margin()).collect();
+        let plan = self.plan_into(start, Target::Discs(&discs), observer);
+        let end = plan.path.as_ref().map_or(start, |path| path.end());
+        Some((Target::Discs(&discs).disc_of(end, self.0.body()), plan))
+    }
+}
+
+impl HybridAstar {
+    fn plan_into(&mut self, start: Pose, target: Target<'_>, observer: &mut dyn PlanningObserver) -> Plan {
         observer.begins(Some(PlanningWork::Local));
-        let found = self.0.find(start, goal.with_margin(), observer);
+        let found = self.0.find(start, target, observer);
         observer.begins(None);
         Plan::new(found, Effort { roadmap_expansions: 0, local_expansions: self.0.expansions() })
     }
@@ -71,6 +97,10 @@ impl BuiltInPlanner for Maker {
         &["hybrid"]
     }
 
+    fn knows_time(&self) -> bool {
+        true
+    }
+
     fn memory(&self, frame: &FieldFrame, _: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory {
         RelaxedSearch::memory(frame, settings.hybrid.max_expansions)
     }
@@ -83,14 +113,14 @@ impl BuiltInPlanner for Maker {
         let hybrid = settings.hybrid;
         format!(
             "Hybrid A* with motions of {} m, bins of {} m and {} headings, Reeds-Shepp curves into the goal, {} m \
-             clear, a change of direction at the price of {} m, at most {} expansions, then {} shortcuts; {}.",
+             clear, a change of direction at the price of {} m, at most {} expansions, then {}; {}.",
             hybrid.step_m,
             hybrid.bin_m,
             hybrid.headings,
             hybrid.clearance_m,
             hybrid.cusp_cost,
             hybrid.max_expansions,
-            hybrid.shortcuts,
+            hybrid.improvement(),
             describe_charge(hybrid.seconds_per_expansion)
         )
     }
@@ -154,7 +184,7 @@ mod tests {
                 let disc = field.random_goal();
                 let start = field.checker.body().body_centre(field.start);
                 let mut walk = HolonomicHeuristic::new(&MemoryMeter::unlimited());
-                walk.begin(field.checker.field(), Goal::Disc(disc), start);
+                walk.begin(field.checker.field(), Target::Discs(&[disc]), start);
                 let promised = walk.cost_to_go_m(field.checker.field(), start);
                 if let Ok(path) = planner.plan(field.start, disc.into()).path {
                     assert!(promised <= path.length_m() + 1e-9, "{promised} m, but {} m", path.length_m());

@@ -26,6 +26,9 @@ pub struct HybridSettings {
     pub heuristic_weight: f64,
     /// Shortcuts tried on the path found.
     pub shortcuts: u32,
+    /// Rounds in which the bends of that path are pulled tight; with 0 none are, and with more a path that is nearly
+    /// the shortest curve between its ends is left as it is.
+    pub pulls: u32,
     /// Nodes that one query may expand, over all its searches.
     pub max_expansions: u32,
     /// Simulated planning time charged, during which the truck stands still.
@@ -42,6 +45,7 @@ impl Default for HybridSettings {
             cusp_cost: 4.0,
             heuristic_weight: 1.5,
             shortcuts: 100,
+            pulls: 0,
             max_expansions: 30_000,
             seconds_per_expansion: 0.0,
         }
@@ -57,6 +61,7 @@ impl SettingsTable for HybridSettings {
         check_range("cusp_cost", self.cusp_cost, 0.0..=1e6)?;
         check_range("heuristic_weight", self.heuristic_weight, 0.0..=1000.0)?;
         check_range("shortcuts", self.shortcuts.into(), 0.0..=1e6)?;
+        check_range("pulls", self.pulls.into(), 0.0..=1000.0)?;
         check_range("max_expansions", self.max_expansions.into(), 1.0..=1e6)?;
         check_range("seconds_per_expansion", self.seconds_per_expansion, 0.0..=1e6)?;
         check_bins(self.bin_m, frame)

@@ -17,6 +17,7 @@ use crate::vehicle::{Dimensions, Path};
 use crate::planning::kit::ends::{explain_failure, free_ends};
 use crate::planning::kit::local_search::LocalSearch;
 use crate::planning::kit::safety::Safety;
+use crate::planning::kit::target::Target;
 use crate::planning::memory::PlannerMemory;
 use crate::planning::observer::{PlanningObserver, PlanningWork, Unobserved};
 use crate::planning::registry::{BuiltInPlanner, Charge, RoadmapSize, Site, TruckPlannerSettings, describe_charge};
@@ -79,7 +80,7 @@ impl PrmPrimitives {
     }
 
     fn find(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Result<Found, PlanFailure> {
-        free_ends(&self.checker, start, goal)?;
+        free_ends(&self.checker, start, Target::from(&goal))?;
         let near = self.near(goal);
         let centre = self.checker.body().body_centre(start);
         let is_near = self.goal == RoadmapGoal::InReach && centre.distance(near.centre) <= near.radius_m;
@@ -105,7 +106,7 @@ impl PrmPrimitives {
             other => other,
         };
         observer.begins(None);
-        path.map_err(|failure| explain_failure(&self.checker, goal, failure))
+        path.map_err(|failure| explain_failure(&self.checker, Target::from(&goal), failure))
     }
 
     /// Returns where the roadmap's route is to lead.

@@ -3,9 +3,10 @@
 //! After L. E. Kavraki, P. Svestka, J.-C. Latombe, M. H. Overmars, "Probabilistic roadmaps for path planning in
 //! high-dimensional configuration spaces", IEEE Trans. Robotics and Automation 12(4), 1996. Milestones are poses: some
 //! drawn evenly, with headings along the bushes that are near, some that pass the corners of bushes. Each is joined to its
-//! nearest predecessors by curves that can be driven both ways. Curves are swept while the roadmap is built where they
-//! would join components of it, and otherwise when a search first asks (R. Bohlin, L. E. Kavraki, "Path planning using lazy
-//! PRM", ICRA 2000). About milestones that are not joined to the most, more poses are tried.
+//! nearest predecessors by curves that can be driven both ways. Curves are swept while components of the roadmap are joined
+//! where they would join some, and otherwise when a search first asks (R. Bohlin, L. E. Kavraki, "Path planning using lazy
+//! PRM", ICRA 2000). About milestones that are not joined to the most, more poses are tried. Components are joined while the
+//! roadmap is made, or when a query fails on it.
 //!
 //! A query searches the roadmap, and motions about the start, together: A* whose candidates wait at what the whole path
 //! would cost, curves from the start and analytic expansions among them. Where the wanted clearance leads nowhere,
@@ -20,32 +21,31 @@ mod sample;
 mod search;
 mod settings;
 
-pub use settings::PrmRsSettings;
+pub use settings::{Join, PrmRsSettings};
 
 use crate::collision::CollisionChecker;
 use crate::geometry::{FieldFrame, Pose};
 use crate::planning::kit::clearance_profile::ClearanceProfile;
+use crate::planning::kit::drive_cost::CostModel;
 use crate::planning::kit::ends::free_ends;
 use crate::planning::kit::heuristic::Heuristic;
 use crate::planning::kit::milestone_tiles::is_small;
+use crate::planning::kit::path_improvement::{Improvement, PathImprover};
 use crate::planning::kit::relaxed_search::RelaxedSearch;
-use crate::planning::kit::shortcuts::Shortcutter;
-use crate::planning::memory::PlannerMemory;
+use crate::planning::kit::target::Target;
+use crate::planning::memory::{MemoryMeter, PlannerMemory};
 use crate::planning::observer::{PlanningObserver, PlanningWork, Unobserved};
 use crate::planning::registry::{BuiltInPlanner, Charge, RoadmapSize, Site, TruckPlannerSettings, describe_charge};
 use crate::planning::search_graph::SearchPhase;
-use crate::planning::{BuildReport, Effort, Found, FoundBy, Goal, Plan, TruckPlanner};
+use crate::planning::{BuildReport, Effort, Found, FoundBy, Goal, GoalDisc, Plan, TruckPlanner};
 use crate::rng::Xoshiro256PlusPlus;
 use crate::time::cpu::CpuStopwatch;
 use glam::DVec2;
 use rand::Rng;
-use roadmap::{MAX_MINOR, Roadmap, SCHEDULE};
+use roadmap::{BRIDGE_ROUNDS, MAX_MINOR, Roadmap, RoadmapSite, SCHEDULE};
 use sample::Sampler;
 pub use sample::count_convex_corners;
 use search::{RoadmapQuery, RoadmapSearch};
-
-/// The number of times that more poses are tried about minor components.
-const BRIDGE_ROUNDS: u32 = 2;
 
 /// A roadmap that grows forgets everything before a query once it has more milestones than this: some 20 MB.
 const MAX_REMEMBERED: usize = 40_000;
@@ -54,11 +54,14 @@ const MAX_REMEMBERED: usize = 40_000;
 #[derive(Debug)]
 pub struct PrmRs {
     checker: CollisionChecker,
-    shortcuts: u32,
+    improvement: Improvement,
     heuristic: Heuristic,
     roadmap: Roadmap,
+    /// Whether its components are still to be joined.
+    is_unjoined: bool,
+    memory: MemoryMeter,
     search: RoadmapSearch,
-    shortcutter: Shortcutter,
+    improver: PathImprover,
     /// The state from which every query draws its shortcuts.
     rng: Xoshiro256PlusPlus,
     fallback: RelaxedSearch,
@@ -75,16 +78,19 @@ impl PrmRs {
     fn with(site: &Site<'_>, (roadmap, report): (Roadmap, BuildReport)) -> Self {
         let &Site { checker, memory, .. } = site;
         let TruckPlannerSettings { prm_rs: settings, hybrid, .. } = *site.settings;
+        let cost = roadmap_site(site).cost;
         let shortcuts = (site.stream)("shortcuts");
         Self {
+            is_unjoined: !roadmap.is_growing() && settings.join == Join::WhenNeeded,
+            memory: memory.clone(),
             checker: checker.clone(),
-            shortcuts: settings.shortcuts,
-            heuristic: Heuristic::new(settings.cusp_cost, checker.body()),
+            improvement: improvement(settings),
+            heuristic: Heuristic::new(cost, checker.body()),
             search: RoadmapSearch::new(checker.body(), memory, &roadmap),
             roadmap,
-            shortcutter: Shortcutter::new(checker, settings.cusp_cost),
+            improver: PathImprover::new(checker, cost),
             rng: shortcuts.clone(),
-            fallback: RelaxedSearch::new(checker, memory, hybrid.search(), shortcuts),
+            fallback: RelaxedSearch::new(checker, memory, hybrid.search(site.cost, site.limits), shortcuts),
             report,
         }
     }
@@ -94,17 +100,37 @@ impl PrmRs {
     fn find(
         &mut self,
         start: Pose,
-        goal: Goal,
+        target: Target<'_>,
         effort: &mut Effort,
         observer: &mut dyn PlanningObserver,
     ) -> Option<(Found, Option<ClearanceProfile>)> {
-        let ends = free_ends(&self.checker, start, goal).ok()?;
+        let ends = free_ends(&self.checker, start, target).ok()?;
+        let found = self.find_between(&ends, start, target, effort, observer);
+        if found.is_some() || !self.is_unjoined {
+            return found;
+        }
+        self.is_unjoined = false;
+        self.roadmap.join_components();
+        self.roadmap.build_graph();
+        self.search = RoadmapSearch::new(self.checker.body(), &self.memory, &self.roadmap);
+        self.find_between(&ends, start, target, effort, observer)
+    }
+
+    /// Does the same between poses that are free, each given with its clearance.
+    fn find_between(
+        &mut self,
+        ends: &[(Pose, f64)],
+        start: Pose,
+        target: Target<'_>,
+        effort: &mut Effort,
+        observer: &mut dyn PlanningObserver,
+    ) -> Option<(Found, Option<ClearanceProfile>)> {
         // Where a growing roadmap does not serve at the wanted clearance, the lattice search asks for less sooner.
         let levels = if self.roadmap.is_growing() { 1 } else { SCHEDULE.len() };
         for (level, stage) in SCHEDULE.iter().enumerate().take(levels) {
             let profile = ClearanceProfile::new(self.roadmap.clearance_m(level), ends.iter().copied());
             if level == 0
-                && let Some(path) = self.heuristic.free_expansion(&self.checker, start, goal, &profile)
+                && let Some(path) = self.heuristic.free_expansion(&self.checker, start, target, &profile)
             {
                 return Some((Found { path, by: FoundBy::Straight }, None));
             }
@@ -114,7 +140,7 @@ impl PrmRs {
                 profile: &profile,
                 level,
                 start,
-                goal,
+                target,
             };
             let path = self.search.run(&query, &mut self.roadmap);
             observer.looked_at(SearchPhase::Query, &mut self.search.lines(false));
@@ -133,6 +159,18 @@ impl PrmRs {
     }
 }
 
+/// Returns what the roadmap needs of the truck and the field.
+fn roadmap_site<'a>(site: &Site<'a>) -> RoadmapSite<'a> {
+    let settings = site.settings.prm_rs;
+    let cost = CostModel::new(site.cost, site.limits, settings.cusp_cost);
+    RoadmapSite { checker: site.checker, memory: site.memory, settings, cost }
+}
+
+/// Returns what is tried on paths that the roadmap gives.
+fn improvement(settings: &PrmRsSettings) -> Improvement {
+    Improvement { shortcuts: settings.shortcuts, pulls: settings.pulls }
+}
+
 /// Builds the roadmap of a whole field.
 fn whole_roadmap(site: &Site<'_>) -> (Roadmap, BuildReport) {
     let (checker, settings) = (site.checker, site.settings.prm_rs);
@@ -142,17 +180,18 @@ fn whole_roadmap(site: &Site<'_>) -> (Roadmap, BuildReport) {
     let mut poses = sampler.draw(settings.samples_on(checker.field().frame()));
     poses.extend(sampler.corner_samples(settings.corner_places));
     let sampling = watch.lap();
-    let mut roadmap = Roadmap::new(checker, site.memory, settings);
+    let mut roadmap = Roadmap::new(&roadmap_site(site));
     roadmap.add_milestones(poses);
-    for _ in 0..BRIDGE_ROUNDS {
-        roadmap.add_milestones(sampler.expand_near(&roadmap.minor_components()));
-    }
+    let (tried, components) = match settings.join {
+        Join::AtOnce => (roadmap.join_components(), roadmap.components()),
+        Join::WhenNeeded => (0, 0),
+    };
     roadmap.build_graph();
     let report = BuildReport {
         samples: roadmap.node_count() as u32,
-        draws: sampler.draws,
+        draws: sampler.draws + tried,
         edges: roadmap.edge_count() as u32,
-        components: roadmap.components(),
+        components,
         sampling,
         connecting: watch.lap(),
     };
@@ -162,7 +201,7 @@ fn whole_roadmap(site: &Site<'_>) -> (Roadmap, BuildReport) {
 /// Prepares a roadmap that grows; there is nothing to report of it yet.
 fn growing_roadmap(site: &Site<'_>) -> (Roadmap, BuildReport) {
     let key = (site.stream)("prm-rs").next_u64();
-    (Roadmap::growing(site.checker, site.memory, site.settings.prm_rs, key), BuildReport::default())
+    (Roadmap::growing(&roadmap_site(site), key), BuildReport::default())
 }
 
 impl TruckPlanner for PrmRs {
@@ -179,20 +218,37 @@ impl TruckPlanner for PrmRs {
     }
 
     fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {
+        self.plan_into(start, Target::from(&goal.with_margin()), observer)
+    }
+
+    fn plan_to_nearest(
+        &mut self,
+        start: Pose,
+        discs: &[GoalDisc],
+        observer: &mut dyn PlanningObserver,
+    ) -> Option<(usize, Plan)> {
+        let discs: Vec<GoalDisc> = discs.iter().map(|disc| disc.with_margin()).collect();
+        let plan = self.plan_into(start, Target::Discs(&discs), observer);
+        let end = plan.path.as_ref().map_or(start, |path| path.end());
+        Some((Target::Discs(&discs).disc_of(end, self.checker.body()), plan))
+    }
+}
+
+impl PrmRs {
+    fn plan_into(&mut self, start: Pose, target: Target<'_>, observer: &mut dyn PlanningObserver) -> Plan {
         observer.begins(Some(PlanningWork::Roadmap));
         self.roadmap.forget_beyond(MAX_REMEMBERED);
-        let goal = goal.with_margin();
         let mut effort = Effort::default();
-        let found = self.find(start, goal, &mut effort, observer);
+        let found = self.find(start, target, &mut effort, observer);
         observer.begins(Some(PlanningWork::Local));
         let found = match found {
             Some((Found { path, by }, Some(profile))) => {
-                let path = self.shortcutter.improve(&path, &profile, self.shortcuts, &mut self.rng.clone());
-                Ok(Found { path: self.heuristic.shorten_end(&self.checker, path, goal, &profile), by })
+                let path = self.improver.improve(&path, &profile, self.improvement, &mut self.rng.clone());
+                Ok(Found { path: self.heuristic.shorten_end(&self.checker, path, target, &profile), by })
             }
             Some((found, None)) => Ok(found),
             None => {
-                let found = self.fallback.find(start, goal, &mut ConnectionsOnly(observer));
+                let found = self.fallback.find(start, target, &mut ConnectionsOnly(observer));
                 effort.local_expansions += self.fallback.expansions();
                 found
             }
@@ -226,6 +282,10 @@ impl BuiltInPlanner for Maker {
         &["prm_rs", "hybrid"]
     }
 
+    fn knows_time(&self) -> bool {
+        true
+    }
+
     fn memory(&self, frame: &FieldFrame, corners: u64, settings: &TruckPlannerSettings<'_>) -> PlannerMemory {
         let prm_rs = settings.prm_rs;
         let drawn = u64::from(prm_rs.samples_on(frame)) + Sampler::most_corner_samples(corners, prm_rs.corner_places);
@@ -255,7 +315,7 @@ impl BuiltInPlanner for Maker {
         let TruckPlannerSettings { prm_rs, hybrid, .. } = settings;
         format!(
             "Roadmap of {}, and {} places at every corner of a bush, each joined to {} others within {} m by \
-             Reeds-Shepp curves, {} m clear, a change of direction at the price of {} m, then {} shortcuts; where it \
+             Reeds-Shepp curves, {} m clear, a change of direction at the price of {} m, then {}; where it \
              does not serve, hybrid A* with at most {} expansions; {}.",
             prm_rs.samples_in_words(),
             prm_rs.corner_places,
@@ -263,7 +323,7 @@ impl BuiltInPlanner for Maker {
             prm_rs.max_edge_m,
             prm_rs.clearance_m,
             prm_rs.cusp_cost,
-            prm_rs.shortcuts,
+            improvement(prm_rs),
             hybrid.max_expansions,
             describe_charge(prm_rs.seconds_per_expansion)
         )

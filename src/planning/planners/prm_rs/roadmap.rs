@@ -13,7 +13,9 @@ use crate::vehicle::reeds_shepp::PricedCurve;
 use crate::vehicle::{CurvePrice, ReedsShepp, Segment};
 
 use super::near::Places;
-use super::sample::Sampler;
+use super::sample::{MOTIONS, Sampler, expand_near};
+use crate::planning::kit::clearance_profile::longest_first;
+use crate::planning::kit::drive_cost::CostModel;
 use crate::planning::kit::milestone_tiles::{CellBlock, DrawnMilestones, Tiles};
 use crate::planning::kit::relaxation::Stage;
 use crate::planning::kit::roadmap_graph::{Link, RoadmapGraph};
@@ -25,10 +27,21 @@ pub const SCHEDULE: [Stage<()>; 3] =
 pub type Level = usize;
 pub const LEVELS: usize = SCHEDULE.len();
 
+/// The number of times that more poses are tried about minor components.
+pub const BRIDGE_ROUNDS: u32 = 2;
 /// The most nodes of minor components that are looked at in a round.
 pub const MAX_MINOR: usize = 100;
 /// Nodes between which the field is tighter than this half way are not joined.
 const HOPELESS_M: f64 = 0.5;
+
+/// The truck and the field that a roadmap is made for.
+pub struct RoadmapSite<'a> {
+    pub checker: &'a CollisionChecker,
+    pub memory: &'a MemoryMeter,
+    pub settings: &'a PrmRsSettings,
+    /// What its curves are compared by.
+    pub cost: CostModel,
+}
 
 /// Poses, and Reeds-Shepp curves between them that may be driven both ways.
 ///
@@ -53,6 +66,8 @@ pub struct Roadmap {
     /// The sets of nodes joined by edges that keep the wanted clearance.
     joined: UnionFind<u32>,
     components: u32,
+    /// The number of edges of which it is known whether they join components.
+    looked_at: usize,
     /// The memory of the ways.
     memory: Held,
 }
@@ -139,13 +154,14 @@ pub struct Bridge {
 }
 
 impl Roadmap {
-    pub fn new(checker: &CollisionChecker, memory: &MemoryMeter, settings: &PrmRsSettings) -> Self {
-        let index = Index::Whole(Places::new(checker.field().frame()));
-        Self::with(index, Links::Whole(RoadmapGraph::default()), (checker, memory, settings))
+    pub fn new(site: &RoadmapSite<'_>) -> Self {
+        let index = Index::Whole(Places::new(site.checker.field().frame()));
+        Self::with(index, Links::Whole(RoadmapGraph::default()), site)
     }
 
     /// Creates a roadmap that grows; `key` is the number that decides where its poses lie.
-    pub fn growing(checker: &CollisionChecker, memory: &MemoryMeter, settings: &PrmRsSettings, key: u64) -> Self {
+    pub fn growing(site: &RoadmapSite<'_>, key: u64) -> Self {
+        let &RoadmapSite { checker, settings, .. } = site;
         let frame = checker.field().frame();
         let sampling = TileSampling {
             samples_per_hectare: settings.samples_per_hectare_on(frame),
@@ -153,18 +169,15 @@ impl Roadmap {
             clearance_m: settings.clearance_m,
         };
         let index = Index::Growing(Tiles::new(frame, key), sampling);
-        Self::with(index, Links::Growing(Vec::new()), (checker, memory, settings))
+        Self::with(index, Links::Growing(Vec::new()), site)
     }
 
-    fn with(
-        index: Index,
-        links: Links,
-        (checker, memory, settings): (&CollisionChecker, &MemoryMeter, &PrmRsSettings),
-    ) -> Self {
+    fn with(index: Index, links: Links, site: &RoadmapSite<'_>) -> Self {
+        let &RoadmapSite { checker, memory, settings, cost } = site;
         Self {
             checker: checker.clone(),
             curves: ReedsShepp { radius_m: checker.body().turning_radius_m },
-            price: CurvePrice { reverse_factor: 1.0, cusp_m: settings.cusp_cost },
+            price: cost.motion_price(checker.body()).curve_price(),
             clearances_m: SCHEDULE.map(|stage| stage.min_clearance_m(settings.clearance_m, f64::INFINITY)),
             neighbours: settings.neighbours as usize,
             max_edge_m: settings.max_edge_m,
@@ -175,6 +188,7 @@ impl Roadmap {
             links,
             joined: UnionFind::new_empty(),
             components: 0,
+            looked_at: 0,
             memory: memory.holder(Growing::Curves),
         }
     }
@@ -274,13 +288,13 @@ impl Roadmap {
         self.edges.len()
     }
 
-    /// Returns the number of components that edges form which keep the wanted clearance.
+    /// Returns the number of components that edges form which keep the wanted clearance, once they were joined.
     pub fn components(&self) -> u32 {
         self.components
     }
 
     /// Returns the nodes outside the largest component, at most [`MAX_MINOR`] of them.
-    pub fn minor_components(&self) -> Vec<Pose> {
+    fn minor_components(&self) -> Vec<Pose> {
         let sets: Vec<u32> = (0..self.nodes.len() as u32).map(|node| self.joined.find(node)).collect();
         let mut sizes = vec![0u32; self.nodes.len()];
         sets.iter().for_each(|&set| sizes[set as usize] += 1);
@@ -326,7 +340,7 @@ impl Roadmap {
         }
     }
 
-    /// Adds poses, each with edges to the nearest ones before it.
+    /// Adds poses, each with edges to the nearest ones before it. Those edges wait until they are asked for.
     pub fn add_milestones(&mut self, poses: impl IntoIterator<Item = Pose>) {
         let mut near = Vec::new();
         for pose in poses {
@@ -348,15 +362,34 @@ impl Roadmap {
             self.nodes.push(node);
             self.joined.new_set();
             self.components += 1;
-            self.connect_components(near.len());
         }
     }
 
-    /// Sweeps those of the last edges that would join components; the others wait until a query needs them.
-    fn connect_components(&mut self, count: usize) {
-        for edge in self.edges.len() - count..self.edges.len() {
+    /// Sweeps those edges that join components, and adds poses about the small ones that are left, some
+    /// [`BRIDGE_ROUNDS`] times; returns how many poses were tried.
+    pub fn join_components(&mut self) -> u32 {
+        self.sweep_between_components();
+        let mut tried = 0;
+        for _ in 0..BRIDGE_ROUNDS {
+            let minor = self.minor_components();
+            tried += minor.len() as u32 * MOTIONS;
+            self.add_milestones(expand_near(&self.checker, self.clearances_m[0], &minor));
+            self.sweep_between_components();
+        }
+        tried
+    }
+
+    /// Sweeps those of the edges that were not looked at yet which would join components.
+    fn sweep_between_components(&mut self) {
+        for edge in std::mem::replace(&mut self.looked_at, self.edges.len())..self.edges.len() {
             let [a, b] = self.edges[edge].nodes;
-            if !self.joined.equiv(a, b) && self.is_free(edge as u32, 0) {
+            if self.joined.equiv(a, b) {
+                continue;
+            }
+            if !self.has_memory_for(1) {
+                return;
+            }
+            if self.is_free(edge as u32, 0) {
                 self.joined.union(a, b);
                 self.components -= 1;
             }
@@ -440,12 +473,15 @@ impl Roadmap {
     /// Works out the curve of a link, as it is driven along the link.
     pub fn bridge(&mut self, link: Link) -> Bridge {
         let is_back = link.to == self.edges[link.edge as usize].nodes[0];
+        let price = self.price;
         let way = self.way(link.edge);
+        // Driven back, what led forward leads in reverse.
+        let cost = if is_back { price.cost_back(&way.curve) } else { way.price };
         let mut segments = way.curve.segments();
         let first = segments.next().is_some_and(|segment| segment.is_reverse());
         let last = segments.last().map_or(first, |segment| segment.is_reverse());
         let (departs_reverse, arrives_reverse) = if is_back { (!last, !first) } else { (first, last) };
-        Bridge { cost: way.price, departs_reverse, arrives_reverse }
+        Bridge { cost, departs_reverse, arrives_reverse }
     }
 
     /// Says whether an edge keeps one of the clearances; it is swept the first time that this is asked.
@@ -454,12 +490,10 @@ impl Roadmap {
             return known;
         }
         let way = *self.way(edge);
-        let mut pose = self.pose(self.edges[edge as usize].nodes[0]);
-        let is_free = way.curve.segments().all(|segment| {
-            let from = pose;
-            pose = segment.end(from);
-            self.checker.motion_is_free(from, segment, self.clearances_m[level])
-        });
+        let start = self.pose(self.edges[edge as usize].nodes[0]);
+        let row = longest_first(start, way.curve.segments());
+        let clearance_m = self.clearances_m[level];
+        let is_free = row.into_iter().all(|(from, segment)| self.checker.motion_is_free(from, segment, clearance_m));
         self.edges[edge as usize].is_free[level] = Some(is_free);
         is_free
     }
@@ -502,7 +536,12 @@ mod tests {
     fn roadmap(field: &TestField) -> Roadmap {
         let settings = PrmRsSettings::default();
         let mut sampler = Sampler::new(&field.checker, settings.clearance_m, &mut rng::stream(1, "roadmap"));
-        let mut roadmap = Roadmap::new(&field.checker, &MemoryMeter::unlimited(), &settings);
+        let mut roadmap = Roadmap::new(&RoadmapSite {
+            checker: &field.checker,
+            memory: &MemoryMeter::unlimited(),
+            settings: &settings,
+            cost: CostModel::Length { cusp_m: settings.cusp_cost },
+        });
         roadmap.add_milestones(sampler.draw(100));
         roadmap.add_milestones(sampler.corner_samples(1));
         roadmap.build_graph();
@@ -539,7 +578,10 @@ mod tests {
     }
 
     fn growing(field: &TestField) -> Roadmap {
-        Roadmap::growing(&field.checker, &MemoryMeter::unlimited(), &PrmRsSettings::default(), 7)
+        let settings = PrmRsSettings::default();
+        let cost = CostModel::Length { cusp_m: settings.cusp_cost };
+        let memory = MemoryMeter::unlimited();
+        Roadmap::growing(&RoadmapSite { checker: &field.checker, memory: &memory, settings: &settings, cost }, 7)
     }
 
     #[test]

@@ -16,7 +16,8 @@ const MAX_DRAWS_PER_SAMPLE: u32 = 100;
 const ALONG_M: f64 = 6.0;
 /// Half the distance over which the direction to the nearest bush is measured.
 const PROBE_M: f64 = 0.5;
-/// Other poses are tried this far from those of minor components.
+/// Other poses are tried this far from those of minor components, along as many motions.
+pub const MOTIONS: u32 = 6;
 const NEAR_M: f64 = 6.0;
 /// Poses at corners keep this much more than the clearance, so that curves through them do too.
 const CORNER_SPARE_M: f64 = 0.1;
@@ -75,9 +76,9 @@ impl<'a> Sampler<'a> {
         2 * corners * u64::from(places)
     }
 
-    /// Bounds the poses that [`Self::expand_near`] gives.
+    /// Bounds the poses that [`expand_near`] gives.
     pub fn most_near(poses: u64) -> u64 {
-        6 * poses
+        poses * u64::from(MOTIONS)
     }
 
     /// Bounds the bytes that this number of poses takes while they are drawn, in a list that doubles.
@@ -96,21 +97,6 @@ impl<'a> Sampler<'a> {
             None => turn * TAU,
         };
         Pose::new(place.x, place.y, heading)
-    }
-
-    /// Returns poses that the truck gets to by one motion from some others.
-    pub fn expand_near(&mut self, poses: &[Pose]) -> Vec<Pose> {
-        let motions = motions(self.checker.body(), NEAR_M);
-        let mut found = Vec::new();
-        for &pose in poses {
-            for motion in motions {
-                self.draws += 1;
-                if self.checker.motion_is_free(pose, motion, self.clearance_m) {
-                    found.push(motion.end(pose));
-                }
-            }
-        }
-        found
     }
 
     /// Returns poses that pass the convex corners of bushes, or of groups of them, at the clearance, in both directions: `places`
@@ -176,6 +162,14 @@ fn corners_of_one<'a>(
             Some((row, col, only))
         })
     })
+}
+
+/// Returns poses that the truck gets to by one motion from some others, with the clearance kept.
+pub fn expand_near(checker: &CollisionChecker, clearance_m: f64, poses: &[Pose]) -> Vec<Pose> {
+    let motions = motions(checker.body(), NEAR_M);
+    let ways = poses.iter().flat_map(|&pose| motions.map(|motion| (pose, motion)));
+    let free = ways.filter(|&(pose, motion)| checker.motion_is_free(pose, motion, clearance_m));
+    free.map(|(pose, motion)| motion.end(pose)).collect()
 }
 
 #[cfg(test)]
@@ -249,8 +243,7 @@ mod tests {
     #[test]
     fn poses_about_another_are_driven_to_from_it() {
         let field = TestField::random(3, 25);
-        let mut sampler = Sampler::new(&field.checker, CLEARANCE_M, &mut rng::stream(1, "samples"));
-        let about = sampler.expand_near(&[field.start]);
+        let about = expand_near(&field.checker, CLEARANCE_M, &[field.start]);
         assert_eq!(about.len(), 6);
         for pose in about {
             assert!((NEAR_M - pose.position().distance(field.start.position())).abs() < 0.1);

@@ -9,8 +9,9 @@ use crate::planning::kit::clearance_profile::ClearanceProfile;
 use crate::planning::kit::closed_set::ClosedSet;
 use crate::planning::kit::heuristic::Heuristic;
 use crate::planning::kit::lattice::Lattice;
+use crate::planning::kit::target::Target;
 use crate::planning::memory::{BytesAfter, MemoryMeter};
-use crate::planning::{Effort, Goal};
+use crate::planning::{Effort, GoalDisc};
 use crate::vehicle::reeds_shepp::PricedCurve;
 use crate::vehicle::{Dimensions, Path, Segment};
 
@@ -42,7 +43,7 @@ pub struct RoadmapQuery<'a> {
     pub profile: &'a ClearanceProfile,
     pub level: Level,
     pub start: Pose,
-    pub goal: Goal,
+    pub target: Target<'a>,
 }
 
 /// The way by which a pose was reached, and its analytic expansion.
@@ -132,7 +133,7 @@ impl RoadmapSearch {
     pub fn run(&mut self, query: &RoadmapQuery<'_>, roadmap: &mut Roadmap) -> Result<Path, Ending> {
         self.notes.begin();
         let limits = if roadmap.is_growing() {
-            let straight_m = query.start.position().distance(query.goal.position());
+            let straight_m = query.target.straight_m(query.start.position());
             let most_entered = (MOST_ENTERED + MOST_ENTERED_A_METRE * straight_m) as u32;
             SearchLimits { weight: WEIGHT_GROWING, most_entered }
         } else {
@@ -222,7 +223,7 @@ struct SearchLimits {
 impl RoadmapSpace<'_> {
     /// Estimates the cost of the way from a pose to the goal, and notes the analytic expansion there.
     fn value(&mut self, pose: Pose, after_reverse: Option<bool>) -> (f64, Option<u32>) {
-        let value = self.query.heuristic.without_bushes(pose, after_reverse, self.query.goal);
+        let value = self.query.heuristic.without_bushes(pose, after_reverse, self.query.target);
         let expansion = value.expansion.map(|expansion| {
             self.notes.expansions.push(expansion);
             self.notes.expansions.len() as u32 - 1
@@ -233,10 +234,13 @@ impl RoadmapSpace<'_> {
     /// Returns what no way from a pose to the goal is shorter than.
     fn least_cost_to_go(&self, pose: Pose) -> f64 {
         let body = self.query.checker.body();
-        match self.query.goal {
-            Goal::Pose(end) => least_length_m(body.turning_radius_m, pose, end),
-            Goal::Disc(disc) => {
-                (pose.position().distance(disc.centre) - body.centre_offset_m() - disc.radius_m).max(0.0)
+        match self.query.target {
+            Target::Pose(end) => least_length_m(body.turning_radius_m, pose, end),
+            Target::Discs(discs) => {
+                let least = |disc: &GoalDisc| {
+                    (pose.position().distance(disc.centre) - body.centre_offset_m() - disc.radius_m).max(0.0)
+                };
+                discs.iter().map(least).fold(f64::INFINITY, f64::min)
             }
         }
     }
@@ -261,16 +265,18 @@ impl RoadmapSpace<'_> {
     /// Says whether a free way leads to the goal from a milestone about it.
     fn leads_to_goal(&mut self) -> bool {
         let Self { query, roadmap, notes, .. } = self;
-        let (position, reach_m) = match query.goal {
-            Goal::Pose(pose) => (pose.position(), LINK_M),
-            Goal::Disc(disc) => (disc.centre, disc.radius_m + LINK_M),
+        let mut leads_from_about = |position: DVec2, reach_m: f64| {
+            roadmap.near(position, reach_m, &mut notes.near);
+            notes.near.iter().take(GOAL_TRIES).any(|&(_, node)| {
+                let pose = roadmap.pose(node);
+                let expansion = query.heuristic.without_bushes(pose, None, query.target).expansion;
+                expansion.is_some_and(|way| query.profile.way_is_free(query.checker, pose, way.segments()))
+            })
         };
-        roadmap.near(position, reach_m, &mut notes.near);
-        notes.near.iter().take(GOAL_TRIES).any(|&(_, node)| {
-            let pose = roadmap.pose(node);
-            let expansion = query.heuristic.without_bushes(pose, None, query.goal).expansion;
-            expansion.is_some_and(|way| query.profile.way_is_free(query.checker, pose, way.segments()))
-        })
+        match query.target {
+            Target::Pose(end) => leads_from_about(end.position(), LINK_M),
+            Target::Discs(discs) => discs.iter().any(|disc| leads_from_about(disc.centre, disc.radius_m + LINK_M)),
+        }
     }
 
     fn work_out_curve(&mut self, search: &mut SearchOf<Self>, from: Candidate<Along>, to: u32) {
@@ -406,8 +412,7 @@ impl SearchSpace for RoadmapSpace<'_> {
         }
         if self.notes.effort.local_expansions < MAX_LOCAL_EXPANSIONS && cost < LOCAL_M {
             self.notes.effort.local_expansions += 1;
-            let cusp_m = self.roadmap.curves().1.cusp_m;
-            search.offer_motions(from.node, cusp_m, self.limits.weight);
+            search.offer_motions(from.node, self.query.heuristic.motion_price(), self.limits.weight);
         }
     }
 

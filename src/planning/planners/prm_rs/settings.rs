@@ -29,8 +29,23 @@ pub struct PrmRsSettings {
     pub cusp_cost: f64,
     /// Shortcuts tried on the path found.
     pub shortcuts: u32,
+    /// When what does not hang together is joined, on fields whose roadmap is made as a whole.
+    pub join: Join,
+    /// Rounds in which the bends of that path are pulled tight; with 0 none are, and with more a path that is nearly
+    /// the shortest curve between its ends is left as it is.
+    pub pulls: u32,
     /// Simulated planning time charged, during which the truck stands still.
     pub seconds_per_expansion: f64,
+}
+
+/// When the components of a roadmap are joined: edges between them are swept, and more poses are tried about small ones.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Join {
+    /// While it is made.
+    AtOnce,
+    /// When a query finds no way on it for the first time. Its components are not counted.
+    WhenNeeded,
 }
 
 impl Default for PrmRsSettings {
@@ -44,6 +59,8 @@ impl Default for PrmRsSettings {
             clearance_m: 0.6,
             cusp_cost: 2.0,
             shortcuts: 50,
+            join: Join::AtOnce,
+            pulls: 0,
             seconds_per_expansion: 0.0,
         }
     }
@@ -79,6 +96,7 @@ impl SettingsTable for PrmRsSettings {
         check_range("clearance_m", self.clearance_m, 0.01..=100.0)?;
         check_range("cusp_cost", self.cusp_cost, 0.0..=1e6)?;
         check_range("shortcuts", self.shortcuts.into(), 0.0..=1e6)?;
+        check_range("pulls", self.pulls.into(), 0.0..=1000.0)?;
         check_range("seconds_per_expansion", self.seconds_per_expansion, 0.0..=1e6)
     }
 }

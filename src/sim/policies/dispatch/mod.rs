@@ -19,6 +19,7 @@ mod idle;
 #[cfg(test)]
 mod model;
 mod nearest;
+mod nearest_by_drive;
 mod nearest_savable;
 mod of_scenario;
 mod open_fires;
@@ -35,6 +36,7 @@ pub use auction::Auction;
 pub use hungarian::Hungarian;
 pub use idle::{Centroids, Regions, RegionsFirst, Stay};
 pub use nearest::NearestByNumber;
+pub use nearest_by_drive::NearestByDrive;
 pub use nearest_savable::NearestSavable;
 pub use of_scenario::policy_of;
 pub use rollout::Rollout;
@@ -46,6 +48,8 @@ pub use threat_first::ThreatFirst;
 pub enum AssignmentRule {
     /// One truck after the other, by number.
     Nearest,
+    /// The same by drive.
+    NearestByDrive,
     NearestSavable,
     Hungarian,
     ThreatFirst,
@@ -69,6 +73,7 @@ pub enum IdleRule {
 pub fn make(rule: AssignmentRule, idle: IdleRule) -> (Box<dyn Assignment>, Box<dyn Positioning>) {
     let assignment: Box<dyn Assignment> = match rule {
         AssignmentRule::Nearest => Box::new(NearestByNumber),
+        AssignmentRule::NearestByDrive => Box::new(NearestByDrive),
         AssignmentRule::NearestSavable => Box::new(NearestSavable),
         AssignmentRule::Hungarian => Box::new(Hungarian),
         AssignmentRule::ThreatFirst => Box::new(ThreatFirst),

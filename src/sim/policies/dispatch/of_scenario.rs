@@ -2,7 +2,7 @@
 
 use super::policy::{DispatchPolicy, TeamSite, TruckSite};
 use super::team::{Assignment, Positioning, TeamRules};
-use super::{AssignmentRule, IdleRule, make};
+use super::{AssignmentRule, IdleRule, NearestByDrive, make};
 use crate::scenario::{self, Extinguishes, FireModelName, Scenario, SightOfField, Terrain};
 use crate::sim::policies::nearest::Nearest;
 use crate::sim::policies::{OneByOne, Policy};
@@ -14,8 +14,12 @@ pub fn policy_of(scenario: &Scenario, terrain: &Terrain, water: Option<WaterRule
     let dispatch = scenario.dispatch.as_ref()?;
     let sight = scenario.sight.clone().unwrap_or_default();
     let is_plain = dispatch.idle == scenario::IdleRule::Stay && sight.field != SightOfField::Radius;
-    if dispatch.policy == scenario::DispatchPolicy::Nearest && is_plain && dispatch.seconds_per_evaluation == 0.0 {
-        return Some(Box::new(OneByOne(Nearest)));
+    if is_plain && dispatch.seconds_per_evaluation == 0.0 {
+        match dispatch.policy {
+            scenario::DispatchPolicy::Nearest => return Some(Box::new(OneByOne(Nearest))),
+            scenario::DispatchPolicy::NearestByDrive => return Some(Box::new(NearestByDrive)),
+            _ => {}
+        }
     }
     let site = TeamSite {
         end: SimTime::from_seconds(scenario.duration_s),
@@ -57,6 +61,7 @@ fn halves(dispatch: &scenario::Dispatch) -> (Box<dyn Assignment>, Option<Box<dyn
     };
     let rule = match dispatch.policy {
         scenario::DispatchPolicy::Nearest => AssignmentRule::Nearest,
+        scenario::DispatchPolicy::NearestByDrive => AssignmentRule::NearestByDrive,
         scenario::DispatchPolicy::NearestSavable => AssignmentRule::NearestSavable,
         scenario::DispatchPolicy::Hungarian => AssignmentRule::Hungarian,
         scenario::DispatchPolicy::ThreatFirst => AssignmentRule::ThreatFirst,

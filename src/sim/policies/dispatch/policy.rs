@@ -81,6 +81,7 @@ impl Policy for DispatchPolicy {
             let refills = !truck.is_asked || to_refill.iter().any(|other| other.id == id);
             let choice = match (goal_of(id), post, truck.goal) {
                 (None, ..) if refills => Choice::Refill,
+                (Some(_), _, _) if self.assignment.is_by_drive() => Choice::GoToNearest,
                 (Some(cell), _, _) => Choice::Go(cell),
                 (None, Some(place), _) => Choice::Move(place),
                 // What it went for is not worth it any more.

@@ -128,6 +128,11 @@ pub trait Assignment: Send + Sync {
 
     /// Says whether trucks that are under way are asked again when a fire begins or ends.
     fn replans(&self) -> bool;
+
+    /// Says whether trucks that get a goal go for the fire that is nearest by drive instead, as their planners find.
+    fn is_by_drive(&self) -> bool {
+        false
+    }
 }
 
 /// Says where trucks wait that have nothing to go for.
