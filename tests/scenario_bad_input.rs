@@ -402,4 +402,6 @@ fn the_nearest_by_drive_is_looked_for_among_all_that_burns() {
         let text = format!("{table}[[wumpus]]\n[[unimog]]\n");
         assert_refused(&text, at, &[words, "nearest-by-drive"]);
     }
+    let text = "[[wumpus]]\n[[unimog]]\ngoal = \"nearest-by-drive\"\nretarget = \"on-event\"\n";
+    assert_refused(text, "4:12", &["`never`", "nearest-by-drive"]);
 }

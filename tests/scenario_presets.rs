@@ -7,6 +7,8 @@ use wildfire::scenario::{
     self, BUILT_IN, Field, Fire, LoadedScenario, MemoryLimit, Programs, Scenario, Score, SpreadFrom, Suppression,
     Terrain, Unimog, Wumpus,
 };
+use wildfire::sim;
+use wildfire::timeline::Outcome;
 
 fn built_in(name: &str) -> Scenario {
     changed(name, &[])
@@ -41,7 +43,7 @@ fn every_scenario_file_is_built_in() {
 #[test]
 fn the_documentation_of_the_format_names_every_field_with_its_default() {
     let sections: Vec<&str> = include_str!("../scenarios/README.md").split("\n## ").collect();
-    for (path, default) in LoadedScenario::open("contest", &[]).expect("contest loads").values() {
+    for (path, default) in LoadedScenario::open("contest-1", &[]).expect("contest-1 loads").values() {
         let steps: Vec<&str> = path.split('.').filter(|step| step.parse::<u32>().is_err()).collect();
         let (header, field) = match steps.split_first().expect("a path has steps") {
             (top, []) => ("Top level", (*top).to_owned()),
@@ -58,12 +60,14 @@ fn the_documentation_of_the_format_names_every_field_with_its_default() {
 }
 
 #[test]
-fn contest_spells_out_every_value_and_each_is_the_default() {
-    let contest = LoadedScenario::open("contest", &[]).expect("contest loads");
-    let unsaid: Vec<_> = contest.values().into_iter().filter(|(path, _)| !contest.is_given(path)).collect();
-    assert_eq!(unsaid, [("ignition".to_owned(), "[]".to_owned())]);
+fn both_contests_spell_out_every_value_and_those_of_the_first_are_the_defaults() {
+    let [contest, first] = ["contest", "contest-1"].map(|name| LoadedScenario::open(name, &[]).expect("it loads"));
+    for loaded in [&contest, &first] {
+        let unsaid: Vec<_> = loaded.values().into_iter().filter(|(path, _)| !loaded.is_given(path)).collect();
+        assert_eq!(unsaid, [("ignition".to_owned(), "[]".to_owned())]);
+    }
     let defaults = Scenario {
-        name: "contest".into(),
+        name: "contest-1".into(),
         duration_s: 3600.0,
         field: Field::default(),
         fire: Fire::default(),
@@ -83,14 +87,47 @@ fn contest_spells_out_every_value_and_each_is_the_default() {
         planner: Programs::new(),
         policy: Programs::new(),
     };
-    assert_eq!(contest.scenario, defaults);
+    assert_eq!(first.scenario, defaults);
+}
+
+/// Each line that differs says what the first contest has.
+#[test]
+fn contest_names_what_it_does_not_share_with_the_first() {
+    let values = |name| LoadedScenario::open(name, &[]).expect("it loads").values();
+    let said = include_str!("../scenarios/contest.toml").lines().filter(|line| line.contains("# contest-1: ")).map(|line| {
+        let (value, first) = line.split_once('#').expect("it has a comment");
+        let (key, value) = value.split_once('=').expect("it is a value");
+        [key, value, first.trim_start_matches(" contest-1:")].map(|text| text.trim().trim_matches('"').to_owned())
+    });
+    let both = values("contest").into_iter().zip(values("contest-1")).skip(1);
+    let differ = both.filter(|(new, old)| new != old).map(|((path, new), (_, old))| {
+        let key = path.rsplit('.').next().expect("a path has steps").to_owned();
+        [key, new.trim_matches('"').to_owned(), old.trim_matches('"').to_owned()]
+    });
+    assert_eq!(said.collect::<Vec<_>>(), differ.collect::<Vec<_>>());
+}
+
+/// Outcomes of the first contest are those that were published, so they never change.
+#[test]
+fn the_first_contest_is_played_as_ever() {
+    let played = [
+        ("prm-rs", (175, 5256.438910195298)),
+        ("hybrid-astar", (179, 4961.827929032016)),
+        ("prm+primitives", (171, 5262.700976748915)),
+    ];
+    for (planner, published) in played {
+        let scenario = changed("contest-1", &[&format!("unimog.planner={planner}")]);
+        let outcome = Outcome::new(&sim::run(&scenario, 7).expect("it runs").timeline);
+        let truck = outcome.agents.iter().find(|agent| agent.agent.role.suppresses()).expect("there is a truck");
+        assert_eq!((outcome.extinguished, truck.distance_m), published, "{planner}");
+    }
 }
 
 #[test]
-fn presets_differ_from_contest_only_in_what_they_are_for() {
-    let contest = built_in("contest");
+fn presets_differ_from_the_first_contest_only_in_what_they_are_for() {
+    let contest = built_in("contest-1");
     let from_contest = |changes: &[&str], name: &str| {
-        let mut scenario = changed("contest", changes);
+        let mut scenario = changed("contest-1", changes);
         scenario.name = name.into();
         scenario
     };

@@ -46,8 +46,9 @@ fn assert_is_sound(timeline: &Timeline) {
 
 #[test]
 fn trucks_drive_to_the_fire_that_is_nearest_by_drive() {
-    let plain = load("contest", &["duration_s=900"]);
+    let plain = load("contest", &["duration_s=900", "dispatch.policy=nearest"]);
     let by_drive = load("contest", &["duration_s=900", "dispatch.policy=nearest-by-drive"]);
+    let goal = load("contest", &["duration_s=900", "unimog.goal=nearest-by-drive"]);
     let metres = |timeline: &Timeline| {
         let outcome = Outcome::new(timeline);
         let truck = outcome.agents.iter().find(|agent| agent.agent.role.suppresses()).expect("there is a truck");
@@ -57,6 +58,7 @@ fn trucks_drive_to_the_fire_that_is_nearest_by_drive() {
     for seed in 1..=6 {
         let (one, other) = (run(&plain, seed), run(&by_drive, seed));
         assert_is_sound(&other);
+        assert!(run(&goal, seed) == other, "the goal is the policy of its name, seed {seed}");
         straight_m += metres(&one);
         driven_m += metres(&other);
     }
@@ -75,7 +77,7 @@ fn trucks_drive_to_the_fire_that_is_nearest_by_drive() {
 fn the_nearest_fire_by_dispatch_is_the_nearest_fire_by_goal() {
     for (name, changes, seed) in [
         ("smoke", &[][..], 1),
-        ("contest", &["duration_s=900"], 4),
+        ("contest-1", &["duration_s=900"], 4),
         ("fleet", &["duration_s=900"], 2),
         ("fleet", &["duration_s=600", "unimog.retarget=on-event"], 3),
     ] {

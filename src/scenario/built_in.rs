@@ -3,6 +3,7 @@
 /// The built-in scenarios by name, with their text.
 pub const BUILT_IN: &[(&str, &str)] = &[
     ("contest", include_str!("../../scenarios/contest.toml")),
+    ("contest-1", include_str!("../../scenarios/contest-1.toml")),
     ("report-2024", include_str!("../../scenarios/report-2024.toml")),
     ("coursework-2025", include_str!("../../scenarios/coursework-2025.toml")),
     ("original-2024", include_str!("../../scenarios/original-2024.toml")),

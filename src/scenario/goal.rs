@@ -98,6 +98,8 @@ goals! {
     /// lower cell index.
     TruckGoal;
     NearestBurning, "nearest-burning";
+    /// The fire that is nearest by drive, as the planner finds.
+    NearestByDrive, "nearest-by-drive";
     /// The fire that has burned longest.
     Oldest, "oldest";
     /// The nearest fire of the largest group of burning cells that touch, sides or corners.

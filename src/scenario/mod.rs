@@ -8,7 +8,7 @@
 //! Each kind of agent, and the rules of fire, have a file with everything that a scenario says about them; what it says
 //! about planners is beside the planners, in [`crate::planning::registry`].
 //!
-//! Every default is the value of the built-in scenario `contest`. Lengths are metres, times seconds, in the world
+//! Every default is the value of the built-in scenario `contest-1`. Lengths are metres, times seconds, in the world
 //! frame of [`crate::geometry`]. The format is described in `scenarios/README.md`.
 
 mod agents;

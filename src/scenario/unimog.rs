@@ -331,6 +331,10 @@ impl AgentList for Vec<Unimog> {
             let table = TablePath::entry(self.key(), number);
             check_planner_name(&table, &truck.planner, &scenario.planner)?;
             truck.goal.check(&table, &scenario.policy)?;
+            // Each fire that begins would cost a plan, only to learn which fire is the nearest.
+            if truck.goal == TruckGoal::NearestByDrive && truck.retarget == Retarget::OnEvent {
+                return table.refuse("retarget", "on-event".into(), "`never` with the goal `nearest-by-drive`".into());
+            }
             check_unimog(&table, truck, &frame)
         })
     }
@@ -481,6 +485,7 @@ fn describe_goal(truck: &Unimog, scenario: &Scenario) -> String {
     }
     let goal = match &truck.goal {
         TruckGoal::NearestBurning => "the nearest fire".to_owned(),
+        TruckGoal::NearestByDrive => "the fire that is nearest by drive".to_owned(),
         TruckGoal::Oldest => "the oldest fire".to_owned(),
         TruckGoal::LargestCluster => "the nearest fire of the largest burning group".to_owned(),
         TruckGoal::Policy(name) => describe_choice(name, &scenario.policy),

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use super::densest::Densest;
+use super::dispatch::NearestByDrive;
 use super::largest_cluster::LargestCluster;
 use super::nearest::{FarthestFromTruck, Nearest, Oldest};
 use super::nearest_intact::NearestIntact;
@@ -73,6 +74,7 @@ pub struct RuleSite<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BuiltIn {
     NearestBurning,
+    NearestByDrive,
     Oldest,
     LargestCluster,
     RandomIntact,
@@ -93,6 +95,7 @@ impl<'a> From<&'a TruckGoal> for NamedPolicy<'a> {
     fn from(goal: &'a TruckGoal) -> Self {
         match goal {
             TruckGoal::NearestBurning => Self::BuiltIn(BuiltIn::NearestBurning),
+            TruckGoal::NearestByDrive => Self::BuiltIn(BuiltIn::NearestByDrive),
             TruckGoal::Oldest => Self::BuiltIn(BuiltIn::Oldest),
             TruckGoal::LargestCluster => Self::BuiltIn(BuiltIn::LargestCluster),
             TruckGoal::Policy(name) => Self::Own(name),
@@ -119,6 +122,7 @@ impl BuiltIn {
         let &RuleSite { frame, lightable, spread_m, seed } = site;
         match self {
             Self::NearestBurning => Box::new(OneByOne(Nearest)),
+            Self::NearestByDrive => Box::new(NearestByDrive),
             Self::NearestIntact => Box::new(NearestIntact),
             Self::Oldest => Box::new(OneByOne(Oldest)),
             Self::LargestCluster => Box::new(OneByOne(LargestCluster)),

@@ -649,6 +649,7 @@ mod tests {
         for seed in 0..4 {
             let field = TestField::random(seed, 60);
             let mut roadmap = roadmap(&field);
+            roadmap.join_components();
             let mut sets = UnionFind::<u32>::new(roadmap.node_count());
             let mut components = roadmap.node_count() as u32;
             for edge in 0..roadmap.edge_count() as u32 {
