@@ -100,6 +100,7 @@ fn measure_planner(kind: TruckPlannerKind, problems: &[Problem], truck: &Unimog)
             truck: 0,
             body: checker.body(),
             limits: &truck.speed_limits(),
+            cost: truck.cost,
             checker: &checker,
             own: &serde_json::Value::Null,
             stream: &stream,
