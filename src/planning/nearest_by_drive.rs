@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::{Effort, GoalDisc, Plan, PlanningObserver, QueryCpu, TruckPlanner};
 use crate::geometry::Pose;
-use crate::vehicle::Dimensions;
+use crate::vehicle::{Dimensions, Path};
 
 /// Plans a drive into whichever of some discs is the nearest by drive; returns its place among them and the plan, whose
 /// effort and CPU time are those of the whole. With no way into any of them it is the failure of the nearest in a straight
@@ -50,7 +50,7 @@ pub fn plan_to_nearest(
 }
 
 fn length_m(plan: &Plan) -> Option<f64> {
-    plan.path.as_ref().ok().map(|path| path.length_m())
+    plan.path.as_ref().ok().map(Path::length_m)
 }
 
 /// Returns what no drive into a disc is shorter than: the rear axle drives at least as far as it has to come nearer.

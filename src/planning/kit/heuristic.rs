@@ -67,11 +67,11 @@ impl Heuristic {
                 let straight = |disc: &GoalDisc| centre.distance(disc.centre) - disc.radius_m;
                 let nearest = (0..discs.len()).min_by(|&a, &b| straight(&discs[a]).total_cmp(&straight(&discs[b])));
                 let nearest = nearest.expect("there is a disc");
-                let mut best = self.into_disc(pose, after_reverse, (discs[nearest], straight(&discs[nearest])));
+                let mut best = self.disc_value(pose, after_reverse, (discs[nearest], straight(&discs[nearest])));
                 for (index, disc) in discs.iter().enumerate() {
                     // No way into the disc is shorter than the straight line.
                     if index != nearest && straight(disc) < best.cost_to_go {
-                        let value = self.into_disc(pose, after_reverse, (*disc, straight(disc)));
+                        let value = self.disc_value(pose, after_reverse, (*disc, straight(disc)));
                         if value.cost_to_go < best.cost_to_go {
                             best = value;
                         }
@@ -83,7 +83,7 @@ impl Heuristic {
     }
 
     /// Returns the estimate for one disc, whose rim is so far away in a straight line.
-    fn into_disc(&self, pose: Pose, after_reverse: Option<bool>, (disc, straight): (GoalDisc, f64)) -> HeuristicValue {
+    fn disc_value(&self, pose: Pose, after_reverse: Option<bool>, (disc, straight): (GoalDisc, f64)) -> HeuristicValue {
         if straight <= 0.0 {
             return HeuristicValue { cost_to_go: 0.0, expansion: Some(AnalyticExpansion::new([], 0.0)) };
         }

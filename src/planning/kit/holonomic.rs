@@ -494,7 +494,7 @@ mod tests {
         for _ in 0..20 {
             let disc = field.random_goal();
             let (field, frame) = (field.checker.field(), field.checker.field().frame());
-            let found: Vec<Place> = goal_cells(field, disc.into()).collect();
+            let found: Vec<Place> = goal_cells(field, disc).collect();
             let corner = DVec2::splat(0.5 * frame.cell_m);
             let meets = |index: &usize| {
                 let centre = frame.centre(frame.cell(*index));

@@ -19,6 +19,7 @@ use crate::planning::observer::{PlanningObserver, PlanningWork, Unobserved};
 use crate::planning::registry::{BuiltInPlanner, Charge, Site, TruckPlannerSettings, describe_charge};
 use crate::planning::{BuildReport, Effort, Goal, GoalDisc, Plan, TruckPlanner};
 use crate::trajectory::SpeedLimits;
+use crate::vehicle::Path;
 
 /// The planner for one body on one field.
 #[derive(Debug)]
@@ -71,7 +72,7 @@ impl TruckPlanner for HybridAstar {
     ) -> Option<(usize, Plan)> {
         let discs: Vec<GoalDisc> = discs.iter().map(|disc| disc.with_margin()).collect();
         let plan = self.plan_into(start, Target::Discs(&discs), observer);
-        let end = plan.path.as_ref().map_or(start, |path| path.end());
+        let end = plan.path.as_ref().map_or(start, Path::end);
         Some((Target::Discs(&discs).disc_of(end, self.0.body()), plan))
     }
 }

@@ -40,6 +40,7 @@ use crate::planning::search_graph::SearchPhase;
 use crate::planning::{BuildReport, Effort, Found, FoundBy, Goal, GoalDisc, Plan, TruckPlanner};
 use crate::rng::Xoshiro256PlusPlus;
 use crate::time::cpu::CpuStopwatch;
+use crate::vehicle::Path;
 use glam::DVec2;
 use rand::Rng;
 use roadmap::{BRIDGE_ROUNDS, MAX_MINOR, Roadmap, RoadmapSite, SCHEDULE};
@@ -229,7 +230,7 @@ impl TruckPlanner for PrmRs {
     ) -> Option<(usize, Plan)> {
         let discs: Vec<GoalDisc> = discs.iter().map(|disc| disc.with_margin()).collect();
         let plan = self.plan_into(start, Target::Discs(&discs), observer);
-        let end = plan.path.as_ref().map_or(start, |path| path.end());
+        let end = plan.path.as_ref().map_or(start, Path::end);
         Some((Target::Discs(&discs).disc_of(end, self.checker.body()), plan))
     }
 }
