@@ -180,7 +180,7 @@ fn what_the_gate_refuses_is_a_bad_answer_with_words_and_the_run_goes_on() {
             Plan::from(Ok(curves.shortest(start, Pose::new(disc.centre.x, disc.centre.y, 0.0)).path(start)))
         }
     };
-    let run = sim::run_with(&driven_by("blind", "contest", &[]), 1, &planners("blind", through_everything));
+    let run = sim::run_with(&driven_by("blind", "contest-1", &[]), 1, &planners("blind", through_everything));
     let run = run.expect("it takes place");
     let failures = failures(&run.timeline);
     assert!(failures.len() > 20 && failures.iter().all(|&reason| reason == PlanFailure::BadAnswer), "{failures:?}");

@@ -15,15 +15,15 @@ struct Kept {
 const KEPT: [Kept; 8] = [
     Kept { format: 1, scenario: "smoke", changes: &["duration_s=120"], searches: false },
     Kept { format: 2, scenario: "local-minima", changes: &["duration_s=300"], searches: false },
-    Kept { format: 3, scenario: "fleet", changes: &["duration_s=300"], searches: false },
+    Kept { format: 3, scenario: "fleet", changes: &["duration_s=300", "unimog.cost=length"], searches: false },
     Kept { format: 4, scenario: "smoke", changes: &["duration_s=120", "unimog.prm_rs.samples=40"], searches: true },
-    Kept { format: 5, scenario: "fleet", changes: &["duration_s=300"], searches: false },
-    Kept { format: 6, scenario: "fleet", changes: &["duration_s=300"], searches: false },
+    Kept { format: 5, scenario: "fleet", changes: &["duration_s=300", "unimog.cost=length"], searches: false },
+    Kept { format: 6, scenario: "fleet", changes: &["duration_s=300", "unimog.cost=length"], searches: false },
     Kept { format: 7, scenario: "windy", changes: &["duration_s=300"], searches: false },
     Kept {
         format: 8,
         scenario: "fleet",
-        changes: &["duration_s=300", "dispatch.policy=auction", "dispatch.idle=regions"],
+        changes: &["duration_s=300", "unimog.cost=length", "dispatch.policy=auction", "dispatch.idle=regions"],
         searches: false,
     },
 ];

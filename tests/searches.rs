@@ -13,7 +13,7 @@ use wildfire::timeline::{AgentFact, AgentId, Event, Fact, Outcome, Timeline, fil
 
 /// A quarter of an hour of the contest.
 fn contest() -> Scenario {
-    let mut contest = scenario::load("contest", &[]).expect("the built-in loads");
+    let mut contest = scenario::load("contest-1", &[]).expect("the built-in loads");
     contest.duration_s = 900.0;
     contest
 }
