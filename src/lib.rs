@@ -60,8 +60,8 @@
 //! # Layers
 //!
 //! Imports point downwards only. Each layer may use those above it in this list:
-//! `time`, `geometry`, `rng`, `event_queue`, `input_file`, `ranges`, `untrusted`, `whole_file`; `document`; `grid`;
-//! `map_files`; `vehicle`; `trajectory`; `collision`; `planning`; `fire`; `scenario`; `timeline`; `picture`; `audit`;
+//! `time`, `geometry`, `rng`, `event_queue`, `input_file`, `or_none`, `ranges`, `untrusted`, `whole_file`; `document`;
+//! `grid`; `map_files`; `vehicle`; `trajectory`; `collision`; `planning`; `fire`; `scenario`; `timeline`; `picture`; `audit`;
 //! `sim`; `programs`; `stats`; `batch`; `view`; `cli`.
 
 // What fuzzers share is also part of the tests in `tests/`, where this crate has its name.
@@ -90,6 +90,8 @@ pub mod grid;
 pub mod input_file;
 #[cfg_attr(not(internals), doc(hidden))]
 pub mod map_files;
+#[cfg_attr(not(internals), doc(hidden))]
+pub mod or_none;
 #[cfg_attr(not(internals), doc(hidden))]
 pub mod picture;
 #[cfg_attr(not(internals), doc(hidden))]

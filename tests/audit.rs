@@ -72,7 +72,7 @@ fn motions_that_are_free_pass_the_audit() {
             }
         }
         let leg = Trajectory::from_path(&path, SimTime::from_seconds(3.0), limits);
-        let cut = leg.stopping(leg.start_time() + SimTime::from_seconds(0.4 * leg.duration_s()), Some(4.0));
+        let cut = leg.stopping(leg.start_time() + SimTime::from_seconds(0.4 * leg.duration_s()), &limits);
         let motion = MotionLimits { turning_radius_m: Some(checker.body().turning_radius_m), limits: Some(limits) };
         for leg in [leg, cut] {
             let audited = audit_leg(&audit_field, &motion, &leg, SampleStep::default());

@@ -13,6 +13,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("rng", &["rand"]),
     ("event_queue", &[]),
     ("input_file", &[]),
+    ("or_none", &["serde_json"]),
     ("ranges", &[]),
     ("untrusted", &[]),
     ("whole_file", &[]),

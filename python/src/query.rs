@@ -54,6 +54,7 @@ impl Vehicle {
             wheelbase_m: self.wheelbase,
             rear_overhang_m: self.rear_overhang,
             turning_radius_m: self.min_turn_radius,
+            ..Dimensions::default()
         })
     }
 }

@@ -1,15 +1,19 @@
 //! Speeds along a leg: its pieces one by one and where they meet, from their own numbers.
 
 use super::{Violation, ViolationKind};
-use crate::geometry::DVec2;
+use crate::geometry::{DVec2, ops};
 use crate::time::SimTime;
 use crate::trajectory::{Piece, SpeedLimits, Trajectory};
+use crate::vehicle::{STEERING_STEP_S, SteeringLimits};
 
 /// Share of a limit that is noise.
 const RELATIVE_NOISE: f64 = 1e-6;
 
 /// A change of speed that is noise, in m/s: what 1000 m/s2 does within two nanometres.
 const JUMP_MPS: f64 = 2e-3;
+
+/// Time of turning wheels that is noise, in seconds.
+const TURNING_NOISE_S: f64 = 1e-6;
 
 /// One drive as its numbers say it: speeds in m/s, time in seconds.
 #[derive(Clone, Copy, Debug)]
@@ -41,17 +45,53 @@ impl DriveProfile {
     }
 }
 
+/// Front wheels, straight at first, that follow the curvature of a way.
+struct Wheels {
+    limits: SteeringLimits,
+    angle_rad: f64,
+    /// How long they still have to turn; negative for the time that they stood with nothing to do.
+    behind_s: f64,
+}
+
+impl Wheels {
+    fn new(limits: SteeringLimits) -> Self {
+        Self { limits, angle_rad: 0.0, behind_s: 0.0 }
+    }
+
+    /// Sets a curvature in 1/m: an angle of the bicycle model.
+    fn set(&mut self, curvature: f64, most_s: f64) -> Result<(), ViolationKind> {
+        let angle_rad = ops::atan2(self.limits.wheelbase_m * curvature, 1.0);
+        let turn_rad = (angle_rad - std::mem::replace(&mut self.angle_rad, angle_rad)).abs();
+        self.behind_s = f64::max(0.0, self.behind_s + turn_rad / self.limits.rate_rad_s);
+        let is_late = self.behind_s > most_s + TURNING_NOISE_S;
+        if is_late { Err(ViolationKind::Steering { behind_s: self.behind_s, most_s }) } else { Ok(()) }
+    }
+
+    /// While the truck stands, they turn to what comes next.
+    fn stand(&mut self, seconds: f64) {
+        self.behind_s -= seconds;
+    }
+
+    fn drive(&mut self, seconds: f64) {
+        self.behind_s = f64::max(0.0, self.behind_s - seconds);
+    }
+}
+
 /// Holds the speeds of a leg against limits; the first violation is where and when its piece begins.
 pub fn audit_pace(leg: &Trajectory, limits: &SpeedLimits) -> Result<(), Violation> {
     let mut elapsed_s = 0.0;
     // The speed so far, and whether it is in reverse; at rest there is no such thing.
     let (mut speed_mps, mut direction) = (0.0, None);
+    let mut wheels = limits.steering.map(Wheels::new);
     for (start, piece) in leg.pieces_with_starts() {
         let at = |kind| violation(leg, elapsed_s, start.position(), kind);
         let Piece::Drive { segment, speed_mps: entry_mps, acceleration_mps2 } = *piece else {
             check_jump(limits, speed_mps, 0.0).map_err(at)?;
             (speed_mps, direction) = (0.0, None);
             elapsed_s += piece.duration_s();
+            if let Some(wheels) = &mut wheels {
+                wheels.stand(piece.duration_s());
+            }
             continue;
         };
         let drive = DriveProfile::new(segment.length_m.abs(), entry_mps, acceleration_mps2);
@@ -61,10 +101,17 @@ pub fn audit_pace(leg: &Trajectory, limits: &SpeedLimits) -> Result<(), Violatio
         }
         check_jump(limits, speed_mps, entry_mps).map_err(at)?;
         check_drive(limits, &drive, segment.curvature, segment.is_reverse()).map_err(at)?;
+        if let Some(wheels) = &mut wheels {
+            wheels.set(segment.curvature, STEERING_STEP_S).map_err(at)?;
+            wheels.drive(drive.seconds);
+        }
         (speed_mps, direction) = (drive.exit_mps, Some(segment.is_reverse()));
         elapsed_s += drive.seconds;
     }
-    check_jump(limits, speed_mps, 0.0).map_err(|kind| violation(leg, elapsed_s, leg.end().position(), kind))
+    let at_end = |kind| violation(leg, elapsed_s, leg.end().position(), kind);
+    check_jump(limits, speed_mps, 0.0).map_err(at_end)?;
+    // The next leg begins with straight wheels.
+    wheels.map_or(Ok(()), |mut wheels| wheels.set(0.0, 0.0)).map_err(at_end)
 }
 
 fn check_drive(limits: &SpeedLimits, drive: &DriveProfile, curvature: f64, reverse: bool) -> Result<(), ViolationKind> {
@@ -110,6 +157,7 @@ mod tests {
         acceleration_mps2: Some(1.0),
         braking_mps2: Some(3.0),
         lateral_mps2: Some(2.0),
+        steering: None,
     };
 
     /// Length, speed and its change, one after the other on a straight.
@@ -133,9 +181,10 @@ mod tests {
         let path = Path { start: Pose::new(20.0, 20.0, 0.5), segments };
         let leg = Trajectory::from_path(&path, SimTime::ZERO, LIMITS);
         audit_pace(&leg, &LIMITS).expect("it was made for these limits");
-        let cut = leg.stopping(SimTime::from_seconds(5.0), LIMITS.braking_mps2);
+        let cut = leg.stopping(SimTime::from_seconds(5.0), &LIMITS);
         audit_pace(&cut, &LIMITS).expect("nor does the brake exceed them");
-        assert!(audit_pace(&leg.stopping(SimTime::from_seconds(5.0), Some(3.1)), &LIMITS).is_err());
+        let harder = SpeedLimits { braking_mps2: Some(3.1), ..LIMITS };
+        assert!(audit_pace(&leg.stopping(SimTime::from_seconds(5.0), &harder), &LIMITS).is_err());
         let at_once = SpeedLimits::new(8.0, 4.0);
         audit_pace(&Trajectory::from_path(&path, SimTime::ZERO, at_once), &at_once)
             .expect("so do those without limits");
@@ -177,6 +226,29 @@ mod tests {
         assert_eq!(kind(&leg), ViolationKind::SpeedJump { from_mps: 2.0, to_mps: 0.0 });
         let waits = straight(&[(2.0, 0.0, 1.0), (2.0, 2.0, -1.0), (-2.0, 0.0, 1.0), (-2.0, 2.0, -1.0)]);
         audit_pace(&waits, &LIMITS).expect("it stands at the cusp");
+    }
+
+    #[test]
+    fn wheels_that_turn_too_fast_are_found() {
+        let steering = SteeringLimits { rate_rad_s: 0.35, wheelbase_m: 3.0 };
+        let limits = SpeedLimits { steering: Some(steering), ..LIMITS };
+        let segment = |curvature, length_m| Segment { curvature, length_m };
+        let mut segments = vec![segment(0.0, 20.0)];
+        segments.extend(steering.clothoid(0.0, 1.0 / 13.0, 1.0, 4.0));
+        segments.extend([segment(1.0 / 13.0, 10.0), segment(-1.0 / 13.0, -6.0)]);
+        let path = Path { start: Pose::new(20.0, 20.0, 0.5), segments };
+        let leg = Trajectory::from_path(&path, SimTime::ZERO, limits);
+        audit_pace(&leg, &limits).expect("it was made for these limits");
+        audit_pace(&leg.stopping(SimTime::from_seconds(9.0), &limits), &limits).expect("nor does a stop exceed them");
+        let slower = SteeringLimits { rate_rad_s: 0.34, ..steering };
+        let slower = SpeedLimits { steering: Some(slower), ..limits };
+        let at_once = Trajectory::from_path(&path, SimTime::ZERO, LIMITS);
+        let pieces = leg.pieces();
+        let ends_turned = Trajectory::new(SimTime::ZERO, path.start, pieces[..pieces.len() - 1].to_vec());
+        for (leg, limits) in [(&leg, slower), (&at_once, limits), (&ends_turned, limits)] {
+            let kind = audit_pace(leg, &limits).expect_err("its wheels are late").kind;
+            assert!(matches!(kind, ViolationKind::Steering { behind_s, most_s } if behind_s > most_s), "{kind:?}");
+        }
     }
 
     #[test]

@@ -106,6 +106,7 @@ mod tests {
         acceleration_mps2: None,
         braking_mps2: None,
         lateral_mps2: None,
+        steering: None,
     };
 
     fn seconds(seconds: f64) -> SimTime {
@@ -189,7 +190,7 @@ mod tests {
     fn proper_run() -> Vec<Event> {
         let there = drive(1.0, start(), &[24.0]);
         let away = drive(9.0, there.end(), &[-16.0]);
-        let cut = away.stopping(seconds(10.0), None);
+        let cut = away.stopping(seconds(10.0), &SpeedLimits { braking_mps2: None, ..LIMITS });
         let on = drive(10.0, cut.end(), &[4.0, -6.0]);
         vec![
             ignited(0.5, NEAR, Cause::Scheduled),

@@ -42,6 +42,11 @@ pub enum ViolationKind {
         found_mps2: f64,
         limit_mps2: f64,
     },
+    /// Front wheels that have not turned yet for the curvature of the way.
+    Steering {
+        behind_s: f64,
+        most_s: f64,
+    },
     /// Speed changes at once where acceleration has a limit; at cusps a truck stands.
     SpeedJump {
         from_mps: f64,
@@ -204,6 +209,9 @@ impl fmt::Display for ViolationKind {
             }
             Self::Lateral { found_mps2, limit_mps2 } => {
                 write!(f, "it turns at {found_mps2:.4} m/s2 to the side where {limit_mps2} m/s2 is the limit")
+            }
+            Self::Steering { behind_s, most_s } => {
+                write!(f, "its front wheels need {behind_s:.4} s more to turn where {most_s} s is the limit")
             }
             Self::SpeedJump { from_mps, to_mps } => {
                 write!(f, "its speed jumps from {from_mps:.4} m/s to {to_mps:.4} m/s")

@@ -8,6 +8,7 @@
 //! [`kit`] has the parts that several planners are made of, [`planners`] the planners, which import the kit and never each
 //! other. The [`registry`] lists them by name, together with those that somebody else handed in; round these stands the
 //! [`gate`], which lets no path pass that the truck could not drive: the [`judge`] says which. [`reachability`] answers whether the truck can get somewhere at all,
+//! `smooth_steering` fits the paths of built-in planners to wheels that take their time to turn,
 //! [`memory`] counts what grows while a run goes on, and [`find_yield_pose`] and [`replan_around`] are for trucks that meet.
 //!
 //! # The tower of fallbacks
@@ -64,6 +65,7 @@ pub mod planners;
 pub mod reachability;
 pub mod registry;
 pub mod search_graph;
+mod smooth_steering;
 #[cfg(test)]
 mod test_fields;
 mod traffic;

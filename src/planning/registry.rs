@@ -30,6 +30,7 @@ use super::kit::local_search::PrimitiveSettings;
 use super::kit::safety::SafetySettings;
 use super::memory::{MemoryMeter, PlannerMemory};
 use super::planners::{hybrid_astar, lattice, prm_primitives, prm_rs};
+use super::smooth_steering::{CurvatureSmoother, SmoothSteering};
 
 /// Makes the built-in planners of one name, and knows what scenarios say about them.
 pub trait BuiltInPlanner: Sync {
@@ -232,13 +233,18 @@ impl Planners {
         self.own.keys()
     }
 
-    /// Makes a planner, inside the gate unless it is built in.
+    /// Makes a planner: a built-in one, whose paths are made smooth if the truck's wheels take their time to turn, or
+    /// another one inside the gate, whose paths are driven as they are.
     ///
     /// # Errors
     /// If nobody of this name is known, or it cannot be built.
     pub fn make(&self, name: &PlannerName, site: &Site<'_>) -> Result<Box<dyn TruckPlanner>, MakeError> {
         if let Some(kind) = name.built_in() {
-            return Ok(kind.maker().make(site));
+            let planner = kind.maker().make(site);
+            return Ok(match CurvatureSmoother::new(site.checker, site.limits) {
+                Some(smoother) => Box::new(SmoothSteering::new(planner, smoother)),
+                None => planner,
+            });
         }
         let Some(maker) = self.own.get(name) else {
             let words = format!("`{name}` is not built in, was not handed in, and is no program that may be started");

@@ -5,12 +5,12 @@ use serde::{Deserialize, Serialize};
 
 use super::alexandridis::AlexandridisSettings;
 use super::check::{Check, TablePath};
-use super::or_none;
 use super::rothermel::RothermelSettings;
 use crate::fire::FireRules;
 use crate::fire::embers::{EmberSettings, Embers};
 use crate::fire::models::{AlexandridisRules, Radius, Rothermel, RothermelRules};
 use crate::geometry::FieldFrame;
+use crate::or_none;
 use crate::ranges::{OutOfRange, SettingsTable, check_range, number_text};
 use crate::time::SimTime;
 

@@ -33,7 +33,6 @@ mod landscape;
 mod layers;
 mod load;
 mod memory;
-mod or_none;
 mod path;
 mod problem;
 mod program;

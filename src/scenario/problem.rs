@@ -277,6 +277,7 @@ impl VehicleMembers {
             // Its range holds -0, which is 0.
             rear_overhang_m: self.rear_overhang + 0.0,
             turning_radius_m: self.min_turn_radius,
+            ..Dimensions::default()
         }
     }
 }

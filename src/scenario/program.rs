@@ -16,8 +16,8 @@ use sha2::{Digest, Sha256};
 
 use super::Scenario;
 use super::check::{Check, TablePath};
-use super::or_none;
 use crate::input_file::list_of_at_most;
+use crate::or_none;
 use crate::planning::PlannerName;
 use crate::planning::registry::Charge;
 

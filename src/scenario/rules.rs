@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 
 use super::check::{Check, TablePath};
 use super::layers::Weights;
-use super::or_none;
 use super::path::PathStep;
 use crate::geometry::{Cell, FieldFrame, ops};
+use crate::or_none;
 use crate::ranges::{OutOfRange, SettingsTable, check_range};
 use crate::rng;
 

@@ -13,11 +13,11 @@ use serde_json::Value;
 use super::agents::{AgentList, AgentsMemory, FieldMeasures, SHOWN_ALIKE, SHOWN_SEED, ScenarioField, SketchedStart};
 use super::check::{Check, ROUNDING_M, TablePath};
 use super::goal::{TruckGoal, describe_choice};
-use super::or_none;
 use super::program::{Program, Programs};
 use super::{MemoryPart, Scenario};
 use crate::collision::CollisionChecker;
 use crate::geometry::{DVec2, FieldFrame, Pose, ops};
+use crate::or_none;
 use crate::planning::memory::{MemoryMeter, PlannerMemory};
 use crate::planning::reachability::Reachability;
 use crate::planning::registry::{BuiltInPlanner, Charge, RoadmapSize};
@@ -172,6 +172,7 @@ impl Unimog {
             acceleration_mps2: self.limits.acceleration_mps2,
             braking_mps2: self.limits.braking_mps2,
             lateral_mps2: self.limits.lateral_mps2,
+            steering: self.vehicle.steering_limits(),
         }
     }
 
@@ -451,7 +452,7 @@ pub fn check_vehicle(table: &TablePath, body: &Dimensions) -> Check {
         let expected = format!("at least {least_m:.3}, which steering by {MAX_STEERING_DEG} degrees gives");
         return table.refuse("turning_radius_m", body.turning_radius_m.to_string(), expected);
     }
-    Ok(())
+    table.optional("steering_rate_deg_s", body.steering_rate_deg_s, 1.0..=1000.0)
 }
 
 /// Describes what a truck is and does.
@@ -460,7 +461,7 @@ fn describe_truck(truck: &Unimog, scenario: &Scenario) -> String {
     let goal = describe_goal(truck, scenario);
     format!(
         "starts with its rear axle at ({}, {}) m, heading {} degrees. {} x {} m, wheelbase {} m, turning radius {} m \
-         (steering to {:.1} degrees). {} m/s forward, {} m/s in reverse; {}. {} {goal} {}{}",
+         (steering to {:.1} degrees). {} m/s forward, {} m/s in reverse; {}. {}{} {goal} {}{}",
         truck.start.x_m,
         truck.start.y_m,
         truck.start.heading_deg,
@@ -473,6 +474,7 @@ fn describe_truck(truck: &Unimog, scenario: &Scenario) -> String {
         truck.reverse_speed_mps,
         describe_limits(truck),
         describe_turning(truck),
+        describe_steering(body),
         describe_planner(truck, &scenario.planner),
         describe_cost(truck)
     )
@@ -533,6 +535,15 @@ fn describe_limits(truck: &Unimog) -> String {
     .flatten()
     .collect();
     if set.is_empty() { "speed changes at once".into() } else { set.join(", ") }
+}
+
+/// Describes how its front wheels turn, where that takes time.
+fn describe_steering(body: &Dimensions) -> String {
+    let turning = |rate: f64| {
+        let lock_s = body.max_steering_rad().to_degrees() / rate;
+        format!(" Its front wheels turn by {rate} degrees a second, from straight to their end in {lock_s:.1} s.")
+    };
+    body.steering_rate_deg_s.map_or(String::new(), turning)
 }
 
 /// Describes what its speed means in its tightest turns: speed squared over radius.

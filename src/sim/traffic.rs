@@ -16,7 +16,7 @@ use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M, MovingBody, first_co
 use crate::geometry::{OrientedRect, Pose};
 use crate::time::SimTime;
 use crate::timeline::AgentId;
-use crate::trajectory::Trajectory;
+use crate::trajectory::{SpeedLimits, Trajectory};
 use crate::vehicle::Dimensions;
 
 /// What trucks keep between them, in metres.
@@ -195,12 +195,12 @@ impl<'a> Traffic<'a> {
     }
 
     /// Returns a leg cut short at the first place where the truck may stand for good, from `now` on.
-    pub fn stopping(self, body: &Dimensions, leg: &Trajectory, now: SimTime, braking: Option<f64>) -> Trajectory {
+    pub fn stopping(self, body: &Dimensions, leg: &Trajectory, now: SimTime, limits: &SpeedLimits) -> Trajectory {
         let is_free = |cut: &Trajectory| self.first_in_conflict(MovingBody { body, trajectory: cut }, now).is_none();
         let at_once = if leg.start_time() >= now {
             Trajectory::new(now, leg.start(), Vec::new())
         } else {
-            leg.stopping(now, braking)
+            leg.stopping(now, limits)
         };
         if is_free(&at_once) {
             return at_once;
@@ -209,7 +209,7 @@ impl<'a> Traffic<'a> {
         let left_s = leg.end_time().since(begin).as_seconds();
         let step_s = STOP_STEP_S.max(left_s / MOST_STEPS);
         let times = (1..).map(|step| f64::from(step) * step_s).take_while(|&after_s| after_s < left_s);
-        let mut cuts = times.map(|after_s| leg.stopping(begin + SimTime::from_seconds(after_s), braking));
+        let mut cuts = times.map(|after_s| leg.stopping(begin + SimTime::from_seconds(after_s), limits));
         // Its whole leg is its reservation, so at the latest it may stand at the end.
         cuts.find(is_free).unwrap_or_else(|| leg.clone())
     }
@@ -233,7 +233,6 @@ pub fn keep_apart(one: (&Dimensions, Pose), other: (&Dimensions, Pose)) -> bool 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trajectory::SpeedLimits;
     use crate::vehicle::{Path, Segment};
     use bevy::prelude::World;
     use rand::RngExt;
@@ -261,7 +260,7 @@ mod tests {
         let traffic = Traffic::new(&others, entity);
         for (at_s, least_m, most_m) in [(3.0, -16.0, -16.0), (4.5, 2.0, 6.0), (5.0, 2.0, 6.0), (7.0, 16.0, 16.0)] {
             let now = SimTime::from_seconds(at_s);
-            let cut = traffic.stopping(&body, &leg, now, None);
+            let cut = traffic.stopping(&body, &leg, now, &SpeedLimits::new(8.0, 8.0));
             assert!(cut.end().x >= least_m && cut.end().x <= most_m, "asked at {at_s} s, stands at {:?}", cut.end());
             assert_eq!(cut.pose_at(now), leg.pose_at(now));
         }

@@ -35,6 +35,7 @@ pub const LIMITS: SpeedLimits = SpeedLimits {
     acceleration_mps2: Some(2.0),
     braking_mps2: None,
     lateral_mps2: Some(3.0),
+    steering: None,
 };
 
 const FIRE: FireRules = FireRules {
@@ -430,7 +431,7 @@ impl World {
             self.tell(Fact::Agent(TRUCK, AgentFact::SuppressionEnded { cell }));
             self.queue.push(self.now, 6, (0, Due::TruckDecides));
         } else {
-            let trajectory = leg.stopping(self.now, self.limits.braking_mps2);
+            let trajectory = leg.stopping(self.now, &self.limits);
             self.queue.push(trajectory.end_time(), 6, (0, Due::TruckDecides));
             self.legs[1] = Some(trajectory.clone());
             self.tell(Fact::Agent(TRUCK, AgentFact::Dropped { goal: cell, trajectory }));

@@ -1,15 +1,18 @@
 //! The fastest way along a path under limits of speed and acceleration, in closed form.
 //!
-//! A path is a row of stretches between cusps; each is driven from standstill to standstill. A pass forwards bounds
+//! A path is a row of stretches between stops; each is driven from standstill to standstill. A pass forwards bounds
 //! the speed at every joint of segments by what acceleration allows, a pass backwards by what braking allows
 //! (Bobrow, Dubowsky and Gibson, "Time-Optimal Control of Robotic Manipulators Along Specified Paths", International
 //! Journal of Robotics Research 4(3), 1985, for constant bounds). Within a segment the speed rises, stays and falls.
+//!
+//! A truck whose front wheels take their time to turn stands wherever the curvature jumps, too, until they have turned.
+//! Its drives begin and end with straight wheels.
 
 use serde::{Deserialize, Serialize};
 
 use super::{Piece, Trajectory, speed_after};
 use crate::time::SimTime;
-use crate::vehicle::{Path, Segment};
+use crate::vehicle::{Path, Segment, SteeringLimits};
 
 /// Limits of a body's speed, and of how fast that may change. Positive numbers; `None` is no limit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,12 +25,21 @@ pub struct SpeedLimits {
     pub braking_mps2: Option<f64>,
     /// Across the way, in turns: speed squared times curvature.
     pub lateral_mps2: Option<f64>,
+    /// How fast front wheels turn; without a limit at once.
+    pub steering: Option<SteeringLimits>,
 }
 
 impl SpeedLimits {
     /// One speed each way, without limits of acceleration.
     pub fn new(forward_mps: f64, reverse_mps: f64) -> Self {
-        Self { forward_mps, reverse_mps, acceleration_mps2: None, braking_mps2: None, lateral_mps2: None }
+        Self {
+            forward_mps,
+            reverse_mps,
+            acceleration_mps2: None,
+            braking_mps2: None,
+            lateral_mps2: None,
+            steering: None,
+        }
     }
 
     /// The greatest speed on a segment, in m/s.
@@ -39,6 +51,17 @@ impl SpeedLimits {
         }
     }
 
+    /// Says whether a truck need not stand to go over from one curvature to another.
+    fn steers_in_passing(&self, from: f64, to: f64) -> bool {
+        self.steering.is_none_or(|steering| steering.is_step(from, to))
+    }
+
+    /// The wait for wheels that turn from one curvature to another, if it takes any time.
+    pub(super) fn turning(&self, from: f64, to: f64) -> Option<Piece> {
+        let seconds = self.steering?.turning_s(from, to);
+        (seconds > 0.0).then_some(Piece::Wait { seconds })
+    }
+
     /// Seconds that [`Trajectory::from_path`] takes for a path of these segments.
     pub fn drive_s(&self, segments: &[Segment]) -> f64 {
         fastest_pieces(segments, self).iter().map(Piece::duration_s).sum()
@@ -46,7 +69,8 @@ impl SpeedLimits {
 }
 
 impl Trajectory {
-    /// Drives a path as fast as the limits allow, from standstill to standstill and through a standstill at cusps.
+    /// Drives a path as fast as the limits allow, from standstill to standstill and through a standstill at cusps, and
+    /// where wheels that take their time turn farther than they do in passing.
     ///
     /// Segments without length are left out.
     pub fn from_path(path: &Path, start_time: SimTime, limits: SpeedLimits) -> Self {
@@ -58,23 +82,48 @@ impl Trajectory {
 fn fastest_pieces(segments: &[Segment], limits: &SpeedLimits) -> Vec<Piece> {
     let segments: Vec<Segment> = segments.iter().copied().filter(|segment| segment.length_m != 0.0).collect();
     let mut pieces = Vec::with_capacity(segments.len());
-    for stretch in segments.chunk_by(|a, b| a.is_reverse() == b.is_reverse()) {
+    // The curvature for which the front wheels stand.
+    let mut wheels = 0.0;
+    let goes_on = |a: &Segment, b: &Segment| {
+        a.is_reverse() == b.is_reverse() && limits.steers_in_passing(a.curvature, b.curvature)
+    };
+    for stretch in segments.chunk_by(goes_on) {
+        pieces.extend(limits.turning(wheels, stretch[0].curvature));
         let joints = joint_speeds(stretch, limits);
-        for (segment, ends) in stretch.iter().zip(joints.windows(2)) {
-            pieces.extend(drive_segment(*segment, ends[0], ends[1], limits));
+        for (index, ends) in joints.windows(2).enumerate() {
+            pieces.extend(drive_segment(stretch[index], fastest_on(stretch, index, limits), ends[0], ends[1], limits));
         }
+        wheels = stretch[stretch.len() - 1].curvature;
     }
+    pieces.extend(limits.turning(wheels, 0.0));
     pieces
 }
 
-/// Speeds in m/s at both ends of a stretch without cusps, and where its segments meet.
+/// The greatest speed in m/s on a segment of a stretch, which lasts until the wheels have turned for it.
+fn fastest_on(stretch: &[Segment], index: usize, limits: &SpeedLimits) -> f64 {
+    let segment = &stretch[index];
+    let fastest_mps = limits.speed_on(segment);
+    match limits.steering {
+        // On the way to the first the truck stood.
+        Some(steering) if index > 0 => {
+            let turning_s = steering.turning_s(stretch[index - 1].curvature, segment.curvature);
+            fastest_mps.min(segment.length_m.abs() / turning_s)
+        }
+        _ => fastest_mps,
+    }
+}
+
+/// Speeds in m/s at both ends of a stretch without a stop, and where its segments meet.
 fn joint_speeds(stretch: &[Segment], limits: &SpeedLimits) -> Vec<f64> {
     let acceleration = limits.acceleration_mps2.unwrap_or(f64::INFINITY);
     let braking = limits.braking_mps2.unwrap_or(f64::INFINITY);
     let mut speeds = vec![0.0; stretch.len() + 1];
-    for (joint, pair) in stretch.windows(2).enumerate() {
-        let reached = speed_after(speeds[joint], acceleration, pair[0].length_m.abs());
-        speeds[joint + 1] = limits.speed_on(&pair[0]).min(limits.speed_on(&pair[1])).min(reached);
+    let mut before = fastest_on(stretch, 0, limits);
+    for joint in 1..stretch.len() {
+        let behind = fastest_on(stretch, joint, limits);
+        let reached = speed_after(speeds[joint - 1], acceleration, stretch[joint - 1].length_m.abs());
+        speeds[joint] = before.min(behind).min(reached);
+        before = behind;
     }
     for (joint, segment) in stretch.iter().enumerate().rev() {
         speeds[joint] = speeds[joint].min(speed_after(speeds[joint + 1], braking, segment.length_m.abs()));
@@ -83,13 +132,19 @@ fn joint_speeds(stretch: &[Segment], limits: &SpeedLimits) -> Vec<f64> {
 }
 
 /// Returns the pieces of one segment: speeding up, keeping the speed, braking; those that take no way are left out.
-fn drive_segment(segment: Segment, entry: f64, exit: f64, limits: &SpeedLimits) -> impl Iterator<Item = Piece> + use<> {
+fn drive_segment(
+    segment: Segment,
+    fastest_mps: f64,
+    entry: f64,
+    exit: f64,
+    limits: &SpeedLimits,
+) -> impl Iterator<Item = Piece> + use<> {
     let length = segment.length_m.abs();
     // Metres per (m/s)^2 of difference; nothing without a limit.
     let per_gain = limits.acceleration_mps2.map_or(0.0, |acceleration| 0.5 / acceleration);
     let per_loss = limits.braking_mps2.map_or(0.0, |braking| 0.5 / braking);
     let way_to = |peak: f64, joint: f64, per: f64| (per * (peak * peak - joint * joint)).max(0.0);
-    let mut peak = limits.speed_on(&segment);
+    let mut peak = fastest_mps;
     if way_to(peak, entry, per_gain) + way_to(peak, exit, per_loss) > length {
         peak = ((length + per_gain * entry * entry + per_loss * exit * exit) / (per_gain + per_loss)).sqrt();
     }
@@ -123,6 +178,7 @@ pub(super) mod tests {
     use super::*;
     use crate::geometry::Pose;
     use crate::rng;
+    use crate::vehicle::STEERING_STEP_S;
 
     #[test]
     fn a_sliver_of_a_segment_takes_next_to_no_time() {
@@ -157,6 +213,7 @@ pub(super) mod tests {
             lateral_mps2: maybe(0.5, 5.0),
             forward_mps: 9.0,
             reverse_mps: 4.0,
+            steering: None,
         }
     }
 
@@ -220,6 +277,37 @@ pub(super) mod tests {
             assert!((drive.end().position() - path.end().position()).length() < 1e-9);
             assert!((drive.distance_m(SimTime::MAX) - path.length_m()).abs() < 1e-9);
             assert_eq!(drive.cusps(), path.cusps());
+            assert!((limits.drive_s(&path.segments) - drive.duration_s()).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn wheels_keep_up_or_the_truck_stands() {
+        let steering = SteeringLimits { rate_rad_s: 0.35, wheelbase_m: 3.0 };
+        let mut rng = rng::stream(5, "trajectory/profile");
+        for _ in 0..300 {
+            let limits = SpeedLimits { steering: Some(steering), ..random_limits(&mut rng) };
+            let mut path = random_path(&mut rng);
+            // A row of small steps, and a jump.
+            path.segments.extend(steering.clothoid(0.0, 0.07, 1.0, rng.random_range(1.0..9.0)));
+            path.segments.push(Segment { curvature: 0.07, length_m: 3.0 });
+            let drive = Trajectory::from_path(&path, SimTime::ZERO, limits);
+            let (mut wheels, mut behind_s) = (0.0, 0.0);
+            for piece in drive.pieces() {
+                let Some(segment) = piece.segment() else {
+                    behind_s -= piece.duration_s();
+                    continue;
+                };
+                behind_s = f64::max(0.0, behind_s + steering.turning_s(wheels, segment.curvature));
+                assert!(behind_s <= STEERING_STEP_S + 1e-9, "wheels are {behind_s} s behind at {piece:?}");
+                wheels = segment.curvature;
+                // They do not know yet what comes next.
+                behind_s = f64::max(0.0, behind_s - piece.duration_s());
+            }
+            assert!(behind_s + steering.turning_s(wheels, 0.0) < 1e-9);
+            let without = SpeedLimits { steering: None, ..limits }.drive_s(&path.segments);
+            assert!(drive.duration_s() > without);
+            assert!((drive.distance_m(SimTime::MAX) - path.length_m()).abs() < 1e-9);
             assert!((limits.drive_s(&path.segments) - drive.duration_s()).abs() < 1e-9);
         }
     }

@@ -1,25 +1,32 @@
 //! Breaking a motion off on its way.
 
-use super::{Piece, PieceProgress, Trajectory, speed_after};
+use super::{Piece, PieceProgress, SpeedLimits, Trajectory, speed_after};
 use crate::time::SimTime;
 
 impl Trajectory {
-    /// Returns the same motion, cut short: from `at` on the body brakes by `braking` m/s2 along its way until it stands.
-    /// Without a braking limit it stands at `at`.
+    /// Returns the same motion, cut short: from `at` on the body brakes along its way as hard as its limits allow, until
+    /// it stands. Without a limit of braking it stands at `at`. Wheels that take their time to turn are straight at its end.
     ///
     /// Start and all states before `at` stay the same. The braking body is never faster than it would have been at the
     /// same place, so it stops at the next cusp, turn or wait at the latest, where it would have stood anyway.
-    pub fn stopping(&self, at: SimTime, braking: Option<f64>) -> Self {
+    pub fn stopping(&self, at: SimTime, limits: &SpeedLimits) -> Self {
         if at <= self.start_time {
             return Self::new(self.start_time, self.start, Vec::new());
         }
         let Some(progress) = self.progress_at(at) else { return self.clone() };
+        let moves_on = self.pieces[progress.index..].iter().any(|piece| piece.segment().is_some());
+        if limits.steering.is_some() && !moves_on {
+            // Only its wheels have to turn.
+            return self.clone();
+        }
         let mut pieces = self.pieces[..progress.index].to_vec();
         let begun = self.pieces[progress.index].until(progress.elapsed_s);
         pieces.extend(begun);
-        if let Some(braking) = braking {
+        if let Some(braking) = limits.braking_mps2 {
             self.brake(progress, braking, &mut pieces);
         }
+        let wheels = pieces.iter().rev().find_map(Piece::segment).map_or(0.0, |segment| segment.curvature);
+        pieces.extend(limits.turning(wheels, 0.0));
         Self::new(self.start_time, self.start, pieces)
     }
 
@@ -96,7 +103,7 @@ mod tests {
     use super::*;
     use crate::geometry::Pose;
     use crate::rng;
-    use crate::vehicle::{Path, Segment};
+    use crate::vehicle::{Path, Segment, SteeringLimits};
 
     /// The pose that a trajectory has after these metres.
     fn pose_after(trajectory: &Trajectory, metres: f64) -> Pose {
@@ -137,7 +144,7 @@ mod tests {
             let end = drive.end_time().as_nanos();
             let at = SimTime::from_nanos(rng.random_range(0..end + end / 10));
             let braking = rng.random_bool(0.8).then(|| rng.random_range(0.5..8.0));
-            let cut = drive.stopping(at, braking);
+            let cut = drive.stopping(at, &SpeedLimits { braking_mps2: braking, ..limits });
             assert_eq!(cut.start_time(), drive.start_time());
             for _ in 0..20 {
                 let before = SimTime::from_nanos(rng.random_range(0..at.as_nanos().max(1)));
@@ -164,10 +171,32 @@ mod tests {
             let drive = Trajectory::from_path(&random_path(&mut rng), SimTime::from_seconds(3.0), limits);
             let (start, end) = (drive.start_time().as_nanos(), drive.end_time().as_nanos());
             let at = SimTime::from_nanos(rng.random_range(start + 1..end));
-            let cut = drive.stopping(at, None);
+            let cut = drive.stopping(at, &SpeedLimits { braking_mps2: None, ..limits });
             assert_eq!(cut.end_time(), at);
             assert!((cut.end().position() - drive.pose_at(at).position()).length() < 1e-9);
             assert_eq!(cut.state_at(at).1, 0.0);
+        }
+    }
+
+    fn braking(mps2: f64) -> SpeedLimits {
+        SpeedLimits { braking_mps2: Some(mps2), ..SpeedLimits::new(8.0, 8.0) }
+    }
+
+    #[test]
+    fn wheels_are_straight_wherever_a_motion_is_cut() {
+        let steering = SteeringLimits { rate_rad_s: 0.3, wheelbase_m: 3.0 };
+        let mut rng = rng::stream(3, "trajectory/stopping");
+        for _ in 0..200 {
+            let limits = SpeedLimits { steering: Some(steering), ..random_limits(&mut rng) };
+            let drive = Trajectory::from_path(&random_path(&mut rng), SimTime::from_seconds(3.0), limits);
+            let at = SimTime::from_nanos(rng.random_range(0..drive.end_time().as_nanos()));
+            let cut = drive.stopping(at, &limits);
+            assert_eq!(cut.state_at(at).0, drive.state_at(at).0);
+            let driven = cut.pieces().iter().rposition(|piece| piece.segment().is_some());
+            let Some(driven) = driven else { continue };
+            let curvature = cut.pieces()[driven].segment().expect("it is a drive").curvature;
+            let stands_s: f64 = cut.pieces()[driven + 1..].iter().map(Piece::duration_s).sum();
+            assert!(stands_s >= steering.turning_s(curvature, 0.0), "{stands_s} s for a curvature of {curvature}");
         }
     }
 
@@ -178,10 +207,10 @@ mod tests {
             segments: vec![Segment { curvature: 0.0, length_m: 30.0 }, Segment { curvature: 0.1, length_m: 30.0 }],
         };
         let drive = Trajectory::from_path(&path, SimTime::ZERO, SpeedLimits::new(8.0, 8.0));
-        let cut = drive.stopping(SimTime::from_seconds(3.0), Some(4.0));
+        let cut = drive.stopping(SimTime::from_seconds(3.0), &braking(4.0));
         assert!((cut.distance_m(SimTime::MAX) - (24.0 + 8.0)).abs() < 1e-9);
         assert!((cut.duration_s() - 5.0).abs() < 1e-6);
-        let late = drive.stopping(SimTime::from_seconds(7.0), Some(4.0));
+        let late = drive.stopping(SimTime::from_seconds(7.0), &braking(4.0));
         assert!((late.distance_m(SimTime::MAX) - 60.0).abs() < 1e-9, "the way ends before the brake is done");
     }
 
@@ -192,7 +221,7 @@ mod tests {
             segments: vec![Segment { curvature: 0.0, length_m: 10.0 }, Segment { curvature: 0.1, length_m: -30.0 }],
         };
         let drive = Trajectory::from_path(&path, SimTime::ZERO, SpeedLimits::new(8.0, 8.0));
-        let cut = drive.stopping(SimTime::from_seconds(1.0), Some(1.0));
+        let cut = drive.stopping(SimTime::from_seconds(1.0), &braking(1.0));
         assert!((cut.distance_m(SimTime::MAX) - 10.0).abs() < 1e-9);
         assert_eq!(cut.cusps(), 0);
     }
@@ -201,7 +230,7 @@ mod tests {
     fn a_motion_stopped_before_its_start_never_begins() {
         let path = Path { start: Pose::default(), segments: vec![Segment { curvature: 0.0, length_m: 10.0 }] };
         let drive = Trajectory::from_path(&path, SimTime::from_seconds(2.0), SpeedLimits::new(8.0, 8.0));
-        let cut = drive.stopping(SimTime::from_seconds(1.0), Some(1.0));
+        let cut = drive.stopping(SimTime::from_seconds(1.0), &braking(1.0));
         assert_eq!((cut.end_time(), cut.end()), (drive.start_time(), drive.start()));
     }
 }

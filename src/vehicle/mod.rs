@@ -6,16 +6,19 @@ pub mod curve;
 pub mod dubins;
 mod path;
 pub mod reeds_shepp;
+mod steering;
 
 pub use dubins::Dubins;
 pub use path::{Path, Segment};
 pub use reeds_shepp::{CurvePrice, ReedsShepp};
+pub use steering::{STEERING_STEP_S, SteeringLimits};
 
 use glam::DVec2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::geometry::{OrientedRect, Pose, ops};
+use crate::or_none;
 
 /// Dimensions of a truck with Ackermann steering, in metres. The default is the contest's Unimog.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -31,11 +34,22 @@ pub struct Dimensions {
     pub rear_overhang_m: f64,
     /// Smallest radius that the middle of the rear axle can drive.
     pub turning_radius_m: f64,
+    /// How fast its front wheels turn, in degrees a second; `"none"`: at once.
+    #[serde(with = "or_none")]
+    #[schemars(with = "or_none::NumberOrNone")]
+    pub steering_rate_deg_s: Option<f64>,
 }
 
 impl Default for Dimensions {
     fn default() -> Self {
-        Self { length_m: 4.9, width_m: 2.2, wheelbase_m: 3.0, rear_overhang_m: 0.95, turning_radius_m: 13.0 }
+        Self {
+            length_m: 4.9,
+            width_m: 2.2,
+            wheelbase_m: 3.0,
+            rear_overhang_m: 0.95,
+            turning_radius_m: 13.0,
+            steering_rate_deg_s: None,
+        }
     }
 }
 
@@ -63,6 +77,13 @@ impl Dimensions {
     /// Steering angle of the bicycle model at the smallest radius, in radians.
     pub fn max_steering_rad(&self) -> f64 {
         ops::atan(self.wheelbase_m / self.turning_radius_m)
+    }
+
+    /// Returns the limit of its steering, if it has one.
+    pub fn steering_limits(&self) -> Option<SteeringLimits> {
+        let limits =
+            |rate: f64| SteeringLimits { rate_rad_s: rate.to_radians(), wheelbase_m: self.wheelbase_m };
+        self.steering_rate_deg_s.map(limits)
     }
 
     /// Returns the metres that the fastest point of the body moves for a metre of the rear axle: on an arc, the distance

@@ -40,7 +40,8 @@ impl CostModel {
     pub fn new(cost: DriveCost, limits: &SpeedLimits, cusp_m: f64) -> Self {
         match cost {
             DriveCost::Length => Self::Length { cusp_m },
-            DriveCost::Time => Self::Time { limits: *limits },
+            // Corners at which the wheels turn are made smooth when the path is there.
+            DriveCost::Time => Self::Time { limits: SpeedLimits { steering: None, ..*limits } },
         }
     }
 
@@ -84,6 +85,7 @@ mod tests {
         acceleration_mps2: Some(2.0),
         braking_mps2: Some(4.0),
         lateral_mps2: Some(3.0),
+        steering: None,
     };
 
     fn segment(curvature: f64, length_m: f64) -> Segment {

@@ -332,6 +332,7 @@ mod tests {
         acceleration_mps2: Some(2.0),
         braking_mps2: Some(4.0),
         lateral_mps2: Some(3.0),
+        steering: None,
     };
     const METRES: CostModel = CostModel::Length { cusp_m: 1.0 };
 

@@ -4,7 +4,7 @@
 //! environments", IJRR 29(5), 2010, section 3: motions of constant curvature, an estimate that is the greater of the
 //! curve to the goal on an empty field and of a walk round the bushes, and analytic expansions that end the search.
 //!
-//! Where the wanted clearance leads nowhere, less is asked for, from both ends in turn (see [`SCHEDULE`]). Then a flood is
+//! Where the wanted clearance leads nowhere, less is asked for, from both ends in turn (see [`schedule`]). Then a flood is
 //! asked; the last searches are on a fine lattice. What is found is improved by shortcuts under the same clearance.
 
 use crate::collision::CollisionChecker;
@@ -53,18 +53,25 @@ const fn searches(share: f64, lattice: LatticeKind, forward: u32, backward: u32)
     Stage { share, effort: Means::Searches { lattice, forward, backward } }
 }
 
-/// The first stage that succeeds gives the path.
+/// Nodes that a search of the coarse lattice expands at most.
+const MOST_COARSE: u32 = 5_000;
+/// The most that the first stage may expand.
+pub const MOST_FIRST_EXPANSIONS: u32 = MOST_COARSE;
+
+/// Returns the stages, the first of which may expand this number of nodes. The first that succeeds gives the path.
 ///
 /// Long detours are cheaper for the flood than for a search, because it looks at every bin once; tight ends need the
 /// short motions of the fine lattice.
-const SCHEDULE: [Stage<Means>; 6] = [
-    searches(1.0, LatticeKind::Coarse, 250, 0),
-    searches(2.0 / 3.0, LatticeKind::Coarse, 150, 150),
-    searches(1.0 / 3.0, LatticeKind::Coarse, 250, 250),
-    searches(LEAST_SHARE, LatticeKind::Coarse, 5_000, 5_000),
-    Stage { share: LEAST_SHARE, effort: Means::Flood },
-    searches(LEAST_SHARE, LatticeKind::Fine, 20_000, 20_000),
-];
+const fn schedule(first_expansions: u32) -> [Stage<Means>; 6] {
+    [
+        searches(1.0, LatticeKind::Coarse, first_expansions, 0),
+        searches(2.0 / 3.0, LatticeKind::Coarse, 150, 150),
+        searches(1.0 / 3.0, LatticeKind::Coarse, 250, 250),
+        searches(LEAST_SHARE, LatticeKind::Coarse, MOST_COARSE, MOST_COARSE),
+        Stage { share: LEAST_SHARE, effort: Means::Flood },
+        searches(LEAST_SHARE, LatticeKind::Fine, 20_000, 20_000),
+    ]
+}
 
 /// Searches from both ends take turns of this number of expansions.
 const TURN: u32 = 100;
@@ -87,6 +94,8 @@ pub struct RelaxedSettings {
     pub heuristic_weight: f64,
     /// What is tried on the path found.
     pub improvement: Improvement,
+    /// Nodes that the first stage may expand.
+    pub first_expansions: u32,
     /// Nodes that one query may expand, over all its searches.
     pub max_expansions: u32,
 }
@@ -148,7 +157,7 @@ impl RelaxedSearch {
     /// Bounds the bytes that it takes.
     pub fn memory(frame: &FieldFrame, max_expansions: u32) -> PlannerMemory {
         let most = |kind: LatticeKind, side: usize| {
-            let budgets = SCHEDULE.iter().filter_map(|stage| match stage.effort {
+            let budgets = schedule(MOST_FIRST_EXPANSIONS).into_iter().filter_map(|stage| match stage.effort {
                 Means::Searches { lattice, forward, backward } if lattice == kind => Some([forward, backward][side]),
                 _ => None,
             });
@@ -198,7 +207,7 @@ impl RelaxedSearch {
         self.walks[0].begin(field, target, target.position_of(start, body));
         self.walks[1].begin(field, Target::Pose(start), target.position());
         let mut ending = Ending::Exhausted;
-        for stage in SCHEDULE {
+        for stage in schedule(self.settings.first_expansions) {
             let min_clearance_m = stage.min_clearance_m(self.settings.clearance_m, f64::INFINITY);
             let profile = ClearanceProfile::new(min_clearance_m, ends.iter().copied());
             let (path, by) = match stage.effort {

@@ -102,7 +102,7 @@ impl Fleet<'_, '_> {
         let reservations = self.reservations();
         let Ok((mut agent, truck)) = self.trucks.get_mut(entity) else { return };
         let traffic = Traffic::new(&reservations, entity);
-        let cut = traffic.stopping(&truck.body, &agent.trajectory, self.clock.0, truck.speed.braking_mps2);
+        let cut = traffic.stopping(&truck.body, &agent.trajectory, self.clock.0, &truck.speed);
         agent.halt(entity, self.clock.0, cut, &mut self.queue, &mut self.recorder);
     }
 
@@ -111,7 +111,7 @@ impl Fleet<'_, '_> {
         let reservations = self.reservations();
         let Ok((mut agent, truck)) = self.trucks.get_mut(entity) else { return };
         let traffic = Traffic::new(&reservations, entity);
-        let cut = traffic.stopping(&truck.body, &agent.trajectory, self.clock.0, truck.speed.braking_mps2);
+        let cut = traffic.stopping(&truck.body, &agent.trajectory, self.clock.0, &truck.speed);
         agent.drop_goal(entity, self.clock.0, cut, &mut self.queue, &mut self.recorder);
     }
 }

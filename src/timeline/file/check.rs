@@ -174,6 +174,7 @@ fn check_agent(agent: &AgentStart) -> Result<(), FileError> {
         Body::Square { size_m } => is_size(size_m),
         Body::Truck(body) => {
             [body.length_m, body.width_m, body.wheelbase_m, body.turning_radius_m].into_iter().all(is_size)
+                && body.steering_rate_deg_s.is_none_or(is_size)
                 && body.rear_overhang_m.is_finite()
         }
     };

@@ -49,6 +49,15 @@ enum IdRecord {
 enum BodyRecord {
     Square { size_m: f64 },
     Truck { length_m: f64, width_m: f64, wheelbase_m: f64, rear_overhang_m: f64, turning_radius_m: f64 },
+    /// A truck whose front wheels take their time to turn.
+    SteeredTruck {
+        length_m: f64,
+        width_m: f64,
+        wheelbase_m: f64,
+        rear_overhang_m: f64,
+        turning_radius_m: f64,
+        steering_rate_deg_s: f64,
+    },
 }
 
 #[derive(Serialize, Deserialize)]
@@ -153,13 +162,51 @@ impl From<&AgentStart> for AgentRecord {
                 Role::Unimog => IdRecord::Unimog(id.number),
             },
             pose: [pose.x, pose.y, pose.heading],
-            body: match body {
-                Body::Square { size_m } => BodyRecord::Square { size_m },
-                Body::Truck(Dimensions { length_m, width_m, wheelbase_m, rear_overhang_m, turning_radius_m }) => {
-                    BodyRecord::Truck { length_m, width_m, wheelbase_m, rear_overhang_m, turning_radius_m }
-                }
+            body: body.into(),
+        }
+    }
+}
+
+impl From<Body> for BodyRecord {
+    fn from(body: Body) -> Self {
+        let truck = match body {
+            Body::Square { size_m } => return Self::Square { size_m },
+            Body::Truck(truck) => truck,
+        };
+        let Dimensions { length_m, width_m, wheelbase_m, rear_overhang_m, turning_radius_m, steering_rate_deg_s } = truck;
+        match steering_rate_deg_s {
+            None => Self::Truck { length_m, width_m, wheelbase_m, rear_overhang_m, turning_radius_m },
+            Some(steering_rate_deg_s) => Self::SteeredTruck {
+                length_m,
+                width_m,
+                wheelbase_m,
+                rear_overhang_m,
+                turning_radius_m,
+                steering_rate_deg_s,
             },
         }
+    }
+}
+
+impl From<&BodyRecord> for Body {
+    fn from(record: &BodyRecord) -> Self {
+        let (length_m, width_m, wheelbase_m, rear_overhang_m, turning_radius_m, steering_rate_deg_s) = match *record {
+            BodyRecord::Square { size_m } => return Self::Square { size_m },
+            BodyRecord::Truck { length_m, width_m, wheelbase_m, rear_overhang_m, turning_radius_m } => {
+                (length_m, width_m, wheelbase_m, rear_overhang_m, turning_radius_m, None)
+            }
+            BodyRecord::SteeredTruck {
+                length_m,
+                width_m,
+                wheelbase_m,
+                rear_overhang_m,
+                turning_radius_m,
+                steering_rate_deg_s,
+            } => (length_m, width_m, wheelbase_m, rear_overhang_m, turning_radius_m, Some(steering_rate_deg_s)),
+        };
+        let truck =
+            Dimensions { length_m, width_m, wheelbase_m, rear_overhang_m, turning_radius_m, steering_rate_deg_s };
+        Self::Truck(truck)
     }
 }
 
@@ -239,19 +286,19 @@ pub fn cells(frame: FieldFrame, steps: &[u32]) -> Result<Vec<Cell>, FileError> {
 impl AgentRecord {
     fn start(&self, limits: Option<SpeedLimits>) -> AgentStart {
         let [x, y, heading] = self.pose;
+        let body = Body::from(&self.body);
+        let steering = match body {
+            Body::Square { .. } => None,
+            Body::Truck(truck) => truck.steering_limits(),
+        };
         AgentStart {
             id: match self.id {
                 IdRecord::Wumpus(number) => AgentId::wumpus(number),
                 IdRecord::Unimog(number) => AgentId::unimog(number),
             },
             pose: Pose { x, y, heading },
-            body: match self.body {
-                BodyRecord::Square { size_m } => Body::Square { size_m },
-                BodyRecord::Truck { length_m, width_m, wheelbase_m, rear_overhang_m, turning_radius_m } => {
-                    Body::Truck(Dimensions { length_m, width_m, wheelbase_m, rear_overhang_m, turning_radius_m })
-                }
-            },
-            limits,
+            body,
+            limits: limits.map(|limits| SpeedLimits { steering, ..limits }),
         }
     }
 }
@@ -264,6 +311,8 @@ impl From<LimitsRecord> for SpeedLimits {
             acceleration_mps2: limits.acceleration_mps2,
             braking_mps2: limits.braking_mps2,
             lateral_mps2: limits.lateral_mps2,
+            // It is the body's.
+            steering: None,
         }
     }
 }

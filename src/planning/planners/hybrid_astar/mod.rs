@@ -38,6 +38,7 @@ impl HybridSettings {
             cost: CostModel::new(cost, limits, self.cusp_cost),
             heuristic_weight: self.heuristic_weight,
             improvement: self.improvement(),
+            first_expansions: self.first_expansions,
             max_expansions: self.max_expansions,
         }
     }

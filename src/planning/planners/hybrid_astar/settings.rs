@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::geometry::FieldFrame;
 use crate::planning::kit::closed_set::check_bins;
+use crate::planning::kit::relaxed_search::MOST_FIRST_EXPANSIONS;
 use crate::ranges::{OutOfRange, SettingsTable, check_range};
 
 /// Settings of the planner `hybrid-astar`. Lengths are metres.
@@ -29,6 +30,8 @@ pub struct HybridSettings {
     /// Rounds in which the bends of that path are pulled tight; with 0 none are, and with more a path that is nearly
     /// the shortest curve between its ends is left as it is.
     pub pulls: u32,
+    /// Nodes that are expanded at the wanted clearance before less is asked for.
+    pub first_expansions: u32,
     /// Nodes that one query may expand, over all its searches.
     pub max_expansions: u32,
     /// Simulated planning time charged, during which the truck stands still.
@@ -46,6 +49,7 @@ impl Default for HybridSettings {
             heuristic_weight: 1.5,
             shortcuts: 100,
             pulls: 0,
+            first_expansions: 250,
             max_expansions: 30_000,
             seconds_per_expansion: 0.0,
         }
@@ -62,6 +66,7 @@ impl SettingsTable for HybridSettings {
         check_range("heuristic_weight", self.heuristic_weight, 0.0..=1000.0)?;
         check_range("shortcuts", self.shortcuts.into(), 0.0..=1e6)?;
         check_range("pulls", self.pulls.into(), 0.0..=1000.0)?;
+        check_range("first_expansions", self.first_expansions.into(), 1.0..=MOST_FIRST_EXPANSIONS.into())?;
         check_range("max_expansions", self.max_expansions.into(), 1.0..=1e6)?;
         check_range("seconds_per_expansion", self.seconds_per_expansion, 0.0..=1e6)?;
         check_bins(self.bin_m, frame)
