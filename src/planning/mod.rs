@@ -65,7 +65,7 @@ pub mod planners;
 pub mod reachability;
 pub mod registry;
 pub mod search_graph;
-mod smooth_steering;
+pub mod smooth_steering;
 #[cfg(test)]
 mod test_fields;
 mod traffic;

@@ -8,8 +8,8 @@
 //! A clothoid that is centred on its corner turns the truck by as much as the corner did, and leads a few centimetres aside.
 //! The lengths of the path's own segments take that up, all together and by as little as possible (Gauss-Newton steps of
 //! least norm), until the path ends where it did: in the same pose, or for a disc with the body's centre at the same
-//! place. What touches something, or takes longer than the stop, is not done: it is tried again at half and at a
-//! quarter of the speed, on a shorter clothoid, and then the stop stays.
+//! place. What touches something, or takes longer than the stop, is not done: it is tried again at half the speed, on a
+//! shorter clothoid, and so on; after four times the stop stays.
 //!
 //! A smooth path lies centimetres beside the one that was planned. It keeps [`LEAST_CLEARANCE_M`], and the clearance that the
 //! planner was asked for up to that.
@@ -24,7 +24,7 @@ use crate::trajectory::SpeedLimits;
 use crate::vehicle::{Path, Segment, SteeringLimits};
 
 /// The shares of the speed that a corner allows at which clothoids are tried.
-const SPEED_SHARES: [f64; 3] = [1.0, 0.5, 0.25];
+const SPEED_SHARES: [f64; 5] = [1.0, 0.5, 0.25, 0.125, 0.0625];
 /// A clothoid must save at least this.
 const WORTH_S: f64 = 1e-6;
 /// A radian at the end counts as much as these metres.

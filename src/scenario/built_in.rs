@@ -13,6 +13,7 @@ pub const BUILT_IN: &[(&str, &str)] = &[
     ("wumpus-alone", include_str!("../../scenarios/wumpus-alone.toml")),
     ("local-minima", include_str!("../../scenarios/local-minima.toml")),
     ("unimog-alone", include_str!("../../scenarios/unimog-alone.toml")),
+    ("drives", include_str!("../../scenarios/drives.toml")),
     ("fleet", include_str!("../../scenarios/fleet.toml")),
     ("duel", include_str!("../../scenarios/duel.toml")),
     ("brigade", include_str!("../../scenarios/brigade.toml")),

@@ -65,7 +65,7 @@ pub struct JudgeArguments {
     #[arg(help_heading = "Goals", long, value_name = "N", conflicts_with = "goals", value_parser = goal_count)]
     pub cells: Option<usize>,
     /// The scenario whose first truck drives, with its planners' settings: a file, or a built-in name.
-    #[arg(long, value_name = "SCENARIO", default_value = "contest-1")]
+    #[arg(long, value_name = "SCENARIO", default_value = "drives")]
     pub scenario: String,
     /// Change a value of the scenario, such as `unimog.vehicle.turning_radius_m=8`; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]

@@ -49,7 +49,7 @@ pub struct PlanArguments {
     #[arg(long = "planner", value_name = "NAME", value_delimiter = ',')]
     pub planners: Vec<PlannerName>,
     /// The scenario whose first truck's settings planners have: a file, or a built-in name.
-    #[arg(long, value_name = "SCENARIO", default_value = "contest-1")]
+    #[arg(long, value_name = "SCENARIO", default_value = "drives")]
     pub scenario: String,
     /// Change a value of the scenario, such as `unimog.hybrid.clearance_m=1`; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
