@@ -2,7 +2,7 @@
 //! slow the slowest answer is: `cargo bench --bench random_fields`, or with `-- 2000 prm-rs hybrid-astar` that many fields a
 //! density and those planners alone.
 //!
-//! A field has the bushes of `contest` at another coverage, and one drive: from a random free pose to another, half a metre
+//! A field has the bushes of `drives` at another coverage, and one drive: from a random free pose to another, half a metre
 //! from everything at least. Arguments with an equals sign change settings: `unimog.hybrid.shortcuts=50`.
 //!
 //! A drive that no planner found is asked of the floods, from both ends, for any heading within a metre of the other end. If
@@ -87,7 +87,7 @@ fn arguments() -> Result<(u64, Scenario, Vec<TruckPlannerKind>), String> {
     let (changes, names): (Vec<String>, Vec<String>) = words.partition(|argument| argument.contains('='));
     let (numbers, names): (Vec<String>, Vec<String>) = names.into_iter().partition(|word| word.parse::<u64>().is_ok());
     let fields = numbers.first().and_then(|number| number.parse().ok()).unwrap_or(FIELDS);
-    let scenario = scenario::load("contest", &changes).map_err(|error| error.to_string())?;
+    let scenario = scenario::load("drives", &changes).map_err(|error| error.to_string())?;
     let named = names.iter().map(|name| name.parse()).collect::<Result<Vec<_>, String>>()?;
     Ok((fields, scenario, if named.is_empty() { TruckPlannerKind::ALL.to_vec() } else { named }))
 }

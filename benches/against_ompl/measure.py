@@ -5,7 +5,7 @@
 
 Needs Python 3.9, a C++ compiler and OMPL's headers (Debian: `g++`, `libompl-dev`). `planner.cpp` is built and asked by
 `wildfire plan` like any other program that plans (docs/own-planner.md): fields, goals, lower bounds, CPU clock, gate and
-audit are the same for all. Every coverage has `--fields` fields of the scenario `contest`, seeds 1, 2, ..., and on each
+audit are the same for all. Every coverage has `--fields` fields of the scenario `drives`, seeds 1, 2, ..., and on each
 `--goals` random poses; a field's seed is also that of all planners.
 
 It ends with exit code 1 if a path has a violation or is refused, if a planner of ours that should reach every goal does not,

@@ -305,7 +305,8 @@ mod tests {
         let path = Path { start: Pose::new(20.0, 20.0, 0.5), segments: winding() };
         let leg = Trajectory::from_path(&path, SimTime::ZERO, slow);
         audit(&leg).expect("limits of acceleration break no rule");
-        audit(&leg.stopping(SimTime::from_seconds(2.0), &SpeedLimits { braking_mps2: Some(2.0), ..slow })).expect("nor does a brake");
+        audit(&leg.stopping(SimTime::from_seconds(2.0), &SpeedLimits { braking_mps2: Some(2.0), ..slow }))
+            .expect("nor does a brake");
     }
 
     #[test]

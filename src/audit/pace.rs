@@ -239,7 +239,10 @@ mod tests {
         let path = Path { start: Pose::new(20.0, 20.0, 0.5), segments };
         let leg = Trajectory::from_path(&path, SimTime::ZERO, limits);
         audit_pace(&leg, &limits).expect("it was made for these limits");
-        audit_pace(&leg.stopping(SimTime::from_seconds(9.0), &limits), &limits).expect("nor does a stop exceed them");
+        for tenths in 0..=(10.0 * leg.duration_s()) as u32 {
+            let cut = leg.stopping(SimTime::from_seconds(0.1 * f64::from(tenths)), &limits);
+            audit_pace(&cut, &limits).expect("nor does a stop exceed them");
+        }
         let slower = SteeringLimits { rate_rad_s: 0.34, ..steering };
         let slower = SpeedLimits { steering: Some(slower), ..limits };
         let at_once = Trajectory::from_path(&path, SimTime::ZERO, LIMITS);

@@ -234,8 +234,8 @@ impl Corners<'_> {
 mod tests {
     use super::super::test_fields::{TestField, least_clearance};
     use super::*;
-    use crate::planning::registry::OwnedSettings;
     use crate::planning::planners;
+    use crate::planning::registry::OwnedSettings;
     use crate::time::SimTime;
     use crate::trajectory::{Piece, Trajectory};
     use crate::vehicle::STEERING_STEP_S;
@@ -323,8 +323,7 @@ mod tests {
         let start = Pose::new(40.0, 60.0, 0.3);
         let path = Path { start, segments: segments.to_vec() };
         let speeds_mps = vec![Some(6.0), Some(6.0), None, None];
-        let corners =
-            Corners { steering: STEERING, centre_offset_m: 1.5, start, segments: &segments, speeds_mps };
+        let corners = Corners { steering: STEERING, centre_offset_m: 1.5, start, segments: &segments, speeds_mps };
         let wanted = corners.end_of(path.end());
         let smooth = corners.fit(wanted, true).expect("its segments are long enough");
         assert!(smooth.end().position().distance(path.end().position()) < 1e-8);

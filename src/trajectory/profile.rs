@@ -57,7 +57,7 @@ impl SpeedLimits {
     }
 
     /// The wait for wheels that turn from one curvature to another, if it takes any time.
-    pub(super) fn turning(&self, from: f64, to: f64) -> Option<Piece> {
+    fn turning(&self, from: f64, to: f64) -> Option<Piece> {
         let seconds = self.steering?.turning_s(from, to);
         (seconds > 0.0).then_some(Piece::Wait { seconds })
     }

@@ -2,6 +2,7 @@
 
 use super::{Piece, PieceProgress, SpeedLimits, Trajectory, speed_after};
 use crate::time::SimTime;
+use crate::vehicle::STEERING_STEP_S;
 
 impl Trajectory {
     /// Returns the same motion, cut short: from `at` on the body brakes along its way as hard as its limits allow, until
@@ -25,8 +26,11 @@ impl Trajectory {
         if let Some(braking) = limits.braking_mps2 {
             self.brake(progress, braking, &mut pieces);
         }
-        let wheels = pieces.iter().rev().find_map(Piece::segment).map_or(0.0, |segment| segment.curvature);
-        pieces.extend(limits.turning(wheels, 0.0));
+        if let (Some(steering), Some(last)) = (limits.steering, pieces.iter().rev().find_map(Piece::segment)) {
+            // Its wheels may be as much as a step behind.
+            let seconds = steering.turning_s(last.curvature, 0.0) + STEERING_STEP_S;
+            pieces.push(Piece::Wait { seconds });
+        }
         Self::new(self.start_time, self.start, pieces)
     }
 
@@ -191,7 +195,7 @@ mod tests {
             let drive = Trajectory::from_path(&random_path(&mut rng), SimTime::from_seconds(3.0), limits);
             let at = SimTime::from_nanos(rng.random_range(0..drive.end_time().as_nanos()));
             let cut = drive.stopping(at, &limits);
-            assert_eq!(cut.state_at(at).0, drive.state_at(at).0);
+            assert_eq!(cut.pose_at(at), drive.pose_at(at));
             let driven = cut.pieces().iter().rposition(|piece| piece.segment().is_some());
             let Some(driven) = driven else { continue };
             let curvature = cut.pieces()[driven].segment().expect("it is a drive").curvature;

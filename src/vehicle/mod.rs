@@ -81,8 +81,7 @@ impl Dimensions {
 
     /// Returns the limit of its steering, if it has one.
     pub fn steering_limits(&self) -> Option<SteeringLimits> {
-        let limits =
-            |rate: f64| SteeringLimits { rate_rad_s: rate.to_radians(), wheelbase_m: self.wheelbase_m };
+        let limits = |rate: f64| SteeringLimits { rate_rad_s: rate.to_radians(), wheelbase_m: self.wheelbase_m };
         self.steering_rate_deg_s.map(limits)
     }
 

@@ -47,8 +47,16 @@ enum IdRecord {
 
 #[derive(Serialize, Deserialize)]
 enum BodyRecord {
-    Square { size_m: f64 },
-    Truck { length_m: f64, width_m: f64, wheelbase_m: f64, rear_overhang_m: f64, turning_radius_m: f64 },
+    Square {
+        size_m: f64,
+    },
+    Truck {
+        length_m: f64,
+        width_m: f64,
+        wheelbase_m: f64,
+        rear_overhang_m: f64,
+        turning_radius_m: f64,
+    },
     /// A truck whose front wheels take their time to turn.
     SteeredTruck {
         length_m: f64,
@@ -173,7 +181,8 @@ impl From<Body> for BodyRecord {
             Body::Square { size_m } => return Self::Square { size_m },
             Body::Truck(truck) => truck,
         };
-        let Dimensions { length_m, width_m, wheelbase_m, rear_overhang_m, turning_radius_m, steering_rate_deg_s } = truck;
+        let Dimensions { length_m, width_m, wheelbase_m, rear_overhang_m, turning_radius_m, steering_rate_deg_s } =
+            truck;
         match steering_rate_deg_s {
             None => Self::Truck { length_m, width_m, wheelbase_m, rear_overhang_m, turning_radius_m },
             Some(steering_rate_deg_s) => Self::SteeredTruck {
