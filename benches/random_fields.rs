@@ -165,6 +165,7 @@ impl Answers {
             truck: 0,
             body: checker.body(),
             limits: &truck.speed_limits(),
+            cost: truck.cost,
             checker: &checker,
             own: &serde_json::Value::Null,
             stream: &stream,

@@ -53,7 +53,7 @@ const COLUMNS: [(&str, Kind, Unit, &str); 14] = [
 /// goals, cells : int
 ///     The number of random poses, or of random bushes, to drive to; 50 poses if both are left out.
 /// scenario : str or path
-///     Whose first truck drives; `contest` if it is left out.
+///     Whose first truck drives; `drives` if it is left out.
 /// changes : mapping
 ///     Changes of the scenario, as in `scenario`.
 ///

@@ -235,7 +235,12 @@ fn vehicle(body: &Dimensions, limits: &SpeedLimits) -> VehicleMessage {
 }
 
 fn limits(limits: &SpeedLimits) -> LimitsMessage {
-    LimitsMessage { acceleration: limits.acceleration_mps2, braking: limits.braking_mps2, lateral: limits.lateral_mps2 }
+    LimitsMessage {
+        acceleration: limits.acceleration_mps2,
+        braking: limits.braking_mps2,
+        lateral: limits.lateral_mps2,
+        steering: limits.steering.map(|steering| steering.rate_rad_s),
+    }
 }
 
 /// Returns what starts the program of a table, and what it may take.

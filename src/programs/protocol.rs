@@ -107,7 +107,7 @@ pub struct VehicleMessage {
     pub v_max_reverse: f64,
 }
 
-/// Limits of acceleration in m/s², null where there is none.
+/// Limits of acceleration in m/s², and of steering in rad/s; null where there is none.
 #[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
 pub struct LimitsMessage {
     /// Gain of speed.
@@ -116,6 +116,8 @@ pub struct LimitsMessage {
     pub braking: Option<f64>,
     /// Across the way, in turns.
     pub lateral: Option<f64>,
+    /// How fast the front wheels turn. The truck stands where a path asks for more than they turn in 0.1 s.
+    pub steering: Option<f64>,
 }
 
 /// A planner's query.

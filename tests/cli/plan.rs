@@ -150,7 +150,7 @@ fn tables_fit_a_terminal_and_compare_the_planners() {
         ["plan", "mine.json", "other.json", "--planner", "prm+primitives", "--planner", "hybrid-astar,lattice"];
     let answer = story.tell(&planners).expect_code(0).stdout;
     assert!(widest(&answer) <= 80, "{answer}");
-    assert!(answer.starts_with("2 fields, 6 goals, seed 1\n\nSettings of the scenario `contest-1`.\n"), "{answer}");
+    assert!(answer.starts_with("2 fields, 6 goals, seed 1\n\nSettings of the scenario `drives`.\n"), "{answer}");
     assert!(answer.contains("Budget of hybrid-astar: hybrid.max_expansions="), "the budget is not told: {answer}");
     let summary = |planner: &str| answer.lines().filter(|line| line.starts_with(planner)).count();
     assert!(["prm+primitives", "hybrid-astar", "lattice"].iter().all(|name| summary(name) >= 7), "{answer}");

@@ -31,6 +31,9 @@ use super::target::Target;
 
 /// Share of the wanted clearance that the last stages keep.
 const LEAST_SHARE: f64 = 0.04;
+/// The last stages look for any way, and a greedy search finds one in fewer expansions: their heuristic has this weight at
+/// least. On fields with 30 % of their cells under bushes a weight of 1.2 misses 12 drives of a hundred, one of 1.5 three.
+const LAST_WEIGHT: f64 = 1.5;
 
 /// The effort of a stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -218,7 +221,9 @@ impl RelaxedSearch {
                         Target::Pose(end) => vec![end],
                         Target::Discs(discs) => discs.iter().flat_map(free_poses).collect(),
                     };
-                    let path = self.search(lattice, [forward, backward], drive, &profile, &starts_behind);
+                    let weight = self.settings.heuristic_weight;
+                    let weight = if stage.share == LEAST_SHARE { weight.max(LAST_WEIGHT) } else { weight };
+                    let path = self.search(lattice, [forward, backward], drive, &profile, &starts_behind, weight);
                     self.show(lattice, backward > 0, observer);
                     let by = match lattice {
                         LatticeKind::Fine => FoundBy::Lattice,
@@ -252,6 +257,7 @@ impl RelaxedSearch {
         drive: &Drive<'_>,
         profile: &ClearanceProfile,
         starts_behind: &[Pose],
+        weight: f64,
     ) -> Result<Path, Ending> {
         let &Drive { start, target, .. } = drive;
         let Self { checker, settings, memory, heuristic, coarse, fine, walks: [to_goal, to_start], .. } = self;
@@ -262,9 +268,9 @@ impl RelaxedSearch {
             }),
         };
         let (checker, heuristic) = (&*checker, &*heuristic);
-        let mut ahead = LatticeSpace { checker, heuristic, profile, target, walk: to_goal, settings };
+        let mut ahead = LatticeSpace { checker, heuristic, profile, target, walk: to_goal, weight };
         let back = Target::Pose(start);
-        let mut behind = LatticeSpace { checker, heuristic, profile, target: back, walk: to_start, settings };
+        let mut behind = LatticeSpace { checker, heuristic, profile, target: back, walk: to_start, weight };
         forward.begin(&mut ahead, [start], None);
         if budgets[BACKWARD] > 0 {
             backward.begin(&mut behind, starts_behind.iter().copied(), None);
@@ -349,7 +355,8 @@ struct LatticeSpace<'a> {
     target: Target<'a>,
     /// Towards the target.
     walk: &'a mut HolonomicHeuristic,
-    settings: &'a RelaxedSettings,
+    /// Of the heuristic.
+    weight: f64,
 }
 
 impl SearchSpace for LatticeSpace<'_> {
@@ -363,7 +370,7 @@ impl SearchSpace for LatticeSpace<'_> {
     }
 
     fn weight(&self) -> f64 {
-        self.settings.heuristic_weight
+        self.weight
     }
 
     fn estimate(&mut self, node: &mut Node<Self::Mark>) -> Option<f64> {
@@ -380,7 +387,7 @@ impl SearchSpace for LatticeSpace<'_> {
     }
 
     fn offer_successors(&mut self, search: &mut SearchOf<Self>, from: Candidate<Never>) {
-        search.offer_motions(from.node, self.heuristic.motion_price(), self.settings.heuristic_weight);
+        search.offer_motions(from.node, self.heuristic.motion_price(), self.weight);
     }
 
     fn motion_is_free(&self, from: Pose, motion: Segment) -> bool {
