@@ -11,6 +11,7 @@ mod compare;
 mod context;
 mod csv_rows;
 mod curve;
+mod demo;
 mod error;
 mod fire;
 #[cfg(test)]
@@ -48,6 +49,7 @@ use batch::{BatchArguments, MergeArguments, ReportArguments, StatusArguments};
 use compare::CompareArguments;
 use context::CommandContext;
 use curve::CurveArguments;
+use demo::DemoArguments;
 use error::CliError;
 use fire::FireCommand;
 use judge::JudgeArguments;
@@ -67,6 +69,7 @@ use crate::untrusted::visible;
 
 const EXAMPLES: &str = "\
 Examples:
+  wildfire demo                               a first minute
   wildfire batch                              the contest, five runs: two tables
   wildfire batch contest --seeds 1..1000      a thousand runs
   wildfire run contest --seed 7               one run: who won, what took time
@@ -95,6 +98,8 @@ pub struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Show in a minute what the program does, and leave a folder with pictures and pages.
+    Demo(DemoArguments),
     /// Run a scenario once and print who won.
     Run(RunArguments),
     /// Watch a run in a window, or two runs side by side.
@@ -200,6 +205,7 @@ fn refuse(words: &[OsString], error: &clap::Error) -> ! {
 
 fn dispatch(arguments: &Arguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     match &arguments.command {
+        Command::Demo(demo) => demo::run(demo, context),
         Command::Run(run) => run::run(run, &context.with_programs(&run.scenario.programs)),
         Command::Play(play) => play::run(play, &context.with_programs(&play.show.programs)),
         Command::Render(render) => render::run(render, &context.with_programs(&render.show.programs)),
