@@ -39,7 +39,7 @@ pub struct AuditArguments {
     #[arg(value_name = "RUN|DIR", required = true)]
     pub paths: Vec<PathBuf>,
     /// Threads [default: as many as the machine runs at once].
-    #[arg(long, allow_hyphen_values = true, value_parser = parse_jobs)]
+    #[arg(short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
     /// The most metres between two poses that are checked.
     #[arg(long, value_name = "METRES", default_value_t = 0.02, allow_hyphen_values = true, value_parser = parse_audit_step)]

@@ -19,7 +19,7 @@ Examples:
   wildfire demo --out /tmp/first-look")]
 pub struct DemoArguments {
     /// A folder that is not there yet, or is empty; it stays, with pictures, pages and tables.
-    #[arg(long, value_name = "DIR", default_value = "demo")]
+    #[arg(short, long, value_name = "DIR", default_value = "demo")]
     pub out: PathBuf,
 }
 

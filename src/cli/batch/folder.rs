@@ -72,7 +72,7 @@ pub struct MergeArguments {
     )]
     pub wait: Option<u64>,
     /// Threads [default: as many as the machine runs at once, or as Slurm gives the task, in SLURM_CPUS_PER_TASK].
-    #[arg(long, allow_hyphen_values = true, value_parser = parse_jobs)]
+    #[arg(short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
     #[command(flatten)]
     lock: LockArguments,

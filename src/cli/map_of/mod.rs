@@ -57,7 +57,7 @@ pub struct MapOfArguments {
     #[arg(long, value_name = "BATCH")]
     pub minus: Option<PathBuf>,
     /// The seed of the run [default: 1, of a batch its first].
-    #[arg(long, allow_hyphen_values = true, value_parser = parse_seed)]
+    #[arg(short, long, allow_hyphen_values = true, value_parser = parse_seed)]
     pub seed: Option<u64>,
     /// Change a value of the scenario; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
@@ -69,7 +69,7 @@ pub struct MapOfArguments {
     #[arg(long, value_name = "COLUMN=VALUE", value_parser = parse_where, requires = "minus")]
     pub minus_where: Vec<(String, String)>,
     /// Threads [default: as many as the machine runs at once].
-    #[arg(long, allow_hyphen_values = true, value_parser = parse_jobs)]
+    #[arg(short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
     #[command(flatten)]
     pub memory: MemoryArguments,
