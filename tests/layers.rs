@@ -50,7 +50,10 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("stats", &["statrs"]),
     ("batch", &["crc32fast", "csv", "parquet", "rayon", "serde_json", "sha2", "toml"]),
     ("view", &["bevy", "glam"]),
-    ("cli", &["clap", "clap_complete", "clap_mangen", "csv", "glam", "indicatif", "miette", "serde_json", "signal_hook"]),
+    (
+        "cli",
+        &["clap", "clap_complete", "clap_mangen", "csv", "glam", "indicatif", "miette", "serde_json", "signal_hook"],
+    ),
 ];
 
 /// Layers that stand lower and may not be used all the same.

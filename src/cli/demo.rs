@@ -51,10 +51,7 @@ const STEPS: [Step; 7] = [
         why: "Which is better? Pairs of the same field say it, with an interval.",
         command: "compare DIR/batch --metric saved,truck_distance_m",
     },
-    Step {
-        why: "All of that as a page with charts, for whoever was not here.",
-        command: "report DIR/batch --pages",
-    },
+    Step { why: "All of that as a page with charts, for whoever was not here.", command: "report DIR/batch --pages" },
     Step {
         why: "Single drives between bushes, two planners side by side.",
         command: "plan --goals 8 --planner hybrid-astar,prm-rs --png DIR/drives.png",
@@ -122,7 +119,11 @@ fn in_folder(word: &str, folder: &Path) -> OsString {
 /// Writes a name as a shell reads it.
 fn quoted(name: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+".contains(c);
-    if !name.is_empty() && name.chars().all(is_plain) { name.to_owned() } else { format!("'{}'", name.replace('\'', "'\\''")) }
+    if !name.is_empty() && name.chars().all(is_plain) {
+        name.to_owned()
+    } else {
+        format!("'{}'", name.replace('\'', "'\\''"))
+    }
 }
 
 #[cfg(test)]
