@@ -42,7 +42,10 @@ const LAYERS: &[(&str, &[&str])] = &[
         ],
     ),
     ("timeline", &["glam", "csv", "crc32fast", "miniz_oxide", "postcard"]),
-    ("picture", &["colorous", "gif", "glam", "image", "miniz_oxide", "serde_json", "skrifa", "tiny_skia"]),
+    (
+        "picture",
+        &["colorous", "gif", "glam", "image", "miniz_oxide", "pdf_writer", "serde_json", "skrifa", "tiny_skia"],
+    ),
     ("audit", &["glam", "rapier2d"]),
     ("sim", &["glam", "bevy", "serde_json"]),
     // Processes and what they cost are the system's to tell.
