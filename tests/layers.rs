@@ -42,7 +42,10 @@ const LAYERS: &[(&str, &[&str])] = &[
         ],
     ),
     ("timeline", &["glam", "csv", "crc32fast", "miniz_oxide", "postcard"]),
-    ("picture", &["colorous", "gif", "glam", "image", "miniz_oxide", "serde_json", "skrifa", "tiny_skia"]),
+    (
+        "picture",
+        &["colorous", "gif", "glam", "image", "miniz_oxide", "pdf_writer", "serde_json", "skrifa", "tiny_skia"],
+    ),
     ("audit", &["glam", "rapier2d"]),
     ("sim", &["glam", "bevy", "serde_json"]),
     // Processes and what they cost are the system's to tell.
@@ -50,7 +53,10 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("stats", &["statrs"]),
     ("batch", &["crc32fast", "csv", "parquet", "rayon", "serde_json", "sha2", "toml"]),
     ("view", &["bevy", "glam"]),
-    ("cli", &["clap", "clap_complete", "csv", "glam", "indicatif", "miette", "serde_json", "signal_hook"]),
+    (
+        "cli",
+        &["clap", "clap_complete", "clap_mangen", "csv", "glam", "indicatif", "miette", "serde_json", "signal_hook"],
+    ),
 ];
 
 /// Layers that stand lower and may not be used all the same.

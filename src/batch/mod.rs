@@ -37,8 +37,8 @@ pub use plan::{
 };
 pub use report::{
     AuditOptions, AuditReport, AuditSource, AuditsError, BatchReport, LISTED_VIOLATIONS, ListedViolation, Merged,
-    NotableRun, ReportError, RunObject, SHOWN_RUNS, Tables, Tally, VariantReport, WrittenReport, audit_all, merge,
-    notable_runs, notes, read_rows, write_report,
+    NotableRun, PaperCharts, ReportError, RunObject, SHOWN_RUNS, Tables, Tally, VariantReport, WrittenReport,
+    audit_all, merge, notable_runs, notes, read_rows, write_report,
 };
 pub use table::{
     AGENT_COLUMNS, AgentColumn, AgentRow, CALL_COLUMNS, COLUMNS_BEFORE_SWEPT, CallColumn, Column, FileColumn,

@@ -19,6 +19,7 @@ use crate::cli::args::parse_jobs;
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::report::FormArguments;
+use crate::cli::terminal::Progress;
 use crate::cli::{numbers, terminal};
 use crate::document::number::count;
 use crate::document::{Block, Document};
@@ -39,7 +40,7 @@ pub struct AuditArguments {
     #[arg(value_name = "RUN|DIR", required = true)]
     pub paths: Vec<PathBuf>,
     /// Threads [default: as many as the machine runs at once].
-    #[arg(long, allow_hyphen_values = true, value_parser = parse_jobs)]
+    #[arg(short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
     /// The most metres between two poses that are checked.
     #[arg(long, value_name = "METRES", default_value_t = 0.02, allow_hyphen_values = true, value_parser = parse_audit_step)]
@@ -62,10 +63,10 @@ pub fn run(arguments: &AuditArguments, context: &CommandContext) -> Result<ExitC
     let sources = arguments.paths.iter().map(|path| source(path, context)).collect::<Result<Vec<_>, _>>()?;
     let jobs = arguments.jobs.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
     let step = SampleStep { metres: arguments.step, ..SampleStep::default() };
-    let bar = terminal::progress_bar(sources.iter().map(AuditSource::count).sum(), "runs", context.quiet);
+    let progress = Progress::new(sources.iter().map(AuditSource::count).sum(), "runs", context.quiet);
     let options = AuditOptions { jobs, step, entrants: &context.entrants, listed: LISTED_VIOLATIONS };
-    let report = audit_all(&sources, &options, || bar.inc(1));
-    bar.finish_and_clear();
+    let report = audit_all(&sources, &options, || progress.advance());
+    progress.end();
     conclude(&report?, arguments.form)
 }
 

@@ -5,12 +5,14 @@
 mod args;
 mod audit;
 mod batch;
+mod cite;
 #[cfg(test)]
 mod command_lines;
 mod compare;
 mod context;
 mod csv_rows;
 mod curve;
+mod demo;
 mod error;
 mod fire;
 #[cfg(test)]
@@ -33,6 +35,7 @@ mod render;
 mod report;
 mod run;
 mod scenarios;
+mod shell;
 mod show;
 mod terminal;
 
@@ -40,14 +43,16 @@ use std::env;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser, Subcommand};
-use clap_complete::Shell;
+use clap::builder::FalseyValueParser;
+use clap::{Parser, Subcommand};
 
 use audit::AuditArguments;
 use batch::{BatchArguments, MergeArguments, ReportArguments, StatusArguments};
+use cite::CiteArguments;
 use compare::CompareArguments;
 use context::CommandContext;
 use curve::CurveArguments;
+use demo::DemoArguments;
 use error::CliError;
 use fire::FireCommand;
 use judge::JudgeArguments;
@@ -59,6 +64,7 @@ use rank::RankArguments;
 use render::RenderArguments;
 use run::RunArguments;
 use scenarios::{CheckArguments, NewArguments, ScenariosArguments, SchemaArguments};
+use shell::{CompletionsArguments, ManArguments};
 
 #[cfg(unix)]
 use crate::programs::supervisor;
@@ -67,6 +73,7 @@ use crate::untrusted::visible;
 
 const EXAMPLES: &str = "\
 Examples:
+  wildfire demo                               a first minute
   wildfire batch                              the contest, five runs: two tables
   wildfire batch contest --seeds 1..1000      a thousand runs
   wildfire run contest --seed 7               one run: who won, what took time
@@ -87,7 +94,7 @@ Exit codes: 0 done, 1 some run failed, 2 bad input, 3 disk or other environment,
 #[command(name = "wildfire", version, after_help = EXAMPLES, max_term_width = 100)]
 pub struct Arguments {
     /// Print results and errors only: no progress, no notes.
-    #[arg(long, global = true)]
+    #[arg(short, long, global = true, env = "WILDFIRE_QUIET", value_parser = FalseyValueParser::new())]
     pub quiet: bool,
     #[command(subcommand)]
     pub command: Command,
@@ -95,6 +102,8 @@ pub struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Show in a minute what the program does, and leave a folder with pictures and pages.
+    Demo(DemoArguments),
     /// Run a scenario once and print who won.
     Run(RunArguments),
     /// Watch a run in a window, or two runs side by side.
@@ -141,11 +150,12 @@ pub enum Command {
     Plan(PlanArguments),
     /// Judge paths that were computed anywhere as the program judges its own, also beside planners of its own.
     Judge(JudgeArguments),
+    /// Print what a paper says about the program, and about a batch, as BibTeX.
+    Cite(CiteArguments),
     /// Print the script that completes this program's arguments in a shell.
-    Completions {
-        /// The shell.
-        shell: Shell,
-    },
+    Completions(CompletionsArguments),
+    /// Print the page for `man`, or write those of all commands.
+    Man(ManArguments),
 }
 
 /// Reads the arguments of the process and does what they say.
@@ -200,6 +210,7 @@ fn refuse(words: &[OsString], error: &clap::Error) -> ! {
 
 fn dispatch(arguments: &Arguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     match &arguments.command {
+        Command::Demo(demo) => demo::run(demo, context),
         Command::Run(run) => run::run(run, &context.with_programs(&run.scenario.programs)),
         Command::Play(play) => play::run(play, &context.with_programs(&play.show.programs)),
         Command::Render(render) => render::run(render, &context.with_programs(&render.show.programs)),
@@ -220,17 +231,16 @@ fn dispatch(arguments: &Arguments, context: &CommandContext) -> Result<ExitCode,
         Command::Fire { command } => fire::run(command, arguments.quiet),
         Command::Plan(plan) => plan::run(plan, &context.with_programs(&plan.programs)),
         Command::Judge(judge) => judge::run(judge, &context.with_programs(&judge.programs)),
-        Command::Completions { shell } => {
-            let mut script = Vec::new();
-            clap_complete::generate(*shell, &mut Arguments::command(), "wildfire", &mut script);
-            terminal::print(&String::from_utf8(script).expect("scripts are text"))?;
-            Ok(ExitCode::SUCCESS)
-        }
+        Command::Cite(cite) => cite::run(cite),
+        Command::Completions(completions) => shell::completions(completions),
+        Command::Man(man) => shell::man(man),
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use clap::CommandFactory;
+
     use super::*;
 
     #[test]

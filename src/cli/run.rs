@@ -38,12 +38,12 @@ pub struct RunArguments {
     #[command(flatten)]
     pub memory: MemoryArguments,
     /// The seed of everything random in the run.
-    #[arg(long, default_value_t = 1, allow_hyphen_values = true, value_parser = parse_seed)]
+    #[arg(short, long, default_value_t = 1, allow_hyphen_values = true, value_parser = parse_seed)]
     pub seed: u64,
     #[command(flatten)]
     pub form: FormArguments,
     /// Write a recording of the run, into this file or folder.
-    #[arg(long, value_name = "FILE_OR_DIR")]
+    #[arg(short, long, value_name = "FILE_OR_DIR")]
     pub out: Option<PathBuf>,
     /// Record the searches too, so that they can be shown; the recording becomes about five times as large.
     #[arg(long, requires = "out")]

@@ -20,7 +20,7 @@ use crate::scenario::{self, BUILT_IN, LoadedScenario, MemoryLimit};
 
 const SCENARIO_HEAD: &str = "\
 # A scenario of your own. Every value is spelled out, as the built-in scenario `contest` has it; what is left out has
-# that value too. `wildfire check FILE` says what it means, scenarios/README.md what each choice does.
+# the value of `contest-1`. `wildfire check FILE` says what it means, scenarios/README.md what each choice does.
 ";
 
 /// Planners to begin with, by the ending of their file.

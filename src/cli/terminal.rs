@@ -4,8 +4,9 @@
 //! strangers chose, so whatever could act on a terminal or turn the direction of writing is printed as an escape.
 
 use std::collections::BTreeSet;
-use std::io::{self, ErrorKind, Write};
-use std::time::Duration;
+use std::io::{self, ErrorKind, IsTerminal, Write};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
@@ -48,12 +49,64 @@ pub fn note_unknown_letters<'a>(drawn: impl IntoIterator<Item = &'a str>, quiet:
     note(&format!("pictures show boxes for {named}: their font has letters of Latin, Greek and Cyrillic"));
 }
 
-/// A bar on stderr that counts runs, or other things of this name; it shows on a terminal only.
-pub fn progress_bar(count: u64, things: &str, quiet: bool) -> ProgressBar {
-    let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-    let bar = ProgressBar::with_draw_target(Some(count), target);
-    let template = format!("{{bar:30}} {{human_pos}}/{{human_len}} {things}, {{elapsed}} gone, {{eta}} left {{msg}}");
-    bar.set_style(ProgressStyle::with_template(&template).expect("the template is well formed"));
-    bar.enable_steady_tick(Duration::from_millis(200));
-    bar
+/// Progress on stderr: a bar on a terminal, and elsewhere, as in the log of a job, a line now and then.
+pub struct Progress {
+    bar: ProgressBar,
+    /// What is counted.
+    things: &'static str,
+    /// Where there were some before.
+    held: u64,
+    lines: Option<Mutex<Instant>>,
+}
+
+/// Where stderr is no terminal, a line says this often how far a command is.
+const LINE_EVERY: Duration = Duration::from_secs(10);
+
+impl Progress {
+    /// Begins to count things of this name.
+    pub fn new(count: u64, things: &'static str, quiet: bool) -> Self {
+        let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+        let bar = ProgressBar::with_draw_target(Some(count), target);
+        let template =
+            format!("{{bar:30}} {{human_pos}}/{{human_len}} {things}, {{elapsed}} gone, {{eta}} left {{msg}}");
+        bar.set_style(ProgressStyle::with_template(&template).expect("the template is well formed"));
+        bar.enable_steady_tick(Duration::from_millis(200));
+        let lines = (!quiet && !io::stderr().is_terminal()).then(|| Mutex::new(Instant::now()));
+        Self { bar, things, held: 0, lines }
+    }
+
+    /// Says that there are some already.
+    #[must_use]
+    pub fn held(self, held: u64) -> Self {
+        Self { bar: self.bar.with_position(held), held, ..self }
+    }
+
+    /// Counts one.
+    pub fn advance(&self) {
+        self.bar.inc(1);
+        let Some(last) = &self.lines else { return };
+        let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
+        if last.elapsed() >= LINE_EVERY {
+            *last = Instant::now();
+            note(&self.line());
+        }
+    }
+
+    /// Says something behind the numbers.
+    pub fn say(&self, message: String) {
+        self.bar.set_message(message);
+    }
+
+    /// Takes the bar away.
+    pub fn end(&self) {
+        self.bar.finish_and_clear();
+    }
+
+    fn line(&self) -> String {
+        let (done, count, gone) = (self.bar.position(), self.bar.length().unwrap_or(0), self.bar.elapsed());
+        let left = gone.mul_f64(count.saturating_sub(done) as f64 / done.saturating_sub(self.held).max(1) as f64);
+        let message = self.bar.message();
+        let space = if message.is_empty() { "" } else { " " };
+        format!("{done}/{count} {}, {} s gone, {} s left{space}{message}", self.things, gone.as_secs(), left.as_secs())
+    }
 }

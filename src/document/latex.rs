@@ -77,7 +77,7 @@ fn push_table(text: &mut String, table: &Table) {
 }
 
 /// Escapes text, of which no letter is a command then.
-fn escaped(text: &str) -> String {
+pub fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in visible(text).chars() {
         match letter {

@@ -20,6 +20,7 @@ pub mod number;
 mod text;
 
 pub use html::escaped as escaped_html;
+pub use latex::escaped as escaped_latex;
 pub use text::{WIDTH, wrapped};
 
 /// A title, and what follows it from top to bottom.

@@ -64,8 +64,8 @@ pub fn draw_text_on(
     }
 }
 
-/// The outlines of a line of text; `None` of one without ink.
-fn text_path(text: &str, (x, base): Point, align: Align, height: f32) -> Option<Path> {
+/// The outlines of a line of text as [`draw_text`] draws it; `None` of one without ink.
+pub fn text_path(text: &str, (x, base): Point, align: Align, height: f32) -> Option<Path> {
     let face = SizedFace::new(height, Weight::Regular);
     let mut pen = (align.left(x, measure_text(text, height)).round(), base.round());
     let mut path = PathBuilder::new();

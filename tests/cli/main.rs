@@ -13,6 +13,7 @@ mod contest;
 mod course;
 mod curve;
 mod curve_pairs;
+mod demo;
 mod errors;
 mod files_named;
 mod fire;

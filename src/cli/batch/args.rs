@@ -56,17 +56,17 @@ pub struct BatchArguments {
     pub skip_refused: bool,
     /// Seeds: ranges with both ends, lists, or both, such as `1..5`, `1,5,9`, `1..100,200`; or `@FILE` that holds
     /// them [default: 1..5].
-    #[arg(long, allow_hyphen_values = true, value_parser = parse_seeds)]
+    #[arg(short, long, allow_hyphen_values = true, value_parser = parse_seeds)]
     pub seeds: Option<SeedsArgument>,
     /// Threads [default: as many as the machine runs at once, or as Slurm gives the task, in SLURM_CPUS_PER_TASK].
-    #[arg(long, allow_hyphen_values = true, value_parser = parse_jobs)]
+    #[arg(short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
     /// The memory that each run may take, such as `4GB`, `512MiB` or `4G`, which is 4 GB: one that would take more is a
     /// failed row. As many runs as threads take place at once [default: 2GB].
     #[arg(long, value_name = "SIZE")]
     pub memory: Option<MemoryLimit>,
     /// The folder for the results [default: runs/NAME, or the next free runs/NAME-2, runs/NAME-3 ...].
-    #[arg(long, value_name = "DIR", group = "shared_folder")]
+    #[arg(short, long, value_name = "DIR", group = "shared_folder")]
     pub out: Option<PathBuf>,
     /// Overwrite the results in the folder given with --out, and run more than 100000 runs if asked to.
     #[arg(long)]

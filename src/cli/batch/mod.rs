@@ -20,6 +20,7 @@ use crate::batch::{
 use crate::cli::args::jobs_or_usual;
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
+use crate::cli::terminal::Progress;
 use crate::cli::{interrupt, terminal};
 use crate::document::{Block, Document};
 use crate::scenario::ScenarioText;
@@ -218,15 +219,15 @@ fn run_with_progress(
 ) -> Result<(), BatchError> {
     let (held, mut not_done) = batch.progress().held();
     let lost = batch.found().lost_recordings.len() as u64;
-    let bar = terminal::progress_bar(batch.progress().count() + lost, "runs", context.quiet).with_position(held);
+    let progress = Progress::new(batch.progress().count() + lost, "runs", context.quiet).held(held);
     let done = batch.run(&context.entrants, jobs, stop, |status| {
         if status != Status::Done {
             not_done += 1;
-            bar.set_message(format!("({not_done} failed)"));
+            progress.say(format!("({not_done} failed)"));
         }
-        bar.inc(1);
+        progress.advance();
     });
-    bar.finish_and_clear();
+    progress.end();
     done
 }
 

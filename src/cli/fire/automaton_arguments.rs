@@ -50,10 +50,10 @@ pub struct AutomatonArguments {
     #[arg(help_heading = HEADING, long, value_name = "N", default_value = "1", value_parser = runs)]
     pub runs: u32,
     /// The seed of the first fire.
-    #[arg(help_heading = HEADING, long, value_name = "N", default_value = "1", value_parser = parse_seed)]
+    #[arg(help_heading = HEADING, short, long, value_name = "N", default_value = "1", value_parser = parse_seed)]
     pub seed: u64,
     /// The number of threads; results do not depend on it [default: the cores of the machine].
-    #[arg(help_heading = HEADING, long, value_name = "N", value_parser = parse_jobs)]
+    #[arg(help_heading = HEADING, short, long, env = "WILDFIRE_JOBS", value_name = "N", value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
     /// Write the cells that burned in each fire, and the last step in which one caught fire: run,area,last_step.
     #[arg(help_heading = HEADING, long, value_name = "FILE.csv")]

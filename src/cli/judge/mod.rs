@@ -56,7 +56,7 @@ pub struct JudgeArguments {
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub against: Vec<PlannerName>,
     /// The seed of everything random.
-    #[arg(long, default_value_t = 1, allow_hyphen_values = true, value_parser = parse_seed)]
+    #[arg(short, long, default_value_t = 1, allow_hyphen_values = true, value_parser = parse_seed)]
     pub seed: u64,
     /// The number of random free poses that were the goals on the scenario's field, as in `wildfire plan` [default: 50].
     #[arg(help_heading = "Goals", long, value_name = "N", value_parser = goal_count)]

@@ -18,7 +18,7 @@ use crate::cli::error::CliError;
 use crate::cli::output_files::{Files, Format};
 use crate::cli::report::FormArguments;
 use crate::cli::show::{Searches, ShownRun, source_of_runs};
-use crate::cli::terminal;
+use crate::cli::terminal::Progress;
 use crate::timeline::BurnMap;
 
 use files::{FileArguments, MapFiles, MapPlace, Panel};
@@ -57,7 +57,7 @@ pub struct MapOfArguments {
     #[arg(long, value_name = "BATCH")]
     pub minus: Option<PathBuf>,
     /// The seed of the run [default: 1, of a batch its first].
-    #[arg(long, allow_hyphen_values = true, value_parser = parse_seed)]
+    #[arg(short, long, allow_hyphen_values = true, value_parser = parse_seed)]
     pub seed: Option<u64>,
     /// Change a value of the scenario; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
@@ -69,7 +69,7 @@ pub struct MapOfArguments {
     #[arg(long, value_name = "COLUMN=VALUE", value_parser = parse_where, requires = "minus")]
     pub minus_where: Vec<(String, String)>,
     /// Threads [default: as many as the machine runs at once].
-    #[arg(long, allow_hyphen_values = true, value_parser = parse_jobs)]
+    #[arg(short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
     #[command(flatten)]
     pub memory: MemoryArguments,
@@ -233,10 +233,10 @@ fn over_batch(
     let minus = arguments.minus.as_deref().map(|folder| open_batch(folder, minus_only, context)).transpose()?;
     let jobs = arguments.jobs.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
     let count = batch.count() + minus.as_ref().map_or(0, MapSource::count);
-    let bar = terminal::progress_bar(count, "runs", context.quiet);
+    let progress = Progress::new(count, "runs", context.quiet);
     let options = MapsOptions { quantity, jobs, entrants: &context.entrants };
-    let maps = map_batches(&batch, minus.as_ref(), &options, || bar.inc(1));
-    bar.finish_and_clear();
+    let maps = map_batches(&batch, minus.as_ref(), &options, || progress.advance());
+    progress.end();
     let maps = maps?;
     let report = BatchMapReport::new(quantity, &maps);
     Ok((report, Panel::over_batch(quantity, maps, &MapPlace::new(Some(batch.scenario())))))

@@ -27,7 +27,7 @@ pub struct ProblemArguments {
     #[arg(value_name = "FIELD.json")]
     pub fields: Vec<PathBuf>,
     /// The seed of everything random.
-    #[arg(long, default_value_t = 1, allow_hyphen_values = true, value_parser = parse_seed)]
+    #[arg(short, long, default_value_t = 1, allow_hyphen_values = true, value_parser = parse_seed)]
     pub seed: u64,
     /// The number of random free poses of the scenario's field to drive to [default: 50].
     #[arg(help_heading = "Goals", long, value_name = "N", conflicts_with = "fields", value_parser = goal_count)]

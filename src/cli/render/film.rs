@@ -3,11 +3,10 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use indicatif::ProgressBar;
-
 use super::mp4_file::Mp4File;
 use crate::cli::error::CliError;
-use crate::cli::{interrupt, terminal};
+use crate::cli::interrupt;
+use crate::cli::terminal::Progress;
 use crate::picture::film::{FrameRenderer, FrameRequest, RunView, ViewOptions, still};
 use crate::picture::{ColourCounts, GifFilm, Palette};
 use crate::time::SimTime;
@@ -95,8 +94,9 @@ pub fn write_films(scene: &Scene, moments: Moments, files: FilmFiles<'_>, quiet:
     let stop = watch.stop();
     let mut mp4 = files.mp4.map(|path| Mp4File::create(path, scene.size, moments.fps)).transpose()?;
     let sampled = if files.gif.is_some() { moments.sample(SAMPLED_FRAMES).count() as u64 } else { 0 };
-    let bar = terminal::progress_bar(sampled + moments.count(), "frames", quiet);
-    let mut film = FilmFrames { scene, moments, renderer: FrameRenderer::new(scene.size, scene.runs.len()), bar, stop };
+    let progress = Progress::new(sampled + moments.count(), "frames", quiet);
+    let mut film =
+        FilmFrames { scene, moments, renderer: FrameRenderer::new(scene.size, scene.runs.len()), progress, stop };
     let mut gif = files.gif.map(|path| film.begin_gif(path)).transpose()?;
     for frame in 0..moments.count() {
         let pixels = film.paint(frame)?;
@@ -110,7 +110,7 @@ pub fn write_films(scene: &Scene, moments: Moments, files: FilmFiles<'_>, quiet:
     }
     mp4.map_or(Ok(()), Mp4File::finish)?;
     gif.map_or(Ok(()), |(path, gif)| gif.finish().map_err(|error| CliError::unwritable(path, &error)))?;
-    film.bar.finish_and_clear();
+    film.progress.end();
     Ok(())
 }
 
@@ -119,7 +119,7 @@ struct FilmFrames<'a> {
     scene: &'a Scene<'a>,
     moments: Moments,
     renderer: FrameRenderer,
-    bar: ProgressBar,
+    progress: Progress,
     stop: &'a AtomicBool,
 }
 
@@ -128,7 +128,7 @@ impl FilmFrames<'_> {
         if is_set(self.stop) {
             return Err(CliError::stopped());
         }
-        self.bar.inc(1);
+        self.progress.advance();
         Ok(self.renderer.paint(&self.scene.request(self.moments.time(frame))))
     }
 

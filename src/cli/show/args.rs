@@ -26,7 +26,7 @@ pub struct ShowArguments {
     #[command(flatten)]
     pub memory: MemoryArguments,
     /// The seed of the run [default: 1, or the first of the batch].
-    #[arg(long, allow_hyphen_values = true, value_parser = parse_seed)]
+    #[arg(short, long, allow_hyphen_values = true, value_parser = parse_seed)]
     pub seed: Option<u64>,
     /// Show a second run beside it [default: the same source, if its seed or a value is another].
     #[arg(long, value_name = "SCENARIO|RECORDING|DIR")]

@@ -7,7 +7,7 @@ use crate::picture::charts::sheet::{
     width_of,
 };
 use crate::picture::charts::style::Style;
-use crate::picture::charts::{Estimate, Titles};
+use crate::picture::charts::{ChartRow, Estimate, Titles};
 use crate::picture::colours::{INK, PAPER, Rgb};
 use crate::picture::text::Align;
 
@@ -47,8 +47,24 @@ pub struct BarSeries {
 }
 
 impl BarChart {
-    /// Draws the panels on as many sheets as they take.
-    pub fn draw(&self) -> Vec<Drawing> {
+    /// Lists what it shows.
+    pub fn rows(&self) -> impl Iterator<Item = ChartRow<'_>> {
+        let series =
+            self.panels.iter().flat_map(|panel| panel.series.iter().map(|series| (panel.name.as_str(), series)));
+        series.flat_map(|(panel, series)| {
+            let bars = self.groups.iter().zip(&series.bars).filter_map(|(group, bar)| Some((group, (*bar)?)));
+            bars.map(move |(group, Estimate { value, interval })| ChartRow {
+                panel,
+                series: &series.name,
+                x: group.clone(),
+                value,
+                interval,
+            })
+        })
+    }
+
+    /// Draws the panels on as many sheets of this width, in units, as they take.
+    pub fn draw(&self, width: f32) -> Vec<Drawing> {
         let bars = self.panels.iter().flat_map(|panel| &panel.series).flat_map(|series| series.bars.iter().flatten());
         let scale = AxisScale::around(bars.map(Estimate::range)).with_zero();
         let sheets = sheets(&self.panels, |panel| &panel.name, PANELS);
@@ -60,7 +76,7 @@ impl BarChart {
             let is_alone = panels[0].name.is_empty();
             let height = if is_alone { HEIGHT } else { GRID.height(&heights) };
             let (mut drawing, plot) =
-                SheetLayout { titles: &titles, swatch: Swatch::Bar, key, left: LEFT, height }.draw();
+                SheetLayout { titles: &titles, swatch: Swatch::Bar, key, width, left: LEFT, height }.draw();
             let parts = if is_alone { vec![plot] } else { GRID.parts(&plot, &heights) };
             for (panel, part) in panels.iter().zip(&parts) {
                 self.draw_panel(&mut drawing, part, scale, panel);
@@ -153,8 +169,8 @@ fn short_number(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::picture::charts::STYLES;
     use crate::picture::charts::drawing::DrawingMark;
+    use crate::picture::charts::{SCREEN_WIDTH, STYLES};
 
     #[test]
     fn bars_are_as_high_as_their_values() {
@@ -167,7 +183,7 @@ mod tests {
                 series: vec![BarSeries { name: "one".into(), style: STYLES[0], bars: vec![bar(2.0), bar(1.0)] }],
             }],
         };
-        let heights: Vec<f32> = chart.draw()[0]
+        let heights: Vec<f32> = chart.draw(SCREEN_WIDTH)[0]
             .marks
             .iter()
             .filter_map(|mark| match mark {
@@ -187,7 +203,7 @@ mod tests {
             BarPanel { name: format!("panel {value}"), series }
         };
         let panels: Vec<BarPanel> = (1..=10).map(|value| panel(f64::from(value))).collect();
-        let drawings = BarChart { titles: Titles::default(), groups: vec!["a".into()], panels }.draw();
+        let drawings = BarChart { titles: Titles::default(), groups: vec!["a".into()], panels }.draw(SCREEN_WIDTH);
         assert_eq!(drawings.len(), 3);
         let heights = drawings.iter().flat_map(|drawing| &drawing.marks).filter_map(|mark| match mark {
             DrawingMark::Area { corners, .. } => Some(corners[2].1 - corners[0].1),

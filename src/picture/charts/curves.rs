@@ -7,7 +7,7 @@ use crate::picture::charts::sheet::{
     AxisScale, PanelGrid, Plot, SheetLayout, Swatch, distinct, draw_panel_name, numbered, sheets,
 };
 use crate::picture::charts::style::Style;
-use crate::picture::charts::{Estimate, Titles};
+use crate::picture::charts::{ChartRow, Estimate, Titles};
 
 const HEIGHT: f32 = 280.0;
 const LEFT: f32 = 48.0;
@@ -56,8 +56,22 @@ pub struct Curve {
 }
 
 impl CurveChart {
-    /// Draws the panels on as many sheets as they take.
-    pub fn draw(&self) -> Vec<Drawing> {
+    /// Lists what it shows.
+    pub fn rows(&self) -> impl Iterator<Item = ChartRow<'_>> {
+        let curves = self.panels.iter().flat_map(|panel| panel.curves.iter().map(|curve| (panel.name.as_str(), curve)));
+        curves.flat_map(|(panel, curve)| {
+            curve.points.iter().map(move |&(x, Estimate { value, interval })| ChartRow {
+                panel,
+                series: &curve.name,
+                x: x.to_string(),
+                value,
+                interval,
+            })
+        })
+    }
+
+    /// Draws the panels on as many sheets of this width, in units, as they take.
+    pub fn draw(&self, width: f32) -> Vec<Drawing> {
         let swatch = if self.spread == Spread::Bands { Swatch::Line } else { Swatch::MarkedLine };
         let points = || self.panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points);
         let y = AxisScale::around(points().map(|(_, estimate)| estimate.range())).with_near_zero();
@@ -71,7 +85,7 @@ impl CurveChart {
             let heights = vec![PANEL_HEIGHT; panels.len()];
             let is_alone = panels[0].name.is_empty();
             let height = if is_alone { HEIGHT } else { GRID.height(&heights) };
-            let (mut drawing, plot) = SheetLayout { titles: &titles, swatch, key, left: LEFT, height }.draw();
+            let (mut drawing, plot) = SheetLayout { titles: &titles, swatch, key, width, left: LEFT, height }.draw();
             let parts = if is_alone { vec![plot] } else { GRID.parts(&plot, &heights) };
             for (panel, plot) in panels.iter().zip(parts) {
                 let x = if self.spread == Spread::Bands { x } else { self.roomy(x, &plot) };
@@ -176,8 +190,8 @@ impl Axes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::picture::charts::STYLES;
     use crate::picture::charts::drawing::DrawingMark;
+    use crate::picture::charts::{SCREEN_WIDTH, STYLES};
 
     #[test]
     fn curve_lies_in_its_band() {
@@ -188,7 +202,7 @@ mod tests {
         let curve = Curve { name: "one".into(), style: STYLES[0], points: (0..10).map(point).collect() };
         let panels = vec![CurvePanel { name: String::new(), curves: vec![curve] }];
         let chart = CurveChart { titles: Titles::default(), spread: Spread::Bands, panels };
-        let drawing = &chart.draw()[0];
+        let drawing = &chart.draw(SCREEN_WIDTH)[0];
         let band = drawing.marks.iter().find_map(|mark| match mark {
             DrawingMark::Area { corners, .. } => Some(corners.clone()),
             _ => None,
@@ -214,7 +228,7 @@ mod tests {
         };
         let panel = |name: &str| CurvePanel { name: name.into(), curves: (0..STYLES.len()).map(curve).collect() };
         let panels = vec![panel("one"), panel("two")];
-        let drawing = &CurveChart { titles: Titles::default(), spread: Spread::Whiskers, panels }.draw()[0];
+        let drawing = &CurveChart { titles: Titles::default(), spread: Spread::Whiskers, panels }.draw(SCREEN_WIDTH)[0];
         let bases = drawing.marks.iter().filter_map(|mark| match mark {
             DrawingMark::Line { points, width, .. } if *width == 1.2 => Some((points[0].0, points[1].0)),
             _ => None,

@@ -18,6 +18,7 @@ pub struct Drawing {
     pub(super) marks: Vec<DrawingMark>,
 }
 
+/// A mark on a sheet.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DrawingMark {
     /// The inside of a closed line; opacity from 0 to 1.
@@ -95,7 +96,7 @@ fn paint_mark(canvas: &mut Canvas, mark: &DrawingMark) {
 }
 
 /// Height of capitals of the usual fonts without serifs, in font sizes.
-const CAPITALS: f32 = 0.72;
+pub const CAPITALS: f32 = 0.72;
 
 impl Drawing {
     /// A whole SVG file, which names no other file; text in it is text.

@@ -1,7 +1,7 @@
 //! Charts: bars, curves and distributions, each with its uncertainty.
 //!
-//! A chart becomes a [`Drawing`], a list of marks, which is written as SVG and painted as a picture: one geometry for
-//! both. Series differ in colour, and in hatching, dashes or the shape of their marks too, so that charts can be read
+//! A chart becomes a [`Drawing`], a list of marks, which is written as SVG, PDF and PGF and painted as a picture: one
+//! geometry for all. Series differ in colour, and in hatching, dashes or the shape of their marks too, so that charts can be read
 //! in grey print; the colours are those of Okabe and Ito ("Color Universal Design", 2008), chosen for the colour-blind.
 //! What does not fit into one pair of axes is shown in several, small multiples of one scale, on as many sheets as they
 //! take.
@@ -9,6 +9,7 @@
 mod bars;
 mod curves;
 mod drawing;
+mod paper;
 mod sheet;
 mod strips;
 mod style;
@@ -16,6 +17,8 @@ mod style;
 pub use bars::{BarChart, BarPanel, BarSeries};
 pub use curves::{Curve, CurveChart, CurvePanel, Spread};
 pub use drawing::Drawing;
+pub use paper::PaperSize;
+pub use sheet::SCREEN_WIDTH;
 pub use strips::{Strip, StripChart, StripPanel};
 pub use style::{STYLES, Style};
 
@@ -44,4 +47,15 @@ impl Estimate {
         let (low, high) = self.interval.unwrap_or((self.value, self.value));
         (low.min(self.value), high.max(self.value))
     }
+}
+
+/// A value that a chart shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChartRow<'a> {
+    pub panel: &'a str,
+    pub series: &'a str,
+    /// The name of a bar's group, or the number that a point of a curve stands at; nothing in distributions.
+    pub x: String,
+    pub value: f64,
+    pub interval: Option<(f64, f64)>,
 }

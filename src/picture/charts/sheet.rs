@@ -13,7 +13,8 @@ pub const LABEL: f32 = 8.5;
 const TITLE: f32 = 12.0;
 const NOTE_INK: Rgb = [92, 92, 98];
 
-const WIDTH: f32 = 720.0;
+/// The width of a sheet on a screen.
+pub const SCREEN_WIDTH: f32 = 720.0;
 const MARGIN: f32 = 18.0;
 const LINE: f32 = 19.0;
 const SWATCH: f32 = 26.0;
@@ -115,6 +116,8 @@ pub struct SheetLayout<'a> {
     pub titles: &'a Titles,
     pub swatch: Swatch,
     pub key: Vec<(Style, &'a str)>,
+    /// The width of the sheet in units.
+    pub width: f32,
     /// Units to the left of the plot, and its height.
     pub left: f32,
     pub height: f32,
@@ -126,18 +129,24 @@ impl SheetLayout<'_> {
         let rows = self.key_rows();
         let key_top = MARGIN + TITLE + 2.0 * LINE;
         let top = key_top + rows.len() as f32 * LINE + if self.titles.y.is_empty() { 0.0 } else { LINE };
-        let plot = Plot { left: MARGIN + self.left, top, right: WIDTH - MARGIN, bottom: top + self.height };
+        let plot = Plot { left: MARGIN + self.left, top, right: self.width - MARGIN, bottom: top + self.height };
         let below = if self.titles.x.is_empty() { LINE + 6.0 } else { 2.0 * LINE + 6.0 };
-        let mut drawing = Drawing::new(WIDTH, plot.bottom + below + MARGIN, &self.titles.title);
+        let mut drawing = Drawing::new(self.width, plot.bottom + below + MARGIN, &self.titles.title);
         drawing.text(
-            &fitted(&self.titles.title, WIDTH - 2.0 * MARGIN, TITLE),
+            &fitted(&self.titles.title, self.width - 2.0 * MARGIN, TITLE),
             (MARGIN, MARGIN + TITLE),
             Align::Left,
             TITLE,
             INK,
         );
         let note_at = (MARGIN, MARGIN + TITLE + LINE);
-        drawing.text(&self.titles.note, note_at, Align::Left, LABEL, NOTE_INK);
+        drawing.text(
+            &fitted(&self.titles.note, self.width - 2.0 * MARGIN, LABEL),
+            note_at,
+            Align::Left,
+            LABEL,
+            NOTE_INK,
+        );
         for (index, row) in rows.iter().enumerate() {
             self.draw_key_row(&mut drawing, row, key_top + index as f32 * LINE);
         }
@@ -152,8 +161,8 @@ impl SheetLayout<'_> {
         let mut rows: Vec<Vec<&(Style, &str)>> = Vec::new();
         let mut used = f32::INFINITY;
         for entry in self.key.iter().filter(|_| self.key.len() > 1) {
-            let width = entry_width(entry.1);
-            if used + width > WIDTH - 2.0 * MARGIN {
+            let width = self.entry_width(entry.1);
+            if used + width > self.width - 2.0 * MARGIN {
                 rows.push(Vec::new());
                 used = 0.0;
             }
@@ -174,18 +183,18 @@ impl SheetLayout<'_> {
             if self.swatch == Swatch::MarkedLine {
                 style.mark(drawing, (x + SWATCH / 2.0, middle), 4.0);
             }
-            drawing.text(&key_name(name), (x + SWATCH + 6.0, base), Align::Left, LABEL, INK);
-            x += entry_width(name);
+            drawing.text(&self.key_name(name), (x + SWATCH + 6.0, base), Align::Left, LABEL, INK);
+            x += self.entry_width(name);
         }
     }
-}
 
-fn key_name(name: &str) -> String {
-    fitted(name, WIDTH - 2.0 * MARGIN - SWATCH - 6.0, LABEL)
-}
+    fn key_name(&self, name: &str) -> String {
+        fitted(name, self.width - 2.0 * MARGIN - SWATCH - 6.0, LABEL)
+    }
 
-fn entry_width(name: &str) -> f32 {
-    SWATCH + 6.0 + width_of(&key_name(name), LABEL) + 16.0
+    fn entry_width(&self, name: &str) -> f32 {
+        SWATCH + 6.0 + width_of(&self.key_name(name), LABEL) + 16.0
+    }
 }
 
 /// Returns the greatest width of a text, whatever the font.

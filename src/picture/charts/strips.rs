@@ -1,11 +1,11 @@
 //! Distributions, one below the other: a histogram, and quantiles under it.
 
-use crate::picture::charts::Titles;
 use crate::picture::charts::drawing::Drawing;
 use crate::picture::charts::sheet::{
     AxisScale, LABEL, PanelGrid, Plot, SheetLayout, Swatch, draw_panel_name, fitted, numbered, rule, sheets, width_of,
 };
 use crate::picture::charts::style::Style;
+use crate::picture::charts::{ChartRow, Titles};
 use crate::picture::colours::{INK, PAPER};
 use crate::picture::text::Align;
 
@@ -47,8 +47,22 @@ pub struct Strip {
 }
 
 impl StripChart {
-    /// Draws the panels on as many sheets as they take.
-    pub fn draw(&self) -> Vec<Drawing> {
+    /// Lists what it shows, the values of each distribution in ascending order.
+    pub fn rows(&self) -> impl Iterator<Item = ChartRow<'_>> {
+        let strips = self.panels.iter().flat_map(|panel| panel.strips.iter().map(|strip| (panel.name.as_str(), strip)));
+        strips.flat_map(|(panel, strip)| {
+            strip.values.iter().map(move |&value| ChartRow {
+                panel,
+                series: &strip.name,
+                x: String::new(),
+                value,
+                interval: None,
+            })
+        })
+    }
+
+    /// Draws the panels on as many sheets of this width, in units, as they take.
+    pub fn draw(&self, width: f32) -> Vec<Drawing> {
         let strips = || self.panels.iter().flat_map(|panel| &panel.strips);
         let has_names = strips().count() > 1;
         let widest = strips().map(|strip| width_of(&strip.name, LABEL)).fold(0.0, f32::max);
@@ -66,7 +80,7 @@ impl StripChart {
             let heights: Vec<f32> = panels.iter().map(|panel| row * panel.strips.len() as f32).collect();
             let is_alone = panels[0].name.is_empty();
             let height = if is_alone { heights[0] } else { grid.height(&heights) };
-            let layout = SheetLayout { titles: &titles, swatch: Swatch::Bar, key: Vec::new(), left, height };
+            let layout = SheetLayout { titles: &titles, swatch: Swatch::Bar, key: Vec::new(), width, left, height };
             let (mut drawing, plot) = layout.draw();
             let parts = if is_alone { vec![plot] } else { grid.parts(&plot, &heights) };
             for (panel, part) in panels.iter().zip(&parts) {

@@ -1,17 +1,20 @@
 //! The charts of a report.
 
+use serde::Serialize;
+
 use super::collected::{Collected, Values};
 use super::facets::{Facet, FacetSeries, MOST_PANELS, variant_facets};
 use super::labels::Labels;
 use super::over_time::StateCurves;
 use super::quantities::{CPU_PARTS, MEASURES, Quantity, SHARE_AXIS, STATES};
-use super::sweeps::sweep_charts;
+use super::sweeps::{SweepChart, sweep_charts};
 use crate::batch::plan::BatchPlan;
 use crate::picture::charts::{
-    BarChart, BarPanel, BarSeries, Curve, CurveChart, CurvePanel, Drawing, STYLES, Spread, Strip, StripChart,
+    BarChart, BarPanel, BarSeries, ChartRow, Curve, CurveChart, CurvePanel, Drawing, STYLES, Spread, Strip, StripChart,
     StripPanel, Style, Titles,
 };
 use crate::stats::quantile;
+use crate::untrusted::spreadsheet_cell;
 
 /// The part of the report that a chart belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,35 +33,77 @@ pub struct Figure {
     pub drawing: Drawing,
 }
 
+/// What a chart shows, whatever sheets it takes, and the name of its file, without an ending.
+#[derive(Debug)]
+pub struct ChartData {
+    pub file: String,
+    pub rows: Vec<ChartValues>,
+}
+
+/// A row of such a file.
+#[derive(Debug, Serialize)]
+pub struct ChartValues {
+    panel: String,
+    series: String,
+    x: String,
+    value: f64,
+    low: Option<f64>,
+    high: Option<f64>,
+}
+
+impl From<ChartRow<'_>> for ChartValues {
+    fn from(row: ChartRow<'_>) -> Self {
+        let cell = |name: &str| spreadsheet_cell(name).into_owned();
+        Self {
+            panel: cell(row.panel),
+            series: cell(row.series),
+            x: cell(&row.x),
+            value: row.value,
+            low: row.interval.map(|(low, _)| low),
+            high: row.interval.map(|(_, high)| high),
+        }
+    }
+}
+
+fn values<'a>(rows: impl Iterator<Item = ChartRow<'a>>) -> Vec<ChartValues> {
+    rows.map(ChartValues::from).collect()
+}
+
 /// The figures of a report.
 #[derive(Debug, Default)]
 pub struct Figures {
     /// The sheets, in the order of the report.
     pub drawn: Vec<Figure>,
+    /// What they show: one for each chart.
+    pub data: Vec<ChartData>,
     /// Charts that are not drawn, since they would have too many panels: a sentence for each.
     pub refused: Vec<String>,
 }
 
 impl Figures {
-    /// Draws the figures of all variants.
-    pub fn new(plan: &BatchPlan, collected: &Collected, states: Option<&[StateCurves]>) -> Self {
+    /// Draws the figures of all variants on sheets of this width, in units.
+    pub fn new(plan: &BatchPlan, collected: &Collected, states: Option<&[StateCurves]>, width: f32) -> Self {
         let mut figures = Self::default();
         let panels = variant_facets(plan);
         if figures.admits("states, CPU time and distributions of the variants", panels.len()) {
-            let values = &collected.variants;
-            let bars = |title, quantities| bars(title, quantities, &panels, values);
-            figures.add(Section::Means, "states", bars("Obstacle states at the end", &STATES).draw());
-            figures.add(Section::Means, "cpu-time", bars("CPU time of a run by part", &CPU_PARTS).draw());
+            let means = [
+                ("states", bars("Obstacle states at the end", &STATES, &panels, &collected.variants)),
+                ("cpu-time", bars("CPU time of a run by part", &CPU_PARTS, &panels, &collected.variants)),
+            ];
+            for (file, chart) in means {
+                figures.add(Section::Means, file, chart.draw(width), values(chart.rows()));
+            }
             for &quantity in STATES.iter().chain(&MEASURES) {
-                if let Some(chart) = distribution(quantity, &panels, values) {
-                    figures.add(Section::Distributions, &format!("distribution-{}", quantity.column()), chart.draw());
+                if let Some(chart) = distribution(quantity, &panels, &collected.variants) {
+                    let file = format!("distribution-{}", quantity.column());
+                    figures.add(Section::Distributions, &file, chart.draw(width), values(chart.rows()));
                 }
             }
         }
-        figures.add_over_time(plan, states.unwrap_or(&[]));
-        for chart in sweep_charts(plan, &collected.variants) {
-            if figures.admits(&chart.what, chart.chart.panels.len()) {
-                figures.add(Section::Sweeps, &chart.file, chart.chart.draw());
+        figures.add_over_time(plan, states.unwrap_or(&[]), width);
+        for SweepChart { file, what, chart } in sweep_charts(plan, &collected.variants) {
+            if figures.admits(&what, chart.panels.len()) {
+                figures.add(Section::Sweeps, &file, chart.draw(width), values(chart.rows()));
             }
         }
         figures
@@ -74,8 +119,9 @@ impl Figures {
         panels <= MOST_PANELS
     }
 
-    /// Adds the sheets of a chart; those after the first have a number.
-    fn add(&mut self, section: Section, file: &str, sheets: Vec<Drawing>) {
+    /// Adds the sheets of a chart, of which those after the first have a number, and what it shows.
+    fn add(&mut self, section: Section, file: &str, sheets: Vec<Drawing>, rows: Vec<ChartValues>) {
+        self.data.push(ChartData { file: file.to_owned(), rows });
         for (index, drawing) in sheets.into_iter().enumerate() {
             let file = if index == 0 { file.to_owned() } else { format!("{file}-{}", index + 1) };
             self.drawn.push(Figure { section, file, drawing });
@@ -83,7 +129,7 @@ impl Figures {
     }
 
     /// Adds the states of each variant over time: a chart for each of a few variants, a panel for each of many.
-    fn add_over_time(&mut self, plan: &BatchPlan, states: &[StateCurves]) {
+    fn add_over_time(&mut self, plan: &BatchPlan, states: &[StateCurves], width: f32) {
         if !states.iter().any(StateCurves::is_there) {
             return;
         }
@@ -101,10 +147,12 @@ impl Figures {
             for (index, panel) in panels.into_iter().enumerate() {
                 let (title, file) = (format!(": {}", panel.name), format!("over-time-{}", index + 1));
                 let alone = CurvePanel { name: String::new(), ..panel };
-                self.add(Section::OverTime, &file, over_time(&title, vec![alone]).draw());
+                let chart = over_time(&title, vec![alone]);
+                self.add(Section::OverTime, &file, chart.draw(width), values(chart.rows()));
             }
         } else if self.admits("states over time", panels.len()) {
-            self.add(Section::OverTime, "over-time", over_time("", panels).draw());
+            let chart = over_time("", panels);
+            self.add(Section::OverTime, "over-time", chart.draw(width), values(chart.rows()));
         }
     }
 }

@@ -1,4 +1,5 @@
-//! The report of a batch: one page that needs no other file and no network, and its charts as SVG and PNG.
+//! The report of a batch: one page that needs no other file and no network, and its charts as SVG and PNG, with what they
+//! show as CSV; for papers also as PDF and PGF.
 //!
 //! Everything in it is read from the batch's folder: plan, `runs.csv`, `states.parquet`. The same batch gives the same
 //! bytes. Means have Student's 95 % intervals, as in the batch's tables.
@@ -24,10 +25,11 @@ pub use notable::{NotableRun, notable_runs};
 
 use crate::batch::execute::{CHARTS_FOLDER, REPORT_FILE};
 use crate::batch::table::{FinishedBatch, FinishedError};
+use crate::picture::charts::{PaperSize, SCREEN_WIDTH};
 use crate::picture::unknown_letters;
 use crate::whole_file::WholeFile;
 use collected::Collected;
-use figures::{Figure, Figures};
+use figures::{ChartData, Figure, Figures};
 use over_time::StateCurves;
 
 /// The files of a report that was written.
@@ -40,6 +42,14 @@ pub struct WrittenReport {
     pub refused: Vec<String>,
     /// Letters in charts that the font of pictures lacks.
     pub unknown_letters: String,
+}
+
+/// The charts for a paper that are written too.
+#[derive(Clone, Copy, Debug)]
+pub struct PaperCharts {
+    pub size: PaperSize,
+    pub pdf: bool,
+    pub pgf: bool,
 }
 
 /// A reason for which a batch has no report.
@@ -55,20 +65,31 @@ pub enum ReportError {
 
 /// Reads a batch that is over, and writes `report.html` and a folder of charts beside its tables. `playing` are the runs whose
 /// pages are there, for links to them.
-pub fn write_report(batch: &FinishedBatch, playing: &[NotableRun]) -> Result<WrittenReport, ReportError> {
+pub fn write_report(
+    batch: &FinishedBatch,
+    playing: &[NotableRun],
+    paper: &PaperCharts,
+) -> Result<WrittenReport, ReportError> {
     let folder = batch.folder();
     let rows = batch.rows()?.ok_or_else(|| ReportError::Unfinished { folder: folder.to_owned() })?;
     let collected = Collected::read(batch.plan(), rows)?;
     let states = StateCurves::read(folder, batch.plan())?;
-    let figures = Figures::new(batch.plan(), &collected, states.as_deref());
+    let draw = |width| Figures::new(batch.plan(), &collected, states.as_deref(), width);
+    let figures = draw(SCREEN_WIDTH);
     let charts_folder = folder.join(CHARTS_FOLDER);
     fs::create_dir_all(&charts_folder).map_err(|source| unwritable(&charts_folder, source))?;
     for figure in &figures.drawn {
         write_chart(&charts_folder, figure)?;
     }
+    for data in &figures.data {
+        write_data(&charts_folder, data)?;
+    }
+    if paper.pdf || paper.pgf {
+        draw(paper.size.units()).drawn.iter().try_for_each(|figure| write_paper(&charts_folder, figure, paper))?;
+    }
     let page = folder.join(REPORT_FILE);
     write_whole(&page, page::page(batch, &collected, &figures, playing).to_html().as_bytes())?;
-    let Figures { drawn, refused } = figures;
+    let Figures { drawn, refused, .. } = figures;
     let texts = drawn.iter().flat_map(|figure| figure.drawing.texts());
     let unknown: BTreeSet<char> = texts.flat_map(unknown_letters).collect();
     Ok(WrittenReport {
@@ -84,6 +105,26 @@ fn write_chart(folder: &Path, figure: &Figure) -> Result<(), ReportError> {
     write_whole(&folder.join(format!("{}.svg", figure.file)), figure.drawing.to_svg().as_bytes())?;
     let path = folder.join(format!("{}.png", figure.file));
     figure.drawing.paint().write_png(&path).map_err(|source| unwritable(&path, source))
+}
+
+fn write_data(folder: &Path, data: &ChartData) -> Result<(), ReportError> {
+    let path = folder.join(format!("{}.csv", data.file));
+    let write = || {
+        let mut table = csv::Writer::from_writer(WholeFile::create(&path)?);
+        data.rows.iter().try_for_each(|row| table.serialize(row))?;
+        table.into_inner().map_err(csv::IntoInnerError::into_error)?.finish()
+    };
+    write().map_err(|source| unwritable(&path, source))
+}
+
+fn write_paper(folder: &Path, figure: &Figure, paper: &PaperCharts) -> Result<(), ReportError> {
+    if paper.pdf {
+        write_whole(&folder.join(format!("{}.pdf", figure.file)), &figure.drawing.to_pdf(paper.size))?;
+    }
+    if paper.pgf {
+        write_whole(&folder.join(format!("{}.pgf", figure.file)), figure.drawing.to_pgf(paper.size).as_bytes())?;
+    }
+    Ok(())
 }
 
 fn write_whole(path: &Path, contents: &[u8]) -> Result<(), ReportError> {

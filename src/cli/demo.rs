@@ -1,0 +1,148 @@
+//! `wildfire demo`: a first minute with the program, in commands that can be typed again.
+
+use std::ffi::OsString;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{Args, Parser};
+
+use crate::cli::context::CommandContext;
+use crate::cli::error::CliError;
+use crate::cli::{Arguments, dispatch, terminal};
+use crate::untrusted::visible;
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  wildfire demo
+  wildfire demo --out /tmp/first-look")]
+pub struct DemoArguments {
+    /// A folder that is not there yet, or is empty; it stays, with pictures, pages and tables.
+    #[arg(short, long, value_name = "DIR", default_value = "demo")]
+    pub out: PathBuf,
+}
+
+/// A command of the demonstration, and what is said before it.
+struct Step {
+    why: &'static str,
+    /// Words after `wildfire`; `DIR` stands for the folder.
+    command: &'static str,
+}
+
+const STEPS: [Step; 7] = [
+    Step {
+        why: "An arsonist and a fire truck, for an hour. Who wins, and what did planning cost?",
+        command: "run contest --seed 7 --out DIR/run.wildfire",
+    },
+    Step {
+        why: "The same run to watch: a page for any browser, and a picture after ten minutes.",
+        command: "render DIR/run.wildfire --html DIR/run.html --out DIR/run.png --at 600",
+    },
+    Step {
+        why: "Did anybody cheat? Other code looks at every leg of the way, every 2 cm.",
+        command: "audit DIR/run.wildfire",
+    },
+    Step {
+        why: "One run is chance. Two planners, thirty fields each.",
+        command: "batch contest --seeds 1..30 --planner hybrid-astar,prm+primitives --out DIR/batch",
+    },
+    Step {
+        why: "Which is better? Pairs of the same field say it, with an interval.",
+        command: "compare DIR/batch --metric saved,truck_distance_m",
+    },
+    Step { why: "All of that as a page with charts, for whoever was not here.", command: "report DIR/batch --pages" },
+    Step {
+        why: "Single drives between bushes, two planners side by side.",
+        command: "plan --goals 8 --planner hybrid-astar,prm-rs --png DIR/drives.png",
+    },
+];
+
+const NEXT: &str = "\
+Open these in a browser: DIR/run.html plays the run, DIR/batch/report.html has the charts. Pictures: DIR/run.png,
+DIR/drives.png.
+
+Then try
+  wildfire scenarios                                  other contests: wind, hills, twenty trucks
+  wildfire run contest --set unimog.speed_mps=12      any value can be changed; `wildfire check contest` explains them
+  wildfire new planner mine.py                        a planner of yours, in any language
+  wildfire map wavefront --help                       the classical grid maps, on your own maps
+";
+
+/// Does the steps one after the other.
+pub fn run(arguments: &DemoArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
+    // A name that begins with a hyphen would be read as an option.
+    let begins_with_hyphen = arguments.out.as_os_str().as_encoded_bytes().starts_with(b"-");
+    let folder = &if begins_with_hyphen { Path::new(".").join(&arguments.out) } else { arguments.out.clone() };
+    expect_empty(folder)?;
+    fs::create_dir_all(folder)
+        .map_err(|error| CliError::environment(format_args!("cannot make the folder {}: {error}", folder.display())))?;
+    let shown = folder.display().to_string();
+    for (index, Step { why, command }) in STEPS.iter().enumerate() {
+        let gap = if index == 0 { "" } else { "\n" };
+        let typed = command.replace("DIR", &quoted(&shown));
+        terminal::print(&format!("{gap}{}/{}  {why}\n\n$ wildfire {typed}\n\n", index + 1, STEPS.len()))?;
+        let words = command.split(' ').map(|word| in_folder(word, folder));
+        let words = std::iter::once(OsString::from("wildfire")).chain(words);
+        let step = Arguments::try_parse_from(words).expect("the demonstration's commands are right");
+        let step = Arguments { quiet: true, ..step };
+        let code = dispatch(&step, context)?;
+        if code != ExitCode::SUCCESS {
+            return Ok(code);
+        }
+    }
+    terminal::print(&format!("\n{}", NEXT.replace("DIR", &visible(&shown))))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Refuses a folder that holds something, which the demonstration would write over.
+fn expect_empty(folder: &Path) -> Result<(), CliError> {
+    let is_empty = match fs::read_dir(folder) {
+        Ok(mut entries) => entries.next().is_none(),
+        Err(_) => !folder.exists(),
+    };
+    if is_empty {
+        return Ok(());
+    }
+    let sentence = format!("{} is there already; expected a folder that is empty or not there", folder.display());
+    Err(CliError::bad_input(sentence, Some("name another one with --out, or remove it")))
+}
+
+/// Returns a word of a command with the folder's own name, which need not be text.
+fn in_folder(word: &str, folder: &Path) -> OsString {
+    match word.strip_prefix("DIR/") {
+        Some(file) => folder.join(file).into_os_string(),
+        None => word.into(),
+    }
+}
+
+/// Writes a name as a shell reads it.
+fn quoted(name: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+".contains(c);
+    if !name.is_empty() && name.chars().all(is_plain) {
+        name.to_owned()
+    } else {
+        format!("'{}'", name.replace('\'', "'\\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_commands_of_the_demonstration_are_commands() {
+        for Step { command, .. } in STEPS {
+            let words = command.split(' ').map(|word| in_folder(word, Path::new("folder")));
+            let words = std::iter::once(OsString::from("wildfire")).chain(words);
+            Arguments::try_parse_from(words).expect(command);
+        }
+    }
+
+    #[test]
+    fn names_of_folders_can_be_typed_again() {
+        assert_eq!(quoted("runs/first_1"), "runs/first_1");
+        assert_eq!(quoted("my runs"), "'my runs'");
+        assert_eq!(quoted("it's"), "'it'\\''s'");
+    }
+}

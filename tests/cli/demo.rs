@@ -1,0 +1,33 @@
+//! The demonstration: what it leaves, and what it refuses.
+
+use super::story::Story;
+
+#[test]
+fn a_first_minute_leaves_a_page_pictures_and_a_report() {
+    let story = Story::begin();
+    let answer = story.tell(&["demo", "--out", "first look"]).expect_code(0);
+    for said in ["1/7", "7/7", "$ wildfire run contest --seed 7 --out 'first look'/run.wildfire", "Violations: none"] {
+        assert!(answer.stdout.contains(said), "{said} is not in {}", answer.stdout);
+    }
+    assert_eq!(answer.stderr, "");
+    let page = story.read("first look/run.html");
+    assert!(page.starts_with("<!DOCTYPE html>") && page.len() < 500_000, "{} bytes", page.len());
+    for file in ["run.wildfire", "run.png", "drives.png", "batch/runs.csv", "batch/report.html"] {
+        assert!(story.path("first look").join(file).is_file(), "{file} is missing");
+    }
+    assert_eq!(story.entries(), ["first look"]);
+    let again = story.tell(&["demo", "--out", "first look"]).expect_code(2);
+    assert!(again.stderr.contains("first look is there already"), "{}", again.stderr);
+    assert_eq!(again.stdout, "");
+}
+
+#[test]
+fn a_folder_that_cannot_be_made_is_said_before_anything_is_run() {
+    let story = Story::begin();
+    story.file("file", "");
+    for folder in ["file", "file/inside"] {
+        let answer = story.tell(&["demo", "--out", folder]);
+        assert!(answer.code == Some(2) || answer.code == Some(3), "{:?}", answer.code);
+        assert!(answer.stderr.contains(folder) && answer.stdout.is_empty(), "{}", answer.stderr);
+    }
+}
