@@ -102,7 +102,7 @@ mod tests {
             return said(&refusal.to_string());
         }
         case.count("parameters accepted");
-        let map = MapFile { occupied, grey: None, notes: Vec::new() };
+        let map = MapFile::from_cells(occupied);
         let computed = match compute::compute(&command, &map.occupied) {
             Ok(computed) => computed,
             Err(refusal) => return said(&refusal.to_string()),
