@@ -25,7 +25,7 @@ mod write;
 pub use colours::read_colours;
 pub use error::{Fault, MapError};
 pub use map::{MapFile, NEAR_TOLERANCE, Reading, Tolerance};
-pub use read::read;
+pub use read::{is_plain_text, read, read_bytes};
 pub use ros::MapPlace;
 pub use write::{MapValue, write_csv, write_npy, write_path, write_png, write_text};
 

@@ -27,8 +27,30 @@ const BUFFER_BYTES: usize = 1 << 16;
 /// If the file is no such map, or breaks off, or is larger than [`MAX_SIDE`](super::MAX_SIDE) or
 /// [`MAX_CELLS`](super::MAX_CELLS) allow. What a header declares is checked before any memory is taken for it.
 pub fn read(path: &Path, reading: impl Into<Reading>) -> Result<MapFile, MapError> {
-    let reading = reading.into();
-    match read_content(path)? {
+    finish(path, read_content(path)?, reading.into())
+}
+
+/// Reads a map from the bytes of a file, of which the path is said in errors and leads to the image of a ROS map.
+///
+/// # Errors
+/// Fails as [`read`] does.
+pub fn read_bytes(path: &Path, bytes: Vec<u8>, reading: impl Into<Reading>) -> Result<MapFile, MapError> {
+    let length = bytes.len() as u64;
+    let content = if bytes.is_empty() { Err(Fault::Empty) } else { read_file(Cursor::new(bytes), length) };
+    let content = content.map_err(|fault| MapError { path: path.to_owned(), fault })?;
+    finish(path, content, reading.into())
+}
+
+/// Says whether bytes are neither an image nor a table nor a map of another program, as far as their start tells: rows of
+/// cells, or JSON.
+pub fn is_plain_text(bytes: &[u8]) -> bool {
+    let text = without_mark(bytes).trim_ascii_start();
+    let start = &bytes[..bytes.len().min(BUFFER_BYTES)];
+    text.starts_with(b"{") || MapFormat::from_first_bytes(start).is_ok_and(|format| format == MapFormat::PLAIN)
+}
+
+fn finish(path: &Path, content: Content, reading: Reading) -> Result<MapFile, MapError> {
+    match content {
         Content::Grey(GreyImage { grey, notes }) => Ok(MapFile::from_grey(grey, notes, reading)),
         Content::Cells(mut occupied, note) => {
             if reading.inverted {
@@ -192,6 +214,8 @@ const FOREIGN: &[(&[u8], &str)] = &[
 ];
 
 impl MapFormat {
+    const PLAIN: Self = Self::Sequential(SequentialFormat::Text);
+
     /// Tells the format from the first bytes of a file.
     fn from_first_bytes(start: &[u8]) -> Result<Self, Fault> {
         if let Some(picture) = PictureFormat::from_first_bytes(start) {

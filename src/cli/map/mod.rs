@@ -9,6 +9,7 @@ mod timing;
 use std::process::ExitCode;
 
 pub use args::MapCommand;
+pub use options::parse_tolerance;
 
 use args::Computation;
 use report::{MapReport, with_scene};

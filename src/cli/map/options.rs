@@ -325,7 +325,7 @@ pub fn parse_place(text: &str) -> Result<Place, String> {
     numbers.ok_or_else(|| "expected ROW,COLUMN, two whole numbers counted from 0, such as 3,17".to_owned())
 }
 
-fn parse_tolerance(text: &str) -> Result<Tolerance, String> {
+pub fn parse_tolerance(text: &str) -> Result<Tolerance, String> {
     match text {
         "auto" => Ok(Tolerance::Auto),
         _ => {
