@@ -121,9 +121,6 @@ impl RosMap {
 const MODES: &str = "`trinary`, `scale` or `raw`";
 const SWITCH: &str = "0 or 1";
 
-/// The word for a value that is left out.
-const NOTHING: &str = "~";
-
 /// A value of the YAML file: words of a list, or the one word of a plain value; `None` for what has parts of its own.
 struct Entry {
     key: String,
@@ -136,6 +133,7 @@ impl Entry {
     fn unlike(&self, expected: &str) -> Fault {
         let found = match &self.words {
             Some(words) if self.is_list => format!("[{}]", words.join(", ")),
+            Some(words) if words.concat().is_empty() => "empty".to_owned(),
             Some(words) => words.concat(),
             None => "a value with parts".to_owned(),
         };
@@ -145,7 +143,7 @@ impl Entry {
 
     fn word(&self, expected: &str) -> Result<&str, Fault> {
         match self.words.as_deref() {
-            Some([word]) if !self.is_list && !matches!(word.as_str(), "" | NOTHING) => Ok(word),
+            Some([word]) if !self.is_list && !word.is_empty() => Ok(word),
             _ => Err(self.unlike(expected)),
         }
     }
@@ -278,7 +276,7 @@ mod tests {
             ("0.65", "65", "line 5: `occupied_thresh` is 65; expected a probability from 0 to 1"),
             ("0.196", "0.9", "line 6: `free_thresh` is 0.9; expected at most `occupied_thresh`"),
             ("0.196\n", "0.1\nmode: 3d\n", "line 7: `mode` is 3d; expected `trinary`, `scale` or `raw`"),
-            ("hall.pgm", "", "line 1: `image` is ~; expected the path of an image"),
+            ("hall.pgm", "", "line 1: `image` is empty; expected the path of an image"),
             ("image:", "picture:", "line 6: the file has no `image`; the YAML file of a ROS map has one"),
         ];
         for (old, new, expected) in cases {

@@ -7,6 +7,9 @@
 use super::{Field, StartPose, Unimog, Wumpus};
 use crate::geometry::{DVec2, FieldFrame, Pose};
 
+/// The room between a body and the edge of the field where it is moved inside, metres.
+const ROOM_M: f64 = 0.01;
+
 /// An agent whose start can be placed.
 pub(super) trait Starting {
     /// Says whether its body is inside the field at its start.
@@ -63,7 +66,7 @@ fn placed(default: [f64; 2], corners: &[DVec2], frame: &FieldFrame) -> DVec2 {
     let high = corners.iter().copied().fold(DVec2::ZERO, DVec2::max);
     let share = default / Field::default().size_m;
     // Of a body that is larger than the field nothing can be said here: it is refused where all starts are checked.
-    (share * size).min(size - high).max(-low)
+    (share * size).min(size - high - ROOM_M).max(ROOM_M - low)
 }
 
 #[cfg(test)]
