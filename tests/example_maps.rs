@@ -71,7 +71,7 @@ fn maps_are_what_the_code_draws() {
         }
         assert!(found.notes.is_empty(), "{name} is read as it is");
         // The drawing has soft edges, on purpose.
-        assert!(found.doubts(TOLERANCE).is_empty() || name == "drawing.png", "{name} is doubtful");
+        assert!(found.doubts().is_empty() || name == "drawing.png", "{name} is doubtful");
     }
 }
 

@@ -19,7 +19,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("whole_file", &[]),
     ("document", &[]),
     ("grid", &[]),
-    ("map_files", &["image", "tiff"]),
+    ("map_files", &["gif", "image", "saphyr_parser", "tiff"]),
     ("vehicle", &["glam"]),
     ("trajectory", &["glam"]),
     ("collision", &["glam"]),

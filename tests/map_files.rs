@@ -3,11 +3,16 @@
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
-use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
+use image::codecs::bmp::BmpEncoder;
+use image::codecs::gif::GifEncoder;
+use image::codecs::jpeg::JpegEncoder;
+use image::codecs::png::PngEncoder;
+use image::codecs::webp::WebPEncoder;
+use image::{ExtendedColorType, ImageEncoder};
 use rand::RngExt;
 use tempfile::TempDir;
 use wildfire::grid::{Grid, drawn};
-use wildfire::map_files::{self, MapFile};
+use wildfire::map_files::{self, MapFile, MapPlace, Reading, Tolerance};
 use wildfire::rng;
 
 const ROWS: usize = 3;
@@ -79,12 +84,123 @@ fn encoded_png(cols: u32, rows: u32, colour_type: ExtendedColorType, pixels: &[u
     file
 }
 
+/// An image in the format of an encoder of the crate `image`.
+fn encoded(
+    pixels: &[u8],
+    colour_type: ExtendedColorType,
+    encode: impl Fn(&mut Vec<u8>, &[u8], ExtendedColorType),
+) -> Vec<u8> {
+    let mut file = Vec::new();
+    encode(&mut file, pixels, colour_type);
+    file
+}
+
+fn jpeg(pixels: &[u8], colour_type: ExtendedColorType) -> Vec<u8> {
+    encoded(pixels, colour_type, |file, pixels, colour_type| {
+        let encoder = JpegEncoder::new_with_quality(file, 100);
+        encoder.write_image(pixels, COLS as u32, ROWS as u32, colour_type).expect("it can be encoded");
+    })
+}
+
+fn webp(pixels: &[u8], colour_type: ExtendedColorType) -> Vec<u8> {
+    encoded(pixels, colour_type, |file, pixels, colour_type| {
+        let encoder = WebPEncoder::new_lossless(file);
+        encoder.write_image(pixels, COLS as u32, ROWS as u32, colour_type).expect("it can be encoded");
+    })
+}
+
+fn bmp(pixels: &[u8], colour_type: ExtendedColorType) -> Vec<u8> {
+    encoded(pixels, colour_type, |file, pixels, colour_type| {
+        let encoder = BmpEncoder::new(file);
+        encoder.write_image(pixels, COLS as u32, ROWS as u32, colour_type).expect("it can be encoded");
+    })
+}
+
+/// A GIF of so many frames, of which the first shows the pixels and the others their negative.
+fn gif(rgb: &[u8], frames: usize) -> Vec<u8> {
+    let mut file = Vec::new();
+    let mut encoder = GifEncoder::new(&mut file);
+    for frame in 0..frames {
+        let pixels: Vec<u8> = rgb.iter().map(|&value| if frame == 0 { value } else { 255 - value }).collect();
+        encoder.encode(&pixels, COLS as u32, ROWS as u32, ExtendedColorType::Rgb8).expect("it can be encoded");
+    }
+    drop(encoder);
+    file
+}
+
+/// A TIFF image, little-endian and not packed, from its tags (number, type, value) and the bytes of one strip.
+fn tiff(depth: u32, samples: u32, photometric: u32, extra: &[(u16, u32)], strip: &[u8]) -> Vec<u8> {
+    let mut tags = vec![
+        (256, COLS as u32),
+        (257, ROWS as u32),
+        (258, depth),
+        (259, 1),
+        (262, photometric),
+        (273, 8),
+        (277, samples),
+        (278, ROWS as u32),
+        (279, strip.len() as u32),
+    ];
+    tags.extend(extra);
+    tags.sort_unstable();
+    let mut file = b"II*\0".to_vec();
+    file.extend_from_slice(&(8 + strip.len() as u32).to_le_bytes());
+    file.extend_from_slice(strip);
+    file.extend_from_slice(&(tags.len() as u16).to_le_bytes());
+    for (tag, value) in tags {
+        file.extend_from_slice(&tag.to_le_bytes());
+        // Two samples fit into the field itself; more than two depths would not.
+        let is_pair = tag == 258 && samples == 2;
+        let (kind, count, value) = if is_pair { (3u16, 2u32, value << 16 | value) } else { (4, 1, value) };
+        file.extend_from_slice(&kind.to_le_bytes());
+        file.extend_from_slice(&count.to_le_bytes());
+        file.extend_from_slice(&value.to_le_bytes());
+    }
+    file.extend_from_slice(&[0; 4]);
+    file
+}
+
+/// A NumPy array of such a type and order from the bytes of its values.
+fn npy(descr: &str, fortran_order: &str, shape: &str, values: &[u8]) -> Vec<u8> {
+    let dictionary = format!("{{'descr': {descr}, 'fortran_order': {fortran_order}, 'shape': {shape}, }}\n");
+    [b"\x93NUMPY\x01\0", &(dictionary.len() as u16).to_le_bytes()[..], dictionary.as_bytes(), values].concat()
+}
+
 /// The small map in every format that is read.
 fn small_map_files() -> Vec<(&'static str, Vec<u8>)> {
     let grey = small_grey();
     let rgb: Vec<u8> = grey.values().iter().flat_map(|&value| [value; 3]).collect();
     let wide: Vec<u8> = grey.values().iter().flat_map(|&value| [value; 2]).collect();
+    let by_rows: Vec<u8> = small_map().values().iter().map(|&cell| u8::from(cell)).collect();
+    let by_columns: Vec<u8> = (0..12).map(|at| by_rows[at % 3 * 4 + at / 3]).collect();
+    let widened = |big_endian: bool, bytes: usize| -> Vec<u8> {
+        let place = if big_endian { bytes - 1 } else { 0 };
+        by_rows.iter().flat_map(|&cell| (0..bytes).map(move |at| if at == place { cell } else { 0 })).collect()
+    };
     vec![
+        ("NumPy bool", npy("'|b1'", "False", "(3, 4)", &by_rows)),
+        ("NumPy bool by columns", npy("'|b1'", "True", "(3, 4)", &by_columns)),
+        ("NumPy u1", npy("\"|u1\"", "False", "(3,4,)", &by_rows)),
+        ("NumPy <i8", npy("'<i8'", "False", "(3, 4)", &widened(false, 8))),
+        ("NumPy >u2", npy("'>u2'", "False", "(3, 4)", &widened(true, 2))),
+        ("NumPy >i4", npy("'>i4'", "False", "(3, 4)", &widened(true, 4))),
+        ("JPEG", jpeg(grey.values(), ExtendedColorType::L8)),
+        ("JPEG of colours", jpeg(&rgb, ExtendedColorType::Rgb8)),
+        ("WebP", webp(&rgb, ExtendedColorType::Rgb8)),
+        ("WebP of grey", webp(grey.values(), ExtendedColorType::L8)),
+        ("GIF", gif(&rgb, 1)),
+        ("GIF of several frames", gif(&rgb, 3)),
+        ("BMP", bmp(&rgb, ExtendedColorType::Rgb8)),
+        ("BMP of grey", bmp(grey.values(), ExtendedColorType::L8)),
+        ("TIFF", tiff(8, 1, 1, &[], grey.values())),
+        ("TIFF of 1 bit", tiff(1, 1, 1, &[], &[0x70, 0x90, 0xB0])),
+        ("TIFF of 1 bit, white is zero", tiff(1, 1, 0, &[], &[0x8F, 0x6F, 0x4F])),
+        ("TIFF of 4 bits", tiff(4, 1, 1, &[], &[0x0F, 0xFF, 0xF0, 0x0F, 0xF0, 0xFF])),
+        ("TIFF of 16 bits", tiff(16, 1, 1, &[], &wide)),
+        (
+            "TIFF of 8 bits, white is zero",
+            tiff(8, 1, 0, &[], &by_rows.iter().map(|&cell| cell * 255).collect::<Vec<_>>()),
+        ),
         ("text", b"1000\n0110\n0100\n".to_vec()),
         ("text without last line feed", b"1000\n0110\n0100".to_vec()),
         ("text of Windows", b"\xEF\xBB\xBF1000\r\n0110\r\n0100\r\n\r\n".to_vec()),
@@ -121,7 +237,9 @@ fn every_format_gives_the_same_map() {
         let path = folder.file("map", &bytes);
         let map = map_files::read(&path, 50).unwrap_or_else(|error| panic!("{name}: {error}"));
         assert_eq!(map.occupied, small_map(), "{name}");
-        assert_eq!(map.grey.is_some(), name.starts_with('P'), "{name}: images have grey values");
+        let is_image = ["P", "JPEG", "WebP", "GIF", "BMP", "TIFF"].iter().any(|start| name.starts_with(start));
+        assert_eq!(map.grey.is_some(), is_image, "{name}: images have grey values");
+        assert_eq!(map.tolerance, is_image.then_some(50), "{name}");
     }
 }
 
@@ -290,6 +408,172 @@ fn faults_of_netpbm_images_are_named_with_their_pixel() {
 }
 
 #[test]
+fn first_of_several_images_is_read_and_that_is_said() {
+    let folder = Folder::new();
+    let rgb: Vec<u8> = small_grey().values().iter().flat_map(|&value| [value; 3]).collect();
+    let converted = "the image (GIF, RGB with alpha) was converted to 8-bit grey: laid over white, grey = 0.299 R + 0.587 G + \
+                     0.114 B";
+    let several = "the file holds several images, of which the first was read";
+    assert_eq!(folder.read(&gif(&rgb, 1)).notes, [converted]);
+    assert_eq!(folder.read(&gif(&rgb, 2)).notes, [converted, several]);
+    let mut pages = tiff(8, 1, 1, &[], small_grey().values());
+    // The place of the next list of tags is the last word of this one; it is the same list.
+    let end = pages.len() - 4;
+    pages[end] = 8 + 12;
+    let map = folder.read(&pages);
+    assert_eq!((map.occupied, map.notes), (small_map(), vec![several.to_owned()]));
+}
+
+#[test]
+fn orientation_tag_is_applied() {
+    let folder = Folder::new();
+    // 6: the first row of the file is the right side of the picture.
+    let map = folder.read(&tiff(8, 1, 1, &[(274, 6)], small_grey().values()));
+    assert_eq!((map.occupied.rows(), map.occupied.cols()), (COLS, ROWS));
+    let turned = (0..COLS).flat_map(|row| (0..ROWS).map(move |col| (ROWS - 1 - col, row)));
+    assert_eq!(map.occupied.values(), turned.map(|place| small_map()[place]).collect::<Vec<_>>());
+    assert_eq!(map.notes, ["the image was turned as its orientation tag says"]);
+}
+
+#[test]
+fn arrays_that_are_no_maps_are_refused_with_their_place() {
+    let folder = Folder::new();
+    let place = "expected 0 (free) or 1 (occupied)";
+    let by_dictionary = "expected a dictionary of `descr`, `fortran_order` and `shape`";
+    let types = "expected bool or integers: `array.astype(bool)` makes them so";
+    let cases: [(Vec<u8>, String); 14] = [
+        (npy("'<i2'", "False", "(1, 2)", &[1, 0, 0xFF, 0xFF]), format!("row 0, column 1: found -1, {place}")),
+        (npy("'>u4'", "False", "(2, 1)", &[0, 0, 0, 1, 0, 0, 1, 1]), format!("row 1, column 0: found 257, {place}")),
+        (npy("'|u1'", "True", "(2, 3)", &[0, 1, 1, 7, 0, 0]), format!("row 1, column 1: found 7, {place}")),
+        (npy("'<u8'", "False", "(1, 1)", &[0xFF; 8]), format!("row 0, column 0: found {}, {place}", u64::MAX)),
+        (npy("'<f8'", "False", "(1, 1)", &[0; 8]), format!("this NumPy array holds values of type \"<f8\"; {types}")),
+        (
+            npy("[('a', '<i4')]", "False", "(1, 1)", &[0; 4]),
+            format!("this NumPy array holds values of type \"several members\"; {types}"),
+        ),
+        (
+            npy("'|b1'", "False", "(2,)", &[0; 2]),
+            "this NumPy array has 1 dimensions; expected two, rows and columns".into(),
+        ),
+        (
+            npy("'|b1'", "False", "(1, 2, 2)", &[0; 4]),
+            "this NumPy array has 3 dimensions; expected two, rows and columns".into(),
+        ),
+        (
+            npy("'|b1'", "False", "(99999, 2)", &[]),
+            "the height of the map is 99999 and its width 2; expected 1 to 32767 each, and at most 268435456 cells"
+                .into(),
+        ),
+        (
+            npy("'|b1'", "False", "(2, 2)", &[0; 3]),
+            "row 1, column 1: the file ends; its header declares a height of 2 and a width of 2".into(),
+        ),
+        (
+            npy("'|b1'", "False", "(1, 2)", &[0; 3]),
+            "row 1, column 0: the file goes on; its header declares a height of 1".into(),
+        ),
+        (
+            npy("'|b1'", "0", "(1, 2)", &[0; 2]),
+            format!("this NumPy array has a header without a proper `fortran_order`; {by_dictionary}"),
+        ),
+        (
+            b"\x93NUMPY\x04\0\x09\0\0\0".to_vec(),
+            "this NumPy array has format version 4.0; expected version 1.0, 2.0 or 3.0".into(),
+        ),
+        (b"\x93NUMPY\x01".to_vec(), "this NumPy array ends within its header; expected the whole of it".into()),
+    ];
+    for (bytes, expected) in cases {
+        assert_eq!(folder.objection(&bytes), expected);
+    }
+}
+
+#[test]
+fn ros_map_is_read_with_its_image_and_keeps_its_place() {
+    let folder = Folder::new();
+    fs::create_dir(folder.path("maps")).expect("writable");
+    // Occupied, free, unknown.
+    folder.file("maps/hall.pgm", b"P5 3 1 255\n\x00\xFE\xCD");
+    let yaml = "image: hall.pgm\nresolution: 0.05\norigin: [-10.0, 3, 0.5]\nnegate: 0\noccupied_thresh: 0.65\n\
+                free_thresh: 0.196\n";
+    let path = folder.file("maps/hall.yaml", yaml.as_bytes());
+    let map = map_files::read(&path, 50).expect("a map");
+    assert_eq!(map.occupied.values(), [true, false, true]);
+    assert_eq!((map.grey, map.tolerance), (None, None));
+    assert_eq!(map.place, Some(MapPlace { cell_m: 0.05, origin: [-10.0, 3.0, 0.5] }));
+    assert_eq!(
+        map.notes,
+        [
+            "cells that are neither free nor occupied are taken as occupied (cells: 1)",
+            "the map is not turned by the heading of its origin, 0.5 radians"
+        ]
+    );
+    let inverted = Reading { inverted: true, ..Reading::default() };
+    assert_eq!(map_files::read(&path, inverted).expect("a map").occupied.values(), [false, true, true]);
+
+    let missing = folder.file("maps/none.yaml", yaml.replace("hall.pgm", "none.pgm").as_bytes());
+    let sentence = map_files::read(&missing, 50).expect_err("no image").to_string();
+    assert!(
+        sentence.starts_with(&format!("{}: cannot be read: ", folder.path("maps/none.pgm").display())),
+        "{sentence}"
+    );
+    let itself = folder.file("maps/itself.yaml", yaml.replace("hall.pgm", "itself.yaml").as_bytes());
+    assert_eq!(
+        objection_to(&itself),
+        "this is another YAML file; expected an image, as the YAML file of a ROS map names one"
+    );
+    let bad = folder.file("maps/bad.yaml", yaml.replace("0.05", "0").as_bytes());
+    assert_eq!(objection_to(&bad), "line 2: `resolution` is 0; expected a side in metres above 0");
+    let long = folder.file("maps/long.yaml", yaml.repeat(1000).as_bytes());
+    assert_eq!(objection_to(&long), "the file has more than 65536 bytes; no file of this kind is expected to");
+}
+
+#[test]
+fn tolerance_may_be_chosen_and_the_image_inverted() {
+    let folder = Folder::new();
+    // Grey walls on light ground.
+    let path = folder.file("map", b"P2 5 1 255 100 110 200 210 220");
+    let read = |tolerance, inverted| map_files::read(&path, Reading { tolerance, inverted }).expect("a map");
+    let auto = read(Tolerance::Auto, false);
+    assert_eq!((auto.occupied.values(), auto.tolerance), ([true, true, false, false, false].as_slice(), Some(154)));
+    assert_eq!(auto.notes, ["the tolerance is 154, by Otsu's method"]);
+    let negative = read(Tolerance::Auto, true);
+    assert_eq!(negative.occupied.values(), [false, false, true, true, true]);
+    assert_eq!(read(Tolerance::Grey(50), true).occupied.values(), [false, false, false, true, true]);
+    let blank = map_files::read(
+        &folder.file("map", b"P2 2 1 255 9 9"),
+        Reading { tolerance: Tolerance::Auto, inverted: false },
+    );
+    let blank = blank.expect("a map");
+    assert_eq!((blank.tolerance, blank.notes.len()), (Some(50), 1));
+    let text = folder.file("map", b"01\n");
+    assert_eq!(
+        map_files::read(&text, Reading { inverted: true, ..Reading::default() }).expect("a map").occupied.values(),
+        [true, false]
+    );
+}
+
+#[test]
+fn images_of_few_bytes_that_declare_many_pixels_are_refused() {
+    let folder = Folder::new();
+    // A lossless WebP of 16383 x 16383 pixels, and a GIF and a BMP with large screens.
+    let webp = b"RIFF\x1a\0\0\0WEBPVP8L\x0d\0\0\0\x2f\xfe\xbf\xff\x0f\0\0\0\0\0\0\0\0\0";
+    let gif = b"GIF89a\xff\x3f\xff\x3f\0\0\0,\0\0\0\0\x01\0\x01\0\0\x02\x02\x44\x01\0;";
+    let mut bmp = bmp(small_grey().values(), ExtendedColorType::L8);
+    bmp[18..26].copy_from_slice(&[0x60, 0x6D, 0, 0, 0x60, 0x6D, 0, 0]);
+    let mut tiff = tiff(8, 1, 1, &[], small_grey().values());
+    // Its first two tags are the sides.
+    let first = 8 + ROWS * COLS + 2;
+    tiff[first + 8..first + 12].copy_from_slice(&16_384u32.to_le_bytes());
+    tiff[first + 20..first + 24].copy_from_slice(&16_384u32.to_le_bytes());
+    for bytes in [&webp[..], &gif[..], &bmp, &tiff] {
+        let sentence = folder.objection(bytes);
+        let is_refused =
+            ["expected at most", "cannot hold", "expected 1 to"].iter().any(|part| sentence.contains(part));
+        assert!(is_refused, "{sentence}");
+    }
+}
+
+#[test]
 fn damaged_png_images_are_refused() {
     let folder = Folder::new();
     let whole = encoded_png(4, 3, ExtendedColorType::L8, small_grey().values());
@@ -334,8 +618,9 @@ fn what_is_no_map_file_is_refused_in_words() {
     let folder = Folder::new();
     assert!(objection_to(&folder.path("missing")).starts_with("cannot be read: "));
     assert_eq!(objection_to(folder.0.path()), "this is a folder; a map file is expected");
-    let formats = "expected a PNG, PBM, PGM or PPM image, rows of 0 and 1, CSV of 0 and 1, or a Moving AI map";
-    assert_eq!(folder.objection(b"\xFF\xD8\xFF\xE0"), format!("this is a JPEG image; {formats}"));
+    let formats = "expected an image (PNG, JPEG, WebP, GIF, BMP, TIFF, PBM, PGM or PPM), rows of 0 and 1, CSV or a NumPy \
+                   array of 0 and 1, a Moving AI map, or the YAML file of a ROS map";
+    assert_eq!(folder.objection(b"RIFF\0\0\0\0WAVE"), format!("this is a RIFF file that is no WebP image; {formats}"));
     assert_eq!(folder.objection(b"\x1F\x8B\x08"), format!("this is a file packed by gzip; {formats}"));
     assert_eq!(folder.objection(b"\xFF\xFE0\x001\x00"), format!("this is UTF-16 text; {formats}"));
 }
@@ -414,6 +699,8 @@ fn written_maps_are_read_again_as_they_were() {
         map_files::write_text(&path, &map).expect("writable");
         assert_eq!(map_files::read(&path, 50).expect("a map").occupied, map);
         map_files::write_csv(&path, &map).expect("writable");
+        assert_eq!(map_files::read(&path, 50).expect("a map").occupied, map);
+        map_files::write_npy(&path, &map).expect("writable");
         assert_eq!(map_files::read(&path, 50).expect("a map").occupied, map);
 
         let grey = Grid::from_values(rows, cols, (0..rows * cols).map(|_| rng.random()).collect());

@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::{ErrorKind, Write};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
@@ -11,12 +11,17 @@ use crate::batch::{PLAN_TEMPLATE, TableOfRows, plan_schema, row_schema, rules_sc
 use crate::cli::args::ScenarioArguments;
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
+use crate::cli::map::parse_tolerance;
+use crate::cli::numbers;
 use crate::cli::output_files::{Files, Format};
 use crate::cli::terminal;
+use crate::document::number::{percent, rounded};
 use crate::document::{Block, Document};
 use crate::input_file::is_standard_stream;
+use crate::map_files::Tolerance;
 use crate::programs::protocol;
-use crate::scenario::{self, BUILT_IN, LoadedScenario, MemoryLimit};
+use crate::scenario::{self, BUILT_IN, LoadedScenario, MemoryLimit, ScenarioText};
+use crate::untrusted::visible;
 
 const SCENARIO_HEAD: &str = "\
 # A scenario of your own. Every value is spelled out, as the built-in scenario `contest` has it; what is left out has
@@ -37,9 +42,28 @@ pub struct NewArguments {
     /// The file to write, which must not be there yet [default: print it]. A planner is one in Python, C++ or Rust, as the
     /// file's ending says: `.py`, `.cpp` or `.rs`.
     pub file: Option<PathBuf>,
+    #[command(flatten)]
+    pub map: MapArguments,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
+/// A map to begin a scenario with.
+#[derive(Debug, Args)]
+pub struct MapArguments {
+    /// Begin the scenario with the field of this map: any that `wildfire map` reads, text of `.` and `#`, or GeoJSON.
+    #[arg(long, value_name = "FILE")]
+    pub from_map: Option<PathBuf>,
+    /// The side of a cell in metres [default: 5, or what the map says].
+    #[arg(long, value_name = "M", allow_hyphen_values = true, value_parser = parse_cell, requires = "from_map")]
+    pub cell_m: Option<f64>,
+    /// Pixels of an image are bushes where their grey value is at most this; `auto` chooses it [default: 50].
+    #[arg(long, value_name = "GREY|auto", allow_hyphen_values = true, value_parser = parse_tolerance, requires = "from_map")]
+    pub tolerance: Option<Tolerance>,
+    /// Take an image as its negative, and the free cells of other maps for bushes.
+    #[arg(long, requires = "from_map")]
+    pub invert: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum NewFile {
     Scenario,
     Plan,
@@ -123,8 +147,15 @@ fn first_sentence(text: &str) -> String {
 /// Writes a template with comments, to begin with.
 pub fn new(arguments: &NewArguments) -> Result<ExitCode, CliError> {
     let file = arguments.file.as_deref().filter(|path| !is_standard_stream(path));
+    if arguments.map.from_map.is_some() && arguments.what != NewFile::Scenario {
+        let help = "`wildfire new scenario --from-map FILE` begins a scenario with a map";
+        return Err(CliError::bad_input("--from-map goes with a scenario alone", Some(help)));
+    }
     let (format, text) = match arguments.what {
-        NewFile::Scenario => (Format::Toml, scenario_template()),
+        NewFile::Scenario => match &arguments.map.from_map {
+            Some(map) => (Format::Toml, scenario_from_map(map, &arguments.map, file)?),
+            None => (Format::Toml, scenario_template()),
+        },
         NewFile::Plan => (Format::Toml, PLAN_TEMPLATE.to_owned()),
         NewFile::Planner => (Format::Source, planner_template(file)?),
     };
@@ -152,6 +183,81 @@ fn scenario_template() -> String {
     let contest = built_in("contest").expect("it is the default");
     let body: String = contest.split_inclusive('\n').skip_while(|line| line.starts_with('#')).collect();
     format!("{SCENARIO_HEAD}{}", body.replacen("name = \"contest\"", "name = \"mine\"", 1))
+}
+
+/// A scenario whose field is a map, with the agents of the contest. It is loaded once, so that what is written runs, and so
+/// that its comments say what the map is.
+fn scenario_from_map(map: &Path, options: &MapArguments, file: Option<&Path>) -> Result<String, CliError> {
+    let folder = file.and_then(Path::parent).unwrap_or(Path::new(""));
+    let from_folder = relative_path(map, folder)?;
+    let field = field_table(&from_folder.to_string_lossy(), options);
+    let source = file.unwrap_or(Path::new("scenario.toml"));
+    let stem = map.file_stem().unwrap_or_default().to_string_lossy();
+    let name: String = visible(&stem).chars().take(100).collect();
+    let head = format!("name = {}\n\n{field}", toml::Value::from(name));
+    let draft = format!("{head}\n[[wumpus]]\n\n[[unimog]]\n");
+    let draft = ScenarioText::from_bytes(&source.to_string_lossy(), Ok(draft.into_bytes()))?;
+    let scenario = LoadedScenario::from_text(&draft, &[])?.scenario;
+    let (frame, given) = (scenario.field.frame(), scenario.field.given.as_ref().expect("it has a map"));
+    let bushes = given.occupied.values().iter().filter(|&&occupied| occupied).count();
+    let [wumpus, truck] = [scenario.wumpus[0].start_m, [scenario.unimog[0].start.x_m, scenario.unimog[0].start.y_m]];
+    Ok(format!(
+        "# A contest on the map {}. What is left out has its default value; `wildfire check FILE` lists them all,\n\
+         # scenarios/README.md says what each does.\n\
+         #\n\
+         # The map: {} x {} cells of {} m, {} x {} m, {bushes} bushes ({} % of the cells).\n\
+         # A start that a bush blocks is moved to the nearest free place when a run begins.\n\n\
+         {head}\n\
+         [[wumpus]]\n\
+         start_m = [{}, {}]\n\n\
+         [[unimog]]\n\
+         start = {{ x_m = {}, y_m = {}, heading_deg = 0.0 }}\n",
+        visible(&map.to_string_lossy()),
+        frame.cols,
+        frame.rows,
+        frame.cell_m,
+        rounded(frame.width_m(), 3),
+        rounded(frame.height_m(), 3),
+        percent(given.coverage()),
+        toml::Value::from(wumpus[0]),
+        toml::Value::from(wumpus[1]),
+        toml::Value::from(truck[0]),
+        toml::Value::from(truck[1]),
+    ))
+}
+
+/// The table of the field, with what was asked for and no more.
+fn field_table(map: &str, options: &MapArguments) -> String {
+    let mut table = format!("[field]\nmap = {}\n", toml::Value::from(map));
+    if let Some(cell_m) = options.cell_m {
+        table += &format!("cell_m = {}\n", toml::Value::from(cell_m));
+    }
+    match options.tolerance {
+        Some(Tolerance::Grey(grey)) => table += &format!("map_tolerance = {grey}\n"),
+        Some(Tolerance::Auto) => table += "map_tolerance = \"auto\"\n",
+        None => {}
+    }
+    if options.invert {
+        table += "map_invert = true\n";
+    }
+    table
+}
+
+/// The path of a file from a folder: up to where both lie and down again.
+fn relative_path(file: &Path, folder: &Path) -> Result<PathBuf, CliError> {
+    let whole = |path: &Path| path.canonicalize().map_err(|error| CliError::unreadable(path, &error));
+    let folder = whole(if folder.as_os_str().is_empty() { Path::new(".") } else { folder })?;
+    let file = whole(file)?;
+    let shared = file.components().zip(folder.components()).take_while(|(one, other)| one == other).count();
+    if shared == 0 {
+        return Ok(file);
+    }
+    let up = folder.components().skip(shared).map(|_| Component::ParentDir);
+    Ok(up.chain(file.components().skip(shared)).collect())
+}
+
+fn parse_cell(text: &str) -> Result<f64, String> {
+    numbers::parse(text).ok_or_else(|| "expected the side of a cell in metres".to_owned())
 }
 
 /// Writes a file that is not there yet.

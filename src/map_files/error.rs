@@ -29,7 +29,8 @@ pub enum Fault {
     #[error("the file is empty; a map is expected")]
     Empty,
     #[error(
-        "this is {found}; expected a PNG, PBM, PGM or PPM image, rows of 0 and 1, CSV of 0 and 1, or a Moving AI map"
+        "this is {found}; expected an image (PNG, JPEG, WebP, GIF, BMP, TIFF, PBM, PGM or PPM), rows of 0 and 1, CSV or \
+         a NumPy array of 0 and 1, a Moving AI map, or the YAML file of a ROS map"
     )]
     Foreign { found: &'static str },
     #[error(
@@ -55,8 +56,14 @@ pub enum Fault {
     Line { line: usize, message: String },
     #[error("the image is damaged: {message}")]
     Image { message: String },
+    #[error("the file has more than {most} bytes; no file of this kind is expected to")]
+    GoesBeyond { most: u64 },
     #[error("the pixels of the image take {bytes} bytes, expected at most {limit}; 8-bit grey takes the least")]
     ImageTooLarge { bytes: u64, limit: u64 },
+    #[error("this NumPy array {found}; expected {expected}")]
+    Array { found: String, expected: &'static str },
+    #[error("this is {found}; expected an image, as the YAML file of a ROS map names one")]
+    NoImage { found: &'static str },
     #[error("a map of {cells} cells does not fit into the memory")]
     Memory { cells: usize },
 }

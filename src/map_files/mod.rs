@@ -1,23 +1,32 @@
-//! Reading and writing maps: images, text, CSV, Moving AI maps, NumPy arrays.
+//! Reading and writing maps: images, text, CSV, NumPy arrays, Moving AI maps, ROS maps.
 //!
 //! The first line of a file is row 0, its first cell column 0; errors count as everything here does, from 0.
 
 mod colours;
 mod decimal;
+mod decoded;
 mod error;
+mod map;
 mod moving_ai;
+mod npy;
+mod otsu;
+mod pictures;
 mod pixel;
 mod png;
 mod pnm;
 pub mod raster;
 mod read;
+mod ros;
 mod rows;
 mod text;
+mod tiff_image;
 mod write;
 
 pub use colours::read_colours;
 pub use error::{Fault, MapError};
-pub use read::{MapFile, NEAR_TOLERANCE, read};
+pub use map::{MapFile, NEAR_TOLERANCE, Reading, Tolerance};
+pub use read::{is_plain_text, read, read_bytes};
+pub use ros::MapPlace;
 pub use write::{MapValue, write_csv, write_npy, write_path, write_png, write_text};
 
 /// The most rows and the most columns of a map.

@@ -7,6 +7,7 @@ use std::io::{BufRead, Read};
 
 use crate::grid::Grid;
 use crate::map_files::Fault;
+use crate::map_files::decoded::GreyImage;
 use crate::map_files::error::{check_size, shown_letter, with_room};
 use crate::map_files::pixel::PixelLayout;
 
@@ -16,7 +17,7 @@ const PIXELS_PER_BYTE: usize = 8;
 /// Reads a Netpbm image from a file of `bytes` bytes, and says how it was converted to 8-bit grey.
 ///
 /// The file ends with the image, apart from white space.
-pub(super) fn read(mut source: impl BufRead, bytes: u64) -> Result<(Grid<u8>, Option<String>), Fault> {
+pub(super) fn read(mut source: impl BufRead, bytes: u64) -> Result<GreyImage, Fault> {
     let header = PnmHeader::read(&mut source)?;
     let PnmHeader { rows, cols, layout, .. } = header;
     let possible = usize::try_from(bytes).unwrap_or(usize::MAX).saturating_mul(PIXELS_PER_BYTE);
@@ -27,7 +28,7 @@ pub(super) fn read(mut source: impl BufRead, bytes: u64) -> Result<(Grid<u8>, Op
         layout.append_grey(&raster.samples, &mut values);
     }
     raster.check_end()?;
-    Ok((Grid::from_values(rows, cols, values), header.note()))
+    Ok(GreyImage { grey: Grid::from_values(rows, cols, values), notes: Vec::from_iter(header.note()) })
 }
 
 /// Returns whether a file begins as a Netpbm image does: a P, a digit from 1 to 6, white space.

@@ -1,83 +1,110 @@
 //! Reads a map, whatever its format.
 
 use std::io::{BufRead, BufReader, Cursor, ErrorKind, Read, Seek};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use crate::grid::{Grid, occupancy};
+use crate::grid::Grid;
 use crate::input_file;
-use crate::input_file::InputFile;
+use crate::input_file::{InputFile, is_standard_stream};
+use crate::map_files::decoded::GreyImage;
+use crate::map_files::map::{MapFile, Reading};
+use crate::map_files::pictures::{self, PictureFormat};
+use crate::map_files::ros::{self, RosMap};
 use crate::map_files::rows::without_mark;
-use crate::map_files::{Fault, MAX_BYTES, MapError, moving_ai, png, pnm, text};
+use crate::map_files::{Fault, MAX_BYTES, MapError, moving_ai, npy, png, pnm, text, tiff_image};
 
 const BUFFER_BYTES: usize = 1 << 16;
 
-/// Grey values this near to the tolerance could as well be on its other side.
-pub const NEAR_TOLERANCE: u8 = 20;
-
-/// More than this share of such pixels, or of occupied cells, is odd for a map.
-const MANY_NEAR: f64 = 0.05;
-const MANY_OCCUPIED: f64 = 0.60;
-
-/// A map and what its file said.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MapFile {
-    pub occupied: Grid<bool>,
-    /// The grey values of an image, 0 black to 255 white.
-    pub grey: Option<Grid<u8>>,
-    /// Changes made on reading, in sentences.
-    pub notes: Vec<String>,
-}
-
-impl MapFile {
-    /// Share of the pixels of an image whose grey value is within [`NEAR_TOLERANCE`] of the tolerance; `None` for a map
-    /// that is no image.
-    pub fn share_near(&self, tolerance: u8) -> Option<f64> {
-        let grey = self.grey.as_ref()?.values();
-        let near = grey.iter().filter(|&&value| value.abs_diff(tolerance) <= NEAR_TOLERANCE).count();
-        Some(near as f64 / grey.len() as f64)
-    }
-
-    /// Returns sentences that say why an image may have been misread: obstacles that are not quite dark enough, or a
-    /// drawing that is white on black.
-    pub fn doubts(&self, tolerance: u8) -> Vec<String> {
-        let Some(near) = self.share_near(tolerance) else { return Vec::new() };
-        let cells = self.occupied.values();
-        let occupied = cells.iter().filter(|&&occupied| occupied).count() as f64 / cells.len() as f64;
-        let mut doubts = Vec::new();
-        if near > MANY_NEAR {
-            let percent = 100.0 * near;
-            doubts.push(format!(
-                "{percent:.1} % of the pixels are within {NEAR_TOLERANCE} grey levels of the tolerance, {tolerance}: \
-                 with another --tolerance they may be obstacles, or none."
-            ));
-        }
-        if occupied > MANY_OCCUPIED {
-            let percent = 100.0 * occupied;
-            doubts.push(format!(
-                "{percent:.1} % of the cells are occupied: the image may be inverted, obstacles are dark."
-            ));
-        }
-        doubts
-    }
-}
-
-/// Reads a map; pixels of images are occupied where their grey value is at most `tolerance`.
+/// Reads a map; pixels of images are occupied where their grey value is at most the tolerance.
 ///
-/// The format is recognised by the content, never by the name: PNG; Netpbm images (P1 to P6); rows of 0 (free) and 1
-/// (occupied); the same with commas; Moving AI maps, where `.` and `G` are free and everything else is occupied, swamp
-/// (`S`) and water (`W`) too. Images that are not 8-bit grey are converted, which a note says: alpha over white,
-/// colours by their luma, other ranges of values scaled to 0 to 255.
+/// The format is recognised by the content, never by the name: images (PNG, JPEG, WebP, GIF, BMP, TIFF, and Netpbm, P1 to
+/// P6); rows of 0 (free) and 1 (occupied); the same with commas; NumPy arrays of these; Moving AI maps, where `.` and `G`
+/// are free and everything else is occupied, swamp (`S`) and water (`W`) too; and the YAML file of a ROS map, which names
+/// its image. Images that are not 8-bit grey are converted, which a note says: alpha over white, colours by their luma,
+/// other ranges of values scaled to 0 to 255.
 ///
 /// # Errors
 /// If the file is no such map, or breaks off, or is larger than [`MAX_SIDE`](super::MAX_SIDE) or
 /// [`MAX_CELLS`](super::MAX_CELLS) allow. What a header declares is checked before any memory is taken for it.
-pub fn read(path: &Path, tolerance: u8) -> Result<MapFile, MapError> {
+pub fn read(path: &Path, reading: impl Into<Reading>) -> Result<MapFile, MapError> {
+    finish(path, read_content(path)?, reading.into())
+}
+
+/// Reads a map from the bytes of a file, of which the path is said in errors and leads to the image of a ROS map.
+///
+/// # Errors
+/// Fails as [`read`] does.
+pub fn read_bytes(path: &Path, bytes: Vec<u8>, reading: impl Into<Reading>) -> Result<MapFile, MapError> {
+    let length = bytes.len() as u64;
+    let content = if bytes.is_empty() { Err(Fault::Empty) } else { read_file(Cursor::new(bytes), length) };
+    let content = content.map_err(|fault| MapError { path: path.to_owned(), fault })?;
+    finish(path, content, reading.into())
+}
+
+/// Says whether bytes are neither an image nor a table nor a map of another program, as far as their start tells: rows of
+/// cells, or JSON.
+pub fn is_plain_text(bytes: &[u8]) -> bool {
+    let text = without_mark(bytes).trim_ascii_start();
+    let start = &bytes[..bytes.len().min(BUFFER_BYTES)];
+    text.starts_with(b"{") || MapFormat::from_first_bytes(start).is_ok_and(|format| format == MapFormat::PLAIN)
+}
+
+fn finish(path: &Path, content: Content, reading: Reading) -> Result<MapFile, MapError> {
+    match content {
+        Content::Grey(GreyImage { grey, notes }) => Ok(MapFile::from_grey(grey, notes, reading)),
+        Content::Cells(mut occupied, note) => {
+            if reading.inverted {
+                occupied.values_mut().iter_mut().for_each(|cell| *cell = !*cell);
+            }
+            Ok(MapFile { notes: Vec::from_iter(note), ..MapFile::from_cells(occupied) })
+        }
+        Content::Ros(text) => {
+            let map = RosMap::parse(&text).map_err(|fault| MapError { path: path.to_owned(), fault })?;
+            read_ros_map(&map, &folder_of(path), reading)
+        }
+    }
+}
+
+/// Reads the image of a ROS map, whose path begins in the folder of its YAML file.
+fn read_ros_map(map: &RosMap, folder: &Path, reading: Reading) -> Result<MapFile, MapError> {
+    let path = folder.join(&map.image);
+    let found = match read_content(&path)? {
+        Content::Grey(image) => Ok(image),
+        Content::Cells(..) => Err("a map of cells"),
+        Content::Ros(_) => Err("another YAML file"),
+    };
+    let GreyImage { grey, mut notes } = found.map_err(|found| MapError { path, fault: Fault::NoImage { found } })?;
+    let (occupied, unknown) = map.occupied(&grey, reading.inverted);
+    if unknown > 0 {
+        notes.push(format!("cells that are neither free nor occupied are taken as occupied (cells: {unknown})"));
+    }
+    if map.place.origin[2] != 0.0 {
+        notes.push(format!("the map is not turned by the heading of its origin, {} radians", map.place.origin[2]));
+    }
+    Ok(MapFile { place: Some(map.place), notes, ..MapFile::from_cells(occupied) })
+}
+
+/// The folder in which the paths of a file begin; for stdin the current one.
+fn folder_of(path: &Path) -> PathBuf {
+    let parent = path.parent().filter(|_| !is_standard_stream(path));
+    parent.map(Path::to_owned).unwrap_or_default()
+}
+
+/// The content of a file, before it is decided which cells are occupied.
+enum Content {
+    Grey(GreyImage),
+    Cells(Grid<bool>, Option<String>),
+    /// The text of a YAML file.
+    Ros(String),
+}
+
+fn read_content(path: &Path) -> Result<Content, MapError> {
     let opened = input_file::open(path).map_err(not_opened);
     let read = opened.and_then(|input| match input {
         InputFile::Regular(_, 0) => Err(Fault::Empty),
         InputFile::Regular(_, bytes) if bytes > MAX_BYTES => Err(Fault::TooLarge { bytes }),
-        InputFile::Regular(file, bytes) => read_file(BufReader::with_capacity(BUFFER_BYTES, file), bytes, tolerance),
-        stream => read_stream(stream, tolerance),
+        InputFile::Regular(file, bytes) => read_file(BufReader::with_capacity(BUFFER_BYTES, file), bytes),
+        stream => read_stream(stream),
     });
     read.map_err(|fault| MapError { path: path.to_owned(), fault })
 }
@@ -86,16 +113,17 @@ fn not_opened(error: std::io::Error) -> Fault {
     if error.kind() == ErrorKind::IsADirectory { Fault::Folder } else { error.into() }
 }
 
-fn read_file<R: BufRead + Seek>(mut source: R, bytes: u64, tolerance: u8) -> Result<MapFile, Fault> {
+fn read_file<R: BufRead + Seek>(mut source: R, bytes: u64) -> Result<Content, Fault> {
     match MapFormat::from_first_bytes(source.fill_buf()?)? {
-        MapFormat::Png => png::read(source, bytes).map(|(grey, note)| from_grey(grey, tolerance, note)),
-        MapFormat::Sequential(format) => read_sequential(format, source, bytes, tolerance),
+        MapFormat::Png => png::read(source, bytes).map(Content::Grey),
+        MapFormat::Whole(format) => read_whole(format, source),
+        MapFormat::Sequential(format) => read_sequential(format, source, bytes),
     }
 }
 
 /// Reads an input that has no way back, a pipe, a device or stdin: its first bytes are kept, as they show the format,
-/// and those of a PNG image are all kept.
-fn read_stream(mut stream: impl Read, tolerance: u8) -> Result<MapFile, Fault> {
+/// and those of most images are all kept.
+fn read_stream(mut stream: impl Read) -> Result<Content, Fault> {
     let mut start = Vec::new();
     stream.by_ref().take(BUFFER_BYTES as u64).read_to_end(&mut start)?;
     let bytes = start.len() as u64;
@@ -106,43 +134,60 @@ fn read_stream(mut stream: impl Read, tolerance: u8) -> Result<MapFile, Fault> {
         MapFormat::Png => {
             let image = png::read_bytes(start, stream)?;
             let bytes = image.len() as u64;
-            read_file(Cursor::new(image), bytes, tolerance)
+            read_file(Cursor::new(image), bytes)
         }
+        MapFormat::Whole(format) => read_whole(format, Cursor::new(start).chain(stream)),
         MapFormat::Sequential(format) => {
             let rest = BufReader::with_capacity(BUFFER_BYTES, stream.take(MAX_BYTES - bytes));
-            read_sequential(format, Cursor::new(start).chain(rest), bytes, tolerance)
+            read_sequential(format, Cursor::new(start).chain(rest), bytes)
         }
+    }
+}
+
+/// Keeps all bytes of an input, of which there may be no more than such a file has, and reads them.
+fn read_whole(format: WholeFormat, source: impl Read) -> Result<Content, Fault> {
+    let most = match format {
+        WholeFormat::Picture(_) | WholeFormat::Tiff => pictures::MAX_FILE,
+        WholeFormat::Ros => ros::MAX_FILE,
+    };
+    let mut bytes = Vec::new();
+    source.take(most + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most {
+        return Err(Fault::GoesBeyond { most });
+    }
+    match format {
+        WholeFormat::Picture(format) => format.read(&bytes).map(Content::Grey),
+        WholeFormat::Tiff => tiff_image::read(&bytes).map(Content::Grey),
+        WholeFormat::Ros => Ok(Content::Ros(input_file::text(bytes)?)),
     }
 }
 
 /// Reads from front to end. `bytes` is how many bytes there are at least, which says how much room to make at first.
-fn read_sequential(
-    format: SequentialFormat,
-    source: impl BufRead,
-    bytes: u64,
-    tolerance: u8,
-) -> Result<MapFile, Fault> {
+fn read_sequential(format: SequentialFormat, source: impl BufRead, bytes: u64) -> Result<Content, Fault> {
     match format {
-        SequentialFormat::Pnm => pnm::read(source, bytes).map(|(grey, note)| from_grey(grey, tolerance, note)),
-        SequentialFormat::MovingAi => moving_ai::read(source, bytes).map(|(occupied, note)| from_cells(occupied, note)),
-        SequentialFormat::Csv => text::read_csv(source, bytes).map(|occupied| from_cells(occupied, None)),
-        SequentialFormat::Text => text::read_text(source, bytes).map(|occupied| from_cells(occupied, None)),
+        SequentialFormat::Pnm => pnm::read(source, bytes).map(Content::Grey),
+        SequentialFormat::MovingAi => {
+            moving_ai::read(source, bytes).map(|(occupied, note)| Content::Cells(occupied, note))
+        }
+        SequentialFormat::Npy => npy::read(source, bytes).map(|occupied| Content::Cells(occupied, None)),
+        SequentialFormat::Csv => text::read_csv(source, bytes).map(|occupied| Content::Cells(occupied, None)),
+        SequentialFormat::Text => text::read_text(source, bytes).map(|occupied| Content::Cells(occupied, None)),
     }
-}
-
-fn from_grey(grey: Grid<u8>, tolerance: u8, note: Option<String>) -> MapFile {
-    let occupied = occupancy::from_grey(&grey, tolerance);
-    MapFile { occupied, grey: Some(grey), notes: Vec::from_iter(note) }
-}
-
-fn from_cells(occupied: Grid<bool>, note: Option<String>) -> MapFile {
-    MapFile { occupied, grey: None, notes: Vec::from_iter(note) }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum MapFormat {
     Png,
+    Whole(WholeFormat),
     Sequential(SequentialFormat),
+}
+
+/// The formats of which all bytes are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum WholeFormat {
+    Picture(PictureFormat),
+    Tiff,
+    Ros,
 }
 
 /// The formats that are read from front to end.
@@ -150,21 +195,18 @@ enum MapFormat {
 enum SequentialFormat {
     Pnm,
     MovingAi,
+    Npy,
     Csv,
     Text,
 }
 
 /// The first bytes of files that people may take for maps.
 const FOREIGN: &[(&[u8], &str)] = &[
-    (b"\xFF\xD8\xFF", "a JPEG image"),
-    (b"GIF8", "a GIF image"),
-    (b"BM", "a BMP image"),
-    (b"II*\0", "a TIFF image"),
-    (b"MM\0*", "a TIFF image"),
-    (b"RIFF", "a WebP image or another RIFF file"),
+    (b"RIFF", "a RIFF file that is no WebP image"),
     (b"%PDF", "a PDF document"),
     (b"P7\n", "a PAM image"),
-    (b"\x93NUMPY", "a NumPy array"),
+    (b"<", "an SVG image or another XML document"),
+    (b"{", "JSON text"),
     (b"\x1F\x8B", "a file packed by gzip"),
     (b"PK\x03\x04", "a ZIP archive"),
     (b"\xFF\xFE", "UTF-16 text"),
@@ -172,8 +214,13 @@ const FOREIGN: &[(&[u8], &str)] = &[
 ];
 
 impl MapFormat {
+    const PLAIN: Self = Self::Sequential(SequentialFormat::Text);
+
     /// Tells the format from the first bytes of a file.
     fn from_first_bytes(start: &[u8]) -> Result<Self, Fault> {
+        if let Some(picture) = PictureFormat::from_first_bytes(start) {
+            return Ok(Self::Whole(WholeFormat::Picture(picture)));
+        }
         if let Some((_, found)) = FOREIGN.iter().find(|(signature, _)| start.starts_with(signature)) {
             return Err(Fault::Foreign { found });
         }
@@ -181,10 +228,16 @@ impl MapFormat {
         let first_line = text.split(|&byte| byte == b'\n').next().unwrap_or_default();
         Ok(if start.starts_with(png::SIGNATURE) {
             Self::Png
+        } else if tiff_image::is_start(start) {
+            Self::Whole(WholeFormat::Tiff)
+        } else if start.starts_with(npy::SIGNATURE) {
+            Self::Sequential(SequentialFormat::Npy)
         } else if pnm::is_start(start) {
             Self::Sequential(SequentialFormat::Pnm)
         } else if first_line.starts_with(b"type ") {
             Self::Sequential(SequentialFormat::MovingAi)
+        } else if ros::is_start(text) {
+            Self::Whole(WholeFormat::Ros)
         } else if first_line.contains(&b',') {
             Self::Sequential(SequentialFormat::Csv)
         } else {

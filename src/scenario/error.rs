@@ -79,6 +79,18 @@ pub enum MapFault {
     NoSize,
     #[error("a cell of {found} m is no cell: a size above 0 m is expected")]
     CellSize { found: f64 },
+    #[error("this GeoJSON has no polygon; a Polygon or a MultiPolygon is expected, whose inside is bushes")]
+    NoPolygon,
+    #[error("a point of the polygons has coordinates that are no degrees, and the file names no other system")]
+    Coordinate,
+    #[error(
+        "the polygons extend over {} x {} m, more than {most} cells of {cell_m} m along a side; larger cells are \
+         expected, by `field.cell_m` (coordinates within 180 and 90 are degrees unless a `crs` names another system)",
+        .size[0].round(), .size[1].round()
+    )]
+    TooWide { size: [f64; 2], cell_m: f64, most: u16 },
+    #[error("the outlines of the polygons cross the rows of cells {found} times; at most {most} are expected")]
+    TooFine { found: usize, most: usize },
 }
 
 /// A span of a file, or of an option of the command line.

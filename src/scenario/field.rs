@@ -1,14 +1,18 @@
 //! The field as a scenario describes it.
 
+use std::borrow::Cow;
+use std::fmt;
 use std::path::PathBuf;
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::{Error, Unexpected, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::check::{Check, TablePath};
 use super::given::{GivenField, MAX_CELLS_A_SIDE};
 use super::tetromino::Shape;
 use crate::geometry::FieldFrame;
+use crate::map_files::{Reading, Tolerance};
 use crate::ranges::number_text;
 
 /// The largest share of a field's cells that pieces may be asked to cover.
@@ -33,8 +37,15 @@ pub struct Field {
     pub overlaps: Overlaps,
     /// No bush within this distance of an agent's body centre at its start.
     pub start_clearance_m: f64,
-    /// A given field instead of a generated one: text of `.`/`#` or 0/1, first line north; or JSON with `cells_cr`.
+    /// A given field instead of a generated one: text of `.`/`#` or 0/1, first line north; JSON with `cells_cr`; GeoJSON;
+    /// an image, CSV, a NumPy array, a Moving AI map, or the YAML file of a ROS map.
     pub map: Option<PathBuf>,
+    /// The grey value up to which pixels of a map that is an image are bushes: 50 if it is left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub map_tolerance: Option<MapTolerance>,
+    /// Take an image as its negative, and the free cells of other maps for bushes.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub map_invert: bool,
     /// The content of the file at `map`. Loading fills it in, so that a resolved scenario is complete without the file.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(skip)]
@@ -56,8 +67,71 @@ impl Default for Field {
             overlaps: Overlaps::Never,
             start_clearance_m: 10.0,
             map: None,
+            map_tolerance: None,
+            map_invert: false,
             given: None,
             raster_frame: None,
+        }
+    }
+}
+
+/// The grey value up to which pixels are bushes, from 0 to 255, or `"auto"` for the one that Otsu's method finds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MapTolerance(pub Tolerance);
+
+impl Serialize for MapTolerance {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.0 {
+            Tolerance::Grey(value) => serializer.serialize_u8(value),
+            Tolerance::Auto => serializer.serialize_str("auto"),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for MapTolerance {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(MapToleranceVisitor)
+    }
+}
+
+impl JsonSchema for MapTolerance {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        "MapTolerance".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "anyOf": [{ "type": "integer", "minimum": 0, "maximum": 255 }, { "const": "auto" }] })
+    }
+}
+
+struct MapToleranceVisitor;
+
+impl Visitor<'_> for MapToleranceVisitor {
+    type Value = MapTolerance;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a whole number from 0 to 255 or \"auto\"")
+    }
+
+    fn visit_i64<E: Error>(self, number: i64) -> Result<MapTolerance, E> {
+        let grey = u8::try_from(number).map_err(|_| E::invalid_value(Unexpected::Signed(number), &self))?;
+        Ok(MapTolerance(Tolerance::Grey(grey)))
+    }
+
+    fn visit_u64<E: Error>(self, number: u64) -> Result<MapTolerance, E> {
+        let grey = u8::try_from(number).map_err(|_| E::invalid_value(Unexpected::Unsigned(number), &self))?;
+        Ok(MapTolerance(Tolerance::Grey(grey)))
+    }
+
+    fn visit_str<E: Error>(self, word: &str) -> Result<MapTolerance, E> {
+        if word == "auto" {
+            Ok(MapTolerance(Tolerance::Auto))
+        } else {
+            Err(E::invalid_value(Unexpected::Str(word), &self))
         }
     }
 }
@@ -80,6 +154,12 @@ impl Field {
         }
         let side = (self.size_m / self.cell_m).round() as u16;
         FieldFrame { cols: side, rows: side, cell_m: self.cell_m }
+    }
+
+    /// Returns how the map is read.
+    pub(super) fn reading(&self) -> Reading {
+        let tolerance = self.map_tolerance.map_or_else(Tolerance::default, |MapTolerance(tolerance)| tolerance);
+        Reading { tolerance, inverted: self.map_invert }
     }
 
     /// Counts the pieces that a generated field gets: `pieces`, or the most whose cells do not exceed `coverage`.

@@ -1,8 +1,9 @@
-//! Given fields: maps as text or as JSON.
+//! Given fields: maps as text or as JSON, and what `map_files` reads.
 //!
 //! A text map has a line per row, first line north, `.` or `0` for a free cell and `#` or `1` for a bush. A JSON map
 //! lists its bushes as `cells_cr`, pairs of column and row from the south-west corner, with `n` cells along a side (or
-//! `size_m`) and `cell_m`. Text rows are turned over here and nowhere else: row 0 of the simulation is the south edge.
+//! `size_m`) and `cell_m`; or it is GeoJSON, whose polygons are bushes. Rows are turned over here and nowhere else: row 0
+//! of the simulation is the south edge.
 
 use std::fmt;
 use std::ops::Range;
@@ -12,12 +13,14 @@ use serde::{Deserialize, Deserializer, Serialize};
 use thiserror::Error;
 
 use super::error::MapFault;
+use super::geojson;
 use super::json_location::{character_at, offset};
 use super::path::FieldPath;
 use super::wording::fault_from_message;
 use crate::geometry::FieldFrame;
 use crate::grid::Grid;
 use crate::input_file::list_of_at_most;
+use crate::map_files::MapFile;
 
 /// The most cells along a side of a field, generated or given.
 pub const MAX_CELLS_A_SIDE: u16 = 4096;
@@ -62,7 +65,28 @@ impl GivenField {
     /// # Errors
     /// Fails if the map is empty, ragged, too large, or not in one of the two forms; with the place.
     pub fn parse(text: &str, cell_m: f64) -> Result<Self, MapError> {
-        if text.trim_start().starts_with('{') { parse_json(text, cell_m) } else { parse_rows(text, cell_m) }
+        if !text.trim_start().starts_with('{') {
+            return parse_rows(text, cell_m);
+        }
+        if !geojson::is_geojson(text) {
+            return parse_json(text, cell_m);
+        }
+        if !(cell_m > 0.0 && cell_m.is_finite()) {
+            return Err(MapFault::CellSize { found: cell_m }.at(0..0));
+        }
+        let field = geojson::parse(text, cell_m).map_err(|error| json_fault(text, &error, FieldPath::default()))?;
+        field.map_err(|fault| fault.at(0..0))
+    }
+
+    /// Takes the cells of a map whose first row is north; their side is the map's own, or `cell_m`.
+    ///
+    /// # Errors
+    /// Fails if the map is too large.
+    pub fn from_map_file(map: &MapFile, cell_m: f64) -> Result<Self, MapFault> {
+        let (rows, cols) = (map.occupied.rows(), map.occupied.cols());
+        let frame = frame_from(cols, rows, map.place.map_or(cell_m, |place| place.cell_m))?;
+        let cells = (0..rows).rev().flat_map(|row| map.occupied.row(row)).copied().collect();
+        Ok(Self { frame, occupied: Grid::from_values(rows, cols, cells) })
     }
 
     /// Computes the share of the cells that are bushes.

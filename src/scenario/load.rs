@@ -12,11 +12,14 @@ use super::fuel_image::FuelImage;
 use super::layers::{LayerKind, LayerReader, Weights};
 use super::path::{FieldPath, FoundSpan, PathStep};
 use super::program::FILLED_IN;
-use super::source::{MAX_MAP_BYTES, ScenarioText, first_too_deep, read_text, too_deep_message, unreadable};
+use super::source::{MAX_MAP_BYTES, ScenarioText, first_too_deep, too_deep_message, unreadable};
+use super::starts::Starting;
 use super::weather_csv::{read_samples, read_wind};
 use super::wording::{self, KeyOrValue};
-use super::{GivenField, IgnitionCells, Scenario};
+use super::{Field, GivenField, IgnitionCells, Scenario};
 use crate::geometry::FieldFrame;
+use crate::input_file;
+use crate::map_files;
 
 /// Options of `[field]` that say how to generate one, and so contradict a map.
 const GENERATED_ONLY: [&str; 6] = ["size_m", "coverage", "pieces", "shapes", "overlaps", "start_clearance_m"];
@@ -173,6 +176,7 @@ impl WrittenScenario<'_> {
         self.refuse_conflicts(written)?;
         self.load_landscape(&mut scenario)?;
         self.load_map(&mut scenario)?;
+        self.place_starts(written, &mut scenario);
         self.load_weather(&mut scenario)?;
         self.load_densities(&mut scenario)?;
         self.find_files(&mut scenario)?;
@@ -395,6 +399,13 @@ impl WrittenScenario<'_> {
         if let Some(name) = GENERATED_ONLY.iter().find(|name| given("map") && given(name)) {
             return conflict(name, "map", "a map says itself where the bushes are");
         }
+        for name in ["map_tolerance", "map_invert"] {
+            if given(name) && !given("map") {
+                return Err(
+                    self.rule(&field.join(PathStep::key(name)), format!("`field.{name}` needs `field.map` beside it"))
+                );
+            }
+        }
         self.refuse_goals_of_dispatched(written)?;
         self.refuse_two_numbers_of_samples(written)?;
         self.refuse_conflicts_of_landscape(written)
@@ -459,13 +470,8 @@ impl WrittenScenario<'_> {
         let Some(map) = &scenario.field.map else { return Ok(()) };
         let path = FieldPath::parse("field.map");
         let file = self.file(&path, map);
-        let text =
-            read_text(&file, MAX_MAP_BYTES).map_err(|fault| fault.at(self.location(&path, KeyOrValue::Value)))?;
+        let given = self.read_map(&path, &file, &scenario.field)?;
         let field = &mut scenario.field;
-        let given = GivenField::parse(&text, field.cell_m).map_err(|error| {
-            let place = SourceLocation::new(&file.display().to_string(), &text, error.span.clone());
-            Fault::from(error.fault).at(place)
-        })?;
         if let Some(frame) = field.raster_frame.filter(|&frame| frame != given.frame) {
             let FieldFrame { cols, rows, .. } = given.frame;
             let message = format!(
@@ -479,6 +485,57 @@ impl WrittenScenario<'_> {
         field.coverage = given.coverage();
         field.given = Some(given);
         Ok(())
+    }
+
+    /// Reads the map at a path, whatever its format.
+    fn read_map(&self, path: &FieldPath, file: &Path, field: &Field) -> Result<GivenField, Box<ScenarioError>> {
+        let bytes = input_file::read(file, MAX_MAP_BYTES)
+            .map_err(|error| unreadable(file, &error).at(self.location(path, KeyOrValue::Value)))?;
+        if !map_files::is_plain_text(&bytes) {
+            let map = map_files::read_bytes(file, bytes, field.reading());
+            let map = map.map_err(|error| self.rule(path, error.to_string()))?;
+            return GivenField::from_map_file(&map, field.cell_m)
+                .map_err(|fault| self.rule(path, format!("{}: {fault}", file.display())));
+        }
+        let text = input_file::text(bytes)
+            .map_err(|error| unreadable(file, &error).at(self.location(path, KeyOrValue::Value)))?;
+        let mut given = GivenField::parse(&text, field.cell_m).map_err(|error| {
+            let place = SourceLocation::new(&file.display().to_string(), &text, error.span.clone());
+            Fault::from(error.fault).at(place)
+        })?;
+        if field.map_invert {
+            given.occupied.values_mut().iter_mut().for_each(|cell| *cell = !*cell);
+        }
+        Ok(given)
+    }
+
+    /// Places the agents without a start of their own on a map. Where the map is a change, that is also those whose start
+    /// in the file lies outside it.
+    fn place_starts(&self, written: &Table, scenario: &mut Scenario) {
+        if scenario.field.given.is_none() {
+            return;
+        }
+        let frame = scenario.field.frame();
+        let changed = |path: &FieldPath| {
+            self.changes
+                .iter()
+                .any(|change| change.set.iter().any(|set| set.starts_with(path) || path.starts_with(set)))
+        };
+        let has_other_map = changed(&FieldPath::parse("field").join(PathStep::key("map")));
+        let has_start = |kind: &'static str, agent: usize, name: &str, fits: bool| {
+            let start = TablePath::entry(kind, self.copies.entry(kind, agent).unwrap_or(agent)).key(name);
+            start.leads_to(written) && (fits || !has_other_map || changed(&start))
+        };
+        for (number, wumpus) in scenario.wumpus.iter_mut().enumerate() {
+            if !has_start("wumpus", number, "start_m", wumpus.start_fits(&frame)) {
+                wumpus.start_within(&frame);
+            }
+        }
+        for (number, truck) in scenario.unimog.iter_mut().enumerate() {
+            if !has_start("unimog", number, "start", truck.start_fits(&frame)) {
+                truck.start_within(&frame);
+            }
+        }
     }
 
     /// Returns the location where a value was written last: in a change of it or of a part of it, or in the file.

@@ -75,3 +75,110 @@ fn colours_change_the_picture_and_nothing_else() {
     let (viridis, jet) = (draw("viridis"), draw("jet"));
     assert!(viridis.0 != jet.0 && viridis.1 == jet.1);
 }
+
+/// A grey image in which walls are a little lighter than the default tolerance.
+fn grey_walls(story: &Story) {
+    story.file("walls.pgm", "P2 4 3 255\n90 90 90 90\n90 220 220 90\n90 90 90 90\n");
+}
+
+#[test]
+fn tolerance_is_chosen_and_told() {
+    let story = story();
+    grey_walls(&story);
+    let object = |options: &[&str]| -> serde_json::Value {
+        let words = [&["map", "occupancy", "walls.pgm", "--json"], options].concat();
+        serde_json::from_str(&story.tell(&words).expect_code(0).stdout).expect("JSON")
+    };
+    assert_eq!((&object(&[])["occupied"], &object(&[])["tolerance"]), (&0.into(), &50.into()));
+    let auto = object(&["--tolerance", "auto"]);
+    assert_eq!((&auto["occupied"], &auto["tolerance"]), (&10.into(), &154.into()));
+    assert!(auto["notes"].to_string().contains("walls.pgm: the tolerance is 154, by Otsu's method."), "{auto}");
+    let negative = object(&["--invert", "--tolerance", "auto"]);
+    assert_eq!(negative["occupied"], 2);
+    let doubts = story.tell(&["map", "occupancy", "walls.pgm", "--tolerance", "95"]).expect_code(0).stdout;
+    let words = doubts.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(words.contains("--tolerance auto looks for one"), "{words}");
+    assert!(words.contains("--invert takes what is light for obstacles"), "{words}");
+}
+
+#[test]
+fn maps_are_resized_without_losing_walls() {
+    let story = story();
+    let csv = |size: &str| {
+        story.tell(&["map", "occupancy", "map.txt", "--resize", size, "--csv", "v.csv"]).expect_code(0);
+        story.read("v.csv")
+    };
+    assert_eq!(csv("3x2"), "1,1,0\n1,1,0\n");
+    assert_eq!(csv("6x4"), "0,0,0,0,0,0\n0,1,1,1,0,0\n0,0,0,1,0,0\n0,1,1,1,0,0\n");
+    assert_eq!(csv("1x1"), "1\n");
+    let refusal = story.tell(&["map", "occupancy", "map.txt", "--resize", "0x3"]).expect_code(2);
+    assert!(refusal.stderr.contains("COLSxROWS"), "{}", refusal.stderr);
+}
+
+#[test]
+fn what_occupancy_writes_is_a_map_again() {
+    let story = story();
+    let words = ["map", "occupancy", "map.txt", "--csv", "v.csv", "--npy", "v.npy"];
+    story.tell(&words).expect_code(0);
+    let first = story.read("v.csv");
+    for map in ["v.csv", "v.npy"] {
+        story.tell(&["map", "occupancy", map, "--csv", "again.csv"]).expect_code(0);
+        assert_eq!(story.read("again.csv"), first, "{map}");
+    }
+}
+
+#[test]
+fn a_scenario_is_begun_with_a_map_and_runs() {
+    let story = story();
+    fs::create_dir(story.path("maps")).expect("writable");
+    story.file("maps/hall.txt", &format!("{}\n", ["..........##.............."; 20].join("\n")));
+    story.tell(&["new", "scenario", "--from-map", "maps/hall.txt", "hall.toml", "--cell-m", "4"]).expect_code(0);
+    let text = story.read("hall.toml");
+    assert!(text.contains("map = \"maps/hall.txt\"\ncell_m = 4.0\n"), "{text}");
+    assert!(text.contains("26 x 20 cells of 4 m, 104.000 x 80.000 m, 40 bushes (7.7 % of the cells)"), "{text}");
+    story.tell(&["run", "hall.toml", "--seed", "1", "--set", "duration_s=60"]).expect_code(0);
+
+    story.file("maps/plan.pgm", "P2 3 2 255\n0 255 90\n255 255 255\n");
+    let printed =
+        story.tell(&["new", "scenario", "--from-map", "maps/plan.pgm", "--cell-m", "40", "--tolerance", "auto"]);
+    let printed = printed.expect_code(0).stdout;
+    assert!(printed.contains("map_tolerance = \"auto\"") && printed.contains("2 bushes"), "{printed}");
+    let missing = story.tell(&["new", "scenario", "--from-map", "nowhere.png", "other.toml"]).expect_code(2);
+    assert!(missing.stderr.contains("nowhere.png") && !story.path("other.toml").exists(), "{}", missing.stderr);
+    let plan = story.tell(&["new", "plan", "--from-map", "maps/hall.txt"]).expect_code(2);
+    assert!(plan.stderr.contains("--from-map goes with a scenario alone"), "{}", plan.stderr);
+}
+
+#[test]
+fn a_contest_takes_its_field_from_any_map() {
+    let story = story();
+    let image = "P2 30 20 255\n".to_owned() + &"255 ".repeat(299) + &"0 " + &"255 ".repeat(300);
+    story.file("plan.pgm", &image);
+    story.file(
+        "hall.yaml",
+        "image: plan.pgm\nresolution: 4\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.2\n",
+    );
+    let polygon = "{\"type\": \"Polygon\", \"crs\": {\"properties\": {\"name\": \"EPSG:32632\"}}, \
+                   \"coordinates\": [[[0, 0], [300, 0], [300, 200], [290, 200], [290, 10], [0, 10]]]}";
+    story.file("wood.geojson", polygon);
+    for (map, cells) in
+        [("plan.pgm", "30 x 20 cells of 5 m"), ("hall.yaml", "30 x 20 cells of 4 m"), ("wood.geojson", "60 x 40 cells")]
+    {
+        let set = format!("field.map={map}");
+        let said = story.tell(&["check", "contest", "--set", &set]).expect_code(0).stdout;
+        let words = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(words.contains(cells), "{words}");
+    }
+    for (set, expected) in [
+        (["field.map=plan.pgm", "field.map_tolerance=300"], "`field.map_tolerance` is 300; expected a whole number"),
+        (["field.map=plan.pgm", "field.map_tolerance=some"], "\"auto\""),
+        (["field.coverage=0.1", "field.map_invert=true"], "`field.map_invert` needs `field.map` beside it"),
+    ] {
+        let refusal = story.tell(&["check", "contest", "--set", set[0], "--set", set[1]]).expect_code(2);
+        let words = refusal.stderr.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(words.contains(expected), "{words}");
+    }
+    story.file("bad.csv", "0,1\n0,2\n");
+    let refusal = story.tell(&["check", "contest", "--set", "field.map=bad.csv"]).expect_code(2);
+    assert!(refusal.stderr.contains("row 1, column 1"), "{}", refusal.stderr);
+}

@@ -26,6 +26,7 @@ const TEXTS: &[&str] = &[
     "P5 2 1 65535\nabcd",
     "P6 1 2 255\nabcdef",
     "\u{FEFF}01\r\n10\r\n",
+    "image: map\nresolution: 0.05\norigin: [-1.5, 2, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\nmode: raw\n",
 ];
 
 const WORDS: &[&str] =
@@ -258,6 +259,9 @@ const FIELDS: &[&str] = &[
     "010\n001",
     r#"{"n": 3, "cell_m": 2, "size_m": 6, "cells_cr": [[0, 0], [2, 1]], "goals": [1, {"a": []}]}"#,
     r#"{"size_m": 250, "cell_m": 5, "cells_cr": []}"#,
+    r#"{"type": "FeatureCollection", "features": [{"type": "Feature", "properties": {}, "geometry":
+ {"type": "Polygon", "coordinates": [[[0,0],[0.001,0],[0.001,0.001],[0,0]], [[0.0004,0.0001],[0.0006,0.0001],[0.0005,0.0002]]]}}]}"#,
+    r#"{"type": "MultiPolygon", "crs": {"properties": {"name": "EPSG:32632"}}, "coordinates": [[[[0,0],[90,0],[5,70]]]]}"#,
 ];
 
 const MEMBERS: &[&str] = &[

@@ -9,6 +9,7 @@ mod timing;
 use std::process::ExitCode;
 
 pub use args::MapCommand;
+pub use options::parse_tolerance;
 
 use args::Computation;
 use report::{MapReport, with_scene};
@@ -102,7 +103,7 @@ mod tests {
             return said(&refusal.to_string());
         }
         case.count("parameters accepted");
-        let map = MapFile { occupied, grey: None, notes: Vec::new() };
+        let map = MapFile::from_cells(occupied);
         let computed = match compute::compute(&command, &map.occupied) {
             Ok(computed) => computed,
             Err(refusal) => return said(&refusal.to_string()),

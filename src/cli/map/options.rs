@@ -12,15 +12,15 @@ use crate::cli::output_files::Format;
 use crate::cli::report::FormArguments;
 use crate::grid::parameter::BadParameter;
 use crate::grid::{Connectivity, CornerCutting, Place, TieOrder, occupancy, potential};
-use crate::map_files::{self, MAX_SIDE, MapFile};
+use crate::map_files::{self, MAX_CELLS, MAX_SIDE, MapError, MapFile, Reading, Tolerance};
 use crate::picture::ColourMap;
 use crate::time::cpu::CpuStopwatch;
 
 /// The map to read.
 #[derive(Debug, Args)]
 pub struct InputArguments {
-    /// A map: PNG or PGM grey image, text of 0 and 1, CSV of 0 and 1, or Moving AI `.map` (S, swamp, and W, water, are
-    /// blocked like all but `.` and G).
+    /// A map: an image (PNG, JPEG, WebP, GIF, BMP, TIFF, PGM), text of 0 and 1, CSV or a NumPy array of 0 and 1, Moving AI
+    /// `.map` (S, swamp, and W, water, are blocked like all but `.` and G), or the YAML file of a ROS map.
     #[arg(value_name = "MAP")]
     pub map: PathBuf,
     #[command(flatten)]
@@ -30,27 +30,40 @@ pub struct InputArguments {
 /// Options of reading a map.
 #[derive(Debug, Args)]
 pub struct ReadingArguments {
-    /// Pixels of an image are occupied where their grey value, 0 black to 255 white, is at most this [default: 50].
-    #[arg(long, value_name = "GREY", allow_hyphen_values = true, value_parser = parse_grey)]
-    pub tolerance: Option<u8>,
-    /// Free the first and last K rows and columns.
+    /// Pixels of an image are occupied where their grey value, 0 black to 255 white, is at most this; `auto` takes the
+    /// value that separates dark from light best, by Otsu's method [default: 50].
+    #[arg(long, value_name = "GREY|auto", allow_hyphen_values = true, value_parser = parse_tolerance)]
+    pub tolerance: Option<Tolerance>,
+    /// Take an image as its negative, so that what is light is occupied; in other maps occupied cells become free and
+    /// free ones occupied.
+    #[arg(long)]
+    pub invert: bool,
+    /// Free the first and last K rows and columns of the file.
     #[arg(long, value_name = "K", default_value_t = 0, allow_hyphen_values = true, value_parser = parse_edge)]
     pub remove_edges: usize,
+    /// Lay this many columns and rows of cells over the map: a cell is occupied where anything in it is, so that no wall
+    /// is lost.
+    #[arg(long, value_name = "COLSxROWS", allow_hyphen_values = true, value_parser = parse_size)]
+    pub resize: Option<MapSize>,
+}
+
+/// The size of a map, as people say it: columns first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MapSize {
+    cols: usize,
+    rows: usize,
 }
 
 impl ReadingArguments {
-    /// Between a black drawing and its soft edges.
-    const TOLERANCE: u8 = 50;
-
-    pub fn tolerance(&self) -> u8 {
-        self.tolerance.unwrap_or(Self::TOLERANCE)
-    }
-
     /// Reads the map in a file, without its edges, and says how much CPU time that took.
     pub fn read(&self, path: &Path) -> Result<(MapFile, Duration), CliError> {
         let mut stopwatch = CpuStopwatch::start();
-        let mut map = map_files::read(path, self.tolerance())?;
+        let reading = Reading { tolerance: self.tolerance.unwrap_or_default(), inverted: self.invert };
+        let mut map = map_files::read(path, reading)?;
         occupancy::remove_edges(&mut map.occupied, self.remove_edges);
+        if let Some(MapSize { cols, rows }) = self.resize {
+            map.resize(rows, cols).map_err(|fault| MapError { path: path.to_owned(), fault })?;
+        }
         Ok((map, stopwatch.lap()))
     }
 }
@@ -312,8 +325,21 @@ pub fn parse_place(text: &str) -> Result<Place, String> {
     numbers.ok_or_else(|| "expected ROW,COLUMN, two whole numbers counted from 0, such as 3,17".to_owned())
 }
 
-fn parse_grey(text: &str) -> Result<u8, String> {
-    numbers::parse_within(text, &(0..=u8::MAX), "a grey value, a whole number")
+pub fn parse_tolerance(text: &str) -> Result<Tolerance, String> {
+    match text {
+        "auto" => Ok(Tolerance::Auto),
+        _ => {
+            numbers::parse_within(text, &(0..=u8::MAX), "`auto`, or a grey value, a whole number").map(Tolerance::Grey)
+        }
+    }
+}
+
+fn parse_size(text: &str) -> Result<MapSize, String> {
+    let side = |text: &str| numbers::parse(text).filter(|side| (1..=MAX_SIDE).contains(side));
+    let size = text.split_once('x').and_then(|(cols, rows)| Some(MapSize { cols: side(cols)?, rows: side(rows)? }));
+    size.filter(|size| size.cols * size.rows <= MAX_CELLS).ok_or_else(|| {
+        format!("expected COLSxROWS, such as 100x80, of 1 to {MAX_SIDE} each and at most {MAX_CELLS} cells in all")
+    })
 }
 
 fn parse_edge(text: &str) -> Result<usize, String> {
@@ -356,7 +382,13 @@ mod tests {
         assert_eq!(parse_scale("none"), Ok(Scale(None)));
         assert_eq!(parse_scale("2.5"), Ok(Scale(Some(2.5))));
         assert!(parse_scale("all").is_err_and(|expected| expected.contains("`none`")));
-        assert!(parse_grey("255").is_ok() && parse_grey("256").is_err_and(|expected| expected.contains("0 to 255")));
+        assert_eq!(parse_tolerance("255"), Ok(Tolerance::Grey(255)));
+        assert_eq!(parse_tolerance("auto"), Ok(Tolerance::Auto));
+        assert!(parse_tolerance("256").is_err_and(|expected| expected.contains("0 to 255")));
+        assert_eq!(parse_size("32767x1"), Ok(MapSize { cols: 32_767, rows: 1 }));
+        for wrong in ["", "3", "3,4", "0x4", "3x-4", "32768x1", "20000x20000", "axb"] {
+            assert!(parse_size(wrong).is_err_and(|expected| expected.contains("COLSxROWS")), "{wrong}");
+        }
         assert!(parse_edge("32767").is_ok() && parse_edge("32768").is_err() && parse_edge("-1").is_err());
         assert!(parse_distance("12").is_ok() && parse_distance("1.5").is_err() && parse_distance("65536").is_err());
     }

@@ -45,12 +45,12 @@ impl<'a> MapReport<'a> {
 
     /// The grey value up to which pixels are occupied, of an image.
     pub fn tolerance(&self) -> Option<u8> {
-        self.map.grey.as_ref().map(|_| self.computation.files().input.reading.tolerance())
+        self.map.tolerance
     }
 
     /// Share of the pixels that are near the tolerance, of an image.
     pub fn near_tolerance(&self) -> Option<f64> {
-        self.map.share_near(self.computation.files().input.reading.tolerance())
+        self.map.share_near()
     }
 
     /// The cells of the way; `None` if there is no way or no start.
@@ -67,7 +67,7 @@ impl<'a> MapReport<'a> {
 
     /// Lists what is odd about the map or the question.
     fn oddities(&self) -> Vec<String> {
-        let mut oddities = self.map.doubts(self.computation.files().input.reading.tolerance());
+        let mut oddities = self.map.doubts();
         if self.occupied_cells == 0 {
             oddities.push("No obstacle: no cell of the map is occupied.".to_owned());
         }

@@ -44,7 +44,7 @@ pub fn run(arguments: &TimingArguments, quiet: bool) -> Result<(), CliError> {
     for path in &arguments.maps {
         let (map, _) = arguments.reading.read(path)?;
         if !quiet {
-            let doubts = map.doubts(arguments.reading.tolerance());
+            let doubts = map.doubts();
             map.notes.iter().chain(&doubts).for_each(|note| terminal::note(&format!("{}: {note}", path.display())));
         }
         timings.push(measure(path, &map.occupied));
