@@ -41,8 +41,8 @@ const LAYERS: &[(&str, &[&str])] = &[
             "miette",
         ],
     ),
-    ("timeline", &["glam", "csv", "crc32fast", "miniz_oxide", "postcard"]),
-    ("picture", &["colorous", "gif", "glam", "image", "miniz_oxide", "serde_json", "skrifa", "tiny_skia"]),
+    ("timeline", &["glam", "csv", "crc32fast", "miniz_oxide", "postcard", "serde_json"]),
+    ("picture", &["colorous", "crc32fast", "gif", "glam", "image", "miniz_oxide", "serde_json", "skrifa", "tiny_skia"]),
     ("audit", &["glam", "rapier2d"]),
     ("sim", &["glam", "bevy", "serde_json"]),
     // Processes and what they cost are the system's to tell.

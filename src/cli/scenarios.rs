@@ -17,6 +17,7 @@ use crate::document::{Block, Document};
 use crate::input_file::is_standard_stream;
 use crate::programs::protocol;
 use crate::scenario::{self, BUILT_IN, LoadedScenario, MemoryLimit};
+use crate::timeline::export;
 
 const SCENARIO_HEAD: &str = "\
 # A scenario of your own. Every value is spelled out, as the built-in scenario `contest` has it; what is left out has
@@ -61,6 +62,8 @@ pub enum SchemaOf {
     PlannerCalls,
     States,
     PlannerProtocol,
+    /// The object that `wildfire export` writes as JSON.
+    Export,
 }
 
 #[derive(Debug, Args)]
@@ -178,6 +181,7 @@ pub fn schema(arguments: &SchemaArguments) -> Result<ExitCode, CliError> {
         SchemaOf::PlannerCalls => row_schema(TableOfRows::PlannerCalls),
         SchemaOf::States => row_schema(TableOfRows::States),
         SchemaOf::PlannerProtocol => of_file(protocol::schema()),
+        SchemaOf::Export => of_file(export::schema()),
     };
     terminal::print(&format!("{schema}\n"))?;
     Ok(ExitCode::SUCCESS)

@@ -18,7 +18,7 @@ mod write;
 pub use colours::read_colours;
 pub use error::{Fault, MapError};
 pub use read::{MapFile, NEAR_TOLERANCE, read};
-pub use write::{MapValue, write_csv, write_npy, write_path, write_png, write_text};
+pub use write::{MapValue, npy_header, write_csv, write_npy, write_path, write_png, write_text};
 
 /// The most rows and the most columns of a map.
 pub use crate::grid::brushfire::MAX_SIDE;
