@@ -1,6 +1,5 @@
 //! `wildfire export`: a run in the forms that other tools read.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 

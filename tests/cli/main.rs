@@ -14,6 +14,7 @@ mod course;
 mod curve;
 mod curve_pairs;
 mod errors;
+mod export;
 mod files_named;
 mod fire;
 mod guide;

@@ -193,7 +193,7 @@ impl Serialize for OutcomeObject<'_> {
         for (object, agent) in agents.zip(&self.0.agents) {
             object["agent"] = agent.agent.to_string().into();
             let failures = PlanFailure::ALL.into_iter().zip(agent.failures);
-            object["failures"] = failures.map(|(reason, count)| (reason.to_string(), count.into())).collect();
+            object["failures"] = failures.map(|(reason, count)| (reason.to_string(), Json::from(count))).collect();
         }
         outcome.serialize(serializer)
     }
