@@ -40,7 +40,8 @@ impl Sampling {
 
     /// Refuses more than [`MOST_SAMPLES`].
     pub fn check_count(&self) -> Result<(), ExportError> {
-        let moments = (self.end.as_seconds() / self.step_s).ceil() as u64 + 1;
+        let moments = (self.end.as_seconds() / self.step_s).ceil() as u64;
+        let moments = moments.saturating_add(1);
         let found = moments.saturating_mul(self.agents.len().max(1) as u64);
         if found <= MOST_SAMPLES { Ok(()) } else { Err(ExportError::TooManySamples { found }) }
     }
