@@ -41,10 +41,10 @@ const LAYERS: &[(&str, &[&str])] = &[
             "miette",
         ],
     ),
-    ("timeline", &["glam", "csv", "crc32fast", "miniz_oxide", "postcard"]),
+    ("timeline", &["glam", "csv", "crc32fast", "miniz_oxide", "postcard", "serde_json"]),
     (
         "picture",
-        &["colorous", "gif", "glam", "image", "miniz_oxide", "pdf_writer", "serde_json", "skrifa", "tiny_skia"],
+        &["colorous", "crc32fast", "gif", "glam", "image", "miniz_oxide", "pdf_writer", "serde_json", "skrifa", "tiny_skia"],
     ),
     ("audit", &["glam", "rapier2d"]),
     ("sim", &["glam", "bevy", "serde_json"]),

@@ -11,6 +11,7 @@ use thiserror::Error;
 use crate::batch::{AuditsError, BatchError, FinishedError, JournalError, PlanError, RequestError};
 use crate::map_files::{self, MapError};
 use crate::scenario::{Fault, ScenarioError};
+use crate::timeline::export::ExportError;
 use crate::untrusted::visible;
 
 /// The program's exit codes; those of its arguments' own errors are clap's, which are the same.
@@ -81,6 +82,17 @@ impl CliError {
                 Self::new(error, Some(&format!("put it back as it was and {help}")), exit::ENVIRONMENT)
             }
             _ => error.into(),
+        }
+    }
+
+    /// A run cannot be written in the form that was asked for.
+    pub fn from_export_error(path: &Path, error: ExportError) -> Self {
+        match error {
+            ExportError::Write(error) => Self::unwritable(path, &error),
+            ExportError::Step { .. }
+            | ExportError::NoSuchAgent { .. }
+            | ExportError::TooManySamples { .. }
+            | ExportError::FieldTooLarge { .. } => Self::bad_input(error, None),
         }
     }
 

@@ -14,6 +14,7 @@ mod csv_rows;
 mod curve;
 mod demo;
 mod error;
+mod export;
 mod fire;
 #[cfg(test)]
 #[path = "../../tests/fuzz/mod.rs"]
@@ -54,6 +55,7 @@ use context::CommandContext;
 use curve::CurveArguments;
 use demo::DemoArguments;
 use error::CliError;
+use export::ExportArguments;
 use fire::FireCommand;
 use judge::JudgeArguments;
 use map::MapCommand;
@@ -80,6 +82,7 @@ Examples:
   wildfire run --set unimog.prm_rs.samples=1000  another roadmap
   wildfire play contest --seed 7              watch it
   wildfire render --seed 7 --gif film.gif     draw it
+  wildfire export --seed 7 -o run.mcap        look at it in Foxglove
   wildfire scenarios --show contest > my.toml && wildfire check my.toml
   wildfire map brushfire map.png --png fire.png   distances to obstacles
   wildfire fire behavior --fuel GR2 --wind 5   how fast grass burns
@@ -110,6 +113,8 @@ pub enum Command {
     Play(PlayArguments),
     /// Draw a run without a screen: a still, a GIF, an MP4.
     Render(RenderArguments),
+    /// Write a run for other tools: JSON, NumPy arrays, MCAP for Foxglove, CSV.
+    Export(ExportArguments),
     /// Run scenarios with many seeds and print the tables of the contest.
     Batch(BatchArguments),
     /// Show how far a batch is.
@@ -214,6 +219,7 @@ fn dispatch(arguments: &Arguments, context: &CommandContext) -> Result<ExitCode,
         Command::Run(run) => run::run(run, &context.with_programs(&run.scenario.programs)),
         Command::Play(play) => play::run(play, &context.with_programs(&play.show.programs)),
         Command::Render(render) => render::run(render, &context.with_programs(&render.show.programs)),
+        Command::Export(export) => export::run(export, &context.with_programs(&export.programs)),
         Command::Batch(batch) => batch::run(batch, &context.with_programs(&batch.programs)),
         Command::Report(report) => batch::report(report, &context.with_programs(&report.programs)),
         Command::Compare(compare) => compare::run(compare),

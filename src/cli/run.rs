@@ -1,6 +1,5 @@
 //! `wildfire run`: one run, its report, and the files that were asked for.
 
-use std::io::{self, Write};
 use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -12,18 +11,19 @@ use crate::batch::{RunLabel, RunObject, RunRecord, RunResult, RunRow, Status, fi
 use crate::cli::args::{MemoryArguments, ScenarioArguments, parse_seed};
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
+use crate::cli::export::write_export;
 use crate::cli::numbers;
 use crate::cli::output_files::{self, Files, Format, Words};
 use crate::cli::report::FormArguments;
+use crate::cli::show::parse_agent;
 use crate::document::number::{percent, rounded};
 use crate::document::{Block, Document, Table};
 use crate::scenario::{self, Scenario};
 use crate::sim;
 use crate::time::wall::WallStopwatch;
-use crate::timeline::export::{ExportError, FINEST_STEP_S, write_events, write_trace};
-use crate::timeline::{AgentOutcome, GroundOutcome, Outcome, Timeline, Winner, file};
+use crate::timeline::export::{FINEST_STEP_S, Sampling, write_events, write_trace};
+use crate::timeline::{AgentId, AgentOutcome, GroundOutcome, Outcome, Role, Timeline, Winner, file};
 use crate::untrusted::visible;
-use crate::whole_file::WholeFile;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -31,7 +31,7 @@ Examples:
   wildfire run --seed 7
   wildfire run report-2024 --seed 7 --json
   wildfire run --seed 7 --out run.wildfire --events events.csv
-  wildfire run --seed 7 --trace trace.csv --step 0.1")]
+  wildfire run --seed 7 --trace trace.csv --step 0.1 --agent unimog/0")]
 pub struct RunArguments {
     #[command(flatten)]
     pub scenario: ScenarioArguments,
@@ -57,6 +57,9 @@ pub struct RunArguments {
     /// Simulated seconds between two rows of the trace.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.1, requires = "trace", allow_hyphen_values = true, value_parser = parse_trace_step)]
     pub step: f64,
+    /// Keep this agent only in the trace, such as `unimog/0`; may be repeated.
+    #[arg(long = "agent", value_name = "AGENT", requires = "trace", value_parser = parse_agent)]
+    pub agents: Vec<AgentId>,
 }
 
 /// Reads the step of a trace; its writer decides how fine it may be.
@@ -109,6 +112,7 @@ struct Outputs<'a> {
     events: Option<&'a Path>,
     trace: Option<&'a Path>,
     step_s: f64,
+    agents: &'a [AgentId],
 }
 
 impl<'a> Outputs<'a> {
@@ -119,6 +123,7 @@ impl<'a> Outputs<'a> {
             let sentence = format!("--step is {step_s}; expected seconds, at least {FINEST_STEP_S}");
             return Err(CliError::bad_input(sentence, None));
         }
+        check_agents(&arguments.agents, scenario)?;
         let recording = arguments.out.as_deref().map(|path| recording_path(path, scenario, arguments.seed));
         let inputs = vec![Path::new(&arguments.scenario.source)];
         let files = Files { inputs, form: arguments.form, ..Files::default() }.writing([
@@ -128,14 +133,17 @@ impl<'a> Outputs<'a> {
         ]);
         let words = files.check()?;
         let (events, trace) = (arguments.events.as_deref(), arguments.trace.as_deref());
-        Ok((Self { recording, events, trace, step_s }, words))
+        Ok((Self { recording, events, trace, step_s, agents: &arguments.agents }, words))
     }
 
     /// Tries all files; the error is the first.
     fn write(&self, timeline: &Timeline, quiet: bool) -> Result<(), CliError> {
         let recording = self.recording.as_deref().map(|path| (path, write_recording(path, timeline)));
-        let events = self.events.map(|path| (path, write_csv(path, |to| write_events(timeline, to))));
-        let trace = self.trace.map(|path| (path, write_csv(path, |to| write_trace(timeline, self.step_s, to))));
+        let events = self.events.map(|path| (path, write_export(path, |to| write_events(timeline, to))));
+        let trace = self.trace.map(|path| {
+            let sampling = Sampling::new(timeline, self.step_s, self.agents);
+            (path, write_export(path, |to| write_trace(timeline, &sampling?, to)))
+        });
         let mut all = Ok(());
         for (path, written) in [recording, events, trace].into_iter().flatten() {
             if written.is_ok() {
@@ -145,6 +153,21 @@ impl<'a> Outputs<'a> {
         }
         all
     }
+}
+
+/// Refuses names that no agent of the scenario has.
+fn check_agents(named: &[AgentId], scenario: &Scenario) -> Result<(), CliError> {
+    let count = |role| match role {
+        Role::Wumpus => scenario.wumpus.len(),
+        Role::Unimog => scenario.unimog.len(),
+    };
+    let Some(stranger) = named.iter().find(|agent| usize::from(agent.number) >= count(agent.role)) else {
+        return Ok(());
+    };
+    let (role, found) = (stranger.role.name(), count(stranger.role));
+    let sentence =
+        format!("--agent names {stranger}; the scenario has {found} of this kind, expected {role}/N below that");
+    Err(CliError::bad_input(sentence, None))
 }
 
 /// The recording's own name in a folder; the path itself if it names a file.
@@ -160,14 +183,6 @@ fn recording_path(path: &Path, scenario: &Scenario, seed: u64) -> PathBuf {
 fn write_recording(path: &Path, timeline: &Timeline) -> Result<(), CliError> {
     let unwritable = |error| CliError::environment(format_args!("cannot write {}: {error}", path.display()));
     file::write(timeline, path).map_err(unwritable)
-}
-
-fn write_csv(path: &Path, write: impl FnOnce(&mut dyn Write) -> Result<(), ExportError>) -> Result<(), CliError> {
-    let unwritable = |error: io::Error| CliError::unwritable(path, &error);
-    let mut file = WholeFile::create(path).map_err(unwritable)?;
-    write(&mut file)
-        .map_err(|error| CliError::environment(format_args!("cannot write {}: {error}", path.display())))?;
-    file.finish().map_err(unwritable)
 }
 
 /// The result of a run.

@@ -21,6 +21,7 @@ use crate::input_file::is_standard_stream;
 use crate::map_files::Tolerance;
 use crate::programs::protocol;
 use crate::scenario::{self, BUILT_IN, LoadedScenario, MemoryLimit, ScenarioText};
+use crate::timeline::export;
 use crate::untrusted::visible;
 
 const SCENARIO_HEAD: &str = "\
@@ -85,6 +86,8 @@ pub enum SchemaOf {
     PlannerCalls,
     States,
     PlannerProtocol,
+    /// The object that `wildfire export` writes as JSON.
+    Export,
 }
 
 #[derive(Debug, Args)]
@@ -284,6 +287,7 @@ pub fn schema(arguments: &SchemaArguments) -> Result<ExitCode, CliError> {
         SchemaOf::PlannerCalls => row_schema(TableOfRows::PlannerCalls),
         SchemaOf::States => row_schema(TableOfRows::States),
         SchemaOf::PlannerProtocol => of_file(protocol::schema()),
+        SchemaOf::Export => of_file(export::schema()),
     };
     terminal::print(&format!("{schema}\n"))?;
     Ok(ExitCode::SUCCESS)

@@ -10,7 +10,7 @@ use super::decimal::{append_float, append_integer};
 use crate::grid::{Grid, Place};
 use crate::whole_file::{WholeFile, write_whole};
 
-/// A value that a map can hold: `bool` (as 0 and 1), `u16`, `u32`, `f64`.
+/// A value that a map or an array can hold: `bool` (as 0 and 1), `u8`, `u16`, `u32`, `f64`.
 pub trait MapValue: Copy {
     /// The value's type as NumPy writes it, little-endian.
     const NUMPY_TYPE: &'static str;
@@ -62,6 +62,7 @@ macro_rules! integer_map_value {
     };
 }
 
+integer_map_value!(u8, "|u1");
 integer_map_value!(u16, "<u2");
 integer_map_value!(u32, "<u4");
 
@@ -85,10 +86,8 @@ pub fn write_text(path: &Path, occupied: &Grid<bool>) -> io::Result<()> {
 }
 
 /// Writes a map as a NumPy array of shape (rows, columns), C order, little-endian.
-///
-/// Source: "NEP 1 - A Simple File Format for NumPy Arrays", format version 1.0.
 pub fn write_npy<T: MapValue>(path: &Path, map: &Grid<T>) -> io::Result<()> {
-    let header = numpy_header(T::NUMPY_TYPE, map.rows(), map.cols());
+    let header = npy_header(T::NUMPY_TYPE, &[map.rows(), map.cols()]);
     write_rows(path, map, &header, |row, bytes| row.iter().for_each(|value| value.append_bytes(bytes)))
 }
 
@@ -135,9 +134,15 @@ fn end_line(text: &mut Vec<u8>) {
     text.push(b'\n');
 }
 
-/// Magic, version, length and dictionary, padded with spaces to a multiple of 64 bytes.
-fn numpy_header(numpy_type: &str, rows: usize, cols: usize) -> Vec<u8> {
-    let dictionary = format!("{{'descr': '{numpy_type}', 'fortran_order': False, 'shape': ({rows}, {cols}), }}");
+/// Returns what stands before the values of a NumPy array in C order: magic, version, length and dictionary, padded with
+/// spaces to a multiple of 64 bytes.
+///
+/// Source: "NEP 1 - A Simple File Format for NumPy Arrays", format version 1.0.
+pub fn npy_header(numpy_type: &str, shape: &[usize]) -> Vec<u8> {
+    let sides: String = shape.iter().map(|side| format!("{side}, ")).collect();
+    // A tuple of one needs its comma, longer ones end without.
+    let shape = if shape.len() > 1 { sides.trim_end_matches(", ") } else { sides.trim_end() };
+    let dictionary = format!("{{'descr': '{numpy_type}', 'fortran_order': False, 'shape': ({shape}), }}");
     let before = b"\x93NUMPY\x01\x00".len() + size_of::<u16>();
     let total = (before + dictionary.len() + 1).next_multiple_of(64);
     let length = u16::try_from(total - before).expect("a dictionary is short");

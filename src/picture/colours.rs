@@ -3,6 +3,7 @@
 use colorous::VIRIDIS;
 
 use crate::fire::BushStateKind;
+use crate::timeline::{AgentId, Role};
 
 /// Red, green and blue, 0 to 255.
 pub type Rgb = [u8; 3];
@@ -57,6 +58,14 @@ pub const OUTSIDE: Rgb = [214, 212, 206];
 /// Of agents, their ways and their goals.
 pub const WUMPUS: Rgb = [126, 64, 152];
 pub const UNIMOG: Rgb = [176, 20, 48];
+
+/// The colour of an agent.
+pub fn agent_colour(agent: AgentId) -> Rgb {
+    match agent.role {
+        Role::Wumpus => WUMPUS,
+        Role::Unimog => UNIMOG,
+    }
+}
 
 impl ColourMap {
     /// The colour at a fraction of the range, 0 to 1.

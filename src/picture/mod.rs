@@ -1,9 +1,11 @@
 //! Pictures drawn on the CPU: grid maps, their legends, surfaces; maps of values over a field, with contour lines; ways of a vehicle, drives on a field;
-//! [`charts`]; frames of runs, [`film`], and GIFs of them.
+//! [`charts`]; frames of runs, [`film`], and GIFs of them;
+//! scenes for viewers of robots' logs, [`write_mcap`].
 //!
 //! The same scene gives the same picture on every machine, byte for byte: drawing uses only arithmetic that is exact to
 //! the standard, and trigonometry from [`crate::geometry::ops`].
 
+mod base64;
 mod canvas;
 pub mod charts;
 mod colours;
@@ -18,6 +20,7 @@ mod ground;
 mod legend;
 mod map;
 mod marks;
+mod mcap;
 mod png;
 mod scene;
 mod surface;
@@ -38,6 +41,7 @@ pub use font::unknown_letters;
 pub use gif_film::{ColourCounts, GifFilm, Palette};
 pub use ground::{GroundCover, bush_covers, ground_covers};
 pub use map::{draw_map, draw_overlay};
+pub use mcap::{MOST_CELLS_OF_MCAP, write_mcap};
 pub use png::Picture;
 pub use scene::{MapScene, Zones};
 pub use surface::draw_surface;

@@ -5,13 +5,16 @@ use std::fs;
 use crate::story::{Answer, Story, refuse};
 
 /// Every option of every command that writes a single file, how the file's name may end, and what it begins with.
-const OUTPUTS: [(&str, &str, &[u8]); 23] = [
+const OUTPUTS: [(&str, &str, &[u8]); 26] = [
     ("run smoke --out", "wildfire", b"WILDFIRE"),
     ("run smoke --events", "csv", b"t_s,event"),
     ("run smoke --trace", "csv", b"t_s,agent"),
     ("render smoke --size 320x240 -o", "png", b"\x89PNG"),
     ("render smoke --size 320x240 --to 60 --gif", "gif", b"GIF8"),
     ("render smoke --html", "html", b"<!DOCTYPE html>"),
+    ("export smoke --format json -o", "json", b"{\"format\":1,"),
+    ("export smoke --format npz --step 5 -o", "npz", b"PK\x03\x04"),
+    ("export smoke --format mcap --step 5 -o", "mcap", b"\x89MCAP0\r\n"),
     ("map brushfire map.txt --csv", "csv", b"2,1"),
     ("map brushfire map.txt --npy", "npy", b"\x93NUMPY"),
     ("map brushfire map.txt --png", "png", b"\x89PNG"),
@@ -32,7 +35,7 @@ const OUTPUTS: [(&str, &str, &[u8]); 23] = [
 ];
 
 /// Every way to name a file to be read, with `{}` for its name, and whether a folder is expected.
-const INPUTS: [(&str, bool); 20] = [
+const INPUTS: [(&str, bool); 21] = [
     ("check {}", false),
     ("run {}", false),
     ("batch {} --out new", false),
@@ -40,6 +43,7 @@ const INPUTS: [(&str, bool); 20] = [
     ("batch smoke --seeds @{} --out new", false),
     ("render {} -o new.png", false),
     ("render smoke --with {} -o new.png", false),
+    ("export {} -o new.json", false),
     ("plan {}", false),
     ("plan --scenario {}", false),
     ("map brushfire {}", false),

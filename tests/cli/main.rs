@@ -15,6 +15,7 @@ mod curve;
 mod curve_pairs;
 mod demo;
 mod errors;
+mod export;
 mod files_named;
 mod fire;
 mod guide;

@@ -4,10 +4,12 @@ use std::io;
 use std::sync::LazyLock;
 
 use miniz_oxide::{deflate, inflate};
+use wildfire::picture::write_mcap;
 use wildfire::scenario;
 use wildfire::sim;
 use wildfire::time::SimTime;
-use wildfire::timeline::{Outcome, export, file};
+use wildfire::timeline::export::{ExportError, Sampling};
+use wildfire::timeline::{Outcome, Timeline, export, file};
 
 use super::fuzz::text::mutated;
 use super::fuzz::{Case, Law, below, chance};
@@ -60,7 +62,25 @@ pub fn recording(case: &mut Case<'_>) -> Law {
     for time in [SimTime::ZERO, SimTime::from_nanos(end.as_nanos() / 2), end, SimTime::MAX] {
         timeline.state_at(time);
     }
-    export::write_events(&timeline, io::sink()).map_err(|error| error.to_string())
+    export::write_events(&timeline, io::sink()).map_err(|error| error.to_string())?;
+    // All other forms go through all that there is, too, which takes longer.
+    if case.chance(5) { exported(&timeline) } else { Ok(()) }
+}
+
+/// Checks that a run is written in every form, or refused as too long or too large.
+fn exported(timeline: &Timeline) -> Law {
+    let sampling = Sampling::new(timeline, 10.0, &[]).map_err(|error| error.to_string())?;
+    for written in [
+        export::write_json(timeline, io::sink()),
+        export::write_npz(timeline, &sampling, io::sink()),
+        write_mcap(timeline, &sampling, io::sink()),
+    ] {
+        match written {
+            Ok(()) | Err(ExportError::TooManySamples { .. } | ExportError::FieldTooLarge { .. }) => {}
+            Err(error) => return Err(error.to_string()),
+        }
+    }
+    Ok(())
 }
 
 /// Draws a payload in which some bytes were changed, mostly without moving the others.

@@ -185,7 +185,8 @@ impl FromStr for LayerChange {
     }
 }
 
-fn parse_agent(text: &str) -> Result<AgentId, String> {
+/// The name of an agent.
+pub fn parse_agent(text: &str) -> Result<AgentId, String> {
     let (kind, number) = text.split_once('/').unwrap_or((text, "0"));
     let agent = match (kind, number.parse()) {
         ("wumpus", Ok(number)) => Some(AgentId::wumpus(number)),

@@ -5,7 +5,7 @@ mod args;
 mod page_file;
 mod source;
 
-pub use args::{ShowArguments, look, parse_seconds, parse_speed};
+pub use args::{ShowArguments, look, parse_agent, parse_seconds, parse_speed};
 pub use page_file::{check_grounds, write_page};
 pub use source::{Searches, ShownRun, run_of_batch};
 

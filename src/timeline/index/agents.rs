@@ -53,6 +53,11 @@ pub struct FollowedLeg {
 }
 
 impl FollowedLeg {
+    /// The place in [`Timeline::events`] of the fact that it began with.
+    pub fn fact(self) -> usize {
+        self.fact
+    }
+
     /// The way and the clock of it, from the timeline that it is of.
     pub fn trajectory(self, timeline: &Timeline) -> &Trajectory {
         timeline.events[self.fact].fact.trajectory().expect("legs are facts with a trajectory")

@@ -2,13 +2,13 @@
 
 use crate::geometry::{DVec2, Pose, ops};
 use crate::picture::canvas::{Canvas, Pen, Point};
-use crate::picture::colours::{PAPER, Rgb, UNIMOG, WUMPUS};
+use crate::picture::colours::{PAPER, agent_colour};
 use crate::picture::film::field::Pane;
 use crate::picture::film::field::sprite::{Placement, UNIMOG_SPRITE, WHEEL_SPRITE, WUMPUS_SPRITE};
 use crate::picture::marks::to_f32;
 use crate::picture::text::{Align, draw_text, measure_text};
 use crate::time::SimTime;
-use crate::timeline::{Activity, AgentId, Body, Role};
+use crate::timeline::{Activity, AgentId, Body};
 use crate::trajectory::{Piece, Trajectory};
 use crate::vehicle::Dimensions;
 
@@ -27,13 +27,6 @@ const DRAWN_LENGTH_M: f64 = 4.9;
 const DRAWN_WIDTH_M: f64 = 2.2;
 /// The distance of a wheel's middle from the middle of its axle, as a share of the body's half width.
 const WHEEL_AT: f64 = 0.78;
-
-pub fn agent_colour(agent: AgentId) -> Rgb {
-    match agent.role {
-        Role::Wumpus => WUMPUS,
-        Role::Unimog => UNIMOG,
-    }
-}
 
 /// Draws all agents, trucks over Wumpuses.
 pub fn draw_agents(canvas: &mut Canvas, pane: &Pane) {

@@ -5,9 +5,9 @@
 //! other nor agents nor fires, and which are written follows from the frame alone.
 
 use crate::picture::canvas::{Canvas, Ink, Point};
-use crate::picture::colours::PAPER;
+use crate::picture::colours::{PAPER, agent_colour};
 use crate::picture::film::field::Pane;
-use crate::picture::film::field::agents::{agent_colour, drawn_reach};
+use crate::picture::film::field::agents::drawn_reach;
 use crate::picture::film::field::highlights::{is_selected, selected_reach};
 use crate::picture::film::field::scales::length_bar_room;
 use crate::picture::film::lettering::{LetterStyle, Lettering};

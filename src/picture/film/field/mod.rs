@@ -20,7 +20,6 @@ mod water;
 mod ways;
 mod wind;
 
-pub use agents::agent_colour;
 pub use bushes::draw_sign;
 pub use highlights::pick;
 

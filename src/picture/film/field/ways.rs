@@ -2,9 +2,8 @@
 
 use crate::geometry::{Cell, DVec2, Pose};
 use crate::picture::canvas::{Canvas, Ink, Pen};
-use crate::picture::colours::{PAPER, Rgb};
+use crate::picture::colours::{PAPER, Rgb, agent_colour};
 use crate::picture::film::field::Pane;
-use crate::picture::film::field::agents::agent_colour;
 use crate::picture::film::field::lines::{Dashes, draw_visible_line};
 use crate::picture::thin_line::draw_line;
 use crate::time::SimTime;

@@ -1,7 +1,7 @@
 //! Agents that are too many to be told of one by one: how many of each role do what, and what they have done so far.
 
+use crate::picture::colours::agent_colour;
 use crate::picture::film::RunView;
-use crate::picture::film::field::agent_colour;
 use crate::picture::film::hud::HudView;
 use crate::picture::film::hud::blocks::{heading, values};
 use crate::picture::film::hud::panel::{LineMark, PanelBlock, PanelLine};

@@ -1,7 +1,7 @@
 //! Stories: what each agent does and did, and what happened to the bush or agent that the viewer selected.
 
 use crate::geometry::Cell;
-use crate::picture::film::field::agent_colour;
+use crate::picture::colours::agent_colour;
 use crate::picture::film::hud::blocks::{heading, values};
 use crate::picture::film::hud::fleet::fleet_blocks;
 use crate::picture::film::hud::panel::{LineMark, PanelBlock, PanelLine};

@@ -3,35 +3,16 @@
 //! Times are seconds with nine decimals, exact to the nanosecond. All other numbers are the shortest decimals that
 //! read back as the same `f64`, so that equal runs give equal files byte for byte.
 
-use std::io::{self, Write};
+use std::io::Write;
 
-use thiserror::Error;
-
-use super::{AgentFact, Cause, Event, Fact, FireFact, GroundEvent, GroundFact, Replay, Timeline};
+use super::{ExportError, Sampling};
 use crate::geometry::Cell;
 use crate::planning::{Effort, FoundBy};
 use crate::time::SimTime;
+use crate::timeline::{AgentFact, Cause, Event, Fact, FireFact, GroundEvent, GroundFact, Replay, Timeline};
 use crate::trajectory::Trajectory;
 
-/// The finest step of a trace, in seconds.
-pub const FINEST_STEP_S: f64 = 1e-3;
-
 const NANOS_PER_SECOND: u64 = 1_000_000_000;
-
-/// Why a table was not written.
-#[derive(Debug, Error)]
-pub enum ExportError {
-    #[error("a trace needs a step of {FINEST_STEP_S} s or more, found {found}")]
-    Step { found: f64 },
-    #[error(transparent)]
-    Write(#[from] io::Error),
-}
-
-impl From<csv::Error> for ExportError {
-    fn from(error: csv::Error) -> Self {
-        Self::Write(error.into())
-    }
-}
 
 /// Writes one line a fact, in order: `t_s,event,agent,col,row,detail`.
 ///
@@ -62,12 +43,22 @@ fn write_event(table: &mut csv::Writer<impl Write>, event: &Event) -> Result<(),
 fn write_ground_event(table: &mut csv::Writer<impl Write>, event: &GroundEvent) -> Result<(), csv::Error> {
     let agent = event.agent().map_or_else(String::new, |agent| agent.to_string());
     let (col, row) = (event.cell.col.to_string(), event.cell.row.to_string());
-    let (name, detail) = match event.fact {
+    let (name, detail) = ground_event_words(event);
+    table.write_record([&seconds(event.time), name, &agent, &col, &row, &detail])
+}
+
+/// Returns the word for what happened and its details, as the columns `event` and `detail` have them.
+pub fn event_words(fact: &Fact) -> (&'static str, String) {
+    (name(fact), detail(fact))
+}
+
+/// Does the same for what happened to ground.
+pub fn ground_event_words(event: &GroundEvent) -> (&'static str, String) {
+    match event.fact {
         GroundFact::Ignited(cause) => ("ground-ignited", words_of(cause)),
         GroundFact::Extinguished { .. } => ("ground-extinguished", String::new()),
         GroundFact::Wetted { until, .. } => ("wetted", format!("until_s={}", seconds(until))),
-    };
-    table.write_record([&seconds(event.time), name, &agent, &col, &row, &detail])
+    }
 }
 
 fn words_of(cause: Cause) -> String {
@@ -79,30 +70,24 @@ fn words_of(cause: Cause) -> String {
     }
 }
 
-/// Writes where every agent is at 0, `step_s`, 2 `step_s` and so on, and at the end of the run:
-/// `t_s,agent,x_m,y_m,heading_rad,speed_mps,activity`.
+/// Writes where every sampled agent is at every sampled time: `t_s,agent,x_m,y_m,heading_rad,speed_mps,activity`.
 ///
 /// Poses and activities are those after all facts of the time. The pose is the world frame's, for a truck that of its
-/// rear axle; the speed is never negative. Sample times are multiples of the step, each rounded to the nanosecond.
-pub fn write_trace(timeline: &Timeline, step_s: f64, to: impl Write) -> Result<(), ExportError> {
-    if !(step_s.is_finite() && step_s >= FINEST_STEP_S) {
-        return Err(ExportError::Step { found: step_s });
-    }
+/// rear axle; the speed is never negative.
+pub fn write_trace(timeline: &Timeline, sampling: &Sampling, to: impl Write) -> Result<(), ExportError> {
     let mut table = csv::Writer::from_writer(to);
     table.write_record(["t_s", "agent", "x_m", "y_m", "heading_rad", "speed_mps", "activity"])?;
-    let end = timeline.end_time();
     let mut replay = Replay::new(timeline);
-    let multiples = (0_u64..).map(|k| SimTime::from_seconds(k as f64 * step_s)).take_while(|&time| time < end);
-    for time in multiples.chain([end]) {
+    for time in sampling.times() {
         replay.seek(time);
-        write_agents(&mut table, &replay, timeline.setting.agents.len())?;
+        write_agents(&mut table, &replay, sampling.agents())?;
     }
     Ok(table.flush()?)
 }
 
-fn write_agents(table: &mut csv::Writer<impl Write>, replay: &Replay<'_>, agents: usize) -> Result<(), csv::Error> {
+fn write_agents(table: &mut csv::Writer<impl Write>, replay: &Replay<'_>, agents: &[usize]) -> Result<(), csv::Error> {
     let time = seconds(replay.time());
-    for state in (0..agents).map(|agent| replay.agent(agent)) {
+    for state in agents.iter().map(|&agent| replay.agent(agent)) {
         let numbers = [state.pose.x, state.pose.y, state.pose.heading, state.speed_mps].map(|n| n.to_string());
         let [x, y, heading, speed] = &numbers;
         table.write_record([&time, &state.id.to_string(), x, y, heading, speed, state.activity.name()])?;
@@ -206,8 +191,8 @@ fn expansions(effort: Effort) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::sample;
     use super::*;
+    use crate::timeline::sample::{self, TRUCK};
 
     fn events(timeline: &Timeline) -> String {
         let mut bytes = Vec::new();
@@ -217,7 +202,8 @@ mod tests {
 
     fn trace(timeline: &Timeline, step_s: f64) -> String {
         let mut bytes = Vec::new();
-        write_trace(timeline, step_s, &mut bytes).expect("memory takes all");
+        let sampling = Sampling::new(timeline, step_s, &[]).expect("a step");
+        write_trace(timeline, &sampling, &mut bytes).expect("memory takes all");
         String::from_utf8(bytes).expect("it is text")
     }
 
@@ -286,17 +272,14 @@ mod tests {
     }
 
     #[test]
-    fn a_trace_whose_step_divides_the_run_samples_the_end_once() {
+    fn a_trace_of_one_agent_has_its_rows_of_the_whole_one() {
         let timeline = sample::by_hand();
-        assert_eq!(trace(&timeline, 45.0).lines().count(), 1 + 3 * 2);
-        assert_eq!(trace(&timeline, 1e9).lines().count(), 1 + 2 * 2);
-    }
-
-    #[test]
-    fn steps_that_lead_nowhere_are_refused() {
-        for step_s in [0.0, -1.0, 1e-9, f64::NAN, f64::INFINITY] {
-            let refused = write_trace(&sample::by_hand(), step_s, Vec::new());
-            assert!(matches!(refused, Err(ExportError::Step { .. })), "{step_s}");
-        }
+        let mut bytes = Vec::new();
+        let sampling = Sampling::new(&timeline, 1.0, &[TRUCK]).expect("it is there");
+        write_trace(&timeline, &sampling, &mut bytes).expect("memory takes all");
+        let of_truck = String::from_utf8(bytes).expect("it is text");
+        let whole = trace(&timeline, 1.0);
+        let expected = whole.lines().filter(|line| line.starts_with("t_s") || line.contains("unimog/0"));
+        assert!(of_truck.lines().eq(expected));
     }
 }
