@@ -23,9 +23,18 @@ use crate::picture::zoom::{BlockFace, CellBlock, Zoom};
 /// maps of more than 4096 cells a side smaller by a whole factor: a pixel is then an obstacle if any of its cells is
 /// one, else it shows their highest value. A picture takes up to about 100 MB of memory while it is drawn.
 pub fn draw_map(scene: &MapScene) -> Picture {
+    draw_map_with(scene, Zoom::fit(scene.occupied.rows(), scene.occupied.cols()))
+}
+
+/// The same with the map drawn at about 480 pixels, at most 1000, for pages with many maps.
+pub fn draw_small_map(scene: &MapScene) -> Picture {
+    draw_map_with(scene, Zoom::small(scene.occupied.rows(), scene.occupied.cols()))
+}
+
+fn draw_map_with(scene: &MapScene, zoom: Zoom) -> Picture {
     let scale = scene.scale();
     let legend = Legend { values: bar(scene, scale.as_ref()), key: key(scene) };
-    let mut plate = Plate::around(scene, &legend);
+    let mut plate = Plate::with_zoom(scene, &legend, zoom);
     plate.paint(&|block| face_colour(block.face(scene), scale.as_ref()));
     plate.mark();
     plate.finish()

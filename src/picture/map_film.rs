@@ -23,15 +23,12 @@ const MOST_FRAMES: usize = 100;
 /// In hundredths of a second.
 const DELAY: u16 = 6;
 const LAST_DELAY: u16 = 250;
-/// The length of the longer side of the map in pixels, about, and the longest one.
-const USUAL_SIDE: usize = 480;
-const LONGEST_SIDE: usize = 1000;
 
 /// Writes the film of a scene, which appears whole: at most about 100 frames over all steps, then the path.
 pub fn write_map_film(scene: &MapScene, growth: &MapGrowth, path: &Path) -> io::Result<()> {
     let scale = scene.scale();
     let legend = Legend { values: bar(scene, scale.as_ref()), key: key(scene) };
-    let zoom = Zoom::fit_to(scene.occupied.rows(), scene.occupied.cols(), USUAL_SIDE, LONGEST_SIDE);
+    let zoom = Zoom::small(scene.occupied.rows(), scene.occupied.cols());
     let bare = Plate::with_zoom(scene, &legend, zoom);
     let last = growth.steps.clamp(1, MOST_FRAMES);
     let paint = |frame: usize| {

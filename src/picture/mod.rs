@@ -38,7 +38,7 @@ pub use field_map::{FieldMap, MapQuantity, MapScale, draw_field_maps};
 pub use font::unknown_letters;
 pub use gif_film::{ColourCounts, GifFilm, Palette};
 pub use ground::{GroundCover, bush_covers, ground_covers};
-pub use map::{draw_map, draw_overlay};
+pub use map::{draw_map, draw_overlay, draw_small_map};
 pub use map_film::{MapGrowth, write_map_film};
 pub use png::Picture;
 pub use scene::{MapScene, Spot, Zones};

@@ -10,16 +10,21 @@ use crate::cli::map::args::{
     AttractionArguments, BrushfireArguments, Computation, CostArguments, DescendArguments, RepulsionArguments,
     WavefrontArguments,
 };
+use crate::cli::map::graphs::{self, GraphTrace};
 use crate::cli::map::options::{self, AttractionOptions, Convention, FieldArguments, Neighbours};
+use crate::cli::map::searches::{self, SearchTrace};
 use crate::document::number::{count, rounded};
 use crate::grid::brushfire::brushfire;
 use crate::grid::cost_map::cost_map;
 use crate::grid::descent::{Descent, Escape, descend, descend_or_escape};
+use crate::grid::distance::euclidean_distances;
 use crate::grid::octile::shortest_path;
+use crate::grid::path_search::{MOST_CELLS, SearchOrder};
 use crate::grid::place::octile_length;
 use crate::grid::wavefront::{UNREACHED, descend_wavefront, wavefront};
 use crate::grid::{BadPlace, Connectivity, Grid, Place, Route, place, potential};
 use crate::map_files::{MapValue, write_csv, write_npy};
+use crate::picture::Spot;
 use crate::time::cpu::CpuStopwatch;
 
 /// The result of a computation on a map.
@@ -30,26 +35,44 @@ pub struct Computed {
     /// The name of the values, in a word or two.
     pub value_name: &'static str,
     pub values: Values,
+    /// Which cells have no value.
+    pub bare: Bare,
     /// Free cells that the wave never reaches, of a wavefront.
     pub unreached: Option<usize>,
     pub goal: Option<Place>,
     pub walk: Option<Walk>,
+    /// What a search did.
+    pub search: Option<SearchTrace>,
+    /// The tree or roadmap that a path was found in.
+    pub graph: Option<GraphTrace>,
     /// CPU time of the values.
     pub cpu_map: Duration,
     /// CPU time of the walk.
     pub cpu_path: Option<Duration>,
 }
 
-/// A start or goal that the map does not allow.
+/// Which cells have no value, and what they are called where they are free.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bare {
+    None,
+    /// Obstacles, and cells whose value is 0.
+    Zero(&'static str),
+    /// Cells whose value is infinite.
+    Infinite(&'static str),
+}
+
+/// Why a question about a map has no answer.
 #[derive(Debug, thiserror::Error)]
-#[error("the {which} at {problem}")]
-pub struct BadEnd {
-    which: &'static str,
-    problem: BadPlace,
+pub enum BadQuestion {
+    /// A start or goal that the map does not allow.
+    #[error("the {which} at {problem}")]
+    End { which: &'static str, problem: BadPlace },
+    #[error("the map has {cells} cells; expected at most {MOST_CELLS} for `{command}`")]
+    TooLarge { cells: usize, command: &'static str },
 }
 
 /// Does what a command asks, on a map.
-pub fn compute(computation: &Computation, occupied: &Grid<bool>) -> Result<Computed, BadEnd> {
+pub fn compute(computation: &Computation, occupied: &Grid<bool>) -> Result<Computed, BadQuestion> {
     match computation {
         Computation::Occupancy(_) => Ok(occupancy(occupied)),
         Computation::Brushfire(arguments) => Ok(distances(occupied, arguments)),
@@ -59,6 +82,16 @@ pub fn compute(computation: &Computation, occupied: &Grid<bool>) -> Result<Compu
         Computation::Repulsion(arguments) => Ok(repulsion(occupied, arguments)),
         Computation::Total(arguments) => total(occupied, &arguments.field),
         Computation::Descend(arguments) => descent(occupied, arguments),
+        Computation::Euclidean(_) => Ok(euclidean(occupied)),
+        Computation::Voronoi(arguments) => searches::diagram(occupied, arguments),
+        Computation::Astar(arguments) => searches::best_first(occupied, arguments, SearchOrder::AStar),
+        Computation::Dijkstra(arguments) => searches::best_first(occupied, arguments, SearchOrder::Dijkstra),
+        Computation::Greedy(arguments) => searches::best_first(occupied, arguments, SearchOrder::Greedy),
+        Computation::Theta(arguments) => searches::any_angle(occupied, arguments),
+        Computation::Jps(arguments) => searches::jumps(occupied, arguments),
+        Computation::Rrt(arguments) => graphs::rrt(occupied, arguments),
+        Computation::RrtStar(arguments) => graphs::rrt_star(occupied, arguments),
+        Computation::Prm(arguments) => graphs::roadmap(occupied, arguments),
     }
 }
 
@@ -86,13 +119,20 @@ fn brushfire_or_zero(occupied: &Grid<bool>, connectivity: Connectivity) -> Grid<
     brushfire(occupied, connectivity).unwrap_or_else(|| Grid::filled(occupied.rows(), occupied.cols(), 0))
 }
 
+fn euclidean(occupied: &Grid<bool>) -> Computed {
+    let none = || Grid::filled(occupied.rows(), occupied.cols(), 0.0);
+    Computed::timed("Euclidean distance", "distance in cells", || {
+        Values::Reals(euclidean_distances(occupied).unwrap_or_else(none))
+    })
+}
+
 fn costs(occupied: &Grid<bool>, arguments: &CostArguments) -> Computed {
     Computed::timed("Cost map", "cost", || {
         Values::Reals(cost_map(&brushfire_or_zero(occupied, Connectivity::Four), &arguments.zones()))
     })
 }
 
-fn steps(occupied: &Grid<bool>, arguments: &WavefrontArguments) -> Result<Computed, BadEnd> {
+fn steps(occupied: &Grid<bool>, arguments: &WavefrontArguments) -> Result<Computed, BadQuestion> {
     let (goal, neighbours) = (arguments.goal.goal, arguments.neighbours.connectivity);
     let (connectivity, corners) = (neighbours.into(), arguments.corners.rule());
     check_free("goal", occupied, goal)?;
@@ -115,6 +155,9 @@ fn steps(occupied: &Grid<bool>, arguments: &WavefrontArguments) -> Result<Comput
     Ok(Computed {
         title: title_with_neighbours("Wavefront", neighbours),
         value_name: if arguments.scale.is_some() { "scaled value" } else { "steps + 2" },
+        bare: Bare::Zero("unreached"),
+        search: None,
+        graph: None,
         unreached: Some(values.values().iter().filter(|&&value| value == UNREACHED).count()),
         values: match arguments.scale {
             Some(scale) => Values::Reals(scaled(&values, scale)),
@@ -134,7 +177,7 @@ fn scaled(values: &Grid<u32>, scale: f64) -> Grid<f64> {
     Grid::from_values(values.rows(), values.cols(), reals)
 }
 
-fn attraction(occupied: &Grid<bool>, arguments: &AttractionArguments) -> Result<Computed, BadEnd> {
+fn attraction(occupied: &Grid<bool>, arguments: &AttractionArguments) -> Result<Computed, BadQuestion> {
     let goal = arguments.goal.goal;
     check_inside("goal", occupied, goal)?;
     let field = || Values::Reals(attraction_field(occupied, goal, &arguments.attraction));
@@ -152,7 +195,7 @@ fn repulsion(occupied: &Grid<bool>, arguments: &RepulsionArguments) -> Computed 
     Computed::timed(&title_with_neighbours("Repulsion", neighbours), "potential", field)
 }
 
-fn total(occupied: &Grid<bool>, arguments: &FieldArguments) -> Result<Computed, BadEnd> {
+fn total(occupied: &Grid<bool>, arguments: &FieldArguments) -> Result<Computed, BadQuestion> {
     let goal = arguments.goal.goal;
     check_inside("goal", occupied, goal)?;
     let title = title_with_neighbours("Total potential", arguments.neighbours.connectivity);
@@ -166,7 +209,7 @@ fn total_field(occupied: &Grid<bool>, arguments: &FieldArguments) -> Grid<f64> {
     potential::total(attraction, &brushfire, &arguments.repulsion.law())
 }
 
-fn descent(occupied: &Grid<bool>, arguments: &DescendArguments) -> Result<Computed, BadEnd> {
+fn descent(occupied: &Grid<bool>, arguments: &DescendArguments) -> Result<Computed, BadQuestion> {
     let (start, goal, neighbours) =
         (arguments.start, arguments.field.goal.goal, arguments.field.neighbours.connectivity);
     let (connectivity, corners) = (neighbours.into(), arguments.corners.rule());
@@ -186,6 +229,9 @@ fn descent(occupied: &Grid<bool>, arguments: &DescendArguments) -> Result<Comput
         title: title_with_neighbours("Gradient descent", neighbours),
         value_name: "potential",
         values: Values::Reals(field),
+        bare: Bare::None,
+        search: None,
+        graph: None,
         unreached: None,
         goal: Some(goal),
         walk: Some(walk),
@@ -196,38 +242,47 @@ fn descent(occupied: &Grid<bool>, arguments: &DescendArguments) -> Result<Comput
 
 impl Computed {
     /// Values alone, and the time that they took.
-    fn timed(title: &str, value_name: &'static str, values: impl FnOnce() -> Values) -> Self {
+    pub fn timed(title: &str, value_name: &'static str, values: impl FnOnce() -> Values) -> Self {
         let (values, cpu_map) = timed(values);
         Self {
             title: title.to_owned(),
             value_name,
             values,
+            bare: Bare::None,
             unreached: None,
             goal: None,
             walk: None,
+            search: None,
+            graph: None,
             cpu_map,
             cpu_path: None,
         }
     }
 }
 
-fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
+pub fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
     let mut stopwatch = CpuStopwatch::start();
     let result = work();
     (result, stopwatch.lap())
 }
 
-fn title_with_neighbours(name: &str, neighbours: Neighbours) -> String {
+pub fn title_with_neighbours(name: &str, neighbours: Neighbours) -> String {
     format!("{name}, {} neighbours", u8::from(neighbours))
 }
 
-fn check_free(which: &'static str, occupied: &Grid<bool>, place: Place) -> Result<(), BadEnd> {
-    place::check_free(occupied, place).map_err(|problem| BadEnd { which, problem })
+/// Accepts maps that a search has room for.
+pub fn check_size(command: &'static str, occupied: &Grid<bool>) -> Result<(), BadQuestion> {
+    let cells = occupied.values().len();
+    if cells > MOST_CELLS { Err(BadQuestion::TooLarge { cells, command }) } else { Ok(()) }
 }
 
-fn check_inside(which: &'static str, occupied: &Grid<bool>, place: Place) -> Result<(), BadEnd> {
+pub fn check_free(which: &'static str, occupied: &Grid<bool>, place: Place) -> Result<(), BadQuestion> {
+    place::check_free(occupied, place).map_err(|problem| BadQuestion::End { which, problem })
+}
+
+pub fn check_inside(which: &'static str, occupied: &Grid<bool>, place: Place) -> Result<(), BadQuestion> {
     match check_free(which, occupied, place) {
-        Err(BadEnd { problem: BadPlace::Occupied { .. }, .. }) => Ok(()),
+        Err(BadQuestion::End { problem: BadPlace::Occupied { .. }, .. }) => Ok(()),
         checked => checked,
     }
 }
@@ -325,6 +380,8 @@ pub enum WalkResult {
     Unreachable,
     Stuck,
     StartOccupied,
+    /// The samples were used up.
+    NotFound,
 }
 
 /// A way and its ends.
@@ -339,8 +396,14 @@ pub struct Walk {
 #[derive(Debug)]
 pub struct Way {
     pub answer: WalkResult,
-    /// Cells from the start on; empty if the way does not begin.
+    /// Cells from the start on, or those where a path at any angle turns; empty if the way does not begin.
     pub cells: Vec<Place>,
+    /// The same as points, of a path between cells; else empty.
+    pub points: Vec<Spot>,
+    /// Length in cells.
+    pub length: f64,
+    /// True if the cells are joined by segments instead of steps.
+    pub is_any_angle: bool,
     /// The local minimum in which a descent ended.
     pub minimum: Option<Place>,
 }
@@ -352,15 +415,26 @@ impl From<Route> for Way {
             Route::Unreachable => (WalkResult::Unreachable, Vec::new()),
             Route::StartOccupied => (WalkResult::StartOccupied, Vec::new()),
         };
-        Self { answer, cells, minimum: None }
+        Self { answer, ..Self::in_steps(cells) }
+    }
+}
+
+impl Way {
+    /// A way from cell to cell that has no other end than its last cell.
+    fn in_steps(cells: Vec<Place>) -> Self {
+        let length = octile_length(&cells);
+        Self { answer: WalkResult::Reached, cells, points: Vec::new(), length, is_any_angle: false, minimum: None }
     }
 }
 
 impl From<Descent> for Way {
     fn from(descent: Descent) -> Self {
         match descent {
-            Descent::Reached(cells) => Self { answer: WalkResult::Reached, cells, minimum: None },
-            Descent::Stuck(cells) => Self { answer: WalkResult::Stuck, minimum: cells.last().copied(), cells },
+            Descent::Reached(cells) => Self::in_steps(cells),
+            Descent::Stuck(cells) => {
+                let minimum = cells.last().copied();
+                Self { answer: WalkResult::Stuck, minimum, ..Self::in_steps(cells) }
+            }
             Descent::StartOccupied => Route::StartOccupied.into(),
         }
     }
@@ -373,7 +447,7 @@ impl From<Escape> for Way {
             Escape::HandedOver { descent: mut cells, wavefront } => {
                 let minimum = cells.last().copied();
                 cells.extend(wavefront.into_iter().skip(1));
-                Self { answer: WalkResult::Reached, cells, minimum }
+                Self { minimum, ..Self::in_steps(cells) }
             }
             Escape::Unreachable(cells) => Self { answer: WalkResult::Unreachable, ..Descent::Stuck(cells).into() },
             Escape::StartOccupied => Route::StartOccupied.into(),
@@ -399,6 +473,7 @@ impl Walk {
                 format!("{stuck}. Unreachable: no way leads from there to the goal, {goal}.")
             }
             (WalkResult::Stuck, stuck) => format!("{}: {measures}.", stuck.unwrap_or_default()),
+            (WalkResult::NotFound, _) => "No path found: all samples were drawn.".to_owned(),
             (WalkResult::StartOccupied, _) => format!("No path: the start, {start}, lies in an obstacle."),
         }
     }
@@ -406,7 +481,8 @@ impl Walk {
 
 impl Way {
     fn measures(&self) -> String {
-        let steps = self.cells.len().saturating_sub(1);
-        format!("{}, length {}", count(steps, "step"), rounded(octile_length(&self.cells), 3))
+        let pieces = self.cells.len().saturating_sub(1);
+        let piece = if self.is_any_angle { "segment" } else { "step" };
+        format!("{}, length {}", count(pieces, piece), rounded(self.length, 3))
     }
 }

@@ -87,7 +87,8 @@ pub fn jump_point_search(
             }
         }
     }
-    let costs = Grid::from_values(rows, cols, lengths.values().iter().map(|&length| length_from_start(length)).collect());
+    let costs =
+        Grid::from_values(rows, cols, lengths.values().iter().map(|&length| length_from_start(length)).collect());
     let route = if closed[goal] { Route::Found(cells(occupied, &parents, start, goal)) } else { Route::Unreachable };
     Ok(PathSearch {
         cost: closed[goal].then(|| costs[goal]),
@@ -150,12 +151,7 @@ impl Jumps<'_> {
 }
 
 /// The directions in which a jump point is left: those that cost no more by way of it than without it.
-fn followed(
-    occupied: &Grid<bool>,
-    here: Place,
-    arrival: Option<Direction>,
-    corners: CornerCutting,
-) -> Vec<Direction> {
+fn followed(occupied: &Grid<bool>, here: Place, arrival: Option<Direction>, corners: CornerCutting) -> Vec<Direction> {
     let is_legal = |&towards: &Direction| place::step(occupied, here, towards, corners).is_some();
     let Some((row, col)) = arrival else {
         return TieOrder::CrossFirst.steps(Connectivity::Eight).iter().copied().filter(is_legal).collect();
@@ -183,9 +179,7 @@ fn forced(
         }
         // A diagonal step needs both cells beside it free, so nothing is hidden behind them.
         (true, CornerCutting::Forbidden) => [None; 4],
-        (false, CornerCutting::Allowed) => {
-            [if_blocked(left, ahead(left)), if_blocked(right, ahead(right)), None, None]
-        }
+        (false, CornerCutting::Allowed) => [if_blocked(left, ahead(left)), if_blocked(right, ahead(right)), None, None],
         (false, CornerCutting::Forbidden) => [
             if_blocked(behind(left), left),
             if_blocked(behind(left), ahead(left)),

@@ -75,7 +75,8 @@ pub fn grow_tree(
     let mut rng = rng::stream(settings.seed, "map/rrt");
     let mut index = PointIndex::new(occupied, settings.samples as usize);
     index.add(0, start);
-    let mut tree = Tree { occupied, points: vec![start], parents: vec![0], costs: vec![0.0], children: vec![Vec::new()] };
+    let mut tree =
+        Tree { occupied, points: vec![start], parents: vec![0], costs: vec![0.0], children: vec![Vec::new()] };
     // Points from which the goal is one step.
     let mut gates: Vec<u32> = tree.is_step(start, goal, settings.step).then_some(0).into_iter().collect();
     let mut samples = 0;
@@ -93,7 +94,8 @@ pub fn grow_tree(
         let around = match kind {
             TreeKind::Rrt => Vec::new(),
             TreeKind::RrtStar => {
-                let most = settings.neighbours.map_or_else(|| neighbours_of_many(tree.points.len()), |most| most as usize);
+                let most =
+                    settings.neighbours.map_or_else(|| neighbours_of_many(tree.points.len()), |most| most as usize);
                 index.nearest_of_many(point, most, squared_units(settings.radius))
             }
         };

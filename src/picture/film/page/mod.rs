@@ -15,7 +15,7 @@ pub use ground::MOST_GROUND_CELLS;
 
 use data::{RunData, hex};
 
-use crate::document::escaped_html;
+use crate::document::{base64, escaped_html};
 use crate::fire::BushStateKind;
 use crate::picture::colours::{
     BORDER, BURNING, EXTINGUISHED, FAINT_INK, FIELD, INK, OUTSIDE, PAPER, UNIMOG, WATER, WUMPUS, bush_colour,
@@ -203,20 +203,6 @@ fn sprites() -> BTreeMap<&'static str, Vec<(String, f32, f32, String)>> {
     sprites.into_iter().map(|(name, sprite)| (name, shapes(sprite))).collect()
 }
 
-/// The bytes in the alphabet of RFC 4648, section 4.
-fn base64(bytes: &[u8]) -> String {
-    const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for three in bytes.chunks(3) {
-        let bits = (0..3).fold(0_u32, |bits, index| (bits << 8) | u32::from(three.get(index).copied().unwrap_or(0)));
-        for index in 0..4 {
-            let sextet = (bits >> (18 - 6 * index)) & 63;
-            text.push(if index <= three.len() { char::from(ALPHABET[sextet as usize]) } else { '=' });
-        }
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -227,16 +213,6 @@ mod tests {
     fn page_of(title: &str) -> String {
         let run = RunView::new(sample::random(3, SimTime::from_seconds(300.0)), None).with_title(title.into());
         page(&FrameRequest { runs: &[&run], time: SimTime::ZERO, options: &ViewOptions::default() })
-    }
-
-    #[test]
-    fn bytes_become_letters_as_in_the_standard() {
-        let pairs =
-            [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foob", "Zm9vYg=="), ("fooba", "Zm9vYmE=")];
-        for (bytes, letters) in pairs {
-            assert_eq!(base64(bytes.as_bytes()), letters);
-        }
-        assert_eq!(base64(&[0xfb, 0xff, 0xfe]), "+//+");
     }
 
     #[test]
