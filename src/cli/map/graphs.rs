@@ -1,57 +1,14 @@
 //! What trees and roadmaps of points answer.
 
-use std::io::{self, Write};
-use std::path::Path;
 use std::time::Duration;
 
-use crate::cli::map::compute::{BadQuestion, Bare, Computed, Values, Walk, WalkResult, Way, timed};
+use crate::cli::map::computed::{BadQuestion, Bare, Computed, Values, Walk, WalkResult, Way, timed};
 use crate::cli::map::search_args::{PrmArguments, RrtArguments, RrtStarArguments};
-use crate::cli::map::searches::{check_problem, real_text};
-use crate::document::number::{count, rounded};
+use crate::cli::map::searches::check_problem;
+use crate::cli::map::traces::GraphTrace;
 use crate::grid::sampling::{PointGraph, PointRoute, TreeKind, grow_tree, probabilistic_roadmap};
 use crate::grid::segment::GridPoint;
 use crate::grid::{Grid, Place};
-use crate::picture::Spot;
-use crate::whole_file::{WholeFile, write_whole};
-
-/// A tree or a roadmap.
-#[derive(Debug)]
-pub struct GraphTrace {
-    /// The cost of the path; `None` without one.
-    pub cost: Option<f64>,
-    /// Number of points that were drawn.
-    pub samples: u32,
-    /// Number of points of the graph.
-    pub vertices: usize,
-    /// Ends of the edges, in the order in which they came.
-    pub edges: Vec<[Spot; 2]>,
-}
-
-impl GraphTrace {
-    pub fn sentence(&self) -> String {
-        let cost = self.cost.map(|cost| format!(", cost {}", rounded(cost, 3))).unwrap_or_default();
-        let (samples, edges) = (count(self.samples as usize, "sample"), count(self.edges.len(), "edge"));
-        let points = count(self.vertices, "point");
-        format!("{samples} drawn, {points} and {edges}{cost}.")
-    }
-
-    /// Writes the edges under the names of their columns.
-    pub fn write_edges(&self, path: &Path) -> io::Result<()> {
-        let mut file = WholeFile::create(path)?;
-        file.write_all(b"order,from_row,from_col,to_row,to_col\n")?;
-        for (order, [from, to]) in self.edges.iter().enumerate() {
-            let [a, b, c, d] = [from.0, from.1, to.0, to.1].map(real_text);
-            writeln!(file, "{order},{a},{b},{c},{d}")?;
-        }
-        file.finish()
-    }
-}
-
-/// Writes a path through points, `row,column` a line, whole numbers at the centres of cells.
-pub fn write_points(path: &Path, points: &[Spot]) -> io::Result<()> {
-    let line = |&(row, col): &Spot| format!("{},{}\n", real_text(row), real_text(col));
-    write_whole(path, points.iter().map(line).collect::<String>().as_bytes())
-}
 
 pub fn rrt(occupied: &Grid<bool>, arguments: &RrtArguments) -> Result<Computed, BadQuestion> {
     let (ends, settings) = (arguments.ends.places(), arguments.growth.settings(None));

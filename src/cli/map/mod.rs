@@ -2,6 +2,7 @@
 
 mod args;
 mod compute;
+mod computed;
 mod graphs;
 mod options;
 mod page;
@@ -9,6 +10,7 @@ mod report;
 mod search_args;
 mod searches;
 mod timing;
+mod traces;
 
 use std::io;
 use std::path::Path;
@@ -90,7 +92,7 @@ fn write_way(report: &MapReport, path: &Path) -> io::Result<()> {
     if points.is_empty() {
         write_path(path, report.way().unwrap_or_default())
     } else {
-        graphs::write_points(path, points)
+        traces::write_points(path, points)
     }
 }
 
@@ -98,7 +100,10 @@ fn write_way(report: &MapReport, path: &Path) -> io::Result<()> {
 fn write_table(report: &MapReport, path: &Path) -> io::Result<()> {
     let computed = report.computed;
     match (&computed.search, &computed.graph) {
-        (Some(search), _) => search.write_expansions(path, &computed.values, report.map.occupied.cols()),
+        (Some(search), _) => {
+            let cost = |place| computed.values.at(place).to_text();
+            search.write_expansions(path, report.map.occupied.cols(), &cost)
+        }
         (None, Some(graph)) => graph.write_edges(path),
         (None, None) => unreachable!("only searches and graphs have such a table"),
     }

@@ -9,9 +9,8 @@ use serde_json::Value as Json;
 
 use crate::batch::PROGRAM_VERSION;
 use crate::cli::map::args::{Computation, CostArguments};
-use crate::cli::map::compute::{Bare, Computed, Value, Walk, WalkResult};
-use crate::cli::map::graphs::GraphTrace;
-use crate::cli::map::searches::SearchTrace;
+use crate::cli::map::computed::{Bare, Computed, Value, Walk, WalkResult};
+use crate::cli::map::traces::{GraphTrace, SearchTrace};
 use crate::document::number::{percent, rounded};
 use crate::document::{Block, Document};
 use crate::grid::brushfire::brushfire;

@@ -1,47 +1,15 @@
 //! What the searches on cells answer, and the diagram that a path keeps to.
 
-use std::io::{self, Write};
-use std::path::Path;
-
-use crate::cli::map::compute::{
+use crate::cli::map::computed::{
     BadQuestion, Bare, Computed, Values, Walk, Way, check_free, check_inside, check_size, timed, title_with_neighbours,
 };
 use crate::cli::map::search_args::{EightSearchArguments, SearchArguments, VoronoiArguments};
-use crate::document::number::{count, rounded};
+use crate::cli::map::traces::SearchTrace;
+use crate::document::number::count;
 use crate::grid::path_search::{PathSearch, SearchOrder, jump_point_search, search_best_first, theta_star};
 use crate::grid::segment::line_length;
 use crate::grid::voronoi::{path_along, voronoi};
 use crate::grid::{CornerCutting, Grid, Place};
-use crate::map_files::MapValue;
-use crate::whole_file::WholeFile;
-
-/// What a search did.
-#[derive(Debug)]
-pub struct SearchTrace {
-    /// The cost of the path; `None` without one.
-    pub cost: Option<f64>,
-    /// Cells in the order in which they were expanded, as `row * cols + col`.
-    pub expanded: Vec<u32>,
-    pub touched: usize,
-}
-
-impl SearchTrace {
-    pub fn sentence(&self) -> String {
-        let cost = self.cost.map(|cost| format!(", cost {}", rounded(cost, 3))).unwrap_or_default();
-        format!("{} expanded, {} touched{cost}.", count(self.expanded.len(), "cell"), self.touched)
-    }
-
-    /// Writes the order of expansion under the names of its columns.
-    pub fn write_expansions(&self, path: &Path, values: &Values, cols: usize) -> io::Result<()> {
-        let mut file = WholeFile::create(path)?;
-        file.write_all(b"order,row,col,cost\n")?;
-        for (order, &index) in self.expanded.iter().enumerate() {
-            let (row, col) = (index as usize / cols, index as usize % cols);
-            writeln!(file, "{order},{row},{col},{}", values.at((row, col)).to_text())?;
-        }
-        file.finish()
-    }
-}
 
 pub fn best_first(
     occupied: &Grid<bool>,
@@ -149,11 +117,4 @@ pub fn diagram(occupied: &Grid<bool>, arguments: &VoronoiArguments) -> Result<Co
         cpu_path,
         ..Computed::timed(&title, "clearance in cells", || Values::Reals(values))
     })
-}
-
-/// The text of a number as tables of values have it.
-pub fn real_text(value: f64) -> String {
-    let mut text = Vec::new();
-    value.append_text(&mut text);
-    String::from_utf8(text).expect("numbers are ASCII")
 }
