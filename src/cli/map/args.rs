@@ -51,7 +51,7 @@ pub enum Computation {
     Descend(DescendArguments),
     /// The Euclidean distance of every cell's centre from that of the nearest obstacle.
     Euclidean(EuclideanArguments),
-    /// The cells that are equally far from two obstacles; with --start and --goal, a path along them.
+    /// The cells equally far from two obstacles; with --start and --goal, a path along them.
     #[command(after_help = VORONOI_HELP)]
     Voronoi(VoronoiArguments),
     /// A cheapest path by A*: cost so far plus the least that the rest can cost.
