@@ -1,6 +1,6 @@
 //! Documents as pages that need no other file and no network.
 
-use super::{Block, Document, Table};
+use super::{Block, Document, Table, base64};
 use crate::untrusted::visible_lines;
 
 const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;color:#111}\
@@ -10,7 +10,7 @@ const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:60em;margin:2em aut
                      th,td{padding:.2em .7em;text-align:right;border-bottom:1px solid #bbb}\
                      th{vertical-align:bottom;border-bottom:2px solid #111}\
                      .text{text-align:left;vertical-align:top}dt{font-weight:bold}\
-                     svg{max-width:100%;height:auto}figure{margin:1.5em 0;break-inside:avoid}\
+                     svg,img{max-width:100%;height:auto}figure{margin:1.5em 0;break-inside:avoid}\
                      figcaption{color:#555;font-size:.85em}summary{cursor:pointer;font-weight:bold}";
 
 impl Document {
@@ -53,6 +53,12 @@ fn push_blocks(text: &mut String, blocks: &[Block]) {
             Block::Figure(figure) => {
                 let (svg, file) = (&figure.svg, escaped(&figure.file));
                 text.push_str(&format!("<figure>\n{svg}<figcaption>{file}.svg and .png</figcaption>\n</figure>\n"));
+            }
+            Block::Image { caption, png } => {
+                let (caption, data) = (escaped(caption), base64(png));
+                text.push_str("<figure>\n<img alt=\"\" src=\"data:image/png;base64,");
+                text.push_str(&data);
+                text.push_str(&format!("\">\n<figcaption>{caption}</figcaption>\n</figure>\n"));
             }
             Block::Folded(title, blocks) => {
                 text.push_str(&format!("<details><summary>{}</summary>\n", escaped(title)));
@@ -104,7 +110,7 @@ mod tests {
     fn nothing_from_a_file_becomes_a_tag() {
         let html = filled("<script>alert('x')</script> | *b* [c](d) & \"e\"").to_html();
         assert!(!html.contains("<script") && !html.contains("'x'"), "{html}");
-        assert_eq!(html.matches("&lt;script&gt;").count(), 16, "title twice, and once in each other place");
+        assert_eq!(html.matches("&lt;script&gt;").count(), 17, "title twice, and once in each other place");
         assert!(!html.contains("http"), "{html}");
     }
 }

@@ -49,6 +49,7 @@ fn push_blocks(text: &mut String, blocks: &[Block]) {
                 let file: String = figure.file.chars().filter(is_plain).collect();
                 text.push_str(&format!("\\includegraphics[width=\\linewidth]{{\\detokenize{{{file}}}.png}}\n"));
             }
+            Block::Image { caption, .. } => text.push_str(&format!("{}\n\n", escaped(caption))),
             Block::Folded(title, blocks) => {
                 text.push_str(&format!("\\subsection*{{{}}}\n", escaped(title)));
                 push_blocks(text, blocks);

@@ -34,6 +34,7 @@ fn push_blocks(text: &mut String, blocks: &[Block]) {
                 visible_lines(lines).lines().for_each(|line| text.push_str(&format!("    {line}\n")));
             }
             Block::Figure(figure) => text.push_str(&format!("![{0}]({0}.png)\n", escaped(&figure.file))),
+            Block::Image { caption, .. } => text.push_str(&format!("{}\n", escaped(caption))),
             Block::Folded(title, blocks) => {
                 text.push_str(&format!("## {}\n", escaped(title)));
                 push_blocks(text, blocks);

@@ -13,12 +13,14 @@
 //! assert!(document.to_html().contains("<h1>Two &lt;runs&gt;</h1>"));
 //! ```
 
+mod base64;
 mod html;
 mod latex;
 mod markdown;
 pub mod number;
 mod text;
 
+pub use base64::base64;
 pub use html::escaped as escaped_html;
 pub use latex::escaped as escaped_latex;
 pub use text::{WIDTH, wrapped};
@@ -47,6 +49,12 @@ pub enum Block {
     /// Lines that are printed as they are, in letters of one width.
     Verbatim(String),
     Figure(Figure),
+    /// A picture of pixels, which a page holds itself and of which other forms have the caption only.
+    Image {
+        caption: String,
+        /// The bytes of a PNG file.
+        png: Vec<u8>,
+    },
     /// A part that a page shows when its title is clicked, and other forms show under it.
     Folded(String, Vec<Block>),
 }
@@ -142,6 +150,7 @@ mod tests {
             Block::Table(table),
             Block::Verbatim(own()),
             Block::Figure(Figure { svg: String::new(), file: own() }),
+            Block::Image { caption: own(), png: Vec::new() },
             Block::Folded(own(), vec![Block::Text(own())]),
         ])
     }
@@ -159,7 +168,7 @@ mod tests {
     #[test]
     fn every_form_says_everything() {
         let document = filled("words");
-        let places = 16;
+        let places = 17;
         assert_eq!(document.to_text().matches("words").count(), places - 1, "a figure has one name");
         for printed in [document.to_markdown(), document.to_html(), document.to_latex()] {
             assert!(printed.matches("words").count() >= places - 1, "{printed}");

@@ -44,6 +44,7 @@ fn push_blocks(text: &mut String, blocks: &[Block]) {
             }
             Block::Verbatim(lines) => push_line(text, lines.trim_end_matches('\n')),
             Block::Figure(figure) => push_line(text, &format!("Figure: {}.png", figure.file)),
+            Block::Image { caption, .. } => push_wrapped(text, caption),
             Block::Folded(title, blocks) => {
                 push_wrapped(text, title);
                 push_blocks(text, blocks);

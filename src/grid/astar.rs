@@ -216,6 +216,16 @@ impl AStar {
         self.settled.iter().map(|&index| [self.pages.node(index as usize).parent as usize, index as usize])
     }
 
+    /// The points that the last search gave a cost, page by page, each after the one that its cheapest way comes from; the
+    /// start after itself.
+    pub fn reached(&self) -> impl Iterator<Item = [usize; 2]> + '_ {
+        let pages = self.pages.used.iter().zip(&self.pages.pages);
+        pages.flat_map(|(&place, page)| {
+            let reached = page.iter().enumerate().filter(|(_, node)| node.cost.is_finite());
+            reached.map(move |(point, node)| [node.parent as usize, place as usize * Pages::POINTS + point])
+        })
+    }
+
     fn reach(&mut self, index: usize, (parent, arrival): (usize, usize), cost: f64, estimate: f64) {
         let (parent, arrival) = (parent as u32, arrival as u8);
         *self.pages.node_mut(index) = LatticeNode { cost, parent, arrival, closed: false };

@@ -6,10 +6,15 @@
 //!
 //! Unit: steps of the lattice that is asked for. Squares are `i32`, so no side may be longer than [`MAX_STEPS`].
 
+use std::ops::Range;
+
 use super::Grid;
 
 /// The longest side in lattice steps: two squares of it add up within an `i32`.
 pub const MAX_STEPS: usize = 32_000;
+
+/// The longest side of a map of cells: squares of two offsets within it add up within an `i32`.
+pub const MAX_CELLS_A_SIDE: usize = 32_767;
 
 /// Farther than any vertical distance, as far as an `i32` can hold its square.
 const FAR: i32 = 46_340;
@@ -18,10 +23,10 @@ const FAR: i32 = 46_340;
 /// occupied.
 ///
 /// # Panics
-/// If a side is longer than [`MAX_STEPS`].
+/// If a side is longer than [`MAX_CELLS_A_SIDE`].
 pub fn squared_distances(occupied: &Grid<bool>) -> Option<Grid<i32>> {
     let (rows, cols) = (occupied.rows(), occupied.cols());
-    assert!(rows.max(cols) <= MAX_STEPS, "a side of {} cells is too long", rows.max(cols));
+    assert!(rows.max(cols) <= MAX_CELLS_A_SIDE, "a side of {} cells is too long", rows.max(cols));
     if !occupied.values().contains(&true) {
         return None;
     }
@@ -39,6 +44,61 @@ pub fn squared_distances(occupied: &Grid<bool>) -> Option<Grid<i32>> {
         envelope.lower(vertical.row(row), 1, squares.row_mut(row));
     }
     Some(squares)
+}
+
+/// Euclidean distance from each cell's centre to the centre of the nearest occupied cell, in cells; `None` if no cell is
+/// occupied.
+///
+/// # Panics
+/// As [`squared_distances`].
+pub fn euclidean_distances(occupied: &Grid<bool>) -> Option<Grid<f64>> {
+    let squares = squared_distances(occupied)?;
+    let roots = squares.values().iter().map(|&square| f64::from(square).sqrt()).collect();
+    Some(Grid::from_values(squares.rows(), squares.cols(), roots))
+}
+
+/// The occupied cell nearest to each cell by the Euclidean distance of centres, as `row * cols + col`; `None` if no cell is
+/// occupied.
+///
+/// Of several, the one in the first column, and there the one in the first row.
+///
+/// # Panics
+/// If a side is longer than 46,339 cells or the map has more cells than 32 bits can number.
+pub fn nearest_occupied(occupied: &Grid<bool>) -> Option<Grid<u32>> {
+    let (rows, cols) = (occupied.rows(), occupied.cols());
+    assert!(rows.max(cols) < FAR as usize && u32::try_from(rows * cols).is_ok(), "{rows} x {cols} cells are too many");
+    if !occupied.values().contains(&true) {
+        return None;
+    }
+    // By column, the row of the nearest occupied cell: first the last one above, then the next one below where it is nearer.
+    let mut nearest = Grid::filled(rows, cols, None::<usize>);
+    for row in 0..rows {
+        for col in 0..cols {
+            let above = row.checked_sub(1).and_then(|above| nearest[(above, col)]);
+            nearest[(row, col)] = if occupied[(row, col)] { Some(row) } else { above };
+        }
+    }
+    for row in (0..rows.saturating_sub(1)).rev() {
+        for col in 0..cols {
+            let below = nearest[(row + 1, col)].filter(|&below| below > row);
+            let is_nearer = |below: &usize| nearest[(row, col)].is_none_or(|own| below - row < row.abs_diff(own));
+            if let Some(below) = below.filter(is_nearer) {
+                nearest[(row, col)] = Some(below);
+            }
+        }
+    }
+    let mut cells = Grid::filled(rows, cols, 0);
+    let mut envelope = Envelope::default();
+    for row in 0..rows {
+        let heights: Vec<i32> =
+            nearest.row(row).iter().map(|own| own.map_or(FAR, |own| own.abs_diff(row) as i32)).collect();
+        envelope.stand_on(&heights, 1, cols as i64);
+        for (site, reach) in envelope.reaches(cols as i64) {
+            let site_row = nearest[(row, site as usize)].expect("arcs stand on columns with an occupied cell");
+            cells.row_mut(row)[reach].fill((site_row * cols) as u32 + site as u32);
+        }
+    }
+    Some(cells)
 }
 
 /// One row of a vertical sweep: an occupied cell is at distance 0, any other one step farther than its neighbour.
@@ -147,8 +207,28 @@ impl Envelope {
     /// Lowers each of `squares` to the least `(vertex - site)^2 + height^2`, where site `k` stands at vertex
     /// `k * spacing` with `heights[k]`; a height of [`FAR`] is no site.
     fn lower(&mut self, heights: &[i32], spacing: usize, squares: &mut [i32]) {
-        self.arcs.clear();
         let end = squares.len() as i64;
+        self.stand_on(heights, spacing, end);
+        for (index, arc) in self.arcs.iter().enumerate() {
+            let until = self.arcs.get(index + 1).map_or(end, |next| next.from);
+            let (site, square) = (arc.site as i32, arc.square as i32);
+            let first = arc.from as i32 - site;
+            // Lowered and not set: a vertex inside a column may have a nearer cell straight above or below it.
+            for (offset, value) in (first..).zip(&mut squares[arc.from as usize..until as usize]) {
+                *value = (*value).min(offset * offset + square);
+            }
+        }
+    }
+
+    /// The sites of the arcs, each with the vertices at which it is the lowest.
+    fn reaches(&self, end: i64) -> impl Iterator<Item = (i64, Range<usize>)> + '_ {
+        let until = self.arcs.iter().skip(1).map(|arc| arc.from).chain([end]);
+        self.arcs.iter().zip(until).map(|(arc, until)| (arc.site, arc.from as usize..until as usize))
+    }
+
+    /// Makes the arcs over the vertices up to `end`.
+    fn stand_on(&mut self, heights: &[i32], spacing: usize, end: i64) {
+        self.arcs.clear();
         for (index, &height) in heights.iter().enumerate().filter(|(_, height)| **height < FAR) {
             let site = (index * spacing) as i64;
             let square = i64::from(height) * i64::from(height);
@@ -165,15 +245,6 @@ impl Envelope {
             };
             if from < end {
                 self.arcs.push(Arc { site, square, from });
-            }
-        }
-        for (index, arc) in self.arcs.iter().enumerate() {
-            let until = self.arcs.get(index + 1).map_or(end, |next| next.from);
-            let (site, square) = (arc.site as i32, arc.square as i32);
-            let first = arc.from as i32 - site;
-            // Lowered and not set: a vertex inside a column may have a nearer cell straight above or below it.
-            for (offset, value) in (first..).zip(&mut squares[arc.from as usize..until as usize]) {
-                *value = (*value).min(offset * offset + square);
             }
         }
     }
@@ -212,6 +283,24 @@ mod tests {
                     let square = |&(r, c): &(i32, i32)| (r - row as i32).pow(2) + (c - col as i32).pow(2);
                     assert_eq!(Some(squares[(row, col)]), cells.iter().map(square).min(), "at {row}, {col}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn nearest_occupied_cells_are_as_near_as_the_distance_says() {
+        let mut rng = rng::stream(4, "grid/distance");
+        for _ in 0..300 {
+            let map = random_map(&mut rng);
+            let (nearest, squares) = (nearest_occupied(&map), squared_distances(&map));
+            assert_eq!(nearest.is_some(), squares.is_some());
+            let Some((nearest, squares)) = nearest.zip(squares) else { continue };
+            for (index, &square) in squares.values().iter().enumerate() {
+                let found = nearest.values()[index] as usize;
+                let (row, col) = (index / map.cols(), index % map.cols());
+                let (found_row, found_col) = (found / map.cols(), found % map.cols());
+                assert!(map[(found_row, found_col)]);
+                assert_eq!(row.abs_diff(found_row).pow(2) + col.abs_diff(found_col).pow(2), square as usize);
             }
         }
     }
@@ -263,9 +352,9 @@ mod tests {
 
     #[test]
     fn the_longest_side_does_not_overflow() {
-        let mut map = Grid::filled(1, MAX_STEPS, false);
+        let mut map = Grid::filled(1, MAX_CELLS_A_SIDE, false);
         map[(0, 0)] = true;
         let squares = squared_distances(&map).expect("one cell is occupied");
-        assert_eq!(squares[(0, MAX_STEPS - 1)], (MAX_STEPS as i32 - 1).pow(2));
+        assert_eq!(squares[(0, MAX_CELLS_A_SIDE - 1)], (MAX_CELLS_A_SIDE as i32 - 1).pow(2));
     }
 }

@@ -14,8 +14,12 @@ pub mod occupancy;
 pub mod octile;
 pub mod open_list;
 pub mod parameter;
+pub mod path_search;
 pub mod place;
 pub mod potential;
+pub mod sampling;
+pub mod segment;
+pub mod voronoi;
 pub mod wavefront;
 
 pub use place::{BadPlace, Connectivity, CornerCutting, Place, Route, TieOrder};

@@ -50,21 +50,29 @@ pub fn shortest_path(
 /// Orthogonal steps, counted from 1, and diagonal ones; [`UNSEEN`] before any.
 ///
 /// Whole numbers of steps of either kind: equal lengths are equal numbers, in whatever order they were added up.
-type StepLength = (u32, u32);
+pub(super) type StepLength = (u32, u32);
 
-const UNSEEN: StepLength = (0, 0);
+pub(super) const UNSEEN: StepLength = (0, 0);
 
-fn metric((straight, diagonal): StepLength) -> f64 {
+/// The length of a way that has not begun.
+pub(super) const START_LENGTH: StepLength = (1, 0);
+
+/// Length of a way in cells; infinite where there is none.
+pub(super) fn length_from_start((straight, diagonal): StepLength) -> f64 {
+    straight.checked_sub(1).map_or(f64::INFINITY, |straight| f64::from(straight) + f64::from(diagonal) * SQRT_2)
+}
+
+pub(super) fn metric((straight, diagonal): StepLength) -> f64 {
     f64::from(straight) + f64::from(diagonal) * SQRT_2
 }
 
-fn longer((straight, diagonal): StepLength, offset: (isize, isize)) -> StepLength {
+pub(super) fn longer((straight, diagonal): StepLength, offset: (isize, isize)) -> StepLength {
     let is_diagonal = u32::from(offset.0 != 0 && offset.1 != 0);
     (straight + 1 - is_diagonal, diagonal + is_diagonal)
 }
 
 /// Length to go from `start` if the way from `place` is `to_go` and nothing is between the two.
-fn by_way_of(place: Place, (straight, diagonal): StepLength, start: Place) -> StepLength {
+pub(super) fn by_way_of(place: Place, (straight, diagonal): StepLength, start: Place) -> StepLength {
     let (rows, cols) = (place.0.abs_diff(start.0) as u32, place.1.abs_diff(start.1) as u32);
     (straight + rows.abs_diff(cols), diagonal + rows.min(cols))
 }
@@ -77,7 +85,7 @@ fn by_way_of(place: Place, (straight, diagonal): StepLength, start: Place) -> St
 fn search_backwards(occupied: &Grid<bool>, corners: CornerCutting, start: Place, goal: Place) -> Route {
     let steps = TieOrder::CrossFirst.steps(Connectivity::Eight);
     let mut to_go = Grid::filled(occupied.rows(), occupied.cols(), UNSEEN);
-    to_go[goal] = (1, 0);
+    to_go[goal] = START_LENGTH;
     let mut open = BucketQueue::new(metric(by_way_of(goal, to_go[goal], start)), (goal.0 as u32, goal.1 as u32));
     let mut bound = f64::INFINITY;
     while let Some((priority, entry)) = open.pop() {

@@ -34,6 +34,8 @@ pub struct Bar<'a> {
 pub enum Symbol {
     Cell(Rgb),
     Path,
+    /// An edge of a tree or a roadmap.
+    Edge,
     Mark(Mark),
     Way(Rgb),
     Reverse,
@@ -114,6 +116,7 @@ impl Symbol {
                 let ends = [(left + unit, top + 12.0 * unit), (left + 17.0 * unit, top + 4.0 * unit)];
                 marks::draw_path(canvas, &ends, 3.0 * unit);
             }
+            Self::Edge => canvas.polyline(&line, 1.6 * unit, INK),
             Self::Mark(mark) => mark.draw(canvas, centre, 7.0 * unit),
             Self::Way(colour) => draw_run(canvas, &line, 4.0 * unit, colour, false),
             Self::Reverse => draw_run(canvas, &line, 2.4 * unit, INK, true),

@@ -4,14 +4,15 @@
 //! drawn more than 1000 pixels long, texts and marks grow with it.
 
 use crate::grid::Grid;
-use crate::picture::canvas::{Canvas, Point};
+use crate::picture::canvas::{Canvas, Ink, Point};
 use crate::picture::colours::{FAINT_INK, INK, OBSTACLE, PAPER, Rgb, WITHOUT_VALUE, ZONES, blend};
 use crate::picture::legend::{Bar, Legend, Symbol, TEXT};
 use crate::picture::marks;
-use crate::picture::marks::scene_marks;
+use crate::picture::marks::{scene_marks, to_f32};
 use crate::picture::png::Picture;
-use crate::picture::scene::{MapScene, Zones};
+use crate::picture::scene::{MapScene, Spot, Zones};
 use crate::picture::text::{Align, draw_text, measure_text};
+use crate::picture::thin_line::draw_line;
 use crate::picture::ticks::indices;
 use crate::picture::values::ValueScale;
 use crate::picture::zoom::{BlockFace, CellBlock, Zoom};
@@ -22,9 +23,18 @@ use crate::picture::zoom::{BlockFace, CellBlock, Zoom};
 /// maps of more than 4096 cells a side smaller by a whole factor: a pixel is then an obstacle if any of its cells is
 /// one, else it shows their highest value. A picture takes up to about 100 MB of memory while it is drawn.
 pub fn draw_map(scene: &MapScene) -> Picture {
+    draw_map_with(scene, Zoom::fit(scene.occupied.rows(), scene.occupied.cols()))
+}
+
+/// The same with the map drawn at about 480 pixels, at most 1000, for pages with many maps.
+pub fn draw_small_map(scene: &MapScene) -> Picture {
+    draw_map_with(scene, Zoom::small(scene.occupied.rows(), scene.occupied.cols()))
+}
+
+fn draw_map_with(scene: &MapScene, zoom: Zoom) -> Picture {
     let scale = scene.scale();
     let legend = Legend { values: bar(scene, scale.as_ref()), key: key(scene) };
-    let mut plate = Plate::around(scene, &legend);
+    let mut plate = Plate::with_zoom(scene, &legend, zoom);
     plate.paint(&|block| face_colour(block.face(scene), scale.as_ref()));
     plate.mark();
     plate.finish()
@@ -50,12 +60,18 @@ pub fn key<'a>(scene: &MapScene<'a>) -> Vec<(Symbol, &'a str)> {
 }
 
 pub fn marks_key<'a>(scene: &MapScene<'a>) -> impl Iterator<Item = (Symbol, &'a str)> {
-    let path = (scene.path.len() > 1).then_some((Symbol::Path, "path"));
+    let path = (scene.path.len().max(scene.track.len()) > 1).then_some((Symbol::Path, "path"));
+    let edges = (!scene.edges.is_empty()).then_some((Symbol::Edge, "edge"));
     let marks = scene_marks(scene).map(|(mark, _)| (Symbol::Mark(mark), mark.name()));
-    path.into_iter().chain(marks)
+    path.into_iter().chain(edges).chain(marks)
 }
 
 const TITLE: f32 = 13.0;
+/// The distance of the lines of a subtitle.
+pub const SUBTITLE_LINE: f32 = 17.0;
+/// The names of the axes.
+const ROWS: &str = "row";
+const COLUMNS: &str = "column, in cells";
 const MARGIN: f32 = 24.0;
 const GAP: f32 = 12.0;
 /// The distance by which marks may reach beyond the map, and which texts keep from it.
@@ -63,6 +79,7 @@ const OVERHANG: f32 = 10.0;
 /// The longer side of a map from which on texts grow with it, in pixels.
 const USUAL_LENGTH: f32 = 1000.0;
 
+#[derive(Clone)]
 pub struct Plate<'a> {
     scene: &'a MapScene<'a>,
     zoom: Zoom,
@@ -76,20 +93,34 @@ pub struct Plate<'a> {
 impl<'a> Plate<'a> {
     /// Everything but the map itself.
     pub fn around(scene: &'a MapScene<'a>, legend: &Legend) -> Self {
+        Self::with_zoom(scene, legend, Zoom::fit(scene.occupied.rows(), scene.occupied.cols()))
+    }
+
+    /// The same with the map at another size.
+    pub fn with_zoom(scene: &'a MapScene<'a>, legend: &Legend, zoom: Zoom) -> Self {
         let (rows, cols) = (scene.occupied.rows(), scene.occupied.cols());
-        let zoom = Zoom::fit(rows, cols);
         let (width, height) = (zoom.length(cols) as f32, zoom.length(rows) as f32);
         let unit = (width.max(height) / USUAL_LENGTH).max(1.0);
         let numbers = |count: usize| measure_text(&count.saturating_sub(1).to_string(), TEXT) * unit;
-        let left = (MARGIN * unit + numbers(rows).max(0.5 * numbers(cols)) + OVERHANG * unit).ceil();
-        let top = ((MARGIN + TITLE + GAP + OVERHANG) * unit).ceil();
+        let row_name = measure_text(ROWS, TEXT * unit);
+        let row_room = numbers(rows).max(0.5 * numbers(cols)).max(row_name - OVERHANG * unit);
+        let left = (MARGIN * unit + row_room + OVERHANG * unit).ceil();
         let legend_at = (left + width + (OVERHANG + GAP) * unit + 0.5 * numbers(cols)).ceil();
         let title_ends = left + measure_text(scene.title, TITLE * unit);
         let right = title_ends.max(legend_at + legend.width(unit)) + MARGIN * unit;
-        let below = height + (OVERHANG + TEXT) * unit;
+        let subtitle = lines_within(scene.subtitle, right - MARGIN * unit - left, TEXT * unit);
+        let subtitle_height = subtitle.len() as f32 * SUBTITLE_LINE * unit;
+        // The name of the rows has a line of its own above the map.
+        let top = ((MARGIN + TITLE + 2.0 * GAP + TEXT + OVERHANG) * unit + subtitle_height).ceil();
+        let below = height + (OVERHANG + 2.0 * TEXT + GAP) * unit;
         let bottom = top + below.max(legend.height(height, unit)) + MARGIN * unit;
         let mut canvas = Canvas::sized(right, bottom, PAPER);
         draw_text(&mut canvas, scene.title, (left, (MARGIN + TITLE) * unit), Align::Left, TITLE * unit, INK);
+        let mut base = (MARGIN + TITLE) * unit;
+        for line in subtitle {
+            base += SUBTITLE_LINE * unit;
+            draw_text(&mut canvas, line, (left, base), Align::Left, TEXT * unit, INK);
+        }
         legend.draw(&mut canvas, (legend_at, top), height, unit);
         canvas.fill_rect(left - 1.0, top - 1.0, width + 2.0, height + 2.0, FAINT_INK);
         let mut plate = Self { scene, zoom, unit, corner: (left, top), canvas };
@@ -103,6 +134,10 @@ impl<'a> Plate<'a> {
         let (size, away) = (TEXT * self.unit, OVERHANG * self.unit);
         let cell = f64::from(self.zoom.cell());
         let wide = measure_text(&cols.to_string(), size) + 2.0 * size;
+        let rows_at = (left - away, top - away - size);
+        draw_text(&mut self.canvas, ROWS, rows_at, Align::Right, size, INK);
+        let cols_at = (left + 0.5 * width, top + height + away + 2.0 * size + GAP * self.unit);
+        draw_text(&mut self.canvas, COLUMNS, cols_at, Align::Centre, size, INK);
         for row in indices(rows, f64::from(2.6 * size).max(f64::from(height) / 16.0) / cell) {
             let at = (left - away, top + self.zoom.centre(row) + 0.5 * size);
             draw_text(&mut self.canvas, &row.to_string(), at, Align::Right, size, INK);
@@ -131,11 +166,34 @@ impl<'a> Plate<'a> {
         }
     }
 
-    /// Draws path, start, goal and local minimum.
+    /// Draws edges, path, start, goal and local minimum.
     pub fn mark(&mut self) {
+        self.draw_edges(self.scene.edges.len());
+        self.draw_path();
+        self.draw_marks();
+    }
+
+    /// Draws the first edges of a tree or a roadmap.
+    pub fn draw_edges(&mut self, count: usize) {
+        let width = (0.08 * self.zoom.cell()).clamp(1.0 * self.unit, 1.6 * self.unit);
+        for &[from, to] in &self.scene.edges[..count] {
+            let ends = [self.spot(from), self.spot(to)];
+            draw_line(&mut self.canvas, ends[0], ends[1], width, Ink::opaque(INK));
+        }
+    }
+
+    pub fn draw_path(&mut self) {
         let cell = self.zoom.cell();
-        let path: Vec<Point> = marks::corners(self.scene.path).into_iter().map(|place| self.centre(place)).collect();
+        let path: Vec<Point> = if self.scene.track.is_empty() {
+            marks::corners(self.scene.path).into_iter().map(|place| self.centre(place)).collect()
+        } else {
+            self.scene.track.iter().map(|&spot| self.spot(spot)).collect()
+        };
         marks::draw_path(&mut self.canvas, &path, (0.2 * cell).clamp(1.8 * self.unit, 5.0 * self.unit));
+    }
+
+    pub fn draw_marks(&mut self) {
+        let cell = self.zoom.cell();
         let radius = (0.32 * cell).clamp(5.5 * self.unit, 11.0 * self.unit);
         for (mark, place) in scene_marks(self.scene).rev() {
             let at = self.centre(place);
@@ -143,13 +201,48 @@ impl<'a> Plate<'a> {
         }
     }
 
+    fn spot(&self, (row, col): Spot) -> Point {
+        let cell = self.zoom.cell();
+        (self.corner.0 + (to_f32(col) + 0.5) * cell, self.corner.1 + (to_f32(row) + 0.5) * cell)
+    }
+
     fn centre(&self, (row, col): (usize, usize)) -> Point {
         (self.corner.0 + self.zoom.centre(col), self.corner.1 + self.zoom.centre(row))
+    }
+
+    /// Width and height of the sheet in pixels.
+    pub fn size(&self) -> (u32, u32) {
+        (self.canvas.width(), self.canvas.height())
+    }
+
+    /// The sheet as it is: red, green, blue and opacity of every pixel, row by row.
+    pub fn bytes(&self) -> &[u8] {
+        self.canvas.bytes()
     }
 
     pub fn finish(self) -> Picture {
         self.canvas.finish()
     }
+}
+
+/// Breaks a text at its spaces into lines of at most a width, but for words that are longer.
+pub fn lines_within(text: &str, width: f32, height: f32) -> Vec<&str> {
+    let mut lines: Vec<&str> = Vec::new();
+    let mut begin = 0;
+    for (end, _) in text.match_indices(' ').chain([(text.len(), "")]) {
+        let line = text[begin..end].trim_start();
+        match lines.last_mut() {
+            Some(last) if measure_text(line, height) <= width => *last = line,
+            _ => {
+                // The line so far stays as it is, and the last word begins another.
+                let word = line.rfind(' ').map_or(0, |space| space + 1);
+                begin = end - (line.len() - word);
+                lines.push(&text[begin..end]);
+            }
+        }
+    }
+    lines.retain(|line| !line.is_empty());
+    lines
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "corners lie on whole pixels of the sheet")]

@@ -56,18 +56,29 @@ impl Picture {
     /// Writes the picture as a PNG file, which appears whole.
     pub fn write_png(&self, path: &Path) -> io::Result<()> {
         let mut file = WholeFile::create(path)?;
+        self.encode_png(&mut file)?;
+        file.finish()
+    }
+
+    /// The bytes of the picture as a PNG file.
+    pub fn to_png(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        self.encode_png(&mut bytes).expect("memory takes what it is given");
+        bytes
+    }
+
+    fn encode_png(&self, target: impl io::Write) -> io::Result<()> {
         // The fast way to pack looks only for runs of zeros, which differences from the row above have; the thorough
         // one finds the repetitions of flat colours better in what is left as it is.
         let (compression, filter) = match self.channels.len() {
             0..=PACKED_WELL => (CompressionType::Best, FilterType::NoFilter),
             _ => (CompressionType::Fast, FilterType::Up),
         };
-        let encoder = PngEncoder::new_with_quality(&mut file, compression, filter);
+        let encoder = PngEncoder::new_with_quality(target, compression, filter);
         let written = encoder.write_image(&self.channels, self.width, self.height, ExtendedColorType::Rgb8);
-        match written {
-            Ok(()) => file.finish(),
-            Err(ImageError::IoError(error)) => Err(error),
-            Err(error) => Err(io::Error::other(error)),
-        }
+        written.map_err(|error| match error {
+            ImageError::IoError(error) => error,
+            error => io::Error::other(error),
+        })
     }
 }

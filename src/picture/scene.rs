@@ -5,14 +5,19 @@ use crate::grid::{Grid, Place};
 use super::colours::ColourMap;
 use super::values::ValueScale;
 
+/// A point of a map as (row, column) in cells, whole numbers at the centres of cells.
+pub type Spot = (f64, f64);
+
 /// A grid map and what is marked on it; all places lie on the map.
 ///
 /// [`MapScene::new`] marks nothing; set what else is to be shown:
 /// `MapScene { goal: Some(goal), ..MapScene::new("Wavefront, 8 neighbours", "steps", &occupied, &value) }`.
 #[derive(Clone, Copy)]
 pub struct MapScene<'a> {
-    /// Such as "Brushfire, 8 neighbours".
+    /// Such as "maze.txt: Brushfire, 8 neighbours".
     pub title: &'a str,
+    /// What else was asked for, under the title in smaller letters, on as many lines as it needs.
+    pub subtitle: &'a str,
     /// The name of the values in a word or two, such as "cost"; it is written at the colour bar and at the height axis.
     pub value_name: &'a str,
     pub occupied: &'a Grid<bool>,
@@ -23,9 +28,15 @@ pub struct MapScene<'a> {
     /// The name of free cells where the map says no more of them: they share a neutral colour then, and the key takes
     /// the place of the bar of colours.
     pub free_name: Option<&'a str>,
+    /// The name of free cells without a value.
+    pub colourless: &'a str,
     /// Zones that an overlay shows in place of values.
     pub zones: Option<Zones<'a>>,
     pub path: &'a [Place],
+    /// A path through points, drawn in place of that through cells in pictures from above.
+    pub track: &'a [Spot],
+    /// Edges of a tree or a roadmap, drawn in pictures from above.
+    pub edges: &'a [[Spot; 2]],
     pub start: Option<Place>,
     pub goal: Option<Place>,
     /// The local minimum that a descent came to a halt in.
@@ -57,12 +68,16 @@ impl<'a> MapScene<'a> {
     ) -> Self {
         Self {
             title,
+            subtitle: "",
             value_name,
             occupied,
             value,
             free_name: None,
+            colourless: "unreached",
             zones: None,
             path: &[],
+            track: &[],
+            edges: &[],
             start: None,
             goal: None,
             stuck: None,
@@ -97,6 +112,6 @@ impl<'a> MapScene<'a> {
     pub(super) fn colourless_name(&self) -> Option<&'a str> {
         let mut free = self.places().filter(|&place| !self.occupied[place]);
         let is_present = free.any(|place| self.free_name.is_some() || self.value_at(place).is_none());
-        is_present.then_some(self.free_name.unwrap_or("unreached"))
+        is_present.then_some(self.free_name.unwrap_or(self.colourless))
     }
 }

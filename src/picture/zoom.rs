@@ -40,6 +40,11 @@ impl Zoom {
         Self::fit_to(rows, cols, USUAL_SIDE, LONGEST_SIDE)
     }
 
+    /// Up by a whole factor to sides of about 480 pixels, down by a whole factor to 1000.
+    pub fn small(rows: usize, cols: usize) -> Self {
+        Self::fit_to(rows, cols, 480, 1000)
+    }
+
     /// Up by a whole factor to sides of about `usual` pixels, down by a whole factor to `longest`.
     pub fn fit_to(rows: usize, cols: usize, usual: usize, longest: usize) -> Self {
         let longer = rows.max(cols).max(1);

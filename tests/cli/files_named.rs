@@ -5,7 +5,7 @@ use std::fs;
 use crate::story::{Answer, Story, refuse};
 
 /// Every option of every command that writes a single file, how the file's name may end, and what it begins with.
-const OUTPUTS: [(&str, &str, &[u8]); 26] = [
+const OUTPUTS: [(&str, &str, &[u8]); 29] = [
     ("run smoke --out", "wildfire", b"WILDFIRE"),
     ("run smoke --events", "csv", b"t_s,event"),
     ("run smoke --trace", "csv", b"t_s,agent"),
@@ -21,6 +21,10 @@ const OUTPUTS: [(&str, &str, &[u8]); 26] = [
     ("map brushfire map.txt --overlay", "png", b"\x89PNG"),
     ("map brushfire map.txt --surface", "png", b"\x89PNG"),
     ("map wavefront map.txt --goal 1,0 --start 1,3 --path", "csv", b"1,3\n"),
+    ("map astar map.txt --goal 1,0 --start 1,3 --expansions", "csv", b"order,row,col,cost\n0,1,3,0\n"),
+    ("map astar map.txt --goal 1,0 --start 1,3 --gif", "gif", b"GIF8"),
+    ("map prm map.txt --goal 1,0 --start 1,3 --edges", "csv", b"order,from_row"),
+    ("map rrt map.txt --goal 1,0 --start 1,3 --gif", "gif", b"GIF8"),
     ("curve --from 0,0,0 --to 20,15,180 --csv", "csv", b"curve,s_m"),
     ("curve --from 0,0,0 --to 20,15,180 --png", "png", b"\x89PNG"),
     ("curve --pairs pairs.csv --csv", "csv", b"x0,y0"),

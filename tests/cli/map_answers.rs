@@ -266,7 +266,8 @@ fn map_of_one_cell_has_every_answer() {
 fn json_has_its_members_in_one_order() {
     let story = story();
     let members = "program_version map rows cols cells occupied no_obstacle tolerance near_tolerance remove_edges \
-                   command parameters maximum unreached answer minimum path_cells steps length path notes measured";
+                   command parameters maximum unreached answer minimum path_cells steps length cost expansions touched samples vertices \
+                   edges path notes measured";
     for arguments in
         ["occupancy trap.txt", "wavefront trap.txt --goal 2,5 --start 0,0", "descend trap.txt --goal 2,5 --start 2,1"]
     {
@@ -300,6 +301,129 @@ fn json_tells_what_was_asked_and_what_came_of_it() {
     for name in ["unreached", "answer", "minimum", "path_cells", "steps", "length", "path"] {
         assert_eq!(plain[name], Value::Null, "{name}");
     }
+}
+
+#[test]
+fn searches_answer_cost_expansions_and_cells_touched() {
+    let story = story();
+    for (command, cost) in
+        [("astar", 2.0 + 4.0 * SQRT_2), ("dijkstra", 2.0 + 4.0 * SQRT_2), ("jps", 2.0 + 4.0 * SQRT_2)]
+    {
+        let answer = object(&story, &format!("{command} trap.txt --goal 2,5 --start 2,1"));
+        assert_eq!((&answer["answer"], &answer["command"]), (&json!("reached"), &json!(command)));
+        assert!(answer["cost"].as_f64().is_some_and(|found| (found - cost).abs() < 1e-12), "{answer}");
+        assert_eq!((&answer["cost"], &answer["path_cells"]), (&answer["length"], &json!(7)));
+        let (expansions, touched) = (answer["expansions"].as_u64(), answer["touched"].as_u64());
+        assert!(expansions > Some(2) && expansions <= touched && touched <= Some(17), "{answer}");
+    }
+    let corners = object(&story, "astar trap.txt --goal 2,5 --start 2,1 --no-corner-cutting");
+    assert!(corners["cost"].as_f64().is_some_and(|found| (found - 8.0 - SQRT_2).abs() < 1e-12));
+    let four = object(&story, "greedy trap.txt --goal 2,5 --start 2,1 --connectivity 4");
+    assert_eq!((&four["answer"], &four["cost"]), (&json!("reached"), &json!(10.0)));
+    let words = tell(&story, "astar trap.txt --goal 2,5 --start 2,1").stdout;
+    assert!(
+        words.contains("Reached the goal: 6 steps, length 7.657.") && words.contains("touched, cost 7.657."),
+        "{words}"
+    );
+    let values = values(&story, "dijkstra open.txt --goal 1,2 --start 0,0");
+    assert_eq!(values, ["0,1,2", "1,1.41421356237,2.41421356237"]);
+}
+
+#[test]
+fn order_of_expansion_is_a_table_and_a_film() {
+    let story = story();
+    tell(&story, "dijkstra open.txt --goal 1,2 --start 0,0 --expansions order.csv --gif film.gif");
+    let order = "order,row,col,cost\n0,0,0,0\n1,0,1,1\n2,1,0,1\n3,1,1,1.41421356237\n4,0,2,2\n";
+    assert_eq!(story.read("order.csv"), order);
+    let film = std::fs::read(story.path("film.gif")).expect("it was written");
+    assert!(film.starts_with(b"GIF89a"));
+    tell(&story, "prm open.txt --goal 1,2 --start 0,0 --samples 5 --edges edges.csv --gif roadmap.gif --surface s.png");
+    let edges = story.read("edges.csv");
+    assert!(edges.starts_with("order,from_row,from_col,to_row,to_col\n0,0,0,"), "{edges}");
+}
+
+#[test]
+fn any_angle_path_is_a_row_of_turning_cells() {
+    let story = story();
+    assert_eq!(path(&story, "theta open.txt --goal 1,2 --start 0,0"), ["0,0", "1,2"]);
+    let answer = object(&story, "theta open.txt --goal 1,2 --start 0,0");
+    assert_eq!((&answer["steps"], &answer["cost"]), (&json!(1), &json!(5.0_f64.sqrt())));
+    assert!(tell(&story, "theta open.txt --goal 1,2 --start 0,0").stdout.contains("1 segment, length 2.236."));
+    let around = path(&story, "theta trap.txt --goal 2,5 --start 2,1 --no-corner-cutting");
+    assert_eq!((around.first().map(String::as_str), around.last().map(String::as_str)), (Some("2,1"), Some("2,5")));
+}
+
+#[test]
+fn euclidean_distances_are_exact() {
+    let story = story();
+    let found = values(&story, "euclidean trap.txt");
+    assert_eq!(found[0], "1.41421356237,1,1,1,1.41421356237,2.2360679775");
+    assert_eq!(found[2], "1.41421356237,1,1,0,1,2");
+    assert_eq!(values(&story, "euclidean open.txt"), ["0,0,0"; 2]);
+    assert!(tell(&story, "euclidean open.txt").stdout.contains("No obstacle"));
+}
+
+#[test]
+fn diagram_lies_between_the_walls_and_a_path_keeps_to_it() {
+    let story = story();
+    story.file("room.txt", &"000000000\n".repeat(5));
+    let diagram = values(&story, "voronoi room.txt");
+    assert_eq!(diagram[1], "0,2,0,0,0,0,0,2,0");
+    assert_eq!(diagram[2], "0,0,3,3,3,3,3,0,0");
+    let way = path(&story, "voronoi room.txt --start 2,0 --goal 2,8");
+    assert_eq!((way[0].as_str(), way[8].as_str(), way.len()), ("2,0", "2,8", 9));
+    assert!((2..7).all(|col| way[col] == format!("2,{col}")), "{way:?}");
+    assert_eq!(object(&story, "voronoi room.txt")["answer"], Value::Null);
+}
+
+#[test]
+fn trees_and_roadmaps_answer_by_their_seed() {
+    let story = story();
+    for command in ["rrt", "rrt-star --samples 300", "prm --samples 100"] {
+        let arguments = format!("{command} trap.txt --goal 2,5 --start 2,1 --seed 3");
+        let (answer, again) = (object(&story, &arguments), object(&story, &arguments));
+        assert_eq!((&answer["answer"], &answer["path"]), (&json!("reached"), &again["path"]), "{command}");
+        let cells = answer["path"].as_array().expect("a path");
+        assert_eq!((cells.first(), cells.last()), (Some(&json!([2.0, 1.0])), Some(&json!([2.0, 5.0]))));
+        assert_eq!(answer["cost"], answer["length"]);
+        assert!(answer["vertices"].as_u64() > Some(2) && answer["edges"].as_u64() > Some(2), "{answer}");
+        let way = path(&story, &arguments);
+        assert_eq!((way[0].as_str(), way[way.len() - 1].as_str()), ("2,1", "2,5"));
+        let other = object(&story, &format!("{command} trap.txt --goal 2,5 --start 2,1 --seed 4"));
+        assert_ne!(answer["path"], other["path"], "{command}");
+    }
+    let closed = object(&story, "rrt enclosed.txt --goal 2,2 --start 0,0 --samples 50");
+    assert_eq!(
+        (&closed["answer"], &closed["samples"], &closed["path"]),
+        (&json!("not-found"), &json!(50), &Value::Null)
+    );
+    assert!(tell(&story, "rrt enclosed.txt --goal 2,2 --start 0,0 --samples 50").stdout.contains("No path found"));
+}
+
+#[test]
+fn every_search_answers_an_occupied_start_and_a_walled_goal() {
+    let story = story();
+    for search in ["astar", "dijkstra", "greedy", "theta", "jps", "rrt --samples 9", "rrt-star --samples 9", "prm"] {
+        let answer = object(&story, &format!("{search} trap.txt --goal 2,5 --start 1,1"));
+        assert_eq!((&answer["answer"], &answer["path"]), (&json!("start-occupied"), &Value::Null), "{search}");
+        let answer = object(&story, &format!("{search} enclosed.txt --goal 2,2 --start 0,0"));
+        let is_tree = search.starts_with("rrt") || search == "prm";
+        assert_eq!(answer["answer"], json!(if is_tree { "not-found" } else { "unreachable" }), "{search}");
+        let answer = object(&story, &format!("{search} cell.txt --goal 0,0 --start 0,0"));
+        assert_eq!((&answer["answer"], &answer["cost"]), (&json!("reached"), &json!(0.0)), "{search}");
+    }
+}
+
+#[test]
+fn report_is_one_page_with_every_picture() {
+    let story = story();
+    story.tell(&["map", "report", "trap.txt", "--goal", "2,5", "--start", "2,1", "--out", "lab"]).expect_code(0);
+    let page = story.read("lab/report.html");
+    assert_eq!(page.matches("data:image/png;base64,").count(), 18);
+    assert!(!page.contains("http") && page.contains("<td>7.657</td>") && page.contains("wildfire map astar"), "{page}");
+    let table = story.read("lab/searches.csv");
+    let names: Vec<&str> = table.lines().filter_map(|line| line.split(',').next()).collect();
+    assert_eq!(names, ["search", "dijkstra", "astar", "greedy", "jps", "theta", "rrt", "rrt-star", "prm"]);
 }
 
 #[test]

@@ -30,6 +30,23 @@ fn goal_outside_or_in_an_obstacle_is_refused_with_file_row_and_column() {
 }
 
 #[test]
+fn searches_refuse_wrong_ends_as_the_wavefront_does() {
+    let story = story();
+    for command in
+        ["astar", "dijkstra", "greedy", "theta", "jps", "rrt", "rrt-star", "prm", "voronoi", "report --out new"]
+    {
+        let occupied = ["map.txt: the goal at row 0, column 1 is occupied"];
+        refuse_map(&story, &format!("{command} map.txt --goal 0,1 --start 1,0"), &occupied);
+        let outside = ["map.txt: the goal at row 2, column 0 lies outside the map of 2 rows and 4 columns"];
+        refuse_map(&story, &format!("{command} map.txt --goal 2,0 --start 1,0"), &outside);
+        let start = ["map.txt: the start at row 0, column 4 lies outside the map of 2 rows and 4 columns"];
+        refuse_map(&story, &format!("{command} map.txt --goal 1,0 --start 0,4"), &start);
+    }
+    refuse_map(&story, "report map.txt --goal 1,0 --start 1,1 --out map.txt", &["map.txt: it is no folder"]);
+    refuse_map(&story, "report map.txt --goal 1,0 --start 1,1 --out no/lab", &["no/lab: there is no such folder"]);
+}
+
+#[test]
 fn start_outside_the_map_is_refused() {
     let story = story();
     for command in ["wavefront", "wavefront --shortest", "descend", "descend --escape wavefront"] {
@@ -70,6 +87,12 @@ fn parameters_that_make_no_sense_are_refused() {
         ("wavefront map.txt --goal 1,0 --scale -1", "the scale must be a number above 0"),
         ("wavefront map.txt --goal 1,0 --scale 0", "the scale must be a number above 0"),
         ("wavefront map.txt --goal 1,0 --scale none", "expected a number"),
+        ("jps map.txt --goal 1,0 --start 1,1 --connectivity 4", "possible values: 8"),
+        ("rrt map.txt --goal 1,0 --start 1,1 --step 0", "the step must be a number of cells from 0.1"),
+        ("rrt map.txt --goal 1,0 --start 1,1 --goal-bias 2", "the goal bias must be a number from 0 to 1, not 2"),
+        ("rrt-star map.txt --goal 1,0 --start 1,1 --samples 0", "the number of samples must be from 1 to 100000"),
+        ("rrt-star map.txt --goal 1,0 --start 1,1 --radius 0", "the radius must be a number above 0"),
+        ("prm map.txt --goal 1,0 --start 1,1 --neighbours 5000", "the number of neighbours must be from 1 to 1000"),
         ("brushfire map.txt --connectivity 6", "possible values: 4, 8"),
         ("occupancy map.txt --tolerance 256", "from 0 to 255"),
         ("occupancy map.txt --tolerance -1", "from 0 to 255"),
@@ -86,6 +109,11 @@ fn options_that_do_not_go_together_are_refused() {
         ("descend map.txt --goal 1,0", "--start"),
         ("descend map.txt --start 1,0", "--goal"),
         ("wavefront map.txt", "--goal"),
+        ("astar map.txt --goal 1,0", "--start"),
+        ("voronoi map.txt --goal 1,0", "--start"),
+        ("voronoi map.txt --path path.csv", "--path without a start"),
+        ("brushfire map.txt --gif film.gif", "--gif"),
+        ("rrt map.txt --goal 1,0 --start 1,1 --expansions order.csv", "--expansions"),
         ("wavefront map.txt --goal 1,0 --shortest", "--start"),
         ("wavefront map.txt --goal 1,0 --tie-order west-first", "--start"),
         ("wavefront map.txt --goal 1,0 --start 1,1 --shortest --tie-order west-first", "cannot be used with"),

@@ -28,7 +28,7 @@ fn helps(story: &Story) -> Vec<(String, String)> {
     let listed = overview.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
     let names = listed.filter_map(|line| line.split_whitespace().next()).filter(|name| *name != "help");
     let helps: Vec<_> = names.map(|name| (name.to_owned(), help(&["map", name, "--help"]))).collect();
-    assert_eq!(helps.len(), 9, "{overview}");
+    assert_eq!(helps.len(), 20, "{overview}");
     helps
 }
 

@@ -2,6 +2,7 @@
 
 mod by_hand;
 mod endless;
+mod path_searches;
 mod problems;
 
 use std::collections::BTreeMap;

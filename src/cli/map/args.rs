@@ -9,6 +9,11 @@ use crate::cli::map::options::{
     AttractionOptions, Convention, CornerArguments, Escape, FieldArguments, FileArguments, Form, GoalArguments,
     NeighbourArguments, Order, ReadingArguments, RepulsionOptions, parse_distance, parse_number, parse_place,
 };
+use crate::cli::map::search_args::{
+    EightSearchArguments, EndArguments, EuclideanArguments, PrmArguments, RrtArguments, RrtStarArguments,
+    SearchArguments, VoronoiArguments,
+};
+use crate::cli::output_files::Format;
 use crate::cli::report::FormArguments;
 use crate::grid::parameter::BadParameter;
 use crate::grid::{Place, cost_map};
@@ -20,6 +25,8 @@ pub enum MapCommand {
     Compute(Computation),
     /// CPU time of brushfire and wavefront on maps, as a table.
     Timing(TimingArguments),
+    /// All maps and searches of one problem, as a page for a report.
+    Report(PageArguments),
 }
 
 /// A computation on a map, with its parameters.
@@ -42,7 +49,119 @@ pub enum Computation {
     Total(TotalArguments),
     /// Gradient descent on the total potential: reached, or stuck in a local minimum.
     Descend(DescendArguments),
+    /// The Euclidean distance of every cell's centre from that of the nearest obstacle.
+    Euclidean(EuclideanArguments),
+    /// The cells equally far from two obstacles; with --start and --goal, a path along them.
+    #[command(after_help = VORONOI_HELP)]
+    Voronoi(VoronoiArguments),
+    /// A cheapest path by A*: cost so far plus the least that the rest can cost.
+    #[command(after_help = ASTAR_HELP)]
+    Astar(SearchArguments),
+    /// A cheapest path by Dijkstra's search, in the order of the cost so far.
+    #[command(after_help = DIJKSTRA_HELP)]
+    Dijkstra(SearchArguments),
+    /// Some path by greedy best-first search, in the order of the distance to go.
+    #[command(after_help = GREEDY_HELP)]
+    Greedy(SearchArguments),
+    /// A path that turns at any angle, by Theta*.
+    #[command(after_help = THETA_HELP)]
+    Theta(EightSearchArguments),
+    /// A cheapest path by jump point search.
+    #[command(after_help = JPS_HELP)]
+    Jps(EightSearchArguments),
+    /// A path by a rapidly-exploring random tree of points.
+    #[command(after_help = RRT_HELP)]
+    Rrt(RrtArguments),
+    /// A path by RRT*, which gets shorter with more samples.
+    #[command(after_help = RRT_STAR_HELP)]
+    RrtStar(RrtStarArguments),
+    /// A path through a probabilistic roadmap of points.
+    #[command(after_help = PRM_HELP)]
+    Prm(PrmArguments),
 }
+
+const VORONOI_HELP: &str = "\
+Of two cells side by side whose nearest sites differ, the one belongs to the \
+diagram that is less far from the other's nearest obstacle cell, or both. Sites are \
+connected obstacles and the four walls around the map; where one obstacle is all \
+around, as in a maze, `--sites cells` has a diagram all the same. Values: the \
+distance from the nearest site on the diagram, 0 off it. The path is the one with \
+the least length off the diagram, and of those the shortest.
+
+Examples:
+  wildfire map voronoi assets/maps/drawing.png --png voronoi.png
+  wildfire map voronoi assets/maps/maze.txt --sites cells \\
+    --goal 19,29 --start 1,1";
+
+const ASTAR_HELP: &str = "\
+Values are costs from the start where the search knows them, inf elsewhere. A step \
+costs 1, a diagonal one the square root of 2. Ties go to the larger cost so far, \
+then to the first in reading order.
+
+Examples:
+  wildfire map astar assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
+    --png a.png
+  wildfire map astar assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
+    --expansions order.csv --gif search.gif";
+
+const DIJKSTRA_HELP: &str = "\
+As `wildfire map astar`, but without an estimate of the cost to go.
+
+Example:
+  wildfire map dijkstra assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
+    --png d.png";
+
+const GREEDY_HELP: &str = "\
+As `wildfire map astar`, but the cost so far does not count, so the path need not be \
+a cheapest one. A cell keeps the way by which it was reached first.
+
+Example:
+  wildfire map greedy assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
+    --png g.png";
+
+const THETA_HELP: &str = "\
+The path is a row of cells, joined by straight segments between centres that enter \
+no obstacle. With --no-corner-cutting they touch none either, not even at a corner. \
+It never costs more than a cheapest path in steps.
+
+Example:
+  wildfire map theta assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
+    --path turns.csv";
+
+const JPS_HELP: &str = "\
+A* that expands only cells at which a shortest path may have to turn; costs are \
+known there alone. It costs what A* costs, with and without --no-corner-cutting. \
+Cells touched are those that the jumps went through.
+
+Example:
+  wildfire map jps assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
+    --png jumps.png";
+
+const RRT_HELP: &str = "\
+Points are drawn with equal chance over the map, between cells too, from the centre \
+of the start to that of the goal; segments touch no obstacle. The tree ends when it \
+reaches the goal. Values: the least cost of a point of the tree in the cell, inf \
+without one. A seed gives the same tree everywhere.
+
+Example:
+  wildfire map rrt assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
+    --png tree.png";
+
+const RRT_STAR_HELP: &str = "\
+As `wildfire map rrt`, but all samples are drawn: a point joins the neighbour that \
+makes its way shortest, and neighbours join it anew where theirs gets shorter.
+
+Example:
+  wildfire map rrt-star assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
+    --samples 2000 --png tree.png";
+
+const PRM_HELP: &str = "\
+Points are drawn as by `wildfire map rrt`, each is joined with its nearest ones where \
+the segment is free, and the path is a shortest one through the roadmap.
+
+Example:
+  wildfire map prm assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
+    --png roadmap.png";
 
 impl Computation {
     pub fn files(&self) -> &FileArguments {
@@ -55,13 +174,33 @@ impl Computation {
             Self::Repulsion(arguments) => &arguments.files,
             Self::Total(arguments) => &arguments.files,
             Self::Descend(arguments) => &arguments.files,
+            Self::Euclidean(arguments) => &arguments.files,
+            Self::Voronoi(arguments) => &arguments.files,
+            Self::Astar(arguments) | Self::Dijkstra(arguments) | Self::Greedy(arguments) => &arguments.files,
+            Self::Theta(arguments) | Self::Jps(arguments) => &arguments.files,
+            Self::Rrt(arguments) => &arguments.files,
+            Self::RrtStar(arguments) => &arguments.files,
+            Self::Prm(arguments) => &arguments.files,
+        }
+    }
+
+    /// Lists the files beside those of every command: the table of what was expanded or joined, and the film.
+    pub fn more_files(&self) -> [(Format, &Option<PathBuf>); 2] {
+        match self {
+            Self::Astar(arguments) | Self::Dijkstra(arguments) | Self::Greedy(arguments) => arguments.trace.files(),
+            Self::Theta(arguments) | Self::Jps(arguments) => arguments.trace.files(),
+            Self::Rrt(arguments) => arguments.graph.files(),
+            Self::RrtStar(arguments) => arguments.graph.files(),
+            Self::Prm(arguments) => arguments.graph.files(),
+            _ => [(Format::Csv, &None), (Format::Gif, &None)],
         }
     }
 
     /// Accepts parameters in the ranges that their algorithms state.
     pub fn check_parameters(&self) -> Result<(), BadParameter> {
         match self {
-            Self::Occupancy(_) | Self::Brushfire(_) => Ok(()),
+            Self::Occupancy(_) | Self::Brushfire(_) | Self::Euclidean(_) | Self::Voronoi(_) => Ok(()),
+            Self::Astar(_) | Self::Dijkstra(_) | Self::Greedy(_) | Self::Theta(_) | Self::Jps(_) => Ok(()),
             Self::Cost(arguments) => arguments.zones().check(),
             Self::Wavefront(arguments) => {
                 arguments.scale.map_or(Ok(()), |scale| BadParameter::unless_positive("the scale", scale))
@@ -70,6 +209,9 @@ impl Computation {
             Self::Repulsion(arguments) => arguments.repulsion.law().check(),
             Self::Total(arguments) => arguments.field.check(),
             Self::Descend(arguments) => arguments.field.check(),
+            Self::Rrt(arguments) => arguments.growth.settings(None).check(),
+            Self::RrtStar(arguments) => arguments.growth.settings(Some(&arguments.near)).check(),
+            Self::Prm(arguments) => arguments.settings().check(),
         }
     }
 
@@ -77,8 +219,11 @@ impl Computation {
     pub fn has_start(&self) -> bool {
         match self {
             Self::Wavefront(arguments) => arguments.start.is_some(),
-            Self::Descend(_) => true,
-            _ => false,
+            Self::Voronoi(arguments) => arguments.start.is_some(),
+            Self::Occupancy(_) | Self::Brushfire(_) | Self::Cost(_) | Self::Attraction(_) => false,
+            Self::Repulsion(_) | Self::Total(_) | Self::Euclidean(_) => false,
+            Self::Descend(_) | Self::Astar(_) | Self::Dijkstra(_) | Self::Greedy(_) | Self::Theta(_) => true,
+            Self::Jps(_) | Self::Rrt(_) | Self::RrtStar(_) | Self::Prm(_) => true,
         }
     }
 }
@@ -284,6 +429,35 @@ pub struct TimingArguments {
     pub reading: ReadingArguments,
     #[command(flatten)]
     pub form: FormArguments,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+The folder is made if need be; it gets report.html, which needs no other file, and \
+searches.csv. Theta* and jump point search have 8 neighbours whatever is asked for. \
+CPU times are of one run each.
+
+Example:
+  wildfire map report assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
+    --out lab")]
+pub struct PageArguments {
+    /// A map of any kind.
+    #[arg(value_name = "MAP")]
+    pub map: PathBuf,
+    #[command(flatten)]
+    pub reading: ReadingArguments,
+    #[command(flatten)]
+    pub ends: EndArguments,
+    #[command(flatten)]
+    pub neighbours: NeighbourArguments,
+    #[command(flatten)]
+    pub corners: CornerArguments,
+    /// The number that decides what trees and roadmaps draw.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// The folder to write to.
+    #[arg(long, value_name = "FOLDER")]
+    pub out: PathBuf,
 }
 
 impl CostArguments {

@@ -1,55 +1,25 @@
-//! Computing what a command asks of a map: values, perhaps a path, and how long they took.
-
-use std::io;
-use std::path::Path;
-use std::time::Duration;
-
-use serde::Serialize;
+//! Computing what a command asks of a map.
 
 use crate::cli::map::args::{
     AttractionArguments, BrushfireArguments, Computation, CostArguments, DescendArguments, RepulsionArguments,
     WavefrontArguments,
 };
-use crate::cli::map::options::{self, AttractionOptions, Convention, FieldArguments, Neighbours};
-use crate::document::number::{count, rounded};
+use crate::cli::map::computed::{
+    BadQuestion, Bare, Computed, Values, Walk, Way, check_free, check_inside, timed, title_with_neighbours,
+};
+use crate::cli::map::options::{self, AttractionOptions, Convention, FieldArguments};
+use crate::cli::map::{graphs, searches};
 use crate::grid::brushfire::brushfire;
 use crate::grid::cost_map::cost_map;
-use crate::grid::descent::{Descent, Escape, descend, descend_or_escape};
+use crate::grid::descent::{descend, descend_or_escape};
+use crate::grid::distance::euclidean_distances;
 use crate::grid::octile::shortest_path;
-use crate::grid::place::octile_length;
+use crate::grid::path_search::SearchOrder;
 use crate::grid::wavefront::{UNREACHED, descend_wavefront, wavefront};
-use crate::grid::{BadPlace, Connectivity, Grid, Place, Route, place, potential};
-use crate::map_files::{MapValue, write_csv, write_npy};
-use crate::time::cpu::CpuStopwatch;
-
-/// The result of a computation on a map.
-#[derive(Debug)]
-pub struct Computed {
-    /// The name of the map, such as `Brushfire, 8 neighbours`.
-    pub title: String,
-    /// The name of the values, in a word or two.
-    pub value_name: &'static str,
-    pub values: Values,
-    /// Free cells that the wave never reaches, of a wavefront.
-    pub unreached: Option<usize>,
-    pub goal: Option<Place>,
-    pub walk: Option<Walk>,
-    /// CPU time of the values.
-    pub cpu_map: Duration,
-    /// CPU time of the walk.
-    pub cpu_path: Option<Duration>,
-}
-
-/// A start or goal that the map does not allow.
-#[derive(Debug, thiserror::Error)]
-#[error("the {which} at {problem}")]
-pub struct BadEnd {
-    which: &'static str,
-    problem: BadPlace,
-}
+use crate::grid::{Connectivity, Grid, Place, potential};
 
 /// Does what a command asks, on a map.
-pub fn compute(computation: &Computation, occupied: &Grid<bool>) -> Result<Computed, BadEnd> {
+pub fn compute(computation: &Computation, occupied: &Grid<bool>) -> Result<Computed, BadQuestion> {
     match computation {
         Computation::Occupancy(_) => Ok(occupancy(occupied)),
         Computation::Brushfire(arguments) => Ok(distances(occupied, arguments)),
@@ -59,6 +29,16 @@ pub fn compute(computation: &Computation, occupied: &Grid<bool>) -> Result<Compu
         Computation::Repulsion(arguments) => Ok(repulsion(occupied, arguments)),
         Computation::Total(arguments) => total(occupied, &arguments.field),
         Computation::Descend(arguments) => descent(occupied, arguments),
+        Computation::Euclidean(_) => Ok(euclidean(occupied)),
+        Computation::Voronoi(arguments) => searches::diagram(occupied, arguments),
+        Computation::Astar(arguments) => searches::best_first(occupied, arguments, SearchOrder::AStar),
+        Computation::Dijkstra(arguments) => searches::best_first(occupied, arguments, SearchOrder::Dijkstra),
+        Computation::Greedy(arguments) => searches::best_first(occupied, arguments, SearchOrder::Greedy),
+        Computation::Theta(arguments) => searches::any_angle(occupied, arguments),
+        Computation::Jps(arguments) => searches::jumps(occupied, arguments),
+        Computation::Rrt(arguments) => graphs::rrt(occupied, arguments),
+        Computation::RrtStar(arguments) => graphs::rrt_star(occupied, arguments),
+        Computation::Prm(arguments) => graphs::roadmap(occupied, arguments),
     }
 }
 
@@ -86,13 +66,20 @@ fn brushfire_or_zero(occupied: &Grid<bool>, connectivity: Connectivity) -> Grid<
     brushfire(occupied, connectivity).unwrap_or_else(|| Grid::filled(occupied.rows(), occupied.cols(), 0))
 }
 
+fn euclidean(occupied: &Grid<bool>) -> Computed {
+    let none = || Grid::filled(occupied.rows(), occupied.cols(), 0.0);
+    Computed::timed("Euclidean distance", "distance in cells", || {
+        Values::Reals(euclidean_distances(occupied).unwrap_or_else(none))
+    })
+}
+
 fn costs(occupied: &Grid<bool>, arguments: &CostArguments) -> Computed {
     Computed::timed("Cost map", "cost", || {
         Values::Reals(cost_map(&brushfire_or_zero(occupied, Connectivity::Four), &arguments.zones()))
     })
 }
 
-fn steps(occupied: &Grid<bool>, arguments: &WavefrontArguments) -> Result<Computed, BadEnd> {
+fn steps(occupied: &Grid<bool>, arguments: &WavefrontArguments) -> Result<Computed, BadQuestion> {
     let (goal, neighbours) = (arguments.goal.goal, arguments.neighbours.connectivity);
     let (connectivity, corners) = (neighbours.into(), arguments.corners.rule());
     check_free("goal", occupied, goal)?;
@@ -115,6 +102,9 @@ fn steps(occupied: &Grid<bool>, arguments: &WavefrontArguments) -> Result<Comput
     Ok(Computed {
         title: title_with_neighbours("Wavefront", neighbours),
         value_name: if arguments.scale.is_some() { "scaled value" } else { "steps + 2" },
+        bare: Bare::Zero("unreached"),
+        search: None,
+        graph: None,
         unreached: Some(values.values().iter().filter(|&&value| value == UNREACHED).count()),
         values: match arguments.scale {
             Some(scale) => Values::Reals(scaled(&values, scale)),
@@ -134,7 +124,7 @@ fn scaled(values: &Grid<u32>, scale: f64) -> Grid<f64> {
     Grid::from_values(values.rows(), values.cols(), reals)
 }
 
-fn attraction(occupied: &Grid<bool>, arguments: &AttractionArguments) -> Result<Computed, BadEnd> {
+fn attraction(occupied: &Grid<bool>, arguments: &AttractionArguments) -> Result<Computed, BadQuestion> {
     let goal = arguments.goal.goal;
     check_inside("goal", occupied, goal)?;
     let field = || Values::Reals(attraction_field(occupied, goal, &arguments.attraction));
@@ -152,7 +142,7 @@ fn repulsion(occupied: &Grid<bool>, arguments: &RepulsionArguments) -> Computed 
     Computed::timed(&title_with_neighbours("Repulsion", neighbours), "potential", field)
 }
 
-fn total(occupied: &Grid<bool>, arguments: &FieldArguments) -> Result<Computed, BadEnd> {
+fn total(occupied: &Grid<bool>, arguments: &FieldArguments) -> Result<Computed, BadQuestion> {
     let goal = arguments.goal.goal;
     check_inside("goal", occupied, goal)?;
     let title = title_with_neighbours("Total potential", arguments.neighbours.connectivity);
@@ -166,7 +156,7 @@ fn total_field(occupied: &Grid<bool>, arguments: &FieldArguments) -> Grid<f64> {
     potential::total(attraction, &brushfire, &arguments.repulsion.law())
 }
 
-fn descent(occupied: &Grid<bool>, arguments: &DescendArguments) -> Result<Computed, BadEnd> {
+fn descent(occupied: &Grid<bool>, arguments: &DescendArguments) -> Result<Computed, BadQuestion> {
     let (start, goal, neighbours) =
         (arguments.start, arguments.field.goal.goal, arguments.field.neighbours.connectivity);
     let (connectivity, corners) = (neighbours.into(), arguments.corners.rule());
@@ -186,227 +176,13 @@ fn descent(occupied: &Grid<bool>, arguments: &DescendArguments) -> Result<Comput
         title: title_with_neighbours("Gradient descent", neighbours),
         value_name: "potential",
         values: Values::Reals(field),
+        bare: Bare::None,
+        search: None,
+        graph: None,
         unreached: None,
         goal: Some(goal),
         walk: Some(walk),
         cpu_map,
         cpu_path: Some(cpu_path),
     })
-}
-
-impl Computed {
-    /// Values alone, and the time that they took.
-    fn timed(title: &str, value_name: &'static str, values: impl FnOnce() -> Values) -> Self {
-        let (values, cpu_map) = timed(values);
-        Self {
-            title: title.to_owned(),
-            value_name,
-            values,
-            unreached: None,
-            goal: None,
-            walk: None,
-            cpu_map,
-            cpu_path: None,
-        }
-    }
-}
-
-fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
-    let mut stopwatch = CpuStopwatch::start();
-    let result = work();
-    (result, stopwatch.lap())
-}
-
-fn title_with_neighbours(name: &str, neighbours: Neighbours) -> String {
-    format!("{name}, {} neighbours", u8::from(neighbours))
-}
-
-fn check_free(which: &'static str, occupied: &Grid<bool>, place: Place) -> Result<(), BadEnd> {
-    place::check_free(occupied, place).map_err(|problem| BadEnd { which, problem })
-}
-
-fn check_inside(which: &'static str, occupied: &Grid<bool>, place: Place) -> Result<(), BadEnd> {
-    match check_free(which, occupied, place) {
-        Err(BadEnd { problem: BadPlace::Occupied { .. }, .. }) => Ok(()),
-        checked => checked,
-    }
-}
-
-/// A map of values.
-#[derive(Debug)]
-pub enum Values {
-    Flags(Grid<bool>),
-    Distances(Grid<u16>),
-    Steps(Grid<u32>),
-    Reals(Grid<f64>),
-}
-
-/// One value of a map.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(untagged)]
-pub enum Value {
-    Whole(u32),
-    Real(f64),
-}
-
-impl Values {
-    pub fn write_csv(&self, path: &Path) -> io::Result<()> {
-        match self {
-            Self::Flags(map) => write_csv(path, map),
-            Self::Distances(map) => write_csv(path, map),
-            Self::Steps(map) => write_csv(path, map),
-            Self::Reals(map) => write_csv(path, map),
-        }
-    }
-
-    pub fn write_npy(&self, path: &Path) -> io::Result<()> {
-        match self {
-            Self::Flags(map) => write_npy(path, map),
-            Self::Distances(map) => write_npy(path, map),
-            Self::Steps(map) => write_npy(path, map),
-            Self::Reals(map) => write_npy(path, map),
-        }
-    }
-
-    pub fn at(&self, place: Place) -> Value {
-        match self {
-            Self::Flags(map) => Value::Whole(map[place].into()),
-            Self::Distances(map) => Value::Whole(map[place].into()),
-            Self::Steps(map) => Value::Whole(map[place]),
-            Self::Reals(map) => Value::Real(map[place]),
-        }
-    }
-
-    /// The largest value that is finite; `None` if there is none.
-    pub fn max(&self) -> Option<Value> {
-        match self {
-            Self::Flags(map) => map.values().iter().max().map(|&value| Value::Whole(value.into())),
-            Self::Distances(map) => map.values().iter().max().map(|&value| Value::Whole(value.into())),
-            Self::Steps(map) => map.values().iter().max().map(|&value| Value::Whole(value)),
-            Self::Reals(map) => {
-                map.values().iter().copied().filter(|value| value.is_finite()).reduce(f64::max).map(Value::Real)
-            }
-        }
-    }
-}
-
-impl Value {
-    pub fn as_f64(self) -> f64 {
-        match self {
-            Self::Whole(value) => value.into(),
-            Self::Real(value) => value,
-        }
-    }
-
-    /// The value as the CSV file has it.
-    pub fn to_text(self) -> String {
-        let mut text = Vec::new();
-        match self {
-            Self::Whole(value) => value.append_text(&mut text),
-            Self::Real(value) => value.append_text(&mut text),
-        }
-        String::from_utf8(text).expect("numbers are ASCII")
-    }
-
-    /// The value with two digits after the point where it is no integer by type.
-    pub fn to_short_text(self) -> String {
-        match self {
-            Self::Whole(value) => value.to_string(),
-            Self::Real(value) => rounded(value, 2),
-        }
-    }
-}
-
-/// The answer to the question for a path.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum WalkResult {
-    Reached,
-    Unreachable,
-    Stuck,
-    StartOccupied,
-}
-
-/// A way and its ends.
-#[derive(Debug)]
-pub struct Walk {
-    pub start: Place,
-    pub goal: Place,
-    pub way: Way,
-}
-
-/// The path as far as it leads.
-#[derive(Debug)]
-pub struct Way {
-    pub answer: WalkResult,
-    /// Cells from the start on; empty if the way does not begin.
-    pub cells: Vec<Place>,
-    /// The local minimum in which a descent ended.
-    pub minimum: Option<Place>,
-}
-
-impl From<Route> for Way {
-    fn from(route: Route) -> Self {
-        let (answer, cells) = match route {
-            Route::Found(cells) => (WalkResult::Reached, cells),
-            Route::Unreachable => (WalkResult::Unreachable, Vec::new()),
-            Route::StartOccupied => (WalkResult::StartOccupied, Vec::new()),
-        };
-        Self { answer, cells, minimum: None }
-    }
-}
-
-impl From<Descent> for Way {
-    fn from(descent: Descent) -> Self {
-        match descent {
-            Descent::Reached(cells) => Self { answer: WalkResult::Reached, cells, minimum: None },
-            Descent::Stuck(cells) => Self { answer: WalkResult::Stuck, minimum: cells.last().copied(), cells },
-            Descent::StartOccupied => Route::StartOccupied.into(),
-        }
-    }
-}
-
-impl From<Escape> for Way {
-    fn from(escape: Escape) -> Self {
-        match escape {
-            Escape::NotNeeded(cells) => Descent::Reached(cells).into(),
-            Escape::HandedOver { descent: mut cells, wavefront } => {
-                let minimum = cells.last().copied();
-                cells.extend(wavefront.into_iter().skip(1));
-                Self { answer: WalkResult::Reached, cells, minimum }
-            }
-            Escape::Unreachable(cells) => Self { answer: WalkResult::Unreachable, ..Descent::Stuck(cells).into() },
-            Escape::StartOccupied => Route::StartOccupied.into(),
-        }
-    }
-}
-
-impl Walk {
-    pub fn sentence(&self) -> String {
-        let at = |(row, col): Place| format!("row {row}, column {col}");
-        let (start, goal) = (at(self.start), at(self.goal));
-        let minimum = self.way.minimum.map(|place| format!("Stuck in a local minimum at {}", at(place)));
-        let measures = self.way.measures();
-        match (self.way.answer, minimum) {
-            (WalkResult::Reached, None) => format!("Reached the goal: {measures}."),
-            (WalkResult::Reached, Some(stuck)) => {
-                format!("{stuck}; reached the goal from there by the wavefront: {measures} in all.")
-            }
-            (WalkResult::Unreachable, None) => {
-                format!("Unreachable: no way leads from the start, {start}, to the goal, {goal}.")
-            }
-            (WalkResult::Unreachable, Some(stuck)) => {
-                format!("{stuck}. Unreachable: no way leads from there to the goal, {goal}.")
-            }
-            (WalkResult::Stuck, stuck) => format!("{}: {measures}.", stuck.unwrap_or_default()),
-            (WalkResult::StartOccupied, _) => format!("No path: the start, {start}, lies in an obstacle."),
-        }
-    }
-}
-
-impl Way {
-    fn measures(&self) -> String {
-        let steps = self.cells.len().saturating_sub(1);
-        format!("{}, length {}", count(steps, "step"), rounded(octile_length(&self.cells), 3))
-    }
 }

@@ -2,17 +2,25 @@
 
 mod args;
 mod compute;
+mod computed;
+mod graphs;
 mod options;
+mod page;
 mod report;
+mod search_args;
+mod searches;
 mod timing;
+mod traces;
 
+use std::io;
+use std::path::Path;
 use std::process::ExitCode;
 
 pub use args::MapCommand;
 pub use options::parse_tolerance;
 
 use args::Computation;
-use report::{MapReport, with_scene};
+use report::{MapReport, with_scene, write_film};
 
 use crate::cli::error::CliError;
 use crate::cli::output_files::{self, Files, Words};
@@ -24,6 +32,7 @@ pub fn run(command: &MapCommand, quiet: bool) -> Result<ExitCode, CliError> {
     match command {
         MapCommand::Compute(computation) => compute_and_report(computation, quiet)?,
         MapCommand::Timing(arguments) => timing::run(arguments, quiet)?,
+        MapCommand::Report(arguments) => page::run(arguments, quiet)?,
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -49,28 +58,56 @@ fn compute_and_report(computation: &Computation, quiet: bool) -> Result<(), CliE
 fn check_files(computation: &Computation) -> Result<Words, CliError> {
     let files = computation.files();
     if files.output.path.is_some() && !computation.has_start() {
-        let help = "`wildfire map wavefront` and `wildfire map descend` find paths, from --start";
+        let help = "wavefront, descend, voronoi and all searches find paths, from --start";
         return Err(CliError::bad_input("--path without a start: there is no path to write", Some(help)));
     }
     let inputs = vec![files.input.map.as_path()];
-    Files { inputs, form: files.output.form, ..Files::default() }.writing(files.output.files()).check()
+    Files { inputs, form: files.output.form, ..Files::default() }
+        .writing(files.output.files())
+        .writing(computation.more_files())
+        .check()
 }
 
 /// Writes all files; the error is the first.
 fn write_files(report: &MapReport, quiet: bool) -> Result<(), CliError> {
     let (output, values) = (&report.computation.files().output, &report.computed.values);
     let grey = report.map.grey.as_ref();
+    let [(_, table), (_, film)] = report.computation.more_files();
     output_files::write_all(
         &[
             (output.csv.as_deref(), &|path| values.write_csv(path)),
             (output.npy.as_deref(), &|path| values.write_npy(path)),
-            (output.path.as_deref(), &|path| write_path(path, report.way().unwrap_or_default())),
+            (output.path.as_deref(), &|path| write_way(report, path)),
             (output.png.as_deref(), &|path| with_scene(report, draw_map).write_png(path)),
             (output.overlay.as_deref(), &|path| with_scene(report, |scene| draw_overlay(scene, grey)).write_png(path)),
             (output.surface.as_deref(), &|path| with_scene(report, draw_surface).write_png(path)),
+            (table.as_deref(), &|path| write_table(report, path)),
+            (film.as_deref(), &|path| write_film(report, path)),
         ],
         quiet,
     )
+}
+
+fn write_way(report: &MapReport, path: &Path) -> io::Result<()> {
+    let points = report.computed.walk.as_ref().map_or(&[][..], |walk| &walk.way.points);
+    if points.is_empty() {
+        write_path(path, report.way().unwrap_or_default())
+    } else {
+        traces::write_points(path, points)
+    }
+}
+
+/// Writes what a search expanded, or the edges of a graph.
+fn write_table(report: &MapReport, path: &Path) -> io::Result<()> {
+    let computed = report.computed;
+    match (&computed.search, &computed.graph) {
+        (Some(search), _) => {
+            let cost = |place| computed.values.at(place).to_text();
+            search.write_expansions(path, report.map.occupied.cols(), &cost)
+        }
+        (None, Some(graph)) => graph.write_edges(path),
+        (None, None) => unreachable!("only searches and graphs have such a table"),
+    }
 }
 
 #[cfg(test)]

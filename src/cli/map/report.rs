@@ -1,20 +1,22 @@
 //! The report on a map: an object, a document and pictures of what was computed.
 
+use std::io;
 use std::path::Path;
 use std::time::Duration;
 
 use serde::{Serialize, Serializer};
+use serde_json::Value as Json;
 
 use crate::batch::PROGRAM_VERSION;
 use crate::cli::map::args::{Computation, CostArguments};
-use crate::cli::map::compute::{Computed, Value, Walk, WalkResult};
+use crate::cli::map::computed::{Bare, Computed, Value, Walk, WalkResult};
+use crate::cli::map::traces::{GraphTrace, SearchTrace};
 use crate::document::number::{percent, rounded};
 use crate::document::{Block, Document};
 use crate::grid::brushfire::brushfire;
-use crate::grid::place::octile_length;
 use crate::grid::{Connectivity, Grid, Place};
 use crate::map_files::{MapFile, NEAR_TOLERANCE};
-use crate::picture::{MapScene, Picture, Zones};
+use crate::picture::{MapGrowth, MapScene, Spot, Zones, write_map_film};
 
 /// The size of a terminal that shows all values.
 const MAX_WIDTH: usize = 80;
@@ -62,7 +64,35 @@ impl<'a> MapReport<'a> {
     pub fn sentences(&self) -> Vec<String> {
         let notes = self.map.notes.iter().map(|note| format!("{}: {note}.", self.path.display()));
         let walk = self.computed.walk.as_ref().map(Walk::sentence);
-        notes.chain(self.oddities()).chain(walk).collect()
+        let search = self.computed.search.as_ref().map(SearchTrace::sentence);
+        let graph = self.computed.graph.as_ref().map(GraphTrace::sentence);
+        notes.chain(self.oddities()).chain(walk).chain(search).chain(graph).collect()
+    }
+
+    /// The title of pictures: the map and what was computed.
+    pub fn title(&self) -> String {
+        let name = self.path.file_name().unwrap_or(self.path.as_os_str());
+        format!("{}: {}", name.to_string_lossy(), self.computed.title)
+    }
+
+    /// The parameters with their values, such as `goal 2,5; no corner cutting`; those without a value are left out.
+    pub fn parameters(&self) -> String {
+        let computation = serde_json::to_value(self.computation).unwrap_or_default();
+        let Some(parameters) = computation["parameters"].as_object() else { return String::new() };
+        let words = parameters.iter().filter_map(|(name, value)| {
+            let name = name.replace('_', " ");
+            match value {
+                Json::Null | Json::Bool(false) => None,
+                Json::Bool(true) => Some(name),
+                Json::String(text) => Some(format!("{name} {text}")),
+                Json::Array(numbers) => {
+                    let numbers: Vec<String> = numbers.iter().map(Json::to_string).collect();
+                    Some(format!("{name} {}", numbers.join(",")))
+                }
+                other => Some(format!("{name} {other}")),
+            }
+        });
+        words.collect::<Vec<_>>().join("; ")
     }
 
     /// Lists what is odd about the map or the question.
@@ -107,9 +137,23 @@ struct Object<'a> {
     path_cells: Option<usize>,
     steps: Option<usize>,
     length: Option<f64>,
-    path: Option<&'a [Place]>,
+    cost: Option<f64>,
+    expansions: Option<usize>,
+    touched: Option<usize>,
+    samples: Option<u32>,
+    vertices: Option<usize>,
+    edges: Option<usize>,
+    path: Option<PathMember<'a>>,
     notes: Vec<String>,
     measured: Measured,
+}
+
+/// A path in cells, or through points, whose rows and columns are whole numbers at the centres of cells.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum PathMember<'a> {
+    Cells(&'a [Place]),
+    Points(&'a [Spot]),
 }
 
 #[derive(Serialize)]
@@ -123,6 +167,7 @@ impl Serialize for MapReport<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let (computed, occupied, way) = (self.computed, self.occupied_cells, self.way());
         let walk = computed.walk.as_ref();
+        let (search, graph) = (computed.search.as_ref(), computed.graph.as_ref());
         let object = Object {
             program_version: PROGRAM_VERSION,
             map: self.path.display().to_string(),
@@ -141,8 +186,17 @@ impl Serialize for MapReport<'_> {
             minimum: walk.and_then(|walk| walk.way.minimum),
             path_cells: way.map(<[Place]>::len),
             steps: way.map(|cells| cells.len() - 1),
-            length: way.map(octile_length),
-            path: way,
+            length: way.and(walk).map(|walk| walk.way.length),
+            cost: search.and_then(|search| search.cost).or(graph.and_then(|graph| graph.cost)),
+            expansions: search.map(|search| search.expanded.len()),
+            touched: search.map(|search| search.touched),
+            samples: graph.map(|graph| graph.samples),
+            vertices: graph.map(|graph| graph.vertices),
+            edges: graph.map(|graph| graph.edges.len()),
+            path: way.map(|cells| match walk.map(|walk| walk.way.points.as_slice()) {
+                Some(points) if !points.is_empty() => PathMember::Points(points),
+                _ => PathMember::Cells(cells),
+            }),
             notes: self.sentences(),
             measured: Measured {
                 cpu_read_s: self.cpu_read.as_secs_f64(),
@@ -161,7 +215,10 @@ impl From<&MapReport<'_>> for Document {
         lines.push(largest_value(report));
         lines.extend(report.sentences());
         lines.push(cpu(report));
-        let values = values(report).filter(|_| !report.computation.files().output.has_files());
+        let more_files = report.computation.more_files();
+        let has_files =
+            report.computation.files().output.has_files() || more_files.iter().any(|(_, file)| file.is_some());
+        let values = values(report).filter(|_| !has_files);
         Self::new(size(report)).with([Block::List(lines)]).with(values.map(Block::Verbatim))
     }
 }
@@ -212,17 +269,26 @@ fn values(report: &MapReport) -> Option<String> {
 }
 
 /// Draws a report.
-pub fn with_scene(report: &MapReport, draw: impl FnOnce(&MapScene) -> Picture) -> Picture {
+pub fn with_scene<T>(report: &MapReport, draw: impl FnOnce(&MapScene) -> T) -> T {
     let computed = report.computed;
     let value = |place| drawn_value(report, place);
+    let (title, subtitle) = (report.title(), report.parameters());
+    let bare = MapScene::new(&title, computed.value_name, &report.map.occupied, &value);
     let scene = MapScene {
+        subtitle: &subtitle,
+        colourless: match computed.bare {
+            Bare::None => bare.colourless,
+            Bare::Zero(name) | Bare::Infinite(name) => name,
+        },
         path: report.way().unwrap_or_default(),
+        track: computed.walk.as_ref().map_or(&[], |walk| walk.way.points.as_slice()),
+        edges: computed.graph.as_ref().map_or(&[], |graph| graph.edges.as_slice()),
         start: computed.walk.as_ref().map(|walk| walk.start),
         goal: computed.goal,
         stuck: computed.walk.as_ref().and_then(|walk| walk.way.minimum),
         colours: report.computation.files().output.colormap.into(),
         free_name: matches!(report.computation, Computation::Occupancy(_)).then_some("free"),
-        ..MapScene::new(&computed.title, computed.value_name, &report.map.occupied, &value)
+        ..bare
     };
     let Computation::Cost(arguments) = report.computation else { return draw(&scene) };
     let in_safety_zone = safety_zone(&report.map.occupied, arguments);
@@ -237,9 +303,36 @@ pub fn with_scene(report: &MapReport, draw: impl FnOnce(&MapScene) -> Picture) -
 /// The value to draw: a wavefront has none where the wave does not come.
 fn drawn_value(report: &MapReport, place: Place) -> Option<f64> {
     let value = report.computed.values.at(place).as_f64();
-    let is_wave = report.computed.unreached.is_some();
-    let is_bare = is_wave && (report.map.occupied[place] || value == 0.0);
+    let is_bare = match report.computed.bare {
+        Bare::None => false,
+        Bare::Zero(_) => report.map.occupied[place] || value == 0.0,
+        Bare::Infinite(_) => value.is_infinite(),
+    };
     (!is_bare).then_some(value)
+}
+
+/// Writes the film of a search: cells as they were expanded, or edges as they came.
+pub fn write_film(report: &MapReport, path: &Path) -> io::Result<()> {
+    let (rows, cols) = (report.map.occupied.rows(), report.map.occupied.cols());
+    let mut order = Grid::filled(rows, cols, None::<usize>);
+    let mut steps = 0;
+    if let Some(search) = &report.computed.search {
+        steps = search.expanded.len();
+        for (step, &index) in search.expanded.iter().enumerate() {
+            order.values_mut()[index as usize] = Some(step);
+        }
+    }
+    if let Some(graph) = &report.computed.graph {
+        steps = graph.edges.len();
+        // A cell has the value of a point of the graph, which comes with its first edge.
+        for (step, &[from, to]) in graph.edges.iter().enumerate() {
+            for (row, col) in [from, to] {
+                let cell = (row.round() as usize, col.round() as usize);
+                order[cell].get_or_insert(step);
+            }
+        }
+    }
+    with_scene(report, |scene| write_map_film(scene, &MapGrowth { steps, step_of: &|place| order[place] }, path))
 }
 
 fn safety_zone(occupied: &Grid<bool>, arguments: &CostArguments) -> Grid<bool> {

@@ -17,7 +17,7 @@ use track::SurfaceTrack;
 use crate::picture::canvas::{Canvas, Point};
 use crate::picture::colours::{INK, PAPER, Rgb, blend};
 use crate::picture::legend::{Legend, TEXT};
-use crate::picture::map::{bar, face_colour, key};
+use crate::picture::map::{SUBTITLE_LINE, bar, face_colour, key, lines_within};
 use crate::picture::png::Picture;
 use crate::picture::scene::MapScene;
 use crate::picture::text::{Align, draw_text, measure_text};
@@ -47,19 +47,25 @@ pub fn draw_surface(scene: &MapScene) -> Picture {
     let relief = Relief::new(scene, heights.as_ref());
     let (camera, (width, height)) = SurfaceCamera::fit(size, BOX);
     let room = axes_room(size, scene.value_name, heights.as_ref());
-    let corner = (MARGIN + room.left, MARGIN + TITLE + 4.0 * TEXT);
-    let camera = camera.moved(corner);
-
     let legend = Legend { values: bar(scene, scale.as_ref()), key: key(scene) };
-    let legend_at = (corner.0 + width + room.right + MARGIN, corner.1);
+    let legend_left = MARGIN + room.left + width + room.right + MARGIN;
     let title_ends = MARGIN + measure_text(scene.title, TITLE);
-    let right = title_ends.max(legend_at.0 + legend.width(1.0)) + MARGIN;
+    let right = title_ends.max(legend_left + legend.width(1.0)) + MARGIN;
+    let subtitle = lines_within(scene.subtitle, right - 2.0 * MARGIN, TEXT);
+    let corner = (MARGIN + room.left, MARGIN + TITLE + 4.0 * TEXT + subtitle.len() as f32 * SUBTITLE_LINE);
+    let camera = camera.moved(corner);
+    let legend_at = (legend_left, corner.1);
     let bottom = corner.1 + (height + room.below).max(legend.height(height, 1.0)) + MARGIN;
 
     let mut canvas = draw_relief(&relief, &camera.enlarged(FINER), (right, bottom), heights.as_ref(), scale.as_ref());
     draw_axes(&mut canvas, &camera, size, scene.value_name, heights.as_ref());
     SurfaceTrack { scene, relief: &relief, heights: heights.as_ref(), camera }.draw_track(&mut canvas);
     draw_text(&mut canvas, scene.title, (MARGIN, MARGIN + TITLE), Align::Left, TITLE, INK);
+    let mut base = MARGIN + TITLE;
+    for line in subtitle {
+        base += SUBTITLE_LINE;
+        draw_text(&mut canvas, line, (MARGIN, base), Align::Left, TEXT, INK);
+    }
     legend.draw(&mut canvas, legend_at, height, 1.0);
     canvas.finish()
 }

@@ -15,7 +15,7 @@ pub use ground::MOST_GROUND_CELLS;
 
 use data::{RunData, hex};
 
-use crate::document::escaped_html;
+use crate::document::{base64, escaped_html};
 use crate::fire::BushStateKind;
 use crate::picture::base64::base64;
 use crate::picture::colours::{

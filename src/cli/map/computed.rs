@@ -1,0 +1,309 @@
+//! Results of computations on a map: values, perhaps a path, and how long they took.
+
+use std::io;
+use std::path::Path;
+use std::time::Duration;
+
+use serde::Serialize;
+
+use crate::cli::map::options::Neighbours;
+use crate::cli::map::traces::{GraphTrace, SearchTrace};
+use crate::document::number::{count, rounded};
+use crate::grid::descent::{Descent, Escape};
+use crate::grid::path_search::MOST_CELLS;
+use crate::grid::place::octile_length;
+use crate::grid::{BadPlace, Grid, Place, Route, place};
+use crate::map_files::{MapValue, write_csv, write_npy};
+use crate::picture::Spot;
+use crate::time::cpu::CpuStopwatch;
+
+/// The result of a computation on a map.
+#[derive(Debug)]
+pub struct Computed {
+    /// The name of the map, such as `Brushfire, 8 neighbours`.
+    pub title: String,
+    /// The name of the values, in a word or two.
+    pub value_name: &'static str,
+    pub values: Values,
+    /// Which cells have no value.
+    pub bare: Bare,
+    /// Free cells that the wave never reaches, of a wavefront.
+    pub unreached: Option<usize>,
+    pub goal: Option<Place>,
+    pub walk: Option<Walk>,
+    /// What a search did.
+    pub search: Option<SearchTrace>,
+    /// The tree or roadmap that a path was found in.
+    pub graph: Option<GraphTrace>,
+    /// CPU time of the values.
+    pub cpu_map: Duration,
+    /// CPU time of the walk.
+    pub cpu_path: Option<Duration>,
+}
+
+/// Which cells have no value, and what they are called where they are free.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bare {
+    None,
+    /// Obstacles, and cells whose value is 0.
+    Zero(&'static str),
+    /// Cells whose value is infinite.
+    Infinite(&'static str),
+}
+
+/// Why a question about a map has no answer.
+#[derive(Debug, thiserror::Error)]
+pub enum BadQuestion {
+    /// A start or goal that the map does not allow.
+    #[error("the {which} at {problem}")]
+    End { which: &'static str, problem: BadPlace },
+    #[error("the map has {cells} cells; expected at most {MOST_CELLS} for `{command}`")]
+    TooLarge { cells: usize, command: &'static str },
+}
+
+impl Computed {
+    /// Values alone, and the time that they took.
+    pub fn timed(title: &str, value_name: &'static str, values: impl FnOnce() -> Values) -> Self {
+        let (values, cpu_map) = timed(values);
+        Self {
+            title: title.to_owned(),
+            value_name,
+            values,
+            bare: Bare::None,
+            unreached: None,
+            goal: None,
+            walk: None,
+            search: None,
+            graph: None,
+            cpu_map,
+            cpu_path: None,
+        }
+    }
+}
+
+pub fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
+    let mut stopwatch = CpuStopwatch::start();
+    let result = work();
+    (result, stopwatch.lap())
+}
+
+pub fn title_with_neighbours(name: &str, neighbours: Neighbours) -> String {
+    format!("{name}, {} neighbours", u8::from(neighbours))
+}
+
+/// Accepts maps that a search has room for.
+pub fn check_size(command: &'static str, occupied: &Grid<bool>) -> Result<(), BadQuestion> {
+    let cells = occupied.values().len();
+    if cells > MOST_CELLS { Err(BadQuestion::TooLarge { cells, command }) } else { Ok(()) }
+}
+
+pub fn check_free(which: &'static str, occupied: &Grid<bool>, place: Place) -> Result<(), BadQuestion> {
+    place::check_free(occupied, place).map_err(|problem| BadQuestion::End { which, problem })
+}
+
+pub fn check_inside(which: &'static str, occupied: &Grid<bool>, place: Place) -> Result<(), BadQuestion> {
+    match check_free(which, occupied, place) {
+        Err(BadQuestion::End { problem: BadPlace::Occupied { .. }, .. }) => Ok(()),
+        checked => checked,
+    }
+}
+
+/// A map of values.
+#[derive(Debug)]
+pub enum Values {
+    Flags(Grid<bool>),
+    Distances(Grid<u16>),
+    Steps(Grid<u32>),
+    Reals(Grid<f64>),
+}
+
+/// One value of a map.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Value {
+    Whole(u32),
+    Real(f64),
+}
+
+impl Values {
+    pub fn write_csv(&self, path: &Path) -> io::Result<()> {
+        match self {
+            Self::Flags(map) => write_csv(path, map),
+            Self::Distances(map) => write_csv(path, map),
+            Self::Steps(map) => write_csv(path, map),
+            Self::Reals(map) => write_csv(path, map),
+        }
+    }
+
+    pub fn write_npy(&self, path: &Path) -> io::Result<()> {
+        match self {
+            Self::Flags(map) => write_npy(path, map),
+            Self::Distances(map) => write_npy(path, map),
+            Self::Steps(map) => write_npy(path, map),
+            Self::Reals(map) => write_npy(path, map),
+        }
+    }
+
+    pub fn at(&self, place: Place) -> Value {
+        match self {
+            Self::Flags(map) => Value::Whole(map[place].into()),
+            Self::Distances(map) => Value::Whole(map[place].into()),
+            Self::Steps(map) => Value::Whole(map[place]),
+            Self::Reals(map) => Value::Real(map[place]),
+        }
+    }
+
+    /// The largest value that is finite; `None` if there is none.
+    pub fn max(&self) -> Option<Value> {
+        match self {
+            Self::Flags(map) => map.values().iter().max().map(|&value| Value::Whole(value.into())),
+            Self::Distances(map) => map.values().iter().max().map(|&value| Value::Whole(value.into())),
+            Self::Steps(map) => map.values().iter().max().map(|&value| Value::Whole(value)),
+            Self::Reals(map) => {
+                map.values().iter().copied().filter(|value| value.is_finite()).reduce(f64::max).map(Value::Real)
+            }
+        }
+    }
+}
+
+impl Value {
+    pub fn as_f64(self) -> f64 {
+        match self {
+            Self::Whole(value) => value.into(),
+            Self::Real(value) => value,
+        }
+    }
+
+    /// The value as the CSV file has it.
+    pub fn to_text(self) -> String {
+        let mut text = Vec::new();
+        match self {
+            Self::Whole(value) => value.append_text(&mut text),
+            Self::Real(value) => value.append_text(&mut text),
+        }
+        String::from_utf8(text).expect("numbers are ASCII")
+    }
+
+    /// The value with two digits after the point where it is no integer by type.
+    pub fn to_short_text(self) -> String {
+        match self {
+            Self::Whole(value) => value.to_string(),
+            Self::Real(value) => rounded(value, 2),
+        }
+    }
+}
+
+/// The answer to the question for a path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum WalkResult {
+    Reached,
+    Unreachable,
+    Stuck,
+    StartOccupied,
+    /// The samples were used up.
+    NotFound,
+}
+
+/// A way and its ends.
+#[derive(Debug)]
+pub struct Walk {
+    pub start: Place,
+    pub goal: Place,
+    pub way: Way,
+}
+
+/// The path as far as it leads.
+#[derive(Debug)]
+pub struct Way {
+    pub answer: WalkResult,
+    /// Cells from the start on, or those where a path at any angle turns; empty if the way does not begin.
+    pub cells: Vec<Place>,
+    /// The same as points, of a path between cells; else empty.
+    pub points: Vec<Spot>,
+    /// Length in cells.
+    pub length: f64,
+    /// True if the cells are joined by segments instead of steps.
+    pub is_any_angle: bool,
+    /// The local minimum in which a descent ended.
+    pub minimum: Option<Place>,
+}
+
+impl From<Route> for Way {
+    fn from(route: Route) -> Self {
+        let (answer, cells) = match route {
+            Route::Found(cells) => (WalkResult::Reached, cells),
+            Route::Unreachable => (WalkResult::Unreachable, Vec::new()),
+            Route::StartOccupied => (WalkResult::StartOccupied, Vec::new()),
+        };
+        Self { answer, ..Self::in_steps(cells) }
+    }
+}
+
+impl Way {
+    /// A way from cell to cell that has no other end than its last cell.
+    fn in_steps(cells: Vec<Place>) -> Self {
+        let length = octile_length(&cells);
+        Self { answer: WalkResult::Reached, cells, points: Vec::new(), length, is_any_angle: false, minimum: None }
+    }
+}
+
+impl From<Descent> for Way {
+    fn from(descent: Descent) -> Self {
+        match descent {
+            Descent::Reached(cells) => Self::in_steps(cells),
+            Descent::Stuck(cells) => {
+                let minimum = cells.last().copied();
+                Self { answer: WalkResult::Stuck, minimum, ..Self::in_steps(cells) }
+            }
+            Descent::StartOccupied => Route::StartOccupied.into(),
+        }
+    }
+}
+
+impl From<Escape> for Way {
+    fn from(escape: Escape) -> Self {
+        match escape {
+            Escape::NotNeeded(cells) => Descent::Reached(cells).into(),
+            Escape::HandedOver { descent: mut cells, wavefront } => {
+                let minimum = cells.last().copied();
+                cells.extend(wavefront.into_iter().skip(1));
+                Self { minimum, ..Self::in_steps(cells) }
+            }
+            Escape::Unreachable(cells) => Self { answer: WalkResult::Unreachable, ..Descent::Stuck(cells).into() },
+            Escape::StartOccupied => Route::StartOccupied.into(),
+        }
+    }
+}
+
+impl Walk {
+    pub fn sentence(&self) -> String {
+        let at = |(row, col): Place| format!("row {row}, column {col}");
+        let (start, goal) = (at(self.start), at(self.goal));
+        let minimum = self.way.minimum.map(|place| format!("Stuck in a local minimum at {}", at(place)));
+        let measures = self.way.measures();
+        match (self.way.answer, minimum) {
+            (WalkResult::Reached, None) => format!("Reached the goal: {measures}."),
+            (WalkResult::Reached, Some(stuck)) => {
+                format!("{stuck}; reached the goal from there by the wavefront: {measures} in all.")
+            }
+            (WalkResult::Unreachable, None) => {
+                format!("Unreachable: no way leads from the start, {start}, to the goal, {goal}.")
+            }
+            (WalkResult::Unreachable, Some(stuck)) => {
+                format!("{stuck}. Unreachable: no way leads from there to the goal, {goal}.")
+            }
+            (WalkResult::Stuck, stuck) => format!("{}: {measures}.", stuck.unwrap_or_default()),
+            (WalkResult::NotFound, _) => "No path found: all samples were drawn.".to_owned(),
+            (WalkResult::StartOccupied, _) => format!("No path: the start, {start}, lies in an obstacle."),
+        }
+    }
+}
+
+impl Way {
+    fn measures(&self) -> String {
+        let pieces = self.cells.len().saturating_sub(1);
+        let piece = if self.is_any_angle { "segment" } else { "step" };
+        format!("{}, length {}", count(pieces, piece), rounded(self.length, 3))
+    }
+}

@@ -1,0 +1,240 @@
+//! `wildfire map report`: every map and every search of one problem, as one page with pictures and tables.
+
+use std::ffi::OsString;
+use std::fs;
+use std::io::{self, Write};
+use std::path::Path;
+use std::time::Duration;
+
+use clap::Parser;
+
+use crate::batch::PROGRAM_VERSION;
+use crate::cli::error::CliError;
+use crate::cli::map::args::{Computation, MapCommand, PageArguments};
+use crate::cli::map::compute::compute;
+use crate::cli::map::computed::Computed;
+use crate::cli::map::report::{MapReport, with_scene};
+use crate::cli::output_files;
+use crate::document::number::rounded;
+use crate::document::{Block, Document, Table};
+use crate::map_files::MapFile;
+use crate::picture::draw_small_map;
+use crate::whole_file::{WholeFile, write_whole};
+
+const PAGE: &str = "report.html";
+const SEARCHES: &str = "searches.csv";
+
+/// A command of `wildfire map`, read from its words, so that all that was not asked for is as on the command line.
+#[derive(Debug, Parser)]
+#[command(no_binary_name = true)]
+struct OneCommand {
+    #[command(subcommand)]
+    command: MapCommand,
+}
+
+/// One computation of the page.
+struct Part {
+    /// The words that compute it again, `wildfire map` left out.
+    words: Vec<OsString>,
+    computation: Computation,
+    computed: Computed,
+}
+
+pub fn run(arguments: &PageArguments, quiet: bool) -> Result<(), CliError> {
+    check_folder(&arguments.out)?;
+    let (map, cpu_read) = arguments.reading.read(&arguments.map)?;
+    let mut parts = Vec::new();
+    for words in commands(arguments) {
+        let Ok(OneCommand { command: MapCommand::Compute(computation) }) = OneCommand::try_parse_from(&words) else {
+            unreachable!("{words:?} is a command");
+        };
+        let computed = compute(&computation, &map.occupied)
+            .map_err(|problem| CliError::bad_input(format_args!("{}: {problem}", arguments.map.display()), None))?;
+        parts.push(Part { words, computation, computed });
+    }
+    let page = page(arguments, &map, &parts, cpu_read).to_html();
+    fs::create_dir_all(&arguments.out).map_err(|error| CliError::unwritable(&arguments.out, &error))?;
+    let (page_path, table_path) = (arguments.out.join(PAGE), arguments.out.join(SEARCHES));
+    output_files::write_all(
+        &[
+            (Some(&page_path), &|path| write_whole(path, page.as_bytes())),
+            (Some(&table_path), &|path| write_searches(path, &parts)),
+        ],
+        quiet,
+    )
+}
+
+/// Refuses a name that is taken by a file, and one in no folder.
+fn check_folder(folder: &Path) -> Result<(), CliError> {
+    let refuse =
+        |reason: &str| Err(CliError::bad_input(format_args!("cannot write to {}: {reason}", folder.display()), None));
+    let parent = folder.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if folder.exists() && !folder.is_dir() {
+        refuse("it is no folder")
+    } else if !parent.is_dir() {
+        refuse("there is no such folder to make it in")
+    } else {
+        Ok(())
+    }
+}
+
+/// The words of every computation, maps first.
+fn commands(arguments: &PageArguments) -> Vec<Vec<OsString>> {
+    let place = |(row, col): (usize, usize)| format!("{row},{col}");
+    let (start, goal) = arguments.ends.places();
+    let goal = format!("--goal {}", place(goal));
+    let ends = format!("{goal} --start {}", place(start));
+    let neighbours = format!("--connectivity {}", u8::from(arguments.neighbours.connectivity));
+    let corners = if arguments.corners.no_corner_cutting { "--no-corner-cutting" } else { "" };
+    let seed = format!("--seed {}", arguments.seed);
+    let mut reading = String::new();
+    if let Some(tolerance) = arguments.reading.tolerance {
+        reading += &format!(" --tolerance {tolerance}");
+    }
+    if arguments.reading.remove_edges > 0 {
+        reading += &format!(" --remove-edges {}", arguments.reading.remove_edges);
+    }
+    let options = [
+        ("occupancy", String::new()),
+        ("brushfire", neighbours.clone()),
+        ("euclidean", String::new()),
+        ("cost", String::new()),
+        ("voronoi", format!("{ends} {corners}")),
+        ("wavefront", format!("{ends} {neighbours} {corners}")),
+        ("attraction", goal.clone()),
+        ("repulsion", neighbours.clone()),
+        ("total", format!("{goal} {neighbours}")),
+        ("descend", format!("{ends} {neighbours} {corners} --escape wavefront")),
+        ("dijkstra", format!("{ends} {neighbours} {corners}")),
+        ("astar", format!("{ends} {neighbours} {corners}")),
+        ("greedy", format!("{ends} {neighbours} {corners}")),
+        ("jps", format!("{ends} {corners}")),
+        ("theta", format!("{ends} {corners}")),
+        ("rrt", format!("{ends} {seed}")),
+        ("rrt-star", format!("{ends} {seed}")),
+        ("prm", format!("{ends} {seed}")),
+    ];
+    let words = |(command, options): (&str, String)| {
+        let options = format!("{options}{reading}");
+        let first = [OsString::from(command), "--".into(), arguments.map.clone().into_os_string()];
+        // Options stand before the map, whose name may begin with a hyphen.
+        let [command, end, map] = first;
+        let options = options.split_whitespace().map(OsString::from).collect::<Vec<_>>();
+        [command].into_iter().chain(options).chain([end, map]).collect()
+    };
+    options.into_iter().map(words).collect()
+}
+
+fn page(arguments: &PageArguments, map: &MapFile, parts: &[Part], cpu_read: Duration) -> Document {
+    let name = arguments.map.file_name().unwrap_or(arguments.map.as_os_str()).to_string_lossy();
+    let (start, goal) = arguments.ends.places();
+    let report = |part: &'_ Part| {
+        let report = MapReport::new(&part.computation, map, &part.computed, cpu_read);
+        let picture = with_scene(&report, draw_small_map).to_png();
+        let mut lines = report.sentences();
+        lines.retain(|line| !map.notes.iter().any(|note| line.contains(note.as_str())));
+        (lines, picture)
+    };
+    let rows = map.occupied.rows();
+    let occupied = map.occupied.values().iter().filter(|&&is_occupied| is_occupied).count();
+    let mut facts = vec![
+        format!("{rows} rows x {} columns, {occupied} cells occupied", map.occupied.cols()),
+        format!("Start: row {}, column {}; goal: row {}, column {}", start.0, start.1, goal.0, goal.1),
+        format!("wildfire {PROGRAM_VERSION}"),
+    ];
+    facts.extend(map.notes.iter().cloned());
+    let mut document = Document::new(format!("Grid maps of {name}")).with([Block::List(facts)]);
+    document.add(Block::Heading("Searches".into()));
+    document.add(search_table(parts));
+    document.add(Block::Text(
+        "Costs are lengths in cells. CPU times are of one thread and one run each, reading left out.".into(),
+    ));
+    document.add(Block::Heading("Maps".into()));
+    document.add(map_table(parts));
+    for part in parts {
+        let (lines, png) = report(part);
+        document.add(Block::Heading(part.computed.title.clone()));
+        document.add_list(lines);
+        document.add(Block::Image { caption: part.command_line(), png });
+    }
+    document
+}
+
+impl Part {
+    /// The line that computes it again.
+    fn command_line(&self) -> String {
+        let words = self.words.iter().filter(|word| *word != "--").map(|word| word.to_string_lossy());
+        words.fold("wildfire map".to_owned(), |line, word| line + " " + &word)
+    }
+
+    fn is_search(&self) -> bool {
+        self.computed.search.is_some() || self.computed.graph.is_some()
+    }
+
+    /// Number of points or cells that it looked at from all sides.
+    fn expansions(&self) -> Option<usize> {
+        self.computed.search.as_ref().map(|search| search.expanded.len())
+    }
+
+    fn touched(&self) -> Option<usize> {
+        self.computed.search.as_ref().map(|search| search.touched)
+    }
+
+    fn vertices(&self) -> Option<usize> {
+        self.computed.graph.as_ref().map(|graph| graph.vertices)
+    }
+
+    /// The length of its path, if it has one that reaches the goal.
+    fn cost(&self) -> Option<f64> {
+        let search = self.computed.search.as_ref().and_then(|search| search.cost);
+        search.or_else(|| self.computed.graph.as_ref().and_then(|graph| graph.cost))
+    }
+
+    fn cpu(&self) -> Duration {
+        self.computed.cpu_map + self.computed.cpu_path.unwrap_or_default()
+    }
+}
+
+fn or_dash<T: ToString>(value: Option<T>) -> String {
+    value.map_or_else(|| "-".to_owned(), |value| value.to_string())
+}
+
+fn search_table(parts: &[Part]) -> Table {
+    let row = |part: &Part| {
+        vec![
+            part.computed.title.clone(),
+            or_dash(part.cost().map(|cost| rounded(cost, 3))),
+            or_dash(part.expansions()),
+            or_dash(part.touched()),
+            or_dash(part.vertices()),
+            rounded(part.cpu().as_secs_f64() * 1e3, 3),
+        ]
+    };
+    let headings = ["Search", "Cost", "Expansions", "Cells\ntouched", "Points", "CPU\nms"];
+    Table::new(&headings, parts.iter().filter(|part| part.is_search()).map(row).collect())
+}
+
+fn map_table(parts: &[Part]) -> Table {
+    let row = |part: &Part| {
+        let maximum = part.computed.values.max().map(|value| value.to_short_text());
+        let length = part.computed.walk.as_ref().filter(|walk| !walk.way.cells.is_empty());
+        let length = length.map(|walk| rounded(walk.way.length, 3));
+        vec![part.computed.title.clone(), or_dash(maximum), or_dash(length), rounded(part.cpu().as_secs_f64() * 1e3, 3)]
+    };
+    let headings = ["Map", "Maximum", "Length\nof path", "CPU\nms"];
+    Table::new(&headings, parts.iter().filter(|part| !part.is_search()).map(row).collect())
+}
+
+/// The searches as a table for other programs; what there is none of is empty.
+fn write_searches(path: &Path, parts: &[Part]) -> io::Result<()> {
+    let mut file = WholeFile::create(path)?;
+    file.write_all(b"search,cost,expansions,touched,points,cpu_s\n")?;
+    for part in parts.iter().filter(|part| part.is_search()) {
+        let number = |value: Option<usize>| value.map_or_else(String::new, |value| value.to_string());
+        let cost = part.cost().map_or_else(String::new, |cost| cost.to_string());
+        let [expansions, touched, points] = [part.expansions(), part.touched(), part.vertices()].map(number);
+        let name = part.words[0].to_string_lossy();
+        writeln!(file, "{name},{cost},{expansions},{touched},{points},{}", part.cpu().as_secs_f64())?;
+    }
+    file.finish()
+}

@@ -1,0 +1,276 @@
+//! Arguments of the commands that search for a path, of the diagrams of distances, and of trees and roadmaps.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+
+use crate::cli::map::options::{
+    CornerArguments, FileArguments, GoalArguments, NeighbourArguments, parse_number, parse_place,
+};
+use crate::cli::numbers;
+use crate::cli::output_files::Format;
+use crate::grid::Place;
+use crate::grid::sampling::{PrmSettings, RrtSettings};
+use crate::grid::voronoi::Sites;
+
+/// Where a search begins and ends.
+#[derive(Debug, Args, Serialize)]
+pub struct EndArguments {
+    /// The cell in which the path begins.
+    #[arg(long, value_name = "ROW,COLUMN", allow_hyphen_values = true, value_parser = parse_place)]
+    pub start: Place,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub goal: GoalArguments,
+}
+
+impl EndArguments {
+    pub fn places(&self) -> (Place, Place) {
+        (self.start, self.goal.goal)
+    }
+}
+
+/// Files that only searches write.
+#[derive(Debug, Default, Args)]
+pub struct TraceArguments {
+    /// Write the cells in the order in which they were expanded, as order,row,col,cost.
+    #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
+    pub expansions: Option<PathBuf>,
+    /// Draw the search as it went on, as an animation.
+    #[arg(help_heading = "Output", long, value_name = "FILE.gif")]
+    pub gif: Option<PathBuf>,
+}
+
+impl TraceArguments {
+    pub fn files(&self) -> [(Format, &Option<PathBuf>); 2] {
+        [(Format::Csv, &self.expansions), (Format::Gif, &self.gif)]
+    }
+}
+
+/// Files that only trees and roadmaps are written to.
+#[derive(Debug, Default, Args)]
+pub struct GraphFileArguments {
+    /// Write the edges in the order in which they came, as order,from_row,from_col,to_row,to_col.
+    #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
+    pub edges: Option<PathBuf>,
+    /// Draw the tree or the roadmap as it grew, as an animation.
+    #[arg(help_heading = "Output", long, value_name = "FILE.gif")]
+    pub gif: Option<PathBuf>,
+}
+
+impl GraphFileArguments {
+    pub fn files(&self) -> [(Format, &Option<PathBuf>); 2] {
+        [(Format::Csv, &self.edges), (Format::Gif, &self.gif)]
+    }
+}
+
+#[derive(Debug, Args, Serialize)]
+pub struct SearchArguments {
+    #[command(flatten)]
+    #[serde(skip)]
+    pub files: FileArguments,
+    #[command(flatten)]
+    #[serde(skip)]
+    pub trace: TraceArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub ends: EndArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub neighbours: NeighbourArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub corners: CornerArguments,
+}
+
+/// Arguments of searches that have 8 neighbours always.
+#[derive(Debug, Args, Serialize)]
+pub struct EightSearchArguments {
+    #[command(flatten)]
+    #[serde(skip)]
+    pub files: FileArguments,
+    #[command(flatten)]
+    #[serde(skip)]
+    pub trace: TraceArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub ends: EndArguments,
+    /// Neighbours of a cell: this search has 8, those that share a side or a corner.
+    #[arg(long, value_enum, value_name = "8", default_value = "8")]
+    pub connectivity: EightNeighbours,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub corners: CornerArguments,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(into = "u8")]
+pub enum EightNeighbours {
+    #[value(name = "8")]
+    Eight,
+}
+
+impl From<EightNeighbours> for u8 {
+    fn from(EightNeighbours::Eight: EightNeighbours) -> Self {
+        8
+    }
+}
+
+#[derive(Debug, Args, Serialize)]
+#[command(after_help = "\
+Exact, between centres: obstacles 0, a cell beside one 1, beside its corner the \
+square root of 2. A map without obstacles is 0 everywhere, and a note says so.
+
+Example:
+  wildfire map euclidean assets/maps/drawing.png --png distances.png")]
+pub struct EuclideanArguments {
+    #[command(flatten)]
+    #[serde(skip)]
+    pub files: FileArguments,
+}
+
+#[derive(Debug, Args, Serialize)]
+pub struct VoronoiArguments {
+    #[command(flatten)]
+    #[serde(skip)]
+    pub files: FileArguments,
+    /// What counts as one obstacle: connected components and each wall, or cells that are seen 60 degrees apart.
+    #[arg(long, value_enum, value_name = "NAME", default_value = "obstacles")]
+    pub sites: SiteKind,
+    /// The cell in which a path along the diagram begins.
+    #[arg(long, value_name = "ROW,COLUMN", allow_hyphen_values = true, value_parser = parse_place, requires = "goal")]
+    pub start: Option<Place>,
+    /// The cell in which it ends.
+    #[arg(long, value_name = "ROW,COLUMN", allow_hyphen_values = true, value_parser = parse_place, requires = "start")]
+    pub goal: Option<Place>,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub corners: CornerArguments,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SiteKind {
+    Obstacles,
+    Cells,
+}
+
+impl From<SiteKind> for Sites {
+    fn from(kind: SiteKind) -> Self {
+        match kind {
+            SiteKind::Obstacles => Self::Obstacles,
+            SiteKind::Cells => Self::Cells,
+        }
+    }
+}
+
+#[derive(Debug, Args, Serialize)]
+pub struct RrtArguments {
+    #[command(flatten)]
+    #[serde(skip)]
+    pub files: FileArguments,
+    #[command(flatten)]
+    #[serde(skip)]
+    pub graph: GraphFileArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub ends: EndArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub growth: GrowthArguments,
+}
+
+#[derive(Debug, Args, Serialize)]
+pub struct RrtStarArguments {
+    #[command(flatten)]
+    #[serde(skip)]
+    pub files: FileArguments,
+    #[command(flatten)]
+    #[serde(skip)]
+    pub graph: GraphFileArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub ends: EndArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub growth: GrowthArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub near: NearArguments,
+}
+
+#[derive(Debug, Args, Serialize)]
+pub struct PrmArguments {
+    #[command(flatten)]
+    #[serde(skip)]
+    pub files: FileArguments,
+    #[command(flatten)]
+    #[serde(skip)]
+    pub graph: GraphFileArguments,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub ends: EndArguments,
+    /// The number that decides all draws.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Points that are drawn, from 1 to 100000; those in obstacles are left out.
+    #[arg(long, default_value_t = 500, allow_hyphen_values = true, value_parser = parse_count)]
+    pub samples: u32,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub near: NearArguments,
+}
+
+/// How a tree grows.
+#[derive(Debug, Args, Serialize)]
+pub struct GrowthArguments {
+    /// The number that decides all draws.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Points that are drawn at most, from 1 to 100000.
+    #[arg(long, default_value_t = 5000, allow_hyphen_values = true, value_parser = parse_count)]
+    pub samples: u32,
+    /// The longest edge in cells.
+    #[arg(long, value_name = "CELLS", default_value_t = 5.0, allow_hyphen_values = true, value_parser = parse_number)]
+    pub step: f64,
+    /// The chance that the goal is drawn in place of a point.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.05, allow_hyphen_values = true, value_parser = parse_number)]
+    pub goal_bias: f64,
+}
+
+/// Which points are neighbours.
+#[derive(Debug, Args, Serialize)]
+pub struct NearArguments {
+    /// How many nearest points are neighbours, from 1 to 1000 [default: 2e ln n of n points].
+    #[arg(long, value_name = "K", allow_hyphen_values = true, value_parser = parse_count)]
+    pub neighbours: Option<u32>,
+    /// The distance in cells within which points are neighbours [default: no limit].
+    #[arg(long, value_name = "CELLS", allow_hyphen_values = true, value_parser = parse_number)]
+    pub radius: Option<f64>,
+}
+
+impl GrowthArguments {
+    /// The settings of a tree; RRT has no neighbours.
+    pub fn settings(&self, near: Option<&NearArguments>) -> RrtSettings {
+        RrtSettings {
+            seed: self.seed,
+            samples: self.samples,
+            step: self.step,
+            goal_bias: self.goal_bias,
+            neighbours: near.and_then(|near| near.neighbours),
+            radius: near.and_then(|near| near.radius),
+        }
+    }
+}
+
+impl PrmArguments {
+    pub fn settings(&self) -> PrmSettings {
+        let NearArguments { neighbours, radius } = self.near;
+        PrmSettings { seed: self.seed, samples: self.samples, neighbours, radius }
+    }
+}
+
+fn parse_count(text: &str) -> Result<u32, String> {
+    numbers::parse(text).ok_or_else(|| "expected a whole number".to_owned())
+}

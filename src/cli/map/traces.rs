@@ -1,0 +1,84 @@
+//! What searches did, and the trees and roadmaps that they left.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use crate::document::number::{count, rounded};
+use crate::grid::Place;
+use crate::map_files::MapValue;
+use crate::picture::Spot;
+use crate::whole_file::{WholeFile, write_whole};
+
+/// What a search did.
+#[derive(Debug)]
+pub struct SearchTrace {
+    /// The cost of the path; `None` without one.
+    pub cost: Option<f64>,
+    /// Cells in the order in which they were expanded, as `row * cols + col`.
+    pub expanded: Vec<u32>,
+    pub touched: usize,
+}
+
+impl SearchTrace {
+    pub fn sentence(&self) -> String {
+        let cost = self.cost.map(|cost| format!(", cost {}", rounded(cost, 3))).unwrap_or_default();
+        format!("{} expanded, {} touched{cost}.", count(self.expanded.len(), "cell"), self.touched)
+    }
+
+    /// Writes the order of expansion under the names of its columns.
+    pub fn write_expansions(&self, path: &Path, cols: usize, cost: &dyn Fn(Place) -> String) -> io::Result<()> {
+        let mut file = WholeFile::create(path)?;
+        file.write_all(b"order,row,col,cost\n")?;
+        for (order, &index) in self.expanded.iter().enumerate() {
+            let (row, col) = (index as usize / cols, index as usize % cols);
+            writeln!(file, "{order},{row},{col},{}", cost((row, col)))?;
+        }
+        file.finish()
+    }
+}
+
+/// A tree or a roadmap.
+#[derive(Debug)]
+pub struct GraphTrace {
+    /// The cost of the path; `None` without one.
+    pub cost: Option<f64>,
+    /// Number of points that were drawn.
+    pub samples: u32,
+    /// Number of points of the graph.
+    pub vertices: usize,
+    /// Ends of the edges, in the order in which they came.
+    pub edges: Vec<[Spot; 2]>,
+}
+
+impl GraphTrace {
+    pub fn sentence(&self) -> String {
+        let cost = self.cost.map(|cost| format!(", cost {}", rounded(cost, 3))).unwrap_or_default();
+        let (samples, edges) = (count(self.samples as usize, "sample"), count(self.edges.len(), "edge"));
+        let points = count(self.vertices, "point");
+        format!("{samples} drawn, {points} and {edges}{cost}.")
+    }
+
+    /// Writes the edges under the names of their columns.
+    pub fn write_edges(&self, path: &Path) -> io::Result<()> {
+        let mut file = WholeFile::create(path)?;
+        file.write_all(b"order,from_row,from_col,to_row,to_col\n")?;
+        for (order, [from, to]) in self.edges.iter().enumerate() {
+            let [a, b, c, d] = [from.0, from.1, to.0, to.1].map(real_text);
+            writeln!(file, "{order},{a},{b},{c},{d}")?;
+        }
+        file.finish()
+    }
+}
+
+/// Writes a path through points, `row,column` a line, whole numbers at the centres of cells.
+pub fn write_points(path: &Path, points: &[Spot]) -> io::Result<()> {
+    let line = |&(row, col): &Spot| format!("{},{}\n", real_text(row), real_text(col));
+    write_whole(path, points.iter().map(line).collect::<String>().as_bytes())
+}
+
+/// The text of a number as tables of values have it.
+fn real_text(value: f64) -> String {
+    let mut text = Vec::new();
+    value.append_text(&mut text);
+    String::from_utf8(text).expect("numbers are ASCII")
+}
