@@ -17,7 +17,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("ranges", &[]),
     ("untrusted", &[]),
     ("whole_file", &[]),
-    ("document", &[]),
+    ("document", &["data_encoding"]),
     ("grid", &[]),
     ("map_files", &["gif", "image", "saphyr_parser", "tiff"]),
     ("vehicle", &["glam"]),
@@ -30,6 +30,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     (
         "scenario",
         &[
+            "data_encoding",
             "glam",
             "miniz_oxide",
             "toml",
@@ -44,7 +45,19 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("timeline", &["glam", "csv", "crc32fast", "miniz_oxide", "postcard", "serde_json"]),
     (
         "picture",
-        &["colorous", "crc32fast", "gif", "glam", "image", "miniz_oxide", "pdf_writer", "serde_json", "skrifa", "tiny_skia"],
+        &[
+            "colorous",
+            "crc32fast",
+            "data_encoding",
+            "gif",
+            "glam",
+            "image",
+            "miniz_oxide",
+            "pdf_writer",
+            "serde_json",
+            "skrifa",
+            "tiny_skia",
+        ],
     ),
     ("audit", &["glam", "rapier2d"]),
     ("sim", &["glam", "bevy", "serde_json"]),

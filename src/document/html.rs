@@ -1,6 +1,8 @@
 //! Documents as pages that need no other file and no network.
 
-use super::{Block, Document, Table, base64};
+use data_encoding::BASE64;
+
+use super::{Block, Document, Table};
 use crate::untrusted::visible_lines;
 
 const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;color:#111}\
@@ -55,7 +57,7 @@ fn push_blocks(text: &mut String, blocks: &[Block]) {
                 text.push_str(&format!("<figure>\n{svg}<figcaption>{file}.svg and .png</figcaption>\n</figure>\n"));
             }
             Block::Image { caption, png } => {
-                let (caption, data) = (escaped(caption), base64(png));
+                let (caption, data) = (escaped(caption), BASE64.encode(png));
                 text.push_str("<figure>\n<img alt=\"\" src=\"data:image/png;base64,");
                 text.push_str(&data);
                 text.push_str(&format!("\">\n<figcaption>{caption}</figcaption>\n</figure>\n"));

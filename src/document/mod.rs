@@ -13,14 +13,12 @@
 //! assert!(document.to_html().contains("<h1>Two &lt;runs&gt;</h1>"));
 //! ```
 
-mod base64;
 mod html;
 mod latex;
 mod markdown;
 pub mod number;
 mod text;
 
-pub use base64::base64;
 pub use html::escaped as escaped_html;
 pub use latex::escaped as escaped_latex;
 pub use text::{WIDTH, wrapped};

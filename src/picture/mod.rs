@@ -5,7 +5,6 @@
 //! The same scene gives the same picture on every machine, byte for byte: drawing uses only arithmetic that is exact to
 //! the standard, and trigonometry from [`crate::geometry::ops`].
 
-mod base64;
 mod canvas;
 pub mod charts;
 mod colours;

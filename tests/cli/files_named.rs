@@ -5,7 +5,7 @@ use std::fs;
 use crate::story::{Answer, Story, refuse};
 
 /// Every option of every command that writes a single file, how the file's name may end, and what it begins with.
-const OUTPUTS: [(&str, &str, &[u8]); 29] = [
+const OUTPUTS: [(&str, &str, &[u8]); 30] = [
     ("run smoke --out", "wildfire", b"WILDFIRE"),
     ("run smoke --events", "csv", b"t_s,event"),
     ("run smoke --trace", "csv", b"t_s,agent"),

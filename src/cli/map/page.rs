@@ -87,13 +87,7 @@ fn commands(arguments: &PageArguments) -> Vec<Vec<OsString>> {
     let neighbours = format!("--connectivity {}", u8::from(arguments.neighbours.connectivity));
     let corners = if arguments.corners.no_corner_cutting { "--no-corner-cutting" } else { "" };
     let seed = format!("--seed {}", arguments.seed);
-    let mut reading = String::new();
-    if let Some(tolerance) = arguments.reading.tolerance {
-        reading += &format!(" --tolerance {tolerance}");
-    }
-    if arguments.reading.remove_edges > 0 {
-        reading += &format!(" --remove-edges {}", arguments.reading.remove_edges);
-    }
+    let reading = arguments.reading.words();
     let options = [
         ("occupancy", String::new()),
         ("brushfire", neighbours.clone()),
@@ -115,7 +109,7 @@ fn commands(arguments: &PageArguments) -> Vec<Vec<OsString>> {
         ("prm", format!("{ends} {seed}")),
     ];
     let words = |(command, options): (&str, String)| {
-        let options = format!("{options}{reading}");
+        let options = format!("{options} {reading}");
         let first = [OsString::from(command), "--".into(), arguments.map.clone().into_os_string()];
         // Options stand before the map, whose name may begin with a hyphen.
         let [command, end, map] = first;

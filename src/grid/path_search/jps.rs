@@ -201,7 +201,7 @@ mod tests {
     /// The definition: a neighbour stays unless it can be reached from the parent without the cell as cheaply, or more
     /// cheaply after a diagonal move, within the 3 x 3 cells around.
     fn followed_by_definition(occupied: &Grid<bool>, arrival: Direction, corners: CornerCutting) -> Vec<Direction> {
-        let here = (1, 1);
+        let here: Place = (1, 1);
         let parent = (here.0.wrapping_add_signed(-arrival.0), here.1.wrapping_add_signed(-arrival.1));
         let is_diagonal = arrival.0 != 0 && arrival.1 != 0;
         let mut moves = legal_moves(occupied, Connectivity::Eight, corners);

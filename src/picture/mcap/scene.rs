@@ -1,8 +1,9 @@
 //! What is shown of a run: the cells, the bodies, the ways and the searches.
 
+use data_encoding::BASE64;
+
 use crate::fire::BushStateKind;
 use crate::geometry::{DVec2, FieldFrame};
-use crate::picture::base64::base64;
 use crate::picture::colours::{FIELD, INK, OBSTACLE, agent_colour, blend, bush_colour};
 use crate::picture::mcap::messages::{
     Color, CubePrimitive, FIELD_FRAME, Grid, LinePrimitive, PackedElementField, PoseMessage, SceneEntity,
@@ -78,7 +79,7 @@ impl CellGrid {
             row_stride: u32::from(self.frame.cols) * CELL_BYTES as u32,
             cell_stride: CELL_BYTES as u32,
             fields: names.into_iter().zip(0..).map(|(name, offset)| PackedElementField::byte(name, offset)).collect(),
-            data: base64(&self.bytes),
+            data: BASE64.encode(&self.bytes),
         }
     }
 }

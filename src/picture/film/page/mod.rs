@@ -8,6 +8,7 @@ mod ground;
 
 use std::collections::BTreeMap;
 
+use data_encoding::BASE64;
 use miniz_oxide::deflate::compress_to_vec_zlib;
 use serde::Serialize;
 
@@ -15,9 +16,8 @@ pub use ground::MOST_GROUND_CELLS;
 
 use data::{RunData, hex};
 
-use crate::document::{base64, escaped_html};
+use crate::document::escaped_html;
 use crate::fire::BushStateKind;
-use crate::picture::base64::base64;
 use crate::picture::colours::{
     BORDER, BURNING, EXTINGUISHED, FAINT_INK, FIELD, INK, OUTSIDE, PAPER, UNIMOG, WATER, WUMPUS, bush_colour,
 };
@@ -104,7 +104,7 @@ pub fn page(request: &FrameRequest) -> String {
         .replace("@STYLE@", STYLE)
         .replace("@SCRIPT@", &SCRIPTS.concat())
         // The last, so that nothing in names is replaced.
-        .replace("@DATA@", &base64(&compress_to_vec_zlib(&data, PACKED)))
+        .replace("@DATA@", &BASE64.encode(&compress_to_vec_zlib(&data, PACKED)))
 }
 
 impl PageData {
