@@ -7,11 +7,12 @@ use crate::grid::Grid;
 use crate::input_file;
 use crate::input_file::{InputFile, is_standard_stream};
 use crate::map_files::decoded::GreyImage;
+use crate::map_files::error::with_room;
 use crate::map_files::map::{MapFile, Reading};
 use crate::map_files::pictures::{self, PictureFormat};
 use crate::map_files::ros::{self, RosMap};
 use crate::map_files::rows::without_mark;
-use crate::map_files::{Fault, MAX_BYTES, MapError, moving_ai, npy, png, pnm, text, tiff_image};
+use crate::map_files::{Fault, MAX_BYTES, MapError, carried, moving_ai, npy, png, pnm, text, tiff_image};
 
 const BUFFER_BYTES: usize = 1 << 16;
 
@@ -20,7 +21,7 @@ const BUFFER_BYTES: usize = 1 << 16;
 /// The format is recognised by the content, never by the name: images (PNG, JPEG, WebP, GIF, BMP, TIFF, and Netpbm, P1 to
 /// P6); rows of 0 (free) and 1 (occupied); the same with commas; NumPy arrays of these; Moving AI maps, where `.` and `G`
 /// are free and everything else is occupied, swamp (`S`) and water (`W`) too; and the YAML file of a ROS map, which names
-/// its image. Images that are not 8-bit grey are converted, which a note says: alpha over white, colours by their luma,
+/// its image. A picture of a map that this program drew is the map that it shows. Images that are not 8-bit grey are converted, which a note says: alpha over white, colours by their luma,
 /// other ranges of values scaled to 0 to 255.
 ///
 /// # Errors
@@ -115,10 +116,25 @@ fn not_opened(error: std::io::Error) -> Fault {
 
 fn read_file<R: BufRead + Seek>(mut source: R, bytes: u64) -> Result<Content, Fault> {
     match MapFormat::from_first_bytes(source.fill_buf()?)? {
-        MapFormat::Png => png::read(source, bytes).map(Content::Grey),
+        MapFormat::Png => match carried::length(source.fill_buf()?) {
+            Some(length) => read_carried(source, length, bytes),
+            None => png::read(source, bytes).map(Content::Grey),
+        },
         MapFormat::Whole(format) => read_whole(format, source),
         MapFormat::Sequential(format) => read_sequential(format, source, bytes),
     }
+}
+
+/// Reads the map that a picture of this program carries, which follows the header in `length` bytes.
+fn read_carried(mut source: impl Read, length: usize, bytes: u64) -> Result<Content, Fault> {
+    let end = carried::HEADER_BYTES + length;
+    if end as u64 > bytes {
+        return Err(Fault::Image { message: "the file ends within the map that it carries".to_owned() });
+    }
+    let mut start = with_room(end)?;
+    source.by_ref().take(end as u64).read_to_end(&mut start)?;
+    let occupied = carried::read(&start[carried::HEADER_BYTES..])?;
+    Ok(Content::Cells(occupied, Some("the picture carries the map that it shows, which is read".to_owned())))
 }
 
 /// Reads an input that has no way back, a pipe, a device or stdin: its first bytes are kept, as they show the format,

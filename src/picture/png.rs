@@ -6,6 +6,8 @@ use std::path::Path;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, ImageError};
 
+use crate::grid::Grid;
+use crate::map_files::carried;
 use crate::whole_file::WholeFile;
 
 use super::colours::Rgb;
@@ -22,6 +24,8 @@ pub struct Picture {
     height: u32,
     /// Red, green and blue of every pixel, row by row.
     channels: Vec<u8>,
+    /// The chunk of the file that holds the map of the picture.
+    map: Option<Vec<u8>>,
 }
 
 impl Picture {
@@ -32,7 +36,7 @@ impl Picture {
             channels.copy_within(4 * pixel..4 * pixel + 3, 3 * pixel);
         }
         channels.truncate(3 * pixels);
-        Self { width, height, channels }
+        Self { width, height, channels, map: None }
     }
 
     pub fn width(&self) -> u32 {
@@ -53,6 +57,11 @@ impl Picture {
         [self.channels[at], self.channels[at + 1], self.channels[at + 2]]
     }
 
+    /// Returns the same with a map, which its file carries for whoever reads it as a map.
+    pub fn with_map(self, occupied: &Grid<bool>) -> Self {
+        Self { map: Some(carried::chunk(occupied)), ..self }
+    }
+
     /// Writes the picture as a PNG file, which appears whole.
     pub fn write_png(&self, path: &Path) -> io::Result<()> {
         let mut file = WholeFile::create(path)?;
@@ -67,7 +76,15 @@ impl Picture {
         bytes
     }
 
-    fn encode_png(&self, target: impl io::Write) -> io::Result<()> {
+    fn encode_png(&self, mut target: impl io::Write) -> io::Result<()> {
+        let Some(map) = &self.map else { return self.encode_pixels(target) };
+        let mut pixels = Vec::new();
+        self.encode_pixels(&mut pixels)?;
+        let (header, rest) = pixels.split_at(carried::HEADER_BYTES);
+        [header, map, rest].into_iter().try_for_each(|bytes| target.write_all(bytes))
+    }
+
+    fn encode_pixels(&self, target: impl io::Write) -> io::Result<()> {
         // The fast way to pack looks only for runs of zeros, which differences from the row above have; the thorough
         // one finds the repetitions of flat colours better in what is left as it is.
         let (compression, filter) = match self.channels.len() {

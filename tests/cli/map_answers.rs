@@ -415,6 +415,18 @@ fn every_search_answers_an_occupied_start_and_a_walled_goal() {
 }
 
 #[test]
+fn pictures_of_maps_are_maps_again() {
+    let story = story();
+    let map = values(&story, "occupancy trap.txt");
+    for (computation, picture) in
+        [("occupancy", "png"), ("brushfire", "overlay"), ("wavefront --goal 2,5", "surface"), ("euclidean", "png")]
+    {
+        tell(&story, &format!("{computation} trap.txt --{picture} shown.png")).expect_code(0);
+        assert_eq!(values(&story, "occupancy shown.png"), map, "{computation}");
+    }
+}
+
+#[test]
 fn report_is_one_page_with_every_picture() {
     let story = story();
     story.tell(&["map", "report", "trap.txt", "--goal", "2,5", "--start", "2,1", "--out", "lab"]).expect_code(0);

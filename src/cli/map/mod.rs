@@ -26,7 +26,7 @@ use crate::cli::error::CliError;
 use crate::cli::output_files::{self, Files, Words};
 use crate::cli::terminal;
 use crate::map_files::write_path;
-use crate::picture::{draw_map, draw_overlay, draw_surface};
+use crate::picture::{MapScene, Picture, draw_map, draw_overlay, draw_surface};
 
 pub fn run(command: &MapCommand, quiet: bool) -> Result<ExitCode, CliError> {
     match command {
@@ -71,16 +71,19 @@ fn check_files(computation: &Computation) -> Result<Words, CliError> {
 /// Writes all files; the error is the first.
 fn write_files(report: &MapReport, quiet: bool) -> Result<(), CliError> {
     let (output, values) = (&report.computation.files().output, &report.computed.values);
-    let grey = report.map.grey.as_ref();
+    let (grey, occupied) = (report.map.grey.as_ref(), &report.map.occupied);
+    // Pictures carry the map, so that they can be read as one.
+    let draw =
+        |draw: &dyn Fn(&MapScene) -> Picture, path: &Path| with_scene(report, draw).with_map(occupied).write_png(path);
     let [(_, table), (_, film)] = report.computation.more_files();
     output_files::write_all(
         &[
             (output.csv.as_deref(), &|path| values.write_csv(path)),
             (output.npy.as_deref(), &|path| values.write_npy(path)),
             (output.path.as_deref(), &|path| write_way(report, path)),
-            (output.png.as_deref(), &|path| with_scene(report, draw_map).write_png(path)),
-            (output.overlay.as_deref(), &|path| with_scene(report, |scene| draw_overlay(scene, grey)).write_png(path)),
-            (output.surface.as_deref(), &|path| with_scene(report, draw_surface).write_png(path)),
+            (output.png.as_deref(), &|path| draw(&draw_map, path)),
+            (output.overlay.as_deref(), &|path| draw(&|scene| draw_overlay(scene, grey), path)),
+            (output.surface.as_deref(), &|path| draw(&draw_surface, path)),
             (table.as_deref(), &|path| write_table(report, path)),
             (film.as_deref(), &|path| write_film(report, path)),
         ],
