@@ -260,6 +260,7 @@ hold! {
     planning_drives: "docs/planning-drives.md", pictures below 100_000;
     policies: "docs/policies.md", pictures below 0;
     python: "docs/python.md", pictures below 0;
+    recording_format: "docs/recording-format.md", pictures below 0;
     scenarios: "docs/scenarios.md", pictures below 0;
     watch: "docs/watch.md", pictures below 3_000_000;
     words: "docs/words.md", pictures below 0;

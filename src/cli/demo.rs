@@ -78,6 +78,7 @@ pub fn run(arguments: &DemoArguments, context: &CommandContext) -> Result<ExitCo
     fs::create_dir_all(folder)
         .map_err(|error| CliError::environment(format_args!("cannot make the folder {}: {error}", folder.display())))?;
     let shown = folder.display().to_string();
+    let quiet = CommandContext::new(true, context.entrants.clone());
     for (index, Step { why, command }) in STEPS.iter().enumerate() {
         let gap = if index == 0 { "" } else { "\n" };
         let typed = command.replace("DIR", &quoted(&shown));
@@ -85,8 +86,7 @@ pub fn run(arguments: &DemoArguments, context: &CommandContext) -> Result<ExitCo
         let words = command.split(' ').map(|word| in_folder(word, folder));
         let words = std::iter::once(OsString::from("wildfire")).chain(words);
         let step = Arguments::try_parse_from(words).expect("the demonstration's commands are right");
-        let step = Arguments { quiet: true, ..step };
-        let code = dispatch(&step, context)?;
+        let code = dispatch(&step, &quiet)?;
         if code != ExitCode::SUCCESS {
             return Ok(code);
         }

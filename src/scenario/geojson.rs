@@ -14,7 +14,6 @@ use serde::de::{DeserializeSeed, Error, IgnoredAny, MapAccess, SeqAccess, Visito
 use serde::{Deserialize, Deserializer};
 
 use super::error::MapFault;
-use super::given::{GivenField, MAX_CELLS_A_SIDE};
 use crate::geometry::{DVec2, FieldFrame, ops};
 use crate::grid::Grid;
 
@@ -49,16 +48,21 @@ pub(super) fn is_geojson(text: &str) -> bool {
     serde_json::from_str(text).is_ok_and(|kind: Kind| TYPES.contains(&kind.r#type.as_str()))
 }
 
-/// Reads the polygons of a GeoJSON text on cells of this side; objects of other types are passed over.
+/// Reads the polygons of a GeoJSON text on cells of this side, at most `most` of them a side of the field; objects of other
+/// types are passed over.
 ///
 /// # Errors
 /// Fails if the text is not GeoJSON, as the JSON reader says, or as [`Shapes::field`] does.
-pub(super) fn parse(text: &str, cell_m: f64) -> Result<Result<GivenField, MapFault>, serde_json::Error> {
+pub(super) fn parse(
+    text: &str,
+    cell_m: f64,
+    most: u16,
+) -> Result<Result<(FieldFrame, Grid<bool>), MapFault>, serde_json::Error> {
     let mut shapes = Shapes::default();
     let mut json = serde_json::Deserializer::from_str(text);
     Member(&mut shapes).deserialize(&mut json)?;
     json.end()?;
-    Ok(shapes.field(cell_m))
+    Ok(shapes.field(cell_m, most))
 }
 
 /// Polygons as lists of rings, rings as lists of points.
@@ -76,7 +80,7 @@ impl Shapes {
     ///
     /// # Errors
     /// Fails if there is no polygon, if the field would have too many cells, or if the outlines are too fine for them.
-    fn field(mut self, cell_m: f64) -> Result<GivenField, MapFault> {
+    fn field(mut self, cell_m: f64, most: u16) -> Result<(FieldFrame, Grid<bool>), MapFault> {
         if self.points.is_empty() {
             return Err(MapFault::NoPolygon);
         }
@@ -86,15 +90,15 @@ impl Shapes {
         self.project()?;
         let (low, high) = self.bounds();
         let size = ((high - low) / cell_m).ceil().max(DVec2::ONE);
-        if size.max_element() > f64::from(MAX_CELLS_A_SIDE) {
-            return Err(MapFault::TooWide { size: [high.x - low.x, high.y - low.y], cell_m, most: MAX_CELLS_A_SIDE });
+        if size.max_element() > f64::from(most) {
+            return Err(MapFault::TooWide { size: [high.x - low.x, high.y - low.y], cell_m, most });
         }
         let frame = FieldFrame { cols: size.x as u16, rows: size.y as u16, cell_m };
         let mut occupied = Grid::filled(frame.rows.into(), frame.cols.into(), false);
         // In cells from the south-west corner.
         self.points.iter_mut().for_each(|point| *point = (*point - low) / cell_m);
         self.fill(&mut occupied)?;
-        Ok(GivenField { frame, occupied })
+        Ok((frame, occupied))
     }
 
     fn bounds(&self) -> (DVec2, DVec2) {
@@ -345,10 +349,12 @@ impl<'de> Visitor<'de> for Nest<'_> {
 mod tests {
     use super::*;
 
+    const MOST: u16 = 4096;
+
     fn rows(text: &str, cell_m: f64) -> Vec<String> {
-        let field = parse(text, cell_m).expect("GeoJSON").expect("a field");
-        let row = |row: usize| field.occupied.row(row).iter().map(|&cell| if cell { '#' } else { '.' }).collect();
-        (0..field.occupied.rows()).rev().map(row).collect()
+        let (_, occupied) = parse(text, cell_m, MOST).expect("GeoJSON").expect("a field");
+        let row = |row: usize| occupied.row(row).iter().map(|&cell| if cell { '#' } else { '.' }).collect();
+        (0..occupied.rows()).rev().map(row).collect()
     }
 
     fn metres(geometry: &str) -> String {
@@ -381,14 +387,14 @@ mod tests {
         // 0.001 degrees of latitude are 111.195 m, of longitude at 60 degrees half as much.
         let text = r#"{"type": "FeatureCollection", "features": [{"type": "Feature", "geometry": null}, {"type": "Feature",
             "geometry": {"type": "Polygon", "coordinates": [[[10,59.9995],[10.001,59.9995],[10.001,60.0005],[10,60.0005]]]}}]}"#;
-        let field = parse(text, 10.0).expect("GeoJSON").expect("a field");
-        assert_eq!((field.frame.cols, field.frame.rows), (6, 12));
-        assert_eq!(field.coverage(), (6.0 * 11.0) / 72.0);
+        let (frame, occupied) = parse(text, 10.0, MOST).expect("GeoJSON").expect("a field");
+        assert_eq!((frame.cols, frame.rows), (6, 12));
+        assert_eq!(occupied.values().iter().filter(|&&cell| cell).count(), 6 * 11);
     }
 
     #[test]
     fn what_is_no_field_is_refused() {
-        let fault = |text: &str| parse(text, 1.0).expect("GeoJSON").expect_err("no field");
+        let fault = |text: &str| parse(text, 1.0, MOST).expect("GeoJSON").expect_err("no field");
         assert_eq!(fault(r#"{"type": "Point", "coordinates": [1, 2]}"#), MapFault::NoPolygon);
         assert_eq!(fault(r#"{"type": "FeatureCollection", "features": []}"#), MapFault::NoPolygon);
         let wide = r#"{"type": "Polygon", "coordinates": [[[0,0],[9000,0],[0,10]]]}"#;
@@ -401,7 +407,7 @@ mod tests {
             r#"{"type": "Polygon", "coordinates": "here"}"#,
             r#"{"type": "Polygon", "coordinates": []} 1"#,
         ] {
-            assert!(parse(wrong, 1.0).is_err(), "{wrong}");
+            assert!(parse(wrong, 1.0, MOST).is_err(), "{wrong}");
         }
         assert!(!is_geojson(r#"{"n": 3, "cells_cr": []}"#) && !is_geojson(r#"{"type": "map"}"#));
     }

@@ -74,8 +74,10 @@ impl GivenField {
         if !(cell_m > 0.0 && cell_m.is_finite()) {
             return Err(MapFault::CellSize { found: cell_m }.at(0..0));
         }
-        let field = geojson::parse(text, cell_m).map_err(|error| json_fault(text, &error, FieldPath::default()))?;
-        field.map_err(|fault| fault.at(0..0))
+        let field = geojson::parse(text, cell_m, MAX_CELLS_A_SIDE)
+            .map_err(|error| json_fault(text, &error, FieldPath::default()))?;
+        let (frame, occupied) = field.map_err(|fault| fault.at(0..0))?;
+        Ok(Self { frame, occupied })
     }
 
     /// Takes the cells of a map whose first row is north; their side is the map's own, or `cell_m`.
