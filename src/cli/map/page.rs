@@ -122,11 +122,13 @@ fn commands(arguments: &PageArguments) -> Vec<Vec<OsString>> {
 fn page(arguments: &PageArguments, map: &MapFile, parts: &[Part], cpu_read: Duration) -> Document {
     let name = arguments.map.file_name().unwrap_or(arguments.map.as_os_str()).to_string_lossy();
     let (start, goal) = arguments.ends.places();
+    // What there is to say about the map is said once.
+    let of_map = [map.notes.clone(), map.doubts()].concat();
     let report = |part: &'_ Part| {
         let report = MapReport::new(&part.computation, map, &part.computed, cpu_read);
         let picture = with_scene(&report, draw_small_map).to_png();
         let mut lines = report.sentences();
-        lines.retain(|line| !map.notes.iter().any(|note| line.contains(note.as_str())));
+        lines.retain(|line| !of_map.iter().any(|said| line.contains(said.as_str())));
         (lines, picture)
     };
     let rows = map.occupied.rows();
@@ -136,7 +138,7 @@ fn page(arguments: &PageArguments, map: &MapFile, parts: &[Part], cpu_read: Dura
         format!("Start: row {}, column {}; goal: row {}, column {}", start.0, start.1, goal.0, goal.1),
         format!("wildfire {PROGRAM_VERSION}"),
     ];
-    facts.extend(map.notes.iter().cloned());
+    facts.extend(of_map.iter().cloned());
     let mut document = Document::new(format!("Grid maps of {name}")).with([Block::List(facts)]);
     document.add(Block::Heading("Searches".into()));
     document.add(search_table(parts));
