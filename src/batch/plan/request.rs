@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use sha2::{Digest, Sha256};
 use thiserror::Error;
 
-use super::sweep::{SweepError, check_sweeps, split_at_commas};
+use super::sweep::{SweepError, check_sweeps, is_several};
 use super::{
     BatchPlan, MAX_CHANGES, MAX_RUNS, MAX_SWEPT_KEYS, PLANNER_KEY, Record, Seeds, SeedsError, Setting, Sweep, Value,
     Variant,
@@ -83,10 +83,10 @@ pub enum RequestError {
 }
 
 impl BatchRequest {
-    /// Takes an option of the command line: a change, or a sweep if there are several values between commas.
+    /// Takes an option of the command line: a change, or a sweep if there are several values.
     pub fn add_option(&mut self, option: &str) -> Result<(), SweepError> {
         match option.split_once('=') {
-            Some((key, values)) if split_at_commas(values).len() > 1 => self.sweeps.push(Sweep::parse(key, values)?),
+            Some((key, values)) if is_several(values) => self.sweeps.push(Sweep::parse(key, values)?),
             _ => self.changes.push(option.to_owned()),
         }
         Ok(())

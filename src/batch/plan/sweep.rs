@@ -2,6 +2,9 @@
 //!
 //! A sweep has one key, or several that take their values together, the first value of each, then the second. Sweeps
 //! of a plan are multiplied: every combination of their values is run.
+//!
+//! Values in equal steps may be written as a range, `0.05..0.20:0.05`. They are counted in decimal digits, so that the third
+//! is 0.15 and not the float beside it.
 
 use thiserror::Error;
 
@@ -38,6 +41,8 @@ pub enum SweepError {
         "`{one}` and `{other}` take their values together, but one has {one_count} of them and the other {other_count}"
     )]
     Unequal { one: String, one_count: usize, other: String, other_count: usize },
+    #[error("the range {range} of `{key}` {problem}")]
+    Range { key: String, range: String, problem: String },
     #[error("`{one}` and `{other}` contradict each other: both say what the same value is")]
     Contradiction { one: String, other: String },
 }
@@ -66,10 +71,17 @@ fn value_of(value: toml::Value) -> Value {
 }
 
 impl Sweep {
-    /// One key and its values with commas between them.
+    /// One key and its values with commas between them, some of which may be ranges.
     pub fn parse(key: &str, values: &str) -> Result<Self, SweepError> {
-        let settings = split_at_commas(values).into_iter().map(Setting::parse).collect();
-        Self::together(vec![(key.trim().to_owned(), settings)])
+        let key = key.trim().to_owned();
+        let mut settings = Vec::new();
+        for part in split_at_commas(values) {
+            match Range::parse(part) {
+                Some(range) => settings.extend(range.values(&key)?.iter().map(|value| Setting::parse(value))),
+                None => settings.push(Setting::parse(part)),
+            }
+        }
+        Self::together(vec![(key, settings)])
     }
 
     /// Keys that take their values together; at least one, each with at least one value.
@@ -94,6 +106,87 @@ impl Sweep {
 
     pub fn steps(&self) -> &[Vec<Setting>] {
         &self.steps
+    }
+}
+
+/// Says whether a text is several values: they have commas between them, or are a range.
+pub fn is_several(text: &str) -> bool {
+    split_at_commas(text).len() > 1 || Range::parse(text).is_some()
+}
+
+/// The most values of a range.
+const MAX_VALUES: i64 = 10_000;
+
+/// The most digits of a number in a range, which 64 bits hold.
+const MAX_DIGITS: usize = 15;
+
+/// Numbers in equal steps, both ends included where the steps lead to the last.
+struct Range<'a> {
+    written: &'a str,
+    /// First, last and step, in units of the last digit.
+    numbers: [i64; 3],
+    digits_after_point: usize,
+}
+
+impl<'a> Range<'a> {
+    /// Reads `FIRST..LAST:STEP`, three decimal numbers; all else is no range.
+    fn parse(text: &'a str) -> Option<Self> {
+        let written = text.trim();
+        let (first, rest) = written.split_once("..")?;
+        let (last, step) = rest.split_once(':')?;
+        let parts = [first, last, step].map(Decimal::parse);
+        let digits_after_point = parts.iter().flatten().map(|part| part.fraction.len()).max()?;
+        let [first, last, step] = parts.map(|part| part.and_then(|part| part.in_units(digits_after_point)));
+        Some(Self { written, numbers: [first?, last?, step?], digits_after_point })
+    }
+
+    fn values(&self, key: &str) -> Result<Vec<String>, SweepError> {
+        let refuse =
+            |problem: String| SweepError::Range { key: key.to_owned(), range: self.written.to_owned(), problem };
+        let [first, last, step] = self.numbers;
+        if step <= 0 || last < first {
+            return Err(refuse(
+                "leads nowhere; expected FIRST..LAST:STEP with a step above 0 and the last not below the first".into(),
+            ));
+        }
+        let count = (last - first) / step + 1;
+        if count > MAX_VALUES {
+            return Err(refuse(format!("has {count} values; expected at most {MAX_VALUES}")));
+        }
+        let unit = 10_i64.pow(self.digits_after_point as u32);
+        let text = |number: i64| {
+            let sign = if number < 0 { "-" } else { "" };
+            let (whole, rest) = (number.abs() / unit, number.abs() % unit);
+            match self.digits_after_point {
+                0 => format!("{sign}{whole}"),
+                digits => format!("{sign}{whole}.{rest:0digits$}"),
+            }
+        };
+        Ok((0..count).map(|index| text(first + index * step)).collect())
+    }
+}
+
+/// A number as its digits.
+struct Decimal<'a> {
+    is_negative: bool,
+    whole: &'a str,
+    fraction: &'a str,
+}
+
+impl<'a> Decimal<'a> {
+    fn parse(text: &'a str) -> Option<Self> {
+        let digits = text.strip_prefix('-').unwrap_or(text);
+        let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
+        let is_number = !whole.is_empty() && (whole.len() == digits.len() || !fraction.is_empty());
+        let are_digits = [whole, fraction].iter().all(|part| part.bytes().all(|byte| byte.is_ascii_digit()));
+        (is_number && are_digits).then_some(Self { is_negative: digits.len() < text.len(), whole, fraction })
+    }
+
+    /// Counts it in units of the digit at this place after the point.
+    fn in_units(&self, digits_after_point: usize) -> Option<i64> {
+        let digits = format!("{}{:0<digits_after_point$}", self.whole, self.fraction);
+        let number: i64 = (digits.len() <= MAX_DIGITS).then(|| digits.parse().ok()).flatten()?;
+        Some(if self.is_negative { -number } else { number })
     }
 }
 
@@ -147,7 +240,7 @@ fn overlap(one: &str, other: &str) -> bool {
 }
 
 /// Splits a text at the commas that are outside of quotes and brackets.
-pub fn split_at_commas(text: &str) -> Vec<&str> {
+fn split_at_commas(text: &str) -> Vec<&str> {
     let (mut parts, mut start, mut depth, mut quote) = (Vec::new(), 0, 0_u32, None);
     for (at, letter) in text.char_indices() {
         match (quote, letter) {
@@ -189,6 +282,26 @@ mod tests {
         assert_eq!(values("1,0.10,-3"), [Value::Count(1), Value::Real(0.1), Value::Real(-3.0)]);
         let texts = ["prm-rs", "two words", "true"].map(|text| Value::Text(text.into()));
         assert_eq!(values("prm-rs,\"two words\",true"), texts);
+    }
+
+    #[test]
+    fn ranges_are_counted_in_decimal_digits() {
+        let written = |text: &str| {
+            let sweep = Sweep::parse("a", text).expect("values");
+            sweep.steps.into_iter().map(|step| step[0].written.clone()).collect::<Vec<_>>()
+        };
+        assert_eq!(written("0.05..0.2:0.05"), ["0.05", "0.10", "0.15", "0.20"]);
+        assert_eq!(written("1..10:4, 20"), ["1", "5", "9", "20"]);
+        assert_eq!(written("-1..1:0.5"), ["-1.0", "-0.5", "0.0", "0.5", "1.0"]);
+        assert_eq!(written("3..3:1"), ["3"]);
+        for text in ["..", "1..2", "a..b:c", "1..2:", "../maps:1", "1e3..2e3:1e2", "1...2:1", ".5..1:.1"] {
+            assert!(!is_several(text), "{text}");
+        }
+        assert!(is_several("1..2:1"));
+        for (text, part) in [("2..1:1", "nowhere"), ("1..2:0", "nowhere"), ("0..1:0.00001", "100001 values")] {
+            let refusal = Sweep::parse("a", text).expect_err("no values").to_string();
+            assert!(refusal.contains(part), "{refusal}");
+        }
     }
 
     #[test]

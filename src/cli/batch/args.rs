@@ -31,8 +31,8 @@ pub struct BatchArguments {
     /// Scenario files, or names of built-in scenarios [default: contest]; or one plan file.
     #[arg(value_name = "SCENARIO|PLAN.toml")]
     pub sources: Vec<String>,
-    /// Change a value of the scenarios; with several values between commas, run all of them with each. Sweeps of
-    /// several keys are multiplied; may be repeated.
+    /// Change a value of the scenarios; with several values between commas, or a range `FIRST..LAST:STEP`, run all of
+    /// them with each. Sweeps of several keys are multiplied; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE[,VALUE...]")]
     pub set: Vec<String>,
     #[command(flatten)]
