@@ -248,6 +248,7 @@ hold! {
     curves: "docs/curves.md", pictures below 60_000;
     dispatch: "docs/dispatch.md", pictures below 0;
     fallbacks: "docs/fallbacks.md", pictures below 0;
+    first_hour: "docs/first-hour.md", pictures below 0;
     fire_behavior: "docs/fire-behavior.md", pictures below 0;
     fire_spread: "docs/fire-spread.md", pictures below 200_000;
     fire_validation: "docs/fire-validation.md", pictures below 0;

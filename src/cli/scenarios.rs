@@ -15,11 +15,12 @@ use crate::cli::map::parse_tolerance;
 use crate::cli::numbers;
 use crate::cli::output_files::{Files, Format};
 use crate::cli::terminal;
-use crate::document::number::{percent, rounded};
+use crate::document::number::percent;
 use crate::document::{Block, Document};
 use crate::input_file::is_standard_stream;
 use crate::map_files::Tolerance;
 use crate::programs::protocol;
+use crate::ranges::number_text;
 use crate::scenario::{self, BUILT_IN, LoadedScenario, MemoryLimit, ScenarioText};
 use crate::timeline::export;
 use crate::untrusted::visible;
@@ -203,6 +204,7 @@ fn scenario_from_map(map: &Path, options: &MapArguments, file: Option<&Path>) ->
     let scenario = LoadedScenario::from_text(&draft, &[])?.scenario;
     let (frame, given) = (scenario.field.frame(), scenario.field.given.as_ref().expect("it has a map"));
     let bushes = given.occupied.values().iter().filter(|&&occupied| occupied).count();
+    let metres = |side_m: f64| number_text((1e3 * side_m).round() / 1e3);
     let [wumpus, truck] = [scenario.wumpus[0].start_m, [scenario.unimog[0].start.x_m, scenario.unimog[0].start.y_m]];
     Ok(format!(
         "# A contest on the map {}. What is left out has its default value; `wildfire check FILE` lists them all,\n\
@@ -219,8 +221,8 @@ fn scenario_from_map(map: &Path, options: &MapArguments, file: Option<&Path>) ->
         frame.cols,
         frame.rows,
         frame.cell_m,
-        rounded(frame.width_m(), 3),
-        rounded(frame.height_m(), 3),
+        metres(frame.width_m()),
+        metres(frame.height_m()),
         percent(given.coverage()),
         toml::Value::from(wumpus[0]),
         toml::Value::from(wumpus[1]),
