@@ -188,6 +188,14 @@ fn check_same_place(raster: &Raster, first: &Raster, name: &str, other: &str) ->
             raster.rows, raster.cols, first.rows, first.cols
         ));
     }
+    let epsg = |raster: &Raster| raster.crs.as_ref().and_then(GeoKeys::epsg);
+    if let (Some(found), Some(expected)) = (epsg(raster), epsg(first))
+        && found != expected
+    {
+        return Err(format!(
+            "{name}: it is in the coordinate system EPSG:{found}, expected EPSG:{expected} as in {other}"
+        ));
+    }
     if (raster.cell_m - first.cell_m).abs() > SAME_SIDE * first.cell_m {
         return Err(format!("{name}: its cells are of {} m, expected {} m as in {other}", raster.cell_m, first.cell_m));
     }

@@ -15,6 +15,8 @@ pub enum ComparisonError {
     Table(#[from] TableError),
     #[error("{}: expected a folder with a runs.csv, or such a file", path.display())]
     NoBatch { path: PathBuf },
+    #[error("{} has no runs.csv yet: its batch was stopped", folder.display())]
+    Stopped { folder: PathBuf },
     #[error(transparent)]
     Strange(#[from] StrangeEntry),
     #[error("{}: expected a table that `wildfire batch` wrote: there is no column `{column}`", path.display())]

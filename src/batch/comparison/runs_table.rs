@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use crate::batch::comparison::error::ComparisonError;
 use crate::batch::execute::{RUNS_FILE, expect_files};
-use crate::batch::plan::MAX_RUNS;
+use crate::batch::plan::{MAX_RUNS, PLAN_FILE};
 use crate::batch::table::{QueryTally, TableError, TableReader};
 
 /// Numbers of larger size could overflow in sums of squares.
@@ -69,7 +69,10 @@ pub fn open(path: &Path) -> Result<TableReader, ComparisonError> {
         TableError::Unreadable { path, source }
             if matches!(source.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) =>
         {
-            ComparisonError::NoBatch { path }
+            match path.parent().filter(|folder| folder.join(PLAN_FILE).is_file()) {
+                Some(folder) if path.ends_with(RUNS_FILE) => ComparisonError::Stopped { folder: folder.to_owned() },
+                _ => ComparisonError::NoBatch { path },
+            }
         }
         error => error.into(),
     })?;

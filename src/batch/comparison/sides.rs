@@ -2,6 +2,7 @@
 
 use crate::batch::comparison::error::ComparisonError;
 use crate::batch::comparison::runs_table::{Condition, RunsTable};
+use crate::batch::plan::is_same_value;
 use crate::scenario::nearest_name;
 use crate::untrusted::visible_start;
 
@@ -71,11 +72,14 @@ impl<'a> Side<'a> {
     pub fn description(&self) -> String {
         let varying: Vec<_> = self.varying().iter().map(|condition| &condition.name).collect();
         let common = self.table.conditions.iter().filter(|condition| !varying.contains(&&condition.name));
+        // A batch without trucks has no planner.
+        let is_said =
+            |condition: &&Condition| self.runs.first().is_some_and(|&run| !condition.level_of(run).is_empty());
         let level = |condition: &Condition| {
             let level = self.runs.first().map_or("", |&run| condition.level_of(run));
             format!("{} {}", visible_start(&condition.name), visible_start(level))
         };
-        let common: Vec<_> = common.map(level).collect();
+        let common: Vec<_> = common.filter(is_said).map(level).collect();
         let path = visible_start(&self.table.path.display().to_string());
         if common.is_empty() { path } else { format!("{path} ({})", common.join(", ")) }
     }
@@ -147,7 +151,7 @@ fn condition<'a>(table: &'a RunsTable, column: &str) -> Result<&'a Condition, Co
 }
 
 fn level(table: &RunsTable, condition: &Condition, value: &str) -> Result<u32, ComparisonError> {
-    let found = condition.levels.iter().position(|level| level == value);
+    let found = condition.levels.iter().position(|level| is_same_value(level, value));
     found.map(|index| index as u32).ok_or_else(|| ComparisonError::UnknownLevel {
         path: table.path.clone(),
         column: visible_start(&condition.name),

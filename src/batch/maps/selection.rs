@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::batch::execute::panics;
 use crate::batch::maps::MapsError;
-use crate::batch::plan::{PlannedRun, Variant, planner_of};
+use crate::batch::plan::{PlannedRun, Variant, is_same_value, planner_of};
 use crate::batch::table::FinishedBatch;
 use crate::scenario::Scenario;
 use crate::sim::{self, Entrants, RunOptions};
@@ -36,7 +36,7 @@ impl MapSource {
             let values = values(&batch, variant);
             only.iter().all(|(column, value)| {
                 let own = columns.iter().zip(&values).find(|(name, _)| *name == column);
-                own.is_some_and(|(_, own)| own == value)
+                own.is_some_and(|(_, own)| is_same_value(own, value))
             })
         };
         let taken: Vec<usize> =

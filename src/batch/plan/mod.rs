@@ -26,7 +26,7 @@ pub use recorded::{RecordedPlan, RecordedVariant};
 pub use request::{BatchRequest, MAX_VARIANTS, RUNS_WITHOUT_FORCE, RequestError};
 pub use seeds::{MAX_RUNS, MAX_SEEDS_BYTES, Seeds, SeedsError};
 pub use slice::{Slice, SliceError};
-pub use sweep::{Setting, Sweep, SweepError};
+pub use sweep::{Setting, Sweep, SweepError, is_same_value};
 pub use value::Value;
 
 use std::fmt::Write;

@@ -60,6 +60,12 @@ impl Setting {
     }
 }
 
+/// Says whether two texts are one value, as `0.10` and `0.1` are.
+pub fn is_same_value(one: &str, other: &str) -> bool {
+    let number = |text: &str| text.parse::<f64>().ok();
+    one == other || number(one).is_some_and(|number_of_one| number(other) == Some(number_of_one))
+}
+
 fn value_of(value: toml::Value) -> Value {
     match value {
         toml::Value::Integer(number) => u64::try_from(number).map_or(Value::Real(number as f64), Value::Count),
@@ -302,6 +308,12 @@ mod tests {
             let refusal = Sweep::parse("a", text).expect_err("no values").to_string();
             assert!(refusal.contains(part), "{refusal}");
         }
+    }
+
+    #[test]
+    fn numbers_are_the_same_however_they_are_written() {
+        assert!(is_same_value("0.10", "0.1") && is_same_value("1e3", "1000") && is_same_value("prm-rs", "prm-rs"));
+        assert!(!is_same_value("0.1", "0.11") && !is_same_value("1", "one") && !is_same_value("", "0"));
     }
 
     #[test]

@@ -221,7 +221,7 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     truck_roadmap_samples: optional Count None "milestones of the roadmaps"
         = trucks_count(row, |a| a.roadmap_samples.into());
     truck_roadmap_edges: optional Count None "edges of the roadmaps" = trucks_count(row, |a| a.roadmap_edges.into());
-    truck_roadmap_components: optional Count None "connected components of the roadmaps"
+    truck_roadmap_components: optional Count None "connected components of the roadmaps; 0 where they were not counted, as planners do that join them late"
         = trucks_count(row, |a| a.roadmap_components.into());
     truck_roadmap_expansions: optional Count None "nodes expanded in the roadmaps"
         = trucks_count(row, |a| a.roadmap_expansions);
@@ -342,7 +342,7 @@ pub const AGENT_COLUMNS: &[AgentColumn] = columns! { AgentColumn, row;
     local_minima: Count None "local minima that descents on a potential field met" = row.outcome.local_minima;
     roadmap_samples: Count None "milestones of the roadmap" = row.outcome.roadmap_samples;
     roadmap_edges: Count None "edges of the roadmap" = row.outcome.roadmap_edges;
-    roadmap_components: Count None "connected components of the roadmap" = row.outcome.roadmap_components;
+    roadmap_components: Count None "connected components of the roadmap; 0 if they were not counted" = row.outcome.roadmap_components;
     roadmap_expansions: Count None "nodes expanded in the roadmap" = row.outcome.roadmap_expansions;
     local_expansions: Count None "nodes expanded in local searches" = row.outcome.local_expansions;
     distance_m: Real Metres "way driven or walked" = row.outcome.distance_m;

@@ -109,6 +109,10 @@ impl From<ComparisonError> for CliError {
                 let kind = source.kind();
                 Self::from_input_error(error, kind)
             }
+            ComparisonError::Stopped { ref folder } => {
+                let help = format!("finish it with: wildfire batch --resume {}", folder.display());
+                Self::bad_input(error, Some(&help))
+            }
             error => Self::bad_input(error, None),
         }
     }

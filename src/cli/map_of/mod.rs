@@ -18,7 +18,7 @@ use crate::cli::error::CliError;
 use crate::cli::output_files::{Files, Format};
 use crate::cli::report::FormArguments;
 use crate::cli::show::{Searches, ShownRun, source_of_runs};
-use crate::cli::terminal::Progress;
+use crate::cli::terminal::{self, Progress};
 use crate::timeline::BurnMap;
 
 use files::{FileArguments, MapFiles, MapPlace, Panel};
@@ -209,7 +209,13 @@ fn shown_run(arguments: &MapOfArguments, context: &CommandContext) -> Result<(Sh
         return Err(CliError::bad_input("--where chooses among the runs of a batch; expected the folder of one", None));
     }
     let source = source_of_runs(&arguments.source, &arguments.overrides, arguments.memory.memory, context)?;
-    Ok((source.run(arguments.seed, Searches::LeftOut)?, MapPlace::new(source.scenario())))
+    let run = source.run(arguments.seed, Searches::LeftOut)?;
+    if source.scenario().is_none() && run.timeline.setting.spread.is_some() && !context.quiet {
+        terminal::note(
+            "a recording does not say where its field lies, so rasters begin at (0, 0); its scenario or batch does",
+        );
+    }
+    Ok((run, MapPlace::new(source.scenario())))
 }
 
 /// Maps a batch, or the difference of two.

@@ -22,6 +22,7 @@ type TiffDecoder = Decoder<Cursor<Vec<u8>>>;
 
 const MODEL_TYPE: u16 = 1024;
 const RASTER_TYPE: u16 = 1025;
+const PROJECTED_SYSTEM: u16 = 3072;
 const LINEAR_UNITS: u16 = 3076;
 
 const GEOGRAPHIC: u16 = 2;
@@ -174,6 +175,11 @@ impl GeoKeys {
     fn short(&self, key: u16) -> Option<u16> {
         let keys = self.directory.get(4..)?.chunks_exact(4);
         keys.into_iter().find(|entry| entry[0] == key && entry[1] == 0).map(|entry| entry[3])
+    }
+
+    /// Returns the number of the projected coordinate system in the list of EPSG, if the keys name one.
+    pub fn epsg(&self) -> Option<u16> {
+        self.short(PROJECTED_SYSTEM).filter(|&number| number != USER_DEFINED && number != UNDEFINED)
     }
 
     /// Returns the directory of a file whose pixels are areas.
