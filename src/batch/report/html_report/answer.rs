@@ -122,7 +122,7 @@ fn of_one(planner: &str, values: &Values, tally: &Tally) -> String {
         .iter()
         .zip(values.of_seeds(BUSHES))
         .map(|(share, bushes)| share * bushes)
-        .filter(|number| !number.is_nan())
+        .filter(|number| number.is_finite())
         .collect();
     let most = bushes.iter().copied().fold(0.0, f64::max);
     let Some(saved) = mean_of(&saved, (0.0, most)) else { return format!("{who}: {ending}") };
@@ -241,8 +241,8 @@ fn against<'a>(aim: &Aim, best: &Group, others: &'a [(Group, Estimate)]) -> Vec<
     let estimate = |(other, _): &'a (Group, Estimate)| {
         let pairs = best.of_seeds.iter().zip(&other.of_seeds);
         let differences: Vec<f64> =
-            pairs.map(|(best, other)| sign * (best - other)).filter(|number| !number.is_nan()).collect();
-        let mean = students_t(&differences);
+            pairs.map(|(best, other)| sign * (best - other)).filter(|number| number.is_finite()).collect();
+        let mean = students_t(&differences).filter(|mean| mean.p_value.is_none_or(f64::is_finite));
         let interval = mean.and_then(|mean| mean.interval).map(|interval| (interval.low, interval.high));
         let better_by = Estimate { value: mean.map_or(0.0, |mean| mean.mean), interval };
         (other.name.as_str(), better_by, mean.and_then(|mean| mean.p_value))

@@ -102,8 +102,11 @@ impl Values {
 /// Returns the mean of numbers in a range with the part of Student's interval that is within the range; `None` of no numbers.
 pub fn mean_of(numbers: &[f64], (least, most): (f64, f64)) -> Option<Estimate> {
     let series = Series::from_values(numbers);
+    let value = series.mean().filter(|mean| mean.is_finite())?;
     let interval = series.mean_interval().map(|interval| (interval.low.max(least), interval.high.min(most)));
-    Some(Estimate { value: series.mean()?, interval })
+    // Of numbers as large as 1e200 the spread is beyond all numbers.
+    let interval = interval.filter(|(low, high)| low.is_finite() && high.is_finite());
+    Some(Estimate { value, interval })
 }
 
 /// Says whether the interval of an estimate ends where the range of its quantity does, away from the value.
