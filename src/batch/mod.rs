@@ -37,8 +37,8 @@ pub use plan::{
 };
 pub use report::{
     AuditOptions, AuditReport, AuditSource, AuditsError, BatchReport, FieldPicture, LISTED_VIOLATIONS, ListedViolation,
-    Merged, NotableRun, PaperCharts, ReportError, ReportParts, RunObject, SHOWN_RUNS, Tables, Tally, VariantReport, WrittenReport,
-    audit_all, merge, notable_runs, notes, read_rows, write_report,
+    Merged, NotableRun, PaperCharts, ReportError, ReportParts, RunObject, SHOWN_RUNS, Tables, Tally, VariantReport,
+    WrittenReport, audit_all, merge, notable_runs, notes, read_rows, write_report,
 };
 pub use table::{
     AGENT_COLUMNS, AgentColumn, AgentRow, CALL_COLUMNS, COLUMNS_BEFORE_SWEPT, CallColumn, Column, FileColumn,

@@ -220,7 +220,8 @@ mod tests {
     #[test]
     fn every_link_of_the_contents_has_its_target() {
         let headings = ["Means", "Über <b>", "Means", "means 2", "?!", "Means-2"];
-        let document = Document::new("title").with([Block::Contents]).with(headings.map(|it| Block::Heading(it.into())));
+        let document =
+            Document::new("title").with([Block::Contents]).with(headings.map(|it| Block::Heading(it.into())));
         let html = document.to_html();
         for (heading, id, link) in [
             ("Means", "means", "means"),

@@ -9,8 +9,8 @@ use std::sync::{Arc, LazyLock};
 use wildfire::batch::comparison::{Selection, compare};
 use wildfire::batch::{
     Append, Batch, BatchPlan, BatchRequest, Disk, FinishedBatch, JournalIndex, OutputFolder, PLAN_FILE, PLAN_TEMPLATE,
-    PaperCharts, PlanError, RUNS_FILE, ReportParts, STATES_PARQUET, Slice, Sweep, Whole, batch_status, merge, run_column,
-    write_report,
+    PaperCharts, PlanError, RUNS_FILE, ReportParts, STATES_PARQUET, Slice, Sweep, Whole, batch_status, merge,
+    run_column, write_report,
 };
 use wildfire::picture::charts::PaperSize;
 use wildfire::scenario::ScenarioText;

@@ -15,8 +15,8 @@ use super::keeping::LockArguments;
 use super::{exit_code, list, note_leftovers, note_repeated, resume_command, summary};
 use crate::batch::{
     BatchError, BatchPlan, FieldPicture, FinishedBatch, JournalError, MissingRuns, NotableRun, OutputFolder,
-    PaperCharts, PlanError, RUNS_FILE, RealDisk, ReportError, ReportParts, Slice, SliceState, Survey, batch_status, limit_threads, notable_runs,
-    write_report,
+    PaperCharts, PlanError, RUNS_FILE, RealDisk, ReportError, ReportParts, Slice, SliceState, Survey, batch_status,
+    limit_threads, notable_runs, write_report,
 };
 use crate::cli::args::{ProgramArguments, jobs_or_usual, parse_jobs};
 use crate::cli::context::CommandContext;

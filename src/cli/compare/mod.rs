@@ -103,7 +103,9 @@ pub fn run(arguments: &CompareArguments, quiet: bool) -> Result<ExitCode, CliErr
             words.print(&form.render(&comparison))?;
             write_all(&[(arguments.csv.as_deref(), &|path| table::write(path, &comparison))], quiet)?;
         }
-        (Some(Published::Report), [batch]) => words.print(&form.render(&BesideReport::from_batch(batch, &selection)?))?,
+        (Some(Published::Report), [batch]) => {
+            words.print(&form.render(&BesideReport::from_batch(batch, &selection)?))?
+        }
         (Some(_), several) => {
             let sentence = format!("{} batches; expected a single one beside the report", several.len());
             return Err(CliError::bad_input(sentence, None));

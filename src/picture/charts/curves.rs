@@ -88,7 +88,8 @@ impl CurveChart {
             let heights = vec![PANEL_HEIGHT; panels.len()];
             let is_alone = panels[0].name.is_empty();
             let height = if is_alone { HEIGHT } else { GRID.height(&heights) };
-            let (mut drawing, plot) = SheetLayout { titles: &titles, swatch, key, width, left: LEFT, right: 0.0, height }.draw();
+            let (mut drawing, plot) =
+                SheetLayout { titles: &titles, swatch, key, width, left: LEFT, right: 0.0, height }.draw();
             let parts = if is_alone { vec![plot] } else { GRID.parts(&plot, &heights) };
             for (panel, plot) in panels.iter().zip(parts) {
                 let x = if self.spread == Spread::Bands { x } else { self.roomy(x, &plot) };

@@ -144,10 +144,7 @@ fn push_mark(svg: &mut String, mark: &DrawingMark) {
             };
             let (size, fill, text) = (rounded(height / CAPITALS), painted("fill", *colour), escaped(text));
             let (x, y) = (rounded(*x), rounded(*y));
-            writeln!(
-                svg,
-                "<text x=\"{x}\" y=\"{y}\" text-anchor=\"{anchor}\" font-size=\"{size}\"{fill}>{text}</text>"
-            )
+            writeln!(svg, "<text x=\"{x}\" y=\"{y}\" text-anchor=\"{anchor}\" font-size=\"{size}\"{fill}>{text}</text>")
         }
     };
     written.expect("a string takes any text");

@@ -75,7 +75,8 @@ fn draw_row(drawing: &mut Drawing, plot: &Plot, scale: AxisScale, middle: f32, r
         }
     }
     let x = plot.x(scale, value);
-    let mut square = |reach: f32, colour| drawing.rect((x - reach, middle - reach), (x + reach, middle + reach), colour);
+    let mut square =
+        |reach: f32, colour| drawing.rect((x - reach, middle - reach), (x + reach, middle + reach), colour);
     square(MARK, colour);
     if !row.is_told_apart {
         square(MARK - 1.6, PAPER);

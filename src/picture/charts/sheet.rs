@@ -129,7 +129,8 @@ impl SheetLayout<'_> {
         let rows = self.key_rows();
         let key_top = MARGIN + TITLE + 2.0 * LINE;
         let top = key_top + rows.len() as f32 * LINE + if self.titles.y.is_empty() { 0.0 } else { LINE };
-        let plot = Plot { left: MARGIN + self.left, top, right: self.width - MARGIN - self.right, bottom: top + self.height };
+        let plot =
+            Plot { left: MARGIN + self.left, top, right: self.width - MARGIN - self.right, bottom: top + self.height };
         let below = if self.titles.x.is_empty() { LINE + 6.0 } else { 2.0 * LINE + 6.0 };
         let mut drawing = Drawing::new(self.width, plot.bottom + below + MARGIN, &self.titles.title);
         drawing.text(

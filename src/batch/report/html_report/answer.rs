@@ -165,7 +165,8 @@ fn groups(quantity: Quantity, labels: &Labels, variants: &[Values]) -> Vec<Group
     let group = |name: String| {
         let members = members(&name);
         let seeds = members.iter().map(|values| values.of_seeds(quantity).len()).min().unwrap_or(0);
-        let mean = |seed| members.iter().map(|values| values.of_seeds(quantity)[seed]).sum::<f64>() / members.len() as f64;
+        let mean =
+            |seed| members.iter().map(|values| values.of_seeds(quantity)[seed]).sum::<f64>() / members.len() as f64;
         Group { of_seeds: (0..seeds).map(mean).collect(), name }
     };
     labels.distinct(&names_by).into_iter().map(group).collect()

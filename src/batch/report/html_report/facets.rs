@@ -79,7 +79,8 @@ fn facets(plan: &BatchPlan, labels: &Labels) -> Vec<Facet> {
 
 /// Chooses dimensions: planners, or all that make no more series together than there are styles.
 fn series_dimensions(labels: &Labels, groups: &[Vec<usize>]) -> Vec<usize> {
-    if let Some(planners) = labels.crossed_planners().filter(|planners| labels.distinct(planners).len() <= STYLES.len()) {
+    if let Some(planners) = labels.crossed_planners().filter(|planners| labels.distinct(planners).len() <= STYLES.len())
+    {
         return planners;
     }
     let mut chosen: Vec<usize> = Vec::new();

@@ -348,12 +348,12 @@ mod tests {
             constant_words(MEASURES[2], &strips, &commonest)
         };
         let title = MEASURES[2].title();
-        assert_eq!(
-            said(&[strip(vec![0.0; 4])]),
-            format!("{title}: no distribution, since it is 0 s in all 4 runs.")
-        );
+        assert_eq!(said(&[strip(vec![0.0; 4])]), format!("{title}: no distribution, since it is 0 s in all 4 runs."));
         let nearly = strip([vec![0.0; 20], vec![7.5]].concat());
-        assert_eq!(said(&[nearly, strip(vec![])]), format!("{title}: no distribution, since it is 0 s in 20 of 21 runs."));
+        assert_eq!(
+            said(&[nearly, strip(vec![])]),
+            format!("{title}: no distribution, since it is 0 s in 20 of 21 runs.")
+        );
         assert!(said(&[strip(vec![1.0]), strip(vec![2.0])]).contains("of a variant have the same value"));
         assert_eq!(said(&[strip(vec![])]), format!("{title}: no run has it."));
         assert_eq!(commonest(&[1.0, 2.0, 2.0, 3.0, 3.0]), (2.0, 2));

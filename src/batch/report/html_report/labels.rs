@@ -39,8 +39,10 @@ impl Labels {
             let words = variants().map(|variant| format!("{key} {}", variant.swept[index])).collect();
             Dimension { key: Some(index), words, place: index + 2 }
         });
-        let all =
-            [Dimension { key: None, words: planners, place: PLANNERS }, Dimension { key: None, words: scenarios, place: 0 }];
+        let all = [
+            Dimension { key: None, words: planners, place: PLANNERS },
+            Dimension { key: None, words: scenarios, place: 0 },
+        ];
         let dimensions = all.into_iter().chain(swept).filter(Dimension::differs).collect();
         let mut labels = Self { scenario: plan.variants[0].scenario.name.clone(), dimensions };
         labels.tell_all_apart(plan.variants.len());

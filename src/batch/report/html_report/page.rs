@@ -78,8 +78,10 @@ impl<'a> Charts<'a> {
     fn new(figures: &'a Figures, parts: &'a ReportParts<'_>) -> Self {
         let field = parts.field.as_ref();
         let first = |section| figures.drawn.iter().find(|figure| figure.section == section);
-        let leading =
-            [Section::Answer, Section::OverTime, Section::Means].into_iter().find_map(first).filter(|_| field.is_none());
+        let leading = [Section::Answer, Section::OverTime, Section::Means]
+            .into_iter()
+            .find_map(first)
+            .filter(|_| field.is_none());
         Self { figures, field, paper: &parts.paper, leading: leading.map(|figure| figure.data.as_str()) }
     }
 
@@ -92,14 +94,14 @@ impl<'a> Charts<'a> {
     }
 
     fn of(&self, section: Section) -> Vec<Block> {
-        let is_here =
-            |figure: &&Figure| figure.section == section && Some(figure.data.as_str()) != self.leading;
+        let is_here = |figure: &&Figure| figure.section == section && Some(figure.data.as_str()) != self.leading;
         self.figures.drawn.iter().filter(is_here).map(|figure| self.block(figure)).collect()
     }
 
     fn block(&self, figure: &Figure) -> Block {
         let path = |name: &str| format!("{CHARTS_FOLDER}/{name}");
-        let for_paper = [(self.paper.pdf, "pdf"), (self.paper.pgf, "pgf")].into_iter().filter(|(is_asked, _)| *is_asked);
+        let for_paper =
+            [(self.paper.pdf, "pdf"), (self.paper.pgf, "pgf")].into_iter().filter(|(is_asked, _)| *is_asked);
         let for_paper = for_paper.map(|(_, ending)| path(&format!("{}.{ending}", figure.file)));
         Block::Figure(document::Figure {
             svg: figure.drawing.to_svg(),

@@ -42,12 +42,7 @@ pub const RESPONSE: Quantity = quantity("mean_response_s");
 pub const PLANNING: Quantity = quantity("cpu_unimog_total_s");
 
 /// Further quantities that differ from run to run.
-pub static MEASURES: [Quantity; 4] = [
-    RESPONSE,
-    quantity("truck_distance_m"),
-    quantity("truck_stuck_s"),
-    PLANNING,
-];
+pub static MEASURES: [Quantity; 4] = [RESPONSE, quantity("truck_distance_m"), quantity("truck_stuck_s"), PLANNING];
 
 const fn quantity(column: &str) -> Quantity {
     Quantity { column: run_column(column), added: None }

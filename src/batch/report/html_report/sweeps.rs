@@ -54,20 +54,14 @@ fn places(plan: &BatchPlan, key: usize) -> Option<Vec<f64>> {
     places.iter().any(|place| *place != places[0]).then_some(places)
 }
 
-fn curves_over(
-    plan: &BatchPlan,
-    values: &[Values],
-    (key, places): (usize, &[f64]),
-    quantity: Quantity,
-) -> CurveChart {
+fn curves_over(plan: &BatchPlan, values: &[Values], (key, places): (usize, &[f64]), quantity: Quantity) -> CurveChart {
     let curve = |series: FacetSeries| {
         let point = |&variant: &usize| Some((places[variant], values[variant].mean(quantity)?));
         let mut points: Vec<_> = series.variants.iter().filter_map(point).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         Curve { name: series.name, style: series.style, points }
     };
-    let panel =
-        |panel: Facet| CurvePanel { name: panel.name, curves: panel.series.into_iter().map(curve).collect() };
+    let panel = |panel: Facet| CurvePanel { name: panel.name, curves: panel.series.into_iter().map(curve).collect() };
     let panels: Vec<CurvePanel> = facets_over(plan, key).into_iter().map(panel).collect();
     let mut points = panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points);
     let cut = points.any(|(_, estimate)| is_cut(estimate, quantity.range()));
