@@ -73,7 +73,15 @@ fn differences_are_written_as_csv() {
         assert_eq!(Some(name), metric["metric"].as_str());
         assert_eq!(difference.parse().ok(), metric["difference"].as_f64());
         assert_eq!(low.parse().ok(), metric["interval"][0].as_f64());
-        assert_eq!(unit, match name { "saved" => "cells", "truck_won" => "1", "burning_cell_s" => "cells s", _ => "s" });
+        assert_eq!(
+            unit,
+            match name {
+                "saved" => "cells",
+                "truck_won" => "1",
+                "burning_cell_s" => "cells s",
+                _ => "s",
+            }
+        );
         let number = |text: &str| text.parse::<f64>().unwrap_or(0.0);
         assert!((number(percent) * number(mean).abs() - 100.0 * number(difference)).abs() < 1e-6 * number(mean).abs());
     }

@@ -69,7 +69,9 @@ fn every_link_of_a_report_has_its_target() {
     let story = swept_batch();
     let page = report(&story);
     let links = checked_links(&story, &page);
-    for link in ["#means", "#files", "runs.csv", "plan.json", "charts/answer.svg", "charts/answer.csv", "charts/states.png"] {
+    for link in
+        ["#means", "#files", "runs.csv", "plan.json", "charts/answer.svg", "charts/answer.csv", "charts/states.png"]
+    {
         assert!(links.contains(&link), "{link} is missing: {links:?}");
     }
     assert_eq!(links.iter().filter(|link| link.starts_with('#')).count(), page.matches("<h2 id=").count());
@@ -103,7 +105,8 @@ fn report_of_one_variant_opens_with_what_was_saved_and_a_curve() {
     story.tell(&["batch", "smoke", "--seeds", "1..8", "--out", "a"]).expect_code(0);
     let page = report(&story);
     let [intact, extinguished, bushes] = ["intact", "extinguished", "obstacles"].map(|name| column(&story, name));
-    let saved: Vec<f64> = intact.iter().zip(&extinguished).map(|(intact, extinguished)| intact + extinguished).collect();
+    let saved: Vec<f64> =
+        intact.iter().zip(&extinguished).map(|(intact, extinguished)| intact + extinguished).collect();
     let mean = saved.iter().sum::<f64>() / 8.0;
     let said = opening(&page);
     let number = said.split_once(" saved ").expect(said).1.split_once(" of ").expect(said).0;
@@ -125,7 +128,10 @@ fn field_of_the_median_run_is_shown_where_it_was_recorded() {
     sorted.sort_by(f64::total_cmp);
     let caption = format!("{:.1} % of the bushes burned.</figcaption>", 100.0 * sorted[1]);
     let before_contents = page.split_once("<nav").expect("contents").0;
-    assert!(before_contents.contains("src=\"data:image/png;base64,") && before_contents.contains(&caption), "{caption}");
+    assert!(
+        before_contents.contains("src=\"data:image/png;base64,") && before_contents.contains(&caption),
+        "{caption}"
+    );
     assert!(page.contains(&story.read("a/charts/over-time-1.svg")));
 }
 
@@ -137,8 +143,7 @@ fn report_of_several_variants_opens_with_the_best_and_how_sure_that_is() {
     let saved: Vec<f64> = column(&story, "burned_ratio").iter().map(|burned| 1.0 - burned).collect();
     // The plan has coverages within planners.
     let means = [&saved[..10], &saved[10..]].map(|half| 100.0 * half.iter().sum::<f64>() / 10.0);
-    let (best, mean) =
-        if means[0] >= means[1] { ("prm+primitives", means[0]) } else { ("hybrid-astar", means[1]) };
+    let (best, mean) = if means[0] >= means[1] { ("prm+primitives", means[0]) } else { ("hybrid-astar", means[1]) };
     let number = said.split_once(": ").expect(said).1.split_once(" %").expect(said).0;
     let decimals = number.split_once('.').map_or(0, |(_, decimals)| decimals.len());
     if !said.starts_with("No difference") {
@@ -159,10 +164,12 @@ fn distribution_of_equal_numbers_is_left_out_with_a_sentence() {
     let story = Story::begin();
     story.tell(&["batch", "smoke", "--seeds", "1..4", "--out", "a"]).expect_code(0);
     let runs = story.read("a/runs.csv");
-    let mut rows: Vec<Vec<String>> =
-        csv::ReaderBuilder::new().has_headers(false).from_reader(runs.as_bytes()).records().map(|row| {
-            row.expect("a row").iter().map(str::to_owned).collect()
-        }).collect();
+    let mut rows: Vec<Vec<String>> = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .from_reader(runs.as_bytes())
+        .records()
+        .map(|row| row.expect("a row").iter().map(str::to_owned).collect())
+        .collect();
     let place = rows[0].iter().position(|name| name == "truck_distance_m").expect("it is there");
     rows[1..].iter_mut().for_each(|row| row[place] = "12.5".into());
     let lines: Vec<String> = rows.iter().map(|row| row.join(",")).collect();

@@ -125,7 +125,7 @@ fn forest(ranking: &Ranking) -> Block {
             format!(" ({} to {})", rounded(low, decimals), rounded(high, decimals))
         });
         Some(ForestRow {
-            name: name(entry),
+            name: visible_start(&entry.name),
             difference: Some(Estimate { value: *difference, interval }),
             words: format!("{}{words}", rounded(*difference, decimals)),
             is_told_apart: pair.is_told_apart(),

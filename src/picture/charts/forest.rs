@@ -8,7 +8,7 @@ use crate::picture::colours::{INK, PAPER};
 use crate::picture::text::Align;
 
 const ROW: f32 = 30.0;
-const WIDEST_NAME: f32 = 170.0;
+const WIDEST_NAME: f32 = 230.0;
 const WIDEST_WORDS: f32 = 220.0;
 /// The room between the plot and the words at its sides.
 const GAP: f32 = 12.0;
