@@ -26,6 +26,8 @@ struct Aim {
     is_higher_better: bool,
     /// What the best did: `saved the most bushes`.
     best: &'static str,
+    /// What all did that are equal, before and after the amount.
+    equal: [&'static str; 2],
     /// How it differs from another: `points more`.
     than: &'static str,
     unit: &'static str,
@@ -37,6 +39,7 @@ const AIMS: [Aim; 4] = [
         quantity: SAVED,
         is_higher_better: true,
         best: "saved the most bushes",
+        equal: ["saved", " of the bushes"],
         than: "points more",
         unit: "%",
         scale: 100.0,
@@ -45,6 +48,7 @@ const AIMS: [Aim; 4] = [
         quantity: BURNED_AREA,
         is_higher_better: false,
         best: "lost the least area",
+        equal: ["lost", " of area"],
         than: "ha less",
         unit: "ha",
         scale: 1.0,
@@ -53,6 +57,7 @@ const AIMS: [Aim; 4] = [
         quantity: RESPONSE,
         is_higher_better: false,
         best: "put fires out soonest",
+        equal: ["put fires out after", ""],
         than: "s sooner",
         unit: "s",
         scale: 1.0,
@@ -61,6 +66,7 @@ const AIMS: [Aim; 4] = [
         quantity: PLANNING,
         is_higher_better: false,
         best: "planned in the least CPU time",
+        equal: ["planned in", " of CPU time"],
         than: "ms less",
         unit: "ms",
         scale: 1.0,
@@ -177,13 +183,13 @@ struct Against<'a> {
     name: &'a str,
     /// How much better the best is, in the unit of the aim.
     better_by: Estimate,
+    /// `None` where no seed differs.
     p_adjusted: Option<f64>,
 }
 
 impl Against<'_> {
     fn is_told_apart(&self) -> bool {
-        // Without a p-value all differences are equal.
-        self.p_adjusted.map_or(self.better_by.value > 0.0, |p| p <= LEVEL)
+        self.p_adjusted.is_some_and(|p| p <= LEVEL)
     }
 }
 
@@ -214,7 +220,8 @@ fn compared(aim: &Aim, plan: &BatchPlan, variants: &[Values]) -> Option<String> 
     let subject = format!("{of_all}{} {}{over}: {}", best.name, aim.best, amount(mean));
     if against.iter().all(|other| other.better_by.value == 0.0 && !other.is_told_apart()) {
         let all = if others.len() > 1 { format!("all {} {kind}", groups.len()) } else { format!("both {kind}") };
-        return Some(format!("No difference: {all} have {} in {}.", amount(mean), aim.quantity.title().to_lowercase()));
+        let [verb, of_what] = aim.equal;
+        return Some(format!("No difference: {all} {verb} {}{of_what}.", amount(mean)));
     }
     let next = &against[0];
     let decimals = decimals(&next.better_by, aim.scale);
@@ -246,7 +253,8 @@ fn against<'a>(aim: &Aim, best: &Group, others: &'a [(Group, Estimate)]) -> Vec<
         let mean = students_t(&differences).filter(|mean| mean.p_value.is_none_or(f64::is_finite));
         let interval = mean.and_then(|mean| mean.interval).map(|interval| (interval.low, interval.high));
         let better_by = Estimate { value: mean.map_or(0.0, |mean| mean.mean), interval };
-        (other.name.as_str(), better_by, mean.and_then(|mean| mean.p_value))
+        let p_value = mean.and_then(|mean| mean.p_value).or_else(|| sign_test(&differences));
+        (other.name.as_str(), better_by, p_value)
     };
     let estimates: Vec<_> = others.iter().map(estimate).collect();
     let mut adjusted = holm(&estimates.iter().filter_map(|(_, _, p)| *p).collect::<Vec<_>>()).into_iter();
@@ -256,6 +264,13 @@ fn against<'a>(aim: &Aim, best: &Group, others: &'a [(Group, Estimate)]) -> Vec<
         p_adjusted: p.and_then(|_| adjusted.next()),
     });
     against.collect()
+}
+
+/// Returns the probability that differences without spread, for which there is no Student's t, all have one sign; `None` of
+/// no differences, and of those that are zero.
+fn sign_test(differences: &[f64]) -> Option<f64> {
+    let all_differ = !differences.is_empty() && differences.iter().all(|difference| *difference != 0.0);
+    all_differ.then(|| differences.iter().fold(2.0, |p, _| 0.5 * p))
 }
 
 /// Decimals that show the uncertainty with two digits, or the value where none is known.
@@ -312,6 +327,16 @@ mod tests {
         let best = Group { name: "best".into(), of_seeds: vec![2.0, f64::NAN, 4.0] };
         let against = against(&AIMS[0], &best, &others);
         assert_eq!(against[0].better_by, Estimate { value: 1.0, interval: None });
-        assert!(against[0].is_told_apart(), "all pairs differ by the same");
+        assert!(!against[0].is_told_apart(), "two pairs that differ by the same are no evidence");
+    }
+
+    #[test]
+    fn differences_without_spread_are_evidence_where_they_are_many() {
+        for (seeds, expected) in [(1, false), (5, false), (6, true)] {
+            let others = [group("other", &vec![1.0; seeds])];
+            let against = against(&AIMS[0], &group("best", &vec![2.0; seeds]).0, &others);
+            assert_eq!(against[0].is_told_apart(), expected, "{seeds}");
+        }
+        assert_eq!(sign_test(&[0.0, 0.0]), None);
     }
 }
