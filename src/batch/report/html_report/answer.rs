@@ -4,6 +4,8 @@
 //! the number of a seed is a mean over the variants of a planner, and differences are of these. The best is
 //! compared with each of the others by Student's t; p-values are adjusted by Holm's method over these comparisons.
 
+use std::collections::BTreeMap;
+
 use super::collected::{Collected, Values, mean_of};
 use super::figures::main_quantity;
 use super::labels::Labels;
@@ -164,15 +166,14 @@ struct Group {
 fn groups(quantity: Quantity, labels: &Labels, variants: &[Values]) -> Vec<Group> {
     let all = labels.besides(&[]);
     let names_by = labels.crossed_planners().unwrap_or(all);
-    let members = |name: &str| -> Vec<&Values> {
-        let own = variants.iter().enumerate().filter(|(index, _)| labels.label(*index, &names_by) == name);
-        own.map(|(_, values)| values).collect()
-    };
+    let mut members: BTreeMap<String, Vec<&[f64]>> = BTreeMap::new();
+    for (index, values) in variants.iter().enumerate() {
+        members.entry(labels.label(index, &names_by)).or_default().push(values.of_seeds(quantity));
+    }
     let group = |name: String| {
-        let members = members(&name);
-        let seeds = members.iter().map(|values| values.of_seeds(quantity).len()).min().unwrap_or(0);
-        let mean =
-            |seed| members.iter().map(|values| values.of_seeds(quantity)[seed]).sum::<f64>() / members.len() as f64;
+        let members = members.get(&name).map_or(&[][..], Vec::as_slice);
+        let seeds = members.iter().map(|of_seeds| of_seeds.len()).min().unwrap_or(0);
+        let mean = |seed: usize| members.iter().map(|of_seeds| of_seeds[seed]).sum::<f64>() / members.len() as f64;
         Group { of_seeds: (0..seeds).map(mean).collect(), name }
     };
     labels.distinct(&names_by).into_iter().map(group).collect()
@@ -189,7 +190,7 @@ struct Against<'a> {
 
 impl Against<'_> {
     fn is_told_apart(&self) -> bool {
-        self.p_adjusted.is_some_and(|p| p <= LEVEL)
+        self.better_by.value > 0.0 && self.p_adjusted.is_some_and(|p| p <= LEVEL)
     }
 }
 
