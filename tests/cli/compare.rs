@@ -85,7 +85,7 @@ fn differences_are_written_as_csv() {
         let number = |text: &str| text.parse::<f64>().unwrap_or(0.0);
         assert!((number(percent) * number(mean).abs() - 100.0 * number(difference)).abs() < 1e-6 * number(mean).abs());
     }
-    refuse(&story, &["compare", "a", "b", "--csv", "differences.txt"], &["differences.txt"]);
+    refuse(&story, &["compare", "a", "b", "--csv", "differences.png"], &["differences.png"]);
 }
 
 /// A batch of `smoke` in `folder` with these changes.
