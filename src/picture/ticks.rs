@@ -131,7 +131,7 @@ mod tests {
     #[test]
     fn chosen_values_are_written_as_they_are() {
         for (value, label) in
-            [(0.05, "0.05"), (12345.0, "12345"), (-0.0, "-0"), (1e300, "1e300"), (1.0 / 3.0, "0.333"), (1e-7, "1e-7")]
+            [(0.05, "0.05"), (12345.0, "12345"), (-0.0, "-0"), (1e300, "1e300"), (1.0 / 3.0, "0.3333"), (1e-7, "1e-7")]
         {
             assert_eq!(tick_at(value), Tick { value, label: label.into() });
         }
