@@ -1,74 +1,169 @@
-//! Documents as pages that need no other file and no network.
+//! Documents as pages that need no other file and no network, for screens of any width, light or dark, and for paper.
+
+use std::collections::BTreeSet;
 
 use data_encoding::BASE64;
 
-use super::{Block, Document, Table};
+use super::{Block, Document, Figure, Table};
 use crate::untrusted::visible_lines;
 
-const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;color:#111}\
-                     .wide,pre{overflow-x:auto}pre{white-space:pre-wrap}\
-                     table{border-collapse:collapse;margin:1em 0;font-variant-numeric:tabular-nums}\
-                     caption{text-align:left;padding:.2em 0}\
-                     th,td{padding:.2em .7em;text-align:right;border-bottom:1px solid #bbb}\
-                     th{vertical-align:bottom;border-bottom:2px solid #111}\
-                     .text{text-align:left;vertical-align:top}dt{font-weight:bold}\
-                     svg,img{max-width:100%;height:auto}figure{margin:1.5em 0;break-inside:avoid}\
-                     figcaption{color:#555;font-size:.85em}summary{cursor:pointer;font-weight:bold}";
+/// The look of all pages. Colours have names, which a dark screen gives other values; so have those parts of drawings that
+/// are no data, by the classes `ink`, `note`, `faint` and `paper` of their marks. Paper is white, whatever the screen is.
+const STYLE: &str = "\
+:root{color-scheme:light;--paper:#fff;--ink:#111;--soft:#555;--line:#bbb;--link:#0a58a8}\
+body{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;color:var(--ink);background:var(--paper);\
+overflow-wrap:break-word}\
+a{color:var(--link)}h1{line-height:1.2}h1+p{font-size:1.2em}\
+nav ul{list-style:none;padding:.5em 0;display:flex;flex-wrap:wrap;gap:.2em 1.2em;border-block:1px solid var(--line)}\
+.wide,pre{overflow-x:auto}pre{white-space:pre-wrap}\
+table{border-collapse:collapse;margin:1em 0;font-variant-numeric:tabular-nums}\
+caption{text-align:left;padding:.2em 0}\
+th,td{padding:.2em .7em;text-align:right;border-bottom:1px solid var(--line);overflow-wrap:normal}\
+th{vertical-align:bottom;border-bottom:2px solid var(--ink)}\
+.text{text-align:left;vertical-align:top}dt{font-weight:bold}\
+svg,img{max-width:100%;height:auto}img{background:#fff}figure{margin:1.5em 0}\
+figcaption{color:var(--soft);font-size:.85em}summary{cursor:pointer;font-weight:bold}\
+@media(max-width:44em){body{margin:1em auto;padding:0 .8em}h1{font-size:1.5em}h1+p{font-size:1.1em}svg{min-width:600px}}\
+@media screen and (prefers-color-scheme:dark){\
+:root{color-scheme:dark;--paper:#16181c;--ink:#e4e4e8;--soft:#a9a9b2;--line:#4a4c55;--link:#8ab4f8}\
+polyline.ink{stroke:#e4e4e8}polyline.faint{stroke:#3c3e46}polyline.paper{stroke:#16181c}\
+polygon.ink,text.ink{fill:#e4e4e8}text.note{fill:#a9a9b2}polygon.faint{fill:#3c3e46}polygon.paper,rect.paper{fill:#16181c}}\
+@media print{body{max-width:none;margin:0;padding:0;font-size:10pt}nav{display:none}a{color:inherit;text-decoration:none}\
+h1,h2,summary,caption{break-after:avoid}figure,tr,li,dt{break-inside:avoid}p{orphans:3;widows:3}.wide{overflow:visible}}\
+@media print{details::details-content{content-visibility:visible;display:block}}";
 
 impl Document {
     pub fn to_html(&self) -> String {
         let title = escaped(&self.title);
-        let mut text = format!(
+        let text = format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n\
-             <meta name=\"viewport\" content=\"width=device-width\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
              <title>{title}</title>\n<style>{STYLE}</style>\n<h1>{title}</h1>\n"
         );
-        push_blocks(&mut text, &self.blocks);
-        text.push_str("</html>\n");
-        text
+        let mut page = Page { text, sections: sections(&self.blocks), begun: 0 };
+        page.push_blocks(&self.blocks);
+        page.text + "</html>\n"
     }
 }
 
-fn push_blocks(text: &mut String, blocks: &[Block]) {
-    for block in blocks {
-        match block {
-            Block::Heading(line) => text.push_str(&format!("<h2>{}</h2>\n", escaped(line))),
-            Block::Text(line) => text.push_str(&format!("<p>{}</p>\n", escaped(line))),
-            Block::List(lines) => {
-                let items: String = lines.iter().map(|line| format!("<li>{}</li>\n", escaped(line))).collect();
-                text.push_str(&format!("<ul>\n{items}</ul>\n"));
-            }
-            Block::Links(links) => {
-                let item = |(line, file): &(String, String)| {
-                    format!("<li><a href=\"{}\">{}</a></li>\n", escaped(file), escaped(line))
-                };
-                text.push_str(&format!("<ul>\n{}</ul>\n", links.iter().map(item).collect::<String>()));
-            }
-            Block::Terms(terms) => {
-                let term = |(name, meaning): &(String, String)| {
-                    format!("<dt>{}</dt><dd>{}</dd>\n", escaped(name), escaped(meaning))
-                };
-                text.push_str(&format!("<dl>\n{}</dl>\n", terms.iter().map(term).collect::<String>()));
-            }
-            Block::Table(table) => push_table(text, table),
-            Block::Verbatim(lines) => text.push_str(&format!("<pre>{}</pre>\n", escaped(lines))),
-            Block::Figure(figure) => {
-                let (svg, file) = (&figure.svg, escaped(&figure.file));
-                text.push_str(&format!("<figure>\n{svg}<figcaption>{file}.svg and .png</figcaption>\n</figure>\n"));
-            }
-            Block::Image { caption, png } => {
-                let (caption, data) = (escaped(caption), BASE64.encode(png));
-                text.push_str("<figure>\n<img alt=\"\" src=\"data:image/png;base64,");
-                text.push_str(&data);
-                text.push_str(&format!("\">\n<figcaption>{caption}</figcaption>\n</figure>\n"));
-            }
-            Block::Folded(title, blocks) => {
-                text.push_str(&format!("<details><summary>{}</summary>\n", escaped(title)));
-                push_blocks(text, blocks);
-                text.push_str("</details>\n");
+/// A heading, and the name by which links find it.
+struct Section<'a> {
+    heading: &'a str,
+    id: String,
+}
+
+/// Lists the sections in the order of the page; each has a name of its own.
+fn sections(blocks: &[Block]) -> Vec<Section<'_>> {
+    fn push_headings<'a>(blocks: &'a [Block], headings: &mut Vec<&'a str>) {
+        for block in blocks {
+            match block {
+                Block::Heading(heading) => headings.push(heading),
+                Block::Folded(_, blocks) => push_headings(blocks, headings),
+                _ => {}
             }
         }
     }
+    let mut headings = Vec::new();
+    push_headings(blocks, &mut headings);
+    let mut taken = BTreeSet::new();
+    let section = |heading| {
+        let name = id_of(heading);
+        let numbered = (2..).map(|number| format!("{name}-{number}"));
+        let mut names = std::iter::once(name.clone()).chain(numbered);
+        let id = names.find(|id| taken.insert(id.clone())).expect("numbers do not end");
+        Section { heading, id }
+    };
+    headings.into_iter().map(section).collect()
+}
+
+/// Letters and digits of a heading, with hyphens for what is between them.
+fn id_of(heading: &str) -> String {
+    let words = heading.split(|letter: char| !letter.is_alphanumeric()).filter(|word| !word.is_empty());
+    let id = words.collect::<Vec<_>>().join("-").to_lowercase();
+    if id.is_empty() { "section".into() } else { id }
+}
+
+/// A page that is being written.
+struct Page<'a> {
+    text: String,
+    sections: Vec<Section<'a>>,
+    /// The number of sections that have begun.
+    begun: usize,
+}
+
+impl Page<'_> {
+    fn push_blocks(&mut self, blocks: &[Block]) {
+        for block in blocks {
+            match block {
+                Block::Heading(line) => {
+                    let id = &self.sections[self.begun].id;
+                    self.text.push_str(&format!("<h2 id=\"{id}\">{}</h2>\n", escaped(line)));
+                    self.begun += 1;
+                }
+                Block::Contents => {
+                    let link = |section: &Section<'_>| {
+                        format!("<li><a href=\"#{}\">{}</a></li>\n", address(&section.id), escaped(section.heading))
+                    };
+                    let links: String = self.sections.iter().map(link).collect();
+                    self.text.push_str(&format!("<nav aria-label=\"Contents\">\n<ul>\n{links}</ul>\n</nav>\n"));
+                }
+                Block::Folded(title, blocks) => {
+                    self.text.push_str(&format!("<details><summary>{}</summary>\n", escaped(title)));
+                    self.push_blocks(blocks);
+                    self.text.push_str("</details>\n");
+                }
+                other => push_block(&mut self.text, other),
+            }
+        }
+    }
+}
+
+/// Writes a block that neither is nor holds a section.
+fn push_block(text: &mut String, block: &Block) {
+    match block {
+        Block::Text(line) => text.push_str(&format!("<p>{}</p>\n", escaped(line))),
+        Block::List(lines) => {
+            let items: String = lines.iter().map(|line| format!("<li>{}</li>\n", escaped(line))).collect();
+            text.push_str(&format!("<ul>\n{items}</ul>\n"));
+        }
+        Block::Links(links) => {
+            let item = |(line, file): &(String, String)| {
+                format!("<li><a href=\"{}\">{}</a></li>\n", address(file), escaped(line))
+            };
+            text.push_str(&format!("<ul>\n{}</ul>\n", links.iter().map(item).collect::<String>()));
+        }
+        Block::Terms(terms) => {
+            let term = |(name, meaning): &(String, String)| {
+                format!("<dt>{}</dt><dd>{}</dd>\n", escaped(name), escaped(meaning))
+            };
+            text.push_str(&format!("<dl>\n{}</dl>\n", terms.iter().map(term).collect::<String>()));
+        }
+        Block::Table(table) => push_table(text, table),
+        Block::Verbatim(lines) => text.push_str(&format!("<pre>{}</pre>\n", escaped(lines))),
+        Block::Figure(figure) => push_figure(text, figure),
+        Block::Image { caption, png } => {
+            let (caption, data) = (escaped(caption), BASE64.encode(png));
+            text.push_str("<figure>\n<img alt=\"\" src=\"data:image/png;base64,");
+            text.push_str(&data);
+            text.push_str(&format!("\">\n<figcaption>{caption}</figcaption>\n</figure>\n"));
+        }
+        Block::Heading(_) | Block::Contents | Block::Folded(..) => unreachable!("these are written by the page"),
+    }
+}
+
+/// Writes a drawing, with links to its files by their endings.
+fn push_figure(text: &mut String, Figure { svg, file, more_files }: &Figure) {
+    text.push_str(&format!("<figure>\n<div class=\"wide\">\n{svg}</div>\n"));
+    if let Some(file) = file {
+        let forms = ["svg", "png"].map(|ending| format!("{file}.{ending}"));
+        let link = |path: &String| {
+            let ending = path.rsplit_once('.').map_or(path.as_str(), |(_, ending)| ending);
+            format!(" <a href=\"{}\">{}</a>", address(path), escaped(ending))
+        };
+        let links: String = forms.iter().chain(more_files).map(link).collect();
+        text.push_str(&format!("<figcaption>{}:{links}</figcaption>\n", escaped(file)));
+    }
+    text.push_str("</figure>\n");
 }
 
 fn push_table(text: &mut String, table: &Table) {
@@ -80,7 +175,8 @@ fn push_table(text: &mut String, table: &Table) {
     let heading = |(column, heading): (usize, &String)| {
         format!("<th{}>{}</th>", class(column), escaped(heading).replace('\n', "<br>"))
     };
-    text.push_str(&format!("<tr>{}</tr>\n", table.headings.iter().enumerate().map(heading).collect::<String>()));
+    let headings: String = table.headings.iter().enumerate().map(heading).collect();
+    text.push_str(&format!("<thead><tr>{headings}</tr></thead>\n"));
     for row in &table.rows {
         let cell = |(column, cell): (usize, &String)| format!("<td{}>{}</td>", class(column), escaped(cell));
         text.push_str(&format!("<tr>{}</tr>\n", row.iter().enumerate().map(cell).collect::<String>()));
@@ -104,9 +200,59 @@ pub fn escaped(text: &str) -> String {
     escaped
 }
 
+/// Writes a path, or the name of a section, as it is in a link: of other letters than plain ones their bytes.
+fn address(path: &str) -> String {
+    let mut address = String::with_capacity(path.len());
+    for byte in path.bytes() {
+        match byte {
+            b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'_' | b'.' | b'~' | b'/' => address.push(byte.into()),
+            other => address.push_str(&format!("%{other:02X}")),
+        }
+    }
+    address
+}
+
 #[cfg(test)]
 mod tests {
+    use super::*;
     use crate::document::tests::filled;
+
+    #[test]
+    fn every_link_of_the_contents_has_its_target() {
+        let headings = ["Means", "Über <b>", "Means", "means 2", "?!", "Means-2"];
+        let document =
+            Document::new("title").with([Block::Contents]).with(headings.map(|it| Block::Heading(it.into())));
+        let html = document.to_html();
+        for (heading, id, link) in [
+            ("Means", "means", "means"),
+            ("Über &lt;b&gt;", "über-b", "%C3%BCber-b"),
+            ("Means", "means-2", "means-2"),
+            ("means 2", "means-2-2", "means-2-2"),
+            ("?!", "section", "section"),
+            ("Means-2", "means-2-3", "means-2-3"),
+        ] {
+            assert!(html.contains(&format!("<h2 id=\"{id}\">{heading}</h2>")), "{id}: {html}");
+            assert!(html.contains(&format!("<a href=\"#{link}\">{heading}</a>")), "{link}: {html}");
+        }
+        assert_eq!(html.matches(" id=\"").count(), headings.len());
+    }
+
+    #[test]
+    fn figure_links_its_files() {
+        let more_files = vec!["charts/a b.csv".into()];
+        let figure = Figure { svg: "<svg></svg>\n".into(), file: Some("charts/a b-2".into()), more_files };
+        let html = Document::new("title").with([Block::Figure(figure)]).to_html();
+        for link in ["charts/a%20b-2.svg\">svg<", "charts/a%20b-2.png\">png<", "charts/a%20b.csv\">csv<"] {
+            assert!(html.contains(&format!("<a href=\"{link}")), "{link}: {html}");
+        }
+    }
+
+    #[test]
+    fn no_link_leaves_the_folder_of_the_page_for_another_scheme() {
+        let links = vec![("words".to_owned(), "javascript:alert(1)".to_owned())];
+        let html = Document::new("title").with([Block::Links(links)]).to_html();
+        assert!(html.contains("href=\"javascript%3Aalert%281%29\""), "{html}");
+    }
 
     #[test]
     fn nothing_from_a_file_becomes_a_tag() {

@@ -13,7 +13,7 @@ impl Document {
 }
 
 fn push_blocks(text: &mut String, blocks: &[Block]) {
-    for block in blocks {
+    for block in blocks.iter().filter(|block| !block.is_for_pages()) {
         text.push('\n');
         match block {
             Block::Heading(line) => text.push_str(&format!("\\subsection*{{{}}}\n", escaped(line))),
@@ -46,9 +46,10 @@ fn push_blocks(text: &mut String, blocks: &[Block]) {
             Block::Figure(figure) => {
                 // The name of a file is no text: an escape in it would be part of the name.
                 let is_plain = |letter: &char| letter.is_alphanumeric() || "-_./ ".contains(*letter);
-                let file: String = figure.file.chars().filter(is_plain).collect();
+                let file: String = figure.file.iter().flat_map(|file| file.chars()).filter(is_plain).collect();
                 text.push_str(&format!("\\includegraphics[width=\\linewidth]{{\\detokenize{{{file}}}.png}}\n"));
             }
+            Block::Contents => {}
             Block::Image { caption, .. } => text.push_str(&format!("{}\n\n", escaped(caption))),
             Block::Folded(title, blocks) => {
                 text.push_str(&format!("\\subsection*{{{}}}\n", escaped(title)));

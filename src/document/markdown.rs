@@ -12,7 +12,7 @@ impl Document {
 }
 
 fn push_blocks(text: &mut String, blocks: &[Block]) {
-    for block in blocks {
+    for block in blocks.iter().filter(|block| !block.is_for_pages()) {
         text.push('\n');
         match block {
             Block::Heading(line) => text.push_str(&format!("## {}\n", escaped(line))),
@@ -33,7 +33,11 @@ fn push_blocks(text: &mut String, blocks: &[Block]) {
             Block::Verbatim(lines) => {
                 visible_lines(lines).lines().for_each(|line| text.push_str(&format!("    {line}\n")));
             }
-            Block::Figure(figure) => text.push_str(&format!("![{0}]({0}.png)\n", escaped(&figure.file))),
+            Block::Figure(figure) => {
+                let written = |file: &String| format!("![{0}]({0}.png)\n", escaped(file));
+                text.extend(figure.file.iter().map(written));
+            }
+            Block::Contents => {}
             Block::Image { caption, .. } => text.push_str(&format!("{}\n", escaped(caption))),
             Block::Folded(title, blocks) => {
                 text.push_str(&format!("## {}\n", escaped(title)));

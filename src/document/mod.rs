@@ -35,6 +35,8 @@ pub struct Document {
 pub enum Block {
     /// The beginning of a section.
     Heading(String),
+    /// Links to all sections, which only a page has: other forms are read from top to bottom.
+    Contents,
     /// A paragraph.
     Text(String),
     /// Sentences with a line each.
@@ -76,8 +78,18 @@ pub struct Table {
 pub struct Figure {
     /// The drawing itself. It goes into pages as it is, so it must be this program's own.
     pub svg: String,
-    /// The path of the files that hold it, without the endings `.svg` and `.png`.
-    pub file: String,
+    /// The path of the files that hold it, without the endings `.svg` and `.png`; `None` of a drawing that only the page
+    /// has, and other forms leave out.
+    pub file: Option<String>,
+    /// The paths of further files of it: what it shows as a table, or its forms for paper.
+    pub more_files: Vec<String>,
+}
+
+impl Block {
+    /// Says whether only a page has the block, so that other forms leave it out.
+    fn is_for_pages(&self) -> bool {
+        matches!(self, Self::Contents | Self::Figure(Figure { file: None, .. }))
+    }
 }
 
 impl Document {
@@ -141,13 +153,14 @@ mod tests {
         let table = Table { caption: Some(own()), ..Table::new(&[text], vec![vec![own()]]) };
         Document::new(text).with([
             Block::Heading(own()),
+            Block::Contents,
             Block::Text(own()),
             Block::List(vec![own()]),
             Block::Links(vec![(own(), own())]),
             Block::Terms(vec![(own(), own())]),
             Block::Table(table),
             Block::Verbatim(own()),
-            Block::Figure(Figure { svg: String::new(), file: own() }),
+            Block::Figure(Figure { svg: String::new(), file: Some(own()), more_files: Vec::new() }),
             Block::Image { caption: own(), png: Vec::new() },
             Block::Folded(own(), vec![Block::Text(own())]),
         ])
@@ -161,6 +174,17 @@ mod tests {
             assert!(!printed.contains(['\u{1b}', '\u{202e}']), "{printed}");
             assert!(printed.contains("u001b") && printed.contains("u202e"), "{printed}");
         }
+    }
+
+    #[test]
+    fn drawings_without_files_and_contents_are_for_pages_only() {
+        let alone = Figure { svg: "<svg/>".into(), file: None, more_files: Vec::new() };
+        let words = || Document::new("title").with([Block::Text("words".into())]);
+        let with_figure = words().with([Block::Contents, Block::Figure(alone)]);
+        assert!(with_figure.to_html().contains("<svg/>"));
+        assert_eq!(with_figure.to_text(), words().to_text());
+        assert_eq!(with_figure.to_markdown(), words().to_markdown());
+        assert_eq!(with_figure.to_latex(), words().to_latex());
     }
 
     #[test]

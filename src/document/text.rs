@@ -22,7 +22,7 @@ impl Document {
 }
 
 fn push_blocks(text: &mut String, blocks: &[Block]) {
-    for block in blocks {
+    for block in blocks.iter().filter(|block| !block.is_for_pages()) {
         if !text.is_empty() {
             text.push('\n');
         }
@@ -43,7 +43,10 @@ fn push_blocks(text: &mut String, blocks: &[Block]) {
                 text.push_str(&table.to_text());
             }
             Block::Verbatim(lines) => push_line(text, lines.trim_end_matches('\n')),
-            Block::Figure(figure) => push_line(text, &format!("Figure: {}.png", figure.file)),
+            Block::Figure(figure) => {
+                figure.file.iter().for_each(|file| push_line(text, &format!("Figure: {file}.png")));
+            }
+            Block::Contents => {}
             Block::Image { caption, .. } => push_wrapped(text, caption),
             Block::Folded(title, blocks) => {
                 push_wrapped(text, title);

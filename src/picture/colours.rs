@@ -20,6 +20,8 @@ pub enum ColourMap {
 pub const PAPER: Rgb = [255, 255, 255];
 pub const INK: Rgb = [32, 32, 36];
 pub const FAINT_INK: Rgb = [196, 196, 200];
+/// The ink of words that are not to be read first.
+pub const NOTE_INK: Rgb = [92, 92, 98];
 // Neutral, so that neither colour map holds them.
 pub const OBSTACLE: Rgb = [56, 56, 60];
 pub const WITHOUT_VALUE: Rgb = [226, 226, 228];

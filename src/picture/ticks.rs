@@ -4,6 +4,8 @@
 const ROUNDING: f64 = 1e-9;
 /// The most digits of a number that are shown.
 const MOST_DIGITS: i32 = 6;
+/// The most characters of a chosen value that is written as it is.
+const LONGEST: usize = 9;
 
 /// A round value and how it is written.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +38,13 @@ pub fn ticks(low: f64, high: f64, most: usize, least: f64) -> Vec<Tick> {
 fn ends(low: f64, high: f64) -> Vec<Tick> {
     let tick = |value: f64| Tick { value, label: shortest(value) };
     if low == high { vec![tick(low)] } else { vec![tick(low), tick(high)] }
+}
+
+/// A tick at a value that somebody chose, written as it is if that is short.
+pub fn tick_at(value: f64) -> Tick {
+    let is_short = |label: &String| label.len() <= LONGEST;
+    let written = [format!("{value}"), format!("{value:e}")].into_iter().find(is_short);
+    Tick { value, label: written.unwrap_or_else(|| shortest(value)) }
 }
 
 /// Rows or columns to be numbered, from 0 in steps of 1, 2 or 5 times a power of ten of at least `least`.
@@ -117,6 +126,15 @@ mod tests {
         assert_eq!(labels(1e17, 1e17 + 16.0), ["1e17", "1e17"]);
         assert_eq!(labels(-f64::MAX, f64::MAX), ["-1e308", "0", "1e308"]);
         assert!(labels(0.0, f64::MIN_POSITIVE).len() >= 2);
+    }
+
+    #[test]
+    fn chosen_values_are_written_as_they_are() {
+        for (value, label) in
+            [(0.05, "0.05"), (12345.0, "12345"), (-0.0, "-0"), (1e300, "1e300"), (1.0 / 3.0, "0.3333"), (1e-7, "1e-7")]
+        {
+            assert_eq!(tick_at(value), Tick { value, label: label.into() });
+        }
     }
 
     #[test]

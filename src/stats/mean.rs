@@ -19,7 +19,8 @@ pub fn estimate_mean(values: &[f64], random: &mut impl Rng) -> Option<MeanEstima
     resampled.or_else(|| students_t(values))
 }
 
-fn students_t(values: &[f64]) -> Option<MeanEstimate> {
+/// Estimates the mean of a sample by Student's t, whatever its size; `None` of an empty one.
+pub fn students_t(values: &[f64]) -> Option<MeanEstimate> {
     let series = Series::from_values(values);
     let mean = series.mean()?;
     let error = series.standard_error().filter(|&error| error > 0.0);

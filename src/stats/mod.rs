@@ -31,7 +31,7 @@ mod survival;
 pub use answers::{PairedAnswers, wilson_interval};
 pub use bootstrap::{RESAMPLES, studentised_bootstrap};
 pub use holm::holm;
-pub use mean::{cohens_dz, estimate_mean};
+pub use mean::{cohens_dz, estimate_mean, students_t};
 pub use quantiles::{quantile, quantile_interval};
 pub use repeated_measures::RepeatedMeasures;
 pub use series::{Series, welch_interval};

@@ -39,6 +39,7 @@ fn batches_are_compared_in_every_form() {
     assert!(markdown.contains("\n| saved |"), "{markdown}");
     let page = story.tell(&["compare", "a", "b", "--html"]).expect_code(0).stdout;
     assert!(page.starts_with("<!DOCTYPE html>") && page.contains(">saved</td>"), "{page}");
+    assert!(page.contains("<svg ") && page.contains("B less A (% of A"), "a forest of the differences");
     let paper = story.tell(&["compare", "a", "b", "--tex"]).expect_code(0).stdout;
     assert!(paper.contains("\\midrule\nsaved & 6 & "), "{paper}");
     let json = story.tell(&["compare", "a", "b", "--json", "--metric", "saved,truck_cusps"]).expect_code(0).stdout;
@@ -49,6 +50,42 @@ fn batches_are_compared_in_every_form() {
         [Some("saved"), Some("truck_cusps")]
     );
     assert_eq!(metrics[0]["pairs"], 6);
+}
+
+#[test]
+fn differences_are_written_as_csv() {
+    let story = two_batches();
+    let text = story.tell(&["compare", "a", "b"]).expect_code(0).stdout;
+    let answer = story.tell(&["compare", "a", "b", "--csv", "differences.csv"]).expect_code(0);
+    assert_eq!(answer.stdout, text);
+    let json = story.tell(&["compare", "a", "b", "--json"]).expect_code(0).stdout;
+    let json: Value = serde_json::from_str(&json).expect("it is JSON");
+    let written = story.read("differences.csv");
+    let mut table = csv::Reader::from_reader(written.as_bytes());
+    let names = ["metric", "unit", "difference", "low", "percent_of_a", "mean_a"];
+    let headers = table.headers().expect("a table").clone();
+    let places = names.map(|name| headers.iter().position(|known| known == name).expect(name));
+    let rows: Vec<csv::StringRecord> = table.records().map(|row| row.expect("a row")).collect();
+    let metrics = json["comparisons"][0]["metrics"].as_array().expect("a list");
+    assert_eq!(rows.len(), metrics.len());
+    for (row, metric) in rows.iter().zip(metrics) {
+        let [name, unit, difference, low, percent, mean] = places.map(|place| &row[place]);
+        assert_eq!(Some(name), metric["metric"].as_str());
+        assert_eq!(difference.parse().ok(), metric["difference"].as_f64());
+        assert_eq!(low.parse().ok(), metric["interval"][0].as_f64());
+        assert_eq!(
+            unit,
+            match name {
+                "saved" => "cells",
+                "truck_won" => "1",
+                "burning_cell_s" => "cells s",
+                _ => "s",
+            }
+        );
+        let number = |text: &str| text.parse::<f64>().unwrap_or(0.0);
+        assert!((number(percent) * number(mean).abs() - 100.0 * number(difference)).abs() < 1e-6 * number(mean).abs());
+    }
+    refuse(&story, &["compare", "a", "b", "--csv", "differences.png"], &["differences.png"]);
 }
 
 /// A batch of `smoke` in `folder` with these changes.

@@ -30,6 +30,7 @@ fn entries_are_ranked_in_every_form() {
     let printed = |form: &str| story.tell(&[&batches[..], &[form]].concat()).expect_code(0).stdout;
     assert!(printed("--md").contains("\n| anna |"), "{}", printed("--md"));
     assert!(printed("--html").starts_with("<!DOCTYPE html>") && printed("--html").contains(">anna</td>"));
+    assert!(printed("--html").contains("<svg ") && !printed("--md").contains("<svg "));
     assert!(printed("--tex").contains("\nanna & "), "{}", printed("--tex"));
     let json: Value = serde_json::from_str(&printed("--json")).expect("it is JSON");
     let entries = json["entries"].as_array().expect("a list");

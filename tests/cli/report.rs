@@ -45,9 +45,169 @@ fn report_is_one_page_with_every_table_and_chart() {
         assert!(png.starts_with(b"\x89PNG"), "{name}");
     }
     let without_names = page.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
-    for outside in ["http", "src=", "href=", "url(", "<script", "@import"] {
+    for outside in ["http", "src=", "url(", "<script", "@import"] {
         assert!(!without_names.contains(outside), "the page needs `{outside}`");
     }
+    assert!(!page.contains("NaN") && !page.contains("inf<"), "{page}");
+}
+
+/// Checks that every link of a page leads to a part of it, or to a file beside it, and returns them.
+fn checked_links<'a>(story: &Story, page: &'a str) -> Vec<&'a str> {
+    let links: Vec<&str> =
+        page.split(" href=\"").skip(1).map(|rest| rest.split_once('"').expect("it ends").0).collect();
+    for link in &links {
+        match link.strip_prefix('#') {
+            Some(id) => assert_eq!(page.matches(&format!(" id=\"{id}\"")).count(), 1, "{id}"),
+            None => assert!(story.path(&format!("a/{link}")).is_file(), "{link}"),
+        }
+    }
+    links
+}
+
+#[test]
+fn every_link_of_a_report_has_its_target() {
+    let story = swept_batch();
+    let page = report(&story);
+    let links = checked_links(&story, &page);
+    for link in
+        ["#means", "#files", "runs.csv", "plan.json", "charts/answer.svg", "charts/answer.csv", "charts/states.png"]
+    {
+        assert!(links.contains(&link), "{link} is missing: {links:?}");
+    }
+    assert_eq!(links.iter().filter(|link| link.starts_with('#')).count(), page.matches("<h2 id=").count());
+    assert!(!links.iter().any(|link| link.ends_with(".pdf")));
+    story.tell(&["report", "a", "--pages", "--pdf", "--pgf"]).expect_code(0);
+    let page = story.read("a/report.html");
+    let links = checked_links(&story, &page);
+    for link in ["charts/median-run.html", "charts/states.pdf", "charts/states.pgf"] {
+        assert!(links.contains(&link), "{link} is missing: {links:?}");
+    }
+    fs::remove_file(story.path("a/runs.parquet")).expect("the file is there");
+    assert!(!checked_links(&story, &report(&story)).contains(&"runs.parquet"));
+}
+
+/// Returns the sentence that a page opens with.
+fn opening(page: &str) -> &str {
+    let after_title = page.split_once("</h1>\n<p>").expect("a paragraph follows the title").1;
+    after_title.split_once("</p>").expect("it ends").0
+}
+
+/// Returns the numbers of a column of runs that are done.
+fn column(story: &Story, name: &str) -> Vec<f64> {
+    let rows = outcomes(&story.path("a/runs.csv"));
+    let column = rows[0].iter().position(|known| known == name).expect("the column is there");
+    rows[1..].iter().map(|row| row[column].parse().expect("a number")).collect()
+}
+
+#[test]
+fn report_of_one_variant_opens_with_what_was_saved_and_a_curve() {
+    let story = Story::begin();
+    story.tell(&["batch", "smoke", "--seeds", "1..8", "--out", "a"]).expect_code(0);
+    let page = report(&story);
+    let [intact, extinguished, bushes] = ["intact", "extinguished", "obstacles"].map(|name| column(&story, name));
+    let saved: Vec<f64> =
+        intact.iter().zip(&extinguished).map(|(intact, extinguished)| intact + extinguished).collect();
+    let mean = saved.iter().sum::<f64>() / 8.0;
+    let said = opening(&page);
+    let number = said.split_once(" saved ").expect(said).1.split_once(" of ").expect(said).0;
+    let decimals = number.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+    assert_eq!(number, format!("{mean:.decimals$}"), "{said}");
+    assert!(said.contains(&format!(" of {} bushes (", bushes[0])) && said.contains(" in 8 runs; "), "{said}");
+    let curve = story.read("a/charts/over-time-1.svg");
+    let at = page.find(&curve).expect("the curve is there");
+    assert!(at < page.find("<nav").expect("contents") && page.matches(&curve).count() == 1);
+}
+
+#[test]
+fn field_of_the_median_run_is_shown_where_it_was_recorded() {
+    let story = Story::begin();
+    story.tell(&["batch", "smoke", "--seeds", "1..3", "--record", "all", "--out", "a"]).expect_code(0);
+    let page = report(&story);
+    let burned = column(&story, "burned_ratio");
+    let mut sorted = burned.clone();
+    sorted.sort_by(f64::total_cmp);
+    let caption = format!("{:.1} % of the bushes burned.</figcaption>", 100.0 * sorted[1]);
+    let before_contents = page.split_once("<nav").expect("contents").0;
+    assert!(
+        before_contents.contains("src=\"data:image/png;base64,") && before_contents.contains(&caption),
+        "{caption}"
+    );
+    assert!(page.contains(&story.read("a/charts/over-time-1.svg")));
+}
+
+#[test]
+fn report_of_several_variants_opens_with_the_best_and_how_sure_that_is() {
+    let story = swept_batch();
+    let page = report(&story);
+    let said = opening(&page);
+    let saved: Vec<f64> = column(&story, "burned_ratio").iter().map(|burned| 1.0 - burned).collect();
+    // The plan has coverages within planners.
+    let means = [&saved[..10], &saved[10..]].map(|half| 100.0 * half.iter().sum::<f64>() / 10.0);
+    let (best, mean) = if means[0] >= means[1] { ("prm+primitives", means[0]) } else { ("hybrid-astar", means[1]) };
+    let number = said.split_once(": ").expect(said).1.split_once(" %").expect(said).0;
+    let decimals = number.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+    if !said.starts_with("No difference") {
+        assert!(said.starts_with(best) && said.contains("in the mean over 2 variants"), "{said}");
+        assert_eq!(number, format!("{mean:.decimals$}"), "{said}");
+        assert!(said.contains("paired by seed"), "{said}");
+    }
+    let answer = page.find(&story.read("a/charts/answer.svg")).expect("the curve is there");
+    assert!(answer < page.find("<nav").expect("contents"));
+    let axis = story.read("a/charts/answer.svg");
+    for words in [">0.05<", ">0.1<", ">field.coverage (1)<", ">share of obstacles (1)<"] {
+        assert!(axis.contains(words), "{words}");
+    }
+}
+
+#[test]
+fn distribution_of_equal_numbers_is_left_out_with_a_sentence() {
+    let story = Story::begin();
+    story.tell(&["batch", "smoke", "--seeds", "1..4", "--out", "a"]).expect_code(0);
+    let runs = story.read("a/runs.csv");
+    let mut rows: Vec<Vec<String>> = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .from_reader(runs.as_bytes())
+        .records()
+        .map(|row| row.expect("a row").iter().map(str::to_owned).collect())
+        .collect();
+    let place = rows[0].iter().position(|name| name == "truck_distance_m").expect("it is there");
+    rows[1..].iter_mut().for_each(|row| row[place] = "12.5".into());
+    let lines: Vec<String> = rows.iter().map(|row| row.join(",")).collect();
+    story.file("a/runs.csv", &(lines.join("\n") + "\n"));
+    let page = report(&story);
+    let said = "Distance driven by the trucks: no distribution, since it is 12.5 m in all 4 runs.";
+    assert!(page.contains(said), "{page}");
+    assert!(!charts(&story, ".svg").contains(&"distribution-truck_distance_m".to_owned()));
+}
+
+#[test]
+fn names_of_variants_become_no_tags() {
+    let story = Story::begin();
+    for (file, name, radius) in [("one.toml", "<b>one</b>", 20), ("two.toml", "<b>two</b>&amp;", 30)] {
+        let text = format!("name = \"{name}\"\nduration_s = {radius}\n[[wumpus]]\n[[unimog]]\n");
+        story.file(file, &text);
+    }
+    story.tell(&["batch", "one.toml", "two.toml", "--seeds", "1..3", "--out", "a"]).expect_code(0);
+    let page = report(&story);
+    assert!(!page.contains("<b>") && page.contains("&lt;b&gt;one&lt;/b&gt;"), "{page}");
+    assert!(page.contains("&lt;b&gt;two&lt;/b&gt;&amp;amp;"), "{page}");
+    checked_links(&story, &page);
+}
+
+#[test]
+fn page_has_colours_for_a_dark_screen_for_all_that_is_no_data() {
+    let story = Story::begin();
+    story.tell(&["batch", "smoke", "--seeds", "1..3", "--out", "a"]).expect_code(0);
+    let page = report(&story);
+    let dark = page.split_once("prefers-color-scheme:dark").expect("a dark screen").1;
+    let dark = dark.split_once("@media print").expect("and paper").0;
+    let svg = story.read("a/charts/states.svg");
+    for line in svg.lines().filter(|line| line.contains(" class=\"")) {
+        let element = line.trim_start_matches('<').split(' ').next().expect("a name");
+        let class = line.split_once(" class=\"").expect("it was found").1.split_once('"').expect("it ends").0;
+        assert!(dark.contains(&format!("{element}.{class}")), "{element}.{class}");
+    }
+    assert!(svg.contains(" class=\"ink\"") && svg.contains("fill=\"#ffffff\" class=\"paper\"/>"), "{svg}");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use crate::batch::comparison::error::ComparisonError;
 use crate::batch::comparison::runs_table::Field;
-use crate::batch::table::{Phrase, RUN_COLUMNS, TableReader};
+use crate::batch::table::{Phrase, RUN_COLUMNS, TableReader, Unit};
 use crate::scenario::nearest_name;
 use crate::untrusted::visible_start;
 
@@ -72,6 +72,7 @@ const LOWER_IS_BETTER_FROM: &[&str] = &["truck_failed_", "cpu_", "wall_"];
 /// A metric that is not just a column.
 pub struct NamedMetric {
     pub name: &'static str,
+    unit: Unit,
     find: Find,
     phrase: Phrase,
 }
@@ -86,26 +87,31 @@ enum Find {
 pub static NAMED_METRICS: [NamedMetric; 5] = [
     NamedMetric {
         name: "saved",
+        unit: Unit::Cells,
         find: Find::Sum(["intact", "extinguished"]),
         phrase: Phrase::new("saves", "more obstacles per run", "fewer obstacles per run"),
     },
     NamedMetric {
         name: "burned",
+        unit: Unit::Cells,
         find: Find::Sum(["burning", "burned_out"]),
         phrase: Phrase::new("loses", "more obstacles per run", "fewer obstacles per run"),
     },
     NamedMetric {
         name: "truck_won",
+        unit: Unit::Share,
         find: Find::Winner("unimog"),
         phrase: Phrase::new("wins for the truck", "more runs of a hundred", "fewer runs of a hundred").in_hundreds(),
     },
     NamedMetric {
         name: "wumpus_won",
+        unit: Unit::Share,
         find: Find::Winner("wumpus"),
         phrase: Phrase::new("wins for the Wumpus", "more runs of a hundred", "fewer runs of a hundred").in_hundreds(),
     },
     NamedMetric {
         name: "all_out_s",
+        unit: Unit::Seconds,
         find: Find::Time { event: "all_out_s", end: "ended_s", begun: "first_fire_s" },
         phrase: Phrase::new("has all fires out", "s later", "s sooner"),
     },
@@ -157,6 +163,13 @@ impl Metric {
             () if LOWER_IS_BETTER_FROM.iter().any(|start| name.starts_with(start)) => Some(Better::Lower),
             () => None,
         }
+    }
+
+    /// Returns the unit of its values; [`Unit::None`] of counts, and of columns that are not the program's own.
+    pub fn unit(&self) -> Unit {
+        let named = NAMED_METRICS.iter().find(|metric| metric.name == self.name).map(|metric| metric.unit);
+        let of_column = || RUN_COLUMNS.iter().find(|column| column.name == self.name).map(|column| column.unit);
+        named.or_else(of_column).unwrap_or(Unit::None)
     }
 
     fn columns(&self) -> Vec<&str> {

@@ -14,9 +14,9 @@ use serde::Serialize;
 use super::keeping::LockArguments;
 use super::{exit_code, list, note_leftovers, note_repeated, resume_command, summary};
 use crate::batch::{
-    BatchError, BatchPlan, FinishedBatch, JournalError, MissingRuns, NotableRun, OutputFolder, PaperCharts, PlanError,
-    RUNS_FILE, RealDisk, ReportError, Slice, SliceState, Survey, batch_status, limit_threads, notable_runs,
-    write_report,
+    BatchError, BatchPlan, FieldPicture, FinishedBatch, JournalError, MissingRuns, NotableRun, OutputFolder,
+    PaperCharts, PlanError, RUNS_FILE, RealDisk, ReportError, ReportParts, Slice, SliceState, Survey, batch_status,
+    limit_threads, notable_runs, write_report,
 };
 use crate::cli::args::{ProgramArguments, jobs_or_usual, parse_jobs};
 use crate::cli::context::CommandContext;
@@ -26,7 +26,7 @@ use crate::cli::show::{Searches, check_grounds, run_of_batch, write_page};
 use crate::cli::{interrupt, numbers, output_files, terminal};
 use crate::document::{Block, Document, Table};
 use crate::picture::charts::PaperSize;
-use crate::picture::film::{FrameRequest, ViewOptions};
+use crate::picture::film::{FrameRequest, RunView, ViewOptions, still};
 use crate::time::SimTime;
 use crate::time::wall::WallStopwatch;
 
@@ -260,10 +260,13 @@ pub fn report(arguments: &ReportArguments, context: &CommandContext) -> Result<E
     let quiet = context.quiet;
     let batch = FinishedBatch::open(&arguments.folder)?;
     let playing = if arguments.pages { notable_runs(&batch).map_err(report_error)? } else { Vec::new() };
-    write_pages(&batch, &playing, context)?;
+    let views = write_pages(&batch, &playing, context)?;
+    let field = median_field(&batch, &playing, &views, context)?;
     let size = PaperSize { width_mm: arguments.width_mm, font_pt: arguments.font_pt };
     let paper = PaperCharts { size, pdf: arguments.pdf, pgf: arguments.pgf };
-    let written = write_report(&batch, &playing, &paper).map_err(report_error)?;
+    let parts = ReportParts { playing: &playing, field, paper };
+    let written = write_report(&batch, &parts).map_err(report_error)?;
+    let paper = parts.paper;
     let (page, charts) = (written.page.display(), written.charts_folder.display());
     let forms = match (paper.pdf, paper.pgf) {
         (false, false) => "SVG and PNG",
@@ -278,8 +281,52 @@ pub fn report(arguments: &ReportArguments, context: &CommandContext) -> Result<E
     Ok(ExitCode::SUCCESS)
 }
 
-/// Writes a page for each of some runs, all or none.
-fn write_pages(batch: &FinishedBatch, playing: &[NotableRun], context: &CommandContext) -> Result<(), CliError> {
+/// The size of the picture of a field in a report, in pixels.
+const FIELD: (u32, u32) = (1440, 900);
+
+/// Draws the field at the end of the median run of a batch of one variant, if its page or its recording is there: nothing is
+/// simulated for it.
+fn median_field(
+    batch: &FinishedBatch,
+    playing: &[NotableRun],
+    views: &[RunView],
+    context: &CommandContext,
+) -> Result<Option<FieldPicture>, CliError> {
+    let has_recordings = || batch.runs().any(|run| batch.recording(&run).is_some());
+    if batch.plan().variants.len() > 1 || views.is_empty() && !has_recordings() {
+        return Ok(None);
+    }
+    let found = if views.is_empty() { notable_runs(batch).map_err(report_error)? } else { playing.to_vec() };
+    // Of one or two runs the median is the best.
+    let median = found.iter().position(|run| run.word == "median").or_else(|| (!found.is_empty()).then_some(0));
+    let Some(index) = median else { return Ok(None) };
+    let run = batch.plan().run(found[index].number);
+    let read;
+    let view = match views.get(index) {
+        Some(view) => view,
+        None if batch.recording(&run).is_some() => {
+            let options = context.run_options(true, batch.plan().memory);
+            read = run_of_batch(batch, &run, Searches::Recorded, &options)?.into_view();
+            &read
+        }
+        None => return Ok(None),
+    };
+    let options = ViewOptions::default();
+    let request = FrameRequest { runs: &[view], time: view.end_time(), options: &options };
+    let percent = 100.0 * found[index].burned_ratio;
+    let caption = format!(
+        "The field at the end of the {} run by the share that burned: seed {}, {percent:.1} % of the bushes burned.",
+        found[index].word, run.seed
+    );
+    Ok(Some(FieldPicture { caption, png: still(&request, FIELD).to_png() }))
+}
+
+/// Writes a page for each of some runs, all or none, and returns what they show.
+fn write_pages(
+    batch: &FinishedBatch,
+    playing: &[NotableRun],
+    context: &CommandContext,
+) -> Result<Vec<RunView>, CliError> {
     let mut runs = Vec::new();
     for notable in playing {
         let run = batch.plan().run(notable.number);
@@ -298,7 +345,7 @@ fn write_pages(batch: &FinishedBatch, playing: &[NotableRun], context: &CommandC
         write_page(&FrameRequest { runs: &[run], time: SimTime::ZERO, options: &options }, &path)?;
         output_files::note_written(&path, context.quiet);
     }
-    Ok(())
+    Ok(runs)
 }
 
 fn report_error(error: ReportError) -> CliError {

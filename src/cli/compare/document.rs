@@ -1,10 +1,11 @@
 //! A comparison as a document.
 
 use crate::batch::comparison::{
-    AgainstA, Comparison, Contrast, CutOff, JudgedContrast, JudgedStrata, Method, Pairs, SideSummary, p_words,
+    AgainstA, Comparison, Contrast, CutOff, JudgedContrast, JudgedStrata, Method, Pairs, SideSummary, Verdict, p_words,
 };
 use crate::document::number::{optional, probability, rounded, two_digits};
-use crate::document::{Block, Document, Table};
+use crate::document::{Block, Document, Figure, Table};
+use crate::picture::charts::{Estimate, ForestChart, ForestRow, SCREEN_WIDTH, Titles};
 use crate::untrusted::visible_start;
 
 const LEGEND: &str = "\
@@ -34,6 +35,7 @@ impl From<&Comparison> for Document {
             document.add(Block::Text(settings.conclusion(*letter)));
             document.add(Block::Text(pairing(pairs, *letter)));
             document.add_list(judged.iter().map(|judged| verdict(judged, *letter)).collect());
+            document.add(forest(against));
             document = document.with([differences(against), tests(against)]).with(strata(against));
             document.add_list(notes(against));
         }
@@ -111,6 +113,43 @@ fn has_strata(against: &AgainstA) -> bool {
 
 fn verdict(judged: &JudgedContrast, letter: char) -> String {
     format!("{}: {}", judged.contrast.metric.name, judged.sentence(letter))
+}
+
+/// Draws the differences of all metrics. Their units differ, so that each is a share of A's mean.
+fn forest(against: &AgainstA) -> Block {
+    let row = |judged: &JudgedContrast| {
+        let Contrast { metric, means, difference, interval, .. } = &judged.contrast;
+        let decimals = decimals(&judged.contrast);
+        let ends = interval.map(|it| [it.low, it.high]);
+        let percent = |value: f64| 100.0 * value / means[0].abs();
+        let interval_words = ends.map_or_else(String::new, |ends| {
+            let [low, high] = ends.map(|end| rounded(end, decimals));
+            format!(" ({low} to {high})")
+        });
+        let unit = match metric.unit().symbol() {
+            "" | "1" => String::new(),
+            symbol => format!(" {symbol}"),
+        };
+        let of_zero = if means[0] == 0.0 { "; A's mean is 0" } else { "" };
+        ForestRow {
+            name: metric.name.clone(),
+            difference: (means[0] != 0.0).then(|| Estimate {
+                value: percent(*difference),
+                interval: ends.map(|[low, high]| (percent(low), percent(high))),
+            }),
+            words: format!("{}{interval_words}{unit}{of_zero}", rounded(*difference, decimals)),
+            is_told_apart: judged.verdict == Verdict::Difference,
+        }
+    };
+    let letter = against.letter;
+    let titles = Titles {
+        title: format!("{letter} less A, with 95 % intervals"),
+        note: "All in per cent of A's mean; at the right in their own units. Filled: evidence of a difference.".into(),
+        x: format!("{letter} less A (% of A's mean)"),
+        y: String::new(),
+    };
+    let chart = ForestChart { titles, rows: against.judged.iter().map(row).collect() };
+    Block::Figure(Figure { svg: chart.draw(SCREEN_WIDTH).to_svg(), file: None, more_files: Vec::new() })
 }
 
 fn differences(against: &AgainstA) -> Table {

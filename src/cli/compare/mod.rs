@@ -3,6 +3,7 @@
 mod document;
 mod json;
 mod published;
+mod table;
 
 pub use json::method as method_name;
 
@@ -14,8 +15,8 @@ use clap::{Args, ValueEnum};
 use crate::batch::TableError;
 use crate::batch::comparison::{BesideReport, ComparisonError, Selection, compare};
 use crate::cli::error::CliError;
+use crate::cli::output_files::{Files, Format, write_all};
 use crate::cli::report::FormArguments;
-use crate::cli::terminal;
 
 const NOTES: &str = "\
 Examples:
@@ -25,6 +26,7 @@ Examples:
   wildfire compare runs/contest runs/other --metric saved,truck_won,truck_cusps
   wildfire compare runs/original --with report
   wildfire compare runs/planners --by planner --html > planners.html
+  wildfire compare runs/contest runs/other --csv differences.csv
 
 Metrics: any column of numbers in runs.csv, and
   saved       obstacles intact or extinguished    truck_won   runs that the truck wins
@@ -54,6 +56,9 @@ pub struct CompareArguments {
     /// The metrics to compare; may be repeated.
     #[arg(long, value_name = "NAME[,NAME...]", value_delimiter = ',')]
     pub metric: Vec<String>,
+    /// Write the differences to a CSV file, a row for each metric of each side.
+    #[arg(help_heading = "Output", long, value_name = "FILE.csv", conflicts_with = "with")]
+    pub csv: Option<PathBuf>,
     #[command(flatten)]
     pub form: FormArguments,
 }
@@ -88,17 +93,24 @@ pub fn parse_where(text: &str) -> Result<(String, String), String> {
     Ok((column.to_owned(), value.to_owned()))
 }
 
-pub fn run(arguments: &CompareArguments) -> Result<ExitCode, CliError> {
+pub fn run(arguments: &CompareArguments, quiet: bool) -> Result<ExitCode, CliError> {
     let (form, selection) = (arguments.form, arguments.selection());
-    let text = match (arguments.with, &arguments.batches[..]) {
-        (None, batches) => form.render(&compare(batches, &selection, &arguments.metric)?),
-        (Some(Published::Report), [batch]) => form.render(&BesideReport::from_batch(batch, &selection)?),
+    let files = Files { form, ..Files::default() }.writing([(Format::Csv, &arguments.csv)]);
+    let words = files.check()?;
+    match (arguments.with, &arguments.batches[..]) {
+        (None, batches) => {
+            let comparison = compare(batches, &selection, &arguments.metric)?;
+            words.print(&form.render(&comparison))?;
+            write_all(&[(arguments.csv.as_deref(), &|path| table::write(path, &comparison))], quiet)?;
+        }
+        (Some(Published::Report), [batch]) => {
+            words.print(&form.render(&BesideReport::from_batch(batch, &selection)?))?
+        }
         (Some(_), several) => {
             let sentence = format!("{} batches; expected a single one beside the report", several.len());
             return Err(CliError::bad_input(sentence, None));
         }
-    };
-    terminal::print(&text)?;
+    }
     Ok(ExitCode::SUCCESS)
 }
 

@@ -3,11 +3,15 @@
 use crate::batch::QueryTally;
 use crate::batch::comparison::{Better, Contrast, RankedEntry, RankedPair, Ranking, p_words};
 use crate::document::number::{count, optional, percent, probability, rounded, two_digits};
-use crate::document::{Document, Table};
+use crate::document::{Block, Document, Figure, Table};
+use crate::picture::charts::{Estimate, ForestChart, ForestRow, SCREEN_WIDTH, Titles};
 use crate::untrusted::visible_start;
 
 /// The most pairs that are all shown; of more, each entry with the next one.
 const MOST_PAIRS: usize = 15;
+
+/// The most entries whose differences from the first are drawn.
+const MOST_DRAWN: usize = 60;
 
 /// The most characters of a name in a table.
 const LONGEST_NAME: usize = 24;
@@ -31,9 +35,10 @@ impl From<&Ranking> for Document {
         document.add(table(ranking));
         document.add_list(remarks(ranking));
         if ranking.entries.len() > 1 {
+            document.add(forest(ranking));
             document.add(pairs(ranking));
             document.add_list(notes(ranking));
-            document.add(crate::document::Block::Text(LEGEND.into()));
+            document.add(Block::Text(LEGEND.into()));
         }
         document
     }
@@ -107,6 +112,35 @@ fn table(ranking: &Ranking) -> Table {
         cells
     };
     Table::new(&headings, ranking.entries.iter().enumerate().map(row).collect())
+}
+
+/// Draws how the entries differ from the first.
+fn forest(ranking: &Ranking) -> Block {
+    let decimals = decimals(ranking);
+    let rows = ranking.entries.iter().enumerate().skip(1).filter_map(|(place, entry)| {
+        let pair = ranking.pair(0, place)?;
+        let Contrast { difference, interval, .. } = &pair.contrast;
+        let interval = interval.map(|it| (it.low, it.high));
+        let words = interval.map_or_else(String::new, |(low, high)| {
+            format!(" ({} to {})", rounded(low, decimals), rounded(high, decimals))
+        });
+        Some(ForestRow {
+            name: visible_start(&entry.name),
+            difference: Some(Estimate { value: *difference, interval }),
+            words: format!("{}{words}", rounded(*difference, decimals)),
+            is_told_apart: pair.is_told_apart(),
+        })
+    });
+    let symbol = ranking.metric.unit().symbol();
+    let (metric, unit) = (visible_start(&ranking.metric.name), if symbol.is_empty() { "1" } else { symbol });
+    let titles = Titles {
+        title: format!("Less {}, with 95 % intervals", name(&ranking.entries[0])),
+        note: "Differences from the first, paired by seed. Filled: told apart from it.".into(),
+        x: format!("{metric}, less the first's ({unit})"),
+        y: String::new(),
+    };
+    let chart = ForestChart { titles, rows: rows.take(MOST_DRAWN).collect() };
+    Block::Figure(Figure { svg: chart.draw(SCREEN_WIDTH).to_svg(), file: None, more_files: Vec::new() })
 }
 
 /// What the reader of the table must know of runs that are not as they should be.

@@ -76,7 +76,7 @@ impl BarChart {
             let is_alone = panels[0].name.is_empty();
             let height = if is_alone { HEIGHT } else { GRID.height(&heights) };
             let (mut drawing, plot) =
-                SheetLayout { titles: &titles, swatch: Swatch::Bar, key, width, left: LEFT, height }.draw();
+                SheetLayout { titles: &titles, swatch: Swatch::Bar, key, width, left: LEFT, right: 0.0, height }.draw();
             let parts = if is_alone { vec![plot] } else { GRID.parts(&plot, &heights) };
             for (panel, part) in panels.iter().zip(&parts) {
                 self.draw_panel(&mut drawing, part, scale, panel);

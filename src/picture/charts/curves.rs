@@ -8,6 +8,7 @@ use crate::picture::charts::sheet::{
 };
 use crate::picture::charts::style::Style;
 use crate::picture::charts::{ChartRow, Estimate, Titles};
+use crate::picture::ticks::{Tick, tick_at};
 
 const HEIGHT: f32 = 280.0;
 const LEFT: f32 = 48.0;
@@ -22,6 +23,8 @@ const APART: f32 = 9.0;
 const MOST_OF_ROOM: f32 = 0.7;
 /// The reach of marks and whiskers to either side.
 const MARK: f32 = 5.0;
+/// The most places of marks that are the ticks of their axis; among more, round values are.
+const MOST_CHOSEN: usize = 12;
 
 /// Curves in pairs of axes, which are the same in all panels.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,7 +88,8 @@ impl CurveChart {
             let heights = vec![PANEL_HEIGHT; panels.len()];
             let is_alone = panels[0].name.is_empty();
             let height = if is_alone { HEIGHT } else { GRID.height(&heights) };
-            let (mut drawing, plot) = SheetLayout { titles: &titles, swatch, key, width, left: LEFT, height }.draw();
+            let (mut drawing, plot) =
+                SheetLayout { titles: &titles, swatch, key, width, left: LEFT, right: 0.0, height }.draw();
             let parts = if is_alone { vec![plot] } else { GRID.parts(&plot, &heights) };
             for (panel, plot) in panels.iter().zip(parts) {
                 let x = if self.spread == Spread::Bands { x } else { self.roomy(x, &plot) };
@@ -112,10 +116,23 @@ impl CurveChart {
         }
     }
 
+    /// Ticks where the marks of all panels are; `None` if these are too many, or there are none.
+    fn chosen_ticks(&self) -> Option<Vec<Tick>> {
+        let points = self.panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points);
+        let mut places: Vec<f64> = points.map(|&(x, _)| x).filter(|x| x.is_finite()).collect();
+        places.sort_by(f64::total_cmp);
+        places.dedup();
+        let are_few = self.spread == Spread::Whiskers && (1..=MOST_CHOSEN).contains(&places.len());
+        are_few.then(|| places.into_iter().map(tick_at).collect())
+    }
+
     fn draw_panel(&self, drawing: &mut Drawing, axes: &Axes, panel: &CurvePanel) {
         draw_panel_name(drawing, &axes.plot, &panel.name);
         axes.plot.draw_y_axis(drawing, axes.y);
-        axes.plot.draw_x_axis(drawing, axes.x);
+        match self.chosen_ticks() {
+            Some(ticks) => axes.plot.draw_x_ticks(drawing, axes.x, &ticks),
+            None => axes.plot.draw_x_axis(drawing, axes.x),
+        }
         axes.plot.draw_base(drawing);
         match self.spread {
             Spread::Bands => axes.draw_bands(drawing, &panel.curves),
@@ -216,6 +233,21 @@ mod tests {
             let (low, high) = (band[index], band[band.len() - 1 - index]);
             assert!(low.0 == *x && high.0 == *x && low.1 >= *y && *y >= high.1, "{index}");
         }
+    }
+
+    #[test]
+    fn axis_has_the_values_at_which_marks_are_if_these_are_few() {
+        let estimate = Estimate { value: 1.0, interval: None };
+        let drawing = |count: u32| {
+            let points = (1..=count).map(|index| (f64::from(index * index) / 8.0, estimate)).collect();
+            let curves = vec![Curve { name: "one".into(), style: STYLES[0], points }];
+            let panels = vec![CurvePanel { name: String::new(), curves }];
+            CurveChart { titles: Titles::default(), spread: Spread::Whiskers, panels }.draw(SCREEN_WIDTH).remove(0)
+        };
+        for label in ["0.125", "0.5", "1.125", "2", "3.125"] {
+            assert!(drawing(5).texts().any(|text| text == label), "{label}");
+        }
+        assert!(!drawing(13).texts().any(|text| text == "0.125"));
     }
 
     #[test]

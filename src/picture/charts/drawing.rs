@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::picture::canvas::{Canvas, Point};
-use crate::picture::colours::{PAPER, Rgb};
+use crate::picture::colours::{FAINT_INK, INK, NOTE_INK, PAPER, Rgb};
 use crate::picture::png::Picture;
 use crate::picture::text::{Align, draw_text};
 use crate::untrusted::visible;
@@ -99,14 +99,16 @@ fn paint_mark(canvas: &mut Canvas, mark: &DrawingMark) {
 pub const CAPITALS: f32 = 0.72;
 
 impl Drawing {
-    /// A whole SVG file, which names no other file; text in it is text.
+    /// A whole SVG file, which names no other file; text in it is text. Marks that are no data have a class besides their
+    /// colour, by which a page gives them others on a dark screen.
     pub fn to_svg(&self) -> String {
         let Self { width, height, .. } = self;
         let mut svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
              viewBox=\"0 0 {width} {height}\" role=\"img\" font-family=\"Helvetica, Arial, sans-serif\">\n\
-             <title>{}</title>\n<rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>\n",
-            escaped(&self.title)
+             <title>{}</title>\n<rect width=\"{width}\" height=\"{height}\"{}/>\n",
+            escaped(&self.title),
+            painted("fill", PAPER)
         );
         for mark in &self.marks {
             push_mark(&mut svg, mark);
@@ -120,17 +122,17 @@ fn push_mark(svg: &mut String, mark: &DrawingMark) {
     let written = match mark {
         DrawingMark::Area { corners, colour, opacity } => {
             let opacity = if *opacity < 1.0 { format!(" fill-opacity=\"{opacity}\"") } else { String::new() };
-            writeln!(svg, "<polygon points=\"{}\" fill=\"{}\"{opacity}/>", places(corners), hex(*colour))
+            writeln!(svg, "<polygon points=\"{}\"{}{opacity}/>", places(corners), painted("fill", *colour))
         }
         DrawingMark::Line { points, width, colour, dashes } => {
             let dashes = match dashes.as_slice() {
                 [] => String::new(),
                 dashes => format!(" stroke-dasharray=\"{}\"", joined(dashes)),
             };
-            let (places, colour) = (places(points), hex(*colour));
+            let (places, stroke) = (places(points), painted("stroke", *colour));
             writeln!(
                 svg,
-                "<polyline points=\"{places}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\" \
+                "<polyline points=\"{places}\" fill=\"none\"{stroke} stroke-width=\"{width}\" \
                  stroke-linejoin=\"round\"{dashes}/>"
             )
         }
@@ -140,12 +142,9 @@ fn push_mark(svg: &mut String, mark: &DrawingMark) {
                 Align::Centre => "middle",
                 Align::Right => "end",
             };
-            let (size, colour, text) = (rounded(height / CAPITALS), hex(*colour), escaped(text));
+            let (size, fill, text) = (rounded(height / CAPITALS), painted("fill", *colour), escaped(text));
             let (x, y) = (rounded(*x), rounded(*y));
-            writeln!(
-                svg,
-                "<text x=\"{x}\" y=\"{y}\" text-anchor=\"{anchor}\" font-size=\"{size}\" fill=\"{colour}\">{text}</text>"
-            )
+            writeln!(svg, "<text x=\"{x}\" y=\"{y}\" text-anchor=\"{anchor}\" font-size=\"{size}\"{fill}>{text}</text>")
         }
     };
     written.expect("a string takes any text");
@@ -165,8 +164,15 @@ fn rounded(value: f32) -> f32 {
     (value * 100.0).round() / 100.0 + 0.0
 }
 
-fn hex([red, green, blue]: Rgb) -> String {
-    format!("#{red:02x}{green:02x}{blue:02x}")
+/// The classes of colours that are no data.
+pub const CLASSES: [(Rgb, &str); 4] = [(INK, "ink"), (NOTE_INK, "note"), (FAINT_INK, "faint"), (PAPER, "paper")];
+
+/// Writes the colour of an attribute, and its class if it has one.
+fn painted(attribute: &str, colour: Rgb) -> String {
+    let [red, green, blue] = colour;
+    let class = CLASSES.iter().find(|(known, _)| *known == colour);
+    let class = class.map_or_else(String::new, |(_, class)| format!(" class=\"{class}\""));
+    format!(" {attribute}=\"#{red:02x}{green:02x}{blue:02x}\"{class}")
 }
 
 /// Escapes text for XML: what XML does not have becomes a space, what would act on other text an escape.

@@ -1,4 +1,4 @@
-//! Charts: bars, curves and distributions, each with its uncertainty.
+//! Charts: bars, curves, distributions and differences, each with its uncertainty.
 //!
 //! A chart becomes a [`Drawing`], a list of marks, which is written as SVG, PDF and PGF and painted as a picture: one
 //! geometry for all. Series differ in colour, and in hatching, dashes or the shape of their marks too, so that charts can be read
@@ -9,6 +9,7 @@
 mod bars;
 mod curves;
 mod drawing;
+mod forest;
 mod paper;
 mod sheet;
 mod strips;
@@ -17,6 +18,7 @@ mod style;
 pub use bars::{BarChart, BarPanel, BarSeries};
 pub use curves::{Curve, CurveChart, CurvePanel, Spread};
 pub use drawing::Drawing;
+pub use forest::{ForestChart, ForestRow};
 pub use paper::PaperSize;
 pub use sheet::SCREEN_WIDTH;
 pub use strips::{Strip, StripChart, StripPanel};

@@ -3,15 +3,14 @@
 use crate::picture::charts::Titles;
 use crate::picture::charts::drawing::Drawing;
 use crate::picture::charts::style::Style;
-use crate::picture::colours::{FAINT_INK, INK, Rgb};
+use crate::picture::colours::{FAINT_INK, INK, NOTE_INK};
 use crate::picture::marks::to_f32;
 use crate::picture::text::{Align, measure_text};
-use crate::picture::ticks::ticks;
+use crate::picture::ticks::{Tick, ticks};
 
 /// Height of capitals in numbers and names, notes, titles.
 pub const LABEL: f32 = 8.5;
 const TITLE: f32 = 12.0;
-const NOTE_INK: Rgb = [92, 92, 98];
 
 /// The width of a sheet on a screen.
 pub const SCREEN_WIDTH: f32 = 720.0;
@@ -118,8 +117,9 @@ pub struct SheetLayout<'a> {
     pub key: Vec<(Style, &'a str)>,
     /// The width of the sheet in units.
     pub width: f32,
-    /// Units to the left of the plot, and its height.
+    /// Units to the left and to the right of the plot, and its height.
     pub left: f32,
+    pub right: f32,
     pub height: f32,
 }
 
@@ -129,7 +129,8 @@ impl SheetLayout<'_> {
         let rows = self.key_rows();
         let key_top = MARGIN + TITLE + 2.0 * LINE;
         let top = key_top + rows.len() as f32 * LINE + if self.titles.y.is_empty() { 0.0 } else { LINE };
-        let plot = Plot { left: MARGIN + self.left, top, right: self.width - MARGIN, bottom: top + self.height };
+        let plot =
+            Plot { left: MARGIN + self.left, top, right: self.width - MARGIN - self.right, bottom: top + self.height };
         let below = if self.titles.x.is_empty() { LINE + 6.0 } else { 2.0 * LINE + 6.0 };
         let mut drawing = Drawing::new(self.width, plot.bottom + below + MARGIN, &self.titles.title);
         drawing.text(
@@ -226,6 +227,9 @@ pub fn rule(drawing: &mut Drawing, plot: &Plot, y: f32) {
 /// The room that a tick keeps for itself along x and y, in units.
 const TICK_ROOM: [f32; 2] = [64.0, 40.0];
 
+/// The least distance between two numbers of an axis, in units.
+const TICK_GAP: f32 = 6.0;
+
 /// Values along a side of a plot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisScale {
@@ -287,8 +291,30 @@ impl Plot {
     /// Numbers below, and a line upwards at each.
     pub fn draw_x_axis(&self, drawing: &mut Drawing, scale: AxisScale) {
         for tick in ticks(scale.low, scale.high, most_ticks(self.right - self.left, TICK_ROOM[0]), 0.0) {
-            let x = self.x(scale, tick.value);
-            drawing.line(vec![(x, self.top), (x, self.bottom)], 1.0, FAINT_INK);
+            self.draw_x_tick(drawing, scale, &tick);
+        }
+    }
+
+    /// Lines upwards at given ticks, in ascending order, and their numbers below, those of the ends first: a number that
+    /// would touch another is left out.
+    pub fn draw_x_ticks(&self, drawing: &mut Drawing, scale: AxisScale, ticks: &[Tick]) {
+        let mut taken: Vec<(f32, f32)> = Vec::new();
+        let last = ticks.len().saturating_sub(1);
+        let between = 1..last.max(1);
+        for index in [0, last].into_iter().take(ticks.len()).chain(between) {
+            let Tick { value, label } = &ticks[index];
+            let (x, reach) = (self.x(scale, *value), 0.5 * (width_of(label, LABEL) + TICK_GAP));
+            let is_free = taken.iter().all(|&(left, right)| x + reach <= left || right <= x - reach);
+            let label = if is_free { label.clone() } else { String::new() };
+            self.draw_x_tick(drawing, scale, &Tick { value: *value, label });
+            taken.extend(is_free.then_some((x - reach, x + reach)));
+        }
+    }
+
+    fn draw_x_tick(&self, drawing: &mut Drawing, scale: AxisScale, tick: &Tick) {
+        let x = self.x(scale, tick.value);
+        drawing.line(vec![(x, self.top), (x, self.bottom)], 1.0, FAINT_INK);
+        if !tick.label.is_empty() {
             drawing.text(&tick.label, (x, self.bottom + 9.0 + LABEL), Align::Centre, LABEL, INK);
         }
     }
@@ -331,6 +357,20 @@ mod tests {
         assert_eq!(sheets, [&["a", "b"][..], &["c"], &[""], &[""], &["d"]]);
         let titles = Titles { title: "T".into(), ..Titles::default() };
         assert_eq!([numbered(&titles, 0, 1).title, numbered(&titles, 1, 3).title], ["T", "T (2 of 3)"]);
+    }
+
+    #[test]
+    fn numbers_of_given_ticks_do_not_touch_and_those_of_the_ends_are_there() {
+        let plot = Plot { left: 0.0, top: 0.0, right: 100.0, bottom: 50.0 };
+        let values: [f64; 6] = [1.0, 2.0, 3.0, 50.0, 99.0, 100.0];
+        let ticks = values.map(|value| Tick { value, label: value.to_string() });
+        let scale = AxisScale { low: 0.0, high: 100.0 };
+        for (ticks, expected) in [(&ticks[..], vec!["1", "100", "50"]), (&ticks[..1], vec!["1"]), (&[], vec![])] {
+            let mut drawing = Drawing::new(100.0, 80.0, "");
+            plot.draw_x_ticks(&mut drawing, scale, ticks);
+            assert_eq!(drawing.texts().collect::<Vec<_>>(), expected);
+            assert_eq!(drawing.marks.len(), ticks.len() + expected.len(), "a line for each");
+        }
     }
 
     #[test]

@@ -1,8 +1,9 @@
 //! The division of variants among the panels of a chart, so that none is missing.
 //!
-//! A panel holds as many series as can be distinguished. Where there are more, some of what differs, planners first,
-//! makes the series of every panel, and each combination of the rest makes a panel. If nothing that differs takes so
-//! few values, the variants are divided as they come, each part with a chart of its own.
+//! Planners of which each is there with all else that differs are the series of every panel, each with one colour in all
+//! charts, and each combination of the rest makes a panel. Without such planners, a panel holds as many series as can be distinguished; where there are
+//! more, some of what differs makes the series, and the rest the panels. If nothing that differs takes so few values,
+//! the variants are divided as they come, each part with a chart of its own.
 
 use super::labels::Labels;
 use crate::batch::plan::BatchPlan;
@@ -76,8 +77,12 @@ fn facets(plan: &BatchPlan, labels: &Labels) -> Vec<Facet> {
     panels
 }
 
-/// Chooses dimensions, planners first, as long as they make no more series than there are styles.
+/// Chooses dimensions: planners, or all that make no more series together than there are styles.
 fn series_dimensions(labels: &Labels, groups: &[Vec<usize>]) -> Vec<usize> {
+    if let Some(planners) = labels.crossed_planners().filter(|planners| labels.distinct(planners).len() <= STYLES.len())
+    {
+        return planners;
+    }
     let mut chosen: Vec<usize> = Vec::new();
     for group in groups {
         let with_it = [chosen.as_slice(), group.as_slice()].concat();
@@ -134,7 +139,7 @@ mod tests {
 
     #[test]
     fn few_variants_share_one_panel() {
-        let plan = plan(&[planners(2), values("duration_s", 3)]);
+        let plan = plan(&[values("duration_s", 2), values("unimog.speed_mps", 3)]);
         let panels = variant_facets(&plan);
         assert_eq!(checked(&plan, &panels), [6]);
         assert_eq!(panels[0].name, "");
@@ -145,7 +150,9 @@ mod tests {
         for (sweeps, expected) in [
             (vec![planners(2), values("duration_s", 12)], vec![2; 12]),
             (vec![planners(4), values("duration_s", 3), values("unimog.speed_mps", 2)], vec![4; 6]),
-            (vec![planners(2), values("duration_s", 3), values("unimog.speed_mps", 5)], vec![6; 5]),
+            (vec![planners(2), values("duration_s", 3)], vec![2; 3]),
+            (vec![planners(2), values("duration_s", 3), values("unimog.speed_mps", 5)], vec![2; 15]),
+            (vec![values("duration_s", 3), values("unimog.speed_mps", 5)], vec![3; 5]),
             (vec![values("duration_s", 30)], vec![7, 7, 7, 7, 2]),
             (vec![values("duration_s", 12), values("unimog.speed_mps", 9)], [vec![7; 15], vec![3]].concat()),
             (vec![planners(4), values("duration_s", 2)], vec![4; 2]),
@@ -153,6 +160,20 @@ mod tests {
             let plan = plan(&sweeps);
             assert_eq!(checked(&plan, &variant_facets(&plan)), expected, "{sweeps:?}");
         }
+    }
+
+    #[test]
+    fn planner_has_one_colour_in_all_charts() {
+        let plan = plan(&[planners(3), values("duration_s", 3), values("unimog.speed_mps", 2)]);
+        let panels = [variant_facets(&plan), facets_over(&plan, 1), facets_over(&plan, 2)];
+        let mut styles: Vec<(String, Style)> = Vec::new();
+        for series in panels.iter().flatten().flat_map(|panel| &panel.series) {
+            match styles.iter().find(|(name, _)| *name == series.name) {
+                Some((name, style)) => assert_eq!(series.style, *style, "{name}"),
+                None => styles.push((series.name.clone(), series.style)),
+            }
+        }
+        assert_eq!(styles.len(), 3);
     }
 
     #[test]

@@ -2,13 +2,14 @@
 
 use serde::Serialize;
 
-use super::collected::{Collected, Values};
+use super::collected::{Collected, Values, is_cut};
 use super::facets::{Facet, FacetSeries, MOST_PANELS, variant_facets};
 use super::labels::Labels;
 use super::over_time::StateCurves;
-use super::quantities::{CPU_PARTS, MEASURES, Quantity, SHARE_AXIS, STATES};
-use super::sweeps::{SweepChart, sweep_charts};
+use super::quantities::{BURNED_AREA, CPU_PARTS, MEASURES, Quantity, SAVED, SHARE_AXIS, STATES};
+use super::sweeps::{SweepChart, interval_note, main_curves, sweep_charts};
 use crate::batch::plan::BatchPlan;
+use crate::document::number::short;
 use crate::picture::charts::{
     BarChart, BarPanel, BarSeries, ChartRow, Curve, CurveChart, CurvePanel, Drawing, STYLES, Spread, Strip, StripChart,
     StripPanel, Style, Titles,
@@ -19,6 +20,8 @@ use crate::untrusted::spreadsheet_cell;
 /// The part of the report that a chart belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Section {
+    /// The picture under the answer.
+    Answer,
     Means,
     Distributions,
     OverTime,
@@ -30,6 +33,8 @@ pub enum Section {
 pub struct Figure {
     pub section: Section,
     pub file: String,
+    /// The name of the file of the chart's data, which all of its sheets share.
+    pub data: String,
     pub drawing: Drawing,
 }
 
@@ -78,6 +83,8 @@ pub struct Figures {
     pub data: Vec<ChartData>,
     /// Charts that are not drawn, since they would have too many panels: a sentence for each.
     pub refused: Vec<String>,
+    /// Distributions that are not drawn, since they say nothing: a sentence for each.
+    pub constant: Vec<String>,
 }
 
 impl Figures {
@@ -85,6 +92,9 @@ impl Figures {
     pub fn new(plan: &BatchPlan, collected: &Collected, states: Option<&[StateCurves]>, width: f32) -> Self {
         let mut figures = Self::default();
         let panels = variant_facets(plan);
+        if plan.variants.len() > 1 {
+            figures.add_answer(plan, &panels, &collected.variants, width);
+        }
         if figures.admits("states, CPU time and distributions of the variants", panels.len()) {
             let means = [
                 ("states", bars("Obstacle states at the end", &STATES, &panels, &collected.variants)),
@@ -94,9 +104,12 @@ impl Figures {
                 figures.add(Section::Means, file, chart.draw(width), values(chart.rows()));
             }
             for &quantity in STATES.iter().chain(&MEASURES) {
-                if let Some(chart) = distribution(quantity, &panels, &collected.variants) {
-                    let file = format!("distribution-{}", quantity.column());
-                    figures.add(Section::Distributions, &file, chart.draw(width), values(chart.rows()));
+                match distribution(quantity, &panels, &collected.variants) {
+                    Ok(chart) => {
+                        let file = format!("distribution-{}", quantity.column());
+                        figures.add(Section::Distributions, &file, chart.draw(width), values(chart.rows()));
+                    }
+                    Err(sentence) => figures.constant.push(sentence),
                 }
             }
         }
@@ -107,6 +120,26 @@ impl Figures {
             }
         }
         figures
+    }
+
+    /// Adds what the variants are compared by: a curve over a key that is swept over numbers, else distributions, or bars
+    /// where these say nothing.
+    fn add_answer(&mut self, plan: &BatchPlan, panels: &[Facet], variants: &[Values], width: f32) {
+        let quantity = main_quantity(variants);
+        if let Some(chart) = main_curves(plan, variants, quantity) {
+            if self.admits("the answer", chart.panels.len()) {
+                self.add(Section::Answer, "answer", chart.draw(width), values(chart.rows()));
+            }
+        } else if self.admits("the answer", panels.len()) {
+            let (drawn, rows) = match distribution(quantity, panels, variants) {
+                Ok(chart) => (chart.draw(width), values(chart.rows())),
+                Err(_) => {
+                    let chart = bars(&quantity.title(), &[quantity], panels, variants);
+                    (chart.draw(width), values(chart.rows()))
+                }
+            };
+            self.add(Section::Answer, "answer", drawn, rows);
+        }
     }
 
     /// Says whether a chart has few enough panels; if not, notes in a sentence that it is not drawn.
@@ -121,10 +154,11 @@ impl Figures {
 
     /// Adds the sheets of a chart, of which those after the first have a number, and what it shows.
     fn add(&mut self, section: Section, file: &str, sheets: Vec<Drawing>, rows: Vec<ChartValues>) {
-        self.data.push(ChartData { file: file.to_owned(), rows });
+        let data = file.to_owned();
+        self.data.push(ChartData { file: data.clone(), rows });
         for (index, drawing) in sheets.into_iter().enumerate() {
             let file = if index == 0 { file.to_owned() } else { format!("{file}-{}", index + 1) };
-            self.drawn.push(Figure { section, file, drawing });
+            self.drawn.push(Figure { section, file, data: data.clone(), drawing });
         }
     }
 
@@ -163,10 +197,15 @@ fn bars(title: &str, quantities: &[Quantity], panels: &[Facet], values: &[Values
         let bars = quantities.iter().map(|&quantity| values.mean(quantity)).collect();
         BarSeries { name: series.name.clone(), style: series.style, bars }
     };
+    let mut means = panels.iter().flat_map(|panel| &panel.series).flat_map(|series| {
+        let values = &values[series.variants[0]];
+        quantities.iter().filter_map(|&quantity| Some((values.mean(quantity)?, quantity.range())))
+    });
+    let cut = means.any(|(mean, range)| is_cut(&mean, range));
     BarChart {
         titles: Titles {
             title: title.into(),
-            note: "Bars are means, whiskers their 95 % intervals.".into(),
+            note: interval_note("Bars", cut),
             x: String::new(),
             y: quantities.first().map_or("", |quantity| quantity.axis()).into(),
         },
@@ -178,30 +217,67 @@ fn bars(title: &str, quantities: &[Quantity], panels: &[Facet], values: &[Values
     }
 }
 
-/// `None` where all runs have the same.
-fn distribution(quantity: Quantity, panels: &[Facet], values: &[Values]) -> Option<StripChart> {
+/// Returns the quantity by which variants are compared first.
+pub fn main_quantity(variants: &[Values]) -> Quantity {
+    let has = |quantity| variants.iter().any(|values| values.of_seeds(quantity).iter().any(|number| !number.is_nan()));
+    if !has(SAVED) && has(BURNED_AREA) { BURNED_AREA } else { SAVED }
+}
+
+/// The share of its runs that a variant has at one value whose distribution says no more than that value.
+const ALMOST_ALL: f64 = 0.95;
+
+/// Returns the distributions; where each of them is one value, or nearly, a sentence that says so.
+fn distribution(quantity: Quantity, panels: &[Facet], values: &[Values]) -> Result<StripChart, String> {
     let strip = |series: &FacetSeries| strip(series, values[series.variants[0]].numbers(quantity));
     let panels: Vec<StripPanel> = panels
         .iter()
         .map(|panel| StripPanel { name: panel.name.clone(), strips: panel.series.iter().map(strip).collect() })
         .collect();
-    let ends = panels.iter().flat_map(|panel| &panel.strips);
-    let ends = ends.flat_map(|strip| strip.values.first().into_iter().chain(strip.values.last()));
-    let (least, most) =
-        ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), &end| (least.min(end), most.max(end)));
-    (most > least).then(|| StripChart {
+    let strips: Vec<&Strip> = panels.iter().flat_map(|panel| &panel.strips).collect();
+    let commonest = strips.iter().map(|strip| commonest(&strip.values)).collect::<Vec<_>>();
+    let says_nothing = |(strip, (_, count)): (&&Strip, &(f64, usize))| {
+        strip.values.is_empty() || *count as f64 >= ALMOST_ALL * strip.values.len() as f64
+    };
+    if strips.iter().zip(&commonest).all(says_nothing) {
+        return Err(constant_words(quantity, &strips, &commonest));
+    }
+    Ok(StripChart {
         titles: Titles {
             title: quantity.title(),
             note: "Columns count runs; the highest has its number. Below: median, middle half, middle 90 %.".into(),
             x: quantity.axis().into(),
-            y: String::new(),
+            y: "number of runs (1)".into(),
         },
         panels,
     })
 }
 
-fn strip(series: &FacetSeries, values: &[f64]) -> Strip {
-    let mut values = values.to_vec();
+/// Returns the value that most of the ascending numbers have, and how many; the least of several such.
+fn commonest(ascending: &[f64]) -> (f64, usize) {
+    let equal = ascending.chunk_by(|one, next| one == next);
+    equal.fold((f64::NAN, 0), |best, chunk| if chunk.len() > best.1 { (chunk[0], chunk.len()) } else { best })
+}
+
+fn constant_words(quantity: Quantity, strips: &[&Strip], commonest: &[(f64, usize)]) -> String {
+    let (title, axis) = (quantity.title(), quantity.axis());
+    let with_runs = || strips.iter().zip(commonest).filter(|(strip, _)| !strip.values.is_empty());
+    let all: usize = with_runs().map(|(strip, _)| strip.values.len()).sum();
+    let Some((_, &(value, _))) = with_runs().next() else {
+        return format!("{title}: no run has it.");
+    };
+    if with_runs().any(|(_, (other, _))| *other != value) {
+        return format!("{title}: no distributions, since (almost) all runs of a variant have the same value.");
+    }
+    let unit = axis.rsplit_once(" (").map_or("", |(_, unit)| unit.trim_end_matches(')'));
+    let value = if unit == "1" { short(value) } else { format!("{} {unit}", short(value)) };
+    let same: usize = with_runs().map(|(_, (_, count))| count).sum();
+    match all - same {
+        0 => format!("{title}: no distribution, since it is {value} in all {all} runs."),
+        _ => format!("{title}: no distribution, since it is {value} in {same} of {all} runs."),
+    }
+}
+
+fn strip(series: &FacetSeries, mut values: Vec<f64>) -> Strip {
     values.sort_by(f64::total_cmp);
     let quantiles = [0.05, 0.25, 0.5, 0.75, 0.95].map(|share| quantile(&values, share));
     let quantiles = quantiles.iter().all(Option::is_some).then(|| quantiles.map(Option::unwrap_or_default));
@@ -240,8 +316,8 @@ fn over_time(of: &str, mut panels: Vec<CurvePanel>) -> CurveChart {
         titles: Titles {
             title: format!("Obstacle states over time{of}"),
             note: "Lines are means, bands the middle 80 % of runs.".into(),
-            x: "simulated seconds".into(),
-            y: if is_dwarfed { format!("{SHARE_AXIS} (intact left out)") } else { SHARE_AXIS.into() },
+            x: "simulated time (s)".into(),
+            y: if is_dwarfed { format!("{SHARE_AXIS}, intact left out") } else { SHARE_AXIS.into() },
         },
         spread: Spread::Bands,
         panels,
@@ -258,6 +334,29 @@ mod tests {
         let estimate = |value: f64| Estimate { value, interval: Some((0.9 * value, 1.1 * value)) };
         let curves = shares.map(|share| vec![(0.0, estimate(share)), (60.0, estimate(share))]);
         CurvePanel { name: String::new(), curves: state_curves(&StateCurves(curves)) }
+    }
+
+    #[test]
+    fn distribution_of_one_value_is_a_sentence() {
+        let strip = |mut values: Vec<f64>| {
+            values.sort_by(f64::total_cmp);
+            Strip { name: String::new(), style: STYLES[0], values, quantiles: None }
+        };
+        let said = |strips: &[Strip]| {
+            let strips: Vec<&Strip> = strips.iter().collect();
+            let commonest: Vec<_> = strips.iter().map(|strip| commonest(&strip.values)).collect();
+            constant_words(MEASURES[2], &strips, &commonest)
+        };
+        let title = MEASURES[2].title();
+        assert_eq!(said(&[strip(vec![0.0; 4])]), format!("{title}: no distribution, since it is 0 s in all 4 runs."));
+        let nearly = strip([vec![0.0; 20], vec![7.5]].concat());
+        assert_eq!(
+            said(&[nearly, strip(vec![])]),
+            format!("{title}: no distribution, since it is 0 s in 20 of 21 runs.")
+        );
+        assert!(said(&[strip(vec![1.0]), strip(vec![2.0])]).contains("of a variant have the same value"));
+        assert_eq!(said(&[strip(vec![])]), format!("{title}: no run has it."));
+        assert_eq!(commonest(&[1.0, 2.0, 2.0, 3.0, 3.0]), (2.0, 2));
     }
 
     #[test]

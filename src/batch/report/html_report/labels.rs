@@ -4,6 +4,9 @@ use std::collections::BTreeMap;
 
 use crate::batch::plan::{BatchPlan, planner_of};
 
+/// The place of planners in a label, between scenarios and swept keys.
+const PLANNERS: usize = 1;
+
 /// The names of a plan's variants, made of what differs between them.
 #[derive(Clone, Debug)]
 pub struct Labels {
@@ -36,8 +39,10 @@ impl Labels {
             let words = variants().map(|variant| format!("{key} {}", variant.swept[index])).collect();
             Dimension { key: Some(index), words, place: index + 2 }
         });
-        let all =
-            [Dimension { key: None, words: planners, place: 1 }, Dimension { key: None, words: scenarios, place: 0 }];
+        let all = [
+            Dimension { key: None, words: planners, place: PLANNERS },
+            Dimension { key: None, words: scenarios, place: 0 },
+        ];
         let dimensions = all.into_iter().chain(swept).filter(Dimension::differs).collect();
         let mut labels = Self { scenario: plan.variants[0].scenario.name.clone(), dimensions };
         labels.tell_all_apart(plan.variants.len());
@@ -75,6 +80,22 @@ impl Labels {
             }
         }
         groups
+    }
+
+    /// Returns the planners, with all that goes with them, as dimensions; `None` unless they differ and each is there with
+    /// every combination of the rest.
+    pub fn crossed_planners(&self) -> Option<Vec<usize>> {
+        let is_planner = |dimension: &Dimension| dimension.key.is_none() && dimension.place == PLANNERS;
+        let own = self.dimensions.iter().position(is_planner)?;
+        let planners = self.groups().into_iter().find(|group| group.contains(&own))?;
+        let all: Vec<usize> = (0..self.dimensions.len()).collect();
+        let count = |dimensions: &[usize]| self.distinct(dimensions).len();
+        (count(&planners) * count(&self.besides(&planners)) == count(&all)).then_some(planners)
+    }
+
+    /// Returns all other dimensions.
+    pub fn besides(&self, dimensions: &[usize]) -> Vec<usize> {
+        (0..self.dimensions.len()).filter(|index| !dimensions.contains(index)).collect()
     }
 
     /// Names a variant by these dimensions; by its scenario's name if there are none.

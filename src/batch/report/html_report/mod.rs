@@ -2,8 +2,9 @@
 //! show as CSV; for papers also as PDF and PGF.
 //!
 //! Everything in it is read from the batch's folder: plan, `runs.csv`, `states.parquet`. The same batch gives the same
-//! bytes. Means have Student's 95 % intervals, as in the batch's tables.
+//! bytes. Means have Student's 95 % intervals, as in the batch's tables; charts show the part of them that is possible.
 
+mod answer;
 mod collected;
 mod facets;
 mod figures;
@@ -44,6 +45,24 @@ pub struct WrittenReport {
     pub unknown_letters: String,
 }
 
+/// What a report is made of besides the files of its batch.
+#[derive(Clone, Debug)]
+pub struct ReportParts<'a> {
+    /// The runs whose pages are there, for links to them.
+    pub playing: &'a [NotableRun],
+    /// The field at the end of the median run, where the batch is of one variant and has that run.
+    pub field: Option<FieldPicture>,
+    pub paper: PaperCharts,
+}
+
+/// A picture of a field, and what it shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FieldPicture {
+    pub caption: String,
+    /// The bytes of a PNG file.
+    pub png: Vec<u8>,
+}
+
 /// The charts for a paper that are written too.
 #[derive(Clone, Copy, Debug)]
 pub struct PaperCharts {
@@ -63,13 +82,9 @@ pub enum ReportError {
     Unwritable { path: PathBuf, source: io::Error },
 }
 
-/// Reads a batch that is over, and writes `report.html` and a folder of charts beside its tables. `playing` are the runs whose
-/// pages are there, for links to them.
-pub fn write_report(
-    batch: &FinishedBatch,
-    playing: &[NotableRun],
-    paper: &PaperCharts,
-) -> Result<WrittenReport, ReportError> {
+/// Reads a batch that is over, and writes `report.html` and a folder of charts beside its tables.
+pub fn write_report(batch: &FinishedBatch, parts: &ReportParts<'_>) -> Result<WrittenReport, ReportError> {
+    let paper = &parts.paper;
     let folder = batch.folder();
     let rows = batch.rows()?.ok_or_else(|| ReportError::Unfinished { folder: folder.to_owned() })?;
     let collected = Collected::read(batch.plan(), rows)?;
@@ -88,7 +103,7 @@ pub fn write_report(
         draw(paper.size.units()).drawn.iter().try_for_each(|figure| write_paper(&charts_folder, figure, paper))?;
     }
     let page = folder.join(REPORT_FILE);
-    write_whole(&page, page::page(batch, &collected, &figures, playing).to_html().as_bytes())?;
+    write_whole(&page, page::page(batch, &collected, &figures, parts).to_html().as_bytes())?;
     let Figures { drawn, refused, .. } = figures;
     let texts = drawn.iter().flat_map(|figure| figure.drawing.texts());
     let unknown: BTreeSet<char> = texts.flat_map(unknown_letters).collect();

@@ -1,12 +1,16 @@
 //! The page itself.
 
+use super::answer::Answer;
 use super::collected::{Collected, ListedRun};
-use super::figures::{Figures, Section};
+use super::figures::{Figure, Figures, Section};
 use super::notable::NotableRun;
-use crate::batch::execute::CHARTS_FOLDER;
-use crate::batch::plan::{BatchPlan, PROGRAM_VERSION};
+use super::{FieldPicture, PaperCharts, ReportParts};
+use crate::batch::execute::{
+    AGENTS_FILE, CALLS_PARQUET, CHARTS_FOLDER, RUNS_FILE, RUNS_PARQUET, STATES_PARQUET, TABLES_FILE,
+};
+use crate::batch::plan::{BatchPlan, PLAN_FILE, PROGRAM_VERSION};
 use crate::batch::table::FinishedBatch;
-use crate::document::{Block, Document, Figure, Table};
+use crate::document::{self, Block, Document, Table};
 
 /// The most variants whose tables are in the page.
 const SHOWN_TABLES: usize = 50;
@@ -14,31 +18,97 @@ const SHOWN_TABLES: usize = 50;
 /// The longest plan that is in the page.
 const LONGEST_PLAN: usize = 200_000;
 
-pub fn page(batch: &FinishedBatch, collected: &Collected, figures: &Figures, playing: &[NotableRun]) -> Document {
+/// The files beside a page that it links, and what they hold.
+const FILES: [(&str, &str); 7] = [
+    (RUNS_FILE, "a row for each run"),
+    (AGENTS_FILE, "a row for each agent of a run"),
+    (RUNS_PARQUET, "the rows of runs, with types and units"),
+    (CALLS_PARQUET, "a row for each query of a planner"),
+    (STATES_PARQUET, "the states of the bushes over time"),
+    (TABLES_FILE, "the tables of all variants"),
+    (PLAN_FILE, "scenarios, seeds and settings"),
+];
+
+/// Begins with the answer, a picture of it, and links to all sections.
+pub fn page(batch: &FinishedBatch, collected: &Collected, figures: &Figures, parts: &ReportParts<'_>) -> Document {
     let plan = batch.plan();
     let name = batch.folder().canonicalize().ok();
     let name = name.as_deref().unwrap_or(batch.folder()).file_name();
     let title = format!("Batch {}", name.map_or_else(String::new, |name| name.to_string_lossy().into_owned()));
     let stuck_runs = collected.stuck_runs as u64;
+    let charts = Charts::new(figures, parts);
+    let constant = (!figures.constant.is_empty()).then(|| Block::List(figures.constant.clone()));
     let sections = [
-        ("Runs to play", runs_to_play(plan, playing)),
-        ("Means", charts(figures, Section::Means)),
+        ("Overview", summary(plan, collected, figures)),
+        ("Runs to play", runs_to_play(plan, parts.playing)),
+        ("Means", charts.of(Section::Means)),
         ("Tables", tables(collected)),
         ("Fleets", fleets(collected)),
-        ("Distributions", charts(figures, Section::Distributions)),
-        ("States over time", charts(figures, Section::OverTime)),
-        ("Sweeps", charts(figures, Section::Sweeps)),
+        ("Distributions", charts.of(Section::Distributions).into_iter().chain(constant).collect()),
+        ("States over time", charts.of(Section::OverTime)),
+        ("Sweeps", charts.of(Section::Sweeps)),
         ("Runs without a result", runs(plan, &collected.failures, collected.report.not_done(), "Why")),
         ("Runs in which an agent was stuck", runs(plan, &collected.stuck, stuck_runs, "For")),
+        ("Files", files(batch)),
         ("Plan and version", plan_part(plan)),
     ];
-    let mut document = Document::new(title).with(summary(plan, collected, figures));
+    let Answer { sentence, more } = Answer::new(plan, collected);
+    let mut document = Document::new(title).with([Block::Text(sentence)]);
+    document.add_list(more);
+    document = document.with(charts.lead()).with([Block::Contents]);
     for (heading, blocks) in sections {
         if !blocks.is_empty() {
             document = document.with([Block::Heading(heading.into())]).with(blocks);
         }
     }
     document
+}
+
+/// The charts of a page; those that lead it are nowhere else.
+struct Charts<'a> {
+    figures: &'a Figures,
+    field: Option<&'a FieldPicture>,
+    paper: &'a PaperCharts,
+    /// The name of the data of the leading chart.
+    leading: Option<&'a str>,
+}
+
+impl<'a> Charts<'a> {
+    /// Chooses what leads: the field, what variants are compared by, the states over time, or those at the end.
+    fn new(figures: &'a Figures, parts: &'a ReportParts<'_>) -> Self {
+        let field = parts.field.as_ref();
+        let first = |section| figures.drawn.iter().find(|figure| figure.section == section);
+        let leading = [Section::Answer, Section::OverTime, Section::Means]
+            .into_iter()
+            .find_map(first)
+            .filter(|_| field.is_none());
+        Self { figures, field, paper: &parts.paper, leading: leading.map(|figure| figure.data.as_str()) }
+    }
+
+    fn lead(&self) -> Vec<Block> {
+        if let Some(FieldPicture { caption, png }) = self.field {
+            return vec![Block::Image { caption: caption.clone(), png: png.clone() }];
+        }
+        let leads = |figure: &&Figure| Some(figure.data.as_str()) == self.leading;
+        self.figures.drawn.iter().filter(leads).map(|figure| self.block(figure)).collect()
+    }
+
+    fn of(&self, section: Section) -> Vec<Block> {
+        let is_here = |figure: &&Figure| figure.section == section && Some(figure.data.as_str()) != self.leading;
+        self.figures.drawn.iter().filter(is_here).map(|figure| self.block(figure)).collect()
+    }
+
+    fn block(&self, figure: &Figure) -> Block {
+        let path = |name: &str| format!("{CHARTS_FOLDER}/{name}");
+        let for_paper =
+            [(self.paper.pdf, "pdf"), (self.paper.pgf, "pgf")].into_iter().filter(|(is_asked, _)| *is_asked);
+        let for_paper = for_paper.map(|(_, ending)| path(&format!("{}.{ending}", figure.file)));
+        Block::Figure(document::Figure {
+            svg: figure.drawing.to_svg(),
+            file: Some(path(&figure.file)),
+            more_files: [path(&format!("{}.csv", figure.data))].into_iter().chain(for_paper).collect(),
+        })
+    }
 }
 
 fn summary(plan: &BatchPlan, collected: &Collected, figures: &Figures) -> Vec<Block> {
@@ -55,6 +125,13 @@ fn summary(plan: &BatchPlan, collected: &Collected, figures: &Figures) -> Vec<Bl
         Block::Text("Means of the runs that are done.".into()),
     ];
     blocks.into_iter().chain(figures.refused.iter().cloned().map(Block::Text)).collect()
+}
+
+/// Links to the files of the batch that are there.
+fn files(batch: &FinishedBatch) -> Vec<Block> {
+    let there = FILES.into_iter().filter(|(name, _)| batch.folder().join(name).is_file());
+    let links: Vec<_> = there.map(|(name, what)| (format!("{name}: {what}"), name.to_owned())).collect();
+    if links.is_empty() { Vec::new() } else { vec![Block::Links(links)] }
 }
 
 /// Links to the pages that play runs.
@@ -90,15 +167,6 @@ fn fleets(collected: &Collected) -> Vec<Block> {
                  extinction, and hopeless if its fire had to burn out before; the flock ratio is the share of goals with \
                  another truck's goal within 60 m.";
     vec![Block::Table(table), Block::Text(words.into())]
-}
-
-fn charts(figures: &Figures, section: Section) -> Vec<Block> {
-    let own = figures.drawn.iter().filter(|figure| figure.section == section);
-    let block = own.map(|figure| {
-        let file = format!("{CHARTS_FOLDER}/{}", figure.file);
-        Block::Figure(Figure { svg: figure.drawing.to_svg(), file })
-    });
-    block.collect()
 }
 
 /// A table of runs, each with the command that shows it again; `count` is how many there are in all.

@@ -1,8 +1,8 @@
 //! Means over what a batch sweeps.
 
-use super::collected::Values;
-use super::facets::{FacetSeries, facets_over};
-use super::quantities::{MEASURES, STATES};
+use super::collected::{Values, is_cut};
+use super::facets::{Facet, FacetSeries, facets_over};
+use super::quantities::{MEASURES, Quantity, STATES, key_axis};
 use crate::batch::execute::file_name_of;
 use crate::batch::plan::{BatchPlan, Value};
 use crate::picture::charts::{Curve, CurveChart, CurvePanel, Spread, Titles};
@@ -19,39 +19,66 @@ pub struct SweepChart {
 pub fn sweep_charts(plan: &BatchPlan, values: &[Values]) -> Vec<SweepChart> {
     let mut charts = Vec::new();
     for (key, name) in plan.swept_keys.iter().enumerate() {
-        // An axis needs a number from every variant, and two that differ.
-        let places: Option<Vec<f64>> = plan.variants.iter().map(|variant| number(&variant.swept[key])).collect();
-        let Some(places) = places.filter(|places| places.iter().any(|place| *place != places[0])) else { continue };
+        let Some(places) = places(plan, key) else { continue };
         for &quantity in STATES.iter().chain(&MEASURES) {
-            let curve = |series: FacetSeries| {
-                let point = |&variant: &usize| Some((places[variant], values[variant].mean(quantity)?));
-                let mut points: Vec<_> = series.variants.iter().filter_map(point).collect();
-                points.sort_by(|a, b| a.0.total_cmp(&b.0));
-                Curve { name: series.name, style: series.style, points }
-            };
-            let panels: Vec<CurvePanel> = facets_over(plan, key)
-                .into_iter()
-                .map(|panel| CurvePanel { name: panel.name, curves: panel.series.into_iter().map(curve).collect() })
-                .collect();
+            let chart = curves_over(plan, values, (key, &places), quantity);
             // Where nothing ever happened, such as agents that were never stuck, there is nothing to see.
-            let mut points = panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points);
-            if !points.any(|(_, estimate)| estimate.value != 0.0) {
-                continue;
+            let mut points = chart.panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points);
+            if points.any(|(_, estimate)| estimate.value != 0.0) {
+                let file = format!("sweep-{}-{}", file_name_of(name), quantity.column());
+                charts.push(SweepChart { file, what: format!("means by {name}"), chart });
             }
-            let titles = Titles {
-                title: format!("{}, by {name}", quantity.title()),
-                note: "Marks are means, whiskers their 95 % intervals.".into(),
-                x: name.into(),
-                y: quantity.axis().into(),
-            };
-            charts.push(SweepChart {
-                file: format!("sweep-{}-{}", file_name_of(name), quantity.column()),
-                what: format!("means by {name}"),
-                chart: CurveChart { titles, spread: Spread::Whiskers, panels },
-            });
         }
     }
     charts
+}
+
+/// Returns the means of a quantity over the key that takes most numbers; `None` if no key is swept over numbers.
+pub fn main_curves(plan: &BatchPlan, values: &[Values], quantity: Quantity) -> Option<CurveChart> {
+    let keys = (0..plan.swept_keys.len()).filter_map(|key| Some((key, places(plan, key)?)));
+    let count = |places: &[f64]| {
+        let mut distinct = places.to_vec();
+        distinct.sort_by(f64::total_cmp);
+        distinct.dedup();
+        distinct.len()
+    };
+    // Of keys with equally many values the first.
+    let (key, places) = keys.reduce(|one, next| if count(&next.1) > count(&one.1) { next } else { one })?;
+    Some(curves_over(plan, values, (key, &places), quantity))
+}
+
+/// Returns the values of a swept key, by variant; `None` where they are no numbers, or all are equal: an axis needs a number
+/// from every variant, and two that differ.
+fn places(plan: &BatchPlan, key: usize) -> Option<Vec<f64>> {
+    let places: Vec<f64> = plan.variants.iter().map(|variant| number(&variant.swept[key])).collect::<Option<_>>()?;
+    places.iter().any(|place| *place != places[0]).then_some(places)
+}
+
+fn curves_over(plan: &BatchPlan, values: &[Values], (key, places): (usize, &[f64]), quantity: Quantity) -> CurveChart {
+    let curve = |series: FacetSeries| {
+        let point = |&variant: &usize| Some((places[variant], values[variant].mean(quantity)?));
+        let mut points: Vec<_> = series.variants.iter().filter_map(point).collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Curve { name: series.name, style: series.style, points }
+    };
+    let panel = |panel: Facet| CurvePanel { name: panel.name, curves: panel.series.into_iter().map(curve).collect() };
+    let panels: Vec<CurvePanel> = facets_over(plan, key).into_iter().map(panel).collect();
+    let mut points = panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points);
+    let cut = points.any(|(_, estimate)| is_cut(estimate, quantity.range()));
+    let name = &plan.swept_keys[key];
+    let titles = Titles {
+        title: format!("{}, by {name}", quantity.title()),
+        note: interval_note("Marks", cut),
+        x: key_axis(name),
+        y: quantity.axis().into(),
+    };
+    CurveChart { titles, spread: Spread::Whiskers, panels }
+}
+
+/// Says what marks and whiskers are, and where these may end.
+pub fn interval_note(marks: &str, cut: bool) -> String {
+    let cut = if cut { ", cut where the possible values end" } else { "" };
+    format!("{marks} are means, whiskers their 95 % intervals{cut}.")
 }
 
 fn number(value: &Value) -> Option<f64> {
