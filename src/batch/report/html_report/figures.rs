@@ -1,7 +1,6 @@
 //! The charts of a report.
 
-use serde::Serialize;
-
+use super::chart_files::ChartData;
 use super::collected::{Collected, Values};
 use super::facets::{Facet, FacetSeries, MOST_PANELS, variant_facets};
 use super::labels::Labels;
@@ -14,7 +13,6 @@ use crate::picture::charts::{
     StripPanel, Style, Titles,
 };
 use crate::stats::quantile;
-use crate::untrusted::spreadsheet_cell;
 
 /// The part of the report that a chart belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,42 +29,6 @@ pub struct Figure {
     pub section: Section,
     pub file: String,
     pub drawing: Drawing,
-}
-
-/// What a chart shows, whatever sheets it takes, and the name of its file, without an ending.
-#[derive(Debug)]
-pub struct ChartData {
-    pub file: String,
-    pub rows: Vec<ChartValues>,
-}
-
-/// A row of such a file.
-#[derive(Debug, Serialize)]
-pub struct ChartValues {
-    panel: String,
-    series: String,
-    x: String,
-    value: f64,
-    low: Option<f64>,
-    high: Option<f64>,
-}
-
-impl From<ChartRow<'_>> for ChartValues {
-    fn from(row: ChartRow<'_>) -> Self {
-        let cell = |name: &str| spreadsheet_cell(name).into_owned();
-        Self {
-            panel: cell(row.panel),
-            series: cell(row.series),
-            x: cell(&row.x),
-            value: row.value,
-            low: row.interval.map(|(low, _)| low),
-            high: row.interval.map(|(_, high)| high),
-        }
-    }
-}
-
-fn values<'a>(rows: impl Iterator<Item = ChartRow<'a>>) -> Vec<ChartValues> {
-    rows.map(ChartValues::from).collect()
 }
 
 /// The figures of a report.
@@ -91,19 +53,19 @@ impl Figures {
                 ("cpu-time", bars("CPU time of a run by part", &CPU_PARTS, &panels, &collected.variants)),
             ];
             for (file, chart) in means {
-                figures.add(Section::Means, file, chart.draw(width), values(chart.rows()));
+                figures.add(Section::Means, file, chart.draw(width), chart.rows());
             }
             for &quantity in STATES.iter().chain(&MEASURES) {
                 if let Some(chart) = distribution(quantity, &panels, &collected.variants) {
                     let file = format!("distribution-{}", quantity.column());
-                    figures.add(Section::Distributions, &file, chart.draw(width), values(chart.rows()));
+                    figures.add(Section::Distributions, &file, chart.draw(width), chart.rows());
                 }
             }
         }
         figures.add_over_time(plan, states.unwrap_or(&[]), width);
         for SweepChart { file, what, chart } in sweep_charts(plan, &collected.variants) {
             if figures.admits(&what, chart.panels.len()) {
-                figures.add(Section::Sweeps, &file, chart.draw(width), values(chart.rows()));
+                figures.add(Section::Sweeps, &file, chart.draw(width), chart.rows());
             }
         }
         figures
@@ -120,8 +82,14 @@ impl Figures {
     }
 
     /// Adds the sheets of a chart, of which those after the first have a number, and what it shows.
-    fn add(&mut self, section: Section, file: &str, sheets: Vec<Drawing>, rows: Vec<ChartValues>) {
-        self.data.push(ChartData { file: file.to_owned(), rows });
+    fn add<'a>(
+        &mut self,
+        section: Section,
+        file: &str,
+        sheets: Vec<Drawing>,
+        rows: impl Iterator<Item = ChartRow<'a>>,
+    ) {
+        self.data.push(ChartData::new(file, rows));
         for (index, drawing) in sheets.into_iter().enumerate() {
             let file = if index == 0 { file.to_owned() } else { format!("{file}-{}", index + 1) };
             self.drawn.push(Figure { section, file, drawing });
@@ -148,11 +116,11 @@ impl Figures {
                 let (title, file) = (format!(": {}", panel.name), format!("over-time-{}", index + 1));
                 let alone = CurvePanel { name: String::new(), ..panel };
                 let chart = over_time(&title, vec![alone]);
-                self.add(Section::OverTime, &file, chart.draw(width), values(chart.rows()));
+                self.add(Section::OverTime, &file, chart.draw(width), chart.rows());
             }
         } else if self.admits("states over time", panels.len()) {
             let chart = over_time("", panels);
-            self.add(Section::OverTime, "over-time", chart.draw(width), values(chart.rows()));
+            self.add(Section::OverTime, "over-time", chart.draw(width), chart.rows());
         }
     }
 }
