@@ -68,7 +68,18 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("view", &["bevy", "glam"]),
     (
         "cli",
-        &["chrono", "clap", "clap_complete", "clap_mangen", "csv", "glam", "indicatif", "miette", "serde_json", "signal_hook"],
+        &[
+            "chrono",
+            "clap",
+            "clap_complete",
+            "clap_mangen",
+            "csv",
+            "glam",
+            "indicatif",
+            "miette",
+            "serde_json",
+            "signal_hook",
+        ],
     ),
 ];
 

@@ -161,7 +161,8 @@ mod tests {
 
     #[test]
     fn logarithms_are_labelled_with_their_numbers() {
-        let labels = |low, high, most| log_ticks(low, high, most).into_iter().map(|tick| tick.label).collect::<Vec<_>>();
+        let labels =
+            |low, high, most| log_ticks(low, high, most).into_iter().map(|tick| tick.label).collect::<Vec<_>>();
         assert_eq!(labels(-1.0, 1.0, 8), ["0.1", "0.2", "0.5", "1", "2", "5", "10"]);
         assert_eq!(labels(-2.1, 3.2, 8), ["0.01", "0.1", "1", "10", "100", "1000"]);
         assert_eq!(labels(-6.0, 6.0, 5), ["1e-6", "0.001", "1", "1000", "1e6"]);

@@ -5,7 +5,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use wildfire::batch::{
-    AGENT_COLUMNS, Batch, BatchError, CALL_COLUMNS, OutputFolder, RUN_COLUMNS, Record, Status, VariantReport, is_measured,
+    AGENT_COLUMNS, Batch, BatchError, CALL_COLUMNS, OutputFolder, RUN_COLUMNS, Record, Status, VariantReport,
+    is_measured,
 };
 use wildfire::document::Document;
 use wildfire::scenario::{Scenario, Unimog};

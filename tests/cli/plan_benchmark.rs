@@ -14,7 +14,7 @@ const HEADER: &str = "seed,field.coverage,field,goal,planner,success,reason,cpu_
 const SMALL: [&str; 7] = ["plan", "--seeds", "1..3", "--set", "field.coverage=0.02,0.05", "--goals", "2"];
 
 fn small<'a>(more: &[&'a str]) -> Vec<&'a str> {
-    [&SMALL, more].concat()
+    [&SMALL[..], more].concat()
 }
 
 /// The fields of a table's rows, without those of CPU times.
@@ -33,7 +33,9 @@ fn every_planner_is_asked_for_the_same_drives_of_every_variant_and_seed() {
     let story = Story::begin();
     let answer = story.tell(&small(&["--planner", "hybrid-astar,prm-rs", "--csv", "a.csv"])).expect_code(0);
     assert!(widest(&answer.stdout) <= 80, "{}", answer.stdout);
-    for words in ["seeds 1..3: 24 queries", "field.coverage 0.02: 6 queries of each planner", "field.coverage 0.05: 6 q"] {
+    for words in
+        ["seeds 1..3: 24 queries", "field.coverage 0.02: 6 queries of each planner", "field.coverage 0.05: 6 q"]
+    {
         assert!(answer.stdout.contains(words), "{words}: {}", answer.stdout);
     }
     assert_eq!(story.read("a.csv").lines().next(), Some(HEADER));
@@ -49,9 +51,11 @@ fn every_planner_is_asked_for_the_same_drives_of_every_variant_and_seed() {
     }
     assert_eq!(found, expected);
     // One of them is the same as alone.
-    let alone = ["plan", "--seed", "2", "--set", "field.coverage=0.05", "--goals", "2", "--planner", "hybrid-astar,prm-rs"];
+    let alone =
+        ["plan", "--seed", "2", "--set", "field.coverage=0.05", "--goals", "2", "--planner", "hybrid-astar,prm-rs"];
     story.tell(&[&alone[..], &["--csv", "one.csv"]].concat()).expect_code(0);
-    let in_benchmark: Vec<_> = rows.iter().filter(|row| row[0] == "2" && row[1] == "0.05").map(|row| row[2..].to_vec()).collect();
+    let in_benchmark: Vec<_> =
+        rows.iter().filter(|row| row[0] == "2" && row[1] == "0.05").map(|row| row[2..].to_vec()).collect();
     assert_eq!(in_benchmark, outcomes(&story, "one.csv"));
 }
 
@@ -132,10 +136,13 @@ fn report_needs_no_other_file_and_is_the_same_again() {
     assert!(page.contains("<svg") && !page.contains("<script") && !page.contains("src=\"http"), "it needs no network");
     let charts = |folder: &str| {
         let entries = fs::read_dir(story.path(folder)).expect("the folder of charts");
-        entries.map(|entry| entry.expect("readable").file_name().into_string().expect("a name")).collect::<BTreeSet<_>>()
+        entries
+            .map(|entry| entry.expect("readable").file_name().into_string().expect("a name"))
+            .collect::<BTreeSet<_>>()
     };
     let found = charts("bench/report-charts");
-    for chart in ["box-cpu_query_s", "box-lower_bound_ratio", "sweep-field.coverage-cpu_query_s", "sweep-field.coverage-solved"]
+    for chart in
+        ["box-cpu_query_s", "box-lower_bound_ratio", "sweep-field.coverage-cpu_query_s", "sweep-field.coverage-solved"]
     {
         for ending in ["svg", "png", "csv"] {
             assert!(found.contains(&format!("{chart}.{ending}")), "{chart}.{ending}: {found:?}");
@@ -145,7 +152,8 @@ fn report_needs_no_other_file_and_is_the_same_again() {
     assert_eq!(story.read("bench/report.html"), page);
     // The same from the table alone, elsewhere, with charts for papers.
     fs::copy(story.path("bench/queries.csv"), story.path("bench.csv")).expect("it is there");
-    let answer = story.tell(&["plan", "report", "bench.csv", "--out", "page.html", "--pdf", "--pgf"]).expect_code(0).stdout;
+    let answer =
+        story.tell(&["plan", "report", "bench.csv", "--out", "page.html", "--pdf", "--pgf"]).expect_code(0).stdout;
     assert!(answer.contains("page.html, and ") && answer.contains("SVG, PNG, PDF and PGF in page-charts"), "{answer}");
     let found = charts("page-charts");
     assert!(["pdf", "pgf"].iter().all(|ending| found.contains(&format!("box-cpu_query_s.{ending}"))), "{found:?}");
@@ -159,7 +167,10 @@ fn tables_without_seeds_have_a_report_too() {
     story.tell(&["plan", "--goals", "6", "--planner", "hybrid-astar,lattice", "--csv", "one.csv"]).expect_code(0);
     story.tell(&["plan", "report", "one.csv"]).expect_code(0);
     let page = story.read("one.html");
-    assert!(page.contains("6 queries of each planner") && !page.contains("<h2>Medians over"), "it has tables and boxes");
+    assert!(
+        page.contains("6 queries of each planner") && !page.contains("<h2>Medians over"),
+        "it has tables and boxes"
+    );
 }
 
 #[test]
@@ -242,6 +253,9 @@ fn names_in_a_table_are_text_and_nothing_else() {
     let answer = story.tell(&["plan", "report", "t.csv"]).expect_code(0);
     let page = story.read("t.html");
     for printed in [&answer.stdout, &answer.stderr, &page] {
-        assert!(!printed.contains('\u{1b}') && !printed.contains("<script>") && !printed.contains("<b>key"), "{printed}");
+        assert!(
+            !printed.contains('\u{1b}') && !printed.contains("<script>") && !printed.contains("<b>key"),
+            "{printed}"
+        );
     }
 }

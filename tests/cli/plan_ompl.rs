@@ -162,7 +162,8 @@ fn day_limits_and_processors_are_those_of_the_experiment() {
     assert!(log.hardware.contains("Architecture: "), "{}", log.hardware);
     #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
     assert!(log.hardware.contains("Model name: "), "{}", log.hardware);
-    let output = story.command(&["plan", "--goals", "1", "--ompl", "b.log"]).env("SOURCE_DATE_EPOCH", "monday").output();
+    let output =
+        story.command(&["plan", "--goals", "1", "--ompl", "b.log"]).env("SOURCE_DATE_EPOCH", "monday").output();
     Answer::of(&output.expect("the program can be started"))
         .expect_code(2)
         .expect_complaint(&["SOURCE_DATE_EPOCH is `monday`; expected whole seconds since 1970"]);
@@ -185,7 +186,8 @@ fn benchmark_is_one_log_in_which_settings_tell_variants_apart() {
         own.expect("it is among the settings").1.clone()
     };
     let planners: Vec<_> = log.planners.iter().map(|runs| (runs.planner.as_str(), coverage(runs))).collect();
-    let expected = ["0.02", "0.05"].map(|value| ["hybrid-astar", "lattice"].map(|name| (name, value.to_owned()))).concat();
+    let expected =
+        ["0.02", "0.05"].map(|value| ["hybrid-astar", "lattice"].map(|name| (name, value.to_owned()))).concat();
     assert_eq!(planners, expected);
     for runs in &log.planners {
         let at = runs.properties.iter().position(|(name, _)| name == "seed").expect("it is known");

@@ -190,7 +190,8 @@ impl RunDetail {
 
     /// Says whether all that is not measured is the same.
     pub fn has_same_outcome(&self, other: &Self) -> bool {
-        let is_same = |(one, other): (&PlannerCall, &PlannerCall)| *one == PlannerCall { cpu: one.cpu, ..other.clone() };
+        let is_same =
+            |(one, other): (&PlannerCall, &PlannerCall)| *one == PlannerCall { cpu: one.cpu, ..other.clone() };
         let has_same_calls = self.calls.len() == other.calls.len() && self.calls.iter().zip(&other.calls).all(is_same);
         has_same_calls && (self.facts, &self.states) == (other.facts, &other.states)
     }

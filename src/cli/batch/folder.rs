@@ -14,9 +14,8 @@ use serde::Serialize;
 use super::keeping::LockArguments;
 use super::{exit_code, list, note_leftovers, note_repeated, resume_command, summary};
 use crate::batch::{
-    BatchError, BatchPlan, FinishedBatch, JournalError, MissingRuns, NotableRun, OutputFolder, PlanError,
-    RUNS_FILE, RealDisk, ReportError, Slice, SliceState, Survey, batch_status, limit_threads, notable_runs,
-    write_report,
+    BatchError, BatchPlan, FinishedBatch, JournalError, MissingRuns, NotableRun, OutputFolder, PlanError, RUNS_FILE,
+    RealDisk, ReportError, Slice, SliceState, Survey, batch_status, limit_threads, notable_runs, write_report,
 };
 use crate::cli::args::{PaperArguments, ProgramArguments, jobs_or_usual, parse_jobs};
 use crate::cli::context::CommandContext;

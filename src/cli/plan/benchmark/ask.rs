@@ -63,7 +63,8 @@ struct Part {
 impl<'a> Benchmark<'a> {
     pub fn new(arguments: &'a PlanArguments, context: &'a CommandContext) -> Result<Self, CliError> {
         if arguments.problems.fields.iter().any(|path| is_standard_stream(path)) {
-            let sentence = "- is stdin, which can be read once; a benchmark reads its fields for every variant and seed";
+            let sentence =
+                "- is stdin, which can be read once; a benchmark reads its fields for every variant and seed";
             return Err(CliError::bad_input(sentence, Some("write the field to a file first")));
         }
         let text = ScenarioText::open(&arguments.scenario)?;
@@ -122,17 +123,21 @@ impl<'a> Benchmark<'a> {
 
     /// Makes every problem once, so that one that cannot be made is known before hours of work, and counts the queries.
     fn check_size(&self) -> Result<(), CliError> {
-        let mut queries = self.plan.count();
+        let asked = self.planners.iter().map(Vec::len).sum::<usize>() as u64;
+        let least = self.arguments.problems.least_goals() as u64;
+        let mut queries = asked.saturating_mul(self.plan.seeds.count()).saturating_mul(least);
         if queries <= MAX_QUERIES {
             queries = 0;
             for number in 1..=self.plan.count() {
+                if queries > MAX_QUERIES {
+                    break;
+                }
                 let goals: usize = self.problems(number)?.iter().map(|problem| problem.goals.len()).sum();
                 queries += goals as u64 * self.planners[self.variant(number)].len() as u64;
             }
         }
         if queries > MAX_QUERIES {
-            let sentence =
-                format!("{queries} queries or more are too many: a benchmark takes at most {MAX_QUERIES}");
+            let sentence = format!("{queries} queries or more are too many: a benchmark takes at most {MAX_QUERIES}");
             return Err(CliError::bad_input(sentence, Some("ask for fewer seeds, variants, goals or planners")));
         }
         Ok(())
@@ -190,7 +195,8 @@ impl<'a> Benchmark<'a> {
         let mut part = Part::default();
         for problem in self.problems(number)? {
             let failed = |error| {
-                CliError::run_failed(format_args!("planning on the field {}: {error}", problem.name)).about(&self.name(number))
+                CliError::run_failed(format_args!("planning on the field {}: {error}", problem.name))
+                    .about(&self.name(number))
             };
             for attempt in attempts(&problem, &question).map_err(failed)? {
                 let place = part.rows.len();
@@ -209,6 +215,8 @@ impl<'a> Benchmark<'a> {
 fn seeds(arguments: &PlanArguments) -> Result<Seeds, CliError> {
     match &arguments.seeds {
         Some(seeds) => seeds.seeds(),
-        None => Ok(Seeds::from_parts([arguments.problems.seed.to_string().as_str()].into_iter()).expect("a seed is one")),
+        None => {
+            Ok(Seeds::from_parts([arguments.problems.seed.to_string().as_str()].into_iter()).expect("a seed is one"))
+        }
     }
 }

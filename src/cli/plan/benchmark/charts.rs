@@ -92,10 +92,10 @@ fn boxes(queries: &Queries, groups: &[Group], measure: &Measure) -> Option<BoxCh
         }
     };
     let facets = word_facets(words(queries, groups), None).into_iter();
-    let panels: Vec<BoxPanel> = facets
-        .map(|panel| BoxPanel { name: panel.name, boxes: panel.series.into_iter().map(own).collect() })
-        .collect();
-    let mut ends = panels.iter().flat_map(|panel| &panel.boxes).filter_map(|own| own.values.first().zip(own.values.last()));
+    let panels: Vec<BoxPanel> =
+        facets.map(|panel| BoxPanel { name: panel.name, boxes: panel.series.into_iter().map(own).collect() }).collect();
+    let mut ends =
+        panels.iter().flat_map(|panel| &panel.boxes).filter_map(|own| own.values.first().zip(own.values.last()));
     let (&first, _) = ends.clone().next()?;
     ends.any(|(low, high)| *low != first || *high != first).then(|| BoxChart {
         titles: Titles {
@@ -141,9 +141,8 @@ impl Over<'_> {
         };
         let percent = |estimate: Estimate| scaled(estimate, 100.0);
         let note = "Marks are shares of queries, whiskers Wilson's 95 % intervals.";
-        let solved = self.chart(titles("Queries that found a drive", note, "percent"), |group| {
-            Some(percent(group.solved_share()))
-        });
+        let solved = self
+            .chart(titles("Queries that found a drive", note, "percent"), |group| Some(percent(group.solved_share())));
         let note = "Marks are medians, whiskers their 95 % intervals by order statistics.";
         let medians = MEASURES.into_iter().map(|measure| {
             let titles = titles(measure.title, note, measure.axis);

@@ -19,9 +19,9 @@ use std::process::ExitCode;
 
 use clap::Args;
 
+use super::PlanArguments;
 use super::ompl::{OmplLog, OmplPlanner, OmplRun, Started, program_limit_s};
 use super::report::planner_settings;
-use super::PlanArguments;
 use crate::batch::{BatchRequest, RequestError};
 use crate::cli::args::PaperArguments;
 use crate::cli::context::CommandContext;
@@ -76,10 +76,7 @@ pub fn run(arguments: &PlanArguments, context: &CommandContext) -> Result<ExitCo
     // Whatever cannot be written, all else is kept.
     let log = |path: &Path| ompl_log(&benchmark, &report, started)?.write(path);
     let written = output_files::write_all(
-        &[
-            (arguments.csv.as_deref(), &|path| report.queries.write(path)),
-            (arguments.ompl.as_deref(), &log),
-        ],
+        &[(arguments.csv.as_deref(), &|path| report.queries.write(path)), (arguments.ompl.as_deref(), &log)],
         context.quiet,
     );
     let filled = arguments.report.as_deref().map_or(Ok(()), |folder| fill_folder(folder, &report, context.quiet));
@@ -95,11 +92,8 @@ pub fn object(arguments: &PlanArguments, context: &CommandContext) -> Result<Str
 }
 
 fn begin<'a>(arguments: &'a PlanArguments, context: &'a CommandContext) -> Result<Benchmark<'a>, CliError> {
-    let asked_for = [
-        ("--paths", arguments.paths.is_some()),
-        ("--png", arguments.png.is_some()),
-        ("--repeat", arguments.repeat),
-    ];
+    let asked_for =
+        [("--paths", arguments.paths.is_some()), ("--png", arguments.png.is_some()), ("--repeat", arguments.repeat)];
     if let Some((option, _)) = asked_for.into_iter().find(|(_, is_asked)| *is_asked) {
         let sentence = format!("{option} is of one variant and one seed; expected --seed, and one value of each key");
         return Err(CliError::bad_input(sentence, Some("leave it out, or ask for the drives of one field again")));
@@ -177,7 +171,8 @@ fn ompl_log<'a>(
             let own = &plan.variants[variant];
             let swept = plan.swept_keys.iter().cloned().zip(own.swept.iter().map(ToString::to_string));
             let settings = planner_settings(planner, &loaded);
-            let settings = swept.filter(|(key, _)| settings.iter().all(|(own, _)| own != key)).chain(settings.clone()).collect();
+            let settings =
+                swept.filter(|(key, _)| settings.iter().all(|(own, _)| own != key)).chain(settings.clone()).collect();
             planners.push((variant, OmplPlanner { name: planner.name(), settings, runs: Vec::new() }));
         }
     }
@@ -186,7 +181,8 @@ fn ompl_log<'a>(
         let count = asked.goals * benchmark.planners[asked.variant].len();
         for (index, query) in report.queries.rows[place..place + count].iter().enumerate() {
             let has_violation = report.violations.binary_search_by_key(&(place + index), |(at, _)| *at).is_ok();
-            let own = planners.iter_mut().find(|(variant, own)| *variant == asked.variant && *own.name == *query.planner);
+            let own =
+                planners.iter_mut().find(|(variant, own)| *variant == asked.variant && *own.name == *query.planner);
             let run = OmplRun { problem: number, seed: asked.seed, query: query.clone(), has_violation };
             own.expect("it is one of those asked").1.runs.push(run);
         }
@@ -215,7 +211,10 @@ pub fn report(arguments: &PlanReportArguments, quiet: bool) -> Result<ExitCode, 
         Some(page) => page.clone(),
         None if is_folder => source.join(PAGE_FILE),
         None if is_standard_stream(source) => {
-            return Err(CliError::bad_input("- is stdin, beside which there is no page; expected --out FILE.html", None));
+            return Err(CliError::bad_input(
+                "- is stdin, beside which there is no page; expected --out FILE.html",
+                None,
+            ));
         }
         None => source.with_extension("html"),
     };

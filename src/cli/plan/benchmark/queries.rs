@@ -103,7 +103,8 @@ impl Queries {
         let has_seeds = self.rows.iter().any(|row| row.seed.is_some());
         let keys = self.keys.iter().map(|key| spreadsheet_cell(key));
         let seed = has_seeds.then_some(SEED.into());
-        table.write_record(seed.into_iter().chain(keys).chain(COLUMNS.map(Into::into)).map(|name| name.into_owned()))?;
+        table
+            .write_record(seed.into_iter().chain(keys).chain(COLUMNS.map(Into::into)).map(|name| name.into_owned()))?;
         let cell = |value: &Value| match value {
             Value::Text(text) => Value::Text(spreadsheet_cell(text).into_owned()),
             other => other.clone(),
@@ -244,7 +245,9 @@ impl<'a> Reading<'a> {
         }
         let number = self.variants.len();
         if number as u64 == MAX_VARIANTS {
-            return Err(self.too_much(&format!("more than {MAX_VARIANTS} combinations of {}", self.queries.keys.join(", "))));
+            return Err(
+                self.too_much(&format!("more than {MAX_VARIANTS} combinations of {}", self.queries.keys.join(", ")))
+            );
         }
         self.hold(texts.iter().map(String::len).sum())?;
         self.queries.variants.push(texts.iter().map(|text| Setting::parse(text).value).collect());

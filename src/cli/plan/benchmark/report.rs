@@ -136,7 +136,11 @@ impl Serialize for BenchmarkReport<'_> {
             seeds: &self.seeds,
             keys: &queries.keys,
             rows: queries.rows.iter().map(row).collect(),
-            violations: self.violations.iter().map(|(row, words)| ViolationMember { row: *row, violation: words }).collect(),
+            violations: self
+                .violations
+                .iter()
+                .map(|(row, words)| ViolationMember { row: *row, violation: words })
+                .collect(),
             summary: self.groups.iter().map(group).collect(),
         };
         object.serialize(serializer)
@@ -191,10 +195,12 @@ impl From<&BenchmarkReport<'_>> for Document {
     /// The settings, a table for each variant, and what went wrong.
     fn from(report: &BenchmarkReport<'_>) -> Self {
         let planners = count(report.queries.planners().len(), "planner");
-        let title = format!("Benchmark of {planners}, seeds {}: {}", report.seeds, queries_words(report.queries.rows.len()));
+        let title =
+            format!("Benchmark of {planners}, seeds {}: {}", report.seeds, queries_words(report.queries.rows.len()));
         let changes: String = report.changes.iter().map(|change| format!(", {change}")).collect();
         let settings = format!("Settings of the scenario `{}`{changes}.", report.scenario);
-        let mut document = Self::new(title).with([Block::List(vec![settings])]).with(tables(&report.queries, &report.groups));
+        let mut document =
+            Self::new(title).with([Block::List(vec![settings])]).with(tables(&report.queries, &report.groups));
         document.add_list(report.failures().into_iter().chain(report.violation_sentences()).collect());
         document.with([Block::List(legend())])
     }
@@ -229,7 +235,10 @@ fn table(queries: &Queries, groups: &[Group]) -> Table {
     let headings = ["Planner", "Solved", "95 %", "Len./\nbound", "95 %", "CPU\nms", "95 %", "Clear.\nm", "95 %"];
     let row = |group: &Group| {
         let share = group.solved_share();
-        let percent = Estimate { value: 100.0 * share.value, interval: share.interval.map(|(low, high)| (100.0 * low, 100.0 * high)) };
+        let percent = Estimate {
+            value: 100.0 * share.value,
+            interval: share.interval.map(|(low, high)| (100.0 * low, 100.0 * high)),
+        };
         let mut cells = vec![short_name(&group.planner), group.solved.to_string()];
         cells.extend(cells_of(Some(percent), 0).into_iter().skip(1));
         cells.extend(median_cells(group, &LOWER_BOUND_RATIO, |_| 2));
@@ -263,7 +272,10 @@ fn cells_of(estimate: Option<Estimate>, decimals: usize) -> [String; 2] {
     let interval = estimate.and_then(|estimate| estimate.interval);
     [
         estimate.map_or_else(|| "-".into(), |estimate| rounded(estimate.value, decimals)),
-        interval.map_or_else(|| "-".into(), |(low, high)| format!("{}-{}", rounded(low, decimals), rounded(high, decimals))),
+        interval.map_or_else(
+            || "-".into(),
+            |(low, high)| format!("{}-{}", rounded(low, decimals), rounded(high, decimals)),
+        ),
     ]
 }
 

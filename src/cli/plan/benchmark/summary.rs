@@ -196,7 +196,8 @@ pub mod tests {
                 outcome: if fails { Err(PlanFailure::BudgetSpent) } else { Ok(figures) },
             }
         };
-        let rows = (0..3).flat_map(|variant| (0..40).flat_map(move |index| [0, 1].map(|one| query(variant, index, one))));
+        let rows =
+            (0..3).flat_map(|variant| (0..40).flat_map(move |index| [0, 1].map(|one| query(variant, index, one))));
         let values = [Value::Real(0.05), Value::Real(0.1), Value::Count(1)];
         Queries {
             keys: vec!["field.coverage".into(), "fire.model".into()],
@@ -209,8 +210,10 @@ pub mod tests {
     fn groups_hold_each_query_once() {
         let queries = made_up();
         let groups = Group::all(&queries);
-        let names: Vec<_> = groups.iter().map(|group| (group.variant, &*group.planner, group.queries, group.solved)).collect();
-        let expected: Vec<_> = (0..3).flat_map(|variant| [(variant, "prm-rs", 40, 40), (variant, "own", 40, 30)]).collect();
+        let names: Vec<_> =
+            groups.iter().map(|group| (group.variant, &*group.planner, group.queries, group.solved)).collect();
+        let expected: Vec<_> =
+            (0..3).flat_map(|variant| [(variant, "prm-rs", 40, 40), (variant, "own", 40, 30)]).collect();
         assert_eq!(names, expected);
         assert_eq!(groups[0].values(&LOWER_BOUND_RATIO).len(), 39, "one has no bound");
         assert_eq!(groups[1].values(&LOWER_BOUND_RATIO).len(), 29, "those without a drive have none");
@@ -245,7 +248,10 @@ pub mod tests {
         read.write(&again).expect("writable");
         let [one, two] = [path, again].map(|path| std::fs::read_to_string(path).expect("readable"));
         assert_eq!(one, two);
-        assert!(one.starts_with("seed,field.coverage,fire.model,field,goal,planner,success,reason,cpu_build_s,"), "{one}");
+        assert!(
+            one.starts_with("seed,field.coverage,fire.model,field,goal,planner,success,reason,cpu_build_s,"),
+            "{one}"
+        );
         assert!(one.contains("\n0,0.05,'-so,\"'=made up, \"\"two\"\"\",0,prm-rs,true,,0.25,"), "{one}");
     }
 }

@@ -32,7 +32,8 @@ mod tests {
 
     #[test]
     fn model_is_that_of_the_first_processor() {
-        let text = "processor\t: 0\nvendor_id\t: A\nmodel\t\t: 85\nmodel name\t: A CPU @ 2.00GHz: fast\nmodel name\t: B\n";
+        let text =
+            "processor\t: 0\nvendor_id\t: A\nmodel\t\t: 85\nmodel name\t: A CPU @ 2.00GHz: fast\nmodel name\t: B\n";
         assert_eq!(cpu_model(text), Some("A CPU @ 2.00GHz: fast"));
         assert_eq!(cpu_model("processor\t: 0\nmodel name\t:\n"), None);
     }
