@@ -69,6 +69,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     (
         "cli",
         &[
+            "chrono",
             "clap",
             "clap_complete",
             "clap_mangen",

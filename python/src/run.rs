@@ -206,7 +206,7 @@ impl Run {
 
     fn new(label: RunLabel, run: library_sim::Run) -> Self {
         let index = RunIndex::new(&run.timeline);
-        let detail = RunDetail::new(&index);
+        let detail = RunDetail::new(&index, &run.answer_cpu);
         let result = RunResult::new(Outcome::new(&run.timeline), run.cost);
         let message = run.messages.to_string();
         let row = RunRow { detail, message, ..RunRow::done(label, result, Duration::ZERO) };

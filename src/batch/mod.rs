@@ -36,9 +36,10 @@ pub use plan::{
     plan_schema, rules_schema, shell_word,
 };
 pub use report::{
-    AuditOptions, AuditReport, AuditSource, AuditsError, BatchReport, FieldPicture, LISTED_VIOLATIONS, ListedViolation,
-    Merged, NotableRun, PaperCharts, ReportError, ReportParts, RunObject, SHOWN_RUNS, Tables, Tally, VariantReport,
-    WrittenReport, audit_all, merge, notable_runs, notes, read_rows, write_report,
+    AuditOptions, AuditReport, AuditSource, AuditsError, BatchReport, ChartData, Facet, FacetSeries, FieldPicture,
+    LISTED_VIOLATIONS, ListedViolation, MOST_PANELS, Merged, NotableRun, PaperCharts, ReportError, ReportParts,
+    RunObject, SHOWN_RUNS, Tables, Tally, VariantReport, WrittenReport, audit_all, merge, notable_runs, notes,
+    read_rows, word_facets, write_chart, write_chart_data, write_paper_chart, write_report,
 };
 pub use table::{
     AGENT_COLUMNS, AgentColumn, AgentRow, CALL_COLUMNS, COLUMNS_BEFORE_SWEPT, CallColumn, Column, FileColumn,

@@ -5,7 +5,9 @@ use std::{env, thread};
 
 use clap::Args;
 
+use crate::batch::PaperCharts;
 use crate::cli::numbers;
+use crate::picture::charts::PaperSize;
 use crate::planning::{NameError, PlannerName};
 use crate::scenario::MemoryLimit;
 
@@ -100,6 +102,55 @@ impl MemoryArguments {
     pub fn limit(&self) -> MemoryLimit {
         self.memory.unwrap_or_default()
     }
+}
+
+/// Charts for papers.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct PaperArguments {
+    /// Also write the charts as PDF, for papers; letters are outlines.
+    #[arg(help_heading = "Papers", long)]
+    pub pdf: bool,
+    /// Also write the charts as PGF, which LaTeX reads with `\input` and sets in the paper's own font.
+    #[arg(help_heading = "Papers", long)]
+    pub pgf: bool,
+    /// The width of the charts on paper: a column has some 88 mm, a page some 180.
+    #[arg(help_heading = "Papers", long, value_name = "MM", default_value = "88", value_parser = width_mm)]
+    pub width_mm: f32,
+    /// The size of their letters in points.
+    #[arg(help_heading = "Papers", long, value_name = "PT", default_value = "8", value_parser = font_pt)]
+    pub font_pt: f32,
+}
+
+/// None, and the sizes of a column.
+impl Default for PaperArguments {
+    fn default() -> Self {
+        Self { pdf: false, pgf: false, width_mm: 88.0, font_pt: 8.0 }
+    }
+}
+
+impl PaperArguments {
+    pub fn charts(&self) -> PaperCharts {
+        let size = PaperSize { width_mm: self.width_mm, font_pt: self.font_pt };
+        PaperCharts { size, pdf: self.pdf, pgf: self.pgf }
+    }
+
+    /// Names the forms in which charts are written.
+    pub fn forms(&self) -> &'static str {
+        match (self.pdf, self.pgf) {
+            (false, false) => "SVG and PNG",
+            (true, false) => "SVG, PNG and PDF",
+            (false, true) => "SVG, PNG and PGF",
+            (true, true) => "SVG, PNG, PDF and PGF",
+        }
+    }
+}
+
+fn width_mm(text: &str) -> Result<f32, String> {
+    numbers::parse_within(text, &(40.0..=1000.0), "a width in millimetres")
+}
+
+fn font_pt(text: &str) -> Result<f32, String> {
+    numbers::parse_within(text, &(4.0..=40.0), "a size in points")
 }
 
 /// The most threads that a batch starts.

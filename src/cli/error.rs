@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use miette::{Diagnostic, Report};
 use thiserror::Error;
 
-use crate::batch::{AuditsError, BatchError, FinishedError, JournalError, PlanError, RequestError};
+use crate::batch::{AuditsError, BatchError, FinishedError, JournalError, PlanError, RequestError, TableError};
 use crate::map_files::{self, MapError};
 use crate::scenario::{Fault, ScenarioError};
 use crate::timeline::export::ExportError;
@@ -112,6 +112,12 @@ impl CliError {
         Self { report: message.into(), code }
     }
 
+    /// Says first what it is about.
+    pub fn about(self, what: &str) -> Self {
+        let help = self.report.help().map(|help| help.to_string());
+        Self::new(format_args!("{what}: {}", self.sentence()), help.as_deref(), self.code)
+    }
+
     /// The message without help and without its colours.
     pub fn sentence(&self) -> String {
         self.report.to_string()
@@ -191,6 +197,16 @@ impl From<AuditsError> for CliError {
             AuditsError::Finished(error) => error.into(),
             AuditsError::Batch(error) => error.into(),
         }
+    }
+}
+
+impl From<TableError> for CliError {
+    fn from(error: TableError) -> Self {
+        let code = match &error {
+            TableError::Unreadable { source, .. } => code_of_input(source.kind()),
+            _ => exit::BAD_INPUT,
+        };
+        Self::new(error, None, code)
     }
 }
 

@@ -1,5 +1,9 @@
 //! Round numbers along an axis.
 
+use std::f64::consts::LOG10_2;
+
+use crate::geometry::ops;
+
 /// The distance, in steps, within which a value outside the range counts as its end: steps such as 0.1 are not exact.
 const ROUNDING: f64 = 1e-9;
 /// The most digits of a number that are shown.
@@ -45,6 +49,32 @@ pub fn tick_at(value: f64) -> Tick {
     let is_short = |label: &String| label.len() <= LONGEST;
     let written = [format!("{value}"), format!("{value:e}")].into_iter().find(is_short);
     Tick { value, label: written.unwrap_or_else(|| shortest(value)) }
+}
+
+/// Decimal logarithms from `low` to `high`, of powers of ten and, where there is room, of 2 and 5 times these; labels are
+/// the numbers themselves. The ends if no such number lies between.
+pub fn log_ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
+    const FACTORS: [(f64, u8); 3] = [(0.0, 1), (LOG10_2, 2), (1.0 - LOG10_2, 5)];
+    #[expect(clippy::cast_possible_truncation, reason = "logarithms of numbers lie from -324 to 309")]
+    let (first, last) = (low.floor() as i32, high.ceil() as i32);
+    let within = |tick: &Tick| (low - ROUNDING..=high + ROUNDING).contains(&tick.value);
+    let tick = |power: i32, (aside, factor): (f64, u8)| {
+        let number: f64 = format!("{factor}e{power}").parse().expect("a number");
+        Tick { value: f64::from(power) + aside, label: shortest(number) }
+    };
+    let fine = (first..=last).flat_map(|power| FACTORS.map(|factor| tick(power, factor)));
+    let fine: Vec<Tick> = fine.filter(within).collect();
+    if (2..=most).contains(&fine.len()) {
+        return fine;
+    }
+    let powers: Vec<Tick> = (first..=last).map(|power| tick(power, FACTORS[0])).filter(within).collect();
+    let step = powers.len().div_ceil(most.max(1)).max(1);
+    let powers: Vec<Tick> = powers.into_iter().step_by(step).collect();
+    if powers.len() >= 2 {
+        return powers;
+    }
+    let ends = [low, high].map(|end| Tick { value: end, label: shortest(ops::pow(10.0, end)) });
+    if low == high { ends[..1].to_vec() } else { ends.to_vec() }
 }
 
 /// Rows or columns to be numbered, from 0 in steps of 1, 2 or 5 times a power of ten of at least `least`.
@@ -144,6 +174,22 @@ mod tests {
             assert!((2..=7).contains(&ticks.len()), "{low} to {high}: {ticks:?}");
             assert!(ticks.iter().all(|tick| (low..=high).contains(&tick.value)), "{low} to {high}: {ticks:?}");
             assert!(ticks.iter().all(|tick| tick.label.len() <= 8), "{low} to {high}: {ticks:?}");
+        }
+    }
+
+    #[test]
+    fn logarithms_are_labelled_with_their_numbers() {
+        let labels =
+            |low, high, most| log_ticks(low, high, most).into_iter().map(|tick| tick.label).collect::<Vec<_>>();
+        assert_eq!(labels(-1.0, 1.0, 8), ["0.1", "0.2", "0.5", "1", "2", "5", "10"]);
+        assert_eq!(labels(-2.1, 3.2, 8), ["0.01", "0.1", "1", "10", "100", "1000"]);
+        assert_eq!(labels(-6.0, 6.0, 5), ["1e-6", "0.001", "1", "1000", "1e6"]);
+        assert_eq!(labels(0.1, 0.2, 5), ["1.259", "1.585"]);
+        assert_eq!(labels(0.5, 0.5, 5).len(), 1);
+        for (low, high) in [(-308.0, 308.0), (0.0, 0.3), (-4.7, -4.6)] {
+            let ticks = log_ticks(low, high, 6);
+            assert!((1..=7).contains(&ticks.len()), "{ticks:?}");
+            assert!(ticks.iter().all(|tick| tick.value >= low - 1e-6 && tick.value <= high + 1e-6), "{ticks:?}");
         }
     }
 

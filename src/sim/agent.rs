@@ -1,6 +1,7 @@
 //! What all agents have in common: a body on a trajectory, a goal, a mind that can change.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use bevy::prelude::*;
 use glam::DVec2;
@@ -59,6 +60,8 @@ pub struct Agent {
     /// The last leg: it moves along it, or stands at its end.
     pub trajectory: Trajectory,
     pub cost: AgentCost,
+    /// The part of it that building its planner and the queries answered so far took.
+    answered: Duration,
 }
 
 impl Agent {
@@ -75,6 +78,7 @@ impl Agent {
             busy_until: SimTime::ZERO,
             trajectory: Trajectory::new(SimTime::ZERO, pose, Vec::new()),
             cost: AgentCost::new(id),
+            answered: Duration::ZERO,
         }
     }
 
@@ -238,6 +242,13 @@ impl Agent {
         }
     }
 
+    /// Records the answer to a query of its planner, with the CPU time that its planning took since the answer before.
+    pub fn answer(&mut self, now: SimTime, fact: AgentFact, recorder: &mut Recorder) {
+        let total = self.cost.total();
+        let cpu = total.saturating_sub(std::mem::replace(&mut self.answered, total));
+        recorder.record_answer(now, self.id, fact, cpu);
+    }
+
     /// Returns what it is doing in the words of timelines.
     pub fn shown_activity(&self, now: SimTime) -> timeline::Activity {
         match self.activity {
@@ -270,6 +281,7 @@ pub struct Arena<'a> {
 /// Brings an agent into the world, with what its kind has besides, and lets it decide at time 0.
 pub fn enlist(world: &mut World, agent: Agent, limits: SpeedLimits, kind: impl Bundle) -> AgentStart {
     let start = AgentStart { id: agent.id, pose: agent.trajectory.start(), body: agent.body, limits: Some(limits) };
+    let agent = Agent { answered: agent.cost.total(), ..agent };
     let built = CpuSample { time: SimTime::ZERO, agent: agent.id, cpu: agent.cost.total() };
     world.resource_mut::<CpuLog>().0.push(built);
     let entity = world.spawn((agent, kind)).id();

@@ -245,8 +245,10 @@ impl Simulation {
         let mut recorder = self.world.resource_mut::<Recorder>();
         let (events, messages) = (std::mem::take(&mut recorder.events), std::mem::take(&mut recorder.messages));
         let ground = std::mem::take(&mut recorder.ground);
+        let answer_cpu = std::mem::take(&mut recorder.answer_cpu);
         let cpu_samples = std::mem::take(&mut self.world.resource_mut::<CpuLog>().0);
-        Run { timeline: Timeline { setting: self.setting, events, ground }, cost: self.cost, cpu_samples, messages }
+        let timeline = Timeline { setting: self.setting, events, ground };
+        Run { timeline, cost: self.cost, cpu_samples, answer_cpu, messages }
     }
 }
 

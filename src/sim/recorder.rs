@@ -20,6 +20,8 @@ const MAX_RECORDED: usize = 4_000_000;
 pub struct Recorder {
     pub events: Vec<Event>,
     pub ground: Vec<GroundEvent>,
+    /// CPU time of each answer of a planner among the events, in their order.
+    pub answer_cpu: Vec<Duration>,
     /// What there is to say about failed queries.
     pub messages: FailureMessages,
     /// True if searches are to be recorded.
@@ -35,7 +37,16 @@ impl Recorder {
     pub fn new(memory: &MemoryMeter, records_searches: bool) -> Self {
         let memory = memory.holder(Growing::Timeline);
         let messages = FailureMessages::default();
-        Self { events: Vec::new(), ground: Vec::new(), messages, records_searches, searched: 0, beside: 0, memory }
+        Self {
+            events: Vec::new(),
+            ground: Vec::new(),
+            answer_cpu: Vec::new(),
+            messages,
+            records_searches,
+            searched: 0,
+            beside: 0,
+            memory,
+        }
     }
 
     /// Adds a fact. If there is no memory for it, it is left out and the run is over.
@@ -49,6 +60,14 @@ impl Recorder {
 
     pub fn record_agent(&mut self, time: SimTime, agent: AgentId, fact: AgentFact) {
         self.record(time, Fact::Agent(agent, fact));
+    }
+
+    /// Adds the answer to a query of a planner, and what it cost.
+    pub fn record_answer(&mut self, time: SimTime, agent: AgentId, fact: AgentFact, cpu: Duration) {
+        let events = self.events.len();
+        self.record_agent(time, agent, fact);
+        // An answer without room is no event, so it has no cost either.
+        self.answer_cpu.extend((self.events.len() > events).then_some(cpu));
     }
 
     pub fn record_fire(&mut self, time: SimTime, fact: FireFact) {

@@ -85,6 +85,9 @@ pub struct Run {
     /// The same by decision, in order of time: first one entry an agent for building its planner, then one for every
     /// decision that took some.
     pub cpu_samples: Vec<CpuSample>,
+    /// The CPU time of each query to a planner, in the order in which the timeline has the answers: what planning took
+    /// that agent since its answer before.
+    pub answer_cpu: Vec<Duration>,
     /// What planners that are not built in had to say about failed queries, or the gate about their paths.
     pub messages: FailureMessages,
 }

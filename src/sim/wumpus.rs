@@ -229,7 +229,7 @@ impl Turn<'_> {
         let trajectory = wumpus.trajectory(ready, agent.trajectory.end(), &wumpus.walk);
         let effort = Effort { roadmap_expansions: 0, local_expansions: walk.expansions };
         let fact = AgentFact::Planned { goal, trajectory: trajectory.clone(), effort, found_by: None };
-        recorder.record_agent(*now, agent.id, fact);
+        agent.answer(*now, fact, recorder);
         agent.set_out(*entity, *now, (goal, trajectory), AgentEvent::Lighting, queue);
     }
 
@@ -239,7 +239,7 @@ impl Turn<'_> {
         self.record_minimum(goal, self.wumpus.point);
         let effort = Effort { roadmap_expansions: 0, local_expansions: expansions };
         let fact = AgentFact::PlanFailed { goal, reason: PlanFailure::LocalMinimum, effort, until };
-        self.recorder.record_agent(self.now, self.agent.id, fact);
+        self.agent.answer(self.now, fact, self.recorder);
     }
 
     fn record_minimum(&mut self, goal: Cell, minimum: usize) {

@@ -109,6 +109,22 @@ fn long_tables_add_up_to_the_runs() {
 }
 
 #[test]
+fn calls_are_the_same_whatever_the_number_of_workers_but_for_their_cpu_time() {
+    let scratch = tempfile::tempdir().expect("a scratch folder");
+    let calls = |jobs: usize| {
+        let folder = scratch.path().join(jobs.to_string());
+        run_plan(&folder, swept(), jobs, Box::new(sim::run)).expect("the disk is fine");
+        table(&folder.join("planner_calls.parquet"))
+    };
+    let [one, three] = [1, 3].map(calls);
+    let outcomes = |rows: &[Vec<String>]| rows.iter().map(|row| row[..row.len() - 1].to_vec()).collect::<Vec<_>>();
+    assert_eq!(one.0.last().map(String::as_str), Some("cpu_query_s"));
+    assert_eq!((&one.0, outcomes(&one.1)), (&three.0, outcomes(&three.1)));
+    let cpu = one.1.iter().map(|row| row[row.len() - 1].parse::<f64>().expect("it is measured"));
+    assert!(cpu.clone().all(|cpu| cpu >= 0.0) && cpu.sum::<f64>() > 0.0);
+}
+
+#[test]
 fn differences_of_counts_do_not_wrap() {
     let scratch = tempfile::tempdir().expect("a scratch folder");
     run_plan(scratch.path(), swept(), 2, Box::new(sim::run)).expect("the disk is fine");
@@ -155,7 +171,9 @@ fn column_is_required_unless_some_run_has_no_value() {
     let calls = scratch.path().join("planner_calls.parquet");
     let optional =
         ["planner", "policy", "solution_length_m", "solution_segments", "cusps", "drive_s", "by_lattice", "found_by"];
-    assert_eq!(columns(&calls, |column| !is_required(column)), optional);
+    let may_lack = columns(&calls, |column| !is_required(column));
+    let expected: Vec<&str> = optional.into_iter().chain(["cpu_query_s"]).collect();
+    assert_eq!(may_lack, expected);
 }
 
 #[test]

@@ -5,7 +5,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use wildfire::batch::{
-    AGENT_COLUMNS, Batch, BatchError, OutputFolder, RUN_COLUMNS, Record, Status, VariantReport, is_measured,
+    AGENT_COLUMNS, Batch, BatchError, CALL_COLUMNS, OutputFolder, RUN_COLUMNS, Record, Status, VariantReport,
+    is_measured,
 };
 use wildfire::document::Document;
 use wildfire::scenario::{Scenario, Unimog};
@@ -56,6 +57,7 @@ fn measured_columns_stand_last() {
     };
     assert!(measured_stand_last(&RUN_COLUMNS.iter().map(|column| column.name).collect::<Vec<_>>()));
     assert!(measured_stand_last(&AGENT_COLUMNS.iter().map(|column| column.name).collect::<Vec<_>>()));
+    assert!(measured_stand_last(&CALL_COLUMNS.iter().map(|column| column.name).collect::<Vec<_>>()));
 }
 
 #[test]

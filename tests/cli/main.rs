@@ -29,6 +29,7 @@ mod memory;
 mod minus_zero;
 mod pipes;
 mod plan;
+mod plan_benchmark;
 mod plan_guide;
 mod plan_ompl;
 mod rank;

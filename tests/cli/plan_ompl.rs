@@ -1,9 +1,9 @@
 //! The log of `wildfire plan --ompl` under a reader of that format.
 //!
 //! The reader knows what OMPL's `scripts/ompl_benchmark_statistics.py` expects: which line stands where, which words it
-//! begins or ends with, and how values are divided.
+//! begins or ends with, and how values are divided. What else the format's grammar allows, this program does not write.
 
-use crate::story::Story;
+use crate::story::{Answer, Story};
 
 /// A planner's runs: names and types of what is known, and the values.
 struct Runs {
@@ -14,6 +14,10 @@ struct Runs {
 }
 
 struct Log {
+    date: String,
+    hardware: String,
+    seconds_per_run: f64,
+    megabytes_per_run: f64,
     seed: u64,
     runs_per_planner: usize,
     /// Words of the enumerated properties, the name first.
@@ -40,6 +44,13 @@ impl<'a> Lines<'a> {
         self.ending(words).parse().expect("a count")
     }
 
+    /// The lines between the signs of a text of several lines; a line that begins as its end does would be its end.
+    fn block(&mut self) -> String {
+        assert_eq!(self.next(), "<<<|");
+        let lines = std::iter::from_fn(|| Some(self.next()).filter(|line| !line.starts_with("|>>>")));
+        lines.collect::<Vec<_>>().join("\n")
+    }
+
     /// What follows these words.
     fn beginning(&mut self, words: &str) -> &'a str {
         let line = self.next();
@@ -54,20 +65,20 @@ fn read(text: &str) -> Log {
     for _ in 0..lines.count(" experiment properties") {
         assert!(lines.next().contains(" = "));
     }
-    lines.beginning("Running on ");
-    lines.beginning("Starting at ");
-    assert_eq!(lines.next(), "<<<|");
-    while lines.next() != "|>>>" {}
+    assert!(!lines.beginning("Running on ").contains(char::is_whitespace), "the host is the last word of its line");
+    let date = lines.beginning("Starting at ").to_owned();
+    // The problems, and the processors.
+    lines.block();
+    let hardware = lines.block();
     let seed = lines.ending(" is the random seed").parse().expect("a seed");
-    for words in [" seconds per run", " MB per run"] {
-        lines.ending(words).parse::<f64>().expect("a number");
-    }
+    let mut limit = |words: &str| lines.ending(words).parse::<f64>().expect("a number");
+    let (seconds_per_run, megabytes_per_run) = (limit(" seconds per run"), limit(" MB per run"));
     let runs_per_planner = lines.count(" runs per planner");
     lines.ending(" seconds spent to collect the data").parse::<f64>().expect("a number");
     let enums = (0..lines.count(" enum type")).map(|_| lines.next().split('|').map(str::to_owned).collect()).collect();
     let planners = (0..lines.count(" planners")).map(|_| read_planner(&mut lines)).collect();
     assert_eq!(lines.0.next(), None, "nothing follows the last planner");
-    Log { seed, runs_per_planner, enums, planners }
+    Log { date, hardware, seconds_per_run, megabytes_per_run, seed, runs_per_planner, enums, planners }
 }
 
 fn read_planner(lines: &mut Lines) -> Runs {
@@ -127,4 +138,60 @@ fn log_reads_as_one_of_ompl() {
     );
     assert!(value(1, "solution length").is_some_and(|metres| metres > 70.0));
     assert!(value(1, "time").is_some_and(|seconds| seconds > 0.0));
+}
+
+/// The words after `plan`, and the day on which they are said.
+fn logged(story: &Story, words: &[&str], day: &str) -> Log {
+    let mut command = story.command(&[&["plan"], words, &["--ompl", "a.log"]].concat());
+    let output = command.env("SOURCE_DATE_EPOCH", day).output().expect("the program can be started");
+    Answer::of(&output).expect_code(0);
+    read(&story.read("a.log"))
+}
+
+#[test]
+fn day_limits_and_processors_are_those_of_the_experiment() {
+    let story = Story::begin();
+    let log = logged(&story, &["--goals", "2", "--memory", "3GB"], "951782400");
+    assert_eq!(log.date, "2000-02-29T00:00:00");
+    assert_eq!((log.megabytes_per_run, log.seconds_per_run.fract()), (3000.0, 0.0));
+    let times = log.planners.iter().flat_map(|runs| {
+        let at = runs.properties.iter().position(|(name, _)| name == "time").expect("it is known");
+        runs.values.iter().map(move |values| values[at].expect("it took time"))
+    });
+    assert!(log.seconds_per_run >= 1.0 && times.into_iter().all(|time| time <= log.seconds_per_run));
+    assert!(log.hardware.contains("Architecture: "), "{}", log.hardware);
+    #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
+    assert!(log.hardware.contains("Model name: "), "{}", log.hardware);
+    let output =
+        story.command(&["plan", "--goals", "1", "--ompl", "b.log"]).env("SOURCE_DATE_EPOCH", "monday").output();
+    Answer::of(&output.expect("the program can be started"))
+        .expect_code(2)
+        .expect_complaint(&["SOURCE_DATE_EPOCH is `monday`; expected whole seconds since 1970"]);
+    assert!(!story.path("b.log").exists());
+    // Without the variable it is the day on which it was written.
+    story.tell(&["plan", "--goals", "1", "--ompl", "c.log"]).expect_code(0);
+    let date = read(&story.read("c.log")).date;
+    assert!(date.len() == 19 && date.as_str() > "2025-01-01T00:00:00", "{date}");
+}
+
+#[test]
+fn benchmark_is_one_log_in_which_settings_tell_variants_apart() {
+    let story = Story::begin();
+    let words =
+        ["--seeds", "3,4", "--goals", "2", "--set", "field.coverage=0.02,0.05", "--planner", "hybrid-astar,lattice"];
+    let log = logged(&story, &words, "0");
+    assert_eq!((log.seed, log.runs_per_planner), (3, 4));
+    let coverage = |runs: &Runs| {
+        let own = runs.settings.iter().find(|(name, _)| name == "field.coverage");
+        own.expect("it is among the settings").1.clone()
+    };
+    let planners: Vec<_> = log.planners.iter().map(|runs| (runs.planner.as_str(), coverage(runs))).collect();
+    let expected =
+        ["0.02", "0.05"].map(|value| ["hybrid-astar", "lattice"].map(|name| (name, value.to_owned()))).concat();
+    assert_eq!(planners, expected);
+    for runs in &log.planners {
+        let at = runs.properties.iter().position(|(name, _)| name == "seed").expect("it is known");
+        let seeds: Vec<_> = runs.values.iter().map(|values| values[at]).collect();
+        assert_eq!(seeds, [3.0, 3.0, 4.0, 4.0].map(Some));
+    }
 }

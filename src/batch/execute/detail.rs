@@ -1,5 +1,7 @@
 //! What a batch keeps of a run besides its numbers: every call of a planner, and the bushes over time.
 
+use std::time::Duration;
+
 use serde::{Deserialize, Serialize};
 
 use crate::fire::BushStateKind;
@@ -33,6 +35,8 @@ pub struct PlannerCall {
     pub goal: (u16, u16),
     pub answer: Result<Solution, PlanFailure>,
     pub effort: Effort,
+    /// CPU time of the agent's planning since its call before; measured. `None` in journals of older programs.
+    pub cpu: Option<Duration>,
 }
 
 /// A plan.
@@ -64,9 +68,22 @@ impl Solution {
 }
 
 /// A call as a journal holds it, where there are hundreds in every line: agent (twice its number, one more for a
-/// truck), nanoseconds, column, row, failure (from 1; 0 of a plan), expansions in roadmap and local search, and of a
-/// plan metres, segments, cusps, seconds, and what found it.
-type CallFields = (u32, u64, u16, u16, usize, u32, u32, Option<(f64, u32, u32, f64, FoundByField)>);
+/// truck), nanoseconds, column, row, failure (from 1; 0 of a plan), expansions in roadmap and local search, of a plan
+/// metres, segments, cusps, seconds, and what found it, and nanoseconds of CPU time.
+#[derive(Serialize, Deserialize)]
+struct CallFields(
+    u32,
+    u64,
+    u16,
+    u16,
+    usize,
+    u32,
+    u32,
+    Option<(f64, u32, u32, f64, FoundByField)>,
+    /// Missing in journals of older programs.
+    #[serde(default)]
+    Option<u64>,
+);
 
 /// The means that found a plan, as a journal names them.
 #[derive(Serialize, Deserialize)]
@@ -96,7 +113,7 @@ impl TryFrom<CallFields> for PlannerCall {
     type Error = &'static str;
 
     fn try_from(fields: CallFields) -> Result<Self, &'static str> {
-        let (agent, nanos, col, row, failure, roadmap_expansions, local_expansions, plan) = fields;
+        let CallFields(agent, nanos, col, row, failure, roadmap_expansions, local_expansions, plan, cpu) = fields;
         let number = u16::try_from(agent / 2).map_err(|_| "its agent has too large a number")?;
         let answer = match (failure, plan) {
             (0, Some((length_m, segments, cusps, duration_s, found_by))) => {
@@ -114,6 +131,7 @@ impl TryFrom<CallFields> for PlannerCall {
             goal: (col, row),
             answer,
             effort: Effort { roadmap_expansions, local_expansions },
+            cpu: cpu.map(Duration::from_nanos),
         })
     }
 }
@@ -127,7 +145,9 @@ impl From<PlannerCall> for CallFields {
         let plan = plan.map(|plan| (plan.length_m, plan.segments, plan.cusps, plan.duration_s, plan.found_by.into()));
         let Effort { roadmap_expansions, local_expansions } = call.effort;
         let (col, row) = call.goal;
-        (agent, call.time.as_nanos(), col, row, failure, roadmap_expansions, local_expansions, plan)
+        // Five centuries fit.
+        let cpu = call.cpu.map(|cpu| cpu.as_nanos() as u64);
+        Self(agent, call.time.as_nanos(), col, row, failure, roadmap_expansions, local_expansions, plan, cpu)
     }
 }
 
@@ -155,14 +175,38 @@ impl From<StateCount> for (SimTime, u32, u32, u32, u32) {
 }
 
 impl RunDetail {
-    pub fn new(run: &RunIndex<'_>) -> Self {
+    /// `answer_cpu` has the CPU time of each answer among the facts, in their order, where it is known.
+    pub fn new(run: &RunIndex<'_>, answer_cpu: &[Duration]) -> Self {
         let timeline = run.timeline();
+        let answers = timeline.events.iter().filter(|event| is_answer(event));
+        let cpu = answer_cpu.iter().copied().map(Some).chain(std::iter::repeat(None));
+        let call = |(event, cpu)| Some(PlannerCall { cpu, ..call_of(event, &timeline.setting.frame)? });
         Self {
             facts: timeline.events.len() as u64,
-            calls: timeline.events.iter().filter_map(|event| call_of(event, &timeline.setting.frame)).collect(),
+            calls: answers.zip(cpu).filter_map(call).collect(),
             states: states_of(run),
         }
     }
+
+    /// Says whether all that is not measured is the same.
+    pub fn has_same_outcome(&self, other: &Self) -> bool {
+        let is_same =
+            |(one, other): (&PlannerCall, &PlannerCall)| *one == PlannerCall { cpu: one.cpu, ..other.clone() };
+        let has_same_calls = self.calls.len() == other.calls.len() && self.calls.iter().zip(&other.calls).all(is_same);
+        has_same_calls && (self.facts, &self.states) == (other.facts, &other.states)
+    }
+}
+
+/// Says whether a fact is the answer to a query, or ends one.
+fn is_answer(event: &Event) -> bool {
+    let Fact::Agent(_, fact) = &event.fact else { return false };
+    matches!(
+        fact,
+        AgentFact::Planned { .. }
+            | AgentFact::Relocated { .. }
+            | AgentFact::PlanFailed { .. }
+            | AgentFact::RelocationFailed { .. }
+    )
 }
 
 /// Returns the query that a fact is the answer to. A drive to a place goes for the cell there.
@@ -182,7 +226,7 @@ fn call_of(event: &Event, frame: &FieldFrame) -> Option<PlannerCall> {
         }
         _ => return None,
     };
-    Some(PlannerCall { agent: *agent, time: event.time, goal: (goal.col, goal.row), answer, effort })
+    Some(PlannerCall { agent: *agent, time: event.time, goal: (goal.col, goal.row), answer, effort, cpu: None })
 }
 
 /// Beyond the end of a run its bushes stay as they are.
@@ -206,31 +250,35 @@ fn states_of(run: &RunIndex<'_>) -> Vec<StateCount> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::timeline::Timeline;
+    use crate::sim::Run;
     use crate::{scenario, sim};
 
-    fn smoke() -> Timeline {
+    fn smoke() -> Run {
         let scenario = scenario::load("smoke", &[]).expect("it is built in");
-        sim::run(&scenario, 3).expect("it can take place").timeline
+        sim::run(&scenario, 3).expect("it can take place")
     }
 
     #[test]
     fn calls_are_those_that_the_outcome_counts() {
-        let timeline = smoke();
+        let Run { timeline, answer_cpu, cost, .. } = smoke();
         let run = RunIndex::new(&timeline);
-        let (outcome, detail) = (run.outcome(), RunDetail::new(&run));
+        let (outcome, detail) = (run.outcome(), RunDetail::new(&run, &answer_cpu));
         for agent in &outcome.agents {
             let calls: Vec<_> = detail.calls.iter().filter(|call| call.agent == agent.agent).collect();
             let failed = calls.iter().filter(|call| call.answer.is_err()).count() as u32;
             assert_eq!((calls.len() as u32, failed), (agent.plans, agent.failures.iter().sum()), "{}", agent.agent);
+            // What queries took is part of what the agent's planning took in all.
+            let cpu: Duration = calls.iter().map(|call| call.cpu.expect("it is measured")).sum();
+            let all = cost.agents.iter().find(|cost| cost.agent == agent.agent).expect("it has a cost").total();
+            assert!(cpu > Duration::ZERO && cpu <= all, "{}: {cpu:?} of {all:?}", agent.agent);
         }
     }
 
     #[test]
     fn last_state_is_that_of_the_outcome_and_every_bush_is_in_one() {
-        let timeline = smoke();
+        let Run { timeline, .. } = smoke();
         let run = RunIndex::new(&timeline);
-        let (outcome, states) = (run.outcome(), RunDetail::new(&run).states);
+        let (outcome, states) = (run.outcome(), RunDetail::new(&run, &[]).states);
         let last = states.last().expect("there are states");
         assert_eq!((states.len(), last.time), (61, SimTime::from_seconds(300.0)));
         assert_eq!(last.intact, outcome.intact);
@@ -242,9 +290,20 @@ mod tests {
 
     #[test]
     fn details_survive_a_journal() {
-        let detail = RunDetail::new(&RunIndex::new(&smoke()));
+        let Run { timeline, answer_cpu, .. } = smoke();
+        let detail = RunDetail::new(&RunIndex::new(&timeline), &answer_cpu);
         let json = serde_json::to_string(&detail).expect("numbers and words are JSON");
         assert_eq!(serde_json::from_str::<RunDetail>(&json).expect("it was just written"), detail);
+    }
+
+    #[test]
+    fn outcomes_are_the_same_whatever_they_cost() {
+        let Run { timeline, answer_cpu, .. } = smoke();
+        let run = RunIndex::new(&timeline);
+        let (one, other) = (RunDetail::new(&run, &answer_cpu), RunDetail::new(&run, &[]));
+        assert!(one != other && one.has_same_outcome(&other));
+        let shorter = RunDetail { calls: one.calls[1..].to_vec(), ..one.clone() };
+        assert!(!one.has_same_outcome(&shorter));
     }
 
     #[test]

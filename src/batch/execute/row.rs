@@ -67,7 +67,8 @@ impl RunRow {
 
     /// Says in what that is not measured another row of the same run differs from this one; `None` if in nothing.
     pub fn outcome_difference(&self, again: &Self) -> Option<String> {
-        let is_other_detail = || (self.detail != again.detail).then(|| "its planner calls or states differ".to_owned());
+        let is_other_detail =
+            || (!self.detail.has_same_outcome(&again.detail)).then(|| "its planner calls or states differ".to_owned());
         self.difference(again).or_else(is_other_detail)
     }
 

@@ -159,7 +159,7 @@ impl Work {
         let caught = panics::catch(|| {
             (self.run)(scenario, run.seed).map(|done| {
                 let index = RunIndex::new(&done.timeline);
-                let detail = RunDetail::new(&index);
+                let detail = RunDetail::new(&index, &done.answer_cpu);
                 (index.into_outcome(), detail, done)
             })
         });

@@ -405,6 +405,8 @@ pub const CALL_COLUMNS: &[CallColumn] = columns! { CallColumn, call;
     found_by: optional Text None
         "what found the plan of a truck: straight, roadmap, search, relaxed, lattice, reachability, backing-out or way-home"
         = call.answer.ok().and_then(|plan| plan.found_by).map(|found_by| found_by.to_string());
+    cpu_query_s: optional Real Seconds "CPU time of the query: of the agent's planning since its query before"
+        = call.cpu.map(|cpu| cpu.as_secs_f64());
 };
 
 /// The columns of `states.parquet`, in their order, after those of the run.

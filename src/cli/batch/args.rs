@@ -119,7 +119,7 @@ impl SeedsArgument {
 }
 
 /// Seeds as they are, or `@FILE`.
-fn parse_seeds(text: &str) -> Result<SeedsArgument, String> {
+pub fn parse_seeds(text: &str) -> Result<SeedsArgument, String> {
     match text.strip_prefix('@') {
         Some(path) => Ok(SeedsArgument::File(path.into())),
         None => text.parse().map(SeedsArgument::Given).map_err(|error: SeedsError| error.to_string()),

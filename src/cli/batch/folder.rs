@@ -14,18 +14,17 @@ use serde::Serialize;
 use super::keeping::LockArguments;
 use super::{exit_code, list, note_leftovers, note_repeated, resume_command, summary};
 use crate::batch::{
-    BatchError, BatchPlan, FieldPicture, FinishedBatch, JournalError, MissingRuns, NotableRun, OutputFolder,
-    PaperCharts, PlanError, RUNS_FILE, RealDisk, ReportError, ReportParts, Slice, SliceState, Survey, batch_status,
-    limit_threads, notable_runs, write_report,
+    BatchError, BatchPlan, FieldPicture, FinishedBatch, JournalError, MissingRuns, NotableRun, OutputFolder, PlanError,
+    RUNS_FILE, RealDisk, ReportError, ReportParts, Slice, SliceState, Survey, batch_status, limit_threads,
+    notable_runs, write_report,
 };
-use crate::cli::args::{ProgramArguments, jobs_or_usual, parse_jobs};
+use crate::cli::args::{PaperArguments, ProgramArguments, jobs_or_usual, parse_jobs};
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::cli::report::FormArguments;
 use crate::cli::show::{Searches, check_grounds, run_of_batch, write_page};
 use crate::cli::{interrupt, numbers, output_files, terminal};
 use crate::document::{Block, Document, Table};
-use crate::picture::charts::PaperSize;
 use crate::picture::film::{FrameRequest, RunView, ViewOptions, still};
 use crate::time::SimTime;
 use crate::time::wall::WallStopwatch;
@@ -50,28 +49,10 @@ pub struct ReportArguments {
     /// simulated again.
     #[arg(long)]
     pub pages: bool,
-    /// Also write the charts as PDF, for papers; letters are outlines.
-    #[arg(help_heading = "Papers", long)]
-    pub pdf: bool,
-    /// Also write the charts as PGF, which LaTeX reads with `\input` and sets in the paper's own font.
-    #[arg(help_heading = "Papers", long)]
-    pub pgf: bool,
-    /// The width of the charts on paper: a column has some 88 mm, a page some 180.
-    #[arg(help_heading = "Papers", long, value_name = "MM", default_value = "88", value_parser = width_mm)]
-    pub width_mm: f32,
-    /// The size of their letters in points.
-    #[arg(help_heading = "Papers", long, value_name = "PT", default_value = "8", value_parser = font_pt)]
-    pub font_pt: f32,
+    #[command(flatten)]
+    pub paper: PaperArguments,
     #[command(flatten)]
     pub programs: ProgramArguments,
-}
-
-fn width_mm(text: &str) -> Result<f32, String> {
-    numbers::parse_within(text, &(40.0..=1000.0), "a width in millimetres")
-}
-
-fn font_pt(text: &str) -> Result<f32, String> {
-    numbers::parse_within(text, &(4.0..=40.0), "a size in points")
 }
 
 #[derive(Debug, Args)]
@@ -262,18 +243,10 @@ pub fn report(arguments: &ReportArguments, context: &CommandContext) -> Result<E
     let playing = if arguments.pages { notable_runs(&batch).map_err(report_error)? } else { Vec::new() };
     let views = write_pages(&batch, &playing, context)?;
     let field = median_field(&batch, &playing, &views, context)?;
-    let size = PaperSize { width_mm: arguments.width_mm, font_pt: arguments.font_pt };
-    let paper = PaperCharts { size, pdf: arguments.pdf, pgf: arguments.pgf };
-    let parts = ReportParts { playing: &playing, field, paper };
+    let parts = ReportParts { playing: &playing, field, paper: arguments.paper.charts() };
     let written = write_report(&batch, &parts).map_err(report_error)?;
-    let paper = parts.paper;
     let (page, charts) = (written.page.display(), written.charts_folder.display());
-    let forms = match (paper.pdf, paper.pgf) {
-        (false, false) => "SVG and PNG",
-        (true, false) => "SVG, PNG and PDF",
-        (false, true) => "SVG, PNG and PGF",
-        (true, true) => "SVG, PNG, PDF and PGF",
-    };
+    let forms = arguments.paper.forms();
     let mut document = Document::new(format!("{page}, and {} charts as {forms} in {charts}", written.charts));
     document.add_list(written.refused);
     terminal::print(&document.to_text())?;

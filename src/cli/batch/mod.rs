@@ -5,7 +5,7 @@ mod folder;
 mod keeping;
 mod slurm;
 
-pub use args::BatchArguments;
+pub use args::{BatchArguments, SeedsArgument, parse_seeds};
 pub use folder::{MergeArguments, ReportArguments, StatusArguments, merge, report, status};
 
 use std::path::{Path, PathBuf};
@@ -24,7 +24,7 @@ use crate::cli::terminal::Progress;
 use crate::cli::{interrupt, terminal};
 use crate::document::{Block, Document};
 use crate::scenario::ScenarioText;
-use args::{RUNS_FOLDER, SeedsArgument};
+use args::RUNS_FOLDER;
 use keeping::LockArguments;
 
 /// The most variants that a dry run lists.

@@ -43,14 +43,28 @@ pub fn goal_count(text: &str) -> Result<usize, String> {
 }
 
 impl ProblemArguments {
+    /// Returns the least number of goals that there can be, which is known before any field is.
+    pub fn least_goals(&self) -> usize {
+        let is_drawn = self.fields.is_empty() && self.cells.is_none();
+        if is_drawn { self.goals.unwrap_or(GOALS) } else { self.fields.len().max(1) }
+    }
+
     /// Returns the problems of the files, or the one of the scenario; each has a name of its own and at least one goal.
     pub fn load(&self, scenario: &Scenario) -> Result<Vec<Problem>, CliError> {
+        self.load_with_seed(scenario, self.seed)
+    }
+
+    /// Does the same with another seed.
+    pub fn load_with_seed(&self, scenario: &Scenario, seed: u64) -> Result<Vec<Problem>, CliError> {
         let truck = scenario.unimog.first().ok_or_else(|| no_truck(scenario))?;
-        let mut problems =
-            if self.fields.is_empty() { vec![on_the_scenario(self, scenario)?] } else { from_files(self, truck)? };
+        let mut problems = if self.fields.is_empty() {
+            vec![on_the_scenario(self, scenario, seed)?]
+        } else {
+            from_files(self, truck)?
+        };
         if let Some(count) = self.cells {
             let reach_m = scenario.suppression.reach_m.ok_or_else(no_reach)?;
-            problems.iter_mut().for_each(|problem| problem.goals = bushes(problem, count, reach_m, self.seed));
+            problems.iter_mut().for_each(|problem| problem.goals = bushes(problem, count, reach_m, seed));
         }
         match problems.iter().find(|problem| problem.goals.is_empty()) {
             None => Ok(problems),
@@ -93,11 +107,11 @@ fn from_files(arguments: &ProblemArguments, truck: &Unimog) -> Result<Vec<Proble
     Ok(problems)
 }
 
-fn on_the_scenario(arguments: &ProblemArguments, scenario: &Scenario) -> Result<Problem, CliError> {
-    let problem = Problem::from_scenario(scenario, arguments.seed).map_err(|error| CliError::bad_input(error, None))?;
+fn on_the_scenario(arguments: &ProblemArguments, scenario: &Scenario, seed: u64) -> Result<Problem, CliError> {
+    let problem = Problem::from_scenario(scenario, seed).map_err(|error| CliError::bad_input(error, None))?;
     let mut problem = problem.ok_or_else(|| no_truck(scenario))?;
     if arguments.cells.is_none() {
-        problem.goals = goal_poses(&problem, arguments.goals.unwrap_or(GOALS), arguments.seed)?;
+        problem.goals = goal_poses(&problem, arguments.goals.unwrap_or(GOALS), seed)?;
     }
     Ok(problem)
 }

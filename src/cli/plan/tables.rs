@@ -9,7 +9,9 @@ use serde::Serialize;
 
 use crate::cli::curve;
 use crate::cli::plan::attempts::Attempt;
-use crate::planning::PlannerName;
+use crate::cli::plan::benchmark::Query;
+use crate::planning::judge::DriveFigures;
+use crate::planning::{PlanFailure, PlannerName};
 use crate::untrusted::spreadsheet_cell;
 use crate::whole_file::WholeFile;
 
@@ -18,7 +20,7 @@ use crate::whole_file::WholeFile;
 pub struct Row<'a> {
     field: Cow<'a, str>,
     goal: usize,
-    planner: &'a PlannerName,
+    planner: &'a str,
     success: bool,
     /// The reason why there is no path.
     reason: Option<String>,
@@ -34,33 +36,56 @@ pub struct Row<'a> {
 
 impl<'a> Row<'a> {
     pub fn new(attempt: &'a Attempt<'a>) -> Self {
-        let drive = attempt.drive.as_ref();
+        let (build_s, query_s) = (attempt.build.as_secs_f64(), attempt.query.as_secs_f64());
+        let outcome = attempt.drive.as_ref().map(|drive| drive.figures).map_err(|reason| *reason);
+        let names = (attempt.problem.name.as_str(), attempt.goal, attempt.planner.name());
+        Self { expansions: attempt.expansions, ..Self::with(names, [build_s, query_s], outcome) }
+    }
+
+    /// Makes the row of a query of a benchmark.
+    pub fn from_query(query: &'a Query) -> Self {
+        let names = (&*query.field, query.goal, &*query.planner);
+        let cpu_s = [query.cpu_build_s, query.cpu_query_s];
+        Self { expansions: query.expansions, ..Self::with(names, cpu_s, query.outcome) }
+    }
+
+    /// The row of a field, goal and planner, and of CPU times of building and of the query.
+    fn with(
+        (field, goal, planner): (&'a str, usize, &'a str),
+        [cpu_build_s, cpu_query_s]: [f64; 2],
+        outcome: Result<DriveFigures, PlanFailure>,
+    ) -> Self {
+        let figures = outcome.ok();
         Self {
-            field: Cow::Borrowed(&attempt.problem.name),
-            goal: attempt.goal,
-            planner: &attempt.planner,
-            success: drive.is_ok(),
-            reason: drive.err().map(ToString::to_string),
-            cpu_build_s: attempt.build.as_secs_f64(),
-            cpu_query_s: attempt.query.as_secs_f64(),
-            length_m: drive.ok().map(|drive| drive.figures.length_m),
-            lower_bound_ratio: drive.ok().and_then(|drive| drive.figures.lower_bound_ratio),
-            min_clearance_m: drive.ok().map(|drive| drive.figures.min_clearance_m),
-            cusps: drive.ok().map(|drive| drive.figures.cusps),
-            drive_s: drive.ok().map(|drive| drive.figures.drive_s),
-            expansions: attempt.expansions,
+            field: Cow::Borrowed(field),
+            goal,
+            planner,
+            success: outcome.is_ok(),
+            reason: outcome.err().map(|reason| reason.to_string()),
+            cpu_build_s,
+            cpu_query_s,
+            length_m: figures.map(|figures| figures.length_m),
+            lower_bound_ratio: figures.and_then(|figures| figures.lower_bound_ratio),
+            min_clearance_m: figures.map(|figures| figures.min_clearance_m),
+            cusps: figures.map(|figures| figures.cusps),
+            drive_s: figures.map(|figures| figures.drive_s),
+            expansions: 0,
         }
     }
 
-    /// Makes the same row for a CSV file, where the name of the field is a cell.
-    fn in_table(attempt: &'a Attempt<'a>) -> Self {
-        Self { field: spreadsheet_cell(&attempt.problem.name), ..Self::new(attempt) }
+    /// Makes the same row for a CSV file, where names are cells.
+    pub fn in_table(self) -> Self {
+        let field = match self.field {
+            Cow::Borrowed(field) => spreadsheet_cell(field),
+            Cow::Owned(field) => Cow::Owned(spreadsheet_cell(&field).into_owned()),
+        };
+        Self { field, ..self }
     }
 }
 
 /// Writes a row for each attempt; numbers read back as the same `f64`, and no spreadsheet computes a name.
 pub fn write_rows(path: &Path, attempts: &[Attempt]) -> io::Result<()> {
-    write_csv(path, attempts.iter().map(Row::in_table))
+    write_csv(path, attempts.iter().map(|attempt| Row::new(attempt).in_table()))
 }
 
 /// Writes rows under the names of their members.

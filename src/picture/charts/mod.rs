@@ -1,4 +1,4 @@
-//! Charts: bars, curves, distributions and differences, each with its uncertainty.
+//! Charts: bars, curves, distributions, box plots and differences, each with its uncertainty.
 //!
 //! A chart becomes a [`Drawing`], a list of marks, which is written as SVG, PDF and PGF and painted as a picture: one
 //! geometry for all. Series differ in colour, and in hatching, dashes or the shape of their marks too, so that charts can be read
@@ -7,6 +7,7 @@
 //! take.
 
 mod bars;
+mod boxes;
 mod curves;
 mod drawing;
 mod forest;
@@ -16,6 +17,7 @@ mod strips;
 mod style;
 
 pub use bars::{BarChart, BarPanel, BarSeries};
+pub use boxes::{BoxChart, BoxPanel, BoxSeries};
 pub use curves::{Curve, CurveChart, CurvePanel, Spread};
 pub use drawing::Drawing;
 pub use forest::{ForestChart, ForestRow};

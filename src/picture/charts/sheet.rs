@@ -6,7 +6,7 @@ use crate::picture::charts::style::Style;
 use crate::picture::colours::{FAINT_INK, INK, NOTE_INK};
 use crate::picture::marks::to_f32;
 use crate::picture::text::{Align, measure_text};
-use crate::picture::ticks::{Tick, ticks};
+use crate::picture::ticks::{Tick, log_ticks, ticks};
 
 /// Height of capitals in numbers and names, notes, titles.
 pub const LABEL: f32 = 8.5;
@@ -315,6 +315,15 @@ impl Plot {
         let x = self.x(scale, tick.value);
         drawing.line(vec![(x, self.top), (x, self.bottom)], 1.0, FAINT_INK);
         if !tick.label.is_empty() {
+            drawing.text(&tick.label, (x, self.bottom + 9.0 + LABEL), Align::Centre, LABEL, INK);
+        }
+    }
+
+    /// The same where the scale is of decimal logarithms.
+    pub fn draw_log_x_axis(&self, drawing: &mut Drawing, scale: AxisScale) {
+        for tick in log_ticks(scale.low, scale.high, most_ticks(self.right - self.left, TICK_ROOM[0])) {
+            let x = self.x(scale, tick.value);
+            drawing.line(vec![(x, self.top), (x, self.bottom)], 1.0, FAINT_INK);
             drawing.text(&tick.label, (x, self.bottom + 9.0 + LABEL), Align::Centre, LABEL, INK);
         }
     }

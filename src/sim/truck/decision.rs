@@ -245,7 +245,7 @@ impl Fleet<'_, '_> {
                 Err((reason, effort)) => {
                     let until = now + truck.charge(&effort);
                     truck.failed_goals.push(goal);
-                    self.recorder.record_agent(now, agent.id, AgentFact::PlanFailed { goal, reason, effort, until });
+                    agent.answer(now, AgentFact::PlanFailed { goal, reason, effort, until }, &mut self.recorder);
                     if until > now {
                         truck.deliberation = Some(begun);
                         agent.wait_until(entity, until, &mut self.queue);
@@ -332,7 +332,7 @@ impl Fleet<'_, '_> {
                 truck.tracks.set_out(0.0);
                 let (x_m, y_m) = (place.x, place.y);
                 let fact = AgentFact::Relocated { x_m, y_m, trajectory: leg.clone(), effort, found_by };
-                self.recorder.record_agent(now, agent.id, fact);
+                agent.answer(now, fact, &mut self.recorder);
                 agent.relocate(entity, place, leg, &mut self.queue);
             }
             Conclusion::Thinks => {}

@@ -81,7 +81,7 @@ impl Fleet<'_, '_> {
         truck.tracks.set_out(back_m);
         let found_by = Some(found_by);
         let fact = AgentFact::Planned { goal, trajectory: leg.clone(), effort, found_by };
-        self.recorder.record_agent(self.clock.0, agent.id, fact);
+        agent.answer(self.clock.0, fact, &mut self.recorder);
         agent.set_out(entity, self.clock.0, (goal, leg), AgentEvent::Arrival, &mut self.queue);
     }
 

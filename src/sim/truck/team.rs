@@ -252,7 +252,7 @@ impl Fleet<'_, '_> {
         truck.closed_posts.push(ClosedPost { from: pose, to: place, until: tried_again });
         let (x_m, y_m) = (place.x, place.y);
         let failed = AgentFact::RelocationFailed { x_m, y_m, reason, effort, until };
-        self.recorder.record_agent(now, agent.id, failed);
+        agent.answer(now, failed, &mut self.recorder);
         if until == now {
             return Conclusion::Stays(None);
         }

@@ -31,15 +31,23 @@ pub struct FacetSeries {
 
 /// Panels in which every variant is a series.
 pub fn variant_facets(plan: &BatchPlan) -> Vec<Facet> {
-    facets(plan, &Labels::new(plan))
+    facets(plan.variants.len(), &Labels::new(plan))
 }
 
 /// Panels in which the values of a swept key are the x axis, and all else that differs makes the series.
 pub fn facets_over(plan: &BatchPlan, key: usize) -> Vec<Facet> {
-    facets(plan, &Labels::new(plan).without(key))
+    facets(plan.variants.len(), &Labels::new(plan).without(key))
 }
 
-fn facets(plan: &BatchPlan, labels: &Labels) -> Vec<Facet> {
+/// Panels of other things than variants. They are named by lists of words, one list for each way in which they may
+/// differ, with a word for each thing; what charts compare most comes first. `over` is the list that makes the x axis.
+pub fn word_facets(words: Vec<Vec<String>>, over: Option<usize>) -> Vec<Facet> {
+    let count = words.first().map_or(0, Vec::len);
+    let labels = Labels::from_words(words);
+    facets(count, &over.map_or_else(|| labels.clone(), |list| labels.clone().without(list)))
+}
+
+fn facets(variants: usize, labels: &Labels) -> Vec<Facet> {
     let groups = labels.groups();
     let all: Vec<usize> = groups.concat();
     let in_series = series_dimensions(labels, &groups);
@@ -52,13 +60,13 @@ fn facets(plan: &BatchPlan, labels: &Labels) -> Vec<Facet> {
             if index % STYLES.len() == 0 {
                 panels.push(Facet { name: String::new(), series: Vec::new() });
             }
-            let variants = (0..plan.variants.len()).filter(|&variant| labels.label(variant, &all) == name).collect();
+            let variants = (0..variants).filter(|&variant| labels.label(variant, &all) == name).collect();
             let series = &mut panels.last_mut().expect("one was just begun").series;
             series.push(FacetSeries { name, style: STYLES[index % STYLES.len()], variants });
         }
         return panels;
     }
-    for variant in 0..plan.variants.len() {
+    for variant in 0..variants {
         let panel_name = if in_panels.is_empty() { String::new() } else { labels.label(variant, &in_panels) };
         let place = panels.iter().position(|panel| panel.name == panel_name).unwrap_or(panels.len());
         if place == panels.len() {
@@ -174,6 +182,21 @@ mod tests {
             }
         }
         assert_eq!(styles.len(), 3);
+    }
+
+    #[test]
+    fn things_with_words_are_divided_as_variants_are() {
+        let planners = ["a", "b", "a", "b"].map(str::to_owned).to_vec();
+        let values = ["key 1", "key 1", "key 2", "key 2"].map(str::to_owned).to_vec();
+        let panels = word_facets(vec![planners.clone(), values.clone()], None);
+        assert_eq!((panels.len(), panels[0].series.len()), (1, 4));
+        let over = word_facets(vec![planners.clone(), values], Some(1));
+        let series: Vec<_> = over[0].series.iter().map(|series| (series.name.as_str(), &series.variants[..])).collect();
+        assert_eq!(series, [("a", &[0, 2][..]), ("b", &[1, 3])]);
+        let alone = word_facets(vec![vec!["a".to_owned()]], None);
+        assert_eq!((alone.len(), alone[0].series[0].name.as_str()), (1, "a"));
+        assert!(word_facets(vec![Vec::new()], None).is_empty());
+        assert_eq!(word_facets(vec![planners[..2].to_vec()], None)[0].series.len(), 2);
     }
 
     #[test]

@@ -1,7 +1,6 @@
 //! The charts of a report.
 
-use serde::Serialize;
-
+use super::chart_files::ChartData;
 use super::collected::{Collected, Values, is_cut};
 use super::facets::{Facet, FacetSeries, MOST_PANELS, variant_facets};
 use super::labels::Labels;
@@ -15,7 +14,6 @@ use crate::picture::charts::{
     StripPanel, Style, Titles,
 };
 use crate::stats::quantile;
-use crate::untrusted::spreadsheet_cell;
 
 /// The part of the report that a chart belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,42 +34,6 @@ pub struct Figure {
     /// The name of the file of the chart's data, which all of its sheets share.
     pub data: String,
     pub drawing: Drawing,
-}
-
-/// What a chart shows, whatever sheets it takes, and the name of its file, without an ending.
-#[derive(Debug)]
-pub struct ChartData {
-    pub file: String,
-    pub rows: Vec<ChartValues>,
-}
-
-/// A row of such a file.
-#[derive(Debug, Serialize)]
-pub struct ChartValues {
-    panel: String,
-    series: String,
-    x: String,
-    value: f64,
-    low: Option<f64>,
-    high: Option<f64>,
-}
-
-impl From<ChartRow<'_>> for ChartValues {
-    fn from(row: ChartRow<'_>) -> Self {
-        let cell = |name: &str| spreadsheet_cell(name).into_owned();
-        Self {
-            panel: cell(row.panel),
-            series: cell(row.series),
-            x: cell(&row.x),
-            value: row.value,
-            low: row.interval.map(|(low, _)| low),
-            high: row.interval.map(|(_, high)| high),
-        }
-    }
-}
-
-fn values<'a>(rows: impl Iterator<Item = ChartRow<'a>>) -> Vec<ChartValues> {
-    rows.map(ChartValues::from).collect()
 }
 
 /// The figures of a report.
@@ -101,13 +63,13 @@ impl Figures {
                 ("cpu-time", bars("CPU time of a run by part", &CPU_PARTS, &panels, &collected.variants)),
             ];
             for (file, chart) in means {
-                figures.add(Section::Means, file, chart.draw(width), values(chart.rows()));
+                figures.add(Section::Means, chart.draw(width), ChartData::new(file, chart.rows()));
             }
             for &quantity in STATES.iter().chain(&MEASURES) {
                 match distribution(quantity, &panels, &collected.variants) {
                     Ok(chart) => {
                         let file = format!("distribution-{}", quantity.column());
-                        figures.add(Section::Distributions, &file, chart.draw(width), values(chart.rows()));
+                        figures.add(Section::Distributions, chart.draw(width), ChartData::new(&file, chart.rows()));
                     }
                     Err(sentence) => figures.constant.push(sentence),
                 }
@@ -116,7 +78,7 @@ impl Figures {
         figures.add_over_time(plan, states.unwrap_or(&[]), width);
         for SweepChart { file, what, chart } in sweep_charts(plan, &collected.variants) {
             if figures.admits(&what, chart.panels.len()) {
-                figures.add(Section::Sweeps, &file, chart.draw(width), values(chart.rows()));
+                figures.add(Section::Sweeps, chart.draw(width), ChartData::new(&file, chart.rows()));
             }
         }
         figures
@@ -128,17 +90,17 @@ impl Figures {
         let quantity = main_quantity(variants);
         if let Some(chart) = main_curves(plan, variants, quantity) {
             if self.admits("the answer", chart.panels.len()) {
-                self.add(Section::Answer, "answer", chart.draw(width), values(chart.rows()));
+                self.add(Section::Answer, chart.draw(width), ChartData::new("answer", chart.rows()));
             }
         } else if self.admits("the answer", panels.len()) {
-            let (drawn, rows) = match distribution(quantity, panels, variants) {
-                Ok(chart) => (chart.draw(width), values(chart.rows())),
+            let (drawn, data) = match distribution(quantity, panels, variants) {
+                Ok(chart) => (chart.draw(width), ChartData::new("answer", chart.rows())),
                 Err(_) => {
                     let chart = bars(&quantity.title(), &[quantity], panels, variants);
-                    (chart.draw(width), values(chart.rows()))
+                    (chart.draw(width), ChartData::new("answer", chart.rows()))
                 }
             };
-            self.add(Section::Answer, "answer", drawn, rows);
+            self.add(Section::Answer, drawn, data);
         }
     }
 
@@ -153,13 +115,13 @@ impl Figures {
     }
 
     /// Adds the sheets of a chart, of which those after the first have a number, and what it shows.
-    fn add(&mut self, section: Section, file: &str, sheets: Vec<Drawing>, rows: Vec<ChartValues>) {
-        let data = file.to_owned();
-        self.data.push(ChartData { file: data.clone(), rows });
+    fn add(&mut self, section: Section, sheets: Vec<Drawing>, data: ChartData) {
+        let name = data.file().to_owned();
         for (index, drawing) in sheets.into_iter().enumerate() {
-            let file = if index == 0 { file.to_owned() } else { format!("{file}-{}", index + 1) };
-            self.drawn.push(Figure { section, file, data: data.clone(), drawing });
+            let file = if index == 0 { name.clone() } else { format!("{name}-{}", index + 1) };
+            self.drawn.push(Figure { section, file, data: name.clone(), drawing });
         }
+        self.data.push(data);
     }
 
     /// Adds the states of each variant over time: a chart for each of a few variants, a panel for each of many.
@@ -182,11 +144,11 @@ impl Figures {
                 let (title, file) = (format!(": {}", panel.name), format!("over-time-{}", index + 1));
                 let alone = CurvePanel { name: String::new(), ..panel };
                 let chart = over_time(&title, vec![alone]);
-                self.add(Section::OverTime, &file, chart.draw(width), values(chart.rows()));
+                self.add(Section::OverTime, chart.draw(width), ChartData::new(&file, chart.rows()));
             }
         } else if self.admits("states over time", panels.len()) {
             let chart = over_time("", panels);
-            self.add(Section::OverTime, "over-time", chart.draw(width), values(chart.rows()));
+            self.add(Section::OverTime, chart.draw(width), ChartData::new("over-time", chart.rows()));
         }
     }
 }

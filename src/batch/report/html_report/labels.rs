@@ -49,6 +49,14 @@ impl Labels {
         labels
     }
 
+    /// Names things by the words of these lists, each of which has a word for each thing.
+    pub fn from_words(lists: Vec<Vec<String>>) -> Self {
+        let alone = lists.first().and_then(|words| words.first()).cloned().unwrap_or_default();
+        let dimension = |(place, words)| Dimension { key: Some(place), words, place };
+        let dimensions = lists.into_iter().enumerate().map(dimension).filter(Dimension::differs).collect();
+        Self { scenario: alone, dimensions }
+    }
+
     /// Numbers the variants if the same one is asked for twice.
     fn tell_all_apart(&mut self, variants: usize) {
         let all: Vec<usize> = (0..self.dimensions.len()).collect();

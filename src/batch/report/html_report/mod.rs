@@ -5,6 +5,7 @@
 //! bytes. Means have Student's 95 % intervals, as in the batch's tables; charts show the part of them that is possible.
 
 mod answer;
+mod chart_files;
 mod collected;
 mod facets;
 mod figures;
@@ -17,20 +18,22 @@ mod sweeps;
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::io;
+use std::path::PathBuf;
 
 use thiserror::Error;
 
+pub use chart_files::{ChartData, write_chart, write_chart_data, write_paper_chart};
+pub use facets::{Facet, FacetSeries, MOST_PANELS, word_facets};
 pub use notable::{NotableRun, notable_runs};
 
 use crate::batch::execute::{CHARTS_FOLDER, REPORT_FILE};
 use crate::batch::table::{FinishedBatch, FinishedError};
 use crate::picture::charts::{PaperSize, SCREEN_WIDTH};
 use crate::picture::unknown_letters;
-use crate::whole_file::WholeFile;
+use chart_files::{unwritable, write_whole};
 use collected::Collected;
-use figures::{ChartData, Figure, Figures};
+use figures::Figures;
 use over_time::StateCurves;
 
 /// The files of a report that was written.
@@ -94,13 +97,14 @@ pub fn write_report(batch: &FinishedBatch, parts: &ReportParts<'_>) -> Result<Wr
     let charts_folder = folder.join(CHARTS_FOLDER);
     fs::create_dir_all(&charts_folder).map_err(|source| unwritable(&charts_folder, source))?;
     for figure in &figures.drawn {
-        write_chart(&charts_folder, figure)?;
+        write_chart(&charts_folder, &figure.file, &figure.drawing)?;
     }
     for data in &figures.data {
-        write_data(&charts_folder, data)?;
+        write_chart_data(&charts_folder, data)?;
     }
     if paper.pdf || paper.pgf {
-        draw(paper.size.units()).drawn.iter().try_for_each(|figure| write_paper(&charts_folder, figure, paper))?;
+        let write = |figure: &figures::Figure| write_paper_chart(&charts_folder, &figure.file, &figure.drawing, paper);
+        draw(paper.size.units()).drawn.iter().try_for_each(write)?;
     }
     let page = folder.join(REPORT_FILE);
     write_whole(&page, page::page(batch, &collected, &figures, parts).to_html().as_bytes())?;
@@ -114,43 +118,4 @@ pub fn write_report(batch: &FinishedBatch, parts: &ReportParts<'_>) -> Result<Wr
         refused,
         unknown_letters: unknown.into_iter().collect(),
     })
-}
-
-fn write_chart(folder: &Path, figure: &Figure) -> Result<(), ReportError> {
-    write_whole(&folder.join(format!("{}.svg", figure.file)), figure.drawing.to_svg().as_bytes())?;
-    let path = folder.join(format!("{}.png", figure.file));
-    figure.drawing.paint().write_png(&path).map_err(|source| unwritable(&path, source))
-}
-
-fn write_data(folder: &Path, data: &ChartData) -> Result<(), ReportError> {
-    let path = folder.join(format!("{}.csv", data.file));
-    let write = || {
-        let mut table = csv::Writer::from_writer(WholeFile::create(&path)?);
-        data.rows.iter().try_for_each(|row| table.serialize(row))?;
-        table.into_inner().map_err(csv::IntoInnerError::into_error)?.finish()
-    };
-    write().map_err(|source| unwritable(&path, source))
-}
-
-fn write_paper(folder: &Path, figure: &Figure, paper: &PaperCharts) -> Result<(), ReportError> {
-    if paper.pdf {
-        write_whole(&folder.join(format!("{}.pdf", figure.file)), &figure.drawing.to_pdf(paper.size))?;
-    }
-    if paper.pgf {
-        write_whole(&folder.join(format!("{}.pgf", figure.file)), figure.drawing.to_pgf(paper.size).as_bytes())?;
-    }
-    Ok(())
-}
-
-fn write_whole(path: &Path, contents: &[u8]) -> Result<(), ReportError> {
-    let write = || {
-        let mut file = WholeFile::create(path)?;
-        file.write_all(contents)?;
-        file.finish()
-    };
-    write().map_err(|source| unwritable(path, source))
-}
-
-fn unwritable(path: &Path, source: io::Error) -> ReportError {
-    ReportError::Unwritable { path: path.to_owned(), source }
 }

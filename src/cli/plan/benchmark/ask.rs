@@ -1,0 +1,222 @@
+//! Asks every planner for every drive of a benchmark: of each variant with each seed, all of them the same.
+
+use std::num::NonZeroUsize;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
+
+use crate::batch::{BatchPlan, BatchRequest, PLANNER_KEY, RequestError, Seeds, Value, Variant};
+use crate::cli::context::CommandContext;
+use crate::cli::error::CliError;
+use crate::cli::plan::attempts::{Question, attempts};
+use crate::cli::plan::benchmark::queries::{MAX_QUERIES, Queries, Query};
+use crate::cli::plan::{PlanArguments, asked_planners};
+use crate::cli::terminal::Progress;
+use crate::input_file::is_standard_stream;
+use crate::planning::PlannerName;
+use crate::scenario::{Problem, ScenarioText};
+
+/// The variants, seeds and planners of a benchmark.
+pub struct Benchmark<'a> {
+    arguments: &'a PlanArguments,
+    context: &'a CommandContext,
+    pub text: ScenarioText,
+    pub plan: BatchPlan,
+    /// By variant.
+    pub planners: Vec<Vec<PlannerName>>,
+    /// Different values of what is swept, and which of them each variant has: variants may differ in the planner alone.
+    values: Vec<Vec<Value>>,
+    places: Vec<usize>,
+}
+
+/// A field with a start and goals that planners were asked for.
+#[derive(Debug)]
+pub struct AskedProblem {
+    /// Its place in the plan.
+    pub variant: usize,
+    pub seed: u64,
+    pub field: String,
+    pub goals: usize,
+}
+
+/// All answers.
+#[derive(Debug, Default)]
+pub struct Answers {
+    pub queries: Queries,
+    /// In the order of the queries.
+    pub problems: Vec<AskedProblem>,
+    /// What is wrong with paths: the place of the query, and the first violation.
+    pub violations: Vec<(usize, String)>,
+    /// What there is to say about failures besides their reasons, by the place of the query.
+    pub messages: Vec<(usize, String)>,
+}
+
+/// The answers of one variant with one seed, whose places are those in it.
+#[derive(Default)]
+struct Part {
+    rows: Vec<Query>,
+    problems: Vec<AskedProblem>,
+    violations: Vec<(usize, String)>,
+    messages: Vec<(usize, String)>,
+}
+
+impl<'a> Benchmark<'a> {
+    pub fn new(arguments: &'a PlanArguments, context: &'a CommandContext) -> Result<Self, CliError> {
+        if arguments.problems.fields.iter().any(|path| is_standard_stream(path)) {
+            let sentence =
+                "- is stdin, which can be read once; a benchmark reads its fields for every variant and seed";
+            return Err(CliError::bad_input(sentence, Some("write the field to a file first")));
+        }
+        let text = ScenarioText::open(&arguments.scenario)?;
+        let mut request = BatchRequest {
+            scenarios: vec![arguments.scenario.clone()],
+            texts: vec![text.clone()],
+            changes: context.with_own_names(&[]),
+            seeds: Some(seeds(arguments)?),
+            memory: Some(arguments.memory.limit()),
+            ..BatchRequest::default()
+        };
+        arguments.overrides.iter().try_for_each(|option| request.add_option(option)).map_err(RequestError::from)?;
+        let sweeps_planners = request.sweeps.iter().flat_map(|sweep| sweep.keys()).any(|key| key == PLANNER_KEY);
+        if sweeps_planners && !arguments.planners.is_empty() {
+            let sentence = format!("--planner and --set {PLANNER_KEY}= both name planners; expected one of them");
+            return Err(CliError::bad_input(sentence, Some("--planner asks all that it names for the same drives")));
+        }
+        let plan = request.resolve(true)?;
+        let planners: Vec<_> =
+            plan.variants.iter().map(|variant| asked_planners(arguments, &variant.scenario)).collect();
+        for (variant, asked) in plan.variants.iter().zip(&planners) {
+            context.expect_known_planners(&variant.scenario, asked)?;
+            context.expect_trusted_planners(&variant.scenario, asked)?;
+        }
+        let mut values: Vec<Vec<Value>> = Vec::new();
+        let mut place_of = |own: &Variant| {
+            let place = values.iter().position(|known| *known == own.swept).unwrap_or(values.len());
+            if place == values.len() {
+                values.push(own.swept.clone());
+            }
+            place
+        };
+        let places = plan.variants.iter().map(&mut place_of).collect();
+        Ok(Self { arguments, context, text, plan, planners, values, places })
+    }
+
+    /// Asks everybody for everything.
+    ///
+    /// # Errors
+    /// If a field cannot be made, before anybody is asked.
+    pub fn ask(&self) -> Result<Answers, CliError> {
+        self.check_size()?;
+        let parts = self.parts(self.arguments.jobs.map_or(1, NonZeroUsize::get))?;
+        let queries = Queries { keys: self.plan.swept_keys.clone(), variants: self.values.clone(), rows: Vec::new() };
+        let mut answers = Answers { queries, ..Answers::default() };
+        for part in parts {
+            let before = answers.queries.rows.len();
+            let placed = |(place, words): (usize, String)| (before + place, words);
+            answers.violations.extend(part.violations.into_iter().map(placed));
+            answers.messages.extend(part.messages.into_iter().map(placed));
+            answers.queries.rows.extend(part.rows);
+            answers.problems.extend(part.problems);
+        }
+        Ok(answers)
+    }
+
+    /// Makes every problem once, so that one that cannot be made is known before hours of work, and counts the queries.
+    fn check_size(&self) -> Result<(), CliError> {
+        let asked = self.planners.iter().map(Vec::len).sum::<usize>() as u64;
+        let least = self.arguments.problems.least_goals() as u64;
+        let mut queries = asked.saturating_mul(self.plan.seeds.count()).saturating_mul(least);
+        if queries <= MAX_QUERIES {
+            queries = 0;
+            for number in 1..=self.plan.count() {
+                if queries > MAX_QUERIES {
+                    break;
+                }
+                let goals: usize = self.problems(number)?.iter().map(|problem| problem.goals.len()).sum();
+                queries += goals as u64 * self.planners[self.variant(number)].len() as u64;
+            }
+        }
+        if queries > MAX_QUERIES {
+            let sentence = format!("{queries} queries or more are too many: a benchmark takes at most {MAX_QUERIES}");
+            return Err(CliError::bad_input(sentence, Some("ask for fewer seeds, variants, goals or planners")));
+        }
+        Ok(())
+    }
+
+    /// The index of the variant of a run of the plan.
+    fn variant(&self, number: u64) -> usize {
+        usize::try_from((number - 1) / self.plan.seeds.count()).expect("variants fit into memory")
+    }
+
+    fn problems(&self, number: u64) -> Result<Vec<Problem>, CliError> {
+        let run = self.plan.run(number);
+        let Variant { scenario, .. } = run.variant;
+        let problems = self.arguments.problems.load_with_seed(scenario, run.seed);
+        problems.map_err(|error| error.about(&self.name(number)))
+    }
+
+    fn name(&self, number: u64) -> String {
+        let run = self.plan.run(number);
+        format!("{}, seed {}", self.plan.title(run.variant), run.seed)
+    }
+
+    /// The answers in the order of the plan, whatever the number of threads.
+    fn parts(&self, jobs: usize) -> Result<Vec<Part>, CliError> {
+        let count = self.plan.count();
+        let (next, has_failed) = (AtomicU64::new(1), AtomicBool::new(false));
+        let done = Mutex::new(Vec::new());
+        let progress = Progress::new(count, "sets of drives", self.context.quiet);
+        let work = || {
+            loop {
+                let number = next.fetch_add(1, Ordering::Relaxed);
+                if number > count || has_failed.load(Ordering::Relaxed) {
+                    return;
+                }
+                let part = self.part(number);
+                has_failed.fetch_or(part.is_err(), Ordering::Relaxed);
+                done.lock().unwrap_or_else(PoisonError::into_inner).push((number, part));
+                progress.advance();
+            }
+        };
+        thread::scope(|scope| (0..jobs).for_each(|_| drop(scope.spawn(work))));
+        progress.end();
+        let mut done = done.into_inner().unwrap_or_else(PoisonError::into_inner);
+        done.sort_by_key(|(number, _)| *number);
+        done.into_iter().map(|(_, part)| part).collect()
+    }
+
+    fn part(&self, number: u64) -> Result<Part, CliError> {
+        let (run, index) = (self.plan.run(number), self.variant(number));
+        let Variant { scenario, .. } = run.variant;
+        // Programs start anew for each, as they would in a run.
+        let makers = self.context.planners_of(scenario, run.seed)?;
+        let (planners, limit) = (&self.planners[index], self.plan.memory);
+        let question = Question { planners, makers: &makers, programs: &scenario.planner, seed: run.seed, limit };
+        let mut part = Part::default();
+        for problem in self.problems(number)? {
+            let failed = |error| {
+                CliError::run_failed(format_args!("planning on the field {}: {error}", problem.name))
+                    .about(&self.name(number))
+            };
+            for attempt in attempts(&problem, &question).map_err(failed)? {
+                let place = part.rows.len();
+                part.rows.push(Query::new(&attempt, Some(run.seed), self.places[index]));
+                let violation = attempt.drive.ok().and_then(|drive| drive.violation);
+                part.violations.extend(violation.map(|violation| (place, violation)));
+                part.messages.extend(attempt.message.map(|message| (place, message)));
+            }
+            let (field, goals) = (problem.name, problem.goals.len());
+            part.problems.push(AskedProblem { variant: index, seed: run.seed, field, goals });
+        }
+        Ok(part)
+    }
+}
+
+fn seeds(arguments: &PlanArguments) -> Result<Seeds, CliError> {
+    match &arguments.seeds {
+        Some(seeds) => seeds.seeds(),
+        None => {
+            Ok(Seeds::from_parts([arguments.problems.seed.to_string().as_str()].into_iter()).expect("a seed is one"))
+        }
+    }
+}

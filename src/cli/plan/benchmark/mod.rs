@@ -1,0 +1,238 @@
+//! Benchmarks of drives: `wildfire plan` with several seeds, or with keys that take several values; and
+//! `wildfire plan report`, which draws what such a benchmark found.
+//!
+//! Shares of queries that found a drive have Wilson's interval. Medians have that of two order statistics, which holds
+//! whatever the distribution (Conover, "Practical nonparametric statistics", 1999, section 3.2).
+
+mod ask;
+mod charts;
+mod page;
+mod queries;
+mod report;
+mod summary;
+
+pub use queries::Query;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+
+use super::PlanArguments;
+use super::ompl::{OmplLog, OmplPlanner, OmplRun, Started, program_limit_s};
+use super::report::planner_settings;
+use crate::batch::{BatchRequest, RequestError};
+use crate::cli::args::PaperArguments;
+use crate::cli::context::CommandContext;
+use crate::cli::error::{CliError, exit};
+use crate::cli::output_files::{self, Files, Format, Words};
+use crate::cli::report::FormArguments;
+use crate::cli::terminal;
+use crate::document::Document;
+use crate::input_file::is_standard_stream;
+use crate::scenario::LoadedScenario;
+use ask::{Answers, Benchmark};
+use page::{charts_folder_of, write_page};
+use queries::Queries;
+use report::BenchmarkReport;
+use summary::Group;
+
+/// The files of a folder that `--report` fills.
+const QUERIES_FILE: &str = "queries.csv";
+const PAGE_FILE: &str = "report.html";
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  wildfire plan --seeds 1..30 --planner all --csv drives.csv
+  wildfire plan report drives.csv --out drives.html
+  wildfire plan report bench --pdf --width-mm 88")]
+pub struct PlanReportArguments {
+    /// A table that `wildfire plan --csv` wrote, or a folder that `--report` filled.
+    #[arg(value_name = "FILE.csv|DIR")]
+    pub source: PathBuf,
+    /// The page [default: FILE.html beside the table, or report.html in the folder]; its charts are in a folder beside it.
+    #[arg(short, long, value_name = "FILE.html")]
+    pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub paper: PaperArguments,
+}
+
+/// Says whether the arguments ask for several seeds or variants, or for a report on them.
+pub fn is_meant(arguments: &PlanArguments) -> Result<bool, CliError> {
+    let mut request = BatchRequest::default();
+    arguments.overrides.iter().try_for_each(|option| request.add_option(option)).map_err(RequestError::from)?;
+    Ok(arguments.seeds.is_some() || arguments.report.is_some() || !request.sweeps.is_empty())
+}
+
+pub fn run(arguments: &PlanArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
+    let benchmark = begin(arguments, context)?;
+    let words = files(arguments).check()?;
+    arguments.report.as_deref().map_or(Ok(()), check_folder)?;
+    let started = arguments.ompl.as_ref().map(|_| Started::now()).transpose()?;
+    let report = asked(arguments, &benchmark)?;
+    let printed = words.print(&arguments.form.render(&report));
+    // Whatever cannot be written, all else is kept.
+    let log = |path: &Path| ompl_log(&benchmark, &report, started)?.write(path);
+    let written = output_files::write_all(
+        &[(arguments.csv.as_deref(), &|path| report.queries.write(path)), (arguments.ompl.as_deref(), &log)],
+        context.quiet,
+    );
+    let filled = arguments.report.as_deref().map_or(Ok(()), |folder| fill_folder(folder, &report, context.quiet));
+    printed.and(written).and(filled)?;
+    let is_clean = report.violations.is_empty();
+    Ok(if is_clean { ExitCode::SUCCESS } else { ExitCode::from(exit::VIOLATION) })
+}
+
+/// Returns the report as an object, and writes nothing.
+pub fn object(arguments: &PlanArguments, context: &CommandContext) -> Result<String, CliError> {
+    let report = asked(arguments, &begin(arguments, context)?)?;
+    Ok(FormArguments { json: true, ..FormArguments::default() }.render(&report))
+}
+
+fn begin<'a>(arguments: &'a PlanArguments, context: &'a CommandContext) -> Result<Benchmark<'a>, CliError> {
+    let asked_for =
+        [("--paths", arguments.paths.is_some()), ("--png", arguments.png.is_some()), ("--repeat", arguments.repeat)];
+    if let Some((option, _)) = asked_for.into_iter().find(|(_, is_asked)| *is_asked) {
+        let sentence = format!("{option} is of one variant and one seed; expected --seed, and one value of each key");
+        return Err(CliError::bad_input(sentence, Some("leave it out, or ask for the drives of one field again")));
+    }
+    Benchmark::new(arguments, context)
+}
+
+fn asked<'a>(arguments: &'a PlanArguments, benchmark: &Benchmark<'_>) -> Result<BenchmarkReport<'a>, CliError> {
+    let Answers { queries, problems, violations, messages } = benchmark.ask()?;
+    Ok(BenchmarkReport {
+        scenario: benchmark.plan.variants[0].scenario.name.clone(),
+        changes: &arguments.overrides,
+        seeds: benchmark.plan.seeds.to_string(),
+        groups: Group::all(&queries),
+        queries,
+        problems,
+        violations,
+        messages,
+    })
+}
+
+fn files(arguments: &PlanArguments) -> Files<'_> {
+    let inputs =
+        arguments.problems.fields.iter().map(PathBuf::as_path).chain([Path::new(&arguments.scenario)]).collect();
+    let outputs = [(Format::Csv, &arguments.csv), (Format::OmplLog, &arguments.ompl)];
+    Files { inputs, form: arguments.form, ..Files::default() }.writing(outputs)
+}
+
+/// Refuses a name that is taken by something else than a folder.
+fn check_folder(folder: &Path) -> Result<(), CliError> {
+    if fs::metadata(folder).is_ok_and(|found| !found.is_dir()) {
+        return Err(CliError::bad_input(format_args!("{} is a file; expected a folder", folder.display()), None));
+    }
+    Ok(())
+}
+
+fn fill_folder(folder: &Path, report: &BenchmarkReport<'_>, quiet: bool) -> Result<(), CliError> {
+    fs::create_dir_all(folder).map_err(|error| CliError::unwritable(folder, &error))?;
+    let table = folder.join(QUERIES_FILE);
+    output_files::write_all(&[(Some(&table), &|path| report.queries.write(path))], quiet)?;
+    let page = folder.join(PAGE_FILE);
+    let written = write_page(&report.queries, &title_of(folder), &page, &PaperArguments::default().charts())?;
+    output_files::note_written(&page, quiet);
+    terminal::note_unknown_letters(written.texts.iter().map(String::as_str), quiet);
+    Ok(())
+}
+
+fn title_of(source: &Path) -> String {
+    let name = fs::canonicalize(source).ok();
+    let name = name.as_deref().unwrap_or(source).file_name().unwrap_or_default();
+    format!("Drives: {}", name.to_string_lossy())
+}
+
+/// The log of all queries: every planner of every variant is one of its own, with the variant's values among its
+/// settings.
+fn ompl_log<'a>(
+    benchmark: &'a Benchmark<'_>,
+    report: &'a BenchmarkReport<'_>,
+    started: Option<Started>,
+) -> std::io::Result<OmplLog<'a>> {
+    let plan = &benchmark.plan;
+    let title = |variant: usize| {
+        let values = plan.swept_keys.iter().zip(&plan.variants[variant].swept);
+        values.map(|(key, value)| format!(", {key} {value}")).collect::<String>()
+    };
+    let problem = |it: &ask::AskedProblem| {
+        format!("field {}, seed {}{}, {} goals", it.field, it.seed, title(it.variant), it.goals)
+    };
+    let mut planners = Vec::new();
+    for (variant, asked) in benchmark.planners.iter().enumerate() {
+        let changes = &plan.variants[variant].changes;
+        // It was loaded from the same text before.
+        let loaded = LoadedScenario::from_text(&benchmark.text, changes).map_err(std::io::Error::other)?;
+        for planner in asked {
+            let own = &plan.variants[variant];
+            let swept = plan.swept_keys.iter().cloned().zip(own.swept.iter().map(ToString::to_string));
+            let settings = planner_settings(planner, &loaded);
+            let settings =
+                swept.filter(|(key, _)| settings.iter().all(|(own, _)| own != key)).chain(settings.clone()).collect();
+            planners.push((variant, OmplPlanner { name: planner.name(), settings, runs: Vec::new() }));
+        }
+    }
+    let mut place = 0;
+    for (number, asked) in report.problems.iter().enumerate() {
+        let count = asked.goals * benchmark.planners[asked.variant].len();
+        for (index, query) in report.queries.rows[place..place + count].iter().enumerate() {
+            let has_violation = report.violations.binary_search_by_key(&(place + index), |(at, _)| *at).is_ok();
+            let own =
+                planners.iter_mut().find(|(variant, own)| *variant == asked.variant && *own.name == *query.planner);
+            let run = OmplRun { problem: number, seed: asked.seed, query: query.clone(), has_violation };
+            own.expect("it is one of those asked").1.runs.push(run);
+        }
+        place += count;
+    }
+    let programs = plan.variants.iter().zip(&benchmark.planners);
+    Ok(OmplLog {
+        scenario: &report.scenario,
+        seed: plan.seeds.nth(0),
+        started,
+        memory: plan.memory,
+        program_limit_s: programs
+            .map(|(variant, asked)| program_limit_s(asked, &variant.scenario.planner))
+            .fold(0.0, f64::max),
+        problems: report.problems.iter().map(problem).collect(),
+        planners: planners.into_iter().map(|(_, planner)| planner).collect(),
+    })
+}
+
+/// Writes the page of a table of queries.
+pub fn report(arguments: &PlanReportArguments, quiet: bool) -> Result<ExitCode, CliError> {
+    let source = &arguments.source;
+    let is_folder = fs::metadata(source).is_ok_and(|found| found.is_dir());
+    let table = if is_folder { source.join(QUERIES_FILE) } else { source.clone() };
+    let page = match &arguments.out {
+        Some(page) => page.clone(),
+        None if is_folder => source.join(PAGE_FILE),
+        None if is_standard_stream(source) => {
+            return Err(CliError::bad_input(
+                "- is stdin, beside which there is no page; expected --out FILE.html",
+                None,
+            ));
+        }
+        None => source.with_extension("html"),
+    };
+    if is_standard_stream(&page) {
+        let sentence = "- is stdout, beside which there is no folder for charts; expected a name that ends in .html";
+        return Err(CliError::bad_input(sentence, None));
+    }
+    let files = Files { inputs: vec![&table], outputs: vec![(Format::Html, &page)], ..Files::default() };
+    let words: Words = files.check()?;
+    check_folder(&charts_folder_of(&page))?;
+    let queries = Queries::read(&table)?;
+    let paper = arguments.paper.charts();
+    let written = write_page(&queries, &title_of(source), &page, &paper)?;
+    let (shown, charts) = (page.display(), written.charts_folder.display());
+    let forms = arguments.paper.forms();
+    let mut document = Document::new(format!("{shown}, and {} charts as {forms} in {charts}", written.charts));
+    document.add_list(written.refused);
+    words.print(&document.to_text())?;
+    terminal::note_unknown_letters(written.texts.iter().map(String::as_str), quiet);
+    Ok(ExitCode::SUCCESS)
+}

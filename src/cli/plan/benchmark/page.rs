@@ -1,0 +1,117 @@
+//! The page of a benchmark, which needs no other file, and its charts as files beside it.
+
+use std::ffi::OsString;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use crate::batch::{PROGRAM_VERSION, PaperCharts, ReportError, write_chart, write_chart_data, write_paper_chart};
+use crate::cli::error::CliError;
+use crate::cli::plan::benchmark::charts::{ChartSheet, Charts};
+use crate::cli::plan::benchmark::queries::Queries;
+use crate::cli::plan::benchmark::report::{legend, tables};
+use crate::cli::plan::benchmark::summary::Group;
+use crate::document::number::count;
+use crate::document::{Block, Document, Figure};
+use crate::picture::charts::SCREEN_WIDTH;
+use crate::whole_file::WholeFile;
+
+/// The page that was written.
+#[derive(Debug)]
+pub struct WrittenPage {
+    pub charts_folder: PathBuf,
+    pub charts: usize,
+    /// Charts that are not drawn: a sentence for each.
+    pub refused: Vec<String>,
+    /// All text in charts.
+    pub texts: Vec<String>,
+}
+
+/// Returns the folder of a page's charts: `report-charts` of `report.html`.
+pub fn charts_folder_of(page: &Path) -> PathBuf {
+    let mut name = page.file_stem().map_or_else(|| OsString::from("report"), OsString::from);
+    name.push("-charts");
+    page.with_file_name(name)
+}
+
+/// Writes the page and its charts. The same queries give the same bytes.
+pub fn write_page(queries: &Queries, title: &str, page: &Path, paper: &PaperCharts) -> Result<WrittenPage, CliError> {
+    let groups = Group::all(queries);
+    let charts = Charts::new(queries, &groups, SCREEN_WIDTH);
+    let folder = charts_folder_of(page);
+    fs::create_dir_all(&folder).map_err(|error| CliError::unwritable(&folder, &error))?;
+    let write = |sheet: &ChartSheet| write_chart(&folder, &sheet.file, &sheet.drawing);
+    let sheets = || charts.boxes.iter().chain(&charts.curves);
+    sheets().try_for_each(write).map_err(from_report_error)?;
+    charts.data.iter().try_for_each(|data| write_chart_data(&folder, data)).map_err(from_report_error)?;
+    if paper.pdf || paper.pgf {
+        let on_paper = Charts::new(queries, &groups, paper.size.units());
+        let write = |sheet: &ChartSheet| write_paper_chart(&folder, &sheet.file, &sheet.drawing, paper);
+        on_paper.boxes.iter().chain(&on_paper.curves).try_for_each(write).map_err(from_report_error)?;
+    }
+    let html = document(queries, &groups, &charts, title, &folder).to_html();
+    let write = || {
+        let mut file = WholeFile::create(page)?;
+        file.write_all(html.as_bytes())?;
+        file.finish()
+    };
+    write().map_err(|error| CliError::unwritable(page, &error))?;
+    let texts = sheets().flat_map(|sheet| sheet.drawing.texts()).map(str::to_owned).collect();
+    let drawn = sheets().count();
+    Ok(WrittenPage { charts_folder: folder, charts: drawn, refused: charts.refused, texts })
+}
+
+fn from_report_error(error: ReportError) -> CliError {
+    match error {
+        ReportError::Unwritable { path, source } => CliError::unwritable(&path, &source),
+        other => CliError::bad_input(other, None),
+    }
+}
+
+fn document(queries: &Queries, groups: &[Group], charts: &Charts, title: &str, folder: &Path) -> Document {
+    let mut seeds: Vec<u64> = queries.rows.iter().filter_map(|query| query.seed).collect();
+    seeds.sort_unstable();
+    seeds.dedup();
+    let mut words = vec![
+        count(queries.planners().len(), "planner"),
+        count(queries.variants.len(), "variant"),
+        count(seeds.len(), "seed"),
+    ];
+    // A table without seeds has no number of them.
+    words.retain(|word| word != "0 seeds");
+    let rows = queries.rows.len();
+    let summary = format!("{}: {rows} queries. wildfire {PROGRAM_VERSION}.", words.join(", "));
+    let figures = |sheets: &[ChartSheet]| -> Vec<Block> {
+        let name = folder.file_name().unwrap_or_default().to_string_lossy();
+        let block = |sheet: &ChartSheet| {
+            Block::Figure(Figure { svg: sheet.drawing.to_svg(), file: format!("{name}/{}", sheet.file) })
+        };
+        sheets.iter().map(block).collect()
+    };
+    let mut tables = tables(queries, groups);
+    tables.push(Block::List(legend()));
+    let sections = [
+        ("Tables", tables),
+        ("Boxes", figures(&charts.boxes)),
+        ("Medians over what is swept", figures(&charts.curves)),
+        ("Charts that are not drawn", charts.refused.iter().cloned().map(Block::Text).collect()),
+        ("How to read it", vec![Block::List(notes())]),
+    ];
+    let mut document = Document::new(title).with([Block::Text(summary)]);
+    for (heading, blocks) in sections {
+        if !blocks.is_empty() {
+            document = document.with([Block::Heading(heading.into())]).with(blocks);
+        }
+    }
+    document
+}
+
+fn notes() -> Vec<String> {
+    let lines = [
+        "All planners were asked for the same drives: of each variant and seed one field, start and goals.",
+        "Intervals take queries as independent. Goals on one field have its bushes in common: one goal for each seed \
+         (--goals 1) is safe.",
+        "CPU times differ from machine to machine, and a little from run to run; nothing else does.",
+    ];
+    lines.map(str::to_owned).to_vec()
+}
