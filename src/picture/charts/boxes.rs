@@ -87,7 +87,8 @@ impl BoxChart {
             let heights: Vec<f32> = panels.iter().map(|panel| ROW * panel.boxes.len().max(1) as f32).collect();
             let is_alone = panels[0].name.is_empty();
             let height = if is_alone { heights[0] } else { grid.height(&heights) };
-            let layout = SheetLayout { titles: &titles, swatch: Swatch::Bar, key: Vec::new(), width, left, height };
+            let key = Vec::new();
+            let layout = SheetLayout { titles: &titles, swatch: Swatch::Bar, key, width, left, right: 0.0, height };
             let (mut drawing, plot) = layout.draw();
             let parts = if is_alone { vec![plot] } else { grid.parts(&plot, &heights) };
             for (panel, part) in panels.iter().zip(&parts) {

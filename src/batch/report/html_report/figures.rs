@@ -10,7 +10,7 @@ use super::sweeps::{SweepChart, interval_note, main_curves, sweep_charts};
 use crate::batch::plan::BatchPlan;
 use crate::document::number::short;
 use crate::picture::charts::{
-    BarChart, BarPanel, BarSeries, ChartRow, Curve, CurveChart, CurvePanel, Drawing, STYLES, Spread, Strip, StripChart,
+    BarChart, BarPanel, BarSeries, Curve, CurveChart, CurvePanel, Drawing, STYLES, Spread, Strip, StripChart,
     StripPanel, Style, Titles,
 };
 use crate::stats::quantile;

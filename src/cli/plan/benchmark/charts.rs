@@ -11,6 +11,8 @@ use crate::picture::charts::{
 #[derive(Debug)]
 pub struct ChartSheet {
     pub file: String,
+    /// The name of the file of the chart's data, which all of its sheets share.
+    pub data: String,
     pub drawing: Drawing,
 }
 
@@ -66,9 +68,8 @@ impl Charts {
 /// Names the sheets of a chart, those after the first with a number.
 fn sheets(file: &str, drawings: Vec<Drawing>) -> impl Iterator<Item = ChartSheet> {
     let name = |index| if index == 0 { file.to_owned() } else { format!("{file}-{}", index + 1) };
-    let sheets: Vec<ChartSheet> =
-        drawings.into_iter().enumerate().map(|(index, drawing)| ChartSheet { file: name(index), drawing }).collect();
-    sheets.into_iter()
+    let sheet = |(index, drawing)| ChartSheet { file: name(index), data: file.to_owned(), drawing };
+    drawings.into_iter().enumerate().map(sheet).collect::<Vec<_>>().into_iter()
 }
 
 /// The words that tell groups apart: planners, then the values of each key.

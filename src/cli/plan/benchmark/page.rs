@@ -84,7 +84,11 @@ fn document(queries: &Queries, groups: &[Group], charts: &Charts, title: &str, f
     let figures = |sheets: &[ChartSheet]| -> Vec<Block> {
         let name = folder.file_name().unwrap_or_default().to_string_lossy();
         let block = |sheet: &ChartSheet| {
-            Block::Figure(Figure { svg: sheet.drawing.to_svg(), file: format!("{name}/{}", sheet.file) })
+            Block::Figure(Figure {
+                svg: sheet.drawing.to_svg(),
+                file: Some(format!("{name}/{}", sheet.file)),
+                more_files: vec![format!("{name}/{}.csv", sheet.data)],
+            })
         };
         sheets.iter().map(block).collect()
     };
@@ -97,7 +101,7 @@ fn document(queries: &Queries, groups: &[Group], charts: &Charts, title: &str, f
         ("Charts that are not drawn", charts.refused.iter().cloned().map(Block::Text).collect()),
         ("How to read it", vec![Block::List(notes())]),
     ];
-    let mut document = Document::new(title).with([Block::Text(summary)]);
+    let mut document = Document::new(title).with([Block::Text(summary), Block::Contents]);
     for (heading, blocks) in sections {
         if !blocks.is_empty() {
             document = document.with([Block::Heading(heading.into())]).with(blocks);
