@@ -9,7 +9,7 @@ const ROUNDING: f64 = 1e-9;
 /// The most digits of a number that are shown.
 const MOST_DIGITS: i32 = 6;
 /// The most characters of a chosen value that is written as it is.
-const LONGEST: usize = 9;
+const LONGEST: usize = 8;
 
 /// A round value and how it is written.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,7 +47,7 @@ fn ends(low: f64, high: f64) -> Vec<Tick> {
 /// A tick at a value that somebody chose, written as it is if that is short.
 pub fn tick_at(value: f64) -> Tick {
     let is_short = |label: &String| label.len() <= LONGEST;
-    let written = [format!("{value}"), format!("{value:e}")].into_iter().find(is_short);
+    let written = [format!("{}", value + 0.0), format!("{value:e}")].into_iter().find(is_short);
     Tick { value, label: written.unwrap_or_else(|| shortest(value)) }
 }
 
@@ -161,7 +161,7 @@ mod tests {
     #[test]
     fn chosen_values_are_written_as_they_are() {
         for (value, label) in
-            [(0.05, "0.05"), (12345.0, "12345"), (-0.0, "-0"), (1e300, "1e300"), (1.0 / 3.0, "0.3333"), (1e-7, "1e-7")]
+            [(0.05, "0.05"), (12345.0, "12345"), (-0.0, "0"), (1e300, "1e300"), (1.0 / 3.0, "0.3333"), (1e-7, "1e-7")]
         {
             assert_eq!(tick_at(value), Tick { value, label: label.into() });
         }

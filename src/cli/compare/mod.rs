@@ -104,7 +104,7 @@ pub fn run(arguments: &CompareArguments, quiet: bool) -> Result<ExitCode, CliErr
             write_all(&[(arguments.csv.as_deref(), &|path| table::write(path, &comparison))], quiet)?;
         }
         (Some(Published::Report), [batch]) => {
-            words.print(&form.render(&BesideReport::from_batch(batch, &selection)?))?
+            words.print(&form.render(&BesideReport::from_batch(batch, &selection)?))?;
         }
         (Some(_), several) => {
             let sentence = format!("{} batches; expected a single one beside the report", several.len());
