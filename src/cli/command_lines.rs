@@ -47,7 +47,8 @@ pub fn drawn_words(case: &mut Case<'_>, names: &[&str]) -> Vec<String> {
         command = command.find_subcommand(name).expect("it is a command");
     }
     let mut words = Vec::new();
-    while command.has_subcommands() {
+    // Some commands do something by themselves too.
+    while command.has_subcommands() && (command.is_subcommand_required_set() || case.chance(30)) {
         let commands: Vec<&ClapCommand> = command.get_subcommands().collect();
         command = *one_of(&mut case.dice, &commands);
         words.push(command.get_name().to_owned());

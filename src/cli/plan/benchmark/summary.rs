@@ -226,7 +226,7 @@ pub mod tests {
         // 40 numbers from 0 to 39 in steps of 1: the interval is the 14th and the 27th of them.
         let cpu = groups[0].median(&CPU_QUERY).expect("there are numbers");
         assert!((cpu.value - 19.5e-3).abs() < 1e-12);
-        assert_eq!(cpu.interval, Some((13e-3, 26e-3)));
+        assert_eq!(cpu.interval, Some((1e-3 * 13.0, 1e-3 * 26.0)));
         assert_eq!(groups[0].quartiles(&EXPANSIONS), Some([9.75, 19.5, 29.25]));
         let share = groups[1].solved_share();
         assert_eq!(share.value, 0.75);

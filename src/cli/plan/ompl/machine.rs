@@ -22,8 +22,8 @@ pub fn hardware() -> Vec<String> {
 /// Finds the model of the first processor in Linux's list.
 fn cpu_model(text: &str) -> Option<&str> {
     let values = text.lines().filter_map(|line| line.split_once(':'));
-    let model = values.filter(|(name, _)| name.trim() == "model name").map(|(_, value)| value.trim());
-    model.filter(|value| !value.is_empty()).next()
+    let mut models = values.filter(|(name, _)| name.trim() == "model name").map(|(_, value)| value.trim());
+    models.find(|value| !value.is_empty())
 }
 
 #[cfg(test)]
