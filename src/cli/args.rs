@@ -6,6 +6,7 @@ use std::{env, thread};
 use clap::Args;
 
 use crate::batch::PaperCharts;
+use crate::cli::error::CliError;
 use crate::cli::numbers;
 use crate::picture::charts::PaperSize;
 use crate::planning::{NameError, PlannerName};
@@ -129,9 +130,17 @@ impl Default for PaperArguments {
 }
 
 impl PaperArguments {
-    pub fn charts(&self) -> PaperCharts {
-        let size = PaperSize { width_mm: self.width_mm, font_pt: self.font_pt };
-        PaperCharts { size, pdf: self.pdf, pgf: self.pgf }
+    /// # Errors
+    /// If letters of this size have no room on this width.
+    pub fn charts(&self) -> Result<PaperCharts, CliError> {
+        let Self { pdf, pgf, width_mm, font_pt } = *self;
+        let least = PaperSize::least_width_mm(font_pt).ceil();
+        if (pdf || pgf) && width_mm < least {
+            let sentence =
+                format!("--width-mm {width_mm} has no room for letters of {font_pt} pt; expected at least {least}");
+            return Err(CliError::bad_input(sentence, Some("--font-pt makes them smaller")));
+        }
+        Ok(PaperCharts { size: PaperSize { width_mm, font_pt }, pdf, pgf })
     }
 
     /// Names the forms in which charts are written.

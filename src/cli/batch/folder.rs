@@ -239,11 +239,12 @@ fn ranges_of(numbers: &[u64]) -> String {
 /// Writes the page on a batch, and its charts.
 pub fn report(arguments: &ReportArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     let quiet = context.quiet;
+    let paper = arguments.paper.charts()?;
     let batch = FinishedBatch::open(&arguments.folder)?;
     let playing = if arguments.pages { notable_runs(&batch).map_err(report_error)? } else { Vec::new() };
     let views = write_pages(&batch, &playing, context)?;
     let field = median_field(&batch, &playing, &views, context)?;
-    let parts = ReportParts { playing: &playing, field, paper: arguments.paper.charts() };
+    let parts = ReportParts { playing: &playing, field, paper };
     let written = write_report(&batch, &parts).map_err(report_error)?;
     let (page, charts) = (written.page.display(), written.charts_folder.display());
     let forms = arguments.paper.forms();

@@ -3,7 +3,7 @@
 use crate::picture::canvas::Point;
 use crate::picture::charts::drawing::Drawing;
 use crate::picture::charts::sheet::{
-    AxisScale, LABEL, PanelGrid, Plot, SheetLayout, Swatch, distinct, draw_panel_name, fitted, numbered, sheets,
+    AxisScale, LABEL, PanelGrid, Plot, SheetLayout, Swatch, distinct, draw_panel_name, lines, numbered, sheets,
     width_of,
 };
 use crate::picture::charts::style::Style;
@@ -68,10 +68,12 @@ impl BarChart {
         let bars = self.panels.iter().flat_map(|panel| &panel.series).flat_map(|series| series.bars.iter().flatten());
         let scale = AxisScale::around(bars.map(Estimate::range)).with_zero();
         let sheets = sheets(&self.panels, |panel| &panel.name, PANELS);
+        let names = self.names(self.room(width - SheetLayout::margins() - LEFT) - NAME_GAP);
         let sheet = |(index, panels): (usize, &&[BarPanel])| {
             let series = panels.iter().flat_map(|panel| &panel.series);
             let key = distinct(series.map(|series| (series.style, series.name.as_str())));
             let titles = numbered(&self.titles, index, sheets.len());
+            let titles = Titles { x: names.key.clone().unwrap_or_else(|| titles.x.clone()), ..titles };
             let heights = vec![PANEL_HEIGHT; panels.len()];
             let is_alone = panels[0].name.is_empty();
             let height = if is_alone { HEIGHT } else { GRID.height(&heights) };
@@ -79,23 +81,46 @@ impl BarChart {
                 SheetLayout { titles: &titles, swatch: Swatch::Bar, key, width, left: LEFT, right: 0.0, height }.draw();
             let parts = if is_alone { vec![plot] } else { GRID.parts(&plot, &heights) };
             for (panel, part) in panels.iter().zip(&parts) {
-                self.draw_panel(&mut drawing, part, scale, panel);
+                self.draw_panel(&mut drawing, part, scale, (panel, &names));
             }
             drawing
         };
         sheets.iter().enumerate().map(sheet).collect()
     }
 
-    fn draw_panel(&self, drawing: &mut Drawing, plot: &Plot, scale: AxisScale, panel: &BarPanel) {
+    /// The room of a group on a plot of this width.
+    fn room(&self, width: f32) -> f32 {
+        width / self.groups.len().max(1) as f32
+    }
+
+    /// Names the groups in lines of this width: in words if these fit, else in numbers with a key.
+    fn names(&self, room: f32) -> GroupNames {
+        let lines: Vec<Vec<String>> = self.groups.iter().map(|name| lines(name, room, LABEL)).collect();
+        let fits = |(name, lines): (&String, &Vec<String>)| lines.len() <= NAME_LINES && lines.join(" ") == *name;
+        if self.groups.iter().zip(&lines).all(fits) {
+            return GroupNames { lines, key: None };
+        }
+        let key = self.groups.iter().zip(1..).map(|(name, number): (_, usize)| format!("{number}: {name}"));
+        let key = key.collect::<Vec<_>>().join(", ");
+        GroupNames { lines: (1..=self.groups.len()).map(|number| vec![number.to_string()]).collect(), key: Some(key) }
+    }
+
+    fn draw_panel(
+        &self,
+        drawing: &mut Drawing,
+        plot: &Plot,
+        scale: AxisScale,
+        (panel, names): (&BarPanel, &GroupNames),
+    ) {
         draw_panel_name(drawing, plot, &panel.name);
         plot.draw_y_axis(drawing, scale);
-        let room = (plot.right - plot.left) / self.groups.len().max(1) as f32;
+        let room = self.room(plot.right - plot.left);
         let count = panel.series.len().max(1) as f32;
         let width = (room * BARS / count).min(WIDEST);
         let bars = panel.series.iter().flat_map(|series| series.bars.iter().flatten());
         let numbers = bars.map(|bar| short_number(bar.value));
         let has_numbers = numbers.map(|number| width_of(&number, LABEL)).fold(0.0, f32::max) < width;
-        for (group, name) in self.groups.iter().enumerate() {
+        for (group, name) in names.lines.iter().enumerate() {
             let centre = plot.left + (group as f32 + 0.5) * room;
             for (index, series) in panel.series.iter().enumerate() {
                 let left = centre + (index as f32 - count / 2.0) * width;
@@ -107,7 +132,7 @@ impl BarChart {
                     }
                 }
             }
-            draw_name(drawing, name, (centre, plot.bottom), room - 6.0);
+            draw_name(drawing, name, (centre, plot.bottom));
         }
         plot.draw_base(drawing);
     }
@@ -135,13 +160,21 @@ fn draw_bar(
     top
 }
 
-/// A group's name in one line, or in two where it is too long.
-fn draw_name(drawing: &mut Drawing, name: &str, (x, y): Point, room: f32) {
-    let is_long = width_of(name, LABEL) > room;
-    let (first, second) = if is_long { name.split_once(' ').unwrap_or((name, "")) } else { (name, "") };
-    for (index, line) in [first, second].into_iter().filter(|line| !line.is_empty()).enumerate() {
+/// What stands below the groups.
+struct GroupNames {
+    lines: Vec<Vec<String>>,
+    /// What numbers stand for, where there is no room for the names.
+    key: Option<String>,
+}
+
+/// The most lines of a group's name, and units between two names.
+const NAME_LINES: usize = 2;
+const NAME_GAP: f32 = 6.0;
+
+fn draw_name(drawing: &mut Drawing, lines: &[String], (x, y): Point) {
+    for (index, line) in lines.iter().enumerate() {
         let base = y + 9.0 + LABEL + index as f32 * (LABEL + 5.0);
-        drawing.text(&fitted(line, room, LABEL), (x, base), Align::Centre, LABEL, INK);
+        drawing.text(line, (x, base), Align::Centre, LABEL, INK);
     }
 }
 
@@ -193,6 +226,25 @@ mod tests {
             .collect();
         assert_eq!(heights.len(), 2);
         assert!((heights[0] - 2.0 * heights[1]).abs() < 0.01, "{heights:?}");
+    }
+
+    #[test]
+    fn names_that_have_no_room_are_numbers_with_a_key() {
+        let groups = ["Clearance field", "Sampling", "Connecting", "Roadmap search", "Local search", "Reachability"];
+        let series = vec![BarSeries { name: "one".into(), style: STYLES[0], bars: vec![None; groups.len()] }];
+        let chart = BarChart {
+            titles: Titles {
+                title: "CPU time of a run by part, in words that take several lines".into(),
+                ..Titles::default()
+            },
+            groups: groups.map(str::to_owned).to_vec(),
+            panels: vec![BarPanel { name: String::new(), series }],
+        };
+        let texts = |width| chart.draw(width)[0].texts().map(str::to_owned).collect::<Vec<_>>();
+        assert!(texts(SCREEN_WIDTH).contains(&"Sampling".to_owned()));
+        let narrow = texts(300.0);
+        assert!(narrow.contains(&"6".to_owned()) && narrow.join(" ").contains("6: Reachability"), "{narrow:?}");
+        assert!(narrow.iter().all(|text| !text.contains("...")), "{narrow:?}");
     }
 
     #[test]

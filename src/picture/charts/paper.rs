@@ -24,7 +24,15 @@ pub struct PaperSize {
 
 const POINTS_PER_MM: f32 = 72.0 / 25.4;
 
+/// The narrowest sheets, in units: room for two ticks, and for words in lines.
+const NARROWEST: f32 = 240.0;
+
 impl PaperSize {
+    /// Returns the least width in millimetres of charts with letters of this size.
+    pub fn least_width_mm(font_pt: f32) -> f32 {
+        NARROWEST * Self { width_mm: 1.0, font_pt }.points_per_unit() / POINTS_PER_MM
+    }
+
     /// Returns the width in units of the drawing that has this size on paper.
     pub fn units(&self) -> f32 {
         self.width_mm * POINTS_PER_MM / self.points_per_unit()

@@ -124,36 +124,45 @@ pub struct SheetLayout<'a> {
 }
 
 impl SheetLayout<'_> {
+    /// Units to the left and to the right of every plot.
+    pub fn margins() -> f32 {
+        2.0 * MARGIN
+    }
+
     /// Draws everything around the plot.
     pub fn draw(&self) -> (Drawing, Plot) {
         let rows = self.key_rows();
-        let key_top = MARGIN + TITLE + 2.0 * LINE;
+        let room = self.width - 2.0 * MARGIN;
+        let title = lines(&self.titles.title, room, TITLE);
+        let note = lines(&self.titles.note, room, LABEL);
+        let x = lines(&self.titles.x, room, LABEL);
+        let note_top = MARGIN + TITLE + title.len() as f32 * LINE;
+        let key_top = note_top + note.len() as f32 * LINE;
         let top = key_top + rows.len() as f32 * LINE + if self.titles.y.is_empty() { 0.0 } else { LINE };
         let plot =
             Plot { left: MARGIN + self.left, top, right: self.width - MARGIN - self.right, bottom: top + self.height };
-        let below = if self.titles.x.is_empty() { LINE + 6.0 } else { 2.0 * LINE + 6.0 };
+        let below = LINE + 6.0 + if self.titles.x.is_empty() { 0.0 } else { x.len() as f32 * LINE };
         let mut drawing = Drawing::new(self.width, plot.bottom + below + MARGIN, &self.titles.title);
-        drawing.text(
-            &fitted(&self.titles.title, self.width - 2.0 * MARGIN, TITLE),
-            (MARGIN, MARGIN + TITLE),
-            Align::Left,
-            TITLE,
-            INK,
-        );
-        let note_at = (MARGIN, MARGIN + TITLE + LINE);
-        drawing.text(
-            &fitted(&self.titles.note, self.width - 2.0 * MARGIN, LABEL),
-            note_at,
-            Align::Left,
-            LABEL,
-            NOTE_INK,
-        );
+        let below_each_other = |top: f32, index: usize| top + index as f32 * LINE;
+        for (index, line) in title.iter().enumerate() {
+            drawing.text(line, (MARGIN, below_each_other(MARGIN + TITLE, index)), Align::Left, TITLE, INK);
+        }
+        for (index, line) in note.iter().enumerate() {
+            drawing.text(line, (MARGIN, below_each_other(note_top, index)), Align::Left, LABEL, NOTE_INK);
+        }
         for (index, row) in rows.iter().enumerate() {
             self.draw_key_row(&mut drawing, row, key_top + index as f32 * LINE);
         }
         drawing.text(&self.titles.y, (MARGIN, top - 10.0), Align::Left, LABEL, INK);
-        let x_at = (0.5 * (plot.left + plot.right), plot.bottom + LINE + 8.0 + LABEL);
-        drawing.text(&self.titles.x, x_at, Align::Centre, LABEL, INK);
+        // One line is in the middle of the axis; more are a text, which takes the whole sheet.
+        let (left, align) = match x.len() {
+            1 => (0.5 * (plot.left + plot.right), Align::Centre),
+            _ => (MARGIN, Align::Left),
+        };
+        for (index, line) in x.iter().enumerate() {
+            let base = below_each_other(plot.bottom + LINE + 8.0 + LABEL, index);
+            drawing.text(line, (left, base), align, LABEL, INK);
+        }
         (drawing, plot)
     }
 
@@ -201,6 +210,21 @@ impl SheetLayout<'_> {
 /// Returns the greatest width of a text, whatever the font.
 pub fn width_of(text: &str, height: f32) -> f32 {
     FONTS * measure_text(text, height)
+}
+
+/// The text in lines that are no wider than `width`, one at least; words that are wider are cut.
+pub fn lines(text: &str, width: f32, height: f32) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        match lines.last_mut() {
+            Some(line) if width_of(&format!("{line} {word}"), height) <= width => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines.iter().map(|line| fitted(line, width, height)).collect()
 }
 
 /// The text, cut where it is wider than `width`.
@@ -384,6 +408,11 @@ mod tests {
 
     #[test]
     fn long_names_are_cut_to_their_room() {
+        assert_eq!(lines("one two", 200.0, LABEL), ["one two"]);
+        assert_eq!(lines("", 200.0, LABEL), [""]);
+        let several = lines(&"some words ".repeat(20), 200.0, LABEL);
+        assert!(several.len() > 3 && several.iter().all(|line| width_of(line, LABEL) <= 200.0), "{several:?}");
+        assert_eq!(several.join(" ").trim_end(), "some words ".repeat(20).trim_end());
         assert_eq!(fitted("short", 200.0, LABEL), "short");
         let cut = fitted(&"long ".repeat(100), 200.0, LABEL);
         assert!(cut.ends_with("...") && width_of(&cut, LABEL) <= 200.0, "{cut}");

@@ -135,7 +135,7 @@ fn fill_folder(folder: &Path, report: &BenchmarkReport<'_>, quiet: bool) -> Resu
     let table = folder.join(QUERIES_FILE);
     output_files::write_all(&[(Some(&table), &|path| report.queries.write(path))], quiet)?;
     let page = folder.join(PAGE_FILE);
-    let written = write_page(&report.queries, &title_of(folder), &page, &PaperArguments::default().charts())?;
+    let written = write_page(&report.queries, &title_of(folder), &page, &PaperArguments::default().charts()?)?;
     output_files::note_written(&page, quiet);
     terminal::note_unknown_letters(written.texts.iter().map(String::as_str), quiet);
     Ok(())
@@ -226,7 +226,7 @@ pub fn report(arguments: &PlanReportArguments, quiet: bool) -> Result<ExitCode, 
     let words: Words = files.check()?;
     check_folder(&charts_folder_of(&page))?;
     let queries = Queries::read(&table)?;
-    let paper = arguments.paper.charts();
+    let paper = arguments.paper.charts()?;
     let written = write_page(&queries, &title_of(source), &page, &paper)?;
     let (shown, charts) = (page.display(), written.charts_folder.display());
     let forms = arguments.paper.forms();
