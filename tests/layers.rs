@@ -52,6 +52,7 @@ const LAYERS: &[(&str, &[&str])] = &[
             "gif",
             "glam",
             "image",
+            "lz4_flex",
             "miniz_oxide",
             "pdf_writer",
             "serde_json",

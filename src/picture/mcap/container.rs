@@ -1,16 +1,19 @@
 //! The container: messages in chunks, and an index of them at the end.
 //!
-//! Source: "MCAP Format Specification" (mcap.dev/spec), version 0. Chunks are not compressed. Numbers are little-endian;
-//! lists and texts begin with their length in bytes.
+//! Source: "MCAP Format Specification" (mcap.dev/spec), version 0. Chunks are packed as frames of LZ4, which every reader
+//! knows. Numbers are little-endian; lists and texts begin with their length in bytes.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::mem;
 
 use crc32fast::Hasher;
+use lz4_flex::frame::FrameEncoder;
 
 use crate::time::SimTime;
 
+/// How chunks are packed.
+const PACKING: &str = "lz4";
 const MAGIC: &[u8; 8] = b"\x89MCAP0\r\n";
 /// Bytes of messages after which a chunk ends.
 const CHUNK_BYTES: usize = 1 << 20;
@@ -187,12 +190,16 @@ impl<W: Write> McapWriter<W> {
         let Some(span) = span else { return Ok(()) };
         let size = records.len() as u64;
         let head = Content::default().time(span.first).time(span.last).u64(size).u32(crc32fast::hash(&records));
-        let head = head.text("").u64(size).0;
+        let mut encoder = FrameEncoder::new(Vec::new());
+        encoder.write_all(&records)?;
+        let packed = encoder.finish().map_err(io::Error::from)?;
+        let packed_size = packed.len() as u64;
+        let head = head.text(PACKING).u64(packed_size).0;
         let at = self.written;
         self.put(&[kind::CHUNK])?;
-        self.put(&(head.len() as u64 + size).to_le_bytes())?;
+        self.put(&(head.len() as u64 + packed_size).to_le_bytes())?;
         self.put(&head)?;
-        self.put(&records)?;
+        self.put(&packed)?;
         let indices_at = self.written;
         let mut offsets = Content::default();
         for (channel, messages) in &messages {
@@ -201,7 +208,7 @@ impl<W: Write> McapWriter<W> {
             self.record(kind::MESSAGE_INDEX, &Content::default().u16(channel.0).bytes(&index.0).0)?;
         }
         let index = Content::default().time(span.first).time(span.last).u64(at).u64(indices_at - at).bytes(&offsets.0);
-        let index = index.u64(self.written - indices_at).text("").u64(size).u64(size);
+        let index = index.u64(self.written - indices_at).text(PACKING).u64(packed_size).u64(size);
         self.chunk_indices.push(index.0);
         Ok(())
     }

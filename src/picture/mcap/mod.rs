@@ -279,6 +279,9 @@ fn searched(timeline: &Timeline) -> BTreeSet<(AgentId, SearchPhase)> {
 
 #[cfg(test)]
 mod tests {
+    use std::io::Read;
+
+    use lz4_flex::frame::FrameDecoder;
     use serde_json::Value as Json;
 
     use super::*;
@@ -320,9 +323,13 @@ mod tests {
                     topics.insert(number(&content[..2]), text(&content[8..8 + length]));
                 }
                 0x06 => {
-                    let inside = &content[8 + 8 + 8 + 4 + 4 + 8..];
-                    assert_eq!(number(&content[24..28]), u64::from(crc32fast::hash(inside)));
-                    for (kind, message) in records(inside) {
+                    assert_eq!(&content[28..35], b"\x03\0\0\0lz4");
+                    let mut inside = Vec::new();
+                    let mut frame = FrameDecoder::new(&content[35 + 8..]);
+                    frame.read_to_end(&mut inside).expect("it is a frame");
+                    assert_eq!(number(&content[16..24]), inside.len() as u64);
+                    assert_eq!(number(&content[24..28]), u64::from(crc32fast::hash(&inside)));
+                    for (kind, message) in records(&inside) {
                         assert_eq!(kind, 0x05);
                         let object = serde_json::from_slice(&message[22..]).expect("it is JSON");
                         messages.push((topics[&number(&message[..2])].clone(), number(&message[6..14]), object));
