@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::cli::curve;
 use crate::cli::plan::attempts::Attempt;
-use crate::cli::plan::benchmark::Query;
+use crate::cli::plan::query::Query;
 use crate::planning::judge::DriveFigures;
 use crate::planning::{PlanFailure, PlannerName};
 use crate::untrusted::spreadsheet_cell;

@@ -11,15 +11,11 @@ mod queries;
 mod report;
 mod summary;
 
-pub use queries::Query;
-
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::Args;
-
-use super::PlanArguments;
+use super::arguments::{PlanArguments, PlanReportArguments};
 use super::ompl::{OmplLog, OmplPlanner, OmplRun, Started, program_limit_s};
 use super::report::planner_settings;
 use crate::batch::{BatchRequest, RequestError};
@@ -41,23 +37,6 @@ use summary::Group;
 /// The files of a folder that `--report` fills.
 const QUERIES_FILE: &str = "queries.csv";
 const PAGE_FILE: &str = "report.html";
-
-#[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  wildfire plan --seeds 1..30 --planner all --csv drives.csv
-  wildfire plan report drives.csv --out drives.html
-  wildfire plan report bench --pdf --width-mm 88")]
-pub struct PlanReportArguments {
-    /// A table that `wildfire plan --csv` wrote, or a folder that `--report` filled.
-    #[arg(value_name = "FILE.csv|DIR")]
-    pub source: PathBuf,
-    /// The page [default: FILE.html beside the table, or report.html in the folder]; its charts are in a folder beside it.
-    #[arg(short, long, value_name = "FILE.html")]
-    pub out: Option<PathBuf>,
-    #[command(flatten)]
-    pub paper: PaperArguments,
-}
 
 /// Says whether the arguments ask for several seeds or variants, or for a report on them.
 pub fn is_meant(arguments: &PlanArguments) -> Result<bool, CliError> {

@@ -7,10 +7,11 @@ use serde::{Serialize, Serializer};
 
 use crate::batch::{PROGRAM_VERSION, Value};
 use crate::cli::plan::benchmark::ask::AskedProblem;
-use crate::cli::plan::benchmark::queries::{Queries, Query};
+use crate::cli::plan::benchmark::queries::Queries;
 use crate::cli::plan::benchmark::summary::{
     CLEARANCE, CPU_QUERY, EstimateMember, Group, LOWER_BOUND_RATIO, MEASURES, Measure,
 };
+use crate::cli::plan::query::Query;
 use crate::cli::plan::tables::Row;
 use crate::document::number::{count, rounded};
 use crate::document::{Block, Document, Table};

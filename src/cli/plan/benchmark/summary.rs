@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use crate::cli::plan::benchmark::queries::{Queries, Query};
+use crate::cli::plan::benchmark::queries::Queries;
+use crate::cli::plan::query::Query;
 use crate::picture::charts::Estimate;
 use crate::stats::{quantile, quantile_interval, wilson_interval};
 

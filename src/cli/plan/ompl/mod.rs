@@ -16,7 +16,7 @@ use chrono::DateTime;
 
 use crate::batch::PROGRAM_VERSION;
 use crate::cli::error::CliError;
-use crate::cli::plan::benchmark::Query;
+use crate::cli::plan::query::Query;
 use crate::planning::judge::DriveFigures;
 use crate::planning::{PlanFailure, PlannerName};
 use crate::scenario::{MemoryLimit, Programs};

@@ -1,0 +1,122 @@
+//! The arguments of `wildfire plan`, and of `wildfire plan report`.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+
+use super::problems::ProblemArguments;
+use crate::cli::args::{MemoryArguments, PaperArguments, ProgramArguments, parse_jobs};
+use crate::cli::batch::{SeedsArgument, parse_seeds};
+use crate::cli::report::FormArguments;
+use crate::planning::{PlannerName, TruckPlannerKind};
+use crate::scenario::Scenario;
+
+const EXAMPLES: &str = "\
+Examples:
+  wildfire plan
+  wildfire plan --goals 5 --planner prm-rs,hybrid-astar --png drives.png
+  wildfire plan --scenario dense --seed 7 --cells 50
+  wildfire plan field_*.json --planner hybrid-astar --csv drives.csv
+  wildfire plan field.json --set unimog.hybrid.shortcuts=0 --paths paths.csv
+  wildfire plan --seeds 1..30 --set field.coverage=0.05,0.10 --planner all --report bench
+  wildfire plan report bench --pdf";
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = format!("Planners: {}.\n\n{EXAMPLES}", TruckPlannerKind::names()),
+    args_conflicts_with_subcommands = true,
+    disable_help_subcommand = true
+)]
+pub struct PlanArguments {
+    #[command(subcommand)]
+    pub command: Option<PlanCommand>,
+    #[command(flatten)]
+    pub problems: ProblemArguments,
+    /// The planner; several names, with commas or repeated, are compared, and `all` is every one that is known [default:
+    /// the scenario's].
+    #[arg(long = "planner", value_name = "NAME", value_delimiter = ',')]
+    pub planners: Vec<PlannerName>,
+    /// The scenario whose first truck's settings planners have: a file, or a built-in name.
+    #[arg(long, value_name = "SCENARIO", default_value = "drives")]
+    pub scenario: String,
+    /// Change a value of the scenario, such as `unimog.hybrid.clearance_m=1`; with several values between commas, ask for
+    /// the drives with each. Several such keys are multiplied; may be repeated.
+    #[arg(long = "set", value_name = "KEY=VALUE[,VALUE...]")]
+    pub overrides: Vec<String>,
+    /// Seeds, each with a field, goals and random draws of its own, in place of one: ranges with both ends, lists, or both,
+    /// such as `1..30` or `1,5,9`; or `@FILE` that holds them.
+    #[arg(help_heading = "Benchmarks", long, conflicts_with = "seed", allow_hyphen_values = true, value_parser = parse_seeds)]
+    pub seeds: Option<SeedsArgument>,
+    /// Threads that share the seeds and variants of a benchmark; they slow each other, which CPU times show [default: 1].
+    #[arg(help_heading = "Benchmarks", short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
+    pub jobs: Option<NonZeroUsize>,
+    /// Write all queries and a page with tables and charts into this folder; `wildfire plan report DIR` writes the page again.
+    #[arg(help_heading = "Benchmarks", long, value_name = "DIR")]
+    pub report: Option<PathBuf>,
+    #[command(flatten)]
+    pub programs: ProgramArguments,
+    /// Ask all planners twice, programs in another process, and say whether their answers repeat bit for bit.
+    #[arg(long)]
+    pub repeat: bool,
+    #[command(flatten)]
+    pub memory: MemoryArguments,
+    #[command(flatten)]
+    pub form: FormArguments,
+    /// Write a row for each goal and planner.
+    #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
+    pub csv: Option<PathBuf>,
+    /// Write poses along the paths, at most 5 cm apart: field,goal,planner,s_m,x_m,y_m,heading_rad,direction.
+    #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
+    pub paths: Option<PathBuf>,
+    /// Write a benchmark log of OMPL, for Planner Arena.
+    #[arg(help_heading = "Output", long, value_name = "FILE.log")]
+    pub ompl: Option<PathBuf>,
+    /// Draw field and paths; of several fields into a file each, FILE-FIELD.png.
+    #[arg(help_heading = "Output", long, value_name = "FILE.png")]
+    pub png: Option<PathBuf>,
+}
+
+/// Commands on what was planned before.
+#[derive(Debug, Subcommand)]
+pub enum PlanCommand {
+    /// Write a page on a table of queries: medians, box plots, and curves over what is swept.
+    Report(PlanReportArguments),
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  wildfire plan --seeds 1..30 --planner all --csv drives.csv
+  wildfire plan report drives.csv --out drives.html
+  wildfire plan report bench --pdf --width-mm 88")]
+pub struct PlanReportArguments {
+    /// A table that `wildfire plan --csv` wrote, or a folder that `--report` filled.
+    #[arg(value_name = "FILE.csv|DIR")]
+    pub source: PathBuf,
+    /// The page [default: FILE.html beside the table, or report.html in the folder]; its charts are in a folder beside it.
+    #[arg(short, long, value_name = "FILE.html")]
+    pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub paper: PaperArguments,
+}
+
+/// The name that is every known planner's.
+const ALL_PLANNERS: &str = "all";
+
+/// Returns the planners that were named, each once, or else the first truck's own.
+pub fn asked_planners(arguments: &PlanArguments, scenario: &Scenario) -> Vec<PlannerName> {
+    let own = scenario.unimog.iter().take(1).map(|truck| truck.planner.clone());
+    let known = || TruckPlannerKind::ALL.map(PlannerName::from).into_iter().chain(scenario.planner.keys().cloned());
+    let named = arguments.planners.iter().flat_map(|name| match name.name() {
+        ALL_PLANNERS => known().collect(),
+        _ => vec![name.clone()],
+    });
+    let mut planners = Vec::new();
+    for planner in named.chain(own.filter(|_| arguments.planners.is_empty())) {
+        if !planners.contains(&planner) {
+            planners.push(planner);
+        }
+    }
+    planners
+}
