@@ -5,11 +5,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Args, Parser};
+use clap::Args;
 
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
-use crate::cli::{Arguments, dispatch, terminal};
+use crate::cli::terminal;
 use crate::untrusted::visible;
 
 #[derive(Debug, Args)]
@@ -69,8 +69,12 @@ Then try
   wildfire map wavefront --help                       the classical grid maps, on your own maps
 ";
 
-/// Does the steps one after the other.
-pub fn run(arguments: &DemoArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
+/// Does the steps one after the other, each by `run_words`, which runs a command from its words.
+pub fn run(
+    arguments: &DemoArguments,
+    context: &CommandContext,
+    run_words: &dyn Fn(Vec<OsString>, &CommandContext) -> Result<ExitCode, CliError>,
+) -> Result<ExitCode, CliError> {
     // A name that begins with a hyphen would be read as an option.
     let begins_with_hyphen = arguments.out.as_os_str().as_encoded_bytes().starts_with(b"-");
     let folder = &if begins_with_hyphen { Path::new(".").join(&arguments.out) } else { arguments.out.clone() };
@@ -84,9 +88,7 @@ pub fn run(arguments: &DemoArguments, context: &CommandContext) -> Result<ExitCo
         let typed = command.replace("DIR", &quoted(&shown));
         terminal::print(&format!("{gap}{}/{}  {why}\n\n$ wildfire {typed}\n\n", index + 1, STEPS.len()))?;
         let words = command.split(' ').map(|word| in_folder(word, folder));
-        let words = std::iter::once(OsString::from("wildfire")).chain(words);
-        let step = Arguments::try_parse_from(words).expect("the demonstration's commands are right");
-        let code = dispatch(&step, &quiet)?;
+        let code = run_words(std::iter::once(OsString::from("wildfire")).chain(words).collect(), &quiet)?;
         if code != ExitCode::SUCCESS {
             return Ok(code);
         }
@@ -128,7 +130,10 @@ fn quoted(name: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use clap::Parser;
+
     use super::*;
+    use crate::cli::Arguments;
 
     #[test]
     fn the_commands_of_the_demonstration_are_commands() {

@@ -215,7 +215,10 @@ fn refuse(words: &[OsString], error: &clap::Error) -> ! {
 
 fn dispatch(arguments: &Arguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     match &arguments.command {
-        Command::Demo(demo) => demo::run(demo, context),
+        Command::Demo(demo) => demo::run(demo, context, &|words, context| {
+            let arguments = Arguments::try_parse_from(words).expect("the demonstration's commands are right");
+            dispatch(&Arguments { quiet: context.quiet, ..arguments }, context)
+        }),
         Command::Run(run) => run::run(run, &context.with_programs(&run.scenario.programs)),
         Command::Play(play) => play::run(play, &context.with_programs(&play.show.programs)),
         Command::Render(render) => render::run(render, &context.with_programs(&render.show.programs)),
