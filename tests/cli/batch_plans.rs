@@ -194,3 +194,23 @@ fn schemas_know_every_value_of_a_scenario_and_every_column() {
     let missing: Vec<_> = header.split(',').filter(|name| !columns.contains_key(*name)).collect();
     assert!(missing.is_empty() && columns.len() == header.split(',').count(), "{missing:?}");
 }
+
+#[test]
+fn a_frozen_plan_makes_the_same_runs_again_and_nothing_of_it_changes() {
+    let story = Story::new();
+    story
+        .tell(&["batch", "smoke", "--seeds", "1..3", "--set", "field.coverage=0.05,0.1", "--out", "first"])
+        .expect_code(0);
+    fs::copy(story.path("first/plan.json"), story.path("published.json")).expect("it was written");
+    story.tell(&["batch", "published.json", "--out", "again"]).expect_code(0);
+    let outcomes = |folder: &str| -> Vec<String> {
+        let rows = story.read(&format!("{folder}/runs.csv"));
+        let before_times =
+            rows.lines().next().expect("a head").split(",cpu_").next().expect("columns").split(',').count();
+        rows.lines().map(|row| row.split(',').take(before_times).collect::<Vec<_>>().join(",")).collect()
+    };
+    assert_eq!(outcomes("again"), outcomes("first"));
+    assert_eq!(outcomes("again").len(), 7);
+    let refused = story.tell(&["batch", "published.json", "--seeds", "4"]).expect_code(2);
+    assert!(refused.stderr.contains("--seeds would change published.json"), "{}", refused.stderr);
+}

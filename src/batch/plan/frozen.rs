@@ -201,8 +201,15 @@ impl BatchPlan {
     /// # Errors
     /// If there is none, if it cannot be read, if another version of the program wrote it, or if it was changed.
     pub fn read(folder: &Path) -> Result<Self, PlanError> {
-        let path = folder.join(PLAN_FILE);
-        let file = open(folder, &path)?;
+        Self::read_file(folder.join(PLAN_FILE))
+    }
+
+    /// Reads the plan of a batch from a copy of its file, wherever that is.
+    ///
+    /// # Errors
+    /// Fails as [`Self::read`] does.
+    pub fn read_file(path: PathBuf) -> Result<Self, PlanError> {
+        let file = open(path.parent().unwrap_or(&path), &path)?;
         let not_a_plan = |reason: String| PlanError::NotAPlan { path: path.clone(), reason };
         let head = read_head(&path, &file)?;
         if head.format != PLAN_FORMAT || head.program_version != PROGRAM_VERSION {

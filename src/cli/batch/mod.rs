@@ -59,7 +59,14 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
                     left_out = course.left_out.len() as u64;
                     course.plan
                 }
-                None => plan(arguments, context)?,
+                None => match frozen_plan(arguments)? {
+                    Some(plan) => {
+                        plan.expect_entrants(&context.entrants, Path::new(&arguments.sources[0]))
+                            .map_err(BatchError::from)?;
+                        plan
+                    }
+                    None => plan(arguments, context)?,
+                },
             };
             context.expect_trusted_plan(&plan)?;
             if arguments.slurm.slurm {
@@ -121,6 +128,26 @@ fn plan_of_course(arguments: &BatchArguments, rules: &Path) -> Result<CoursePlan
         },
         refusal @ CourseRefusal::TooManyAgents { .. } => CliError::bad_input(refusal, None),
     })
+}
+
+/// Reads the plan of another batch, `plan.json` as it lies in its folder, which says all that decides the runs.
+fn frozen_plan(arguments: &BatchArguments) -> Result<Option<BatchPlan>, CliError> {
+    let [source] = &arguments.sources[..] else { return Ok(None) };
+    if !Path::new(source).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json")) {
+        return Ok(None);
+    }
+    let changes = [
+        ("--set", !arguments.set.is_empty()),
+        ("--planner", !arguments.planner.is_empty()),
+        ("--seeds", arguments.seeds.is_some()),
+        ("--record", arguments.record.is_some()),
+        ("--memory", arguments.memory.is_some()),
+    ];
+    if let Some((option, _)) = changes.into_iter().find(|(_, is_given)| *is_given) {
+        let sentence = format!("{option} would change {source}, the plan of a batch that was run; expected it alone");
+        return Err(CliError::bad_input(sentence, Some("a plan file in TOML can be changed: wildfire new plan")));
+    }
+    Ok(Some(BatchPlan::read_file(source.into()).map_err(BatchError::from)?))
 }
 
 /// Makes the plan, from options, or from a plan file and options that change it.
