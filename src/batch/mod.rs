@@ -23,15 +23,15 @@ mod table;
 
 pub use execute::{
     AGENTS_FILE, Append, Batch, BatchError, BatchStatus, CALLS_PARQUET, CHARTS_FOLDER, CpuSplit, Disk, Found,
-    JournalError, JournalIndex, JournalKeeping, Lock, LostRecording, MissingRuns, OutputFolder, Pilot, PlannerCall,
+    JournalError, JournalIndex, JournalKeeping, Lock, LostRecording, Machine, Machines, MissingRuns, OutputFolder, Pilot, PlannerCall,
     RECORDINGS_FOLDER, REPORT_FILE, RUNS_FILE, RUNS_PARQUET, RealDisk, RunDetail, RunResult, RunRow, RunScenario,
     STATE_STEPS, STATES_PARQUET, SliceState, Solution, StateCount, Status, StrangeEntry, Survey, TABLES_FILE, Whole,
     batch_status, file_name_of, limit_threads,
 };
 pub use maps::{BatchMaps, BatchQuantity, BatchSide, MapDifference, MapSource, MapsError, MapsOptions, map_batches};
 pub use plan::{
-    BatchPlan, BatchRequest, CourseError, CoursePlan, CourseRefusal, CourseRequest, MAX_RUNS, MAX_SEEDS_BYTES,
-    MAX_VARIANTS, PLAN_FILE, PLAN_TEMPLATE, PLANNER_KEY, PROGRAM_VERSION, PlanError, PlannedRun, RUNS_WITHOUT_FORCE,
+    BatchPlan, BatchRequest, COMMIT, COMPILER, CourseError, CoursePlan, CourseRefusal, CourseRequest, LONG_VERSION, MAX_RUNS, MAX_SEEDS_BYTES,
+    MAX_VARIANTS, PLAN_FILE, PLAN_TEMPLATE, PLANNER_KEY, PROGRAM_VERSION, PlanError, PlanWriter, PlannedRun, RUNS_WITHOUT_FORCE,
     Record, RequestError, RunLabel, Seeds, SeedsError, Setting, Slice, SliceError, Sweep, SweepError, Value, Variant,
     plan_schema, rules_schema, shell_word,
 };

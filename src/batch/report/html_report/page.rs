@@ -3,8 +3,8 @@
 use super::collected::{Collected, ListedRun};
 use super::figures::{Figures, Section};
 use super::notable::NotableRun;
-use crate::batch::execute::CHARTS_FOLDER;
-use crate::batch::plan::{BatchPlan, PROGRAM_VERSION};
+use crate::batch::execute::{CHARTS_FOLDER, Machine};
+use crate::batch::plan::{BatchPlan, PlanWriter};
 use crate::batch::table::FinishedBatch;
 use crate::document::{Block, Document, Figure, Table};
 
@@ -12,7 +12,15 @@ use crate::document::{Block, Document, Figure, Table};
 const SHOWN_TABLES: usize = 50;
 
 /// The longest plan that is in the page.
-const LONGEST_PLAN: usize = 200_000;
+const LONGEST_PLAN: u64 = 200_000;
+
+/// What is known of how the batch was made, besides its rows.
+pub struct Origin {
+    pub writer: PlanWriter,
+    /// The text of `plan.json`, if it is short.
+    pub plan: Option<String>,
+    pub machines: Vec<Machine>,
+}
 
 pub fn page(batch: &FinishedBatch, collected: &Collected, figures: &Figures, playing: &[NotableRun]) -> Document {
     let plan = batch.plan();
