@@ -36,7 +36,7 @@ pub use plan::{
     plan_schema, rules_schema, shell_word,
 };
 pub use report::{
-    AuditOptions, AuditReport, AuditSource, AuditsError, BatchReport, LISTED_VIOLATIONS, ListedViolation, Merged,
+    AuditOptions, AuditReport, AuditSource, AuditsError, BatchReport, ChartChoice, ChosenQuantities, LISTED_VIOLATIONS, ListedViolation, Merged,
     NotableRun, PaperCharts, ReportError, RunObject, SHOWN_RUNS, Tables, Tally, VariantReport, WrittenReport,
     audit_all, merge, notable_runs, notes, read_rows, write_report,
 };

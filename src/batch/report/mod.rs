@@ -13,7 +13,9 @@ mod tally;
 
 pub use audits::{AuditOptions, AuditReport, AuditSource, AuditsError, LISTED_VIOLATIONS, ListedViolation, audit_all};
 pub use finish::{Merged, merge, read_rows};
-pub use html_report::{NotableRun, PaperCharts, ReportError, WrittenReport, notable_runs, write_report};
+pub use html_report::{
+    ChartChoice, ChosenQuantities, NotableRun, PaperCharts, ReportError, WrittenReport, notable_runs, write_report,
+};
 pub use json::RunObject;
 pub use notes::notes;
 pub use summary::{BatchReport, VariantReport};

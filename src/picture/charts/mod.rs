@@ -9,6 +9,7 @@
 mod bars;
 mod curves;
 mod drawing;
+mod language;
 mod paper;
 mod sheet;
 mod strips;
@@ -17,6 +18,7 @@ mod style;
 pub use bars::{BarChart, BarPanel, BarSeries};
 pub use curves::{Curve, CurveChart, CurvePanel, Spread};
 pub use drawing::Drawing;
+pub use language::{Language, Words};
 pub use paper::PaperSize;
 pub use sheet::SCREEN_WIDTH;
 pub use strips::{Strip, StripChart, StripPanel};
@@ -31,6 +33,8 @@ pub struct Titles {
     /// Names of the axes, with units.
     pub x: String,
     pub y: String,
+    /// The language of these words and of the chart's numbers.
+    pub language: Language,
 }
 
 /// A value and the interval about it, in the units of its axis.

@@ -6,12 +6,13 @@ use super::collected::{Collected, Values};
 use super::facets::{Facet, FacetSeries, MOST_PANELS, variant_facets};
 use super::labels::Labels;
 use super::over_time::StateCurves;
-use super::quantities::{CPU_PARTS, MEASURES, Quantity, SHARE_AXIS, STATES};
+use super::quantities::{CPU_PARTS, ChartChoice, Quantity, STATES};
 use super::sweeps::{SweepChart, sweep_charts};
+use super::words;
 use crate::batch::plan::BatchPlan;
 use crate::picture::charts::{
-    BarChart, BarPanel, BarSeries, ChartRow, Curve, CurveChart, CurvePanel, Drawing, STYLES, Spread, Strip, StripChart,
-    StripPanel, Style, Titles,
+    BarChart, BarPanel, BarSeries, ChartRow, Curve, CurveChart, CurvePanel, Drawing, Language, STYLES, Spread, Strip,
+    StripChart, StripPanel, Style, Titles, Words,
 };
 use crate::stats::quantile;
 use crate::untrusted::spreadsheet_cell;
@@ -82,26 +83,30 @@ pub struct Figures {
 
 impl Figures {
     /// Draws the figures of all variants on sheets of this width, in units.
-    pub fn new(plan: &BatchPlan, collected: &Collected, states: Option<&[StateCurves]>, width: f32) -> Self {
+    pub fn new(
+        plan: &BatchPlan,
+        collected: &Collected,
+        states: Option<&[StateCurves]>,
+        choice: &ChartChoice,
+        width: f32,
+    ) -> Self {
         let mut figures = Self::default();
         let panels = variant_facets(plan);
+        let language = choice.language;
         if figures.admits("states, CPU time and distributions of the variants", panels.len()) {
-            let means = [
-                ("states", bars("Obstacle states at the end", &STATES, &panels, &collected.variants)),
-                ("cpu-time", bars("CPU time of a run by part", &CPU_PARTS, &panels, &collected.variants)),
-            ];
-            for (file, chart) in means {
-                figures.add(Section::Means, file, chart.draw(width), values(chart.rows()));
+            for (file, title, quantities) in means(choice) {
+                let chart = bars((title, language), &quantities, &panels, &collected.variants);
+                figures.add(Section::Means, &file, chart.draw(width), values(chart.rows()));
             }
-            for &quantity in STATES.iter().chain(&MEASURES) {
-                if let Some(chart) = distribution(quantity, &panels, &collected.variants) {
+            for quantity in choice.quantities.of_runs() {
+                if let Some(chart) = distribution((quantity, language), &panels, &collected.variants) {
                     let file = format!("distribution-{}", quantity.column());
                     figures.add(Section::Distributions, &file, chart.draw(width), values(chart.rows()));
                 }
             }
         }
-        figures.add_over_time(plan, states.unwrap_or(&[]), width);
-        for SweepChart { file, what, chart } in sweep_charts(plan, &collected.variants) {
+        figures.add_over_time(plan, states.unwrap_or(&[]), choice, width);
+        for SweepChart { file, what, chart } in sweep_charts(plan, &collected.variants, choice) {
             if figures.admits(&what, chart.panels.len()) {
                 figures.add(Section::Sweeps, &file, chart.draw(width), values(chart.rows()));
             }
@@ -129,8 +134,9 @@ impl Figures {
     }
 
     /// Adds the states of each variant over time: a chart for each of a few variants, a panel for each of many.
-    fn add_over_time(&mut self, plan: &BatchPlan, states: &[StateCurves], width: f32) {
-        if !states.iter().any(StateCurves::is_there) {
+    fn add_over_time(&mut self, plan: &BatchPlan, states: &[StateCurves], choice: &ChartChoice, width: f32) {
+        let (shown, language) = (choice.quantities.among(&STATES), choice.language);
+        if shown.is_empty() || !states.iter().any(StateCurves::is_there) {
             return;
         }
         let labels = Labels::new(plan);
@@ -139,25 +145,49 @@ impl Figures {
             .iter()
             .enumerate()
             .map(|(variant, curves)| {
-                let note = if curves.is_there() { "" } else { " (no run is done)" };
-                CurvePanel { name: labels.label(variant, &all) + note, curves: state_curves(curves) }
+                let label = labels.label(variant, &all);
+                let name =
+                    if curves.is_there() { label } else { words::NO_RUN_IS_DONE.filled(language, &[&label]) };
+                CurvePanel { name, curves: state_curves(curves, &shown, language) }
             })
             .collect();
         if panels.len() <= STYLES.len() {
             for (index, panel) in panels.into_iter().enumerate() {
                 let (title, file) = (format!(": {}", panel.name), format!("over-time-{}", index + 1));
                 let alone = CurvePanel { name: String::new(), ..panel };
-                let chart = over_time(&title, vec![alone]);
+                let chart = over_time(&title, vec![alone], language);
                 self.add(Section::OverTime, &file, chart.draw(width), values(chart.rows()));
             }
         } else if self.admits("states over time", panels.len()) {
-            let chart = over_time("", panels);
+            let chart = over_time("", panels, language);
             self.add(Section::OverTime, "over-time", chart.draw(width), values(chart.rows()));
         }
     }
 }
 
-fn bars(title: &str, quantities: &[Quantity], panels: &[Facet], values: &[Values]) -> BarChart {
+/// Lists charts of means: the name of the file, the title, and the quantities, which have one unit. What was asked for and
+/// goes with nothing else has a chart of its own.
+fn means(choice: &ChartChoice) -> Vec<(String, String, Vec<Quantity>)> {
+    let language = choice.language;
+    let together: [(&str, Words, &[Quantity]); 2] =
+        [("states", words::STATES_AT_THE_END, &STATES), ("cpu-time", words::CPU_TIME_BY_PART, &CPU_PARTS)];
+    let together = together.into_iter().filter_map(|(file, title, quantities)| {
+        let shown = choice.quantities.among(quantities);
+        (!shown.is_empty()).then(|| (file.to_owned(), title.in_language(language).to_owned(), shown))
+    });
+    let is_alone = |quantity: &&Quantity| !STATES.contains(quantity) && !CPU_PARTS.contains(quantity);
+    let alone = choice.quantities.asked().iter().filter(is_alone).map(|&quantity| {
+        (format!("mean-{}", quantity.column()), quantity.title(language), vec![quantity])
+    });
+    together.chain(alone).collect()
+}
+
+fn bars(
+    (title, language): (String, Language),
+    quantities: &[Quantity],
+    panels: &[Facet],
+    values: &[Values],
+) -> BarChart {
     let of_series = |series: &FacetSeries| {
         let values = &values[series.variants[0]];
         let bars = quantities.iter().map(|&quantity| values.mean(quantity)).collect();
@@ -165,12 +195,13 @@ fn bars(title: &str, quantities: &[Quantity], panels: &[Facet], values: &[Values
     };
     BarChart {
         titles: Titles {
-            title: title.into(),
-            note: "Bars are means, whiskers their 95 % intervals.".into(),
+            title,
+            note: words::BARS_ARE_MEANS.in_language(language).into(),
             x: String::new(),
-            y: quantities.first().map_or("", |quantity| quantity.axis()).into(),
+            y: quantities.first().map_or("", |quantity| quantity.axis().in_language(language)).into(),
+            language,
         },
-        groups: quantities.iter().map(|quantity| quantity.label().to_owned()).collect(),
+        groups: quantities.iter().map(|quantity| quantity.label(language).to_owned()).collect(),
         panels: panels
             .iter()
             .map(|panel| BarPanel { name: panel.name.clone(), series: panel.series.iter().map(of_series).collect() })
@@ -179,7 +210,11 @@ fn bars(title: &str, quantities: &[Quantity], panels: &[Facet], values: &[Values
 }
 
 /// `None` where all runs have the same.
-fn distribution(quantity: Quantity, panels: &[Facet], values: &[Values]) -> Option<StripChart> {
+fn distribution(
+    (quantity, language): (Quantity, Language),
+    panels: &[Facet],
+    values: &[Values],
+) -> Option<StripChart> {
     let strip = |series: &FacetSeries| strip(series, values[series.variants[0]].numbers(quantity));
     let panels: Vec<StripPanel> = panels
         .iter()
@@ -191,10 +226,11 @@ fn distribution(quantity: Quantity, panels: &[Facet], values: &[Values]) -> Opti
         ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), &end| (least.min(end), most.max(end)));
     (most > least).then(|| StripChart {
         titles: Titles {
-            title: quantity.title(),
-            note: "Columns count runs; the highest has its number. Below: median, middle half, middle 90 %.".into(),
-            x: quantity.axis().into(),
+            title: quantity.title(language),
+            note: words::COLUMNS_COUNT_RUNS.in_language(language).into(),
+            x: quantity.axis().in_language(language).into(),
             y: String::new(),
+            language,
         },
         panels,
     })
@@ -213,35 +249,39 @@ fn state_styles() -> [Style; STATES.len()] {
     [STYLES[2], STYLES[1], STYLES[6], STYLES[0]]
 }
 
-fn state_curves(curves: &StateCurves) -> Vec<Curve> {
+fn state_curves(curves: &StateCurves, shown: &[Quantity], language: Language) -> Vec<Curve> {
     let curve = |((state, style), points): ((&Quantity, Style), &Vec<_>)| Curve {
-        name: state.label().into(),
+        name: state.label(language).into(),
         style,
         points: points.clone(),
     };
-    STATES.iter().zip(state_styles()).zip(&curves.0).map(curve).collect()
+    let all = STATES.iter().zip(state_styles()).zip(&curves.0);
+    all.filter(|((state, _), _)| shown.contains(state)).map(curve).collect()
 }
 
 /// The curves of intact obstacles are left out where no other curve or band is higher than this.
 const LEAST_OF_HEIGHT: f64 = 0.2;
 
-fn over_time(of: &str, mut panels: Vec<CurvePanel>) -> CurveChart {
-    let intact = Quantity::label(STATES[0]);
+fn over_time(of: &str, mut panels: Vec<CurvePanel>, language: Language) -> CurveChart {
+    let intact = STATES[0].label(language);
     let others = panels.iter().flat_map(|panel| &panel.curves).filter(|curve| curve.name != intact);
     let ends = others
         .flat_map(|curve| &curve.points)
         .map(|(_, share)| share.interval.map_or(share.value, |(_, high)| high.max(share.value)));
     let highest = ends.fold(0.0, f64::max);
     let is_dwarfed = highest > 0.0 && highest <= LEAST_OF_HEIGHT;
-    if is_dwarfed {
+    let has_left_out = is_dwarfed && panels.iter().flat_map(|panel| &panel.curves).any(|curve| curve.name == intact);
+    let share = words::SHARE_OF_OBSTACLES.in_language(language);
+    if has_left_out {
         panels.iter_mut().for_each(|panel| panel.curves.retain(|curve| curve.name != intact));
     }
     CurveChart {
         titles: Titles {
-            title: format!("Obstacle states over time{of}"),
-            note: "Lines are means, bands the middle 80 % of runs.".into(),
-            x: "simulated seconds".into(),
-            y: if is_dwarfed { format!("{SHARE_AXIS} (intact left out)") } else { SHARE_AXIS.into() },
+            title: format!("{}{of}", words::STATES_OVER_TIME.in_language(language)),
+            note: words::LINES_ARE_MEANS.in_language(language).into(),
+            x: words::SIMULATED_SECONDS.in_language(language).into(),
+            y: if has_left_out { words::INTACT_LEFT_OUT.filled(language, &[share]) } else { share.into() },
+            language,
         },
         spread: Spread::Bands,
         panels,
@@ -257,7 +297,7 @@ mod tests {
     fn panel(shares: [f64; STATES.len()]) -> CurvePanel {
         let estimate = |value: f64| Estimate { value, interval: Some((0.9 * value, 1.1 * value)) };
         let curves = shares.map(|share| vec![(0.0, estimate(share)), (60.0, estimate(share))]);
-        CurvePanel { name: String::new(), curves: state_curves(&StateCurves(curves)) }
+        CurvePanel { name: String::new(), curves: state_curves(&StateCurves(curves), &STATES, Language::English) }
     }
 
     #[test]
@@ -269,7 +309,7 @@ mod tests {
             (vec![panel(calm), panel(wild)], 4),
             (vec![panel([1.0, 0.0, 0.0, 0.0])], 4),
         ] {
-            let chart = over_time("", panels);
+            let chart = over_time("", panels, Language::English);
             assert!(chart.panels.iter().all(|panel| panel.curves.len() == expected), "{:?}", chart.panels);
             assert_eq!(chart.titles.y.contains("intact left out"), expected == 3);
         }

@@ -3,6 +3,7 @@
 use super::collected::{Collected, ListedRun};
 use super::figures::{Figures, Section};
 use super::notable::NotableRun;
+use super::quantities::{ChartChoice, Quantity};
 use crate::batch::execute::{CHARTS_FOLDER, Machine};
 use crate::batch::plan::{BatchPlan, PlanWriter};
 use crate::batch::table::FinishedBatch;
@@ -12,7 +13,7 @@ use crate::document::{Block, Document, Figure, Table};
 const SHOWN_TABLES: usize = 50;
 
 /// The longest plan that is in the page.
-const LONGEST_PLAN: u64 = 200_000;
+pub const LONGEST_PLAN: u64 = 200_000;
 
 /// What is known of how the batch was made, besides its rows.
 pub struct Origin {
@@ -22,7 +23,14 @@ pub struct Origin {
     pub machines: Vec<Machine>,
 }
 
-pub fn page(batch: &FinishedBatch, collected: &Collected, figures: &Figures, playing: &[NotableRun]) -> Document {
+pub fn page(
+    batch: &FinishedBatch,
+    collected: &Collected,
+    figures: &Figures,
+    playing: &[NotableRun],
+    origin: &Origin,
+    choice: &ChartChoice,
+) -> Document {
     let plan = batch.plan();
     let name = batch.folder().canonicalize().ok();
     let name = name.as_deref().unwrap_or(batch.folder()).file_name();
@@ -31,6 +39,7 @@ pub fn page(batch: &FinishedBatch, collected: &Collected, figures: &Figures, pla
     let sections = [
         ("Runs to play", runs_to_play(plan, playing)),
         ("Means", charts(figures, Section::Means)),
+        ("Columns that were asked for", asked_columns(collected, choice)),
         ("Tables", tables(collected)),
         ("Fleets", fleets(collected)),
         ("Distributions", charts(figures, Section::Distributions)),
@@ -38,7 +47,7 @@ pub fn page(batch: &FinishedBatch, collected: &Collected, figures: &Figures, pla
         ("Sweeps", charts(figures, Section::Sweeps)),
         ("Runs without a result", runs(plan, &collected.failures, collected.report.not_done(), "Why")),
         ("Runs in which an agent was stuck", runs(plan, &collected.stuck, stuck_runs, "For")),
-        ("Plan and version", plan_part(plan)),
+        ("Plan and version", plan_part(plan, origin)),
     ];
     let mut document = Document::new(title).with(summary(plan, collected, figures));
     for (heading, blocks) in sections {
@@ -92,6 +101,11 @@ fn tables(collected: &Collected) -> Vec<Block> {
     }
 }
 
+fn asked_columns(collected: &Collected, choice: &ChartChoice) -> Vec<Block> {
+    let places: Vec<usize> = choice.quantities.asked().iter().map(|quantity: &Quantity| quantity.place()).collect();
+    if places.is_empty() { Vec::new() } else { collected.report.column_tables(&places) }
+}
+
 fn fleets(collected: &Collected) -> Vec<Block> {
     let Some(table) = collected.report.fleets_table() else { return Vec::new() };
     let words = "Means of the runs that are done, over all trucks of a run. A drive is wasted if it ends without an \
@@ -126,9 +140,9 @@ fn runs(plan: &BatchPlan, shown: &[ListedRun], count: u64, heading: &str) -> Vec
     vec![Block::Text(text), Block::Table(table)]
 }
 
-fn plan_part(plan: &BatchPlan) -> Vec<Block> {
+fn plan_part(plan: &BatchPlan, origin: &Origin) -> Vec<Block> {
     let mut lines = vec![
-        format!("wildfire {PROGRAM_VERSION}"),
+        origin.writer.words(),
         format!("Plan {}: its outcomes depend on nothing else than what has this SHA-256", plan.content_sha256()),
         format!("Seeds {}", plan.seeds),
     ];
@@ -136,11 +150,10 @@ fn plan_part(plan: &BatchPlan) -> Vec<Block> {
         let changes: String = variant.changes.iter().map(|change| format!(" --set {change}")).collect();
         format!("{}: {}{changes}", plan.title(variant), variant.source)
     }));
-    let json = plan.to_json();
-    let settings = if json.len() <= LONGEST_PLAN {
-        Block::Folded("plan.json".into(), vec![Block::Verbatim(json)])
-    } else {
-        Block::Text("All settings are in plan.json.".into())
+    lines.extend(origin.machines.iter().map(|machine| format!("Machine: {}", machine.words())));
+    let settings = match &origin.plan {
+        Some(json) => Block::Folded("plan.json".into(), vec![Block::Verbatim(json.clone())]),
+        None => Block::Text("All settings are in plan.json.".into()),
     };
     vec![Block::List(lines), settings]
 }

@@ -2,7 +2,8 @@
 
 use super::collected::Values;
 use super::facets::{FacetSeries, facets_over};
-use super::quantities::{MEASURES, STATES};
+use super::quantities::ChartChoice;
+use super::words;
 use crate::batch::execute::file_name_of;
 use crate::batch::plan::{BatchPlan, Value};
 use crate::picture::charts::{Curve, CurveChart, CurvePanel, Spread, Titles};
@@ -16,13 +17,14 @@ pub struct SweepChart {
 
 /// Returns a chart for every quantity over each key that is swept over numbers; other differences make curves and
 /// panels.
-pub fn sweep_charts(plan: &BatchPlan, values: &[Values]) -> Vec<SweepChart> {
+pub fn sweep_charts(plan: &BatchPlan, values: &[Values], choice: &ChartChoice) -> Vec<SweepChart> {
+    let language = choice.language;
     let mut charts = Vec::new();
     for (key, name) in plan.swept_keys.iter().enumerate() {
         // An axis needs a number from every variant, and two that differ.
         let places: Option<Vec<f64>> = plan.variants.iter().map(|variant| number(&variant.swept[key])).collect();
         let Some(places) = places.filter(|places| places.iter().any(|place| *place != places[0])) else { continue };
-        for &quantity in STATES.iter().chain(&MEASURES) {
+        for quantity in choice.quantities.of_runs() {
             let curve = |series: FacetSeries| {
                 let point = |&variant: &usize| Some((places[variant], values[variant].mean(quantity)?));
                 let mut points: Vec<_> = series.variants.iter().filter_map(point).collect();
@@ -39,10 +41,11 @@ pub fn sweep_charts(plan: &BatchPlan, values: &[Values]) -> Vec<SweepChart> {
                 continue;
             }
             let titles = Titles {
-                title: format!("{}, by {name}", quantity.title()),
-                note: "Marks are means, whiskers their 95 % intervals.".into(),
+                title: words::BY_KEY.filled(language, &[&quantity.title(language), name]),
+                note: words::MARKS_ARE_MEANS.in_language(language).into(),
                 x: name.into(),
-                y: quantity.axis().into(),
+                y: quantity.axis().in_language(language).into(),
+                language,
             };
             charts.push(SweepChart {
                 file: format!("sweep-{}-{}", file_name_of(name), quantity.column()),
