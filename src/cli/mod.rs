@@ -9,6 +9,7 @@ mod cite;
 #[cfg(test)]
 mod command_lines;
 mod compare;
+mod completion;
 mod context;
 mod csv_rows;
 mod curve;

@@ -18,10 +18,11 @@ const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:60em;margin:2em aut
 impl Document {
     pub fn to_html(&self) -> String {
         let title = escaped(&self.title);
+        let heading = if title.is_empty() { String::new() } else { format!("<h1>{title}</h1>\n") };
         let mut text = format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width\">\n\
-             <title>{title}</title>\n<style>{STYLE}</style>\n<h1>{title}</h1>\n"
+             <title>{title}</title>\n<style>{STYLE}</style>\n{heading}"
         );
         push_blocks(&mut text, &self.blocks);
         text.push_str("</html>\n");

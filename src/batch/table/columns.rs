@@ -337,8 +337,8 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     cpu_source: optional Text None
         "who measured queries of planners that are not built in: thread, process, reported; the least trusted of them"
         = row.result.as_ref().and_then(|result| cpu_source(&result.cost));
-    wall_run_s: Real Seconds "real time: the whole run" = row.wall.as_secs_f64();
-}, with_title("Real time of the run");
+    wall_run_s: Real Seconds "real time: the whole run" = row.wall.as_secs_f64(), with_title("Real time of the run");
+};
 
 /// The columns of `agents.csv`, in their order.
 #[rustfmt::skip]

@@ -3,7 +3,7 @@
 use super::collected::{Collected, ListedRun};
 use super::figures::{Figures, Section};
 use super::notable::NotableRun;
-use super::quantities::{ChartChoice, Quantity};
+use super::quantities::ChartChoice;
 use crate::batch::execute::{CHARTS_FOLDER, Machine};
 use crate::batch::plan::{BatchPlan, PlanWriter};
 use crate::batch::table::FinishedBatch;
@@ -102,8 +102,7 @@ fn tables(collected: &Collected) -> Vec<Block> {
 }
 
 fn asked_columns(collected: &Collected, choice: &ChartChoice) -> Vec<Block> {
-    let places: Vec<usize> = choice.quantities.asked().iter().map(|quantity: &Quantity| quantity.place()).collect();
-    if places.is_empty() { Vec::new() } else { collected.report.column_tables(&places) }
+    collected.report.column_tables(&choice.quantities.places())
 }
 
 fn fleets(collected: &Collected) -> Vec<Block> {

@@ -70,6 +70,11 @@ impl ChosenQuantities {
         Ok(Self { asked })
     }
 
+    /// Returns the places of those that were asked for, among [`RUN_COLUMNS`].
+    pub fn places(&self) -> Vec<usize> {
+        self.asked.iter().map(|quantity| quantity.0).collect()
+    }
+
     /// Returns those that were asked for.
     pub fn asked(&self) -> &[Quantity] {
         &self.asked
@@ -106,11 +111,6 @@ fn column_of_numbers(name: &str) -> Result<usize, ReportError> {
 impl Quantity {
     fn about(self) -> &'static RunColumn {
         &RUN_COLUMNS[self.0]
-    }
-
-    /// Returns the place of its column among [`RUN_COLUMNS`].
-    pub fn place(self) -> usize {
-        self.0
     }
 
     pub fn column(self) -> &'static str {
