@@ -10,8 +10,17 @@ use std::process::Command;
 use std::{env, fs};
 
 /// Where the program comes from: changes elsewhere make no other program.
-const SOURCES: [&str; 9] =
-    ["src", "scenarios", "assets/fonts", "assets/planners", "assets/page", "assets/sprites", "Cargo.toml", "Cargo.lock", "build.rs"];
+const SOURCES: [&str; 9] = [
+    "src",
+    "scenarios",
+    "assets/fonts",
+    "assets/planners",
+    "assets/page",
+    "assets/sprites",
+    "Cargo.toml",
+    "Cargo.lock",
+    "build.rs",
+];
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");

@@ -33,15 +33,8 @@ enum Names {
 }
 
 impl Names {
-    const ALL: [Self; 7] = [
-        Self::Scenarios,
-        Self::Planners,
-        Self::Columns,
-        Self::Metrics,
-        Self::Settings,
-        Self::Choices,
-        Self::Divisions,
-    ];
+    const ALL: [Self; 7] =
+        [Self::Scenarios, Self::Planners, Self::Columns, Self::Metrics, Self::Settings, Self::Choices, Self::Divisions];
 
     /// Returns the names that an argument of a command takes, if it takes any that are not known to `clap`.
     fn of_argument(command: &str, argument: &Arg) -> Option<Self> {
@@ -65,9 +58,7 @@ impl Names {
         let planners = || TruckPlannerKind::ALL.map(|kind| kind.name().to_owned()).to_vec();
         let columns = RUN_COLUMNS.iter().filter(|column| column.holds_numbers()).map(|column| column.name.to_owned());
         let set = |key: &str, names: &[&str]| names.iter().map(|name| format!("{key}={name}")).collect::<Vec<_>>();
-        let owned = |key: &str, names: Vec<String>| {
-            set(key, &names.iter().map(String::as_str).collect::<Vec<_>>())
-        };
+        let owned = |key: &str, names: Vec<String>| set(key, &names.iter().map(String::as_str).collect::<Vec<_>>());
         match self {
             Self::Scenarios => scenarios(),
             Self::Planners => planners(),
@@ -154,7 +145,8 @@ fn patterns(command: &str, option: &Arg) -> String {
 /// The script of `clap` behind a function that is asked first, and takes what it has names for.
 fn bash(program: Command) -> String {
     let mut cases = String::new();
-    for (command, argument, names) in takers(&program).into_iter().filter(|(_, argument, _)| !argument.is_positional()) {
+    for (command, argument, names) in takers(&program).into_iter().filter(|(_, argument, _)| !argument.is_positional())
+    {
         let list = if argument.get_value_delimiter() == Some(',') { " is_list=1" } else { "" };
         let files = if names.or_files() { " has_files=1" } else { "" };
         let words = names.words().join(" ");
@@ -248,7 +240,8 @@ fn fish(program: Command) -> String {
     let mut lines = String::new();
     for names in Names::ALL {
         let words = names.words().join(" ");
-        write!(lines, "\nfunction {}\n    printf '%s\\n' {words}\nend\n", names.function()).expect("a string takes any text");
+        write!(lines, "\nfunction {}\n    printf '%s\\n' {words}\nend\n", names.function())
+            .expect("a string takes any text");
     }
     lines.push('\n');
     for (command, argument, names) in takers(&program) {
@@ -283,7 +276,8 @@ mod tests {
             let is_plain = |word: &String| word.chars().all(|c| c.is_ascii_alphanumeric() || "-_+.=".contains(c));
             assert!(words.iter().all(is_plain), "{words:?}");
         }
-        for (command, option) in [("batch", "planner"), ("plan", "planner"), ("judge", "planner"), ("plan", "scenario")] {
+        for (command, option) in [("batch", "planner"), ("plan", "planner"), ("judge", "planner"), ("plan", "scenario")]
+        {
             let takes = |taker: &&(&str, &Arg, Names)| taker.0 == command && taker.1.get_long() == Some(option);
             assert!(takers.iter().any(|taker| takes(&taker)), "{command} --{option}");
         }

@@ -110,9 +110,12 @@ impl Machines {
 
     /// Counts a machine: with one that is like it, if there is one.
     fn add(&mut self, machine: Machine) {
-        let is_alike = |known: &&mut Machine| Machine { processes: machine.processes, ..(*known).clone() } == machine;
-        match self.machines.iter_mut().find(is_alike) {
-            Some(known) => known.processes = known.processes.saturating_add(machine.processes),
+        let is_alike = |known: &Machine| Machine { processes: machine.processes, ..known.clone() } == machine;
+        match self.machines.iter().position(is_alike) {
+            Some(place) => {
+                let processes = &mut self.machines[place].processes;
+                *processes = processes.saturating_add(machine.processes);
+            }
             None if self.machines.len() < MAX_MACHINES => self.machines.push(machine),
             None => {}
         }
@@ -154,7 +157,8 @@ pub fn merge_machines(folder: &OutputFolder, disk: &dyn Disk) -> Result<(), Batc
 
 /// The name in one line, without what acts on a terminal.
 fn shortened(name: &str) -> String {
-    let words = name.split(|letter: char| letter.is_whitespace() || letter.is_control()).filter(|word| !word.is_empty());
+    let words =
+        name.split(|letter: char| letter.is_whitespace() || letter.is_control()).filter(|word| !word.is_empty());
     words.collect::<Vec<_>>().join(" ").chars().take(MAX_NAME).collect()
 }
 
@@ -246,7 +250,10 @@ mod tests {
         assert!(here.processors >= 1 && !here.system.is_empty(), "{here:?}");
         assert!(here.words().ends_with("2 processes with 2 threads"), "{}", here.words());
         #[cfg(target_os = "linux")]
-        assert!(here.system.starts_with("Linux ") && here.memory_bytes.is_some_and(|bytes| bytes > 1 << 20), "{here:?}");
+        assert!(
+            here.system.starts_with("Linux ") && here.memory_bytes.is_some_and(|bytes| bytes > 1 << 20),
+            "{here:?}"
+        );
     }
 
     #[test]
@@ -271,7 +278,10 @@ mod tests {
     #[test]
     fn models_are_found_whatever_the_architecture_calls_them() {
         for (text, model) in [
-            ("processor\t: 0\nmodel\t\t: 85\nmodel name\t: Intel(R) Xeon(R) CPU\nflags: a b\n", Some("Intel(R) Xeon(R) CPU")),
+            (
+                "processor\t: 0\nmodel\t\t: 85\nmodel name\t: Intel(R) Xeon(R) CPU\nflags: a b\n",
+                Some("Intel(R) Xeon(R) CPU"),
+            ),
             ("processor : 0\nBogoMIPS : 108\n\nModel : Raspberry Pi 4\n", Some("Raspberry Pi 4")),
             ("processor : 0\nmodel name :\n", None),
             ("", None),

@@ -415,7 +415,8 @@ mod tests {
         let plan = plan("smoke", &[]);
         let json = plan.to_json();
         let compiler = format!("  \"compiler\": \"{COMPILER}\",\n");
-        let commit = json.lines().find(|line| line.starts_with("  \"commit\": ")).expect("it is a member").to_owned() + "\n";
+        let commit =
+            json.lines().find(|line| line.starts_with("  \"commit\": ")).expect("it is a member").to_owned() + "\n";
         assert!(json.contains(&compiler), "{json}");
         let of_others = json.replacen(&compiler, "  \"compiler\": \"rustc 9\",\n", 1);
         let of_others = of_others.replacen(&commit, "  \"commit\": \"ab\",\n", 1);

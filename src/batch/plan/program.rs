@@ -10,8 +10,7 @@ pub const PROGRAM: &str = "wildfire";
 
 /// The commit that it was built from, with `-dirty` behind it where sources were changed; none of a development build, and
 /// of one without a repository.
-pub const COMMIT: Option<&str> =
-    if env!("WILDFIRE_COMMIT").is_empty() { None } else { Some(env!("WILDFIRE_COMMIT")) };
+pub const COMMIT: Option<&str> = if env!("WILDFIRE_COMMIT").is_empty() { None } else { Some(env!("WILDFIRE_COMMIT")) };
 
 /// The compiler that built it.
 pub const COMPILER: &str = env!("WILDFIRE_COMPILER");

@@ -8,7 +8,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use crate::batch::execute::{
-    Batch, BatchError, Disk, OutputFolder, RowReader, RowStream, RunRow, StreamBudget, TABLES_FILE, merge_machines, slices_of,
+    Batch, BatchError, Disk, OutputFolder, RowReader, RowStream, RunRow, StreamBudget, TABLES_FILE, merge_machines,
+    slices_of,
 };
 use crate::batch::plan::{BatchPlan, Slice};
 use crate::batch::report::summary::{BatchReport, VariantReport};

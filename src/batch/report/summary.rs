@@ -156,7 +156,10 @@ impl BatchReport {
 /// The decimals by which the largest of some numbers has four digits.
 fn decimals_of(numbers: [Option<f64>; 4]) -> usize {
     let largest = numbers.into_iter().flatten().fold(0.0_f64, |largest, number| largest.max(number.abs()));
-    [(100.0, 1), (10.0, 2), (1.0, 3), (0.01, 4)].into_iter().find(|(least, _)| largest >= *least).map_or(6, |found| found.1)
+    [(100.0, 1), (10.0, 2), (1.0, 3), (0.01, 4)]
+        .into_iter()
+        .find(|(least, _)| largest >= *least)
+        .map_or(6, |found| found.1)
 }
 
 impl VariantReport {

@@ -7,8 +7,8 @@ use schemars::JsonSchema;
 use serde::{Serialize, Serializer};
 
 use crate::batch::{
-    BatchPlan, BatchReport, COMMIT, COMPILER, Machine, OutputFolder, PROGRAM_VERSION, RUN_COLUMNS, Tally, VariantReport,
-    WrittenReport,
+    BatchPlan, BatchReport, COMMIT, COMPILER, Machine, OutputFolder, PROGRAM_VERSION, RUN_COLUMNS, Tally,
+    VariantReport, WrittenReport,
 };
 use crate::document::{Block, Document};
 use crate::stats::Series;

@@ -11,13 +11,13 @@ use std::time::Duration;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
-use super::keeping::LockArguments;
 use super::answer::{BatchAnswer, ReportAnswer};
+use super::keeping::LockArguments;
 use super::{exit_code, list, note_leftovers, note_repeated, resume_command};
 use crate::batch::{
-    BatchError, BatchPlan, ChartChoice, ChosenQuantities, FinishedBatch, JournalError, MissingRuns, NotableRun, OutputFolder, PaperCharts, PlanError,
-    RUNS_FILE, RealDisk, ReportError, Slice, SliceState, Survey, batch_status, limit_threads, notable_runs,
-    write_report,
+    BatchError, BatchPlan, ChartChoice, ChosenQuantities, FinishedBatch, JournalError, MissingRuns, NotableRun,
+    OutputFolder, PaperCharts, PlanError, RUNS_FILE, RealDisk, ReportError, Slice, SliceState, Survey, batch_status,
+    limit_threads, notable_runs, write_report,
 };
 use crate::cli::args::{ProgramArguments, jobs_or_usual, parse_jobs};
 use crate::cli::context::CommandContext;

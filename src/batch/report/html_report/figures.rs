@@ -146,8 +146,7 @@ impl Figures {
             .enumerate()
             .map(|(variant, curves)| {
                 let label = labels.label(variant, &all);
-                let name =
-                    if curves.is_there() { label } else { words::NO_RUN_IS_DONE.filled(language, &[&label]) };
+                let name = if curves.is_there() { label } else { words::NO_RUN_IS_DONE.filled(language, &[&label]) };
                 CurvePanel { name, curves: state_curves(curves, &shown, language) }
             })
             .collect();
@@ -176,9 +175,12 @@ fn means(choice: &ChartChoice) -> Vec<(String, String, Vec<Quantity>)> {
         (!shown.is_empty()).then(|| (file.to_owned(), title.in_language(language).to_owned(), shown))
     });
     let is_alone = |quantity: &&Quantity| !STATES.contains(quantity) && !CPU_PARTS.contains(quantity);
-    let alone = choice.quantities.asked().iter().filter(is_alone).map(|&quantity| {
-        (format!("mean-{}", quantity.column()), quantity.title(language), vec![quantity])
-    });
+    let alone = choice
+        .quantities
+        .asked()
+        .iter()
+        .filter(is_alone)
+        .map(|&quantity| (format!("mean-{}", quantity.column()), quantity.title(language), vec![quantity]));
     together.chain(alone).collect()
 }
 
@@ -210,11 +212,7 @@ fn bars(
 }
 
 /// `None` where all runs have the same.
-fn distribution(
-    (quantity, language): (Quantity, Language),
-    panels: &[Facet],
-    values: &[Values],
-) -> Option<StripChart> {
+fn distribution((quantity, language): (Quantity, Language), panels: &[Facet], values: &[Values]) -> Option<StripChart> {
     let strip = |series: &FacetSeries| strip(series, values[series.variants[0]].numbers(quantity));
     let panels: Vec<StripPanel> = panels
         .iter()

@@ -110,7 +110,10 @@ pub fn write_report(
         write_data(&charts_folder, data)?;
     }
     if paper.pdf || paper.pgf {
-        draw(choice, paper.size.units()).drawn.iter().try_for_each(|figure| write_paper(&charts_folder, figure, paper))?;
+        draw(choice, paper.size.units())
+            .drawn
+            .iter()
+            .try_for_each(|figure| write_paper(&charts_folder, figure, paper))?;
     }
     let page = folder.join(REPORT_FILE);
     write_whole(&page, page::page(batch, &collected, &figures, playing, &origin, choice).to_html().as_bytes())?;

@@ -138,7 +138,9 @@ impl Quantity {
     pub fn number(self, run: &RunRecord) -> Option<f64> {
         let number = run.number(self.0)?;
         match self.about().unit {
-            Unit::Cells if self.is_state() => Some(number / run.number(OBSTACLES).filter(|&obstacles| obstacles > 0.0)?),
+            Unit::Cells if self.is_state() => {
+                Some(number / run.number(OBSTACLES).filter(|&obstacles| obstacles > 0.0)?)
+            }
             Unit::Seconds if is_measured(self.column()) => Some(number * 1e3),
             _ => Some(number),
         }
