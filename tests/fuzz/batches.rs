@@ -8,9 +8,9 @@ use std::sync::{Arc, LazyLock};
 
 use wildfire::batch::comparison::{Selection, compare};
 use wildfire::batch::{
-    Append, Batch, BatchPlan, BatchRequest, Disk, FinishedBatch, JournalIndex, OutputFolder, PLAN_FILE, PLAN_TEMPLATE,
-    PaperCharts, PlanError, RUNS_FILE, STATES_PARQUET, Slice, Sweep, Whole, batch_status, merge, run_column,
-    write_report,
+    Append, Batch, BatchPlan, BatchRequest, ChartChoice, Disk, FinishedBatch, JournalIndex, OutputFolder, PLAN_FILE,
+    PLAN_TEMPLATE, PaperCharts, PlanError, RUNS_FILE, STATES_PARQUET, Slice, Sweep, Whole, batch_status, merge,
+    run_column, write_report,
 };
 use wildfire::picture::charts::PaperSize;
 use wildfire::scenario::ScenarioText;
@@ -319,7 +319,7 @@ pub fn report(case: &mut Case<'_>) -> Law {
     }
     let batch = FinishedBatch::open(case.folder).map_err(|error| error.to_string())?;
     let size = PaperSize { width_mm: 88.0, font_pt: 8.0 };
-    match write_report(&batch, &[], &PaperCharts { size, pdf: true, pgf: true }) {
+    match write_report(&batch, &[], &ChartChoice::default(), &PaperCharts { size, pdf: true, pgf: true }) {
         Ok(_) => {
             case.count("reports written");
             Ok(())
