@@ -241,10 +241,13 @@ impl BatchPlan {
     pub fn read_text(folder: &Path, most: u64) -> Result<Option<String>, PlanError> {
         let path = folder.join(PLAN_FILE);
         let file = open(folder, &path)?;
-        let mut text = String::new();
-        let read = file.take(most + 1).read_to_string(&mut text);
-        read.map_err(|source| PlanError::Unreadable { path, source })?;
-        Ok((text.len() as u64 <= most).then_some(text))
+        let unreadable = |source| PlanError::Unreadable { path: path.clone(), source };
+        let mut bytes = Vec::new();
+        file.take(most + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+        if bytes.len() as u64 > most {
+            return Ok(None);
+        }
+        input_file::text(bytes).map(Some).map_err(unreadable)
     }
 
     /// A hash can be computed by anybody, so the contents under a right one are checked like any scenario.

@@ -81,25 +81,27 @@ pub struct Figures {
     pub refused: Vec<String>,
 }
 
-impl Figures {
+/// What the figures of a batch are drawn from.
+pub struct FigureSource<'a> {
+    pub plan: &'a BatchPlan,
+    pub collected: &'a Collected,
+    /// For each variant, where the batch has them.
+    pub states: Option<&'a [StateCurves]>,
+}
+
+impl FigureSource<'_> {
     /// Draws the figures of all variants on sheets of this width, in units.
-    pub fn new(
-        plan: &BatchPlan,
-        collected: &Collected,
-        states: Option<&[StateCurves]>,
-        choice: &ChartChoice,
-        width: f32,
-    ) -> Self {
-        let mut figures = Self::default();
+    pub fn draw(&self, choice: &ChartChoice, width: f32) -> Figures {
+        let Self { plan, collected, states } = *self;
+        let mut figures = Figures::default();
         let panels = variant_facets(plan);
-        let language = choice.language;
         if figures.admits("states, CPU time and distributions of the variants", panels.len()) {
-            for (file, title, quantities) in means(choice) {
-                let chart = bars((title, language), &quantities, &panels, &collected.variants);
-                figures.add(Section::Means, &file, chart.draw(width), values(chart.rows()));
+            for shown in means(choice) {
+                let chart = shown.bars(choice.language, &panels, &collected.variants);
+                figures.add(Section::Means, &shown.file, chart.draw(width), values(chart.rows()));
             }
             for quantity in choice.quantities.of_runs() {
-                if let Some(chart) = distribution((quantity, language), &panels, &collected.variants) {
+                if let Some(chart) = distribution(quantity, choice.language, &panels, &collected.variants) {
                     let file = format!("distribution-{}", quantity.column());
                     figures.add(Section::Distributions, &file, chart.draw(width), values(chart.rows()));
                 }
@@ -113,7 +115,9 @@ impl Figures {
         }
         figures
     }
+}
 
+impl Figures {
     /// Says whether a chart has few enough panels; if not, notes in a sentence that it is not drawn.
     fn admits(&mut self, what: &str, panels: usize) -> bool {
         if panels > MOST_PANELS {
@@ -164,55 +168,64 @@ impl Figures {
     }
 }
 
-/// Lists charts of means: the name of the file, the title, and the quantities, which have one unit. What was asked for and
-/// goes with nothing else has a chart of its own.
-fn means(choice: &ChartChoice) -> Vec<(String, String, Vec<Quantity>)> {
+/// A chart of means.
+struct MeansChart {
+    /// The name of its file, without an ending.
+    file: String,
+    title: String,
+    /// Its groups of bars, which have one unit.
+    quantities: Vec<Quantity>,
+}
+
+/// Lists the charts of means. A quantity that was asked for and goes with no other has a chart of its own.
+fn means(choice: &ChartChoice) -> Vec<MeansChart> {
     let language = choice.language;
     let together: [(&str, Words, &[Quantity]); 2] =
         [("states", words::STATES_AT_THE_END, &STATES), ("cpu-time", words::CPU_TIME_BY_PART, &CPU_PARTS)];
-    let together = together.into_iter().filter_map(|(file, title, quantities)| {
-        let shown = choice.quantities.among(quantities);
-        (!shown.is_empty()).then(|| (file.to_owned(), title.in_language(language).to_owned(), shown))
+    let together = together.into_iter().map(|(file, title, all)| MeansChart {
+        file: file.to_owned(),
+        title: title.in_language(language).to_owned(),
+        quantities: choice.quantities.among(all),
     });
     let is_alone = |quantity: &&Quantity| !STATES.contains(quantity) && !CPU_PARTS.contains(quantity);
-    let alone = choice
-        .quantities
-        .asked()
-        .iter()
-        .filter(is_alone)
-        .map(|&quantity| (format!("mean-{}", quantity.column()), quantity.title(language), vec![quantity]));
-    together.chain(alone).collect()
+    let alone = choice.quantities.asked().iter().filter(is_alone).map(|&quantity| MeansChart {
+        file: format!("mean-{}", quantity.column()),
+        title: quantity.title(language),
+        quantities: vec![quantity],
+    });
+    together.chain(alone).filter(|chart| !chart.quantities.is_empty()).collect()
 }
 
-fn bars(
-    (title, language): (String, Language),
-    quantities: &[Quantity],
-    panels: &[Facet],
-    values: &[Values],
-) -> BarChart {
-    let of_series = |series: &FacetSeries| {
-        let values = &values[series.variants[0]];
-        let bars = quantities.iter().map(|&quantity| values.mean(quantity)).collect();
-        BarSeries { name: series.name.clone(), style: series.style, bars }
-    };
-    BarChart {
-        titles: Titles {
-            title,
-            note: words::BARS_ARE_MEANS.in_language(language).into(),
-            x: String::new(),
-            y: quantities.first().map_or("", |quantity| quantity.axis().in_language(language)).into(),
-            language,
-        },
-        groups: quantities.iter().map(|quantity| quantity.label(language).to_owned()).collect(),
-        panels: panels
-            .iter()
-            .map(|panel| BarPanel { name: panel.name.clone(), series: panel.series.iter().map(of_series).collect() })
-            .collect(),
+impl MeansChart {
+    fn bars(&self, language: Language, panels: &[Facet], values: &[Values]) -> BarChart {
+        let quantities = &self.quantities;
+        let of_series = |series: &FacetSeries| {
+            let values = &values[series.variants[0]];
+            let bars = quantities.iter().map(|&quantity| values.mean(quantity)).collect();
+            BarSeries { name: series.name.clone(), style: series.style, bars }
+        };
+        BarChart {
+            titles: Titles {
+                title: self.title.clone(),
+                note: words::BARS_ARE_MEANS.in_language(language).into(),
+                x: String::new(),
+                y: quantities.first().map_or("", |quantity| quantity.axis().in_language(language)).into(),
+                language,
+            },
+            groups: quantities.iter().map(|quantity| quantity.label(language).to_owned()).collect(),
+            panels: panels
+                .iter()
+                .map(|panel| BarPanel {
+                    name: panel.name.clone(),
+                    series: panel.series.iter().map(of_series).collect(),
+                })
+                .collect(),
+        }
     }
 }
 
 /// `None` where all runs have the same.
-fn distribution((quantity, language): (Quantity, Language), panels: &[Facet], values: &[Values]) -> Option<StripChart> {
+fn distribution(quantity: Quantity, language: Language, panels: &[Facet], values: &[Values]) -> Option<StripChart> {
     let strip = |series: &FacetSeries| strip(series, values[series.variants[0]].numbers(quantity));
     let panels: Vec<StripPanel> = panels
         .iter()

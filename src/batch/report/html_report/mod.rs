@@ -33,9 +33,9 @@ use crate::picture::charts::{Language, PaperSize, SCREEN_WIDTH};
 use crate::picture::unknown_letters;
 use crate::whole_file::WholeFile;
 use collected::Collected;
-use figures::{ChartData, Figure, Figures};
+use figures::{ChartData, Figure, FigureSource, Figures};
 use over_time::StateCurves;
-use page::Origin;
+use page::{Origin, Page};
 
 /// The files of a report that was written.
 #[derive(Clone, Debug)]
@@ -97,10 +97,10 @@ pub fn write_report(
     let collected = Collected::read(batch.plan(), rows, &choice.quantities)?;
     let states = StateCurves::read(folder, batch.plan())?;
     let origin = Origin::read(folder)?;
-    let draw = |choice: &ChartChoice, width| Figures::new(batch.plan(), &collected, states.as_deref(), choice, width);
-    let figures = draw(choice, SCREEN_WIDTH);
+    let source = FigureSource { plan: batch.plan(), collected: &collected, states: states.as_deref() };
+    let figures = source.draw(choice, SCREEN_WIDTH);
     let english = ChartChoice { language: Language::English, ..choice.clone() };
-    let data = if *choice == english { None } else { Some(draw(&english, SCREEN_WIDTH).data) };
+    let data = if *choice == english { None } else { Some(source.draw(&english, SCREEN_WIDTH).data) };
     let charts_folder = folder.join(CHARTS_FOLDER);
     fs::create_dir_all(&charts_folder).map_err(|source| unwritable(&charts_folder, source))?;
     for figure in &figures.drawn {
@@ -110,13 +110,12 @@ pub fn write_report(
         write_data(&charts_folder, data)?;
     }
     if paper.pdf || paper.pgf {
-        draw(choice, paper.size.units())
-            .drawn
-            .iter()
-            .try_for_each(|figure| write_paper(&charts_folder, figure, paper))?;
+        let drawn = source.draw(choice, paper.size.units()).drawn;
+        drawn.iter().try_for_each(|figure| write_paper(&charts_folder, figure, paper))?;
     }
     let page = folder.join(REPORT_FILE);
-    write_whole(&page, page::page(batch, &collected, &figures, playing, &origin, choice).to_html().as_bytes())?;
+    let contents = Page { batch, collected: &collected, figures: &figures, playing, origin: &origin, choice };
+    write_whole(&page, contents.to_document().to_html().as_bytes())?;
     let Figures { drawn, refused, .. } = figures;
     let texts = drawn.iter().flat_map(|figure| figure.drawing.texts());
     let unknown: BTreeSet<char> = texts.flat_map(unknown_letters).collect();

@@ -23,39 +23,46 @@ pub struct Origin {
     pub machines: Vec<Machine>,
 }
 
-pub fn page(
-    batch: &FinishedBatch,
-    collected: &Collected,
-    figures: &Figures,
-    playing: &[NotableRun],
-    origin: &Origin,
-    choice: &ChartChoice,
-) -> Document {
-    let plan = batch.plan();
-    let name = batch.folder().canonicalize().ok();
-    let name = name.as_deref().unwrap_or(batch.folder()).file_name();
-    let title = format!("Batch {}", name.map_or_else(String::new, |name| name.to_string_lossy().into_owned()));
-    let stuck_runs = collected.stuck_runs as u64;
-    let sections = [
-        ("Runs to play", runs_to_play(plan, playing)),
-        ("Means", charts(figures, Section::Means)),
-        ("Columns that were asked for", asked_columns(collected, choice)),
-        ("Tables", tables(collected)),
-        ("Fleets", fleets(collected)),
-        ("Distributions", charts(figures, Section::Distributions)),
-        ("States over time", charts(figures, Section::OverTime)),
-        ("Sweeps", charts(figures, Section::Sweeps)),
-        ("Runs without a result", runs(plan, &collected.failures, collected.report.not_done(), "Why")),
-        ("Runs in which an agent was stuck", runs(plan, &collected.stuck, stuck_runs, "For")),
-        ("Plan and version", plan_part(plan, origin)),
-    ];
-    let mut document = Document::new(title).with(summary(plan, collected, figures));
-    for (heading, blocks) in sections {
-        if !blocks.is_empty() {
-            document = document.with([Block::Heading(heading.into())]).with(blocks);
+/// What is on the page.
+pub struct Page<'a> {
+    pub batch: &'a FinishedBatch,
+    pub collected: &'a Collected,
+    pub figures: &'a Figures,
+    /// The runs whose pages are there.
+    pub playing: &'a [NotableRun],
+    pub origin: &'a Origin,
+    pub choice: &'a ChartChoice,
+}
+
+impl Page<'_> {
+    pub fn to_document(&self) -> Document {
+        let Self { batch, collected, figures, playing, origin, choice } = *self;
+        let plan = batch.plan();
+        let name = batch.folder().canonicalize().ok();
+        let name = name.as_deref().unwrap_or(batch.folder()).file_name();
+        let title = format!("Batch {}", name.map_or_else(String::new, |name| name.to_string_lossy().into_owned()));
+        let stuck_runs = collected.stuck_runs as u64;
+        let sections = [
+            ("Runs to play", runs_to_play(plan, playing)),
+            ("Means", charts(figures, Section::Means)),
+            ("Columns that were asked for", asked_columns(collected, choice)),
+            ("Tables", tables(collected)),
+            ("Fleets", fleets(collected)),
+            ("Distributions", charts(figures, Section::Distributions)),
+            ("States over time", charts(figures, Section::OverTime)),
+            ("Sweeps", charts(figures, Section::Sweeps)),
+            ("Runs without a result", runs(plan, &collected.failures, collected.report.not_done(), "Why")),
+            ("Runs in which an agent was stuck", runs(plan, &collected.stuck, stuck_runs, "For")),
+            ("Plan and version", plan_part(plan, origin)),
+        ];
+        let mut document = Document::new(title).with(summary(plan, collected, figures));
+        for (heading, blocks) in sections {
+            if !blocks.is_empty() {
+                document = document.with([Block::Heading(heading.into())]).with(blocks);
+            }
         }
+        document
     }
-    document
 }
 
 fn summary(plan: &BatchPlan, collected: &Collected, figures: &Figures) -> Vec<Block> {
