@@ -43,7 +43,7 @@ impl Names {
         }
         match (argument.get_long(), argument.get_id().as_str()) {
             (None, "source" | "sources") | (Some("scenario" | "with" | "show"), _) => Some(Self::Scenarios),
-            (Some("planner"), _) => Some(Self::Planners),
+            (Some("planner" | "against"), _) => Some(Self::Planners),
             (Some("metric"), _) if command == "report" => Some(Self::Columns),
             (Some("metric"), _) => Some(Self::Metrics),
             (Some("set" | "with-set"), _) => Some(Self::Settings),
@@ -276,7 +276,7 @@ mod tests {
             let is_plain = |word: &String| word.chars().all(|c| c.is_ascii_alphanumeric() || "-_+.=".contains(c));
             assert!(words.iter().all(is_plain), "{words:?}");
         }
-        for (command, option) in [("batch", "planner"), ("plan", "planner"), ("judge", "planner"), ("plan", "scenario")]
+        for (command, option) in [("batch", "planner"), ("plan", "planner"), ("judge", "against"), ("plan", "scenario")]
         {
             let takes = |taker: &&(&str, &Arg, Names)| taker.0 == command && taker.1.get_long() == Some(option);
             assert!(takers.iter().any(|taker| takes(&taker)), "{command} --{option}");

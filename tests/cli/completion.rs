@@ -46,7 +46,7 @@ fn bash_offers_names_of_scenarios_planners_policies_and_columns() {
         ("wildfire scenarios --show smo", &["smoke"]),
         ("wildfire batch --planner prm", &["prm+primitives", "prm-rs"]),
         ("wildfire batch --planner prm-rs,hyb", &["prm-rs,hybrid-astar"]),
-        ("wildfire judge --planner hyb", &["hybrid-astar"]),
+        ("wildfire judge --against hyb", &["hybrid-astar"]),
         ("wildfire -q batch --planner hyb", &["hybrid-astar"]),
         // Behind `=` the shell takes a word of its own, of which alone it replaces what was typed.
         ("wildfire batch --planner=hyb", &["hybrid-astar"]),

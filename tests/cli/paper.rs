@@ -64,14 +64,14 @@ fn tables_of_a_batch_are_latex_in_which_no_name_acts() {
 fn charts_are_those_of_the_columns_that_were_asked_for() {
     let story = story();
     let answer =
-        story.tell(&["report", "a", "--metric", "truck_distance_m,intact", "--metric", "spotted"]).expect_code(0);
+        story.tell(&["report", "a", "--metric", "truck_distance_m,extinguished", "--metric", "spotted"]).expect_code(0);
     assert!(answer.stdout.contains("truck_distance_m (m): way driven"), "{}", answer.stdout);
     let expected = [
         "states",
         "mean-truck_distance_m",
         "mean-spotted",
         "distribution-truck_distance_m",
-        "distribution-intact",
+        "distribution-extinguished",
         "sweep-field.coverage-truck_distance_m",
         "over-time-1",
         "over-time-2",
