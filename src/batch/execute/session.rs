@@ -174,7 +174,11 @@ impl Batch {
     ) -> Result<(), BatchError> {
         let lost: Vec<u64> = self.found.lost_recordings.iter().map(|lost| lost.run).collect();
         if !lost.is_empty() || !self.journal.index().is_complete() {
-            note_machine(&self.folder, self.journal.index().slice(), jobs, self.disk.as_ref())?;
+            match note_machine(&self.folder, self.journal.index().slice(), jobs, self.disk.as_ref()) {
+                // Of a folder that is gone, the journal says it better.
+                Err(BatchError::Unwritable { source, .. }) if source.kind() == ErrorKind::NotFound => {}
+                noted => noted?,
+            }
         }
         let missing = in_turn(&self.plan, self.journal.index().missing());
         let work = Work {
