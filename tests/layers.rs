@@ -65,7 +65,8 @@ const LAYERS: &[(&str, &[&str])] = &[
     // Processes and what they cost are the system's to tell.
     ("programs", &["glam", "nix", "serde_json", "serde_path_to_error", "sha2", "signal_hook"]),
     ("stats", &["statrs"]),
-    ("batch", &["crc32fast", "csv", "parquet", "rayon", "serde_json", "sha2", "toml"]),
+    // What a batch worked on is the system's to tell.
+    ("batch", &["crc32fast", "csv", "nix", "parquet", "rayon", "serde_json", "sha2", "toml"]),
     ("view", &["bevy", "glam"]),
     (
         "cli",

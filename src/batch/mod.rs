@@ -23,23 +23,24 @@ mod table;
 
 pub use execute::{
     AGENTS_FILE, Append, Batch, BatchError, BatchStatus, CALLS_PARQUET, CHARTS_FOLDER, CpuSplit, Disk, Found,
-    JournalError, JournalIndex, JournalKeeping, Lock, LostRecording, MissingRuns, OutputFolder, Pilot, PlannerCall,
-    RECORDINGS_FOLDER, REPORT_FILE, RUNS_FILE, RUNS_PARQUET, RealDisk, RunDetail, RunResult, RunRow, RunScenario,
-    STATE_STEPS, STATES_PARQUET, SliceState, Solution, StateCount, Status, StrangeEntry, Survey, TABLES_FILE, Whole,
-    batch_status, file_name_of, limit_threads,
+    JournalError, JournalIndex, JournalKeeping, Lock, LostRecording, Machine, Machines, MissingRuns, OutputFolder,
+    Pilot, PlannerCall, RECORDINGS_FOLDER, REPORT_FILE, RUNS_FILE, RUNS_PARQUET, RealDisk, RunDetail, RunResult,
+    RunRow, RunScenario, STATE_STEPS, STATES_PARQUET, SliceState, Solution, StateCount, Status, StrangeEntry, Survey,
+    TABLES_FILE, Whole, batch_status, file_name_of, limit_threads,
 };
 pub use maps::{BatchMaps, BatchQuantity, BatchSide, MapDifference, MapSource, MapsError, MapsOptions, map_batches};
 pub use plan::{
-    BatchPlan, BatchRequest, CourseError, CoursePlan, CourseRefusal, CourseRequest, MAX_RUNS, MAX_SEEDS_BYTES,
-    MAX_VARIANTS, PLAN_FILE, PLAN_TEMPLATE, PLANNER_KEY, PROGRAM_VERSION, PlanError, PlannedRun, RUNS_WITHOUT_FORCE,
-    Record, RequestError, RunLabel, Seeds, SeedsError, Setting, Slice, SliceError, Sweep, SweepError, Value, Variant,
-    plan_schema, rules_schema, shell_word,
+    BatchPlan, BatchRequest, COMMIT, COMPILER, CourseError, CoursePlan, CourseRefusal, CourseRequest, LONG_VERSION,
+    MAX_RUNS, MAX_SEEDS_BYTES, MAX_VARIANTS, PLAN_FILE, PLAN_TEMPLATE, PLANNER_KEY, PROGRAM_VERSION, PlanError,
+    PlanWriter, PlannedRun, RUNS_WITHOUT_FORCE, Record, RequestError, RunLabel, Seeds, SeedsError, Setting, Slice,
+    SliceError, Sweep, SweepError, Value, Variant, plan_schema, rules_schema, shell_word,
 };
 pub use report::{
-    AuditOptions, AuditReport, AuditSource, AuditsError, BatchReport, ChartData, Facet, FacetSeries, FieldPicture,
-    LISTED_VIOLATIONS, ListedViolation, MOST_PANELS, Merged, NotableRun, PaperCharts, ReportError, ReportParts,
-    RunObject, SHOWN_RUNS, Tables, Tally, VariantReport, WrittenReport, audit_all, merge, notable_runs, notes,
-    read_rows, word_facets, write_chart, write_chart_data, write_paper_chart, write_report,
+    AuditOptions, AuditReport, AuditSource, AuditsError, BatchReport, ChartChoice, ChartData, ChosenQuantities, Facet,
+    FacetSeries, FieldPicture, LISTED_VIOLATIONS, ListedViolation, MOST_PANELS, Merged, NotableRun, PaperCharts,
+    ReportError, ReportParts, RunObject, SHOWN_RUNS, Tables, Tally, VariantReport, WrittenReport, audit_all, merge,
+    notable_runs, notes, read_rows, runs_with_pages, word_facets, write_chart, write_chart_data, write_paper_chart,
+    write_report,
 };
 pub use table::{
     AGENT_COLUMNS, AgentColumn, AgentRow, CALL_COLUMNS, COLUMNS_BEFORE_SWEPT, CallColumn, Column, FileColumn,

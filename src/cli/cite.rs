@@ -1,11 +1,12 @@
 //! `wildfire cite`: what a paper says about the program and the runs that it used.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
+use serde::Serialize;
 
-use crate::batch::{BatchError, BatchPlan, PROGRAM_VERSION};
+use crate::batch::{BatchError, BatchPlan, COMMIT, PROGRAM_VERSION, PlanWriter};
 use crate::cli::error::CliError;
 use crate::cli::terminal;
 
@@ -13,35 +14,91 @@ use crate::cli::terminal;
 #[command(after_help = "\
 Examples:
   wildfire cite > wildfire.bib
-  wildfire cite runs/contest >> paper.bib")]
+  wildfire cite runs/contest >> paper.bib
+  wildfire cite runs/contest --json")]
 pub struct CiteArguments {
     /// The folder of a batch, whose plan is named with its SHA-256: it decides all outcomes.
     #[arg(value_name = "DIR")]
     pub folder: Option<PathBuf>,
+    /// Print the same as one JSON object.
+    #[arg(long)]
+    pub json: bool,
 }
 
-/// Prints an entry for BibTeX.
+/// Prints an entry for BibTeX, or what it says as an object.
 pub fn run(arguments: &CiteArguments) -> Result<ExitCode, CliError> {
-    let plan = arguments.folder.as_deref().map(BatchPlan::read).transpose().map_err(BatchError::from)?;
-    let note = plan.as_ref().map(note);
-    terminal::print(&entry(note.as_deref()))?;
+    let batch = arguments.folder.as_deref().map(CitedBatch::read).transpose()?;
+    let commit = batch.as_ref().map_or(COMMIT.map(str::to_owned), |batch| batch.commit.clone());
+    let citation = Citation { author: AUTHOR, title: TITLE, version: PROGRAM_VERSION, year: YEAR, commit, batch };
+    terminal::print(&if arguments.json {
+        serde_json::to_string(&citation).expect("names and numbers are JSON") + "\n"
+    } else {
+        entry(&citation.note())
+    })?;
     Ok(ExitCode::SUCCESS)
 }
 
-/// Says which runs there were.
-fn note(plan: &BatchPlan) -> String {
-    let mut scenarios: Vec<&str> = plan.variants.iter().map(|variant| variant.scenario.name.as_str()).collect();
-    scenarios.dedup();
-    let scenarios = scenarios.into_iter().map(in_bibtex).collect::<Vec<_>>().join(", ");
-    format!("Scenarios: {scenarios}; seeds {}; {} runs; plan {}", plan.seeds, plan.count(), plan.content_sha256())
+const AUTHOR: &str = "The wildfire authors";
+const TITLE: &str = "wildfire: a multi-agent wildfire simulation and motion-planning contest";
+
+/// What is cited; the members in their order.
+#[derive(Serialize)]
+struct Citation {
+    author: &'static str,
+    title: &'static str,
+    version: &'static str,
+    year: u16,
+    /// The commit of the program that began the batch, else of this one; none where it is not known.
+    commit: Option<String>,
+    batch: Option<CitedBatch>,
 }
 
-fn entry(note: Option<&str>) -> String {
-    let note = note.map_or(String::new(), |note| format!("  note         = {{{note}}},\n"));
+/// The runs that there were.
+#[derive(Serialize)]
+struct CitedBatch {
+    scenarios: Vec<String>,
+    seeds: String,
+    runs: u64,
+    content_sha256: String,
+    #[serde(skip)]
+    commit: Option<String>,
+    compiler: Option<String>,
+}
+
+impl CitedBatch {
+    fn read(folder: &Path) -> Result<Self, CliError> {
+        let plan = BatchPlan::read(folder).map_err(BatchError::from)?;
+        let PlanWriter { commit, compiler, .. } = BatchPlan::read_writer(folder).map_err(BatchError::from)?;
+        let mut scenarios: Vec<String> = plan.variants.iter().map(|variant| variant.scenario.name.clone()).collect();
+        scenarios.dedup();
+        let (seeds, runs, content_sha256) = (plan.seeds.to_string(), plan.count(), plan.content_sha256());
+        Ok(Self { scenarios, seeds, runs, content_sha256, commit, compiler })
+    }
+}
+
+impl Citation {
+    /// Says which commit it was and which runs there were, as far as there is something to say.
+    fn note(&self) -> String {
+        let commit = self.commit.iter().map(|commit| format!("Commit {}", in_bibtex(commit)));
+        let batch = self.batch.iter().flat_map(|CitedBatch { scenarios, seeds, runs, content_sha256, .. }| {
+            let scenarios = scenarios.iter().map(|name| in_bibtex(name)).collect::<Vec<_>>().join(", ");
+            [
+                format!("Scenarios: {scenarios}"),
+                format!("seeds {seeds}"),
+                format!("{runs} runs"),
+                format!("plan {content_sha256}"),
+            ]
+        });
+        commit.chain(batch).collect::<Vec<_>>().join("; ")
+    }
+}
+
+fn entry(note: &str) -> String {
+    let note = if note.is_empty() { String::new() } else { format!("  note         = {{{note}}},\n") };
     format!(
         "@software{{wildfire,\n  \
-           author       = {{{{The wildfire authors}}}},\n  \
-           title        = {{wildfire: a multi-agent wildfire simulation and motion-planning contest}},\n  \
+           author       = {{{{{AUTHOR}}}}},\n  \
+           title        = {{{TITLE}}},\n  \
            version      = {{{PROGRAM_VERSION}}},\n  \
            year         = {{{YEAR}}},\n\
          {note}}}\n"
@@ -76,15 +133,15 @@ mod tests {
         let file = include_str!("../../CITATION.cff");
         let says = |line: &str| assert!(file.lines().any(|found| found == line), "{line}");
         says(&format!("version: {PROGRAM_VERSION}"));
-        says("title: \"wildfire: a multi-agent wildfire simulation and motion-planning contest\"");
-        says("  - name: \"The wildfire authors\"");
+        says(&format!("title: \"{TITLE}\""));
+        says(&format!("  - name: \"{AUTHOR}\""));
         assert!(file.lines().any(|line| line.starts_with(&format!("date-released: \"{YEAR}-"))));
     }
 
     #[test]
     fn an_entry_has_as_many_closing_braces_as_opening_ones() {
         for name in ["contest", "{a", "100 % of \\cell_m", "~^\"@#"] {
-            let entry = entry(Some(&format!("Scenarios: {}", in_bibtex(name))));
+            let entry = entry(&format!("Scenarios: {}", in_bibtex(name)));
             let count = |brace: char, escaped: &str| entry.matches(brace).count() - entry.matches(escaped).count();
             assert_eq!(count('{', "\\{"), count('}', "\\}"), "{entry}");
             assert!(entry.starts_with("@software{wildfire,\n") && entry.ends_with("}\n"), "{entry}");

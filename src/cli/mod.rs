@@ -9,6 +9,7 @@ mod cite;
 #[cfg(test)]
 mod command_lines;
 mod compare;
+mod completion;
 mod context;
 mod csv_rows;
 mod curve;
@@ -68,6 +69,7 @@ use run::RunArguments;
 use scenarios::{CheckArguments, NewArguments, ScenariosArguments, SchemaArguments};
 use shell::{CompletionsArguments, ManArguments};
 
+use crate::batch::LONG_VERSION;
 #[cfg(unix)]
 use crate::programs::supervisor;
 use crate::sim::Entrants;
@@ -94,7 +96,7 @@ Exit codes: 0 done, 1 some run failed, 2 bad input, 3 disk or other environment,
 
 /// A wildfire contest between planners: a Wumpus lights bushes, a fire truck puts them out.
 #[derive(Debug, Parser)]
-#[command(name = "wildfire", version, after_help = EXAMPLES, max_term_width = 100)]
+#[command(name = "wildfire", version, long_version = LONG_VERSION, after_help = EXAMPLES, max_term_width = 100)]
 pub struct Arguments {
     /// Print results and errors only: no progress, no notes.
     #[arg(short, long, global = true, env = "WILDFIRE_QUIET", value_parser = FalseyValueParser::new())]

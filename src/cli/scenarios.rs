@@ -6,14 +6,18 @@ use std::path::{Component, Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
+use schemars::{JsonSchema, schema_for};
+use serde::Serialize;
 
-use crate::batch::{PLAN_TEMPLATE, TableOfRows, plan_schema, row_schema, rules_schema};
+use crate::batch::{Machines, PLAN_TEMPLATE, PROGRAM_VERSION, TableOfRows, plan_schema, row_schema, rules_schema};
 use crate::cli::args::ScenarioArguments;
+use crate::cli::batch::{BatchObject, PlanAnswer, ReportAnswer, SliceAnswer};
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::cli::map::parse_tolerance;
 use crate::cli::numbers;
 use crate::cli::output_files::{Files, Format};
+use crate::cli::report::FormArguments;
 use crate::cli::terminal;
 use crate::document::number::percent;
 use crate::document::{Block, Document};
@@ -89,6 +93,20 @@ pub enum SchemaOf {
     PlannerProtocol,
     /// The object that `wildfire export` writes as JSON.
     Export,
+    /// The file machines.json of a batch.
+    Machines,
+    /// What `wildfire batch --json` and `wildfire merge --json` print.
+    BatchAnswer,
+    /// What `wildfire batch --dry-run --json` prints.
+    DryRunAnswer,
+    /// What `wildfire batch --shard --json` prints.
+    SliceAnswer,
+    /// What `wildfire report --json` prints.
+    ReportAnswer,
+    /// What `wildfire check --json` prints.
+    CheckAnswer,
+    /// What `wildfire scenarios --json` prints.
+    ScenariosAnswer,
 }
 
 #[derive(Debug, Args)]
@@ -98,20 +116,104 @@ pub struct CheckArguments {
     /// The memory limit that the estimate is compared with [default: 2GB].
     #[arg(long, value_name = "SIZE", default_value_t, hide_default_value = true)]
     pub memory: MemoryLimit,
+    #[command(flatten)]
+    pub form: FormArguments,
 }
 
 #[derive(Debug, Args)]
 pub struct ScenariosArguments {
     /// Print the file of this built-in scenario.
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", conflicts_with = "report_form")]
     pub show: Option<String>,
+    #[command(flatten)]
+    pub form: FormArguments,
+}
+
+/// What a scenario means.
+#[derive(Serialize, JsonSchema)]
+pub struct CheckAnswer {
+    program_version: &'static str,
+    name: String,
+    /// What stands in one section after the other, in words.
+    sections: Vec<CheckSection>,
+    /// The scenario with all values filled in, as `wildfire schema scenario` describes it.
+    scenario: serde_json::Value,
+    #[serde(skip)]
+    #[schemars(skip)]
+    document: Document,
+}
+
+/// A section of what is said of a scenario.
+#[derive(Serialize, JsonSchema)]
+struct CheckSection {
+    title: String,
+    lines: Vec<String>,
+}
+
+impl CheckAnswer {
+    fn new(loaded: &LoadedScenario, limit: MemoryLimit) -> Self {
+        let document = scenario::explain(loaded, limit);
+        let mut sections: Vec<CheckSection> = vec![CheckSection { title: document.title.clone(), lines: Vec::new() }];
+        for block in &document.blocks {
+            let lines = match block {
+                Block::Heading(title) => {
+                    sections.push(CheckSection { title: title.clone(), lines: Vec::new() });
+                    continue;
+                }
+                Block::Text(line) => vec![line.clone()],
+                Block::List(lines) => lines.clone(),
+                Block::Verbatim(lines) => lines.lines().map(str::to_owned).collect(),
+                Block::Terms(terms) => terms.iter().map(|(name, meaning)| format!("{name}: {meaning}")).collect(),
+                Block::Table(table) => table.rows.iter().map(|cells| cells.join(" ")).collect(),
+                Block::Contents | Block::Links(_) | Block::Figure(_) | Block::Image { .. } | Block::Folded(..) => {
+                    Vec::new()
+                }
+            };
+            sections.last_mut().expect("the title is one").lines.extend(lines);
+        }
+        Self {
+            program_version: PROGRAM_VERSION,
+            name: loaded.scenario.name.clone(),
+            sections,
+            scenario: serde_json::to_value(&loaded.scenario).expect("scenarios hold names, numbers and lists only"),
+            document,
+        }
+    }
+}
+
+impl From<&CheckAnswer> for Document {
+    fn from(answer: &CheckAnswer) -> Self {
+        answer.document.clone()
+    }
+}
+
+/// The built-in scenarios.
+#[derive(Serialize, JsonSchema)]
+pub struct ScenariosAnswer {
+    program_version: &'static str,
+    scenarios: Vec<ListedScenario>,
+}
+
+#[derive(Serialize, JsonSchema)]
+struct ListedScenario {
+    name: &'static str,
+    /// A sentence on what it is for.
+    purpose: String,
+}
+
+impl From<&ScenariosAnswer> for Document {
+    fn from(answer: &ScenariosAnswer) -> Self {
+        let terms = answer.scenarios.iter().map(|listed| (listed.name.to_owned(), listed.purpose.clone()));
+        // A list without a title needs no page.
+        Self::default().with([Block::Terms(terms.collect())])
+    }
 }
 
 /// Explains a scenario.
 pub fn check(arguments: &CheckArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     let loaded =
         LoadedScenario::open(&arguments.scenario.source, &context.with_own_names(&arguments.scenario.overrides))?;
-    terminal::print(&scenario::explain(&loaded, arguments.memory).to_text())?;
+    terminal::print(&arguments.form.render(&CheckAnswer::new(&loaded, arguments.memory)))?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -120,10 +222,10 @@ pub fn list_or_show(arguments: &ScenariosArguments) -> Result<ExitCode, CliError
     match &arguments.show {
         Some(name) => terminal::print(built_in(name)?)?,
         None => {
-            // A list without a title needs no page.
-            let term = |(name, text): &(&str, &str)| ((*name).to_owned(), first_sentence(text));
-            let terms = Block::Terms(BUILT_IN.iter().map(term).collect());
-            terminal::print(&Document::default().with([terms]).to_text())?;
+            let listed = |&(name, text): &(&'static str, &str)| ListedScenario { name, purpose: first_sentence(text) };
+            let scenarios = BUILT_IN.iter().map(listed).collect();
+            let answer = ScenariosAnswer { program_version: PROGRAM_VERSION, scenarios };
+            terminal::print(&arguments.form.render(&answer))?;
         }
     }
     Ok(ExitCode::SUCCESS)
@@ -290,6 +392,13 @@ pub fn schema(arguments: &SchemaArguments) -> Result<ExitCode, CliError> {
         SchemaOf::States => row_schema(TableOfRows::States),
         SchemaOf::PlannerProtocol => of_file(protocol::schema()),
         SchemaOf::Export => of_file(export::schema()),
+        SchemaOf::Machines => of_file(schema_for!(Machines)),
+        SchemaOf::BatchAnswer => of_file(schema_for!(BatchObject)),
+        SchemaOf::DryRunAnswer => of_file(schema_for!(PlanAnswer)),
+        SchemaOf::SliceAnswer => of_file(schema_for!(SliceAnswer)),
+        SchemaOf::ReportAnswer => of_file(schema_for!(ReportAnswer)),
+        SchemaOf::CheckAnswer => of_file(schema_for!(CheckAnswer)),
+        SchemaOf::ScenariosAnswer => of_file(schema_for!(ScenariosAnswer)),
     };
     terminal::print(&format!("{schema}\n"))?;
     Ok(ExitCode::SUCCESS)

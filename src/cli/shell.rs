@@ -10,7 +10,7 @@ use clap_complete::Shell;
 use clap_mangen::Man;
 
 use crate::cli::error::CliError;
-use crate::cli::{Arguments, terminal};
+use crate::cli::{Arguments, completion, terminal};
 use crate::whole_file::WholeFile;
 
 #[derive(Debug, Args)]
@@ -32,9 +32,7 @@ pub struct ManArguments {
 
 /// Prints the script that completes arguments.
 pub fn completions(arguments: &CompletionsArguments) -> Result<ExitCode, CliError> {
-    let mut script = Vec::new();
-    clap_complete::generate(arguments.shell, &mut Arguments::command(), "wildfire", &mut script);
-    terminal::print(&String::from_utf8(script).expect("scripts are text"))?;
+    terminal::print(&completion::script(arguments.shell, Arguments::command()))?;
     Ok(ExitCode::SUCCESS)
 }
 

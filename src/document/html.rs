@@ -35,10 +35,11 @@ h1,h2,summary,caption{break-after:avoid}figure,tr,li,dt{break-inside:avoid}p{orp
 impl Document {
     pub fn to_html(&self) -> String {
         let title = escaped(&self.title);
+        let heading = if title.is_empty() { String::new() } else { format!("<h1>{title}</h1>\n") };
         let text = format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <title>{title}</title>\n<style>{STYLE}</style>\n<h1>{title}</h1>\n"
+             <title>{title}</title>\n<style>{STYLE}</style>\n{heading}"
         );
         let mut page = Page { text, sections: sections(&self.blocks), begun: 0 };
         page.push_blocks(&self.blocks);

@@ -1,12 +1,15 @@
-//! Documents as LaTeX, to be read into a paper with `\input`: its packages are booktabs, graphicx and caption.
+//! Documents as LaTeX, to be read into a paper with `\input`. The first lines say which packages it needs.
 
 use super::{Block, Document, Table};
 use crate::untrusted::{visible, visible_lines};
 
 impl Document {
     pub fn to_latex(&self) -> String {
-        let packages = "% \\usepackage{booktabs,caption,graphicx}";
-        let mut text = format!("{packages}\n\\section*{{{}}}\n", escaped(&self.title));
+        // The quotation marks of text are letters of T1.
+        let mut text = "% \\usepackage[T1]{fontenc}\n% \\usepackage{booktabs,caption,graphicx}\n".to_owned();
+        if !self.title.is_empty() {
+            text.push_str(&format!("\\section*{{{}}}\n", escaped(&self.title)));
+        }
         push_blocks(&mut text, &self.blocks);
         text
     }
@@ -73,9 +76,18 @@ fn push_table(text: &mut String, table: &Table) {
         if index == 0 || table.rules_before.contains(&index) {
             text.push_str("\\midrule\n");
         }
-        text.push_str(&row(cells.iter().map(|cell| escaped(cell)).collect()));
+        let cells = cells.iter().enumerate();
+        text.push_str(&row(cells.map(|(column, cell)| cell_text(cell, table.is_text(column))).collect()));
     }
     text.push_str("\\bottomrule\n\\end{tabular}\n\\end{table}\n");
+}
+
+/// Writes a cell; before a number the hyphen of text becomes a minus sign.
+fn cell_text(cell: &str, is_text: bool) -> String {
+    match cell.strip_prefix('-').filter(|rest| !is_text && rest.starts_with(|first: char| first.is_ascii_digit())) {
+        Some(number) => format!("$-${}", escaped(number)),
+        None => escaped(cell),
+    }
 }
 
 /// Escapes text, of which no letter is a command then.
@@ -110,12 +122,12 @@ mod tests {
 
     #[test]
     fn tables_have_the_rules_of_booktabs() {
-        let rows = vec![vec!["1".into(), "10.5".into()], vec!["Mean".into(), "50 %".into()]];
+        let rows = vec![vec!["-1".into(), "-10.5".into()], vec!["Mean".into(), "50 %".into()]];
         let table = Table { rules_before: vec![1], ..Table::new(&["Run", "Reacha-\nbility"], rows) };
         let mut text = String::new();
         push_table(&mut text, &table.with_caption("Times"));
         let expected = "\\begin{table}[htbp]\n\\centering\n\\caption*{Times}\n\\begin{tabular}{lr}\n\\toprule\n\
-                        Run & Reachability \\\\\n\\midrule\n1 & 10.5 \\\\\n\\midrule\nMean & 50 \\% \\\\\n\
+                        Run & Reachability \\\\\n\\midrule\n-1 & $-$10.5 \\\\\n\\midrule\nMean & 50 \\% \\\\\n\
                         \\bottomrule\n\\end{tabular}\n\\end{table}\n";
         assert_eq!(text, expected);
     }

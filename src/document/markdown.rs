@@ -5,7 +5,7 @@ use crate::untrusted::{visible, visible_lines};
 
 impl Document {
     pub fn to_markdown(&self) -> String {
-        let mut text = format!("# {}\n", escaped(&self.title));
+        let mut text = if self.title.is_empty() { String::new() } else { format!("# {}\n", escaped(&self.title)) };
         push_blocks(&mut text, &self.blocks);
         text
     }

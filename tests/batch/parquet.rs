@@ -7,7 +7,7 @@ use parquet::basic::{LogicalType, Repetition, Type as Physical};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 use parquet::schema::types::ColumnDescPtr;
-use wildfire::batch::{BatchPlan, BatchRequest, PROGRAM_VERSION, Record, Sweep};
+use wildfire::batch::{BatchPlan, BatchRequest, COMMIT, COMPILER, PROGRAM_VERSION, Record, Sweep};
 use wildfire::sim;
 
 use crate::made_up::{made_up_run, plan, rows, run_plan};
@@ -215,5 +215,6 @@ fn every_file_names_its_plan_and_its_program() {
         let value = |key: &str| metadata.iter().find(|entry| entry.key == key).and_then(|entry| entry.value.clone());
         assert_eq!(value("content_sha256"), Some(hash.clone()), "{file}");
         assert_eq!(value("program_version").as_deref(), Some(PROGRAM_VERSION), "{file}");
+        assert_eq!((value("compiler").as_deref(), value("commit").as_deref()), (Some(COMPILER), COMMIT), "{file}");
     }
 }

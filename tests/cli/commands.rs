@@ -40,8 +40,13 @@ fn help_fills_eighty_columns_and_breaks_no_example() {
 
 #[test]
 fn version_is_the_package_version() {
-    let answer = Story::begin().tell(&["--version"]).expect_code(0);
+    let answer = Story::begin().tell(&["-V"]).expect_code(0);
     assert_eq!(answer.stdout, concat!("wildfire ", env!("CARGO_PKG_VERSION"), "\n"));
+    let long = Story::begin().tell(&["--version"]).expect_code(0).stdout;
+    assert!(long.starts_with(answer.stdout.as_str()), "{long}");
+    let begins: Vec<&str> =
+        long.lines().skip(1).filter_map(|line| line.split_once(": ")).map(|(name, _)| name).collect();
+    assert_eq!(begins, ["commit", "compiler", "target"], "{long}");
 }
 
 #[test]

@@ -18,10 +18,20 @@ pub const CALLS_PARQUET: &str = "planner_calls.parquet";
 pub const STATES_PARQUET: &str = "states.parquet";
 pub const REPORT_FILE: &str = "report.html";
 pub const CHARTS_FOLDER: &str = "charts";
+pub const MACHINES_FILE: &str = "machines.json";
 
-/// The files that a batch may write into its folder, besides journals.
-pub const FILES: [&str; 8] =
-    [PLAN_FILE, RUNS_FILE, AGENTS_FILE, TABLES_FILE, RUNS_PARQUET, CALLS_PARQUET, STATES_PARQUET, REPORT_FILE];
+/// The files that a batch may write into its folder, besides journals and lists of the machines of slices.
+pub const FILES: [&str; 9] = [
+    PLAN_FILE,
+    RUNS_FILE,
+    AGENTS_FILE,
+    TABLES_FILE,
+    RUNS_PARQUET,
+    CALLS_PARQUET,
+    STATES_PARQUET,
+    REPORT_FILE,
+    MACHINES_FILE,
+];
 
 /// The journal of a whole batch.
 const WHOLE_NAME: &str = "runs.journal";
@@ -44,6 +54,24 @@ pub fn slice_of_journal(name: &str) -> Option<Slice> {
     (journal_name(slice) == name).then_some(slice)
 }
 
+/// The name of the list of machines that worked on a slice.
+pub fn machines_name(slice: Slice) -> String {
+    if slice.is_whole() {
+        MACHINES_FILE.into()
+    } else {
+        format!("machines-{}.json", slice.to_string().replace('/', "-of-"))
+    }
+}
+
+/// The slice whose list of machines has this name; `None` of what is none.
+pub fn slice_of_machines(name: &str) -> Option<Slice> {
+    if name == MACHINES_FILE {
+        return Some(Slice::WHOLE);
+    }
+    let slice = name.strip_prefix("machines-")?.strip_suffix(".json")?.replace("-of-", "/").parse().ok()?;
+    (machines_name(slice) == name).then_some(slice)
+}
+
 /// An entry of a batch's folder that is not what a batch writes there.
 #[derive(Debug, Error)]
 #[error("{} is {found}; expected a {expected}", path.display())]
@@ -57,8 +85,9 @@ pub struct StrangeEntry {
 /// reading it might never end. A link to a file passes for the file.
 pub fn expect_files(folder: &Path) -> Result<(), StrangeEntry> {
     FILES.iter().try_for_each(|name| expect_file(&folder.join(name)))?;
-    let is_journal = |name: &OsStr| name.to_str().and_then(slice_of_journal).is_some();
-    named(folder, is_journal).try_for_each(|path| expect_file(&path))?;
+    let is_of_slice =
+        |name: &OsStr| name.to_str().is_some_and(|name| slice_of_journal(name).or(slice_of_machines(name)).is_some());
+    named(folder, is_of_slice).try_for_each(|path| expect_file(&path))?;
     for (name, is_own) in [(RECORDINGS_FOLDER, is_recording as fn(&OsStr) -> bool), (CHARTS_FOLDER, is_chart)] {
         let inside = folder.join(name);
         expect(&inside, FileType::is_dir, "folder")?;
@@ -120,9 +149,10 @@ pub fn is_recording(name: &OsStr) -> bool {
     numbers.is_some_and(|numbers| numbers.iter().all(|number| number.parse::<u64>().is_ok()))
 }
 
-/// Says whether this is the name of a chart, or of a page that plays a run.
+/// Says whether this is the name of a chart, of what one shows, or of a page that plays a run.
 pub fn is_chart(name: &OsStr) -> bool {
-    Path::new(name).extension().is_some_and(|ending| ending == "svg" || ending == "png" || ending == "html")
+    const ENDINGS: [&str; 6] = ["svg", "png", "pdf", "pgf", "csv", "html"];
+    Path::new(name).extension().is_some_and(|ending| ENDINGS.iter().any(|known| ending == *known))
 }
 
 /// Says whether this is the name under which a slice writes the plan before it renames it: `plan.json.JOURNAL`.
@@ -138,7 +168,7 @@ pub fn is_leftover(name: &OsStr) -> bool {
     let parts = name.strip_suffix(".part").and_then(|name| name.rsplit_once('.'));
     is_plan_of_slice(name)
         || parts.is_some_and(|(name, process)| {
-            let own = FILES.contains(&name) || is_plan_of_slice(name);
+            let own = FILES.contains(&name) || is_plan_of_slice(name) || slice_of_machines(name).is_some();
             process.parse::<u32>().is_ok() && (own || is_recording(OsStr::new(name)) || is_chart(OsStr::new(name)))
         })
 }
@@ -151,6 +181,8 @@ mod tests {
     fn only_what_a_batch_wrote_aside_is_left_over() {
         for name in [
             "runs.csv.12.part",
+            "machines.json.3.part",
+            "machines-1-of-2.json.3.part",
             "plan.json.1.part",
             "plan.json.runs-1-of-2.journal",
             "plan.json.runs-1-of-2.journal.7.part",
@@ -196,9 +228,13 @@ mod tests {
     }
 
     #[test]
-    fn journals_are_known_by_their_names() {
+    fn journals_and_lists_of_machines_are_known_by_their_names() {
         for slice in [Slice::WHOLE, Slice::new(2, 5).expect("a slice")] {
             assert_eq!(slice_of_journal(&journal_name(slice)), Some(slice));
+            assert_eq!(slice_of_machines(&machines_name(slice)), Some(slice));
+        }
+        for name in ["runs.json", "machines-1-of-1.json", "machines-6-of-5.json", "machines-mine.json"] {
+            assert_eq!(slice_of_machines(name), None, "{name}");
         }
         for name in ["runs.csv", "runs-1-of-1.journal", "runs-6-of-5.journal", "runs-01-of-5.journal", "runs-.journal"]
         {

@@ -39,6 +39,8 @@ pub enum BatchError {
     Stopped,
     #[error("{} holds slice {found} of its batch, which does not go with {asked}", path.display())]
     OtherSlices { path: PathBuf, found: Slice, asked: Slice },
+    #[error("{} is no list of machines: {reason}; nothing depends on it, and it may be removed", path.display())]
+    NoMachines { path: PathBuf, reason: String },
     #[error("{} holds no journal of a batch", path.display())]
     NoJournal { path: PathBuf },
     #[error("slice {slice} of the batch in {} has not begun", path.display())]

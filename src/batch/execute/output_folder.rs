@@ -8,7 +8,7 @@ use std::time::Duration;
 use serde::Deserialize;
 
 use crate::batch::execute::entries::{
-    FILES, is_chart, is_leftover, is_recording, journal_name, named, slice_of_journal,
+    FILES, is_chart, is_leftover, is_recording, journal_name, named, slice_of_journal, slice_of_machines,
 };
 use crate::batch::execute::{BatchError, CHARTS_FOLDER, Lock, RECORDINGS_FOLDER, expect_files};
 use crate::batch::plan::{PLAN_FILE, PROGRAM, Slice};
@@ -154,7 +154,7 @@ impl OutputFolder {
     }
 
     /// Removes the results of an earlier batch, so that an end before the last run leaves nothing of it that would
-    /// pass for the new one's: tables, plan, journals of slices and, where a batch's plan shows whose they are, all
+    /// pass for the new one's: tables, plan, journals and machines of slices and, where a batch's plan shows whose they are, all
     /// recordings and charts. The journal of a whole batch stays, since whoever asks for this holds it.
     pub fn remove_earlier_results(&self) -> Result<(), BatchError> {
         if self.holds_a_plan() {
@@ -164,7 +164,8 @@ impl OutputFolder {
         let slices = self.journals()?.into_iter().filter(|slice| !slice.is_whole());
         let journals = slices.map(|slice| self.journal(slice));
         let files = FILES.iter().map(|name| self.path.join(name));
-        journals.chain(files).try_for_each(|path| remove_file(&path))
+        let machines = named(&self.path, |name| name.to_str().and_then(slice_of_machines).is_some());
+        journals.chain(files).chain(machines.collect::<Vec<_>>()).try_for_each(|path| remove_file(&path))
     }
 
     /// Returns the files that a process that was killed, or one that is at work, has written aside, in order.

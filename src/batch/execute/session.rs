@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use crate::batch::execute::entries::journal_name;
 use crate::batch::execute::journal::{JournalError, LockedJournal, OpenJournal, RowReader};
+use crate::batch::execute::machines::note_machine;
 use crate::batch::execute::workers::{Task, Work, work_off};
 use crate::batch::execute::{BatchError, Disk, JournalIndex, OutputFolder, RUNS_FILE, RealDisk, RunScenario, Status};
 use crate::batch::plan::{BatchPlan, ENTRY_COLUMN, PLAN_FILE, PlanError, Record, Slice};
@@ -172,6 +173,13 @@ impl Batch {
         on_run: impl FnMut(Status),
     ) -> Result<(), BatchError> {
         let lost: Vec<u64> = self.found.lost_recordings.iter().map(|lost| lost.run).collect();
+        if !lost.is_empty() || !self.journal.index().is_complete() {
+            match note_machine(&self.folder, self.journal.index().slice(), jobs, self.disk.as_ref()) {
+                // Of a folder that is gone, the journal says it better.
+                Err(BatchError::Unwritable { source, .. }) if source.kind() == ErrorKind::NotFound => {}
+                noted => noted?,
+            }
+        }
         let missing = in_turn(&self.plan, self.journal.index().missing());
         let work = Work {
             plan: Arc::clone(&self.plan),

@@ -12,8 +12,8 @@ use thiserror::Error;
 
 use super::difference::{differences, differences_of_scenarios};
 use super::request::{MAX_PLAN_BYTES, MAX_VARIANTS};
-use super::{BatchPlan, MAX_FREE_KEYS, MAX_SWEPT_KEYS, PROGRAM, PROGRAM_VERSION, Record, Variant};
-use super::{Seeds, SeedsError, Value};
+use super::{BatchPlan, COMMIT, COMPILER, MAX_FREE_KEYS, MAX_SWEPT_KEYS, PROGRAM, PROGRAM_VERSION, PlanWriter, Record};
+use super::{Seeds, SeedsError, Value, Variant};
 use crate::input_file::{self, InputFile, list_of_at_most};
 use crate::planning::PlannerName;
 use crate::scenario::{self, Fault, MemoryLimit, Programs, Scenario, TruckGoal, WumpusGoal};
@@ -70,6 +70,8 @@ struct Frozen<'a> {
     format: u32,
     program: &'static str,
     program_version: &'static str,
+    commit: Option<&'static str>,
+    compiler: &'static str,
     content_sha256: String,
     seeds: String,
     runs: u64,
@@ -165,6 +167,8 @@ impl BatchPlan {
             format: PLAN_FORMAT,
             program: PROGRAM,
             program_version: PROGRAM_VERSION,
+            commit: COMMIT,
+            compiler: COMPILER,
             content_sha256: self.content_sha256(),
             seeds: self.seeds.to_string(),
             runs: self.count(),
@@ -224,6 +228,33 @@ impl BatchPlan {
         }
         plan.check_variants(&path)?;
         Ok(plan)
+    }
+
+    /// Reads which program wrote the plan of a batch's folder, and what that was built from.
+    ///
+    /// # Errors
+    /// If there is no plan, or it cannot be read.
+    pub fn read_writer(folder: &Path) -> Result<PlanWriter, PlanError> {
+        let path = folder.join(PLAN_FILE);
+        let file = open(folder, &path)?;
+        read_head(&path, &file)?;
+        read_json(&path, &file)
+    }
+
+    /// Reads the text of the plan of a batch's folder as it was written; none if it is longer than `most` bytes.
+    ///
+    /// # Errors
+    /// If there is no plan, or it cannot be read.
+    pub fn read_text(folder: &Path, most: u64) -> Result<Option<String>, PlanError> {
+        let path = folder.join(PLAN_FILE);
+        let file = open(folder, &path)?;
+        let unreadable = |source| PlanError::Unreadable { path: path.clone(), source };
+        let mut bytes = Vec::new();
+        file.take(most + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+        if bytes.len() as u64 > most {
+            return Ok(None);
+        }
+        input_file::text(bytes).map(Some).map_err(unreadable)
     }
 
     /// A hash can be computed by anybody, so the contents under a right one are checked like any scenario.
@@ -387,6 +418,32 @@ mod tests {
         assert_eq!(hash(&[]), BatchPlan { record: Record::All, ..plan("smoke", &[]) }.content_sha256());
         assert_ne!(hash(&[]), hash(&["fire.relight=true"]));
         assert_ne!(hash(&["fire.burn_out_s=30,40"]), hash(&["fire.burn_out_s=40,30"]));
+    }
+
+    #[test]
+    fn commit_and_compiler_are_named_and_decide_nothing() {
+        let plan = plan("smoke", &[]);
+        let json = plan.to_json();
+        let compiler = format!("  \"compiler\": \"{COMPILER}\",\n");
+        let commit =
+            json.lines().find(|line| line.starts_with("  \"commit\": ")).expect("it is a member").to_owned() + "\n";
+        assert!(json.contains(&compiler), "{json}");
+        let of_others = json.replacen(&compiler, "  \"compiler\": \"rustc 9\",\n", 1);
+        let of_others = of_others.replacen(&commit, "  \"commit\": \"ab\",\n", 1);
+        let of_old_ones = json.replacen(&compiler, "", 1).replacen(&commit, "", 1);
+        for other in [&of_others, &of_old_ones] {
+            let read = read_back(other).expect("it has the same hash");
+            assert_eq!(read.content_sha256(), plan.content_sha256());
+            plan.expect_same(&read, Path::new("out")).expect("it is the same plan");
+        }
+        let scratch = tempfile::tempdir().expect("a scratch folder");
+        let writer = |json: &str| {
+            fs::write(scratch.path().join(PLAN_FILE), json).expect("writable");
+            BatchPlan::read_writer(scratch.path()).expect("it names its program")
+        };
+        assert_eq!(writer(&of_others).words(), format!("wildfire {PROGRAM_VERSION}, commit ab, rustc 9"));
+        assert_eq!(writer(&of_old_ones).words(), format!("wildfire {PROGRAM_VERSION}"));
+        assert_eq!(writer(&json).compiler.as_deref(), Some(COMPILER));
     }
 
     #[test]

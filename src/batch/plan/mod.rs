@@ -10,6 +10,7 @@ mod difference;
 mod file;
 mod free;
 mod frozen;
+mod program;
 mod recorded;
 mod request;
 mod seeds;
@@ -22,6 +23,8 @@ pub use difference::value_differences;
 pub use file::{PLAN_TEMPLATE, schema as plan_schema};
 pub use free::{FreeKeys, FreeKeysError};
 pub use frozen::{PLAN_FILE, PlanError};
+pub(super) use program::PROGRAM;
+pub use program::{COMMIT, COMPILER, LONG_VERSION, PROGRAM_VERSION, PlanWriter};
 pub use recorded::{RecordedPlan, RecordedVariant};
 pub use request::{BatchRequest, MAX_VARIANTS, RUNS_WITHOUT_FORCE, RequestError};
 pub use seeds::{MAX_RUNS, MAX_SEEDS_BYTES, Seeds, SeedsError};
@@ -38,12 +41,6 @@ use serde::{Deserialize, Serialize};
 use crate::input_file::list_of_at_most;
 use crate::scenario::{Dispatch, MemoryLimit, Scenario, Unimog};
 use crate::timeline::AgentId;
-
-/// The version of this program, as every file that it writes names it.
-pub const PROGRAM_VERSION: &str = env!("CARGO_PKG_VERSION");
-
-/// The program that `plan.json` names.
-pub(super) const PROGRAM: &str = "wildfire";
 
 /// The most keys that a batch sweeps, and the most changes of a scenario.
 pub const MAX_SWEPT_KEYS: usize = 100;

@@ -8,7 +8,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use crate::batch::execute::{
-    Batch, BatchError, Disk, OutputFolder, RowReader, RowStream, RunRow, StreamBudget, TABLES_FILE, slices_of,
+    Batch, BatchError, Disk, OutputFolder, RowReader, RowStream, RunRow, StreamBudget, TABLES_FILE, merge_machines,
+    slices_of,
 };
 use crate::batch::plan::{BatchPlan, Slice};
 use crate::batch::report::summary::{BatchReport, VariantReport};
@@ -187,6 +188,7 @@ pub fn merge(folder: &OutputFolder, disk: &dyn Disk, stop: &AtomicBool) -> Resul
     let plan = BatchPlan::read(folder.path())?;
     let mut journals = Journals::open(&plan, folder)?;
     let report = write_tables(&plan, folder, disk, stop, &mut journals)?;
+    merge_machines(folder, disk)?;
     // All slices are complete, so nobody has anything left to write aside.
     let leftovers = folder.remove_leftovers()?;
     Ok(Merged { plan, report, leftovers, repeated: journals.repeated() })

@@ -14,8 +14,9 @@ mod tally;
 pub use audits::{AuditOptions, AuditReport, AuditSource, AuditsError, LISTED_VIOLATIONS, ListedViolation, audit_all};
 pub use finish::{Merged, merge, read_rows};
 pub use html_report::{
-    ChartData, Facet, FacetSeries, FieldPicture, MOST_PANELS, NotableRun, PaperCharts, ReportError, ReportParts,
-    WrittenReport, notable_runs, word_facets, write_chart, write_chart_data, write_paper_chart, write_report,
+    ChartChoice, ChartData, ChosenQuantities, Facet, FacetSeries, FieldPicture, MOST_PANELS, NotableRun, PaperCharts,
+    ReportError, ReportParts, WrittenReport, notable_runs, runs_with_pages, word_facets, write_chart, write_chart_data,
+    write_paper_chart, write_report,
 };
 pub use json::RunObject;
 pub use notes::notes;

@@ -6,7 +6,7 @@ use crate::batch::report::notes::notes;
 use crate::batch::report::profile::Profile;
 use crate::batch::report::tables::Tables;
 use crate::batch::report::tally::Tally;
-use crate::batch::table::{RunRecord, run_column};
+use crate::batch::table::{RUN_COLUMNS, RunRecord, run_column};
 use crate::document::number::optional;
 use crate::document::{Block, Document, Table};
 use crate::scenario::Scenario;
@@ -26,8 +26,8 @@ pub struct VariantReport {
     pub tally: Tally,
     /// True if the scenario has agents on both sides.
     is_contest: bool,
-    /// A series for each of [`MEANS`].
-    means: [Series; MEANS.len()],
+    /// A series for each of the columns of runs; of those without numbers it is empty.
+    columns: Vec<Series>,
     profile: Profile,
     /// Present where a scenario has more than one truck.
     fleet: Option<Fleet>,
@@ -53,7 +53,8 @@ impl VariantReport {
     /// The report of a variant, without any run yet.
     pub fn new(title: String, scenario: &Scenario) -> Self {
         let is_contest = !scenario.wumpus.is_empty() && !scenario.unimog.is_empty();
-        Self { title, is_contest, fleet: Fleet::new(scenario), ..Self::default() }
+        let columns = vec![Series::default(); RUN_COLUMNS.len()];
+        Self { title, is_contest, fleet: Fleet::new(scenario), columns, ..Self::default() }
     }
 
     /// Adds the next run of the plan.
@@ -61,9 +62,14 @@ impl VariantReport {
         self.tables.add(run);
         self.tally.add(run, self.is_contest);
         self.fleet.iter_mut().for_each(|fleet| fleet.add(run));
-        for (series, mean) in self.means.iter_mut().zip(&MEANS) {
-            run.number(mean.column).into_iter().for_each(|number| series.add(number * mean.scale));
+        for (place, series) in self.columns.iter_mut().enumerate().filter(|_| run.is_done()) {
+            run.number(place).into_iter().for_each(|number| series.add(number));
         }
+    }
+
+    /// Returns the numbers of a column, by its place among [`RUN_COLUMNS`], over the runs that are done.
+    pub fn column(&self, place: usize) -> &Series {
+        &self.columns[place]
     }
 
     /// Adds what a run's row in a table does not say: notes on its agents, and how much CPU time its facts took.
@@ -113,6 +119,28 @@ impl BatchReport {
         fleets_table(variants.filter_map(|variant| Some((variant.title.as_str(), variant.fleet.as_ref()?))))
     }
 
+    /// Returns a table for each of these columns, by their places among [`RUN_COLUMNS`]: a line for each variant.
+    pub fn column_tables(&self, places: &[usize]) -> Vec<Block> {
+        let table = |&place: &usize| {
+            let about = &RUN_COLUMNS[place];
+            let row = |variant: &VariantReport| {
+                let series = variant.column(place);
+                let interval = series.mean_interval();
+                let [low, high] = [interval.map(|ends| ends.low), interval.map(|ends| ends.high)];
+                let numbers = [series.mean(), series.standard_deviation(), low, high];
+                let decimals = decimals_of(numbers);
+                let numbers = numbers.map(|number| optional(number, decimals));
+                [variant.title.clone(), series.count().to_string()].into_iter().chain(numbers).collect()
+            };
+            let unit = Some(about.unit.symbol()).filter(|symbol| !["", "1"].contains(symbol));
+            let unit = unit.map_or_else(String::new, |symbol| format!(" ({symbol})"));
+            let headings = ["Variant", "Runs", "Mean", "Std dev", "95% low", "95% high"];
+            let rows = self.variants.iter().map(row).collect();
+            Table::new(&headings, rows).with_caption(&format!("{}{unit}: {}", about.name, about.words)).into()
+        };
+        places.iter().map(table).collect()
+    }
+
     /// Returns what there is to note of any variant, by its number.
     pub fn notes(&self) -> Vec<String> {
         let notes = self.variants.iter().enumerate();
@@ -125,6 +153,15 @@ impl BatchReport {
     }
 }
 
+/// The decimals by which the largest of some numbers has four digits.
+fn decimals_of(numbers: [Option<f64>; 4]) -> usize {
+    let largest = numbers.into_iter().flatten().fold(0.0_f64, |largest, number| largest.max(number.abs()));
+    [(100.0, 1), (10.0, 2), (1.0, 3), (0.01, 4)]
+        .into_iter()
+        .find(|(least, _)| largest >= *least)
+        .map_or(6, |found| found.1)
+}
+
 impl VariantReport {
     /// Returns the tables and the tally.
     pub fn blocks(&self) -> Vec<Block> {
@@ -135,7 +172,8 @@ impl VariantReport {
 
     fn overview_row(&self, name: String) -> Vec<String> {
         let counts = [self.tally.done, self.tally.not_done()].map(|count| count.to_string());
-        let means = self.means.iter().zip(&MEANS).map(|(series, mean)| optional(series.mean(), mean.decimals));
+        let mean = |mean: &Mean| self.column(mean.column).mean().map(|value| value * mean.scale);
+        let means = MEANS.iter().map(|column| optional(mean(column), column.decimals));
         [name].into_iter().chain(counts).chain(means).collect()
     }
 }

@@ -64,7 +64,7 @@ pub struct Column<F> {
     pub kind: Kind,
     /// True if every row has a value.
     pub is_required: bool,
-    /// The name that charts give it; empty of a column that is in none.
+    /// The name that charts give it; empty of a column that they cannot show.
     pub title: &'static str,
     /// The words for a difference between two batches.
     pub phrase: Option<Phrase>,
@@ -78,6 +78,11 @@ impl<F: Copy> Column<F> {
 
     pub(super) const fn with_phrase(self, phrase: Phrase) -> Self {
         Self { phrase: Some(phrase), ..self }
+    }
+
+    /// Says whether it holds numbers that are measured or counted, not words and not names such as seeds.
+    pub fn holds_numbers(&self) -> bool {
+        self.kind == Kind::Real || self.kind == Kind::Count && !["seed", "run"].contains(&self.name)
     }
 
     /// Returns all that a file says of the column.

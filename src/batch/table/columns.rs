@@ -157,7 +157,7 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     status: Text None "done, failed or panicked" = row.status.to_string();
     message: optional Text None "why a run is not done, or what its planners had to say about failed queries"
         = unless_empty(&row.message);
-    obstacles: optional Count Cells "bush cells of the field" = outcome(row, |o| o.obstacles);
+    obstacles: optional Count Cells "bush cells of the field" = outcome(row, |o| o.obstacles), with_title("Bush cells");
     intact: optional Count Cells "bush cells that never burned, at the end"
         = outcome(row, |o| o.intact), with_title("Intact");
     burning: optional Count Cells "bush cells that burn at the end" = outcome(row, |o| o.burning), with_title("Burning");
@@ -165,125 +165,148 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     extinguished: optional Count Cells "bush cells that were put out"
         = outcome(row, |o| o.extinguished), with_title("Extinguished"),
         with_phrase(Phrase::new("extinguishes", "more obstacles per run", "fewer obstacles per run"));
-    intact_ratio: optional Real Share "share of all bush cells" = outcome(row, Outcome::intact_ratio);
+    intact_ratio: optional Real Share "share of all bush cells" = outcome(row, Outcome::intact_ratio),
+        with_title("Share intact");
     burned_ratio: optional Real Share "share of all bush cells that burn or have burned out"
-        = outcome(row, Outcome::burned_ratio);
-    extinguished_ratio: optional Real Share "share of all bush cells" = outcome(row, Outcome::extinguished_ratio);
+        = outcome(row, Outcome::burned_ratio), with_title("Share burned");
+    extinguished_ratio: optional Real Share "share of all bush cells" = outcome(row, Outcome::extinguished_ratio),
+        with_title("Share extinguished");
     lit_by_wumpus: optional Count Cells "ignitions of bushes by Wumpuses; one that is lit again counts again"
-        = outcome(row, |o| o.lit_by_wumpus);
-    caught_by_spread: optional Count Cells "ignitions of bushes by spread" = outcome(row, |o| o.caught_by_spread);
+        = outcome(row, |o| o.lit_by_wumpus), with_title("Lit by Wumpuses");
+    caught_by_spread: optional Count Cells "ignitions of bushes by spread" = outcome(row, |o| o.caught_by_spread),
+        with_title("Caught by spread");
     truck_stuck_s: optional Real Seconds
         "time in which trucks did nothing though there was a fire that they could reach"
         = outcome(row, |o| o.truck_stuck_s), with_title("Time that trucks were stuck");
     wumpus_stuck_s: optional Real Seconds
         "time in which Wumpuses did nothing though there was something that they could light"
-        = outcome(row, |o| o.wumpus_stuck_s);
-    lit_by_schedule: optional Count Cells "ignitions of bushes by the scenario" = outcome(row, |o| o.lit_by_schedule);
-    ended_s: optional Real Seconds "simulated time at the end" = outcome(row, |o| o.ended_s);
+        = outcome(row, |o| o.wumpus_stuck_s), with_title("Time that Wumpuses were stuck");
+    lit_by_schedule: optional Count Cells "ignitions of bushes by the scenario" = outcome(row, |o| o.lit_by_schedule),
+        with_title("Lit by the scenario");
+    ended_s: optional Real Seconds "simulated time at the end" = outcome(row, |o| o.ended_s),
+        with_title("End of the run");
     burning_cell_s: optional Real CellSeconds "number of burning bush cells integrated over time"
-        = outcome(row, |o| o.burning_cell_s),
+        = outcome(row, |o| o.burning_cell_s), with_title("Burning cells over time"),
         with_phrase(Phrase::new(
             "has", "more seconds of a burning cell per run", "fewer seconds of a burning cell per run",
         ));
-    peak_burning: optional Count Cells "most bush cells that burned at once" = outcome(row, |o| o.peak_burning);
+    peak_burning: optional Count Cells "most bush cells that burned at once" = outcome(row, |o| o.peak_burning),
+        with_title("Most bushes that burned at once");
     mean_response_s: optional Real Seconds "from ignition to extinction, mean over the extinctions of bushes"
         = outcome(row, |o| o.mean_response_s), with_title("Time from ignition to extinction"),
         with_phrase(Phrase::new("puts a fire out", "s later", "s sooner"));
-    first_fire_s: optional Real Seconds "time of the first ignition of a bush" = outcome(row, |o| o.first_fire_s);
+    first_fire_s: optional Real Seconds "time of the first ignition of a bush" = outcome(row, |o| o.first_fire_s),
+        with_title("First fire");
     all_out_s: optional Real Seconds "end of the last fire of a bush, if none burned at the end"
-        = outcome(row, |o| o.all_out_s);
+        = outcome(row, |o| o.all_out_s), with_title("End of the last fire");
     wumpus_score: optional Real Points "points of the Wumpuses by the scenario's rules"
-        = outcome(row, |o| o.wumpus_score);
-    truck_score: optional Real Points "points of the trucks by the scenario's rules" = outcome(row, |o| o.truck_score);
+        = outcome(row, |o| o.wumpus_score), with_title("Points of the Wumpuses");
+    truck_score: optional Real Points "points of the trucks by the scenario's rules" = outcome(row, |o| o.truck_score),
+        with_title("Points of the trucks");
     winner: optional Text None "wumpus, unimog or tie" = outcome(row, winner);
     least_burned: optional Count Cells "bush cells that would burn whatever the trucks did, at least"
-        = outcome(row, |o| o.least_burned);
+        = outcome(row, |o| o.least_burned), with_title("Least that would burn");
     regret: optional Count Cells "bush cells burned that trucks which know what will be lit might have saved, at most"
         = outcome(row, Outcome::regret), with_title("Regret");
     truck_plans: optional Count None "queries of trucks for a plan, failed ones included"
-        = trucks_count(row, |a| a.plans.into());
+        = trucks_count(row, |a| a.plans.into()), with_title("Queries of trucks");
     truck_failed_start_blocked: optional Count None "failed queries: the truck's own pose is not free"
-        = trucks_count(row, |a| a.failures[0].into());
+        = trucks_count(row, |a| a.failures[0].into()), with_title("Failed queries: start blocked");
     truck_failed_goal_blocked: optional Count None "failed queries: no free place from which the goal could be reached"
-        = trucks_count(row, |a| a.failures[1].into());
+        = trucks_count(row, |a| a.failures[1].into()), with_title("Failed queries: goal blocked");
     truck_failed_disconnected: optional Count None "failed queries: start and goal are not connected"
-        = trucks_count(row, |a| a.failures[2].into());
+        = trucks_count(row, |a| a.failures[2].into()), with_title("Failed queries: not connected");
     truck_failed_budget_spent: optional Count None "failed queries: the budget of expansions ran out"
-        = trucks_count(row, |a| a.failures[3].into());
+        = trucks_count(row, |a| a.failures[3].into()), with_title("Failed queries: budget spent");
     truck_failed_timed_out: optional Count None "failed queries: a planner that is not built in did not answer in time"
-        = trucks_count(row, |a| a.failures[5].into());
+        = trucks_count(row, |a| a.failures[5].into()), with_title("Failed queries: timed out");
     truck_failed_crashed: optional Count None "failed queries: a planner that is not built in ended or failed"
-        = trucks_count(row, |a| a.failures[6].into());
+        = trucks_count(row, |a| a.failures[6].into()), with_title("Failed queries: crashed");
     truck_failed_bad_answer: optional Count None "failed queries: an answer that is no path, or must not be driven"
-        = trucks_count(row, |a| a.failures[7].into());
+        = trucks_count(row, |a| a.failures[7].into()), with_title("Failed queries: bad answer");
     truck_lattice_plans: optional Count None "plans that the reachability flood found after the planner had failed"
-        = trucks_count(row, |a| a.lattice_plans.into());
+        = trucks_count(row, |a| a.lattice_plans.into()), with_title("Plans that the flood found");
     truck_roadmap_samples: optional Count None "milestones of the roadmaps"
-        = trucks_count(row, |a| a.roadmap_samples.into());
-    truck_roadmap_edges: optional Count None "edges of the roadmaps" = trucks_count(row, |a| a.roadmap_edges.into());
+        = trucks_count(row, |a| a.roadmap_samples.into()), with_title("Milestones of the roadmaps");
+    truck_roadmap_edges: optional Count None "edges of the roadmaps" = trucks_count(row, |a| a.roadmap_edges.into()),
+        with_title("Edges of the roadmaps");
     truck_roadmap_components: optional Count None "connected components of the roadmaps; 0 where they were not counted, as planners do that join them late"
-        = trucks_count(row, |a| a.roadmap_components.into());
+        = trucks_count(row, |a| a.roadmap_components.into()), with_title("Components of the roadmaps");
     truck_roadmap_expansions: optional Count None "nodes expanded in the roadmaps"
-        = trucks_count(row, |a| a.roadmap_expansions);
+        = trucks_count(row, |a| a.roadmap_expansions), with_title("Nodes expanded in roadmaps");
     truck_local_expansions: optional Count None "nodes expanded in local searches"
-        = trucks_count(row, |a| a.local_expansions);
+        = trucks_count(row, |a| a.local_expansions), with_title("Nodes expanded in local searches");
     truck_distance_m: optional Real Metres "way driven"
         = trucks(row, |a| a.distance_m), with_title("Distance driven by the trucks");
-    truck_driving_s: optional Real Seconds "time spent driving" = trucks(row, |a| a.driving_s);
-    truck_planning_s: optional Real Seconds "planning time that the scenario charges" = trucks(row, |a| a.planning_s);
-    truck_suppressing_s: optional Real Seconds "time spent on putting fires out" = trucks(row, |a| a.suppressing_s);
-    truck_standing_s: optional Real Seconds "time spent on none of these" = trucks(row, |a| a.standing_s);
+    truck_driving_s: optional Real Seconds "time spent driving" = trucks(row, |a| a.driving_s),
+        with_title("Time that trucks drove");
+    truck_planning_s: optional Real Seconds "planning time that the scenario charges" = trucks(row, |a| a.planning_s),
+        with_title("Time that trucks planned");
+    truck_suppressing_s: optional Real Seconds "time spent on putting fires out" = trucks(row, |a| a.suppressing_s),
+        with_title("Time that trucks put fires out");
+    truck_standing_s: optional Real Seconds "time spent on none of these" = trucks(row, |a| a.standing_s),
+        with_title("Time that trucks stood");
     truck_longest_idle_s: optional Real Seconds "longest time in which a truck stood while something burned"
-        = trucks_longest(row, |a| a.longest_idle_s);
-    truck_cusps: optional Count None "changes between forward and reverse" = trucks_count(row, |a| a.cusps.into());
+        = trucks_longest(row, |a| a.longest_idle_s), with_title("Longest stand of a truck");
+    truck_cusps: optional Count None "changes between forward and reverse" = trucks_count(row, |a| a.cusps.into()),
+        with_title("Changes of driving direction");
     truck_wasted_drives: optional Count None "drives that ended without an extinction"
-        = trucks_count(row, |a| a.wasted_drives.into());
-    truck_waiting_s: optional Real Seconds "time spent on waiting for other trucks" = trucks(row, |a| a.waiting_s);
+        = trucks_count(row, |a| a.wasted_drives.into()), with_title("Wasted drives");
+    truck_waiting_s: optional Real Seconds "time spent on waiting for other trucks" = trucks(row, |a| a.waiting_s),
+        with_title("Time that trucks waited");
     truck_deadlocks: optional Count None "deadlocks of trucks that were broken"
-        = trucks_count(row, |a| a.deadlocks.into());
+        = trucks_count(row, |a| a.deadlocks.into()), with_title("Deadlocks of trucks");
     wumpus_plans: optional Count None "queries of Wumpuses for a plan, failed ones included"
-        = wumpuses_count(row, |a| a.plans.into());
+        = wumpuses_count(row, |a| a.plans.into()), with_title("Queries of Wumpuses");
     wumpus_failed_plans: optional Count None "failed queries of Wumpuses"
-        = wumpuses_count(row, |a| a.failures.iter().copied().map(u64::from).sum());
+        = wumpuses_count(row, |a| a.failures.iter().copied().map(u64::from).sum()),
+        with_title("Failed queries of Wumpuses");
     wumpus_local_minima: optional Count None "local minima that descents on a potential field met"
-        = wumpuses_count(row, |a| a.local_minima.into());
+        = wumpuses_count(row, |a| a.local_minima.into()), with_title("Local minima of Wumpuses");
     wumpus_expansions: optional Count None "nodes expanded by Wumpuses"
-        = wumpuses_count(row, |a| a.roadmap_expansions + a.local_expansions);
-    wumpus_distance_m: optional Real Metres "way walked" = wumpuses(row, |a| a.distance_m);
-    wumpus_walking_s: optional Real Seconds "time spent walking" = wumpuses(row, |a| a.driving_s);
+        = wumpuses_count(row, |a| a.roadmap_expansions + a.local_expansions), with_title("Nodes expanded by Wumpuses");
+    wumpus_distance_m: optional Real Metres "way walked" = wumpuses(row, |a| a.distance_m),
+        with_title("Distance walked by the Wumpuses");
+    wumpus_walking_s: optional Real Seconds "time spent walking" = wumpuses(row, |a| a.driving_s),
+        with_title("Time that Wumpuses walked");
     wumpus_planning_s: optional Real Seconds "planning time that the scenario charges"
-        = wumpuses(row, |a| a.planning_s);
-    wumpus_standing_s: optional Real Seconds "time spent standing" = wumpuses(row, |a| a.standing_s);
+        = wumpuses(row, |a| a.planning_s), with_title("Time that Wumpuses planned");
+    wumpus_standing_s: optional Real Seconds "time spent standing" = wumpuses(row, |a| a.standing_s),
+        with_title("Time that Wumpuses stood");
     wumpus_longest_idle_s: optional Real Seconds "longest time in which a Wumpus stood while something could be lit"
-        = wumpuses_longest(row, |a| a.longest_idle_s);
+        = wumpuses_longest(row, |a| a.longest_idle_s), with_title("Longest stand of a Wumpus");
     ground_cells: optional Count Cells "cells of ground that can burn; this and what follows only where ground burns"
-        = ground(row, |g| g.cells);
-    ground_burned: optional Count Cells "cells of ground that caught fire" = ground(row, |g| g.burned);
+        = ground(row, |g| g.cells), with_title("Cells of ground");
+    ground_burned: optional Count Cells "cells of ground that caught fire" = ground(row, |g| g.burned),
+        with_title("Ground burned");
     ground_extinguished: optional Count Cells "cells of ground that trucks put out"
-        = ground(row, |g| g.extinguished);
+        = ground(row, |g| g.extinguished), with_title("Ground extinguished");
     ground_peak_burning: optional Count Cells "most cells of ground that burned at once"
-        = ground(row, |g| g.peak_burning);
-    spotted: optional Count Cells "ignitions by embers, of bushes and of ground" = ground(row, |g| g.spotted);
+        = ground(row, |g| g.peak_burning), with_title("Most ground that burned at once");
+    spotted: optional Count Cells "ignitions by embers, of bushes and of ground" = ground(row, |g| g.spotted),
+        with_title("Ignitions by embers");
     burned_ha: optional Real Hectares "area of all bushes and ground that caught fire"
         = ground(row, |g| g.burned_ha), with_title("Burned area"),
         with_phrase(Phrase::new("burns", "more hectares per run", "fewer hectares per run"));
     reached_edge_s: optional Real Seconds "when a cell at the border, bush or ground, first caught fire, if one did"
-        = ground(row, |g| g.reached_edge_s);
+        = ground(row, |g| g.reached_edge_s), with_title("When fire reached the border");
     truck_idle_s: optional Real Seconds
         "time in which trucks had nothing to go for, or their policy wanted them to wait or be elsewhere"
-        = trucks(row, |a| a.idle_s);
+        = trucks(row, |a| a.idle_s), with_title("Time that trucks were idle");
     truck_relocations: optional Count None "drives of trucks to places where they wait, or to water"
-        = trucks_count(row, |a| a.relocations.into());
+        = trucks_count(row, |a| a.relocations.into()), with_title("Relocations of trucks");
     truck_refills: optional Count None "times that trucks filled their tanks"
-        = trucks_count(row, |a| a.refills.into());
-    truck_refilling_s: optional Real Seconds "time that this took" = trucks(row, |a| a.refilling_s);
+        = trucks_count(row, |a| a.refills.into()), with_title("Refills of tanks");
+    truck_refilling_s: optional Real Seconds "time that this took" = trucks(row, |a| a.refilling_s),
+        with_title("Time that refills took");
     truck_hopeless_drives: optional Count None
         "wasted drives whose fire had to burn out before the truck could have put it out"
-        = trucks_count(row, |a| a.hopeless_drives.into());
-    truck_goals: optional Count None "plans of trucks that led to a fire" = trucks_count(row, |a| a.goals.into());
+        = trucks_count(row, |a| a.hopeless_drives.into()), with_title("Hopeless drives");
+    truck_goals: optional Count None "plans of trucks that led to a fire" = trucks_count(row, |a| a.goals.into()),
+        with_title("Goals of trucks");
     truck_flock_ratio: optional Real Share
         "share of these goals that had another truck's goal within 60 m; none without goals"
-        = row.result.as_ref().and_then(flock_ratio);
+        = row.result.as_ref().and_then(flock_ratio), with_title("Flock ratio");
     cpu_sampling_s: optional Real Seconds "CPU time: drawing the roadmaps' samples"
         = cpu(row, |c| c.sampling_s), with_title("Sampling");
     cpu_map_generation_s: optional Real Seconds "CPU time: connecting them"
@@ -293,7 +316,7 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     cpu_local_search_s: optional Real Seconds "CPU time: local searches of trucks"
         = cpu(row, |c| c.local_search_s), with_title("Local search");
     cpu_prm_total_s: optional Real Seconds "CPU time: clearance field, sampling, map generation and roadmap search"
-        = cpu(row, CpuSplit::prm_total_s);
+        = cpu(row, CpuSplit::prm_total_s), with_title("CPU time of the roadmap planner");
     cpu_unimog_total_s: optional Real Seconds "CPU time: all planning of the trucks"
         = cpu(row, CpuSplit::unimog_total_s), with_title("CPU time of the trucks' planning"),
         with_phrase(Phrase::new(
@@ -307,12 +330,14 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
         = cpu(row, |c| c.reachability_s), with_title("Reachability");
     cpu_dispatch_s: optional Real Seconds "CPU time: decisions of the policy that dispatches the trucks"
         = cpu(row, |c| c.dispatch_s), with_title("Dispatch");
-    cpu_terrain_s: optional Real Seconds "CPU time: drawing the field" = cpu(row, |c| c.terrain_s);
-    cpu_run_s: optional Real Seconds "CPU time: the whole run" = cpu(row, |c| c.run_s);
+    cpu_terrain_s: optional Real Seconds "CPU time: drawing the field" = cpu(row, |c| c.terrain_s),
+        with_title("Drawing the field");
+    cpu_run_s: optional Real Seconds "CPU time: the whole run" = cpu(row, |c| c.run_s),
+        with_title("CPU time of the run");
     cpu_source: optional Text None
         "who measured queries of planners that are not built in: thread, process, reported; the least trusted of them"
         = row.result.as_ref().and_then(|result| cpu_source(&result.cost));
-    wall_run_s: Real Seconds "real time: the whole run" = row.wall.as_secs_f64();
+    wall_run_s: Real Seconds "real time: the whole run" = row.wall.as_secs_f64(), with_title("Real time of the run");
 };
 
 /// The columns of `agents.csv`, in their order.

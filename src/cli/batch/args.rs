@@ -10,6 +10,7 @@ use crate::batch::{MAX_SEEDS_BYTES, Record, Seeds, SeedsError, Slice};
 use crate::cli::args::{ProgramArguments, parse_jobs};
 use crate::cli::error::CliError;
 use crate::cli::numbers;
+use crate::cli::report::FormArguments;
 use crate::input_file;
 use crate::scenario::MemoryLimit;
 
@@ -79,7 +80,7 @@ pub struct BatchArguments {
     #[arg(long)]
     pub dry_run: bool,
     /// Also print where the CPU time went, by part.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "json")]
     pub profile: bool,
     /// Continue the batch in this folder, which was stopped.
     #[arg(
@@ -96,6 +97,8 @@ pub struct BatchArguments {
     pub keeping: KeepingArguments,
     #[command(flatten)]
     pub slurm: SlurmArguments,
+    #[command(flatten)]
+    pub form: FormArguments,
 }
 
 /// Seeds, or the file that holds them.
@@ -133,7 +136,7 @@ pub struct SlurmArguments {
     #[arg(
         help_heading = "Slurm",
         long,
-        conflicts_with_all = ["resume", "shard", "rules", "dry_run", "profile"]
+        conflicts_with_all = ["resume", "shard", "rules", "dry_run", "profile", "report_form"]
     )]
     pub slurm: bool,
     /// The time that a task is to take.

@@ -8,15 +8,16 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use serde::Serialize;
 
+use super::answer::{BatchAnswer, ReportAnswer};
 use super::keeping::LockArguments;
-use super::{exit_code, list, note_leftovers, note_repeated, resume_command, summary};
+use super::{exit_code, list, note_leftovers, note_repeated, resume_command};
 use crate::batch::{
-    BatchError, BatchPlan, FieldPicture, FinishedBatch, JournalError, MissingRuns, NotableRun, OutputFolder, PlanError,
-    RUNS_FILE, RealDisk, ReportError, ReportParts, Slice, SliceState, Survey, batch_status, limit_threads,
-    notable_runs, write_report,
+    BatchError, BatchPlan, ChartChoice, ChosenQuantities, FieldPicture, FinishedBatch, JournalError, MissingRuns,
+    NotableRun, OutputFolder, PlanError, RUNS_FILE, RealDisk, ReportError, ReportParts, Slice, SliceState, Survey,
+    batch_status, limit_threads, notable_runs, runs_with_pages, write_report,
 };
 use crate::cli::args::{PaperArguments, ProgramArguments, jobs_or_usual, parse_jobs};
 use crate::cli::context::CommandContext;
@@ -25,6 +26,7 @@ use crate::cli::report::FormArguments;
 use crate::cli::show::{Searches, check_grounds, run_of_batch, write_page};
 use crate::cli::{interrupt, numbers, output_files, terminal};
 use crate::document::{Block, Document, Table};
+use crate::picture::charts::Language;
 use crate::picture::film::{FrameRequest, RunView, ViewOptions, still};
 use crate::time::SimTime;
 use crate::time::wall::WallStopwatch;
@@ -41,6 +43,15 @@ pub struct StatusArguments {
 }
 
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  wildfire report runs/contest
+  wildfire report runs/contest --pages
+  wildfire report runs/contest --pdf --width-mm 88 --language de
+  wildfire report runs/contest --metric truck_distance_m,truck_cusps --tex > tables.tex
+
+PDF has the letters of charts as outlines of the program's own font, Arimo; in PGF they are
+text, which LaTeX sets in the font of the paper.")]
 pub struct ReportArguments {
     /// The folder of a batch.
     #[arg(value_name = "DIR")]
@@ -49,10 +60,36 @@ pub struct ReportArguments {
     /// simulated again.
     #[arg(long)]
     pub pages: bool,
+    /// Draw charts of these columns of runs.csv only, and print their tables; may be repeated.
+    #[arg(long, value_name = "NAME[,NAME...]", value_delimiter = ',')]
+    pub metric: Vec<String>,
     #[command(flatten)]
     pub paper: PaperArguments,
+    /// The language of the words in charts, and of their decimal numbers; the page stays English.
+    #[arg(help_heading = "Papers", long, value_name = "LANGUAGE", value_enum, default_value = "en")]
+    pub language: LanguageArgument,
     #[command(flatten)]
     pub programs: ProgramArguments,
+    #[command(flatten)]
+    pub form: FormArguments,
+}
+
+/// A language by its code of two letters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LanguageArgument {
+    /// English.
+    En,
+    /// German, with a comma in numbers.
+    De,
+}
+
+impl From<LanguageArgument> for Language {
+    fn from(argument: LanguageArgument) -> Self {
+        match argument {
+            LanguageArgument::En => Self::English,
+            LanguageArgument::De => Self::German,
+        }
+    }
 }
 
 #[derive(Debug, Args)]
@@ -79,6 +116,8 @@ pub struct MergeArguments {
     pub jobs: Option<NonZeroUsize>,
     #[command(flatten)]
     lock: LockArguments,
+    #[command(flatten)]
+    pub form: FormArguments,
 }
 
 fn parse_wait(text: &str) -> Result<u64, String> {
@@ -110,7 +149,7 @@ pub fn merge(arguments: &MergeArguments, quiet: bool) -> Result<ExitCode, CliErr
         note_leftovers(&merged.leftovers);
         note_repeated(merged.repeated);
     }
-    terminal::print(&summary(&merged.plan, &folder, &merged.report))?;
+    terminal::print(&arguments.form.render(&BatchAnswer::new(&merged.plan, &folder, &merged.report)))?;
     Ok(exit_code(merged.report.not_done()))
 }
 
@@ -238,20 +277,29 @@ fn ranges_of(numbers: &[u64]) -> String {
 
 /// Writes the page on a batch, and its charts.
 pub fn report(arguments: &ReportArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
-    let quiet = context.quiet;
     let paper = arguments.paper.charts()?;
+    let quantities = ChosenQuantities::new(&arguments.metric).map_err(report_error)?;
+    let choice = ChartChoice { quantities, language: arguments.language.into() };
     let batch = FinishedBatch::open(&arguments.folder)?;
-    let playing = if arguments.pages { notable_runs(&batch).map_err(report_error)? } else { Vec::new() };
-    let views = write_pages(&batch, &playing, context)?;
+    // Pages of an earlier report are linked again.
+    let playing = if arguments.pages { notable_runs(&batch) } else { runs_with_pages(&batch) }.map_err(report_error)?;
+    let views = if arguments.pages { write_pages(&batch, &playing, context)? } else { Vec::new() };
     let field = median_field(&batch, &playing, &views, context)?;
-    let parts = ReportParts { playing: &playing, field, paper };
+    let parts = ReportParts { playing: &playing, field, choice: &choice, paper };
     let written = write_report(&batch, &parts).map_err(report_error)?;
+    terminal::note_unknown_letters([written.unknown_letters.as_str()], context.quiet);
+    if !arguments.form.is_text() {
+        let columns = choice.quantities.places();
+        let answer = ReportAnswer::new(batch.plan(), batch.folder(), &written, &columns);
+        terminal::print(&arguments.form.render(&answer))?;
+        return Ok(ExitCode::SUCCESS);
+    }
     let (page, charts) = (written.page.display(), written.charts_folder.display());
     let forms = arguments.paper.forms();
-    let mut document = Document::new(format!("{page}, and {} charts as {forms} in {charts}", written.charts));
+    let mut document = Document::new(format!("{page}, and {} charts as {forms} in {charts}", written.charts.len()));
+    document = document.with(written.tables.column_tables(&choice.quantities.places()));
     document.add_list(written.refused);
     terminal::print(&document.to_text())?;
-    terminal::note_unknown_letters([written.unknown_letters.as_str()], quiet);
     Ok(ExitCode::SUCCESS)
 }
 
@@ -330,6 +378,10 @@ fn report_error(error: ReportError) -> CliError {
             CliError::bad_input(ReportError::Unfinished { folder }, Some(&help))
         }
         ReportError::Unwritable { path, source } => CliError::unwritable(&path, &source),
+        ReportError::Batch(error) => error.into(),
+        error @ (ReportError::UnknownColumn { .. } | ReportError::NoNumbers { .. }) => {
+            CliError::bad_input(error, Some("`wildfire schema runs` lists all columns"))
+        }
     }
 }
 

@@ -1,10 +1,12 @@
 //! `wildfire batch` and what follows it: `status`, `merge` and `report`, which take the folder of a batch.
 
+mod answer;
 mod args;
 mod folder;
 mod keeping;
 mod slurm;
 
+pub use answer::{BatchObject, PlanAnswer, ReportAnswer, SliceAnswer};
 pub use args::{BatchArguments, SeedsArgument, parse_seeds};
 pub use folder::{MergeArguments, ReportArguments, StatusArguments, merge, report, status};
 
@@ -14,8 +16,8 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use crate::batch::{
-    Batch, BatchError, BatchPlan, BatchReport, BatchRequest, CoursePlan, CourseRefusal, CourseRequest, Found,
-    OutputFolder, RequestError, Slice, Status, Variant, limit_threads, shell_word,
+    Batch, BatchError, BatchPlan, BatchRequest, CoursePlan, CourseRefusal, CourseRequest, Found, OutputFolder,
+    PROGRAM_VERSION, RequestError, Slice, Status, Variant, limit_threads, shell_word,
 };
 use crate::cli::args::jobs_or_usual;
 use crate::cli::context::CommandContext;
@@ -24,6 +26,7 @@ use crate::cli::terminal::Progress;
 use crate::cli::{interrupt, terminal};
 use crate::document::{Block, Document};
 use crate::scenario::ScenarioText;
+use answer::BatchAnswer;
 use args::RUNS_FOLDER;
 use keeping::LockArguments;
 
@@ -74,7 +77,7 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
                 return Ok(ExitCode::SUCCESS);
             }
             if arguments.dry_run {
-                terminal::print(&dry_run(&plan))?;
+                terminal::print(&arguments.form.render(&dry_run(&plan)))?;
                 return Ok(exit_code(left_out));
             }
             let batch = begin(arguments, plan, slice)?;
@@ -92,16 +95,15 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
     run_with_progress(&mut batch, jobs, watch.stop(), context).map_err(from_batch)?;
     if !batch.progress().slice().is_whole() {
         drop(watch);
-        terminal::print(&slice_summary(&batch, &arguments.keeping.lock))?;
+        terminal::print(&arguments.form.render(&slice_summary(&batch, &arguments.keeping.lock)))?;
         return Ok(exit_code(batch.progress().held().1));
     }
     limit_threads(jobs);
     let report = batch.finish(watch.stop()).map_err(from_batch)?;
     drop(watch);
-    terminal::print(&summary(batch.plan(), batch.folder(), &report))?;
-    if arguments.profile {
-        terminal::print(&format!("\n{}", report.profile().to_text()))?;
-    }
+    let answer = BatchAnswer::new(batch.plan(), batch.folder(), &report);
+    let answer = if arguments.profile { answer.with_profile(&report) } else { answer };
+    terminal::print(&arguments.form.render(&answer))?;
     Ok(exit_code(report.not_done() + left_out))
 }
 
@@ -265,33 +267,15 @@ fn resume_command(folder: &Path, slice: Slice) -> String {
     format!("wildfire batch --resume {folder}{shard}")
 }
 
-/// Words the result of a finished batch.
-fn summary(plan: &BatchPlan, folder: &OutputFolder, report: &BatchReport) -> String {
-    let files = format!("Files: {}", folder.path().display());
-    let document = match report.variants.as_slice() {
-        [one] => {
-            let sentences = one.tally.sentences().into_iter().chain([files]).collect();
-            let title = format!("{}, seeds {}", one.title, plan.seeds);
-            Document::new(title).with(one.tables.blocks()).with([Block::List(sentences)])
-        }
-        _ => {
-            let sentences = report.notes().into_iter().chain([files]).collect();
-            let title = format!("Seeds {} of each variant", plan.seeds);
-            Document::new(title).with(report.overview()).with([Block::List(sentences)])
-        }
-    };
-    document.to_text()
-}
-
-fn slice_summary(batch: &Batch, lock: &LockArguments) -> String {
+fn slice_summary(batch: &Batch, lock: &LockArguments) -> SliceAnswer {
     let (slice, (held, not_done)) = (batch.progress().slice(), batch.progress().held());
     let folder = batch.folder().path().display().to_string();
     let merge = format!("wildfire merge {}{}", shell_word(&folder), lock.words());
-    format!("Slice {slice}: {held} runs, {not_done} not done. When all slices are done: {merge}\n")
+    SliceAnswer { program_version: PROGRAM_VERSION, folder, slice: slice.to_string(), runs: held, not_done, merge }
 }
 
 /// Lists what a plan would run.
-fn dry_run(plan: &BatchPlan) -> String {
+fn dry_run(plan: &BatchPlan) -> PlanAnswer {
     let (variants, seeds) = (plan.variants.len(), plan.seeds.count());
     let title = format!("{variants} variants x {seeds} seeds ({}) = {} runs", plan.seeds, plan.count());
     let line = |(index, variant): (usize, &Variant)| {
@@ -303,5 +287,12 @@ fn dry_run(plan: &BatchPlan) -> String {
         lines.push(format!("and {} more", variants - LISTED_VARIANTS));
     }
     lines.push(format!("plan {}", plan.content_sha256()));
-    Document::new(title).with([Block::List(lines)]).to_text()
+    PlanAnswer {
+        program_version: PROGRAM_VERSION,
+        content_sha256: plan.content_sha256(),
+        seeds: plan.seeds.to_string(),
+        runs: plan.count(),
+        variants: plan.variants.iter().map(|variant| plan.title(variant)).collect(),
+        document: Document::new(title).with([Block::List(lines)]),
+    }
 }

@@ -5,7 +5,7 @@ use crate::batch::comparison::{
 };
 use crate::document::number::{optional, probability, rounded, two_digits};
 use crate::document::{Block, Document, Figure, Table};
-use crate::picture::charts::{Estimate, ForestChart, ForestRow, SCREEN_WIDTH, Titles};
+use crate::picture::charts::{Estimate, ForestChart, ForestRow, Language, SCREEN_WIDTH, Titles};
 use crate::untrusted::visible_start;
 
 const LEGEND: &str = "\
@@ -147,6 +147,7 @@ fn forest(against: &AgainstA) -> Block {
         note: "All in per cent of A's mean; at the right in their own units. Filled: evidence of a difference.".into(),
         x: format!("{letter} less A (% of A's mean)"),
         y: String::new(),
+        language: Language::English,
     };
     let chart = ForestChart { titles, rows: against.judged.iter().map(row).collect() };
     Block::Figure(Figure { svg: chart.draw(SCREEN_WIDTH).to_svg(), file: None, more_files: Vec::new() })

@@ -4,7 +4,7 @@ use crate::batch::QueryTally;
 use crate::batch::comparison::{Better, Contrast, RankedEntry, RankedPair, Ranking, p_words};
 use crate::document::number::{count, optional, percent, probability, rounded, two_digits};
 use crate::document::{Block, Document, Figure, Table};
-use crate::picture::charts::{Estimate, ForestChart, ForestRow, SCREEN_WIDTH, Titles};
+use crate::picture::charts::{Estimate, ForestChart, ForestRow, Language, SCREEN_WIDTH, Titles};
 use crate::untrusted::visible_start;
 
 /// The most pairs that are all shown; of more, each entry with the next one.
@@ -138,6 +138,7 @@ fn forest(ranking: &Ranking) -> Block {
         note: "Differences from the first, paired by seed. Filled: told apart from it.".into(),
         x: format!("{metric}, less the first's ({unit})"),
         y: String::new(),
+        language: Language::English,
     };
     let chart = ForestChart { titles, rows: rows.take(MOST_DRAWN).collect() };
     Block::Figure(Figure { svg: chart.draw(SCREEN_WIDTH).to_svg(), file: None, more_files: Vec::new() })

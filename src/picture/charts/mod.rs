@@ -11,6 +11,7 @@ mod boxes;
 mod curves;
 mod drawing;
 mod forest;
+mod language;
 mod paper;
 mod sheet;
 mod strips;
@@ -21,6 +22,7 @@ pub use boxes::{BoxChart, BoxPanel, BoxSeries};
 pub use curves::{Curve, CurveChart, CurvePanel, Spread};
 pub use drawing::Drawing;
 pub use forest::{ForestChart, ForestRow};
+pub use language::{Language, Words};
 pub use paper::PaperSize;
 pub use sheet::SCREEN_WIDTH;
 pub use strips::{Strip, StripChart, StripPanel};
@@ -35,6 +37,8 @@ pub struct Titles {
     /// Names of the axes, with units.
     pub x: String,
     pub y: String,
+    /// The language of these words and of the chart's numbers.
+    pub language: Language,
 }
 
 /// A value and the interval about it, in the units of its axis.

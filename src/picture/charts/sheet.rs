@@ -2,6 +2,7 @@
 
 use crate::picture::charts::Titles;
 use crate::picture::charts::drawing::Drawing;
+use crate::picture::charts::language::ONE_OF_SEVERAL;
 use crate::picture::charts::style::Style;
 use crate::picture::colours::{FAINT_INK, INK, NOTE_INK};
 use crate::picture::marks::to_f32;
@@ -89,8 +90,9 @@ pub fn distinct<'a>(series: impl Iterator<Item = (Style, &'a str)>) -> Vec<(Styl
 
 /// The titles of one of several sheets.
 pub fn numbered(titles: &Titles, index: usize, sheets: usize) -> Titles {
-    let title = if sheets > 1 { format!("{} ({} of {sheets})", titles.title, index + 1) } else { titles.title.clone() };
-    Titles { title, ..titles.clone() }
+    let (number, of) = ((index + 1).to_string(), sheets.to_string());
+    let several = || ONE_OF_SEVERAL.filled(titles.language, &[&titles.title, &number, &of]);
+    Titles { title: if sheets > 1 { several() } else { titles.title.clone() }, ..titles.clone() }
 }
 
 /// Draws the name of a panel above it, if it has one.
@@ -142,7 +144,8 @@ impl SheetLayout<'_> {
         let plot =
             Plot { left: MARGIN + self.left, top, right: self.width - MARGIN - self.right, bottom: top + self.height };
         let below = LINE + 6.0 + if self.titles.x.is_empty() { 0.0 } else { x.len() as f32 * LINE };
-        let mut drawing = Drawing::new(self.width, plot.bottom + below + MARGIN, &self.titles.title);
+        let mut drawing = Drawing::new(self.width, plot.bottom + below + MARGIN, &self.titles.title)
+            .in_language(self.titles.language);
         let below_each_other = |top: f32, index: usize| top + index as f32 * LINE;
         for (index, line) in title.iter().enumerate() {
             drawing.text(line, (MARGIN, below_each_other(MARGIN + TITLE, index)), Align::Left, TITLE, INK);
@@ -308,7 +311,7 @@ impl Plot {
         for tick in ticks(scale.low, scale.high, most_ticks(self.bottom - self.top, TICK_ROOM[1]), 0.0) {
             let y = self.y(scale, tick.value);
             drawing.line(vec![(self.left, y), (self.right, y)], 1.0, FAINT_INK);
-            drawing.text(&tick.label, (self.left - 7.0, y + LABEL / 2.0), Align::Right, LABEL, INK);
+            drawing.number(&tick.label, (self.left - 7.0, y + LABEL / 2.0), Align::Right, LABEL, INK);
         }
     }
 
@@ -339,7 +342,7 @@ impl Plot {
         let x = self.x(scale, tick.value);
         drawing.line(vec![(x, self.top), (x, self.bottom)], 1.0, FAINT_INK);
         if !tick.label.is_empty() {
-            drawing.text(&tick.label, (x, self.bottom + 9.0 + LABEL), Align::Centre, LABEL, INK);
+            drawing.number(&tick.label, (x, self.bottom + 9.0 + LABEL), Align::Centre, LABEL, INK);
         }
     }
 
@@ -348,7 +351,7 @@ impl Plot {
         for tick in log_ticks(scale.low, scale.high, most_ticks(self.right - self.left, TICK_ROOM[0])) {
             let x = self.x(scale, tick.value);
             drawing.line(vec![(x, self.top), (x, self.bottom)], 1.0, FAINT_INK);
-            drawing.text(&tick.label, (x, self.bottom + 9.0 + LABEL), Align::Centre, LABEL, INK);
+            drawing.number(&tick.label, (x, self.bottom + 9.0 + LABEL), Align::Centre, LABEL, INK);
         }
     }
 

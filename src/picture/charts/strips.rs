@@ -1,6 +1,7 @@
 //! Distributions, one below the other: a histogram, and quantiles under it.
 
 use crate::picture::charts::drawing::Drawing;
+use crate::picture::charts::language::NO_VALUE;
 use crate::picture::charts::sheet::{
     AxisScale, LABEL, PanelGrid, Plot, SheetLayout, Swatch, draw_panel_name, fitted, numbered, rule, sheets, width_of,
 };
@@ -135,7 +136,10 @@ fn draw_strip(drawing: &mut Drawing, part: &Plot, scale: AxisScale, columns: usi
         Some(quantiles) => {
             draw_quantiles(drawing, base + QUANTILES / 2.0, quantiles.map(|value| part.x(scale, value)));
         }
-        None => drawing.text("no run has it", (part.left + 8.0, base - 6.0), Align::Left, LABEL, INK),
+        None => {
+            let words = NO_VALUE.in_language(drawing.language);
+            drawing.text(words, (part.left + 8.0, base - 6.0), Align::Left, LABEL, INK);
+        }
     }
 }
 

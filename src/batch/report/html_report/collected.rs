@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::quantities::{self, Quantity};
+use super::quantities::{ChosenQuantities, Quantity};
 use crate::batch::plan::BatchPlan;
 use crate::batch::report::summary::{BatchReport, VariantReport};
 use crate::batch::table::{FinishedError, FinishedRows, RunRecord, run_column};
@@ -40,7 +40,9 @@ pub struct ListedRun {
 }
 
 impl Collected {
-    pub fn read(plan: &BatchPlan, mut rows: FinishedRows) -> Result<Self, FinishedError> {
+    /// Reads all rows, and keeps of runs the usual quantities and what is chosen.
+    pub fn read(plan: &BatchPlan, mut rows: FinishedRows, chosen: &ChosenQuantities) -> Result<Self, FinishedError> {
+        let kept = chosen.kept();
         let mut collected = Self::default();
         let mut stuck: Vec<(u64, f64)> = Vec::new();
         let mut number = 0;
@@ -52,7 +54,7 @@ impl Collected {
                 let run = plan.run(number);
                 let row = rows.next(&run)?;
                 report.add(&row);
-                values.add(&row);
+                values.add(&row, &kept);
                 if row.is_done() {
                     let seconds = STUCK_S.iter().filter_map(|&column| row.number(column)).sum::<f64>();
                     stuck.extend((seconds > 0.0).then_some((number, seconds)));
@@ -76,8 +78,8 @@ impl Collected {
 }
 
 impl Values {
-    fn add(&mut self, row: &RunRecord) {
-        for quantity in quantities::all() {
+    fn add(&mut self, row: &RunRecord, kept: &[Quantity]) {
+        for &quantity in kept {
             let number = quantity.number(row).filter(|_| row.is_done());
             self.0.entry(quantity).or_default().push(number.unwrap_or(f64::NAN));
         }

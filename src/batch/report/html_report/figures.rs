@@ -5,13 +5,14 @@ use super::collected::{Collected, Values, is_cut};
 use super::facets::{Facet, FacetSeries, MOST_PANELS, variant_facets};
 use super::labels::Labels;
 use super::over_time::StateCurves;
-use super::quantities::{BURNED_AREA, CPU_PARTS, MEASURES, Quantity, SAVED, SHARE_AXIS, STATES};
+use super::quantities::{BURNED_AREA, CPU_PARTS, ChartChoice, Quantity, SAVED, STATES};
 use super::sweeps::{SweepChart, interval_note, main_curves, sweep_charts};
+use super::words;
 use crate::batch::plan::BatchPlan;
 use crate::document::number::short;
 use crate::picture::charts::{
-    BarChart, BarPanel, BarSeries, Curve, CurveChart, CurvePanel, Drawing, STYLES, Spread, Strip, StripChart,
-    StripPanel, Style, Titles,
+    BarChart, BarPanel, BarSeries, Curve, CurveChart, CurvePanel, Drawing, Language, STYLES, Spread, Strip, StripChart,
+    StripPanel, Style, Titles, Words,
 };
 use crate::stats::quantile;
 
@@ -49,24 +50,32 @@ pub struct Figures {
     pub constant: Vec<String>,
 }
 
-impl Figures {
-    /// Draws the figures of all variants on sheets of this width, in units.
-    pub fn new(plan: &BatchPlan, collected: &Collected, states: Option<&[StateCurves]>, width: f32) -> Self {
-        let mut figures = Self::default();
+/// What the figures of a batch are drawn from.
+pub struct FigureSource<'a> {
+    pub plan: &'a BatchPlan,
+    pub collected: &'a Collected,
+    /// For each variant, where the batch has them.
+    pub states: Option<&'a [StateCurves]>,
+}
+
+impl FigureSource<'_> {
+    /// Draws the figures of all variants on sheets of this width, in units. The picture under the answer is left out where
+    /// columns were asked for.
+    pub fn draw(&self, choice: &ChartChoice, width: f32) -> Figures {
+        let Self { plan, collected, states } = *self;
+        let language = choice.language;
+        let mut figures = Figures::default();
         let panels = variant_facets(plan);
-        if plan.variants.len() > 1 {
-            figures.add_answer(plan, &panels, &collected.variants, width);
+        if plan.variants.len() > 1 && choice.quantities.asked().is_empty() {
+            self.add_answer(&mut figures, &panels, language, width);
         }
         if figures.admits("states, CPU time and distributions of the variants", panels.len()) {
-            let means = [
-                ("states", bars("Obstacle states at the end", &STATES, &panels, &collected.variants)),
-                ("cpu-time", bars("CPU time of a run by part", &CPU_PARTS, &panels, &collected.variants)),
-            ];
-            for (file, chart) in means {
-                figures.add(Section::Means, chart.draw(width), ChartData::new(file, chart.rows()));
+            for shown in means(choice) {
+                let chart = shown.bars(language, &panels, &collected.variants);
+                figures.add(Section::Means, chart.draw(width), ChartData::new(&shown.file, chart.rows()));
             }
-            for &quantity in STATES.iter().chain(&MEASURES) {
-                match distribution(quantity, &panels, &collected.variants) {
+            for quantity in choice.quantities.of_runs() {
+                match distribution(quantity, language, &panels, &collected.variants) {
                     Ok(chart) => {
                         let file = format!("distribution-{}", quantity.column());
                         figures.add(Section::Distributions, chart.draw(width), ChartData::new(&file, chart.rows()));
@@ -75,8 +84,8 @@ impl Figures {
                 }
             }
         }
-        figures.add_over_time(plan, states.unwrap_or(&[]), width);
-        for SweepChart { file, what, chart } in sweep_charts(plan, &collected.variants) {
+        figures.add_over_time(plan, states.unwrap_or(&[]), choice, width);
+        for SweepChart { file, what, chart } in sweep_charts(plan, &collected.variants, choice) {
             if figures.admits(&what, chart.panels.len()) {
                 figures.add(Section::Sweeps, chart.draw(width), ChartData::new(&file, chart.rows()));
             }
@@ -86,24 +95,28 @@ impl Figures {
 
     /// Adds what the variants are compared by: a curve over a key that is swept over numbers, else distributions, or bars
     /// where these say nothing.
-    fn add_answer(&mut self, plan: &BatchPlan, panels: &[Facet], variants: &[Values], width: f32) {
+    fn add_answer(&self, figures: &mut Figures, panels: &[Facet], language: Language, width: f32) {
+        let variants = &self.collected.variants;
         let quantity = main_quantity(variants);
-        if let Some(chart) = main_curves(plan, variants, quantity) {
-            if self.admits("the answer", chart.panels.len()) {
-                self.add(Section::Answer, chart.draw(width), ChartData::new("answer", chart.rows()));
+        if let Some(chart) = main_curves(self.plan, variants, quantity, language) {
+            if figures.admits("the answer", chart.panels.len()) {
+                figures.add(Section::Answer, chart.draw(width), ChartData::new("answer", chart.rows()));
             }
-        } else if self.admits("the answer", panels.len()) {
-            let (drawn, data) = match distribution(quantity, panels, variants) {
+        } else if figures.admits("the answer", panels.len()) {
+            let (drawn, data) = match distribution(quantity, language, panels, variants) {
                 Ok(chart) => (chart.draw(width), ChartData::new("answer", chart.rows())),
                 Err(_) => {
-                    let chart = bars(&quantity.title(), &[quantity], panels, variants);
+                    let shown = MeansChart::new("answer", quantity.title(language), vec![quantity]);
+                    let chart = shown.bars(language, panels, variants);
                     (chart.draw(width), ChartData::new("answer", chart.rows()))
                 }
             };
-            self.add(Section::Answer, drawn, data);
+            figures.add(Section::Answer, drawn, data);
         }
     }
+}
 
+impl Figures {
     /// Says whether a chart has few enough panels; if not, notes in a sentence that it is not drawn.
     fn admits(&mut self, what: &str, panels: usize) -> bool {
         if panels > MOST_PANELS {
@@ -125,8 +138,9 @@ impl Figures {
     }
 
     /// Adds the states of each variant over time: a chart for each of a few variants, a panel for each of many.
-    fn add_over_time(&mut self, plan: &BatchPlan, states: &[StateCurves], width: f32) {
-        if !states.iter().any(StateCurves::is_there) {
+    fn add_over_time(&mut self, plan: &BatchPlan, states: &[StateCurves], choice: &ChartChoice, width: f32) {
+        let (shown, language) = (choice.quantities.among(&STATES), choice.language);
+        if shown.is_empty() || !states.iter().any(StateCurves::is_there) {
             return;
         }
         let labels = Labels::new(plan);
@@ -135,47 +149,83 @@ impl Figures {
             .iter()
             .enumerate()
             .map(|(variant, curves)| {
-                let note = if curves.is_there() { "" } else { " (no run is done)" };
-                CurvePanel { name: labels.label(variant, &all) + note, curves: state_curves(curves) }
+                let label = labels.label(variant, &all);
+                let name = if curves.is_there() { label } else { words::NO_RUN_IS_DONE.filled(language, &[&label]) };
+                CurvePanel { name, curves: state_curves(curves, &shown, language) }
             })
             .collect();
         if panels.len() <= STYLES.len() {
             for (index, panel) in panels.into_iter().enumerate() {
                 let (title, file) = (format!(": {}", panel.name), format!("over-time-{}", index + 1));
                 let alone = CurvePanel { name: String::new(), ..panel };
-                let chart = over_time(&title, vec![alone]);
+                let chart = over_time(&title, vec![alone], language);
                 self.add(Section::OverTime, chart.draw(width), ChartData::new(&file, chart.rows()));
             }
         } else if self.admits("states over time", panels.len()) {
-            let chart = over_time("", panels);
+            let chart = over_time("", panels, language);
             self.add(Section::OverTime, chart.draw(width), ChartData::new("over-time", chart.rows()));
         }
     }
 }
 
-fn bars(title: &str, quantities: &[Quantity], panels: &[Facet], values: &[Values]) -> BarChart {
-    let of_series = |series: &FacetSeries| {
-        let values = &values[series.variants[0]];
-        let bars = quantities.iter().map(|&quantity| values.mean(quantity)).collect();
-        BarSeries { name: series.name.clone(), style: series.style, bars }
-    };
-    let mut means = panels.iter().flat_map(|panel| &panel.series).flat_map(|series| {
-        let values = &values[series.variants[0]];
-        quantities.iter().filter_map(|&quantity| Some((values.mean(quantity)?, quantity.range())))
+/// A chart of means.
+struct MeansChart {
+    /// The name of its file, without an ending.
+    file: String,
+    title: String,
+    /// Its groups of bars, which have one unit.
+    quantities: Vec<Quantity>,
+}
+
+/// Lists the charts of means. A quantity that was asked for and goes with no other has a chart of its own.
+fn means(choice: &ChartChoice) -> Vec<MeansChart> {
+    let language = choice.language;
+    let together: [(&str, Words, &[Quantity]); 2] =
+        [("states", words::STATES_AT_THE_END, &STATES), ("cpu-time", words::CPU_TIME_BY_PART, &CPU_PARTS)];
+    let together = together.into_iter().map(|(file, title, all)| {
+        MeansChart::new(file, title.in_language(language).to_owned(), choice.quantities.among(all))
     });
-    let cut = means.any(|(mean, range)| is_cut(&mean, range));
-    BarChart {
-        titles: Titles {
-            title: title.into(),
-            note: interval_note("Bars", cut),
-            x: String::new(),
-            y: quantities.first().map_or("", |quantity| quantity.axis()).into(),
-        },
-        groups: quantities.iter().map(|quantity| quantity.label().to_owned()).collect(),
-        panels: panels
-            .iter()
-            .map(|panel| BarPanel { name: panel.name.clone(), series: panel.series.iter().map(of_series).collect() })
-            .collect(),
+    let is_alone = |quantity: &&Quantity| !STATES.contains(quantity) && !CPU_PARTS.contains(quantity);
+    let alone = choice.quantities.asked().iter().filter(is_alone).map(|&quantity| {
+        MeansChart::new(&format!("mean-{}", quantity.column()), quantity.title(language), vec![quantity])
+    });
+    together.chain(alone).filter(|chart| !chart.quantities.is_empty()).collect()
+}
+
+impl MeansChart {
+    fn new(file: &str, title: String, quantities: Vec<Quantity>) -> Self {
+        Self { file: file.to_owned(), title, quantities }
+    }
+
+    fn bars(&self, language: Language, panels: &[Facet], values: &[Values]) -> BarChart {
+        let quantities = &self.quantities;
+        let of_series = |series: &FacetSeries| {
+            let values = &values[series.variants[0]];
+            let bars = quantities.iter().map(|&quantity| values.mean(quantity)).collect();
+            BarSeries { name: series.name.clone(), style: series.style, bars }
+        };
+        let mut means = panels.iter().flat_map(|panel| &panel.series).flat_map(|series| {
+            let values = &values[series.variants[0]];
+            quantities.iter().filter_map(|&quantity| Some((values.mean(quantity)?, quantity.range())))
+        });
+        let cut = means.any(|(mean, range)| is_cut(&mean, range));
+        BarChart {
+            titles: Titles {
+                title: self.title.clone(),
+                note: interval_note(words::BARS, cut, language),
+                x: String::new(),
+                y: quantities.first().map_or("", |quantity| quantity.axis().in_language(language)).into(),
+                language,
+            },
+            groups: quantities.iter().map(|quantity| quantity.label(language).to_owned()).collect(),
+            panels: panels
+                .iter()
+                .map(|panel| BarPanel {
+                    name: panel.name.clone(),
+                    series: panel.series.iter().map(of_series).collect(),
+                })
+                .collect(),
+        }
     }
 }
 
@@ -188,8 +238,13 @@ pub fn main_quantity(variants: &[Values]) -> Quantity {
 /// The share of its runs that a variant has at one value whose distribution says no more than that value.
 const ALMOST_ALL: f64 = 0.95;
 
-/// Returns the distributions; where each of them is one value, or nearly, a sentence that says so.
-fn distribution(quantity: Quantity, panels: &[Facet], values: &[Values]) -> Result<StripChart, String> {
+/// Returns the distributions; where each of them is one value, or nearly, a sentence of the page that says so.
+fn distribution(
+    quantity: Quantity,
+    language: Language,
+    panels: &[Facet],
+    values: &[Values],
+) -> Result<StripChart, String> {
     let strip = |series: &FacetSeries| strip(series, values[series.variants[0]].numbers(quantity));
     let panels: Vec<StripPanel> = panels
         .iter()
@@ -205,10 +260,11 @@ fn distribution(quantity: Quantity, panels: &[Facet], values: &[Values]) -> Resu
     }
     Ok(StripChart {
         titles: Titles {
-            title: quantity.title(),
-            note: "Columns count runs; the highest has its number. Below: median, middle half, middle 90 %.".into(),
-            x: quantity.axis().into(),
-            y: "number of runs (1)".into(),
+            title: quantity.title(language),
+            note: words::COLUMNS_COUNT_RUNS.in_language(language).into(),
+            x: quantity.axis().in_language(language).into(),
+            y: words::NUMBER_OF_RUNS.in_language(language).into(),
+            language,
         },
         panels,
     })
@@ -221,7 +277,7 @@ fn commonest(ascending: &[f64]) -> (f64, usize) {
 }
 
 fn constant_words(quantity: Quantity, strips: &[&Strip], commonest: &[(f64, usize)]) -> String {
-    let (title, axis) = (quantity.title(), quantity.axis());
+    let (title, axis) = (quantity.title(Language::English), quantity.axis().english);
     let with_runs = || strips.iter().zip(commonest).filter(|(strip, _)| !strip.values.is_empty());
     let all: usize = with_runs().map(|(strip, _)| strip.values.len()).sum();
     let Some((_, &(value, _))) = with_runs().next() else {
@@ -251,35 +307,39 @@ fn state_styles() -> [Style; STATES.len()] {
     [STYLES[2], STYLES[1], STYLES[6], STYLES[0]]
 }
 
-fn state_curves(curves: &StateCurves) -> Vec<Curve> {
+fn state_curves(curves: &StateCurves, shown: &[Quantity], language: Language) -> Vec<Curve> {
     let curve = |((state, style), points): ((&Quantity, Style), &Vec<_>)| Curve {
-        name: state.label().into(),
+        name: state.label(language).into(),
         style,
         points: points.clone(),
     };
-    STATES.iter().zip(state_styles()).zip(&curves.0).map(curve).collect()
+    let all = STATES.iter().zip(state_styles()).zip(&curves.0);
+    all.filter(|((state, _), _)| shown.contains(state)).map(curve).collect()
 }
 
 /// The curves of intact obstacles are left out where no other curve or band is higher than this.
 const LEAST_OF_HEIGHT: f64 = 0.2;
 
-fn over_time(of: &str, mut panels: Vec<CurvePanel>) -> CurveChart {
-    let intact = Quantity::label(STATES[0]);
+fn over_time(of: &str, mut panels: Vec<CurvePanel>, language: Language) -> CurveChart {
+    let intact = STATES[0].label(language);
     let others = panels.iter().flat_map(|panel| &panel.curves).filter(|curve| curve.name != intact);
     let ends = others
         .flat_map(|curve| &curve.points)
         .map(|(_, share)| share.interval.map_or(share.value, |(_, high)| high.max(share.value)));
     let highest = ends.fold(0.0, f64::max);
     let is_dwarfed = highest > 0.0 && highest <= LEAST_OF_HEIGHT;
-    if is_dwarfed {
+    let has_left_out = is_dwarfed && panels.iter().flat_map(|panel| &panel.curves).any(|curve| curve.name == intact);
+    let share = words::SHARE_OF_OBSTACLES.in_language(language);
+    if has_left_out {
         panels.iter_mut().for_each(|panel| panel.curves.retain(|curve| curve.name != intact));
     }
     CurveChart {
         titles: Titles {
-            title: format!("Obstacle states over time{of}"),
-            note: "Lines are means, bands the middle 80 % of runs.".into(),
-            x: "simulated time (s)".into(),
-            y: if is_dwarfed { format!("{SHARE_AXIS}, intact left out") } else { SHARE_AXIS.into() },
+            title: format!("{}{of}", words::STATES_OVER_TIME.in_language(language)),
+            note: words::LINES_ARE_MEANS.in_language(language).into(),
+            x: words::SIMULATED_SECONDS.in_language(language).into(),
+            y: if has_left_out { words::INTACT_LEFT_OUT.filled(language, &[share]) } else { share.into() },
+            language,
         },
         spread: Spread::Bands,
         panels,
@@ -289,13 +349,14 @@ fn over_time(of: &str, mut panels: Vec<CurvePanel>) -> CurveChart {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::batch::report::html_report::quantities::MEASURES;
     use crate::picture::charts::Estimate;
 
     /// A panel of curves whose states have those shares all the time, and bands of a tenth of that to either side.
     fn panel(shares: [f64; STATES.len()]) -> CurvePanel {
         let estimate = |value: f64| Estimate { value, interval: Some((0.9 * value, 1.1 * value)) };
         let curves = shares.map(|share| vec![(0.0, estimate(share)), (60.0, estimate(share))]);
-        CurvePanel { name: String::new(), curves: state_curves(&StateCurves(curves)) }
+        CurvePanel { name: String::new(), curves: state_curves(&StateCurves(curves), &STATES, Language::English) }
     }
 
     #[test]
@@ -309,7 +370,7 @@ mod tests {
             let commonest: Vec<_> = strips.iter().map(|strip| commonest(&strip.values)).collect();
             constant_words(MEASURES[2], &strips, &commonest)
         };
-        let title = MEASURES[2].title();
+        let title = MEASURES[2].title(Language::English);
         assert_eq!(said(&[strip(vec![0.0; 4])]), format!("{title}: no distribution, since it is 0 s in all 4 runs."));
         let nearly = strip([vec![0.0; 20], vec![7.5]].concat());
         assert_eq!(
@@ -330,7 +391,7 @@ mod tests {
             (vec![panel(calm), panel(wild)], 4),
             (vec![panel([1.0, 0.0, 0.0, 0.0])], 4),
         ] {
-            let chart = over_time("", panels);
+            let chart = over_time("", panels, Language::English);
             assert!(chart.panels.iter().all(|panel| panel.curves.len() == expected), "{:?}", chart.panels);
             assert_eq!(chart.titles.y.contains("intact left out"), expected == 3);
         }

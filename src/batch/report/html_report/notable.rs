@@ -20,8 +20,25 @@ pub struct NotableRun {
 impl NotableRun {
     /// The path of its page in the folder of the batch.
     pub fn page(&self) -> String {
-        format!("{CHARTS_FOLDER}/{}-run.html", self.word)
+        page_of(self.word)
     }
+}
+
+fn page_of(word: &str) -> String {
+    format!("{CHARTS_FOLDER}/{word}-run.html")
+}
+
+/// What the runs are called: in them the least burned, the most, and half of the runs burned less.
+const WORDS: [&str; 3] = ["best", "worst", "median"];
+
+/// Finds those notable runs whose pages are there.
+pub fn runs_with_pages(batch: &FinishedBatch) -> Result<Vec<NotableRun>, ReportError> {
+    let has_page = |word: &str| batch.folder().join(page_of(word)).is_file();
+    if !WORDS.into_iter().any(has_page) {
+        return Ok(Vec::new());
+    }
+    let runs = notable_runs(batch)?;
+    Ok(runs.into_iter().filter(|run| has_page(run.word)).collect())
 }
 
 /// Finds the runs that are done in which the least and the most burned, and the one in the middle; of runs that are equal the
@@ -38,7 +55,7 @@ pub fn notable_runs(batch: &FinishedBatch) -> Result<Vec<NotableRun>, ReportErro
     let Some(last) = burned.len().checked_sub(1) else { return Ok(Vec::new()) };
     let most = burned.partition_point(|run| run.0 < burned[last].0);
     let mut notable: Vec<NotableRun> = Vec::new();
-    for (word, place) in [("best", 0), ("worst", most), ("median", last / 2)] {
+    for (word, place) in WORDS.into_iter().zip([0, most, last / 2]) {
         let (burned_ratio, number) = burned[place];
         if notable.iter().all(|run| run.number != number) {
             notable.push(NotableRun { word, number, burned_ratio });

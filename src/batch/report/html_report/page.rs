@@ -6,9 +6,9 @@ use super::figures::{Figure, Figures, Section};
 use super::notable::NotableRun;
 use super::{FieldPicture, PaperCharts, ReportParts};
 use crate::batch::execute::{
-    AGENTS_FILE, CALLS_PARQUET, CHARTS_FOLDER, RUNS_FILE, RUNS_PARQUET, STATES_PARQUET, TABLES_FILE,
+    AGENTS_FILE, CALLS_PARQUET, CHARTS_FOLDER, Machine, RUNS_FILE, RUNS_PARQUET, STATES_PARQUET, TABLES_FILE,
 };
-use crate::batch::plan::{BatchPlan, PLAN_FILE, PROGRAM_VERSION};
+use crate::batch::plan::{BatchPlan, PLAN_FILE, PlanWriter};
 use crate::batch::table::FinishedBatch;
 use crate::document::{self, Block, Document, Table};
 
@@ -16,7 +16,7 @@ use crate::document::{self, Block, Document, Table};
 const SHOWN_TABLES: usize = 50;
 
 /// The longest plan that is in the page.
-const LONGEST_PLAN: usize = 200_000;
+pub const LONGEST_PLAN: u64 = 200_000;
 
 /// The files beside a page that it links, and what they hold.
 const FILES: [(&str, &str); 7] = [
@@ -29,39 +29,60 @@ const FILES: [(&str, &str); 7] = [
     (PLAN_FILE, "scenarios, seeds and settings"),
 ];
 
-/// Begins with the answer, a picture of it, and links to all sections.
-pub fn page(batch: &FinishedBatch, collected: &Collected, figures: &Figures, parts: &ReportParts<'_>) -> Document {
-    let plan = batch.plan();
-    let name = batch.folder().canonicalize().ok();
-    let name = name.as_deref().unwrap_or(batch.folder()).file_name();
-    let title = format!("Batch {}", name.map_or_else(String::new, |name| name.to_string_lossy().into_owned()));
-    let stuck_runs = collected.stuck_runs as u64;
-    let charts = Charts::new(figures, parts);
-    let constant = (!figures.constant.is_empty()).then(|| Block::List(figures.constant.clone()));
-    let sections = [
-        ("Overview", summary(plan, collected, figures)),
-        ("Runs to play", runs_to_play(plan, parts.playing)),
-        ("Means", charts.of(Section::Means)),
-        ("Tables", tables(collected)),
-        ("Fleets", fleets(collected)),
-        ("Distributions", charts.of(Section::Distributions).into_iter().chain(constant).collect()),
-        ("States over time", charts.of(Section::OverTime)),
-        ("Sweeps", charts.of(Section::Sweeps)),
-        ("Runs without a result", runs(plan, &collected.failures, collected.report.not_done(), "Why")),
-        ("Runs in which an agent was stuck", runs(plan, &collected.stuck, stuck_runs, "For")),
-        ("Files", files(batch)),
-        ("Plan and version", plan_part(plan)),
-    ];
-    let Answer { sentence, more } = Answer::new(plan, collected);
-    let mut document = Document::new(title).with([Block::Text(sentence)]);
-    document.add_list(more);
-    document = document.with(charts.lead()).with([Block::Contents]);
-    for (heading, blocks) in sections {
-        if !blocks.is_empty() {
-            document = document.with([Block::Heading(heading.into())]).with(blocks);
+/// What is known of how the batch was made, besides its rows.
+pub struct Origin {
+    pub writer: PlanWriter,
+    /// The text of `plan.json`, if it is short.
+    pub plan: Option<String>,
+    pub machines: Vec<Machine>,
+}
+
+/// What is on the page.
+pub struct Page<'a> {
+    pub batch: &'a FinishedBatch,
+    pub collected: &'a Collected,
+    pub figures: &'a Figures,
+    pub parts: &'a ReportParts<'a>,
+    pub origin: &'a Origin,
+}
+
+impl Page<'_> {
+    /// Begins with the answer, a picture of it, and links to all sections.
+    pub fn to_document(&self) -> Document {
+        let Self { batch, collected, figures, parts, origin } = *self;
+        let plan = batch.plan();
+        let name = batch.folder().canonicalize().ok();
+        let name = name.as_deref().unwrap_or(batch.folder()).file_name();
+        let title = format!("Batch {}", name.map_or_else(String::new, |name| name.to_string_lossy().into_owned()));
+        let stuck_runs = collected.stuck_runs as u64;
+        let charts = Charts::new(figures, parts);
+        let constant = (!figures.constant.is_empty()).then(|| Block::List(figures.constant.clone()));
+        let sections = [
+            ("Overview", summary(plan, collected, figures)),
+            ("Runs to play", runs_to_play(plan, parts.playing)),
+            ("Means", charts.of(Section::Means)),
+            ("Columns that were asked for", collected.report.column_tables(&parts.choice.quantities.places())),
+            ("Tables", tables(collected)),
+            ("Fleets", fleets(collected)),
+            ("Distributions", charts.of(Section::Distributions).into_iter().chain(constant).collect()),
+            ("States over time", charts.of(Section::OverTime)),
+            ("Sweeps", charts.of(Section::Sweeps)),
+            ("Runs without a result", runs(plan, &collected.failures, collected.report.not_done(), "Why")),
+            ("Runs in which an agent was stuck", runs(plan, &collected.stuck, stuck_runs, "For")),
+            ("Files", files(batch)),
+            ("Plan and version", plan_part(plan, origin)),
+        ];
+        let Answer { sentence, more } = Answer::new(plan, collected);
+        let mut document = Document::new(title).with([Block::Text(sentence)]);
+        document.add_list(more);
+        document = document.with(charts.lead()).with([Block::Contents]);
+        for (heading, blocks) in sections {
+            if !blocks.is_empty() {
+                document = document.with([Block::Heading(heading.into())]).with(blocks);
+            }
         }
+        document
     }
-    document
 }
 
 /// The charts of a page; those that lead it are nowhere else.
@@ -186,9 +207,9 @@ fn runs(plan: &BatchPlan, shown: &[ListedRun], count: u64, heading: &str) -> Vec
     vec![Block::Text(text), Block::Table(table)]
 }
 
-fn plan_part(plan: &BatchPlan) -> Vec<Block> {
+fn plan_part(plan: &BatchPlan, origin: &Origin) -> Vec<Block> {
     let mut lines = vec![
-        format!("wildfire {PROGRAM_VERSION}"),
+        origin.writer.words(),
         format!("Plan {}: its outcomes depend on nothing else than what has this SHA-256", plan.content_sha256()),
         format!("Seeds {}", plan.seeds),
     ];
@@ -196,11 +217,10 @@ fn plan_part(plan: &BatchPlan) -> Vec<Block> {
         let changes: String = variant.changes.iter().map(|change| format!(" --set {change}")).collect();
         format!("{}: {}{changes}", plan.title(variant), variant.source)
     }));
-    let json = plan.to_json();
-    let settings = if json.len() <= LONGEST_PLAN {
-        Block::Folded("plan.json".into(), vec![Block::Verbatim(json)])
-    } else {
-        Block::Text("All settings are in plan.json.".into())
+    lines.extend(origin.machines.iter().map(|machine| format!("Machine: {}", machine.words())));
+    let settings = match &origin.plan {
+        Some(json) => Block::Folded("plan.json".into(), vec![Block::Verbatim(json.clone())]),
+        None => Block::Text("All settings are in plan.json.".into()),
     };
     vec![Block::List(lines), settings]
 }

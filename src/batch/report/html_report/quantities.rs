@@ -1,6 +1,11 @@
 //! The columns of runs that a report shows, and how.
 
+use super::ReportError;
+use super::words;
 use crate::batch::table::{RUN_COLUMNS, RunColumn, RunRecord, Unit, is_measured, run_column};
+use crate::picture::charts::{Language, Words};
+use crate::scenario::nearest_name;
+use crate::untrusted::visible_start;
 
 const OBSTACLES: usize = run_column("obstacles");
 
@@ -9,7 +14,7 @@ const OBSTACLES: usize = run_column("obstacles");
 pub struct Quantity {
     column: usize,
     /// The column that is added, and the name of the sum.
-    added: Option<(usize, &'static str)>,
+    added: Option<(usize, Words)>,
 }
 
 /// The ends of a run.
@@ -29,7 +34,7 @@ pub static CPU_PARTS: [Quantity; 7] = [
 
 /// The bushes that did not burn: the share of all.
 pub const SAVED: Quantity =
-    Quantity { column: run_column("intact"), added: Some((run_column("extinguished"), "Saved")) };
+    Quantity { column: run_column("intact"), added: Some((run_column("extinguished"), words::SAVED)) };
 
 /// All bushes of a field, as a number.
 pub const BUSHES: Quantity = quantity("obstacles");
@@ -48,9 +53,74 @@ const fn quantity(column: &str) -> Quantity {
     Quantity { column: run_column(column), added: None }
 }
 
-/// Everything that is kept of a run.
-pub fn all() -> impl Iterator<Item = Quantity> {
-    STATES.iter().chain(&CPU_PARTS).chain(&MEASURES).copied().chain([SAVED, BUSHES, BURNED_AREA])
+/// Which quantities the charts of a report show, and in which language.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ChartChoice {
+    pub quantities: ChosenQuantities,
+    pub language: Language,
+}
+
+/// The quantities that a report shows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ChosenQuantities {
+    /// Those that were asked for, each once; none for the usual ones.
+    asked: Vec<Quantity>,
+}
+
+impl ChosenQuantities {
+    /// Finds the columns of these names; without any the usual ones are shown.
+    ///
+    /// # Errors
+    /// If there is no such column, or it holds no numbers.
+    pub fn new(names: &[String]) -> Result<Self, ReportError> {
+        let mut asked = Vec::new();
+        for name in names {
+            let quantity = Quantity { column: column_of_numbers(name)?, added: None };
+            if !asked.contains(&quantity) {
+                asked.push(quantity);
+            }
+        }
+        Ok(Self { asked })
+    }
+
+    /// Returns the places of those that were asked for, among [`RUN_COLUMNS`].
+    pub fn places(&self) -> Vec<usize> {
+        self.asked.iter().map(|quantity| quantity.column).collect()
+    }
+
+    /// Returns those that were asked for.
+    pub fn asked(&self) -> &[Quantity] {
+        &self.asked
+    }
+
+    /// Returns those of some quantities that are shown, in their order.
+    pub fn among(&self, quantities: &[Quantity]) -> Vec<Quantity> {
+        let is_shown = |quantity: &Quantity| self.asked.is_empty() || self.asked.contains(quantity);
+        quantities.iter().copied().filter(is_shown).collect()
+    }
+
+    /// Returns those whose distributions, and means over what is swept, are shown.
+    pub fn of_runs(&self) -> Vec<Quantity> {
+        let usual = || STATES.iter().chain(&MEASURES).copied().collect();
+        if self.asked.is_empty() { usual() } else { self.asked.clone() }
+    }
+
+    /// Returns everything that is kept of a run: what the answer needs, and what is shown.
+    pub fn kept(&self) -> Vec<Quantity> {
+        let mut kept: Vec<Quantity> = STATES.iter().chain(&CPU_PARTS).chain(&MEASURES).copied().collect();
+        kept.extend([SAVED, BUSHES, BURNED_AREA]);
+        kept.extend(self.asked.iter().filter(|asked| !kept.contains(asked)).copied().collect::<Vec<_>>());
+        kept
+    }
+}
+
+fn column_of_numbers(name: &str) -> Result<usize, ReportError> {
+    let names = || RUN_COLUMNS.iter().filter(|column| column.holds_numbers()).map(|column| column.name);
+    match RUN_COLUMNS.iter().position(|column| column.name == name) {
+        Some(place) if RUN_COLUMNS[place].holds_numbers() => Ok(place),
+        Some(_) => Err(ReportError::NoNumbers { name: name.to_owned() }),
+        None => Err(ReportError::UnknownColumn { name: visible_start(name), nearest: nearest_name(name, names()) }),
+    }
 }
 
 impl Quantity {
@@ -60,57 +130,64 @@ impl Quantity {
 
     /// Returns the name of its column; of a sum that of the sum.
     pub fn column(self) -> String {
-        self.added.map_or_else(|| self.about().name.to_owned(), |(_, name)| name.to_lowercase())
+        self.added.map_or_else(|| self.about().name.to_owned(), |(_, name)| name.english.to_lowercase())
     }
 
-    pub fn label(self) -> &'static str {
-        self.added.map_or(self.about().title, |(_, name)| name)
+    pub fn label(self, language: Language) -> &'static str {
+        self.added.map_or_else(|| words::name_of(self.about(), language), |(_, name)| name.in_language(language))
     }
 
     /// Returns its name outside of a chart of several.
-    pub fn title(self) -> String {
-        match self.about().unit {
-            Unit::Cells => format!("{} at the end of a run", self.label()),
-            _ => self.label().into(),
+    pub fn title(self, language: Language) -> String {
+        match self.is_share_of_bushes() {
+            true => words::AT_THE_END_OF_A_RUN.filled(language, &[self.label(language)]),
+            false => self.label(language).into(),
         }
     }
 
-    /// Returns the number of a run; `None` where the run has none. Cells but [`BUSHES`] are shown as shares of these, CPU
+    fn is_share_of_bushes(self) -> bool {
+        self == SAVED || STATES.contains(&self)
+    }
+
+    /// Returns the number of a run; `None` where the run has none. States and their sum are shown as shares of all bushes, CPU
     /// times in milliseconds.
     pub fn number(self, run: &RunRecord) -> Option<f64> {
         let added = self.added.map_or(Some(0.0), |(column, _)| run.number(column))?;
         let number = run.number(self.column)? + added;
         match self.about().unit {
-            Unit::Cells if self != BUSHES => Some(number / run.number(OBSTACLES).filter(|&bushes| bushes > 0.0)?),
+            _ if self.is_share_of_bushes() => Some(number / run.number(OBSTACLES).filter(|&bushes| bushes > 0.0)?),
             Unit::Seconds if is_measured(self.about().name) => Some(number * 1e3),
             _ => Some(number),
         }
     }
 
-    /// Returns the values that it can have: none is below zero, and no share above one.
+    /// Returns the values that it can have: no share is above one, and nothing but points is below zero.
     pub fn range(self) -> (f64, f64) {
         match self.about().unit {
-            Unit::Cells if self != BUSHES => (0.0, 1.0),
+            _ if self.is_share_of_bushes() => (0.0, 1.0),
             Unit::Share => (0.0, 1.0),
+            Unit::Points => (f64::NEG_INFINITY, f64::INFINITY),
             _ => (0.0, f64::INFINITY),
         }
     }
 
     /// Returns what an axis is called that shows it, with the unit.
-    pub fn axis(self) -> &'static str {
+    pub fn axis(self) -> Words {
         match self.about().unit {
-            Unit::Cells => SHARE_AXIS,
-            Unit::Metres => "distance (m)",
-            Unit::Seconds if is_measured(self.about().name) => "CPU time (ms)",
-            Unit::Seconds => "time (s)",
-            Unit::Hectares => "area (ha)",
-            other => other.symbol(),
+            Unit::Cells if self.is_share_of_bushes() => words::SHARE_OF_OBSTACLES,
+            Unit::Cells => words::CELLS,
+            Unit::Metres => words::METRES,
+            Unit::Seconds if self.about().name.starts_with("cpu_") => words::CPU_TIME,
+            Unit::Seconds if is_measured(self.about().name) => words::MILLISECONDS,
+            Unit::Seconds => words::SECONDS,
+            Unit::CellSeconds => words::CELL_SECONDS,
+            Unit::Hectares => words::HECTARES,
+            Unit::Points => words::POINTS,
+            Unit::Share => words::SHARE,
+            Unit::None => words::NUMBER,
         }
     }
 }
-
-/// The name of an axis that shows shares of cells.
-pub const SHARE_AXIS: &str = "share of obstacles (1)";
 
 /// Names the axis of a swept key, with the unit that the key's last word says.
 pub fn key_axis(key: &str) -> String {
@@ -139,8 +216,10 @@ mod tests {
 
     #[test]
     fn axes_have_units() {
-        for quantity in STATES.iter().chain(&CPU_PARTS).chain(&MEASURES).copied().chain([SAVED, BURNED_AREA]) {
-            assert!(quantity.axis().ends_with(')'), "{}: {}", quantity.column(), quantity.axis());
+        let columns = (0..RUN_COLUMNS.len()).filter(|&column| RUN_COLUMNS[column].holds_numbers());
+        for quantity in columns.map(|column| Quantity { column, added: None }).chain([SAVED]) {
+            let Words { english, german } = quantity.axis();
+            assert!(english.ends_with(')') && german.ends_with(')'), "{}: {english}, {german}", quantity.column());
         }
         for (key, axis) in [
             ("fire.burn_out_s", "fire.burn_out_s (s)"),

@@ -2,10 +2,11 @@
 
 use super::collected::{Values, is_cut};
 use super::facets::{Facet, FacetSeries, facets_over};
-use super::quantities::{MEASURES, Quantity, STATES, key_axis};
+use super::quantities::{ChartChoice, Quantity, key_axis};
+use super::words;
 use crate::batch::execute::file_name_of;
 use crate::batch::plan::{BatchPlan, Value};
-use crate::picture::charts::{Curve, CurveChart, CurvePanel, Spread, Titles};
+use crate::picture::charts::{Curve, CurveChart, CurvePanel, Language, Spread, Titles, Words};
 
 /// A chart over a swept key, with the name of its files, and what it shows.
 pub struct SweepChart {
@@ -16,12 +17,12 @@ pub struct SweepChart {
 
 /// Returns a chart for every quantity over each key that is swept over numbers; other differences make curves and
 /// panels.
-pub fn sweep_charts(plan: &BatchPlan, values: &[Values]) -> Vec<SweepChart> {
+pub fn sweep_charts(plan: &BatchPlan, values: &[Values], choice: &ChartChoice) -> Vec<SweepChart> {
     let mut charts = Vec::new();
     for (key, name) in plan.swept_keys.iter().enumerate() {
         let Some(places) = places(plan, key) else { continue };
-        for &quantity in STATES.iter().chain(&MEASURES) {
-            let chart = curves_over(plan, values, (key, &places), quantity);
+        for quantity in choice.quantities.of_runs() {
+            let chart = curves_over(plan, values, (key, &places), quantity, choice.language);
             // Where nothing ever happened, such as agents that were never stuck, there is nothing to see.
             let mut points = chart.panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points);
             if points.any(|(_, estimate)| estimate.value != 0.0) {
@@ -34,7 +35,7 @@ pub fn sweep_charts(plan: &BatchPlan, values: &[Values]) -> Vec<SweepChart> {
 }
 
 /// Returns the means of a quantity over the key that takes most numbers; `None` if no key is swept over numbers.
-pub fn main_curves(plan: &BatchPlan, values: &[Values], quantity: Quantity) -> Option<CurveChart> {
+pub fn main_curves(plan: &BatchPlan, values: &[Values], quantity: Quantity, language: Language) -> Option<CurveChart> {
     let keys = (0..plan.swept_keys.len()).filter_map(|key| Some((key, places(plan, key)?)));
     let count = |places: &[f64]| {
         let mut distinct = places.to_vec();
@@ -44,7 +45,7 @@ pub fn main_curves(plan: &BatchPlan, values: &[Values], quantity: Quantity) -> O
     };
     // Of keys with equally many values the first.
     let (key, places) = keys.reduce(|one, next| if count(&next.1) > count(&one.1) { next } else { one })?;
-    Some(curves_over(plan, values, (key, &places), quantity))
+    Some(curves_over(plan, values, (key, &places), quantity, language))
 }
 
 /// Returns the values of a swept key, by variant; `None` where they are no numbers, or all are equal: an axis needs a number
@@ -54,7 +55,13 @@ fn places(plan: &BatchPlan, key: usize) -> Option<Vec<f64>> {
     places.iter().any(|place| *place != places[0]).then_some(places)
 }
 
-fn curves_over(plan: &BatchPlan, values: &[Values], (key, places): (usize, &[f64]), quantity: Quantity) -> CurveChart {
+fn curves_over(
+    plan: &BatchPlan,
+    values: &[Values],
+    (key, places): (usize, &[f64]),
+    quantity: Quantity,
+    language: Language,
+) -> CurveChart {
     let curve = |series: FacetSeries| {
         let point = |&variant: &usize| Some((places[variant], values[variant].mean(quantity)?));
         let mut points: Vec<_> = series.variants.iter().filter_map(point).collect();
@@ -67,18 +74,19 @@ fn curves_over(plan: &BatchPlan, values: &[Values], (key, places): (usize, &[f64
     let cut = points.any(|(_, estimate)| is_cut(estimate, quantity.range()));
     let name = &plan.swept_keys[key];
     let titles = Titles {
-        title: format!("{}, by {name}", quantity.title()),
-        note: interval_note("Marks", cut),
+        title: words::BY_KEY.filled(language, &[&quantity.title(language), name]),
+        note: interval_note(words::MARKS, cut, language),
         x: key_axis(name),
-        y: quantity.axis().into(),
+        y: quantity.axis().in_language(language).into(),
+        language,
     };
     CurveChart { titles, spread: Spread::Whiskers, panels }
 }
 
 /// Says what marks and whiskers are, and where these may end.
-pub fn interval_note(marks: &str, cut: bool) -> String {
-    let cut = if cut { ", cut where the possible values end" } else { "" };
-    format!("{marks} are means, whiskers their 95 % intervals{cut}.")
+pub fn interval_note(marks: Words, cut: bool, language: Language) -> String {
+    let cut = if cut { words::CUT.in_language(language) } else { "" };
+    words::ARE_MEANS.filled(language, &[marks.in_language(language), cut])
 }
 
 fn number(value: &Value) -> Option<f64> {

@@ -18,7 +18,7 @@ mod writer;
 pub use reader::{ParquetReader, RowGroup};
 
 use crate::batch::execute::{BatchError, CALLS_PARQUET, Disk, OutputFolder, RUNS_PARQUET, STATES_PARQUET};
-use crate::batch::plan::{BatchPlan, PROGRAM_VERSION, Value};
+use crate::batch::plan::{BatchPlan, COMMIT, COMPILER, PROGRAM_VERSION, Value};
 use crate::batch::table::column::{FileColumn, Kind};
 use crate::batch::table::columns::{CALL_COLUMNS, STATE_COLUMNS};
 use crate::batch::table::dictionary::{TableOfRows, schema_of};
@@ -45,11 +45,14 @@ impl ParquetFiles {
             let mut columns = table.columns(&swept);
             let seed = columns.iter_mut().find(|column| column.name == "seed").expect("every run has a seed");
             seed.kind = Kind::holding_up_to(largest_seed);
-            let metadata = [
+            let commit = COMMIT.map(|commit| ("commit", commit.to_owned()));
+            let about = [
                 ("program_version", PROGRAM_VERSION.to_owned()),
+                ("compiler", COMPILER.to_owned()),
                 ("content_sha256", content_sha256.clone()),
                 ("row_schema", schema_of(table, &columns).to_string()),
             ];
+            let metadata: Vec<_> = about.into_iter().chain(commit).collect();
             ParquetWriter::create(folder.path().join(name), disk, columns, &metadata, rows_a_group)
         };
         Ok(Self {

@@ -4,7 +4,7 @@ use crate::batch::{ChartData, FacetSeries, MOST_PANELS, Value, file_name_of, wor
 use crate::cli::plan::benchmark::queries::Queries;
 use crate::cli::plan::benchmark::summary::{Group, MEASURES, Measure};
 use crate::picture::charts::{
-    BoxChart, BoxPanel, BoxSeries, Curve, CurveChart, CurvePanel, Drawing, Estimate, Spread, Titles,
+    BoxChart, BoxPanel, BoxSeries, Curve, CurveChart, CurvePanel, Drawing, Estimate, Language, Spread, Titles,
 };
 
 /// A sheet of a chart and the name of its files, without an ending.
@@ -104,6 +104,7 @@ fn boxes(queries: &Queries, groups: &[Group], measure: &Measure) -> Option<BoxCh
             note: "Boxes: the middle half, with the median; lines: values within 1.5 boxes; points: all others.".into(),
             x: measure.axis.into(),
             y: String::new(),
+            language: Language::English,
         },
         is_logarithmic: measure.is_logarithmic,
         panels,
@@ -139,6 +140,7 @@ impl Over<'_> {
             note: note.into(),
             x: key.clone(),
             y: axis.into(),
+            language: Language::English,
         };
         let percent = |estimate: Estimate| scaled(estimate, 100.0);
         let note = "Marks are shares of queries, whiskers Wilson's 95 % intervals.";

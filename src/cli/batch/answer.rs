@@ -1,0 +1,261 @@
+//! What is said of a batch that is over, by `batch`, `merge` and `report`.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use schemars::JsonSchema;
+use serde::{Serialize, Serializer};
+
+use crate::batch::{
+    BatchPlan, BatchReport, COMMIT, COMPILER, Machine, OutputFolder, PROGRAM_VERSION, RUN_COLUMNS, Tally,
+    VariantReport, WrittenReport,
+};
+use crate::document::{Block, Document};
+use crate::stats::Series;
+
+/// A batch that is over: an object for programs, and a document for people.
+pub struct BatchAnswer {
+    object: BatchObject,
+    document: Document,
+}
+
+/// The JSON object that `wildfire batch --json` and `wildfire merge --json` print, and the beginning of that of
+/// `wildfire report --json`; the members in their order.
+#[derive(Serialize, JsonSchema)]
+pub struct BatchObject {
+    program_version: &'static str,
+    /// The commit that the program was built from; null where it is not known.
+    commit: Option<&'static str>,
+    compiler: &'static str,
+    /// The folder of the batch.
+    folder: String,
+    /// The hash of the plan, which decides all outcomes.
+    content_sha256: String,
+    seeds: String,
+    runs: u64,
+    /// Runs without a result.
+    not_done: u64,
+    /// In the order of the plan.
+    variants: Vec<VariantObject>,
+}
+
+/// A variant of the batch.
+#[derive(Serialize, JsonSchema)]
+struct VariantObject {
+    title: String,
+    scenario: String,
+    /// The changes made to the scenario, `key=value`.
+    changes: Vec<String>,
+    done: u64,
+    failed: u64,
+    panicked: u64,
+    won_by_truck: u64,
+    won_by_wumpus: u64,
+    /// Runs in which some agent was stuck.
+    stuck_runs: u64,
+    /// What there is to say in words.
+    sentences: Vec<String>,
+    /// The columns of numbers of `runs.csv`, over the runs that are done; those that no run has are left out.
+    columns: BTreeMap<&'static str, ColumnObject>,
+}
+
+/// A column over the runs that have it.
+#[derive(Serialize, JsonSchema)]
+struct ColumnObject {
+    runs: u64,
+    mean: Option<f64>,
+    standard_deviation: Option<f64>,
+    /// The 95 % interval of the mean, by Student's t.
+    low: Option<f64>,
+    high: Option<f64>,
+}
+
+impl From<&Series> for ColumnObject {
+    fn from(series: &Series) -> Self {
+        let interval = series.mean_interval();
+        Self {
+            runs: series.count(),
+            mean: series.mean(),
+            standard_deviation: series.standard_deviation(),
+            low: interval.map(|ends| ends.low),
+            high: interval.map(|ends| ends.high),
+        }
+    }
+}
+
+impl BatchObject {
+    fn new(plan: &BatchPlan, folder: &Path, report: &BatchReport) -> Self {
+        let variants = plan.variants.iter().zip(&report.variants).map(|(variant, found)| {
+            let VariantReport { title, tally, .. } = found;
+            let Tally { done, failed, panicked, won_by_truck, won_by_wumpus, stuck_runs, .. } = *tally;
+            let columns = RUN_COLUMNS.iter().enumerate().filter(|(_, column)| column.holds_numbers());
+            let columns = columns.map(|(place, column)| (column.name, found.column(place)));
+            VariantObject {
+                title: title.clone(),
+                scenario: variant.scenario.name.clone(),
+                changes: variant.changes.clone(),
+                done,
+                failed,
+                panicked,
+                won_by_truck,
+                won_by_wumpus,
+                stuck_runs,
+                sentences: tally.sentences(),
+                columns: columns.filter(|(_, series)| series.count() > 0).map(|(name, it)| (name, it.into())).collect(),
+            }
+        });
+        Self {
+            program_version: PROGRAM_VERSION,
+            commit: COMMIT,
+            compiler: COMPILER,
+            folder: folder.display().to_string(),
+            content_sha256: plan.content_sha256(),
+            seeds: plan.seeds.to_string(),
+            runs: plan.count(),
+            not_done: report.not_done(),
+            variants: variants.collect(),
+        }
+    }
+}
+
+impl BatchAnswer {
+    pub fn new(plan: &BatchPlan, folder: &OutputFolder, report: &BatchReport) -> Self {
+        let object = BatchObject::new(plan, folder.path(), report);
+        Self { object, document: summary(plan, folder, report) }
+    }
+
+    /// The same with where the CPU time went, for people.
+    #[must_use]
+    pub fn with_profile(mut self, report: &BatchReport) -> Self {
+        self.document = self.document.with(report.profile().blocks);
+        self
+    }
+}
+
+impl Serialize for BatchAnswer {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.object.serialize(serializer)
+    }
+}
+
+impl From<&BatchAnswer> for Document {
+    fn from(answer: &BatchAnswer) -> Self {
+        answer.document.clone()
+    }
+}
+
+/// Words the result of a finished batch.
+fn summary(plan: &BatchPlan, folder: &OutputFolder, report: &BatchReport) -> Document {
+    let files = format!("Files: {}", folder.path().display());
+    match report.variants.as_slice() {
+        [one] => {
+            let sentences = one.tally.sentences().into_iter().chain([files]).collect();
+            let title = format!("{}, seeds {}", one.title, plan.seeds);
+            Document::new(title).with(one.tables.blocks()).with([Block::List(sentences)])
+        }
+        _ => {
+            let sentences = report.notes().into_iter().chain([files]).collect();
+            let title = format!("Seeds {} of each variant", plan.seeds);
+            Document::new(title).with(report.overview()).with([Block::List(sentences)])
+        }
+    }
+}
+
+/// The tables of a batch for a paper, and the files of a report.
+#[derive(Serialize, JsonSchema)]
+pub struct ReportAnswer {
+    #[serde(flatten)]
+    batch: BatchObject,
+    /// The page that was written.
+    page: String,
+    /// The folder of the charts.
+    charts_folder: String,
+    /// The charts, by the names of their files without endings.
+    charts: Vec<String>,
+    /// Charts that are not drawn since they would have too many panels: a sentence for each.
+    refused: Vec<String>,
+    /// The machines that worked on the batch, as far as they are known.
+    machines: Vec<Machine>,
+    #[serde(skip)]
+    #[schemars(skip)]
+    document: Document,
+}
+
+impl ReportAnswer {
+    /// Says what was written. `columns` are the places of columns that were asked for: their tables are printed then instead
+    /// of those of all.
+    pub fn new(plan: &BatchPlan, folder: &Path, written: &WrittenReport, columns: &[usize]) -> Self {
+        let WrittenReport { tables, charts, refused, machines, .. } = written;
+        let mut document = Document::new(format!("{}, seeds {}", folder.display(), plan.seeds));
+        if columns.is_empty() {
+            if tables.variants.len() > 1 {
+                let overview = tables.overview_table(|index| tables.variants[index].title.clone());
+                document.add(overview.with_caption("Means of the runs that are done"));
+            }
+            for variant in &tables.variants {
+                document.add(Block::Heading(variant.title.clone()));
+                document = document.with(variant.blocks());
+            }
+            document = document.with(tables.fleets_table());
+        } else {
+            document = document.with(tables.column_tables(columns));
+        }
+        document.add_list(refused.clone());
+        Self {
+            batch: BatchObject::new(plan, folder, tables),
+            page: written.page.display().to_string(),
+            charts_folder: written.charts_folder.display().to_string(),
+            charts: charts.clone(),
+            refused: refused.clone(),
+            machines: machines.clone(),
+            document,
+        }
+    }
+}
+
+impl From<&ReportAnswer> for Document {
+    fn from(answer: &ReportAnswer) -> Self {
+        answer.document.clone()
+    }
+}
+
+/// A plan that is not run yet, or a slice that is.
+#[derive(Serialize, JsonSchema)]
+pub struct PlanAnswer {
+    pub program_version: &'static str,
+    pub content_sha256: String,
+    pub seeds: String,
+    pub runs: u64,
+    /// The titles of all variants, in the order of the plan.
+    pub variants: Vec<String>,
+    #[serde(skip)]
+    #[schemars(skip)]
+    pub document: Document,
+}
+
+impl From<&PlanAnswer> for Document {
+    fn from(answer: &PlanAnswer) -> Self {
+        answer.document.clone()
+    }
+}
+
+/// A slice of a batch whose runs are over.
+#[derive(Serialize, JsonSchema)]
+pub struct SliceAnswer {
+    pub program_version: &'static str,
+    pub folder: String,
+    pub slice: String,
+    pub runs: u64,
+    pub not_done: u64,
+    /// The command that puts the slices together when all are done.
+    pub merge: String,
+}
+
+impl From<&SliceAnswer> for Document {
+    fn from(answer: &SliceAnswer) -> Self {
+        let SliceAnswer { slice, runs, not_done, merge, .. } = answer;
+        let words = format!("Slice {slice}: {runs} runs, {not_done} not done. When all slices are done: {merge}");
+        // The command is copied, so that its line is not broken.
+        Self::default().with([Block::Verbatim(words)])
+    }
+}
