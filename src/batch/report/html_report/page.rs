@@ -6,7 +6,8 @@ use super::figures::{Figure, Figures, Section};
 use super::notable::NotableRun;
 use super::{FieldPicture, PaperCharts, ReportParts};
 use crate::batch::execute::{
-    AGENTS_FILE, CALLS_PARQUET, CHARTS_FOLDER, Machine, RUNS_FILE, RUNS_PARQUET, STATES_PARQUET, TABLES_FILE,
+    AGENTS_FILE, CALLS_PARQUET, CHARTS_FOLDER, MACHINES_FILE, Machine, RUNS_FILE, RUNS_PARQUET, STATES_PARQUET,
+    TABLES_FILE,
 };
 use crate::batch::plan::{BatchPlan, PLAN_FILE, PlanWriter};
 use crate::batch::table::FinishedBatch;
@@ -19,7 +20,7 @@ const SHOWN_TABLES: usize = 50;
 pub const LONGEST_PLAN: u64 = 200_000;
 
 /// The files beside a page that it links, and what they hold.
-const FILES: [(&str, &str); 7] = [
+const FILES: [(&str, &str); 8] = [
     (RUNS_FILE, "a row for each run"),
     (AGENTS_FILE, "a row for each agent of a run"),
     (RUNS_PARQUET, "the rows of runs, with types and units"),
@@ -27,6 +28,7 @@ const FILES: [(&str, &str); 7] = [
     (STATES_PARQUET, "the states of the bushes over time"),
     (TABLES_FILE, "the tables of all variants"),
     (PLAN_FILE, "scenarios, seeds and settings"),
+    (MACHINES_FILE, "the machines that worked on it"),
 ];
 
 /// What is known of how the batch was made, besides its rows.
