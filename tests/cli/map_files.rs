@@ -150,6 +150,47 @@ fn a_scenario_is_begun_with_a_map_and_runs() {
 }
 
 #[test]
+fn what_there_is_to_say_of_a_map_is_said_of_a_scenario_and_a_page() {
+    let story = story();
+    // Light walls on white.
+    let rows = (0..20).map(|row| if row == 9 { "76 ".repeat(30) } else { "255 ".repeat(30) });
+    story.file("light.pgm", &format!("P2 30 20 255\n{}", rows.collect::<String>()));
+    let doubt = "light.pgm: With --tolerance auto, 165, 5.0 % of the cells would be occupied instead of 0.0 %.";
+    let begun = story.tell(&["new", "scenario", "--from-map", "light.pgm", "light.toml"]).expect_code(0);
+    assert!(begun.stderr.contains(doubt), "{}", begun.stderr);
+    assert!(begun.stderr.contains("Nothing can burn: the field has no bushes."), "{}", begun.stderr);
+    let words = ["map", "report", "light.pgm", "--goal", "0,0", "--start", "2,2", "--out", "lab"];
+    let page = story.tell(&words).expect_code(0);
+    assert!(page.stderr.contains(doubt), "{}", page.stderr);
+    let quiet = story.tell(&[&["--quiet"], &words[..]].concat()).expect_code(0);
+    assert!(quiet.stderr.is_empty(), "{}", quiet.stderr);
+    let refusal = story.tell(&[&words[..8], &["-"]].concat()).expect_code(2);
+    assert!(refusal.stderr.contains("expected a folder"), "{}", refusal.stderr);
+
+    story.file("table.csv", &"0,0,0,0,0,0,0,0,0,0,0,1\n".repeat(12));
+    let begun = story.tell(&["new", "scenario", "--from-map", "table.csv", "--tolerance", "9", "--cell-m", "10"]);
+    let begun = begun.expect_code(0);
+    assert!(begun.stderr.contains("--tolerance has no effect: the map is no image."), "{}", begun.stderr);
+    assert!(!begun.stderr.contains("Nothing can burn"), "{}", begun.stderr);
+}
+
+#[test]
+fn a_truck_that_has_no_room_is_told_of_before_the_run() {
+    let story = story();
+    let hall = format!("{}\n", ["......#......"; 12].join("\n"));
+    story.file("hall.txt", &hall);
+    let words = ["new", "scenario", "--from-map", "hall.txt", "hall.toml", "--cell-m", "0.4"];
+    let begun = story.tell(&words).expect_code(0);
+    let sentence = "cannot start: no free place was found for it on this field";
+    assert!(begun.stderr.contains(sentence), "{}", begun.stderr);
+    let checked = story.tell(&["check", "hall.toml"]).expect_code(0).stdout;
+    let checked = checked.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(checked.contains(sentence) && !checked.contains("moved to the nearest free place: truck 0"), "{checked}");
+    let run = story.tell(&["run", "hall.toml"]).expect_code(1);
+    assert!(run.stderr.split_whitespace().collect::<Vec<_>>().join(" ").contains(sentence), "{}", run.stderr);
+}
+
+#[test]
 fn a_contest_takes_its_field_from_any_map() {
     let story = story();
     let image = "P2 30 20 255\n".to_owned() + &"255 ".repeat(299) + &"0 " + &"255 ".repeat(300);

@@ -47,6 +47,9 @@ pub struct ReadingArguments {
     pub resize: Option<MapSize>,
 }
 
+/// Says that `--tolerance` was given for a map that has no grey values.
+pub const NO_IMAGE: &str = "--tolerance has no effect: the map is no image.";
+
 /// The size of a map, as people say it: columns first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MapSize {
