@@ -177,7 +177,8 @@ fn small_map_files() -> Vec<(&'static str, Vec<u8>)> {
         let place = if big_endian { bytes - 1 } else { 0 };
         by_rows.iter().flat_map(|&cell| (0..bytes).map(move |at| if at == place { cell } else { 0 })).collect()
     };
-    let floats = |bytes: fn(f32) -> Vec<u8>| -> Vec<u8> { by_rows.iter().flat_map(|&cell| bytes(cell.into())).collect() };
+    let floats =
+        |bytes: fn(f32) -> Vec<u8>| -> Vec<u8> { by_rows.iter().flat_map(|&cell| bytes(cell.into())).collect() };
     vec![
         ("NumPy bool", npy("'|b1'", "False", "(3, 4)", &by_rows)),
         ("NumPy bool by columns", npy("'|b1'", "True", "(3, 4)", &by_columns)),
@@ -218,7 +219,9 @@ fn small_map_files() -> Vec<(&'static str, Vec<u8>)> {
             "table as NumPy writes it",
             by_rows
                 .chunks(COLS)
-                .map(|row| row.iter().map(|cell| format!("{cell}.000000000000000000e+00")).collect::<Vec<_>>().join(" "))
+                .map(|row| {
+                    row.iter().map(|cell| format!("{cell}.000000000000000000e+00")).collect::<Vec<_>>().join(" ")
+                })
                 .collect::<Vec<_>>()
                 .join("\n")
                 .into_bytes(),
@@ -464,7 +467,8 @@ fn orientation_tag_is_applied() {
 #[test]
 fn arrays_that_are_no_maps_are_refused_with_their_place() {
     let folder = Folder::new();
-    let place = "expected 0 (free) or 1 (occupied); `array == 0` or `array > 0` makes them so, whichever is an obstacle";
+    let place =
+        "expected 0 (free) or 1 (occupied); `array == 0` or `array > 0` makes them so, whichever is an obstacle";
     let by_dictionary = "expected a dictionary of `descr`, `fortran_order` and `shape`";
     let kinds = "expected bool, integers or floats of 32 or 64 bits";
     let types = format!("{kinds}: `array.astype(bool)` makes them so");

@@ -191,12 +191,7 @@ fn scenario_template() -> String {
 
 /// A scenario whose field is a map, with the agents of the contest. It is loaded once, so that what is written runs, and so
 /// that its comments say what the map is.
-fn scenario_from_map(
-    map: &Path,
-    options: &MapArguments,
-    file: Option<&Path>,
-    quiet: bool,
-) -> Result<String, CliError> {
+fn scenario_from_map(map: &Path, options: &MapArguments, file: Option<&Path>, quiet: bool) -> Result<String, CliError> {
     let folder = file.and_then(Path::parent).unwrap_or(Path::new(""));
     let from_folder = relative_path(map, folder)?;
     let field = field_table(&from_folder.to_string_lossy(), options);

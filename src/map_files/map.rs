@@ -107,7 +107,9 @@ impl MapFile {
         let auto = self.share_by_auto();
         let by_auto = auto.map(|ByAuto { tolerance, taken, share }| {
             let [share, taken] = [share, taken].map(|share| 100.0 * share);
-            format!("--tolerance auto, {tolerance}, {share:.1} % of the cells would be occupied instead of {taken:.1} %.")
+            format!(
+                "--tolerance auto, {tolerance}, {share:.1} % of the cells would be occupied instead of {taken:.1} %."
+            )
         });
         let mut doubts = Vec::new();
         if near > MANY_NEAR {
@@ -285,7 +287,10 @@ mod tests {
         let negative = [(80, 0), (20, 255)];
         assert!(doubts(&negative, 50).contains("--invert takes what is light"));
         let inverted = doubts(&[(80, 255), (20, 0)], Reading { inverted: true, ..Reading::default() });
-        assert_eq!(inverted, "80.0 % of the cells are occupied: what is light was taken for obstacles, as --invert asks.");
+        assert_eq!(
+            inverted,
+            "80.0 % of the cells are occupied: what is light was taken for obstacles, as --invert asks."
+        );
     }
 
     #[test]

@@ -160,7 +160,8 @@ fn value_type(descr: &str) -> Result<(bool, NumberKind, usize), Fault> {
     let unfit = || {
         let shown: String = name.unwrap_or("several members").chars().take(20).collect();
         let found = format!("holds values of type {shown:?}");
-        let is_of_strings = name.is_some_and(|name| name.trim_start_matches(['<', '>', '|', '=']).starts_with(['U', 'S']));
+        let is_of_strings =
+            name.is_some_and(|name| name.trim_start_matches(['<', '>', '|', '=']).starts_with(['U', 'S']));
         let expected = if is_of_strings {
             "bool, integers or floats of 32 or 64 bits: `array.astype(int)` makes numbers of digits"
         } else {

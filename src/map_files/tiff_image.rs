@@ -36,7 +36,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<GreyImage, Fault> {
     let size = (rows as usize, cols as usize);
     check_size(size.0, size.1)?;
     let formats = decoder.find_tag_unsigned_vec::<u16>(Tag::SampleFormat).map_err(damaged)?.unwrap_or_default();
-    if formats.iter().any(|format| [SampleFormat::Int, SampleFormat::IEEEFP].map(|kind| kind.to_u16()).contains(format)) {
+    if formats.iter().any(|format| [SampleFormat::Int, SampleFormat::IEEEFP].map(|kind| kind.to_u16()).contains(format))
+    {
         return Err(unfit(FLOAT_OR_SIGNED));
     }
     let samples = Samples::of(decoder.colortype().map_err(damaged)?)?;
@@ -79,7 +80,10 @@ fn shown_reason(reason: &TiffUnsupportedError) -> String {
 }
 
 fn unfit(reason: &str) -> Fault {
-    Fault::Unread { format: "TIFF", reason: format!("{reason}, where grey or RGB of up to 16 bits a sample is expected") }
+    Fault::Unread {
+        format: "TIFF",
+        reason: format!("{reason}, where grey or RGB of up to 16 bits a sample is expected"),
+    }
 }
 
 /// The samples of a pixel and their bits.

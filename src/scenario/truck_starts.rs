@@ -21,8 +21,9 @@ pub fn free_start(
     checker: &CollisionChecker,
     standing: &[(Dimensions, Pose)],
 ) -> Option<Pose> {
-    let keeps_apart =
-        |pose: &Pose| standing.iter().all(|(body, at)| gap_between((&truck.vehicle, *pose), (body, *at)) >= TRUCK_MARGIN_M);
+    let keeps_apart = |pose: &Pose| {
+        standing.iter().all(|(body, at)| gap_between((&truck.vehicle, *pose), (body, *at)) >= TRUCK_MARGIN_M)
+    };
     let is_free = |pose: &Pose| checker.pose_is_free(*pose, START_CLEARANCE_M) && keeps_apart(pose);
     nearest_free_pose(field.frame(), truck.start.pose(), is_free)
 }

@@ -10,7 +10,9 @@ use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value;
 
-use super::agents::{AgentList, AgentsMemory, BlockedStarts, FieldMeasures, SHOWN_ALIKE, SHOWN_SEED, ScenarioField, SketchedStart};
+use super::agents::{
+    AgentList, AgentsMemory, BlockedStarts, FieldMeasures, SHOWN_ALIKE, SHOWN_SEED, ScenarioField, SketchedStart,
+};
 use super::check::{Check, ROUNDING_M, TablePath};
 use super::goal::{TruckGoal, describe_choice};
 use super::program::{Program, Programs};

@@ -5,7 +5,9 @@ use std::iter;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::agents::{AgentList, AgentsMemory, BlockedStarts, FieldMeasures, SHOWN_ALIKE, SHOWN_SEED, ScenarioField, SketchedStart};
+use super::agents::{
+    AgentList, AgentsMemory, BlockedStarts, FieldMeasures, SHOWN_ALIKE, SHOWN_SEED, ScenarioField, SketchedStart,
+};
 use super::check::{Check, TablePath};
 use super::goal::{WumpusGoal, describe_choice};
 use super::program::Programs;

@@ -488,7 +488,10 @@ fn obstacles_that_are_not_quite_dark_enough_are_said() {
     assert!(text.contains("\nTolerance 50: 6.0 % of the pixels within 20 grey levels of it\n"), "{text}");
     assert!(text.contains("\n6.0 % of the pixels are within 20 grey levels of the tolerance, 50: "), "{text}");
     let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(words.contains("with --tolerance auto, 162, 6.0 % of the cells would be occupied instead of 2.0 %"), "{words}");
+    assert!(
+        words.contains("with --tolerance auto, 162, 6.0 % of the cells would be occupied instead of 2.0 %"),
+        "{words}"
+    );
     let answer = tell(&story, "occupancy soft.pgm --json");
     assert!(answer.stderr.contains("6.0 % of the pixels"), "{}", answer.stderr);
     let answer = object(&story, "occupancy soft.pgm");

@@ -175,6 +175,38 @@ fn what_there_is_to_say_of_a_map_is_said_of_a_scenario_and_a_page() {
 }
 
 #[test]
+#[cfg(unix)]
+fn commands_of_a_page_can_be_pasted() {
+    let story = story();
+    for name in ["my map.txt", "it's $1 #2.txt", "-plain.txt"] {
+        story.file(name, "000000\n011100\n000100\n011100\n");
+        let words = ["map", "report", "--goal", "0,0", "--start", "3,5", "--out", "lab", "--", name];
+        story.tell(&words).expect_code(0);
+        let page = story.read("lab/report.html").replace("&#39;", "'").replace("&#x27;", "'").replace("&amp;", "&");
+        let start = page.find("wildfire map astar").expect("the page has the command");
+        let line = page[start..].split(['<', '"']).next().unwrap_or_default();
+        let script = format!("set -- {}; shift; printf '%s\\n' \"$@\"", line.trim());
+        let output = std::process::Command::new("sh").args(["-c", &script]).output().expect("there is a shell");
+        let read = String::from_utf8(output.stdout).expect("text");
+        let read: Vec<&str> = read.lines().collect();
+        assert_eq!(read.last(), Some(&name), "{line}");
+        story.tell(&read).expect_code(0);
+    }
+}
+
+#[test]
+fn paths_that_do_not_arrive_do_not_look_like_it() {
+    let story = story();
+    // A descent that begins in a closed room.
+    story.file("closed.txt", "000000\n011110\n010010\n011110\n000000\n");
+    let words = ["map", "report", "closed.txt", "--goal", "4,5", "--start", "2,2", "--out", "lab"];
+    story.tell(&words).expect_code(0);
+    let page = story.read("lab/report.html");
+    let row = &page[page.find("<td>Gradient descent").or(page.find("Gradient descent")).expect("a row")..];
+    assert!(row[..row.find("</tr>").expect("a row ends")].contains("stuck"), "{}", &row[..300]);
+}
+
+#[test]
 fn a_truck_that_has_no_room_is_told_of_before_the_run() {
     let story = story();
     let hall = format!("{}\n", ["......#......"; 12].join("\n"));

@@ -9,8 +9,8 @@ use serde_json::Value as Json;
 
 use crate::batch::PROGRAM_VERSION;
 use crate::cli::map::args::{Computation, CostArguments};
-use crate::cli::map::options::NO_IMAGE;
 use crate::cli::map::computed::{Bare, Computed, Value, Walk, WalkResult};
+use crate::cli::map::options::NO_IMAGE;
 use crate::cli::map::traces::{GraphTrace, SearchTrace};
 use crate::document::number::{count, percent, rounded};
 use crate::document::{Block, Document};
@@ -228,7 +228,8 @@ fn size(report: &MapReport) -> String {
     let (path, map) = (report.path.display(), &report.map.occupied);
     let (cells, occupied) = (report.cells(), report.occupied_cells);
     let share = percent(occupied as f64 / cells as f64);
-    let [rows, cols, cells] = [(map.rows(), "row"), (map.cols(), "column"), (cells, "cell")].map(|(n, of)| count(n, of));
+    let [rows, cols, cells] =
+        [(map.rows(), "row"), (map.cols(), "column"), (cells, "cell")].map(|(n, of)| count(n, of));
     format!("{path}: {rows} x {cols}, {cells}, {occupied} occupied ({share} %)")
 }
 
@@ -285,6 +286,7 @@ pub fn with_scene<T>(report: &MapReport, draw: impl FnOnce(&MapScene) -> T) -> T
         path: report.way().unwrap_or_default(),
         track: computed.walk.as_ref().map_or(&[], |walk| walk.way.points.as_slice()),
         edges: computed.graph.as_ref().map_or(&[], |graph| graph.edges.as_slice()),
+        swept: computed.search.as_ref().and_then(|search| search.swept.as_ref()),
         start: computed.walk.as_ref().map(|walk| walk.start),
         goal: computed.goal,
         stuck: computed.walk.as_ref().and_then(|walk| walk.way.minimum),
