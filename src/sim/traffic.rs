@@ -12,7 +12,7 @@
 use bevy::prelude::Entity;
 use glam::DVec2;
 
-use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M, MovingBody, first_conflict, gap_between};
+use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M, MovingBody, first_conflict};
 use crate::geometry::{OrientedRect, Pose};
 use crate::time::SimTime;
 use crate::timeline::AgentId;

@@ -162,9 +162,9 @@ fn what_there_is_to_say_of_a_map_is_said_of_a_scenario_and_a_page() {
     let words = ["map", "report", "light.pgm", "--goal", "0,0", "--start", "2,2", "--out", "lab"];
     let page = story.tell(&words).expect_code(0);
     assert!(page.stderr.contains(doubt), "{}", page.stderr);
-    let quiet = story.tell(&[&["--quiet"], &words[..]].concat()).expect_code(0);
+    let quiet = story.tell(&[&["--quiet"][..], &words].concat()).expect_code(0);
     assert!(quiet.stderr.is_empty(), "{}", quiet.stderr);
-    let refusal = story.tell(&[&words[..8], &["-"]].concat()).expect_code(2);
+    let refusal = story.tell(&[&words[..8], &["-"][..]].concat()).expect_code(2);
     assert!(refusal.stderr.contains("expected a folder"), "{}", refusal.stderr);
 
     story.file("table.csv", &"0,0,0,0,0,0,0,0,0,0,0,1\n".repeat(12));
@@ -209,7 +209,8 @@ fn paths_that_do_not_arrive_do_not_look_like_it() {
 #[test]
 fn a_truck_that_has_no_room_is_told_of_before_the_run() {
     let story = story();
-    let hall = format!("{}\n", ["......#......"; 12].join("\n"));
+    // Corridors of 2 m.
+    let hall = format!("{}\n", [".....#.....#.....#.....#.....#.....#."; 25].join("\n"));
     story.file("hall.txt", &hall);
     let words = ["new", "scenario", "--from-map", "hall.txt", "hall.toml", "--cell-m", "0.4"];
     let begun = story.tell(&words).expect_code(0);

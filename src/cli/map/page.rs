@@ -77,7 +77,7 @@ fn check_folder(folder: &Path) -> Result<(), CliError> {
         |reason: &str| Err(CliError::bad_input(format_args!("cannot write to {}: {reason}", folder.display()), None));
     let parent = folder.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if is_standard_stream(folder) {
-        refuse("a page and its tables do not go to stdout; expected a folder")
+        refuse("a page does not go to stdout; expected a folder")
     } else if folder.exists() && !folder.is_dir() {
         refuse("it is no folder")
     } else if !parent.is_dir() {
