@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use super::Unimog;
 use crate::collision::{ClearanceField, CollisionChecker, gap_between};
 use crate::geometry::{FieldFrame, Pose};
 use crate::vehicle::Dimensions;
@@ -13,28 +12,30 @@ pub const TRUCK_MARGIN_M: f64 = 0.2;
 /// Clearance that a truck's start has at least, in metres.
 const START_CLEARANCE_M: f64 = 0.05;
 
-/// Returns the free pose nearest to a truck's start at which it keeps its margin to those that stand already; `None` if
-/// there is none.
+/// Returns the free pose nearest to where a truck is wanted, at which it keeps its margin to those that stand already;
+/// `None` if there is none.
 pub fn free_start(
-    truck: &Unimog,
-    field: &Arc<ClearanceField>,
+    (body, wanted): (&Dimensions, Pose),
+    field: &ClearanceField,
     checker: &CollisionChecker,
     standing: &[(Dimensions, Pose)],
 ) -> Option<Pose> {
-    let keeps_apart = |pose: &Pose| {
-        standing.iter().all(|(body, at)| gap_between((&truck.vehicle, *pose), (body, *at)) >= TRUCK_MARGIN_M)
-    };
+    let keeps_apart =
+        |pose: &Pose| standing.iter().all(|(other, at)| gap_between((body, *pose), (other, *at)) >= TRUCK_MARGIN_M);
     let is_free = |pose: &Pose| checker.pose_is_free(*pose, START_CLEARANCE_M) && keeps_apart(pose);
-    nearest_free_pose(field.frame(), truck.start.pose(), is_free)
+    nearest_free_pose(field.frame(), wanted, is_free)
 }
 
 /// Returns the number of the first truck that has no place, if there is one.
-pub(super) fn first_without_place(trucks: &[Unimog], field: &Arc<ClearanceField>) -> Option<usize> {
+pub(super) fn first_without_place(
+    mut trucks: impl Iterator<Item = (Dimensions, Pose)>,
+    field: &Arc<ClearanceField>,
+) -> Option<usize> {
     let mut standing = Vec::new();
-    trucks.iter().position(|truck| {
-        let checker = CollisionChecker::new(Arc::clone(field), truck.vehicle);
-        let start = free_start(truck, field, &checker, &standing);
-        standing.extend(start.map(|start| (truck.vehicle, start)));
+    trucks.position(|(body, wanted)| {
+        let checker = CollisionChecker::new(Arc::clone(field), body);
+        let start = free_start((&body, wanted), field, &checker, &standing);
+        standing.extend(start.map(|start| (body, start)));
         start.is_none()
     })
 }

@@ -365,7 +365,8 @@ impl AgentList for Vec<Unimog> {
             let checker = CollisionChecker::new(Arc::clone(&field.clearance), truck.vehicle);
             !checker.pose_is_free(truck.start.pose(), 0.0)
         };
-        let without_place = first_without_place(self, &field.clearance);
+        let wanted = self.iter().map(|truck| (truck.vehicle, truck.start.pose()));
+        let without_place = first_without_place(wanted, &field.clearance);
         let placed = &self[..without_place.unwrap_or(self.len())];
         let moved = placed.iter().enumerate().filter(|(_, truck)| is_blocked(truck));
         BlockedStarts {

@@ -135,7 +135,7 @@ fn a_scenario_is_begun_with_a_map_and_runs() {
     story.tell(&["new", "scenario", "--from-map", "maps/hall.txt", "hall.toml", "--cell-m", "4"]).expect_code(0);
     let text = story.read("hall.toml");
     assert!(text.contains("map = \"maps/hall.txt\"\ncell_m = 4.0\n"), "{text}");
-    assert!(text.contains("26 x 20 cells of 4 m, 104.000 x 80.000 m, 40 bushes (7.7 % of the cells)"), "{text}");
+    assert!(text.contains("26 x 20 cells of 4 m, 104 x 80 m, 40 bushes (7.7 % of the cells)"), "{text}");
     story.tell(&["run", "hall.toml", "--seed", "1", "--set", "duration_s=60"]).expect_code(0);
 
     story.file("maps/plan.pgm", "P2 3 2 255\n0 255 90\n255 255 255\n");

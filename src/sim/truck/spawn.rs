@@ -33,7 +33,8 @@ pub fn spawn(
         .collect();
     let checker = CollisionChecker::new(Arc::clone(arena.field), settings.vehicle);
     let wanted = settings.start.pose();
-    let start = free_start(settings, arena.field, &checker, &parked).ok_or(RunError::NoFreeStart { agent: id })?;
+    let start = free_start((&settings.vehicle, wanted), arena.field, &checker, &parked)
+        .ok_or(RunError::NoFreeStart { agent: id })?;
     if start != wanted {
         world.resource_mut::<Recorder>().record_agent(SimTime::ZERO, id, AgentFact::StartMoved { from: wanted });
     }
