@@ -141,7 +141,8 @@ fn jumps_are_seen_on_large_maps() {
     let occupied = Grid::filled(900, 900, false);
     let mut swept = Grid::filled(900, 900, false);
     (100..800).for_each(|col| swept[(450, col)] = true);
-    let value = |place| (place == (450, 100) || place == (450, 799)).then_some(if place.1 == 100 { 0.0 } else { 1.0 });
+    let value =
+        |place: Place| (place == (450, 100) || place == (450, 799)).then_some(if place.1 == 100 { 0.0 } else { 1.0 });
     let bare = MapScene::new("Jumps", "cost", &occupied, &value);
     let (without, with) = (draw_map(&bare), draw_map(&MapScene { swept: Some(&swept), ..bare }));
     assert_eq!(count(&without, SWEPT), 0);
