@@ -177,6 +177,8 @@ fn small_map_files() -> Vec<(&'static str, Vec<u8>)> {
         let place = if big_endian { bytes - 1 } else { 0 };
         by_rows.iter().flat_map(|&cell| (0..bytes).map(move |at| if at == place { cell } else { 0 })).collect()
     };
+    let floats =
+        |bytes: fn(f32) -> Vec<u8>| -> Vec<u8> { by_rows.iter().flat_map(|&cell| bytes(cell.into())).collect() };
     vec![
         ("NumPy bool", npy("'|b1'", "False", "(3, 4)", &by_rows)),
         ("NumPy bool by columns", npy("'|b1'", "True", "(3, 4)", &by_columns)),
@@ -184,6 +186,8 @@ fn small_map_files() -> Vec<(&'static str, Vec<u8>)> {
         ("NumPy <i8", npy("'<i8'", "False", "(3, 4)", &widened(false, 8))),
         ("NumPy >u2", npy("'>u2'", "False", "(3, 4)", &widened(true, 2))),
         ("NumPy >i4", npy("'>i4'", "False", "(3, 4)", &widened(true, 4))),
+        ("NumPy <f4", npy("'<f4'", "False", "(3, 4)", &floats(|cell| cell.to_le_bytes().to_vec()))),
+        ("NumPy >f8", npy("'>f8'", "False", "(3, 4)", &floats(|cell| f64::from(cell).to_be_bytes().to_vec()))),
         ("JPEG", jpeg(grey.values(), ExtendedColorType::L8)),
         ("JPEG of colours", jpeg(&rgb, ExtendedColorType::Rgb8)),
         ("WebP", webp(&rgb, ExtendedColorType::Rgb8)),
@@ -207,6 +211,22 @@ fn small_map_files() -> Vec<(&'static str, Vec<u8>)> {
         ("text with blank lines and spaces behind it", b"1000 \n0110\t\n0100\n\n  \n\n".to_vec()),
         ("CSV", b"1,0,0,0\n0,1,1,0\n0,1,0,0\n".to_vec()),
         ("CSV with spaces", b"\xEF\xBB\xBF 1, 0 ,0,0\r\n0,1,1,0\r\n0,1, 0,\t0\r\n\n".to_vec()),
+        ("table with spaces", b"1 0 0 0\n0 1 1 0\n0 1 0 0\n".to_vec()),
+        ("table with spaces and tabs", b"  1 0\t\t0   0\r\n0 1 1 0 \r\n0 1 0 0".to_vec()),
+        ("table with semicolons", b"1;0;0;0\n0; 1 ;1;0\n0;1;0;0\n".to_vec()),
+        ("table of floats", b"1.0,0.0,0,0\n0,1,1e0,0\n-0.0,1.00,0e5,0\n".to_vec()),
+        (
+            "table as NumPy writes it",
+            by_rows
+                .chunks(COLS)
+                .map(|row| {
+                    row.iter().map(|cell| format!("{cell}.000000000000000000e+00")).collect::<Vec<_>>().join(" ")
+                })
+                .collect::<Vec<_>>()
+                .join("\n")
+                .into_bytes(),
+        ),
+        ("text of letters", b"#...\n.##.\n.#..\n".to_vec()),
         ("Moving AI", b"type octile\nheight 3\nwidth 4\nmap\n@..G\n.TO.\nG@..\n".to_vec()),
         (
             "Moving AI, width first",
@@ -333,11 +353,18 @@ fn swamp_and_water_are_occupied_and_noted() {
 fn faults_of_text_are_named_with_row_and_column() {
     let folder = Folder::new();
     let cell = "expected 0 (free) or 1 (occupied)";
-    let cases: [(&[u8], String); 15] = [
+    let cases: [(&[u8], String); 22] = [
         (b"010\n0x0\n", format!("row 1, column 1: found 'x', {cell}")),
         (b"010\n01\xC3\xA9\n", format!("row 1, column 2: found '\u{e9}', {cell}")),
         (b"\xFF\x01\x02", format!("row 0, column 0: found byte 0xFF, {cell}")),
-        (b"0 1\n", format!("row 0, column 1: found ' ', {cell}")),
+        (b"0 1\n0 2\n", format!("row 1, column 1: found \"2\", {cell}")),
+        (b"0;1\n0;\n", format!("row 1, column 1: found \"\", {cell}")),
+        (b"0\t1\n0\n", "row 1, column 1: the width of the row is 1, expected 2".into()),
+        (b"0.0,1e-3\n", format!("row 0, column 1: found \"1e-3\", {cell}")),
+        (b"0.0\n1.0\n", format!("row 0, column 1: found '.', {cell}")),
+        (b".#.\n.0.\n", "row 1, column 1: found '0', expected . (free) or # (occupied)".into()),
+        (b"0,1\n0,a\x07b\n", format!("row 1, column 1: found byte 0x07, {cell}")),
+        (b"\xE9\xFE,\x01\n", format!("row 0, column 0: found byte 0xE9, {cell}")),
         (b"01\r10\r", format!("row 0, column 2: found '\\r', {cell}")),
         (b"010\n01\n", "row 1, column 2: the width of the row is 2, expected 3".into()),
         (b"010\n0101\n", "row 1, column 3: the width of the row is 4, expected 3".into()),
@@ -440,22 +467,33 @@ fn orientation_tag_is_applied() {
 #[test]
 fn arrays_that_are_no_maps_are_refused_with_their_place() {
     let folder = Folder::new();
-    let place = "expected 0 (free) or 1 (occupied)";
+    let place =
+        "expected 0 (free) or 1 (occupied); `array == 0` or `array > 0` makes them so, whichever is an obstacle";
     let by_dictionary = "expected a dictionary of `descr`, `fortran_order` and `shape`";
-    let types = "expected bool or integers: `array.astype(bool)` makes them so";
-    let cases: [(Vec<u8>, String); 14] = [
+    let kinds = "expected bool, integers or floats of 32 or 64 bits";
+    let types = format!("{kinds}: `array.astype(bool)` makes them so");
+    let cases: [(Vec<u8>, String); 18] = [
         (npy("'<i2'", "False", "(1, 2)", &[1, 0, 0xFF, 0xFF]), format!("row 0, column 1: found -1, {place}")),
         (npy("'>u4'", "False", "(2, 1)", &[0, 0, 0, 1, 0, 0, 1, 1]), format!("row 1, column 0: found 257, {place}")),
         (npy("'|u1'", "True", "(2, 3)", &[0, 1, 1, 7, 0, 0]), format!("row 1, column 1: found 7, {place}")),
         (npy("'<u8'", "False", "(1, 1)", &[0xFF; 8]), format!("row 0, column 0: found {}, {place}", u64::MAX)),
-        (npy("'<f8'", "False", "(1, 1)", &[0; 8]), format!("this NumPy array holds values of type \"<f8\"; {types}")),
+        (npy("'|u1'", "False", "(1, 2)", &[0, 255]), format!("row 0, column 1: found 255, {place}")),
+        (npy("'<f4'", "False", "(1, 1)", &0.5f32.to_le_bytes()), format!("row 0, column 0: found 0.5, {place}")),
+        (npy("'>f8'", "False", "(1, 1)", &f64::NAN.to_be_bytes()), format!("row 0, column 0: found NaN, {place}")),
+        (npy("'<f2'", "False", "(1, 1)", &[0; 2]), format!("this NumPy array holds values of type \"<f2\"; {types}")),
+        (
+            npy("'<U10'", "False", "(1, 1)", &[0; 40]),
+            format!(
+                "this NumPy array holds values of type \"<U10\"; {kinds}: `array.astype(int)` makes numbers of digits"
+            ),
+        ),
         (
             npy("[('a', '<i4')]", "False", "(1, 1)", &[0; 4]),
             format!("this NumPy array holds values of type \"several members\"; {types}"),
         ),
         (
             npy("'|b1'", "False", "(2,)", &[0; 2]),
-            "this NumPy array has 1 dimensions; expected two, rows and columns".into(),
+            "this NumPy array has 1 dimension; expected two, rows and columns".into(),
         ),
         (
             npy("'|b1'", "False", "(1, 2, 2)", &[0; 4]),
@@ -597,6 +635,40 @@ fn damaged_png_images_are_refused() {
 }
 
 #[test]
+fn jpeg_images_that_were_cut_off_are_refused_and_bytes_behind_the_end_are_not() {
+    let folder = Folder::new();
+    let pixels: Vec<u8> = small_grey().values().to_vec();
+    let whole = jpeg(&pixels, ExtendedColorType::L8);
+    let map = folder.read(&[&whole[..], b"\0\0 added by a scanner"].concat());
+    assert_eq!(map.occupied, small_map());
+    for end in [whole.len() / 2, whole.len() - 2, whole.len() - 1] {
+        assert_eq!(
+            folder.objection(&whole[..end]),
+            "the image is damaged: the file ends before the image does",
+            "{end} of {} bytes",
+            whole.len()
+        );
+    }
+}
+
+#[test]
+fn sound_images_of_a_kind_that_is_not_read_are_not_called_damaged() {
+    let folder = Folder::new();
+    let (grey, pixels) = (small_grey(), ROWS * COLS);
+    let unread = |bytes: &[u8]| {
+        let sentence = folder.objection(bytes);
+        let reason = sentence.strip_prefix("this kind of TIFF is not read: ").expect(&sentence).to_owned();
+        assert!(reason.ends_with("; convert it, e.g. to PNG"), "{reason}");
+        reason
+    };
+    let palette = tiff(8, 1, 3, &[(320, 8)], grey.values());
+    assert!(unread(&palette).starts_with("its colours come from a palette,"));
+    let floats = tiff(32, 1, 1, &[(339, 3)], &vec![0; 4 * pixels]);
+    assert!(unread(&floats).starts_with("its samples are floats, or may be negative,"));
+    assert!(unread(&tiff(32, 1, 1, &[], &vec![0; 4 * pixels])).starts_with("its samples have 32 bits,"));
+}
+
+#[test]
 fn sizes_beyond_the_limits_are_refused() {
     let folder = Folder::new();
     let limits = "expected 1 to 32767 each, and at most 268435456 cells";
@@ -621,9 +693,18 @@ fn what_is_no_map_file_is_refused_in_words() {
     let folder = Folder::new();
     assert!(objection_to(&folder.path("missing")).starts_with("cannot be read: "));
     assert_eq!(objection_to(folder.0.path()), "this is a folder; a map file is expected");
-    let formats = "expected an image (PNG, JPEG, WebP, GIF, BMP, TIFF, PBM, PGM or PPM), rows of 0 and 1, CSV or a NumPy \
-                   array of 0 and 1, a Moving AI map, or the YAML file of a ROS map";
+    let formats = "expected an image (PNG, JPEG, WebP, GIF, BMP, TIFF, PBM, PGM or PPM), rows of 0 and 1 or of . and \
+                   #, a table or a NumPy array of 0 and 1, a Moving AI map, or the YAML file of a ROS map";
     assert_eq!(folder.objection(b"RIFF\0\0\0\0WAVE"), format!("this is a RIFF file that is no WebP image; {formats}"));
+    let boxed = |brands: &[u8]| [&(16 + brands.len() as u32).to_be_bytes(), b"ftyp", brands, b"\0\0\0\0mdat"].concat();
+    let saved = "which a program for images can save as PNG";
+    for (brands, kind) in [
+        (&b"heic\0\0\0\0mif1heic"[..], format!("a HEIC image, {saved}")),
+        (b"mif1\0\0\0\0mif1avif", format!("an AVIF image, {saved}")),
+        (b"isom\0\0\0\0mp42", "a film or another file of the MP4 family".to_owned()),
+    ] {
+        assert_eq!(folder.objection(&boxed(brands)), format!("this is {kind}; {formats}"));
+    }
     assert_eq!(folder.objection(b"\x1F\x8B\x08"), format!("this is a file packed by gzip; {formats}"));
     assert_eq!(folder.objection(b"\xFF\xFE0\x001\x00"), format!("this is UTF-16 text; {formats}"));
 }

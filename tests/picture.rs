@@ -136,6 +136,24 @@ fn maps_without_a_range_of_values_are_drawn() {
 }
 
 #[test]
+fn jumps_are_seen_on_large_maps() {
+    const SWEPT: Rgb = [190, 214, 240];
+    let occupied = Grid::filled(900, 900, false);
+    let mut swept = Grid::filled(900, 900, false);
+    (100..800).for_each(|col| swept[(450, col)] = true);
+    let value =
+        |place: Place| (place == (450, 100) || place == (450, 799)).then_some(if place.1 == 100 { 0.0 } else { 1.0 });
+    let bare = MapScene::new("Jumps", "cost", &occupied, &value);
+    let (without, with) = (draw_map(&bare), draw_map(&MapScene { swept: Some(&swept), ..bare }));
+    assert_eq!(count(&without, SWEPT), 0);
+    assert!(count(&with, SWEPT) >= 690, "{} pixels", count(&with, SWEPT));
+    for end in [0.0, 1.0].map(|share| ColourMap::Viridis.colour(share)) {
+        let more = count(&with, end) - count(&without, end);
+        assert!(more >= 12, "{more} pixels more of {end:?}");
+    }
+}
+
+#[test]
 fn infinite_values_have_the_colours_of_the_ends() {
     let occupied = Grid::filled(1, 4, false);
     let value = |(_, col): Place| Some([f64::NEG_INFINITY, 1.0, 2.0, f64::INFINITY][col]);

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 
+use crate::batch::shell_word;
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::cli::terminal;
@@ -85,7 +86,7 @@ pub fn run(
     let quiet = CommandContext::new(true, context.entrants.clone());
     for (index, Step { why, command }) in STEPS.iter().enumerate() {
         let gap = if index == 0 { "" } else { "\n" };
-        let typed = command.replace("DIR", &quoted(&shown));
+        let typed = command.replace("DIR", &shell_word(&shown));
         terminal::print(&format!("{gap}{}/{}  {why}\n\n$ wildfire {typed}\n\n", index + 1, STEPS.len()))?;
         let words = command.split(' ').map(|word| in_folder(word, folder));
         let code = run_words(std::iter::once(OsString::from("wildfire")).chain(words).collect(), &quiet)?;
@@ -118,16 +119,6 @@ fn in_folder(word: &str, folder: &Path) -> OsString {
     }
 }
 
-/// Writes a name as a shell reads it.
-fn quoted(name: &str) -> String {
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+".contains(c);
-    if !name.is_empty() && name.chars().all(is_plain) {
-        name.to_owned()
-    } else {
-        format!("'{}'", name.replace('\'', "'\\''"))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use clap::Parser;
@@ -142,12 +133,5 @@ mod tests {
             let words = std::iter::once(OsString::from("wildfire")).chain(words);
             Arguments::try_parse_from(words).expect(command);
         }
-    }
-
-    #[test]
-    fn names_of_folders_can_be_typed_again() {
-        assert_eq!(quoted("runs/first_1"), "runs/first_1");
-        assert_eq!(quoted("my runs"), "'my runs'");
-        assert_eq!(quoted("it's"), "'it'\\''s'");
     }
 }

@@ -14,15 +14,15 @@ use crate::cli::args::ScenarioArguments;
 use crate::cli::batch::{BatchObject, PlanAnswer, ReportAnswer, SliceAnswer};
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
-use crate::cli::map::parse_tolerance;
+use crate::cli::map::{NO_IMAGE, parse_tolerance};
 use crate::cli::numbers;
 use crate::cli::output_files::{Files, Format};
 use crate::cli::report::FormArguments;
 use crate::cli::terminal;
 use crate::document::number::percent;
 use crate::document::{Block, Document};
-use crate::input_file::is_standard_stream;
-use crate::map_files::Tolerance;
+use crate::input_file::{self, is_standard_stream};
+use crate::map_files::{self, MAX_BYTES, Reading, Tolerance};
 use crate::programs::protocol;
 use crate::ranges::number_text;
 use crate::scenario::{self, BUILT_IN, LoadedScenario, MemoryLimit, ScenarioText};
@@ -251,7 +251,7 @@ fn first_sentence(text: &str) -> String {
 }
 
 /// Writes a template with comments, to begin with.
-pub fn new(arguments: &NewArguments) -> Result<ExitCode, CliError> {
+pub fn new(arguments: &NewArguments, quiet: bool) -> Result<ExitCode, CliError> {
     let file = arguments.file.as_deref().filter(|path| !is_standard_stream(path));
     if arguments.map.from_map.is_some() && arguments.what != NewFile::Scenario {
         let help = "`wildfire new scenario --from-map FILE` begins a scenario with a map";
@@ -259,7 +259,7 @@ pub fn new(arguments: &NewArguments) -> Result<ExitCode, CliError> {
     }
     let (format, text) = match arguments.what {
         NewFile::Scenario => match &arguments.map.from_map {
-            Some(map) => (Format::Toml, scenario_from_map(map, &arguments.map, file)?),
+            Some(map) => (Format::Toml, scenario_from_map(map, &arguments.map, file, quiet)?),
             None => (Format::Toml, scenario_template()),
         },
         NewFile::Plan => (Format::Toml, PLAN_TEMPLATE.to_owned()),
@@ -293,7 +293,7 @@ fn scenario_template() -> String {
 
 /// A scenario whose field is a map, with the agents of the contest. It is loaded once, so that what is written runs, and so
 /// that its comments say what the map is.
-fn scenario_from_map(map: &Path, options: &MapArguments, file: Option<&Path>) -> Result<String, CliError> {
+fn scenario_from_map(map: &Path, options: &MapArguments, file: Option<&Path>, quiet: bool) -> Result<String, CliError> {
     let folder = file.and_then(Path::parent).unwrap_or(Path::new(""));
     let from_folder = relative_path(map, folder)?;
     let field = field_table(&from_folder.to_string_lossy(), options);
@@ -304,6 +304,10 @@ fn scenario_from_map(map: &Path, options: &MapArguments, file: Option<&Path>) ->
     let draft = format!("{head}\n[[wumpus]]\n\n[[unimog]]\n");
     let draft = ScenarioText::from_bytes(&source.to_string_lossy(), Ok(draft.into_bytes()))?;
     let scenario = LoadedScenario::from_text(&draft, &[])?.scenario;
+    if !quiet {
+        let of_map = notes_on_map(map, options)?.into_iter().map(|note| format!("{}: {note}", map.display()));
+        of_map.chain(scenario::warnings_of_map(&scenario)).for_each(|note| terminal::note(&note));
+    }
     let (frame, given) = (scenario.field.frame(), scenario.field.given.as_ref().expect("it has a map"));
     let bushes = given.occupied.values().iter().filter(|&&occupied| occupied).count();
     let metres = |side_m: f64| number_text((1e3 * side_m).round() / 1e3);
@@ -331,6 +335,18 @@ fn scenario_from_map(map: &Path, options: &MapArguments, file: Option<&Path>) ->
         toml::Value::from(truck[0]),
         toml::Value::from(truck[1]),
     ))
+}
+
+/// Lists what there is to say of a map, as `wildfire map` does.
+fn notes_on_map(map: &Path, options: &MapArguments) -> Result<Vec<String>, CliError> {
+    let bytes = input_file::read(map, MAX_BYTES).map_err(|error| CliError::unreadable(map, &error))?;
+    let reading = Reading { tolerance: options.tolerance.unwrap_or_default(), inverted: options.invert };
+    let read = if map_files::is_plain_text(&bytes) { None } else { Some(map_files::read_bytes(map, bytes, reading)?) };
+    let mut notes = read.as_ref().map_or(Vec::new(), |read| [read.notes.clone(), read.doubts()].concat());
+    if options.tolerance.is_some() && read.is_none_or(|read| read.grey.is_none()) {
+        notes.push(NO_IMAGE.to_owned());
+    }
+    Ok(notes)
 }
 
 /// The table of the field, with what was asked for and no more.

@@ -37,8 +37,14 @@ pub(super) fn check_decoded(decoded: u64, limit: u64, bytes: u64, (rows, cols): 
     Ok(())
 }
 
+/// Tells an image that is damaged from one of a kind that is not read. Decoders say the latter in an error of its own, or
+/// in words alone.
 pub(super) fn damaged(error: ImageError) -> Fault {
-    Fault::Image { message: error.to_string() }
+    let message = error.to_string();
+    let words = message.to_lowercase();
+    let is_of_unknown_kind = matches!(error, ImageError::Unsupported(_))
+        || ["unsupported", "not supported", "unimplemented"].iter().any(|known| words.contains(known));
+    if is_of_unknown_kind { Fault::Unread { format: "image", reason: message } } else { Fault::Image { message } }
 }
 
 /// Decodes an image whose size and bytes were checked.

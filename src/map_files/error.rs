@@ -29,8 +29,8 @@ pub enum Fault {
     #[error("the file is empty; a map is expected")]
     Empty,
     #[error(
-        "this is {found}; expected an image (PNG, JPEG, WebP, GIF, BMP, TIFF, PBM, PGM or PPM), rows of 0 and 1, CSV or \
-         a NumPy array of 0 and 1, a Moving AI map, or the YAML file of a ROS map"
+        "this is {found}; expected an image (PNG, JPEG, WebP, GIF, BMP, TIFF, PBM, PGM or PPM), rows of 0 and 1 or of . and #, \
+         a table or a NumPy array of 0 and 1, a Moving AI map, or the YAML file of a ROS map"
     )]
     Foreign { found: &'static str },
     #[error(
@@ -56,6 +56,8 @@ pub enum Fault {
     Line { line: usize, message: String },
     #[error("the image is damaged: {message}")]
     Image { message: String },
+    #[error("this kind of {format} is not read: {reason}; convert it, e.g. to PNG")]
+    Unread { format: &'static str, reason: String },
     #[error("the file has more than {most} bytes; no file of this kind is expected to")]
     GoesBeyond { most: u64 },
     #[error("the pixels of the image take {bytes} bytes, expected at most {limit}; 8-bit grey takes the least")]

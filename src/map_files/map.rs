@@ -12,6 +12,12 @@ pub const NEAR_TOLERANCE: u8 = 20;
 const MANY_NEAR: f64 = 0.05;
 const MANY_OCCUPIED: f64 = 0.60;
 
+/// Dark and light whose means lie this many grey levels apart are not the noise of one colour.
+const CLEARLY_APART: f64 = 12.0;
+
+/// Obstacles are more than this share of a map.
+const FEW: f64 = 0.01;
+
 /// Says which pixels of an image are occupied: those whose grey value is at most the tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tolerance {
@@ -49,6 +55,8 @@ pub struct MapFile {
     pub grey: Option<Grid<u8>>,
     /// The grey value up to which the pixels of an image are occupied.
     pub tolerance: Option<u8>,
+    /// What was asked for when it was read.
+    pub reading: Reading,
     /// Where the cells are in the world, if the file says so.
     pub place: Option<MapPlace>,
     /// Changes made on reading, in sentences.
@@ -58,7 +66,8 @@ pub struct MapFile {
 impl MapFile {
     /// Returns a map of cells, without notes.
     pub fn from_cells(occupied: Grid<bool>) -> Self {
-        Self { occupied, grey: None, tolerance: None, place: None, notes: Vec::new() }
+        let reading = Reading::default();
+        Self { occupied, grey: None, tolerance: None, reading, place: None, notes: Vec::new() }
     }
 
     /// Returns the map that an image shows.
@@ -78,7 +87,7 @@ impl MapFile {
             }
         };
         let occupied = occupancy::from_grey(&grey, tolerance);
-        Self { occupied, grey: Some(grey), tolerance: Some(tolerance), place: None, notes }
+        Self { occupied, grey: Some(grey), tolerance: Some(tolerance), reading, place: None, notes }
     }
 
     /// Share of the pixels of an image whose grey value is within [`NEAR_TOLERANCE`] of the tolerance; `None` for a map
@@ -89,28 +98,66 @@ impl MapFile {
         Some(near as f64 / grey.len() as f64)
     }
 
-    /// Returns sentences that say why an image may have been misread: obstacles that are not quite dark enough, or a
-    /// drawing that is white on black.
+    /// Returns sentences that say why an image may have been misread: obstacles that are not quite dark enough, or lighter
+    /// than that by far, or a drawing that is white on black. None of them advises what was done.
     pub fn doubts(&self) -> Vec<String> {
         let (Some(near), Some(tolerance)) = (self.share_near(), self.tolerance) else { return Vec::new() };
         let cells = self.occupied.values();
         let occupied = cells.iter().filter(|&&occupied| occupied).count() as f64 / cells.len() as f64;
+        let auto = self.share_by_auto();
+        let by_auto = auto.map(|ByAuto { tolerance, taken, share }| {
+            let [share, taken] = [share, taken].map(|share| 100.0 * share);
+            format!(
+                "--tolerance auto, {tolerance}, {share:.1} % of the cells would be occupied instead of {taken:.1} %."
+            )
+        });
         let mut doubts = Vec::new();
         if near > MANY_NEAR {
             let percent = 100.0 * near;
+            let advice = match (&by_auto, self.reading.tolerance) {
+                (Some(by_auto), _) => format!("; with {by_auto}"),
+                (None, Tolerance::Grey(_)) => "; --tolerance auto looks for one.".to_owned(),
+                (None, Tolerance::Auto) => ".".to_owned(),
+            };
             doubts.push(format!(
                 "{percent:.1} % of the pixels are within {NEAR_TOLERANCE} grey levels of the tolerance, {tolerance}: \
-                 with another --tolerance they may be obstacles, or none; --tolerance auto looks for one."
+                 with another --tolerance they may be obstacles, or none{advice}"
             ));
+        } else {
+            doubts.extend(by_auto.map(|by_auto| format!("With {by_auto}")));
         }
-        if occupied > MANY_OCCUPIED {
+        // Where all is dark, another tolerance is the better advice.
+        let is_explained = auto.is_some_and(|auto| auto.share <= MANY_OCCUPIED);
+        if occupied > MANY_OCCUPIED && !is_explained {
             let percent = 100.0 * occupied;
-            doubts.push(format!(
-                "{percent:.1} % of the cells are occupied: the image may be inverted, obstacles are dark; --invert takes \
-                 what is light for obstacles."
-            ));
+            let advice = if self.reading.inverted {
+                "what is light was taken for obstacles, as --invert asks."
+            } else {
+                "the image may be inverted, obstacles are dark; --invert takes what is light for obstacles."
+            };
+            doubts.push(format!("{percent:.1} % of the cells are occupied: {advice}"));
         }
         doubts
+    }
+
+    /// What `--tolerance auto` would take of an image that was read with another one, if dark and light are clearly apart
+    /// and that differs much.
+    fn share_by_auto(&self) -> Option<ByAuto> {
+        let (grey, taken) = (self.grey.as_ref()?.values(), self.tolerance?);
+        if self.reading.tolerance == Tolerance::Auto {
+            return None;
+        }
+        let tolerance = otsu::threshold(grey)?;
+        let class = |is_dark: bool| {
+            let values = grey.iter().filter(|&&value| (value <= tolerance) == is_dark);
+            values.fold((0.0, 0.0), |(count, sum), &value| (count + 1.0, sum + f64::from(value)))
+        };
+        let [(dark, dark_sum), (light, light_sum)] = [true, false].map(class);
+        let share = dark / grey.len() as f64;
+        let taken = grey.iter().filter(|&&value| value <= taken).count() as f64 / grey.len() as f64;
+        let is_apart = light_sum / light - dark_sum / dark >= CLEARLY_APART;
+        let differs = taken < 0.5 * share || 1.0 - taken < 0.5 * (1.0 - share);
+        (is_apart && differs && (FEW..=1.0 - FEW).contains(&share)).then_some(ByAuto { tolerance, taken, share })
     }
 
     /// Lays other cells over the map, so many rows and columns of them: one is occupied where any of the old cells that
@@ -131,6 +178,14 @@ impl MapFile {
         }
         Ok(())
     }
+}
+
+/// What the tolerance took of an image, and what that of `--tolerance auto` would take.
+#[derive(Clone, Copy)]
+struct ByAuto {
+    tolerance: u8,
+    taken: f64,
+    share: f64,
 }
 
 /// Joins the values of all old cells that a new one covers in part.
@@ -196,6 +251,46 @@ mod tests {
         let grey = map.grey.as_ref().expect("an image");
         assert_eq!(map.occupied, occupancy::from_grey(grey, 9));
         assert!(map.resize(0, 8).is_err() && map.resize(8, 40_000).is_err());
+    }
+
+    /// The doubts about an image of so many pixels of each grey value.
+    fn doubts(pixels: &[(usize, u8)], reading: impl Into<Reading>) -> String {
+        let values: Vec<u8> = pixels.iter().flat_map(|&(count, value)| vec![value; count]).collect();
+        let map = MapFile::from_grey(Grid::from_values(1, values.len(), values), Vec::new(), reading.into());
+        map.doubts().join("\n")
+    }
+
+    #[test]
+    fn obstacles_lighter_than_the_tolerance_are_told_of() {
+        let auto = Reading { tolerance: Tolerance::Auto, inverted: false };
+        let light = [(5, 76), (5, 150), (90, 255)];
+        let advice = "With --tolerance auto, 202, 10.0 % of the cells would be occupied instead of 0.0 %.";
+        assert_eq!(doubts(&light, 50), advice);
+        assert_eq!(doubts(&light, auto), "");
+        assert_eq!(doubts(&light, 160), "", "what auto would take is taken");
+        // Black walls, soft edges, the noise of white paper, a speck.
+        assert_eq!(doubts(&[(10, 0), (4, 150), (86, 255)], 50), "");
+        assert_eq!(doubts(&[(30, 250), (70, 255)], 50), "");
+        assert_eq!(doubts(&[(1, 150), (199, 255)], 50), "");
+    }
+
+    #[test]
+    fn what_was_done_is_not_advised() {
+        // Values of 12 bits in samples of 16: all is dark.
+        let dark = [(20, 0), (80, 16)];
+        assert_eq!(
+            doubts(&dark, 50),
+            "With --tolerance auto, 7, 20.0 % of the cells would be occupied instead of 100.0 %."
+        );
+        let near = doubts(&dark, Reading { tolerance: Tolerance::Auto, inverted: false });
+        assert!(near.contains("they may be obstacles, or none.") && !near.contains("auto"), "{near}");
+        let negative = [(80, 0), (20, 255)];
+        assert!(doubts(&negative, 50).contains("--invert takes what is light"));
+        let inverted = doubts(&[(80, 255), (20, 0)], Reading { inverted: true, ..Reading::default() });
+        assert_eq!(
+            inverted,
+            "80.0 % of the cells are occupied: what is light was taken for obstacles, as --invert asks."
+        );
     }
 
     #[test]

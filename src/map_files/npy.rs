@@ -1,9 +1,11 @@
-//! Maps as NumPy arrays of two dimensions, of 0 (free) and 1 (occupied), in either order of their axes.
+//! Maps as NumPy arrays of two dimensions, of 0 (free) and 1 (occupied), in either order of their axes. The numbers may be
+//! floats.
 //!
 //! Source: "NEP 1 - A Simple File Format for NumPy Arrays", format versions 1.0, 2.0 and 3.0.
 
 use std::io::{BufRead, Read};
 
+use crate::document::number::count;
 use crate::grid::Grid;
 use crate::map_files::Fault;
 use crate::map_files::error::{check_size, with_room};
@@ -13,7 +15,8 @@ pub(super) const SIGNATURE: &[u8] = b"\x93NUMPY";
 /// Most bytes of the dictionary that describes an array.
 const MAX_HEADER: u32 = 1 << 16;
 
-const EXPECTED: &str = "0 (free) or 1 (occupied)";
+/// Which of 0 and 255 are obstacles, only who made the array knows.
+const EXPECTED: &str = "0 (free) or 1 (occupied); `array == 0` or `array > 0` makes them so, whichever is an obstacle";
 
 /// Reads an array from a file of at least `bytes` bytes.
 pub(super) fn read(mut source: impl BufRead, bytes: u64) -> Result<Grid<bool>, Fault> {
@@ -58,7 +61,14 @@ struct ArrayHeader {
     is_by_columns: bool,
     size: usize,
     is_big_endian: bool,
-    is_signed: bool,
+    kind: NumberKind,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum NumberKind {
+    Unsigned,
+    Signed,
+    Float,
 }
 
 impl ArrayHeader {
@@ -89,7 +99,7 @@ impl ArrayHeader {
 
     /// Takes the three members of the dictionary, a literal of Python, in any order.
     fn parse(dictionary: &str) -> Result<Self, Fault> {
-        let (is_big_endian, is_signed, size) = value_type(member(dictionary, "descr")?)?;
+        let (is_big_endian, kind, size) = value_type(member(dictionary, "descr")?)?;
         let order = member(dictionary, "fortran_order")?;
         let is_by_columns = order.starts_with("True");
         if !is_by_columns && !order.starts_with("False") {
@@ -99,17 +109,24 @@ impl ArrayHeader {
         let inner = shape.strip_prefix('(').and_then(|rest| rest.split_once(')')).ok_or_else(|| no_member("shape"))?.0;
         let sides: Vec<&str> = inner.split(',').map(str::trim).filter(|side| !side.is_empty()).collect();
         let [rows, cols] = sides[..] else {
-            let found = format!("has {} dimensions", sides.len());
+            let found = format!("has {}", count(sides.len(), "dimension"));
             return Err(Fault::Array { found, expected: "two, rows and columns" });
         };
         let side = |text: &str| text.parse::<usize>().map_err(|_| no_member("shape"));
         let (rows, cols) = (side(rows)?, side(cols)?);
         check_size(rows, cols)?;
-        Ok(Self { rows, cols, is_by_columns, size, is_big_endian, is_signed })
+        Ok(Self { rows, cols, is_by_columns, size, is_big_endian, kind })
     }
 
     /// The cell that a number stands for: `None` if it is neither 0 nor 1.
     fn cell(&self, number: &[u8]) -> Option<bool> {
+        if self.kind == NumberKind::Float {
+            return match self.float(number) {
+                0.0 => Some(false),
+                1.0 => Some(true),
+                _ => None,
+            };
+        }
         let lowest = if self.is_big_endian { self.size - 1 } else { 0 };
         let is_small = number.iter().enumerate().all(|(at, &byte)| byte == 0 || (at == lowest && byte == 1));
         is_small.then_some(number[lowest] == 1)
@@ -117,21 +134,40 @@ impl ArrayHeader {
 
     /// The number in decimal.
     fn shown(&self, number: &[u8]) -> String {
+        let (bits, spare_bits) = (self.bits(number), 64 - 8 * self.size as u32);
+        match self.kind {
+            NumberKind::Unsigned => bits.to_string(),
+            NumberKind::Signed => ((bits << spare_bits).cast_signed() >> spare_bits).to_string(),
+            NumberKind::Float => self.float(number).to_string(),
+        }
+    }
+
+    fn bits(&self, number: &[u8]) -> u64 {
         let join = |sum: u64, byte: &u8| sum << 8 | u64::from(*byte);
-        let sum = if self.is_big_endian { number.iter().fold(0, join) } else { number.iter().rev().fold(0, join) };
-        let spare_bits = 64 - 8 * self.size as u32;
-        if self.is_signed { ((sum << spare_bits).cast_signed() >> spare_bits).to_string() } else { sum.to_string() }
+        if self.is_big_endian { number.iter().fold(0, join) } else { number.iter().rev().fold(0, join) }
+    }
+
+    fn float(&self, number: &[u8]) -> f64 {
+        let bits = self.bits(number);
+        if self.size == 4 { f32::from_bits(bits as u32).into() } else { f64::from_bits(bits) }
     }
 }
 
-/// Byte order, sign and bytes of a type such as `'<i4'`.
-fn value_type(descr: &str) -> Result<(bool, bool, usize), Fault> {
+/// Byte order, kind and bytes of a type such as `'<i4'`.
+fn value_type(descr: &str) -> Result<(bool, NumberKind, usize), Fault> {
     let quote = descr.chars().next().filter(|quote| matches!(quote, '\'' | '"'));
     let name = quote.and_then(|quote| descr[1..].split_once(quote)).map(|(name, _)| name);
     let unfit = || {
         let shown: String = name.unwrap_or("several members").chars().take(20).collect();
         let found = format!("holds values of type {shown:?}");
-        Fault::Array { found, expected: "bool or integers: `array.astype(bool)` makes them so" }
+        let is_of_strings =
+            name.is_some_and(|name| name.trim_start_matches(['<', '>', '|', '=']).starts_with(['U', 'S']));
+        let expected = if is_of_strings {
+            "bool, integers or floats of 32 or 64 bits: `array.astype(int)` makes numbers of digits"
+        } else {
+            "bool, integers or floats of 32 or 64 bits: `array.astype(bool)` makes them so"
+        };
+        Fault::Array { found, expected }
     };
     let [order, kind, size] = *name.unwrap_or_default().as_bytes() else { return Err(unfit()) };
     let is_big_endian = match order {
@@ -140,11 +176,13 @@ fn value_type(descr: &str) -> Result<(bool, bool, usize), Fault> {
         b'=' => cfg!(target_endian = "big"),
         _ => return Err(unfit()),
     };
-    match (kind, size) {
-        (b'b', b'1') | (b'u', b'1' | b'2' | b'4' | b'8') => Ok((is_big_endian, false, usize::from(size - b'0'))),
-        (b'i', b'1' | b'2' | b'4' | b'8') => Ok((is_big_endian, true, usize::from(size - b'0'))),
-        _ => Err(unfit()),
-    }
+    let kind = match (kind, size) {
+        (b'b', b'1') | (b'u', b'1' | b'2' | b'4' | b'8') => NumberKind::Unsigned,
+        (b'i', b'1' | b'2' | b'4' | b'8') => NumberKind::Signed,
+        (b'f', b'4' | b'8') => NumberKind::Float,
+        _ => return Err(unfit()),
+    };
+    Ok((is_big_endian, kind, usize::from(size - b'0')))
 }
 
 /// The text behind a key of the dictionary.

@@ -66,6 +66,9 @@ impl PictureFormat {
         let mut image = match self {
             Self::Jpeg => {
                 has_several = false;
+                if !reaches_its_end(bytes) {
+                    return Err(Fault::Image { message: "the file ends before the image does".to_owned() });
+                }
                 self.read_with(JpegDecoder::new(source).map_err(damaged)?, bytes.len())
             }
             Self::WebP => {
@@ -104,10 +107,59 @@ impl PictureFormat {
     }
 }
 
+/// Says whether a JPEG image has its end, which the decoder does not miss: it fills up what a file that was cut off lacks.
+/// What cameras and scanners add behind the end does not matter.
+///
+/// Source: ITU-T Recommendation T.81, "Digital Compression and Coding of Continuous-Tone Still Images", 1992, annex B,
+/// sections B.1.1 and B.2.
+fn reaches_its_end(bytes: &[u8]) -> bool {
+    const START_OF_SCAN: u8 = 0xDA;
+    const END_OF_IMAGE: u8 = 0xD9;
+    let (mut rest, mut has_scan) = (bytes, false);
+    // Between segments and in the data of a scan alike: a byte FF with another behind it that is neither 0, which makes it
+    // a byte of the data, nor FF, which fills up, is a marker.
+    while let Some(at) = rest.windows(2).position(|pair| pair[0] == 0xFF && !matches!(pair[1], 0 | 0xFF)) {
+        let marker = rest[at + 1];
+        rest = &rest[at + 2..];
+        match marker {
+            END_OF_IMAGE if has_scan => return true,
+            // Markers that stand alone: restarts, the start, an end before any scan.
+            0x01 | 0xD0..=0xD9 => {}
+            _ => {
+                has_scan |= marker == START_OF_SCAN;
+                let length = rest.first_chunk().map(|length| usize::from(u16::from_be_bytes(*length)));
+                let Some(behind) = length.and_then(|length| rest.get(length..)) else { return false };
+                rest = behind;
+            }
+        }
+    }
+    false
+}
+
 /// Says whether a GIF image has a second frame; frames are passed over, not decoded.
 fn has_several_frames(bytes: &[u8]) -> bool {
     let mut options = gif::DecodeOptions::new();
     options.skip_frame_decoding(true);
     let Ok(mut decoder) = options.read_info(bytes) else { return false };
     (0..2).all(|_| matches!(decoder.next_frame_info(), Ok(Some(_))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn end_of_an_image_is_behind_its_scans() {
+        // An application segment that holds an end marker, a scan with a stuffed FF and a restart, fill bytes, the end.
+        let whole = [
+            &b"\xFF\xD8\xFF\xE1\x00\x04\xFF\xD9"[..],
+            b"\xFF\xDA\x00\x03\x01\x12\xFF\x00\x34\xFF\xD0\x56",
+            b"\xFF\xDA\x00\x03\x01\x78\xFF\xFF\xD9",
+        ]
+        .concat();
+        assert!(reaches_its_end(&whole));
+        assert!(reaches_its_end(&[&whole[..], b"\0\0 what a scanner adds \xFF\xDA"].concat()));
+        assert!((0..whole.len()).all(|end| !reaches_its_end(&whole[..end])));
+        assert!(!reaches_its_end(b"\xFF\xD8\xFF\xD9"), "there is no scan");
+    }
 }

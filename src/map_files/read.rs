@@ -12,6 +12,7 @@ use crate::map_files::map::{MapFile, Reading};
 use crate::map_files::pictures::{self, PictureFormat};
 use crate::map_files::ros::{self, RosMap};
 use crate::map_files::rows::without_mark;
+use crate::map_files::text::Separator;
 use crate::map_files::{Fault, MAX_BYTES, MapError, carried, moving_ai, npy, png, pnm, text, tiff_image};
 
 const BUFFER_BYTES: usize = 1 << 16;
@@ -19,10 +20,11 @@ const BUFFER_BYTES: usize = 1 << 16;
 /// Reads a map; pixels of images are occupied where their grey value is at most the tolerance.
 ///
 /// The format is recognised by the content, never by the name: images (PNG, JPEG, WebP, GIF, BMP, TIFF, and Netpbm, P1 to
-/// P6); rows of 0 (free) and 1 (occupied); the same with commas; NumPy arrays of these; Moving AI maps, where `.` and `G`
-/// are free and everything else is occupied, swamp (`S`) and water (`W`) too; and the YAML file of a ROS map, which names
-/// its image. A picture of a map that this program drew is the map that it shows. Images that are not 8-bit grey are converted, which a note says: alpha over white, colours by their luma,
-/// other ranges of values scaled to 0 to 255.
+/// P6); rows of 0 (free) and 1 (occupied), or of `.` and `#`; tables of the numbers 0 and 1 with commas, semicolons, spaces
+/// or tabs between them; NumPy arrays of these; Moving AI maps, where `.` and `G` are free and everything else is occupied,
+/// swamp (`S`) and water (`W`) too; and the YAML file of a ROS map, which names its image. A picture of a map that this
+/// program drew is the map that it shows. Images that are not 8-bit grey are converted, which a note says: alpha over
+/// white, colours by their luma, other ranges of values scaled to 0 to 255.
 ///
 /// # Errors
 /// If the file is no such map, or breaks off, or is larger than [`MAX_SIDE`](super::MAX_SIDE) or
@@ -57,7 +59,7 @@ fn finish(path: &Path, content: Content, reading: Reading) -> Result<MapFile, Ma
             if reading.inverted {
                 occupied.values_mut().iter_mut().for_each(|cell| *cell = !*cell);
             }
-            Ok(MapFile { notes: Vec::from_iter(note), ..MapFile::from_cells(occupied) })
+            Ok(MapFile { notes: Vec::from_iter(note), reading, ..MapFile::from_cells(occupied) })
         }
         Content::Ros(text) => {
             let map = RosMap::parse(&text).map_err(|fault| MapError { path: path.to_owned(), fault })?;
@@ -82,7 +84,7 @@ fn read_ros_map(map: &RosMap, folder: &Path, reading: Reading) -> Result<MapFile
     if map.place.origin[2] != 0.0 {
         notes.push(format!("the map is not turned by the heading of its origin, {} radians", map.place.origin[2]));
     }
-    Ok(MapFile { place: Some(map.place), notes, ..MapFile::from_cells(occupied) })
+    Ok(MapFile { place: Some(map.place), reading, notes, ..MapFile::from_cells(occupied) })
 }
 
 /// The folder in which the paths of a file begin; for stdin the current one.
@@ -186,7 +188,9 @@ fn read_sequential(format: SequentialFormat, source: impl BufRead, bytes: u64) -
             moving_ai::read(source, bytes).map(|(occupied, note)| Content::Cells(occupied, note))
         }
         SequentialFormat::Npy => npy::read(source, bytes).map(|occupied| Content::Cells(occupied, None)),
-        SequentialFormat::Csv => text::read_csv(source, bytes).map(|occupied| Content::Cells(occupied, None)),
+        SequentialFormat::Table(separator) => {
+            text::read_table(source, bytes, separator).map(|occupied| Content::Cells(occupied, None))
+        }
         SequentialFormat::Text => text::read_text(source, bytes).map(|occupied| Content::Cells(occupied, None)),
     }
 }
@@ -212,7 +216,7 @@ enum SequentialFormat {
     Pnm,
     MovingAi,
     Npy,
-    Csv,
+    Table(Separator),
     Text,
 }
 
@@ -229,6 +233,25 @@ const FOREIGN: &[(&[u8], &str)] = &[
     (b"\xFE\xFF", "UTF-16 text"),
 ];
 
+/// Names files of boxes, whose first box says what they are: photographs of telephones, and films.
+///
+/// Source: ISO/IEC 14496-12, "ISO base media file format", section 4.3; ISO/IEC 23008-12, "Image File Format", section 10.
+fn boxed_kind(start: &[u8]) -> Option<&'static str> {
+    if start.get(4..8) != Some(b"ftyp") {
+        return None;
+    }
+    let length = start.first_chunk().map_or(0, |length| u32::from_be_bytes(*length) as usize);
+    let brands = start.get(8..length.min(start.len())).unwrap_or_default();
+    let has = |known: &[&[u8]]| brands.chunks_exact(4).any(|brand| known.contains(&brand));
+    Some(if has(&[b"avif", b"avis"]) {
+        "an AVIF image, which a program for images can save as PNG"
+    } else if has(&[b"heic", b"heix", b"heim", b"heis", b"hevc", b"hevx", b"mif1", b"msf1"]) {
+        "a HEIC image, which a program for images can save as PNG"
+    } else {
+        "a film or another file of the MP4 family"
+    })
+}
+
 impl MapFormat {
     const PLAIN: Self = Self::Sequential(SequentialFormat::Text);
 
@@ -236,6 +259,9 @@ impl MapFormat {
     fn from_first_bytes(start: &[u8]) -> Result<Self, Fault> {
         if let Some(picture) = PictureFormat::from_first_bytes(start) {
             return Ok(Self::Whole(WholeFormat::Picture(picture)));
+        }
+        if let Some(found) = boxed_kind(start) {
+            return Err(Fault::Foreign { found });
         }
         if let Some((_, found)) = FOREIGN.iter().find(|(signature, _)| start.starts_with(signature)) {
             return Err(Fault::Foreign { found });
@@ -254,10 +280,11 @@ impl MapFormat {
             Self::Sequential(SequentialFormat::MovingAi)
         } else if ros::is_start(text) {
             Self::Whole(WholeFormat::Ros)
-        } else if first_line.contains(&b',') {
-            Self::Sequential(SequentialFormat::Csv)
         } else {
-            Self::Sequential(SequentialFormat::Text)
+            match Separator::of_first_line(first_line) {
+                Some(separator) => Self::Sequential(SequentialFormat::Table(separator)),
+                None => Self::PLAIN,
+            }
         })
     }
 }

@@ -47,8 +47,8 @@ pub(super) fn read_rows<R: BufRead>(
 
 /// Guesses how many cells the text holds, which is right if all its lines are like the first one.
 fn guessed_cells(line: &[u8], bytes: u64) -> usize {
-    let commas = line.iter().filter(|&&byte| byte == b',').count();
-    let cols = if commas > 0 { commas + 1 } else { line.len() };
+    let separators = line.iter().filter(|&&byte| matches!(byte, b',' | b';' | b' ' | b'\t')).count();
+    let cols = if separators > 0 { separators + 1 } else { line.len() };
     let rows = usize::try_from(bytes).unwrap_or(usize::MAX) / line.len() + 1;
     rows.saturating_mul(cols).min(MAX_CELLS)
 }

@@ -9,8 +9,8 @@ use std::io::Cursor;
 
 use image::metadata::Orientation;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
-use tiff::tags::Tag;
-use tiff::{ColorType, TiffError};
+use tiff::tags::{CompressionMethod, PhotometricInterpretation, SampleFormat, Tag};
+use tiff::{ColorType, TiffError, TiffUnsupportedError};
 
 use crate::grid::Grid;
 use crate::map_files::Fault;
@@ -18,6 +18,8 @@ use crate::map_files::decoded::{GreyImage, check_decoded, turned};
 use crate::map_files::error::{check_size, with_room};
 use crate::map_files::pictures::{FIRST_OF_SEVERAL, MAX_DECODED};
 use crate::map_files::pixel::PixelLayout;
+
+const FLOAT_OR_SIGNED: &str = "its samples are floats, or may be negative";
 
 /// Returns whether a file begins as a TIFF image does, of the classic kind or a BigTIFF.
 pub(super) fn is_start(start: &[u8]) -> bool {
@@ -33,6 +35,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<GreyImage, Fault> {
     let (cols, rows) = decoder.dimensions().map_err(damaged)?;
     let size = (rows as usize, cols as usize);
     check_size(size.0, size.1)?;
+    let formats = decoder.find_tag_unsigned_vec::<u16>(Tag::SampleFormat).map_err(damaged)?.unwrap_or_default();
+    if formats.iter().any(|format| [SampleFormat::Int, SampleFormat::IEEEFP].map(|kind| kind.to_u16()).contains(format))
+    {
+        return Err(unfit(FLOAT_OR_SIGNED));
+    }
     let samples = Samples::of(decoder.colortype().map_err(damaged)?)?;
     let decoded = rows as u64 * samples.bytes_per_row(size.1) as u64;
     check_decoded(decoded, MAX_DECODED, bytes.len() as u64, size)?;
@@ -51,11 +58,32 @@ pub(super) fn read(bytes: &[u8]) -> Result<GreyImage, Fault> {
 }
 
 fn damaged(error: TiffError) -> Fault {
-    Fault::Image { message: error.to_string() }
+    match error {
+        TiffError::UnsupportedError(reason) => unfit(&shown_reason(&reason)),
+        error => Fault::Image { message: error.to_string() },
+    }
+}
+
+fn shown_reason(reason: &TiffUnsupportedError) -> String {
+    match reason {
+        TiffUnsupportedError::InterpretationWithBits(PhotometricInterpretation::RGBPalette, _)
+        | TiffUnsupportedError::UnsupportedInterpretation(PhotometricInterpretation::RGBPalette) => {
+            "its colours come from a palette".to_owned()
+        }
+        TiffUnsupportedError::UnsupportedCompressionMethod(CompressionMethod::JPEG | CompressionMethod::ModernJPEG) => {
+            "its pixels are packed as JPEG".to_owned()
+        }
+        TiffUnsupportedError::UnsupportedCompressionMethod(method) => format!("its pixels are packed as {method:?}"),
+        TiffUnsupportedError::UnsupportedSampleFormat(_) => FLOAT_OR_SIGNED.to_owned(),
+        reason => reason.to_string(),
+    }
 }
 
 fn unfit(reason: &str) -> Fault {
-    Fault::Image { message: format!("{reason}; expected a TIFF image of grey or RGB, of up to 16 bits a sample") }
+    Fault::Unread {
+        format: "TIFF",
+        reason: format!("{reason}, where grey or RGB of up to 16 bits a sample is expected"),
+    }
 }
 
 /// The samples of a pixel and their bits.
@@ -72,6 +100,9 @@ impl Samples {
             ColorType::Multiband { bit_depth: bits @ (8 | 16), num_samples: 2 } => (false, true, bits),
             ColorType::RGB(bits @ (8 | 16)) => (true, false, bits),
             ColorType::RGBA(bits @ (8 | 16)) => (true, true, bits),
+            ColorType::CMYK(_) | ColorType::CMYKA(_) => return Err(unfit("its colours are CMYK")),
+            ColorType::YCbCr(_) => return Err(unfit("its colours are YCbCr")),
+            ColorType::Gray(bits) => return Err(unfit(&format!("its samples have {bits} bits"))),
             _ => return Err(unfit(&format!("its pixels are {colour_type:?}"))),
         };
         let max = ((1u32 << bits) - 1) as u16;
@@ -107,7 +138,7 @@ impl Samples {
                 let all = rows * self.samples_per_row(cols);
                 self.layout.append_grey(&samples[..all.min(samples.len())], &mut values);
             }
-            _ => return Err(unfit("its samples are no whole numbers from 0")),
+            _ => return Err(unfit(FLOAT_OR_SIGNED)),
         }
         if values.len() < rows * cols {
             let (row, col) = (values.len() / cols, values.len() % cols);

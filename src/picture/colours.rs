@@ -25,6 +25,10 @@ pub const NOTE_INK: Rgb = [92, 92, 98];
 // Neutral, so that neither colour map holds them.
 pub const OBSTACLE: Rgb = [56, 56, 60];
 pub const WITHOUT_VALUE: Rgb = [226, 226, 228];
+/// Of cells that a search jumped through.
+pub const SWEPT: Rgb = [190, 214, 240];
+/// Of edges of trees and roadmaps, of which thousands may cross.
+pub const EDGE: Rgb = [146, 146, 152];
 pub const PATH: Rgb = [214, 0, 110];
 pub const GOAL: Rgb = [255, 214, 10];
 /// Of zones in order, from the set of eight that Okabe and Ito ("Color Universal Design", 2008) chose for the

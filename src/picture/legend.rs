@@ -1,7 +1,7 @@
 //! The legend beside a picture: the bar of colours with its values, and the key of everything else.
 
 use crate::picture::canvas::{Canvas, Point};
-use crate::picture::colours::{FAINT_INK, INK, Rgb};
+use crate::picture::colours::{EDGE, FAINT_INK, INK, Rgb};
 use crate::picture::marks;
 use crate::picture::marks::{Mark, to_f32};
 use crate::picture::text::{Align, draw_text, measure_text};
@@ -116,7 +116,7 @@ impl Symbol {
                 let ends = [(left + unit, top + 12.0 * unit), (left + 17.0 * unit, top + 4.0 * unit)];
                 marks::draw_path(canvas, &ends, 3.0 * unit);
             }
-            Self::Edge => canvas.polyline(&line, 1.6 * unit, INK),
+            Self::Edge => canvas.polyline(&line, 1.6 * unit, EDGE),
             Self::Mark(mark) => mark.draw(canvas, centre, 7.0 * unit),
             Self::Way(colour) => draw_run(canvas, &line, 4.0 * unit, colour, false),
             Self::Reverse => draw_run(canvas, &line, 2.4 * unit, INK, true),

@@ -5,7 +5,7 @@
 
 use crate::grid::Grid;
 use crate::picture::canvas::{Canvas, Ink, Point};
-use crate::picture::colours::{FAINT_INK, INK, OBSTACLE, PAPER, Rgb, WITHOUT_VALUE, ZONES, blend};
+use crate::picture::colours::{EDGE, FAINT_INK, INK, OBSTACLE, PAPER, Rgb, SWEPT, WITHOUT_VALUE, ZONES, blend};
 use crate::picture::legend::{Bar, Legend, Symbol, TEXT};
 use crate::picture::marks;
 use crate::picture::marks::{scene_marks, to_f32};
@@ -35,7 +35,8 @@ fn draw_map_with(scene: &MapScene, zoom: Zoom) -> Picture {
     let scale = scene.scale();
     let legend = Legend { values: bar(scene, scale.as_ref()), key: key(scene) };
     let mut plate = Plate::with_zoom(scene, &legend, zoom);
-    plate.paint(&|block| face_colour(block.face(scene), scale.as_ref()));
+    plate.paint(&|block| block_colour(scene, block, block.face(scene), scale.as_ref()));
+    plate.enlarge_jumps(scale.as_ref());
     plate.mark();
     plate.finish()
 }
@@ -52,11 +53,22 @@ pub fn face_colour(face: BlockFace, scale: Option<&ValueScale>) -> Rgb {
     }
 }
 
+/// The colour of a block, in which cells that were jumped through differ from others without a value.
+fn block_colour(scene: &MapScene, block: &CellBlock, face: BlockFace, scale: Option<&ValueScale>) -> Rgb {
+    let is_swept = face == BlockFace::WithoutValue && block.places().any(|place| scene.is_swept(place));
+    if is_swept { SWEPT } else { face_colour(face, scale) }
+}
+
 /// Lists what has no value and what is marked, as far as it is present.
 pub fn key<'a>(scene: &MapScene<'a>) -> Vec<(Symbol, &'a str)> {
     let obstacle = scene.has_obstacles().then_some((Symbol::Cell(OBSTACLE), "obstacle"));
     let colourless = scene.colourless_name().map(|name| (Symbol::Cell(WITHOUT_VALUE), name));
-    obstacle.into_iter().chain(colourless).chain(marks_key(scene)).collect()
+    obstacle.into_iter().chain(colourless).chain(swept_key(scene, SWEPT)).chain(marks_key(scene)).collect()
+}
+
+/// Names the cells that were jumped through, where there are any, in a colour.
+fn swept_key<'a>(scene: &MapScene, colour: Rgb) -> Option<(Symbol, &'a str)> {
+    scene.swept.map(|_| (Symbol::Cell(colour), "jumped through"))
 }
 
 pub fn marks_key<'a>(scene: &MapScene<'a>) -> impl Iterator<Item = (Symbol, &'a str)> {
@@ -76,6 +88,10 @@ const MARGIN: f32 = 24.0;
 const GAP: f32 = 12.0;
 /// The distance by which marks may reach beyond the map, and which texts keep from it.
 const OVERHANG: f32 = 10.0;
+/// The side of a cell at which a jump ended, at least, in pixels.
+const SMALLEST_JUMP: f32 = 4.0;
+/// More edges than these hide the map.
+const MANY_EDGES: usize = 1000;
 /// The longer side of a map from which on texts grow with it, in pixels.
 const USUAL_LENGTH: f32 = 1000.0;
 
@@ -173,12 +189,27 @@ impl<'a> Plate<'a> {
         self.draw_marks();
     }
 
-    /// Draws the first edges of a tree or a roadmap.
+    /// Draws cells at which jumps ended as large as can be seen, where cells are smaller than that.
+    fn enlarge_jumps(&mut self, scale: Option<&ValueScale>) {
+        let side = SMALLEST_JUMP * self.unit;
+        let (Some(_), Some(scale)) = (self.scene.swept, scale) else { return };
+        if self.zoom.cell() >= side {
+            return;
+        }
+        for place in self.scene.places() {
+            let Some(value) = self.scene.value_at(place) else { continue };
+            let (x, y) = self.centre(place);
+            self.canvas.fill_rect(x - 0.5 * side, y - 0.5 * side, side, side, scale.colour(value));
+        }
+    }
+
+    /// Draws the first edges of a tree or a roadmap, those of many thinner.
     pub fn draw_edges(&mut self, count: usize) {
-        let width = (0.08 * self.zoom.cell()).clamp(1.0 * self.unit, 1.6 * self.unit);
+        let least = if self.scene.edges.len() > MANY_EDGES { 0.5 } else { 1.0 };
+        let width = (0.08 * self.zoom.cell()).clamp(least * self.unit, 1.6 * least * self.unit);
         for &[from, to] in &self.scene.edges[..count] {
             let ends = [self.spot(from), self.spot(to)];
-            draw_line(&mut self.canvas, ends[0], ends[1], width, Ink::opaque(INK));
+            draw_line(&mut self.canvas, ends[0], ends[1], width, Ink::opaque(EDGE));
         }
     }
 
@@ -282,9 +313,10 @@ fn draw_overlaid_values(scene: &MapScene, grey: Option<&Grid<u8>>) -> Picture {
     let scale = scene.scale();
     let shown = scale.as_ref().map(|scale| scale.on(PAPER, OPACITY));
     let colourless = scene.colourless_name().map(|name| (Symbol::Cell(blend(PAPER, WITHOUT_VALUE, OPACITY)), name));
-    let key = obstacle_key(scene).chain(colourless).chain(marks_key(scene)).collect();
+    let swept = swept_key(scene, blend(PAPER, SWEPT, OPACITY));
+    let key = obstacle_key(scene).chain(colourless).chain(swept).chain(marks_key(scene)).collect();
     let legend = Legend { values: bar(scene, shown.as_ref()), key };
-    paint_over(scene, &legend, grey, &|_, face| face_colour(face, scale.as_ref()))
+    paint_over(scene, &legend, grey, &|block, face| block_colour(scene, block, face, scale.as_ref()))
 }
 
 /// Lays the colours of blocks without obstacles over the input.

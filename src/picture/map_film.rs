@@ -26,6 +26,8 @@ const LAST_DELAY: u16 = 250;
 
 /// Writes the film of a scene, which appears whole: at most about 100 frames over all steps, then the path.
 pub fn write_map_film(scene: &MapScene, growth: &MapGrowth, path: &Path) -> io::Result<()> {
+    // Which jump went through a cell is not known, nor when.
+    let scene = &MapScene { swept: None, ..*scene };
     let scale = scene.scale();
     let legend = Legend { values: bar(scene, scale.as_ref()), key: key(scene) };
     let zoom = Zoom::small(scene.occupied.rows(), scene.occupied.cols());

@@ -37,6 +37,9 @@ pub struct MapScene<'a> {
     pub track: &'a [Spot],
     /// Edges of a tree or a roadmap, drawn in pictures from above.
     pub edges: &'a [[Spot; 2]],
+    /// Cells that a search jumped through: those without a value have a colour of their own in pictures from above, and
+    /// what has a value, the ends of jumps, is drawn as large as can be seen.
+    pub swept: Option<&'a Grid<bool>>,
     pub start: Option<Place>,
     pub goal: Option<Place>,
     /// The local minimum that a descent came to a halt in.
@@ -78,6 +81,7 @@ impl<'a> MapScene<'a> {
             path: &[],
             track: &[],
             edges: &[],
+            swept: None,
             start: None,
             goal: None,
             stuck: None,
@@ -88,6 +92,10 @@ impl<'a> MapScene<'a> {
     /// The value of a cell, unless it has none or no number.
     pub(super) fn value_at(&self, place: Place) -> Option<f64> {
         (self.value)(place).filter(|value| !value.is_nan())
+    }
+
+    pub(super) fn is_swept(&self, place: Place) -> bool {
+        self.swept.is_some_and(|swept| swept[place])
     }
 
     pub(super) fn places(&self) -> impl Iterator<Item = Place> {
@@ -111,7 +119,8 @@ impl<'a> MapScene<'a> {
     /// Returns the name of free cells without the colour of a value; `None` if there are none.
     pub(super) fn colourless_name(&self) -> Option<&'a str> {
         let mut free = self.places().filter(|&place| !self.occupied[place]);
-        let is_present = free.any(|place| self.free_name.is_some() || self.value_at(place).is_none());
+        let is_present =
+            free.any(|place| self.free_name.is_some() || (self.value_at(place).is_none() && !self.is_swept(place)));
         is_present.then_some(self.free_name.unwrap_or(self.colourless))
     }
 }

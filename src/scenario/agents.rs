@@ -34,14 +34,23 @@ pub trait AgentList {
     /// Adds warnings that need no field.
     fn warn(&self, scenario: &Scenario, found: &mut Vec<String>);
 
-    /// Names the agents that start in a bush.
-    fn blocked_starts(&self, field: &ScenarioField<'_>) -> Vec<String>;
+    /// Finds the agents that cannot start where they should.
+    fn blocked_starts(&self, field: &ScenarioField<'_>) -> BlockedStarts;
 
     /// Adds warnings about agents on a field, apart from blocked starts.
     fn warn_of_field(&self, field: &ScenarioField<'_>, found: &mut Vec<String>);
 
     /// Bounds the memory that they take together in a run of this length.
     fn memory(&self, field: &FieldMeasures, duration_s: f64) -> AgentsMemory;
+}
+
+/// The agents of a kind that cannot start where they should, by their names.
+#[derive(Default)]
+pub struct BlockedStarts {
+    /// Those that start in a bush, and have a free place near by.
+    pub moved: Vec<String>,
+    /// The first that has no free place.
+    pub without_place: Option<String>,
 }
 
 /// The start of an agent, and its letter on the map of `wildfire check`.

@@ -44,6 +44,7 @@ mod starts;
 mod terrain;
 mod tetromino;
 mod traffic;
+mod truck_starts;
 mod unimog;
 mod warnings;
 mod water;
@@ -78,7 +79,9 @@ pub use source::{MAX_MAP_BYTES, MAX_SCENARIO_BYTES, ScenarioText, can_be_read_ag
 pub use terrain::{Terrain, TerrainError};
 pub use tetromino::Shape;
 pub use traffic::{Detours, TrafficRules};
+pub use truck_starts::{TRUCK_MARGIN_M, free_start};
 pub use unimog::{Limits, PlannerContext, Rescue, Retarget, StartPose, Unimog};
+pub use warnings::warnings_of_map;
 pub use water::{Water, WaterPlace};
 pub use weather::{MoistureChange, WeatherSettings, weather};
 pub use weather_csv::WeatherSample;

@@ -10,10 +10,13 @@ use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value;
 
-use super::agents::{AgentList, AgentsMemory, FieldMeasures, SHOWN_ALIKE, SHOWN_SEED, ScenarioField, SketchedStart};
+use super::agents::{
+    AgentList, AgentsMemory, BlockedStarts, FieldMeasures, SHOWN_ALIKE, SHOWN_SEED, ScenarioField, SketchedStart,
+};
 use super::check::{Check, ROUNDING_M, TablePath};
 use super::goal::{TruckGoal, describe_choice};
 use super::program::{Program, Programs};
+use super::truck_starts::first_without_place;
 use super::{MemoryPart, Scenario};
 use crate::collision::CollisionChecker;
 use crate::geometry::{DVec2, FieldFrame, Pose, ops};
@@ -357,13 +360,19 @@ impl AgentList for Vec<Unimog> {
         warn_of_shared_starts(self, found);
     }
 
-    fn blocked_starts(&self, field: &ScenarioField<'_>) -> Vec<String> {
+    fn blocked_starts(&self, field: &ScenarioField<'_>) -> BlockedStarts {
         let is_blocked = |truck: &Unimog| {
             let checker = CollisionChecker::new(Arc::clone(&field.clearance), truck.vehicle);
             !checker.pose_is_free(truck.start.pose(), 0.0)
         };
-        let numbered = self.iter().enumerate().filter(|(_, truck)| is_blocked(truck));
-        numbered.map(|(number, _)| format!("truck {number}")).collect()
+        let wanted = self.iter().map(|truck| (truck.vehicle, truck.start.pose()));
+        let without_place = first_without_place(wanted, &field.clearance);
+        let placed = &self[..without_place.unwrap_or(self.len())];
+        let moved = placed.iter().enumerate().filter(|(_, truck)| is_blocked(truck));
+        BlockedStarts {
+            moved: moved.map(|(number, _)| format!("truck {number}")).collect(),
+            without_place: without_place.map(|number| format!("Truck {number}")),
+        }
     }
 
     fn warn_of_field(&self, field: &ScenarioField<'_>, found: &mut Vec<String>) {

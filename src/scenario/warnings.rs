@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::agents::{SHOWN_SEED, ScenarioField};
+use super::agents::{BlockedStarts, SHOWN_SEED, ScenarioField};
 use super::dispatch::warn_of_team;
 use super::ground_report::warn_of_ground;
 use super::{FireModelName, IgnitionCells, Scenario, Terrain, weather};
@@ -24,10 +24,11 @@ pub fn warnings(scenario: &Scenario, terrain: Option<&Terrain>) -> Vec<String> {
         warn_of_ground(scenario, terrain, &weather(scenario, SHOWN_SEED), &mut found);
         let clearance = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
         let field = ScenarioField { terrain, clearance };
-        let blocked: Vec<String> = scenario.kinds().iter().rev().flat_map(|kind| kind.blocked_starts(&field)).collect();
-        if !blocked.is_empty() {
-            found.push(format!("Starts in a bush, moved to the nearest free place: {}.", blocked.join(", ")));
+        let starts = blocked_starts(scenario, &field);
+        if !starts.moved.is_empty() {
+            found.push(format!("Starts in a bush, moved to the nearest free place: {}.", starts.moved.join(", ")));
         }
+        found.extend(grave_warnings(&field, starts.without_place));
         for agents in scenario.kinds() {
             agents.warn_of_field(&field, &mut found);
         }
@@ -36,6 +37,36 @@ pub fn warnings(scenario: &Scenario, terrain: Option<&Terrain>) -> Vec<String> {
         of_water(None, &mut found);
     }
     found
+}
+
+/// Collects the warnings about a scenario with a map without which nobody should begin: that nothing can burn, and that an
+/// agent has no place.
+pub fn warnings_of_map(scenario: &Scenario) -> Vec<String> {
+    let Ok(terrain) = Terrain::from_scenario(scenario, SHOWN_SEED) else { return Vec::new() };
+    let clearance = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
+    let field = ScenarioField { terrain: &terrain, clearance };
+    grave_warnings(&field, blocked_starts(scenario, &field).without_place)
+}
+
+fn grave_warnings(field: &ScenarioField<'_>, without_place: Option<String>) -> Vec<String> {
+    let is_bare = field.terrain.bushes.is_empty() && field.terrain.landscape.is_none();
+    let bare = is_bare.then(|| "Nothing can burn: the field has no bushes.".to_owned());
+    let without_place = without_place.map(|agent| {
+        format!("{agent} cannot start: no free place was found for it on this field, so that no run takes place.")
+    });
+    bare.into_iter().chain(without_place).collect()
+}
+
+/// The agents of all kinds that cannot start where they should, trucks first.
+fn blocked_starts(scenario: &Scenario, field: &ScenarioField<'_>) -> BlockedStarts {
+    let mut all = BlockedStarts::default();
+    for agents in scenario.kinds().iter().rev() {
+        let BlockedStarts { moved, without_place } = agents.blocked_starts(field);
+        all.moved.extend(moved);
+        // Wumpuses are the first that a run puts on the field.
+        all.without_place = without_place.or(all.without_place);
+    }
+    all
 }
 
 fn warn_of_rules(scenario: &Scenario, found: &mut Vec<String>) {
@@ -149,6 +180,25 @@ mod tests {
         assert!(found.contains("1 of the cells that an ignition names are no bushes"), "{found}");
         scenario.wumpus[0].start_m = [18.6, 2.5];
         assert!(of(&scenario).contains("truck 0, Wumpus 0"));
+    }
+
+    #[test]
+    fn bare_fields_and_agents_without_a_place_are_reported() {
+        let of = |rows: [&str; 20], cell_m: f64| {
+            let mut scenario = load("smoke", &[]).unwrap();
+            scenario.field.given = Some(GivenField::parse(&rows.join("\n"), cell_m).unwrap());
+            scenario.unimog[0].start = StartPose { x_m: 20.0, y_m: 20.0, heading_deg: 0.0 };
+            (scenario.wumpus[0].start_m, scenario.wumpus[0].size_m) = ([12.5, 12.5], 1.0);
+            let found = warnings(&scenario, Terrain::from_scenario(&scenario, 1).ok().as_ref()).join("\n");
+            assert!(warnings_of_map(&scenario).iter().all(|warning| found.contains(warning)), "{found}");
+            found
+        };
+        assert!(of(["...................."; 20], 5.0).contains("Nothing can burn: the field has no bushes."));
+        let stripes = of(["#.#.#.#.#.#.#.#.#.#."; 20], 2.0);
+        assert!(stripes.contains("Truck 0 cannot start: no free place was found for it on this field"), "{stripes}");
+        assert!(!stripes.contains("moved to the nearest free place: truck 0"), "{stripes}");
+        let full = of(["####################"; 20], 5.0);
+        assert!(full.contains("Wumpus 0 cannot start"), "{full}");
     }
 
     #[test]

@@ -5,7 +5,9 @@ use std::iter;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::agents::{AgentList, AgentsMemory, FieldMeasures, SHOWN_ALIKE, SHOWN_SEED, ScenarioField, SketchedStart};
+use super::agents::{
+    AgentList, AgentsMemory, BlockedStarts, FieldMeasures, SHOWN_ALIKE, SHOWN_SEED, ScenarioField, SketchedStart,
+};
 use super::check::{Check, TablePath};
 use super::goal::{WumpusGoal, describe_choice};
 use super::program::Programs;
@@ -26,7 +28,7 @@ const MAX_LATTICE_POINTS: f64 = 4e9;
 /// it is.
 const MAX_TRIES: f64 = 2.5e7;
 
-/// The most points of all lattices on which [`warn_of_idle_wumpuses`] looks for what can be lit: a fifth of a second.
+/// The most points of all lattices on which is looked for what can be lit, and for free places: a fifth of a second.
 const MAX_POINTS_LOOKED_AT: f64 = 5e6;
 
 /// Points of a walk that a Wumpus's memory is estimated for; a walk across the largest field has as many.
@@ -333,10 +335,28 @@ impl AgentList for Vec<Wumpus> {
         }
     }
 
-    fn blocked_starts(&self, field: &ScenarioField<'_>) -> Vec<String> {
-        let is_blocked = |wumpus: &Wumpus| !square_is_free(field.terrain, wumpus.start_centre(), wumpus.size_m);
-        let numbered = self.iter().enumerate().filter(|(_, wumpus)| is_blocked(wumpus));
-        numbered.map(|(number, _)| format!("Wumpus {number}")).collect()
+    fn blocked_starts(&self, field: &ScenarioField<'_>) -> BlockedStarts {
+        let terrain = field.terrain;
+        let has_place = |wumpus: &Wumpus, shape: LatticeShape| {
+            let is_large = WalkLattice::point_count(&terrain.frame, &shape) > MAX_POINTS_LOOKED_AT;
+            let lattice = || WalkLattice::new(terrain.frame, &terrain.occupied, shape);
+            is_large || lattice().nearest_free(wumpus.start_centre()).is_some()
+        };
+        let is_blocked = |wumpus: &Wumpus| !square_is_free(terrain, wumpus.start_centre(), wumpus.size_m);
+        let mut starts = BlockedStarts::default();
+        let mut with_places: Vec<LatticeShape> = Vec::new();
+        for (number, wumpus) in self.iter().enumerate().filter(|(_, wumpus)| is_blocked(wumpus)) {
+            let shape = wumpus.lattice_shape(&terrain.frame);
+            if !with_places.contains(&shape) {
+                if !has_place(wumpus, shape) {
+                    starts.without_place = Some(format!("Wumpus {number}"));
+                    break;
+                }
+                with_places.push(shape);
+            }
+            starts.moved.push(format!("Wumpus {number}"));
+        }
+        starts
     }
 
     fn warn_of_field(&self, field: &ScenarioField<'_>, found: &mut Vec<String>) {

@@ -12,15 +12,14 @@
 use bevy::prelude::Entity;
 use glam::DVec2;
 
-use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M, MovingBody, first_conflict, gap_between};
+use crate::collision::{CollisionChecker, LEAST_CLEARANCE_M, MovingBody, first_conflict};
 use crate::geometry::{OrientedRect, Pose};
 use crate::time::SimTime;
 use crate::timeline::AgentId;
 use crate::trajectory::{SpeedLimits, Trajectory};
 use crate::vehicle::Dimensions;
 
-/// What trucks keep between them, in metres.
-pub const MARGIN_M: f64 = 0.2;
+pub use crate::scenario::TRUCK_MARGIN_M as MARGIN_M;
 
 /// How long a truck puts its departure off for others that pass, before it looks for another way or goal.
 const PATIENCE: SimTime = SimTime::from_nanos(20_000_000_000);
@@ -223,11 +222,6 @@ impl<'a> Traffic<'a> {
         });
         checker.with_obstacles(standing)
     }
-}
-
-/// Returns true if two standing trucks keep their margin.
-pub fn keep_apart(one: (&Dimensions, Pose), other: (&Dimensions, Pose)) -> bool {
-    gap_between(one, other) >= MARGIN_M
 }
 
 #[cfg(test)]

@@ -487,6 +487,11 @@ fn obstacles_that_are_not_quite_dark_enough_are_said() {
     let text = tell(&story, "occupancy soft.pgm").stdout;
     assert!(text.contains("\nTolerance 50: 6.0 % of the pixels within 20 grey levels of it\n"), "{text}");
     assert!(text.contains("\n6.0 % of the pixels are within 20 grey levels of the tolerance, 50: "), "{text}");
+    let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        words.contains("with --tolerance auto, 162, 6.0 % of the cells would be occupied instead of 2.0 %"),
+        "{words}"
+    );
     let answer = tell(&story, "occupancy soft.pgm --json");
     assert!(answer.stderr.contains("6.0 % of the pixels"), "{}", answer.stderr);
     let answer = object(&story, "occupancy soft.pgm");
@@ -496,7 +501,13 @@ fn obstacles_that_are_not_quite_dark_enough_are_said() {
     let answer = object(&story, "occupancy sharp.pgm");
     assert_eq!(
         (&answer["near_tolerance"], &answer["notes"]),
-        (&json!(0.05), &json!(["No obstacle: no cell of the map is occupied."]))
+        (
+            &json!(0.05),
+            &json!([
+                "With --tolerance auto, 162, 5.0 % of the cells would be occupied instead of 0.0 %.",
+                "No obstacle: no cell of the map is occupied."
+            ])
+        )
     );
     assert_eq!(object(&story, "occupancy sharp.pgm --tolerance 49")["near_tolerance"], json!(0.0));
     assert_eq!(object(&story, "occupancy trap.txt")["near_tolerance"], Value::Null);

@@ -135,7 +135,7 @@ fn a_scenario_is_begun_with_a_map_and_runs() {
     story.tell(&["new", "scenario", "--from-map", "maps/hall.txt", "hall.toml", "--cell-m", "4"]).expect_code(0);
     let text = story.read("hall.toml");
     assert!(text.contains("map = \"maps/hall.txt\"\ncell_m = 4.0\n"), "{text}");
-    assert!(text.contains("26 x 20 cells of 4 m, 104.000 x 80.000 m, 40 bushes (7.7 % of the cells)"), "{text}");
+    assert!(text.contains("26 x 20 cells of 4 m, 104 x 80 m, 40 bushes (7.7 % of the cells)"), "{text}");
     story.tell(&["run", "hall.toml", "--seed", "1", "--set", "duration_s=60"]).expect_code(0);
 
     story.file("maps/plan.pgm", "P2 3 2 255\n0 255 90\n255 255 255\n");
@@ -147,6 +147,80 @@ fn a_scenario_is_begun_with_a_map_and_runs() {
     assert!(missing.stderr.contains("nowhere.png") && !story.path("other.toml").exists(), "{}", missing.stderr);
     let plan = story.tell(&["new", "plan", "--from-map", "maps/hall.txt"]).expect_code(2);
     assert!(plan.stderr.contains("--from-map goes with a scenario alone"), "{}", plan.stderr);
+}
+
+#[test]
+fn what_there_is_to_say_of_a_map_is_said_of_a_scenario_and_a_page() {
+    let story = story();
+    // Light walls on white.
+    let rows = (0..20).map(|row| if row == 9 { "76 ".repeat(30) } else { "255 ".repeat(30) });
+    story.file("light.pgm", &format!("P2 30 20 255\n{}", rows.collect::<String>()));
+    let doubt = "light.pgm: With --tolerance auto, 165, 5.0 % of the cells would be occupied instead of 0.0 %.";
+    let begun = story.tell(&["new", "scenario", "--from-map", "light.pgm", "light.toml"]).expect_code(0);
+    assert!(begun.stderr.contains(doubt), "{}", begun.stderr);
+    assert!(begun.stderr.contains("Nothing can burn: the field has no bushes."), "{}", begun.stderr);
+    let words = ["map", "report", "light.pgm", "--goal", "0,0", "--start", "2,2", "--out", "lab"];
+    let page = story.tell(&words).expect_code(0);
+    assert!(page.stderr.contains(doubt), "{}", page.stderr);
+    let quiet = story.tell(&[&["--quiet"][..], &words].concat()).expect_code(0);
+    assert!(quiet.stderr.is_empty(), "{}", quiet.stderr);
+    let refusal = story.tell(&[&words[..8], &["-"][..]].concat()).expect_code(2);
+    assert!(refusal.stderr.contains("expected a folder"), "{}", refusal.stderr);
+
+    story.file("table.csv", &"0,0,0,0,0,0,0,0,0,0,0,1\n".repeat(12));
+    let begun = story.tell(&["new", "scenario", "--from-map", "table.csv", "--tolerance", "9", "--cell-m", "10"]);
+    let begun = begun.expect_code(0);
+    assert!(begun.stderr.contains("--tolerance has no effect: the map is no image."), "{}", begun.stderr);
+    assert!(!begun.stderr.contains("Nothing can burn"), "{}", begun.stderr);
+}
+
+#[test]
+#[cfg(unix)]
+fn commands_of_a_page_can_be_pasted() {
+    let story = story();
+    for name in ["my map.txt", "it's $1 #2.txt", "-plain.txt"] {
+        story.file(name, "000000\n011100\n000100\n011100\n");
+        let words = ["map", "report", "--goal", "0,0", "--start", "3,5", "--out", "lab", "--", name];
+        story.tell(&words).expect_code(0);
+        let page = story.read("lab/report.html").replace("&#39;", "'").replace("&#x27;", "'").replace("&amp;", "&");
+        let start = page.find("wildfire map astar").expect("the page has the command");
+        let line = page[start..].split(['<', '"']).next().unwrap_or_default();
+        let script = format!("set -- {}; shift; printf '%s\\n' \"$@\"", line.trim());
+        let output = std::process::Command::new("sh").args(["-c", &script]).output().expect("there is a shell");
+        let read = String::from_utf8(output.stdout).expect("text");
+        let read: Vec<&str> = read.lines().collect();
+        assert_eq!(read.last(), Some(&name), "{line}");
+        story.tell(&read).expect_code(0);
+    }
+}
+
+#[test]
+fn paths_that_do_not_arrive_do_not_look_like_it() {
+    let story = story();
+    // A descent that begins in a closed room.
+    story.file("closed.txt", "000000\n011110\n010010\n011110\n000000\n");
+    let words = ["map", "report", "closed.txt", "--goal", "4,5", "--start", "2,2", "--out", "lab"];
+    story.tell(&words).expect_code(0);
+    let page = story.read("lab/report.html");
+    let row = &page[page.find("<td>Gradient descent").or(page.find("Gradient descent")).expect("a row")..];
+    assert!(row[..row.find("</tr>").expect("a row ends")].contains("stuck"), "{}", &row[..300]);
+}
+
+#[test]
+fn a_truck_that_has_no_room_is_told_of_before_the_run() {
+    let story = story();
+    // Corridors of 2 m.
+    let hall = format!("{}\n", [".....#.....#.....#.....#.....#.....#."; 25].join("\n"));
+    story.file("hall.txt", &hall);
+    let words = ["new", "scenario", "--from-map", "hall.txt", "hall.toml", "--cell-m", "0.4"];
+    let begun = story.tell(&words).expect_code(0);
+    let sentence = "cannot start: no free place was found for it on this field";
+    assert!(begun.stderr.contains(sentence), "{}", begun.stderr);
+    let checked = story.tell(&["check", "hall.toml"]).expect_code(0).stdout;
+    let checked = checked.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(checked.contains(sentence) && !checked.contains("moved to the nearest free place: truck 0"), "{checked}");
+    let run = story.tell(&["run", "hall.toml"]).expect_code(1);
+    assert!(run.stderr.split_whitespace().collect::<Vec<_>>().join(" ").contains(sentence), "{}", run.stderr);
 }
 
 #[test]

@@ -11,7 +11,7 @@ use crate::cli::map::options::{
 };
 use crate::cli::map::search_args::{
     EightSearchArguments, EndArguments, EuclideanArguments, PrmArguments, RrtArguments, RrtStarArguments,
-    SearchArguments, VoronoiArguments,
+    SearchArguments, TreeStep, VoronoiArguments, parse_count, parse_step,
 };
 use crate::cli::output_files::Format;
 use crate::cli::report::FormArguments;
@@ -201,7 +201,7 @@ impl Computation {
         match self {
             Self::Occupancy(_) | Self::Brushfire(_) | Self::Euclidean(_) | Self::Voronoi(_) => Ok(()),
             Self::Astar(_) | Self::Dijkstra(_) | Self::Greedy(_) | Self::Theta(_) | Self::Jps(_) => Ok(()),
-            Self::Cost(arguments) => arguments.zones().check(),
+            Self::Cost(arguments) => arguments.check(),
             Self::Wavefront(arguments) => {
                 arguments.scale.map_or(Ok(()), |scale| BadParameter::unless_positive("the scale", scale))
             }
@@ -209,8 +209,8 @@ impl Computation {
             Self::Repulsion(arguments) => arguments.repulsion.law().check(),
             Self::Total(arguments) => arguments.field.check(),
             Self::Descend(arguments) => arguments.field.check(),
-            Self::Rrt(arguments) => arguments.growth.settings(None).check(),
-            Self::RrtStar(arguments) => arguments.growth.settings(Some(&arguments.near)).check(),
+            Self::Rrt(arguments) => arguments.growth.check(None),
+            Self::RrtStar(arguments) => arguments.growth.check(Some(&arguments.near)),
             Self::Prm(arguments) => arguments.settings().check(),
         }
     }
@@ -455,12 +455,34 @@ pub struct PageArguments {
     /// The number that decides what trees and roadmaps draw.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
+    /// Points that trees draw at most, from 1 to 100000 [default: 5000].
+    #[arg(long, allow_hyphen_values = true, value_parser = parse_count)]
+    pub samples: Option<u32>,
+    /// The longest edge of trees in cells; `auto` is a twentieth of the map's longer side, at least 5.
+    #[arg(long, value_name = "CELLS|auto", default_value = "auto", allow_hyphen_values = true, value_parser = parse_step)]
+    pub step: TreeStep,
     /// The folder to write to.
     #[arg(long, value_name = "FOLDER")]
     pub out: PathBuf,
 }
 
 impl CostArguments {
+    /// Accepts what the zones accept. Of costs that do not go together, one may be left to its default: options are named.
+    pub fn check(&self) -> Result<(), BadParameter> {
+        let unfit = |name, expected, found| BadParameter { name, expected, found };
+        self.zones().check().map_err(|problem| {
+            if self.safety_max > self.max_cost {
+                let name = "--safety-max, the cost at the inner edge of the safety zone,";
+                unfit(name, "at most --max-cost, the largest cost", self.safety_max)
+            } else if self.safety_min > self.safety_max {
+                let name = "--safety-min, the cost at the outer edge of the safety zone,";
+                unfit(name, "at most --safety-max, that at its inner edge", self.safety_min)
+            } else {
+                problem
+            }
+        })
+    }
+
     pub fn zones(&self) -> cost_map::TwoZones {
         cost_map::TwoZones {
             form: match self.form {

@@ -11,14 +11,14 @@ use crate::grid::segment::GridPoint;
 use crate::grid::{Grid, Place};
 
 pub fn rrt(occupied: &Grid<bool>, arguments: &RrtArguments) -> Result<Computed, BadQuestion> {
-    let (ends, settings) = (arguments.ends.places(), arguments.growth.settings(None));
+    let (ends, settings) = (arguments.ends.places(), arguments.growth.settings(occupied, None));
     check_problem("rrt", occupied, ends)?;
     let found = timed(|| grow_tree(occupied, ends, TreeKind::Rrt, &settings).expect("both ends are on the map"));
     Ok(answer(occupied, "RRT", ends, found))
 }
 
 pub fn rrt_star(occupied: &Grid<bool>, arguments: &RrtStarArguments) -> Result<Computed, BadQuestion> {
-    let (ends, settings) = (arguments.ends.places(), arguments.growth.settings(Some(&arguments.near)));
+    let (ends, settings) = (arguments.ends.places(), arguments.growth.settings(occupied, Some(&arguments.near)));
     check_problem("rrt-star", occupied, ends)?;
     let found = timed(|| grow_tree(occupied, ends, TreeKind::RrtStar, &settings).expect("both ends are on the map"));
     Ok(answer(occupied, "RRT*", ends, found))

@@ -17,7 +17,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 pub use args::MapCommand;
-pub use options::parse_tolerance;
+pub use options::{NO_IMAGE, parse_tolerance};
 
 use args::Computation;
 use report::{MapReport, with_scene, write_film};

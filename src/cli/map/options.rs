@@ -19,8 +19,9 @@ use crate::time::cpu::CpuStopwatch;
 /// The map to read.
 #[derive(Debug, Args)]
 pub struct InputArguments {
-    /// A map: an image (PNG, JPEG, WebP, GIF, BMP, TIFF, PGM), text of 0 and 1, CSV or a NumPy array of 0 and 1, Moving AI
-    /// `.map` (S, swamp, and W, water, are blocked like all but `.` and G), or the YAML file of a ROS map.
+    /// A map: an image (PNG, JPEG, WebP, GIF, BMP, TIFF, PGM), text of 0 and 1 or of `.` and `#`, a table or a NumPy array
+    /// of 0 and 1, Moving AI `.map` (S, swamp, and W, water, are blocked like all but `.` and G), or the YAML file of a ROS
+    /// map.
     #[arg(value_name = "MAP")]
     pub map: PathBuf,
     #[command(flatten)]
@@ -46,6 +47,9 @@ pub struct ReadingArguments {
     #[arg(long, value_name = "COLSxROWS", allow_hyphen_values = true, value_parser = parse_size)]
     pub resize: Option<MapSize>,
 }
+
+/// Says that `--tolerance` was given for a map that has no grey values.
+pub const NO_IMAGE: &str = "--tolerance has no effect: the map is no image.";
 
 /// The size of a map, as people say it: columns first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

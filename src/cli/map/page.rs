@@ -8,15 +8,17 @@ use std::time::Duration;
 
 use clap::Parser;
 
-use crate::batch::PROGRAM_VERSION;
+use crate::batch::{PROGRAM_VERSION, shell_word};
 use crate::cli::error::CliError;
 use crate::cli::map::args::{Computation, MapCommand, PageArguments};
 use crate::cli::map::compute::compute;
-use crate::cli::map::computed::Computed;
+use crate::cli::map::computed::{Computed, WalkResult};
 use crate::cli::map::report::{MapReport, with_scene};
 use crate::cli::output_files;
-use crate::document::number::rounded;
+use crate::cli::terminal;
+use crate::document::number::{count, rounded};
 use crate::document::{Block, Document, Table};
+use crate::input_file::is_standard_stream;
 use crate::map_files::MapFile;
 use crate::picture::draw_small_map;
 use crate::whole_file::{WholeFile, write_whole};
@@ -48,9 +50,14 @@ pub fn run(arguments: &PageArguments, quiet: bool) -> Result<(), CliError> {
         let Ok(OneCommand { command: MapCommand::Compute(computation) }) = OneCommand::try_parse_from(&words) else {
             unreachable!("{words:?} is a command");
         };
+        computation.check_parameters().map_err(|problem| CliError::bad_input(problem, None))?;
         let computed = compute(&computation, &map.occupied)
             .map_err(|problem| CliError::bad_input(format_args!("{}: {problem}", arguments.map.display()), None))?;
         parts.push(Part { words, computation, computed });
+    }
+    if !quiet {
+        let path = arguments.map.display();
+        of_map(&map).iter().for_each(|note| terminal::note(&format!("{path}: {note}")));
     }
     let page = page(arguments, &map, &parts, cpu_read).to_html();
     fs::create_dir_all(&arguments.out).map_err(|error| CliError::unwritable(&arguments.out, &error))?;
@@ -69,7 +76,9 @@ fn check_folder(folder: &Path) -> Result<(), CliError> {
     let refuse =
         |reason: &str| Err(CliError::bad_input(format_args!("cannot write to {}: {reason}", folder.display()), None));
     let parent = folder.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if folder.exists() && !folder.is_dir() {
+    if is_standard_stream(folder) {
+        refuse("a page does not go to stdout; expected a folder")
+    } else if folder.exists() && !folder.is_dir() {
         refuse("it is no folder")
     } else if !parent.is_dir() {
         refuse("there is no such folder to make it in")
@@ -86,6 +95,9 @@ fn commands(arguments: &PageArguments) -> Vec<Vec<OsString>> {
     let ends = format!("{goal} --start {}", place(start));
     let neighbours = format!("--connectivity {}", u8::from(arguments.neighbours.connectivity));
     let corners = if arguments.corners.no_corner_cutting { "--no-corner-cutting" } else { "" };
+    let mut growth = format!("--seed {}", arguments.seed);
+    growth.extend(arguments.samples.map(|samples| format!(" --samples {samples}")));
+    growth.extend(arguments.step.given().map(|step| format!(" --step {step}")));
     let seed = format!("--seed {}", arguments.seed);
     let reading = arguments.reading.words();
     let options = [
@@ -104,8 +116,8 @@ fn commands(arguments: &PageArguments) -> Vec<Vec<OsString>> {
         ("greedy", format!("{ends} {neighbours} {corners}")),
         ("jps", format!("{ends} {corners}")),
         ("theta", format!("{ends} {corners}")),
-        ("rrt", format!("{ends} {seed}")),
-        ("rrt-star", format!("{ends} {seed}")),
+        ("rrt", format!("{ends} {growth}")),
+        ("rrt-star", format!("{ends} {growth}")),
         ("prm", format!("{ends} {seed}")),
     ];
     let words = |(command, options): (&str, String)| {
@@ -119,11 +131,16 @@ fn commands(arguments: &PageArguments) -> Vec<Vec<OsString>> {
     options.into_iter().map(words).collect()
 }
 
+/// What there is to say about the map.
+fn of_map(map: &MapFile) -> Vec<String> {
+    [map.notes.clone(), map.doubts()].concat()
+}
+
 fn page(arguments: &PageArguments, map: &MapFile, parts: &[Part], cpu_read: Duration) -> Document {
     let name = arguments.map.file_name().unwrap_or(arguments.map.as_os_str()).to_string_lossy();
     let (start, goal) = arguments.ends.places();
     // What there is to say about the map is said once.
-    let of_map = [map.notes.clone(), map.doubts()].concat();
+    let of_map = of_map(map);
     let report = |part: &'_ Part| {
         let report = MapReport::new(&part.computation, map, &part.computed, cpu_read);
         let picture = with_scene(&report, draw_small_map).to_png();
@@ -134,7 +151,12 @@ fn page(arguments: &PageArguments, map: &MapFile, parts: &[Part], cpu_read: Dura
     let rows = map.occupied.rows();
     let occupied = map.occupied.values().iter().filter(|&&is_occupied| is_occupied).count();
     let mut facts = vec![
-        format!("{rows} rows x {} columns, {occupied} cells occupied", map.occupied.cols()),
+        format!(
+            "{} x {}, {} occupied",
+            count(rows, "row"),
+            count(map.occupied.cols(), "column"),
+            count(occupied, "cell")
+        ),
         format!("Start: row {}, column {}; goal: row {}, column {}", start.0, start.1, goal.0, goal.1),
         format!("wildfire {PROGRAM_VERSION}"),
     ];
@@ -159,7 +181,11 @@ fn page(arguments: &PageArguments, map: &MapFile, parts: &[Part], cpu_read: Dura
 impl Part {
     /// The line that computes it again.
     fn command_line(&self) -> String {
-        let words = self.words.iter().filter(|word| *word != "--").map(|word| word.to_string_lossy());
+        let (map, options) = self.words.split_last().expect("the map comes last");
+        // Only a name that looks like an option needs the hyphens before it.
+        let needs_hyphens = map.to_string_lossy().starts_with('-');
+        let options = options.iter().filter(|word| needs_hyphens || *word != "--");
+        let words = options.chain([map]).map(|word| shell_word(&word.to_string_lossy()));
         words.fold("wildfire map".to_owned(), |line, word| line + " " + &word)
     }
 
@@ -213,8 +239,10 @@ fn search_table(parts: &[Part]) -> Table {
 fn map_table(parts: &[Part]) -> Table {
     let row = |part: &Part| {
         let maximum = part.computed.values.max().map(|value| value.to_short_text());
-        let length = part.computed.walk.as_ref().filter(|walk| !walk.way.cells.is_empty());
-        let length = length.map(|walk| rounded(walk.way.length, 3));
+        let length = part.computed.walk.as_ref().and_then(|walk| match walk.way.answer {
+            WalkResult::Reached => Some(rounded(walk.way.length, 3)),
+            _ => walk.way.minimum.map(|_| "stuck".to_owned()),
+        });
         vec![part.computed.title.clone(), or_dash(maximum), or_dash(length), rounded(part.cpu().as_secs_f64() * 1e3, 3)]
     };
     let headings = ["Map", "Maximum", "Length\nof path", "CPU\nms"];

@@ -10,8 +10,9 @@ use serde_json::Value as Json;
 use crate::batch::PROGRAM_VERSION;
 use crate::cli::map::args::{Computation, CostArguments};
 use crate::cli::map::computed::{Bare, Computed, Value, Walk, WalkResult};
+use crate::cli::map::options::NO_IMAGE;
 use crate::cli::map::traces::{GraphTrace, SearchTrace};
-use crate::document::number::{percent, rounded};
+use crate::document::number::{count, percent, rounded};
 use crate::document::{Block, Document};
 use crate::grid::brushfire::brushfire;
 use crate::grid::{Connectivity, Grid, Place};
@@ -108,7 +109,7 @@ impl<'a> MapReport<'a> {
             oddities.push(format!("The goal, row {}, column {}, lies in an obstacle.", goal.0, goal.1));
         }
         if self.computation.files().input.reading.tolerance.is_some() && self.map.grey.is_none() {
-            oddities.push("--tolerance has no effect: the map is no image.".to_owned());
+            oddities.push(NO_IMAGE.to_owned());
         }
         oddities
     }
@@ -227,7 +228,9 @@ fn size(report: &MapReport) -> String {
     let (path, map) = (report.path.display(), &report.map.occupied);
     let (cells, occupied) = (report.cells(), report.occupied_cells);
     let share = percent(occupied as f64 / cells as f64);
-    format!("{path}: {} rows x {} columns, {cells} cells, {occupied} occupied ({share} %)", map.rows(), map.cols())
+    let [rows, cols, cells] =
+        [(map.rows(), "row"), (map.cols(), "column"), (cells, "cell")].map(|(n, of)| count(n, of));
+    format!("{path}: {rows} x {cols}, {cells}, {occupied} occupied ({share} %)")
 }
 
 /// Says how much of an image the tolerance hardly separates.
@@ -283,6 +286,7 @@ pub fn with_scene<T>(report: &MapReport, draw: impl FnOnce(&MapScene) -> T) -> T
         path: report.way().unwrap_or_default(),
         track: computed.walk.as_ref().map_or(&[], |walk| walk.way.points.as_slice()),
         edges: computed.graph.as_ref().map_or(&[], |graph| graph.edges.as_slice()),
+        swept: computed.search.as_ref().and_then(|search| search.swept.as_ref()),
         start: computed.walk.as_ref().map(|walk| walk.start),
         goal: computed.goal,
         stuck: computed.walk.as_ref().and_then(|walk| walk.way.minimum),

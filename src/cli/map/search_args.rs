@@ -1,18 +1,20 @@
 //! Arguments of the commands that search for a path, of the diagrams of distances, and of trees and roadmaps.
 
 use std::path::PathBuf;
+use std::sync::OnceLock;
 
 use clap::{Args, ValueEnum};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::cli::map::options::{
     CornerArguments, FileArguments, GoalArguments, NeighbourArguments, parse_number, parse_place,
 };
 use crate::cli::numbers;
 use crate::cli::output_files::Format;
-use crate::grid::Place;
+use crate::grid::parameter::BadParameter;
 use crate::grid::sampling::{PrmSettings, RrtSettings};
 use crate::grid::voronoi::Sites;
+use crate::grid::{Grid, Place};
 
 /// Where a search begins and ends.
 #[derive(Debug, Args, Serialize)]
@@ -231,9 +233,9 @@ pub struct GrowthArguments {
     /// Points that are drawn at most, from 1 to 100000.
     #[arg(long, default_value_t = 5000, allow_hyphen_values = true, value_parser = parse_count)]
     pub samples: u32,
-    /// The longest edge in cells.
-    #[arg(long, value_name = "CELLS", default_value_t = 5.0, allow_hyphen_values = true, value_parser = parse_number)]
-    pub step: f64,
+    /// The longest edge in cells; `auto` is a twentieth of the map's longer side, at least 5.
+    #[arg(long, value_name = "CELLS|auto", default_value = "auto", allow_hyphen_values = true, value_parser = parse_step)]
+    pub step: TreeStep,
     /// The chance that the goal is drawn in place of a point.
     #[arg(long, value_name = "SHARE", default_value_t = 0.05, allow_hyphen_values = true, value_parser = parse_number)]
     pub goal_bias: f64,
@@ -250,13 +252,51 @@ pub struct NearArguments {
     pub radius: Option<f64>,
 }
 
+/// The longest edge of a tree: as it was given, or as a map suggests, from when it is known.
+#[derive(Clone, Debug, Default)]
+pub struct TreeStep {
+    given: Option<f64>,
+    of_map: OnceLock<f64>,
+}
+
+impl TreeStep {
+    /// On maps of up to 100 cells.
+    const LEAST: f64 = 5.0;
+    /// Edges that span the longer side.
+    const EDGES_ACROSS: f64 = 20.0;
+
+    pub fn given(&self) -> Option<f64> {
+        self.given
+    }
+
+    /// Returns the step on a map of which the longer side has so many cells.
+    fn on_side(&self, longer: usize) -> f64 {
+        let of_map = || (longer as f64 / Self::EDGES_ACROSS).max(Self::LEAST);
+        self.given.unwrap_or_else(|| *self.of_map.get_or_init(of_map))
+    }
+}
+
+impl Serialize for TreeStep {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.given.or_else(|| self.of_map.get().copied()).serialize(serializer)
+    }
+}
+
 impl GrowthArguments {
-    /// The settings of a tree; RRT has no neighbours.
-    pub fn settings(&self, near: Option<&NearArguments>) -> RrtSettings {
+    pub fn check(&self, near: Option<&NearArguments>) -> Result<(), BadParameter> {
+        self.settings_of_step(self.step.given.unwrap_or(TreeStep::LEAST), near).check()
+    }
+
+    /// The settings of a tree on a map; RRT has no neighbours.
+    pub fn settings(&self, occupied: &Grid<bool>, near: Option<&NearArguments>) -> RrtSettings {
+        self.settings_of_step(self.step.on_side(occupied.rows().max(occupied.cols())), near)
+    }
+
+    fn settings_of_step(&self, step: f64, near: Option<&NearArguments>) -> RrtSettings {
         RrtSettings {
             seed: self.seed,
             samples: self.samples,
-            step: self.step,
+            step,
             goal_bias: self.goal_bias,
             neighbours: near.and_then(|near| near.neighbours),
             radius: near.and_then(|near| near.radius),
@@ -271,6 +311,31 @@ impl PrmArguments {
     }
 }
 
-fn parse_count(text: &str) -> Result<u32, String> {
+pub fn parse_count(text: &str) -> Result<u32, String> {
     numbers::parse(text).ok_or_else(|| "expected a whole number".to_owned())
+}
+
+pub fn parse_step(text: &str) -> Result<TreeStep, String> {
+    let given = match text {
+        "auto" => None,
+        _ => Some(numbers::parse(text).ok_or_else(|| "expected a number of cells, or `auto`".to_owned())?),
+    };
+    Ok(TreeStep { given, ..TreeStep::default() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_grow_with_the_map_unless_they_are_given() {
+        for (text, longer, expected) in
+            [("auto", 30, 5.0), ("auto", 100, 5.0), ("auto", 4000, 200.0), ("7.5", 4000, 7.5)]
+        {
+            let step = parse_step(text).expect("a step");
+            assert_eq!(step.on_side(longer), expected, "{text} of {longer}");
+            assert_eq!(serde_json::to_value(&step).expect("a number"), serde_json::json!(expected));
+        }
+        assert!(parse_step("far").is_err_and(|expected| expected.contains("`auto`")));
+    }
 }

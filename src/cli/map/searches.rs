@@ -82,7 +82,12 @@ fn answer<E: std::fmt::Debug>(
         bare: Bare::Infinite("not reached"),
         goal: Some(goal),
         walk: Some(Walk { start, goal, way }),
-        search: Some(SearchTrace { cost: found.cost, expanded: found.expanded, touched: found.touched }),
+        search: Some(SearchTrace {
+            cost: found.cost,
+            expanded: found.expanded,
+            touched: found.touched,
+            swept: found.swept,
+        }),
         cpu_map,
         ..Computed::timed(&question.title, "cost from start", || Values::Reals(found.costs))
     })

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use crate::document::number::{count, rounded};
-use crate::grid::Place;
+use crate::grid::{Grid, Place};
 use crate::map_files::MapValue;
 use crate::picture::Spot;
 use crate::whole_file::{WholeFile, write_whole};
@@ -17,6 +17,8 @@ pub struct SearchTrace {
     /// Cells in the order in which they were expanded, as `row * cols + col`.
     pub expanded: Vec<u32>,
     pub touched: usize,
+    /// The cells that jumps went through.
+    pub swept: Option<Grid<bool>>,
 }
 
 impl SearchTrace {

@@ -68,7 +68,8 @@ pub fn search_best_first(
     let costs = Grid::from_values(occupied.rows(), occupied.cols(), costs);
     let cost = found.path.as_ref().map(|_| costs[goal]);
     let in_cells = |path: Vec<usize>| Route::Found(path.into_iter().map(|index| place_of(occupied, index)).collect());
-    Ok(PathSearch { costs, route: found.path.map_or(Route::Unreachable, in_cells), cost, expanded, touched })
+    let route = found.path.map_or(Route::Unreachable, in_cells);
+    Ok(PathSearch { costs, route, cost, expanded, touched, swept: None })
 }
 
 fn follow(lengths: &mut Grid<StepLength>, from: Place, to: Place) {

@@ -96,6 +96,7 @@ pub fn jump_point_search(
         route,
         expanded,
         touched: jumps.touched.values().iter().filter(|&&is_touched| is_touched).count(),
+        swept: Some(jumps.touched),
     })
 }
 

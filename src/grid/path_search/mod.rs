@@ -30,6 +30,8 @@ pub struct PathSearch {
     pub expanded: Vec<u32>,
     /// Number of cells that the search looked at as ones to go to.
     pub touched: usize,
+    /// The cells that jumps went through, of a search that jumps.
+    pub swept: Option<Grid<bool>>,
 }
 
 impl PathSearch {
@@ -41,6 +43,7 @@ impl PathSearch {
             cost: None,
             expanded: Vec::new(),
             touched: 0,
+            swept: None,
         }
     }
 }

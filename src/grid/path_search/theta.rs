@@ -96,7 +96,7 @@ pub fn theta_star(
     let costs = Grid::from_values(occupied.rows(), occupied.cols(), costs);
     let cost = is_found.then(|| costs[goal]);
     let route = if is_found { Route::Found(turns(&nodes, occupied, start, goal)) } else { Route::Unreachable };
-    Ok(PathSearch { costs, route, cost, expanded, touched })
+    Ok(PathSearch { costs, route, cost, expanded, touched, swept: None })
 }
 
 fn turns(nodes: &Grid<Node>, occupied: &Grid<bool>, start: Place, goal: Place) -> Vec<Place> {

@@ -41,6 +41,8 @@ const OUTLINED: f32 = 5.0;
 /// an obstacle where at least half of the cells are, else at the mean value. A path is drawn on the surface, dotted
 /// where the surface hides it. A picture takes about 20 MB of memory while it is drawn, whatever the size of the map.
 pub fn draw_surface(scene: &MapScene) -> Picture {
+    // Ground is ground, whatever went over it.
+    let scene = &MapScene { swept: None, ..*scene };
     let heights = ValueScale::from_values(scene.places().filter_map(|place| scene.value_at(place)), scene.colours);
     let scale = scene.scale();
     let size = (scene.occupied.rows(), scene.occupied.cols());

@@ -7,21 +7,16 @@ use bevy::prelude::*;
 use super::Truck;
 use super::tracks::Tracks;
 use crate::collision::CollisionChecker;
-use crate::geometry::{FieldFrame, Pose};
 use crate::planning::reachability::Reachability;
 use crate::planning::{BuildReport, QueryMonitor};
-use crate::scenario::{self, Extinguishes, PlannerContext, Retarget};
+use crate::scenario::{self, Extinguishes, PlannerContext, Retarget, free_start};
 use crate::sim::agent::{Agent, Arena, enlist};
 use crate::sim::policies::Following;
 use crate::sim::recorder::Recorder;
 use crate::sim::run::RunError;
-use crate::sim::traffic::keep_apart;
 use crate::sim::wake::WokenBy;
 use crate::time::SimTime;
 use crate::timeline::{AgentFact, AgentId, AgentStart, Body};
-
-/// Clearance that a truck's start has at least, in metres.
-const START_CLEARANCE_M: f64 = 0.05;
 
 /// Puts a truck on the free pose that is nearest to its start and builds its planner.
 pub fn spawn(
@@ -37,12 +32,9 @@ pub fn spawn(
         .map(|(agent, truck)| (truck.body, agent.trajectory.start()))
         .collect();
     let checker = CollisionChecker::new(Arc::clone(arena.field), settings.vehicle);
-    let wanted = Pose::new(settings.start.x_m, settings.start.y_m, settings.start.heading_deg.to_radians());
-    let is_free = |pose: &Pose| {
-        checker.pose_is_free(*pose, START_CLEARANCE_M)
-            && parked.iter().all(|(body, other)| keep_apart((&settings.vehicle, *pose), (body, *other)))
-    };
-    let start = nearest_free_pose(arena.field.frame(), wanted, is_free).ok_or(RunError::NoFreeStart { agent: id })?;
+    let wanted = settings.start.pose();
+    let start = free_start((&settings.vehicle, wanted), arena.field, &checker, &parked)
+        .ok_or(RunError::NoFreeStart { agent: id })?;
     if start != wanted {
         world.resource_mut::<Recorder>().record_agent(SimTime::ZERO, id, AgentFact::StartMoved { from: wanted });
     }
@@ -94,28 +86,4 @@ pub fn spawn(
     agent.stops_left = arena.water.as_ref().map(|water| water.full_tank);
     (agent.cost.sampling, agent.cost.connecting) = (sampling, connecting);
     Ok(enlist(world, agent, settings.speed_limits(), (truck, woken_by, follows)))
-}
-
-/// Returns the free pose nearest to a wanted one: places on rings half a metre apart, headings from the wanted one
-/// outwards.
-fn nearest_free_pose(frame: &FieldFrame, wanted: Pose, is_free: impl Fn(&Pose) -> bool) -> Option<Pose> {
-    const RING_M: f64 = 0.5;
-    const HEADINGS: i32 = 16;
-    if is_free(&wanted) {
-        return Some(wanted);
-    }
-    let rings = (2.0 * frame.width_m().max(frame.height_m()) / RING_M).ceil() as i32;
-    (0..rings).find_map(|ring| {
-        let radius = f64::from(ring) * RING_M;
-        let spokes = (8 * ring).clamp(1, 64);
-        (0..spokes).find_map(|spoke| {
-            let bearing = std::f64::consts::TAU * f64::from(spoke) / f64::from(spokes);
-            let place = wanted.position() + Pose::new(0.0, 0.0, bearing).direction() * radius;
-            let turned = |k: i32| {
-                let steps = if k % 2 == 0 { k / 2 } else { -(k + 1) / 2 };
-                wanted.heading + std::f64::consts::TAU * f64::from(steps) / f64::from(HEADINGS)
-            };
-            (0..HEADINGS).map(|k| Pose::new(place.x, place.y, turned(k))).find(&is_free)
-        })
-    })
 }
