@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::Args;
 use serde::Serialize;
 
-use crate::batch::{BatchError, BatchPlan, COMMIT, PROGRAM_VERSION, PlanWriter};
+use crate::batch::{BatchError, BatchPlan, COMMIT, PROGRAM_VERSION, PlanWriter, planner_of};
 use crate::cli::error::CliError;
 use crate::cli::terminal;
 
@@ -57,6 +57,10 @@ struct Citation {
 #[derive(Serialize)]
 struct CitedBatch {
     scenarios: Vec<String>,
+    /// Those of the trucks, with `;` between those of one run.
+    planners: Vec<String>,
+    /// The keys that take several values.
+    swept: Vec<String>,
     seeds: String,
     runs: u64,
     content_sha256: String,
@@ -71,8 +75,12 @@ impl CitedBatch {
         let PlanWriter { commit, compiler, .. } = BatchPlan::read_writer(folder).map_err(BatchError::from)?;
         let mut scenarios: Vec<String> = plan.variants.iter().map(|variant| variant.scenario.name.clone()).collect();
         scenarios.dedup();
+        let mut planners: Vec<String> = plan.variants.iter().map(|variant| planner_of(&variant.scenario)).collect();
+        planners.sort();
+        planners.dedup();
+        let swept = plan.swept_keys.clone();
         let (seeds, runs, content_sha256) = (plan.seeds.to_string(), plan.count(), plan.content_sha256());
-        Ok(Self { scenarios, seeds, runs, content_sha256, commit, compiler })
+        Ok(Self { scenarios, planners, swept, seeds, runs, content_sha256, commit, compiler })
     }
 }
 
@@ -80,25 +88,26 @@ impl Citation {
     /// Says which commit it was and which runs there were, as far as there is something to say.
     fn note(&self) -> String {
         let commit = self.commit.iter().map(|commit| format!("Commit {}", in_bibtex(commit)));
-        let batch = self.batch.iter().flat_map(|CitedBatch { scenarios, seeds, runs, content_sha256, .. }| {
-            let scenarios = scenarios.iter().map(|name| in_bibtex(name)).collect::<Vec<_>>().join(", ");
-            [
-                format!("Scenarios: {scenarios}"),
-                format!("seeds {seeds}"),
-                format!("{runs} runs"),
-                format!("plan {content_sha256}"),
-            ]
+        let list = |names: &[String]| names.iter().map(|name| in_bibtex(name)).collect::<Vec<_>>().join(", ");
+        let batch = self.batch.iter().flat_map(|batch| {
+            let CitedBatch { scenarios, planners, swept, seeds, runs, content_sha256, .. } = batch;
+            let mut parts = vec![format!("Scenarios: {}", list(scenarios)), format!("planners: {}", list(planners))];
+            parts.extend((!swept.is_empty()).then(|| format!("swept: {}", list(swept))));
+            parts.extend([format!("seeds {seeds}"), format!("{runs} runs"), format!("plan {content_sha256}")]);
+            parts
         });
         commit.chain(batch).collect::<Vec<_>>().join("; ")
     }
 }
 
+/// An entry that classic styles know as well as those of biblatex, which print the version by itself.
 fn entry(note: &str) -> String {
     let note = if note.is_empty() { String::new() } else { format!("  note         = {{{note}}},\n") };
     format!(
-        "@software{{wildfire,\n  \
+        "@misc{{wildfire,\n  \
            author       = {{{{{AUTHOR}}}}},\n  \
            title        = {{{TITLE}}},\n  \
+           howpublished = {{Computer program, version {PROGRAM_VERSION}}},\n  \
            version      = {{{PROGRAM_VERSION}}},\n  \
            year         = {{{YEAR}}},\n\
          {note}}}\n"
@@ -144,7 +153,7 @@ mod tests {
             let entry = entry(&format!("Scenarios: {}", in_bibtex(name)));
             let count = |brace: char, escaped: &str| entry.matches(brace).count() - entry.matches(escaped).count();
             assert_eq!(count('{', "\\{"), count('}', "\\}"), "{entry}");
-            assert!(entry.starts_with("@software{wildfire,\n") && entry.ends_with("}\n"), "{entry}");
+            assert!(entry.starts_with("@misc{wildfire,\n") && entry.ends_with("}\n"), "{entry}");
         }
     }
 }

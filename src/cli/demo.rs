@@ -60,14 +60,17 @@ const STEPS: [Step; 7] = [
 ];
 
 const NEXT: &str = "\
-Open these in a browser: DIR/run.html plays the run, DIR/batch/report.html has the charts. Pictures: DIR/run.png,
-DIR/drives.png.
+Open in a browser:
+  DIR/run.html plays the run,
+  DIR/batch/report.html has the charts.
+Pictures: DIR/run.png, DIR/drives.png.
 
 Then try
-  wildfire scenarios                                  other contests: wind, hills, twenty trucks
-  wildfire run contest --set unimog.speed_mps=12      any value can be changed; `wildfire check contest` explains them
-  wildfire new planner mine.py                        a planner of yours, in any language
-  wildfire map wavefront --help                       the classical grid maps, on your own maps
+  wildfire scenarios                              other contests: wind, hills, fleets
+  wildfire run contest --set unimog.speed_mps=12  any value can be changed, and
+  wildfire check contest                          explains them
+  wildfire new planner mine.py                    a planner of yours, in any language
+  wildfire map report --help                      the classical grid maps and searches
 ";
 
 /// Does the steps one after the other, each by `run_words`, which runs a command from its words.
