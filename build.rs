@@ -3,8 +3,6 @@
 //! A development build does not look at the repository, so that a commit does not compile everything again; its commit is
 //! unknown. Neither does a build without a repository: of a packaged crate cargo has written down the commit.
 
-#![expect(clippy::print_stdout, reason = "cargo reads the answers of a build script there")]
-
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs};

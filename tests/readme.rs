@@ -253,6 +253,7 @@ hold! {
     fire_spread: "docs/fire-spread.md", pictures below 200_000;
     fire_validation: "docs/fire-validation.md", pictures below 0;
     grid_maps: "docs/grid-maps.md", pictures below 100_000;
+    installing: "docs/installing.md", pictures below 0;
     judge: "docs/judge.md", pictures below 0;
     landscapes: "docs/landscapes.md", pictures below 0;
     maps_of_fire: "docs/maps-of-fire.md", pictures below 300_000;

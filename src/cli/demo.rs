@@ -73,11 +73,14 @@ Then try
   wildfire map report --help                      the classical grid maps and searches
 ";
 
-/// Does the steps one after the other, each by `run_words`, which runs a command from its words.
+/// What runs a command from its words.
+type RunWords<'a> = dyn Fn(Vec<OsString>, &CommandContext) -> Result<ExitCode, CliError> + 'a;
+
+/// Does the steps one after the other.
 pub fn run(
     arguments: &DemoArguments,
     context: &CommandContext,
-    run_words: &dyn Fn(Vec<OsString>, &CommandContext) -> Result<ExitCode, CliError>,
+    run_words: &RunWords<'_>,
 ) -> Result<ExitCode, CliError> {
     // A name that begins with a hyphen would be read as an option.
     let begins_with_hyphen = arguments.out.as_os_str().as_encoded_bytes().starts_with(b"-");

@@ -46,7 +46,7 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::builder::FalseyValueParser;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 use audit::AuditArguments;
 use batch::{BatchArguments, MergeArguments, ReportArguments, StatusArguments};
@@ -243,8 +243,8 @@ fn dispatch(arguments: &Arguments, context: &CommandContext) -> Result<ExitCode,
         Command::Plan(plan) => plan::run(plan, &context.with_programs(&plan.programs)),
         Command::Judge(judge) => judge::run(judge, &context.with_programs(&judge.programs)),
         Command::Cite(cite) => cite::run(cite),
-        Command::Completions(completions) => shell::completions(completions),
-        Command::Man(man) => shell::man(man),
+        Command::Completions(completions) => shell::completions(completions, Arguments::command()),
+        Command::Man(man) => shell::man(man, Arguments::command()),
     }
 }
 

@@ -8,7 +8,7 @@ use crate::cli::error::CliError;
 use crate::cli::report::FormArguments;
 use crate::cli::terminal;
 use crate::input_file::is_standard_stream;
-use crate::whole_file::{WholeFile, refuse_no_file};
+use crate::whole_file::refuse_no_file;
 
 /// A file that may have been asked for, and how it is written.
 pub type Output<'a> = (Option<&'a Path>, &'a dyn Fn(&Path) -> io::Result<()>);
@@ -129,10 +129,10 @@ impl<'a> Files<'a> {
     }
 
     /// Refuses two inputs on stdin, two results on stdout, and outputs that are one and the same file, an input, no
-    /// file, in no folder, or named as if they held something else than they will; and files that cannot be begun.
+    /// file, in no folder, or named as if they held something else than they will.
     ///
     /// # Errors
-    /// Bad input; a fault of the environment where the system does not let the folder be looked at or written to.
+    /// Bad input; a fault of the environment where the system does not let the folder be looked at.
     pub fn check(&self) -> Result<Words, CliError> {
         if self.inputs.iter().filter(|path| is_standard_stream(path)).count() > 1 {
             return Err(CliError::bad_input("- is stdin, which can be read once; expected it as one input", None));
@@ -156,10 +156,6 @@ impl<'a> Files<'a> {
         for &(format, path) in files() {
             check_place(path)?;
             format.check(path)?;
-        }
-        // A file that cannot be begun now could not be later, when all is computed.
-        for (_, path) in files() {
-            WholeFile::create(path).map(drop).map_err(|error| CliError::unwritable(path, &error))?;
         }
         Ok(if on_stdout > 0 { Words::Stderr } else { Words::Stdout })
     }

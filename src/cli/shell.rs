@@ -5,12 +5,12 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Args, CommandFactory};
+use clap::{Args, Command};
 use clap_complete::Shell;
 use clap_mangen::Man;
 
 use crate::cli::error::CliError;
-use crate::cli::{Arguments, completion, terminal};
+use crate::cli::{completion, terminal};
 use crate::whole_file::WholeFile;
 
 #[derive(Debug, Args)]
@@ -30,15 +30,15 @@ pub struct ManArguments {
     pub out: Option<PathBuf>,
 }
 
-/// Prints the script that completes arguments.
-pub fn completions(arguments: &CompletionsArguments) -> Result<ExitCode, CliError> {
-    terminal::print(&completion::script(arguments.shell, Arguments::command()))?;
+/// Prints the script that completes the arguments of a program.
+pub fn completions(arguments: &CompletionsArguments, program: Command) -> Result<ExitCode, CliError> {
+    terminal::print(&completion::script(arguments.shell, program))?;
     Ok(ExitCode::SUCCESS)
 }
 
-/// Prints or writes pages for `man`.
-pub fn man(arguments: &ManArguments) -> Result<ExitCode, CliError> {
-    let mut program = Arguments::command().disable_help_subcommand(true);
+/// Prints or writes the pages of a program for `man`.
+pub fn man(arguments: &ManArguments, program: Command) -> Result<ExitCode, CliError> {
+    let mut program = program.disable_help_subcommand(true);
     program.build();
     match &arguments.out {
         None => terminal::print(&page(&program).map_err(not_written)?)?,
@@ -55,7 +55,7 @@ fn not_written(error: io::Error) -> CliError {
 }
 
 /// Writes the page of a command and those of its own commands.
-fn write_pages(command: &clap::Command, folder: &Path) -> io::Result<()> {
+fn write_pages(command: &Command, folder: &Path) -> io::Result<()> {
     let name = command.get_display_name().unwrap_or_else(|| command.get_name());
     let mut file = WholeFile::create(&folder.join(format!("{name}.1")))?;
     file.write_all(page(command)?.as_bytes())?;
@@ -63,7 +63,7 @@ fn write_pages(command: &clap::Command, folder: &Path) -> io::Result<()> {
     command.get_subcommands().try_for_each(|command| write_pages(command, folder))
 }
 
-fn page(command: &clap::Command) -> io::Result<String> {
+fn page(command: &Command) -> io::Result<String> {
     let mut page = Vec::new();
     Man::new(command.clone()).render(&mut page)?;
     Ok(String::from_utf8(page).expect("pages are text"))
@@ -71,7 +71,10 @@ fn page(command: &clap::Command) -> io::Result<String> {
 
 #[cfg(test)]
 mod tests {
+    use clap::CommandFactory;
+
     use super::*;
+    use crate::cli::Arguments;
 
     #[test]
     fn every_command_has_a_page_that_names_it_and_its_options() {

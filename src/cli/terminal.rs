@@ -6,12 +6,13 @@
 use std::collections::BTreeSet;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::sync::{Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::cli::error::CliError;
 use crate::picture::unknown_letters;
+use crate::time::wall::WallStopwatch;
 use crate::untrusted::{visible, visible_lines};
 
 /// Prints lines of text to stdout, their control characters as escapes. A reader that has closed its end, such as
@@ -56,7 +57,7 @@ pub struct Progress {
     things: &'static str,
     /// Where there were some before.
     held: u64,
-    lines: Option<Mutex<Instant>>,
+    lines: Option<Mutex<WallStopwatch>>,
 }
 
 /// Where stderr is no terminal, a line says this often how far a command is.
@@ -71,7 +72,7 @@ impl Progress {
             format!("{{bar:30}} {{human_pos}}/{{human_len}} {things}, {{elapsed}} gone, {{eta}} left {{msg}}");
         bar.set_style(ProgressStyle::with_template(&template).expect("the template is well formed"));
         bar.enable_steady_tick(Duration::from_millis(200));
-        let lines = (!quiet && !io::stderr().is_terminal()).then(|| Mutex::new(Instant::now()));
+        let lines = (!quiet && !io::stderr().is_terminal()).then(|| Mutex::new(WallStopwatch::start()));
         Self { bar, things, held: 0, lines }
     }
 
@@ -87,7 +88,7 @@ impl Progress {
         let Some(last) = &self.lines else { return };
         let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
         if last.elapsed() >= LINE_EVERY {
-            *last = Instant::now();
+            *last = WallStopwatch::start();
             note(&self.line());
         }
     }

@@ -56,7 +56,7 @@ mod tests {
             grey.iter().map(|&value| f64::from(value)).partition(|&value| value <= f64::from(tolerance));
         let squares = |class: &[f64]| {
             let mean = class.iter().sum::<f64>() / class.len() as f64;
-            class.iter().map(|value| (value - mean).powi(2)).sum::<f64>()
+            class.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>()
         };
         squares(&dark) + squares(&light)
     }

@@ -195,7 +195,7 @@ impl Entries {
                     };
                     match event {
                         Event::Scalar(word, ..) => {
-                            entry.words.iter_mut().for_each(|words| words.push(word.to_string()))
+                            entry.words.iter_mut().for_each(|words| words.push(word.to_string()));
                         }
                         Event::SequenceStart(..) if depth == 1 => entry.is_list = true,
                         _ => entry.words = None,

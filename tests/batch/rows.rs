@@ -166,6 +166,7 @@ fn files_appear_whole_and_nothing_else_is_left() {
         names,
         [
             "agents.csv",
+            "machines.json",
             "plan.json",
             "planner_calls.parquet",
             "runs.csv",

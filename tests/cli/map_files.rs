@@ -226,7 +226,7 @@ fn a_truck_that_has_no_room_is_told_of_before_the_run() {
 #[test]
 fn a_contest_takes_its_field_from_any_map() {
     let story = story();
-    let image = "P2 30 20 255\n".to_owned() + &"255 ".repeat(299) + &"0 " + &"255 ".repeat(300);
+    let image = "P2 30 20 255\n".to_owned() + &"255 ".repeat(299) + "0 " + &"255 ".repeat(300);
     story.file("plan.pgm", &image);
     story.file(
         "hall.yaml",

@@ -161,16 +161,19 @@ fn is_plan_of_slice(name: &str) -> bool {
     journal.is_some_and(|journal| slice_of_journal(journal).is_some())
 }
 
-/// Says whether a file of this name is one that a batch's process writes aside, as `NAME.PROCESS.part`, and that is
-/// left when the process is killed.
-pub fn is_leftover(name: &OsStr) -> bool {
+/// Says whether this is a name that a batch writes in its own folder, besides its journals.
+pub fn is_file_of_batch(name: &OsStr) -> bool {
+    name.to_str()
+        .is_some_and(|name| FILES.contains(&name) || is_plan_of_slice(name) || slice_of_machines(name).is_some())
+}
+
+/// Says whether this is a name under which a process writes a file aside, as `NAME.PROCESS.part`, or a slice its plan, of
+/// which the name meets the condition: what is left when the process is killed.
+pub fn is_leftover(name: &OsStr, is_own: impl Fn(&OsStr) -> bool) -> bool {
     let Some(name) = name.to_str() else { return false };
     let parts = name.strip_suffix(".part").and_then(|name| name.rsplit_once('.'));
     is_plan_of_slice(name)
-        || parts.is_some_and(|(name, process)| {
-            let own = FILES.contains(&name) || is_plan_of_slice(name) || slice_of_machines(name).is_some();
-            process.parse::<u32>().is_ok() && (own || is_recording(OsStr::new(name)) || is_chart(OsStr::new(name)))
-        })
+        || parts.is_some_and(|(name, process)| process.parse::<u32>().is_ok() && is_own(OsStr::new(name)))
 }
 
 #[cfg(test)]
@@ -186,13 +189,15 @@ mod tests {
             "plan.json.1.part",
             "plan.json.runs-1-of-2.journal",
             "plan.json.runs-1-of-2.journal.7.part",
-            "seed-7.wildfire.12.part",
-            "run-3-seed-7.wildfire.1.part",
         ] {
-            assert!(is_leftover(OsStr::new(name)), "{name}");
+            assert!(is_leftover(OsStr::new(name), is_file_of_batch), "{name}");
         }
+        for name in ["seed-7.wildfire.12.part", "run-3-seed-7.wildfire.1.part"] {
+            assert!(is_leftover(OsStr::new(name), is_recording), "{name}");
+        }
+        assert!(is_leftover(OsStr::new("states.csv.12.part"), is_chart));
         for name in ["runs.csv", "runs.csv.part", "mine.csv.12.part", "runs.csv.x.part", "runs.journal", "12.part"] {
-            assert!(!is_leftover(OsStr::new(name)), "{name}");
+            assert!(!is_leftover(OsStr::new(name), is_file_of_batch), "{name}");
         }
     }
 

@@ -8,7 +8,8 @@ use std::time::Duration;
 use serde::Deserialize;
 
 use crate::batch::execute::entries::{
-    FILES, is_chart, is_leftover, is_recording, journal_name, named, slice_of_journal, slice_of_machines,
+    FILES, is_chart, is_file_of_batch, is_leftover, is_recording, journal_name, named, slice_of_journal,
+    slice_of_machines,
 };
 use crate::batch::execute::{BatchError, CHARTS_FOLDER, Lock, RECORDINGS_FOLDER, expect_files};
 use crate::batch::plan::{PLAN_FILE, PROGRAM, Slice};
@@ -170,8 +171,10 @@ impl OutputFolder {
 
     /// Returns the files that a process that was killed, or one that is at work, has written aside, in order.
     pub fn leftovers(&self) -> Vec<PathBuf> {
-        let folders = ["", RECORDINGS_FOLDER, CHARTS_FOLDER].map(|name| self.path.join(name));
-        let mut paths: Vec<PathBuf> = folders.iter().flat_map(|folder| named(folder, is_leftover)).collect();
+        let mut paths: Vec<PathBuf> = Vec::new();
+        paths.extend(named(&self.path, |name| is_leftover(name, is_file_of_batch)));
+        paths.extend(named(&self.path.join(RECORDINGS_FOLDER), |name| is_leftover(name, is_recording)));
+        paths.extend(named(&self.path.join(CHARTS_FOLDER), |name| is_leftover(name, is_chart)));
         paths.sort_unstable();
         paths
     }

@@ -18,7 +18,6 @@ use crate::cli::report::FormArguments;
 use crate::grid::parameter::BadParameter;
 use crate::grid::{Place, cost_map};
 
-#[expect(clippy::large_enum_variant, reason = "a process has one")]
 #[derive(Debug, Subcommand)]
 pub enum MapCommand {
     #[command(flatten)]

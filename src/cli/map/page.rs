@@ -12,7 +12,7 @@ use crate::batch::{PROGRAM_VERSION, shell_word};
 use crate::cli::error::CliError;
 use crate::cli::map::args::{Computation, MapCommand, PageArguments};
 use crate::cli::map::compute::compute;
-use crate::cli::map::computed::{Computed, WalkResult};
+use crate::cli::map::computed::{Computed, Value, WalkResult};
 use crate::cli::map::report::{MapReport, with_scene};
 use crate::cli::output_files;
 use crate::cli::terminal;
@@ -238,7 +238,7 @@ fn search_table(parts: &[Part]) -> Table {
 
 fn map_table(parts: &[Part]) -> Table {
     let row = |part: &Part| {
-        let maximum = part.computed.values.max().map(|value| value.to_short_text());
+        let maximum = part.computed.values.max().map(Value::to_short_text);
         let length = part.computed.walk.as_ref().and_then(|walk| match walk.way.answer {
             WalkResult::Reached => Some(rounded(walk.way.length, 3)),
             _ => walk.way.minimum.map(|_| "stuck".to_owned()),

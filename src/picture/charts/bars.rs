@@ -93,16 +93,17 @@ impl BarChart {
         width / self.groups.len().max(1) as f32
     }
 
-    /// Names the groups in lines of this width: in words if these fit, else in numbers with a key.
+    /// Names the groups in lines of this width: in words if these fit, else by letters with a key.
     fn names(&self, room: f32) -> GroupNames {
         let lines: Vec<Vec<String>> = self.groups.iter().map(|name| lines(name, room, LABEL)).collect();
         let fits = |(name, lines): (&String, &Vec<String>)| lines.len() <= NAME_LINES && lines.join(" ") == *name;
         if self.groups.iter().zip(&lines).all(fits) {
             return GroupNames { lines, key: None };
         }
-        let key = self.groups.iter().zip(1..).map(|(name, number): (_, usize)| format!("{number}: {name}"));
+        let letters = || (b'a'..=b'z').cycle().map(|letter| char::from(letter).to_string());
+        let key = self.groups.iter().zip(letters()).map(|(name, letter)| format!("{letter}: {name}"));
         let key = key.collect::<Vec<_>>().join(", ");
-        GroupNames { lines: (1..=self.groups.len()).map(|number| vec![number.to_string()]).collect(), key: Some(key) }
+        GroupNames { lines: letters().take(self.groups.len()).map(|letter| vec![letter]).collect(), key: Some(key) }
     }
 
     fn draw_panel(
@@ -163,7 +164,7 @@ fn draw_bar(
 /// What stands below the groups.
 struct GroupNames {
     lines: Vec<Vec<String>>,
-    /// What numbers stand for, where there is no room for the names.
+    /// What letters stand for, where there is no room for the names.
     key: Option<String>,
 }
 
@@ -229,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn names_that_have_no_room_are_numbers_with_a_key() {
+    fn names_that_have_no_room_are_letters_with_a_key() {
         let groups = ["Clearance field", "Sampling", "Connecting", "Roadmap search", "Local search", "Reachability"];
         let series = vec![BarSeries { name: "one".into(), style: STYLES[0], bars: vec![None; groups.len()] }];
         let chart = BarChart {
@@ -243,7 +244,7 @@ mod tests {
         let texts = |width| chart.draw(width)[0].texts().map(str::to_owned).collect::<Vec<_>>();
         assert!(texts(SCREEN_WIDTH).contains(&"Sampling".to_owned()));
         let narrow = texts(300.0);
-        assert!(narrow.contains(&"6".to_owned()) && narrow.join(" ").contains("6: Reachability"), "{narrow:?}");
+        assert!(narrow.contains(&"f".to_owned()) && narrow.join(" ").contains("f: Reachability"), "{narrow:?}");
         assert!(narrow.iter().all(|text| !text.contains("...")), "{narrow:?}");
     }
 

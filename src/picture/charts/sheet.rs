@@ -147,10 +147,11 @@ impl SheetLayout<'_> {
         let mut drawing = Drawing::new(self.width, plot.bottom + below + MARGIN, &self.titles.title)
             .in_language(self.titles.language);
         let below_each_other = |top: f32, index: usize| top + index as f32 * LINE;
-        for (index, line) in title.iter().enumerate() {
+        let is_text = |(_, line): &(usize, &String)| !line.is_empty();
+        for (index, line) in title.iter().enumerate().filter(is_text) {
             drawing.text(line, (MARGIN, below_each_other(MARGIN + TITLE, index)), Align::Left, TITLE, INK);
         }
-        for (index, line) in note.iter().enumerate() {
+        for (index, line) in note.iter().enumerate().filter(is_text) {
             drawing.text(line, (MARGIN, below_each_other(note_top, index)), Align::Left, LABEL, NOTE_INK);
         }
         for (index, row) in rows.iter().enumerate() {
@@ -162,7 +163,7 @@ impl SheetLayout<'_> {
             1 => (0.5 * (plot.left + plot.right), Align::Centre),
             _ => (MARGIN, Align::Left),
         };
-        for (index, line) in x.iter().enumerate() {
+        for (index, line) in x.iter().enumerate().filter(is_text) {
             let base = below_each_other(plot.bottom + LINE + 8.0 + LABEL, index);
             drawing.text(line, (left, base), align, LABEL, INK);
         }

@@ -9,7 +9,7 @@ use crate::geometry::{Cell, Pose};
 use crate::map_files::{MapValue, npy_header};
 use crate::time::SimTime;
 use crate::timeline::{Activity, AgentFact, Fact, FollowedLeg, Replay, RunIndex, Setting, Timeline};
-use crate::trajectory::Piece;
+use crate::trajectory::{Piece, Trajectory};
 
 /// Column and row where there is no cell.
 const NO_CELL: [u16; 2] = [u16::MAX; 2];
@@ -141,7 +141,7 @@ fn write_legs<W: Write>(arrays: &mut Arrays<W>, index: &RunIndex<'_>, agents: &[
     arrays.add("leg_starts", &[legs.len(), 3], ways().flat_map(|way| numbers(way.start())))?;
     arrays.add("leg_goals", &[legs.len(), 2], legs.iter().flat_map(|&(_, leg)| goal(leg)))?;
     arrays.add("leg_first_pieces", &[legs.len() + 1], std::iter::once(0).chain(ends))?;
-    let pieces = || ways().flat_map(|way| way.pieces_with_starts());
+    let pieces = || ways().flat_map(Trajectory::pieces_with_starts);
     let count = pieces().count();
     let motion = |piece: &Piece| match piece {
         Piece::Drive { .. } => motion::DRIVE,

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
-use crate::batch::{BatchPlan, BatchRequest, PLANNER_KEY, RequestError, Seeds, Value, Variant};
+use crate::batch::{BatchPlan, BatchRequest, PLANNER_KEY, RequestError, Seeds, Sweep, Value, Variant};
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::cli::plan::arguments::{PlanArguments, asked_planners};
@@ -78,7 +78,7 @@ impl<'a> Benchmark<'a> {
             ..BatchRequest::default()
         };
         arguments.overrides.iter().try_for_each(|option| request.add_option(option)).map_err(RequestError::from)?;
-        let sweeps_planners = request.sweeps.iter().flat_map(|sweep| sweep.keys()).any(|key| key == PLANNER_KEY);
+        let sweeps_planners = request.sweeps.iter().flat_map(Sweep::keys).any(|key| key == PLANNER_KEY);
         if sweeps_planners && !arguments.planners.is_empty() {
             let sentence = format!("--planner and --set {PLANNER_KEY}= both name planners; expected one of them");
             return Err(CliError::bad_input(sentence, Some("--planner asks all that it names for the same drives")));

@@ -1,5 +1,6 @@
 //! The queries of a benchmark, and the table that holds them: a row for each, with the seed and what was swept.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::Path;
@@ -71,8 +72,7 @@ impl Queries {
         let has_seeds = self.rows.iter().any(|row| row.seed.is_some());
         let keys = self.keys.iter().map(|key| spreadsheet_cell(key));
         let seed = has_seeds.then_some(SEED.into());
-        table
-            .write_record(seed.into_iter().chain(keys).chain(COLUMNS.map(Into::into)).map(|name| name.into_owned()))?;
+        table.write_record(seed.into_iter().chain(keys).chain(COLUMNS.map(Into::into)).map(Cow::into_owned))?;
         let cell = |value: &Value| match value {
             Value::Text(text) => Value::Text(spreadsheet_cell(text).into_owned()),
             other => other.clone(),

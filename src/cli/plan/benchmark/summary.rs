@@ -184,7 +184,7 @@ pub mod tests {
                 cusps: index % 3,
                 drive_s: 2.0 + number,
             };
-            let fails = planner == 1 && index % 4 == 0;
+            let fails = planner == 1 && index.is_multiple_of(4);
             Query {
                 seed: Some(u64::from(index / 2)),
                 variant,

@@ -8,7 +8,7 @@ use crate::fire::embers::EmberSettings;
 use crate::fire::models::{AlexandridisRules, Density, Neighbours, RothermelRules, Vegetation};
 use crate::fire::surface::{FuelMoisture, SurfaceOptions};
 use crate::fire::{FireRules, Landscape, Relief, WeatherInterval};
-use crate::geometry::Cell;
+use crate::geometry::{Cell, DVec2};
 use crate::time::SimTime;
 use crate::timeline::{AgentStart, Body, Rules, Setting, SpreadSetting, WaterRules};
 use crate::trajectory::SpeedLimits;
@@ -257,7 +257,7 @@ impl From<&WaterRules> for WaterObject {
             full_tank: water.full_tank,
             fill_per_stop_ns: water.fill_per_stop.as_nanos(),
             reach_m: water.reach_m,
-            places_m: water.places.iter().map(|place| place.to_array()).collect(),
+            places_m: water.places.iter().map(DVec2::to_array).collect(),
         }
     }
 }
