@@ -97,6 +97,8 @@ impl Drop for Watch {
     fn drop(&mut self) {
         // After a first signal the second is on its way to end the program already.
         if self.stop.load(Ordering::SeqCst) {
+            #[cfg(unix)]
+            announcer::wait();
             return;
         }
         if self.is_resumable {
@@ -110,6 +112,7 @@ impl Drop for Watch {
 /// A thread that waits for the first signal.
 #[cfg(unix)]
 mod announcer {
+    use std::sync::{Condvar, Mutex, PoisonError};
     use std::thread;
     use std::time::Duration;
 
@@ -119,13 +122,33 @@ mod announcer {
     use super::ending_signals;
     use crate::cli::terminal;
 
+    /// Whether the first signal was announced.
+    static ANNOUNCED: (Mutex<bool>, Condvar) = (Mutex::new(false), Condvar::new());
+
+    /// The longest time that the end of the program waits for the announcement, which a busy machine may delay.
+    const LONGEST_WAIT: Duration = Duration::from_secs(1);
+
+    /// Waits until the first signal was announced.
+    pub fn wait() {
+        let (announced, changed) = &ANNOUNCED;
+        let announced = announced.lock().unwrap_or_else(PoisonError::into_inner);
+        let _ = changed.wait_timeout_while(announced, LONGEST_WAIT, |announced| !*announced);
+    }
+
+    fn announce() {
+        terminal::note("stopping; Ctrl-C once more to stop at once");
+        let (announced, changed) = &ANNOUNCED;
+        *announced.lock().unwrap_or_else(PoisonError::into_inner) = true;
+        changed.notify_all();
+    }
+
     /// Starts the thread; if the system gives none, only the announcement is missing.
     pub fn start(code: u8, longest_tidying: Duration) {
         let Ok(mut signals) = Signals::new(ending_signals()) else { return };
         let wait = move || {
             if signals.forever().next().is_some() {
                 // On a thread of its own: stderr may be the very thing that is stuck.
-                let _ = thread::Builder::new().spawn(|| terminal::note("stopping; Ctrl-C once more to stop at once"));
+                let _ = thread::Builder::new().spawn(announce);
                 #[expect(clippy::disallowed_methods, reason = "a program that is stuck is stuck in real time")]
                 thread::sleep(longest_tidying);
                 low_level::exit(code.into());
