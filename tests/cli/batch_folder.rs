@@ -104,7 +104,8 @@ fn batch_whose_folder_is_deleted_ends_and_says_so() {
         story.command(&[["batch", "contest", "--jobs", "1", "--out", "out"].as_slice(), &endless].concat());
     let command = command.stdout(Stdio::null()).stderr(Stdio::piped());
     let child = command.spawn().expect("the program can be started");
-    while fs::metadata(story.path("out/runs.journal")).map_or(0, |found| found.len()) == 0 {
+    let has = |file: &str| fs::metadata(story.path(file)).is_ok_and(|found| found.len() > 0);
+    while !has("out/runs.journal") || !has("out/machines.json") {
         thread::yield_now();
     }
     fs::remove_dir_all(story.path("out")).expect("it is there");

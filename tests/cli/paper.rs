@@ -241,7 +241,9 @@ fn citation_names_plan_and_program_also_as_json() {
     story.file("out/plan.json", &plan.replacen(commit, "  \"commit\": \"0123abc-dirty\",", 1));
     let entry = story.tell(&["cite", "out"]).expect_code(0).stdout;
     assert!(
-        entry.contains("note         = {Commit 0123abc-dirty; Scenarios: smoke; seeds 1; 1 runs; plan "),
+        entry.contains(
+            "note         = {Commit 0123abc-dirty; Scenarios: smoke; planners: prm-rs; seeds 1; 1 runs; plan "
+        ),
         "{entry}"
     );
     let cited = object(&story.tell(&["cite", "out", "--json"]).expect_code(0).stdout);

@@ -100,7 +100,7 @@ impl BarChart {
         if self.groups.iter().zip(&lines).all(fits) {
             return GroupNames { lines, key: None };
         }
-        let letters = || (b'a'..=b'z').cycle().map(|letter| char::from(letter).to_string());
+        let letters = || (b'A'..=b'Z').cycle().map(|letter| char::from(letter).to_string());
         let key = self.groups.iter().zip(letters()).map(|(name, letter)| format!("{letter}: {name}"));
         let key = key.collect::<Vec<_>>().join(", ");
         GroupNames { lines: letters().take(self.groups.len()).map(|letter| vec![letter]).collect(), key: Some(key) }
@@ -244,7 +244,7 @@ mod tests {
         let texts = |width| chart.draw(width)[0].texts().map(str::to_owned).collect::<Vec<_>>();
         assert!(texts(SCREEN_WIDTH).contains(&"Sampling".to_owned()));
         let narrow = texts(300.0);
-        assert!(narrow.contains(&"f".to_owned()) && narrow.join(" ").contains("f: Reachability"), "{narrow:?}");
+        assert!(narrow.contains(&"F".to_owned()) && narrow.join(" ").contains("F: Reachability"), "{narrow:?}");
         assert!(narrow.iter().all(|text| !text.contains("...")), "{narrow:?}");
     }
 
