@@ -20,7 +20,7 @@ table{border-collapse:collapse;margin:1em 0;font-variant-numeric:tabular-nums}\
 caption{text-align:left;padding:.2em 0}\
 th,td{padding:.2em .7em;text-align:right;border-bottom:1px solid var(--line);overflow-wrap:normal}\
 th{vertical-align:bottom;border-bottom:2px solid var(--ink)}\
-.text{text-align:left;vertical-align:top}dt{font-weight:bold}\
+td:not(.text){white-space:nowrap}.text{text-align:left;vertical-align:top}dt{font-weight:bold}\
 svg,img{max-width:100%;height:auto}img{background:#fff}figure{margin:1.5em 0}\
 figcaption{color:var(--soft);font-size:.85em}summary{cursor:pointer;font-weight:bold}\
 @media(max-width:44em){body{margin:1em auto;padding:0 .8em}h1{font-size:1.5em}h1+p{font-size:1.1em}svg{min-width:600px}}\

@@ -119,6 +119,11 @@ impl Fault {
                 let names: Vec<_> = BUILT_IN.iter().map(|(name, _)| *name).collect();
                 Some(format!("{}built in are {}", did_you_mean(nearest.as_deref()), names.join(", ")))
             }
+            Self::Unreadable { path, kind: ErrorKind::NotFound, .. }
+                if BUILT_IN.iter().any(|(name, _)| name == path) =>
+            {
+                Some(format!("a scenario of this name is built in: `--scenario {path}`"))
+            }
             Self::UnknownField { nearest, known, .. } if !known.is_empty() => {
                 Some(format!("{}known here are {}", did_you_mean(nearest.as_deref()), known.join(", ")))
             }

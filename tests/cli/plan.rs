@@ -242,6 +242,7 @@ fn questions_that_make_no_sense_are_refused() {
     for (arguments, words) in [
         ("plan broken.json --csv a.csv", &["broken.json:3", "this is not JSON"] as &[&str]),
         ("plan nothing.json", &["nothing.json", "cannot be read"]),
+        ("plan contest", &["`contest` cannot be read", "--scenario contest"]),
         ("plan empty.json", &["`empty` has no goals", "--cells"]),
         ("plan empty.json --cells 3", &["`empty` has no bushes", "leave out --cells"]),
         ("plan mine.json again.json", &["again.json", "another field is called `mine`"]),
