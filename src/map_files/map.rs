@@ -1,9 +1,10 @@
 //! A map as it was read, and how it is read.
 
 use crate::grid::{Grid, occupancy};
+use crate::map_files::Fault;
 use crate::map_files::error::{check_size, with_room};
+use crate::map_files::otsu::Histogram;
 use crate::map_files::ros::MapPlace;
-use crate::map_files::{Fault, otsu};
 
 /// Grey values this near to the tolerance could as well be on its other side.
 pub const NEAR_TOLERANCE: u8 = 20;
@@ -75,15 +76,18 @@ impl MapFile {
         if reading.inverted {
             grey.values_mut().iter_mut().for_each(|value| *value = 255 - *value);
         }
-        let tolerance = match (reading.tolerance, otsu::threshold(grey.values())) {
-            (Tolerance::Grey(tolerance), _) => tolerance,
-            (Tolerance::Auto, Some(tolerance)) => {
-                notes.push(format!("the tolerance is {tolerance}, by Otsu's method"));
+        let tolerance = match reading.tolerance {
+            Tolerance::Grey(tolerance) => tolerance,
+            Tolerance::Auto => {
+                let (tolerance, note) = match Histogram::of(grey.values()).threshold() {
+                    Some(tolerance) => (tolerance, format!("the tolerance is {tolerance}, by Otsu's method")),
+                    None => {
+                        let note = "all pixels have one grey value, which no tolerance separates: it stays at 50";
+                        (50, note.to_owned())
+                    }
+                };
+                notes.push(note);
                 tolerance
-            }
-            (Tolerance::Auto, None) => {
-                notes.push("all pixels have one grey value, which no tolerance separates: it stays at 50".to_owned());
-                50
             }
         };
         let occupied = occupancy::from_grey(&grey, tolerance);
@@ -147,14 +151,13 @@ impl MapFile {
         if self.reading.tolerance == Tolerance::Auto {
             return None;
         }
-        let tolerance = otsu::threshold(grey)?;
-        let class = |is_dark: bool| {
-            let values = grey.iter().filter(|&&value| (value <= tolerance) == is_dark);
-            values.fold((0.0, 0.0), |(count, sum), &value| (count + 1.0, sum + f64::from(value)))
-        };
-        let [(dark, dark_sum), (light, light_sum)] = [true, false].map(class);
+        let histogram = Histogram::of(grey);
+        // Some pixels are lighter than a threshold, so that a grey value follows it.
+        let tolerance = histogram.threshold()?;
+        let (dark, dark_sum) = histogram.count_and_sum(0..=tolerance);
+        let (light, light_sum) = histogram.count_and_sum(tolerance + 1..=u8::MAX);
         let share = dark / grey.len() as f64;
-        let taken = grey.iter().filter(|&&value| value <= taken).count() as f64 / grey.len() as f64;
+        let taken = histogram.count_and_sum(0..=taken).0 / grey.len() as f64;
         let is_apart = light_sum / light - dark_sum / dark >= CLEARLY_APART;
         let differs = taken < 0.5 * share || 1.0 - taken < 0.5 * (1.0 - share);
         (is_apart && differs && (FEW..=1.0 - FEW).contains(&share)).then_some(ByAuto { tolerance, taken, share })

@@ -3,35 +3,57 @@
 //! Source: Nobuyuki Otsu, "A Threshold Selection Method from Gray-Level Histograms", IEEE Transactions on Systems, Man, and
 //! Cybernetics 9(1), 1979, section II, equations (2) to (18).
 
+use std::ops::RangeInclusive;
+
 const LEVELS: usize = 256;
 
-/// Returns the grey value k such that the pixels up to k and those above it lie farthest apart: the variance between the
-/// two classes is greatest. Of equally good values that follow each other, as between black and white, it is the middle one.
-///
-/// `None` where all pixels have one grey value, which nothing separates.
-pub(super) fn threshold(grey: &[u8]) -> Option<u8> {
-    let mut counts = [0u64; LEVELS];
-    grey.iter().for_each(|&value| counts[usize::from(value)] += 1);
-    let total = grey.len() as f64;
-    let sum: f64 = counts.iter().enumerate().map(|(value, &count)| value as f64 * count as f64).sum();
-    let (mut dark, mut dark_sum) = (0.0, 0.0);
-    let (mut best, mut first, mut last) = (0.0, 0, 0);
-    for (value, &count) in counts.iter().enumerate() {
-        dark += count as f64;
-        dark_sum += value as f64 * count as f64;
-        let light = total - dark;
-        if dark == 0.0 || light == 0.0 {
-            continue;
-        }
-        let apart = dark_sum / dark - (sum - dark_sum) / light;
-        let variance = dark * light * apart * apart;
-        if variance > best {
-            (best, first, last) = (variance, value, value);
-        } else if variance == best && last + 1 == value {
-            last = value;
-        }
+/// How many pixels of an image have each grey value. An image of millions of pixels is gone through once for all that is
+/// asked of it.
+pub(super) struct Histogram {
+    counts: [u64; LEVELS],
+}
+
+impl Histogram {
+    pub fn of(grey: &[u8]) -> Self {
+        let mut counts = [0; LEVELS];
+        grey.iter().for_each(|&value| counts[usize::from(value)] += 1);
+        Self { counts }
     }
-    (best > 0.0).then_some((usize::midpoint(first, last)) as u8)
+
+    /// The number of pixels with one of these values, and the sum of their values.
+    pub fn count_and_sum(&self, values: RangeInclusive<u8>) -> (f64, f64) {
+        values.fold((0.0, 0.0), |(count, sum), value| {
+            let more = self.counts[usize::from(value)] as f64;
+            (count + more, sum + more * f64::from(value))
+        })
+    }
+
+    /// Returns the grey value k such that the pixels up to k and those above it lie farthest apart: the variance between
+    /// the two classes is greatest. Of equally good values that follow each other, as between black and white, it is the
+    /// middle one.
+    ///
+    /// `None` where all pixels have one grey value, which nothing separates.
+    pub fn threshold(&self) -> Option<u8> {
+        let (total, sum) = self.count_and_sum(0..=u8::MAX);
+        let (mut dark, mut dark_sum) = (0.0, 0.0);
+        let (mut best, mut first, mut last) = (0.0, 0, 0);
+        for (value, &count) in self.counts.iter().enumerate() {
+            dark += count as f64;
+            dark_sum += value as f64 * count as f64;
+            let light = total - dark;
+            if dark == 0.0 || light == 0.0 {
+                continue;
+            }
+            let apart = dark_sum / dark - (sum - dark_sum) / light;
+            let variance = dark * light * apart * apart;
+            if variance > best {
+                (best, first, last) = (variance, value, value);
+            } else if variance == best && last + 1 == value {
+                last = value;
+            }
+        }
+        (best > 0.0).then_some((usize::midpoint(first, last)) as u8)
+    }
 }
 
 #[cfg(test)]
@@ -40,6 +62,10 @@ mod tests {
 
     use super::*;
     use crate::rng;
+
+    fn threshold(grey: &[u8]) -> Option<u8> {
+        Histogram::of(grey).threshold()
+    }
 
     #[test]
     fn two_levels_are_parted_in_the_middle() {
