@@ -130,6 +130,7 @@ impl ClearanceField {
     }
 
     /// Metres to the nearest bush or border, never more than the true distance; zero or less inside a bush or outside.
+    #[inline]
     pub fn lower_bound(&self, point: DVec2) -> f64 {
         let border = self.frame.border_distance(point);
         if border > 0.0 { self.interpolate(point).least_squared().max(0.0).sqrt().min(border) } else { border }

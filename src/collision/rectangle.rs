@@ -30,6 +30,7 @@ impl Rectangle {
     }
 
     /// Exact distance to the field's border; negative where a corner is outside, or for a place that is not a number.
+    #[inline]
     pub fn border_gap(&self, frame: &FieldFrame) -> f64 {
         let half = self.half_box();
         let low = self.centre - half;
@@ -38,6 +39,7 @@ impl Rectangle {
     }
 
     /// Exact distance to the nearest bush, or `reach` if none is nearer; 0 on contact.
+    #[inline]
     pub fn bush_gap(&self, field: &ClearanceField, reach: f64) -> f64 {
         let half_cell = 0.5 * field.frame().cell_m;
         let mut least = reach * reach;
@@ -54,6 +56,7 @@ impl Rectangle {
     ///
     /// Two convex shapes overlap if and only if no line along a side of either separates them (the separating axis
     /// theorem); if they do not, the shortest way between two rectangles begins or ends at a corner.
+    #[inline]
     pub fn squared_gap_to_square(&self, square_centre: DVec2, half_side: f64, limit: f64) -> f64 {
         let offset = square_centre - self.centre;
         // The square as the rectangle sees it, along its length and its width.

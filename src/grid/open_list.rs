@@ -57,6 +57,7 @@ impl<T: Ranked> OpenList<T> {
 struct BestFirst<T>(T);
 
 impl<T: Ranked> Ord for BestFirst<T> {
+    #[inline]
     fn cmp(&self, other: &Self) -> Ordering {
         let (a, b) = (&self.0, &other.0);
         let by_priority = b.priority().total_cmp(&a.priority());
@@ -65,6 +66,7 @@ impl<T: Ranked> Ord for BestFirst<T> {
 }
 
 impl<T: Ranked> PartialOrd for BestFirst<T> {
+    #[inline]
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }

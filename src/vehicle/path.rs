@@ -13,6 +13,7 @@ pub struct Segment {
 
 impl Segment {
     /// Pose after `travelled_m` of this segment (signed like `length_m`), integrated in closed form.
+    #[inline]
     pub fn pose_at(&self, start: Pose, travelled_m: f64) -> Pose {
         let half_turn = 0.5 * self.curvature * travelled_m;
         // The chord of the arc, along the mean heading: exact however small the curvature is.

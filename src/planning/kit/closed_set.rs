@@ -84,6 +84,7 @@ impl ClosedSet {
         slot.generation == self.generation && slot.cost <= cost
     }
 
+    #[inline]
     fn key(&self, pose: Pose, reverse: bool) -> u64 {
         let axis = |metres: f64| (metres / self.bin_m).floor() as i64 as u64 & ((1 << AXIS_BITS) - 1);
         let heading = ((pose.heading + PI) / TAU * self.headings) as u64 & ((1 << HEADING_BITS) - 1);

@@ -296,6 +296,7 @@ impl HolonomicHeuristic {
     }
 
     /// Returns where the cost of a place is kept.
+    #[inline]
     fn slot(&mut self, field: &ClearanceField, place: Place) -> usize {
         let (row, col) = (place.row(), place.col());
         let tile = (row >> TILE_BITS) * self.tile_cols + (col >> TILE_BITS);

@@ -171,6 +171,7 @@ impl TurnStraightSteering {
         wanted.then(|| (full_turn(ops::atan2(sin, cos)), straight))
     }
 
+    #[inline]
     fn priced(&self, turn: Segment, straight: Segment, after_reverse: Option<bool>) -> TurnStraight {
         let keep = |piece: Segment| if piece.length_m.abs() < SHORTEST_M { NOTHING } else { piece };
         let mut way = TurnStraight { turn: keep(turn), straight: keep(straight), cost: 0.0 };
