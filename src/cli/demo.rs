@@ -17,7 +17,7 @@ use crate::untrusted::visible;
 #[command(after_help = "\
 Examples:
   wildfire demo
-  wildfire demo --out /tmp/first-look")]
+  wildfire demo --out first-look")]
 pub struct DemoArguments {
     /// A folder that is not there yet, or is empty; it stays, with pictures, pages and tables.
     #[arg(short, long, value_name = "DIR", default_value = "demo")]

@@ -79,7 +79,7 @@ impl MapFile {
         let tolerance = match reading.tolerance {
             Tolerance::Grey(tolerance) => tolerance,
             Tolerance::Auto => {
-                let (tolerance, note) = match Histogram::of(grey.values()).threshold() {
+                let (tolerance, note) = match Histogram::from_grey(grey.values()).threshold() {
                     Some(tolerance) => (tolerance, format!("the tolerance is {tolerance}, by Otsu's method")),
                     None => {
                         let note = "all pixels have one grey value, which no tolerance separates: it stays at 50";
@@ -151,7 +151,7 @@ impl MapFile {
         if self.reading.tolerance == Tolerance::Auto {
             return None;
         }
-        let histogram = Histogram::of(grey);
+        let histogram = Histogram::from_grey(grey);
         // Some pixels are lighter than a threshold, so that a grey value follows it.
         let tolerance = histogram.threshold()?;
         let (dark, dark_sum) = histogram.count_and_sum(0..=tolerance);

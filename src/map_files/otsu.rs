@@ -7,14 +7,15 @@ use std::ops::RangeInclusive;
 
 const LEVELS: usize = 256;
 
-/// How many pixels of an image have each grey value. An image of millions of pixels is gone through once for all that is
-/// asked of it.
+/// The number of pixels of an image by grey value. It is counted once, since images can have millions of pixels, and
+/// answers all that follows.
 pub(super) struct Histogram {
     counts: [u64; LEVELS],
 }
 
 impl Histogram {
-    pub fn of(grey: &[u8]) -> Self {
+    /// Counts the grey values of an image's pixels.
+    pub fn from_grey(grey: &[u8]) -> Self {
         let mut counts = [0; LEVELS];
         grey.iter().for_each(|&value| counts[usize::from(value)] += 1);
         Self { counts }
@@ -64,7 +65,7 @@ mod tests {
     use crate::rng;
 
     fn threshold(grey: &[u8]) -> Option<u8> {
-        Histogram::of(grey).threshold()
+        Histogram::from_grey(grey).threshold()
     }
 
     #[test]
