@@ -101,6 +101,12 @@ const ROOMS: &[(&str, &str, &[&str], &str)] = &[
     ("batch", "maps", &["plan", "execute", "table"], "maps are of runs, which are read or made again, not of reports"),
     (
         "batch",
+        "drives",
+        &["plan", "table", "comparison"],
+        "drives are planned outside of runs; their rows are written and compared like those of runs",
+    ),
+    (
+        "batch",
         "comparison",
         &["plan", "execute", "table"],
         "it reads batches of any version of the program, a report those of this one",

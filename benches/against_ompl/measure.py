@@ -175,12 +175,11 @@ def rows_of(coverage, reports, complaints):
     """A row for each planner and setting, in the order in which they were asked."""
     drives = {}
     for report in reports:
-        for violation in report["offences"]:
-            complaints.append(f"coverage {coverage}, seed {report['seed']}: {violation}")
         for drive in report["rows"]:
-            if drive["reason"] not in (None, "budget spent", "disconnected"):
+            complaint = drive["violation"] or drive["reason"]
+            if complaint not in (None, "budget spent", "disconnected"):
                 where = f"coverage {coverage}, seed {report['seed']}, goal {drive['goal']}"
-                complaints.append(f"{where}: {drive['planner']}, {report['setting']}: {drive['reason']}")
+                complaints.append(f"{where}: {drive['planner']}, {report['setting']}: {complaint}")
             drives.setdefault((drive["planner"], report["kind"], report["setting"]), []).append(drive)
 
     def row(planner, kind, setting, drives):

@@ -6,21 +6,31 @@
 //! workers, on slices or on interruptions, except for its `cpu_` and `wall_` columns. A run that fails, or panics, is a
 //! row like the others, with the reason.
 //!
-//! Four rooms, each of which imports those before it only, and two more beside the last:
+//! Four rooms, each of which imports those before it only, and three more beside the last:
 //! - `plan`: which runs there are, frozen in `plan.json`;
 //! - `execute`: workers, the journal, and the folder that it is in; a run leaves a [`RunRow`];
 //! - `table`: the columns, the files that are written from them, and the reader of these files;
 //! - `report`: what is said of one batch, from its summary to its page of charts, and its audit;
 //! - `maps`: what the runs of a batch leave on every cell of the field;
+//! - `drives`: queries to planners outside of runs, their table and their summary;
 //! - [`comparison`]: batches set against each other, those of other versions of the program among them.
 
 pub mod comparison;
+mod drives;
 mod execute;
 mod maps;
 mod plan;
 mod report;
 mod table;
 
+#[cfg(test)]
+pub use drives::made_up_drives;
+pub use drives::{
+    COMPARED, DRIVE_COLUMNS, DRIVE_LEGEND, DriveColumn, DriveContrast, DriveFailure, DriveQuery, DriveTable,
+    INTERVAL_LEGEND, MAX_QUERIES, MEASURES, Measure, PlannerSummary, QueryCost, RowMember, SummaryMember,
+    contrast_table, failure_sentences, interval_tables, queries_words, rows_table, shortened_field, summary_table,
+    violation_sentences,
+};
 pub use execute::{
     AGENTS_FILE, Append, Batch, BatchError, BatchStatus, CALLS_PARQUET, CHARTS_FOLDER, CpuSplit, Disk, Found,
     JournalError, JournalIndex, JournalKeeping, Lock, LostRecording, Machine, Machines, MissingRuns, OutputFolder,

@@ -69,7 +69,7 @@ use run::RunArguments;
 use scenarios::{CheckArguments, NewArguments, ScenariosArguments, SchemaArguments};
 use shell::{CompletionsArguments, ManArguments};
 
-use crate::batch::LONG_VERSION;
+use crate::batch::{DriveTable, LONG_VERSION};
 #[cfg(unix)]
 use crate::programs::supervisor;
 use crate::sim::Entrants;
@@ -188,11 +188,11 @@ pub fn main_from(words: Vec<OsString>, entrants: impl Into<Entrants>) -> ExitCod
     dispatch(&arguments, &context).unwrap_or_else(CliError::print)
 }
 
-/// Returns the object that `wildfire plan --json` prints for these words after `plan`, and prints and writes nothing.
+/// Plans what `wildfire plan` would with these words after `plan`, and prints and writes nothing.
 ///
 /// # Errors
-/// A sentence that says why there is no such object.
-pub fn plan_object(words: &[String], entrants: impl Into<Entrants>) -> Result<String, String> {
+/// A sentence that says why there are no drives.
+pub fn plan_drives(words: &[String], entrants: impl Into<Entrants>) -> Result<DriveTable, String> {
     let words = ["wildfire", "plan"].into_iter().chain(words.iter().map(String::as_str));
     let Arguments { command: Command::Plan(arguments), .. } =
         Arguments::try_parse_from(words).map_err(|error| error.to_string())?
@@ -200,7 +200,7 @@ pub fn plan_object(words: &[String], entrants: impl Into<Entrants>) -> Result<St
         return Err("expected arguments of `plan`".to_owned());
     };
     let context = CommandContext::new(true, entrants.into());
-    plan::object(&arguments, &context).map_err(|error| error.sentence())
+    plan::drives(&arguments, &context).map_err(|error| error.sentence())
 }
 
 /// Says what is wrong with the arguments, or prints what they ask for instead of a command, and ends the process.

@@ -10,7 +10,7 @@ use wildfire::vehicle::Dimensions;
 use crate::story::{Story, refuse, widest};
 
 const COLUMNS: &str = "field,goal,planner,success,reason,cpu_build_s,cpu_query_s,length_m,lower_bound_ratio,\
-                       min_clearance_m,cusps,drive_s,expansions";
+                       min_clearance_m,cusps,drive_s,expansions,violation";
 
 /// 100 m with a wall from the south that leaves a gap in the north, and a bush of its own in the east.
 fn field(name: &str, start: &str, goals: &str) -> String {
@@ -171,7 +171,7 @@ fn json_says_what_the_table_says() {
         }
     }
     assert_eq!(object["fields"][0]["goals"][2]["disc"][2], 10.0);
-    assert_eq!((&object["summary"][0]["reached"], &object["summary"][0]["offences"]), (&3.into(), &0.into()));
+    assert_eq!((&object["summary"][0]["solved"], &object["summary"][0]["violations"]), (&3.into(), &0.into()));
     assert_eq!(object["settings"]["hybrid-astar"]["hybrid.headings"], "24");
 }
 
@@ -214,7 +214,7 @@ fn bushes_are_driven_to_as_near_as_the_truck_reaches() {
     let goals = object["fields"][0]["goals"].as_array().expect("a list");
     assert_eq!(goals.len(), 14, "each bush once");
     assert!(goals.iter().all(|goal| goal["disc"][2] == 10.0), "{goals:?}");
-    assert_eq!(object["summary"][0]["reached"], 14);
+    assert_eq!(object["summary"][0]["solved"], 14);
     let answer = story.tell(&[&planner[..], &["--set", "suppression.reach_m=3"]].concat()).expect_code(0).stdout;
     let object: Value = serde_json::from_str(&answer).expect("the answer is JSON");
     assert_eq!(object["fields"][0]["goals"][0]["disc"][2], 3.0);

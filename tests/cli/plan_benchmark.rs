@@ -8,7 +8,7 @@ use serde_json::Value;
 use crate::story::{Story, refuse, widest};
 
 const HEADER: &str = "seed,field.coverage,field,goal,planner,success,reason,cpu_build_s,cpu_query_s,length_m,\
-                      lower_bound_ratio,min_clearance_m,cusps,drive_s,expansions";
+                      lower_bound_ratio,min_clearance_m,cusps,drive_s,expansions,violation";
 
 /// Three seeds of two coverages, two goals each.
 const SMALL: [&str; 7] = ["plan", "--seeds", "1..3", "--set", "field.coverage=0.02,0.05", "--goals", "2"];
@@ -95,9 +95,9 @@ fn object_has_all_queries_and_estimates_with_intervals() {
     for group in groups {
         let share = &group["solved_ratio"];
         assert!(share["low"].as_f64() <= share["value"].as_f64() && share["value"].as_f64() <= share["high"].as_f64());
-        let ratio = &group["medians"]["lower_bound_ratio"];
-        assert!(ratio["value"].as_f64().is_some_and(|ratio| ratio >= 0.999_999), "{group}");
-        assert!(ratio["low"].is_number(), "six numbers have an interval: {group}");
+        let ratio = &group["figures"]["lower_bound_ratio"];
+        assert!(ratio["median"].as_f64().is_some_and(|ratio| ratio >= 0.999_999), "{group}");
+        assert!(ratio["median_low"].is_number(), "six numbers have an interval: {group}");
     }
 }
 
@@ -210,11 +210,31 @@ fn field_without_room_is_known_before_anybody_is_asked() {
     answer.expect_complaint(&["field.coverage"]);
 }
 
+/// `plan` took the value of the nearest rank and `plan report` the mean of the two in the middle.
+#[test]
+fn plan_and_report_on_its_table_print_the_same_medians() {
+    let story = Story::begin();
+    let answer = story.tell(&["plan", "--goals", "4", "--planner", "prm-rs", "--csv", "q.csv"]).expect_code(0).stdout;
+    let cells: Vec<&str> = answer.lines().find(|line| line.starts_with("prm-rs")).expect("a row").split(' ').collect();
+    let clearance = cells.iter().rev().filter(|cell| !cell.is_empty()).nth(2).expect("clearance, cusps, violations");
+    let median = |numbers: &mut Vec<f64>| {
+        numbers.sort_by(f64::total_cmp);
+        f64::midpoint(numbers[1], numbers[2])
+    };
+    let mut found: Vec<f64> = outcomes(&story, "q.csv").iter().map(|row| row[7].parse().expect("metres")).collect();
+    assert_eq!(*clearance, format!("{:.2}", median(&mut found)));
+    story.tell(&["plan", "report", "q.csv"]).expect_code(0);
+    assert!(story.read("q.html").contains(&format!("<td>{clearance}</td>")), "{clearance}");
+    for page in [answer, story.read("q.html")] {
+        assert!(page.contains("mean") || page.contains("median"), "each figure says which statistic it is: {page}");
+    }
+}
+
 #[test]
 fn tables_that_are_none_are_refused_with_their_line() {
     let story = Story::begin();
     let columns = HEADER.replace(",field.coverage", "");
-    let good = "1,drives,0,lattice,true,,0.1,0.1,10.0,1.0,1.0,0,1.0,5";
+    let good = "1,drives,0,lattice,true,,0.1,0.1,10.0,1.0,1.0,0,1.0,5,";
     let table = |header: &str, row: &str| format!("{header}\n{good}\n{row}\n");
     for (header, row, said) in [
         (columns.replace("cpu_query_s", "cpu"), good.to_owned(), &["there is no column `cpu_query_s`"][..]),

@@ -110,7 +110,7 @@ pub(super) fn number_of(metric: &Metric, row: &[f64], horizon: f64) -> f64 {
 }
 
 /// Contrasts the numbers of pairs; `None` if there are none.
-pub(super) fn contrast_of_pairs(metric: &Metric, letter: char, pairs: &[[f64; 2]]) -> Option<Contrast> {
+pub(in crate::batch) fn contrast_of_pairs(metric: &Metric, letter: char, pairs: &[[f64; 2]]) -> Option<Contrast> {
     match metric.kind {
         MetricKind::Answer { .. } => {
             contrast_answers(metric, pairs.iter().map(|[ours, theirs]| (*ours > 0.0, *theirs > 0.0)))

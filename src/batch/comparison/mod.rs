@@ -29,6 +29,7 @@ mod words;
 
 use std::path::PathBuf;
 
+pub(super) use contrast::contrast_of_pairs;
 pub use contrast::{ByStratum, Contrast, CutOff, Method};
 pub use error::ComparisonError;
 pub use metric::{Better, Metric, MetricKind, NAMED_METRICS};

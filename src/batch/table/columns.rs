@@ -141,6 +141,8 @@ macro_rules! about {
     };
 }
 
+pub(in crate::batch) use {about, columns};
+
 /// The number of columns of [`RUN_COLUMNS`] that come before those of what a batch sweeps.
 pub const COLUMNS_BEFORE_SWEPT: usize = 5;
 

@@ -61,11 +61,11 @@ fn lines_of(rows: &[RecordedRow]) -> [Vec<u8>; 2] {
             agents.end();
         }
     }
-    lines.map(|lines| lines.writer.into_inner().expect("memory takes everything"))
+    lines.map(Lines::into_bytes)
 }
 
-/// Lines of a file in memory.
-struct Lines {
+/// Lines of a file in memory, whose cells no spreadsheet computes.
+pub struct Lines {
     writer: csv::Writer<Vec<u8>>,
     field: String,
 }
@@ -77,7 +77,7 @@ impl Default for Lines {
 }
 
 impl Lines {
-    fn add_field(&mut self, value: &Value) {
+    pub fn add_field(&mut self, value: &Value) {
         // Numbers are no formulas, whatever they begin with.
         let written = match value {
             Value::Text(text) => self.writer.write_field(spreadsheet_cell(text).as_bytes()),
@@ -91,8 +91,12 @@ impl Lines {
         written.expect("memory takes everything");
     }
 
-    fn end(&mut self) {
+    pub fn end(&mut self) {
         self.writer.write_record(None::<&[u8]>).expect("memory takes everything");
+    }
+
+    pub fn into_bytes(self) -> Vec<u8> {
+        self.writer.into_inner().expect("memory takes everything")
     }
 }
 
@@ -108,7 +112,7 @@ impl CsvFile {
         header.for_each(|name| lines.add_field(&Value::Text(name)));
         lines.end();
         let mut file = Self { file, path };
-        file.append(&lines.writer.into_inner().expect("memory takes everything"))?;
+        file.append(&lines.into_bytes())?;
         Ok(file)
     }
 

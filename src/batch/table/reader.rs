@@ -27,6 +27,8 @@ pub enum TableError {
     Damaged { path: PathBuf, line: u64, complaint: String },
     #[error("{}: line {line}: {column} is `{found}`; expected {expected}", path.display())]
     WrongValue { path: PathBuf, line: u64, column: String, found: String, expected: &'static str },
+    #[error("{}: {complaint}", path.display())]
+    Unfit { path: PathBuf, complaint: String },
 }
 
 /// A table that is open, at one of its rows.

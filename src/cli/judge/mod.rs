@@ -13,23 +13,20 @@ use clap::Args;
 
 use joined::PathJudge;
 use path_table::{Fault, GivenPath, PathTable};
-use report::{JudgeReport, Row, write_rows};
+use report::JudgeReport;
 
+use crate::batch::{DriveFailure, DriveQuery, shortened_field};
 use crate::cli::args::{MemoryArguments, ProgramArguments, parse_seed};
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::output_files::{self, Files, Format};
-use crate::cli::plan::{Attempt, ProblemArguments, Question, attempts, goal_count, no_truck, shortened};
+use crate::cli::plan::{Attempt, ProblemArguments, Question, attempts, goal_count, no_truck};
 use crate::cli::report::FormArguments;
 use crate::document::number::count;
 use crate::planning::judge::DriveFigures;
 use crate::planning::{PlannerName, Planners};
 use crate::scenario::{LoadedScenario, Problem};
 use crate::timeline::file::{self, FileError};
-
-/// The reason of a goal without rows in a table of paths, and of one that a recorded truck gave up.
-const NO_PATH: &str = "no path";
-const DROPPED: &str = "dropped";
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -93,7 +90,7 @@ pub fn run(arguments: &JudgeArguments, context: &CommandContext) -> Result<ExitC
     let conclude = |report: &JudgeReport| {
         let printed = words.print(&arguments.form.render(report));
         // Whatever cannot be written, all else is kept.
-        let write = |path: &Path| write_rows(path, &report.rows);
+        let write = |path: &Path| report.drives.write(path);
         let written = output_files::write_all(&[(arguments.csv.as_deref(), &write)], context.quiet);
         printed.and(written)?;
         Ok(if report.has_violations() { ExitCode::from(exit::VIOLATION) } else { ExitCode::SUCCESS })
@@ -152,18 +149,32 @@ impl<'a> Asked<'a> {
             seed: self.arguments.seed,
             limit: self.arguments.memory.limit(),
         };
-        let failed =
-            |error| CliError::run_failed(format_args!("planning on the field {}: {error}", shortened(&problem.name)));
+        let failed = |error| {
+            CliError::run_failed(format_args!("planning on the field {}: {error}", shortened_field(&problem.name)))
+        };
         attempts(problem, &question).map_err(failed)
     }
 }
 
-/// Returns the row of an attempt.
-fn row_of_attempt<'a>(attempt: &Attempt, place: (&'a str, usize, &'a str)) -> Row<'a> {
-    let (field, goal, planner) = place;
-    match &attempt.drive {
-        Ok(drive) => Row::with_path(place, drive.figures, drive.violation.clone()),
-        Err(reason) => Row::without_path(field, goal, planner, reason.to_string()),
+/// Returns the row of an attempt, under the planner's name in the report.
+fn row_of_attempt(attempt: &Attempt, goal: usize, name: &str) -> DriveQuery {
+    DriveQuery { goal, planner: name.into(), ..attempt.query(None, 0) }
+}
+
+/// Returns the row of a path that was computed elsewhere.
+fn row_of_path((field, goal, planner): (&str, usize, &str), verdict: Option<Verdict>) -> DriveQuery {
+    let (figures, violation) = verdict.unzip();
+    DriveQuery {
+        seed: None,
+        variant: 0,
+        field: field.into(),
+        goal,
+        planner: planner.into(),
+        cost: None,
+        figures,
+        failure: figures.is_none().then_some(DriveFailure::NoPath),
+        violation: violation.flatten().map(Into::into),
+        message: None,
     }
 }
 
@@ -194,17 +205,14 @@ fn judge_table(
         let field = problem.name.as_str();
         for goal in 0..problem.goals.len() {
             for (planner, name) in judged.iter().enumerate() {
-                rows.push(match verdicts.remove(&(planner, index, goal)) {
-                    Some((figures, violation)) => Row::with_path((field, goal, name), figures, violation),
-                    None => Row::without_path(field, goal, name, NO_PATH.into()),
-                });
+                rows.push(row_of_path((field, goal, name), verdicts.remove(&(planner, index, goal))));
             }
             let answers = answers.next().unwrap_or_default().iter().zip(&names);
-            rows.extend(answers.map(|(attempt, name)| row_of_attempt(attempt, (field, goal, name))));
+            rows.extend(answers.map(|(attempt, name)| row_of_attempt(attempt, goal, name)));
         }
     }
     let title = match &problems[..] {
-        [only] => format!("Field `{}`", shortened(&only.name)),
+        [only] => format!("Field `{}`", shortened_field(&only.name)),
         several => format!("{} fields", several.len()),
     };
     let goals = count(problems.iter().map(|problem| problem.goals.len()).sum(), "goal");
@@ -212,8 +220,11 @@ fn judge_table(
     conclude(&JudgeReport::new(title, &judged, &names, rows))
 }
 
-/// What was found of the paths, by planner, field and goal.
-type Verdicts = BTreeMap<(usize, usize, usize), (DriveFigures, Option<String>)>;
+/// The figures of a path, and its first violation.
+type Verdict = (DriveFigures, Option<String>);
+
+/// Verdicts by planner, field and goal.
+type Verdicts = BTreeMap<(usize, usize, usize), Verdict>;
 
 /// Judges all paths of a table, one after the other; returns who computed them too.
 fn judge_paths(paths: &Path, problems: &[Problem]) -> Result<(Vec<String>, Verdicts), CliError> {
@@ -252,18 +263,16 @@ fn judge_recording(
     let mut rows = Vec::new();
     for (number, drive) in drives.iter().enumerate() {
         let truck = judged.iter().find(|name| **name == drive.truck.to_string()).expect("it is in the list");
-        let row = Row::with_path((field, number, truck), drive.figures, drive.violation.clone());
-        rows.push(if drive.is_dropped { row.broken_off(DROPPED.into()) } else { row });
+        let row = row_of_path((field, number, truck), Some((drive.figures, drive.violation.clone())));
+        rows.push(DriveQuery { failure: drive.is_dropped.then_some(DriveFailure::Dropped), ..row });
         if !asked.planners.is_empty() {
             let truck = asked.loaded.scenario.unimog.first().ok_or_else(|| no_truck(&asked.loaded.scenario))?;
             let problem = recorded::problem(setting, drive, truck);
             let attempts = asked.attempts(&problem)?;
-            rows.extend(
-                attempts.iter().zip(&names).map(|(attempt, name)| row_of_attempt(attempt, (field, number, name))),
-            );
+            rows.extend(attempts.iter().zip(&names).map(|(attempt, name)| row_of_attempt(attempt, number, name)));
         }
     }
-    let title = format!("Run of `{}`, seed {}: {}", shortened(field), setting.seed, count(drives.len(), "drive"));
+    let title = format!("Run of `{}`, seed {}: {}", shortened_field(field), setting.seed, count(drives.len(), "drive"));
     conclude(&JudgeReport::new(title, &judged, &names, rows))
 }
 

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use thiserror::Error;
 
+use crate::batch::{DriveFailure, DriveQuery, QueryCost};
 use crate::cli::plan::drive::{Drive, SecondOpinion};
 use crate::collision::{ClearanceField, CollisionChecker};
 use crate::planning::{MakeError, PlanFailure, PlannerName, Planners};
@@ -26,6 +27,29 @@ pub struct Attempt<'a> {
     pub drive: Result<Drive, PlanFailure>,
     /// What there is to say about a failure besides its reason.
     pub message: Option<String>,
+}
+
+impl Attempt<'_> {
+    /// Returns all of it but its path.
+    pub fn query(&self, seed: Option<u64>, variant: usize) -> DriveQuery {
+        let drive = self.drive.as_ref();
+        DriveQuery {
+            seed,
+            variant,
+            field: self.problem.name.as_str().into(),
+            goal: self.goal,
+            planner: self.planner.name().into(),
+            cost: Some(QueryCost {
+                cpu_build_s: self.build.as_secs_f64(),
+                cpu_query_s: self.query.as_secs_f64(),
+                expansions: self.expansions,
+            }),
+            figures: drive.ok().map(|drive| drive.figures),
+            failure: drive.err().copied().map(DriveFailure::Planner),
+            violation: drive.ok().and_then(|drive| drive.violation.as_deref()).map(Into::into),
+            message: self.message.as_deref().map(Into::into),
+        }
+    }
 }
 
 /// Who is asked, and how.

@@ -5,11 +5,10 @@ mod attempts;
 mod benchmark;
 mod drive;
 mod ompl;
+mod paths_file;
 mod problems;
-mod query;
 mod repeat;
 mod report;
-mod tables;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -18,19 +17,17 @@ pub use arguments::PlanArguments;
 pub use attempts::{Attempt, Question, attempts};
 pub use drive::missed;
 pub use problems::{ProblemArguments, goal_count, no_truck};
-pub use report::{mean, quantile, shortened};
+pub use report::SHOWN_ROWS;
 
 use arguments::{PlanCommand, asked_planners};
 use ompl::{OmplLog, OmplPlanner, OmplRun, Started, program_limit_s};
-use query::Query;
 use repeat::Repeat;
-use report::{PlanReport, Summary, planner_settings};
+use report::{PlanReport, planner_settings};
 
-use crate::batch::file_name_of;
+use crate::batch::{DriveQuery, DriveTable, PlannerSummary, file_name_of};
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::output_files::{self, Files, Format};
-use crate::cli::report::FormArguments;
 use crate::cli::terminal;
 use crate::input_file::is_standard_stream;
 use crate::planning::PlannerName;
@@ -58,19 +55,18 @@ pub fn run(arguments: &PlanArguments, context: &CommandContext) -> Result<ExitCo
     Ok(if is_clean { ExitCode::SUCCESS } else { ExitCode::from(exit::VIOLATION) })
 }
 
-/// Returns the report as an object, and writes nothing.
-pub fn object(arguments: &PlanArguments, context: &CommandContext) -> Result<String, CliError> {
+/// Returns the drives that the arguments ask for, and writes nothing.
+pub fn drives(arguments: &PlanArguments, context: &CommandContext) -> Result<DriveTable, CliError> {
     if arguments.command.is_some() {
         return Err(CliError::bad_input("`report` writes a page; expected arguments of drives to plan", None));
     }
     if benchmark::is_meant(arguments)? {
-        return benchmark::object(arguments, context);
+        return benchmark::drives(arguments, context);
     }
     let loaded = LoadedScenario::open(&arguments.scenario, &context.with_own_names(&arguments.overrides))?;
     let problems = arguments.problems.load(&loaded.scenario)?;
     let planners = asked_planners(arguments, &loaded.scenario);
-    let report = report(arguments, context, &loaded, (&problems, &planners))?;
-    Ok(FormArguments { json: true, ..FormArguments::default() }.render(&report))
+    Ok(report(arguments, context, &loaded, (&problems, &planners))?.drives)
 }
 
 /// Asks all planners on all problems.
@@ -102,7 +98,7 @@ fn report<'a>(
     let all = ask()?;
     let again = if arguments.repeat { Some(ask()?) } else { None };
     let repeats = again.map(|again| planners.iter().map(|planner| Repeat::new(planner, &all, &again)).collect());
-    let summaries = planners.iter().map(|planner| Summary::new(planner, &all)).collect();
+    let drives = DriveTable::of_one_variant(all.iter().map(|attempt| attempt.query(None, 0)).collect());
     Ok(PlanReport {
         loaded,
         changes: &arguments.overrides,
@@ -111,7 +107,8 @@ fn report<'a>(
         planners,
         attempts: all,
         repeats,
-        summaries,
+        summaries: PlannerSummary::all(&drives),
+        drives,
     })
 }
 
@@ -145,8 +142,8 @@ fn write_files(
 ) -> Result<(), CliError> {
     let tables = output_files::write_all(
         &[
-            (arguments.csv.as_deref(), &|path| tables::write_rows(path, &report.attempts)),
-            (arguments.paths.as_deref(), &|path| tables::write_paths(path, &report.attempts)),
+            (arguments.csv.as_deref(), &|path| report.drives.write(path)),
+            (arguments.paths.as_deref(), &|path| paths_file::write_paths(path, &report.attempts)),
             (arguments.ompl.as_deref(), &|path| ompl_log(arguments, report, started).write(path)),
         ],
         quiet,
@@ -169,12 +166,11 @@ fn ompl_log<'a>(arguments: &PlanArguments, report: &'a PlanReport, started: Opti
         format!("field {}, {} x {} m, {goals} goals", problem.name, frame.width_m(), frame.height_m())
     };
     let planner = |planner: &'a PlannerName| {
-        let own = report.attempts.iter().filter(|attempt| attempt.planner == *planner);
-        let run = |attempt: &Attempt| OmplRun {
+        let own = report.attempts.iter().zip(&report.drives.rows).filter(|(attempt, _)| attempt.planner == *planner);
+        let run = |(attempt, query): (&Attempt, &'a DriveQuery)| OmplRun {
             problem: report.number_of(attempt.problem),
             seed: report.seed,
-            query: Query::new(attempt, None, 0),
-            has_violation: attempt.drive.as_ref().is_ok_and(|drive| drive.violation.is_some()),
+            query,
         };
         let settings = planner_settings(planner, report.loaded);
         OmplPlanner { name: planner.name(), settings, runs: own.map(run).collect() }

@@ -5,13 +5,14 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
-use crate::batch::{BatchPlan, BatchRequest, PLANNER_KEY, RequestError, Seeds, Sweep, Value, Variant};
+use crate::batch::{
+    BatchPlan, BatchRequest, DriveQuery, DriveTable, MAX_QUERIES, PLANNER_KEY, RequestError, Seeds, Sweep, Value,
+    Variant,
+};
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::cli::plan::arguments::{PlanArguments, asked_planners};
 use crate::cli::plan::attempts::{Question, attempts};
-use crate::cli::plan::benchmark::queries::{MAX_QUERIES, Queries};
-use crate::cli::plan::query::Query;
 use crate::cli::terminal::Progress;
 use crate::input_file::is_standard_stream;
 use crate::planning::PlannerName;
@@ -43,22 +44,16 @@ pub struct AskedProblem {
 /// All answers.
 #[derive(Debug, Default)]
 pub struct Answers {
-    pub queries: Queries,
+    pub drives: DriveTable,
     /// In the order of the queries.
     pub problems: Vec<AskedProblem>,
-    /// What is wrong with paths: the place of the query, and the first violation.
-    pub violations: Vec<(usize, String)>,
-    /// What there is to say about failures besides their reasons, by the place of the query.
-    pub messages: Vec<(usize, String)>,
 }
 
-/// The answers of one variant with one seed, whose places are those in it.
+/// The answers of one variant with one seed.
 #[derive(Default)]
 struct Part {
-    rows: Vec<Query>,
+    rows: Vec<DriveQuery>,
     problems: Vec<AskedProblem>,
-    violations: Vec<(usize, String)>,
-    messages: Vec<(usize, String)>,
 }
 
 impl<'a> Benchmark<'a> {
@@ -109,14 +104,10 @@ impl<'a> Benchmark<'a> {
     pub fn ask(&self) -> Result<Answers, CliError> {
         self.check_size()?;
         let parts = self.parts(self.arguments.jobs.map_or(1, NonZeroUsize::get))?;
-        let queries = Queries { keys: self.plan.swept_keys.clone(), variants: self.values.clone(), rows: Vec::new() };
-        let mut answers = Answers { queries, ..Answers::default() };
+        let drives = DriveTable { keys: self.plan.swept_keys.clone(), variants: self.values.clone(), rows: Vec::new() };
+        let mut answers = Answers { drives, ..Answers::default() };
         for part in parts {
-            let before = answers.queries.rows.len();
-            let placed = |(place, words): (usize, String)| (before + place, words);
-            answers.violations.extend(part.violations.into_iter().map(placed));
-            answers.messages.extend(part.messages.into_iter().map(placed));
-            answers.queries.rows.extend(part.rows);
+            answers.drives.rows.extend(part.rows);
             answers.problems.extend(part.problems);
         }
         Ok(answers)
@@ -199,13 +190,8 @@ impl<'a> Benchmark<'a> {
                 CliError::run_failed(format_args!("planning on the field {}: {error}", problem.name))
                     .about(&self.name(number))
             };
-            for attempt in attempts(&problem, &question).map_err(failed)? {
-                let place = part.rows.len();
-                part.rows.push(Query::new(&attempt, Some(run.seed), self.places[index]));
-                let violation = attempt.drive.ok().and_then(|drive| drive.violation);
-                part.violations.extend(violation.map(|violation| (place, violation)));
-                part.messages.extend(attempt.message.map(|message| (place, message)));
-            }
+            let attempts = attempts(&problem, &question).map_err(failed)?;
+            part.rows.extend(attempts.iter().map(|attempt| attempt.query(Some(run.seed), self.places[index])));
             let (field, goals) = (problem.name, problem.goals.len());
             part.problems.push(AskedProblem { variant: index, seed: run.seed, field, goals });
         }

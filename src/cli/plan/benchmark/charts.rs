@@ -1,8 +1,9 @@
 //! The charts of a benchmark: a box of every planner's numbers, and medians over each number that is swept.
 
-use crate::batch::{ChartData, FacetSeries, MOST_PANELS, Value, file_name_of, word_facets};
-use crate::cli::plan::benchmark::queries::Queries;
-use crate::cli::plan::benchmark::summary::{Group, MEASURES, Measure};
+use crate::batch::{
+    ChartData, DriveTable, FacetSeries, MEASURES, MOST_PANELS, Measure, PlannerSummary, Value, file_name_of,
+    word_facets,
+};
 use crate::picture::charts::{
     BoxChart, BoxPanel, BoxSeries, Curve, CurveChart, CurvePanel, Drawing, Estimate, Language, Spread, Titles,
 };
@@ -29,7 +30,7 @@ pub struct Charts {
 
 impl Charts {
     /// Draws them on sheets of this width, in units.
-    pub fn new(queries: &Queries, groups: &[Group], width: f32) -> Self {
+    pub fn new(queries: &DriveTable, groups: &[PlannerSummary], width: f32) -> Self {
         let mut charts = Self::default();
         for measure in MEASURES {
             let Some(chart) = boxes(queries, groups, measure) else { continue };
@@ -73,7 +74,7 @@ fn sheets(file: &str, drawings: Vec<Drawing>) -> impl Iterator<Item = ChartSheet
 }
 
 /// The words that tell groups apart: planners, then the values of each key.
-fn words(queries: &Queries, groups: &[Group]) -> Vec<Vec<String>> {
+fn words(queries: &DriveTable, groups: &[PlannerSummary]) -> Vec<Vec<String>> {
     let planners = groups.iter().map(|group| group.planner.to_string()).collect();
     let key = |(index, name): (usize, &String)| {
         groups.iter().map(|group| format!("{name} {}", queries.variants[group.variant][index])).collect()
@@ -82,7 +83,7 @@ fn words(queries: &Queries, groups: &[Group]) -> Vec<Vec<String>> {
 }
 
 /// `None` where all queries have the same number.
-fn boxes(queries: &Queries, groups: &[Group], measure: &Measure) -> Option<BoxChart> {
+fn boxes(queries: &DriveTable, groups: &[PlannerSummary], measure: &Measure) -> Option<BoxChart> {
     let own = |series: FacetSeries| {
         let group = &groups[series.variants[0]];
         BoxSeries {
@@ -112,8 +113,8 @@ fn boxes(queries: &Queries, groups: &[Group], measure: &Measure) -> Option<BoxCh
 }
 
 /// Returns the place of each group along an axis of a key; `None` unless all values are numbers, and two differ.
-fn places(queries: &Queries, groups: &[Group], key: usize) -> Option<Vec<f64>> {
-    let number = |group: &Group| match queries.variants[group.variant][key] {
+fn places(queries: &DriveTable, groups: &[PlannerSummary], key: usize) -> Option<Vec<f64>> {
+    let number = |group: &PlannerSummary| match queries.variants[group.variant][key] {
         Value::Count(count) => Some(count as f64),
         Value::Real(number) if number.is_finite() => Some(number),
         _ => None,
@@ -124,8 +125,8 @@ fn places(queries: &Queries, groups: &[Group], key: usize) -> Option<Vec<f64>> {
 
 /// A key whose values are an axis.
 struct Over<'a> {
-    queries: &'a Queries,
-    groups: &'a [Group],
+    queries: &'a DriveTable,
+    groups: &'a [PlannerSummary],
     key: usize,
     /// By group.
     places: Vec<f64>,
@@ -149,7 +150,7 @@ impl Over<'_> {
         let note = "Marks are medians, whiskers their 95 % intervals by order statistics.";
         let medians = MEASURES.into_iter().map(|measure| {
             let titles = titles(measure.title, note, measure.axis);
-            let median = |group: &Group| Some(scaled(group.median(measure)?, measure.scale));
+            let median = |group: &PlannerSummary| Some(scaled(group.median(measure)?, measure.scale));
             (measure.column, self.chart(titles, median))
         });
         let has_points = |chart: &CurveChart| {
@@ -158,7 +159,7 @@ impl Over<'_> {
         std::iter::once(("solved", solved)).chain(medians).filter(|(_, chart)| has_points(chart)).collect()
     }
 
-    fn chart(&self, titles: Titles, value: impl Fn(&Group) -> Option<Estimate>) -> CurveChart {
+    fn chart(&self, titles: Titles, value: impl Fn(&PlannerSummary) -> Option<Estimate>) -> CurveChart {
         let curve = |series: FacetSeries| {
             let point = |&group: &usize| Some((self.places[group], value(&self.groups[group])?));
             let mut points: Vec<_> = series.variants.iter().filter_map(point).collect();
@@ -181,13 +182,13 @@ fn scaled(Estimate { value, interval }: Estimate, factor: f64) -> Estimate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::plan::benchmark::summary::tests::made_up;
+    use crate::batch::made_up_drives as made_up;
     use crate::picture::charts::SCREEN_WIDTH;
 
     #[test]
     fn every_measure_has_boxes_and_a_curve_over_each_key_of_numbers() {
         let queries = made_up();
-        let charts = Charts::new(&queries, &Group::all(&queries), SCREEN_WIDTH);
+        let charts = Charts::new(&queries, &PlannerSummary::all(&queries), SCREEN_WIDTH);
         let files = |sheets: &[ChartSheet]| sheets.iter().map(|sheet| sheet.file.clone()).collect::<Vec<_>>();
         assert_eq!(files(&charts.boxes), MEASURES.map(|measure| format!("box-{}", measure.column)));
         // The other key has texts, and but one of them.
@@ -202,7 +203,7 @@ mod tests {
     #[test]
     fn curves_have_a_point_for_every_value_of_the_key() {
         let queries = made_up();
-        let groups = Group::all(&queries);
+        let groups = PlannerSummary::all(&queries);
         let places = places(&queries, &groups, 0).expect("numbers");
         let over = Over { queries: &queries, groups: &groups, key: 0, places };
         for (column, chart) in over.charts() {

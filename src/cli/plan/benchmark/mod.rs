@@ -7,9 +7,7 @@
 mod ask;
 mod charts;
 mod page;
-mod queries;
 mod report;
-mod summary;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -18,21 +16,18 @@ use std::process::ExitCode;
 use super::arguments::{PlanArguments, PlanReportArguments};
 use super::ompl::{OmplLog, OmplPlanner, OmplRun, Started, program_limit_s};
 use super::report::planner_settings;
-use crate::batch::{BatchRequest, RequestError};
+use crate::batch::{BatchRequest, DriveTable, PlannerSummary, RequestError};
 use crate::cli::args::PaperArguments;
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::output_files::{self, Files, Format, Words};
-use crate::cli::report::FormArguments;
 use crate::cli::terminal;
 use crate::document::Document;
 use crate::input_file::is_standard_stream;
 use crate::scenario::LoadedScenario;
 use ask::{Answers, Benchmark};
 use page::{charts_folder_of, write_page};
-use queries::Queries;
 use report::BenchmarkReport;
-use summary::Group;
 
 /// The files of a folder that `--report` fills.
 const QUERIES_FILE: &str = "queries.csv";
@@ -55,19 +50,18 @@ pub fn run(arguments: &PlanArguments, context: &CommandContext) -> Result<ExitCo
     // Whatever cannot be written, all else is kept.
     let log = |path: &Path| ompl_log(&benchmark, &report, started)?.write(path);
     let written = output_files::write_all(
-        &[(arguments.csv.as_deref(), &|path| report.queries.write(path)), (arguments.ompl.as_deref(), &log)],
+        &[(arguments.csv.as_deref(), &|path| report.drives.write(path)), (arguments.ompl.as_deref(), &log)],
         context.quiet,
     );
     let filled = arguments.report.as_deref().map_or(Ok(()), |folder| fill_folder(folder, &report, context.quiet));
     printed.and(written).and(filled)?;
-    let is_clean = report.violations.is_empty();
+    let is_clean = report.summaries.iter().all(|summary| summary.violations == 0);
     Ok(if is_clean { ExitCode::SUCCESS } else { ExitCode::from(exit::VIOLATION) })
 }
 
-/// Returns the report as an object, and writes nothing.
-pub fn object(arguments: &PlanArguments, context: &CommandContext) -> Result<String, CliError> {
-    let report = asked(arguments, &begin(arguments, context)?)?;
-    Ok(FormArguments { json: true, ..FormArguments::default() }.render(&report))
+/// Returns all queries, and writes nothing.
+pub fn drives(arguments: &PlanArguments, context: &CommandContext) -> Result<DriveTable, CliError> {
+    Ok(begin(arguments, context)?.ask()?.drives)
 }
 
 fn begin<'a>(arguments: &'a PlanArguments, context: &'a CommandContext) -> Result<Benchmark<'a>, CliError> {
@@ -81,16 +75,14 @@ fn begin<'a>(arguments: &'a PlanArguments, context: &'a CommandContext) -> Resul
 }
 
 fn asked<'a>(arguments: &'a PlanArguments, benchmark: &Benchmark<'_>) -> Result<BenchmarkReport<'a>, CliError> {
-    let Answers { queries, problems, violations, messages } = benchmark.ask()?;
+    let Answers { drives, problems } = benchmark.ask()?;
     Ok(BenchmarkReport {
         scenario: benchmark.plan.variants[0].scenario.name.clone(),
         changes: &arguments.overrides,
         seeds: benchmark.plan.seeds.to_string(),
-        groups: Group::all(&queries),
-        queries,
+        summaries: PlannerSummary::all(&drives),
+        drives,
         problems,
-        violations,
-        messages,
     })
 }
 
@@ -112,9 +104,9 @@ fn check_folder(folder: &Path) -> Result<(), CliError> {
 fn fill_folder(folder: &Path, report: &BenchmarkReport<'_>, quiet: bool) -> Result<(), CliError> {
     fs::create_dir_all(folder).map_err(|error| CliError::unwritable(folder, &error))?;
     let table = folder.join(QUERIES_FILE);
-    output_files::write_all(&[(Some(&table), &|path| report.queries.write(path))], quiet)?;
+    output_files::write_all(&[(Some(&table), &|path| report.drives.write(path))], quiet)?;
     let page = folder.join(PAGE_FILE);
-    let written = write_page(&report.queries, &title_of(folder), &page, &PaperArguments::default().charts()?)?;
+    let written = write_page(&report.drives, &title_of(folder), &page, &PaperArguments::default().charts()?)?;
     output_files::note_written(&page, quiet);
     terminal::note_unknown_letters(written.texts.iter().map(String::as_str), quiet);
     Ok(())
@@ -158,11 +150,10 @@ fn ompl_log<'a>(
     let mut place = 0;
     for (number, asked) in report.problems.iter().enumerate() {
         let count = asked.goals * benchmark.planners[asked.variant].len();
-        for (index, query) in report.queries.rows[place..place + count].iter().enumerate() {
-            let has_violation = report.violations.binary_search_by_key(&(place + index), |(at, _)| *at).is_ok();
+        for query in &report.drives.rows[place..place + count] {
             let own =
                 planners.iter_mut().find(|(variant, own)| *variant == asked.variant && *own.name == *query.planner);
-            let run = OmplRun { problem: number, seed: asked.seed, query: query.clone(), has_violation };
+            let run = OmplRun { problem: number, seed: asked.seed, query };
             own.expect("it is one of those asked").1.runs.push(run);
         }
         place += count;
@@ -204,7 +195,7 @@ pub fn report(arguments: &PlanReportArguments, quiet: bool) -> Result<ExitCode, 
     let files = Files { inputs: vec![&table], outputs: vec![(Format::Html, &page)], ..Files::default() };
     let words: Words = files.check()?;
     check_folder(&charts_folder_of(&page))?;
-    let queries = Queries::read(&table)?;
+    let queries = DriveTable::read(&table)?;
     let paper = arguments.paper.charts()?;
     let written = write_page(&queries, &title_of(source), &page, &paper)?;
     let (shown, charts) = (page.display(), written.charts_folder.display());

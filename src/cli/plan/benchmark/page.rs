@@ -5,12 +5,12 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use crate::batch::{PROGRAM_VERSION, PaperCharts, ReportError, write_chart, write_chart_data, write_paper_chart};
+use crate::batch::{
+    DriveTable, INTERVAL_LEGEND, PROGRAM_VERSION, PaperCharts, PlannerSummary, ReportError, interval_tables,
+    write_chart, write_chart_data, write_paper_chart,
+};
 use crate::cli::error::CliError;
 use crate::cli::plan::benchmark::charts::{ChartSheet, Charts};
-use crate::cli::plan::benchmark::queries::Queries;
-use crate::cli::plan::benchmark::report::{legend, tables};
-use crate::cli::plan::benchmark::summary::Group;
 use crate::document::number::count;
 use crate::document::{Block, Document, Figure};
 use crate::picture::charts::SCREEN_WIDTH;
@@ -35,8 +35,13 @@ pub fn charts_folder_of(page: &Path) -> PathBuf {
 }
 
 /// Writes the page and its charts. The same queries give the same bytes.
-pub fn write_page(queries: &Queries, title: &str, page: &Path, paper: &PaperCharts) -> Result<WrittenPage, CliError> {
-    let groups = Group::all(queries);
+pub fn write_page(
+    queries: &DriveTable,
+    title: &str,
+    page: &Path,
+    paper: &PaperCharts,
+) -> Result<WrittenPage, CliError> {
+    let groups = PlannerSummary::all(queries);
     let charts = Charts::new(queries, &groups, SCREEN_WIDTH);
     let folder = charts_folder_of(page);
     fs::create_dir_all(&folder).map_err(|error| CliError::unwritable(&folder, &error))?;
@@ -68,7 +73,7 @@ fn from_report_error(error: ReportError) -> CliError {
     }
 }
 
-fn document(queries: &Queries, groups: &[Group], charts: &Charts, title: &str, folder: &Path) -> Document {
+fn document(queries: &DriveTable, groups: &[PlannerSummary], charts: &Charts, title: &str, folder: &Path) -> Document {
     let mut seeds: Vec<u64> = queries.rows.iter().filter_map(|query| query.seed).collect();
     seeds.sort_unstable();
     seeds.dedup();
@@ -92,8 +97,8 @@ fn document(queries: &Queries, groups: &[Group], charts: &Charts, title: &str, f
         };
         sheets.iter().map(block).collect()
     };
-    let mut tables = tables(queries, groups);
-    tables.push(Block::List(legend()));
+    let mut tables = interval_tables(queries, groups);
+    tables.push(Block::List(INTERVAL_LEGEND.map(str::to_owned).to_vec()));
     let sections = [
         ("Tables", tables),
         ("Boxes", figures(&charts.boxes)),

@@ -14,9 +14,8 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use chrono::DateTime;
 
-use crate::batch::PROGRAM_VERSION;
+use crate::batch::{DriveFailure, DriveQuery, PROGRAM_VERSION};
 use crate::cli::error::CliError;
-use crate::cli::plan::query::Query;
 use crate::planning::judge::DriveFigures;
 use crate::planning::{PlanFailure, PlannerName};
 use crate::scenario::{MemoryLimit, Programs};
@@ -56,15 +55,14 @@ pub struct OmplLog<'a> {
 pub struct OmplPlanner<'a> {
     pub name: &'a str,
     pub settings: Vec<(String, String)>,
-    pub runs: Vec<OmplRun>,
+    pub runs: Vec<OmplRun<'a>>,
 }
 
 /// A query, and which of the problems it is of.
-pub struct OmplRun {
+pub struct OmplRun<'a> {
     pub problem: usize,
     pub seed: u64,
-    pub query: Query,
-    pub has_violation: bool,
+    pub query: &'a DriveQuery,
 }
 
 /// A property of a run: its name and type, and its value, `None` where there is none.
@@ -72,19 +70,19 @@ type Property = (&'static str, fn(&OmplRun) -> Option<String>);
 
 const PROPERTIES: [Property; 14] = [
     ("approximate solution BOOLEAN", |_| boolean(false)),
-    ("build time REAL", |run| Some(run.query.cpu_build_s.to_string())),
-    ("correct solution BOOLEAN", |run| boolean(run.query.outcome.is_ok() && !run.has_violation)),
+    ("build time REAL", |run| run.query.cost.map(|cost| cost.cpu_build_s.to_string())),
+    ("correct solution BOOLEAN", |run| boolean(run.query.solved().is_some())),
     ("cusps INTEGER", |run| figure(run, |drive| Some(drive.cusps.into()))),
     ("drive time REAL", |run| figure(run, |drive| Some(drive.drive_s))),
-    ("expansions INTEGER", |run| Some(run.query.expansions.to_string())),
+    ("expansions INTEGER", |run| run.query.cost.map(|cost| cost.expansions.to_string())),
     ("goal INTEGER", |run| Some(run.query.goal.to_string())),
     ("lower bound ratio REAL", |run| figure(run, |drive| drive.lower_bound_ratio)),
     ("problem INTEGER", |run| Some(run.problem.to_string())),
     ("seed INTEGER", |run| Some(run.seed.to_string())),
     ("solution clearance REAL", |run| figure(run, |drive| Some(drive.min_clearance_m))),
     ("solution length REAL", |run| figure(run, |drive| Some(drive.length_m))),
-    ("solved BOOLEAN", |run| boolean(run.query.outcome.is_ok())),
-    ("time REAL", |run| Some(run.query.cpu_query_s.to_string())),
+    ("solved BOOLEAN", |run| boolean(run.query.figures.is_some())),
+    ("time REAL", |run| run.query.cost.map(|cost| cost.cpu_query_s.to_string())),
 ];
 
 /// When queries began, in seconds since 1970 began.
@@ -175,7 +173,11 @@ impl OmplLog<'_> {
     }
 
     fn times(&self) -> impl Iterator<Item = f64> {
-        self.planners.iter().flat_map(|planner| &planner.runs).map(|run| run.query.cpu_query_s)
+        self.planners
+            .iter()
+            .flat_map(|planner| &planner.runs)
+            .filter_map(|run| run.query.cost)
+            .map(|cost| cost.cpu_query_s)
     }
 
     /// The limit of time, which a log must have: that of programs. The planners that are built in end by their effort, for
@@ -199,20 +201,23 @@ fn write_run(log: &mut impl Write, run: &OmplRun) -> io::Result<()> {
 
 /// The number of the word in [`STATUSES`].
 fn status(run: &OmplRun) -> usize {
-    let word = match &run.query.outcome {
-        Ok(_) => "Exact solution",
-        Err(PlanFailure::StartBlocked) => "Invalid start",
-        Err(PlanFailure::GoalBlocked) => "Invalid goal",
-        Err(PlanFailure::BudgetSpent | PlanFailure::TimedOut) => "Timeout",
-        Err(PlanFailure::Disconnected) => "Infeasible",
-        Err(PlanFailure::Crashed) => "Crash",
-        Err(PlanFailure::LocalMinimum | PlanFailure::BadAnswer) => "Unknown status",
+    let word = match run.query.failure {
+        None => "Exact solution",
+        Some(DriveFailure::Planner(failure)) => match failure {
+            PlanFailure::StartBlocked => "Invalid start",
+            PlanFailure::GoalBlocked => "Invalid goal",
+            PlanFailure::BudgetSpent | PlanFailure::TimedOut => "Timeout",
+            PlanFailure::Disconnected => "Infeasible",
+            PlanFailure::Crashed => "Crash",
+            PlanFailure::LocalMinimum | PlanFailure::BadAnswer => "Unknown status",
+        },
+        Some(DriveFailure::NoPath | DriveFailure::Dropped) => "Unknown status",
     };
     STATUSES.iter().position(|status| *status == word).expect("every word is one of them")
 }
 
 fn figure(run: &OmplRun, figure: fn(DriveFigures) -> Option<f64>) -> Option<String> {
-    run.query.outcome.ok().and_then(figure).map(|figure| figure.to_string())
+    run.query.figures.and_then(figure).map(|figure| figure.to_string())
 }
 
 #[expect(clippy::unnecessary_wraps, reason = "properties may have no value")]
