@@ -36,6 +36,17 @@ struct EntryObject<'a> {
     failed: usize,
     without_value: usize,
     queries: QueryTally,
+    /// That a limit of time or memory changed an outcome; null if none did.
+    depends_on_machine: Option<String>,
+    audit: Option<AuditObject<'a>>,
+}
+
+/// Some runs of an entry that were repeated and audited.
+#[derive(Serialize)]
+struct AuditObject<'a> {
+    runs: u64,
+    violations: u64,
+    first_violation: Option<&'a str>,
 }
 
 #[derive(Serialize)]
@@ -97,6 +108,12 @@ fn entry<'a>(ranking: &'a Ranking, place: usize, entry: &'a RankedEntry) -> Entr
         failed: entry.failed,
         without_value: entry.without_value,
         queries: entry.queries,
+        depends_on_machine: entry.queries.machine_sentence(&entry.name),
+        audit: entry.audit.as_ref().map(|audit| AuditObject {
+            runs: audit.runs,
+            violations: audit.violations,
+            first_violation: audit.first.as_deref(),
+        }),
     }
 }
 
