@@ -226,9 +226,10 @@ fn rules_charge_every_entry_for_expansions_and_programs_for_queries() {
     let number = |row: &[String], name: &str| row[column(name)].parse::<f64>().expect("a number");
     for row in &rows[1..] {
         let expansions = number(row, "truck_local_expansions");
-        assert!((number(row, "truck_planning_s") - 0.01 * expansions).abs() < 1e-6 * expansions, "{row:?}");
+        // The last search may still be under way at the end.
+        let share = number(row, "truck_planning_s") / (0.01 * expansions);
+        assert!((0.9..=1.0 + 1e-9).contains(&share), "{share}: {row:?}");
         if row[column("entry")] == "dora" {
-            // The last query may still be under way at the end.
             assert_eq!(expansions, 300.0 * number(row, "truck_plans"), "{row:?}");
         }
     }
@@ -273,6 +274,11 @@ fn every_form_says_that_outcomes_depend_on_the_machine_where_a_clock_ended_a_que
             said("rank", &story.tell(&[&["rank", folder], form].concat()).expect_code(0).stdout);
         }
     }
+    let run = ["run", "smoke", "--command", "mine=sh silent.sh", "--set", "unimog.planner=mine"];
+    let run = [&run[..], &["--set", "planner.mine.query_limit_s=0.1", "--set", "planner.mine.restarts=0"]].concat();
+    for form in [&[][..], &["--json"]] {
+        said("run", &story.tell(&[&run[..], form].concat()).expect_code(0).stdout);
+    }
     let text = story.tell(&["rank", "class"]).expect_code(0).stdout;
     assert_eq!(text.matches("Outcomes depend").count(), 1, "anna's do not: {text}");
 }
@@ -310,7 +316,10 @@ fn ranking_repeats_and_audits_runs_and_finds_rows_that_they_do_not_give() {
     );
     let json = story.tell(&["rank", "course", "--audit", "1", "--json"]).expect_code(4).stdout;
     let json: Value = serde_json::from_str(&json).expect("it is JSON");
-    assert_eq!((&json["entries"][0]["entry"], &json["entries"][0]["audit"]["violations"]), (&"ben".into(), &1.into()));
+    for entry in json["entries"].as_array().expect("a list") {
+        let violations = u32::from(entry["entry"] == "ben");
+        assert_eq!(entry["audit"]["violations"], violations, "{entry}");
+    }
     assert!(
         story.tell(&["rank", "course", "--without", "ben"]).expect_code(0).stdout.starts_with("2 entries by saved")
     );

@@ -171,8 +171,8 @@ fn audit_words(ranking: &Ranking) -> Vec<String> {
     let violated = audits.iter().filter(|(_, audit)| audit.violations > 0);
     let mut lines: Vec<String> = violated
         .map(|(entry, audit)| {
-            let EntryAudit { runs, violations, first } = audit;
-            let first = first.as_deref().unwrap_or_default();
+            let EntryAudit { runs, violations, first_violation } = audit;
+            let first = first_violation.as_deref().unwrap_or_default();
             format!("{}: {violations} of {runs} audited runs violate a rule or give another row: {first}", name(entry))
         })
         .collect();

@@ -2,7 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
-use crate::batch::comparison::{Better, Contrast, RankedEntry, RankedPair, Ranking};
+use crate::batch::comparison::{Better, Contrast, EntryAudit, RankedEntry, RankedPair, Ranking};
 use crate::batch::{PROGRAM_VERSION, QueryTally};
 use crate::cli::compare::method_name;
 use crate::stats::CONFIDENCE;
@@ -38,15 +38,7 @@ struct EntryObject<'a> {
     queries: QueryTally,
     /// That a limit of time or memory changed an outcome; null if none did.
     depends_on_machine: Option<String>,
-    audit: Option<AuditObject<'a>>,
-}
-
-/// Some runs of an entry that were repeated and audited.
-#[derive(Serialize)]
-struct AuditObject<'a> {
-    runs: u64,
-    violations: u64,
-    first_violation: Option<&'a str>,
+    audit: Option<&'a EntryAudit>,
 }
 
 #[derive(Serialize)]
@@ -109,11 +101,7 @@ fn entry<'a>(ranking: &'a Ranking, place: usize, entry: &'a RankedEntry) -> Entr
         without_value: entry.without_value,
         queries: entry.queries,
         depends_on_machine: entry.queries.machine_sentence(&entry.name),
-        audit: entry.audit.as_ref().map(|audit| AuditObject {
-            runs: audit.runs,
-            violations: audit.violations,
-            first_violation: audit.first.as_deref(),
-        }),
+        audit: entry.audit.as_ref(),
     }
 }
 

@@ -70,7 +70,7 @@ pub struct RankArguments {
     #[arg(long, requires = "audit")]
     pub trust: bool,
     /// Threads of the audit [default: as many as the machine runs at once].
-    #[arg(short, long, requires = "audit", env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
+    #[arg(short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
     /// Write the table of entries to a CSV file.
     #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
@@ -124,8 +124,9 @@ fn audit(
     let options = AuditOptions { jobs, step: SampleStep::default(), entrants: &context.entrants, listed: 1 };
     for (entry, source) in ranking.entries.iter_mut().zip(sources) {
         let report = audit_all(&[source], &options, || progress.advance())?;
-        let first = report.listed.first().map(ToString::to_string);
-        entry.audit = Some(EntryAudit { runs: report.runs() + report.not_run, violations: report.violations, first });
+        let first_violation = report.listed.first().map(ToString::to_string);
+        entry.audit =
+            Some(EntryAudit { runs: report.runs() + report.not_run, violations: report.violations, first_violation });
     }
     progress.end();
     Ok(())
@@ -136,8 +137,9 @@ fn source(entry: &RankedEntry, runs: usize, context: &CommandContext) -> Result<
     let folder = entry.table.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let batch = FinishedBatch::open(folder)?;
     batch.plan().expect_entrants(&context.entrants, folder).map_err(FinishedError::from)?;
-    let last = entry.run_numbers.len() - 1;
-    let places = (0..runs).map(|place| (place * last).checked_div(runs - 1).unwrap_or(0));
+    let count = entry.run_numbers.len();
+    let runs = runs.min(count);
+    let places = (0..runs).map(|place| (place * (count - 1)).checked_div(runs - 1).unwrap_or(0));
     let numbers: BTreeSet<u64> = places.map(|place| entry.run_numbers[place]).collect();
     for run in batch.runs().filter(|run| numbers.contains(&run.number)) {
         context.expect_trusted(&run.variant.scenario)?;

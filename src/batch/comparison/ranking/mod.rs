@@ -17,6 +17,7 @@ use std::cmp::Ordering;
 use std::path::PathBuf;
 
 use rayon::prelude::*;
+use serde::Serialize;
 
 pub use error::RankingError;
 pub use groups::MAX_ENTRIES;
@@ -100,13 +101,13 @@ pub struct RankedEntry {
 }
 
 /// What an audit of some runs of an entry found.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EntryAudit {
     pub runs: u64,
     /// Runs that violate a rule, or whose rows are not what the runs give.
     pub violations: u64,
     /// The first of them in words.
-    pub first: Option<String>,
+    pub first_violation: Option<String>,
 }
 
 /// Two entries set against each other.

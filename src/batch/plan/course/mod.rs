@@ -18,7 +18,7 @@
 mod agent_file;
 mod rules_file;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::fmt;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -29,8 +29,8 @@ use toml::{Table, Value as TomlValue};
 
 use super::request::{MAX_PLAN_BYTES, RUNS_WITHOUT_FORCE};
 use super::{
-    BatchPlan, ENTRY_COLUMN, Freedom, MAX_RUNS, Record, RequestError, Seeds, Value, Variant, kept_program,
-    limits_of_programs, rules_of, value_differences,
+    BatchPlan, ENTRY_COLUMN, Freedom, MAX_RUNS, Record, RequestError, Seeds, Value, Variant, kept_program, rules_of,
+    value_differences,
 };
 use crate::scenario::{FieldPath, MAX_SCENARIO_BYTES, PathStep, first_too_deep};
 use agent_file::AgentFile;
@@ -179,17 +179,12 @@ impl Course {
     }
 }
 
-/// What the entries of a course must share to be ranked together, as far as they are known.
+/// The first entry of a course, and the rules that it plays by, which all others must share to be ranked together.
 #[derive(Default)]
-struct SharedRules {
-    /// The first entry, and the rules that it plays by.
-    first: Option<(String, Json)>,
-    /// The limits of programs, each with the first entry that has one.
-    limits: BTreeMap<String, (String, Json)>,
-}
+struct SharedRules(Option<(String, Json)>);
 
 impl SharedRules {
-    /// Admits an entry, or says why a ranking would refuse it beside those before it.
+    /// Admits an entry, or says why a ranking would refuse it beside the first.
     fn admit(&mut self, course: &Course, variant: &Variant, name: String) -> Result<(), String> {
         let rules = course.path.display();
         let freed: Vec<&str> = course.free_keys.iter().map(String::as_str).collect();
@@ -198,30 +193,15 @@ impl SharedRules {
         if let Some(table) = kept_program(&scenario) {
             return Err(format!("`{table}.reuse` is true by {rules}; in a course every run has a process of its own"));
         }
-        let limits = limits_of_programs(&scenario, &freedom.limits);
-        let own = rules_of(scenario, &freedom.keys);
-        let unequal = |key: &str, other: &str, values: [String; 2]| {
-            let [theirs, ours] = values;
-            format!(
-                "its `{key}` is {ours} and that of {other} is {theirs}; expected [scenario] in {rules} to fix it for all"
-            )
-        };
-        let (first, shared) = self.first.get_or_insert_with(|| (name.clone(), own.clone()));
-        if let Some(difference) = value_differences(shared, &own).first() {
-            let words =
-                difference.values.clone().map(|value| value.map_or("nothing".into(), |value| value.to_string()));
-            let steps: Vec<&str> = difference.key.split('.').filter(|step| step.parse::<usize>().is_err()).collect();
-            return Err(unequal(&steps.join("."), first, words));
-        }
-        for (key, value) in &limits {
-            if let Some((other, known)) = self.limits.get(key).filter(|(_, known)| known != value) {
-                return Err(unequal(key, other, [known.to_string(), value.to_string()]));
-            }
-        }
-        limits.into_iter().for_each(|(key, value)| {
-            self.limits.entry(key).or_insert_with(|| (name.clone(), value));
-        });
-        Ok(())
+        let ours = rules_of(scenario, &freedom.keys);
+        let (first, theirs) = self.0.get_or_insert_with(|| (name, ours.clone()));
+        let Some(difference) = value_differences(theirs, &ours).into_iter().next() else { return Ok(()) };
+        let steps: Vec<&str> = difference.key.split('.').filter(|step| step.parse::<usize>().is_err()).collect();
+        let [theirs, ours] = difference.values.map(|value| value.map_or("nothing".into(), |value| value.to_string()));
+        Err(format!(
+            "its `{}` is {ours} and that of {first} is {theirs}; expected [scenario] in {rules} to fix it for all",
+            steps.join(".")
+        ))
     }
 }
 
