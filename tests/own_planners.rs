@@ -276,7 +276,7 @@ fn names_that_nobody_has_are_refused_with_the_place_and_the_nearest() {
         (error.to_string(), help.unwrap_or_default())
     };
     let (sentence, help) = refused(&["planner.rrt.command=[\"rrt\"]", "unimog.planner=rtt"]);
-    assert_eq!(sentence, "`unimog.0.planner` is `rtt`, and no planner of this name is known");
+    assert_eq!(sentence, "`unimog.planner` is `rtt`, and no planner of this name is known");
     assert!(help.starts_with("did you mean `rrt`?") && help.contains("[planner.NAME]"), "{help}");
     let (sentence, _) = refused(&["unimog.planner=RRT"]);
     assert!(sentence.contains("1 to 40 of `a-z 0-9 + - _ .`"), "{sentence}");
@@ -357,4 +357,25 @@ fn a_path_without_segments_stays_where_it_is() {
     let run = sim::run_with(&driven_by("stays", "smoke", &[]), 1, &stays).expect("it takes place");
     let failures = failures(&run.timeline);
     assert!(failures.iter().all(|&reason| reason == PlanFailure::BadAnswer) && !failures.is_empty());
+}
+
+#[test]
+fn calls_of_the_checker_are_charged_where_no_expansions_are_reported() {
+    let charged = driven_by("own", "arena", &["duration_s=600"]);
+    let planners_that_report = |reports: bool| {
+        planners("own", move |site: &Site<'_>| {
+            let mut inner = wildfire::planning::HybridAstar::build(site);
+            move |start, goal| {
+                let plan = TruckPlanner::plan(&mut inner, start, goal);
+                Plan { effort: if reports { plan.effort } else { Effort::default() }, ..plan }
+            }
+        })
+    };
+    let spent = |reports| {
+        let run = sim::run_with(&charged, 3, &planners_that_report(reports)).expect("it takes place");
+        let truck = Outcome::new(&run.timeline).agents.pop().expect("it has a truck");
+        eprintln!("{reports} {} {} {}", truck.plans, truck.planning_s, truck.local_expansions);
+        truck.planning_s
+    };
+    assert!(spent(false) > 0.1 * spent(true));
 }

@@ -284,8 +284,10 @@ fn other_seeds_and_other_rules_are_refused_with_what_differs() {
         assert_eq!(said, format!("a and c did not play by the same rules: {words}"));
         let key = options[0].split('=').next().expect("a key");
         let freed = RankingRequest { free: vec![key.into()], ..usual.clone() };
-        // What planning costs in simulated time is a rule in any case.
-        assert_eq!(rank(&[a.clone(), c], &freed).is_ok(), !key.ends_with("seconds_per_expansion"), "{key}");
+        assert!(rank(&[a.clone(), c.clone()], &freed).is_ok(), "{key}");
+        // What planning costs in simulated time is free only where it is named.
+        let table = RankingRequest { free: vec![key.rsplit_once('.').expect("two steps").0.into()], ..usual.clone() };
+        assert_eq!(rank(&[a.clone(), c], &table).is_err(), key.ends_with("seconds_per_expansion"), "{key}");
     }
     // What is the entry's own is not compared.
     let own = scratch.batch_of(
@@ -366,7 +368,39 @@ fn programs_that_are_kept_from_run_to_run_are_refused() {
     let said = refusal(&[&one, &two, &three], &request("saved"));
     assert!(said.ends_with("planner.*.query_cpu_s of their programs is 1.0 and 2.0"), "{said}");
     let freed = RankingRequest { free: vec!["planner.*".into()], ..request("saved") };
-    assert_eq!(rank(&[one, two, three], &freed).expect("limits may differ").entries.len(), 3);
+    assert_eq!(rank(&[one.clone(), two, three], &freed).expect("limits may differ").entries.len(), 3);
+    // Prices are no limits that `planner.*` frees.
+    let four = entry("four", &["planner.mine.query_cpu_s=1", "planner.mine.expansions_per_query=5"]);
+    let said = rank(&[one, four], &freed).expect_err("prices are equal for all").to_string();
+    assert!(said.ends_with("planner.*.expansions_per_query of their programs is 0 and 5"), "{said}");
+}
+
+#[test]
+fn rows_whose_bushes_do_not_add_up_are_refused_and_their_entry_can_be_left_out() {
+    let scratch = Scratch::new();
+    let honest = scratch.batch("honest", &runs("prm-rs", 1..=5, |seed| Some(noise(seed))));
+    let sly = scratch.batch("sly", &runs("lattice", 1..=5, |seed| Some(noise(seed))));
+    for (folder, more) in [(&honest, 0), (&sly, 7)] {
+        let text = fs::read_to_string(folder.join("runs.csv")).expect("it is there");
+        let rows = text.lines().enumerate().map(|(line, row)| match line {
+            0 => format!("{row},obstacles\n"),
+            3 => format!("{row},{}\n", 250 + more),
+            _ => format!("{row},250\n"),
+        });
+        fs::write(folder.join("runs.csv"), rows.collect::<String>()).expect("writable");
+    }
+    let said = refusal(&[&honest, &sly], &request("saved"));
+    assert_eq!(
+        said,
+        "sly, seed 3: intact, burning, burned_out and extinguished add up to 250, and there are 257 obstacles, so no \
+         run wrote this row"
+    );
+    let without = |name: &str| RankingRequest { without: vec![name.into()], ..request("saved") };
+    let ranking = rank(&[honest.clone(), sly.clone()], &without("sly")).expect("the other is fine");
+    assert_eq!(names(&ranking), ["honest"]);
+    assert_eq!(ranking.entries[0].run_numbers.len(), 5);
+    assert_eq!(refusal(&[&honest, &sly], &without("sli")), "there is no entry `sli`: did you mean `sly`?");
+    assert_eq!(refusal(&[&sly], &without("lattice")), "no entry is left; expected at least one that is not left out");
 }
 
 #[test]

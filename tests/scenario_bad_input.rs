@@ -63,7 +63,7 @@ fn broken_toml_is_placed() {
 fn a_number_of_samples_and_a_density_contradict_each_other_unless_a_change_does_it() {
     for table in ["prm", "prm_rs"] {
         let text = format!("wumpus = []\n[[unimog]]\n[unimog.{table}]\nsamples = 100\nsamples_per_hectare = 80\n");
-        let words = format!("`unimog.0.{table}.samples_per_hectare` cannot go with `unimog.0.{table}.samples`");
+        let words = format!("`unimog.{table}.samples_per_hectare` cannot go with `unimog.{table}.samples`");
         assert_refused(&text, "5:1", &[&words]);
         let change = |change: &str| {
             scenario::load("contest", &[format!("unimog.{table}.{change}")]).expect("the change holds").unimog.remove(0)
@@ -144,14 +144,14 @@ fn missing_fields_are_named() {
 #[test]
 fn wrong_types_say_what_is_expected() {
     let unimog = "wumpus = []\n[[unimog]]\n[unimog.prm]\n";
-    assert_refused(&format!("{unimog}samples = -3"), "4:11", &["`unimog.0.prm.samples` is -3", "from 0 to 4294967295"]);
+    assert_refused(&format!("{unimog}samples = -3"), "4:11", &["`unimog.prm.samples` is -3", "from 0 to 4294967295"]);
     assert_refused(&format!("{unimog}samples = 1.5"), "4:11", &["is 1.5; expected a whole number"]);
     assert_refused(&format!("{unimog}samples = \"many\""), "4:11", &["the text \"many\"", "whole number"]);
     let wumpus = "unimog = []\n[[wumpus]]\n";
     assert_refused(&format!("{wumpus}start_m = [1, 2, 3]"), "3:11", &["expected a list of two numbers"]);
     assert_refused(&format!("{wumpus}start_m = [1]"), "3:11", &["is a list of 1; expected a list of two numbers"]);
     assert_refused(&format!("{wumpus}start_m = 3"), "3:11", &["is 3; expected a list of two numbers"]);
-    assert_refused(&format!("{wumpus}start_m = [1, \"x\"]"), "3:15", &["`wumpus.0.start_m.1`", "expected a number"]);
+    assert_refused(&format!("{wumpus}start_m = [1, \"x\"]"), "3:15", &["`wumpus.start_m.1`", "expected a number"]);
     assert_refused(&format!("{wumpus}goal = \"nearest\""), "3:8", &["is `nearest`", "no policy of this name"]);
     assert_refused(&format!("{wumpus}goal = 4"), "3:8", &["expected a text in quotes"]);
     let bare = "wumpus = []\nunimog = []\n";
@@ -193,48 +193,48 @@ fn numbers_that_cannot_be_are_refused() {
         ("score", "wumpus_ignited = -inf", 18, "expected a finite number"),
         ("[wumpus]", "start_m = [0.5, 100]", 11, "whole body inside the field"),
         ("[wumpus]", "start_m = [100, 260]", 11, "whole body inside the field of 250 x 250 m"),
-        ("[wumpus]", "start_m = [nan, 100]", 12, "`wumpus.0.start_m.0` is NaN"),
-        ("[wumpus]", "size_m = -3", 10, "`wumpus.0.size_m` is -3"),
-        ("[wumpus]", "speed_mps = 0", 13, "`wumpus.0.speed_mps` is 0"),
-        ("[wumpus]", "reach_m = -1", 11, "`wumpus.0.reach_m` is -1"),
-        ("[wumpus]", "heuristic_weight = -1", 20, "`wumpus.0.heuristic_weight` is -1"),
-        ("[wumpus]", "seconds_per_expansion = -1", 25, "`wumpus.0.seconds_per_expansion` is -1"),
-        ("[wumpus]", "potential = { q = 0 }", 19, "`wumpus.0.potential.q` is 0; expected a number from 0.1"),
-        ("[wumpus]", "potential = { eta = -1 }", 21, "`wumpus.0.potential.eta` is -1"),
-        ("[wumpus]", "potential = { zeta = -1 }", 22, "`wumpus.0.potential.zeta` is -1"),
+        ("[wumpus]", "start_m = [nan, 100]", 12, "`wumpus.start_m.0` is NaN"),
+        ("[wumpus]", "size_m = -3", 10, "`wumpus.size_m` is -3"),
+        ("[wumpus]", "speed_mps = 0", 13, "`wumpus.speed_mps` is 0"),
+        ("[wumpus]", "reach_m = -1", 11, "`wumpus.reach_m` is -1"),
+        ("[wumpus]", "heuristic_weight = -1", 20, "`wumpus.heuristic_weight` is -1"),
+        ("[wumpus]", "seconds_per_expansion = -1", 25, "`wumpus.seconds_per_expansion` is -1"),
+        ("[wumpus]", "potential = { q = 0 }", 19, "`wumpus.potential.q` is 0; expected a number from 0.1"),
+        ("[wumpus]", "potential = { eta = -1 }", 21, "`wumpus.potential.eta` is -1"),
+        ("[wumpus]", "potential = { zeta = -1 }", 22, "`wumpus.potential.zeta` is -1"),
         ("[wumpus]", "potential = { scale = \"no\" }", 23, "expected a number or \"none\""),
-        ("[wumpus]", "potential = { escape = \"climb\" }", 24, "`wumpus.0.potential.escape` cannot be `climb`"),
+        ("[wumpus]", "potential = { escape = \"climb\" }", 24, "`wumpus.potential.escape` cannot be `climb`"),
         (
             "[wumpus]",
             "potential = { escape = \"none\" }\nlattice_m = 0.15\nspeed_mps = 1000\nplanner = \"potential\"",
             24,
             "expected \"wavefront\", where bushes times the steps of a run are more than 2.5e7, over all Wumpuses",
         ),
-        ("[wumpus]", "safety = { map = \"costs\" }", 18, "`wumpus.0.safety.map` cannot be `costs`"),
-        ("[unimog]", "safety = { weight = -1 }", 21, "`unimog.0.safety.weight` is -1"),
-        ("[unimog]", "safety = { max_cost = 0 }", 23, "`unimog.0.safety.max_cost` is 0"),
+        ("[wumpus]", "safety = { map = \"costs\" }", 18, "`wumpus.safety.map` cannot be `costs`"),
+        ("[unimog]", "safety = { weight = -1 }", 21, "`unimog.safety.weight` is -1"),
+        ("[unimog]", "safety = { max_cost = 0 }", 23, "`unimog.safety.max_cost` is 0"),
         ("[unimog]", "safety = { safety_max = 1001 }", 25, "expected a number from 0 to 1000"),
         ("[unimog]", "safety = { safety_min = 801 }", 25, "expected a number from 0 to 800"),
         ("[unimog]", "safety = { safety_distance = 0 }", 30, "expected a number from 1 to 1000"),
-        ("[unimog]", "speed_mps = -8", 13, "`unimog.0.speed_mps` is -8"),
-        ("[unimog]", "reverse_speed_mps = 0", 21, "`unimog.0.reverse_speed_mps` is 0"),
+        ("[unimog]", "speed_mps = -8", 13, "`unimog.speed_mps` is -8"),
+        ("[unimog]", "reverse_speed_mps = 0", 21, "`unimog.reverse_speed_mps` is 0"),
         ("[unimog]", "start = { x_m = 0.5 }", 9, "whole body inside the field"),
-        ("[unimog]", "start = { heading_deg = 400 }", 25, "`unimog.0.start.heading_deg` is 400"),
-        ("[unimog]", "vehicle = { width_m = -2 }", 23, "`unimog.0.vehicle.width_m` is -2"),
-        ("[unimog]", "vehicle = { wheelbase_m = 6 }", 27, "`unimog.0.vehicle.wheelbase_m` is 6"),
+        ("[unimog]", "start = { heading_deg = 400 }", 25, "`unimog.start.heading_deg` is 400"),
+        ("[unimog]", "vehicle = { width_m = -2 }", 23, "`unimog.vehicle.width_m` is -2"),
+        ("[unimog]", "vehicle = { wheelbase_m = 6 }", 27, "`unimog.vehicle.wheelbase_m` is 6"),
         ("[unimog]", "vehicle = { wheelbase_m = 4 }", 27, "front axle under the body"),
-        ("[unimog]", "vehicle = { rear_overhang_m = -1 }", 31, "`unimog.0.vehicle.rear_overhang_m` is -1"),
-        ("[unimog]", "vehicle = { turning_radius_m = 0 }", 32, "`unimog.0.vehicle.turning_radius_m` is 0"),
+        ("[unimog]", "vehicle = { rear_overhang_m = -1 }", 31, "`unimog.vehicle.rear_overhang_m` is -1"),
+        ("[unimog]", "vehicle = { turning_radius_m = 0 }", 32, "`unimog.vehicle.turning_radius_m` is 0"),
         ("[unimog]", "vehicle = { turning_radius_m = 1 }", 32, "outside the body"),
-        ("[unimog]", "limits = { braking_mps2 = 0 }", 27, "`unimog.0.limits.braking_mps2` is 0"),
+        ("[unimog]", "limits = { braking_mps2 = 0 }", 27, "`unimog.limits.braking_mps2` is 0"),
         ("[unimog]", "prm = { samples = 100001 }", 19, "a number from 0 to 100000"),
         ("[unimog]", "prm = { neighbours = 0 }", 22, "a number from 1 to 100"),
-        ("[unimog]", "prm = { max_edge_m = 0 }", 22, "`unimog.0.prm.max_edge_m` is 0"),
+        ("[unimog]", "prm = { max_edge_m = 0 }", 22, "`unimog.prm.max_edge_m` is 0"),
         ("[unimog]", "primitives = { headings = 3 }", 27, "a number from 4 to 360"),
         ("[unimog]", "primitives = { clearance_m = 0 }", 30, "a number from 0.01 to 100"),
-        ("[unimog]", "primitives = { max_expansions = 0 }", 33, "`unimog.0.primitives.max_expansions` is 0"),
+        ("[unimog]", "primitives = { max_expansions = 0 }", 33, "`unimog.primitives.max_expansions` is 0"),
         ("[unimog]", "hybrid = { headings = 361 }", 23, "a number from 4 to 360"),
-        ("[unimog]", "hybrid = { cusp_cost = -1 }", 24, "`unimog.0.hybrid.cusp_cost` is -1"),
+        ("[unimog]", "hybrid = { cusp_cost = -1 }", 24, "`unimog.hybrid.cusp_cost` is -1"),
         ("[unimog]", "hybrid = { shortcuts = 1000001 }", 24, "a number from 0 to 1000000"),
         ("[unimog]", "lattice = { max_expansions = 0 }", 30, "a number from 1 to 100000000"),
         ("[ignition]", "at_s = -1\nrandom = 1", 8, "`ignition.0.at_s` is -1"),
@@ -261,9 +261,9 @@ fn work_without_bounds_is_refused() {
     let text = "wumpus = []\nunimog = []\n[field]\nsize_m = 5000\n[fire]\nspread_radius_m = 5000\n";
     assert_refused(text, "6:19", &["`fire.spread_radius_m` is 5000", "pairs"]);
     let lattice = "unimog = []\n[field]\nsize_m = 5000\n[[wumpus]]\nlattice_m = 0.01\n";
-    assert_refused(lattice, "5:13", &["`wumpus.0.lattice_m` is 0.01", "at most 4e9 points", "it would have 2.50e11"]);
+    assert_refused(lattice, "5:13", &["`wumpus.lattice_m` is 0.01", "at most 4e9 points", "it would have 2.50e11"]);
     let huge = "wumpus = []\n[field]\ncell_m = 1000\nsize_m = 1000000\n[[unimog]]\nprimitives = { bin_m = 0.01 }\n";
-    assert_refused(huge, "6:24", &["`unimog.0.primitives.bin_m` is 0.01", "16777216 bins along a side", "100000000"]);
+    assert_refused(huge, "6:24", &["`unimog.primitives.bin_m` is 0.01", "16777216 bins along a side", "100000000"]);
     let endless = "duration_s = 1e6\nwumpus = []\n[fire]\nrelight = true\n[suppression]\ndwell_s = 0.1\n[[unimog]]\n";
     assert_refused(endless, "6:11", &["`suppression.dwell_s` is 0.1", "1e6 stops of all trucks"]);
     let trucks = "[[unimog]]\n".repeat(1001);

@@ -141,6 +141,7 @@ fn presets_differ_from_the_first_contest_only_in_what_they_are_for() {
         "fire.burn_out_s=40",
         "unimog.limits={ acceleration_mps2 = 1.5, braking_mps2 = 3.0, lateral_mps2 = 3.0 }",
         "unimog.rescue=false",
+        "unimog.seconds_per_expansion=0.0005",
         "unimog.prm.seconds_per_expansion=0.0005",
         "unimog.primitives.seconds_per_expansion=0.0005",
         "unimog.prm_rs.seconds_per_expansion=0.0005",

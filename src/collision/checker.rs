@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::DVec2;
 
@@ -42,6 +43,8 @@ pub struct CollisionChecker {
     cover_radius: f64,
     /// Other bodies that stand on the field.
     obstacles: Vec<Rectangle>,
+    /// Questions that it and its copies were asked, where somebody counts them.
+    calls: Option<Arc<AtomicU64>>,
 }
 
 /// The thing that a body has too little clearance from.
@@ -66,7 +69,7 @@ impl CollisionChecker {
     /// Creates a checker for a body on a field that nobody else drives on.
     pub fn new(field: Arc<ClearanceField>, body: Dimensions) -> Self {
         let (discs, cover_radius) = cover(&body);
-        Self { field, body, discs, cover_radius, obstacles: Vec::new() }
+        Self { field, body, discs, cover_radius, obstacles: Vec::new(), calls: None }
     }
 
     /// Returns the same for a field on which these rectangles stand, besides those that it had before.
@@ -76,6 +79,19 @@ impl CollisionChecker {
         let mut crowded = self.clone();
         crowded.obstacles.extend(obstacles.into_iter().map(Rectangle::from));
         crowded
+    }
+
+    /// Returns the same with a counter of the questions about clearances that it and its copies are asked.
+    pub fn counting(&self) -> (Self, Arc<AtomicU64>) {
+        let calls = Arc::default();
+        (Self { calls: Some(Arc::clone(&calls)), ..self.clone() }, calls)
+    }
+
+    #[inline]
+    fn count_call(&self) {
+        if let Some(calls) = &self.calls {
+            calls.fetch_add(1, Ordering::Relaxed);
+        }
     }
 
     /// Returns the distances that it asks first.
@@ -93,6 +109,7 @@ impl CollisionChecker {
     /// Below one metre the answer is the exact distance.
     pub fn clearance(&self, pose: Pose) -> f64 {
         const NEAR_M: f64 = 1.0;
+        self.count_call();
         let rectangle = self.place(pose);
         let border = self.border_gap(&rectangle);
         if border <= 0.0 {
@@ -104,6 +121,7 @@ impl CollisionChecker {
 
     /// Says whether the body at this pose keeps at least `min_clearance` metres, and [`LEAST_CLEARANCE_M`] in any case.
     pub fn pose_is_free(&self, pose: Pose, min_clearance: f64) -> bool {
+        self.count_call();
         self.clearance_from(&self.place(pose), min_clearance.max(LEAST_CLEARANCE_M)).is_some()
     }
 
@@ -113,6 +131,7 @@ impl CollisionChecker {
     /// A motion that keeps it everywhere is accepted. An accepted motion keeps it at every pose that was looked at and
     /// [`MOTION_TOLERANCE_M`] less everywhere, and touches nothing.
     pub fn motion_is_free(&self, start: Pose, segment: Segment, min_clearance: f64) -> bool {
+        self.count_call();
         let motion = SweptMotion::new(start, segment, &self.body);
         let (min_clearance, tolerance) = clearance_and_tolerance(min_clearance);
         sweep::holds_everywhere(motion.length_m, motion.rate, tolerance, |travelled| {
@@ -124,6 +143,7 @@ impl CollisionChecker {
     /// of [`CollisionChecker::motion_is_free`]; 0 if the start does not keep it, the whole length if all of it is
     /// free.
     pub fn motion_prefix_free(&self, start: Pose, segment: Segment, min_clearance: f64) -> f64 {
+        self.count_call();
         let motion = SweptMotion::new(start, segment, &self.body);
         let (min_clearance, tolerance) = clearance_and_tolerance(min_clearance);
         let prefix = sweep::proven_prefix(motion.length_m, motion.rate, tolerance, |travelled| {
@@ -137,6 +157,7 @@ impl CollisionChecker {
     /// That is the first place beyond what is proven to be free; of a motion that comes too near only by less than the
     /// tolerance it is the place that was looked at first.
     pub fn refused_at(&self, start: Pose, segment: Segment, min_clearance: f64) -> Option<f64> {
+        self.count_call();
         let motion = SweptMotion::new(start, segment, &self.body);
         let (min_clearance, tolerance) = clearance_and_tolerance(min_clearance);
         let mut refused = None;
@@ -155,6 +176,7 @@ impl CollisionChecker {
     /// Returns what is nearest to the body, and how far away it is in metres; not positive on contact. Beyond the reach
     /// of exact distances it is the border.
     pub fn nearest_obstacle(&self, pose: Pose) -> (Obstacle, f64) {
+        self.count_call();
         let rectangle = self.place(pose);
         let frame = self.field.frame();
         let half_cell = 0.5 * frame.cell_m;

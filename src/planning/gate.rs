@@ -6,9 +6,14 @@
 //!
 //! The gate also measures: the CPU time of the planner is what the thread's clock says around the call, unless the
 //! planner says where else it was spent; the gate's own time is in neither.
+//!
+//! And it counts: a query counts for the expansions that the answer reports, or for the calls of the checker, whichever
+//! is more, so that a planner which reports nothing is charged all the same.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::geometry::Pose;
 use crate::time::cpu::CpuStopwatch;
@@ -30,6 +35,8 @@ pub struct Gated {
     judge: Judge,
     /// The sharpest curvature of the truck, 1/m.
     sharpest: f64,
+    /// Calls of the checker that the planner has.
+    calls: Arc<AtomicU64>,
 }
 
 impl Gated {
@@ -39,12 +46,13 @@ impl Gated {
     /// If it cannot be built.
     pub fn build(maker: &dyn MakePlanner, site: &Site<'_>) -> Result<Self, MakeError> {
         let mut stopwatch = CpuStopwatch::start();
-        let planner = maker.make(site)?;
+        let (checker, calls) = site.checker.counting();
+        let planner = maker.make(&Site { checker: &checker, ..*site })?;
         let making = stopwatch.lap();
         let report = planner.build_report();
         let report = BuildReport { connecting: report.connecting + making, ..report };
         let (judge, sharpest) = (Judge::new(site.checker.clone()), site.body.max_curvature());
-        Ok(Self { planner, report, judge, sharpest })
+        Ok(Self { planner, report, judge, sharpest, calls })
     }
 
     /// Lets a plan pass, or says why its path must not be driven.
@@ -77,13 +85,16 @@ impl TruckPlanner for Gated {
 
     fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {
         let mut stopwatch = CpuStopwatch::start();
+        let calls = self.calls.load(Ordering::Relaxed);
         // A planner of somebody else's costs a query when it panics, and never a run.
         let asked = catch_unwind(AssertUnwindSafe(|| self.planner.plan_observed(start, goal, observer)));
         let mut plan = asked.unwrap_or_else(|panic| Plan::failed(PlanFailure::Crashed, words_of_panic(&*panic)));
         let time = stopwatch.lap();
         plan.cpu.get_or_insert(QueryCpu { time, source: CpuSource::Thread });
         // What it says of its effort is charged and added up: a lie must not overflow.
-        plan.effort = Effort { roadmap_expansions: 0, local_expansions: total_expansions(plan.effort) };
+        let calls = (self.calls.load(Ordering::Relaxed) - calls).div_ceil(CALLS_OF_EXPANSION);
+        let counted = u32::try_from(calls).unwrap_or(u32::MAX).min(MOST_EXPANSIONS);
+        plan.effort = Effort { roadmap_expansions: 0, local_expansions: total_expansions(plan.effort).max(counted) };
         self.judged(start, goal, plan)
     }
 
@@ -101,6 +112,9 @@ fn words_of_panic(panic: &(dyn Any + Send)) -> String {
     let words = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
     format!("it panicked: {}", words.unwrap_or("without words"))
 }
+
+/// Calls of the checker that count as one expansion: those of `hybrid-astar`, which tries six motions for each.
+const CALLS_OF_EXPANSION: u64 = 8;
 
 /// The most expansions of one query that are believed.
 const MOST_EXPANSIONS: u32 = 1_000_000_000;

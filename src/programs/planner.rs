@@ -39,6 +39,9 @@ impl TruckPlanner for ProgramPlanner {
 
     fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {
         let respondent = self.respondent.as_mut().expect("it is given back when this is dropped");
+        let least = respondent.expansions_per_query();
+        let effort =
+            |reported: Option<u32>| Effort { local_expansions: reported.unwrap_or(0).max(least), ..Effort::default() };
         let goal = match goal {
             Goal::Disc(disc) => GoalMessage::Disc([disc.centre.x, disc.centre.y, disc.radius_m]),
             Goal::Pose(pose) => GoalMessage::Pose(numbers(pose)),
@@ -71,7 +74,7 @@ impl TruckPlanner for ProgramPlanner {
                     TroubleKind::Crashed => PlanFailure::Crashed,
                     TroubleKind::BadAnswer => PlanFailure::BadAnswer,
                 };
-                Plan { cpu: cpu_of(cpu, None), ..Plan::failed(failure, words) }
+                Plan { effort: effort(None), cpu: cpu_of(cpu, None), ..Plan::failed(failure, words) }
             }
         }
     }
@@ -103,10 +106,6 @@ impl Drop for ProgramPlanner {
 
 fn numbers(pose: Pose) -> [f64; 3] {
     [pose.x, pose.y, pose.heading]
-}
-
-fn effort(expansions: Option<u32>) -> Effort {
-    Effort { local_expansions: expansions.unwrap_or(0), ..Effort::default() }
 }
 
 /// The larger of what was measured and what the program says.

@@ -254,6 +254,7 @@ fn launch(name: &PlannerName, table: &Program) -> Launch {
         query_limit: Duration::from_secs_f64(table.query_limit_s),
         query_cpu: table.query_cpu_s.map(Duration::from_secs_f64),
         restarts: table.restarts,
+        expansions_per_query: table.expansions_per_query,
         limits: Limits { memory_mb: table.memory_limit_mb.into(), processes: MOST_PROCESSES },
     }
 }

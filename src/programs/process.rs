@@ -53,6 +53,8 @@ pub struct Launch {
     pub query_cpu: Option<Duration>,
     /// How often it is started anew in a run.
     pub restarts: u32,
+    /// Expansions that a query counts for at least.
+    pub expansions_per_query: u32,
     pub limits: Limits,
 }
 

@@ -55,6 +55,11 @@ impl Respondent {
         &self.program.name
     }
 
+    /// Returns the expansions that a query counts for at least.
+    pub fn expansions_per_query(&self) -> u32 {
+        self.program.expansions_per_query
+    }
+
     /// Asks a query, which is told its number, and checks that the answer is of a type that fits. A program that failed
     /// before is started anew first.
     pub fn ask(

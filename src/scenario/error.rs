@@ -112,6 +112,27 @@ impl Fault {
         Box::new(ScenarioError { fault: self, location: Some(location) })
     }
 
+    /// Names the values of a list's only entry without its number: `unimog.planner` instead of `unimog.0.planner`.
+    pub(super) fn without_number_in(mut self, list: &str) -> Self {
+        let numbered = format!("{list}.0");
+        let shorten = |path: &mut String| {
+            let rest = path.strip_prefix(&numbered).filter(|rest| rest.is_empty() || rest.starts_with('.'));
+            if let Some(shorter) = rest.map(|rest| format!("{list}{rest}")) {
+                *path = shorter;
+            }
+        };
+        match &mut self {
+            Self::UnknownField { table, .. } | Self::MissingField { table, .. } => shorten(table),
+            Self::UnknownWord { field, .. } | Self::UnknownName { field, .. } | Self::Value { field, .. } => {
+                shorten(field)
+            }
+            Self::Conflict { one, other, .. } => [one, other].into_iter().for_each(shorten),
+            Self::Rule { message } => *message = message.replace(&format!("`{numbered}."), &format!("`{list}.")),
+            _ => {}
+        }
+        self
+    }
+
     /// Returns what may help: the nearest name, or the names that are known.
     pub fn advice(&self) -> Option<String> {
         match self {

@@ -74,7 +74,14 @@ impl LoadedScenario {
         written.iter_mut().for_each(|(_, value)| drop_sign_of_zero(value));
         let mut text = WrittenScenario { source, changes, copies: Copies::default() };
         text.drop_overruled(&mut written);
-        let scenario = text.resolve(&written)?;
+        let scenario = text.resolve(&written).map_err(|mut error| {
+            for list in ["unimog", "wumpus"] {
+                if written.get(list).and_then(Value::as_array).is_some_and(|entries| entries.len() == 1) {
+                    error.fault = error.fault.without_number_in(list);
+                }
+            }
+            error
+        })?;
         Ok(Self { scenario, written, copies: text.copies })
     }
 

@@ -58,6 +58,8 @@ pub struct Program {
     pub memory_limit_mb: u32,
     /// Simulated planning time for each expansion that an answer reports.
     pub seconds_per_expansion: f64,
+    /// Expansions that each query of a planner counts for at least, whatever the answer reports.
+    pub expansions_per_query: u32,
     /// How often it is started again in one run.
     pub restarts: u32,
     /// One process for all runs of a worker instead of one for each run.
@@ -91,6 +93,7 @@ impl Default for Program {
             query_cpu_s: None,
             memory_limit_mb: 2048,
             seconds_per_expansion: 0.0,
+            expansions_per_query: 0,
             restarts: 3,
             reuse: false,
             works_in: PathBuf::new(),
@@ -235,6 +238,7 @@ pub(super) fn check_programs(kind: &str, programs: &Programs, is_built_in: impl 
         table.optional("query_cpu_s", program.query_cpu_s, 0.001..=3600.0)?;
         table.number("memory_limit_mb", program.memory_limit_mb.into(), 1.0..=1e6)?;
         table.number("seconds_per_expansion", program.seconds_per_expansion, 0.0..=1000.0)?;
+        table.number("expansions_per_query", program.expansions_per_query.into(), 0.0..=1e6)?;
         table.number("restarts", program.restarts.into(), 0.0..=1000.0)?;
     }
     Ok(())

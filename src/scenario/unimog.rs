@@ -63,6 +63,8 @@ pub struct Unimog {
     #[schemars(schema_with = "planner_schema")]
     pub planner: PlannerName,
     pub rescue: Rescue,
+    /// Least simulated planning time of each expansion of its planner, whichever that is.
+    pub seconds_per_expansion: f64,
     pub prm: PrmSettings,
     pub primitives: PrimitiveSettings,
     pub prm_rs: PrmRsSettings,
@@ -84,6 +86,7 @@ impl Default for Unimog {
             retarget: Retarget::Never,
             planner: TruckPlannerKind::PrmRs.into(),
             rescue: Rescue::Auto,
+            seconds_per_expansion: 0.0,
             prm: PrmSettings::default(),
             primitives: PrimitiveSettings::default(),
             prm_rs: PrmRsSettings::default(),
@@ -133,12 +136,18 @@ impl Unimog {
         })
     }
 
-    /// Returns the simulated time that its planner's expansions cost.
+    /// Returns the simulated time that its planner's expansions cost: what the planner's own tables ask for, and no less
+    /// than the truck's [`Self::seconds_per_expansion`].
     pub fn planning_charge(&self, programs: &Programs) -> Charge {
-        match self.planner.built_in() {
-            Some(kind) => kind.maker().charge(&self.planner_settings()),
-            None => programs.get(&self.planner).map_or(Charge { roadmap_s: 0.0, local_s: 0.0 }, Program::charge),
-        }
+        let own = match self.planner.built_in() {
+            Some(kind) => Some(kind.maker().charge(&self.planner_settings())),
+            None => programs.get(&self.planner).map(Program::charge),
+        };
+        let least = self.seconds_per_expansion;
+        own.map_or(Charge { roadmap_s: least, local_s: least }, |Charge { roadmap_s, local_s }| Charge {
+            roadmap_s: roadmap_s.max(least),
+            local_s: local_s.max(least),
+        })
     }
 
     /// Says whether goals that its planner fails on are driven by the reachability flood.
@@ -413,6 +422,7 @@ fn check_unimog(table: &TablePath, unimog: &Unimog, frame: &FieldFrame) -> Check
     check_vehicle(&table.inner("vehicle"), &unimog.vehicle)?;
     table.number("speed_mps", unimog.speed_mps, 0.001..=1000.0)?;
     table.number("reverse_speed_mps", unimog.reverse_speed_mps, 0.001..=1000.0)?;
+    table.number("seconds_per_expansion", unimog.seconds_per_expansion, 0.0..=1e6)?;
     let limits = table.inner("limits");
     limits.optional("acceleration_mps2", unimog.limits.acceleration_mps2, 0.001..=1000.0)?;
     limits.optional("braking_mps2", unimog.limits.braking_mps2, 0.001..=1000.0)?;
@@ -433,7 +443,7 @@ fn check_planner_name(table: &TablePath, planner: &PlannerName, programs: &Progr
 
 /// Checks that the first truck's planners can work on a field that may not be the one of their scenario.
 pub fn check_planners(unimog: &Unimog, frame: &FieldFrame) -> Check {
-    check_planner_settings(&TablePath::entry("unimog", 0), unimog, frame)
+    check_planner_settings(&TablePath::named("unimog"), unimog, frame)
 }
 
 fn check_planner_settings(table: &TablePath, unimog: &Unimog, frame: &FieldFrame) -> Check {
@@ -515,6 +525,13 @@ fn describe_planner(truck: &Unimog, programs: &Programs) -> String {
         None => {
             programs.get(&truck.planner).map_or(String::new(), |program| program.describe("planner", &truck.planner))
         }
+    };
+    let asked = Unimog { seconds_per_expansion: 0.0, ..truck.clone() }.planning_charge(programs);
+    let planner = match truck.seconds_per_expansion {
+        least if least > asked.local_s || least > asked.roadmap_s && asked.roadmap_s > 0.0 => {
+            format!("{planner} Every expansion takes at least {least} s of simulated time.")
+        }
+        _ => planner,
     };
     match (truck.is_rescued(), truck.rescue) {
         (true, Rescue::Auto) => planner,

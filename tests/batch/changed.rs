@@ -88,3 +88,59 @@ fn folder_that_is_removed_while_no_run_ends_stops_the_batch() {
     let ended = batch.run_with(endless, 1, &Arc::default(), |_| {});
     assert!(matches!(ended, Err(BatchError::Journal(JournalError::Changed { .. }))), "{ended:?}");
 }
+
+/// Changes a digit of a column in every line of a journal, and the checksums with it, as a program that plays could.
+fn rewrite_rows(path: &Path) {
+    let text = fs::read_to_string(path).expect("it is there");
+    let lines = text.lines().enumerate().map(|(number, line)| {
+        let json = line[9..].replace("\"extinguished\":0", "\"extinguished\":9");
+        if number == 0 { format!("{line}\n") } else { format!("{:08x} {json}\n", crc32fast::hash(json.as_bytes())) }
+    });
+    let rewritten: String = lines.collect();
+    assert!(rewritten.len() == text.len() && rewritten != text, "it is another journal of the same length");
+    // As through an open file, so that it stays the same one.
+    OpenOptions::new().write(true).open(path).expect("it is there").write_all(rewritten.as_bytes()).expect("writable");
+}
+
+#[test]
+fn rows_that_a_program_rewrites_with_their_checksums_never_come_into_tables() {
+    let scratch = tempfile::tempdir().expect("a scratch folder");
+    let path = scratch.path().join("out");
+    let folder = OutputFolder::named(&path, false).expect("a scratch folder");
+    let mut batch = Batch::begin(plan("1..20", Record::None), folder).expect("the disk is fine");
+    let (mut over, journal) = (0, path.join("runs.journal"));
+    let ended = batch.run_with(Box::new(made_up_run), 1, &Arc::default(), |_| {
+        over += 1;
+        if over == 15 {
+            rewrite_rows(&journal);
+        }
+    });
+    ended.expect("the length is that of what was written");
+    match batch.finish(&Arc::default()) {
+        Err(BatchError::Journal(JournalError::Changed { path: named, change })) => {
+            assert_eq!((named, change.as_str()), (journal, "the row of run 1 is not the one that was written"));
+        }
+        other => panic!("{:?}", other.map(drop)),
+    }
+    assert!(!path.join("runs.csv").exists());
+}
+
+#[test]
+fn plan_that_a_program_rewrites_ends_the_batch() {
+    let scratch = tempfile::tempdir().expect("a scratch folder");
+    let path = scratch.path().join("out");
+    let folder = OutputFolder::named(&path, false).expect("a scratch folder");
+    let mut batch = Batch::begin(plan("1..5", Record::None), folder).expect("the disk is fine");
+    let plan_file = path.join("plan.json");
+    let ended = batch.run_with(Box::new(made_up_run), 1, &Arc::default(), |_| {
+        let text =
+            fs::read_to_string(&plan_file).expect("it is there").replace("\"relight\": true", "\"relight\": false");
+        fs::write(&plan_file, text).expect("writable");
+    });
+    match ended {
+        Err(BatchError::Journal(JournalError::Changed { path, change })) => {
+            assert_eq!((path, change.as_str()), (plan_file, "it is not the plan that was run"));
+        }
+        other => panic!("{other:?}"),
+    }
+}

@@ -120,6 +120,13 @@ fn what_the_rules_fix_is_refused_by_name_and_line() {
         &["ben.toml:1: `unimog` is a list of tables; expected a table [unimog]"],
     );
     refused("[unimog]\nplanner = \"latice\"\n", &["ben.toml:2:", "latice", "lattice"]);
+    refused(
+        "[unimog]\nplaner = \"lattice\"\n",
+        &["ben.toml:2: unknown field `planer` in `unimog`; did you mean `planner`?"],
+    );
+    refused("[unimgo]\nplanner = \"lattice\"\n", &["ben.toml:2: unknown field `unimgo`", "did you mean `unimog`?"]);
+    let price = "`unimog.lattice.seconds_per_expansion` is a price, and fixed by the rules in rules.toml";
+    refused("[unimog.lattice]\nseconds_per_expansion = 0\n", &[&format!("ben.toml:2: {price}")]);
     refused("[unimog.lattice]\nsamples = 1\n", &["ben.toml:2: unknown field `samples`"]);
     refused("[unimog]\nplanner = [\n", &["ben.toml:"]);
     refused("", &["ben.toml: it is empty"]);
@@ -132,6 +139,12 @@ fn what_the_rules_fix_is_refused_by_name_and_line() {
         &format!("{program}query_cpu_s = 3\n"),
         &["ben.toml:5: `planner.mine.query_cpu_s` is 3; the rules allow at most 2"],
     );
+    for price in ["seconds_per_expansion", "expansions_per_query"] {
+        refused(
+            &format!("{program}{price} = 0\n"),
+            &[&format!("ben.toml:5: `planner.mine.{price}` is a price, and fixed by the rules in rules.toml")],
+        );
+    }
     refused(&format!("{program}query_cpu_s = \"none\"\n"), &["the rules allow at most 2"]);
     refused(
         &format!("{program}query_limit_s = 21\n"),
@@ -165,6 +178,11 @@ fn programs_work_in_the_folder_of_their_entry_within_the_limits_of_the_rules() {
     story.file("dora/dora.toml", own);
     let batch = ["batch", "--rules", "rules.toml", "--agent", "anna.toml", "dora/dora.toml", "--seeds", "1..2"];
     let with = |more: &[&'static str]| [&batch[..], &["--out", "course"], more].concat();
+    // What a ranking would refuse is refused before the first run.
+    let unequal =
+        "dora/dora.toml: its `unimog.rescue` is false and that of anna is true; expected [scenario] in rules.toml";
+    refuse(&story, &with(&["--trust"]), &[unequal]);
+    story.file("rules.toml", &RULES.replace("fire.relight = true", "unimog.rescue = false"));
     refuse(&story, &with(&[]), &["planner `mine`", "sh silent.sh", "--trust"]);
     story.tell(&with(&["--trust"])).expect_code(0);
     let plan: Value = serde_json::from_str(&story.read("course/plan.json")).expect("it is JSON");
@@ -173,17 +191,138 @@ fn programs_work_in_the_folder_of_their_entry_within_the_limits_of_the_rules() {
         (&table["query_cpu_s"], &table["query_limit_s"], &table["restarts"]),
         (&0.5.into(), &20.0.into(), &1.into())
     );
-    let ranking = story.tell(&["rank", "course", "--json", "--metric", "extinguished"]);
-    refuse(&story, &["rank", "course"], &["unimog.rescue is true and false"]);
-    assert_eq!(ranking.code, Some(2), "who is rescued and who is not did not play by the same rules");
-    // Without rescue for anybody they did.
-    story.file("rules.toml", &RULES.replace("fire.relight = true", "unimog.rescue = false"));
-    story.tell(&with(&["--trust", "--force"])).expect_code(0);
     let ranking = story.tell(&["rank", "course", "--json", "--metric", "extinguished"]).expect_code(0).stdout;
     let ranking: Value = serde_json::from_str(&ranking).expect("it is JSON");
     let last = &ranking["entries"][1];
     assert_eq!((&last["entry"], &last["mean"], &last["failed"]), (&"dora".into(), &0.0.into(), &0.into()));
     assert!(last["queries"]["failed"].as_u64() > Some(0), "{last}");
+}
+
+/// A course without rescue in which `dora` asks this program of the shell, and the limits of the rules.
+#[cfg(unix)]
+fn course_with_program(program: &str, limits: &str) -> Story {
+    let story = course();
+    story.file("silent.sh", program);
+    story.file("greeting.json", "{\"type\":\"hello\",\"protocol\":1,\"name\":\"silent\",\"version\":\"1\"}\n");
+    story.file("dora.toml", "[unimog]\nplanner = \"mine\"\n[planner.mine]\ncommand = [\"sh\", \"silent.sh\"]\n");
+    let limits = format!("[limits]\n{limits}\n");
+    let rules = RULES.replace("[limits]\n", &limits).replace("fire.relight = true", "unimog.rescue = false");
+    story.file("rules.toml", &rules);
+    story
+}
+
+#[cfg(unix)]
+#[test]
+fn rules_charge_every_entry_for_expansions_and_programs_for_queries() {
+    let story = course_with_program(SILENT, "seconds_per_expansion = 0.01\nexpansions_per_query = 300");
+    let batch = ["batch", "--rules", "rules.toml", "--agent", "ben.toml", "dora.toml", "--out", "course", "--trust"];
+    story.tell(&batch).expect_code(0);
+    let plan: Value = serde_json::from_str(&story.read("course/plan.json")).expect("it is JSON");
+    for variant in plan["variants"].as_array().expect("a list") {
+        assert_eq!(variant["scenario"]["unimog"][0]["seconds_per_expansion"], 0.01);
+    }
+    let rows = outcomes(&story.path("course/runs.csv"));
+    let column = |name: &str| rows[0].iter().position(|found| found == name).expect("there is such a column");
+    let number = |row: &[String], name: &str| row[column(name)].parse::<f64>().expect("a number");
+    for row in &rows[1..] {
+        let expansions = number(row, "truck_local_expansions");
+        // The last search may still be under way at the end.
+        let share = number(row, "truck_planning_s") / (0.01 * expansions);
+        assert!((0.9..=1.0 + 1e-9).contains(&share), "{share}: {row:?}");
+        if row[column("entry")] == "dora" {
+            assert_eq!(expansions, 300.0 * number(row, "truck_plans"), "{row:?}");
+        }
+    }
+    // A student's file cannot ask for less, unless the rules free the price by its name.
+    let rules = story.read("rules.toml");
+    story.file("rules.toml", &rules.replace("\"planner.*\"", "\"planner.*\", \"planner.*.expansions_per_query\""));
+    let dora = story.read("dora.toml");
+    story.file("dora.toml", &format!("{dora}expansions_per_query = 299\n"));
+    refuse(&story, &batch, &["dora.toml:5: `planner.mine.expansions_per_query` is 299; the rules allow at least 300"]);
+    story.file("dora.toml", &format!("{dora}expansions_per_query = 301\n"));
+    story.tell(&[&batch[..], &["--dry-run"]].concat()).expect_code(0);
+}
+
+#[cfg(unix)]
+#[test]
+fn every_form_says_that_outcomes_depend_on_the_machine_where_a_clock_ended_a_query() {
+    let late = SILENT.replace("  id=", "  sleep 60\n  id=");
+    let story = course_with_program(&late, "query_limit_s = 0.1");
+    let out = ["--seeds", "1..2", "--trust", "--out"];
+    let batch = |folder: &'static str, entries: &[&'static str], form: &[&'static str]| {
+        let rules = ["batch", "--rules", "rules.toml", "--agent"];
+        story.tell(&[&rules[..], entries, &out[..], &[folder], form].concat()).expect_code(0).stdout
+    };
+    let words = "Outcomes depend on this machine: ";
+    let said = |what: &str, text: &str| {
+        assert!(text.split_whitespace().collect::<Vec<_>>().join(" ").contains(words), "{what}:\n{text}");
+    };
+    said("text", &batch("class", &["anna.toml", "dora.toml"], &[]));
+    for form in ["--md", "--html", "--json", "--tex"] {
+        said(form, &batch("again", &["anna.toml", "dora.toml"], &["--force", form]));
+    }
+    for folder in ["class", "one"] {
+        if folder == "one" {
+            said(folder, &batch(folder, &["dora.toml"], &[]));
+        }
+        for form in [&[][..], &["--md"], &["--json"], &["--tex"]] {
+            said("report", &story.tell(&[&["report", folder, "--trust"], form].concat()).expect_code(0).stdout);
+        }
+        said("page", &story.read(&format!("{folder}/report.html")));
+        said("tables.md", &story.read(&format!("{folder}/tables.md")));
+        for form in [&[][..], &["--md"], &["--json"], &["--tex"], &["--html"]] {
+            said("rank", &story.tell(&[&["rank", folder], form].concat()).expect_code(0).stdout);
+        }
+    }
+    let run = ["run", "smoke", "--command", "mine=sh silent.sh", "--set", "unimog.planner=mine"];
+    let run = [&run[..], &["--set", "planner.mine.query_limit_s=0.1", "--set", "planner.mine.restarts=0"]].concat();
+    for form in [&[][..], &["--json"]] {
+        said("run", &story.tell(&[&run[..], form].concat()).expect_code(0).stdout);
+    }
+    let text = story.tell(&["rank", "class"]).expect_code(0).stdout;
+    assert_eq!(text.matches("Outcomes depend").count(), 1, "anna's do not: {text}");
+}
+
+#[test]
+fn ranking_repeats_and_audits_runs_and_finds_rows_that_they_do_not_give() {
+    let story = course();
+    story.tell(&with(&["--out", "course", "--record", "all"])).expect_code(0);
+    let answer = story.tell(&["rank", "course", "--audit", "2"]).expect_code(0);
+    assert!(answer.stdout.contains("Audit: 6 runs repeated, no violation."), "{}", answer.stdout);
+    // The best row of `ben` is made better; its states still add up.
+    let rows = outcomes(&story.path("course/runs.csv"));
+    let text = story.read("course/runs.csv");
+    let column = |name: &str| rows[0].iter().position(|found| found == name).expect("there is such a column");
+    let (entry, burned, saved) = (column("entry"), column("burned_out"), column("extinguished"));
+    let mut is_done = false;
+    let lines = text.lines().map(|line| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        if cells[entry] == "ben" && !is_done {
+            is_done = true;
+            let move_to = cells[burned].parse::<u32>().expect("a number");
+            cells[saved] = (cells[saved].parse::<u32>().expect("a number") + move_to).to_string();
+            cells[burned] = "0".into();
+        }
+        cells.join(",") + "\n"
+    });
+    let rewritten: String = lines.collect();
+    story.file("course/runs.csv", &rewritten);
+    story.tell(&["rank", "course"]).expect_code(0);
+    let answer = story.tell(&["rank", "course", "--audit", "1"]).expect_code(4);
+    assert!(
+        answer.stdout.contains("ben: 1 of 1 audited runs violate a rule or give another row: "),
+        "{}",
+        answer.stdout
+    );
+    let json = story.tell(&["rank", "course", "--audit", "1", "--json"]).expect_code(4).stdout;
+    let json: Value = serde_json::from_str(&json).expect("it is JSON");
+    for entry in json["entries"].as_array().expect("a list") {
+        let violations = u32::from(entry["entry"] == "ben");
+        assert_eq!(entry["audit"]["violations"], violations, "{entry}");
+    }
+    assert!(
+        story.tell(&["rank", "course", "--without", "ben"]).expect_code(0).stdout.starts_with("2 entries by saved")
+    );
 }
 
 #[test]

@@ -252,7 +252,7 @@ fn questions_that_make_no_sense_are_refused() {
         ("plan --cells 0", &["--cells", "from 1 to 10000"]),
         ("plan --cells 3 --set suppression.reach_m=none", &["`suppression.reach_m` is \"none\""]),
         ("plan --scenario alone.toml", &["no truck", "[[unimog]]"]),
-        ("plan --set unimog.hybrid.headings=1", &["unimog.0.hybrid.headings", "from 4 to 360"]),
+        ("plan --set unimog.hybrid.headings=1", &["unimog.hybrid.headings", "from 4 to 360"]),
         ("plan mine.json --csv mine.json", &["mine.json", "two files"]),
         ("plan mine.json --csv a.csv --paths a.csv", &["a.csv", "two files"]),
     ] {

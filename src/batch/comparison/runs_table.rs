@@ -1,5 +1,6 @@
 //! The runs of a table as a comparison needs them: seeds, conditions, and the columns of the metrics.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -45,6 +46,10 @@ pub struct RunsTable {
     pub values: Vec<Vec<f64>>,
     /// The queries of each run's trucks, as far as the table tells.
     pub queries: Vec<QueryTally>,
+    /// The number of each run in its plan; 0 where the table has none.
+    pub numbers: Vec<u64>,
+    /// Runs whose bushes do not add up, and how.
+    pub impossible: BTreeMap<usize, String>,
 }
 
 /// A condition under which runs were made: scenario, planner, or a key that a batch sweeps.
@@ -97,7 +102,7 @@ impl RunsTable {
             }
         }
         let (mut seeds, mut done, mut values) = (Vec::new(), Vec::new(), vec![Vec::new(); fields.len()]);
-        let mut queries = Vec::new();
+        let (mut queries, mut numbers, mut impossible) = (Vec::new(), Vec::new(), BTreeMap::new());
         while table.next_row()? {
             if seeds.len() as u64 == MAX_RUNS {
                 return Err(ComparisonError::TooManyRows { path: table.path().to_owned(), limit: MAX_RUNS });
@@ -106,7 +111,13 @@ impl RunsTable {
             done.push(table.bytes(status) == b"done");
             // Other versions of the program may lack these columns, and nothing else is made of them.
             let count = |column: &str| table.place(column).and_then(|place| table.count(place, "").ok());
-            queries.push(QueryTally::from_columns(|column| count(column).unwrap_or(0)));
+            let message =
+                table.place("message").map_or(Cow::Borrowed(""), |place| String::from_utf8_lossy(table.bytes(place)));
+            queries.push(QueryTally::of_run(|column| count(column).unwrap_or(0), &message));
+            if let Some(reason) = done.last().filter(|done| **done).and_then(|_| impossible_states(&count)) {
+                impossible.insert(seeds.len() - 1, reason);
+            }
+            numbers.push(count("run").unwrap_or(0));
             for (place, condition, known) in &mut conditions {
                 let level = table.bytes(*place);
                 if level.len() > MAX_LEVEL_BYTES || known.len() > MAX_LEVELS {
@@ -132,8 +143,18 @@ impl RunsTable {
             return Err(ComparisonError::NoRows { path: table.path().to_owned() });
         }
         let conditions = conditions.into_iter().map(|(_, condition, _)| condition).collect();
-        Ok(Self { path: table.path().to_owned(), seeds, done, conditions, values, queries })
+        Ok(Self { path: table.path().to_owned(), seeds, done, conditions, values, queries, numbers, impossible })
     }
+}
+
+/// Says how the states of the bushes of a run do not add up; `None` if they do, or if the table does not have them all.
+fn impossible_states(count: &dyn Fn(&str) -> Option<u64>) -> Option<String> {
+    let states = ["intact", "burning", "burned_out", "extinguished"].map(count);
+    let [intact, burning, burned_out, extinguished] = states.map(|state| state.map(u128::from));
+    let (obstacles, sum) = (count("obstacles")?, intact? + burning? + burned_out? + extinguished?);
+    (sum != obstacles.into()).then(|| {
+        format!("intact, burning, burned_out and extinguished add up to {sum}, and there are {obstacles} obstacles")
+    })
 }
 
 impl Condition {

@@ -7,6 +7,7 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
 
 use rayon::prelude::*;
+use sha2::{Digest, Sha256};
 
 use crate::batch::execute::entries::journal_name;
 use crate::batch::execute::journal::{JournalError, LockedJournal, OpenJournal, RowReader};
@@ -26,6 +27,8 @@ pub struct Batch {
     journal: OpenJournal,
     disk: Box<dyn Disk>,
     found: Found,
+    /// The SHA-256 of the plan's file as this process found or left them.
+    written_plan: Option<[u8; 32]>,
 }
 
 /// Disorder that an earlier process left in the folder.
@@ -121,7 +124,8 @@ impl Batch {
         let lost_recordings = lost_recordings(&plan, &folder, journal.index())?;
         let repeated = journal.index().repeated();
         let found = Found { has_torn_line, leftovers, repeated, lost_recordings };
-        Ok(Self { plan: Arc::new(plan), folder, journal, disk, found })
+        let written_plan = fs::read(folder.path().join(PLAN_FILE)).ok().map(|bytes| Sha256::digest(bytes).into());
+        Ok(Self { plan: Arc::new(plan), folder, journal, disk, found, written_plan })
     }
 
     pub fn plan(&self) -> &BatchPlan {
@@ -193,8 +197,18 @@ impl Batch {
         let brought = self.journal.bring_home();
         let recorded_again = worked_off?;
         brought?;
+        self.expect_unchanged_plan()?;
         let is_over = self.journal.index().is_complete() && recorded_again == self.found.lost_recordings.len();
         if is_over { Ok(()) } else { Err(BatchError::Stopped) }
+    }
+
+    /// Refuses a plan that a program has rewritten meanwhile: its rows would be read by other rules than they were made by.
+    fn expect_unchanged_plan(&self) -> Result<(), JournalError> {
+        let path = self.folder.path().join(PLAN_FILE);
+        if fs::read(&path).ok().map(|bytes| Sha256::digest(bytes).into()) == self.written_plan {
+            return Ok(());
+        }
+        Err(JournalError::Changed { path, change: "it is not the plan that was run".into() })
     }
 
     /// Returns the disk to which this batch writes.

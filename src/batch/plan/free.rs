@@ -9,8 +9,17 @@ use super::MAX_FREE_KEYS;
 const MAX_STEPS: usize = 8;
 const MAX_PATTERNS: usize = 2 * MAX_FREE_KEYS;
 
+/// Keys of prices: what planning costs in simulated time, in whichever table they are.
+const PRICES: [&str; 3] = ["seconds_per_expansion", "seconds_per_evaluation", "expansions_per_query"];
+
+/// Says whether a key is that of a price.
+pub fn is_price(steps: &[&str]) -> bool {
+    steps.last().is_some_and(|last| PRICES.contains(last))
+}
+
 /// Patterns of keys. A key matches if it begins with the steps of a pattern; `*` is any one step. Numbers of agents may
-/// be left out, so that `unimog.planner` is the planner of every truck.
+/// be left out, so that `unimog.planner` is the planner of every truck. A price only matches a pattern that ends with its
+/// own key: `unimog.hybrid` does not free `unimog.hybrid.seconds_per_expansion`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FreeKeys {
     patterns: Vec<Vec<String>>,
@@ -38,7 +47,9 @@ impl FreeKeys {
 
     /// Says whether the value at these steps matches; numbers of agents are steps too.
     pub fn has(&self, steps: &[&str]) -> bool {
-        self.patterns.iter().any(|pattern| begins_with(steps, pattern))
+        let names_it =
+            |pattern: &Vec<String>| !is_price(steps) || pattern.last().map(String::as_str) == steps.last().copied();
+        self.patterns.iter().any(|pattern| names_it(pattern) && begins_with(steps, pattern))
     }
 
     /// Says the same of a key as `--set` takes it.
@@ -46,18 +57,18 @@ impl FreeKeys {
         self.has(&key.split('.').collect::<Vec<_>>())
     }
 
-    /// Removes from a scenario every value that matches, except those that are kept whatever they match.
-    pub fn remove_from(&self, scenario: &mut Json, kept: &dyn Fn(&[&str]) -> bool) {
-        self.remove_below(scenario, &mut Vec::new(), kept);
+    /// Removes from a scenario every value that matches.
+    pub fn remove_from(&self, scenario: &mut Json) {
+        self.remove_below(scenario, &mut Vec::new());
     }
 
-    fn remove_below(&self, value: &mut Json, steps: &mut Vec<String>, kept: &dyn Fn(&[&str]) -> bool) {
+    fn remove_below(&self, value: &mut Json, steps: &mut Vec<String>) {
         let mut goes = |step: String, inner: &mut Json| {
             steps.push(step);
-            self.remove_below(inner, steps, kept);
+            self.remove_below(inner, steps);
             let path: Vec<&str> = steps.iter().map(String::as_str).collect();
             let is_empty = inner.as_object().is_some_and(serde_json::Map::is_empty);
-            let goes = self.has(&path) && !kept(&path) && (is_empty || !inner.is_object());
+            let goes = self.has(&path) && (is_empty || !inner.is_object());
             steps.pop();
             goes
         };
@@ -125,16 +136,20 @@ mod tests {
     }
 
     #[test]
-    fn removing_leaves_what_is_kept() {
+    fn prices_are_free_only_where_a_key_names_them() {
         let mut scenario = json!({
             "duration_s": 60.0,
             "planner": { "rrt": { "command": ["a"] } },
             "unimog": [{ "planner": "rrt", "prm": { "samples": 3, "seconds_per_expansion": 0.1 }, "start": [1] }],
         });
-        let kept = |steps: &[&str]| steps.last() == Some(&"seconds_per_expansion");
-        free(&["unimog.planner", "unimog.prm", "planner"]).remove_from(&mut scenario, &kept);
+        free(&["unimog.planner", "unimog.prm", "planner"]).remove_from(&mut scenario);
         let left = json!({ "duration_s": 60.0, "unimog": [{ "prm": { "seconds_per_expansion": 0.1 }, "start": [1] }] });
         assert_eq!(scenario, left);
+        let price = "unimog.0.prm.seconds_per_expansion";
+        assert!(!free(&["unimog", "unimog.prm"]).has_key(price));
+        assert!(free(&["unimog.prm.seconds_per_expansion"]).has_key(price));
+        assert!(free(&["planner.*.expansions_per_query"]).has_key("planner.rrt.expansions_per_query"));
+        assert!(!free(&["planner.*.expansions_per_query"]).has_key("planner.rrt.seconds_per_expansion"));
     }
 
     #[test]

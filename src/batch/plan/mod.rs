@@ -7,6 +7,7 @@
 
 mod course;
 mod difference;
+mod equal_rules;
 mod file;
 mod free;
 mod frozen;
@@ -20,6 +21,7 @@ mod value;
 
 pub use course::{CourseError, CoursePlan, CourseRefusal, CourseRequest, rules_schema};
 pub use difference::value_differences;
+pub use equal_rules::{Freedom, TABLES_OF_PROGRAMS, USUALLY_FREE, kept_program, limits_of_programs, rules_of};
 pub use file::{PLAN_TEMPLATE, schema as plan_schema};
 pub use free::{FreeKeys, FreeKeysError};
 pub use frozen::{PLAN_FILE, PlanError};

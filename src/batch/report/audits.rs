@@ -1,6 +1,7 @@
 //! Audits of many runs on several threads: recordings, and runs of batches, which are simulated again where they were
 //! not recorded.
 
+use std::collections::BTreeSet;
 use std::fmt;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -27,6 +28,8 @@ pub const LISTED_VIOLATIONS: usize = 10;
 pub enum AuditSource {
     Recordings(Vec<PathBuf>),
     Batch(Box<FinishedBatch>),
+    /// Runs of a batch by their numbers, which are made again even where there are recordings.
+    Repeated(Box<FinishedBatch>, BTreeSet<u64>),
 }
 
 impl AuditSource {
@@ -34,6 +37,7 @@ impl AuditSource {
         match self {
             Self::Recordings(paths) => paths.len() as u64,
             Self::Batch(batch) => batch.count(),
+            Self::Repeated(_, numbers) => numbers.len() as u64,
         }
     }
 }
@@ -78,7 +82,7 @@ impl fmt::Display for ListedViolation {
 /// One run to be audited.
 enum Subject<'a> {
     Recording(&'a Path),
-    Run { batch: &'a FinishedBatch, run: PlannedRun<'a>, row: Option<RunRecord> },
+    Run { batch: &'a FinishedBatch, run: PlannedRun<'a>, row: Option<RunRecord>, recording: Option<PathBuf> },
 }
 
 /// The outcome of an audit of one run.
@@ -100,8 +104,17 @@ impl AuditSource {
                 let mut rows = batch.rows()?;
                 Ok(Box::new(batch.runs().map(move |run| {
                     let row = rows.as_mut().map(|rows| rows.next(&run)).transpose()?;
-                    Ok(Subject::Run { batch, run, row })
+                    let recording = batch.recording(&run);
+                    Ok(Subject::Run { batch, run, row, recording })
                 })))
+            }
+            Self::Repeated(batch, numbers) => {
+                let mut rows = batch.rows()?;
+                let subjects = batch.runs().map(move |run| {
+                    let row = rows.as_mut().map(|rows| rows.next(&run)).transpose()?;
+                    Ok(numbers.contains(&run.number).then_some(Subject::Run { batch, run, row, recording: None }))
+                });
+                Ok(Box::new(subjects.filter_map(Result::transpose)))
             }
         }
     }
@@ -168,8 +181,8 @@ impl Subject<'_> {
         let &AuditOptions { step, entrants, .. } = options;
         match self {
             Self::Recording(path) => look_at_file(path, step, |_| None),
-            Self::Run { batch, run, row } => match batch.recording(run) {
-                Some(path) => look_at_file(&path, step, |timeline| {
+            Self::Run { batch, run, row, recording } => match recording {
+                Some(path) => look_at_file(path, step, |timeline| {
                     let difference = || difference(run, row.as_ref(), timeline, RunCost::default());
                     other_run(run, timeline).or_else(difference)
                 }),

@@ -6,7 +6,7 @@ use serde::{Serialize, Serializer};
 use crate::batch::execute::RunRow;
 use crate::batch::plan::{PROGRAM_VERSION, Value};
 use crate::batch::report::notes::notes;
-use crate::batch::table::{AGENT_COLUMNS, AgentRow, RUN_COLUMNS, is_measured};
+use crate::batch::table::{AGENT_COLUMNS, AgentRow, RUN_COLUMNS, RunRecord, is_measured};
 
 /// A run as `{"program_version", "run": {outcome columns}, "agents": [{...}], "notes": [sentences], "measured": {cpu
 /// and wall columns}}`.
@@ -26,11 +26,12 @@ impl RunObject {
             let values = AGENT_COLUMNS.iter().map(|column| (column.name, (column.value)(&agent)));
             Object(values.filter(|(name, _)| !["scenario", "seed", "run"].contains(name)).collect())
         };
+        let machine = RunRecord::from_row(row).queries().machine_sentence(&row.label.planner);
         Self {
             program_version: PROGRAM_VERSION,
             run: Object(columns().filter(|(name, _)| !is_measured(name)).collect()),
             agents: AgentRow::from_run(row).map(agent).collect(),
-            notes: row.result.as_ref().map(notes).unwrap_or_default(),
+            notes: row.result.as_ref().map(notes).into_iter().flatten().chain(machine).collect(),
             measured: Object(columns().filter(|(name, _)| is_measured(name)).collect()),
         }
     }

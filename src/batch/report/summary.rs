@@ -143,8 +143,20 @@ impl BatchReport {
 
     /// Returns what there is to note of any variant, by its number.
     pub fn notes(&self) -> Vec<String> {
-        let notes = self.variants.iter().enumerate();
-        notes.filter_map(|(index, variant)| Some(format!("{}: {}", index + 1, variant.tally.note()?))).collect()
+        let notes = |(index, variant): (usize, &VariantReport)| {
+            let notes = variant.tally.note().into_iter().chain(variant.tally.machine_sentences());
+            notes.map(move |note| format!("{}: {note}", index + 1)).collect::<Vec<_>>()
+        };
+        self.variants.iter().enumerate().flat_map(notes).collect()
+    }
+
+    /// Returns for each variant, by its title if there are several, that a limit of time or memory changed an outcome.
+    pub fn machine_notes(&self) -> Vec<String> {
+        let notes = |variant: &VariantReport| {
+            let title = if self.variants.len() > 1 { format!("{}: ", variant.title) } else { String::new() };
+            variant.tally.machine_sentences().map(move |note| format!("{title}{note}")).collect::<Vec<_>>()
+        };
+        self.variants.iter().flat_map(notes).collect()
     }
 
     /// Returns for each variant where its CPU time went.

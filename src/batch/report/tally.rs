@@ -35,7 +35,7 @@ pub struct Tally {
     pub noted_runs: u64,
     /// Seed and notes of the first of them.
     pub first_notes: Option<(u64, Vec<String>)>,
-    /// The queries of runs that are done, by their planners.
+    /// The queries of runs that are done or that a limit ended, by their planners.
     pub queries: BTreeMap<String, QueryTally>,
 }
 
@@ -49,11 +49,13 @@ impl Tally {
         }
         if !run.is_done() {
             self.first_failure.get_or_insert_with(|| (run.seed(), run.message().to_owned()));
-            return;
         }
-        let planner = run.text(PLANNER);
-        if !planner.is_empty() {
-            *self.queries.entry(planner.to_owned()).or_default() += run.queries();
+        let (planner, queries) = (run.text(PLANNER), run.queries());
+        if !planner.is_empty() && (run.is_done() || queries.depends_on_machine()) {
+            *self.queries.entry(planner.to_owned()).or_default() += queries;
+        }
+        if !run.is_done() {
+            return;
         }
         let number = |column| run.number(column).unwrap_or(0.0);
         if is_contest {
@@ -90,6 +92,11 @@ impl Tally {
         let sentences = [self.champion(), Some(self.runs()), self.reason(), self.stuck(), self.note()];
         let queries = self.queries.iter().flat_map(|(planner, queries)| queries.sentences(planner));
         sentences.into_iter().flatten().chain(queries).collect()
+    }
+
+    /// Says for each planner whether a limit of time or memory changed an outcome.
+    pub fn machine_sentences(&self) -> impl Iterator<Item = String> {
+        self.queries.iter().filter_map(|(planner, queries)| queries.machine_sentence(planner))
     }
 
     fn runs(&self) -> String {

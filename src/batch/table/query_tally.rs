@@ -7,6 +7,9 @@ use serde::Serialize;
 
 use crate::document::number::rounded;
 
+/// Words in messages of programs that reached another limit than that of a query; `src/programs/process.rs` writes them.
+const OTHER_LIMITS: [&str; 3] = [" of memory and was killed", "gave no `hello` within ", "gave no `ready` within "];
+
 /// Counts of drives and queries of trucks over some runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct QueryTally {
@@ -18,11 +21,13 @@ pub struct QueryTally {
     pub rescued: u64,
     /// Queries that ended because a planner took too long by the clock.
     pub timed_out: u64,
+    /// Runs with a message of another limit that was reached: of memory, or of the time to start.
+    pub limited_runs: u64,
 }
 
 impl QueryTally {
-    /// Counts by the numbers in columns of `runs.csv`; 0 where there is none.
-    pub fn from_columns(number: impl Fn(&str) -> u64) -> Self {
+    /// Counts by the numbers in columns of `runs.csv`, 0 where there is none, and by the run's message.
+    pub fn of_run(number: impl Fn(&str) -> u64, message: &str) -> Self {
         const FAILED: [&str; 7] = [
             "truck_failed_start_blocked",
             "truck_failed_goal_blocked",
@@ -38,6 +43,7 @@ impl QueryTally {
             failed,
             rescued: number("truck_lattice_plans"),
             timed_out: number("truck_failed_timed_out"),
+            limited_runs: OTHER_LIMITS.iter().any(|words| message.contains(words)).into(),
         }
     }
 
@@ -48,12 +54,27 @@ impl QueryTally {
             let share = if share < 0.05 { "under 0.1".to_owned() } else { rounded(share, 1) };
             format!("Rescued: {share} % of the drives of {planner}.")
         });
+        rescued.into_iter().chain(self.machine_sentence(planner)).collect()
+    }
+
+    /// Says whether a limit of time or memory changed an outcome: another machine may give another one.
+    pub fn depends_on_machine(&self) -> bool {
+        self.timed_out > 0 || self.limited_runs > 0
+    }
+
+    /// Says so in a sentence, if a limit changed an outcome.
+    pub fn machine_sentence(&self, planner: &str) -> Option<String> {
         let timed_out = (self.timed_out > 0).then(|| {
             let queries =
                 if self.timed_out == 1 { "1 query".to_owned() } else { format!("{} queries", self.timed_out) };
-            format!("Outcomes depend on this machine: {queries} of {planner} timed out.")
+            format!("{queries} of {planner} timed out")
         });
-        rescued.into_iter().chain(timed_out).collect()
+        let limited = (self.limited_runs > 0).then(|| match self.limited_runs {
+            1 => format!("{planner} reached a limit of memory or start time in 1 run"),
+            runs => format!("{planner} reached a limit of memory or start time in {runs} runs"),
+        });
+        let reasons: Vec<String> = timed_out.into_iter().chain(limited).collect();
+        self.depends_on_machine().then(|| format!("Outcomes depend on this machine: {}.", reasons.join("; ")))
     }
 }
 
@@ -63,6 +84,7 @@ impl AddAssign for QueryTally {
         self.failed = self.failed.saturating_add(other.failed);
         self.rescued = self.rescued.saturating_add(other.rescued);
         self.timed_out = self.timed_out.saturating_add(other.timed_out);
+        self.limited_runs = self.limited_runs.saturating_add(other.limited_runs);
     }
 }
 
@@ -78,12 +100,17 @@ mod tests {
             "truck_lattice_plans" => 12,
             _ => 0,
         };
-        let mut tally = QueryTally::from_columns(number);
-        assert_eq!(tally, QueryTally { drives: 100, failed: 20, rescued: 12, timed_out: 10 });
+        let mut tally = QueryTally::of_run(number, "");
+        assert_eq!(tally, QueryTally { drives: 100, failed: 20, rescued: 12, timed_out: 10, limited_runs: 0 });
         tally += QueryTally { drives: 100, ..QueryTally::default() };
         assert_eq!(
             tally.sentences("rrt"),
             ["Rescued: 6.0 % of the drives of rrt.", "Outcomes depend on this machine: 10 queries of rrt timed out."]
+        );
+        let limited = QueryTally::of_run(|_| 0, "planner `rrt` took 70 MB of memory and was killed");
+        assert_eq!(
+            limited.sentences("rrt"),
+            ["Outcomes depend on this machine: rrt reached a limit of memory or start time in 1 run."]
         );
         assert!(QueryTally { drives: 9, ..QueryTally::default() }.sentences("rrt").is_empty());
     }

@@ -85,13 +85,14 @@ impl RunRecord {
 
     /// Counts the queries of its trucks.
     pub fn queries(&self) -> QueryTally {
-        QueryTally::from_columns(|name| {
+        let number = |name: &str| {
             let column = RUN_COLUMNS.iter().position(|column| column.name == name);
             match column.map(|column| &self.0[column]) {
                 Some(Value::Count(count)) => *count,
                 _ => 0,
             }
-        })
+        };
+        QueryTally::of_run(number, self.message())
     }
 
     pub fn message(&self) -> &str {

@@ -200,6 +200,7 @@ impl ReportAnswer {
         } else {
             document = document.with(tables.column_tables(columns));
         }
+        document.add_list(tables.machine_notes());
         document.add_list(refused.clone());
         Self {
             batch: BatchObject::new(plan, folder, tables),

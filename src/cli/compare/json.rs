@@ -26,6 +26,7 @@ struct Side<'a> {
     runs: usize,
     failed: usize,
     queries: QueryTally,
+    notes: Vec<String>,
 }
 
 #[derive(Serialize)]
@@ -154,6 +155,7 @@ impl Serialize for Comparison {
             runs: side.runs,
             failed: side.failed,
             queries: side.queries,
+            notes: side.notes(),
         });
         let comparisons = self.against_a.iter().map(|against| {
             let missing = self.missing.iter().filter(|(letter, _)| *letter == against.letter);

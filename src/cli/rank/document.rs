@@ -1,7 +1,6 @@
 //! A ranking as a document.
 
-use crate::batch::QueryTally;
-use crate::batch::comparison::{Better, Contrast, RankedEntry, RankedPair, Ranking, p_words};
+use crate::batch::comparison::{Better, Contrast, EntryAudit, RankedEntry, RankedPair, Ranking, p_words};
 use crate::document::number::{count, optional, percent, probability, rounded, two_digits};
 use crate::document::{Block, Document, Figure, Table};
 use crate::picture::charts::{Estimate, ForestChart, ForestRow, Language, SCREEN_WIDTH, Titles};
@@ -156,10 +155,29 @@ fn remarks(ranking: &Ranking) -> Vec<String> {
         let runs = count(entry.without_value, "run");
         format!("{}: {runs} that did not fail without a value of {metric}", name(entry))
     }));
-    let clocked = ranking.entries.iter().filter(|entry| entry.queries.timed_out > 0);
-    lines.extend(clocked.flat_map(|entry| QueryTally { rescued: 0, ..entry.queries }.sentences(&name(entry))));
+    lines.extend(ranking.entries.iter().filter_map(|entry| entry.queries.machine_sentence(&name(entry))));
+    lines.extend(audit_words(ranking));
     if ranking.entries.iter().any(|entry| entry.groups.is_none()) {
         lines.push("More groups than letters: see the ranks, or the pairs in --json".into());
+    }
+    lines
+}
+
+/// Says what the audit found, if there was one: a sentence for each entry with a violation.
+fn audit_words(ranking: &Ranking) -> Vec<String> {
+    let audits: Vec<(&RankedEntry, &EntryAudit)> =
+        ranking.entries.iter().filter_map(|entry| Some((entry, entry.audit.as_ref()?))).collect();
+    let repeated: u64 = audits.iter().map(|(_, audit)| audit.runs).sum();
+    let violated = audits.iter().filter(|(_, audit)| audit.violations > 0);
+    let mut lines: Vec<String> = violated
+        .map(|(entry, audit)| {
+            let EntryAudit { runs, violations, first_violation } = audit;
+            let first = first_violation.as_deref().unwrap_or_default();
+            format!("{}: {violations} of {runs} audited runs violate a rule or give another row: {first}", name(entry))
+        })
+        .collect();
+    if lines.is_empty() && !audits.is_empty() {
+        lines.push(format!("Audit: {} repeated, no violation.", count(repeated as usize, "run")));
     }
     lines
 }

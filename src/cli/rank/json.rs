@@ -2,7 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
-use crate::batch::comparison::{Better, Contrast, RankedEntry, RankedPair, Ranking};
+use crate::batch::comparison::{Better, Contrast, EntryAudit, RankedEntry, RankedPair, Ranking};
 use crate::batch::{PROGRAM_VERSION, QueryTally};
 use crate::cli::compare::method_name;
 use crate::stats::CONFIDENCE;
@@ -36,6 +36,9 @@ struct EntryObject<'a> {
     failed: usize,
     without_value: usize,
     queries: QueryTally,
+    /// That a limit of time or memory changed an outcome; null if none did.
+    depends_on_machine: Option<String>,
+    audit: Option<&'a EntryAudit>,
 }
 
 #[derive(Serialize)]
@@ -97,6 +100,8 @@ fn entry<'a>(ranking: &'a Ranking, place: usize, entry: &'a RankedEntry) -> Entr
         failed: entry.failed,
         without_value: entry.without_value,
         queries: entry.queries,
+        depends_on_machine: entry.queries.machine_sentence(&entry.name),
+        audit: entry.audit.as_ref(),
     }
 }
 

@@ -4,16 +4,24 @@ mod document;
 mod json;
 mod table;
 
-use std::path::PathBuf;
+use std::collections::BTreeSet;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::thread;
 
 use clap::{Args, ValueEnum};
 
-use crate::batch::comparison::{Better, RankingError, RankingRequest, rank};
+use crate::audit::SampleStep;
+use crate::batch::comparison::{Better, EntryAudit, RankedEntry, Ranking, RankingError, RankingRequest, rank};
+use crate::batch::{AuditOptions, AuditSource, FinishedBatch, FinishedError, audit_all};
+use crate::cli::args::parse_jobs;
 use crate::cli::compare::parse_where;
-use crate::cli::error::CliError;
+use crate::cli::context::CommandContext;
+use crate::cli::error::{CliError, exit};
 use crate::cli::output_files::{Files, Format, write_all};
 use crate::cli::report::FormArguments;
+use crate::cli::terminal::Progress;
 
 const NOTES: &str = "\
 Examples:
@@ -22,6 +30,7 @@ Examples:
   wildfire rank runs/course --html > ranking.html
   wildfire rank runs/course --csv ranking.csv
   wildfire rank runs/sweep --where field.coverage=0.1
+  wildfire rank runs/course --audit 3 --trust
 
 An entry is the runs of a batch with one planner, one policy or one value of a
 key that is free; or all runs of a batch in which these do not vary. All entries
@@ -32,7 +41,7 @@ A run that failed counts as the worst value of the metric. Ranges of ranks, and
 groups with a letter in common, are those of entries that are not told apart.
 Metrics are those of `wildfire compare`.";
 
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(after_help = NOTES)]
 pub struct RankArguments {
     /// Folders of batches, or their tables of runs.
@@ -51,6 +60,18 @@ pub struct RankArguments {
     /// Take only runs with this value in this column; may be repeated.
     #[arg(long = "where", value_name = "COLUMN=VALUE", value_parser = parse_where)]
     pub only: Vec<(String, String)>,
+    /// Leave out the entry of this name; may be repeated.
+    #[arg(long, value_name = "NAME")]
+    pub without: Vec<String>,
+    /// Repeat and audit this many runs of each entry, its best among them; exit with 4 on a violation.
+    #[arg(long, value_name = "N")]
+    pub audit: Option<NonZeroUsize>,
+    /// Run the programs of the entries, where their runs are repeated.
+    #[arg(long, requires = "audit")]
+    pub trust: bool,
+    /// Threads of the audit [default: as many as the machine runs at once].
+    #[arg(short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
+    pub jobs: Option<NonZeroUsize>,
     /// Write the table of entries to a CSV file.
     #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
     pub csv: Option<PathBuf>,
@@ -70,19 +91,60 @@ impl RankArguments {
             BetterArgument::Higher => Better::Higher,
             BetterArgument::Lower => Better::Lower,
         });
-        let Self { metric, free, only, .. } = self;
-        RankingRequest { metric: metric.clone(), better, free: free.clone(), only: only.clone() }
+        let Self { metric, free, only, without, .. } = self.clone();
+        RankingRequest { metric, better, free, only, without }
     }
 }
 
-pub fn run(arguments: &RankArguments, quiet: bool) -> Result<ExitCode, CliError> {
+pub fn run(arguments: &RankArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     let form = arguments.form;
     let files = Files { form, ..Files::default() }.writing([(Format::Csv, &arguments.csv)]);
     let words = files.check()?;
-    let ranking = rank(&arguments.batches, &arguments.request())?;
+    let mut ranking = rank(&arguments.batches, &arguments.request())?;
+    if let Some(runs) = arguments.audit {
+        audit(&mut ranking, runs.get(), arguments.jobs, context)?;
+    }
     words.print(&form.render(&ranking))?;
-    write_all(&[(arguments.csv.as_deref(), &|path| table::write(path, &ranking))], quiet)?;
-    Ok(ExitCode::SUCCESS)
+    write_all(&[(arguments.csv.as_deref(), &|path| table::write(path, &ranking))], context.quiet)?;
+    let mut audits = ranking.entries.iter().filter_map(|entry| entry.audit.as_ref());
+    let is_violated = audits.any(|audit| audit.violations > 0);
+    Ok(if is_violated { ExitCode::from(exit::VIOLATION) } else { ExitCode::SUCCESS })
+}
+
+/// Repeats and audits some runs of each entry, whatever recordings there are.
+fn audit(
+    ranking: &mut Ranking,
+    runs: usize,
+    jobs: Option<NonZeroUsize>,
+    context: &CommandContext,
+) -> Result<(), CliError> {
+    let jobs = jobs.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
+    let sources = ranking.entries.iter().map(|entry| source(entry, runs, context)).collect::<Result<Vec<_>, _>>()?;
+    let progress = Progress::new(sources.iter().map(AuditSource::count).sum(), "runs", context.quiet);
+    let options = AuditOptions { jobs, step: SampleStep::default(), entrants: &context.entrants, listed: 1 };
+    for (entry, source) in ranking.entries.iter_mut().zip(sources) {
+        let report = audit_all(&[source], &options, || progress.advance())?;
+        let first_violation = report.listed.first().map(ToString::to_string);
+        entry.audit =
+            Some(EntryAudit { runs: report.runs() + report.not_run, violations: report.violations, first_violation });
+    }
+    progress.end();
+    Ok(())
+}
+
+/// Chooses runs of an entry: the best one, and others that divide its order evenly.
+fn source(entry: &RankedEntry, runs: usize, context: &CommandContext) -> Result<AuditSource, CliError> {
+    let folder = entry.table.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let batch = FinishedBatch::open(folder)?;
+    batch.plan().expect_entrants(&context.entrants, folder).map_err(FinishedError::from)?;
+    let count = entry.run_numbers.len();
+    let runs = runs.min(count);
+    let places = (0..runs).map(|place| (place * (count - 1)).checked_div(runs - 1).unwrap_or(0));
+    let numbers: BTreeSet<u64> = places.map(|place| entry.run_numbers[place]).collect();
+    for run in batch.runs().filter(|run| numbers.contains(&run.number)) {
+        context.expect_trusted(&run.variant.scenario)?;
+    }
+    Ok(AuditSource::Repeated(Box::new(batch), numbers))
 }
 
 impl From<RankingError> for CliError {
@@ -91,7 +153,13 @@ impl From<RankingError> for CliError {
             RankingError::Comparison(error) => error.into(),
             error => {
                 let help = match &error {
-                    RankingError::OtherRules { .. } => Some("--free KEY lets entries differ in a key"),
+                    RankingError::OtherRules { .. } => {
+                        Some("--free KEY lets entries differ in a key; --without NAME leaves an entry out")
+                    }
+                    RankingError::OtherSeeds { .. }
+                    | RankingError::OtherConditions { .. }
+                    | RankingError::Reuse { .. }
+                    | RankingError::Impossible { .. } => Some("--without NAME leaves an entry out"),
                     _ => None,
                 };
                 Self::bad_input(error, help)

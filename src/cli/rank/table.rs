@@ -32,6 +32,7 @@ struct EntryRow<'a> {
     failed_queries: u64,
     rescued_drives: u64,
     timed_out_queries: u64,
+    depends_on_machine: bool,
 }
 
 pub fn write(path: &Path, ranking: &Ranking) -> io::Result<()> {
@@ -59,6 +60,7 @@ pub fn write(path: &Path, ranking: &Ranking) -> io::Result<()> {
             failed_queries: entry.queries.failed,
             rescued_drives: entry.queries.rescued,
             timed_out_queries: entry.queries.timed_out,
+            depends_on_machine: entry.queries.depends_on_machine(),
         })?;
     }
     writer.into_inner().map_err(csv::IntoInnerError::into_error)?.finish()

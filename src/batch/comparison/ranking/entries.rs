@@ -11,20 +11,14 @@ use crate::batch::comparison::runs_table::{Condition, RunsTable};
 use crate::batch::comparison::settings::{KnownSettings, merged, seed_words, value_words};
 use crate::batch::comparison::sides::{Selection, whole};
 use crate::batch::comparison::words::listed;
-use crate::batch::plan::{ENTRY_COLUMN, FreeKeys, RecordedPlan};
+use crate::batch::plan::{
+    ENTRY_COLUMN, FreeKeys, Freedom, RecordedPlan, TABLES_OF_PROGRAMS, kept_program, limits_of_programs, rules_of,
+};
+use crate::scenario::nearest_name;
 use crate::untrusted::visible_start;
 
 /// The columns that name an entry whatever was swept.
 const COLUMNS_OF_ENTRIES: [&str; 3] = [ENTRY_COLUMN, "planner", "policy"];
-
-/// The members of a scenario that hold the tables of programs, whose names and contents are an entry's own, and those of
-/// a table that limit what a program may take.
-const TABLES_OF_PROGRAMS: [&str; 2] = ["planner", "policy"];
-const LIMITS: [&str; 6] =
-    ["start_limit_s", "query_limit_s", "query_cpu_s", "memory_limit_mb", "seconds_per_expansion", "restarts"];
-
-/// The key of the simulated time that an expansion costs: it is a rule, in whichever table it is.
-const CHARGE: &str = "seconds_per_expansion";
 
 /// The most differences that a refusal names.
 const MOST_NAMED: usize = 5;
@@ -49,12 +43,11 @@ pub struct Run {
     pub index: usize,
 }
 
-/// The keys in which entries may differ.
-pub struct Freedom {
-    /// Keys of scenarios.
-    pub keys: FreeKeys,
-    /// Limits of programs, by their keys.
-    pub limits: FreeKeys,
+/// Who may be ranked together.
+pub struct Admission {
+    pub freedom: Freedom,
+    /// Names of entries that are left out.
+    pub without: Vec<String>,
 }
 
 /// Entries that may be ranked together.
@@ -74,7 +67,7 @@ impl<'a> Entries<'a> {
         tables: &'a [RunsTable],
         settings: &'a [KnownSettings],
         selection: &Selection,
-        freedom: &Freedom,
+        Admission { freedom, without }: &Admission,
     ) -> Result<Self, RankingError> {
         let free = &freedom.keys;
         let mut entries = Vec::new();
@@ -86,13 +79,27 @@ impl<'a> Entries<'a> {
             return Err(RankingError::TooMany { count: entries.len(), limit });
         }
         name_entries(&mut entries)?;
+        leave_out(&mut entries, without)?;
         let columns = varying_columns(&entries, free);
         let strata = number_strata(&mut entries, &columns)?;
         let found = Self { entries, columns, strata };
+        found.refuse_impossible_rows()?;
         found.refuse_other_runs()?;
         found.refuse_reuse()?;
         found.refuse_other_rules(freedom)?;
         Ok(found)
+    }
+
+    /// The states of the bushes in each row add up.
+    fn refuse_impossible_rows(&self) -> Result<(), RankingError> {
+        for entry in &self.entries {
+            let mut runs = entry.runs.iter();
+            if let Some((run, reason)) = runs.find_map(|run| Some((run, entry.table.impossible.get(&run.index)?))) {
+                let (entry, reason) = (entry.name.clone(), reason.clone());
+                return Err(RankingError::Impossible { entry, seed: run.seed, reason });
+            }
+        }
+        Ok(())
     }
 
     /// All entries have runs of the same seeds under the same conditions.
@@ -119,11 +126,8 @@ impl<'a> Entries<'a> {
     fn refuse_reuse(&self) -> Result<(), RankingError> {
         for entry in &self.entries {
             for scenario in entry.scenarios() {
-                if let Some((list, name)) = programs_of(&scenario).find_map(|(list, name, table)| {
-                    let is_kept = table["reuse"].as_bool() == Some(true);
-                    is_kept.then(|| (list, name.to_owned()))
-                }) {
-                    let table = format!("{list}.{}", visible_start(&name));
+                if let Some(table) = kept_program(&scenario) {
+                    let table = visible_start(&table);
                     return Err(RankingError::Reuse { entry: entry.name.clone(), table });
                 }
             }
@@ -212,55 +216,18 @@ impl EntryRuns<'_> {
     fn rules(&self, strata: usize, free: &FreeKeys) -> Vec<Json> {
         let mut variants = vec![None; strata];
         self.runs.iter().for_each(|run| variants[run.stratum] = Some(self.settings.variant_of(run.index)));
-        let rules = |variant| {
-            let mut scenario = self.scenario(variant);
-            resolve_rescue(&mut scenario);
-            if let Json::Object(table) = &mut scenario {
-                TABLES_OF_PROGRAMS.iter().for_each(|name| drop(table.remove(*name)));
-                table.remove("name");
-            }
-            free.remove_from(&mut scenario, &|steps| steps.last() == Some(&CHARGE));
-            scenario
-        };
-        variants.into_iter().flatten().map(rules).collect()
+        variants.into_iter().flatten().map(|variant| rules_of(self.scenario(variant), free)).collect()
     }
 
     /// The limits of the programs that play for it, except those that are free.
     fn limits_of_programs(&self, free: &FreeKeys) -> BTreeMap<String, Json> {
         let mut limits = BTreeMap::new();
         for scenario in self.scenarios() {
-            for (list, name, table) in programs_of(&scenario) {
-                for key in LIMITS.into_iter().filter(|key| !free.has(&[list, name, key])) {
-                    limits.entry(format!("{list}.*.{key}")).or_insert_with(|| table[key].clone());
-                }
+            for (key, value) in limits_of_programs(&scenario, free) {
+                limits.entry(key).or_insert(value);
             }
         }
         limits
-    }
-}
-
-/// The tables of the programs that play in a scenario, each with the list that it is in and its name.
-fn programs_of(scenario: &Json) -> impl Iterator<Item = (&'static str, &str, &Json)> {
-    let agents = ["unimog", "wumpus"].into_iter().flat_map(|kind| scenario[kind].as_array().into_iter().flatten());
-    let names: BTreeSet<&str> =
-        agents.flat_map(|agent| [&agent["planner"], &agent["goal"]]).filter_map(Json::as_str).collect();
-    TABLES_OF_PROGRAMS.into_iter().flat_map(move |list| {
-        let tables = scenario[list].as_object().into_iter().flatten();
-        let plays = names.clone();
-        tables
-            .filter(move |(name, _)| plays.contains(name.as_str()))
-            .map(move |(name, table)| (list, name.as_str(), table))
-    })
-}
-
-/// Replaces the choice that depends on who plans, so that it is compared as what it comes to.
-fn resolve_rescue(scenario: &mut Json) {
-    let built_in = crate::planning::TruckPlannerKind::ALL.map(|kind| kind.to_string());
-    for truck in scenario["unimog"].as_array_mut().into_iter().flatten() {
-        if truck["rescue"].as_str() == Some("auto") {
-            let is_built_in = truck["planner"].as_str().is_some_and(|name| built_in.iter().any(|known| known == name));
-            truck["rescue"] = is_built_in.into();
-        }
     }
 }
 
@@ -291,9 +258,8 @@ fn divided<'a>(
 }
 
 fn is_entrys_own(column: &str, free: &FreeKeys) -> bool {
-    let ends_with_charge = column.split('.').next_back() == Some(CHARGE);
     COLUMNS_OF_ENTRIES.contains(&column)
-        || free.has_key(column) && !ends_with_charge
+        || free.has_key(column)
         || column.split('.').next().is_some_and(|first| TABLES_OF_PROGRAMS.contains(&first))
 }
 
@@ -339,6 +305,19 @@ fn name_entries(entries: &mut [EntryRuns<'_>]) -> Result<(), RankingError> {
     let names: Vec<String> = entries.iter().map(by_path).collect();
     let twice = names.iter().enumerate().find(|(index, name)| names[..*index].contains(name));
     Err(RankingError::EntryTwice { name: twice.map_or_else(String::new, |(_, name)| name.clone()) })
+}
+
+/// Leaves out the entries of these names.
+fn leave_out(entries: &mut Vec<EntryRuns<'_>>, without: &[String]) -> Result<(), RankingError> {
+    for name in without {
+        if !entries.iter().any(|entry| entry.name == *name) {
+            let known = entries.iter().map(|entry| entry.name.as_str());
+            let nearest = nearest_name(name, known);
+            return Err(RankingError::NoEntry { name: visible_start(name), nearest });
+        }
+    }
+    entries.retain(|entry| !without.contains(&entry.name));
+    if entries.is_empty() { Err(RankingError::NobodyLeft) } else { Ok(()) }
 }
 
 /// Columns that vary within an entry and are no entry's own; in the order of their names.

@@ -29,6 +29,12 @@ pub enum RankingError {
          expected a program for each run"
     )]
     Reuse { entry: String, table: String },
+    #[error("{entry}, seed {seed}: {reason}, so no run wrote this row")]
+    Impossible { entry: String, seed: u64, reason: String },
+    #[error("there is no entry `{name}`{}", .nearest.as_ref().map_or(String::new(), |nearest| format!(": did you mean `{nearest}`?")))]
+    NoEntry { name: String, nearest: Option<String> },
+    #[error("no entry is left; expected at least one that is not left out")]
+    NobodyLeft,
     #[error("{name} is given twice; expected every entry once")]
     EntryTwice { name: String },
     #[error("{count} or more entries are too many; expected at most {limit}")]

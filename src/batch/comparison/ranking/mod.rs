@@ -17,6 +17,7 @@ use std::cmp::Ordering;
 use std::path::PathBuf;
 
 use rayon::prelude::*;
+use serde::Serialize;
 
 pub use error::RankingError;
 pub use groups::MAX_ENTRIES;
@@ -27,28 +28,15 @@ use crate::batch::comparison::runs_table::{self, RunsTable};
 use crate::batch::comparison::settings::{KnownSettings, seed_words};
 use crate::batch::comparison::sides::Selection;
 use crate::batch::comparison::{Contrast, LEVEL, adjusted};
-use crate::batch::plan::FreeKeys;
+use crate::batch::plan::Freedom;
+pub use crate::batch::plan::USUALLY_FREE;
 use crate::batch::table::QueryTally;
 use crate::stats::Series;
-use entries::{Entries, EntryRuns, Freedom};
+use entries::{Admission, Entries, EntryRuns};
 use groups::ToldApart;
 
 /// The metric by which entries are ranked unless another is asked for.
 pub const USUAL_METRIC: &str = "saved";
-
-/// Keys in which entries may differ unless more are freed: who plans, who chooses, and how they are set.
-pub const USUALLY_FREE: [&str; 10] = [
-    "planner.*",
-    "policy.*",
-    "unimog.planner",
-    "unimog.goal",
-    "unimog.prm",
-    "unimog.primitives",
-    "unimog.prm_rs",
-    "unimog.hybrid",
-    "unimog.lattice",
-    "unimog.safety",
-];
 
 /// The order that is asked for.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -61,6 +49,8 @@ pub struct RankingRequest {
     pub free: Vec<String>,
     /// Columns and the value that runs must have in them.
     pub only: Vec<(String, String)>,
+    /// Names of entries that are left out.
+    pub without: Vec<String>,
 }
 
 /// Entries in the order of a metric.
@@ -100,8 +90,24 @@ pub struct RankedEntry {
     pub failed: usize,
     /// Runs that are done and have no value of the metric.
     pub without_value: usize,
-    /// Over all of its runs that are done.
+    /// Over all of its runs.
     pub queries: QueryTally,
+    /// The table that its runs are in.
+    pub table: PathBuf,
+    /// The numbers of its runs in their plan, those with the best values of the metric first.
+    pub run_numbers: Vec<u64>,
+    /// Runs that were repeated and audited, if that was asked for.
+    pub audit: Option<EntryAudit>,
+}
+
+/// What an audit of some runs of an entry found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EntryAudit {
+    pub runs: u64,
+    /// Runs that violate a rule, or whose rows are not what the runs give.
+    pub violations: u64,
+    /// The first of them in words.
+    pub first_violation: Option<String>,
 }
 
 /// Two entries set against each other.
@@ -151,10 +157,9 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
     let of_courses =
         settings[0].plan().free.iter().filter(|key| settings.iter().all(|it| it.plan().free.contains(key)));
     let asked: Vec<&str> = request.free.iter().chain(of_courses).map(String::as_str).collect();
-    let keys = FreeKeys::parse(&USUALLY_FREE.into_iter().chain(asked.iter().copied()).collect::<Vec<_>>())?;
-    let freedom = Freedom { keys, limits: FreeKeys::parse(&asked)? };
+    let admission = Admission { freedom: Freedom::parse(&asked)?, without: request.without.clone() };
     let selection = Selection { by: None, only: request.only.clone() };
-    let entries = Entries::new(&tables, &settings, &selection, &freedom)?;
+    let entries = Entries::new(&tables, &settings, &selection, &admission)?;
 
     let (numbers, worst) = numbers(&entries.entries, &metric, of_metric.len(), better)?;
     let mean = |index: usize| Series::from_values(&numbers[index]).mean().expect("every entry has runs");
@@ -188,6 +193,9 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
             failed,
             without_value: without_value(entry, &metric, of_metric.len()) - failed,
             queries: queries_of(entry),
+            table: entry.table.path.clone(),
+            run_numbers: best_first(entry, &numbers[index], better),
+            audit: None,
         }
     });
     let first = &entries.entries[0];
@@ -202,6 +210,17 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
         pairs,
         metric,
     })
+}
+
+/// Returns the numbers of an entry's runs in their plan, the best values first.
+fn best_first(entry: &EntryRuns<'_>, values: &[f64], better: Better) -> Vec<u64> {
+    let mut runs: Vec<(f64, u64)> =
+        values.iter().copied().zip(entry.runs.iter().map(|run| entry.table.numbers[run.index])).collect();
+    runs.sort_by(|(one, _), (other, _)| match better {
+        Better::Higher => other.total_cmp(one),
+        Better::Lower => one.total_cmp(other),
+    });
+    runs.into_iter().map(|(_, number)| number).collect()
 }
 
 fn queries_of(entry: &EntryRuns<'_>) -> QueryTally {

@@ -4,6 +4,8 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
+use sha2::{Digest, Sha256};
+
 use super::JournalError;
 use super::line::{Entry, Head, decode};
 use crate::batch::execute::{RunRow, Status};
@@ -15,12 +17,15 @@ const MAX_LINE_BYTES: u64 = 1 << 25;
 /// Bytes that are read at once: few, since of the journals that are merged each is read some lines at a time.
 const BUFFERED_BYTES: usize = 1 << 14;
 
-/// The runs that a journal holds, eight bytes each.
+/// The runs that a journal holds, sixteen bytes each.
 #[derive(Clone, Debug)]
 pub struct JournalIndex {
     slice: Slice,
     /// By place in the slice, where the run's line begins; zero, where the first line begins, of a run that is missing.
     offsets: Vec<u64>,
+    /// By place in the slice, the digest of the run's line. It is in memory only, so that a program which rewrites lines
+    /// of the file cannot rewrite it.
+    digests: Vec<u64>,
     held: u64,
     /// Runs held that are not done.
     not_done: u64,
@@ -48,6 +53,7 @@ impl JournalIndex {
         Self {
             slice,
             offsets: vec![0; places],
+            digests: vec![0; places],
             held: 0,
             not_done: 0,
             recorded: Vec::new(),
@@ -74,7 +80,7 @@ impl JournalIndex {
             let entry: Entry = decode(&lines.line).map_err(damaged)?;
             match index.place_of(entry.label.run).map_err(damaged)? {
                 Place::Free(place) => {
-                    index.add(place, entry.status, offset);
+                    index.add(place, entry.status, offset, &lines.line);
                     index.recorded.extend(entry.is_recorded(plan.record).then_some(entry.label.run));
                 }
                 Place::Taken(first) => {
@@ -98,18 +104,19 @@ impl JournalIndex {
         }
     }
 
-    /// Takes a run whose line begins at `offset`.
-    fn add(&mut self, place: usize, status: Status, offset: u64) {
+    /// Takes a run whose line, here without its newline, begins at `offset`.
+    fn add(&mut self, place: usize, status: Status, offset: u64, line: &[u8]) {
         self.offsets[place] = offset;
+        self.digests[place] = digest(line);
         self.held += 1;
         self.not_done += u64::from(status != Status::Done);
     }
 
     /// Takes the line of a run that was written at the end.
-    pub fn append(&mut self, run: u64, status: Status, bytes: usize) {
+    pub fn append(&mut self, run: u64, status: Status, line: &[u8]) {
         let Ok(Place::Free(place)) = self.place_of(run) else { unreachable!("only missing runs are run") };
-        self.add(place, status, self.end);
-        self.end += bytes as u64;
+        self.add(place, status, self.end, line.strip_suffix(b"\n").unwrap_or(line));
+        self.end += line.len() as u64;
     }
 
     /// Takes note that a line was torn before the journal came to where it was read.
@@ -178,10 +185,17 @@ impl<'a> RowReader<'a> {
     }
 
     /// The row of a run that the journal holds.
+    ///
+    /// # Errors
+    /// If its line is not the one that was written, or read when the journal was opened.
     pub fn row(&mut self, run: u64) -> Result<RunRow, JournalError> {
         let place = self.index.slice.place_of(run).expect("the run is one of this slice");
-        let offset = self.index.offsets[usize::try_from(place).expect("it is in memory")];
-        self.read_line(offset).map_err(|source| JournalError::unreadable(&self.path, source))?;
+        let at = usize::try_from(place).expect("it is in memory");
+        self.read_line(self.index.offsets[at]).map_err(|source| JournalError::unreadable(&self.path, source))?;
+        if digest(&self.line) != self.index.digests[at] {
+            let change = format!("the row of run {run} is not the one that was written");
+            return Err(JournalError::Changed { path: self.path.clone(), change });
+        }
         // The line was read before, so what is wrong now is a change of the file or of its format.
         let damaged = |reason| JournalError::Damaged { path: self.path.clone(), line: place + 2, reason };
         decode(&self.line).map_err(damaged)
@@ -196,6 +210,12 @@ impl<'a> RowReader<'a> {
         self.line.pop();
         Ok(())
     }
+}
+
+/// Returns the beginning of a line's SHA-256.
+fn digest(line: &[u8]) -> u64 {
+    let [a, b, c, d, e, f, g, h, ..] = <[u8; 32]>::from(Sha256::digest(line));
+    u64::from_le_bytes([a, b, c, d, e, f, g, h])
 }
 
 /// Refuses the line of a run that ended otherwise in the line that begins at `first`.

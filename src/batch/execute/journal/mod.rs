@@ -5,7 +5,8 @@
 //! A line counts when it is whole, its newline included: what follows the last newline was being written when
 //! the machine or the program stopped, and is dropped. A run that is there twice, with rows that are equal in all that is
 //! not measured, is taken once: two processes worked on the slice without knowing of each other. Anything else that is not
-//! as it was written is an error.
+//! as it was written is an error. Programs that play could rewrite a line with its checksum: the process that writes a
+//! journal keeps digests of all lines in memory, and believes no line that has another.
 
 mod index;
 mod line;

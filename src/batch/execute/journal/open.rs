@@ -171,7 +171,7 @@ impl OpenJournal {
     pub fn add(&mut self, run: u64, status: Status, line: &[u8]) -> Result<(), BatchError> {
         self.expect_unchanged()?;
         self.write(line)?;
-        self.index.append(run, status, line.len());
+        self.index.append(run, status, line);
         match self.unsynced.get_or_insert_with(WallStopwatch::start).elapsed() {
             waited if waited >= self.sync_every => self.sync(),
             _ => Ok(()),

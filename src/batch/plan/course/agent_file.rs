@@ -5,12 +5,11 @@ use std::path::{Path, PathBuf};
 
 use toml::{Table, Value as TomlValue};
 
-use super::rules_file::ProgramLimits;
-use super::{Change, CourseError, Leaf, fault, leaves, read_toml};
-use crate::batch::plan::FreeKeys;
-
-/// The tables of programs, each with a table for each name.
-const TABLES_OF_PROGRAMS: [&str; 2] = ["planner", "policy"];
+use super::rules_file::{Course, ProgramLimits};
+use super::{Change, CourseError, Leaf, fault, leaves, message_of, read_toml};
+use crate::batch::plan::TABLES_OF_PROGRAMS;
+use crate::batch::plan::free::is_price;
+use crate::scenario::Fault;
 
 /// The most values of a file.
 const MAX_VALUES: usize = 500;
@@ -31,13 +30,8 @@ impl AgentFile {
         Ok(Self { path: path.to_owned(), text, table })
     }
 
-    /// The changes that it makes to the scenario of the rules in `rules`, or every value that these do not allow.
-    pub fn changes(
-        &self,
-        free: &FreeKeys,
-        limits: &ProgramLimits,
-        rules: &Path,
-    ) -> Result<Vec<Change>, Vec<CourseError>> {
+    /// The changes that it makes to the scenario of the rules, or every value that these do not allow.
+    pub fn changes(&self, course: &Course) -> Result<Vec<Change>, Vec<CourseError>> {
         let found = leaves(self.table.clone());
         if found.len() > MAX_VALUES {
             let message = format!("{} values are too many; expected at most {MAX_VALUES}", found.len());
@@ -46,7 +40,7 @@ impl AgentFile {
         let (mut changes, mut faults) = (Vec::new(), Vec::new());
         for leaf in found {
             let line = leaf.line_in(&self.text);
-            match self.change(&leaf, free, limits, rules) {
+            match change(&leaf, course) {
                 Ok(Some(option)) => changes.push(Change { option, line }),
                 Ok(None) => {}
                 Err(message) => faults.push(fault(&self.path, Some(line), &message)),
@@ -55,55 +49,8 @@ impl AgentFile {
         if !faults.is_empty() {
             return Err(faults);
         }
-        changes.extend(self.changes_of_programs(limits).map_err(|fault| vec![fault])?);
+        changes.extend(self.changes_of_programs(&course.limits).map_err(|fault| vec![fault])?);
         Ok(changes)
-    }
-
-    /// The change that a value asks for, none of one that is found elsewhere, or why the rules do not allow it.
-    fn change(
-        &self,
-        leaf: &Leaf,
-        free: &FreeKeys,
-        limits: &ProgramLimits,
-        rules: &Path,
-    ) -> Result<Option<String>, String> {
-        let written = leaf.keys.join(".");
-        let steps: Vec<&str> = leaf.keys.iter().map(String::as_str).collect();
-        if let (TomlValue::Array(list), false) = (&leaf.value, free.has(&steps))
-            && list.iter().any(TomlValue::is_table)
-        {
-            let kind = &leaf.keys[0];
-            return Err(format!("`{written}` is a list of tables; expected a table [{kind}], which is of all agents"));
-        }
-        if !free.has(&steps) {
-            return Err(format!("`{written}` is fixed by the rules in {}", rules.display()));
-        }
-        let Some(key) = leaf.key() else {
-            return Err(format!(
-                "`{written}` is no key of a scenario: expected letters, digits, `-`, `+`, `_` and `.` in its steps"
-            ));
-        };
-        let is_of_program = TABLES_OF_PROGRAMS.contains(&steps[0]) && steps.len() == 3;
-        match steps.last() {
-            Some(&"reuse") if is_of_program && leaf.value.as_bool() != Some(false) => {
-                return Err(format!("`{written}` is {}; in a course every run has a process of its own", leaf.value));
-            }
-            // It is made a path that holds wherever the batch is resumed.
-            Some(&"folder") if is_of_program && leaf.value.is_str() => return Ok(None),
-            Some(last) if is_of_program => {
-                let limit = limits.given().into_iter().find(|limit| limit.key == *last);
-                if let Some(limit) = limit {
-                    let asked = leaf.value.as_float().or_else(|| leaf.value.as_integer().map(|whole| whole as f64));
-                    if !asked.is_some_and(|asked| limit.admits(asked)) {
-                        let bound = if limit.is_most { "at most" } else { "at least" };
-                        let asked = &leaf.value;
-                        return Err(format!("`{written}` is {asked}; the rules allow {bound} {}", limit.value));
-                    }
-                }
-            }
-            _ => {}
-        }
-        Ok(Some(leaf.change(&key)))
     }
 
     /// Returns the changes that complete its programs: the limits that the file does not ask for, and its folder.
@@ -134,4 +81,57 @@ impl AgentFile {
         }
         Ok(changes)
     }
+}
+
+/// The change that a value asks for, none of one that is found elsewhere, or why the rules do not allow it.
+fn change(leaf: &Leaf, course: &Course) -> Result<Option<String>, String> {
+    let (free, rules) = (&course.free, course.path.display());
+    let written = leaf.keys.join(".");
+    let steps: Vec<&str> = leaf.keys.iter().map(String::as_str).collect();
+    if let (TomlValue::Array(list), false) = (&leaf.value, free.has(&steps))
+        && list.iter().any(TomlValue::is_table)
+    {
+        let kind = &leaf.keys[0];
+        return Err(format!("`{written}` is a list of tables; expected a table [{kind}], which is of all agents"));
+    }
+    if !free.has(&steps) {
+        if let Some(unknown) = unknown_key(leaf, course) {
+            return Err(unknown);
+        }
+        let why = if is_price(&steps) { "a price, and " } else { "" };
+        return Err(format!("`{written}` is {why}fixed by the rules in {rules}"));
+    }
+    let Some(key) = leaf.key() else {
+        return Err(format!(
+            "`{written}` is no key of a scenario: expected letters, digits, `-`, `+`, `_` and `.` in its steps"
+        ));
+    };
+    let is_of_program = TABLES_OF_PROGRAMS.contains(&steps[0]) && steps.len() == 3;
+    match steps.last() {
+        Some(&"reuse") if is_of_program && leaf.value.as_bool() != Some(false) => {
+            return Err(format!("`{written}` is {}; in a course every run has a process of its own", leaf.value));
+        }
+        // It is made a path that holds wherever the batch is resumed.
+        Some(&"folder") if is_of_program && leaf.value.is_str() => return Ok(None),
+        Some(last) if is_of_program => {
+            let limit = course.limits.given().into_iter().find(|limit| limit.key == *last);
+            if let Some(limit) = limit {
+                let asked = leaf.value.as_float().or_else(|| leaf.value.as_integer().map(|whole| whole as f64));
+                if !asked.is_some_and(|asked| limit.admits(asked)) {
+                    let bound = if limit.is_most { "at most" } else { "at least" };
+                    let asked = &leaf.value;
+                    return Err(format!("`{written}` is {asked}; the rules allow {bound} {}", limit.value));
+                }
+            }
+        }
+        _ => {}
+    }
+    Ok(Some(leaf.change(&key)))
+}
+
+/// Says of a key that no scenario has that it is unknown, and which is near; `None` of one that the rules fix.
+fn unknown_key(leaf: &Leaf, course: &Course) -> Option<String> {
+    let changes: Vec<String> = course.changes.iter().cloned().chain([leaf.change(&leaf.key()?)]).collect();
+    let error = course.scenario(&changes).err()?;
+    matches!(error.fault, Fault::UnknownField { .. }).then(|| message_of(&error))
 }

@@ -4,8 +4,8 @@
 //! free = ["unimog.planner", "planner.*"]   # what agents may set, and all below
 //! seeds = "@seeds.txt"                     # a file beside this one, or the seeds themselves
 //!
-//! [limits]                                 # of every program of an agent
-//! query_cpu_s = 2
+//! [limits]                                 # of every agent
+//! seconds_per_expansion = 0.0005
 //!
 //! [scenario]
 //! from = "contest"                         # or a file; other keys change it
@@ -23,11 +23,15 @@ use std::fmt;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use serde_json::Value as Json;
 use thiserror::Error;
 use toml::{Table, Value as TomlValue};
 
 use super::request::{MAX_PLAN_BYTES, RUNS_WITHOUT_FORCE};
-use super::{BatchPlan, ENTRY_COLUMN, MAX_RUNS, Record, RequestError, Seeds, Value, Variant};
+use super::{
+    BatchPlan, ENTRY_COLUMN, Freedom, MAX_RUNS, Record, RequestError, Seeds, Value, Variant, kept_program, rules_of,
+    value_differences,
+};
 use crate::scenario::{FieldPath, MAX_SCENARIO_BYTES, PathStep, first_too_deep};
 use agent_file::AgentFile;
 use rules_file::Course;
@@ -107,10 +111,13 @@ impl CourseRequest {
             None => course.seeds().map_err(CourseRefusal::Rules)?,
         };
         let (mut variants, mut left_out, mut bytes) = (Vec::new(), Vec::new(), 0);
+        let mut shared = SharedRules::default();
         for (path, name) in self.agents.iter().zip(self.names()) {
             let variant = name.map_err(|error| vec![error]).and_then(|name| {
                 let agent = AgentFile::read(path).map_err(|error| vec![error])?;
-                course.variant(&agent, name)
+                let variant = course.variant(&agent, name.clone())?;
+                shared.admit(&course, &variant, name).map_err(|message| vec![fault(path, None, &message)])?;
+                Ok(variant)
             });
             match variant {
                 Ok(variant) => {
@@ -160,7 +167,7 @@ impl Course {
     /// The variant of an agent, or all that its file is refused for.
     fn variant(&self, agent: &AgentFile, name: String) -> Result<Variant, Vec<CourseError>> {
         let mut changes = self.changes.clone();
-        let agents_changes = agent.changes(&self.free, &self.limits, &self.path)?;
+        let agents_changes = agent.changes(self)?;
         changes.extend(agents_changes.iter().map(|change| change.option.clone()));
         let scenario = self.scenario(&changes).map_err(|error| {
             let of_agent = |change: &&Change| error.location.as_ref().is_some_and(|place| place.is_in(&change.option));
@@ -169,6 +176,32 @@ impl Course {
         })?;
         let swept = vec![Value::Text(name)];
         Ok(Variant { source: self.source().to_owned(), changes, swept, scenario })
+    }
+}
+
+/// The first entry of a course, and the rules that it plays by, which all others must share to be ranked together.
+#[derive(Default)]
+struct SharedRules(Option<(String, Json)>);
+
+impl SharedRules {
+    /// Admits an entry, or says why a ranking would refuse it beside the first.
+    fn admit(&mut self, course: &Course, variant: &Variant, name: String) -> Result<(), String> {
+        let rules = course.path.display();
+        let freed: Vec<&str> = course.free_keys.iter().map(String::as_str).collect();
+        let freedom = Freedom::parse(&freed).map_err(|error| error.to_string())?;
+        let scenario = serde_json::to_value(&variant.scenario).expect("scenarios hold names, numbers and lists only");
+        if let Some(table) = kept_program(&scenario) {
+            return Err(format!("`{table}.reuse` is true by {rules}; in a course every run has a process of its own"));
+        }
+        let ours = rules_of(scenario, &freedom.keys);
+        let (first, theirs) = self.0.get_or_insert_with(|| (name, ours.clone()));
+        let Some(difference) = value_differences(theirs, &ours).into_iter().next() else { return Ok(()) };
+        let steps: Vec<&str> = difference.key.split('.').filter(|step| step.parse::<usize>().is_err()).collect();
+        let [theirs, ours] = difference.values.map(|value| value.map_or("nothing".into(), |value| value.to_string()));
+        Err(format!(
+            "its `{}` is {ours} and that of {first} is {theirs}; expected [scenario] in {rules} to fix it for all",
+            steps.join(".")
+        ))
     }
 }
 

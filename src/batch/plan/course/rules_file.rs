@@ -40,7 +40,8 @@ struct RulesFile {
     memory: Option<String>,
 }
 
-/// What a program of an agent may ask for at most; of `seconds_per_expansion`, at least.
+/// What a program of an agent may ask for at most; of prices, at least: `seconds_per_expansion`, which every planner pays,
+/// and `expansions_per_query`, which every program does.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ProgramLimits {
@@ -49,6 +50,7 @@ pub struct ProgramLimits {
     query_cpu_s: Option<f64>,
     memory_limit_mb: Option<f64>,
     seconds_per_expansion: Option<f64>,
+    expansions_per_query: Option<f64>,
     restarts: Option<f64>,
 }
 
@@ -77,6 +79,7 @@ impl ProgramLimits {
             ("query_limit_s", self.query_limit_s.or(wall), true),
             ("memory_limit_mb", self.memory_limit_mb, true),
             ("seconds_per_expansion", self.seconds_per_expansion, false),
+            ("expansions_per_query", self.expansions_per_query, false),
             ("restarts", self.restarts, true),
         ];
         let given = |(key, value, is_most): (&'static str, Option<f64>, bool)| {
@@ -126,7 +129,8 @@ impl Course {
         }
         let free = FreeKeys::parse(&file.free).map_err(|error| at("free", &error.to_string()))?;
         for limit in file.limits.given() {
-            let is_whole = limit.value.fract() == 0.0 || !["memory_limit_mb", "restarts"].contains(&limit.key);
+            let is_whole = limit.value.fract() == 0.0
+                || !["memory_limit_mb", "restarts", "expansions_per_query"].contains(&limit.key);
             if !limit.value.is_finite() || limit.value < 0.0 || !is_whole {
                 let message = format!("`{}` is {}; expected a number of at least 0", limit.key, limit.value);
                 return Err(at(&format!("limits.{}", limit.key), &message));
@@ -156,15 +160,26 @@ impl Course {
             changes.push(leaf.change(&key));
         }
         let (limits, record) = (file.limits, file.record);
-        let course =
+        let mut course =
             Self { path: path.to_owned(), free, free_keys: file.free, limits, record, memory, changes, base, seeds };
-        course.scenario(&course.changes).map_err(|error| {
+        let scenario = course.scenario(&course.changes).map_err(|error| {
             let changed = course.changes.iter().zip(&rules);
             let is_it = |change: &String| error.location.as_ref().is_some_and(|place| place.is_in(change));
             let key = changed.into_iter().find(|(change, _)| is_it(change)).map(|(_, (leaf, _))| leaf.keys.join("."));
             let line = key.map(|key| FieldPath::parse(&format!("scenario.{key}")).line_in(&text));
             fault(path, line, &message_of(&error))
         })?;
+        // Every planner pays alike, whichever table is its own.
+        let charged = scenario.unimog.iter().map(|truck| truck.seconds_per_expansion);
+        if let Some(least) = course.limits.seconds_per_expansion
+            && charged.clone().any(|charge| charge < least)
+        {
+            let price = charged.fold(least, f64::max);
+            course.changes.push(format!("unimog.seconds_per_expansion={price}"));
+            course
+                .scenario(&course.changes)
+                .map_err(|error| at("limits.seconds_per_expansion", &message_of(&error)))?;
+        }
         Ok(course)
     }
 

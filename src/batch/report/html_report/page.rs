@@ -147,7 +147,8 @@ fn summary(plan: &BatchPlan, collected: &Collected, figures: &Figures) -> Vec<Bl
         Block::Table(overview),
         Block::Text("Means of the runs that are done.".into()),
     ];
-    blocks.into_iter().chain(figures.refused.iter().cloned().map(Block::Text)).collect()
+    let notes = Some(collected.report.machine_notes()).filter(|notes| !notes.is_empty()).map(Block::List);
+    blocks.into_iter().chain(notes).chain(figures.refused.iter().cloned().map(Block::Text)).collect()
 }
 
 /// Links to the files of the batch that are there.
