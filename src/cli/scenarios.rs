@@ -25,7 +25,7 @@ use crate::input_file::{self, is_standard_stream};
 use crate::map_files::{self, MAX_BYTES, Reading, Tolerance};
 use crate::programs::protocol;
 use crate::ranges::number_text;
-use crate::scenario::{self, BUILT_IN, LoadedScenario, MemoryLimit, ScenarioText};
+use crate::scenario::{self, BUILT_IN, LoadedScenario, MemoryEstimate, MemoryLimit, ScenarioText};
 use crate::timeline::export;
 use crate::untrusted::visible;
 
@@ -210,11 +210,17 @@ impl From<&ScenariosAnswer> for Document {
 }
 
 /// Explains a scenario.
+///
+/// # Errors
+/// Bad input if the scenario is wrong, or if a run would be refused since it needs more memory than the limit.
 pub fn check(arguments: &CheckArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     let loaded =
         LoadedScenario::open(&arguments.scenario.source, &context.with_own_names(&arguments.scenario.overrides))?;
     terminal::print(&arguments.form.render(&CheckAnswer::new(&loaded, arguments.memory)))?;
-    Ok(ExitCode::SUCCESS)
+    match MemoryEstimate::new(&loaded.scenario).meter(arguments.memory) {
+        Ok(_) => Ok(ExitCode::SUCCESS),
+        Err(exceeded) => Err(CliError::bad_input(format_args!("a run would be refused: {exceeded}"), None)),
+    }
 }
 
 /// Lists the built-in scenarios, or prints the file of one.

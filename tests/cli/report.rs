@@ -319,7 +319,7 @@ fn runs_without_result_are_told_with_their_commands_and_nothing_becomes_a_tag() 
     assert!(page.contains("1 of 4 runs."), "{page}");
     let told = "failed: &lt;script&gt;alert(1)&lt;/script&gt;</td><td class=\"text\">wildfire run smoke --seed 3</td>";
     assert!(page.contains(told) && !page.contains("<script"), "{page}");
-    assert!(page.contains("3 done, 1 failed"), "{page}");
+    assert!(page.contains("3 finished, 1 failed"), "{page}");
 }
 
 #[test]

@@ -101,13 +101,13 @@ impl BatchReport {
         let number = |index: usize| (index + 1).to_string();
         let titles = self.variants.iter().enumerate();
         let titles = titles.map(|(index, variant)| format!("{}: {}", number(index), variant.title)).collect();
-        let means = "Means of the runs that are done. tables.md has the tables of each variant.".to_owned();
+        let means = "Means over finished runs. tables.md has the tables of each variant.".to_owned();
         vec![Block::List(titles), Block::Table(self.overview_table(number)), Block::Text(means)]
     }
 
     /// Returns the table of the overview, in which variants have these names.
     pub fn overview_table(&self, name: impl Fn(usize) -> String) -> Table {
-        let counts = ["Variant", "Runs\ndone", "Not\ndone"];
+        let counts = ["Variant", "Finished", "Failed"];
         let headings: Vec<&str> = counts.into_iter().chain(MEANS.iter().map(|mean| mean.heading)).collect();
         let variants = self.variants.iter().enumerate();
         Table::new(&headings, variants.map(|(index, variant)| variant.overview_row(name(index))).collect())

@@ -144,8 +144,7 @@ impl RunTable {
 
     fn hidden_note(&self) -> Option<String> {
         let hidden = self.runs - self.shown.len() as u64;
-        (hidden > 0)
-            .then(|| format!("{hidden} more runs are in runs.csv; the statistics are of all runs that are done."))
+        (hidden > 0).then(|| format!("{hidden} more runs are in runs.csv; the statistics are of all finished runs."))
     }
 
     /// The table with as many decimals as a terminal has room for, at most three.

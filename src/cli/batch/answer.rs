@@ -190,7 +190,7 @@ impl ReportAnswer {
         if columns.is_empty() {
             if tables.variants.len() > 1 {
                 let overview = tables.overview_table(|index| tables.variants[index].title.clone());
-                document.add(overview.with_caption("Means of the runs that are done"));
+                document.add(overview.with_caption("Means over finished runs"));
             }
             for variant in &tables.variants {
                 document.add(Block::Heading(variant.title.clone()));
@@ -254,7 +254,10 @@ pub struct SliceAnswer {
 impl From<&SliceAnswer> for Document {
     fn from(answer: &SliceAnswer) -> Self {
         let SliceAnswer { slice, runs, not_done, merge, .. } = answer;
-        let words = format!("Slice {slice}: {runs} runs, {not_done} not done. When all slices are done: {merge}");
+        let words = format!(
+            "Slice {slice}: {} finished, {not_done} failed. When all slices are finished: {merge}",
+            runs - not_done
+        );
         // The command is copied, so that its line is not broken.
         Self::default().with([Block::Verbatim(words)])
     }

@@ -288,7 +288,7 @@ fn drive_cell(row: &Attempt, figure: fn(&Drive) -> Option<f64>, decimals: usize)
 
 /// A line for each planner.
 fn summary(summaries: &[Summary]) -> Table {
-    let columns: [TextColumn<Summary>; 11] = [
+    let columns: [TextColumn<Summary>; 10] = [
         ("Planner", |row| row.planner.to_string()),
         ("Reached", |row| format!("{}/{}", row.reached, row.goals)),
         ("Query\nmedian", |row| milliseconds(row.cpu_query_median_s)),
@@ -296,7 +296,6 @@ fn summary(summaries: &[Summary]) -> Table {
         ("max", |row| milliseconds(row.cpu_query_max_s)),
         ("Build\nms", |row| milliseconds(row.cpu_build_median_s)),
         ("Len./\nbound", |row| optional(row.lower_bound_ratio_mean, 3)),
-        ("goals\n0-2", |row| optional(row.first_lower_bound_ratio_mean, 3)),
         ("Clear.\nm", |row| optional(row.min_clearance_median_m, 2)),
         ("Cusps", |row| optional(row.cusps_mean, 2)),
         ("Viola-\ntions", |row| row.violations.to_string()),

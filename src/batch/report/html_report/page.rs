@@ -145,7 +145,7 @@ fn summary(plan: &BatchPlan, collected: &Collected, figures: &Figures) -> Vec<Bl
     let blocks = vec![
         Block::Text(format!("{variants} variants with {seeds} seeds each: {} runs.", plan.count())),
         Block::Table(overview),
-        Block::Text("Means of the runs that are done.".into()),
+        Block::Text("Means over finished runs.".into()),
     ];
     blocks.into_iter().chain(figures.refused.iter().cloned().map(Block::Text)).collect()
 }
@@ -186,7 +186,7 @@ fn tables(collected: &Collected) -> Vec<Block> {
 
 fn fleets(collected: &Collected) -> Vec<Block> {
     let Some(table) = collected.report.fleets_table() else { return Vec::new() };
-    let words = "Means of the runs that are done, over all trucks of a run. A drive is wasted if it ends without an \
+    let words = "Means over finished runs and all trucks of a run. A drive is wasted if it ends without an \
                  extinction, and hopeless if its fire had to burn out before; the flock ratio is the share of goals with \
                  another truck's goal within 60 m.";
     vec![Block::Table(table), Block::Text(words.into())]
