@@ -11,7 +11,7 @@ use std::time::Duration;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
-use super::answer::{BatchAnswer, ReportAnswer};
+use super::answer::{BatchAnswer, ReportAnswer, ShownTables};
 use super::keeping::LockArguments;
 use super::{exit_code, list, note_leftovers, note_repeated, resume_command};
 use crate::batch::{
@@ -64,6 +64,9 @@ pub struct ReportArguments {
     /// Draw charts of these columns of runs.csv only, and print their tables; may be repeated.
     #[arg(long, value_name = "NAME[,NAME...]", value_delimiter = ',')]
     pub metric: Vec<String>,
+    /// With --tex, --md or --html, print the rows of single runs too.
+    #[arg(help_heading = "Papers", long, conflicts_with = "metric")]
+    pub rows: bool,
     #[command(flatten)]
     pub paper: PaperArguments,
     /// The language of the words in charts, and of their decimal numbers; the page stays English.
@@ -291,8 +294,8 @@ pub fn report(arguments: &ReportArguments, context: &CommandContext) -> Result<E
     let written = write_report(&batch, &parts).map_err(report_error)?;
     terminal::note_unknown_letters([written.unknown_letters.as_str()], context.quiet);
     if !arguments.form.is_text() {
-        let columns = choice.quantities.places();
-        let answer = ReportAnswer::new(batch.plan(), batch.folder(), &written, &columns);
+        let shown = ShownTables { columns: &choice.quantities.places(), rows: arguments.rows };
+        let answer = ReportAnswer::new(batch.plan(), batch.folder(), &written, &shown);
         terminal::print(&arguments.form.render(&answer))?;
         return Ok(ExitCode::SUCCESS);
     }
