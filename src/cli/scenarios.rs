@@ -48,6 +48,9 @@ pub struct NewArguments {
     /// The file to write, which must not be there yet [default: print it]. A planner is one in Python, C++ or Rust, as the
     /// file's ending says: `.py`, `.cpp` or `.rs`.
     pub file: Option<PathBuf>,
+    /// The same, named as for other commands.
+    #[arg(short, long, value_name = "FILE", conflicts_with = "file")]
+    pub out: Option<PathBuf>,
     #[command(flatten)]
     pub map: MapArguments,
 }
@@ -258,7 +261,7 @@ fn first_sentence(text: &str) -> String {
 
 /// Writes a template with comments, to begin with.
 pub fn new(arguments: &NewArguments, quiet: bool) -> Result<ExitCode, CliError> {
-    let file = arguments.file.as_deref().filter(|path| !is_standard_stream(path));
+    let file = arguments.file.as_deref().or(arguments.out.as_deref()).filter(|path| !is_standard_stream(path));
     if arguments.map.from_map.is_some() && arguments.what != NewFile::Scenario {
         let help = "`wildfire new scenario --from-map FILE` begins a scenario with a map";
         return Err(CliError::bad_input("--from-map goes with a scenario alone", Some(help)));

@@ -105,16 +105,17 @@ pub struct MergeArguments {
     /// The folder of a batch.
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// Wait for slices that are not complete, until none has got a run for this time [default: 300].
+    /// Wait for slices that are not complete, until none has got a run for this time: seconds, or `h:mm:ss` [default:
+    /// 300].
     #[arg(
         long,
-        value_name = "SECONDS",
+        value_name = "TIME",
         num_args = 0..=1,
         require_equals = true,
         default_missing_value = "300",
         value_parser = parse_wait
     )]
-    pub wait: Option<u64>,
+    pub wait: Option<f64>,
     /// Threads [default: as many as the machine runs at once, or as Slurm gives the task, in SLURM_CPUS_PER_TASK].
     #[arg(short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
@@ -124,8 +125,8 @@ pub struct MergeArguments {
     pub form: FormArguments,
 }
 
-fn parse_wait(text: &str) -> Result<u64, String> {
-    numbers::parse_within(text, &(0..=1_000_000), "whole seconds")
+fn parse_wait(text: &str) -> Result<f64, String> {
+    numbers::parse_time_within(text, &(0.0..=1e6))
 }
 
 /// Writes the tables of a batch whose slices were run one by one.
@@ -133,7 +134,7 @@ pub fn merge(arguments: &MergeArguments, quiet: bool) -> Result<ExitCode, CliErr
     interrupt::set_resumable();
     let folder = OutputFolder::existing(&arguments.folder)?.with_keeping(arguments.lock.keeping());
     let watch = interrupt::watch(interrupt::USUAL_TIDYING);
-    let mut waiting = arguments.wait.map(|seconds| Waiting::new(&folder, Duration::from_secs(seconds), quiet));
+    let mut waiting = arguments.wait.map(|seconds| Waiting::new(&folder, Duration::from_secs_f64(seconds), quiet));
     limit_threads(jobs_or_usual(arguments.jobs));
     let merged = loop {
         let error = match crate::batch::merge(&folder, &RealDisk, watch.stop()) {
