@@ -38,7 +38,7 @@ const STEPS: [Step; 7] = [
     },
     Step {
         why: "The same run to watch: a page for any browser, and a picture after ten minutes.",
-        command: "render DIR/run.wildfire --html DIR/run.html --out DIR/run.png --at 600",
+        command: "render DIR/run.wildfire --page DIR/run.html --out DIR/run.png --at 600",
     },
     Step {
         why: "Did anybody cheat? Other code looks at every leg of the way, every 2 cm.",

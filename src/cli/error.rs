@@ -9,6 +9,7 @@ use miette::{Diagnostic, Report};
 use thiserror::Error;
 
 use crate::batch::{AuditsError, BatchError, FinishedError, JournalError, PlanError, RequestError, TableError};
+use crate::cli::batch::help_on_unfinished;
 use crate::map_files::{self, MapError};
 use crate::scenario::{Fault, ScenarioError};
 use crate::timeline::export::ExportError;
@@ -221,6 +222,7 @@ impl From<RequestError> for CliError {
 
 impl From<BatchError> for CliError {
     fn from(error: BatchError) -> Self {
+        let help;
         let help = match &error {
             BatchError::HoldsResults { .. } => {
                 Some("name another folder with --out, resume it with --resume, or overwrite the results with --force")
@@ -235,6 +237,10 @@ impl From<BatchError> for CliError {
             ),
             BatchError::Journal(JournalError::Damaged { .. }) => {
                 Some("delete that line and all behind it to run those runs again")
+            }
+            BatchError::OtherSlices { path, asked, .. } if asked.is_whole() => {
+                help = help_on_unfinished(path);
+                help.as_deref()
             }
             BatchError::OtherSlices { .. } => Some("all slices of a batch are K/N with one N"),
             BatchError::NotYetBegun { .. } => Some("begin the batch once more, with --out and this folder"),

@@ -41,7 +41,7 @@ pub struct ExportArguments {
     #[command(flatten)]
     pub memory: MemoryArguments,
     /// The seed of the run [default: 1, or the first of the batch].
-    #[arg(long, allow_hyphen_values = true, value_parser = parse_seed)]
+    #[arg(short, long, allow_hyphen_values = true, value_parser = parse_seed)]
     pub seed: Option<u64>,
     /// Record the searches of a run that is simulated, for JSON and MCAP.
     #[arg(long)]
@@ -72,8 +72,8 @@ pub enum ExportFormat {
 const USUAL_STEP_S: f64 = 0.1;
 
 fn parse_step(text: &str) -> Result<f64, String> {
-    numbers::parse(text)
-        .filter(|step: &f64| step.is_finite() && *step >= FINEST_STEP_S)
+    numbers::parse_time(text)
+        .filter(|step| step.is_finite() && *step >= FINEST_STEP_S)
         .ok_or_else(|| format!("expected seconds, at least {FINEST_STEP_S}"))
 }
 

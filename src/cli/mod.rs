@@ -119,7 +119,7 @@ pub enum Command {
     Export(ExportArguments),
     /// Run scenarios with many seeds and print the tables of the contest.
     Batch(BatchArguments),
-    /// Show how far a batch is.
+    /// Show a batch's progress.
     Status(StatusArguments),
     /// Put the slices of a batch together: check that all are there, and write its tables.
     Merge(MergeArguments),
@@ -257,5 +257,38 @@ mod tests {
     #[test]
     fn arguments_are_defined_without_contradictions() {
         Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn options_of_one_name_have_one_letter_and_html_is_a_form_everywhere() {
+        let mut commands = vec![Arguments::command()];
+        let mut seen = 0;
+        while let Some(command) = commands.pop() {
+            commands.extend(command.get_subcommands().cloned());
+            for argument in command.get_arguments() {
+                let is_flag = !argument.get_action().takes_values();
+                let (expected, about) = match (argument.get_long(), argument.get_short()) {
+                    (Some("out"), short) => (short == Some('o'), "-o"),
+                    (Some("seed"), short) => (short == Some('s'), "-s"),
+                    (Some("jobs"), short) => (short == Some('j'), "-j"),
+                    (Some("html"), _) => (is_flag, "a flag"),
+                    (_, Some('o')) => (false, "no -o but for --out"),
+                    _ => continue,
+                };
+                seen += 1;
+                assert!(expected, "{}, {argument}: expected {about}", command.get_name());
+            }
+        }
+        assert!(seen > 40, "{seen} of these options");
+    }
+
+    #[test]
+    fn earlier_names_of_options_are_still_taken() {
+        for words in
+            ["render --html x.html", "plan --report x", "batch --seed 1..3", "run -s 2", "export -s 2 -o x.csv"]
+        {
+            let parsed = Arguments::try_parse_from(["wildfire"].into_iter().chain(words.split(' ')));
+            assert!(parsed.is_ok(), "{words}: {parsed:?}");
+        }
     }
 }

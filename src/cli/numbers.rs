@@ -27,6 +27,26 @@ pub fn parse_within<T: FromStr + PartialOrd + Display>(
     within(text, range).ok_or_else(|| format!("expected {what} {}", range_words(range)))
 }
 
+/// Reads a time: a number of seconds, `m:ss`, or `h:mm:ss`, with decimals of seconds in each.
+pub fn parse_time(text: &str) -> Option<f64> {
+    let mut parts: Vec<&str> = text.trim().split(':').collect();
+    let seconds = parse::<f64>(parts.pop()?)?;
+    if parts.is_empty() {
+        return Some(seconds);
+    }
+    let mut minutes = 0;
+    for (place, part) in parts.iter().enumerate() {
+        minutes = 60 * minutes + part.parse::<u16>().ok().filter(|number| place == 0 || *number < 60).map(u32::from)?;
+    }
+    (parts.len() < 3 && (0.0..60.0).contains(&seconds)).then(|| 60.0 * f64::from(minutes) + seconds)
+}
+
+/// Reads a time that lies in a range of seconds, for an option.
+pub fn parse_time_within(text: &str, range: &RangeInclusive<f64>) -> Result<f64, String> {
+    let expected = || format!("expected seconds {}, or h:mm:ss", range_words(range));
+    parse_time(text).filter(|seconds| range.contains(seconds)).ok_or_else(expected)
+}
+
 /// Words a range, as `from 0 to 5`.
 pub fn range_words<T: Display>(range: &RangeInclusive<T>) -> String {
     format!("from {} to {}", range.start(), range.end())
@@ -35,6 +55,21 @@ pub fn range_words<T: Display>(range: &RangeInclusive<T>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn times_are_seconds_or_have_colons() {
+        let times = [("90", 90.0), ("1:30", 90.0), ("0:01:30.5", 90.5), ("2:00:00", 7200.0), ("100:00", 6000.0)];
+        for (text, seconds) in times {
+            assert_eq!(parse_time(text), Some(seconds), "{text}");
+        }
+        for text in ["", ":", "1:", ":30", "1:60", "1:99:00", "1:2:3:4", "-1:00", "1:-1", "1.5:00", "1:nan", "a:00"] {
+            assert_eq!(parse_time(text), None, "{text}");
+        }
+        assert_eq!(
+            parse_time_within("1:00:01", &(0.0..=3600.0)),
+            Err("expected seconds from 0 to 3600, or h:mm:ss".into())
+        );
+    }
 
     #[test]
     fn zero_has_no_sign() {

@@ -6,7 +6,7 @@ use clap::Args;
 
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
-use crate::cli::show::{ShowArguments, parse_seconds, parse_speed};
+use crate::cli::show::{Moment, ShowArguments, parse_moment, parse_speed};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -25,9 +25,9 @@ pub struct PlayArguments {
     /// Simulated seconds for a second, from 0.1 to 1000.
     #[arg(long, value_name = "X", default_value_t = 10.0, allow_hyphen_values = true, value_parser = parse_speed)]
     speed: f64,
-    /// Begin at this simulated time.
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, allow_hyphen_values = true, value_parser = parse_seconds)]
-    at: f64,
+    /// Begin at this simulated time: seconds, `h:mm:ss`, or a share of the run as `50%`.
+    #[arg(long, value_name = "TIME", default_value = "0", allow_hyphen_values = true, value_parser = parse_moment)]
+    at: Moment,
     /// Begin with the clock stopped.
     #[arg(long)]
     paused: bool,

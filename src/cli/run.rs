@@ -64,7 +64,7 @@ pub struct RunArguments {
 
 /// Reads the step of a trace; its writer decides how fine it may be.
 fn parse_trace_step(text: &str) -> Result<f64, String> {
-    numbers::parse(text).ok_or_else(|| "expected a number of seconds".to_owned())
+    numbers::parse_time(text).ok_or_else(|| "expected seconds, or h:mm:ss".to_owned())
 }
 
 pub fn run(arguments: &RunArguments, context: &CommandContext) -> Result<ExitCode, CliError> {

@@ -25,7 +25,7 @@ use crate::input_file::{self, is_standard_stream};
 use crate::map_files::{self, MAX_BYTES, Reading, Tolerance};
 use crate::programs::protocol;
 use crate::ranges::number_text;
-use crate::scenario::{self, BUILT_IN, LoadedScenario, MemoryLimit, ScenarioText};
+use crate::scenario::{self, BUILT_IN, LoadedScenario, MemoryEstimate, MemoryLimit, ScenarioText};
 use crate::timeline::export;
 use crate::untrusted::visible;
 
@@ -48,6 +48,9 @@ pub struct NewArguments {
     /// The file to write, which must not be there yet [default: print it]. A planner is one in Python, C++ or Rust, as the
     /// file's ending says: `.py`, `.cpp` or `.rs`.
     pub file: Option<PathBuf>,
+    /// The same, named as for other commands.
+    #[arg(short, long, value_name = "FILE", conflicts_with = "file")]
+    pub out: Option<PathBuf>,
     #[command(flatten)]
     pub map: MapArguments,
 }
@@ -210,11 +213,17 @@ impl From<&ScenariosAnswer> for Document {
 }
 
 /// Explains a scenario.
+///
+/// # Errors
+/// Bad input if the scenario is wrong, or if a run would be refused since it needs more memory than the limit.
 pub fn check(arguments: &CheckArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     let loaded =
         LoadedScenario::open(&arguments.scenario.source, &context.with_own_names(&arguments.scenario.overrides))?;
     terminal::print(&arguments.form.render(&CheckAnswer::new(&loaded, arguments.memory)))?;
-    Ok(ExitCode::SUCCESS)
+    match MemoryEstimate::new(&loaded.scenario).meter(arguments.memory) {
+        Ok(_) => Ok(ExitCode::SUCCESS),
+        Err(exceeded) => Err(CliError::bad_input(format_args!("a run would be refused: {exceeded}"), None)),
+    }
 }
 
 /// Lists the built-in scenarios, or prints the file of one.
@@ -252,7 +261,7 @@ fn first_sentence(text: &str) -> String {
 
 /// Writes a template with comments, to begin with.
 pub fn new(arguments: &NewArguments, quiet: bool) -> Result<ExitCode, CliError> {
-    let file = arguments.file.as_deref().filter(|path| !is_standard_stream(path));
+    let file = arguments.file.as_deref().or(arguments.out.as_deref()).filter(|path| !is_standard_stream(path));
     if arguments.map.from_map.is_some() && arguments.what != NewFile::Scenario {
         let help = "`wildfire new scenario --from-map FILE` begins a scenario with a map";
         return Err(CliError::bad_input("--from-map goes with a scenario alone", Some(help)));

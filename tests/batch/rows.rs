@@ -173,6 +173,7 @@ fn files_appear_whole_and_nothing_else_is_left() {
             "runs.journal",
             "runs.parquet",
             "states.parquet",
+            "summary.csv",
             "tables.md",
         ]
     );

@@ -83,10 +83,19 @@ fn slices_in_one_folder_are_merged_into_the_rows_of_the_whole() {
     assert!(answer.stdout.contains("wildfire merge out"), "{}", answer.stdout);
     story.tell(&["merge", "out"]).expect_code(2).expect_complaint(&["slice 1/2", "has not begun", "--shard 1/2"]);
     let status = story.tell(&["status", "out"]).expect_code(0).stdout;
-    assert!(status.contains("1/2      7    0        0 not begun"), "{status}");
-    assert!(status.contains("2/2      7    7        0  complete"), "{status}");
-    story.tell(&["batch", "--resume", "out"]).expect_code(2).expect_complaint(&["slice 2/2"]);
+    assert!(status.contains("Slice Planned Finished Failed     State\n"), "{status}");
+    assert!(status.contains("1/2         7        0      0 not begun"), "{status}");
+    assert!(status.contains("2/2         7        7      0  complete"), "{status}");
+    assert!(status.contains("7 of 14 runs finished, 0 failed, 7 still to run."), "{status}");
+    let needs_tables: [&[&str]; 4] =
+        [&["batch", "--resume", "out"], &["report", "out"], &["compare", "out", "whole"], &["rank", "out", "whole"]];
+    for command in needs_tables {
+        refuse(&story, command, &["continue with: wildfire batch --resume out --shard 1/2"]);
+    }
     slice("1/2").expect_code(0);
+    for command in needs_tables {
+        refuse(&story, command, &["write the tables with: wildfire merge out"]);
+    }
     story.tell(&["merge", "out"]).expect_code(0);
     for file in ["runs.csv", "agents.csv"] {
         assert_eq!(outcomes(&story.path("out").join(file)), outcomes(&story.path("whole").join(file)));

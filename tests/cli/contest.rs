@@ -17,7 +17,7 @@ fn column(path: &Path, name: &str) -> Vec<String> {
 fn batch_without_arguments_plays_the_contest_and_prints_both_tables() {
     let story = Story::begin();
     let answer = story.tell(&["batch"]).expect_code(0);
-    for words in ["TABLE I.", "TABLE II.", "Champion: ", "5 done, none failed", "Files: runs/contest"] {
+    for words in ["TABLE I.", "TABLE II.", "Champion: ", "5 finished, none failed", "Files: runs/contest"] {
         assert!(answer.stdout.contains(words), "`{words}` is missing:\n{}", answer.stdout);
     }
     assert!(widest(&answer.stdout) <= 80, "{}", answer.stdout);
@@ -172,7 +172,7 @@ fn runs_that_cannot_take_place_are_rows_and_the_batch_is_complete() {
     let story = Story::begin();
     let batch = ["batch", "smoke", "--seeds", "1..3", "--out", "out"];
     let answer = story.tell(&[batch.as_slice(), &NO_ROOM].concat()).expect_code(1);
-    assert!(answer.stdout.contains("0 done, 3 failed"), "{}", answer.stdout);
+    assert!(answer.stdout.contains("0 finished, 3 failed"), "{}", answer.stdout);
     let runs = story.path("out/runs.csv");
     assert_eq!(column(&runs, "status"), ["failed"; 3]);
     assert!(column(&runs, "message").iter().all(|message| message.contains("no placement left")));

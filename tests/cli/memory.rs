@@ -56,7 +56,8 @@ fn estimated_bytes(story: &Story, scenario: &[&str]) -> u64 {
 fn a_hundred_large_pose_roadmaps_are_refused_before_they_are_made() {
     let story = Story::begin();
     story.file("roadmaps.toml", &trucks(100, 250.0, "prm_rs = { samples = 100000, neighbours = 100 }"));
-    let check = story.tell(&["check", "roadmaps.toml"]).expect_code(0).stdout;
+    let check = story.tell(&["check", "roadmaps.toml"]).expect_code(2);
+    let check = check.expect_complaint(&["a run would be refused", "the limit is 2 GB"]).stdout;
     assert!(check.contains("No run takes place") && check.contains("in all, of 2 GB"), "{check}");
     let (peak, run) = peak_bytes(story.command(&["run", "roadmaps.toml"]));
     let words = ["GB of memory", "for the planners of 100 trucks (prm-rs); the limit is 2 GB", "--memory sets another"];

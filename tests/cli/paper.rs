@@ -39,25 +39,89 @@ fn tables_of_a_batch_are_latex_in_which_no_name_acts() {
     let escaped = "50\\% \\textbackslash{}input\\{x\\} \\& a\\_b";
     for command in [&["report", "a", "--tex"][..], &["report", "a", "--tex", "--metric", "truck_cusps"]] {
         let paper = story.tell(command).expect_code(0).stdout;
-        assert!(
-            paper.starts_with("% \\usepackage[T1]{fontenc}\n% \\usepackage{booktabs,caption,graphicx}\n"),
-            "{paper}"
-        );
+        assert!(paper.starts_with("% \\usepackage[T1]{fontenc}\n% \\usepackage{booktabs,graphicx}\n"), "{paper}");
         assert!(paper.contains(escaped) && !paper.contains("\\input"), "{paper}");
         for rule in ["\\toprule", "\\midrule", "\\bottomrule"] {
             assert!(paper.contains(rule), "{rule}: {paper}");
         }
+        assert_eq!(paper.matches("\\begin{table}").count(), paper.matches("\\label{tab:").count(), "{paper}");
         let begun = paper.matches("\\begin{").count();
         assert!(begun > 1 && begun == paper.matches("\\end{").count(), "{paper}");
     }
     let asked = story.tell(&["report", "a", "--tex", "--metric", "truck_cusps"]).expect_code(0).stdout;
     assert_eq!(asked.matches("\\begin{tabular}{lrrrrr}").count(), 1, "one table for the column: {asked}");
+    let means = story.tell(&["report", "a", "--tex"]).expect_code(0).stdout;
+    assert!(means.contains("\\caption{Means over finished runs}\\label{tab:means-over-finished-runs}"), "{means}");
+    assert!(!means.contains("\n1 & 1 & ") && !means.contains("Obstacle states at the end of each run"), "{means}");
+    let rows = story.tell(&["report", "a", "--tex", "--rows"]).expect_code(0).stdout;
+    assert_eq!(rows.matches("\n1 & 1 & ").count(), 4, "a first run, of seed 1, in each variant: {rows}");
     let new = ["batch", "smoke", "--seeds", "1..2", "--force", "--out", "b"];
     for form in ["--tex", "--md", "--html"] {
         let batch = story.tell(&[&new[..], &[form]].concat()).expect_code(0).stdout;
-        assert!(batch.contains("TABLE I."), "{form}: {batch}");
+        assert!(batch.contains("Obstacle states at the end of each run"), "{form}: {batch}");
     }
     assert!(story.tell(&["check", "smoke", "--tex"]).expect_code(0).stdout.contains("\\subsection*{Fire}"));
+}
+
+#[test]
+fn means_of_the_variants_are_a_table_of_their_own() {
+    let story = story();
+    let rows = |file: &str| {
+        let mut reader = csv::Reader::from_path(story.path(file)).expect("the table is there");
+        let names = reader.headers().expect("it has names").clone();
+        let rows: Vec<_> = reader.records().map(|row| row.expect("it is whole")).collect();
+        (names, rows)
+    };
+    let ((names, means), (all_names, all)) = (rows("a/summary.csv"), rows("a/runs.csv"));
+    let labels: Vec<&str> = names.iter().take(6).collect();
+    assert_eq!(labels, ["variant", "scenario", "planner", "field.coverage", "finished", "failed"]);
+    let place =
+        |names: &csv::StringRecord, name: &str| names.iter().position(|known| known == name).expect("it is there");
+    let number = |row: &csv::StringRecord, place: usize| row[place].parse::<f64>().expect("a number");
+    assert_eq!(means.len(), 4);
+    for (index, row) in means.iter().enumerate() {
+        assert_eq!([&row[0], &row[4], &row[5]], [&(index + 1).to_string(), "4", "0"]);
+        let own = &all[4 * index..4 * index + 4];
+        assert_eq!(row[place(&names, "field.coverage")], own[0][place(&all_names, "field.coverage")]);
+        let mean = own.iter().map(|run| number(run, place(&all_names, "extinguished"))).sum::<f64>() / 4.0;
+        let found =
+            ["extinguished_low", "extinguished", "extinguished_high"].map(|name| number(row, place(&names, name)));
+        assert!((found[1] - mean).abs() < 1e-9 && found[0] <= mean && mean <= found[2], "{found:?} about {mean}");
+    }
+}
+
+/// Compiles what commands print, in a column of 88 mm, where LaTeX is installed (Debian: texlive-latex-recommended).
+#[test]
+fn latex_sets_everything_within_a_column() {
+    if std::process::Command::new("pdflatex").arg("--version").output().is_err() {
+        return;
+    }
+    let story = story();
+    let mut paper = "\\documentclass{article}\n\\usepackage[T1]{fontenc}\n\\usepackage{booktabs,graphicx}\n\
+                     \\setlength{\\textwidth}{88mm}\n\\begin{document}\n"
+        .to_owned();
+    for command in [
+        "report a --rows",
+        "report a --metric truck_cusps",
+        "compare a --by planner",
+        "run smoke",
+        "check contest",
+        "status a",
+        "plan --goals 2",
+        "fire behavior --fuel GR2 --wind 5",
+    ] {
+        let words: Vec<&str> = command.split(' ').chain(["--tex"]).collect();
+        paper += &story.tell(&words).expect_code(0).stdout;
+        paper += "\\clearpage\n";
+    }
+    story.file("paper.tex", &(paper + "\\end{document}\n"));
+    let mut latex = std::process::Command::new("pdflatex");
+    let latex = latex.args(["-interaction=nonstopmode", "-halt-on-error", "paper.tex"]).current_dir(story.path(""));
+    let output = latex.output().expect("it is installed");
+    let log = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{log}");
+    let wide: Vec<&str> = log.lines().filter(|line| line.starts_with("Overfull \\hbox")).collect();
+    assert!(wide.is_empty(), "{wide:#?}\n{log}");
 }
 
 #[test]

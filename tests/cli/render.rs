@@ -221,13 +221,13 @@ fn page_of_a_scenario_is_that_of_its_recording_with_searches_and_takes_the_place
     let story = Story::begin();
     story.tell(&["run", "smoke", "--seed", "7", "--record-searches", "--out", "run.wildfire"]).expect_code(0);
     story.file("recorded.html", "what was there before");
-    story.tell(&["render", "run.wildfire", "--html", "recorded.html"]).expect_code(0);
-    story.tell(&["render", "smoke", "--seed", "7", "--html", "simulated.html"]).expect_code(0);
+    story.tell(&["render", "run.wildfire", "--page", "recorded.html"]).expect_code(0);
+    story.tell(&["render", "smoke", "--seed", "7", "--page", "simulated.html"]).expect_code(0);
     let page = |name: &str| fs::read_to_string(story.path(name)).expect("it was written");
     assert_eq!(page("recorded.html"), page("simulated.html"));
-    story.tell(&["render", "smoke", "--seed", "7", "--at", "30", "--html", "later.html"]).expect_code(0);
+    story.tell(&["render", "smoke", "--seed", "7", "--at", "0:30", "--page", "later.html"]).expect_code(0);
     assert!(page("later.html") != page("simulated.html"), "the page does not begin later");
-    story.tell(&["render", "smoke", "--with-seed", "2", "--html", "two.html"]).expect_code(0);
+    story.tell(&["render", "smoke", "--with-seed", "2", "--page", "two.html"]).expect_code(0);
     assert!(page("two.html").contains("<title>smoke, seed 1 and smoke, seed 2</title>"));
 }
 
@@ -236,7 +236,7 @@ fn page_holds_names_of_users_as_text() {
     let story = Story::begin();
     let name = "</script><b>&\u{202e}";
     story.file("a.toml", &format!("name = '{name}'\nduration_s = 20\n[[wumpus]]\n[[unimog]]\n"));
-    story.tell(&["render", "a.toml", "--html", "a.html"]).expect_code(0);
+    story.tell(&["render", "a.toml", "--page", "a.html"]).expect_code(0);
     let page = fs::read_to_string(story.path("a.html")).expect("it was written");
     assert_eq!(page.matches("</script>").count(), 2, "the data and the script end once each");
     assert!(page.contains("&lt;/script&gt;&lt;b&gt;&amp;"), "the name is not shown as it is");

@@ -15,7 +15,7 @@ pub enum ComparisonError {
     Table(#[from] TableError),
     #[error("{}: expected a folder with a runs.csv, or such a file", path.display())]
     NoBatch { path: PathBuf },
-    #[error("{} has no runs.csv yet: its batch was stopped", folder.display())]
+    #[error("{} has no runs.csv yet: the tables of its batch are not written", folder.display())]
     Stopped { folder: PathBuf },
     #[error(transparent)]
     Strange(#[from] StrangeEntry),

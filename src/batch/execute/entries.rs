@@ -12,6 +12,7 @@ use crate::batch::plan::{PLAN_FILE, Slice};
 pub const RUNS_FILE: &str = "runs.csv";
 pub const AGENTS_FILE: &str = "agents.csv";
 pub const TABLES_FILE: &str = "tables.md";
+pub const SUMMARY_FILE: &str = "summary.csv";
 pub const RECORDINGS_FOLDER: &str = "recordings";
 pub const RUNS_PARQUET: &str = "runs.parquet";
 pub const CALLS_PARQUET: &str = "planner_calls.parquet";
@@ -21,11 +22,12 @@ pub const CHARTS_FOLDER: &str = "charts";
 pub const MACHINES_FILE: &str = "machines.json";
 
 /// The files that a batch may write into its folder, besides journals and lists of the machines of slices.
-pub const FILES: [&str; 9] = [
+pub const FILES: [&str; 10] = [
     PLAN_FILE,
     RUNS_FILE,
     AGENTS_FILE,
     TABLES_FILE,
+    SUMMARY_FILE,
     RUNS_PARQUET,
     CALLS_PARQUET,
     STATES_PARQUET,

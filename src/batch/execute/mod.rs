@@ -23,7 +23,7 @@ pub use detail::{PlannerCall, RunDetail, STATE_STEPS, Solution, StateCount};
 pub use disk::{Append, Disk, RealDisk, Whole};
 pub use entries::{
     AGENTS_FILE, CALLS_PARQUET, CHARTS_FOLDER, MACHINES_FILE, RECORDINGS_FOLDER, REPORT_FILE, RUNS_FILE, RUNS_PARQUET,
-    STATES_PARQUET, StrangeEntry, TABLES_FILE,
+    STATES_PARQUET, SUMMARY_FILE, StrangeEntry, TABLES_FILE,
 };
 pub(super) use entries::{expect_file, expect_files};
 pub use error::BatchError;

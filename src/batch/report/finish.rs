@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use crate::batch::execute::{
-    Batch, BatchError, Disk, OutputFolder, RowReader, RowStream, RunRow, StreamBudget, TABLES_FILE, merge_machines,
-    slices_of,
+    Batch, BatchError, Disk, OutputFolder, RowReader, RowStream, RunRow, SUMMARY_FILE, StreamBudget, TABLES_FILE,
+    merge_machines, slices_of,
 };
 use crate::batch::plan::{BatchPlan, Slice};
 use crate::batch::report::summary::{BatchReport, VariantReport};
@@ -138,17 +138,18 @@ fn write_tables(
             variant_report.add_detail(row);
         }
     }
-    write_markdown(folder, disk, &report)?;
+    write_whole(folder, disk, TABLES_FILE, report.to_document().to_markdown().as_bytes())?;
+    write_whole(folder, disk, SUMMARY_FILE, &report.to_csv(plan))?;
     parquet_files.finish()?;
     files.finish()?;
     Ok(report)
 }
 
-fn write_markdown(folder: &OutputFolder, disk: &dyn Disk, report: &BatchReport) -> Result<(), BatchError> {
-    let path = folder.path().join(TABLES_FILE);
+fn write_whole(folder: &OutputFolder, disk: &dyn Disk, name: &str, contents: &[u8]) -> Result<(), BatchError> {
+    let path = folder.path().join(name);
     let write = || {
         let mut file = disk.whole_file(&path)?;
-        file.write_all(report.to_document().to_markdown().as_bytes())?;
+        file.write_all(contents)?;
         file.finish()
     };
     write().map_err(|source| BatchError::unwritable(&path, source))

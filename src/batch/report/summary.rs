@@ -1,6 +1,7 @@
 //! What a finished batch says besides its files: tables and tally of each variant, and means of all.
 
 use crate::batch::execute::RunRow;
+use crate::batch::plan::{BatchPlan, Value, planner_of};
 use crate::batch::report::fleets::{Fleet, fleets_table};
 use crate::batch::report::notes::notes;
 use crate::batch::report::profile::Profile;
@@ -11,6 +12,7 @@ use crate::document::number::optional;
 use crate::document::{Block, Document, Table};
 use crate::scenario::Scenario;
 use crate::stats::Series;
+use crate::untrusted::spreadsheet_cell;
 
 /// A report of each variant, in the order of the plan.
 #[derive(Clone, Debug, Default)]
@@ -101,16 +103,48 @@ impl BatchReport {
         let number = |index: usize| (index + 1).to_string();
         let titles = self.variants.iter().enumerate();
         let titles = titles.map(|(index, variant)| format!("{}: {}", number(index), variant.title)).collect();
-        let means = "Means of the runs that are done. tables.md has the tables of each variant.".to_owned();
+        let means = "Means over finished runs. tables.md has the tables of each variant.".to_owned();
         vec![Block::List(titles), Block::Table(self.overview_table(number)), Block::Text(means)]
     }
 
     /// Returns the table of the overview, in which variants have these names.
     pub fn overview_table(&self, name: impl Fn(usize) -> String) -> Table {
-        let counts = ["Variant", "Runs\ndone", "Not\ndone"];
+        let counts = ["Variant", "Finished", "Failed"];
         let headings: Vec<&str> = counts.into_iter().chain(MEANS.iter().map(|mean| mean.heading)).collect();
         let variants = self.variants.iter().enumerate();
         Table::new(&headings, variants.map(|(index, variant)| variant.overview_row(name(index))).collect())
+    }
+
+    /// Returns a line of CSV for each variant: which it is, how many of its runs finished and failed, and for every column of
+    /// numbers that some run has its mean and the ends of the mean's 95 % interval.
+    pub fn to_csv(&self, plan: &BatchPlan) -> Vec<u8> {
+        let has_numbers = |place: &usize| {
+            let is_there = |variant: &VariantReport| variant.column(*place).count() > 0;
+            RUN_COLUMNS[*place].holds_numbers() && self.variants.iter().any(is_there)
+        };
+        let places: Vec<usize> = (0..RUN_COLUMNS.len()).filter(has_numbers).collect();
+        let mut table = csv::Writer::from_writer(Vec::new());
+        let mut add = |cells: Vec<String>| table.write_record(&cells).expect("memory takes everything");
+        let text = |text: &str| spreadsheet_cell(text).into_owned();
+        let labels = ["variant", "scenario", "planner"].into_iter().chain(plan.swept_keys.iter().map(String::as_str));
+        let means =
+            places.iter().flat_map(|&place| ["", "_low", "_high"].map(|end| RUN_COLUMNS[place].name.to_owned() + end));
+        add(labels.chain(["finished", "failed"]).map(text).chain(means).collect());
+        for (index, (variant, report)) in plan.variants.iter().zip(&self.variants).enumerate() {
+            let swept = variant.swept.iter().map(|value| match value {
+                Value::Text(words) => text(words),
+                number => number.to_string(),
+            });
+            let labels = [(index + 1).to_string(), text(&variant.scenario.name), text(&planner_of(&variant.scenario))];
+            let counts = [report.tally.done, report.tally.not_done()].map(|count| count.to_string());
+            let means = places.iter().flat_map(|&place| {
+                let (mean, interval) = (report.column(place).mean(), report.column(place).mean_interval());
+                [mean, interval.map(|ends| ends.low), interval.map(|ends| ends.high)]
+            });
+            let means = means.map(|number| number.map_or_else(String::new, |number| number.to_string()));
+            add(labels.into_iter().chain(swept).chain(counts).chain(means).collect());
+        }
+        table.into_inner().expect("memory takes everything")
     }
 
     /// Returns how the fleets worked, of variants that have one.
@@ -180,6 +214,11 @@ impl VariantReport {
         let mut blocks = self.tables.blocks();
         blocks.push(Block::List(self.tally.sentences()));
         blocks
+    }
+
+    /// Returns the statistics of the tables, without single runs, and the tally.
+    pub fn means(&self) -> Vec<Block> {
+        self.tables.means().into_iter().chain([Block::List(self.tally.sentences())]).collect()
     }
 
     fn overview_row(&self, name: String) -> Vec<String> {

@@ -106,6 +106,12 @@ impl Tables {
         self.0.iter_mut().for_each(|table| table.add(run));
     }
 
+    /// Returns both tables with their statistics alone, without the rows of single runs.
+    pub fn means(&self) -> Vec<Block> {
+        let table = |table: &RunTable| Block::Table(RunTable { shown: Vec::new(), ..table.clone() }.fitted());
+        self.0.iter().map(table).chain([Block::List(LEGEND.map(str::to_owned).to_vec())]).collect()
+    }
+
     /// Returns both tables under their captions, and notes on them: runs that are not shown one by one, and what columns
     /// mean. No line is wider than a terminal.
     pub fn blocks(&self) -> Vec<Block> {
@@ -144,8 +150,7 @@ impl RunTable {
 
     fn hidden_note(&self) -> Option<String> {
         let hidden = self.runs - self.shown.len() as u64;
-        (hidden > 0)
-            .then(|| format!("{hidden} more runs are in runs.csv; the statistics are of all runs that are done."))
+        (hidden > 0).then(|| format!("{hidden} more runs are in runs.csv; the statistics are of all finished runs."))
     }
 
     /// The table with as many decimals as a terminal has room for, at most three.
@@ -166,7 +171,11 @@ impl RunTable {
             let decimals = |quantity: &Quantity| quantity.decimals[1].min(most_decimals);
             rows.push(self.row((*label).to_owned(), String::new(), decimals, number));
         }
-        let labels: &[&str] = if self.layout.shows_seeds { &["Run", "Seed"] } else { &["Run"] };
+        let labels: &[&str] = match (self.shown.is_empty(), self.layout.shows_seeds) {
+            (true, _) => &["Over runs"],
+            (false, true) => &["Run", "Seed"],
+            (false, false) => &["Run"],
+        };
         let quantities = self.layout.quantities.iter().map(|quantity| quantity.heading);
         let headings: Vec<&str> = labels.iter().copied().chain(quantities).collect();
         let table = Table { rules_before: vec![self.shown.len()], ..Table::new(&headings, rows) };
@@ -182,7 +191,8 @@ impl RunTable {
     ) -> Vec<String> {
         let cell = |(column, quantity)| optional(number(column), decimals(quantity));
         let cells = self.layout.quantities.iter().enumerate().map(cell);
-        [label].into_iter().chain(self.layout.shows_seeds.then_some(seed)).chain(cells).collect()
+        let has_seeds = self.layout.shows_seeds && !self.shown.is_empty();
+        [label].into_iter().chain(has_seeds.then_some(seed)).chain(cells).collect()
     }
 }
 

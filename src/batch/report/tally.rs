@@ -102,8 +102,8 @@ impl Tally {
     fn runs(&self) -> String {
         let Self { done, failed, panicked, .. } = self;
         match self.not_done() {
-            0 => format!("Runs: {done} done, none failed."),
-            _ => format!("Runs: {done} done, {failed} failed, {panicked} panicked; runs.csv says why."),
+            0 => format!("Runs: {done} finished, none failed."),
+            _ => format!("Runs: {done} finished, {failed} failed, {panicked} panicked; runs.csv says why."),
         }
     }
 
@@ -167,7 +167,7 @@ mod tests {
             ..Tally::default()
         };
         let expected = "Champion: the Unimog, 500.5 points to 400; runs won 1 to 3, 1 tied.\n\
-                        Runs: 5 done, none failed.\n\
+                        Runs: 5 finished, none failed.\n\
                         Stuck: nobody, in no run.";
         assert_eq!(tally.sentences().join("\n"), expected);
     }
@@ -182,7 +182,7 @@ mod tests {
     fn runs_that_went_wrong_and_agents_that_were_stuck_are_named() {
         let tally = Tally { done: 2, failed: 3, panicked: 1, stuck_runs: 1, truck_stuck_s: 2.25, ..Tally::default() };
         let text = tally.sentences().join("\n");
-        assert!(text.contains("2 done, 3 failed, 1 panicked"), "{text}");
+        assert!(text.contains("2 finished, 3 failed, 1 panicked"), "{text}");
         assert!(text.contains("truck 2.2 s, Wumpus 0.0 s in all, in 1 run."), "{text}");
         assert!(!text.contains("Champion"), "{text}");
     }
@@ -191,7 +191,7 @@ mod tests {
     fn agents_that_could_do_nothing_are_told_by_the_first_such_run() {
         let notes = vec!["wumpus/0 can light nothing.".to_owned()];
         let tally = Tally { done: 9, noted_runs: 3, first_notes: Some((7, notes)), ..Tally::default() };
-        let expected = "Runs: 9 done, none failed.\n\
+        let expected = "Runs: 9 finished, none failed.\n\
                         Stuck: nobody, in no run.\n\
                         In 3 of 9 runs an agent could do next to nothing; seed 7: wumpus/0 can light nothing.";
         assert_eq!(tally.sentences().join("\n"), expected);
@@ -200,6 +200,6 @@ mod tests {
     #[test]
     fn batch_without_results_says_so_and_nothing_more() {
         let tally = Tally { failed: 2, ..Tally::default() };
-        assert_eq!(tally.sentences().join("\n"), "Runs: 0 done, 2 failed, 0 panicked; runs.csv says why.");
+        assert_eq!(tally.sentences().join("\n"), "Runs: 0 finished, 2 failed, 0 panicked; runs.csv says why.");
     }
 }

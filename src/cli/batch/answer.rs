@@ -181,20 +181,30 @@ pub struct ReportAnswer {
     document: Document,
 }
 
+/// The tables that a report prints: means, unless others were asked for.
+#[derive(Clone, Copy, Debug)]
+pub struct ShownTables<'a> {
+    /// The places of columns that were asked for, each of which has a table, instead of all else.
+    pub columns: &'a [usize],
+    /// Shows single runs too.
+    pub rows: bool,
+}
+
 impl ReportAnswer {
-    /// Says what was written. `columns` are the places of columns that were asked for: their tables are printed then instead
-    /// of those of all.
-    pub fn new(plan: &BatchPlan, folder: &Path, written: &WrittenReport, columns: &[usize]) -> Self {
+    /// Says what was written, with the tables that were asked for.
+    pub fn new(plan: &BatchPlan, folder: &Path, written: &WrittenReport, shown: &ShownTables) -> Self {
         let WrittenReport { tables, charts, refused, machines, .. } = written;
+        let ShownTables { columns, rows } = *shown;
         let mut document = Document::new(format!("{}, seeds {}", folder.display(), plan.seeds));
         if columns.is_empty() {
             if tables.variants.len() > 1 {
                 let overview = tables.overview_table(|index| tables.variants[index].title.clone());
-                document.add(overview.with_caption("Means of the runs that are done"));
+                document.add(overview.with_caption("Means over finished runs"));
+                document.add_list(tables.notes());
             }
-            for variant in &tables.variants {
+            for variant in tables.variants.iter().filter(|_| rows || tables.variants.len() == 1) {
                 document.add(Block::Heading(variant.title.clone()));
-                document = document.with(variant.blocks());
+                document = document.with(if rows { variant.blocks() } else { variant.means() });
             }
             document = document.with(tables.fleets_table());
         } else {
@@ -255,7 +265,10 @@ pub struct SliceAnswer {
 impl From<&SliceAnswer> for Document {
     fn from(answer: &SliceAnswer) -> Self {
         let SliceAnswer { slice, runs, not_done, merge, .. } = answer;
-        let words = format!("Slice {slice}: {runs} runs, {not_done} not done. When all slices are done: {merge}");
+        let words = format!(
+            "Slice {slice}: {} finished, {not_done} failed. When all slices are finished: {merge}",
+            runs - not_done
+        );
         // The command is copied, so that its line is not broken.
         Self::default().with([Block::Verbatim(words)])
     }

@@ -57,7 +57,7 @@ pub struct BatchArguments {
     pub skip_refused: bool,
     /// Seeds: ranges with both ends, lists, or both, such as `1..5`, `1,5,9`, `1..100,200`; or `@FILE` that holds
     /// them [default: 1..5].
-    #[arg(short, long, allow_hyphen_values = true, value_parser = parse_seeds)]
+    #[arg(short, long, alias = "seed", allow_hyphen_values = true, value_parser = parse_seeds)]
     pub seeds: Option<SeedsArgument>,
     /// Threads [default: as many as the machine runs at once, or as Slurm gives the task, in SLURM_CPUS_PER_TASK].
     #[arg(short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
@@ -139,7 +139,7 @@ pub struct SlurmArguments {
         conflicts_with_all = ["resume", "shard", "rules", "dry_run", "profile", "report_form"]
     )]
     pub slurm: bool,
-    /// The time that a task is to take.
+    /// The time that a task is to take, also as `h:mm:ss`.
     #[arg(help_heading = "Slurm", long, value_name = "MINUTES", default_value = "30", requires = "slurm", value_parser = parse_minutes)]
     pub target_minutes: f64,
     /// The most tasks; where they would have to be more, each takes longer.
@@ -148,7 +148,8 @@ pub struct SlurmArguments {
 }
 
 fn parse_minutes(text: &str) -> Result<f64, String> {
-    numbers::parse_within(text, &(0.01..=10_000.0), "minutes")
+    let minutes = numbers::parse_time(text).filter(|_| text.contains(':')).map(|seconds| (seconds / 60.0).to_string());
+    numbers::parse_within(minutes.as_deref().unwrap_or(text), &(0.01..=10_000.0), "minutes")
 }
 
 fn parse_tasks(text: &str) -> Result<u64, String> {

@@ -11,13 +11,13 @@ use std::time::Duration;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
-use super::answer::{BatchAnswer, ReportAnswer};
+use super::answer::{BatchAnswer, ReportAnswer, ShownTables};
 use super::keeping::LockArguments;
 use super::{exit_code, list, note_leftovers, note_repeated, resume_command};
 use crate::batch::{
-    BatchError, BatchPlan, ChartChoice, ChosenQuantities, FieldPicture, FinishedBatch, JournalError, MissingRuns,
-    NotableRun, OutputFolder, PlanError, RUNS_FILE, RealDisk, ReportError, ReportParts, Slice, SliceState, Survey,
-    batch_status, limit_threads, notable_runs, runs_with_pages, write_report,
+    BatchError, BatchPlan, BatchStatus, ChartChoice, ChosenQuantities, FieldPicture, FinishedBatch, JournalError,
+    MissingRuns, NotableRun, OutputFolder, PlanError, RUNS_FILE, RealDisk, ReportError, ReportParts, Slice, SliceState,
+    Survey, batch_status, limit_threads, notable_runs, runs_with_pages, shell_word, write_report,
 };
 use crate::cli::args::{PaperArguments, ProgramArguments, jobs_or_usual, parse_jobs};
 use crate::cli::context::CommandContext;
@@ -25,6 +25,7 @@ use crate::cli::error::CliError;
 use crate::cli::report::FormArguments;
 use crate::cli::show::{Searches, check_grounds, run_of_batch, write_page};
 use crate::cli::{interrupt, numbers, output_files, terminal};
+use crate::document::number::count;
 use crate::document::{Block, Document, Table};
 use crate::picture::charts::Language;
 use crate::picture::film::{FrameRequest, RunView, ViewOptions, still};
@@ -63,6 +64,9 @@ pub struct ReportArguments {
     /// Draw charts of these columns of runs.csv only, and print their tables; may be repeated.
     #[arg(long, value_name = "NAME[,NAME...]", value_delimiter = ',')]
     pub metric: Vec<String>,
+    /// With --tex, --md or --html, print the rows of single runs too.
+    #[arg(help_heading = "Papers", long, conflicts_with = "metric")]
+    pub rows: bool,
     #[command(flatten)]
     pub paper: PaperArguments,
     /// The language of the words in charts, and of their decimal numbers; the page stays English.
@@ -101,16 +105,17 @@ pub struct MergeArguments {
     /// The folder of a batch.
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// Wait for slices that are not complete, until none has got a run for this time [default: 300].
+    /// Wait for slices that are not complete, until none has got a run for this time: seconds, or `h:mm:ss` [default:
+    /// 300].
     #[arg(
         long,
-        value_name = "SECONDS",
+        value_name = "TIME",
         num_args = 0..=1,
         require_equals = true,
         default_missing_value = "300",
         value_parser = parse_wait
     )]
-    pub wait: Option<u64>,
+    pub wait: Option<f64>,
     /// Threads [default: as many as the machine runs at once, or as Slurm gives the task, in SLURM_CPUS_PER_TASK].
     #[arg(short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
@@ -120,8 +125,8 @@ pub struct MergeArguments {
     pub form: FormArguments,
 }
 
-fn parse_wait(text: &str) -> Result<u64, String> {
-    numbers::parse_within(text, &(0..=1_000_000), "whole seconds")
+fn parse_wait(text: &str) -> Result<f64, String> {
+    numbers::parse_time_within(text, &(0.0..=1e6))
 }
 
 /// Writes the tables of a batch whose slices were run one by one.
@@ -129,7 +134,7 @@ pub fn merge(arguments: &MergeArguments, quiet: bool) -> Result<ExitCode, CliErr
     interrupt::set_resumable();
     let folder = OutputFolder::existing(&arguments.folder)?.with_keeping(arguments.lock.keeping());
     let watch = interrupt::watch(interrupt::USUAL_TIDYING);
-    let mut waiting = arguments.wait.map(|seconds| Waiting::new(&folder, Duration::from_secs(seconds), quiet));
+    let mut waiting = arguments.wait.map(|seconds| Waiting::new(&folder, Duration::from_secs_f64(seconds), quiet));
     limit_threads(jobs_or_usual(arguments.jobs));
     let merged = loop {
         let error = match crate::batch::merge(&folder, &RealDisk, watch.stop()) {
@@ -245,7 +250,8 @@ fn merge_error(error: BatchError, folder: &OutputFolder, lock: &LockArguments) -
     let first = match &error {
         BatchError::Incomplete { slice, .. } | BatchError::NotBegun { slice, .. } => *slice,
         _ => {
-            let merge = format!("wildfire merge {}{}", folder.path().display(), lock.words());
+            let path = shell_word(&folder.path().display().to_string());
+            let merge = format!("wildfire merge {path}{}", lock.words());
             return CliError::from_batch_error(error, &merge);
         }
     };
@@ -289,8 +295,8 @@ pub fn report(arguments: &ReportArguments, context: &CommandContext) -> Result<E
     let written = write_report(&batch, &parts).map_err(report_error)?;
     terminal::note_unknown_letters([written.unknown_letters.as_str()], context.quiet);
     if !arguments.form.is_text() {
-        let columns = choice.quantities.places();
-        let answer = ReportAnswer::new(batch.plan(), batch.folder(), &written, &columns);
+        let shown = ShownTables { columns: &choice.quantities.places(), rows: arguments.rows };
+        let answer = ReportAnswer::new(batch.plan(), batch.folder(), &written, &shown);
         terminal::print(&arguments.form.render(&answer))?;
         return Ok(ExitCode::SUCCESS);
     }
@@ -374,8 +380,8 @@ fn report_error(error: ReportError) -> CliError {
     match error {
         ReportError::Finished(error) => error.into(),
         ReportError::Unfinished { folder } => {
-            let help = format!("finish it with: wildfire batch --resume {}", folder.display());
-            CliError::bad_input(ReportError::Unfinished { folder }, Some(&help))
+            let help = help_on_unfinished(&folder);
+            CliError::bad_input(ReportError::Unfinished { folder }, help.as_deref())
         }
         ReportError::Unwritable { path, source } => CliError::unwritable(&path, &source),
         ReportError::Batch(error) => error.into(),
@@ -385,7 +391,7 @@ fn report_error(error: ReportError) -> CliError {
     }
 }
 
-/// Shows how far a batch is, and how to continue it.
+/// Shows a batch's progress, and how to continue it.
 pub fn status(arguments: &StatusArguments) -> Result<ExitCode, CliError> {
     let folder = OutputFolder::existing(&arguments.folder)?.with_keeping(arguments.lock.keeping());
     let status = batch_status(&folder)?;
@@ -393,7 +399,7 @@ pub fn status(arguments: &StatusArguments) -> Result<ExitCode, CliError> {
         folder: folder.path().display().to_string(),
         variants: status.plan.variants.len(),
         seeds: status.plan.seeds.to_string(),
-        runs: status.plan.count(),
+        planned: status.plan.count(),
         slices: status.slices.iter().map(SliceRow::new).collect(),
         next_step: next_step(&folder, &status.slices, &arguments.lock),
     };
@@ -407,7 +413,7 @@ struct StatusReport {
     folder: String,
     variants: usize,
     seeds: String,
-    runs: u64,
+    planned: u64,
     slices: Vec<SliceRow>,
     next_step: Option<String>,
 }
@@ -415,9 +421,11 @@ struct StatusReport {
 #[derive(Serialize)]
 struct SliceRow {
     slice: String,
-    runs: u64,
-    over: u64,
-    not_done: u64,
+    planned: u64,
+    /// Runs with a result.
+    finished: u64,
+    /// Runs without one.
+    failed: u64,
     /// Rows that are there twice.
     repeated: u64,
     state: &'static str,
@@ -432,8 +440,8 @@ impl SliceRow {
             _ => "stopped",
         };
         let slice = if slice.is_whole() { "whole".to_owned() } else { slice.to_string() };
-        let SliceState { runs, held: over, not_done, repeated, .. } = *state;
-        Self { slice, runs, over, not_done, repeated, state: word }
+        let SliceState { runs: planned, held, not_done: failed, repeated, .. } = *state;
+        Self { slice, planned, finished: held - failed, failed, repeated, state: word }
     }
 }
 
@@ -442,44 +450,67 @@ const LISTED_SLICES: usize = 60;
 
 impl From<&StatusReport> for Document {
     fn from(report: &StatusReport) -> Self {
-        let StatusReport { folder, variants, seeds, runs, slices, next_step } = report;
+        let StatusReport { folder, variants, seeds, planned, slices, next_step } = report;
         // Of many slices those count that are not as they should be in the end.
         let is_listed = |slice: &&SliceRow| slices.len() <= LISTED_SLICES || slice.state != "complete";
         let row = |slice: &SliceRow| {
-            let SliceRow { slice, runs, over, not_done, state, .. } = slice;
-            vec![slice.clone(), runs.to_string(), over.to_string(), not_done.to_string(), (*state).to_owned()]
+            let SliceRow { slice, planned, finished, failed, state, .. } = slice;
+            vec![slice.clone(), planned.to_string(), finished.to_string(), failed.to_string(), (*state).to_owned()]
         };
         let rows: Vec<_> = slices.iter().filter(is_listed).take(LISTED_SLICES).map(row).collect();
         let listed = rows.len();
-        let table = (listed > 0).then(|| Table::new(&["Slice", "Runs", "Over", "Not done", "State"], rows));
-        let mut sentences = Vec::new();
+        let table = (listed > 0).then(|| Table::new(&["Slice", "Planned", "Finished", "Failed", "State"], rows));
+        let sum = |count: fn(&SliceRow) -> u64| slices.iter().map(count).sum::<u64>();
+        let [finished, failed] = [sum(|slice| slice.finished), sum(|slice| slice.failed)];
+        let left = planned - finished - failed;
+        let mut sentences =
+            vec![format!("{finished} of {planned} runs finished, {failed} failed, {left} still to run.")];
         if listed < slices.len() {
             let complete = slices.iter().filter(|slice| slice.state == "complete").count();
-            let over: u64 = slices.iter().map(|slice| slice.over).sum();
-            sentences.push(format!("{complete} of {} slices are complete, {over} of {runs} runs over.", slices.len()));
+            sentences.push(format!("{complete} of {} slices are complete.", slices.len()));
         }
-        let repeated: u64 = slices.iter().map(|slice| slice.repeated).sum();
+        let repeated = sum(|slice| slice.repeated);
         if repeated > 0 {
             sentences.push(format!("{repeated} rows are there twice, equal in all that is not measured."));
         }
-        Self::new(format!("{folder}: {variants} variants, seeds {seeds}, {runs} runs"))
+        Self::new(format!("{folder}: {}, seeds {seeds}", count(*variants, "variant")))
             .with(table)
-            .with((!sentences.is_empty()).then_some(Block::List(sentences)))
+            .with([Block::List(sentences)])
             .with(next_step.iter().map(|step| Block::Verbatim(step.clone())))
     }
 }
 
 fn next_step(folder: &OutputFolder, slices: &[(Slice, SliceState)], lock: &LockArguments) -> Option<String> {
-    let path: &Path = folder.path();
+    if folder.path().join(RUNS_FILE).exists()
+        && slices.iter().all(|(_, state)| state.held == state.runs && !state.is_running)
+    {
+        return Some("The tables are written.".into());
+    }
+    let (purpose, command) = next_command(folder.path(), slices, &lock.words())?;
+    Some(format!("{purpose} with: {command}"))
+}
+
+/// Returns the command that brings a batch nearer to its tables, and what it is for; `None` while processes work on all
+/// that is left.
+fn next_command(folder: &Path, slices: &[(Slice, SliceState)], lock: &str) -> Option<(&'static str, String)> {
     let waiting = slices.iter().find(|(_, state)| state.held < state.runs && !state.is_running);
     match waiting {
-        Some((slice, _)) => Some(format!("Continue with: {}", resume_command(path, *slice) + &lock.words())),
+        Some((slice, _)) => Some(("Continue", resume_command(folder, *slice) + lock)),
         None if slices.iter().any(|(_, state)| state.is_running) => None,
-        None if path.join(RUNS_FILE).exists() => Some("The tables are written.".into()),
-        None if slices.len() == 1 => {
-            Some(format!("Write the tables with: {}", resume_command(path, slices[0].0) + &lock.words()))
+        None if slices.len() == 1 => Some(("Write the tables", resume_command(folder, slices[0].0) + lock)),
+        None => {
+            Some(("Write the tables", format!("wildfire merge {}{lock}", shell_word(&folder.display().to_string()))))
         }
-        None => Some(format!("Write the tables with: wildfire merge {}{}", path.display(), lock.words())),
+    }
+}
+
+/// Returns what to do with a batch that has no tables yet: the next slice, merging them, or resuming the whole.
+pub fn help_on_unfinished(path: &Path) -> Option<String> {
+    let status = OutputFolder::existing(path).and_then(|folder| batch_status(&folder));
+    let Ok(BatchStatus { slices, .. }) = status else { return Some(format!("wildfire status {}", path.display())) };
+    match next_command(path, &slices, "") {
+        Some((purpose, command)) => Some(format!("{} with: {command}", purpose.to_lowercase())),
+        None => Some("its runs are still being made: wildfire status shows the progress".into()),
     }
 }
 

@@ -22,8 +22,8 @@ pub struct LockArguments {
 pub struct KeepingArguments {
     #[command(flatten)]
     pub lock: LockArguments,
-    /// The longest time that a run that is over waits to be brought to the disk [default: 1].
-    #[arg(help_heading = "Shared file systems", long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = parse_seconds)]
+    /// The longest time until a finished run is on the disk: seconds, or `h:mm:ss` [default: 1].
+    #[arg(help_heading = "Shared file systems", long, value_name = "TIME", allow_hyphen_values = true, value_parser = parse_seconds)]
     sync_every: Option<f64>,
     /// Write the journal in this folder, on a disk of this machine, and bring it to its place when the process ends or is
     /// stopped. What a machine that fails had not brought there is lost and run again.
@@ -32,7 +32,7 @@ pub struct KeepingArguments {
 }
 
 fn parse_seconds(text: &str) -> Result<f64, String> {
-    numbers::parse_within(text, &(0.0..=3600.0), "seconds")
+    numbers::parse_time_within(text, &(0.0..=3600.0))
 }
 
 impl LockArguments {

@@ -8,7 +8,7 @@ mod slurm;
 
 pub use answer::{BatchObject, PlanAnswer, ReportAnswer, SliceAnswer};
 pub use args::{BatchArguments, SeedsArgument, parse_seeds};
-pub use folder::{MergeArguments, ReportArguments, StatusArguments, merge, report, status};
+pub use folder::{MergeArguments, ReportArguments, StatusArguments, help_on_unfinished, merge, report, status};
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

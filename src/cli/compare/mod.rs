@@ -14,6 +14,7 @@ use clap::{Args, ValueEnum};
 
 use crate::batch::TableError;
 use crate::batch::comparison::{BesideReport, ComparisonError, Selection, compare};
+use crate::cli::batch::help_on_unfinished;
 use crate::cli::error::CliError;
 use crate::cli::output_files::{Files, Format, write_all};
 use crate::cli::report::FormArguments;
@@ -122,8 +123,8 @@ impl From<ComparisonError> for CliError {
                 Self::from_input_error(error, kind)
             }
             ComparisonError::Stopped { ref folder } => {
-                let help = format!("finish it with: wildfire batch --resume {}", folder.display());
-                Self::bad_input(error, Some(&help))
+                let help = help_on_unfinished(folder);
+                Self::bad_input(error, help.as_deref())
             }
             error => Self::bad_input(error, None),
         }

@@ -81,7 +81,7 @@ fn runs(text: &str) -> Result<u32, String> {
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
-    numbers::parse_within(text, &(0.001..=MOST_SECONDS), "seconds")
+    numbers::parse_time_within(text, &(0.001..=MOST_SECONDS))
 }
 
 impl AutomatonArguments {

@@ -149,8 +149,8 @@ pub fn wind_steps(text: &str) -> Result<WindSteps, String> {
                 numbers::range_words(&WINDS_MPS)
             )
         };
-        let (seconds, wind) = match step.split_once(':') {
-            Some((seconds, wind)) => (numbers::within(seconds, &(0.0..=MOST_SECONDS)), wind),
+        let (seconds, wind) = match step.rsplit_once(':') {
+            Some((time, wind)) => (numbers::parse_time_within(time, &(0.0..=MOST_SECONDS)).ok(), wind),
             None => (Some(0.0).filter(|_| number == 0), step),
         };
         let (speed, from) = wind.split_once('@').ok_or_else(refuse)?;

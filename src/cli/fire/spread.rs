@@ -89,7 +89,7 @@ pub struct SpreadArguments {
     #[arg(long, value_name = "ROW,COL[@SECONDS]", allow_hyphen_values = true, value_parser = ignition)]
     pub ignite: Vec<LitCell>,
     /// How long the fire burns, in seconds.
-    #[arg(long, value_name = "SECONDS", default_value = "3600", allow_hyphen_values = true, value_parser = time_s)]
+    #[arg(long, value_name = "TIME", default_value = "3600", allow_hyphen_values = true, value_parser = time_s)]
     pub duration: f64,
     /// Cells that fire goes to from a cell in a straight line: 8, 16 or 32.
     #[arg(long, value_name = "N", default_value = "32", value_parser = neighbours)]
@@ -133,7 +133,7 @@ fn cell_m(text: &str) -> Result<f64, String> {
 }
 
 fn time_s(text: &str) -> Result<f64, String> {
-    numbers::parse_within(text, &TIMES_S, "seconds")
+    numbers::parse_time_within(text, &TIMES_S)
 }
 
 fn neighbours(text: &str) -> Result<Neighbours, String> {
@@ -309,6 +309,7 @@ mod tests {
         let lit = |row, col, seconds| LitCell { cell: Cell { col, row }, seconds };
         assert_eq!(ignition("100,40"), Ok(lit(100, 40, 0.0)));
         assert_eq!(ignition("3, 5@12.5"), Ok(lit(3, 5, 12.5)));
+        assert_eq!(ignition("3,5@1:20:00"), Ok(lit(3, 5, 4800.0)));
         for wrong in ["", "3", "3,", "-1,4", "3,4@", "3,4@-1", "70000,1", "1,2,3", "1.5,2"] {
             assert!(ignition(wrong).is_err(), "{wrong}");
         }

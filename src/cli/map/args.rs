@@ -452,7 +452,7 @@ pub struct PageArguments {
     #[command(flatten)]
     pub corners: CornerArguments,
     /// The number that decides what trees and roadmaps draw.
-    #[arg(long, default_value_t = 1)]
+    #[arg(short, long, default_value_t = 1)]
     pub seed: u64,
     /// Points that trees draw at most, from 1 to 100000 [default: 5000].
     #[arg(long, allow_hyphen_values = true, value_parser = parse_count)]
@@ -461,7 +461,7 @@ pub struct PageArguments {
     #[arg(long, value_name = "CELLS|auto", default_value = "auto", allow_hyphen_values = true, value_parser = parse_step)]
     pub step: TreeStep,
     /// The folder to write to.
-    #[arg(long, value_name = "FOLDER")]
+    #[arg(short, long, value_name = "FOLDER")]
     pub out: PathBuf,
 }
 

@@ -214,7 +214,7 @@ pub struct PrmArguments {
     #[serde(flatten)]
     pub ends: EndArguments,
     /// The number that decides all draws.
-    #[arg(long, default_value_t = 1)]
+    #[arg(short, long, default_value_t = 1)]
     pub seed: u64,
     /// Points that are drawn, from 1 to 100000; those in obstacles are left out.
     #[arg(long, default_value_t = 500, allow_hyphen_values = true, value_parser = parse_count)]
@@ -228,7 +228,7 @@ pub struct PrmArguments {
 #[derive(Debug, Args, Serialize)]
 pub struct GrowthArguments {
     /// The number that decides all draws.
-    #[arg(long, default_value_t = 1)]
+    #[arg(short, long, default_value_t = 1)]
     pub seed: u64,
     /// Points that are drawn at most, from 1 to 100000.
     #[arg(long, default_value_t = 5000, allow_hyphen_values = true, value_parser = parse_count)]

@@ -19,7 +19,7 @@ Examples:
   wildfire plan --scenario dense --seed 7 --cells 50
   wildfire plan field_*.json --planner hybrid-astar --csv drives.csv
   wildfire plan field.json --set unimog.hybrid.shortcuts=0 --paths paths.csv
-  wildfire plan --seeds 1..30 --set field.coverage=0.05,0.10 --planner all --report bench
+  wildfire plan --seeds 1..30 --set field.coverage=0.05,0.10 --planner all --out bench
   wildfire plan report bench --pdf";
 
 #[derive(Debug, Args)]
@@ -52,7 +52,7 @@ pub struct PlanArguments {
     #[arg(help_heading = "Benchmarks", short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
     /// Write all queries and a page with tables and charts into this folder; `wildfire plan report DIR` writes the page again.
-    #[arg(help_heading = "Benchmarks", long, value_name = "DIR")]
+    #[arg(help_heading = "Benchmarks", short = 'o', long = "out", alias = "report", value_name = "DIR")]
     pub report: Option<PathBuf>,
     #[command(flatten)]
     pub programs: ProgramArguments,
@@ -91,7 +91,7 @@ Examples:
   wildfire plan report drives.csv --out drives.html
   wildfire plan report bench --pdf --width-mm 88")]
 pub struct PlanReportArguments {
-    /// A table that `wildfire plan --csv` wrote, or a folder that `--report` filled.
+    /// A table that `wildfire plan --csv` wrote, or a folder that `wildfire plan --out` filled.
     #[arg(value_name = "FILE.csv|DIR")]
     pub source: PathBuf,
     /// The page [default: FILE.html beside the table, or report.html in the folder]; its charts are in a folder beside it.

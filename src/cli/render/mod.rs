@@ -15,7 +15,7 @@ use crate::cli::error::CliError;
 use crate::cli::numbers;
 use crate::cli::output_files::{self, Files, Format};
 use crate::cli::show::{
-    Searches, ShowArguments, ShownRun, check_grounds, look, parse_seconds, parse_speed, shown_runs, time_within,
+    Moment, Searches, ShowArguments, ShownRun, check_grounds, look, parse_moment, parse_speed, shown_runs, time_within,
     write_page,
 };
 use crate::picture::GifFilm;
@@ -25,14 +25,14 @@ use crate::time::SimTime;
 #[derive(Debug, Args)]
 #[command(
     group = ArgGroup::new("film").args(["gif", "mp4"]).multiple(true),
-    group = ArgGroup::new("moment").args(["out", "html"]).multiple(true),
-    group = ArgGroup::new("outputs").args(["out", "gif", "mp4", "html"]).multiple(true).required(true),
+    group = ArgGroup::new("moment").args(["out", "page"]).multiple(true),
+    group = ArgGroup::new("outputs").args(["out", "gif", "mp4", "page"]).multiple(true).required(true),
     after_help = "\
 Examples:
   wildfire render --seed 7 --at 600 -o still.png
   wildfire render run.wildfire --gif film.gif --size 600x600
   wildfire render --mp4 film.mp4 --from 300 --to 900 --speed 30
-  wildfire render run.wildfire --html run.html
+  wildfire render run.wildfire --page run.html
   wildfire render --with-set unimog.planner=hybrid-astar -o two.png --size 1400x900
   wildfire render --at 600 --follow unimog/0 --zoom 6 --layers local-search -o near.png
 
@@ -44,9 +44,10 @@ pub struct RenderArguments {
     /// Write a still, a PNG file.
     #[arg(short, long, value_name = "FILE.png")]
     pub out: Option<PathBuf>,
-    /// The simulated time of the still [default: the end of the run], and at which a page begins [default: 0].
-    #[arg(long, value_name = "SECONDS", requires = "moment", allow_hyphen_values = true, value_parser = parse_seconds)]
-    pub at: Option<f64>,
+    /// The simulated time of the still [default: the end of the run], and at which a page begins [default: 0]: seconds,
+    /// `h:mm:ss`, or a share of the run as `50%`.
+    #[arg(long, value_name = "TIME", requires = "moment", allow_hyphen_values = true, value_parser = parse_moment)]
+    pub at: Option<Moment>,
     /// Write a film as GIF.
     #[arg(long, value_name = "FILE.gif")]
     pub gif: Option<PathBuf>,
@@ -54,14 +55,14 @@ pub struct RenderArguments {
     #[arg(long, value_name = "FILE.mp4")]
     pub mp4: Option<PathBuf>,
     /// Write a page that plays the run in a browser, offline; --size does not matter for it.
-    #[arg(long, value_name = "FILE.html")]
-    pub html: Option<PathBuf>,
-    /// The simulated time at which the film begins.
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, requires = "film", allow_hyphen_values = true, value_parser = parse_seconds)]
-    pub from: f64,
-    /// The simulated time at which the film ends [default: the end of the run].
-    #[arg(long, value_name = "SECONDS", requires = "film", allow_hyphen_values = true, value_parser = parse_seconds)]
-    pub to: Option<f64>,
+    #[arg(long, alias = "html", value_name = "FILE.html")]
+    pub page: Option<PathBuf>,
+    /// The simulated time at which the film begins, as for --at.
+    #[arg(long, value_name = "TIME", default_value = "0", requires = "film", allow_hyphen_values = true, value_parser = parse_moment)]
+    pub from: Moment,
+    /// The simulated time at which the film ends, as for --at [default: the end of the run].
+    #[arg(long, value_name = "TIME", requires = "film", allow_hyphen_values = true, value_parser = parse_moment)]
+    pub to: Option<Moment>,
     /// Simulated seconds for a second of the film, from 0.1 to 1000.
     #[arg(long, value_name = "X", default_value_t = 60.0, requires = "film", allow_hyphen_values = true, value_parser = parse_speed)]
     pub speed: f64,
@@ -83,7 +84,7 @@ pub fn run(arguments: &RenderArguments, context: &CommandContext) -> Result<Exit
     let runs: Vec<RunView> = run_views(arguments, context)?;
     let runs: Vec<&RunView> = runs.iter().collect();
     let scene = Scene { runs: &runs, options: look(&arguments.show, &runs)?, size: arguments.show.size.into() };
-    if arguments.html.is_some() {
+    if arguments.page.is_some() {
         check_grounds(&runs)?;
     }
     let (at, moments) = (time_at(arguments, &runs)?, moments(arguments, &runs)?);
@@ -91,7 +92,7 @@ pub fn run(arguments: &RenderArguments, context: &CommandContext) -> Result<Exit
         scene.write_still(at.unwrap_or(RunView::last_end(&runs)), path)?;
         output_files::note_written(path, quiet);
     }
-    if let Some(path) = &arguments.html {
+    if let Some(path) = &arguments.page {
         write_page(&scene.request(at.unwrap_or(SimTime::ZERO)), path)?;
         output_files::note_written(path, quiet);
     }
@@ -107,9 +108,9 @@ pub fn run(arguments: &RenderArguments, context: &CommandContext) -> Result<Exit
 fn check(arguments: &RenderArguments) -> Result<(), CliError> {
     let show = &arguments.show;
     let inputs = [Some(&show.source), show.with.as_ref()].into_iter().flatten().map(Path::new).collect();
-    let (still, gif, mp4, html) = (&arguments.out, &arguments.gif, &arguments.mp4, &arguments.html);
+    let (still, gif, mp4, page) = (&arguments.out, &arguments.gif, &arguments.mp4, &arguments.page);
     let files = Files { inputs, ..Files::default() };
-    files.writing([(Format::Png, still), (Format::Gif, gif), (Format::Mp4, mp4), (Format::Html, html)]).check()?;
+    files.writing([(Format::Png, still), (Format::Gif, gif), (Format::Mp4, mp4), (Format::Html, page)]).check()?;
     let (width, height) = (show.size.width, show.size.height);
     if arguments.mp4.is_some() && (width % 2 == 1 || height % 2 == 1) {
         let sentence = format!("--size is {width}x{height}; expected even numbers of pixels with --mp4");
@@ -121,7 +122,7 @@ fn check(arguments: &RenderArguments) -> Result<(), CliError> {
 fn run_views(arguments: &RenderArguments, context: &CommandContext) -> Result<Vec<RunView>, CliError> {
     let needs_searches = |&layer: &Layer| layer.needs_searches() && arguments.show.layers().contains(layer);
     // A page has the layers of searches to switch on, as the window has.
-    let searches = if arguments.html.is_some() || Layer::ALL.iter().any(needs_searches) {
+    let searches = if arguments.page.is_some() || Layer::ALL.iter().any(needs_searches) {
         Searches::Recorded
     } else {
         Searches::LeftOut

@@ -223,10 +223,22 @@ fn parse_zoom(text: &str) -> Result<f64, String> {
     numbers::parse_within(text, &(Camera::LEAST_ZOOM..=Camera::MOST_ZOOM), "a number")
 }
 
-/// Simulated seconds since the beginning.
-pub fn parse_seconds(text: &str) -> Result<f64, String> {
-    let seconds = numbers::parse(text).filter(|seconds: &f64| seconds.is_finite() && *seconds >= 0.0);
-    seconds.ok_or_else(|| "expected seconds, at least 0".into())
+/// A moment of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Moment {
+    /// Simulated seconds since the beginning.
+    Seconds(f64),
+    /// A share of the run, from 0 to 1.
+    Share(f64),
+}
+
+/// Reads seconds, `h:mm:ss`, or a share of the run as `50%`.
+pub fn parse_moment(text: &str) -> Result<Moment, String> {
+    let moment = match text.trim().strip_suffix('%') {
+        Some(percent) => numbers::within(percent, &(0.0..=100.0)).map(|percent| Moment::Share(percent / 100.0)),
+        None => numbers::parse_time(text).filter(|time| time.is_finite() && *time >= 0.0).map(Moment::Seconds),
+    };
+    moment.ok_or_else(|| "expected seconds, at least 0, h:mm:ss, or a share of the run such as 50%".into())
 }
 
 /// Simulated seconds for a second.
@@ -245,6 +257,15 @@ mod tests {
         for text in ["", "640", "640x", "x480", "-640x480", "0x0", "319x240", "320x239", "8193x8192", "99999999999x300"]
         {
             assert!(text.parse::<Size>().expect_err(text).contains("8192x8192"), "{text}");
+        }
+    }
+
+    #[test]
+    fn moments_are_times_or_shares_of_the_run() {
+        assert_eq!(parse_moment("10:00"), Ok(Moment::Seconds(600.0)));
+        assert_eq!(parse_moment("50%"), Ok(Moment::Share(0.5)));
+        for text in ["", "%", "101%", "-1%", "-1", "nan", "inf", "1:00%"] {
+            assert!(parse_moment(text).is_err(), "{text}");
         }
     }
 

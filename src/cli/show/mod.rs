@@ -5,7 +5,7 @@ mod args;
 mod page_file;
 mod source;
 
-pub use args::{ShowArguments, look, parse_agent, parse_seconds, parse_speed};
+pub use args::{Moment, ShowArguments, look, parse_agent, parse_moment, parse_speed};
 pub use page_file::{check_grounds, write_page};
 pub use source::{Searches, ShownRun, run_of_batch};
 
@@ -112,14 +112,18 @@ impl Shown {
     }
 }
 
-/// A time of the option `name`, in seconds.
+/// The time of a moment that the option `name` asks for; shares are of the longest run.
 ///
 /// # Errors
 /// If it is beyond the end of the last run.
-pub fn time_within(name: &str, seconds: f64, films: &[&RunView]) -> Result<SimTime, CliError> {
-    let (time, end) = (SimTime::from_seconds(seconds), RunView::last_end(films));
+pub fn time_within(name: &str, moment: Moment, films: &[&RunView]) -> Result<SimTime, CliError> {
+    let end = RunView::last_end(films);
+    let time = match moment {
+        Moment::Seconds(seconds) => SimTime::from_seconds(seconds),
+        Moment::Share(share) => SimTime::from_seconds(share * end.as_seconds()).min(end),
+    };
     if time > end {
-        let sentence = format!("{name} is {seconds}; the run ends at {} s", end.as_seconds());
+        let sentence = format!("{name} is {}; the run ends at {} s", time.as_seconds(), end.as_seconds());
         return Err(CliError::bad_input(sentence, None));
     }
     Ok(time)

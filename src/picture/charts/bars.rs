@@ -3,8 +3,8 @@
 use crate::picture::canvas::Point;
 use crate::picture::charts::drawing::Drawing;
 use crate::picture::charts::sheet::{
-    AxisScale, LABEL, PanelGrid, Plot, SheetLayout, Swatch, distinct, draw_panel_name, lines, numbered, sheets,
-    width_of,
+    AxisScale, LABEL, LINE, LOWEST, PanelGrid, Plot, SheetLayout, Swatch, distinct, draw_panel_name, lines, numbered,
+    sheets, width_of,
 };
 use crate::picture::charts::style::Style;
 use crate::picture::charts::{ChartRow, Estimate, Titles};
@@ -15,7 +15,7 @@ const HEIGHT: f32 = 260.0;
 const LEFT: f32 = 48.0;
 /// The height of each of several panels, one below the other, with the names of the groups under each.
 const PANEL_HEIGHT: f32 = 120.0;
-const GRID: PanelGrid = PanelGrid { columns: 1, left: LEFT, below: 44.0 };
+const GRID: PanelGrid = PanelGrid { columns: 1, left: LEFT, below: 44.0, above: LINE };
 /// The most panels on a sheet.
 const PANELS: usize = 4;
 /// The share of a group's room that its bars take.
@@ -68,18 +68,21 @@ impl BarChart {
         let bars = self.panels.iter().flat_map(|panel| &panel.series).flat_map(|series| series.bars.iter().flatten());
         let scale = AxisScale::around(bars.map(Estimate::range)).with_zero();
         let sheets = sheets(&self.panels, |panel| &panel.name, PANELS);
-        let names = self.names(self.room(width - SheetLayout::margins() - LEFT) - NAME_GAP);
+        let names = self.names(self.room(width - SheetLayout::margins(width) - LEFT) - NAME_GAP);
         let sheet = |(index, panels): (usize, &&[BarPanel])| {
             let series = panels.iter().flat_map(|panel| &panel.series);
             let key = distinct(series.map(|series| (series.style, series.name.as_str())));
             let titles = numbered(&self.titles, index, sheets.len());
             let titles = Titles { x: names.key.clone().unwrap_or_else(|| titles.x.clone()), ..titles };
-            let heights = vec![PANEL_HEIGHT; panels.len()];
+            let grid = GRID.with_names(width, panels.iter().map(|panel| panel.name.as_str()));
+            let heights = vec![grid.panel_height(width, PANEL_HEIGHT); panels.len()];
             let is_alone = panels[0].name.is_empty();
-            let height = if is_alone { HEIGHT } else { GRID.height(&heights) };
-            let (mut drawing, plot) =
-                SheetLayout { titles: &titles, swatch: Swatch::Bar, key, width, left: LEFT, right: 0.0, height }.draw();
-            let parts = if is_alone { vec![plot] } else { GRID.parts(&plot, &heights) };
+            let height = if is_alone { HEIGHT } else { grid.height(&heights) };
+            let layout =
+                SheetLayout { titles: &titles, swatch: Swatch::Bar, key, width, left: LEFT, right: 0.0, height };
+            let layout = if is_alone { layout.with_one_panel(LOWEST) } else { layout };
+            let (mut drawing, plot) = layout.draw();
+            let parts = if is_alone { vec![plot] } else { grid.parts(&plot, &heights) };
             for (panel, part) in panels.iter().zip(&parts) {
                 self.draw_panel(&mut drawing, part, scale, (panel, &names));
             }
@@ -113,7 +116,7 @@ impl BarChart {
         scale: AxisScale,
         (panel, names): (&BarPanel, &GroupNames),
     ) {
-        draw_panel_name(drawing, plot, &panel.name);
+        draw_panel_name(drawing, plot, LEFT, &panel.name);
         plot.draw_y_axis(drawing, scale);
         let room = self.room(plot.right - plot.left);
         let count = panel.series.len().max(1) as f32;

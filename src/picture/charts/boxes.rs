@@ -9,7 +9,7 @@ use std::f64::consts::LN_10;
 use crate::geometry::ops;
 use crate::picture::charts::drawing::Drawing;
 use crate::picture::charts::sheet::{
-    AxisScale, LABEL, PanelGrid, Plot, SheetLayout, Swatch, draw_panel_name, fitted, numbered, sheets, width_of,
+    AxisScale, LABEL, LINE, PanelGrid, Plot, SheetLayout, Swatch, draw_panel_name, fitted, numbered, sheets, width_of,
 };
 use crate::picture::charts::style::Style;
 use crate::picture::charts::{ChartRow, Titles};
@@ -83,7 +83,8 @@ impl BoxChart {
         let sheets = sheets(&self.panels, |panel| &panel.name, (ROWS / most_rows).max(1));
         let sheet = |(index, panels): (usize, &&[BoxPanel])| {
             let titles = numbered(&self.titles, index, sheets.len());
-            let grid = PanelGrid { columns: 1, left, below: BELOW };
+            let grid = PanelGrid { columns: 1, left, below: BELOW, above: LINE };
+            let grid = grid.with_names(width, panels.iter().map(|panel| panel.name.as_str()));
             let heights: Vec<f32> = panels.iter().map(|panel| ROW * panel.boxes.len().max(1) as f32).collect();
             let is_alone = panels[0].name.is_empty();
             let height = if is_alone { heights[0] } else { grid.height(&heights) };
@@ -92,6 +93,7 @@ impl BoxChart {
             let (mut drawing, plot) = layout.draw();
             let parts = if is_alone { vec![plot] } else { grid.parts(&plot, &heights) };
             for (panel, part) in panels.iter().zip(&parts) {
+                draw_panel_name(&mut drawing, part, left, &panel.name);
                 draw_panel(&mut drawing, &Axis { plot: *part, scale, places }, panel);
             }
             drawing
@@ -140,7 +142,6 @@ impl Axis {
 
 fn draw_panel(drawing: &mut Drawing, axis: &Axis, panel: &BoxPanel) {
     let plot = &axis.plot;
-    draw_panel_name(drawing, plot, &panel.name);
     match axis.places {
         Places::Linear => plot.draw_x_axis(drawing, axis.scale),
         Places::Logarithmic { .. } => plot.draw_log_x_axis(drawing, axis.scale),

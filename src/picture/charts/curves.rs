@@ -4,7 +4,7 @@ use crate::picture::canvas::Point;
 use crate::picture::charts::bars::draw_whisker;
 use crate::picture::charts::drawing::Drawing;
 use crate::picture::charts::sheet::{
-    AxisScale, PanelGrid, Plot, SheetLayout, Swatch, distinct, draw_panel_name, numbered, sheets,
+    AxisScale, LINE, LOWEST, PanelGrid, Plot, SheetLayout, Swatch, distinct, draw_panel_name, numbered, sheets,
 };
 use crate::picture::charts::style::Style;
 use crate::picture::charts::{ChartRow, Estimate, Titles};
@@ -14,7 +14,7 @@ const HEIGHT: f32 = 280.0;
 const LEFT: f32 = 48.0;
 /// The height of each of several panels, two of which are side by side.
 const PANEL_HEIGHT: f32 = 150.0;
-const GRID: PanelGrid = PanelGrid { columns: 2, left: LEFT, below: 30.0 };
+const GRID: PanelGrid = PanelGrid { columns: 2, left: LEFT, below: 30.0, above: LINE };
 /// The most panels on a sheet.
 const PANELS: usize = 8;
 const BAND: f32 = 0.2;
@@ -85,12 +85,14 @@ impl CurveChart {
             let curves = panels.iter().flat_map(|panel| &panel.curves);
             let key = distinct(curves.map(|curve| (curve.style, curve.name.as_str())));
             let titles = numbered(&self.titles, index, sheets.len());
-            let heights = vec![PANEL_HEIGHT; panels.len()];
+            let grid = GRID.with_names(width, panels.iter().map(|panel| panel.name.as_str()));
+            let heights = vec![grid.panel_height(width, PANEL_HEIGHT); panels.len()];
             let is_alone = panels[0].name.is_empty();
-            let height = if is_alone { HEIGHT } else { GRID.height(&heights) };
-            let (mut drawing, plot) =
-                SheetLayout { titles: &titles, swatch, key, width, left: LEFT, right: 0.0, height }.draw();
-            let parts = if is_alone { vec![plot] } else { GRID.parts(&plot, &heights) };
+            let height = if is_alone { HEIGHT } else { grid.height(&heights) };
+            let layout = SheetLayout { titles: &titles, swatch, key, width, left: LEFT, right: 0.0, height };
+            let layout = if is_alone { layout.with_one_panel(LOWEST) } else { layout };
+            let (mut drawing, plot) = layout.draw();
+            let parts = if is_alone { vec![plot] } else { grid.parts(&plot, &heights) };
             for (panel, plot) in panels.iter().zip(parts) {
                 let x = if self.spread == Spread::Bands { x } else { self.roomy(x, &plot) };
                 self.draw_panel(&mut drawing, &Axes { plot, x, y }, panel);
@@ -127,7 +129,7 @@ impl CurveChart {
     }
 
     fn draw_panel(&self, drawing: &mut Drawing, axes: &Axes, panel: &CurvePanel) {
-        draw_panel_name(drawing, &axes.plot, &panel.name);
+        draw_panel_name(drawing, &axes.plot, LEFT, &panel.name);
         axes.plot.draw_y_axis(drawing, axes.y);
         match self.chosen_ticks() {
             Some(ticks) => axes.plot.draw_x_ticks(drawing, axes.x, &ticks),
@@ -279,5 +281,38 @@ mod tests {
             marks += 1;
         }
         assert!(marks >= 2 * 7 * 2, "{marks} marks");
+    }
+
+    #[test]
+    fn charts_for_a_column_are_low_and_cut_no_name() {
+        let estimate = Estimate { value: 1.0, interval: Some((0.5, 1.5)) };
+        let curves: Vec<Curve> = ["prm-rs", "hybrid-astar", "lattice"]
+            .into_iter()
+            .zip(STYLES)
+            .map(|(name, style)| Curve { name: name.into(), style, points: vec![(0.05, estimate), (0.2, estimate)] })
+            .collect();
+        let chart = |names: &[&str]| {
+            let titles = Titles {
+                title: "Extinguished at the end of a run, by field.coverage".into(),
+                note: "Marks are means, whiskers their 95 % intervals.".into(),
+                x: "field.coverage".into(),
+                y: "share of obstacles".into(),
+                ..Titles::default()
+            };
+            let panel = |name: &&str| CurvePanel { name: (*name).to_owned(), curves: curves.clone() };
+            CurveChart { titles, spread: Spread::Whiskers, panels: names.iter().map(panel).collect() }
+        };
+        let names = ["prm-rs, field.coverage 0.05", "hybrid-astar, field.coverage 0.05", "none; least-slack, 0.1"];
+        // 85 and 88 mm with letters of 8 pt.
+        for width in [355.6, 368.2] {
+            let alone = &chart(&[""]).draw(width)[0];
+            assert!(alone.height <= 0.7 * width + 0.01, "{} of {width}", alone.height);
+            let several = &chart(&names).draw(width)[0];
+            assert!(several.height <= 2.0 * 0.7 * width, "two rows of panels: {} of {width}", several.height);
+            let texts: Vec<&str> = several.texts().chain(alone.texts()).collect();
+            assert!(!texts.iter().any(|text| text.contains("...")), "{texts:?}");
+            assert!(texts.contains(&"hybrid-astar,") && texts.contains(&"field.coverage 0.05"), "{texts:?}");
+        }
+        assert_eq!(chart(&[""]).draw(SCREEN_WIDTH)[0].height, 18.0 + 12.0 + 4.0 * 19.0 + 280.0 + 25.0 + 19.0 + 18.0);
     }
 }

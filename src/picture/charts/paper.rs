@@ -56,6 +56,8 @@ impl Drawing {
         let opacities = self.opacities();
         let state = |index: usize| Ref::new(6 + index as i32);
         let mut pdf = Pdf::new();
+        // Publishers take no more than 1.5, pdfTeX warns of more than it writes itself; opacity needs 1.4.
+        pdf.set_version(1, 5);
         pdf.catalog(catalog).pages(pages);
         pdf.document_info(info).title(TextStr(&self.title)).producer(TextStr("wildfire"));
         pdf.pages(pages).kids([page]).count(1);
@@ -270,7 +272,7 @@ mod tests {
     #[test]
     fn a_page_has_the_width_that_was_asked_for_and_the_same_bytes_each_time() {
         let pdf = drawing().to_pdf(COLUMN);
-        assert!(pdf.starts_with(b"%PDF-") && pdf.ends_with(b"%%EOF"));
+        assert!(pdf.starts_with(b"%PDF-1.5\n") && pdf.ends_with(b"%%EOF"));
         assert_eq!(pdf, drawing().to_pdf(COLUMN));
         let text = String::from_utf8_lossy(&pdf);
         let at = text.find("/MediaBox [").expect("a page has a size") + "/MediaBox [".len();

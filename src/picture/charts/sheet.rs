@@ -11,15 +11,46 @@ use crate::picture::ticks::{Tick, log_ticks, ticks};
 
 /// Height of capitals in numbers and names, notes, titles.
 pub const LABEL: f32 = 8.5;
-const TITLE: f32 = 12.0;
 
 /// The width of a sheet on a screen.
 pub const SCREEN_WIDTH: f32 = 720.0;
-const MARGIN: f32 = 18.0;
-const LINE: f32 = 19.0;
+/// The height of a line on a screen, and so that of a panel's name.
+pub const LINE: f32 = 19.0;
+/// The widest sheet for a column of a paper, with narrow margins and lines.
+const COLUMN: f32 = 500.0;
+/// The most height of such a sheet with one panel, and of one of several panels, as a share of its width; panels are no
+/// lower than the least.
+const HIGHEST: f32 = 0.7;
+pub const LOWEST: f32 = 80.0;
 const SWATCH: f32 = 26.0;
 /// The width of common fonts, in which SVG is shown, divided by that of the project's own.
 const FONTS: f32 = 1.12;
+
+/// The lengths in which sheets on screens and for columns differ, in units.
+#[derive(Clone, Copy, Debug)]
+struct Measures {
+    margin: f32,
+    /// The height of a line of text, and of one of the title.
+    line: f32,
+    title_line: f32,
+    /// Height of capitals in titles.
+    title: f32,
+}
+
+impl Measures {
+    fn of_width(width: f32) -> Self {
+        if is_column(width) {
+            Self { margin: 8.0, line: 15.0, title_line: 16.0, title: 10.0 }
+        } else {
+            Self { margin: 18.0, line: LINE, title_line: LINE, title: 12.0 }
+        }
+    }
+}
+
+/// Says whether a sheet of this width is for a column of a paper.
+fn is_column(width: f32) -> bool {
+    width <= COLUMN
+}
 
 /// The area in which values are drawn, in units from the upper left corner of the sheet.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,16 +68,37 @@ pub struct PanelGrid {
     /// Units to the left of every panel, as of the whole plot, and below every panel.
     pub left: f32,
     pub below: f32,
+    /// Units above every panel, for its name.
+    pub above: f32,
 }
 
 /// Units between the names of a panel and its neighbour to the left.
 const GAP: f32 = 16.0;
+/// Units between the left end of a panel's room and a name that begins there.
+const NAME_INSET: f32 = 8.0;
 
 impl PanelGrid {
+    /// The same with room for these names of panels on a sheet of this width.
+    pub fn with_names<'a>(self, width: f32, names: impl Iterator<Item = &'a str>) -> Self {
+        let part = self.panel_width(width);
+        let most = names.map(|name| name_lines(name, part, self.left).1.len()).max().unwrap_or(1);
+        Self { above: LINE + (most - 1) as f32 * Measures::of_width(width).line, ..self }
+    }
+
+    /// The height of a panel on a sheet of this width: the usual one, or less in a column.
+    pub fn panel_height(&self, width: f32, usual: f32) -> f32 {
+        if is_column(width) { usual.min((HIGHEST * self.panel_width(width)).max(LOWEST)) } else { usual }
+    }
+
+    fn panel_width(&self, width: f32) -> f32 {
+        let gaps = (self.columns - 1) as f32 * (GAP + self.left);
+        (width - SheetLayout::margins(width) - self.left - gaps) / self.columns as f32
+    }
+
     /// The height that panels of these heights take together; those in one row are as high as the highest of them.
     pub fn height(&self, heights: &[f32]) -> f32 {
         let rows = self.row_heights(heights);
-        rows.iter().map(|height| LINE + height).sum::<f32>() + self.below * rows.len().saturating_sub(1) as f32
+        rows.iter().map(|height| self.above + height).sum::<f32>() + self.below * rows.len().saturating_sub(1) as f32
     }
 
     /// Returns the parts of the plot that the panels take.
@@ -56,7 +108,7 @@ impl PanelGrid {
         let mut top = plot.top;
         let mut parts = Vec::new();
         for (row, height) in heights.chunks(self.columns).zip(self.row_heights(heights)) {
-            top += LINE;
+            top += self.above;
             for column in 0..row.len() {
                 let left = plot.left + column as f32 * (width + gap);
                 parts.push(Plot { left, top, right: left + width, bottom: top + height });
@@ -95,13 +147,32 @@ pub fn numbered(titles: &Titles, index: usize, sheets: usize) -> Titles {
     Titles { title: if sheets > 1 { several() } else { titles.title.clone() }, ..titles.clone() }
 }
 
-/// Draws the name of a panel above it, if it has one.
-pub fn draw_panel_name(drawing: &mut Drawing, part: &Plot, name: &str) {
+/// Draws the name of a panel above it, if it has one; `left` is the room to the left of the panel.
+pub fn draw_panel_name(drawing: &mut Drawing, part: &Plot, left: f32, name: &str) {
     if name.is_empty() {
         return;
     }
-    let name = fitted(name, part.right - part.left, LABEL);
-    drawing.text(&name, (part.left, part.top - 6.0), Align::Left, LABEL, INK);
+    let (outside, lines) = name_lines(name, part.right - part.left, left);
+    let line_height = Measures::of_width(drawing.width).line;
+    for (above, line) in lines.iter().rev().enumerate() {
+        let at = (part.left - outside, part.top - 6.0 - above as f32 * line_height);
+        drawing.text(line, at, Align::Left, LABEL, INK);
+    }
+}
+
+/// Breaks the name of a panel of this width: one line where it fits, else up to two that begin in the room to the left of
+/// the panel. Returns how far outside of the panel they begin.
+fn name_lines(name: &str, width: f32, left: f32) -> (f32, Vec<String>) {
+    if width_of(name, LABEL) <= width {
+        return (0.0, vec![name.to_owned()]);
+    }
+    let outside = (left - NAME_INSET).max(0.0);
+    let mut found = lines(name, width + outside, LABEL);
+    if found.len() > 2 {
+        let rest = found.split_off(1).join(" ");
+        found.push(fitted(&rest, width + outside, LABEL));
+    }
+    (outside, found)
 }
 
 /// The sign of a series in the key.
@@ -126,42 +197,55 @@ pub struct SheetLayout<'a> {
 }
 
 impl SheetLayout<'_> {
-    /// Units to the left and to the right of every plot.
-    pub fn margins() -> f32 {
-        2.0 * MARGIN
+    /// Units to the left and to the right of every plot on a sheet of this width.
+    pub fn margins(width: f32) -> f32 {
+        2.0 * Measures::of_width(width).margin
+    }
+
+    /// The same with a plot that is low enough for a column, if the sheet is for one: a single panel, no lower than `least`.
+    #[must_use]
+    pub fn with_one_panel(self, least: f32) -> Self {
+        if !is_column(self.width) {
+            return self;
+        }
+        let besides = self.draw().0.height - self.height;
+        let height = self.height.min((HIGHEST * self.width - besides).max(least.min(self.height)));
+        Self { height, ..self }
     }
 
     /// Draws everything around the plot.
     pub fn draw(&self) -> (Drawing, Plot) {
         let rows = self.key_rows();
-        let room = self.width - 2.0 * MARGIN;
-        let title = lines(&self.titles.title, room, TITLE);
+        let Measures { margin, line: line_height, title_line, title: title_size } = Measures::of_width(self.width);
+        let room = self.width - 2.0 * margin;
+        let title = lines(&self.titles.title, room, title_size);
         let note = lines(&self.titles.note, room, LABEL);
         let x = lines(&self.titles.x, room, LABEL);
-        let note_top = MARGIN + TITLE + title.len() as f32 * LINE;
-        let key_top = note_top + note.len() as f32 * LINE;
-        let top = key_top + rows.len() as f32 * LINE + if self.titles.y.is_empty() { 0.0 } else { LINE };
+        let note_top = margin + title_size + title.len() as f32 * title_line;
+        let key_top = note_top + note.len() as f32 * line_height;
+        let top = key_top + rows.len() as f32 * line_height + if self.titles.y.is_empty() { 0.0 } else { line_height };
         let plot =
-            Plot { left: MARGIN + self.left, top, right: self.width - MARGIN - self.right, bottom: top + self.height };
-        let below = LINE + 6.0 + if self.titles.x.is_empty() { 0.0 } else { x.len() as f32 * LINE };
-        let mut drawing = Drawing::new(self.width, plot.bottom + below + MARGIN, &self.titles.title)
+            Plot { left: margin + self.left, top, right: self.width - margin - self.right, bottom: top + self.height };
+        let below = LINE + 6.0 + if self.titles.x.is_empty() { 0.0 } else { x.len() as f32 * line_height };
+        let mut drawing = Drawing::new(self.width, plot.bottom + below + margin, &self.titles.title)
             .in_language(self.titles.language);
-        let below_each_other = |top: f32, index: usize| top + index as f32 * LINE;
+        let below_each_other = |top: f32, index: usize| top + index as f32 * line_height;
         let is_text = |(_, line): &(usize, &String)| !line.is_empty();
         for (index, line) in title.iter().enumerate().filter(is_text) {
-            drawing.text(line, (MARGIN, below_each_other(MARGIN + TITLE, index)), Align::Left, TITLE, INK);
+            let base = margin + title_size + index as f32 * title_line;
+            drawing.text(line, (margin, base), Align::Left, title_size, INK);
         }
         for (index, line) in note.iter().enumerate().filter(is_text) {
-            drawing.text(line, (MARGIN, below_each_other(note_top, index)), Align::Left, LABEL, NOTE_INK);
+            drawing.text(line, (margin, below_each_other(note_top, index)), Align::Left, LABEL, NOTE_INK);
         }
         for (index, row) in rows.iter().enumerate() {
-            self.draw_key_row(&mut drawing, row, key_top + index as f32 * LINE);
+            self.draw_key_row(&mut drawing, row, below_each_other(key_top, index));
         }
-        drawing.text(&self.titles.y, (MARGIN, top - 10.0), Align::Left, LABEL, INK);
+        drawing.text(&self.titles.y, (margin, top - 10.0), Align::Left, LABEL, INK);
         // One line is in the middle of the axis; more are a text, which takes the whole sheet.
         let (left, align) = match x.len() {
             1 => (0.5 * (plot.left + plot.right), Align::Centre),
-            _ => (MARGIN, Align::Left),
+            _ => (margin, Align::Left),
         };
         for (index, line) in x.iter().enumerate().filter(is_text) {
             let base = below_each_other(plot.bottom + LINE + 8.0 + LABEL, index);
@@ -176,7 +260,7 @@ impl SheetLayout<'_> {
         let mut used = f32::INFINITY;
         for entry in self.key.iter().filter(|_| self.key.len() > 1) {
             let width = self.entry_width(entry.1);
-            if used + width > self.width - 2.0 * MARGIN {
+            if used + width > self.width - Self::margins(self.width) {
                 rows.push(Vec::new());
                 used = 0.0;
             }
@@ -187,7 +271,7 @@ impl SheetLayout<'_> {
     }
 
     fn draw_key_row(&self, drawing: &mut Drawing, row: &[&(Style, &str)], base: f32) {
-        let mut x = MARGIN;
+        let mut x = 0.5 * Self::margins(self.width);
         for (style, name) in row {
             let middle = base - LABEL / 2.0;
             match self.swatch {
@@ -203,7 +287,7 @@ impl SheetLayout<'_> {
     }
 
     fn key_name(&self, name: &str) -> String {
-        fitted(name, self.width - 2.0 * MARGIN - SWATCH - 6.0, LABEL)
+        fitted(name, self.width - Self::margins(self.width) - SWATCH - 6.0, LABEL)
     }
 
     fn entry_width(&self, name: &str) -> f32 {
@@ -372,7 +456,7 @@ mod tests {
 
     #[test]
     fn panels_of_a_sheet_do_not_overlap_and_stay_in_the_plot() {
-        let grid = PanelGrid { columns: 2, left: 48.0, below: 26.0 };
+        let grid = PanelGrid { columns: 2, left: 48.0, below: 26.0, above: LINE };
         let heights = [100.0, 60.0, 80.0, 90.0, 100.0];
         let plot = Plot { left: 66.0, top: 50.0, right: 702.0, bottom: 50.0 + grid.height(&heights) };
         let parts = grid.parts(&plot, &heights);

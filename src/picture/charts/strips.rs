@@ -3,7 +3,8 @@
 use crate::picture::charts::drawing::Drawing;
 use crate::picture::charts::language::NO_VALUE;
 use crate::picture::charts::sheet::{
-    AxisScale, LABEL, PanelGrid, Plot, SheetLayout, Swatch, draw_panel_name, fitted, numbered, rule, sheets, width_of,
+    AxisScale, LABEL, LINE, PanelGrid, Plot, SheetLayout, Swatch, draw_panel_name, fitted, numbered, rule, sheets,
+    width_of,
 };
 use crate::picture::charts::style::Style;
 use crate::picture::charts::{ChartRow, Titles};
@@ -13,9 +14,13 @@ use crate::picture::text::Align;
 /// Heights in units: of a histogram with its quantiles, of its highest column.
 const ROW: f32 = 74.0;
 const ONE_ROW: f32 = 150.0;
+/// The least height of a row, in a column of a paper.
+const LEAST_ROW: f32 = 44.0;
 const QUANTILES: f32 = 16.0;
 /// The room above the columns of a row, for a number.
 const ABOVE: f32 = 16.0;
+/// The most of a row that each of these two takes.
+const MOST_OF_ROW: f32 = 0.27;
 const MOST_COLUMNS: usize = 48;
 const WIDEST_NAME: f32 = 210.0;
 /// The height that a panel keeps free below, for numbers.
@@ -77,15 +82,20 @@ impl StripChart {
         let sheets = sheets(&self.panels, |panel| &panel.name, (ROWS / most_rows).max(1));
         let sheet = |(index, panels): (usize, &&[StripPanel])| {
             let titles = numbered(&self.titles, index, sheets.len());
-            let grid = PanelGrid { columns: 1, left, below: BELOW };
+            let grid = PanelGrid { columns: 1, left, below: BELOW, above: LINE };
+            let grid = grid.with_names(width, panels.iter().map(|panel| panel.name.as_str()));
+            let rows = most_rows as f32;
+            let row = row.min((grid.panel_height(width, row * rows) / rows).max(LEAST_ROW));
             let heights: Vec<f32> = panels.iter().map(|panel| row * panel.strips.len() as f32).collect();
             let is_alone = panels[0].name.is_empty();
             let height = if is_alone { heights[0] } else { grid.height(&heights) };
             let layout =
                 SheetLayout { titles: &titles, swatch: Swatch::Bar, key: Vec::new(), width, left, right: 0.0, height };
+            let layout = if is_alone { layout.with_one_panel(LEAST_ROW * rows) } else { layout };
             let (mut drawing, plot) = layout.draw();
             let parts = if is_alone { vec![plot] } else { grid.parts(&plot, &heights) };
             for (panel, part) in panels.iter().zip(&parts) {
+                draw_panel_name(&mut drawing, part, left, &panel.name);
                 draw_panel(&mut drawing, part, (scale, columns), panel, has_names);
             }
             drawing
@@ -101,14 +111,13 @@ fn draw_panel(
     panel: &StripPanel,
     has_names: bool,
 ) {
-    draw_panel_name(drawing, plot, &panel.name);
     plot.draw_x_axis(drawing, scale);
     let row = (plot.bottom - plot.top) / panel.strips.len().max(1) as f32;
     for (index, strip) in panel.strips.iter().enumerate() {
         let top = plot.top + index as f32 * row;
         let part = Plot { top, bottom: top + row, ..*plot };
         if has_names {
-            let name_at = (part.left - 10.0, part.bottom - QUANTILES - 6.0);
+            let name_at = (part.left - 10.0, part.bottom - QUANTILES.min(MOST_OF_ROW * row) - 6.0);
             drawing.text(&fitted(&strip.name, WIDEST_NAME, LABEL), name_at, Align::Right, LABEL, INK);
             rule(drawing, &part, part.bottom);
         }
@@ -119,22 +128,24 @@ fn draw_panel(
 
 fn draw_strip(drawing: &mut Drawing, part: &Plot, scale: AxisScale, columns: usize, strip: &Strip) {
     let counts = counts(scale, columns, &strip.values);
-    let most = counts.iter().copied().max().unwrap_or(0).max(1);
-    let base = part.bottom - QUANTILES;
-    let (width, height) = ((part.right - part.left) / columns as f32, base - part.top - ABOVE);
+    let highest_count = counts.iter().copied().max().unwrap_or(0).max(1);
+    let most = MOST_OF_ROW * (part.bottom - part.top);
+    let (quantiles_height, above) = (QUANTILES.min(most), ABOVE.min(most));
+    let base = part.bottom - quantiles_height;
+    let (width, height) = ((part.right - part.left) / columns as f32, base - part.top - above);
     for (index, &count) in counts.iter().enumerate().filter(|(_, count)| **count > 0) {
         let left = part.left + index as f32 * width;
         // A single run among many is a line that can still be seen.
-        let top = base - (count as f32 / most as f32 * height).max(1.5);
+        let top = base - (count as f32 / highest_count as f32 * height).max(1.5);
         drawing.rect((left + 0.5, top), (left + width - 0.5, base), strip.style.colour);
     }
-    if let Some(highest) = counts.iter().position(|&count| count == most) {
+    if let Some(highest) = counts.iter().position(|&count| count == highest_count) {
         let x = part.left + (highest as f32 + 0.5) * width;
-        drawing.text(&most.to_string(), (x, part.top + ABOVE - 4.0), Align::Centre, LABEL, INK);
+        drawing.text(&highest_count.to_string(), (x, part.top + above - 0.25 * above), Align::Centre, LABEL, INK);
     }
     match strip.quantiles {
         Some(quantiles) => {
-            draw_quantiles(drawing, base + QUANTILES / 2.0, quantiles.map(|value| part.x(scale, value)));
+            draw_quantiles(drawing, base + quantiles_height / 2.0, quantiles.map(|value| part.x(scale, value)));
         }
         None => {
             let words = NO_VALUE.in_language(drawing.language);
@@ -179,5 +190,21 @@ mod tests {
         assert_eq!(counts.iter().sum::<u64>(), 1000);
         assert!(counts[0] > counts[11], "{counts:?}");
         assert!(counts[11] > 0);
+    }
+
+    #[test]
+    fn distributions_for_a_column_are_lower_than_on_a_screen() {
+        let strip = |name: &str| Strip {
+            name: name.into(),
+            style: super::super::STYLES[0],
+            values: vec![0.1, 0.2, 0.4],
+            quantiles: Some([0.1, 0.1, 0.2, 0.4, 0.4]),
+        };
+        let strips = ["prm-rs", "hybrid-astar", "lattice"].map(strip).to_vec();
+        let panels = vec![StripPanel { name: String::new(), strips }];
+        let titles = Titles { title: "Extinguished at the end of a run".into(), ..Titles::default() };
+        let chart = StripChart { titles, panels };
+        assert!(chart.draw(355.6)[0].height <= 0.7 * 355.6);
+        assert!(chart.draw(720.0)[0].height > 3.0 * ROW);
     }
 }

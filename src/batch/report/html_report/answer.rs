@@ -96,7 +96,7 @@ impl Answer {
         let (done, not_done, stuck) = tallies.fold((0, 0, 0), |(done, not_done, stuck), tally| {
             (done + tally.done, not_done + tally.not_done(), stuck + tally.stuck_runs)
         });
-        let runs = format!("{done} of {} runs are done; {}.", done + not_done, stuck_words(stuck, done));
+        let runs = format!("{done} of {} runs finished; {}.", done + not_done, stuck_words(stuck, done));
         if sentences.is_empty() {
             return Self { sentence: runs, more: Vec::new() };
         }

@@ -7,7 +7,7 @@ use super::notable::NotableRun;
 use super::{FieldPicture, PaperCharts, ReportParts};
 use crate::batch::execute::{
     AGENTS_FILE, CALLS_PARQUET, CHARTS_FOLDER, MACHINES_FILE, Machine, RUNS_FILE, RUNS_PARQUET, STATES_PARQUET,
-    TABLES_FILE,
+    SUMMARY_FILE, TABLES_FILE,
 };
 use crate::batch::plan::{BatchPlan, PLAN_FILE, PlanWriter};
 use crate::batch::table::FinishedBatch;
@@ -20,13 +20,14 @@ const SHOWN_TABLES: usize = 50;
 pub const LONGEST_PLAN: u64 = 200_000;
 
 /// The files beside a page that it links, and what they hold.
-const FILES: [(&str, &str); 8] = [
+const FILES: [(&str, &str); 9] = [
     (RUNS_FILE, "a row for each run"),
     (AGENTS_FILE, "a row for each agent of a run"),
     (RUNS_PARQUET, "the rows of runs, with types and units"),
     (CALLS_PARQUET, "a row for each query of a planner"),
     (STATES_PARQUET, "the states of the bushes over time"),
     (TABLES_FILE, "the tables of all variants"),
+    (SUMMARY_FILE, "the means of each variant"),
     (PLAN_FILE, "scenarios, seeds and settings"),
     (MACHINES_FILE, "the machines that worked on it"),
 ];
@@ -145,7 +146,7 @@ fn summary(plan: &BatchPlan, collected: &Collected, figures: &Figures) -> Vec<Bl
     let blocks = vec![
         Block::Text(format!("{variants} variants with {seeds} seeds each: {} runs.", plan.count())),
         Block::Table(overview),
-        Block::Text("Means of the runs that are done.".into()),
+        Block::Text("Means over finished runs.".into()),
     ];
     let notes = Some(collected.report.machine_notes()).filter(|notes| !notes.is_empty()).map(Block::List);
     blocks.into_iter().chain(notes).chain(figures.refused.iter().cloned().map(Block::Text)).collect()
@@ -187,7 +188,7 @@ fn tables(collected: &Collected) -> Vec<Block> {
 
 fn fleets(collected: &Collected) -> Vec<Block> {
     let Some(table) = collected.report.fleets_table() else { return Vec::new() };
-    let words = "Means of the runs that are done, over all trucks of a run. A drive is wasted if it ends without an \
+    let words = "Means over finished runs and all trucks of a run. A drive is wasted if it ends without an \
                  extinction, and hopeless if its fire had to burn out before; the flock ratio is the share of goals with \
                  another truck's goal within 60 m.";
     vec![Block::Table(table), Block::Text(words.into())]

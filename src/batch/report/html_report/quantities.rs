@@ -189,7 +189,7 @@ impl Quantity {
     }
 }
 
-/// Names the axis of a swept key, with the unit that the key's last word says.
+/// Names the axis of a swept key, with the unit that the key's last word says, if it says one.
 pub fn key_axis(key: &str) -> String {
     const UNITS: [(&str, &str); 13] = [
         ("_deg_s", "°/s"),
@@ -206,8 +206,8 @@ pub fn key_axis(key: &str) -> String {
         ("_c", "°C"),
         ("_percent", "%"),
     ];
-    let unit = UNITS.iter().find(|(ending, _)| key.ends_with(ending)).map_or("1", |(_, unit)| unit);
-    format!("{key} ({unit})")
+    let unit = UNITS.iter().find(|(ending, _)| key.ends_with(ending));
+    unit.map_or_else(|| key.to_owned(), |(_, unit)| format!("{key} ({unit})"))
 }
 
 #[cfg(test)]
@@ -215,16 +215,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn axes_have_units() {
+    fn axes_have_units_where_there_is_one() {
         let columns = (0..RUN_COLUMNS.len()).filter(|&column| RUN_COLUMNS[column].holds_numbers());
         for quantity in columns.map(|column| Quantity { column, added: None }).chain([SAVED]) {
             let Words { english, german } = quantity.axis();
-            assert!(english.ends_with(')') && german.ends_with(')'), "{}: {english}, {german}", quantity.column());
+            let has_unit = !matches!(quantity.about().unit, Unit::Cells | Unit::Share | Unit::Points | Unit::None);
+            let is_right =
+                [english, german].iter().all(|axis| axis.ends_with(')') == has_unit && !axis.contains("(1)"));
+            assert!(is_right, "{}: {english}, {german}", quantity.column());
         }
         for (key, axis) in [
             ("fire.burn_out_s", "fire.burn_out_s (s)"),
             ("unimog.speed_mps", "unimog.speed_mps (m/s)"),
-            ("field.coverage", "field.coverage (1)"),
+            ("field.coverage", "field.coverage"),
             ("unimog.vehicle.steering_rate_deg_s", "unimog.vehicle.steering_rate_deg_s (°/s)"),
         ] {
             assert_eq!(key_axis(key), axis);

@@ -34,23 +34,23 @@ pub const COLUMNS_COUNT_RUNS: Words = Words::new(
 /// The bushes that did not burn.
 pub const SAVED: Words = Words::new("Saved", "Gerettet");
 
-pub const SHARE_OF_OBSTACLES: Words = Words::new("share of obstacles (1)", "Anteil der Hindernisse (1)");
+pub const SHARE_OF_OBSTACLES: Words = Words::new("share of obstacles", "Anteil der Hindernisse");
 /// Of an axis.
 pub const INTACT_LEFT_OUT: Words = Words::new("{}, intact left out", "{}, ohne unversehrte");
 /// Of a panel.
 pub const NO_RUN_IS_DONE: Words = Words::new("{} (no run is done)", "{} (kein Lauf ist fertig)");
 pub const SIMULATED_SECONDS: Words = Words::new("simulated time (s)", "simulierte Zeit (s)");
-pub const NUMBER_OF_RUNS: Words = Words::new("number of runs (1)", "Anzahl der Läufe (1)");
+pub const NUMBER_OF_RUNS: Words = Words::new("number of runs", "Anzahl der Läufe");
 pub const SECONDS: Words = Words::new("time (s)", "Zeit (s)");
 pub const MILLISECONDS: Words = Words::new("time (ms)", "Zeit (ms)");
 pub const CPU_TIME: Words = Words::new("CPU time (ms)", "CPU-Zeit (ms)");
 pub const CELL_SECONDS: Words = Words::new("cells \u{d7} time (s)", "Zellen \u{d7} Zeit (s)");
 pub const METRES: Words = Words::new("distance (m)", "Strecke (m)");
 pub const HECTARES: Words = Words::new("area (ha)", "Fläche (ha)");
-pub const CELLS: Words = Words::new("cells (1)", "Zellen (1)");
-pub const POINTS: Words = Words::new("points (1)", "Punkte (1)");
-pub const SHARE: Words = Words::new("share (1)", "Anteil (1)");
-pub const NUMBER: Words = Words::new("number (1)", "Anzahl (1)");
+pub const CELLS: Words = Words::new("cells", "Zellen");
+pub const POINTS: Words = Words::new("points", "Punkte");
+pub const SHARE: Words = Words::new("share", "Anteil");
+pub const NUMBER: Words = Words::new("number", "Anzahl");
 
 /// German names of the columns that charts can show.
 const GERMAN_COLUMNS: &[(&str, &str)] = &[
