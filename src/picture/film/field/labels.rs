@@ -1,8 +1,9 @@
-//! Numbers of agents that are many: each beside its agent where nothing else is, or nowhere.
+//! Numbers of agents that are many: each at the upper right of its agent where nothing else is, or nowhere, so that none jumps
+//! from side to side in a film.
 //!
 //! Places are given out in turn: first to whom the viewer asked about, then to trucks that do something, to other trucks, and to
-//! Wumpuses, each by number. A number takes the first free one of eight places about its agent. So numbers cover neither each
-//! other nor agents nor fires, and which are written follows from the frame alone.
+//! Wumpuses, each by number. So numbers cover neither each other nor agents nor fires, and which are written follows from the
+//! frame alone. Of agents that are marks only those have one that the viewer asked about: the others have marks for several.
 
 use crate::picture::canvas::{Canvas, Ink, Point};
 use crate::picture::colours::{PAPER, agent_colour};
@@ -21,11 +22,6 @@ const PADDING: f32 = 2.0;
 const GAP: f32 = 1.0;
 /// How much a plate hides.
 const PLATE: f32 = 0.8;
-
-/// Where a label lies about its agent, right and down, in the order in which places are tried: the corners first, since a label
-/// beside an agent hides more of where it goes to.
-const PLACES: [(f32, f32); 8] =
-    [(1.0, -1.0), (-1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (1.0, 0.0), (-1.0, 0.0), (0.0, -1.0), (0.0, 1.0)];
 
 /// A rectangle in a pane, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,19 +88,13 @@ impl FreeRoom {
     }
 }
 
-/// Returns where labels of those sizes come to lie about their middles; each keeps free of what is taken and of those before it.
+/// Returns where labels of those sizes come to lie beside their middles; each keeps free of what is taken and of those before it.
 /// One for which there is no room has no place.
 pub fn place_labels(room: &mut FreeRoom, wanted: &[(Point, f32, (f32, f32))]) -> Vec<Option<LabelBox>> {
     let place = |&((x, y), reach, (width, height)): &(Point, f32, (f32, f32))| {
-        let label = PLACES.into_iter().map(|(right, down)| {
-            // Corners of a label come as near as the middles of its sides: the agent is round.
-            let near = if right * down == 0.0 { reach } else { 0.75 * reach };
-            let (middle_x, middle_y) = (x + right * (near + 0.5 * width), y + down * (near + 0.5 * height));
-            LabelBox { left: middle_x - 0.5 * width, top: middle_y - 0.5 * height, width, height }
-        });
-        let free = label.into_iter().find(|label| room.is_free(label))?;
-        room.take(&free);
-        Some(free)
+        // The corner of a label comes as near as the middles of its sides would: the agent is round.
+        let label = LabelBox { left: x + 0.75 * reach, top: y - 0.75 * reach - height, width, height };
+        room.is_free(&label).then(|| room.take(&label)).map(|()| label)
     };
     wanted.iter().map(place).collect()
 }
@@ -120,7 +110,9 @@ pub fn draw_labels(canvas: &mut Canvas, pane: &Pane, lettering: &mut Lettering, 
             let reach = drawn_reach(pane, &start.body).max(selected);
             (start.id, pane.at(start.body.centre(state.pose)), reach, state.activity)
         })
-        .filter(|&(_, at, reach, _)| pane.is_near(at, reach))
+        .filter(|&(id, at, reach, activity)| {
+            pane.is_near(at, reach) && (!pane.has_marks() || turn(pane, id, activity) == 0)
+        })
         .collect();
     for &(_, at, reach, _) in &shown {
         // The square in a disc of that radius: what is missing at its corners are edges.
@@ -191,12 +183,12 @@ mod tests {
                 assert!(taken.iter().all(|taken| !overlap(label, taken)), "{label:?}");
                 assert!(labels[..index].iter().all(|other| !overlap(label, other)), "{label:?}");
             }
-            assert!(labels.len() * 4 >= count.min(200), "{} of {count}", labels.len());
+            assert!(labels.len() * 6 >= count.min(200), "{} of {count}", labels.len());
         }
     }
 
     #[test]
-    fn a_label_is_left_out_only_where_none_of_its_places_is_free() {
+    fn a_label_is_left_out_only_where_its_place_is_not_free() {
         let mut rng = rng::stream(2, "picture/labels");
         let wanted: Vec<(Point, f32, (f32, f32))> = (0..300)
             .map(|_| ((rng.random_range(0.0..300.0), rng.random_range(0.0..300.0)), 6.0, (14.0, 12.0)))
