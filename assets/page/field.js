@@ -954,12 +954,13 @@ Object.assign(FieldPane.prototype, {
     },
 
     // The squares of a lattice that is fixed to the field, by rows and columns: the mean of the places in each, and what is there.
-    clusters(square, places) {
+    // The lattice is shifted by a share of a square.
+    clusters(square, shift, places) {
         const side = square * this.unit;
         const squares = new Map();
         for (const [point, what] of places) {
             const [x, y] = this.projection.at(point);
-            const [col, row] = [x - this.projection.left, y - this.projection.top].map((at) => Math.floor(at / side));
+            const [col, row] = [x - this.projection.left, y - this.projection.top].map((at) => Math.floor(at / side + shift));
             const key = row * 65536 + col;
             const known = squares.get(key) ?? { x: 0, y: 0, there: [] };
             squares.set(key, { x: known.x + x, y: known.y + y, there: known.there });
@@ -976,7 +977,7 @@ Object.assign(FieldPane.prototype, {
             const agents = run.agents.flatMap((agent, index) => {
                 return agent.is_truck === isTruck ? [[agent.centre(this.states[index]), index]] : [];
             });
-            for (const { at, there } of this.clusters(AGENT_SQUARE, agents)) {
+            for (const { at, there } of this.clusters(AGENT_SQUARE, isTruck ? 0 : 0.5, agents)) {
                 if (there.length === 1) {
                     this.drawMark(run.agents[there[0]], this.states[there[0]], at);
                     continue;
@@ -1001,7 +1002,7 @@ Object.assign(FieldPane.prototype, {
             if (kind !== INTACT) changed.push([run.cellCentre(run.bushCells[bush]), kind]);
         });
         const most = SEEN * ((FIRE_SQUARE * unit) / projection.cellSide) ** 2;
-        for (const { at, there } of this.clusters(FIRE_SQUARE, changed)) {
+        for (const { at, there } of this.clusters(FIRE_SQUARE, 0, changed)) {
             const radius = (GLOW[0] + GLOW[1] * (31 - Math.clz32(there.length))) * unit;
             if (there.length >= most || !this.isNear(at, radius)) continue;
             const weighted = there.flatMap((kind) => (kind === BURNING ? Array(EMPHASIS).fill(kind) : [kind]));

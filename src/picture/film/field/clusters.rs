@@ -35,14 +35,19 @@ const SEEN: f32 = 0.1;
 /// A bush that burns counts as many times in the colour of a glow.
 const BURNING_COUNTS: u32 = 4;
 
-/// Returns the squares that have places, in order of rows and columns: the mean of these in the pane, and what is there.
-fn clusters<T>(pane: &Pane, square: f32, places: impl Iterator<Item = (DVec2, T)>) -> Vec<(Point, Vec<T>)> {
+/// Returns the squares that have places, in order of rows and columns: the mean of these in the pane, and what is there. The lattice
+/// is shifted by a share of a square.
+fn clusters<T>(
+    pane: &Pane,
+    (square, shift): (f32, f64),
+    places: impl Iterator<Item = (DVec2, T)>,
+) -> Vec<(Point, Vec<T>)> {
     let side = f64::from(square * pane.unit());
     let origin = pane.projection.place(DVec2::ZERO);
     let mut squares: BTreeMap<(i32, i32), (DVec2, Vec<T>)> = BTreeMap::new();
     for (point, what) in places {
         let place = pane.projection.place(point);
-        let [col, row] = ((place - origin) / side).floor().to_array().map(|at| at as i32);
+        let [col, row] = ((place - origin) / side + shift).floor().to_array().map(|at| at as i32);
         let (sum, there) = squares.entry((row, col)).or_default();
         *sum += place;
         there.push(what);
@@ -54,7 +59,9 @@ fn clusters<T>(pane: &Pane, square: f32, places: impl Iterator<Item = (DVec2, T)
 pub fn agent_clusters(pane: &Pane, role: Role) -> Vec<(Point, Vec<usize>)> {
     let agents = pane.setting().agents.iter().zip(&pane.view.state.agents).enumerate();
     let places = agents.filter(|(_, (start, _))| start.id.role == role);
-    clusters(pane, AGENT_SQUARE, places.map(|(index, (start, state))| (start.body.centre(state.pose), index)))
+    // Marks of both roles are to hide each other seldom.
+    let shift = if role.drives() { 0.0 } else { 0.5 };
+    clusters(pane, (AGENT_SQUARE, shift), places.map(|(index, (start, state))| (start.body.centre(state.pose), index)))
 }
 
 /// Draws how many agents are about a place: trucks as a square, Wumpuses as a disc.
@@ -88,7 +95,7 @@ pub fn draw_glows(canvas: &mut Canvas, pane: &Pane) {
     let changed = bushes.map(|(&cell, bush)| (cell, bush.kind())).filter(|(_, kind)| *kind != BushStateKind::Intact);
     let places = changed.map(|(cell, kind)| (pane.frame().centre(cell), kind));
     let most = SEEN * (FIRE_SQUARE * pane.unit() / pane.cell_side()).powi(2);
-    for (at, kinds) in clusters(pane, FIRE_SQUARE, places) {
+    for (at, kinds) in clusters(pane, (FIRE_SQUARE, 0.0), places) {
         let radius = (GLOW + GLOW_PER_DOUBLING * kinds.len().ilog2() as f32) * pane.unit();
         if (kinds.len() as f32) < most && pane.is_near(at, radius) {
             draw_glow(canvas, at, radius, mean_colour(&kinds));

@@ -102,12 +102,13 @@ pub fn legend_entries(runs: &[&RunView], pane_side: f64) -> Vec<(LegendSign, Str
         add(LegendSign::Cluster(Role::Unimog), "trucks close together");
         add(LegendSign::Cluster(Role::Wumpus), "Wumpuses close together");
     }
-    let covers: BTreeSet<GroundCover> = runs
-        .iter()
-        .filter_map(|run| Some(run.timeline().setting.spread.as_ref()?.landscape()))
-        .flat_map(|landscape| &landscape.fuel)
-        .map(|&number| GroundCover::from_fuel(number))
-        .collect();
+    // Of millions of cells in every frame.
+    let mut has_fuel = [false; 256];
+    for spread in runs.iter().filter_map(|run| run.timeline().setting.spread.as_ref()) {
+        spread.landscape().fuel.iter().for_each(|&number| has_fuel[usize::from(number)] = true);
+    }
+    let numbers = (0..=u8::MAX).filter(|&number| has_fuel[usize::from(number)]);
+    let covers: BTreeSet<GroundCover> = numbers.map(GroundCover::from_fuel).collect();
     covers.iter().for_each(|cover| add(LegendSign::Ground(cover.colour()), cover.name()));
     if let Some(cover) = covers.iter().find(|cover| cover.burns()) {
         let over = |colour, share| LegendSign::Cell(blend(cover.colour(), colour, share));
