@@ -66,6 +66,20 @@ const MOST_ONE_BY_ONE = 8;
 const EM = 2048 / 1409;
 const FONT = "Arimo, Arial, 'Liberation Sans', Helvetica, sans-serif";
 
+// On a dark screen; ground is covered by a dark veil.
+const DARK = {
+    border: "#8a8372",
+    faint: "#4c4d54",
+    field: "#2b2a25",
+    ink: "#e9e9ec",
+    outside: "#191a1d",
+    paper: "#16171a",
+    unimog: "#ff8095",
+    wumpus: "#d2a3ea",
+};
+const DARK_BURNED_OUT = "#8c857f";
+const VEIL = "rgba(20, 20, 24, 0.45)";
+
 const TAU = 2 * Math.PI;
 
 function clamp(value, low, high) {
@@ -211,7 +225,7 @@ function readySprite(shapes) {
 
 class FieldPane {
     constructor(canvas, data, run, runIndex) {
-        Object.assign(this, { canvas, run, runIndex, colours: data.colours, stateColours: data.state_colours });
+        Object.assign(this, { canvas, run, runIndex, data, isDark: null });
         this.styles = data.search_styles;
         this.context = canvas.getContext("2d", { alpha: false });
         this.sprites = Object.fromEntries(Object.entries(data.sprites).map(([name, shapes]) => [name, readySprite(shapes)]));
@@ -219,6 +233,20 @@ class FieldPane {
         this.groundKey = "";
         this.stamps = new Map();
         this.stampSide = 0;
+    }
+
+    // Takes the colours of the screen.
+    takeColours() {
+        const isDark = matchMedia("(prefers-color-scheme: dark)").matches;
+        if (isDark === this.isDark) return;
+        const { colours, state_colours } = this.data;
+        this.isDark = isDark;
+        this.colours = isDark ? { ...colours, ...DARK } : colours;
+        this.stateColours = isDark ? state_colours.map((colour, kind) => (kind === BURNED_OUT ? DARK_BURNED_OUT : colour)) : state_colours;
+    }
+
+    colourOf(agent) {
+        return this.colours[agent.is_truck ? "unimog" : "wumpus"];
     }
 
     get isCrowded() {
@@ -243,6 +271,7 @@ class FieldPane {
         const { width, height } = this.canvas;
         Object.assign(this, { ns: Math.min(ns, this.run.end_ns), view, rival });
         this.run.seek(this.ns);
+        this.takeColours();
         this.projection = new Projection(this.run, cameraOf(this.run, this.ns, view, width, height), width, height);
         this.unit = Math.max(view.pixelRatio, Math.min(width, height) / ORDINARY_SIDE);
         this.states = this.run.agents.map((agent) => agent.at(this.ns));
@@ -254,13 +283,15 @@ class FieldPane {
         this.context.setTransform(1, 0, 0, 1, 0, 0);
         this.context.drawImage(this.ground, 0, 0);
         if (this.run.ground !== null) this.drawGroundFire();
+        if (this.isByShares && this.run.ground === null) this.drawGlows();
         if (this.shows("paths")) this.drawWays();
         if (this.shows("spread")) this.drawSpreads();
         if (this.isByShares) this.drawFireMarks(2.5);
         else this.drawFlames();
         this.drawDifferences();
         if (this.shows("suppression")) this.drawSuppressions();
-        this.run.agents.forEach((_, index) => this.drawAgent(index));
+        if (this.hasMarks) this.drawMarks();
+        else this.run.agents.forEach((_, index) => this.drawAgent(index));
         if (this.isCrowded) this.drawLabels();
         this.drawSelected();
         if (this.isByShares) this.drawFireMarks(1);
@@ -278,7 +309,7 @@ class FieldPane {
         // Sprites stick out of their cells, and are drawn over what burns beside them.
         const isBelowFire = this.run.ground !== null && this.projection.cellSide >= LEAST_SPRITE;
         const changed = isBelowFire ? 0 : this.run.changed;
-        const key = [this.projection.key(), width, height, [...this.view.layers], shown, changed].join("|");
+        const key = [this.projection.key(), this.isDark, width, height, [...this.view.layers], shown, changed].join("|");
         if (key === this.groundKey) return;
         this.groundKey = key;
         Object.assign(this.ground, { width, height });
@@ -291,7 +322,11 @@ class FieldPane {
         context.fillRect(left - 2, top - 2, right - left + 4, bottom - top + 4);
         context.fillStyle = this.colours.field;
         context.fillRect(left, top, right - left, bottom - top);
-        if (this.run.ground !== null && this.shows("ground")) this.layCells(context, this.run.ground.covers);
+        if (this.run.ground !== null && this.shows("ground")) {
+            this.layCells(context, this.run.ground.covers);
+            context.fillStyle = VEIL;
+            if (this.isDark) context.fillRect(left, top, right - left, bottom - top);
+        }
         if (this.shows("grid-lines")) this.drawGridLines(context, [left, top, right, bottom]);
         searches.forEach(({ search, style }) => this.drawSearch(context, search, style));
         this.drawWater(context);
@@ -521,7 +556,7 @@ class FieldPane {
 
     // The oldest part first, each step of age more faded.
     drawDriven(agent) {
-        const colour = rgb(agent.colour);
+        const colour = rgb(this.colourOf(agent));
         const count = this.hasMarks ? MARKED_FADING_STEPS : FADING_STEPS;
         for (let step = count - 1; step >= 0; step--) {
             const ago = (steps) => Math.max(0, this.ns - (FADES_IN_NS / count) * steps);
@@ -547,11 +582,11 @@ class FieldPane {
         const window = [state.leg.distance(this.ns), state.leg.lengthM];
         for (const stretch of this.stretches(state.leg, window)) {
             if (this.hasMarks) {
-                this.drawStretch(stretch, css(rgb(agent.colour), agent.is_truck ? 0.9 : 0.35), unit, [4, 3]);
+                this.drawStretch(stretch, css(rgb(this.colourOf(agent)), agent.is_truck ? 0.9 : 0.35), unit, [4, 3]);
                 continue;
             }
             this.drawStretch(stretch, css(rgb(colours.paper), 0.75), 4 * unit, null);
-            this.drawStretch(stretch, agent.colour, 2 * unit, stretch.isReverse ? REVERSE : FORWARD);
+            this.drawStretch(stretch, this.colourOf(agent), 2 * unit, stretch.isReverse ? REVERSE : FORWARD);
         }
     }
 
@@ -559,7 +594,7 @@ class FieldPane {
         const { unit, context, colours, projection } = this;
         const [x, y] = projection.at(this.run.cellCentre(cell));
         if (this.hasMarks) {
-            context.strokeStyle = css(rgb(agent.colour), agent.is_truck ? 0.9 : 0.35);
+            context.strokeStyle = css(rgb(this.colourOf(agent)), agent.is_truck ? 0.9 : 0.35);
             context.lineWidth = unit;
             context.strokeRect(x - 3 * unit, y - 3 * unit, 6 * unit, 6 * unit);
             return;
@@ -570,7 +605,7 @@ class FieldPane {
             const corner = [x + right * half, y + down * half];
             const bracket = [[corner[0] - right * arm, corner[1]], corner, [corner[0], corner[1] - down * arm]];
             this.line(context, bracket, colours.paper, 4 * unit);
-            this.line(context, bracket, agent.colour, 2 * unit);
+            this.line(context, bracket, this.colourOf(agent), 2 * unit);
         }
     }
 
@@ -664,14 +699,10 @@ class FieldPane {
         const at = this.projection.at(agent.centre(state));
         const length = this.drawnLength(agent);
         if (!this.isNear(at, length)) return;
-        if (this.hasMarks) {
-            this.drawMark(agent, state, at);
-            return;
-        }
         if (length > agent.lengthM * this.projection.scale) {
             const radius = 0.62 * length + 2 * unit;
             this.ring(context, at, radius, colours.paper, 4 * unit);
-            this.ring(context, at, radius, agent.colour, 2 * unit);
+            this.ring(context, at, radius, this.colourOf(agent), 2 * unit);
         }
         if (agent.is_truck) this.drawTruck(agent, state, at, length);
         else this.drawTurned(context, this.sprites.wumpus, at, state.heading, [length, length]);
@@ -702,7 +733,7 @@ class FieldPane {
         if (!agent.is_truck) {
             const radius = MARK_RADIUS * unit;
             this.disc(context, [x, y], radius + MARK_EDGE * unit, colours.paper);
-            this.disc(context, [x, y], radius, agent.colour);
+            this.disc(context, [x, y], radius, this.colourOf(agent));
             if (isIdle) this.disc(context, [x, y], 0.55 * radius, colours.paper);
             return;
         }
@@ -712,7 +743,7 @@ class FieldPane {
         });
         const length = MARK_LENGTH * unit;
         this.area(context, arrow(length + 4 * MARK_EDGE * unit), colours.paper);
-        this.area(context, arrow(length), agent.colour);
+        this.area(context, arrow(length), this.colourOf(agent));
         if (isIdle) this.area(context, arrow(0.5 * length), colours.paper);
     }
 
@@ -721,7 +752,7 @@ class FieldPane {
         const at = [x + 0.45 * length + 4 * unit, y - 0.45 * length];
         context.font = this.font(8 * unit);
         const width = context.measureText(`${agent.number}`).width;
-        context.fillStyle = agent.colour;
+        context.fillStyle = this.colourOf(agent);
         context.fillRect(at[0] - 2 * unit, at[1] - 10 * unit, width + 4 * unit, 12 * unit);
         this.write(`${agent.number}`, at, "left", 8 * unit, this.colours.paper);
     }
@@ -866,8 +897,15 @@ class FieldPane {
 // Bushes that fire has changed count so many times where cells are smaller than pixels, since they are what one looks for.
 const EMPHASIS = 4;
 
-// Where a number may lie about its agent, right and down, in the order in which places are tried.
-const LABEL_PLACES = [[1, -1], [-1, -1], [1, 1], [-1, 1], [1, 0], [-1, 0], [0, -1], [0, 1]];
+// Sides of the squares in which agents and fires count as close together; half a mark of one agent and the radius of the glow
+// of one bush, with what twice as many add; opacity of a glow, share of its core, and opacity of that; where bushes take more than a
+// share of a square, there is no glow.
+const AGENT_SQUARE = 56;
+const FIRE_SQUARE = 12;
+const HALF_CLUSTER = [6, 1.6];
+const GLOW = [5, 1.6];
+const [OPACITY, CORE, CORE_OPACITY] = [0.45, 0.5, 0.9];
+const SEEN = 0.1;
 
 Object.assign(FieldPane.prototype, {
     // Every pixel has the colour of the bushes that it covers, by shares, and the paler where they are few. A loop over numbers,
@@ -915,6 +953,65 @@ Object.assign(FieldPane.prototype, {
         context.putImageData(picture, 0, 0);
     },
 
+    // The squares of a lattice that is fixed to the field, by rows and columns: the mean of the places in each, and what is there.
+    // The lattice is shifted by a share of a square.
+    clusters(square, shift, places) {
+        const side = square * this.unit;
+        const squares = new Map();
+        for (const [point, what] of places) {
+            const [x, y] = this.projection.at(point);
+            const [col, row] = [x - this.projection.left, y - this.projection.top].map((at) => Math.floor(at / side + shift));
+            const key = row * 65536 + col;
+            const known = squares.get(key) ?? { x: 0, y: 0, there: [] };
+            squares.set(key, { x: known.x + x, y: known.y + y, there: known.there });
+            known.there.push(what);
+        }
+        const ordered = [...squares].sort(([one], [other]) => one - other);
+        return ordered.map(([, { x, y, there }]) => ({ at: [x / there.length, y / there.length], there }));
+    },
+
+    // Agents as marks, several close together as one with their number: trucks as a square, Wumpuses as a disc.
+    drawMarks() {
+        const { run, unit, context, colours } = this;
+        for (const isTruck of [false, true]) {
+            const agents = run.agents.flatMap((agent, index) => {
+                return agent.is_truck === isTruck ? [[agent.centre(this.states[index]), index]] : [];
+            });
+            for (const { at, there } of this.clusters(AGENT_SQUARE, isTruck ? 0 : 0.5, agents)) {
+                if (there.length === 1) {
+                    this.drawMark(run.agents[there[0]], this.states[there[0]], at);
+                    continue;
+                }
+                const half = (HALF_CLUSTER[0] + HALF_CLUSTER[1] * (31 - Math.clz32(there.length))) * unit;
+                for (const [reach, colour] of [[half + MARK_EDGE * unit, colours.paper], [half, this.colourOf(run.agents[there[0]])]]) {
+                    context.fillStyle = colour;
+                    if (isTruck) context.fillRect(at[0] - reach, at[1] - reach, 2 * reach, 2 * reach);
+                    else this.disc(context, at, 1.1 * reach, colour);
+                }
+                this.write(`${there.length}`, [at[0], at[1] + 4 * unit], "center", 8 * unit, colours.paper, true);
+            }
+        }
+    },
+
+    // A glow about bushes close together that fire has changed, whose core has the mean colour of their states.
+    drawGlows() {
+        const { run, projection, unit, context } = this;
+        const colours = this.stateColours.map(rgb);
+        const changed = [];
+        run.kinds.forEach((kind, bush) => {
+            if (kind !== INTACT) changed.push([run.cellCentre(run.bushCells[bush]), kind]);
+        });
+        const most = SEEN * ((FIRE_SQUARE * unit) / projection.cellSide) ** 2;
+        for (const { at, there } of this.clusters(FIRE_SQUARE, 0, changed)) {
+            const radius = (GLOW[0] + GLOW[1] * (31 - Math.clz32(there.length))) * unit;
+            if (there.length >= most || !this.isNear(at, radius)) continue;
+            const weighted = there.flatMap((kind) => (kind === BURNING ? Array(EMPHASIS).fill(kind) : [kind]));
+            const mean = [0, 1, 2].map((channel) => Math.floor(weighted.reduce((sum, kind) => sum + colours[kind][channel], 0) / weighted.length));
+            this.disc(context, at, radius, css(rgb(this.colours.burning), OPACITY));
+            this.disc(context, at, CORE * radius, css(mean, CORE_OPACITY));
+        }
+    },
+
     // Marks what burns where cells are too small; `half` thin lines from the middle of a mark to its sides.
     drawFireMarks(half) {
         const { run, projection, unit, context, colours } = this;
@@ -932,7 +1029,8 @@ Object.assign(FieldPane.prototype, {
         }
     },
 
-    // Numbers of agents that are many: each beside its agent where nothing else is, or nowhere.
+    // Numbers of agents that are many: each at the upper right of its agent where nothing else is, or nowhere; of marks only those
+    // that the viewer asked about.
     drawLabels() {
         const { run, projection, unit, context, canvas, view } = this;
         const taken = [[0, canvas.height - 36 * unit, 162 * unit, 36 * unit]];
@@ -948,6 +1046,7 @@ Object.assign(FieldPane.prototype, {
             if (!this.isNear(at, reach)) return [];
             taken.push(about(at, 0.75 * reach));
             const isAsked = view.follows === agent.id || (view.selected?.run === this.runIndex && view.selected.agent === index);
+            if (this.hasMarks && !isAsked) return [];
             const isIdle = this.states[index].activity === STANDING;
             const turn = isAsked ? 0 : !agent.is_truck ? 3 : isIdle ? 2 : 1;
             return [{ agent, at, reach: reach + unit, turn }];
@@ -958,21 +1057,13 @@ Object.assign(FieldPane.prototype, {
         for (const { agent, at, reach } of shown) {
             context.font = this.font(8 * unit, true);
             const [width, height] = [context.measureText(`${agent.number}`).width + 4 * unit, 12 * unit];
-            const boxes = LABEL_PLACES.map(([right, down]) => {
-                const near = right * down === 0 ? reach : 0.75 * reach;
-                const x = at[0] + right * (near + 0.5 * width) - 0.5 * width;
-                return [x, at[1] + down * (near + 0.5 * height) - 0.5 * height, width, height];
-            });
-            const isFree = (box) => {
-                const isInside = box[0] >= 0 && box[1] >= 0 && box[0] + width <= canvas.width && box[1] + height <= canvas.height;
-                return isInside && !taken.some((other) => overlap(box, other));
-            };
-            const box = boxes.find(isFree);
-            if (box === undefined) continue;
+            const box = [at[0] + 0.75 * reach, at[1] - 0.75 * reach - height, width, height];
+            const isInside = box[0] >= 0 && box[1] >= 0 && box[0] + width <= canvas.width && box[1] + height <= canvas.height;
+            if (!isInside || taken.some((other) => overlap(box, other))) continue;
             taken.push(box);
             context.fillStyle = css(rgb(this.colours.paper), 0.8);
             context.fillRect(...box.map(Math.round));
-            this.write(`${agent.number}`, [box[0] + 2 * unit, box[1] + height - 2 * unit], "left", 8 * unit, agent.colour, true);
+            this.write(`${agent.number}`, [box[0] + 2 * unit, box[1] + height - 2 * unit], "left", 8 * unit, this.colourOf(agent), true);
         }
     },
 });

@@ -47,18 +47,24 @@ class Panel {
         document.getElementById("panel").classList.toggle("two", this.isComparison);
         this.endNs = Math.max(...runs.map((run) => run.end_ns));
         this.drawSigns(data);
+        const entries = data.legend.map(([kind, colour, text]) => {
+            const [entry, sign] = [element("li"), element("i", "", kind)];
+            sign.style.background = colour;
+            entry.append(sign, text);
+            return entry;
+        });
+        document.getElementById("legend").replaceChildren(...entries);
+        document.getElementById("points").textContent = runs[0].points;
     }
 
     // A bush in each state, before its name.
     drawSigns(data) {
         this.signs = data.state_names.map((_, kind) => {
-            const canvas = document.createElement("canvas");
+            const [canvas, sheet] = [document.createElement("canvas"), document.createElement("canvas")];
             const side = 18 * Math.max(1, devicePixelRatio);
             Object.assign(canvas, { width: 1.4 * side, height: 1.4 * side, className: "sign" });
-            const pane = new FieldPane(canvas, data, this.runs[0], 0);
-            const context = canvas.getContext("2d", { alpha: false });
-            context.fillStyle = data.colours.field;
-            context.fillRect(0, 0, canvas.width, canvas.height);
+            const pane = new FieldPane(sheet, data, this.runs[0], 0);
+            const context = canvas.getContext("2d");
             const middle = [0.5 * canvas.width, 0.5 * canvas.height];
             pane.drawLeaning(context, pane.sprites[["bush", "embers", "burned", "wet"][kind]], middle, [side, side], -0.12);
             if (kind === BURNING) pane.drawTongues(context, middle, [side, side], 0);
@@ -106,14 +112,19 @@ class Panel {
     showScores(counts) {
         const points = (side) => counts.map((count) => formatPoints(count[side]));
         const leader = ({ wumpus, truck }) => (wumpus > truck ? "Wumpus" : truck > wumpus ? "Unimog" : null);
-        const rows = [["wumpus", "Wumpus", ...points("wumpus")], ["unimog", "Unimog", ...points("truck")]];
-        if (this.isComparison) {
-            rows.unshift(["head", "points", ...this.heads]);
-            rows.push(["faint", "leads", ...counts.map((count) => leader(count) ?? "-")]);
-        }
+        // Only sides that are there have points, and only where both are one leads.
+        const has = (isTruck) => this.runs.some(({ agents }) => agents.some(({ is_truck }) => is_truck === isTruck));
+        const [hasWumpus, hasTruck] = [has(false), has(true)];
+        const rows = [];
+        if (hasWumpus) rows.push(["wumpus", "Wumpus", ...points("wumpus")]);
+        if (hasTruck) rows.push(["unimog", "Unimog", ...points("truck")]);
+        const isContest = rows.length === 2;
+        if (this.isComparison) rows.unshift(["head", "points", ...this.heads]);
+        if (this.isComparison && isContest) rows.push(["faint", "leads", ...counts.map((count) => leader(count) ?? "-")]);
         setRows(this.parts.scores, rows);
+        this.parts.scores.parentElement.hidden = !hasWumpus && !hasTruck;
         const [bar, lead] = [document.getElementById("score-bar"), document.getElementById("lead")];
-        bar.hidden = lead.hidden = this.isComparison;
+        bar.hidden = lead.hidden = this.isComparison || !isContest;
         const { wumpus, truck } = counts[0];
         const all = Math.max(0, wumpus) + Math.max(0, truck);
         bar.style.setProperty("--share", all > 0 ? `${(100 * Math.max(0, wumpus)) / all}%` : "0%");
@@ -169,11 +180,11 @@ class Panel {
             if (isTruck) {
                 rows.push(line("driving to a fire", ({ toward }) => toward));
                 rows.push(line("suppressing", ({ does }) => does[SUPPRESSING]));
+                rows.push(line("standing", ({ does }) => does[STANDING]));
                 rows.push(line("waiting for others", ({ does }) => does[WAITING]));
                 rows.push(line("planning", ({ does }) => does[PLANNING]));
                 rows.push(line("driving elsewhere", ({ does, toward }) => does[DRIVING] - toward));
                 if (this.runs.some((run) => run.water !== null)) rows.push(line("refilling", ({ does }) => does[REFILLING]));
-                rows.push(line("standing", ({ does }) => does[STANDING]));
                 rows.push(line("too late for their fire", ({ late }) => late, "faint"));
             } else {
                 rows.push(line("walking", ({ does }) => does[DRIVING]));

@@ -1,7 +1,7 @@
 // The player: what keys, mouse and fingers do, and the frames.
 
-const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
-const FIRST_SPEED = 10;
+const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 60, 100, 200, 500, 1000];
+const FIRST_SPEED = 60;
 // A notch of the wheel, and a press of a button, magnify by these factors.
 const NOTCH = Math.exp(0.2);
 const PRESS = 1.5;
@@ -85,14 +85,23 @@ class Player {
     // What the viewer can ask for.
 
     seek(ns) {
+        this.uncover();
         this.ns = clamp(ns, 0, this.endNs);
         this.redraw();
     }
 
     setPlaying(isPlaying) {
+        if (isPlaying) this.uncover();
         this.isPlaying = isPlaying;
         document.body.classList.toggle("is-playing", isPlaying);
         document.getElementById("play").setAttribute("aria-label", isPlaying ? "pause" : "play");
+    }
+
+    // Takes away what lies over the field before the run is played.
+    uncover() {
+        const cover = document.getElementById("cover");
+        if (cover.contains(document.activeElement)) document.getElementById("play").focus();
+        cover.hidden = true;
     }
 
     togglePlaying() {
@@ -286,6 +295,7 @@ class Player {
             "to-start": () => this.seek(0),
             previous: () => this.previousEvent(),
             play: () => this.togglePlaying(),
+            cover: () => this.togglePlaying(),
             next: () => this.nextEvent(),
             "to-end": () => this.seek(this.endNs),
             "zoom-in": () => this.zoom(this.panes[0], PRESS, middle(this.panes[0])),

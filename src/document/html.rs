@@ -22,8 +22,9 @@ th,td{padding:.2em .7em;text-align:right;border-bottom:1px solid var(--line);ove
 th{vertical-align:bottom;border-bottom:2px solid var(--ink)}\
 td:not(.text){white-space:nowrap}.text{text-align:left;vertical-align:top}dt{font-weight:bold}\
 svg,img{max-width:100%;height:auto}img{background:#fff}figure{margin:1.5em 0}\
-figcaption{color:var(--soft);font-size:.85em}summary{cursor:pointer;font-weight:bold}\
-@media(max-width:44em){body{margin:1em auto;padding:0 .8em}h1{font-size:1.5em}h1+p{font-size:1.1em}svg{min-width:600px}}\
+.phone{display:none}figcaption{color:var(--soft);font-size:.85em}summary{cursor:pointer;font-weight:bold}\
+@media(max-width:44em){body{margin:1em auto;padding:0 .8em}h1{font-size:1.5em}h1+p{font-size:1.1em}svg{min-width:600px}\
+.desk{display:none}.phone{display:block}.phone svg{min-width:0;width:100%}}\
 @media screen and (prefers-color-scheme:dark){\
 :root{color-scheme:dark;--paper:#16181c;--ink:#e4e4e8;--soft:#a9a9b2;--line:#4a4c55;--link:#8ab4f8}\
 polyline.ink{stroke:#e4e4e8}polyline.faint{stroke:#3c3e46}polyline.paper{stroke:#16181c}\
@@ -150,6 +151,12 @@ fn push_block(text: &mut String, block: &Block) {
         }
         Block::Heading(_) | Block::Contents | Block::Folded(..) => unreachable!("these are written by the page"),
     }
+}
+
+/// Returns a drawing that has another form where the window is as narrow as a phone's. Both are in the page itself and not in a
+/// `<picture>`, whose images would not follow the colours of the screen.
+pub fn wide_and_narrow(wide: &str, narrow: &str) -> String {
+    format!("<div class=\"desk\">\n{wide}</div>\n<div class=\"phone\">\n{narrow}</div>\n")
 }
 
 /// Writes a drawing, with links to its files by their endings.

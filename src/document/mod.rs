@@ -19,7 +19,7 @@ mod markdown;
 pub mod number;
 mod text;
 
-pub use html::escaped as escaped_html;
+pub use html::{escaped as escaped_html, wide_and_narrow};
 pub use latex::escaped as escaped_latex;
 pub use text::{WIDTH, wrapped};
 

@@ -251,19 +251,28 @@ impl<'a> Panel<'a> {
     /// Lists what has no value and what is marked, as far as it is present.
     fn key_entries(&self) -> Vec<(KeySymbol, String)> {
         let mut entries = Vec::new();
-        let mut present = [false; 8];
-        for (value, &cover) in self.map.values.iter().zip(self.map.covers) {
-            present[cover as usize] |= !value.is_finite();
-        }
-        let is_present = |cover: GroundCover| present[cover as usize];
-        let burns = [GroundCover::Grass, GroundCover::Shrub, GroundCover::Timber, GroundCover::Slash];
-        if burns.into_iter().any(is_present) {
-            entries.push((KeySymbol::Cell(WITHOUT_VALUE), self.map.without_value.to_owned()));
-        }
-        for cover in [GroundCover::Water, GroundCover::Road, GroundCover::Bare, GroundCover::Nothing] {
-            if is_present(cover) {
-                entries.push((KeySymbol::Cell(ground_colour(cover)), cover.name().to_owned()));
+        // Of each class the number of cells without a value, and the sum of their colours: slopes are lit.
+        let mut present = [(0.0, [0.0; 3]); 8];
+        for (index, (value, &cover)) in self.map.values.iter().zip(self.map.covers).enumerate() {
+            if !value.is_finite() {
+                let (count, sums) = &mut present[cover as usize];
+                *count += 1.0;
+                sums.iter_mut()
+                    .zip(self.colour(self.map.frame.cell(index)))
+                    .for_each(|(sum, it)| *sum += f64::from(it));
             }
+        }
+        let mut add = |covers: &[GroundCover], name: &str| {
+            let there = || covers.iter().map(|&cover| present[cover as usize]);
+            let count: f64 = there().map(|(count, _)| count).sum();
+            let mean = |channel: usize| (there().map(|(_, sums)| sums[channel]).sum::<f64>() / count).round() as u8;
+            if count > 0.0 {
+                entries.push((KeySymbol::Cell(std::array::from_fn(mean)), name.to_owned()));
+            }
+        };
+        add(&[GroundCover::Grass, GroundCover::Shrub, GroundCover::Timber, GroundCover::Slash], self.map.without_value);
+        for cover in [GroundCover::Water, GroundCover::Road, GroundCover::Bare, GroundCover::Nothing] {
+            add(&[cover], cover.name());
         }
         if let [first, second, ..] = self.levels() {
             let unit = self.scale.as_ref().and_then(|scale| scale.name.split_once(", ")).map_or("", |(_, unit)| unit);
@@ -386,5 +395,36 @@ fn draw_arrow(canvas: &mut Canvas, (x, y): Point, azimuth_deg: f64, half: f32, u
             width * unit,
             colour,
         );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fire::{Landscape, Relief};
+    use crate::geometry::FieldFrame;
+
+    #[test]
+    fn the_key_has_the_colour_that_ground_has_on_a_slope() {
+        let frame = FieldFrame { cols: 12, rows: 12, cell_m: 10.0 };
+        let heights = (0..frame.cell_count()).map(|index| 6.0 * f32::from(frame.cell(index).row));
+        let fuel = vec![102; frame.cell_count()];
+        let landscape = Landscape { fuel, relief: Relief::Elevation(heights.collect()), frame };
+        let values = vec![f64::NAN; frame.cell_count()];
+        let map = FieldMap {
+            title: "",
+            frame,
+            quantity: MapQuantity::ArrivalTime,
+            values: &values,
+            without_value: "not burned",
+            covers: &vec![GroundCover::Grass; frame.cell_count()],
+            landscape: Some(&landscape),
+            ignitions: &[],
+            has_contours: false,
+        };
+        let panel = Panel::new(&map, None, 400, 400);
+        let KeySymbol::Cell(key) = panel.key[0].0 else { panic!("ground is a cell") };
+        let ground = panel.colour(Cell { col: 6, row: 6 });
+        assert!(ground != WITHOUT_VALUE && key.iter().zip(ground).all(|(&key, it)| key.abs_diff(it) <= 2), "{key:?}");
     }
 }

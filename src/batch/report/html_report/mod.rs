@@ -58,6 +58,9 @@ pub struct WrittenReport {
     pub unknown_letters: String,
 }
 
+/// The charts of a page in the window of a phone.
+const PHONE: PaperSize = PaperSize { width_mm: 88.0, font_pt: 8.0 };
+
 /// What a report is made of besides the files of its batch.
 #[derive(Clone, Debug)]
 pub struct ReportParts<'a> {
@@ -132,7 +135,8 @@ pub fn write_report(batch: &FinishedBatch, parts: &ReportParts<'_>) -> Result<Wr
         source.draw(choice, paper.size.units()).drawn.iter().try_for_each(write)?;
     }
     let page = folder.join(REPORT_FILE);
-    let contents = Page { batch, collected: &collected, figures: &figures, parts, origin: &origin };
+    let narrow = source.draw(choice, PHONE.units());
+    let contents = Page { batch, collected: &collected, figures: &figures, narrow: &narrow, parts, origin: &origin };
     write_whole(&page, contents.to_document().to_html().as_bytes())?;
     let Figures { drawn, refused, .. } = figures;
     let texts = drawn.iter().flat_map(|figure| figure.drawing.texts());

@@ -45,6 +45,8 @@ pub struct Page<'a> {
     pub batch: &'a FinishedBatch,
     pub collected: &'a Collected,
     pub figures: &'a Figures,
+    /// The same charts as narrow as a column of a paper, for phones.
+    pub narrow: &'a Figures,
     pub parts: &'a ReportParts<'a>,
     pub origin: &'a Origin,
 }
@@ -52,13 +54,13 @@ pub struct Page<'a> {
 impl Page<'_> {
     /// Begins with the answer, a picture of it, and links to all sections.
     pub fn to_document(&self) -> Document {
-        let Self { batch, collected, figures, parts, origin } = *self;
+        let Self { batch, collected, figures, narrow, parts, origin } = *self;
         let plan = batch.plan();
         let name = batch.folder().canonicalize().ok();
         let name = name.as_deref().unwrap_or(batch.folder()).file_name();
         let title = format!("Batch {}", name.map_or_else(String::new, |name| name.to_string_lossy().into_owned()));
         let stuck_runs = collected.stuck_runs as u64;
-        let charts = Charts::new(figures, parts);
+        let charts = Charts::new(figures, narrow, parts);
         let constant = (!figures.constant.is_empty()).then(|| Block::List(figures.constant.clone()));
         let sections = [
             ("Overview", summary(plan, collected, figures)),
@@ -91,6 +93,7 @@ impl Page<'_> {
 /// The charts of a page; those that lead it are nowhere else.
 struct Charts<'a> {
     figures: &'a Figures,
+    narrow: &'a Figures,
     field: Option<&'a FieldPicture>,
     paper: &'a PaperCharts,
     /// The name of the data of the leading chart.
@@ -99,14 +102,14 @@ struct Charts<'a> {
 
 impl<'a> Charts<'a> {
     /// Chooses what leads: the field, what variants are compared by, the states over time, or those at the end.
-    fn new(figures: &'a Figures, parts: &'a ReportParts<'_>) -> Self {
+    fn new(figures: &'a Figures, narrow: &'a Figures, parts: &'a ReportParts<'_>) -> Self {
         let field = parts.field.as_ref();
         let first = |section| figures.drawn.iter().find(|figure| figure.section == section);
         let leading = [Section::Answer, Section::OverTime, Section::Means]
             .into_iter()
             .find_map(first)
             .filter(|_| field.is_none());
-        Self { figures, field, paper: &parts.paper, leading: leading.map(|figure| figure.data.as_str()) }
+        Self { figures, narrow, field, paper: &parts.paper, leading: leading.map(|figure| figure.data.as_str()) }
     }
 
     fn lead(&self) -> Vec<Block> {
@@ -127,8 +130,11 @@ impl<'a> Charts<'a> {
         let for_paper =
             [(self.paper.pdf, "pdf"), (self.paper.pgf, "pgf")].into_iter().filter(|(is_asked, _)| *is_asked);
         let for_paper = for_paper.map(|(_, ending)| path(&format!("{}.{ending}", figure.file)));
+        // All narrow sheets of a chart stand where its first sheet does.
+        let is_first = |narrow: &&Figure| figure.file == figure.data && narrow.data == figure.data;
+        let narrow = self.narrow.drawn.iter().filter(is_first).map(|narrow| narrow.drawing.to_svg());
         Block::Figure(document::Figure {
-            svg: figure.drawing.to_svg(),
+            svg: document::wide_and_narrow(&figure.drawing.to_svg(), &narrow.collect::<String>()),
             file: Some(path(&figure.file)),
             more_files: [path(&format!("{}.csv", figure.data))].into_iter().chain(for_paper).collect(),
         })

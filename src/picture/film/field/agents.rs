@@ -2,13 +2,15 @@
 
 use crate::geometry::{DVec2, Pose, ops};
 use crate::picture::canvas::{Canvas, Pen, Point};
-use crate::picture::colours::{PAPER, agent_colour};
+use crate::picture::colours::{PAPER, UNIMOG, WUMPUS, agent_colour};
 use crate::picture::film::field::Pane;
+use crate::picture::film::field::clusters::{agent_clusters, draw_cluster};
 use crate::picture::film::field::sprite::{Placement, UNIMOG_SPRITE, WHEEL_SPRITE, WUMPUS_SPRITE};
+use crate::picture::film::lettering::Lettering;
 use crate::picture::marks::to_f32;
 use crate::picture::text::{Align, draw_text, measure_text};
 use crate::time::SimTime;
-use crate::timeline::{Activity, AgentId, Body};
+use crate::timeline::{Activity, AgentId, Body, Role};
 use crate::trajectory::{Piece, Trajectory};
 use crate::vehicle::Dimensions;
 
@@ -28,13 +30,18 @@ const DRAWN_WIDTH_M: f64 = 2.2;
 /// The distance of a wheel's middle from the middle of its axle, as a share of the body's half width.
 const WHEEL_AT: f64 = 0.78;
 
-/// Draws all agents, trucks over Wumpuses.
-pub fn draw_agents(canvas: &mut Canvas, pane: &Pane) {
-    for index in 0..pane.setting().agents.len() {
-        if pane.has_marks() {
-            draw_mark(canvas, pane, index);
-        } else {
-            draw_agent(canvas, pane, index);
+/// Draws all agents, trucks over Wumpuses; of those that are marks, several close together as one.
+pub fn draw_agents(canvas: &mut Canvas, pane: &Pane, lettering: &mut Lettering) {
+    if !pane.has_marks() {
+        (0..pane.setting().agents.len()).for_each(|index| draw_agent(canvas, pane, index));
+        return;
+    }
+    for (role, colour) in [(Role::Wumpus, WUMPUS), (Role::Unimog, UNIMOG)] {
+        for (at, agents) in agent_clusters(pane, role) {
+            match agents.as_slice() {
+                [alone] => draw_mark(canvas, pane, *alone),
+                many => draw_cluster(canvas, pane, lettering, (at, many.len()), (role, colour)),
+            }
         }
     }
 }

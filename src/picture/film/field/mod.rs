@@ -5,6 +5,7 @@
 
 mod agents;
 mod bushes;
+mod clusters;
 mod fires;
 pub(super) mod ground;
 mod heat_map;
@@ -21,10 +22,12 @@ mod ways;
 mod wind;
 
 pub use bushes::draw_sign;
+pub use clusters::draw_glow;
 pub use highlights::pick;
 
 use agents::draw_agents;
 use bushes::{LEAST_SPRITE, Stamps, draw_bushes};
+use clusters::draw_glows;
 use fires::{draw_flames, draw_spreads};
 use ground::{GroundView, draw_wet};
 use heat_map::{HeatMap, burning_places, draw_fire_cores, draw_fire_marks};
@@ -53,8 +56,13 @@ const ORDINARY_SIDE: f32 = 900.0;
 
 /// Fields whose cells have shorter sides than this, in pixels, are shown as heat maps if a side has this many cells: those of
 /// smaller fields are as small only on small sheets, where each can still be drawn.
-const LEAST_CELL: f32 = 3.0;
+const LEAST_CELL: f64 = 3.0;
 const LEAST_CELLS: u16 = 100;
+
+/// Returns whether a field whose cells have that side in pixels is shown as a heat map.
+pub fn is_summed(frame: &FieldFrame, cell_side: f64) -> bool {
+    cell_side < LEAST_CELL && frame.cols.max(frame.rows) >= LEAST_CELLS
+}
 
 /// Lines of the grid are at least this many pixels apart; where cells are smaller, some are left out.
 const GRID_LINES: f64 = 6.0;
@@ -173,6 +181,9 @@ impl FieldRenderer {
         }
         let is_crowded = pane.view.run.is_crowded();
         let fires = if pane.is_heat_map() || is_crowded { burning_places(pane) } else { Vec::new() };
+        if pane.is_heat_map() && self.landscape.is_none() {
+            draw_glows(sheet, pane);
+        }
         if pane.shows(Layer::Paths) {
             draw_ways(sheet, pane);
         }
@@ -188,7 +199,7 @@ impl FieldRenderer {
         if pane.shows(Layer::Suppression) {
             draw_suppressions(sheet, pane);
         }
-        draw_agents(sheet, pane);
+        draw_agents(sheet, pane, &mut self.lettering);
         if is_crowded {
             draw_labels(sheet, pane, &mut self.lettering, &fires);
         }
@@ -286,8 +297,7 @@ impl<'a> Pane<'a> {
 
     /// Returns whether cells are too small to be seen one by one.
     fn is_heat_map(&self) -> bool {
-        let FieldFrame { cols, rows, .. } = *self.frame();
-        self.cell_side() < LEAST_CELL && cols.max(rows) >= LEAST_CELLS
+        is_summed(self.frame(), self.cell_side().into())
     }
 
     /// Returns whether agents are marks, since bodies large enough to be seen would hide each other and the field.

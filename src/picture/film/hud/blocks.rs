@@ -3,20 +3,23 @@
 use crate::fire::BushStateKind;
 use crate::picture::Rgb;
 use crate::picture::colours::{FAINT_INK, UNIMOG, WUMPUS};
+use crate::picture::film::hud::legend::{agents_of, legend_block, run_sentence, wrapped_lines};
 use crate::picture::film::hud::panel::{LineMark, PanelBlock, PanelLine};
 use crate::picture::film::hud::pen::TextFace;
 use crate::picture::film::hud::stories::{agent_blocks, story_block};
 use crate::picture::film::hud::words::{format_clock, format_cpu, format_percent};
 use crate::picture::film::hud::{HudView, words};
 use crate::picture::film::{Layer, ViewOptions};
-use crate::timeline::{BushCounts, GroundCounts};
+use crate::timeline::{BushCounts, GroundCounts, Role};
 
 /// All blocks in the order in which they are shown.
 pub fn panel_blocks(view: &HudView) -> Vec<PanelBlock> {
-    let mut blocks = vec![title_block(view), clock_block(view), counts_block(view), scores_block(view)];
+    let mut blocks = vec![title_block(view), clock_block(view), counts_block(view)];
+    blocks.extend(scores_block(view));
     blocks.extend(story_block(view));
     blocks.extend(agent_blocks(view));
     blocks.extend(switches_block(view));
+    blocks.push(legend_block(view));
     blocks
 }
 
@@ -50,7 +53,13 @@ pub fn title_block(view: &HudView) -> PanelBlock {
         let changes = (!changes.is_empty()).then(|| PanelLine::new(vec![LineMark::left(changes, TextFace::faint())]));
         [title].into_iter().chain(changes)
     });
-    PanelBlock::new(3, lines.collect())
+    let mut lines: Vec<PanelLine> = lines.collect();
+    let least = lines.len();
+    let sentence = run_sentence(&view.runs[0].timeline().setting);
+    if view.runs.iter().all(|run| run_sentence(&run.timeline().setting) == sentence) {
+        lines.extend(wrapped_lines(&sentence));
+    }
+    PanelBlock::new(3, lines).with_least(least)
 }
 
 pub fn clock_block(view: &HudView) -> PanelBlock {
@@ -116,33 +125,33 @@ fn count_and_share(counts: &BushCounts, kind: BushStateKind) -> [LineMark; 2] {
     ]
 }
 
-pub fn scores_block(view: &HudView) -> PanelBlock {
-    let scores: Vec<[f64; 2]> = view
-        .runs
-        .iter()
+/// Points of the sides that a run has, and who leads where both are there; `None` without agents and CPU times.
+pub fn scores_block(view: &HudView) -> Option<PanelBlock> {
+    let settings = || view.runs.iter().map(|run| &run.timeline().setting);
+    let scores: Vec<[f64; 2]> = settings()
         .zip(&view.counts)
-        .map(|(run, counts)| {
-            let rules = &run.timeline().setting.rules;
-            [counts.wumpus_score(rules), counts.truck_score(rules)]
-        })
+        .map(|(setting, counts)| [counts.wumpus_score(&setting.rules), counts.truck_score(&setting.rules)])
         .collect();
-    let side = |side: usize, name: &str, colour: Rgb| {
+    let is_there = |role| settings().any(|setting| agents_of(setting, role) > 0);
+    let sides = [(0, "Wumpus", WUMPUS, Role::Wumpus), (1, "Unimog", UNIMOG, Role::Unimog)];
+    let sides = sides.into_iter().filter(|(.., role)| is_there(*role)).map(|(side, name, colour, _)| {
         let mut marks = vec![LineMark::left(name, TextFace { colour, ..TextFace::STRONG })];
         marks.extend(values(scores.iter().map(|score| points_text(score[side])), TextFace::STRONG));
         PanelLine::new(marks)
-    };
-    let mut lines = vec![side(0, "Wumpus", WUMPUS), side(1, "Unimog", UNIMOG)];
-    if let &[score] = scores.as_slice() {
+    });
+    let mut lines: Vec<PanelLine> = sides.collect();
+    let is_contest = lines.len() == 2;
+    if let (&[score], true) = (scores.as_slice(), is_contest) {
         lines.push(PanelLine { height: 1.2, marks: vec![LineMark::Bar(shares(score))] });
         lines.push(PanelLine::new(vec![LineMark::left(lead_text(score), TextFace::PLAIN)]));
-    } else {
+    } else if view.is_comparison() && !lines.is_empty() {
         lines.insert(0, heading(view, LineMark::left("points", TextFace::faint())));
         let mut marks = vec![LineMark::left("leads", TextFace::faint())];
         marks.extend(values(scores.iter().map(|&score| leader(score).unwrap_or("-").to_owned()), TextFace::PLAIN));
-        lines.push(PanelLine::new(marks));
+        lines.extend(is_contest.then(|| PanelLine::new(marks)));
     }
     lines.extend(cpu_line(view));
-    PanelBlock::new(2, lines)
+    (!lines.is_empty()).then(|| PanelBlock::new(2, lines))
 }
 
 /// CPU time of all decisions so far, where it is known of a run.

@@ -71,10 +71,12 @@ fn is_too_late(run: &RunView, state: &State, index: usize, agent: &AgentState) -
     arrives.is_some_and(|arrives| setting.rules.is_hopeless(state.bushes[bush], arrives))
 }
 
-/// The blocks that sum up trucks, then Wumpuses.
+/// The blocks that sum up trucks, then Wumpuses; where there is little room, what most of them do is left.
 pub fn fleet_blocks(view: &HudView) -> Vec<PanelBlock> {
     let roles = [(AgentId::unimog(0), FIRST_AGENT_RANK), (AgentId::wumpus(0), FIRST_AGENT_RANK + 1)];
-    roles.into_iter().filter_map(|(any, rank)| Some(PanelBlock::new(rank, role_lines(view, any)?))).collect()
+    let least = |any: AgentId| usize::from(view.is_comparison()) + if any.role.drives() { 4 } else { 2 };
+    let block = |(any, rank)| Some(PanelBlock::new(rank, role_lines(view, any)?).with_least(least(any)));
+    roles.into_iter().filter_map(block).collect()
 }
 
 /// `any` is an agent of the role; `None` if no run has one.
@@ -104,13 +106,13 @@ fn role_lines(view: &HudView, any: AgentId) -> Option<Vec<PanelLine>> {
     if any.role.drives() {
         lines.push(line("driving to a fire", |sums| sums.toward_goal));
         lines.push(line("suppressing", |sums| sums.suppressing));
+        lines.push(line("standing", |sums| sums.standing));
         lines.push(line("waiting for others", |sums| sums.waiting));
         lines.push(line("planning", |sums| sums.planning));
         lines.push(line("driving elsewhere", |sums| sums.elsewhere));
         if view.runs.iter().any(|run| run.timeline().setting.water.is_some()) {
             lines.push(line("refilling", |sums| sums.refilling));
         }
-        lines.push(line("standing", |sums| sums.standing));
         let late = values(sums.iter().map(|sums| sums.too_late.to_string()), TextFace::faint());
         let name = LineMark::left("too late for their fire", TextFace::faint());
         lines.push(PanelLine::new([name].into_iter().chain(late).collect()));

@@ -4,6 +4,7 @@
 mod blocks;
 pub(super) mod chart;
 mod fleet;
+pub(super) mod legend;
 mod notes;
 mod panel;
 mod pen;
@@ -36,7 +37,8 @@ impl HudRenderer {
     /// `states` are those of the runs at the request's time.
     pub fn paint(&mut self, sheet: &mut Canvas, layout: &FrameLayout, request: &FrameRequest, states: &[State]) {
         self.chart.paint(sheet, &mut self.lettering, layout, request);
-        let view = HudView::new(request, states);
+        let pane_side = layout.fields.iter().map(|pane| pane.width.min(pane.height)).min().map_or(0.0, f64::from);
+        let view = HudView { pane_side, ..HudView::new(request, states) };
         let mut pen =
             TextPen { sheet, lettering: &mut self.lettering, signs: &mut self.signs, text: layout.text as f32 };
         match layout.panel {
@@ -64,6 +66,8 @@ pub struct HudView<'a> {
     pub end: SimTime,
     pub states: &'a [State],
     pub counts: Vec<BushCounts>,
+    /// The shorter side of the fields' panes in pixels.
+    pub pane_side: f64,
 }
 
 impl<'a> HudView<'a> {
@@ -71,7 +75,7 @@ impl<'a> HudView<'a> {
         let end = RunView::last_end(request.runs);
         let time = request.time.min(end);
         let counts = request.runs.iter().map(|run| run.counts_at(time)).collect();
-        Self { runs: request.runs, options: request.options, time, end, states, counts }
+        Self { runs: request.runs, options: request.options, time, end, states, counts, pane_side: 0.0 }
     }
 
     /// Says whether ground burns in one of the runs.

@@ -3,6 +3,7 @@
 use crate::fire::BushStateKind;
 use crate::picture::Rgb;
 use crate::picture::colours::{FAINT_INK, PAPER};
+use crate::picture::film::hud::legend::LegendSign;
 use crate::picture::film::hud::pen::{TextFace, TextPen};
 use crate::picture::film::layout::{PixelRect, edges};
 use crate::picture::film::lettering::fitted;
@@ -35,13 +36,19 @@ pub fn draw_panel(pen: &mut TextPen, panel: PixelRect, blocks: Vec<PanelBlock>) 
     }
 }
 
-/// Blocks that fit, and of each its column and what is above it there, in heights of text.
+/// Blocks that fit, and of each its column and what is above it there, in heights of text. Lines that a block can spare give way
+/// before any block does.
 fn fit(mut blocks: Vec<PanelBlock>, columns: usize, room: f32) -> (Vec<PanelBlock>, Vec<(usize, f32)>) {
     loop {
         if let Some(places) = places(&blocks, columns, room) {
             return (blocks, places);
         }
         // The last one of the highest rank: `max_by_key` takes the last of equals.
+        let can_spare = |index: &usize| blocks[*index].lines.len() > blocks[*index].least;
+        if let Some(longest) = (0..blocks.len()).filter(can_spare).max_by_key(|&index| blocks[index].rank) {
+            blocks[longest].lines.pop();
+            continue;
+        }
         let dropped = (0..blocks.len()).max_by_key(|&index| blocks[index].rank).expect("no blocks always fit");
         blocks.remove(dropped);
     }
@@ -70,6 +77,8 @@ pub struct PanelBlock {
     /// The block's rank: where there is too little room, the highest are left out first.
     pub rank: u8,
     pub lines: Vec<PanelLine>,
+    /// The lines that it keeps as long as it is there; those after them are left out before any block is.
+    pub least: usize,
 }
 
 /// A line of a block.
@@ -84,11 +93,23 @@ pub struct PanelLine {
 #[derive(Clone, Debug, PartialEq)]
 pub enum LineMark {
     /// Cut short where the next text begins.
-    Left { from: f32, text: String, face: TextFace },
+    Left {
+        from: f32,
+        text: String,
+        face: TextFace,
+    },
     /// Ends there.
-    Right { to: f32, text: String, face: TextFace },
+    Right {
+        to: f32,
+        text: String,
+        face: TextFace,
+    },
     /// At the left edge.
     Sign(BushStateKind),
+    Legend {
+        from: f32,
+        sign: LegendSign,
+    },
     /// Over the whole width, by shares that add up to 1.
     Bar(Vec<(f64, Rgb)>),
 }
@@ -136,6 +157,7 @@ impl PanelLine {
                     let side = pen.length(SIGN);
                     pen.sign(*kind, (left + 0.5 * side, base - pen.length(0.5)), side);
                 }
+                LineMark::Legend { from, sign } => sign.draw(pen, left + pen.length(*from), base),
                 LineMark::Bar(shares) => draw_bar(pen, shares, (left, right), base),
             }
         }
@@ -146,7 +168,7 @@ impl PanelLine {
         let starts = self.marks.iter().filter_map(|mark| match mark {
             LineMark::Left { from, .. } => Some(left + pen.length(*from)),
             LineMark::Right { to, text, face } => Some(right - pen.length(*to) - pen.measure(text, *face)),
-            LineMark::Sign(_) | LineMark::Bar(_) => None,
+            LineMark::Sign(_) | LineMark::Legend { .. } | LineMark::Bar(_) => None,
         });
         starts.filter(|&start| start > x).map(|start| start - pen.length(APART)).fold(right, f32::min)
     }
@@ -164,7 +186,11 @@ fn draw_bar(pen: &mut TextPen, shares: &[(f64, Rgb)], (left, right): (f32, f32),
 
 impl PanelBlock {
     pub fn new(rank: u8, lines: Vec<PanelLine>) -> Self {
-        Self { rank, lines }
+        Self { rank, least: lines.len(), lines }
+    }
+
+    pub fn with_least(self, least: usize) -> Self {
+        Self { least, ..self }
     }
 
     /// In heights of text.
@@ -200,6 +226,16 @@ mod tests {
         assert_eq!(ranks(1, 4.0), [0]);
         assert!(ranks(1, 1.0).is_empty());
         assert_eq!(ranks(2, 12.5), [0, 3, 1, 3]);
+    }
+
+    #[test]
+    fn lines_that_can_be_spared_give_way_before_blocks() {
+        let blocks = vec![block(0, 4).with_least(2), block(1, 2), block(9, 6).with_least(3)];
+        let lines = |room| fit(blocks.clone(), 1, room).0.iter().map(|block| block.lines.len()).collect::<Vec<_>>();
+        assert_eq!(lines(100.0), [4, 2, 6]);
+        assert_eq!(lines(21.0), [4, 2, 4]);
+        assert_eq!(lines(16.0), [2, 2, 3]);
+        assert_eq!(lines(14.0), [2, 2]);
     }
 
     #[test]

@@ -11,10 +11,10 @@ use super::ground::GroundData;
 use crate::fire::BushStateKind;
 use crate::geometry::{Cell, Pose};
 use crate::picture::Rgb;
-use crate::picture::colours::agent_colour;
 use crate::picture::film::RunView;
 use crate::picture::film::field::searches::STYLES;
 use crate::picture::film::hud::chart::CountScale;
+use crate::picture::film::hud::legend::points_sentence;
 use crate::picture::film::hud::stories::{burned_for, cells_word, change_text};
 use crate::picture::film::hud::words::activity_name;
 use crate::time::SimTime;
@@ -38,6 +38,8 @@ const WAIT: u8 = 2;
 pub struct RunData {
     title: String,
     seed: u64,
+    /// What gives points.
+    points: String,
     program: String,
     end_ns: u64,
     cols: u16,
@@ -70,7 +72,6 @@ struct AgentData {
     id: String,
     number: u16,
     is_truck: bool,
-    colour: String,
     /// What it does with bushes.
     cells_word: &'static str,
     /// The words for its activities.
@@ -209,6 +210,7 @@ impl RunData {
         Self {
             title: visible(run.title()).into_owned(),
             seed: setting.seed,
+            points: points_sentence(setting),
             program: setting.program_version.clone(),
             end_ns: run.end_time().as_nanos(),
             cols: frame.cols,
@@ -243,7 +245,6 @@ fn is_failed_plan(fact: &Fact) -> bool {
 
 fn agent_data(run: &RunView, agent: usize, start: &AgentStart, texts: &mut Texts) -> AgentData {
     let is_truck = start.id.role == Role::Unimog;
-    let [red, green, blue] = agent_colour(start.id);
     let activities = [
         Activity::Standing,
         Activity::Planning,
@@ -257,7 +258,6 @@ fn agent_data(run: &RunView, agent: usize, start: &AgentStart, texts: &mut Texts
         id: start.id.to_string(),
         number: start.id.number,
         is_truck,
-        colour: hex([red, green, blue]),
         cells_word: cells_word(start.id),
         activities: activities.map(|activity| activity_name(start.id, activity)),
         body_m: match start.body {

@@ -27,6 +27,7 @@ use crate::picture::film::field::sprite::{
     WUMPUS_SPRITE,
 };
 use crate::picture::film::hud::chart::CountScale;
+use crate::picture::film::hud::legend::{LegendSign, legend_entries, run_sentence};
 use crate::picture::film::{BINDINGS, Camera, Followed, FrameRequest, Layer, RunView, Selected};
 use crate::timeline::Setting;
 
@@ -58,6 +59,8 @@ struct PageData {
     follows: Option<String>,
     selected: Option<SelectedData>,
     layers: Vec<LayerData>,
+    /// Signs of the legend, as a kind and a colour or nothing, and what they mean.
+    legend: Vec<(&'static str, String, String)>,
     search_styles: Vec<SearchStyleData>,
     /// Keys and what they do.
     keys: Vec<[&'static str; 2]>,
@@ -98,9 +101,13 @@ struct SearchStyleData {
 pub fn page(request: &FrameRequest) -> String {
     let title = request.runs.iter().map(|run| format!("{}, seed {}", run.title(), run.timeline().setting.seed));
     let title = title.collect::<Vec<_>>().join(" and ");
+    let mut sentences: Vec<String> = request.runs.iter().map(|run| run_sentence(&run.timeline().setting)).collect();
+    sentences.dedup();
+    let sentence = sentences.join(" ");
     let data = serde_json::to_vec(&PageData::new(request)).expect("numbers and words are JSON");
     TEMPLATE
         .replace("@TITLE@", &escaped_html(&title))
+        .replace("@SENTENCE@", &escaped_html(&sentence))
         .replace("@STYLE@", STYLE)
         .replace("@SCRIPT@", &SCRIPTS.concat())
         // The last, so that nothing in names is replaced.
@@ -126,6 +133,7 @@ impl PageData {
                     is_on: options.layers.contains(layer),
                 })
                 .collect(),
+            legend: legend_entries(request.runs, USUAL_SIDE).into_iter().map(legend_data).collect(),
             search_styles: STYLES
                 .iter()
                 .map(|style| SearchStyleData {
@@ -167,6 +175,21 @@ fn shown_layers(runs: &[&RunView]) -> impl Iterator<Item = Layer> {
     let is_of_values = |layer: Layer| matches!(layer, Layer::Clearance | Layer::CostMap | Layer::Wavefront);
     let has_ground = runs.iter().any(|run| run.index().ground().is_some());
     Layer::all_of(has_ground).filter(move |&layer| !is_of_values(layer) && (has_searches || !layer.needs_searches()))
+}
+
+/// The pane of a page in an ordinary window, in pixels.
+const USUAL_SIDE: f64 = 700.0;
+
+fn legend_data((sign, text): (LegendSign, String)) -> (&'static str, String, String) {
+    let (kind, colour) = match sign {
+        LegendSign::Line(0.0, _) => ("driven", String::new()),
+        LegendSign::Line(dash, gap) => (if dash < gap { "reverse" } else { "planned" }, String::new()),
+        LegendSign::Cell(colour) => ("cell", hex(colour)),
+        LegendSign::Cluster(role) => (role.name(), String::new()),
+        LegendSign::Ground(colour) => ("cell cover", hex(colour)),
+        LegendSign::Glow => ("glow", String::new()),
+    };
+    (kind, colour, text)
 }
 
 fn colours() -> BTreeMap<&'static str, String> {
