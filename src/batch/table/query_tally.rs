@@ -18,6 +18,12 @@ pub struct QueryTally {
     pub rescued: u64,
     /// Queries that ended because a planner took too long by the clock.
     pub timed_out: u64,
+    /// Asks of policies that are not built in.
+    pub asks: u64,
+    /// Those of them that had no answer, or one that nobody could carry out.
+    pub failed_asks: u64,
+    /// Asks that ended because a policy took too long by the clock.
+    pub timed_out_asks: u64,
 }
 
 impl QueryTally {
@@ -32,12 +38,17 @@ impl QueryTally {
             "truck_failed_crashed",
             "truck_failed_bad_answer",
         ];
+        const FAILED_ASKS: [&str; 4] =
+            ["policy_failed_timed_out", "policy_failed_crashed", "policy_failed_bad_answer", "policy_illegal"];
         let failed = FAILED.iter().map(|column| number(column)).fold(0, u64::saturating_add);
         Self {
             drives: number("truck_plans").saturating_sub(failed),
             failed,
             rescued: number("truck_lattice_plans"),
             timed_out: number("truck_failed_timed_out"),
+            asks: number("policy_asked"),
+            failed_asks: FAILED_ASKS.iter().map(|column| number(column)).fold(0, u64::saturating_add),
+            timed_out_asks: number("policy_failed_timed_out"),
         }
     }
 
@@ -51,10 +62,24 @@ impl QueryTally {
         let timed_out = (self.timed_out > 0).then(|| {
             let queries =
                 if self.timed_out == 1 { "1 query".to_owned() } else { format!("{} queries", self.timed_out) };
-            format!("Outcomes depend on this machine: {queries} of {planner} timed out.")
+            format!("{queries} of {planner} timed out")
         });
-        rescued.into_iter().chain(timed_out).collect()
+        let asks =
+            (self.timed_out_asks > 0).then(|| format!("{} of a policy timed out", count_asks(self.timed_out_asks)));
+        let reasons: Vec<String> = timed_out.into_iter().chain(asks).collect();
+        let machine =
+            self.depends_on_machine().then(|| format!("Outcomes depend on this machine: {}.", reasons.join("; ")));
+        rescued.into_iter().chain(machine).collect()
     }
+
+    /// Says whether a limit of time changed an outcome: another machine may give another one.
+    pub fn depends_on_machine(&self) -> bool {
+        self.timed_out > 0 || self.timed_out_asks > 0
+    }
+}
+
+fn count_asks(asks: u64) -> String {
+    if asks == 1 { "1 ask".to_owned() } else { format!("{asks} asks") }
 }
 
 impl AddAssign for QueryTally {
@@ -63,6 +88,9 @@ impl AddAssign for QueryTally {
         self.failed = self.failed.saturating_add(other.failed);
         self.rescued = self.rescued.saturating_add(other.rescued);
         self.timed_out = self.timed_out.saturating_add(other.timed_out);
+        self.asks = self.asks.saturating_add(other.asks);
+        self.failed_asks = self.failed_asks.saturating_add(other.failed_asks);
+        self.timed_out_asks = self.timed_out_asks.saturating_add(other.timed_out_asks);
     }
 }
 
@@ -79,12 +107,15 @@ mod tests {
             _ => 0,
         };
         let mut tally = QueryTally::from_columns(number);
-        assert_eq!(tally, QueryTally { drives: 100, failed: 20, rescued: 12, timed_out: 10 });
+        assert_eq!(tally, QueryTally { drives: 100, failed: 20, rescued: 12, timed_out: 10, ..tally });
         tally += QueryTally { drives: 100, ..QueryTally::default() };
         assert_eq!(
             tally.sentences("rrt"),
             ["Rescued: 6.0 % of the drives of rrt.", "Outcomes depend on this machine: 10 queries of rrt timed out."]
         );
+        let asks = QueryTally::from_columns(|column| if column.starts_with("policy_") { 3 } else { 0 });
+        assert_eq!((asks.asks, asks.failed_asks), (3, 12));
+        assert_eq!(asks.sentences("rrt"), ["Outcomes depend on this machine: 3 asks of a policy timed out."]);
         assert!(QueryTally { drives: 9, ..QueryTally::default() }.sentences("rrt").is_empty());
     }
 }

@@ -84,6 +84,7 @@ fn decimals(ranking: &Ranking) -> usize {
 fn table(ranking: &Ranking) -> Table {
     let has_failed = ranking.entries.iter().any(|entry| entry.failed > 0);
     let has_failed_queries = ranking.entries.iter().any(|entry| entry.queries.failed > 0);
+    let has_failed_asks = ranking.entries.iter().any(|entry| entry.queries.failed_asks > 0);
     let has_rescued = ranking.entries.iter().any(|entry| entry.queries.rescued > 0);
     let has_groups = ranking.entries.len() > 1 && ranking.entries.iter().all(|entry| entry.groups.is_some());
     let decimals = decimals(ranking);
@@ -92,6 +93,7 @@ fn table(ranking: &Ranking) -> Table {
     headings.extend(["Mean", "less\nfirst", "95%\nlow", "95%\nhigh"]);
     headings.extend(has_failed.then_some("Failed\nruns %"));
     headings.extend(has_failed_queries.then_some("Failed\nqueries %"));
+    headings.extend(has_failed_asks.then_some("Failed\nasks %"));
     headings.extend(has_rescued.then_some("Rescued\ndrives %"));
     let row = |(place, entry): (usize, &RankedEntry)| {
         let against_first = ranking.pair(0, place).map(|pair| &pair.contrast);
@@ -108,6 +110,7 @@ fn table(ranking: &Ranking) -> Table {
         let share = |part: u64, all: u64| if all > 0 { percent(part as f64 / all as f64) } else { "-".into() };
         let queries = &entry.queries;
         cells.extend(has_failed_queries.then(|| share(queries.failed, queries.drives + queries.failed)));
+        cells.extend(has_failed_asks.then(|| share(queries.failed_asks, queries.asks)));
         cells.extend(has_rescued.then(|| share(queries.rescued, queries.drives)));
         cells
     };
@@ -156,7 +159,7 @@ fn remarks(ranking: &Ranking) -> Vec<String> {
         let runs = count(entry.without_value, "run");
         format!("{}: {runs} that did not fail without a value of {metric}", name(entry))
     }));
-    let clocked = ranking.entries.iter().filter(|entry| entry.queries.timed_out > 0);
+    let clocked = ranking.entries.iter().filter(|entry| entry.queries.depends_on_machine());
     lines.extend(clocked.flat_map(|entry| QueryTally { rescued: 0, ..entry.queries }.sentences(&name(entry))));
     if ranking.entries.iter().any(|entry| entry.groups.is_none()) {
         lines.push("More groups than letters: see the ranks, or the pairs in --json".into());

@@ -32,6 +32,8 @@ struct EntryRow<'a> {
     failed_queries: u64,
     rescued_drives: u64,
     timed_out_queries: u64,
+    policy_asks: u64,
+    failed_asks: u64,
 }
 
 pub fn write(path: &Path, ranking: &Ranking) -> io::Result<()> {
@@ -59,6 +61,8 @@ pub fn write(path: &Path, ranking: &Ranking) -> io::Result<()> {
             failed_queries: entry.queries.failed,
             rescued_drives: entry.queries.rescued,
             timed_out_queries: entry.queries.timed_out,
+            policy_asks: entry.queries.asks,
+            failed_asks: entry.queries.failed_asks,
         })?;
     }
     writer.into_inner().map_err(csv::IntoInnerError::into_error)?.finish()
