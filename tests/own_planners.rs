@@ -187,7 +187,8 @@ fn what_the_gate_refuses_is_a_bad_answer_with_words_and_the_run_goes_on() {
     assert_eq!((run.messages.count, run.messages.first.len()), (failures.len() as u64, 20));
     let first = &run.messages.first[0];
     assert!(first.starts_with("unimog/0 at ") && first.contains("bad answer: segment 1 of "), "{first}");
-    assert!(run.messages.to_string().ends_with(&format!("; and {} more", failures.len() - 20)));
+    let text = run.messages.to_string();
+    assert!(text.contains(" times)") && text.matches("bad answer: ").count() < 5, "one of each kind: {text}");
     assert!(audit_timeline(&run.timeline, Default::default()).violation.is_none());
 }
 
@@ -256,7 +257,7 @@ fn cpu_times_that_somebody_else_measured_count_and_say_where_they_come_from() {
     let elsewhere = planners("own", |site: &Site<'_>| {
         let mut answers = short_curves(site);
         move |start, goal| Plan {
-            cpu: Some(QueryCpu { time: Duration::from_secs(2), source: CpuSource::Process }),
+            cpu: Some(QueryCpu { time: Duration::from_secs(2), starting: Duration::ZERO, source: CpuSource::Process }),
             ..answers(start, goal)
         }
     });

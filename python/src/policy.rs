@@ -1,6 +1,7 @@
 //! Policies of Python in a run: what environments show goes in, an action comes out.
 //!
-//! Whoever fails to answer, by an exception or by what is no action, waits; the first exception of a run is printed.
+//! `None` lets an agent wait. Whoever fails to answer, by an exception or by what is no action, waits too, and that is counted;
+//! the first exception of a run is printed.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -10,8 +11,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping};
 use rand::Rng;
 use wildfire::geometry::Cell;
-use wildfire::planning::MakeError;
-use wildfire::sim::policies::{Choice, Observation, Policies, Policy, PolicyNameError, PolicySite};
+use wildfire::planning::{MakeError, PlanFailure};
+use wildfire::sim::policies::{AskReport, Choice, Observation, Policies, Policy, PolicyNameError, PolicySite};
 use wildfire::time::SimTime;
 use wildfire::timeline::AgentId;
 
@@ -103,6 +104,7 @@ impl Maker {
             layout,
             interruption: Arc::clone(&self.interruption),
             has_printed: Arc::clone(&self.has_printed),
+            report: AskReport::default(),
         }))
     }
 
@@ -130,6 +132,8 @@ struct PythonPolicy {
     layout: Layout,
     interruption: Arc<Interruption>,
     has_printed: Arc<AtomicBool>,
+    /// What there is to say of the last ask.
+    report: AskReport,
 }
 
 impl Policy for PythonPolicy {
@@ -139,23 +143,41 @@ impl Policy for PythonPolicy {
             (!self.interruption.is_set()).then(|| Python::try_attach(|py| self.ask(py, seen, agent))).flatten();
         vec![(agent, answer.unwrap_or_else(|| self.layout.waiting(seen.now)))]
     }
+
+    fn take_report(&mut self) -> AskReport {
+        std::mem::take(&mut self.report)
+    }
 }
 
 impl PythonPolicy {
-    fn ask(&self, py: Python<'_>, seen: &Observation<'_>, agent: AgentId) -> Choice {
+    fn ask(&mut self, py: Python<'_>, seen: &Observation<'_>, agent: AgentId) -> Choice {
         let options = seen.options(agent);
-        let choice = self.shown(py, seen, agent, &options).and_then(|(observation, candidates)| {
-            let action = self.act.bind(py).call1((observation,))?.extract::<i64>()?;
-            let action = usize::try_from(action).unwrap_or(usize::MAX);
-            let is_action = action < self.layout.actions();
-            Ok(is_action.then(|| self.layout.choice(action, seen.now, &options, &candidates)).flatten())
-        });
-        choice
-            .unwrap_or_else(|exception| {
+        let waiting = self.layout.waiting(seen.now);
+        let answered = self
+            .shown(py, seen, agent, &options)
+            .and_then(|(observation, candidates)| Ok((self.act.bind(py).call1((observation,))?, candidates)));
+        let (answer, candidates) = match answered {
+            Ok(answered) => answered,
+            Err(exception) => {
+                self.report.failure = Some((PlanFailure::Crashed, words(py, &exception)));
                 settle(py, exception, &self.interruption, &self.has_printed);
-                None
-            })
-            .unwrap_or_else(|| self.layout.waiting(seen.now))
+                return waiting;
+            }
+        };
+        if answer.is_none() {
+            return waiting;
+        }
+        let Ok(action) = answer.extract::<i64>() else {
+            let kind = answer.get_type().name().map_or_else(|_| "something".to_owned(), |name| name.to_string());
+            self.report.failure =
+                Some((PlanFailure::BadAnswer, format!("answered with a {kind}; expected an action or None")));
+            return waiting;
+        };
+        let index = usize::try_from(action).ok().filter(|&index| index < self.layout.actions());
+        index.and_then(|index| self.layout.choice(index, seen.now, &options, &candidates)).unwrap_or_else(|| {
+            self.report.illegal = Some(format!("{agent} cannot do action {action}"));
+            waiting
+        })
     }
 
     /// Makes the arrays that an environment would show.

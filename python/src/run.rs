@@ -207,7 +207,7 @@ impl Run {
     fn new(label: RunLabel, run: library_sim::Run) -> Self {
         let index = RunIndex::new(&run.timeline);
         let detail = RunDetail::new(&index, &run.answer_cpu);
-        let result = RunResult::new(Outcome::new(&run.timeline), run.cost);
+        let result = RunResult { asks: run.asks, ..RunResult::new(Outcome::new(&run.timeline), run.cost) };
         let message = run.messages.to_string();
         let row = RunRow { detail, message, ..RunRow::done(label, result, Duration::ZERO) };
         Self { timeline: run.timeline, row, view: OnceLock::new(), messages: run.messages.first }

@@ -106,7 +106,15 @@ def test_who_fails_to_answer_waits(capfd):
     assert run.outcome["truck_stuck_s"] == 0
     assert len(calls) > 3
     assert capfd.readouterr().err.count("RuntimeError: no idea") == 1, "the first is printed whole"
+    asked = run.outcome["policy_asked"]
+    assert asked > 0 and run.outcome["policy_failed_crashed"] == asked
+    assert "policy mine at " in run.messages[0]
+    text = wf.run(scenario, 1, policies={"mine": lambda _: "west"})
+    assert text.outcome["policy_failed_bad_answer"] == text.outcome["policy_asked"]
+    waits = wf.run(scenario, 1, policies={"mine": lambda _: None})
+    assert waits.outcome["policy_asked"] > 0 and waits.outcome["policy_failed_bad_answer"] == 0 and not waits.messages
     nonsense = wf.run(scenario, 1, policies={"mine": lambda _: 10**9})
+    assert nonsense.outcome["policy_illegal"] == nonsense.outcome["policy_asked"]
     assert nonsense.outcome["extinguished"] == 0
 
     def end(_):

@@ -29,8 +29,8 @@ pub struct ScenarioArguments {
 /// Programs that plan.
 #[derive(Clone, Debug, Default, Args)]
 pub struct ProgramArguments {
-    /// Let a program of yours plan under this name, such as `rrt='python3 rrt.py'`: a table `[planner.NAME]` with this
-    /// command, split into words as a shell does; no shell is run. May be repeated.
+    /// Make a program known as the planner and the policy NAME, such as `rrt='python3 rrt.py'`; the command is split into
+    /// words as a shell does, and no shell is run. May be repeated.
     #[arg(help_heading = "Programs", long = "command", value_name = "NAME=COMMAND", value_parser = parse_command)]
     pub commands: Vec<NamedCommand>,
     /// Run the programs that tables of scenario files name.

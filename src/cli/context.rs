@@ -6,7 +6,7 @@ use crate::cli::error::CliError;
 use crate::planning::{PlannerName, Planners, TruckPlannerKind};
 #[cfg(unix)]
 use crate::programs::{ProgramPool, Trust};
-use crate::scenario::{MemoryLimit, Scenario, UsedProgram, nearest_name};
+use crate::scenario::{MemoryLimit, Scenario, TruckGoal, UsedProgram, WumpusGoal, nearest_name};
 use crate::sim::{Entrants, RunOptions};
 
 /// What commands have besides their arguments.
@@ -45,10 +45,11 @@ impl CommandContext {
         let Entrants { planners, policies, .. } = &self.entrants;
         let declared = planners.own_names().map(|name| format!("planner.\"{name}\".command=[]"));
         let declared = declared.chain(policies.own_names().map(|name| format!("policy.\"{name}\".command=[]")));
-        let commands = self.programs.commands.iter().map(|NamedCommand { name, words }| {
+        let commands = self.programs.commands.iter().flat_map(|NamedCommand { name, words }| {
             // A list of texts is the same in JSON and in TOML.
             let words = serde_json::to_string(words).expect("texts are JSON");
-            format!("planner.\"{name}\".command={words}")
+            let kinds = ["planner", "policy"].into_iter().filter(|&kind| kind == "planner" || may_be_policy(name));
+            kinds.map(move |kind| format!("{kind}.\"{name}\".command={words}")).collect::<Vec<_>>()
         });
         declared.chain(commands).chain(changes.iter().cloned()).collect()
     }
@@ -123,7 +124,15 @@ impl CommandContext {
     fn trust(&self) -> Trust {
         match self.programs.trust {
             true => Trust::All,
-            false => Trust::Only(self.programs.commands.iter().map(|own| ("planner", own.name.clone())).collect()),
+            false => {
+                let kinds = |own: &NamedCommand| ["planner", "policy"].map(|kind| (kind, own.name.clone()));
+                Trust::Only(self.programs.commands.iter().flat_map(kinds).collect())
+            }
         }
     }
+}
+
+/// Says whether a program of this name may be a policy too: a built-in one has no such name.
+fn may_be_policy(name: &PlannerName) -> bool {
+    !TruckGoal::is_built_in(name.name()) && !WumpusGoal::is_built_in(name.name())
 }

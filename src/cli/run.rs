@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::Args;
 use serde::{Serialize, Serializer};
 
-use crate::batch::{RunLabel, RunObject, RunRecord, RunResult, RunRow, Status, file_name_of, notes};
+use crate::batch::{Failures, RunLabel, RunObject, RunRecord, RunResult, RunRow, Status, file_name_of, notes};
 use crate::cli::args::{MemoryArguments, ScenarioArguments, parse_seed};
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
@@ -23,7 +23,6 @@ use crate::sim;
 use crate::time::wall::WallStopwatch;
 use crate::timeline::export::{FINEST_STEP_S, Sampling, write_events, write_trace};
 use crate::timeline::{AgentId, AgentOutcome, GroundOutcome, Outcome, Role, Timeline, Winner, file};
-use crate::untrusted::visible;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -98,7 +97,7 @@ fn run_once(
     let (wall, label) = (stopwatch.elapsed(), RunLabel::from_scenario(scenario, seed));
     match caught.map_err(|_| CliError::run_failed("the run panicked: this is a fault of the program"))? {
         Ok(run) => {
-            let result = RunResult::new(Outcome::new(&run.timeline), run.cost);
+            let result = RunResult { asks: run.asks, ..RunResult::new(Outcome::new(&run.timeline), run.cost) };
             let row = RunRow { message: run.messages.to_string(), ..RunRow::done(label, result, wall) };
             Ok((row, Some(run.timeline)))
         }
@@ -202,9 +201,11 @@ impl From<&RunReport> for Document {
         let Some(result) = &row.result else { return Self::new(row.message.clone()) };
         let (label, outcome) = (&row.label, &result.outcome);
         let ended_s = rounded(outcome.ended_s, 1);
-        let said = (!row.message.is_empty()).then(|| format!("About failed queries: {}", visible(&row.message)));
+        let record = RunRecord::from_row(row);
+        let failures =
+            [Failures::of_queries(&record).of_planner(&label.planner), Failures::of_asks(&record).of_policies()];
         let notes = notes(result).into_iter().map(|note| format!("Note: {note}"));
-        let notes = notes.chain(RunRecord::from_row(row).queries().sentences(&label.planner)).chain(said);
+        let notes = notes.chain(failures.into_iter().flatten()).chain(record.queries().sentences(&label.planner));
         Self::new(format!("{}, seed {}: ended after {ended_s} s", label.scenario, label.seed)).with([
             states(outcome).into(),
             Block::List(
@@ -290,28 +291,34 @@ fn agents(outcome: &Outcome) -> Table {
     Table::new(&headings, outcome.agents.iter().map(row).collect())
 }
 
-/// The phase that only runs with a dispatched team have.
-const DISPATCH: &str = "dispatch";
+/// The phases that only some runs have: with a dispatched team, with planners or policies that are not built in.
+const OPTIONAL: [&str; 4] = ["custom planner: start", "custom planner: queries", "dispatch", "custom policies"];
+
+/// The phases that no planner has but those with roadmaps.
+const ROADMAP: [&str; 3] = ["PRM sampling", "PRM map generation", "roadmap search"];
 
 fn cpu_times(result: &RunResult) -> Table {
     let cpu = &result.cpu;
     let parts = [
         ("terrain", cpu.terrain_s),
         ("clearance field", cpu.clearance_field_s),
-        ("PRM sampling", cpu.sampling_s),
-        ("PRM map generation", cpu.map_generation_s),
-        ("roadmap search", cpu.roadmap_search_s),
+        (ROADMAP[0], cpu.sampling_s),
+        (ROADMAP[1], cpu.map_generation_s),
+        (ROADMAP[2], cpu.roadmap_search_s),
         ("local search", cpu.local_search_s),
         ("reachability", cpu.reachability_s),
-        (DISPATCH, cpu.dispatch_s),
+        (OPTIONAL[0], cpu.custom_start_s),
+        (OPTIONAL[1], cpu.custom_queries_s),
+        (OPTIONAL[2], cpu.dispatch_s),
         ("Wumpus search", cpu.wumpus_s),
+        (OPTIONAL[3], cpu.policy_s),
         ("everything else", cpu.rest_s()),
         ("whole run", cpu.run_s),
     ];
     let share = |seconds: f64| if cpu.run_s > 0.0 { percent(seconds / cpu.run_s) } else { "-".into() };
     let row = |(phase, seconds): (&str, f64)| vec![phase.to_owned(), rounded(seconds * 1e3, 3), share(seconds)];
-    // Most trucks follow their own goals.
-    let shown = parts.into_iter().filter(|&(phase, seconds)| phase != DISPATCH || seconds > 0.0);
+    let is_optional = |phase| OPTIONAL.contains(&phase) || ROADMAP.contains(&phase) && cpu.has_custom_planner();
+    let shown = parts.into_iter().filter(|&(phase, seconds)| seconds > 0.0 || !is_optional(phase));
     let rows: Vec<_> = shown.map(row).collect();
     Table { rules_before: vec![rows.len() - 1], ..Table::new(&["Phase", "CPU\nms", "%"], rows) }
 }
@@ -320,7 +327,7 @@ fn cpu_per_plan(result: &RunResult) -> String {
     let per_plan = |cpu_s: f64, plans: u32| rounded(1e6 * cpu_s / f64::from(plans.max(1)), 1);
     let truck_plans = result.trucks().map(|agent| agent.plans).sum();
     let wumpus_plans = result.wumpuses().map(|agent| agent.plans).sum();
-    let queries_s = result.cpu.roadmap_search_s + result.cpu.local_search_s;
+    let queries_s = result.cpu.roadmap_search_s + result.cpu.local_search_s + result.cpu.custom_queries_s;
     let (truck, wumpus) = (per_plan(queries_s, truck_plans), per_plan(result.cpu.wumpus_s, wumpus_plans));
     format!("CPU per plan: truck {truck} us ({truck_plans} plans), Wumpus {wumpus} us ({wumpus_plans} plans).")
 }

@@ -14,6 +14,7 @@ use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
 
 use crate::geometry::Pose;
 use crate::time::cpu::CpuStopwatch;
@@ -50,7 +51,9 @@ impl Gated {
         let planner = maker.make(&Site { checker: &checker, ..*site })?;
         let making = stopwatch.lap();
         let report = planner.build_report();
-        let report = BuildReport { connecting: report.connecting + making, ..report };
+        // What it measured itself is part of that.
+        let (sampling, connecting) = (Duration::ZERO, Duration::ZERO);
+        let report = BuildReport { sampling, connecting, starting: making + report.elsewhere, ..report };
         let (judge, sharpest) = (Judge::new(site.checker.clone()), site.body.max_curvature());
         Ok(Self { planner, report, judge, sharpest, calls })
     }
@@ -90,7 +93,7 @@ impl TruckPlanner for Gated {
         let asked = catch_unwind(AssertUnwindSafe(|| self.planner.plan_observed(start, goal, observer)));
         let mut plan = asked.unwrap_or_else(|panic| Plan::failed(PlanFailure::Crashed, words_of_panic(&*panic)));
         let time = stopwatch.lap();
-        plan.cpu.get_or_insert(QueryCpu { time, source: CpuSource::Thread });
+        plan.cpu.get_or_insert(QueryCpu { time, starting: Duration::ZERO, source: CpuSource::Thread });
         // What it says of its effort is charged and added up: a lie must not overflow.
         let calls = (self.calls.load(Ordering::Relaxed) - calls).div_ceil(CALLS_OF_EXPANSION);
         let counted = u32::try_from(calls).unwrap_or(u32::MAX).min(MOST_EXPANSIONS);

@@ -336,6 +336,8 @@ pub struct Plan {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct QueryCpu {
     pub time: Duration,
+    /// The part of it in which a program started anew.
+    pub starting: Duration,
     pub source: CpuSource,
 }
 
@@ -397,6 +399,10 @@ pub struct BuildReport {
     pub components: u32,
     pub sampling: Duration,
     pub connecting: Duration,
+    /// Making a planner that is not built in, the start of its program included.
+    pub starting: Duration,
+    /// The part of `starting` that other processes spent.
+    pub elsewhere: Duration,
 }
 
 /// The fewest milestones that the components of a useful roadmap have on average.

@@ -62,9 +62,11 @@ fn least_m(body: &Dimensions, start: Pose, disc: &GoalDisc) -> f64 {
 /// Adds CPU times; the sum is worth as much as the one of the two that is worth less.
 fn sum(one: Option<QueryCpu>, other: Option<QueryCpu>) -> Option<QueryCpu> {
     match (one, other) {
-        (Some(one), Some(other)) => {
-            Some(QueryCpu { time: one.time + other.time, source: one.source.max(other.source) })
-        }
+        (Some(one), Some(other)) => Some(QueryCpu {
+            time: one.time + other.time,
+            starting: one.starting + other.starting,
+            source: one.source.max(other.source),
+        }),
         (one, other) => one.or(other),
     }
 }

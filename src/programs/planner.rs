@@ -6,7 +6,7 @@ use std::time::Duration;
 use glam::DVec2;
 
 use super::pool::Idle;
-use super::process::{Trouble, TroubleKind};
+use super::process::Trouble;
 use super::protocol::{FromProgram, GoalMessage, PathAnswer, PlanQuery, Reason, ToProgram};
 use super::respondent::{Reply, Respondent};
 use crate::geometry::Pose;
@@ -30,7 +30,7 @@ pub struct ProgramPlanner {
 impl TruckPlanner for ProgramPlanner {
     fn build_report(&self) -> BuildReport {
         let built = self.respondent.as_ref().and_then(|respondent| respondent.built);
-        BuildReport { connecting: built.unwrap_or_default(), ..BuildReport::default() }
+        BuildReport { elsewhere: built.unwrap_or_default(), ..BuildReport::default() }
     }
 
     fn plan(&mut self, start: Pose, goal: Goal) -> Plan {
@@ -47,10 +47,11 @@ impl TruckPlanner for ProgramPlanner {
             Goal::Pose(pose) => GoalMessage::Pose(numbers(pose)),
         };
         let query = |id| ToProgram::Plan(PlanQuery { id, start: numbers(start), goal }).line();
-        let Reply { answer, cpu } = respondent.ask(query, |answer| match answer {
+        let Reply { answer, cpu, starting } = respondent.ask(query, |answer| match answer {
             FromProgram::Path(_) | FromProgram::None(_) => Ok(()),
             _ => Err("expected the type `path` or `none`"),
         });
+        let cpu = (cpu, starting);
         match answer {
             Ok(FromProgram::Path(answer)) => {
                 show(answer.searched.as_deref(), observer);
@@ -69,12 +70,7 @@ impl TruckPlanner for ProgramPlanner {
             }
             Ok(_) => unreachable!("other answers are refused"),
             Err(Trouble { kind, words }) => {
-                let failure = match kind {
-                    TroubleKind::TimedOut => PlanFailure::TimedOut,
-                    TroubleKind::Crashed => PlanFailure::Crashed,
-                    TroubleKind::BadAnswer => PlanFailure::BadAnswer,
-                };
-                Plan { effort: effort(None), cpu: cpu_of(cpu, None), ..Plan::failed(failure, words) }
+                Plan { effort: effort(None), cpu: cpu_of(cpu, None), ..Plan::failed(kind.into(), words) }
             }
         }
     }
@@ -109,13 +105,13 @@ fn numbers(pose: Pose) -> [f64; 3] {
 }
 
 /// The larger of what was measured and what the program says.
-fn cpu_of(measured: Option<Duration>, reported_s: Option<f64>) -> Option<QueryCpu> {
+fn cpu_of((measured, starting): (Option<Duration>, Duration), reported_s: Option<f64>) -> Option<QueryCpu> {
     let reported = reported_s.map(Duration::from_secs_f64);
     match (measured, reported) {
         (measured, Some(time)) if measured.is_none_or(|measured| time > measured) => {
-            Some(QueryCpu { time, source: CpuSource::Reported })
+            Some(QueryCpu { time, starting, source: CpuSource::Reported })
         }
-        (measured, _) => measured.map(|time| QueryCpu { time, source: CpuSource::Process }),
+        (measured, _) => measured.map(|time| QueryCpu { time, starting, source: CpuSource::Process }),
     }
 }
 

@@ -1,27 +1,34 @@
 //! A program as a policy.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::pool::Idle;
-use super::process::say;
+use super::process::Trouble;
 use super::protocol::{AgentMessage, AskQuery, FromProgram, ToProgram};
 use super::respondent::Respondent;
 use crate::fire::BushState;
 use crate::geometry::Cell;
-use crate::sim::policies::{Choice, Observation, Policy};
+use crate::sim::policies::{AskReport, Choice, Observation, Policy};
 use crate::timeline::AgentId;
-
-/// The most failures that are reported in a run.
-const MOST_COMPLAINTS: u32 = 20;
+use crate::untrusted::visible_start;
 
 /// Asks a program where agents are to go. While it fails to answer, they wait.
 pub struct ProgramPolicy {
     /// `None` when it has been given back.
-    pub(super) respondent: Option<Respondent>,
+    respondent: Option<Respondent>,
     /// Where the program goes when the run is over, if it plays in other runs.
-    pub(super) idle: Option<Arc<Idle>>,
-    /// Failures that were reported.
-    pub(super) complaints: u32,
+    idle: Option<Arc<Idle>>,
+    /// What there is to say of the last ask.
+    report: AskReport,
+}
+
+impl ProgramPolicy {
+    /// Lets a program that knows its field decide; its start is the first thing to report.
+    pub(super) fn new(respondent: Respondent, idle: Option<Arc<Idle>>) -> Self {
+        let report = AskReport { elsewhere: respondent.built.unwrap_or_default(), ..AskReport::default() };
+        Self { respondent: Some(respondent), idle, report }
+    }
 }
 
 impl Policy for ProgramPolicy {
@@ -33,24 +40,28 @@ impl Policy for ProgramPolicy {
             FromProgram::Answer(_) => Ok(()),
             _ => Err("expected the type `answer`"),
         });
+        self.report = AskReport { elsewhere: reply.cpu.unwrap_or_default(), ..AskReport::default() };
         let choices = match reply.answer {
             Ok(FromProgram::Answer(answer)) => answer.choices,
             Ok(_) => unreachable!("other answers are refused"),
-            Err(trouble) => {
-                self.complaints += 1;
-                if self.complaints <= MOST_COMPLAINTS {
-                    say(respondent.name(), &format!("it {}", trouble.words));
-                }
+            Err(Trouble { kind, words }) => {
+                self.report.failure = Some((kind.into(), words));
                 Vec::new()
             }
         };
-        let chosen = |(agent, options): (AgentId, Vec<Cell>)| {
+        let names: BTreeSet<String> = seen.agents.iter().map(|agent| agent.id.to_string()).collect();
+        let stranger = choices.iter().find(|choice| !names.contains(&choice.agent));
+        self.report.illegal = stranger.map(|choice| format!("the run has no agent `{}`", visible_start(&choice.agent)));
+        let chosen = |agent: AgentId| {
             let name = agent.to_string();
             let cell = choices.iter().rev().find(|choice| choice.agent == name).and_then(|choice| choice.cell);
-            let cell = cell.map(|[col, row]| Cell { col, row }).filter(|cell| options.contains(cell));
-            (agent, cell.map_or(Choice::Wait, Choice::Go))
+            (agent, cell.map_or(Choice::Wait, |[col, row]| Choice::Go(Cell { col, row })))
         };
-        options.into_iter().map(chosen).collect()
+        options.iter().map(|&(agent, _)| chosen(agent)).collect()
+    }
+
+    fn take_report(&mut self) -> AskReport {
+        std::mem::take(&mut self.report)
     }
 }
 

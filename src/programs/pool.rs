@@ -148,7 +148,7 @@ impl ProgramPool {
                     )
                 });
                 let respondent = start(&launch, idle.as_ref(), &message)?;
-                Ok(Box::new(ProgramPolicy { respondent: Some(respondent), idle: idle.clone(), complaints: 0 }))
+                Ok(Box::new(ProgramPolicy::new(respondent, idle.clone())))
             };
             policies.with(name.name(), make)
         })

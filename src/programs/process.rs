@@ -21,6 +21,7 @@ use nix::unistd::Pid;
 use super::family::GroupClock;
 use super::protocol::MOST_BYTES;
 use super::supervisor::{self, Ending, Exceeded, GRACE, Limits, MOST_SAID, Order, Report};
+use crate::planning::PlanFailure;
 use crate::time::wall::WallStopwatch;
 use crate::untrusted::visible;
 
@@ -45,13 +46,13 @@ pub struct Launch {
     pub command: Vec<OsString>,
     /// The folder in which it works.
     pub folder: PathBuf,
-    /// Wall time from its start to `ready`.
+    /// Wall time from its start to `ready`, and CPU time if that of queries is limited.
     pub start_limit: Duration,
     /// Wall time of a query.
     pub query_limit: Duration,
     /// CPU time of all its processes in a query.
     pub query_cpu: Option<Duration>,
-    /// How often it is started anew in a run.
+    /// Failed attempts to start it anew after which nobody tries again in a run.
     pub restarts: u32,
     /// Expansions that a query counts for at least.
     pub expansions_per_query: u32,
@@ -64,6 +65,16 @@ pub enum TroubleKind {
     TimedOut,
     Crashed,
     BadAnswer,
+}
+
+impl From<TroubleKind> for PlanFailure {
+    fn from(kind: TroubleKind) -> Self {
+        match kind {
+            TroubleKind::TimedOut => Self::TimedOut,
+            TroubleKind::Crashed => Self::Crashed,
+            TroubleKind::BadAnswer => Self::BadAnswer,
+        }
+    }
 }
 
 /// A failure of a program, which has been killed since, if it was still there.
@@ -468,7 +479,7 @@ impl Fate {
 }
 
 /// Hands on a line of a program's stderr.
-pub fn say(name: &str, line: &str) {
+fn say(name: &str, line: &str) {
     // A line that nobody can read is no reason to stop.
     let _ = writeln!(io::stderr(), "{name}: {}", visible(line));
 }

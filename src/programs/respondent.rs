@@ -15,7 +15,8 @@ pub struct Respondent {
     field: Vec<u8>,
     /// `None` after a failure, until the next query.
     session: Option<Session>,
-    restarts_left: u32,
+    /// Attempts to start it anew that failed.
+    failed_starts: u32,
     /// CPU time up to the first `ready`.
     pub built: Option<Duration>,
 }
@@ -36,6 +37,8 @@ pub struct Reply {
     pub answer: Result<FromProgram, Trouble>,
     /// CPU time of its processes since the answer before, if the system tells.
     pub cpu: Option<Duration>,
+    /// The part of it in which the program started anew.
+    pub starting: Duration,
 }
 
 impl Respondent {
@@ -44,15 +47,17 @@ impl Respondent {
         let field = field.line();
         // One that played before and cannot go on costs this run nothing but the time of finding out.
         let again = before.and_then(|session| session.play_again(&program, &field));
-        let mut session = again.map_or_else(|| Session::start(&program, &field), Ok)?;
-        let built = session.lap();
-        let restarts_left = program.restarts;
-        Ok(Self { program, field, session: Some(session), restarts_left, built })
-    }
-
-    /// Returns what stands before its lines on stderr.
-    pub fn name(&self) -> &str {
-        &self.program.name
+        let (session, built) = match again {
+            Some(mut session) => {
+                let built = session.lap();
+                (session, built)
+            }
+            None => {
+                let (started, built) = Session::start(&program, &field);
+                (started?, built)
+            }
+        };
+        Ok(Self { program, field, session: Some(session), failed_starts: 0, built })
     }
 
     /// Returns the expansions that a query counts for at least.
@@ -67,9 +72,11 @@ impl Respondent {
         query: impl FnOnce(u64) -> Vec<u8>,
         check: impl FnOnce(&FromProgram) -> Result<(), &'static str>,
     ) -> Reply {
-        let (mut session, started) = match self.running() {
-            Ok(running) => running,
-            Err(trouble) => return Reply { answer: Err(trouble), cpu: None },
+        let (running, started) = self.running();
+        let starting = started.unwrap_or_default();
+        let mut session = match running {
+            Ok(session) => session,
+            Err(trouble) => return Reply { answer: Err(trouble), cpu: started, starting },
         };
         session.queries += 1;
         let number = session.queries;
@@ -93,28 +100,28 @@ impl Respondent {
         if answer.is_err() {
             session.process.kill();
         }
-        let cpu = session.lap().map(|lap| lap + started);
+        let cpu = session.lap().map(|lap| lap + starting);
         if answer.is_ok() {
             self.session = Some(session);
         }
-        Reply { answer, cpu }
+        Reply { answer, cpu, starting }
     }
 
-    /// Takes the program, or starts it anew; returns the CPU time of that too.
-    fn running(&mut self) -> Result<(Session, Duration), Trouble> {
+    /// Takes the program, or starts it anew; returns the CPU time of a start too. A query that fails costs that query
+    /// alone: only failed starts are counted, and after too many of them nobody tries again.
+    fn running(&mut self) -> (Result<Session, Trouble>, Option<Duration>) {
         if let Some(session) = self.session.take() {
-            return Ok((session, Duration::ZERO));
+            return (Ok(session), None);
         }
-        match self.restarts_left.checked_sub(1) {
-            Some(left) => self.restarts_left = left,
-            None => return Err(Trouble::crashed("failed more often than it may be started anew")),
+        if self.failed_starts > self.program.restarts {
+            return (Err(Trouble::crashed("failed to start more often than it may")), None);
         }
-        let mut session = Session::start(&self.program, &self.field).map_err(|trouble| {
-            let words = format!("did not start anew: {}", trouble.words);
-            Trouble { kind: TroubleKind::Crashed, words }
-        })?;
-        let started = session.lap().unwrap_or_default();
-        Ok((session, started))
+        let (started, cpu) = Session::start(&self.program, &self.field);
+        let started = started.map_err(|trouble| {
+            self.failed_starts += 1;
+            Trouble { kind: TroubleKind::Crashed, words: format!("did not start anew: {}", trouble.words) }
+        });
+        (started, cpu)
     }
 
     /// Gives the program away, to play in another run, if it has not failed.
@@ -133,12 +140,23 @@ impl Drop for Respondent {
 }
 
 impl Session {
-    fn start(program: &Launch, field: &[u8]) -> Result<Self, Trouble> {
+    /// Starts a program and shows it a field; returns the CPU time that it took, also if that fails.
+    fn start(program: &Launch, field: &[u8]) -> (Result<Self, Trouble>, Option<Duration>) {
         let watch = WallStopwatch::start();
-        let mut session = Self { process: Process::start(program)?, queries: 0, counted: Duration::ZERO };
+        let mut session = match Process::start(program) {
+            Ok(process) => Self { process, queries: 0, counted: Duration::ZERO },
+            Err(trouble) => return (Err(trouble), None),
+        };
+        let greeted = session.greet(program, watch).and_then(|()| session.show(program, field, watch));
+        let cpu = session.lap();
+        (greeted.map(|()| session), cpu)
+    }
+
+    /// Says hello, and waits until the program has.
+    fn greet(&mut self, program: &Launch, since: WallStopwatch) -> Result<(), Trouble> {
         let hello =
             ToProgram::Hello { protocol: VERSION, program: concat!("wildfire ", env!("CARGO_PKG_VERSION")).into() };
-        let line = session.process.exchange(&hello.line(), at_start(program, watch, "`hello`"))?;
+        let line = self.process.exchange(&hello.line(), self.at_start(program, since, "`hello`"))?;
         let words = match FromProgram::parse(&line) {
             Ok(FromProgram::Hello(hello)) if hello.protocol == VERSION => None,
             Ok(FromProgram::Hello(hello)) => Some(format!("`protocol` is {}; expected {VERSION}", hello.protocol)),
@@ -147,7 +165,7 @@ impl Session {
         };
         match words {
             Some(words) => Err(Trouble::bad_answer(&line, &words)),
-            None => session.show(program, field, watch).map(|()| session),
+            None => Ok(()),
         }
     }
 
@@ -161,7 +179,7 @@ impl Session {
     /// Shows it a field, and waits until it is ready.
     fn show(&mut self, program: &Launch, field: &[u8], since: WallStopwatch) -> Result<(), Trouble> {
         self.queries = 0;
-        let line = self.process.exchange(field, at_start(program, since, "`ready`"))?;
+        let line = self.process.exchange(field, self.at_start(program, since, "`ready`"))?;
         let words = match FromProgram::parse(&line) {
             Ok(FromProgram::Ready) => return Ok(()),
             Ok(FromProgram::Error(error)) => return Err(Trouble::refused(&error.message)),
@@ -169,6 +187,14 @@ impl Session {
             Err(words) => words,
         };
         Err(Trouble::bad_answer(&line, &words))
+    }
+
+    /// Returns what it may take until it is ready, from its start on. Where the CPU time of queries is limited, that of a start
+    /// is too, so that no other process computes at leisure meanwhile.
+    fn at_start<'a>(&self, program: &Launch, since: WallStopwatch, answer: &'a str) -> Allowance<'a> {
+        let Launch { start_limit, query_cpu, .. } = *program;
+        let cpu = start_cpu(start_limit, query_cpu, self.counted);
+        Allowance { wall: start_limit.saturating_sub(since.elapsed()), cpu, answer }
     }
 
     /// Returns its CPU time since the last lap.
@@ -185,7 +211,20 @@ impl Session {
     }
 }
 
-/// What a program may take until it is ready, from its start on.
-fn at_start<'a>(program: &Launch, since: WallStopwatch, answer: &'a str) -> Allowance<'a> {
-    Allowance { wall: program.start_limit.saturating_sub(since.elapsed()), cpu: None, answer }
+/// Returns the CPU time that a start may take from `from` on.
+fn start_cpu(start_limit: Duration, query_cpu: Option<Duration>, from: Duration) -> Option<CpuAllowance> {
+    query_cpu.map(|_| CpuAllowance { limit: start_limit, from })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn start_is_limited_in_cpu_time_where_queries_are() {
+        let [start, query, counted] = [30, 1, 7].map(Duration::from_secs);
+        assert!(start_cpu(start, None, counted).is_none());
+        let allowed = start_cpu(start, Some(query), counted).expect("there is a limit");
+        assert_eq!((allowed.limit, allowed.from), (start, counted));
+    }
 }

@@ -20,6 +20,7 @@ use super::{Field, GivenField, IgnitionCells, Scenario};
 use crate::geometry::FieldFrame;
 use crate::input_file;
 use crate::map_files;
+use crate::planning::PlannerName;
 
 /// Options of `[field]` that say how to generate one, and so contradict a map.
 const GENERATED_ONLY: [&str; 6] = ["size_m", "coverage", "pieces", "shapes", "overlaps", "start_clearance_m"];
@@ -297,6 +298,15 @@ impl WrittenScenario<'_> {
     /// Looks for the files of programs, from the scenario's folder, or from the current one where a change of the
     /// command line names the program.
     fn find_files(&self, scenario: &mut Scenario) -> Result<(), Box<ScenarioError>> {
+        // The command line cannot know whether a program of it plans or decides, and gives a table of each kind.
+        let unused =
+            scenario.policy.keys().filter(|name| !scenario.has_follower(name) && scenario.planner.contains_key(name));
+        for name in unused.cloned().collect::<Vec<PlannerName>>() {
+            let command = FieldPath(["policy", name.name(), "command"].map(PathStep::key).to_vec());
+            if self.changes.iter().any(|change| change.set.contains(&command)) {
+                scenario.policy.remove(&name);
+            }
+        }
         for (kind, programs) in [("planner", &mut scenario.planner), ("policy", &mut scenario.policy)] {
             for (name, program) in programs.iter_mut().filter(|(_, program)| !program.command.is_empty()) {
                 let table = FieldPath(vec![PathStep::key(kind), PathStep::key(name.name())]);

@@ -46,7 +46,8 @@ pub struct Program {
     pub files: Vec<PathBuf>,
     /// Handed on as they are.
     pub settings: Map<String, Value>,
-    /// Wall clock from the start until it is ready, building included.
+    /// Seconds from a start until it is ready, building included: of wall clock, and where `query_cpu_s` is set of CPU time
+    /// too.
     pub start_limit_s: f64,
     /// Wall clock of a query.
     pub query_limit_s: f64,
@@ -60,7 +61,8 @@ pub struct Program {
     pub seconds_per_expansion: f64,
     /// Expansions that each query of a planner counts for at least, whatever the answer reports.
     pub expansions_per_query: u32,
-    /// How often it is started again in one run.
+    /// Failed attempts to start it again that a run bears; after one more, all later queries fail as crashed. A query that
+    /// times out, crashes or has a bad answer costs that query alone.
     pub restarts: u32,
     /// One process for all runs of a worker instead of one for each run.
     pub reuse: bool,
@@ -203,14 +205,16 @@ impl Scenario {
     /// Lists the programs that a run of it starts.
     pub fn used_programs(&self) -> Vec<UsedProgram<'_>> {
         let planners = self.planner.iter().filter(|(name, _)| self.unimog.iter().any(|truck| truck.planner == **name));
-        let follows = |name: &PlannerName| {
-            let trucks = self.unimog.iter().any(|truck| truck.goal.name() == name.name());
-            trucks || self.wumpus.iter().any(|wumpus| wumpus.goal.name() == name.name())
-        };
-        let policies = self.policy.iter().filter(|(name, _)| follows(name));
+        let policies = self.policy.iter().filter(|(name, _)| self.has_follower(name));
         let planners = planners.map(|(name, table)| UsedProgram { kind: "planner", name, table });
         let policies = policies.map(|(name, table)| UsedProgram { kind: "policy", name, table });
         planners.chain(policies).filter(|used| !used.table.command.is_empty()).collect()
+    }
+
+    /// Says whether an agent follows the policy of this name.
+    pub(super) fn has_follower(&self, policy: &PlannerName) -> bool {
+        let trucks = self.unimog.iter().any(|truck| truck.goal.name() == policy.name());
+        trucks || self.wumpus.iter().any(|wumpus| wumpus.goal.name() == policy.name())
     }
 
     /// Lists in words the files of its programs that are no longer what they were when it was loaded.

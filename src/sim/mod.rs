@@ -26,8 +26,6 @@ mod wake;
 mod walk_grounds;
 mod wumpus;
 
-use std::time::Duration;
-
 use bevy::ecs::schedule::Schedules;
 use bevy::prelude::*;
 
@@ -40,12 +38,12 @@ use crate::time::cpu::CpuStopwatch;
 use crate::timeline::{AgentId, Event, GroundEvent, Setting, Timeline};
 
 pub use episode::{Asked, Episode, Points};
-pub use run::{AgentCost, Entrants, FailureMessages, Run, RunCost, RunError, RunOptions, StartPrograms};
+pub use run::{AgentCost, Entrants, FailureMessages, PolicyTally, Run, RunCost, RunError, RunOptions, StartPrograms};
 
 use agent::{Agent, Roster};
 use end::Ended;
 use fire::Fires;
-use policies::{AgentView, Asking, Choice, Following, Observation, Policy, Question};
+use policies::{AgentView, Asking, Choice, Following, Observation, OwnAsks, Policy, Question};
 use queue::{SimClock, SimQueue};
 use recorder::{CpuLog, Recorder};
 use schedule::Pass;
@@ -79,8 +77,7 @@ pub fn run_with_options(scenario: &Scenario, seed: u64, options: &RunOptions) ->
     }
     simulation.expect_within_memory()?;
     let mut run = simulation.finish();
-    let elsewhere: Duration = run.cost.agents.iter().map(|agent| agent.elsewhere).sum();
-    run.cost.total = stopwatch.lap() + elsewhere;
+    run.cost.total = stopwatch.lap() + run.cost.elsewhere();
     Ok(run)
 }
 
@@ -241,14 +238,18 @@ impl Simulation {
     pub fn finish(mut self) -> Run {
         let agents = self.world.resource::<Roster>().0.iter().filter_map(|&entity| self.world.get::<Agent>(entity));
         self.cost.agents = agents.map(|agent| agent.cost.clone()).collect();
-        self.cost.dispatch = self.world.resource::<Following>().team_cpu;
+        let mut following = self.world.resource_mut::<Following>();
+        self.cost.dispatch = following.team_cpu;
+        let OwnAsks { tally: asks, messages: of_policies, cpu, elsewhere } = std::mem::take(&mut following.own);
+        (self.cost.policies, self.cost.policies_elsewhere) = (cpu, elsewhere);
         let mut recorder = self.world.resource_mut::<Recorder>();
-        let (events, messages) = (std::mem::take(&mut recorder.events), std::mem::take(&mut recorder.messages));
+        let (events, mut messages) = (std::mem::take(&mut recorder.events), std::mem::take(&mut recorder.messages));
+        messages.append(of_policies);
         let ground = std::mem::take(&mut recorder.ground);
         let answer_cpu = std::mem::take(&mut recorder.answer_cpu);
         let cpu_samples = std::mem::take(&mut self.world.resource_mut::<CpuLog>().0);
         let timeline = Timeline { setting: self.setting, events, ground };
-        Run { timeline, cost: self.cost, cpu_samples, answer_cpu, messages }
+        Run { timeline, cost: self.cost, cpu_samples, answer_cpu, messages, asks }
     }
 }
 

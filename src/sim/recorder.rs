@@ -84,7 +84,7 @@ impl Recorder {
     /// Keeps what there is to say about a failed query, if anything.
     pub fn note_failure(&mut self, time: SimTime, agent: AgentId, failure: PlanFailure, message: Option<&str>) {
         if let Some(message) = message {
-            self.messages.add(&format!("{agent} at {:.1} s: {failure}: {message}", time.as_seconds()));
+            self.messages.add(&agent.to_string(), time, failure, message);
         }
     }
 

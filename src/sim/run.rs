@@ -8,8 +8,9 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::policies::Policies;
-use crate::planning::{CpuSource, MakeError, PlannerName, Planners, QueryCpu};
+use crate::planning::{CpuSource, MakeError, PlanFailure, PlannerName, Planners, QueryCpu};
 use crate::scenario::{MemoryExceeded, MemoryLimit, Scenario, TerrainError};
+use crate::time::SimTime;
 use crate::timeline::{AgentId, CpuSample, Timeline};
 
 /// CPU time of one agent's planning over a run. What does not concern its kind is zero.
@@ -24,6 +25,12 @@ pub struct AgentCost {
     pub local_search: Duration,
     /// Reachability floods and the lattice searches that follow them.
     pub reachability: Duration,
+    /// A truck's planner that is not built in: making it, with the starts of its program.
+    #[serde(default)]
+    pub starting: Duration,
+    /// Queries to it.
+    #[serde(default)]
+    pub queries: Duration,
     /// The part of the above that no thread of this program spent: a planner's own processes did.
     #[serde(default)]
     pub elsewhere: Duration,
@@ -43,14 +50,17 @@ impl AgentCost {
             roadmap_search: zero,
             local_search: zero,
             reachability: zero,
+            starting: zero,
+            queries: zero,
             elsewhere: zero,
             source: None,
         }
     }
 
-    /// Adds the time of a query that was not measured here, or not only.
+    /// Adds the time of a query to a planner that is not built in.
     pub fn add_query(&mut self, cpu: QueryCpu) {
-        self.local_search += cpu.time;
+        self.starting += cpu.starting;
+        self.queries += cpu.time.saturating_sub(cpu.starting);
         if cpu.source != CpuSource::Thread {
             self.elsewhere += cpu.time;
         }
@@ -58,7 +68,8 @@ impl AgentCost {
     }
 
     pub fn total(&self) -> Duration {
-        self.sampling + self.connecting + self.roadmap_search + self.local_search + self.reachability
+        let own = self.starting + self.queries;
+        self.sampling + self.connecting + self.roadmap_search + self.local_search + self.reachability + own
     }
 }
 
@@ -70,9 +81,22 @@ pub struct RunCost {
     /// Decisions of policies for whole teams of trucks.
     #[serde(default)]
     pub dispatch: Duration,
+    /// Policies that are not built in, with the starts of their programs.
+    #[serde(default)]
+    pub policies: Duration,
+    /// The part of it that other processes spent.
+    #[serde(default)]
+    pub policies_elsewhere: Duration,
     /// In the order of the timeline's agents.
     pub agents: Vec<AgentCost>,
     pub total: Duration,
+}
+
+impl RunCost {
+    /// The part that no thread of this program spent.
+    pub fn elsewhere(&self) -> Duration {
+        self.agents.iter().map(|agent| agent.elsewhere).sum::<Duration>() + self.policies_elsewhere
+    }
 }
 
 /// A finished run.
@@ -88,37 +112,91 @@ pub struct Run {
     /// The CPU time of each query to a planner, in the order in which the timeline has the answers: what planning took
     /// that agent since its answer before.
     pub answer_cpu: Vec<Duration>,
-    /// What planners that are not built in had to say about failed queries, or the gate about their paths.
+    /// What planners and policies that are not built in had to say about failures, or the gate about their paths.
     pub messages: FailureMessages,
+    /// How the asks of policies that are not built in went; `None` where all are built in.
+    pub asks: Option<PolicyTally>,
 }
 
-/// Messages about failed queries: the first, and how many there were.
+/// Counts of the asks of policies that are not built in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PolicyTally {
+    pub asked: u64,
+    pub timed_out: u64,
+    pub crashed: u64,
+    pub bad_answer: u64,
+    /// Asks that were answered with something that is no option of the agent, which waits then.
+    pub illegal: u64,
+}
+
+/// Messages about failures: the first ones, how many there were, and the same by kind.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FailureMessages {
     pub first: Vec<String>,
     pub count: u64,
+    kinds: Vec<FailureKind>,
+}
+
+/// Messages that differ in their numbers at most.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct FailureKind {
+    /// The beginning of the message without digits.
+    key: String,
+    first: String,
+    count: u64,
 }
 
 impl FailureMessages {
-    /// The messages that are kept.
+    /// The messages that are kept, and the kinds.
     const KEPT: usize = 20;
 
-    /// The most characters of a message that are kept.
+    /// The most characters of a message that are kept, and of the part by which kinds are told.
     const LONGEST: usize = 600;
+    const LONGEST_KEY: usize = 60;
 
-    pub fn add(&mut self, message: &str) {
+    /// Adds a message about `who`, an agent or a policy.
+    pub fn add(&mut self, who: &str, time: SimTime, reason: PlanFailure, message: &str) {
+        self.add_words(who, time, &format!("{reason}: {message}"));
+    }
+
+    /// Adds words that begin with a reason and a colon.
+    pub fn add_words(&mut self, who: &str, time: SimTime, words: &str) {
+        let message: String =
+            format!("{who} at {:.1} s: {words}", time.as_seconds()).chars().take(Self::LONGEST).collect();
         self.count += 1;
         if self.first.len() < Self::KEPT {
-            self.first.push(message.chars().take(Self::LONGEST).collect());
+            self.first.push(message.clone());
         }
+        let has_no_number = |letter: &char| !letter.is_ascii_digit() && !"-.".contains(*letter);
+        let key: String = who.chars().chain(words.chars()).filter(has_no_number).take(Self::LONGEST_KEY).collect();
+        if let Some(kind) = self.kinds.iter_mut().find(|kind| kind.key == key) {
+            kind.count += 1;
+        } else if self.kinds.len() < Self::KEPT {
+            self.kinds.push(FailureKind { key, first: message, count: 1 });
+        }
+    }
+
+    /// Adds the messages of others.
+    pub fn append(&mut self, others: Self) {
+        self.count += others.count;
+        self.first.extend(others.first);
+        self.first.truncate(Self::KEPT);
+        self.kinds.extend(others.kinds);
+        self.kinds.truncate(Self::KEPT);
     }
 }
 
 impl fmt::Display for FailureMessages {
-    /// Writes them one after the other, and how many more there were.
+    /// Writes the first message of each kind with the number of those that it stands for, and how many more there were.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.first.join("; "))?;
-        match self.count - self.first.len() as u64 {
+        for (index, FailureKind { first, count, .. }) in self.kinds.iter().enumerate() {
+            f.write_str(if index > 0 { "; " } else { "" })?;
+            match count {
+                1 => f.write_str(first)?,
+                times => write!(f, "{first} ({times} times)")?,
+            }
+        }
+        match self.count - self.kinds.iter().map(|kind| kind.count).sum::<u64>() {
             0 => Ok(()),
             more => write!(f, "; and {more} more"),
         }

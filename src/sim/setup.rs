@@ -112,7 +112,10 @@ fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, known: &Policies)
                     own: own.as_ref().unwrap_or(&Value::Null),
                     stream: &|stream: &str| rng::stream(seed, &format!("policy/{name}/{stream}")),
                 };
-                known.make(&site).map_err(|reason| RunError::NoPolicy { name: name.clone(), reason })?
+                let mut stopwatch = CpuStopwatch::start();
+                let made = known.make(&site).map_err(|reason| RunError::NoPolicy { name: name.clone(), reason })?;
+                following.add_own(&plays, name, made, stopwatch.lap());
+                continue;
             }
         };
         following.add_for(&plays, made);

@@ -111,9 +111,11 @@ pub fn made_up_run(_: &Scenario, seed: u64) -> Result<Run, RunError> {
         dispatch: part,
         agents: vec![cost(AgentId::wumpus(0)), cost(AgentId::unimog(0))],
         total: part * 20,
+        ..RunCost::default()
     };
     let (cpu_samples, answer_cpu) = (Vec::new(), Vec::new());
-    Ok(Run { timeline: made_up_timeline(seed), cost, cpu_samples, answer_cpu, messages: FailureMessages::default() })
+    let (messages, asks) = (FailureMessages::default(), None);
+    Ok(Run { timeline: made_up_timeline(seed), cost, cpu_samples, answer_cpu, messages, asks })
 }
 
 /// Makes runs up, and stops the batch when so many have begun. The callback of rows would be too late: workers may have

@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use wildfire::planning::{CpuSource, QueryCpu};
 
+use crate::shell::Shell;
 use crate::stage::{AHEAD, Stage, ask, script};
 
 /// A loop that takes some CPU time.
@@ -43,7 +44,10 @@ fn what_it_says_counts_if_it_is_more() {
     let says = |cpu_s: &str| {
         format!("echo \"{{\\\"type\\\":\\\"path\\\",\\\"id\\\":$id,\\\"segments\\\":[[0,10]],\\\"cpu_s\\\":{cpu_s}}}\"")
     };
-    assert_eq!(cpu(&says("1000.5")), QueryCpu { time: Duration::from_millis(1_000_500), source: CpuSource::Reported });
+    assert_eq!(
+        cpu(&says("1000.5")),
+        QueryCpu { time: Duration::from_millis(1_000_500), starting: Duration::ZERO, source: CpuSource::Reported }
+    );
     assert_eq!(cpu(&says("0")).source, CpuSource::Process);
 }
 
@@ -51,5 +55,34 @@ fn what_it_says_counts_if_it_is_more() {
 fn building_counts_up_to_ready() {
     let stage = Stage::new(&format!("{WORK}\n{}", script(AHEAD)), "");
     let planner = stage.planner().expect("it starts");
-    assert!(planner.build_report().connecting > Duration::from_millis(10), "{:?}", planner.build_report());
+    let report = planner.build_report();
+    assert!(report.starting >= report.elsewhere && report.elsewhere > Duration::from_millis(10), "{report:?}");
+}
+
+#[test]
+fn parts_of_a_run_add_up_to_the_whole_and_have_names_of_their_own() {
+    let shell = Shell::new();
+    shell.file("own.sh", &format!("{WORK}\n{}", script(AHEAD)));
+    let goal = "{\\\"type\\\":\\\"answer\\\",\\\"id\\\":$id,\\\"choices\\\":[]}";
+    shell.file("goal.sh", &format!("{WORK}\n{}", script(&format!("echo \"{goal}\""))));
+    let planner = ["run", "smoke", "--command", "own=sh own.sh", "--set", "unimog.planner=own"];
+    let policy = ["run", "smoke", "--command", "own=sh goal.sh", "--set", "unimog.goal=own"];
+    for (arguments, of_roadmaps) in [(planner, 0.0), (policy, f64::INFINITY)] {
+        let json = shell.run(&[&arguments[..], &["--json"]].concat(), &[0]).stdout;
+        let value: serde_json::Value = serde_json::from_slice(&json).expect("it is JSON");
+        let seconds = |name: &str| value["measured"][name].as_f64().expect("it is a number");
+        let own = seconds("cpu_custom_start_s") + seconds("cpu_custom_queries_s");
+        let (policy, planners) = (seconds("cpu_policy_s"), seconds("cpu_unimog_total_s") + seconds("cpu_wumpus_s"));
+        assert!(own + policy > 0.02 && (own == 0.0 || policy == 0.0), "{value}");
+        assert!(policy + planners + seconds("cpu_terrain_s") <= seconds("cpu_run_s"), "{value}");
+        let roadmaps = ["cpu_sampling_s", "cpu_map_generation_s", "cpu_roadmap_search_s"].map(seconds);
+        assert!(roadmaps.iter().sum::<f64>() <= of_roadmaps && (own == 0.0 || seconds("cpu_local_search_s") == 0.0));
+    }
+    let text = shell.run(&planner, &[0]).stdout;
+    let text = String::from_utf8_lossy(&text);
+    let shares =
+        text.lines().skip_while(|line| !line.starts_with("Phase")).skip(2).take_while(|line| !line.starts_with('-'));
+    let shares: Vec<f64> = shares.filter_map(|line| line.split(' ').next_back()?.parse().ok()).collect();
+    assert!((shares.iter().sum::<f64>() - 100.0).abs() < 0.5, "{text}");
+    assert!(text.contains("custom planner: start") && !text.contains("PRM map generation"), "{text}");
 }

@@ -36,13 +36,17 @@ for line in sys.stdin:
 
 const TABLE: &str = "duration_s = 600.0\n[field]\nsize_m = 150.0\ncoverage = 0.1\n[[wumpus]]\nstart_m = [2.5, 2.5]\n[[unimog]]\ngoal = \"own\"\n";
 
-/// The outcome of a run, without the policy's name.
+/// The outcome of a run, without what it says of its policy.
 fn result(shell: &Shell, arguments: &[&str]) -> serde_json::Value {
+    let mut outcome = whole_result(shell, arguments);
+    outcome.as_object_mut().expect("it is an object").retain(|name, _| !name.starts_with("policy"));
+    outcome
+}
+
+fn whole_result(shell: &Shell, arguments: &[&str]) -> serde_json::Value {
     let said = shell.run(&[&["run"], arguments, &["--json"]].concat(), &[0]);
     let value: serde_json::Value = serde_json::from_slice(&said.stdout).expect("it is JSON");
-    let mut outcome = value["run"].clone();
-    outcome.as_object_mut().expect("it is an object").remove("policy");
-    outcome
+    value["run"].clone()
 }
 
 #[test]
@@ -62,19 +66,70 @@ fn policy_that_answers_as_the_rule_does_plays_the_rules_run() {
     shell.expect_nobody();
 }
 
+/// A line of a script that answers with these choices.
+fn answer(choices: &str) -> String {
+    format!("echo \"{{\\\"type\\\":\\\"answer\\\",\\\"id\\\":$id,\\\"choices\\\":[{choices}]}}\"")
+}
+
 #[test]
 fn agents_of_a_policy_that_fails_wait() {
-    for body in ["exit 1", "echo nonsense", "echo \"{\\\"type\\\":\\\"answer\\\",\\\"id\\\":$id,\\\"choices\\\":[]}\""]
-    {
+    for (body, column) in [
+        ("exit 1", "policy_failed_crashed"),
+        ("sleep 100", "policy_failed_timed_out"),
+        ("echo nonsense", "policy_failed_bad_answer"),
+        (&answer("{\\\"agent\\\":\\\"unimog/0\\\",\\\"cell\\\":[999,999]}"), "policy_illegal"),
+        (&answer("{\\\"agent\\\":\\\"truck\\\",\\\"cell\\\":null}"), "policy_illegal"),
+        (&answer(""), "policy_asked"),
+    ] {
         let shell = Shell::new();
         shell.file("own.sh", &script(body));
-        shell.file("own.toml", &format!("{TABLE}[policy.own]\ncommand = [\"sh\", \"own.sh\"]\n"));
-        let said = result(&shell, &["own.toml", "--trust"]);
+        shell.file("own.toml", &format!("{TABLE}[policy.own]\ncommand = [\"sh\", \"own.sh\"]\nquery_limit_s = 0.3\n"));
+        let said = whole_result(&shell, &["own.toml", "--trust", "--set", "duration_s=150"]);
         assert_eq!(said["extinguished"], 0, "{said}");
+        assert!(said["policy_asked"].as_u64() > Some(0) && said[column] == said["policy_asked"], "{said}");
+        let message = said["message"].as_str().unwrap_or_default();
+        assert!(message.starts_with("policy own at ") == (column != "policy_asked"), "{message}");
         shell.expect_nobody();
     }
     let shell = Shell::new();
     shell.file("own.sh", &format!("{GREETING}\nexit 0").replace("ready", "sorry"));
     shell.file("own.toml", &format!("{TABLE}[policy.own]\ncommand = [\"sh\", \"own.sh\"]\n"));
     shell.run(&["run", "own.toml", "--trust"], &[1]);
+}
+
+#[test]
+fn failed_asks_are_told_to_people_and_ranked() {
+    let shell = Shell::new();
+    shell.file("own.sh", &script("case $id in 1) sleep 100;; *) exit 3;; esac"));
+    shell.file("own.toml", &format!("{TABLE}[policy.own]\ncommand = [\"sh\", \"own.sh\"]\nquery_limit_s = 0.3\n"));
+    let said = |arguments: &[&str]| {
+        let words = String::from_utf8_lossy(&shell.run(arguments, &[0]).stdout).into_owned();
+        words.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let short = "duration_s=150";
+    let run = said(&["run", "own.toml", "--trust", "--set", short]);
+    assert!(run.contains("Failed asks of the policy own: ") && run.contains("(gave no answer within 0.3 s)"), "{run}");
+    assert!(run.contains("Outcomes depend on this machine: ") && run.contains("of a policy timed out."), "{run}");
+    let goals = "unimog.goal=own,nearest-burning";
+    let of_batch = ["batch", "own.toml", "--trust", "--seeds", "1..2", "--set", short, "--set", goals, "--out", "out"];
+    let batch = said(&of_batch);
+    assert!(batch.contains("Failed asks of the policy own: "), "{batch}");
+    let ranked = said(&["rank", "out"]);
+    assert!(ranked.contains("asks %") && ranked.contains("100.0"), "{ranked}");
+    shell.expect_nobody();
+}
+
+#[test]
+fn program_of_the_command_line_may_be_a_policy() {
+    let shell = Shell::new();
+    shell.file("own.sh", &script(&answer("")));
+    let own = ["--command", "own=sh own.sh"];
+    let arguments = [&["smoke", "--set", "unimog.goal=own"], &own[..]].concat();
+    let said = whole_result(&shell, &arguments);
+    assert!(said["policy"] == "own" && said["policy_asked"].as_u64() > Some(0), "{said}");
+    // As a planner it is no policy, and a plan says nothing of one.
+    let arguments = ["batch", "smoke", "--planner", "own", "--seeds", "1", "--out", "out", "--quiet"];
+    shell.run(&[&arguments[..], &own].concat(), &[0]);
+    let plan = std::fs::read_to_string(shell.path("out/plan.json")).expect("it was written");
+    assert!(plan.contains("own.sh") && !plan.contains("\"policy\":{\"own\""), "{plan}");
 }

@@ -1,5 +1,7 @@
 //! Each line of the table of failures: a program that does just that.
 
+use std::time::Duration;
+
 use wildfire::planning::PlanFailure;
 
 use crate::stage::{AHEAD, Stage, ask, script};
@@ -112,15 +114,35 @@ fn program_that_takes_too_much_is_killed() {
 
 #[test]
 fn program_that_fails_too_often_is_not_started_again() {
-    let stage = Stage::new(&script("echo x >> starts; exit 1"), "restarts = 2");
+    let once = format!("echo x >> starts; [ -e begun ] && exit 1; : > begun\n{}", script("exit 1"));
+    let stage = Stage::new(&once, "restarts = 2");
     let mut planner = stage.planner().expect("it starts");
-    for _ in 0..6 {
-        assert_eq!(ask(planner.as_mut()).path.err(), Some(PlanFailure::Crashed));
+    for query in 0..6 {
+        let plan = ask(planner.as_mut());
+        assert_eq!(plan.path.err(), Some(PlanFailure::Crashed));
+        let cpu = plan.cpu.expect("it is known");
+        assert_eq!(cpu.starting > Duration::ZERO, (1..=3).contains(&query), "query {query}: {cpu:?}");
+        assert!(cpu.starting <= cpu.time, "{cpu:?}");
     }
     let message = ask(planner.as_mut()).message.expect("it says why");
-    assert!(message.contains("more often than it may be started anew"), "{message}");
+    assert!(message.contains("failed to start more often than it may"), "{message}");
     let starts = std::fs::read_to_string(stage.path().join("starts")).expect("it was started");
-    assert_eq!(starts.lines().count(), 3);
+    assert_eq!(starts.lines().count(), 1 + 3, "a run bears two failed starts");
+}
+
+#[test]
+fn query_that_fails_costs_that_query_alone() {
+    let settings = "restarts = 0\nquery_limit_s = 0.3";
+    for failure in ["sleep 100", "exit 3", "echo nonsense"] {
+        let body = format!("echo x >> asked; if [ $(wc -l < asked) -gt 5 ]; then {AHEAD}; else {failure}; fi");
+        let stage = Stage::new(&script(&body), settings);
+        let mut planner = stage.planner().expect("it starts");
+        for _ in 0..5 {
+            assert!(ask(planner.as_mut()).path.is_err());
+        }
+        let plan = ask(planner.as_mut());
+        assert!(plan.path.is_ok(), "{failure}: {:?}", plan.message);
+    }
 }
 
 #[test]

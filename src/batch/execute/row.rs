@@ -8,7 +8,7 @@ use serde_json::json;
 
 use crate::batch::execute::{CpuSplit, RunDetail};
 use crate::batch::plan::{RunLabel, value_differences};
-use crate::sim::RunCost;
+use crate::sim::{PolicyTally, RunCost};
 use crate::timeline::{AgentOutcome, Outcome};
 
 /// The way in which a run ended.
@@ -94,6 +94,8 @@ pub struct RunResult {
     /// Follows from the cost.
     #[serde(skip_serializing)]
     pub cpu: CpuSplit,
+    /// The asks of policies that are not built in; `None` where all are built in.
+    pub asks: Option<PolicyTally>,
 }
 
 /// A result as it is read.
@@ -101,18 +103,21 @@ pub struct RunResult {
 struct Measured {
     outcome: Outcome,
     cost: RunCost,
+    /// Missing in journals of older programs.
+    #[serde(default)]
+    asks: Option<PolicyTally>,
 }
 
 impl From<Measured> for RunResult {
     fn from(measured: Measured) -> Self {
-        Self::new(measured.outcome, measured.cost)
+        Self { asks: measured.asks, ..Self::new(measured.outcome, measured.cost) }
     }
 }
 
 impl RunResult {
     pub fn new(outcome: Outcome, cost: RunCost) -> Self {
         let cpu = CpuSplit::from_cost(&cost);
-        Self { outcome, cost, cpu }
+        Self { outcome, cost, cpu, asks: None }
     }
 
     pub fn trucks(&self) -> impl Iterator<Item = &AgentOutcome> {

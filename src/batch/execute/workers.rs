@@ -167,7 +167,8 @@ impl Work {
         let not_done = |status, message| (RunRow::not_done(run.label(), status, message, wall), None);
         Some(match caught {
             Ok(Ok((outcome, detail, done))) => {
-                let row = RunRow::done(run.label(), RunResult::new(outcome, done.cost), wall);
+                let result = RunResult { asks: done.asks, ..RunResult::new(outcome, done.cost) };
+                let row = RunRow::done(run.label(), result, wall);
                 (RunRow { detail, message: done.messages.to_string(), ..row }, Some(done.timeline))
             }
             Ok(Err(RunError::Stopped)) => return None,

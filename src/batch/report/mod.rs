@@ -1,6 +1,7 @@
 //! What a finished batch reports: its tables and figures, who won, what went wrong, and the verdict of the audit.
 
 mod audits;
+mod failures;
 mod finish;
 mod fleets;
 mod html_report;
@@ -12,6 +13,7 @@ mod tables;
 mod tally;
 
 pub use audits::{AuditOptions, AuditReport, AuditSource, AuditsError, LISTED_VIOLATIONS, ListedViolation, audit_all};
+pub use failures::Failures;
 pub use finish::{Merged, merge, read_rows};
 pub use html_report::{
     ChartChoice, ChartData, ChosenQuantities, Facet, FacetSeries, FieldPicture, MOST_PANELS, NotableRun, PaperCharts,

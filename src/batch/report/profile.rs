@@ -14,10 +14,10 @@ pub struct Profile {
     total_s: f64,
 }
 
-/// The part that only runs with a dispatched team have.
-const DISPATCH: &str = "Dispatch";
+/// The parts that only some runs have: with a dispatched team, with planners or policies that are not built in.
+const OPTIONAL: [&str; 4] = ["Custom planner: start", "Custom planner: queries", "Dispatch", "Custom policies"];
 
-const PARTS: [&str; 10] = [
+const PARTS: [&str; 13] = [
     "Drawing the field",
     "Clearance field",
     "Roadmap sampling",
@@ -25,8 +25,11 @@ const PARTS: [&str; 10] = [
     "Roadmap search",
     "Local search",
     "Reachability",
-    DISPATCH,
+    OPTIONAL[0],
+    OPTIONAL[1],
+    OPTIONAL[2],
     "Wumpus",
+    OPTIONAL[3],
     "Events, fire, rest",
 ];
 
@@ -42,8 +45,11 @@ impl Profile {
             cpu.roadmap_search_s,
             cpu.local_search_s,
             cpu.reachability_s,
+            cpu.custom_start_s,
+            cpu.custom_queries_s,
             cpu.dispatch_s,
             cpu.wumpus_s,
+            cpu.policy_s,
             cpu.rest_s(),
         ];
         self.parts_s.iter_mut().zip(parts).for_each(|(sum, part)| *sum += part);
@@ -61,7 +67,8 @@ impl Profile {
             let (share, per_run_ms) = (seconds / self.total_s, 1e3 * seconds / self.runs as f64);
             vec![name.to_owned(), rounded(seconds, 3), percent(share), rounded(per_run_ms, 3)]
         };
-        let parts = PARTS.into_iter().zip(self.parts_s).filter(|&(name, seconds)| name != DISPATCH || seconds > 0.0);
+        let is_shown = |&(name, seconds): &(&str, f64)| !OPTIONAL.contains(&name) || seconds > 0.0;
+        let parts = PARTS.into_iter().zip(self.parts_s).filter(is_shown);
         let rows: Vec<_> = parts.chain([("Run", self.total_s)]).map(row).collect();
         let rule = rows.len() - 1;
         let table = Table::new(&["Part", "CPU s", "Share\n%", "ms per\nrun"], rows);

@@ -193,6 +193,18 @@ impl BatchReport {
         self.variants.iter().flat_map(notes).collect()
     }
 
+    /// Words the failures of each planner, and of policies that are not built in, over all variants.
+    pub fn failure_sentences(&self) -> Vec<String> {
+        let mut sum = Tally::default();
+        for tally in self.variants.iter().map(|variant| &variant.tally) {
+            for (planner, failures) in &tally.failures {
+                *sum.failures.entry(planner.clone()).or_default() += failures.clone();
+            }
+            sum.failed_asks += tally.failed_asks.clone();
+        }
+        sum.failure_sentences()
+    }
+
     /// Returns for each variant where its CPU time went.
     pub fn profile(&self) -> Document {
         Document::default().with(self.variants.iter().flat_map(|variant| variant.profile.blocks(&variant.title)))

@@ -42,6 +42,11 @@ impl Quantity {
         let numbers: Option<Vec<f64>> = self.columns.iter().map(|&column| run.number(column)).collect();
         Some(numbers?.iter().sum::<f64>() * self.scale)
     }
+
+    /// The same, and nothing for columns that tables of older programs lack.
+    fn number_or_nothing(&self, run: &RunRecord) -> Option<f64> {
+        self.number(run).or(CUSTOM.contains(&self.heading).then_some(0.0))
+    }
 }
 
 /// The contents of a table.
@@ -74,12 +79,14 @@ static CPU_TIMES: Layout = Layout {
     shows_sums: true,
     quantities: &[
         Quantity::milliseconds("Clear.\nfield", &[run_column("cpu_clearance_field_s")]),
-        Quantity::milliseconds("Samp-\nling", &[run_column("cpu_sampling_s")]),
-        Quantity::milliseconds("Map\ngener.", &[run_column("cpu_map_generation_s")]),
-        Quantity::milliseconds("Roadmap\nsearch", &[run_column("cpu_roadmap_search_s")]),
+        Quantity::milliseconds(ROADMAP[0], &[run_column("cpu_sampling_s")]),
+        Quantity::milliseconds(ROADMAP[1], &[run_column("cpu_map_generation_s")]),
+        Quantity::milliseconds(ROADMAP[2], &[run_column("cpu_roadmap_search_s")]),
         Quantity::milliseconds("Local\nsearch", &[run_column("cpu_local_search_s")]),
         Quantity::milliseconds("Reacha-\nbility", &[run_column("cpu_reachability_s")]),
-        Quantity::milliseconds("PRM\nonly", &[run_column("cpu_prm_total_s")]),
+        Quantity::milliseconds(CUSTOM[0], &[run_column("cpu_custom_start_s")]),
+        Quantity::milliseconds(CUSTOM[1], &[run_column("cpu_custom_queries_s")]),
+        Quantity::milliseconds(PRM_ONLY, &[run_column("cpu_prm_total_s")]),
         Quantity::milliseconds("Unimog\ntotal", &[run_column("cpu_unimog_total_s")]),
         Quantity::milliseconds("Wumpus\nsearch", &[run_column("cpu_wumpus_s")]),
     ],
@@ -90,6 +97,16 @@ const LEGEND: [&str; 3] = [
     "Unimog total: that, local search and reachability.",
     "Intervals are Student's t and may leave the possible range.",
 ];
+
+/// Columns that are there only where trucks have planners that are not built in.
+const CUSTOM: [&str; 2] = ["Custom\nstart", "Custom\nqueries"];
+
+/// Columns that are left out where such planners are all that there is.
+const ROADMAP: [&str; 3] = ["Samp-\nling", "Map\ngener.", "Roadmap\nsearch"];
+const PRM_ONLY: &str = "PRM\nonly";
+
+const CUSTOM_LEGEND: &str = "\
+Custom: starts of planners that are not built in, and queries to them; part of Unimog total.";
 
 /// Collects rows, in the order of the plan, and makes the two tables.
 #[derive(Clone, Debug)]
@@ -117,7 +134,8 @@ impl Tables {
     pub fn blocks(&self) -> Vec<Block> {
         let [states, times] = self.0.each_ref().map(|table| Block::Table(table.fitted()));
         let hidden = self.0[0].hidden_note();
-        let legend = hidden.into_iter().chain(LEGEND.map(str::to_owned)).collect();
+        let custom = self.0[1].has_any(&CUSTOM).then_some(CUSTOM_LEGEND);
+        let legend = hidden.into_iter().chain(LEGEND.into_iter().chain(custom).map(str::to_owned)).collect();
         vec![states, times, Block::List(legend)]
     }
 }
@@ -139,13 +157,30 @@ impl RunTable {
 
     fn add(&mut self, run: &RunRecord) {
         self.runs += 1;
-        let numbers: Option<Vec<f64>> = self.layout.quantities.iter().map(|quantity| quantity.number(run)).collect();
+        let numbers: Option<Vec<f64>> = self.layout.quantities.iter().map(|it| it.number_or_nothing(run)).collect();
         for (series, &number) in self.series.iter_mut().zip(numbers.iter().flatten()) {
             series.add(number);
         }
         if self.shown.len() < SHOWN_RUNS {
             self.shown.push((run.seed(), numbers));
         }
+    }
+
+    /// Says whether one of these columns has a number other than zero.
+    fn has_any(&self, headings: &[&str]) -> bool {
+        let columns = self.layout.quantities.iter().zip(&self.series);
+        columns.filter(|(quantity, _)| headings.contains(&quantity.heading)).any(|(_, series)| series.sum() > 0.0)
+    }
+
+    /// Lists the places of the columns that are shown.
+    fn shown_columns(&self) -> Vec<usize> {
+        let (has_custom, has_roadmap) = (self.has_any(&CUSTOM), self.has_any(&ROADMAP));
+        let is_shown = |heading| match heading {
+            _ if CUSTOM.contains(&heading) => has_custom,
+            _ if ROADMAP.contains(&heading) || heading == PRM_ONLY => has_roadmap || !has_custom,
+            _ => true,
+        };
+        (0..self.layout.quantities.len()).filter(|&place| is_shown(self.layout.quantities[place].heading)).collect()
     }
 
     fn hidden_note(&self) -> Option<String> {
@@ -176,7 +211,8 @@ impl RunTable {
             (false, true) => &["Run", "Seed"],
             (false, false) => &["Run"],
         };
-        let quantities = self.layout.quantities.iter().map(|quantity| quantity.heading);
+        let shown = self.shown_columns();
+        let quantities = shown.iter().map(|&place| self.layout.quantities[place].heading);
         let headings: Vec<&str> = labels.iter().copied().chain(quantities).collect();
         let table = Table { rules_before: vec![self.shown.len()], ..Table::new(&headings, rows) };
         table.with_caption(self.layout.title)
@@ -189,8 +225,8 @@ impl RunTable {
         decimals: impl Fn(&Quantity) -> usize,
         number: impl Fn(usize) -> Option<f64>,
     ) -> Vec<String> {
-        let cell = |(column, quantity)| optional(number(column), decimals(quantity));
-        let cells = self.layout.quantities.iter().enumerate().map(cell);
+        let cell = |column| optional(number(column), decimals(&self.layout.quantities[column]));
+        let cells = self.shown_columns().into_iter().map(cell);
         let has_seeds = self.layout.shows_seeds && !self.shown.is_empty();
         [label].into_iter().chain(has_seeds.then_some(seed)).chain(cells).collect()
     }

@@ -4,6 +4,7 @@ use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 use crate::batch::execute::Status;
+use crate::batch::report::failures::Failures;
 use crate::batch::table::{QueryTally, RunRecord, run_column};
 
 const PLANNER: usize = run_column("planner");
@@ -37,6 +38,9 @@ pub struct Tally {
     pub first_notes: Option<(u64, Vec<String>)>,
     /// The queries of runs that are done or that a limit ended, by their planners.
     pub queries: BTreeMap<String, QueryTally>,
+    /// Their failures, by their planners, and those of policies that are not built in.
+    pub failures: BTreeMap<String, Failures>,
+    pub failed_asks: Failures,
 }
 
 impl Tally {
@@ -51,11 +55,15 @@ impl Tally {
             self.first_failure.get_or_insert_with(|| (run.seed(), run.message().to_owned()));
         }
         let (planner, queries) = (run.text(PLANNER), run.queries());
-        if !planner.is_empty() && (run.is_done() || queries.depends_on_machine()) {
+        if (run.is_done() || queries.depends_on_machine()) && (!planner.is_empty() || queries.asks > 0) {
             *self.queries.entry(planner.to_owned()).or_default() += queries;
         }
         if !run.is_done() {
             return;
+        }
+        self.failed_asks += Failures::of_asks(run);
+        if !planner.is_empty() {
+            *self.failures.entry(planner.to_owned()).or_default() += Failures::of_queries(run);
         }
         let number = |column| run.number(column).unwrap_or(0.0);
         if is_contest {
@@ -89,9 +97,17 @@ impl Tally {
     /// Says who won, which runs went wrong, who was stuck, who could do next to nothing, whose planner was rescued or
     /// stopped by a clock: a sentence for each.
     pub fn sentences(&self) -> Vec<String> {
-        let sentences = [self.champion(), Some(self.runs()), self.reason(), self.stuck(), self.note()];
+        let runs = [self.champion(), Some(self.runs()), self.reason()];
+        let sentences = runs.into_iter().flatten().chain(self.failure_sentences());
+        let sentences = sentences.chain([self.stuck(), self.note()].into_iter().flatten());
         let queries = self.queries.iter().flat_map(|(planner, queries)| queries.sentences(planner));
-        sentences.into_iter().flatten().chain(queries).collect()
+        sentences.chain(queries).collect()
+    }
+
+    /// Words the failures of each planner, and of policies that are not built in.
+    pub fn failure_sentences(&self) -> Vec<String> {
+        let planners = self.failures.iter().filter_map(|(planner, failures)| failures.of_planner(planner));
+        planners.chain(self.failed_asks.of_policies()).collect()
     }
 
     /// Says for each planner whether a limit of time or memory changed an outcome.

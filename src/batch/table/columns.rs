@@ -9,7 +9,7 @@
 use crate::batch::execute::{CpuSplit, PlannerCall, RunResult, RunRow, StateCount};
 use crate::batch::plan::{RunLabel, Value};
 use crate::batch::table::column::{Column, Kind, Phrase, Unit};
-use crate::sim::{AgentCost, RunCost};
+use crate::sim::{AgentCost, PolicyTally, RunCost};
 use crate::timeline::{AgentOutcome, GroundOutcome, Outcome, Winner};
 
 /// A column of `runs.csv`.
@@ -103,6 +103,11 @@ fn cpu(row: &RunRow, value: impl Fn(&CpuSplit) -> f64) -> Value {
     row.result.as_ref().map(|result| value(&result.cpu)).into()
 }
 
+/// A count of the asks of policies that are not built in; none where all are built in.
+fn asks(row: &RunRow, value: impl Fn(&PolicyTally) -> u64) -> Value {
+    row.result.as_ref().and_then(|result| result.asks.as_ref()).map(value).into()
+}
+
 fn cpu_source(cost: &RunCost) -> Option<String> {
     let least_trusted = cost.agents.iter().filter_map(|agent| agent.source).max();
     least_trusted.map(|source| source.name().to_owned())
@@ -157,7 +162,7 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     policy: optional Text None "policy that chooses where the trucks go; `;` between those of trucks that differ"
         = unless_empty(&row.label.policy());
     status: Text None "done, failed or panicked" = row.status.to_string();
-    message: optional Text None "why a run is not done, or what its planners had to say about failed queries"
+    message: optional Text None "why a run is not done, or what its planners and policies had to say about failures"
         = unless_empty(&row.message);
     obstacles: optional Count Cells "bush cells of the field" = outcome(row, |o| o.obstacles), with_title("Bush cells");
     intact: optional Count Cells "bush cells that never burned, at the end"
@@ -309,6 +314,16 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     truck_flock_ratio: optional Real Share
         "share of these goals that had another truck's goal within 60 m; none without goals"
         = row.result.as_ref().and_then(flock_ratio), with_title("Flock ratio");
+    policy_asked: optional Count None "asks of policies that are not built in; this and what follows only where there are any"
+        = asks(row, |a| a.asked), with_title("Asks of custom policies");
+    policy_failed_timed_out: optional Count None "failed asks: no answer in time"
+        = asks(row, |a| a.timed_out), with_title("Failed asks: timed out");
+    policy_failed_crashed: optional Count None "failed asks: the policy ended or failed"
+        = asks(row, |a| a.crashed), with_title("Failed asks: crashed");
+    policy_failed_bad_answer: optional Count None "failed asks: an answer of no known form"
+        = asks(row, |a| a.bad_answer), with_title("Failed asks: bad answer");
+    policy_illegal: optional Count None "asks answered with what was no option of the agent, which waited then"
+        = asks(row, |a| a.illegal), with_title("Asks with an illegal answer");
     cpu_sampling_s: optional Real Seconds "CPU time: drawing the roadmaps' samples"
         = cpu(row, |c| c.sampling_s), with_title("Sampling");
     cpu_map_generation_s: optional Real Seconds "CPU time: connecting them"
@@ -332,6 +347,14 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
         = cpu(row, |c| c.reachability_s), with_title("Reachability");
     cpu_dispatch_s: optional Real Seconds "CPU time: decisions of the policy that dispatches the trucks"
         = cpu(row, |c| c.dispatch_s), with_title("Dispatch");
+    cpu_custom_start_s: optional Real Seconds
+        "CPU time: making the trucks' planners that are not built in, with every start of their programs"
+        = cpu(row, |c| c.custom_start_s), with_title("Custom planner: start");
+    cpu_custom_queries_s: optional Real Seconds "CPU time: queries to the trucks' planners that are not built in"
+        = cpu(row, |c| c.custom_queries_s), with_title("Custom planner: queries");
+    cpu_policy_s: optional Real Seconds
+        "CPU time: policies that are not built in, with every start of their programs"
+        = cpu(row, |c| c.policy_s), with_title("Custom policies");
     cpu_terrain_s: optional Real Seconds "CPU time: drawing the field" = cpu(row, |c| c.terrain_s),
         with_title("Drawing the field");
     cpu_run_s: optional Real Seconds "CPU time: the whole run" = cpu(row, |c| c.run_s),
@@ -405,6 +428,11 @@ pub const AGENT_COLUMNS: &[AgentColumn] = columns! { AgentColumn, row;
         = row.cost.map(|cost| cost.local_search.as_secs_f64());
     cpu_reachability_s: optional Real Seconds "CPU time: reachability floods and the searches in them"
         = row.cost.map(|cost| cost.reachability.as_secs_f64());
+    cpu_custom_start_s: optional Real Seconds
+        "CPU time: making a planner that is not built in, with every start of its program"
+        = row.cost.map(|cost| cost.starting.as_secs_f64());
+    cpu_custom_queries_s: optional Real Seconds "CPU time: queries to a planner that is not built in"
+        = row.cost.map(|cost| cost.queries.as_secs_f64());
     cpu_source: optional Text None
         "who measured queries of a planner that is not built in: thread, process, reported; the least trusted of them"
         = row.cost.and_then(|cost| cost.source).map(|source| source.name().to_owned());

@@ -23,6 +23,12 @@ pub struct QueryTally {
     pub timed_out: u64,
     /// Runs with a message of another limit that was reached: of memory, or of the time to start.
     pub limited_runs: u64,
+    /// Asks of policies that are not built in.
+    pub asks: u64,
+    /// Those of them that had no answer, or one that nobody could carry out.
+    pub failed_asks: u64,
+    /// Asks that ended because a policy took too long by the clock.
+    pub timed_out_asks: u64,
 }
 
 impl QueryTally {
@@ -37,6 +43,8 @@ impl QueryTally {
             "truck_failed_crashed",
             "truck_failed_bad_answer",
         ];
+        const FAILED_ASKS: [&str; 4] =
+            ["policy_failed_timed_out", "policy_failed_crashed", "policy_failed_bad_answer", "policy_illegal"];
         let failed = FAILED.iter().map(|column| number(column)).fold(0, u64::saturating_add);
         Self {
             drives: number("truck_plans").saturating_sub(failed),
@@ -44,6 +52,9 @@ impl QueryTally {
             rescued: number("truck_lattice_plans"),
             timed_out: number("truck_failed_timed_out"),
             limited_runs: OTHER_LIMITS.iter().any(|words| message.contains(words)).into(),
+            asks: number("policy_asked"),
+            failed_asks: FAILED_ASKS.iter().map(|column| number(column)).fold(0, u64::saturating_add),
+            timed_out_asks: number("policy_failed_timed_out"),
         }
     }
 
@@ -59,7 +70,7 @@ impl QueryTally {
 
     /// Says whether a limit of time or memory changed an outcome: another machine may give another one.
     pub fn depends_on_machine(&self) -> bool {
-        self.timed_out > 0 || self.limited_runs > 0
+        self.timed_out > 0 || self.timed_out_asks > 0 || self.limited_runs > 0
     }
 
     /// Says so in a sentence, if a limit changed an outcome.
@@ -73,9 +84,15 @@ impl QueryTally {
             1 => format!("{planner} reached a limit of memory or start time in 1 run"),
             runs => format!("{planner} reached a limit of memory or start time in {runs} runs"),
         });
-        let reasons: Vec<String> = timed_out.into_iter().chain(limited).collect();
+        let asks =
+            (self.timed_out_asks > 0).then(|| format!("{} of a policy timed out", count_asks(self.timed_out_asks)));
+        let reasons: Vec<String> = timed_out.into_iter().chain(asks).chain(limited).collect();
         self.depends_on_machine().then(|| format!("Outcomes depend on this machine: {}.", reasons.join("; ")))
     }
+}
+
+fn count_asks(asks: u64) -> String {
+    if asks == 1 { "1 ask".to_owned() } else { format!("{asks} asks") }
 }
 
 impl AddAssign for QueryTally {
@@ -85,6 +102,9 @@ impl AddAssign for QueryTally {
         self.rescued = self.rescued.saturating_add(other.rescued);
         self.timed_out = self.timed_out.saturating_add(other.timed_out);
         self.limited_runs = self.limited_runs.saturating_add(other.limited_runs);
+        self.asks = self.asks.saturating_add(other.asks);
+        self.failed_asks = self.failed_asks.saturating_add(other.failed_asks);
+        self.timed_out_asks = self.timed_out_asks.saturating_add(other.timed_out_asks);
     }
 }
 
@@ -101,7 +121,7 @@ mod tests {
             _ => 0,
         };
         let mut tally = QueryTally::of_run(number, "");
-        assert_eq!(tally, QueryTally { drives: 100, failed: 20, rescued: 12, timed_out: 10, limited_runs: 0 });
+        assert_eq!(tally, QueryTally { drives: 100, failed: 20, rescued: 12, timed_out: 10, ..QueryTally::default() });
         tally += QueryTally { drives: 100, ..QueryTally::default() };
         assert_eq!(
             tally.sentences("rrt"),
@@ -112,6 +132,9 @@ mod tests {
             limited.sentences("rrt"),
             ["Outcomes depend on this machine: rrt reached a limit of memory or start time in 1 run."]
         );
+        let asks = QueryTally::of_run(|column| if column.starts_with("policy_") { 3 } else { 0 }, "");
+        assert_eq!((asks.asks, asks.failed_asks), (3, 12));
+        assert_eq!(asks.sentences("rrt"), ["Outcomes depend on this machine: 3 asks of a policy timed out."]);
         assert!(QueryTally { drives: 9, ..QueryTally::default() }.sentences("rrt").is_empty());
     }
 }

@@ -101,7 +101,9 @@ impl RunRecord {
 
     /// Says in which outcome column a run differs from this record of it; `None` if in none.
     pub fn difference(&self, again: &Self) -> Option<String> {
-        let outcomes = RUN_COLUMNS.iter().zip(self.0.iter().zip(&again.0)).filter(|(it, _)| !is_measured(it.name));
+        // What policies were asked is in no recording.
+        let is_outcome = |name: &str| !is_measured(name) && !name.starts_with("policy_");
+        let outcomes = RUN_COLUMNS.iter().zip(self.0.iter().zip(&again.0)).filter(|(it, _)| is_outcome(it.name));
         let (column, (said, found)) = outcomes.into_iter().find(|(_, (said, found))| said != found)?;
         let [said, found] = [said, found].map(|value| match value.to_string() {
             word if word.is_empty() => "nothing".into(),

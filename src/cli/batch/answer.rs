@@ -154,7 +154,7 @@ fn summary(plan: &BatchPlan, folder: &OutputFolder, report: &BatchReport) -> Doc
             Document::new(title).with(one.tables.blocks()).with([Block::List(sentences)])
         }
         _ => {
-            let sentences = report.notes().into_iter().chain([files]).collect();
+            let sentences = report.notes().into_iter().chain(report.failure_sentences()).chain([files]).collect();
             let title = format!("Seeds {} of each variant", plan.seeds);
             Document::new(title).with(report.overview()).with([Block::List(sentences)])
         }

@@ -83,6 +83,7 @@ fn decimals(ranking: &Ranking) -> usize {
 fn table(ranking: &Ranking) -> Table {
     let has_failed = ranking.entries.iter().any(|entry| entry.failed > 0);
     let has_failed_queries = ranking.entries.iter().any(|entry| entry.queries.failed > 0);
+    let has_failed_asks = ranking.entries.iter().any(|entry| entry.queries.failed_asks > 0);
     let has_rescued = ranking.entries.iter().any(|entry| entry.queries.rescued > 0);
     let has_groups = ranking.entries.len() > 1 && ranking.entries.iter().all(|entry| entry.groups.is_some());
     let decimals = decimals(ranking);
@@ -91,6 +92,7 @@ fn table(ranking: &Ranking) -> Table {
     headings.extend(["Mean", "less\nfirst", "95%\nlow", "95%\nhigh"]);
     headings.extend(has_failed.then_some("Failed\nruns %"));
     headings.extend(has_failed_queries.then_some("Failed\nqueries %"));
+    headings.extend(has_failed_asks.then_some("Failed\nasks %"));
     headings.extend(has_rescued.then_some("Rescued\ndrives %"));
     let row = |(place, entry): (usize, &RankedEntry)| {
         let against_first = ranking.pair(0, place).map(|pair| &pair.contrast);
@@ -107,6 +109,7 @@ fn table(ranking: &Ranking) -> Table {
         let share = |part: u64, all: u64| if all > 0 { percent(part as f64 / all as f64) } else { "-".into() };
         let queries = &entry.queries;
         cells.extend(has_failed_queries.then(|| share(queries.failed, queries.drives + queries.failed)));
+        cells.extend(has_failed_asks.then(|| share(queries.failed_asks, queries.asks)));
         cells.extend(has_rescued.then(|| share(queries.rescued, queries.drives)));
         cells
     };

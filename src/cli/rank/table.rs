@@ -33,6 +33,8 @@ struct EntryRow<'a> {
     rescued_drives: u64,
     timed_out_queries: u64,
     depends_on_machine: bool,
+    policy_asks: u64,
+    failed_asks: u64,
 }
 
 pub fn write(path: &Path, ranking: &Ranking) -> io::Result<()> {
@@ -61,6 +63,8 @@ pub fn write(path: &Path, ranking: &Ranking) -> io::Result<()> {
             rescued_drives: entry.queries.rescued,
             timed_out_queries: entry.queries.timed_out,
             depends_on_machine: entry.queries.depends_on_machine(),
+            policy_asks: entry.queries.asks,
+            failed_asks: entry.queries.failed_asks,
         })?;
     }
     writer.into_inner().map_err(csv::IntoInnerError::into_error)?.finish()

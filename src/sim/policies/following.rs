@@ -4,10 +4,13 @@ use std::time::Duration;
 
 use bevy::prelude::*;
 
-use super::{AgentView, Asking, Choice, Observation, OptionsOf, Policy};
+use super::{AgentView, AskReport, Asking, Choice, Observation, OptionsOf, Policy};
 use crate::fire::FireField;
 use crate::geometry::Cell;
+use crate::planning::{PlanFailure, PlannerName};
+use crate::sim::run::{FailureMessages, PolicyTally};
 use crate::time::SimTime;
+use crate::time::cpu::CpuStopwatch;
 use crate::timeline::AgentId;
 
 /// Which of the run's policies an agent follows.
@@ -54,22 +57,76 @@ pub struct Question {
     pub options: Vec<Vec<Cell>>,
 }
 
+/// How asks of policies that are not built in went, and what they cost.
+#[derive(Debug, Default)]
+pub struct OwnAsks {
+    /// `None` where all policies are built in.
+    pub tally: Option<PolicyTally>,
+    pub messages: FailureMessages,
+    /// CPU time, that of other processes included.
+    pub cpu: Duration,
+    pub elsewhere: Duration,
+}
+
+impl OwnAsks {
+    fn add_cpu(&mut self, here: Duration, elsewhere: Duration) {
+        self.cpu += here + elsewhere;
+        self.elsewhere += elsewhere;
+    }
+
+    fn add(&mut self, name: &PlannerName, now: SimTime, report: AskReport) {
+        let tally = self.tally.get_or_insert_default();
+        tally.asked += 1;
+        let who = format!("policy {name}");
+        if let Some((reason, words)) = report.failure {
+            match reason {
+                PlanFailure::TimedOut => tally.timed_out += 1,
+                PlanFailure::BadAnswer => tally.bad_answer += 1,
+                _ => tally.crashed += 1,
+            }
+            self.messages.add(&who, now, reason, &words);
+        }
+        if let Some(words) = report.illegal {
+            tally.illegal += 1;
+            self.messages.add_words(&who, now, &format!("{ILLEGAL}: {words}"));
+        }
+    }
+}
+
+/// The reason of messages about answers that are none of the options.
+pub const ILLEGAL: &str = "illegal";
+
+/// A policy, and its name if it is not built in.
+struct Followed {
+    policy: Box<dyn Policy>,
+    own: Option<PlannerName>,
+}
+
 /// The policies of a run, one for all agents of a name, and the question that waits for an answer from outside.
 #[derive(Resource, Default)]
 pub struct Following {
-    policies: Vec<Box<dyn Policy>>,
+    policies: Vec<Followed>,
     of_agents: Vec<(AgentId, Follows)>,
     pub question: Option<Question>,
     /// Choices from outside that have not been carried out.
     pub answer: Vec<(AgentId, Choice)>,
     /// CPU time of the policies of teams.
     pub team_cpu: Duration,
+    pub own: OwnAsks,
 }
 
 impl Following {
     pub fn add(&mut self, policy: Box<dyn Policy>) -> Follows {
-        self.policies.push(policy);
+        self.policies.push(Followed { policy, own: None });
         Follows(self.policies.len() - 1)
+    }
+
+    /// Adds a policy for these agents that is not built in, and what making it took.
+    pub fn add_own(&mut self, agents: &[AgentId], name: &PlannerName, mut policy: Box<dyn Policy>, making: Duration) {
+        self.own.tally.get_or_insert_default();
+        self.own.add_cpu(making, policy.take_report().elsewhere);
+        self.add_for(agents, policy);
+        self.policies.last_mut().expect("it was just added").own = Some(name.clone());
     }
 
     /// Adds a policy for these agents.
@@ -86,12 +143,12 @@ impl Following {
 
     /// Says whom a policy is asked about.
     pub fn asking(&self, policy: Follows) -> Asking {
-        self.policies[policy.0].asking()
+        self.policies[policy.0].policy.asking()
     }
 
     /// Returns the simulated time that a policy's last choice costs.
     pub fn charge(&self, policy: Follows) -> SimTime {
-        self.policies[policy.0].charge()
+        self.policies[policy.0].policy.charge()
     }
 
     /// Asks a policy, or takes what was answered from outside. If the answer comes later nothing is returned, and the
@@ -110,7 +167,17 @@ impl Following {
         if choices.is_empty() {
             let by_name = OptionsByName { asked: &asked, options_of };
             let seen = Observation { now, fires, agents: &agents, options_of: &by_name };
-            choices = self.policies[policy.0].choose(&seen, &ids);
+            let Followed { policy, own } = &mut self.policies[policy.0];
+            let mut stopwatch = CpuStopwatch::start();
+            choices = policy.choose(&seen, &ids);
+            if let Some(name) = own {
+                let mut report = policy.take_report();
+                // The time of a team's policy is measured with what else its decision takes.
+                let here = if policy.asking() == Asking::Each { stopwatch.lap() } else { Duration::ZERO };
+                self.own.add_cpu(here, report.elsewhere);
+                report.illegal = report.illegal.or(refuse_illegal(&mut choices, &by_name));
+                self.own.add(name, now, report);
+            }
         }
         choices.retain(|(id, _)| ids.contains(id));
         if choices.is_empty() {
@@ -120,4 +187,19 @@ impl Following {
         }
         choices.into_iter().filter_map(|(id, choice)| Some((entity_of(id)?, choice))).collect()
     }
+}
+
+/// Lets agents wait that were sent to what is no option of theirs; returns words about the first of them.
+fn refuse_illegal(choices: &mut [(AgentId, Choice)], options: &OptionsByName<'_>) -> Option<String> {
+    let mut words = None;
+    for (agent, choice) in choices {
+        if let Choice::Go(cell) = *choice
+            && options.entity(*agent).is_some()
+            && !options.list(*agent).contains(&cell)
+        {
+            *choice = Choice::Wait;
+            words.get_or_insert_with(|| format!("{agent} cannot go for ({}, {})", cell.col, cell.row));
+        }
+    }
+    words
 }

@@ -20,15 +20,17 @@ mod random_intact;
 mod registry;
 
 use std::fmt;
+use std::time::Duration;
 
 use glam::DVec2;
 
 use crate::fire::FireField;
 use crate::geometry::{Cell, Pose};
+use crate::planning::PlanFailure;
 use crate::time::SimTime;
 use crate::timeline::{Activity, AgentId};
 
-pub use following::{Following, Follows, Inquiry, Question};
+pub use following::{Following, Follows, Inquiry, OwnAsks, Question};
 pub use largest_cluster::cluster_sizes;
 pub use registry::{BuiltIn, MakePolicy, NamedPolicy, Policies, PolicyNameError, PolicySite, RuleSite};
 
@@ -153,6 +155,17 @@ pub enum Asking {
     },
 }
 
+/// What there is to say of an ask of a policy that is not built in.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct AskReport {
+    /// Why there was no answer, and words about it. Agents wait then.
+    pub failure: Option<(PlanFailure, String)>,
+    /// Words about an answer that nobody could carry out.
+    pub illegal: Option<String>,
+    /// CPU time of other processes.
+    pub elsewhere: Duration,
+}
+
 /// Chooses where agents go.
 pub trait Policy: Send + Sync {
     /// Chooses for some or all of the agents that are `asked`, or for none if the answer comes later.
@@ -166,6 +179,11 @@ pub trait Policy: Send + Sync {
     /// Returns the simulated time that its last choice costs the trucks of a team which set out because of it.
     fn charge(&self) -> SimTime {
         SimTime::ZERO
+    }
+
+    /// Takes what there is to say of its last choice, or, before the first, of how it was made.
+    fn take_report(&mut self) -> AskReport {
+        AskReport::default()
     }
 }
 

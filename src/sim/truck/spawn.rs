@@ -13,7 +13,7 @@ use crate::scenario::{self, Extinguishes, PlannerContext, Retarget, free_start};
 use crate::sim::agent::{Agent, Arena, enlist};
 use crate::sim::policies::Following;
 use crate::sim::recorder::Recorder;
-use crate::sim::run::RunError;
+use crate::sim::run::{AgentCost, RunError};
 use crate::sim::wake::WokenBy;
 use crate::time::SimTime;
 use crate::timeline::{AgentFact, AgentId, AgentStart, Body};
@@ -48,7 +48,8 @@ pub fn spawn(
     };
     let no_planner = |reason| RunError::NoPlanner { agent: id, name: settings.planner.clone(), reason };
     let mut planner = settings.make_planner(&context).map_err(no_planner)?;
-    let BuildReport { samples, edges, components, sampling, connecting, .. } = planner.build_report();
+    let report = planner.build_report();
+    let BuildReport { samples, edges, components, .. } = report;
     let mut recorder = world.resource_mut::<Recorder>();
     if samples > 0 {
         recorder.record_agent(SimTime::ZERO, id, AgentFact::RoadmapBuilt { samples, edges, components });
@@ -84,6 +85,7 @@ pub fn spawn(
     let woken_by = WokenBy::truck(following.asking(follows), settings.retarget == Retarget::OnEvent);
     let mut agent = Agent::standing(id, Body::Truck(settings.vehicle), start);
     agent.stops_left = arena.water.as_ref().map(|water| water.full_tank);
-    (agent.cost.sampling, agent.cost.connecting) = (sampling, connecting);
+    let BuildReport { sampling, connecting, starting, elsewhere, .. } = report;
+    agent.cost = AgentCost { sampling, connecting, starting, elsewhere, ..agent.cost };
     Ok(enlist(world, agent, settings.speed_limits(), (truck, woken_by, follows)))
 }

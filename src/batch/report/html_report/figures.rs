@@ -5,7 +5,7 @@ use super::collected::{Collected, Values, is_cut};
 use super::facets::{Facet, FacetSeries, MOST_PANELS, variant_facets};
 use super::labels::Labels;
 use super::over_time::StateCurves;
-use super::quantities::{BURNED_AREA, CPU_PARTS, ChartChoice, Quantity, SAVED, STATES};
+use super::quantities::{BURNED_AREA, CPU_PARTS, CUSTOM_PLANNERS, ChartChoice, Quantity, SAVED, STATES};
 use super::sweeps::{SweepChart, interval_note, main_curves, sweep_charts};
 use super::words;
 use crate::batch::plan::BatchPlan;
@@ -198,7 +198,12 @@ impl MeansChart {
     }
 
     fn bars(&self, language: Language, panels: &[Facet], values: &[Values]) -> BarChart {
-        let quantities = &self.quantities;
+        let is_used = |quantity: Quantity| {
+            let mut series = panels.iter().flat_map(|panel| &panel.series);
+            !CUSTOM_PLANNERS.contains(&quantity)
+                || series.any(|it| values[it.variants[0]].mean(quantity).is_some_and(|mean| mean.value > 0.0))
+        };
+        let quantities: Vec<Quantity> = self.quantities.iter().copied().filter(|&it| is_used(it)).collect();
         let of_series = |series: &FacetSeries| {
             let values = &values[series.variants[0]];
             let bars = quantities.iter().map(|&quantity| values.mean(quantity)).collect();

@@ -22,15 +22,20 @@ pub static STATES: [Quantity; 4] =
     [quantity("intact"), quantity("burning"), quantity("burned_out"), quantity("extinguished")];
 
 /// The parts of the planners' CPU time.
-pub static CPU_PARTS: [Quantity; 7] = [
+pub static CPU_PARTS: [Quantity; 9] = [
     quantity("cpu_clearance_field_s"),
     quantity("cpu_sampling_s"),
     quantity("cpu_map_generation_s"),
     quantity("cpu_roadmap_search_s"),
     quantity("cpu_local_search_s"),
     quantity("cpu_reachability_s"),
+    CUSTOM_PLANNERS[0],
+    CUSTOM_PLANNERS[1],
     quantity("cpu_wumpus_s"),
 ];
+
+/// The parts that only runs with planners that are not built in have.
+pub const CUSTOM_PLANNERS: [Quantity; 2] = [quantity("cpu_custom_start_s"), quantity("cpu_custom_queries_s")];
 
 /// The bushes that did not burn: the share of all.
 pub const SAVED: Quantity =

@@ -61,6 +61,7 @@ impl PrmPrimitives {
             components: roadmap.component_count(),
             sampling,
             connecting: watch.lap(),
+            ..BuildReport::default()
         };
         Self {
             checker: checker.clone(),

@@ -195,6 +195,7 @@ fn whole_roadmap(site: &Site<'_>) -> (Roadmap, BuildReport) {
         components,
         sampling,
         connecting: watch.lap(),
+        ..BuildReport::default()
     };
     (roadmap, report)
 }
