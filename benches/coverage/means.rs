@@ -3,13 +3,13 @@
 use std::fmt::Write;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use wildfire::stats::{Interval, estimate_mean, studentised_bootstrap};
+use wildfire::stats::{Interval, Series, estimate_mean, studentised_bootstrap};
 
 use crate::outcomes::{Contest, Contests, Population};
 use crate::{count, percent, rivals};
 
 const SIZES: [usize; 5] = [5, 10, 20, 30, 200];
-const METHODS: [&str; 5] = ["as shown", "Student's t", "studentised", "percentile", "BCa"];
+const METHODS: [&str; 6] = ["as shown", "Student's t", "studentised", "percentile", "BCa", "log scale"];
 
 pub fn coverage(contests: &Contests, replications: u64) -> String {
     let mut text = format!("Coverage in percent of intervals of a mean\n{:34}{:>4}", "", "n");
@@ -49,7 +49,9 @@ fn hits(population: &Population, n: usize, replications: u64) -> [u64; METHODS.l
         let [percentile, bca] = rivals::percentile_and_bca(&sample, random);
         let studentised = studentised_bootstrap(&sample, random).and_then(|estimate| estimate.interval);
         let shown = estimate_mean(&sample, random).and_then(|estimate| estimate.interval);
-        let intervals = [shown, rivals::students_t(&sample), studentised, percentile, bca];
+        // That of tables and charts for quantities that are not negative.
+        let log_scale = Series::from_values(&sample).mean_interval_within((0.0, f64::INFINITY));
+        let intervals = [shown, rivals::students_t(&sample), studentised, percentile, bca, log_scale];
         for (hits, interval) in hits.iter().zip(intervals) {
             let holds = interval.is_some_and(|interval: Interval| interval.contains(truth));
             hits.fetch_add(u64::from(holds), Ordering::Relaxed);

@@ -86,6 +86,7 @@ pub fn compare<'py>(
                 judged.p_adjusted.into(),
                 contrast.effect_dz.into(),
                 method(contrast.method).to_owned().into(),
+                method(contrast.p_method).to_owned().into(),
                 verdict(judged.verdict).to_owned().into(),
                 judged.sentence(against.letter).into(),
             ]);
@@ -115,7 +116,8 @@ fn columns() -> Vec<FileColumn> {
         ("p_value", Kind::Real, "probability of such a difference by chance"),
         ("p_adjusted", Kind::Real, "the same by Holm's method over all that is compared"),
         ("cohens_dz", Kind::Real, "difference in standard deviations of the difference"),
-        ("method", Kind::Text, "method behind interval and p-value"),
+        ("method", Kind::Text, "method behind the interval"),
+        ("p_method", Kind::Text, "method behind the p-value"),
         ("verdict", Kind::Text, "difference, no-evidence, no-evidence-among-several-tests or equal"),
         ("sentence", Kind::Text, "the verdict in words"),
     ]

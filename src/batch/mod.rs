@@ -38,7 +38,9 @@ pub use execute::{
     RunRow, RunScenario, STATE_STEPS, STATES_PARQUET, SliceState, Solution, StateCount, Status, StrangeEntry, Survey,
     TABLES_FILE, Whole, batch_status, file_name_of, limit_threads,
 };
-pub use maps::{BatchMaps, BatchQuantity, BatchSide, MapDifference, MapSource, MapsError, MapsOptions, map_batches};
+pub use maps::{
+    BatchMaps, BatchQuantity, BatchSide, MapDifference, MapSource, MapsError, MapsOptions, RunMean, map_batches,
+};
 pub use plan::{
     BatchPlan, BatchRequest, COMMIT, COMPILER, CourseError, CoursePlan, CourseRefusal, CourseRequest, LONG_VERSION,
     MAX_RUNS, MAX_SEEDS_BYTES, MAX_VARIANTS, PLAN_FILE, PLAN_TEMPLATE, PLANNER_KEY, PROGRAM_VERSION, PlanError,

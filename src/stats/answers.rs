@@ -1,7 +1,7 @@
 //! Answers yes or no: their rate, and the difference of the rates of paired answers.
 
-use crate::stats::Interval;
 use crate::stats::distributions::{binomial_at_most, normal_reach};
+use crate::stats::{Interval, Series};
 
 /// Counts of pairs by the answers, yes or no, of their first and their second.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -69,6 +69,21 @@ impl PairedAnswers {
     }
 }
 
+/// Returns the interval of the mean of differences of rates, each of a subject that was asked so many times, within -1 to
+/// 1; `None` without differences.
+///
+/// That of Bonett and Price, with one answer more that differs either way as a subject of its own: for subjects that were
+/// asked once it is [`PairedAnswers::rate_difference_interval`].
+pub fn mean_rate_difference_interval(differences: &[f64], times: usize) -> Option<Interval> {
+    differences.first()?;
+    let one = 1.0 / times as f64;
+    let adjusted = Series::from_values(&[differences, &[one, -one]].concat());
+    let n = adjusted.count() as f64;
+    let error = adjusted.standard_error()? * ((n - 1.0) / n).sqrt();
+    let Interval { low, high } = Interval::about(adjusted.mean()?, normal_reach() * error);
+    Some(Interval { low: low.max(-1.0), high: high.min(1.0) })
+}
+
 /// Returns the interval of the rate of `hits` in `trials`, within 0 to 1; `None` without trials.
 ///
 /// Wilson, "Probable inference, the law of succession, and statistical inference", JASA 22, 1927: all rates that the
@@ -119,6 +134,11 @@ mod tests {
         // In Python: p, q = 4 / 42, 11 / 42; q - p -+ norm.ppf(0.975) * sqrt((p + q - (q - p) ** 2) / 42)
         assert_interval(answers(3, 10, 40).rate_difference_interval(), -0.0068983608998942625, 0.34023169423322763);
         assert_eq!(answers(3, 10, 40).rate_difference(), Some(0.175));
+        let single = [vec![-1.0; 3], vec![1.0; 10], vec![0.0; 27]].concat();
+        assert_interval(mean_rate_difference_interval(&single, 1), -0.0068983608998942625, 0.34023169423322763);
+        let several = mean_rate_difference_interval(&[1.0, 1.0, 0.5], 4).expect("there are three");
+        assert!(several.low > 0.0 && several.high == 1.0, "{several:?}");
+        assert_eq!(mean_rate_difference_interval(&[], 2), None);
     }
 
     #[test]

@@ -12,6 +12,9 @@ use crate::stats::{Interval, MeanEstimate, MeanMethod, Series};
 /// Number of resamples. One more than it, times the probability left out at either end, is a whole number.
 pub const RESAMPLES: usize = 3999;
 
+/// The smallest p-value that the resamples can give.
+pub const RESOLUTION: f64 = 2.0 / (RESAMPLES + 1) as f64;
+
 /// The number of sorted resamples beyond either end of an interval: 2.5 % of one more than there are.
 const BEYOND: usize = (RESAMPLES + 1) / 40;
 
@@ -19,15 +22,15 @@ const BEYOND: usize = (RESAMPLES + 1) / 40;
 const ROUNDING: f64 = 1e-12;
 
 /// Estimates the mean of a sample with its studentised bootstrap interval, and the test that the mean is zero: its
-/// p-value is at most 0.05 just when zero lies beyond the interval. Where zero is farther out than every resample it is
-/// Student's.
+/// p-value is at most 0.05 just when zero lies beyond the interval. The resamples cannot give a p-value below
+/// [`RESOLUTION`]; where zero is farther out than all of them, it is Student's if that is smaller.
 ///
 /// `None` of a sample of fewer than two numbers or of more than `u32::MAX`, without spread, or of so few distinct
 /// numbers that an end of the interval would be infinite. Takes [`RESAMPLES`] draws for each number.
 pub fn studentised_bootstrap(values: &[f64], random: &mut impl Rng) -> Option<MeanEstimate> {
     let series = Series::from_values(values);
     let (mean, error) = (series.mean()?, series.standard_error()?);
-    if error == 0.0 || u32::try_from(values.len()).is_err() {
+    if error == 0.0 || !error.is_finite() || u32::try_from(values.len()).is_err() {
         return None;
     }
     let centred: Vec<f64> = values.iter().map(|value| value - mean).collect();
@@ -35,12 +38,9 @@ pub fn studentised_bootstrap(values: &[f64], random: &mut impl Rng) -> Option<Me
     ts.sort_unstable_by(f64::total_cmp);
     let interval = Interval { low: mean - ts[RESAMPLES - BEYOND] * error, high: mean - ts[BEYOND - 1] * error };
     let is_finite = interval.low.is_finite() && interval.high.is_finite();
-    is_finite.then(|| MeanEstimate {
-        mean,
-        interval: Some(interval),
-        p_value: Some(p_value(&ts, mean / error, values.len() - 1)),
-        method: MeanMethod::StudentisedBootstrap,
-    })
+    let (p_value, p_method) = p_value(&ts, mean / error, values.len() - 1);
+    let (interval, p_value, method) = (Some(interval), Some(p_value), MeanMethod::StudentisedBootstrap);
+    is_finite.then_some(MeanEstimate { mean, interval, p_value, method, p_method })
 }
 
 /// Returns the mean of a resample of numbers whose mean is zero, in its own standard errors.
@@ -72,15 +72,14 @@ fn index_below(n: usize, bits: u64) -> usize {
 }
 
 /// Returns the share of the sorted `ts` that lie as far out as `t`, which counts as one of them, on the rarer side and
-/// doubled.
-///
-/// A share cannot be smaller than one of all, however far out `t` lies; there Student's p-value takes over.
-fn p_value(ts: &[f64], t: f64, degrees: usize) -> f64 {
+/// doubled; beyond all of them Student's p-value, if it is smaller.
+fn p_value(ts: &[f64], t: f64, degrees: usize) -> (f64, MeanMethod) {
     let at_least = ts.len() - ts.partition_point(|&other| other < t);
     let at_most = ts.partition_point(|&other| other <= t);
     let rarer = at_least.min(at_most);
     let p_value = (2.0 * (rarer + 1) as f64 / (ts.len() + 1) as f64).min(1.0);
-    if rarer == 0 { p_value.min(t_two_sided(t, degrees as f64)) } else { p_value }
+    let students = if rarer == 0 { t_two_sided(t, degrees as f64) } else { 1.0 };
+    if students < RESOLUTION { (students, MeanMethod::StudentsT) } else { (p_value, MeanMethod::StudentisedBootstrap) }
 }
 
 #[cfg(test)]
@@ -111,15 +110,19 @@ mod tests {
             let shifted: Vec<f64> = values.iter().map(|value| value - shift).collect();
             let found = estimate(&shifted);
             let interval = found.interval.expect("the values differ");
-            assert_eq!(interval.contains(0.0), found.p_value.expect("the values differ") > 0.05, "{shift}");
+            let p_value = found.p_value.expect("the values differ");
+            assert_eq!(interval.contains(0.0), p_value > 0.05, "{shift}");
+            assert!(p_value >= RESOLUTION || found.p_method == MeanMethod::StudentsT, "{shift}: {p_value}");
         }
     }
 
     #[test]
     fn far_out_the_test_is_students() {
         let shifted: Vec<f64> = skewed(25).iter().map(|value| value + 1000.0).collect();
-        let p_value = estimate(&shifted).p_value.expect("the values differ");
+        let MeanEstimate { p_value, method, p_method, .. } = estimate(&shifted);
+        let p_value = p_value.expect("the values differ");
         assert!(p_value > 0.0 && p_value < 1e-12, "{p_value}");
+        assert_eq!((method, p_method), (MeanMethod::StudentisedBootstrap, MeanMethod::StudentsT));
     }
 
     #[test]

@@ -23,12 +23,14 @@ pub fn estimate_mean(values: &[f64], random: &mut impl Rng) -> Option<MeanEstima
 pub fn students_t(values: &[f64]) -> Option<MeanEstimate> {
     let series = Series::from_values(values);
     let mean = series.mean()?;
-    let error = series.standard_error().filter(|&error| error > 0.0);
+    // Of numbers as large as 1e200 the spread is beyond all numbers.
+    let error = series.standard_error().filter(|&error| error > 0.0 && error.is_finite());
     Some(MeanEstimate {
         mean,
         interval: error.and_then(|_| series.mean_interval()),
         p_value: error.map(|error| t_two_sided(mean / error, (values.len() - 1) as f64)),
         method: MeanMethod::StudentsT,
+        p_method: MeanMethod::StudentsT,
     })
 }
 
@@ -82,7 +84,8 @@ mod tests {
 
     #[test]
     fn numbers_without_spread_have_a_mean_and_nothing_else() {
-        let expected = MeanEstimate { mean: 2.0, interval: None, p_value: None, method: MeanMethod::StudentsT };
+        let method = MeanMethod::StudentsT;
+        let expected = MeanEstimate { mean: 2.0, interval: None, p_value: None, method, p_method: method };
         assert_eq!(estimate(&[2.0]), expected);
         assert_eq!(estimate(&[2.0; 20]), expected);
         assert_eq!(cohens_dz(&[2.0; 20]), None);

@@ -7,11 +7,12 @@
 //! | of | value | interval | test |
 //! |---|---|---|---|
 //! | a mean, or a mean of paired differences | [`estimate_mean`] | studentised bootstrap, or Student's t | that it is zero |
-//! | the same in constant memory | [`Series`] | Student's t | - |
+//! | a mean in constant memory | [`Series`] | Student's t, for quantities with a range on the log or logit scale | - |
 //! | a difference of two means of unpaired numbers | [`welch_interval`] | Welch's t | - |
 //! | a quantile | [`quantile`] | [`quantile_interval`], by order statistics | - |
 //! | a rate | `hits / trials` | [`wilson_interval`] | - |
 //! | paired answers yes or no | [`PairedAnswers`] | adjusted Wald | McNemar, exact |
+//! | the same, several of each subject | - | [`mean_rate_difference_interval`] | [`SignedRanks`] |
 //! | paired differences by rank | [`SignedRanks`] | - | Wilcoxon |
 //! | times, some of them cut off | [`SurvivalCurve`] | Greenwood, on the log-log scale | - |
 //! | means under several conditions | - | - | [`RepeatedMeasures`], that they are equal |
@@ -28,10 +29,10 @@ mod series;
 mod signed_ranks;
 mod survival;
 
-pub use answers::{PairedAnswers, wilson_interval};
-pub use bootstrap::{RESAMPLES, studentised_bootstrap};
+pub use answers::{PairedAnswers, mean_rate_difference_interval, wilson_interval};
+pub use bootstrap::{RESAMPLES, RESOLUTION, studentised_bootstrap};
 pub use holm::holm;
-pub use mean::{cohens_dz, estimate_mean, students_t};
+pub use mean::{cohens_dz, estimate_mean};
 pub use quantiles::{quantile, quantile_interval};
 pub use repeated_measures::RepeatedMeasures;
 pub use series::{Series, welch_interval};
@@ -58,7 +59,7 @@ impl Interval {
     }
 }
 
-/// The method by which an interval was found.
+/// The method by which an interval or a p-value was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeanMethod {
     StudentsT,
@@ -73,7 +74,10 @@ pub struct MeanEstimate {
     pub interval: Option<Interval>,
     /// The probability of a mean at least as far from zero if the true one were zero; `None` as above.
     pub p_value: Option<f64>,
+    /// The method of the interval.
     pub method: MeanMethod,
+    /// The method of the p-value: Student's where zero lies farther out than every resample.
+    pub p_method: MeanMethod,
 }
 
 #[cfg(test)]

@@ -30,7 +30,7 @@ fn hostile_batch(story: &Story) {
 fn batches_are_compared_in_every_form() {
     let story = two_batches();
     let text = story.tell(&["compare", "a", "b"]).expect_code(0).stdout;
-    for words in ["A: a/runs.csv (scenario smoke", "6 pairs of runs.", "saved: ", "B less A", "Fewer than 10 pairs"] {
+    for words in ["A: a/runs.csv (scenario smoke", "6 pairs of runs.", "saved: ", "B less A", "Fewer than 10 seeds"] {
         assert!(text.contains(words), "`{words}` is missing:\n{text}");
     }
     assert!(widest(&text) <= 80, "{text}");

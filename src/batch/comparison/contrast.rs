@@ -8,11 +8,15 @@ use crate::batch::comparison::sides::Side;
 use crate::rng;
 use crate::stats::{
     Interval, Lifetime, MeanMethod, PairedAnswers, RepeatedMeasures, Series, SignedRanks, SurvivalCurve, cohens_dz,
-    estimate_mean,
+    estimate_mean, mean_rate_difference_interval,
 };
 
 /// Every comparison draws from the streams of this seed: the same files give the same figures.
 const SEED: u64 = 1;
+
+/// The letter in the names of these streams, that of the first side set against A: a pair has the same interval against
+/// whatever else it is shown, and the mirrored one with its sides exchanged.
+const LETTER: char = 'B';
 
 /// A metric on both sides, and how the second differs from the first.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,20 +24,25 @@ pub struct Contrast {
     pub metric: Metric,
     /// Pairs that have the metric on both sides.
     pub pairs: usize,
+    /// The independent ones among them: seeds, where there are several strata.
+    pub seeds: usize,
     /// Mean of each side over these pairs; of yes or no, the rate.
     pub means: [f64; 2],
     pub difference: f64,
     /// The interval of the difference; `None` of fewer than two pairs or if all differ alike.
     pub interval: Option<Interval>,
+    /// The method behind the interval.
     pub method: Method,
     /// That there is no difference; `None` if no pair differs.
     pub p_value: Option<f64>,
+    /// The method behind the p-value.
+    pub p_method: Method,
     pub effect_dz: Option<f64>,
     pub ranks: Option<SignedRanks>,
     pub cut_off: Option<CutOff>,
 }
 
-/// The method behind interval and p-value.
+/// The method behind an interval or a p-value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     StudentisedBootstrap,
@@ -56,9 +65,20 @@ pub struct CutOff {
     pub median_intervals: [(Option<f64>, Option<f64>); 2],
 }
 
+/// The numbers of two runs that belong together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NumberPair {
+    pub seed: u64,
+    /// An index; each stratum has a pair of a seed at most once.
+    pub stratum: usize,
+    pub numbers: [f64; 2],
+}
+
 /// A metric in each stratum of the pairs by itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ByStratum {
+    /// The columns that the strata differ in, in words.
+    pub by: String,
     /// The contrasts, each with the index of its stratum; strata in which no pair has the metric are left out.
     pub contrasts: Vec<(usize, Contrast)>,
     /// Seeds that have the metric in all of these strata, on both sides.
@@ -84,12 +104,37 @@ impl Contrast {
         let rows: Vec<_> = pairs.runs.iter().map(|&(ours, theirs)| [row(first, ours), row(second, theirs)]).collect();
         let cut_off = if matches!(metric.kind, MetricKind::Time { .. }) { Some(cut_off(&rows)) } else { None };
         let horizon = cut_off.as_ref().and_then(|it| it.horizon).unwrap_or(f64::INFINITY);
-        let numbers: Vec<_> = rows.iter().map(|rows| numbers_of(metric, rows, horizon)).collect();
-        let all: Vec<_> = numbers.iter().flatten().copied().collect();
-        let contrast = Self { cut_off, ..contrast_of_pairs(metric, second.letter, &all)? };
-        let seeds: Vec<u64> = pairs.runs.iter().map(|&(ours, _)| first.table.seeds[ours]).collect();
-        let by_stratum = (pairs.strata.len() > 1).then(|| by_stratum(metric, second.letter, pairs, &seeds, &numbers));
-        Some((contrast, by_stratum))
+        let numbers = rows.iter().map(|rows| numbers_of(metric, rows, horizon));
+        let seeds = pairs.runs.iter().map(|&(ours, _)| first.table.seeds[ours]);
+        let numbers = numbers
+            .zip(seeds)
+            .zip(&pairs.stratum_of)
+            .filter_map(|((numbers, seed), &stratum)| numbers.map(|numbers| NumberPair { seed, stratum, numbers }));
+        let by = (pairs.strata.len() > 1).then(|| pairs.stratified_by());
+        let (contrast, by_stratum) = Self::from_numbers(metric, numbers.collect(), by)?;
+        Some((Self { cut_off, ..contrast }, by_stratum))
+    }
+
+    /// Contrasts pairs of runs, in any order; `None` if there are none. Where they are in several strata, `by` is what
+    /// these differ in; then the contrast is a mean over the strata, and the second value has them by themselves.
+    ///
+    /// Pairs of one seed in several strata are on related fields: seeds are independent, and strata are not a sample of
+    /// anything. So the contrast is one of means by seed, over its strata.
+    pub fn from_numbers(
+        metric: &Metric,
+        mut pairs: Vec<NumberPair>,
+        by: Option<String>,
+    ) -> Option<(Self, Option<ByStratum>)> {
+        pairs.sort_unstable_by_key(|pair| (pair.seed, pair.stratum));
+        let all: Vec<[f64; 2]> = pairs.iter().map(|pair| pair.numbers).collect();
+        let Some(by) = by else { return Some((contrast_of_pairs(metric, LETTER, &all)?, None)) };
+        let strata = by_stratum(metric, &pairs, by);
+        let differences = differences_by_seed(&pairs, &strata);
+        let contrast = match metric.kind {
+            MetricKind::Answer { .. } => contrast_rates(metric, &all, &differences, strata.contrasts.len()),
+            MetricKind::Sum(_) | MetricKind::Time { .. } => contrast_numbers(metric, LETTER, &all, &differences),
+        };
+        Some((contrast?, Some(strata)))
     }
 }
 
@@ -115,33 +160,54 @@ pub(in crate::batch) fn contrast_of_pairs(metric: &Metric, letter: char, pairs: 
         MetricKind::Answer { .. } => {
             contrast_answers(metric, pairs.iter().map(|[ours, theirs]| (*ours > 0.0, *theirs > 0.0)))
         }
-        MetricKind::Sum(_) | MetricKind::Time { .. } => contrast_numbers(metric, letter, pairs),
+        MetricKind::Sum(_) | MetricKind::Time { .. } => {
+            let differences: Vec<f64> = pairs.iter().map(|[ours, theirs]| theirs - ours).collect();
+            contrast_numbers(metric, letter, pairs, &differences)
+        }
     }
 }
 
 /// Computes the contrasts of the strata, and the test whether they differ: an analysis of variance of the paired
-/// differences, whose subjects are the seeds and whose conditions are the strata.
-fn by_stratum(metric: &Metric, letter: char, pairs: &Pairs, seeds: &[u64], numbers: &[Option<[f64; 2]>]) -> ByStratum {
-    let mut of_stratum = vec![Vec::new(); pairs.strata.len()];
-    let mut differences: BTreeMap<u64, Vec<(usize, f64)>> = BTreeMap::new();
-    for ((&stratum, seed), pair) in pairs.stratum_of.iter().zip(seeds).zip(numbers) {
-        if let Some(pair) = pair {
-            of_stratum[stratum].push(*pair);
-            differences.entry(*seed).or_default().push((stratum, pair[1] - pair[0]));
-        }
-    }
-    let contrasts = of_stratum.iter().enumerate();
+/// differences, whose subjects are the seeds and whose conditions are the strata. Pairs are by seed and stratum.
+fn by_stratum(metric: &Metric, pairs: &[NumberPair], by: String) -> ByStratum {
+    let mut of_stratum: BTreeMap<usize, Vec<[f64; 2]>> = BTreeMap::new();
+    pairs.iter().for_each(|pair| of_stratum.entry(pair.stratum).or_default().push(pair.numbers));
+    let contrasts = of_stratum.iter();
     let contrasts: Vec<_> =
-        contrasts.filter_map(|(stratum, pairs)| Some((stratum, contrast_of_pairs(metric, letter, pairs)?))).collect();
-    // Pairs are in the order of their seeds, but within a seed those of side A's runs; each stratum comes once.
-    let whole = differences.into_values().filter(|of_seed| of_seed.len() == contrasts.len());
-    let rows: Vec<Vec<f64>> = whole
-        .map(|mut of_seed| {
-            of_seed.sort_unstable_by_key(|&(stratum, _)| stratum);
-            of_seed.into_iter().map(|(_, difference)| difference).collect()
-        })
-        .collect();
-    ByStratum { contrasts, seeds: rows.len(), test: RepeatedMeasures::from_rows(&rows) }
+        contrasts.filter_map(|(&stratum, pairs)| Some((stratum, contrast_of_pairs(metric, LETTER, pairs)?))).collect();
+    let whole = of_seeds(pairs).filter(|of_seed| of_seed.len() == contrasts.len());
+    let rows: Vec<Vec<f64>> = whole.map(|of_seed| of_seed.iter().map(NumberPair::difference).collect()).collect();
+    ByStratum { by, contrasts, seeds: rows.len(), test: RepeatedMeasures::from_rows(&rows) }
+}
+
+/// Returns a difference for each seed: the mean over its strata. Their mean is that of all pairs.
+///
+/// A seed that is not in all strata would be far off only because of those that it misses. So if there is one, each seed has
+/// the mean of all pairs, and beside it how its pairs differ from the means of their strata: the spread of these
+/// numbers is that of a mean over fixed strata, whose weights are their pairs.
+fn differences_by_seed(pairs: &[NumberPair], strata: &ByStratum) -> Vec<f64> {
+    let seeds = of_seeds(pairs).count();
+    if seeds == strata.seeds {
+        let mean =
+            |of_seed: &[NumberPair]| of_seed.iter().map(NumberPair::difference).sum::<f64>() / of_seed.len() as f64;
+        return of_seeds(pairs).map(mean).collect();
+    }
+    let of_stratum: BTreeMap<usize, f64> =
+        strata.contrasts.iter().map(|(stratum, contrast)| (*stratum, contrast.difference)).collect();
+    let mean = pairs.iter().map(NumberPair::difference).sum::<f64>() / pairs.len() as f64;
+    let beside = |pair: &NumberPair| pair.difference() - of_stratum[&pair.stratum];
+    let share = seeds as f64 / pairs.len() as f64;
+    of_seeds(pairs).map(|of_seed| mean + share * of_seed.iter().map(beside).sum::<f64>()).collect()
+}
+
+fn of_seeds(pairs: &[NumberPair]) -> impl Iterator<Item = &[NumberPair]> {
+    pairs.chunk_by(|one, next| one.seed == next.seed)
+}
+
+impl NumberPair {
+    fn difference(&self) -> f64 {
+        self.numbers[1] - self.numbers[0]
+    }
 }
 
 /// From the time of the event, the end of the run, and when the event became possible.
@@ -152,28 +218,55 @@ pub(super) fn lifetime(row: &[f64]) -> Option<Lifetime> {
     (!begun.is_nan() && !time.is_nan()).then_some(Lifetime { time, is_cut_off })
 }
 
-fn contrast_numbers(metric: &Metric, letter: char, pairs: &[[f64; 2]]) -> Option<Contrast> {
-    let differences: Vec<f64> = pairs.iter().map(|[ours, theirs]| theirs - ours).collect();
+/// Contrasts the numbers of pairs by independent differences.
+fn contrast_numbers(metric: &Metric, letter: char, pairs: &[[f64; 2]], differences: &[f64]) -> Option<Contrast> {
     let random = &mut rng::stream(SEED, &format!("bootstrap/{letter}/{}", metric.name));
-    let estimate = estimate_mean(&differences, random)?;
-    let ranks = SignedRanks::from_differences(&differences);
-    let (p_value, method) = match (estimate.p_value, estimate.method) {
-        (None, _) => (ranks.map(|ranks| ranks.p_value), Method::Ranks),
-        (some, MeanMethod::StudentsT) => (some, Method::StudentsT),
-        (some, MeanMethod::StudentisedBootstrap) => (some, Method::StudentisedBootstrap),
+    let estimate = estimate_mean(differences, random)?;
+    let ranks = SignedRanks::from_differences(differences);
+    let method = |method: MeanMethod| match (estimate.p_value, method) {
+        (None, _) => Method::Ranks,
+        (Some(_), MeanMethod::StudentsT) => Method::StudentsT,
+        (Some(_), MeanMethod::StudentisedBootstrap) => Method::StudentisedBootstrap,
     };
-    let mean_of = |side: usize| Series::from_values(&pairs.iter().map(|pair| pair[side]).collect::<Vec<_>>()).mean();
     Some(Contrast {
         metric: metric.clone(),
         pairs: pairs.len(),
-        means: [mean_of(0)?, mean_of(1)?],
+        seeds: differences.len(),
+        means: means(pairs),
         difference: estimate.mean,
         interval: estimate.interval,
-        method,
-        p_value,
-        effect_dz: cohens_dz(&differences),
+        method: method(estimate.method),
+        p_value: estimate.p_value.or(ranks.map(|ranks| ranks.p_value)),
+        p_method: method(estimate.p_method),
+        effect_dz: cohens_dz(differences),
         ranks,
         cut_off: None,
+    })
+}
+
+/// Contrasts answers yes or no in several strata by the differences of their rates, one for each seed.
+fn contrast_rates(metric: &Metric, pairs: &[[f64; 2]], differences: &[f64], strata: usize) -> Option<Contrast> {
+    Some(Contrast {
+        metric: metric.clone(),
+        pairs: pairs.len(),
+        seeds: differences.len(),
+        means: means(pairs),
+        difference: Series::from_values(differences).mean()?,
+        interval: mean_rate_difference_interval(differences, strata),
+        method: Method::Answers,
+        p_value: SignedRanks::from_differences(differences).map(|ranks| ranks.p_value),
+        p_method: Method::Ranks,
+        effect_dz: None,
+        ranks: None,
+        cut_off: None,
+    })
+}
+
+/// Returns the mean of each side; of no pairs NaN.
+fn means(pairs: &[[f64; 2]]) -> [f64; 2] {
+    [0, 1].map(|side| {
+        let of_side: Vec<f64> = pairs.iter().map(|pair| pair[side]).collect();
+        Series::from_values(&of_side).mean().unwrap_or(f64::NAN)
     })
 }
 
@@ -184,11 +277,13 @@ fn contrast_answers(metric: &Metric, pairs: impl Iterator<Item = (bool, bool)>) 
     Some(Contrast {
         metric: metric.clone(),
         pairs: answers.pairs() as usize,
+        seeds: answers.pairs() as usize,
         means: [answers.first_yes(), answers.second_yes()].map(|yes| yes as f64 / answers.pairs() as f64),
         difference: answers.rate_difference()?,
         interval: answers.rate_difference_interval(),
         method: Method::Answers,
         p_value: differ.then(|| answers.mcnemar_p_value()),
+        p_method: Method::Answers,
         effect_dz: None,
         ranks: None,
         cut_off: None,

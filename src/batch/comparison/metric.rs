@@ -124,11 +124,11 @@ impl Metric {
             metric.columns().iter().all(|column| tables.iter().all(|table| table.place(column).is_some()))
         };
         if names.is_empty() {
-            return Ok(DEFAULTS.iter().map(|name| Self::new(name)).filter(in_all).collect());
+            return Ok(DEFAULTS.iter().map(|name| Self::from_name(name)).filter(in_all).collect());
         }
         let mut metrics: Vec<Self> = Vec::new();
         for name in names {
-            let metric = Self::new(name);
+            let metric = Self::from_name(name);
             if !in_all(&metric) {
                 return Err(unknown(name, tables));
             }
@@ -139,8 +139,8 @@ impl Metric {
         Ok(metrics)
     }
 
-    /// The metric of this name: one of [`NAMED_METRICS`], or a column.
-    fn new(name: &str) -> Self {
+    /// Returns the metric of this name: one of [`NAMED_METRICS`], or a column.
+    pub fn from_name(name: &str) -> Self {
         let Some(metric) = NAMED_METRICS.iter().find(|metric| metric.name == name) else {
             let column = RUN_COLUMNS.iter().find(|column| column.name == name);
             let kind = MetricKind::Sum(vec![name.to_owned()]);

@@ -8,7 +8,8 @@
 //! p-value of the mean or the answers is at most 0.05.
 //!
 //! Where something else varies within the sides, such as the coverage in a comparison of planners, a difference is a
-//! mean over its values, the strata. Then every metric is also taken stratum by stratum, and tested for an interaction
+//! mean over its values, the strata. Its interval and tests go by seed, the strata fixed: they are of one number a seed,
+//! the mean over its strata. Then every metric is also taken stratum by stratum, and tested for an interaction
 //! of side and stratum ([`RepeatedMeasures`] of the differences, seed by seed). The
 //! p-values of these tests are a family of their own for Holm's method, and so are those of the strata.
 //!
@@ -30,7 +31,7 @@ mod words;
 use std::path::PathBuf;
 
 pub(super) use contrast::contrast_of_pairs;
-pub use contrast::{ByStratum, Contrast, CutOff, Method};
+pub use contrast::{ByStratum, Contrast, CutOff, Method, NumberPair};
 pub use error::ComparisonError;
 pub use metric::{Better, Metric, MetricKind, NAMED_METRICS};
 pub use pairs::{Pairs, Stratum};
@@ -48,6 +49,7 @@ use crate::stats::{RepeatedMeasures, holm};
 use runs_table::RunsTable;
 use settings::KnownSettings;
 use sides::Side;
+pub(crate) use words::listed;
 use words::{interval_words, sentence};
 
 /// The level of the tests behind a verdict.
@@ -167,7 +169,6 @@ pub fn compare(paths: &[PathBuf], selection: &Selection, metrics: &[String]) -> 
 }
 
 /// A side compared with A, before p-values are adjusted.
-#[derive(Clone)]
 struct Unjudged {
     letter: char,
     settings: SettingsDifference,
@@ -195,32 +196,38 @@ fn summary(side: &Side<'_>) -> SideSummary {
     }
 }
 
-/// Adjusts the p-values of all contrasts together, and those of all strata.
+/// Judges the contrasts of all sides together.
 fn judged(against_a: Vec<Unjudged>) -> Vec<AgainstA> {
-    let all = || against_a.iter().flat_map(|against| &against.contrasts);
-    let mut overall = TestFamily::from_contrasts(all().map(|(contrast, _)| contrast));
-    let by_stratum = || all().filter_map(|(_, by_stratum)| by_stratum.as_ref());
+    let mut judged = judge(against_a.iter().flat_map(|against| against.contrasts.clone()).collect()).into_iter();
+    let against_a = against_a.into_iter();
+    let of_side = |Unjudged { letter, settings, pairs, contrasts }: Unjudged| AgainstA {
+        letter,
+        settings,
+        pairs,
+        judged: judged.by_ref().take(contrasts.len()).collect(),
+    };
+    against_a.map(of_side).collect()
+}
+
+/// Judges contrasts as one family: adjusts their p-values together, and those of all of their strata.
+pub(crate) fn judge(contrasts: Vec<(Contrast, Option<ByStratum>)>) -> Vec<JudgedContrast> {
+    let mut overall = TestFamily::from_contrasts(contrasts.iter().map(|(contrast, _)| contrast));
+    let by_stratum = || contrasts.iter().filter_map(|(_, by_stratum)| by_stratum.as_ref());
     let mut within =
         TestFamily::from_contrasts(by_stratum().flat_map(|it| it.contrasts.iter().map(|(_, contrast)| contrast)));
     let mut tests = adjusted(by_stratum().map(|it| Some(it.test?.p_value))).into_iter();
-    let mut judge_strata = |by: &str, ByStratum { contrasts, seeds, test }: ByStratum| JudgedStrata {
-        by: by.to_owned(),
+    let mut judge_strata = |ByStratum { by, contrasts, seeds, test }: ByStratum| JudgedStrata {
+        by,
         strata: contrasts.into_iter().map(|(stratum, contrast)| (stratum, within.judge(contrast))).collect(),
         seeds,
         test,
         p_adjusted: tests.next().flatten(),
     };
-    let against_a = against_a.clone().into_iter();
-    let judge_all = |Unjudged { letter, settings, pairs, contrasts }: Unjudged| {
-        let by = pairs.stratified_by();
-        let judge = |(contrast, by_stratum): (Contrast, Option<ByStratum>)| {
-            let judged = overall.judge(contrast);
-            JudgedContrast { by_stratum: by_stratum.map(|it| judge_strata(&by, it)), ..judged }
-        };
-        let judged = contrasts.into_iter().map(judge).collect();
-        AgainstA { letter, settings, pairs, judged }
+    let judge = |(contrast, by_stratum): (Contrast, Option<ByStratum>)| {
+        let judged = overall.judge(contrast);
+        JudgedContrast { by_stratum: by_stratum.map(&mut judge_strata), ..judged }
     };
-    against_a.map(judge_all).collect()
+    contrasts.into_iter().map(judge).collect()
 }
 
 /// Contrasts that are judged together, in their order: the adjusted p-values of means and answers, and of ranks.
@@ -304,8 +311,8 @@ impl JudgedContrast {
     }
 }
 
-/// `p = 0.012`, or `p <.001`.
+/// `p = 0.012`, or `p < 0.0005`.
 pub fn p_words(p: f64) -> String {
     let p = probability(p);
-    if p.starts_with('<') { format!("p {p}") } else { format!("p = {p}") }
+    p.strip_prefix('<').map_or_else(|| format!("p = {p}"), |bound| format!("p < {bound}"))
 }

@@ -18,7 +18,7 @@ use crate::batch::execute::BatchError;
 use crate::batch::plan::PlannedRun;
 use crate::rng;
 use crate::sim::Entrants;
-use crate::stats::{MeanEstimate, estimate_mean};
+use crate::stats::{Interval, MeanEstimate, Series, estimate_mean};
 use crate::timeline::{BurnMap, Setting, Timeline};
 
 use sums::{PairSums, RunCounts, SideSums};
@@ -74,10 +74,30 @@ pub struct BatchSide {
     /// By cell index; NaN where nothing can burn, and in maps of means where nothing did.
     pub values: Vec<f64>,
     /// Means over runs: burned cells, the same in hectares, burned bushes, and those of them that nobody put out.
-    pub burned_cells: MeanEstimate,
-    pub burned_ha: MeanEstimate,
-    pub burned_bushes: MeanEstimate,
-    pub lost_bushes: MeanEstimate,
+    pub burned_cells: RunMean,
+    pub burned_ha: RunMean,
+    pub burned_bushes: RunMean,
+    pub lost_bushes: RunMean,
+}
+
+/// A mean over runs, with its 95 % interval between nothing and all that can burn.
+#[derive(Clone, Copy, Debug)]
+pub struct RunMean {
+    pub mean: f64,
+    pub interval: Option<Interval>,
+}
+
+impl RunMean {
+    fn new(numbers: &[f64], most: f64) -> Self {
+        let series = Series::from_values(numbers);
+        Self { mean: series.mean().expect("there is a run"), interval: series.mean_interval_within((0.0, most)) }
+    }
+
+    /// Returns the same in another unit.
+    fn scaled(self, unit: f64) -> Self {
+        let interval = self.interval.map(|Interval { low, high }| Interval { low: low * unit, high: high * unit });
+        Self { mean: self.mean * unit, interval }
+    }
 }
 
 /// The first batch less the second, in pairs by seed.
@@ -191,6 +211,8 @@ struct Sums {
     runs: u64,
     recorded: u64,
     simulated: u64,
+    /// The most bushes of a field.
+    most_bushes: usize,
 }
 
 impl Sums {
@@ -206,6 +228,7 @@ impl Sums {
             runs: 0,
             recorded: 0,
             simulated: 0,
+            most_bushes: 0,
         }
     }
 
@@ -223,6 +246,7 @@ impl Sums {
             return Err(MapsError::OtherGround { seed: run.seed });
         }
         let setting = &maps[0].setting;
+        self.most_bushes = self.most_bushes.max(setting.bushes.len());
         let mut can_burn: Vec<bool> =
             (0..self.can_burn.len()).map(|index| setting.is_ground(setting.frame.cell(index))).collect();
         setting.bushes.iter().for_each(|&bush| can_burn[setting.frame.index(bush)] = true);
@@ -244,7 +268,9 @@ impl Sums {
     }
 
     fn finish(self, sources: &[&MapSource], not_run: u64, unpaired: u64) -> BatchMaps {
-        let Self { quantity, setting, can_burn, is_same_ground, sides, pairs, runs, recorded, simulated } = self;
+        let Self { quantity, setting, can_burn, is_same_ground, sides, pairs, runs, recorded, simulated, .. } = self;
+        let [all_cells, all_bushes] =
+            [can_burn.iter().filter(|can_burn| **can_burn).count(), self.most_bushes].map(|count| count as f64);
         let hectares = setting.frame.cell_m * setting.frame.cell_m / 10_000.0;
         let difference = pairs.map(|pairs| {
             let [mean, lower, upper] = pairs.finish(&can_burn);
@@ -265,13 +291,13 @@ impl Sums {
         });
         let sides = sides.into_iter().zip(sources).map(|(side, source)| {
             let of_runs = |of: fn(&RunCounts) -> f64| side.runs.iter().map(of).collect::<Vec<f64>>();
-            let cells = of_runs(|run| run.cells);
+            let burned_cells = RunMean::new(&of_runs(|run| run.cells), all_cells);
             BatchSide {
                 title: source.title(),
-                burned_cells: estimate(&cells, 1.0),
-                burned_ha: estimate(&cells, hectares),
-                burned_bushes: estimate(&of_runs(|run| run.bushes), 1.0),
-                lost_bushes: estimate(&of_runs(|run| run.lost), 1.0),
+                burned_cells,
+                burned_ha: burned_cells.scaled(hectares),
+                burned_bushes: RunMean::new(&of_runs(|run| run.bushes), all_bushes),
+                lost_bushes: RunMean::new(&of_runs(|run| run.lost), all_bushes),
                 values: side.finish(quantity, &can_burn),
             }
         });
@@ -286,8 +312,8 @@ fn has_same_ground(first: &Setting, second: &Setting) -> bool {
     fuel(first) == fuel(second)
 }
 
-/// Estimates the mean over runs of numbers that count in this unit.
+/// Estimates the mean over pairs of runs of differences that count in this unit.
 fn estimate(numbers: &[f64], unit: f64) -> MeanEstimate {
     let scaled: Vec<f64> = numbers.iter().map(|number| number * unit).collect();
-    estimate_mean(&scaled, &mut rng::stream(SEED, "maps")).expect("there is a run")
+    estimate_mean(&scaled, &mut rng::stream(SEED, "maps")).expect("there is a pair")
 }

@@ -11,7 +11,7 @@ use crate::batch::table::{RUN_COLUMNS, RunRecord, run_column};
 use crate::document::number::optional;
 use crate::document::{Block, Document, Table};
 use crate::scenario::Scenario;
-use crate::stats::Series;
+use crate::stats::{Interval, Series};
 use crate::untrusted::spreadsheet_cell;
 
 /// A report of each variant, in the order of the plan.
@@ -43,6 +43,12 @@ struct Mean {
     decimals: usize,
 }
 
+const OBSTACLES: usize = run_column("obstacles");
+
+/// The states of bushes, of which no more can be in one than there are.
+const STATES: [usize; 4] =
+    [run_column("intact"), run_column("burning"), run_column("burned_out"), run_column("extinguished")];
+
 const MEANS: [Mean; 5] = [
     Mean { heading: "Intact\nratio", column: run_column("intact_ratio"), scale: 1.0, decimals: 3 },
     Mean { heading: "Burned\nratio", column: run_column("burned_ratio"), scale: 1.0, decimals: 3 },
@@ -72,6 +78,13 @@ impl VariantReport {
     /// Returns the numbers of a column, by its place among [`RUN_COLUMNS`], over the runs that are done.
     pub fn column(&self, place: usize) -> &Series {
         &self.columns[place]
+    }
+
+    /// Returns the 95 % interval of the mean of a column, within the range of what it holds.
+    pub fn interval(&self, place: usize) -> Option<Interval> {
+        let (least, most) = RUN_COLUMNS[place].range();
+        let bushes = self.column(OBSTACLES).largest().filter(|_| STATES.contains(&place));
+        self.column(place).mean_interval_within((least, bushes.unwrap_or(most)))
     }
 
     /// Adds what a run's row in a table does not say: notes on its agents, and how much CPU time its facts took.
@@ -159,7 +172,7 @@ impl BatchReport {
             let about = &RUN_COLUMNS[place];
             let row = |variant: &VariantReport| {
                 let series = variant.column(place);
-                let interval = series.mean_interval();
+                let interval = variant.interval(place);
                 let [low, high] = [interval.map(|ends| ends.low), interval.map(|ends| ends.high)];
                 let numbers = [series.mean(), series.standard_deviation(), low, high];
                 let decimals = decimals_of(numbers);

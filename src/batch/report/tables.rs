@@ -1,13 +1,13 @@
 //! Tables I and II of a batch: obstacle states, and CPU time by planner, run by run with mean and spread.
 //!
 //! They hold what the tables of the contest's reports hold, and beside each mean its standard deviation and its 95 %
-//! confidence interval (Student's t). Rows of single runs are kept for the first of a batch only; the statistics are
+//! confidence interval, within the range of the quantity. Rows of single runs are kept for the first of a batch only; the statistics are
 //! of all runs that are done.
 
 use crate::batch::table::{RunRecord, run_column};
 use crate::document::number::optional;
 use crate::document::{Block, Table};
-use crate::stats::Series;
+use crate::stats::{Interval, Series};
 
 /// The most runs that a table shows one by one.
 pub const SHOWN_RUNS: usize = 20;
@@ -21,20 +21,22 @@ struct Quantity {
     /// Columns of runs whose sum it is.
     columns: &'static [usize],
     scale: f64,
+    /// The largest number that it can have; `None` for that of the first quantity.
+    most: Option<f64>,
 }
 
 impl Quantity {
     /// A count of cells, which is the sum of these columns.
     const fn cells(heading: &'static str, columns: &'static [usize]) -> Self {
-        Self { heading, decimals: [0, 2], columns, scale: 1.0 }
+        Self { heading, decimals: [0, 2], columns, scale: 1.0, most: None }
     }
 
     const fn ratio(heading: &'static str, columns: &'static [usize]) -> Self {
-        Self { heading, decimals: [3, 3], columns, scale: 1.0 }
+        Self { heading, decimals: [3, 3], columns, scale: 1.0, most: Some(1.0) }
     }
 
     const fn milliseconds(heading: &'static str, columns: &'static [usize]) -> Self {
-        Self { heading, decimals: [3, 3], columns, scale: 1e3 }
+        Self { heading, decimals: [3, 3], columns, scale: 1e3, most: Some(f64::INFINITY) }
     }
 
     /// Returns the number of a run; `None` of a run that is not done.
@@ -63,7 +65,7 @@ static OBSTACLE_STATES: Layout = Layout {
     shows_seeds: true,
     shows_sums: false,
     quantities: &[
-        Quantity::cells("Total", &[run_column("obstacles")]),
+        Quantity { most: Some(f64::INFINITY), ..Quantity::cells("Total", &[run_column("obstacles")]) },
         Quantity::cells("Intact\ntotal", &[run_column("intact")]),
         Quantity::ratio("Intact\nratio", &[run_column("intact_ratio")]),
         Quantity::cells("Burned\ntotal", &[run_column("burning"), run_column("burned_out")]),
@@ -95,7 +97,7 @@ static CPU_TIMES: Layout = Layout {
 const LEGEND: [&str; 3] = [
     "PRM only: clearance field, sampling, map generation and roadmap search.",
     "Unimog total: that, local search and reachability.",
-    "Intervals are Student's t and may leave the possible range.",
+    "Intervals are Student's t on a log scale, those of parts of a total on a logit scale.",
 ];
 
 /// Columns that are there only where trucks have planners that are not built in.
@@ -202,7 +204,7 @@ impl RunTable {
             rows.push(self.row((index + 1).to_string(), seed.to_string(), decimals, number));
         }
         for (label, statistic) in STATISTICS.iter().filter(|(label, _)| self.layout.shows_sums || *label != "Sum") {
-            let number = |column: usize| statistic(&self.series[column]);
+            let number = |column: usize| statistic(&self.series[column], self.interval(column));
             let decimals = |quantity: &Quantity| quantity.decimals[1].min(most_decimals);
             rows.push(self.row((*label).to_owned(), String::new(), decimals, number));
         }
@@ -216,6 +218,11 @@ impl RunTable {
         let headings: Vec<&str> = labels.iter().copied().chain(quantities).collect();
         let table = Table { rules_before: vec![self.shown.len()], ..Table::new(&headings, rows) };
         table.with_caption(self.layout.title)
+    }
+
+    fn interval(&self, column: usize) -> Option<Interval> {
+        let most = self.layout.quantities[column].most.or_else(|| self.series[0].largest())?;
+        self.series[column].mean_interval_within((0.0, most))
     }
 
     fn row(
@@ -232,12 +239,13 @@ impl RunTable {
     }
 }
 
-type Statistic = fn(&Series) -> Option<f64>;
+/// A number of a series and the interval of its mean.
+type Statistic = fn(&Series, Option<Interval>) -> Option<f64>;
 
 const STATISTICS: &[(&str, Statistic)] = &[
-    ("Mean", Series::mean),
-    ("Std dev", Series::standard_deviation),
-    ("95% low", |series| Some(series.mean_interval()?.low)),
-    ("95% high", |series| Some(series.mean_interval()?.high)),
-    ("Sum", |series| (series.count() > 0).then(|| series.sum())),
+    ("Mean", |series, _| series.mean()),
+    ("Std dev", |series, _| series.standard_deviation()),
+    ("95% low", |_, interval| Some(interval?.low)),
+    ("95% high", |_, interval| Some(interval?.high)),
+    ("Sum", |series, _| (series.count() > 0).then(|| series.sum())),
 ];

@@ -85,6 +85,15 @@ impl<F: Copy> Column<F> {
         self.kind == Kind::Real || self.kind == Kind::Count && !["seed", "run"].contains(&self.name)
     }
 
+    /// Returns the least and the greatest value that it can have: no share is above one, and only points can be negative.
+    pub fn range(&self) -> (f64, f64) {
+        match self.unit {
+            Unit::Share => (0.0, 1.0),
+            Unit::Points => (f64::NEG_INFINITY, f64::INFINITY),
+            _ => (0.0, f64::INFINITY),
+        }
+    }
+
     /// Returns all that a file says of the column.
     pub fn described(&self) -> FileColumn {
         FileColumn {

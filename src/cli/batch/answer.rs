@@ -11,7 +11,7 @@ use crate::batch::{
     VariantReport, WrittenReport,
 };
 use crate::document::{Block, Document};
-use crate::stats::Series;
+use crate::stats::{Interval, Series};
 
 /// A batch that is over: an object for programs, and a document for people.
 pub struct BatchAnswer {
@@ -65,14 +65,13 @@ struct ColumnObject {
     runs: u64,
     mean: Option<f64>,
     standard_deviation: Option<f64>,
-    /// The 95 % interval of the mean, by Student's t.
+    /// The 95 % interval of the mean, which is in the range of the column.
     low: Option<f64>,
     high: Option<f64>,
 }
 
-impl From<&Series> for ColumnObject {
-    fn from(series: &Series) -> Self {
-        let interval = series.mean_interval();
+impl ColumnObject {
+    fn new(series: &Series, interval: Option<Interval>) -> Self {
         Self {
             runs: series.count(),
             mean: series.mean(),
@@ -89,7 +88,9 @@ impl BatchObject {
             let VariantReport { title, tally, .. } = found;
             let Tally { done, failed, panicked, won_by_truck, won_by_wumpus, stuck_runs, .. } = *tally;
             let columns = RUN_COLUMNS.iter().enumerate().filter(|(_, column)| column.holds_numbers());
-            let columns = columns.map(|(place, column)| (column.name, found.column(place)));
+            let columns = columns
+                .filter(|(place, _)| found.column(*place).count() > 0)
+                .map(|(place, column)| (column.name, ColumnObject::new(found.column(place), found.interval(place))));
             VariantObject {
                 title: title.clone(),
                 scenario: variant.scenario.name.clone(),
@@ -101,7 +102,7 @@ impl BatchObject {
                 won_by_wumpus,
                 stuck_runs,
                 sentences: tally.sentences(),
-                columns: columns.filter(|(_, series)| series.count() > 0).map(|(name, it)| (name, it.into())).collect(),
+                columns: columns.collect(),
             }
         });
         Self {

@@ -11,16 +11,17 @@ use crate::untrusted::visible_start;
 const LEGEND: &str = "\
 Differences are of means over pairs, with 95 % intervals; p is adjusted by Holm's method over all that is shown, and so \
 is that of Wilcoxon's test by ranks, beside it; dz is Cohen's, in standard deviations of the difference; r is the \
-rank-biserial correlation, from -1 to 1.";
+rank-biserial correlation, from -1 to 1. The bootstrap cannot give a p below 0.0005 before it is adjusted; further out p \
+is Student's, as the column `by` shows.";
 
 const STRATA_LEGEND: &str = "\
-p strata: that the difference is the same in all strata, the values that it is a mean over; an analysis of variance of \
+With strata all figures go by seed: each seed's differences are averaged over its strata, which are taken as fixed. p strata: that the difference is the same in all strata, the values that it is a mean over; an analysis of variance of \
 the differences with a row for each seed, by Greenhouse and Geisser. Such p-values are adjusted among themselves, and so \
 are those of the strata.";
 
 /// As `cargo bench --bench coverage` measured it, 4000 samples each.
 const FEW_PAIRS: &str = "\
-Fewer than 10 pairs: intervals are Student's t. Of samples of five of this program's own outcomes they held the truth \
+Fewer than 10 seeds: intervals are Student's t. Of samples of five of this program's own outcomes they held the truth \
 in 93 to 96 %, of strongly skewed (log-normal) numbers in 82 %.";
 
 impl From<&Comparison> for Document {
@@ -49,7 +50,8 @@ impl From<&Comparison> for Document {
         if comparison.against_a.iter().any(has_strata) {
             document.add(Block::Text(STRATA_LEGEND.into()));
         }
-        if comparison.against_a.iter().any(|against| against.pairs.runs.len() < 10) {
+        let mut contrasts = comparison.against_a.iter().flat_map(|against| &against.judged);
+        if contrasts.any(|judged| judged.contrast.seeds < 10) {
             document.add(Block::Text(FEW_PAIRS.into()));
         }
         document
@@ -178,7 +180,7 @@ fn tests(against: &AgainstA) -> Table {
         let cells = [
             contrast.metric.name.clone(),
             or_dash(judged.p_adjusted.map(probability)),
-            method(contrast.method).into(),
+            method(contrast.p_method).into(),
             optional(contrast.effect_dz, 2),
             or_dash(judged.ranks_p_adjusted.map(probability)),
             optional(contrast.ranks.map(|ranks| ranks.rank_biserial()), 2),

@@ -96,11 +96,14 @@ struct MetricObject<'a> {
     verdict: &'static str,
     sentence: String,
     pairs: usize,
+    seeds: usize,
     means: [f64; 2],
     difference: f64,
     interval: Option<[f64; 2]>,
     method: &'static str,
     p_value: Option<f64>,
+    /// The method of the p-value, and so of the adjusted one: Student's where the bootstrap cannot give so small a number.
+    p_method: &'static str,
     p_adjusted: Option<f64>,
     cohens_dz: Option<f64>,
     wilcoxon: Option<Wilcoxon>,
@@ -212,17 +215,19 @@ fn levels(pairs: &Pairs, stratum: usize) -> Levels<'_> {
 }
 
 fn metric<'a>(judged: &'a JudgedContrast, letter: char, pairs: &'a Pairs) -> MetricObject<'a> {
-    let Contrast { metric, pairs: count, means, difference, interval, .. } = &judged.contrast;
+    let Contrast { metric, pairs: count, seeds, means, difference, interval, .. } = &judged.contrast;
     MetricObject {
         metric: &metric.name,
         verdict: verdict(judged.verdict),
         sentence: judged.sentence(letter),
         pairs: *count,
+        seeds: *seeds,
         means: *means,
         difference: *difference,
         interval: interval.map(|interval| [interval.low, interval.high]),
         method: method(judged.contrast.method),
         p_value: judged.contrast.p_value,
+        p_method: method(judged.contrast.p_method),
         p_adjusted: judged.p_adjusted,
         cohens_dz: judged.contrast.effect_dz,
         wilcoxon: wilcoxon(judged),

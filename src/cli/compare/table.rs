@@ -7,6 +7,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::batch::comparison::Comparison;
+use crate::cli::compare::method_name;
 use crate::untrusted::spreadsheet_cell;
 use crate::whole_file::WholeFile;
 
@@ -25,6 +26,7 @@ struct DifferenceRow<'a> {
     high: Option<f64>,
     percent_of_a: Option<f64>,
     p_adjusted: Option<f64>,
+    p_method: &'static str,
 }
 
 pub fn write(path: &Path, comparison: &Comparison) -> io::Result<()> {
@@ -46,6 +48,7 @@ pub fn write(path: &Path, comparison: &Comparison) -> io::Result<()> {
                 high: contrast.interval.map(|interval| interval.high),
                 percent_of_a: (mean_a != 0.0).then(|| 100.0 * contrast.difference / mean_a.abs()),
                 p_adjusted: judged.p_adjusted,
+                p_method: method_name(contrast.p_method),
             })?;
         }
     }

@@ -2,11 +2,11 @@
 
 use serde::Serialize;
 
-use crate::batch::{BatchMaps, BatchQuantity, BatchSide};
+use crate::batch::{BatchMaps, BatchQuantity, BatchSide, RunMean};
 use crate::document::number::{count, optional, rounded, two_digits};
 use crate::document::{Block, Document, Table};
 use crate::picture::MapQuantity;
-use crate::stats::MeanEstimate;
+use crate::stats::{Interval, MeanEstimate};
 use crate::timeline::{BurnMap, Setting};
 
 /// The quantity of a map of one run.
@@ -155,12 +155,22 @@ struct EstimateObject {
 
 impl From<&MeanEstimate> for EstimateObject {
     fn from(estimate: &MeanEstimate) -> Self {
-        let (low, high) = estimate.interval.map(|interval| (interval.low, interval.high)).unzip();
-        Self { mean: estimate.mean, low, high }
+        Self::new(estimate.mean, estimate.interval)
+    }
+}
+
+impl From<&RunMean> for EstimateObject {
+    fn from(mean: &RunMean) -> Self {
+        Self::new(mean.mean, mean.interval)
     }
 }
 
 impl EstimateObject {
+    fn new(mean: f64, interval: Option<Interval>) -> Self {
+        let (low, high) = interval.map(|interval| (interval.low, interval.high)).unzip();
+        Self { mean, low, high }
+    }
+
     /// The mean and the ends of its interval in the cells of a table.
     fn cells(&self) -> Vec<String> {
         let decimals = if self.mean.abs() < 100.0 { 2 } else { 1 };

@@ -7,6 +7,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::batch::comparison::Ranking;
+use crate::cli::compare::method_name;
 use crate::untrusted::spreadsheet_cell;
 use crate::whole_file::WholeFile;
 
@@ -25,6 +26,7 @@ struct EntryRow<'a> {
     less_first_low: Option<f64>,
     less_first_high: Option<f64>,
     p_adjusted: Option<f64>,
+    p_method: Option<&'static str>,
     runs: usize,
     failed_runs: usize,
     runs_without_value: usize,
@@ -55,6 +57,7 @@ pub fn write(path: &Path, ranking: &Ranking) -> io::Result<()> {
             less_first_low: interval.map(|interval| interval.low),
             less_first_high: interval.map(|interval| interval.high),
             p_adjusted: pair.map(|pair| pair.p_adjusted),
+            p_method: pair.map(|pair| method_name(pair.contrast.p_method)),
             runs: ranking.runs,
             failed_runs: entry.failed,
             runs_without_value: entry.without_value,

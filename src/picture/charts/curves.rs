@@ -8,6 +8,7 @@ use crate::picture::charts::sheet::{
 };
 use crate::picture::charts::style::Style;
 use crate::picture::charts::{ChartRow, Estimate, Titles};
+use crate::picture::colours::INK;
 use crate::picture::ticks::{Tick, tick_at};
 
 const HEIGHT: f32 = 280.0;
@@ -48,6 +49,8 @@ pub enum Spread {
     Bands,
     /// Whiskers on marked points, for few of them.
     Whiskers,
+    /// The same of differences, with a line at zero.
+    Differences,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -77,7 +80,8 @@ impl CurveChart {
     pub fn draw(&self, width: f32) -> Vec<Drawing> {
         let swatch = if self.spread == Spread::Bands { Swatch::Line } else { Swatch::MarkedLine };
         let points = || self.panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points);
-        let y = AxisScale::around(points().map(|(_, estimate)| estimate.range())).with_near_zero();
+        let y = AxisScale::around(points().map(|(_, estimate)| estimate.range()));
+        let y = if self.spread == Spread::Differences { y.with_zero() } else { y.with_near_zero() };
         let x = AxisScale::around(points().map(|&(x, _)| (x, x)));
         let x = if self.spread == Spread::Bands { exact(x, points()) } else { x };
         let sheets = sheets(&self.panels, |panel| &panel.name, PANELS);
@@ -124,7 +128,7 @@ impl CurveChart {
         let mut places: Vec<f64> = points.map(|&(x, _)| x).filter(|x| x.is_finite()).collect();
         places.sort_by(f64::total_cmp);
         places.dedup();
-        let are_few = self.spread == Spread::Whiskers && (1..=MOST_CHOSEN).contains(&places.len());
+        let are_few = self.spread != Spread::Bands && (1..=MOST_CHOSEN).contains(&places.len());
         are_few.then(|| places.into_iter().map(tick_at).collect())
     }
 
@@ -139,6 +143,12 @@ impl CurveChart {
         match self.spread {
             Spread::Bands => axes.draw_bands(drawing, &panel.curves),
             Spread::Whiskers => axes.draw_marked(drawing, &panel.curves),
+            Spread::Differences => {
+                let Axes { plot, y, .. } = axes;
+                let zero = plot.y(*y, 0.0);
+                drawing.line(vec![(plot.left, zero), (plot.right, zero)], 1.6, INK);
+                axes.draw_marked(drawing, &panel.curves);
+            }
         }
     }
 }
@@ -172,14 +182,17 @@ impl Axes {
         }
     }
 
-    /// Curves a little beside each other, so that whiskers at one place are all seen.
+    /// Lines through their values, so that they cross only where means do. Marks and whiskers at one place are a little
+    /// beside each other, so that all are seen.
     fn draw_marked(&self, drawing: &mut Drawing, curves: &[Curve]) {
+        for curve in curves {
+            curve.style.line(drawing, self.line(curve, |estimate| estimate.value).collect());
+        }
         let apart = APART.min(MOST_OF_ROOM * self.least_room(curves) / curves.len().max(1) as f32);
         for (index, curve) in curves.iter().enumerate() {
             let aside = apart * (index as f32 - 0.5 * (curves.len() - 1) as f32);
-            let places: Vec<Point> = self.line(curve, |estimate| estimate.value).map(|(x, y)| (x + aside, y)).collect();
-            curve.style.line(drawing, places.clone());
-            for ((_, estimate), &(x, y)) in curve.points.iter().zip(&places) {
+            for ((_, estimate), (x, y)) in curve.points.iter().zip(self.line(curve, |estimate| estimate.value)) {
+                let x = x + aside;
                 if let Some((low, high)) = estimate.interval {
                     let ends = [self.plot.y(self.y, low), self.plot.y(self.y, high)];
                     draw_whisker(drawing, x, ends, 4.0, curve.style.colour);
@@ -235,6 +248,38 @@ mod tests {
             let (low, high) = (band[index], band[band.len() - 1 - index]);
             assert!(low.0 == *x && high.0 == *x && low.1 >= *y && *y >= high.1, "{index}");
         }
+    }
+
+    #[test]
+    fn lines_go_through_the_true_places_and_only_marks_and_whiskers_are_moved() {
+        // Seven planners that fall steeply, the first above all others everywhere.
+        let curve = |index: usize| {
+            let point = |x: f64| {
+                let value = 100.0 - 400.0 * x - 0.5 * index as f64;
+                (x, Estimate { value, interval: Some((value - 1.0, value + 1.0)) })
+            };
+            Curve { name: format!("{index}"), style: STYLES[index], points: [0.05, 0.1, 0.2].map(point).to_vec() }
+        };
+        let panels = vec![CurvePanel { name: String::new(), curves: (0..STYLES.len()).map(curve).collect() }];
+        let chart = CurveChart { titles: Titles::default(), spread: Spread::Whiskers, panels };
+        // 85 mm at 8 points.
+        let drawing = &chart.draw(355.0)[0];
+        let lines = |holds: fn(&[Point], f32) -> bool| {
+            let lines = drawing.marks.iter().filter_map(move |mark| match mark {
+                DrawingMark::Line { points, width, .. } if holds(points, *width) => Some(points.clone()),
+                _ => None,
+            });
+            lines.collect::<Vec<_>>()
+        };
+        let curves = lines(|points, _| points.len() == 3);
+        assert_eq!(curves.len(), STYLES.len());
+        for (upper, lower) in curves.iter().zip(&curves[1..]) {
+            assert!(upper.iter().zip(lower).all(|(upper, lower)| upper.0 == lower.0 && upper.1 < lower.1));
+        }
+        let whiskers = lines(|points, width| width == 1.4 && points[0].0 == points[1].0);
+        let mut places: Vec<f32> = whiskers.iter().map(|points| points[0].0).collect();
+        places.sort_by(f32::total_cmp);
+        assert!(places.len() == 21 && places.windows(2).all(|pair| pair[1] - pair[0] > 1.0), "{places:?}");
     }
 
     #[test]

@@ -3,13 +3,14 @@
 use crate::picture::charts::drawing::Drawing;
 use crate::picture::charts::sheet::{AxisScale, LABEL, Plot, SheetLayout, Swatch, fitted, rule, width_of};
 use crate::picture::charts::style::STYLES;
-use crate::picture::charts::{Estimate, Titles};
+use crate::picture::charts::{ChartRow, Estimate, Titles};
 use crate::picture::colours::{INK, PAPER};
 use crate::picture::text::Align;
 
 const ROW: f32 = 30.0;
-const WIDEST_NAME: f32 = 230.0;
-const WIDEST_WORDS: f32 = 220.0;
+/// The most room for words at a side, in shares of the width of the sheet.
+const WIDEST_NAME: f32 = 0.32;
+const WIDEST_WORDS: f32 = 0.31;
 /// The room between the plot and the words at its sides.
 const GAP: f32 = 12.0;
 /// Half of the side of a mark, and the reach of the ends of an interval.
@@ -35,9 +36,17 @@ pub struct ForestRow {
 }
 
 impl ForestChart {
+    /// Lists what it shows.
+    pub fn rows(&self) -> impl Iterator<Item = ChartRow<'_>> {
+        self.rows.iter().filter_map(|ForestRow { name, difference, .. }| {
+            let Estimate { value, interval } = (*difference)?;
+            Some(ChartRow { panel: "", series: name, x: String::new(), value, interval })
+        })
+    }
+
     pub fn draw(&self, width: f32) -> Drawing {
         let widest = |text: fn(&ForestRow) -> &str, most: f32| {
-            self.rows.iter().map(|row| width_of(text(row), LABEL)).fold(0.0, f32::max).min(most) + GAP
+            self.rows.iter().map(|row| width_of(text(row), LABEL)).fold(0.0, f32::max).min(most * width) + GAP
         };
         let (left, right) = (widest(|row| &row.name, WIDEST_NAME), widest(|row| &row.words, WIDEST_WORDS));
         let height = ROW * self.rows.len().max(1) as f32;
@@ -54,17 +63,18 @@ impl ForestChart {
             if index > 0 {
                 rule(&mut drawing, &plot, middle - 0.5 * ROW);
             }
-            draw_row(&mut drawing, &plot, scale, middle, row);
+            draw_row(&mut drawing, &plot, scale, (middle, width), row);
         }
         plot.draw_base(&mut drawing);
         drawing
     }
 }
 
-fn draw_row(drawing: &mut Drawing, plot: &Plot, scale: AxisScale, middle: f32, row: &ForestRow) {
+/// Draws a row about a height, on a sheet of this width.
+fn draw_row(drawing: &mut Drawing, plot: &Plot, scale: AxisScale, (middle, width): (f32, f32), row: &ForestRow) {
     let base = middle + 0.5 * LABEL;
-    drawing.text(&fitted(&row.name, WIDEST_NAME, LABEL), (plot.left - GAP, base), Align::Right, LABEL, INK);
-    drawing.text(&fitted(&row.words, WIDEST_WORDS, LABEL), (plot.right + GAP, base), Align::Left, LABEL, INK);
+    drawing.text(&fitted(&row.name, WIDEST_NAME * width, LABEL), (plot.left - GAP, base), Align::Right, LABEL, INK);
+    drawing.text(&fitted(&row.words, WIDEST_WORDS * width, LABEL), (plot.right + GAP, base), Align::Left, LABEL, INK);
     let Some(Estimate { value, interval }) = row.difference else { return };
     let colour = STYLES[0].colour;
     if let Some((low, high)) = interval {

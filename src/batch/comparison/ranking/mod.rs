@@ -22,11 +22,12 @@ use serde::Serialize;
 pub use error::RankingError;
 pub use groups::MAX_ENTRIES;
 
-use crate::batch::comparison::contrast::{contrast_of_pairs, lifetime, number_of};
+use crate::batch::comparison::contrast::{NumberPair, lifetime, number_of};
 use crate::batch::comparison::metric::{Better, Metric, MetricKind};
 use crate::batch::comparison::runs_table::{self, RunsTable};
 use crate::batch::comparison::settings::{KnownSettings, seed_words};
 use crate::batch::comparison::sides::Selection;
+use crate::batch::comparison::words::listed;
 use crate::batch::comparison::{Contrast, LEVEL, adjusted};
 use crate::batch::plan::Freedom;
 pub use crate::batch::plan::USUALLY_FREE;
@@ -174,7 +175,7 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
         let by_name = || entries.entries[one].name.cmp(&entries.entries[other].name);
         by_mean.then_with(|| failed(one).cmp(&failed(other))).then_with(by_name)
     });
-    let pairs = pairs(&order, &numbers, &metric);
+    let pairs = pairs(&order, &numbers, &entries, &metric);
     let told = ToldApart::new(
         order.len(),
         pairs.iter().filter(|it| it.is_told_apart()).map(|it| (it.places[0], it.places[1])),
@@ -276,14 +277,16 @@ fn numbers(
 }
 
 /// Contrasts all pairs in an order of entries.
-fn pairs(order: &[usize], numbers: &[Vec<f64>], metric: &Metric) -> Vec<RankedPair> {
+fn pairs(order: &[usize], numbers: &[Vec<f64>], entries: &Entries<'_>, metric: &Metric) -> Vec<RankedPair> {
     let places: Vec<[usize; 2]> =
         (0..order.len()).flat_map(|first| (first + 1..order.len()).map(move |second| [first, second])).collect();
     let contrast = |places: &[usize; 2]| {
         let [ours, theirs] = places.map(|place| &numbers[order[place]]);
-        let pairs: Vec<[f64; 2]> = ours.iter().zip(theirs).map(|(ours, theirs)| [*ours, *theirs]).collect();
-        // The letter of a comparison's other side names the draws of its bootstrap: the same pair, the same answer.
-        contrast_of_pairs(metric, 'B', &pairs).expect("every entry has runs")
+        let pairs = entries.entries[0].runs.iter().zip(ours.iter().zip(theirs)).map(|(run, (&ours, &theirs))| {
+            NumberPair { seed: run.seed, stratum: run.stratum, numbers: [ours, theirs] }
+        });
+        let by = (entries.strata > 1).then(|| listed(&entries.columns));
+        Contrast::from_numbers(metric, pairs.collect(), by).expect("every entry has runs").0
     };
     let contrasts: Vec<Contrast> = places.par_iter().map(contrast).collect();
     let p_values = adjusted(contrasts.iter().map(|contrast| Some(contrast.p_value.unwrap_or(1.0))));

@@ -95,50 +95,18 @@ impl Values {
         self.of_seeds(quantity).iter().copied().filter(|number| !number.is_nan()).collect()
     }
 
-    /// Returns the mean with its interval, of which only what is possible is left; `None` without any value.
+    /// Returns the mean with its interval; `None` without any value.
     pub fn mean(&self, quantity: Quantity) -> Option<Estimate> {
         mean_of(&self.numbers(quantity), quantity.range())
     }
 }
 
-/// Returns the mean of numbers in a range with the part of Student's interval that is within the range; `None` of no numbers.
-pub fn mean_of(numbers: &[f64], (least, most): (f64, f64)) -> Option<Estimate> {
+/// Returns the mean of numbers in a range with its interval, which is within the range; `None` of no numbers.
+pub fn mean_of(numbers: &[f64], range: (f64, f64)) -> Option<Estimate> {
     let series = Series::from_values(numbers);
     let value = series.mean().filter(|mean| mean.is_finite())?;
-    let interval = series.mean_interval().map(|interval| (interval.low.max(least), interval.high.min(most)));
+    let interval = series.mean_interval_within(range).map(|interval| (interval.low, interval.high));
     // Of numbers as large as 1e200 the spread is beyond all numbers.
     let interval = interval.filter(|(low, high)| low.is_finite() && high.is_finite());
     Some(Estimate { value, interval })
-}
-
-/// Says whether the interval of an estimate ends where the range of its quantity does, away from the value.
-pub fn is_cut(estimate: &Estimate, (least, most): (f64, f64)) -> bool {
-    let value = estimate.value;
-    estimate.interval.is_some_and(|(low, high)| low == least && value > least || high == most && value < most)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn intervals_stay_in_the_range_and_it_is_known_where_they_were_cut() {
-        let share = (0.0, 1.0);
-        for (numbers, expected) in [
-            (&[0.0, 0.0, 0.0, 0.4][..], true),
-            (&[1.0, 1.0, 0.7], true),
-            (&[0.0, 1.0], true),
-            (&[0.5, 0.6, 0.55], false),
-            (&[0.0, 0.0], false),
-            (&[1.0, 1.0], false),
-            (&[0.3], false),
-        ] {
-            let mean = mean_of(numbers, share).expect("there are numbers");
-            if let Some((low, high)) = mean.interval {
-                assert!(0.0 <= low && low <= mean.value && mean.value <= high && high <= 1.0, "{mean:?}");
-            }
-            assert_eq!(is_cut(&mean, share), expected, "{mean:?}");
-        }
-        assert_eq!(mean_of(&[], share), None);
-    }
 }

@@ -1,12 +1,13 @@
 //! The charts of a report.
 
 use super::chart_files::ChartData;
-use super::collected::{Collected, Values, is_cut};
+use super::collected::{Collected, Values};
+use super::compared::{AIMS, Compared};
 use super::facets::{Facet, FacetSeries, MOST_PANELS, variant_facets};
 use super::labels::Labels;
 use super::over_time::StateCurves;
 use super::quantities::{BURNED_AREA, CPU_PARTS, CUSTOM_PLANNERS, ChartChoice, Quantity, SAVED, STATES};
-use super::sweeps::{SweepChart, interval_note, main_curves, sweep_charts};
+use super::sweeps::{SweepChart, interval_note, main_curves, main_differences, sweep_charts};
 use super::words;
 use crate::batch::plan::BatchPlan;
 use crate::document::number::short;
@@ -93,15 +94,23 @@ impl FigureSource<'_> {
         figures
     }
 
-    /// Adds what the variants are compared by: a curve over a key that is swept over numbers, else distributions, or bars
-    /// where these say nothing.
+    /// Adds what the answer says: the differences of planners from the best, over a key that is swept over numbers, or of
+    /// whatever is compared. Where variants are the values of such a key, their means over it.
     fn add_answer(&self, figures: &mut Figures, panels: &[Facet], language: Language, width: f32) {
         let variants = &self.collected.variants;
         let quantity = main_quantity(variants);
-        if let Some(chart) = main_curves(self.plan, variants, quantity, language) {
+        let aim = AIMS.iter().find(|aim| aim.quantity == quantity);
+        let compared = aim.and_then(|aim| Compared::new(aim, self.plan, variants));
+        let differences = compared.as_ref().and_then(|it| main_differences(self.plan, it, language));
+        let curves = || main_curves(self.plan, variants, quantity, language);
+        let are_planners = compared.as_ref().is_some_and(|it| it.are_planners);
+        if let Some(chart) = differences.or_else(|| if are_planners { None } else { curves() }) {
             if figures.admits("the answer", chart.panels.len()) {
                 figures.add(Section::Answer, chart.draw(width), ChartData::new("answer", chart.rows()));
             }
+        } else if let Some(compared) = compared {
+            let chart = compared.forest(language);
+            figures.add(Section::Answer, vec![chart.draw(width)], ChartData::new("answer", chart.rows()));
         } else if figures.admits("the answer", panels.len()) {
             let (drawn, data) = match distribution(quantity, language, panels, variants) {
                 Ok(chart) => (chart.draw(width), ChartData::new("answer", chart.rows())),
@@ -209,15 +218,10 @@ impl MeansChart {
             let bars = quantities.iter().map(|&quantity| values.mean(quantity)).collect();
             BarSeries { name: series.name.clone(), style: series.style, bars }
         };
-        let mut means = panels.iter().flat_map(|panel| &panel.series).flat_map(|series| {
-            let values = &values[series.variants[0]];
-            quantities.iter().filter_map(|&quantity| Some((values.mean(quantity)?, quantity.range())))
-        });
-        let cut = means.any(|(mean, range)| is_cut(&mean, range));
         BarChart {
             titles: Titles {
                 title: self.title.clone(),
-                note: interval_note(words::BARS, cut, language),
+                note: interval_note(words::BARS, language),
                 x: String::new(),
                 y: quantities.first().map_or("", |quantity| quantity.axis().in_language(language)).into(),
                 language,

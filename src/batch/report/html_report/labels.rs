@@ -106,6 +106,19 @@ impl Labels {
         (0..self.dimensions.len()).filter(|index| !dimensions.contains(index)).collect()
     }
 
+    /// Names dimensions by what varies: a swept key, or `scenario`, `planner`, `variant`.
+    pub fn heads(&self, dimensions: &[usize], plan: &BatchPlan) -> Vec<String> {
+        let mut parts: Vec<&Dimension> = dimensions.iter().map(|&index| &self.dimensions[index]).collect();
+        parts.sort_by_key(|dimension| dimension.place);
+        let head = |dimension: &Dimension| match (dimension.key, dimension.place) {
+            (Some(key), _) => plan.swept_keys[key].clone(),
+            (None, 0) => "scenario".into(),
+            (None, PLANNERS) => "planner".into(),
+            _ => "variant".into(),
+        };
+        parts.into_iter().map(head).collect()
+    }
+
     /// Names a variant by these dimensions; by its scenario's name if there are none.
     pub fn label(&self, variant: usize, dimensions: &[usize]) -> String {
         let mut parts: Vec<&Dimension> = dimensions.iter().map(|&index| &self.dimensions[index]).collect();

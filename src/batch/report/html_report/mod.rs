@@ -2,11 +2,12 @@
 //! show as CSV; for papers also as PDF and PGF.
 //!
 //! Everything in it is read from the batch's folder: plan, `runs.csv`, `states.parquet`, `machines.json`. The same batch
-//! gives the same bytes. Means have Student's 95 % intervals, as in the batch's tables; charts show the part of them that is possible.
+//! gives the same bytes. Means have the 95 % intervals of the batch's tables, differences those of comparisons.
 
 mod answer;
 mod chart_files;
 mod collected;
+mod compared;
 mod facets;
 mod figures;
 mod labels;

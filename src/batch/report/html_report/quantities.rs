@@ -166,14 +166,9 @@ impl Quantity {
         }
     }
 
-    /// Returns the values that it can have: no share is above one, and nothing but points is below zero.
+    /// Returns the least and the greatest value that it can have.
     pub fn range(self) -> (f64, f64) {
-        match self.about().unit {
-            _ if self.is_share_of_bushes() => (0.0, 1.0),
-            Unit::Share => (0.0, 1.0),
-            Unit::Points => (f64::NEG_INFINITY, f64::INFINITY),
-            _ => (0.0, f64::INFINITY),
-        }
+        if self.is_share_of_bushes() { (0.0, 1.0) } else { self.about().range() }
     }
 
     /// Returns what an axis is called that shows it, with the unit.

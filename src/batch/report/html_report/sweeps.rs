@@ -1,6 +1,7 @@
 //! Means over what a batch sweeps.
 
-use super::collected::{Values, is_cut};
+use super::collected::Values;
+use super::compared::Compared;
 use super::facets::{Facet, FacetSeries, facets_over};
 use super::quantities::{ChartChoice, Quantity, key_axis};
 use super::words;
@@ -36,6 +37,30 @@ pub fn sweep_charts(plan: &BatchPlan, values: &[Values], choice: &ChartChoice) -
 
 /// Returns the means of a quantity over the key that takes most numbers; `None` if no key is swept over numbers.
 pub fn main_curves(plan: &BatchPlan, values: &[Values], quantity: Quantity, language: Language) -> Option<CurveChart> {
+    let (key, places) = main_key(plan)?;
+    Some(curves_over(plan, values, (key, &places), quantity, language))
+}
+
+/// Returns the differences of planners from the best over the same key; `None` without one.
+pub fn main_differences(plan: &BatchPlan, compared: &Compared, language: Language) -> Option<CurveChart> {
+    let (key, places) = main_key(plan).filter(|_| compared.are_planners && compared.strata.len() > 1)?;
+    let curve = |series: FacetSeries| {
+        let point = |&variant: &usize| Some((places[variant], compared.difference_of(variant)?));
+        let mut points: Vec<_> = series.variants.iter().filter_map(point).collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        (!points.is_empty()).then_some(Curve { name: series.name, style: series.style, points })
+    };
+    let panel =
+        |panel: Facet| CurvePanel { name: panel.name, curves: panel.series.into_iter().filter_map(curve).collect() };
+    let panels = facets_over(plan, key).into_iter().map(panel).collect();
+    let name = &plan.swept_keys[key];
+    let titles = compared.titles(language);
+    let titles = Titles { x: key_axis(name), title: words::BY_KEY.filled(language, &[&titles.title, name]), ..titles };
+    Some(CurveChart { titles, spread: Spread::Differences, panels })
+}
+
+/// Returns the key that takes most numbers, with its value for each variant.
+fn main_key(plan: &BatchPlan) -> Option<(usize, Vec<f64>)> {
     let keys = (0..plan.swept_keys.len()).filter_map(|key| Some((key, places(plan, key)?)));
     let count = |places: &[f64]| {
         let mut distinct = places.to_vec();
@@ -44,8 +69,7 @@ pub fn main_curves(plan: &BatchPlan, values: &[Values], quantity: Quantity, lang
         distinct.len()
     };
     // Of keys with equally many values the first.
-    let (key, places) = keys.reduce(|one, next| if count(&next.1) > count(&one.1) { next } else { one })?;
-    Some(curves_over(plan, values, (key, &places), quantity, language))
+    keys.reduce(|one, next| if count(&next.1) > count(&one.1) { next } else { one })
 }
 
 /// Returns the values of a swept key, by variant; `None` where they are no numbers, or all are equal: an axis needs a number
@@ -70,12 +94,10 @@ fn curves_over(
     };
     let panel = |panel: Facet| CurvePanel { name: panel.name, curves: panel.series.into_iter().map(curve).collect() };
     let panels: Vec<CurvePanel> = facets_over(plan, key).into_iter().map(panel).collect();
-    let mut points = panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points);
-    let cut = points.any(|(_, estimate)| is_cut(estimate, quantity.range()));
     let name = &plan.swept_keys[key];
     let titles = Titles {
         title: words::BY_KEY.filled(language, &[&quantity.title(language), name]),
-        note: interval_note(words::MARKS, cut, language),
+        note: interval_note(words::MARKS, language),
         x: key_axis(name),
         y: quantity.axis().in_language(language).into(),
         language,
@@ -83,10 +105,9 @@ fn curves_over(
     CurveChart { titles, spread: Spread::Whiskers, panels }
 }
 
-/// Says what marks and whiskers are, and where these may end.
-pub fn interval_note(marks: Words, cut: bool, language: Language) -> String {
-    let cut = if cut { words::CUT.in_language(language) } else { "" };
-    words::ARE_MEANS.filled(language, &[marks.in_language(language), cut])
+/// Says what marks and whiskers are.
+pub fn interval_note(marks: Words, language: Language) -> String {
+    words::ARE_MEANS.filled(language, &[marks.in_language(language)])
 }
 
 fn number(value: &Value) -> Option<f64> {

@@ -13,15 +13,21 @@ pub const AT_THE_END_OF_A_RUN: Words = Words::new("{} at the end of a run", "{} 
 /// Of a quantity, by a key that is swept.
 pub const BY_KEY: Words = Words::new("{}, by {}", "{}, nach {}");
 
-/// Of marks, and where their whiskers may end.
+/// Of marks.
 pub const ARE_MEANS: Words = Words::new(
-    "{} are means, whiskers their 95 % intervals{}.",
-    "{} sind Mittelwerte, Fehlerbalken deren 95-%-Intervalle{}.",
+    "{} are means, whiskers their 95 % intervals.",
+    "{} sind Mittelwerte, Fehlerbalken deren 95-%-Intervalle.",
 );
+pub const ARE_DIFFERENCES: Words = Words::new(
+    "Marks are mean differences paired by seed, whiskers their 95 % intervals.",
+    "Marken sind mittlere Differenzen gleicher Seeds, Fehlerbalken deren 95-%-Intervalle.",
+);
+/// Of a quantity and the best in it.
+pub const DIFFERENCE_FROM: Words = Words::new("{}, difference from {}", "{}, Differenz zu {}");
+/// Of a difference and the ends of its interval.
+pub const WITH_INTERVAL: Words = Words::new("{} ({} to {})", "{} ({} bis {})");
 pub const BARS: Words = Words::new("Bars", "Balken");
 pub const MARKS: Words = Words::new("Marks", "Marken");
-pub const CUT: Words =
-    Words::new(", cut where the possible values end", ", abgeschnitten, wo die möglichen Werte enden");
 pub const LINES_ARE_MEANS: Words = Words::new(
     "Lines are means, bands the middle 80 % of runs.",
     "Linien sind Mittelwerte, Bänder die mittleren 80 % der Läufe.",
@@ -47,6 +53,7 @@ pub const CPU_TIME: Words = Words::new("CPU time (ms)", "CPU-Zeit (ms)");
 pub const CELL_SECONDS: Words = Words::new("cells \u{d7} time (s)", "Zellen \u{d7} Zeit (s)");
 pub const METRES: Words = Words::new("distance (m)", "Strecke (m)");
 pub const HECTARES: Words = Words::new("area (ha)", "Fläche (ha)");
+pub const BUSHES_PER_RUN: Words = Words::new("bushes per run", "Büsche pro Lauf");
 pub const CELLS: Words = Words::new("cells", "Zellen");
 pub const POINTS: Words = Words::new("points", "Punkte");
 pub const SHARE: Words = Words::new("share", "Anteil");
@@ -177,7 +184,8 @@ mod tests {
 
     #[test]
     fn words_have_the_same_places_to_be_filled_in_every_language() {
-        for Words { english, german } in [AT_THE_END_OF_A_RUN, BY_KEY, ARE_MEANS, INTACT_LEFT_OUT, NO_RUN_IS_DONE] {
+        let filled = [AT_THE_END_OF_A_RUN, BY_KEY, ARE_MEANS, DIFFERENCE_FROM, WITH_INTERVAL];
+        for Words { english, german } in filled.into_iter().chain([INTACT_LEFT_OUT, NO_RUN_IS_DONE]) {
             assert_eq!(english.matches("{}").count(), german.matches("{}").count(), "{english}");
         }
     }
